@@ -12,4 +12,5 @@
 pub mod error;
 pub mod garment;
 pub mod mesh;
+pub mod subdivide;
 pub mod usd;

@@ -13,24 +13,33 @@ pub struct Faces {
 /// How corners are grouped in faces.
 #[derive(Clone, Debug, PartialEq)]
 enum Layout {
-    /// Every face has this many corners; nothing is stored.
-    Regular(usize),
+    /// Every face has three corners; nothing is stored.
+    Triangles,
+    /// Every face has four corners; nothing is stored.
+    Quads,
     /// First corner of each face and one past the last, and the face of each corner.
     Mixed { offsets: Vec<u32>, corner_face: IdVec<CornerId, FaceId> },
 }
 
 impl Default for Layout {
     fn default() -> Self {
-        Self::Regular(4)
+        Self::Quads
     }
 }
 
 impl Faces {
-    /// Faces of `valence` corners each.
-    pub fn regular(valence: usize, corners: impl Into<IdVec<CornerId, VertexId>>) -> Self {
+    /// Triangles.
+    pub fn triangles(corners: impl Into<IdVec<CornerId, VertexId>>) -> Self {
         let corners = corners.into();
-        assert!(valence > 0 && corners.len().is_multiple_of(valence), "whole faces of {valence} corners");
-        Self { corners, layout: Layout::Regular(valence) }
+        assert!(corners.len().is_multiple_of(3), "whole triangles");
+        Self { corners, layout: Layout::Triangles }
+    }
+
+    /// Quads.
+    pub fn quads(corners: impl Into<IdVec<CornerId, VertexId>>) -> Self {
+        let corners = corners.into();
+        assert!(corners.len().is_multiple_of(4), "whole quads");
+        Self { corners, layout: Layout::Quads }
     }
 
     /// Faces of `counts` corners; the counts sum to the number of corners.
@@ -43,8 +52,10 @@ impl Faces {
             offsets.push(corner_face.len() as u32);
         }
         assert_eq!(corner_face.len(), corners.len(), "face counts sum to the number of corners");
-        match offsets.get(1).map(|&n| n as usize) {
-            Some(n) if n > 0 && offsets.windows(2).all(|w| (w[1] - w[0]) as usize == n) => Self::regular(n, corners),
+        let all = |n: u32| offsets.windows(2).all(|w| w[1] - w[0] == n);
+        match offsets.get(1) {
+            Some(3) if all(3) => Self::triangles(corners),
+            Some(4) if all(4) => Self::quads(corners),
             _ => Self { corners, layout: Layout::Mixed { offsets, corner_face } },
         }
     }
@@ -52,7 +63,8 @@ impl Faces {
     /// Number of faces.
     pub fn len(&self) -> usize {
         match &self.layout {
-            Layout::Regular(n) => self.corners.len() / n,
+            Layout::Triangles => self.corners.len() / 3,
+            Layout::Quads => self.corners.len() / 4,
             Layout::Mixed { offsets, .. } => offsets.len() - 1,
         }
     }
@@ -70,7 +82,8 @@ impl Faces {
     /// The corner count that all faces share, where there is one.
     pub fn regular_valence(&self) -> Option<usize> {
         match self.layout {
-            Layout::Regular(n) => Some(n),
+            Layout::Triangles => Some(3),
+            Layout::Quads => Some(4),
             Layout::Mixed { .. } => None,
         }
     }
@@ -81,64 +94,81 @@ impl Faces {
     }
 
     /// Positions of the corners of a face in the sequence of all corners.
-    #[inline]
+    #[inline(always)]
     pub fn range(&self, face: FaceId) -> Range<usize> {
         match &self.layout {
-            Layout::Regular(n) => face.index() * n..(face.index() + 1) * n,
+            Layout::Triangles => face.index() * 3..face.index() * 3 + 3,
+            Layout::Quads => face.index() * 4..face.index() * 4 + 4,
             Layout::Mixed { offsets, .. } => offsets[face.index()] as usize..offsets[face.index() + 1] as usize,
         }
     }
 
     /// The corners of a face, in order.
-    #[inline]
+    #[inline(always)]
     pub fn corners_of(&self, face: FaceId) -> impl ExactSizeIterator<Item = CornerId> + Clone + use<> {
         self.range(face).map(CornerId::new)
     }
 
     /// The vertices of a face, in order.
-    #[inline]
+    #[inline(always)]
     pub fn vertices_of(&self, face: FaceId) -> &[VertexId] {
         &self.corners.as_slice()[self.range(face)]
     }
 
     /// Number of corners of a face.
-    #[inline]
+    #[inline(always)]
     pub fn valence(&self, face: FaceId) -> usize {
         self.range(face).len()
     }
 
     /// The face that a corner belongs to.
-    #[inline]
+    #[inline(always)]
     pub fn face_of(&self, corner: CornerId) -> FaceId {
         match &self.layout {
-            Layout::Regular(n) => FaceId::new(corner.index() / n),
+            Layout::Triangles => FaceId::new(corner.index() / 3),
+            Layout::Quads => FaceId::new(corner.index() / 4),
             Layout::Mixed { corner_face, .. } => corner_face[corner],
         }
     }
 
     /// The vertex of a corner.
-    #[inline]
+    #[inline(always)]
     pub fn vertex(&self, corner: CornerId) -> VertexId {
         self.corners[corner]
     }
 
+    /// The corner `steps` further around the face; at most once around.
+    #[inline(always)]
+    pub fn ahead(&self, corner: CornerId, steps: usize) -> CornerId {
+        let at = corner.index();
+        match &self.layout {
+            Layout::Quads => CornerId::new(at & !3 | (at + steps) & 3),
+            _ => {
+                let range = self.range(self.face_of(corner));
+                let to = at + steps;
+                CornerId::new(if to >= range.end { to - range.len() } else { to })
+            }
+        }
+    }
+
     /// The next corner around the face.
-    #[inline]
+    #[inline(always)]
     pub fn next(&self, corner: CornerId) -> CornerId {
-        let range = self.range(self.face_of(corner));
-        let next = corner.index() + 1;
-        CornerId::new(if next == range.end { range.start } else { next })
+        self.ahead(corner, 1)
     }
 
     /// The previous corner around the face.
-    #[inline]
+    #[inline(always)]
     pub fn prev(&self, corner: CornerId) -> CornerId {
-        let range = self.range(self.face_of(corner));
-        CornerId::new(if corner.index() == range.start { range.end - 1 } else { corner.index() - 1 })
+        match &self.layout {
+            Layout::Quads => self.ahead(corner, 3),
+            Layout::Triangles => self.ahead(corner, 2),
+            Layout::Mixed { .. } => self.ahead(corner, self.valence(self.face_of(corner)) - 1),
+        }
     }
 
     /// The vertices at the start and end of the half-edge that leaves `corner`.
-    #[inline]
+    #[inline(always)]
     pub fn half_edge(&self, corner: CornerId) -> [VertexId; 2] {
         [self.vertex(corner), self.vertex(self.next(corner))]
     }

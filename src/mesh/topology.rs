@@ -65,9 +65,9 @@ pub struct Topology {
     pub corner_edge: IdVec<CornerId, EdgeId>,
     /// The vertices of each edge, in the direction of its first half-edge.
     pub edges: IdVec<EdgeId, [VertexId; 2]>,
-    /// The half-edges of each edge, ascending.
+    /// The half-edges of each edge.
     pub edge_corners: Csr<EdgeId, CornerId>,
-    /// The corners at each vertex, ascending.
+    /// The corners at each vertex.
     pub vertex_corners: Csr<VertexId, CornerId>,
 }
 
@@ -148,7 +148,7 @@ mod tests {
     #[test]
     fn two_quads_share_one_edge() {
         let corners: Vec<_> = [0, 1, 2, 3, 1, 4, 5, 2].map(VertexId::new).to_vec();
-        let t = Topology::new(Faces::regular(4, corners), 6);
+        let t = Topology::new(Faces::quads(corners), 6);
         assert_eq!(t.edges.len(), 7);
         assert_eq!(t.edges.ids().filter(|&e| !t.is_border(e)).count(), 1);
         let shared = t.find_edge(VertexId::new(1), VertexId::new(2)).expect("shared edge");
