@@ -614,9 +614,13 @@ public:
     /// Adds one case for each boundary rule; they share points and face-varying values.
     Builder& add(std::string const& name, Mesh mesh, Scheme scheme, Uv uv,
                  std::vector<Boundary> const& boundaries = {EdgeAndCorner}, bool smooth = false) {
+        return add(name, std::move(mesh), scheme, [&](Mesh& m, Random& r) { makeUv(m, uv, r); }, boundaries, smooth);
+    }
+    Builder& add(std::string const& name, Mesh mesh, Scheme scheme, std::function<void(Mesh&, Random&)> const& uv,
+                 std::vector<Boundary> const& boundaries = {EdgeAndCorner}, bool smooth = false) {
         Random random(seed_++);
         perturb(mesh, random, 0.06);
-        makeUv(mesh, uv, random);
+        uv(mesh, random);
         static char const* const prefix[] = {"bilinear_", "catmark_", "loop_"};
         for (Boundary b : boundaries) cases.push_back({prefix[scheme] + name, mesh, scheme, b, smooth});
         return *this;
@@ -713,6 +717,16 @@ Cases catmarkCases() {
           }), Catmark, Uv::Island);
     // Fan of quads about a vertex with one sharp edge inside a seam.
     b.add("fvar_dependent2", with(fan(6, true, true), [](Mesh& m) { m.crease(0, 1, 1.4), m.crease(0, 5, 0.7); }), Catmark, Uv::Island);
+    // At a boundary vertex, one of two values in two separate runs of faces.
+    b.add("fvar_disjoint", fan(5, true, false), Catmark, [](Mesh& m, Random& r) {
+        cutUv(m, {{0, 3}, {0, 7}}, r);
+        m.uvIndices[4 * 3] = m.uvIndices[4 * 4] = m.uvIndices[0];
+    }, both);
+    // A seam through vertex 12 of a sheet; the cut to vertex 13 leaves the value at 12 whole.
+    b.add("fvar_inner_cut", grid(4, 4), Catmark, [](Mesh& m, Random& r) {
+        cutUv(m, {{2, 7}, {7, 12}, {12, 17}, {17, 22}, {12, 13}, {13, 14}}, r);
+        m.uvIndices[4 * 6 + 3] = m.uvIndices[4 * 10];
+    }, both);
     for (int i = 0; i < 3; ++i) {
         Mesh m = grid(3, 3);
         m.crease(5, 6, 2.2), m.corner(10, 1.3), m.corner(0, 0.7), m.corner(3, 2.5), m.crease(1, 5, 1.1), m.crease(0, 1, 0.5);
@@ -820,6 +834,22 @@ Mesh finnedTorus() {
     return m;
 }
 
+/// Two closed fans, each welded along one edge to a sheet, opposite one another: two non-manifold
+/// edges meet at a vertex without boundary, yet form no crease.
+Mesh coned() {
+    Mesh m = grid(2, 2, 0.2);
+    for (int end : {1, 7}) {
+        std::vector<int> rim = {end};
+        for (int i = 1; i < 6; ++i) {
+            auto const p = m.points[end];
+            double const a = 2 * kPi * i / 6;
+            rim.push_back(m.add(0.6 * std::sin(a), p[1] * (0.4 + 0.6 * std::cos(a)), 0.9 - 0.9 * std::cos(a)));
+        }
+        for (int i = 0; i < 6; i += 2) m.face({4, rim[i], rim[i + 1], rim[(i + 2) % 6]});
+    }
+    return m;
+}
+
 /// Quads about two poles which repeat the pole, so that each has an edge of no length.
 Mesh quadPole(int n) {
     Mesh m = tube(n, 2);
@@ -852,6 +882,7 @@ Cases nonManifoldCases() {
     b.add("nonman_fins", finned(true, 2), Catmark, Uv::Cuts);
     b.add("nonman_fin_torus", finnedTorus(), Catmark, Uv::Islands);
     b.add("nonman_fin_torus_creases", with(finnedTorus(), [](Mesh& m) { m.crease(1, 7, 1.5), m.corner(3, 0.8), m.corner(5, 2.5); }), Catmark, Uv::Darts);
+    b.add("nonman_cones", coned(), Catmark, Uv::Island, both);
     b.add("nonman_quadpole8", quadPole(8), Catmark, Uv::Island);
     b.add("nonman_quadpole16", quadPole(16), Catmark, Uv::Whole);
     b.add("nonman_edge3", triangulate(edgeFan(3)), Loop, Uv::Whole, both);
