@@ -63,7 +63,7 @@ pub struct Topology {
     pub faces: Faces,
     /// The edge that leaves each corner.
     pub corner_edge: IdVec<CornerId, EdgeId>,
-    /// The vertices of each edge, in the direction of its first half-edge.
+    /// The vertices of each edge.
     pub edges: IdVec<EdgeId, [VertexId; 2]>,
     /// The half-edges of each edge.
     pub edge_corners: Csr<EdgeId, CornerId>,

@@ -212,9 +212,14 @@ impl Channel {
         }
         let single_interior = spans.len() == 1 && !on_border;
         for span in &mut spans {
-            let open_start = corners.iter().any(|&c| self.corner_value[c] == span.value && t.is_border(t.corner_edge[c]));
+            let open_start =
+                corners.iter().any(|&c| self.corner_value[c] == span.value && t.is_border(t.corner_edge[c]));
             span.is_disjoint = non_manifold
-                || if single_interior { span.slits > 1 } else { span.slits > 0 || span.begins + usize::from(open_start) > 1 };
+                || if single_interior {
+                    span.slits > 1
+                } else {
+                    span.slits > 0 || span.begins + usize::from(open_start) > 1
+                };
         }
         spans
     }

@@ -218,9 +218,8 @@ fn is_non_manifold_crease(topology: &Topology, vertex: VertexId, spokes: &[Spoke
     let corners = topology.vertex_corners.row(vertex);
     let fins: Vec<EdgeId> = spokes.iter().map(|s| s.edge).filter(|&e| is_non_manifold(topology, e)).collect();
     let &[first, second] = fins.as_slice() else { return false };
-    let others_interior = spokes
-        .iter()
-        .all(|s| is_non_manifold(topology, s.edge) || topology.edge_corners.row(s.edge).len() == 2);
+    let others_interior =
+        spokes.iter().all(|s| is_non_manifold(topology, s.edge) || topology.edge_corners.row(s.edge).len() == 2);
     let sheets = topology.edge_corners.row(first).len();
     if !others_interior || corners.len() <= spokes.len() || sheets != topology.edge_corners.row(second).len() {
         return false;

@@ -178,7 +178,8 @@ fn quad_topology(parent: &Level, faces: Faces) -> Topology {
     let t = &parent.topology;
     let numbering = Numbering::new(parent);
     let corners = t.faces.corners().len();
-    let half = |edge: EdgeId, at: VertexId| EdgeId::new(corners + 2 * edge.index() + usize::from(t.edges[edge][0] != at));
+    let half =
+        |edge: EdgeId, at: VertexId| EdgeId::new(corners + 2 * edge.index() + usize::from(t.edges[edge][0] != at));
 
     let mut corner_edge = vec![EdgeId::new(0); 4 * corners];
     corner_edge.par_chunks_exact_mut(4).enumerate().with_min_len(4096).for_each(|(c, quad)| {
@@ -196,8 +197,10 @@ fn quad_topology(parent: &Level, faces: Faces) -> Topology {
     });
 
     let mut edges = Vec::with_capacity(corners + 2 * t.edges.len());
-    edges.extend(t.corner_edge.enumerated().map(|(c, &e)| [numbering.of_edge(e), numbering.of_face(t.faces.face_of(c))]));
-    edges.extend(t.edges.enumerated().flat_map(|(e, &[a, b])| [[a, numbering.of_edge(e)], [b, numbering.of_edge(e)]]));
+    edges.extend(
+        t.corner_edge.enumerated().map(|(c, &e)| [numbering.of_face(t.faces.face_of(c)), numbering.of_edge(e)]),
+    );
+    edges.extend(t.edges.enumerated().flat_map(|(e, &[a, b])| [[numbering.of_edge(e), a], [numbering.of_edge(e), b]]));
 
     Topology {
         corner_edge: corner_edge.into(),

@@ -27,14 +27,7 @@ pub enum Boundary {
 }
 
 /// The rules of `faceVaryingLinearInterpolation`, in the order of [`Case::slot_of_rule`].
-pub const FACE_VARYING_RULES: [&str; 6] = [
-    "none",
-    "cornersOnly",
-    "cornersPlus1",
-    "cornersPlus2",
-    "boundaries",
-    "all",
-];
+pub const FACE_VARYING_RULES: [&str; 6] = ["none", "cornersOnly", "cornersPlus1", "cornersPlus2", "boundaries", "all"];
 
 /// One mesh with one set of options, and what it refines to.
 #[derive(Clone, Debug)]
@@ -246,12 +239,7 @@ fn face(r: &mut Reader, slots: usize) -> Face {
     let base_face = r.u16();
     let hole = r.u8() & 1 == 1;
     let count = r.u8();
-    Face {
-        index,
-        base_face,
-        hole,
-        corners: r.list(count, |r| corner(r, slots)),
-    }
+    Face { index, base_face, hole, corners: r.list(count, |r| corner(r, slots)) }
 }
 
 fn corner(r: &mut Reader, slots: usize) -> Corner {
@@ -264,18 +252,7 @@ fn corner(r: &mut Reader, slots: usize) -> Corner {
     let vertex_sharpness = if flags & 2 != 0 { r.f32() } else { 0.0 };
     let mut uvs = vec![uv];
     for slot in 1..slots {
-        uvs.push(if flags & (2 << slot) != 0 {
-            r.f32s()
-        } else {
-            uv
-        });
+        uvs.push(if flags & (2 << slot) != 0 { r.f32s() } else { uv });
     }
-    Corner {
-        vertex,
-        point,
-        varying,
-        uvs,
-        edge_sharpness,
-        vertex_sharpness,
-    }
+    Corner { vertex, point, varying, uvs, edge_sharpness, vertex_sharpness }
 }
