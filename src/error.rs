@@ -68,7 +68,8 @@ pub enum Warning {
         /// Point indices.
         examples: Vec<[usize; 2]>,
     },
-    /// Vertices where several fans of faces touch; cut apart on the simulation mesh, kept on the render mesh.
+    /// Vertices where several fans of faces touch, a fan being faces connected through edges of two faces; cut apart
+    /// on the simulation mesh, kept on the render mesh. The ends of a non-manifold edge are among them.
     BowTieVertices {
         /// How many.
         count: usize,
@@ -80,6 +81,27 @@ pub enum Warning {
         /// How many edges.
         count: usize,
         /// Point indices.
+        examples: Vec<[usize; 2]>,
+    },
+    /// Points that no face uses; dropped on the simulation mesh, kept on the render mesh.
+    UnusedPoints {
+        /// How many.
+        count: usize,
+        /// Point indices.
+        examples: Vec<usize>,
+    },
+    /// Faces without area; dropped on the simulation mesh, kept on the render mesh.
+    DegenerateFaces {
+        /// How many.
+        count: usize,
+        /// Face indices.
+        examples: Vec<usize>,
+    },
+    /// Faces on the same points as an earlier face; both are kept.
+    DuplicateFaces {
+        /// How many, the earlier ones not counted.
+        count: usize,
+        /// Face indices: the earlier face and its duplicate.
         examples: Vec<[usize; 2]>,
     },
     /// An attribute of the model that a product does not carry.
@@ -94,21 +116,44 @@ pub enum Warning {
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NonManifoldEdges { count, examples } => write!(
-                f,
-                "{count} edges have more than two faces (points {examples:?}); the simulation mesh is cut there"
-            ),
-            Self::BowTieVertices { count, examples } => write!(
-                f,
-                "{count} points join fans of faces that share no edge (points {examples:?}); the simulation mesh is cut there"
-            ),
-            Self::WindingDisagreements { count, examples } => write!(
-                f,
-                "{count} edges lie between faces of opposite winding (points {examples:?}); the simulation mesh is oriented alike"
-            ),
+            Self::NonManifoldEdges { count, examples } => {
+                let some = some(*count, "points", examples, |[a, b]| format!("{a}-{b}"));
+                write!(f, "edges with more than two faces: {count} ({some}); the simulation mesh is cut apart there")
+            }
+            Self::BowTieVertices { count, examples } => {
+                let some = some(*count, "points", examples, usize::to_string);
+                write!(f, "points where fans of faces touch: {count} ({some}); the simulation mesh is cut apart there")
+            }
+            Self::WindingDisagreements { count, examples } => {
+                let some = some(*count, "points", examples, |[a, b]| format!("{a}-{b}"));
+                write!(f, "edges between faces of opposite winding: {count} ({some}); ")?;
+                write!(f, "the simulation mesh is oriented alike, the render mesh keeps them")
+            }
+            Self::UnusedPoints { count, examples } => {
+                let some = some(*count, "points", examples, usize::to_string);
+                write!(f, "points without a face: {count} ({some}); ")?;
+                write!(f, "the simulation mesh drops them, the render mesh keeps them")
+            }
+            Self::DegenerateFaces { count, examples } => {
+                let some = some(*count, "faces", examples, usize::to_string);
+                write!(f, "faces without area: {count} ({some}); ")?;
+                write!(f, "the simulation mesh drops them, the render mesh keeps them")
+            }
+            Self::DuplicateFaces { count, examples } => {
+                let some = some(*count, "faces", examples, |[first, face]| format!("{face} on {first}"));
+                write!(f, "faces on the same points as another: {count} ({some}); ")?;
+                write!(f, "delete one of each two unless two layers are meant")
+            }
             Self::NotCarried { what, why } => write!(f, "{what} is not carried: {why}"),
         }
     }
+}
+
+/// The examples of `count` elements, with dots where there are more.
+fn some<T>(count: usize, kind: &str, examples: &[T], name: impl Fn(&T) -> String) -> String {
+    let names: Vec<String> = examples.iter().map(name).collect();
+    let dots = if count > examples.len() { ", …" } else { "" };
+    format!("{kind} {}{dots}", names.join(", "))
 }
 
 /// The warnings of one run, in the order in which they arose; the caller prints them once.
