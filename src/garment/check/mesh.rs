@@ -1,0 +1,179 @@
+//! The elements that indices and lengths are held against, and how messages name them.
+
+use super::Problems;
+use crate::garment::{GarmentInput, Interpolation};
+use crate::mesh::{EdgeId, Id, Topology, VertexId};
+use std::fmt;
+
+/// What is known of the mesh while its attributes are checked. A number is none where it is itself at fault.
+#[derive(Clone, Copy)]
+pub(super) struct Mesh<'a> {
+    /// `faceVertexCounts`, to name corners by their face.
+    pub counts: &'a [i32],
+    /// Number of points.
+    pub points: Option<usize>,
+    /// Number of faces.
+    pub faces: Option<usize>,
+    /// Number of corners.
+    pub corners: Option<usize>,
+    /// Edges and adjacency.
+    pub topology: Option<&'a Topology>,
+}
+
+impl<'a> Mesh<'a> {
+    /// The numbers that `input` is consistent about.
+    pub fn new(input: &'a GarmentInput, topology: Option<&'a Topology>) -> Self {
+        let counts = &input.face_vertex_counts;
+        let corners = input.face_vertex_indices.len();
+        let some = |n: usize| (n > 0).then_some(n);
+        Self {
+            counts,
+            points: some(input.points.len()),
+            faces: some(counts.len()),
+            corners: some(corners).filter(|&n| corner_sum(counts) == Some(n)),
+            topology,
+        }
+    }
+
+    /// How many elements carry a primvar's values; none where that is unknown, or not a matter of the mesh.
+    pub fn elements(&self, interpolation: Interpolation) -> Option<usize> {
+        match interpolation {
+            Interpolation::Constant => None,
+            Interpolation::Uniform => self.faces,
+            Interpolation::Varying | Interpolation::Vertex => self.points,
+            Interpolation::FaceVarying => self.corners,
+        }
+    }
+
+    /// The edge between two vertices. The outer none is: it cannot be told, for the faces are at fault.
+    pub fn edge(&self, [a, b]: [VertexId; 2]) -> Option<Option<EdgeId>> {
+        self.topology.map(|t| t.find_edge(a, b))
+    }
+
+    /// Names a corner by its face.
+    pub fn corner(&self, corner: usize) -> CornerName<'a> {
+        CornerName { counts: self.counts, corner }
+    }
+
+    /// Names the element of a primvar.
+    pub fn element(&self, interpolation: Interpolation, element: usize) -> ElementName<'a> {
+        ElementName { mesh: *self, interpolation, element }
+    }
+}
+
+/// The sum of `faceVertexCounts`, unless one of them is negative.
+pub(super) fn corner_sum(counts: &[i32]) -> Option<usize> {
+    counts.iter().map(|&n| usize::try_from(n).ok()).sum()
+}
+
+/// A corner as a message names it. Finds the face only when it is written, which few are.
+pub(super) struct CornerName<'a> {
+    counts: &'a [i32],
+    corner: usize,
+}
+
+impl CornerName<'_> {
+    /// The face and the corner in it; none where `faceVertexCounts` does not say.
+    fn in_face(&self) -> Option<(usize, usize)> {
+        let mut start = 0;
+        for (face, &count) in self.counts.iter().enumerate() {
+            let count = usize::try_from(count).ok()?;
+            if self.corner < start + count {
+                return Some((face, self.corner - start));
+            }
+            start += count;
+        }
+        None
+    }
+}
+
+impl fmt::Display for CornerName<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.in_face() {
+            Some((face, corner)) => write!(f, "corner {corner} of face {face}"),
+            None => write!(f, "entry {}", self.corner),
+        }
+    }
+}
+
+/// The element of a primvar as a message names it.
+pub(super) struct ElementName<'a> {
+    mesh: Mesh<'a>,
+    interpolation: Interpolation,
+    element: usize,
+}
+
+impl fmt::Display for ElementName<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.interpolation {
+            Interpolation::Constant => write!(f, "value {}", self.element),
+            Interpolation::Uniform => write!(f, "face {}", self.element),
+            Interpolation::Varying | Interpolation::Vertex => write!(f, "point {}", self.element),
+            Interpolation::FaceVarying => self.mesh.corner(self.element).fmt(f),
+        }
+    }
+}
+
+/// A number of things: "1 point", "9 points".
+pub(super) struct Count(pub usize, pub &'static str);
+
+impl fmt::Display for Count {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match (self.0, self.1) {
+            (1, "index") => write!(f, "1 index"),
+            (n, "index") => write!(f, "{n} indices"),
+            (1, kind) => write!(f, "1 {kind}"),
+            (n, kind) => write!(f, "{n} {kind}s"),
+        }
+    }
+}
+
+/// An attribute whose numbers are indices of elements of one kind.
+pub(super) struct Indices<'a> {
+    /// The attribute.
+    pub attribute: &'a str,
+    /// The kind of element: `point`, `face`, `value`.
+    pub kind: &'static str,
+    /// How many there are; none where that is unknown.
+    pub count: Option<usize>,
+}
+
+impl Indices<'_> {
+    /// The handles of `indices`, none for one that is out of range; `place` names an entry by its position.
+    pub fn handles<I: Id, N: fmt::Display>(
+        &self,
+        indices: &[i32],
+        place: impl Fn(usize) -> N,
+        problems: &mut Problems,
+    ) -> Vec<Option<I>> {
+        let Some(count) = self.count else { return vec![None; indices.len()] };
+        let handle = |(entry, &index): (usize, &i32)| match usize::try_from(index) {
+            Ok(index) if index < count => Some(I::new(index)),
+            _ => {
+                self.add_out_of_range(&place(entry), index, count, problems);
+                None
+            }
+        };
+        indices.iter().enumerate().map(handle).collect()
+    }
+
+    /// Adds the problem of an index that names nothing.
+    fn add_out_of_range(&self, place: &dyn fmt::Display, index: i32, count: usize, problems: &mut Problems) {
+        let (attribute, kind) = (self.attribute, self.kind);
+        let Some(last) = count.checked_sub(1) else {
+            let fault = format_args!("{place} names {kind} {index}, but there are no {kind}s");
+            return problems.add(attribute, fault, format_args!("add the {kind}s, or remove the indices"));
+        };
+        let fault = format_args!("{place} names {kind} {index}, but there are {}, 0 to {last}", Count(count, kind));
+        problems.add(attribute, fault, format_args!("use an index from 0 to {last}, or add the missing {kind}s"));
+    }
+}
+
+/// A numbered part of an array as a message names it: "entry 4", "pair 2".
+pub(super) struct Place(pub &'static str, pub usize);
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {}", self.0, self.1)
+    }
+}

@@ -1,0 +1,169 @@
+//! Primvars: their lengths, their indices and their numbers.
+
+use super::mesh::{Count, Indices, Mesh};
+use super::problem::Problems;
+use crate::garment::{Interpolation, Primvar, PrimvarInput, Values};
+use crate::mesh::ValueId;
+use std::collections::HashSet;
+
+/// The primvars, in the order in which they were authored.
+pub(super) fn primvars(inputs: Vec<PrimvarInput>, mesh: &Mesh<'_>, problems: &mut Problems) -> Vec<Primvar> {
+    check_names(&inputs, problems);
+    inputs.into_iter().filter_map(|input| primvar(input, mesh, problems)).collect()
+}
+
+/// Checks that no name is there twice.
+fn check_names(inputs: &[PrimvarInput], problems: &mut Problems) {
+    let mut seen = HashSet::new();
+    for input in inputs.iter().filter(|input| !seen.insert(input.name.as_str())) {
+        let remedy = format_args!("rename or remove one of the two");
+        problems.add(&attribute(input), format_args!("there are two primvars of this name"), remedy);
+    }
+}
+
+/// One primvar; none where its rows are unknown.
+fn primvar(input: PrimvarInput, mesh: &Mesh<'_>, problems: &mut Problems) -> Option<Primvar> {
+    let element_size = element_size(&input, problems)?;
+    let width = input.components * element_size;
+    let rows = rows(&input, element_size, problems)?;
+    check_finite(&input, width, mesh, problems);
+    let indices = match &input.indices {
+        Some(indices) => Some(row_indices(&input, indices, rows, mesh, problems)),
+        None => {
+            check_rows(&input, rows, element_size, mesh, problems);
+            None
+        }
+    };
+    Some(Primvar {
+        name: input.name,
+        type_name: input.type_name,
+        interpolation: input.interpolation,
+        components: input.components,
+        element_size,
+        mixing: input.mixing,
+        values: input.values,
+        indices,
+    })
+}
+
+/// Name of the attribute of a primvar.
+fn attribute(input: &PrimvarInput) -> String {
+    format!("primvars:{}", input.name)
+}
+
+/// The token of an interpolation.
+fn token(interpolation: Interpolation) -> &'static str {
+    match interpolation {
+        Interpolation::Constant => "constant",
+        Interpolation::Uniform => "uniform",
+        Interpolation::Varying => "varying",
+        Interpolation::Vertex => "vertex",
+        Interpolation::FaceVarying => "faceVarying",
+    }
+}
+
+/// The kind of element that carries the values.
+fn carrier(interpolation: Interpolation) -> &'static str {
+    match interpolation {
+        Interpolation::Constant => "mesh",
+        Interpolation::Uniform => "face",
+        Interpolation::Varying | Interpolation::Vertex => "point",
+        Interpolation::FaceVarying => "corner",
+    }
+}
+
+/// `elementSize`, if there can be such.
+fn element_size(input: &PrimvarInput, problems: &mut Problems) -> Option<usize> {
+    let size = usize::try_from(input.element_size).ok().filter(|&n| n > 0);
+    if size.is_none() {
+        let fault = format_args!("elementSize is {}, but an element has one value or more", input.element_size);
+        problems.add(&attribute(input), fault, format_args!("set elementSize to the number of values in an element"));
+    }
+    size
+}
+
+/// The number of rows, if the values fill whole ones.
+fn rows(input: &PrimvarInput, element_size: usize, problems: &mut Problems) -> Option<usize> {
+    let (numbers, components) = (input.values.len(), input.components);
+    if components == 0 || !numbers.is_multiple_of(components) {
+        let fault = format_args!("{numbers} numbers do not make whole values of {components} ({})", input.type_name);
+        problems.add(&attribute(input), fault, format_args!("author the values again with their full type"));
+        return None;
+    }
+    let values = numbers / components;
+    if !values.is_multiple_of(element_size) {
+        let fault = format_args!("holds {}, no multiple of elementSize {element_size}", Count(values, "value"));
+        let remedy = format_args!("give {element_size} values for each element, or correct elementSize");
+        problems.add(&attribute(input), fault, remedy);
+        return None;
+    }
+    Some(values / element_size)
+}
+
+/// Checks that real numbers are finite, for one that is not would spread over all that is interpolated from it.
+fn check_finite(input: &PrimvarInput, width: usize, mesh: &Mesh<'_>, problems: &mut Problems) {
+    match &input.values {
+        Values::F32(v) => check_each_finite(input, v, width, mesh, problems),
+        Values::F64(v) => check_each_finite(input, v, width, mesh, problems),
+        _ => {}
+    }
+}
+
+/// Checks that every number in `values` is finite; names one a row.
+fn check_each_finite<T>(input: &PrimvarInput, values: &[T], width: usize, mesh: &Mesh<'_>, problems: &mut Problems)
+where
+    T: Copy + Into<f64>,
+{
+    for (row, numbers) in values.chunks_exact(width).enumerate() {
+        let Some(number) = numbers.iter().map(|&n| n.into()).find(|n: &f64| !n.is_finite()) else { continue };
+        let interpolation = if input.indices.is_some() { Interpolation::Constant } else { input.interpolation };
+        let place = mesh.element(interpolation, row);
+        let fault = format_args!("{place} holds {number}, which is not finite");
+        problems.add(&attribute(input), fault, format_args!("replace it by a finite number"));
+    }
+}
+
+/// Checks that there is one row for each element.
+fn check_rows(input: &PrimvarInput, rows: usize, element_size: usize, mesh: &Mesh<'_>, problems: &mut Problems) {
+    let Some(elements) = mesh.elements(input.interpolation).filter(|&n| n != rows) else { return };
+    let (token, carrier) = (token(input.interpolation), carrier(input.interpolation));
+    let (found, needed) = (Count(rows * element_size, "value"), elements * element_size);
+    let fault = format_args!(
+        "holds {found}, but {token} interpolation needs {needed}: {element_size} for each of {}",
+        Count(elements, carrier)
+    );
+    let attribute = attribute(input);
+    match fitting(rows, mesh) {
+        Some(other) => {
+            problems.add(&attribute, fault, format_args!("give {needed} values, or set interpolation to {other}"));
+        }
+        None => problems.add(&attribute, fault, format_args!("give {needed} values, or correct the interpolation")),
+    }
+}
+
+/// The interpolation that `rows` rows fit.
+fn fitting(rows: usize, mesh: &Mesh<'_>) -> Option<&'static str> {
+    let all = [Interpolation::Vertex, Interpolation::FaceVarying, Interpolation::Uniform];
+    all.into_iter().find(|&i| mesh.elements(i) == Some(rows)).map(token)
+}
+
+/// The row of each element.
+fn row_indices(
+    input: &PrimvarInput,
+    indices: &[i32],
+    rows: usize,
+    mesh: &Mesh<'_>,
+    problems: &mut Problems,
+) -> Vec<u32> {
+    let attribute = format!("primvars:{}:indices", input.name);
+    let interpolation = input.interpolation;
+    if let Some(elements) = mesh.elements(interpolation).filter(|&n| n != indices.len()) {
+        let (token, carrier) = (token(interpolation), carrier(interpolation));
+        let found = Count(indices.len(), "index");
+        let fault = format_args!("holds {found}, but {token} interpolation needs {elements}, one for each {carrier}");
+        problems.add(&attribute, fault, format_args!("give {elements} indices, or correct the interpolation"));
+    }
+    let values = Indices { attribute: &attribute, kind: "value", count: Some(rows) };
+    let handles: Vec<Option<ValueId>> = values.handles(indices, |e| mesh.element(interpolation, e), problems);
+    handles.into_iter().flatten().map(|row| row.index() as u32).collect()
+}
