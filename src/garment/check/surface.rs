@@ -1,0 +1,160 @@
+//! What is odd about a surface but can be worked with: found, counted and located for the user.
+
+use crate::error::{Warning, Warnings};
+use crate::mesh::{CornerId, FaceId, Faces, IdVec, Topology, VertexId};
+use glam::{DVec3, Vec3};
+
+/// Elements that a warning names.
+const MAX_EXAMPLES: usize = 5;
+/// A face is without area when its area is this share of its longest edge's square or less: thinner than the rounding
+/// of its points. Larger values take slivers too.
+const NO_AREA: f64 = f32::EPSILON as f64;
+
+/// Adds a warning for each oddity of the surface; `points` are none where one of them is not finite.
+pub(super) fn warn(topology: &Topology, points: Option<&Vec<Vec3>>, warnings: &mut Warnings) {
+    let faces = &topology.faces;
+    let mut add = |warning: Option<Warning>| warning.into_iter().for_each(|w| warnings.push(w));
+    add(counted(crowded_edges(topology), |count, examples| Warning::NonManifoldEdges { count, examples }));
+    add(counted(bow_ties(topology), |count, examples| Warning::BowTieVertices { count, examples }));
+    add(counted(winding_edges(topology), |count, examples| Warning::WindingDisagreements { count, examples }));
+    add(counted(unused_points(topology), |count, examples| Warning::UnusedPoints { count, examples }));
+    if let Some(points) = points {
+        add(counted(without_area(faces, points), |count, examples| Warning::DegenerateFaces { count, examples }));
+    }
+    add(counted(duplicates(faces), |count, examples| Warning::DuplicateFaces { count, examples }));
+}
+
+/// The warning of a number of items with the first few as examples; none where there is no item.
+fn counted<T>(items: impl IntoIterator<Item = T>, warning: impl FnOnce(usize, Vec<T>) -> Warning) -> Option<Warning> {
+    let mut items = items.into_iter();
+    let examples: Vec<T> = items.by_ref().take(MAX_EXAMPLES).collect();
+    let count = examples.len() + items.count();
+    (count > 0).then(|| warning(count, examples))
+}
+
+/// The edges of more than two faces.
+fn crowded_edges(topology: &Topology) -> impl Iterator<Item = [usize; 2]> {
+    let edges = topology.edges.ids().filter(|&e| topology.edge_corners.row(e).len() > 2);
+    edges.map(|e| topology.edges[e].map(VertexId::index))
+}
+
+/// The edges whose two faces run along them in the same direction.
+fn winding_edges(topology: &Topology) -> impl Iterator<Item = [usize; 2]> {
+    let disagree =
+        |corners: &[CornerId]| matches!(*corners, [a, b] if topology.faces.vertex(a) == topology.faces.vertex(b));
+    let edges = topology.edges.ids().filter(move |&e| disagree(topology.edge_corners.row(e)));
+    edges.map(|e| topology.edges[e].map(VertexId::index))
+}
+
+/// The points that no face uses.
+fn unused_points(topology: &Topology) -> impl Iterator<Item = usize> {
+    (0..topology.vertex_count()).filter(|&v| topology.vertex_corners.row(VertexId::new(v)).is_empty())
+}
+
+/// The vertices with more than one fan: a fan is a set of faces that are connected through edges of two faces.
+fn bow_ties(topology: &Topology) -> impl Iterator<Item = usize> {
+    let fans = fan_counts(topology);
+    (0..topology.vertex_count()).filter(move |&v| fans[VertexId::new(v)] > 1)
+}
+
+/// The number of fans at each vertex: one for each corner, less one for each time that an edge joins two.
+fn fan_counts(topology: &Topology) -> IdVec<VertexId, usize> {
+    let vertices = (0..topology.vertex_count()).map(VertexId::new);
+    let mut fans: IdVec<VertexId, usize> = vertices.map(|v| topology.vertex_corners.row(v).len()).collect();
+    let mut groups = Groups::new(topology.faces.corners().len());
+    for edge in topology.edges.ids() {
+        let &[a, b] = topology.edge_corners.row(edge) else { continue };
+        for end in topology.edges[edge] {
+            if groups.join(corner_at(&topology.faces, a, end), corner_at(&topology.faces, b, end)) {
+                fans[end] -= 1;
+            }
+        }
+    }
+    fans
+}
+
+/// The corner at `end` of the face whose half-edge `corner` begins or ends there.
+fn corner_at(faces: &Faces, corner: CornerId, end: VertexId) -> CornerId {
+    if faces.vertex(corner) == end { corner } else { faces.next(corner) }
+}
+
+/// Corners in groups that grow together.
+struct Groups {
+    parent: IdVec<CornerId, CornerId>,
+}
+
+impl Groups {
+    /// Each corner on its own.
+    fn new(corners: usize) -> Self {
+        Self { parent: (0..corners).map(CornerId::new).collect() }
+    }
+
+    /// The corner that stands for the group of `corner`.
+    fn root(&mut self, mut corner: CornerId) -> CornerId {
+        while self.parent[corner] != corner {
+            self.parent[corner] = self.parent[self.parent[corner]];
+            corner = self.parent[corner];
+        }
+        corner
+    }
+
+    /// Joins the groups of two corners; says whether they were two.
+    fn join(&mut self, a: CornerId, b: CornerId) -> bool {
+        let (a, b) = (self.root(a), self.root(b));
+        self.parent[a.max(b)] = a.min(b);
+        a != b
+    }
+}
+
+/// The faces whose area is zero but for rounding.
+fn without_area(faces: &Faces, points: &[Vec3]) -> impl Iterator<Item = usize> {
+    let point = |v: VertexId| points[v.index()].as_dvec3();
+    let is_without = move |face: &FaceId| {
+        let vertices = faces.vertices_of(*face);
+        let origin = point(vertices[0]);
+        let (mut doubled, mut longest) = (DVec3::ZERO, 0.0f64);
+        for (i, &vertex) in vertices.iter().enumerate() {
+            let (a, b) = (point(vertex) - origin, point(vertices[(i + 1) % vertices.len()]) - origin);
+            doubled += a.cross(b);
+            longest = longest.max(a.distance_squared(b));
+        }
+        doubled.length() <= 2.0 * NO_AREA * longest
+    };
+    faces.ids().filter(is_without).map(FaceId::index)
+}
+
+/// Faces on the same vertices as an earlier one: that one and the face, ordered by the face.
+fn duplicates(faces: &Faces) -> Vec<[usize; 2]> {
+    let mut keys: Vec<(u64, FaceId)> = faces.ids().map(|f| (vertex_set_hash(faces.vertices_of(f)), f)).collect();
+    keys.sort_unstable();
+    let runs = keys.chunk_by(|a, b| a.0 == b.0).filter(|run| run.len() > 1);
+    let mut pairs: Vec<_> = runs.flat_map(|run| duplicates_among(faces, run)).collect();
+    pairs.sort_unstable_by_key(|pair| pair[1]);
+    pairs.into_iter().map(|pair| pair.map(FaceId::index)).collect()
+}
+
+/// The duplicates in a few faces of equal hash.
+fn duplicates_among(faces: &Faces, run: &[(u64, FaceId)]) -> Vec<[FaceId; 2]> {
+    let sorted = |&(_, face): &(u64, FaceId)| {
+        let mut vertices = faces.vertices_of(face).to_vec();
+        vertices.sort_unstable();
+        (vertices, face)
+    };
+    let mut sets: Vec<(Vec<VertexId>, FaceId)> = run.iter().map(sorted).collect();
+    sets.sort_unstable();
+    let same = sets.chunk_by(|a, b| a.0 == b.0);
+    same.flat_map(|same| same[1..].iter().map(|other| [same[0].1, other.1])).collect()
+}
+
+/// A hash of a face's vertices that does not depend on their order.
+fn vertex_set_hash(vertices: &[VertexId]) -> u64 {
+    vertices.iter().fold(0, |sum, v| sum.wrapping_add(scramble(v.index() as u64)))
+}
+
+/// Spreads a number over 64 bits (the finaliser of SplitMix64), so that sums of different sets differ.
+fn scramble(number: u64) -> u64 {
+    let mut x = number.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    x ^ (x >> 31)
+}
