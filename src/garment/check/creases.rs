@@ -1,10 +1,9 @@
 //! Creases and corners.
 
-use super::mesh::{Count, Indices, Mesh, Place};
+use super::mesh::{Count, Indices, Mesh, Place, Repeat, repeats};
 use super::problem::Problems;
 use crate::garment::{Corner, Crease, GarmentInput};
 use crate::mesh::VertexId;
-use std::collections::HashMap;
 
 /// The sharpness that is infinite, as OpenSubdiv has it.
 const INFINITE_SHARPNESS: f32 = 10.0;
@@ -108,12 +107,11 @@ pub(super) fn corners(input: &GarmentInput, mesh: &Mesh<'_>, problems: &mut Prob
 
 /// Checks that no point is a corner twice.
 fn check_twice(vertices: &[Option<VertexId>], problems: &mut Problems) {
-    let mut seen = HashMap::new();
-    for (i, vertex) in vertices.iter().enumerate().filter_map(|(i, v)| Some((i, (*v)?))) {
-        if let Some(first) = seen.insert(vertex, i) {
-            let fault = format_args!("entry {i} names point {} again, after entry {first}", vertex.index());
-            let remedy = format_args!("keep one of the two, and its sharpness");
-            problems.add("cornerIndices", fault, remedy);
-        }
+    let keys = vertices.iter().enumerate().filter_map(|(i, v)| Some((i, (*v)?)));
+    for Repeat { first, again } in repeats(keys) {
+        let Some(vertex) = vertices[again] else { continue };
+        let fault = format_args!("entry {again} names point {} again, after entry {first}", vertex.index());
+        let remedy = format_args!("keep one of the two, and its sharpness");
+        problems.add("cornerIndices", fault, remedy);
     }
 }

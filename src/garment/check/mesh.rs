@@ -177,3 +177,20 @@ impl fmt::Display for Place {
         write!(f, "{} {}", self.0, self.1)
     }
 }
+
+/// A key that is there again: its position, and that of the first.
+pub(super) struct Repeat {
+    pub first: usize,
+    pub again: usize,
+}
+
+/// The keys that occurred before, in their order. Sorts, for that is faster than hashing and does not depend on a seed.
+pub(super) fn repeats<K: Ord + Copy>(keys: impl Iterator<Item = (usize, K)>) -> Vec<Repeat> {
+    let mut sorted: Vec<(K, usize)> = keys.map(|(position, key)| (key, position)).collect();
+    sorted.sort_unstable();
+    let runs = sorted.chunk_by(|a, b| a.0 == b.0);
+    let repeat = |run: &[(K, usize)], again: &(K, usize)| Repeat { first: run[0].1, again: again.1 };
+    let mut repeats: Vec<Repeat> = runs.flat_map(|run| run[1..].iter().map(move |again| repeat(run, again))).collect();
+    repeats.sort_unstable_by_key(|r| r.again);
+    repeats
+}

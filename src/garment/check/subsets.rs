@@ -1,10 +1,9 @@
 //! Subsets of faces, edges and points, and the rules of their families.
 
-use super::mesh::{Count, Indices, Mesh, Place};
+use super::mesh::{Count, Indices, Mesh, Place, Repeat, repeats};
 use super::problem::Problems;
 use crate::garment::{Elements, Family, FamilyType, Subset, SubsetInput};
-use crate::mesh::{Id, VertexId};
-use std::collections::hash_map::Entry;
+use crate::mesh::{EdgeId, Id, VertexId};
 use std::collections::{HashMap, HashSet};
 
 /// A subset and the numbers of its elements: of faces, points or edges.
@@ -77,12 +76,11 @@ fn plain<I: Id>(
     problems: &mut Problems,
 ) -> (Vec<I>, Vec<usize>) {
     let handles = Indices { attribute, kind, count }.handles::<I, _>(indices, |i| Place("entry", i), problems);
-    let mut seen = HashMap::new();
-    for (i, element) in handles.iter().enumerate().filter_map(|(i, h)| Some((i, (*h)?.index()))) {
-        if let Some(first) = seen.insert(element, i) {
-            let fault = format_args!("entry {i} names {kind} {element} again, after entry {first}");
-            problems.add(attribute, fault, format_args!("remove one of the two entries"));
-        }
+    let keys = handles.iter().enumerate().filter_map(|(i, h)| Some((i, (*h)?)));
+    for Repeat { first, again } in repeats(keys) {
+        let Some(element) = handles[again].map(I::index) else { continue };
+        let fault = format_args!("entry {again} names {kind} {element} again, after entry {first}");
+        problems.add(attribute, fault, format_args!("remove one of the two entries"));
     }
     let numbers = handles.iter().flatten().map(|h| h.index()).collect();
     (handles.into_iter().flatten().collect(), numbers)
@@ -104,48 +102,46 @@ fn edges(
     }
     let points = Indices { attribute, kind: "point", count: mesh.points };
     let ends = points.handles(pairs.as_flattened(), |i| Place("pair", i / 2), problems);
-    let mut found = Edges { attribute, mesh, seen: HashMap::new(), numbers: Vec::new() };
-    let mut edges = Vec::with_capacity(pairs.len());
-    for (pair, ends) in ends.as_chunks::<2>().0.iter().enumerate() {
-        let &[Some(a), Some(b)] = ends else { continue };
-        found.add(pair, [a, b], problems);
-        edges.push([a, b]);
-    }
-    (edges, found.numbers)
+    let whole = ends.as_chunks::<2>().0.iter().enumerate();
+    let edges: Vec<(usize, [VertexId; 2])> =
+        whole.filter_map(|(pair, ends)| Some((pair, [ends[0]?, ends[1]?]))).collect();
+    check_repeated_edges(attribute, &edges, problems);
+    let numbers = edges.iter().filter_map(|&(pair, ends)| edge_number(attribute, pair, ends, mesh, problems)).collect();
+    (edges.into_iter().map(|(_, ends)| ends).collect(), numbers)
 }
 
-/// The edges of one subset so far.
-struct Edges<'a> {
-    attribute: &'a str,
-    mesh: &'a Mesh<'a>,
-    /// The pair that named an edge first.
-    seen: HashMap<[VertexId; 2], usize>,
-    /// The number of each edge in the mesh.
-    numbers: Vec<usize>,
+/// Checks that no edge is there twice, in either direction.
+fn check_repeated_edges(attribute: &str, edges: &[(usize, [VertexId; 2])], problems: &mut Problems) {
+    let undirected = edges.iter().enumerate().map(|(i, &(_, [a, b]))| (i, [a.min(b), a.max(b)]));
+    for Repeat { first, again } in repeats(undirected) {
+        let ((first, _), (pair, ends)) = (edges[first], edges[again]);
+        let [a, b] = ends.map(VertexId::index);
+        let fault = format_args!("pair {pair}, points {a} and {b}, is the edge of pair {first} again");
+        problems.add(attribute, fault, format_args!("remove one of the two pairs"));
+    }
 }
 
-impl Edges<'_> {
-    /// Checks one pair.
-    fn add(&mut self, pair: usize, [a, b]: [VertexId; 2], problems: &mut Problems) {
-        let (from, to) = (a.index(), b.index());
-        if a == b {
-            let fault = format_args!("pair {pair} joins point {from} to itself");
-            return problems.add(self.attribute, fault, format_args!("remove the pair"));
-        }
-        if let Some(first) = self.seen.insert([a.min(b), a.max(b)], pair) {
-            let fault = format_args!("pair {pair}, points {from} and {to}, is the edge of pair {first} again");
-            return problems.add(self.attribute, fault, format_args!("remove one of the two pairs"));
-        }
-        match self.mesh.edge([a, b]) {
-            Some(Some(edge)) => self.numbers.push(edge.index()),
-            Some(None) => {
-                let fault = format_args!("pair {pair}, points {from} and {to}, is not an edge of the mesh");
-                let remedy = format_args!("remove the pair, or replace it by one pair for each edge on the way");
-                problems.add(self.attribute, fault, remedy);
-            }
-            None => {}
-        }
+/// The number of an edge in the mesh; none where it is not one, or that cannot be told.
+fn edge_number(
+    attribute: &str,
+    pair: usize,
+    ends: [VertexId; 2],
+    mesh: &Mesh<'_>,
+    problems: &mut Problems,
+) -> Option<usize> {
+    let [a, b] = ends.map(VertexId::index);
+    if a == b {
+        let fault = format_args!("pair {pair} joins point {a} to itself");
+        problems.add(attribute, fault, format_args!("remove the pair"));
+        return None;
     }
+    let edge = mesh.edge(ends)?;
+    if edge.is_none() {
+        let fault = format_args!("pair {pair}, points {a} and {b}, is not an edge of the mesh");
+        let remedy = format_args!("remove the pair, or replace it by one pair for each edge on the way");
+        problems.add(attribute, fault, remedy);
+    }
+    edge.map(EdgeId::index)
 }
 
 /// A family with its subsets.
@@ -185,9 +181,9 @@ impl Members<'_> {
         if !self.check_one_kind(problems) || self.rule == FamilyType::Unrestricted {
             return;
         }
-        let owners = self.owners(problems);
+        self.check_overlaps(problems);
         if self.complete && self.rule == FamilyType::Partition {
-            self.check_cover(&owners, mesh, problems);
+            self.check_cover(mesh, problems);
         }
     }
 
@@ -204,38 +200,44 @@ impl Members<'_> {
         problems.count() == before
     }
 
-    /// The elements that are in a subset; one that is in a second is a problem.
-    fn owners(&self, problems: &mut Problems) -> HashMap<usize, &str> {
-        let mut owners: HashMap<usize, &str> = HashMap::new();
-        for (subset, numbers) in self.subsets.iter().filter_map(|m| Some((&m.subset, m.numbers.as_ref()?))) {
-            for (i, &number) in numbers.iter().enumerate() {
-                match owners.entry(number) {
-                    Entry::Occupied(first) => self.add_overlap(subset, i, first.get(), problems),
-                    Entry::Vacant(free) => {
-                        free.insert(&subset.name);
-                    }
-                }
-            }
-        }
-        owners
+    /// The subsets whose elements are known, and their numbers.
+    fn numbered(&self) -> impl Iterator<Item = (&Subset, &[usize])> {
+        self.subsets.iter().filter_map(|s| Some((&s.subset, s.numbers.as_deref()?)))
     }
 
-    /// Adds the problem that element `i` of a subset is in another one too.
-    fn add_overlap(&self, subset: &Subset, i: usize, first: &str, problems: &mut Problems) {
+    /// Checks that no element is in two subsets.
+    fn check_overlaps(&self, problems: &mut Problems) {
         let rule = if self.rule == FamilyType::Partition { "partition" } else { "nonOverlapping" };
-        let name = authored_name(&subset.elements, i);
-        let fault = format_args!("{name} is in subset {first} too, but the family \"{}\" is {rule}", self.family);
-        let remedy = format_args!("remove it from one of the two, or set the family type to unrestricted");
-        problems.add(&format!("{}.indices", subset.name), fault, remedy);
+        // Only what is at fault is located in its subset again: position by position of all subsets in a row.
+        let repeats = repeats(self.numbered().flat_map(|(_, numbers)| numbers).copied().enumerate());
+        for Repeat { first, again } in repeats {
+            let (Some((first, _)), Some((subset, i))) = (self.locate(first), self.locate(again)) else { continue };
+            let (name, first) = (authored_name(&subset.elements, i), &first.name);
+            let fault = format_args!("{name} is in subset {first} too, but the family \"{}\" is {rule}", self.family);
+            let remedy = format_args!("remove it from one of the two, or set the family type to unrestricted");
+            problems.add(&format!("{}.indices", subset.name), fault, remedy);
+        }
     }
 
-    /// Checks that every element has an owner.
-    fn check_cover(&self, owners: &HashMap<usize, &str>, mesh: &Mesh<'_>, problems: &mut Problems) {
+    /// The subset, and the entry in it, of a position in the elements of all subsets in a row.
+    fn locate(&self, mut position: usize) -> Option<(&Subset, usize)> {
+        self.numbered().find_map(|(subset, numbers)| match position.checked_sub(numbers.len()) {
+            Some(rest) => {
+                position = rest;
+                None
+            }
+            None => Some((subset, position)),
+        })
+    }
+
+    /// Checks that every element is in a subset.
+    fn check_cover(&self, mesh: &Mesh<'_>, problems: &mut Problems) {
         let kind = self.kind();
         let Some(count) = element_count(kind, mesh) else { return };
-        let mut missing = (0..count).filter(|n| !owners.contains_key(n));
-        let Some(first) = missing.next() else { return };
-        let all = 1 + missing.count();
+        let mut covered = vec![false; count];
+        self.numbered().flat_map(|(_, numbers)| numbers).for_each(|&n| covered[n] = true);
+        let Some(first) = covered.iter().position(|&c| !c) else { return };
+        let all = covered.iter().filter(|&&c| !c).count();
         let name = element_name(kind, first, mesh);
         let fault = format_args!("{name} is in no subset of this partition ({} in all)", Count(all, kind));
         let remedy = format_args!("add what is missing to a subset, or set the family type to nonOverlapping");
