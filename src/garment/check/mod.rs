@@ -12,6 +12,9 @@ mod problem;
 mod subsets;
 mod surface;
 
+#[cfg(test)]
+mod tests;
+
 pub use problem::{GarmentError, Problem};
 
 use super::{Garment, GarmentInput};

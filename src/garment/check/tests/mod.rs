@@ -1,0 +1,239 @@
+//! A valid garment, what it becomes, and the oddities that are only warned of. The faults have a file of their own.
+
+mod faults;
+
+use super::*;
+use crate::error::Warning;
+use crate::garment::{
+    Corner, Crease, Elements, Family, FamilyType, Interpolation, Mixing, Primvar, PrimvarInput, Scheme,
+    SubdivisionRules, Subset, SubsetInput, Values,
+};
+use crate::mesh::{FaceId, VertexId};
+use glam::Vec3;
+
+/// A cloth of 2 x 2 quads over 3 x 3 points, numbered row by row, with an attribute of each kind.
+fn cloth() -> GarmentInput {
+    let point = |i: usize| Vec3::new((i % 3) as f32, (i / 3) as f32, 0.0);
+    GarmentInput {
+        prim: "/Coat/model".into(),
+        points: (0..9).map(point).collect(),
+        face_vertex_counts: vec![4; 4],
+        face_vertex_indices: vec![0, 1, 4, 3, 1, 2, 5, 4, 3, 4, 7, 6, 4, 5, 8, 7],
+        hole_indices: vec![3, 1],
+        crease_indices: vec![1, 4, 7, 4, 5],
+        crease_lengths: vec![3, 2],
+        crease_sharpnesses: vec![2.5, 3.0, f32::INFINITY],
+        corner_indices: vec![8, 0],
+        corner_sharpnesses: vec![f32::INFINITY, 4.0],
+        primvars: vec![uv(), weights(), joints(), uniform(), varying()],
+        subsets: vec![
+            subset("right", "face", "panels", &[3, 1]),
+            subset("left", "face", "panels", &[0, 2]),
+            subset("placket", "edge", "seams", &[7, 4, 1, 4]),
+            subset("waist", "edge", "seams", &[4, 3]),
+            subset("pins", "point", "", &[8, 2]),
+        ],
+        families: vec![
+            Family { name: "panels".into(), kind: FamilyType::Partition },
+            Family { name: "seams".into(), kind: FamilyType::NonOverlapping },
+            Family { name: "empty".into(), kind: FamilyType::Partition },
+        ],
+        ..GarmentInput::default()
+    }
+}
+
+fn primvar(name: &str, type_name: &str, interpolation: Interpolation, values: Values) -> PrimvarInput {
+    let (components, mixing) = (1, Mixing::Linear);
+    let (name, type_name) = (name.into(), type_name.into());
+    PrimvarInput { name, type_name, interpolation, components, element_size: 1, mixing, values, indices: None }
+}
+
+/// Two columns of UVs, cut along the middle; value 12 is used by no corner.
+fn uv() -> PrimvarInput {
+    let values = Values::F32((0..26).map(|i| i as f32 / 10.0).collect());
+    let indices = Some(vec![0, 1, 4, 3, 2, 6, 7, 5, 3, 4, 9, 8, 5, 7, 11, 10]);
+    let st = primvar("st", "texCoord2f[]", Interpolation::FaceVarying, values);
+    PrimvarInput { components: 2, indices, ..st }
+}
+
+fn weights() -> PrimvarInput {
+    let values = Values::F32([0.25, 0.75].repeat(9));
+    PrimvarInput { element_size: 2, ..primvar("skel:jointWeights", "float[]", Interpolation::Vertex, values) }
+}
+
+fn joints() -> PrimvarInput {
+    let joints = primvar("skel:jointIndices", "int[]", Interpolation::Vertex, Values::I32([0, 1].repeat(9)));
+    PrimvarInput { element_size: 2, mixing: Mixing::Discrete, ..joints }
+}
+
+fn uniform() -> PrimvarInput {
+    primvar("ply", "double[]", Interpolation::Uniform, Values::F64(vec![1.0, 2.0, 3.0, 4.0]))
+}
+
+fn varying() -> PrimvarInput {
+    primvar("tint", "float[]", Interpolation::Varying, Values::F32(vec![0.5; 9]))
+}
+
+fn subset(name: &str, element_type: &str, family: &str, indices: &[i32]) -> SubsetInput {
+    let (element_type, family, indices) = (element_type.into(), family.into(), indices.to_vec());
+    SubsetInput { name: name.into(), element_type, family, indices }
+}
+
+#[test]
+fn a_valid_garment_is_kept_as_it_was_authored() {
+    let mut input = cloth();
+    input.hole_indices = vec![3, 1, 3];
+    input.rules = SubdivisionRules { scheme: Scheme::Bilinear, ..SubdivisionRules::default() };
+    let mut warnings = Warnings::default();
+    let garment = check_garment(input, &mut warnings).expect("the cloth is valid");
+    assert!(warnings.is_empty(), "{warnings:?}");
+
+    let given = cloth();
+    assert_eq!(garment.prim, given.prim);
+    assert_eq!(*garment.points, given.points);
+    let corners: Vec<i32> = garment.faces.corners().iter().map(|v| v.index() as i32).collect();
+    assert_eq!(corners, given.face_vertex_indices);
+    assert_eq!((garment.faces.len(), garment.faces.regular_valence()), (4, Some(4)));
+    assert_eq!(garment.rules.scheme, Scheme::Bilinear);
+    assert_eq!(garment.holes, [3, 1].map(FaceId::new));
+    assert_eq!(garment.creases, creases());
+    let corner = |vertex, sharpness| Corner { vertex: VertexId::new(vertex), sharpness };
+    assert_eq!(garment.corners, [corner(8, 10.0), corner(0, 4.0)]);
+    assert_eq!(garment.primvars, given.primvars.into_iter().map(unchecked).collect::<Vec<_>>());
+    assert_eq!(garment.subsets, checked_subsets());
+    assert_eq!(garment.families, given.families);
+}
+
+/// The creases of the cloth.
+fn creases() -> [Crease; 2] {
+    let crease = |vertices: &[usize], sharpnesses: &[f32]| Crease {
+        vertices: vertices.iter().map(|&v| VertexId::new(v)).collect(),
+        sharpnesses: sharpnesses.to_vec(),
+    };
+    [crease(&[1, 4, 7], &[2.5, 3.0]), crease(&[4, 5], &[10.0])]
+}
+
+/// A primvar as it is, indices aside.
+fn unchecked(p: PrimvarInput) -> Primvar {
+    Primvar {
+        name: p.name,
+        type_name: p.type_name,
+        interpolation: p.interpolation,
+        components: p.components,
+        element_size: p.element_size as usize,
+        mixing: p.mixing,
+        values: p.values,
+        indices: p.indices.map(|i| i.into_iter().map(|i| i as u32).collect()),
+    }
+}
+
+/// The subsets of the cloth.
+fn checked_subsets() -> Vec<Subset> {
+    let faces = |faces: [usize; 2]| Elements::Faces(faces.map(FaceId::new).to_vec());
+    let edges = |edges: &[[usize; 2]]| Elements::Edges(edges.iter().map(|e| e.map(VertexId::new)).collect());
+    let points = Elements::Points([8, 2].map(VertexId::new).to_vec());
+    let subset = |name: &str, family: &str, elements| Subset { name: name.into(), family: family.into(), elements };
+    vec![
+        subset("right", "panels", faces([3, 1])),
+        subset("left", "panels", faces([0, 2])),
+        subset("placket", "seams", edges(&[[7, 4], [1, 4]])),
+        subset("waist", "seams", edges(&[[4, 3]])),
+        subset("pins", "", points),
+    ]
+}
+
+#[test]
+fn one_sharpness_a_crease_is_given_to_its_edges() {
+    let mut input = cloth();
+    input.crease_sharpnesses = vec![1.5, 12.0];
+    let garment = check_garment(input, &mut Warnings::default()).expect("one a crease is valid");
+    assert_eq!(garment.creases[0].sharpnesses, [1.5, 1.5]);
+    assert_eq!(garment.creases[1].sharpnesses, [12.0]);
+}
+
+#[test]
+fn faces_of_any_valence_are_kept() {
+    let mut input = bare(&[&[0, 1, 4], &[0, 4, 3], &[1, 2, 5, 8, 4]]);
+    input.points.truncate(9);
+    let garment = check_garment(input, &mut Warnings::default()).expect("n-gons are valid");
+    let valences: Vec<usize> = garment.faces.ids().map(|f| garment.faces.valence(f)).collect();
+    assert_eq!(valences, [3, 3, 5]);
+    let mut triangles = bare(&[&[0, 1, 4], &[0, 4, 3]]);
+    triangles.rules.scheme = Scheme::Loop;
+    assert!(check_garment(triangles, &mut Warnings::default()).is_ok());
+}
+
+/// Faces over the points of the cloth and one above its middle (9), without any attribute.
+fn bare(faces: &[&[i32]]) -> GarmentInput {
+    let mut points = cloth().points;
+    points.push(Vec3::new(1.0, 1.0, 1.0));
+    GarmentInput {
+        prim: "/Coat/model".into(),
+        points,
+        face_vertex_counts: faces.iter().map(|f| f.len() as i32).collect(),
+        face_vertex_indices: faces.concat(),
+        ..GarmentInput::default()
+    }
+}
+
+/// The warnings for `faces`, those for unused points aside.
+fn warnings_for(faces: &[&[i32]]) -> Vec<Warning> {
+    let mut warnings = Warnings::default();
+    check_garment(bare(faces), &mut warnings).expect("odd, but no error");
+    warnings.iter().filter(|w| !matches!(w, Warning::UnusedPoints { .. })).cloned().collect()
+}
+
+#[test]
+fn oddities_are_counted_and_located() {
+    let three_on_an_edge = warnings_for(&[&[0, 1, 4, 3], &[1, 2, 5, 4], &[1, 4, 9]]);
+    let edges = Warning::NonManifoldEdges { count: 1, examples: vec![[1, 4]] };
+    assert_eq!(three_on_an_edge, [edges, Warning::BowTieVertices { count: 2, examples: vec![1, 4] }]);
+
+    let bow_tie = warnings_for(&[&[0, 1, 4, 3], &[4, 5, 8, 7]]);
+    assert_eq!(bow_tie, [Warning::BowTieVertices { count: 1, examples: vec![4] }]);
+
+    let flipped = warnings_for(&[&[0, 1, 4, 3], &[1, 4, 5, 2]]);
+    assert_eq!(flipped, [Warning::WindingDisagreements { count: 1, examples: vec![[1, 4]] }]);
+
+    let collinear = warnings_for(&[&[0, 1, 4, 3], &[3, 4, 5]]);
+    assert_eq!(collinear, [Warning::DegenerateFaces { count: 1, examples: vec![1] }]);
+
+    let twice = warnings_for(&[&[0, 1, 4, 3], &[4, 1, 0, 3]]);
+    assert_eq!(twice, [Warning::DuplicateFaces { count: 1, examples: vec![[0, 1]] }]);
+}
+
+#[test]
+fn closed_fans_and_borders_are_not_bow_ties() {
+    assert_eq!(warnings_for(&[&[0, 1, 4, 3], &[1, 2, 5, 4], &[3, 4, 7, 6], &[4, 5, 8, 7]]), []);
+    assert_eq!(warnings_for(&[&[0, 1, 9], &[1, 4, 9], &[4, 3, 9], &[3, 0, 9]]), []);
+}
+
+#[test]
+fn only_the_first_oddities_are_named() {
+    let mut warnings = Warnings::default();
+    check_garment(bare(&[&[0, 1, 4]]), &mut warnings).expect("unused points are no error");
+    let expected = Warning::UnusedPoints { count: 7, examples: vec![2, 3, 5, 6, 7] };
+    assert_eq!(warnings.iter().collect::<Vec<_>>(), [&expected]);
+    let said = "points without a face: 7 (points 2, 3, 5, 6, 7, …)";
+    assert!(expected.to_string().starts_with(said), "{expected}");
+}
+
+#[test]
+fn a_face_far_from_the_origin_has_its_area() {
+    let mut input = bare(&[&[0, 1, 4, 3], &[1, 2, 5, 4]]);
+    input.points.iter_mut().for_each(|p| *p = *p * 1e-3 + Vec3::splat(1000.0));
+    let mut warnings = Warnings::default();
+    check_garment(input, &mut warnings).expect("small faces are no error");
+    assert!(!warnings.iter().any(|w| matches!(w, Warning::DegenerateFaces { .. })), "{warnings:?}");
+}
+
+#[test]
+fn oddities_are_told_beside_errors() {
+    let mut input = bare(&[&[0, 1, 4, 3], &[4, 5, 8, 7]]);
+    input.corner_indices = vec![70];
+    input.points[0].x = f32::INFINITY;
+    let mut warnings = Warnings::default();
+    let error = check_garment(input, &mut warnings).expect_err("a corner out of range");
+    assert_eq!(error.problems.len(), 3, "{error}");
+    assert!(warnings.iter().any(|w| matches!(w, Warning::BowTieVertices { .. })));
+}
