@@ -12,5 +12,6 @@
 pub mod error;
 pub mod garment;
 pub mod mesh;
+pub mod sim;
 pub mod subdivide;
 pub mod usd;

@@ -1,5 +1,7 @@
 //! Values on the elements of a mesh (`UsdGeomPrimvar`).
 
+use crate::mesh::{CornerId, Csr, Faces, IdVec};
+
 /// The elements that carry a primvar's values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Interpolation {
@@ -72,6 +74,22 @@ impl Values {
         self.len() == 0
     }
 
+    /// Whether two rows of `width` numbers are the same bit for bit.
+    pub fn same_rows(&self, width: usize, a: usize, b: usize) -> bool {
+        let (a, b) = (a * width..(a + 1) * width, b * width..(b + 1) * width);
+        match self {
+            Self::F32(v) => v[a].iter().zip(&v[b]).all(|(x, y)| x.to_bits() == y.to_bits()),
+            Self::F64(v) => v[a].iter().zip(&v[b]).all(|(x, y)| x.to_bits() == y.to_bits()),
+            Self::Bool(v) => v[a] == v[b],
+            Self::U8(v) => v[a] == v[b],
+            Self::I32(v) => v[a] == v[b],
+            Self::U32(v) => v[a] == v[b],
+            Self::I64(v) => v[a] == v[b],
+            Self::U64(v) => v[a] == v[b],
+            Self::Text(v) => v[a] == v[b],
+        }
+    }
+
     /// The rows `rows` of `width` numbers each, in that order.
     pub fn gather(&self, width: usize, rows: impl Iterator<Item = usize> + Clone) -> Self {
         fn take<T: Clone>(v: &[T], width: usize, rows: impl Iterator<Item = usize>) -> Vec<T> {
@@ -126,6 +144,29 @@ impl Primvar {
     /// Number of rows.
     pub fn rows(&self) -> usize {
         self.values.len() / self.width().max(1)
+    }
+
+    /// For each corner the row that it takes, for a face-varying primvar.
+    ///
+    /// Indices say which corners share a value. Without indices, corners of one vertex share it where their rows are
+    /// the same bit for bit, so that a UV layout written flat keeps its shells.
+    pub fn corner_rows(&self, faces: &Faces, vertices: usize) -> IdVec<CornerId, u32> {
+        if let Some(indices) = &self.indices {
+            return indices.clone().into();
+        }
+        let mut rows: IdVec<CornerId, u32> = (0..faces.corners().len() as u32).collect::<Vec<_>>().into();
+        let at_vertex = Csr::group(vertices, faces.corners().enumerated().map(|(c, &v)| (v, c)), CornerId::new(0));
+        let width = self.width();
+        for vertex in (0..vertices).map(crate::mesh::VertexId::new) {
+            let corners = at_vertex.row(vertex);
+            for (i, &c) in corners.iter().enumerate() {
+                let same = |d: &&CornerId| self.values.same_rows(width, c.index(), d.index());
+                if let Some(&first) = corners[..i].iter().find(same) {
+                    rows[c] = rows[first];
+                }
+            }
+        }
+        rows
     }
 
     /// Number of elements that have a value.

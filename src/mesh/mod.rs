@@ -1,5 +1,6 @@
 //! Mesh connectivity and its handles. Nothing here knows positions.
 
+pub mod edit;
 mod faces;
 mod ids;
 mod topology;

@@ -12,7 +12,7 @@ mod stencil;
 
 pub use fvar::{Channel, ChannelChild};
 pub use level::{INFINITE_SHARPNESS, Level, Rule, Spoke, refined_sharpness};
-pub use split::Numbering;
+pub use split::{Numbering, child_corner};
 pub use stencil::{Real, Stencils};
 
 use crate::garment::{Garment, Scheme};
@@ -41,6 +41,15 @@ impl Refiner {
         rows
     }
 
+    /// The child corner of a corner, at the child of its vertex.
+    pub fn child_of(&self, corner: CornerId) -> CornerId {
+        match self.level.scheme {
+            // Child j of a triangle holds corner j at place j.
+            Scheme::Loop => CornerId::new(4 * corner.index()),
+            _ => child_corner(&self.level.topology.faces, corner, 0),
+        }
+    }
+
     /// The refinement of this level.
     pub fn derive(&self) -> Derivation<'_> {
         Derivation {
@@ -48,6 +57,18 @@ impl Refiner {
             faces: split::child_faces(&self.level),
             channels: self.channels.iter().map(|c| ChannelChild::new(&self.level, c)).collect(),
         }
+    }
+}
+
+impl Level {
+    /// Child vertices from this level's, by the subdivision rules.
+    pub fn vertex_stencils(&self) -> VertexStencils<'_> {
+        VertexStencils::new(self, false)
+    }
+
+    /// Child vertices from this level's, linearly.
+    pub fn varying_stencils(&self) -> VertexStencils<'_> {
+        VertexStencils::new(self, true)
     }
 }
 
@@ -73,12 +94,12 @@ impl<'a> Derivation<'a> {
 
     /// Child vertices from parent vertices, by the subdivision rules.
     pub fn vertex(&self) -> VertexStencils<'a> {
-        VertexStencils::new(self.level, false)
+        self.level.vertex_stencils()
     }
 
     /// Child vertices from parent vertices, linearly.
     pub fn varying(&self) -> VertexStencils<'a> {
-        VertexStencils::new(self.level, true)
+        self.level.varying_stencils()
     }
 
     /// The refined level.

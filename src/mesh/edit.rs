@@ -1,0 +1,462 @@
+//! A triangle mesh that can be edited: split, collapse and flip.
+//!
+//! Half-edges are corners: corner `c` leaves its vertex towards the next corner of its triangle. Every edit names all
+//! that it made or removed, so that attributes can follow; nothing here knows positions.
+
+use super::{CornerId, FaceId, IdVec, VertexId};
+
+/// A manifold, oriented triangle mesh under edit. Removed triangles and vertices stay as gaps until [`compact`].
+///
+/// [`compact`]: EditMesh::compact
+#[derive(Clone, Debug, Default)]
+pub struct EditMesh {
+    corner_vertex: IdVec<CornerId, VertexId>,
+    twin: IdVec<CornerId, Option<CornerId>>,
+    /// A corner of each vertex; for vertices on a border the one that leaves along it.
+    vertex_corner: IdVec<VertexId, Option<CornerId>>,
+    alive: IdVec<FaceId, bool>,
+}
+
+/// What [`EditMesh::split`] made.
+#[derive(Clone, Copy, Debug)]
+pub struct Split {
+    /// The new vertex.
+    pub vertex: VertexId,
+    /// The half-edge from the new vertex on, in the direction that was split; its triangle is new.
+    pub ahead: CornerId,
+    /// The half-edge from the new vertex back, on the other side; none at a border. Its triangle is new.
+    pub behind: Option<CornerId>,
+}
+
+impl EditMesh {
+    /// A mesh of `triangles` over `vertices` vertices.
+    ///
+    /// Half-edges are paired where exactly two meet in opposite directions; all others are borders.
+    pub fn new(triangles: &[[VertexId; 3]], vertices: usize) -> Self {
+        let corner_vertex: IdVec<CornerId, VertexId> = triangles.iter().flatten().copied().collect();
+        let mut mesh = Self {
+            twin: IdVec::filled(None, corner_vertex.len()),
+            vertex_corner: IdVec::filled(None, vertices),
+            alive: IdVec::filled(true, triangles.len()),
+            corner_vertex,
+        };
+        mesh.pair();
+        for corner in mesh.corner_vertex.ids() {
+            let slot = &mut mesh.vertex_corner[mesh.corner_vertex[corner]];
+            if slot.is_none() || mesh.twin[corner].is_none() {
+                *slot = Some(corner);
+            }
+        }
+        mesh
+    }
+
+    fn pair(&mut self) {
+        let key = |c: CornerId| {
+            let (a, b) = (self.corner_vertex[c], self.corner_vertex[next(c)]);
+            (a.min(b), a.max(b))
+        };
+        let mut halves: Vec<CornerId> = self.corner_vertex.ids().collect();
+        halves.sort_unstable_by_key(|&c| (key(c), c));
+        let mut pairs = Vec::new();
+        for group in halves.chunk_by(|&a, &b| key(a) == key(b)) {
+            if let &[a, b] = group
+                && self.corner_vertex[a] != self.corner_vertex[b]
+            {
+                pairs.push((a, b));
+            }
+        }
+        for (a, b) in pairs {
+            self.twin[a] = Some(b);
+            self.twin[b] = Some(a);
+        }
+    }
+
+    /// All corners of triangles that are there.
+    pub fn corners(&self) -> impl Iterator<Item = CornerId> + '_ {
+        self.corner_vertex.ids().filter(|&c| self.alive[face(c)])
+    }
+
+    /// All triangles that are there.
+    pub fn faces(&self) -> impl Iterator<Item = FaceId> + '_ {
+        self.alive.enumerated().filter(|(_, a)| **a).map(|(f, _)| f)
+    }
+
+    /// One half-edge of each edge: the lower of two.
+    pub fn edges(&self) -> impl Iterator<Item = CornerId> + '_ {
+        self.corners().filter(|&c| self.twin[c].is_none_or(|t| c < t))
+    }
+
+    /// All vertices that are there and have a triangle.
+    pub fn vertices(&self) -> impl Iterator<Item = VertexId> + '_ {
+        self.vertex_corner.enumerated().filter(|(_, c)| c.is_some()).map(|(v, _)| v)
+    }
+
+    /// Number of vertex slots, gaps included.
+    pub fn vertex_slots(&self) -> usize {
+        self.vertex_corner.len()
+    }
+
+    /// Number of corner slots, gaps included.
+    pub fn corner_slots(&self) -> usize {
+        self.corner_vertex.len()
+    }
+
+    /// Number of triangles.
+    pub fn face_count(&self) -> usize {
+        self.alive.iter().filter(|a| **a).count()
+    }
+
+    /// Whether the corner's triangle is there.
+    #[inline]
+    pub fn is_alive(&self, corner: CornerId) -> bool {
+        self.alive[face(corner)]
+    }
+
+    /// The vertex of a corner.
+    #[inline]
+    pub fn vertex(&self, corner: CornerId) -> VertexId {
+        self.corner_vertex[corner]
+    }
+
+    /// The vertex that a half-edge goes to.
+    #[inline]
+    pub fn target(&self, corner: CornerId) -> VertexId {
+        self.corner_vertex[next(corner)]
+    }
+
+    /// The vertices of a triangle.
+    #[inline]
+    pub fn triangle(&self, f: FaceId) -> [VertexId; 3] {
+        let c = f.index() * 3;
+        [0, 1, 2].map(|k| self.corner_vertex[CornerId::new(c + k)])
+    }
+
+    /// The opposite half-edge; none at a border.
+    #[inline]
+    pub fn twin(&self, corner: CornerId) -> Option<CornerId> {
+        self.twin[corner]
+    }
+
+    /// Whether a vertex is on a border.
+    pub fn is_border_vertex(&self, vertex: VertexId) -> bool {
+        self.vertex_corner[vertex].is_some_and(|c| self.twin[c].is_none())
+    }
+
+    /// The corners at a vertex, counter-clockwise; from border to border where there is one.
+    pub fn fan(&self, vertex: VertexId) -> Fan<'_> {
+        Fan { mesh: self, first: self.vertex_corner[vertex], at: self.vertex_corner[vertex] }
+    }
+
+    /// The neighbours of a vertex, each once.
+    pub fn ring(&self, vertex: VertexId) -> impl Iterator<Item = VertexId> + '_ {
+        let last = self.fan(vertex).last().filter(|&c| self.twin[prev(c)].is_none());
+        self.fan(vertex).map(|c| self.target(c)).chain(last.map(|c| self.vertex(prev(c))))
+    }
+
+    /// The half-edge between two vertices, in either direction.
+    pub fn find(&self, a: VertexId, b: VertexId) -> Option<CornerId> {
+        self.fan(a).find_map(|c| {
+            if self.target(c) == b {
+                Some(c)
+            } else if self.vertex(prev(c)) == b {
+                Some(prev(c))
+            } else {
+                None
+            }
+        })
+    }
+
+    /// Inserts a vertex in an edge. The triangle `(a, b, c)` of the half-edge becomes `(a, m, c)` and gains `(m, b, c)`;
+    /// on the other side `(b, a, d)` becomes `(b, m, d)` and gains `(m, a, d)`.
+    pub fn split(&mut self, half: CornerId) -> Split {
+        let m = self.vertex_corner.push(None);
+        let other = self.twin[half];
+        let ahead = self.split_side(half, m);
+        let behind = other.map(|o| self.split_side(o, m));
+        if let (Some(o), Some(behind)) = (other, behind) {
+            self.pair_up(half, behind);
+            self.pair_up(ahead, o);
+        }
+        self.vertex_corner[m] = Some(ahead);
+        self.settle(m);
+        for c in [half, ahead] {
+            let v = self.target(c);
+            self.settle(v);
+            let v = self.vertex(prev(c));
+            self.settle(v);
+        }
+        if let Some(o) = other {
+            let v = self.vertex(prev(o));
+            self.settle(v);
+        }
+        let v = self.vertex(half);
+        self.settle(v);
+        Split { vertex: m, ahead, behind }
+    }
+
+    /// One side of a split: `half` now ends at `m`; returns the half-edge from `m` on, in the new triangle.
+    fn split_side(&mut self, half: CornerId, m: VertexId) -> CornerId {
+        let (n, p) = (next(half), prev(half));
+        let (b, c) = (self.corner_vertex[n], self.corner_vertex[p]);
+        let f = self.alive.push(true);
+        self.corner_vertex.extend([m, b, c]);
+        self.twin.extend([None, None, None]);
+        let [ahead, edge_bc, edge_cm] = [0, 1, 2].map(|k| CornerId::new(f.index() * 3 + k));
+        self.corner_vertex[n] = m;
+        match self.twin[n] {
+            Some(t) => self.pair_up(edge_bc, t),
+            None => self.twin[edge_bc] = None,
+        }
+        self.pair_up(n, edge_cm);
+        self.twin[half] = None;
+        for (v, corner) in [(b, edge_bc), (c, edge_cm)] {
+            if self.vertex_corner[v].is_some_and(|k| k == n) || self.vertex_corner[v].is_none() {
+                self.vertex_corner[v] = Some(corner);
+            }
+        }
+        ahead
+    }
+
+    /// Whether merging the ends of an edge keeps the mesh manifold (link condition, borders included).
+    pub fn may_collapse(&self, half: CornerId) -> bool {
+        let (a, b) = (self.vertex(half), self.target(half));
+        let is_border_edge = self.twin[half].is_none();
+        if !is_border_edge && self.is_border_vertex(a) && self.is_border_vertex(b) {
+            return false;
+        }
+        let apex = self.vertex(prev(half));
+        let other_apex = self.twin[half].map(|t| self.vertex(prev(t)));
+        let shared = self.ring(a).filter(|&v| self.ring(b).any(|w| w == v));
+        let mut count = 0;
+        for v in shared {
+            if v != apex && Some(v) != other_apex {
+                return false;
+            }
+            count += 1;
+        }
+        let sides = 1 + usize::from(other_apex.is_some());
+        // A lone triangle, or two glued along their borders, would vanish.
+        let vanishes = |c: CornerId| self.twin[next(c)].is_none() && self.twin[prev(c)].is_none();
+        let closed_pair =
+            |c: CornerId| matches!((self.twin[next(c)], self.twin[prev(c)]), (Some(x), Some(y)) if face(x) == face(y));
+        count == sides
+            && other_apex != Some(apex)
+            && !vanishes(half)
+            && !closed_pair(half)
+            && self.twin[half].is_none_or(|t| !vanishes(t) && !closed_pair(t))
+    }
+
+    /// Merges one end of an edge, `removed`, into the other and removes the triangles beside the edge. The caller has
+    /// asked [`Self::may_collapse`].
+    pub fn collapse(&mut self, half: CornerId, removed: VertexId) {
+        let (a, b) = (self.vertex(half), self.target(half));
+        let (a, b) = if removed == a { (a, b) } else { (b, a) };
+        let moved: Vec<CornerId> = self.fan(a).collect();
+        let other = self.twin[half];
+        let apexes = [Some(self.vertex(prev(half))), other.map(|t| self.vertex(prev(t)))];
+        for corner in moved {
+            self.corner_vertex[corner] = b;
+        }
+        let mut seeds = Vec::with_capacity(4);
+        for side in std::iter::once(half).chain(other) {
+            self.alive[face(side)] = false;
+            let (x, y) = (self.twin[next(side)], self.twin[prev(side)]);
+            match (x, y) {
+                (Some(x), Some(y)) => self.pair_up(x, y),
+                (Some(x), None) => self.twin[x] = None,
+                (None, Some(y)) => self.twin[y] = None,
+                (None, None) => {}
+            }
+            seeds.extend(x.into_iter().chain(y));
+        }
+        self.vertex_corner[a] = None;
+        for v in std::iter::once(b).chain(apexes.into_iter().flatten()) {
+            let own = seeds.iter().flat_map(|&s| [s, next(s)]).find(|&c| self.corner_vertex[c] == v);
+            if let Some(corner) = own {
+                self.vertex_corner[v] = Some(corner);
+            }
+            self.settle(v);
+        }
+    }
+
+    /// Whether turning an edge makes no edge that is there already.
+    pub fn may_flip(&self, half: CornerId) -> bool {
+        let Some(t) = self.twin[half] else { return false };
+        let (c, d) = (self.vertex(prev(half)), self.vertex(prev(t)));
+        c != d && self.find(c, d).is_none()
+    }
+
+    /// Turns an interior edge: triangles `(a, b, c)` and `(b, a, d)` become `(c, d, b)` and `(d, c, a)`, in the same
+    /// places; the corners `half` and its twin become `c` and `d`. Returns the corners, now
+    /// `[c, d, b]` and `[d, c, a]`.
+    pub fn flip(&mut self, half: CornerId) -> Option<[[CornerId; 3]; 2]> {
+        let other = self.twin[half]?;
+        let (hn, hp, on, op) = (next(half), prev(half), next(other), prev(other));
+        let (a, b) = (self.vertex(half), self.vertex(other));
+        let (c, d) = (self.vertex(hp), self.vertex(op));
+        let (bc, ca, ad, db) = (self.twin[hn], self.twin[hp], self.twin[on], self.twin[op]);
+        for (corner, v) in [(half, c), (hn, d), (hp, b), (other, d), (on, c), (op, a)] {
+            self.corner_vertex[corner] = v;
+        }
+        for (corner, twin) in [(hn, db), (hp, bc), (on, ca), (op, ad)] {
+            self.twin[corner] = twin;
+            if let Some(t) = twin {
+                self.twin[t] = Some(corner);
+            }
+        }
+        for (v, corner) in [(a, op), (b, hp), (c, half), (d, other)] {
+            self.vertex_corner[v] = Some(corner);
+            self.settle(v);
+        }
+        Some([[half, hn, hp], [other, on, op]])
+    }
+
+    /// Drops the gaps. Returns the old vertex of each new one, and the old corner of each new corner.
+    pub fn compact(&self) -> (Vec<[VertexId; 3]>, IdVec<VertexId, VertexId>, IdVec<CornerId, CornerId>) {
+        let mut new_of = IdVec::<VertexId, Option<VertexId>>::filled(None, self.vertex_corner.len());
+        let mut old_of = IdVec::new();
+        for v in self.vertices() {
+            new_of[v] = Some(old_of.push(v));
+        }
+        let mut triangles = Vec::with_capacity(self.alive.len());
+        let mut corners = IdVec::new();
+        for f in self.faces() {
+            let vertices = self.triangle(f).map(|v| new_of[v]);
+            if let [Some(a), Some(b), Some(c)] = vertices {
+                triangles.push([a, b, c]);
+                corners.extend((0..3).map(|k| CornerId::new(f.index() * 3 + k)));
+            }
+        }
+        (triangles, old_of, corners)
+    }
+
+    fn pair_up(&mut self, a: CornerId, b: CornerId) {
+        self.twin[a] = Some(b);
+        self.twin[b] = Some(a);
+    }
+
+    /// Turns a vertex's corner back to the border, where there is one.
+    fn settle(&mut self, vertex: VertexId) {
+        let Some(first) = self.vertex_corner[vertex] else { return };
+        let mut corner = first;
+        while let Some(t) = self.twin[corner] {
+            corner = next(t);
+            if corner == first {
+                break;
+            }
+        }
+        self.vertex_corner[vertex] = Some(corner);
+    }
+
+    /// Panics where a half-edge, a fan or a handle is inconsistent.
+    pub fn assert_consistent(&self) {
+        let mut at_vertex = IdVec::<VertexId, usize>::filled(0, self.vertex_corner.len());
+        for c in self.corners() {
+            at_vertex[self.vertex(c)] += 1;
+            assert_ne!(self.vertex(c), self.target(c), "{c:?} joins two vertices");
+            if let Some(t) = self.twin[c] {
+                assert!(self.alive[face(t)], "the twin of {c:?} is there");
+                assert_eq!(self.twin[t], Some(c), "{c:?} is its twin's twin");
+                assert_eq!(
+                    (self.vertex(t), self.target(t)),
+                    (self.target(c), self.vertex(c)),
+                    "{c:?} and its twin are opposite"
+                );
+            }
+        }
+        for (v, &count) in at_vertex.enumerated() {
+            assert_eq!(self.fan(v).count(), count, "the corners of {v:?} are one fan");
+            assert!(self.fan(v).all(|c| self.vertex(c) == v && self.alive[face(c)]), "the fan of {v:?} is its own");
+        }
+    }
+}
+
+/// The corners at a vertex, counter-clockwise.
+pub struct Fan<'a> {
+    mesh: &'a EditMesh,
+    first: Option<CornerId>,
+    at: Option<CornerId>,
+}
+
+impl Iterator for Fan<'_> {
+    type Item = CornerId;
+
+    #[inline]
+    fn next(&mut self) -> Option<CornerId> {
+        let corner = self.at?;
+        self.at = self.mesh.twin[prev(corner)].filter(|&c| Some(c) != self.first);
+        Some(corner)
+    }
+}
+
+/// The next corner of the triangle.
+#[inline]
+pub fn next(corner: CornerId) -> CornerId {
+    let c = corner.index();
+    CornerId::new(if c % 3 == 2 { c - 2 } else { c + 1 })
+}
+
+/// The previous corner of the triangle.
+#[inline]
+pub fn prev(corner: CornerId) -> CornerId {
+    let c = corner.index();
+    CornerId::new(if c.is_multiple_of(3) { c + 2 } else { c - 1 })
+}
+
+/// The triangle of a corner.
+#[inline]
+pub fn face(corner: CornerId) -> FaceId {
+    FaceId::new(corner.index() / 3)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A grid of `n` by `n` squares, each two triangles.
+    fn grid(n: usize) -> EditMesh {
+        let v = |x: usize, y: usize| VertexId::new(y * (n + 1) + x);
+        let mut triangles = Vec::new();
+        for y in 0..n {
+            for x in 0..n {
+                triangles.push([v(x, y), v(x + 1, y), v(x + 1, y + 1)]);
+                triangles.push([v(x, y), v(x + 1, y + 1), v(x, y + 1)]);
+            }
+        }
+        EditMesh::new(&triangles, (n + 1) * (n + 1))
+    }
+
+    fn euler(mesh: &EditMesh) -> i64 {
+        mesh.vertices().count() as i64 - mesh.edges().count() as i64 + mesh.face_count() as i64
+    }
+
+    #[test]
+    fn every_edit_keeps_the_mesh_consistent() {
+        let mut mesh = grid(4);
+        mesh.assert_consistent();
+        for round in 0..400usize {
+            let halves: Vec<CornerId> = mesh.corners().collect();
+            let half = halves[(round * 7919) % halves.len()];
+            match round % 3 {
+                0 => {
+                    mesh.split(half);
+                }
+                1 if mesh.may_collapse(half) => {
+                    mesh.collapse(half, if round % 2 == 0 { mesh.vertex(half) } else { mesh.target(half) })
+                }
+                2 if mesh.may_flip(half) => {
+                    mesh.flip(half);
+                }
+                _ => {}
+            }
+            mesh.assert_consistent();
+            assert_eq!(euler(&mesh), 1, "still a disc after edit {round}");
+        }
+    }
+
+    #[test]
+    fn a_lone_triangle_is_not_collapsed() {
+        let mesh = EditMesh::new(&[[0, 1, 2].map(VertexId::new)], 3);
+        assert!(mesh.corners().all(|c| !mesh.may_collapse(c)));
+    }
+}

@@ -1,0 +1,295 @@
+//! The surface that the simulation mesh lies on: the garment refined, in triangles, with its chains.
+
+use super::chains::{self, Chain, StartSpan};
+use super::manifold::Manifold;
+use super::options::SimOptions;
+use crate::garment::{Garment, Interpolation, Primvar, Values};
+use crate::mesh::{ChainId, CornerId, FaceId, Faces, IdVec, Topology, VertexId};
+use crate::subdivide::{Level, Numbering, Real, Refiner, Stencils};
+use glam::{Vec2, Vec3};
+use std::collections::BTreeMap;
+
+/// A point of the baseline.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Location {
+    /// The triangle.
+    pub face: FaceId,
+    /// Weights of its corners; they sum to 1.
+    pub weights: Vec3,
+}
+
+/// The triangulated baseline.
+pub struct Baseline {
+    /// The pieces of the cage and what they come from.
+    pub manifold: Manifold,
+    /// The refined levels after the cage; the last, or the cage where there is none, is the one in triangles.
+    pub levels: Vec<Refiner>,
+    /// Positions. \[stage units\]
+    pub points: IdVec<VertexId, Vec3>,
+    /// The triangles and their adjacency.
+    pub topology: Topology,
+    /// The constraint UVs of each corner; zero without a UV set.
+    pub uvs: IdVec<CornerId, Vec2>,
+    /// Whether there is a UV set.
+    pub has_uvs: bool,
+    /// The face of the finest level behind each triangle.
+    pub level_face: IdVec<FaceId, FaceId>,
+    /// The garment's face behind each triangle.
+    pub source_face: IdVec<FaceId, FaceId>,
+    /// +1 or -1: the sense in which the triangle's shell lies in UV space.
+    pub shell_sign: IdVec<FaceId, f32>,
+    /// Half-edges that no projection crosses: those on chains and at borders.
+    pub barrier: IdVec<CornerId, bool>,
+    /// Target edge length at each vertex. \[stage units\]
+    pub target: IdVec<VertexId, f32>,
+    /// The constraint chains.
+    pub chains: IdVec<ChainId, Chain>,
+    /// The triangles that remeshing starts from, by corners of the baseline.
+    pub start: Vec<[CornerId; 3]>,
+    /// Spans of the start's constrained edges.
+    pub start_spans: BTreeMap<[VertexId; 2], StartSpan>,
+}
+
+/// Target edge lengths over the garment.
+#[derive(Clone, Copy, Debug)]
+pub struct Lengths<'a> {
+    /// Where the density is 1. \[stage units\]
+    pub min: f32,
+    /// Where the density is 0. \[stage units\]
+    pub max: f32,
+    /// The density, on the garment's vertices.
+    pub density: Option<&'a Primvar>,
+}
+
+impl Baseline {
+    /// Refines and triangulates a garment and finds its chains.
+    ///
+    /// `uv_set` is the primvar whose shells are constraints, if there is one.
+    pub fn new(garment: &Garment, options: &SimOptions, lengths: Lengths<'_>, uv_set: Option<&Primvar>) -> Self {
+        let manifold = Manifold::new(garment, &Level::base(garment));
+        let mut cage = manifold.refiner.clone();
+        let uv_rows = uv_set.map(|uv| add_uv_channel(&mut cage, garment, &manifold, uv));
+        let mut points: Vec<[f32; 3]> = manifold.vertex_source.iter().map(|&v| garment.points[v].to_array()).collect();
+        let mut uvs = uv_rows.unwrap_or_default();
+        let mut levels: Vec<Refiner> = Vec::new();
+        let mut faces: IdVec<FaceId, FaceId> = cage.level.topology.faces.ids().collect();
+        for _ in 0..options.baseline_level {
+            let parent = levels.last().unwrap_or(&cage);
+            let derivation = parent.derive();
+            points = derivation.vertex().apply(&points);
+            if let Some(channel) = derivation.channels.first() {
+                uvs = channel.apply(&uvs);
+            }
+            let numbering = derivation.numbering();
+            let parent_faces = &parent.level.topology.faces;
+            faces = derivation.faces.ids().map(|f| faces[numbering.parent_face(parent_faces, f)]).collect();
+            let child = derivation.into_child();
+            levels.push(child);
+        }
+        let points: IdVec<VertexId, Vec3> = points.into_iter().map(Vec3::from).collect();
+        let is_hole = holes(garment, &Level::base(garment));
+        let finest = levels.last().unwrap_or(&cage);
+        let solid = |f: FaceId| !is_hole[faces[f]];
+        let quads = Triangulation::new(&finest.level.topology.faces, &points, solid);
+        let topology = Topology::new(Faces::triangles(quads.vertices(&finest.level.topology.faces)), points.len());
+        let corner_uvs = quads.corners.iter().map(|&c| match finest.channels.first() {
+            Some(channel) => Vec2::from(uvs[channel.corner_value[c].index()]),
+            None => Vec2::ZERO,
+        });
+        let corner_uvs: IdVec<CornerId, Vec2> = corner_uvs.collect();
+
+        let is_seam = |e| cage.channels.first().is_some_and(|c| c.is_cut(e));
+        let marked = chains::constrained_edges(garment, &manifold, options, is_seam, |f| is_hole[f]);
+        let cage_chains = chains::join(&manifold, &marked);
+        let all_levels: Vec<&Refiner> = std::iter::once(&cage).chain(&levels).collect();
+        let curves = cage_chains.refine(&all_levels);
+        let chains = cage_chains.on_baseline(&curves[levels.len()], &manifold, &topology, &points);
+
+        let start_level = nearest_level(&all_levels, &points, lengths);
+        let start =
+            quads.start(&all_levels, start_level, &points, |f| !is_hole[root_face(&all_levels[..=start_level], f)]);
+        let start_spans = chains::start_spans(&chains, &curves[start_level]);
+        let mut barrier: IdVec<CornerId, bool> = topology.corner_edge.iter().map(|&e| topology.is_border(e)).collect();
+        for half in chains.iter().flat_map(|c| c.left.iter().chain(&c.right)).flatten() {
+            barrier[*half] = true;
+        }
+        let mut baseline = Self {
+            source_face: quads.faces.iter().map(|&f| faces[f]).collect(),
+            level_face: quads.faces,
+            shell_sign: IdVec::filled(1.0, topology.faces.len()),
+            target: IdVec::filled(lengths.max, points.len()),
+            has_uvs: uv_set.is_some(),
+            uvs: corner_uvs,
+            manifold,
+            levels,
+            points,
+            topology,
+            barrier,
+            chains,
+            start,
+            start_spans,
+        };
+        baseline.set_targets(garment, lengths);
+        baseline.set_shell_signs();
+        baseline
+    }
+
+    /// Values of the garment's vertices at those of the baseline, rows of `width` numbers.
+    pub fn refine_vertex_rows<T: Real>(
+        &self,
+        values: impl Fn(VertexId) -> Vec<T>,
+        width: usize,
+        linear: bool,
+    ) -> Vec<T> {
+        let mut rows: Vec<T> = self.manifold.vertex_source.iter().flat_map(|&v| values(v)).collect();
+        let levels = std::iter::once(&self.manifold.refiner).chain(&self.levels);
+        for parent in levels.take(self.levels.len()) {
+            let stencils = if linear { parent.level.varying_stencils() } else { parent.level.vertex_stencils() };
+            rows = stencils.apply_rows(&rows, width);
+        }
+        rows
+    }
+
+    fn set_targets(&mut self, garment: &Garment, lengths: Lengths<'_>) {
+        let Some(density) = lengths.density else { return };
+        let Values::F32(values) = &density.values else { return };
+        debug_assert_eq!(density.elements(), garment.points.len());
+        let linear = density.interpolation == Interpolation::Varying;
+        let weights = self.refine_vertex_rows(|v| vec![values[density.row(v.index())]], 1, linear);
+        self.target = weights.iter().map(|w| lengths.max + (lengths.min - lengths.max) * w.clamp(0.0, 1.0)).collect();
+    }
+
+    /// Signed area of a triangle in UV space.
+    pub fn uv_area(&self, face: FaceId) -> f32 {
+        let [a, b, c] = [0, 1, 2].map(|k| self.uvs[CornerId::new(face.index() * 3 + k)]);
+        0.5 * (b - a).perp_dot(c - a)
+    }
+
+    /// The sense of each shell: that of most of its UV area.
+    fn set_shell_signs(&mut self) {
+        if !self.has_uvs {
+            return;
+        }
+        let t = &self.topology;
+        let mut seen = IdVec::<FaceId, bool>::filled(false, t.faces.len());
+        for seed in t.faces.ids() {
+            if std::mem::replace(&mut seen[seed], true) {
+                continue;
+            }
+            let mut shell = vec![seed];
+            let mut at = 0;
+            while let Some(&face) = shell.get(at) {
+                at += 1;
+                for corner in t.faces.corners_of(face) {
+                    let Some(twin) = t.twin(corner) else { continue };
+                    let same = self.uvs[corner] == self.uvs[t.faces.next(twin)]
+                        && self.uvs[t.faces.next(corner)] == self.uvs[twin];
+                    let other = t.faces.face_of(twin);
+                    if same && !std::mem::replace(&mut seen[other], true) {
+                        shell.push(other);
+                    }
+                }
+            }
+            let area: f64 = shell.iter().map(|&f| f64::from(self.uv_area(f))).sum();
+            let sign = if area < 0.0 { -1.0 } else { 1.0 };
+            shell.iter().for_each(|&f| self.shell_sign[f] = sign);
+        }
+    }
+}
+
+/// Adds the constraint UVs as a channel of the cage; returns the channel's values.
+fn add_uv_channel(cage: &mut Refiner, garment: &Garment, manifold: &Manifold, uv: &Primvar) -> Vec<[f32; 2]> {
+    let Values::F32(values) = &uv.values else { return Vec::new() };
+    let rows = uv.corner_rows(&garment.faces, garment.points.len());
+    let rows = cage.add_channel(garment, |c| rows[manifold.corner_source[c]] as usize);
+    rows.iter().map(|&r| [values[2 * r as usize], values[2 * r as usize + 1]]).collect()
+}
+
+/// Which faces of a garment are not there.
+pub fn holes(garment: &Garment, level: &Level) -> IdVec<FaceId, bool> {
+    let mut is_hole = IdVec::filled(false, garment.faces.len());
+    garment.holes.iter().for_each(|&f| is_hole[f] = true);
+    if garment.rules.boundary == crate::garment::BoundaryInterpolation::None {
+        level.border_holes(garment).into_iter().for_each(|f| is_hole[f] = true);
+    }
+    is_hole
+}
+
+/// The face of the cage behind a face of the last of `levels`.
+fn root_face(levels: &[&Refiner], face: FaceId) -> FaceId {
+    levels
+        .windows(2)
+        .rev()
+        .fold(face, |f, pair| Numbering::new(&pair[0].level).parent_face(&pair[0].level.topology.faces, f))
+}
+
+/// The level whose mean edge is nearest to the mean target, as a ratio: the fewest edits lead from there to it.
+fn nearest_level(levels: &[&Refiner], points: &IdVec<VertexId, Vec3>, lengths: Lengths<'_>) -> usize {
+    let target = f64::from((lengths.min * lengths.max).sqrt());
+    let off = |level: &Refiner| {
+        let edges = &level.level.topology.edges;
+        let sum: f64 = edges.iter().map(|&[a, b]| f64::from(points[a].distance(points[b]))).sum();
+        (sum / edges.len().max(1) as f64 / target).ln().abs()
+    };
+    let mut best = 0;
+    for level in 1..levels.len() {
+        if off(levels[level]) < off(levels[best]) {
+            best = level;
+        }
+    }
+    best
+}
+
+/// The triangles of a level's faces.
+struct Triangulation {
+    /// The level's corner behind each corner of the triangles.
+    corners: IdVec<CornerId, CornerId>,
+    /// The level's face behind each triangle.
+    faces: IdVec<FaceId, FaceId>,
+}
+
+impl Triangulation {
+    /// Splits quads at their shorter diagonal, and others in a fan from the corner with the shortest diagonals.
+    fn new(faces: &Faces, points: &IdVec<VertexId, Vec3>, keep: impl Fn(FaceId) -> bool) -> Self {
+        let mut all = Self { corners: IdVec::new(), faces: IdVec::new() };
+        for face in faces.ids().filter(|&f| keep(f)) {
+            let n = faces.valence(face);
+            let at = |k: usize| CornerId::new(faces.range(face).start + k % n);
+            let longest = |apex: usize| {
+                let p = points[faces.vertex(at(apex))];
+                (2..n - 1).map(|k| p.distance_squared(points[faces.vertex(at(apex + k))])).fold(0.0f32, f32::max)
+            };
+            let apex = (1..n).fold(0, |best, k| if longest(k) < longest(best) { k } else { best });
+            for k in 1..n - 1 {
+                all.corners.extend([at(apex), at(apex + k), at(apex + k + 1)]);
+                all.faces.push(face);
+            }
+        }
+        all
+    }
+
+    fn vertices(&self, faces: &Faces) -> Vec<VertexId> {
+        self.corners.iter().map(|&c| faces.vertex(c)).collect()
+    }
+
+    /// The triangles of a coarser level, by corners of these.
+    fn start(
+        &self,
+        levels: &[&Refiner],
+        level: usize,
+        points: &IdVec<VertexId, Vec3>,
+        keep: impl Fn(FaceId) -> bool,
+    ) -> Vec<[CornerId; 3]> {
+        let finest = &levels[levels.len() - 1].level.topology.faces;
+        let mut own = IdVec::<CornerId, Option<CornerId>>::filled(None, finest.corners().len());
+        for (triangle_corner, &c) in self.corners.enumerated() {
+            own[c].get_or_insert(triangle_corner);
+        }
+        let down = |c: CornerId| {
+            let c = levels[level..levels.len() - 1].iter().fold(c, |c, parent| parent.child_of(c));
+            own[c]
+        };
+        let coarse = Self::new(&levels[level].level.topology.faces, points, keep);
+        coarse.corners.chunks_exact(3).filter_map(|t| Some([down(t[0])?, down(t[1])?, down(t[2])?])).collect()
+    }
+}

@@ -1,0 +1,65 @@
+//! Flip every free edge whose opposite angles sum to more than π.
+
+use super::mesh::SimMesh;
+use crate::mesh::CornerId;
+use crate::mesh::edit::{next, prev};
+use glam::Vec3;
+
+/// Sweeps over all edges; each flip raises the smallest angle of its pair, so a few suffice.
+const MAX_SWEEPS: usize = 8;
+/// The angles must exceed π by this sine before an edge is flipped, so that rounding cannot turn it back.
+const MIN_GAIN: f32 = 1e-4;
+
+/// Flips until no edge gains by it. Returns the number of flips.
+pub fn flip_edges(mesh: &mut SimMesh<'_>) -> usize {
+    let mut count = 0;
+    let mut candidates: Vec<CornerId> = mesh.topology.edges().collect();
+    for _ in 0..MAX_SWEEPS {
+        let mut touched = Vec::new();
+        for half in candidates {
+            if wants_flip(mesh, half) && may_flip(mesh, half) && flip_is_safe(mesh, half) {
+                let twin = mesh.topology.twin(half);
+                mesh.flip(half);
+                count += 1;
+                for c in std::iter::once(half).chain(twin) {
+                    touched.extend([next(c), prev(c)]);
+                }
+            }
+        }
+        if touched.is_empty() {
+            break;
+        }
+        touched.sort_unstable();
+        touched.dedup();
+        candidates = touched;
+    }
+    count
+}
+
+/// Sine of the sum of two angles from their sine and cosine parts.
+fn opposite_angle(apex: Vec3, a: Vec3, b: Vec3) -> (f32, f32) {
+    let (u, v) = (a - apex, b - apex);
+    (u.cross(v).length(), u.dot(v))
+}
+
+/// Whether the angles opposite the edge sum to more than π.
+pub fn wants_flip(mesh: &SimMesh<'_>, half: CornerId) -> bool {
+    let Some(twin) = mesh.topology.twin(half) else { return false };
+    let [a, b, c, d] = [half, twin, prev(half), prev(twin)].map(|x| mesh.points[mesh.topology.vertex(x)]);
+    let ((s1, c1), (s2, c2)) = (opposite_angle(c, a, b), opposite_angle(d, a, b));
+    // sin(x + y) < 0 means x + y > π.
+    let scale = (s1.hypot(c1) * s2.hypot(c2)).max(f32::MIN_POSITIVE);
+    (s1 * c2 + c1 * s2) / scale < -MIN_GAIN
+}
+
+fn may_flip(mesh: &SimMesh<'_>, half: CornerId) -> bool {
+    !mesh.is_constrained(half) && mesh.topology.may_flip(half)
+}
+
+/// Neither new triangle is bad, unless one of the old is.
+fn flip_is_safe(mesh: &SimMesh<'_>, half: CornerId) -> bool {
+    let Some(twin) = mesh.topology.twin(half) else { return false };
+    let [a, b, c, d] = [half, next(half), prev(half), prev(twin)].map(|x| mesh.corner(x));
+    let bad = usize::from(mesh.is_bad([c, d, b])) + usize::from(mesh.is_bad([d, c, a]));
+    bad == 0 || bad < usize::from(mesh.is_bad_face(half)) + usize::from(mesh.is_bad_face(twin))
+}

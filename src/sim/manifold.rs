@@ -1,0 +1,147 @@
+//! The garment's cage as manifold, consistently oriented pieces over the same surface.
+//!
+//! Edges of more than two faces are cut, vertices where several fans meet are doubled, and faces that disagree with
+//! their neighbours in winding are turned. Sharpness is taken over edge by edge, so that the pieces refine to the same
+//! points as the garment.
+
+use crate::garment::Garment;
+use crate::mesh::{CornerId, EdgeId, FaceId, Faces, IdVec, Topology, VertexId};
+use crate::subdivide::{Level, Refiner};
+
+/// The manifold cage and where it comes from.
+pub struct Manifold {
+    /// The cage, ready to be refined; no channels yet.
+    pub refiner: Refiner,
+    /// The garment's vertex behind each vertex.
+    pub vertex_source: IdVec<VertexId, VertexId>,
+    /// The garment's corner behind each corner.
+    pub corner_source: IdVec<CornerId, CornerId>,
+    /// The garment's edge behind each edge.
+    pub edge_source: IdVec<EdgeId, EdgeId>,
+}
+
+impl Manifold {
+    /// The pieces of `garment`, whose unrefined level is `level`.
+    pub fn new(garment: &Garment, level: &Level) -> Self {
+        let t = &level.topology;
+        let turned = turned_faces(t);
+        let corner_source = corner_sources(t, &turned);
+        let loose: Vec<VertexId> = corner_source.iter().map(|&c| t.faces.vertex(c)).collect();
+        let counts = || t.faces.ids().map(|f| t.faces.valence(f));
+        // Corners joined across manifold edges share a vertex; all others are apart.
+        let fans = fans(t, &Faces::mixed(counts(), loose.clone()), &corner_source);
+        let mut vertex_source = IdVec::new();
+        let mut vertex_of_fan = vec![None; fans.len()];
+        let corners: Vec<VertexId> = fans
+            .iter()
+            .zip(&loose)
+            .map(|(&fan, &source)| *vertex_of_fan[fan].get_or_insert_with(|| vertex_source.push(source)))
+            .collect();
+        let topology = Topology::new(Faces::mixed(counts(), corners), vertex_source.len());
+        let edge_source: IdVec<EdgeId, EdgeId> = topology
+            .edges
+            .iter()
+            .map(|&[a, b]| {
+                let source = t.find_edge(vertex_source[a], vertex_source[b]);
+                source.unwrap_or_else(|| unreachable!("an edge of a piece is an edge of the cage"))
+            })
+            .collect();
+        let refiner = Refiner { level: like(level, topology, &vertex_source, &edge_source), channels: Vec::new() };
+        debug_assert_eq!(garment.points.len(), t.vertex_count());
+        Self { refiner, vertex_source, corner_source, edge_source }
+    }
+}
+
+/// The level of the pieces: sharpness and rules as in the garment's own.
+fn like(
+    level: &Level,
+    topology: Topology,
+    vertices: &IdVec<VertexId, VertexId>,
+    edges: &IdVec<EdgeId, EdgeId>,
+) -> Level {
+    Level {
+        scheme: level.scheme,
+        triangles: level.triangles,
+        sharp_corners: level.sharp_corners,
+        edge_sharpness: edges.iter().map(|&e| level.edge_sharpness[e]).collect(),
+        vertex_sharpness: vertices.iter().map(|&v| level.vertex_sharpness[v]).collect(),
+        rules: vertices.iter().map(|&v| level.rules[v]).collect(),
+        topology,
+    }
+}
+
+/// The faces to turn so that each piece agrees with the most of its faces.
+fn turned_faces(t: &Topology) -> IdVec<FaceId, bool> {
+    let mut turned = IdVec::<FaceId, Option<bool>>::filled(None, t.faces.len());
+    for seed in t.faces.ids() {
+        if turned[seed].is_some() {
+            continue;
+        }
+        turned[seed] = Some(false);
+        let mut piece = vec![seed];
+        let mut at = 0;
+        while let Some(&face) = piece.get(at) {
+            at += 1;
+            for corner in t.faces.corners_of(face) {
+                let &[a, b] = t.edge_corners.row(t.corner_edge[corner]) else { continue };
+                let other = if a == corner { b } else { a };
+                let neighbour = t.faces.face_of(other);
+                let disagrees = t.faces.vertex(a) == t.faces.vertex(b);
+                if turned[neighbour].is_none() {
+                    turned[neighbour] = turned[face].map(|own| own != disagrees);
+                    piece.push(neighbour);
+                }
+            }
+        }
+        let minority = piece.iter().filter(|&&f| turned[f] == Some(true)).count();
+        if 2 * minority > piece.len() {
+            piece.iter().for_each(|&f| turned[f] = turned[f].map(|x| !x));
+        }
+    }
+    turned.iter().map(|t| t.unwrap_or(false)).collect()
+}
+
+/// The garment's corner behind each corner of the pieces, whose turned faces run backwards from the same corner.
+fn corner_sources(t: &Topology, turned: &IdVec<FaceId, bool>) -> IdVec<CornerId, CornerId> {
+    t.faces
+        .ids()
+        .flat_map(|face| {
+            let range = t.faces.range(face);
+            let (first, n) = (range.start, range.len());
+            let is_turned = turned[face];
+            (0..n).map(move |k| CornerId::new(if is_turned { first + (n - k) % n } else { first + k }))
+        })
+        .collect()
+}
+
+/// Numbers the fans of corners that are joined across edges of two faces which agree in direction; one number a corner.
+fn fans(t: &Topology, faces: &Faces, source: &IdVec<CornerId, CornerId>) -> Vec<usize> {
+    // The half-edges of the pieces on each edge of the garment.
+    let mut halves = IdVec::<EdgeId, Vec<CornerId>>::filled(Vec::new(), t.edges.len());
+    for corner in faces.corners().ids() {
+        let back = faces.next(corner);
+        // In a turned face the edge to the next corner leaves from that next corner in the garment.
+        let (own, next) = (source[corner], source[back]);
+        let edge = if t.faces.next(own) == next { t.corner_edge[own] } else { t.corner_edge[next] };
+        halves[edge].push(corner);
+    }
+    let mut parent: Vec<usize> = (0..faces.corners().len()).collect();
+    fn root(parent: &mut [usize], mut i: usize) -> usize {
+        while parent[i] != i {
+            parent[i] = parent[parent[i]];
+            i = parent[i];
+        }
+        i
+    }
+    for row in halves.iter() {
+        let &[a, b] = row.as_slice() else { continue };
+        if faces.vertex(a) == faces.vertex(b) {
+            continue;
+        }
+        for (x, y) in [(a, faces.next(b)), (faces.next(a), b)] {
+            let (x, y) = (root(&mut parent, x.index()), root(&mut parent, y.index()));
+            parent[x.max(y)] = x.min(y);
+        }
+    }
+    (0..parent.len()).map(|i| root(&mut parent, i)).collect()
+}

@@ -1,0 +1,71 @@
+//! The simulation mesh: triangles of the wanted size on the garment's surface, conforming to its seams and borders.
+
+mod baseline;
+mod chains;
+mod collapse;
+mod flip;
+mod manifold;
+mod mesh;
+mod options;
+mod project;
+mod queue;
+mod relax;
+mod remesh;
+mod split;
+
+pub use baseline::{Baseline, Lengths, Location, holes};
+pub use chains::{Chain, Marks};
+pub use flip::wants_flip;
+pub use mesh::{Grade, Place, SimMesh, Span};
+pub use options::SimOptions;
+pub use project::{Projection, closest_weights};
+pub use remesh::{RemeshReport, remesh};
+
+use crate::mesh::{ChainId, CornerId, IdVec, VertexId};
+use glam::Vec3;
+
+/// A finished simulation mesh with all that transfer needs.
+pub struct SimProduct {
+    /// The surface that it lies on.
+    pub baseline: Baseline,
+    /// Positions. \[stage units\]
+    pub points: IdVec<VertexId, Vec3>,
+    /// The triangles.
+    pub triangles: Vec<[VertexId; 3]>,
+    /// Target edge length at each vertex. \[stage units\]
+    pub target: IdVec<VertexId, f32>,
+    /// Place of each corner on the baseline, with the constraint UVs.
+    pub places: IdVec<CornerId, Place>,
+    /// The edges on each chain, in order and direction of the chain.
+    pub chain_edges: IdVec<ChainId, Vec<[VertexId; 2]>>,
+    /// What the remesher did.
+    pub report: RemeshReport,
+}
+
+/// Remeshes the surface of `baseline`.
+pub fn simulate(baseline: Baseline, iterations: u32, max_faces: usize) -> SimProduct {
+    let mut mesh = SimMesh::new(&baseline);
+    let report = remesh(&mut mesh, iterations, max_faces);
+    let (triangles, old_vertex, old_corner) = mesh.topology.compact();
+    let mut new_vertex = IdVec::<VertexId, Option<VertexId>>::filled(None, mesh.points.len());
+    old_vertex.enumerated().for_each(|(new, &old)| new_vertex[old] = Some(new));
+    let mut on_chain: IdVec<ChainId, Vec<(f32, [VertexId; 2])>> = IdVec::filled(Vec::new(), baseline.chains.len());
+    for half in mesh.topology.edges() {
+        let Some(span) = mesh.span[half] else { continue };
+        let ends = [mesh.topology.vertex(half), mesh.topology.target(half)].map(|v| new_vertex[v]);
+        let [Some(a), Some(b)] = ends else { continue };
+        let length = baseline.chains[span.chain].length();
+        let from = span.from.min(span.to);
+        let from = if baseline.chains[span.chain].is_loop { from.rem_euclid(length) } else { from };
+        on_chain[span.chain].push((from, if span.is_forward() { [a, b] } else { [b, a] }));
+    }
+    let chain_edges = on_chain.into_vec().into_iter().map(|mut edges| {
+        edges.sort_by(|a, b| a.0.total_cmp(&b.0));
+        edges.into_iter().map(|(_, e)| e).collect()
+    });
+    let chain_edges = chain_edges.collect();
+    let points = old_vertex.iter().map(|&v| mesh.points[v]).collect();
+    let target = old_vertex.iter().map(|&v| mesh.target[v]).collect();
+    let places = old_corner.iter().map(|&c| mesh.place[c]).collect();
+    SimProduct { points, triangles, target, places, chain_edges, report, baseline }
+}

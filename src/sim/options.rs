@@ -1,0 +1,47 @@
+//! What the user can choose about the simulation mesh.
+
+use serde::{Deserialize, Serialize};
+
+/// Options of the simulation mesh: the attributes of `TailorSimAPI`, with the same names and defaults.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase", default, deny_unknown_fields)]
+pub struct SimOptions {
+    /// Target edge length where the density is 1. \[stage units\] 0: half of `maxEdgeLength`, or all of it where no
+    /// density is named.
+    pub min_edge_length: f32,
+    /// Target edge length where the density is 0. \[stage units\] 0: half the mean edge length of the input.
+    pub max_edge_length: f32,
+    /// Name of the painted vertex primvar, 1 = `minEdgeLength`, 0 = `maxEdgeLength`; empty: `maxEdgeLength` everywhere.
+    pub density: String,
+    /// Refinements of the input that give the surface which the mesh lies on. \[levels\]
+    pub baseline_level: u32,
+    /// Rounds of split, collapse, flip and relax. \[rounds\]
+    pub iterations: u32,
+    /// The UV set whose shell borders are seams; empty: none.
+    pub uv_set: String,
+    /// Whether the borders of UV shells are edges of the mesh.
+    pub constrain_uv_seams: bool,
+    /// Edge subsets that become edges of the mesh.
+    pub constraints: Vec<String>,
+    /// Samples for each expected face when sets and colours are transferred. \[samples\]
+    pub transfer_samples: u32,
+    /// Seed of the samples.
+    pub seed: u32,
+}
+
+impl Default for SimOptions {
+    fn default() -> Self {
+        Self {
+            min_edge_length: 0.0,
+            max_edge_length: 0.0,
+            density: String::new(),
+            baseline_level: 2,
+            iterations: 5,
+            uv_set: "st".into(),
+            constrain_uv_seams: true,
+            constraints: Vec::new(),
+            transfer_samples: 32,
+            seed: 0,
+        }
+    }
+}

@@ -1,0 +1,181 @@
+//! Closest points on the baseline by walking from a known triangle.
+//!
+//! A walk never crosses a chain or a border, so a vertex stays on its own piece and panel however near another layer
+//! lies.
+
+use super::baseline::{Baseline, Location};
+use crate::mesh::{CornerId, FaceId};
+use glam::{Vec2, Vec3};
+
+/// Steps after which a walk stops where it is. A walk gets nearer with every step, so only a start that is very far
+/// away comes near this.
+const MAX_STEPS: usize = 4096;
+/// A step must shorten the squared distance by this share, so that rounding cannot turn it back.
+const PROGRESS: f32 = 1.0 - 1e-6;
+
+/// A point of the baseline with its position.
+#[derive(Clone, Copy, Debug)]
+pub struct Projection {
+    /// Where it is on the baseline.
+    pub location: Location,
+    /// Position.
+    pub position: Vec3,
+    /// Squared distance from the point that was projected.
+    pub distance_squared: f32,
+}
+
+impl Baseline {
+    /// Corners of a triangle.
+    fn corners(&self, face: FaceId) -> [CornerId; 3] {
+        [0, 1, 2].map(|k| CornerId::new(face.index() * 3 + k))
+    }
+
+    /// Positions of a triangle's corners.
+    pub fn triangle(&self, face: FaceId) -> [Vec3; 3] {
+        self.corners(face).map(|c| self.points[self.topology.faces.vertex(c)])
+    }
+
+    /// Normal of a triangle, not scaled to unit length.
+    pub fn normal(&self, face: FaceId) -> Vec3 {
+        let [a, b, c] = self.triangle(face);
+        (b - a).cross(c - a)
+    }
+
+    /// Position of a location.
+    pub fn position(&self, at: Location) -> Vec3 {
+        let [a, b, c] = self.triangle(at.face);
+        a * at.weights.x + b * at.weights.y + c * at.weights.z
+    }
+
+    /// Constraint UVs of a location.
+    pub fn uv(&self, at: Location) -> Vec2 {
+        let [a, b, c] = self.corners(at.face).map(|c| self.uvs[c]);
+        a * at.weights.x + b * at.weights.y + c * at.weights.z
+    }
+
+    /// Target edge length at a location. \[stage units\]
+    pub fn target_at(&self, at: Location) -> f32 {
+        let [a, b, c] = self.corners(at.face).map(|c| self.target[self.topology.faces.vertex(c)]);
+        a * at.weights.x + b * at.weights.y + c * at.weights.z
+    }
+
+    /// The location of a corner of a triangle.
+    pub fn corner_location(&self, corner: CornerId) -> Location {
+        let mut weights = [0.0; 3];
+        weights[corner.index() % 3] = 1.0;
+        Location { face: FaceId::new(corner.index() / 3), weights: weights.into() }
+    }
+
+    /// The closest point of one triangle.
+    fn on_triangle(&self, face: FaceId, point: Vec3) -> Projection {
+        let [a, b, c] = self.triangle(face);
+        let weights = closest_weights(a, b, c, point);
+        let position = a * weights.x + b * weights.y + c * weights.z;
+        let distance_squared = position.distance_squared(point);
+        Projection { location: Location { face, weights }, position, distance_squared }
+    }
+
+    /// The closest point that a walk from triangle `start` reaches.
+    pub fn closest(&self, start: FaceId, point: Vec3) -> Projection {
+        let mut best = self.on_triangle(start, point);
+        for _ in 0..MAX_STEPS {
+            let here = best.location;
+            let mut next = best;
+            self.for_each_neighbour(here, |face| {
+                let there = self.on_triangle(face, point);
+                if there.distance_squared < next.distance_squared * PROGRESS {
+                    next = there;
+                }
+            });
+            if next.location.face == here.face {
+                break;
+            }
+            best = next;
+        }
+        best
+    }
+
+    /// The triangles that share the edge or vertex on which a location lies, as far as no barrier is between.
+    fn for_each_neighbour(&self, at: Location, mut visit: impl FnMut(FaceId)) {
+        let corners = self.corners(at.face);
+        let zero = at.weights.to_array().map(|w| w <= 0.0);
+        match zero.iter().filter(|z| **z).count() {
+            0 => {}
+            1 => {
+                // The edge opposite the corner without weight.
+                let k = (0..3).find(|&k| zero[k]).unwrap_or(0);
+                self.across(corners[(k + 1) % 3], &mut visit);
+            }
+            _ => {
+                let k = (0..3).find(|&k| !zero[k]).unwrap_or(0);
+                self.around(corners[k], &mut visit);
+            }
+        }
+    }
+
+    fn across(&self, half: CornerId, visit: &mut impl FnMut(FaceId)) -> Option<CornerId> {
+        if self.barrier[half] {
+            return None;
+        }
+        let twin = self.topology.twin(half)?;
+        visit(self.topology.faces.face_of(twin));
+        Some(twin)
+    }
+
+    /// Turns around the vertex of a corner, both ways up to a barrier.
+    fn around(&self, corner: CornerId, visit: &mut impl FnMut(FaceId)) {
+        let faces = &self.topology.faces;
+        let mut at = corner;
+        while let Some(twin) = self.across(faces.prev(at), visit) {
+            at = twin;
+            if at == corner {
+                return;
+            }
+        }
+        at = corner;
+        while let Some(twin) = self.across(at, visit) {
+            at = faces.next(twin);
+        }
+    }
+}
+
+/// Weights of the point of a triangle that is closest to `p` (Ericson, Real-Time Collision Detection, 5.1.5).
+pub fn closest_weights(a: Vec3, b: Vec3, c: Vec3, p: Vec3) -> Vec3 {
+    let (ab, ac, ap) = (b - a, c - a, p - a);
+    let (d1, d2) = (ab.dot(ap), ac.dot(ap));
+    if d1 <= 0.0 && d2 <= 0.0 {
+        return Vec3::X;
+    }
+    let bp = p - b;
+    let (d3, d4) = (ab.dot(bp), ac.dot(bp));
+    if d3 >= 0.0 && d4 <= d3 {
+        return Vec3::Y;
+    }
+    let vc = d1 * d4 - d3 * d2;
+    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+        let v = d1 / (d1 - d3);
+        return Vec3::new(1.0 - v, v, 0.0);
+    }
+    let cp = p - c;
+    let (d5, d6) = (ab.dot(cp), ac.dot(cp));
+    if d6 >= 0.0 && d5 <= d6 {
+        return Vec3::Z;
+    }
+    let vb = d5 * d2 - d1 * d6;
+    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+        let w = d2 / (d2 - d6);
+        return Vec3::new(1.0 - w, 0.0, w);
+    }
+    let va = d3 * d6 - d5 * d4;
+    if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
+        let w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+        return Vec3::new(0.0, 1.0 - w, w);
+    }
+    let sum = va + vb + vc;
+    // A degenerate triangle that reaches here is a point.
+    if sum <= 0.0 {
+        return Vec3::X;
+    }
+    let (v, w) = (vb / sum, vc / sum);
+    Vec3::new(1.0 - v - w, v, w)
+}
