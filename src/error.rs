@@ -1,0 +1,135 @@
+//! The root error, its exit class, and the warnings that are collected on the way.
+
+use crate::garment::GarmentError;
+use crate::usd::UsdError;
+use serde::Serialize;
+use std::fmt;
+
+/// What went wrong, for the person at the terminal.
+#[derive(Debug)]
+pub enum Error {
+    /// A USD file could not be opened, understood or written.
+    Usd(UsdError),
+    /// The mesh is not a garment that can be worked on.
+    Garment(GarmentError),
+    /// The recipe (file, flag or attribute) is wrong.
+    Recipe(String),
+    /// The command line is wrong.
+    Usage(String),
+    /// A fault of this program.
+    Internal(String),
+}
+
+impl Error {
+    /// Exit code of the command: 1 for the user's input, 2 for our own faults.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Internal(_) => 2,
+            _ => 1,
+        }
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Usd(e) => e.fmt(f),
+            Self::Garment(e) => e.fmt(f),
+            Self::Recipe(e) | Self::Usage(e) => e.fmt(f),
+            Self::Internal(e) => write!(f, "internal error: {e}; please report it"),
+        }
+    }
+}
+
+impl std::error::Error for Error {}
+
+impl From<UsdError> for Error {
+    fn from(e: UsdError) -> Self {
+        Self::Usd(e)
+    }
+}
+
+impl From<GarmentError> for Error {
+    fn from(e: GarmentError) -> Self {
+        Self::Garment(e)
+    }
+}
+
+/// Something the user should know that does not stop the work.
+///
+/// `examples` name the first few elements in the user's own numbers.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "code", rename_all = "kebab-case", rename_all_fields = "camelCase")]
+pub enum Warning {
+    /// Edges with more than two faces; cut apart on the simulation mesh, kept on the render mesh.
+    NonManifoldEdges {
+        /// How many.
+        count: usize,
+        /// Point indices.
+        examples: Vec<[usize; 2]>,
+    },
+    /// Vertices where several fans of faces touch; cut apart on the simulation mesh, kept on the render mesh.
+    BowTieVertices {
+        /// How many.
+        count: usize,
+        /// Point indices.
+        examples: Vec<usize>,
+    },
+    /// Neighbouring faces that disagree in winding; oriented on the simulation mesh, kept on the render mesh.
+    WindingDisagreements {
+        /// How many edges.
+        count: usize,
+        /// Point indices.
+        examples: Vec<[usize; 2]>,
+    },
+    /// An attribute of the model that a product does not carry.
+    NotCarried {
+        /// What: a property or a subset by name.
+        what: String,
+        /// Why, and where it still can be found.
+        why: String,
+    },
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NonManifoldEdges { count, examples } => write!(
+                f,
+                "{count} edges have more than two faces (points {examples:?}); the simulation mesh is cut there"
+            ),
+            Self::BowTieVertices { count, examples } => write!(
+                f,
+                "{count} points join fans of faces that share no edge (points {examples:?}); the simulation mesh is cut there"
+            ),
+            Self::WindingDisagreements { count, examples } => write!(
+                f,
+                "{count} edges lie between faces of opposite winding (points {examples:?}); the simulation mesh is oriented alike"
+            ),
+            Self::NotCarried { what, why } => write!(f, "{what} is not carried: {why}"),
+        }
+    }
+}
+
+/// The warnings of one run, in the order in which they arose; the caller prints them once.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Warnings(Vec<Warning>);
+
+impl Warnings {
+    /// Adds a warning, unless it is there already.
+    pub fn push(&mut self, warning: Warning) {
+        if !self.0.contains(&warning) {
+            self.0.push(warning);
+        }
+    }
+
+    /// The warnings so far.
+    pub fn iter(&self) -> impl Iterator<Item = &Warning> {
+        self.0.iter()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+}

@@ -1,0 +1,73 @@
+//! What a file said about a garment, before anything is checked.
+
+use super::{Family, Interpolation, Mixing, Orientation, SubdivisionRules, Values};
+use glam::Vec3;
+
+/// A mesh as authored. Index arrays keep the file's signed integers, so that a fault can be named as the user wrote it.
+#[derive(Clone, Debug, Default)]
+pub struct GarmentInput {
+    /// Path of the prim.
+    pub prim: String,
+    /// `points`
+    pub points: Vec<Vec3>,
+    /// `faceVertexCounts`
+    pub face_vertex_counts: Vec<i32>,
+    /// `faceVertexIndices`
+    pub face_vertex_indices: Vec<i32>,
+    /// `orientation`
+    pub orientation: Orientation,
+    /// `subdivisionScheme`, `interpolateBoundary`, `faceVaryingLinearInterpolation`, `triangleSubdivisionRule`
+    pub rules: SubdivisionRules,
+    /// `holeIndices`
+    pub hole_indices: Vec<i32>,
+    /// `creaseIndices`
+    pub crease_indices: Vec<i32>,
+    /// `creaseLengths`
+    pub crease_lengths: Vec<i32>,
+    /// `creaseSharpnesses`: one a crease, or one an edge
+    pub crease_sharpnesses: Vec<f32>,
+    /// `cornerIndices`
+    pub corner_indices: Vec<i32>,
+    /// `cornerSharpnesses`
+    pub corner_sharpnesses: Vec<f32>,
+    /// Primvars of the prim itself that are not constant.
+    pub primvars: Vec<PrimvarInput>,
+    /// GeomSubsets, in namespace order.
+    pub subsets: Vec<SubsetInput>,
+    /// `subsetFamily:<name>:familyType`
+    pub families: Vec<Family>,
+}
+
+/// A primvar as authored.
+#[derive(Clone, Debug)]
+pub struct PrimvarInput {
+    /// Name without `primvars:`.
+    pub name: String,
+    /// USD's name of the value type.
+    pub type_name: String,
+    /// `interpolation`
+    pub interpolation: Interpolation,
+    /// Numbers in one value of the type.
+    pub components: usize,
+    /// `elementSize`
+    pub element_size: i32,
+    /// How values combine.
+    pub mixing: Mixing,
+    /// The values, flat.
+    pub values: Values,
+    /// `primvars:<name>:indices`
+    pub indices: Option<Vec<i32>>,
+}
+
+/// A GeomSubset as authored.
+#[derive(Clone, Debug)]
+pub struct SubsetInput {
+    /// Name of the subset's prim.
+    pub name: String,
+    /// `elementType`
+    pub element_type: String,
+    /// `familyName`; empty for none.
+    pub family: String,
+    /// `indices`
+    pub indices: Vec<i32>,
+}

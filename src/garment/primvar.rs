@@ -1,0 +1,141 @@
+//! Values on the elements of a mesh (`UsdGeomPrimvar`).
+
+/// The elements that carry a primvar's values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Interpolation {
+    /// One value for the mesh.
+    Constant,
+    /// One value a face.
+    Uniform,
+    /// One value a vertex, interpolated linearly.
+    Varying,
+    /// One value a vertex, interpolated by the subdivision rules.
+    Vertex,
+    /// One value a corner.
+    FaceVarying,
+}
+
+/// How values are combined where several source elements meet in one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Mixing {
+    /// Weighted sums.
+    Linear,
+    /// Weighted sums, scaled to unit length again (normals).
+    Direction,
+    /// Weighted sums of one hemisphere, scaled to unit length again (quaternions).
+    Rotation,
+    /// Never combined: the value of the heaviest source is taken.
+    Discrete,
+}
+
+/// The values of a primvar, flat.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Values {
+    /// half and float types.
+    F32(Vec<f32>),
+    /// double types and time codes.
+    F64(Vec<f64>),
+    /// bool.
+    Bool(Vec<bool>),
+    /// uchar.
+    U8(Vec<u8>),
+    /// int and its tuples.
+    I32(Vec<i32>),
+    /// uint.
+    U32(Vec<u32>),
+    /// int64.
+    I64(Vec<i64>),
+    /// uint64.
+    U64(Vec<u64>),
+    /// string, token, asset path (as authored), path expression.
+    Text(Vec<String>),
+}
+
+impl Values {
+    /// How many numbers or texts there are.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::F32(v) => v.len(),
+            Self::F64(v) => v.len(),
+            Self::Bool(v) => v.len(),
+            Self::U8(v) => v.len(),
+            Self::I32(v) => v.len(),
+            Self::U32(v) => v.len(),
+            Self::I64(v) => v.len(),
+            Self::U64(v) => v.len(),
+            Self::Text(v) => v.len(),
+        }
+    }
+
+    /// Whether there is no value.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The rows `rows` of `width` numbers each, in that order.
+    pub fn gather(&self, width: usize, rows: impl Iterator<Item = usize> + Clone) -> Self {
+        fn take<T: Clone>(v: &[T], width: usize, rows: impl Iterator<Item = usize>) -> Vec<T> {
+            if width == 1 {
+                return rows.map(|r| v[r].clone()).collect();
+            }
+            let mut out = Vec::with_capacity(rows.size_hint().0 * width);
+            rows.for_each(|r| out.extend_from_slice(&v[r * width..(r + 1) * width]));
+            out
+        }
+        match self {
+            Self::F32(v) => Self::F32(take(v, width, rows)),
+            Self::F64(v) => Self::F64(take(v, width, rows)),
+            Self::Bool(v) => Self::Bool(take(v, width, rows)),
+            Self::U8(v) => Self::U8(take(v, width, rows)),
+            Self::I32(v) => Self::I32(take(v, width, rows)),
+            Self::U32(v) => Self::U32(take(v, width, rows)),
+            Self::I64(v) => Self::I64(take(v, width, rows)),
+            Self::U64(v) => Self::U64(take(v, width, rows)),
+            Self::Text(v) => Self::Text(take(v, width, rows)),
+        }
+    }
+}
+
+/// A primvar that varies over the mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Primvar {
+    /// Name without `primvars:`.
+    pub name: String,
+    /// USD's name of the value type (`texCoord2f[]`); opaque here, the writer gives it back.
+    pub type_name: String,
+    /// The elements that carry the values.
+    pub interpolation: Interpolation,
+    /// Numbers in one value of the type: 2 for `float2[]`.
+    pub components: usize,
+    /// Values in one element (`elementSize`).
+    pub element_size: usize,
+    /// How values combine.
+    pub mixing: Mixing,
+    /// The values; rows of [`Primvar::width`] numbers.
+    pub values: Values,
+    /// For each element the row that it takes; none when the rows are in element order.
+    pub indices: Option<Vec<u32>>,
+}
+
+impl Primvar {
+    /// Numbers in the row of one element.
+    pub fn width(&self) -> usize {
+        self.components * self.element_size
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.values.len() / self.width().max(1)
+    }
+
+    /// Number of elements that have a value.
+    pub fn elements(&self) -> usize {
+        self.indices.as_ref().map_or_else(|| self.rows(), Vec::len)
+    }
+
+    /// The row that element `element` takes.
+    #[inline]
+    pub fn row(&self, element: usize) -> usize {
+        self.indices.as_ref().map_or(element, |i| i[element] as usize)
+    }
+}

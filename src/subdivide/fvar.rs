@@ -1,0 +1,504 @@
+//! Face-varying data: the regions of a channel, the rule at each value, and how both refine.
+//!
+//! A *value* is what one or more corners of a vertex share. A vertex with one value and no cut edge follows the vertex
+//! masks; elsewhere the border of the region decides. The rules, mode by mode, are OpenSubdiv's (`vtr/fvarLevel.cpp`,
+//! `vtr/fvarRefinement.cpp`, `far/primvarRefiner.h`).
+
+use super::level::{self, INFINITE_SHARPNESS, Level, Spoke};
+use super::masks;
+use super::split::{Numbering, child_corner};
+use super::stencil::Stencils;
+use crate::garment::{BoundaryInterpolation, FaceVaryingInterpolation, Scheme};
+use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, ValueId, VertexId};
+
+/// The rule that refines a value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Tag {
+    /// As the vertex.
+    Match,
+    /// Kept.
+    Corner,
+    /// Along the border of its region.
+    Crease,
+    /// Kept while semi-sharp edges within its own region, or that of the only other value, last; then a crease.
+    Semi { dependent: bool },
+}
+
+/// How an edge splits a channel.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct EdgeTag {
+    /// The values on its sides differ.
+    cut: bool,
+    /// Its middle is linear and sharp from here on.
+    linear: bool,
+}
+
+/// The topology of one face-varying channel at one level.
+#[derive(Clone, Debug)]
+pub struct Channel {
+    /// The value of each corner.
+    pub corner_value: IdVec<CornerId, ValueId>,
+    /// A corner of each value.
+    pub value_corner: IdVec<ValueId, CornerId>,
+    tags: IdVec<ValueId, Tag>,
+    edges: IdVec<EdgeId, EdgeTag>,
+    mode: FaceVaryingInterpolation,
+}
+
+impl Channel {
+    /// The channel of `level` whose corners take `rows`, and the row of each value.
+    pub fn base(
+        level: &Level,
+        rows: impl Fn(CornerId) -> usize,
+        mode: FaceVaryingInterpolation,
+        boundary: BoundaryInterpolation,
+    ) -> (Self, Vec<u32>) {
+        let t = &level.topology;
+        let corners = t.faces.corners().len();
+        let mut corner_value = IdVec::filled(ValueId::new(0), corners);
+        let mut value_corner = IdVec::new();
+        let mut value_rows: Vec<u32> = Vec::new();
+        for vertex in (0..t.vertex_count()).map(VertexId::new) {
+            let first = value_rows.len();
+            for &corner in t.vertex_corners.row(vertex) {
+                let row = rows(corner) as u32;
+                let known = value_rows[first..].iter().position(|&r| r == row);
+                corner_value[corner] = known.map_or_else(
+                    || {
+                        value_rows.push(row);
+                        value_corner.push(corner)
+                    },
+                    |i| ValueId::new(first + i),
+                );
+            }
+        }
+        let mut channel = Self {
+            tags: IdVec::filled(Tag::Match, value_rows.len()),
+            edges: IdVec::filled(EdgeTag::default(), t.edges.len()),
+            corner_value,
+            value_corner,
+            mode,
+        };
+        channel.tag_edges(t);
+        channel.tag_values(level, boundary);
+        (channel, value_rows)
+    }
+
+    /// Number of values.
+    pub fn len(&self) -> usize {
+        self.value_corner.len()
+    }
+
+    /// Whether there is no value.
+    pub fn is_empty(&self) -> bool {
+        self.value_corner.is_empty()
+    }
+
+    /// Whether the values on the two sides of an edge differ.
+    pub fn is_cut(&self, edge: EdgeId) -> bool {
+        self.edges[edge].cut
+    }
+
+    fn linear_boundaries(&self) -> bool {
+        matches!(self.mode, FaceVaryingInterpolation::All | FaceVaryingInterpolation::Boundaries)
+    }
+
+    fn dependent_sharpness(&self) -> bool {
+        matches!(self.mode, FaceVaryingInterpolation::CornersPlus1 | FaceVaryingInterpolation::CornersPlus2)
+    }
+
+    fn is_linear(&self, level: &Level) -> bool {
+        self.mode == FaceVaryingInterpolation::All || matches!(level.scheme, Scheme::Bilinear | Scheme::None)
+    }
+
+    /// The values at the two ends of a half-edge, in the edge's own direction.
+    fn ends(&self, t: &Topology, half: CornerId, edge: EdgeId) -> [ValueId; 2] {
+        let ends = [self.corner_value[half], self.corner_value[t.faces.next(half)]];
+        if t.faces.vertex(half) == t.edges[edge][0] { ends } else { [ends[1], ends[0]] }
+    }
+
+    fn tag_edges(&mut self, t: &Topology) {
+        for edge in t.edges.ids() {
+            let halves = t.edge_corners.row(edge);
+            let first = self.ends(t, halves[0], edge);
+            let cut = halves[1..].iter().any(|&h| self.ends(t, h, edge) != first);
+            let linear = self.linear_boundaries() && (cut || halves.len() == 1);
+            self.edges[edge] = EdgeTag { cut, linear };
+        }
+    }
+
+    fn tag_values(&mut self, level: &Level, boundary: BoundaryInterpolation) {
+        let t = &level.topology;
+        let sharpen_smooth_corners =
+            boundary != BoundaryInterpolation::EdgeAndCorner && self.mode != FaceVaryingInterpolation::None;
+        let mut spokes = Vec::new();
+        for vertex in (0..t.vertex_count()).map(VertexId::new) {
+            let corners = t.vertex_corners.row(vertex);
+            let Some(&first) = corners.first() else { continue };
+            level.spokes(vertex, &mut spokes);
+            let on_border = spokes.iter().any(|s| t.is_border(s.edge));
+            let several = corners.iter().any(|&c| self.corner_value[c] != self.corner_value[first]);
+            if several
+                || spokes.iter().any(|s| self.edges[s.edge].cut)
+                || on_border && self.linear_boundaries()
+                || on_border && corners.len() == 1 && sharpen_smooth_corners
+            {
+                self.tag_mismatch(level, vertex, &spokes, on_border);
+            }
+        }
+    }
+
+    /// Tags the values of a vertex that does not follow the vertex masks.
+    fn tag_mismatch(&mut self, level: &Level, vertex: VertexId, spokes: &[Spoke], on_border: bool) {
+        let t = &level.topology;
+        let non_manifold = level::is_non_manifold_vertex(t, vertex, spokes);
+        let spans = self.spans(level, vertex, on_border, non_manifold);
+        let plus2 = self.mode == FaceVaryingInterpolation::CornersPlus2;
+        let corners_sharp = self.mode != FaceVaryingInterpolation::None;
+        let sharpness = level.vertex_sharpness[vertex];
+        let mut all_sharp = self.linear_boundaries()
+            || sharpness >= INFINITE_SHARPNESS
+            || non_manifold
+            || self.dependent_sharpness() && spans.len() > 2
+            || plus2 && spans.len() == 1 && !on_border;
+        let mut dependent = false;
+        if let (false, true, [a, b]) = (all_sharp, self.dependent_sharpness(), spans.as_slice()) {
+            let sharp = |s: &Span| s.infinite > 0 || s.is_disjoint || plus2 && s.size == 1;
+            all_sharp = sharp(a) || sharp(b);
+            dependent = (a.semi > 0) != (b.semi > 0);
+        }
+        for span in &spans {
+            let sharp = span.is_disjoint || all_sharp || span.infinite > 0 || span.size == 1 && corners_sharp;
+            self.tags[span.value] = if sharp {
+                Tag::Corner
+            } else if span.semi > 0 || sharpness > 0.0 {
+                Tag::Semi { dependent: false }
+            } else if dependent {
+                Tag::Semi { dependent: true }
+            } else {
+                Tag::Crease
+            };
+        }
+    }
+
+    /// What the faces of each value around a vertex look like.
+    fn spans(&self, level: &Level, vertex: VertexId, on_border: bool, non_manifold: bool) -> Vec<Span> {
+        let t = &level.topology;
+        let corners = t.vertex_corners.row(vertex);
+        let mut spans: Vec<Span> = Vec::new();
+        for &corner in corners {
+            let value = self.corner_value[corner];
+            let at = spans.iter().position(|s| s.value == value).unwrap_or_else(|| {
+                spans.push(Span::new(value));
+                spans.len() - 1
+            });
+            let span = &mut spans[at];
+            span.size += 1;
+            let edge = t.corner_edge[corner];
+            if t.is_border(edge) {
+                continue;
+            }
+            // Edges whose two faces at this vertex both have the value are inside the span.
+            let before = t.twin(corner).map(|twin| self.corner_value[t.faces.next(twin)]);
+            if before != Some(value) {
+                span.begins += 1;
+            } else if self.edges[edge].cut {
+                span.slits += 1;
+            } else {
+                let sharpness = level.edge_sharpness[edge];
+                span.infinite += usize::from(sharpness >= INFINITE_SHARPNESS);
+                span.semi += usize::from(sharpness > 0.0 && sharpness < INFINITE_SHARPNESS);
+            }
+        }
+        let single_interior = spans.len() == 1 && !on_border;
+        for span in &mut spans {
+            let open_start = corners.iter().any(|&c| self.corner_value[c] == span.value && t.is_border(t.corner_edge[c]));
+            span.is_disjoint = non_manifold
+                || if single_interior { span.slits > 1 } else { span.slits > 0 || span.begins + usize::from(open_start) > 1 };
+        }
+        spans
+    }
+
+    /// The refined channel without its edges: enough for the stencils, and for the last level.
+    fn child_values(&self, parent: &Level, values: &Values) -> Self {
+        let t = &parent.topology;
+        let mut tags = self.tags.clone();
+        self.reclassify(parent, &mut tags);
+        tags.resize(self.len() + values.faces, Tag::Match);
+        let on_split_edge = if self.linear_boundaries() { Tag::Corner } else { Tag::Crease };
+        tags.extend(values.halves.iter().map(|&half| {
+            let tag = self.edges[t.corner_edge[half]];
+            if tag.cut || tag.linear { on_split_edge } else { Tag::Match }
+        }));
+        let (corner_value, value_corner) =
+            if parent.scheme == Scheme::Loop { values.loop_corners(self, t) } else { values.quad_corners(self, t) };
+        Self { corner_value, value_corner, tags, edges: IdVec::new(), mode: self.mode }
+    }
+
+    /// Turns values whose sharp edges have faded into creases.
+    fn reclassify(&self, parent: &Level, tags: &mut IdVec<ValueId, Tag>) {
+        let t = &parent.topology;
+        let semi_values: Vec<ValueId> =
+            self.tags.enumerated().filter(|(_, tag)| matches!(tag, Tag::Semi { .. })).map(|(v, _)| v).collect();
+        let lasts = |s: f32| {
+            let child = level::refined_sharpness(s);
+            child > 0.0 && child < INFINITE_SHARPNESS
+        };
+        let mut spokes = Vec::new();
+        for &value in &semi_values {
+            let vertex = t.faces.vertex(self.value_corner[value]);
+            if level::refined_sharpness(parent.vertex_sharpness[vertex]) > 0.0 {
+                continue;
+            }
+            parent.spokes(vertex, &mut spokes);
+            if !spokes.iter().any(|s| lasts(parent.edge_sharpness[s.edge])) {
+                tags[value] = Tag::Crease;
+            } else if self.tags[value] == (Tag::Semi { dependent: false })
+                && !self.inner_edges(t, value).any(|e| lasts(parent.edge_sharpness[e]))
+            {
+                tags[value] = Tag::Crease;
+            }
+        }
+        for value in semi_values {
+            if tags[value] != (Tag::Semi { dependent: true }) {
+                continue;
+            }
+            let other = self.siblings(t, value).find(|&v| v != value);
+            if other.is_none_or(|v| !matches!(tags[v], Tag::Semi { .. })) {
+                tags[value] = Tag::Semi { dependent: false };
+            }
+        }
+    }
+
+    /// The values of the corners at the vertex of a value.
+    fn siblings<'a>(&'a self, t: &'a Topology, value: ValueId) -> impl Iterator<Item = ValueId> + 'a {
+        let vertex = t.faces.vertex(self.value_corner[value]);
+        t.vertex_corners.row(vertex).iter().map(|&c| self.corner_value[c])
+    }
+
+    /// The corners at the vertex of a value that have it.
+    fn corners_of<'a>(&'a self, t: &'a Topology, value: ValueId) -> impl Iterator<Item = CornerId> + 'a {
+        let vertex = t.faces.vertex(self.value_corner[value]);
+        t.vertex_corners.row(vertex).iter().copied().filter(move |&c| self.corner_value[c] == value)
+    }
+
+    /// The edges at the vertex of a value that lie within its region.
+    fn inner_edges<'a>(&'a self, t: &'a Topology, value: ValueId) -> impl Iterator<Item = EdgeId> + 'a {
+        self.corners_of(t, value).map(|c| t.corner_edge[c]).filter(|&e| !self.edges[e].cut && !t.is_border(e))
+    }
+
+    fn is_region_border(&self, t: &Topology, edge: EdgeId) -> bool {
+        self.edges[edge].cut || t.is_border(edge)
+    }
+
+    /// The mask of the child of a value, which the next level tags as `child`.
+    #[inline]
+    fn value_mask(&self, level: &Level, value: ValueId, child: Tag, sink: &mut impl FnMut(CornerId, f32)) {
+        let own = self.value_corner[value];
+        if self.is_linear(level) {
+            return sink(own, 1.0);
+        }
+        match child {
+            Tag::Match => masks::vertex(level, level.topology.faces.vertex(own), sink),
+            Tag::Corner | Tag::Semi { .. } => sink(own, 1.0),
+            Tag::Crease => self.crease_mask(level, value, own, sink),
+        }
+    }
+
+    fn crease_mask(&self, level: &Level, value: ValueId, own: CornerId, sink: &mut impl FnMut(CornerId, f32)) {
+        let keep = self.fading_weight(level, value);
+        sink(own, keep + 0.75 * (1.0 - keep));
+        for end in self.crease_ends(&level.topology, value) {
+            sink(end, 0.125 * (1.0 - keep));
+        }
+    }
+
+    /// How much of the corner remains while a semi-sharp value becomes a crease.
+    fn fading_weight(&self, level: &Level, value: ValueId) -> f32 {
+        let t = &level.topology;
+        let of = match self.tags[value] {
+            Tag::Semi { dependent: false } => value,
+            Tag::Semi { dependent: true } => self.siblings(t, value).find(|&v| v != value).unwrap_or(value),
+            _ => return 0.0,
+        };
+        let vertex = t.faces.vertex(self.value_corner[value]);
+        masks::fractional_weight(
+            level.vertex_sharpness[vertex],
+            self.inner_edges(t, of).map(|e| level.edge_sharpness[e]),
+        )
+    }
+
+    /// The next corners along the border of a value's region, on either side.
+    fn crease_ends(&self, t: &Topology, value: ValueId) -> impl Iterator<Item = CornerId> {
+        let mut leaving = None;
+        let mut arriving = None;
+        for corner in self.corners_of(t, value) {
+            let prev = t.faces.prev(corner);
+            if self.is_region_border(t, t.corner_edge[corner]) {
+                leaving = leaving.or(Some(t.faces.next(corner)));
+            }
+            if self.is_region_border(t, t.corner_edge[prev]) {
+                arriving = arriving.or(Some(prev));
+            }
+        }
+        leaving.into_iter().chain(arriving)
+    }
+}
+
+/// The refinement of one channel.
+pub struct ChannelChild<'a> {
+    level: &'a Level,
+    parent: &'a Channel,
+    values: Values,
+    child: Channel,
+}
+
+impl<'a> ChannelChild<'a> {
+    pub(super) fn new(level: &'a Level, parent: &'a Channel) -> Self {
+        let values = Values::new(parent, level);
+        let child = parent.child_values(level, &values);
+        Self { level, parent, values, child }
+    }
+
+    /// The value of each child corner.
+    pub fn corner_values(&self) -> &IdVec<CornerId, ValueId> {
+        &self.child.corner_value
+    }
+
+    /// The child channel, over the child's topology.
+    pub(super) fn into_channel(self, child: &Level) -> Channel {
+        let t = &self.level.topology;
+        let numbering = Numbering::new(self.level);
+        let mut edges = IdVec::filled(EdgeTag::default(), child.topology.edges.len());
+        for (edge, &tag) in self.parent.edges.enumerated().filter(|(_, t)| t.cut || t.linear) {
+            for end in t.edges[edge] {
+                if let Some(e) = child.topology.find_edge(end, numbering.of_edge(edge)) {
+                    edges[e] = tag;
+                }
+            }
+        }
+        Channel { edges, ..self.child }
+    }
+}
+
+impl Stencils for ChannelChild<'_> {
+    type Source = ValueId;
+
+    fn rows(&self) -> usize {
+        self.child.len()
+    }
+
+    #[inline]
+    fn row(&self, row: usize, sink: &mut impl FnMut(ValueId, f32)) {
+        let (parent, level) = (self.parent, self.level);
+        let mut sink = |corner: CornerId, weight: f32| sink(parent.corner_value[corner], weight);
+        let own = parent.len();
+        let tag = self.child.tags[ValueId::new(row)];
+        if row < own {
+            parent.value_mask(level, ValueId::new(row), tag, &mut sink);
+        } else if row < own + self.values.faces {
+            masks::face(level, FaceId::new(row - own), 1.0, &mut sink);
+        } else {
+            let half = self.values.halves[row - own - self.values.faces];
+            if tag == Tag::Match && !parent.is_linear(level) {
+                masks::edge(level, level.topology.corner_edge[half], &mut sink);
+            } else {
+                sink(half, 0.5);
+                sink(level.topology.faces.next(half), 0.5);
+            }
+        }
+    }
+}
+
+/// The faces around a vertex that share a value.
+struct Span {
+    value: ValueId,
+    /// Faces.
+    size: usize,
+    /// Edges at which the span begins.
+    begins: usize,
+    /// Cut edges with the value on both sides at this vertex.
+    slits: usize,
+    /// Infinitely sharp and semi-sharp edges inside the span.
+    infinite: usize,
+    semi: usize,
+    /// Not one fan.
+    is_disjoint: bool,
+}
+
+impl Span {
+    fn new(value: ValueId) -> Self {
+        Self { value, size: 0, begins: 0, slits: 0, infinite: 0, semi: 0, is_disjoint: false }
+    }
+}
+
+/// Where the child values are: those of values first, then of faces, then of edges, one a side where they are cut.
+struct Values {
+    own: usize,
+    faces: usize,
+    /// The half-edge behind each value of an edge.
+    halves: Vec<CornerId>,
+    /// The first value of each edge among `halves`.
+    first: IdVec<EdgeId, u32>,
+}
+
+impl Values {
+    fn new(channel: &Channel, level: &Level) -> Self {
+        let t = &level.topology;
+        let mut halves = Vec::with_capacity(t.edges.len() + t.edges.len() / 8);
+        let mut first = IdVec::new();
+        for (edge, tag) in channel.edges.enumerated() {
+            first.push(halves.len() as u32);
+            let row = t.edge_corners.row(edge);
+            halves.extend_from_slice(if tag.cut { row } else { &row[..1] });
+        }
+        let faces = if level.scheme == Scheme::Loop { 0 } else { t.faces.len() };
+        Self { own: channel.len(), faces, halves, first }
+    }
+
+    /// The value in the middle of an edge as the face of `half` sees it.
+    fn middle(&self, channel: &Channel, t: &Topology, half: CornerId) -> ValueId {
+        let edge = t.corner_edge[half];
+        let side = match channel.edges[edge].cut {
+            true => t.edge_corners.row(edge).iter().position(|&h| h == half).unwrap_or(0),
+            false => 0,
+        };
+        ValueId::new(self.own + self.faces + self.first[edge] as usize + side)
+    }
+
+    fn quad_corners(&self, channel: &Channel, t: &Topology) -> (IdVec<CornerId, ValueId>, IdVec<ValueId, CornerId>) {
+        let mut corner_value = Vec::with_capacity(4 * t.faces.corners().len());
+        for c in t.faces.corners().ids() {
+            let around = [
+                channel.corner_value[c],
+                self.middle(channel, t, c),
+                ValueId::new(self.own + t.faces.face_of(c).index()),
+                self.middle(channel, t, t.faces.prev(c)),
+            ];
+            let turn = child_corner(&t.faces, c, 0).index() & 3;
+            corner_value.extend((0..4).map(|slot| around[(slot + 4 - turn) & 3]));
+        }
+        let own = channel.value_corner.iter().map(|&c| child_corner(&t.faces, c, 0));
+        let centres = t.faces.ids().map(|f| child_corner(&t.faces, CornerId::new(t.faces.range(f).start), 2));
+        let middles = self.halves.iter().map(|&c| child_corner(&t.faces, c, 1));
+        (corner_value.into(), own.chain(centres).chain(middles).collect())
+    }
+
+    fn loop_corners(&self, channel: &Channel, t: &Topology) -> (IdVec<CornerId, ValueId>, IdVec<ValueId, CornerId>) {
+        let mut corner_value = Vec::with_capacity(12 * t.faces.len());
+        for face in t.faces.ids() {
+            let at = |k: usize| CornerId::new(t.faces.range(face).start + k);
+            let [v0, v1, v2] = [0, 1, 2].map(|k| channel.corner_value[at(k)]);
+            let [e0, e1, e2] = [0, 1, 2].map(|k| self.middle(channel, t, at(k)));
+            corner_value.extend([v0, e0, e2, e0, v1, e1, e2, e1, v2, e1, e2, e0]);
+        }
+        // Child j of a triangle holds corner j at place j and the middle of its edge at the place after.
+        let child = |c: CornerId, step: usize| {
+            let (face, j) = (c.index() / 3, c.index() % 3);
+            CornerId::new(12 * face + 3 * j + (j + step) % 3)
+        };
+        let own = channel.value_corner.iter().map(|&c| child(c, 0));
+        let middles = self.halves.iter().map(|&c| child(c, 1));
+        (corner_value.into(), own.chain(middles).collect())
+    }
+}

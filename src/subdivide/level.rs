@@ -1,0 +1,250 @@
+//! One level of a subdivision hierarchy: topology, sharpness, and the rule that holds at each vertex.
+
+use crate::garment::{BoundaryInterpolation, Garment, Scheme, TriangleRule};
+use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
+
+/// Sharpness from which on an edge or vertex stays sharp at every level (OpenSubdiv's `SHARPNESS_INFINITE`).
+pub const INFINITE_SHARPNESS: f32 = 10.0;
+
+/// The sharpness that is left after one refinement (DeRose, Kass and Truong 1998, uniform creases).
+pub fn refined_sharpness(sharpness: f32) -> f32 {
+    if sharpness >= INFINITE_SHARPNESS { INFINITE_SHARPNESS } else { (sharpness - 1.0).max(0.0) }
+}
+
+/// How many sharp edges meet at a vertex, and so which mask moves it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rule {
+    /// No sharp edge.
+    Smooth,
+    /// One sharp edge; moved as a smooth vertex.
+    Dart,
+    /// Two sharp edges.
+    Crease,
+    /// More, or the vertex itself is sharp.
+    Corner,
+}
+
+impl Rule {
+    /// The rule at a vertex of a sharpness, among edges of the given sharpnesses.
+    pub fn new(vertex: f32, edges: impl IntoIterator<Item = f32>) -> Self {
+        if vertex > 0.0 {
+            return Self::Corner;
+        }
+        match edges.into_iter().filter(|&s| s > 0.0).count() {
+            0 => Self::Smooth,
+            1 => Self::Dart,
+            2 => Self::Crease,
+            _ => Self::Corner,
+        }
+    }
+
+    /// Whether the vertex is moved by the smooth mask.
+    pub fn is_smooth(self) -> bool {
+        matches!(self, Self::Smooth | Self::Dart)
+    }
+}
+
+/// An edge at a vertex.
+#[derive(Clone, Copy, Debug)]
+pub struct Spoke {
+    /// The edge.
+    pub edge: EdgeId,
+    /// A corner at its far end.
+    pub far: CornerId,
+}
+
+/// A mesh with all that the masks depend on.
+#[derive(Clone, Debug)]
+pub struct Level {
+    /// Connectivity.
+    pub topology: Topology,
+    /// The scheme; `None` refines as `Bilinear`.
+    pub scheme: Scheme,
+    /// The weights for triangles.
+    pub triangles: TriangleRule,
+    /// Whether the vertices of single faces are sharp.
+    pub sharp_corners: bool,
+    /// Sharpness of each edge, borders and non-manifold edges infinite.
+    pub edge_sharpness: IdVec<EdgeId, f32>,
+    /// Sharpness of each vertex.
+    pub vertex_sharpness: IdVec<VertexId, f32>,
+    /// The rule at each vertex.
+    pub rules: IdVec<VertexId, Rule>,
+}
+
+impl Level {
+    /// The unrefined level of a garment, with borders and non-manifold elements sharpened as OpenSubdiv does.
+    pub fn base(garment: &Garment) -> Self {
+        let topology = Topology::new(garment.faces.clone(), garment.points.len());
+        let sharp_corners = garment.rules.boundary == BoundaryInterpolation::EdgeAndCorner;
+        let mut edge_sharpness = IdVec::filled(0.0f32, topology.edges.len());
+        for crease in &garment.creases {
+            for (pair, &s) in crease.vertices.windows(2).zip(&crease.sharpnesses) {
+                if let Some(edge) = topology.find_edge(pair[0], pair[1]) {
+                    edge_sharpness[edge] = s.min(INFINITE_SHARPNESS);
+                }
+            }
+        }
+        for edge in topology.edges.ids() {
+            if topology.is_border(edge) || is_non_manifold(&topology, edge) {
+                edge_sharpness[edge] = INFINITE_SHARPNESS;
+            }
+        }
+        let mut vertex_sharpness = IdVec::filled(0.0f32, topology.vertex_count());
+        for corner in &garment.corners {
+            vertex_sharpness[corner.vertex] = corner.sharpness.min(INFINITE_SHARPNESS);
+        }
+        let mut level = Self {
+            rules: IdVec::filled(Rule::Smooth, topology.vertex_count()),
+            scheme: garment.rules.scheme,
+            triangles: garment.rules.triangles,
+            topology,
+            sharp_corners,
+            edge_sharpness,
+            vertex_sharpness,
+        };
+        level.sharpen_vertices();
+        level.set_rules();
+        level
+    }
+
+    /// Makes corners of the border and non-manifold vertices infinitely sharp.
+    fn sharpen_vertices(&mut self) {
+        let mut spokes = Vec::new();
+        for vertex in self.vertex_sharpness.ids() {
+            let corners = self.topology.vertex_corners.row(vertex).len();
+            if corners == 0 {
+                continue;
+            }
+            self.spokes(vertex, &mut spokes);
+            let is_corner = corners == 1 && spokes.len() == 2;
+            if is_corner && self.sharp_corners
+                || !is_corner
+                    && is_non_manifold_vertex(&self.topology, vertex, &spokes)
+                    && !is_non_manifold_crease(&self.topology, vertex, &spokes)
+            {
+                self.vertex_sharpness[vertex] = INFINITE_SHARPNESS;
+            }
+        }
+    }
+
+    fn set_rules(&mut self) {
+        let mut spokes = Vec::new();
+        for vertex in self.rules.ids() {
+            self.spokes(vertex, &mut spokes);
+            self.rules[vertex] =
+                Rule::new(self.vertex_sharpness[vertex], spokes.iter().map(|s| self.edge_sharpness[s.edge]));
+        }
+    }
+
+    /// The edges at a vertex, each once.
+    pub fn spokes(&self, vertex: VertexId, out: &mut Vec<Spoke>) {
+        spokes(&self.topology, vertex, out);
+    }
+
+    /// The faces that `interpolateBoundary = "none"` removes: those with a vertex on a border that is not creased.
+    pub fn border_holes(&self, garment: &Garment) -> Vec<FaceId> {
+        let creased = |e: EdgeId| {
+            let [a, b] = self.topology.edges[e];
+            garment.creases.iter().any(|c| {
+                c.vertices
+                    .windows(2)
+                    .zip(&c.sharpnesses)
+                    .any(|(p, &s)| s >= INFINITE_SHARPNESS && (p == [a, b] || p == [b, a]))
+            })
+        };
+        let mut at_border = IdVec::<VertexId, bool>::filled(false, self.topology.vertex_count());
+        for edge in self.topology.edges.ids().filter(|&e| self.topology.is_border(e) && !creased(e)) {
+            self.topology.edges[edge].iter().for_each(|&v| at_border[v] = true);
+        }
+        let faces = &self.topology.faces;
+        faces.ids().filter(|&f| faces.vertices_of(f).iter().any(|&v| at_border[v])).collect()
+    }
+}
+
+/// Collects the edges at a vertex, each once, in the order of the corners.
+pub fn spokes(topology: &Topology, vertex: VertexId, out: &mut Vec<Spoke>) {
+    out.clear();
+    for &corner in topology.vertex_corners.row(vertex) {
+        let prev = topology.faces.prev(corner);
+        for (edge, far) in
+            [(topology.corner_edge[corner], topology.faces.next(corner)), (topology.corner_edge[prev], prev)]
+        {
+            if out.iter().all(|s| s.edge != edge) {
+                out.push(Spoke { edge, far });
+            }
+        }
+    }
+}
+
+/// More than two faces, or two that traverse the edge in the same direction.
+pub fn is_non_manifold(topology: &Topology, edge: EdgeId) -> bool {
+    match *topology.edge_corners.row(edge) {
+        [] | [_] => false,
+        [a, b] => topology.faces.vertex(a) == topology.faces.vertex(b),
+        _ => true,
+    }
+}
+
+/// A vertex of a non-manifold edge, or whose faces are not one fan.
+pub fn is_non_manifold_vertex(topology: &Topology, vertex: VertexId, spokes: &[Spoke]) -> bool {
+    if spokes.iter().any(|s| is_non_manifold(topology, s.edge)) {
+        return true;
+    }
+    let borders = spokes.iter().filter(|s| topology.is_border(s.edge)).count();
+    borders > 2 || fan_length(topology, vertex) != topology.vertex_corners.row(vertex).len()
+}
+
+/// Corners in the fan that begins at a border of the vertex, or at any corner where there is none.
+fn fan_length(topology: &Topology, vertex: VertexId) -> usize {
+    let corners = topology.vertex_corners.row(vertex);
+    let Some(&first) =
+        corners.iter().find(|&&c| topology.is_border(topology.corner_edge[c])).or_else(|| corners.first())
+    else {
+        return 0;
+    };
+    let mut corner = first;
+    for length in 1..=corners.len() {
+        match topology.twin(topology.faces.prev(corner)) {
+            Some(next) if next != first => corner = next,
+            _ => return length,
+        }
+    }
+    corners.len() + 1
+}
+
+/// Two opposite non-manifold edges with sheets of faces between them (OpenSubdiv's `testVertexNonManifoldCrease`).
+fn is_non_manifold_crease(topology: &Topology, vertex: VertexId, spokes: &[Spoke]) -> bool {
+    let corners = topology.vertex_corners.row(vertex);
+    let fins: Vec<EdgeId> = spokes.iter().map(|s| s.edge).filter(|&e| is_non_manifold(topology, e)).collect();
+    let &[first, second] = fins.as_slice() else { return false };
+    let others_interior = spokes
+        .iter()
+        .all(|s| is_non_manifold(topology, s.edge) || topology.edge_corners.row(s.edge).len() == 2);
+    let sheets = topology.edge_corners.row(first).len();
+    if !others_interior || corners.len() <= spokes.len() || sheets != topology.edge_corners.row(second).len() {
+        return false;
+    }
+    let mut seen = 0;
+    for (start, end) in [(first, second), (second, first)] {
+        for &leaving in topology.edge_corners.row(start).iter().filter(|&&c| topology.faces.vertex(c) == vertex) {
+            let mut corner = leaving;
+            loop {
+                seen += 1;
+                if seen > corners.len() {
+                    return false;
+                }
+                let prev = topology.faces.prev(corner);
+                let edge = topology.corner_edge[prev];
+                if edge == end {
+                    break;
+                }
+                match topology.twin(prev) {
+                    Some(next) if edge != start => corner = next,
+                    _ => return false,
+                }
+            }
+        }
+    }
+    seen == corners.len()
+}

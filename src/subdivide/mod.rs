@@ -1,0 +1,135 @@
+//! Catmull-Clark, Loop and bilinear subdivision as `UsdGeomMesh` defines them, as derivations.
+//!
+//! A refinement does not move values itself: it yields a [`Derivation`] (the child's topology, stencils for every kind
+//! of value, the parent of each element), and values of any kind are carried by that. Conventions and weights are
+//! OpenSubdiv's; values agree with it to 1e-6 of the bounding box.
+
+mod fvar;
+mod level;
+mod masks;
+mod split;
+mod stencil;
+
+pub use fvar::{Channel, ChannelChild};
+pub use level::{INFINITE_SHARPNESS, Level, Rule, Spoke, refined_sharpness};
+pub use split::Numbering;
+pub use stencil::{Real, Stencils};
+
+use crate::garment::{Garment, Scheme};
+use crate::mesh::{CornerId, EdgeId, FaceId, Faces, VertexId};
+
+/// A level with its face-varying channels, ready to be refined.
+#[derive(Clone, Debug)]
+pub struct Refiner {
+    /// The level.
+    pub level: Level,
+    /// Its face-varying channels.
+    pub channels: Vec<Channel>,
+}
+
+impl Refiner {
+    /// The unrefined level of a garment, without channels.
+    pub fn new(garment: &Garment) -> Self {
+        Self { level: Level::base(garment), channels: Vec::new() }
+    }
+
+    /// Adds a channel whose corners take the rows `rows`; returns the row of each of its values.
+    pub fn add_channel(&mut self, garment: &Garment, rows: impl Fn(CornerId) -> usize) -> Vec<u32> {
+        let rules = garment.rules;
+        let (channel, rows) = Channel::base(&self.level, rows, rules.face_varying, rules.boundary);
+        self.channels.push(channel);
+        rows
+    }
+
+    /// The refinement of this level.
+    pub fn derive(&self) -> Derivation<'_> {
+        Derivation {
+            level: &self.level,
+            faces: split::child_faces(&self.level),
+            channels: self.channels.iter().map(|c| ChannelChild::new(&self.level, c)).collect(),
+        }
+    }
+}
+
+/// One refinement: what the child's elements are made of.
+pub struct Derivation<'a> {
+    level: &'a Level,
+    /// The child's faces.
+    pub faces: Faces,
+    /// Child values from parent values, for each face-varying channel.
+    pub channels: Vec<ChannelChild<'a>>,
+}
+
+impl<'a> Derivation<'a> {
+    /// The parent level.
+    pub fn parent(&self) -> &'a Level {
+        self.level
+    }
+
+    /// Where the children of the parent's elements are.
+    pub fn numbering(&self) -> Numbering {
+        Numbering::new(self.level)
+    }
+
+    /// Child vertices from parent vertices, by the subdivision rules.
+    pub fn vertex(&self) -> VertexStencils<'a> {
+        VertexStencils::new(self.level, false)
+    }
+
+    /// Child vertices from parent vertices, linearly.
+    pub fn varying(&self) -> VertexStencils<'a> {
+        VertexStencils::new(self.level, true)
+    }
+
+    /// The refined level.
+    pub fn into_child(self) -> Refiner {
+        let level = split::child_level(self.level, self.faces);
+        let channels = self.channels.into_iter().map(|c| c.into_channel(&level)).collect();
+        Refiner { level, channels }
+    }
+}
+
+/// The vertex masks of a level, or their linear counterparts.
+pub struct VertexStencils<'a> {
+    level: &'a Level,
+    is_linear: bool,
+    own: usize,
+    faces: usize,
+}
+
+impl<'a> VertexStencils<'a> {
+    fn new(level: &'a Level, is_linear: bool) -> Self {
+        let faces = if level.scheme == Scheme::Loop { 0 } else { level.topology.faces.len() };
+        Self { level, is_linear, own: level.topology.vertex_count(), faces }
+    }
+}
+
+impl Stencils for VertexStencils<'_> {
+    type Source = VertexId;
+
+    fn rows(&self) -> usize {
+        self.own + self.faces + self.level.topology.edges.len()
+    }
+
+    #[inline]
+    fn row(&self, row: usize, sink: &mut impl FnMut(VertexId, f32)) {
+        let faces = &self.level.topology.faces;
+        let mut by_corner = |corner: CornerId, weight: f32| sink(faces.vertex(corner), weight);
+        if row >= self.own + self.faces {
+            let edge = EdgeId::new(row - self.own - self.faces);
+            match self.is_linear {
+                true => masks::middle(self.level, edge, 1.0, &mut by_corner),
+                false => masks::edge(self.level, edge, &mut by_corner),
+            }
+        } else if row >= self.own {
+            masks::face(self.level, FaceId::new(row - self.own), 1.0, &mut by_corner);
+        } else {
+            let vertex = VertexId::new(row);
+            if self.is_linear || self.level.topology.vertex_corners.row(vertex).is_empty() {
+                sink(vertex, 1.0);
+            } else {
+                masks::vertex(self.level, vertex, &mut by_corner);
+            }
+        }
+    }
+}

@@ -1,0 +1,252 @@
+//! The topology of a refined level, from its parent by arithmetic.
+//!
+//! Child vertices come first from vertices, then from faces (not under Loop), then from edges; child faces follow
+//! their parent faces, corner by corner. This is OpenSubdiv's order, so its levels can be compared element by element.
+
+use super::level::{Level, Rule, refined_sharpness};
+use crate::garment::Scheme;
+use crate::mesh::{CornerId, Csr, EdgeId, FaceId, Faces, IdVec, Topology, VertexId};
+use rayon::prelude::*;
+
+/// Where the children of a parent's elements are.
+#[derive(Clone, Copy, Debug)]
+pub struct Numbering {
+    vertices: usize,
+    faces: usize,
+    corners: usize,
+    edges: usize,
+    triangles: bool,
+}
+
+impl Numbering {
+    /// The numbering of the refinement of `parent`.
+    pub fn new(parent: &Level) -> Self {
+        let t = &parent.topology;
+        let triangles = parent.scheme == Scheme::Loop;
+        Self {
+            vertices: t.vertex_count(),
+            faces: if triangles { 0 } else { t.faces.len() },
+            corners: t.faces.corners().len(),
+            edges: t.edges.len(),
+            triangles,
+        }
+    }
+
+    /// Number of child vertices.
+    pub fn vertices(&self) -> usize {
+        self.vertices + self.faces + self.edges
+    }
+
+    /// Number of child faces.
+    pub fn child_faces(&self, parent_faces: usize) -> usize {
+        if self.triangles { parent_faces * 4 } else { self.corners }
+    }
+
+    /// The child of a vertex.
+    #[inline]
+    pub fn of_vertex(&self, v: VertexId) -> VertexId {
+        v
+    }
+
+    /// The child at the centre of a face.
+    #[inline]
+    pub fn of_face(&self, f: FaceId) -> VertexId {
+        VertexId::new(self.vertices + f.index())
+    }
+
+    /// The child in the middle of an edge.
+    #[inline]
+    pub fn of_edge(&self, e: EdgeId) -> VertexId {
+        VertexId::new(self.vertices + self.faces + e.index())
+    }
+
+    /// The parent face of a child face.
+    #[inline]
+    pub fn parent_face(&self, parent: &Faces, child: FaceId) -> FaceId {
+        if self.triangles { FaceId::new(child.index() / 4) } else { parent.face_of(CornerId::new(child.index())) }
+    }
+}
+
+/// The child corner of parent corner `c` at step `k`: its vertex, the middle of its edge, the face's centre, the middle
+/// of the edge before. Children of quads keep the parent's corner at the parent's place.
+#[inline]
+pub fn child_corner(parent: &Faces, c: CornerId, k: usize) -> CornerId {
+    let turn = match parent.regular_valence() {
+        Some(4) => c.index() & 3,
+        Some(_) => 0,
+        None => {
+            let range = parent.range(parent.face_of(c));
+            if range.len() == 4 { c.index() - range.start } else { 0 }
+        }
+    };
+    CornerId::new(4 * c.index() + (turn + k & 3))
+}
+
+/// The child faces of a level.
+pub fn child_faces(parent: &Level) -> Faces {
+    if parent.scheme == Scheme::Loop { child_triangles(parent) } else { child_quads(parent) }
+}
+
+fn child_quads(parent: &Level) -> Faces {
+    let numbering = Numbering::new(parent);
+    let t = &parent.topology;
+    let mut corners = vec![VertexId::new(0); 4 * t.faces.corners().len()];
+    corners.par_chunks_exact_mut(4).enumerate().with_min_len(4096).for_each(|(c, quad)| {
+        let corner = CornerId::new(c);
+        let around = [
+            t.faces.vertex(corner),
+            numbering.of_edge(t.corner_edge[corner]),
+            numbering.of_face(t.faces.face_of(corner)),
+            numbering.of_edge(t.corner_edge[t.faces.prev(corner)]),
+        ];
+        let turn = child_corner(&t.faces, corner, 0).index() & 3;
+        (0..4).for_each(|k| quad[turn + k & 3] = around[k]);
+    });
+    Faces::quads(corners)
+}
+
+fn child_triangles(parent: &Level) -> Faces {
+    let numbering = Numbering::new(parent);
+    let t = &parent.topology;
+    let mut corners = Vec::with_capacity(12 * t.faces.len());
+    for face in t.faces.ids() {
+        let mut v = t.faces.vertices_of(face).iter().copied();
+        let mut e = t.faces.corners_of(face).map(|c| numbering.of_edge(t.corner_edge[c]));
+        if let (Some(v0), Some(v1), Some(v2), Some(e0), Some(e1), Some(e2)) =
+            (v.next(), v.next(), v.next(), e.next(), e.next(), e.next())
+        {
+            corners.extend([v0, e0, e2, e0, v1, e1, e2, e1, v2, e1, e2, e0]);
+        }
+    }
+    Faces::triangles(corners)
+}
+
+/// The refined level, whose faces are `faces`.
+pub fn child_level(parent: &Level, faces: Faces) -> Level {
+    let topology = match parent.scheme {
+        Scheme::Loop => Topology::new(faces, Numbering::new(parent).vertices()),
+        _ => quad_topology(parent, faces),
+    };
+    let numbering = Numbering::new(parent);
+    let mut edge_sharpness = IdVec::filled(0.0, topology.edges.len());
+    for (edge, &sharpness) in parent.edge_sharpness.enumerated().filter(|(_, s)| **s > 0.0) {
+        let middle = numbering.of_edge(edge);
+        for end in parent.topology.edges[edge] {
+            if let Some(child) = topology.find_edge(end, middle) {
+                edge_sharpness[child] = refined_sharpness(sharpness);
+            }
+        }
+    }
+    let mut vertex_sharpness = IdVec::filled(0.0, topology.vertex_count());
+    for (vertex, &sharpness) in parent.vertex_sharpness.enumerated() {
+        vertex_sharpness[vertex] = refined_sharpness(sharpness);
+    }
+    let rules = child_rules(parent, &topology, &edge_sharpness, &vertex_sharpness);
+    Level {
+        topology,
+        scheme: parent.scheme,
+        triangles: parent.triangles,
+        sharp_corners: parent.sharp_corners,
+        edge_sharpness,
+        vertex_sharpness,
+        rules,
+    }
+}
+
+fn child_rules(
+    parent: &Level,
+    topology: &Topology,
+    edge_sharpness: &IdVec<EdgeId, f32>,
+    vertex_sharpness: &IdVec<VertexId, f32>,
+) -> IdVec<VertexId, Rule> {
+    let numbering = Numbering::new(parent);
+    let mut rules = IdVec::filled(Rule::Smooth, topology.vertex_count());
+    let mut spokes = Vec::new();
+    for (vertex, _) in parent.rules.enumerated().filter(|(_, r)| **r != Rule::Smooth) {
+        super::level::spokes(topology, vertex, &mut spokes);
+        rules[vertex] = Rule::new(vertex_sharpness[vertex], spokes.iter().map(|s| edge_sharpness[s.edge]));
+    }
+    for (edge, _) in parent.edge_sharpness.enumerated().filter(|(_, s)| refined_sharpness(**s) > 0.0) {
+        rules[numbering.of_edge(edge)] = Rule::Crease;
+    }
+    rules
+}
+
+/// Adjacency of the child quads. Child edges come first from corners (middle of the corner's edge to the face's
+/// centre), then two from each edge, the first at its first vertex.
+fn quad_topology(parent: &Level, faces: Faces) -> Topology {
+    let t = &parent.topology;
+    let numbering = Numbering::new(parent);
+    let corners = t.faces.corners().len();
+    let half = |edge: EdgeId, at: VertexId| EdgeId::new(corners + 2 * edge.index() + usize::from(t.edges[edge][0] != at));
+
+    let mut corner_edge = vec![EdgeId::new(0); 4 * corners];
+    corner_edge.par_chunks_exact_mut(4).enumerate().with_min_len(4096).for_each(|(c, quad)| {
+        let corner = CornerId::new(c);
+        let prev = t.faces.prev(corner);
+        let vertex = t.faces.vertex(corner);
+        let around = [
+            half(t.corner_edge[corner], vertex),
+            EdgeId::new(c),
+            EdgeId::new(prev.index()),
+            half(t.corner_edge[prev], vertex),
+        ];
+        let turn = child_corner(&t.faces, corner, 0).index() & 3;
+        (0..4).for_each(|k| quad[turn + k & 3] = around[k]);
+    });
+
+    let mut edges = Vec::with_capacity(corners + 2 * t.edges.len());
+    edges.extend(t.corner_edge.enumerated().map(|(c, &e)| [numbering.of_edge(e), numbering.of_face(t.faces.face_of(c))]));
+    edges.extend(t.edges.enumerated().flat_map(|(e, &[a, b])| [[a, numbering.of_edge(e)], [b, numbering.of_edge(e)]]));
+
+    Topology {
+        corner_edge: corner_edge.into(),
+        edges: edges.into(),
+        edge_corners: quad_edge_corners(t),
+        vertex_corners: quad_vertex_corners(t),
+        faces,
+    }
+}
+
+fn quad_edge_corners(t: &Topology) -> Csr<EdgeId, CornerId> {
+    let corners = t.faces.corners().len();
+    let mut offsets = Vec::with_capacity(corners + 2 * t.edges.len() + 1);
+    let mut items = Vec::with_capacity(4 * corners);
+    offsets.push(0);
+    for c in (0..corners).map(CornerId::new) {
+        items.extend([child_corner(&t.faces, c, 1), child_corner(&t.faces, t.faces.next(c), 2)]);
+        offsets.push(items.len() as u32);
+    }
+    for (edge, &ends) in t.edges.enumerated() {
+        for end in ends {
+            for &c in t.edge_corners.row(edge) {
+                items.push(if t.faces.vertex(c) == end {
+                    child_corner(&t.faces, c, 0)
+                } else {
+                    child_corner(&t.faces, t.faces.next(c), 3)
+                });
+            }
+            offsets.push(items.len() as u32);
+        }
+    }
+    Csr::from_parts(offsets, items)
+}
+
+fn quad_vertex_corners(t: &Topology) -> Csr<VertexId, CornerId> {
+    let corners = t.faces.corners().len();
+    let mut offsets = Vec::with_capacity(t.vertex_count() + t.faces.len() + t.edges.len() + 1);
+    let mut items = Vec::with_capacity(4 * corners);
+    offsets.extend_from_slice(t.vertex_corners.offsets());
+    items.extend(t.vertex_corners.items().iter().map(|&c| child_corner(&t.faces, c, 0)));
+    for face in t.faces.ids() {
+        items.extend(t.faces.corners_of(face).map(|c| child_corner(&t.faces, c, 2)));
+        offsets.push(items.len() as u32);
+    }
+    for edge in t.edges.ids() {
+        for &c in t.edge_corners.row(edge) {
+            items.extend([child_corner(&t.faces, c, 1), child_corner(&t.faces, t.faces.next(c), 3)]);
+        }
+        offsets.push(items.len() as u32);
+    }
+    Csr::from_parts(offsets, items)
+}

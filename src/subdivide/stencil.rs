@@ -1,0 +1,99 @@
+//! Sparse linear maps from the values of one mesh to those of the next.
+
+use crate::mesh::Id;
+use rayon::prelude::*;
+
+/// Rows that one task works on; small enough to balance, large enough to pay for the task.
+const ROWS_PER_TASK: usize = 4096;
+
+/// For each child value the parent values that it is a weighted sum of.
+///
+/// A row is computed when it is asked for: the masks of a regular mesh cost less than reading them from a table.
+pub trait Stencils: Sync {
+    /// What the parent values belong to.
+    type Source: Id;
+
+    /// Number of child values.
+    fn rows(&self) -> usize;
+
+    /// Passes the sources and weights of a child value to `sink`; a source may come more than once.
+    fn row(&self, row: usize, sink: &mut impl FnMut(Self::Source, f32));
+
+    /// Child values of `N` numbers each from parent values.
+    fn apply<const N: usize>(&self, parents: &[[f32; N]]) -> Vec<[f32; N]> {
+        let mut children = vec![[0.0f32; N]; self.rows()];
+        children.par_chunks_mut(ROWS_PER_TASK).enumerate().for_each(|(task, children)| {
+            for (i, child) in children.iter_mut().enumerate() {
+                let mut sum = [0.0f32; N];
+                self.row(task * ROWS_PER_TASK + i, &mut |source, weight| {
+                    let parent = &parents[source.index()];
+                    (0..N).for_each(|k| sum[k] += weight * parent[k]);
+                });
+                *child = sum;
+            }
+        });
+        children
+    }
+
+    /// Child values of `width` numbers each, summed in double precision.
+    fn apply_rows<T: Real>(&self, parents: &[T], width: usize) -> Vec<T> {
+        let mut children = vec![T::from_f64(0.0); self.rows() * width];
+        if width == 0 {
+            return children;
+        }
+        children.par_chunks_mut(ROWS_PER_TASK * width).enumerate().for_each(|(task, children)| {
+            let mut sum = vec![0.0f64; width];
+            for (i, child) in children.chunks_exact_mut(width).enumerate() {
+                sum.fill(0.0);
+                self.row(task * ROWS_PER_TASK + i, &mut |source, weight| {
+                    let parent = &parents[source.index() * width..(source.index() + 1) * width];
+                    sum.iter_mut().zip(parent).for_each(|(sum, p)| *sum += f64::from(weight) * p.to_f64());
+                });
+                child.iter_mut().zip(&sum).for_each(|(c, &s)| *c = T::from_f64(s));
+            }
+        });
+        children
+    }
+
+    /// The sources of a row, each once, with their summed weights, in the order of their first appearance.
+    fn merged(&self, row: usize) -> Vec<(Self::Source, f32)> {
+        let mut merged: Vec<(Self::Source, f32)> = Vec::with_capacity(16);
+        self.row(row, &mut |source, weight| match merged.iter_mut().find(|(s, _)| *s == source) {
+            Some((_, sum)) => *sum += weight,
+            None => merged.push((source, weight)),
+        });
+        merged
+    }
+
+    /// The source with the largest weight in a row, the lowest of equals; none in an empty row.
+    fn heaviest(&self, row: usize) -> Option<Self::Source> {
+        let heavier = |a: &(Self::Source, f32), b: &(Self::Source, f32)| b.1 > a.1 || b.1 == a.1 && b.0 < a.0;
+        self.merged(row).into_iter().reduce(|a, b| if heavier(&a, &b) { b } else { a }).map(|(s, _)| s)
+    }
+}
+
+/// A number that can be averaged.
+pub trait Real: Copy + Send + Sync {
+    /// To double precision.
+    fn to_f64(self) -> f64;
+    /// From double precision.
+    fn from_f64(value: f64) -> Self;
+}
+
+impl Real for f32 {
+    fn to_f64(self) -> f64 {
+        f64::from(self)
+    }
+    fn from_f64(value: f64) -> Self {
+        value as f32
+    }
+}
+
+impl Real for f64 {
+    fn to_f64(self) -> f64 {
+        self
+    }
+    fn from_f64(value: f64) -> Self {
+        value
+    }
+}
