@@ -27,8 +27,10 @@ class Cage:
     vertex_sharpness: np.ndarray | None = None
     smooth_triangles: bool = False
     linear: bool = False
-    # A vertex that becomes sharp as another does; -1 for none. Only face-varying channels have such.
+    # A vertex that becomes sharp as another does, -1 for none, and the sharpness of the cuts that meet there. Only
+    # face-varying channels have such.
     dependent: np.ndarray | None = None
+    lingering: np.ndarray | None = None
 
     def __post_init__(self):
         self.counts = np.asarray(self.counts, dtype=np.int64)
@@ -52,6 +54,8 @@ class Cage:
             self.vertex_sharpness = np.zeros(self.vertex_count)
         if self.dependent is None:
             self.dependent = np.full(self.vertex_count, -1)
+        if self.lingering is None:
+            self.lingering = np.zeros(self.vertex_count)
 
     @property
     def face_count(self):
@@ -72,6 +76,11 @@ class Cage:
 
     def fans(self):
         """For each vertex the number of groups of faces that hang together around it by edges."""
+        roots = np.unique(self.corner_groups(np.ones(len(self.edges), bool)))
+        return np.bincount(self.verts[roots], minlength=self.vertex_count)
+
+    def corner_groups(self, joining):
+        """The first of the corners that hang together around a vertex by the edges that join."""
         parent = np.arange(len(self.verts))
 
         def root(corner):
@@ -82,15 +91,36 @@ class Cage:
 
         order = np.argsort(self.corner_edge, kind="stable")
         starts = np.concatenate([[0], np.cumsum(self.edge_faces)])
-        for edge in np.flatnonzero(self.edge_faces >= 2):
+        for edge in np.flatnonzero((self.edge_faces >= 2) & joining):
             sides = order[starts[edge] : starts[edge + 1]]
             for other in sides[1:]:
                 for a in (sides[0], self.next_corner[sides[0]]):
                     for b in (other, self.next_corner[other]):
                         if self.verts[a] == self.verts[b]:
                             parent[root(a)] = root(b)
-        roots = np.flatnonzero(parent == np.arange(len(parent)))
-        return np.bincount(self.verts[roots], minlength=self.vertex_count)
+        return np.array([root(corner) for corner in range(len(parent))], dtype=int)
+
+    def non_manifold_vertices(self):
+        """The ends of non-manifold edges, and vertices where faces meet that share no edge there."""
+        found = self.fans() > 1
+        found[self.edges[self.non_manifold_edges()].ravel()] = True
+        return found
+
+    def inside_a_line_of_fins(self, vertex):
+        """Whether two non-manifold edges meet here and each sheet of faces runs from the one to the other."""
+        around = np.flatnonzero((self.edges == vertex).any(axis=1))
+        odd = around[self.non_manifold_edges()[around]]
+        rest = np.setdiff1d(around, odd)
+        if len(odd) != 2 or (self.edge_faces[rest] != 2).any() or self.edge_faces[odd[0]] != self.edge_faces[odd[1]]:
+            return False
+        corners = np.flatnonzero(self.verts == vertex)
+        if len(corners) <= len(around):
+            return False
+        joining = np.zeros(len(self.edges), bool)
+        joining[rest] = True
+        groups = self.corner_groups(joining)[corners]
+        ends = np.stack([self.corner_edge[corners], self.corner_edge[self.previous_corner[corners]]], axis=1)
+        return all(sorted(ends[groups == group][np.isin(ends[groups == group], odd)]) == sorted(odd) for group in np.unique(groups))
 
 
 def cage(
@@ -115,13 +145,11 @@ def cage(
 
     faces = np.bincount(made.verts, minlength=vertex_count)
     edges = np.bincount(made.edges.ravel(), minlength=vertex_count)
-    touched = np.bincount(made.edges[odd_edges].ravel(), minlength=vertex_count)
-    border = np.bincount(made.edges[borders].ravel(), minlength=vertex_count)
     if boundary == "edgeAndCorner":
         made.vertex_sharpness[(faces == 1) & (edges == 2)] = INFINITE
     # Fins that meet in one line keep a smooth line; any other meeting is a fixed point.
-    line = (touched == 2) & (border == 0) & (faces > edges)
-    made.vertex_sharpness[((touched > 0) | (made.fans() > 1)) & ~line] = INFINITE
+    held = [vertex for vertex in np.flatnonzero(made.non_manifold_vertices()) if not made.inside_a_line_of_fins(vertex)]
+    made.vertex_sharpness[held] = INFINITE
     return made
 
 
@@ -176,6 +204,9 @@ class Refinement:
         self.rule_now, self.rule_then = rule_now, rule_then
         corner = np.where(rule_now == CORNER, self.share, 0) + np.where(rule_then == CORNER, 1 - self.share, 0)
         self.forced = np.where(p.dependent >= 0, corner[p.dependent], 0)
+        # OpenSubdiv keeps such a vertex sharp, when the other is no more, for as long as anything at the point is.
+        lingers = (p.dependent >= 0) & (rule_then[p.dependent] != CORNER) & (_decay(p.lingering) > 0)
+        self.forced[lingers] = 1
         lonely = np.bincount(p.verts, minlength=v) == 0
         self.forced[lonely] = 1
 
@@ -195,6 +226,7 @@ class Refinement:
             smooth_triangles=p.smooth_triangles,
             linear=p.linear,
             dependent=np.concatenate([p.dependent, np.full(count - p.vertex_count, -1)]),
+            lingering=np.concatenate([_decay(p.lingering), np.zeros(count - p.vertex_count)]),
         )
         self.child_edges = np.stack([child.edge_ids(np.stack([p.edges[:, i], self.edge_vertex], axis=1)) for i in (0, 1)], axis=1)
         child.edge_sharpness[self.child_edges] = self.child_edge_sharpness[:, None]
@@ -289,18 +321,22 @@ def channel(base, indices, mode):
     cut = made.edge_faces < base.edge_faces[base_edge]
     made.edge_sharpness = np.where(cut, INFINITE, inside)
     border = made.edge_faces == 1
-    pinned = _pinned(base, made, vertex_of, border, np.where(border, 0, inside), mode)
+    pinned = _pinned(base, made, vertex_of, cut, border, np.where(border, 0, inside), mode)
     made.vertex_sharpness[pinned] = INFINITE
     return Channel(made, value_of, mode)
 
 
-def _pinned(base, made, vertex_of, border, inside, mode):
+def _pinned(base, made, vertex_of, cut, border, inside, mode):
     """Which channel vertices the linear-interpolation rule makes corners; sets `made.dependent` on the way."""
     count = made.vertex_count
     borders = np.bincount(made.edges[border].ravel(), minlength=count)
     faces = np.bincount(made.verts, minlength=count)
     siblings = np.bincount(vertex_of, minlength=base.vertex_count)[vertex_of]
-    pinned = (made.fans() > 1) & (base.fans()[vertex_of] <= 1)  # one value in regions that meet in a point only
+    odd, cut_at = base.non_manifold_vertices(), np.zeros(base.vertex_count, bool)
+    cut_at[vertex_of[np.unique(made.edges[cut])]] = True
+    cut_at |= np.bincount(vertex_of, minlength=base.vertex_count) > 1
+    pinned = (odd & cut_at)[vertex_of]
+    pinned |= (made.fans() > 1) & ~odd[vertex_of]  # one value in regions that meet in a point only
     if mode == "none":
         return pinned
     pinned |= (faces == 1) & (borders > 0)
@@ -308,7 +344,7 @@ def _pinned(base, made, vertex_of, border, inside, mode):
         return pinned | (borders > 0)
     if mode in ("cornersPlus1", "cornersPlus2"):
         pinned |= siblings > 2
-        _depend(made, vertex_of, siblings, inside, pinned, mode)
+        _depend(base, made, vertex_of, siblings, inside, pinned, mode)
     if mode == "cornersPlus2":
         on_border = np.zeros(base.vertex_count, bool)
         on_border[base.edges[base.edge_faces == 1].ravel()] = True
@@ -316,10 +352,13 @@ def _pinned(base, made, vertex_of, border, inside, mode):
     return pinned
 
 
-def _depend(made, vertex_of, siblings, inside, pinned, mode):
+def _depend(base, made, vertex_of, siblings, inside, pinned, mode):
     """Of two values at a vertex, what sharpens one sharpens the other."""
     infinite = np.bincount(made.edges[inside >= INFINITE].ravel(), minlength=made.vertex_count) > 0
     semi = np.bincount(made.edges[(inside > 0) & (inside < INFINITE)].ravel(), minlength=made.vertex_count) > 0
+    finite = np.where(base.edge_sharpness < INFINITE, base.edge_sharpness, 0)
+    sharpest = np.zeros(base.vertex_count)
+    np.maximum.at(sharpest, base.edges, finite[:, None])
     faces = np.bincount(made.verts, minlength=made.vertex_count)
     disjoint = pinned & (made.fans() > 1)
     for a in np.flatnonzero(siblings == 2):
@@ -328,8 +367,8 @@ def _depend(made, vertex_of, siblings, inside, pinned, mode):
             pinned[a] = True
         elif mode == "cornersPlus2" and (faces[a] == 1 or faces[b] == 1):
             pinned[a] = True
-        elif semi[b] and not semi[a]:
-            made.dependent[a] = b
+        elif semi[b] and not semi[a] and base.vertex_sharpness[vertex_of[a]] == 0:
+            made.dependent[a], made.lingering[a] = b, sharpest[vertex_of[a]]
 
 
 class Subdivision:

@@ -87,12 +87,17 @@ def test_vertex_primvars(refined):
     for name, primvar, written in carried(refined, "vertex"):
         assert written.element_size == primvar.element_size, name
         if primvar.is_discrete:
-            assert {tuple(row) for row in written.flat} <= {tuple(row) for row in primvar.flat}, f"{name}: invented values"
+            no_new_values(written, primvar)
             continue
         if primvar.element.startswith("quat"):
             close_turns(written.flat[used], refined.expected(refined.made.vertex(primvar.flat))[used], name)
             continue
         close(written.flat[used], refined.expected(refined.made.vertex(primvar.flat))[used], name, tolerance_scale(primvar))
+
+
+def no_new_values(written, primvar):
+    """Discrete values are copied from somewhere, never mixed."""
+    assert {tuple(row) for row in written.flat} <= {tuple(row) for row in primvar.flat}, f"{primvar.name}: invented values"
 
 
 def close_turns(actual, expected, name):
@@ -102,17 +107,17 @@ def close_turns(actual, expected, name):
 
 
 def tolerance_scale(primvar):
-    """Half precision keeps eleven bits."""
+    """Half precision keeps eleven bits, and text six digits of a time code."""
     scale = max(np.abs(primvar.rows).max(initial=0), 1e-30)
     half = primvar.element.endswith("h") or primvar.element.startswith("half")
-    return scale * (2.0**-11 / RELATIVE if half else 1)
+    return scale * (2.0**-11 / RELATIVE if half else 10 if primvar.element == "timecode" else 1)
 
 
 def test_varying_primvars_are_linear(refined):
     used = np.unique(refined.render.indices)
     for name, primvar, written in carried(refined, "varying"):
         if primvar.is_discrete:
-            assert {tuple(row) for row in written.flat} <= {tuple(row) for row in primvar.flat}, f"{name}: invented values"
+            no_new_values(written, primvar)
         else:
             expected = refined.expected(refined.made.varying(primvar.flat))
             close(written.flat[used], expected[used], name, tolerance_scale(primvar))
@@ -132,7 +137,7 @@ def test_constant_primvars_are_equal(refined):
 def test_face_varying_primvars(refined):
     for name, primvar, written in carried(refined, "faceVarying"):
         if primvar.is_discrete:
-            assert {tuple(row) for row in written.flat} <= {tuple(row) for row in primvar.flat}, f"{name}: invented values"
+            no_new_values(written, primvar)
             continue
         expected, _ = refined.made.face_varying(primvar.rows, primvar.corner_indices(), refined.source.face_varying)
         close(written.flat, expected, name, tolerance_scale(primvar))
@@ -140,7 +145,7 @@ def test_face_varying_primvars(refined):
 
 def test_face_varying_cuts_are_where_the_source_has_them(refined):
     for name, primvar, written in carried(refined, "faceVarying"):
-        if primvar.indices is None:
+        if primvar.indices is None or primvar.is_discrete:
             continue
         assert written.indices is not None, f"{name} was indexed and is not now: its cuts are lost"
         _, channel = refined.made.face_varying(primvar.rows, primvar.indices, refined.source.face_varying)
