@@ -51,11 +51,7 @@ fn run(args: &[String]) -> Outcome {
         Some((task, rest)) => (task.as_str(), rest),
         None => return Err(Failure::new("no task given").hint("cargo xtask --help lists them")),
     };
-    if matches!(task, "-h" | "--help" | "help")
-        || rest
-            .first()
-            .is_some_and(|arg| arg == "-h" || arg == "--help")
-    {
+    if matches!(task, "-h" | "--help" | "help") || rest.first().is_some_and(|arg| arg == "-h" || arg == "--help") {
         print!("{HELP}\n{}", steps::help());
         return Ok(());
     }
@@ -77,18 +73,12 @@ fn run(args: &[String]) -> Outcome {
 }
 
 fn unexpected(task: &str, args: &[String]) -> Failure {
-    Failure::new(format!("`{task}` does not take `{}`", args.join(" ")))
-        .hint("cargo xtask --help lists the tasks")
+    Failure::new(format!("`{task}` does not take `{}`", args.join(" "))).hint("cargo xtask --help lists the tasks")
 }
 
 fn examples(project: &Project, args: &[String]) -> Outcome {
     let python = venv::ensure(project)?;
-    process::run(
-        project
-            .command(python)
-            .arg("examples/make_garments.py")
-            .args(args),
-    )
+    process::run(project.command(python).arg("examples/make_garments.py").args(args))
 }
 
 /// Draws what a user gets: the stage is built by the release binary, into a folder of its own.
@@ -97,17 +87,6 @@ fn picture(project: &Project) -> Outcome {
     steps::build(project)?;
     let folder = project.scratch("picture")?;
     let built = folder.join("coat.usda");
-    process::run(
-        project
-            .command(project.binary())
-            .args(["build", "examples/coat.usda", "-o"])
-            .arg(&built),
-    )?;
-    process::run(
-        project
-            .command(python)
-            .arg("examples/picture.py")
-            .arg(&built)
-            .args(["-o", "examples/coat.png"]),
-    )
+    process::run(project.command(project.binary()).args(["build", "examples/coat.usda", "-o"]).arg(&built))?;
+    process::run(project.command(python).arg("examples/picture.py").arg(&built).args(["-o", "examples/coat.png"]))
 }

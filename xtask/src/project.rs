@@ -20,23 +20,14 @@ impl Project {
         // This program is <target>/<profile>/xtask, wherever the target folder was put.
         let program = std::env::current_exe()
             .map_err(|error| Failure::new(format!("cannot tell where this program is: {error}")))?;
-        let target = program
-            .ancestors()
-            .nth(2)
-            .unwrap_or(Path::new("target"))
-            .to_path_buf();
-        let root = Path::new(env!("CARGO_MANIFEST_DIR"))
-            .parent()
-            .unwrap_or(Path::new("."))
-            .to_path_buf();
+        let target = program.ancestors().nth(2).unwrap_or(Path::new("target")).to_path_buf();
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new(".")).to_path_buf();
         Ok(Self { root, target })
     }
 
     /// The program as users run it.
     pub fn binary(&self) -> PathBuf {
-        self.target
-            .join("release")
-            .join(format!("usdtailor{}", std::env::consts::EXE_SUFFIX))
+        self.target.join("release").join(format!("usdtailor{}", std::env::consts::EXE_SUFFIX))
     }
 
     /// A command that runs in the workspace's root.
@@ -50,9 +41,8 @@ impl Project {
     pub fn scratch(&self, name: &str) -> Outcome<PathBuf> {
         let folder = self.target.join("xtask").join(name);
         if folder.exists() {
-            fs::remove_dir_all(&folder).map_err(|error| {
-                Failure::new(format!("cannot empty {}: {error}", folder.display()))
-            })?;
+            fs::remove_dir_all(&folder)
+                .map_err(|error| Failure::new(format!("cannot empty {}: {error}", folder.display())))?;
         }
         fs::create_dir_all(&folder)
             .map_err(|error| Failure::new(format!("cannot make {}: {error}", folder.display())))?;
@@ -60,7 +50,6 @@ impl Project {
     }
 
     pub fn read(&self, path: &str) -> Outcome<String> {
-        fs::read_to_string(self.root.join(path))
-            .map_err(|error| Failure::new(format!("cannot read {path}: {error}")))
+        fs::read_to_string(self.root.join(path)).map_err(|error| Failure::new(format!("cannot read {path}: {error}")))
     }
 }

@@ -9,11 +9,8 @@ use crate::venv;
 const FOLDER: &str = "schemas";
 
 /// The folder is a plugin by itself: the resources are beside plugInfo.json and there is no library.
-const PLACES: [(&str, &str); 3] = [
-    ("@PLUG_INFO_LIBRARY_PATH@", ""),
-    ("@PLUG_INFO_RESOURCE_PATH@", "."),
-    ("@PLUG_INFO_ROOT@", "."),
-];
+const PLACES: [(&str, &str); 3] =
+    [("@PLUG_INFO_LIBRARY_PATH@", ""), ("@PLUG_INFO_RESOURCE_PATH@", "."), ("@PLUG_INFO_ROOT@", ".")];
 
 struct Generated {
     name: &'static str,
@@ -35,10 +32,8 @@ pub fn check(project: &Project) -> Outcome {
         let path = format!("{FOLDER}/{}", file.name);
         let present = project.read(&path)?;
         if let Some(line) = first_difference(&present, &file.text) {
-            return Err(Failure::new(format!(
-                "{path}, line {line}: not what {FOLDER}/schema.usda generates"
-            ))
-            .hint("run cargo xtask schemas"));
+            return Err(Failure::new(format!("{path}, line {line}: not what {FOLDER}/schema.usda generates"))
+                .hint("run cargo xtask schemas"));
         }
     }
     Ok(())
@@ -49,32 +44,20 @@ fn generate(project: &Project) -> Outcome<[Generated; 2]> {
     // usdGenSchema merges into a plugInfo.json that it finds: start from nothing.
     let folder = project.scratch("schemas")?;
     let mut command = project.command(python);
-    command
-        .args(["-m", "pxr.Usd.usdGenSchema", "schemas/schema.usda"])
-        .arg(&folder);
+    command.args(["-m", "pxr.Usd.usdGenSchema", "schemas/schema.usda"]).arg(&folder);
     process::run_quietly(&mut command)?;
     let read = |name: &'static str| -> Outcome<Generated> {
         let text = fs::read_to_string(folder.join(name))
             .map_err(|error| Failure::new(format!("usdGenSchema made no {name}: {error}")))?;
-        Ok(Generated {
-            name,
-            text: tidy(&text),
-        })
+        Ok(Generated { name, text: tidy(&text) })
     };
     Ok([read("generatedSchema.usda")?, read("plugInfo.json")?])
 }
 
 /// Fills in the places and drops the spaces that usdGenSchema leaves at line ends.
 fn tidy(text: &str) -> String {
-    let filled = PLACES.iter().fold(text.to_owned(), |text, (place, value)| {
-        text.replace(place, value)
-    });
-    let mut lines = filled
-        .trim_end()
-        .lines()
-        .map(str::trim_end)
-        .collect::<Vec<_>>()
-        .join("\n");
+    let filled = PLACES.iter().fold(text.to_owned(), |text, (place, value)| text.replace(place, value));
+    let mut lines = filled.trim_end().lines().map(str::trim_end).collect::<Vec<_>>().join("\n");
     lines.push('\n');
     lines
 }
@@ -98,10 +81,7 @@ mod tests {
 
     #[test]
     fn tidy_fills_places_and_trims_lines() {
-        assert_eq!(
-            tidy("{ \n  \"Root\": \"@PLUG_INFO_ROOT@\", \n}\n\n"),
-            "{\n  \"Root\": \".\",\n}\n"
-        );
+        assert_eq!(tidy("{ \n  \"Root\": \"@PLUG_INFO_ROOT@\", \n}\n\n"), "{\n  \"Root\": \".\",\n}\n");
     }
 
     #[test]

@@ -19,36 +19,16 @@ struct Step {
 /// In the order of a full run: the quick ones that fail most often come first. Clippy and the docs share the metadata
 /// of the dependencies; tests and the binary cannot share, since users run the release profile and tests want assertions.
 const STEPS: [Step; 8] = [
-    Step {
-        name: "fmt",
-        about: "cargo fmt --check",
-        needs: &[],
-        run: |project, _| fmt(project),
-    },
+    Step { name: "fmt", about: "cargo fmt --check", needs: &[], run: |project, _| fmt(project) },
     Step {
         name: "clippy",
         about: "clippy on all targets, warnings denied",
         needs: &[],
         run: |project, _| clippy(project),
     },
-    Step {
-        name: "docs",
-        about: "rustdoc, warnings denied",
-        needs: &[],
-        run: |project, _| docs(project),
-    },
-    Step {
-        name: "rust",
-        about: "cargo test --workspace",
-        needs: &[],
-        run: rust,
-    },
-    Step {
-        name: "build",
-        about: "the release binary",
-        needs: &[],
-        run: |project, _| build(project),
-    },
+    Step { name: "docs", about: "rustdoc, warnings denied", needs: &[], run: |project, _| docs(project) },
+    Step { name: "rust", about: "cargo test --workspace", needs: &[], run: rust },
+    Step { name: "build", about: "the release binary", needs: &[], run: |project, _| build(project) },
     Step {
         name: "venv",
         about: "the Python environment target/venv",
@@ -61,12 +41,7 @@ const STEPS: [Step; 8] = [
         needs: &["venv"],
         run: |project, _| schemas::check(project),
     },
-    Step {
-        name: "python",
-        about: "pytest tests/usd, with the release binary",
-        needs: &["build", "venv"],
-        run: python,
-    },
+    Step { name: "python", about: "pytest tests/usd, with the release binary", needs: &["build", "venv"], run: python },
 ];
 
 /// The steps, as `--help` shows them.
@@ -88,28 +63,17 @@ pub fn test(project: &Project, args: &[String]) -> Outcome {
         None => (args, &[][..]),
     };
     if !extra.is_empty() && !matches!(names, [name] if name == "rust" || name == "python") {
-        return Err(Failure::new(
-            "arguments after -- need one step, `rust` or `python`",
-        ));
+        return Err(Failure::new("arguments after -- need one step, `rust` or `python`"));
     }
     let mut times = Vec::new();
     let outcome = selected(names)?.into_iter().try_for_each(|step| {
         eprintln!("\n== {}: {}", step.name, step.about);
         let start = Instant::now();
         // Extra arguments are for the step that was named, not for what it needs.
-        let extra = if names.iter().any(|name| name == step.name) {
-            extra
-        } else {
-            &[]
-        };
+        let extra = if names.iter().any(|name| name == step.name) { extra } else { &[] };
         let outcome = (step.run)(project, extra).map_err(|failure| failure.within(step.name));
         let time = start.elapsed();
-        eprintln!(
-            "== {}: {} in {:.1} s",
-            step.name,
-            verdict(&outcome),
-            time.as_secs_f64()
-        );
+        eprintln!("== {}: {} in {:.1} s", step.name, verdict(&outcome), time.as_secs_f64());
         times.push((step.name, time, verdict(&outcome)));
         outcome
     });
@@ -132,24 +96,12 @@ fn print_table(times: &[(&str, Duration, &str)]) {
 
 /// The named steps and what they need, in order; all when none is named.
 fn selected(names: &[String]) -> Outcome<Vec<&'static Step>> {
-    if let Some(unknown) = names
-        .iter()
-        .find(|name| STEPS.iter().all(|step| step.name != **name))
-    {
-        return Err(
-            Failure::new(format!("no step `{unknown}`")).hint("cargo xtask --help lists them")
-        );
+    if let Some(unknown) = names.iter().find(|name| STEPS.iter().all(|step| step.name != **name)) {
+        return Err(Failure::new(format!("no step `{unknown}`")).hint("cargo xtask --help lists them"));
     }
     let named = |step: &Step| names.is_empty() || names.iter().any(|name| name == step.name);
-    let needed = |name: &str| {
-        STEPS
-            .iter()
-            .any(|step| named(step) && step.needs.contains(&name))
-    };
-    Ok(STEPS
-        .iter()
-        .filter(|step| named(step) || needed(step.name))
-        .collect())
+    let needed = |name: &str| STEPS.iter().any(|step| named(step) && step.needs.contains(&name));
+    Ok(STEPS.iter().filter(|step| named(step) || needed(step.name)).collect())
 }
 
 /// A cargo command that accepts the toolchain although `openusd` declares a later one (see .cargo/config.toml).
@@ -167,21 +119,11 @@ fn fmt(project: &Project) -> Outcome {
 }
 
 fn clippy(project: &Project) -> Outcome {
-    process::run(cargo(project, "clippy").args([
-        "--workspace",
-        "--all-targets",
-        "--",
-        "-D",
-        "warnings",
-    ]))
+    process::run(cargo(project, "clippy").args(["--workspace", "--all-targets", "--", "-D", "warnings"]))
 }
 
 fn docs(project: &Project) -> Outcome {
-    process::run(
-        cargo(project, "doc")
-            .args(["--workspace", "--no-deps"])
-            .env("RUSTDOCFLAGS", "-D warnings"),
-    )
+    process::run(cargo(project, "doc").args(["--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings"))
 }
 
 fn rust(project: &Project, extra: &[String]) -> Outcome {
@@ -197,9 +139,7 @@ fn python(project: &Project, extra: &[String]) -> Outcome {
     let python = venv::ensure(project)?;
     // -rs names what was skipped, and why.
     let mut command = project.command(python);
-    command
-        .args(["-m", "pytest", "tests/usd", "-q", "-rs"])
-        .args(extra);
+    command.args(["-m", "pytest", "tests/usd", "-q", "-rs"]).args(extra);
     process::run(command.env("USDTAILOR", project.binary()))
 }
 
@@ -209,11 +149,7 @@ mod tests {
 
     fn names(selection: &[&str]) -> Vec<&'static str> {
         let selection: Vec<String> = selection.iter().map(ToString::to_string).collect();
-        selected(&selection)
-            .unwrap()
-            .into_iter()
-            .map(|step| step.name)
-            .collect()
+        selected(&selection).unwrap().into_iter().map(|step| step.name).collect()
     }
 
     #[test]
@@ -227,10 +163,7 @@ mod tests {
     fn needs_come_before_the_step_and_need_nothing_themselves() {
         for (at, step) in STEPS.iter().enumerate() {
             for need in step.needs {
-                let found = STEPS[..at]
-                    .iter()
-                    .find(|other| other.name == *need)
-                    .expect("a step before this one");
+                let found = STEPS[..at].iter().find(|other| other.name == *need).expect("a step before this one");
                 assert!(found.needs.is_empty());
             }
         }

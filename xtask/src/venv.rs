@@ -20,15 +20,7 @@ pub fn ensure(project: &Project) -> Outcome<PathBuf> {
     }
     create(project, &folder)?;
     eprintln!("installing {REQUIREMENTS}");
-    let pip = [
-        "-m",
-        "pip",
-        "install",
-        "--quiet",
-        "--disable-pip-version-check",
-        "--requirement",
-        REQUIREMENTS,
-    ];
+    let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--requirement", REQUIREMENTS];
     process::run(project.command(&python).args(pip))?;
     fs::write(&installed, wanted)
         .map_err(|error| Failure::new(format!("cannot write {}: {error}", installed.display())))?;
@@ -44,9 +36,5 @@ fn create(project: &Project, folder: &Path) -> Outcome {
 }
 
 fn interpreter(folder: &Path) -> PathBuf {
-    if cfg!(windows) {
-        folder.join("Scripts/python.exe")
-    } else {
-        folder.join("bin/python")
-    }
+    if cfg!(windows) { folder.join("Scripts/python.exe") } else { folder.join("bin/python") }
 }
