@@ -7,7 +7,6 @@ import numpy as np
 from catmull_clark import cage
 from pxr import Usd, UsdGeom, UsdShade
 
-FACE_INTERPOLATIONS = ("uniform",)
 NUMBERS = (
     "bool int uint uchar int64 uint64 half float double timecode "
     "int2 int3 int4 half2 half3 half4 float2 float3 float4 double2 double3 double4 "
@@ -201,6 +200,13 @@ def find_model(stage, path=None):
         return stage.GetPrimAtPath(path)
     (mesh,) = (prim for prim in stage.Traverse(Usd.TraverseInstanceProxies()) if prim.IsA(UsdGeom.Mesh))
     return mesh
+
+
+def recipe(prim, key, fallback):
+    """The value of `sim.uvSet` and its like that the prim asks for."""
+    attribute = prim.GetAttribute("tailor:" + key.replace(".", ":"))
+    value = attribute.Get() if attribute else None
+    return fallback if value is None else value
 
 
 def read_mesh(prim, time=Usd.TimeCode.Default()):

@@ -1,7 +1,7 @@
 """Small garments in memory, one trouble each: every builder takes keywords and writes one file."""
 
 import numpy as np
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade, Vt
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade, UsdSkel, Vt
 
 MODEL = "/Coat/model"
 
@@ -176,7 +176,16 @@ def value(type_name, i):
 
 
 def add_skinning(mesh, *, joints=7, element_size=4):
-    """Weights that fall off around joints along x, more joints than each point keeps."""
+    """Weights that fall off around joints along x, more joints than each point keeps, and the skeleton they belong to."""
+    root = mesh.GetPath().GetPrefixes()[0]
+    skeleton = UsdSkel.Skeleton.Define(mesh.GetPrim().GetStage(), (root if root != mesh.GetPath() else root.GetParentPath()).AppendChild("bones"))
+    skeleton.CreateJointsAttr([f"joint{i}" for i in range(joints)])
+    still = Vt.Matrix4dArray([Gf.Matrix4d(1)] * joints)
+    skeleton.CreateBindTransformsAttr(still)
+    skeleton.CreateRestTransformsAttr(still)
+    binding = UsdSkel.BindingAPI.Apply(mesh.GetPrim())
+    binding.CreateSkeletonRel().AddTarget(skeleton.GetPath())
+    binding.CreateGeomBindTransformAttr(Gf.Matrix4d(1))
     x = np.array(mesh.GetPointsAttr().Get())[:, 0]
     centres = np.linspace(x.min(), x.max(), joints)
     weights = np.exp(-((x[:, None] - centres) ** 2)) + 0.001 * np.arange(joints)

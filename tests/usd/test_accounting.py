@@ -1,6 +1,7 @@
 """Nothing is dropped in silence: each primvar and subset of the source is on both meshes, or a warning names it."""
 
 import pytest
+from pxr import Usd
 
 # The simulation mesh has other vertices, so what was per vertex or varying may be either.
 SIM_INTERPOLATIONS = {
@@ -40,6 +41,22 @@ def test_sim_mesh_carries_every_primvar_and_subset(product):
         return same_kind(before, after) and after.interpolation in SIM_INTERPOLATIONS[before.interpolation]
 
     assert unaccounted(product, product.sim, kept) == [], product.warnings
+
+
+@pytest.mark.parametrize("name", ["sim", "render"])
+def test_skinned_meshes_stay_bound_to_their_skeleton(product, name):
+    """SkelBindingAPI, without which the influences mean nothing, and the properties that say which skeleton."""
+    before, after = product.source.prim, product.prim(name)
+    if "SkelBindingAPI" not in before.GetAppliedSchemas():
+        pytest.skip("not skinned")
+    assert "SkelBindingAPI" in after.GetAppliedSchemas()
+    for prop in before.GetAuthoredPropertiesInNamespace("skel"):
+        written = after.GetProperty(prop.GetName())
+        assert written, f"{prop.GetName()} is gone"
+        if isinstance(prop, Usd.Relationship):
+            assert written.GetTargets() == prop.GetTargets(), prop.GetName()
+        else:
+            assert written.Get() == prop.Get(), prop.GetName()
 
 
 @pytest.mark.parametrize("name", ["sim", "render"])

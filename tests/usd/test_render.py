@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from catmull_clark import INFINITE, Subdivision, match_vertices
-from mesh import cut_edges
+from mesh import cut_edges, recipe
 from pxr import UsdGeom
 
 # OpenSubdiv and usdtailor work in float32 or better on values that are stored as float32.
@@ -33,10 +33,13 @@ class Refined:
         return self.render.cage.edge_ids(self.to_render[ours])
 
 
-@pytest.fixture(params=[1, 2])
+@pytest.fixture(params=["recipe", 2])
 def refined(request, garment, built):
-    level = request.param
-    return Refined(built(garment) if level == 1 else built(garment, "--set", f"render.level={level}"), level)
+    """At the level that the garment itself asks for, and at one that is asked for."""
+    if request.param == "recipe":
+        product = built(garment)
+        return Refined(product, recipe(product.source.prim, "render.level", 1))
+    return Refined(built(garment, "--set", f"render.level={request.param}"), request.param)
 
 
 def close(actual, expected, what, scale=None):

@@ -28,7 +28,10 @@ def content(stage):
 
 
 # Where a prim comes from, not what it is; applied schemas are compared as they compose.
-ORIGIN = {"active", "apiSchemas", "assetInfo", "clipSets", "customLayerData", "inheritPaths", "payload", "references", "specializes", "specifier", "typeName", "variantSelection", "variantSetNames", "default", "timeSamples", "colorSpace"}
+ORIGIN = set(
+    "active apiSchemas assetInfo clipSets customLayerData inheritPaths payload references specializes specifier typeName "
+    "variantSelection variantSetNames default timeSamples colorSpace".split()
+)
 
 
 def plain(value):

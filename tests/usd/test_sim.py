@@ -3,13 +3,10 @@
 import numpy as np
 import pytest
 from catmull_clark import Subdivision
-from mesh import border_loops, components
+from mesh import border_loops, components, recipe
 from pxr import UsdGeom
 from surface import distance_to_segments, distance_to_triangles, triangles_of
 from test_render import no_new_values
-
-BASELINE_LEVEL = 2
-UV_SET = "st"
 
 # Shares of the diagonal of the source's box.
 ON_SURFACE = 1e-4
@@ -22,8 +19,9 @@ CURVE_LENGTH = 0.10
 class Baseline:
     """The surface that the simulation mesh lies on."""
 
-    def __init__(self, source, level=BASELINE_LEVEL):
+    def __init__(self, source, level=None):
         self.source = source
+        level = recipe(source.prim, "sim.baselineLevel", 2) if level is None else level
         self.made = Subdivision(source.cage, level)
         self.points = self.made.vertex(source.points)
         self.size = np.linalg.norm(np.ptp(source.points, axis=0))
@@ -139,33 +137,35 @@ def test_borders_lie_on_the_borders_of_the_baseline(product, baseline):
     assert length(product.sim.points[sim.edges[sim.edge_faces == 1]]) == pytest.approx(length(segments), rel=CURVE_LENGTH)
 
 
-def uv(product):
-    if UV_SET not in product.source.primvars:
-        pytest.skip(f"no {UV_SET}")
-    assert UV_SET in product.sim.primvars, f"{UV_SET} is gone; warnings: {product.warnings}"
-    assert product.sim.primvars[UV_SET].interpolation == "faceVarying"
-    assert np.isfinite(product.sim.primvars[UV_SET].rows).all()
-    return product.sim.primvars[UV_SET]
+def uv_set(product):
+    """The name of the UV set whose shells are panels, which must be on the simulation mesh."""
+    name = recipe(product.source.prim, "sim.uvSet", "st")
+    if name not in product.source.primvars:
+        pytest.skip(f"no UV set {name}")
+    assert name in product.sim.primvars, f"{name} is gone; warnings: {product.warnings}"
+    assert product.sim.primvars[name].interpolation == "faceVarying"
+    assert np.isfinite(product.sim.primvars[name].rows).all()
+    return name
 
 
-def shell_signs(mesh):
+def shell_signs(mesh, name):
     """For each shell the sign of its area in UV space, and its area."""
-    shells = mesh.uv_shells(UV_SET)
-    areas = np.bincount(shells, weights=mesh.uv_areas(UV_SET))
+    shells = mesh.uv_shells(name)
+    areas = np.bincount(shells, weights=mesh.uv_areas(name))
     return shells, np.sign(areas), np.abs(areas)
 
 
 def test_uv_triangles_are_not_flipped(product):
-    uv(product)
-    shells, signs, _ = shell_signs(product.sim)
-    flipped = np.flatnonzero(np.sign(product.sim.uv_areas(UV_SET)) != signs[shells])
+    name = uv_set(product)
+    shells, signs, _ = shell_signs(product.sim, name)
+    flipped = np.flatnonzero(np.sign(product.sim.uv_areas(name)) != signs[shells])
     assert len(flipped) == 0, f"{len(flipped)} triangles, first {flipped[0]}"
 
 
 def test_uv_shells_are_those_of_the_source(product):
     """As many as before, as many of them mirrored, and of the same areas."""
-    uv(product)
-    (_, before, areas_before), (_, after, areas_after) = shell_signs(product.source), shell_signs(product.sim)
+    name = uv_set(product)
+    (_, before, areas_before), (_, after, areas_after) = shell_signs(product.source, name), shell_signs(product.sim, name)
     if is_manifold(product.source):
         assert sorted(after) == sorted(before)
         assert np.allclose(np.sort(areas_after), np.sort(areas_before), rtol=0.1, atol=0.002 * areas_before.sum())
@@ -174,10 +174,10 @@ def test_uv_shells_are_those_of_the_source(product):
 
 
 def test_uv_cuts_are_where_the_source_has_them(product, baseline):
-    uv(product)
-    cuts = product.source.uv_cuts(UV_SET)
+    name = uv_set(product)
+    cuts = product.source.uv_cuts(name)
     segments = baseline.curve(np.flatnonzero(cuts))
-    edges = product.sim.cage.edges[product.sim.uv_cuts(UV_SET)]
+    edges = product.sim.cage.edges[product.sim.uv_cuts(name)]
     assert (len(edges) > 0) == (len(segments) > 0)
     if len(edges) == 0:
         return
@@ -247,8 +247,8 @@ def test_face_subsets_keep_their_share_of_the_area(product, baseline):
 
 def test_edge_subsets_on_chains_keep_their_curves(product, baseline):
     """Sets of borders and UV seams are constraints, so they are carried exactly."""
-    source = product.source
-    chains = (source.cage.edge_faces == 1) | (source.uv_cuts(UV_SET) if UV_SET in source.primvars else False)
+    source, name = product.source, recipe(product.source.prim, "sim.uvSet", "st")
+    chains = (source.cage.edge_faces == 1) | (source.uv_cuts(name) if name in source.primvars else False)
     for name, subset in source.subsets.items():
         if subset.element_type != "edge" or len(subset.indices) == 0:
             continue

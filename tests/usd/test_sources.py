@@ -44,7 +44,10 @@ def check(product, *, level=1, sim=True):
     if sim:
         given["baseline"] = test_sim.Baseline(product.source)
         checks += [getattr(test_sim, name) for name in SIM_CHECKS]
-        checks += [test_accounting.test_sim_mesh_carries_every_primvar_and_subset]
+        checks += [
+            test_accounting.test_skinned_meshes_stay_bound_to_their_skeleton,
+            test_accounting.test_sim_mesh_carries_every_primvar_and_subset,
+        ]
     for function in checks:
         try:
             function(**{name: given[name] for name in inspect.signature(function).parameters})
