@@ -1,1 +1,92 @@
-fn main() {}
+//! The project's own tasks, run as `cargo xtask <task>`. Nothing here is needed to build or use `usdtailor`.
+
+mod golden;
+mod process;
+mod project;
+mod schemas;
+mod steps;
+mod venv;
+
+use std::process::ExitCode;
+
+use process::{Failure, Outcome};
+use project::Project;
+
+const HELP: &str = "\
+Tasks of this project.
+
+Usage: cargo xtask <TASK>
+
+Tasks:
+  test [STEP...] [-- ARGS...]  Run the named steps and those they need, or all of them (see below)
+  schemas [--check]            Write schemas/generatedSchema.usda and plugInfo.json from schema.usda;
+                               --check only compares, and fails on a difference
+  examples [ARGS...]           Write the garments in examples/ (examples/make_garments.py)
+  picture                      Build examples/coat.usda and draw the input and both meshes as examples/coat.png
+  golden [ARGS...]             Write the OpenSubdiv reference data of the subdivision tests (needs cmake and C++)
+  venv                         Make the Python environment target/venv that the other tasks use
+
+Options:
+  -h, --help                   Print this help
+
+What follows -- goes to `cargo test` when the only step named is `rust`, to pytest when it is `python`:
+  cargo xtask test python -- -k schemas
+
+PYTHON names the interpreter that target/venv is made from (python3).
+";
+
+fn main() -> ExitCode {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    match run(&args) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            eprintln!("\n{failure}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(args: &[String]) -> Outcome {
+    let (task, rest) = match args.split_first() {
+        Some((task, rest)) => (task.as_str(), rest),
+        None => return Err(Failure::new("no task given").hint("cargo xtask --help lists them")),
+    };
+    if matches!(task, "-h" | "--help" | "help") || rest.first().is_some_and(|arg| arg == "-h" || arg == "--help") {
+        print!("{HELP}\n{}", steps::help());
+        return Ok(());
+    }
+    let project = Project::find()?;
+    match task {
+        "test" => steps::test(&project, rest),
+        "schemas" => match rest {
+            [] => schemas::write(&project),
+            [flag] if flag == "--check" => schemas::check(&project),
+            _ => Err(unexpected(task, rest)),
+        },
+        "examples" => examples(&project, rest),
+        "picture" if rest.is_empty() => picture(&project),
+        "golden" => golden::run(rest).map_err(|error| Failure::new(error.to_string())),
+        "venv" if rest.is_empty() => venv::ensure(&project).map(|_| ()),
+        "picture" | "venv" => Err(unexpected(task, rest)),
+        _ => Err(Failure::new(format!("no task `{task}`")).hint("cargo xtask --help lists them")),
+    }
+}
+
+fn unexpected(task: &str, args: &[String]) -> Failure {
+    Failure::new(format!("`{task}` does not take `{}`", args.join(" "))).hint("cargo xtask --help lists the tasks")
+}
+
+fn examples(project: &Project, args: &[String]) -> Outcome {
+    let python = venv::ensure(project)?;
+    process::run(project.command(python).arg("examples/make_garments.py").args(args))
+}
+
+/// Draws what a user gets: the stage is built by the release binary, into a folder of its own.
+fn picture(project: &Project) -> Outcome {
+    let python = venv::ensure(project)?;
+    steps::build(project)?;
+    let folder = project.scratch("picture")?;
+    let built = folder.join("coat.usda");
+    process::run(project.command(project.binary()).args(["build", "examples/coat.usda", "-o"]).arg(&built))?;
+    process::run(project.command(python).arg("examples/picture.py").arg(&built).args(["-o", "examples/coat.png"]))
+}

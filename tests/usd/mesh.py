@@ -1,0 +1,290 @@
+"""A UsdGeomMesh with its subsets and primvars as numpy arrays, and what follows from them."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from catmull_clark import cage
+from pxr import Usd, UsdGeom, UsdShade
+
+NUMBERS = (
+    "bool int uint uchar int64 uint64 half float double timecode "
+    "int2 int3 int4 half2 half3 half4 float2 float3 float4 double2 double3 double4 "
+    "point3h point3f point3d vector3h vector3f vector3d normal3h normal3f normal3d color3h color3f color3d "
+    "color4h color4f color4d texCoord2h texCoord2f texCoord2d texCoord3h texCoord3f texCoord3d "
+    "quath quatf quatd matrix2d matrix3d matrix4d"
+).split()
+DISCRETE = "bool int uint uchar int64 uint64 int2 int3 int4 string token asset".split()
+
+
+@dataclass
+class Primvar:
+    name: str
+    type_name: str
+    interpolation: str
+    element_size: int
+    values: list | np.ndarray  # as authored
+    indices: np.ndarray | None
+
+    @property
+    def element(self):
+        """The type of one value."""
+        return self.type_name.removesuffix("[]")
+
+    @property
+    def is_discrete(self):
+        return self.element in DISCRETE
+
+    @property
+    def is_skinning(self):
+        return self.name in ("skel:jointIndices", "skel:jointWeights")
+
+    @cached_property
+    def rows(self):
+        """Numbers of each authored value, or the values themselves where they are not numbers."""
+        if self.element not in NUMBERS:
+            return np.array([str(value) for value in self.values], dtype=object).reshape(-1, self.element_size)
+        return numbers(self.values).reshape(len(self.values) // self.element_size, -1)
+
+    @cached_property
+    def flat(self):
+        """As `rows`, one for each element of the mesh."""
+        return self.rows if self.indices is None else self.rows[self.indices]
+
+    def corner_indices(self):
+        """Face-varying topology: the authored indices; without any, each corner has a value of its own."""
+        return np.arange(len(self.rows)) if self.indices is None else self.indices
+
+
+def numbers(values):
+    """Any numeric USD array as rows of floats."""
+    values = list(values) if not isinstance(values, np.ndarray) else values
+    if len(values) == 0:
+        return np.zeros((0, 1))
+    first = values[0]
+    if hasattr(first, "GetImaginary"):  # quaternions, which numpy does not know
+        return np.array([[value.GetReal(), *value.GetImaginary()] for value in values], dtype=float)
+    if hasattr(first, "GetValue"):  # time codes
+        return np.array([[value.GetValue()] for value in values], dtype=float)
+    array = np.array(values, dtype=float)
+    return array.reshape(len(values), -1)
+
+
+@dataclass
+class Subset:
+    name: str
+    element_type: str
+    family: str
+    indices: np.ndarray
+    material: str | None
+    prim: object = None
+
+    @property
+    def pairs(self):
+        return self.indices.reshape(-1, 2)
+
+
+@dataclass
+class Mesh:
+    prim: object
+    points: np.ndarray
+    counts: np.ndarray
+    indices: np.ndarray
+    scheme: str
+    orientation: str
+    boundary: str
+    face_varying: str
+    triangles: str
+    holes: np.ndarray
+    creases: dict  # pair of vertices, ascending: sharpness
+    corners: dict
+    primvars: dict
+    subsets: dict
+    families: dict  # name: type
+    material: str | None
+    extent: np.ndarray | None = None
+    extra: dict = field(default_factory=dict)
+
+    @cached_property
+    def cage(self):
+        """For subdivision: what the mesh means."""
+        return cage(
+            self.counts,
+            self.indices,
+            len(self.points),
+            creases=self.creases,
+            corners=self.corners,
+            boundary=self.boundary,
+            triangles=self.triangles,
+            scheme=self.scheme if self.scheme == "bilinear" else "catmullClark",
+        )
+
+    @cached_property
+    def face_centres(self):
+        sums = np.zeros((len(self.counts), 3))
+        np.add.at(sums, self.cage.corner_face, self.points[self.indices])
+        return sums / self.counts[:, None]
+
+    @cached_property
+    def face_areas(self):
+        """Length of the vector area of each face."""
+        here, there = self.points[self.indices], self.points[self.indices[self.cage.next_corner]]
+        vector = np.zeros((len(self.counts), 3))
+        np.add.at(vector, self.cage.corner_face, np.cross(here, there) / 2)
+        return np.linalg.norm(vector, axis=1)
+
+    def uv_shells(self, name="st"):
+        """The connected regions of faces in UV space: a number for each face."""
+        primvar = self.primvars[name]
+        corners = np.stack([self.indices, primvar.corner_indices()], axis=1)
+        vertices = np.unique(corners, axis=0, return_inverse=True)[1].ravel()
+        return components(self.cage, vertices)
+
+    def uv_cuts(self, name="st"):
+        """The inner edges across which the UVs are cut: an array of bool."""
+        indices = self.primvars[name].corner_indices()
+        return cut_edges(self.cage, indices)
+
+    def uv_areas(self, name="st"):
+        """The signed area of each face in UV space."""
+        uv = self.primvars[name].rows[self.primvars[name].corner_indices()]
+        here, there = uv, uv[self.cage.next_corner]
+        areas = np.zeros(len(self.counts))
+        np.add.at(areas, self.cage.corner_face, (here[:, 0] * there[:, 1] - here[:, 1] * there[:, 0]) / 2)
+        return areas
+
+
+def cut_edges(topology, corner_values):
+    """The edges of two or more faces at one end of which the faces have different values."""
+    ends = np.stack([corner_values, corner_values[topology.next_corner]], axis=1)
+    ends = np.where(topology.forward[:, None], ends, ends[:, ::-1])
+    low, high = np.full((len(topology.edges), 2), np.iinfo(np.int64).max), np.full((len(topology.edges), 2), -1)
+    np.minimum.at(low, topology.corner_edge, ends)
+    np.maximum.at(high, topology.corner_edge, ends)
+    return (topology.edge_faces > 1) & (low != high).any(axis=1)
+
+
+def components(topology, corner_vertices):
+    """Numbers the groups of faces that share an edge whose ends are the same `corner_vertices` on both sides."""
+    ends = np.stack([corner_vertices, corner_vertices[topology.next_corner]], axis=1)
+    edge = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True)[1].ravel()
+    group = np.arange(topology.face_count)
+    while True:
+        smallest = np.full(edge.max(initial=-1) + 1, topology.face_count)
+        np.minimum.at(smallest, edge, group[topology.corner_face])
+        now = group.copy()
+        np.minimum.at(now, topology.corner_face, smallest[edge])
+        now = now[now]
+        if np.array_equal(now, group):
+            return np.unique(group, return_inverse=True)[1]
+        group = now
+
+
+def border_loops(topology):
+    """How many loops the edges of one face form: groups of them that share vertices."""
+    edges = topology.edges[topology.edge_faces == 1]
+    label = np.arange(topology.vertex_count)
+    while True:
+        smallest = np.minimum(label[edges[:, 0]], label[edges[:, 1]])
+        now = label.copy()
+        np.minimum.at(now, edges[:, 0], smallest)
+        np.minimum.at(now, edges[:, 1], smallest)
+        if np.array_equal(now, label):
+            return len(np.unique(label[edges]))
+        label = now
+
+
+def find_model(stage, path=None):
+    """The one mesh of a source stage."""
+    if path:
+        return stage.GetPrimAtPath(path)
+    (mesh,) = (prim for prim in stage.Traverse(Usd.TraverseInstanceProxies()) if prim.IsA(UsdGeom.Mesh))
+    return mesh
+
+
+def recipe(prim, key, fallback):
+    """The value of `sim.uvSet` and its like that the prim asks for."""
+    attribute = prim.GetAttribute("tailor:" + key.replace(".", ":"))
+    value = attribute.Get() if attribute else None
+    return fallback if value is None else value
+
+
+def read_mesh(prim, time=Usd.TimeCode.Default()):
+    assert prim and prim.IsA(UsdGeom.Mesh), f"no mesh at {prim}"
+    mesh = UsdGeom.Mesh(prim)
+
+    def array(attribute, dtype):
+        value = attribute.Get(time)
+        return np.array(value if value is not None else [], dtype=dtype)
+
+    extent = mesh.GetExtentAttr().Get(time)
+    return Mesh(
+        prim=prim,
+        points=array(mesh.GetPointsAttr(), float).reshape(-1, 3),
+        counts=array(mesh.GetFaceVertexCountsAttr(), int),
+        indices=array(mesh.GetFaceVertexIndicesAttr(), int),
+        scheme=mesh.GetSubdivisionSchemeAttr().Get(),
+        orientation=mesh.GetOrientationAttr().Get(),
+        boundary=mesh.GetInterpolateBoundaryAttr().Get(time),
+        face_varying=mesh.GetFaceVaryingLinearInterpolationAttr().Get(time),
+        triangles=mesh.GetTriangleSubdivisionRuleAttr().Get(time),
+        holes=array(mesh.GetHoleIndicesAttr(), int),
+        creases=read_creases(mesh, array),
+        corners=dict(zip(array(mesh.GetCornerIndicesAttr(), int).tolist(), array(mesh.GetCornerSharpnessesAttr(), float))),
+        primvars={primvar.GetPrimvarName(): read_primvar(primvar, time) for primvar in UsdGeom.PrimvarsAPI(prim).GetPrimvarsWithValues()},
+        subsets={subset.GetPrim().GetName(): read_subset(subset, time) for subset in UsdGeom.Subset.GetAllGeomSubsets(mesh)},
+        families={name: UsdGeom.Subset.GetFamilyType(mesh, name) for name in UsdGeom.Subset.GetAllGeomSubsetFamilyNames(mesh)},
+        material=bound_material(prim),
+        extent=None if extent is None else np.array(extent, dtype=float),
+    )
+
+
+def read_creases(mesh, array):
+    indices, lengths = array(mesh.GetCreaseIndicesAttr(), int), array(mesh.GetCreaseLengthsAttr(), int)
+    sharpnesses = iter(array(mesh.GetCreaseSharpnessesAttr(), float))
+    per_crease = len(array(mesh.GetCreaseSharpnessesAttr(), float)) == len(lengths)
+    creases, start = {}, 0
+    for length in lengths:
+        line = indices[start : start + length]
+        start += length
+        value = next(sharpnesses) if per_crease else None
+        for a, b in zip(line[:-1], line[1:]):
+            pair = (int(min(a, b)), int(max(a, b)))
+            creases[pair] = float(value if per_crease else next(sharpnesses))
+    return creases
+
+
+def read_primvar(primvar, time):
+    indices = primvar.GetIndices(time) if primvar.IsIndexed() else None
+    values = primvar.Get(time)
+    if not primvar.GetTypeName().isArray:
+        values = [values]
+    return Primvar(
+        primvar.GetPrimvarName(),
+        str(primvar.GetTypeName()),
+        primvar.GetInterpolation(),
+        primvar.GetElementSize(),
+        values,
+        None if indices is None else np.array(indices, dtype=int),
+    )
+
+
+def read_subset(subset, time):
+    return Subset(
+        subset.GetPrim().GetName(),
+        subset.GetElementTypeAttr().Get(),
+        subset.GetFamilyNameAttr().Get() or "",
+        np.array(subset.GetIndicesAttr().Get(time) or [], dtype=int),
+        bound_material(subset.GetPrim(), inherited=False),
+        subset.GetPrim(),
+    )
+
+
+def bound_material(prim, inherited=True):
+    """The path of the material that a prim is drawn with, or is bound to itself."""
+    api = UsdShade.MaterialBindingAPI(prim)
+    if not inherited:
+        targets = api.GetDirectBindingRel().GetTargets()
+        return str(targets[0]) if targets else None
+    material, _ = api.ComputeBoundMaterial()
+    return str(material.GetPath()) if material else None

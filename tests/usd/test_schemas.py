@@ -1,0 +1,125 @@
+"""The codeless schemas as OpenUSD sees them: registered, typed, documented, applicable."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+from pxr import Sdf, Usd, UsdGeom, Vt
+
+# attribute: (type, fallback); the one place in these tests that repeats schema.usda.
+SIM = {
+    "tailor:sim:minEdgeLength": ("float", 0.0),
+    "tailor:sim:maxEdgeLength": ("float", 0.0),
+    "tailor:sim:density": ("token", ""),
+    "tailor:sim:baselineLevel": ("int", 2),
+    "tailor:sim:iterations": ("int", 5),
+    "tailor:sim:uvSet": ("token", "st"),
+    "tailor:sim:constrainUvSeams": ("bool", True),
+    "tailor:sim:transferSamples": ("int", 32),
+    "tailor:sim:seed": ("int", 0),
+}
+RENDER = {
+    "tailor:render:level": ("int", 1),
+    "tailor:render:operators": ("token[]", Vt.TokenArray()),
+}
+SCHEMAS = {"TailorSimAPI": SIM, "TailorRenderAPI": RENDER}
+RELATIONSHIPS = {"TailorSimAPI": {"tailor:sim:constraints"}, "TailorRenderAPI": set()}
+
+ATTRIBUTES = [
+    pytest.param(schema, name, *what, id=name) for schema, attributes in SCHEMAS.items() for name, what in attributes.items()
+]
+
+
+def definition(schema):
+    return Usd.SchemaRegistry().FindAppliedAPIPrimDefinition(schema)
+
+
+@pytest.fixture
+def mesh():
+    stage = Usd.Stage.CreateInMemory()
+    yield UsdGeom.Mesh.Define(stage, "/Coat/model").GetPrim()
+
+
+@pytest.mark.parametrize("schema", SCHEMAS)
+def test_schema_is_a_single_apply_api(schema):
+    registry = Usd.SchemaRegistry()
+    assert definition(schema), "not registered: is PXR_PLUGINPATH_NAME set before pxr is imported?"
+    assert registry.IsAppliedAPISchema(schema)
+    assert not registry.IsMultipleApplyAPISchema(schema)
+    assert list(registry.GetAPISchemaCanOnlyApplyToTypeNames(schema)) == ["Mesh"]
+
+
+@pytest.mark.parametrize("schema", SCHEMAS)
+def test_schema_holds_these_properties_and_no_other(schema):
+    assert set(definition(schema).GetPropertyNames()) == set(SCHEMAS[schema]) | RELATIONSHIPS[schema]
+
+
+@pytest.mark.parametrize("schema, name, type_name, fallback", ATTRIBUTES)
+def test_attribute_has_its_type_fallback_and_variability(schema, name, type_name, fallback):
+    attribute = definition(schema).GetAttributeDefinition(name)
+    assert attribute.GetTypeName() == Sdf.ValueTypeNames.Find(type_name)
+    assert attribute.GetFallbackValue() == fallback
+    assert attribute.GetVariability() == Sdf.VariabilityUniform
+
+
+@pytest.mark.parametrize("schema", SCHEMAS)
+def test_every_property_is_documented_with_its_unit(schema):
+    held = definition(schema)
+    for name in held.GetPropertyNames():
+        text = held.GetPropertyDocumentation(name)
+        assert text.endswith("]."), f"{name}: the doc must be one sentence that ends in a unit in brackets: {text!r}"
+
+
+@pytest.mark.parametrize("schema", SCHEMAS)
+def test_schema_applies_to_a_mesh_and_gives_its_fallbacks(schema, mesh):
+    assert mesh.CanApplyAPI(schema)
+    assert mesh.ApplyAPI(schema)
+    assert mesh.HasAPI(schema)
+    assert schema in mesh.GetAppliedSchemas()
+    for name, (_, fallback) in SCHEMAS[schema].items():
+        attribute = mesh.GetAttribute(name)
+        assert attribute.Get() == fallback
+        assert not attribute.HasAuthoredValue()
+    for name in RELATIONSHIPS[schema]:
+        assert mesh.GetRelationship(name).GetTargets() == []
+
+
+@pytest.mark.parametrize("schema", SCHEMAS)
+def test_schema_is_refused_by_other_types(schema):
+    stage = Usd.Stage.CreateInMemory()
+    xform = UsdGeom.Xform.Define(stage, "/Coat").GetPrim()
+    assert not xform.CanApplyAPI(schema)
+
+
+def test_values_survive_a_layer(mesh):
+    mesh.ApplyAPI("TailorSimAPI")
+    mesh.GetAttribute("tailor:sim:maxEdgeLength").Set(2.5)
+    mesh.GetRelationship("tailor:sim:constraints").AddTarget("/Coat/model/hem")
+    text = mesh.GetStage().GetRootLayer().ExportToString()
+    layer = Sdf.Layer.CreateAnonymous(".usda")
+    assert layer.ImportFromString(text), text
+    stage = Usd.Stage.Open(layer)
+    prim = stage.GetPrimAtPath("/Coat/model")
+    assert prim.HasAPI("TailorSimAPI"), text
+    assert prim.GetAttribute("tailor:sim:maxEdgeLength").Get() == 2.5, text
+    assert prim.GetRelationship("tailor:sim:constraints").GetTargets() == ["/Coat/model/hem"], text
+
+
+def test_without_the_plugin_the_recipe_is_still_readable():
+    """Unregistered, the schema leaves GetAppliedSchemas and the fallbacks are gone; what was authored stays."""
+    program = """
+from pxr import Sdf, Usd, UsdGeom
+stage = Usd.Stage.CreateInMemory()
+prim = UsdGeom.Mesh.Define(stage, "/Coat/model").GetPrim()
+prim.AddAppliedSchema("TailorSimAPI")
+prim.CreateAttribute("tailor:sim:maxEdgeLength", Sdf.ValueTypeNames.Float, False, Sdf.VariabilityUniform).Set(2.5)
+assert Usd.SchemaRegistry().FindAppliedAPIPrimDefinition("TailorSimAPI") is None
+assert prim.GetAppliedSchemas() == []
+assert prim.GetPrimTypeInfo().GetAppliedAPISchemas() == ["TailorSimAPI"]
+assert prim.GetAttribute("tailor:sim:maxEdgeLength").Get() == 2.5
+assert not prim.GetAttribute("tailor:sim:iterations")
+"""
+    environment = {name: value for name, value in os.environ.items() if name != "PXR_PLUGINPATH_NAME"}
+    done = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr

@@ -1,0 +1,299 @@
+"""The simulation mesh: a sound triangle mesh that lies on the baseline, with the panels, sets and values of its source."""
+
+import numpy as np
+import pytest
+from catmull_clark import Subdivision
+from mesh import border_loops, components, recipe
+from pxr import UsdGeom
+from surface import distance_to_segments, distance_to_triangles, triangles_of
+from test_render import no_new_values
+
+# Shares of the diagonal of the source's box.
+ON_SURFACE = 1e-4
+ON_CURVE = 1e-3
+# Chords of coarse triangles are shorter than the curves and smaller than the panels they stand for.
+SET_AREA = 0.10
+CURVE_LENGTH = 0.10
+
+
+class Baseline:
+    """The surface that the simulation mesh lies on."""
+
+    def __init__(self, source, level=None):
+        self.source = source
+        level = recipe(source.prim, "sim.baselineLevel", 2) if level is None else level
+        self.made = Subdivision(source.cage, level)
+        self.points = self.made.vertex(source.points)
+        self.size = np.linalg.norm(np.ptp(source.points, axis=0))
+        corners, _ = triangles_of(self.made.cage.counts, self.made.cage.verts)
+        self.triangles = self.points[corners]
+
+    def curve(self, edges):
+        """The segments that edges of the source become."""
+        return self.points[self.made.cage.edges[self.made.edge_children(edges)]]
+
+    def face_areas(self):
+        """The area of each face of the source, subdivided."""
+        quads = self.points[self.made.cage.verts.reshape(-1, 4)]
+        areas = np.linalg.norm(np.cross(quads[:, 2] - quads[:, 0], quads[:, 3] - quads[:, 1]), axis=1) / 2
+        return np.bincount(self.made.parent_face(), weights=areas, minlength=self.source.cage.face_count)
+
+
+@pytest.fixture
+def baseline(product):
+    if not hasattr(product, "baseline"):
+        product.baseline = Baseline(product.source)
+    return product.baseline
+
+
+def is_manifold(mesh):
+    return not mesh.cage.non_manifold_edges().any() and (mesh.cage.fans() <= 1).all()
+
+
+def edge_lengths(mesh):
+    ends = mesh.points[mesh.cage.edges]
+    return np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1)
+
+
+def length(segments):
+    return np.linalg.norm(segments[:, 0] - segments[:, 1], axis=1).sum()
+
+
+def test_is_a_plain_triangle_mesh(product):
+    sim = product.sim
+    assert set(sim.counts) == {3}
+    assert sim.scheme == "none"
+    assert sim.orientation == product.source.orientation
+    assert UsdGeom.Imageable(sim.prim).GetPurposeAttr().Get() == "guide"
+    assert np.isfinite(sim.points).all()
+    assert len(np.unique(sim.indices)) == len(sim.points), "points without a triangle"
+    assert (np.sort(sim.indices.reshape(-1, 3), axis=1)[:, 1:] > np.sort(sim.indices.reshape(-1, 3), axis=1)[:, :-1]).all()
+
+
+def test_is_manifold_and_wound_one_way(product):
+    sim = product.sim
+    assert not sim.cage.non_manifold_edges().any()
+    assert (sim.cage.fans() == 1).all(), "bow-tie vertices"
+    assert len(np.unique(np.sort(sim.indices.reshape(-1, 3), axis=1), axis=0)) == len(sim.counts), "a triangle occurs twice"
+
+
+def test_has_no_degenerate_triangle(product):
+    corners = product.sim.points[product.sim.indices.reshape(-1, 3)]
+    sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
+    assert (2 * product.sim.face_areas / sides.max(axis=1) > 1e-4 * sides.mean()).all()
+
+
+def test_faces_the_way_its_source_does(product, baseline):
+    """Normals agree with those of the nearest faces of the source, but for a few at sharp folds."""
+    if product.source.cage.non_manifold_edges().any():
+        pytest.skip("the source's own faces disagree in winding")
+    fine = baseline.made.cage.verts.reshape(-1, 4)
+    quads = baseline.points[fine]
+    centres, normals = quads.mean(axis=1), np.cross(quads[:, 2] - quads[:, 0], quads[:, 3] - quads[:, 1])
+    corners = product.sim.points[product.sim.indices.reshape(-1, 3)]
+    ours = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    middle = corners.mean(axis=1)
+    sample = np.arange(0, len(middle), max(1, len(middle) // 400))
+    nearest = np.array([((centres - middle[i]) ** 2).sum(axis=1).argmin() for i in sample])
+    agree = (ours[sample] * normals[nearest]).sum(axis=1) > 0
+    assert agree.mean() > 0.95
+
+
+def test_points_lie_on_the_baseline(product, baseline):
+    away = distance_to_triangles(product.sim.points, baseline.triangles, reach=ON_SURFACE * baseline.size)
+    assert np.isfinite(away).all(), f"{np.isinf(away).sum()} points are further than {ON_SURFACE} of the box, first {np.isinf(away).argmax()}"
+
+
+def test_covers_the_baseline(product, baseline):
+    triangles = product.sim.points[product.sim.indices.reshape(-1, 3)]
+    reach = edge_lengths(product.sim).max()
+    away = distance_to_triangles(baseline.points[:: max(1, len(baseline.points) // 3000)], triangles, reach)
+    assert np.isfinite(away).all(), f"{np.isinf(away).sum()} samples of the baseline are not covered"
+
+
+def test_has_the_pieces_and_borders_of_its_source(product):
+    """Cutting what is not manifold may add borders, and says so."""
+    source, sim = product.source, product.sim
+    pieces = [components(mesh.cage, mesh.indices).max() + 1 for mesh in (source, sim)]
+    loops = [border_loops(mesh.cage) for mesh in (source, sim)]
+    if is_manifold(source):
+        assert pieces[1] == pieces[0]
+        assert loops[1] == loops[0]
+    else:
+        assert pieces[1] >= pieces[0]
+        assert product.warnings, "the source is not manifold and nothing was said"
+
+
+def test_borders_lie_on_the_borders_of_the_baseline(product, baseline):
+    source, sim = product.source.cage, product.sim.cage
+    if not is_manifold(product.source):
+        pytest.skip("cuts of what is not manifold are borders too")
+    segments = baseline.curve(np.flatnonzero(source.edge_faces == 1))
+    points = np.unique(sim.edges[sim.edge_faces == 1])
+    if len(segments) == 0:
+        assert len(points) == 0
+        return
+    assert distance_to_segments(product.sim.points[points], segments).max() <= ON_CURVE * baseline.size
+    assert length(product.sim.points[sim.edges[sim.edge_faces == 1]]) == pytest.approx(length(segments), rel=CURVE_LENGTH)
+
+
+def uv_set(product):
+    """The name of the UV set whose shells are panels, which must be on the simulation mesh."""
+    name = recipe(product.source.prim, "sim.uvSet", "st")
+    if name not in product.source.primvars:
+        pytest.skip(f"no UV set {name}")
+    assert name in product.sim.primvars, f"{name} is gone; warnings: {product.warnings}"
+    assert product.sim.primvars[name].interpolation == "faceVarying"
+    assert np.isfinite(product.sim.primvars[name].rows).all()
+    return name
+
+
+def shell_signs(mesh, name):
+    """For each shell the sign of its area in UV space, and its area."""
+    shells = mesh.uv_shells(name)
+    areas = np.bincount(shells, weights=mesh.uv_areas(name))
+    return shells, np.sign(areas), np.abs(areas)
+
+
+def test_uv_triangles_are_not_flipped(product):
+    name = uv_set(product)
+    shells, signs, _ = shell_signs(product.sim, name)
+    flipped = np.flatnonzero(np.sign(product.sim.uv_areas(name)) != signs[shells])
+    assert len(flipped) == 0, f"{len(flipped)} triangles, first {flipped[0]}"
+
+
+def test_uv_shells_are_those_of_the_source(product):
+    """As many as before, as many of them mirrored, and of the same areas."""
+    name = uv_set(product)
+    (_, before, areas_before), (_, after, areas_after) = shell_signs(product.source, name), shell_signs(product.sim, name)
+    if is_manifold(product.source):
+        assert sorted(after) == sorted(before)
+        assert np.allclose(np.sort(areas_after), np.sort(areas_before), rtol=0.1, atol=0.002 * areas_before.sum())
+    else:
+        assert areas_after.sum() == pytest.approx(areas_before.sum(), rel=0.05)
+
+
+def test_uv_cuts_are_where_the_source_has_them(product, baseline):
+    name = uv_set(product)
+    cuts = product.source.uv_cuts(name)
+    segments = baseline.curve(np.flatnonzero(cuts))
+    edges = product.sim.cage.edges[product.sim.uv_cuts(name)]
+    assert (len(edges) > 0) == (len(segments) > 0)
+    if len(edges) == 0:
+        return
+    assert distance_to_segments(product.sim.points[np.unique(edges)], segments).max() <= ON_CURVE * baseline.size
+    if is_manifold(product.source):
+        assert length(product.sim.points[edges]) == pytest.approx(length(segments), rel=CURVE_LENGTH)
+
+
+def test_vertex_primvars_stay_in_range(product):
+    for name, primvar in product.source.primvars.items():
+        if primvar.interpolation not in ("vertex", "varying") or primvar.is_skinning or name not in product.sim.primvars:
+            continue
+        written = product.sim.primvars[name]
+        assert len(written.flat) == len(product.sim.points), name
+        if primvar.is_discrete:
+            no_new_values(written, primvar)
+        elif not primvar.element.startswith("quat"):
+            slack = 1e-5 * max(np.abs(primvar.rows).max(), 1e-30)
+            assert (written.rows >= primvar.rows.min(axis=0) - slack).all(), name
+            assert (written.rows <= primvar.rows.max(axis=0) + slack).all(), name
+
+
+def test_joint_influences_add_to_one(product):
+    if "skel:jointWeights" not in product.source.primvars:
+        pytest.skip("not skinned")
+    source, weights = product.source.primvars["skel:jointWeights"], product.sim.primvars["skel:jointWeights"]
+    joints = product.sim.primvars["skel:jointIndices"]
+    assert weights.element_size == joints.element_size == source.element_size
+    assert (weights.rows >= 0).all()
+    assert np.allclose(weights.rows.sum(axis=1), 1, atol=1e-5)
+    assert set(np.unique(joints.rows)) <= set(np.unique(product.source.primvars["skel:jointIndices"].rows)) | {0.0}
+
+
+def test_partitions_stay_partitions(product):
+    assert {name: kind for name, kind in product.sim.families.items() if kind == "partition"} == {
+        name: kind for name, kind in product.source.families.items() if kind == "partition"
+    }
+    for family, kind in product.sim.families.items():
+        sets = [subset for subset in product.sim.subsets.values() if subset.family == family and subset.element_type == "face"]
+        if kind == "partition" and sets:
+            times = np.bincount(np.concatenate([subset.indices for subset in sets]), minlength=len(product.sim.counts))
+            assert (times == 1).all(), f"{family}: {(times == 0).sum()} faces in no set, {(times > 1).sum()} in more than one"
+
+
+def test_subset_indices_are_elements_of_the_mesh(product):
+    sizes = {"face": len(product.sim.counts), "point": len(product.sim.points)}
+    for name, subset in product.sim.subsets.items():
+        if subset.element_type == "edge":
+            assert (product.sim.cage.edge_ids(subset.pairs) >= 0).all(), f"{name} has pairs that are not edges"
+        else:
+            assert len(np.unique(subset.indices)) == len(subset.indices), name
+            assert ((subset.indices >= 0) & (subset.indices < sizes[subset.element_type])).all(), name
+
+
+def test_face_subsets_keep_their_share_of_the_area(product, baseline):
+    before, after = baseline.face_areas(), product.sim.face_areas
+    for name, subset in product.source.subsets.items():
+        if subset.element_type != "face":
+            continue
+        assert name in product.sim.subsets, f"{name} is gone; warnings: {product.warnings}"
+        expected = before[subset.indices].sum() / before.sum()
+        actual = after[product.sim.subsets[name].indices].sum() / after.sum()
+        # A set no wider than a few triangles cannot be met better than by whole triangles.
+        grain = 2 * after.max() / after.sum()
+        assert abs(actual - expected) <= max(SET_AREA * expected, min(grain, 0.5 * expected)), f"{name}: {actual:.4f}, was {expected:.4f}"
+
+
+def test_edge_subsets_on_chains_keep_their_curves(product, baseline):
+    """Sets of borders and UV seams are constraints, so they are carried exactly."""
+    source, name = product.source, recipe(product.source.prim, "sim.uvSet", "st")
+    chains = (source.cage.edge_faces == 1) | (source.uv_cuts(name) if name in source.primvars else False)
+    for name, subset in source.subsets.items():
+        if subset.element_type != "edge" or len(subset.indices) == 0:
+            continue
+        edges = source.cage.edge_ids(subset.pairs)
+        if not chains[edges].all() or not is_manifold(source):
+            continue
+        assert name in product.sim.subsets, f"{name} is gone; warnings: {product.warnings}"
+        segments, pairs = baseline.curve(edges), product.sim.subsets[name].pairs
+        assert distance_to_segments(product.sim.points[np.unique(pairs)], segments).max() <= ON_CURVE * baseline.size, name
+        assert length(product.sim.points[pairs]) == pytest.approx(length(segments), rel=CURVE_LENGTH), name
+
+
+def test_materials_are_bound_as_before(product):
+    assert product.sim.material == product.source.material
+    for name, subset in product.source.subsets.items():
+        if subset.material:
+            assert product.sim.subsets[name].material == subset.material, name
+
+
+def test_edge_lengths_follow_the_target(garment, built):
+    """Half the triangles' edges or more are near a target that is even all over."""
+    source = built(garment).source
+    target = 0.7 * np.median(edge_lengths(source))
+    sim = built(garment, "--set", f"sim.minEdgeLength={target:g}", "--set", f"sim.maxEdgeLength={target:g}").sim
+    assert 0.75 <= np.median(edge_lengths(sim)) / target <= 1.3
+
+
+def test_density_makes_triangles_small_where_it_is_painted(garment, built):
+    product = built(garment)
+    if "simDensity" not in product.source.primvars:
+        pytest.skip("no simDensity")
+    middle = np.median(edge_lengths(product.source))
+    sizes = ("--set", f"sim.minEdgeLength={0.5 * middle:g}", "--set", f"sim.maxEdgeLength={2 * middle:g}")
+    sim = built(garment, *sizes, "--set", "sim.density=simDensity").sim
+    weight = sim.primvars["simDensity"].rows[:, 0][sim.cage.edges].mean(axis=1)
+    lengths = edge_lengths(sim)
+    dense, sparse = weight > 0.8, weight < 0.4
+    if dense.sum() < 20 or sparse.sum() < 20:
+        pytest.skip("painted almost evenly")
+    assert np.median(lengths[dense]) < 0.7 * np.median(lengths[sparse])
+
+
+@pytest.mark.parametrize("level", [0, 1])
+def test_baseline_level_is_followed(garment, built, level):
+    product = built(garment, "--set", f"sim.baselineLevel={level}")
+    baseline = Baseline(product.source, level)
+    away = distance_to_triangles(product.sim.points, baseline.triangles, reach=ON_SURFACE * baseline.size)
+    assert np.isfinite(away).all(), f"{np.isinf(away).sum()} points are off the baseline"

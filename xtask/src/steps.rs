@@ -1,0 +1,177 @@
+//! `cargo xtask test`: the steps in their order, each with its name and its time.
+
+use std::fmt::Write as _;
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+use crate::process::{self, Failure, Outcome};
+use crate::project::Project;
+use crate::{schemas, venv};
+
+struct Step {
+    name: &'static str,
+    about: &'static str,
+    /// Steps whose products this one uses.
+    needs: &'static [&'static str],
+    run: fn(&Project, &[String]) -> Outcome,
+}
+
+/// In the order of a full run: the quick ones that fail most often come first. Clippy and the docs share the metadata
+/// of the dependencies; tests and the binary cannot share, since users run the release profile and tests want assertions.
+const STEPS: [Step; 8] = [
+    Step { name: "fmt", about: "cargo fmt --check", needs: &[], run: |project, _| fmt(project) },
+    Step {
+        name: "clippy",
+        about: "clippy on all targets, warnings denied",
+        needs: &[],
+        run: |project, _| clippy(project),
+    },
+    Step { name: "docs", about: "rustdoc, warnings denied", needs: &[], run: |project, _| docs(project) },
+    Step { name: "rust", about: "cargo test --workspace", needs: &[], run: rust },
+    Step { name: "build", about: "the release binary", needs: &[], run: |project, _| build(project) },
+    Step {
+        name: "venv",
+        about: "the Python environment target/venv",
+        needs: &[],
+        run: |project, _| venv::ensure(project).map(|_| ()),
+    },
+    Step {
+        name: "schemas",
+        about: "generated schema files against schema.usda",
+        needs: &["venv"],
+        run: |project, _| schemas::check(project),
+    },
+    Step { name: "python", about: "pytest tests/usd, with the release binary", needs: &["build", "venv"], run: python },
+];
+
+/// The steps, as `--help` shows them.
+pub fn help() -> String {
+    let mut text = "Steps of test:\n".to_owned();
+    for step in &STEPS {
+        let _ = write!(text, "  {:<8} {}", step.name, step.about);
+        if !step.needs.is_empty() {
+            let _ = write!(text, " (needs {})", step.needs.join(", "));
+        }
+        text.push('\n');
+    }
+    text
+}
+
+pub fn test(project: &Project, args: &[String]) -> Outcome {
+    let (names, extra) = match args.iter().position(|arg| arg == "--") {
+        Some(at) => (&args[..at], &args[at + 1..]),
+        None => (args, &[][..]),
+    };
+    if !extra.is_empty() && !matches!(names, [name] if name == "rust" || name == "python") {
+        return Err(Failure::new("arguments after -- need one step, `rust` or `python`"));
+    }
+    let mut times = Vec::new();
+    let outcome = selected(names)?.into_iter().try_for_each(|step| {
+        eprintln!("\n== {}: {}", step.name, step.about);
+        let start = Instant::now();
+        // Extra arguments are for the step that was named, not for what it needs.
+        let extra = if names.iter().any(|name| name == step.name) { extra } else { &[] };
+        let outcome = (step.run)(project, extra).map_err(|failure| failure.within(step.name));
+        let time = start.elapsed();
+        eprintln!("== {}: {} in {:.1} s", step.name, verdict(&outcome), time.as_secs_f64());
+        times.push((step.name, time, verdict(&outcome)));
+        outcome
+    });
+    print_table(&times);
+    outcome
+}
+
+fn verdict(outcome: &Outcome) -> &'static str {
+    if outcome.is_ok() { "passed" } else { "FAILED" }
+}
+
+fn print_table(times: &[(&str, Duration, &str)]) {
+    eprintln!("\nstep       time [s]");
+    for (name, time, verdict) in times {
+        eprintln!("{name:<8} {:>10.1}  {verdict}", time.as_secs_f64());
+    }
+    let total: Duration = times.iter().map(|(_, time, _)| *time).sum();
+    eprintln!("{:<8} {:>10.1}", "total", total.as_secs_f64());
+}
+
+/// The named steps and what they need, in order; all when none is named.
+fn selected(names: &[String]) -> Outcome<Vec<&'static Step>> {
+    if let Some(unknown) = names.iter().find(|name| STEPS.iter().all(|step| step.name != **name)) {
+        return Err(Failure::new(format!("no step `{unknown}`")).hint("cargo xtask --help lists them"));
+    }
+    let named = |step: &Step| names.is_empty() || names.iter().any(|name| name == step.name);
+    let needed = |name: &str| STEPS.iter().any(|step| named(step) && step.needs.contains(&name));
+    Ok(STEPS.iter().filter(|step| named(step) || needed(step.name)).collect())
+}
+
+/// A cargo command that accepts the toolchain although `openusd` declares a later one (see .cargo/config.toml).
+fn cargo(project: &Project, subcommand: &str) -> Command {
+    let program = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let mut command = project.command(program);
+    command.args([subcommand, "--ignore-rust-version"]);
+    command
+}
+
+fn fmt(project: &Project) -> Outcome {
+    let program = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    process::run(project.command(program).args(["fmt", "--all", "--check"]))
+        .map_err(|failure| failure.hint("cargo fmt --all formats the sources"))
+}
+
+fn clippy(project: &Project) -> Outcome {
+    process::run(cargo(project, "clippy").args(["--workspace", "--all-targets", "--", "-D", "warnings"]))
+}
+
+fn docs(project: &Project) -> Outcome {
+    process::run(cargo(project, "doc").args(["--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings"))
+}
+
+fn rust(project: &Project, extra: &[String]) -> Outcome {
+    process::run(cargo(project, "test").arg("--workspace").args(extra))
+}
+
+/// Builds the binary as the alias `cargo usdtailor` does, so that the two share everything.
+pub fn build(project: &Project) -> Outcome {
+    process::run(cargo(project, "build").args(["--release", "--bin", "usdtailor"]))
+}
+
+fn python(project: &Project, extra: &[String]) -> Outcome {
+    let python = venv::ensure(project)?;
+    // -rs names what was skipped, and why.
+    let mut command = project.command(python);
+    command.args(["-m", "pytest", "tests/usd", "-q", "-rs"]).args(extra);
+    process::run(command.env("USDTAILOR", project.binary()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(selection: &[&str]) -> Vec<&'static str> {
+        let selection: Vec<String> = selection.iter().map(ToString::to_string).collect();
+        selected(&selection).unwrap().into_iter().map(|step| step.name).collect()
+    }
+
+    #[test]
+    fn a_step_brings_what_it_needs_and_keeps_the_order() {
+        assert_eq!(names(&["python"]), ["build", "venv", "python"]);
+        assert_eq!(names(&["rust", "fmt"]), ["fmt", "rust"]);
+        assert_eq!(names(&[]).len(), STEPS.len());
+    }
+
+    #[test]
+    fn needs_come_before_the_step_and_need_nothing_themselves() {
+        for (at, step) in STEPS.iter().enumerate() {
+            for need in step.needs {
+                let found = STEPS[..at].iter().find(|other| other.name == *need).expect("a step before this one");
+                assert!(found.needs.is_empty());
+            }
+        }
+    }
+
+    #[test]
+    fn an_unknown_step_is_refused() {
+        let failure = selected(&["rusty".into()]).err().expect("no such step");
+        assert!(failure.to_string().contains("no step `rusty`"));
+    }
+}
