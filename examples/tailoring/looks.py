@@ -1,0 +1,33 @@
+"""The looks of the three garments: materials, sets, painted weights and recipes."""
+from .stage import Look
+
+TSHIRT = Look(
+    doc="A T-shirt with set-in sleeves, a ribbed neckband and a chest pocket, in centimetres.",
+    colours={"jersey": (0.36, 0.52, 0.66), "rib": (0.22, 0.32, 0.44), "pocket": (0.80, 0.62, 0.36)},
+    materials={"neckband": "rib", "pocket": "pocket"},
+    sets={"stiff": ["neckband", "pocket"], "trim": ["neckband"],
+          "sleeves": ["sleeve_left", "sleeve_right"],
+          "cover": ["neckband", "sleeve_left", "sleeve_right"]},
+    display="constant",
+    fine={"armholes": 9, "neck_seam": 7, "cuff_hem": 6},
+    thick={"neckband": 0.9, "pocket": 0.7},
+    constraints=["hem_stitch", "pocket_hem", "chest_line"],
+    min_length=0.8, max_length=1.9,
+    grains={"sleeve_left": (-0.63, 0.78, 0), "sleeve_right": (0.63, 0.78, 0)},
+    hint="The sleeves and the neckband are welded to the body; the pocket lies upon it.")
+
+TROUSERS = Look(
+    doc="Trousers with a waistband, belt loops, a fly and back pockets, in centimetres.",
+    colours={"denim": (0.20, 0.28, 0.42), "waist": (0.26, 0.33, 0.45), "trim": (0.55, 0.42, 0.26)},
+    materials={"waistband": "waist", "fly": "waist", "pocket_left": "waist",
+               "pocket_right": "waist", **{f"belt_loop_{k}": "trim" for k in range(1, 6)}},
+    sets={"stiff": ["waistband", "fly", *(f"belt_loop_{k}" for k in range(1, 6))],
+          "trim": ["waistband", *(f"belt_loop_{k}" for k in range(1, 6))],
+          "seat": ["back_left", "back_right", "pocket_left", "pocket_right"]},
+    display="vertex",
+    fine={"crotch": 12, "waist_seam": 6, "hem": 5, "fly_seam": 4},
+    thick={"waistband": 1.0, "fly": 0.8, "pocket_left": 0.7, "pocket_right": 0.7,
+           **{f"belt_loop_{k}": 0.9 for k in range(1, 6)}},
+    constraints=["leg_folds", "hem_stitch", "pocket_hem", "waistband_fold"],
+    min_length=0.9, max_length=2.2,
+    hint="Pockets, fly and belt loops are pieces of their own which lie upon the body.")
