@@ -31,3 +31,30 @@ TROUSERS = Look(
     constraints=["leg_folds", "hem_stitch", "pocket_hem", "waistband_fold"],
     min_length=0.9, max_length=2.2,
     hint="Pockets, fly and belt loops are pieces of their own which lie upon the body.")
+
+_COAT_TRIM = ["collar", "cuff_left", "cuff_right", "flap_left", "flap_right", "half_belt", "welt"]
+COAT = Look(
+    doc="An open coat with notched lapels, a folded collar, turned back cuffs, facings, patch "
+        "pockets with flaps and a half belt, in centimetres.",
+    colours={"wool": (0.55, 0.40, 0.28), "velvet": (0.30, 0.16, 0.14), "horn": (0.66, 0.55, 0.38)},
+    materials={"collar": "velvet", "cuff_left": "velvet", "cuff_right": "velvet",
+               "flap_left": "velvet", "flap_right": "velvet", "half_belt": "horn", "welt": "horn"},
+    sets={"stiff": ["collar", "cuff_left", "cuff_right", "half_belt", "front_left", "front_right"],
+          "trim": _COAT_TRIM,
+          "sleeves": [f"sleeve_{p}_{s}" for s in ("left", "right") for p in ("upper", "under")],
+          "upon_body": ["pocket_left", "pocket_right", "flap_left", "flap_right", "half_belt",
+                        "welt"]},
+    display="uniform",
+    fine={"cuff_hem": 11, "collar_fold": 9, "collar_edge": 5, "armholes": 8, "roll_line": 5,
+          "lapel_edge": 4, "placket": 4},
+    thick={"collar": 0.9, "cuff_left": 1.0, "cuff_right": 1.0, "half_belt": 0.9, "welt": 0.8,
+           "flap_left": 0.9, "flap_right": 0.9, "pocket_left": 0.7, "pocket_right": 0.7},
+    constraints=["collar_fold", "roll_line", "placket", "placket_stitch", "cuff_fold",
+                 "pocket_hem", "waist_line"],
+    min_length=1.2, max_length=3.0,
+    grains={**{f"sleeve_{p}_left": (-0.63, 0.78, 0) for p in ("upper", "under")},
+            **{f"sleeve_{p}_right": (0.63, 0.78, 0) for p in ("upper", "under")},
+            "collar": (0, -1, 0), "cuff_left": (0.63, -0.78, 0), "cuff_right": (-0.63, -0.78, 0)},
+    translate=(0, 100, 0), cylinder=True,
+    hint="Collar, cuffs and sleeves are welded to the body; the lapels are the fronts' own cloth "
+         "folded over; pockets, flaps, welt and half belt lie upon the body.")
