@@ -16,7 +16,7 @@ LOW, ROLL, GORGE = 12, 12, 3    # rows: hem to break, break to collar, collar to
 ARM = 9                 # the uppermost rows end at the armhole
 ROWS = LOW + ROLL + GORGE
 SLEEVE = 15
-HEM, BREAK, TOP, UNDERARM = 60.0, 103.0, 139.5, 126.0
+HEM, BREAK, TOP, UNDERARM = 60.0, 103.0, 139.5, 123.0
 LAPEL, FACING = 4, 2    # columns
 
 
@@ -62,7 +62,7 @@ def build():
     fronts = {s: _front(g, holes[s], s) for s in (1, -1)}
     back = _back(g, fronts, holes)
     wrists = {s: _sleeve(g, holes[s], s) for s in (1, -1)}
-    g.relax(90)
+    g.relax(300)
     _straight_hem(g, fronts, back)
     edges = {}
     for s in (1, -1):

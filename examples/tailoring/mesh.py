@@ -98,7 +98,7 @@ class Garment:
         for _ in range(steps):
             mean = np.stack([np.bincount(dst, p[src, k], len(p)) for k in range(3)], 1) / n[:, None]
             q = p + rate * (mean - p)
-            q[free] = self.form.project(q[free], steps=3) if project else q[free]
+            q[free] = self.form.project(q[free], steps=1) if project else q[free]
             p[free] = q[free]
         if project:
             p[free] = self.form.project(p[free])

@@ -53,7 +53,7 @@ def build():
     g = Garment("Trousers", form())
     hips = _hips(g)
     legs = {s: _leg(g, hips[-1], s) for s in (1, -1)}
-    g.relax(60)
+    g.relax(150)
     _even_centre(g, hips)
     band = _waistband(g, hips[0])
     _marks(g, hips, legs)

@@ -29,7 +29,7 @@ def form():
     limbs = []
     for side in (1, -1):
         s, e, w = joint("shoulder", side), joint("elbow", side), joint("wrist", side)
-        limbs.append([(s + (0, -3.2, 0), 6.6), (e + (0, -1.5, 0), 8.2), (w, 8.0)])
+        limbs.append([(s + (0, -2.8, 0), 6.2), (e + (0, -1.5, 0), 7.8), (w, 8.0)])
     return Form(torso, limbs, blend=3.5, drape=drape)
 
 
@@ -48,7 +48,7 @@ def armhole(side):
     # The rays over the shoulder take the upper part of the loop, more evenly than the angle.
     t = np.radians(np.arange(count) / count * 360)
     up, across = -np.cos(t), np.sin(t)
-    low, high = np.array([17.8, 128.5, -1.2]), np.array([18.6, 144.5, -1.8])
+    low, high = np.array([19.4, 124.8, -1.2]), np.array([18.6, 144.5, -1.8])
     mid = (low + high) / 2
     p = mid + up[:, None] * (high - low) / 2 + across[:, None] * np.array([-1.0, 0.0, 7.6])
     return p * np.array([side, 1, 1])
@@ -67,7 +67,7 @@ def build():
     rows = _torso(g, neck, holes)
     sleeves = {s: _sleeve(g, holes[s], s) for s in (1, -1)}
     _neckband(g, neck, neck_angles)
-    g.relax(80)
+    g.relax(200)
     _folds(g, rows, sleeves)
     _pocket(g)
     return g
