@@ -118,7 +118,10 @@ def _front(g, hole, side):
             p[:, 2] += 2.0 * (1 if r < ROWS else 0)
         rows.append(np.r_[inner[r], g.add(f.project(p), fixed=r in (0, ROWS)), outer[r]])
     g.grid(rows, f"front_{word(side)}", flip=side == -1)
-    return np.array(rows)
+    rows = np.array(rows)
+    for c in range(1, COLUMNS):
+        g.weaken(rows[:, c])
+    return rows
 
 
 def _back(g, fronts, holes):
@@ -153,7 +156,10 @@ def _back(g, fronts, holes):
     rows.append(np.r_[fronts[1][ROWS][::-1], neck, fronts[-1][ROWS]])
     middle = count // 2
     g.grid(rows, lambda _, c: "back_left" if c < middle else "back_right")
-    return np.array(rows)
+    rows = np.array(rows)
+    for c in range(1, count):
+        g.weaken(rows[:, c])
+    return rows
 
 
 def _sleeve(g, hole, side):
@@ -355,19 +361,22 @@ def _cuff(g, rings, side):
     g.crease(rows[1], 3.0, closed=True)
 
 
-def _patch(g, name, x, y, lift, side, columns, back=False, point=0.0,
-           corner=0.8):
-    """A piece lying on the body: x (left, right) and y (low, high) of its outline."""
+def _patch(g, name, start, width, y, lift, side, columns, back=False, point=0.0, corner=0.0):
+    """A piece lying on the body, of a width measured along the body from x = start; y: heights
+    of its rows, lowest first; corner: by how much the lowest row is narrower at each end."""
     u = np.linspace(0, 1, columns + 1)
+    ends = (u == 0) | (u == 1)
+    fine = np.linspace(start, start + 1.2 * width, 120)
     grid = []
     for k, level in enumerate(y):
-        px = x[0] + (x[1] - x[0]) * u
-        if k == 0:      # rounded lower corners
-            px = px + corner * np.where(u == 0, 1, np.where(u == 1, -1, 0))
-        py = level - point * (1 - np.abs(2 * u - 1)) * (k == 0) + 0.4 * (k == 0) * (
-            (u == 0) | (u == 1))
-        height = lift[k] if np.ndim(lift) else lift
-        p = g.form.front_point(px * side, py + 0 * u, height, back=back)
+        track = g.form.front_point(fine, level + 0 * fine, back=back)
+        length = np.r_[0, np.cumsum(np.linalg.norm(np.diff(track, axis=0), axis=1))]
+        along = width * u + (k == 0) * corner * ((u == 0) * 1.0 - (u == 1))
+        if start < 0:       # a piece about the middle
+            along = along + np.interp(0, fine, length) - width / 2
+        px = np.interp(along, length, fine)
+        py = level - (k == 0) * (point * (1 - np.abs(2 * u - 1)) - 0.5 * corner * ends)
+        p = g.form.front_point(px * side, py, lift[k] if np.ndim(lift) else lift, back=back)
         grid.append(g.add(p, fixed=True))
     g.grid(grid, name, flip=(side == -1) != back)
     return np.array(grid)
@@ -378,9 +387,10 @@ def outline(grid):
 
 
 def _pockets(g, side):
-    pocket = _patch(g, f"pocket_{word(side)}", (8.5, 23.0), np.linspace(71, 88.5, 6), 0.85, side, 5)
-    flap = _patch(g, f"flap_{word(side)}", (8.0, 23.5), (86.0, 88.2, 90.4), (1.75, 1.6, 0.9), side,
-                  5, point=0.8, corner=0.3)
+    pocket = _patch(g, f"pocket_{word(side)}", 8.3, 15.5, np.linspace(70, 87.5, 6), 0.85, side, 5,
+                    corner=0.8)
+    flap = _patch(g, f"flap_{word(side)}", 7.8, 16.5, (85.0, 87.2, 89.4), (1.75, 1.6, 0.9), side, 5,
+                  point=0.8, corner=0.3)
     g.mark("pocket_outline", outline(pocket), closed=True)
     g.mark("flap_edge", np.r_[flap[:0:-1, 0], flap[0], flap[1:, -1]])
     g.mark("flap_hinge", flap[-1])
@@ -391,14 +401,13 @@ def _pockets(g, side):
 
 
 def _half_belt(g):
-    belt = _patch(g, "half_belt", (-13.0, 13.0), (102.0, 104.2, 106.4), 0.9, 1, 8, back=True,
-                  corner=0.0)
+    belt = _patch(g, "half_belt", -14.0, 28.0, (102.0, 104.2, 106.4), 0.9, 1, 8, back=True)
     g.mark("belt_edge", outline(belt), closed=True)
     g.pins.extend([int(belt[1, 1]), int(belt[1, -2])])
 
 
 def _welt(g):
-    welt = _patch(g, "welt", (13.2, 18.6), (117.2, 119.2), 0.9, 1, 3, corner=0.0)
+    welt = _patch(g, "welt", 12.2, 7.5, (118.6, 121.0), 0.9, 1, 3)
     g.mark("pocket_outline", outline(welt), closed=True)
 
 

@@ -16,6 +16,7 @@ class Garment:
         self.cuts = set()         # edges inside a panel where its UVs are cut open
         self.creases = []         # (chain of points, sharpness)
         self.corners = []         # (point, sharpness)
+        self.weak = set()         # edges which relaxation hardly heeds
         self.pins = []            # points where buttons are attached
 
     # -- points
@@ -67,6 +68,11 @@ class Garment:
     def cut(self, chain):
         self.cuts.update(tuple(sorted((int(a), int(b)))) for a, b in zip(chain, chain[1:]))
 
+    def weaken(self, chain):
+        """Edges along a chain, such as the columns of a front: beside a hollow border like an
+        armhole points would crowd if columns counted as much as rows."""
+        self.weak.update(tuple(sorted((int(a), int(b)))) for a, b in zip(chain, chain[1:]))
+
     def crease(self, chain, sharpness, closed=False):
         chain = [int(i) for i in chain]
         self.creases.append((chain + (chain[:1] if closed else []), sharpness))
@@ -94,9 +100,12 @@ class Garment:
         src, dst = np.concatenate(src), np.concatenate(dst)   # dst listens to src
         free = ~np.array(self.fixed)
         free &= np.bincount(dst, minlength=len(p)) > 0
-        n = np.maximum(np.bincount(dst, minlength=len(p)), 1)
+        pull = np.array([0.25 if tuple(sorted(e)) in self.weak else 1.0
+                         for e in zip(src.tolist(), dst.tolist())])
+        n = np.maximum(np.bincount(dst, pull, len(p)), 1e-9)
         for _ in range(steps):
-            mean = np.stack([np.bincount(dst, p[src, k], len(p)) for k in range(3)], 1) / n[:, None]
+            mean = np.stack([np.bincount(dst, p[src, k] * pull, len(p)) for k in range(3)], 1)
+            mean /= n[:, None]
             q = p + rate * (mean - p)
             q[free] = self.form.project(q[free], steps=1) if project else q[free]
             p[free] = q[free]
