@@ -12,18 +12,18 @@ from .mesh import Garment, between, ring_about
 
 COLUMNS = 9             # of a front, and of half the back under a shoulder
 NECK = 6                # columns of the back at the neck
-LOW, ROLL, GORGE = 12, 12, 3    # rows: hem to break, break to collar, collar to shoulder
+LOW, ROLL, GORGE = 13, 12, 3    # rows: hem to break, break to collar, collar to shoulder
 ARM = 9                 # the uppermost rows end at the armhole
 ROWS = LOW + ROLL + GORGE
-SLEEVE = 15
-HEM, BREAK, TOP, UNDERARM = 60.0, 103.0, 139.5, 123.0
+SLEEVE = 16
+HEM, BREAK, TOP, UNDERARM = 54.0, 103.0, 139.5, 123.0
 LAPEL, FACING = 4, 2    # columns
 
 
 def drape(p):
     """Folds of the skirt of the coat, which deepen towards the hem."""
     angle = np.arctan2(p[:, 0], p[:, 2])
-    low = np.clip((106 - p[:, 1]) / 46, 0, 1) ** 1.4
+    low = np.clip((106 - p[:, 1]) / 52, 0, 1) ** 1.4
     side = np.clip(1 - np.cos(angle), 0, 1)         # flat at the front edges
     fold = np.sin(6 * np.abs(angle) + 0.6) + 0.5 * np.sin(9 * np.abs(angle) + 2.0)
     return 1.15 * low * side * fold * (np.abs(p[:, 0]) < 36)
@@ -31,7 +31,7 @@ def drape(p):
 
 def form():
     torso = [  # y, half width, front, back, centre z
-        (54, 30.0, 20.0, 19.5, 0.0), (62, 29.0, 19.2, 18.8, 0.0), (75, 26.6, 17.6, 17.2, 0.0),
+        (46, 30.0, 20.0, 19.5, 0.0), (56, 29.0, 19.2, 18.8, 0.0), (75, 26.6, 17.6, 17.2, 0.0),
         (90, 23.8, 15.8, 15.4, -0.2), (104, 20.8, 14.2, 13.2, -0.5), (112, 20.6, 14.2, 13.0, -0.7),
         (122, 21.9, 14.8, 13.8, -0.9), (130, 22.8, 14.6, 14.2, -1.2), (137, 22.6, 12.6, 13.4, -1.6),
         (142, 21.0, 10.4, 11.9, -1.9), (145.5, 17.6, 8.9, 10.2, -2.1),
@@ -189,6 +189,8 @@ def _sleeve(g, hole, side):
     g.grid(rows[::-1], panel, closed=True, flip=side == -1)
     for c in (3, len(hole) - 3):
         g.mark("sleeve_seams", [r[c] for r in rows])
+    for r in rows[1:5]:
+        g.weaken(np.r_[r, r[0]])
     g.mark("elbow_line", rows[SLEEVE // 2 + 1], closed=True)
     return np.array(rows)
 

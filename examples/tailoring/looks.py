@@ -36,7 +36,7 @@ _COAT_TRIM = ["collar", "cuff_left", "cuff_right", "flap_left", "flap_right", "h
 COAT = Look(
     doc="An open coat with notched lapels, a folded collar, turned back cuffs, facings, patch "
         "pockets with flaps and a half belt, in centimetres.",
-    colours={"wool": (0.55, 0.40, 0.28), "velvet": (0.30, 0.16, 0.14), "horn": (0.66, 0.55, 0.38)},
+    colours={"wool": (0.74, 0.60, 0.44), "velvet": (0.46, 0.27, 0.22), "horn": (0.80, 0.72, 0.56)},
     materials={"collar": "velvet", "cuff_left": "velvet", "cuff_right": "velvet",
                "flap_left": "velvet", "flap_right": "velvet", "half_belt": "horn", "welt": "horn"},
     sets={"stiff": ["collar", "cuff_left", "cuff_right", "half_belt", "front_left", "front_right"],

@@ -70,7 +70,7 @@ class Garment:
 
     def weaken(self, chain):
         """Edges along a chain, such as the columns of a front: beside a hollow border like an
-        armhole points would crowd if columns counted as much as rows."""
+        armhole points would crowd if edges along it counted as much as those across."""
         self.weak.update(tuple(sorted((int(a), int(b)))) for a, b in zip(chain, chain[1:]))
 
     def crease(self, chain, sharpness, closed=False):

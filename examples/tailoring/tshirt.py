@@ -128,7 +128,6 @@ def _torso(g, neck, holes):
     hem = np.array(g.points)[rows[-1]]
     hem[:, 1] = 79 - 0.5 * np.cos(np.arctan2(hem[:, 0], hem[:, 2]))
     g.move(rows[-1], hem)
-    seam = rows[0][FRONT], rows[0][0]
     for c in (0, FRONT):
         g.mark("side_seams", [r[c] for r in rows])
     for c in (FRONT + half, 2 * FRONT + SHOULDER + half):
@@ -138,7 +137,6 @@ def _torso(g, neck, holes):
     g.mark("hem", rows[-1], closed=True)
     g.mark("hem_stitch", rows[-2], closed=True)
     g.mark("chest_line", rings[0][:FRONT + 1])
-    del seam
     return rows
 
 
@@ -159,6 +157,8 @@ def _sleeve(g, hole, side):
         rows.append(g.add(g.form.project(p), fixed=t == 1))
     name = "sleeve_left" if side == 1 else "sleeve_right"
     g.grid(rows[::-1], name, closed=True, flip=side == -1)
+    for r in rows[1:-1]:
+        g.weaken(np.r_[r, r[0]])
     g.cut([r[0] for r in rows])
     g.mark("sleeve_seams", [r[0] for r in rows])
     g.mark("cuff_hem", rows[-1], closed=True)
