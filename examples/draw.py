@@ -85,20 +85,31 @@ class Mesh:
         unique, uses = np.unique(pairs, axis=0, return_counts=True)
         return unique[uses == 1]
 
-    def corner_normals(self, split_angle=None):
-        """Unit normals per triangle corner: smooth over the mesh, weighted by area."""
+    def corner_normals(self, flat=False):
+        """Unit normals per triangle corner, weighted by area: of the face, or smoothed over the
+        faces about the point which turn away by less than 60 degrees, so that folds stay."""
         p = self.points[self.tris]
         n = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
-        if split_angle == 0:
-            flat = np.zeros((len(self.counts), 3))
-            np.add.at(flat, self.faces, n)
-            out = np.repeat(flat[self.faces][:, None], 3, axis=1)
-        else:
-            smooth = np.zeros_like(self.points)
-            for k in range(3):
-                np.add.at(smooth, self.tris[:, k], n)
-            out = smooth[self.tris]
-        return out / np.maximum(np.linalg.norm(out, axis=2, keepdims=True), 1e-20)
+        face = np.zeros((len(self.counts), 3))
+        np.add.at(face, self.faces, n)
+        unit = face / np.maximum(np.linalg.norm(face, axis=1, keepdims=True), 1e-20)
+        if flat:
+            return np.repeat(unit[self.faces][:, None], 3, axis=1)
+        # All pairs of face corners at one point.
+        point = self.indices
+        owner = np.repeat(np.arange(len(self.counts)), self.counts)
+        order = np.argsort(point, kind="stable")
+        valence = np.bincount(point, minlength=len(self.points))
+        first = np.concatenate([[0], np.cumsum(valence)[:-1]])
+        n_pairs = valence[point]
+        a = np.repeat(np.arange(len(point)), n_pairs)
+        step = np.arange(len(a)) - np.repeat(np.cumsum(n_pairs) - n_pairs, n_pairs)
+        b = order[first[point[a]] + step]
+        near = (unit[owner[a]] * unit[owner[b]]).sum(1) > 0.5
+        a, b = a[near], b[near]
+        out = np.stack([np.bincount(a, face[owner[b], k], len(point)) for k in range(3)], 1)
+        out /= np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-20)
+        return out[self.corners]
 
     def subsets(self, element="face", family=None):
         """(name, indices) of the GeomSubsets of an element type, in a family or any."""
@@ -342,7 +353,7 @@ def render(meshes, camera, style=None):
     scale = height / 2 / camera.radius
 
     world = np.concatenate([m.points[m.tris] for m in meshes])
-    normals = np.concatenate([m.corner_normals(0 if style.flat else None) for m in meshes])
+    normals = np.concatenate([m.corner_normals(style.flat) for m in meshes])
     colours = np.concatenate([corner_colours(m, style.color) for m in meshes])
     uv = None
     if style.color == "uv":
