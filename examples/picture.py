@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Composes the picture of the README: what goes into the tailor, and the two meshes it makes.
 
-    picture.py BUILT.usda [-o coat.png] [--size 1800x1000] [--view AZ,EL]
+    picture.py BUILT.usda [-o coat.png] [--size 1800x820] [--view AZ,EL]
 
 BUILT is a stage with /NAME/model and, once built, /NAME/sim and /NAME/render.  What is missing
 leaves its column empty, with a message."""
@@ -66,7 +66,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("stage")
     parser.add_argument("-o", "--output", default=Path(__file__).resolve().parent / "coat.png")
-    parser.add_argument("--size", default="1800x1000")
+    parser.add_argument("--size", default="1800x820")
     parser.add_argument("--view", default="24,6")
     parser.add_argument("--color", default="displayColor", help="as for draw.py")
     args = parser.parse_args()

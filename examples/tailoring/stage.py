@@ -121,17 +121,14 @@ def _uvs(mesh, garment, look):
     _primvar(mesh, "st", T.TexCoord2fArray, "faceVarying", Vt.Vec2fArray.FromNumpy(uv), index,
              f"The sewing pattern, true to scale: 1 unit is {unit:g} cm. Grain runs up.")
     if look.cylinder:
+        # Each face unrolls about its own middle, so only the cut behind divides faces.
         points = np.array(garment.points)
-        angle = np.arctan2(-points[:, 0], -points[:, 2])    # cut behind
         flat = np.concatenate([np.array(f) for f in garment.faces])
-        sizes = [len(f) for f in garment.faces]
-        # A face whose corners lie on both sides of the cut continues past it.
-        u = -angle[flat]
-        start = 0
-        for n in sizes:
-            ring = u[start:start + n]
-            ring += np.where(ring - ring.max() < -np.pi, 2 * np.pi, 0)
-            start += n
+        middle = np.concatenate([np.repeat(points[list(f)].mean(0)[None], len(f), 0)
+                                 for f in garment.faces])
+        centre = np.arctan2(middle[:, 0], middle[:, 2])
+        angle = np.arctan2(points[flat, 0], points[flat, 2])
+        u = centre + np.angle(np.exp(1j * (angle - centre)))
         y = points[:, 1]
         v = (y - y.min()) / np.ptp(y)
         values = np.round(np.stack([u / (2 * np.pi) + 0.5, v[flat]], 1), 4)
