@@ -12,7 +12,7 @@ TSHIRT = Look(
     fine={"armholes": 9, "neck_seam": 7, "cuff_hem": 6},
     thick={"neckband": 0.9, "pocket": 0.7},
     constraints=["hem_stitch", "pocket_hem", "chest_line"],
-    min_length=0.8, max_length=1.9,
+    min_length=0.7, max_length=1.7,
     grains={"sleeve_left": (-0.63, 0.78, 0), "sleeve_right": (0.63, 0.78, 0)},
     hint="The sleeves and the neckband are welded to the body; the pocket lies upon it.")
 
@@ -29,7 +29,7 @@ TROUSERS = Look(
     thick={"waistband": 1.0, "fly": 0.8, "pocket_left": 0.7, "pocket_right": 0.7,
            **{f"belt_loop_{k}": 0.9 for k in range(1, 6)}},
     constraints=["leg_folds", "hem_stitch", "pocket_hem", "waistband_fold"],
-    min_length=0.9, max_length=2.2,
+    min_length=0.8, max_length=1.9,
     hint="Pockets, fly and belt loops are pieces of their own which lie upon the body.")
 
 _COAT_TRIM = ["collar", "cuff_left", "cuff_right", "flap_left", "flap_right", "half_belt", "welt"]
@@ -51,7 +51,7 @@ COAT = Look(
            "flap_left": 0.9, "flap_right": 0.9, "pocket_left": 0.7, "pocket_right": 0.7},
     constraints=["collar_fold", "roll_line", "placket", "placket_stitch", "cuff_fold",
                  "pocket_hem", "waist_line"],
-    min_length=1.2, max_length=3.0,
+    min_length=1.0, max_length=2.6,
     grains={**{f"sleeve_{p}_left": (-0.63, 0.78, 0) for p in ("upper", "under")},
             **{f"sleeve_{p}_right": (0.63, 0.78, 0) for p in ("upper", "under")},
             "collar": (0, -1, 0), "cuff_left": (0.63, -0.78, 0), "cuff_right": (-0.63, -0.78, 0)},
