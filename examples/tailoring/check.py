@@ -121,6 +121,8 @@ def _shape(m):
             if turn.min() <= 0:
                 yield f"face {i} is not convex"
     low, high = m.points.min(0), m.points.max(0)
+    if np.abs(np.array(m.mesh.GetExtentAttr().Get()) - [low, high]).max() > 1e-4:
+        yield "extent is not that of the points"
     world = UsdGeom.XformCache().GetLocalToWorldTransform(m.prim).ExtractTranslation()
     if low[1] + world[1] < 0 or high[1] + world[1] > 165 or high[0] - low[0] > 140:
         yield f"out of a person's size: {low} {high}"
@@ -262,7 +264,8 @@ def _layers(m):
     if len(hits):
         pairs = {tuple(sorted((int(face[a]), int(face[b])))) for a, b in hits}
         where = m.points[tris[hits[0][0]]].mean(0)
-        yield f"{len(pairs)} pairs of faces cross, such as at {np.round(where, 1)}: {sorted(pairs)[:6]}"
+        yield (f"{len(pairs)} pairs of faces cross, such as at {np.round(where, 1)}: "
+               f"{sorted(pairs)[:6]}")
 
 
 def crossings(points, tris):

@@ -84,7 +84,8 @@ def _world_extent(mesh, stage):
 
 def _mesh(mesh, garment, points, look):
     prim = mesh.GetPrim()
-    prim.SetDocumentation(f"The garment as modelled: a coarse subdivision cage. {look.hint}".strip())
+    doc = f"The garment as modelled: a coarse subdivision cage. {look.hint}"
+    prim.SetDocumentation(doc.strip())
     if any(look.translate):
         UsdGeom.Xformable(prim).AddTranslateOp().Set(Gf.Vec3d(*look.translate))
     mesh.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(points))
