@@ -1,0 +1,545 @@
+#!/usr/bin/env python3
+"""Draw the meshes of a USD stage to a PNG, in software: numpy and Pillow, no GPU.
+
+    draw.py IN.usd -o out.png [--prim PATH ...] [--view front|back|left|right|top|iso|AZ,EL]
+            [--focus x,y,z,radius] [--wire] [--edges] [--flat]
+            [--color none|displayColor|subset[:FAMILY]|uv|primvar:NAME] [--size WxH]
+    draw.py IN.usd -o out.png --pattern         the UV layout, in two dimensions
+
+Lines of the wireframe are the edges of the faces as authored: a quad shows no diagonal.  They
+are found per pixel, from the distance to the sides of the triangle seen there, which removes
+hidden lines without a second depth test.
+
+As a library: `load(path, prim_paths)` gives `Mesh` objects, `Camera.fit(...)` a camera, and
+`render(meshes, camera, Style(...))` a PIL image.
+"""
+import argparse
+import colorsys
+from dataclasses import dataclass, field
+
+import numpy as np
+from PIL import Image, ImageDraw, ImageFilter
+from pxr import Usd, UsdGeom
+
+VIEWS = {"front": (0, 0), "back": (180, 0), "left": (90, 0), "right": (-90, 0),
+         "top": (0, 89.9), "iso": (30, 15)}
+BACKGROUND = np.array([0.965, 0.965, 0.955])
+CLOTH = np.array([0.70, 0.74, 0.80])
+BORDER = np.array([0.80, 0.10, 0.10])
+# Ends of a scale from low to high for scalar primvars (dark blue, teal, yellow).
+RAMP = np.array([[0.16, 0.11, 0.40], [0.13, 0.42, 0.56], [0.20, 0.68, 0.48], [0.98, 0.90, 0.22]])
+
+
+# ------------------------------------------------------------------------------- meshes
+
+@dataclass
+class Mesh:
+    """One UsdGeomMesh in world space, triangulated, with what is needed to draw it."""
+    path: str
+    points: np.ndarray          # (V, 3)
+    counts: np.ndarray          # (F,)
+    indices: np.ndarray         # (sum of counts,)
+    prim: Usd.Prim = None
+    stage: Usd.Stage = None     # kept open for as long as the prim is read
+    tris: np.ndarray = None     # (T, 3) point of each corner
+    corners: np.ndarray = None  # (T, 3) face-vertex of each corner
+    faces: np.ndarray = None    # (T,) face
+    real: np.ndarray = None     # (T, 3) is the side opposite to corner i an edge of the face
+
+    def __post_init__(self):
+        self.starts = np.concatenate([[0], np.cumsum(self.counts)[:-1]]).astype(np.int64)
+        self._triangulate()
+
+    def _triangulate(self):
+        """Fans; a quad is cut along its shorter diagonal."""
+        faces, corners, real = [], [], []
+        for n in np.unique(self.counts):
+            f = np.nonzero(self.counts == n)[0]
+            base = self.starts[f]
+            first = np.zeros(len(f), np.int64)
+            if n == 4:
+                quad = self.points[self.indices[base[:, None] + np.arange(4)]]
+                d02 = np.linalg.norm(quad[:, 0] - quad[:, 2], axis=1)
+                d13 = np.linalg.norm(quad[:, 1] - quad[:, 3], axis=1)
+                first[d13 < d02 * 0.999] = 1
+            for k in range(1, n - 1):
+                local = (first[:, None] + np.array([0, k, k + 1])) % n
+                corners.append(base[:, None] + local)
+                faces.append(f)
+                flags = np.array([True, k == n - 2, k == 1])
+                real.append(np.broadcast_to(flags, (len(f), 3)))
+        self.corners = np.concatenate(corners)
+        self.faces = np.concatenate(faces)
+        self.real = np.concatenate(real)
+        self.tris = self.indices[self.corners]
+
+    def edges(self):
+        """(F-corner) half edges as pairs: each face side from its corner to the next one."""
+        nxt = np.arange(len(self.indices)) + 1
+        nxt[self.starts + self.counts - 1] = self.starts
+        return np.stack([self.indices, self.indices[nxt]], axis=1)
+
+    def border(self):
+        """Edges with a single face, as pairs of point indices."""
+        pairs = np.sort(self.edges(), axis=1)
+        unique, uses = np.unique(pairs, axis=0, return_counts=True)
+        return unique[uses == 1]
+
+    def corner_normals(self, flat=False):
+        """Unit normals per triangle corner, weighted by area: of the face, or smoothed over the
+        faces about the point which turn away by less than 60 degrees, so that folds stay."""
+        p = self.points[self.tris]
+        n = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
+        face = np.zeros((len(self.counts), 3))
+        np.add.at(face, self.faces, n)
+        unit = face / np.maximum(np.linalg.norm(face, axis=1, keepdims=True), 1e-20)
+        if flat:
+            return np.repeat(unit[self.faces][:, None], 3, axis=1)
+        # All pairs of face corners at one point.
+        point = self.indices
+        owner = np.repeat(np.arange(len(self.counts)), self.counts)
+        order = np.argsort(point, kind="stable")
+        valence = np.bincount(point, minlength=len(self.points))
+        first = np.concatenate([[0], np.cumsum(valence)[:-1]])
+        n_pairs = valence[point]
+        a = np.repeat(np.arange(len(point)), n_pairs)
+        step = np.arange(len(a)) - np.repeat(np.cumsum(n_pairs) - n_pairs, n_pairs)
+        b = order[first[point[a]] + step]
+        near = (unit[owner[a]] * unit[owner[b]]).sum(1) > 0.5
+        a, b = a[near], b[near]
+        out = np.stack([np.bincount(a, face[owner[b], k], len(point)) for k in range(3)], 1)
+        out /= np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-20)
+        return out[self.corners]
+
+    def subsets(self, element="face", family=None):
+        """(name, indices) of the GeomSubsets of an element type, in a family or any."""
+        found = []
+        for s in UsdGeom.Subset.GetAllGeomSubsets(UsdGeom.Imageable(self.prim)):
+            if s.GetElementTypeAttr().Get() != element:
+                continue
+            if family and s.GetFamilyNameAttr().Get() != family:
+                continue
+            found.append((s.GetPrim().GetName(), np.array(s.GetIndicesAttr().Get() or [], int)))
+        return found
+
+    def primvar(self, name):
+        """(values, indices or None, interpolation) of a primvar, or None."""
+        pv = UsdGeom.PrimvarsAPI(self.prim).GetPrimvar(name)
+        if not pv or not pv.HasValue():
+            return None
+        values = np.array(pv.Get())
+        index = np.array(pv.GetIndices()) if pv.IsIndexed() else None
+        return values, index, pv.GetInterpolation()
+
+    def primvar_at_corners(self, name):
+        """Values of a primvar at the corners of the triangles, (T, 3, ...), or None."""
+        got = self.primvar(name)
+        if got is None:
+            return None
+        values, index, interpolation = got
+        if index is not None:
+            values = values[index]
+        if interpolation == "constant":
+            return np.broadcast_to(values.reshape(1, 1, -1)[..., :3],
+                                   self.tris.shape + (min(values.size, 3),))
+        pick = {"uniform": np.repeat(self.faces[:, None], 3, 1), "faceVarying": self.corners,
+                "vertex": self.tris, "varying": self.tris}[interpolation]
+        return values[pick]
+
+
+def load(path_or_stage, prim_paths=None):
+    """The meshes of a stage (or those at or below the given paths) in world space."""
+    stage = path_or_stage
+    if not isinstance(stage, Usd.Stage):
+        stage = Usd.Stage.Open(str(path_or_stage))
+    roots = [stage.GetPrimAtPath(p) for p in prim_paths] if prim_paths else [stage.GetPseudoRoot()]
+    cache = UsdGeom.XformCache()
+    out = []
+    for root in roots:
+        if not root:
+            continue
+        for prim in Usd.PrimRange(root):
+            if not prim.IsA(UsdGeom.Mesh):
+                continue
+            mesh = UsdGeom.Mesh(prim)
+            points = np.array(mesh.GetPointsAttr().Get() or [], float).reshape(-1, 3)
+            counts = np.array(mesh.GetFaceVertexCountsAttr().Get() or [], np.int64)
+            if not len(points) or not len(counts):
+                continue
+            matrix = np.array(cache.GetLocalToWorldTransform(prim))
+            points = np.c_[points, np.ones(len(points))] @ matrix
+            indices = np.array(mesh.GetFaceVertexIndicesAttr().Get(), np.int64)
+            if mesh.GetOrientationAttr().Get() == UsdGeom.Tokens.leftHanded:
+                points, counts, indices = points, counts, _reverse(counts, indices)
+            out.append(Mesh(str(prim.GetPath()), points[:, :3], counts, indices, prim, stage))
+    return out
+
+
+def _reverse(counts, indices):
+    starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
+    return np.concatenate([indices[s:s + c][::-1] for s, c in zip(starts, counts)])
+
+
+# ------------------------------------------------------------------------------- camera
+
+@dataclass
+class Camera:
+    """An orthographic camera: azimuth from +Z towards +X, elevation, centre and half height."""
+    azimuth: float
+    elevation: float
+    centre: np.ndarray
+    radius: float
+
+    def axes(self):
+        """Rows: right, up, towards the viewer."""
+        a, e = np.radians([self.azimuth, self.elevation])
+        back = np.array([np.sin(a) * np.cos(e), np.sin(e), np.cos(a) * np.cos(e)])
+        right = np.array([np.cos(a), 0.0, -np.sin(a)])
+        return np.stack([right, np.cross(back, right), back])
+
+    @staticmethod
+    def fit(meshes, view="front", size=(1200, 1200), focus=None, margin=1.05):
+        """A camera which holds all the meshes, or the ball x, y, z, radius of `focus`."""
+        azimuth, elevation = VIEWS[view] if view in VIEWS else map(float, view.split(","))
+        camera = Camera(azimuth, elevation, np.zeros(3), 1.0)
+        if focus is not None:
+            camera.centre, camera.radius = np.array(focus[:3], float), float(focus[3])
+            return camera
+        q = np.concatenate([m.points for m in meshes]) @ camera.axes().T
+        low, high = q.min(0), q.max(0)
+        camera.centre = (low + high) / 2 @ camera.axes()
+        half = (high - low) / 2 * margin
+        camera.radius = max(half[1], half[0] * size[1] / size[0])
+        return camera
+
+
+@dataclass
+class Style:
+    """How to draw: see the command line options of the same names."""
+    size: tuple = (1200, 1200)
+    color: str = "none"
+    wire: bool = False
+    edges: bool = False
+    flat: bool = False
+    line: float = 1.1           # width of the wires, in pixels of the result
+    wire_strength: float = 0.62
+    samples: int = 2
+    background: np.ndarray = field(default_factory=lambda: BACKGROUND)
+    checker: float = 0.05       # side of a checker, in units of UV
+
+
+# ------------------------------------------------------------------------------- rasteriser
+
+def rasterise(screen, width, height, budget=3_000_000):
+    """Triangle seen at each pixel (-1: none) and its depth, of (T, 3, 3) screen triangles.
+
+    Triangles are taken in groups of like bounding boxes; each group tests all pixels of its
+    boxes at once.  Within a group fragments are written from far to near."""
+    ids = np.full(height * width, -1, np.int32)
+    depth = np.full(height * width, -np.inf)
+    low = np.floor(screen[:, :, :2].min(1) - 0.5).astype(np.int64) + 0
+    high = np.ceil(screen[:, :, :2].max(1) - 0.5).astype(np.int64)
+    low = np.clip(low, 0, [width, height])
+    high = np.clip(high + 1, 0, [width, height])
+    extent = high - low
+    a, b, c = screen[:, 0], screen[:, 1], screen[:, 2]
+    area = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
+    usable = (extent.min(1) > 0) & (np.abs(area) > 1e-9)
+    bucket = np.ceil(np.log2(np.maximum(extent, 1)) * 2).astype(int)
+    keys = bucket[:, 0] * 64 + bucket[:, 1]
+    for key in np.unique(keys[usable]):
+        members = np.nonzero(usable & (keys == key))[0]
+        w, h = extent[members].max(0)
+        step = max(1, budget // int(w * h))
+        oy, ox = np.divmod(np.arange(w * h), w)
+        for s in range(0, len(members), step):
+            t = members[s:s + step]
+            px = low[t, 0][:, None] + ox
+            py = low[t, 1][:, None] + oy
+            x, y = px + 0.5, py + 0.5
+            bary = _barycentric(a[t], b[t], c[t], area[t], x, y)
+            inside = (bary[0] >= 0) & (bary[1] >= 0) & (bary[2] >= 0) & (px < width) & (py < height)
+            r, k = np.nonzero(inside)
+            tri = t[r]
+            z = (bary[0][r, k] * a[tri, 2] + bary[1][r, k] * b[tri, 2]
+                 + bary[2][r, k] * c[tri, 2])
+            pixel = py[r, k] * width + px[r, k]
+            near = z > depth[pixel]
+            pixel, z, tri = pixel[near], z[near], tri[near]
+            order = np.argsort(z, kind="stable")
+            depth[pixel[order]] = z[order]
+            ids[pixel[order]] = tri[order]
+    return ids.reshape(height, width), depth.reshape(height, width)
+
+
+def _barycentric(a, b, c, area, x, y):
+    def side(p, q):
+        return ((q[:, 0] - p[:, 0])[:, None] * (y - p[:, 1][:, None])
+                - (q[:, 1] - p[:, 1])[:, None] * (x - p[:, 0][:, None])) / area[:, None]
+    u, v = side(b, c), side(c, a)
+    return u, v, 1 - u - v
+
+
+# ------------------------------------------------------------------------------- shading
+
+def palette(n):
+    """n distinct, soft colours."""
+    out = []
+    for i in range(max(n, 1)):
+        h = (0.58 + i * 0.381966) % 1
+        out.append(colorsys.hls_to_rgb(h, (0.62, 0.74, 0.54)[i % 3], (0.52, 0.60, 0.45)[i % 3]))
+    return np.array(out)
+
+
+def ramp(values):
+    """Colours of scalars scaled to their own range."""
+    low, high = np.nanmin(values), np.nanmax(values)
+    t = (values - low) / (high - low if high > low else 1) * (len(RAMP) - 1)
+    i = np.clip(t.astype(int), 0, len(RAMP) - 2)
+    return RAMP[i] + (RAMP[i + 1] - RAMP[i]) * (t - i)[..., None]
+
+
+def corner_colours(mesh, color):
+    """(T, 3, 3) colours of the triangle corners."""
+    out = np.broadcast_to(CLOTH, mesh.tris.shape + (3,)).copy()
+    if color.startswith("subset"):
+        family = color.partition(":")[2] or "panels"
+        sets = mesh.subsets("face", family)
+        per_face = np.broadcast_to(CLOTH, (len(mesh.counts), 3)).copy()
+        for (_, faces), rgb in zip(sets, palette(len(sets))):
+            per_face[faces] = rgb
+        out = np.repeat(per_face[mesh.faces][:, None], 3, 1)
+    elif color == "displayColor" or color.startswith("primvar:"):
+        values = mesh.primvar_at_corners(color.partition(":")[2] or "displayColor")
+        if values is None:
+            return out
+        if values.dtype.kind in "US":
+            _, code = np.unique(values, return_inverse=True)
+            return palette(code.max() + 1)[code.reshape(mesh.tris.shape)]
+        values = values.astype(float)
+        if values.ndim == 3 and values.shape[2] == 3:
+            return values.copy()
+        out = ramp(values[..., 0] if values.ndim == 3 else values)
+    return out
+
+
+def edge_colours(mesh, style):
+    """Colour of each triangle side (T, 3, 3), and its width in pixels (0: no line)."""
+    rgb = np.zeros(mesh.tris.shape + (3,)) + np.array([0.07, 0.08, 0.12])
+    width = np.where(mesh.real & style.wire, style.line, 0.0)
+    if style.edges:
+        count = len(mesh.points)
+        ends = np.stack([np.roll(mesh.tris, -1, 1), np.roll(mesh.tris, -2, 1)], 2)
+        keys = ends.min(2) * count + ends.max(2)
+        marks = [(mesh.border(), BORDER)]
+        sets = mesh.subsets("edge")
+        marks += [(i.reshape(-1, 2), c * 0.85) for (_, i), c in zip(sets, palette(len(sets)))]
+        for pairs, colour in marks:
+            wanted = pairs.min(1) * count + pairs.max(1)
+            hit = np.isin(keys, wanted) & mesh.real
+            rgb[hit] = colour
+            width[hit] = style.line * 3.2
+    return rgb, width
+
+
+def render(meshes, camera, style=None):
+    """A PIL image of a list of meshes."""
+    style = style or Style()
+    if isinstance(meshes, Mesh):
+        meshes = [meshes]
+    ss = style.samples
+    width, height = style.size[0] * ss, style.size[1] * ss
+    axes = camera.axes()
+    scale = height / 2 / camera.radius
+
+    world = np.concatenate([m.points[m.tris] for m in meshes])
+    normals = np.concatenate([m.corner_normals(style.flat) for m in meshes])
+    colours = np.concatenate([corner_colours(m, style.color) for m in meshes])
+    uv = None
+    if style.color == "uv":
+        uv = np.concatenate([_uv_or_zero(m) for m in meshes])
+
+    screen = (world - camera.centre) @ axes.T * scale
+    screen[..., 0] += width / 2
+    screen[..., 1] = height / 2 - screen[..., 1]
+    ids, depth = rasterise(screen, width, height)
+
+    image = np.empty((height, width, 3))
+    image[:] = style.background
+    py, px = np.nonzero(ids >= 0)
+    t = ids[py, px]
+    a, b, c = screen[t, 0], screen[t, 1], screen[t, 2]
+    area = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0])
+    u, v, w = _barycentric(a, b, c, area, px[:, None] + 0.5, py[:, None] + 0.5)
+    bary = np.concatenate([u, v, w], 1)
+    normal = np.einsum("nk,nkd->nd", bary, normals[t])
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
+    colour = np.einsum("nk,nkd->nd", bary, colours[t])
+    # Screen y runs down, so a triangle which faces the viewer has negative area here.
+    behind = area > 0
+    normal[behind] *= -1
+    if uv is not None:
+        colour = _checker(np.einsum("nk,nkd->nd", bary, uv[t]), style.checker)
+    colour[behind] = colour[behind] * 0.55 + np.array([0.62, 0.50, 0.40]) * 0.38
+    image[py, px] = colour * _light(normal @ axes.T)[:, None]
+    image *= _occlusion(depth, ids, scale)[..., None]
+
+    if style.wire or style.edges:
+        parts = [edge_colours(m, style) for m in meshes]
+        rgb, line = (np.concatenate([p[i] for p in parts]) for i in (0, 1))
+        _draw_lines(image, (py, px), bary, area, (a, b, c), rgb[t], line[t] * ss / 2, style)
+
+    image = np.clip(image, 0, 1).reshape(style.size[1], ss, style.size[0], ss, 3).mean((1, 3))
+    return Image.fromarray((image * 255 + 0.5).astype(np.uint8))
+
+
+def _uv_or_zero(mesh):
+    values = mesh.primvar_at_corners("st")
+    return np.zeros(mesh.tris.shape + (2,)) if values is None else values
+
+
+def _checker(uv, side):
+    cell = np.floor(uv / side).astype(int)
+    odd = (cell.sum(1) % 2).astype(bool)
+    out = np.where(odd[:, None], [0.92, 0.90, 0.86], [0.36, 0.48, 0.66])
+    # Every fifth row in another tint, so that grain and scale can be read.
+    out[(cell[:, 1] % 5 == 0) & ~odd] = [0.72, 0.38, 0.30]
+    return out.astype(float)
+
+
+def _light(n):
+    """Key from above left, fill from the right, some from everywhere; n in camera axes."""
+    key = np.clip(n @ _unit(-0.45, 0.65, 0.75), 0, 1)
+    fill = np.clip(n @ _unit(0.9, 0.1, 0.5), 0, 1)
+    return 0.34 + 0.62 * key + 0.16 * fill + 0.06 * n[:, 1]
+
+
+def _unit(*v):
+    return np.array(v) / np.linalg.norm(v)
+
+
+def _occlusion(depth, ids, scale):
+    """Darkens what lies behind its neighbourhood on screen, such as the cloth under a flap."""
+    seen = ids >= 0
+    z = np.where(seen, depth, depth[seen].min() if seen.any() else 0) / scale
+    span = np.ptp(z) or 1.0
+    small = Image.fromarray(((z - z.min()) / span * 255).astype(np.float32), mode="F")
+    small = small.resize((max(small.width // 4, 1), max(small.height // 4, 1)), Image.BOX)
+    weight = Image.fromarray(seen.astype(np.float32), mode="F").resize(small.size, Image.BOX)
+    out = np.zeros(depth.shape)
+    for radius, strength in ((3, 0.10), (12, 0.05)):
+        num = _blur(np.array(small) * np.array(weight), radius)
+        den = np.maximum(_blur(np.array(weight), radius), 1e-3)
+        mean = Image.fromarray((num / den).astype(np.float32), mode="F")
+        mean = np.array(mean.resize((depth.shape[1], depth.shape[0]), Image.BILINEAR)) / 255 * span
+        out += np.clip(mean + z.min() - z, 0, 6) * strength
+    return np.where(seen, np.clip(1 - out, 0.45, 1), 1)
+
+
+def _blur(array, radius):
+    """Two box passes each way; Pillow does not blur float images."""
+    r = int(radius)
+    for axis in (0, 1):
+        for _ in range(2):
+            pad = [(0, 0), (0, 0)]
+            pad[axis] = (r + 1, r)
+            c = np.cumsum(np.pad(array, pad, mode="edge"), axis=axis)
+            n = array.shape[axis]
+            array = (np.take(c, np.arange(2 * r + 1, 2 * r + 1 + n), axis)
+                     - np.take(c, np.arange(0, n), axis)) / (2 * r + 1)
+    return array
+
+
+def _draw_lines(image, where, bary, area, abc, rgb, half, style):
+    py, px = where
+    a, b, c = (p[:, :2] for p in abc)
+    lengths = [np.linalg.norm(q - p, axis=1) for p, q in ((b, c), (c, a), (a, b))]
+    shade = np.zeros(len(px))
+    tint = np.zeros((len(px), 3))
+    for k in range(3):
+        distance = bary[:, k] * np.abs(area) / np.maximum(lengths[k], 1e-9)
+        cover = np.clip(half[:, k] + 0.5 - distance, 0, 1) * (half[:, k] > 0)
+        marked = half[:, k] > style.line * style.samples
+        cover = np.where(marked, cover, cover * style.wire_strength)
+        better = cover > shade
+        shade[better] = cover[better]
+        tint[better] = rgb[better, k]
+    image[py, px] = image[py, px] * (1 - shade[:, None]) + tint * shade[:, None]
+
+
+# ------------------------------------------------------------------------------- UV layout
+
+def draw_pattern(meshes, size=(1400, 1000), family="panels", name="st"):
+    """The faces in UV space, coloured by subset, with the names of the subsets."""
+    ss = 2
+    image = Image.new("RGB", (size[0] * ss, size[1] * ss), tuple(int(c * 255) for c in BACKGROUND))
+    pen = ImageDraw.Draw(image)
+    uvs = []
+    for m in meshes:
+        got = m.primvar(name)
+        if got and got[2] == "faceVarying":
+            uvs.append((m, got[0][got[1]] if got[1] is not None else got[0]))
+    if not uvs:
+        raise SystemExit(f"no faceVarying primvar {name}")
+    every = np.concatenate([uv for _, uv in uvs])
+    low, high = every.min(0), every.max(0)
+    k = min((np.array(size) * ss - 60) / np.maximum(high - low, 1e-9))
+
+    def at(uv):
+        q = (uv - low) * k + 30
+        q[:, 1] = size[1] * ss - q[:, 1]
+        return [tuple(p) for p in q]
+
+    for m, uv in uvs:
+        sets = m.subsets("face", family)
+        fill = np.broadcast_to(CLOTH, (len(m.counts), 3)).copy()
+        for (_, faces), rgb in zip(sets, palette(len(sets))):
+            fill[faces] = rgb
+        for f, (s, n) in enumerate(zip(m.starts, m.counts)):
+            pen.polygon(at(uv[s:s + n]), fill=tuple((fill[f] * 255).astype(int)))
+        for s, n in zip(m.starts, m.counts):
+            ring = at(uv[s:s + n])
+            pen.line(ring + ring[:1], fill=(40, 42, 55), width=2)
+        for label, faces in sets:
+            corners = np.concatenate([np.arange(m.starts[f], m.starts[f] + m.counts[f])
+                                      for f in faces])
+            x, y = at(uv[corners].mean(0)[None])[0]
+            pen.text((x, y), label, fill=(0, 0, 0), anchor="mm", font_size=13 * ss,
+                     stroke_width=3, stroke_fill=(255, 255, 255))
+    return image.resize(size, Image.LANCZOS)
+
+
+# ------------------------------------------------------------------------------- command line
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("stage")
+    parser.add_argument("-o", "--output", required=True)
+    parser.add_argument("--prim", action="append", help="draw only what is at or below this path")
+    parser.add_argument("--view", default="front")
+    parser.add_argument("--focus", help="x,y,z,radius")
+    parser.add_argument("--wire", action="store_true")
+    parser.add_argument("--edges", action="store_true", help="mark borders and edge subsets")
+    parser.add_argument("--flat", action="store_true", help="one normal per face")
+    parser.add_argument("--color", default="none")
+    parser.add_argument("--checker", type=float, default=0.05, help="side of a checker in UV")
+    parser.add_argument("--size", default="1200x1200")
+    parser.add_argument("--pattern", action="store_true", help="draw the UV layout instead")
+    parser.add_argument("--uv-set", default="st", help="the UV set for --pattern")
+    args = parser.parse_args()
+    size = tuple(int(n) for n in args.size.split("x"))
+    meshes = load(args.stage, args.prim)
+    if not meshes:
+        raise SystemExit("no meshes to draw")
+    if args.pattern:
+        draw_pattern(meshes, size, name=args.uv_set).save(args.output)
+        return
+    focus = [float(n) for n in args.focus.split(",")] if args.focus else None
+    camera = Camera.fit(meshes, args.view, size, focus)
+    style = Style(size=size, color=args.color, wire=args.wire, edges=args.edges, flat=args.flat,
+                  checker=args.checker)
+    render(meshes, camera, style).save(args.output)
+
+
+if __name__ == "__main__":
+    main()

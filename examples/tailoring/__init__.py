@@ -1,0 +1,1 @@
+"""Builds the example garments: forms, meshes, patterns and their USD stages."""
