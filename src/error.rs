@@ -89,6 +89,11 @@ pub enum Warning {
         /// Why, and where it still can be found.
         why: String,
     },
+    /// A reference, payload or other arc that could not be followed; the rest of the stage is as it should be.
+    Composition {
+        /// What failed, in the words of composition.
+        fault: String,
+    },
 }
 
 impl fmt::Display for Warning {
@@ -107,6 +112,7 @@ impl fmt::Display for Warning {
                 "{count} edges lie between faces of opposite winding (points {examples:?}); the simulation mesh is oriented alike"
             ),
             Self::NotCarried { what, why } => write!(f, "{what} is not carried: {why}"),
+            Self::Composition { fault } => write!(f, "the stage does not compose fully: {fault}"),
         }
     }
 }
