@@ -4,6 +4,7 @@
 //! writer gives back as it was, and what `info` prints. [`write()`] turns products into a layer beside it.
 
 mod assets;
+mod crates;
 mod facts;
 mod flatten;
 mod geometry;

@@ -63,7 +63,7 @@ pub struct Sibling {
 }
 
 /// Metadata of prims that says how they compose.
-const COMPOSITION: &[FieldKey] = &[
+pub const COMPOSITION: &[FieldKey] = &[
     FieldKey::References,
     FieldKey::Payload,
     FieldKey::InheritPaths,
@@ -77,9 +77,6 @@ const COMPOSITION: &[FieldKey] = &[
     FieldKey::Specifier,
     FieldKey::TypeName,
     FieldKey::ApiSchemas,
-    FieldKey::PrimOrder,
-    FieldKey::PropertyOrder,
-    FieldKey::Active,
 ];
 
 /// Metadata of the root layer that is the layer's own and not the stage's.

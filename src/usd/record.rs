@@ -88,10 +88,7 @@ impl Record {
         let (stage, sites) = (attribute.stage(), attribute.property_stack()?);
         let (default, samples) = match depth {
             Depth::Declaration => (None, None),
-            Depth::Whole => (
-                attribute.get::<Value>()?.filter(|v| !v.is_value_block()).map(|v| settle(stage, &sites, v)),
-                samples(attribute, &sites)?,
-            ),
+            Depth::Whole => (default(attribute, &sites)?, samples(attribute, &sites)?),
         };
         Ok(Self {
             name: attribute.name().to_owned(),
@@ -124,7 +121,7 @@ impl Record {
     pub fn has_value(&self) -> bool {
         match &self.content {
             Content::Attribute { default, samples, connections, .. } => {
-                default.is_some() || samples.is_some() || !connections.is_empty()
+                default.as_ref().is_some_and(|v| !v.is_value_block()) || samples.is_some() || !connections.is_empty()
             }
             Content::Relationship { targets } => !targets.is_empty(),
         }
@@ -198,6 +195,18 @@ pub fn metadata(stage: &Stage, path: &Path, sites: &[SpecSite]) -> openusd::Resu
 pub fn is_children(key: &str) -> bool {
     use ChildrenKey::{PrimChildren, PropertyChildren, VariantChildren, VariantSetChildren};
     [PrimChildren, PropertyChildren, VariantChildren, VariantSetChildren].iter().any(|k| k.as_str() == key)
+}
+
+/// The value that does not vary over time; a block is kept as such.
+fn default(attribute: &Attribute, sites: &[SpecSite]) -> openusd::Result<Option<Value>> {
+    let stage = attribute.stage();
+    let stated = sites.iter().any(|site| {
+        stage.layer(&site.layer).is_some_and(|l| l.data().has_field(&site.path, FieldKey::Default.as_str()))
+    });
+    if !stated {
+        return Ok(None);
+    }
+    Ok(Some(attribute.get::<Value>()?.map_or(Value::ValueBlock, |v| settle(stage, sites, v))))
 }
 
 /// The samples that answer for an attribute; those of value clips are read one by one.

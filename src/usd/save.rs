@@ -2,15 +2,15 @@
 
 use super::UsdError;
 use super::assets::tiles;
+use super::crates::{encode, take_out_unwritable, write_crate};
 use super::open::plain;
 use crate::error::{Warning, Warnings};
 use openusd::sdf::{AbstractData, AssetPath, Data, FormatError};
 use openusd::usda::TextWriter;
-use openusd::usdc::CrateWriter;
 use openusd::usdz::{Archive, ArchiveWriter};
 use std::collections::BTreeMap;
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Cursor, Seek, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 /// How a layer is stored.
@@ -93,11 +93,12 @@ impl Target {
     ///
     /// # Errors
     /// A folder that cannot be written to, a full disk, a value that the format cannot hold.
-    pub fn save(&self, data: &dyn AbstractData) -> Result<(), UsdError> {
-        self.replace(|out| match self.format {
-            Format::Usda => TextWriter::write(data, out),
-            _ => CrateWriter::write(data, out),
-        })
+    pub fn save(&self, mut data: Data, warnings: &mut Warnings) -> Result<(), UsdError> {
+        if self.format == Format::Usda {
+            return self.replace(|out| TextWriter::write(&data, out));
+        }
+        take_out_unwritable(&mut data, warnings);
+        self.replace(|out| write_crate(&data, out))
     }
 
     /// Writes the layer `data`, whose asset paths are absolute, and all files that it uses as a package.
@@ -107,7 +108,8 @@ impl Target {
     pub fn save_package(&self, data: Data, warnings: &mut Warnings) -> Result<(), UsdError> {
         let stem = self.file.file_stem().and_then(|s| s.to_str()).unwrap_or("layer");
         let mut package = Package::default();
-        let data = package.collect(data, warnings)?;
+        let mut data = package.collect(data, warnings);
+        take_out_unwritable(&mut data, warnings);
         let layer = encode(&data)?;
         self.replace(|out| {
             let mut archive = ArchiveWriter::new(out);
@@ -149,18 +151,6 @@ impl Target {
     }
 }
 
-/// A layer as a crate in memory.
-///
-/// # Errors
-/// A value that a crate cannot hold.
-pub fn encode(data: &dyn AbstractData) -> Result<Vec<u8>, UsdError> {
-    let mut out = Cursor::new(Vec::new());
-    CrateWriter::write(data, &mut out)
-        .map_err(|e| UsdError::new(format!("the layer cannot be written as a crate: {e}")))?;
-    out.rewind().map_err(|e| UsdError::new(e.to_string()))?;
-    Ok(out.into_inner())
-}
-
 /// Whether two paths lead to the same file, through links of any kind.
 fn same_file(a: &Path, b: &Path) -> bool {
     let (Ok(a), Ok(b)) = (a.canonicalize(), b.canonicalize()) else { return false };
@@ -184,7 +174,7 @@ struct Package {
 
 impl Package {
     /// Takes the files that `data` uses, and states their places in the package.
-    fn collect(&mut self, data: Data, warnings: &mut Warnings) -> Result<Data, UsdError> {
+    fn collect(&mut self, data: Data, warnings: &mut Warnings) -> Data {
         let mut packed = Data::new();
         for path in data.spec_paths() {
             let Some(spec) = data.spec(&path) else { continue };
@@ -194,7 +184,7 @@ impl Package {
                 AbstractData::set_field(&mut packed, &path, key, value);
             }
         }
-        Ok(packed)
+        packed
     }
 
     fn place(&mut self, asset: AssetPath, warnings: &mut Warnings) -> AssetPath {

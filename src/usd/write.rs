@@ -1,11 +1,12 @@
 //! Products into layers, layers into files.
 
 use super::assets::Place;
+use super::crates::{encode, take_out_unwritable};
 use super::flatten::flattened;
 use super::model::Model;
 use super::product::{Author, beside};
 use super::read::Source;
-use super::save::{Target, encode};
+use super::save::Target;
 use super::{UsdError, on_large_stack};
 use crate::error::Warnings;
 use crate::garment::Garment;
@@ -98,7 +99,7 @@ pub fn write(
         }
         let place = Place::Folder(&target.folder);
         let data = compose(source, products, options.flatten, options.model_guide, place, warnings)?;
-        target.save(&data)
+        target.save(data, warnings)
     })
 }
 
@@ -118,12 +119,15 @@ pub fn layer_bytes(
     let folder = folder.map(|f| f.canonicalize().unwrap_or_else(|_| f.to_path_buf()));
     on_large_stack(|| {
         let place = folder.as_deref().map_or(Place::Anywhere, Place::Folder);
-        let data = compose(source, products, options.flatten, options.model_guide, place, warnings)?;
+        let mut data = compose(source, products, options.flatten, options.model_guide, place, warnings)?;
         match format {
             Format::Usda => TextWriter::write_to_string(&data)
                 .map(String::into_bytes)
                 .map_err(|e| UsdError::new(format!("the layer cannot be written as text: {e}"))),
-            Format::Usdc => encode(&data),
+            Format::Usdc => {
+                take_out_unwritable(&mut data, warnings);
+                encode(&data)
+            }
             Format::Usdz => Err(UsdError::new("a .usdz package is not a layer").hint("choose text or crate")),
         }
     })
