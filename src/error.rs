@@ -111,6 +111,11 @@ pub enum Warning {
         /// Why, and where it still can be found.
         why: String,
     },
+    /// A reference, payload or other arc that could not be followed; the rest of the stage is as it should be.
+    Composition {
+        /// What failed, in the words of composition.
+        fault: String,
+    },
 }
 
 impl fmt::Display for Warning {
@@ -145,6 +150,7 @@ impl fmt::Display for Warning {
                 write!(f, "delete one of each two unless two layers are meant")
             }
             Self::NotCarried { what, why } => write!(f, "{what} is not carried: {why}"),
+            Self::Composition { fault } => write!(f, "the stage does not compose fully: {fault}"),
         }
     }
 }

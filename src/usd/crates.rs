@@ -1,0 +1,83 @@
+//! Crate files, with what the crate writer in use does wrong.
+
+use super::UsdError;
+use crate::error::{Warning, Warnings};
+use openusd::sdf::{AbstractData, Data, FormatError, Value};
+use openusd::usdc::CrateWriter;
+use std::io::{Cursor, Seek, SeekFrom, Write};
+
+/// Where a crate says its minor version.
+const MINOR_VERSION: u64 = 9;
+
+/// The version that readers before OpenUSD 24.11 know, which holds all values but those of [`needs_new_version`].
+const OLD_MINOR_VERSION: u8 = 8;
+
+/// Writes `data` as a crate, for readers as old as can be.
+///
+/// # Errors
+/// A value that a crate cannot hold, a failure of `out`.
+pub fn write_crate<W: Write + Seek>(data: &Data, out: &mut W) -> Result<(), FormatError> {
+    let start = out.stream_position()?;
+    CrateWriter::write(data, out)?;
+    let new = data.iter().any(|(_, spec)| spec.fields.iter().any(|(_, v)| any(v, &needs_new_version)));
+    if !new {
+        let end = out.stream_position()?;
+        out.seek(SeekFrom::Start(start + MINOR_VERSION))?;
+        out.write_all(&[OLD_MINOR_VERSION])?;
+        out.seek(SeekFrom::Start(end))?;
+    }
+    Ok(())
+}
+
+/// `data` as a crate in memory.
+///
+/// # Errors
+/// A value that a crate cannot hold.
+pub fn encode(data: &Data) -> Result<Vec<u8>, UsdError> {
+    let mut out = Cursor::new(Vec::new());
+    write_crate(data, &mut out).map_err(|e| UsdError::new(format!("the layer cannot be written as a crate: {e}")))?;
+    Ok(out.into_inner())
+}
+
+/// Takes out the values that the crate writer would write wrong, which are single `half2`s, and reports them.
+pub fn take_out_unwritable(data: &mut Data, warnings: &mut Warnings) {
+    let is_half2 = |v: &Value| matches!(v, Value::Vec2h(_));
+    for path in data.spec_paths() {
+        let Some(spec) = data.spec_mut(&path) else { continue };
+        spec.fields.retain(|(key, value)| {
+            let unwritable = any(value, &is_half2);
+            if unwritable {
+                warnings.push(Warning::NotCarried {
+                    what: format!("{key} of {path}"),
+                    why: "a single half2 cannot be written to a crate; write .usda instead".into(),
+                });
+            }
+            !unwritable
+        });
+    }
+}
+
+fn needs_new_version(value: &Value) -> bool {
+    matches!(
+        value,
+        Value::TimeCode(_)
+            | Value::TimeCodeVec(_)
+            | Value::PathExpression(_)
+            | Value::PathExpressionVec(_)
+            | Value::Relocates(_)
+            | Value::UnregisteredValue(_)
+            | Value::UnregisteredValueListOp(_)
+            | Value::UnregisteredDictionary(_)
+    )
+}
+
+/// Whether `test` holds for the value or one inside it.
+fn any(value: &Value, test: &impl Fn(&Value) -> bool) -> bool {
+    let inside = match value {
+        Value::Dictionary(entries) | Value::UnregisteredDictionary(entries) => entries.values().any(|v| any(v, test)),
+        Value::TimeSamples(samples) => samples.iter().any(|(_, v)| any(v, test)),
+        Value::ValueVec(values) => values.iter().any(|v| any(v, test)),
+        _ => false,
+    };
+    inside || test(value)
+}

@@ -1,0 +1,195 @@
+//! What `info` prints about the model and its surroundings.
+
+use super::UsdError;
+use super::geometry::{subset_prims, value};
+use super::model::Model;
+use super::names;
+use super::open::{prim_at, unreadable};
+use super::primvars::{interpolation, primvar_names};
+use super::record::Content;
+use super::values::text;
+use crate::garment::Interpolation;
+use openusd::sdf::{self, Value};
+use openusd::usd::{Prim, TimeCode};
+use openusd::usda::TextWriter;
+use serde::Serialize;
+
+/// The model and its surroundings, for people.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Facts {
+    /// The file as it was named.
+    pub file: String,
+    /// Path of the mesh.
+    pub prim: String,
+    /// `upAxis`, with USD's fallback.
+    pub up_axis: String,
+    /// `metersPerUnit`, with USD's fallback.
+    pub meters_per_unit: f64,
+    /// `purpose` of the mesh, with USD's fallback.
+    pub purpose: String,
+    /// `visibility` of the mesh, with USD's fallback.
+    pub visibility: String,
+    /// Local transform ops, in their order.
+    pub transform: Vec<TransformOp>,
+    /// Applied API schemas, known here or not.
+    pub api_schemas: Vec<String>,
+    /// Constant primvars of the mesh itself, by name without `primvars:`.
+    pub constant_primvars: Vec<String>,
+    /// Constant primvars that the mesh inherits; its siblings inherit them too.
+    pub inherited_primvars: Vec<InheritedPrimvar>,
+    /// Material bindings of the mesh, its ancestors and its subsets.
+    pub bindings: Vec<Binding>,
+    /// Properties that stay on the model: no product takes them.
+    pub staying: Vec<String>,
+    /// Files of all layers in use.
+    pub layers: Vec<String>,
+}
+
+/// A transform op.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct TransformOp {
+    /// Its entry in `xformOpOrder`.
+    pub name: String,
+    /// Its value as USD writes it; empty for a marker such as `!resetXformStack!`.
+    pub value: String,
+    /// How many time samples it has.
+    pub samples: usize,
+}
+
+/// A primvar of an ancestor.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct InheritedPrimvar {
+    /// Name without `primvars:`.
+    pub name: String,
+    /// USD's name of the value type.
+    pub type_name: String,
+    /// Path of the ancestor.
+    pub from: String,
+}
+
+/// A material binding.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Binding {
+    /// Path of the bound prim.
+    pub prim: String,
+    /// The relationship: `material:binding`, with the purpose and collection where there are any.
+    pub relationship: String,
+    /// What it points at.
+    pub targets: Vec<String>,
+}
+
+/// Gathers the facts about `prim`.
+///
+/// # Errors
+/// A stage that cannot be queried.
+pub fn gather(prim: &Prim, model: &Model, time: Option<TimeCode>) -> Result<Facts, UsdError> {
+    let token = |name, fallback: &str| {
+        let value = value(prim, name, time).ok().flatten();
+        value.as_ref().and_then(text).unwrap_or(fallback).to_owned()
+    };
+    let stage = |key| model.stage_metadata.iter().find(|(k, _)| k == key).map(|(_, v)| v);
+    let schemas = prim.authored_api_schemas().map_err(|e| unreadable(prim, &e))?;
+    Ok(Facts {
+        file: model.file.display().to_string(),
+        prim: prim.path().as_str().to_owned(),
+        up_axis: stage("upAxis").and_then(text).unwrap_or("Y").to_owned(),
+        meters_per_unit: stage("metersPerUnit").and_then(number).unwrap_or(0.01),
+        purpose: token(names::PURPOSE, "default"),
+        visibility: token(names::VISIBILITY, "inherited"),
+        transform: transform(model),
+        api_schemas: schemas.iter().map(|s| s.as_str().to_owned()).collect(),
+        constant_primvars: constant_primvars(model),
+        inherited_primvars: inherited(prim)?,
+        bindings: bindings(prim)?,
+        staying: model.staying.clone(),
+        layers: model.layers.iter().map(|l| l.display().to_string()).collect(),
+    })
+}
+
+fn number(value: &Value) -> Option<f64> {
+    match value {
+        Value::Double(d) => Some(*d),
+        Value::Float(f) => Some(f64::from(*f)),
+        Value::Int(i) => Some(f64::from(*i)),
+        _ => None,
+    }
+}
+
+fn transform(model: &Model) -> Vec<TransformOp> {
+    let record = |name: &str| model.carried.iter().find(|r| r.name == name);
+    let order = record(names::XFORM_OP_ORDER).map(|r| &r.content);
+    let Some(Content::Attribute { default: Some(Value::TokenVec(order)), .. }) = order else { return Vec::new() };
+    order
+        .iter()
+        .map(|op| {
+            let content = record(op.strip_prefix("!invert!").unwrap_or(op)).map(|r| &r.content);
+            let (default, samples) = match content {
+                Some(Content::Attribute { default, samples, .. }) => (default.as_ref(), samples.as_ref()),
+                _ => (None, None),
+            };
+            TransformOp {
+                name: op.as_str().to_owned(),
+                value: default.and_then(|v| TextWriter::value_to_string(v).ok()).unwrap_or_default(),
+                samples: samples.map_or(0, Vec::len),
+            }
+        })
+        .collect()
+}
+
+fn constant_primvars(model: &Model) -> Vec<String> {
+    let names = model.carried.iter().filter_map(|r| r.name.strip_prefix(names::PRIMVARS));
+    names.filter(|n| !n.ends_with(names::INDICES_SUFFIX)).map(str::to_owned).collect()
+}
+
+fn inherited(prim: &Prim) -> Result<Vec<InheritedPrimvar>, UsdError> {
+    let mut hidden = primvar_names(prim)?;
+    let mut found = Vec::new();
+    for path in prim.path().strict_ancestors_below_root() {
+        let ancestor = prim_at(prim.stage(), &path)?;
+        for name in primvar_names(&ancestor)? {
+            let attribute = ancestor.attribute(format!("{}{name}", names::PRIMVARS));
+            let constant = interpolation(&ancestor, &name).is_ok_and(|i| i == Interpolation::Constant);
+            if !constant || hidden.contains(&name) || !attribute.has_authored_value().unwrap_or(false) {
+                continue;
+            }
+            let type_name = attribute.type_name().ok().flatten();
+            found.push(InheritedPrimvar {
+                name: name.clone(),
+                type_name: type_name.map_or_else(String::new, |t| t.as_str().to_owned()),
+                from: path.as_str().to_owned(),
+            });
+            hidden.push(name);
+        }
+    }
+    Ok(found)
+}
+
+fn bindings(prim: &Prim) -> Result<Vec<Binding>, UsdError> {
+    let mut prims = vec![prim.clone()];
+    for path in prim.path().strict_ancestors_below_root() {
+        prims.push(prim_at(prim.stage(), &path)?);
+    }
+    prims.extend(subset_prims(prim)?);
+    let mut found = Vec::new();
+    for bound in &prims {
+        for name in bound.authored_property_names().map_err(|e| unreadable(bound, &e))? {
+            if !name.starts_with(names::MATERIAL_BINDING) {
+                continue;
+            }
+            let targets = bound.relationship(name.clone()).targets().map_err(|e| unreadable(bound, &e))?;
+            if targets.is_empty() {
+                continue;
+            }
+            found.push(Binding {
+                prim: bound.path().as_str().to_owned(),
+                relationship: name.as_str().to_owned(),
+                targets: targets.iter().map(sdf::Path::as_str).map(str::to_owned).collect(),
+            });
+        }
+    }
+    Ok(found)
+}

@@ -1,0 +1,122 @@
+//! The whole stage as one layer.
+
+use super::UsdError;
+use super::assets::{Place, settle};
+use super::model::{COMPOSITION, Model};
+use super::open::{open_stage, prim_at};
+use super::record::{Content, Depth, Record, metadata};
+use crate::error::{Warning, Warnings};
+use openusd::sdf::{self, AbstractData, Data, FieldKey, Path, PrimSpec, SpecType, Specifier, Value};
+use openusd::usd::{Prim, PrimPredicate, SpecSite, Stage};
+
+/// Metadata of the root layer that says how it composes.
+const STACK: &[FieldKey] = &[
+    FieldKey::SubLayers,
+    FieldKey::SubLayerOffsets,
+    FieldKey::LayerRelocates,
+    FieldKey::ExpressionVariables,
+    FieldKey::PrimOrder,
+];
+
+/// The stage of `model` as one layer that stands alone, without the prims `left_out`. Instances become ordinary prims;
+/// what cannot be read is left out with a warning.
+///
+/// # Errors
+/// A stage that cannot be read any more.
+pub fn flattened(model: &Model, left_out: &[Path], place: Place, warnings: &mut Warnings) -> Result<Data, UsdError> {
+    let fault = |e: openusd::Error| UsdError::new(format!("{} cannot be flattened: {e}", model.file.display()));
+    let stage = open_stage(&model.file)?;
+    let mut paths = Vec::new();
+    stage.traverse(PrimPredicate::ALL, |path| paths.push(path.clone())).map_err(fault)?;
+    paths.retain(|path| !left_out.iter().any(|left| path.has_prefix(left)));
+    let mut flat = Flat { data: Data::new(), place, warnings };
+    flat.root(&stage).map_err(fault)?;
+    for path in paths {
+        flat.prim(&prim_at(&stage, &path)?).map_err(fault)?;
+    }
+    Ok(flat.data)
+}
+
+struct Flat<'a> {
+    data: Data,
+    place: Place<'a>,
+    warnings: &'a mut Warnings,
+}
+
+impl Flat<'_> {
+    fn root(&mut self, stage: &Stage) -> openusd::Result<()> {
+        let root = Path::abs_root();
+        self.data.create_spec(root.clone(), SpecType::PseudoRoot);
+        let site = |layer| SpecSite { layer, path: root.clone(), offset: sdf::LayerOffset::IDENTITY };
+        let sites: Vec<_> = stage.layer_stack().into_iter().map(site).collect();
+        let fields = metadata(stage, &root, &sites)?;
+        self.metadata(stage, &root, &sites, fields, STACK);
+        Ok(())
+    }
+
+    fn prim(&mut self, prim: &Prim) -> openusd::Result<()> {
+        let path = prim.path();
+        let specifier = prim.specifier()?.unwrap_or(Specifier::Over);
+        PrimSpec::new(&mut self.data, path, specifier, prim.type_name()?.unwrap_or_default().as_str())?;
+        let sites = prim.prim_stack()?;
+        let fields = metadata(prim.stage(), path, &sites)?;
+        self.metadata(prim.stage(), path, &sites, fields, COMPOSITION);
+        let schemas = prim.authored_api_schemas()?;
+        if !schemas.is_empty() {
+            let list = sdf::TokenListOp::explicit(schemas);
+            AbstractData::set_field(&mut self.data, path, FieldKey::ApiSchemas.as_str(), list.into());
+        }
+        for name in prim.authored_property_names()? {
+            match Record::take(prim, &name, Depth::Whole) {
+                Ok(Some(record)) => {
+                    self.report_missing(path, &record);
+                    record.state(&mut self.data, path, self.place)?;
+                }
+                Ok(None) => {}
+                Err(e) => self.not_carried(format!("{path}.{name}"), format!("it cannot be read: {e}")),
+            }
+        }
+        Ok(())
+    }
+
+    fn metadata(
+        &mut self,
+        stage: &Stage,
+        path: &Path,
+        sites: &[SpecSite],
+        fields: Vec<(String, Value)>,
+        left_out: &[FieldKey],
+    ) {
+        for (key, value) in fields {
+            if !left_out.iter().any(|k| k.as_str() == key) {
+                let value = settle(stage, sites, value);
+                self.report_unresolved(path, value.clone());
+                AbstractData::set_field(&mut self.data, path, &key, self.place.anchor(value));
+            }
+        }
+    }
+
+    fn report_missing(&mut self, prim: &Path, record: &Record) {
+        if let Content::Attribute { default, samples, .. } = &record.content {
+            let samples = samples.iter().flatten().map(|(_, value)| value);
+            for value in default.iter().chain(samples).filter(|v| v.is_asset_valued()) {
+                self.report_unresolved(prim, value.clone());
+            }
+        }
+    }
+
+    /// Reports asset paths that lead nowhere, which cannot be stated anew.
+    fn report_unresolved(&mut self, path: &Path, value: Value) {
+        value.map_asset_paths(&mut |asset| {
+            if asset.resolved_path().is_none() && !asset.is_empty() {
+                let why = "it was not found; its path stays as it is".to_owned();
+                self.not_carried(format!("the file @{}@ of {path}", asset.asset_path()), why);
+            }
+            asset
+        });
+    }
+
+    fn not_carried(&mut self, what: String, why: String) {
+        self.warnings.push(Warning::NotCarried { what, why });
+    }
+}

@@ -1,0 +1,192 @@
+//! Names that USD and this program give to properties, metadata and tokens, each written once.
+
+use crate::garment::{
+    BoundaryInterpolation, FaceVaryingInterpolation, FamilyType, Interpolation, Orientation, Scheme, TriangleRule,
+};
+
+/// Type of the prims that are read and written.
+pub const MESH: &str = "Mesh";
+/// Type of the prims that hold face sets, edge sets and point sets.
+pub const GEOM_SUBSET: &str = "GeomSubset";
+/// The schema that gives material bindings their meaning.
+pub const MATERIAL_BINDING_API: &str = "MaterialBindingAPI";
+/// The schema that gives skinning its meaning.
+pub const SKEL_BINDING_API: &str = "SkelBindingAPI";
+
+/// `points`
+pub const POINTS: &str = "points";
+/// `faceVertexCounts`
+pub const FACE_VERTEX_COUNTS: &str = "faceVertexCounts";
+/// `faceVertexIndices`
+pub const FACE_VERTEX_INDICES: &str = "faceVertexIndices";
+/// `extent`
+pub const EXTENT: &str = "extent";
+/// `orientation`
+pub const ORIENTATION: &str = "orientation";
+/// `subdivisionScheme`
+pub const SUBDIVISION_SCHEME: &str = "subdivisionScheme";
+/// `interpolateBoundary`
+pub const INTERPOLATE_BOUNDARY: &str = "interpolateBoundary";
+/// `faceVaryingLinearInterpolation`
+pub const FACE_VARYING_LINEAR_INTERPOLATION: &str = "faceVaryingLinearInterpolation";
+/// `triangleSubdivisionRule`
+pub const TRIANGLE_SUBDIVISION_RULE: &str = "triangleSubdivisionRule";
+/// `holeIndices`
+pub const HOLE_INDICES: &str = "holeIndices";
+/// `creaseIndices`
+pub const CREASE_INDICES: &str = "creaseIndices";
+/// `creaseLengths`
+pub const CREASE_LENGTHS: &str = "creaseLengths";
+/// `creaseSharpnesses`
+pub const CREASE_SHARPNESSES: &str = "creaseSharpnesses";
+/// `cornerIndices`
+pub const CORNER_INDICES: &str = "cornerIndices";
+/// `cornerSharpnesses`
+pub const CORNER_SHARPNESSES: &str = "cornerSharpnesses";
+/// `normals`
+pub const NORMALS: &str = "normals";
+/// `velocities`
+pub const VELOCITIES: &str = "velocities";
+/// `accelerations`
+pub const ACCELERATIONS: &str = "accelerations";
+/// `doubleSided`
+pub const DOUBLE_SIDED: &str = "doubleSided";
+/// `purpose`
+pub const PURPOSE: &str = "purpose";
+/// `visibility`
+pub const VISIBILITY: &str = "visibility";
+/// `xformOpOrder`
+pub const XFORM_OP_ORDER: &str = "xformOpOrder";
+/// `elementType`
+pub const ELEMENT_TYPE: &str = "elementType";
+/// `familyName`
+pub const FAMILY_NAME: &str = "familyName";
+/// `indices`
+pub const INDICES: &str = "indices";
+
+/// Namespace of transform ops.
+pub const XFORM_OP: &str = "xformOp:";
+/// Namespace of primvars.
+pub const PRIMVARS: &str = "primvars:";
+/// What follows the name of a primvar in the name of its indices.
+pub const INDICES_SUFFIX: &str = ":indices";
+/// Namespace of subset families.
+pub const SUBSET_FAMILY: &str = "subsetFamily:";
+/// What follows the name of a family in the name of its rule.
+pub const FAMILY_TYPE_SUFFIX: &str = ":familyType";
+/// Name and namespace of material bindings.
+pub const MATERIAL_BINDING: &str = "material:binding";
+/// Namespace of material bindings by collection.
+pub const MATERIAL_BINDING_COLLECTION: &str = "material:binding:collection";
+/// `skel:skeleton`
+pub const SKEL_SKELETON: &str = "skel:skeleton";
+/// `skel:animationSource`
+pub const SKEL_ANIMATION_SOURCE: &str = "skel:animationSource";
+/// `skel:joints`
+pub const SKEL_JOINTS: &str = "skel:joints";
+/// `skel:skinningMethod`
+pub const SKEL_SKINNING_METHOD: &str = "skel:skinningMethod";
+/// `skel:blendShapes`
+pub const SKEL_BLEND_SHAPES: &str = "skel:blendShapes";
+/// `skel:blendShapeTargets`
+pub const SKEL_BLEND_SHAPE_TARGETS: &str = "skel:blendShapeTargets";
+/// Namespace of the recipe.
+pub const RECIPE: &str = "tailor:";
+
+/// Metadata: the elements that a primvar lives on.
+pub const INTERPOLATION: &str = "interpolation";
+/// Metadata: values in one element of a primvar.
+pub const ELEMENT_SIZE: &str = "elementSize";
+/// Metadata: the row of a primvar's values that stands for "no value".
+pub const UNAUTHORED_VALUES_INDEX: &str = "unauthoredValuesIndex";
+/// Metadata: the dictionary that marks our products.
+pub const CUSTOM_DATA: &str = "customData";
+/// Key in `customData` of what this program writes.
+pub const PRODUCT_SPACE: &str = "tailor";
+/// Key in that dictionary of a product's role.
+pub const PRODUCT: &str = "product";
+
+/// Attributes that a product states anew, whatever the model says.
+pub const REWRITTEN: &[&str] = &[
+    POINTS,
+    FACE_VERTEX_COUNTS,
+    FACE_VERTEX_INDICES,
+    EXTENT,
+    ORIENTATION,
+    SUBDIVISION_SCHEME,
+    INTERPOLATE_BOUNDARY,
+    FACE_VARYING_LINEAR_INTERPOLATION,
+    TRIANGLE_SUBDIVISION_RULE,
+    HOLE_INDICES,
+    CREASE_INDICES,
+    CREASE_LENGTHS,
+    CREASE_SHARPNESSES,
+    CORNER_INDICES,
+    CORNER_SHARPNESSES,
+    PURPOSE,
+];
+
+/// Properties that a product takes as they are, besides transform ops, material bindings and constant primvars.
+pub const COPIED: &[&str] = &[
+    VISIBILITY,
+    XFORM_OP_ORDER,
+    DOUBLE_SIDED,
+    SKEL_SKELETON,
+    SKEL_ANIMATION_SOURCE,
+    SKEL_JOINTS,
+    SKEL_SKINNING_METHOD,
+];
+
+/// Properties that a product cannot take, with the reason.
+pub const NOT_CARRIED: &[(&str, &str)] = &[
+    (NORMALS, "its points are new ones; consumers compute normals, and subdivision surfaces ignore authored ones"),
+    (VELOCITIES, "its points are new ones; the attribute stays on the model"),
+    (ACCELERATIONS, "its points are new ones; the attribute stays on the model"),
+    (SKEL_BLEND_SHAPES, "blend shapes move the model's own points; they stay on the model"),
+    (SKEL_BLEND_SHAPE_TARGETS, "blend shapes move the model's own points; they stay on the model"),
+];
+
+/// A token of USD that stands for a value of this program.
+pub trait UsdToken: Copy + PartialEq + 'static {
+    /// Every value with its token.
+    const TOKENS: &'static [(&'static str, Self)];
+
+    /// The token of the value.
+    fn token(self) -> &'static str {
+        Self::TOKENS.iter().find(|(_, v)| *v == self).map_or("", |(t, _)| t)
+    }
+
+    /// The value of a token.
+    fn from_token(token: &str) -> Option<Self> {
+        Self::TOKENS.iter().find(|(t, _)| *t == token).map(|(_, v)| *v)
+    }
+
+    /// All tokens, for a message.
+    fn allowed() -> String {
+        Self::TOKENS.iter().map(|(t, _)| *t).collect::<Vec<_>>().join(", ")
+    }
+}
+
+macro_rules! tokens {
+    ($($type:ty { $($token:literal = $value:ident),* $(,)? })*) => { $(
+        impl UsdToken for $type {
+            const TOKENS: &'static [(&'static str, Self)] = &[$(($token, Self::$value)),*];
+        }
+    )* };
+}
+
+tokens! {
+    Orientation { "rightHanded" = RightHanded, "leftHanded" = LeftHanded }
+    Scheme { "catmullClark" = CatmullClark, "loop" = Loop, "bilinear" = Bilinear, "none" = None }
+    BoundaryInterpolation { "none" = None, "edgeOnly" = EdgeOnly, "edgeAndCorner" = EdgeAndCorner }
+    FaceVaryingInterpolation {
+        "none" = None, "cornersOnly" = CornersOnly, "cornersPlus1" = CornersPlus1, "cornersPlus2" = CornersPlus2,
+        "boundaries" = Boundaries, "all" = All,
+    }
+    TriangleRule { "catmullClark" = CatmullClark, "smooth" = Smooth }
+    Interpolation {
+        "constant" = Constant, "uniform" = Uniform, "varying" = Varying, "vertex" = Vertex,
+        "faceVarying" = FaceVarying,
+    }
+    FamilyType { "partition" = Partition, "nonOverlapping" = NonOverlapping, "unrestricted" = Unrestricted }
+}

@@ -1,0 +1,107 @@
+//! Primvars of the mesh that vary over it.
+
+use super::UsdError;
+use super::geometry::value;
+use super::names::{self, UsdToken};
+use super::values::{flat, mixing, text};
+use crate::error::Warning;
+use crate::garment::{Interpolation, PrimvarInput};
+use openusd::sdf::Value;
+use openusd::usd::{Prim, TimeCode};
+
+/// Names of the primvars of a prim, without `primvars:` and without those that are indices of another.
+pub fn primvar_names(prim: &Prim) -> Result<Vec<String>, UsdError> {
+    let properties =
+        prim.authored_property_names().map_err(|e| UsdError::new(format!("{} cannot be read: {e}", prim.path())))?;
+    Ok(properties
+        .iter()
+        .filter_map(|p| p.strip_prefix(names::PRIMVARS))
+        .filter(|p| !p.is_empty() && !p.ends_with(names::INDICES_SUFFIX))
+        .map(str::to_owned)
+        .collect())
+}
+
+/// The elements that the primvar `name` lives on, with USD's fallback.
+///
+/// # Errors
+/// A token that USD does not know.
+pub fn interpolation(prim: &Prim, name: &str) -> Result<Interpolation, UsdError> {
+    let property = format!("{}{name}", names::PRIMVARS);
+    let field = prim
+        .attribute(property.as_str())
+        .get_metadata::<Value>(names::INTERPOLATION)
+        .map_err(|e| UsdError::new(format!("{}.{property} cannot be read: {e}", prim.path())))?;
+    let Some(field) = field else { return Ok(Interpolation::Constant) };
+    let shown = text(&field).unwrap_or("not a token");
+    Interpolation::from_token(shown).ok_or_else(|| {
+        UsdError::new(format!("{}.{property} has interpolation {shown:?}, which USD does not know", prim.path()))
+            .hint(format!("use one of: {}", Interpolation::allowed()))
+    })
+}
+
+/// Reads the primvars that vary over the mesh; what cannot be carried becomes a warning.
+///
+/// # Errors
+/// Metadata or indices that make no sense.
+pub fn read_primvars(
+    prim: &Prim,
+    time: Option<TimeCode>,
+    warnings: &mut Vec<Warning>,
+) -> Result<Vec<PrimvarInput>, UsdError> {
+    let mut found = Vec::new();
+    for name in primvar_names(prim)? {
+        let interpolation = interpolation(prim, &name)?;
+        if interpolation == Interpolation::Constant {
+            continue;
+        }
+        match read_primvar(prim, &name, interpolation, time) {
+            Ok(Some(primvar)) => found.push(primvar),
+            Ok(None) => {}
+            Err(why) => warnings.push(Warning::NotCarried { what: format!("primvars:{name}"), why }),
+        }
+    }
+    Ok(found)
+}
+
+/// One primvar; none when it has no value, and the reason when it has one that cannot be carried.
+fn read_primvar(
+    prim: &Prim,
+    name: &str,
+    interpolation: Interpolation,
+    time: Option<TimeCode>,
+) -> Result<Option<PrimvarInput>, String> {
+    let property = format!("{}{name}", names::PRIMVARS);
+    let attribute = prim.attribute(property.as_str());
+    let Some(value) = value(prim, &property, time).map_err(|e| e.to_string())? else { return Ok(None) };
+    let Some(type_name) = attribute.type_name().map_err(|e| e.to_string())? else { return Ok(None) };
+    let Some((components, values)) = flat(value) else {
+        return Err(format!("values of type {type_name} cannot vary over a mesh"));
+    };
+    Ok(Some(PrimvarInput {
+        name: name.to_owned(),
+        type_name: type_name.as_str().to_owned(),
+        interpolation,
+        components,
+        element_size: element_size(prim, &property)?,
+        mixing: mixing(&type_name),
+        values,
+        indices: indices(prim, &property, time)?,
+    }))
+}
+
+fn element_size(prim: &Prim, property: &str) -> Result<i32, String> {
+    match prim.attribute(property).get_metadata::<Value>(names::ELEMENT_SIZE) {
+        Ok(None) => Ok(1),
+        Ok(Some(Value::Int(n))) => Ok(n),
+        Ok(Some(_)) => Err("its elementSize is not an int".into()),
+        Err(e) => Err(e.to_string()),
+    }
+}
+
+fn indices(prim: &Prim, property: &str, time: Option<TimeCode>) -> Result<Option<Vec<i32>>, String> {
+    match value(prim, &format!("{property}{}", names::INDICES_SUFFIX), time).map_err(|e| e.to_string())? {
+        None => Ok(None),
+        Some(Value::IntVec(v)) => Ok(Some(v)),
+        Some(_) => Err("its indices are not of type int[]".into()),
+    }
+}

@@ -1,0 +1,299 @@
+//! One product as prims and properties of a layer.
+
+use super::assets::Place;
+use super::model::{Model, Sibling, SubsetRecord};
+use super::names::{self, UsdToken};
+use super::record::{Content, Record};
+use super::values::typed;
+use super::write::{Product, Role};
+use crate::error::{Warning, Warnings};
+use crate::garment::{Elements, Garment, Primvar, Values};
+use glam::Vec3;
+use openusd::gf::Vec3f;
+use openusd::sdf::{self, AbstractData, FieldKey, Path, PrimSpec, Specifier, Value, ValueTypeName, Variability};
+use openusd::tf::Token;
+use std::collections::{BTreeSet, HashMap};
+
+/// Writes products into a layer.
+pub struct Author<'a> {
+    /// The layer.
+    pub data: &'a mut sdf::Data,
+    /// The model that they stand beside.
+    pub model: &'a Model,
+    /// Where the layer will be read from.
+    pub place: Place<'a>,
+}
+
+impl Author<'_> {
+    /// States `product` beside the model.
+    ///
+    /// # Errors
+    /// A name or type that the layer does not admit.
+    pub fn product(&mut self, product: &Product, warnings: &mut Warnings) -> openusd::Result<()> {
+        let path = beside(&self.model.path, product.name)?;
+        let model = self.model;
+        PrimSpec::new(self.data, &path, Specifier::Def, names::MESH)?;
+        self.data.set_field(&path, FieldKey::Documentation.as_str(), Value::String(doc(product.role, &model.path)));
+        self.data.set_field(&path, names::CUSTOM_DATA, custom_data(product.role));
+        let before = model.siblings.get(product.name);
+        self.schemas(&path, &model.applied, before.is_some());
+        for record in &model.carried {
+            record.state(self.data, &path, self.place)?;
+        }
+        self.mesh(&path, product.role, product.mesh)?;
+        for primvar in &product.mesh.primvars {
+            self.primvar(&path, primvar, warnings)?;
+        }
+        self.subsets(&path, product.mesh)?;
+        match before {
+            Some(before) => self.silence(&path, before),
+            None => Ok(()),
+        }
+    }
+
+    /// States the model's own `purpose`.
+    ///
+    /// # Errors
+    /// A layer in which the model cannot be stated.
+    pub fn model_purpose(&mut self, purpose: &str) -> openusd::Result<()> {
+        let path = self.model.path.clone();
+        PrimSpec::over(self.data, &path)?;
+        self.token(&path, names::PURPOSE, purpose)
+    }
+
+    fn attribute(
+        &mut self,
+        prim: &Path,
+        name: &str,
+        type_name: ValueTypeName,
+        variability: Variability,
+        value: Value,
+    ) -> openusd::Result<()> {
+        let path = prim.append_property(name)?;
+        if !self.data.has_spec(&path) {
+            sdf::AttributeSpec::new(self.data, &path, type_name, variability, false)?;
+        }
+        AbstractData::set_field(self.data, &path, FieldKey::Default.as_str(), value);
+        Ok(())
+    }
+
+    fn token(&mut self, prim: &Path, name: &str, token: &str) -> openusd::Result<()> {
+        self.attribute(prim, name, ValueTypeName::TOKEN, Variability::Uniform, Value::Token(Token::from(token)))
+    }
+
+    fn ints(&mut self, prim: &Path, name: &str, values: Vec<i32>) -> openusd::Result<()> {
+        self.attribute(prim, name, ValueTypeName::INT_ARRAY, Variability::Varying, Value::IntVec(values))
+    }
+
+    fn floats(&mut self, prim: &Path, name: &str, values: Vec<f32>) -> openusd::Result<()> {
+        self.attribute(prim, name, ValueTypeName::FLOAT_ARRAY, Variability::Varying, Value::FloatVec(values))
+    }
+
+    /// Applied schemas; an explicit list where it replaces the one of an earlier product.
+    fn schemas(&mut self, prim: &Path, schemas: &[Token], replace: bool) {
+        let list = match replace {
+            true => sdf::TokenListOp::explicit(schemas.iter().cloned()),
+            false if schemas.is_empty() => return,
+            false => sdf::TokenListOp { prepended_items: schemas.to_vec(), ..Default::default() },
+        };
+        AbstractData::set_field(self.data, prim, FieldKey::ApiSchemas.as_str(), list.into());
+    }
+
+    fn mesh(&mut self, prim: &Path, role: Role, mesh: &Garment) -> openusd::Result<()> {
+        let points: &[Vec3f] = bytemuck::cast_slice(mesh.points.as_slice());
+        let points = Value::Vec3fVec(points.to_vec());
+        let extent = Value::Vec3fVec(extent(mesh.points.as_slice()));
+        self.attribute(prim, names::EXTENT, ValueTypeName::FLOAT3_ARRAY, Variability::Varying, extent)?;
+        self.attribute(prim, names::POINTS, ValueTypeName::POINT3F_ARRAY, Variability::Varying, points)?;
+        let faces = &mesh.faces;
+        let counts = faces.ids().map(|f| faces.valence(f) as i32).collect();
+        self.ints(prim, names::FACE_VERTEX_COUNTS, counts)?;
+        let corners = faces.corners().as_slice().iter().map(|v| v.index() as i32).collect();
+        self.ints(prim, names::FACE_VERTEX_INDICES, corners)?;
+        self.token(prim, names::ORIENTATION, mesh.orientation.token())?;
+        self.token(prim, names::PURPOSE, role.purpose())?;
+        match role {
+            Role::Sim => self.token(prim, names::SUBDIVISION_SCHEME, "none")?,
+            Role::Render => {
+                self.token(prim, names::SUBDIVISION_SCHEME, mesh.rules.scheme.token())?;
+                self.token(prim, names::INTERPOLATE_BOUNDARY, mesh.rules.boundary.token())?;
+                self.token(prim, names::FACE_VARYING_LINEAR_INTERPOLATION, mesh.rules.face_varying.token())?;
+                self.token(prim, names::TRIANGLE_SUBDIVISION_RULE, mesh.rules.triangles.token())?;
+            }
+        }
+        self.sharpness(prim, mesh)
+    }
+
+    /// Holes, creases and corners.
+    fn sharpness(&mut self, prim: &Path, mesh: &Garment) -> openusd::Result<()> {
+        if !mesh.holes.is_empty() {
+            self.ints(prim, names::HOLE_INDICES, mesh.holes.iter().map(|f| f.index() as i32).collect())?;
+        }
+        if !mesh.creases.is_empty() {
+            let creases = &mesh.creases;
+            let vertices = creases.iter().flat_map(|c| &c.vertices).map(|v| v.index() as i32).collect();
+            self.ints(prim, names::CREASE_INDICES, vertices)?;
+            self.ints(prim, names::CREASE_LENGTHS, creases.iter().map(|c| c.vertices.len() as i32).collect())?;
+            let uniform = creases.iter().all(|c| c.sharpnesses.windows(2).all(|w| w[0] == w[1]));
+            let taken = if uniform { 1 } else { usize::MAX };
+            let values = creases.iter().flat_map(|c| c.sharpnesses.iter().take(taken)).copied().collect();
+            self.floats(prim, names::CREASE_SHARPNESSES, values)?;
+        }
+        if !mesh.corners.is_empty() {
+            let vertices = mesh.corners.iter().map(|c| c.vertex.index() as i32).collect();
+            self.ints(prim, names::CORNER_INDICES, vertices)?;
+            self.floats(prim, names::CORNER_SHARPNESSES, mesh.corners.iter().map(|c| c.sharpness).collect())?;
+        }
+        Ok(())
+    }
+
+    fn primvar(&mut self, prim: &Path, primvar: &Primvar, warnings: &mut Warnings) -> openusd::Result<()> {
+        let name = format!("{}{}", names::PRIMVARS, primvar.name);
+        let type_name = ValueTypeName::from(primvar.type_name.as_str());
+        let Some(value) = typed(&type_name, &self.resolved(primvar)) else {
+            warnings.push(Warning::NotCarried {
+                what: format!("{prim}.{name}"),
+                why: format!("its values do not fit its type {}", primvar.type_name),
+            });
+            return Ok(());
+        };
+        let record = self.model.primvars.get(&primvar.name);
+        let path = self.declare(prim, &name, type_name, record)?;
+        self.data.set_field(&path, FieldKey::Default.as_str(), value);
+        let interpolation = Value::Token(Token::from(primvar.interpolation.token()));
+        self.data.set_field(&path, names::INTERPOLATION, interpolation);
+        let stated = record.is_some_and(|r| r.metadata(names::ELEMENT_SIZE).is_some());
+        if primvar.element_size != 1 || stated {
+            self.data.set_field(&path, names::ELEMENT_SIZE, Value::Int(primvar.element_size as i32));
+        }
+        if let Some(Value::Int(row)) = record.and_then(|r| r.metadata(names::UNAUTHORED_VALUES_INDEX))
+            && (primvar.indices.is_none() || *row >= primvar.rows() as i32)
+        {
+            self.data.erase_field(&path, names::UNAUTHORED_VALUES_INDEX);
+        }
+        if let Some(indices) = &primvar.indices {
+            let record = self.model.primvars.get(&format!("{}{}", primvar.name, names::INDICES_SUFFIX));
+            let name = format!("{name}{}", names::INDICES_SUFFIX);
+            let path = self.declare(prim, &name, ValueTypeName::INT_ARRAY, record)?;
+            let indices = indices.iter().map(|&i| i as i32).collect();
+            self.data.set_field(&path, FieldKey::Default.as_str(), Value::IntVec(indices));
+        }
+        Ok(())
+    }
+
+    /// Declares a property as the model does, or as a varying one that a schema knows.
+    fn declare(
+        &mut self,
+        prim: &Path,
+        name: &str,
+        type_name: ValueTypeName,
+        record: Option<&Record>,
+    ) -> openusd::Result<Path> {
+        match record.filter(|r| r.type_name() == Some(&type_name)) {
+            Some(record) => record.declare(self.data, prim),
+            None => {
+                let path = prim.append_property(name)?;
+                sdf::AttributeSpec::new(self.data, &path, type_name, Variability::Varying, false)?;
+                Ok(path)
+            }
+        }
+    }
+
+    /// The values of a primvar, with asset paths as this layer states them.
+    fn resolved(&self, primvar: &Primvar) -> Values {
+        match &primvar.values {
+            Values::Text(texts) if primvar.type_name.starts_with("asset") => {
+                let stated = |text: &String| match self.model.assets.get(text) {
+                    Some(file) => self.place.path_to(file),
+                    None => text.clone(),
+                };
+                Values::Text(texts.iter().map(stated).collect())
+            }
+            other => other.clone(),
+        }
+    }
+
+    fn subsets(&mut self, prim: &Path, mesh: &Garment) -> openusd::Result<()> {
+        for family in &mesh.families {
+            let name = format!("{}{}{}", names::SUBSET_FAMILY, family.name, names::FAMILY_TYPE_SUFFIX);
+            self.token(prim, &name, family.kind.token())?;
+        }
+        for subset in &mesh.subsets {
+            let path = prim.append_path(subset.name.as_str())?;
+            PrimSpec::new(self.data, &path, Specifier::Def, names::GEOM_SUBSET)?;
+            let none = SubsetRecord::default();
+            let record = self.model.subsets.get(&subset.name).unwrap_or(&none);
+            for (key, value) in &record.metadata {
+                self.data.set_field(&path, key, self.place.anchor(value.clone()));
+            }
+            self.schemas(&path, &record.applied, false);
+            self.token(&path, names::ELEMENT_TYPE, subset.elements.kind())?;
+            if !subset.family.is_empty() {
+                self.token(&path, names::FAMILY_NAME, &subset.family)?;
+            }
+            self.ints(&path, names::INDICES, indices(&subset.elements))?;
+            for record in &record.carried {
+                record.state(self.data, &path, self.place)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Blocks what an earlier product of this name holds and this one does not.
+    fn silence(&mut self, prim: &Path, before: &Sibling) -> openusd::Result<()> {
+        for record in &before.properties {
+            if self.data.has_spec(&prim.append_property(record.name.as_str())?) {
+                continue;
+            }
+            let path = record.declare(self.data, prim)?;
+            match record.content {
+                Content::Attribute { .. } => {
+                    self.data.set_field(&path, FieldKey::Default.as_str(), Value::ValueBlock);
+                }
+                Content::Relationship { .. } => {
+                    self.data.set_field(&path, FieldKey::TargetPaths.as_str(), sdf::PathListOp::explicit([]).into());
+                }
+            }
+        }
+        let children: BTreeSet<_> = before.children.iter().collect();
+        for child in children {
+            let path = prim.append_path(child.as_str())?;
+            if !self.data.has_spec(&path) {
+                PrimSpec::over(self.data, &path)?.set_active(false);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The path of a prim called `name` beside `model`.
+pub fn beside(model: &Path, name: &str) -> Result<Path, sdf::PathParseError> {
+    model.parent().unwrap_or_else(Path::abs_root).append_path(name)
+}
+
+fn doc(role: Role, model: &Path) -> String {
+    let what = match role {
+        Role::Sim => "Simulation mesh",
+        Role::Render => "Render mesh",
+    };
+    format!("{what} made by usd-tailor from <{model}>.")
+}
+
+fn custom_data(role: Role) -> Value {
+    let ours = HashMap::from([(names::PRODUCT.to_owned(), Value::String(role.name().to_owned()))]);
+    Value::Dictionary(HashMap::from([(names::PRODUCT_SPACE.to_owned(), Value::Dictionary(ours))]))
+}
+
+fn extent(points: &[Vec3]) -> Vec<Vec3f> {
+    let Some(&first) = points.first() else { return vec![Vec3f::default(); 2] };
+    let (low, high) = points.iter().fold((first, first), |(low, high), p| (low.min(*p), high.max(*p)));
+    vec![low.to_array().into(), high.to_array().into()]
+}
+
+fn indices(elements: &Elements) -> Vec<i32> {
+    match elements {
+        Elements::Faces(faces) => faces.iter().map(|f| f.index() as i32).collect(),
+        Elements::Edges(edges) => edges.iter().flatten().map(|v| v.index() as i32).collect(),
+        Elements::Points(points) => points.iter().map(|v| v.index() as i32).collect(),
+    }
+}

@@ -1,0 +1,92 @@
+//! The recipe that the model's own attributes hold, as JSON.
+
+use super::UsdError;
+use super::geometry::{prim_name, subset_prims, value};
+use super::names;
+use super::open::unreadable;
+use super::values::text;
+use openusd::sdf::{self, Value};
+use openusd::usd::{Prim, TimeCode};
+use serde_json::{Map, Value as Json, json};
+
+/// Every property of `prim` in the namespace `tailor:`, as nested objects.
+///
+/// # Errors
+/// A value that JSON cannot hold, a name that is both a value and a namespace, a target that is no subset of the mesh.
+pub fn read_recipe(prim: &Prim, time: Option<TimeCode>) -> Result<Map<String, Json>, UsdError> {
+    let mut recipe = Map::new();
+    for name in prim.authored_property_names().map_err(|e| unreadable(prim, &e))? {
+        let Some(key) = name.strip_prefix(names::RECIPE) else { continue };
+        let kind = prim.prim_index().property_type(name.clone()).map_err(|e| unreadable(prim, &e))?;
+        let value = match kind {
+            Some(sdf::SpecType::Relationship) => Some(targets(prim, &name)?),
+            _ => match value(prim, &name, time)? {
+                None => None,
+                Some(value) => Some(to_json(&value).ok_or_else(|| {
+                    UsdError::new(format!("{}.{name} has a type that no recipe field has", prim.path()))
+                        .hint("recipe fields are bool, int, float, double, token or string, or arrays of them")
+                })?),
+            },
+        };
+        if let Some(value) = value {
+            insert(&mut recipe, key, value).ok_or_else(|| {
+                UsdError::new(format!("{}.{name} is both a value and a namespace", prim.path()))
+                    .hint("remove one of the two")
+            })?;
+        }
+    }
+    Ok(recipe)
+}
+
+/// Puts `value` where `key` (`a:b:c`) says; none when there is something else already.
+fn insert(into: &mut Map<String, Json>, key: &str, value: Json) -> Option<()> {
+    let Some((space, rest)) = key.split_once(':') else {
+        return into.insert(key.to_owned(), value).is_none().then_some(());
+    };
+    let space = into.entry(space).or_insert_with(|| Json::Object(Map::new()));
+    insert(space.as_object_mut()?, rest, value)
+}
+
+/// Names of the subsets that a relationship points at.
+fn targets(prim: &Prim, name: &str) -> Result<Json, UsdError> {
+    let subsets = subset_prims(prim)?;
+    let targets = prim.relationship(name).targets().map_err(|e| unreadable(prim, &e))?;
+    let mut found = Vec::with_capacity(targets.len());
+    for target in targets {
+        let Some(subset) = subsets.iter().find(|s| *s.path() == target) else {
+            let known: Vec<_> = subsets.iter().map(prim_name).collect();
+            return Err(UsdError::new(format!(
+                "{}.{name} targets {target}, which is no GeomSubset of the mesh",
+                prim.path()
+            ))
+            .hint(format!("target one of its subsets: {}", known.join(", "))));
+        };
+        found.push(Json::String(prim_name(subset)));
+    }
+    Ok(Json::Array(found))
+}
+
+/// A float as the shortest decimal that stands for it, which is what the user wrote.
+fn decimal(f: f32) -> Json {
+    f.to_string().parse::<f64>().map_or(Json::Null, |d| json!(d))
+}
+
+fn to_json(value: &Value) -> Option<Json> {
+    Some(match value {
+        Value::Bool(v) => json!(v),
+        Value::Int(v) => json!(v),
+        Value::Uint(v) => json!(v),
+        Value::Int64(v) => json!(v),
+        Value::Uint64(v) => json!(v),
+        Value::Uchar(v) => json!(v),
+        Value::Half(v) => decimal(v.to_f32()),
+        Value::Float(v) => decimal(*v),
+        Value::Double(v) => json!(v),
+        Value::IntVec(v) => json!(v),
+        Value::DoubleVec(v) => json!(v),
+        Value::FloatVec(v) => v.iter().map(|f| decimal(*f)).collect(),
+        Value::StringVec(v) => json!(v),
+        Value::TokenVec(v) => v.iter().map(|t| t.as_str()).collect(),
+        other => json!(text(other)?),
+    })
+}

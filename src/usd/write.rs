@@ -1,0 +1,222 @@
+//! Products into layers, layers into files.
+
+use super::assets::Place;
+use super::crates::{encode, take_out_unwritable};
+use super::flatten::flattened;
+use super::model::Model;
+use super::product::{Author, beside};
+use super::read::Source;
+use super::save::Target;
+use super::{UsdError, on_large_stack};
+use crate::error::Warnings;
+use crate::garment::Garment;
+use openusd::sdf::{self, AbstractData, LayerOffset, SpecType};
+use openusd::usda::TextWriter;
+use std::path::Path;
+
+pub use super::save::Format;
+
+/// What a product is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// Cloth simulation: triangles, no subdivision, purpose `guide`.
+    Sim,
+    /// Rendering: a subdivision cage, purpose `default`.
+    Render,
+}
+
+impl Role {
+    /// Its name in `customData`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Sim => "sim",
+            Self::Render => "render",
+        }
+    }
+
+    /// Its `purpose`.
+    pub fn purpose(self) -> &'static str {
+        match self {
+            Self::Sim => "guide",
+            Self::Render => "default",
+        }
+    }
+
+    /// The flag that names it.
+    fn name_flag(self) -> &'static str {
+        match self {
+            Self::Sim => "--sim-name",
+            Self::Render => "--render-name",
+        }
+    }
+}
+
+/// A mesh to be written beside the model.
+#[derive(Clone, Copy, Debug)]
+pub struct Product<'a> {
+    /// Name of its prim.
+    pub name: &'a str,
+    /// What it is for.
+    pub role: Role,
+    /// The mesh.
+    pub mesh: &'a Garment,
+}
+
+/// How products are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WriteOptions {
+    /// One self-contained layer instead of one that sublayers the input. A `.usdz` package always is.
+    pub flatten: bool,
+    /// Overwrite a file that is there already.
+    pub force: bool,
+    /// Give the model the purpose `guide`, so that a viewer does not draw it on top of the render mesh.
+    pub model_guide: bool,
+}
+
+impl Default for WriteOptions {
+    fn default() -> Self {
+        Self { flatten: false, force: false, model_guide: true }
+    }
+}
+
+/// Writes `products` beside the model of `source` into the file `out`, whose name decides the format. The file is
+/// complete or is not there; the input and its layers are never written to.
+///
+/// # Errors
+/// A name that is taken, a file that may not or cannot be written.
+pub fn write(
+    source: &Source,
+    products: &[Product],
+    out: &Path,
+    options: &WriteOptions,
+    warnings: &mut Warnings,
+) -> Result<(), UsdError> {
+    let target = Target::find(out, &source.model.layers, options.force)?;
+    on_large_stack(|| {
+        if target.format == Format::Usdz {
+            let data = compose(source, products, true, options.model_guide, Place::Anywhere, warnings)?;
+            return target.save_package(data, warnings);
+        }
+        let place = Place::Folder(&target.folder);
+        let data = compose(source, products, options.flatten, options.model_guide, place, warnings)?;
+        target.save(data, warnings)
+    })
+}
+
+/// The layer that [`write()`] would write, in memory: text (`Usda`) or crate (`Usdc`). It is meant to be read from
+/// `folder`, where there is one; otherwise its asset paths are absolute.
+///
+/// # Errors
+/// As [`write()`]; and `Usdz`, which is a package and no layer.
+pub fn layer_bytes(
+    source: &Source,
+    products: &[Product],
+    format: Format,
+    folder: Option<&Path>,
+    options: &WriteOptions,
+    warnings: &mut Warnings,
+) -> Result<Vec<u8>, UsdError> {
+    let folder = folder.map(|f| f.canonicalize().unwrap_or_else(|_| f.to_path_buf()));
+    on_large_stack(|| {
+        let place = folder.as_deref().map_or(Place::Anywhere, Place::Folder);
+        let mut data = compose(source, products, options.flatten, options.model_guide, place, warnings)?;
+        match format {
+            Format::Usda => TextWriter::write_to_string(&data)
+                .map(String::into_bytes)
+                .map_err(|e| UsdError::new(format!("the layer cannot be written as text: {e}"))),
+            Format::Usdc => {
+                take_out_unwritable(&mut data, warnings);
+                encode(&data)
+            }
+            Format::Usdz => Err(UsdError::new("a .usdz package is not a layer").hint("choose text or crate")),
+        }
+    })
+}
+
+/// The layer with the products.
+fn compose(
+    source: &Source,
+    products: &[Product],
+    flatten: bool,
+    model_guide: bool,
+    place: Place,
+    warnings: &mut Warnings,
+) -> Result<sdf::Data, UsdError> {
+    let model = &source.model;
+    check_names(model, products)?;
+    let fault = |e: openusd::Error| UsdError::new(format!("the layer cannot be composed: {e}"));
+    let mut data = if flatten {
+        let replaced = products.iter().filter_map(|p| beside(&model.path, p.name).ok()).collect::<Vec<_>>();
+        flattened(model, &replaced, place, warnings)?
+    } else {
+        overlay(model, place)?
+    };
+    // A flattened layer holds nothing of an earlier product any more.
+    let mut alone = model.clone();
+    if flatten {
+        alone.siblings.clear();
+    }
+    let mut author = Author { data: &mut data, model: &alone, place };
+    for product in products {
+        author.product(product, warnings).map_err(fault)?;
+    }
+    if model_guide {
+        author.model_purpose(Role::Sim.purpose()).map_err(fault)?;
+    }
+    Ok(data)
+}
+
+fn check_names(model: &Model, products: &[Product]) -> Result<(), UsdError> {
+    for (i, product) in products.iter().enumerate() {
+        let flag = product.role.name_flag();
+        if !sdf::Path::is_valid_identifier(product.name) {
+            return Err(UsdError::new(format!("{flag} {:?} is not a name that a prim can have", product.name))
+                .hint("use letters, digits and _, and no digit first"));
+        }
+        let taken = model.siblings.get(product.name).is_some_and(|s| !s.product)
+            || model.path.name() == Some(product.name)
+            || products[..i].iter().any(|p| p.name == product.name);
+        if taken {
+            let path = beside(&model.path, product.name).map_err(|e| UsdError::new(e.to_string()))?;
+            return Err(
+                UsdError::new(format!("{path} is taken by another prim")).hint(format!("choose a name by {flag}"))
+            );
+        }
+    }
+    Ok(())
+}
+
+/// An empty layer over the input.
+fn overlay(model: &Model, place: Place) -> Result<sdf::Data, UsdError> {
+    let root = sdf::Path::abs_root();
+    let mut data = sdf::Data::new();
+    data.create_spec(root.clone(), SpecType::PseudoRoot);
+    let input = absolute(&model.file)?;
+    let mut holder = sdf::Layer::new_anonymous("overlay");
+    holder
+        .edit(|edit| {
+            edit.pseudo_root_mut()?.insert_sublayer(0, place.path_to(&input), LayerOffset::IDENTITY);
+            Ok(())
+        })
+        .map_err(|e| UsdError::new(e.to_string()))?;
+    for key in holder.data().list_fields(&root).unwrap_or_default() {
+        let value = holder.data().get_field(&root, &key).map_err(|e| UsdError::new(e.to_string()))?;
+        AbstractData::set_field(&mut data, &root, &key, value.into_owned());
+    }
+    for (key, value) in &model.stage_metadata {
+        AbstractData::set_field(&mut data, &root, key, place.anchor(value.clone()));
+    }
+    Ok(data)
+}
+
+/// The input's own path without links in its folders; the file's name stays, though it may be a link.
+fn absolute(file: &Path) -> Result<String, UsdError> {
+    let fault = || UsdError::new(format!("cannot find the folder of {}", file.display()));
+    let folder = match file.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    let folder = folder.canonicalize().map_err(|_| fault())?;
+    let path = folder.join(file.file_name().ok_or_else(fault)?);
+    path.to_str().map(str::to_owned).ok_or_else(fault)
+}
