@@ -4,10 +4,10 @@ use super::chains::{self, Chain, StartSpan};
 use super::manifold::Manifold;
 use super::options::SimOptions;
 use crate::garment::{Garment, Interpolation, Primvar, Values};
-use crate::mesh::{ChainId, CornerId, FaceId, Faces, IdVec, Topology, VertexId};
+use crate::mesh::{ChainId, CornerId, EdgeId, FaceId, Faces, IdVec, Topology, VertexId};
 use crate::subdivide::{Level, Numbering, Real, Refiner, Stencils};
 use glam::{Vec2, Vec3};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A point of the baseline.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,6 +34,8 @@ pub struct Baseline {
     pub has_uvs: bool,
     /// The face of the finest level behind each triangle.
     pub level_face: IdVec<FaceId, FaceId>,
+    /// The corner of the finest level behind each corner of a triangle.
+    pub level_corner: IdVec<CornerId, CornerId>,
     /// The garment's face behind each triangle.
     pub source_face: IdVec<FaceId, FaceId>,
     /// +1 or -1: the sense in which the triangle's shell lies in UV space.
@@ -42,6 +44,8 @@ pub struct Baseline {
     pub barrier: IdVec<CornerId, bool>,
     /// Target edge length at each vertex. \[stage units\]
     pub target: IdVec<VertexId, f32>,
+    /// The edges of the cage that are constraints.
+    pub constrained: BTreeSet<EdgeId>,
     /// The constraint chains.
     pub chains: IdVec<ChainId, Chain>,
     /// The triangles that remeshing starts from, by corners of the baseline.
@@ -116,6 +120,8 @@ impl Baseline {
         let mut baseline = Self {
             source_face: quads.faces.iter().map(|&f| faces[f]).collect(),
             level_face: quads.faces,
+            level_corner: quads.corners,
+            constrained: marked.into_keys().collect(),
             shell_sign: IdVec::filled(1.0, topology.faces.len()),
             target: IdVec::filled(lengths.max, points.len()),
             has_uvs: uv_set.is_some(),
@@ -134,6 +140,33 @@ impl Baseline {
         baseline
     }
 
+    /// The levels that are refined on the way to the triangles, from the cage on.
+    pub fn parents(&self) -> impl Iterator<Item = &Refiner> {
+        std::iter::once(&self.manifold.refiner).chain(&self.levels).take(self.levels.len())
+    }
+
+    /// Triangles that the target lengths ask for, all of them equilateral.
+    pub fn expected_faces(&self) -> usize {
+        let faces = &self.topology.faces;
+        let wanted = faces.ids().map(|face| {
+            let target = faces.vertices_of(face).iter().map(|&v| f64::from(self.target[v])).sum::<f64>() / 3.0;
+            let area = 0.5 * f64::from(self.normal(face).length());
+            area / (0.25 * 3f64.sqrt() * target * target)
+        });
+        wanted.sum::<f64>().ceil() as usize
+    }
+
+    /// The garment's corner whose part of its face a triangle lies in.
+    pub fn source_corner(&self, face: FaceId) -> CornerId {
+        let mut level_face = self.level_face[face];
+        let mut corner = self.level_corner[CornerId::new(face.index() * 3)];
+        for parent in self.parents().collect::<Vec<_>>().into_iter().rev() {
+            corner = parent.corner_of_child(level_face);
+            level_face = parent.level.topology.faces.face_of(corner);
+        }
+        self.manifold.corner_source[corner]
+    }
+
     /// Values of the garment's vertices at those of the baseline, rows of `width` numbers.
     pub fn refine_vertex_rows<T: Real>(
         &self,
@@ -142,8 +175,7 @@ impl Baseline {
         linear: bool,
     ) -> Vec<T> {
         let mut rows: Vec<T> = self.manifold.vertex_source.iter().flat_map(|&v| values(v)).collect();
-        let levels = std::iter::once(&self.manifold.refiner).chain(&self.levels);
-        for parent in levels.take(self.levels.len()) {
+        for parent in self.parents() {
             let stencils = if linear { parent.level.varying_stencils() } else { parent.level.vertex_stencils() };
             rows = stencils.apply_rows(&rows, width);
         }

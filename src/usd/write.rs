@@ -103,6 +103,14 @@ pub fn write(
     })
 }
 
+/// Whether [`write()`] may write to `out`, before the work that leads there.
+///
+/// # Errors
+/// A format that is unknown, an output that is there already or is part of the input, a folder that is missing.
+pub fn check_target(source: &Source, out: &Path, force: bool) -> Result<(), UsdError> {
+    Target::find(out, &source.model.layers, force).map(drop)
+}
+
 /// The layer that [`write()`] would write, in memory: text (`Usda`) or crate (`Usdc`). It is meant to be read from
 /// `folder`, where there is one; otherwise its asset paths are absolute.
 ///
