@@ -95,7 +95,7 @@ pub fn write(
     on_large_stack(|| {
         if target.format == Format::Usdz {
             let data = compose(source, products, true, options.model_guide, Place::Anywhere, warnings)?;
-            return target.save_package(data, warnings);
+            return target.save_package(&data, warnings);
         }
         let place = Place::Folder(&target.folder);
         let data = compose(source, products, options.flatten, options.model_guide, place, warnings)?;
