@@ -95,6 +95,29 @@ impl Baseline {
         best
     }
 
+    /// The location of a UV point in the shell of triangle `start`, by a straight walk there; none where a barrier or a
+    /// fold of the layout is in the way.
+    pub fn locate_uv(&self, start: FaceId, uv: Vec2) -> Option<Location> {
+        let mut face = start;
+        for _ in 0..MAX_STEPS {
+            let corners = self.corners(face);
+            let [a, b, c] = corners.map(|c| self.uvs[c]);
+            let area = (b - a).perp_dot(c - a);
+            let weights =
+                Vec3::new((b - uv).perp_dot(c - uv), (c - uv).perp_dot(a - uv), (a - uv).perp_dot(b - uv)) / area;
+            if !weights.is_finite() {
+                return None;
+            }
+            let outward = weights.min_position();
+            if weights[outward] >= 0.0 {
+                return Some(Location { face, weights });
+            }
+            let half = corners[(outward + 1) % 3];
+            face = self.topology.faces.face_of(self.topology.twin(half).filter(|_| !self.barrier[half])?);
+        }
+        None
+    }
+
     /// The triangles that share the edge or vertex on which a location lies, as far as no barrier is between.
     fn for_each_neighbour(&self, at: Location, mut visit: impl FnMut(FaceId)) {
         let corners = self.corners(at.face);

@@ -3,10 +3,9 @@
 use super::Sites;
 use crate::error::{Warning, Warnings};
 use crate::garment::{Garment, Mixing, Primvar, Values};
-use crate::mesh::{CornerId, IdVec, VertexId};
+use crate::mesh::{CornerId, IdVec};
 use crate::sim::SimProduct;
 use crate::subdivide::{Real, Refiner, Stencils, mix, taken};
-use std::collections::HashMap;
 
 /// A face-varying primvar on the simulation mesh; none, with a warning, where its cuts are no edges of the mesh.
 pub(super) fn carry(
@@ -19,7 +18,7 @@ pub(super) fn carry(
 ) -> Option<Primvar> {
     if uv_set.is_some_and(|uv| uv.name == primvar.name) {
         let flat = product.places.iter().flat_map(|p| p.uv.to_array()).collect();
-        return Some(indexed(primvar, Values::F32(flat), product));
+        return Some(indexed(primvar, &Values::F32(flat), sites, true));
     }
     if primvar.mixing == Mixing::Discrete {
         let corners = product.places.iter().enumerate().map(|(i, _)| {
@@ -45,7 +44,7 @@ pub(super) fn carry(
         Values::F64(v) => Values::F64(fine.evaluate(v, primvar, product)),
         _ => return None,
     };
-    Some(indexed(primvar, values, product))
+    Some(indexed(primvar, &values, sites, false))
 }
 
 /// A face-varying channel refined to the baseline.
@@ -94,23 +93,36 @@ impl Fine {
     }
 }
 
-/// A primvar from flat corner values, indexed so that corners of one vertex with one value share it.
-fn indexed(primvar: &Primvar, values: Values, product: &SimProduct) -> Primvar {
+/// A primvar from flat corner values, indexed so that corners share a value where neither a difference nor, for the
+/// constraint UVs, a seam is between them.
+fn indexed(primvar: &Primvar, values: &Values, sites: &Sites, keep_seams: bool) -> Primvar {
+    let t = &sites.topology;
     let width = primvar.width();
-    let vertices: IdVec<CornerId, VertexId> = product.triangles.iter().flatten().copied().collect();
-    let mut first: HashMap<VertexId, Vec<(usize, u32)>> = HashMap::with_capacity(product.points.len());
+    let same = |a: CornerId, b: CornerId| values.same_rows(width, a.index(), b.index());
+    let mut row: IdVec<CornerId, Option<u32>> = IdVec::filled(None, t.faces.corners().len());
     let mut rows = Vec::new();
-    let indices = vertices.enumerated().map(|(corner, &vertex)| {
-        let known = first.entry(vertex).or_default();
-        match known.iter().find(|(c, _)| values.same_rows(width, *c, corner.index())) {
-            Some(&(_, row)) => row,
-            None => {
-                rows.push(corner.index());
-                known.push((corner.index(), rows.len() as u32 - 1));
-                rows.len() as u32 - 1
+    for seed in t.faces.corners().ids() {
+        if row[seed].is_some() {
+            continue;
+        }
+        let own = rows.len() as u32;
+        rows.push(seed.index());
+        row[seed] = Some(own);
+        let mut reached = vec![seed];
+        while let Some(corner) = reached.pop() {
+            // The neighbours around the vertex: across the edge that leaves and across the one that arrives.
+            let before = t.twin(corner).map(|twin| (t.corner_edge[corner], t.faces.next(twin)));
+            let arriving = t.faces.prev(corner);
+            let after = t.twin(arriving).map(|twin| (t.corner_edge[arriving], twin));
+            for (edge, other) in before.into_iter().chain(after) {
+                let is_cut = keep_seams && sites.is_seam[edge];
+                if !is_cut && row[other].is_none() && same(corner, other) {
+                    row[other] = Some(own);
+                    reached.push(other);
+                }
             }
         }
-    });
-    let indices: Vec<u32> = indices.collect();
+    }
+    let indices = row.iter().map(|r| r.unwrap_or(0)).collect();
     Primvar { values: values.gather(width, rows.into_iter()), indices: Some(indices), ..primvar.clone() }
 }

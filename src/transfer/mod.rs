@@ -6,7 +6,7 @@ mod vertex;
 
 use crate::error::{Warning, Warnings};
 use crate::garment::{Garment, Interpolation, Primvar, Scheme, SubdivisionRules, joints};
-use crate::mesh::{CornerId, FaceId, Faces, IdVec, VertexId};
+use crate::mesh::{CornerId, EdgeId, FaceId, Faces, IdVec, Topology, VertexId};
 use crate::sim::{Location, SimOptions, SimProduct};
 use crate::subdivide::taken;
 
@@ -42,11 +42,10 @@ pub fn transfer(
             why: "the simulation mesh has no subdivision; the model and the render mesh keep it".into(),
         });
     }
-    let corners: Vec<VertexId> = product.triangles.iter().flatten().copied().collect();
     Garment {
         prim: garment.prim.clone(),
         points: product.points.clone(),
-        faces: Faces::triangles(corners),
+        faces: sites.topology.faces,
         orientation: garment.orientation,
         rules: SubdivisionRules { scheme: Scheme::None, ..SubdivisionRules::default() },
         holes: Vec::new(),
@@ -66,6 +65,10 @@ pub(crate) struct Sites {
     pub faces: IdVec<FaceId, FaceId>,
     /// The garment's face there.
     pub source_faces: IdVec<FaceId, FaceId>,
+    /// The edges of the simulation mesh.
+    pub topology: Topology,
+    /// Which of them are seams of the constraint UVs.
+    pub is_seam: IdVec<EdgeId, bool>,
 }
 
 impl Sites {
@@ -89,6 +92,14 @@ impl Sites {
         let source_faces = faces.iter().map(|&f| product.baseline.source_face[f]).collect();
         let vertices =
             vertices.iter().map(|l| l.unwrap_or(Location { face: FaceId::new(0), weights: glam::Vec3::X })).collect();
-        Self { vertices, faces, source_faces }
+        let corners: Vec<VertexId> = product.triangles.iter().flatten().copied().collect();
+        let topology = Topology::new(Faces::triangles(corners), product.points.len());
+        let mut is_seam = IdVec::filled(false, topology.edges.len());
+        for (id, _) in product.baseline.chains.enumerated().filter(|(_, c)| c.marks.seam) {
+            for edge in product.chain_edges[id].iter().filter_map(|&[a, b]| topology.find_edge(a, b)) {
+                is_seam[edge] = true;
+            }
+        }
+        Self { vertices, faces, source_faces, topology, is_seam }
     }
 }
