@@ -7,6 +7,7 @@ use super::chains::Chain;
 use crate::mesh::edit::{EditMesh, next, prev};
 use crate::mesh::{ChainId, CornerId, FaceId, IdVec, VertexId};
 use glam::{Vec2, Vec3};
+use std::collections::BTreeSet;
 
 /// What a vertex may do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -98,15 +99,19 @@ impl<'a> SimMesh<'a> {
     fn set_constraints(&mut self) {
         for corner in self.topology.corners() {
             let (a, b) = (self.topology.vertex(corner), self.topology.target(corner));
-            let Some(start) = self.baseline.start_spans.get(&[a.min(b), a.max(b)]) else { continue };
+            let [x, y] = [a, b].map(|v| self.baseline.level_vertex[v]);
+            let Some(start) = self.baseline.start_spans.get(&[x.min(y), x.max(y)]) else { continue };
             let span = Span { chain: start.chain, from: start.from, to: start.to };
-            self.span[corner] = Some(if start.first == a { span } else { span.reversed() });
+            self.span[corner] = Some(if start.first == x { span } else { span.reversed() });
             self.grade[a] = Grade::OnCurve(start.chain);
             self.grade[b] = Grade::OnCurve(start.chain);
         }
-        for chain in self.baseline.chains.iter().filter(|c| !c.is_loop) {
-            for end in chain.vertices.first().into_iter().chain(chain.vertices.last()) {
-                self.grade[*end] = Grade::Frozen;
+        let paths = self.baseline.chains.iter().filter(|c| !c.is_loop);
+        let ends: BTreeSet<VertexId> =
+            paths.flat_map(|c| c.vertices.first().into_iter().chain(c.vertices.last())).copied().collect();
+        for (vertex, level_vertex) in self.baseline.level_vertex.enumerated() {
+            if ends.contains(level_vertex) {
+                self.grade[vertex] = Grade::Frozen;
             }
         }
     }

@@ -9,8 +9,43 @@ use crate::garment::{
 use crate::mesh::{CornerId, Csr, FaceId, VertexId};
 use rayon::prelude::*;
 
-/// Refines `garment` once, with every attribute. Skinning primvars come out merged by joint and pruned again.
-pub fn refine_garment(garment: &Garment) -> Garment {
+/// A garment on its way through derivations. Its joint influences are kept whole until the end, so that they are pruned
+/// to `elementSize` only once.
+pub struct Cage {
+    garment: Garment,
+    influences: Option<Vec<Influences>>,
+}
+
+impl Cage {
+    /// The cage of a garment.
+    pub fn new(garment: Garment) -> Self {
+        let influences = joints::pair(&garment).map(|(indices, weights)| joints::influences(indices, weights));
+        Self { garment, influences }
+    }
+
+    /// The cage refined once, with every attribute.
+    pub fn refined(&self) -> Self {
+        let (garment, influences) = refine(&self.garment, self.influences.as_deref());
+        Self { garment, influences }
+    }
+
+    /// The garment, with its influences pruned.
+    pub fn into_garment(self) -> Garment {
+        let Self { mut garment, influences } = self;
+        let carried = match (joints::pair(&garment), &influences) {
+            (Some((indices, weights)), Some(influences)) => joints::to_primvars(influences, indices, weights),
+            _ => return garment,
+        };
+        for primvar in carried {
+            if let Some(slot) = garment.primvars.iter_mut().find(|p| p.name == primvar.name) {
+                *slot = primvar;
+            }
+        }
+        garment
+    }
+}
+
+fn refine(garment: &Garment, influences: Option<&[Influences]>) -> (Garment, Option<Vec<Influences>>) {
     let mut refiner = Refiner::new(garment);
     let mut channels = Vec::new();
     for (i, primvar) in garment.primvars.iter().enumerate().filter(|(_, p)| is_channel(p)) {
@@ -21,15 +56,15 @@ pub fn refine_garment(garment: &Garment) -> Garment {
     let derivation = refiner.derive();
     let carry = Carry::new(garment, &derivation);
     let points: Vec<[f32; 3]> = garment.points.iter().map(|p| p.to_array()).collect();
-    let mut primvars: Vec<Primvar> = Vec::with_capacity(garment.primvars.len());
-    for (i, primvar) in garment.primvars.iter().enumerate() {
-        primvars.push(match channels.iter().position(|(at, _)| *at == i) {
+    let carried =
+        garment.primvars.iter().enumerate().map(|(i, primvar)| match channels.iter().position(|(at, _)| *at == i) {
             Some(channel) => carry.channel(primvar, channel, &channels[channel].1),
+            None if joints::is_influence(garment, primvar) => primvar.clone(),
             None => carry.primvar(primvar),
         });
-    }
-    carry.skinning(&mut primvars);
-    Garment {
+    let primvars = carried.collect();
+    let influences = influences.map(|all| carry.influences(all));
+    let refined = Garment {
         prim: garment.prim.clone(),
         points: derivation.vertex().apply(&points).into_iter().map(Into::into).collect(),
         orientation: garment.orientation,
@@ -41,12 +76,13 @@ pub fn refine_garment(garment: &Garment) -> Garment {
         families: garment.families.iter().map(|f| refined_family(garment, f)).collect(),
         primvars,
         faces: derivation.faces,
-    }
+    };
+    (refined, influences)
 }
 
 /// Whether a primvar is refined as a face-varying channel.
 fn is_channel(primvar: &Primvar) -> bool {
-    primvar.interpolation == Interpolation::FaceVarying && primvar.mixing != Mixing::Discrete
+    primvar.interpolation == Interpolation::FaceVarying && primvar.is_mixed()
 }
 
 fn refined_corner(corner: &Corner) -> Option<Corner> {
@@ -146,7 +182,7 @@ impl<'a> Carry<'a> {
     }
 
     fn by_vertex<S: Stencils<Source = VertexId>>(&self, primvar: &Primvar, stencils: &S) -> Primvar {
-        if primvar.mixing == Mixing::Discrete {
+        if !primvar.is_mixed() {
             let sources = (0..stencils.rows()).into_par_iter();
             let sources: Vec<usize> = sources.map(|r| stencils.heaviest(r).map_or(0, |v| v.index())).collect();
             return taken(primvar, sources.into_iter());
@@ -172,19 +208,11 @@ impl<'a> Carry<'a> {
         })
     }
 
-    /// Replaces the influences, which were carried slot by slot, by ones merged by joint.
-    fn skinning(&self, primvars: &mut [Primvar]) {
-        let Some((indices, weights)) = joints::pair(self.garment) else { return };
-        let source = joints::influences(indices, weights);
+    /// The influences of the child's vertices, merged by joint.
+    fn influences(&self, all: &[Influences]) -> Vec<Influences> {
         let stencils = self.derivation.vertex();
         let rows = (0..stencils.rows()).into_par_iter();
-        let blended: Vec<Influences> =
-            rows.map(|r| joints::blend(stencils.merged(r).iter().map(|&(v, w)| (&source[v.index()], w)))).collect();
-        for carried in joints::to_primvars(&blended, indices, weights) {
-            if let Some(slot) = primvars.iter_mut().find(|p| p.name == carried.name) {
-                *slot = carried;
-            }
-        }
+        rows.map(|r| joints::blend(stencils.merged(r).iter().map(|&(v, w)| (&all[v.index()], w)))).collect()
     }
 }
 
@@ -201,11 +229,8 @@ fn mixed<S: Stencils>(stencils: &S, source: &Values, primvar: &Primvar) -> Value
     match source {
         Values::F32(v) => Values::F32(mix_rows(stencils, v, primvar)),
         Values::F64(v) => Values::F64(mix_rows(stencils, v, primvar)),
-        discrete => {
-            let rows: Vec<usize> =
-                (0..stencils.rows()).map(|r| stencils.heaviest(r).map_or(0, crate::mesh::Id::index)).collect();
-            discrete.gather(primvar.width(), rows.into_iter())
-        }
+        // Only real values are mixed.
+        discrete => discrete.clone(),
     }
 }
 

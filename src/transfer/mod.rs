@@ -28,7 +28,7 @@ pub fn transfer(
             Interpolation::Uniform => Some(taken(primvar, sites.source_faces.iter().map(|f| f.index()))),
             Interpolation::Vertex | Interpolation::Varying if joints::is_influence(garment, primvar) => None,
             Interpolation::Vertex | Interpolation::Varying => Some(vertex::carry(primvar, product, &sites)),
-            Interpolation::FaceVarying => corner::carry(garment, primvar, product, &sites, uv_set, warnings),
+            Interpolation::FaceVarying => Some(corner::carry(garment, primvar, product, &sites, uv_set)),
         };
         primvars.extend(carried);
     }
