@@ -5,7 +5,7 @@ use super::manifold::Manifold;
 use super::options::SimOptions;
 use crate::garment::{Garment, Interpolation, Primvar, Values};
 use crate::mesh::{ChainId, CornerId, EdgeId, FaceId, Faces, IdVec, Topology, VertexId};
-use crate::subdivide::{Level, Numbering, Real, Refiner, Stencils};
+use crate::subdivide::{Level, Numbering, Real, Refiner, Stencils, mix_rows};
 use glam::{Vec2, Vec3};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -173,17 +173,17 @@ impl Baseline {
         self.manifold.corner_source[corner]
     }
 
-    /// Values of the garment's vertices at those of the finest level, rows of `width` numbers.
-    pub fn refine_vertex_rows<T: Real>(
-        &self,
-        values: impl Fn(VertexId) -> Vec<T>,
-        width: usize,
-        linear: bool,
-    ) -> Vec<T> {
-        let mut rows: Vec<T> = self.manifold.vertex_source.iter().flat_map(|&v| values(v)).collect();
+    /// The rows of a vertex or varying primvar at the vertices of the finest level. `values` are the primvar's.
+    pub fn refine_rows<T: Real>(&self, primvar: &Primvar, values: &[T]) -> Vec<T> {
+        let width = primvar.width();
+        let row = |v: &VertexId| values[primvar.row(v.index()) * width..][..width].iter().copied();
+        let mut rows: Vec<T> = self.manifold.vertex_source.iter().flat_map(row).collect();
         for parent in self.parents() {
-            let stencils = if linear { parent.level.varying_stencils() } else { parent.level.vertex_stencils() };
-            rows = stencils.apply_rows(&rows, width);
+            let stencils = match primvar.interpolation {
+                Interpolation::Varying => parent.level.varying_stencils(),
+                _ => parent.level.vertex_stencils(),
+            };
+            rows = mix_rows(&stencils, &rows, primvar);
         }
         rows
     }
@@ -192,8 +192,7 @@ impl Baseline {
         let Some(density) = lengths.density else { return };
         let Values::F32(values) = &density.values else { return };
         debug_assert_eq!(density.elements(), garment.points.len());
-        let linear = density.interpolation == Interpolation::Varying;
-        let weights = self.refine_vertex_rows(|v| vec![values[density.row(v.index())]], 1, linear);
+        let weights = self.refine_rows(density, values);
         self.target = weights.iter().map(|w| lengths.max + (lengths.min - lengths.max) * w.clamp(0.0, 1.0)).collect();
     }
 

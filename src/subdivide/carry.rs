@@ -29,9 +29,10 @@ impl Cage {
         Self { garment, influences }
     }
 
-    /// The garment, with its influences pruned.
+    /// The garment, with its influences pruned and its directions of unit length.
     pub fn into_garment(self) -> Garment {
         let Self { mut garment, influences } = self;
+        garment.primvars.iter_mut().for_each(to_unit_length);
         let carried = match (joints::pair(&garment), &influences) {
             (Some((indices, weights)), Some(influences)) => joints::to_primvars(influences, indices, weights),
             _ => return garment,
@@ -234,9 +235,10 @@ fn mixed<S: Stencils>(stencils: &S, source: &Values, primvar: &Primvar) -> Value
     }
 }
 
-fn mix_rows<S: Stencils, T: super::Real>(stencils: &S, source: &[T], primvar: &Primvar) -> Vec<T> {
+/// Child rows of a primvar from parent rows, by its way of mixing.
+pub fn mix_rows<S: Stencils, T: super::Real>(stencils: &S, source: &[T], primvar: &Primvar) -> Vec<T> {
     let width = primvar.width();
-    if primvar.mixing == Mixing::Linear {
+    if primvar.mixing != Mixing::Rotation {
         return stencils.apply_rows(source, width);
     }
     let rows = (0..stencils.rows()).into_par_iter();
@@ -247,7 +249,7 @@ fn mix_rows<S: Stencils, T: super::Real>(stencils: &S, source: &[T], primvar: &P
     .collect()
 }
 
-/// The mean of rows of a primvar with their weights, by its way of mixing.
+/// The mean of rows of a primvar with their weights, by its way of mixing; directions are not yet of unit length.
 pub fn mix<'a, T: super::Real + 'a>(rows: impl Iterator<Item = (&'a [T], f32)> + Clone, primvar: &Primvar) -> Vec<T> {
     let width = primvar.width();
     let mut sum = vec![0.0f64; width];
@@ -266,13 +268,26 @@ pub fn mix<'a, T: super::Real + 'a>(rows: impl Iterator<Item = (&'a [T], f32)> +
             part.iter().enumerate().for_each(|(i, x)| sum[at + i] += weight * x.to_f64());
         }
     }
-    if matches!(primvar.mixing, Mixing::Direction | Mixing::Rotation) {
-        for part in sum.chunks_mut(primvar.components) {
-            let length = part.iter().map(|x| x * x).sum::<f64>().sqrt();
+    sum.into_iter().map(T::from_f64).collect()
+}
+
+/// Scales the values of a primvar of directions or rotations to unit length, once all mixing is done.
+pub fn to_unit_length(primvar: &mut Primvar) {
+    fn scale<T: super::Real>(values: &mut [T], components: usize) {
+        for value in values.chunks_mut(components) {
+            let length = value.iter().map(|x| x.to_f64() * x.to_f64()).sum::<f64>().sqrt();
             if length > 0.0 {
-                part.iter_mut().for_each(|x| *x /= length);
+                value.iter_mut().for_each(|x| *x = T::from_f64(x.to_f64() / length));
             }
         }
     }
-    sum.into_iter().map(T::from_f64).collect()
+    let varies = !matches!(primvar.interpolation, Interpolation::Constant | Interpolation::Uniform);
+    if !varies || !matches!(primvar.mixing, Mixing::Direction | Mixing::Rotation) {
+        return;
+    }
+    match &mut primvar.values {
+        Values::F32(v) => scale(v, primvar.components),
+        Values::F64(v) => scale(v, primvar.components),
+        _ => {}
+    }
 }

@@ -4,7 +4,7 @@ use super::Sites;
 use crate::garment::{Garment, Primvar, Values};
 use crate::mesh::{CornerId, FaceId, IdVec};
 use crate::sim::{Location, SimProduct};
-use crate::subdivide::{Channel, Real, Refiner, Stencils, mix, taken};
+use crate::subdivide::{Channel, Real, Refiner, mix, mix_rows, taken};
 use rayon::prelude::*;
 
 /// A face-varying primvar on the simulation mesh.
@@ -92,7 +92,7 @@ impl Fine {
         let mut values: Vec<T> =
             self.rows.iter().flat_map(|&r| source[r as usize * width..][..width].iter().copied()).collect();
         for parent in &self.levels[..self.levels.len() - 1] {
-            values = parent.derive().channels[0].apply_rows(&values, width);
+            values = mix_rows(&parent.derive().channels[0], &values, primvar);
         }
         let finest = self.finest();
         let at = |place: &Location| {

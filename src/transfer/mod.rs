@@ -8,7 +8,7 @@ use crate::error::{Warning, Warnings};
 use crate::garment::{Garment, Interpolation, Primvar, Scheme, SubdivisionRules, joints};
 use crate::mesh::{CornerId, EdgeId, FaceId, Faces, IdVec, Topology, VertexId};
 use crate::sim::{Location, SimOptions, SimProduct};
-use crate::subdivide::taken;
+use crate::subdivide::{taken, to_unit_length};
 
 /// The simulation mesh with the garment's attributes.
 ///
@@ -33,6 +33,7 @@ pub fn transfer(
         primvars.extend(carried);
     }
     primvars.extend(vertex::carry_influences(garment, product, &sites));
+    primvars.iter_mut().for_each(to_unit_length);
     // In the garment's order, so that outputs compare.
     primvars.sort_by_key(|p| garment.primvars.iter().position(|q| q.name == p.name));
     let (subsets, families) = subset::carry(garment, product, &sites, options, warnings);

@@ -10,12 +10,11 @@ use rayon::prelude::*;
 
 /// A vertex or varying primvar on the simulation mesh.
 pub(super) fn carry(primvar: &Primvar, product: &SimProduct, sites: &Sites) -> Primvar {
-    let linear = primvar.interpolation == Interpolation::Varying;
     let values = match &primvar.values {
-        Values::F32(v) if primvar.is_mixed() => Values::F32(interpolated(primvar, v, product, sites, linear)),
-        Values::F64(v) if primvar.is_mixed() => Values::F64(interpolated(primvar, v, product, sites, linear)),
+        Values::F32(v) if primvar.is_mixed() => Values::F32(interpolated(primvar, v, product, sites)),
+        Values::F64(v) if primvar.is_mixed() => Values::F64(interpolated(primvar, v, product, sites)),
         _ => {
-            let nearest = nearest_sources(product, linear);
+            let nearest = nearest_sources(product, primvar.interpolation == Interpolation::Varying);
             let sources = sites.vertices.iter().map(|&at| nearest[heaviest(product, at).index()].index());
             return taken(primvar, sources.collect::<Vec<_>>().into_iter());
         }
@@ -23,10 +22,9 @@ pub(super) fn carry(primvar: &Primvar, product: &SimProduct, sites: &Sites) -> P
     Primvar { values, indices: None, ..primvar.clone() }
 }
 
-fn interpolated<T: Real>(primvar: &Primvar, source: &[T], product: &SimProduct, sites: &Sites, linear: bool) -> Vec<T> {
+fn interpolated<T: Real>(primvar: &Primvar, source: &[T], product: &SimProduct, sites: &Sites) -> Vec<T> {
     let width = primvar.width();
-    let row = |v: VertexId| source[primvar.row(v.index()) * width..][..width].to_vec();
-    let fine = product.baseline.refine_vertex_rows(row, width, linear);
+    let fine = product.baseline.refine_rows(primvar, source);
     let at = |at: &Location| mix(parts(product, *at).map(|(v, w)| (&fine[v.index() * width..][..width], w)), primvar);
     sites.vertices.par_iter().flat_map_iter(at).collect()
 }
