@@ -297,7 +297,7 @@ impl Channel {
     }
 
     /// The mask of the child of a value, which the next level tags as `child`.
-    #[inline]
+    #[inline(always)]
     fn value_mask(&self, level: &Level, value: ValueId, child: Tag, sink: &mut impl FnMut(CornerId, f32)) {
         let own = self.value_corner[value];
         if self.is_linear(level) {
@@ -310,6 +310,7 @@ impl Channel {
         }
     }
 
+    #[inline(always)]
     fn crease_mask(&self, level: &Level, value: ValueId, own: CornerId, sink: &mut impl FnMut(CornerId, f32)) {
         let keep = self.fading_weight(level, value);
         sink(own, keep + 0.75 * (1.0 - keep));
@@ -393,7 +394,7 @@ impl Stencils for ChannelChild<'_> {
         self.child.len()
     }
 
-    #[inline]
+    #[inline(always)]
     fn row(&self, row: usize, sink: &mut impl FnMut(ValueId, f32)) {
         let (parent, level) = (self.parent, self.level);
         let mut sink = |corner: CornerId, weight: f32| sink(parent.corner_value[corner], weight);
