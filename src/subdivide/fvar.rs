@@ -4,7 +4,7 @@
 //! masks; elsewhere the border of the region decides. The rules, mode by mode, are OpenSubdiv's (`vtr/fvarLevel.cpp`,
 //! `vtr/fvarRefinement.cpp`, `far/primvarRefiner.h`).
 
-use super::level::{self, INFINITE_SHARPNESS, Level, Spoke};
+use super::level::{self, INFINITE_SHARPNESS, Level};
 use super::masks;
 use super::split::{Numbering, child_corner, child_corners};
 use super::stencil::Stencils;
@@ -112,6 +112,7 @@ impl Channel {
     }
 
     /// The values at the two ends of a half-edge, in the edge's own direction.
+    #[inline]
     fn ends(&self, t: &Topology, half: CornerId, edge: EdgeId) -> [ValueId; 2] {
         let ends = [self.corner_value[half], self.corner_value[t.faces.next(half)]];
         if t.faces.vertex(half) == t.edges[edge][0] { ends } else { [ends[1], ends[0]] }
@@ -131,27 +132,25 @@ impl Channel {
         let t = &level.topology;
         let sharpen_smooth_corners =
             boundary != BoundaryInterpolation::EdgeAndCorner && self.mode != FaceVaryingInterpolation::None;
-        let mut spokes = Vec::new();
         for vertex in (0..t.vertex_count()).map(VertexId::new) {
             let corners = t.vertex_corners.row(vertex);
             let Some(&first) = corners.first() else { continue };
-            level.spokes(vertex, &mut spokes);
-            let on_border = spokes.iter().any(|s| t.is_border(s.edge));
+            let on_border = level::edges_at(t, vertex).any(|e| t.is_border(e));
             let several = corners.iter().any(|&c| self.corner_value[c] != self.corner_value[first]);
             if several
-                || spokes.iter().any(|s| self.edges[s.edge].cut)
+                || level::edges_at(t, vertex).any(|e| self.edges[e].cut)
                 || on_border && self.linear_boundaries()
                 || on_border && corners.len() == 1 && sharpen_smooth_corners
             {
-                self.tag_mismatch(level, vertex, &spokes, on_border);
+                self.tag_mismatch(level, vertex, on_border);
             }
         }
     }
 
     /// Tags the values of a vertex that does not follow the vertex masks.
-    fn tag_mismatch(&mut self, level: &Level, vertex: VertexId, spokes: &[Spoke], on_border: bool) {
+    fn tag_mismatch(&mut self, level: &Level, vertex: VertexId, on_border: bool) {
         let t = &level.topology;
-        let non_manifold = level::is_non_manifold_vertex(t, vertex, spokes);
+        let non_manifold = level::is_non_manifold_vertex(t, vertex);
         let spans = self.spans(level, vertex, on_border, non_manifold);
         let plus2 = self.mode == FaceVaryingInterpolation::CornersPlus2;
         let corners_sharp = self.mode != FaceVaryingInterpolation::None;
