@@ -143,7 +143,7 @@ impl Stencils for VertexStencils<'_> {
         self.own + self.faces + self.level.topology.edges.len()
     }
 
-    #[inline]
+    #[inline(always)]
     fn row(&self, row: usize, sink: &mut impl FnMut(VertexId, f32)) {
         let faces = &self.level.topology.faces;
         let mut by_corner = |corner: CornerId, weight: f32| sink(faces.vertex(corner), weight);
