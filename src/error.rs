@@ -111,6 +111,13 @@ pub enum Warning {
         /// Why, and where it still can be found.
         why: String,
     },
+    /// The cage has no subdivision surface.
+    PolygonalCage,
+    /// The simulation mesh was stopped before its edges were as short as asked.
+    FaceLimit {
+        /// Triangles that it has.
+        faces: usize,
+    },
     /// A reference, payload or other arc that could not be followed; the rest of the stage is as it should be.
     Composition {
         /// What failed, in the words of composition.
@@ -148,6 +155,12 @@ impl fmt::Display for Warning {
                 let some = some(*count, "faces", examples, |[first, face]| format!("{face} on {first}"));
                 write!(f, "faces on the same points as another: {count} ({some}); ")?;
                 write!(f, "delete one of each two unless two layers are meant")
+            }
+            Self::PolygonalCage => {
+                write!(f, "subdivisionScheme is none: the faces are taken as they are, flat, and split in quads")
+            }
+            Self::FaceLimit { faces } => {
+                write!(f, "the simulation mesh was stopped at {faces} triangles, before its edges were short enough")
             }
             Self::NotCarried { what, why } => write!(f, "{what} is not carried: {why}"),
             Self::Composition { fault } => write!(f, "the stage does not compose fully: {fault}"),

@@ -12,6 +12,12 @@
 pub mod error;
 pub mod garment;
 pub mod mesh;
+pub mod pipeline;
+pub mod recipe;
+pub mod render;
+pub mod report;
 pub mod sim;
+pub mod spatial;
 pub mod subdivide;
+pub mod transfer;
 pub mod usd;

@@ -5,6 +5,7 @@
 
 mod check;
 mod input;
+pub mod joints;
 mod primvar;
 mod subset;
 

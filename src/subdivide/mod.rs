@@ -4,12 +4,14 @@
 //! of value, the parent of each element), and values of any kind are carried by that. Conventions and weights are
 //! OpenSubdiv's; values agree with it to 1e-6 of the bounding box.
 
+mod carry;
 mod fvar;
 mod level;
 mod masks;
 mod split;
 mod stencil;
 
+pub use carry::{Cage, mix, mix_rows, taken, to_unit_length};
 pub use fvar::{Channel, ChannelChild};
 pub use level::{INFINITE_SHARPNESS, Level, Rule, Spoke, refined_sharpness};
 pub use split::{Numbering, child_corner};
@@ -47,6 +49,15 @@ impl Refiner {
             // Child j of a triangle holds corner j at place j.
             Scheme::Loop => CornerId::new(4 * corner.index()),
             _ => child_corner(&self.level.topology.faces, corner, 0),
+        }
+    }
+
+    /// The corner whose part of its face a child face is; the middle of a triangle under Loop counts to its first.
+    pub fn corner_of_child(&self, child: FaceId) -> CornerId {
+        match self.level.scheme {
+            Scheme::Loop if child.index() % 4 == 3 => CornerId::new(child.index() / 4 * 3),
+            Scheme::Loop => CornerId::new(child.index() / 4 * 3 + child.index() % 4),
+            _ => CornerId::new(child.index()),
         }
     }
 

@@ -141,7 +141,7 @@ fn transform(model: &Model) -> Vec<TransformOp> {
 }
 
 fn constant_primvars(model: &Model) -> Vec<String> {
-    let names = model.carried.iter().filter_map(|r| r.name.strip_prefix(names::PRIMVARS));
+    let names = model.carried.iter().filter(|r| r.has_value()).filter_map(|r| r.name.strip_prefix(names::PRIMVARS));
     names.filter(|n| !n.ends_with(names::INDICES_SUFFIX)).map(str::to_owned).collect()
 }
 

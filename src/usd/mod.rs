@@ -22,7 +22,7 @@ mod write;
 
 pub use facts::{Binding, Facts, InheritedPrimvar, TransformOp};
 pub use read::{ReadOptions, Source};
-pub use write::{Format, Product, Role, WriteOptions, layer_bytes, write};
+pub use write::{Format, Product, Role, WriteOptions, check_target, layer_bytes, write};
 
 use std::fmt;
 use std::thread;

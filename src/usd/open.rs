@@ -36,8 +36,13 @@ pub fn open_stage(file: &Path) -> Result<Stage, UsdError> {
         return Err(UsdError::new(format!("cannot read {shown}: its name is not UTF-8")).hint("rename the file"));
     };
     Stage::open(path).map_err(|e| {
-        UsdError::new(format!("{shown} cannot be read as USD: {e}"))
-            .hint("the file is damaged, or is another format under this name; export it again")
+        // The text reader knows letters beyond ASCII in names of prims, but not of properties.
+        let beyond_ascii = e.to_string().contains("Logos") && std::fs::read(file).is_ok_and(|b| !b.is_ascii());
+        UsdError::new(format!("{shown} cannot be read as USD: {e}")).hint(if beyond_ascii {
+            "property names with letters beyond ASCII are read from .usdc only; convert the file to .usdc"
+        } else {
+            "the file is damaged, or is another format under this name; export it again"
+        })
     })
 }
 

@@ -72,7 +72,7 @@ fn read_primvar(
 ) -> Result<Option<PrimvarInput>, String> {
     let property = format!("{}{name}", names::PRIMVARS);
     let attribute = prim.attribute(property.as_str());
-    let Some(value) = value(prim, &property, time).map_err(|e| e.to_string())? else { return Ok(None) };
+    let Some(value) = value(prim, &property, time).map_err(|e| in_a_line(&e))? else { return Ok(None) };
     let Some(type_name) = attribute.type_name().map_err(|e| e.to_string())? else { return Ok(None) };
     let Some((components, values)) = flat(value) else {
         return Err(format!("values of type {type_name} cannot vary over a mesh"));
@@ -99,9 +99,17 @@ fn element_size(prim: &Prim, property: &str) -> Result<i32, String> {
 }
 
 fn indices(prim: &Prim, property: &str, time: Option<TimeCode>) -> Result<Option<Vec<i32>>, String> {
-    match value(prim, &format!("{property}{}", names::INDICES_SUFFIX), time).map_err(|e| e.to_string())? {
+    match value(prim, &format!("{property}{}", names::INDICES_SUFFIX), time).map_err(|e| in_a_line(&e))? {
         None => Ok(None),
         Some(Value::IntVec(v)) => Ok(Some(v)),
         Some(_) => Err("its indices are not of type int[]".into()),
+    }
+}
+
+/// A fault with its advice, for a warning.
+fn in_a_line(e: &UsdError) -> String {
+    match &e.hint {
+        Some(hint) => format!("{}; {hint}", e.message),
+        None => e.message.clone(),
     }
 }

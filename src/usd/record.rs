@@ -33,6 +33,7 @@ pub struct Record {
 
 /// What a property holds.
 #[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant, reason = "a model holds few, and nearly all are attributes")]
 pub enum Content {
     /// An attribute.
     Attribute {

@@ -105,7 +105,7 @@ impl Target {
     ///
     /// # Errors
     /// As [`Target::save`].
-    pub fn save_package(&self, data: Data, warnings: &mut Warnings) -> Result<(), UsdError> {
+    pub fn save_package(&self, data: &Data, warnings: &mut Warnings) -> Result<(), UsdError> {
         let stem = self.file.file_stem().and_then(|s| s.to_str()).unwrap_or("layer");
         let mut package = Package::default();
         let mut data = package.collect(data, warnings);
@@ -174,7 +174,7 @@ struct Package {
 
 impl Package {
     /// Takes the files that `data` uses, and states their places in the package.
-    fn collect(&mut self, data: Data, warnings: &mut Warnings) -> Data {
+    fn collect(&mut self, data: &Data, warnings: &mut Warnings) -> Data {
         let mut packed = Data::new();
         for path in data.spec_paths() {
             let Some(spec) = data.spec(&path) else { continue };

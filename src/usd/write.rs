@@ -95,12 +95,20 @@ pub fn write(
     on_large_stack(|| {
         if target.format == Format::Usdz {
             let data = compose(source, products, true, options.model_guide, Place::Anywhere, warnings)?;
-            return target.save_package(data, warnings);
+            return target.save_package(&data, warnings);
         }
         let place = Place::Folder(&target.folder);
         let data = compose(source, products, options.flatten, options.model_guide, place, warnings)?;
         target.save(data, warnings)
     })
+}
+
+/// Whether [`write()`] may write to `out`, before the work that leads there.
+///
+/// # Errors
+/// A format that is unknown, an output that is there already or is part of the input, a folder that is missing.
+pub fn check_target(source: &Source, out: &Path, force: bool) -> Result<(), UsdError> {
+    Target::find(out, &source.model.layers, force).map(drop)
 }
 
 /// The layer that [`write()`] would write, in memory: text (`Usda`) or crate (`Usdc`). It is meant to be read from

@@ -241,7 +241,7 @@ def test_face_subsets_keep_their_share_of_the_area(product, baseline):
         expected = before[subset.indices].sum() / before.sum()
         actual = after[product.sim.subsets[name].indices].sum() / after.sum()
         # A set no wider than a few triangles cannot be met better than by whole triangles.
-        grain = 2 * after.max() / after.sum()
+        grain = 3 * after.max() / after.sum()
         assert abs(actual - expected) <= max(SET_AREA * expected, min(grain, 0.5 * expected)), f"{name}: {actual:.4f}, was {expected:.4f}"
 
 

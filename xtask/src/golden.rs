@@ -44,9 +44,7 @@ const SOURCES: &str = "opensubdiv-petite-sys";
 
 /// Runs the task with the arguments after `golden`.
 pub fn run(args: &[String]) -> Result<(), String> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .parent()
-        .ok_or("xtask has no parent directory")?;
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().ok_or("xtask has no parent directory")?;
     let args: Vec<&str> = args.iter().map(String::as_str).collect();
     let (mode, path) = match args[..] {
         [] => ("data", root.join("tests/golden")),
@@ -77,12 +75,7 @@ fn build(root: &Path) -> Result<PathBuf, String> {
             .arg(format!("-DOPENSUBDIV_ROOT={}", installed.display()))
             .arg(format!("-DOPENSUBDIV_SOURCE={}", sources.display())),
     )?;
-    execute(Command::new("cmake").arg("--build").arg(&build).args([
-        "--config",
-        "Release",
-        "--parallel",
-        "2",
-    ]))?;
+    execute(Command::new("cmake").arg("--build").arg(&build).args(["--config", "Release", "--parallel", "2"]))?;
     let name = format!("golden{}", env::consts::EXE_SUFFIX);
     [build.join(&name), build.join("Release").join(&name)]
         .into_iter()
@@ -95,13 +88,7 @@ fn opensubdiv_sources(manifest_dir: &Path) -> Result<PathBuf, String> {
     let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     // This fetches the package where it is missing.
     let output = Command::new(cargo)
-        .args([
-            "metadata",
-            "--locked",
-            "--format-version",
-            "1",
-            "--manifest-path",
-        ])
+        .args(["metadata", "--locked", "--format-version", "1", "--manifest-path"])
         .arg(manifest_dir.join("Cargo.toml"))
         .output()
         .map_err(|error| format!("cannot run cargo metadata: {error}"))?;
@@ -115,10 +102,7 @@ fn opensubdiv_sources(manifest_dir: &Path) -> Result<PathBuf, String> {
         .filter_map(|rest| rest.split('"').next())
         .map(|path| PathBuf::from(path.replace("\\\\", "\\")))
         .filter_map(|path| path.parent().map(Path::to_path_buf))
-        .find(|dir| {
-            dir.file_name()
-                .is_some_and(|name| name.to_string_lossy().starts_with(SOURCES))
-        })
+        .find(|dir| dir.file_name().is_some_and(|name| name.to_string_lossy().starts_with(SOURCES)))
         .map(|dir| dir.join("OpenSubdiv"))
         .filter(|dir| dir.is_dir())
         .ok_or_else(|| format!("the sources of {SOURCES} are not where cargo says"))
@@ -126,12 +110,6 @@ fn opensubdiv_sources(manifest_dir: &Path) -> Result<PathBuf, String> {
 
 fn execute(command: &mut Command) -> Result<(), String> {
     let name = command.get_program().to_string_lossy().into_owned();
-    let status = command
-        .status()
-        .map_err(|error| format!("cannot run {name}: {error}"))?;
-    if status.success() {
-        Ok(())
-    } else {
-        Err(format!("{name} failed: {status}"))
-    }
+    let status = command.status().map_err(|error| format!("cannot run {name}: {error}"))?;
+    if status.success() { Ok(()) } else { Err(format!("{name} failed: {status}")) }
 }

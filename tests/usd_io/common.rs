@@ -1,6 +1,5 @@
-//! Stages in, layers out: `usd::Source` and `usd::write` on small stages written as text, and on real garments.
+//! Small stages written as text, and a product that is the input itself.
 
-use glam::Vec3;
 use std::fs;
 use std::path::{Path, PathBuf};
 use tailor::error::Warnings;
@@ -61,5 +60,80 @@ pub fn primvar(p: &tailor::garment::PrimvarInput) -> Primvar {
         mixing: p.mixing,
         values: p.values.clone(),
         indices: p.indices.as_ref().map(|i| i.iter().map(|&i| i as u32).collect()),
+    }
+}
+
+/// A folder that goes away with the test, and files in it.
+pub struct Stages(pub tempfile::TempDir);
+
+impl Stages {
+    pub fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    pub fn at(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    /// Writes `#usda 1.0` and `text`.
+    pub fn usda(&self, name: &str, text: &str) -> PathBuf {
+        let path = self.at(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(&path, format!("#usda 1.0\n{text}")).unwrap();
+        path
+    }
+
+    pub fn names(&self) -> Vec<String> {
+        let mut names: Vec<_> =
+            fs::read_dir(self.0.path()).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+}
+
+/// Two quads as statements of a mesh.
+pub const QUADS: &str = "
+    point3f[] points = [(0,0,0),(1,0,0),(2,0,0),(0,1,0),(1,1,0),(2,1,0)]
+    int[] faceVertexCounts = [4,4]
+    int[] faceVertexIndices = [0,1,4,3,1,2,5,4]
+";
+
+/// `/Coat/model`, two quads with `extra` statements.
+pub fn coat(extra: &str) -> String {
+    format!(
+        "(\n defaultPrim = \"Coat\"\n metersPerUnit = 0.01\n upAxis = \"Y\"\n)\n\
+         def Xform \"Coat\"\n{{\n def Mesh \"model\"\n {{\n{QUADS}\n{extra}\n }}\n}}\n"
+    )
+}
+
+pub fn open(path: &Path) -> Result<Source, UsdError> {
+    Source::open(path, &ReadOptions::default())
+}
+
+pub fn open_prim(path: &Path, prim: &str) -> Result<Source, UsdError> {
+    Source::open(path, &ReadOptions { prim: Some(prim.into()), time: None })
+}
+
+pub fn read(source: &Source) -> Result<GarmentInput, UsdError> {
+    source.garment(&mut Warnings::default())
+}
+
+/// Writes the input itself as both products; the warnings.
+pub fn tailor(source: &Source, out: &Path, options: &WriteOptions) -> Result<Vec<String>, UsdError> {
+    let mesh = sound(&read(source)?);
+    let product = |name, role| Product { name, role, mesh: &mesh };
+    let mut warnings = Warnings::default();
+    write(source, &[product("sim", Role::Sim), product("render", Role::Render)], out, options, &mut warnings)?;
+    Ok(warnings.iter().map(ToString::to_string).collect())
+}
+
+pub const FORCE: WriteOptions = WriteOptions { flatten: false, force: true, model_guide: true };
+pub const FLATTEN: WriteOptions = WriteOptions { flatten: true, force: true, model_guide: true };
+
+#[track_caller]
+pub fn assert_fault<T>(result: Result<T, UsdError>, parts: &[&str]) {
+    let text = result.err().expect("a fault").to_string();
+    for part in parts {
+        assert!(text.contains(part), "{part:?} in: {text}");
     }
 }

@@ -1,0 +1,169 @@
+//! Flags to typed options, and the three subcommands.
+
+mod build;
+mod info;
+mod text;
+
+use clap::{Args, Parser, Subcommand};
+use std::path::{Path, PathBuf};
+use tailor::error::{Error, Warnings};
+use tailor::pipeline::{DEFAULT_MAX_FACES, Prepared};
+use tailor::recipe::{Layers, RecipeFile};
+use tailor::usd::{ReadOptions, Source};
+
+/// One coarse garment mesh in, a simulation mesh and a render mesh out, in OpenUSD.
+#[derive(Parser)]
+#[command(name = "usdtailor", version, disable_help_subcommand = true, max_term_width = 100)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Write a simulation mesh and a render mesh beside the garment
+    Build(Build),
+    /// Print what a garment holds and what `build` would make of it
+    Info(Inputs),
+    /// Check garments; exit 1 if one has a problem
+    Check(Inputs),
+}
+
+/// What is read, and how.
+#[derive(Args)]
+struct Inputs {
+    /// Garments: .usd, .usda, .usdc or .usdz files
+    #[arg(value_name = "IN")]
+    inputs: Vec<PathBuf>,
+    /// Path of the mesh, such as /Coat/model [default: the only mesh]
+    #[arg(long, value_name = "PATH", help_heading = "Input")]
+    prim: Option<String>,
+    /// Time at which values are read [time codes] [default: the default time]
+    #[arg(long, value_name = "TIME", help_heading = "Input", allow_negative_numbers = true)]
+    time: Option<f64>,
+    /// A .tailor file (JSON) with options; it may name the source and the prim
+    #[arg(long, value_name = "FILE", help_heading = "Recipe")]
+    recipe: Option<PathBuf>,
+    /// Override one option, such as sim.maxEdgeLength=2 [stage units] or render.level=2 [levels]; repeatable
+    #[arg(long = "set", value_name = "KEY=VALUE", help_heading = "Recipe")]
+    set: Vec<String>,
+    /// Threads [default: one for each core]
+    #[arg(long, value_name = "N", help_heading = "Run")]
+    threads: Option<usize>,
+    /// Print only errors
+    #[arg(short, long, help_heading = "Run", conflicts_with = "verbose")]
+    quiet: bool,
+    /// Print more: the recipe that was used, and what stays on the model
+    #[arg(short, long, help_heading = "Run")]
+    verbose: bool,
+}
+
+#[derive(Args)]
+struct Build {
+    #[command(flatten)]
+    inputs: Inputs,
+    /// Output file (.usd, .usda, .usdc, .usdz), or a folder for several inputs
+    #[arg(short, long, value_name = "OUT", help_heading = "Output")]
+    output: PathBuf,
+    /// Write one self-contained file instead of a layer over the input
+    #[arg(long, help_heading = "Output")]
+    flatten: bool,
+    /// Overwrite an output that exists; never the input
+    #[arg(long, help_heading = "Output")]
+    force: bool,
+    /// Write counts, quality figures, times and warnings as JSON
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    report: Option<PathBuf>,
+    /// Name of the simulation mesh
+    #[arg(long, value_name = "NAME", default_value = "sim", help_heading = "Output")]
+    sim_name: String,
+    /// Name of the render mesh
+    #[arg(long, value_name = "NAME", default_value = "render", help_heading = "Output")]
+    render_name: String,
+    /// Leave the model's purpose as it is, instead of "guide"
+    #[arg(long, help_heading = "Output")]
+    keep_model_purpose: bool,
+    /// Largest simulation mesh [triangles]
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_MAX_FACES, help_heading = "Run")]
+    max_faces: usize,
+}
+
+/// What a subcommand prints on standard output, and its exit code.
+pub struct Output {
+    /// The text.
+    pub text: String,
+    /// The exit code.
+    pub code: u8,
+}
+
+/// Runs the subcommand.
+///
+/// # Errors
+/// Faults of the input, the recipe or the output.
+pub fn run(cli: &Cli) -> Result<Output, Error> {
+    let inputs = match &cli.command {
+        Command::Build(build) => &build.inputs,
+        Command::Info(inputs) | Command::Check(inputs) => inputs,
+    };
+    if let Some(threads) = inputs.threads {
+        if threads == 0 {
+            return Err(Error::Usage("--threads 0 is no number of threads\n  hint: give 1 or more".into()));
+        }
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
+        pool.map_err(|e| Error::Internal(format!("cannot start {threads} threads: {e}")))?;
+    }
+    match &cli.command {
+        Command::Build(build) => build::run(build),
+        Command::Info(inputs) => info::info(inputs),
+        Command::Check(inputs) => info::check(inputs),
+    }
+}
+
+/// An opened input with its recipe.
+struct Opened {
+    source: Source,
+    layers: Layers,
+    warnings: Warnings,
+}
+
+impl Opened {
+    fn prepare(&mut self) -> Result<Prepared, Error> {
+        let input = self.source.garment(&mut self.warnings)?;
+        Prepared::new(input, &self.layers, &mut self.warnings)
+    }
+}
+
+impl Inputs {
+    /// The recipe file, if one was given.
+    fn recipe_file(&self) -> Result<Option<RecipeFile>, Error> {
+        self.recipe.as_deref().map(RecipeFile::read).transpose()
+    }
+
+    /// The files to work on: those of the command line, or the recipe's source.
+    fn files(&self) -> Result<Vec<PathBuf>, Error> {
+        if !self.inputs.is_empty() {
+            return Ok(self.inputs.clone());
+        }
+        let source = match (&self.recipe, self.recipe_file()?) {
+            (Some(path), Some(file)) => file.source.map(|s| path.parent().unwrap_or(Path::new("")).join(s)),
+            _ => None,
+        };
+        source.map(|s| vec![s]).ok_or_else(|| {
+            Error::Usage("no input\n  hint: name a USD file, or a recipe with a \"source\"; see --help".into())
+        })
+    }
+
+    fn open(&self, file: &Path) -> Result<Opened, Error> {
+        let recipe = self.recipe_file()?;
+        let prim = self.prim.clone().or_else(|| recipe.as_ref().and_then(|r| r.prim.clone()));
+        let source = Source::open(file, &ReadOptions { prim, time: self.time })?;
+        let mut warnings = Warnings::default();
+        let mut layers = Layers::default();
+        layers.add_attributes(source.recipe()?, &mut warnings);
+        layers.add(recipe.unwrap_or_default().into_layer());
+        for assignment in &self.set {
+            layers.add_override(assignment)?;
+        }
+        Ok(Opened { source, layers, warnings })
+    }
+}

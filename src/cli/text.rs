@@ -1,0 +1,89 @@
+//! Figures and warnings as text.
+
+use serde_json::Value;
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::Path;
+use tailor::error::{Warning, Warnings};
+use tailor::pipeline::Products;
+
+/// Writes warnings to standard error.
+pub fn print_warnings(warnings: &Warnings, quiet: bool) {
+    if quiet {
+        return;
+    }
+    for warning in warnings.iter() {
+        // Nobody to tell if standard error is closed.
+        let _ = writeln!(std::io::stderr(), "warning: {warning}");
+    }
+}
+
+/// A warning with its code, its data and its text.
+pub fn warning_json(warning: &Warning) -> Value {
+    let mut json = serde_json::to_value(warning).unwrap_or_default();
+    json["message"] = Value::String(warning.to_string());
+    json
+}
+
+/// The summary of a build; one screen.
+pub fn summary(input: &Path, output: &Path, products: &Products, verbose: bool) -> String {
+    let (s, r, recipe) = (&products.sim_figures, &products.render_figures, &products.recipe);
+    let percent = |share: f32| f64::from(share) * 100.0;
+    let mut t = String::new();
+    // Writing to a string cannot fail.
+    let _ = writeln!(t, "{} -> {}", input.display(), output.display());
+    let _ = writeln!(t, "  sim     {} vertices, {} triangles", s.vertices, s.faces);
+    let _ = writeln!(
+        t,
+        "          target length {} to {}, off by {:.1} % (RMS), {:.1} % of edges within 4/5 to 4/3",
+        recipe.sim.min_edge_length,
+        recipe.sim.max_edge_length,
+        percent(s.length_error_rms),
+        percent(s.lengths_in_band)
+    );
+    let _ = writeln!(
+        t,
+        "          angles: smallest {:.1}, 5th percentile {:.1} degrees; {:.2} % of triangles under 30",
+        s.min_angle,
+        s.min_angle_p5,
+        percent(s.share_under30)
+    );
+    let _ = writeln!(
+        t,
+        "          valence 6 at {:.1} % of inner vertices; {:.2} % of edges not Delaunay; {} UV flips",
+        percent(s.valence6),
+        percent(s.non_delaunay),
+        s.uv_flips
+    );
+    let _ = writeln!(
+        t,
+        "          distance to the surface at most {:.2}, on average {:.3} of the target length",
+        s.distance_max, s.distance_mean
+    );
+    let _ = writeln!(
+        t,
+        "  render  {} vertices, {} faces, {:.1} % quads, level {}",
+        r.vertices,
+        r.faces,
+        percent(r.quads),
+        recipe.render.level
+    );
+    let _ = write!(t, "  time   ");
+    for stage in &products.stages {
+        let _ = write!(t, " {} {:.0} ms", stage.name, stage.seconds * 1e3);
+    }
+    let _ = writeln!(t);
+    if verbose {
+        let m = &products.remesh;
+        let _ = writeln!(
+            t,
+            "  rounds  {} with {} splits, {} collapses, {} flips",
+            m.rounds, m.splits, m.collapses, m.flips
+        );
+        for area in &s.subset_areas {
+            let _ = writeln!(t, "  set     {}: area {:.3} of {:.3}", area.name, area.area, area.source_area);
+        }
+        let _ = writeln!(t, "  recipe  {}", serde_json::to_string(recipe).unwrap_or_default());
+    }
+    t
+}

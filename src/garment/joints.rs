@@ -1,0 +1,101 @@
+//! Skinning: joint influences are merged by joint, never averaged slot by slot.
+
+use super::{Garment, Interpolation, Primvar, Values};
+
+/// Names of the primvars that hold a mesh's influences (`UsdSkelBindingAPI`).
+pub const JOINT_INDICES: &str = "skel:jointIndices";
+/// See [`JOINT_INDICES`].
+pub const JOINT_WEIGHTS: &str = "skel:jointWeights";
+
+/// The influences of one element: joints, ascending, with their weights.
+pub type Influences = Vec<(i32, f32)>;
+
+/// Whether a primvar is one half of the influences, which are carried together.
+pub fn is_influence(garment: &Garment, primvar: &Primvar) -> bool {
+    [JOINT_INDICES, JOINT_WEIGHTS].contains(&primvar.name.as_str()) && pair(garment).is_some()
+}
+
+/// The two primvars of a mesh with influences per vertex.
+pub fn pair(garment: &Garment) -> Option<(&Primvar, &Primvar)> {
+    let indices = garment.primvar(JOINT_INDICES)?;
+    let weights = garment.primvar(JOINT_WEIGHTS)?;
+    let fits = indices.interpolation == Interpolation::Vertex
+        && weights.interpolation == Interpolation::Vertex
+        && indices.width() == weights.width()
+        && matches!((&indices.values, &weights.values), (Values::I32(_), Values::F32(_)));
+    fits.then_some((indices, weights))
+}
+
+/// The influences of each vertex.
+pub fn influences(indices: &Primvar, weights: &Primvar) -> Vec<Influences> {
+    let (Values::I32(joints), Values::F32(amounts)) = (&indices.values, &weights.values) else { return Vec::new() };
+    let width = indices.width();
+    let of = |vertex: usize| {
+        let (j, w) = (indices.row(vertex) * width, weights.row(vertex) * width);
+        merge(joints[j..j + width].iter().copied().zip(amounts[w..w + width].iter().copied()))
+    };
+    (0..indices.elements()).map(of).collect()
+}
+
+/// Sums weights joint by joint.
+pub fn merge(parts: impl Iterator<Item = (i32, f32)>) -> Influences {
+    let mut merged: Influences = Vec::with_capacity(8);
+    for (joint, weight) in parts.filter(|(_, w)| *w != 0.0) {
+        match merged.binary_search_by_key(&joint, |m| m.0) {
+            Ok(at) => merged[at].1 += weight,
+            Err(at) => merged.insert(at, (joint, weight)),
+        }
+    }
+    merged
+}
+
+/// The weighted sum of several elements' influences.
+pub fn blend<'a>(parts: impl Iterator<Item = (&'a Influences, f32)>) -> Influences {
+    merge(parts.flat_map(|(influences, share)| influences.iter().map(move |&(j, w)| (j, w * share))))
+}
+
+/// The primvars again, from the influences of each element: the `elementSize` heaviest, scaled to the sum that all had.
+pub fn to_primvars(all: &[Influences], indices: &Primvar, weights: &Primvar) -> [Primvar; 2] {
+    let width = indices.width();
+    let mut joints = Vec::with_capacity(all.len() * width);
+    let mut amounts = Vec::with_capacity(all.len() * width);
+    for influences in all {
+        let mut kept = influences.clone();
+        // Heaviest first, of equals the lowest joint.
+        kept.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+        kept.truncate(width);
+        let sum: f32 = influences.iter().map(|i| i.1).sum();
+        let left: f32 = kept.iter().map(|i| i.1).sum();
+        let scale = if kept.len() < influences.len() && left != 0.0 { sum / left } else { 1.0 };
+        kept.resize(width, (0, 0.0));
+        joints.extend(kept.iter().map(|i| i.0));
+        amounts.extend(kept.iter().map(|i| i.1 * scale));
+    }
+    [
+        Primvar { values: Values::I32(joints), indices: None, ..indices.clone() },
+        Primvar { values: Values::F32(amounts), indices: None, ..weights.clone() },
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pruned_influences_keep_their_sum() {
+        let template = Primvar {
+            name: String::new(),
+            type_name: String::new(),
+            interpolation: Interpolation::Vertex,
+            components: 1,
+            element_size: 2,
+            mixing: super::super::Mixing::Linear,
+            values: Values::I32(vec![]),
+            indices: None,
+        };
+        let [joints, weights] = to_primvars(&[vec![(0, 0.2), (3, 0.5), (7, 0.3)]], &template, &template);
+        assert_eq!(joints.values, Values::I32(vec![3, 7]));
+        let Values::F32(w) = weights.values else { panic!("weights are real") };
+        assert!((w[0] + w[1] - 1.0).abs() < 1e-6 && (w[0] / w[1] - 5.0 / 3.0).abs() < 1e-5);
+    }
+}

@@ -1,0 +1,245 @@
+//! The quality figures of a product, defined once for the summary, the JSON report, tests and benches.
+
+use crate::garment::{Elements, Garment};
+use crate::mesh::{CornerId, FaceId, IdVec, Topology, VertexId};
+use crate::sim::SimProduct;
+use glam::Vec3;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// Figures of a simulation mesh.
+#[derive(Clone, Debug, Default, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct SimFigures {
+    /// Number of vertices.
+    pub vertices: usize,
+    /// Number of triangles.
+    pub faces: usize,
+    /// Smallest angle of any triangle. \[degrees\]
+    pub min_angle: f32,
+    /// 1st percentile of the triangles' smallest angles. \[degrees\]
+    pub min_angle_p1: f32,
+    /// 5th percentile of the triangles' smallest angles. \[degrees\]
+    pub min_angle_p5: f32,
+    /// Share of triangles with an angle under 20 degrees.
+    pub share_under20: f32,
+    /// Share of triangles with an angle under 30 degrees.
+    pub share_under30: f32,
+    /// Share of interior vertices with six neighbours.
+    pub valence6: f32,
+    /// Share of interior vertices with five to seven neighbours.
+    pub valence5to7: f32,
+    /// Mean of |length / target - 1| over the edges.
+    pub length_error_mean: f32,
+    /// Root mean square of length / target - 1 over the edges.
+    pub length_error_rms: f32,
+    /// Share of edges between 4/5 and 4/3 of their target.
+    pub lengths_in_band: f32,
+    /// Share of interior edges whose opposite angles sum to more than π; constrained edges count.
+    pub non_delaunay: f32,
+    /// Largest distance of the mesh from the baseline, as a share of the target length.
+    pub distance_max: f32,
+    /// Mean distance of the mesh from the baseline, as a share of the target length.
+    pub distance_mean: f32,
+    /// Length of the constraint chains on the mesh as a share of that of their curves: the smallest of any chain.
+    pub chain_length_min: f32,
+    /// Triangles that lie the wrong way round in UV space for their shell.
+    pub uv_flips: usize,
+    /// For each face subset its area on the mesh and on the baseline. \[square stage units\]
+    pub subset_areas: Vec<SubsetArea>,
+}
+
+/// Area of a face subset.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct SubsetArea {
+    /// Name of the subset.
+    pub name: String,
+    /// On the product.
+    pub area: f64,
+    /// On the baseline.
+    pub source_area: f64,
+}
+
+/// Figures of a render mesh.
+#[derive(Clone, Debug, Default, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct RenderFigures {
+    /// Number of vertices.
+    pub vertices: usize,
+    /// Number of faces, holes included.
+    pub faces: usize,
+    /// Share of faces with four corners.
+    pub quads: f32,
+    /// Share of interior vertices with four neighbours.
+    pub valence4: f32,
+}
+
+impl RenderFigures {
+    /// The figures of a render mesh.
+    pub fn new(mesh: &Garment) -> Self {
+        let t = Topology::new(mesh.faces.clone(), mesh.points.len());
+        let mut border = IdVec::<VertexId, bool>::filled(false, t.vertex_count());
+        let mut valence = IdVec::<VertexId, u32>::filled(0, t.vertex_count());
+        for (edge, ends) in t.edges.enumerated() {
+            for &v in ends {
+                valence[v] += 1;
+                border[v] |= t.is_border(edge);
+            }
+        }
+        let interior: Vec<u32> =
+            valence.enumerated().filter(|(v, n)| !border[*v] && **n > 0).map(|(_, &n)| n).collect();
+        let quads = mesh.faces.ids().filter(|&f| mesh.faces.valence(f) == 4).count();
+        Self {
+            vertices: mesh.points.len(),
+            faces: mesh.faces.len(),
+            quads: share(quads, mesh.faces.len()),
+            valence4: share(interior.iter().filter(|&&n| n == 4).count(), interior.len()),
+        }
+    }
+}
+
+impl SimFigures {
+    /// The figures of a simulation mesh and what transfer made of it.
+    pub fn new(product: &SimProduct, mesh: &Garment, garment: &Garment) -> Self {
+        let mut figures = Self {
+            vertices: product.points.len(),
+            faces: product.triangles.len(),
+            uv_flips: uv_flips(product),
+            subset_areas: subset_areas(product, mesh, garment),
+            chain_length_min: chain_length_min(product),
+            ..Self::default()
+        };
+        figures.set_angles(product);
+        figures.set_edges(product, mesh);
+        figures.set_distances(product);
+        figures
+    }
+
+    fn set_angles(&mut self, product: &SimProduct) {
+        let mut smallest: Vec<f32> =
+            product.triangles.iter().map(|t| min_angle(t.map(|v| product.points[v]))).collect();
+        smallest.sort_by(f32::total_cmp);
+        let at = |share: f64| smallest.get((smallest.len() as f64 * share) as usize).copied().unwrap_or(0.0);
+        self.min_angle = at(0.0);
+        self.min_angle_p1 = at(0.01);
+        self.min_angle_p5 = at(0.05);
+        self.share_under20 = share(smallest.partition_point(|&a| a < 20.0), smallest.len());
+        self.share_under30 = share(smallest.partition_point(|&a| a < 30.0), smallest.len());
+    }
+
+    fn set_edges(&mut self, product: &SimProduct, mesh: &Garment) {
+        let t = Topology::new(mesh.faces.clone(), product.points.len());
+        let mut errors = Vec::with_capacity(t.edges.len());
+        let mut border = IdVec::<VertexId, bool>::filled(false, t.vertex_count());
+        let mut valence = IdVec::<VertexId, u32>::filled(0, t.vertex_count());
+        let (mut non_delaunay, mut interior_edges) = (0, 0);
+        for (edge, &[a, b]) in t.edges.enumerated() {
+            let target = 0.5 * (product.target[a] + product.target[b]);
+            errors.push(product.points[a].distance(product.points[b]) / target - 1.0);
+            valence[a] += 1;
+            valence[b] += 1;
+            match t.edge_corners.row(edge) {
+                &[c, d] => {
+                    interior_edges += 1;
+                    let opposite = |c: CornerId| angle_at(&product.points, t.faces.vertex(t.faces.prev(c)), a, b);
+                    non_delaunay += usize::from(opposite(c) + opposite(d) > std::f32::consts::PI + 1e-4);
+                }
+                _ => {
+                    border[a] = true;
+                    border[b] = true;
+                }
+            }
+        }
+        let mean = |f: &dyn Fn(f32) -> f32| {
+            (errors.iter().map(|&e| f64::from(f(e))).sum::<f64>() / errors.len().max(1) as f64) as f32
+        };
+        self.length_error_mean = mean(&f32::abs);
+        self.length_error_rms = mean(&|e| e * e).sqrt();
+        let in_band = errors.iter().filter(|&&e| (0.8..=4.0 / 3.0).contains(&(e + 1.0))).count();
+        self.lengths_in_band = share(in_band, errors.len());
+        self.non_delaunay = share(non_delaunay, interior_edges);
+        let interior: Vec<u32> =
+            valence.enumerated().filter(|(v, n)| !border[*v] && **n > 0).map(|(_, &n)| n).collect();
+        self.valence6 = share(interior.iter().filter(|&&n| n == 6).count(), interior.len());
+        self.valence5to7 = share(interior.iter().filter(|&&n| (5..=7).contains(&n)).count(), interior.len());
+    }
+
+    /// Distances of the centres of faces and edges, found from the corners' own places.
+    fn set_distances(&mut self, product: &SimProduct) {
+        let of_face = |(i, t): (usize, &[VertexId; 3])| {
+            let [a, b, c] = t.map(|v| product.points[v]);
+            let target = t.iter().map(|&v| product.target[v]).sum::<f32>() / 3.0;
+            let places = [0, 1, 2].map(|k| product.places[CornerId::new(3 * i + k)]);
+            let samples = [(a + b + c) / 3.0, a.midpoint(b), b.midpoint(c), c.midpoint(a)];
+            samples.map(|p| {
+                let nearest =
+                    places.iter().map(|place| product.baseline.closest(place.location.face, p).distance_squared);
+                nearest.fold(f32::MAX, f32::min).sqrt() / target
+            })
+        };
+        let distances: Vec<[f32; 4]> = product.triangles.par_iter().enumerate().map(of_face).collect();
+        let all = || distances.iter().flatten();
+        self.distance_max = all().copied().fold(0.0, f32::max);
+        self.distance_mean = (all().map(|&d| f64::from(d)).sum::<f64>() / (4 * distances.len()).max(1) as f64) as f32;
+    }
+}
+
+fn share(part: usize, whole: usize) -> f32 {
+    if whole == 0 { 0.0 } else { (part as f64 / whole as f64) as f32 }
+}
+
+/// The angle at `apex` between two other points. \[radians\]
+fn angle_at(points: &IdVec<VertexId, Vec3>, apex: VertexId, a: VertexId, b: VertexId) -> f32 {
+    angle(points[a] - points[apex], points[b] - points[apex])
+}
+
+fn angle(u: Vec3, v: Vec3) -> f32 {
+    u.cross(v).length().atan2(u.dot(v))
+}
+
+/// The smallest angle of a triangle. \[degrees\]
+pub fn min_angle([a, b, c]: [Vec3; 3]) -> f32 {
+    angle(b - a, c - a).min(angle(c - b, a - b)).min(angle(a - c, b - c)).to_degrees()
+}
+
+fn uv_flips(product: &SimProduct) -> usize {
+    if !product.baseline.has_uvs {
+        return 0;
+    }
+    let flipped = |i: &usize| {
+        let [a, b, c] = [0, 1, 2].map(|k| product.places[CornerId::new(3 * i + k)]);
+        let area = (b.uv - a.uv).perp_dot(c.uv - a.uv);
+        area * product.baseline.shell_sign[a.location.face] <= 0.0
+    };
+    (0..product.triangles.len()).filter(flipped).count()
+}
+
+fn chain_length_min(product: &SimProduct) -> f32 {
+    let kept = product.baseline.chains.enumerated().map(|(id, chain)| {
+        let own: f64 = product.chain_edges[id]
+            .iter()
+            .map(|&[a, b]| f64::from(product.points[a].distance(product.points[b])))
+            .sum();
+        if chain.length() > 0.0 { own as f32 / chain.length() } else { 1.0 }
+    });
+    kept.fold(1.0, f32::min)
+}
+
+fn subset_areas(product: &SimProduct, mesh: &Garment, garment: &Garment) -> Vec<SubsetArea> {
+    let triangle_area = |[a, b, c]: [Vec3; 3]| 0.5 * f64::from((b - a).cross(c - a).length());
+    let mut source: IdVec<FaceId, f64> = IdVec::filled(0.0, garment.faces.len());
+    for (face, &of) in product.baseline.source_face.enumerated() {
+        source[of] += triangle_area(product.baseline.triangle(face));
+    }
+    let own: Vec<f64> = product.triangles.iter().map(|t| triangle_area(t.map(|v| product.points[v]))).collect();
+    let sets = garment.subsets.iter().filter_map(|s| match (&s.elements, mesh.subset(&s.name).map(|m| &m.elements)) {
+        (Elements::Faces(of), Some(Elements::Faces(on))) => Some(SubsetArea {
+            name: s.name.clone(),
+            area: on.iter().map(|f| own[f.index()]).sum(),
+            source_area: of.iter().map(|&f| source[f]).sum(),
+        }),
+        _ => None,
+    });
+    sets.collect()
+}
