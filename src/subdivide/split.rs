@@ -74,7 +74,7 @@ impl Numbering {
 /// of the edge before. Children of quads keep the parent's corner at the parent's place.
 #[inline(always)]
 pub fn child_corner(parent: &Faces, c: CornerId, k: usize) -> CornerId {
-    CornerId::new(4 * c.index() + (turn(parent, c) + k & 3))
+    CornerId::new(4 * c.index() + ((turn(parent, c) + k) & 3))
 }
 
 /// The place at which the child quad of a corner has that corner.
