@@ -50,11 +50,14 @@ COAT = Look(
     thick={"collar": 0.9, "cuff_left": 1.0, "cuff_right": 1.0, "half_belt": 0.9, "welt": 0.8,
            "flap_left": 0.9, "flap_right": 0.9, "pocket_left": 0.7, "pocket_right": 0.7},
     constraints=["collar_fold", "roll_line", "placket", "placket_stitch", "cuff_fold",
-                 "pocket_hem", "waist_line"],
+                 "pocket_hem", "waist_line", "elbow_line"],
     min_length=1.0, max_length=2.6,
     grains={**{f"sleeve_{p}_left": (-0.63, 0.78, 0) for p in ("upper", "under")},
             **{f"sleeve_{p}_right": (0.63, 0.78, 0) for p in ("upper", "under")},
             "collar": (0, -1, 0), "cuff_left": (0.63, -0.78, 0), "cuff_right": (-0.63, -0.78, 0)},
     translate=(0, 100, 0), cylinder=True,
+    # Where the armhole meets the under sleeve more than two panels meet; keeping that corner sharp
+    # would fold the narrow row of faces below it over in UV.
+    uv_corners="cornersOnly",
     hint="Collar, cuffs and sleeves are welded to the body; the lapels are the fronts' own cloth "
          "folded over; pockets, flaps, welt and half belt lie upon the body.")

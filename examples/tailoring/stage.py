@@ -36,6 +36,7 @@ class Look:
     grains: dict = field(default_factory=dict)
     translate: tuple = (0, 0, 0)
     cylinder: bool = False      # write a second UV set
+    uv_corners: str = "cornersPlus1"    # faceVaryingLinearInterpolation
     hint: str = ""
 
 
@@ -94,7 +95,7 @@ def _mesh(mesh, garment, points, look):
     mesh.CreateFaceVertexIndicesAttr([i for f in garment.faces for i in f])
     mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.catmullClark)
     mesh.CreateInterpolateBoundaryAttr(UsdGeom.Tokens.edgeAndCorner)
-    mesh.CreateFaceVaryingLinearInterpolationAttr(UsdGeom.Tokens.cornersPlus1)
+    mesh.CreateFaceVaryingLinearInterpolationAttr(look.uv_corners)
     mesh.CreateOrientationAttr(UsdGeom.Tokens.rightHanded)
     mesh.CreateDoubleSidedAttr(True)
     if garment.creases:

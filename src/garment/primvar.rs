@@ -146,6 +146,11 @@ impl Primvar {
         self.values.len() / self.width().max(1)
     }
 
+    /// Whether values are combined by weighted sums.
+    pub fn is_mixed(&self) -> bool {
+        self.mixing != Mixing::Discrete && matches!(self.values, Values::F32(_) | Values::F64(_))
+    }
+
     /// For each corner the row that it takes, for a face-varying primvar.
     ///
     /// Indices say which corners share a value. Without indices, corners of one vertex share it where their rows are

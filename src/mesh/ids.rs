@@ -96,6 +96,11 @@ impl<I: Id, T> IdVec<I, T> {
         Self { items: Vec::new(), id: PhantomData }
     }
 
+    /// An empty vector with room for `capacity` values.
+    pub fn with_capacity(capacity: usize) -> Self {
+        Vec::with_capacity(capacity).into()
+    }
+
     /// `len` copies of `value`.
     pub fn filled(value: T, len: usize) -> Self
     where

@@ -76,28 +76,11 @@ impl Topology {
     pub fn new(faces: Faces, vertices: usize) -> Self {
         let corners = faces.corners();
         let vertex_corners = Csr::group(vertices, corners.enumerated().map(|(c, &v)| (v, c)), CornerId::new(0));
-        let mut corner_edge: IdVec<CornerId, Option<EdgeId>> = IdVec::filled(None, corners.len());
-        let mut edges: IdVec<EdgeId, [VertexId; 2]> = IdVec::new();
-        for corner in corners.ids() {
-            if corner_edge[corner].is_some() {
-                continue;
-            }
-            let [a, b] = faces.half_edge(corner);
-            let edge = edges.push([a, b]);
-            // Every half-edge between a and b leaves from one of them.
-            for &c in vertex_corners.row(a) {
-                if faces.vertex(faces.next(c)) == b {
-                    corner_edge[c] = Some(edge);
-                }
-            }
-            for &c in vertex_corners.row(b) {
-                if faces.vertex(faces.next(c)) == a {
-                    corner_edge[c] = Some(edge);
-                }
-            }
-        }
-        let corner_edge: IdVec<CornerId, EdgeId> =
-            corner_edge.iter().map(|e| e.expect("every corner leaves on an edge")).collect();
+        let leader = edge_leaders(&faces, &vertex_corners);
+        let mut edge_of_leader: IdVec<CornerId, Option<EdgeId>> = IdVec::filled(None, corners.len());
+        let mut edges: IdVec<EdgeId, [VertexId; 2]> = IdVec::with_capacity(corners.len() / 2 + corners.len() / 8);
+        let number = |c| *edge_of_leader[leader[c]].get_or_insert_with(|| edges.push(faces.half_edge(c)));
+        let corner_edge: IdVec<CornerId, EdgeId> = corners.ids().map(number).collect();
         let edge_corners = Csr::group(edges.len(), corner_edge.enumerated().map(|(c, &e)| (e, c)), CornerId::new(0));
         Self { faces, corner_edge, edges, edge_corners, vertex_corners }
     }
@@ -115,14 +98,17 @@ impl Topology {
 
     /// The edge between two vertices.
     pub fn find_edge(&self, a: VertexId, b: VertexId) -> Option<EdgeId> {
-        let leaving = |from: VertexId, to: VertexId| {
-            let corners = self.vertex_corners.row(from).iter();
-            corners.copied().find(|&c| self.faces.vertex(self.faces.next(c)) == to)
-        };
         if a.index() >= self.vertex_count() || b.index() >= self.vertex_count() {
             return None;
         }
-        leaving(a, b).or_else(|| leaving(b, a)).map(|c| self.corner_edge[c])
+        // The edge is at both vertices; the one with fewer faces is searched.
+        let (from, to) =
+            if self.vertex_corners.row(a).len() <= self.vertex_corners.row(b).len() { (a, b) } else { (b, a) };
+        let half_edges = self.vertex_corners.row(from).iter().flat_map(|&c| {
+            let prev = self.faces.prev(c);
+            [(c, self.faces.next(c)), (prev, prev)]
+        });
+        half_edges.into_iter().find(|&(_, far)| self.faces.vertex(far) == to).map(|(half, _)| self.corner_edge[half])
     }
 
     /// The other half-edge of an edge of exactly two faces.
@@ -141,6 +127,26 @@ impl Topology {
     }
 }
 
+/// For each half-edge one that stands for its edge. Takes time in proportion to the corners, whatever meets where.
+fn edge_leaders(faces: &Faces, vertex_corners: &Csr<VertexId, CornerId>) -> IdVec<CornerId, CornerId> {
+    let mut leader: IdVec<CornerId, CornerId> = faces.corners().ids().collect();
+    // For each vertex the last lower vertex that was found beside it, and the leader of the edge between them.
+    let mut found: IdVec<VertexId, Option<(VertexId, CornerId)>> = IdVec::filled(None, vertex_corners.rows());
+    for low in found.ids() {
+        for &corner in vertex_corners.row(low) {
+            let prev = faces.prev(corner);
+            for (half, high) in [(corner, faces.vertex(faces.next(corner))), (prev, faces.vertex(prev))] {
+                match found[high] {
+                    _ if high < low => {}
+                    Some((by, first)) if by == low => leader[half] = first,
+                    _ => found[high] = Some((low, half)),
+                }
+            }
+        }
+    }
+    leader
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -155,5 +161,27 @@ mod tests {
         assert_eq!(t.edge_corners.row(shared).len(), 2);
         assert_eq!(t.twin(CornerId::new(1)), Some(CornerId::new(7)));
         assert_eq!(t.find_edge(VertexId::new(0), VertexId::new(4)), None);
+    }
+
+    #[test]
+    fn edges_are_numbered_by_their_first_half_edge() {
+        let corners: Vec<_> = [3, 2, 0, 2, 1, 0, 0, 2, 4].map(VertexId::new).to_vec();
+        let t = Topology::new(Faces::triangles(corners), 5);
+        let edges: Vec<_> = t.edges.iter().map(|e| e.map(VertexId::index)).collect();
+        assert_eq!(edges, [[3, 2], [2, 0], [0, 3], [2, 1], [1, 0], [2, 4], [4, 0]]);
+        let three = t.find_edge(VertexId::new(0), VertexId::new(2)).expect("edge of three faces");
+        assert_eq!(t.edge_corners.row(three), [1, 5, 6].map(CornerId::new));
+    }
+
+    #[test]
+    fn a_vertex_of_very_many_faces_takes_no_longer() {
+        const FACES: usize = 200_000;
+        let fan = (0..FACES).flat_map(|i| [0, i + 1, (i + 1) % FACES + 1]).map(VertexId::new);
+        let t = Topology::new(Faces::triangles(fan.collect::<Vec<_>>()), FACES + 1);
+        assert_eq!(t.edges.len(), 2 * FACES);
+        for spoke in 1..=FACES {
+            let edge = t.find_edge(VertexId::new(0), VertexId::new(spoke)).expect("a spoke");
+            assert_eq!(t.edge_corners.row(edge).len(), 2);
+        }
     }
 }

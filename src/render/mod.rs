@@ -1,7 +1,7 @@
 //! The render mesh: the cage through its operators, then refined.
 
 use crate::garment::{Garment, Scheme};
-use crate::subdivide::{Level, refine_garment};
+use crate::subdivide::{Cage, Level};
 use serde::{Deserialize, Serialize};
 
 /// Options of the render mesh: the attributes of `TailorRenderAPI`, with the same names and defaults.
@@ -24,14 +24,13 @@ impl Default for RenderOptions {
 ///
 /// A polygonal mesh (`subdivisionScheme = "none"`) is refined as if bilinear and stays polygonal.
 pub fn render(garment: &Garment, options: &RenderOptions) -> Garment {
-    let mut cage = garment.clone();
-    for depth in 0..options.level {
-        if depth == 0 {
-            add_border_holes(&mut cage);
-        }
-        cage = refine_garment(&cage);
+    if options.level == 0 {
+        return garment.clone();
     }
-    cage
+    let mut garment = garment.clone();
+    add_border_holes(&mut garment);
+    let cage = (0..options.level).fold(Cage::new(garment), |cage, _| cage.refined());
+    cage.into_garment()
 }
 
 /// Notes the faces that `interpolateBoundary = "none"` removes, which are fewer with each refinement.

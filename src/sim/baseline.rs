@@ -5,7 +5,7 @@ use super::manifold::Manifold;
 use super::options::SimOptions;
 use crate::garment::{Garment, Interpolation, Primvar, Values};
 use crate::mesh::{ChainId, CornerId, EdgeId, FaceId, Faces, IdVec, Topology, VertexId};
-use crate::subdivide::{Level, Numbering, Real, Refiner, Stencils};
+use crate::subdivide::{Level, Numbering, Real, Refiner, Stencils, mix_rows};
 use glam::{Vec2, Vec3};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -24,6 +24,8 @@ pub struct Baseline {
     pub manifold: Manifold,
     /// The refined levels after the cage; the last, or the cage where there is none, is the one in triangles.
     pub levels: Vec<Refiner>,
+    /// The vertex of the finest level behind each vertex; they differ where holes leave fans that only touch.
+    pub level_vertex: IdVec<VertexId, VertexId>,
     /// Positions. \[stage units\]
     pub points: IdVec<VertexId, Vec3>,
     /// The triangles and their adjacency.
@@ -113,6 +115,9 @@ impl Baseline {
         let start =
             quads.start(&all_levels, start_level, &points, |f| !is_hole[root_face(&all_levels[..=start_level], f)]);
         let start_spans = chains::start_spans(&chains, &curves[start_level]);
+        // Chains and the start know the vertices of the level; from here on, fans that only touch are apart.
+        let (topology, level_vertex) = apart(topology, is_hole.contains(&true));
+        let points: IdVec<VertexId, Vec3> = level_vertex.iter().map(|&v| points[v]).collect();
         let mut barrier: IdVec<CornerId, bool> = topology.corner_edge.iter().map(|&e| topology.is_border(e)).collect();
         for half in chains.iter().flat_map(|c| c.left.iter().chain(&c.right)).flatten() {
             barrier[*half] = true;
@@ -128,6 +133,7 @@ impl Baseline {
             uvs: corner_uvs,
             manifold,
             levels,
+            level_vertex,
             points,
             topology,
             barrier,
@@ -167,17 +173,17 @@ impl Baseline {
         self.manifold.corner_source[corner]
     }
 
-    /// Values of the garment's vertices at those of the baseline, rows of `width` numbers.
-    pub fn refine_vertex_rows<T: Real>(
-        &self,
-        values: impl Fn(VertexId) -> Vec<T>,
-        width: usize,
-        linear: bool,
-    ) -> Vec<T> {
-        let mut rows: Vec<T> = self.manifold.vertex_source.iter().flat_map(|&v| values(v)).collect();
+    /// The rows of a vertex or varying primvar at the vertices of the finest level. `values` are the primvar's.
+    pub fn refine_rows<T: Real>(&self, primvar: &Primvar, values: &[T]) -> Vec<T> {
+        let width = primvar.width();
+        let row = |v: &VertexId| values[primvar.row(v.index()) * width..][..width].iter().copied();
+        let mut rows: Vec<T> = self.manifold.vertex_source.iter().flat_map(row).collect();
         for parent in self.parents() {
-            let stencils = if linear { parent.level.varying_stencils() } else { parent.level.vertex_stencils() };
-            rows = stencils.apply_rows(&rows, width);
+            let stencils = match primvar.interpolation {
+                Interpolation::Varying => parent.level.varying_stencils(),
+                _ => parent.level.vertex_stencils(),
+            };
+            rows = mix_rows(&stencils, &rows, primvar);
         }
         rows
     }
@@ -186,8 +192,7 @@ impl Baseline {
         let Some(density) = lengths.density else { return };
         let Values::F32(values) = &density.values else { return };
         debug_assert_eq!(density.elements(), garment.points.len());
-        let linear = density.interpolation == Interpolation::Varying;
-        let weights = self.refine_vertex_rows(|v| vec![values[density.row(v.index())]], 1, linear);
+        let weights = self.refine_rows(density, values);
         self.target = weights.iter().map(|w| lengths.max + (lengths.min - lengths.max) * w.clamp(0.0, 1.0)).collect();
     }
 
@@ -245,6 +250,45 @@ pub fn holes(garment: &Garment, level: &Level) -> IdVec<FaceId, bool> {
         level.border_holes(garment).into_iter().for_each(|f| is_hole[f] = true);
     }
     is_hole
+}
+
+/// Gives each fan of faces at a vertex a vertex of its own; the first keeps the vertex. Returns the vertex behind each.
+fn apart(t: Topology, has_holes: bool) -> (Topology, IdVec<VertexId, VertexId>) {
+    let mut source: IdVec<VertexId, VertexId> = (0..t.vertex_count()).map(VertexId::new).collect();
+    if !has_holes {
+        return (t, source);
+    }
+    let mut corners = t.faces.corners().clone();
+    for vertex in (0..t.vertex_count()).map(VertexId::new) {
+        let mut left: Vec<CornerId> = t.vertex_corners.row(vertex).to_vec();
+        let mut is_first = true;
+        while let Some(&seed) = left.first() {
+            let fan = fan_of(&t, seed);
+            left.retain(|c| !fan.contains(c));
+            if !std::mem::replace(&mut is_first, false) {
+                let own = source.push(vertex);
+                fan.iter().for_each(|&c| corners[c] = own);
+            }
+        }
+    }
+    let count = source.len();
+    (Topology::new(Faces::triangles(corners), count), source)
+}
+
+/// The corners at the vertex of `seed` that are joined to it across edges.
+fn fan_of(t: &Topology, seed: CornerId) -> Vec<CornerId> {
+    let mut fan = vec![seed];
+    let mut at = seed;
+    while let Some(c) = t.twin(t.faces.prev(at)).filter(|&c| c != seed) {
+        fan.push(c);
+        at = c;
+    }
+    at = seed;
+    while let Some(c) = t.twin(at).map(|twin| t.faces.next(twin)).filter(|c| !fan.contains(c)) {
+        fan.push(c);
+        at = c;
+    }
+    fan
 }
 
 /// The face of the cage behind a face of the last of `levels`.

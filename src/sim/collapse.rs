@@ -96,6 +96,11 @@ fn stays_short(mesh: &SimMesh<'_>, half: CornerId, vertex: VertexId, kept: Verte
         .all(|v| position.distance(mesh.points[v]) <= SPLIT_RATIO * mesh.target_between(kept, v))
 }
 
+/// Whether a collapse may make such a triangle.
+fn may_be(mesh: &SimMesh<'_>, corners: [(Vec3, Place); 3]) -> bool {
+    mesh.badness(corners) == 0 && !mesh.bridges_fold(corners)
+}
+
 /// Whether `removed` may take the place of `kept`.
 fn is_safe(mesh: &SimMesh<'_>, half: CornerId, removed: VertexId, kept: VertexId) -> bool {
     let position = mesh.points[kept];
@@ -103,7 +108,7 @@ fn is_safe(mesh: &SimMesh<'_>, half: CornerId, removed: VertexId, kept: VertexId
     let place = |c: CornerId| places.iter().find(|(corner, _)| *corner == c).map(|(_, p)| *p);
     stays_short(mesh, half, removed, kept, position)
         && staying(mesh, half, removed).all(|c| {
-            place(c).is_some_and(|p| !mesh.is_bad([(position, p), mesh.corner(next(c)), mesh.corner(prev(c))]))
+            place(c).is_some_and(|p| may_be(mesh, [(position, p), mesh.corner(next(c)), mesh.corner(prev(c))]))
         })
 }
 
@@ -118,7 +123,7 @@ fn middle(mesh: &SimMesh<'_>, half: CornerId, removed: VertexId, kept: VertexId)
     let fits = |v: VertexId| {
         stays_short(mesh, half, v, kept, there.position)
             && staying(mesh, half, v)
-                .all(|c| !mesh.is_bad([(there.position, place), mesh.corner(next(c)), mesh.corner(prev(c))]))
+                .all(|c| may_be(mesh, [(there.position, place), mesh.corner(next(c)), mesh.corner(prev(c))]))
     };
     (fits(removed) && fits(kept)).then_some((there.position, place))
 }

@@ -56,10 +56,10 @@ fn may_flip(mesh: &SimMesh<'_>, half: CornerId) -> bool {
     !mesh.is_constrained(half) && mesh.topology.may_flip(half)
 }
 
-/// Neither new triangle is bad, unless one of the old is.
+/// Neither new triangle is worse than the worse of the old.
 fn flip_is_safe(mesh: &SimMesh<'_>, half: CornerId) -> bool {
     let Some(twin) = mesh.topology.twin(half) else { return false };
     let [a, b, c, d] = [half, next(half), prev(half), prev(twin)].map(|x| mesh.corner(x));
-    let bad = usize::from(mesh.is_bad([c, d, b])) + usize::from(mesh.is_bad([d, c, a]));
-    bad == 0 || bad < usize::from(mesh.is_bad_face(half)) + usize::from(mesh.is_bad_face(twin))
+    let new = mesh.badness([c, d, b]).max(mesh.badness([d, c, a]));
+    new == 0 || new < mesh.face_badness(half).max(mesh.face_badness(twin))
 }

@@ -7,6 +7,7 @@ use super::chains::Chain;
 use crate::mesh::edit::{EditMesh, next, prev};
 use crate::mesh::{ChainId, CornerId, FaceId, IdVec, VertexId};
 use glam::{Vec2, Vec3};
+use std::collections::BTreeSet;
 
 /// What a vertex may do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,6 +54,10 @@ pub struct Place {
 /// A triangle with less than this share of the area of the equilateral triangle on its longest edge is degenerate.
 const MIN_SHAPE: f32 = 0.02;
 
+/// A collapse may not make a triangle whose normal turns further than this from the surface's at a corner: it would
+/// bridge a fold and erase it. Larger values keep more of a fold, but leave short edges along it.
+const MIN_COSINE: f32 = 0.2;
+
 /// The simulation mesh while it is made.
 pub struct SimMesh<'a> {
     /// The surface that it lies on.
@@ -94,15 +99,19 @@ impl<'a> SimMesh<'a> {
     fn set_constraints(&mut self) {
         for corner in self.topology.corners() {
             let (a, b) = (self.topology.vertex(corner), self.topology.target(corner));
-            let Some(start) = self.baseline.start_spans.get(&[a.min(b), a.max(b)]) else { continue };
+            let [x, y] = [a, b].map(|v| self.baseline.level_vertex[v]);
+            let Some(start) = self.baseline.start_spans.get(&[x.min(y), x.max(y)]) else { continue };
             let span = Span { chain: start.chain, from: start.from, to: start.to };
-            self.span[corner] = Some(if start.first == a { span } else { span.reversed() });
+            self.span[corner] = Some(if start.first == x { span } else { span.reversed() });
             self.grade[a] = Grade::OnCurve(start.chain);
             self.grade[b] = Grade::OnCurve(start.chain);
         }
-        for chain in self.baseline.chains.iter().filter(|c| !c.is_loop) {
-            for end in chain.vertices.first().into_iter().chain(chain.vertices.last()) {
-                self.grade[*end] = Grade::Frozen;
+        let paths = self.baseline.chains.iter().filter(|c| !c.is_loop);
+        let ends: BTreeSet<VertexId> =
+            paths.flat_map(|c| c.vertices.first().into_iter().chain(c.vertices.last())).copied().collect();
+        for (vertex, level_vertex) in self.baseline.level_vertex.enumerated() {
+            if ends.contains(level_vertex) {
+                self.grade[vertex] = Grade::Frozen;
             }
         }
     }
@@ -145,25 +154,36 @@ impl<'a> SimMesh<'a> {
             weights[half.index() % 3] = 1.0 - t;
             weights[next(half).index() % 3] = t;
             let location = Location { face: FaceId::new(half.index() / 3), weights: weights.into() };
-            Place { location, uv: self.baseline.uv(location) }
+            // In the chain's direction on both sides, so that UVs which are the same there stay so bit for bit.
+            let [from, to] = if forward { [half, next(half)] } else { [next(half), half] };
+            Place { location, uv: self.baseline.uvs[from].lerp(self.baseline.uvs[to], at.t) }
         });
         (position, place)
     }
 
-    /// Whether a triangle with these corners is degenerate or folded over, in space or in UV.
-    pub fn is_bad(&self, corners: [(Vec3, Place); 3]) -> bool {
+    /// How bad a triangle with these corners is: 0 good, 1 degenerate or folded over in space, 2 the wrong way round in
+    /// UV. No edit may make a triangle worse than what it replaces.
+    pub fn badness(&self, corners: [(Vec3, Place); 3]) -> u8 {
         let [(a, pa), (b, pb), (c, pc)] = corners;
+        let area = (pb.uv - pa.uv).perp_dot(pc.uv - pa.uv);
+        if self.baseline.has_uvs && area * self.baseline.shell_sign[pa.location.face] <= 0.0 {
+            return 2;
+        }
         let normal = (b - a).cross(c - a);
         let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
-        if normal.length() <= MIN_SHAPE * 0.866 * longest {
-            return true;
-        }
-        let surface = [pa, pb, pc].map(|p| self.baseline.normal(p.location.face).normalize_or_zero());
-        if normal.dot(surface[0] + surface[1] + surface[2]) <= 0.0 {
-            return true;
-        }
-        let area = (pb.uv - pa.uv).perp_dot(pc.uv - pa.uv);
-        self.baseline.has_uvs && area * self.baseline.shell_sign[pa.location.face] <= 0.0
+        let surface: Vec3 =
+            [pa, pb, pc].iter().map(|p| self.baseline.normal(p.location.face).normalize_or_zero()).sum();
+        u8::from(normal.length() <= MIN_SHAPE * 0.866 * longest || normal.dot(surface) <= 0.0)
+    }
+
+    /// Whether a triangle with these corners turns away from the surface at one of them: it bridges a fold.
+    pub fn bridges_fold(&self, corners: [(Vec3, Place); 3]) -> bool {
+        let [(a, _), (b, _), (c, _)] = corners;
+        let normal = (b - a).cross(c - a);
+        corners.iter().any(|(_, place)| {
+            let surface = self.baseline.normal(place.location.face);
+            normal.dot(surface) <= MIN_COSINE * normal.length() * surface.length()
+        })
     }
 
     /// Position and place of a corner.
@@ -171,53 +191,79 @@ impl<'a> SimMesh<'a> {
         (self.points[self.topology.vertex(corner)], self.place[corner])
     }
 
-    /// Whether a triangle of the mesh is bad.
-    pub fn is_bad_face(&self, corner: CornerId) -> bool {
-        self.is_bad([corner, next(corner), prev(corner)].map(|c| self.corner(c)))
+    /// How bad the triangle of a corner is.
+    pub fn face_badness(&self, corner: CornerId) -> u8 {
+        self.badness([corner, next(corner), prev(corner)].map(|c| self.corner(c)))
     }
 
-    /// Whether a vertex may take another place: no triangle around it becomes bad that was not.
+    /// Whether a vertex may take another place: no triangle around it becomes worse.
     pub fn may_move(&self, vertex: VertexId, position: Vec3, place: impl Fn(CornerId) -> Place) -> bool {
         self.topology.fan(vertex).all(|c| {
             let moved = [(position, place(c)), self.corner(next(c)), self.corner(prev(c))];
-            !self.is_bad(moved) || self.is_bad_face(c)
+            self.badness(moved) <= self.face_badness(c)
         })
     }
 
-    /// Splits an edge in its middle: on its chain's curve, or on the surface.
-    pub fn split(&mut self, half: CornerId) -> VertexId {
+    /// Splits an edge in its middle: on its chain's curve, or on the surface. Returns the new vertex; none where every
+    /// place would turn a triangle over.
+    pub fn split(&mut self, half: CornerId) -> Option<VertexId> {
         let span = self.span[half];
-        let (a, b) = (self.topology.vertex(half), self.topology.target(half));
-        let middle = self.points[a].midpoint(self.points[b]);
+        let free_place = if span.is_none() { Some(self.middle_place(half)?) } else { None };
         let twin = self.topology.twin(half);
         let split = self.topology.split(half);
-        self.span.resize(self.topology.corner_slots(), None);
         let filler = self.place[half];
+        self.span.resize(self.topology.corner_slots(), None);
         self.place.resize(self.topology.corner_slots(), filler);
         for (side, ahead) in [(Some(half), Some(split.ahead)), (twin, split.behind)] {
             if let (Some(side), Some(ahead)) = (side, ahead) {
                 self.carry_split(side, ahead);
             }
         }
-        let (position, grade) = match span {
-            Some(span) => {
+        let (position, grade) = match (span, free_place) {
+            (Some(span), _) => {
                 (self.place_on_curve(half, split.ahead, twin, split.behind, span), Grade::OnCurve(span.chain))
             }
-            None => {
-                let own = self.baseline.closest(self.place[half].location.face, middle);
-                let other = self.baseline.closest(self.place[next(split.ahead)].location.face, middle);
-                let best = if other.distance_squared < own.distance_squared { other } else { own };
-                let place = Place { location: best.location, uv: self.baseline.uv(best.location) };
-                for c in self.topology.fan(split.vertex) {
-                    self.place[c] = place;
-                }
-                (best.position, Grade::Free)
+            (None, place) => {
+                let place = place.unwrap_or(filler);
+                let corners: Vec<CornerId> = self.topology.fan(split.vertex).collect();
+                corners.into_iter().for_each(|c| self.place[c] = place);
+                (self.baseline.position(place.location), Grade::Free)
             }
         };
         self.points.push(position);
         self.grade.push(grade);
         self.target.push(self.baseline.target_at(self.place[split.ahead].location));
-        split.vertex
+        Some(split.vertex)
+    }
+
+    /// The middle of a free edge on the surface: the closest point, or that between the UVs where the closest would turn
+    /// a triangle over.
+    fn middle_place(&self, half: CornerId) -> Option<Place> {
+        let (from, to) = (self.place[half], self.place[next(half)]);
+        let middle = self.points[self.topology.vertex(half)].midpoint(self.points[self.topology.target(half)]);
+        let own = self.baseline.closest(from.location.face, middle);
+        let other = self.baseline.closest(to.location.face, middle);
+        let best = if other.distance_squared < own.distance_squared { other } else { own };
+        let between = || {
+            let uv = from.uv.midpoint(to.uv);
+            let faces = [from.location.face, to.location.face].into_iter();
+            faces.filter(|_| self.baseline.has_uvs).find_map(|f| self.baseline.locate_uv(f, uv))
+        };
+        let place = |location| Place { location, uv: self.baseline.uv(location) };
+        let fits = |p: &Place| self.split_is_safe(half, *p);
+        Some(place(best.location)).filter(fits).or_else(|| between().map(place).filter(fits))
+    }
+
+    /// Whether no half of a split triangle is worse than the whole was.
+    fn split_is_safe(&self, half: CornerId, place: Place) -> bool {
+        let m = (self.baseline.position(place.location), place);
+        let side = |h: CornerId| {
+            let [a, b, c] = [h, next(h), prev(h)].map(|c| self.corner(c));
+            let worst = self.badness([a, m, c]).max(self.badness([m, b, c]));
+            // A thin half is put right later; one that lies the wrong way round may stay for good.
+            worst < 2 || worst <= self.badness([a, b, c])
+        };
+        side(half) && self.topology.twin(half).is_none_or(side)
     }
 
     /// One side of a split: `half` is `(a, m)` in `(a, m, c)`, `ahead` is `(m, b)` in `(m, b, c)`.

@@ -4,7 +4,7 @@
 //! lies.
 
 use super::baseline::{Baseline, Location};
-use crate::mesh::{CornerId, FaceId};
+use crate::mesh::{CornerId, FaceId, IdVec};
 use glam::{Vec2, Vec3};
 
 /// Steps after which a walk stops where it is. A walk gets nearer with every step, so only a start that is very far
@@ -77,11 +77,16 @@ impl Baseline {
 
     /// The closest point that a walk from triangle `start` reaches.
     pub fn closest(&self, start: FaceId, point: Vec3) -> Projection {
+        self.closest_within(start, point, &self.barrier)
+    }
+
+    /// The same, with half-edges that it does not cross given by `barrier`.
+    pub fn closest_within(&self, start: FaceId, point: Vec3, barrier: &IdVec<CornerId, bool>) -> Projection {
         let mut best = self.on_triangle(start, point);
         for _ in 0..MAX_STEPS {
             let here = best.location;
             let mut next = best;
-            self.for_each_neighbour(here, |face| {
+            self.for_each_neighbour(here, barrier, |face| {
                 let there = self.on_triangle(face, point);
                 if there.distance_squared < next.distance_squared * PROGRESS {
                     next = there;
@@ -95,8 +100,31 @@ impl Baseline {
         best
     }
 
+    /// The location of a UV point in the shell of triangle `start`, by a straight walk there; none where a barrier or a
+    /// fold of the layout is in the way.
+    pub fn locate_uv(&self, start: FaceId, uv: Vec2) -> Option<Location> {
+        let mut face = start;
+        for _ in 0..MAX_STEPS {
+            let corners = self.corners(face);
+            let [a, b, c] = corners.map(|c| self.uvs[c]);
+            let area = (b - a).perp_dot(c - a);
+            let weights =
+                Vec3::new((b - uv).perp_dot(c - uv), (c - uv).perp_dot(a - uv), (a - uv).perp_dot(b - uv)) / area;
+            if !weights.is_finite() {
+                return None;
+            }
+            let outward = weights.min_position();
+            if weights[outward] >= 0.0 {
+                return Some(Location { face, weights });
+            }
+            let half = corners[(outward + 1) % 3];
+            face = self.topology.faces.face_of(self.topology.twin(half).filter(|_| !self.barrier[half])?);
+        }
+        None
+    }
+
     /// The triangles that share the edge or vertex on which a location lies, as far as no barrier is between.
-    fn for_each_neighbour(&self, at: Location, mut visit: impl FnMut(FaceId)) {
+    fn for_each_neighbour(&self, at: Location, barrier: &IdVec<CornerId, bool>, mut visit: impl FnMut(FaceId)) {
         let corners = self.corners(at.face);
         let zero = at.weights.to_array().map(|w| w <= 0.0);
         match zero.iter().filter(|z| **z).count() {
@@ -104,17 +132,22 @@ impl Baseline {
             1 => {
                 // The edge opposite the corner without weight.
                 let k = (0..3).find(|&k| zero[k]).unwrap_or(0);
-                self.across(corners[(k + 1) % 3], &mut visit);
+                self.across(corners[(k + 1) % 3], barrier, &mut visit);
             }
             _ => {
                 let k = (0..3).find(|&k| !zero[k]).unwrap_or(0);
-                self.around(corners[k], &mut visit);
+                self.around(corners[k], barrier, &mut visit);
             }
         }
     }
 
-    fn across(&self, half: CornerId, visit: &mut impl FnMut(FaceId)) -> Option<CornerId> {
-        if self.barrier[half] {
+    fn across(
+        &self,
+        half: CornerId,
+        barrier: &IdVec<CornerId, bool>,
+        visit: &mut impl FnMut(FaceId),
+    ) -> Option<CornerId> {
+        if barrier[half] {
             return None;
         }
         let twin = self.topology.twin(half)?;
@@ -123,17 +156,17 @@ impl Baseline {
     }
 
     /// Turns around the vertex of a corner, both ways up to a barrier.
-    fn around(&self, corner: CornerId, visit: &mut impl FnMut(FaceId)) {
+    fn around(&self, corner: CornerId, barrier: &IdVec<CornerId, bool>, visit: &mut impl FnMut(FaceId)) {
         let faces = &self.topology.faces;
         let mut at = corner;
-        while let Some(twin) = self.across(faces.prev(at), visit) {
+        while let Some(twin) = self.across(faces.prev(at), barrier, visit) {
             at = twin;
             if at == corner {
                 return;
             }
         }
         at = corner;
-        while let Some(twin) = self.across(at, visit) {
+        while let Some(twin) = self.across(at, barrier, visit) {
             at = faces.next(twin);
         }
     }

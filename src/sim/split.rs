@@ -22,8 +22,8 @@ pub fn split_long_edges(mesh: &mut SimMesh<'_>, max_faces: usize) -> usize {
         if faces >= max_faces {
             break;
         }
+        let Some(vertex) = mesh.split(half) else { continue };
         faces += 1 + usize::from(mesh.topology.twin(half).is_some());
-        let vertex = mesh.split(half);
         count += 1;
         let around: Vec<CornerId> = mesh.topology.fan(vertex).flat_map(|c| [c, prev(c)]).collect();
         for half in around.into_iter().filter(|&h| wants(mesh, h)) {

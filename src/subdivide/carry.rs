@@ -9,8 +9,44 @@ use crate::garment::{
 use crate::mesh::{CornerId, Csr, FaceId, VertexId};
 use rayon::prelude::*;
 
-/// Refines `garment` once, with every attribute. Skinning primvars come out merged by joint and pruned again.
-pub fn refine_garment(garment: &Garment) -> Garment {
+/// A garment on its way through derivations. Its joint influences are kept whole until the end, so that they are pruned
+/// to `elementSize` only once.
+pub struct Cage {
+    garment: Garment,
+    influences: Option<Vec<Influences>>,
+}
+
+impl Cage {
+    /// The cage of a garment.
+    pub fn new(garment: Garment) -> Self {
+        let influences = joints::pair(&garment).map(|(indices, weights)| joints::influences(indices, weights));
+        Self { garment, influences }
+    }
+
+    /// The cage refined once, with every attribute.
+    pub fn refined(&self) -> Self {
+        let (garment, influences) = refine(&self.garment, self.influences.as_deref());
+        Self { garment, influences }
+    }
+
+    /// The garment, with its influences pruned and its directions of unit length.
+    pub fn into_garment(self) -> Garment {
+        let Self { mut garment, influences } = self;
+        garment.primvars.iter_mut().for_each(to_unit_length);
+        let carried = match (joints::pair(&garment), &influences) {
+            (Some((indices, weights)), Some(influences)) => joints::to_primvars(influences, indices, weights),
+            _ => return garment,
+        };
+        for primvar in carried {
+            if let Some(slot) = garment.primvars.iter_mut().find(|p| p.name == primvar.name) {
+                *slot = primvar;
+            }
+        }
+        garment
+    }
+}
+
+fn refine(garment: &Garment, influences: Option<&[Influences]>) -> (Garment, Option<Vec<Influences>>) {
     let mut refiner = Refiner::new(garment);
     let mut channels = Vec::new();
     for (i, primvar) in garment.primvars.iter().enumerate().filter(|(_, p)| is_channel(p)) {
@@ -21,15 +57,15 @@ pub fn refine_garment(garment: &Garment) -> Garment {
     let derivation = refiner.derive();
     let carry = Carry::new(garment, &derivation);
     let points: Vec<[f32; 3]> = garment.points.iter().map(|p| p.to_array()).collect();
-    let mut primvars: Vec<Primvar> = Vec::with_capacity(garment.primvars.len());
-    for (i, primvar) in garment.primvars.iter().enumerate() {
-        primvars.push(match channels.iter().position(|(at, _)| *at == i) {
+    let carried =
+        garment.primvars.iter().enumerate().map(|(i, primvar)| match channels.iter().position(|(at, _)| *at == i) {
             Some(channel) => carry.channel(primvar, channel, &channels[channel].1),
+            None if joints::is_influence(garment, primvar) => primvar.clone(),
             None => carry.primvar(primvar),
         });
-    }
-    carry.skinning(&mut primvars);
-    Garment {
+    let primvars = carried.collect();
+    let influences = influences.map(|all| carry.influences(all));
+    let refined = Garment {
         prim: garment.prim.clone(),
         points: derivation.vertex().apply(&points).into_iter().map(Into::into).collect(),
         orientation: garment.orientation,
@@ -41,12 +77,13 @@ pub fn refine_garment(garment: &Garment) -> Garment {
         families: garment.families.iter().map(|f| refined_family(garment, f)).collect(),
         primvars,
         faces: derivation.faces,
-    }
+    };
+    (refined, influences)
 }
 
 /// Whether a primvar is refined as a face-varying channel.
 fn is_channel(primvar: &Primvar) -> bool {
-    primvar.interpolation == Interpolation::FaceVarying && primvar.mixing != Mixing::Discrete
+    primvar.interpolation == Interpolation::FaceVarying && primvar.is_mixed()
 }
 
 fn refined_corner(corner: &Corner) -> Option<Corner> {
@@ -146,7 +183,7 @@ impl<'a> Carry<'a> {
     }
 
     fn by_vertex<S: Stencils<Source = VertexId>>(&self, primvar: &Primvar, stencils: &S) -> Primvar {
-        if primvar.mixing == Mixing::Discrete {
+        if !primvar.is_mixed() {
             let sources = (0..stencils.rows()).into_par_iter();
             let sources: Vec<usize> = sources.map(|r| stencils.heaviest(r).map_or(0, |v| v.index())).collect();
             return taken(primvar, sources.into_iter());
@@ -172,19 +209,11 @@ impl<'a> Carry<'a> {
         })
     }
 
-    /// Replaces the influences, which were carried slot by slot, by ones merged by joint.
-    fn skinning(&self, primvars: &mut [Primvar]) {
-        let Some((indices, weights)) = joints::pair(self.garment) else { return };
-        let source = joints::influences(indices, weights);
+    /// The influences of the child's vertices, merged by joint.
+    fn influences(&self, all: &[Influences]) -> Vec<Influences> {
         let stencils = self.derivation.vertex();
         let rows = (0..stencils.rows()).into_par_iter();
-        let blended: Vec<Influences> =
-            rows.map(|r| joints::blend(stencils.merged(r).iter().map(|&(v, w)| (&source[v.index()], w)))).collect();
-        for carried in joints::to_primvars(&blended, indices, weights) {
-            if let Some(slot) = primvars.iter_mut().find(|p| p.name == carried.name) {
-                *slot = carried;
-            }
-        }
+        rows.map(|r| joints::blend(stencils.merged(r).iter().map(|&(v, w)| (&all[v.index()], w)))).collect()
     }
 }
 
@@ -201,17 +230,15 @@ fn mixed<S: Stencils>(stencils: &S, source: &Values, primvar: &Primvar) -> Value
     match source {
         Values::F32(v) => Values::F32(mix_rows(stencils, v, primvar)),
         Values::F64(v) => Values::F64(mix_rows(stencils, v, primvar)),
-        discrete => {
-            let rows: Vec<usize> =
-                (0..stencils.rows()).map(|r| stencils.heaviest(r).map_or(0, crate::mesh::Id::index)).collect();
-            discrete.gather(primvar.width(), rows.into_iter())
-        }
+        // Only real values are mixed.
+        discrete => discrete.clone(),
     }
 }
 
-fn mix_rows<S: Stencils, T: super::Real>(stencils: &S, source: &[T], primvar: &Primvar) -> Vec<T> {
+/// Child rows of a primvar from parent rows, by its way of mixing.
+pub fn mix_rows<S: Stencils, T: super::Real>(stencils: &S, source: &[T], primvar: &Primvar) -> Vec<T> {
     let width = primvar.width();
-    if primvar.mixing == Mixing::Linear {
+    if primvar.mixing != Mixing::Rotation {
         return stencils.apply_rows(source, width);
     }
     let rows = (0..stencils.rows()).into_par_iter();
@@ -222,7 +249,7 @@ fn mix_rows<S: Stencils, T: super::Real>(stencils: &S, source: &[T], primvar: &P
     .collect()
 }
 
-/// The mean of rows of a primvar with their weights, by its way of mixing.
+/// The mean of rows of a primvar with their weights, by its way of mixing; directions are not yet of unit length.
 pub fn mix<'a, T: super::Real + 'a>(rows: impl Iterator<Item = (&'a [T], f32)> + Clone, primvar: &Primvar) -> Vec<T> {
     let width = primvar.width();
     let mut sum = vec![0.0f64; width];
@@ -241,13 +268,26 @@ pub fn mix<'a, T: super::Real + 'a>(rows: impl Iterator<Item = (&'a [T], f32)> +
             part.iter().enumerate().for_each(|(i, x)| sum[at + i] += weight * x.to_f64());
         }
     }
-    if matches!(primvar.mixing, Mixing::Direction | Mixing::Rotation) {
-        for part in sum.chunks_mut(primvar.components) {
-            let length = part.iter().map(|x| x * x).sum::<f64>().sqrt();
+    sum.into_iter().map(T::from_f64).collect()
+}
+
+/// Scales the values of a primvar of directions or rotations to unit length, once all mixing is done.
+pub fn to_unit_length(primvar: &mut Primvar) {
+    fn scale<T: super::Real>(values: &mut [T], components: usize) {
+        for value in values.chunks_mut(components) {
+            let length = value.iter().map(|x| x.to_f64() * x.to_f64()).sum::<f64>().sqrt();
             if length > 0.0 {
-                part.iter_mut().for_each(|x| *x /= length);
+                value.iter_mut().for_each(|x| *x = T::from_f64(x.to_f64() / length));
             }
         }
     }
-    sum.into_iter().map(T::from_f64).collect()
+    let varies = !matches!(primvar.interpolation, Interpolation::Constant | Interpolation::Uniform);
+    if !varies || !matches!(primvar.mixing, Mixing::Direction | Mixing::Rotation) {
+        return;
+    }
+    match &mut primvar.values {
+        Values::F32(v) => scale(v, primvar.components),
+        Values::F64(v) => scale(v, primvar.components),
+        _ => {}
+    }
 }

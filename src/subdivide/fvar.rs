@@ -4,9 +4,9 @@
 //! masks; elsewhere the border of the region decides. The rules, mode by mode, are OpenSubdiv's (`vtr/fvarLevel.cpp`,
 //! `vtr/fvarRefinement.cpp`, `far/primvarRefiner.h`).
 
-use super::level::{self, INFINITE_SHARPNESS, Level, Spoke};
+use super::level::{self, INFINITE_SHARPNESS, Level};
 use super::masks;
-use super::split::{Numbering, child_corner};
+use super::split::{Numbering, child_corner, child_corners};
 use super::stencil::Stencils;
 use crate::garment::{BoundaryInterpolation, FaceVaryingInterpolation, Scheme};
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, ValueId, VertexId};
@@ -112,6 +112,7 @@ impl Channel {
     }
 
     /// The values at the two ends of a half-edge, in the edge's own direction.
+    #[inline]
     fn ends(&self, t: &Topology, half: CornerId, edge: EdgeId) -> [ValueId; 2] {
         let ends = [self.corner_value[half], self.corner_value[t.faces.next(half)]];
         if t.faces.vertex(half) == t.edges[edge][0] { ends } else { [ends[1], ends[0]] }
@@ -131,27 +132,25 @@ impl Channel {
         let t = &level.topology;
         let sharpen_smooth_corners =
             boundary != BoundaryInterpolation::EdgeAndCorner && self.mode != FaceVaryingInterpolation::None;
-        let mut spokes = Vec::new();
         for vertex in (0..t.vertex_count()).map(VertexId::new) {
             let corners = t.vertex_corners.row(vertex);
             let Some(&first) = corners.first() else { continue };
-            level.spokes(vertex, &mut spokes);
-            let on_border = spokes.iter().any(|s| t.is_border(s.edge));
+            let on_border = level::edges_at(t, vertex).any(|e| t.is_border(e));
             let several = corners.iter().any(|&c| self.corner_value[c] != self.corner_value[first]);
             if several
-                || spokes.iter().any(|s| self.edges[s.edge].cut)
+                || level::edges_at(t, vertex).any(|e| self.edges[e].cut)
                 || on_border && self.linear_boundaries()
                 || on_border && corners.len() == 1 && sharpen_smooth_corners
             {
-                self.tag_mismatch(level, vertex, &spokes, on_border);
+                self.tag_mismatch(level, vertex, on_border);
             }
         }
     }
 
     /// Tags the values of a vertex that does not follow the vertex masks.
-    fn tag_mismatch(&mut self, level: &Level, vertex: VertexId, spokes: &[Spoke], on_border: bool) {
+    fn tag_mismatch(&mut self, level: &Level, vertex: VertexId, on_border: bool) {
         let t = &level.topology;
-        let non_manifold = level::is_non_manifold_vertex(t, vertex, spokes);
+        let non_manifold = level::is_non_manifold_vertex(t, vertex);
         let spans = self.spans(level, vertex, on_border, non_manifold);
         let plus2 = self.mode == FaceVaryingInterpolation::CornersPlus2;
         let corners_sharp = self.mode != FaceVaryingInterpolation::None;
@@ -224,8 +223,8 @@ impl Channel {
         spans
     }
 
-    /// The refined channel without its edges: enough for the stencils, and for the last level.
-    fn child_values(&self, parent: &Level, values: &Values) -> Self {
+    /// The tags of the refined channel.
+    fn child_tags(&self, parent: &Level, values: &Values) -> IdVec<ValueId, Tag> {
         let t = &parent.topology;
         let mut tags = self.tags.clone();
         self.reclassify(parent, &mut tags);
@@ -235,9 +234,7 @@ impl Channel {
             let tag = self.edges[t.corner_edge[half]];
             if tag.cut || tag.linear { on_split_edge } else { Tag::Match }
         }));
-        let (corner_value, value_corner) =
-            if parent.scheme == Scheme::Loop { values.loop_corners(self, t) } else { values.quad_corners(self, t) };
-        Self { corner_value, value_corner, tags, edges: IdVec::new(), mode: self.mode }
+        tags
     }
 
     /// Turns values whose sharp edges have faded into creases.
@@ -297,7 +294,7 @@ impl Channel {
     }
 
     /// The mask of the child of a value, which the next level tags as `child`.
-    #[inline]
+    #[inline(always)]
     fn value_mask(&self, level: &Level, value: ValueId, child: Tag, sink: &mut impl FnMut(CornerId, f32)) {
         let own = self.value_corner[value];
         if self.is_linear(level) {
@@ -310,6 +307,7 @@ impl Channel {
         }
     }
 
+    #[inline(always)]
     fn crease_mask(&self, level: &Level, value: ValueId, own: CornerId, sink: &mut impl FnMut(CornerId, f32)) {
         let keep = self.fading_weight(level, value);
         sink(own, keep + 0.75 * (1.0 - keep));
@@ -355,19 +353,21 @@ pub struct ChannelChild<'a> {
     level: &'a Level,
     parent: &'a Channel,
     values: Values,
-    child: Channel,
+    corner_values: IdVec<CornerId, ValueId>,
+    tags: IdVec<ValueId, Tag>,
 }
 
 impl<'a> ChannelChild<'a> {
     pub(super) fn new(level: &'a Level, parent: &'a Channel) -> Self {
         let values = Values::new(parent, level);
-        let child = parent.child_values(level, &values);
-        Self { level, parent, values, child }
+        let (corner_values, tags) =
+            rayon::join(|| values.corner_values(parent, level), || parent.child_tags(level, &values));
+        Self { level, parent, values, corner_values, tags }
     }
 
     /// The value of each child corner.
     pub fn corner_values(&self) -> &IdVec<CornerId, ValueId> {
-        &self.child.corner_value
+        &self.corner_values
     }
 
     /// The child channel, over the child's topology.
@@ -382,7 +382,8 @@ impl<'a> ChannelChild<'a> {
                 }
             }
         }
-        Channel { edges, ..self.child }
+        let value_corner = self.values.value_corners(self.parent, self.level);
+        Channel { corner_value: self.corner_values, value_corner, tags: self.tags, edges, mode: self.parent.mode }
     }
 }
 
@@ -390,15 +391,15 @@ impl Stencils for ChannelChild<'_> {
     type Source = ValueId;
 
     fn rows(&self) -> usize {
-        self.child.len()
+        self.tags.len()
     }
 
-    #[inline]
+    #[inline(always)]
     fn row(&self, row: usize, sink: &mut impl FnMut(ValueId, f32)) {
         let (parent, level) = (self.parent, self.level);
         let mut sink = |corner: CornerId, weight: f32| sink(parent.corner_value[corner], weight);
         let own = parent.len();
-        let tag = self.child.tags[ValueId::new(row)];
+        let tag = self.tags[ValueId::new(row)];
         if row < own {
             parent.value_mask(level, ValueId::new(row), tag, &mut sink);
         } else if row < own + self.values.faces {
@@ -451,17 +452,22 @@ impl Values {
     fn new(channel: &Channel, level: &Level) -> Self {
         let t = &level.topology;
         let mut halves = Vec::with_capacity(t.edges.len() + t.edges.len() / 8);
-        let mut first = IdVec::new();
+        let mut first = IdVec::with_capacity(t.edges.len());
         for (edge, tag) in channel.edges.enumerated() {
             first.push(halves.len() as u32);
             let row = t.edge_corners.row(edge);
-            halves.extend_from_slice(if tag.cut { row } else { &row[..1] });
+            if tag.cut {
+                halves.extend_from_slice(row);
+            } else {
+                halves.push(row[0]);
+            }
         }
         let faces = if level.scheme == Scheme::Loop { 0 } else { t.faces.len() };
         Self { own: channel.len(), faces, halves, first }
     }
 
     /// The value in the middle of an edge as the face of `half` sees it.
+    #[inline(always)]
     fn middle(&self, channel: &Channel, t: &Topology, half: CornerId) -> ValueId {
         let edge = t.corner_edge[half];
         let side = match channel.edges[edge].cut {
@@ -471,25 +477,28 @@ impl Values {
         ValueId::new(self.own + self.faces + self.first[edge] as usize + side)
     }
 
-    fn quad_corners(&self, channel: &Channel, t: &Topology) -> (IdVec<CornerId, ValueId>, IdVec<ValueId, CornerId>) {
-        let mut corner_value = Vec::with_capacity(4 * t.faces.corners().len());
-        for c in t.faces.corners().ids() {
-            let around = [
+    /// The value of each child corner.
+    fn corner_values(&self, channel: &Channel, level: &Level) -> IdVec<CornerId, ValueId> {
+        let t = &level.topology;
+        match level.scheme {
+            Scheme::Loop => self.triangle_values(channel, t),
+            _ => self.quad_values(channel, t),
+        }
+    }
+
+    fn quad_values(&self, channel: &Channel, t: &Topology) -> IdVec<CornerId, ValueId> {
+        let values = child_corners(&t.faces, ValueId::new(0), |c| {
+            [
                 channel.corner_value[c],
                 self.middle(channel, t, c),
                 ValueId::new(self.own + t.faces.face_of(c).index()),
                 self.middle(channel, t, t.faces.prev(c)),
-            ];
-            let turn = child_corner(&t.faces, c, 0).index() & 3;
-            corner_value.extend((0..4).map(|slot| around[(slot + 4 - turn) & 3]));
-        }
-        let own = channel.value_corner.iter().map(|&c| child_corner(&t.faces, c, 0));
-        let centres = t.faces.ids().map(|f| child_corner(&t.faces, CornerId::new(t.faces.range(f).start), 2));
-        let middles = self.halves.iter().map(|&c| child_corner(&t.faces, c, 1));
-        (corner_value.into(), own.chain(centres).chain(middles).collect())
+            ]
+        });
+        values.into()
     }
 
-    fn loop_corners(&self, channel: &Channel, t: &Topology) -> (IdVec<CornerId, ValueId>, IdVec<ValueId, CornerId>) {
+    fn triangle_values(&self, channel: &Channel, t: &Topology) -> IdVec<CornerId, ValueId> {
         let mut corner_value = Vec::with_capacity(12 * t.faces.len());
         for face in t.faces.ids() {
             let at = |k: usize| CornerId::new(t.faces.range(face).start + k);
@@ -497,13 +506,25 @@ impl Values {
             let [e0, e1, e2] = [0, 1, 2].map(|k| self.middle(channel, t, at(k)));
             corner_value.extend([v0, e0, e2, e0, v1, e1, e2, e1, v2, e1, e2, e0]);
         }
+        corner_value.into()
+    }
+
+    /// A child corner of each child value.
+    fn value_corners(&self, channel: &Channel, level: &Level) -> IdVec<ValueId, CornerId> {
+        let faces = &level.topology.faces;
         // Child j of a triangle holds corner j at place j and the middle of its edge at the place after.
-        let child = |c: CornerId, step: usize| {
+        let in_triangle = |c: CornerId, step: usize| {
             let (face, j) = (c.index() / 3, c.index() % 3);
             CornerId::new(12 * face + 3 * j + (j + step) % 3)
         };
-        let own = channel.value_corner.iter().map(|&c| child(c, 0));
-        let middles = self.halves.iter().map(|&c| child(c, 1));
-        (corner_value.into(), own.chain(middles).collect())
+        let child = |c: CornerId, step: usize| match level.scheme {
+            Scheme::Loop => in_triangle(c, step),
+            _ => child_corner(faces, c, step),
+        };
+        let mut corners = Vec::with_capacity(self.own + self.faces + self.halves.len());
+        corners.extend(channel.value_corner.iter().map(|&c| child(c, 0)));
+        corners.extend((0..self.faces).map(|f| child(CornerId::new(faces.range(FaceId::new(f)).start), 2)));
+        corners.extend(self.halves.iter().map(|&c| child(c, 1)));
+        corners.into()
     }
 }

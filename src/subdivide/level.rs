@@ -27,10 +27,15 @@ pub enum Rule {
 impl Rule {
     /// The rule at a vertex of a sharpness, among edges of the given sharpnesses.
     pub fn new(vertex: f32, edges: impl IntoIterator<Item = f32>) -> Self {
+        Self::of_count(vertex, edges.into_iter().filter(|&s| s > 0.0).count())
+    }
+
+    /// The rule at a vertex of a sharpness, among a number of sharp edges.
+    fn of_count(vertex: f32, sharp_edges: usize) -> Self {
         if vertex > 0.0 {
             return Self::Corner;
         }
-        match edges.into_iter().filter(|&s| s > 0.0).count() {
+        match sharp_edges {
             0 => Self::Smooth,
             1 => Self::Dart,
             2 => Self::Crease,
@@ -116,12 +121,14 @@ impl Level {
             if corners == 0 {
                 continue;
             }
+            let is_non_manifold = is_non_manifold_vertex(&self.topology, vertex);
+            if corners > 1 && !is_non_manifold {
+                continue;
+            }
             self.spokes(vertex, &mut spokes);
             let is_corner = corners == 1 && spokes.len() == 2;
             if is_corner && self.sharp_corners
-                || !is_corner
-                    && is_non_manifold_vertex(&self.topology, vertex, &spokes)
-                    && !is_non_manifold_crease(&self.topology, vertex, &spokes)
+                || !is_corner && is_non_manifold && !is_non_manifold_crease(&self.topology, vertex, &spokes)
             {
                 self.vertex_sharpness[vertex] = INFINITE_SHARPNESS;
             }
@@ -129,11 +136,12 @@ impl Level {
     }
 
     fn set_rules(&mut self) {
-        let mut spokes = Vec::new();
-        for vertex in self.rules.ids() {
-            self.spokes(vertex, &mut spokes);
-            self.rules[vertex] =
-                Rule::new(self.vertex_sharpness[vertex], spokes.iter().map(|s| self.edge_sharpness[s.edge]));
+        let mut sharp_edges = IdVec::<VertexId, usize>::filled(0, self.topology.vertex_count());
+        for (edge, _) in self.edge_sharpness.enumerated().filter(|(_, s)| **s > 0.0) {
+            self.topology.edges[edge].iter().for_each(|&end| sharp_edges[end] += 1);
+        }
+        for (vertex, rule) in self.rules.iter_mut().enumerate().map(|(i, r)| (VertexId::new(i), r)) {
+            *rule = Rule::of_count(self.vertex_sharpness[vertex], sharp_edges[vertex]);
         }
     }
 
@@ -162,6 +170,13 @@ impl Level {
     }
 }
 
+/// The edges at a vertex, once for each face that they have there.
+#[inline]
+pub fn edges_at(topology: &Topology, vertex: VertexId) -> impl Iterator<Item = EdgeId> {
+    let corners = topology.vertex_corners.row(vertex).iter();
+    corners.flat_map(|&c| [topology.corner_edge[c], topology.corner_edge[topology.faces.prev(c)]])
+}
+
 /// Collects the edges at a vertex, each once, in the order of the corners.
 pub fn spokes(topology: &Topology, vertex: VertexId, out: &mut Vec<Spoke>) {
     out.clear();
@@ -178,6 +193,7 @@ pub fn spokes(topology: &Topology, vertex: VertexId, out: &mut Vec<Spoke>) {
 }
 
 /// More than two faces, or two that traverse the edge in the same direction.
+#[inline]
 pub fn is_non_manifold(topology: &Topology, edge: EdgeId) -> bool {
     match *topology.edge_corners.row(edge) {
         [] | [_] => false,
@@ -187,11 +203,11 @@ pub fn is_non_manifold(topology: &Topology, edge: EdgeId) -> bool {
 }
 
 /// A vertex of a non-manifold edge, or whose faces are not one fan.
-pub fn is_non_manifold_vertex(topology: &Topology, vertex: VertexId, spokes: &[Spoke]) -> bool {
-    if spokes.iter().any(|s| is_non_manifold(topology, s.edge)) {
+pub fn is_non_manifold_vertex(topology: &Topology, vertex: VertexId) -> bool {
+    if edges_at(topology, vertex).any(|e| is_non_manifold(topology, e)) {
         return true;
     }
-    let borders = spokes.iter().filter(|s| topology.is_border(s.edge)).count();
+    let borders = edges_at(topology, vertex).filter(|&e| topology.is_border(e)).count();
     borders > 2 || fan_length(topology, vertex) != topology.vertex_corners.row(vertex).len()
 }
 

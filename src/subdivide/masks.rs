@@ -75,6 +75,7 @@ fn smooth_edge_face_weight(level: &Level, halves: &[CornerId]) -> f32 {
     0.5 / halves.len() as f32
 }
 
+#[inline(always)]
 fn smooth_loop_edge(level: &Level, edge: EdgeId, scale: f32, sink: &mut impl FnMut(CornerId, f32)) {
     let halves = level.topology.edge_corners.row(edge);
     middle(level, edge, 0.75 * scale, sink);
@@ -89,12 +90,21 @@ pub fn vertex(level: &Level, vertex: VertexId, sink: &mut impl FnMut(CornerId, f
     match level.scheme {
         Scheme::Bilinear | Scheme::None => sink(own, 1.0),
         _ if level.rules[vertex].is_smooth() => smooth_vertex(level, vertex, 1.0, sink),
-        _ => sharp_vertex(level, vertex, own, sink),
+        _ => {
+            for (corner, weight) in sharp_vertex(level, vertex, own) {
+                sink(corner, weight);
+            }
+        }
     }
 }
 
 /// A crease or corner, or one that the next level no longer has: then a blend by the sharpness that is left.
-fn sharp_vertex(level: &Level, vertex: VertexId, own: CornerId, sink: &mut impl FnMut(CornerId, f32)) {
+///
+/// The weights are returned, not passed to the caller's sink: only a sink that is never called out of line is kept in
+/// registers, and all other masks gain from that.
+fn sharp_vertex(level: &Level, vertex: VertexId, own: CornerId) -> Vec<(CornerId, f32)> {
+    let mut mask = Vec::with_capacity(4);
+    let sink = &mut |corner, weight| mask.push((corner, weight));
     let rule = level.rules[vertex];
     let mut spokes = Vec::with_capacity(8);
     level.spokes(vertex, &mut spokes);
@@ -103,7 +113,8 @@ fn sharp_vertex(level: &Level, vertex: VertexId, own: CornerId, sink: &mut impl 
     let refined = |s: &Spoke| refined_sharpness(sharpnesses(s));
     let child = Rule::new(refined_sharpness(sharpness), spokes.iter().map(refined));
     if child == rule {
-        return by_rule(level, vertex, rule, own, &spokes, &sharpnesses, 1.0, sink);
+        by_rule(level, vertex, rule, own, &spokes, &sharpnesses, 1.0, sink);
+        return mask;
     }
     let keep = fractional_weight(sharpness, spokes.iter().map(sharpnesses));
     if keep > 0.0 {
@@ -112,6 +123,7 @@ fn sharp_vertex(level: &Level, vertex: VertexId, own: CornerId, sink: &mut impl 
     if keep < 1.0 {
         by_rule(level, vertex, child, own, &spokes, &refined, 1.0 - keep, sink);
     }
+    mask
 }
 
 #[allow(clippy::too_many_arguments)]
@@ -169,6 +181,7 @@ fn smooth_vertex(level: &Level, vertex: VertexId, scale: f32, sink: &mut impl Fn
     }
 }
 
+#[inline(always)]
 fn smooth_loop_vertex(level: &Level, corners: &[CornerId], scale: f32, sink: &mut impl FnMut(CornerId, f32)) {
     let valence = corners.len() as f64;
     let beta = 0.25 * (std::f64::consts::TAU / valence).cos() + 0.375;

@@ -11,7 +11,7 @@ mod masks;
 mod split;
 mod stencil;
 
-pub use carry::{mix, refine_garment, taken};
+pub use carry::{Cage, mix, mix_rows, taken, to_unit_length};
 pub use fvar::{Channel, ChannelChild};
 pub use level::{INFINITE_SHARPNESS, Level, Rule, Spoke, refined_sharpness};
 pub use split::{Numbering, child_corner};
@@ -143,7 +143,7 @@ impl Stencils for VertexStencils<'_> {
         self.own + self.faces + self.level.topology.edges.len()
     }
 
-    #[inline]
+    #[inline(always)]
     fn row(&self, row: usize, sink: &mut impl FnMut(VertexId, f32)) {
         let faces = &self.level.topology.faces;
         let mut by_corner = |corner: CornerId, weight: f32| sink(faces.vertex(corner), weight);

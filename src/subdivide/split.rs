@@ -8,6 +8,9 @@ use crate::garment::Scheme;
 use crate::mesh::{CornerId, Csr, EdgeId, FaceId, Faces, IdVec, Topology, VertexId};
 use rayon::prelude::*;
 
+/// Corners that one task works on.
+const CORNERS_PER_TASK: usize = 4096;
+
 /// Where the children of a parent's elements are.
 #[derive(Clone, Copy, Debug)]
 pub struct Numbering {
@@ -69,17 +72,40 @@ impl Numbering {
 
 /// The child corner of parent corner `c` at step `k`: its vertex, the middle of its edge, the face's centre, the middle
 /// of the edge before. Children of quads keep the parent's corner at the parent's place.
-#[inline]
+#[inline(always)]
 pub fn child_corner(parent: &Faces, c: CornerId, k: usize) -> CornerId {
-    let turn = match parent.regular_valence() {
+    CornerId::new(4 * c.index() + ((turn(parent, c) + k) & 3))
+}
+
+/// The place at which the child quad of a corner has that corner.
+#[inline(always)]
+fn turn(parent: &Faces, c: CornerId) -> usize {
+    match parent.regular_valence() {
         Some(4) => c.index() & 3,
         Some(_) => 0,
         None => {
             let range = parent.range(parent.face_of(c));
             if range.len() == 4 { c.index() - range.start } else { 0 }
         }
-    };
-    CornerId::new(4 * c.index() + (turn + k & 3))
+    }
+}
+
+/// What the corners of the child quads take, where `around` gives it for the quad of a corner, from step 0 on.
+pub fn child_corners<T: Copy + Send>(parent: &Faces, filler: T, around: impl Fn(CornerId) -> [T; 4] + Sync) -> Vec<T> {
+    let mut children = vec![filler; 4 * parent.corners().len()];
+    children.par_chunks_mut(4 * CORNERS_PER_TASK).enumerate().for_each(|(task, quads)| {
+        for (i, quad) in quads.chunks_exact_mut(4).enumerate() {
+            let corner = CornerId::new(task * CORNERS_PER_TASK + i);
+            let [a, b, c, d] = around(corner);
+            quad.copy_from_slice(&match turn(parent, corner) {
+                0 => [a, b, c, d],
+                1 => [d, a, b, c],
+                2 => [c, d, a, b],
+                _ => [b, c, d, a],
+            });
+        }
+    });
+    children
 }
 
 /// The child faces of a level.
@@ -90,19 +116,14 @@ pub fn child_faces(parent: &Level) -> Faces {
 fn child_quads(parent: &Level) -> Faces {
     let numbering = Numbering::new(parent);
     let t = &parent.topology;
-    let mut corners = vec![VertexId::new(0); 4 * t.faces.corners().len()];
-    corners.par_chunks_exact_mut(4).enumerate().with_min_len(4096).for_each(|(c, quad)| {
-        let corner = CornerId::new(c);
-        let around = [
+    Faces::quads(child_corners(&t.faces, VertexId::new(0), |corner| {
+        [
             t.faces.vertex(corner),
             numbering.of_edge(t.corner_edge[corner]),
             numbering.of_face(t.faces.face_of(corner)),
             numbering.of_edge(t.corner_edge[t.faces.prev(corner)]),
-        ];
-        let turn = child_corner(&t.faces, corner, 0).index() & 3;
-        (0..4).for_each(|k| quad[turn + k & 3] = around[k]);
-    });
-    Faces::quads(corners)
+        ]
+    }))
 }
 
 fn child_triangles(parent: &Level) -> Faces {
@@ -181,34 +202,34 @@ fn quad_topology(parent: &Level, faces: Faces) -> Topology {
     let half =
         |edge: EdgeId, at: VertexId| EdgeId::new(corners + 2 * edge.index() + usize::from(t.edges[edge][0] != at));
 
-    let mut corner_edge = vec![EdgeId::new(0); 4 * corners];
-    corner_edge.par_chunks_exact_mut(4).enumerate().with_min_len(4096).for_each(|(c, quad)| {
-        let corner = CornerId::new(c);
-        let prev = t.faces.prev(corner);
-        let vertex = t.faces.vertex(corner);
-        let around = [
-            half(t.corner_edge[corner], vertex),
-            EdgeId::new(c),
-            EdgeId::new(prev.index()),
-            half(t.corner_edge[prev], vertex),
-        ];
-        let turn = child_corner(&t.faces, corner, 0).index() & 3;
-        (0..4).for_each(|k| quad[turn + k & 3] = around[k]);
-    });
+    let corner_edge = || {
+        child_corners(&t.faces, EdgeId::new(0), |corner| {
+            let prev = t.faces.prev(corner);
+            let vertex = t.faces.vertex(corner);
+            [
+                half(t.corner_edge[corner], vertex),
+                EdgeId::new(corner.index()),
+                EdgeId::new(prev.index()),
+                half(t.corner_edge[prev], vertex),
+            ]
+        })
+    };
+    let ((corner_edge, edges), (edge_corners, vertex_corners)) = rayon::join(
+        || rayon::join(corner_edge, || quad_edges(t, numbering)),
+        || rayon::join(|| quad_edge_corners(t), || quad_vertex_corners(t)),
+    );
+    Topology { corner_edge: corner_edge.into(), edges: edges.into(), edge_corners, vertex_corners, faces }
+}
 
-    let mut edges = Vec::with_capacity(corners + 2 * t.edges.len());
+fn quad_edges(t: &Topology, numbering: Numbering) -> Vec<[VertexId; 2]> {
+    let mut edges = Vec::with_capacity(t.faces.corners().len() + 2 * t.edges.len());
     edges.extend(
         t.corner_edge.enumerated().map(|(c, &e)| [numbering.of_face(t.faces.face_of(c)), numbering.of_edge(e)]),
     );
-    edges.extend(t.edges.enumerated().flat_map(|(e, &[a, b])| [[numbering.of_edge(e), a], [numbering.of_edge(e), b]]));
-
-    Topology {
-        corner_edge: corner_edge.into(),
-        edges: edges.into(),
-        edge_corners: quad_edge_corners(t),
-        vertex_corners: quad_vertex_corners(t),
-        faces,
+    for (edge, &[a, b]) in t.edges.enumerated() {
+        edges.extend([[numbering.of_edge(edge), a], [numbering.of_edge(edge), b]]);
     }
+    edges
 }
 
 fn quad_edge_corners(t: &Topology) -> Csr<EdgeId, CornerId> {

@@ -6,9 +6,9 @@ mod vertex;
 
 use crate::error::{Warning, Warnings};
 use crate::garment::{Garment, Interpolation, Primvar, Scheme, SubdivisionRules, joints};
-use crate::mesh::{CornerId, FaceId, Faces, IdVec, VertexId};
+use crate::mesh::{CornerId, EdgeId, FaceId, Faces, IdVec, Topology, VertexId};
 use crate::sim::{Location, SimOptions, SimProduct};
-use crate::subdivide::taken;
+use crate::subdivide::{taken, to_unit_length};
 
 /// The simulation mesh with the garment's attributes.
 ///
@@ -28,11 +28,12 @@ pub fn transfer(
             Interpolation::Uniform => Some(taken(primvar, sites.source_faces.iter().map(|f| f.index()))),
             Interpolation::Vertex | Interpolation::Varying if joints::is_influence(garment, primvar) => None,
             Interpolation::Vertex | Interpolation::Varying => Some(vertex::carry(primvar, product, &sites)),
-            Interpolation::FaceVarying => corner::carry(garment, primvar, product, &sites, uv_set, warnings),
+            Interpolation::FaceVarying => Some(corner::carry(garment, primvar, product, &sites, uv_set)),
         };
         primvars.extend(carried);
     }
     primvars.extend(vertex::carry_influences(garment, product, &sites));
+    primvars.iter_mut().for_each(to_unit_length);
     // In the garment's order, so that outputs compare.
     primvars.sort_by_key(|p| garment.primvars.iter().position(|q| q.name == p.name));
     let (subsets, families) = subset::carry(garment, product, &sites, options, warnings);
@@ -42,11 +43,10 @@ pub fn transfer(
             why: "the simulation mesh has no subdivision; the model and the render mesh keep it".into(),
         });
     }
-    let corners: Vec<VertexId> = product.triangles.iter().flatten().copied().collect();
     Garment {
         prim: garment.prim.clone(),
         points: product.points.clone(),
-        faces: Faces::triangles(corners),
+        faces: sites.topology.faces,
         orientation: garment.orientation,
         rules: SubdivisionRules { scheme: Scheme::None, ..SubdivisionRules::default() },
         holes: Vec::new(),
@@ -66,6 +66,10 @@ pub(crate) struct Sites {
     pub faces: IdVec<FaceId, FaceId>,
     /// The garment's face there.
     pub source_faces: IdVec<FaceId, FaceId>,
+    /// The edges of the simulation mesh.
+    pub topology: Topology,
+    /// Which of them are seams of the constraint UVs.
+    pub is_seam: IdVec<EdgeId, bool>,
 }
 
 impl Sites {
@@ -89,6 +93,14 @@ impl Sites {
         let source_faces = faces.iter().map(|&f| product.baseline.source_face[f]).collect();
         let vertices =
             vertices.iter().map(|l| l.unwrap_or(Location { face: FaceId::new(0), weights: glam::Vec3::X })).collect();
-        Self { vertices, faces, source_faces }
+        let corners: Vec<VertexId> = product.triangles.iter().flatten().copied().collect();
+        let topology = Topology::new(Faces::triangles(corners), product.points.len());
+        let mut is_seam = IdVec::filled(false, topology.edges.len());
+        for (id, _) in product.baseline.chains.enumerated().filter(|(_, c)| c.marks.seam) {
+            for edge in product.chain_edges[id].iter().filter_map(|&[a, b]| topology.find_edge(a, b)) {
+                is_seam[edge] = true;
+            }
+        }
+        Self { vertices, faces, source_faces, topology, is_seam }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Sites;
 use crate::garment::joints::{self, Influences};
-use crate::garment::{Garment, Interpolation, Mixing, Primvar, Values};
+use crate::garment::{Garment, Interpolation, Primvar, Values};
 use crate::mesh::{CornerId, VertexId};
 use crate::sim::{Location, SimProduct};
 use crate::subdivide::{Real, Stencils, mix, taken};
@@ -10,16 +10,11 @@ use rayon::prelude::*;
 
 /// A vertex or varying primvar on the simulation mesh.
 pub(super) fn carry(primvar: &Primvar, product: &SimProduct, sites: &Sites) -> Primvar {
-    let linear = primvar.interpolation == Interpolation::Varying;
-    let values = match (&primvar.values, primvar.mixing) {
-        (Values::F32(v), Mixing::Linear | Mixing::Direction | Mixing::Rotation) => {
-            Values::F32(interpolated(primvar, v, product, sites, linear))
-        }
-        (Values::F64(v), Mixing::Linear | Mixing::Direction | Mixing::Rotation) => {
-            Values::F64(interpolated(primvar, v, product, sites, linear))
-        }
+    let values = match &primvar.values {
+        Values::F32(v) if primvar.is_mixed() => Values::F32(interpolated(primvar, v, product, sites)),
+        Values::F64(v) if primvar.is_mixed() => Values::F64(interpolated(primvar, v, product, sites)),
         _ => {
-            let nearest = nearest_sources(product, linear);
+            let nearest = nearest_sources(product, primvar.interpolation == Interpolation::Varying);
             let sources = sites.vertices.iter().map(|&at| nearest[heaviest(product, at).index()].index());
             return taken(primvar, sources.collect::<Vec<_>>().into_iter());
         }
@@ -27,27 +22,29 @@ pub(super) fn carry(primvar: &Primvar, product: &SimProduct, sites: &Sites) -> P
     Primvar { values, indices: None, ..primvar.clone() }
 }
 
-fn interpolated<T: Real>(primvar: &Primvar, source: &[T], product: &SimProduct, sites: &Sites, linear: bool) -> Vec<T> {
+fn interpolated<T: Real>(primvar: &Primvar, source: &[T], product: &SimProduct, sites: &Sites) -> Vec<T> {
     let width = primvar.width();
-    let row = |v: VertexId| source[primvar.row(v.index()) * width..][..width].to_vec();
-    let fine = product.baseline.refine_vertex_rows(row, width, linear);
+    let fine = product.baseline.refine_rows(primvar, source);
     let at = |at: &Location| mix(parts(product, *at).map(|(v, w)| (&fine[v.index() * width..][..width], w)), primvar);
     sites.vertices.par_iter().flat_map_iter(at).collect()
 }
 
-/// The baseline's vertices around a location, with their weights.
+/// The vertices of the finest level around a location, with their weights.
 fn parts(product: &SimProduct, at: Location) -> impl Iterator<Item = (VertexId, f32)> + Clone + '_ {
     let faces = &product.baseline.topology.faces;
-    faces.corners_of(at.face).zip(at.weights.to_array()).map(|(c, w)| (faces.vertex(c), w))
+    faces
+        .corners_of(at.face)
+        .zip(at.weights.to_array())
+        .map(|(c, w)| (product.baseline.level_vertex[faces.vertex(c)], w))
 }
 
 fn heaviest(product: &SimProduct, at: Location) -> VertexId {
     let k = at.weights.max_position();
     let faces = &product.baseline.topology.faces;
-    faces.vertex(CornerId::new(at.face.index() * 3 + k))
+    product.baseline.level_vertex[faces.vertex(CornerId::new(at.face.index() * 3 + k))]
 }
 
-/// The garment's vertex that weighs most at each vertex of the baseline.
+/// The garment's vertex that weighs most at each vertex of the finest level.
 fn nearest_sources(product: &SimProduct, linear: bool) -> Vec<VertexId> {
     let baseline = &product.baseline;
     let mut nearest: Vec<VertexId> = baseline.manifold.vertex_source.to_vec();

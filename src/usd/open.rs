@@ -40,8 +40,14 @@ pub fn open_stage(file: &Path) -> Result<Stage, UsdError> {
     };
     Stage::open(path).map_err(|e| {
         let words = e.to_string();
-        UsdError::new(format!("{shown} cannot be read as USD: {}", words.trim_start_matches("error: ").trim_end()))
-            .hint("the file is damaged, or is another format under this name; export it again")
+        // The text reader knows letters beyond ASCII in names of prims, but not of properties.
+        let beyond_ascii = words.contains("Logos") && std::fs::read(file).is_ok_and(|b| !b.is_ascii());
+        let words = words.trim_start_matches("error: ").trim_end();
+        UsdError::new(format!("{shown} cannot be read as USD: {words}")).hint(if beyond_ascii {
+            "property names with letters beyond ASCII are read from .usdc only; convert the file to .usdc"
+        } else {
+            "the file is damaged, or is another format under this name; export it again"
+        })
     })
 }
 

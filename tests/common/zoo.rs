@@ -137,7 +137,8 @@ fn cube() -> GarmentInput {
 }
 
 /// Each face is a shell of its own.
-fn islands(input: GarmentInput) -> GarmentInput {
+fn islands(mut input: GarmentInput) -> GarmentInput {
+    input.primvars.retain(|p| p.name != "st");
     let start: Vec<i32> = input
         .face_vertex_counts
         .iter()

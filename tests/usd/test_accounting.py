@@ -43,6 +43,10 @@ def test_sim_mesh_carries_every_primvar_and_subset(product):
     assert unaccounted(product, product.sim, kept) == [], product.warnings
 
 
+# What the simulation mesh says of its own borders and UV seams.
+CONSTRAINT_SETS = {"tailorBorders", "tailorSeams"}
+
+
 @pytest.mark.parametrize("name", ["sim", "render"])
 def test_skinned_meshes_stay_bound_to_their_skeleton(product, name):
     """SkelBindingAPI, without which the influences mean nothing, and the properties that say which skeleton."""
@@ -63,7 +67,7 @@ def test_skinned_meshes_stay_bound_to_their_skeleton(product, name):
 def test_nothing_is_invented(product, name):
     mesh = product.mesh(name)
     assert mesh.primvars.keys() <= product.source.primvars.keys()
-    assert mesh.subsets.keys() <= product.source.subsets.keys()
+    assert mesh.subsets.keys() <= product.source.subsets.keys() | (CONSTRAINT_SETS if name == "sim" else set())
 
 
 @pytest.mark.parametrize("name", ["sim", "render"])

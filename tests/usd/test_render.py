@@ -92,8 +92,8 @@ def test_vertex_primvars(refined):
         if primvar.is_discrete:
             no_new_values(written, primvar)
             continue
-        if primvar.element.startswith("quat"):
-            close_turns(written.flat[used], refined.expected(refined.made.vertex(primvar.flat))[used], name)
+        if is_direction(primvar):
+            close_directions(written.flat[used], refined.expected(refined.made.vertex(primvar.flat))[used], name)
             continue
         close(written.flat[used], refined.expected(refined.made.vertex(primvar.flat))[used], name, tolerance_scale(primvar))
 
@@ -103,9 +103,15 @@ def no_new_values(written, primvar):
     assert {tuple(row) for row in written.flat} <= {tuple(row) for row in primvar.flat}, f"{primvar.name}: invented values"
 
 
-def close_turns(actual, expected, name):
-    """Quaternions up to their length and sign."""
-    actual, expected = (q / np.linalg.norm(q, axis=1, keepdims=True) for q in (actual, expected))
+def is_direction(primvar):
+    """Quaternions and normals are scaled to unit length once they are mixed."""
+    return primvar.element.startswith(("quat", "normal"))
+
+
+def close_directions(actual, expected, name):
+    """Of unit length, and equal but for the sign."""
+    assert np.abs(np.linalg.norm(actual, axis=1) - 1).max(initial=0) < 1e-3, name
+    expected = expected / np.linalg.norm(expected, axis=1, keepdims=True)
     assert np.abs(np.abs((actual * expected).sum(axis=1)) - 1).max(initial=0) < 1e-3, name
 
 
@@ -121,6 +127,8 @@ def test_varying_primvars_are_linear(refined):
     for name, primvar, written in carried(refined, "varying"):
         if primvar.is_discrete:
             no_new_values(written, primvar)
+        elif is_direction(primvar):
+            close_directions(written.flat[used], refined.expected(refined.made.varying(primvar.flat))[used], name)
         else:
             expected = refined.expected(refined.made.varying(primvar.flat))
             close(written.flat[used], expected[used], name, tolerance_scale(primvar))
@@ -143,7 +151,10 @@ def test_face_varying_primvars(refined):
             no_new_values(written, primvar)
             continue
         expected, _ = refined.made.face_varying(primvar.rows, primvar.corner_indices(), refined.source.face_varying)
-        close(written.flat, expected, name, tolerance_scale(primvar))
+        if is_direction(primvar):
+            close_directions(written.flat, expected, name)
+        else:
+            close(written.flat, expected, name, tolerance_scale(primvar))
 
 
 def test_face_varying_cuts_are_where_the_source_has_them(refined):
