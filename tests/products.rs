@@ -55,7 +55,9 @@ fn of_garments() {
         let input = source.garment(&mut warnings).unwrap_or_else(|e| panic!("{name}: {e}"));
         let mut layers = Layers::default();
         layers.add_attributes(source.recipe().unwrap_or_else(|e| panic!("{name}: {e}")), &mut warnings);
-        complaints.extend(complaint(&name, input, &layers, GARMENT));
+        // Those without a recipe get lengths near those of their faces, at which chains are cut unevenly.
+        let chain = if layers.says("sim", "maxEdgeLength") { GARMENT.chain } else { 0.05 };
+        complaints.extend(complaint(&name, input, &layers, Bounds { chain, ..GARMENT }));
     }
     none_of(complaints);
 }

@@ -384,7 +384,8 @@ fn chain_faults(product: &SimProduct, mesh: &Topology, id: ChainId, bounds: Boun
             p.distance(a.lerp(b, t))
         };
         let off = chain.vertices.windows(2).map(to_segment).fold(f32::MAX, f32::min);
-        if off > ON_SURFACE * product.target[v] {
+        // Far from the origin a place is no finer than the numbers there.
+        if off > ON_SURFACE * product.target[v] + 4.0 * f32::EPSILON * p.abs().max_element() {
             faults.push(("chain curve", format!("has {v:?} {off} off its curve")));
         }
     }
