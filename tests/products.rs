@@ -56,7 +56,7 @@ fn of_garments() {
         let mut layers = Layers::default();
         layers.add_attributes(source.recipe().unwrap_or_else(|e| panic!("{name}: {e}")), &mut warnings);
         // Those without a recipe get lengths near those of their faces, at which chains are cut unevenly.
-        let chain = if layers.says("sim", "maxEdgeLength") { GARMENT.chain } else { 0.05 };
+        let chain = if layers.says("sim", "maxEdgeLength") { GARMENT.chain } else { 0.08 };
         complaints.extend(complaint(&name, input, &layers, Bounds { chain, ..GARMENT }));
     }
     none_of(complaints);
