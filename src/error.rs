@@ -103,7 +103,7 @@ pub enum Warning {
         /// Point indices.
         examples: Vec<usize>,
     },
-    /// Faces without area; dropped on the simulation mesh, kept on the render mesh.
+    /// Faces without area; both meshes keep them, and the simulation mesh may have such triangles there.
     DegenerateFaces {
         /// How many.
         count: usize,
@@ -162,7 +162,7 @@ impl fmt::Display for Warning {
             Self::DegenerateFaces { count, examples } => {
                 let some = some(*count, "faces", examples, usize::to_string);
                 write!(f, "faces without area: {count} ({some}); ")?;
-                write!(f, "the simulation mesh drops them, the render mesh keeps them")
+                write!(f, "both meshes keep them; delete them, or give them an area")
             }
             Self::DuplicateFaces { count, examples } => {
                 let some = some(*count, "faces", examples, |[first, face]| format!("{face} on {first}"));

@@ -1,12 +1,15 @@
 //! Read, check, subdivide, simulate, render, transfer: what the command, the plugin and the crate's users all run.
 
 use crate::error::{Error, Warning, Warnings};
-use crate::garment::{Garment, GarmentInput, Primvar, Scheme, check_garment};
-use crate::mesh::{IdVec, Topology, VertexId};
+use crate::garment::{
+    BoundaryInterpolation, Garment, GarmentError, GarmentInput, Primvar, Problem, Scheme, check_garment,
+};
+use crate::mesh::{FaceId, IdVec, Topology, VertexId};
 use crate::recipe::{Layers, Recipe, bind};
 use crate::render::render;
 use crate::report::{RenderFigures, SimFigures};
-use crate::sim::{Baseline, Lengths, RemeshReport, simulate};
+use crate::sim::{Baseline, Lengths, RemeshReport, holes, simulate};
+use crate::subdivide::Level;
 use crate::transfer::transfer;
 use serde::Serialize;
 use std::time::Instant;
@@ -21,6 +24,9 @@ pub struct Limits<'a> {
 
 /// Largest simulation mesh by default. \[triangles\]
 pub const DEFAULT_MAX_FACES: usize = 5_000_000;
+
+/// Mean edges with which areas, and ratios of areas, stay within 32 bits. \[stage units\]
+const USABLE_LENGTHS: std::ops::RangeInclusive<f32> = 1e-8..=1e8;
 
 /// Time that a stage took.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -95,6 +101,7 @@ impl Prepared {
     /// Faults of the garment or of the recipe.
     pub fn new(input: GarmentInput, layers: &Layers, warnings: &mut Warnings) -> Result<Self, Error> {
         let garment = check_garment(input, warnings)?;
+        check_extent(&garment)?;
         let mut recipe = layers.recipe()?;
         settle_lengths(&garment, &mut recipe);
         let uv_set_was_given = layers.says("sim", "uvSet");
@@ -162,6 +169,47 @@ impl Prepared {
             stages: clock.stages,
         })
     }
+}
+
+/// Checks that there is a surface to work on: faces that are drawn, of some area, in numbers that can be squared.
+fn check_extent(garment: &Garment) -> Result<(), Error> {
+    let fault = |attribute: &str, fault: String, remedy: &str| {
+        let problem = Problem { attribute: attribute.into(), fault, remedy: remedy.into() };
+        Err(GarmentError { prim: garment.prim.clone(), problems: vec![problem], more: 0 }.into())
+    };
+    let mean = mean_edge_length(garment);
+    let mut places = garment.faces.corners().iter().map(|&v| garment.points[v]);
+    let first = places.next();
+    if places.all(|p| Some(p) == first) {
+        let all = "the edges have no length: all points are in one place";
+        return fault("points", all.into(), "give the points their positions");
+    }
+    if !USABLE_LENGTHS.contains(&mean) {
+        let remedy = "scale the points, and metersPerUnit with them, so that a garment measures 0.1 to 1000 units";
+        return fault("points", format!("the mean edge length is {mean:e}, too far from 1 to compute with"), remedy);
+    }
+    if garment.faces.ids().all(|f| doubled_area(garment, f) == 0.0) {
+        return fault("points", "no face has an area".into(), "give the points their positions");
+    }
+    let has_holes = !garment.holes.is_empty() || garment.rules.boundary == BoundaryInterpolation::None;
+    if has_holes && holes(garment, &Level::base(garment)).iter().all(|&h| h) {
+        let all = "no face is left: all are holes, or at a border with interpolateBoundary \"none\"";
+        return fault(
+            "holeIndices",
+            all.into(),
+            "take faces out of holeIndices, or set interpolateBoundary to edgeAndCorner",
+        );
+    }
+    Ok(())
+}
+
+/// Twice the area of a face, up to its sign.
+fn doubled_area(garment: &Garment, face: FaceId) -> f64 {
+    let vertices = garment.faces.vertices_of(face);
+    let at = |v: &VertexId| garment.points[*v].as_dvec3();
+    let origin = at(&vertices[0]);
+    let fan = vertices.windows(2).map(|p| (at(&p[0]) - origin).cross(at(&p[1]) - origin));
+    fan.sum::<glam::DVec3>().length()
 }
 
 /// Replaces automatic lengths by multiples of the garment's mean edge length.

@@ -269,3 +269,25 @@ fn of_subsets() {
         ),
     ]);
 }
+
+#[test]
+fn of_a_mesh_without_a_surface() {
+    const POINTS: &str = "/Coat/model.points";
+    const ALL: &str =
+        "(0, 0, 0), (1, 0, 0), (2, 0, 0), (0, 1, 0), (1, 1, 0.25), (2, 1, 0), (0, 2, 0), (1, 2, 0), (2, 2, 0)";
+    let scaled = |text: fn(i32) -> String, says| {
+        let points: Vec<String> = (0..9).map(text).collect();
+        fault(ARGS, move |folder| folder.file("in.usda", cloth_with(ALL, &points.join(", "))), says)
+    };
+    each_is_told(&[
+        scaled(|_| "(3, 4, 5)".into(), &[POINTS, "all points are in one place", "positions"]),
+        scaled(|i| format!("({i}, 0, 0)"), &[POINTS, "no face has an area", "positions"]),
+        scaled(|i| format!("({}e30, {}e30, 0)", i % 3, i / 3), &[POINTS, "mean edge length is", "metersPerUnit"]),
+        scaled(|i| format!("({}e-30, {}e-30, 0)", i % 3, i / 3), &[POINTS, "mean edge length is", "metersPerUnit"]),
+        with(
+            "int[] holeIndices = [0, 1, 2, 3]",
+            &["/Coat/model.holeIndices", "no face is left", "interpolateBoundary"],
+        ),
+        with("uniform token interpolateBoundary = \"none\"", &["no face is left", "edgeAndCorner"]),
+    ]);
+}
