@@ -286,6 +286,12 @@ impl EditMesh {
         c != d && self.find(c, d).is_none()
     }
 
+    /// Whether a split leaves a mesh in which no two vertices are joined twice: two triangles on the same vertices would
+    /// both get an edge from there to the new one.
+    pub fn may_split(&self, half: CornerId) -> bool {
+        self.twin[half].is_none_or(|t| self.vertex(prev(half)) != self.vertex(prev(t)))
+    }
+
     /// Turns an interior edge: triangles `(a, b, c)` and `(b, a, d)` become `(c, d, b)` and `(d, c, a)`, in the same
     /// places; the corners `half` and its twin become `c` and `d`. Returns the corners, now
     /// `[c, d, b]` and `[d, c, a]`.

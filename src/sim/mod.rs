@@ -42,6 +42,9 @@ pub struct SimProduct {
     pub report: RemeshReport,
 }
 
+/// Where an edge starts on its chain, its length there, and its vertices in the chain's direction.
+type OnChain = (f32, f32, [VertexId; 2]);
+
 /// Remeshes the surface of `baseline`.
 pub fn simulate(baseline: Baseline, iterations: u32, max_faces: usize) -> SimProduct {
     let mut mesh = SimMesh::new(&baseline);
@@ -49,19 +52,20 @@ pub fn simulate(baseline: Baseline, iterations: u32, max_faces: usize) -> SimPro
     let (triangles, old_vertex, old_corner) = mesh.topology.compact();
     let mut new_vertex = IdVec::<VertexId, Option<VertexId>>::filled(None, mesh.points.len());
     old_vertex.enumerated().for_each(|(new, &old)| new_vertex[old] = Some(new));
-    let mut on_chain: IdVec<ChainId, Vec<(f32, [VertexId; 2])>> = IdVec::filled(Vec::new(), baseline.chains.len());
+    let mut on_chain: IdVec<ChainId, Vec<OnChain>> = IdVec::filled(Vec::new(), baseline.chains.len());
     for half in mesh.topology.edges() {
         let Some(span) = mesh.span[half] else { continue };
         let ends = [mesh.topology.vertex(half), mesh.topology.target(half)].map(|v| new_vertex[v]);
         let [Some(a), Some(b)] = ends else { continue };
         let length = baseline.chains[span.chain].length();
-        let from = span.from.min(span.to);
-        let from = if baseline.chains[span.chain].is_loop { from.rem_euclid(length) } else { from };
-        on_chain[span.chain].push((from, if span.forward { [a, b] } else { [b, a] }));
+        let (from, to) = (span.from.min(span.to), span.from.max(span.to));
+        let start = if baseline.chains[span.chain].is_loop { from.rem_euclid(length) } else { from };
+        on_chain[span.chain].push((start, to - from, if span.forward { [a, b] } else { [b, a] }));
     }
     let chain_edges = on_chain.into_vec().into_iter().map(|mut edges| {
-        edges.sort_by(|a, b| a.0.total_cmp(&b.0));
-        edges.into_iter().map(|(_, e)| e).collect()
+        // An edge without length comes before the one that starts where it does.
+        edges.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        edges.into_iter().map(|(_, _, e)| e).collect()
     });
     let chain_edges = chain_edges.collect();
     let points = old_vertex.iter().map(|&v| mesh.points[v]).collect();

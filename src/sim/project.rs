@@ -185,7 +185,8 @@ pub fn closest_weights(a: Vec3, b: Vec3, c: Vec3, p: Vec3) -> Vec3 {
         return Vec3::Y;
     }
     let vc = d1 * d4 - d3 * d2;
-    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+    // An edge without length is passed by: the point is closest to one of the others.
+    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 && d1 > d3 {
         let v = d1 / (d1 - d3);
         return Vec3::new(1.0 - v, v, 0.0);
     }
@@ -195,7 +196,7 @@ pub fn closest_weights(a: Vec3, b: Vec3, c: Vec3, p: Vec3) -> Vec3 {
         return Vec3::Z;
     }
     let vb = d5 * d2 - d1 * d6;
-    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 && d2 > d6 {
         let w = d2 / (d2 - d6);
         return Vec3::new(1.0 - w, 0.0, w);
     }
@@ -211,4 +212,23 @@ pub fn closest_weights(a: Vec3, b: Vec3, c: Vec3, p: Vec3) -> Vec3 {
     }
     let (v, w) = (vb / sum, vc / sum);
     Vec3::new(1.0 - v - w, v, w)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn triangles_without_area_have_closest_points() {
+        let (a, b) = (Vec3::ZERO, Vec3::new(2.0, 0.0, 0.0));
+        for [p, q, r] in [[a, a, b], [a, b, a], [b, a, a], [a, b, b], [a, a, a], [a, b, (a + b) / 2.0]] {
+            for point in [Vec3::new(1.0, 1.0, 0.0), Vec3::new(3.0, 0.0, 0.0), Vec3::new(-1.0, 1.0, 1.0), a, b] {
+                let weights = closest_weights(p, q, r, point);
+                let found = p * weights.x + q * weights.y + r * weights.z;
+                let far = if [p, q, r].contains(&b) { point.x.clamp(0.0, 2.0) } else { 0.0 };
+                assert!((weights.element_sum() - 1.0).abs() < 1e-6, "{weights} for {point} on {p} {q} {r}");
+                assert_eq!(found, Vec3::new(far, 0.0, 0.0), "{weights} for {point} on {p} {q} {r}");
+            }
+        }
+    }
 }

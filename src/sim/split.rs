@@ -11,7 +11,8 @@ pub const SPLIT_RATIO: f32 = 4.0 / 3.0;
 
 /// Splits until no edge is too long or the mesh has `max_faces` triangles. Returns the number of splits.
 pub fn split_long_edges(mesh: &mut SimMesh<'_>, max_faces: usize) -> usize {
-    let wants = |mesh: &SimMesh<'_>, half: CornerId| mesh.relative_length(half) > SPLIT_RATIO;
+    let wants =
+        |mesh: &SimMesh<'_>, half: CornerId| mesh.relative_length(half) > SPLIT_RATIO && mesh.topology.may_split(half);
     let mut queue = Queue::new();
     let halves: Vec<CornerId> = mesh.topology.edges().filter(|&h| wants(mesh, h)).collect();
     halves.into_iter().for_each(|h| push(&mut queue, mesh, h));

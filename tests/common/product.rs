@@ -29,10 +29,12 @@ pub struct Bounds {
     pub distance: f32,
     /// Largest part of a chain's length that chords cut off.
     pub chain: f32,
+    /// Area of each triangle, more than this share of its longest edge squared.
+    pub area: f64,
 }
 
 /// Those of garments, whose edges are made to follow their folds.
-pub const GARMENT: Bounds = Bounds { distance: 0.5, chain: 0.02 };
+pub const GARMENT: Bounds = Bounds { distance: 0.5, chain: 0.02, area: 5e-6 };
 
 /// A garment, its products, and all that was found wrong with them.
 pub struct Subject {
@@ -66,7 +68,7 @@ impl Subject {
     /// Checks both products.
     pub fn check(mut self, bounds: Bounds) -> Result<(), String> {
         self.the_pipeline_gives_what_simulate_gives();
-        self.sim_surface();
+        self.sim_surface(bounds);
         self.sim_lies_on_the_baseline(bounds);
         self.sim_has_the_topology_of_the_garment();
         self.chains_are_kept(bounds);
@@ -93,9 +95,9 @@ impl Subject {
 
     /// Triangles, manifold, of one winding, of some area, all numbers finite. Where the surface has parts without area,
     /// so may the mesh: they are kept, with a warning.
-    fn sim_surface(&mut self) {
+    fn sim_surface(&mut self, bounds: Bounds) {
         let base = &self.product.baseline;
-        let flat = base.topology.faces.ids().any(|f| !has_area(&base.triangle(f).map(|p| p.as_dvec3())));
+        let flat = base.topology.faces.ids().any(|f| area(&base.triangle(f).map(|p| p.as_dvec3())) <= GARMENT.area);
         let mesh = &self.products.sim;
         let t = Topology::new(mesh.faces.clone(), mesh.points.len());
         let points = mesh.points.clone();
@@ -103,7 +105,7 @@ impl Subject {
             let vertices = t.faces.vertices_of(face).to_vec();
             self.expect("triangles", vertices.len() == 3, || format!("{face:?} has {} corners", vertices.len()));
             let p: Vec<_> = vertices.iter().map(|&v| points[v].as_dvec3()).collect();
-            self.expect("area", flat || has_area(&p), || format!("{face:?} at {p:?} has no area"));
+            self.expect("area", flat || area(&p) > bounds.area, || format!("{face:?} at {p:?} has no area"));
         }
         for (vertex, p) in points.enumerated() {
             self.expect("finite", p.is_finite(), || format!("{vertex:?} is at {p}"));
@@ -267,10 +269,10 @@ impl Subject {
     }
 }
 
-/// Whether a triangle has more area than one that is thinner than the rounding of its points.
-fn has_area(p: &[DVec3]) -> bool {
-    let longest = (0..3).map(|k| p[k].distance_squared(p[(k + 1) % 3])).fold(0.0, f64::max);
-    (p[1] - p[0]).cross(p[2] - p[0]).length() > 1e-5 * longest
+/// Area of a triangle as a share of its longest edge squared.
+fn area(p: &[DVec3]) -> f64 {
+    let longest = (0..3).map(|k| p[k].distance_squared(p[(k + 1) % 3])).fold(f64::MIN_POSITIVE, f64::max);
+    0.5 * (p[1] - p[0]).cross(p[2] - p[0]).length() / longest
 }
 
 /// Whether an edge has one face, or two that agree in winding.
