@@ -253,11 +253,10 @@ impl Channel {
                 continue;
             }
             parent.spokes(vertex, &mut spokes);
-            if !spokes.iter().any(|s| lasts(parent.edge_sharpness[s.edge])) {
-                tags[value] = Tag::Crease;
-            } else if self.tags[value] == (Tag::Semi { dependent: false })
-                && !self.inner_edges(t, value).any(|e| lasts(parent.edge_sharpness[e]))
-            {
+            let sharp_around = spokes.iter().any(|s| lasts(parent.edge_sharpness[s.edge]));
+            let is_dependent = self.tags[value] == (Tag::Semi { dependent: true });
+            let sharp_within = || self.inner_edges(t, value).any(|e| lasts(parent.edge_sharpness[e]));
+            if !sharp_around || !is_dependent && !sharp_within() {
                 tags[value] = Tag::Crease;
             }
         }
