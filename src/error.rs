@@ -4,6 +4,7 @@ use crate::garment::GarmentError;
 use crate::usd::UsdError;
 use serde::Serialize;
 use std::fmt;
+use std::io;
 
 /// What went wrong, for the person at the terminal.
 #[derive(Debug)]
@@ -52,6 +53,18 @@ impl From<UsdError> for Error {
 impl From<GarmentError> for Error {
     fn from(e: GarmentError) -> Self {
         Self::Garment(e)
+    }
+}
+
+/// The system's words for a failure, without its number.
+pub fn plain(e: &io::Error) -> String {
+    match e.kind() {
+        io::ErrorKind::NotFound => "no such file".into(),
+        io::ErrorKind::PermissionDenied => "permission denied".into(),
+        io::ErrorKind::StorageFull => "the disk is full".into(),
+        io::ErrorKind::FileTooLarge => "the file is larger than is allowed here".into(),
+        io::ErrorKind::IsADirectory => "it is a folder".into(),
+        _ => e.to_string(),
     }
 }
 

@@ -1,6 +1,6 @@
 //! The recipe: what the user asked for, from flags, a `.tailor` file, the model's attributes and the defaults.
 
-use crate::error::{Error, Warning, Warnings};
+use crate::error::{Error, Warning, Warnings, plain};
 use crate::garment::{Elements, Garment, Interpolation, Primvar, Values};
 use crate::render::RenderOptions;
 use crate::sim::SimOptions;
@@ -63,10 +63,18 @@ impl RecipeFile {
     /// # Errors
     /// A file that is missing or is not a recipe, with line and column.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let text = std::fs::read_to_string(path)
-            .map_err(|e| Error::Recipe(format!("cannot read recipe {}: {e}", path.display())))?;
+        let shown = path.display();
+        let text = std::fs::read_to_string(path).map_err(|e| {
+            Error::Recipe(format!(
+                "cannot read recipe {shown}: {}\n  hint: check the path given by --recipe",
+                plain(&e)
+            ))
+        })?;
         let fault = |e: serde_json::Error| {
-            Error::Recipe(format!("{}: {e}\n  hint: see `usdtailor build --help` for the keys", path.display()))
+            Error::Recipe(format!(
+                "{shown}: {}\n  hint: a recipe is JSON, such as {{\"sim\": {{\"maxEdgeLength\": 2}}}}",
+                in_words(&e)
+            ))
         };
         // Once for its form with unknown keys by line and column, once for what it says.
         serde_json::from_str::<Form>(&text).map_err(fault)?;
@@ -165,11 +173,29 @@ impl Layers {
     /// # Errors
     /// A value of another type or out of its range.
     pub fn recipe(&self) -> Result<Recipe, Error> {
-        let recipe: Recipe = serde_json::from_value(Value::Object(self.merged.clone())).map_err(|e| {
-            Error::Recipe(format!("recipe: {e}\n  hint: the model's tailor: attributes have the types of the schemas"))
-        })?;
+        let recipe: Recipe =
+            serde_json::from_value(Value::Object(self.merged.clone())).map_err(|e| self.mistyped(&e))?;
         recipe.check()?;
         Ok(recipe)
+    }
+
+    /// The first option whose value is of another type. Only attributes can be: files and flags are checked as they
+    /// are read.
+    fn mistyped(&self, whole: &serde_json::Error) -> Error {
+        let defaults = defaults();
+        for (space, fields) in &self.merged {
+            for (key, value) in fields.as_object().into_iter().flatten() {
+                let alone = serde_json::json!({ space: { key: value } });
+                if let Err(e) = serde_json::from_value::<Recipe>(alone) {
+                    return Error::Recipe(format!(
+                        "tailor:{space}:{key} of the model: {}\n  hint: declare it as {}",
+                        in_words(&e),
+                        usd_type_of(&defaults[space][key])
+                    ));
+                }
+            }
+        }
+        Error::Recipe(format!("tailor: attributes of the model: {}\n  hint: see the schemas", in_words(whole)))
     }
 }
 
@@ -324,6 +350,30 @@ fn type_of(value: &Value) -> &'static str {
         Value::Array(_) => "list",
         _ => "name",
     }
+}
+
+/// The type of an option in the schemas, as an example of its declaration.
+fn usd_type_of(value: &Value) -> &'static str {
+    match value {
+        Value::Bool(_) => "bool, such as true",
+        Value::Number(n) if n.is_f64() => "float, such as 2.5",
+        Value::Number(_) => "int, such as 3 (0 or more)",
+        Value::Array(_) => "rel, with subsets of the mesh as targets",
+        _ => "token, such as \"st\"",
+    }
+}
+
+/// What serde found, without the names of our types.
+fn in_words(e: &serde_json::Error) -> String {
+    const WORDS: [(&str, &str); 6] = [
+        ("expected f32", "expected a number"),
+        ("expected u32", "expected a whole number, 0 or more"),
+        ("expected a sequence", "expected a list"),
+        ("expected a boolean", "expected true or false"),
+        ("expected struct SimOptions", "expected { options }"),
+        ("expected struct RenderOptions", "expected { options }"),
+    ];
+    WORDS.iter().fold(e.to_string(), |text, (ours, theirs)| text.replace(ours, theirs))
 }
 
 /// A command line's text as a value of the same type as `like`; lists are separated by commas.

@@ -1,9 +1,9 @@
 //! `usdtailor build`.
 
+use super::report;
 use super::{Build, Opened, Output, text};
 use indicatif::{ProgressBar, ProgressStyle};
-use serde_json::{Value, json};
-use std::io::{IsTerminal, Write};
+use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use tailor::error::{Error, Warnings};
@@ -11,29 +11,42 @@ use tailor::pipeline::{Limits, Products, Stage};
 use tailor::usd::{Product, Role, WriteOptions, check_target, write};
 
 /// What one input gave.
-struct Built {
-    input: PathBuf,
-    output: PathBuf,
-    products: Products,
-    warnings: Warnings,
+pub struct Built {
+    pub input: PathBuf,
+    pub output: PathBuf,
+    pub products: Products,
+    pub warnings: Warnings,
 }
 
-/// Builds every input.
+/// Builds every input. Of several, one that fails does not keep the others from being built.
 pub fn run(build: &Build) -> Result<Output, Error> {
     let files = build.inputs.files()?;
     let outputs = outputs(build, &files)?;
+    if let Some(file) = &build.report {
+        report::check_target(file, build.force)?;
+    }
+    let several = files.len() > 1;
     let mut all = Vec::with_capacity(files.len());
+    let mut code = 0;
     for (input, output) in files.into_iter().zip(outputs) {
-        let built = build_one(build, input, output)?;
-        text::print_warnings(&built.warnings, build.inputs.quiet);
-        all.push(built);
+        match build_one(build, &input, output) {
+            Ok(built) => {
+                text::print_warnings(&built.warnings, build.inputs.quiet, several.then_some(&input));
+                all.push(built);
+            }
+            Err(error) if several => {
+                text::print_error(&error, &input);
+                code = code.max(error.exit_code());
+            }
+            Err(error) => return Err(error),
+        }
     }
     if let Some(file) = &build.report {
-        write_report(file, &all)?;
+        report::write(file, &all)?;
     }
     let summaries = all.iter().filter(|_| !build.inputs.quiet);
     let text = summaries.map(|b| text::summary(&b.input, &b.output, &b.products, build.inputs.verbose)).collect();
-    Ok(Output { text, code: 0 })
+    Ok(Output { text, code })
 }
 
 /// The output of each input: the file that was named, or one in the folder that was named.
@@ -63,12 +76,12 @@ fn outputs(build: &Build, files: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
     Ok(paths)
 }
 
-fn build_one(build: &Build, input: PathBuf, output: PathBuf) -> Result<Built, Error> {
+fn build_one(build: &Build, input: &Path, output: PathBuf) -> Result<Built, Error> {
     let bar = spinner(build.inputs.quiet);
     let progress = |stage: &str| bar.set_message(format!("{}: {stage}", input.display()));
     progress("read");
     let start = Instant::now();
-    let mut opened = build.inputs.open(&input)?;
+    let mut opened = build.inputs.open(input)?;
     check_target(&opened.source, &output, build.force)?;
     let read = Stage { name: "read", seconds: start.elapsed().as_secs_f64() };
     let start = Instant::now();
@@ -89,7 +102,7 @@ fn build_one(build: &Build, input: PathBuf, output: PathBuf) -> Result<Built, Er
     products.stages.push(Stage { name: "write", seconds: start.elapsed().as_secs_f64() });
     products.stages.splice(0..0, [read, check]);
     bar.finish_and_clear();
-    Ok(Built { input, output, products, warnings })
+    Ok(Built { input: input.to_path_buf(), output, products, warnings })
 }
 
 /// Progress, on a terminal only.
@@ -100,32 +113,4 @@ fn spinner(quiet: bool) -> ProgressBar {
     let bar = ProgressBar::new_spinner().with_style(ProgressStyle::default_spinner());
     bar.enable_steady_tick(Duration::from_millis(100));
     bar
-}
-
-fn write_report(file: &Path, all: &[Built]) -> Result<(), Error> {
-    let mut reports: Vec<Value> = all.iter().map(report).collect();
-    let report = if reports.len() == 1 { reports.swap_remove(0) } else { json!({ "builds": reports }) };
-    let text = serde_json::to_string_pretty(&report).map_err(|e| Error::Internal(e.to_string()))?;
-    let failed = |e: std::io::Error| {
-        Error::Usage(format!(
-            "cannot write report {}: {e}\n  hint: choose a folder that you may write to",
-            file.display()
-        ))
-    };
-    let mut out = std::fs::File::create(file).map_err(failed)?;
-    out.write_all(text.as_bytes()).and_then(|()| out.write_all(b"\n")).map_err(failed)
-}
-
-fn report(built: &Built) -> Value {
-    let p = &built.products;
-    json!({
-        "input": built.input.display().to_string(),
-        "output": built.output.display().to_string(),
-        "recipe": p.recipe,
-        "sim": p.sim_figures,
-        "remesh": p.remesh,
-        "render": p.render_figures,
-        "stages": p.stages,
-        "warnings": built.warnings.iter().map(text::warning_json).collect::<Vec<_>>(),
-    })
 }

@@ -2,7 +2,7 @@
 
 use super::{Inputs, Output, text};
 use std::fmt::Write as _;
-use std::io::Write as _;
+use std::path::PathBuf;
 use tailor::error::Error;
 use tailor::garment::Garment;
 use tailor::pipeline::{Plan, mean_edge_length};
@@ -11,35 +11,46 @@ use tailor::usd::Facts;
 /// Prints what each input holds and what `build` would make of it.
 pub fn info(inputs: &Inputs) -> Result<Output, Error> {
     let mut out = String::new();
-    for file in inputs.files()? {
-        let mut opened = inputs.open(&file)?;
+    each(inputs, |file, several| {
+        let mut opened = inputs.open(file)?;
         let prepared = opened.prepare()?;
-        text::print_warnings(&opened.warnings, inputs.quiet);
+        text::print_warnings(&opened.warnings, inputs.quiet, several.then_some(file));
         describe(&mut out, opened.source.facts(), &prepared.garment, &prepared.plan()?, inputs.verbose);
-    }
-    Ok(Output { text: out, code: 0 })
+        Ok(())
+    })
+    .map(|code| Output { text: out, code })
 }
 
 /// Checks each input; all are checked, and one fault is enough for exit code 1.
 pub fn check(inputs: &Inputs) -> Result<Output, Error> {
     let mut out = String::new();
+    each(inputs, |file, several| {
+        let mut opened = inputs.open(file)?;
+        opened.prepare()?;
+        text::print_warnings(&opened.warnings, inputs.quiet, several.then_some(file));
+        if !inputs.quiet {
+            let _ = writeln!(out, "{}: good", file.display());
+        }
+        Ok(())
+    })
+    .map(|code| Output { text: out, code })
+}
+
+/// Runs `work` on each input; of several, one that fails is told and the others go on. The exit code.
+fn each(inputs: &Inputs, mut work: impl FnMut(&PathBuf, bool) -> Result<(), Error>) -> Result<u8, Error> {
+    let files = inputs.files()?;
+    let several = files.len() > 1;
     let mut code = 0;
-    for file in inputs.files()? {
-        let checked = inputs.open(&file).and_then(|mut opened| opened.prepare().map(|_| opened.warnings));
-        match checked {
-            Ok(warnings) => {
-                text::print_warnings(&warnings, inputs.quiet);
-                if !inputs.quiet {
-                    let _ = writeln!(out, "{}: good", file.display());
-                }
-            }
-            Err(error) => {
-                let _ = writeln!(std::io::stderr(), "error: {error}");
+    for file in files {
+        match work(&file, several) {
+            Err(error) if several => {
+                text::print_error(&error, &file);
                 code = code.max(error.exit_code());
             }
+            result => result?,
         }
     }
-    Ok(Output { text: out, code })
+    Ok(code)
 }
 
 fn describe(out: &mut String, facts: &Facts, garment: &Garment, plan: &Plan, verbose: bool) {

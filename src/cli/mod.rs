@@ -2,6 +2,7 @@
 
 mod build;
 mod info;
+mod report;
 mod text;
 
 use clap::{Args, Parser, Subcommand};
@@ -50,7 +51,7 @@ struct Inputs {
     #[arg(long = "set", value_name = "KEY=VALUE", help_heading = "Recipe")]
     set: Vec<String>,
     /// Threads [default: one for each core]
-    #[arg(long, value_name = "N", help_heading = "Run")]
+    #[arg(long, value_name = "N", help_heading = "Run", allow_negative_numbers = true)]
     threads: Option<usize>,
     /// Print only errors
     #[arg(short, long, help_heading = "Run", conflicts_with = "verbose")]
@@ -86,7 +87,7 @@ struct Build {
     #[arg(long, help_heading = "Output")]
     keep_model_purpose: bool,
     /// Largest simulation mesh [triangles]
-    #[arg(long, value_name = "N", default_value_t = DEFAULT_MAX_FACES, help_heading = "Run")]
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_MAX_FACES, help_heading = "Run", allow_negative_numbers = true)]
     max_faces: usize,
 }
 

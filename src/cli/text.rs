@@ -3,19 +3,27 @@
 use serde_json::Value;
 use std::fmt::Write as _;
 use std::io::Write as _;
-use std::path::Path;
-use tailor::error::{Warning, Warnings};
+use std::path::{Path, PathBuf};
+use tailor::error::{Error, Warning, Warnings};
 use tailor::pipeline::Products;
 
-/// Writes warnings to standard error.
-pub fn print_warnings(warnings: &Warnings, quiet: bool) {
+/// Writes warnings to standard error, with the name of the input where there are several.
+pub fn print_warnings(warnings: &Warnings, quiet: bool, input: Option<&PathBuf>) {
     if quiet {
         return;
     }
+    let label = input.map(|i| format!("{}: ", i.display())).unwrap_or_default();
     for warning in warnings.iter() {
         // Nobody to tell if standard error is closed.
-        let _ = writeln!(std::io::stderr(), "warning: {warning}");
+        let _ = writeln!(std::io::stderr(), "warning: {label}{warning}");
     }
+}
+
+/// Writes the error of one of several inputs to standard error, with the input's name.
+pub fn print_error(error: &Error, input: &Path) {
+    let (text, input) = (error.to_string(), input.display().to_string());
+    let label = if text.contains(&input) { String::new() } else { format!("{input}: ") };
+    let _ = writeln!(std::io::stderr(), "error: {label}{text}");
 }
 
 /// A warning with its code, its data and its text.

@@ -96,7 +96,7 @@ impl Baseline {
         let is_hole = holes(garment, &Level::base(garment));
         let finest = levels.last().unwrap_or(&cage);
         let solid = |f: FaceId| !is_hole[faces[f]];
-        let quads = Triangulation::new(&finest.level.topology.faces, &points, solid);
+        let quads = Triangulation::new(&finest.level.topology, &points, solid);
         let topology = Topology::new(Faces::triangles(quads.vertices(&finest.level.topology.faces)), points.len());
         let corner_uvs = quads.corners.iter().map(|&c| match finest.channels.first() {
             Some(channel) => Vec2::from(uvs[channel.corner_value[c].index()]),
@@ -193,7 +193,8 @@ impl Baseline {
         let Values::F32(values) = &density.values else { return };
         debug_assert_eq!(density.elements(), garment.points.len());
         let weights = self.refine_rows(density, values);
-        self.target = weights.iter().map(|w| lengths.max + (lengths.min - lengths.max) * w.clamp(0.0, 1.0)).collect();
+        let target = |v: &VertexId| lengths.max + (lengths.min - lengths.max) * weights[v.index()].clamp(0.0, 1.0);
+        self.target = self.level_vertex.iter().map(target).collect();
     }
 
     /// Signed area of a triangle in UV space.
@@ -316,6 +317,35 @@ fn nearest_level(levels: &[&Refiner], points: &IdVec<VertexId, Vec3>, lengths: L
     best
 }
 
+/// The corners of a face from which it can be cut in a fan, the one with the shortest diagonals first.
+fn apexes<'a>(
+    faces: &'a Faces,
+    points: &'a IdVec<VertexId, Vec3>,
+    face: FaceId,
+) -> impl Iterator<Item = usize> + use<'a> {
+    let n = faces.valence(face);
+    let vertices = faces.vertices_of(face);
+    let longest = move |apex: &usize| {
+        let p = points[vertices[*apex]];
+        (2..n - 1).map(|k| p.distance_squared(points[vertices[(apex + k) % n]])).fold(0.0f32, f32::max)
+    };
+    let best = (1..n).fold(0, |best, k| if longest(&k) < longest(&best) { k } else { best });
+    std::iter::once(best).chain((0..n).filter(move |&k| k != best))
+}
+
+/// The diagonals of a face that is cut in a fan, each with its lower vertex first.
+fn diagonals(faces: &Faces, face: FaceId, apex: usize) -> impl Iterator<Item = [VertexId; 2]> + use<'_> {
+    let (n, vertices) = (faces.valence(face), faces.vertices_of(face));
+    (2..n - 1).map(move |k| {
+        let (a, b) = (vertices[apex], vertices[(apex + k) % n]);
+        [a.min(b), a.max(b)]
+    })
+}
+
+fn diagonals_are_new(faces: &Faces, face: FaceId, apex: usize, taken: &BTreeSet<[VertexId; 2]>) -> bool {
+    diagonals(faces, face, apex).all(|d| !taken.contains(&d))
+}
+
 /// The triangles of a level's faces.
 struct Triangulation {
     /// The level's corner behind each corner of the triangles.
@@ -325,17 +355,30 @@ struct Triangulation {
 }
 
 impl Triangulation {
-    /// Splits quads at their shorter diagonal, and others in a fan from the corner with the shortest diagonals.
-    fn new(faces: &Faces, points: &IdVec<VertexId, Vec3>, keep: impl Fn(FaceId) -> bool) -> Self {
+    /// Splits quads at their shorter diagonal, and others in a fan from the corner with the shortest diagonals; another
+    /// one where two vertices would be joined twice, for such a mesh cannot be edited.
+    fn new(topology: &Topology, points: &IdVec<VertexId, Vec3>, keep: impl Fn(FaceId) -> bool) -> Self {
+        let faces = &topology.faces;
+        let kept: Vec<FaceId> = faces.ids().filter(|&f| keep(f)).collect();
+        let mut apexes: Vec<usize> = kept.iter().map(|&f| apexes(faces, points, f).next().unwrap_or(0)).collect();
+        let mut diagonals: Vec<[VertexId; 2]> =
+            kept.iter().zip(&apexes).flat_map(|(&f, &apex)| diagonals(faces, f, apex)).collect();
+        diagonals.sort_unstable();
+        let joined_twice = diagonals.windows(2).any(|p| p[0] == p[1])
+            || diagonals.iter().any(|&[a, b]| topology.find_edge(a, b).is_some());
+        if joined_twice {
+            let mut taken: BTreeSet<[VertexId; 2]> =
+                topology.edges.iter().map(|&[a, b]| [a.min(b), a.max(b)]).collect();
+            for (&face, apex) in kept.iter().zip(&mut apexes) {
+                let is_new = |&k: &usize| diagonals_are_new(faces, face, k, &taken);
+                *apex = self::apexes(faces, points, face).find(is_new).unwrap_or(*apex);
+                taken.extend(self::diagonals(faces, face, *apex));
+            }
+        }
         let mut all = Self { corners: IdVec::new(), faces: IdVec::new() };
-        for face in faces.ids().filter(|&f| keep(f)) {
+        for (&face, apex) in kept.iter().zip(apexes) {
             let n = faces.valence(face);
             let at = |k: usize| CornerId::new(faces.range(face).start + k % n);
-            let longest = |apex: usize| {
-                let p = points[faces.vertex(at(apex))];
-                (2..n - 1).map(|k| p.distance_squared(points[faces.vertex(at(apex + k))])).fold(0.0f32, f32::max)
-            };
-            let apex = (1..n).fold(0, |best, k| if longest(k) < longest(best) { k } else { best });
             for k in 1..n - 1 {
                 all.corners.extend([at(apex), at(apex + k), at(apex + k + 1)]);
                 all.faces.push(face);
@@ -365,7 +408,7 @@ impl Triangulation {
             let c = levels[level..levels.len() - 1].iter().fold(c, |c, parent| parent.child_of(c));
             own[c]
         };
-        let coarse = Self::new(&levels[level].level.topology.faces, points, keep);
+        let coarse = Self::new(&levels[level].level.topology, points, keep);
         coarse.corners.chunks_exact(3).filter_map(|t| Some([down(t[0])?, down(t[1])?, down(t[2])?])).collect()
     }
 }

@@ -70,7 +70,8 @@ fn like(
     }
 }
 
-/// The faces to turn so that each piece agrees with the most of its faces.
+/// The faces to turn so that each piece agrees with the most of its faces. A piece that has no two sides stays as it is,
+/// cut where its winding disagrees: there its edges are sharp already, as they are in the garment.
 fn turned_faces(t: &Topology) -> IdVec<FaceId, bool> {
     let mut turned = IdVec::<FaceId, Option<bool>>::filled(None, t.faces.len());
     for seed in t.faces.ids() {
@@ -80,6 +81,7 @@ fn turned_faces(t: &Topology) -> IdVec<FaceId, bool> {
         turned[seed] = Some(false);
         let mut piece = vec![seed];
         let mut at = 0;
+        let mut two_sided = true;
         while let Some(&face) = piece.get(at) {
             at += 1;
             for corner in t.faces.corners_of(face) {
@@ -91,7 +93,12 @@ fn turned_faces(t: &Topology) -> IdVec<FaceId, bool> {
                     turned[neighbour] = turned[face].map(|own| own != disagrees);
                     piece.push(neighbour);
                 }
+                two_sided &= turned[neighbour] == turned[face].map(|own| own != disagrees);
             }
+        }
+        if !two_sided {
+            piece.iter().for_each(|&f| turned[f] = Some(false));
+            continue;
         }
         let minority = piece.iter().filter(|&&f| turned[f] == Some(true)).count();
         if 2 * minority > piece.len() {

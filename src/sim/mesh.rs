@@ -29,16 +29,14 @@ pub struct Span {
     pub from: f32,
     /// See `from`.
     pub to: f32,
+    /// Whether the half-edge runs along the chain; lengths do not say that of an edge without length.
+    pub forward: bool,
 }
 
 impl Span {
-    fn reversed(self) -> Self {
-        Self { chain: self.chain, from: self.to, to: self.from }
-    }
-
-    /// Whether the half-edge runs along the chain.
-    pub fn is_forward(&self) -> bool {
-        self.from < self.to
+    /// As the twin has it.
+    pub fn reversed(self) -> Self {
+        Self { chain: self.chain, from: self.to, to: self.from, forward: !self.forward }
     }
 }
 
@@ -101,7 +99,7 @@ impl<'a> SimMesh<'a> {
             let (a, b) = (self.topology.vertex(corner), self.topology.target(corner));
             let [x, y] = [a, b].map(|v| self.baseline.level_vertex[v]);
             let Some(start) = self.baseline.start_spans.get(&[x.min(y), x.max(y)]) else { continue };
-            let span = Span { chain: start.chain, from: start.from, to: start.to };
+            let span = Span { chain: start.chain, from: start.from, to: start.to, forward: true };
             self.span[corner] = Some(if start.first == x { span } else { span.reversed() });
             self.grade[a] = Grade::OnCurve(start.chain);
             self.grade[b] = Grade::OnCurve(start.chain);
@@ -285,14 +283,14 @@ impl<'a> SimMesh<'a> {
         span: Span,
     ) -> Vec3 {
         let s = 0.5 * (span.from + span.to);
-        let (position, place) = self.on_curve(span.chain, s, span.is_forward());
+        let (position, place) = self.on_curve(span.chain, s, span.forward);
         self.set_span(half, Span { to: s, ..span });
         self.set_span(ahead, Span { from: s, ..span });
         for (corner, place) in [(next(half), place), (ahead, place)] {
             self.place[corner] = place.unwrap_or(self.place[corner]);
         }
         if let (Some(twin), Some(behind)) = (twin, behind) {
-            let (_, place) = self.on_curve(span.chain, s, !span.is_forward());
+            let (_, place) = self.on_curve(span.chain, s, !span.forward);
             for corner in [next(twin), behind] {
                 self.place[corner] = place.unwrap_or(self.place[corner]);
             }
@@ -346,7 +344,7 @@ impl<'a> SimMesh<'a> {
         let starts = self.topology.vertex(half) == vertex;
         let own = self.sector(if starts { half } else { next(half) });
         // The triangle of a half-edge lies on its left.
-        let is_left = self.span[half].is_some_and(|s| s.is_forward());
+        let is_left = self.span[half].is_some_and(|s| s.forward);
         self.topology.fan(vertex).map(|c| (c, own.contains(&c) == is_left)).collect()
     }
 
@@ -420,8 +418,8 @@ impl<'a> SimMesh<'a> {
             match self.span[half] {
                 Some(span) => {
                     assert!(self.grade[a] != Grade::Free && self.grade[b] != Grade::Free, "chain ends are constrained");
-                    let (p, _) = self.on_curve(span.chain, span.from, span.is_forward());
-                    let (q, _) = self.on_curve(span.chain, span.to, span.is_forward());
+                    let (p, _) = self.on_curve(span.chain, span.from, span.forward);
+                    let (q, _) = self.on_curve(span.chain, span.to, span.forward);
                     let slack = 1e-3 * self.target[a];
                     assert!(
                         p.distance(self.points[a]) <= slack,

@@ -58,7 +58,7 @@ pub fn simulate(baseline: Baseline, iterations: u32, max_faces: usize) -> SimPro
         let length = baseline.chains[span.chain].length();
         let from = span.from.min(span.to);
         let from = if baseline.chains[span.chain].is_loop { from.rem_euclid(length) } else { from };
-        on_chain[span.chain].push((from, if span.is_forward() { [a, b] } else { [b, a] }));
+        on_chain[span.chain].push((from, if span.forward { [a, b] } else { [b, a] }));
     }
     let chain_edges = on_chain.into_vec().into_iter().map(|mut edges| {
         edges.sort_by(|a, b| a.0.total_cmp(&b.0));

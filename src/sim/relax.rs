@@ -80,14 +80,14 @@ fn chain_edges(mesh: &SimMesh<'_>, vertex: VertexId) -> Option<(CornerId, Corner
     let second = found.find(|&c| c != first && Some(c) != twin)?;
     let arrives = |c: CornerId| {
         let span = mesh.span[c];
-        (mesh.topology.target(c) == vertex) == span.is_some_and(|s| s.is_forward())
+        (mesh.topology.target(c) == vertex) == span.is_some_and(|s| s.forward)
     };
     Some(if arrives(first) { (first, second) } else { (second, first) })
 }
 
 /// The span of a constrained edge in the chain's own direction.
 fn along(mesh: &SimMesh<'_>, half: CornerId) -> Option<Span> {
-    mesh.span[half].map(|s| if s.is_forward() { s } else { Span { chain: s.chain, from: s.to, to: s.from } })
+    mesh.span[half].map(|s| if s.forward { s } else { s.reversed() })
 }
 
 /// To where both parts of the curve have the same length in terms of their targets.
@@ -139,8 +139,8 @@ fn apply_slide(mesh: &mut SimMesh<'_>, vertex: VertexId, arriving: CornerId, lea
     }
     let places: Vec<(CornerId, Place)> = sides.iter().map(|&(c, _)| (c, place(c))).collect();
     for (half, span) in [(arriving, before), (leaving, after)] {
-        let forward = mesh.span[half].is_some_and(|s| s.is_forward());
-        mesh.set_span(half, if forward { span } else { Span { chain: span.chain, from: span.to, to: span.from } });
+        let forward = mesh.span[half].is_some_and(|s| s.forward);
+        mesh.set_span(half, if forward { span } else { span.reversed() });
     }
     for (corner, place) in places {
         mesh.place[corner] = place;

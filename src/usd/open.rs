@@ -4,6 +4,7 @@ use super::UsdError;
 use super::names;
 use super::read::ReadOptions;
 use super::values::text;
+use crate::error::plain;
 use openusd::sdf::{self, Value};
 use openusd::usd::{Prim, PrimPredicate, Stage};
 use std::fs;
@@ -18,7 +19,9 @@ const LISTED: usize = 8;
 /// A file that is not there, is no file, is empty or is not USD.
 pub fn open_stage(file: &Path) -> Result<Stage, UsdError> {
     let shown = file.display();
-    let metadata = fs::metadata(file).map_err(|e| UsdError::new(format!("cannot read {shown}: {}", plain(&e))))?;
+    let metadata = fs::metadata(file).map_err(|e| {
+        UsdError::new(format!("cannot read {shown}: {}", plain(&e))).hint("check the path, and who may read the file")
+    })?;
     if !metadata.is_file() {
         return Err(UsdError::new(format!("{shown} is a folder, not a USD file")).hint("name a file inside it"));
     }
@@ -36,24 +39,16 @@ pub fn open_stage(file: &Path) -> Result<Stage, UsdError> {
         return Err(UsdError::new(format!("cannot read {shown}: its name is not UTF-8")).hint("rename the file"));
     };
     Stage::open(path).map_err(|e| {
+        let words = e.to_string();
         // The text reader knows letters beyond ASCII in names of prims, but not of properties.
-        let beyond_ascii = e.to_string().contains("Logos") && std::fs::read(file).is_ok_and(|b| !b.is_ascii());
-        UsdError::new(format!("{shown} cannot be read as USD: {e}")).hint(if beyond_ascii {
+        let beyond_ascii = words.contains("Logos") && std::fs::read(file).is_ok_and(|b| !b.is_ascii());
+        let words = words.trim_start_matches("error: ").trim_end();
+        UsdError::new(format!("{shown} cannot be read as USD: {words}")).hint(if beyond_ascii {
             "property names with letters beyond ASCII are read from .usdc only; convert the file to .usdc"
         } else {
             "the file is damaged, or is another format under this name; export it again"
         })
     })
-}
-
-/// The system's words for a failure, without its number.
-pub fn plain(e: &std::io::Error) -> String {
-    match e.kind() {
-        std::io::ErrorKind::NotFound => "no such file".into(),
-        std::io::ErrorKind::PermissionDenied => "permission denied".into(),
-        std::io::ErrorKind::StorageFull => "the disk is full".into(),
-        _ => e.to_string(),
-    }
 }
 
 /// The mesh to work on: the one named, or the only one.

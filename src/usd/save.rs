@@ -3,8 +3,7 @@
 use super::UsdError;
 use super::assets::tiles;
 use super::crates::{encode, take_out_unwritable, write_crate};
-use super::open::plain;
-use crate::error::{Warning, Warnings};
+use crate::error::{Warning, Warnings, plain};
 use openusd::sdf::{AbstractData, AssetPath, Data, FormatError};
 use openusd::usda::TextWriter;
 use openusd::usdz::{Archive, ArchiveWriter};
@@ -111,16 +110,16 @@ impl Target {
         let mut data = package.collect(data, warnings);
         take_out_unwritable(&mut data, warnings);
         let layer = encode(&data)?;
-        self.replace(|out| {
-            let mut archive = ArchiveWriter::new(out);
-            let fault = |e: openusd::usdz::ArchiveError| FormatError::Io(io::Error::other(e));
-            archive.add_layer(&format!("{stem}.usdc"), &layer).map_err(fault)?;
-            for (name, bytes) in &package.entries {
-                archive.add_layer(name, bytes).map_err(fault)?;
-            }
-            archive.finish().map_err(fault)?;
-            Ok(())
-        })
+        // In memory, for the archive's writer tells a full disk in its own words, and on standard error.
+        let mut whole = io::Cursor::new(Vec::with_capacity(layer.len()));
+        let mut archive = ArchiveWriter::new(&mut whole);
+        let fault = |e: openusd::usdz::ArchiveError| UsdError::new(format!("cannot write {}: {e}", self.shown));
+        archive.add_layer(&format!("{stem}.usdc"), &layer).map_err(fault)?;
+        for (name, bytes) in &package.entries {
+            archive.add_layer(name, bytes).map_err(fault)?;
+        }
+        archive.finish().map_err(fault)?;
+        self.replace(|out| Ok(out.write_all(whole.get_ref())?))
     }
 
     /// Lets `fill` write a file beside the target and puts it in the target's place.

@@ -1,0 +1,100 @@
+//! Faults of flags.
+
+use super::{Fault, each_is_told, fault};
+use crate::cloth::CLOTH;
+
+/// A fault of the arguments, with a sound garment.
+fn of(args: &'static str, says: &'static [&'static str]) -> Fault {
+    fault(args, |folder| folder.file("in.usda", CLOTH), says)
+}
+
+#[test]
+fn of_the_command_line() {
+    each_is_told(&[
+        of("sew in.usda", &["unrecognized subcommand 'sew'"]),
+        of("build in.usda", &["--output <OUT>"]),
+        of("build in.usda -o", &["a value is required for '--output <OUT>'"]),
+        of("build -o out/coat.usda", &["no input", "name a USD file"]),
+        of("check", &["no input", "--help"]),
+        of("info -q", &["no input"]),
+        of("build in.usda -o out/coat.usda --fast", &["unexpected argument '--fast'"]),
+        of("build in.usda -o out/coat.usda --threads 0", &["--threads 0 is no number of threads", "1 or more"]),
+        of("build in.usda -o out/coat.usda --threads two", &["invalid value 'two' for '--threads <N>'"]),
+        of("build in.usda -o out/coat.usda --max-faces -1", &["invalid value '-1' for '--max-faces <N>'"]),
+        of("build in.usda -o out/coat.usda -q -v", &["--quiet", "cannot be used with", "--verbose"]),
+        of("check in.usda --force", &["unexpected argument '--force'"]),
+    ]);
+}
+
+#[test]
+fn of_overrides() {
+    each_is_told(&[
+        of(
+            "build in.usda -o out/coat.usda --set sim.edgeLength=2",
+            &["--set sim.edgeLength", "no such option", "sim.maxEdgeLength"],
+        ),
+        of(
+            "build in.usda -o out/coat.usda --set maxEdgeLength=2",
+            &["--set maxEdgeLength", "no such option", "sim.maxEdgeLength"],
+        ),
+        of(
+            "build in.usda -o out/coat.usda --set sim.iterations",
+            &["--set sim.iterations has no value", "--set sim.maxEdgeLength=2"],
+        ),
+        of(
+            "build in.usda -o out/coat.usda --set sim.iterations=many",
+            &["\"many\" is no whole number", "default is 5"],
+        ),
+        of("build in.usda -o out/coat.usda --set sim.maxEdgeLength=wide", &["\"wide\" is no number", "0"]),
+        of("build in.usda -o out/coat.usda --set sim.maxEdgeLength=nan", &["sim.maxEdgeLength: \"nan\" is no number"]),
+        of(
+            "build in.usda -o out/coat.usda --set sim.maxEdgeLength=1e300",
+            &["sim.maxEdgeLength: inf is no length", "positive number of stage units"],
+        ),
+        of(
+            "build in.usda -o out/coat.usda --set sim.maxEdgeLength=-1",
+            &["sim.maxEdgeLength: -1 is no length", "positive number"],
+        ),
+        of("check in.usda --set sim.minEdgeLength=-0.5", &["sim.minEdgeLength: -0.5 is no length"]),
+        of(
+            "build in.usda -o out/coat.usda --set sim.minEdgeLength=2 --set sim.maxEdgeLength=1",
+            &["sim.minEdgeLength: 2 is more than sim.maxEdgeLength, 1", "exchange"],
+        ),
+        of(
+            "build in.usda -o out/coat.usda --set sim.baselineLevel=40",
+            &["sim.baselineLevel: 40 is too much", "at most"],
+        ),
+        of("build in.usda -o out/coat.usda --set render.level=7", &["render.level: 7 is too much", "at most 6"]),
+        of("build in.usda -o out/coat.usda --set render.level=-1", &["render.level", "\"-1\" is no whole number"]),
+        of("build in.usda -o out/coat.usda --set sim.iterations=1000", &["sim.iterations: 1000 is too much"]),
+        of("build in.usda -o out/coat.usda --set sim.constrainUvSeams=maybe", &["\"maybe\" is no true or false"]),
+        of(
+            "build in.usda -o out/coat.usda --set render.operators=pleat",
+            &["render.operators", "no operators yet", "leave it empty"],
+        ),
+        of(
+            "build in.usda -o out/coat.usda --set sim.uvSet=map1",
+            &["/Coat/model: sim.uvSet names \"map1\"", "the mesh has: st"],
+        ),
+        of(
+            "build in.usda -o out/coat.usda --set sim.density=ply",
+            &["/Coat/model: sim.density names \"ply\"", "the mesh has: density, tint"],
+        ),
+        of(
+            "build in.usda -o out/coat.usda --set sim.constraints=placket,hem",
+            &["/Coat/model: sim.constraints names \"hem\"", "placket, waist"],
+        ),
+        of(
+            "build in.usda -o out/coat.usda --set sim.constraints=left",
+            &["sim.constraints names \"left\", which is no edge subset"],
+        ),
+        of(
+            "build in.usda -o out/coat.usda --set sim.maxEdgeLength=0.01 --max-faces 1000",
+            &["/Coat/model: the target lengths ask for about", "more than 1000", "--max-faces"],
+        ),
+        of(
+            "build in.usda -o out/coat.usda --set sim.maxEdgeLength=1e-30",
+            &["the target lengths ask for about", "raise sim."],
+        ),
+    ]);
+}

@@ -1,0 +1,11 @@
+//! The command as its users meet it: the built binary, its exit codes, what it prints and what it writes.
+
+mod bytes;
+mod cloth;
+mod faults;
+mod folder;
+#[path = "../common/garments.rs"]
+mod garments;
+mod outputs;
+mod printing;
+mod recipes;

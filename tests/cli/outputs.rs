@@ -1,0 +1,114 @@
+//! What a build writes.
+
+use crate::cloth::CLOTH;
+use crate::folder::Folder;
+use tailor::usd::{ReadOptions, Source};
+
+/// A folder with the cloth in it.
+pub fn with_cloth() -> Folder {
+    let folder = Folder::new();
+    folder.file("in.usda", CLOTH);
+    folder
+}
+
+/// Opens one mesh of a written file, as the library reads it.
+#[track_caller]
+fn mesh(folder: &Folder, file: &str, prim: &str) -> Source {
+    let options = ReadOptions { prim: Some(prim.into()), time: None };
+    Source::open(&folder.at(file), &options).unwrap_or_else(|e| panic!("{file} {prim}: {e}"))
+}
+
+#[test]
+fn every_format_holds_the_model_and_both_meshes() {
+    for (name, magic) in
+        [("coat.usda", "#usda 1.0"), ("coat.usdc", "PXR-USDC"), ("coat.usd", "PXR-USDC"), ("coat.usdz", "PK")]
+    {
+        for flag in ["", "--flatten"] {
+            let folder = with_cloth();
+            let out = format!("out/{name}");
+            folder.good(&format!("build in.usda -o {out} {flag}"));
+            assert_eq!(folder.written(), [name]);
+            assert!(folder.read(&out).starts_with(magic.as_bytes()), "{name} is in its own format");
+            for prim in ["/Coat/model", "/Coat/sim", "/Coat/render"] {
+                mesh(&folder, &out, prim);
+            }
+            assert_eq!(folder.text("in.usda"), CLOTH, "the input is as it was");
+        }
+    }
+}
+
+#[test]
+fn a_layer_needs_its_input_and_a_flat_file_does_not() {
+    let folder = with_cloth();
+    folder.good("build in.usda -o out/layer.usda");
+    folder.good("build in.usda -o out/flat.usda --flatten");
+    folder.good("build in.usda -o out/flat.usdz");
+    assert!(folder.text("out/layer.usda").contains("@../in.usda@"), "a layer names its input by a relative path");
+    assert!(
+        !folder.text("out/layer.usda").contains("primvars:ply = [1, 2, 3, 4]"),
+        "a layer copies nothing of the model"
+    );
+    std::fs::remove_file(folder.at("in.usda")).expect("the input is there");
+    mesh(&folder, "out/flat.usda", "/Coat/model");
+    mesh(&folder, "out/flat.usdz", "/Coat/model");
+    assert!(Source::open(&folder.at("out/layer.usda"), &ReadOptions::default()).is_err());
+}
+
+#[test]
+fn several_inputs_go_into_a_folder() {
+    let folder = with_cloth();
+    folder.file("b.usda", CLOTH);
+    let run = folder.good("build in.usda b.usda -o out");
+    assert_eq!(folder.written(), ["b_tailored.usda", "in_tailored.usda"]);
+    run.prints(&["in.usda -> out/in_tailored.usda", "b.usda -> out/b_tailored.usda"]);
+    folder.good("build in.usda -o out --force");
+    assert_eq!(folder.written().len(), 2, "one input goes into a folder too");
+}
+
+#[test]
+fn an_output_is_replaced_by_force_only() {
+    let folder = with_cloth();
+    folder.good("build in.usda -o out/coat.usda");
+    let first = folder.read("out/coat.usda");
+    assert_eq!(folder.run("build in.usda -o out/coat.usda --set render.level=2").code, Some(1));
+    assert_eq!(folder.read("out/coat.usda"), first);
+    folder.good("build in.usda -o out/coat.usda --set render.level=2 --force");
+    assert_ne!(folder.read("out/coat.usda"), first);
+    assert_eq!(folder.written(), ["coat.usda"]);
+}
+
+#[test]
+fn meshes_are_called_as_asked() {
+    let folder = with_cloth();
+    folder.good("build in.usda -o out/coat.usda --sim-name cloth --render-name skin --keep-model-purpose");
+    mesh(&folder, "out/coat.usda", "/Coat/cloth");
+    mesh(&folder, "out/coat.usda", "/Coat/skin");
+    let purpose = |prim| mesh(&folder, "out/coat.usda", prim).facts().purpose.clone();
+    assert_eq!(["/Coat/model", "/Coat/cloth", "/Coat/skin"].map(purpose), ["default", "guide", "default"]);
+    folder.good("build in.usda -o out/other.usda");
+    assert_eq!(mesh(&folder, "out/other.usda", "/Coat/model").facts().purpose, "guide");
+}
+
+#[test]
+fn a_build_can_be_built_again() {
+    let folder = with_cloth();
+    folder.good("build in.usda -o out/first.usda");
+    folder.good("build out/first.usda -o out/second.usda");
+    mesh(&folder, "out/second.usda", "/Coat/render");
+}
+
+#[test]
+fn a_time_chooses_the_points() {
+    let (before, rest) = CLOTH.split_once("point3f[] points = [").expect("the cloth has points");
+    let (points, after) = rest.split_once("]\n").expect("the points end");
+    let wider = points.replace("(2, ", "(5, ");
+    let folder = Folder::new();
+    folder
+        .file("in.usda", format!("{before}point3f[] points.timeSamples = {{ 1: [{points}], 2: [{wider}] }}\n{after}"));
+    let wide = |time: &str| {
+        let run = folder.good(&format!("info in.usda --time {time}"));
+        run.stdout.lines().find(|l| l.contains("mean edge")).map(str::to_owned)
+    };
+    assert_ne!(wide("1"), wide("2"));
+    assert_eq!(wide("2"), wide("7"), "the last sample holds on");
+}

@@ -1,0 +1,156 @@
+//! What is printed.
+
+use crate::cloth::cloth_and;
+use crate::outputs::with_cloth;
+use serde_json::Value;
+
+#[test]
+fn a_build_is_told_on_one_screen() {
+    let folder = with_cloth();
+    let run = folder.good("build in.usda -o out/coat.usda");
+    run.prints(&[
+        "in.usda -> out/coat.usda",
+        "sim ",
+        "triangles",
+        "render ",
+        "16 faces, 100.0 % quads, level 1",
+        "time ",
+        " ms",
+    ]);
+    assert!(run.stdout.lines().count() <= 24, "{run}");
+    assert!(run.stdout.lines().all(|l| l.chars().count() <= 120), "{run}");
+    assert!(run.stderr.lines().all(|l| l.starts_with("warning: ")), "{run}");
+    let more = folder.good("build in.usda -o out/coat.usda --force -v");
+    more.prints(&["rounds ", "set     left: area", "recipe  {\"sim\":"]);
+}
+
+#[test]
+fn quiet_prints_nothing() {
+    let folder = with_cloth();
+    folder.file("odd.usda", cloth_and("uniform token subdivisionScheme = \"none\""));
+    for args in
+        ["build in.usda -o out/coat.usda -q", "build odd.usda -o out/odd.usda --quiet", "check in.usda odd.usda -q"]
+    {
+        let run = folder.good(args);
+        assert_eq!((run.stdout.as_str(), run.stderr.as_str()), ("", ""), "{run}");
+    }
+    // But a fault is told.
+    folder.run("build in.usda -o out/coat.usda -q").says(&["error: out/coat.usda exists already"]);
+}
+
+#[test]
+fn info_tells_what_there_is_and_what_would_be_done() {
+    let folder = with_cloth();
+    let before = folder.snapshot();
+    let run =
+        folder.good("info in.usda --set sim.constraints=placket --set sim.maxEdgeLength=0.5 --set render.level=2");
+    run.prints(&[
+        "in.usda /Coat/model",
+        "Y up, 0.01 metres a unit",
+        "9 points, 4 faces",
+        "2 creases, 2 corners, 0 holes",
+        "purpose default, visibility inherited",
+        "primvar  st texCoord2f[] FaceVarying, indexed",
+        "primvar  ply double[] Uniform",
+        "primvar  skel:jointWeights float[] Vertex, 2 a Vertex",
+        "subset   left of 2 faces, family panels",
+        "subset   placket of 2 edges, family seams",
+        "subset   pins of 2 points",
+        "triangles at lengths 0.5 to 0.5",
+        "constraint chains",
+        "render   64 faces at level 2",
+    ]);
+    folder.good("info in.usda -v").prints(&["schema   MaterialBindingAPI", "recipe   {\"sim\":"]);
+    assert_eq!(folder.snapshot(), before, "info writes nothing");
+}
+
+#[test]
+fn info_foretells_the_build() {
+    let folder = with_cloth();
+    let info = folder.good("info in.usda --set sim.maxEdgeLength=0.1").stdout;
+    let expected: f64 = info
+        .split_once("about ")
+        .and_then(|(_, rest)| rest.split(' ').next()?.parse().ok())
+        .unwrap_or_else(|| panic!("no number of triangles in {info}"));
+    folder.good("build in.usda -o out/coat.usda --set sim.maxEdgeLength=0.1 --report out/report.json");
+    let report: Value = serde_json::from_slice(&folder.read("out/report.json")).expect("JSON");
+    let faces = report["sim"]["faces"].as_f64().expect("a number of faces");
+    assert!((0.7..1.6).contains(&(faces / expected)), "{faces} faces, {expected} expected");
+}
+
+#[test]
+fn check_says_good_or_what_is_odd() {
+    let folder = with_cloth();
+    let run = folder.good("check in.usda");
+    assert_eq!((run.stdout.as_str(), run.stderr.as_str()), ("in.usda: good\n", ""));
+    folder.file("odd.usda", cloth_and("uniform token subdivisionScheme = \"none\""));
+    let run = folder.good("check odd.usda in.usda");
+    assert_eq!(run.stdout, "odd.usda: good\nin.usda: good\n");
+    run.says(&["warning: odd.usda: subdivisionScheme is none"]);
+}
+
+#[test]
+fn the_report_has_counts_figures_times_and_warnings() {
+    let folder = with_cloth();
+    folder.file("odd.usda", cloth_and("uniform token subdivisionScheme = \"none\""));
+    let run = folder.good("build odd.usda -o out/coat.usda --report out/report.json");
+    let report: Value = serde_json::from_slice(&folder.read("out/report.json")).expect("JSON");
+    assert_eq!(report["input"], "odd.usda");
+    assert_eq!(report["output"], "out/coat.usda");
+    assert_eq!(report["recipe"]["sim"]["iterations"], 5);
+    assert_eq!(report["render"]["faces"], 16);
+    assert_eq!(report["render"]["quads"], 1.0);
+    for figure in ["vertices", "faces", "minAngle", "lengthErrorRms", "distanceMax", "chainLengthMin", "uvFlips"] {
+        assert!(report["sim"][figure].is_number(), "sim.{figure} in {report:#}");
+    }
+    let names: Vec<&str> =
+        report["stages"].as_array().expect("stages").iter().filter_map(|s| s["name"].as_str()).collect();
+    assert_eq!(names, ["read", "check", "baseline", "remesh", "transfer", "render", "figures", "write"]);
+    let warnings = report["warnings"].as_array().expect("warnings");
+    assert!(warnings.iter().any(|w| w["code"] == "polygonal-cage"), "{report:#}");
+    for warning in warnings {
+        run.says(&[&format!("warning: {}", warning["message"].as_str().expect("a message"))]);
+    }
+    folder.good("build in.usda odd.usda -o out --report out/both.json");
+    let both: Value = serde_json::from_slice(&folder.read("out/both.json")).expect("JSON");
+    assert_eq!(both["builds"].as_array().map(Vec::len), Some(2));
+}
+
+#[test]
+fn help_is_grouped_and_gives_units() {
+    let folder = with_cloth();
+    let run = folder.good("build --help");
+    run.prints(&[
+        "Usage: usdtailor build",
+        "Input:",
+        "Recipe:",
+        "Output:",
+        "Run:",
+        "[stage units]",
+        "[time codes]",
+        "[triangles]",
+        "sim.maxEdgeLength",
+    ]);
+    assert!(run.stderr.is_empty(), "{run}");
+    folder.good("--help").prints(&["build", "info", "check", "Usage: usdtailor <COMMAND>"]);
+    let bare = folder.run("");
+    assert_eq!((bare.code, bare.stdout.as_str()), (Some(1), ""), "{bare}");
+    bare.says(&["build", "info", "check", "Usage: usdtailor <COMMAND>"]);
+    assert!(folder.good("--version").stdout.starts_with("usdtailor "));
+}
+
+/// Whoever closes the pipe has read enough.
+#[cfg(unix)]
+#[test]
+fn a_closed_pipe_is_no_error() {
+    let folder = with_cloth();
+    for args in ["info in.usda -v", "check in.usda", "build in.usda -o out/coat.usda --force", "--help", "build --help"]
+    {
+        // Standard output is a pipe whose reader has gone for certain.
+        let script = "exec 3>&1; { sleep 0.1; \"$@\" 2>&3; echo \"code $?\" >&3; } | exec true";
+        let run = folder.run_in_shell(script, args);
+        assert_eq!(run.stdout.lines().last(), Some("code 0"), "{run}");
+        assert!(!run.stdout.contains("error"), "{run}");
+    }
+    assert_eq!(folder.written(), ["coat.usda"]);
+}

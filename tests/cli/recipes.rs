@@ -1,0 +1,61 @@
+//! Where options come from: flag, recipe file, attribute of the model, default.
+
+use crate::cloth::{CLOTH, cloth_and};
+use crate::folder::Folder;
+use serde_json::Value;
+
+/// The value of `sim.iterations` and of `sim.maxEdgeLength` that a build uses.
+#[track_caller]
+fn used(folder: &Folder, args: &str) -> (Value, Value) {
+    folder.good(&format!("build {args} -o out/coat.usda --report out/report.json --force -q"));
+    let report: Value = serde_json::from_slice(&folder.read("out/report.json")).expect("JSON");
+    let sim = &report["recipe"]["sim"];
+    (sim["iterations"].clone(), sim["maxEdgeLength"].clone())
+}
+
+#[test]
+fn flag_file_attribute_default() {
+    let folder = Folder::new();
+    folder.file("plain.usda", CLOTH);
+    folder.file(
+        "own.usda",
+        cloth_and("uniform int tailor:sim:iterations = 2\nuniform float tailor:sim:maxEdgeLength = 0.75"),
+    );
+    folder.file("my.tailor", "{\"sim\": {\"iterations\": 3}}");
+    let is = |args: &str, iterations: i32, length: f32| {
+        let (i, l) = used(&folder, args);
+        assert_eq!((i.as_i64(), l.as_f64()), (Some(iterations.into()), Some(length.into())), "{args}");
+    };
+    let (iterations, automatic) = used(&folder, "plain.usda");
+    assert_eq!(iterations, 5);
+    assert!(automatic.as_f64().is_some_and(|l| (0.4..0.6).contains(&l)), "half the mean edge: {automatic}");
+    is("own.usda", 2, 0.75);
+    is("own.usda --recipe my.tailor", 3, 0.75);
+    is("own.usda --recipe my.tailor --set sim.iterations=4", 4, 0.75);
+    is("own.usda --set sim.maxEdgeLength=0.5 --set sim.maxEdgeLength=0.25", 2, 0.25);
+}
+
+#[test]
+fn a_recipe_may_name_the_source_and_the_prim() {
+    let folder = Folder::new();
+    std::fs::create_dir(folder.at("recipes")).expect("a folder");
+    let two = CLOTH.replace("def Xform \"Coat\"", "def Mesh \"other\" {}\n\ndef Xform \"Coat\"");
+    folder.file("in.usda", two);
+    folder.file(
+        "recipes/coat.tailor",
+        "{\"source\": \"../in.usda\", \"prim\": \"/Coat/model\", \"render\": {\"level\": 2}}",
+    );
+    let run = folder.good("build --recipe recipes/coat.tailor -o out/coat.usda");
+    run.prints(&["64 faces, 100.0 % quads, level 2"]);
+    folder.good("check --recipe recipes/coat.tailor");
+    folder.good("info --recipe recipes/coat.tailor").prints(&["/Coat/model"]);
+    // What the command line names is stronger.
+    assert_eq!(folder.run("check --recipe recipes/coat.tailor --prim /other").code, Some(1));
+}
+
+#[test]
+fn an_attribute_of_no_schema_is_told_and_stays() {
+    let folder = Folder::new();
+    folder.file("in.usda", cloth_and("uniform float tailor:sim:stretch = 2"));
+    folder.good("build in.usda -o out/coat.usda").says(&["warning: tailor:sim:stretch is not carried"]);
+}
