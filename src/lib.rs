@@ -5,9 +5,11 @@
 //!                                        → render  ┴→ transfer → usd::write
 //! ```
 //!
-//! Folders in data-flow order; each imports only those before it: [`error`], [`mesh`], `spatial`, [`garment`],
-//! [`usd`], `subdivide`, `sim`, `render`, `transfer`, `pipeline`. `mesh` knows no positions, geometry code knows no
-//! USD types, and `usd` is the only door.
+//! Folders in data-flow order; each imports only those before it: [`mesh`] and [`spatial`] (no positions, no names),
+//! [`garment`] (the checked input), [`subdivide`], [`sim`], [`render`], [`transfer`], [`report`] (figures), then
+//! [`usd`] and [`recipe`] (the two doors) and [`pipeline`], the one function that the command and every other user runs.
+//! [`error`] is what all may say. `mesh` knows no positions, geometry code knows no USD types, and `usd` is the only
+//! place that does.
 
 pub mod error;
 pub mod garment;

@@ -13,6 +13,22 @@ const MAX_LEVEL: u32 = 6;
 /// Rounds above this change nothing any more. \[rounds\]
 const MAX_ITERATIONS: u32 = 100;
 
+/// The options: key, unit and meaning, in the order of the schemas.
+pub const KEYS: [(&str, &str, &str); 12] = [
+    ("sim.minEdgeLength", "stage units", "edge length where the density is 1; 0: half of maxEdgeLength"),
+    ("sim.maxEdgeLength", "stage units", "edge length where the density is 0; 0: half the mean edge of the input"),
+    ("sim.density", "name", "painted float primvar, 1 fine to 0 coarse; empty: maxEdgeLength everywhere"),
+    ("sim.baselineLevel", "levels", "refinements that give the surface which the mesh lies on"),
+    ("sim.iterations", "rounds", "rounds of split, collapse, flip and relax"),
+    ("sim.uvSet", "name", "UV set whose shell borders are seams; empty: none"),
+    ("sim.constrainUvSeams", "true or false", "whether UV seams are edges of the mesh"),
+    ("sim.constraints", "names", "edge subsets that become edges of the mesh"),
+    ("sim.transferSamples", "samples a face", "samples that transfer takes (not used yet)"),
+    ("sim.seed", "number", "seed of the samples (not used yet)"),
+    ("render.level", "levels", "refinements of the render mesh"),
+    ("render.operators", "names", "operators in their order (none yet)"),
+];
+
 /// All options of a build.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase", default, deny_unknown_fields)]
@@ -75,7 +91,7 @@ impl RecipeFile {
 }
 
 /// The keys and types of a `.tailor` file.
-#[derive(Deserialize)]
+#[derive(Default, Deserialize)]
 #[serde(rename_all = "camelCase", default, deny_unknown_fields)]
 struct Form {
     #[serde(rename = "source")]
@@ -86,12 +102,6 @@ struct Form {
     _sim: SimOptions,
     #[serde(rename = "render")]
     _render: RenderOptions,
-}
-
-impl Default for Form {
-    fn default() -> Self {
-        Self { _source: None, _prim: None, _sim: SimOptions::default(), _render: RenderOptions::default() }
-    }
 }
 
 impl Layers {
@@ -318,13 +328,18 @@ fn known(space: &str, key: &str) -> bool {
 }
 
 fn all_keys() -> String {
-    let mut keys = Vec::new();
-    if let Value::Object(spaces) = defaults() {
-        for (space, fields) in spaces {
-            keys.extend(fields.as_object().into_iter().flat_map(|f| f.keys()).map(|k| format!("{space}.{k}")));
-        }
-    }
+    let keys: Vec<&str> = KEYS.iter().map(|k| k.0).collect();
     format!("the options are {}", keys.join(", "))
+}
+
+/// The options as lines of help: key, default, unit and meaning.
+pub fn help() -> String {
+    let defaults = defaults();
+    let lines = KEYS.iter().map(|(key, unit, meaning)| {
+        let (space, field) = key.split_once('.').unwrap_or((key, ""));
+        format!("  {key:<21} {:<6} {meaning} [{unit}]\n", defaults[space][field].to_string())
+    });
+    format!("Options of the recipe, each with its default:\n{}", lines.collect::<String>())
 }
 
 fn type_of(value: &Value) -> &'static str {
@@ -377,6 +392,14 @@ fn parse_like(like: &Value, text: &str) -> Option<Value> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_table_of_options_is_complete() {
+        let count: usize =
+            defaults().as_object().into_iter().flatten().filter_map(|(_, f)| f.as_object()).map(Map::len).sum();
+        assert_eq!(count, KEYS.len());
+        assert!(KEYS.iter().all(|(key, _, _)| key.split_once('.').is_some_and(|(space, field)| known(space, field))));
+    }
 
     #[test]
     fn stronger_layers_win() {

@@ -23,8 +23,10 @@ pub struct Cli {
 #[derive(Subcommand)]
 enum Command {
     /// Write a simulation mesh and a render mesh beside the garment
+    #[command(after_help = tailor::recipe::help())]
     Build(Build),
     /// Print what a garment holds and what `build` would make of it
+    #[command(after_help = tailor::recipe::help())]
     Info(Inputs),
     /// Check garments; exit 1 if one has a problem
     Check(Inputs),
@@ -63,7 +65,7 @@ struct Inputs {
 struct Build {
     #[command(flatten)]
     inputs: Inputs,
-    /// Output file (.usd, .usda, .usdc, .usdz), or a folder for several inputs
+    /// Output file (.usd, .usda, .usdc, or .usdz, which is always self-contained), or a folder for several inputs
     #[arg(short, long, value_name = "OUT", help_heading = "Output")]
     output: PathBuf,
     /// Write one self-contained file instead of a layer over the input

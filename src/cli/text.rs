@@ -43,7 +43,7 @@ pub fn summary(input: &Path, output: &Path, products: &Products, verbose: bool) 
     let _ = writeln!(t, "  sim     {} vertices, {} triangles", s.vertices, s.faces);
     let _ = writeln!(
         t,
-        "          target length {} to {}, off by {:.1} % (RMS), {:.1} % of edges within 4/5 to 4/3",
+        "          target length {:.4} to {:.4} stage units, off by {:.1} % (RMS), {:.1} % of edges within 4/5 to 4/3",
         recipe.sim.min_edge_length,
         recipe.sim.max_edge_length,
         percent(s.length_error_rms),

@@ -28,6 +28,17 @@ pub struct Split {
     pub behind: Option<CornerId>,
 }
 
+/// A mesh without gaps, and where its elements were before.
+#[derive(Clone, Debug)]
+pub struct Compact {
+    /// The triangles.
+    pub triangles: Vec<[VertexId; 3]>,
+    /// The old vertex of each new one.
+    pub old_vertex: IdVec<VertexId, VertexId>,
+    /// The old corner of each new one.
+    pub old_corner: IdVec<CornerId, CornerId>,
+}
+
 impl EditMesh {
     /// A mesh of `triangles` over `vertices` vertices.
     ///
@@ -317,8 +328,8 @@ impl EditMesh {
         Some([[half, hn, hp], [other, on, op]])
     }
 
-    /// Drops the gaps. Returns the old vertex of each new one, and the old corner of each new corner.
-    pub fn compact(&self) -> (Vec<[VertexId; 3]>, IdVec<VertexId, VertexId>, IdVec<CornerId, CornerId>) {
+    /// Drops the gaps.
+    pub fn compact(&self) -> Compact {
         let mut new_of = IdVec::<VertexId, Option<VertexId>>::filled(None, self.vertex_corner.len());
         let mut old_of = IdVec::new();
         for v in self.vertices() {
@@ -333,7 +344,7 @@ impl EditMesh {
                 corners.extend((0..3).map(|k| CornerId::new(f.index() * 3 + k)));
             }
         }
-        (triangles, old_of, corners)
+        Compact { triangles, old_vertex: old_of, old_corner: corners }
     }
 
     fn pair_up(&mut self, a: CornerId, b: CornerId) {
@@ -448,7 +459,7 @@ mod tests {
                     mesh.split(half);
                 }
                 1 if mesh.may_collapse(half) => {
-                    mesh.collapse(half, if round % 2 == 0 { mesh.vertex(half) } else { mesh.target(half) })
+                    mesh.collapse(half, if round % 2 == 0 { mesh.vertex(half) } else { mesh.target(half) });
                 }
                 2 if mesh.may_flip(half) => {
                     mesh.flip(half);

@@ -11,20 +11,15 @@ pub struct Faces {
 }
 
 /// How corners are grouped in faces.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 enum Layout {
     /// Every face has three corners; nothing is stored.
     Triangles,
     /// Every face has four corners; nothing is stored.
+    #[default]
     Quads,
     /// First corner of each face and one past the last, and the face of each corner.
     Mixed { offsets: Vec<u32>, corner_face: IdVec<CornerId, FaceId> },
-}
-
-impl Default for Layout {
-    fn default() -> Self {
-        Self::Quads
-    }
 }
 
 impl Faces {

@@ -21,6 +21,7 @@ pub use options::SimOptions;
 pub use project::{Projection, closest_weights};
 pub use remesh::{RemeshReport, remesh};
 
+use crate::mesh::edit::Compact;
 use crate::mesh::{ChainId, CornerId, IdVec, VertexId};
 use glam::Vec3;
 
@@ -49,7 +50,7 @@ type OnChain = (f32, f32, [VertexId; 2]);
 pub fn simulate(baseline: Baseline, iterations: u32, max_faces: usize) -> SimProduct {
     let mut mesh = SimMesh::new(&baseline);
     let report = remesh(&mut mesh, iterations, max_faces);
-    let (triangles, old_vertex, old_corner) = mesh.topology.compact();
+    let Compact { triangles, old_vertex, old_corner } = mesh.topology.compact();
     let mut new_vertex = IdVec::<VertexId, Option<VertexId>>::filled(None, mesh.points.len());
     old_vertex.enumerated().for_each(|(new, &old)| new_vertex[old] = Some(new));
     let mut on_chain: IdVec<ChainId, Vec<OnChain>> = IdVec::filled(Vec::new(), baseline.chains.len());

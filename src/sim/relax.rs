@@ -11,6 +11,7 @@ use rayon::prelude::*;
 const STEPS: [f32; 3] = [1.0, 0.5, 0.25];
 
 /// Where a vertex wants to go.
+#[derive(Clone, Copy)]
 enum Move {
     To { position: Vec3, place: Place },
     Slide { arriving: CornerId, leaving: CornerId, by: f32 },

@@ -100,10 +100,10 @@ fn unique(edges: impl Iterator<Item = [VertexId; 2]>) -> Vec<[VertexId; 2]> {
 
 /// The borders and seams of the simulation mesh as edge subsets of their own.
 fn constraint_sets(garment: &Garment, product: &SimProduct, options: &SimOptions) -> Vec<Subset> {
-    let kinds: [(&str, fn(&Chain) -> bool, bool); 2] =
-        [("tailorBorders", |c| c.marks.border, true), ("tailorSeams", |c| c.marks.seam, options.constrain_uv_seams)];
     let mut sets = Vec::new();
-    for (name, is_in, wanted) in kinds {
+    for (name, of_seams) in [("tailorBorders", false), ("tailorSeams", true)] {
+        let wanted = !of_seams || options.constrain_uv_seams;
+        let is_in = |c: &Chain| if of_seams { c.marks.seam } else { c.marks.border };
         let chains = product.baseline.chains.enumerated().filter(|(_, c)| is_in(c));
         let edges = unique(chains.flat_map(|(id, _)| product.chain_edges[id].iter().copied()));
         if wanted && !edges.is_empty() && garment.subset(name).is_none() {

@@ -62,7 +62,7 @@ impl fmt::Display for UsdError {
 impl std::error::Error for UsdError {}
 
 /// Stack reserved for composition and writing, which recurse once a level of nested prims. Larger admits deeper stages;
-/// only what is touched takes memory. [bytes]
+/// only what is touched takes memory. \[bytes\]
 const STACK: usize = 256 << 20;
 
 /// Runs `work` on a thread whose stack holds deeply nested stages.

@@ -1,0 +1,293 @@
+//! The refinement of a face-varying channel: tags, masks and values of the child.
+
+use super::{Channel, EdgeTag, Tag};
+use crate::garment::Scheme;
+use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, ValueId};
+use crate::subdivide::level::{self, INFINITE_SHARPNESS, Level};
+use crate::subdivide::masks;
+use crate::subdivide::split::{Numbering, child_corner, child_corners};
+use crate::subdivide::stencil::Stencils;
+
+/// The refinement of one channel.
+pub struct ChannelChild<'a> {
+    level: &'a Level,
+    parent: &'a Channel,
+    values: Values,
+    corner_values: IdVec<CornerId, ValueId>,
+    tags: IdVec<ValueId, Tag>,
+}
+
+impl<'a> ChannelChild<'a> {
+    pub(in crate::subdivide) fn new(level: &'a Level, parent: &'a Channel) -> Self {
+        let values = Values::new(parent, level);
+        let (corner_values, tags) =
+            rayon::join(|| values.corner_values(parent, level), || parent.child_tags(level, &values));
+        Self { level, parent, values, corner_values, tags }
+    }
+
+    /// The value of each child corner.
+    pub fn corner_values(&self) -> &IdVec<CornerId, ValueId> {
+        &self.corner_values
+    }
+
+    /// The child channel, over the child's topology.
+    pub(in crate::subdivide) fn into_channel(self, child: &Level) -> Channel {
+        let t = &self.level.topology;
+        let numbering = Numbering::new(self.level);
+        let mut edges = IdVec::filled(EdgeTag::default(), child.topology.edges.len());
+        for (edge, &tag) in self.parent.edges.enumerated().filter(|(_, t)| t.cut || t.linear) {
+            for end in t.edges[edge] {
+                if let Some(e) = child.topology.find_edge(end, numbering.of_edge(edge)) {
+                    edges[e] = tag;
+                }
+            }
+        }
+        let value_corner = self.values.value_corners(self.parent, self.level);
+        Channel { corner_value: self.corner_values, value_corner, tags: self.tags, edges, mode: self.parent.mode }
+    }
+}
+
+impl Stencils for ChannelChild<'_> {
+    type Source = ValueId;
+
+    fn rows(&self) -> usize {
+        self.tags.len()
+    }
+
+    #[inline(always)]
+    fn row(&self, row: usize, sink: &mut impl FnMut(ValueId, f32)) {
+        let (parent, level) = (self.parent, self.level);
+        let mut sink = |corner: CornerId, weight: f32| sink(parent.corner_value[corner], weight);
+        let own = parent.len();
+        let tag = self.tags[ValueId::new(row)];
+        if row < own {
+            parent.value_mask(level, ValueId::new(row), tag, &mut sink);
+        } else if row < own + self.values.faces {
+            masks::face(level, FaceId::new(row - own), 1.0, &mut sink);
+        } else {
+            let half = self.values.halves[row - own - self.values.faces];
+            if tag == Tag::Match && !parent.is_linear(level) {
+                masks::edge(level, level.topology.corner_edge[half], &mut sink);
+            } else {
+                sink(half, 0.5);
+                sink(level.topology.faces.next(half), 0.5);
+            }
+        }
+    }
+}
+
+impl Channel {
+    /// The tags of the refined channel.
+    fn child_tags(&self, parent: &Level, values: &Values) -> IdVec<ValueId, Tag> {
+        let t = &parent.topology;
+        let mut tags = self.tags.clone();
+        self.reclassify(parent, &mut tags);
+        tags.resize(self.len() + values.faces, Tag::Match);
+        let on_split_edge = if self.linear_boundaries() { Tag::Corner } else { Tag::Crease };
+        tags.extend(values.halves.iter().map(|&half| {
+            let tag = self.edges[t.corner_edge[half]];
+            if tag.cut || tag.linear { on_split_edge } else { Tag::Match }
+        }));
+        tags
+    }
+
+    /// Turns values whose sharp edges have faded into creases.
+    fn reclassify(&self, parent: &Level, tags: &mut IdVec<ValueId, Tag>) {
+        let t = &parent.topology;
+        let semi_values: Vec<ValueId> =
+            self.tags.enumerated().filter(|(_, tag)| matches!(tag, Tag::Semi { .. })).map(|(v, _)| v).collect();
+        let lasts = |s: f32| {
+            let child = level::refined_sharpness(s);
+            child > 0.0 && child < INFINITE_SHARPNESS
+        };
+        let mut spokes = Vec::new();
+        for &value in &semi_values {
+            let vertex = t.faces.vertex(self.value_corner[value]);
+            if level::refined_sharpness(parent.vertex_sharpness[vertex]) > 0.0 {
+                continue;
+            }
+            parent.spokes(vertex, &mut spokes);
+            let sharp_around = spokes.iter().any(|s| lasts(parent.edge_sharpness[s.edge]));
+            let is_dependent = self.tags[value] == (Tag::Semi { dependent: true });
+            let sharp_within = || self.inner_edges(t, value).any(|e| lasts(parent.edge_sharpness[e]));
+            if !sharp_around || !is_dependent && !sharp_within() {
+                tags[value] = Tag::Crease;
+            }
+        }
+        for value in semi_values {
+            if tags[value] != (Tag::Semi { dependent: true }) {
+                continue;
+            }
+            let other = self.siblings(t, value).find(|&v| v != value);
+            if other.is_none_or(|v| !matches!(tags[v], Tag::Semi { .. })) {
+                tags[value] = Tag::Semi { dependent: false };
+            }
+        }
+    }
+
+    /// The values of the corners at the vertex of a value.
+    fn siblings<'a>(&'a self, t: &'a Topology, value: ValueId) -> impl Iterator<Item = ValueId> + 'a {
+        let vertex = t.faces.vertex(self.value_corner[value]);
+        t.vertex_corners.row(vertex).iter().map(|&c| self.corner_value[c])
+    }
+
+    /// The corners at the vertex of a value that have it.
+    fn corners_of<'a>(&'a self, t: &'a Topology, value: ValueId) -> impl Iterator<Item = CornerId> + 'a {
+        let vertex = t.faces.vertex(self.value_corner[value]);
+        t.vertex_corners.row(vertex).iter().copied().filter(move |&c| self.corner_value[c] == value)
+    }
+
+    /// The edges at the vertex of a value that lie within its region.
+    fn inner_edges<'a>(&'a self, t: &'a Topology, value: ValueId) -> impl Iterator<Item = EdgeId> + 'a {
+        self.corners_of(t, value).map(|c| t.corner_edge[c]).filter(|&e| !self.edges[e].cut && !t.is_border(e))
+    }
+
+    fn is_region_border(&self, t: &Topology, edge: EdgeId) -> bool {
+        self.edges[edge].cut || t.is_border(edge)
+    }
+
+    /// The mask of the child of a value, which the next level tags as `child`.
+    #[inline(always)]
+    fn value_mask(&self, level: &Level, value: ValueId, child: Tag, sink: &mut impl FnMut(CornerId, f32)) {
+        let own = self.value_corner[value];
+        if self.is_linear(level) {
+            return sink(own, 1.0);
+        }
+        match child {
+            Tag::Match => masks::vertex(level, level.topology.faces.vertex(own), sink),
+            Tag::Corner | Tag::Semi { .. } => sink(own, 1.0),
+            Tag::Crease => self.crease_mask(level, value, own, sink),
+        }
+    }
+
+    #[inline(always)]
+    fn crease_mask(&self, level: &Level, value: ValueId, own: CornerId, sink: &mut impl FnMut(CornerId, f32)) {
+        let keep = self.fading_weight(level, value);
+        sink(own, keep + 0.75 * (1.0 - keep));
+        for end in self.crease_ends(&level.topology, value) {
+            sink(end, 0.125 * (1.0 - keep));
+        }
+    }
+
+    /// How much of the corner remains while a semi-sharp value becomes a crease.
+    fn fading_weight(&self, level: &Level, value: ValueId) -> f32 {
+        let t = &level.topology;
+        let of = match self.tags[value] {
+            Tag::Semi { dependent: false } => value,
+            Tag::Semi { dependent: true } => self.siblings(t, value).find(|&v| v != value).unwrap_or(value),
+            _ => return 0.0,
+        };
+        let vertex = t.faces.vertex(self.value_corner[value]);
+        masks::fractional_weight(
+            level.vertex_sharpness[vertex],
+            self.inner_edges(t, of).map(|e| level.edge_sharpness[e]),
+        )
+    }
+
+    /// The next corners along the border of a value's region, on either side.
+    fn crease_ends(&self, t: &Topology, value: ValueId) -> impl Iterator<Item = CornerId> {
+        let mut leaving = None;
+        let mut arriving = None;
+        for corner in self.corners_of(t, value) {
+            let prev = t.faces.prev(corner);
+            if self.is_region_border(t, t.corner_edge[corner]) {
+                leaving = leaving.or(Some(t.faces.next(corner)));
+            }
+            if self.is_region_border(t, t.corner_edge[prev]) {
+                arriving = arriving.or(Some(prev));
+            }
+        }
+        leaving.into_iter().chain(arriving)
+    }
+}
+
+/// Where the child values are: those of values first, then of faces, then of edges, one a side where they are cut.
+struct Values {
+    own: usize,
+    faces: usize,
+    /// The half-edge behind each value of an edge.
+    halves: Vec<CornerId>,
+    /// The first value of each edge among `halves`.
+    first: IdVec<EdgeId, u32>,
+}
+
+impl Values {
+    fn new(channel: &Channel, level: &Level) -> Self {
+        let t = &level.topology;
+        let mut halves = Vec::with_capacity(t.edges.len() + t.edges.len() / 8);
+        let mut first = IdVec::with_capacity(t.edges.len());
+        for (edge, tag) in channel.edges.enumerated() {
+            first.push(halves.len() as u32);
+            let row = t.edge_corners.row(edge);
+            if tag.cut {
+                halves.extend_from_slice(row);
+            } else {
+                halves.push(row[0]);
+            }
+        }
+        let faces = if level.scheme == Scheme::Loop { 0 } else { t.faces.len() };
+        Self { own: channel.len(), faces, halves, first }
+    }
+
+    /// The value in the middle of an edge as the face of `half` sees it.
+    #[inline(always)]
+    fn middle(&self, channel: &Channel, t: &Topology, half: CornerId) -> ValueId {
+        let edge = t.corner_edge[half];
+        let side = match channel.edges[edge].cut {
+            true => t.edge_corners.row(edge).iter().position(|&h| h == half).unwrap_or(0),
+            false => 0,
+        };
+        ValueId::new(self.own + self.faces + self.first[edge] as usize + side)
+    }
+
+    /// The value of each child corner.
+    fn corner_values(&self, channel: &Channel, level: &Level) -> IdVec<CornerId, ValueId> {
+        let t = &level.topology;
+        match level.scheme {
+            Scheme::Loop => self.triangle_values(channel, t),
+            _ => self.quad_values(channel, t),
+        }
+    }
+
+    fn quad_values(&self, channel: &Channel, t: &Topology) -> IdVec<CornerId, ValueId> {
+        let values = child_corners(&t.faces, ValueId::new(0), |c| {
+            [
+                channel.corner_value[c],
+                self.middle(channel, t, c),
+                ValueId::new(self.own + t.faces.face_of(c).index()),
+                self.middle(channel, t, t.faces.prev(c)),
+            ]
+        });
+        values.into()
+    }
+
+    fn triangle_values(&self, channel: &Channel, t: &Topology) -> IdVec<CornerId, ValueId> {
+        let mut corner_value = Vec::with_capacity(12 * t.faces.len());
+        for face in t.faces.ids() {
+            let at = |k: usize| CornerId::new(t.faces.range(face).start + k);
+            let [v0, v1, v2] = [0, 1, 2].map(|k| channel.corner_value[at(k)]);
+            let [e0, e1, e2] = [0, 1, 2].map(|k| self.middle(channel, t, at(k)));
+            corner_value.extend([v0, e0, e2, e0, v1, e1, e2, e1, v2, e1, e2, e0]);
+        }
+        corner_value.into()
+    }
+
+    /// A child corner of each child value.
+    fn value_corners(&self, channel: &Channel, level: &Level) -> IdVec<ValueId, CornerId> {
+        let faces = &level.topology.faces;
+        // Child j of a triangle holds corner j at place j and the middle of its edge at the place after.
+        let in_triangle = |c: CornerId, step: usize| {
+            let (face, j) = (c.index() / 3, c.index() % 3);
+            CornerId::new(12 * face + 3 * j + (j + step) % 3)
+        };
+        let child = |c: CornerId, step: usize| match level.scheme {
+            Scheme::Loop => in_triangle(c, step),
+            _ => child_corner(faces, c, step),
+        };
+        let mut corners = Vec::with_capacity(self.own + self.faces + self.halves.len());
+        corners.extend(channel.value_corner.iter().map(|&c| child(c, 0)));
+        corners.extend((0..self.faces).map(|f| child(CornerId::new(faces.range(FaceId::new(f)).start), 2)));
+        corners.extend(self.halves.iter().map(|&c| child(c, 1)));
+        corners.into()
+    }
+}

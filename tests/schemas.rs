@@ -1,0 +1,48 @@
+//! The schemas and the crate name the same options, with the same types and defaults.
+
+use serde_json::Value;
+use std::collections::BTreeMap;
+use tailor::recipe::defaults;
+
+/// Type and default of each `tailor:` property of the schema file.
+fn schema_properties() -> BTreeMap<String, (String, String)> {
+    let text =
+        std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/schemas/schema.usda")).expect("schema.usda");
+    let properties = text.lines().filter_map(|line| {
+        let line = line.trim().trim_end_matches('(').trim();
+        let (head, default) = line.split_once('=').unwrap_or((line, ""));
+        let mut words = head.trim().trim_start_matches("uniform ").split_whitespace();
+        let (kind, name) = (words.next()?, words.next()?.strip_prefix("tailor:")?);
+        Some((name.replace(':', "."), (kind.to_owned(), default.trim().to_owned())))
+    });
+    properties.collect()
+}
+
+/// The type and default that the schema must have for an option of the crate.
+fn expected(value: &Value) -> Vec<(&'static str, String)> {
+    match value {
+        Value::Bool(b) => vec![("bool", b.to_string())],
+        Value::Number(n) if n.is_f64() => vec![("float", format!("{}", n.as_f64().unwrap_or_default()))],
+        Value::Number(n) => vec![("int", n.to_string())],
+        Value::String(s) => vec![("token", format!("\"{s}\""))],
+        // A list of names is a relationship where the names are prims, else tokens.
+        _ => vec![("rel", String::new()), ("token[]", "[]".into())],
+    }
+}
+
+#[test]
+fn schemas_and_options_agree() {
+    let properties = schema_properties();
+    let mut options = Vec::new();
+    for (space, fields) in defaults().as_object().expect("an object") {
+        for (key, value) in fields.as_object().expect("an object") {
+            let name = format!("{space}.{key}");
+            let (kind, default) = properties.get(&name).unwrap_or_else(|| panic!("the schema has no {name}"));
+            let fits = expected(value).iter().any(|(k, d)| k == kind && d == default);
+            assert!(fits, "{name} is {kind} = {default} in the schema and {value} in the crate");
+            options.push(name);
+        }
+    }
+    let extra: Vec<_> = properties.keys().filter(|name| !options.contains(name)).collect();
+    assert!(extra.is_empty(), "the crate has no {extra:?}");
+}
