@@ -28,6 +28,9 @@ pub const DEFAULT_MAX_FACES: usize = 5_000_000;
 /// Mean edges with which areas, and ratios of areas, stay within 32 bits. \[stage units\]
 const USABLE_LENGTHS: std::ops::RangeInclusive<f32> = 1e-8..=1e8;
 
+/// Largest refined mesh: its corners are counted in 32 bits, and it takes some 200 bytes a face. \[faces\]
+const MAX_REFINED_FACES: usize = 100_000_000;
+
 /// Time that a stage took.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Stage {
@@ -129,10 +132,50 @@ impl Prepared {
         let quads = corners * 4usize.pow(self.recipe.render.level.saturating_sub(1));
         Ok(Plan {
             recipe: self.recipe.clone(),
-            expected_faces: baseline.expected_faces(),
+            expected_faces: self.expected_faces()?,
             chains: baseline.chains.len(),
             render_faces: if self.recipe.render.level == 0 { self.garment.faces.len() } else { quads },
         })
+    }
+
+    /// Triangles that the target lengths ask for on the cage, all of them equilateral.
+    fn expected_faces(&self) -> Result<usize, Error> {
+        let (sim, garment) = (&self.recipe.sim, &self.garment);
+        let bound = bind(&self.recipe, garment, self.uv_set_was_given)?;
+        let lengths = Lengths { min: sim.min_edge_length, max: sim.max_edge_length, density: bound.density };
+        let wanted = garment.faces.ids().map(|face| {
+            let vertices = garment.faces.vertices_of(face);
+            let sum: f64 = vertices.iter().map(|&v| f64::from(lengths.at(v))).sum();
+            let target = sum / vertices.len() as f64;
+            0.5 * doubled_area(garment, face) / (0.25 * 3f64.sqrt() * target * target)
+        });
+        // Rounds up, and saturates where the lengths are absurdly small.
+        Ok(wanted.sum::<f64>().ceil() as usize)
+    }
+
+    /// Whether the products are of a size that was allowed, before any work.
+    fn check_sizes(&self, limits: &Limits<'_>) -> Result<(), Error> {
+        let fault =
+            |fault: String, hint: &str| Err(Error::Recipe(format!("{}: {fault}\n  hint: {hint}", self.garment.prim)));
+        let expected = self.expected_faces()?;
+        if expected > limits.max_faces {
+            let fault_text =
+                format!("the target lengths ask for about {expected} triangles, more than {}", limits.max_faces);
+            return fault(fault_text, "raise sim.minEdgeLength or sim.maxEdgeLength, or --max-faces");
+        }
+        let corners = self.garment.faces.corners().len();
+        for (key, level) in
+            [("sim.baselineLevel", self.recipe.sim.baseline_level), ("render.level", self.recipe.render.level)]
+        {
+            let faces = corners.saturating_mul(4usize.saturating_pow(level.saturating_sub(1)));
+            if level > 0 && faces > MAX_REFINED_FACES {
+                return fault(
+                    format!("{key} {level} makes {faces} faces, more than {MAX_REFINED_FACES}"),
+                    "lower the level",
+                );
+            }
+        }
+        Ok(())
     }
 
     /// Builds both products.
@@ -141,14 +184,8 @@ impl Prepared {
     /// A simulation mesh that would be too large.
     pub fn build(&self, limits: &Limits<'_>, warnings: &mut Warnings) -> Result<Products, Error> {
         let mut clock = Clock { stages: Vec::new(), progress: limits.progress };
+        self.check_sizes(limits)?;
         let (baseline, uv_set) = clock.run("baseline", || self.baseline())?;
-        let expected = baseline.expected_faces();
-        if expected > limits.max_faces {
-            return Err(Error::Recipe(format!(
-                "{}: the target lengths ask for about {expected} triangles, more than {}\n  hint: raise sim.minEdgeLength or sim.maxEdgeLength, or --max-faces",
-                self.garment.prim, limits.max_faces
-            )));
-        }
         // Constraints may need more than the lengths alone ask for, but not without bound.
         let cap = limits.max_faces.saturating_mul(4);
         let product = clock.run("remesh", || simulate(baseline, self.recipe.sim.iterations, cap));

@@ -67,6 +67,21 @@ pub struct Lengths<'a> {
     pub density: Option<&'a Primvar>,
 }
 
+impl Lengths<'_> {
+    /// The target length for a weight.
+    fn of(&self, weight: f32) -> f32 {
+        self.max + (self.min - self.max) * weight.clamp(0.0, 1.0)
+    }
+
+    /// The target length at a vertex of the garment. \[stage units\]
+    pub fn at(&self, vertex: VertexId) -> f32 {
+        match self.density.map(|d| (d, &d.values)) {
+            Some((density, Values::F32(values))) => self.of(values[density.row(vertex.index())]),
+            _ => self.max,
+        }
+    }
+}
+
 impl Baseline {
     /// Refines and triangulates a garment and finds its chains.
     ///
@@ -149,17 +164,6 @@ impl Baseline {
     /// The levels that are refined on the way to the triangles, from the cage on.
     pub fn parents(&self) -> impl Iterator<Item = &Refiner> {
         std::iter::once(&self.manifold.refiner).chain(&self.levels).take(self.levels.len())
-    }
-
-    /// Triangles that the target lengths ask for, all of them equilateral.
-    pub fn expected_faces(&self) -> usize {
-        let faces = &self.topology.faces;
-        let wanted = faces.ids().map(|face| {
-            let target = faces.vertices_of(face).iter().map(|&v| f64::from(self.target[v])).sum::<f64>() / 3.0;
-            let area = 0.5 * f64::from(self.normal(face).length());
-            area / (0.25 * 3f64.sqrt() * target * target)
-        });
-        wanted.sum::<f64>().ceil() as usize
     }
 
     /// The garment's corner whose part of its face a triangle lies in.
