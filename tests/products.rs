@@ -42,7 +42,7 @@ fn complaint(name: &str, input: GarmentInput, layers: &Layers, bounds: Bounds) -
 }
 
 #[track_caller]
-fn none_of(complaints: Vec<String>) {
+fn none_of(complaints: &[String]) {
     assert!(complaints.is_empty(), "{} faults:\n{}", complaints.len(), complaints.join("\n"));
 }
 
@@ -60,7 +60,7 @@ fn of_garments() {
         let chain = if layers.says("sim", "maxEdgeLength") { GARMENT.chain } else { 0.08 };
         complaints.extend(complaint(&name, input, &layers, Bounds { chain, ..GARMENT }));
     }
-    none_of(complaints);
+    none_of(&complaints);
 }
 
 /// The mean edge of a mesh in its own units, roughly: what targets are a multiple of.
@@ -95,22 +95,22 @@ fn zoo_at(multiple: f32, more: &[&str]) -> Vec<String> {
 
 #[test]
 fn of_the_zoo() {
-    none_of(zoo_at(0.5, &[]));
+    none_of(&zoo_at(0.5, &[]));
 }
 
 #[test]
 fn of_the_zoo_with_density() {
-    none_of(zoo_at(0.8, &["sim.density=density", "render.level=2"]));
+    none_of(&zoo_at(0.8, &["sim.density=density", "render.level=2"]));
 }
 
 #[test]
 fn of_the_zoo_far_finer_than_its_baseline() {
-    none_of(zoo_at(0.15, &["sim.baselineLevel=0", "render.level=0"]));
+    none_of(&zoo_at(0.15, &["sim.baselineLevel=0", "render.level=0"]));
 }
 
 #[test]
 fn of_the_zoo_far_coarser_than_its_faces() {
-    none_of(zoo_at(5.0, &["sim.baselineLevel=1"]));
+    none_of(&zoo_at(5.0, &["sim.baselineLevel=1"]));
 }
 
 /// A random sheet: some cells missing, some holes, some cuts in the UVs, some constraints, bent at random.

@@ -1,5 +1,6 @@
 //! The garments that tests run on: the examples of this repository and, where they are, shared ones beside it.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Every example and every shared garment; says so where the latter are absent.
@@ -9,7 +10,8 @@ pub fn garments() -> Vec<PathBuf> {
     assert!(all.len() >= 3, "the examples are in the repository");
     let shared = stages(&root.join("../shared/garments"));
     if shared.is_empty() {
-        eprintln!("NOTE: there is no ../shared/garments; these tests run on the examples alone");
+        // Past the capture of the test harness, so that it is seen.
+        let _ = writeln!(std::io::stderr(), "NOTE: no ../shared/garments; these tests run on the examples alone");
     }
     all.extend(shared);
     all

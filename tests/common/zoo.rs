@@ -343,7 +343,7 @@ pub fn all() -> Vec<(&'static str, GarmentInput)> {
         (
             "folded flat",
             change(sheet(4, 2), |i| {
-                i.points.iter_mut().for_each(|p| *p = Vec3::new(2.0 - (p.x - 2.0).abs(), p.y, 0.0))
+                i.points.iter_mut().for_each(|p| *p = Vec3::new(2.0 - (p.x - 2.0).abs(), p.y, 0.0));
             }),
         ),
         ("needle", change(sheet(3, 3), |i| i.points.iter_mut().for_each(|p| p.y *= 1e-3))),

@@ -95,7 +95,7 @@ def run(usdtailor, *args):
 
 def make(usdtailor, source, folder, *args, suffix=".usda", stem="built"):
     """Builds `source` into `folder` and opens both stages; fails with the program's own words."""
-    path, report = folder / f"{stem}{suffix}", folder / f"{stem}.json"
+    path, report = folder / f"{stem}{suffix}", folder / f"{stem}{suffix}.json"
     done = run(usdtailor, "build", source, "-o", path, "--report", report, *args)
     assert done.returncode == 0, f"usdtailor build {source} {' '.join(map(str, args))}\nexit {done.returncode}\n{done.stderr}"
     return Product(

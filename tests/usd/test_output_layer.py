@@ -134,7 +134,7 @@ def test_input_is_untouched(garment, usdtailor, tmp_path):
     assert garment.read_bytes() == content
     assert garment.stat().st_mtime_ns == time
     assert sorted(garment.parent.iterdir()) == neighbours
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["built.json", "built.usda"], "something is left over"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["built.usda", "built.usda.json"], "something is left over"
 
 
 @pytest.mark.parametrize("args, suffix", FORMS[2:])

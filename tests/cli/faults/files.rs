@@ -56,7 +56,7 @@ fn of_the_file() {
                 f.file(
                     "in.usdc",
                     (0..4096u32).flat_map(|i| i.wrapping_mul(2_654_435_761).to_le_bytes()).collect::<Vec<u8>>(),
-                )
+                );
             },
             &["in.usdc cannot be read as USD", "damaged"],
         ),
@@ -138,7 +138,7 @@ fn of_the_choice_of_a_mesh() {
                     CLOTH
                         .replace("point3f[] points = [", "point3f[] points.timeSamples = { 3: [")
                         .replace("(2, 2, 0)]", "(2, 2, 0)] }"),
-                )
+                );
             },
             &["/Coat/model.points has values at 1 times and none besides", "--time 3"],
         ),

@@ -41,7 +41,7 @@ fn of_the_output() {
                 f.file(
                     "in.usda",
                     cloth_with("    def Mesh \"model\"", "    def Scope \"sim\" {}\n    def Mesh \"model\""),
-                )
+                );
             },
             &["/Coat/sim is taken by another prim", "--sim-name"],
         ),
@@ -154,6 +154,7 @@ fn of_a_full_disk() {
 #[cfg(unix)]
 #[test]
 fn of_a_folder_that_may_not_be_written_to() {
+    use std::io::Write;
     use std::os::unix::fs::PermissionsExt;
     let folder = Folder::new();
     cloth(&folder);
@@ -161,7 +162,8 @@ fn of_a_folder_that_may_not_be_written_to() {
         |mode| std::fs::set_permissions(folder.at("out"), std::fs::Permissions::from_mode(mode)).expect("own folder");
     locked(0o555);
     if std::fs::write(folder.at("out/probe"), "").is_ok() {
-        eprintln!("SKIPPED: this user (root?) may write to any folder, so that no folder can be closed to the command");
+        // Past the capture of the test harness, so that it is seen.
+        let _ = writeln!(std::io::stderr(), "SKIPPED: this user (root?) may write to any folder, none can be closed");
         return;
     }
     let run = folder.run("build in.usda -o out/coat.usda");
