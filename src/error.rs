@@ -131,6 +131,19 @@ pub enum Warning {
         /// Triangles that it has.
         faces: usize,
     },
+    /// Face subsets whose area on the simulation mesh is not that on the garment's surface: folds finer than the target
+    /// length are cut short.
+    AreaChanged {
+        /// Names of the subsets.
+        sets: Vec<String>,
+        /// The largest change, as a share of the subset's area.
+        largest: f32,
+    },
+    /// The products have no ancestor that a reference to the asset could name.
+    RootMesh {
+        /// Path of the model.
+        prim: String,
+    },
     /// A reference, payload or other arc that could not be followed; the rest of the stage is as it should be.
     Composition {
         /// What failed, in the words of composition.
@@ -175,7 +188,25 @@ impl fmt::Display for Warning {
             Self::FaceLimit { faces } => {
                 write!(f, "the simulation mesh was stopped at {faces} triangles, before its edges were short enough")
             }
-            Self::NotCarried { what, why } => write!(f, "{what} is not carried: {why}"),
+            Self::AreaChanged { sets, largest } => {
+                let (shown, more) = (sets.iter().take(5).cloned().collect::<Vec<_>>(), sets.len().saturating_sub(5));
+                let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+                write!(
+                    f,
+                    "the simulation mesh has up to {:.0} % more or less area than the surface in ",
+                    largest * 100.0
+                )?;
+                write!(f, "{}{more}; lower sim.maxEdgeLength, or name edge sets along folds in ", shown.join(", "))?;
+                write!(f, "sim.constraints")
+            }
+            Self::RootMesh { prim } => {
+                write!(
+                    f,
+                    "{prim} is a root prim, and so are the meshes beside it: a reference to the file's default "
+                )?;
+                write!(f, "prim does not bring them; put the model below an Xform")
+            }
+            Self::NotCarried { what, why } => write!(f, "not carried: {what} ({why})"),
             Self::Composition { fault } => write!(f, "the stage does not compose fully: {fault}"),
         }
     }

@@ -7,7 +7,7 @@ use crate::garment::{
 use crate::mesh::{FaceId, IdVec, Topology, VertexId};
 use crate::recipe::{Layers, Recipe, bind};
 use crate::render::render;
-use crate::report::{RenderFigures, SimFigures};
+use crate::report::{RenderFigures, SimFigures, SubsetArea};
 use crate::sim::{Baseline, Lengths, RemeshReport, holes, simulate};
 use crate::subdivide::Level;
 use crate::transfer::transfer;
@@ -109,6 +109,9 @@ impl Prepared {
         settle_lengths(&garment, &mut recipe);
         let uv_set_was_given = layers.says("sim", "uvSet");
         bind(&recipe, &garment, uv_set_was_given)?;
+        if garment.prim.rfind('/') == Some(0) {
+            warnings.push(Warning::RootMesh { prim: garment.prim.clone() });
+        }
         if garment.rules.scheme == Scheme::None {
             warnings.push(Warning::PolygonalCage);
         }
@@ -196,6 +199,7 @@ impl Prepared {
         let render_mesh = clock.run("render", || render(&self.garment, &self.recipe.render));
         let (sim_figures, render_figures) =
             clock.run("figures", || (SimFigures::new(&product, &sim, &self.garment), RenderFigures::new(&render_mesh)));
+        warn_of_area(&sim_figures, warnings);
         Ok(Products {
             sim,
             render: render_mesh,
@@ -247,6 +251,22 @@ fn doubled_area(garment: &Garment, face: FaceId) -> f64 {
     let origin = at(&vertices[0]);
     let fan = vertices.windows(2).map(|p| (at(&p[0]) - origin).cross(at(&p[1]) - origin));
     fan.sum::<glam::DVec3>().length()
+}
+
+/// Share of a face subset's area whose loss or gain is worth a warning. Chords of a curved border alone stay below it.
+const AREA_CHANGE: f64 = 0.05;
+
+/// Warns of face subsets that have another area than on the surface.
+fn warn_of_area(figures: &SimFigures, warnings: &mut Warnings) {
+    let change = |s: &SubsetArea| (s.area - s.source_area).abs() / s.source_area;
+    let changed: Vec<&SubsetArea> =
+        figures.subset_areas.iter().filter(|s| s.source_area > 0.0 && change(s) > AREA_CHANGE).collect();
+    if !changed.is_empty() {
+        warnings.push(Warning::AreaChanged {
+            largest: changed.iter().map(|s| change(s)).fold(0.0, f64::max) as f32,
+            sets: changed.iter().map(|s| s.name.clone()).collect(),
+        });
+    }
 }
 
 /// Replaces automatic lengths by multiples of the garment's mean edge length.

@@ -59,12 +59,12 @@ fn describe(out: &mut String, facts: &Facts, garment: &Garment, plan: &Plan, ver
     let _ = writeln!(out, "  stage    {} up, {} metres a unit", facts.up_axis, facts.meters_per_unit);
     let _ = writeln!(
         out,
-        "  mesh     {} points, {} faces, mean edge {:.4}; {:?}, {:?}",
+        "  mesh     {} points, {} faces, mean edge {:.4}; {}, {}",
         garment.points.len(),
         garment.faces.len(),
         mean_edge_length(garment),
-        garment.rules.scheme,
-        garment.orientation
+        token(&garment.rules.scheme),
+        token(&garment.orientation)
     );
     let _ = writeln!(
         out,
@@ -79,12 +79,11 @@ fn describe(out: &mut String, facts: &Facts, garment: &Garment, plan: &Plan, ver
     }
     for p in &garment.primvars {
         let indexed = if p.indices.is_some() { ", indexed" } else { "" };
-        let size =
-            if p.element_size > 1 { format!(", {} a {:?}", p.element_size, p.interpolation) } else { String::new() };
-        let _ = writeln!(out, "  primvar  {} {} {:?}{indexed}{size}", p.name, p.type_name, p.interpolation);
+        let size = if p.element_size > 1 { format!(", elementSize {}", p.element_size) } else { String::new() };
+        let _ = writeln!(out, "  primvar  {} {} {}{indexed}{size}", p.name, p.type_name, token(&p.interpolation));
     }
     for name in &facts.constant_primvars {
-        let _ = writeln!(out, "  primvar  {name} Constant");
+        let _ = writeln!(out, "  primvar  {name} constant");
     }
     for p in &facts.inherited_primvars {
         let _ = writeln!(out, "  primvar  {} {} from {}", p.name, p.type_name, p.from);
@@ -112,4 +111,11 @@ fn describe(out: &mut String, facts: &Facts, garment: &Garment, plan: &Plan, ver
     if verbose {
         let _ = writeln!(out, "  recipe   {}", serde_json::to_string(&plan.recipe).unwrap_or_default());
     }
+}
+
+/// The name of a variant as USD spells it.
+fn token(variant: &impl std::fmt::Debug) -> String {
+    let name = format!("{variant:?}");
+    let mut letters = name.chars();
+    letters.next().map(|first| first.to_ascii_lowercase()).into_iter().chain(letters).collect()
 }

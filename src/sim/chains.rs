@@ -15,6 +15,8 @@ pub struct Marks {
     pub border: bool,
     /// A border of a UV shell.
     pub seam: bool,
+    /// An infinitely sharp edge inside the mesh: the surface has a fold there at every level.
+    pub sharp: bool,
     /// The edge subsets that hold it, by their place in the garment's list.
     pub subsets: Vec<usize>,
 }
@@ -111,8 +113,13 @@ pub fn constrained_edges(
         }
         let (a, b) = (manifold.vertex_source[a], manifold.vertex_source[b]);
         let (subsets, chosen) = in_subsets.get(&[a.min(b), a.max(b)]).cloned().unwrap_or_default();
-        let marks = Marks { border: solid == 1, seam: solid > 1 && is_seam(edge), subsets };
-        if marks.border || chosen || marks.seam && options.constrain_uv_seams {
+        let marks = Marks {
+            border: solid == 1,
+            seam: solid > 1 && is_seam(edge),
+            sharp: solid > 1 && manifold.refiner.level.edge_sharpness[edge] >= INFINITE_SHARPNESS,
+            subsets,
+        };
+        if marks.border || marks.sharp || chosen || marks.seam && options.constrain_uv_seams {
             marked.insert(edge, marks);
         }
     }

@@ -28,7 +28,11 @@ pub(super) fn carry(
             Elements::Edges(edges) => Elements::Edges(edge_set(i, subset, edges, product, warnings)),
             Elements::Points(points_of) => Elements::Points(nearest_points(points_of, garment, product, &points)),
         };
-        subsets.push(Subset { elements, ..subset.clone() });
+        // An edge set that nothing could be carried of has its warning; an empty one would look like data.
+        let is_gone = matches!(elements, Elements::Edges(_)) && elements.is_empty() && !subset.elements.is_empty();
+        if !is_gone {
+            subsets.push(Subset { elements, ..subset.clone() });
+        }
     }
     subsets.extend(constraint_sets(garment, product, options));
     let mut families: Vec<Family> = garment.families.iter().map(|f| carried_family(garment, f)).collect();

@@ -19,6 +19,7 @@ const ELEMENT_TYPES: &[&str] = &["face", "edge", "point"];
 pub fn read_mesh(prim: &Prim, time: Option<TimeCode>, warnings: &mut Vec<Warning>) -> Result<GarmentInput, UsdError> {
     let ints = |name| required_or_empty(prim, name, time, false, int_array);
     let floats = |name| required_or_empty(prim, name, time, false, float_array);
+    warn_of_animation(prim, time, warnings);
     Ok(GarmentInput {
         prim: prim.path().as_str().to_owned(),
         points: required_or_empty(prim, names::POINTS, time, true, point_array)?,
@@ -41,6 +42,18 @@ pub fn read_mesh(prim: &Prim, time: Option<TimeCode>, warnings: &mut Vec<Warning
         subsets: subsets(prim, time, warnings)?,
         families: families(prim)?,
     })
+}
+
+/// The products are built at one time; points that move with time move on the model only.
+fn warn_of_animation(prim: &Prim, time: Option<TimeCode>, warnings: &mut Vec<Warning>) {
+    let times = prim.attribute(names::POINTS).time_sample_times().unwrap_or_default();
+    if times.len() > 1 {
+        let at = time.map_or_else(|| "the default time".to_owned(), |t| format!("time {}", t.value()));
+        warnings.push(Warning::NotCarried {
+            what: format!("the motion of {}.points over {} times", prim.path(), times.len()),
+            why: format!("both meshes are built at {at}; the model keeps it"),
+        });
+    }
 }
 
 /// The value of an attribute at `time`, or its value that does not vary; none where nothing is authored or where it is
