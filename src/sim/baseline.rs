@@ -4,7 +4,7 @@ use super::chains::{self, Chain, StartSpan};
 use super::manifold::Manifold;
 use super::options::SimOptions;
 use crate::garment::{Garment, Interpolation, Primvar, Values};
-use crate::mesh::{ChainId, CornerId, EdgeId, FaceId, Faces, IdVec, Topology, VertexId};
+use crate::mesh::{ChainId, CornerId, FaceId, Faces, IdVec, Topology, VertexId};
 use crate::subdivide::{Level, Numbering, Real, Refiner, Stencils, mix_rows};
 use glam::{Vec2, Vec3};
 use std::collections::{BTreeMap, BTreeSet};
@@ -46,8 +46,6 @@ pub struct Baseline {
     pub barrier: IdVec<CornerId, bool>,
     /// Target edge length at each vertex. \[stage units\]
     pub target: IdVec<VertexId, f32>,
-    /// The edges of the cage that are constraints.
-    pub constrained: BTreeSet<EdgeId>,
     /// The constraint chains.
     pub chains: IdVec<ChainId, Chain>,
     /// The triangles that remeshing starts from, by corners of the baseline.
@@ -141,7 +139,6 @@ impl Baseline {
             source_face: quads.faces.iter().map(|&f| faces[f]).collect(),
             level_face: quads.faces,
             level_corner: quads.corners,
-            constrained: marked.into_keys().collect(),
             shell_sign: IdVec::filled(1.0, topology.faces.len()),
             target: IdVec::filled(lengths.max, points.len()),
             has_uvs: uv_set.is_some(),
