@@ -130,14 +130,13 @@ impl Prepared {
     /// # Errors
     /// As [`Prepared::build`].
     pub fn plan(&self) -> Result<Plan, Error> {
+        self.check_levels()?;
         let (baseline, _) = self.baseline()?;
-        let corners = self.garment.faces.corners().len();
-        let quads = corners * 4usize.pow(self.recipe.render.level.saturating_sub(1));
         Ok(Plan {
             recipe: self.recipe.clone(),
             expected_faces: self.expected_faces()?,
             chains: baseline.chains.len(),
-            render_faces: if self.recipe.render.level == 0 { self.garment.faces.len() } else { quads },
+            render_faces: self.refined_faces(self.recipe.render.level),
         })
     }
 
@@ -156,26 +155,39 @@ impl Prepared {
         Ok(wanted.sum::<f64>().ceil() as usize)
     }
 
-    /// Whether the products are of a size that was allowed, before any work.
+    /// Faces of the garment after `level` refinements.
+    fn refined_faces(&self, level: u32) -> usize {
+        let faces = &self.garment.faces;
+        match level {
+            0 => faces.len(),
+            _ if self.garment.rules.scheme == Scheme::Loop => faces.len().saturating_mul(4usize.saturating_pow(level)),
+            _ => faces.corners().len().saturating_mul(4usize.saturating_pow(level - 1)),
+        }
+    }
+
+    fn fault(&self, fault: &str, hint: &str) -> Error {
+        Error::Recipe(format!("{}: {fault}\n  hint: {hint}", self.garment.prim))
+    }
+
+    /// Whether the simulation mesh is of a size that was allowed, before any work.
     fn check_sizes(&self, limits: &Limits<'_>) -> Result<(), Error> {
-        let fault =
-            |fault: String, hint: &str| Err(Error::Recipe(format!("{}: {fault}\n  hint: {hint}", self.garment.prim)));
         let expected = self.expected_faces()?;
         if expected > limits.max_faces {
-            let fault_text =
+            let fault =
                 format!("the target lengths ask for about {expected} triangles, more than {}", limits.max_faces);
-            return fault(fault_text, "raise sim.minEdgeLength or sim.maxEdgeLength, or --max-faces");
+            return Err(self.fault(&fault, "raise sim.minEdgeLength or sim.maxEdgeLength, or --max-faces"));
         }
-        let corners = self.garment.faces.corners().len();
-        for (key, level) in
-            [("sim.baselineLevel", self.recipe.sim.baseline_level), ("render.level", self.recipe.render.level)]
-        {
-            let faces = corners.saturating_mul(4usize.saturating_pow(level.saturating_sub(1)));
-            if level > 0 && faces > MAX_REFINED_FACES {
-                return fault(
-                    format!("{key} {level} makes {faces} faces, more than {MAX_REFINED_FACES}"),
-                    "lower the level",
-                );
+        self.check_levels()
+    }
+
+    /// Whether the refined meshes can be held.
+    fn check_levels(&self) -> Result<(), Error> {
+        let (sim, render) = (self.recipe.sim.baseline_level, self.recipe.render.level);
+        for (key, level) in [("sim.baselineLevel", sim), ("render.level", render)] {
+            let faces = self.refined_faces(level);
+            if faces > MAX_REFINED_FACES && level > 0 {
+                let fault = format!("{key} {level} makes {faces} faces, more than {MAX_REFINED_FACES}");
+                return Err(self.fault(&fault, "lower the level"));
             }
         }
         Ok(())

@@ -1,6 +1,6 @@
 //! The render mesh: the cage through its operators, then refined.
 
-use crate::garment::{Garment, Scheme};
+use crate::garment::{BoundaryInterpolation, Garment};
 use crate::subdivide::{Cage, Level};
 use serde::{Deserialize, Serialize};
 
@@ -35,7 +35,7 @@ pub fn render(garment: &Garment, options: &RenderOptions) -> Garment {
 
 /// Notes the faces that `interpolateBoundary = "none"` removes, which are fewer with each refinement.
 fn add_border_holes(cage: &mut Garment) {
-    if cage.rules.boundary == crate::garment::BoundaryInterpolation::None && cage.rules.scheme != Scheme::Bilinear {
+    if cage.rules.boundary == BoundaryInterpolation::None {
         let holes = Level::base(cage).border_holes(cage);
         cage.holes.extend(holes);
         cage.holes.sort_unstable();

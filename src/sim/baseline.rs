@@ -85,7 +85,8 @@ impl Baseline {
     ///
     /// `uv_set` is the primvar whose shells are constraints, if there is one.
     pub fn new(garment: &Garment, options: &SimOptions, lengths: Lengths<'_>, uv_set: Option<&Primvar>) -> Self {
-        let manifold = Manifold::new(garment, &Level::base(garment));
+        let base = Level::base(garment);
+        let manifold = Manifold::new(garment, &base);
         let mut cage = manifold.refiner.clone();
         let uv_rows = uv_set.map(|uv| add_uv_channel(&mut cage, garment, &manifold, uv));
         let mut points: Vec<[f32; 3]> = manifold.vertex_source.iter().map(|&v| garment.points[v].to_array()).collect();
@@ -106,7 +107,7 @@ impl Baseline {
             levels.push(child);
         }
         let points: IdVec<VertexId, Vec3> = points.into_iter().map(Vec3::from).collect();
-        let is_hole = holes(garment, &Level::base(garment));
+        let is_hole = holes(garment, &base);
         let finest = levels.last().unwrap_or(&cage);
         let solid = |f: FaceId| !is_hole[faces[f]];
         let quads = Triangulation::new(&finest.level.topology, &points, solid);
@@ -194,7 +195,7 @@ impl Baseline {
         let Values::F32(values) = &density.values else { return };
         debug_assert_eq!(density.elements(), garment.points.len());
         let weights = self.refine_rows(density, values);
-        let target = |v: &VertexId| lengths.max + (lengths.min - lengths.max) * weights[v.index()].clamp(0.0, 1.0);
+        let target = |v: &VertexId| lengths.of(weights[v.index()]);
         self.target = self.level_vertex.iter().map(target).collect();
     }
 
@@ -247,10 +248,7 @@ fn add_uv_channel(cage: &mut Refiner, garment: &Garment, manifold: &Manifold, uv
 /// Which faces of a garment are not there.
 pub fn holes(garment: &Garment, level: &Level) -> IdVec<FaceId, bool> {
     let mut is_hole = IdVec::filled(false, garment.faces.len());
-    garment.holes.iter().for_each(|&f| is_hole[f] = true);
-    if garment.rules.boundary == crate::garment::BoundaryInterpolation::None {
-        level.border_holes(garment).into_iter().for_each(|f| is_hole[f] = true);
-    }
+    garment.holes.iter().copied().chain(level.border_holes(garment)).for_each(|f| is_hole[f] = true);
     is_hole
 }
 

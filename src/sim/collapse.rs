@@ -18,9 +18,6 @@ pub fn collapse_short_edges(mesh: &mut SimMesh<'_>) -> usize {
     halves.into_iter().for_each(|h| push(&mut queue, mesh, h));
     let mut count = 0;
     while let Some((a, b)) = queue.pop() {
-        if mesh.points.len() <= a.index().max(b.index()) {
-            continue;
-        }
         let Some(half) = mesh.topology.find(a, b).filter(|&h| wants_collapse(mesh, h)) else { continue };
         let Some(kept) = try_collapse(mesh, half) else { continue };
         count += 1;

@@ -7,7 +7,7 @@ use crate::mesh::{CornerId, VertexId};
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// Shares of the way that a vertex tries to move; a move that would fold a triangle is tried again shorter.
+/// Shares of the way that vertices try to move, in turn: where moves would fold triangles, all try again and shorter.
 const STEPS: [f32; 3] = [1.0, 0.5, 0.25];
 
 /// Where a vertex wants to go.
@@ -31,7 +31,7 @@ pub fn relax_and_project(mesh: &mut SimMesh<'_>) -> usize {
                 None => {}
             }
         }
-        // Shorter steps are for a second chance only.
+        // A few refusals do not pay for another pass over all vertices.
         if refused == 0 || step == STEPS[0] && refused * 100 < vertices.len() {
             break;
         }

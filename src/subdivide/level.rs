@@ -2,6 +2,7 @@
 
 use crate::garment::{BoundaryInterpolation, Garment, Scheme, TriangleRule};
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
+use std::collections::BTreeSet;
 
 /// Sharpness from which on an edge or vertex stays sharp at every level (OpenSubdiv's `SHARPNESS_INFINITE`).
 pub const INFINITE_SHARPNESS: f32 = 10.0;
@@ -150,19 +151,19 @@ impl Level {
         spokes(&self.topology, vertex, out);
     }
 
-    /// The faces that `interpolateBoundary = "none"` removes: those with a vertex on a border that is not creased.
+    /// The faces that `interpolateBoundary = "none"` removes: those with a vertex on a border that is not creased. None
+    /// under another rule, and none of a bilinear or polygonal mesh.
     pub fn border_holes(&self, garment: &Garment) -> Vec<FaceId> {
-        let creased = |e: EdgeId| {
-            let [a, b] = self.topology.edges[e];
-            garment.creases.iter().any(|c| {
-                c.vertices
-                    .windows(2)
-                    .zip(&c.sharpnesses)
-                    .any(|(p, &s)| s >= INFINITE_SHARPNESS && (p == [a, b] || p == [b, a]))
-            })
-        };
+        if garment.rules.boundary != BoundaryInterpolation::None
+            || matches!(garment.rules.scheme, Scheme::Bilinear | Scheme::None)
+        {
+            return Vec::new();
+        }
+        let steps = garment.creases.iter().flat_map(|c| c.vertices.windows(2).zip(&c.sharpnesses));
+        let sharp = steps.filter(|(_, s)| **s >= INFINITE_SHARPNESS);
+        let creased: BTreeSet<EdgeId> = sharp.filter_map(|(p, _)| self.topology.find_edge(p[0], p[1])).collect();
         let mut at_border = IdVec::<VertexId, bool>::filled(false, self.topology.vertex_count());
-        for edge in self.topology.edges.ids().filter(|&e| self.topology.is_border(e) && !creased(e)) {
+        for edge in self.topology.edges.ids().filter(|&e| self.topology.is_border(e) && !creased.contains(&e)) {
             self.topology.edges[edge].iter().for_each(|&v| at_border[v] = true);
         }
         let faces = &self.topology.faces;
@@ -262,4 +263,32 @@ fn is_non_manifold_crease(topology: &Topology, vertex: VertexId, spokes: &[Spoke
         }
     }
     seen == corners.len()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::garment::SubdivisionRules;
+    use crate::mesh::Faces;
+
+    #[test]
+    fn only_smooth_schemes_lose_faces_at_borders() {
+        for (scheme, boundary, expected) in [
+            (Scheme::CatmullClark, BoundaryInterpolation::None, 1),
+            (Scheme::CatmullClark, BoundaryInterpolation::EdgeOnly, 0),
+            (Scheme::Bilinear, BoundaryInterpolation::None, 0),
+            (Scheme::None, BoundaryInterpolation::None, 0),
+        ] {
+            let garment = Garment {
+                points: [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]]
+                    .map(Into::into)
+                    .to_vec()
+                    .into(),
+                faces: Faces::quads((0..4).map(VertexId::new).collect::<Vec<_>>()),
+                rules: SubdivisionRules { scheme, boundary, ..SubdivisionRules::default() },
+                ..Garment::default()
+            };
+            assert_eq!(Level::base(&garment).border_holes(&garment).len(), expected, "{scheme:?}, {boundary:?}");
+        }
+    }
 }
