@@ -231,6 +231,11 @@ impl Warnings {
         }
     }
 
+    /// Adds all of `others`.
+    pub fn extend(&mut self, others: &Self) {
+        others.0.iter().for_each(|warning| self.push(warning.clone()));
+    }
+
     /// The warnings so far.
     pub fn iter(&self) -> impl Iterator<Item = &Warning> {
         self.0.iter()

@@ -7,17 +7,20 @@
 //!
 //! Folders in data-flow order; each imports only those before it: [`mesh`] and [`spatial`] (no positions, no names),
 //! [`garment`] (the checked input), [`subdivide`], [`sim`], [`render`], [`transfer`], [`report`] (figures), then
-//! [`usd`] and [`recipe`] (the two doors) and [`pipeline`], the one function that the command and every other user runs.
+//! [`usd`] and [`recipe`] (the two doors) and [`pipeline`], the stages that the command and every other user runs;
+//! [`session`] keeps their results in a [`memo`] for those who run them again and again, such as the OpenUSD plugin.
 //! [`error`] is what all may say. `mesh` knows no positions, geometry code knows no USD types, and `usd` is the only
 //! place that does.
 
 pub mod error;
 pub mod garment;
+pub mod memo;
 pub mod mesh;
 pub mod pipeline;
 pub mod recipe;
 pub mod render;
 pub mod report;
+pub mod session;
 pub mod sim;
 pub mod spatial;
 pub mod subdivide;

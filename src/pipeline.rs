@@ -1,17 +1,16 @@
 //! Read, check, subdivide, simulate, render, transfer: what the command, the plugin and the crate's users all run.
 
 use crate::error::{Error, Warning, Warnings};
-use crate::garment::{
-    BoundaryInterpolation, Garment, GarmentError, GarmentInput, Primvar, Problem, Scheme, check_garment,
-};
+use crate::garment::{BoundaryInterpolation, Garment, GarmentError, GarmentInput, Problem, Scheme, check_garment};
 use crate::mesh::{FaceId, IdVec, Topology, VertexId};
-use crate::recipe::{Layers, Recipe, bind};
+use crate::recipe::{Bound, Layers, Recipe, bind};
 use crate::render::render;
-use crate::report::{RenderFigures, SimFigures, SubsetArea};
-use crate::sim::{Baseline, Lengths, RemeshReport, holes, simulate};
+use crate::report::{RenderFigures, SimFigures, SubsetArea, subset_areas};
+use crate::sim::{Baseline, Lengths, RemeshReport, SimProduct, holes, simulate};
 use crate::subdivide::Level;
 use crate::transfer::transfer;
 use serde::Serialize;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Limits and receivers of a run that are no part of the recipe.
@@ -73,9 +72,15 @@ pub struct Plan {
 }
 
 /// Clock of the stages of a run.
-struct Clock<'a> {
+pub(crate) struct Clock<'a> {
     stages: Vec<Stage>,
     progress: &'a (dyn Fn(&str) + Sync),
+}
+
+impl Default for Clock<'_> {
+    fn default() -> Self {
+        Self { stages: Vec::new(), progress: &|_| () }
+    }
 }
 
 impl Clock<'_> {
@@ -88,10 +93,49 @@ impl Clock<'_> {
     }
 }
 
-/// A checked garment with the options that are its own.
+/// A garment that can be worked on, whatever the recipe.
+#[derive(Clone)]
+pub struct Checked {
+    /// The garment.
+    pub garment: Arc<Garment>,
+    mean_edge: f32,
+}
+
+impl Checked {
+    /// Checks a garment.
+    ///
+    /// # Errors
+    /// Faults of the garment.
+    pub fn new(input: GarmentInput, warnings: &mut Warnings) -> Result<Self, Error> {
+        let garment = check_garment(input, warnings)?;
+        let mean_edge = mean_edge_length(&garment);
+        check_extent(&garment, mean_edge)?;
+        if garment.prim.rfind('/') == Some(0) {
+            warnings.push(Warning::RootMesh { prim: garment.prim.clone() });
+        }
+        if garment.rules.scheme == Scheme::None {
+            warnings.push(Warning::PolygonalCage);
+        }
+        Ok(Self { garment: Arc::new(garment), mean_edge })
+    }
+
+    /// Settles the recipe of the garment.
+    ///
+    /// # Errors
+    /// Faults of the recipe.
+    pub fn prepare(&self, layers: &Layers) -> Result<Prepared, Error> {
+        let mut recipe = layers.recipe()?;
+        settle_lengths(self.mean_edge, &mut recipe);
+        let uv_set_was_given = layers.says("sim", "uvSet");
+        bind(&recipe, &self.garment, uv_set_was_given)?;
+        Ok(Prepared { garment: Arc::clone(&self.garment), recipe, uv_set_was_given })
+    }
+}
+
+/// A checked garment with the recipe that is its own, and the stages that make its products.
 pub struct Prepared {
     /// The garment.
-    pub garment: Garment,
+    pub garment: Arc<Garment>,
     /// The recipe with the lengths to use.
     pub recipe: Recipe,
     uv_set_was_given: bool,
@@ -103,26 +147,17 @@ impl Prepared {
     /// # Errors
     /// Faults of the garment or of the recipe.
     pub fn new(input: GarmentInput, layers: &Layers, warnings: &mut Warnings) -> Result<Self, Error> {
-        let garment = check_garment(input, warnings)?;
-        check_extent(&garment)?;
-        let mut recipe = layers.recipe()?;
-        settle_lengths(&garment, &mut recipe);
-        let uv_set_was_given = layers.says("sim", "uvSet");
-        bind(&recipe, &garment, uv_set_was_given)?;
-        if garment.prim.rfind('/') == Some(0) {
-            warnings.push(Warning::RootMesh { prim: garment.prim.clone() });
-        }
-        if garment.rules.scheme == Scheme::None {
-            warnings.push(Warning::PolygonalCage);
-        }
-        Ok(Self { garment, recipe, uv_set_was_given })
+        Checked::new(input, warnings)?.prepare(layers)
     }
 
-    fn baseline(&self) -> Result<(Baseline, Option<&Primvar>), Error> {
-        let bound = bind(&self.recipe, &self.garment, self.uv_set_was_given)?;
-        let sim = &self.recipe.sim;
+    fn bound(&self) -> Result<Bound<'_>, Error> {
+        bind(&self.recipe, &self.garment, self.uv_set_was_given)
+    }
+
+    fn baseline(&self) -> Result<Baseline, Error> {
+        let (sim, bound) = (&self.recipe.sim, self.bound()?);
         let lengths = Lengths { min: sim.min_edge_length, max: sim.max_edge_length, density: bound.density };
-        Ok((Baseline::new(&self.garment, sim, lengths, bound.uv_set), bound.uv_set))
+        Ok(Baseline::new(&self.garment, sim, lengths, bound.uv_set))
     }
 
     /// What [`Prepared::build`] would do.
@@ -131,7 +166,7 @@ impl Prepared {
     /// As [`Prepared::build`].
     pub fn plan(&self) -> Result<Plan, Error> {
         self.check_levels()?;
-        let (baseline, _) = self.baseline()?;
+        let baseline = self.baseline()?;
         Ok(Plan {
             recipe: self.recipe.clone(),
             expected_faces: self.expected_faces()?,
@@ -143,8 +178,7 @@ impl Prepared {
     /// Triangles that the target lengths ask for on the cage, all of them equilateral.
     fn expected_faces(&self) -> Result<usize, Error> {
         let (sim, garment) = (&self.recipe.sim, &self.garment);
-        let bound = bind(&self.recipe, garment, self.uv_set_was_given)?;
-        let lengths = Lengths { min: sim.min_edge_length, max: sim.max_edge_length, density: bound.density };
+        let lengths = Lengths { min: sim.min_edge_length, max: sim.max_edge_length, density: self.bound()?.density };
         let wanted = garment.faces.ids().map(|face| {
             let vertices = garment.faces.vertices_of(face);
             let sum: f64 = vertices.iter().map(|&v| f64::from(lengths.at(v))).sum();
@@ -170,11 +204,10 @@ impl Prepared {
     }
 
     /// Whether the simulation mesh is of a size that was allowed, before any work.
-    fn check_sizes(&self, limits: &Limits<'_>) -> Result<(), Error> {
+    fn check_sizes(&self, max_faces: usize) -> Result<(), Error> {
         let expected = self.expected_faces()?;
-        if expected > limits.max_faces {
-            let fault =
-                format!("the target lengths ask for about {expected} triangles, more than {}", limits.max_faces);
+        if expected > max_faces {
+            let fault = format!("the target lengths ask for about {expected} triangles, more than {max_faces}");
             return Err(self.fault(&fault, "raise sim.minEdgeLength or sim.maxEdgeLength, or --max-faces"));
         }
         self.check_levels()
@@ -193,28 +226,60 @@ impl Prepared {
         Ok(())
     }
 
-    /// Builds both products.
-    ///
-    /// # Errors
-    /// A simulation mesh that would be too large.
-    pub fn build(&self, limits: &Limits<'_>, warnings: &mut Warnings) -> Result<Products, Error> {
-        let mut clock = Clock { stages: Vec::new(), progress: limits.progress };
-        self.check_sizes(limits)?;
-        let (baseline, uv_set) = clock.run("baseline", || self.baseline())?;
+    /// The simulation mesh with its places on the surface: the stages "baseline" and "remesh".
+    pub(crate) fn remesh(
+        &self,
+        max_faces: usize,
+        clock: &mut Clock<'_>,
+        warnings: &mut Warnings,
+    ) -> Result<SimProduct, Error> {
+        self.check_sizes(max_faces)?;
+        let baseline = clock.run("baseline", || self.baseline())?;
         // Constraints may need more than the lengths alone ask for, but not without bound.
-        let cap = limits.max_faces.saturating_mul(4);
+        let cap = max_faces.saturating_mul(4);
         let product = clock.run("remesh", || simulate(baseline, self.recipe.sim.iterations, cap));
         if product.triangles.len() >= cap {
             warnings.push(Warning::FaceLimit { faces: product.triangles.len() });
         }
-        let sim = clock.run("transfer", || transfer(&self.garment, &product, &self.recipe.sim, uv_set, warnings));
-        let render_mesh = clock.run("render", || render(&self.garment, &self.recipe.render));
+        Ok(product)
+    }
+
+    /// The simulation mesh with all its attributes, and the areas of its face subsets: the stage "transfer".
+    pub(crate) fn transfer(
+        &self,
+        product: &SimProduct,
+        clock: &mut Clock<'_>,
+        warnings: &mut Warnings,
+    ) -> Result<(Garment, Vec<SubsetArea>), Error> {
+        let uv_set = self.bound()?.uv_set;
+        clock.run("transfer", || {
+            let mesh = transfer(&self.garment, product, &self.recipe.sim, uv_set, warnings);
+            let areas = subset_areas(product, &mesh, &self.garment);
+            warn_of_area(&areas, warnings);
+            Ok((mesh, areas))
+        })
+    }
+
+    /// The render mesh: the stage "render".
+    pub(crate) fn render(&self, clock: &mut Clock<'_>) -> Result<Garment, Error> {
+        self.check_levels()?;
+        Ok(clock.run("render", || render(&self.garment, &self.recipe.render)))
+    }
+
+    /// Builds both products.
+    ///
+    /// # Errors
+    /// A mesh that would be too large.
+    pub fn build(&self, limits: &Limits<'_>, warnings: &mut Warnings) -> Result<Products, Error> {
+        let mut clock = Clock { stages: Vec::new(), progress: limits.progress };
+        let product = self.remesh(limits.max_faces, &mut clock, warnings)?;
+        let (sim, areas) = self.transfer(&product, &mut clock, warnings)?;
+        let render = self.render(&mut clock)?;
         let (sim_figures, render_figures) =
-            clock.run("figures", || (SimFigures::new(&product, &sim, &self.garment), RenderFigures::new(&render_mesh)));
-        warn_of_area(&sim_figures, warnings);
+            clock.run("figures", || (SimFigures::new(&product, &sim, areas), RenderFigures::new(&render)));
         Ok(Products {
             sim,
-            render: render_mesh,
+            render,
             sim_figures,
             render_figures,
             remesh: product.report,
@@ -225,12 +290,11 @@ impl Prepared {
 }
 
 /// Checks that there is a surface to work on: faces that are drawn, of some area, in numbers that can be squared.
-fn check_extent(garment: &Garment) -> Result<(), Error> {
+fn check_extent(garment: &Garment, mean: f32) -> Result<(), Error> {
     let fault = |attribute: &str, fault: String, remedy: &str| {
         let problem = Problem { attribute: attribute.into(), fault, remedy: remedy.into() };
         Err(GarmentError { prim: garment.prim.clone(), problems: vec![problem], more: 0 }.into())
     };
-    let mean = mean_edge_length(garment);
     let mut places = garment.faces.corners().iter().map(|&v| garment.points[v]);
     let first = places.next();
     if places.all(|p| Some(p) == first) {
@@ -269,10 +333,9 @@ fn doubled_area(garment: &Garment, face: FaceId) -> f64 {
 const AREA_CHANGE: f64 = 0.05;
 
 /// Warns of face subsets that have another area than on the surface.
-fn warn_of_area(figures: &SimFigures, warnings: &mut Warnings) {
+fn warn_of_area(areas: &[SubsetArea], warnings: &mut Warnings) {
     let change = |s: &SubsetArea| (s.area - s.source_area).abs() / s.source_area;
-    let changed: Vec<&SubsetArea> =
-        figures.subset_areas.iter().filter(|s| s.source_area > 0.0 && change(s) > AREA_CHANGE).collect();
+    let changed: Vec<&SubsetArea> = areas.iter().filter(|s| s.source_area > 0.0 && change(s) > AREA_CHANGE).collect();
     if !changed.is_empty() {
         warnings.push(Warning::AreaChanged {
             largest: changed.iter().map(|s| change(s)).fold(0.0, f64::max) as f32,
@@ -282,10 +345,10 @@ fn warn_of_area(figures: &SimFigures, warnings: &mut Warnings) {
 }
 
 /// Replaces automatic lengths by multiples of the garment's mean edge length.
-fn settle_lengths(garment: &Garment, recipe: &mut Recipe) {
+fn settle_lengths(mean_edge: f32, recipe: &mut Recipe) {
     let sim = &mut recipe.sim;
     if sim.max_edge_length <= 0.0 {
-        sim.max_edge_length = (0.5 * mean_edge_length(garment)).max(sim.min_edge_length);
+        sim.max_edge_length = (0.5 * mean_edge).max(sim.min_edge_length);
     }
     if sim.min_edge_length <= 0.0 {
         sim.min_edge_length = sim.max_edge_length * if sim.density.is_empty() { 1.0 } else { 0.5 };

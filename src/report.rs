@@ -100,13 +100,13 @@ impl RenderFigures {
 }
 
 impl SimFigures {
-    /// The figures of a simulation mesh and what transfer made of it.
-    pub fn new(product: &SimProduct, mesh: &Garment, garment: &Garment) -> Self {
+    /// The figures of a simulation mesh, of what transfer made of it, and the areas of its subsets.
+    pub fn new(product: &SimProduct, mesh: &Garment, subset_areas: Vec<SubsetArea>) -> Self {
         let mut figures = Self {
             vertices: product.points.len(),
             faces: product.triangles.len(),
             uv_flips: uv_flips(product),
-            subset_areas: subset_areas(product, mesh, garment),
+            subset_areas,
             chain_length_min: chain_length_min(product),
             ..Self::default()
         };
@@ -226,7 +226,8 @@ fn chain_length_min(product: &SimProduct) -> f32 {
     kept.fold(1.0, f32::min)
 }
 
-fn subset_areas(product: &SimProduct, mesh: &Garment, garment: &Garment) -> Vec<SubsetArea> {
+/// The areas of the face subsets of `garment` on the baseline and on `mesh`.
+pub fn subset_areas(product: &SimProduct, mesh: &Garment, garment: &Garment) -> Vec<SubsetArea> {
     let triangle_area = |[a, b, c]: [Vec3; 3]| 0.5 * f64::from((b - a).cross(c - a).length());
     let mut source: IdVec<FaceId, f64> = IdVec::filled(0.0, garment.faces.len());
     for (face, &of) in product.baseline.source_face.enumerated() {

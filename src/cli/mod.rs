@@ -9,7 +9,7 @@ use clap::{Args, Parser, Subcommand};
 use std::path::{Path, PathBuf};
 use tailor::error::{Error, Warnings};
 use tailor::pipeline::{DEFAULT_MAX_FACES, Prepared};
-use tailor::recipe::{Layers, RecipeFile};
+use tailor::recipe::{Layers, RecipeFile, is_recipe};
 use tailor::usd::{ReadOptions, Source};
 
 /// One coarse garment mesh in, a simulation mesh and a render mesh out, in OpenUSD.
@@ -35,7 +35,7 @@ enum Command {
 /// What is read, and how.
 #[derive(Args)]
 struct Inputs {
-    /// Garments: .usd, .usda, .usdc or .usdz files
+    /// Garments: .usd, .usda, .usdc or .usdz files, or .tailor files that name one as their source
     #[arg(value_name = "IN")]
     inputs: Vec<PathBuf>,
     /// Path of the mesh, such as /Coat/model [default: the only mesh]
@@ -44,7 +44,7 @@ struct Inputs {
     /// Time at which values are read [time codes] [default: the default time]
     #[arg(long, value_name = "TIME", help_heading = "Input", allow_negative_numbers = true)]
     time: Option<f64>,
-    /// A .tailor file (JSON) with options; it may name the source and the prim
+    /// A .tailor file (JSON) with options for all inputs; it may name the source and the prim
     #[arg(long, value_name = "FILE", help_heading = "Recipe")]
     recipe: Option<PathBuf>,
     /// Override one option, such as sim.maxEdgeLength=2 [stage units] or render.level=2 [levels]; repeatable
@@ -148,7 +148,7 @@ impl Inputs {
             return Ok(self.inputs.clone());
         }
         let source = match (&self.recipe, self.recipe_file()?) {
-            (Some(path), Some(file)) => file.source.map(|s| path.parent().unwrap_or(Path::new("")).join(s)),
+            (Some(path), Some(file)) => file.source.map(|s| beside(path, &s)),
             _ => None,
         };
         source.map(|s| vec![s]).ok_or_else(|| {
@@ -156,17 +156,29 @@ impl Inputs {
         })
     }
 
-    fn open(&self, file: &Path) -> Result<Opened, Error> {
-        let recipe = self.recipe_file()?;
-        let prim = self.prim.clone().or_else(|| recipe.as_ref().and_then(|r| r.prim.clone()));
-        let source = Source::open(file, &ReadOptions { prim, time: self.time })?;
+    /// Opens an input: a USD file, or the source of a `.tailor` file.
+    fn open(&self, input: &Path) -> Result<Opened, Error> {
+        let own = if is_recipe(input) { Some(RecipeFile::read(input)?) } else { None };
+        let file = match &own {
+            Some(own) => beside(input, own.required_source(input)?),
+            None => input.to_path_buf(),
+        };
+        // The weakest first.
+        let recipes: Vec<RecipeFile> = own.into_iter().chain(self.recipe_file()?).collect();
+        let prim = self.prim.clone().or_else(|| recipes.iter().rev().find_map(|r| r.prim.clone()));
+        let source = Source::open(&file, &ReadOptions { prim, time: self.time })?;
         let mut warnings = Warnings::default();
         let mut layers = Layers::default();
         layers.add_attributes(source.recipe()?, &mut warnings);
-        layers.add(recipe.unwrap_or_default().into_layer());
+        recipes.into_iter().for_each(|recipe| layers.add(recipe.into_layer()));
         for assignment in &self.set {
             layers.add_override(assignment)?;
         }
         Ok(Opened { source, layers, warnings })
     }
+}
+
+/// The file that the recipe at `path` names.
+fn beside(path: &Path, source: &str) -> PathBuf {
+    path.parent().unwrap_or(Path::new("")).join(source)
 }

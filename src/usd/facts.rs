@@ -1,10 +1,10 @@
 //! What `info` prints about the model and its surroundings.
 
 use super::UsdError;
+use super::choose::{prim_at, unreadable};
 use super::geometry::{subset_prims, value};
 use super::model::Model;
 use super::names;
-use super::open::{prim_at, unreadable};
 use super::primvars::{interpolation, primvar_names};
 use super::record::Content;
 use super::values::text;
@@ -94,7 +94,7 @@ pub fn gather(prim: &Prim, model: &Model, time: Option<TimeCode>) -> Result<Fact
     let stage = |key| model.stage_metadata.iter().find(|(k, _)| k == key).map(|(_, v)| v);
     let schemas = prim.authored_api_schemas().map_err(|e| unreadable(prim, &e))?;
     Ok(Facts {
-        file: model.file.display().to_string(),
+        file: model.origin.file.display().to_string(),
         prim: prim.path().as_str().to_owned(),
         up_axis: stage("upAxis").and_then(text).unwrap_or("Y").to_owned(),
         meters_per_unit: stage("metersPerUnit").and_then(number).unwrap_or(0.01),

@@ -2,8 +2,8 @@
 
 use super::UsdError;
 use super::assets::{Place, settle};
+use super::choose::prim_at;
 use super::model::{COMPOSITION, Model};
-use super::open::{open_stage, prim_at};
 use super::record::{Content, Depth, Record, metadata};
 use crate::error::{Warning, Warnings};
 use openusd::sdf::{self, AbstractData, Data, FieldKey, Path, PrimSpec, SpecType, Specifier, Value};
@@ -24,8 +24,8 @@ const STACK: &[FieldKey] = &[
 /// # Errors
 /// A stage that cannot be read any more.
 pub fn flattened(model: &Model, left_out: &[Path], place: Place, warnings: &mut Warnings) -> Result<Data, UsdError> {
-    let fault = |e: openusd::Error| UsdError::new(format!("{} cannot be flattened: {e}", model.file.display()));
-    let stage = open_stage(&model.file)?;
+    let fault = |e: openusd::Error| UsdError::new(format!("{} cannot be flattened: {e}", model.origin.file.display()));
+    let stage = model.origin.open()?;
     let mut paths = Vec::new();
     stage.traverse(PrimPredicate::ALL, |path| paths.push(path.clone())).map_err(fault)?;
     paths.retain(|path| !left_out.iter().any(|left| path.has_prefix(left)));

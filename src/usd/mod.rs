@@ -4,13 +4,14 @@
 //! writer gives back as it was, and what `info` prints. [`write()`] turns products into a layer beside it.
 
 mod assets;
+mod choose;
 mod crates;
 mod facts;
 mod flatten;
 mod geometry;
 mod model;
 mod names;
-mod open;
+mod origin;
 mod primvars;
 mod product;
 mod read;
@@ -22,7 +23,7 @@ mod write;
 
 pub use facts::{Binding, Facts, InheritedPrimvar, TransformOp};
 pub use read::{ReadOptions, Source};
-pub use write::{Format, Product, Role, WriteOptions, check_target, layer_bytes, write};
+pub use write::{Format, Product, Role, Surroundings, WriteOptions, check_target, layer_bytes, write};
 
 use std::fmt;
 use std::thread;

@@ -2,9 +2,10 @@
 
 use super::UsdError;
 use super::assets::settle;
+use super::choose::{prim_at, product_role, unreadable};
 use super::geometry::{prim_name, subset_prims};
 use super::names;
-use super::open::{prim_at, product_role, unreadable};
+use super::origin::Origin;
 use super::record::{Content, Depth, Record, is_children, metadata};
 use crate::error::Warning;
 use openusd::sdf::{self, FieldKey, Value};
@@ -32,8 +33,8 @@ pub struct Model {
     pub siblings: BTreeMap<String, Sibling>,
     /// Where the asset paths in primvars point, by the path as authored.
     pub assets: BTreeMap<String, String>,
-    /// The file that was opened.
-    pub file: PathBuf,
+    /// What was opened.
+    pub origin: Origin,
     /// The files of all layers in use.
     pub layers: Vec<PathBuf>,
     /// The stage's own metadata.
@@ -100,7 +101,7 @@ impl Model {
     /// A stage that cannot be queried.
     pub fn take(
         prim: &Prim,
-        file: PathBuf,
+        origin: Origin,
         time: Option<TimeCode>,
         warnings: &mut Vec<Warning>,
     ) -> Result<Self, UsdError> {
@@ -113,7 +114,7 @@ impl Model {
             staying: Vec::new(),
             siblings: siblings(prim)?,
             assets: BTreeMap::new(),
-            file,
+            origin,
             layers: layer_files(prim.stage()),
             stage_metadata: stage_metadata(prim.stage()),
         };

@@ -1,16 +1,18 @@
 //! An opened garment.
 
+use super::choose::choose_mesh;
 use super::facts::{Facts, gather};
 use super::geometry::read_mesh;
 use super::model::Model;
-use super::open::{choose_mesh, open_stage};
+use super::origin::Origin;
 use super::recipe::read_recipe;
 use super::{UsdError, on_large_stack};
 use crate::error::{Warning, Warnings};
 use crate::garment::GarmentInput;
 use openusd::usd::TimeCode;
 use serde_json::{Map, Value as Json};
-use std::path::{Path, PathBuf};
+use std::path::Path;
+use std::sync::Arc;
 
 /// What is read of a stage.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -39,19 +41,32 @@ impl Source {
     /// A file that is missing or is not USD, and a stage without exactly one mesh when none is named. Faults of the
     /// mesh's own attributes are reported where they matter: by [`Source::garment`] and [`Source::recipe`].
     pub fn open(path: &Path, options: &ReadOptions) -> Result<Self, UsdError> {
-        if options.time.is_some_and(|t| !t.is_finite()) {
-            return Err(UsdError::new("--time is not a number").hint("give a time code, such as 1 or 24.5"));
-        }
-        on_large_stack(|| Self::take(path, options))
+        Self::of(Origin { file: path.to_path_buf(), content: None }, options)
     }
 
-    fn take(path: &Path, options: &ReadOptions) -> Result<Self, UsdError> {
-        let stage = open_stage(path)?;
-        let prim = choose_mesh(&stage, path, options)?;
+    /// As [`Source::open`], from a layer in memory (crate or text) that is all of the stage: `content`, composed from
+    /// `file` by another program. Paths that are relative in it lead nowhere.
+    ///
+    /// # Errors
+    /// As [`Source::open`].
+    pub fn from_layer(content: Arc<[u8]>, file: &Path, options: &ReadOptions) -> Result<Self, UsdError> {
+        Self::of(Origin { file: file.to_path_buf(), content: Some(content) }, options)
+    }
+
+    fn of(origin: Origin, options: &ReadOptions) -> Result<Self, UsdError> {
+        if options.time.is_some_and(|t| !t.is_finite()) {
+            return Err(UsdError::new("the time is not a number").hint("give a time code, such as 1 or 24.5"));
+        }
+        on_large_stack(|| Self::take(origin, options))
+    }
+
+    fn take(origin: Origin, options: &ReadOptions) -> Result<Self, UsdError> {
+        let stage = origin.open()?;
+        let prim = choose_mesh(&stage, &origin.file, options)?;
         let time = options.time.map(TimeCode::new);
         let mut warnings = Vec::new();
         let garment = read_mesh(&prim, time, &mut warnings);
-        let model = Model::take(&prim, PathBuf::from(path), time, &mut warnings)?;
+        let model = Model::take(&prim, origin, time, &mut warnings)?;
         let facts = gather(&prim, &model, time)?;
         let recipe = read_recipe(&prim, time);
         let faults = stage.composition_errors();
@@ -84,7 +99,7 @@ impl Source {
 
     /// The file that was opened, as it was named.
     pub fn file(&self) -> &Path {
-        &self.model.file
+        &self.model.origin.file
     }
 
     /// Path of the mesh.

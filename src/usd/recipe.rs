@@ -1,9 +1,9 @@
 //! The recipe that the model's own attributes hold, as JSON.
 
 use super::UsdError;
+use super::choose::unreadable;
 use super::geometry::{prim_name, subset_prims, value};
 use super::names;
-use super::open::unreadable;
 use super::values::text;
 use openusd::sdf::{self, Value};
 use openusd::usd::{Prim, TimeCode};

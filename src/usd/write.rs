@@ -26,7 +26,7 @@ pub enum Role {
 }
 
 impl Role {
-    /// Its name in `customData`.
+    /// Its name in `customData`, and that of its prim unless another is chosen.
     pub fn name(self) -> &'static str {
         match self {
             Self::Sim => "sim",
@@ -94,11 +94,12 @@ pub fn write(
     let target = Target::find(out, &source.model.layers, options.force)?;
     on_large_stack(|| {
         if target.format == Format::Usdz {
-            let data = compose(source, products, true, options.model_guide, Place::Anywhere, warnings)?;
+            let layout = Layout { flatten: true, place: Place::Anywhere, sublayer: None };
+            let data = compose(source, products, layout, options.model_guide, warnings)?;
             return target.save_package(&data, warnings);
         }
-        let place = Place::Folder(&target.folder);
-        let data = compose(source, products, options.flatten, options.model_guide, place, warnings)?;
+        let layout = Layout { flatten: options.flatten, place: Place::Folder(&target.folder), sublayer: None };
+        let data = compose(source, products, layout, options.model_guide, warnings)?;
         target.save(data, warnings)
     })
 }
@@ -111,8 +112,16 @@ pub fn check_target(source: &Source, out: &Path, force: bool) -> Result<(), UsdE
     Target::find(out, &source.model.layers, force).map(drop)
 }
 
-/// The layer that [`write()`] would write, in memory: text (`Usda`) or crate (`Usdc`). It is meant to be read from
-/// `folder`, where there is one; otherwise its asset paths are absolute.
+/// How a layer in memory states other files.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Surroundings<'a> {
+    /// The folder that the layer is read from: asset paths are relative to it; absolute without one.
+    pub folder: Option<&'a Path>,
+    /// The asset path of the source; that of its file when not given.
+    pub source: Option<&'a str>,
+}
+
+/// The layer that [`write()`] would write, in memory: text (`Usda`) or crate (`Usdc`).
 ///
 /// # Errors
 /// As [`write()`]; and `Usdz`, which is a package and no layer.
@@ -120,14 +129,15 @@ pub fn layer_bytes(
     source: &Source,
     products: &[Product],
     format: Format,
-    folder: Option<&Path>,
+    surroundings: Surroundings,
     options: &WriteOptions,
     warnings: &mut Warnings,
 ) -> Result<Vec<u8>, UsdError> {
-    let folder = folder.map(|f| f.canonicalize().unwrap_or_else(|_| f.to_path_buf()));
+    let folder = surroundings.folder.map(|f| f.canonicalize().unwrap_or_else(|_| f.to_path_buf()));
     on_large_stack(|| {
         let place = folder.as_deref().map_or(Place::Anywhere, Place::Folder);
-        let mut data = compose(source, products, options.flatten, options.model_guide, place, warnings)?;
+        let layout = Layout { flatten: options.flatten, place, sublayer: surroundings.source };
+        let mut data = compose(source, products, layout, options.model_guide, warnings)?;
         match format {
             Format::Usda => TextWriter::write_to_string(&data)
                 .map(String::into_bytes)
@@ -141,15 +151,24 @@ pub fn layer_bytes(
     })
 }
 
+/// What a layer holds besides the products, and how it states files.
+#[derive(Clone, Copy)]
+struct Layout<'a> {
+    flatten: bool,
+    place: Place<'a>,
+    /// The source's asset path, where it is not that of its file.
+    sublayer: Option<&'a str>,
+}
+
 /// The layer with the products.
 fn compose(
     source: &Source,
     products: &[Product],
-    flatten: bool,
+    layout: Layout,
     model_guide: bool,
-    place: Place,
     warnings: &mut Warnings,
 ) -> Result<sdf::Data, UsdError> {
+    let Layout { flatten, place, .. } = layout;
     let model = &source.model;
     check_names(model, products)?;
     let fault = |e: openusd::Error| UsdError::new(format!("the layer cannot be composed: {e}"));
@@ -157,7 +176,7 @@ fn compose(
         let replaced = products.iter().filter_map(|p| beside(&model.path, p.name).ok()).collect::<Vec<_>>();
         flattened(model, &replaced, place, warnings)?
     } else {
-        overlay(model, place)?
+        overlay(model, layout)?
     };
     // A flattened layer holds nothing of an earlier product any more.
     let mut alone = model.clone();
@@ -195,15 +214,18 @@ fn check_names(model: &Model, products: &[Product]) -> Result<(), UsdError> {
 }
 
 /// An empty layer over the input.
-fn overlay(model: &Model, place: Place) -> Result<sdf::Data, UsdError> {
+fn overlay(model: &Model, layout: Layout) -> Result<sdf::Data, UsdError> {
     let root = sdf::Path::abs_root();
     let mut data = sdf::Data::new();
     data.create_spec(root.clone(), SpecType::PseudoRoot);
-    let input = absolute(&model.file)?;
+    let sublayer = match layout.sublayer {
+        Some(stated) => stated.to_owned(),
+        None => layout.place.path_to(&absolute(&model.origin.file)?),
+    };
     let mut holder = sdf::Layer::new_anonymous("overlay");
     holder
         .edit(|edit| {
-            edit.pseudo_root_mut()?.insert_sublayer(0, place.path_to(&input), LayerOffset::IDENTITY);
+            edit.pseudo_root_mut()?.insert_sublayer(0, sublayer, LayerOffset::IDENTITY);
             Ok(())
         })
         .map_err(|e| UsdError::new(e.to_string()))?;
@@ -212,7 +234,7 @@ fn overlay(model: &Model, place: Place) -> Result<sdf::Data, UsdError> {
         AbstractData::set_field(&mut data, &root, &key, value.into_owned());
     }
     for (key, value) in &model.stage_metadata {
-        AbstractData::set_field(&mut data, &root, key, place.anchor(value.clone()));
+        AbstractData::set_field(&mut data, &root, key, layout.place.anchor(value.clone()));
     }
     Ok(data)
 }

@@ -59,3 +59,41 @@ fn an_attribute_of_no_schema_is_told_and_stays() {
     folder.file("in.usda", cloth_and("uniform float tailor:sim:stretch = 2"));
     folder.good("build in.usda -o out/coat.usda").says(&["warning: not carried: tailor:sim:stretch"]);
 }
+
+#[test]
+fn a_recipe_is_an_input_too() {
+    let folder = Folder::new();
+    std::fs::create_dir(folder.at("recipes")).expect("a folder");
+    folder.file("in.usda", cloth_and("uniform int tailor:sim:iterations = 2\nuniform int tailor:render:level = 3"));
+    folder.file("recipes/coat.tailor", "{\"source\": \"../in.usda\", \"sim\": {\"iterations\": 3}}");
+    folder.file("fine.tailor", "{\"render\": {\"level\": 2}}");
+    folder.good("build recipes/coat.tailor -o out/coat.usda").prints(&["recipes/coat.tailor -> out/coat.usda"]);
+    folder.good("build in.usda -o out/same.usda --set sim.iterations=3");
+    assert!(folder.read("out/coat.usda") == folder.read("out/same.usda"), "the same layer over the same source");
+    // Attribute, the input's own file, --recipe, --set.
+    let of = |args: &str| used(&folder, &format!("recipes/coat.tailor {args}")).0;
+    assert_eq!((of(""), of("--set sim.iterations=4")), (3.into(), 4.into()));
+    folder.good("build recipes/coat.tailor --recipe fine.tailor -o out/fine.usda").prints(&["level 2"]);
+    folder.good("info recipes/coat.tailor").prints(&["in.usda /Coat/model"]);
+    folder.good("check recipes/coat.tailor in.usda").prints(&["recipes/coat.tailor: good"]);
+    folder.good("build recipes/coat.tailor in.usda -o out");
+    assert!(folder.read("out/coat_tailored.usda") == folder.read("out/same.usda"));
+}
+
+#[test]
+fn a_recipe_without_a_usd_source_is_no_input() {
+    let folder = Folder::new();
+    for (text, expected) in [
+        ("{\"render\": {\"level\": 2}}", "bad.tailor: it names no source"),
+        ("{\"source\": \"\"}", "bad.tailor: it names no source"),
+        ("{\"source\": \"other.tailor\"}", "bad.tailor: its source is a recipe too"),
+        ("{\"source\": \"gone.usda\"}", "cannot read gone.usda: no such file"),
+        ("{\"source\": 3}", "bad.tailor: "),
+    ] {
+        folder.file("bad.tailor", text);
+        let run = folder.run("build bad.tailor -o out/coat.usda");
+        run.says(&[expected, "hint:"]);
+        assert_eq!(run.code, Some(1), "{text}");
+    }
+    folder.run("check gone.tailor").says(&["cannot read recipe gone.tailor: no such file", "hint:"]);
+}

@@ -10,6 +10,7 @@ use attributes::{family_faults, primvar_faults, subset_faults};
 use glam::{DVec3, Vec3};
 use refinement::refinement_faults;
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 use tailor::error::Warnings;
 use tailor::garment::{BoundaryInterpolation, Garment, GarmentInput, Interpolation, Values};
 use tailor::mesh::{ChainId, CornerId, EdgeId, Topology, VertexId};
@@ -65,7 +66,13 @@ impl Subject {
             let baseline = Baseline::new(&prepared.garment, sim, lengths, bound.uv_set);
             simulate(baseline, sim.iterations, limits.max_faces * 4)
         };
-        Ok(Self { name: name.into(), garment: prepared.garment, products, product, faults: Vec::new() })
+        Ok(Self {
+            name: name.into(),
+            garment: Arc::unwrap_or_clone(prepared.garment),
+            products,
+            product,
+            faults: Vec::new(),
+        })
     }
 
     /// Checks both products.

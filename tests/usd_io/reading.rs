@@ -129,7 +129,7 @@ fn values_are_taken_at_the_time_asked_for() {
     assert_eq!(values("w"), tailor::garment::Values::F32(vec![0.25; 6]));
     assert_eq!(values("t"), tailor::garment::Values::Text(vec!["a".into(), "b".into()]));
     let nan = ReadOptions { prim: None, time: Some(f64::NAN) };
-    assert_fault(Source::open(&file, &nan), &["--time is not a number"]);
+    assert_fault(Source::open(&file, &nan), &["the time is not a number"]);
 }
 
 #[test]

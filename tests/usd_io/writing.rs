@@ -5,7 +5,9 @@ use std::fs;
 use std::path::Path;
 use tailor::error::Warnings;
 use tailor::garment::GarmentInput;
-use tailor::usd::{Format, Product, ReadOptions, Role, Source, UsdError, WriteOptions, layer_bytes, write};
+use tailor::usd::{
+    Format, Product, ReadOptions, Role, Source, Surroundings, UsdError, WriteOptions, layer_bytes, write,
+};
 
 /// A coat with attributes of many kinds.
 fn rich() -> String {
@@ -122,15 +124,52 @@ fn a_layer_in_memory_is_the_layer_in_the_file() {
     let source = open(&at.usda("coat.usda", &rich())).unwrap();
     let mesh = sound(&read(&source).unwrap());
     let products = [Product { name: "sim", role: Role::Sim, mesh: &mesh }];
+    let nowhere = Surroundings::default();
+    let here = Surroundings { folder: Some(at.0.path()), ..nowhere };
     for (format, name) in [(Format::Usda, "o.usda"), (Format::Usdc, "o.usdc")] {
         let mut warnings = Warnings::default();
         write(&source, &products, &at.at(name), &FORCE, &mut warnings).unwrap();
-        let bytes = layer_bytes(&source, &products, format, Some(at.0.path()), &FORCE, &mut warnings).unwrap();
+        let bytes = layer_bytes(&source, &products, format, here, &FORCE, &mut warnings).unwrap();
         assert!(bytes == fs::read(at.at(name)).unwrap(), "{name}");
     }
-    let text = layer_bytes(&source, &products, Format::Usda, None, &FORCE, &mut Warnings::default()).unwrap();
+    let text = layer_bytes(&source, &products, Format::Usda, nowhere, &FORCE, &mut Warnings::default()).unwrap();
     let absolute = at.0.path().canonicalize().unwrap().join("coat.usda");
     assert!(String::from_utf8(text).unwrap().contains(&format!("@{}@", absolute.display())));
+    let stated = Surroundings { source: Some("asset:coat"), ..here };
+    let text = layer_bytes(&source, &products, Format::Usda, stated, &FORCE, &mut Warnings::default()).unwrap();
+    assert!(String::from_utf8(text).unwrap().contains("subLayers = [@asset:coat@]"));
+}
+
+#[test]
+fn a_source_in_memory_is_the_source_in_the_file() {
+    let at = Stages::new();
+    let file = at.usda("coat.usda", &rich());
+    write(
+        &open(&file).unwrap(),
+        &[],
+        &at.at("flat.usdc"),
+        &WriteOptions { flatten: true, ..FORCE },
+        &mut Warnings::default(),
+    )
+    .unwrap();
+    let flat = open(&at.at("flat.usdc")).unwrap();
+    let content: std::sync::Arc<[u8]> = fs::read(at.at("flat.usdc")).unwrap().into();
+    let memory = Source::from_layer(content, &at.at("flat.usdc"), &ReadOptions::default()).unwrap();
+    assert_eq!(memory.recipe().unwrap(), flat.recipe().unwrap());
+    assert_eq!(memory.prim(), flat.prim());
+    let mesh = sound(&read(&flat).unwrap());
+    let products = [Product { name: "sim", role: Role::Sim, mesh: &mesh }];
+    let here = Surroundings { folder: Some(at.0.path()), source: None };
+    let text = |source: &Source, flatten: bool| {
+        let options = WriteOptions { flatten, ..FORCE };
+        layer_bytes(source, &products, Format::Usda, here, &options, &mut Warnings::default()).unwrap()
+    };
+    for flatten in [false, true] {
+        assert!(text(&memory, flatten) == text(&flat, flatten), "flatten: {flatten}");
+    }
+    let broken = Source::from_layer(b"no layer".as_slice().into(), &file, &ReadOptions::default());
+    let message = broken.unwrap_err().to_string();
+    assert!(message.contains("coat.usda") && message.contains("hint:"), "{message}");
 }
 
 #[test]

@@ -142,7 +142,7 @@ fn of_the_choice_of_a_mesh() {
             },
             &["/Coat/model.points has values at 1 times and none besides", "--time 3"],
         ),
-        fault("build in.usda -o out/coat.usda --time nan", cloth, &["--time is not a number", "24.5"]),
+        fault("build in.usda -o out/coat.usda --time nan", cloth, &["the time is not a number", "24.5"]),
         fault(
             ARGS,
             |f| f.file("in.usda", "#usda 1.0\ndef Xform \"Coat\" (\n references = @gone.usda@\n)\n{\n}\n"),

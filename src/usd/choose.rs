@@ -1,55 +1,15 @@
-//! Opening a stage, and choosing the mesh to work on.
+//! Choosing the mesh to work on.
 
 use super::UsdError;
 use super::names;
 use super::read::ReadOptions;
 use super::values::text;
-use crate::error::plain;
 use openusd::sdf::{self, Value};
 use openusd::usd::{Prim, PrimPredicate, Stage};
-use std::fs;
 use std::path::Path;
 
 /// How many paths a message lists.
 const LISTED: usize = 8;
-
-/// Opens the stage of `file`.
-///
-/// # Errors
-/// A file that is not there, is no file, is empty or is not USD.
-pub fn open_stage(file: &Path) -> Result<Stage, UsdError> {
-    let shown = file.display();
-    let metadata = fs::metadata(file).map_err(|e| {
-        UsdError::new(format!("cannot read {shown}: {}", plain(&e))).hint("check the path, and who may read the file")
-    })?;
-    if !metadata.is_file() {
-        return Err(UsdError::new(format!("{shown} is a folder, not a USD file")).hint("name a file inside it"));
-    }
-    if metadata.len() == 0 {
-        return Err(UsdError::new(format!("{shown} is empty")).hint("export the garment again"));
-    }
-    let extension = file.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
-    if !["usd", "usda", "usdc", "usdz"].contains(&extension.as_str()) {
-        return Err(UsdError::new(format!(
-            "{shown} is not a USD file: its name does not end in .usd, .usda, .usdc or .usdz"
-        ))
-        .hint("export the garment as USD"));
-    }
-    let Some(path) = file.to_str() else {
-        return Err(UsdError::new(format!("cannot read {shown}: its name is not UTF-8")).hint("rename the file"));
-    };
-    Stage::open(path).map_err(|e| {
-        let words = e.to_string();
-        // The text reader knows letters beyond ASCII in names of prims, but not of properties.
-        let beyond_ascii = words.contains("Logos") && std::fs::read(file).is_ok_and(|b| !b.is_ascii());
-        let words = words.trim_start_matches("error: ").trim_end();
-        UsdError::new(format!("{shown} cannot be read as USD: {words}")).hint(if beyond_ascii {
-            "property names with letters beyond ASCII are read from .usdc only; convert the file to .usdc"
-        } else {
-            "the file is damaged, or is another format under this name; export it again"
-        })
-    })
-}
 
 /// The mesh to work on: the one named, or the only one.
 ///

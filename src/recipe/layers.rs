@@ -1,0 +1,159 @@
+//! Layers of a recipe: attributes, file, arguments and flags, the strongest last.
+
+use super::{Recipe, all_keys, defaults, in_words, known, type_of, usd_type_of};
+use crate::error::{Error, Warning, Warnings};
+use serde_json::{Map, Value};
+
+/// The layers of a recipe, the strongest added last.
+#[derive(Clone, Debug, Default)]
+pub struct Layers {
+    pub(super) merged: Map<String, Value>,
+}
+
+impl Layers {
+    /// Adds the attributes of the model's prim; what is in none of the schemas is reported.
+    pub fn add_attributes(&mut self, attributes: Map<String, Value>, warnings: &mut Warnings) {
+        for (space, value) in attributes {
+            match (space.as_str(), value) {
+                ("sim" | "render", Value::Object(fields)) => {
+                    for (key, value) in fields {
+                        if known(&space, &key) {
+                            self.set(&space, &key, value);
+                        } else {
+                            warnings.push(not_understood(&format!("tailor:{space}:{key}")));
+                        }
+                    }
+                }
+                _ => warnings.push(not_understood(&format!("tailor:{space}"))),
+            }
+        }
+    }
+
+    /// Adds a layer of nested keys.
+    pub fn add(&mut self, layer: Map<String, Value>) {
+        for (space, fields) in layer {
+            if let Value::Object(fields) = fields {
+                fields.into_iter().for_each(|(key, value)| self.set(&space, &key, value));
+            }
+        }
+    }
+
+    /// Adds `key=value` as given on the command line, such as `sim.maxEdgeLength=2`.
+    ///
+    /// # Errors
+    /// A key that no option has, or a value of another type.
+    pub fn add_override(&mut self, assignment: &str) -> Result<(), Error> {
+        let (key, text) = assignment.split_once('=').ok_or_else(|| {
+            Error::Usage(format!("--set {assignment} has no value\n  hint: write --set sim.maxEdgeLength=2"))
+        })?;
+        self.add_text("--set", key.trim(), text.trim())
+    }
+
+    /// Adds an option whose value is text, as given by `giver`, such as "--set".
+    ///
+    /// # Errors
+    /// A key that no option has, or a value of another type.
+    pub fn add_text(&mut self, giver: &str, key: &str, text: &str) -> Result<(), Error> {
+        let (space, field) = key.split_once('.').unwrap_or((key, ""));
+        if !known(space, field) {
+            return Err(Error::Usage(format!("{giver} {key}: there is no such option\n  hint: {}", all_keys())));
+        }
+        let default = &defaults()[space][field];
+        let value = parse_like(default, text).ok_or_else(|| {
+            let kind = type_of(default);
+            Error::Usage(format!("{giver} {key}: \"{text}\" is no {kind}\n  hint: its default is {default}"))
+        })?;
+        self.set(space, field, value);
+        Ok(())
+    }
+
+    fn set(&mut self, space: &str, key: &str, value: Value) {
+        let fields = self.merged.entry(space).or_insert_with(|| Value::Object(Map::new()));
+        if let Value::Object(fields) = fields {
+            fields.insert(key.into(), value);
+        }
+    }
+
+    /// Whether any layer says something about an option.
+    pub fn says(&self, space: &str, key: &str) -> bool {
+        self.merged.get(space).is_some_and(|f| f.get(key).is_some())
+    }
+
+    /// The recipe, with defaults for what no layer says.
+    ///
+    /// # Errors
+    /// A value of another type or out of its range.
+    pub fn recipe(&self) -> Result<Recipe, Error> {
+        let recipe: Recipe =
+            serde_json::from_value(Value::Object(self.merged.clone())).map_err(|e| self.mistyped(&e))?;
+        recipe.check()?;
+        Ok(recipe)
+    }
+
+    /// The first option whose value is of another type. Only attributes can be: files and flags are checked as they
+    /// are read.
+    fn mistyped(&self, whole: &serde_json::Error) -> Error {
+        let defaults = defaults();
+        for (space, fields) in &self.merged {
+            for (key, value) in fields.as_object().into_iter().flatten() {
+                let alone = serde_json::json!({ space: { key: value } });
+                if let Err(e) = serde_json::from_value::<Recipe>(alone) {
+                    return Error::Recipe(format!(
+                        "tailor:{space}:{key} of the model: {}\n  hint: declare it as {}",
+                        in_words(&e),
+                        usd_type_of(&defaults[space][key])
+                    ));
+                }
+            }
+        }
+        Error::Recipe(format!("tailor: attributes of the model: {}\n  hint: see the schemas", in_words(whole)))
+    }
+}
+
+fn not_understood(what: &str) -> Warning {
+    Warning::NotCarried { what: what.into(), why: "this version has no such option; it stays on the model".into() }
+}
+
+/// Text as a value of the same type as `like`; lists are separated by commas.
+fn parse_like(like: &Value, text: &str) -> Option<Value> {
+    match like {
+        Value::Bool(_) => text.parse::<bool>().ok().map(Value::Bool),
+        Value::Number(n) if n.is_f64() => serde_json::Number::from_f64(text.parse().ok()?).map(Value::Number),
+        Value::Number(_) => text.parse::<u32>().ok().map(|n| Value::Number(n.into())),
+        Value::Array(_) => {
+            Some(text.split(',').filter(|t| !t.is_empty()).map(|t| Value::String(t.trim().into())).collect())
+        }
+        _ => Some(Value::String(text.into())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sim::SimOptions;
+
+    #[test]
+    fn stronger_layers_win() {
+        let mut layers = Layers::default();
+        let layer = serde_json::json!({"sim": {"iterations": 3, "maxEdgeLength": 4.0}});
+        layers.add_attributes(layer.as_object().cloned().unwrap_or_default(), &mut Warnings::default());
+        layers.add_override("sim.iterations=7").expect("a good override");
+        let recipe = layers.recipe().expect("a good recipe");
+        assert_eq!((recipe.sim.iterations, recipe.sim.max_edge_length), (7, 4.0));
+        assert_eq!(recipe.sim.baseline_level, SimOptions::default().baseline_level);
+    }
+
+    #[test]
+    fn bad_overrides_name_the_key_and_the_remedy() {
+        let mut layers = Layers::default();
+        for (text, expected) in [
+            ("sim.maxEdge=2", "sim.maxEdgeLength"),
+            ("sim.iterations=many", "whole number"),
+            ("sim.iterations", "has no value"),
+            ("render.level=-1", "whole number"),
+        ] {
+            let message = layers.add_override(text).expect_err(text).to_string();
+            assert!(message.contains(expected), "{message}");
+        }
+    }
+}

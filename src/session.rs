@@ -1,0 +1,223 @@
+//! The pipeline as it is run again and again: each stage's result is kept, so that an edit repeats only the stages
+//! that depend on it.
+//!
+//! ```text
+//! source (content, prim, time) ┬→ remesh (its options) → transfer (options of the simulation mesh)
+//!                              └→ render (options of the render mesh)
+//! ```
+//!
+//! A stage is known by the content of its source and by the options that it reads, never by the name of a file.
+
+use crate::error::{Error, Warnings};
+use crate::garment::{Elements, Garment, Primvar, Values};
+use crate::memo::{Footprint, Memo};
+use crate::pipeline::{Checked, Clock, DEFAULT_MAX_FACES, Prepared};
+use crate::recipe::Document;
+use crate::sim::{SimOptions, SimProduct};
+use crate::usd::{Format, Product, ReadOptions, Role, Source, Surroundings, WriteOptions, layer_bytes};
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// Keeps results of stages within a bound of memory. All methods may be called from many threads at once; what two ask
+/// for is made once.
+pub struct Session {
+    memo: Memo<Key>,
+    /// Where the work is done, so that the caller's own threads are left alone.
+    pool: ThreadPool,
+    sources: AtomicU64,
+}
+
+/// What a result depends on.
+#[derive(Clone, PartialEq, Eq, Hash)]
+enum Key {
+    Source { content: Arc<[u8]>, options: String },
+    Stage { name: &'static str, source: u64, options: String },
+}
+
+/// A source that was read and checked.
+pub struct Opened {
+    /// The source.
+    pub source: Source,
+    /// Its garment.
+    pub checked: Checked,
+    warnings: Warnings,
+    /// Names the source among those of the session.
+    serial: u64,
+    content: usize,
+}
+
+/// The result of a stage and of those before it, with their warnings.
+pub struct Made<T> {
+    /// The result.
+    pub value: T,
+    /// What was met on the way.
+    pub warnings: Warnings,
+}
+
+impl Session {
+    /// A session that keeps at most `capacity` bytes and works with `threads` threads, or with one for each core.
+    ///
+    /// # Errors
+    /// Threads that cannot be started.
+    pub fn new(capacity: usize, threads: Option<usize>) -> Result<Self, Error> {
+        let pool = ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
+        let pool = pool.map_err(|e| Error::Internal(format!("cannot start threads: {e}")))?;
+        Ok(Self { memo: Memo::new(capacity), pool, sources: AtomicU64::new(0) })
+    }
+
+    /// Memory that the kept results hold, as far as it can be told. \[bytes\]
+    pub fn memory(&self) -> usize {
+        self.memo.used()
+    }
+
+    /// The garment of `content`, a layer that is all of a stage and was composed from `file`.
+    ///
+    /// # Errors
+    /// As [`Source::from_layer`] and [`Checked::new`].
+    pub fn open(&self, content: &[u8], file: &Path, options: &ReadOptions) -> Result<Arc<Opened>, Error> {
+        let content: Arc<[u8]> = content.into();
+        // The file is part of what is made: of its messages.
+        let key = Key::Source { content: Arc::clone(&content), options: format!("{options:?} {file:?}") };
+        self.memo.get(&key, || {
+            let mut warnings = Warnings::default();
+            let source = Source::from_layer(Arc::clone(&content), file, options)?;
+            let checked = self.pool.install(|| Checked::new(source.garment(&mut warnings)?, &mut warnings))?;
+            let serial = self.sources.fetch_add(1, Ordering::Relaxed);
+            Ok(Opened { source, checked, warnings, serial, content: content.len() })
+        })
+    }
+
+    /// The simulation mesh.
+    ///
+    /// # Errors
+    /// A mesh that would be too large.
+    pub fn sim(&self, opened: &Opened, prepared: &Prepared) -> Result<Arc<Made<Garment>>, Error> {
+        let sim = &prepared.recipe.sim;
+        self.memo.get(&opened.key("transfer", sim)?, || {
+            let remeshed = self.remeshed(opened, prepared)?;
+            let mut warnings = remeshed.warnings.clone();
+            let transfer = || prepared.transfer(&remeshed.value, &mut Clock::default(), &mut warnings);
+            let (value, _) = self.pool.install(transfer)?;
+            Ok(Made { value, warnings })
+        })
+    }
+
+    fn remeshed(&self, opened: &Opened, prepared: &Prepared) -> Result<Arc<Made<SimProduct>>, Error> {
+        // Without the options that transfer alone reads.
+        let options = SimOptions { transfer_samples: 0, seed: 0, ..prepared.recipe.sim.clone() };
+        self.memo.get(&opened.key("remesh", &options)?, || {
+            let mut warnings = Warnings::default();
+            let remesh = || prepared.remesh(DEFAULT_MAX_FACES, &mut Clock::default(), &mut warnings);
+            let value = self.pool.install(remesh)?;
+            Ok(Made { value, warnings })
+        })
+    }
+
+    /// The render mesh.
+    ///
+    /// # Errors
+    /// A mesh that would be too large.
+    pub fn render(&self, opened: &Opened, prepared: &Prepared) -> Result<Arc<Made<Garment>>, Error> {
+        self.memo.get(&opened.key("render", &prepared.recipe.render)?, || {
+            let value = self.pool.install(|| prepared.render(&mut Clock::default()))?;
+            Ok(Made { value, warnings: Warnings::default() })
+        })
+    }
+
+    /// The layer of a `.tailor` file as crate bytes: what the command writes for it. `content` is the composed source.
+    /// With `metadata_only` the products are neither made nor in it.
+    ///
+    /// # Errors
+    /// Faults of the source and of the recipe.
+    pub fn layer(
+        &self,
+        document: &Document,
+        content: &[u8],
+        metadata_only: bool,
+        warnings: &mut Warnings,
+    ) -> Result<Vec<u8>, Error> {
+        let opened = self.open(content, &document.source_file(), document.options())?;
+        let layers = document.layers(&opened.source, warnings)?;
+        warnings.extend(&opened.warnings);
+        if metadata_only {
+            return encode(document, &opened.source, &[], warnings);
+        }
+        let prepared = opened.checked.prepare(&layers)?;
+        let (sim, render) = (self.sim(&opened, &prepared)?, self.render(&opened, &prepared)?);
+        warnings.extend(&sim.warnings);
+        warnings.extend(&render.warnings);
+        let products = [
+            Product { name: Role::Sim.name(), role: Role::Sim, mesh: &sim.value },
+            Product { name: Role::Render.name(), role: Role::Render, mesh: &render.value },
+        ];
+        encode(document, &opened.source, &products, warnings)
+    }
+}
+
+fn encode(
+    document: &Document,
+    source: &Source,
+    products: &[Product],
+    warnings: &mut Warnings,
+) -> Result<Vec<u8>, Error> {
+    let surroundings = Surroundings { folder: Some(document.folder()), source: Some(document.source()) };
+    Ok(layer_bytes(source, products, Format::Usdc, surroundings, &WriteOptions::default(), warnings)?)
+}
+
+impl Opened {
+    fn key(&self, name: &'static str, options: &impl serde::Serialize) -> Result<Key, Error> {
+        let options = serde_json::to_string(options)
+            .map_err(|e| Error::Internal(format!("options cannot be told apart: {e}")))?;
+        Ok(Key::Stage { name, source: self.serial, options })
+    }
+}
+
+impl Footprint for Opened {
+    fn footprint(&self) -> usize {
+        // The content as key, and again as what was read of it.
+        2 * self.content + garment_bytes(&self.checked.garment)
+    }
+}
+
+impl Footprint for Made<Garment> {
+    fn footprint(&self) -> usize {
+        garment_bytes(&self.value)
+    }
+}
+
+/// A baseline triangle's share of the refined levels, their stencils' tables and the adjacency, as measured on
+/// garments of 10 to 100 thousand triangles. \[bytes\]
+const BASELINE_TRIANGLE: usize = 400;
+/// A triangle's share of points, places and chains. \[bytes\]
+const SIM_TRIANGLE: usize = 150;
+
+impl Footprint for Made<SimProduct> {
+    fn footprint(&self) -> usize {
+        let product = &self.value;
+        BASELINE_TRIANGLE * product.baseline.source_face.len() + SIM_TRIANGLE * product.triangles.len()
+    }
+}
+
+fn garment_bytes(garment: &Garment) -> usize {
+    let primvars: usize = garment.primvars.iter().map(primvar_bytes).sum();
+    let subsets: usize = garment.subsets.iter().map(|s| s.elements.len() * elements_bytes(&s.elements)).sum();
+    12 * garment.points.len() + 4 * garment.faces.corners().len() + primvars + subsets
+}
+
+fn elements_bytes(elements: &Elements) -> usize {
+    if matches!(elements, Elements::Edges(_)) { 8 } else { 4 }
+}
+
+fn primvar_bytes(primvar: &Primvar) -> usize {
+    let indices = primvar.indices.as_ref().map_or(0, Vec::len);
+    let values = match &primvar.values {
+        Values::Bool(v) => v.len(),
+        Values::U8(v) => v.len(),
+        Values::F64(_) | Values::I64(_) | Values::U64(_) => 8 * primvar.values.len(),
+        Values::Text(texts) => texts.iter().map(|t| t.len() + size_of::<String>()).sum(),
+        Values::F32(_) | Values::I32(_) | Values::U32(_) => 4 * primvar.values.len(),
+    };
+    4 * indices + values
+}

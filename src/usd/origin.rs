@@ -1,0 +1,109 @@
+//! Opening a stage, from a file or from memory.
+
+use super::UsdError;
+use crate::error::plain;
+use openusd::ar;
+use openusd::usd::Stage;
+use std::fs;
+use std::io::{self, Cursor};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Where a stage is opened from.
+#[derive(Clone, Debug)]
+pub struct Origin {
+    /// The file, or what `content` was composed from.
+    pub file: PathBuf,
+    /// A layer in memory, opened in the file's stead.
+    pub content: Option<Arc<[u8]>>,
+}
+
+impl Origin {
+    /// Opens the stage.
+    ///
+    /// # Errors
+    /// A file that is not there, is no file, is empty or is not USD.
+    pub fn open(&self) -> Result<Stage, UsdError> {
+        match &self.content {
+            Some(content) => open_content(&self.file, content),
+            None => open_file(&self.file),
+        }
+    }
+}
+
+/// What the layer in memory is called. It names no file, so that nothing relative is found beside it.
+const IN_MEMORY: &str = "composed.usd";
+
+fn open_content(file: &Path, content: &Arc<[u8]>) -> Result<Stage, UsdError> {
+    let resolver = InMemory { content: Arc::clone(content), files: ar::DefaultResolver::new() };
+    Stage::builder().resolver(resolver).open(IN_MEMORY).map_err(|e| {
+        let words = e.to_string();
+        UsdError::new(format!(
+            "{} cannot be read once composed: {}",
+            file.display(),
+            words.trim_start_matches("error: ")
+        ))
+        .hint("flatten it with another program and name the result instead")
+    })
+}
+
+/// Finds one layer in memory, and everything else where it is.
+struct InMemory {
+    content: Arc<[u8]>,
+    files: ar::DefaultResolver,
+}
+
+impl ar::Resolver for InMemory {
+    fn create_identifier(&self, asset_path: &str, anchor: Option<&ar::ResolvedPath>) -> String {
+        if asset_path == IN_MEMORY { IN_MEMORY.into() } else { self.files.create_identifier(asset_path, anchor) }
+    }
+
+    fn resolve(&self, asset_path: &str) -> Option<ar::ResolvedPath> {
+        if asset_path == IN_MEMORY { Some(ar::ResolvedPath::new(IN_MEMORY)) } else { self.files.resolve(asset_path) }
+    }
+
+    fn resolve_for_new_asset(&self, asset_path: &str) -> Option<ar::ResolvedPath> {
+        self.files.resolve_for_new_asset(asset_path)
+    }
+
+    fn open_asset(&self, resolved_path: &ar::ResolvedPath) -> io::Result<Box<dyn ar::Asset>> {
+        if &**resolved_path == Path::new(IN_MEMORY) {
+            return Ok(Box::new(Cursor::new(ar::AssetBuffer::from(Arc::clone(&self.content)))));
+        }
+        self.files.open_asset(resolved_path)
+    }
+}
+
+fn open_file(file: &Path) -> Result<Stage, UsdError> {
+    let shown = file.display();
+    let metadata = fs::metadata(file).map_err(|e| {
+        UsdError::new(format!("cannot read {shown}: {}", plain(&e))).hint("check the path, and who may read the file")
+    })?;
+    if !metadata.is_file() {
+        return Err(UsdError::new(format!("{shown} is a folder, not a USD file")).hint("name a file inside it"));
+    }
+    if metadata.len() == 0 {
+        return Err(UsdError::new(format!("{shown} is empty")).hint("export the garment again"));
+    }
+    let extension = file.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
+    if !["usd", "usda", "usdc", "usdz"].contains(&extension.as_str()) {
+        return Err(UsdError::new(format!(
+            "{shown} is not a USD file: its name does not end in .usd, .usda, .usdc or .usdz"
+        ))
+        .hint("export the garment as USD"));
+    }
+    let Some(path) = file.to_str() else {
+        return Err(UsdError::new(format!("cannot read {shown}: its name is not UTF-8")).hint("rename the file"));
+    };
+    Stage::open(path).map_err(|e| {
+        let words = e.to_string();
+        // The text reader knows letters beyond ASCII in names of prims, but not of properties.
+        let beyond_ascii = words.contains("Logos") && std::fs::read(file).is_ok_and(|b| !b.is_ascii());
+        let words = words.trim_start_matches("error: ").trim_end();
+        UsdError::new(format!("{shown} cannot be read as USD: {words}")).hint(if beyond_ascii {
+            "property names with letters beyond ASCII are read from .usdc only; convert the file to .usdc"
+        } else {
+            "the file is damaged, or is another format under this name; export it again"
+        })
+    })
+}
