@@ -1,0 +1,64 @@
+//! One edit through a session: what the OpenUSD plugin waits for besides composition.
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use std::hint::black_box;
+use std::path::Path;
+use tailor::error::Warnings;
+use tailor::recipe::Document;
+use tailor::session::Session;
+use tailor::usd::{ReadOptions, Source, WriteOptions, write};
+
+/// The coat as the plugin hands it over: composed, as crate bytes.
+fn composed() -> Vec<u8> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+    let source = Source::open(&folder.join("coat.usda"), &ReadOptions::default()).expect("the coat");
+    let temporary = tempfile::tempdir().expect("a folder");
+    let flat = temporary.path().join("flat.usdc");
+    let options = WriteOptions { flatten: true, model_guide: false, ..WriteOptions::default() };
+    write(&source, &[], &flat, &options, &mut Warnings::default()).expect("a flat layer");
+    std::fs::read(flat).expect("a flat layer")
+}
+
+fn edits(c: &mut Criterion) {
+    let content = composed();
+    let session = Session::new(1 << 30, None).expect("threads");
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/coat.tailor");
+    let layer = |arguments: &[(&str, &str)], metadata_only: bool| {
+        let document = Document::new(&file, r#"{"source": "coat.usda"}"#, arguments.iter().copied()).expect("a document");
+        session.layer(&document, &content, metadata_only, &mut Warnings::default()).expect("a layer")
+    };
+    let mut group = c.benchmark_group("session");
+    group.sample_size(10);
+    layer(&[], false);
+    group.bench_function("metadata", |b| b.iter(|| black_box(layer(&[], true))));
+    group.bench_function("no edit", |b| b.iter(|| black_box(layer(&[], false))));
+    // Each value is asked for once, as by somebody who drags a slider.
+    let mut step = 0;
+    let mut next = || {
+        step += 1;
+        format!("{}", 2.6 + 1e-4 * f64::from(step))
+    };
+    group.bench_function("sim.maxEdgeLength", |b| b.iter(|| black_box(layer(&[("sim.maxEdgeLength", &next())], false))));
+    for level in ["1", "2"] {
+        group.bench_function(format!("render.level {level}"), |b| {
+            b.iter_batched(
+                || Session::new(1 << 30, None).expect("threads"),
+                |fresh| {
+                    let arguments = [("render.level", level)];
+                    let document =
+                        Document::new(&file, r#"{"source": "coat.usda"}"#, arguments).expect("a document");
+                    let opened = fresh.open(&content, &document.source_file(), document.options()).expect("a garment");
+                    let layers = document.layers(&opened.source, &mut Warnings::default()).expect("a recipe");
+                    let prepared = opened.checked.prepare(&layers).expect("a recipe");
+                    black_box(fresh.render(&opened, &prepared).expect("a mesh"));
+                },
+                criterion::BatchSize::PerIteration,
+            );
+        });
+    }
+    group.finish();
+}
+
+#![allow(missing_docs)]
+criterion_group!(benches, edits);
+criterion_main!(benches);
