@@ -1,6 +1,7 @@
 //! The project's own tasks, run as `cargo xtask <task>`. Nothing here is needed to build or use `usdtailor`.
 
 mod golden;
+mod plugin;
 mod process;
 mod project;
 mod schemas;
@@ -24,10 +25,16 @@ Tasks:
   examples [ARGS...]           Write the garments in examples/ (examples/make_garments.py)
   picture                      Build examples/coat.usda and draw the input and both meshes as examples/coat.png
   golden [ARGS...]             Write the OpenSubdiv reference data of the subdivision tests (needs cmake and C++)
+  plugin [OPTIONS]             Build the OpenUSD plugin into target/usd_plugin (see below)
   venv                         Make the Python environment target/venv that the other tasks use
 
 Options:
   -h, --help                   Print this help
+
+Options of plugin:
+  --python PYTHON              For the usd-core wheel of this interpreter (that of target/venv)
+  --sdk DIR                    For the OpenUSD SDK in DIR, with its headers (PXR_ROOT or OPENUSD_ROOT)
+  --out DIR                    Where to put it (target/usd_plugin)
 
 What follows -- goes to `cargo test` when the only step named is `rust`, to pytest when it is `python`:
   cargo xtask test python -- -k schemas
@@ -65,6 +72,7 @@ fn run(args: &[String]) -> Outcome {
         },
         "examples" => examples(&project, rest),
         "picture" if rest.is_empty() => picture(&project),
+        "plugin" => plugin::run(&project, rest),
         "golden" => golden::run(rest).map_err(|error| Failure::new(error.to_string())),
         "venv" if rest.is_empty() => venv::ensure(&project).map(|_| ()),
         "picture" | "venv" => Err(unexpected(task, rest)),

@@ -105,7 +105,7 @@ fn selected(names: &[String]) -> Outcome<Vec<&'static Step>> {
 }
 
 /// A cargo command that accepts the toolchain although `openusd` declares a later one (see .cargo/config.toml).
-fn cargo(project: &Project, subcommand: &str) -> Command {
+pub fn cargo(project: &Project, subcommand: &str) -> Command {
     let program = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = project.command(program);
     command.args([subcommand, "--ignore-rust-version"]);

@@ -1,0 +1,56 @@
+//! Compiles the C++ of the file format and links it into the library, when `cargo xtask plugin` asks for it.
+//!
+//! Without it (`cargo test`, `cargo clippy`, `cargo doc`) nothing is compiled: the Rust side needs no OpenUSD.
+
+use std::path::{Path, PathBuf};
+use std::{env, fs};
+
+/// Names a file of `key=value` lines that `cargo xtask plugin` writes: `include`, `define`, `library` and `link`.
+const BUILD: &str = "USDTAILOR_PLUGIN_BUILD";
+
+/// The C++ sources; the headers beside them are watched too.
+const SOURCES: [&str; 6] = ["arguments.cpp", "errors.cpp", "fileFormat.cpp", "scratch.cpp", "source.cpp", "sourceLayers.cpp"];
+
+fn main() {
+    println!("cargo:rerun-if-changed=build.rs");
+    println!("cargo:rerun-if-env-changed={BUILD}");
+    let Some(file) = env::var_os(BUILD).map(PathBuf::from) else { return };
+    println!("cargo:rerun-if-changed={}", file.display());
+    let text = fs::read_to_string(&file).unwrap_or_else(|e| panic!("{BUILD} names {}: {e}", file.display()));
+    let settings: Vec<(&str, &str)> = text.lines().filter_map(|line| line.split_once('=')).collect();
+    let all = |key: &'static str| settings.iter().filter(move |(k, _)| *k == key).map(|(_, value)| *value);
+    compile(all("include").map(Path::new), all("define"));
+    link(all("link"));
+}
+
+fn compile<'a>(includes: impl Iterator<Item = &'a Path>, defines: impl Iterator<Item = &'a str>) {
+    let mut build = cxx_build::bridge("src/lib.rs");
+    build.std("c++17").flag("-fvisibility=hidden").flag("-fvisibility-inlines-hidden");
+    build.warnings(true).extra_warnings(true).warnings_into_errors(true);
+    // What other people's headers warn of is not ours to mend.
+    includes.for_each(|folder| {
+        build.flag("-isystem").flag(folder);
+    });
+    defines.for_each(|define| {
+        let (name, value) = define.split_once('=').unwrap_or((define, "1"));
+        build.define(name, value);
+    });
+    for source in SOURCES {
+        println!("cargo:rerun-if-changed={source}");
+        println!("cargo:rerun-if-changed={}", source.replace(".cpp", ".h"));
+        build.file(source);
+    }
+    println!("cargo:rerun-if-changed=minimal");
+    // Linked below, whole: nothing in Rust refers to it.
+    build.cargo_metadata(false).compile("tailor_usd_plugin_cpp");
+}
+
+fn link<'a>(arguments: impl Iterator<Item = &'a str>) {
+    let out = env::var("OUT_DIR").expect("cargo sets OUT_DIR");
+    let argument = |text: &str| println!("cargo:rustc-cdylib-link-arg={text}");
+    argument(&format!("-Wl,--whole-archive,{out}/libtailor_usd_plugin_cpp.a,--no-whole-archive"));
+    arguments.for_each(argument);
+    argument("-lstdc++");
+    // Other plugins made with cxx are loaded into the same process; none shall take our functions, nor we theirs.
+    argument("-Wl,--exclude-libs,ALL,-Bsymbolic,-z,defs");
+}

@@ -1,0 +1,27 @@
+#include "errors.h"
+
+#include <pxr/base/tf/error.h>
+
+PXR_NAMESPACE_OPEN_SCOPE
+
+TailorFault::TailorFault(const std::string &path, const std::string &message, const std::string &hint)
+    : std::runtime_error(path + ": " + message + (hint.empty() ? "" : "\n  hint: " + hint))
+{
+}
+
+TailorPostedErrors::~TailorPostedErrors()
+{
+    _mark.Clear();
+}
+
+std::string TailorPostedErrors::Take() const
+{
+    std::string text;
+    for (const TfError &error : _mark) {
+        text += (text.empty() ? "" : "\n    ") + error.GetCommentary();
+    }
+    _mark.Clear();
+    return text;
+}
+
+PXR_NAMESPACE_CLOSE_SCOPE

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <pxr/base/tf/token.h>
+#include <pxr/base/vt/value.h>
+
+PXR_NAMESPACE_OPEN_SCOPE
+
+class PcpDynamicFileFormatContext {
+public:
+    PcpDynamicFileFormatContext() = delete;
+    bool ComposeAttributeDefaultValue(const TfToken &attributeName, VtValue *value) const;
+};
+
+PXR_NAMESPACE_CLOSE_SCOPE

@@ -1,0 +1,94 @@
+#include "scratch.h"
+
+#include <cerrno>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <system_error>
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+PXR_NAMESPACE_OPEN_SCOPE
+
+namespace {
+
+[[noreturn]] void Fail(const std::string &what)
+{
+    throw std::system_error(errno, std::generic_category(), what);
+}
+
+/// A folder in memory if there is one: the file lives for milliseconds.
+std::string Parent()
+{
+    static const std::string memory = "/dev/shm";
+    return access(memory.c_str(), W_OK | X_OK) == 0 ? memory : std::filesystem::temp_directory_path().string();
+}
+
+} // namespace
+
+TailorScratchFile::TailorScratchFile(const std::string &name) : _folder(Parent() + "/usdtailor.XXXXXX")
+{
+    if (!mkdtemp(_folder.data())) {
+        Fail("cannot make a temporary folder " + _folder);
+    }
+    _path = _folder + "/" + name;
+}
+
+TailorScratchFile::~TailorScratchFile()
+{
+    std::error_code ignored;
+    std::filesystem::remove_all(_folder, ignored);
+}
+
+TailorMappedFile::TailorMappedFile(const std::string &path) : _bytes(MAP_FAILED), _size(0)
+{
+    const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    struct stat status;
+    if (file >= 0 && fstat(file, &status) == 0) {
+        _size = static_cast<size_t>(status.st_size);
+        _bytes = mmap(nullptr, _size, PROT_READ, MAP_PRIVATE, file, 0);
+    }
+    const int error = errno;
+    if (file >= 0) {
+        close(file);
+    }
+    if (_bytes == MAP_FAILED) {
+        errno = error;
+        Fail("cannot read " + path);
+    }
+}
+
+TailorMappedFile::~TailorMappedFile()
+{
+    munmap(_bytes, _size);
+}
+
+TailorMemoryFile::TailorMemoryFile(const uint8_t *bytes, size_t size)
+    : _file(memfd_create("usdtailor", MFD_CLOEXEC))
+{
+    if (_file < 0) {
+        Fail("cannot make a file in memory");
+    }
+    for (size_t done = 0; done < size;) {
+        const ssize_t written = write(_file, bytes + done, size - done);
+        if (written < 0 && errno != EINTR) {
+            const int error = errno;
+            close(_file);
+            errno = error;
+            Fail("cannot write a file in memory");
+        }
+        done += written > 0 ? static_cast<size_t>(written) : 0;
+    }
+    _path = "/proc/self/fd/" + std::to_string(_file);
+}
+
+TailorMemoryFile::~TailorMemoryFile()
+{
+    close(_file);
+}
+
+PXR_NAMESPACE_CLOSE_SCOPE

@@ -1,0 +1,105 @@
+#include "source.h"
+
+#include "errors.h"
+#include "sourceLayers.h"
+
+#include <pxr/base/tf/diagnostic.h>
+#include <pxr/base/tf/token.h>
+#include <pxr/usd/ar/asset.h>
+#include <pxr/usd/ar/resolver.h>
+#include <pxr/usd/ar/resolverContext.h>
+#include <pxr/usd/ar/resolverContextBinder.h>
+#include <pxr/usd/sdf/layer.h>
+#include <pxr/usd/usd/stage.h>
+
+PXR_NAMESPACE_OPEN_SCOPE
+
+namespace {
+
+rust::Str Str(const std::string &text)
+{
+    return rust::Str(text.data(), text.size());
+}
+
+rust::Vec<tailor::Argument> Arguments(const SdfFileFormat::FileFormatArguments &arguments)
+{
+    rust::Vec<tailor::Argument> all;
+    for (const auto &[key, value] : arguments) {
+        // This one is OpenUSD's own: which of several formats with one extension is meant.
+        if (key != "target") {
+            all.push_back({rust::String(key), rust::String(value)});
+        }
+    }
+    return all;
+}
+
+/// The context of the stage that is composing, so that the source resolves as that stage would resolve it; else the
+/// context in which OpenUSD opens a stage by its path.
+ArResolverContext Context(const std::string &source)
+{
+    const ArResolver &resolver = ArGetResolver();
+    const ArResolverContext current = resolver.GetCurrentContext();
+    return current.IsEmpty() ? resolver.CreateDefaultContextForAsset(source) : current;
+}
+
+SdfLayerRefPtr
+Flatten(const std::string &path, const std::string &source, const ArResolverContext &context)
+{
+    const TailorPostedErrors posted;
+    const UsdStageRefPtr stage = UsdStage::Open(source, context);
+    const SdfLayerRefPtr flattened = stage ? stage->Flatten(false) : SdfLayerRefPtr();
+    const std::string said = posted.Take();
+    if (!flattened) {
+        throw TailorFault(path, "its source " + source + " cannot be opened: " + said, "open it by itself to see why");
+    }
+    if (!said.empty()) {
+        TF_WARN("%s: its source %s does not compose fully: %s", path.c_str(), source.c_str(), said.c_str());
+    }
+    return flattened;
+}
+
+} // namespace
+
+bool TailorIsRecipe(const std::string &path)
+{
+    return SdfFileFormat::GetFileExtension(path) == "tailor";
+}
+
+rust::Box<tailor::Document>
+TailorReadDocument(const std::string &resolvedPath, const SdfFileFormat::FileFormatArguments &arguments)
+{
+    const std::shared_ptr<ArAsset> asset = ArGetResolver().OpenAsset(ArResolvedPath(resolvedPath));
+    const std::shared_ptr<const char> text = asset ? asset->GetBuffer() : nullptr;
+    if (!text) {
+        throw TailorFault(resolvedPath, "the file cannot be read", "check that it is there and may be read");
+    }
+    const rust::Vec<tailor::Argument> all = Arguments(arguments);
+    return tailor::read_document(
+        Str(resolvedPath), {reinterpret_cast<const uint8_t *>(text.get()), asset->GetSize()},
+        {all.data(), all.size()});
+}
+
+std::string TailorGetSource(const tailor::Document &document, const std::string &resolvedPath)
+{
+    return ArGetResolver().CreateIdentifier(std::string(document.source()), ArResolvedPath(resolvedPath));
+}
+
+TailorFlattenedSource::TailorFlattenedSource(const std::string &path, const std::string &source, bool reload)
+{
+    const ArResolverContext context = Context(source);
+    const ArResolverContextBinder binder(context);
+    const TailorSourceLayers layers(path, source, reload);
+    if (ArGetResolver().Resolve(source).empty()) {
+        throw TailorFault(
+            path, "its source " + source + " cannot be found", "\"source\" is relative to the .tailor file");
+    }
+    const SdfLayerRefPtr flattened = Flatten(path, source, context);
+    const TailorPostedErrors posted;
+    const TailorScratchFile file("source.usdc");
+    if (!SdfFileFormat::FindById(TfToken("usdc"))->WriteToFile(*flattened, file.GetPath())) {
+        throw TailorFault(path, "the source cannot be handed over: " + posted.Take(), "TMPDIR names the folder");
+    }
+    _bytes.emplace(file.GetPath());
+}
+
+PXR_NAMESPACE_CLOSE_SCOPE

@@ -1,0 +1,145 @@
+#include "sourceLayers.h"
+
+#include "errors.h"
+#include "source.h"
+
+#include <pxr/usd/ar/resolver.h>
+#include <pxr/usd/sdf/layer.h>
+#include <pxr/usd/sdf/layerUtils.h>
+
+#include <exception>
+#include <map>
+#include <mutex>
+
+PXR_NAMESPACE_OPEN_SCOPE
+
+namespace {
+
+/// For each `.tailor` file, what it was last made from. OpenUSD asks after each read, when the layers may be closed
+/// again, and before each reload. What has changed since shows in the times of these files.
+class Memory {
+public:
+    void Set(const std::string &path, const std::set<std::string> &identifiers)
+    {
+        const std::lock_guard<std::mutex> lock(_mutex);
+        _identifiers[path] = identifiers;
+    }
+    std::set<std::string> Get(const std::string &path)
+    {
+        const std::lock_guard<std::mutex> lock(_mutex);
+        const auto found = _identifiers.find(path);
+        return found == _identifiers.end() ? std::set<std::string>() : found->second;
+    }
+
+private:
+    std::mutex _mutex;
+    std::map<std::string, std::set<std::string>> _identifiers;
+};
+
+Memory &GetMemory()
+{
+    static Memory memory;
+    return memory;
+}
+
+std::string WithoutArguments(const std::string &identifier)
+{
+    std::string path;
+    SdfLayer::FileFormatArguments arguments;
+    return SdfLayer::SplitIdentifier(identifier, &path, &arguments) ? path : identifier;
+}
+
+} // namespace
+
+TailorSourceLayers::TailorSourceLayers(const std::string &resolvedPath, const std::string &source, bool reload)
+    : _path(resolvedPath), _reload(reload), _chain{resolvedPath}
+{
+    // What cannot be opened is for the stage to report, in its own words.
+    const TailorPostedErrors ignored;
+    try {
+        _Visit(source);
+    } catch (...) {
+        GetMemory().Set(_path, _identifiers);
+        throw;
+    }
+    GetMemory().Set(_path, _identifiers);
+    if (_reload) {
+        _ReloadRecipes();
+    }
+}
+
+void TailorSourceLayers::_Visit(const std::string &identifier)
+{
+    const std::string path = WithoutArguments(identifier);
+    const std::string resolved = ArGetResolver().Resolve(path).GetPathString();
+    _CheckCycle(resolved);
+    // One that is missing is remembered too: it may appear.
+    if (!_identifiers.insert(path).second || resolved.empty()) {
+        return;
+    }
+    _chain.push_back(path);
+    if (TailorIsRecipe(path)) {
+        _VisitRecipe(resolved);
+    } else {
+        _VisitLayer(identifier);
+    }
+    _chain.pop_back();
+}
+
+void TailorSourceLayers::_VisitRecipe(const std::string &resolvedPath)
+{
+    _recipes.insert(resolvedPath);
+    std::string source;
+    try {
+        source = TailorGetSource(*TailorReadDocument(resolvedPath, {}), resolvedPath);
+    } catch (const std::exception &) {
+        // It is reported when it is opened, and leads nowhere.
+        return;
+    }
+    _Visit(source);
+}
+
+void TailorSourceLayers::_VisitLayer(const std::string &identifier)
+{
+    const SdfLayerRefPtr layer = SdfLayer::FindOrOpen(identifier);
+    if (!layer) {
+        return;
+    }
+    _layers.push_back(layer);
+    if (_reload && !layer->IsDirty()) {
+        layer->Reload();
+    }
+    for (const std::string &dependency : layer->GetCompositionAssetDependencies()) {
+        _Visit(SdfComputeAssetPathRelativeToLayer(layer, dependency));
+    }
+}
+
+void TailorSourceLayers::_CheckCycle(const std::string &resolvedPath) const
+{
+    if (resolvedPath != _path) {
+        return;
+    }
+    std::string chain;
+    for (const std::string &path : _chain) {
+        chain += path + " -> ";
+    }
+    throw TailorFault(
+        _path, "its source uses the file itself: " + chain + _path,
+        "let the source be the garment alone, and use the .tailor file in another layer");
+}
+
+void TailorSourceLayers::_ReloadRecipes() const
+{
+    for (const SdfLayerHandle &layer : SdfLayer::GetLoadedLayers()) {
+        if (layer && _recipes.count(layer->GetResolvedPath().GetPathString())) {
+            layer->Reload();
+        }
+    }
+}
+
+std::set<std::string> TailorGetRememberedLayers(const std::string &resolvedPath)
+{
+    return GetMemory().Get(resolvedPath);
+}
+
+PXR_NAMESPACE_CLOSE_SCOPE
