@@ -9,7 +9,8 @@ use std::{env, fs};
 const BUILD: &str = "USDTAILOR_PLUGIN_BUILD";
 
 /// The C++ sources; the headers beside them are watched too.
-const SOURCES: [&str; 6] = ["arguments.cpp", "errors.cpp", "fileFormat.cpp", "scratch.cpp", "source.cpp", "sourceLayers.cpp"];
+const SOURCES: [&str; 6] =
+    ["arguments.cpp", "errors.cpp", "fileFormat.cpp", "scratch.cpp", "source.cpp", "sourceLayers.cpp"];
 
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");

@@ -1,6 +1,6 @@
-//! One edit through a session: what the OpenUSD plugin waits for besides composition.
+//! Time of one edit through a session: what the OpenUSD plugin waits for besides composition.
 
-use criterion::{Criterion, criterion_group, criterion_main};
+use criterion::Criterion;
 use std::hint::black_box;
 use std::path::Path;
 use tailor::error::Warnings;
@@ -24,11 +24,11 @@ fn edits(c: &mut Criterion) {
     let session = Session::new(1 << 30, None).expect("threads");
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/coat.tailor");
     let layer = |arguments: &[(&str, &str)], metadata_only: bool| {
-        let document = Document::new(&file, r#"{"source": "coat.usda"}"#, arguments.iter().copied()).expect("a document");
+        let document =
+            Document::new(&file, r#"{"source": "coat.usda"}"#, arguments.iter().copied()).expect("a document");
         session.layer(&document, &content, metadata_only, &mut Warnings::default()).expect("a layer")
     };
     let mut group = c.benchmark_group("session");
-    group.sample_size(10);
     layer(&[], false);
     group.bench_function("metadata", |b| b.iter(|| black_box(layer(&[], true))));
     group.bench_function("no edit", |b| b.iter(|| black_box(layer(&[], false))));
@@ -38,15 +38,15 @@ fn edits(c: &mut Criterion) {
         step += 1;
         format!("{}", 2.6 + 1e-4 * f64::from(step))
     };
-    group.bench_function("sim.maxEdgeLength", |b| b.iter(|| black_box(layer(&[("sim.maxEdgeLength", &next())], false))));
+    group
+        .bench_function("sim.maxEdgeLength", |b| b.iter(|| black_box(layer(&[("sim.maxEdgeLength", &next())], false))));
     for level in ["1", "2"] {
         group.bench_function(format!("render.level {level}"), |b| {
             b.iter_batched(
                 || Session::new(1 << 30, None).expect("threads"),
                 |fresh| {
                     let arguments = [("render.level", level)];
-                    let document =
-                        Document::new(&file, r#"{"source": "coat.usda"}"#, arguments).expect("a document");
+                    let document = Document::new(&file, r#"{"source": "coat.usda"}"#, arguments).expect("a document");
                     let opened = fresh.open(&content, &document.source_file(), document.options()).expect("a garment");
                     let layers = document.layers(&opened.source, &mut Warnings::default()).expect("a recipe");
                     let prepared = opened.checked.prepare(&layers).expect("a recipe");
@@ -59,6 +59,8 @@ fn edits(c: &mut Criterion) {
     group.finish();
 }
 
-#![allow(missing_docs)]
-criterion_group!(benches, edits);
-criterion_main!(benches);
+fn main() {
+    let mut criterion = Criterion::default().sample_size(10).without_plots().configure_from_args();
+    edits(&mut criterion);
+    criterion.final_summary();
+}

@@ -1,36 +1,40 @@
-//! From a recipe and a composed source to a layer, with what the crate [`tailor`] offers.
+//! From a recipe and a composed source to a layer, through the one [`Session`] of the process.
 
 use crate::ffi::{Argument, Field, Generated};
-use std::io::Write;
-use tailor::error::Warnings;
-use tailor::pipeline::{DEFAULT_MAX_FACES, Limits, Prepared, Products};
-use tailor::recipe::{KEYS, Layers, RecipeFile};
-use tailor::usd::{Format, Product, ReadOptions, Role, Source, WriteOptions, layer_bytes};
-use tempfile::NamedTempFile;
+use std::collections::HashSet;
+use std::path::Path;
+use std::str;
+use std::sync::{LazyLock, Mutex, PoisonError};
+use tailor::error::{Error, Warnings};
+use tailor::recipe::{self, KEYS};
+use tailor::session::Session;
+
+/// Memory for results, where `USDTAILOR_CACHE_MB` says nothing. \[megabytes\]
+const CACHE: usize = 512;
+
+/// Texts of warnings that are remembered, so that each is told once and not with every edit.
+const MOST_TOLD: usize = 10_000;
+
+static SESSION: LazyLock<Result<Session, String>> = LazyLock::new(|| {
+    let megabytes = number("USDTAILOR_CACHE_MB").and_then(|n| usize::try_from(n).ok()).unwrap_or(CACHE);
+    Session::new(megabytes.saturating_mul(1 << 20), threads()).map_err(|e| e.to_string())
+});
+
+static TOLD: LazyLock<Mutex<HashSet<String>>> = LazyLock::new(Mutex::default);
 
 /// A `.tailor` file with the arguments it was opened with.
 #[derive(Debug)]
 pub struct Document {
     path: String,
-    source: String,
-    recipe: RecipeFile,
-    /// As `key=value`.
-    arguments: Vec<String>,
+    document: recipe::Document,
 }
 
 impl Document {
     pub fn read(path: &str, text: &[u8], arguments: &[Argument]) -> Result<Self, String> {
-        // The crate reads recipes from files, whose name then is in its messages.
-        let file = stored(text, ".tailor")?;
-        let recipe = RecipeFile::read(file.path())
-            .map_err(|e| e.to_string().replace(&file.path().display().to_string(), path))?;
-        let source = recipe.source.clone().filter(|source| !source.is_empty()).ok_or_else(|| {
-            "there is no \"source\"\n  hint: name the USD file of the garment, such as {\"source\": \"coat.usda\"}"
-                .to_owned()
-        })?;
-        let arguments: Vec<String> = arguments.iter().map(|a| format!("{}={}", a.key, a.value)).collect();
-        add_arguments(&mut Layers::default(), &arguments)?;
-        Ok(Self { path: path.into(), source, recipe, arguments })
+        let text = str::from_utf8(text).map_err(|_| "it is not text\n  hint: a recipe is JSON".to_owned())?;
+        let arguments = arguments.iter().map(|a| (a.key.as_str(), a.value.as_str()));
+        let document = recipe::Document::new(Path::new(path), text, arguments).map_err(|e| e.to_string())?;
+        Ok(Self { path: path.into(), document })
     }
 
     pub fn path(&self) -> &str {
@@ -38,45 +42,26 @@ impl Document {
     }
 
     pub fn source(&self) -> &str {
-        &self.source
+        self.document.source()
     }
 
     pub fn generate(&self, flattened: &[u8], metadata_only: bool) -> Result<Generated, String> {
-        let file = stored(flattened, ".usdc")?;
-        let source = Source::open(file.path(), &ReadOptions { prim: self.recipe.prim.clone(), time: None })
-            .map_err(|e| e.to_string().replace(&file.path().display().to_string(), &self.source))?;
+        let session = SESSION.as_ref().map_err(String::clone)?;
         let mut warnings = Warnings::default();
-        // The metadata are those of the source, whatever the meshes are.
-        let products = if metadata_only { None } else { Some(self.build(&source, &mut warnings)?) };
-        let meshes: Vec<Product<'_>> = products.iter().flat_map(meshes).collect();
-        let options = WriteOptions { flatten: true, ..WriteOptions::default() };
-        let layer = layer_bytes(&source, &meshes, Format::Usdc, None, &options, &mut warnings)
-            .map_err(|e| e.to_string())?;
-        Ok(Generated { layer, warnings: warnings.iter().map(ToString::to_string).collect() })
+        let layer = session.layer(&self.document, flattened, metadata_only, &mut warnings);
+        let layer = layer.map_err(|e: Error| e.to_string())?;
+        Ok(Generated { layer, warnings: self.untold(&warnings) })
     }
 
-    fn build(&self, source: &Source, warnings: &mut Warnings) -> Result<Products, String> {
-        let text = |e: tailor::error::Error| e.to_string();
-        let mut layers = Layers::default();
-        layers.add_attributes(source.recipe().map_err(|e| e.to_string())?, warnings);
-        layers.add(self.recipe.clone().into_layer());
-        add_arguments(&mut layers, &self.arguments)?;
-        let garment = source.garment(warnings).map_err(|e| e.to_string())?;
-        let prepared = Prepared::new(garment, &layers, warnings).map_err(text)?;
-        prepared.build(&Limits { max_faces: DEFAULT_MAX_FACES, progress: &|_| () }, warnings).map_err(text)
+    /// The warnings that were not told before of this file.
+    fn untold(&self, warnings: &Warnings) -> Vec<String> {
+        let mut told = TOLD.lock().unwrap_or_else(PoisonError::into_inner);
+        if told.len() > MOST_TOLD {
+            told.clear();
+        }
+        let texts = warnings.iter().map(ToString::to_string);
+        texts.filter(|text| told.insert(format!("{}\n{text}", self.path))).collect()
     }
-}
-
-fn add_arguments(layers: &mut Layers, arguments: &[String]) -> Result<(), String> {
-    let text = |e: tailor::error::Error| e.to_string().replace("--set ", "the file-format argument ");
-    arguments.iter().try_for_each(|argument| layers.add_override(argument).map_err(text))
-}
-
-fn meshes(products: &Products) -> [Product<'_>; 2] {
-    [
-        Product { name: Role::Sim.name(), role: Role::Sim, mesh: &products.sim },
-        Product { name: Role::Render.name(), role: Role::Render, mesh: &products.render },
-    ]
 }
 
 pub fn fields() -> Vec<Field> {
@@ -84,9 +69,17 @@ pub fn fields() -> Vec<Field> {
     KEYS.iter().map(|key| field(key.0)).collect()
 }
 
-fn stored(bytes: &[u8], suffix: &str) -> Result<NamedTempFile, String> {
-    let fault = |e: std::io::Error| format!("cannot write a temporary file: {e}\n  hint: TMPDIR names the folder");
-    let mut file = tempfile::Builder::new().suffix(suffix).tempfile().map_err(fault)?;
-    file.write_all(bytes).map_err(fault)?;
-    Ok(file)
+/// As many threads as OpenUSD takes by `PXR_WORK_THREAD_LIMIT`: all when it is not set or 0, and all but so many when
+/// it is negative.
+fn threads() -> Option<usize> {
+    let all = std::thread::available_parallelism().map_or(1, usize::from);
+    match number("PXR_WORK_THREAD_LIMIT")? {
+        0 => None,
+        limit if limit > 0 => Some(usize::try_from(limit).map_or(all, |limit| limit.min(all))),
+        left => Some(all.saturating_sub(usize::try_from(left.unsigned_abs()).unwrap_or(all)).max(1)),
+    }
+}
+
+fn number(variable: &str) -> Option<i64> {
+    std::env::var(variable).ok()?.trim().parse().ok()
 }

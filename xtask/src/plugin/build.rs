@@ -117,8 +117,9 @@ pub fn compiler() -> String {
 
 fn check_compiler(project: &Project) -> Outcome {
     let mut command: Command = project.command(compiler());
-    process::run_quietly(command.arg("--version"))
-        .map_err(|failure| failure.hint("a C++17 compiler is needed (Debian and Ubuntu: apt install g++); CXX names another"))
+    process::run_quietly(command.arg("--version")).map_err(|failure| {
+        failure.hint("a C++17 compiler is needed (Debian and Ubuntu: apt install g++); CXX names another")
+    })
 }
 
 fn make(folder: &Path) -> Outcome {

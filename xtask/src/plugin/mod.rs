@@ -51,7 +51,9 @@ impl Options {
             *place = Some(PathBuf::from(value));
         }
         if options.python.is_some() && options.sdk.is_some() {
-            return Err(Failure::new("--python and --sdk exclude each other").hint("a plugin is for one build of OpenUSD"));
+            return Err(
+                Failure::new("--python and --sdk exclude each other").hint("a plugin is for one build of OpenUSD")
+            );
         }
         Ok(options)
     }
