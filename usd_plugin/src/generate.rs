@@ -50,8 +50,8 @@ impl Document {
         let products = if metadata_only { None } else { Some(self.build(&source, &mut warnings)?) };
         let meshes: Vec<Product<'_>> = products.iter().flat_map(meshes).collect();
         let options = WriteOptions { flatten: true, ..WriteOptions::default() };
-        let layer = layer_bytes(&source, &meshes, Format::Usdc, None, &options, &mut warnings)
-            .map_err(|e| e.to_string())?;
+        let layer =
+            layer_bytes(&source, &meshes, Format::Usdc, None, &options, &mut warnings).map_err(|e| e.to_string())?;
         Ok(Generated { layer, warnings: warnings.iter().map(ToString::to_string).collect() })
     }
 

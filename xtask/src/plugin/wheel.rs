@@ -103,12 +103,15 @@ fn locate(command: &mut Command, python: &Path) -> Outcome<(String, PathBuf)> {
 }
 
 fn libraries(folder: &Path) -> Outcome<Vec<Elf>> {
-    let entries = fs::read_dir(folder)
-        .map_err(|error| Failure::new(format!("cannot read {}: {error}", folder.display())))?;
-    let mut paths: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).filter(|path| wanted(path)).collect();
+    let entries =
+        fs::read_dir(folder).map_err(|error| Failure::new(format!("cannot read {}: {error}", folder.display())))?;
+    let mut paths: Vec<PathBuf> =
+        entries.filter_map(|entry| Some(entry.ok()?.path())).filter(|path| wanted(path)).collect();
     paths.sort();
     if paths.is_empty() {
-        return Err(Failure::new(format!("{} has no OpenUSD libraries", folder.display())).hint("install the wheel again"));
+        return Err(
+            Failure::new(format!("{} has no OpenUSD libraries", folder.display())).hint("install the wheel again")
+        );
     }
     paths.iter().map(|path| Elf::read(path)).collect()
 }
@@ -119,7 +122,7 @@ fn wanted(path: &Path) -> bool {
     MODULES.iter().any(|module| name.starts_with(&format!("libusd_{module}-")))
 }
 
-fn namespace(symbol: &str) -> Option<String> {
+pub fn namespace(symbol: &str) -> Option<String> {
     const END: &str = "__pxrReserved__";
     let start = symbol.find("pxrInternal_v")?;
     let length = symbol[start..].find(END)? + END.len();
