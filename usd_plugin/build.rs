@@ -2,6 +2,7 @@
 //!
 //! Without it (`cargo test`, `cargo clippy`, `cargo doc`) nothing is compiled: the Rust side needs no OpenUSD.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::{env, fs};
 
@@ -42,8 +43,23 @@ fn compile<'a>(includes: impl Iterator<Item = &'a Path>, defines: impl Iterator<
         build.file(source);
     }
     println!("cargo:rerun-if-changed=minimal");
+    build.file(hidden_names());
     // Linked below, whole: nothing in Rust refers to it.
     build.cargo_metadata(false).compile("tailor_usd_plugin_cpp");
+}
+
+/// An assembler file that hides the Rust functions which only our own C++ calls; a library in Rust exports them all.
+fn hidden_names() -> PathBuf {
+    let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
+    let glue = out.join("cxxbridge/sources/tailor-usd-plugin/src/lib.rs.cc");
+    let text = fs::read_to_string(&glue).unwrap_or_else(|e| panic!("{}: {e}", glue.display()));
+    let words = text.split(|c: char| !(c.is_ascii_alphanumeric() || c == '_' || c == '$'));
+    let names: BTreeSet<&str> = words.filter(|word| word.contains("cxxbridge1$")).collect();
+    let lines: Vec<String> = names.iter().map(|name| format!(".hidden {name}\n")).collect();
+    let file = out.join("hidden.S");
+    let note = ".section .note.GNU-stack,\"\",@progbits\n";
+    fs::write(&file, lines.concat() + note).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
+    file
 }
 
 fn link<'a>(arguments: impl Iterator<Item = &'a str>) {
@@ -53,5 +69,5 @@ fn link<'a>(arguments: impl Iterator<Item = &'a str>) {
     arguments.for_each(argument);
     argument("-lstdc++");
     // Other plugins made with cxx are loaded into the same process; none shall take our functions, nor we theirs.
-    argument("-Wl,--exclude-libs,ALL,-Bsymbolic,-z,defs");
+    argument("-Wl,--exclude-libs,ALL,-Bsymbolic");
 }

@@ -50,7 +50,9 @@ Flatten(const std::string &path, const std::string &source, const ArResolverCont
     const SdfLayerRefPtr flattened = stage ? stage->Flatten(false) : SdfLayerRefPtr();
     const std::string said = posted.Take();
     if (!flattened) {
-        throw TailorFault(path, "its source " + source + " cannot be opened: " + said, "open it by itself to see why");
+        throw TailorFault(
+            path, "its source " + source + " cannot be opened: " + said,
+            "\"source\" names a USD file that opens by itself, such as coat.usda");
     }
     if (!said.empty()) {
         TF_WARN("%s: its source %s does not compose fully: %s", path.c_str(), source.c_str(), said.c_str());
@@ -70,7 +72,8 @@ TailorReadDocument(const std::string &resolvedPath, const SdfFileFormat::FileFor
 {
     const std::shared_ptr<ArAsset> asset = ArGetResolver().OpenAsset(ArResolvedPath(resolvedPath));
     const std::shared_ptr<const char> text = asset ? asset->GetBuffer() : nullptr;
-    if (!text) {
+    // A file without content has no buffer either, and is a matter for the reader.
+    if (!text && !(asset && asset->GetSize() == 0)) {
         throw TailorFault(resolvedPath, "the file cannot be read", "check that it is there and may be read");
     }
     const rust::Vec<tailor::Argument> all = Arguments(arguments);

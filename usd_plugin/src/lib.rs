@@ -52,7 +52,14 @@ mod ffi {
 }
 
 fn read_document(path: &str, text: &[u8], arguments: &[Argument]) -> Result<Box<Document>, String> {
-    guarded(|| Document::read(path, text, arguments).map(Box::new)).map_err(|message| named(path, message))
+    let read = || {
+        let document = Document::read(path, text, arguments)?;
+        if document.source().contains('\0') {
+            return Err("\"source\" has a character that no path has\n  hint: take \\u0000 out of it".to_owned());
+        }
+        Ok(Box::new(document))
+    };
+    guarded(read).map_err(|message| named(path, message))
 }
 
 fn generate(document: &Document, flattened: &[u8], metadata_only: bool) -> Result<Generated, String> {
@@ -102,8 +109,8 @@ mod tests {
 
     #[test]
     fn a_file_that_is_no_recipe_is_refused_with_its_name_and_place() {
-        let fault = |text: &str| read_document("/shot/a.tailor", text.as_bytes(), &[]).expect_err("no recipe");
-        for text in ["", "{", r#"{"sim": {"maxEdge": 2}}"#, r#"{"source": ""}"#, "{}"] {
+        let fault = |text: &str| read_document("/shot/a.tailor", text.as_bytes(), &[]).err().expect("no recipe");
+        for text in ["", "{", r#"{"sim": {"maxEdge": 2}}"#, r#"{"source": ""}"#, r#"{"source": "a\u0000b"}"#, "{}"] {
             let fault = fault(text);
             assert!(fault.starts_with("/shot/a.tailor: "), "{fault}");
             assert!(fault.contains("\n  hint: "), "{fault}");

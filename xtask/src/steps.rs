@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use crate::process::{self, Failure, Outcome};
 use crate::project::Project;
-use crate::{schemas, venv};
+use crate::{plugin, schemas, venv};
 
 struct Step {
     name: &'static str,
@@ -18,7 +18,7 @@ struct Step {
 
 /// In the order of a full run: the quick ones that fail most often come first. Clippy and the docs share the metadata
 /// of the dependencies; tests and the binary cannot share, since users run the release profile and tests want assertions.
-const STEPS: [Step; 8] = [
+const STEPS: [Step; 9] = [
     Step { name: "fmt", about: "cargo fmt --check", needs: &[], run: |project, _| fmt(project) },
     Step {
         name: "clippy",
@@ -41,7 +41,18 @@ const STEPS: [Step; 8] = [
         needs: &["venv"],
         run: |project, _| schemas::check(project),
     },
-    Step { name: "python", about: "pytest tests/usd, with the release binary", needs: &["build", "venv"], run: python },
+    Step {
+        name: "plugin",
+        about: "the OpenUSD plugin, for several wheels",
+        needs: &[],
+        run: |project, _| plugin::build_tested(project),
+    },
+    Step {
+        name: "python",
+        about: "pytest tests/usd, with the release binary and the plugins",
+        needs: &["build", "venv", "plugin"],
+        run: python,
+    },
 ];
 
 /// The steps, as `--help` shows them.
@@ -140,7 +151,11 @@ fn python(project: &Project, extra: &[String]) -> Outcome {
     // -rs names what was skipped, and why.
     let mut command = project.command(python);
     command.args(["-m", "pytest", "tests/usd", "-q", "-rs"]).args(extra);
-    process::run(command.env("USDTAILOR", project.binary()))
+    command.env("USDTAILOR", project.binary());
+    command.env("USDTAILOR_PLUGIN", project.target.join("usd_plugin"));
+    command.env("USDTAILOR_PLUGINS", plugin::tested(project)?);
+    command.env("USDTAILOR_XTASK", std::env::current_exe().unwrap_or_default());
+    process::run(&mut command)
 }
 
 #[cfg(test)]
@@ -154,7 +169,7 @@ mod tests {
 
     #[test]
     fn a_step_brings_what_it_needs_and_keeps_the_order() {
-        assert_eq!(names(&["python"]), ["build", "venv", "python"]);
+        assert_eq!(names(&["python"]), ["build", "venv", "plugin", "python"]);
         assert_eq!(names(&["rust", "fmt"]), ["fmt", "rust"]);
         assert_eq!(names(&[]).len(), STEPS.len());
     }

@@ -1,4 +1,4 @@
-//! The Python environment of the tests: usd-core, numpy, pytest, in `target/venv`.
+//! The Python environments of the tests: usd-core, numpy, pytest in `target/venv`, and older wheels beside it.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,18 +10,28 @@ const REQUIREMENTS: &str = "tests/usd/requirements.txt";
 
 /// Makes the environment, or brings it up to date when its requirements have changed; returns its interpreter.
 pub fn ensure(project: &Project) -> Outcome<PathBuf> {
-    let folder = project.target.join("venv");
-    let python = interpreter(&folder);
     let wanted = project.read(REQUIREMENTS)?;
+    ensure_with(project, "venv", &wanted, &["--requirement", REQUIREMENTS])
+}
+
+/// As [`ensure`], for an environment with nothing but a version of usd-core.
+pub fn ensure_wheel(project: &Project, version: &str) -> Outcome<PathBuf> {
+    let wanted = format!("usd-core=={version}");
+    ensure_with(project, &format!("venv-{version}"), &wanted, &["--only-binary", ":all:", &wanted])
+}
+
+fn ensure_with(project: &Project, name: &str, wanted: &str, what: &[&str]) -> Outcome<PathBuf> {
+    let folder = project.target.join(name);
+    let python = interpreter(&folder);
     // Written last, so that an interrupted installation is done again.
     let installed = folder.join("installed-requirements.txt");
     if python.exists() && fs::read_to_string(&installed).is_ok_and(|text| text == wanted) {
         return Ok(python);
     }
     create(project, &folder)?;
-    eprintln!("installing {REQUIREMENTS}");
-    let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--requirement", REQUIREMENTS];
-    process::run(project.command(&python).args(pip))?;
+    eprintln!("installing {}", what.last().unwrap_or(&name));
+    let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
+    process::run(project.command(&python).args(pip).args(what))?;
     fs::write(&installed, wanted)
         .map_err(|error| Failure::new(format!("cannot write {}: {error}", installed.display())))?;
     Ok(python)

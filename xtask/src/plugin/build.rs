@@ -31,8 +31,7 @@ pub struct Target {
 impl Target {
     pub fn of_wheel(project: &Project, wheel: &Wheel) -> Outcome<Self> {
         let traits = wheel.traits()?;
-        let folder = project.target.join("usd_plugin-build").join(format!("wheel-{}", wheel.version));
-        make(&folder)?;
+        let folder = generated(project, &format!("wheel-{}", wheel.version))?;
         write(&folder.join("tailorWheel.h"), &header(wheel, &traits))?;
         let mut link = vec![format!("-L{}", wheel.folder.display())];
         link.extend(wheel.libraries.iter().map(|library| format!("-l:{}", library.name)));
@@ -50,6 +49,13 @@ impl Target {
     pub fn abi_flag(&self) -> String {
         format!("-D_GLIBCXX_USE_CXX11_ABI={}", u8::from(self.cxx11_abi))
     }
+}
+
+/// The folder of what is generated for a build of OpenUSD.
+pub fn generated(project: &Project, name: &str) -> Outcome<PathBuf> {
+    let folder = project.target.join("usd_plugin-build").join(name);
+    make(&folder)?;
+    Ok(folder)
 }
 
 /// The configuration that the minimal headers include.
@@ -70,8 +76,8 @@ fn header(wheel: &Wheel, traits: &Traits) -> String {
     )
 }
 
-/// Builds the library and lays out its folder.
-pub fn build(project: &Project, target: &Target, out: &Path) -> Outcome {
+/// Builds the library and returns its path.
+pub fn compile(project: &Project, target: &Target) -> Outcome<PathBuf> {
     check_compiler(project)?;
     let settings = target.folder.join("build.txt");
     write(&settings, &settings_text(target))?;
@@ -83,7 +89,7 @@ pub fn build(project: &Project, target: &Target, out: &Path) -> Outcome {
         cargo.env("CXXFLAGS", format!("{flags} {}", target.abi_flag()).trim());
     }
     process::run(&mut cargo).map_err(|failure| failure.hint(format!("the plugin was built for {}", target.name)))?;
-    lay_out(project, out)
+    Ok(project.target.join("release").join(BUILT))
 }
 
 fn settings_text(target: &Target) -> String {
@@ -95,7 +101,8 @@ fn settings_text(target: &Target) -> String {
     lines.join("\n") + "\n"
 }
 
-fn lay_out(project: &Project, out: &Path) -> Outcome {
+/// Makes the folder that `PXR_PLUGINPATH_NAME` can name: the library, what describes it, and the schemas.
+pub fn lay_out(project: &Project, built: &Path, out: &Path) -> Outcome {
     let schemas = out.join("schemas");
     make(&schemas)?;
     for name in SCHEMAS {
@@ -103,8 +110,7 @@ fn lay_out(project: &Project, out: &Path) -> Outcome {
     }
     // By renaming: a program that has the old library loaded keeps it.
     let (new, library) = (out.join(format!("{LIBRARY}.new")), out.join(LIBRARY));
-    let built = project.target.join("release").join(BUILT);
-    fs::copy(&built, &new)
+    fs::copy(built, &new)
         .and_then(|_| fs::rename(&new, &library))
         .map_err(|error| Failure::new(format!("cannot copy {} to {}: {error}", built.display(), library.display())))?;
     write(&out.join("plugInfo.json"), &project.read("usd_plugin/plugInfo.json")?)

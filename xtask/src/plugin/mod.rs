@@ -1,7 +1,18 @@
 //! `cargo xtask plugin`: the file format `.tailor` for one build of OpenUSD, with the schemas, as one folder.
+//!
+//! ```text
+//! cargo xtask plugin [--python PYTHON | --sdk DIR] [--out DIR]
+//! cargo xtask plugin verify [--python PYTHON] [--headers DIR] [--define NAME]...
+//! ```
+//!
+//! The second only compares the minimal headers with a wheel. `--headers` names the generated header of another wheel,
+//! `--define` makes the headers wrong on purpose: the tests see that both are refused.
 
 mod build;
 mod elf;
+mod sdk;
+mod tested;
+mod verify;
 mod wheel;
 
 use std::path::{Path, PathBuf};
@@ -12,28 +23,69 @@ use crate::venv;
 use build::Target;
 use wheel::Wheel;
 
+pub use tested::{build_tested, tested};
+
 /// What to build for, and where to.
 #[derive(Debug, Default, PartialEq)]
 struct Options {
     python: Option<PathBuf>,
     sdk: Option<PathBuf>,
     out: Option<PathBuf>,
+    headers: Option<PathBuf>,
+    defines: Vec<String>,
 }
 
 pub fn run(project: &Project, args: &[String]) -> Outcome {
-    let options = Options::parse(args)?;
+    match args.split_first() {
+        Some((first, rest)) if first == "verify" => verify_only(project, &Options::parse(rest)?),
+        _ => make(project, &Options::parse(args)?),
+    }
+}
+
+fn make(project: &Project, options: &Options) -> Outcome {
+    if options.headers.is_some() || !options.defines.is_empty() {
+        return Err(Failure::new("--headers and --define are for `plugin verify`"));
+    }
     let out = options.out.clone().unwrap_or_else(|| project.target.join("usd_plugin"));
-    build_for_wheel(project, &options.python(project)?, &out)?;
+    // An interpreter that was named is meant, whatever the environment says.
+    let sdk = options.sdk.clone().or_else(|| sdk::from_environment().filter(|_| options.python.is_none()));
+    match sdk {
+        Some(root) => build_for_sdk(project, &root, &out)?,
+        None => drop(build_for_wheel(project, &options.python(project)?, &out)?),
+    }
     eprintln!("made {}\nto use it: export PXR_PLUGINPATH_NAME={0}", out.display());
     Ok(())
 }
 
+fn build_for_sdk(project: &Project, root: &Path, out: &Path) -> Outcome {
+    if !cfg!(target_os = "linux") {
+        return Err(Failure::new("the plugin is built on Linux only so far").hint("usdtailor itself runs everywhere"));
+    }
+    let target = Target::of_sdk(project, root)?;
+    let library = build::compile(project, &target)?;
+    build::lay_out(project, &library, out)
+}
+
 /// Builds for the wheel of an interpreter and returns the wheel's version.
-pub fn build_for_wheel(project: &Project, python: &Path, out: &Path) -> Outcome<String> {
+fn build_for_wheel(project: &Project, python: &Path, out: &Path) -> Outcome<String> {
     let wheel = Wheel::find(project, python)?;
     let target = Target::of_wheel(project, &wheel)?;
-    build::build(project, &target, out)?;
+    verify::headers(project, &wheel, &target, &[])?;
+    let library = build::compile(project, &target)?;
+    verify::library(&wheel, &library)?;
+    build::lay_out(project, &library, out)?;
     Ok(wheel.version)
+}
+
+fn verify_only(project: &Project, options: &Options) -> Outcome {
+    let wheel = Wheel::find(project, &options.python(project)?)?;
+    let mut target = Target::of_wheel(project, &wheel)?;
+    if let Some(headers) = &options.headers {
+        target.includes[1].clone_from(headers);
+    }
+    verify::headers(project, &wheel, &target, &options.defines)?;
+    eprintln!("usd-core {} is as the headers declare it", wheel.version);
+    Ok(())
 }
 
 impl Options {
@@ -41,24 +93,47 @@ impl Options {
         let mut options = Self::default();
         let mut rest = args.iter();
         while let Some(arg) = rest.next() {
-            let place = match arg.as_str() {
-                "--python" => &mut options.python,
-                "--sdk" => &mut options.sdk,
-                "--out" => &mut options.out,
+            let mut value = || rest.next().ok_or_else(|| Failure::new(format!("{arg} has no value")));
+            match arg.as_str() {
+                "--python" => options.python = Some(value()?.into()),
+                "--sdk" => options.sdk = Some(value()?.into()),
+                "--out" => options.out = Some(absolute(value()?)?),
+                "--headers" => options.headers = Some(absolute(value()?)?),
+                "--define" => options.defines.push(value()?.clone()),
                 _ => return Err(Failure::new(format!("`plugin` does not take `{arg}`")).hint("cargo xtask --help")),
-            };
-            let value = rest.next().ok_or_else(|| Failure::new(format!("{arg} has no value")))?;
-            *place = Some(PathBuf::from(value));
+            }
         }
         if options.python.is_some() && options.sdk.is_some() {
-            return Err(
-                Failure::new("--python and --sdk exclude each other").hint("a plugin is for one build of OpenUSD")
-            );
+            let hint = "a plugin is for one build of OpenUSD";
+            return Err(Failure::new("--python and --sdk exclude each other").hint(hint));
         }
         Ok(options)
     }
 
     fn python(&self, project: &Project) -> Outcome<PathBuf> {
         self.python.clone().map_or_else(|| venv::ensure(project), Ok)
+    }
+}
+
+/// Commands run in the project's root, whatever folder the user is in.
+fn absolute(path: &str) -> Outcome<PathBuf> {
+    std::path::absolute(path).map_err(|error| Failure::new(format!("{path} is no path: {error}")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(args: &[&str]) -> Outcome<Options> {
+        Options::parse(&args.iter().map(ToString::to_string).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn options_are_read_and_others_refused() {
+        let options = parse(&["--python", "py", "--out", "/x"]).unwrap();
+        assert_eq!((options.python, options.out), (Some("py".into()), Some("/x".into())));
+        for args in [&["--python"][..], &["--wheel", "x"], &["--python", "py", "--sdk", "/usd"]] {
+            assert!(parse(args).is_err(), "{args:?}");
+        }
     }
 }

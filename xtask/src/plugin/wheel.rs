@@ -122,7 +122,7 @@ fn wanted(path: &Path) -> bool {
     MODULES.iter().any(|module| name.starts_with(&format!("libusd_{module}-")))
 }
 
-fn namespace(symbol: &str) -> Option<String> {
+pub fn namespace(symbol: &str) -> Option<String> {
     const END: &str = "__pxrReserved__";
     let start = symbol.find("pxrInternal_v")?;
     let length = symbol[start..].find(END)? + END.len();

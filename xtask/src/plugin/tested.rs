@@ -1,0 +1,48 @@
+//! The builds of OpenUSD that the tests load the plugin into.
+
+use std::fs;
+use std::path::PathBuf;
+
+use super::build::write;
+use super::build_for_wheel;
+use crate::process::{Failure, Outcome};
+use crate::project::Project;
+use crate::venv;
+
+/// Wheels beside the one of `target/venv`: each of the ways in which wheels were built so far, the string ABI, the
+/// signature of `SetFactory`, one library or many. Those of one ABI are neighbours, as they share a build of `cxx`.
+const OLDER: [&str; 3] = ["24.11", "25.5", "25.11"];
+
+/// Builds all of them; an older one that cannot be had is skipped, loudly.
+pub fn build_tested(project: &Project) -> Outcome {
+    let mut lines = Vec::new();
+    if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
+        for version in OLDER {
+            match venv::ensure_wheel(project, version) {
+                Ok(python) => lines.push(build(project, python, &format!("usd_plugin-{version}"))?),
+                Err(failure) => eprintln!("SKIPPED: the plugin is NOT tested with usd-core {version}\n{failure}"),
+            }
+        }
+        lines.push(build(project, venv::ensure(project)?, "usd_plugin")?);
+    } else {
+        eprintln!("SKIPPED: the plugin is NOT tested: wheels can be built against on x86-64 Linux only");
+    }
+    write(&list(project), &lines.join(";"))
+}
+
+/// What was built last, as the tests read it: `version=interpreter=folder`, separated by semicolons.
+pub fn tested(project: &Project) -> Outcome<String> {
+    let path = list(project);
+    fs::read_to_string(&path).map_err(|error| Failure::new(format!("cannot read {}: {error}", path.display())))
+}
+
+fn list(project: &Project) -> PathBuf {
+    project.target.join("usd_plugin-build").join("tested.txt")
+}
+
+fn build(project: &Project, python: PathBuf, folder: &str) -> Outcome<String> {
+    let out = project.target.join(folder);
+    let version = build_for_wheel(project, &python, &out)?;
+    eprintln!("usd-core {version}: {}", out.display());
+    Ok(format!("{version}={}={}", python.display(), out.display()))
+}
