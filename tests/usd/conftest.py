@@ -8,9 +8,11 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 
-# Plugins are found when the first part of pxr is imported, so this comes before every such import.
+# The plugin brings the schemas along. Plugins are found when the first part of pxr is imported, so this comes before
+# every such import.
+PLUGIN = os.environ.get("USDTAILOR_PLUGIN")
 os.environ["PXR_PLUGINPATH_NAME"] = os.pathsep.join(
-    filter(None, [str(ROOT / "schemas"), os.environ.get("PXR_PLUGINPATH_NAME")])
+    filter(None, [PLUGIN or str(ROOT / "schemas"), os.environ.get("PXR_PLUGINPATH_NAME")])
 )
 
 import json  # noqa: E402
