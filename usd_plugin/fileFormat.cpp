@@ -6,6 +6,8 @@
 #include "source.h"
 #include "sourceLayers.h"
 
+#include "rust/cxx.h"
+
 #include <pxr/base/tf/diagnostic.h>
 #include <pxr/base/tf/registryManager.h>
 #include <pxr/base/tf/token.h>
