@@ -6,6 +6,8 @@
 #include "source.h"
 #include "sourceLayers.h"
 
+#include "rust/cxx.h"
+
 #include <pxr/base/tf/diagnostic.h>
 #include <pxr/base/tf/registryManager.h>
 #include <pxr/base/tf/token.h>
@@ -107,8 +109,12 @@ bool TailorFileFormat::Read(SdfLayer *layer, const std::string &resolvedPath, bo
     try {
         ReadLayer(layer, resolvedPath, metadataOnly);
         return true;
-    } catch (const std::exception &fault) {
+    } catch (const TailorFault &fault) {
         TF_RUNTIME_ERROR("%s", fault.what());
+    } catch (const rust::Error &fault) {
+        TF_RUNTIME_ERROR("%s", fault.what());
+    } catch (const std::exception &fault) {
+        TF_RUNTIME_ERROR("%s: %s", resolvedPath.c_str(), fault.what());
     } catch (...) {
         TF_RUNTIME_ERROR("%s: internal error: unknown exception; please report it", resolvedPath.c_str());
     }

@@ -3,8 +3,6 @@
 #include <cerrno>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <stdexcept>
 #include <system_error>
 
 #include <fcntl.h>
@@ -21,16 +19,9 @@ namespace {
     throw std::system_error(errno, std::generic_category(), what);
 }
 
-/// A folder in memory if there is one: the file lives for milliseconds.
-std::string Parent()
-{
-    static const std::string memory = "/dev/shm";
-    return access(memory.c_str(), W_OK | X_OK) == 0 ? memory : std::filesystem::temp_directory_path().string();
-}
-
 } // namespace
 
-TailorScratchFile::TailorScratchFile(const std::string &name) : _folder(Parent() + "/usdtailor.XXXXXX")
+TailorScratchFile::TailorScratchFile(const std::string &name) : _folder((std::filesystem::temp_directory_path() / "usdtailor.XXXXXX").string())
 {
     if (!mkdtemp(_folder.data())) {
         Fail("cannot make a temporary folder " + _folder);

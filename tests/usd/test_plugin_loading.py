@@ -5,6 +5,7 @@
 
 import json
 import os
+import re
 import shutil
 import subprocess
 from dataclasses import dataclass
@@ -49,7 +50,7 @@ class Plugin:
         environment = {**os.environ, "PXR_PLUGINPATH_NAME": str(self.folder), **environment}
         command = [self.python, "-c", PRELUDE + script, *map(str, args)]
         done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False, timeout=300)
-        assert done.returncode == 0, f"usd-core {self.version}: exit {done.returncode}\n{done.stdout}\n{done.stderr}"
+        assert done.returncode == 0, f"usd-core {self.version}: exit {done.returncode}\n{done.stderr[-3000:]}"
         facts = [json.loads(line.removeprefix("FACTS")) for line in done.stdout.splitlines() if line.startswith("FACTS")]
         return {key: value for some in facts for key, value in some.items()}, done.stderr
 
@@ -256,7 +257,7 @@ def test_many_payloads_open_at_once(plugin, shirt, tmp_path, threads):
         f'def "A{i}" (payload = @shirt.tailor:SDF_FORMAT_ARGS:sim.maxEdgeLength={10 + i // 2}@)\n{{\n}}\n' for i in range(64)
     ]
     shot.write_text("#usda 1.0\n" + "".join(prims))
-    script = 'say(count=sum(prim.GetName() == "sim" for prim in Usd.Stage.Open(sys.argv[1]).Traverse()))'
+    script = 'stage = Usd.Stage.Open(sys.argv[1])\nsay(count=sum(prim.GetName() == "sim" for prim in stage.Traverse()))'
     found, _ = plugin.run(script, shot, PXR_WORK_THREAD_LIMIT=str(threads))
     assert found["count"] == 64
 
@@ -292,17 +293,15 @@ def test_the_check_accepts_the_wheel(plugin):
 @pytest.mark.parametrize(
     ("define", "said"),
     [
-        ("TAILOR_BREAK_SLOTS", r"SdfFileFormat, slot 10: declared WriteToStream(.*, found ReadFromString("),
-        ("TAILOR_BREAK_MEMBERS", r"SdfFileFormat, the member of GetTarget: declared offset -1, found offset 40"),
-        ("TAILOR_BREAK_MEMBERS", r"SdfFileFormat, size: declared 112 bytes, found 120 bytes"),
+        ("TAILOR_BREAK_SLOTS", r"SdfFileFormat, slot 10: declared WriteToStream\(.*, found ReadFromString\("),
+        ("TAILOR_BREAK_MEMBERS", r"SdfFileFormat, the member of GetTarget: declared offset -1, found offset 40\n"),
+        ("TAILOR_BREAK_MEMBERS", r"SdfFileFormat, size: declared \d+ bytes, found \d+ bytes\n"),
     ],
 )
 def test_the_check_refuses_headers_that_differ(plugin, define, said):
     done = verify(plugin, "--define", define)
     assert done.returncode == 1
-    start, _, end = said.partition(".*")
-    assert start in done.stderr
-    assert end in done.stderr.partition(start)[2]
+    assert re.search(said, done.stderr), done.stderr
     assert "hint: " in done.stderr
 
 

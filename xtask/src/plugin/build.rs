@@ -78,7 +78,6 @@ fn header(wheel: &Wheel, traits: &Traits) -> String {
 
 /// Builds the library and returns its path.
 pub fn compile(project: &Project, target: &Target) -> Outcome<PathBuf> {
-    check_compiler(project)?;
     let settings = target.folder.join("build.txt");
     write(&settings, &settings_text(target))?;
     let mut cargo = steps::cargo(project, "build");
@@ -121,7 +120,8 @@ pub fn compiler() -> String {
     std::env::var("CXX").unwrap_or_else(|_| "c++".into())
 }
 
-fn check_compiler(project: &Project) -> Outcome {
+/// Refuses to go on without a C++ compiler.
+pub fn check_compiler(project: &Project) -> Outcome {
     let mut command: Command = project.command(compiler());
     process::run_quietly(command.arg("--version")).map_err(|failure| {
         failure.hint("a C++17 compiler is needed (Debian and Ubuntu: apt install g++); CXX names another")

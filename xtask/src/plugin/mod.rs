@@ -36,6 +36,7 @@ struct Options {
 }
 
 pub fn run(project: &Project, args: &[String]) -> Outcome {
+    build::check_compiler(project)?;
     match args.split_first() {
         Some((first, rest)) if first == "verify" => verify_only(project, &Options::parse(rest)?),
         _ => make(project, &Options::parse(args)?),

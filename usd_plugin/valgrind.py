@@ -1,0 +1,56 @@
+"""A garment of two faces through every part of the plugin, small enough for valgrind. See README.md."""
+
+import tempfile
+from pathlib import Path
+
+from pxr import Sdf, Tf, Usd
+
+QUADS = """#usda 1.0
+(
+    defaultPrim = "Asset"
+)
+def Xform "Asset"
+{
+    def Mesh "model"
+    {
+        int[] faceVertexCounts = [4, 4]
+        int[] faceVertexIndices = [0, 1, 4, 3, 1, 2, 5, 4]
+        point3f[] points = [(0, 0, 0), (1, 0, 0), (2, 0, 0), (0, 1, 0), (1, 1, 0), (2, 1, 0)]
+    }
+}
+"""
+
+
+def refused(work):
+    try:
+        work()
+    except Tf.ErrorException as exception:
+        return len(exception.args) == 1
+    return False
+
+
+with tempfile.TemporaryDirectory() as folder:
+    recipe, missing, cycle = (Path(folder, name) for name in ("quads.tailor", "missing.tailor", "cycle.tailor"))
+    Path(folder, "quads.usda").write_text(QUADS)
+    recipe.write_text('{"source": "quads.usda"}')
+    missing.write_text('{"source": "nowhere.usda"}')
+    cycle.write_text('{"source": "cycle.tailor"}')
+
+    stage = Usd.Stage.CreateInMemory()
+    prim = stage.DefinePrim("/A")
+    prim.GetPayloads().AddPayload(str(recipe))
+    prim.CreateAttribute("tailor:sim:constraints", Sdf.ValueTypeNames.TokenArray).Set([])
+    length = prim.CreateAttribute("tailor:sim:maxEdgeLength", Sdf.ValueTypeNames.Float)
+    counts = []
+    for value in (0.5, 0.3):
+        length.Set(value)
+        counts.append(len(stage.GetPrimAtPath("/A/sim").GetAttribute("points").Get()))
+    assert counts[0] < counts[1], counts
+
+    layer = next(layer for layer in stage.GetUsedLayers() if ".tailor" in layer.identifier)
+    assert layer.Reload(force=True)
+    assert layer.ExportToString()
+    assert Sdf.Layer.OpenAsAnonymous(str(recipe), metadataOnly=True).defaultPrim == "Asset"
+    assert refused(lambda: Sdf.Layer.FindOrOpen(str(recipe), {"sim.nothing": "1"}))
+    assert refused(lambda: Sdf.Layer.FindOrOpen(str(missing)))
+    assert refused(lambda: Sdf.Layer.FindOrOpen(str(cycle)))
