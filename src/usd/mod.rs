@@ -9,6 +9,7 @@ mod crates;
 mod facts;
 mod flatten;
 mod geometry;
+mod long_arrays;
 mod model;
 mod names;
 mod origin;

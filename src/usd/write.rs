@@ -1,8 +1,9 @@
 //! Products into layers, layers into files.
 
 use super::assets::Place;
-use super::crates::{encode, take_out_unwritable};
+use super::crates::take_out_unwritable;
 use super::flatten::flattened;
+use super::long_arrays::encode_plainly;
 use super::model::Model;
 use super::product::{Author, beside};
 use super::read::Source;
@@ -121,7 +122,8 @@ pub struct Surroundings<'a> {
     pub source: Option<&'a str>,
 }
 
-/// The layer that [`write()`] would write, in memory: text (`Usda`) or crate (`Usdc`).
+/// The layer that [`write()`] would write, in memory: text (`Usda`) or crate (`Usdc`), which is quick to read and write but
+/// larger than a file.
 ///
 /// # Errors
 /// As [`write()`]; and `Usdz`, which is a package and no layer.
@@ -144,7 +146,7 @@ pub fn layer_bytes(
                 .map_err(|e| UsdError::new(format!("the layer cannot be written as text: {e}"))),
             Format::Usdc => {
                 take_out_unwritable(&mut data, warnings);
-                encode(&data)
+                encode_plainly(&mut data)
             }
             Format::Usdz => Err(UsdError::new("a .usdz package is not a layer").hint("choose text or crate")),
         }

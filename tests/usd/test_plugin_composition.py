@@ -231,7 +231,7 @@ def test_a_source_that_goes_is_told_and_one_that_comes_back_recovers(stage, coat
     source = coat.with_name("coat.usda")
     text = source.read_text()
     source.unlink()
-    assert any(f"{coat}: its source {source} cannot be found" in text for text in errors(stage.Reload))
+    assert any(f"{coat}: its source coat.usda cannot be found" in text for text in errors(stage.Reload))
     source.write_text(text)
     later(source)
     stage.Reload()
