@@ -207,13 +207,15 @@ impl Prepared {
         if product.triangles.len() >= cap {
             warnings.push(Warning::FaceLimit { faces: product.triangles.len() });
         }
-        let sim = clock.run("transfer", || transfer(&self.garment, &product, &self.recipe.sim, uv_set, warnings));
+        let transferred =
+            clock.run("transfer", || transfer(&self.garment, &product, &self.recipe.sim, uv_set, warnings));
         let render_mesh = clock.run("render", || render(&self.garment, &self.recipe.render));
-        let (sim_figures, render_figures) =
-            clock.run("figures", || (SimFigures::new(&product, &sim, &self.garment), RenderFigures::new(&render_mesh)));
+        let (sim_figures, render_figures) = clock.run("figures", || {
+            (SimFigures::new(&product, &transferred, &self.garment), RenderFigures::new(&render_mesh))
+        });
         warn_of_area(&sim_figures, warnings);
         Ok(Products {
-            sim,
+            sim: transferred.mesh,
             render: render_mesh,
             sim_figures,
             render_figures,

@@ -17,6 +17,7 @@ mod read;
 mod recipe;
 mod record;
 mod save;
+mod shapes;
 mod values;
 mod write;
 

@@ -6,6 +6,7 @@ use super::geometry::{prim_name, subset_prims};
 use super::names;
 use super::open::{prim_at, product_role, unreadable};
 use super::record::{Content, Depth, Record, is_children, metadata};
+use super::shapes::Shape;
 use crate::error::Warning;
 use openusd::sdf::{self, FieldKey, Value};
 use openusd::tf::Token;
@@ -26,6 +27,8 @@ pub struct Model {
     pub applied: Vec<Token>,
     /// The model's subsets.
     pub subsets: BTreeMap<String, SubsetRecord>,
+    /// The model's blend shapes.
+    pub shapes: Vec<Shape>,
     /// Names of the properties that stay on the model alone.
     pub staying: Vec<String>,
     /// The prims beside the model.
@@ -47,7 +50,7 @@ pub struct SubsetRecord {
     pub metadata: Vec<(String, Value)>,
     /// Applied schemas.
     pub applied: Vec<Token>,
-    /// Material bindings.
+    /// Material bindings, and the sharpness of what were creases.
     pub carried: Vec<Record>,
 }
 
@@ -110,6 +113,7 @@ impl Model {
             primvars: BTreeMap::new(),
             applied: applied(prim, &[names::MATERIAL_BINDING_API, names::SKEL_BINDING_API])?,
             subsets: BTreeMap::new(),
+            shapes: Vec::new(),
             staying: Vec::new(),
             siblings: siblings(prim)?,
             assets: BTreeMap::new(),
@@ -209,7 +213,7 @@ fn subset_record(subset: &Prim, model: &sdf::Path, warnings: &mut Vec<Warning>) 
     fields.retain(|(key, _)| !COMPOSITION.iter().any(|k| k.as_str() == key));
     let mut carried = Vec::new();
     for name in subset.authored_property_names().map_err(fault)? {
-        if !name.starts_with(names::MATERIAL_BINDING) {
+        if !name.starts_with(names::MATERIAL_BINDING) && name != names::SHARPNESS {
             continue;
         }
         let Some(record) = Record::take(subset, &name, Depth::Whole).map_err(fault)? else { continue };
