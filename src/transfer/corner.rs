@@ -37,19 +37,18 @@ pub(super) fn carry(
         return taken(primvar, corners.collect::<Vec<_>>().into_iter());
     }
     let fine = Fine::new(garment, primvar, product);
-    let (carried, flipped) = match &primvar.values {
+    let (carried, apart) = match &primvar.values {
         Values::F32(v) => fine.carry(v, primvar, sites, coverage, Values::F32),
         Values::F64(v) => fine.carry(v, primvar, sites, coverage, Values::F64),
         // Only real values are mixed, see above.
         _ => (primvar.clone(), 0),
     };
-    if flipped > 0 {
+    if apart > 0 {
         target.warnings.push(Warning::NotCarried {
-            what: format!(
-                "{flipped} triangles of primvars:{} on the simulation mesh lie the wrong way round",
-                primvar.name
-            ),
-            why: "they lie over cuts that are no edges of the mesh; lower sim.maxEdgeLength there".into(),
+            what: format!("the shells of {apart} triangles in primvars:{} on the simulation mesh", primvar.name),
+            why: "next to others of their side they would lie the wrong way round, so that they are cut off; make the cuts \
+                  of the layout edges of the mesh, or lower sim.maxEdgeLength"
+                .into(),
         });
     }
     carried
@@ -102,7 +101,7 @@ impl<'a> Fine<'a> {
         has_own.then(|| cut.iter().zip(baseline.barrier.iter()).map(|(&cut, &barrier)| cut || barrier).collect())
     }
 
-    /// The primvar, and how many of its triangles lie the wrong way round.
+    /// The primvar, and how many of its triangles had to be cut off.
     fn carry<T: Real>(
         &self,
         source: &[T],
@@ -119,9 +118,9 @@ impl<'a> Fine<'a> {
             return (rows.primvar(primvar, &wrap(values)), 0);
         };
         let cuts = Cuts::new(self.product, sites, coverage, barrier);
-        let (values, flipped) = field.on_sides(&cuts, sites);
+        let (values, apart) = field.on_sides(&cuts, sites);
         let rows = indexed(sites, false, |a, b| field.same(&values, a, b));
-        (rows.primvar(primvar, &wrap(values)), flipped)
+        (rows.primvar(primvar, &wrap(values)), apart)
     }
 }
 
@@ -159,28 +158,37 @@ impl<'a, T: Real> Field<'a, T> {
         row(a).iter().zip(row(b)).all(|(a, b)| (a.to_f64() - b.to_f64()).abs() <= self.slack)
     }
 
-    /// The values of each corner on its side of the cuts, and how many triangles lie the wrong way round.
+    /// The values of each corner on its side of the cuts, and how many triangles are cut off, as they would lie the wrong
+    /// way round beside their neighbours.
     fn on_sides(&self, cuts: &Cuts<'_>, sites: &Sites<'_>) -> (Vec<T>, usize) {
         let is_layout = self.primvar.width() == 2 && self.primvar.mixing == Mixing::Linear;
         let mut homes = cuts.homes();
-        let mut best: Option<(Vec<T>, usize)> = None;
+        let mut best: Option<(Vec<T>, Vec<(FaceId, FaceId)>)> = None;
         for _ in 0..ROUNDS {
             let (mut sources, mut values) = self.without_islands(cuts, &mut homes);
             let flipped = match is_layout {
                 true => self.unflip(cuts, sites, &homes, &mut sources, &mut values),
                 false => Vec::new(),
             };
-            if best.as_ref().is_none_or(|b| flipped.len() < b.1) {
-                best = Some((values, flipped.len()));
+            if best.as_ref().is_none_or(|b| flipped.len() < b.1.len()) {
+                best = Some((values, flipped.clone()));
             }
-            let other = |&face: &FaceId| Some((face, cuts.other_home(face, &homes)?));
+            let other = |&(face, _): &(FaceId, FaceId)| Some((face, cuts.other_home(face, &homes)?));
             let turned: Vec<_> = flipped.iter().filter_map(other).collect();
             if turned.is_empty() {
                 break;
             }
             turned.into_iter().for_each(|(face, home)| homes[face.index()] = Some(home));
         }
-        best.unwrap_or_default()
+        let (mut values, apart) = best.unwrap_or_default();
+        for &(face, home) in &apart {
+            for corner in sites.topology.faces.corners_of(face) {
+                let inside = Location { face: home, weights: glam::Vec3::splat(1.0 / 3.0) };
+                let source = cuts.continued(corner, Source { location: inside, moved: true });
+                values[2 * corner.index()..][..2].copy_from_slice(&self.at_location(&source.location));
+            }
+        }
+        (values, apart.len())
     }
 
     fn without_islands(&self, cuts: &Cuts<'_>, homes: &mut [Option<FaceId>]) -> (IdVec<CornerId, Source>, Vec<T>) {
@@ -206,7 +214,7 @@ impl<'a, T: Real> Field<'a, T> {
         homes: &[Option<FaceId>],
         sources: &mut IdVec<CornerId, Source>,
         values: &mut [T],
-    ) -> Vec<FaceId> {
+    ) -> Vec<(FaceId, FaceId)> {
         let near: Vec<(FaceId, FaceId)> =
             homes.iter().enumerate().filter_map(|(i, h)| Some((FaceId::new(i), (*h)?))).collect();
         for _ in 0..ROUNDS {
@@ -239,8 +247,7 @@ impl<'a, T: Real> Field<'a, T> {
                 break;
             }
         }
-        let still = near.into_iter().filter(|(face, home)| self.is_flipped(*face, *home, sources, values));
-        still.map(|(face, _)| face).collect()
+        near.into_iter().filter(|(face, home)| self.is_flipped(*face, *home, sources, values)).collect()
     }
 
     /// Whether a triangle has too little area in UV for what it has in space, or lies the other way round than its home.

@@ -43,9 +43,38 @@ pub(super) struct Near {
     face: FaceId,
     reach: f32,
     triangles: Vec<Candidate>,
-    found: Vec<FaceId>,
+    found: Found,
     /// Where the last point was found, among the triangles: the next is likely there.
     last: usize,
+}
+
+/// Triangles of the simulation mesh, each once.
+#[derive(Default)]
+struct Found {
+    faces: Vec<FaceId>,
+    /// The search in which each triangle was found last.
+    stamps: Vec<u32>,
+    search: u32,
+}
+
+impl Found {
+    fn clear(&mut self) {
+        self.faces.clear();
+        self.search = self.search.wrapping_add(1);
+        if self.search == 0 {
+            self.stamps.clear();
+            self.search = 1;
+        }
+    }
+
+    fn add(&mut self, face: FaceId) {
+        if face.index() >= self.stamps.len() {
+            self.stamps.resize(face.index() + 1, 0);
+        }
+        if std::mem::replace(&mut self.stamps[face.index()], self.search) != self.search {
+            self.faces.push(face);
+        }
+    }
 }
 
 /// A triangle where it is searched.
@@ -59,7 +88,7 @@ struct Candidate {
 
 impl Near {
     pub fn new() -> Self {
-        Self { face: FaceId::new(0), reach: 0.0, triangles: Vec::new(), found: Vec::new(), last: 0 }
+        Self { face: FaceId::new(0), reach: 0.0, triangles: Vec::new(), found: Found::default(), last: 0 }
     }
 }
 
@@ -118,7 +147,7 @@ impl<'a> Locator<'a> {
         near.last = 0;
         let is_flat = self.regions.is_flat[region];
         let (normal, turned) = (base.normal(near.face), TURNED * self.grids[region].cell);
-        for &face in &near.found {
+        for &face in &near.found.faces {
             let corners = self.chart(region, face);
             let bounds = bounds(&corners);
             if bounds.0.cmple(high).all() && bounds.1.cmpge(low).all() {
@@ -166,6 +195,7 @@ impl<'a> Locator<'a> {
             let turned = if self.normal(face).dot(base.normal(near.face)) > 0.0 { 0.0 } else { TURNED * cell };
             distance(self.corners(face), position) + turned
         };
+        let lower = |i: usize, j: usize| near.triangles[i].face < near.triangles[j].face;
         let mut best: Option<(f32, usize)> = None;
         let order = near.triangles.get(near.last).map(|_| near.last).into_iter().chain(0..near.triangles.len());
         for i in order {
@@ -182,9 +212,9 @@ impl<'a> Locator<'a> {
             let wins = |j: usize| match is_flat && own == 0.0 {
                 true => {
                     let (i_off, j_off) = (in_space(i), in_space(j));
-                    i_off < j_off || i_off == j_off && i < j
+                    i_off < j_off || i_off == j_off && lower(i, j)
                 }
-                false => i < j,
+                false => lower(i, j),
             };
             if best.is_none_or(|(d, j)| own < d || own == d && wins(j)) {
                 best = Some((own, i));
@@ -256,19 +286,13 @@ impl Grid {
         }
     }
 
-    /// The triangles in the cells of a box, each once, ascending.
-    fn gather(&self, low: Vec3, high: Vec3, found: &mut Vec<FaceId>) {
+    /// The triangles in the cells of a box.
+    fn gather(&self, low: Vec3, high: Vec3, found: &mut Found) {
         found.clear();
-        let mut cells = 0;
         self.for_each_cell(low, high, |cell| {
             let range = self.cells.get(&cell).cloned().unwrap_or(0..0);
-            found.extend_from_slice(&self.triangles[range.start as usize..range.end as usize]);
-            cells += 1;
+            self.triangles[range.start as usize..range.end as usize].iter().for_each(|&f| found.add(f));
         });
-        if cells > 1 {
-            found.sort_unstable();
-            found.dedup();
-        }
     }
 }
 
