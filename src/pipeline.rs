@@ -8,7 +8,7 @@ use crate::render::render;
 use crate::report::{RenderFigures, SimFigures, SubsetArea, subset_areas};
 use crate::sim::{Baseline, Lengths, RemeshReport, SimProduct, holes, simulate};
 use crate::subdivide::Level;
-use crate::transfer::transfer;
+use crate::transfer::{Transferred, transfer};
 use serde::Serialize;
 use std::sync::Arc;
 use std::time::Instant;
@@ -250,13 +250,13 @@ impl Prepared {
         product: &SimProduct,
         clock: &mut Clock<'_>,
         warnings: &mut Warnings,
-    ) -> Result<(Garment, Vec<SubsetArea>), Error> {
+    ) -> Result<(Transferred, Vec<SubsetArea>), Error> {
         let uv_set = self.bound()?.uv_set;
         clock.run("transfer", || {
-            let mesh = transfer(&self.garment, product, &self.recipe.sim, uv_set, warnings);
-            let areas = subset_areas(product, &mesh, &self.garment);
+            let transferred = transfer(&self.garment, product, &self.recipe.sim, uv_set, warnings);
+            let areas = subset_areas(product, &transferred, &self.garment);
             warn_of_area(&areas, warnings);
-            Ok((mesh, areas))
+            Ok((transferred, areas))
         })
     }
 
@@ -273,12 +273,12 @@ impl Prepared {
     pub fn build(&self, limits: &Limits<'_>, warnings: &mut Warnings) -> Result<Products, Error> {
         let mut clock = Clock { stages: Vec::new(), progress: limits.progress };
         let product = self.remesh(limits.max_faces, &mut clock, warnings)?;
-        let (sim, areas) = self.transfer(&product, &mut clock, warnings)?;
+        let (transferred, areas) = self.transfer(&product, &mut clock, warnings)?;
         let render = self.render(&mut clock)?;
         let (sim_figures, render_figures) =
-            clock.run("figures", || (SimFigures::new(&product, &sim, areas), RenderFigures::new(&render)));
+            clock.run("figures", || (SimFigures::new(&product, &transferred, areas), RenderFigures::new(&render)));
         Ok(Products {
-            sim,
+            sim: transferred.mesh,
             render,
             sim_figures,
             render_figures,

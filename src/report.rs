@@ -3,6 +3,7 @@
 use crate::garment::{Elements, Garment};
 use crate::mesh::{CornerId, FaceId, IdVec, Topology, VertexId};
 use crate::sim::SimProduct;
+use crate::transfer::{Coverage, Transferred};
 use glam::Vec3;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -47,6 +48,24 @@ pub struct SimFigures {
     pub uv_flips: usize,
     /// For each face subset its area on the mesh and on the baseline. \[square stage units\]
     pub subset_areas: Vec<SubsetArea>,
+    /// For each edge subset its length on the mesh and on the baseline.
+    pub edge_sets: Vec<EdgeSet>,
+    /// Stray faces of face sets that were given to their neighbours, where `sim.cleanIslands` asks for that.
+    pub islands_cleaned: usize,
+}
+
+/// Length of an edge subset.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct EdgeSet {
+    /// Name of the subset.
+    pub name: String,
+    /// On the product. \[stage units\]
+    pub length: f64,
+    /// On the baseline. \[stage units\]
+    pub source_length: f64,
+    /// Largest distance between the two at a vertex, in local target lengths.
+    pub farthest: f32,
 }
 
 /// Area of a face subset.
@@ -59,6 +78,9 @@ pub struct SubsetArea {
     pub area: f64,
     /// On the baseline.
     pub source_area: f64,
+    /// What the set and its source have in common, as a share of what is in either: 1 where they are the same. Both
+    /// are measured on the baseline, by the samples of the transfer.
+    pub overlap: f64,
 }
 
 /// Figures of a render mesh.
@@ -101,12 +123,15 @@ impl RenderFigures {
 
 impl SimFigures {
     /// The figures of a simulation mesh, of what transfer made of it, and the areas of its subsets.
-    pub fn new(product: &SimProduct, mesh: &Garment, subset_areas: Vec<SubsetArea>) -> Self {
+    pub fn new(product: &SimProduct, transferred: &Transferred, subset_areas: Vec<SubsetArea>) -> Self {
+        let mesh = &transferred.mesh;
         let mut figures = Self {
             vertices: product.points.len(),
             faces: product.triangles.len(),
             uv_flips: uv_flips(product),
             subset_areas,
+            edge_sets: edge_sets(product, transferred),
+            islands_cleaned: transferred.islands,
             chain_length_min: chain_length_min(product),
             ..Self::default()
         };
@@ -226,21 +251,47 @@ fn chain_length_min(product: &SimProduct) -> f32 {
     kept.fold(1.0, f32::min)
 }
 
-/// The areas of the face subsets of `garment` on the baseline and on `mesh`.
-pub fn subset_areas(product: &SimProduct, mesh: &Garment, garment: &Garment) -> Vec<SubsetArea> {
+/// The areas of the face subsets of `garment` on the baseline and on the simulation mesh.
+pub fn subset_areas(product: &SimProduct, transferred: &Transferred, garment: &Garment) -> Vec<SubsetArea> {
+    let Transferred { mesh, coverage, .. } = transferred;
     let triangle_area = |[a, b, c]: [Vec3; 3]| 0.5 * f64::from((b - a).cross(c - a).length());
-    let mut source: IdVec<FaceId, f64> = IdVec::filled(0.0, garment.faces.len());
-    for (face, &of) in product.baseline.source_face.enumerated() {
-        source[of] += triangle_area(product.baseline.triangle(face));
-    }
     let own: Vec<f64> = product.triangles.iter().map(|t| triangle_area(t.map(|v| product.points[v]))).collect();
     let sets = garment.subsets.iter().filter_map(|s| match (&s.elements, mesh.subset(&s.name).map(|m| &m.elements)) {
         (Elements::Faces(of), Some(Elements::Faces(on))) => Some(SubsetArea {
             name: s.name.clone(),
             area: on.iter().map(|f| own[f.index()]).sum(),
-            source_area: of.iter().map(|&f| source[f]).sum(),
+            source_area: of.iter().map(|&f| coverage.source_area[f]).sum(),
+            overlap: overlap(of, on, coverage),
         }),
         _ => None,
     });
     sets.collect()
+}
+
+/// Overlap of a set with its source, as a share of their union; 1 where both are empty.
+pub fn overlap(source: &[FaceId], set: &[FaceId], coverage: &Coverage) -> f64 {
+    let mut is_in = IdVec::<FaceId, bool>::filled(false, coverage.faces.rows());
+    source.iter().for_each(|&f| is_in[f] = true);
+    let all: f64 = source.iter().flat_map(|&f| coverage.faces.row(f)).map(|s| f64::from(s.area)).sum();
+    let (mut common, mut beyond) = (0.0, 0.0);
+    for share in set.iter().flat_map(|&f| coverage.sources.row(f)) {
+        *(if is_in[share.face] { &mut common } else { &mut beyond }) += f64::from(share.area);
+    }
+    if all + beyond > 0.0 { common / (all + beyond) } else { 1.0 }
+}
+
+fn edge_sets(product: &SimProduct, transferred: &Transferred) -> Vec<EdgeSet> {
+    let length = |name: &str| match transferred.mesh.subset(name).map(|s| &s.elements) {
+        Some(Elements::Edges(edges)) => {
+            edges.iter().map(|&[a, b]| f64::from(product.points[a].distance(product.points[b]))).sum()
+        }
+        _ => 0.0,
+    };
+    let set = |c: &crate::transfer::SetCurve| EdgeSet {
+        name: c.name.clone(),
+        length: length(&c.name),
+        source_length: c.length,
+        farthest: c.farthest,
+    };
+    transferred.curves.iter().map(set).collect()
 }

@@ -99,14 +99,15 @@ impl Session {
             let remeshed = self.remeshed(opened, prepared)?;
             let mut warnings = remeshed.warnings.clone();
             let transfer = || prepared.transfer(&remeshed.value, &mut Clock::default(), &mut warnings);
-            let (value, _) = self.pool.install(transfer)?;
-            Ok(Made { value, warnings })
+            let (transferred, _) = self.pool.install(transfer)?;
+            Ok(Made { value: transferred.mesh, warnings })
         })
     }
 
     fn remeshed(&self, opened: &Opened, prepared: &Prepared) -> Result<Arc<Made<SimProduct>>, Error> {
         // Without the options that transfer alone reads.
-        let options = SimOptions { transfer_samples: 0, seed: 0, ..prepared.recipe.sim.clone() };
+        let (transfer_samples, seed, clean_islands, provenance) = (0, 0, false, false);
+        let options = SimOptions { transfer_samples, seed, clean_islands, provenance, ..prepared.recipe.sim.clone() };
         self.memo.get(&opened.key("remesh", &options)?, || {
             let mut warnings = Warnings::default();
             let remesh = || prepared.remesh(DEFAULT_MAX_FACES, &mut Clock::default(), &mut warnings);

@@ -7,6 +7,7 @@ mod check;
 mod input;
 pub mod joints;
 mod primvar;
+pub mod shapes;
 mod subset;
 
 pub use check::{GarmentError, Problem, check_garment};

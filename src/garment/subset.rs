@@ -47,6 +47,8 @@ pub struct Subset {
     pub family: String,
     /// What is in it.
     pub elements: Elements,
+    /// The sharpness that its edges or points had as creases or corners, if that is what the set was made of.
+    pub sharpness: Option<f32>,
 }
 
 /// How the subsets of a family share the elements, as `subsetFamily:<name>:familyType`.

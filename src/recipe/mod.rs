@@ -20,7 +20,7 @@ const MAX_LEVEL: u32 = 6;
 const MAX_ITERATIONS: u32 = 100;
 
 /// The options: key, unit and meaning, in the order of the schemas.
-pub const KEYS: [(&str, &str, &str); 12] = [
+pub const KEYS: [(&str, &str, &str); 14] = [
     ("sim.minEdgeLength", "stage units", "edge length where the density is 1; 0: half of maxEdgeLength"),
     ("sim.maxEdgeLength", "stage units", "edge length where the density is 0; 0: half the mean edge of the input"),
     ("sim.density", "name", "painted float primvar, 1 fine to 0 coarse; empty: maxEdgeLength everywhere"),
@@ -29,8 +29,10 @@ pub const KEYS: [(&str, &str, &str); 12] = [
     ("sim.uvSet", "name", "UV set whose shell borders are seams; empty: none"),
     ("sim.constrainUvSeams", "true or false", "whether UV seams are edges of the mesh"),
     ("sim.constraints", "names", "edge subsets that become edges of the mesh"),
-    ("sim.transferSamples", "samples a face", "samples that transfer takes (not used yet)"),
-    ("sim.seed", "number", "seed of the samples (not used yet)"),
+    ("sim.transferSamples", "samples a face", "samples that face sets, colours and uniform primvars are counted by"),
+    ("sim.seed", "number", "seed of the samples"),
+    ("sim.cleanIslands", "true or false", "whether single stray faces of a face set go to their neighbours"),
+    ("sim.provenance", "true or false", "whether vertices say which face of the input they came from"),
     ("render.level", "levels", "refinements of the render mesh"),
     ("render.operators", "names", "operators in their order (none yet)"),
 ];

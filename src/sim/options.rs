@@ -27,6 +27,10 @@ pub struct SimOptions {
     pub transfer_samples: u32,
     /// Seed of the samples.
     pub seed: u32,
+    /// Whether single faces of a face set that touch no other of it are given to their neighbours.
+    pub clean_islands: bool,
+    /// Whether the mesh says of each vertex which face of the garment it came from, and where in it.
+    pub provenance: bool,
 }
 
 impl Default for SimOptions {
@@ -42,6 +46,8 @@ impl Default for SimOptions {
             constraints: Vec::new(),
             transfer_samples: 32,
             seed: 0,
+            clean_islands: false,
+            provenance: false,
         }
     }
 }

@@ -271,23 +271,29 @@ pub fn mix<'a, T: super::Real + 'a>(rows: impl Iterator<Item = (&'a [T], f32)> +
     sum.into_iter().map(T::from_f64).collect()
 }
 
-/// Scales the values of a primvar of directions or rotations to unit length, once all mixing is done.
+/// Scales the values of a primvar of directions or rotations to unit length, once all mixing is done. Uniform ones are
+/// taken as they are.
 pub fn to_unit_length(primvar: &mut Primvar) {
-    fn scale<T: super::Real>(values: &mut [T], components: usize) {
-        for value in values.chunks_mut(components) {
-            let length = value.iter().map(|x| x.to_f64() * x.to_f64()).sum::<f64>().sqrt();
-            if length > 0.0 {
-                value.iter_mut().for_each(|x| *x = T::from_f64(x.to_f64() / length));
-            }
-        }
-    }
-    let varies = !matches!(primvar.interpolation, Interpolation::Constant | Interpolation::Uniform);
-    if !varies || !matches!(primvar.mixing, Mixing::Direction | Mixing::Rotation) {
+    if matches!(primvar.interpolation, Interpolation::Constant | Interpolation::Uniform) {
         return;
     }
+    let (components, mixing) = (primvar.components, primvar.mixing);
     match &mut primvar.values {
-        Values::F32(v) => scale(v, primvar.components),
-        Values::F64(v) => scale(v, primvar.components),
+        Values::F32(v) => scale_to_unit_length(v, components, mixing),
+        Values::F64(v) => scale_to_unit_length(v, components, mixing),
         _ => {}
+    }
+}
+
+/// The same for values of `components` numbers that were mixed by `mixing`.
+pub fn scale_to_unit_length<T: super::Real>(values: &mut [T], components: usize, mixing: Mixing) {
+    if !matches!(mixing, Mixing::Direction | Mixing::Rotation) {
+        return;
+    }
+    for value in values.chunks_mut(components) {
+        let length = value.iter().map(|x| x.to_f64() * x.to_f64()).sum::<f64>().sqrt();
+        if length > 0.0 {
+            value.iter_mut().for_each(|x| *x = T::from_f64(x.to_f64() / length));
+        }
     }
 }

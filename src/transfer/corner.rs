@@ -1,50 +1,76 @@
-//! Values of corners: the constraint UVs as they were made, other sets region by region.
+//! Values of corners: the constraint UVs as they were made, others at the corners' places on the baseline.
 
-use super::Sites;
-use crate::garment::{Garment, Primvar, Values};
+use super::coverage::Coverage;
+use super::shell::{Cuts, ROUNDS, Source};
+use super::{Sites, Target};
+use crate::error::Warning;
+use crate::garment::{Garment, Mixing, Primvar, Values};
 use crate::mesh::{CornerId, FaceId, IdVec};
 use crate::sim::{Location, SimProduct};
 use crate::subdivide::{Channel, Real, Refiner, mix, mix_rows, taken};
 use rayon::prelude::*;
 
+/// Values that differ by no more than this share of the largest are the same: they came to one place on two ways.
+const SAME: f64 = 4e-6;
+/// A triangle in UV with less than this share of the area that it has on the baseline counts as flipped.
+const MIN_AREA: f64 = 0.02;
+
 /// A face-varying primvar on the simulation mesh.
 pub(super) fn carry(
     garment: &Garment,
     primvar: &Primvar,
-    product: &SimProduct,
-    sites: &Sites,
+    target: &mut Target<'_>,
     uv_set: Option<&Primvar>,
 ) -> Primvar {
+    let Target { product, sites, coverage, .. } = *target;
     if uv_set.is_some_and(|uv| uv.name == primvar.name) {
-        let flat = product.places.iter().flat_map(|p| p.uv.to_array()).collect();
-        return indexed(primvar, &Values::F32(flat), sites, true);
+        let values: Vec<f32> = product.places.iter().flat_map(|p| p.uv.to_array()).collect();
+        let same = |a: CornerId, b: CornerId| values[2 * a.index()..][..2] == values[2 * b.index()..][..2];
+        let rows = indexed(sites, true, same);
+        return rows.primvar(primvar, &Values::F32(values));
     }
     if !primvar.is_mixed() {
         let corners = product.places.iter().enumerate().map(|(i, _)| {
-            let face = sites.faces[FaceId::new(i / 3)];
+            let face = sites.centres()[FaceId::new(i / 3)];
             product.baseline.source_corner(face).index()
         });
         return taken(primvar, corners.collect::<Vec<_>>().into_iter());
     }
     let fine = Fine::new(garment, primvar, product);
-    let places = fine.places(product, sites);
-    let values = match &primvar.values {
-        Values::F32(v) => Values::F32(fine.evaluate(v, primvar, product, &places)),
-        Values::F64(v) => Values::F64(fine.evaluate(v, primvar, product, &places)),
+    let (carried, apart) = match &primvar.values {
+        Values::F32(v) => fine.carry(v, primvar, sites, coverage, Values::F32),
+        Values::F64(v) => fine.carry(v, primvar, sites, coverage, Values::F64),
         // Only real values are mixed, see above.
-        discrete => discrete.clone(),
+        _ => (primvar.clone(), 0),
     };
-    indexed(primvar, &values, sites, false)
+    if apart > 0 {
+        target.warnings.push(Warning::NotCarried {
+            what: format!("the shells of {apart} triangles in primvars:{} on the simulation mesh", primvar.name),
+            why: "next to others of their side they would lie the wrong way round, so that they are cut off; make the cuts \
+                  of the layout edges of the mesh, or lower sim.maxEdgeLength"
+                .into(),
+        });
+    }
+    carried
 }
 
 /// A face-varying channel refined to the baseline.
-struct Fine {
+struct Fine<'a> {
+    product: &'a SimProduct,
     levels: Vec<Refiner>,
     rows: Vec<u32>,
 }
 
-impl Fine {
-    fn new(garment: &Garment, primvar: &Primvar, product: &SimProduct) -> Self {
+/// The values of the baseline's corners, and how to tell them apart.
+struct Field<'a, T> {
+    fine: &'a Fine<'a>,
+    primvar: &'a Primvar,
+    values: Vec<T>,
+    slack: f64,
+}
+
+impl<'a> Fine<'a> {
+    fn new(garment: &Garment, primvar: &Primvar, product: &'a SimProduct) -> Self {
         let baseline = &product.baseline;
         let mut cage = baseline.manifold.refiner.clone();
         let own = primvar.corner_rows(&garment.faces, garment.points.len());
@@ -54,17 +80,16 @@ impl Fine {
             let parent = levels.last().map(Refiner::derive);
             levels.extend(parent.map(crate::subdivide::Derivation::into_child));
         }
-        Self { levels, rows }
+        Self { product, levels, rows }
     }
 
     fn finest(&self) -> &Channel {
         &self.levels[self.levels.len() - 1].channels[0]
     }
 
-    /// Where each corner of the simulation mesh takes its value. Where a cut of this channel is no edge of the mesh, a
-    /// triangle belongs to the region under its centre, and its corners stay on that.
-    fn places(&self, product: &SimProduct, sites: &Sites) -> Vec<Location> {
-        let baseline = &product.baseline;
+    /// The cuts of this channel with the barriers of the baseline; none where it has no other cuts than those.
+    fn barrier(&self) -> Option<IdVec<CornerId, bool>> {
+        let baseline = &self.product.baseline;
         let value = |c: CornerId| self.finest().corner_value[baseline.level_corner[c]];
         let t = &baseline.topology;
         let is_cut = |c: CornerId| {
@@ -72,48 +97,203 @@ impl Fine {
             value(c) != value(t.faces.next(twin)) || value(t.faces.next(c)) != value(twin)
         };
         let cut: IdVec<CornerId, bool> = t.faces.corners().ids().map(is_cut).collect();
-        let own_cuts = cut.enumerated().any(|(c, &cut)| cut && !baseline.barrier[c]);
-        if !own_cuts {
-            return product.places.iter().map(|p| p.location).collect();
-        }
-        let barrier: IdVec<CornerId, bool> =
-            cut.iter().zip(baseline.barrier.iter()).map(|(&cut, &barrier)| cut || barrier).collect();
-        let corners = product.triangles.par_iter().enumerate().flat_map_iter(|(i, triangle)| {
-            let centre = sites.faces[FaceId::new(i)];
-            let barrier = &barrier;
-            triangle.iter().map(move |&v| baseline.closest_within(centre, product.points[v], barrier).location)
-        });
-        corners.collect()
+        let has_own = cut.enumerated().any(|(c, &cut)| cut && !baseline.barrier[c]);
+        has_own.then(|| cut.iter().zip(baseline.barrier.iter()).map(|(&cut, &barrier)| cut || barrier).collect())
     }
 
-    /// The values of each corner of the simulation mesh.
-    fn evaluate<T: Real>(&self, source: &[T], primvar: &Primvar, product: &SimProduct, places: &[Location]) -> Vec<T> {
-        let width = primvar.width();
-        let mut values: Vec<T> =
-            self.rows.iter().flat_map(|&r| source[r as usize * width..][..width].iter().copied()).collect();
-        for parent in &self.levels[..self.levels.len() - 1] {
-            values = mix_rows(&parent.derive().channels[0], &values, primvar);
-        }
-        let finest = self.finest();
-        let at = |place: &Location| {
-            let first = place.face.index() * 3;
-            let parts = place.weights.to_array();
-            let rows = parts.into_iter().enumerate().map(|(k, weight)| {
-                let corner = product.baseline.level_corner[CornerId::new(first + k)];
-                (&values[finest.corner_value[corner].index() * width..][..width], weight)
-            });
-            mix(rows.collect::<Vec<_>>().into_iter(), primvar)
+    /// The primvar, and how many of its triangles had to be cut off.
+    fn carry<T: Real>(
+        &self,
+        source: &[T],
+        primvar: &Primvar,
+        sites: &Sites<'_>,
+        coverage: &Coverage,
+        wrap: impl Fn(Vec<T>) -> Values,
+    ) -> (Primvar, usize) {
+        let field = Field::new(self, source, primvar);
+        let own = self.product.places.iter().map(|p| Source { location: p.location, moved: false }).collect();
+        let Some(barrier) = self.barrier() else {
+            let values = field.at(&own);
+            let rows = indexed(sites, false, |a, b| field.same(&values, a, b));
+            return (rows.primvar(primvar, &wrap(values)), 0);
         };
-        places.iter().flat_map(at).collect()
+        let cuts = Cuts::new(self.product, sites, coverage, barrier);
+        let (values, apart) = field.on_sides(&cuts, sites);
+        let rows = indexed(sites, false, |a, b| field.same(&values, a, b));
+        (rows.primvar(primvar, &wrap(values)), apart)
     }
 }
 
-/// A primvar from flat corner values, indexed so that corners share a value where neither a difference nor, for the
-/// constraint UVs, a seam is between them.
-fn indexed(primvar: &Primvar, values: &Values, sites: &Sites, keep_seams: bool) -> Primvar {
+impl<'a, T: Real> Field<'a, T> {
+    fn new(fine: &'a Fine<'a>, source: &[T], primvar: &'a Primvar) -> Self {
+        let width = primvar.width();
+        let mut values: Vec<T> =
+            fine.rows.iter().flat_map(|&r| source[r as usize * width..][..width].iter().copied()).collect();
+        for parent in &fine.levels[..fine.levels.len() - 1] {
+            values = mix_rows(&parent.derive().channels[0], &values, primvar);
+        }
+        let largest = values.iter().map(|v| v.to_f64().abs()).filter(|v| v.is_finite()).fold(0.0, f64::max);
+        Self { fine, primvar, values, slack: SAME * largest }
+    }
+
+    fn corner(&self, corner: CornerId) -> &[T] {
+        let value = self.fine.finest().corner_value[self.fine.product.baseline.level_corner[corner]];
+        let width = self.primvar.width();
+        &self.values[value.index() * width..][..width]
+    }
+
+    fn at_location(&self, at: &Location) -> Vec<T> {
+        let first = at.face.index() * 3;
+        let parts = [0, 1, 2].map(|k| (self.corner(CornerId::new(first + k)), at.weights[k]));
+        mix(parts.into_iter(), self.primvar)
+    }
+
+    fn at(&self, sources: &IdVec<CornerId, Source>) -> Vec<T> {
+        sources.par_iter().flat_map_iter(|s| self.at_location(&s.location)).collect()
+    }
+
+    fn same(&self, values: &[T], a: CornerId, b: CornerId) -> bool {
+        let width = self.primvar.width();
+        let row = |c: CornerId| &values[c.index() * width..][..width];
+        row(a).iter().zip(row(b)).all(|(a, b)| (a.to_f64() - b.to_f64()).abs() <= self.slack)
+    }
+
+    /// The values of each corner on its side of the cuts, and how many triangles are cut off, as they would lie the wrong
+    /// way round beside their neighbours.
+    fn on_sides(&self, cuts: &Cuts<'_>, sites: &Sites<'_>) -> (Vec<T>, usize) {
+        let is_layout = self.primvar.width() == 2 && self.primvar.mixing == Mixing::Linear;
+        let mut homes = cuts.homes();
+        let mut best: Option<(Vec<T>, Vec<(FaceId, FaceId)>)> = None;
+        for _ in 0..ROUNDS {
+            let (mut sources, mut values) = self.without_islands(cuts, &mut homes);
+            let flipped = match is_layout {
+                true => self.unflip(cuts, sites, &homes, &mut sources, &mut values),
+                false => Vec::new(),
+            };
+            if best.as_ref().is_none_or(|b| flipped.len() < b.1.len()) {
+                best = Some((values, flipped.clone()));
+            }
+            let other = |&(face, _): &(FaceId, FaceId)| Some((face, cuts.other_home(face, &homes)?));
+            let turned: Vec<_> = flipped.iter().filter_map(other).collect();
+            if turned.is_empty() {
+                break;
+            }
+            turned.into_iter().for_each(|(face, home)| homes[face.index()] = Some(home));
+        }
+        let (mut values, apart) = best.unwrap_or_default();
+        for &(face, home) in &apart {
+            for corner in sites.topology.faces.corners_of(face) {
+                let inside = Location { face: home, weights: glam::Vec3::splat(1.0 / 3.0) };
+                let source = cuts.continued(corner, Source { location: inside, moved: true });
+                values[2 * corner.index()..][..2].copy_from_slice(&self.at_location(&source.location));
+            }
+        }
+        (values, apart.len())
+    }
+
+    fn without_islands(&self, cuts: &Cuts<'_>, homes: &mut [Option<FaceId>]) -> (IdVec<CornerId, Source>, Vec<T>) {
+        let mut sources = cuts.sources(homes);
+        let mut values = self.at(&sources);
+        for _ in 0..ROUNDS {
+            let islands = cuts.islands(homes, |a, b| self.same(&values, a, b));
+            if islands.is_empty() {
+                break;
+            }
+            islands.into_iter().for_each(|(face, home)| homes[face.index()] = Some(home));
+            sources = cuts.sources(homes);
+            values = self.at(&sources);
+        }
+        (sources, values)
+    }
+
+    /// Continues the values beyond the cuts where keeping them inside turns a triangle over. Returns those that stay so.
+    fn unflip(
+        &self,
+        cuts: &Cuts<'_>,
+        sites: &Sites<'_>,
+        homes: &[Option<FaceId>],
+        sources: &mut IdVec<CornerId, Source>,
+        values: &mut [T],
+    ) -> Vec<(FaceId, FaceId)> {
+        let near: Vec<(FaceId, FaceId)> =
+            homes.iter().enumerate().filter_map(|(i, h)| Some((FaceId::new(i), (*h)?))).collect();
+        for _ in 0..ROUNDS {
+            let mut changed = false;
+            for &(face, home) in &near {
+                if !self.is_flipped(face, home, sources, values) {
+                    continue;
+                }
+                for corner in sites.topology.faces.corners_of(face) {
+                    if !sources[corner].moved {
+                        continue;
+                    }
+                    let vertex = sites.topology.faces.vertex(corner);
+                    let before = values[2 * corner.index()..][..2].to_vec();
+                    let source = Source { moved: false, ..cuts.continued(corner, sources[corner]) };
+                    let value = self.at_location(&source.location);
+                    for &other in sites.topology.vertex_corners.row(vertex) {
+                        let own = &mut values[2 * other.index()..][..2];
+                        let is_same =
+                            own.iter().zip(&before).all(|(a, b)| (a.to_f64() - b.to_f64()).abs() <= self.slack);
+                        if is_same {
+                            own.copy_from_slice(&value);
+                            sources[other] = source;
+                        }
+                    }
+                    changed = true;
+                }
+            }
+            if !changed {
+                break;
+            }
+        }
+        near.into_iter().filter(|(face, home)| self.is_flipped(*face, *home, sources, values)).collect()
+    }
+
+    /// Whether a triangle has too little area in UV for what it has in space, or lies the other way round than its home.
+    /// Not where the layout itself folds over.
+    fn is_flipped(&self, face: FaceId, home: FaceId, sources: &IdVec<CornerId, Source>, values: &[T]) -> bool {
+        let product = self.fine.product;
+        let corners = [0, 1, 2].map(|k| CornerId::new(3 * face.index() + k));
+        let of_home = self.doubled_area(home);
+        let folds = |c: CornerId| self.doubled_area(sources[c].location.face) * of_home <= 0.0;
+        if corners.into_iter().any(folds) {
+            return false;
+        }
+        let own = doubled_area(corners.map(|c| &values[2 * c.index()..][..2]));
+        let [a, b, c] = product.triangles[face.index()].map(|v| product.points[v]);
+        let in_space = f64::from((b - a).cross(c - a).length()) / f64::from(product.baseline.normal(home).length());
+        in_space.is_finite() && own * of_home.signum() <= MIN_AREA * of_home.abs() * in_space
+    }
+
+    /// Twice the signed area in UV of a triangle of the baseline.
+    fn doubled_area(&self, face: FaceId) -> f64 {
+        doubled_area([0, 1, 2].map(|k| self.corner(CornerId::new(3 * face.index() + k))))
+    }
+}
+
+fn doubled_area<T: Real>([a, b, c]: [&[T]; 3]) -> f64 {
+    let side = |p: &[T]| [0, 1].map(|k| p[k].to_f64() - a[k].to_f64());
+    let (u, v) = (side(b), side(c));
+    u[0] * v[1] - u[1] * v[0]
+}
+
+/// The corners that have a value each, and for every corner the one whose value it shares.
+struct Rows {
+    rows: Vec<usize>,
+    indices: Vec<u32>,
+}
+
+impl Rows {
+    fn primvar(self, primvar: &Primvar, values: &Values) -> Primvar {
+        let values = values.gather(primvar.width(), self.rows.into_iter());
+        Primvar { values, indices: Some(self.indices), ..primvar.clone() }
+    }
+}
+
+/// Corners of a vertex share a value where neither a difference nor, for the constraint UVs, a seam is between them.
+fn indexed(sites: &Sites<'_>, keep_seams: bool, same: impl Fn(CornerId, CornerId) -> bool) -> Rows {
     let t = &sites.topology;
-    let width = primvar.width();
-    let same = |a: CornerId, b: CornerId| values.same_rows(width, a.index(), b.index());
     let mut row: IdVec<CornerId, Option<u32>> = IdVec::filled(None, t.faces.corners().len());
     let mut rows = Vec::new();
     for seed in t.faces.corners().ids() {
@@ -131,13 +311,13 @@ fn indexed(primvar: &Primvar, values: &Values, sites: &Sites, keep_seams: bool) 
             let after = t.twin(arriving).map(|twin| (t.corner_edge[arriving], twin));
             for (edge, other) in before.into_iter().chain(after) {
                 let is_cut = keep_seams && sites.is_seam[edge];
-                if !is_cut && row[other].is_none() && same(corner, other) {
+                // By the value that is kept, so that small differences do not add up around a vertex.
+                if !is_cut && row[other].is_none() && same(seed, other) {
                     row[other] = Some(own);
                     reached.push(other);
                 }
             }
         }
     }
-    let indices = row.iter().map(|r| r.unwrap_or(0)).collect();
-    Primvar { values: values.gather(width, rows.into_iter()), indices: Some(indices), ..primvar.clone() }
+    Rows { rows, indices: row.iter().map(|r| r.unwrap_or(0)).collect() }
 }

@@ -1,16 +1,56 @@
 //! Attributes of the garment on the simulation mesh, by where each of its elements lies on the baseline.
+//!
+//! Vertices and corners have their place there. Faces take what they cover most, or its mean, counted by samples
+//! ([`Coverage`]). Edges that were no constraints are found again as paths of edges along their curves.
 
 mod corner;
+mod coverage;
+mod curve;
+mod edge;
+mod face;
+mod locate;
+mod provenance;
+mod region;
+mod shell;
+mod snap;
 mod subset;
 mod vertex;
 
-use crate::error::{Warning, Warnings};
+pub use coverage::{Coverage, Share};
+pub use provenance::{SOURCE_COORDS, SOURCE_FACE, corner_coordinates};
+
+use crate::error::Warnings;
 use crate::garment::{Garment, Interpolation, Primvar, Scheme, SubdivisionRules, joints};
 use crate::mesh::{CornerId, EdgeId, FaceId, Faces, IdVec, Topology, VertexId};
 use crate::sim::{Location, SimOptions, SimProduct};
-use crate::subdivide::{taken, to_unit_length};
+use crate::subdivide::to_unit_length;
+use rayon::prelude::*;
+use std::sync::OnceLock;
 
-/// The simulation mesh with the garment's attributes.
+/// A simulation mesh with attributes, and what is known of how they came there.
+pub struct Transferred {
+    /// The mesh.
+    pub mesh: Garment,
+    /// How its faces cover those of the garment.
+    pub coverage: Coverage,
+    /// The curves of its edge subsets.
+    pub curves: Vec<SetCurve>,
+    /// Faces that were given to a neighbour's set.
+    pub islands: usize,
+}
+
+/// The curve of an edge subset on the baseline.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SetCurve {
+    /// Name of the subset.
+    pub name: String,
+    /// Its length. \[stage units\]
+    pub length: f64,
+    /// Largest distance of the subset on the simulation mesh from it, in local target lengths.
+    pub farthest: f32,
+}
+
+/// The simulation mesh with the garment's attributes, and how its faces cover those of the garment.
 ///
 /// `uv_set` is the primvar whose shells were constraints.
 pub fn transfer(
@@ -19,16 +59,18 @@ pub fn transfer(
     options: &SimOptions,
     uv_set: Option<&Primvar>,
     warnings: &mut Warnings,
-) -> Garment {
-    let sites = Sites::new(product);
+) -> Transferred {
+    let coverage = Coverage::new(product, garment.faces.len(), options);
+    let sites = Sites::new(product, &coverage);
+    let mut target = Target { product, sites: &sites, coverage: &coverage, warnings };
     let mut primvars = Vec::with_capacity(garment.primvars.len());
     for primvar in &garment.primvars {
         let carried = match primvar.interpolation {
             Interpolation::Constant => Some(primvar.clone()),
-            Interpolation::Uniform => Some(taken(primvar, sites.source_faces.iter().map(|f| f.index()))),
+            Interpolation::Uniform => Some(face::carry(primvar, &coverage, &sites)),
             Interpolation::Vertex | Interpolation::Varying if joints::is_influence(garment, primvar) => None,
             Interpolation::Vertex | Interpolation::Varying => Some(vertex::carry(primvar, product, &sites)),
-            Interpolation::FaceVarying => Some(corner::carry(garment, primvar, product, &sites, uv_set)),
+            Interpolation::FaceVarying => Some(corner::carry(garment, primvar, &mut target, uv_set)),
         };
         primvars.extend(carried);
     }
@@ -36,17 +78,17 @@ pub fn transfer(
     primvars.iter_mut().for_each(to_unit_length);
     // In the garment's order, so that outputs compare.
     primvars.sort_by_key(|p| garment.primvars.iter().position(|q| q.name == p.name));
-    let (subsets, families) = subset::carry(garment, product, &sites, options, warnings);
-    if !garment.creases.is_empty() || !garment.corners.is_empty() {
-        warnings.push(Warning::NotCarried {
-            what: "sharpness of creases and corners".into(),
-            why: "the simulation mesh has no subdivision; the model and the render mesh keep it".into(),
-        });
+    if options.provenance {
+        let own = provenance::primvars(product, &sites);
+        primvars.retain(|p| own.iter().all(|o| o.name != p.name));
+        primvars.extend(own);
     }
-    Garment {
+    let subset::Subsets { subsets, families, curves, islands } =
+        subset::carry(garment, product, &coverage, &sites, options, warnings);
+    let mesh = Garment {
         prim: garment.prim.clone(),
         points: product.points.clone(),
-        faces: sites.topology.faces,
+        faces: sites.topology.faces.clone(),
         orientation: garment.orientation,
         rules: SubdivisionRules { scheme: Scheme::None, ..SubdivisionRules::default() },
         holes: Vec::new(),
@@ -55,52 +97,79 @@ pub fn transfer(
         primvars,
         subsets,
         families,
-    }
+    };
+    Transferred { mesh, coverage, curves, islands }
+}
+
+/// What attributes are carried to, and who is told of what is not.
+struct Target<'a> {
+    product: &'a SimProduct,
+    sites: &'a Sites<'a>,
+    coverage: &'a Coverage,
+    warnings: &'a mut Warnings,
 }
 
 /// Where the elements of the simulation mesh are on the baseline.
-pub(crate) struct Sites {
+pub(crate) struct Sites<'a> {
+    product: &'a SimProduct,
     /// Each vertex; one on a seam as one of its sides sees it.
     pub vertices: IdVec<VertexId, Location>,
-    /// The baseline triangle under the centre of each face, on the face's own panel.
-    pub faces: IdVec<FaceId, FaceId>,
-    /// The garment's face there.
-    pub source_faces: IdVec<FaceId, FaceId>,
+    /// Faces without a sample, each with the garment's face under its centre.
+    pub unsampled: Vec<(FaceId, FaceId)>,
     /// The edges of the simulation mesh.
     pub topology: Topology,
     /// Which of them are seams of the constraint UVs.
     pub is_seam: IdVec<EdgeId, bool>,
+    /// Which of them are on chains.
+    pub is_chain: IdVec<EdgeId, bool>,
+    centres: OnceLock<IdVec<FaceId, FaceId>>,
 }
 
-impl Sites {
-    fn new(product: &SimProduct) -> Self {
+impl<'a> Sites<'a> {
+    fn new(product: &'a SimProduct, coverage: &Coverage) -> Self {
+        let corners: Vec<VertexId> = product.triangles.iter().flatten().copied().collect();
         let mut vertices = IdVec::<VertexId, Option<Location>>::filled(None, product.points.len());
-        let mut faces = IdVec::new();
-        for (i, triangle) in product.triangles.iter().enumerate() {
-            let places = [0, 1, 2].map(|k| product.places[CornerId::new(3 * i + k)]);
-            for (&v, place) in triangle.iter().zip(&places) {
-                vertices[v].get_or_insert(place.location);
-            }
-            let [a, b, c] = triangle.map(|v| product.points[v]);
-            let centre = (a + b + c) / 3.0;
-            // From each corner's side of the seams; the nearest of the three.
-            let nearest = places
-                .map(|p| product.baseline.closest(p.location.face, centre))
-                .into_iter()
-                .reduce(|best, p| if p.distance_squared < best.distance_squared { p } else { best });
-            faces.push(nearest.map_or(places[0].location.face, |p| p.location.face));
+        for (&v, place) in corners.iter().zip(product.places.iter()) {
+            vertices[v].get_or_insert(place.location);
         }
-        let source_faces = faces.iter().map(|&f| product.baseline.source_face[f]).collect();
         let vertices =
             vertices.iter().map(|l| l.unwrap_or(Location { face: FaceId::new(0), weights: glam::Vec3::X })).collect();
-        let corners: Vec<VertexId> = product.triangles.iter().flatten().copied().collect();
         let topology = Topology::new(Faces::triangles(corners), product.points.len());
         let mut is_seam = IdVec::filled(false, topology.edges.len());
-        for (id, _) in product.baseline.chains.enumerated().filter(|(_, c)| c.marks.seam) {
+        let mut is_chain = is_seam.clone();
+        for (id, chain) in product.baseline.chains.enumerated() {
             for edge in product.chain_edges[id].iter().filter_map(|&[a, b]| topology.find_edge(a, b)) {
-                is_seam[edge] = true;
+                is_seam[edge] |= chain.marks.seam;
+                is_chain[edge] = true;
             }
         }
-        Self { vertices, faces, source_faces, topology, is_seam }
+        let bare = topology.faces.ids().filter(|&f| coverage.sources.row(f).is_empty());
+        let unsampled = bare.map(|f| (f, product.baseline.source_face[centre(product, f)])).collect();
+        Self { product, vertices, unsampled, topology, is_seam, is_chain, centres: OnceLock::new() }
     }
+
+    /// The baseline's triangle under the centre of each face, on the face's own panel.
+    pub fn centres(&self) -> &IdVec<FaceId, FaceId> {
+        let faces = 0..self.topology.faces.len();
+        self.centres.get_or_init(|| {
+            faces.into_par_iter().map(|i| centre(self.product, FaceId::new(i))).collect::<Vec<_>>().into()
+        })
+    }
+
+    /// The garment's face under the centre of a face without a sample.
+    pub fn source_of(&self, face: FaceId) -> FaceId {
+        let found = self.unsampled.binary_search_by_key(&face, |u| u.0);
+        found.map_or(FaceId::new(0), |at| self.unsampled[at].1)
+    }
+}
+
+/// The baseline's triangle under the centre of a face, as its corners' sides of the seams see it: the nearest of three.
+fn centre(product: &SimProduct, face: FaceId) -> FaceId {
+    let centre = product.triangles[face.index()].iter().map(|&v| product.points[v]).sum::<glam::Vec3>() / 3.0;
+    let places = [0, 1, 2].map(|k| product.places[CornerId::new(3 * face.index() + k)]);
+    let nearest = places
+        .map(|p| product.baseline.closest(p.location.face, centre))
+        .into_iter()
+        .reduce(|best, p| if p.distance_squared < best.distance_squared { p } else { best });
+    nearest.map_or(places[0].location.face, |p| p.location.face)
 }

@@ -1,45 +1,91 @@
-//! Subsets on the simulation mesh.
+//! Subsets on the simulation mesh: those of the garment, and those that say where its creases, borders and seams are.
 
-use super::Sites;
+use super::coverage::Coverage;
+use super::edge::{Carried, Edges};
+use super::{SetCurve, Sites, face};
 use crate::error::{Warning, Warnings};
 use crate::garment::{Elements, Family, FamilyType, Garment, Subset};
-use crate::mesh::{FaceId, IdVec, VertexId};
+use crate::mesh::VertexId;
 use crate::sim::{Chain, SimOptions, SimProduct};
 use crate::spatial::PointGrid;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Family of the subsets that say which edges were constraints.
 const CONSTRAINT_FAMILY: &str = "tailorConstraints";
+/// Families of the subsets that hold the garment's creases and corners.
+const CREASE_FAMILY: &str = "tailorCreases";
+const CORNER_FAMILY: &str = "tailorCorners";
 
-/// The garment's subsets on the simulation mesh, those of its borders and seams, and the families.
+/// The subsets of a simulation mesh.
+pub(super) struct Subsets {
+    pub subsets: Vec<Subset>,
+    pub families: Vec<Family>,
+    pub curves: Vec<SetCurve>,
+    /// Faces that were given to a neighbour's set.
+    pub islands: usize,
+}
+
+/// The garment's subsets on the simulation mesh, those of its creases, borders and seams, and the families.
 pub(super) fn carry(
     garment: &Garment,
     product: &SimProduct,
-    sites: &Sites,
+    coverage: &Coverage,
+    sites: &Sites<'_>,
     options: &SimOptions,
     warnings: &mut Warnings,
-) -> (Vec<Subset>, Vec<Family>) {
-    let by_face = Children::new(garment, sites);
-    let points = OnceGrid::default();
-    let mut subsets: Vec<Subset> = Vec::with_capacity(garment.subsets.len() + 2);
-    for (i, subset) in garment.subsets.iter().enumerate() {
-        let elements = match &subset.elements {
-            Elements::Faces(faces) => Elements::Faces(by_face.of(faces)),
-            Elements::Edges(edges) => Elements::Edges(edge_set(i, subset, edges, product, warnings)),
-            Elements::Points(points_of) => Elements::Points(nearest_points(points_of, garment, product, &points)),
+) -> Subsets {
+    let mut sources = garment.subsets.clone();
+    sources.extend(sharp_sets(garment));
+    let face::FaceSets { sets: mut face_sets, islands } = face::sets(garment, coverage, sites, options.clean_islands);
+    face_sets.resize(sources.len(), None);
+    let edges = Edges::new(product, sites);
+    let mut edge_sets = edges.carry_all(&edges_of(&sources));
+    let is_edges = |(s, _): &(&Subset, &Carried)| matches!(s.elements, Elements::Edges(_));
+    let curves = sources.iter().zip(&edge_sets).filter(is_edges).map(|(s, carried)| SetCurve {
+        name: s.name.clone(),
+        length: carried.source_length,
+        farthest: carried.farthest,
+    });
+    let curves = curves.collect();
+    let grid = PointGrid::new(&product.points);
+    let mut subsets: Vec<Subset> = Vec::with_capacity(sources.len() + 2);
+    for (i, source) in sources.into_iter().enumerate() {
+        let elements = match &source.elements {
+            Elements::Faces(_) => Elements::Faces(face_sets[i].take().unwrap_or_default()),
+            Elements::Edges(_) => Elements::Edges(told(&source, std::mem::take(&mut edge_sets[i]), warnings)),
+            Elements::Points(points) => Elements::Points(nearest_points(points, garment, &edges, &grid)),
         };
-        // An edge set that nothing could be carried of has its warning; an empty one would look like data.
-        let is_gone = matches!(elements, Elements::Edges(_)) && elements.is_empty() && !subset.elements.is_empty();
-        if !is_gone {
-            subsets.push(Subset { elements, ..subset.clone() });
+        if matches!(elements, Elements::Faces(_)) && elements.is_empty() && !source.elements.is_empty() {
+            warnings.push(Warning::NotCarried {
+                what: format!("all faces of subset {} on the simulation mesh", source.name),
+                why: "the set covers most of no triangle; lower sim.maxEdgeLength".into(),
+            });
         }
+        subsets.push(Subset { elements, ..source });
     }
     subsets.extend(constraint_sets(garment, product, options));
+    let families = families(garment, &subsets);
+    Subsets { subsets, families, curves, islands }
+}
+
+/// The edges of each subset; none of those of faces and points.
+fn edges_of(subsets: &[Subset]) -> Vec<Vec<[VertexId; 2]>> {
+    let edges = |s: &Subset| match &s.elements {
+        Elements::Edges(edges) => edges.clone(),
+        _ => Vec::new(),
+    };
+    subsets.iter().map(edges).collect()
+}
+
+/// The families of the garment, and our own as far as they have members.
+fn families(garment: &Garment, subsets: &[Subset]) -> Vec<Family> {
     let mut families: Vec<Family> = garment.families.iter().map(|f| carried_family(garment, f)).collect();
-    if subsets.iter().any(|s| s.family == CONSTRAINT_FAMILY) && families.iter().all(|f| f.name != CONSTRAINT_FAMILY) {
-        families.push(Family { name: CONSTRAINT_FAMILY.into(), kind: FamilyType::Unrestricted });
+    for name in [CREASE_FAMILY, CORNER_FAMILY, CONSTRAINT_FAMILY] {
+        if subsets.iter().any(|s| s.family == name) && families.iter().all(|f| f.name != name) {
+            families.push(Family { name: name.into(), kind: FamilyType::Unrestricted });
+        }
     }
-    (subsets, families)
+    families
 }
 
 /// A partition of edges or points covers no other edges or points, so it is none on another mesh.
@@ -50,50 +96,52 @@ fn carried_family(garment: &Garment, family: &Family) -> Family {
     Family { name: family.name.clone(), kind }
 }
 
-/// The simulation faces over each face of the garment.
-struct Children(IdVec<FaceId, Vec<FaceId>>);
-
-impl Children {
-    fn new(garment: &Garment, sites: &Sites) -> Self {
-        let mut children = IdVec::filled(Vec::new(), garment.faces.len());
-        for (face, &source) in sites.source_faces.enumerated() {
-            children[source].push(face);
-        }
-        Self(children)
-    }
-
-    fn of(&self, sources: &[FaceId]) -> Vec<FaceId> {
-        let mut faces: Vec<FaceId> = sources.iter().flat_map(|&f| self.0[f].iter().copied()).collect();
-        faces.sort_unstable();
-        faces
-    }
-}
-
-/// The edges of an edge subset: those of the chains that it holds.
-fn edge_set(
-    index: usize,
-    subset: &Subset,
-    edges: &[[VertexId; 2]],
-    product: &SimProduct,
-    warnings: &mut Warnings,
-) -> Vec<[VertexId; 2]> {
-    let chains: Vec<_> =
-        product.baseline.chains.enumerated().filter(|(_, c)| c.marks.subsets.contains(&index)).collect();
-    let carried: BTreeSet<[VertexId; 2]> =
-        chains.iter().flat_map(|(_, c)| c.cage.windows(2).map(|p| [p[0].min(p[1]), p[0].max(p[1])])).collect();
-    if carried.len() < edges.len() {
+/// The edges of a set, with a warning of those that are lost.
+fn told(source: &Subset, carried: Carried, warnings: &mut Warnings) -> Vec<[VertexId; 2]> {
+    if carried.lost > 0 {
         warnings.push(Warning::NotCarried {
             what: format!(
                 "{} of {} edges of subset {} on the simulation mesh",
-                edges.len() - carried.len(),
-                edges.len(),
-                subset.name
+                carried.lost,
+                source.elements.len(),
+                source.name
             ),
-            why: "they are no constraints; name the subset in tailor:sim:constraints to make them edges of the mesh"
+            why: "they lie between holes, or no edges of the mesh are near them; name the subset in \
+                  tailor:sim:constraints, or lower sim.maxEdgeLength"
                 .into(),
         });
     }
-    unique(chains.iter().flat_map(|(id, _)| product.chain_edges[*id].iter().copied()))
+    carried.edges
+}
+
+/// The garment's creases and corners as subsets, one for each sharpness.
+fn sharp_sets(garment: &Garment) -> Vec<Subset> {
+    // Sharpness is not negative, so that its bits are in its order.
+    let mut creases: BTreeMap<u32, BTreeSet<[VertexId; 2]>> = BTreeMap::new();
+    for crease in &garment.creases {
+        for (pair, sharpness) in crease.vertices.windows(2).zip(&crease.sharpnesses) {
+            let edge = [pair[0].min(pair[1]), pair[0].max(pair[1])];
+            creases.entry(sharpness.to_bits()).or_default().insert(edge);
+        }
+    }
+    let mut corners: BTreeMap<u32, BTreeSet<VertexId>> = BTreeMap::new();
+    for corner in &garment.corners {
+        corners.entry(corner.sharpness.to_bits()).or_default().insert(corner.vertex);
+    }
+    let creases = creases.into_iter().map(|(s, e)| (CREASE_FAMILY, s, Elements::Edges(e.into_iter().collect())));
+    let corners = corners.into_iter().map(|(s, p)| (CORNER_FAMILY, s, Elements::Points(p.into_iter().collect())));
+    let mut sets: Vec<Subset> = Vec::new();
+    for (family, bits, elements) in creases.chain(corners).filter(|(_, bits, _)| f32::from_bits(*bits) > 0.0) {
+        let name = free_name(family, |name| garment.subset(name).is_some() || sets.iter().any(|s| s.name == name));
+        sets.push(Subset { name, family: family.into(), elements, sharpness: Some(f32::from_bits(bits)) });
+    }
+    sets
+}
+
+/// A name that is not taken: `base`, or that with a number.
+fn free_name(base: &str, is_taken: impl Fn(&str) -> bool) -> String {
+    let numbered = (1..).map(|n| if n == 1 { base.to_owned() } else { format!("{base}_{n}") });
+    numbered.skip_while(|name| is_taken(name)).next().unwrap_or_default()
 }
 
 /// Each edge once, in order: a chain between two cut pieces may be there from both sides.
@@ -110,29 +158,27 @@ fn constraint_sets(garment: &Garment, product: &SimProduct, options: &SimOptions
         let is_in = |c: &Chain| if of_seams { c.marks.seam } else { c.marks.border };
         let chains = product.baseline.chains.enumerated().filter(|(_, c)| is_in(c));
         let edges = unique(chains.flat_map(|(id, _)| product.chain_edges[id].iter().copied()));
-        if wanted && !edges.is_empty() && garment.subset(name).is_none() {
-            sets.push(Subset { name: name.into(), family: CONSTRAINT_FAMILY.into(), elements: Elements::Edges(edges) });
+        if wanted && !edges.is_empty() {
+            let name = free_name(name, |name| garment.subset(name).is_some());
+            let family = CONSTRAINT_FAMILY.into();
+            sets.push(Subset { name, family, elements: Elements::Edges(edges), sharpness: None });
         }
     }
     sets
 }
 
-/// The grid of the simulation mesh's points, made when the first point subset asks.
-#[derive(Default)]
-struct OnceGrid(std::cell::OnceCell<PointGrid>);
-
-/// The nearest point of the simulation mesh to each point of a subset.
-fn nearest_points(points: &[VertexId], garment: &Garment, product: &SimProduct, grid: &OnceGrid) -> Vec<VertexId> {
-    let grid = grid.0.get_or_init(|| PointGrid::new(&product.points));
-    let baseline = &product.baseline;
-    let mut on_baseline: BTreeMap<VertexId, VertexId> = BTreeMap::new();
-    for (own, &source) in baseline.manifold.vertex_source.enumerated() {
-        on_baseline.entry(source).or_insert(own);
-    }
+/// The nearest point of the simulation mesh to each point of a subset, on the same chain or part of the surface; to a
+/// point that is cut apart, one on each side.
+fn nearest_points(points: &[VertexId], garment: &Garment, edges: &Edges<'_>, grid: &PointGrid) -> Vec<VertexId> {
+    let product = edges.surface.product;
     let mut found: Vec<VertexId> = Vec::with_capacity(points.len());
     for point in points {
-        let position = on_baseline.get(point).map_or(garment.points[*point], |&v| baseline.points[v]);
-        found.extend(grid.nearest(&product.points, position));
+        let before = found.len();
+        found.extend(edges.vertices_of(*point).iter().filter_map(|&v| edges.surface.nearest(v, |_| true)));
+        if found.len() == before {
+            // Of no face, or of holes alone.
+            found.extend(grid.nearest(&product.points, garment.points[*point]));
+        }
     }
     found.sort_unstable();
     found.dedup();

@@ -9,7 +9,7 @@ use crate::subdivide::{Real, Stencils, mix, taken};
 use rayon::prelude::*;
 
 /// A vertex or varying primvar on the simulation mesh.
-pub(super) fn carry(primvar: &Primvar, product: &SimProduct, sites: &Sites) -> Primvar {
+pub(super) fn carry(primvar: &Primvar, product: &SimProduct, sites: &Sites<'_>) -> Primvar {
     let values = match &primvar.values {
         Values::F32(v) if primvar.is_mixed() => Values::F32(interpolated(primvar, v, product, sites)),
         Values::F64(v) if primvar.is_mixed() => Values::F64(interpolated(primvar, v, product, sites)),
@@ -22,7 +22,7 @@ pub(super) fn carry(primvar: &Primvar, product: &SimProduct, sites: &Sites) -> P
     Primvar { values, indices: None, ..primvar.clone() }
 }
 
-fn interpolated<T: Real>(primvar: &Primvar, source: &[T], product: &SimProduct, sites: &Sites) -> Vec<T> {
+fn interpolated<T: Real>(primvar: &Primvar, source: &[T], product: &SimProduct, sites: &Sites<'_>) -> Vec<T> {
     let width = primvar.width();
     let fine = product.baseline.refine_rows(primvar, source);
     let at = |at: &Location| mix(parts(product, *at).map(|(v, w)| (&fine[v.index() * width..][..width], w)), primvar);
@@ -57,7 +57,7 @@ fn nearest_sources(product: &SimProduct, linear: bool) -> Vec<VertexId> {
 }
 
 /// The skinning of the simulation mesh: influences merged by joint at each vertex's location.
-pub(super) fn carry_influences(garment: &Garment, product: &SimProduct, sites: &Sites) -> Vec<Primvar> {
+pub(super) fn carry_influences(garment: &Garment, product: &SimProduct, sites: &Sites<'_>) -> Vec<Primvar> {
     let Some((indices, weights)) = joints::pair(garment) else { return Vec::new() };
     let source = joints::influences(indices, weights);
     let baseline = &product.baseline;

@@ -19,6 +19,7 @@ mod read;
 mod recipe;
 mod record;
 mod save;
+mod shapes;
 mod values;
 mod write;
 

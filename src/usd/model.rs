@@ -7,6 +7,7 @@ use super::geometry::{prim_name, subset_prims};
 use super::names;
 use super::origin::Origin;
 use super::record::{Content, Depth, Record, is_children, metadata};
+use super::shapes::Shape;
 use crate::error::Warning;
 use openusd::sdf::{self, FieldKey, Value};
 use openusd::tf::Token;
@@ -27,6 +28,8 @@ pub struct Model {
     pub applied: Vec<Token>,
     /// The model's subsets.
     pub subsets: BTreeMap<String, SubsetRecord>,
+    /// The model's blend shapes.
+    pub shapes: Vec<Shape>,
     /// Names of the properties that stay on the model alone.
     pub staying: Vec<String>,
     /// The prims beside the model.
@@ -48,7 +51,7 @@ pub struct SubsetRecord {
     pub metadata: Vec<(String, Value)>,
     /// Applied schemas.
     pub applied: Vec<Token>,
-    /// Material bindings.
+    /// Material bindings, and the sharpness of what were creases.
     pub carried: Vec<Record>,
 }
 
@@ -111,6 +114,7 @@ impl Model {
             primvars: BTreeMap::new(),
             applied: applied(prim, &[names::MATERIAL_BINDING_API, names::SKEL_BINDING_API])?,
             subsets: BTreeMap::new(),
+            shapes: Vec::new(),
             staying: Vec::new(),
             siblings: siblings(prim)?,
             assets: BTreeMap::new(),
@@ -210,7 +214,7 @@ fn subset_record(subset: &Prim, model: &sdf::Path, warnings: &mut Vec<Warning>) 
     fields.retain(|(key, _)| !COMPOSITION.iter().any(|k| k.as_str() == key));
     let mut carried = Vec::new();
     for name in subset.authored_property_names().map_err(fault)? {
-        if !name.starts_with(names::MATERIAL_BINDING) {
+        if !name.starts_with(names::MATERIAL_BINDING) && name != names::SHARPNESS {
             continue;
         }
         let Some(record) = Record::take(subset, &name, Depth::Whole).map_err(fault)? else { continue };

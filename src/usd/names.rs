@@ -8,6 +8,8 @@ use crate::garment::{
 pub const MESH: &str = "Mesh";
 /// Type of the prims that hold face sets, edge sets and point sets.
 pub const GEOM_SUBSET: &str = "GeomSubset";
+/// Type of the prims that hold blend shapes.
+pub const BLEND_SHAPE: &str = "BlendShape";
 /// The schema that gives material bindings their meaning.
 pub const MATERIAL_BINDING_API: &str = "MaterialBindingAPI";
 /// The schema that gives skinning its meaning.
@@ -90,6 +92,16 @@ pub const SKEL_SKINNING_METHOD: &str = "skel:skinningMethod";
 pub const SKEL_BLEND_SHAPES: &str = "skel:blendShapes";
 /// `skel:blendShapeTargets`
 pub const SKEL_BLEND_SHAPE_TARGETS: &str = "skel:blendShapeTargets";
+/// `offsets` of a blend shape
+pub const OFFSETS: &str = "offsets";
+/// `normalOffsets` of a blend shape
+pub const NORMAL_OFFSETS: &str = "normalOffsets";
+/// `pointIndices` of a blend shape
+pub const POINT_INDICES: &str = "pointIndices";
+/// Namespace of a blend shape's inbetweens.
+pub const INBETWEENS: &str = "inbetweens:";
+/// The sharpness that the edges or points of a subset had as creases or corners.
+pub const SHARPNESS: &str = "tailor:sharpness";
 /// Namespace of the recipe.
 pub const RECIPE: &str = "tailor:";
 
@@ -124,6 +136,8 @@ pub const REWRITTEN: &[&str] = &[
     CORNER_INDICES,
     CORNER_SHARPNESSES,
     PURPOSE,
+    SKEL_BLEND_SHAPES,
+    SKEL_BLEND_SHAPE_TARGETS,
 ];
 
 /// Properties that a product takes as they are, besides transform ops, material bindings and constant primvars.
@@ -142,8 +156,6 @@ pub const NOT_CARRIED: &[(&str, &str)] = &[
     (NORMALS, "its points are new ones; consumers compute normals, and subdivision surfaces ignore authored ones"),
     (VELOCITIES, "its points are new ones; the attribute stays on the model"),
     (ACCELERATIONS, "its points are new ones; the attribute stays on the model"),
-    (SKEL_BLEND_SHAPES, "blend shapes move the model's own points; they stay on the model"),
-    (SKEL_BLEND_SHAPE_TARGETS, "blend shapes move the model's own points; they stay on the model"),
 ];
 
 /// A token of USD that stands for a value of this program.

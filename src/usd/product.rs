@@ -7,7 +7,7 @@ use super::record::{Content, Record};
 use super::values::typed;
 use super::write::{Product, Role};
 use crate::error::{Warning, Warnings};
-use crate::garment::{Elements, Garment, Primvar, Values};
+use crate::garment::{Elements, Garment, Primvar, Values, shapes};
 use glam::Vec3;
 use openusd::gf::Vec3f;
 use openusd::sdf::{self, AbstractData, FieldKey, Path, PrimSpec, Specifier, Value, ValueTypeName, Variability};
@@ -41,10 +41,11 @@ impl Author<'_> {
             record.state(self.data, &path, self.place)?;
         }
         self.mesh(&path, product.role, product.mesh)?;
-        for primvar in &product.mesh.primvars {
+        for primvar in product.mesh.primvars.iter().filter(|p| !shapes::is_channel(&p.name)) {
             self.primvar(&path, primvar, warnings)?;
         }
         self.subsets(&path, product.mesh)?;
+        self.shapes(&path, product.mesh)?;
         match before {
             Some(before) => self.silence(&path, before),
             None => Ok(()),
@@ -61,7 +62,7 @@ impl Author<'_> {
         self.token(&path, names::PURPOSE, purpose)
     }
 
-    fn attribute(
+    pub(super) fn attribute(
         &mut self,
         prim: &Path,
         name: &str,
@@ -81,7 +82,7 @@ impl Author<'_> {
         self.attribute(prim, name, ValueTypeName::TOKEN, Variability::Uniform, Value::Token(Token::from(token)))
     }
 
-    fn ints(&mut self, prim: &Path, name: &str, values: Vec<i32>) -> openusd::Result<()> {
+    pub(super) fn ints(&mut self, prim: &Path, name: &str, values: Vec<i32>) -> openusd::Result<()> {
         self.attribute(prim, name, ValueTypeName::INT_ARRAY, Variability::Varying, Value::IntVec(values))
     }
 
@@ -234,6 +235,10 @@ impl Author<'_> {
             self.ints(&path, names::INDICES, indices(&subset.elements))?;
             for record in &record.carried {
                 record.state(self.data, &path, self.place)?;
+            }
+            if let Some(sharpness) = subset.sharpness {
+                let (type_name, uniform) = (ValueTypeName::FLOAT, Variability::Uniform);
+                self.attribute(&path, names::SHARPNESS, type_name, uniform, Value::Float(sharpness))?;
             }
         }
         Ok(())

@@ -6,6 +6,7 @@ use super::geometry::read_mesh;
 use super::model::Model;
 use super::origin::Origin;
 use super::recipe::read_recipe;
+use super::shapes::read_shapes;
 use super::{UsdError, on_large_stack};
 use crate::error::{Warning, Warnings};
 use crate::garment::GarmentInput;
@@ -66,7 +67,16 @@ impl Source {
         let time = options.time.map(TimeCode::new);
         let mut warnings = Vec::new();
         let garment = read_mesh(&prim, time, &mut warnings);
-        let model = Model::take(&prim, origin, time, &mut warnings)?;
+        let mut model = Model::take(&prim, origin, time, &mut warnings)?;
+        let mut offsets = Vec::new();
+        // Without points there is nothing to move, and the mesh says so itself.
+        if garment.is_ok() {
+            (model.shapes, offsets) = read_shapes(&prim, time, &mut warnings)?;
+        }
+        let garment = garment.map(|mut g| {
+            g.primvars.extend(offsets);
+            g
+        });
         let facts = gather(&prim, &model, time)?;
         let recipe = read_recipe(&prim, time);
         let faults = stage.composition_errors();

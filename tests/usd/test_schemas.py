@@ -18,6 +18,8 @@ SIM = {
     "tailor:sim:constrainUvSeams": ("bool", True),
     "tailor:sim:transferSamples": ("int", 32),
     "tailor:sim:seed": ("int", 0),
+    "tailor:sim:cleanIslands": ("bool", False),
+    "tailor:sim:provenance": ("bool", False),
 }
 RENDER = {
     "tailor:render:level": ("int", 1),

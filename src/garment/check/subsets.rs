@@ -63,7 +63,7 @@ fn subset(input: SubsetInput, mesh: &Mesh<'_>, problems: &mut Problems) -> Optio
         }
     };
     let clean = problems.count() == before && numbers.len() == elements.len();
-    let subset = Subset { name: input.name, family: input.family, elements };
+    let subset = Subset { name: input.name, family: input.family, elements, sharpness: None };
     Some(Numbered { subset, numbers: clean.then_some(numbers) })
 }
 

@@ -132,7 +132,12 @@ fn checked_subsets() -> Vec<Subset> {
     let faces = |faces: [usize; 2]| Elements::Faces(faces.map(FaceId::new).to_vec());
     let edges = |edges: &[[usize; 2]]| Elements::Edges(edges.iter().map(|e| e.map(VertexId::new)).collect());
     let points = Elements::Points([8, 2].map(VertexId::new).to_vec());
-    let subset = |name: &str, family: &str, elements| Subset { name: name.into(), family: family.into(), elements };
+    let subset = |name: &str, family: &str, elements| Subset {
+        name: name.into(),
+        family: family.into(),
+        elements,
+        sharpness: None,
+    };
     vec![
         subset("right", "panels", faces([3, 1])),
         subset("left", "panels", faces([0, 2])),

@@ -1,0 +1,263 @@
+//! Further UV sets, and all face-varying values with cuts of their own: each triangle of the simulation mesh belongs to
+//! the side of a cut of which it covers the most, and takes its values from that side alone.
+
+use super::Sites;
+use super::coverage::Coverage;
+use crate::mesh::{CornerId, Csr, FaceId, IdVec, VertexId};
+use crate::sim::{Location, SimProduct};
+use glam::Vec3;
+use rayon::prelude::*;
+use std::collections::HashSet;
+
+/// A corner farther than this from its own side of the cuts was moved there, in target lengths.
+const MOVED: f32 = 1e-3;
+/// Times that small islands are given to their neighbours.
+pub(super) const ROUNDS: usize = 3;
+/// Triangles of the largest part of a side that is given to its neighbours rather than kept apart.
+const ISLAND: usize = 2;
+
+/// Where a corner takes its value.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Source {
+    /// A location on the corner's side of the cuts; its weights reach beyond the triangle where a value is continued.
+    pub location: Location,
+    /// Whether the vertex itself is elsewhere.
+    pub moved: bool,
+}
+
+/// The cuts of one channel on the baseline.
+pub(super) struct Cuts<'a> {
+    product: &'a SimProduct,
+    sites: &'a Sites<'a>,
+    coverage: &'a Coverage,
+    /// Half-edges of the baseline that no walk crosses.
+    barrier: IdVec<CornerId, bool>,
+    /// Triangles of the baseline in each face of the garment.
+    children: Csr<FaceId, FaceId>,
+    /// Faces of the garment that touch a cut.
+    touched: IdVec<FaceId, bool>,
+    /// Neighbouring faces of the garment without a cut between them.
+    joined: HashSet<[FaceId; 2]>,
+}
+
+impl<'a> Cuts<'a> {
+    /// The cuts where `barrier` says; none of them where it says no more than the baseline.
+    pub fn new(
+        product: &'a SimProduct,
+        sites: &'a Sites<'a>,
+        coverage: &'a Coverage,
+        barrier: IdVec<CornerId, bool>,
+    ) -> Self {
+        let base = &product.baseline;
+        let t = &base.topology;
+        let mut at_cut = IdVec::<VertexId, bool>::filled(false, base.points.len());
+        let mut joined = HashSet::new();
+        for corner in t.faces.corners().ids() {
+            if barrier[corner] {
+                t.faces.half_edge(corner).into_iter().for_each(|v| at_cut[v] = true);
+            } else if let Some(twin) = t.twin(corner) {
+                let [a, b] = [corner, twin].map(|c| base.source_face[t.faces.face_of(c)]);
+                joined.insert([a.min(b), a.max(b)]);
+            }
+        }
+        let mut touched = IdVec::filled(false, coverage.faces.rows());
+        for (face, &source) in base.source_face.enumerated() {
+            touched[source] |= t.faces.vertices_of(face).iter().any(|&v| at_cut[v]);
+        }
+        let pairs = base.source_face.enumerated().map(|(face, &source)| (source, face));
+        let children = Csr::group(coverage.faces.rows(), pairs, FaceId::new(0));
+        Self { product, sites, coverage, barrier, children, touched, joined }
+    }
+
+    /// The triangle of the baseline from which each face near a cut takes its values; none for others, which take those
+    /// at their corners' own places.
+    pub fn homes(&self) -> Vec<Option<FaceId>> {
+        (0..self.product.triangles.len()).into_par_iter().map(|i| self.home(FaceId::new(i))).collect()
+    }
+
+    /// Where each corner of the simulation mesh takes its value.
+    pub fn sources(&self, homes: &[Option<FaceId>]) -> IdVec<CornerId, Source> {
+        let of_face = |(i, home): (usize, &Option<FaceId>)| self.of_face(FaceId::new(i), *home);
+        let mut sources: IdVec<CornerId, Source> =
+            homes.par_iter().enumerate().flat_map_iter(of_face).collect::<Vec<_>>().into();
+        let t = &self.sites.topology;
+        for vertex in (0..t.vertex_count()).map(VertexId::new) {
+            if t.vertex_corners.row(vertex).iter().any(|&c| sources[c].moved) {
+                self.agree(t.vertex_corners.row(vertex), homes, &mut sources);
+            }
+        }
+        sources
+    }
+
+    /// Gives the corners of one vertex that lie on the same side one source.
+    fn agree(&self, corners: &[CornerId], homes: &[Option<FaceId>], sources: &mut IdVec<CornerId, Source>) {
+        let faces: Vec<FaceId> = corners.iter().map(|&c| self.sites.topology.faces.face_of(c)).collect();
+        let mut side: Vec<usize> = (0..corners.len()).collect();
+        for i in 0..corners.len() {
+            for j in 0..i {
+                if side[i] != side[j] && self.are_joined(faces[i], faces[j], homes) {
+                    let (from, to) = (side[i].max(side[j]), side[i].min(side[j]));
+                    side.iter_mut().filter(|s| **s == from).for_each(|s| *s = to);
+                }
+            }
+        }
+        let off = |s: &Source, c: CornerId| {
+            let vertex = self.sites.topology.faces.vertex(c);
+            self.product.baseline.position(s.location).distance_squared(self.product.points[vertex])
+        };
+        for own in 0..corners.len() {
+            let members = || (0..corners.len()).filter(|&i| side[i] == own).map(|i| corners[i]);
+            let best =
+                members().map(|c| (off(&sources[c], c), sources[c])).reduce(|a, b| if b.0 < a.0 { b } else { a });
+            let Some((_, best)) = best else { continue };
+            members().for_each(|c| {
+                if sources[c].moved {
+                    sources[c] = best;
+                }
+            });
+        }
+    }
+
+    /// Whether two faces take their values from the same side, as far as the garment's faces around them say.
+    fn are_joined(&self, a: FaceId, b: FaceId, homes: &[Option<FaceId>]) -> bool {
+        let source = |face: FaceId| {
+            let at = homes[face.index()].unwrap_or_else(|| self.places(face)[0].face);
+            self.product.baseline.source_face[at]
+        };
+        let joined = |a: FaceId, b: FaceId| a == b || self.joined.contains(&[a.min(b), a.max(b)]);
+        let (from, to) = (source(a), source(b));
+        let between = || {
+            let rows = [a, b].into_iter().flat_map(|f| self.coverage.sources.row(f));
+            rows.into_iter().any(|s| joined(from, s.face) && joined(s.face, to))
+        };
+        joined(from, to) || between()
+    }
+
+    fn home(&self, face: FaceId) -> Option<FaceId> {
+        let row = self.coverage.sources.row(face);
+        let places = self.places(face);
+        let own = places.map(|p| self.product.baseline.source_face[p.face]);
+        if !row.iter().map(|s| s.face).chain(own).any(|f| self.touched[f]) {
+            return None;
+        }
+        let Some(source) = self.side(face) else { return Some(self.sites.centres()[face]) };
+        Some(self.nearest_child(source, self.centre(face)))
+    }
+
+    fn places(&self, face: FaceId) -> [Location; 3] {
+        [0, 1, 2].map(|k| self.product.places[CornerId::new(3 * face.index() + k)].location)
+    }
+
+    fn centre(&self, face: FaceId) -> Vec3 {
+        self.product.triangles[face.index()].iter().map(|&v| self.product.points[v]).sum::<Vec3>() / 3.0
+    }
+
+    /// The garment's face that is most of the side of which a face covers the most.
+    fn side(&self, face: FaceId) -> Option<FaceId> {
+        let row = self.coverage.sources.row(face);
+        let mut side: Vec<usize> = (0..row.len()).collect();
+        for i in 0..row.len() {
+            for j in 0..i {
+                if side[i] != side[j] && self.joined.contains(&[row[j].face, row[i].face]) {
+                    let (from, to) = (side[i].max(side[j]), side[i].min(side[j]));
+                    side.iter_mut().filter(|s| **s == from).for_each(|s| *s = to);
+                }
+            }
+        }
+        let mut area = vec![0.0f32; row.len()];
+        row.iter().zip(&side).for_each(|(share, &s)| area[s] += share.area);
+        let best = (0..row.len()).reduce(|best, i| if area[i] > area[best] { i } else { best })?;
+        let members = row.iter().zip(&side).filter(|(_, s)| **s == best).map(|(share, _)| share);
+        members.reduce(|a, b| if b.area > a.area { b } else { a }).map(|share| share.face)
+    }
+
+    fn nearest_child(&self, source: FaceId, point: Vec3) -> FaceId {
+        let base = &self.product.baseline;
+        let distance = |&face: &FaceId| {
+            let [a, b, c] = base.triangle(face);
+            let w = crate::sim::closest_weights(a, b, c, point);
+            (a * w.x + b * w.y + c * w.z).distance_squared(point)
+        };
+        let children = self.children.row(source).iter().copied();
+        let nearest = children.map(|f| (distance(&f), f)).reduce(|a, b| if b.0 < a.0 { b } else { a });
+        nearest.map_or(FaceId::new(0), |n| n.1)
+    }
+
+    fn of_face(&self, face: FaceId, home: Option<FaceId>) -> [Source; 3] {
+        let places = self.places(face);
+        let Some(home) = home else { return places.map(|location| Source { location, moved: false }) };
+        [0, 1, 2].map(|k| {
+            let vertex = self.product.triangles[face.index()][k];
+            let there = self.product.baseline.closest_within(home, self.product.points[vertex], &self.barrier);
+            let moved = there.distance_squared.sqrt() > MOVED * self.product.target[vertex];
+            Source { location: there.location, moved }
+        })
+    }
+
+    /// The home of a neighbour on another side of the cuts: across the longest edge that is on no chain.
+    pub fn other_home(&self, face: FaceId, homes: &[Option<FaceId>]) -> Option<FaceId> {
+        let t = &self.sites.topology;
+        let length = |c: CornerId| {
+            let [a, b] = t.faces.half_edge(c).map(|v| self.product.points[v]);
+            a.distance_squared(b)
+        };
+        let open = t.faces.corners_of(face).filter(|&c| !self.sites.is_chain[t.corner_edge[c]]);
+        let others = open.filter_map(|c| Some((c, t.faces.face_of(t.twin(c)?))));
+        let other_side = others.filter(|(_, other)| !self.are_joined(face, *other, homes));
+        let longest = other_side.reduce(|a, b| if length(b.0) > length(a.0) { b } else { a });
+        longest.and_then(|(_, other)| homes[other.index()])
+    }
+
+    /// Small parts of a side that touch the rest of it nowhere, each face with the home of a neighbour. `same` says
+    /// whether two corners of one vertex have the same value.
+    pub fn islands(
+        &self,
+        homes: &[Option<FaceId>],
+        same: impl Fn(CornerId, CornerId) -> bool,
+    ) -> Vec<(FaceId, FaceId)> {
+        let t = &self.sites.topology;
+        let next = |c| t.faces.next(c);
+        let mut seen = IdVec::<FaceId, bool>::filled(false, t.faces.len());
+        let mut islands = Vec::new();
+        for seed in t.faces.ids().filter(|f| homes[f.index()].is_some()) {
+            if seen[seed] {
+                continue;
+            }
+            let (mut part, mut beyond, mut at) = (vec![seed], None, 0);
+            while let Some(&face) = part.get(at).filter(|_| part.len() <= ISLAND) {
+                at += 1;
+                for corner in t.faces.corners_of(face) {
+                    let Some(twin) = t.twin(corner) else { continue };
+                    let other = t.faces.face_of(twin);
+                    if !(same(corner, next(twin)) && same(next(corner), twin)) {
+                        beyond = beyond.or(homes[other.index()].filter(|_| !self.sites.is_seam[t.corner_edge[corner]]));
+                    } else if !part.contains(&other) {
+                        part.push(other);
+                    }
+                }
+            }
+            part.iter().for_each(|&f| seen[f] = true);
+            if let Some(home) = beyond.filter(|_| part.len() <= ISLAND) {
+                islands.extend(part.into_iter().map(|f| (f, home)));
+            }
+        }
+        islands
+    }
+
+    /// The source of a moved corner, continued beyond its side instead.
+    pub fn continued(&self, corner: CornerId, source: Source) -> Source {
+        let base = &self.product.baseline;
+        let [a, b, c] = base.triangle(source.location.face);
+        let vertex = self.product.triangles[corner.index() / 3][corner.index() % 3];
+        let (u, v, p) = (b - a, c - a, self.product.points[vertex] - a);
+        let normal = u.cross(v);
+        let n = normal.length_squared();
+        let (s, t) = (p.cross(v).dot(normal) / n, u.cross(p).dot(normal) / n);
+        let weights = Vec3::new(1.0 - s - t, s, t);
+        // A sliver would throw the value far away.
+        if !weights.is_finite() || weights.abs().max_element() > 16.0 {
+            return source;
+        }
+        Source { location: Location { face: source.location.face, weights }, ..source }
+    }
+}

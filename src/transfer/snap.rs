@@ -1,0 +1,150 @@
+//! The vertex of the simulation mesh nearest to a vertex of the cage, on the same chain or the same part of the surface.
+
+use crate::mesh::{ChainId, Csr, FaceId, IdVec, VertexId};
+use crate::sim::SimProduct;
+use std::collections::{HashMap, HashSet, VecDeque};
+
+/// How far along its chain a vertex may be from where its share of the chain's edges puts it, in target lengths. Longer
+/// finds vertices that relaxing has moved; shorter keeps to the right turn of a winding chain.
+const DRIFT: f32 = 2.0;
+
+/// Where the vertices of the simulation mesh are on the baseline.
+pub(super) struct Surface<'a> {
+    pub product: &'a SimProduct,
+    /// The vertices that lie in each triangle of the baseline.
+    pub in_face: Csr<FaceId, VertexId>,
+    /// Which vertices are on chains.
+    pub is_constrained: IdVec<VertexId, bool>,
+    /// Where vertices of the cage lie on chains: the chain, and the place in its curve.
+    on_chain: HashMap<VertexId, (ChainId, usize)>,
+    /// The chain between two neighbouring vertices of the cage, and which of its cage edges that is.
+    pub chain_edge: HashMap<[VertexId; 2], (ChainId, usize)>,
+}
+
+impl<'a> Surface<'a> {
+    pub fn new(product: &'a SimProduct) -> Self {
+        let mut pairs: Vec<(FaceId, VertexId)> = product
+            .triangles
+            .iter()
+            .flatten()
+            .zip(product.places.iter())
+            .map(|(&vertex, place)| (place.location.face, vertex))
+            .collect();
+        pairs.sort_unstable();
+        pairs.dedup();
+        let faces = product.baseline.topology.faces.len();
+        let in_face = Csr::group(faces, pairs.iter().copied(), VertexId::new(0));
+        let mut is_constrained = IdVec::filled(false, product.points.len());
+        product.chain_edges.iter().flatten().flatten().for_each(|&v| is_constrained[v] = true);
+        let (on_chain, chain_edge) = (HashMap::new(), HashMap::new());
+        let mut surface = Self { product, in_face, is_constrained, on_chain, chain_edge };
+        for (id, chain) in product.baseline.chains.enumerated() {
+            let step = (chain.vertices.len() - 1) / (chain.cage.len() - 1).max(1);
+            // Vertices of the cage keep their numbers on every level.
+            let cage: Vec<VertexId> = chain.vertices.iter().step_by(step.max(1)).copied().collect();
+            for (k, &vertex) in cage.iter().enumerate() {
+                surface.on_chain.entry(vertex).or_insert((id, k * step));
+            }
+            for (k, pair) in cage.windows(2).enumerate() {
+                surface.chain_edge.insert(sorted(pair[0], pair[1]), (id, k));
+            }
+        }
+        surface
+    }
+
+    /// The vertices of the simulation mesh along a chain, with arc lengths as near as the lengths of edges say.
+    fn along(&self, chain: ChainId) -> Vec<(f32, VertexId)> {
+        let edges = &self.product.chain_edges[chain];
+        let points = &self.product.points;
+        let own: f32 = edges.iter().map(|&[a, b]| points[a].distance(points[b])).sum();
+        let scale = if own > 0.0 { self.product.baseline.chains[chain].length() / own } else { 0.0 };
+        let mut at = 0.0;
+        let mut along: Vec<(f32, VertexId)> = edges.first().map(|e| (0.0, e[0])).into_iter().collect();
+        for &[a, b] in edges {
+            at += scale * points[a].distance(points[b]);
+            along.push((at, b));
+        }
+        along
+    }
+
+    /// The place of a cage vertex among the vertices of a chain of the simulation mesh; `k` is its place in the cage's.
+    pub fn place_on_chain(&self, chain: ChainId, k: usize) -> usize {
+        let curve = &self.product.baseline.chains[chain];
+        let step = (curve.vertices.len() - 1) / (curve.cage.len() - 1).max(1);
+        let along = self.along(chain);
+        let index = (k * step).min(curve.vertices.len() - 1);
+        if index == 0 {
+            return 0;
+        }
+        if index + 1 == curve.vertices.len() {
+            return along.len().saturating_sub(1);
+        }
+        let (s, point) = (curve.along[index], self.product.baseline.points[curve.vertices[index]]);
+        let off = |(at, v): (f32, VertexId)| {
+            let far = (at - s).abs() > DRIFT * self.product.target[v];
+            (far, self.product.points[v].distance_squared(point))
+        };
+        let nearer = |best: usize, i: usize| {
+            let (a, b) = (off(along[i]), off(along[best]));
+            if a.0 != b.0 { b.0 } else { a.1 < b.1 }
+        };
+        (1..along.len()).fold(0, |best, i| if nearer(best, i) { i } else { best })
+    }
+
+    /// Whether a vertex of the cage lies on a chain.
+    pub fn is_on_chain(&self, vertex: VertexId) -> bool {
+        self.on_chain.contains_key(&vertex)
+    }
+
+    /// The nearest vertex to a vertex of the cage that `is_free` admits; if none is near, the nearest of all. None where
+    /// nothing of the surface is left.
+    pub fn nearest(&self, vertex: VertexId, is_free: impl Fn(VertexId) -> bool) -> Option<VertexId> {
+        if let Some(&(chain, index)) = self.on_chain.get(&vertex) {
+            let curve = &self.product.baseline.chains[chain];
+            let step = (curve.vertices.len() - 1) / (curve.cage.len() - 1).max(1);
+            let along = self.along(chain);
+            return along.get(self.place_on_chain(chain, index / step.max(1))).map(|a| a.1);
+        }
+        let found = self.around(vertex);
+        let first = found.first()?;
+        let near = found.iter().take_while(|f| f.0 <= DRIFT * self.product.target[f.1]);
+        Some(near.map(|f| f.1).find(|&v| is_free(v)).unwrap_or(first.1))
+    }
+
+    /// The vertices around a vertex of the cage, the nearest first, on its part of the surface.
+    fn around(&self, vertex: VertexId) -> Vec<(f32, VertexId)> {
+        let base = &self.product.baseline;
+        let t = &base.topology;
+        let point = base.points[vertex];
+        let mut queue: VecDeque<FaceId> = t.faces_at(vertex).collect();
+        let mut seen: HashSet<FaceId> = queue.iter().copied().collect();
+        let mut found: Vec<(f32, VertexId)> = Vec::new();
+        let mut reach = f32::MAX;
+        while let Some(face) = queue.pop_front() {
+            let nearest = base.triangle(face).map(|p| p.distance(point)).into_iter().fold(f32::MAX, f32::min);
+            if nearest > reach {
+                continue;
+            }
+            for &v in self.in_face.row(face) {
+                let distance = self.product.points[v].distance(point);
+                found.push((distance, v));
+                reach = reach.min(distance + DRIFT * self.product.target[v]);
+            }
+            for corner in t.faces.corners_of(face).filter(|&c| !base.barrier[c]) {
+                if let Some(other) = t.twin(corner).map(|c| t.faces.face_of(c))
+                    && seen.insert(other)
+                {
+                    queue.push_back(other);
+                }
+            }
+        }
+        found.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        found.dedup_by_key(|f| f.1);
+        found
+    }
+}
+
+/// An edge's vertices, the lower first.
+pub(super) fn sorted(a: VertexId, b: VertexId) -> [VertexId; 2] {
+    [a.min(b), a.max(b)]
+}
