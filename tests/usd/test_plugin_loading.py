@@ -262,6 +262,17 @@ def test_many_payloads_open_at_once(plugin, shirt, tmp_path, threads):
     assert found["count"] == 64
 
 
+def test_depends_on_all_layers_of_its_source_and_of_other_recipes(plugin, shirt, tmp_path):
+    shirt("inner.tailor")
+    outer = shirt("outer.tailor", "root.usda")
+    (tmp_path / "root.usda").write_text("#usda 1.0\n(\nsubLayers = [@over.usda@, @inner.tailor@]\n)\n")
+    (tmp_path / "over.usda").write_text("#usda 1.0\n")
+    script = "say(used=sorted(Sdf.Layer.FindOrOpen(sys.argv[1]).GetExternalAssetDependencies()))"
+    found, _ = plugin.run(script, outer)
+    names = ["inner.tailor", "over.usda", "root.usda", "shirt.usda"]
+    assert found["used"] == [str(tmp_path / name) for name in names]
+
+
 def test_is_not_written(plugin, shirt, tmp_path):
     out = tmp_path / "out.tailor"
     script = "layer = Sdf.Layer.FindOrOpen(sys.argv[1])\nsay(errors=errors_of(lambda: layer.Export(sys.argv[2])))"

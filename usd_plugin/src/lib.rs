@@ -109,7 +109,7 @@ mod tests {
 
     #[test]
     fn a_file_that_is_no_recipe_is_refused_with_its_name_and_place() {
-        let fault = |text: &str| read_document("/shot/a.tailor", text.as_bytes(), &[]).err().expect("no recipe");
+        let fault = |text: &str| read_document("/shot/a.tailor", text.as_bytes(), &[]).expect_err("no recipe");
         for text in ["", "{", r#"{"sim": {"maxEdge": 2}}"#, r#"{"source": ""}"#, r#"{"source": "a\u0000b"}"#, "{}"] {
             let fault = fault(text);
             assert!(fault.starts_with("/shot/a.tailor: "), "{fault}");
