@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::{env, fs};
 
-/// Names a file of `key=value` lines that `cargo xtask plugin` writes: `include`, `define`, `library` and `link`.
+/// Names a file of `key=value` lines that `cargo xtask plugin` writes: `include`, `define` and `link`.
 const BUILD: &str = "USDTAILOR_PLUGIN_BUILD";
 
 /// The C++ sources; the headers beside them are watched too.

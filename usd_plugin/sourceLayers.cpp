@@ -110,7 +110,21 @@ void TailorSourceLayers::_VisitLayer(const std::string &identifier)
         layer->Reload();
     }
     for (const std::string &dependency : layer->GetCompositionAssetDependencies()) {
-        _Visit(SdfComputeAssetPathRelativeToLayer(layer, dependency));
+        if (dependency.front() == '`') {
+            _CheckExpression(identifier, dependency);
+        } else {
+            _Visit(SdfComputeAssetPathRelativeToLayer(layer, dependency));
+        }
+    }
+}
+
+void TailorSourceLayers::_CheckExpression(const std::string &identifier, const std::string &expression) const
+{
+    // Its value depends on the stage, which cannot be opened before it is known that nothing leads back here.
+    if (expression.find(".tailor") != std::string::npos) {
+        throw TailorFault(
+            _path, "its source may use the file itself: " + expression + " in " + identifier,
+            "name .tailor files without variables inside a source");
     }
 }
 

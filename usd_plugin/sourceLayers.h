@@ -21,6 +21,7 @@ private:
     void _Visit(const std::string &identifier);
     void _VisitRecipe(const std::string &resolvedPath);
     void _VisitLayer(const std::string &identifier);
+    void _CheckExpression(const std::string &identifier, const std::string &expression) const;
     void _CheckCycle(const std::string &resolvedPath) const;
     void _ReloadRecipes() const;
 

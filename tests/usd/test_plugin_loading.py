@@ -114,29 +114,36 @@ say(properties=list(definition.GetPropertyNames()))
     assert "tailor:sim:maxEdgeLength" in found["properties"]
 
 
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        ('{"source": "nowhere.usda"}', "nowhere.usda cannot be found"),
-        ('{"source": "broken.usda"}', "Expected"),
-        ('{"source": "plain.txt"}', "Cannot determine file format"),
-        ('{"sim": {}}', '"source"'),
-        ('{"source": ', "line 1"),
-        ("", "line 1"),
-        ('{"source": "shirt.usda", "sim": {"maxEdge": 1}}', "maxEdge"),
-        ('{"source": "shirt.usda", "sim": {"maxEdgeLength": -1}}', "-1"),
-    ],
-)
-def test_a_fault_is_one_error_that_names_file_and_cause(plugin, shirt, tmp_path, text, said):
-    path = shirt()
-    path.write_text(text)
+# What a recipe says, and what the error about it says.
+FAULTS = {
+    '{"source": "nowhere.usda"}': "nowhere.usda cannot be found",
+    '{"source": "broken.usda"}': "Expected",
+    '{"source": "plain.txt"}': "Cannot determine file format",
+    '{"source": "named.usda"}': "may use the file itself",
+    '{"source": "a\\u0000b"}': "character",
+    '{"sim": {}}': '"source"',
+    '{"source": ': "line 1",
+    "": "line 1",
+    '{"source": "shirt.usda", "sim": {"maxEdge": 1}}': "maxEdge",
+    '{"source": "shirt.usda", "sim": {"maxEdgeLength": -1}}': "-1",
+}
+
+
+def test_a_fault_is_one_error_that_names_file_and_cause(plugin, shirt, tmp_path):
+    shirt()
     (tmp_path / "broken.usda").write_text('#usda 1.0\ndef Mesh "x" { oops }\n')
     (tmp_path / "plain.txt").write_text("no USD\n")
-    found, _ = plugin.run("say(errors=errors_of(lambda: Sdf.Layer.FindOrOpen(sys.argv[1])))", path)
-    [error] = found["errors"]
-    assert error.startswith(f"{path}: ")
-    assert said in error
-    assert "\n  hint: " in error
+    (tmp_path / "named.usda").write_text('#usda 1.0\ndef "A" (payload = @`"${NAME}.tailor"`@)\n{\n}\n')
+    paths = [tmp_path / f"fault{i}.tailor" for i in range(len(FAULTS))]
+    for path, text in zip(paths, FAULTS, strict=True):
+        path.write_text(text)
+    script = "say(errors=[errors_of(lambda: Sdf.Layer.FindOrOpen(path)) for path in sys.argv[1:]])"
+    found, _ = plugin.run(script, *paths)
+    for path, (text, said), errors in zip(paths, FAULTS.items(), found["errors"], strict=True):
+        assert len(errors) == 1, f"{text}: {errors}"
+        assert errors[0].startswith(f"{path}: ")
+        assert said in errors[0], text
+        assert "\n  hint: " in errors[0]
 
 
 def test_arguments_are_options_and_others_are_refused(plugin, shirt):
@@ -260,6 +267,17 @@ def test_many_payloads_open_at_once(plugin, shirt, tmp_path, threads):
     script = 'stage = Usd.Stage.Open(sys.argv[1])\nsay(count=sum(prim.GetName() == "sim" for prim in stage.Traverse()))'
     found, _ = plugin.run(script, shot, PXR_WORK_THREAD_LIMIT=str(threads))
     assert found["count"] == 64
+
+
+def test_depends_on_all_layers_of_its_source_and_of_other_recipes(plugin, shirt, tmp_path):
+    shirt("inner.tailor")
+    outer = shirt("outer.tailor", "root.usda")
+    (tmp_path / "root.usda").write_text("#usda 1.0\n(\nsubLayers = [@over.usda@, @inner.tailor@]\n)\n")
+    (tmp_path / "over.usda").write_text("#usda 1.0\n")
+    script = "say(used=sorted(Sdf.Layer.FindOrOpen(sys.argv[1]).GetExternalAssetDependencies()))"
+    found, _ = plugin.run(script, outer)
+    names = ["inner.tailor", "over.usda", "root.usda", "shirt.usda"]
+    assert found["used"] == [str(tmp_path / name) for name in names]
 
 
 def test_is_not_written(plugin, shirt, tmp_path):

@@ -17,7 +17,7 @@ mod wheel;
 
 use std::path::{Path, PathBuf};
 
-use crate::process::{Failure, Outcome};
+use crate::process::{self, Failure, Outcome};
 use crate::project::Project;
 use crate::venv;
 use build::Target;
@@ -74,8 +74,22 @@ fn build_for_wheel(project: &Project, python: &Path, out: &Path) -> Outcome<Stri
     verify::headers(project, &wheel, &target, &[])?;
     let library = build::compile(project, &target)?;
     verify::library(&wheel, &library)?;
+    let trial = target.folder.join("trial");
+    build::lay_out(project, &library, &trial)?;
+    try_out(project, &wheel, python, &trial)?;
     build::lay_out(project, &library, out)?;
     Ok(wheel.version)
+}
+
+/// Runs the plugin once: some of what the headers declare shows in no library.
+fn try_out(project: &Project, wheel: &Wheel, python: &Path, plugin: &Path) -> Outcome {
+    let mut command = project.command(python);
+    command.arg("usd_plugin/trial.py").env("PXR_PLUGINPATH_NAME", plugin);
+    process::run_quietly(&mut command).map_err(|failure| {
+        failure
+            .within(&format!("trial with usd-core {}", wheel.version))
+            .hint("please report it, and use another version")
+    })
 }
 
 fn verify_only(project: &Project, options: &Options) -> Outcome {

@@ -11,7 +11,7 @@ use crate::project::Project;
 /// The modules that the plugin uses; since 25.8 they are one library.
 const MODULES: [&str; 7] = ["ar", "ms", "pcp", "sdf", "tf", "usd", "vt"];
 
-/// The first version that these headers were compared with. A later one than the last is compared at every build.
+/// The first version that the minimal headers were compared with; each version is compared when it is built for.
 const OLDEST: (u32, u32) = (24, 8);
 
 const LOCATE: &str = "
