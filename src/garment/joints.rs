@@ -1,6 +1,7 @@
 //! Skinning: joint influences are merged by joint, never averaged slot by slot.
 
 use super::{Garment, Interpolation, Primvar, Values};
+use rayon::prelude::*;
 
 /// Names of the primvars that hold a mesh's influences (`UsdSkelBindingAPI`).
 pub const JOINT_INDICES: &str = "skel:jointIndices";
@@ -57,24 +58,26 @@ pub fn blend<'a>(parts: impl Iterator<Item = (&'a Influences, f32)>) -> Influenc
 /// The primvars again, from the influences of each element: the `elementSize` heaviest, scaled to the sum that all had.
 pub fn to_primvars(all: &[Influences], indices: &Primvar, weights: &Primvar) -> [Primvar; 2] {
     let width = indices.width();
-    let mut joints = Vec::with_capacity(all.len() * width);
-    let mut amounts = Vec::with_capacity(all.len() * width);
-    for influences in all {
-        let mut kept = influences.clone();
-        // Heaviest first, of equals the lowest joint.
-        kept.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
-        kept.truncate(width);
-        let sum: f32 = influences.iter().map(|i| i.1).sum();
-        let left: f32 = kept.iter().map(|i| i.1).sum();
-        let scale = if kept.len() < influences.len() && left != 0.0 { sum / left } else { 1.0 };
-        kept.resize(width, (0, 0.0));
-        joints.extend(kept.iter().map(|i| i.0));
-        amounts.extend(kept.iter().map(|i| i.1 * scale));
-    }
+    let pruned = all.par_iter().flat_map_iter(|influences| pruned(influences, width));
+    let (joints, amounts) = pruned.unzip();
     [
         Primvar { values: Values::I32(joints), indices: None, ..indices.clone() },
         Primvar { values: Values::F32(amounts), indices: None, ..weights.clone() },
     ]
+}
+
+/// The `width` heaviest influences, scaled to the sum of all and filled up with nothing.
+fn pruned(influences: &Influences, width: usize) -> Influences {
+    let mut kept = influences.clone();
+    // Heaviest first, of equals the lowest joint.
+    kept.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+    kept.truncate(width);
+    let sum: f32 = influences.iter().map(|i| i.1).sum();
+    let left: f32 = kept.iter().map(|i| i.1).sum();
+    let scale = if kept.len() < influences.len() && left != 0.0 { sum / left } else { 1.0 };
+    kept.iter_mut().for_each(|i| i.1 *= scale);
+    kept.resize(width, (0, 0.0));
+    kept
 }
 
 #[cfg(test)]

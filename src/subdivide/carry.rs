@@ -48,23 +48,18 @@ impl Cage {
 
 fn refine(garment: &Garment, influences: Option<&[Influences]>) -> (Garment, Option<Vec<Influences>>) {
     let mut refiner = Refiner::new(garment);
-    let mut channels = Vec::new();
-    for (i, primvar) in garment.primvars.iter().enumerate().filter(|(_, p)| is_channel(p)) {
-        let rows = primvar.corner_rows(&garment.faces, garment.points.len());
-        let rows = refiner.add_channel(garment, |c| rows[c] as usize);
-        channels.push((i, rows));
-    }
+    let of_channels: Vec<usize> = (0..garment.primvars.len()).filter(|&i| is_channel(&garment.primvars[i])).collect();
+    let rows = refiner.add_channels(garment, of_channels.par_iter().map(|&i| &garment.primvars[i]));
     let derivation = refiner.derive();
     let carry = Carry::new(garment, &derivation);
     let points: Vec<[f32; 3]> = garment.points.iter().map(|p| p.to_array()).collect();
     let carried =
-        garment.primvars.iter().enumerate().map(|(i, primvar)| match channels.iter().position(|(at, _)| *at == i) {
-            Some(channel) => carry.channel(primvar, channel, &channels[channel].1),
+        garment.primvars.par_iter().enumerate().map(|(i, primvar)| match of_channels.iter().position(|&at| at == i) {
+            Some(channel) => carry.channel(primvar, channel, &rows[channel]),
             None if joints::is_influence(garment, primvar) => primvar.clone(),
             None => carry.primvar(primvar),
         });
-    let primvars = carried.collect();
-    let influences = influences.map(|all| carry.influences(all));
+    let (primvars, influences) = rayon::join(|| carried.collect(), || influences.map(|all| carry.influences(all)));
     let refined = Garment {
         prim: garment.prim.clone(),
         points: derivation.vertex().apply(&points).into_iter().map(Into::into).collect(),
