@@ -1,18 +1,139 @@
 //! A garment with all its attributes through one derivation.
 
 use super::stencil::Stencils;
-use super::{Derivation, Refiner, refined_sharpness};
+use super::{Channel, ChannelChild, Level, Numbering, refined_sharpness, split};
 use crate::garment::joints::{self, Influences};
 use crate::garment::{
-    Corner, Crease, Elements, Family, FamilyType, Garment, Interpolation, Mixing, Primvar, Scheme, Subset, Values,
+    Corner, Crease, Elements, Family, FamilyType, Garment, Interpolation, Mixing, Primvar, Scheme, SubdivisionRules,
+    Subset, Values,
 };
-use crate::mesh::{CornerId, Csr, FaceId, VertexId};
+use crate::mesh::{CornerId, Csr, EdgeId, FaceId, Faces, IdVec, Topology, ValueId, VertexId};
+use glam::Vec3;
 use rayon::prelude::*;
+use std::collections::BTreeSet;
+
+/// Where each element of a child mesh comes from. All that is attached to a mesh is carried by this alone, whether the
+/// child is a refinement or what an operator made.
+pub trait Lineage: Sync {
+    /// Whether no child edge comes from two parent edges.
+    const EDGES_ARE_OWN: bool;
+
+    /// The parent's connectivity.
+    fn parent(&self) -> &Topology;
+    /// The child's faces.
+    fn faces(&self) -> &Faces;
+    /// The face that a child face is part of.
+    fn parent_face(&self, child: FaceId) -> FaceId;
+    /// The corner that a child corner takes discrete values from.
+    fn parent_corner(&self, child: CornerId) -> CornerId;
+    /// The child that takes the place of a vertex.
+    fn child_vertex(&self, vertex: VertexId) -> VertexId;
+    /// Adds the children of an edge, each step a pair, in the direction in which the parent's topology has it.
+    fn child_edges(&self, edge: EdgeId, children: &mut Vec<[VertexId; 2]>);
+    /// What is left of a sharpness.
+    fn remaining(&self, sharpness: f32) -> f32;
+    /// Child vertices from parent vertices.
+    fn vertex(&self) -> impl Stencils<Source = VertexId>;
+    /// Child vertices from parent vertices, linearly.
+    fn varying(&self) -> impl Stencils<Source = VertexId>;
+    /// A face-varying primvar whose values are mixed. Values of different regions do not mix.
+    fn face_varying(&self, garment: &Garment, primvar: &Primvar) -> Primvar;
+}
+
+/// A refinement as a lineage.
+pub struct Refinement<'a> {
+    level: &'a Level,
+    rules: SubdivisionRules,
+    faces: Faces,
+}
+
+impl<'a> Refinement<'a> {
+    /// The refinement of the cage of a garment.
+    pub fn new(level: &'a Level, rules: SubdivisionRules) -> Self {
+        Self { level, rules, faces: split::child_faces(level) }
+    }
+
+    fn is_loop(&self) -> bool {
+        self.level.scheme == Scheme::Loop
+    }
+}
+
+impl Lineage for Refinement<'_> {
+    const EDGES_ARE_OWN: bool = true;
+
+    fn parent(&self) -> &Topology {
+        &self.level.topology
+    }
+
+    fn faces(&self) -> &Faces {
+        &self.faces
+    }
+
+    #[inline]
+    fn parent_face(&self, child: FaceId) -> FaceId {
+        Numbering::new(self.level).parent_face(&self.level.topology.faces, child)
+    }
+
+    #[inline]
+    fn parent_corner(&self, corner: CornerId) -> CornerId {
+        let child = self.faces.face_of(corner);
+        if !self.is_loop() {
+            // A child quad belongs to one corner of its parent.
+            return CornerId::new(child.index());
+        }
+        let (parent, step) = (self.level.topology.faces.range(self.parent_face(child)).start, child.index() % 4);
+        CornerId::new(parent + if step < 3 { step } else { corner.index() % 3 })
+    }
+
+    fn child_vertex(&self, vertex: VertexId) -> VertexId {
+        Numbering::new(self.level).of_vertex(vertex)
+    }
+
+    fn child_edges(&self, edge: EdgeId, children: &mut Vec<[VertexId; 2]>) {
+        let numbering = Numbering::new(self.level);
+        let ([a, b], middle) = (self.level.topology.edges[edge], numbering.of_edge(edge));
+        children.extend([[numbering.of_vertex(a), middle], [middle, numbering.of_vertex(b)]]);
+    }
+
+    fn remaining(&self, sharpness: f32) -> f32 {
+        refined_sharpness(sharpness)
+    }
+
+    fn vertex(&self) -> impl Stencils<Source = VertexId> {
+        self.level.vertex_stencils()
+    }
+
+    fn varying(&self) -> impl Stencils<Source = VertexId> {
+        self.level.varying_stencils()
+    }
+
+    fn face_varying(&self, garment: &Garment, primvar: &Primvar) -> Primvar {
+        let rows = primvar.corner_rows(&garment.faces, garment.points.len());
+        let rules = self.rules;
+        let (channel, rows) = Channel::base(self.level, |c| rows[c] as usize, rules.face_varying, rules.boundary);
+        let child = ChannelChild::new(self.level, &channel);
+        mixed_channel(&child, child.corner_values(), &rows, primvar)
+    }
+}
+
+/// A face-varying primvar from the rows of its parent's values, and the value of each child corner.
+pub fn mixed_channel<S: Stencils<Source = ValueId>>(
+    stencils: &S,
+    corner_values: &IdVec<CornerId, ValueId>,
+    rows: &[u32],
+    primvar: &Primvar,
+) -> Primvar {
+    let source = primvar.values.gather(primvar.width(), rows.iter().map(|&r| r as usize));
+    let indices = corner_values.iter().map(|v| v.index() as u32).collect();
+    Primvar { values: mixed(stencils, &source, primvar), indices: Some(indices), ..primvar.clone() }
+}
 
 /// A garment on its way through derivations. Its joint influences are kept whole until the end, so that they are pruned
 /// to `elementSize` only once.
+#[derive(Clone)]
 pub struct Cage {
     garment: Garment,
+    level: Level,
     influences: Option<Vec<Influences>>,
 }
 
@@ -20,18 +141,55 @@ impl Cage {
     /// The cage of a garment.
     pub fn new(garment: Garment) -> Self {
         let influences = joints::pair(&garment).map(|(indices, weights)| joints::influences(indices, weights));
-        Self { garment, influences }
+        Self { level: Level::base(&garment), garment, influences }
+    }
+
+    /// The garment as it is so far: its skinning and its directions are not yet what [`Cage::into_garment`] gives.
+    pub fn garment(&self) -> &Garment {
+        &self.garment
+    }
+
+    /// The cage's connectivity and rules.
+    pub fn level(&self) -> &Level {
+        &self.level
     }
 
     /// The cage refined once, with every attribute.
     pub fn refined(&self) -> Self {
-        let (garment, influences) = refine(&self.garment, self.influences.as_deref());
-        Self { garment, influences }
+        let refinement = Refinement::new(&self.level, self.garment.rules);
+        let (garment, influences) = carry(&self.garment, self.influences.as_deref(), &refinement);
+        let level = split::child_level(&self.level, refinement.faces);
+        Self { garment, level, influences }
+    }
+
+    /// The points of the refined cage, where this one's are `points`.
+    pub fn refined_points(&self, points: &IdVec<VertexId, Vec3>) -> IdVec<VertexId, Vec3> {
+        carried_points(&self.level.vertex_stencils(), points)
+    }
+
+    /// The cage that an operator makes of it, with every attribute.
+    pub fn derived(&self, lineage: &impl Lineage) -> Self {
+        let (garment, influences) = carry(&self.garment, self.influences.as_deref(), lineage);
+        Self { level: Level::base(&garment), garment, influences }
+    }
+
+    /// The cage with more subsets, which later derivations carry too.
+    #[must_use]
+    pub fn with_subsets(mut self, subsets: impl IntoIterator<Item = Subset>) -> Self {
+        self.garment.subsets.extend(subsets);
+        self
+    }
+
+    /// The cage with other points.
+    #[must_use]
+    pub fn with_points(mut self, points: IdVec<VertexId, Vec3>) -> Self {
+        self.garment.points = points;
+        self
     }
 
     /// The garment, with its influences pruned and its directions of unit length.
     pub fn into_garment(self) -> Garment {
-        let Self { mut garment, influences } = self;
+        let Self { mut garment, influences, .. } = self;
         garment.primvars.iter_mut().for_each(to_unit_length);
         let carried = match (joints::pair(&garment), &influences) {
             (Some((indices, weights)), Some(influences)) => joints::to_primvars(influences, indices, weights),
@@ -46,48 +204,51 @@ impl Cage {
     }
 }
 
-fn refine(garment: &Garment, influences: Option<&[Influences]>) -> (Garment, Option<Vec<Influences>>) {
-    let mut refiner = Refiner::new(garment);
-    let of_channels: Vec<usize> = (0..garment.primvars.len()).filter(|&i| is_channel(&garment.primvars[i])).collect();
-    let rows = refiner.add_channels(garment, of_channels.par_iter().map(|&i| &garment.primvars[i]));
-    let derivation = refiner.derive();
-    let carry = Carry::new(garment, &derivation);
-    let points: Vec<[f32; 3]> = garment.points.iter().map(|p| p.to_array()).collect();
-    let carried =
-        garment.primvars.par_iter().enumerate().map(|(i, primvar)| match of_channels.iter().position(|&at| at == i) {
-            Some(channel) => carry.channel(primvar, channel, &rows[channel]),
-            None if joints::is_influence(garment, primvar) => primvar.clone(),
-            None => carry.primvar(primvar),
-        });
+/// Points through stencils.
+pub fn carried_points<S: Stencils<Source = VertexId>>(
+    stencils: &S,
+    points: &IdVec<VertexId, Vec3>,
+) -> IdVec<VertexId, Vec3> {
+    let rows: &[[f32; 3]] = bytemuck::cast_slice(points.as_slice());
+    stencils.apply(rows).into_iter().map(Vec3::from).collect()
+}
+
+/// A garment through a lineage.
+fn carry<L: Lineage>(
+    garment: &Garment,
+    influences: Option<&[Influences]>,
+    lineage: &L,
+) -> (Garment, Option<Vec<Influences>>) {
+    let carry = Carry::new(garment, lineage);
+    let carried = garment.primvars.par_iter().map(|primvar| match primvar {
+        p if is_channel(p) => lineage.face_varying(garment, p),
+        p if joints::is_influence(garment, p) => p.clone(),
+        p => carry.primvar(p),
+    });
     let (primvars, influences) = rayon::join(|| carried.collect(), || influences.map(|all| carry.influences(all)));
-    let refined = Garment {
+    let child = Garment {
         prim: garment.prim.clone(),
-        points: derivation.vertex().apply(&points).into_iter().map(Into::into).collect(),
+        points: carried_points(&lineage.vertex(), &garment.points),
         orientation: garment.orientation,
         rules: garment.rules,
         holes: carry.faces(&garment.holes),
         creases: garment.creases.iter().flat_map(|c| carry.crease(c)).collect(),
-        corners: garment.corners.iter().filter_map(refined_corner).collect(),
+        corners: garment.corners.iter().filter_map(|c| carry.corner(c)).collect(),
         subsets: garment.subsets.iter().map(|s| carry.subset(s)).collect(),
-        families: garment.families.iter().map(|f| refined_family(garment, f)).collect(),
+        families: garment.families.iter().map(|f| carried_family(garment, f)).collect(),
         primvars,
-        faces: derivation.faces,
+        faces: lineage.faces().clone(),
     };
-    (refined, influences)
+    (child, influences)
 }
 
-/// Whether a primvar is refined as a face-varying channel.
+/// Whether a primvar is carried as a face-varying channel.
 fn is_channel(primvar: &Primvar) -> bool {
     primvar.interpolation == Interpolation::FaceVarying && primvar.is_mixed()
 }
 
-fn refined_corner(corner: &Corner) -> Option<Corner> {
-    let sharpness = refined_sharpness(corner.sharpness);
-    (sharpness > 0.0).then_some(Corner { sharpness, ..*corner })
-}
-
 /// New edges and vertices inside faces belong to no subset, so a partition of edges or points is none any more.
-fn refined_family(garment: &Garment, family: &Family) -> Family {
+fn carried_family(garment: &Garment, family: &Family) -> Family {
     let mut members = garment.subsets.iter().filter(|s| s.family == family.name);
     let of_faces = members.all(|s| matches!(s.elements, Elements::Faces(_)));
     let kind = match family.kind {
@@ -97,83 +258,88 @@ fn refined_family(garment: &Garment, family: &Family) -> Family {
     Family { name: family.name.clone(), kind }
 }
 
-struct Carry<'a> {
+struct Carry<'a, L> {
     garment: &'a Garment,
-    derivation: &'a Derivation<'a>,
+    lineage: &'a L,
     parent_face: Vec<FaceId>,
     children: Csr<FaceId, FaceId>,
 }
 
-impl<'a> Carry<'a> {
-    fn new(garment: &'a Garment, derivation: &'a Derivation<'a>) -> Self {
-        let numbering = derivation.numbering();
-        let parents = &derivation.parent().topology.faces;
-        let parent_face: Vec<FaceId> = derivation.faces.ids().map(|f| numbering.parent_face(parents, f)).collect();
+impl<'a, L: Lineage> Carry<'a, L> {
+    fn new(garment: &'a Garment, lineage: &'a L) -> Self {
+        let parent_face: Vec<FaceId> = lineage.faces().ids().map(|f| lineage.parent_face(f)).collect();
         let pairs = parent_face.iter().enumerate().map(|(child, &parent)| (parent, FaceId::new(child)));
-        let children = Csr::group(parents.len(), pairs, FaceId::new(0));
-        Self { garment, derivation, parent_face, children }
+        let children = Csr::group(garment.faces.len(), pairs, FaceId::new(0));
+        Self { garment, lineage, parent_face, children }
     }
 
     fn faces(&self, parents: &[FaceId]) -> Vec<FaceId> {
         parents.iter().flat_map(|&f| self.children.row(f).iter().copied()).collect()
     }
 
-    /// The two halves of an edge, in its direction.
-    fn halves(&self, [a, b]: [VertexId; 2]) -> Option<[[VertexId; 2]; 2]> {
-        let numbering = self.derivation.numbering();
-        let edge = self.derivation.parent().topology.find_edge(a, b)?;
-        let middle = numbering.of_edge(edge);
-        Some([[numbering.of_vertex(a), middle], [middle, numbering.of_vertex(b)]])
+    /// The children of an edge, in its direction.
+    fn edges(&self, [a, b]: [VertexId; 2]) -> Vec<[VertexId; 2]> {
+        let (mut children, topology) = (Vec::new(), self.lineage.parent());
+        if let Some(edge) = topology.find_edge(a, b) {
+            self.lineage.child_edges(edge, &mut children);
+            if topology.edges[edge][0] != a {
+                children.reverse();
+                children.iter_mut().for_each(|pair| pair.reverse());
+            }
+        }
+        children
     }
 
     fn subset(&self, subset: &Subset) -> Subset {
         let elements = match &subset.elements {
             Elements::Faces(faces) => Elements::Faces(self.faces(faces)),
-            Elements::Edges(edges) => Elements::Edges(edges.iter().filter_map(|&e| self.halves(e)).flatten().collect()),
+            Elements::Edges(edges) => {
+                let mut children: Vec<_> = edges.iter().flat_map(|&e| self.edges(e)).collect();
+                if !L::EDGES_ARE_OWN {
+                    let mut known = BTreeSet::new();
+                    children.retain(|&[a, b]| known.insert([a.min(b), a.max(b)]));
+                }
+                Elements::Edges(children)
+            }
             Elements::Points(points) => {
-                Elements::Points(points.iter().map(|&v| self.derivation.numbering().of_vertex(v)).collect())
+                Elements::Points(points.iter().map(|&v| self.lineage.child_vertex(v)).collect())
             }
         };
         Subset { elements, ..subset.clone() }
     }
 
-    /// The refined crease; where its sharpness ends within, the parts that remain.
+    /// The children of a crease: one, or parts where they are apart or the sharpness ends within.
     fn crease(&self, crease: &Crease) -> Vec<Crease> {
         let mut parts: Vec<Crease> = Vec::new();
-        let mut open = false;
         for (pair, &sharpness) in crease.vertices.windows(2).zip(&crease.sharpnesses) {
-            let left = refined_sharpness(sharpness);
-            let halves = self.halves([pair[0], pair[1]]).filter(|_| left > 0.0);
-            let Some([[a, middle], [_, b]]) = halves else {
-                open = false;
-                continue;
-            };
-            if !std::mem::replace(&mut open, true) {
-                parts.push(Crease { vertices: vec![a], sharpnesses: Vec::new() });
-            }
-            if let Some(part) = parts.last_mut() {
-                part.vertices.extend([middle, b]);
-                part.sharpnesses.extend([left, left]);
+            let left = self.lineage.remaining(sharpness);
+            let children = if left > 0.0 { self.edges([pair[0], pair[1]]) } else { Vec::new() };
+            for [a, b] in children {
+                match parts.last_mut() {
+                    Some(part) if part.vertices.last() == Some(&a) => part.vertices.push(b),
+                    _ => parts.push(Crease { vertices: vec![a, b], sharpnesses: Vec::new() }),
+                }
+                if let Some(part) = parts.last_mut() {
+                    part.sharpnesses.push(left);
+                }
             }
         }
         parts
     }
 
-    fn channel(&self, primvar: &Primvar, channel: usize, rows: &[u32]) -> Primvar {
-        let stencils = &self.derivation.channels[channel];
-        let source = primvar.values.gather(primvar.width(), rows.iter().map(|&r| r as usize));
-        let values = mixed(stencils, &source, primvar);
-        let indices = stencils.corner_values().iter().map(|v| v.index() as u32).collect();
-        Primvar { values, indices: Some(indices), ..primvar.clone() }
+    fn corner(&self, corner: &Corner) -> Option<Corner> {
+        let sharpness = self.lineage.remaining(corner.sharpness);
+        (sharpness > 0.0).then(|| Corner { vertex: self.lineage.child_vertex(corner.vertex), sharpness })
     }
 
     fn primvar(&self, primvar: &Primvar) -> Primvar {
+        let corners = || self.lineage.faces().corners().ids().map(|c| self.lineage.parent_corner(c).index());
         match primvar.interpolation {
             Interpolation::Constant => primvar.clone(),
             Interpolation::Uniform => taken(primvar, self.parent_face.iter().map(|f| f.index())),
-            Interpolation::FaceVarying => taken(primvar, self.parent_corners()),
-            Interpolation::Vertex => self.by_vertex(primvar, &self.derivation.vertex()),
-            Interpolation::Varying => self.by_vertex(primvar, &self.derivation.varying()),
+            Interpolation::FaceVarying => taken(primvar, corners()),
+            Interpolation::Vertex => self.by_vertex(primvar, &self.lineage.vertex()),
+            Interpolation::Varying => self.by_vertex(primvar, &self.lineage.varying()),
         }
     }
 
@@ -188,25 +354,9 @@ impl<'a> Carry<'a> {
         Primvar { values: mixed(stencils, &source, primvar), indices: None, ..primvar.clone() }
     }
 
-    /// The parent corner that each child corner takes discrete values from.
-    fn parent_corners(&self) -> impl Iterator<Item = usize> + Clone + '_ {
-        let faces = &self.derivation.parent().topology.faces;
-        let is_loop = self.derivation.parent().scheme == Scheme::Loop;
-        self.derivation.faces.corners().ids().map(move |c: CornerId| {
-            let child = self.derivation.faces.face_of(c);
-            if !is_loop {
-                // A child quad belongs to one corner of its parent.
-                return child.index();
-            }
-            let parent = faces.range(self.parent_face[child.index()]).start;
-            let step = child.index() % 4;
-            parent + if step < 3 { step } else { c.index() % 3 }
-        })
-    }
-
     /// The influences of the child's vertices, merged by joint.
     fn influences(&self, all: &[Influences]) -> Vec<Influences> {
-        let stencils = self.derivation.vertex();
+        let stencils = self.lineage.vertex();
         let rows = (0..stencils.rows()).into_par_iter();
         rows.map(|r| joints::blend(stencils.merged(r).iter().map(|&(v, w)| (&all[v.index()], w)))).collect()
     }

@@ -11,15 +11,16 @@ mod masks;
 mod split;
 mod stencil;
 
-pub use carry::{Cage, mix, mix_rows, scale_to_unit_length, taken, to_unit_length};
+pub use carry::{
+    Cage, Lineage, Refinement, carried_points, mix, mix_rows, mixed_channel, scale_to_unit_length, taken, to_unit_length,
+};
 pub use fvar::{Channel, ChannelChild};
 pub use level::{INFINITE_SHARPNESS, Level, Rule, Spoke, refined_sharpness};
 pub use split::{Numbering, child_corner};
 pub use stencil::{Real, Stencils};
 
-use crate::garment::{Garment, Primvar, Scheme};
+use crate::garment::{Garment, Scheme};
 use crate::mesh::{CornerId, EdgeId, FaceId, Faces, VertexId};
-use rayon::prelude::*;
 
 /// A level with its face-varying channels, ready to be refined.
 #[derive(Clone, Debug)]
@@ -41,22 +42,6 @@ impl Refiner {
         let rules = garment.rules;
         let (channel, rows) = Channel::base(&self.level, rows, rules.face_varying, rules.boundary);
         self.channels.push(channel);
-        rows
-    }
-
-    /// Adds a channel for each face-varying primvar; returns the row of each of their values.
-    pub fn add_channels<'a>(
-        &mut self,
-        garment: &Garment,
-        primvars: impl ParallelIterator<Item = &'a Primvar>,
-    ) -> Vec<Vec<u32>> {
-        let (level, rules) = (&self.level, garment.rules);
-        let built = primvars.map(|primvar| {
-            let rows = primvar.corner_rows(&garment.faces, garment.points.len());
-            Channel::base(level, |c| rows[c] as usize, rules.face_varying, rules.boundary)
-        });
-        let (channels, rows): (Vec<Channel>, Vec<Vec<u32>>) = built.unzip();
-        self.channels.extend(channels);
         rows
     }
 
