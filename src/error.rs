@@ -139,6 +139,51 @@ pub enum Warning {
         /// The largest change, as a share of the subset's area.
         largest: f32,
     },
+    /// Seams that are narrower in places than asked, for want of room.
+    NarrowSeam {
+        /// Name of the seam.
+        seam: String,
+        /// At how many points.
+        count: usize,
+        /// Point indices.
+        examples: Vec<usize>,
+        /// What is left of the width at the narrowest place, as a share.
+        least: f32,
+    },
+    /// Edges of a seam that an earlier seam has already.
+    SharedSeamEdges {
+        /// Name of the later seam.
+        seam: String,
+        /// How many.
+        count: usize,
+        /// Point indices.
+        examples: Vec<[usize; 2]>,
+    },
+    /// Single edges of a seam with both ends inside the surface, where it cannot narrow to nothing on both sides.
+    NoRoomToTaper {
+        /// Name of the seam.
+        seam: String,
+        /// How many.
+        count: usize,
+        /// Point indices.
+        examples: Vec<[usize; 2]>,
+    },
+    /// A second layer that is nearer in places than asked, where it would cross itself.
+    ThinLayer {
+        /// Name of the thickness.
+        thickness: String,
+        /// At how many points.
+        count: usize,
+        /// Point indices.
+        examples: Vec<usize>,
+        /// What is left of the distance at the thinnest place, as a share.
+        least: f32,
+    },
+    /// Operators that `render.operators` does not name.
+    OperatorsLeftOut {
+        /// Their names.
+        names: Vec<String>,
+    },
     /// The products have no ancestor that a reference to the asset could name.
     RootMesh {
         /// Path of the model.
@@ -199,6 +244,29 @@ impl fmt::Display for Warning {
                 write!(f, "{}{more}; lower sim.maxEdgeLength, or name edge sets along folds in ", shown.join(", "))?;
                 write!(f, "sim.constraints")
             }
+            Self::NarrowSeam { seam, count, examples, least } => {
+                let some = some(*count, "points", examples, usize::to_string);
+                write!(f, "seam.{seam} is narrower than asked at {count} places ({some}), down to ")?;
+                write!(f, "{:.0} % of its width; lower its width, or give it longer edges there", least * 100.0)
+            }
+            Self::SharedSeamEdges { seam, count, examples } => {
+                let some = some(*count, "points", examples, |[a, b]| format!("{a}-{b}"));
+                write!(f, "edges of seam.{seam} that another seam has already: {count} ({some}); ")?;
+                write!(f, "they follow the other, take them out of one of the two edge sets")
+            }
+            Self::NoRoomToTaper { seam, count, examples } => {
+                let some = some(*count, "points", examples, |[a, b]| format!("{a}-{b}"));
+                write!(f, "edges of seam.{seam} that stand alone inside the surface: {count} ({some}); ")?;
+                write!(f, "they are left as they are, as a seam narrows to nothing at its ends: add an edge to each")
+            }
+            Self::ThinLayer { thickness, count, examples, least } => {
+                let some = some(*count, "points", examples, usize::to_string);
+                write!(f, "thickness.{thickness} is thinner than asked at {count} places ({some}), down to ")?;
+                write!(f, "{:.0} % of its amount, where it would cross itself", least * 100.0)
+            }
+            Self::OperatorsLeftOut { names } => {
+                write!(f, "not in render.operators, and so not made: {}", names.join(", "))
+            }
             Self::RootMesh { prim } => {
                 write!(
                     f,
@@ -215,6 +283,9 @@ impl fmt::Display for Warning {
 /// The examples of `count` elements, with dots where there are more.
 fn some<T>(count: usize, kind: &str, examples: &[T], name: impl Fn(&T) -> String) -> String {
     let names: Vec<String> = examples.iter().map(name).collect();
+    if names.is_empty() {
+        return "between the input's points".into();
+    }
     let dots = if count > examples.len() { ", …" } else { "" };
     format!("{kind} {}{dots}", names.join(", "))
 }

@@ -4,7 +4,7 @@ use crate::error::{Error, Warning, Warnings};
 use crate::garment::{BoundaryInterpolation, Garment, GarmentError, GarmentInput, Problem, Scheme, check_garment};
 use crate::mesh::{FaceId, IdVec, Topology, VertexId};
 use crate::recipe::{Bound, Layers, Recipe, bind};
-use crate::render::render;
+use crate::render::{Formed, Stack, first_cage, render};
 use crate::report::{RenderFigures, SimFigures, SubsetArea, subset_areas};
 use crate::sim::{Baseline, Lengths, RemeshReport, SimProduct, holes, simulate};
 use crate::subdivide::Level;
@@ -29,6 +29,11 @@ const USABLE_LENGTHS: std::ops::RangeInclusive<f32> = 1e-8..=1e8;
 
 /// Largest refined mesh: its corners are counted in 32 bits, and it takes some 200 bytes a face. \[faces\]
 const MAX_REFINED_FACES: usize = 100_000_000;
+
+/// Width of a seam that says none, as a share of the mean edge.
+const SEAM_WIDTH: f32 = 0.25;
+/// Amount of a thickness that says none, as a share of the mean edge.
+const THICKNESS: f32 = 0.1;
 
 /// Time that a stage took.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -171,7 +176,7 @@ impl Prepared {
             recipe: self.recipe.clone(),
             expected_faces: self.expected_faces()?,
             chains: baseline.chains.len(),
-            render_faces: self.refined_faces(self.recipe.render.level),
+            render_faces: self.render_faces()?,
         })
     }
 
@@ -187,16 +192,6 @@ impl Prepared {
         });
         // Rounds up, and saturates where the lengths are absurdly small.
         Ok(wanted.sum::<f64>().ceil() as usize)
-    }
-
-    /// Faces of the garment after `level` refinements.
-    fn refined_faces(&self, level: u32) -> usize {
-        let faces = &self.garment.faces;
-        match level {
-            0 => faces.len(),
-            _ if self.garment.rules.scheme == Scheme::Loop => faces.len().saturating_mul(4usize.saturating_pow(level)),
-            _ => faces.corners().len().saturating_mul(4usize.saturating_pow(level - 1)),
-        }
     }
 
     fn fault(&self, fault: &str, hint: &str) -> Error {
@@ -217,7 +212,7 @@ impl Prepared {
     fn check_levels(&self) -> Result<(), Error> {
         let (sim, render) = (self.recipe.sim.baseline_level, self.recipe.render.level);
         for (key, level) in [("sim.baselineLevel", sim), ("render.level", render)] {
-            let faces = self.refined_faces(level);
+            let faces = refined_faces(&self.garment, level);
             if faces > MAX_REFINED_FACES && level > 0 {
                 let fault = format!("{key} {level} makes {faces} faces, more than {MAX_REFINED_FACES}");
                 return Err(self.fault(&fault, "lower the level"));
@@ -260,10 +255,30 @@ impl Prepared {
         })
     }
 
-    /// The render mesh: the stage "render".
-    pub(crate) fn render(&self, clock: &mut Clock<'_>) -> Result<Garment, Error> {
+    /// The operators of the render mesh in their order.
+    ///
+    /// # Errors
+    /// Names of operators that the recipe does not have.
+    pub(crate) fn stack(&self) -> Result<Stack, Error> {
         self.check_levels()?;
-        Ok(clock.run("render", || render(&self.garment, &self.recipe.render)))
+        let Recipe { render, seams, thicknesses, .. } = &self.recipe;
+        Stack::new(self.garment.points.len(), render, seams, thicknesses)
+    }
+
+    /// The render mesh: the stage "render".
+    fn render(&self, clock: &mut Clock<'_>, warnings: &mut Warnings) -> Result<Garment, Error> {
+        let stack = self.stack()?;
+        clock.run("render", || render(&self.garment, &stack, warnings))
+    }
+
+    /// Faces of the render mesh.
+    fn render_faces(&self) -> Result<usize, Error> {
+        let stack = self.stack()?;
+        let mut cage = first_cage(&self.garment);
+        for operator in &stack.operators {
+            cage = Formed::new(operator.as_ref(), &cage)?.cage;
+        }
+        Ok(refined_faces(cage.garment(), stack.level))
     }
 
     /// Builds both products.
@@ -274,7 +289,7 @@ impl Prepared {
         let mut clock = Clock { stages: Vec::new(), progress: limits.progress };
         let product = self.remesh(limits.max_faces, &mut clock, warnings)?;
         let (transferred, areas) = self.transfer(&product, &mut clock, warnings)?;
-        let render = self.render(&mut clock)?;
+        let render = self.render(&mut clock, warnings)?;
         let (sim_figures, render_figures) =
             clock.run("figures", || (SimFigures::new(&product, &transferred, areas), RenderFigures::new(&render)));
         Ok(Products {
@@ -286,6 +301,16 @@ impl Prepared {
             recipe: self.recipe.clone(),
             stages: clock.stages,
         })
+    }
+}
+
+/// Faces of a garment after `level` refinements.
+fn refined_faces(garment: &Garment, level: u32) -> usize {
+    let faces = &garment.faces;
+    match level {
+        0 => faces.len(),
+        _ if garment.rules.scheme == Scheme::Loop => faces.len().saturating_mul(4usize.saturating_pow(level)),
+        _ => faces.corners().len().saturating_mul(4usize.saturating_pow(level - 1)),
     }
 }
 
@@ -352,6 +377,12 @@ fn settle_lengths(mean_edge: f32, recipe: &mut Recipe) {
     }
     if sim.min_edge_length <= 0.0 {
         sim.min_edge_length = sim.max_edge_length * if sim.density.is_empty() { 1.0 } else { 0.5 };
+    }
+    for seam in recipe.seams.values_mut().filter(|s| s.width == 0.0) {
+        seam.width = SEAM_WIDTH * mean_edge;
+    }
+    for thickness in recipe.thicknesses.values_mut().filter(|t| t.amount == 0.0) {
+        thickness.amount = THICKNESS * mean_edge;
     }
 }
 

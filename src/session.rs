@@ -3,18 +3,25 @@
 //!
 //! ```text
 //! source (content, prim, time) ┬→ remesh (its options) → transfer (options of the simulation mesh)
-//!                              └→ render (options of the render mesh)
+//!                              └→ operator (its options) → … → refinement → … → render
 //! ```
+//!
+//! An operator and a refinement are two stages each: what the mesh is made of, and where its points are. An option that
+//! only moves points repeats the second ones.
 //!
 //! A stage is known by the content of its source and by the options that it reads, never by the name of a file.
 
 use crate::error::{Error, Warnings};
 use crate::garment::{Elements, Garment, Primvar, Values};
 use crate::memo::{Footprint, Memo};
+use crate::mesh::{IdVec, VertexId};
 use crate::pipeline::{Checked, Clock, DEFAULT_MAX_FACES, Prepared};
 use crate::recipe::Document;
+use crate::render::{Formed, Stack, first_cage};
 use crate::sim::{SimOptions, SimProduct};
+use crate::subdivide::Cage;
 use crate::usd::{Format, Product, ReadOptions, Role, Source, Surroundings, WriteOptions, layer_bytes};
+use glam::Vec3;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::path::Path;
 use std::sync::Arc;
@@ -116,15 +123,60 @@ impl Session {
         })
     }
 
-    /// The render mesh.
+    /// The render mesh. Each operator and each refinement is a stage, and where its points are is another.
     ///
     /// # Errors
-    /// A mesh that would be too large.
+    /// A mesh that would be too large; operators that do not fit the garment.
     pub fn render(&self, opened: &Opened, prepared: &Prepared) -> Result<Arc<Made<Garment>>, Error> {
-        self.memo.get(&opened.key("render", &prepared.recipe.render)?, || {
-            let value = self.pool.install(|| prepared.render(&mut Clock::default()))?;
-            Ok(Made { value, warnings: Warnings::default() })
+        let stack = prepared.stack()?;
+        self.memo.get(&opened.key("render", &options_of(&stack))?, || {
+            self.rendered(opened, prepared, &stack)
         })
+    }
+
+    /// Stages are asked for on the caller's thread only: one that waits in the pool could wait for work under itself.
+    fn rendered(&self, opened: &Opened, prepared: &Prepared, stack: &Stack) -> Result<Made<Garment>, Error> {
+        let mut warnings = stack.warnings.clone();
+        if stack.level == 0 && stack.operators.is_empty() {
+            return Ok(Made { value: (*prepared.garment).clone(), warnings });
+        }
+        // What the connectivity depends on, and what the points do.
+        let (mut structure, mut options) = (Vec::new(), Vec::new());
+        let mut cage: Arc<dyn AsCage> = self.memo.get(&opened.key("cage", &())?, || {
+            Ok(self.pool.install(|| first_cage(&prepared.garment)))
+        })?;
+        let mut points = Arc::new(Made { value: cage.cage().garment().points.clone(), warnings: Warnings::default() });
+        for operator in &stack.operators {
+            structure.push(operator.structure());
+            options.push(operator.options());
+            let formed =
+                self.memo.get(&opened.key("form", &structure)?, || {
+                    self.pool.install(|| Formed::new(operator.as_ref(), cage.cage()))
+                })?;
+            warnings.extend(&formed.shape.warnings);
+            points = self.memo.get(&opened.key("points", &options)?, || {
+                let mut warnings = Warnings::default();
+                let place = || formed.points(operator.as_ref(), &points.value, &mut warnings);
+                let value = self.pool.install(place);
+                Ok(Made { value, warnings })
+            })?;
+            warnings.extend(&points.warnings);
+            cage = formed;
+        }
+        for level in 1..=stack.level {
+            points = self.memo.get(&opened.key("level points", &(&options, level))?, || {
+                let value = self.pool.install(|| cage.cage().refined_points(&points.value));
+                Ok(Made { value, warnings: Warnings::default() })
+            })?;
+            cage = self.memo.get(&opened.key("level", &(&structure, level))?, || {
+                Ok(self.pool.install(|| cage.cage().refined()))
+            })?;
+        }
+        let finished = self.memo.get(&opened.key("attributes", &(&structure, stack.level))?, || {
+            let value = self.pool.install(|| cage.cage().clone().into_garment());
+            Ok(Made { value, warnings: Warnings::default() })
+        })?;
+        Ok(Made { value: Garment { points: points.value.clone(), ..finished.value.clone() }, warnings })
     }
 
     /// The layer of a `.tailor` file as crate bytes: what the command writes for it. `content` is the composed source.
@@ -179,6 +231,52 @@ impl Footprint for Opened {
     fn footprint(&self) -> usize {
         // The content as key, and again as what was read of it.
         2 * self.content + garment_bytes(&self.checked.garment)
+    }
+}
+
+/// A stage of the render mesh that has a cage.
+trait AsCage: Send + Sync {
+    fn cage(&self) -> &Cage;
+}
+
+impl AsCage for Cage {
+    fn cage(&self) -> &Cage {
+        self
+    }
+}
+
+impl AsCage for Formed {
+    fn cage(&self) -> &Cage {
+        &self.cage
+    }
+}
+
+/// All options of a stack.
+fn options_of(stack: &Stack) -> (Vec<String>, Vec<String>, u32) {
+    let operators = stack.operators.iter();
+    (operators.clone().map(|o| o.structure()).collect(), operators.map(|o| o.options()).collect(), stack.level)
+}
+
+/// Adjacency and rules that a cage keeps for a corner. \[bytes\]
+const CAGE_CORNER: usize = 40;
+/// Limit rows, their sources and the parent's share that an operator keeps for a corner. \[bytes\]
+const FORMED_CORNER: usize = 160;
+
+impl Footprint for Cage {
+    fn footprint(&self) -> usize {
+        garment_bytes(self.garment()) + CAGE_CORNER * self.garment().faces.corners().len()
+    }
+}
+
+impl Footprint for Formed {
+    fn footprint(&self) -> usize {
+        self.cage.footprint() + FORMED_CORNER * self.cage.garment().faces.corners().len()
+    }
+}
+
+impl Footprint for Made<IdVec<VertexId, Vec3>> {
+    fn footprint(&self) -> usize {
+        size_of::<Vec3>() * self.value.len()
     }
 }
 

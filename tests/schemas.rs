@@ -2,12 +2,15 @@
 
 use serde_json::Value;
 use std::collections::BTreeMap;
-use tailor::recipe::defaults;
+use tailor::recipe::{defaults, instance_defaults};
 
-/// Type and default of each `tailor:` property of the schema file.
+/// What stands for the name of an instance in a schema that is applied more than once.
+const INSTANCE: &str = "__INSTANCE_NAME__";
+
+/// Type and default of each `tailor:` property of the schemas.
 fn schema_properties() -> BTreeMap<String, (String, String)> {
-    let text =
-        std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/schemas/schema.usda")).expect("schema.usda");
+    let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/schemas/generatedSchema.usda"))
+        .expect("generatedSchema.usda");
     let properties = text.lines().filter_map(|line| {
         let line = line.trim().trim_end_matches('(').trim();
         let (head, default) = line.split_once('=').unwrap_or((line, ""));
@@ -21,7 +24,7 @@ fn schema_properties() -> BTreeMap<String, (String, String)> {
 /// The type and default that the schema must have for an option of the crate.
 fn expected(value: &Value) -> Vec<(&'static str, String)> {
     match value {
-        Value::Bool(b) => vec![("bool", b.to_string())],
+        Value::Bool(b) => vec![("bool", u8::from(*b).to_string())],
         Value::Number(n) if n.is_f64() => vec![("float", format!("{}", n.as_f64().unwrap_or_default()))],
         Value::Number(n) => vec![("int", n.to_string())],
         Value::String(s) => vec![("token", format!("\"{s}\""))],
@@ -34,7 +37,11 @@ fn expected(value: &Value) -> Vec<(&'static str, String)> {
 fn schemas_and_options_agree() {
     let properties = schema_properties();
     let mut options = Vec::new();
-    for (space, fields) in defaults().as_object().expect("an object") {
+    let once = defaults();
+    let once = once.as_object().expect("an object").iter().map(|(space, fields)| (space.clone(), fields.clone()));
+    let kinds = ["seam", "thickness"].map(|kind| (kind, instance_defaults(kind).expect("a kind")));
+    let each = kinds.map(|(kind, fields)| (format!("{kind}.{INSTANCE}"), fields));
+    for (space, fields) in once.chain(each) {
         for (key, value) in fields.as_object().expect("an object") {
             let name = format!("{space}.{key}");
             let (kind, default) = properties.get(&name).unwrap_or_else(|| panic!("the schema has no {name}"));

@@ -2,7 +2,7 @@
 
 use super::Recipe;
 use crate::error::Error;
-use crate::garment::{Elements, Garment, Interpolation, Primvar, Values};
+use crate::garment::{Garment, Interpolation, Primvar, Values};
 
 /// What the recipe names on the garment.
 pub struct Bound<'a> {
@@ -25,7 +25,7 @@ pub fn bind<'a>(recipe: &Recipe, garment: &'a Garment, uv_set_was_given: bool) -
     if uv_set.is_none() && uv_set_was_given && !sim.uv_set.is_empty() {
         return Err(missing(
             garment,
-            "uvSet",
+            "sim.uvSet",
             &sim.uv_set,
             "face-varying float2 primvar",
             garment.primvars.iter().filter(is_uv),
@@ -40,28 +40,42 @@ pub fn bind<'a>(recipe: &Recipe, garment: &'a Garment, uv_set_was_given: bool) -
     if density.is_none() && !sim.density.is_empty() {
         return Err(missing(
             garment,
-            "density",
+            "sim.density",
             &sim.density,
             "float primvar per vertex",
             garment.primvars.iter().filter(is_weight),
         ));
     }
-    for name in &sim.constraints {
-        if !garment.subset(name).is_some_and(|s| matches!(s.elements, Elements::Edges(_))) {
-            let names: Vec<&str> = garment
-                .subsets
-                .iter()
-                .filter(|s| matches!(s.elements, Elements::Edges(_)))
-                .map(|s| s.name.as_str())
-                .collect();
-            return Err(Error::Recipe(format!(
-                "{}: sim.constraints names \"{name}\", which is no edge subset of the mesh\n  hint: its edge subsets are: {}",
-                garment.prim,
-                names.join(", ")
-            )));
+    subsets_are(garment, "sim.constraints", &sim.constraints, "edge")?;
+    for (name, seam) in &recipe.seams {
+        subsets_are(garment, &format!("seam.{name}.edges"), &seam.edges, "edge")?;
+    }
+    for (name, thickness) in &recipe.thicknesses {
+        subsets_are(garment, &format!("thickness.{name}.faces"), &thickness.faces, "face")?;
+        let weights = &thickness.weights;
+        if !weights.is_empty() && garment.primvar(weights).filter(is_weight).is_none() {
+            let fitting = garment.primvars.iter().filter(is_weight);
+            let key = format!("thickness.{name}.weights");
+            return Err(missing(garment, &key, weights, "float primvar per vertex", fitting));
         }
     }
     Ok(Bound { uv_set, density })
+}
+
+/// Whether all of `names` are subsets of the garment whose elements are of a kind.
+fn subsets_are(garment: &Garment, key: &str, names: &[String], kind: &str) -> Result<(), Error> {
+    for name in names {
+        if garment.subset(name).is_none_or(|s| s.elements.kind() != kind) {
+            let fitting = garment.subsets.iter().filter(|s| s.elements.kind() == kind);
+            let fitting: Vec<&str> = fitting.map(|s| s.name.as_str()).collect();
+            return Err(Error::Recipe(format!(
+                "{}: {key} names \"{name}\", which is no {kind} subset of the mesh\n  hint: its {kind} subsets are: {}",
+                garment.prim,
+                fitting.join(", ")
+            )));
+        }
+    }
+    Ok(())
 }
 
 fn missing<'a>(
@@ -75,7 +89,7 @@ fn missing<'a>(
     let hint =
         if names.is_empty() { "the mesh has none".to_owned() } else { format!("the mesh has: {}", names.join(", ")) };
     Error::Recipe(format!(
-        "{}: sim.{key} names \"{name}\", which is no {kind} of the mesh\n  hint: {hint}",
+        "{}: {key} names \"{name}\", which is no {kind} of the mesh\n  hint: {hint}",
         garment.prim
     ))
 }

@@ -2,11 +2,12 @@
 
 use super::{Layers, in_words};
 use crate::error::{Error, Warnings, plain};
-use crate::render::RenderOptions;
+use crate::render::{RenderOptions, SeamOptions, ThicknessOptions};
 use crate::sim::SimOptions;
 use crate::usd::{ReadOptions, Source};
 use serde::Deserialize;
 use serde_json::{Map, Value};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// A `.tailor` file.
@@ -19,6 +20,8 @@ pub struct RecipeFile {
     pub prim: Option<String>,
     sim: Map<String, Value>,
     render: Map<String, Value>,
+    seam: Map<String, Value>,
+    thickness: Map<String, Value>,
 }
 
 impl RecipeFile {
@@ -72,6 +75,8 @@ impl RecipeFile {
         let mut layer = Map::new();
         layer.insert("sim".into(), Value::Object(self.sim));
         layer.insert("render".into(), Value::Object(self.render));
+        layer.insert("seam".into(), Value::Object(self.seam));
+        layer.insert("thickness".into(), Value::Object(self.thickness));
         layer
     }
 }
@@ -88,6 +93,10 @@ struct Form {
     _sim: SimOptions,
     #[serde(rename = "render")]
     _render: RenderOptions,
+    #[serde(rename = "seam")]
+    _seam: BTreeMap<String, SeamOptions>,
+    #[serde(rename = "thickness")]
+    _thickness: BTreeMap<String, ThicknessOptions>,
 }
 
 /// Whether a file is a recipe, by its name.

@@ -1,6 +1,7 @@
 //! Layers of a recipe: attributes, file, arguments and flags, the strongest last.
 
-use super::{Recipe, all_keys, defaults, in_words, known, type_of, usd_type_of};
+use super::instances::split;
+use super::{Recipe, all_keys, default_of, in_words, instance_defaults, type_of, usd_type_of};
 use crate::error::{Error, Warning, Warnings};
 use serde_json::{Map, Value};
 
@@ -17,11 +18,12 @@ impl Layers {
             match (space.as_str(), value) {
                 ("sim" | "render", Value::Object(fields)) => {
                     for (key, value) in fields {
-                        if known(&space, &key) {
-                            self.set(&space, &key, value);
-                        } else {
-                            warnings.push(not_understood(&format!("tailor:{space}:{key}")));
-                        }
+                        self.add_known(&space, &key, value, &mut |name| warnings.push(not_understood(name)));
+                    }
+                }
+                (kind, Value::Object(names)) if instance_defaults(kind).is_some() => {
+                    for (name, fields) in names {
+                        self.add_instance(kind, &name, fields, &mut |name| warnings.push(not_understood(name)));
                     }
                 }
                 _ => warnings.push(not_understood(&format!("tailor:{space}"))),
@@ -29,11 +31,40 @@ impl Layers {
         }
     }
 
+    /// Adds the fields of an instance; names in it that hold fields again are part of the instance's name.
+    fn add_instance(&mut self, kind: &str, name: &str, fields: Value, unknown: &mut dyn FnMut(&str)) {
+        let Value::Object(fields) = fields else {
+            return unknown(&format!("tailor:{kind}:{name}"));
+        };
+        for (field, value) in fields {
+            match value {
+                Value::Object(_) => self.add_instance(kind, &format!("{name}:{field}"), value, unknown),
+                value => self.add_known(kind, &format!("{name}.{field}"), value, unknown),
+            }
+        }
+    }
+
+    fn add_known(&mut self, space: &str, key: &str, value: Value, unknown: &mut dyn FnMut(&str)) {
+        match default_of(space, key) {
+            Some(_) => self.set(space, key, value),
+            None => unknown(&format!("tailor:{space}:{}", key.replace('.', ":"))),
+        }
+    }
+
     /// Adds a layer of nested keys.
     pub fn add(&mut self, layer: Map<String, Value>) {
         for (space, fields) in layer {
-            if let Value::Object(fields) = fields {
-                fields.into_iter().for_each(|(key, value)| self.set(&space, &key, value));
+            let Value::Object(fields) = fields else { continue };
+            for (key, value) in fields {
+                match value {
+                    Value::Object(of_instance) => {
+                        self.instance(&space, &key);
+                        for (field, value) in of_instance {
+                            self.set(&space, &format!("{key}.{field}"), value);
+                        }
+                    }
+                    value => self.set(&space, &key, value),
+                }
             }
         }
     }
@@ -55,21 +86,38 @@ impl Layers {
     /// A key that no option has, or a value of another type.
     pub fn add_text(&mut self, giver: &str, key: &str, text: &str) -> Result<(), Error> {
         let (space, field) = key.split_once('.').unwrap_or((key, ""));
-        if !known(space, field) {
+        let Some(default) = default_of(space, field) else {
             return Err(Error::Usage(format!("{giver} {key}: there is no such option\n  hint: {}", all_keys())));
-        }
-        let default = &defaults()[space][field];
-        let value = parse_like(default, text).ok_or_else(|| {
-            let kind = type_of(default);
+        };
+        let unfit = || {
+            let kind = type_of(&default);
             Error::Usage(format!("{giver} {key}: \"{text}\" is no {kind}\n  hint: its default is {default}"))
-        })?;
+        };
+        let value = parse_like(&default, text).ok_or_else(unfit)?;
+        let mut alone = Self::default();
+        alone.set(space, field, value.clone());
+        if let Err(e) = serde_json::from_value::<Recipe>(Value::Object(alone.merged)) {
+            let fault = in_words(&e);
+            return Err(Error::Usage(format!("{giver} {key}: {fault}\n  hint: its default is {default}")));
+        }
         self.set(space, field, value);
         Ok(())
     }
 
+    fn space(&mut self, space: &str) -> Option<&mut Map<String, Value>> {
+        self.merged.entry(space).or_insert_with(|| Value::Object(Map::new())).as_object_mut()
+    }
+
+    fn instance(&mut self, kind: &str, name: &str) -> Option<&mut Map<String, Value>> {
+        self.space(kind)?.entry(name).or_insert_with(|| Value::Object(Map::new())).as_object_mut()
+    }
+
     fn set(&mut self, space: &str, key: &str, value: Value) {
-        let fields = self.merged.entry(space).or_insert_with(|| Value::Object(Map::new()));
-        if let Value::Object(fields) = fields {
+        let (fields, key) = match split(space, key) {
+            Some((name, field)) => (self.instance(space, name), field),
+            None => (self.space(space), key),
+        };
+        if let Some(fields) = fields {
             fields.insert(key.into(), value);
         }
     }
@@ -93,16 +141,23 @@ impl Layers {
     /// The first option whose value is of another type. Only attributes can be: files and flags are checked as they
     /// are read.
     fn mistyped(&self, whole: &serde_json::Error) -> Error {
-        let defaults = defaults();
+        let fault = |path: &str, space: &str, key: &str, e: &serde_json::Error| {
+            let default = default_of(space, key).unwrap_or_default();
+            let (words, kind) = (in_words(e), usd_type_of(&default));
+            Error::Recipe(format!("tailor:{path} of the model: {words}\n  hint: declare it as {kind}"))
+        };
         for (space, fields) in &self.merged {
             for (key, value) in fields.as_object().into_iter().flatten() {
+                let of_instance = value.as_object().filter(|_| instance_defaults(space).is_some());
+                for (field, value) in of_instance.into_iter().flatten() {
+                    let alone = serde_json::json!({ space: { key: { field: value } } });
+                    if let Err(e) = serde_json::from_value::<Recipe>(alone) {
+                        return fault(&format!("{space}:{key}:{field}"), space, &format!("{key}.{field}"), &e);
+                    }
+                }
                 let alone = serde_json::json!({ space: { key: value } });
                 if let Err(e) = serde_json::from_value::<Recipe>(alone) {
-                    return Error::Recipe(format!(
-                        "tailor:{space}:{key} of the model: {}\n  hint: declare it as {}",
-                        in_words(&e),
-                        usd_type_of(&defaults[space][key])
-                    ));
+                    return fault(&format!("{space}:{key}"), space, key, &e);
                 }
             }
         }
@@ -144,6 +199,21 @@ mod tests {
     }
 
     #[test]
+    fn instances_are_merged_field_by_field() {
+        let mut layers = Layers::default();
+        let layer = serde_json::json!({"seam": {"placket": {"width": 3.0, "edges": ["a"]}, "left": {"hip": {"width": 1.0}}}});
+        layers.add_attributes(layer.as_object().cloned().unwrap_or_default(), &mut Warnings::default());
+        layers.add_override("seam.placket.width=2").expect("a good override");
+        layers.add_override("seam.left:hip.edges=b,c").expect("a good override");
+        layers.add_override("thickness.hem.faces=d").expect("a good override");
+        layers.add_override("thickness.hem.side=outer").expect("a good override");
+        let recipe = layers.recipe().expect("a good recipe");
+        assert_eq!((recipe.seams["placket"].width, recipe.seams["placket"].edges.as_slice()), (2.0, &["a".into()][..]));
+        assert_eq!((recipe.seams["left:hip"].width, recipe.seams["left:hip"].edges.len()), (1.0, 2));
+        assert_eq!(recipe.thicknesses["hem"].side, crate::render::Side::Outer);
+    }
+
+    #[test]
     fn bad_overrides_name_the_key_and_the_remedy() {
         let mut layers = Layers::default();
         for (text, expected) in [
@@ -151,6 +221,10 @@ mod tests {
             ("sim.iterations=many", "whole number"),
             ("sim.iterations", "has no value"),
             ("render.level=-1", "whole number"),
+            ("seam.placket.wide=1", "seam.<name>.width"),
+            ("seam.width=1", "no name"),
+            ("seam.placket.width=wide", "is no number"),
+            ("thickness.hem.side=under", "`inner`"),
         ] {
             let message = layers.add_override(text).expect_err(text).to_string();
             assert!(message.contains(expected), "{message}");

@@ -1,26 +1,25 @@
 //! The recipe: what the user asked for, from flags, a `.tailor` file, the model's attributes and the defaults.
 
 mod bind;
+mod check;
 mod file;
+mod instances;
 mod layers;
 
 pub use bind::{Bound, bind};
 pub use file::{Document, RecipeFile, is_recipe};
+pub use instances::{INSTANCE_KEYS, InstanceKey, instance_defaults};
 pub use layers::Layers;
 
-use crate::error::Error;
-use crate::render::RenderOptions;
+use crate::render::{RenderOptions, SeamOptions, ThicknessOptions};
 use crate::sim::SimOptions;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
 
-/// Refinement quadruples the faces, so a level above this is a mistake. \[levels\]
-const MAX_LEVEL: u32 = 6;
-/// Rounds above this change nothing any more. \[rounds\]
-const MAX_ITERATIONS: u32 = 100;
-
-/// The options: key, unit and meaning, in the order of the schemas.
-pub const KEYS: [(&str, &str, &str); 14] = [
+/// The options that each recipe has once: key, unit and meaning, in the order of the schemas.
+pub const KEYS: [(&str, &str, &str); 15] = [
     ("sim.minEdgeLength", "stage units", "edge length where the density is 1; 0: half of maxEdgeLength"),
     ("sim.maxEdgeLength", "stage units", "edge length where the density is 0; 0: half the mean edge of the input"),
     ("sim.density", "name", "painted float primvar, 1 fine to 0 coarse; empty: maxEdgeLength everywhere"),
@@ -34,7 +33,8 @@ pub const KEYS: [(&str, &str, &str); 14] = [
     ("sim.cleanIslands", "true or false", "whether single stray faces of a face set go to their neighbours"),
     ("sim.provenance", "true or false", "whether vertices say which face of the input they came from"),
     ("render.level", "levels", "refinements of the render mesh"),
-    ("render.operators", "names", "operators in their order (none yet)"),
+    ("render.operators", "names", "operators in their order; empty: seams, then thicknesses"),
+    ("render.faceSets", "true or false", "whether operators leave face subsets of what they made"),
 ];
 
 /// All options of a build.
@@ -45,45 +45,12 @@ pub struct Recipe {
     pub sim: SimOptions,
     /// Of the render mesh.
     pub render: RenderOptions,
-}
-
-impl Recipe {
-    fn check(&self) -> Result<(), Error> {
-        let fault =
-            |key: &str, fault: String, hint: &str| Err(Error::Recipe(format!("{key}: {fault}\n  hint: {hint}")));
-        for (key, length) in
-            [("sim.minEdgeLength", self.sim.min_edge_length), ("sim.maxEdgeLength", self.sim.max_edge_length)]
-        {
-            if !(length.is_finite() && length >= 0.0) {
-                return fault(
-                    key,
-                    format!("{length} is no length"),
-                    "give a positive number of stage units, or 0 for automatic",
-                );
-            }
-        }
-        let (min, max) = (self.sim.min_edge_length, self.sim.max_edge_length);
-        if min > max && max > 0.0 {
-            return fault(
-                "sim.minEdgeLength",
-                format!("{min} is more than sim.maxEdgeLength, {max}"),
-                "exchange the two",
-            );
-        }
-        for (key, value, most) in [
-            ("sim.baselineLevel", self.sim.baseline_level, MAX_LEVEL),
-            ("render.level", self.render.level, MAX_LEVEL),
-            ("sim.iterations", self.sim.iterations, MAX_ITERATIONS),
-        ] {
-            if value > most {
-                return fault(key, format!("{value} is too much"), &format!("give at most {most}"));
-            }
-        }
-        if !self.render.operators.is_empty() {
-            return fault("render.operators", "there are no operators yet".into(), "leave it empty");
-        }
-        Ok(())
-    }
+    /// Of the seams, by name.
+    #[serde(rename = "seam", skip_serializing_if = "BTreeMap::is_empty")]
+    pub seams: BTreeMap<String, SeamOptions>,
+    /// Of the thicknesses, by name.
+    #[serde(rename = "thickness", skip_serializing_if = "BTreeMap::is_empty")]
+    pub thicknesses: BTreeMap<String, ThicknessOptions>,
 }
 
 /// The default recipe, as nested keys.
@@ -91,23 +58,35 @@ pub fn defaults() -> Value {
     serde_json::to_value(Recipe::default()).unwrap_or_default()
 }
 
-fn known(space: &str, key: &str) -> bool {
-    defaults().get(space).is_some_and(|f| f.get(key).is_some())
+/// The default of an option that is written `space.key`, or `kind.instance.field`.
+fn default_of(space: &str, key: &str) -> Option<Value> {
+    match instances::split(space, key) {
+        Some((_, field)) => instance_defaults(space)?.get(field).cloned(),
+        None => defaults().get(space)?.get(key).cloned(),
+    }
 }
 
 fn all_keys() -> String {
-    let keys: Vec<&str> = KEYS.iter().map(|k| k.0).collect();
+    let of_instances = INSTANCE_KEYS.iter().map(InstanceKey::pattern);
+    let keys: Vec<String> = KEYS.iter().map(|k| k.0.to_owned()).chain(of_instances).collect();
     format!("the options are {}", keys.join(", "))
 }
 
 /// The options as lines of help: key, default, unit and meaning.
 pub fn help() -> String {
-    let defaults = defaults();
-    let lines = KEYS.iter().map(|(key, unit, meaning)| {
+    let mut text = "Options of the recipe, each with its default:\n".to_owned();
+    let mut line = |key: &str, default: Option<Value>, meaning: &str, unit: &str| {
+        let default = default.unwrap_or_default().to_string();
+        let _ = writeln!(text, "  {key:<21} {default:<6} {meaning} [{unit}]");
+    };
+    for (key, unit, meaning) in KEYS {
         let (space, field) = key.split_once('.').unwrap_or((key, ""));
-        format!("  {key:<21} {:<6} {meaning} [{unit}]\n", defaults[space][field].to_string())
-    });
-    format!("Options of the recipe, each with its default:\n{}", lines.collect::<String>())
+        line(key, default_of(space, field), meaning, unit);
+    }
+    for key in &INSTANCE_KEYS {
+        line(&key.pattern(), instance_defaults(key.kind).and_then(|d| d.get(key.field).cloned()), key.meaning, key.unit);
+    }
+    text
 }
 
 fn type_of(value: &Value) -> &'static str {
@@ -133,13 +112,16 @@ fn usd_type_of(value: &Value) -> &'static str {
 
 /// What serde found, without the names of our types.
 fn in_words(e: &serde_json::Error) -> String {
-    const WORDS: [(&str, &str); 6] = [
+    const WORDS: [(&str, &str); 9] = [
         ("expected f32", "expected a number"),
         ("expected u32", "expected a whole number, 0 or more"),
         ("expected a sequence", "expected a list"),
         ("expected a boolean", "expected true or false"),
         ("expected struct SimOptions", "expected { options }"),
         ("expected struct RenderOptions", "expected { options }"),
+        ("expected struct SeamOptions", "expected { options }"),
+        ("expected struct ThicknessOptions", "expected { options }"),
+        ("expected a map", "expected { name: { options } }"),
     ];
     WORDS.iter().fold(e.to_string(), |text, (ours, theirs)| text.replace(ours, theirs))
 }
@@ -154,6 +136,6 @@ mod tests {
         let count: usize =
             defaults().as_object().into_iter().flatten().filter_map(|(_, f)| f.as_object()).map(Map::len).sum();
         assert_eq!(count, KEYS.len());
-        assert!(KEYS.iter().all(|(key, _, _)| key.split_once('.').is_some_and(|(space, field)| known(space, field))));
+        assert!(KEYS.iter().all(|(key, _, _)| key.split_once('.').is_some_and(|(space, field)| default_of(space, field).is_some())));
     }
 }

@@ -1,8 +1,38 @@
-//! The render mesh: the cage through its operators, then refined.
+//! The render mesh: the cage through a stack of operators, then refined.
+//!
+//! An operator is a *derivation* (cage in, cage out, with the parents of every element: [`derivation`]) and a
+//! *deformation* (where the limit surface of the new cage is to be: [`surface`]). Attributes of every kind go through the
+//! derivation by the code that refinement uses. Seams and hems share the insertion of lines beside marked edges
+//! ([`lines`]).
+//!
+//! # A new operator
+//!
+//! 1. A file here with its options (a serde struct with defaults) and a type with the trait [`Operator`]: `shape`
+//!    collects faces, vertices and edges in a [`derivation::Builder`], each with its parent, and lists the vertices that
+//!    are held; `heights` says how far from the old surface each of them is. `structure` names the options that `shape`
+//!    reads, so that a change of the others only moves points.
+//! 2. A map of its instances in `recipe::Recipe`, and a line for it in [`Stack::new`].
+//! 3. A multiple-apply schema in `schemas/schema.usda`; a test holds its attributes to the options.
 
-use crate::garment::{BoundaryInterpolation, Garment};
+pub mod derivation;
+mod lines;
+mod seam;
+mod shape;
+mod surface;
+mod thickness;
+
+pub use seam::{SeamOptions, Seams};
+pub use shape::{Formed, Held, Operator, Role, Shape};
+pub use surface::{Pin, Surface, limit_rows};
+pub use thickness::{Side, Thickness, ThicknessOptions};
+
+use crate::error::{Error, Warning, Warnings};
+use crate::garment::{BoundaryInterpolation, Elements, Garment, Subset};
+use crate::mesh::{FaceId, IdVec, VertexId};
 use crate::subdivide::{Cage, Level};
+use glam::Vec3;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// Options of the render mesh: the attributes of `TailorRenderAPI`, with the same names and defaults.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -12,25 +42,167 @@ pub struct RenderOptions {
     pub level: u32,
     /// Names of the operators in the order in which they run; empty: seams, then thickness.
     pub operators: Vec<String>,
+    /// Whether each operator leaves face subsets of what it made: `<name>_seam`, `<name>_hem`, `<name>_inner`.
+    pub face_sets: bool,
 }
 
 impl Default for RenderOptions {
     fn default() -> Self {
-        Self { level: 1, operators: Vec::new() }
+        Self { level: 1, operators: Vec::new(), face_sets: false }
     }
+}
+
+/// An instance of an operator by its kind and name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Instance<'a> {
+    Seam(&'a str),
+    Thickness(&'a str),
+}
+
+impl<'a> Instance<'a> {
+    fn name(self) -> &'a str {
+        match self {
+            Self::Seam(name) | Self::Thickness(name) => name,
+        }
+    }
+
+    fn kind(self) -> &'static str {
+        match self {
+            Self::Seam(_) => "seam",
+            Self::Thickness(_) => "thickness",
+        }
+    }
+
+    fn full_name(self) -> String {
+        format!("{}.{}", self.kind(), self.name())
+    }
+
+    /// Whether `text` names it: by its name alone, or with its kind.
+    fn is_called(self, text: &str) -> bool {
+        text == self.name()
+            || text.split_once(['.', ':']).is_some_and(|(kind, name)| kind == self.kind() && name == self.name())
+    }
+}
+
+/// The operators of a render mesh in their order, and its level.
+pub struct Stack {
+    /// The operators.
+    pub operators: Vec<Box<dyn Operator>>,
+    /// Refinements after them. \[levels\]
+    pub level: u32,
+    /// What was met on the way.
+    pub warnings: Warnings,
+}
+
+impl Stack {
+    /// The stack of a garment of `points` points.
+    ///
+    /// # Errors
+    /// A name in `operators` that no instance has, or more than one.
+    pub fn new(
+        points: usize,
+        options: &RenderOptions,
+        seams: &BTreeMap<String, SeamOptions>,
+        thicknesses: &BTreeMap<String, ThicknessOptions>,
+    ) -> Result<Self, Error> {
+        let mut warnings = Warnings::default();
+        let of_seams = seams.keys().map(|name| Instance::Seam(name));
+        let all: Vec<Instance> = of_seams.chain(thicknesses.keys().map(|name| Instance::Thickness(name))).collect();
+        let order = order(&all, &options.operators, &mut warnings)?;
+        let mut operators: Vec<Box<dyn Operator>> = Vec::new();
+        let mut network: Vec<(String, SeamOptions)> = Vec::new();
+        for instance in order {
+            match instance {
+                Instance::Seam(name) => network.push((name.to_owned(), seams[name].clone())),
+                Instance::Thickness(name) => {
+                    end_network(&mut network, points, options, &mut operators);
+                    let chosen = thicknesses[name].clone();
+                    operators.push(Box::new(Thickness::new(name.to_owned(), chosen, points, options.face_sets)));
+                }
+            }
+        }
+        end_network(&mut network, points, options, &mut operators);
+        Ok(Self { operators, level: options.level, warnings })
+    }
+}
+
+/// Seams in a row are one operator.
+fn end_network(
+    network: &mut Vec<(String, SeamOptions)>,
+    points: usize,
+    options: &RenderOptions,
+    operators: &mut Vec<Box<dyn Operator>>,
+) {
+    if !network.is_empty() {
+        operators.push(Box::new(Seams::new(std::mem::take(network), points, options.face_sets)));
+    }
+}
+
+/// The instances in the order of `names`; all of them, seams first, where it is empty.
+fn order<'a>(all: &[Instance<'a>], names: &[String], warnings: &mut Warnings) -> Result<Vec<Instance<'a>>, Error> {
+    if names.is_empty() {
+        return Ok(all.to_vec());
+    }
+    let fault = |name: &str, fault: &str| {
+        let known: Vec<String> = all.iter().map(|i| i.full_name()).collect();
+        let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
+        Err(Error::Recipe(format!(
+            "render.operators names \"{name}\", {fault}\n  hint: the operators of the recipe are: {known}"
+        )))
+    };
+    let mut order: Vec<Instance> = Vec::new();
+    for name in names {
+        let called: Vec<Instance> = all.iter().copied().filter(|i| i.is_called(name)).collect();
+        match called.as_slice() {
+            [] => return fault(name, "which is no operator of the recipe"),
+            [instance] if order.contains(instance) => return fault(name, "which it names before already"),
+            [instance] => order.push(*instance),
+            _ => return fault(name, "which is the name of several; give its kind too"),
+        }
+    }
+    let left: Vec<String> = all.iter().filter(|i| !order.contains(i)).map(|i| i.full_name()).collect();
+    if !left.is_empty() {
+        warnings.push(Warning::OperatorsLeftOut { names: left });
+    }
+    Ok(order)
 }
 
 /// The render mesh of a checked garment.
 ///
 /// A polygonal mesh (`subdivisionScheme = "none"`) is refined as if bilinear and stays polygonal.
-pub fn render(garment: &Garment, options: &RenderOptions) -> Garment {
-    if options.level == 0 {
-        return garment.clone();
+///
+/// # Errors
+/// Operators that do not fit the garment.
+pub fn render(garment: &Garment, stack: &Stack, warnings: &mut Warnings) -> Result<Garment, Error> {
+    warnings.extend(&stack.warnings);
+    if stack.level == 0 && stack.operators.is_empty() {
+        return Ok(garment.clone());
     }
+    let mut cage = first_cage(garment);
+    let mut points = cage.garment().points.clone();
+    for operator in &stack.operators {
+        let formed = Formed::new(operator.as_ref(), &cage)?;
+        warnings.extend(&formed.shape.warnings);
+        points = formed.points(operator.as_ref(), &points, warnings);
+        cage = formed.cage;
+    }
+    for _ in 0..stack.level {
+        points = cage.refined_points(&points);
+        cage = cage.refined();
+    }
+    Ok(finished(cage, points))
+}
+
+/// The cage before any operator.
+pub fn first_cage(garment: &Garment) -> Cage {
     let mut garment = garment.clone();
     add_border_holes(&mut garment);
-    let cage = (0..options.level).fold(Cage::new(garment), |cage, _| cage.refined());
-    cage.into_garment()
+    Cage::new(garment)
+}
+
+/// The render mesh of the last cage, with the points that it is to have.
+pub fn finished(cage: Cage, points: IdVec<VertexId, Vec3>) -> Garment {
+    cage.with_points(points).into_garment()
 }
 
 /// Notes the faces that `interpolateBoundary = "none"` removes, which are fewer with each refinement.
@@ -41,4 +213,28 @@ fn add_border_holes(cage: &mut Garment) {
         cage.holes.sort_unstable();
         cage.holes.dedup();
     }
+}
+
+/// A subset of new faces, under a name that no other subset has.
+fn new_set(garment: &Garment, name: &str, faces: Vec<FaceId>) -> Subset {
+    let numbered = (1..).map(|n| if n == 1 { name.to_owned() } else { format!("{name}_{n}") });
+    let free = numbered.skip_while(|name| garment.subset(name).is_some()).next();
+    Subset {
+        name: free.unwrap_or_default(),
+        family: String::new(),
+        elements: Elements::Faces(faces),
+        sharpness: None,
+    }
+}
+
+/// Loop surfaces have no quads to work with.
+fn refuse_loop(cage: &Cage, operator: &str) -> Result<(), Error> {
+    if seam::is_supported(cage.garment().rules.scheme) {
+        return Ok(());
+    }
+    Err(Error::Recipe(format!(
+        "{}: {operator} makes quads, which a mesh with subdivisionScheme \"loop\" cannot have\n  \
+         hint: set the scheme to catmullClark, or remove the operator",
+        cage.garment().prim
+    )))
 }

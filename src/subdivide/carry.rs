@@ -1,7 +1,7 @@
 //! A garment with all its attributes through one derivation.
 
 use super::stencil::Stencils;
-use super::{Channel, ChannelChild, Level, Numbering, refined_sharpness, split};
+use super::{Channel, ChannelChild, INFINITE_SHARPNESS, Level, Numbering, refined_sharpness, split};
 use crate::garment::joints::{self, Influences};
 use crate::garment::{
     Corner, Crease, Elements, Family, FamilyType, Garment, Interpolation, Mixing, Primvar, Scheme, SubdivisionRules,
@@ -168,8 +168,24 @@ impl Cage {
     }
 
     /// The cage that an operator makes of it, with every attribute.
-    pub fn derived(&self, lineage: &impl Lineage) -> Self {
-        let (garment, influences) = carry(&self.garment, self.influences.as_deref(), lineage);
+    ///
+    /// A vertex that was sharp as the corner of a single face stays sharp, though it may have more faces now. So do the
+    /// vertices of `copies`, each with the one that it is a copy of.
+    pub fn derived(&self, lineage: &impl Lineage, copies: &[(VertexId, VertexId)]) -> Self {
+        let (mut garment, influences) = carry(&self.garment, self.influences.as_deref(), lineage);
+        let of_one_face = |v: VertexId| {
+            self.level.topology.vertex_corners.row(v).len() == 1 && self.level.vertex_sharpness[v] >= INFINITE_SHARPNESS
+        };
+        let corners: Vec<VertexId> = self.level.vertex_sharpness.ids().filter(|&v| of_one_face(v)).collect();
+        let of_copies = copies.iter().filter(|(over, _)| corners.binary_search(over).is_ok()).map(|c| c.1);
+        let mut sharp: BTreeSet<VertexId> = garment.corners.iter().map(|c| c.vertex).collect();
+        let mut faces = vec![0u32; garment.points.len()];
+        garment.faces.corners().iter().for_each(|v| faces[v.index()] += 1);
+        for vertex in corners.iter().map(|&v| lineage.child_vertex(v)).chain(of_copies) {
+            if faces[vertex.index()] > 1 && sharp.insert(vertex) {
+                garment.corners.push(Corner { vertex, sharpness: INFINITE_SHARPNESS });
+            }
+        }
         Self { level: Level::base(&garment), garment, influences }
     }
 

@@ -1,0 +1,90 @@
+//! Whether the values of a recipe make sense, before any garment is looked at.
+
+use super::Recipe;
+use crate::error::Error;
+
+/// Refinement quadruples the faces, so a level above this is a mistake. \[levels\]
+const MAX_LEVEL: u32 = 6;
+/// Rounds above this change nothing any more. \[rounds\]
+const MAX_ITERATIONS: u32 = 100;
+
+fn fault(key: &str, fault: &str, hint: &str) -> Result<(), Error> {
+    Err(Error::Recipe(format!("{key}: {fault}\n  hint: {hint}")))
+}
+
+fn length(key: &str, length: f32) -> Result<(), Error> {
+    if length.is_finite() && length >= 0.0 {
+        return Ok(());
+    }
+    fault(key, &format!("{length} is no length"), "give a positive number of stage units, or 0 for automatic")
+}
+
+fn finite(key: &str, value: f32) -> Result<(), Error> {
+    if value.is_finite() {
+        return Ok(());
+    }
+    fault(key, &format!("{value} is no distance"), "give a number of stage units")
+}
+
+fn named(key: &str, names: &[String], kind: &str) -> Result<(), Error> {
+    if names.is_empty() {
+        return fault(key, &format!("it names no {kind} subset"), &format!("name a {kind} subset of the mesh"));
+    }
+    Ok(())
+}
+
+impl Recipe {
+    pub(super) fn check(&self) -> Result<(), Error> {
+        self.check_sim()?;
+        self.check_levels()?;
+        self.check_seams()?;
+        self.check_thicknesses()
+    }
+
+    fn check_sim(&self) -> Result<(), Error> {
+        let (min, max) = (self.sim.min_edge_length, self.sim.max_edge_length);
+        length("sim.minEdgeLength", min)?;
+        length("sim.maxEdgeLength", max)?;
+        if min > max && max > 0.0 {
+            let more = format!("{min} is more than sim.maxEdgeLength, {max}");
+            return fault("sim.minEdgeLength", &more, "exchange the two");
+        }
+        Ok(())
+    }
+
+    fn check_levels(&self) -> Result<(), Error> {
+        for (key, value, most) in [
+            ("sim.baselineLevel", self.sim.baseline_level, MAX_LEVEL),
+            ("render.level", self.render.level, MAX_LEVEL),
+            ("sim.iterations", self.sim.iterations, MAX_ITERATIONS),
+        ] {
+            if value > most {
+                return fault(key, &format!("{value} is too much"), &format!("give at most {most}"));
+            }
+        }
+        Ok(())
+    }
+
+    fn check_seams(&self) -> Result<(), Error> {
+        for (name, seam) in &self.seams {
+            let key = |field: &str| format!("seam.{name}.{field}");
+            named(&key("edges"), &seam.edges, "edge")?;
+            length(&key("width"), seam.width)?;
+            finite(&key("depth"), seam.depth)?;
+            finite(&key("normalOffset"), seam.normal_offset)?;
+            if !(-1.0..=1.0).contains(&seam.asymmetry) {
+                let value = format!("{} is not between -1 and 1", seam.asymmetry);
+                return fault(&key("asymmetry"), &value, "give -1 for all on the left, 1 for all on the right");
+            }
+        }
+        Ok(())
+    }
+
+    fn check_thicknesses(&self) -> Result<(), Error> {
+        for (name, thickness) in &self.thicknesses {
+            named(&format!("thickness.{name}.faces"), &thickness.faces, "face")?;
+            length(&format!("thickness.{name}.amount"), thickness.amount)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,273 @@
+//! What an operator makes of a cage: new faces, and for each of their elements where it comes from.
+//!
+//! The parent's vertices keep their numbers and new ones follow, so that a number in a message is the user's own.
+//! Every new vertex is a weighted sum of vertices of one parent face or edge. So the same weights give the value at each
+//! of its corners too, taken from the parent face of that corner, and values of different shells never meet.
+
+use crate::garment::{Garment, Primvar};
+use crate::mesh::{CornerId, Csr, EdgeId, FaceId, Faces, IdVec, Topology, ValueId, VertexId};
+use crate::subdivide::{Lineage, Stencils, mixed_channel};
+use rayon::prelude::*;
+
+/// Weights that differ by less are the same: far above rounding, far below what can be seen.
+const SAME_WEIGHT: f32 = 1e-5;
+
+/// Weighted sums, one row for each child value.
+#[derive(Clone, Debug)]
+pub struct Table<I> {
+    offsets: Vec<u32>,
+    entries: Vec<(I, f32)>,
+}
+
+impl<I: Copy> Table<I> {
+    /// A table of no rows.
+    pub fn new() -> Self {
+        Self { offsets: vec![0], entries: Vec::new() }
+    }
+
+    /// Adds a row.
+    pub fn push(&mut self, row: impl IntoIterator<Item = (I, f32)>) {
+        self.entries.extend(row);
+        self.offsets.push(self.entries.len() as u32);
+    }
+
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.offsets.len() - 1
+    }
+
+    /// Whether there is no row.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The sources and weights of a row.
+    #[inline]
+    pub fn at(&self, row: usize) -> &[(I, f32)] {
+        &self.entries[self.offsets[row] as usize..self.offsets[row + 1] as usize]
+    }
+}
+
+impl<I: crate::mesh::Id> Stencils for &Table<I> {
+    type Source = I;
+
+    fn rows(&self) -> usize {
+        self.len()
+    }
+
+    fn row(&self, row: usize, sink: &mut impl FnMut(I, f32)) {
+        self.at(row).iter().for_each(|&(source, weight)| sink(source, weight));
+    }
+}
+
+/// The child of an operator.
+#[derive(Clone, Debug)]
+pub struct Derivation {
+    parent: Topology,
+    /// The child's faces.
+    pub faces: Faces,
+    parent_face: Vec<FaceId>,
+    /// Child vertices from parent vertices.
+    pub vertices: Table<VertexId>,
+    /// The children of each parent edge, in its direction.
+    edges: Csr<EdgeId, [VertexId; 2]>,
+}
+
+/// Collects the child of an operator face by face.
+pub struct Builder<'a> {
+    parent: &'a Topology,
+    starts: Vec<usize>,
+    counts: Vec<usize>,
+    corners: Vec<VertexId>,
+    parent_face: Vec<FaceId>,
+    vertices: Table<VertexId>,
+    edges: Vec<(EdgeId, [VertexId; 2])>,
+}
+
+impl<'a> Builder<'a> {
+    /// A child that has the parent's vertices and nothing else.
+    pub fn new(parent: &'a Topology) -> Self {
+        let mut vertices = Table::new();
+        (0..parent.vertex_count()).for_each(|v| vertices.push([(VertexId::new(v), 1.0)]));
+        let (faces, corners) = (parent.faces.len(), parent.faces.corners().len());
+        Self {
+            parent,
+            starts: Vec::with_capacity(2 * faces),
+            counts: Vec::with_capacity(2 * faces),
+            corners: Vec::with_capacity(2 * corners),
+            parent_face: Vec::with_capacity(2 * faces),
+            vertices,
+            edges: Vec::with_capacity(2 * parent.edges.len()),
+        }
+    }
+
+    /// Adds a vertex that is a weighted sum of vertices of one parent face, or of the two that all its faces share.
+    pub fn vertex(&mut self, sources: &[(VertexId, f32)]) -> VertexId {
+        self.vertices.push(sources.iter().copied());
+        VertexId::new(self.vertices.len() - 1)
+    }
+
+    /// What a vertex is a weighted sum of.
+    pub fn sources(&self, vertex: VertexId) -> Vec<(VertexId, f32)> {
+        self.vertices.at(vertex.index()).to_vec()
+    }
+
+    /// Number of vertices so far.
+    pub fn vertex_count(&self) -> usize {
+        self.vertices.len()
+    }
+
+    /// The vertices of a face.
+    pub fn corners_of(&self, face: usize) -> Vec<VertexId> {
+        self.corners[self.starts[face]..self.starts[face] + self.counts[face]].to_vec()
+    }
+
+    /// The children of each parent edge so far.
+    pub fn edges(&self) -> Csr<EdgeId, [VertexId; 2]> {
+        Csr::group(self.parent.edges.len(), self.edges.iter().copied(), [VertexId::new(0); 2])
+    }
+
+    /// Number of faces so far.
+    pub fn face_count(&self) -> usize {
+        self.counts.len()
+    }
+
+    /// Adds a face that is part of a parent face.
+    pub fn face(&mut self, parent: FaceId, corners: &[VertexId]) -> FaceId {
+        self.starts.push(self.corners.len());
+        self.counts.push(corners.len());
+        self.corners.extend_from_slice(corners);
+        self.parent_face.push(parent);
+        FaceId::new(self.counts.len() - 1)
+    }
+
+    /// Adds a child of a parent edge, after those it has, in the direction of the parent.
+    pub fn edge(&mut self, parent: EdgeId, child: [VertexId; 2]) {
+        self.edges.push((parent, child));
+    }
+
+    /// The child.
+    pub fn finish(self) -> Derivation {
+        Derivation {
+            edges: self.edges(),
+            parent: self.parent.clone(),
+            faces: Faces::mixed(self.counts, self.corners),
+            parent_face: self.parent_face,
+            vertices: self.vertices,
+        }
+    }
+}
+
+impl Derivation {
+    /// The weights of a child vertex as corners of a parent face, one that all its sources are in.
+    fn at_corners<'a>(&'a self, vertex: VertexId, face: FaceId) -> impl Iterator<Item = (CornerId, f32)> + 'a {
+        let corners = self.parent.faces.corners_of(face);
+        let first = CornerId::new(self.parent.faces.range(face).start);
+        let of = move |v: VertexId| corners.clone().find(|&c| self.parent.faces.vertex(c) == v).unwrap_or(first);
+        self.vertices.at(vertex.index()).iter().map(move |&(v, w)| (of(v), w))
+    }
+
+    /// Whether `vertex` is one of the parent's, unmoved.
+    fn is_kept(&self, vertex: VertexId) -> bool {
+        self.vertices.at(vertex.index()).len() == 1
+    }
+}
+
+impl Lineage for Derivation {
+    // A fold turns a line of edges around to the other layer, where lines that meet share a step.
+    const EDGES_ARE_OWN: bool = false;
+
+    fn parent(&self) -> &Topology {
+        &self.parent
+    }
+
+    fn faces(&self) -> &Faces {
+        &self.faces
+    }
+
+    fn parent_face(&self, child: FaceId) -> FaceId {
+        self.parent_face[child.index()]
+    }
+
+    fn parent_corner(&self, child: CornerId) -> CornerId {
+        let face = self.parent_face[self.faces.face_of(child).index()];
+        let heavier = |a: (CornerId, f32), b: (CornerId, f32)| if b.1 > a.1 + SAME_WEIGHT { b } else { a };
+        let heaviest = self.at_corners(self.faces.vertex(child), face).reduce(heavier);
+        heaviest.map_or(CornerId::new(self.parent.faces.range(face).start), |(corner, _)| corner)
+    }
+
+    fn child_vertex(&self, vertex: VertexId) -> VertexId {
+        vertex
+    }
+
+    fn child_edges(&self, edge: EdgeId, children: &mut Vec<[VertexId; 2]>) {
+        children.extend_from_slice(self.edges.row(edge));
+    }
+
+    fn remaining(&self, sharpness: f32) -> f32 {
+        sharpness
+    }
+
+    fn vertex(&self) -> impl Stencils<Source = VertexId> {
+        &self.vertices
+    }
+
+    fn varying(&self) -> impl Stencils<Source = VertexId> {
+        &self.vertices
+    }
+
+    fn face_varying(&self, garment: &Garment, primvar: &Primvar) -> Primvar {
+        let rows = primvar.corner_rows(&garment.faces, garment.points.len());
+        let (stencils, corner_values) = self.channel(&rows);
+        let every: Vec<u32> = (0..primvar.rows() as u32).collect();
+        mixed_channel(&&stencils, &corner_values, &every, primvar)
+    }
+}
+
+/// The values at one child vertex: the corners that have each, and what it is a sum of.
+type Shared = Vec<(Vec<CornerId>, Vec<(ValueId, f32)>)>;
+
+impl Derivation {
+    /// The values of a face-varying channel whose parent corners take `rows`, and the value of each child corner. Corners
+    /// of a vertex share a value where it is the same sum.
+    fn channel(&self, rows: &IdVec<CornerId, u32>) -> (Table<ValueId>, IdVec<CornerId, ValueId>) {
+        let corners = self.faces.corners();
+        let by_vertex = corners.enumerated().map(|(c, &v)| (v, c));
+        let by_vertex = Csr::group(self.vertices.len(), by_vertex, CornerId::new(0));
+        let vertices = (0..self.vertices.len()).into_par_iter().map(VertexId::new);
+        let shared: Vec<Shared> = vertices.map(|v| self.values_at(v, by_vertex.row(v), rows)).collect();
+        let mut stencils = Table::new();
+        let mut corner_values = IdVec::filled(ValueId::new(0), corners.len());
+        for (corners, sum) in shared.into_iter().flatten() {
+            corners.into_iter().for_each(|c| corner_values[c] = ValueId::new(stencils.len()));
+            stencils.push(sum);
+        }
+        (stencils, corner_values)
+    }
+
+    fn values_at(&self, vertex: VertexId, corners: &[CornerId], rows: &IdVec<CornerId, u32>) -> Shared {
+        let mut shared: Shared = Vec::with_capacity(1);
+        for &corner in corners {
+            let face = self.parent_face[self.faces.face_of(corner).index()];
+            let mut sum: Vec<(ValueId, f32)> = Vec::with_capacity(4);
+            for (parent, weight) in self.at_corners(vertex, face) {
+                let value = ValueId::new(rows[parent] as usize);
+                match sum.iter_mut().find(|(v, _)| *v == value) {
+                    Some((_, known)) => *known += weight,
+                    None => sum.push((value, weight)),
+                }
+            }
+            sum.sort_unstable_by_key(|(value, _)| *value);
+            match shared.iter_mut().find(|(_, known)| same(known, &sum)) {
+                Some((corners, _)) => corners.push(corner),
+                None => shared.push((vec![corner], sum)),
+            }
+        }
+        debug_assert!(!self.is_kept(vertex) || shared.iter().all(|(_, sum)| sum.len() == 1));
+        shared
+    }
+}
+
+fn same(a: &[(ValueId, f32)], b: &[(ValueId, f32)]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(x, y)| x.0 == y.0 && (x.1 - y.1).abs() < SAME_WEIGHT)
+}

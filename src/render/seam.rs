@@ -1,0 +1,235 @@
+//! Seams: edge sets as grooves or ridges of a width.
+//!
+//! ```text
+//!        left    right                 height along the normal
+//!  hold | width | centre | width | hold
+//!   o---o---o---*---o---o---o           * = normalOffset        depth swells the flanks between centre and width
+//!                                       o = the surface as it was
+//! ```
+//!
+//! Seams that follow one another in the stack are one network: they cross, meet and share room as equals, whatever
+//! their order. Left is the left-hand side of one who walks the chain with the normals up; a chain runs as most of its
+//! edges were authored.
+
+mod chains;
+
+use super::lines::{self, Lines, Narrowed, Request};
+use super::shape::{Held, Operator, Role, Shape};
+use super::surface::Pin;
+use crate::error::{Error, Warning, Warnings};
+use crate::garment::{Elements, Scheme, Subset};
+use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, VertexId};
+use crate::subdivide::Cage;
+use chains::Network;
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+/// Lines on the cage as shares of the width's half. In the limit a line is at the mean of (1, 4, 1) of itself and its
+/// neighbours, so that with these the line of the width is at 1. The last line holds the surface outside: further away it
+/// makes the shoulders of the seam softer, and takes more room.
+const LINES: [f32; 2] = [12.0 / 11.0, 18.0 / 11.0];
+/// The same with a line on the flank.
+const SWOLLEN_LINES: [f32; 3] = [0.5, 1.0, 1.5];
+/// Cosine of the turn from which on a chain has a corner, which is rounded, and not held across.
+const STRAIGHT: f32 = 0.87;
+/// Least part of the width on one side, so that full asymmetry keeps both lines apart.
+const LEAST_SIDE: f32 = 0.05;
+/// Elements that a warning names.
+const EXAMPLES: usize = 5;
+
+/// Options of a seam: the attributes of `TailorSeamAPI`, with the same names and defaults.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase", default, deny_unknown_fields)]
+pub struct SeamOptions {
+    /// Names of the edge subsets that it follows.
+    pub edges: Vec<String>,
+    /// From one side to the other; 0: a quarter of the input's mean edge. \[stage units\]
+    pub width: f32,
+    /// How far the flanks swell along the normal over straight ones; larger is rounder. \[stage units\]
+    pub depth: f32,
+    /// How far the centre is pushed along the normal; below 0 is a groove, above a ridge. \[stage units\]
+    pub normal_offset: f32,
+    /// Part of the width on either side: -1 all on the left, 0 even, 1 all on the right.
+    pub asymmetry: f32,
+}
+
+impl SeamOptions {
+    /// Widths of the left and right side. \[stage units\]
+    fn sides(&self) -> [f32; 2] {
+        let left = (0.5 * (1.0 - self.asymmetry)).clamp(LEAST_SIDE, 1.0 - LEAST_SIDE);
+        [self.width * left, self.width * (1.0 - left)]
+    }
+}
+
+/// Seams that are made together.
+pub struct Seams {
+    seams: Vec<(String, SeamOptions)>,
+    /// Points of the input, whose numbers are the user's.
+    own_points: usize,
+    names_sets: bool,
+}
+
+impl Seams {
+    /// Seams by name, of a garment of `own_points` points. With `names_sets` their faces become subsets.
+    pub fn new(seams: Vec<(String, SeamOptions)>, own_points: usize, names_sets: bool) -> Self {
+        Self { seams, own_points, names_sets }
+    }
+
+    /// Lines of each side as shares of its width. Seams with swollen flanks have one more.
+    fn shares(&self) -> &'static [f32] {
+        if self.is_swollen() { &SWOLLEN_LINES } else { &LINES }
+    }
+
+    /// The line of the width; those before it are on the flank.
+    fn width_line(&self) -> usize {
+        self.shares().len() - 2
+    }
+
+    fn is_swollen(&self) -> bool {
+        self.seams.iter().any(|(_, options)| options.depth != 0.0)
+    }
+
+    fn examples<T: Copy, U>(&self, of: &[T], points: impl Fn(T) -> Vec<VertexId>, name: impl Fn(T) -> U) -> Vec<U> {
+        let known = |&x: &T| points(x).iter().all(|v| v.index() < self.own_points);
+        of.iter().copied().filter(known).take(EXAMPLES).map(name).collect()
+    }
+
+    /// The edges of a seam on the cage, as they were authored.
+    fn edges(&self, cage: &Cage, options: &SeamOptions) -> Vec<[VertexId; 2]> {
+        let sets = options.edges.iter().filter_map(|name| cage.garment().subset(name));
+        let edges = sets.filter_map(|set| if let Elements::Edges(edges) = &set.elements { Some(edges) } else { None });
+        edges.flatten().copied().collect()
+    }
+
+    fn warn(&self, network: &Network, narrowed: &[Narrowed]) -> Warnings {
+        let mut warnings = Warnings::default();
+        for (instance, (name, _)) in self.seams.iter().enumerate() {
+            let shared: Vec<EdgeId> = network.shared.iter().filter(|s| s.1 == instance).map(|s| s.0).collect();
+            if !shared.is_empty() {
+                let ends = |e: EdgeId| network.ends(e).to_vec();
+                let examples = self.examples(&shared, ends, |e| network.ends(e).map(|v| v.index()));
+                warnings.push(Warning::SharedSeamEdges { seam: name.clone(), count: shared.len(), examples });
+            }
+            let lone: Vec<EdgeId> = network.lone.iter().copied().filter(|&e| network.seam[e] == Some(instance)).collect();
+            if !lone.is_empty() {
+                let ends = |e: EdgeId| network.ends(e).to_vec();
+                let examples = self.examples(&lone, ends, |e| network.ends(e).map(|v| v.index()));
+                warnings.push(Warning::NoRoomToTaper { seam: name.clone(), count: lone.len(), examples });
+            }
+            let mut narrow: Vec<VertexId> = Vec::new();
+            let mut least = 1.0f32;
+            for n in narrowed.iter().filter(|n| network.seam[n.mark] == Some(instance)) {
+                narrow.push(n.vertex);
+                least = least.min(n.share);
+            }
+            narrow.sort_unstable();
+            narrow.dedup();
+            if !narrow.is_empty() {
+                let examples = self.examples(&narrow, |v| vec![v], |v| v.index());
+                warnings.push(Warning::NarrowSeam { seam: name.clone(), count: narrow.len(), examples, least });
+            }
+        }
+        warnings
+    }
+
+    fn held(&self, cage: &Cage, network: &Network, lines: &Lines) -> Vec<Held> {
+        let t = &cage.level().topology;
+        let near = lines.near.enumerated().filter(|(_, near)| **near).map(|(v, _)| v);
+        let kept = near.map(|vertex| {
+            let instances = network.at(t, vertex);
+            if instances.is_empty() || network.tapers[vertex] {
+                return Held { vertex, pin: Pin::Height, role: Role::Surface };
+            }
+            let straight = network.straight_at(t, vertex, &cage.garment().points, STRAIGHT);
+            Held { vertex, pin: straight.map_or(Pin::Height, Pin::Across), role: Role::Centre(instances) }
+        });
+        let on_lines = lines.vertices.iter().map(|l| {
+            let instance = network.seam[l.mark].unwrap_or(0);
+            Held { vertex: l.vertex, pin: Pin::Height, role: Role::Line { line: l.line, instance } }
+        });
+        kept.chain(on_lines).collect()
+    }
+
+    /// The faces within the width of each seam.
+    fn subsets(&self, cage: &Cage, network: &Network, lines: &Lines) -> Vec<Subset> {
+        if !self.names_sets {
+            return Vec::new();
+        }
+        let width = self.width_line();
+        let of = |(instance, (name, _)): (usize, &(String, SeamOptions))| {
+            let within = lines.strips.iter().filter(|s| s.line <= width && network.seam[s.mark] == Some(instance));
+            let faces: Vec<FaceId> = within.map(|s| s.face).collect();
+            super::new_set(cage.garment(), &format!("{name}_seam"), faces)
+        };
+        self.seams.iter().enumerate().map(of).collect()
+    }
+
+    fn distances(&self, cage: &Cage, network: &Network) -> IdVec<CornerId, f32> {
+        let t = &cage.level().topology;
+        let is_left_handed = cage.garment().orientation == crate::garment::Orientation::LeftHanded;
+        let distance = |corner: CornerId| {
+            let edge = t.corner_edge[corner];
+            let Some(instance) = network.seam[edge] else { return 0.0 };
+            // A face is on the left of the half-edge that runs around it, seen from its front.
+            let is_left = (t.faces.vertex(corner) == network.start[edge]) != is_left_handed;
+            self.seams[instance].1.sides()[usize::from(!is_left)]
+        };
+        t.corner_edge.ids().map(distance).collect()
+    }
+}
+
+impl Operator for Seams {
+    fn structure(&self) -> String {
+        let of = |(name, o): &(String, SeamOptions)| format!("{name:?} {:?} {} {}", o.edges, o.width, o.asymmetry);
+        let seams: Vec<String> = self.seams.iter().map(of).collect();
+        format!("seams {} {} {}", seams.join("; "), self.is_swollen(), self.names_sets)
+    }
+
+    fn options(&self) -> String {
+        format!("seams {:?}", self.seams)
+    }
+
+    fn shape(&self, cage: &Cage) -> Result<Shape, Error> {
+        super::refuse_loop(cage, &format!("seam.{}", self.seams.first().map_or("", |s| &s.0)))?;
+        let edges = self.seams.iter().map(|(_, options)| self.edges(cage, options)).collect::<Vec<_>>();
+        let t = &cage.level().topology;
+        let network = Network::new(t, &edges);
+        let request = Request {
+            topology: t,
+            points: &cage.garment().points,
+            marked: network.seam.iter().map(Option::is_some).collect(),
+            distance: self.distances(cage, &network),
+            tapers: network.tapers.clone(),
+            cuttable: IdVec::filled(true, t.faces.len()),
+            shares: self.shares(),
+            kept_line: self.width_line(),
+        };
+        let lines = lines::insert(&request);
+        let held = self.held(cage, &network, &lines);
+        let subsets = self.subsets(cage, &network, &lines);
+        let warnings = self.warn(&network, &lines.narrowed);
+        Ok(Shape { derivation: lines.builder.finish(), held, subsets, apart: Vec::new(), warnings })
+    }
+
+    fn heights(&self, shape: &Shape, _: &[(Vec3, Vec3)], _: &mut Warnings) -> Vec<f32> {
+        let shares = self.shares();
+        let of = |held: &Held| match &held.role {
+            // Where seams meet, the one that goes furthest decides.
+            Role::Centre(instances) => instances
+                .iter()
+                .map(|&i| self.seams[i].1.normal_offset)
+                .fold(0.0, |furthest: f32, offset| if offset.abs() > furthest.abs() { offset } else { furthest }),
+            Role::Line { line, instance } if *line < self.width_line() => {
+                let options = &self.seams[*instance].1;
+                (1.0 - shares[*line]) * options.normal_offset + options.depth
+            }
+            _ => 0.0,
+        };
+        shape.held.iter().map(of).collect()
+    }
+}
+
+/// Whether a scheme has faces that seams can be cut into.
+pub(super) fn is_supported(scheme: Scheme) -> bool {
+    scheme != Scheme::Loop
+}

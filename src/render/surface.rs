@@ -1,0 +1,207 @@
+//! The limit surface of a cage, and cages whose limit surface is where it was asked to be.
+//!
+//! References: Halstead, Kass and DeRose 1993 (limit positions, and interpolation by solving for the cage); Boubekeur and
+//! Alexa 2008 (places between vertices from the tangent planes there).
+
+use super::derivation::Table;
+use crate::garment::{Orientation, Scheme};
+use crate::mesh::{CornerId, IdVec, Topology, VertexId};
+use crate::subdivide::{INFINITE_SHARPNESS, Level, Numbering, Rule, Spoke, Stencils, VertexStencils, carried_points};
+use glam::Vec3;
+use rayon::prelude::*;
+
+/// Part of the step to the tangent planes that gives a surface of even curvature its true height.
+const PHONG_SHARE: f32 = 0.5;
+/// Sweeps over all aims; each leaves about half of the error.
+const SWEEPS: usize = 24;
+/// Sweeps end when no step is longer than this share of the mesh's extent.
+const ENOUGH: f32 = 2e-7;
+
+/// Limit positions of a level's vertices, as weighted sums of the cage's.
+pub fn limit_rows(level: &Level, vertices: impl IndexedParallelIterator<Item = VertexId>) -> Table<VertexId> {
+    let refined = level.vertex_stencils();
+    let rows: Vec<Vec<(VertexId, f32)>> = vertices.map(|v| limit_row(level, &refined, v)).collect();
+    let mut table = Table::new();
+    rows.into_iter().for_each(|row| table.push(row));
+    table
+}
+
+/// How much a sharpness still counts in the limit: exact where it is none or infinite, and near it between.
+fn lasting(sharpness: f32) -> f32 {
+    if sharpness >= INFINITE_SHARPNESS { 1.0 } else { 1.0 - 0.5f32.powf(sharpness) }
+}
+
+fn limit_row(level: &Level, refined: &VertexStencils, vertex: VertexId) -> Vec<(VertexId, f32)> {
+    let linear = matches!(level.scheme, Scheme::Bilinear | Scheme::None | Scheme::Loop);
+    if linear || level.topology.vertex_corners.row(vertex).is_empty() {
+        return vec![(vertex, 1.0)];
+    }
+    let mut row = Vec::with_capacity(16);
+    let mut sink = |v: VertexId, weight: f32| match row.iter_mut().find(|(known, _)| *known == v) {
+        Some((_, sum)) => *sum += weight,
+        None => row.push((v, weight)),
+    };
+    let mut spokes: Vec<Spoke> = Vec::new();
+    level.spokes(vertex, &mut spokes);
+    let sharp: Vec<&Spoke> = spokes.iter().filter(|s| level.edge_sharpness[s.edge] > 0.0).collect();
+    let least = sharp.iter().map(|s| level.edge_sharpness[s.edge]).fold(INFINITE_SHARPNESS, f32::min);
+    let kept = match level.rules[vertex] {
+        Rule::Corner => lasting(level.vertex_sharpness[vertex].max(if sharp.len() > 2 { least } else { 0.0 })),
+        _ => 0.0,
+    };
+    let creased = if sharp.len() == 2 { (1.0 - kept) * lasting(least) } else { 0.0 };
+    sink(vertex, kept + creased * 2.0 / 3.0);
+    sharp.iter().filter(|_| creased > 0.0).for_each(|s| sink(level.topology.faces.vertex(s.far), creased / 6.0));
+    let smooth = 1.0 - kept - creased;
+    if smooth > 1e-6 {
+        smooth_row(level, refined, vertex, smooth, &mut sink);
+    }
+    row
+}
+
+/// The limit of a smooth vertex, through the first refinement where not all faces about it are quads.
+fn smooth_row(
+    level: &Level,
+    refined: &VertexStencils,
+    vertex: VertexId,
+    scale: f32,
+    sink: &mut impl FnMut(VertexId, f32),
+) {
+    let t = &level.topology;
+    let corners = t.vertex_corners.row(vertex);
+    let n = corners.len() as f32;
+    let unit = scale / (n * (n + 5.0));
+    if corners.iter().all(|&c| t.faces.valence(t.faces.face_of(c)) == 4) {
+        sink(vertex, n * n * unit);
+        for &corner in corners {
+            sink(t.faces.vertex(t.faces.ahead(corner, 1)), 4.0 * unit);
+            sink(t.faces.vertex(t.faces.ahead(corner, 2)), unit);
+        }
+        return;
+    }
+    let numbering = Numbering::new(level);
+    let mut through = |child: VertexId, weight: f32| {
+        refined.row(child.index(), &mut |source, share| sink(source, weight * share));
+    };
+    through(vertex, n * n * unit);
+    for &corner in corners {
+        through(numbering.of_edge(t.corner_edge[corner]), 4.0 * unit);
+        through(numbering.of_face(t.faces.face_of(corner)), unit);
+    }
+}
+
+/// A limit surface: positions at the cage's vertices, and the normal that each corner sees there.
+pub struct Surface {
+    /// Limit positions.
+    pub places: IdVec<VertexId, Vec3>,
+    /// Normals to the front; all corners of a vertex have one, unless the surface has a fold there.
+    pub normals: IdVec<CornerId, Vec3>,
+    is_flat: bool,
+}
+
+impl Surface {
+    /// The limit surface of a cage whose points are `points`, where `rows` are the limit rows of all its vertices.
+    pub fn new(level: &Level, orientation: Orientation, rows: &Table<VertexId>, points: &IdVec<VertexId, Vec3>) -> Self {
+        let places = carried_points(&rows, points);
+        let t = &level.topology;
+        let sign = if orientation == Orientation::LeftHanded { -1.0 } else { 1.0 };
+        let at = |c: CornerId| places[t.faces.vertex(c)];
+        let own = |c: CornerId| sign * (at(t.faces.next(c)) - at(c)).cross(at(t.faces.prev(c)) - at(c));
+        let mut normals: IdVec<CornerId, Vec3> = t.faces.corners().ids().map(own).collect();
+        for vertex in places.ids() {
+            let corners = t.vertex_corners.row(vertex);
+            let mean = corners.iter().map(|&c| normals[c]).sum::<Vec3>().normalize_or_zero();
+            let folded = has_fold(level, vertex);
+            for &corner in corners {
+                let own = normals[corner].normalize_or_zero();
+                normals[corner] = if folded && own != Vec3::ZERO { own } else { mean };
+            }
+        }
+        let is_flat = matches!(level.scheme, Scheme::Bilinear | Scheme::None);
+        Self { places, normals, is_flat }
+    }
+
+    /// The place on the surface that corners with their weights stand for, and the normal there.
+    pub fn at(&self, t: &Topology, seen: &[(CornerId, f32)]) -> (Vec3, Vec3) {
+        let place: Vec3 = seen.iter().map(|&(c, w)| w * self.places[t.faces.vertex(c)]).sum();
+        let normal = seen.iter().map(|&(c, w)| w * self.normals[c]).sum::<Vec3>().normalize_or_zero();
+        if self.is_flat {
+            return (place, normal);
+        }
+        let lift = |&(c, w): &(CornerId, f32)| {
+            let n = self.normals[c];
+            w * (place - self.places[t.faces.vertex(c)]).dot(n) * n
+        };
+        (place - PHONG_SHARE * seen.iter().map(lift).sum::<Vec3>(), normal)
+    }
+}
+
+/// Whether inner edges at a vertex stay sharp.
+fn has_fold(level: &Level, vertex: VertexId) -> bool {
+    let t = &level.topology;
+    let edges = t.vertex_corners.row(vertex).iter().map(|&c| t.corner_edge[c]);
+    edges.into_iter().any(|e| !t.is_border(e) && level.edge_sharpness[e] > 1.0)
+}
+
+/// How a vertex is held to its aim.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pin {
+    /// In place.
+    Place,
+    /// In its height along the normal; it may slide in the surface.
+    Height,
+    /// In its height, and across the line from one vertex to another; it may slide along.
+    Across([VertexId; 2]),
+}
+
+impl Pin {
+    /// The part of a step that the pin asks for; `across` is the direction of [`Pin::Across`].
+    fn part(self, step: Vec3, normal: Vec3, across: Vec3) -> Vec3 {
+        match self {
+            Self::Place => step,
+            Self::Height => step.dot(normal) * normal,
+            Self::Across(_) => step.dot(normal) * normal + step.dot(across) * across,
+        }
+    }
+}
+
+/// A vertex whose limit is held to a place.
+#[derive(Clone, Copy, Debug)]
+pub struct Aim {
+    /// The vertex.
+    pub vertex: VertexId,
+    /// How it is held.
+    pub pin: Pin,
+}
+
+/// Moves the vertices of `aims`, whose limit rows are `rows`, until their limits are at `targets` (place and normal).
+pub fn fit(aims: &[Aim], rows: &Table<VertexId>, targets: &[(Vec3, Vec3)], points: &mut IdVec<VertexId, Vec3>) {
+    let (low, high) = points.iter().fold((Vec3::MAX, Vec3::MIN), |(l, h), &p| (l.min(p), h.max(p)));
+    let enough = ENOUGH * low.distance(high);
+    let direction = |(aim, &(_, normal)): (&Aim, &(Vec3, Vec3))| match aim.pin {
+        Pin::Across([a, b]) => normal.cross(points[b] - points[a]).normalize_or_zero(),
+        _ => Vec3::ZERO,
+    };
+    let across: Vec<Vec3> = aims.iter().zip(targets).map(direction).collect();
+    for _ in 0..SWEEPS {
+        let mut longest = 0.0f32;
+        for (i, aim) in aims.iter().enumerate() {
+            let (place, normal) = targets[i];
+            let (mut limit, mut own) = (Vec3::ZERO, 0.0);
+            for &(v, w) in rows.at(i) {
+                limit += w * points[v];
+                if v == aim.vertex {
+                    own = w;
+                }
+            }
+            let step = aim.pin.part(place - limit, normal, across[i]) / own.max(0.25);
+            if step.is_finite() {
+                points[aim.vertex] += step;
+                longest = longest.max(step.abs().max_element());
+            }
+        }
+        if longest < enough {
+            return;
+        }
+    }
+}

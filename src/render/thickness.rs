@@ -1,0 +1,306 @@
+//! Thickness: face sets beside a border, folded over into a second layer.
+//!
+//! ```text
+//!   outer   --o-------o---v           v  border, now the fold       o  line that holds the fold
+//!                         | hem       v' its copy
+//!   inner   --o'------o'--v'          the layers are amount × weight apart, and face away from each other
+//! ```
+
+use super::lines::{self, Lines, Request};
+use super::shape::{Held, Operator, Role, Shape};
+use super::surface::Pin;
+use crate::error::{Error, Warning, Warnings};
+use crate::garment::{Elements, Garment, Orientation, Primvar, Subset, Values};
+use crate::mesh::{CornerId, Csr, EdgeId, FaceId, IdVec, Topology, VertexId};
+use crate::subdivide::Cage;
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+/// Distance of the line that holds the fold from it, as a share of the amount. Smaller makes the fold tighter.
+const HOLD: f32 = 1.0;
+/// Least weight, so that the layers stay apart where it is painted 0.
+const LEAST_WEIGHT: f32 = 0.01;
+/// Part of an edge's length that a fold of the surface may take from it on the second layer. Larger lets the layer come
+/// closer to crossing itself.
+const MOST_SHRUNK: f32 = 0.7;
+/// Points that a warning names.
+const EXAMPLES: usize = 5;
+
+/// On which side of the surface the second layer is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub enum Side {
+    /// Behind it.
+    #[default]
+    Inner,
+    /// Before it.
+    Outer,
+}
+
+/// Options of a thickness: the attributes of `TailorThicknessAPI`, with the same names and defaults.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase", default, deny_unknown_fields)]
+pub struct ThicknessOptions {
+    /// Names of the face subsets that get a second layer, as one piece.
+    pub faces: Vec<String>,
+    /// Distance of the layers; 0: a tenth of the input's mean edge. \[stage units\]
+    pub amount: f32,
+    /// Painted float primvar that scales the amount; empty: 1 everywhere.
+    pub weights: String,
+    /// The side of the second layer.
+    pub side: Side,
+    /// Whether faces without a border get a second layer too.
+    pub closed: bool,
+}
+
+/// One thickness.
+pub struct Thickness {
+    name: String,
+    options: ThicknessOptions,
+    /// Points of the input, whose numbers are the user's.
+    own_points: usize,
+    names_sets: bool,
+}
+
+/// The second layer while it is made.
+struct Layer {
+    /// The copy of each vertex that has one.
+    copy: Vec<Option<VertexId>>,
+    hem: Vec<FaceId>,
+    inner: Vec<FaceId>,
+}
+
+impl Thickness {
+    /// A thickness by name, of a garment of `own_points` points. With `names_sets` its faces become subsets.
+    pub fn new(name: String, options: ThicknessOptions, own_points: usize, names_sets: bool) -> Self {
+        Self { name, options, own_points, names_sets }
+    }
+
+    /// The faces that are folded over.
+    fn chosen(&self, garment: &Garment) -> IdVec<FaceId, bool> {
+        let mut chosen = IdVec::filled(false, garment.faces.len());
+        for subset in self.options.faces.iter().filter_map(|name| garment.subset(name)) {
+            if let Elements::Faces(faces) = &subset.elements {
+                faces.iter().for_each(|&f| chosen[f] = true);
+            }
+        }
+        chosen
+    }
+
+    fn no_border(&self, garment: &Garment) -> Error {
+        let (prim, name, faces) = (&garment.prim, &self.name, self.options.faces.join(", "));
+        Error::Recipe(format!(
+            "{prim}: thickness.{name}.faces names {faces}, which is not next to a border of the mesh, so that there is \
+             nothing to fold over\n  hint: name a face subset at a border, or set thickness.{name}.closed"
+        ))
+    }
+
+    fn sign(&self) -> f32 {
+        if self.options.side == Side::Outer { 1.0 } else { -1.0 }
+    }
+
+    fn copy_faces(&self, t: &Topology, chosen: &IdVec<FaceId, bool>, lines: &mut Lines) -> Layer {
+        let mut layer = Layer { copy: vec![None; lines.builder.vertex_count()], hem: Vec::new(), inner: Vec::new() };
+        for face in t.faces.ids().filter(|&f| chosen[f]) {
+            for child in lines.first_child[face.index()]..lines.first_child[face.index() + 1] {
+                let corners = lines.builder.corners_of(child);
+                let mut copied: Vec<VertexId> = Vec::with_capacity(corners.len());
+                for &corner in &corners {
+                    copied.push(copy_of(&mut layer.copy, corner, lines));
+                }
+                // The other way around, from the same corner on.
+                copied[1..].reverse();
+                layer.inner.push(lines.builder.face(face, &copied));
+            }
+        }
+        layer
+    }
+
+    /// The strip between the border and its copy.
+    fn add_hem(&self, t: &Topology, border: &[CornerId], layer: &mut Layer, lines: &mut Lines) {
+        for &half in border {
+            let [a, b] = t.faces.half_edge(half);
+            let [copy_a, copy_b] = [a, b].map(|v| copy_of(&mut layer.copy, v, lines));
+            layer.hem.push(lines.builder.face(t.faces.face_of(half), &[b, a, copy_a, copy_b]));
+        }
+    }
+
+    /// Edges go on around the fold and back along the second layer.
+    fn add_edges(&self, t: &Topology, chosen: &IdVec<FaceId, bool>, folds: &IdVec<VertexId, bool>, layer: &Layer, lines: &mut Lines) {
+        let children: Csr<EdgeId, [VertexId; 2]> = lines.builder.edges();
+        let copy = |v: VertexId| layer.copy[v.index()].unwrap_or(v);
+        for edge in t.edges.ids() {
+            let mut faces = t.edge_corners.row(edge).iter().map(|&c| t.faces.face_of(c));
+            if !faces.any(|f| chosen[f]) {
+                continue;
+            }
+            let ([a, b], inner) = (t.edges[edge], !t.is_border(edge));
+            if inner && folds[b] {
+                lines.builder.edge(edge, [b, copy(b)]);
+            }
+            for &[from, to] in children.row(edge).iter().rev() {
+                lines.builder.edge(edge, [copy(to), copy(from)]);
+            }
+            if inner && folds[a] {
+                lines.builder.edge(edge, [copy(a), a]);
+            }
+        }
+    }
+
+    fn weight(&self, weights: Option<&Primvar>, sources: &[(VertexId, f32)]) -> f32 {
+        let Some(Primvar { values: Values::F32(values), .. }) = weights else { return 1.0 };
+        let row = |v: VertexId| weights.map_or(0, |p| p.row(v.index()));
+        let weight: f32 = sources.iter().map(|&(v, w)| w * values[row(v)]).sum();
+        weight.max(LEAST_WEIGHT)
+    }
+
+    fn held(&self, cage: &Cage, folds: &IdVec<VertexId, bool>, layer: &Layer, lines: &Lines) -> Vec<Held> {
+        let weights = cage.garment().primvar(&self.options.weights);
+        let near = lines.near.enumerated().filter(|(_, near)| **near).map(|(v, _)| v);
+        let pin = |fold: bool| if fold { Pin::Place } else { Pin::Height };
+        let mut held: Vec<Held> =
+            near.map(|vertex| Held { vertex, pin: pin(folds[vertex]), role: Role::Surface }).collect();
+        let on_lines = lines.vertices.iter().map(|l| l.vertex);
+        held.extend(on_lines.clone().map(|vertex| Held { vertex, pin: Pin::Height, role: Role::Surface }));
+        let mut on_line = vec![false; layer.copy.len()];
+        on_lines.for_each(|v| on_line[v.index()] = true);
+        let copies = layer.copy.iter().enumerate().filter_map(|(v, copy)| Some((VertexId::new(v), (*copy)?)));
+        held.extend(copies.map(|(over, vertex)| {
+            let weight = self.weight(weights, &lines.builder.sources(over));
+            Held { vertex, pin: pin(!on_line[over.index()]), role: Role::Layer { over, weight } }
+        }));
+        held
+    }
+
+    /// Where the copies are until their surface is fitted.
+    fn apart(&self, cage: &Cage, held: &[Held], lines: &Lines) -> Vec<(VertexId, Vec3)> {
+        let normals = vertex_normals(cage);
+        let offset = |h: &Held| {
+            let Role::Layer { over, weight } = h.role else { return None };
+            let normal: Vec3 = lines.builder.sources(over).iter().map(|&(v, w)| w * normals[v]).sum();
+            Some((h.vertex, self.sign() * self.options.amount * weight * normal.normalize_or_zero()))
+        };
+        held.iter().filter_map(offset).collect()
+    }
+
+    fn subsets(&self, garment: &Garment, layer: &Layer) -> Vec<Subset> {
+        if !self.names_sets {
+            return Vec::new();
+        }
+        let set = |end: &str, faces: &[FaceId]| super::new_set(garment, &format!("{}_{end}", self.name), faces.to_vec());
+        vec![set("hem", &layer.hem), set("inner", &layer.inner)]
+    }
+
+    /// The largest distance at each held vertex of the layer at which its edges do not turn around.
+    fn most(&self, shape: &Shape, surface: &[(Vec3, Vec3)]) -> Vec<f32> {
+        let mut index = vec![None; shape.derivation.vertices.len()];
+        for (i, held) in shape.held.iter().enumerate() {
+            if let Role::Layer { .. } = held.role {
+                index[held.vertex.index()] = Some(i);
+            }
+        }
+        let mut most = vec![f32::INFINITY; shape.held.len()];
+        let faces = &shape.derivation.faces;
+        for corner in faces.corners().ids() {
+            let [Some(i), Some(j)] = faces.half_edge(corner).map(|v| index[v.index()]) else { continue };
+            let ((p, n), (q, m)) = (surface[i], surface[j]);
+            let shrinks = -self.sign() * (m - n).dot(q - p);
+            if shrinks > 0.0 {
+                let limit = MOST_SHRUNK * p.distance_squared(q) / shrinks;
+                most[i] = most[i].min(limit);
+                most[j] = most[j].min(limit);
+            }
+        }
+        most
+    }
+}
+
+/// The copy of a vertex, made when it is first asked for.
+fn copy_of(copies: &mut [Option<VertexId>], vertex: VertexId, lines: &mut Lines) -> VertexId {
+    *copies[vertex.index()].get_or_insert_with(|| {
+        let sources = lines.builder.sources(vertex);
+        lines.builder.vertex(&sources)
+    })
+}
+
+/// Normals of a cage, to the front.
+fn vertex_normals(cage: &Cage) -> IdVec<VertexId, Vec3> {
+    let (garment, faces) = (cage.garment(), &cage.level().topology.faces);
+    let sign = if garment.orientation == Orientation::LeftHanded { -1.0 } else { 1.0 };
+    let mut normals = IdVec::filled(Vec3::ZERO, garment.points.len());
+    for corner in faces.corners().ids() {
+        let [here, next, prev] = [corner, faces.next(corner), faces.prev(corner)].map(|c| faces.vertex(c));
+        let at = garment.points[here];
+        normals[here] += sign * (garment.points[next] - at).cross(garment.points[prev] - at);
+    }
+    normals.iter_mut().for_each(|n| *n = n.normalize_or_zero());
+    normals
+}
+
+impl Operator for Thickness {
+    fn structure(&self) -> String {
+        format!("thickness {:?} {:?} {}", self.name, self.options, self.names_sets)
+    }
+
+    fn options(&self) -> String {
+        self.structure()
+    }
+
+    fn shape(&self, cage: &Cage) -> Result<Shape, Error> {
+        super::refuse_loop(cage, &format!("thickness.{}", self.name))?;
+        let (garment, t) = (cage.garment(), &cage.level().topology);
+        let chosen = self.chosen(garment);
+        let is_fold = |c: &CornerId| t.is_border(t.corner_edge[*c]) && chosen[t.faces.face_of(*c)];
+        let border: Vec<CornerId> = t.faces.corners().ids().filter(is_fold).collect();
+        if border.is_empty() && !self.options.closed {
+            return Err(self.no_border(garment));
+        }
+        let mut marked = IdVec::filled(false, t.edges.len());
+        let mut folds = IdVec::filled(false, t.vertex_count());
+        for &half in &border {
+            marked[t.corner_edge[half]] = true;
+            t.faces.half_edge(half).iter().for_each(|&v| folds[v] = true);
+        }
+        let request = Request {
+            topology: t,
+            points: &garment.points,
+            marked,
+            distance: IdVec::filled(HOLD * self.options.amount, t.faces.corners().len()),
+            tapers: IdVec::filled(false, t.vertex_count()),
+            cuttable: chosen.clone(),
+            shares: &[1.0],
+            kept_line: 0,
+        };
+        // The line that holds the fold may be nearer to it than asked without harm.
+        let mut lines = lines::insert(&request);
+        let mut layer = self.copy_faces(t, &chosen, &mut lines);
+        self.add_hem(t, &border, &mut layer, &mut lines);
+        self.add_edges(t, &chosen, &folds, &layer, &mut lines);
+        let held = self.held(cage, &folds, &layer, &lines);
+        let apart = self.apart(cage, &held, &lines);
+        let subsets = self.subsets(garment, &layer);
+        Ok(Shape { derivation: lines.builder.finish(), held, subsets, apart, warnings: Warnings::default() })
+    }
+
+    fn heights(&self, shape: &Shape, surface: &[(Vec3, Vec3)], warnings: &mut Warnings) -> Vec<f32> {
+        let most = self.most(shape, surface);
+        let mut thin: Vec<VertexId> = Vec::new();
+        let mut least = 1.0f32;
+        let heights = shape.held.iter().zip(&most).map(|(held, &most)| {
+            let Role::Layer { over, weight } = held.role else { return 0.0 };
+            let asked = self.options.amount * weight;
+            if most < 0.98 * asked {
+                thin.push(over);
+                least = least.min(most / asked);
+            }
+            self.sign() * asked.min(most)
+        });
+        let heights = heights.collect();
+        if !thin.is_empty() {
+            let own = thin.iter().map(|v| v.index()).filter(|&v| v < self.own_points);
+            let examples = own.take(EXAMPLES).collect();
+            warnings.push(Warning::ThinLayer { thickness: self.name.clone(), count: thin.len(), examples, least });
+        }
+        heights
+    }
+}
