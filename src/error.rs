@@ -150,6 +150,15 @@ pub enum Warning {
         /// What is left of the width at the narrowest place, as a share.
         least: f32,
     },
+    /// Seams that are pushed less than asked, as they would come through the other layer of a fold.
+    ShallowSeam {
+        /// Name of the seam.
+        seam: String,
+        /// At how many points.
+        count: usize,
+        /// Point indices.
+        examples: Vec<usize>,
+    },
     /// Edges of a seam that an earlier seam has already.
     SharedSeamEdges {
         /// Name of the later seam.
@@ -248,6 +257,11 @@ impl fmt::Display for Warning {
                 let some = some(*count, "points", examples, usize::to_string);
                 write!(f, "seam.{seam} is narrower than asked at {count} places ({some}), down to ")?;
                 write!(f, "{:.0} % of its width; lower its width, or give it longer edges there", least * 100.0)
+            }
+            Self::ShallowSeam { seam, count, examples } => {
+                let some = some(*count, "points", examples, usize::to_string);
+                write!(f, "seam.{seam} is pushed less than its normalOffset at {count} places ({some}), where it would ")?;
+                write!(f, "come through the other layer of a thickness; lower it, or run the thickness after the seam")
             }
             Self::SharedSeamEdges { seam, count, examples } => {
                 let some = some(*count, "points", examples, |[a, b]| format!("{a}-{b}"));

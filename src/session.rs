@@ -17,7 +17,7 @@ use crate::memo::{Footprint, Memo};
 use crate::mesh::{IdVec, VertexId};
 use crate::pipeline::{Checked, Clock, DEFAULT_MAX_FACES, Prepared};
 use crate::recipe::Document;
-use crate::render::{Formed, Stack, first_cage};
+use crate::render::{Formed, Stack, first_cage, without_rooms};
 use crate::sim::{SimOptions, SimProduct};
 use crate::subdivide::Cage;
 use crate::usd::{Format, Product, ReadOptions, Role, Source, Surroundings, WriteOptions, layer_bytes};
@@ -173,7 +173,7 @@ impl Session {
             })?;
         }
         let finished = self.memo.get(&opened.key("attributes", &(&structure, stack.level))?, || {
-            let value = self.pool.install(|| cage.cage().clone().into_garment());
+            let value = self.pool.install(|| without_rooms(cage.cage().clone()).into_garment());
             Ok(Made { value, warnings: Warnings::default() })
         })?;
         Ok(Made { value: Garment { points: points.value.clone(), ..finished.value.clone() }, warnings })

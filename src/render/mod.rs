@@ -22,7 +22,7 @@ mod surface;
 mod thickness;
 
 pub use seam::{SeamOptions, Seams};
-pub use shape::{Formed, Held, Operator, Role, Shape};
+pub use shape::{Formed, Held, Operator, Role, Room, Shape, without_rooms};
 pub use surface::{Pin, Surface, limit_rows};
 pub use thickness::{Side, Thickness, ThicknessOptions};
 
@@ -186,6 +186,7 @@ pub fn render(garment: &Garment, stack: &Stack, warnings: &mut Warnings) -> Resu
         points = formed.points(operator.as_ref(), &points, warnings);
         cage = formed.cage;
     }
+    cage = without_rooms(cage);
     for _ in 0..stack.level {
         points = cage.refined_points(&points);
         cage = cage.refined();

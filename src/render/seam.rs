@@ -14,7 +14,7 @@
 mod chains;
 
 use super::lines::{self, Lines, Narrowed, Request};
-use super::shape::{Held, Operator, Role, Shape};
+use super::shape::{FREE, Held, Operator, Role, Shape, room_at};
 use super::surface::Pin;
 use crate::error::{Error, Warning, Warnings};
 use crate::garment::{Elements, Scheme, Subset};
@@ -101,6 +101,23 @@ impl Seams {
         edges.flatten().copied().collect()
     }
 
+    /// How far a role is from the surface, and the seam that says so.
+    fn height(&self, role: &Role) -> (f32, usize) {
+        match role {
+            Role::Centre(instances) => {
+                // Where seams meet, the one that goes furthest decides.
+                let of = |&i: &usize| (self.seams[i].1.normal_offset, i);
+                let further = |a: (f32, usize), b: (f32, usize)| if b.0.abs() > a.0.abs() { b } else { a };
+                instances.iter().map(of).reduce(further).unwrap_or((0.0, 0))
+            }
+            Role::Line { line, instance } if *line < self.width_line() => {
+                let options = &self.seams[*instance].1;
+                ((1.0 - self.shares()[*line]) * options.normal_offset + options.depth, *instance)
+            }
+            _ => (0.0, 0),
+        }
+    }
+
     fn warn(&self, network: &Network, narrowed: &[Narrowed]) -> Warnings {
         let mut warnings = Warnings::default();
         for (instance, (name, _)) in self.seams.iter().enumerate() {
@@ -138,14 +155,16 @@ impl Seams {
         let kept = near.map(|vertex| {
             let instances = network.at(t, vertex);
             if instances.is_empty() || network.tapers[vertex] {
-                return Held { vertex, pin: Pin::Height, role: Role::Surface };
+                return Held { vertex, pin: Pin::Height, role: Role::Surface, room: FREE };
             }
             let straight = network.straight_at(t, vertex, &cage.garment().points, STRAIGHT);
-            Held { vertex, pin: straight.map_or(Pin::Height, Pin::Across), role: Role::Centre(instances) }
+            let pin = straight.map_or(Pin::Height, Pin::Across);
+            Held { vertex, pin, role: Role::Centre(instances), room: room_at(cage, &[(vertex, 1.0)]) }
         });
         let on_lines = lines.vertices.iter().map(|l| {
             let instance = network.seam[l.mark].unwrap_or(0);
-            Held { vertex: l.vertex, pin: Pin::Height, role: Role::Line { line: l.line, instance } }
+            let room = room_at(cage, &lines.builder.sources(l.vertex));
+            Held { vertex: l.vertex, pin: Pin::Height, role: Role::Line { line: l.line, instance }, room }
         });
         kept.chain(on_lines).collect()
     }
@@ -208,24 +227,29 @@ impl Operator for Seams {
         let held = self.held(cage, &network, &lines);
         let subsets = self.subsets(cage, &network, &lines);
         let warnings = self.warn(&network, &lines.narrowed);
-        Ok(Shape { derivation: lines.builder.finish(), held, subsets, apart: Vec::new(), warnings })
+        let (corners, creases, apart) = (Vec::new(), Vec::new(), Vec::new());
+        Ok(Shape { derivation: lines.builder.finish(), held, subsets, corners, creases, apart, warnings })
     }
 
-    fn heights(&self, shape: &Shape, _: &[(Vec3, Vec3)], _: &mut Warnings) -> Vec<f32> {
-        let shares = self.shares();
-        let of = |held: &Held| match &held.role {
-            // Where seams meet, the one that goes furthest decides.
-            Role::Centre(instances) => instances
-                .iter()
-                .map(|&i| self.seams[i].1.normal_offset)
-                .fold(0.0, |furthest: f32, offset| if offset.abs() > furthest.abs() { offset } else { furthest }),
-            Role::Line { line, instance } if *line < self.width_line() => {
-                let options = &self.seams[*instance].1;
-                (1.0 - shares[*line]) * options.normal_offset + options.depth
+    fn heights(&self, shape: &Shape, _: &[(Vec3, Vec3)], warnings: &mut Warnings) -> Vec<f32> {
+        let mut shallow: Vec<(usize, VertexId)> = Vec::new();
+        let of = |held: &Held| {
+            let (asked, instance) = self.height(&held.role);
+            let height = asked.clamp(-held.room[0], held.room[1]);
+            if height != asked && matches!(held.role, Role::Centre(_)) {
+                shallow.push((instance, held.vertex));
             }
-            _ => 0.0,
+            height
         };
-        shape.held.iter().map(of).collect()
+        let heights = shape.held.iter().map(of).collect();
+        for (instance, (name, _)) in self.seams.iter().enumerate() {
+            let vertices: Vec<VertexId> = shallow.iter().filter(|s| s.0 == instance).map(|s| s.1).collect();
+            if !vertices.is_empty() {
+                let examples = self.examples(&vertices, |v| vec![v], |v| v.index());
+                warnings.push(Warning::ShallowSeam { seam: name.clone(), count: vertices.len(), examples });
+            }
+        }
+        heights
     }
 }
 

@@ -5,9 +5,9 @@
 use super::derivation::{Derivation, Table};
 use super::surface::{Aim, Pin, Surface, fit, limit_rows};
 use crate::error::{Error, Warnings};
-use crate::garment::{Orientation, Subset};
+use crate::garment::{Interpolation, Mixing, Orientation, Primvar, Subset, Values};
 use crate::mesh::{CornerId, Csr, FaceId, IdVec, VertexId};
-use crate::subdivide::{Cage, Level, Lineage, carried_points};
+use crate::subdivide::{Cage, INFINITE_SHARPNESS, Level, Lineage, carried_points};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -61,6 +61,60 @@ pub struct Held {
     pub pin: Pin,
     /// What it is for.
     pub role: Role,
+    /// How far it may go behind and before the surface.
+    pub room: Room,
+}
+
+/// How far a vertex may go against and along the normal until it meets the other layer of a fold. \[stage units\]
+pub type Room = [f32; 2];
+
+/// No layer is near.
+pub const FREE: Room = [1e30; 2];
+
+/// The primvar in which the room of vertices goes through later operators; a `/` is in no name of USD's.
+const ROOM: &str = "tailor/room";
+
+/// The room at a weighted mean of a cage's vertices.
+pub fn room_at(cage: &Cage, sources: &[(VertexId, f32)]) -> Room {
+    let Some(Primvar { values: Values::F32(values), .. }) = cage.garment().primvar(ROOM) else { return FREE };
+    let mut room = [0.0; 2];
+    for &(v, w) in sources {
+        (0..2).for_each(|k| room[k] += w * values[2 * v.index() + k]);
+    }
+    room
+}
+
+/// The cage with its rooms narrowed to those of `held`.
+fn with_rooms(cage: Cage, held: &[Held]) -> Cage {
+    if held.iter().all(|h| h.room == FREE) {
+        return cage;
+    }
+    let mut rooms = match cage.garment().primvar(ROOM) {
+        Some(Primvar { values: Values::F32(values), .. }) => values.clone(),
+        _ => vec![FREE[0]; 2 * cage.garment().points.len()],
+    };
+    for held in held {
+        let over = if let Role::Layer { over, .. } = held.role { Some(over) } else { None };
+        for vertex in over.into_iter().chain([held.vertex]) {
+            let at = 2 * vertex.index();
+            (0..2).for_each(|k| rooms[at + k] = rooms[at + k].min(held.room[k]));
+        }
+    }
+    cage.with_primvar(Primvar {
+        name: ROOM.into(),
+        type_name: "float2[]".into(),
+        interpolation: Interpolation::Vertex,
+        components: 2,
+        element_size: 1,
+        mixing: Mixing::Linear,
+        values: Values::F32(rooms),
+        indices: None,
+    })
+}
+
+/// The cage without what operators tell each other.
+pub fn without_rooms(cage: Cage) -> Cage {
+    cage.without_primvar(ROOM)
 }
 
 /// What an operator makes of a cage, but for the places of the points.
@@ -71,6 +125,10 @@ pub struct Shape {
     pub held: Vec<Held>,
     /// Sets of new faces.
     pub subsets: Vec<Subset>,
+    /// Vertices that become infinitely sharp.
+    pub corners: Vec<VertexId>,
+    /// Edges that become infinitely sharp.
+    pub creases: Vec<[VertexId; 2]>,
     /// New vertices that coincide with others until they are held, moved apart so that later operators can measure.
     pub apart: Vec<(VertexId, Vec3)>,
     /// What was met on the way.
@@ -101,14 +159,12 @@ impl Formed {
     /// As [`Operator::shape`].
     pub fn new(operator: &dyn Operator, parent: &Cage) -> Result<Self, Error> {
         let shape = operator.shape(parent)?;
-        let copies = shape.held.iter().filter_map(|h| match h.role {
-            Role::Layer { over, .. } => Some((over, h.vertex)),
-            _ => None,
-        });
-        let mut cage = parent.derived(&shape.derivation, &copies.collect::<Vec<_>>());
+        let corners: Vec<VertexId> = kept_corners(parent, &shape).chain(shape.corners.iter().copied()).collect();
+        let mut cage = parent.derived(&shape.derivation, &corners, &shape.creases);
         let mut points = cage.garment().points.clone();
         shape.apart.iter().for_each(|&(vertex, offset)| points[vertex] += offset);
         cage = cage.with_points(points).with_subsets(shape.subsets.iter().cloned());
+        cage = with_rooms(cage, &shape.held);
         let aims: Vec<Aim> = shape.held.iter().map(|h| Aim { vertex: h.vertex, pin: h.pin }).collect();
         let rows = limit_rows(cage.level(), aims.par_iter().map(|a| a.vertex));
         let every = (0..parent.level().topology.vertex_count()).into_par_iter().map(VertexId::new);
@@ -138,6 +194,19 @@ impl Formed {
         fit(&self.aims, &self.rows, &targets, &mut made);
         made
     }
+}
+
+/// Vertices that are sharp as the corners of single faces, where they have more faces now.
+fn kept_corners<'a>(parent: &'a Cage, shape: &'a Shape) -> impl Iterator<Item = VertexId> + 'a {
+    let mut faces = vec![0u32; shape.derivation.vertices.len()];
+    shape.derivation.faces.corners().iter().for_each(|v| faces[v.index()] += 1);
+    parent.level().vertex_sharpness.ids().filter(move |&v| is_lone_corner(parent, v) && faces[v.index()] > 1)
+}
+
+/// Whether a vertex is sharp as the corner of a single face.
+pub fn is_lone_corner(cage: &Cage, vertex: VertexId) -> bool {
+    let level = cage.level();
+    level.topology.vertex_corners.row(vertex).len() == 1 && level.vertex_sharpness[vertex] >= INFINITE_SHARPNESS
 }
 
 /// For each held vertex the corners of the parent's faces around it, with weights that sum to one.

@@ -7,13 +7,14 @@
 //! ```
 
 use super::lines::{self, Lines, Request};
-use super::shape::{Held, Operator, Role, Shape};
-use super::surface::Pin;
+use super::shape::{FREE, Held, Operator, Role, Room, Shape, is_lone_corner};
+use super::surface::{Pin, limit_rows};
 use crate::error::{Error, Warning, Warnings};
-use crate::garment::{Elements, Garment, Orientation, Primvar, Subset, Values};
+use crate::garment::{Elements, Garment, Orientation, Subset, Values};
 use crate::mesh::{CornerId, Csr, EdgeId, FaceId, IdVec, Topology, VertexId};
-use crate::subdivide::Cage;
+use crate::subdivide::{Cage, Stencils};
 use glam::Vec3;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Distance of the line that holds the fold from it, as a share of the amount. Smaller makes the fold tighter.
@@ -23,6 +24,8 @@ const LEAST_WEIGHT: f32 = 0.01;
 /// Part of an edge's length that a fold of the surface may take from it on the second layer. Larger lets the layer come
 /// closer to crossing itself.
 const MOST_SHRUNK: f32 = 0.7;
+/// Part of the distance of the layers that a later seam on one of them may take. Below a half, two do not meet.
+const PART_OF_ROOM: f32 = 0.4;
 /// Points that a warning names.
 const EXAMPLES: usize = 5;
 
@@ -147,29 +150,55 @@ impl Thickness {
         }
     }
 
-    fn weight(&self, weights: Option<&Primvar>, sources: &[(VertexId, f32)]) -> f32 {
-        let Some(Primvar { values: Values::F32(values), .. }) = weights else { return 1.0 };
-        let row = |v: VertexId| weights.map_or(0, |p| p.row(v.index()));
-        let weight: f32 = sources.iter().map(|&(v, w)| w * values[row(v)]).sum();
+    /// The painted weights in the limit, where the surface is.
+    fn weights(&self, cage: &Cage) -> Option<Vec<f32>> {
+        let painted = cage.garment().primvar(&self.options.weights)?;
+        let Values::F32(values) = &painted.values else { return None };
+        let values: Vec<[f32; 1]> = (0..cage.garment().points.len()).map(|v| [values[painted.row(v)]]).collect();
+        let every = (0..values.len()).into_par_iter().map(VertexId::new);
+        let rows = limit_rows(cage.level(), every);
+        Some((&rows).apply(&values).into_iter().flatten().collect())
+    }
+
+    fn weight(&self, weights: Option<&[f32]>, sources: &[(VertexId, f32)]) -> f32 {
+        let weight = weights.map_or(1.0, |all| sources.iter().map(|&(v, w)| w * all[v.index()]).sum());
         weight.max(LEAST_WEIGHT)
     }
 
     fn held(&self, cage: &Cage, folds: &IdVec<VertexId, bool>, layer: &Layer, lines: &Lines) -> Vec<Held> {
-        let weights = cage.garment().primvar(&self.options.weights);
+        let weights = self.weights(cage);
+        let weights = weights.as_deref();
         let near = lines.near.enumerated().filter(|(_, near)| **near).map(|(v, _)| v);
+        let on_surface = |vertex: VertexId, pin| {
+            let room = match layer.copy[vertex.index()] {
+                Some(_) => self.room(self.weight(weights, &lines.builder.sources(vertex))),
+                None => FREE,
+            };
+            Held { vertex, pin, role: Role::Surface, room }
+        };
         let pin = |fold: bool| if fold { Pin::Place } else { Pin::Height };
         let mut held: Vec<Held> =
-            near.map(|vertex| Held { vertex, pin: pin(folds[vertex]), role: Role::Surface }).collect();
+            near.map(|vertex| on_surface(vertex, pin(folds[vertex]))).collect();
         let on_lines = lines.vertices.iter().map(|l| l.vertex);
-        held.extend(on_lines.clone().map(|vertex| Held { vertex, pin: Pin::Height, role: Role::Surface }));
+        held.extend(on_lines.clone().map(|vertex| on_surface(vertex, Pin::Height)));
         let mut on_line = vec![false; layer.copy.len()];
         on_lines.for_each(|v| on_line[v.index()] = true);
         let copies = layer.copy.iter().enumerate().filter_map(|(v, copy)| Some((VertexId::new(v), (*copy)?)));
         held.extend(copies.map(|(over, vertex)| {
             let weight = self.weight(weights, &lines.builder.sources(over));
-            Held { vertex, pin: pin(!on_line[over.index()]), role: Role::Layer { over, weight } }
+            let pin = pin(!on_line[over.index()]);
+            Held { vertex, pin, role: Role::Layer { over, weight }, room: self.room(weight) }
         }));
         held
+    }
+
+    /// Both layers may come as near to each other: the second one faces away from the first, or towards it.
+    fn room(&self, weight: f32) -> Room {
+        let room = PART_OF_ROOM * self.options.amount * weight;
+        match self.options.side {
+            Side::Inner => [room, FREE[1]],
+            Side::Outer => [FREE[0], room],
+        }
     }
 
     /// Where the copies are until their surface is fitted.
@@ -221,6 +250,30 @@ fn copy_of(copies: &mut [Option<VertexId>], vertex: VertexId, lines: &mut Lines)
         let sources = lines.builder.sources(vertex);
         lines.builder.vertex(&sources)
     })
+}
+
+/// What becomes sharp: the corners of single faces are corners of both layers with an edge between, and where the fold
+/// ends along a border the border turns aside.
+fn sharpness(
+    cage: &Cage,
+    folds: &IdVec<VertexId, bool>,
+    marked: &IdVec<EdgeId, bool>,
+    layer: &Layer,
+) -> (Vec<VertexId>, Vec<[VertexId; 2]>) {
+    let t = &cage.level().topology;
+    let (mut corners, mut creases) = (Vec::new(), Vec::new());
+    for vertex in folds.ids().filter(|&v| folds[v]) {
+        let Some(copy) = layer.copy[vertex.index()] else { continue };
+        let around = t.vertex_corners.row(vertex).iter().flat_map(|&c| [c, t.faces.prev(c)]);
+        let goes_on = around.map(|c| t.corner_edge[c]).any(|e| t.is_border(e) && !marked[e]);
+        if is_lone_corner(cage, vertex) {
+            corners.push(copy);
+            creases.push([vertex, copy]);
+        } else if goes_on {
+            corners.extend([vertex, copy]);
+        }
+    }
+    (corners, creases)
 }
 
 /// Normals of a cage, to the front.
@@ -279,7 +332,9 @@ impl Operator for Thickness {
         let held = self.held(cage, &folds, &layer, &lines);
         let apart = self.apart(cage, &held, &lines);
         let subsets = self.subsets(garment, &layer);
-        Ok(Shape { derivation: lines.builder.finish(), held, subsets, apart, warnings: Warnings::default() })
+        let (corners, creases) = sharpness(cage, &folds, &request.marked, &layer);
+        let warnings = Warnings::default();
+        Ok(Shape { derivation: lines.builder.finish(), held, subsets, corners, creases, apart, warnings })
     }
 
     fn heights(&self, shape: &Shape, surface: &[(Vec3, Vec3)], warnings: &mut Warnings) -> Vec<f32> {

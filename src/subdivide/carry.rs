@@ -169,23 +169,14 @@ impl Cage {
 
     /// The cage that an operator makes of it, with every attribute.
     ///
-    /// A vertex that was sharp as the corner of a single face stays sharp, though it may have more faces now. So do the
-    /// vertices of `copies`, each with the one that it is a copy of.
-    pub fn derived(&self, lineage: &impl Lineage, copies: &[(VertexId, VertexId)]) -> Self {
+    /// `corners` and `creases` of the child become infinitely sharp.
+    pub fn derived(&self, lineage: &impl Lineage, corners: &[VertexId], creases: &[[VertexId; 2]]) -> Self {
         let (mut garment, influences) = carry(&self.garment, self.influences.as_deref(), lineage);
-        let of_one_face = |v: VertexId| {
-            self.level.topology.vertex_corners.row(v).len() == 1 && self.level.vertex_sharpness[v] >= INFINITE_SHARPNESS
-        };
-        let corners: Vec<VertexId> = self.level.vertex_sharpness.ids().filter(|&v| of_one_face(v)).collect();
-        let of_copies = copies.iter().filter(|(over, _)| corners.binary_search(over).is_ok()).map(|c| c.1);
         let mut sharp: BTreeSet<VertexId> = garment.corners.iter().map(|c| c.vertex).collect();
-        let mut faces = vec![0u32; garment.points.len()];
-        garment.faces.corners().iter().for_each(|v| faces[v.index()] += 1);
-        for vertex in corners.iter().map(|&v| lineage.child_vertex(v)).chain(of_copies) {
-            if faces[vertex.index()] > 1 && sharp.insert(vertex) {
-                garment.corners.push(Corner { vertex, sharpness: INFINITE_SHARPNESS });
-            }
-        }
+        let new = corners.iter().filter(|&&v| sharp.insert(v));
+        garment.corners.extend(new.map(|&vertex| Corner { vertex, sharpness: INFINITE_SHARPNESS }));
+        let crease = |ends: &[VertexId; 2]| Crease { vertices: ends.to_vec(), sharpnesses: vec![INFINITE_SHARPNESS] };
+        garment.creases.extend(creases.iter().map(crease));
         Self { level: Level::base(&garment), garment, influences }
     }
 
@@ -193,6 +184,21 @@ impl Cage {
     #[must_use]
     pub fn with_subsets(mut self, subsets: impl IntoIterator<Item = Subset>) -> Self {
         self.garment.subsets.extend(subsets);
+        self
+    }
+
+    /// The cage with a primvar, in place of one that has its name.
+    #[must_use]
+    pub fn with_primvar(self, primvar: Primvar) -> Self {
+        let mut cage = self.without_primvar(&primvar.name);
+        cage.garment.primvars.push(primvar);
+        cage
+    }
+
+    /// The cage without a primvar.
+    #[must_use]
+    pub fn without_primvar(mut self, name: &str) -> Self {
+        self.garment.primvars.retain(|p| p.name != name);
         self
     }
 
