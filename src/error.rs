@@ -260,7 +260,10 @@ impl fmt::Display for Warning {
             }
             Self::ShallowSeam { seam, count, examples } => {
                 let some = some(*count, "points", examples, usize::to_string);
-                write!(f, "seam.{seam} is pushed less than its normalOffset at {count} places ({some}), where it would ")?;
+                write!(
+                    f,
+                    "seam.{seam} is pushed less than its normalOffset at {count} places ({some}), where it would "
+                )?;
                 write!(f, "come through the other layer of a thickness; lower it, or run the thickness after the seam")
             }
             Self::SharedSeamEdges { seam, count, examples } => {

@@ -129,9 +129,7 @@ impl Session {
     /// A mesh that would be too large; operators that do not fit the garment.
     pub fn render(&self, opened: &Opened, prepared: &Prepared) -> Result<Arc<Made<Garment>>, Error> {
         let stack = prepared.stack()?;
-        self.memo.get(&opened.key("render", &options_of(&stack))?, || {
-            self.rendered(opened, prepared, &stack)
-        })
+        self.memo.get(&opened.key("render", &options_of(&stack))?, || self.rendered(opened, prepared, &stack))
     }
 
     /// Stages are asked for on the caller's thread only: one that waits in the pool could wait for work under itself.
@@ -142,17 +140,15 @@ impl Session {
         }
         // What the connectivity depends on, and what the points do.
         let (mut structure, mut options) = (Vec::new(), Vec::new());
-        let mut cage: Arc<dyn AsCage> = self.memo.get(&opened.key("cage", &())?, || {
-            Ok(self.pool.install(|| first_cage(&prepared.garment)))
-        })?;
+        let mut cage: Arc<dyn AsCage> =
+            self.memo.get(&opened.key("cage", &())?, || Ok(self.pool.install(|| first_cage(&prepared.garment))))?;
         let mut points = Arc::new(Made { value: cage.cage().garment().points.clone(), warnings: Warnings::default() });
         for operator in &stack.operators {
             structure.push(operator.structure());
             options.push(operator.options());
-            let formed =
-                self.memo.get(&opened.key("form", &structure)?, || {
-                    self.pool.install(|| Formed::new(operator.as_ref(), cage.cage()))
-                })?;
+            let formed = self.memo.get(&opened.key("form", &structure)?, || {
+                self.pool.install(|| Formed::new(operator.as_ref(), cage.cage()))
+            })?;
             warnings.extend(&formed.shape.warnings);
             points = self.memo.get(&opened.key("points", &options)?, || {
                 let mut warnings = Warnings::default();
@@ -168,9 +164,9 @@ impl Session {
                 let value = self.pool.install(|| cage.cage().refined_points(&points.value));
                 Ok(Made { value, warnings: Warnings::default() })
             })?;
-            cage = self.memo.get(&opened.key("level", &(&structure, level))?, || {
-                Ok(self.pool.install(|| cage.cage().refined()))
-            })?;
+            cage = self
+                .memo
+                .get(&opened.key("level", &(&structure, level))?, || Ok(self.pool.install(|| cage.cage().refined())))?;
         }
         let finished = self.memo.get(&opened.key("attributes", &(&structure, stack.level))?, || {
             let value = self.pool.install(|| without_rooms(cage.cage().clone()).into_garment());

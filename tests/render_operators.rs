@@ -117,7 +117,8 @@ fn left_is_left_of_the_chain_with_normals_up() {
         let low = mesh.points.iter().filter(|p| p.z.abs() > 0.01);
         low.map(|p| p.y - 4.0).sum::<f32>()
     };
-    let options = ["seam.s.edges=ring", "seam.s.width=0.6", "seam.s.normalOffset=0.1", "seam.s.asymmetry=-0.8", "render.level=2"];
+    let options =
+        ["seam.s.edges=ring", "seam.s.width=0.6", "seam.s.normalOffset=0.1", "seam.s.asymmetry=-0.8", "render.level=2"];
     // The line runs along x, so its left is at larger y.
     assert!(wide_side(&options, |_| ()) > 0.0);
     assert!(wide_side(&options, |input| input.subsets.iter_mut().for_each(|s| s.indices.reverse())) < 0.0);
@@ -132,8 +133,14 @@ fn the_layers_are_the_amount_apart() {
         let surface = Surface::new(&garment);
         for (side, sign) in [("inner", -1.0), ("outer", 1.0)] {
             let (faces, side) = (format!("thickness.t.faces={faces}"), format!("thickness.t.side={side}"));
-            let options =
-                [&faces, "thickness.t.amount=0.15", &side, "thickness.t.closed=true", "render.faceSets=true", "render.level=2"];
+            let options = [
+                &faces,
+                "thickness.t.amount=0.15",
+                &side,
+                "thickness.t.closed=true",
+                "render.faceSets=true",
+                "render.level=2",
+            ];
             let (mesh, warnings) = rendered(&garment, &options);
             assert!(warnings.is_empty(), "{name}: {warnings:?}");
             let places = limit(&mesh);
@@ -154,11 +161,18 @@ fn the_layers_are_the_amount_apart() {
 #[test]
 fn painted_weights_scale_the_layer_and_tuck_it_in() {
     let garment = checked(sheet(8));
-    let options =
-        ["thickness.t.faces=half", "thickness.t.amount=0.2", "thickness.t.weights=density", "render.faceSets=true", "render.level=0"];
+    let options = [
+        "thickness.t.faces=half",
+        "thickness.t.amount=0.2",
+        "thickness.t.weights=density",
+        "render.faceSets=true",
+        "render.level=0",
+    ];
     let (mesh, _) = rendered(&garment, &options);
     let places = limit(&mesh);
-    let tailor::garment::Values::F32(painted) = &mesh.primvar("density").expect("weights").values else { panic!("real") };
+    let tailor::garment::Values::F32(painted) = &mesh.primvar("density").expect("weights").values else {
+        panic!("real")
+    };
     let painted = limit(&Garment { points: painted.iter().map(|&w| Vec3::splat(w)).collect(), ..mesh.clone() });
     let hem = vertices_of(&mesh, "t_hem");
     for &v in vertices_of(&mesh, "t_inner").difference(&hem) {
@@ -253,7 +267,8 @@ fn networks_are_sound_and_flat_ones_stay_flat() {
 
 #[test]
 fn seams_that_are_too_wide_shrink_and_say_where() {
-    let garment = checked(with_edges(with_edges(sheet(8), "a", &path(&[37, 38, 39, 40])), "b", &path(&[46, 47, 48, 49])));
+    let garment =
+        checked(with_edges(with_edges(sheet(8), "a", &path(&[37, 38, 39, 40])), "b", &path(&[46, 47, 48, 49])));
     let options = ["seam.a.edges=a", "seam.b.edges=b", "seam.a.width=1", "seam.b.width=1"];
     let (_, warnings) = rendered(&garment, &options);
     let narrow: Vec<_> = warnings
@@ -276,8 +291,13 @@ fn both_orders_are_sound_and_differ() {
     let garment = checked(with_edges(sheet(8), "line", &path(&[36, 37, 38, 39, 40, 41, 42, 43, 44])));
     let options = |order| {
         vec![
-            "seam.s.edges=line", "seam.s.width=0.3", "seam.s.normalOffset=-0.05", "thickness.t.faces=half",
-            "thickness.t.amount=0.2", "render.level=2", order,
+            "seam.s.edges=line",
+            "seam.s.width=0.3",
+            "seam.s.normalOffset=-0.05",
+            "thickness.t.faces=half",
+            "thickness.t.amount=0.2",
+            "render.level=2",
+            order,
         ]
     };
     let (seam_first, _) = rendered(&garment, &options("render.operators=s,t"));
@@ -289,7 +309,8 @@ fn both_orders_are_sound_and_differ() {
     // Through a fold the seam goes around; under a hem the second layer follows the groove.
     let lowest = |mesh: &Garment| mesh.points.iter().map(|p| p.z).fold(0.0, f32::min);
     assert!(lowest(&seam_first) < -0.23 && lowest(&hem_first) > -0.23);
-    let (deep, warnings) = rendered(&garment, &[&options("render.operators=t,s")[..], &["seam.s.normalOffset=-0.2"]].concat());
+    let (deep, warnings) =
+        rendered(&garment, &[&options("render.operators=t,s")[..], &["seam.s.normalOffset=-0.2"]].concat());
     assert!(warnings.iter().any(|w| matches!(w, Warning::ShallowSeam { .. })), "{warnings:?}");
     sound(&deep, "deep");
 }
@@ -352,9 +373,16 @@ fn the_zoo_survives_every_operator() {
         for order in ["s,t", "t,s"] {
             let order = format!("render.operators={order}");
             let options = [
-                "seam.s.edges=some", "seam.s.width=0.1", "seam.s.normalOffset=-0.02", "seam.s.depth=0.01",
-                "thickness.t.faces=all", "thickness.t.amount=0.05", "thickness.t.closed=true", "render.faceSets=true",
-                "render.level=1", &order,
+                "seam.s.edges=some",
+                "seam.s.width=0.1",
+                "seam.s.normalOffset=-0.02",
+                "seam.s.depth=0.01",
+                "thickness.t.faces=all",
+                "thickness.t.amount=0.05",
+                "thickness.t.closed=true",
+                "render.faceSets=true",
+                "render.level=1",
+                &order,
             ];
             let (mesh, _) = rendered(&garment, &options);
             assert!(mesh.points.iter().all(|p| p.is_finite()), "{name}, {order}");

@@ -88,8 +88,5 @@ fn missing<'a>(
     let names: Vec<&str> = fitting.map(|p| p.name.as_str()).collect();
     let hint =
         if names.is_empty() { "the mesh has none".to_owned() } else { format!("the mesh has: {}", names.join(", ")) };
-    Error::Recipe(format!(
-        "{}: {key} names \"{name}\", which is no {kind} of the mesh\n  hint: {hint}",
-        garment.prim
-    ))
+    Error::Recipe(format!("{}: {key} names \"{name}\", which is no {kind} of the mesh\n  hint: {hint}", garment.prim))
 }

@@ -201,7 +201,8 @@ mod tests {
     #[test]
     fn instances_are_merged_field_by_field() {
         let mut layers = Layers::default();
-        let layer = serde_json::json!({"seam": {"placket": {"width": 3.0, "edges": ["a"]}, "left": {"hip": {"width": 1.0}}}});
+        let layer =
+            serde_json::json!({"seam": {"placket": {"width": 3.0, "edges": ["a"]}, "left": {"hip": {"width": 1.0}}}});
         layers.add_attributes(layer.as_object().cloned().unwrap_or_default(), &mut Warnings::default());
         layers.add_override("seam.placket.width=2").expect("a good override");
         layers.add_override("seam.left:hip.edges=b,c").expect("a good override");

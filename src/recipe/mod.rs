@@ -84,7 +84,12 @@ pub fn help() -> String {
         line(key, default_of(space, field), meaning, unit);
     }
     for key in &INSTANCE_KEYS {
-        line(&key.pattern(), instance_defaults(key.kind).and_then(|d| d.get(key.field).cloned()), key.meaning, key.unit);
+        line(
+            &key.pattern(),
+            instance_defaults(key.kind).and_then(|d| d.get(key.field).cloned()),
+            key.meaning,
+            key.unit,
+        );
     }
     text
 }
@@ -136,6 +141,10 @@ mod tests {
         let count: usize =
             defaults().as_object().into_iter().flatten().filter_map(|(_, f)| f.as_object()).map(Map::len).sum();
         assert_eq!(count, KEYS.len());
-        assert!(KEYS.iter().all(|(key, _, _)| key.split_once('.').is_some_and(|(space, field)| default_of(space, field).is_some())));
+        assert!(
+            KEYS.iter().all(|(key, _, _)| key
+                .split_once('.')
+                .is_some_and(|(space, field)| default_of(space, field).is_some()))
+        );
     }
 }

@@ -220,12 +220,7 @@ fn add_border_holes(cage: &mut Garment) {
 fn new_set(garment: &Garment, name: &str, faces: Vec<FaceId>) -> Subset {
     let numbered = (1..).map(|n| if n == 1 { name.to_owned() } else { format!("{name}_{n}") });
     let free = numbered.skip_while(|name| garment.subset(name).is_some()).next();
-    Subset {
-        name: free.unwrap_or_default(),
-        family: String::new(),
-        elements: Elements::Faces(faces),
-        sharpness: None,
-    }
+    Subset { name: free.unwrap_or_default(), family: String::new(), elements: Elements::Faces(faces), sharpness: None }
 }
 
 /// Loop surfaces have no quads to work with.

@@ -127,7 +127,8 @@ impl Seams {
                 let examples = self.examples(&shared, ends, |e| network.ends(e).map(|v| v.index()));
                 warnings.push(Warning::SharedSeamEdges { seam: name.clone(), count: shared.len(), examples });
             }
-            let lone: Vec<EdgeId> = network.lone.iter().copied().filter(|&e| network.seam[e] == Some(instance)).collect();
+            let lone: Vec<EdgeId> =
+                network.lone.iter().copied().filter(|&e| network.seam[e] == Some(instance)).collect();
             if !lone.is_empty() {
                 let ends = |e: EdgeId| network.ends(e).to_vec();
                 let examples = self.examples(&lone, ends, |e| network.ends(e).map(|v| v.index()));

@@ -101,7 +101,12 @@ pub struct Surface {
 
 impl Surface {
     /// The limit surface of a cage whose points are `points`, where `rows` are the limit rows of all its vertices.
-    pub fn new(level: &Level, orientation: Orientation, rows: &Table<VertexId>, points: &IdVec<VertexId, Vec3>) -> Self {
+    pub fn new(
+        level: &Level,
+        orientation: Orientation,
+        rows: &Table<VertexId>,
+        points: &IdVec<VertexId, Vec3>,
+    ) -> Self {
         let places = carried_points(&rows, points);
         let t = &level.topology;
         let sign = if orientation == Orientation::LeftHanded { -1.0 } else { 1.0 };

@@ -129,7 +129,14 @@ impl Thickness {
     }
 
     /// Edges go on around the fold and back along the second layer.
-    fn add_edges(&self, t: &Topology, chosen: &IdVec<FaceId, bool>, folds: &IdVec<VertexId, bool>, layer: &Layer, lines: &mut Lines) {
+    fn add_edges(
+        &self,
+        t: &Topology,
+        chosen: &IdVec<FaceId, bool>,
+        folds: &IdVec<VertexId, bool>,
+        layer: &Layer,
+        lines: &mut Lines,
+    ) {
         let children: Csr<EdgeId, [VertexId; 2]> = lines.builder.edges();
         let copy = |v: VertexId| layer.copy[v.index()].unwrap_or(v);
         for edge in t.edges.ids() {
@@ -177,8 +184,7 @@ impl Thickness {
             Held { vertex, pin, role: Role::Surface, room }
         };
         let pin = |fold: bool| if fold { Pin::Place } else { Pin::Height };
-        let mut held: Vec<Held> =
-            near.map(|vertex| on_surface(vertex, pin(folds[vertex]))).collect();
+        let mut held: Vec<Held> = near.map(|vertex| on_surface(vertex, pin(folds[vertex]))).collect();
         let on_lines = lines.vertices.iter().map(|l| l.vertex);
         held.extend(on_lines.clone().map(|vertex| on_surface(vertex, Pin::Height)));
         let mut on_line = vec![false; layer.copy.len()];
@@ -216,7 +222,8 @@ impl Thickness {
         if !self.names_sets {
             return Vec::new();
         }
-        let set = |end: &str, faces: &[FaceId]| super::new_set(garment, &format!("{}_{end}", self.name), faces.to_vec());
+        let set =
+            |end: &str, faces: &[FaceId]| super::new_set(garment, &format!("{}_{end}", self.name), faces.to_vec());
         vec![set("hem", &layer.hem), set("inner", &layer.inner)]
     }
 

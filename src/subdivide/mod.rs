@@ -12,7 +12,8 @@ mod split;
 mod stencil;
 
 pub use carry::{
-    Cage, Lineage, Refinement, carried_points, mix, mix_rows, mixed_channel, scale_to_unit_length, taken, to_unit_length,
+    Cage, Lineage, Refinement, carried_points, mix, mix_rows, mixed_channel, scale_to_unit_length, taken,
+    to_unit_length,
 };
 pub use fvar::{Channel, ChannelChild};
 pub use level::{INFINITE_SHARPNESS, Level, Rule, Spoke, refined_sharpness};

@@ -37,8 +37,7 @@ fn wrapped(around: usize, along: usize, closed: bool, place: impl Fn(f32, f32) -
     let (n, rows) = (around as i32, if closed { along as i32 } else { along as i32 + 1 });
     let at = |x: i32, y: i32| (y % rows) * n + x % n;
     let cells = (0..along as i32).flat_map(|y| (0..n).map(move |x| (x, y)));
-    let faces: Vec<[i32; 4]> =
-        cells.map(|(x, y)| [at(x, y), at(x + 1, y), at(x + 1, y + 1), at(x, y + 1)]).collect();
+    let faces: Vec<[i32; 4]> = cells.map(|(x, y)| [at(x, y), at(x + 1, y), at(x + 1, y + 1), at(x, y + 1)]).collect();
     let faces: Vec<&[i32]> = faces.iter().map(<[i32; 4]>::as_slice).collect();
     let points = (0..rows * n).map(|i| place((i % n) as f32 / n as f32, (i / n) as f32 / along as f32));
     mesh(points, &faces)

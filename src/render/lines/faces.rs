@@ -258,7 +258,12 @@ fn weights(t: &Topology, rib: &Rib, step: f32) -> Vec<(VertexId, f32)> {
             if t.faces.valence(t.faces.face_of(corner)) == 4 {
                 let opposite = t.faces.next(next);
                 let own = (1.0 - x) * (1.0 - y);
-                return vec![(at(corner), own), (at(next), x * (1.0 - y)), (at(opposite), x * y), (at(prev), (1.0 - x) * y)];
+                return vec![
+                    (at(corner), own),
+                    (at(next), x * (1.0 - y)),
+                    (at(opposite), x * y),
+                    (at(prev), (1.0 - x) * y),
+                ];
             }
             vec![(at(corner), 1.0 - x - y), (at(next), x), (at(prev), y)]
         }

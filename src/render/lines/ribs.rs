@@ -149,7 +149,8 @@ impl Ribs {
                 Path::Face { after, before, .. } => {
                     let ahead = parts(t.faces.next(corner))[1];
                     let behind = parts(t.faces.prev(corner))[0];
-                    let room = if t.faces.valence(t.faces.face_of(corner)) == 3 { 2.0 * TRIANGLE_ROOM } else { SHARED_ROOM };
+                    let room =
+                        if t.faces.valence(t.faces.face_of(corner)) == 3 { 2.0 * TRIANGLE_ROOM } else { SHARED_ROOM };
                     let scale = [room / (after + ahead), room / (before + behind), ROOM / after, ROOM / before];
                     let scale = scale.into_iter().fold(1.0, f32::min);
                     (scale, Path::Face { corner, after: after * scale, before: before * scale })
