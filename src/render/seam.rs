@@ -24,10 +24,9 @@ use chains::Network;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-/// Lines on the cage as shares of the width's half. In the limit a line is at the mean of (1, 4, 1) of itself and its
-/// neighbours, so that with these the line of the width is at 1. The last line holds the surface outside: further away it
-/// makes the shoulders of the seam softer, and takes more room.
-const LINES: [f32; 2] = [12.0 / 11.0, 18.0 / 11.0];
+/// Lines as shares of the width's half: that of the width, and one that holds the surface outside. Further away, it makes
+/// the shoulders of the seam softer, and takes more room.
+const LINES: [f32; 2] = [1.0, 1.6];
 /// The same with a line on the flank.
 const SWOLLEN_LINES: [f32; 3] = [0.5, 1.0, 1.5];
 /// Cosine of the turn from which on a chain has a corner, which is rounded, and not held across.
@@ -165,7 +164,9 @@ impl Seams {
         let on_lines = lines.vertices.iter().map(|l| {
             let instance = network.seam[l.mark].unwrap_or(0);
             let room = room_at(cage, &lines.builder.sources(l.vertex));
-            Held { vertex: l.vertex, pin: Pin::Height, role: Role::Line { line: l.line, instance }, room }
+            let straight = network.straight_at(t, l.from, &cage.garment().points, STRAIGHT);
+            let pin = straight.filter(|_| l.line <= self.width_line()).map_or(Pin::Height, Pin::Across);
+            Held { vertex: l.vertex, pin, role: Role::Line { line: l.line, instance }, room }
         });
         kept.chain(on_lines).collect()
     }

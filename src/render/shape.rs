@@ -186,10 +186,14 @@ impl Formed {
         let mut targets: Vec<(Vec3, Vec3)> = self.seen.iter().map(|seen| surface.at(t, seen)).collect();
         let heights = operator.heights(&self.shape, &targets, warnings);
         let mut made = carried_points(&(&self.shape.derivation).vertex(), points);
-        for ((aim, target), height) in self.aims.iter().zip(&mut targets).zip(heights) {
+        for ((held, target), height) in self.shape.held.iter().zip(&mut targets).zip(heights) {
             target.0 += height * target.1;
-            // A start near the end: the surface as a whole moves with its cage.
-            made[aim.vertex] += height * target.1;
+            // Those that slide in the surface begin where they are to be; old ones keep their place in it.
+            let is_new = held.vertex.index() >= points.len() || matches!(held.role, Role::Centre(_));
+            match is_new && held.pin != Pin::Place {
+                true => made[held.vertex] = target.0,
+                false => made[held.vertex] += height * target.1,
+            }
         }
         fit(&self.aims, &self.rows, &targets, &mut made);
         made

@@ -1,0 +1,172 @@
+//! Operators on the examples and on real garments: every face a quad, none without area or turned over, and no crossing
+//! that the garment itself does not have.
+
+#[path = "common/crossings.rs"]
+mod crossings;
+#[path = "common/garments.rs"]
+mod garments;
+
+use crossings::crossing_parents;
+use glam::Vec3;
+use std::collections::BTreeSet;
+use tailor::error::Warnings;
+use tailor::garment::{Elements, Garment, Interpolation, Mixing, Primvar, Values, check_garment};
+use tailor::mesh::{FaceId, Topology};
+use tailor::pipeline::mean_edge_length;
+use tailor::recipe::Layers;
+use tailor::render::{Stack, render};
+use tailor::usd::{ReadOptions, Source};
+
+/// Name of the primvar that says which face of the input each face is part of.
+const PARENT: &str = "parentFace";
+
+fn load() -> Vec<(String, Garment)> {
+    let mut all = Vec::new();
+    for file in garments::garments() {
+        let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let source = Source::open(&file, &ReadOptions::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let input = source.garment(&mut Warnings::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let mut garment = check_garment(input, &mut Warnings::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
+        garment.primvars.push(Primvar {
+            name: PARENT.into(),
+            type_name: "int[]".into(),
+            interpolation: Interpolation::Uniform,
+            components: 1,
+            element_size: 1,
+            mixing: Mixing::Discrete,
+            values: Values::I32((0..garment.faces.len() as i32).collect()),
+            indices: None,
+        });
+        all.push((name, garment));
+    }
+    all
+}
+
+/// All face subsets that partition the mesh and have a border of it among their edges.
+fn border_panels(garment: &Garment) -> String {
+    let t = Topology::new(garment.faces.clone(), garment.points.len());
+    let panels = garment.subsets.iter().filter(|s| s.family == "panels");
+    let at_border = panels.filter(|s| match &s.elements {
+        Elements::Faces(faces) => faces.iter().any(|&f| t.faces.corners_of(f).any(|c| t.is_border(t.corner_edge[c]))),
+        _ => false,
+    });
+    at_border.map(|s| s.name.clone()).collect::<Vec<_>>().join(",")
+}
+
+/// The edges at which the UVs are cut.
+fn uv_seams(garment: &Garment) -> String {
+    if garment.subset("uvSeams").is_some() {
+        return "uvSeams".into();
+    }
+    let seams = ["side_seams", "shoulder_seams", "armholes", "inseam", "placket", "neck_seam", "sleeve_seams"];
+    seams.into_iter().filter(|s| garment.subset(s).is_some()).collect::<Vec<_>>().join(",")
+}
+
+fn made(garment: &Garment, options: &[String]) -> Garment {
+    let mut layers = Layers::default();
+    options.iter().for_each(|o| layers.add_override(o).unwrap_or_else(|e| panic!("{e}")));
+    let recipe = layers.recipe().unwrap_or_else(|e| panic!("{e}"));
+    let stack = Stack::new(garment.points.len(), &recipe.render, &recipe.seams, &recipe.thicknesses)
+        .unwrap_or_else(|e| panic!("{e}"));
+    render(garment, &stack, &mut Warnings::default()).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn parents(mesh: &Garment) -> Vec<usize> {
+    match mesh.primvar(PARENT).map(|p| (&p.values, &p.indices)) {
+        Some((Values::I32(values), None)) => values.iter().map(|&v| v as usize).collect(),
+        _ => panic!("parents are carried"),
+    }
+}
+
+fn area(mesh: &Garment, face: FaceId) -> Vec3 {
+    let p: Vec<Vec3> = mesh.faces.vertices_of(face).iter().map(|&v| mesh.points[v]).collect();
+    0.5 * (p[2] - p[0]).cross(p[3] - p[1])
+}
+
+/// Normals of the faces of the garment, each the mean of its children's.
+fn face_normals(plain: &Garment, faces: usize) -> Vec<Vec3> {
+    let mut normals = vec![Vec3::ZERO; faces];
+    for (face, parent) in plain.faces.ids().zip(parents(plain)) {
+        normals[parent] += area(plain, face);
+    }
+    normals.iter().map(|n| n.normalize_or_zero()).collect()
+}
+
+/// Sizes as shares of the mean edge.
+fn recipe(garment: &Garment, seam: Option<f32>, hem: Option<f32>) -> Vec<String> {
+    let size = mean_edge_length(garment);
+    let mut options = vec!["render.level=1".to_owned(), "render.faceSets=true".to_owned()];
+    if let Some(width) = seam {
+        options.push(format!("seam.s.edges={}", uv_seams(garment)));
+        options.push(format!("seam.s.width={}", width * size));
+        options.push(format!("seam.s.normalOffset={}", -0.15 * width * size));
+    }
+    if let Some(amount) = hem {
+        options.push(format!("thickness.t.faces={}", border_panels(garment)));
+        options.push(format!("thickness.t.amount={}", amount * size));
+    }
+    options
+}
+
+#[test]
+fn operators_make_sound_quads() {
+    let mut complaints: Vec<String> = Vec::new();
+    for (name, garment) in load() {
+        let plain = made(&garment, &["render.level=1".to_owned()]);
+        let normals = face_normals(&plain, garment.faces.len());
+        for (seam, hem) in [(Some(0.25), None), (None, Some(0.08)), (Some(0.25), Some(0.08))] {
+            let mesh = made(&garment, &recipe(&garment, seam, hem));
+            let in_set = |set: &str| match mesh.subset(set).map(|s| &s.elements) {
+                Some(Elements::Faces(faces)) => faces.iter().copied().collect::<BTreeSet<FaceId>>(),
+                _ => BTreeSet::new(),
+            };
+            let (inner, hems) = (in_set("t_inner"), in_set("t_hem"));
+            let (mut turned, mut flat) = (Vec::new(), Vec::new());
+            for (face, parent) in mesh.faces.ids().zip(parents(&mesh)) {
+                assert_eq!(mesh.faces.valence(face), 4, "{name}");
+                let vector = area(&mesh, face);
+                let corners = mesh.faces.vertices_of(face);
+                let longest = (0..4).map(|i| mesh.points[corners[i]].distance_squared(mesh.points[corners[(i + 1) % 4]]));
+                if vector.length() < 1e-4 * longest.fold(0.0, f32::max) {
+                    flat.push(face);
+                }
+                let sign = if inner.contains(&face) { -1.0 } else { 1.0 };
+                if !hems.contains(&face) && sign * vector.normalize_or_zero().dot(normals[parent]) < -0.2 {
+                    turned.push((face, parent));
+                }
+            }
+            let folded = already_turned(&plain, &normals);
+            turned.retain(|(_, parent)| !folded.contains(parent));
+            if !turned.is_empty() || !flat.is_empty() {
+                let (n, m) = (turned.len(), flat.len());
+                complaints.push(format!("{name}, {seam:?}, {hem:?}: {n} turned {:?}, {m} flat {flat:?}", &turned[..n.min(9)]));
+            }
+        }
+    }
+    assert!(complaints.is_empty(), "{}", complaints.join("\n"));
+}
+
+/// Faces of the input whose own children do not all look to one side.
+fn already_turned(plain: &Garment, normals: &[Vec3]) -> BTreeSet<usize> {
+    let turned = |(face, parent): &(FaceId, usize)| area(plain, *face).normalize_or_zero().dot(normals[*parent]) < 0.3;
+    plain.faces.ids().zip(parents(plain)).filter(turned).map(|(_, parent)| parent).collect()
+}
+
+#[test]
+fn no_crossing_is_introduced() {
+    let mut complaints: Vec<String> = Vec::new();
+    for (name, garment) in load() {
+        let plain = made(&garment, &["render.level=1".to_owned()]);
+        let before = crossing_parents(&plain, &parents(&plain));
+        for (seam, hem) in [(Some(0.25), None), (None, Some(0.05)), (Some(0.25), Some(0.05))] {
+            let mesh = made(&garment, &recipe(&garment, seam, hem));
+            let after = crossing_parents(&mesh, &parents(&mesh));
+            let new: Vec<_> = after.difference(&before).collect();
+            if !new.is_empty() {
+                let (old, n) = (before.len(), new.len());
+                complaints.push(format!("{name}, {seam:?}, {hem:?}: {old} before, {n} new {:?}", &new[..n.min(12)]));
+            }
+        }
+    }
+    assert!(complaints.is_empty(), "{}", complaints.join("\n"));
+}
