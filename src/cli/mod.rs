@@ -50,6 +50,9 @@ struct Inputs {
     /// Override one option, such as sim.maxEdgeLength=2 [stage units] or render.level=2 [levels]; repeatable
     #[arg(long = "set", value_name = "KEY=VALUE", help_heading = "Recipe")]
     set: Vec<String>,
+    /// Say of each vertex of the simulation mesh which face it came from: --set sim.provenance=true
+    #[arg(long, help_heading = "Recipe")]
+    provenance: bool,
     /// Threads [default: one for each core]
     #[arg(long, value_name = "N", help_heading = "Run", allow_negative_numbers = true)]
     threads: Option<usize>,
@@ -164,7 +167,9 @@ impl Inputs {
         let mut layers = Layers::default();
         layers.add_attributes(source.recipe()?, &mut warnings);
         layers.add(recipe.unwrap_or_default().into_layer());
-        for assignment in &self.set {
+        for assignment in
+            self.provenance.then_some("sim.provenance=true").into_iter().chain(self.set.iter().map(String::as_str))
+        {
             layers.add_override(assignment)?;
         }
         Ok(Opened { source, layers, warnings })

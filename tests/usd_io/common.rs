@@ -44,6 +44,7 @@ pub fn sound(input: &GarmentInput) -> Garment {
                     "edge" => Elements::Edges(s.indices.chunks(2).map(|e| [vertex(&e[0]), vertex(&e[1])]).collect()),
                     _ => Elements::Points(s.indices.iter().map(vertex).collect()),
                 },
+                sharpness: None,
             })
             .collect(),
         families: input.families.clone(),
