@@ -140,7 +140,7 @@ impl<'a> Cuts<'a> {
         if !row.iter().map(|s| s.face).chain(own).any(|f| self.touched[f]) {
             return None;
         }
-        let Some(source) = self.side(face) else { return Some(self.sites.centres()[face]) };
+        let Some(source) = self.side(face) else { return Some(self.sites.centre(face)) };
         Some(self.nearest_child(source, self.centre(face)))
     }
 
