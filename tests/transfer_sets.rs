@@ -1,5 +1,6 @@
 //! Face and edge sets on the simulation mesh: where they are constraints and where they are not.
 
+#[allow(dead_code)]
 #[path = "common/built.rs"]
 mod built;
 #[path = "common/garments.rs"]

@@ -61,6 +61,16 @@ struct Field<'a, T> {
     slack: f64,
 }
 
+/// What each face and corner near the cuts takes.
+struct Sides<T> {
+    homes: Vec<Option<FaceId>>,
+    sources: IdVec<CornerId, Source>,
+    values: Vec<T>,
+}
+
+/// A face of the simulation mesh, and the triangle of the baseline on whose side it is.
+type Home = (FaceId, FaceId);
+
 impl<'a, T: Real> Field<'a, T> {
     fn new(garment: &Garment, primvar: &'a Primvar, product: &'a SimProduct, source: &[T]) -> Self {
         let baseline = &product.baseline;
@@ -120,10 +130,6 @@ impl<'a, T: Real> Field<'a, T> {
         mix(parts.into_iter(), self.primvar)
     }
 
-    fn at(&self, sources: &IdVec<CornerId, Source>) -> Vec<T> {
-        sources.par_iter().flat_map_iter(|s| self.at_location(&s.location)).collect()
-    }
-
     fn same(&self, values: &[T], a: CornerId, b: CornerId) -> bool {
         let width = self.primvar.width();
         let row = |c: CornerId| &values[c.index() * width..][..width];
@@ -134,23 +140,23 @@ impl<'a, T: Real> Field<'a, T> {
     /// way round beside their neighbours.
     fn on_sides(&self, cuts: &Cuts<'_>, sites: &Sites<'_>) -> (Vec<T>, usize) {
         let is_layout = self.primvar.width() == 2 && self.primvar.mixing == Mixing::Linear;
-        let mut homes = cuts.homes();
-        let mut best: Option<(Vec<T>, Vec<(FaceId, FaceId)>)> = None;
+        let homes = cuts.homes();
+        let sources = cuts.sources(&homes);
+        let values = sources.par_iter().flat_map_iter(|s| self.at_location(&s.location)).collect();
+        let mut sides = Sides { homes, sources, values };
+        let mut best: Option<(Vec<T>, Vec<Home>)> = None;
         for _ in 0..ROUNDS {
-            let (mut sources, mut values) = self.without_islands(cuts, &mut homes);
-            let flipped = match is_layout {
-                true => self.unflip(cuts, sites, &homes, &mut sources, &mut values),
-                false => Vec::new(),
-            };
+            self.join_islands(cuts, &mut sides);
+            let flipped = if is_layout { self.unflip(cuts, sites, &mut sides) } else { Vec::new() };
+            let other = |&(face, _): &Home| Some((face, cuts.other_home(face, &sides.homes)?));
+            let turned: Vec<Home> = flipped.iter().filter_map(other).collect();
             if best.as_ref().is_none_or(|b| flipped.len() < b.1.len()) {
-                best = Some((values, flipped.clone()));
+                best = Some((sides.values.clone(), flipped));
             }
-            let other = |&(face, _): &(FaceId, FaceId)| Some((face, cuts.other_home(face, &homes)?));
-            let turned: Vec<_> = flipped.iter().filter_map(other).collect();
             if turned.is_empty() {
                 break;
             }
-            turned.into_iter().for_each(|(face, home)| homes[face.index()] = Some(home));
+            self.rehome(cuts, &turned, &mut sides);
         }
         let (mut values, apart) = best.unwrap_or_default();
         for &(face, home) in &apart {
@@ -163,76 +169,76 @@ impl<'a, T: Real> Field<'a, T> {
         (values, apart.len())
     }
 
-    fn without_islands(&self, cuts: &Cuts<'_>, homes: &mut [Option<FaceId>]) -> (IdVec<CornerId, Source>, Vec<T>) {
-        let mut sources = cuts.sources(homes);
-        let mut values = self.at(&sources);
+    fn join_islands(&self, cuts: &Cuts<'_>, sides: &mut Sides<T>) {
         for _ in 0..ROUNDS {
-            let islands = cuts.islands(homes, |a, b| self.same(&values, a, b));
+            let islands = cuts.islands(&sides.homes, |a, b| self.same(&sides.values, a, b));
             if islands.is_empty() {
                 break;
             }
-            islands.into_iter().for_each(|(face, home)| homes[face.index()] = Some(home));
-            sources = cuts.sources(homes);
-            values = self.at(&sources);
+            self.rehome(cuts, &islands, sides);
         }
-        (sources, values)
+    }
+
+    /// Gives faces other homes.
+    fn rehome(&self, cuts: &Cuts<'_>, faces: &[Home], sides: &mut Sides<T>) {
+        faces.iter().for_each(|&(face, home)| sides.homes[face.index()] = Some(home));
+        let width = self.primvar.width();
+        for corner in cuts.renew(faces, &sides.homes, &mut sides.sources) {
+            let value = self.at_location(&sides.sources[corner].location);
+            sides.values[corner.index() * width..][..width].copy_from_slice(&value);
+        }
     }
 
     /// Continues the values beyond the cuts where keeping them inside turns a triangle over. Returns those that stay so.
-    fn unflip(
-        &self,
-        cuts: &Cuts<'_>,
-        sites: &Sites<'_>,
-        homes: &[Option<FaceId>],
-        sources: &mut IdVec<CornerId, Source>,
-        values: &mut [T],
-    ) -> Vec<(FaceId, FaceId)> {
-        let near: Vec<(FaceId, FaceId)> =
-            homes.iter().enumerate().filter_map(|(i, h)| Some((FaceId::new(i), (*h)?))).collect();
+    fn unflip(&self, cuts: &Cuts<'_>, sites: &Sites<'_>, sides: &mut Sides<T>) -> Vec<Home> {
+        let homes = sides.homes.iter().enumerate();
+        let near: Vec<Home> = homes.filter_map(|(i, h)| Some((FaceId::new(i), (*h)?))).collect();
         for _ in 0..ROUNDS {
             let mut changed = false;
             for &(face, home) in &near {
-                if !self.is_flipped(face, home, sources, values) {
+                if !self.is_flipped(face, home, sides) {
                     continue;
                 }
                 for corner in sites.topology.faces.corners_of(face) {
-                    if !sources[corner].moved {
-                        continue;
+                    if sides.sources[corner].moved {
+                        self.go_on(cuts, sites, corner, sides);
+                        changed = true;
                     }
-                    let vertex = sites.topology.faces.vertex(corner);
-                    let before = values[2 * corner.index()..][..2].to_vec();
-                    let source = Source { moved: false, ..cuts.continued(corner, sources[corner]) };
-                    let value = self.at_location(&source.location);
-                    for &other in sites.topology.vertex_corners.row(vertex) {
-                        let own = &mut values[2 * other.index()..][..2];
-                        let is_same =
-                            own.iter().zip(&before).all(|(a, b)| (a.to_f64() - b.to_f64()).abs() <= self.slack);
-                        if is_same {
-                            own.copy_from_slice(&value);
-                            sources[other] = source;
-                        }
-                    }
-                    changed = true;
                 }
             }
             if !changed {
                 break;
             }
         }
-        near.into_iter().filter(|(face, home)| self.is_flipped(*face, *home, sources, values)).collect()
+        near.into_iter().filter(|(face, home)| self.is_flipped(*face, *home, sides)).collect()
+    }
+
+    /// Continues the value of a corner, and of those that share it, beyond their side to where the vertex is.
+    fn go_on(&self, cuts: &Cuts<'_>, sites: &Sites<'_>, corner: CornerId, sides: &mut Sides<T>) {
+        let before = [0, 1].map(|k| sides.values[2 * corner.index() + k].to_f64());
+        let source = Source { moved: false, ..cuts.continued(corner, sides.sources[corner]) };
+        let value = self.at_location(&source.location);
+        let t = &sites.topology;
+        for &other in t.vertex_corners.row(t.faces.vertex(corner)) {
+            let own = &mut sides.values[2 * other.index()..][..2];
+            if own.iter().zip(&before).all(|(a, b)| (a.to_f64() - b).abs() <= self.slack) {
+                own.copy_from_slice(&value);
+                sides.sources[other] = source;
+            }
+        }
     }
 
     /// Whether a triangle has too little area in UV for what it has in space, or lies the other way round than its home.
     /// Not where the layout itself folds over.
-    fn is_flipped(&self, face: FaceId, home: FaceId, sources: &IdVec<CornerId, Source>, values: &[T]) -> bool {
+    fn is_flipped(&self, face: FaceId, home: FaceId, sides: &Sides<T>) -> bool {
         let product = self.product;
         let corners = [0, 1, 2].map(|k| CornerId::new(3 * face.index() + k));
         let of_home = self.doubled_area(home);
-        let folds = |c: CornerId| self.doubled_area(sources[c].location.face) * of_home <= 0.0;
+        let folds = |c: CornerId| self.doubled_area(sides.sources[c].location.face) * of_home <= 0.0;
         if corners.into_iter().any(folds) {
             return false;
         }
-        let own = doubled_area(corners.map(|c| &values[2 * c.index()..][..2]));
+        let own = doubled_area(corners.map(|c| &sides.values[2 * c.index()..][..2]));
         let [a, b, c] = product.triangles[face.index()].map(|v| product.points[v]);
         let in_space = f64::from((b - a).cross(c - a).length()) / f64::from(product.baseline.normal(home).length());
         in_space.is_finite() && own * of_home.signum() <= MIN_AREA * of_home.abs() * in_space
