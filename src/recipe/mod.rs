@@ -18,6 +18,8 @@ use serde_json::Value;
 const MAX_LEVEL: u32 = 6;
 /// Rounds above this change nothing any more. \[rounds\]
 const MAX_ITERATIONS: u32 = 100;
+/// Samples above this settle nothing more, and their time grows with their number. \[samples a face\]
+const MAX_SAMPLES: u32 = 1024;
 
 /// The options: key, unit and meaning, in the order of the schemas.
 pub const KEYS: [(&str, &str, &str); 14] = [
@@ -74,6 +76,7 @@ impl Recipe {
             ("sim.baselineLevel", self.sim.baseline_level, MAX_LEVEL),
             ("render.level", self.render.level, MAX_LEVEL),
             ("sim.iterations", self.sim.iterations, MAX_ITERATIONS),
+            ("sim.transferSamples", self.sim.transfer_samples, MAX_SAMPLES),
         ] {
             if value > most {
                 return fault(key, format!("{value} is too much"), &format!("give at most {most}"));
@@ -133,11 +136,13 @@ fn usd_type_of(value: &Value) -> &'static str {
 
 /// What serde found, without the names of our types.
 fn in_words(e: &serde_json::Error) -> String {
-    const WORDS: [(&str, &str); 6] = [
+    const WORDS: [(&str, &str); 8] = [
         ("expected f32", "expected a number"),
         ("expected u32", "expected a whole number, 0 or more"),
         ("expected a sequence", "expected a list"),
         ("expected a boolean", "expected true or false"),
+        ("expected struct Form", "expected { options }"),
+        ("expected a map", "expected { options }"),
         ("expected struct SimOptions", "expected { options }"),
         ("expected struct RenderOptions", "expected { options }"),
     ];

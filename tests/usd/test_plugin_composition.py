@@ -56,6 +56,15 @@ def test_an_edit_of_the_holder_makes_the_content_anew(stage, coat):
     assert faces(prim) == faces_at(1), "the file's own level"
 
 
+def test_a_blocked_attribute_says_nothing(stage, coat, capfd):
+    prim = holder(stage, coat)
+    setting(prim, LEVEL, 2)
+    capfd.readouterr()
+    prim.GetAttribute(LEVEL).Block()
+    assert faces(prim) == faces_at(1), "the file's own level"
+    assert capfd.readouterr().err == ""
+
+
 def test_edits_of_both_products_are_seen_at_once(stage, coat):
     prim = holder(stage, coat)
     coarse = faces(prim, "sim")

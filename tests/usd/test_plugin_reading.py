@@ -138,6 +138,23 @@ def test_exports_as_a_package(coat):
     assert faces(Usd.Stage.Open(str(package)).GetPrimAtPath("/Coat")) == 12 * 4
 
 
+def test_is_opened_inside_a_package(coat, tmp_path):
+    """The source is the one in the package, whatever lies beside the package."""
+    outside = tmp_path / "outside"
+    outside.mkdir()
+    sources.write(outside / "coat.usda", shape=lambda: sources.sheet(width=9), seam_column=2)
+    for name in ("", "shots/"):
+        package = outside / f"packed{len(name)}.usdz"
+        with Sdf.ZipFileWriter.CreateNew(str(package)) as writer:
+            root = tmp_path / "root.usda"
+            root.write_text(f'#usda 1.0\ndef "A" (payload = @./{name}coat.tailor@)\n{{\n}}\n')
+            writer.AddFile(str(root), "root.usda")
+            writer.AddFile(str(coat), f"{name}coat.tailor")
+            writer.AddFile(str(coat.with_name("coat.usda")), f"{name}coat.usda")
+        prim = Usd.Stage.Open(str(package)).GetPrimAtPath("/A")
+        assert faces(prim, "model") == 12 and faces(prim, "render") == 12 * 4
+
+
 def test_is_printed_as_text(coat):
     text = Sdf.Layer.FindOrOpen(str(coat)).ExportToString()
     assert text.startswith("#usda 1.0") and 'def Mesh "sim"' in text
