@@ -1,0 +1,110 @@
+//! Time and quality of remeshing with each garment's own recipe, in one table.
+//!
+//! ```text
+//! cargo benches --bench quality              all garments that are here
+//! cargo benches --bench quality -- coat      those whose name holds the word; more words: more garments
+//! ```
+//!
+//! Times are of `simulate` alone, the least of a few runs: processor time on one thread, and wall time on one and two.
+
+#![allow(clippy::print_stdout)]
+
+#[path = "../common/garments.rs"]
+mod garments;
+#[path = "../common/nearest.rs"]
+mod nearest;
+#[path = "../common/quality.rs"]
+mod quality;
+
+use glam::Vec3;
+use quality::{Quality, Reference, measure};
+use rayon::ThreadPoolBuilder;
+use std::path::Path;
+use std::time::Instant;
+use tailor::error::Warnings;
+use tailor::pipeline::Prepared;
+use tailor::recipe::{Layers, bind};
+use tailor::sim::{Baseline, Lengths, SimProduct, simulate};
+use tailor::usd::{ReadOptions, Source};
+
+/// Runs of which the fastest counts.
+const RUNS: usize = 7;
+/// A bound that nothing here reaches.
+const MAX_FACES: usize = 20_000_000;
+
+fn main() {
+    let words: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
+    println!(
+        "{:24} {:>6} {:>6} {:>6} {:>6} {:>5} {:>5} {:>6} {:>5} {:>6} {:>6} {:>6} {:>6} {:>6}",
+        "garment", "tris", "cpu", "1 thr", "2 thr", "min", "p5", "<30 %", "val6", "rms", "seam", "near", "to", "from"
+    );
+    for file in garments::garments() {
+        let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        if words.is_empty() || words.iter().any(|w| name.contains(w)) {
+            row(&name, &file);
+        }
+    }
+}
+
+fn row(name: &str, file: &Path) {
+    let prepared = prepare(file);
+    let (cpu, one) = (0..RUNS).map(|_| timed(&prepared, 1)).fold((f64::MAX, f64::MAX), |m, t| (m.0.min(t.0), m.1.min(t.1)));
+    let two = (0..RUNS).map(|_| timed(&prepared, 2).1).fold(f64::MAX, f64::min);
+    let q = quality(&simulate(baseline(&prepared), prepared.recipe.sim.iterations, MAX_FACES));
+    println!(
+        "{name:24} {:6} {cpu:6.1} {one:6.1} {two:6.1} {:5.1} {:5.2} {:6.3} {:5.1} {:6.4} {:6.3} {:6.2} {:6.3} {:6.3}",
+        q.triangles, q.min_angle, q.p5, 100.0 * q.under30, 100.0 * q.valence6, q.rms, q.curve_max, 100.0 * q.curve_near,
+        q.to_surface, q.from_surface
+    );
+}
+
+fn prepare(file: &Path) -> Prepared {
+    let mut warnings = Warnings::default();
+    let source = Source::open(file, &ReadOptions::default()).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
+    let input = source.garment(&mut warnings).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
+    let mut layers = Layers::default();
+    layers.add_attributes(source.recipe().unwrap_or_default(), &mut warnings);
+    if let Ok(more) = std::env::var("TAILOR_SET") {
+        more.split(',').filter(|s| !s.is_empty()).for_each(|s| layers.add_override(s).expect("an option"));
+    }
+    Prepared::new(input, &layers, &mut warnings).unwrap_or_else(|e| panic!("{}: {e}", file.display()))
+}
+
+fn baseline(prepared: &Prepared) -> Baseline {
+    let bound = bind(&prepared.recipe, &prepared.garment, false).unwrap_or_else(|e| panic!("{e}"));
+    let sim = &prepared.recipe.sim;
+    let lengths = Lengths { min: sim.min_edge_length, max: sim.max_edge_length, density: bound.density };
+    Baseline::new(&prepared.garment, sim, lengths, bound.uv_set)
+}
+
+/// Processor and wall time of one run. \[milliseconds\]
+fn timed(prepared: &Prepared, threads: usize) -> (f64, f64) {
+    let pool = ThreadPoolBuilder::new().num_threads(threads).build().expect("a thread pool");
+    let baseline = pool.install(|| baseline(prepared));
+    pool.install(|| {
+        let (cpu, wall) = (cpu_time(), Instant::now());
+        let product = simulate(baseline, prepared.recipe.sim.iterations, MAX_FACES);
+        let times = (cpu_time() - cpu, wall.elapsed().as_secs_f64() * 1e3);
+        drop(product);
+        times
+    })
+}
+
+/// Processor time of this thread, where the system tells; 0 elsewhere. \[milliseconds\]
+fn cpu_time() -> f64 {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
+    text.split(' ').next().and_then(|ns| ns.parse::<f64>().ok()).unwrap_or(0.0) / 1e6
+}
+
+fn quality(product: &SimProduct) -> Quality {
+    let baseline = &product.baseline;
+    let surface: Vec<[Vec3; 3]> = baseline.topology.faces.ids().map(|f| baseline.triangle(f)).collect();
+    let curves: Vec<Vec<Vec3>> =
+        baseline.chains.iter().map(|c| c.vertices.iter().map(|&v| baseline.points[v]).collect()).collect();
+    let grid = tailor::spatial::PointGrid::new(&baseline.points);
+    let target =
+        |p: Vec3| grid.nearest(&baseline.points, p).map_or(1.0, |v| baseline.target[v]);
+    let triangles: Vec<[usize; 3]> = product.triangles.iter().map(|t| t.map(|v| v.index())).collect();
+    let reference = Reference { surface: &surface, curves: &curves, target: &target };
+    measure(&product.points, &triangles, &product.target, &reference)
+}
