@@ -44,6 +44,12 @@ pub struct Baseline {
     pub shell_sign: IdVec<FaceId, f32>,
     /// Half-edges that no projection crosses: those on chains and at borders.
     pub barrier: IdVec<CornerId, bool>,
+    /// The opposite half-edge of each, where a projection may cross.
+    pub open_twin: IdVec<CornerId, Option<CornerId>>,
+    /// Unit normal of each triangle; zero where it has no area.
+    pub unit_normal: IdVec<FaceId, Vec3>,
+    /// Whether UVs are one to one over each piece between chains, so that a mesh can be held to them.
+    pub holds_uvs: bool,
     /// Target edge length at each vertex. \[stage units\]
     pub target: IdVec<VertexId, f32>,
     /// The constraint chains.
@@ -136,7 +142,11 @@ impl Baseline {
         for half in chains.iter().flat_map(|c| c.left.iter().chain(&c.right)).flatten() {
             barrier[*half] = true;
         }
+        let open_twin = barrier.enumerated().map(|(c, &closed)| topology.twin(c).filter(|_| !closed)).collect();
         let mut baseline = Self {
+            open_twin,
+            unit_normal: IdVec::filled(Vec3::ZERO, topology.faces.len()),
+            holds_uvs: uv_set.is_some() && options.constrain_uv_seams,
             source_face: quads.faces.iter().map(|&f| faces[f]).collect(),
             level_face: quads.faces,
             level_corner: quads.corners,
@@ -156,6 +166,10 @@ impl Baseline {
         };
         baseline.set_targets(garment, lengths);
         baseline.set_shell_signs();
+        let (points, target) = (&baseline.points, &baseline.target);
+        baseline.chains.iter_mut().for_each(|c| c.space(points, target, 1 << options.baseline_level));
+        baseline.unit_normal =
+            baseline.topology.faces.ids().map(|f| baseline.normal(f).normalize_or_zero()).collect();
         baseline
     }
 

@@ -38,6 +38,11 @@ pub struct Chain {
     pub left: Vec<Option<CornerId>>,
     /// The same on the right, in the other direction.
     pub right: Vec<Option<CornerId>>,
+    /// Vertices of the curve, by their place in `vertices`, that stay where they are although no chain ends there:
+    /// corners.
+    pub pins: Vec<usize>,
+    /// Number of edges that the curve asks for up to each vertex, as a real number.
+    pub spaced: Vec<f32>,
 }
 
 /// A place on a chain's curve.
@@ -57,12 +62,19 @@ impl Chain {
 
     /// The place at arc length `s`; loops go round, paths end.
     pub fn at(&self, s: f32) -> OnCurve {
+        self.wound(s).1
+    }
+
+    /// How many times a loop was gone round up to arc length `s`, and the place there.
+    pub(super) fn wound(&self, s: f32) -> (f32, OnCurve) {
         let length = self.length();
-        let s = if self.is_loop && length > 0.0 { s.rem_euclid(length) } else { s.clamp(0.0, length) };
+        let turn = if self.is_loop && length > 0.0 { (s / length).floor() } else { 0.0 };
+        let s = (s - turn * length).clamp(0.0, length);
         let last = self.along.len().saturating_sub(2);
         let segment = self.along.partition_point(|&a| a <= s).saturating_sub(1).min(last);
         let span = self.along[segment + 1] - self.along[segment];
-        OnCurve { segment, t: if span > 0.0 { ((s - self.along[segment]) / span).clamp(0.0, 1.0) } else { 0.0 } }
+        let t = if span > 0.0 { ((s - self.along[segment]) / span).clamp(0.0, 1.0) } else { 0.0 };
+        (turn, OnCurve { segment, t })
     }
 }
 
@@ -225,6 +237,8 @@ impl CageChains {
                     left: curve.windows(2).map(|p| half(p[0], p[1])).collect(),
                     right: curve.windows(2).map(|p| half(p[1], p[0])).collect(),
                     vertices: curve.clone(),
+                    pins: Vec::new(),
+                    spaced: vec![0.0; along.len()],
                     along,
                 }
             })

@@ -2,7 +2,9 @@
 
 mod baseline;
 mod chains;
+mod check;
 mod collapse;
+mod edits;
 mod flip;
 mod manifold;
 mod mesh;
@@ -11,6 +13,8 @@ mod project;
 mod queue;
 mod relax;
 mod remesh;
+mod shape;
+mod spacing;
 mod split;
 
 pub use baseline::{Baseline, Lengths, Location, holes};
@@ -55,7 +59,7 @@ pub fn simulate(baseline: Baseline, iterations: u32, max_faces: usize) -> SimPro
     old_vertex.enumerated().for_each(|(new, &old)| new_vertex[old] = Some(new));
     let mut on_chain: IdVec<ChainId, Vec<OnChain>> = IdVec::filled(Vec::new(), baseline.chains.len());
     for half in mesh.topology.edges() {
-        let Some(span) = mesh.span[half] else { continue };
+        let Some(span) = mesh.span(half) else { continue };
         let ends = [mesh.topology.vertex(half), mesh.topology.target(half)].map(|v| new_vertex[v]);
         let [Some(a), Some(b)] = ends else { continue };
         let length = baseline.chains[span.chain].length();
@@ -71,6 +75,6 @@ pub fn simulate(baseline: Baseline, iterations: u32, max_faces: usize) -> SimPro
     let chain_edges = chain_edges.collect();
     let points = old_vertex.iter().map(|&v| mesh.points[v]).collect();
     let target = old_vertex.iter().map(|&v| mesh.target[v]).collect();
-    let places = old_corner.iter().map(|&c| mesh.place[c]).collect();
+    let places = old_corner.iter().map(|&c| mesh.place(c)).collect();
     SimProduct { points, triangles, target, places, chain_edges, report, baseline }
 }

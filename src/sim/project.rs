@@ -4,6 +4,7 @@
 //! lies.
 
 use super::baseline::{Baseline, Location};
+use crate::mesh::edit;
 use crate::mesh::{CornerId, FaceId, IdVec};
 use glam::{Vec2, Vec3};
 
@@ -77,16 +78,22 @@ impl Baseline {
 
     /// The closest point that a walk from triangle `start` reaches.
     pub fn closest(&self, start: FaceId, point: Vec3) -> Projection {
-        self.closest_within(start, point, &self.barrier)
+        self.walk(start, point, |half| self.open_twin[half])
     }
 
     /// The same, with half-edges that it does not cross given by `barrier`.
     pub fn closest_within(&self, start: FaceId, point: Vec3, barrier: &IdVec<CornerId, bool>) -> Projection {
+        self.walk(start, point, |half| self.topology.twin(half).filter(|_| !barrier[half]))
+    }
+
+    /// Goes on to the nearest of the triangles around as long as that is nearer; `cross` leads over a half-edge.
+    #[inline]
+    fn walk(&self, start: FaceId, point: Vec3, cross: impl Fn(CornerId) -> Option<CornerId> + Copy) -> Projection {
         let mut best = self.on_triangle(start, point);
         for _ in 0..MAX_STEPS {
             let here = best.location;
             let mut next = best;
-            self.for_each_neighbour(here, barrier, |face| {
+            for_each_neighbour(here, cross, |face| {
                 let there = self.on_triangle(face, point);
                 if there.distance_squared < next.distance_squared * PROGRESS {
                     next = there;
@@ -118,57 +125,47 @@ impl Baseline {
                 return Some(Location { face, weights });
             }
             let half = corners[(outward + 1) % 3];
-            face = self.topology.faces.face_of(self.topology.twin(half).filter(|_| !self.barrier[half])?);
+            face = edit::face(self.open_twin[half]?);
         }
         None
     }
+}
 
-    /// The triangles that share the edge or vertex on which a location lies, as far as no barrier is between.
-    fn for_each_neighbour(&self, at: Location, barrier: &IdVec<CornerId, bool>, mut visit: impl FnMut(FaceId)) {
-        let corners = self.corners(at.face);
-        let zero = at.weights.to_array().map(|w| w <= 0.0);
-        match zero.iter().filter(|z| **z).count() {
-            0 => {}
-            1 => {
-                // The edge opposite the corner without weight.
-                let k = (0..3).find(|&k| zero[k]).unwrap_or(0);
-                self.across(corners[(k + 1) % 3], barrier, &mut visit);
-            }
-            _ => {
-                let k = (0..3).find(|&k| !zero[k]).unwrap_or(0);
-                self.around(corners[k], barrier, &mut visit);
-            }
-        }
+/// The triangles that share the edge or vertex on which a location lies, as far as `cross` leads.
+#[inline]
+fn for_each_neighbour(
+    at: Location,
+    cross: impl Fn(CornerId) -> Option<CornerId> + Copy,
+    mut visit: impl FnMut(FaceId),
+) {
+    let corner = |k: usize| CornerId::new(at.face.index() * 3 + k);
+    let zero = at.weights.to_array().map(|w| w <= 0.0);
+    match zero {
+        [false, false, false] => {}
+        // The edge opposite the corner without weight.
+        [true, false, false] => drop(cross(corner(1)).map(|t| visit(edit::face(t)))),
+        [false, true, false] => drop(cross(corner(2)).map(|t| visit(edit::face(t)))),
+        [false, false, true] => drop(cross(corner(0)).map(|t| visit(edit::face(t)))),
+        [_, true, true] => around(corner(0), cross, visit),
+        [true, _, true] => around(corner(1), cross, visit),
+        [true, true, _] => around(corner(2), cross, visit),
     }
+}
 
-    fn across(
-        &self,
-        half: CornerId,
-        barrier: &IdVec<CornerId, bool>,
-        visit: &mut impl FnMut(FaceId),
-    ) -> Option<CornerId> {
-        if barrier[half] {
-            return None;
+/// Turns around the vertex of a corner, both ways as far as `cross` leads.
+fn around(corner: CornerId, cross: impl Fn(CornerId) -> Option<CornerId>, mut visit: impl FnMut(FaceId)) {
+    let mut at = corner;
+    while let Some(twin) = cross(edit::prev(at)) {
+        at = twin;
+        if at == corner {
+            return;
         }
-        let twin = self.topology.twin(half)?;
-        visit(self.topology.faces.face_of(twin));
-        Some(twin)
+        visit(edit::face(at));
     }
-
-    /// Turns around the vertex of a corner, both ways up to a barrier.
-    fn around(&self, corner: CornerId, barrier: &IdVec<CornerId, bool>, visit: &mut impl FnMut(FaceId)) {
-        let faces = &self.topology.faces;
-        let mut at = corner;
-        while let Some(twin) = self.across(faces.prev(at), barrier, visit) {
-            at = twin;
-            if at == corner {
-                return;
-            }
-        }
-        at = corner;
-        while let Some(twin) = self.across(at, barrier, visit) {
-            at = faces.next(twin);
-        }
+    at = corner;
+    while let Some(twin) = cross(at) {
+        at = edit::next(twin);
+        visit(edit::face(at));
     }
 }
 

@@ -1,49 +1,87 @@
 //! A priority queue of edges with a total order, so that equal lengths come out in the same order on every run.
 
+use super::mesh::SimMesh;
+use crate::mesh::{CornerId, VertexId};
+use rayon::prelude::*;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-struct Entry<T> {
+/// Corners that one task looks at.
+const CORNERS_PER_TASK: usize = 8192;
+
+struct Entry {
     key: f32,
-    item: T,
+    /// The lower vertex first.
+    ends: [VertexId; 2],
+    /// Where the edge was when it was added.
+    half: CornerId,
 }
 
-impl<T: Ord> Ord for Entry<T> {
+impl Ord for Entry {
     fn cmp(&self, other: &Self) -> Ordering {
-        self.key.total_cmp(&other.key).then_with(|| other.item.cmp(&self.item))
+        self.key.total_cmp(&other.key).then_with(|| other.ends.cmp(&self.ends))
     }
 }
 
-impl<T: Ord> PartialOrd for Entry<T> {
+impl PartialOrd for Entry {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl<T: Ord> PartialEq for Entry<T> {
+impl PartialEq for Entry {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other) == Ordering::Equal
     }
 }
 
-impl<T: Ord> Eq for Entry<T> {}
+impl Eq for Entry {}
 
-/// Largest key first; of equal keys the lowest item.
-pub struct Queue<T>(BinaryHeap<Entry<T>>);
+/// Edges, that of the largest key first; of equal keys that of the lowest vertices.
+pub struct EdgeQueue(BinaryHeap<Entry>);
 
-impl<T: Ord> Queue<T> {
-    /// An empty queue.
-    pub fn new() -> Self {
-        Self(BinaryHeap::new())
+impl EdgeQueue {
+    /// The edges of a mesh that have a key.
+    pub fn of(mesh: &SimMesh<'_>, key: impl Fn(&SimMesh<'_>, CornerId) -> Option<f32> + Sync) -> Self {
+        let slots = mesh.topology.corner_slots();
+        let tasks = 0..slots.div_ceil(CORNERS_PER_TASK);
+        let found: Vec<Entry> = tasks
+            .into_par_iter()
+            .flat_map_iter(|task| {
+                let own = task * CORNERS_PER_TASK..slots.min((task + 1) * CORNERS_PER_TASK);
+                let edges = own.map(CornerId::new).filter(|&half| mesh.topology.is_edge(half));
+                let key = &key;
+                edges.filter_map(move |half| Some(entry(mesh, half, key(mesh, half)?)))
+            })
+            .collect();
+        Self(found.into())
     }
 
-    /// Adds an item; items may be in the queue more than once.
-    pub fn push(&mut self, key: f32, item: T) {
-        self.0.push(Entry { key, item });
+    /// Adds an edge that has a key; edges may be in the queue more than once.
+    pub fn push(&mut self, mesh: &SimMesh<'_>, half: CornerId, key: Option<f32>) {
+        self.0.extend(key.map(|key| entry(mesh, half, key)));
     }
 
-    /// The item with the largest key.
-    pub fn pop(&mut self) -> Option<T> {
-        self.0.pop().map(|e| e.item)
+    /// The first edge that is still there.
+    pub fn pop(&mut self, mesh: &SimMesh<'_>) -> Option<CornerId> {
+        while let Some(Entry { ends: [a, b], half, .. }) = self.0.pop() {
+            let found = match mesh.topology.is_alive(half) && ends(mesh, half) == [a, b] {
+                true => Some(half),
+                false => mesh.topology.find(a, b),
+            };
+            if found.is_some() {
+                return found;
+            }
+        }
+        None
     }
+}
+
+fn ends(mesh: &SimMesh<'_>, half: CornerId) -> [VertexId; 2] {
+    let (a, b) = (mesh.topology.vertex(half), mesh.topology.target(half));
+    [a.min(b), a.max(b)]
+}
+
+fn entry(mesh: &SimMesh<'_>, half: CornerId, key: f32) -> Entry {
+    Entry { key, ends: ends(mesh, half), half }
 }

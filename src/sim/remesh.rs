@@ -37,7 +37,7 @@ pub fn remesh(mesh: &mut SimMesh<'_>, rounds: u32, max_faces: usize) -> RemeshRe
         check(mesh);
         let flips = flip_edges(mesh);
         check(mesh);
-        relax_and_project(mesh);
+        relax_and_project(mesh, 1);
         check(mesh);
         report.rounds += 1;
         report.splits += splits;

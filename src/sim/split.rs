@@ -1,9 +1,9 @@
 //! Split every edge that is too long, the longest first.
 
 use super::mesh::SimMesh;
-use super::queue::Queue;
+use super::queue::EdgeQueue;
+use crate::mesh::CornerId;
 use crate::mesh::edit::prev;
-use crate::mesh::{CornerId, VertexId};
 
 /// An edge longer than this times its target is split (Botsch and Kobbelt 2004, section 4): its halves are then nearer
 /// to the target than it was. Smaller values make more, shorter edges.
@@ -11,31 +11,29 @@ pub const SPLIT_RATIO: f32 = 4.0 / 3.0;
 
 /// Splits until no edge is too long or the mesh has `max_faces` triangles. Returns the number of splits.
 pub fn split_long_edges(mesh: &mut SimMesh<'_>, max_faces: usize) -> usize {
-    let wants =
-        |mesh: &SimMesh<'_>, half: CornerId| mesh.relative_length(half) > SPLIT_RATIO && mesh.topology.may_split(half);
-    let mut queue = Queue::new();
-    let halves: Vec<CornerId> = mesh.topology.edges().filter(|&h| wants(mesh, h)).collect();
-    halves.into_iter().for_each(|h| push(&mut queue, mesh, h));
+    let mut queue = EdgeQueue::of(mesh, excess);
     let mut count = 0;
     let mut faces = mesh.topology.face_count();
-    while let Some((a, b)) = queue.pop() {
-        let Some(half) = mesh.topology.find(a, b).filter(|&h| wants(mesh, h)) else { continue };
+    while let Some(half) = queue.pop(mesh) {
+        if excess(mesh, half).is_none() || !mesh.topology.may_split(half) {
+            continue;
+        }
         if faces >= max_faces {
             break;
         }
         let Some(vertex) = mesh.split(half) else { continue };
         faces += 1 + usize::from(mesh.topology.twin(half).is_some());
         count += 1;
-        let around: Vec<CornerId> = mesh.topology.fan(vertex).flat_map(|c| [c, prev(c)]).collect();
-        for half in around.into_iter().filter(|&h| wants(mesh, h)) {
-            push(&mut queue, mesh, half);
+        for half in mesh.topology.fan(vertex).flat_map(|c| [c, prev(c)]) {
+            queue.push(mesh, half, excess(mesh, half));
         }
     }
     count
 }
 
-fn push(queue: &mut Queue<(VertexId, VertexId)>, mesh: &SimMesh<'_>, half: CornerId) {
+/// The excess over the target, as in Waggoner and de Goes 2022, of an edge that is to be split.
+fn excess(mesh: &SimMesh<'_>, half: CornerId) -> Option<f32> {
+    let relative = mesh.relative_length(half);
     let (a, b) = (mesh.topology.vertex(half), mesh.topology.target(half));
-    // The excess over the target, as in Waggoner and de Goes 2022.
-    queue.push(mesh.length(half) - mesh.target_between(a, b), (a.min(b), a.max(b)));
+    (relative > SPLIT_RATIO).then(|| (relative - 1.0) * mesh.target_between(a, b))
 }
