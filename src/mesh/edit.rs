@@ -3,7 +3,7 @@
 //! Half-edges are corners: corner `c` leaves its vertex towards the next corner of its triangle. Every edit names all
 //! that it made or removed, so that attributes can follow; nothing here knows positions.
 
-use super::{CornerId, FaceId, IdVec, VertexId};
+use super::{CornerId, Csr, FaceId, IdVec, VertexId};
 
 /// A manifold, oriented triangle mesh under edit. Removed triangles and vertices stay as gaps until [`compact`].
 ///
@@ -62,23 +62,24 @@ impl EditMesh {
     }
 
     fn pair(&mut self) {
-        let key = |c: CornerId| {
-            let (a, b) = (self.corner_vertex[c], self.corner_vertex[next(c)]);
-            (a.min(b), a.max(b))
-        };
-        let mut halves: Vec<CornerId> = self.corner_vertex.ids().collect();
-        halves.sort_unstable_by_key(|&c| (key(c), c));
-        let mut pairs = Vec::new();
-        for group in halves.chunk_by(|&a, &b| key(a) == key(b)) {
-            if let &[a, b] = group
-                && self.corner_vertex[a] != self.corner_vertex[b]
-            {
-                pairs.push((a, b));
+        // Half-edges by their lower vertex; few share one, so each group is searched.
+        let low = |c: CornerId| self.corner_vertex[c].min(self.corner_vertex[next(c)]);
+        let halves = self.corner_vertex.ids().map(|c| (low(c), c));
+        let groups = Csr::group(self.vertex_corner.len(), halves, CornerId::new(0));
+        let mut by_high: Vec<(VertexId, CornerId)> = Vec::new();
+        for vertex in self.vertex_corner.ids() {
+            by_high.clear();
+            let high = |c: CornerId| self.corner_vertex[c].max(self.corner_vertex[next(c)]);
+            by_high.extend(groups.row(vertex).iter().map(|&c| (high(c), c)));
+            by_high.sort_unstable();
+            for group in by_high.chunk_by(|a, b| a.0 == b.0) {
+                if let &[(_, a), (_, b)] = group
+                    && self.corner_vertex[a] != self.corner_vertex[b]
+                {
+                    self.twin[a] = Some(b);
+                    self.twin[b] = Some(a);
+                }
             }
-        }
-        for (a, b) in pairs {
-            self.twin[a] = Some(b);
-            self.twin[b] = Some(a);
         }
     }
 
@@ -165,15 +166,21 @@ impl EditMesh {
     }
 
     /// The neighbours of a vertex, each once.
+    #[inline]
     pub fn ring(&self, vertex: VertexId) -> impl Iterator<Item = VertexId> + '_ {
+        self.spokes(vertex).map(move |c| if self.vertex(c) == vertex { self.target(c) } else { self.vertex(c) })
+    }
+
+    /// A half-edge of each edge at a vertex.
+    pub fn spokes(&self, vertex: VertexId) -> impl Iterator<Item = CornerId> + '_ {
         let mut last = None;
         let mut fan = self.fan(vertex);
         std::iter::from_fn(move || match fan.next() {
             Some(c) => {
                 last = Some(c);
-                Some(self.target(c))
+                Some(c)
             }
-            None => last.take().filter(|&c| self.twin[prev(c)].is_none()).map(|c| self.vertex(prev(c))),
+            None => last.take().map(prev).filter(|&c| self.twin[c].is_none()),
         })
     }
 

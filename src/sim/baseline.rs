@@ -52,6 +52,9 @@ pub struct Baseline {
     pub holds_uvs: bool,
     /// Target edge length at each vertex. \[stage units\]
     pub target: IdVec<VertexId, f32>,
+    /// The length that remeshing works with at each vertex: the target, or less near a chain that bends.
+    /// \[stage units\]
+    pub sizing: IdVec<VertexId, f32>,
     /// The constraint chains.
     pub chains: IdVec<ChainId, Chain>,
     /// The triangles that remeshing starts from, by corners of the baseline.
@@ -152,6 +155,7 @@ impl Baseline {
             level_corner: quads.corners,
             shell_sign: IdVec::filled(1.0, topology.faces.len()),
             target: IdVec::filled(lengths.max, points.len()),
+            sizing: IdVec::new(),
             has_uvs: uv_set.is_some(),
             uvs: corner_uvs,
             manifold,
@@ -168,6 +172,7 @@ impl Baseline {
         baseline.set_shell_signs();
         let (points, target) = (&baseline.points, &baseline.target);
         baseline.chains.iter_mut().for_each(|c| c.space(points, target, 1 << options.baseline_level));
+        baseline.spread_lengths();
         baseline.unit_normal =
             baseline.topology.faces.ids().map(|f| baseline.normal(f).normalize_or_zero()).collect();
         baseline

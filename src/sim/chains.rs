@@ -41,6 +41,8 @@ pub struct Chain {
     /// Vertices of the curve, by their place in `vertices`, that stay where they are although no chain ends there:
     /// corners.
     pub pins: Vec<usize>,
+    /// The length that edges should have at each vertex: the target, or less where the curve bends. \[stage units\]
+    pub lengths: Vec<f32>,
     /// Number of edges that the curve asks for up to each vertex, as a real number.
     pub spaced: Vec<f32>,
 }
@@ -238,7 +240,8 @@ impl CageChains {
                     right: curve.windows(2).map(|p| half(p[1], p[0])).collect(),
                     vertices: curve.clone(),
                     pins: Vec::new(),
-                    spaced: vec![0.0; along.len()],
+                    lengths: Vec::new(),
+                    spaced: Vec::new(),
                     along,
                 }
             })

@@ -22,7 +22,7 @@ pub fn collapse_short_edges(mesh: &mut SimMesh<'_>) -> usize {
         }
         let Some(kept) = try_collapse(mesh, half) else { continue };
         count += 1;
-        for half in mesh.topology.fan(kept).flat_map(|c| [c, prev(c)]) {
+        for half in mesh.topology.spokes(kept) {
             queue.push(mesh, half, lack(mesh, half));
         }
     }
@@ -31,27 +31,31 @@ pub fn collapse_short_edges(mesh: &mut SimMesh<'_>) -> usize {
 
 /// What an edge that is to be collapsed lacks of its target.
 fn lack(mesh: &SimMesh<'_>, half: CornerId) -> Option<f32> {
-    let relative = mesh.relative_length(half);
+    if !mesh.is_outside(half, super::exp::exp(12, COLLAPSE_RATIO), false) {
+        return None;
+    }
     let (a, b) = (mesh.topology.vertex(half), mesh.topology.target(half));
-    (relative < COLLAPSE_RATIO).then(|| (1.0 - relative) * mesh.target_between(a, b))
+    Some((1.0 - mesh.relative_length(half)) * mesh.target_between(a, b))
 }
 
 /// Collapses an edge if that is allowed and safe; returns the vertex that remains.
 fn try_collapse(mesh: &mut SimMesh<'_>, half: CornerId) -> Option<VertexId> {
     let (a, b) = (mesh.topology.vertex(half), mesh.topology.target(half));
+    // Lengths are asked first: they refuse most, and cost least.
+    if let Some((position, site)) = middle(mesh, half, a, b).filter(|_| may_collapse(mesh, half, a)) {
+        let own = mesh.merged_sites(half, a)[0];
+        mesh.collapse(half, a);
+        mesh.sites[own] = site;
+        mesh.points[b] = position;
+        mesh.target[b] = mesh.baseline.sizing_at(site.place.location);
+        return Some(b);
+    }
     for (removed, kept) in [(a, b), (b, a)] {
-        if !may_collapse(mesh, half, removed) {
-            continue;
-        }
-        if let Some((position, site)) = middle(mesh, half, removed, kept) {
-            let own = mesh.merged_sites(half, removed)[0];
-            mesh.collapse(half, removed);
-            mesh.sites[own] = site;
-            mesh.points[kept] = position;
-            mesh.target[kept] = mesh.baseline.target_at(site.place.location);
-            return Some(kept);
-        }
-        if is_safe(mesh, half, removed, kept) {
+        if mesh.grade[removed] != Grade::Frozen
+            && stays_short(mesh, half, removed, kept, mesh.points[kept])
+            && may_collapse(mesh, half, removed)
+            && is_safe(mesh, half, removed, kept)
+        {
             mesh.collapse(half, removed);
             return Some(kept);
         }
@@ -82,7 +86,8 @@ fn staying<'a>(mesh: &'a SimMesh<'_>, half: CornerId, vertex: VertexId) -> impl 
 
 /// Whether edges from a new position to the neighbours of `vertex` stay short enough not to be split again.
 fn stays_short(mesh: &SimMesh<'_>, half: CornerId, vertex: VertexId, kept: VertexId, position: Vec3) -> bool {
-    staying(mesh, half, vertex).flat_map(|c| [mesh.topology.target(c), mesh.topology.vertex(prev(c))]).all(|v| {
+    let (a, b) = (mesh.topology.vertex(half), mesh.topology.target(half));
+    mesh.topology.ring(vertex).filter(|&v| v != a && v != b).all(|v| {
         let most = SPLIT_RATIO * mesh.target_between(kept, v);
         position.distance_squared(mesh.points[v]) <= most * most
     })
@@ -94,7 +99,7 @@ fn chain_stays_short(mesh: &SimMesh<'_>, half: CornerId, removed: VertexId) -> b
     let Some([ahead, back]) = mesh.chain_neighbours(removed) else { return true };
     let parts = [ahead, back].map(|h| mesh.span(h).map_or(0.0, |s| mesh.count(s)));
     debug_assert!(span.from <= span.to || !span.forward, "spans run along their chains");
-    parts[0] + parts[1] <= SPLIT_RATIO
+    parts[0] + parts[1] <= super::exp::exp(14, 1.25)
 }
 
 /// Whether a collapse may make such a triangle.
@@ -109,8 +114,7 @@ fn is_safe(mesh: &SimMesh<'_>, half: CornerId, removed: VertexId, kept: VertexId
     let mut sector = Vec::new();
     mesh.left_sector(half, removed, &mut sector);
     let site = |c: CornerId| if sector.is_empty() || sector.contains(&c) { left } else { right };
-    stays_short(mesh, half, removed, kept, position)
-        && chain_stays_short(mesh, half, removed)
+    chain_stays_short(mesh, half, removed)
         && staying(mesh, half, removed)
             .all(|c| may_be(mesh, [(position, site(c)), mesh.corner(next(c)), mesh.corner(prev(c))]))
 }
@@ -121,12 +125,15 @@ fn middle(mesh: &SimMesh<'_>, half: CornerId, removed: VertexId, kept: VertexId)
         return None;
     }
     let point = mesh.points[removed].midpoint(mesh.points[kept]);
+    let short = |v: VertexId| stays_short(mesh, half, v, kept, point);
+    if !short(removed) || !short(kept) {
+        return None;
+    }
     let there = mesh.baseline.closest(mesh.place(half).location.face, point);
     let site = mesh.site_on(there.location);
     let fits = |v: VertexId| {
-        stays_short(mesh, half, v, kept, there.position)
-            && staying(mesh, half, v)
-                .all(|c| may_be(mesh, [(there.position, &site), mesh.corner(next(c)), mesh.corner(prev(c))]))
+        staying(mesh, half, v)
+            .all(|c| may_be(mesh, [(there.position, &site), mesh.corner(next(c)), mesh.corner(prev(c))]))
     };
     (fits(removed) && fits(kept)).then_some((there.position, site))
 }

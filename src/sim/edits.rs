@@ -22,7 +22,8 @@ impl SimMesh<'_> {
                 for c in [next(half), ahead].into_iter().chain(first).chain(second.map(next)) {
                     self.site_of[c] = site;
                 }
-                Some(self.settle_new(position, Grade::Free, site))
+                let target = self.baseline.sizing_at(self.sites[site].place.location);
+                Some(self.settle_new(position, Grade::Free, target))
             }
         }
     }
@@ -44,9 +45,9 @@ impl SimMesh<'_> {
         split.ahead
     }
 
-    fn settle_new(&mut self, position: Vec3, grade: Grade, site: SiteId) -> VertexId {
+    fn settle_new(&mut self, position: Vec3, grade: Grade, target: f32) -> VertexId {
         self.grade.push(grade);
-        self.target.push(self.baseline.target_at(self.sites[site].place.location));
+        self.target.push(target);
         self.points.push(position)
     }
 
@@ -68,7 +69,7 @@ impl SimMesh<'_> {
             self.site_of[first] = other;
             self.site_of[next(second)] = other;
         }
-        self.settle_new(position, Grade::OnCurve(span.chain), own)
+        self.settle_new(position, Grade::OnCurve(span.chain), chain.length_at(s))
     }
 
     fn new_site(&mut self, site: Option<Site>, like: CornerId) -> SiteId {

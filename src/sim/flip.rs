@@ -1,7 +1,8 @@
 //! Flip every free edge whose opposite angles sum to more than π.
 
 use super::mesh::SimMesh;
-use crate::mesh::CornerId;
+use super::exp::exp;
+use crate::mesh::{CornerId, IdVec, VertexId};
 use crate::mesh::edit::{next, prev};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -12,19 +13,24 @@ const MAX_SWEEPS: usize = 8;
 const MIN_GAIN: f32 = 1e-4;
 
 /// Flips until no edge gains by it. Returns the number of flips.
-pub fn flip_edges(mesh: &mut SimMesh<'_>) -> usize {
+pub fn flip_edges(mesh: &mut SimMesh<'_>, regular: f32) -> usize {
     let mut count = 0;
-    let all = (0..mesh.topology.corner_slots()).into_par_iter().map(CornerId::new);
-    let mut candidates: Vec<CornerId> =
-        all.filter(|&h| mesh.topology.is_edge(h) && !mesh.is_constrained(h) && wants_flip(mesh, h)).collect();
+    let mut excess = excess(mesh);
+    let slots = mesh.topology.corner_slots();
+    let all = (0..slots).into_par_iter().map(CornerId::new);
+    let mut candidates: Vec<CornerId> = all
+        .filter(|&h| mesh.topology.is_edge(h) && !mesh.is_constrained(h) && gain(mesh, &excess, h, regular) > MIN_GAIN)
+        .collect();
     for _ in 0..MAX_SWEEPS {
         let mut touched = Vec::new();
         for half in candidates {
-            if wants_flip(mesh, half) && may_flip(mesh, half) && flip_is_safe(mesh, half) {
-                let twin = mesh.topology.twin(half);
+            if gain(mesh, &excess, half, regular) > MIN_GAIN && may_flip(mesh, half) && flip_is_safe(mesh, half) {
+                let Some(twin) = mesh.topology.twin(half) else { continue };
+                let [a, b, c, d] = [half, twin, prev(half), prev(twin)].map(|x| mesh.topology.vertex(x));
+                for (v, by) in [(a, -1), (b, -1), (c, 1), (d, 1)] { excess[v] += by; }
                 mesh.flip(half);
                 count += 1;
-                for c in std::iter::once(half).chain(twin) {
+                for c in [half, twin] {
                     touched.extend([next(c), prev(c)]);
                 }
             }
@@ -37,6 +43,43 @@ pub fn flip_edges(mesh: &mut SimMesh<'_>) -> usize {
         candidates = touched;
     }
     count
+}
+
+fn excess(mesh: &SimMesh<'_>) -> IdVec<VertexId, i8> {
+    let mut excess: IdVec<VertexId, i8> = IdVec::filled(-6, mesh.points.len());
+    for c in mesh.topology.corners() {
+        excess[mesh.topology.vertex(c)] += 1;
+        if mesh.topology.twin(c).is_none() {
+            // One more edge than triangles, and half a fan.
+            excess[mesh.topology.vertex(c)] += 3;
+        }
+    }
+    excess
+}
+
+/// What a flip gains.
+#[inline]
+fn gain(mesh: &SimMesh<'_>, excess: &IdVec<VertexId, i8>, half: CornerId, regular: f32) -> f32 {
+    let Some(twin) = mesh.topology.twin(half) else { return -1.0 };
+    let [va, vb, vc, vd] = [half, twin, prev(half), prev(twin)].map(|x| mesh.topology.vertex(x));
+    let [a, b, c, d] = [va, vb, vc, vd].map(|x| mesh.points[x]);
+    let [ea, eb, ec, ed] = [excess[va], excess[vb], excess[vc], excess[vd]];
+    // The change of the sum of squares.
+    let change = 4 + 2 * (i32::from(ec) + i32::from(ed) - i32::from(ea) - i32::from(eb));
+    if change >= 0 && (a - c).dot(b - c) >= 0.0 && (a - d).dot(b - d) >= 0.0 {
+        return -1.0;
+    }
+    let ((s1, c1), (s2, c2)) = (opposite_angle(c, a, b), opposite_angle(d, a, b));
+    // Sine of the sum; negative where it exceeds pi.
+    let norm = ((s1 * s1 + c1 * c1) * (s2 * s2 + c2 * c2)).sqrt().max(f32::MIN_POSITIVE);
+    let sine = (s1 * c2 + c1 * s2) / norm;
+    if exp(9, 0.0) == 1.0 {
+        // new min angle guard
+        let ((s3, c3), (s4, c4)) = (opposite_angle(a, c, d), opposite_angle(b, c, d));
+        let sum = s3 * c4 + c3 * s4;
+        if sum < 0.0 && sum * sum > exp(10, 0.5).powi(2) * (s3 * s3 + c3 * c3) * (s4 * s4 + c4 * c4) { return -1.0; }
+    }
+    -sine - regular * change as f32
 }
 
 /// Sine and cosine of an angle, both times the same positive number.

@@ -38,6 +38,11 @@ impl Span {
         Self { chain: self.chain, from: self.to, to: self.from, forward: !self.forward }
     }
 
+    /// Whether a span in its chain's direction has no length left.
+    pub fn is_reversed(self) -> bool {
+        self.from >= self.to
+    }
+
     /// In the chain's own direction.
     pub fn along(self) -> Self {
         if self.forward { self } else { self.reversed() }
@@ -95,7 +100,7 @@ pub struct SimMesh<'a> {
     pub topology: EditMesh,
     /// Positions.
     pub points: IdVec<VertexId, Vec3>,
-    /// Target edge length at each vertex.
+    /// Target edge length at each vertex: that of the baseline, or less on a chain that bends.
     pub target: IdVec<VertexId, f32>,
     /// What each vertex may do.
     pub grade: IdVec<VertexId, Grade>,
@@ -119,7 +124,7 @@ impl<'a> SimMesh<'a> {
         let mut mesh = Self {
             baseline,
             points: baseline.points.clone(),
-            target: baseline.target.clone(),
+            target: baseline.sizing.clone(),
             grade: IdVec::filled(Grade::Free, baseline.points.len()),
             mark: IdVec::filled(None, corners),
             spans: IdVec::new(),
@@ -141,8 +146,11 @@ impl<'a> SimMesh<'a> {
             let span = Span { chain: start.chain, from: start.from, to: start.to, forward: true };
             let span = self.spans.push(span);
             self.set_mark(half, Mark::new(span, start.first == x));
-            self.grade[a] = Grade::OnCurve(start.chain);
-            self.grade[b] = Grade::OnCurve(start.chain);
+            for (v, s) in [(a, self.spans[span].from), (b, self.spans[span].to)] {
+                let v = if start.first == x { v } else { if v == a { b } else { a } };
+                self.grade[v] = Grade::OnCurve(start.chain);
+                self.target[v] = self.target[v].min(self.chain(start.chain).length_at(s));
+            }
         }
         let mut anchors = BTreeSet::new();
         for chain in self.baseline.chains.iter() {
@@ -213,6 +221,17 @@ impl<'a> SimMesh<'a> {
             Some(span) => self.count(span),
             None => self.length(half) / self.target_between(self.topology.vertex(half), self.topology.target(half)),
         }
+    }
+
+    /// Whether a half-edge is longer, or shorter, than a share of the length that it should have.
+    #[inline]
+    pub(super) fn is_outside(&self, half: CornerId, share: f32, longer: bool) -> bool {
+        if self.mark[half].is_some() {
+            return (self.relative_length(half) > share) == longer;
+        }
+        let (a, b) = (self.topology.vertex(half), self.topology.target(half));
+        let bound = share * self.target_between(a, b);
+        (self.points[a].distance_squared(self.points[b]) > bound * bound) == longer
     }
 
     /// Number of edges that a span should be.

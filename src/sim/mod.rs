@@ -5,6 +5,7 @@ mod chains;
 mod check;
 mod collapse;
 mod edits;
+pub mod exp;
 mod flip;
 mod manifold;
 mod mesh;
@@ -14,6 +15,8 @@ mod queue;
 mod relax;
 mod remesh;
 mod shape;
+mod sizing;
+mod slide;
 mod spacing;
 mod split;
 
@@ -73,8 +76,11 @@ pub fn simulate(baseline: Baseline, iterations: u32, max_faces: usize) -> SimPro
         edges.into_iter().map(|(_, _, e)| e).collect()
     });
     let chain_edges = chain_edges.collect();
-    let points = old_vertex.iter().map(|&v| mesh.points[v]).collect();
-    let target = old_vertex.iter().map(|&v| mesh.target[v]).collect();
-    let places = old_corner.iter().map(|&c| mesh.place(c)).collect();
+    let points: IdVec<VertexId, Vec3> = old_vertex.iter().map(|&v| mesh.points[v]).collect();
+    let places: IdVec<CornerId, Place> = old_corner.iter().map(|&c| mesh.place(c)).collect();
+    let mut target = IdVec::<VertexId, f32>::filled(0.0, points.len());
+    for (&v, place) in triangles.iter().flatten().zip(places.iter()) {
+        target[v] = baseline.target_at(place.location);
+    }
     SimProduct { points, triangles, target, places, chain_edges, report, baseline }
 }

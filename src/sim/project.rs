@@ -5,7 +5,7 @@
 
 use super::baseline::{Baseline, Location};
 use crate::mesh::edit;
-use crate::mesh::{CornerId, FaceId, IdVec};
+use crate::mesh::{CornerId, FaceId, IdVec, VertexId};
 use glam::{Vec2, Vec3};
 
 /// Steps after which a walk stops where it is. A walk gets nearer with every step, so only a start that is very far
@@ -26,14 +26,25 @@ pub struct Projection {
 }
 
 impl Baseline {
-    /// Corners of a triangle.
-    fn corners(&self, face: FaceId) -> [CornerId; 3] {
-        [0, 1, 2].map(|k| CornerId::new(face.index() * 3 + k))
+    /// Vertices of a triangle.
+    #[inline]
+    fn vertices(&self, face: FaceId) -> [VertexId; 3] {
+        let first = 3 * face.index();
+        let corners = &self.topology.faces.corners().as_slice()[first..first + 3];
+        [corners[0], corners[1], corners[2]]
+    }
+
+    /// A mix of corner or vertex values.
+    #[inline]
+    fn mix<T: std::ops::Mul<f32, Output = T> + std::ops::Add<Output = T>>(weights: Vec3, [a, b, c]: [T; 3]) -> T {
+        a * weights.x + b * weights.y + c * weights.z
     }
 
     /// Positions of a triangle's corners.
+    #[inline]
     pub fn triangle(&self, face: FaceId) -> [Vec3; 3] {
-        self.corners(face).map(|c| self.points[self.topology.faces.vertex(c)])
+        let [a, b, c] = self.vertices(face);
+        [self.points[a], self.points[b], self.points[c]]
     }
 
     /// Normal of a triangle, not scaled to unit length.
@@ -44,20 +55,34 @@ impl Baseline {
 
     /// Position of a location.
     pub fn position(&self, at: Location) -> Vec3 {
-        let [a, b, c] = self.triangle(at.face);
-        a * at.weights.x + b * at.weights.y + c * at.weights.z
+        Self::mix(at.weights, self.triangle(at.face))
+    }
+
+    /// Constraint UVs of a triangle's corners.
+    #[inline]
+    fn triangle_uvs(&self, face: FaceId) -> [Vec2; 3] {
+        let first = 3 * face.index();
+        let uvs = &self.uvs.as_slice()[first..first + 3];
+        [uvs[0], uvs[1], uvs[2]]
     }
 
     /// Constraint UVs of a location.
+    #[inline]
     pub fn uv(&self, at: Location) -> Vec2 {
-        let [a, b, c] = self.corners(at.face).map(|c| self.uvs[c]);
-        a * at.weights.x + b * at.weights.y + c * at.weights.z
+        Self::mix(at.weights, self.triangle_uvs(at.face))
     }
 
     /// Target edge length at a location. \[stage units\]
     pub fn target_at(&self, at: Location) -> f32 {
-        let [a, b, c] = self.corners(at.face).map(|c| self.target[self.topology.faces.vertex(c)]);
-        a * at.weights.x + b * at.weights.y + c * at.weights.z
+        let [a, b, c] = self.vertices(at.face);
+        Self::mix(at.weights, [self.target[a], self.target[b], self.target[c]])
+    }
+
+    /// The length that remeshing works with at a location. \[stage units\]
+    #[inline]
+    pub fn sizing_at(&self, at: Location) -> f32 {
+        let [a, b, c] = self.vertices(at.face);
+        Self::mix(at.weights, [self.sizing[a], self.sizing[b], self.sizing[c]])
     }
 
     /// The location of a corner of a triangle.
@@ -68,6 +93,7 @@ impl Baseline {
     }
 
     /// The closest point of one triangle.
+    #[inline]
     fn on_triangle(&self, face: FaceId, point: Vec3) -> Projection {
         let [a, b, c] = self.triangle(face);
         let weights = closest_weights(a, b, c, point);
@@ -112,8 +138,7 @@ impl Baseline {
     pub fn locate_uv(&self, start: FaceId, uv: Vec2) -> Option<Location> {
         let mut face = start;
         for _ in 0..MAX_STEPS {
-            let corners = self.corners(face);
-            let [a, b, c] = corners.map(|c| self.uvs[c]);
+            let [a, b, c] = self.triangle_uvs(face);
             let area = (b - a).perp_dot(c - a);
             let weights =
                 Vec3::new((b - uv).perp_dot(c - uv), (c - uv).perp_dot(a - uv), (a - uv).perp_dot(b - uv)) / area;
@@ -124,7 +149,7 @@ impl Baseline {
             if weights[outward] >= 0.0 {
                 return Some(Location { face, weights });
             }
-            let half = corners[(outward + 1) % 3];
+            let half = CornerId::new(3 * face.index() + (outward + 1) % 3);
             face = edit::face(self.open_twin[half]?);
         }
         None
@@ -170,6 +195,7 @@ fn around(corner: CornerId, cross: impl Fn(CornerId) -> Option<CornerId>, mut vi
 }
 
 /// Weights of the point of a triangle that is closest to `p` (Ericson, Real-Time Collision Detection, 5.1.5).
+#[inline]
 pub fn closest_weights(a: Vec3, b: Vec3, c: Vec3, p: Vec3) -> Vec3 {
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let (d1, d2) = (ab.dot(ap), ac.dot(ap));

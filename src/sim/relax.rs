@@ -1,10 +1,14 @@
 //! Relax: every free vertex moves to the weighted middle of its neighbours and back to the surface; vertices on a chain
 //! slide along its curve; anchors stay.
+//!
+//! All moves are found from the same mesh and done together; those that made a triangle worse are taken back. So the
+//! result is the same for any number of threads.
 
 use super::mesh::{Grade, SimMesh, Site};
-use crate::mesh::edit::{face, next, prev};
+use super::slide::{Slide, even_place, slide};
+use crate::mesh::edit::face;
 use crate::mesh::{CornerId, FaceId, IdVec, SiteId, VertexId};
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
 /// Shares of the way that vertices try to move, in turn: where moves would fold triangles, they try again and shorter.
@@ -14,33 +18,24 @@ const STEPS: [f32; 3] = [1.0, 0.5, 0.25];
 #[derive(Clone, Copy)]
 enum Goal {
     Point(Vec3),
-    /// Arc length on the chain.
-    Curve(f32),
+    /// By how much along the chain. \[stage units\]
+    Along(f32),
 }
 
-/// A move, as it is done.
-struct Move {
-    vertex: VertexId,
-    position: Vec3,
-    target: f32,
-    sites: [Option<(SiteId, Site)>; 2],
-    slide: Option<Slide>,
-}
-
-/// The half-edges along the chain and against it, and the new arc length.
-#[derive(Clone, Copy)]
-struct Slide {
-    ahead: CornerId,
-    back: CornerId,
-    by: f32,
+/// A vertex with all that a move changes; swapped with the mesh, it is the way back.
+pub(super) struct Move {
+    pub vertex: VertexId,
+    pub position: Vec3,
+    pub target: f32,
+    pub id: SiteId,
+    pub site: Site,
+    /// Of a chain's vertex: its index among the slides.
+    pub slide: Option<Slide>,
 }
 
 /// Moves every vertex once, `sweeps` times averaged before it goes back to the surface.
 pub fn relax_and_project(mesh: &mut SimMesh<'_>, sweeps: usize) {
-    let vertices: Vec<VertexId> = mesh.topology.vertices().collect();
-    let goals = goals(mesh, &vertices, sweeps);
-    let mut waiting: Vec<(VertexId, Goal)> =
-        vertices.iter().zip(goals).filter_map(|(&v, goal)| Some((v, goal?))).collect();
+    let mut waiting = goals(mesh, sweeps);
     for step in STEPS {
         waiting = attempt(mesh, &waiting, step);
         if waiting.is_empty() {
@@ -49,99 +44,104 @@ pub fn relax_and_project(mesh: &mut SimMesh<'_>, sweeps: usize) {
     }
 }
 
-/// Where vertices want to go.
-fn goals(mesh: &SimMesh<'_>, vertices: &[VertexId], sweeps: usize) -> Vec<Option<Goal>> {
-    let mut points = mesh.points.clone();
-    for _ in 0..sweeps {
-        let next: Vec<Option<Vec3>> = vertices.par_iter().map(|&v| middle(mesh, &points, v)).collect();
-        vertices.iter().zip(next).for_each(|(&v, p)| points[v] = p.unwrap_or(points[v]));
-    }
-    let goal = |&v: &VertexId| match mesh.grade[v] {
-        Grade::Frozen => None,
-        Grade::OnCurve(_) => even(mesh, v).map(Goal::Curve),
-        Grade::Free => Some(Goal::Point(points[v])),
-    };
-    vertices.par_iter().map(goal).collect()
+/// The rings of the free vertices, in one array.
+struct Rings {
+    vertices: Vec<VertexId>,
+    start: Vec<u32>,
+    around: Vec<VertexId>,
 }
 
-/// The middle of the triangles around a free vertex, each weighted by its area against its target, in its tangent plane.
-fn middle(mesh: &SimMesh<'_>, points: &IdVec<VertexId, Vec3>, vertex: VertexId) -> Option<Vec3> {
-    if mesh.grade[vertex] != Grade::Free {
-        return None;
+impl Rings {
+    fn new(mesh: &SimMesh<'_>) -> Self {
+        let free = mesh.topology.vertices().filter(|&v| mesh.grade[v] == Grade::Free);
+        let mut rings = Self { vertices: free.collect(), start: vec![0], around: Vec::new() };
+        rings.around.reserve(7 * rings.vertices.len());
+        for &v in &rings.vertices {
+            rings.around.extend(mesh.topology.fan(v).map(|c| mesh.topology.target(c)));
+            rings.start.push(rings.around.len() as u32);
+        }
+        rings
     }
-    let own = points[vertex];
-    let (mut sum, mut weight, mut normal) = (Vec3::ZERO, 0.0f32, Vec3::ZERO);
-    for corner in mesh.topology.fan(vertex) {
-        let (a, b) = (mesh.topology.target(corner), mesh.topology.vertex(prev(corner)));
-        let (u, v) = (points[a] - own, points[b] - own);
-        let cross = u.cross(v);
-        let target = (mesh.target[vertex] + mesh.target[a] + mesh.target[b]) / 3.0;
-        let w = cross.length() / (target * target);
+
+    fn of(&self, i: usize) -> &[VertexId] {
+        &self.around[self.start[i] as usize..self.start[i + 1] as usize]
+    }
+}
+
+/// Where vertices want to go; those that stay are left out.
+fn goals(mesh: &SimMesh<'_>, sweeps: usize) -> Vec<(VertexId, Goal)> {
+    let rings = Rings::new(mesh);
+    // With the weight of each vertex: triangles count by their area against their target.
+    let weighted = |(p, t): (&Vec3, &f32)| p.extend(1.0 / (t * t));
+    let mut points: IdVec<VertexId, Vec4> = mesh.points.iter().zip(mesh.target.iter()).map(weighted).collect();
+    let own = |v: VertexId| mesh.topology.fan(v).next();
+    let normals: Vec<Vec3> =
+        rings.vertices.par_iter().map(|&v| own(v).map_or(Vec3::ZERO, |c| mesh.site(c).normal)).collect();
+    for _ in 0..sweeps {
+        let middle = |(i, &v): (usize, &VertexId)| middle(&points, v, rings.of(i), normals[i]);
+        let next: Vec<Vec3> = rings.vertices.par_iter().enumerate().map(middle).collect();
+        rings.vertices.iter().zip(next).for_each(|(&v, p)| points[v] = p.extend(points[v].w));
+    }
+    let free = rings.vertices.iter().map(|&v| (v, Goal::Point(points[v].truncate())));
+    let on_chains = mesh.topology.vertices().filter(|&v| matches!(mesh.grade[v], Grade::OnCurve(_)));
+    free.chain(on_chains.filter_map(|v| Some((v, Goal::Along(even_place(mesh, v)?))))).collect()
+}
+
+/// The middle of the triangles around a vertex, in the plane of the surface there. A triangle that lies the wrong way
+/// round has no weight.
+#[inline]
+fn middle(points: &IdVec<VertexId, Vec4>, vertex: VertexId, ring: &[VertexId], normal: Vec3) -> Vec3 {
+    let (own, own_weight) = (points[vertex].truncate(), points[vertex].w);
+    let Some(&last) = ring.last() else { return own };
+    let (mut sum, mut weight) = (Vec3::ZERO, 0.0f32);
+    let (mut u, mut u_weight) = (points[last].truncate() - own, points[last].w);
+    for &b in ring {
+        let (v, v_weight) = (points[b].truncate() - own, points[b].w);
+        let w = normal.dot(u.cross(v)).max(0.0) * (own_weight + u_weight + v_weight);
         sum += w * (u + v);
         weight += w;
-        normal += cross;
+        (u, u_weight) = (v, v_weight);
     }
     if weight <= 0.0 {
-        return None;
+        return own;
     }
     let shift = sum / (3.0 * weight);
-    let normal = normal.normalize_or_zero();
-    Some(own + shift - normal * normal.dot(shift))
-}
-
-/// The arc length at which both edges of a chain's vertex are alike, as their chain counts them.
-fn even(mesh: &SimMesh<'_>, vertex: VertexId) -> Option<f32> {
-    let [ahead, back] = mesh.chain_neighbours(vertex)?;
-    let (after, before) = (mesh.span(ahead)?.along(), mesh.span(back)?.along());
-    let chain = mesh.chain(after.chain);
-    let middle = 0.5 * (mesh.count(before) + mesh.count(after));
-    let s = chain.at_count(chain.count_to(before.from) + middle);
-    // A loop's two edges may count from different turns.
-    Some(s - before.to)
+    own + shift - normal * normal.dot(shift)
 }
 
 /// Moves vertices `step` of their way, back to the surface. Returns those that had to go back.
 fn attempt(mesh: &mut SimMesh<'_>, goals: &[(VertexId, Goal)], step: f32) -> Vec<(VertexId, Goal)> {
-    let moves: Vec<Option<Move>> = goals.par_iter().map(|&(v, goal)| wanted(mesh, v, goal, step)).collect();
-    let mut undo: IdVec<VertexId, Option<u32>> = IdVec::filled(None, mesh.points.len());
-    let mut old: Vec<Move> = Vec::with_capacity(moves.len());
-    for wanted in moves.into_iter().flatten() {
-        undo[wanted.vertex] = Some(old.len() as u32);
-        old.push(swap(mesh, wanted));
+    let mut moves: Vec<Move> = goals.par_iter().filter_map(|&(v, goal)| wanted(mesh, v, goal, step)).collect();
+    let mut moved: IdVec<VertexId, Option<u32>> = IdVec::filled(None, mesh.points.len());
+    for (i, wanted) in moves.iter_mut().enumerate() {
+        moved[wanted.vertex] = Some(i as u32);
+        swap(mesh, wanted);
     }
-    let all = goals.len() * 4 > mesh.points.len();
-    let mut suspects: Vec<FaceId> = match all {
-        true => mesh.topology.faces().collect(),
-        false => around(mesh, old.iter().map(|m| m.vertex)),
-    };
     let mut refused: Vec<VertexId> = Vec::new();
-    loop {
-        let bad: Vec<bool> = suspects.par_iter().map(|&f| is_worse(mesh, f, &undo, &old)).collect();
-        let mut back: Vec<VertexId> = suspects
-            .iter()
-            .zip(bad)
-            .filter(|(_, bad)| *bad)
-            .flat_map(|(&f, _)| mesh.topology.triangle(f))
-            .filter(|&v| undo[v].is_some())
-            .collect();
+    let mut bad: Vec<FaceId> = match goals.len() * 4 > mesh.points.len() {
+        true => worse_among(mesh, (0..mesh.topology.corner_slots() / 3).into_par_iter().map(FaceId::new), &moved, &moves),
+        false => {
+            let near = around(mesh, moves.iter().map(|m| m.vertex));
+            worse_among(mesh, near.into_par_iter(), &moved, &moves)
+        }
+    };
+    while !bad.is_empty() {
+        let mut back: Vec<VertexId> =
+            bad.iter().flat_map(|&f| mesh.topology.triangle(f)).filter(|&v| moved[v].is_some()).collect();
         back.sort_unstable();
         back.dedup();
-        if back.is_empty() {
-            break;
-        }
         for &v in &back {
-            if let Some(i) = undo[v].take() {
-                let slot = &mut old[i as usize];
-                let was = std::mem::replace(slot, Move { slide: None, sites: [None, None], ..*slot });
-                swap(mesh, was);
+            if let Some(i) = moved[v].take() {
+                swap(mesh, &mut moves[i as usize]);
             }
         }
-        suspects = around(mesh, back.iter().copied());
+        let near = around(mesh, back.iter().copied());
+        bad = worse_among(mesh, near.into_par_iter(), &moved, &moves);
+        bad.retain(|&f| mesh.topology.triangle(f).iter().any(|&v| moved[v].is_some()));
         refused.extend(back);
     }
     refused.sort_unstable();
-    let is_refused = |v: &VertexId| refused.binary_search(v).is_ok();
-    goals.iter().filter(|(v, _)| is_refused(v)).copied().collect()
+    goals.iter().filter(|(v, _)| refused.binary_search(v).is_ok()).copied().collect()
 }
 
 /// The triangles around some vertices, each once.
@@ -155,75 +155,59 @@ fn around(mesh: &SimMesh<'_>, vertices: impl Iterator<Item = VertexId>) -> Vec<F
 fn wanted(mesh: &SimMesh<'_>, vertex: VertexId, goal: Goal, step: f32) -> Option<Move> {
     match goal {
         Goal::Point(goal) => {
-            let own = mesh.site_of[mesh.topology.fan(vertex).next()?];
-            let start = mesh.sites[own].place.location.face;
+            let id = mesh.site_of[mesh.topology.fan(vertex).next()?];
+            let start = mesh.sites[id].place.location.face;
             let there = mesh.baseline.closest(start, mesh.points[vertex].lerp(goal, step));
             let site = mesh.site_on(there.location);
-            let target = mesh.baseline.target_at(there.location);
-            Some(Move { vertex, position: there.position, target, sites: [Some((own, site)), None], slide: None })
+            let target = mesh.baseline.sizing_at(there.location);
+            Some(Move { vertex, position: there.position, target, id, site, slide: None })
         }
-        Goal::Curve(by) => slide(mesh, vertex, step * by),
+        Goal::Along(by) => slide(mesh, vertex, step * by),
     }
 }
 
-fn slide(mesh: &SimMesh<'_>, vertex: VertexId, by: f32) -> Option<Move> {
-    let [ahead, back] = mesh.chain_neighbours(vertex)?;
-    let after = mesh.span(ahead)?.along();
-    let s = mesh.span(back)?.along().to + by;
-    let (position, left) = mesh.on_curve(after.chain, s, true);
-    let (_, right) = mesh.on_curve(after.chain, s, false);
-    // The corner of the half-edge that leaves forward lies on the left; that of the one that leaves backward, right.
-    let leaves = |half: CornerId| mesh.topology.vertex(half) == vertex;
-    let on_left = if leaves(ahead) { Some(ahead) } else { Some(next(back)).filter(|_| !leaves(back)) };
-    let on_right = if leaves(back) { Some(back) } else { Some(next(ahead)).filter(|_| !leaves(ahead)) };
-    let site = |corner: Option<CornerId>, place: Option<_>| Some((mesh.site_of[corner?], mesh.site_at(place?)));
-    let sites = [site(on_left, left), site(on_right, right)];
-    let location = left.or(right)?.location;
-    let target = mesh.baseline.target_at(location);
-    Some(Move { vertex, position, target, sites, slide: Some(Slide { ahead, back, by }) })
+/// Does a move; it becomes the move back.
+fn swap(mesh: &mut SimMesh<'_>, wanted: &mut Move) {
+    std::mem::swap(&mut mesh.points[wanted.vertex], &mut wanted.position);
+    std::mem::swap(&mut mesh.target[wanted.vertex], &mut wanted.target);
+    std::mem::swap(&mut mesh.sites[wanted.id], &mut wanted.site);
+    if let Some(slide) = &mut wanted.slide {
+        slide.swap(mesh);
+    }
 }
 
-/// Does a move; returns the move back.
-fn swap(mesh: &mut SimMesh<'_>, wanted: Move) -> Move {
-    let Move { vertex, position, target, sites, slide } = wanted;
-    let position = std::mem::replace(&mut mesh.points[vertex], position);
-    let target = std::mem::replace(&mut mesh.target[vertex], target);
-    let sites = sites.map(|s| s.map(|(id, site)| (id, std::mem::replace(&mut mesh.sites[id], site))));
-    let slide = slide.map(|Slide { ahead, back, by }| {
-        for (half, starts) in [(ahead, true), (back, false)] {
-            let Some(mark) = mesh.mark[half] else { continue };
-            let span = &mut mesh.spans[mark.span()];
-            *(if starts { &mut span.from } else { &mut span.to }) += by;
-        }
-        Slide { ahead, back, by: -by }
-    });
-    Move { vertex, position, target, sites, slide }
+fn worse_among(
+    mesh: &SimMesh<'_>,
+    faces: impl ParallelIterator<Item = FaceId>,
+    moved: &IdVec<VertexId, Option<u32>>,
+    moves: &[Move],
+) -> Vec<FaceId> {
+    faces.filter(|&f| is_worse(mesh, f, moved, moves)).collect()
 }
 
-/// Whether the moves of its corners made a triangle worse.
-fn is_worse(mesh: &SimMesh<'_>, f: FaceId, undo: &IdVec<VertexId, Option<u32>>, old: &[Move]) -> bool {
-    let corners = [0, 1, 2].map(|k| CornerId::new(3 * f.index() + k));
-    let now = mesh.badness(corners.map(|c| mesh.corner(c)));
-    let passes = corners.iter().any(|&c| {
-        mesh.mark[c].is_some_and(|m| {
-            let span = mesh.spans[m.span()];
-            span.from >= span.to
-        })
-    });
-    if now == 0 && !passes {
+/// Whether the moves of its corners made a triangle worse, or a chain's vertices pass each other.
+fn is_worse(mesh: &SimMesh<'_>, f: FaceId, moved: &IdVec<VertexId, Option<u32>>, moves: &[Move]) -> bool {
+    let first = 3 * f.index();
+    let corners = [CornerId::new(first), CornerId::new(first + 1), CornerId::new(first + 2)];
+    if !mesh.topology.is_alive(corners[0]) {
         return false;
     }
-    let before = corners.map(|c| {
+    let now = mesh.badness([mesh.corner(corners[0]), mesh.corner(corners[1]), mesh.corner(corners[2])]);
+    let passes = |&c: &CornerId| mesh.mark[c].is_some_and(|m| mesh.spans[m.span()].is_reversed());
+    if corners.iter().any(passes) {
+        return true;
+    }
+    let before = |c: CornerId| {
         let (point, site) = mesh.corner(c);
-        match undo[mesh.topology.vertex(c)] {
+        match moved[mesh.topology.vertex(c)] {
             None => (point, site),
             Some(i) => {
-                let old = &old[i as usize];
-                let id = mesh.site_of[c];
-                let site = old.sites.iter().flatten().find(|(s, _)| *s == id).map_or(site, |(_, site)| site);
-                (old.position, site)
+                let old = &moves[i as usize];
+                let own = (old.id == mesh.site_of[c]).then_some(&old.site);
+                let other = || old.slide.as_ref().and_then(|s| s.other_site(mesh.site_of[c]));
+                (old.position, own.or_else(other).unwrap_or(site))
             }
         }
-    });
-    passes || now > mesh.badness(before)
+    };
+    now > 0 && now > mesh.badness(corners.map(before))
 }

@@ -29,16 +29,24 @@ pub struct RemeshReport {
 /// Brings the edges of `mesh` to their targets in at most `rounds` rounds, and never above `max_faces` triangles.
 pub fn remesh(mesh: &mut SimMesh<'_>, rounds: u32, max_faces: usize) -> RemeshReport {
     let mut report = RemeshReport::default();
-    flip_edges(mesh);
-    for _ in 0..rounds {
-        let splits = split_long_edges(mesh, max_faces);
+    use super::exp::exp;
+    flip_edges(mesh, 0.0);
+    for round in 0..rounds {
+        let last = round + 1 == rounds;
+        let t0 = std::time::Instant::now();
+        let splits = split_long_edges(mesh, max_faces, if round < exp(21, 0.0) as u32 { exp(20, 1.6) } else { exp(11, 1.25) });
+        let t1 = std::time::Instant::now();
         check(mesh);
         let collapses = collapse_short_edges(mesh);
         check(mesh);
-        let flips = flip_edges(mesh);
+        let t2 = std::time::Instant::now();
+        let flips = flip_edges(mesh, if last { exp(2, 0.0) } else { exp(1, 0.0) });
         check(mesh);
-        relax_and_project(mesh, 1);
+        let t3 = std::time::Instant::now();
+        for _ in 0..if last { exp(6, 1.0) as usize } else { exp(5, 1.0) as usize } { relax_and_project(mesh, if last { exp(4, 1.0) } else { exp(3, 1.0) } as usize); }
         check(mesh);
+        let t4 = std::time::Instant::now();
+        if exp(39, 0.0) > 0.0 { eprintln!("round {round} split {:.1} ({splits}) collapse {:.1} ({collapses}) flip {:.1} ({flips}) relax {:.1}", (t1-t0).as_secs_f64()*1e3, (t2-t1).as_secs_f64()*1e3, (t3-t2).as_secs_f64()*1e3, (t4-t3).as_secs_f64()*1e3); }
         report.rounds += 1;
         report.splits += splits;
         report.collapses += collapses;
@@ -48,7 +56,8 @@ pub fn remesh(mesh: &mut SimMesh<'_>, rounds: u32, max_faces: usize) -> RemeshRe
             break;
         }
     }
-    flip_edges(mesh);
+    for _ in 0..exp(7, 0.0) as usize { flip_edges(mesh, exp(8, 0.0)); relax_and_project(mesh, exp(4, 1.0) as usize); }
+    flip_edges(mesh, exp(8, 0.0));
     report
 }
 

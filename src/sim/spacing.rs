@@ -16,6 +16,9 @@ const SAGITTA: f32 = 0.02;
 /// No bend asks for edges shorter than this share of the target length, for the triangles beside them would be thin.
 const SHORTEST: f32 = 0.5;
 
+/// Lengths change at most by this much per length along the curve, so that neighbouring edges are alike.
+const GRADING: f32 = 0.3;
+
 impl Chain {
     /// Finds the corners of the curve and the lengths of edges that follow it. `step` curve segments are one edge of the
     /// cage; `target` is the target length at each vertex of the baseline.
@@ -25,21 +28,49 @@ impl Chain {
         self.pins = self.corners(&turns, &targets, step);
         let mut smooth = turns;
         self.pins.iter().for_each(|&pin| smooth[pin] = 0.0);
-        let wanted: Vec<f32> = (0..self.vertices.len())
+        self.lengths = (0..self.vertices.len())
             .map(|i| {
                 let bend = self.turn_around(&smooth, i, 0.5 * targets[i]) / targets[i];
                 // A chord of length l on a circle of curvature k leaves it by l² k / 8.
-                let longest = (8.0 * SAGITTA * targets[i] / bend.max(f32::MIN_POSITIVE)).sqrt();
-                longest.clamp(SHORTEST * targets[i], targets[i])
+                let longest = (8.0 * super::exp::exp(15, SAGITTA) * targets[i] / bend.max(f32::MIN_POSITIVE)).sqrt();
+                longest.clamp(super::exp::exp(16, SHORTEST) * targets[i], targets[i])
             })
             .collect();
+        self.grade_lengths();
         let mut sum = 0.0f64;
         self.spaced = vec![0.0];
         for i in 1..self.vertices.len() {
-            let mean = 0.5 * (1.0 / wanted[i - 1] + 1.0 / wanted[i]);
+            let mean = 0.5 * (1.0 / self.lengths[i - 1] + 1.0 / self.lengths[i]);
             sum += f64::from((self.along[i] - self.along[i - 1]) * mean);
             self.spaced.push(sum as f32);
         }
+    }
+
+    /// Makes lengths change gradually along the curve; a loop is gone round twice.
+    fn grade_lengths(&mut self) {
+        let n = self.lengths.len();
+        for _ in 0..if self.is_loop { 2 } else { 1 } {
+            for i in 1..n {
+                let most = self.lengths[i - 1] + GRADING * (self.along[i] - self.along[i - 1]);
+                self.lengths[i] = self.lengths[i].min(most);
+            }
+            for i in (1..n).rev() {
+                let most = self.lengths[i] + GRADING * (self.along[i] - self.along[i - 1]);
+                self.lengths[i - 1] = self.lengths[i - 1].min(most);
+            }
+            if self.is_loop {
+                let least = self.lengths[0].min(self.lengths[n - 1]);
+                self.lengths[0] = least;
+                self.lengths[n - 1] = least;
+            }
+        }
+    }
+
+    /// The length that edges should have at arc length `s`. \[stage units\]
+    pub fn length_at(&self, s: f32) -> f32 {
+        let at = self.at(s);
+        let (a, b) = (self.lengths[at.segment], self.lengths[at.segment + 1]);
+        a + (b - a) * at.t
     }
 
     /// The angle by which the curve turns at each vertex. \[radians\]

@@ -3,14 +3,14 @@
 use super::mesh::SimMesh;
 use super::queue::EdgeQueue;
 use crate::mesh::CornerId;
-use crate::mesh::edit::prev;
 
 /// An edge longer than this times its target is split (Botsch and Kobbelt 2004, section 4): its halves are then nearer
 /// to the target than it was. Smaller values make more, shorter edges.
 pub const SPLIT_RATIO: f32 = 4.0 / 3.0;
 
 /// Splits until no edge is too long or the mesh has `max_faces` triangles. Returns the number of splits.
-pub fn split_long_edges(mesh: &mut SimMesh<'_>, max_faces: usize) -> usize {
+pub fn split_long_edges(mesh: &mut SimMesh<'_>, max_faces: usize, ratio: f32) -> usize {
+    let excess = |mesh: &SimMesh<'_>, half: CornerId| excess(mesh, half, ratio);
     let mut queue = EdgeQueue::of(mesh, excess);
     let mut count = 0;
     let mut faces = mesh.topology.face_count();
@@ -24,7 +24,7 @@ pub fn split_long_edges(mesh: &mut SimMesh<'_>, max_faces: usize) -> usize {
         let Some(vertex) = mesh.split(half) else { continue };
         faces += 1 + usize::from(mesh.topology.twin(half).is_some());
         count += 1;
-        for half in mesh.topology.fan(vertex).flat_map(|c| [c, prev(c)]) {
+        for half in mesh.topology.spokes(vertex) {
             queue.push(mesh, half, excess(mesh, half));
         }
     }
@@ -32,8 +32,11 @@ pub fn split_long_edges(mesh: &mut SimMesh<'_>, max_faces: usize) -> usize {
 }
 
 /// The excess over the target, as in Waggoner and de Goes 2022, of an edge that is to be split.
-fn excess(mesh: &SimMesh<'_>, half: CornerId) -> Option<f32> {
-    let relative = mesh.relative_length(half);
+fn excess(mesh: &SimMesh<'_>, half: CornerId, ratio: f32) -> Option<f32> {
+    let share = if mesh.is_constrained(half) { super::exp::exp(14, 1.25) } else { ratio };
+    if !mesh.is_outside(half, share, true) {
+        return None;
+    }
     let (a, b) = (mesh.topology.vertex(half), mesh.topology.target(half));
-    (relative > SPLIT_RATIO).then(|| (relative - 1.0) * mesh.target_between(a, b))
+    Some((mesh.relative_length(half) - 1.0) * mesh.target_between(a, b))
 }

@@ -28,7 +28,7 @@ use tailor::sim::{Baseline, Lengths, SimProduct, simulate};
 use tailor::usd::{ReadOptions, Source};
 
 /// Runs of which the fastest counts.
-const RUNS: usize = 7;
+const RUNS: usize = 3;
 /// A bound that nothing here reaches.
 const MAX_FACES: usize = 20_000_000;
 
@@ -48,8 +48,9 @@ fn main() {
 
 fn row(name: &str, file: &Path) {
     let prepared = prepare(file);
-    let (cpu, one) = (0..RUNS).map(|_| timed(&prepared, 1)).fold((f64::MAX, f64::MAX), |m, t| (m.0.min(t.0), m.1.min(t.1)));
-    let two = (0..RUNS).map(|_| timed(&prepared, 2).1).fold(f64::MAX, f64::min);
+    let (cpu, one) = (0..std::env::var("RUNS").ok().and_then(|r| r.parse().ok()).unwrap_or(RUNS)).map(|_| timed(&prepared, 1)).fold((f64::MAX, f64::MAX), |m, t| (m.0.min(t.0), m.1.min(t.1)));
+    let runs: usize = std::env::var("RUNS").ok().and_then(|r| r.parse().ok()).unwrap_or(RUNS);
+    let two = (0..runs).map(|_| timed(&prepared, 2).1).fold(f64::MAX, f64::min);
     let q = quality(&simulate(baseline(&prepared), prepared.recipe.sim.iterations, MAX_FACES));
     println!(
         "{name:24} {:6} {cpu:6.1} {one:6.1} {two:6.1} {:5.1} {:5.2} {:6.3} {:5.1} {:6.4} {:6.3} {:6.2} {:6.3} {:6.3}",
@@ -96,7 +97,31 @@ fn cpu_time() -> f64 {
     text.split(' ').next().and_then(|ns| ns.parse::<f64>().ok()).unwrap_or(0.0) / 1e6
 }
 
+fn diag(product: &SimProduct) {
+    use std::collections::*;
+    let mut cnt: HashMap<usize, Vec<usize>> = HashMap::new();
+    let mut edges = HashSet::new();
+    for (id, list) in product.chain_edges.enumerated() {
+        for &[a, b] in list { cnt.entry(a.index()).or_default().push(id.index()); cnt.entry(b.index()).or_default().push(id.index()); edges.insert([a.min(b).index(), a.max(b).index()]); }
+    }
+    let mut val: HashMap<usize, usize> = HashMap::new();
+    for t in &product.triangles { for v in t { *val.entry(v.index()).or_default() += 1; } }
+    let mut hist: BTreeMap<String, [usize; 3]> = BTreeMap::new();
+    for t in &product.triangles {
+        let a = tailor::report::min_angle(t.map(|v| product.points[v]));
+        let on = t.iter().filter(|v| cnt.contains_key(&v.index())).count();
+        let anchors = t.iter().filter(|v| cnt.get(&v.index()).is_some_and(|c| c.len() != 2 || c[0] != c[1])).count();
+        let ce = (0..3).filter(|&k| { let (x, y) = (t[k], t[(k + 1) % 3]); edges.contains(&[x.min(y).index(), x.max(y).index()]) }).count();
+        let len = (0..3).map(|k| { let (x, y) = (t[k], t[(k + 1) % 3]); product.points[x].distance(product.points[y]) / product.target[x] });
+        let short = len.clone().fold(f32::MAX, f32::min) < 0.6;
+        let e = hist.entry(format!("on{on} anchors{anchors} cedges{ce} short{}", u8::from(short))).or_default();
+        e[0] += 1; if a < 30.0 { e[1] += 1; } if a < 41.0 { e[2] += 1; }
+    }
+    for (k, v) in hist { if v[1] > 0 || v[2] > 20 { println!("   {k:40} all {:6} <30 {:5} <41 {:5}", v[0], v[1], v[2]); } }
+}
+
 fn quality(product: &SimProduct) -> Quality {
+    if std::env::var("DIAG").is_ok() { diag(product); }
     let baseline = &product.baseline;
     let surface: Vec<[Vec3; 3]> = baseline.topology.faces.ids().map(|f| baseline.triangle(f)).collect();
     let curves: Vec<Vec<Vec3>> =
