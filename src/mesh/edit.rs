@@ -171,16 +171,24 @@ impl EditMesh {
         self.spokes(vertex).map(move |c| if self.vertex(c) == vertex { self.target(c) } else { self.vertex(c) })
     }
 
-    /// A half-edge of each edge at a vertex.
+    /// A half-edge of each edge at a vertex: those that leave it, and at a border the one that only arrives.
+    #[inline]
     pub fn spokes(&self, vertex: VertexId) -> impl Iterator<Item = CornerId> + '_ {
-        let mut last = None;
-        let mut fan = self.fan(vertex);
-        std::iter::from_fn(move || match fan.next() {
-            Some(c) => {
-                last = Some(c);
-                Some(c)
+        let first = self.vertex_corner[vertex];
+        let mut at = first;
+        let mut leaves = true;
+        std::iter::from_fn(move || {
+            let own = at?;
+            if !leaves {
+                at = None;
+                return Some(own);
             }
-            None => last.take().map(prev).filter(|&c| self.twin[c].is_none()),
+            let arriving = prev(own);
+            match self.twin[arriving] {
+                Some(twin) => at = Some(twin).filter(|_| Some(twin) != first),
+                None => (at, leaves) = (Some(arriving), false),
+            }
+            Some(own)
         })
     }
 

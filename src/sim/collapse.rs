@@ -1,7 +1,7 @@
 //! Collapse every edge that is too short, the shortest first.
 
 use super::mesh::{Grade, SimMesh, Site};
-use super::queue::EdgeQueue;
+use super::queue::edit_in_order;
 use super::shape::Corner;
 use super::split::SPLIT_RATIO;
 use crate::mesh::edit::{face, next, prev};
@@ -14,19 +14,7 @@ pub const COLLAPSE_RATIO: f32 = 4.0 / 5.0;
 
 /// Collapses until no edge is too short that may go. Returns the number of collapses.
 pub fn collapse_short_edges(mesh: &mut SimMesh<'_>) -> usize {
-    let mut queue = EdgeQueue::of(mesh, lack);
-    let mut count = 0;
-    while let Some(half) = queue.pop(mesh) {
-        if lack(mesh, half).is_none() {
-            continue;
-        }
-        let Some(kept) = try_collapse(mesh, half) else { continue };
-        count += 1;
-        for half in mesh.topology.spokes(kept) {
-            queue.push(mesh, half, lack(mesh, half));
-        }
-    }
-    count
+    edit_in_order(mesh, lack, try_collapse)
 }
 
 /// What an edge that is to be collapsed lacks of its target.
@@ -87,7 +75,10 @@ fn staying<'a>(mesh: &'a SimMesh<'_>, half: CornerId, vertex: VertexId) -> impl 
 /// Whether edges from a new position to the neighbours of `vertex` stay short enough not to be split again.
 fn stays_short(mesh: &SimMesh<'_>, half: CornerId, vertex: VertexId, kept: VertexId, position: Vec3) -> bool {
     let (a, b) = (mesh.topology.vertex(half), mesh.topology.target(half));
-    mesh.topology.ring(vertex).filter(|&v| v != a && v != b).all(|v| {
+    mesh.topology.ring(vertex).all(|v| {
+        if v == a || v == b {
+            return true;
+        }
         let most = SPLIT_RATIO * mesh.target_between(kept, v);
         position.distance_squared(mesh.points[v]) <= most * most
     })

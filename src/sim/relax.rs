@@ -23,21 +23,21 @@ enum Goal {
 }
 
 /// A vertex with all that a move changes; swapped with the mesh, it is the way back.
-pub(super) struct Move {
-    pub vertex: VertexId,
-    pub position: Vec3,
-    pub target: f32,
-    pub id: SiteId,
-    pub site: Site,
-    /// Of a chain's vertex: its index among the slides.
-    pub slide: Option<Slide>,
+pub struct Move {
+    pub(super) vertex: VertexId,
+    pub(super) position: Vec3,
+    pub(super) target: f32,
+    pub(super) id: SiteId,
+    pub(super) site: Site,
+    /// Of a chain's vertex.
+    pub(super) slide: Option<Box<Slide>>,
 }
 
 /// Moves every vertex once, `sweeps` times averaged before it goes back to the surface.
-pub fn relax_and_project(mesh: &mut SimMesh<'_>, sweeps: usize) {
+pub fn relax_and_project(mesh: &mut SimMesh<'_>, sweeps: usize, moves: &mut Vec<Option<Move>>) {
     let mut waiting = goals(mesh, sweeps);
     for step in STEPS {
-        waiting = attempt(mesh, &waiting, step);
+        waiting = attempt(mesh, &waiting, step, moves);
         if waiting.is_empty() {
             break;
         }
@@ -110,19 +110,26 @@ fn middle(points: &IdVec<VertexId, Vec4>, vertex: VertexId, ring: &[VertexId], n
 }
 
 /// Moves vertices `step` of their way, back to the surface. Returns those that had to go back.
-fn attempt(mesh: &mut SimMesh<'_>, goals: &[(VertexId, Goal)], step: f32) -> Vec<(VertexId, Goal)> {
-    let mut moves: Vec<Move> = goals.par_iter().filter_map(|&(v, goal)| wanted(mesh, v, goal, step)).collect();
+///
+/// `moves` is only room to work in.
+fn attempt(
+    mesh: &mut SimMesh<'_>,
+    goals: &[(VertexId, Goal)],
+    step: f32,
+    moves: &mut Vec<Option<Move>>,
+) -> Vec<(VertexId, Goal)> {
+    goals.par_iter().map(|&(v, goal)| wanted(mesh, v, goal, step)).collect_into_vec(moves);
     let mut moved: IdVec<VertexId, Option<u32>> = IdVec::filled(None, mesh.points.len());
-    for (i, wanted) in moves.iter_mut().enumerate() {
+    for (i, wanted) in moves.iter_mut().enumerate().filter_map(|(i, m)| Some((i, m.as_mut()?))) {
         moved[wanted.vertex] = Some(i as u32);
         swap(mesh, wanted);
     }
     let mut refused: Vec<VertexId> = Vec::new();
     let mut bad: Vec<FaceId> = match goals.len() * 4 > mesh.points.len() {
-        true => worse_among(mesh, (0..mesh.topology.corner_slots() / 3).into_par_iter().map(FaceId::new), &moved, &moves),
+        true => worse_among(mesh, (0..mesh.topology.corner_slots() / 3).into_par_iter().map(FaceId::new), &moved, moves),
         false => {
-            let near = around(mesh, moves.iter().map(|m| m.vertex));
-            worse_among(mesh, near.into_par_iter(), &moved, &moves)
+            let near = around(mesh, moves.iter().flatten().map(|m| m.vertex));
+            worse_among(mesh, near.into_par_iter(), &moved, moves)
         }
     };
     while !bad.is_empty() {
@@ -131,12 +138,12 @@ fn attempt(mesh: &mut SimMesh<'_>, goals: &[(VertexId, Goal)], step: f32) -> Vec
         back.sort_unstable();
         back.dedup();
         for &v in &back {
-            if let Some(i) = moved[v].take() {
-                swap(mesh, &mut moves[i as usize]);
+            if let Some(way_back) = moved[v].take().and_then(|i| moves[i as usize].as_mut()) {
+                swap(mesh, way_back);
             }
         }
         let near = around(mesh, back.iter().copied());
-        bad = worse_among(mesh, near.into_par_iter(), &moved, &moves);
+        bad = worse_among(mesh, near.into_par_iter(), &moved, moves);
         bad.retain(|&f| mesh.topology.triangle(f).iter().any(|&v| moved[v].is_some()));
         refused.extend(back);
     }
@@ -180,13 +187,13 @@ fn worse_among(
     mesh: &SimMesh<'_>,
     faces: impl ParallelIterator<Item = FaceId>,
     moved: &IdVec<VertexId, Option<u32>>,
-    moves: &[Move],
+    moves: &[Option<Move>],
 ) -> Vec<FaceId> {
     faces.filter(|&f| is_worse(mesh, f, moved, moves)).collect()
 }
 
 /// Whether the moves of its corners made a triangle worse, or a chain's vertices pass each other.
-fn is_worse(mesh: &SimMesh<'_>, f: FaceId, moved: &IdVec<VertexId, Option<u32>>, moves: &[Move]) -> bool {
+fn is_worse(mesh: &SimMesh<'_>, f: FaceId, moved: &IdVec<VertexId, Option<u32>>, moves: &[Option<Move>]) -> bool {
     let first = 3 * f.index();
     let corners = [CornerId::new(first), CornerId::new(first + 1), CornerId::new(first + 2)];
     if !mesh.topology.is_alive(corners[0]) {
@@ -199,10 +206,9 @@ fn is_worse(mesh: &SimMesh<'_>, f: FaceId, moved: &IdVec<VertexId, Option<u32>>,
     }
     let before = |c: CornerId| {
         let (point, site) = mesh.corner(c);
-        match moved[mesh.topology.vertex(c)] {
+        match moved[mesh.topology.vertex(c)].and_then(|i| moves[i as usize].as_ref()) {
             None => (point, site),
-            Some(i) => {
-                let old = &moves[i as usize];
+            Some(old) => {
                 let own = (old.id == mesh.site_of[c]).then_some(&old.site);
                 let other = || old.slide.as_ref().and_then(|s| s.other_site(mesh.site_of[c]));
                 (old.position, own.or_else(other).unwrap_or(site))

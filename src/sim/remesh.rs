@@ -30,6 +30,7 @@ pub struct RemeshReport {
 pub fn remesh(mesh: &mut SimMesh<'_>, rounds: u32, max_faces: usize) -> RemeshReport {
     let mut report = RemeshReport::default();
     use super::exp::exp;
+    let mut room = Vec::new();
     flip_edges(mesh, 0.0);
     for round in 0..rounds {
         let last = round + 1 == rounds;
@@ -43,7 +44,7 @@ pub fn remesh(mesh: &mut SimMesh<'_>, rounds: u32, max_faces: usize) -> RemeshRe
         let flips = flip_edges(mesh, if last { exp(2, 0.0) } else { exp(1, 0.0) });
         check(mesh);
         let t3 = std::time::Instant::now();
-        for _ in 0..if last { exp(6, 1.0) as usize } else { exp(5, 1.0) as usize } { relax_and_project(mesh, if last { exp(4, 1.0) } else { exp(3, 1.0) } as usize); }
+        for _ in 0..if last { exp(6, 1.0) as usize } else { exp(5, 1.0) as usize } { relax_and_project(mesh, if last { exp(4, 1.0) } else { exp(3, 1.0) } as usize, &mut room); }
         check(mesh);
         let t4 = std::time::Instant::now();
         if exp(39, 0.0) > 0.0 { eprintln!("round {round} split {:.1} ({splits}) collapse {:.1} ({collapses}) flip {:.1} ({flips}) relax {:.1}", (t1-t0).as_secs_f64()*1e3, (t2-t1).as_secs_f64()*1e3, (t3-t2).as_secs_f64()*1e3, (t4-t3).as_secs_f64()*1e3); }
@@ -56,7 +57,7 @@ pub fn remesh(mesh: &mut SimMesh<'_>, rounds: u32, max_faces: usize) -> RemeshRe
             break;
         }
     }
-    for _ in 0..exp(7, 0.0) as usize { flip_edges(mesh, exp(8, 0.0)); relax_and_project(mesh, exp(4, 1.0) as usize); }
+    for _ in 0..exp(7, 0.0) as usize { flip_edges(mesh, exp(8, 0.0)); relax_and_project(mesh, exp(4, 1.0) as usize, &mut room); }
     flip_edges(mesh, exp(8, 0.0));
     report
 }

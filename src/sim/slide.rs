@@ -91,5 +91,5 @@ pub(super) fn slide(mesh: &SimMesh<'_>, vertex: VertexId, by: f32) -> Option<Mov
         (Some(left), right) => (left, right),
         (None, right) => (right?, None),
     };
-    Some(Move { vertex, position, target, id, site, slide: Some(Slide { ahead, back, by, other }) })
+    Some(Move { vertex, position, target, id, site, slide: Some(Box::new(Slide { ahead, back, by, other })) })
 }
