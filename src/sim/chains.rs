@@ -17,6 +17,8 @@ pub struct Marks {
     pub seam: bool,
     /// An infinitely sharp edge inside the mesh: the surface has a fold there at every level.
     pub sharp: bool,
+    /// A fold that is sharper than the target length can follow.
+    pub ridge: bool,
     /// The edge subsets that hold it, by their place in the garment's list.
     pub subsets: Vec<usize>,
 }
@@ -131,6 +133,7 @@ pub fn constrained_edges(
             border: solid == 1,
             seam: solid > 1 && is_seam(edge),
             sharp: solid > 1 && manifold.refiner.level.edge_sharpness[edge] >= INFINITE_SHARPNESS,
+            ridge: false,
             subsets,
         };
         if marks.border || marks.sharp || chosen || marks.seam && options.constrain_uv_seams {

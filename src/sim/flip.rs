@@ -12,6 +12,10 @@ const MAX_SWEEPS: usize = 8;
 /// The angles must exceed π by this sine before an edge is flipped, so that rounding cannot turn it back.
 const MIN_GAIN: f32 = 1e-4;
 
+/// Cosine of the angle between a new triangle and the surface at its corners above which it lies well. Larger values
+/// keep more flips from turning edges out of a fold.
+const MIN_ALIGNMENT: f32 = 0.85;
+
 /// Flips until no edge gains by it. Returns the number of flips.
 pub fn flip_edges(mesh: &mut SimMesh<'_>, regular: f32) -> usize {
     let mut count = 0;
@@ -104,10 +108,15 @@ fn may_flip(mesh: &SimMesh<'_>, half: CornerId) -> bool {
     !mesh.is_constrained(half) && mesh.topology.may_flip(half)
 }
 
-/// Neither new triangle is worse than the worse of the old.
+/// Neither new triangle is worse than the worse of the old, or turns further from the surface than those, if it turns
+/// far.
 fn flip_is_safe(mesh: &SimMesh<'_>, half: CornerId) -> bool {
     let Some(twin) = mesh.topology.twin(half) else { return false };
     let [a, b, c, d] = [half, next(half), prev(half), prev(twin)].map(|x| mesh.corner(x));
     let new = mesh.badness([c, d, b]).max(mesh.badness([d, c, a]));
-    new == 0 || new < mesh.face_badness(half).max(mesh.face_badness(twin))
+    let aligned = || {
+        let after = mesh.alignment([c, d, b]).min(mesh.alignment([d, c, a]));
+        after >= MIN_ALIGNMENT || after >= mesh.alignment([a, b, c]).min(mesh.alignment([b, a, d]))
+    };
+    (new == 0 && aligned()) || new < mesh.face_badness(half).max(mesh.face_badness(twin))
 }

@@ -14,6 +14,7 @@ mod project;
 mod queue;
 mod relax;
 mod remesh;
+mod ridges;
 mod shape;
 mod sizing;
 mod slide;

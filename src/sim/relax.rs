@@ -74,9 +74,8 @@ fn goals(mesh: &SimMesh<'_>, sweeps: usize) -> Vec<(VertexId, Goal)> {
     // With the weight of each vertex: triangles count by their area against their target.
     let weighted = |(p, t): (&Vec3, &f32)| p.extend(1.0 / (t * t));
     let mut points: IdVec<VertexId, Vec4> = mesh.points.iter().zip(mesh.target.iter()).map(weighted).collect();
-    let own = |v: VertexId| mesh.topology.fan(v).next();
-    let normals: Vec<Vec3> =
-        rings.vertices.par_iter().map(|&v| own(v).map_or(Vec3::ZERO, |c| mesh.site(c).normal)).collect();
+    let normal = |(i, &v): (usize, &VertexId)| mean_normal(&points, v, rings.of(i));
+    let normals: Vec<Vec3> = rings.vertices.par_iter().enumerate().map(normal).collect();
     for _ in 0..sweeps {
         let middle = |(i, &v): (usize, &VertexId)| middle(&points, v, rings.of(i), normals[i]);
         let next: Vec<Vec3> = rings.vertices.par_iter().enumerate().map(middle).collect();
@@ -85,6 +84,20 @@ fn goals(mesh: &SimMesh<'_>, sweeps: usize) -> Vec<(VertexId, Goal)> {
     let free = rings.vertices.iter().map(|&v| (v, Goal::Point(points[v].truncate())));
     let on_chains = mesh.topology.vertices().filter(|&v| matches!(mesh.grade[v], Grade::OnCurve(_)));
     free.chain(on_chains.filter_map(|v| Some((v, Goal::Along(even_place(mesh, v)?))))).collect()
+}
+
+/// The unit normal of the triangles around a vertex together.
+#[inline]
+fn mean_normal(points: &IdVec<VertexId, Vec4>, vertex: VertexId, ring: &[VertexId]) -> Vec3 {
+    let own = points[vertex].truncate();
+    let Some(&last) = ring.last() else { return Vec3::ZERO };
+    let (mut sum, mut u) = (Vec3::ZERO, points[last].truncate() - own);
+    for &b in ring {
+        let v = points[b].truncate() - own;
+        sum += u.cross(v);
+        u = v;
+    }
+    sum.normalize_or_zero()
 }
 
 /// The middle of the triangles around a vertex, in the plane of the surface there. A triangle that lies the wrong way

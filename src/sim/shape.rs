@@ -36,10 +36,14 @@ impl SimMesh<'_> {
 
     /// Whether a triangle with these corners turns away from the surface at one of them: it bridges a fold.
     pub(super) fn bridges_fold(&self, corners: [Corner<'_>; 3]) -> bool {
-        let [(a, _), (b, _), (c, _)] = corners;
-        let normal = (b - a).cross(c - a);
-        let least = MIN_COSINE * normal.length();
-        corners.iter().any(|(_, site)| normal.dot(site.normal) <= least)
+        self.alignment(corners) <= MIN_COSINE
+    }
+
+    /// The least cosine between a triangle with these corners and the surface at one of them.
+    pub(super) fn alignment(&self, corners: [Corner<'_>; 3]) -> f32 {
+        let [(a, p), (b, q), (c, r)] = corners;
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        normal.dot(p.normal).min(normal.dot(q.normal)).min(normal.dot(r.normal))
     }
 
     /// Position and site of a corner.

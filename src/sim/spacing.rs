@@ -135,7 +135,7 @@ impl Chain {
             let apart = |&pin: &usize| {
                 let d = (self.along[i] - self.along[pin]).abs();
                 let d = if self.is_loop { d.min(self.length() - d) } else { d };
-                d >= CORNER_DISTANCE * targets[i]
+                d >= super::exp::exp(22, CORNER_DISTANCE) * targets[i]
             };
             if pins.iter().all(apart) {
                 pins.push(i);

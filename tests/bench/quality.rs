@@ -120,7 +120,29 @@ fn diag(product: &SimProduct) {
     for (k, v) in hist { if v[1] > 0 || v[2] > 20 { println!("   {k:40} all {:6} <30 {:5} <41 {:5}", v[0], v[1], v[2]); } }
 }
 
+fn diag2(product: &SimProduct) {
+    let b = &product.baseline;
+    let mut worst: Vec<(f32, String)> = Vec::new();
+    for (id, chain) in b.chains.enumerated() {
+        let own: Vec<[Vec3; 3]> = product.chain_edges[id].iter().map(|&[x, y]| [product.points[x], product.points[y], product.points[y]]).collect();
+        let near = nearest::Nearest::new(own.clone());
+        let t = b.target[chain.vertices[0]];
+        let far = (0..chain.vertices.len()).map(|i| (near.distance(b.points[chain.vertices[i]]) / t, i)).fold((0.0, 0), |m, x| if x.0 > m.0 { x } else { m });
+        let i = far.1;
+        let n = chain.vertices.len();
+        let turn = |i: usize| { if i == 0 || i + 1 >= n { return 0.0 } let (p, q, r) = (b.points[chain.vertices[i-1]], b.points[chain.vertices[i]], b.points[chain.vertices[i+1]]); (q - p).angle_between(r - q).to_degrees() };
+        let around: Vec<String> = (i.saturating_sub(5)..(i + 6).min(n)).map(|j| format!("{:.0}@{:.2}", turn(j), (chain.along[j] - chain.along[i]) / t)).collect();
+        worst.push((far.0, format!("chain {id:?} loop {} len/t {:.1} edges {} pins {:?} at {i}/{n} {} marks {:?} turns {}", chain.is_loop, chain.length() / t, own.len(), chain.pins.len(), b.points[chain.vertices[i]], chain.marks.seam, around.join(" "))));
+    }
+    worst.sort_by(|a, b| b.0.total_cmp(&a.0));
+    for (d, s) in worst.iter().take(6) { println!("   seam {d:.3} {s}"); }
+    let mut tris: Vec<(f32, [Vec3; 3])> = product.triangles.iter().map(|t| { let p = t.map(|v| product.points[v]); (tailor::report::min_angle(p), p) }).collect();
+    tris.sort_by(|a, b| a.0.total_cmp(&b.0));
+    for (a, p) in tris.iter().take(4) { let t = b.target[tailor::mesh::VertexId::new(0)]; println!("   angle {a:.1} sides {:.2} {:.2} {:.2} at {}", p[0].distance(p[1]) / t, p[1].distance(p[2]) / t, p[2].distance(p[0]) / t, p[0]); }
+}
+
 fn quality(product: &SimProduct) -> Quality {
+    if std::env::var("DIAG2").is_ok() { diag2(product); }
     if std::env::var("DIAG").is_ok() { diag(product); }
     let baseline = &product.baseline;
     let surface: Vec<[Vec3; 3]> = baseline.topology.faces.ids().map(|f| baseline.triangle(f)).collect();
