@@ -405,8 +405,8 @@ impl EditMesh {
         for (v, &count) in at_vertex.enumerated() {
             assert_eq!(self.fan(v).count(), count, "the corners of {v:?} are one fan");
             assert!(
-                self.vertex_corner[v].is_none_or(|c| self.twin[c].is_none()
-                    || self.fan(v).all(|c| self.twin[prev(c)].is_some())),
+                self.vertex_corner[v]
+                    .is_none_or(|c| self.twin[c].is_none() || self.fan(v).all(|c| self.twin[prev(c)].is_some())),
                 "the fan of {v:?} begins at its border"
             );
             assert!(self.fan(v).all(|c| self.vertex(c) == v && self.alive[face(c)]), "the fan of {v:?} is its own");

@@ -176,8 +176,7 @@ impl Baseline {
         let (points, target) = (&baseline.points, &baseline.target);
         baseline.chains.iter_mut().for_each(|c| c.space(points, target, 1 << options.baseline_level));
         baseline.spread_lengths();
-        baseline.unit_normal =
-            baseline.topology.faces.ids().map(|f| baseline.normal(f).normalize_or_zero()).collect();
+        baseline.unit_normal = baseline.topology.faces.ids().map(|f| baseline.normal(f).normalize_or_zero()).collect();
         baseline
     }
 

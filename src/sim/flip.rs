@@ -1,11 +1,12 @@
 //! Flip every free edge whose opposite angles sum to more than π.
 
-use super::mesh::SimMesh;
-use super::exp::exp;
-use crate::mesh::{CornerId, IdVec, VertexId};
+use super::mesh::{Grade, SimMesh};
 use crate::mesh::edit::{next, prev};
+use crate::mesh::{CornerId, IdVec, SiteId};
 use glam::Vec3;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::f32::consts::FRAC_PI_3;
 
 /// Sweeps over all edges; each flip raises the smallest angle of its pair, so a few suffice.
 const MAX_SWEEPS: usize = 8;
@@ -16,27 +17,25 @@ const MIN_GAIN: f32 = 1e-4;
 /// keep more flips from turning edges out of a fold.
 const MIN_ALIGNMENT: f32 = 0.85;
 
-/// Flips until no edge gains by it. Returns the number of flips.
-pub fn flip_edges(mesh: &mut SimMesh<'_>, regular: f32) -> usize {
-    let mut count = 0;
+/// Flips until no edge gains by it. `regularity` is what one square of excess weighs against the sine of the angle by
+/// which an edge is not Delaunay: 0 gives a Delaunay mesh. Returns the number of flips.
+pub fn flip_edges(mesh: &mut SimMesh<'_>, regularity: f32) -> usize {
     let mut excess = excess(mesh);
-    let slots = mesh.topology.corner_slots();
-    let all = (0..slots).into_par_iter().map(CornerId::new);
-    let mut candidates: Vec<CornerId> = all
-        .filter(|&h| mesh.topology.is_edge(h) && !mesh.is_constrained(h) && gain(mesh, &excess, h, regular) > MIN_GAIN)
-        .collect();
+    let all = (0..mesh.topology.corner_slots()).into_par_iter().map(CornerId::new);
+    let wants = |mesh: &SimMesh<'_>, excess: &Excess, h: CornerId| gain(mesh, excess, h, regularity) > MIN_GAIN;
+    let mut candidates: Vec<CornerId> =
+        all.filter(|&h| mesh.topology.is_edge(h) && !mesh.is_constrained(h) && wants(mesh, &excess, h)).collect();
+    let mut count = 0;
+    let mut touched = Vec::new();
     for _ in 0..MAX_SWEEPS {
-        let mut touched = Vec::new();
-        for half in candidates {
-            if gain(mesh, &excess, half, regular) > MIN_GAIN && may_flip(mesh, half) && flip_is_safe(mesh, half) {
-                let Some(twin) = mesh.topology.twin(half) else { continue };
-                let [a, b, c, d] = [half, twin, prev(half), prev(twin)].map(|x| mesh.topology.vertex(x));
-                for (v, by) in [(a, -1), (b, -1), (c, 1), (d, 1)] { excess[v] += by; }
+        for &half in &candidates {
+            let Some(twin) = mesh.topology.twin(half).filter(|_| !mesh.is_constrained(half)) else { continue };
+            if wants(mesh, &excess, half) && mesh.topology.may_flip(half) && flip_is_safe(mesh, half) {
+                let sites = [half, twin, prev(half), prev(twin)].map(|c| mesh.site_of[c]);
+                sites.into_iter().zip([-1, -1, 1, 1]).for_each(|(site, by)| excess[site] += by);
                 mesh.flip(half);
                 count += 1;
-                for c in [half, twin] {
-                    touched.extend([next(c), prev(c)]);
-                }
+                touched.extend([half, twin].into_iter().flat_map(|c| [next(c), prev(c)]));
             }
         }
         if touched.is_empty() {
@@ -44,46 +43,55 @@ pub fn flip_edges(mesh: &mut SimMesh<'_>, regular: f32) -> usize {
         }
         touched.sort_unstable();
         touched.dedup();
-        candidates = touched;
+        std::mem::swap(&mut candidates, &mut touched);
+        touched.clear();
     }
     count
 }
 
-fn excess(mesh: &SimMesh<'_>) -> IdVec<VertexId, i8> {
-    let mut excess: IdVec<VertexId, i8> = IdVec::filled(-6, mesh.points.len());
+/// Triangles in each sector of a vertex above the best number: six at a free vertex, three on each side of a chain, and
+/// between the chains of an anchor what makes angles of 60 degrees.
+type Excess = IdVec<SiteId, i8>;
+
+fn excess(mesh: &SimMesh<'_>) -> Excess {
+    let mut count: IdVec<SiteId, u8> = IdVec::filled(0, mesh.sites.len());
+    let mut best: IdVec<SiteId, i8> = IdVec::filled(6, mesh.sites.len());
+    let mut angles: BTreeMap<SiteId, f32> = BTreeMap::new();
     for c in mesh.topology.corners() {
-        excess[mesh.topology.vertex(c)] += 1;
-        if mesh.topology.twin(c).is_none() {
-            // One more edge than triangles, and half a fan.
-            excess[mesh.topology.vertex(c)] += 3;
+        let site = mesh.site_of[c];
+        count[site] = count[site].saturating_add(1);
+        match mesh.grade[mesh.topology.vertex(c)] {
+            Grade::Free => {}
+            Grade::OnCurve(_) => best[site] = 3,
+            Grade::Frozen => {
+                let [p, q, r] = [c, next(c), prev(c)].map(|c| mesh.points[mesh.topology.vertex(c)]);
+                *angles.entry(site).or_default() += (q - p).angle_between(r - p);
+            }
         }
     }
-    excess
+    for (site, angle) in angles {
+        best[site] = (angle / FRAC_PI_3).round().clamp(1.0, 12.0) as i8;
+    }
+    count.iter().zip(best.iter()).map(|(&n, &best)| n.min(100) as i8 - best).collect()
 }
 
-/// What a flip gains.
+/// What turning an edge gains, in sines.
 #[inline]
-fn gain(mesh: &SimMesh<'_>, excess: &IdVec<VertexId, i8>, half: CornerId, regular: f32) -> f32 {
+fn gain(mesh: &SimMesh<'_>, excess: &Excess, half: CornerId, regularity: f32) -> f32 {
     let Some(twin) = mesh.topology.twin(half) else { return -1.0 };
-    let [va, vb, vc, vd] = [half, twin, prev(half), prev(twin)].map(|x| mesh.topology.vertex(x));
-    let [a, b, c, d] = [va, vb, vc, vd].map(|x| mesh.points[x]);
-    let [ea, eb, ec, ed] = [excess[va], excess[vb], excess[vc], excess[vd]];
+    let corners = [half, twin, prev(half), prev(twin)];
+    let [a, b, c, d] = corners.map(|x| mesh.points[mesh.topology.vertex(x)]);
+    let [ea, eb, ec, ed] = corners.map(|x| i32::from(excess[mesh.site_of[x]]));
     // The change of the sum of squares.
-    let change = 4 + 2 * (i32::from(ec) + i32::from(ed) - i32::from(ea) - i32::from(eb));
-    if change >= 0 && (a - c).dot(b - c) >= 0.0 && (a - d).dot(b - d) >= 0.0 {
+    let change = 4 + 2 * (ec + ed - ea - eb);
+    let square = (a - c).dot(b - c) >= 0.0 && (a - d).dot(b - d) >= 0.0;
+    if (change >= 0 || regularity == 0.0) && square {
         return -1.0;
     }
     let ((s1, c1), (s2, c2)) = (opposite_angle(c, a, b), opposite_angle(d, a, b));
-    // Sine of the sum; negative where it exceeds pi.
-    let norm = ((s1 * s1 + c1 * c1) * (s2 * s2 + c2 * c2)).sqrt().max(f32::MIN_POSITIVE);
-    let sine = (s1 * c2 + c1 * s2) / norm;
-    if exp(9, 0.0) == 1.0 {
-        // new min angle guard
-        let ((s3, c3), (s4, c4)) = (opposite_angle(a, c, d), opposite_angle(b, c, d));
-        let sum = s3 * c4 + c3 * s4;
-        if sum < 0.0 && sum * sum > exp(10, 0.5).powi(2) * (s3 * s3 + c3 * c3) * (s4 * s4 + c4 * c4) { return -1.0; }
-    }
-    -sine - regular * change as f32
+    let size = ((s1 * s1 + c1 * c1) * (s2 * s2 + c2 * c2)).sqrt().max(f32::MIN_POSITIVE);
+    // The sine of the sum is negative where that exceeds π.
+    -(s1 * c2 + c1 * s2) / size - regularity * change as f32
 }
 
 /// Sine and cosine of an angle, both times the same positive number.
@@ -91,21 +99,6 @@ fn gain(mesh: &SimMesh<'_>, excess: &IdVec<VertexId, i8>, half: CornerId, regula
 fn opposite_angle(apex: Vec3, a: Vec3, b: Vec3) -> (f32, f32) {
     let (u, v) = (a - apex, b - apex);
     (u.cross(v).length(), u.dot(v))
-}
-
-/// Whether the angles opposite the edge sum to more than π.
-#[inline]
-pub fn wants_flip(mesh: &SimMesh<'_>, half: CornerId) -> bool {
-    let Some(twin) = mesh.topology.twin(half) else { return false };
-    let [a, b, c, d] = [half, twin, prev(half), prev(twin)].map(|x| mesh.points[mesh.topology.vertex(x)]);
-    let ((s1, c1), (s2, c2)) = (opposite_angle(c, a, b), opposite_angle(d, a, b));
-    // sin(x + y) < 0 means x + y > π.
-    let sum = s1 * c2 + c1 * s2;
-    sum < 0.0 && sum * sum > MIN_GAIN * MIN_GAIN * (s1 * s1 + c1 * c1) * (s2 * s2 + c2 * c2)
-}
-
-fn may_flip(mesh: &SimMesh<'_>, half: CornerId) -> bool {
-    !mesh.is_constrained(half) && mesh.topology.may_flip(half)
 }
 
 /// Neither new triangle is worse than the worse of the old, or turns further from the surface than those, if it turns

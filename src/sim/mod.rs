@@ -5,7 +5,6 @@ mod chains;
 mod check;
 mod collapse;
 mod edits;
-pub mod exp;
 mod flip;
 mod manifold;
 mod mesh;
@@ -23,7 +22,6 @@ mod split;
 
 pub use baseline::{Baseline, Lengths, Location, holes};
 pub use chains::{Chain, Marks};
-pub use flip::wants_flip;
 pub use mesh::{Grade, Place, SimMesh, Span};
 pub use options::SimOptions;
 pub use project::{Projection, closest_weights};

@@ -139,7 +139,9 @@ fn attempt(
     }
     let mut refused: Vec<VertexId> = Vec::new();
     let mut bad: Vec<FaceId> = match goals.len() * 4 > mesh.points.len() {
-        true => worse_among(mesh, (0..mesh.topology.corner_slots() / 3).into_par_iter().map(FaceId::new), &moved, moves),
+        true => {
+            worse_among(mesh, (0..mesh.topology.corner_slots() / 3).into_par_iter().map(FaceId::new), &moved, moves)
+        }
         false => {
             let near = around(mesh, moves.iter().flatten().map(|m| m.vertex));
             worse_among(mesh, near.into_par_iter(), &moved, moves)

@@ -10,6 +10,16 @@ use super::relax::relax_and_project;
 use super::split::split_long_edges;
 use serde::Serialize;
 
+/// What a square of excess neighbours weighs in a flip while rounds go on. Larger values make more vertices of valence 6
+/// and, above this, worse angles.
+const REGULARITY: f32 = 0.3;
+/// The same for the last flips: nearly Delaunay.
+const LAST_REGULARITY: f32 = 0.1;
+/// Averages between two projections. More make the triangles of a round more even; past three a round gains little.
+const SWEEPS: usize = 3;
+/// The same in the last round, whose triangles stay.
+const LAST_SWEEPS: usize = 6;
+
 /// What remeshing did.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "camelCase")]
@@ -24,31 +34,30 @@ pub struct RemeshReport {
     pub collapses: usize,
     /// Edges flipped in all rounds.
     pub flips: usize,
+    /// Chains along folds that are sharper than the target length can follow.
+    pub ridges: usize,
+    /// Corners of chains that were kept as vertices.
+    pub corners: usize,
 }
 
 /// Brings the edges of `mesh` to their targets in at most `rounds` rounds, and never above `max_faces` triangles.
 pub fn remesh(mesh: &mut SimMesh<'_>, rounds: u32, max_faces: usize) -> RemeshReport {
-    let mut report = RemeshReport::default();
-    use super::exp::exp;
+    let chains = &mesh.baseline.chains;
+    let ridges = chains.iter().filter(|c| c.marks.ridge).count();
+    let corners = chains.iter().map(|c| c.pins.len()).sum();
+    let mut report = RemeshReport { ridges, corners, ..RemeshReport::default() };
     let mut room = Vec::new();
     flip_edges(mesh, 0.0);
-    for round in 0..rounds {
-        let last = round + 1 == rounds;
-        let t0 = std::time::Instant::now();
-        let splits = split_long_edges(mesh, max_faces, if round < exp(21, 0.0) as u32 { exp(20, 1.6) } else { exp(11, 1.25) });
-        let t1 = std::time::Instant::now();
+    for round in 1..=rounds {
+        let splits = split_long_edges(mesh, max_faces);
         check(mesh);
         let collapses = collapse_short_edges(mesh);
         check(mesh);
-        let t2 = std::time::Instant::now();
-        let flips = flip_edges(mesh, if last { exp(2, 0.0) } else { exp(1, 0.0) });
+        let flips = flip_edges(mesh, REGULARITY);
         check(mesh);
-        let t3 = std::time::Instant::now();
-        for _ in 0..if last { exp(6, 1.0) as usize } else { exp(5, 1.0) as usize } { relax_and_project(mesh, if last { exp(4, 1.0) } else { exp(3, 1.0) } as usize, &mut room); }
+        relax_and_project(mesh, if round < rounds { SWEEPS } else { LAST_SWEEPS }, &mut room);
         check(mesh);
-        let t4 = std::time::Instant::now();
-        if exp(39, 0.0) > 0.0 { eprintln!("round {round} split {:.1} ({splits}) collapse {:.1} ({collapses}) flip {:.1} ({flips}) relax {:.1}", (t1-t0).as_secs_f64()*1e3, (t2-t1).as_secs_f64()*1e3, (t3-t2).as_secs_f64()*1e3, (t4-t3).as_secs_f64()*1e3); }
-        report.rounds += 1;
+        report.rounds = round;
         report.splits += splits;
         report.collapses += collapses;
         report.flips += flips;
@@ -57,8 +66,12 @@ pub fn remesh(mesh: &mut SimMesh<'_>, rounds: u32, max_faces: usize) -> RemeshRe
             break;
         }
     }
-    for _ in 0..exp(7, 0.0) as usize { flip_edges(mesh, exp(8, 0.0)); relax_and_project(mesh, exp(4, 1.0) as usize, &mut room); }
-    flip_edges(mesh, exp(8, 0.0));
+    if rounds > 0 {
+        flip_edges(mesh, LAST_REGULARITY);
+        relax_and_project(mesh, LAST_SWEEPS, &mut room);
+    }
+    flip_edges(mesh, LAST_REGULARITY);
+    check(mesh);
     report
 }
 

@@ -11,9 +11,9 @@ use std::collections::BTreeMap;
 
 /// The surface makes a ridge where its normal turns by more than this over one target length. Smaller values make more
 /// chains, which take freedom from the triangles beside them; larger ones let more of a fold be cut off. \[radians\]
-const SHARP: f32 = 1.4;
+const SHARP: f32 = 1.8;
 /// A ridge goes on where the normal still turns by this. \[radians\]
-const BLUNT: f32 = 1.0;
+const BLUNT: f32 = 1.2;
 /// Least length of what is sharp in a ridge, as a multiple of the target length: shorter ones end as soon as they begin.
 const LEAST_LENGTH: f32 = 2.0;
 /// Of two parallel edges of the cage that are nearer than this multiple of the target length the sharper is the ridge.
@@ -42,7 +42,12 @@ pub(super) struct Surface<'a> {
 }
 
 /// Marks the ridges among the edges of the cage that are no constraints yet. `levels` lead to the surface.
-pub(super) fn mark(manifold: &Manifold, levels: &[&Refiner], surface: &Surface<'_>, marked: &mut BTreeMap<EdgeId, Marks>) {
+pub(super) fn mark(
+    manifold: &Manifold,
+    levels: &[&Refiner],
+    surface: &Surface<'_>,
+    marked: &mut BTreeMap<EdgeId, Marks>,
+) {
     let t = &manifold.refiner.level.topology;
     let candidates = candidates(t, levels, surface, marked);
     let bend_of: BTreeMap<EdgeId, &Candidate> = candidates.iter().map(|c| (c.edge, c)).collect();
@@ -55,7 +60,12 @@ pub(super) fn mark(manifold: &Manifold, levels: &[&Refiner], surface: &Surface<'
     }
 }
 
-fn candidates(t: &Topology, levels: &[&Refiner], surface: &Surface<'_>, marked: &BTreeMap<EdgeId, Marks>) -> Vec<Candidate> {
+fn candidates(
+    t: &Topology,
+    levels: &[&Refiner],
+    surface: &Surface<'_>,
+    marked: &BTreeMap<EdgeId, Marks>,
+) -> Vec<Candidate> {
     let at = |v: VertexId| surface.points[v];
     let normal = |face: FaceId| {
         let vertices = t.faces.vertices_of(face);

@@ -8,10 +8,6 @@ use glam::Vec3;
 /// A triangle with less than this share of the area of the equilateral triangle on its longest edge is degenerate.
 const MIN_SHAPE: f32 = 0.02;
 
-/// A collapse may not make a triangle whose normal turns further than this from the surface's at a corner: it would
-/// bridge a fold and erase it. Larger values keep more of a fold, but leave short edges along it.
-const MIN_COSINE: f32 = 0.2;
-
 /// A corner of a triangle that is there, or that an edit would make.
 pub(super) type Corner<'a> = (Vec3, &'a Site);
 
@@ -32,11 +28,6 @@ impl SimMesh<'_> {
         let surface = pa.normal + pb.normal + pc.normal;
         let least = 0.866 * MIN_SHAPE * longest;
         u8::from(normal.length_squared() <= least * least || normal.dot(surface) <= 0.0)
-    }
-
-    /// Whether a triangle with these corners turns away from the surface at one of them: it bridges a fold.
-    pub(super) fn bridges_fold(&self, corners: [Corner<'_>; 3]) -> bool {
-        self.alignment(corners) <= MIN_COSINE
     }
 
     /// The least cosine between a triangle with these corners and the surface at one of them.

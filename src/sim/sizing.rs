@@ -7,7 +7,7 @@ use std::collections::BinaryHeap;
 
 /// Lengths grow at most by this much per length away from a shorter one. Larger values spend fewer triangles near bends,
 /// smaller ones make them more even.
-const GROWTH: f32 = 0.5;
+const GROWTH: f32 = 0.3;
 
 /// A vertex with the length that it would get; the shortest is settled first.
 #[derive(PartialEq)]
@@ -50,7 +50,7 @@ impl Baseline {
             }
             for &corner in t.vertex_corners.row(v) {
                 for w in [t.faces.vertex(t.faces.next(corner)), t.faces.vertex(t.faces.prev(corner))] {
-                    let grown = length + super::exp::exp(17, GROWTH) * self.points[v].distance(self.points[w]);
+                    let grown = length + GROWTH * self.points[v].distance(self.points[w]);
                     shorten(&mut self.sizing[w], w, grown, &mut queue);
                 }
             }

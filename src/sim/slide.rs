@@ -8,7 +8,7 @@ use glam::Vec3;
 
 /// How much of the way leads to the middle of the triangles on both sides, the rest to where the chain's own edges are
 /// even. The first makes better triangles, the second more even edges.
-const TO_MIDDLE: f32 = 0.7;
+const TO_MIDDLE: f32 = 0.8;
 /// Largest part of an edge of the chain that its end moves at once, so that two ends never pass each other.
 const LONGEST_SLIDE: f32 = 0.4;
 
@@ -55,8 +55,7 @@ pub(super) fn even_place(mesh: &SimMesh<'_>, vertex: VertexId) -> Option<f32> {
     let (q, _) = mesh.on_curve(after.chain, before.from, true);
     let central = (p - q).normalize_or_zero().dot(to_middle(mesh, vertex));
     let (low, high) = (before.from - before.to, after.to - after.from);
-    let mix = super::exp::exp(18, TO_MIDDLE);
-    Some((even + mix * (central - even)).clamp(LONGEST_SLIDE * low, LONGEST_SLIDE * high.max(0.0)))
+    Some((even + TO_MIDDLE * (central - even)).clamp(LONGEST_SLIDE * low, LONGEST_SLIDE * high.max(0.0)))
 }
 
 /// The way from a vertex to the middle of the triangles around it, weighted by their areas.

@@ -8,13 +8,13 @@ use glam::Vec3;
 /// values pin more vertices, whose edges then miss their target lengths; larger ones let chords cut corners off.
 /// \[radians\]
 const CORNER_TURN: f32 = 0.87;
-/// Corners are at least this far from each other and from the ends, as a share of the target length: closer ones would
-/// ask for edges that are collapsed otherwise.
-const CORNER_DISTANCE: f32 = 0.7;
+/// Corners are at least this far from each other and from the ends, as a share of the target length. Smaller values make
+/// shorter edges in small details, larger ones let chords cut those off.
+const CORNER_DISTANCE: f32 = 0.2;
 /// A chord may leave its curve by this share of the target length. Smaller values make shorter edges where curves bend.
 const SAGITTA: f32 = 0.02;
 /// No bend asks for edges shorter than this share of the target length, for the triangles beside them would be thin.
-const SHORTEST: f32 = 0.5;
+const SHORTEST: f32 = 0.6;
 
 /// Lengths change at most by this much per length along the curve, so that neighbouring edges are alike.
 const GRADING: f32 = 0.3;
@@ -32,8 +32,8 @@ impl Chain {
             .map(|i| {
                 let bend = self.turn_around(&smooth, i, 0.5 * targets[i]) / targets[i];
                 // A chord of length l on a circle of curvature k leaves it by l² k / 8.
-                let longest = (8.0 * super::exp::exp(15, SAGITTA) * targets[i] / bend.max(f32::MIN_POSITIVE)).sqrt();
-                longest.clamp(super::exp::exp(16, SHORTEST) * targets[i], targets[i])
+                let longest = (8.0 * SAGITTA * targets[i] / bend.max(f32::MIN_POSITIVE)).sqrt();
+                longest.clamp(SHORTEST * targets[i], targets[i])
             })
             .collect();
         self.grade_lengths();
@@ -135,7 +135,7 @@ impl Chain {
             let apart = |&pin: &usize| {
                 let d = (self.along[i] - self.along[pin]).abs();
                 let d = if self.is_loop { d.min(self.length() - d) } else { d };
-                d >= super::exp::exp(22, CORNER_DISTANCE) * targets[i]
+                d >= CORNER_DISTANCE * targets[i]
             };
             if pins.iter().all(apart) {
                 pins.push(i);

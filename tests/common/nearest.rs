@@ -55,8 +55,7 @@ impl Nearest {
 
 fn build(triangles: &mut [[Vec3; 3]], start: usize, end: usize, nodes: &mut Vec<Node>) {
     let own = &mut triangles[start..end];
-    let (low, high) =
-        own.iter().flatten().fold((Vec3::MAX, Vec3::MIN), |(low, high), &p| (low.min(p), high.max(p)));
+    let (low, high) = own.iter().flatten().fold((Vec3::MAX, Vec3::MIN), |(low, high), &p| (low.min(p), high.max(p)));
     let at = nodes.len();
     nodes.push(Node { low, high, first: start as u32, count: own.len() as u32 });
     if own.len() <= LEAF {
