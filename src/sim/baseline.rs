@@ -136,7 +136,8 @@ impl Baseline {
         ridges::mark(&manifold, &all_levels, &surface, &mut marked);
         let cage_chains = chains::join(&manifold, &marked);
         let curves = cage_chains.refine(&all_levels);
-        let chains = cage_chains.on_baseline(&curves[levels.len()], &manifold, &topology, &points);
+        let mut chains = cage_chains.on_baseline(&curves[levels.len()], &manifold, &topology, &points);
+        chains.iter_mut().for_each(|c| surface.set_normals(c));
 
         let start_level = nearest_level(&all_levels, &points, lengths);
         let start =

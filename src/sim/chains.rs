@@ -40,6 +40,9 @@ pub struct Chain {
     pub left: Vec<Option<CornerId>>,
     /// The same on the right, in the other direction.
     pub right: Vec<Option<CornerId>>,
+    /// Unit normals of the surface half a target length to the left and to the right of each segment. Triangles reach
+    /// that far, so that these tell how they should lie, where the fold at the chain itself is rounded.
+    pub normals: Vec<[Vec3; 2]>,
     /// Vertices of the curve, by their place in `vertices`, that stay where they are although no chain ends there:
     /// corners.
     pub pins: Vec<usize>,
@@ -67,6 +70,11 @@ impl Chain {
     /// The place at arc length `s`; loops go round, paths end.
     pub fn at(&self, s: f32) -> OnCurve {
         self.wound(s).1
+    }
+
+    /// The surface's unit normal beside the curve at arc length `s`, on the side of a half-edge that runs `forward`.
+    pub(super) fn normal_at(&self, s: f32, forward: bool) -> Vec3 {
+        self.normals[self.at(s).segment][usize::from(!forward)]
     }
 
     /// How many times a loop was gone round up to arc length `s`, and the place there.
@@ -242,6 +250,7 @@ impl CageChains {
                     left: curve.windows(2).map(|p| half(p[0], p[1])).collect(),
                     right: curve.windows(2).map(|p| half(p[1], p[0])).collect(),
                     vertices: curve.clone(),
+                    normals: Vec::new(),
                     pins: Vec::new(),
                     lengths: Vec::new(),
                     spaced: Vec::new(),

@@ -104,14 +104,15 @@ fn chain_stays_short(mesh: &SimMesh<'_>, half: CornerId, removed: VertexId) -> b
     parts[0] + parts[1] <= SPLIT_RATIO
 }
 
-/// Whether a collapse may make such a triangle from one in which `old` is the corner that moves. One that bridges a
-/// fold must do so less than before.
+/// Whether a collapse may make such a triangle from that of `old`, the corner that moves: none that is bad, or bridges a
+/// fold, unless it was so before and gets better.
 fn may_be(mesh: &SimMesh<'_>, corners: [Corner<'_>; 3], old: CornerId) -> bool {
-    if mesh.badness(corners) > 0 {
+    let badness = mesh.badness(corners);
+    if badness > 0 && badness > mesh.face_badness(old) {
         return false;
     }
     let alignment = mesh.alignment(corners);
-    alignment > MIN_COSINE || alignment > mesh.alignment([old, next(old), prev(old)].map(|c| mesh.corner(c)))
+    alignment > MIN_COSINE || alignment >= mesh.alignment([old, next(old), prev(old)].map(|c| mesh.corner(c)))
 }
 
 /// Whether `removed` may take the place of `kept`.

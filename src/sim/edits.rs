@@ -59,13 +59,13 @@ impl SimMesh<'_> {
         let ahead = self.split_topology(half);
         self.add_span(half, Span { to: s, ..span });
         self.add_span(ahead, Span { from: s, ..span });
-        let (position, own) = self.on_curve(span.chain, s, span.forward);
-        let own = self.new_site(own.map(|p| self.site_at(p)), half);
+        let (position, own) = self.site_on_curve(span.chain, s, span.forward);
+        let own = self.new_site(own, half);
         self.site_of[next(half)] = own;
         self.site_of[ahead] = own;
         if let (Some(first), Some(second)) = (self.topology.twin(half), self.topology.twin(ahead)) {
-            let (_, other) = self.on_curve(span.chain, s, !span.forward);
-            let other = self.new_site(other.map(|p| self.site_at(p)), second);
+            let (_, other) = self.site_on_curve(span.chain, s, !span.forward);
+            let other = self.new_site(other, second);
             self.site_of[first] = other;
             self.site_of[next(second)] = other;
         }

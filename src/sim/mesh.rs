@@ -184,6 +184,12 @@ impl<'a> SimMesh<'a> {
                 done[c] = true;
             }
         }
+        for half in self.topology.corners() {
+            let Some(span) = self.span(half) else { continue };
+            for (corner, s) in [(half, span.from), (next(half), span.to)] {
+                self.sites[self.site_of[corner]].normal = self.chain(span.chain).normal_at(s, span.forward);
+            }
+        }
     }
 
     /// The site of a place.
@@ -298,6 +304,13 @@ impl<'a> SimMesh<'a> {
             Place { location, uv: self.baseline.uvs[from].lerp(self.baseline.uvs[to], at.t) }
         });
         (position, place)
+    }
+
+    /// The site on a chain's curve at `s`, on the side of a half-edge that runs `forward` along it.
+    pub(super) fn site_on_curve(&self, chain: ChainId, s: f32, forward: bool) -> (Vec3, Option<Site>) {
+        let (position, place) = self.on_curve(chain, s, forward);
+        let normal = self.chain(chain).normal_at(s, forward);
+        (position, place.map(|p| Site { normal, ..self.site_at(p) }))
     }
 
     /// The corners at the vertex of `corner` that are reached from it without crossing a constrained edge.

@@ -1,7 +1,7 @@
 //! Folds of the surface that are sharper than the target length can follow. An edge across such a fold cuts it off, and
 //! where edges come to lie by chance it becomes a saw blade; so the edges of the cage along it become chains.
 
-use super::chains::{CageChains, Marks};
+use super::chains::{CageChains, Chain, Marks};
 use super::manifold::Manifold;
 use crate::mesh::edit::{next, prev};
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
@@ -139,6 +139,14 @@ fn pieces<'a>(t: &Topology, edges: &[&'a Candidate]) -> Vec<Vec<&'a Candidate>> 
 }
 
 impl Surface<'_> {
+    /// Finds the normals on both sides of a chain.
+    pub(super) fn set_normals(&self, chain: &mut Chain) {
+        let reach = |v: VertexId| 0.5 * self.target[v];
+        let beyond = |half: Option<CornerId>, v| half.map_or(Vec3::ZERO, |h| self.normal_beyond(h, reach(v)));
+        let sides = chain.left.iter().zip(&chain.right).zip(&chain.vertices);
+        chain.normals = sides.map(|((&left, &right), &v)| [beyond(left, v), beyond(right, v)]).collect();
+    }
+
     /// The angle between the normals half a target length to the left and to the right of an edge. \[radians\]
     fn bend(&self, a: VertexId, b: VertexId) -> f32 {
         let half = |a: VertexId, b: VertexId| {

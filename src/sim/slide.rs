@@ -77,13 +77,13 @@ pub(super) fn slide(mesh: &SimMesh<'_>, vertex: VertexId, by: f32) -> Option<Mov
     let [ahead, back] = mesh.chain_neighbours(vertex)?;
     let after = mesh.span(ahead)?.along();
     let s = mesh.span(back)?.along().to + by;
-    let (position, left) = mesh.on_curve(after.chain, s, true);
-    let (_, right) = mesh.on_curve(after.chain, s, false);
+    let (position, left) = mesh.site_on_curve(after.chain, s, true);
+    let (_, right) = mesh.site_on_curve(after.chain, s, false);
     // The corner of a half-edge lies on its left: of one that leaves forward, on the chain's left.
     let leaves = |half: CornerId| mesh.topology.vertex(half) == vertex;
     let on_left = if leaves(ahead) { Some(ahead) } else { Some(next(back)).filter(|_| !leaves(back)) };
     let on_right = if leaves(back) { Some(back) } else { Some(next(ahead)).filter(|_| !leaves(ahead)) };
-    let site = |corner: Option<CornerId>, place: Option<_>| Some((mesh.site_of[corner?], mesh.site_at(place?)));
+    let site = |corner: Option<CornerId>, site: Option<Site>| Some((mesh.site_of[corner?], site?));
     let (left, right) = (site(on_left, left), site(on_right, right));
     let target = mesh.chain(after.chain).length_at(s);
     let ((id, site), other) = match (left, right) {
