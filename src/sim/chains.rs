@@ -40,8 +40,8 @@ pub struct Chain {
     pub left: Vec<Option<CornerId>>,
     /// The same on the right, in the other direction.
     pub right: Vec<Option<CornerId>>,
-    /// Unit normals of the surface half a target length to the left and to the right of each segment. Triangles reach
-    /// that far, so that these tell how they should lie, where the fold at the chain itself is rounded.
+    /// Unit normals of the surface to the left and to the right of each segment: how triangles should lie there. Those of
+    /// a ridge are taken half a target length away, as the fold itself is rounded.
     pub normals: Vec<[Vec3; 2]>,
     /// Vertices of the curve, by their place in `vertices`, that stay where they are although no chain ends there:
     /// corners.

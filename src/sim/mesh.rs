@@ -93,6 +93,7 @@ impl Mark {
 }
 
 /// The simulation mesh while it is made.
+#[derive(Clone)]
 pub struct SimMesh<'a> {
     /// The surface that it lies on.
     pub baseline: &'a Baseline,

@@ -25,7 +25,7 @@ pub use chains::{Chain, Marks};
 pub use mesh::{Grade, Place, SimMesh, Span};
 pub use options::SimOptions;
 pub use project::{Projection, closest_weights};
-pub use remesh::{RemeshReport, remesh};
+pub use remesh::{Pass, RemeshReport, remesh};
 
 use crate::mesh::edit::Compact;
 use crate::mesh::{ChainId, CornerId, IdVec, VertexId};

@@ -40,6 +40,37 @@ pub struct RemeshReport {
     pub corners: usize,
 }
 
+/// A pass over a whole mesh as a round does it, for tests and benches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pass {
+    /// Split long edges.
+    Split,
+    /// Collapse short edges.
+    Collapse,
+    /// Turn edges.
+    Flip,
+    /// Relax and project.
+    Relax,
+}
+
+impl Pass {
+    /// The passes of a round, in their order.
+    pub const ROUND: [Self; 4] = [Self::Split, Self::Collapse, Self::Flip, Self::Relax];
+
+    /// Does the pass; returns the number of edges that it changed.
+    pub fn run(self, mesh: &mut SimMesh<'_>) -> usize {
+        match self {
+            Self::Split => split_long_edges(mesh, usize::MAX),
+            Self::Collapse => collapse_short_edges(mesh),
+            Self::Flip => flip_edges(mesh, REGULARITY),
+            Self::Relax => {
+                relax_and_project(mesh, SWEEPS, &mut Vec::new());
+                0
+            }
+        }
+    }
+}
+
 /// Brings the edges of `mesh` to their targets in at most `rounds` rounds, and never above `max_faces` triangles.
 pub fn remesh(mesh: &mut SimMesh<'_>, rounds: u32, max_faces: usize) -> RemeshReport {
     let chains = &mesh.baseline.chains;

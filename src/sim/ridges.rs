@@ -139,9 +139,10 @@ fn pieces<'a>(t: &Topology, edges: &[&'a Candidate]) -> Vec<Vec<&'a Candidate>> 
 }
 
 impl Surface<'_> {
-    /// Finds the normals on both sides of a chain.
+    /// Finds the normals on both sides of a chain: at the chain itself, but half a target length away from a ridge.
     pub(super) fn set_normals(&self, chain: &mut Chain) {
-        let reach = |v: VertexId| 0.5 * self.target[v];
+        let part = if chain.marks.ridge { 0.5 } else { 0.0 };
+        let reach = |v: VertexId| part * self.target[v];
         let beyond = |half: Option<CornerId>, v| half.map_or(Vec3::ZERO, |h| self.normal_beyond(h, reach(v)));
         let sides = chain.left.iter().zip(&chain.right).zip(&chain.vertices);
         chain.normals = sides.map(|((&left, &right), &v)| [beyond(left, v), beyond(right, v)]).collect();

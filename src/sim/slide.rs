@@ -2,6 +2,7 @@
 
 use super::mesh::{SimMesh, Site};
 use super::relax::Move;
+use super::spacing::SHORTEST;
 use crate::mesh::edit::{next, prev};
 use crate::mesh::{CornerId, SiteId, VertexId};
 use glam::Vec3;
@@ -9,6 +10,9 @@ use glam::Vec3;
 /// How much of the way leads to the middle of the triangles on both sides, the rest to where the chain's own edges are
 /// even. The first makes better triangles, the second more even edges.
 const TO_MIDDLE: f32 = 0.8;
+/// Where bends make edges of a chain this share of the target length, or more, all of [`TO_MIDDLE`] holds; none where they
+/// are as short as they get.
+const STRAIGHT: f32 = 0.8;
 /// Largest part of an edge of the chain that its end moves at once, so that two ends never pass each other.
 const LONGEST_SLIDE: f32 = 0.4;
 
@@ -55,7 +59,10 @@ pub(super) fn even_place(mesh: &SimMesh<'_>, vertex: VertexId) -> Option<f32> {
     let (q, _) = mesh.on_curve(after.chain, before.from, true);
     let central = (p - q).normalize_or_zero().dot(to_middle(mesh, vertex));
     let (low, high) = (before.from - before.to, after.to - after.from);
-    Some((even + TO_MIDDLE * (central - even)).clamp(LONGEST_SLIDE * low, LONGEST_SLIDE * high.max(0.0)))
+    // Where the curve bends as sharply as edges follow it, uneven edges would cut it off.
+    let straight = mesh.target[vertex] / mesh.baseline.target_at(mesh.place(ahead).location);
+    let share = TO_MIDDLE * ((straight - SHORTEST) / (STRAIGHT - SHORTEST)).clamp(0.0, 1.0);
+    Some((even + share * (central - even)).clamp(LONGEST_SLIDE * low, LONGEST_SLIDE * high.max(0.0)))
 }
 
 /// The way from a vertex to the middle of the triangles around it, weighted by their areas.

@@ -14,7 +14,7 @@ const CORNER_DISTANCE: f32 = 0.2;
 /// A chord may leave its curve by this share of the target length. Smaller values make shorter edges where curves bend.
 const SAGITTA: f32 = 0.02;
 /// No bend asks for edges shorter than this share of the target length, for the triangles beside them would be thin.
-const SHORTEST: f32 = 0.6;
+pub(super) const SHORTEST: f32 = 0.6;
 
 /// Lengths change at most by this much per length along the curve, so that neighbouring edges are alike.
 const GRADING: f32 = 0.3;

@@ -4,6 +4,7 @@
 use super::nearest::Nearest;
 use glam::Vec3;
 use std::collections::HashMap;
+use std::fmt;
 use tailor::report::min_angle;
 
 /// What a mesh is held to.
@@ -33,6 +34,20 @@ pub struct Quality {
     pub to_surface: f32,
     /// Farthest point of the surface from the mesh.
     pub from_surface: f32,
+}
+
+impl Quality {
+    /// The heads of the columns that its display has.
+    pub const HEAD: &str = "  min    p5   <30 %  val6    rms   seam   near     to   from";
+}
+
+impl fmt::Display for Quality {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { min_angle, p5, rms, curve_max, to_surface, from_surface, .. } = *self;
+        let [under30, valence6, near] = [self.under30, self.valence6, self.curve_near].map(|share| 100.0 * share);
+        write!(f, "{min_angle:5.1} {p5:5.2} {under30:7.3} {valence6:5.1} {rms:6.4} ")?;
+        write!(f, "{curve_max:6.3} {near:6.2} {to_surface:6.3} {from_surface:6.3}")
+    }
 }
 
 /// Points on each segment of a curve, and on each side of the triangles, at which distances are taken.

@@ -1,6 +1,7 @@
 //! The project's own tasks, run as `cargo xtask <task>`. Nothing here is needed to build or use `usdtailor`.
 
 mod golden;
+mod peers;
 mod process;
 mod project;
 mod schemas;
@@ -24,6 +25,7 @@ Tasks:
   examples [ARGS...]           Write the garments in examples/ (examples/make_garments.py)
   picture                      Build examples/coat.usda and draw the input and both meshes as examples/coat.png
   golden [ARGS...]             Write the OpenSubdiv reference data of the subdivision tests (needs cmake and C++)
+  peers                        Compare remeshing with other remeshers, in time and quality
   venv                         Make the Python environment target/venv that the other tasks use
 
 Options:
@@ -67,7 +69,8 @@ fn run(args: &[String]) -> Outcome {
         "picture" if rest.is_empty() => picture(&project),
         "golden" => golden::run(rest).map_err(|error| Failure::new(error.to_string())),
         "venv" if rest.is_empty() => venv::ensure(&project).map(|_| ()),
-        "picture" | "venv" => Err(unexpected(task, rest)),
+        "peers" if rest.is_empty() => peers::run(&project),
+        "picture" | "peers" | "venv" => Err(unexpected(task, rest)),
         _ => Err(Failure::new(format!("no task `{task}`")).hint("cargo xtask --help lists them")),
     }
 }
