@@ -6,5 +6,5 @@ mod ids;
 mod topology;
 
 pub use faces::Faces;
-pub use ids::{ChainId, CornerId, EdgeId, FaceId, Id, IdVec, ValueId, VertexId};
+pub use ids::{ChainId, CornerId, EdgeId, FaceId, Id, IdVec, SiteId, SpanId, ValueId, VertexId};
 pub use topology::{Csr, Topology};
