@@ -70,11 +70,7 @@ fn measure_passes(group: &mut BenchmarkGroup<'_, WallTime>, sample: &Sample) {
         for pass in Pass::ROUND {
             group.throughput(Throughput::Elements(mesh.topology.face_count() as u64));
             group.bench_function(BenchmarkId::new(format!("{pass:?}/{}", sample.name), part), |bencher| {
-                let run = |mut mesh: SimMesh<'_>| {
-                    pass.run(&mut mesh);
-                    mesh
-                };
-                bencher.iter_batched(|| mesh.clone(), run, BatchSize::PerIteration);
+                bencher.iter_batched_ref(|| mesh.clone(), |mesh| pass.run(mesh), BatchSize::PerIteration);
             });
             pass.run(&mut mesh);
         }
