@@ -3,6 +3,7 @@
 //! Half-edges are corners: corner `c` leaves its vertex towards the next corner of its triangle. Every edit names all
 //! that it made or removed, so that attributes can follow; nothing here knows positions.
 
+use super::ring::Ring;
 use super::{CornerId, Csr, FaceId, IdVec, VertexId};
 
 /// A manifold, oriented triangle mesh under edit. Removed triangles and vertices stay as gaps until [`compact`].
@@ -26,17 +27,6 @@ pub struct Split {
     pub ahead: CornerId,
     /// The half-edge from the new vertex back, on the other side; none at a border. Its triangle is new.
     pub behind: Option<CornerId>,
-}
-
-/// A mesh without gaps, and where its elements were before.
-#[derive(Clone, Debug)]
-pub struct Compact {
-    /// The triangles.
-    pub triangles: Vec<[VertexId; 3]>,
-    /// The old vertex of each new one.
-    pub old_vertex: IdVec<VertexId, VertexId>,
-    /// The old corner of each new one.
-    pub old_corner: IdVec<CornerId, CornerId>,
 }
 
 impl EditMesh {
@@ -117,6 +107,11 @@ impl EditMesh {
     /// Number of corner slots, gaps included.
     pub fn corner_slots(&self) -> usize {
         self.corner_vertex.len()
+    }
+
+    /// Number of triangle slots, gaps included.
+    pub fn face_slots(&self) -> usize {
+        self.alive.len()
     }
 
     /// Number of triangles.
@@ -349,25 +344,6 @@ impl EditMesh {
         Some([[half, hn, hp], [other, on, op]])
     }
 
-    /// Drops the gaps.
-    pub fn compact(&self) -> Compact {
-        let mut new_of = IdVec::<VertexId, Option<VertexId>>::filled(None, self.vertex_corner.len());
-        let mut old_of = IdVec::new();
-        for v in self.vertices() {
-            new_of[v] = Some(old_of.push(v));
-        }
-        let mut triangles = Vec::with_capacity(self.alive.len());
-        let mut corners = IdVec::new();
-        for f in self.faces() {
-            let vertices = self.triangle(f).map(|v| new_of[v]);
-            if let [Some(a), Some(b), Some(c)] = vertices {
-                triangles.push([a, b, c]);
-                corners.extend((0..3).map(|k| CornerId::new(f.index() * 3 + k)));
-            }
-        }
-        Compact { triangles, old_vertex: old_of, old_corner: corners }
-    }
-
     fn pair_up(&mut self, a: CornerId, b: CornerId) {
         self.twin[a] = Some(b);
         self.twin[b] = Some(a);
@@ -411,28 +387,6 @@ impl EditMesh {
             );
             assert!(self.fan(v).all(|c| self.vertex(c) == v && self.alive[face(c)]), "the fan of {v:?} is its own");
         }
-    }
-}
-
-/// Neighbours that are looked up a few times: on the stack, for all but the largest fans.
-#[derive(Default)]
-struct Ring {
-    few: [Option<VertexId>; 16],
-    count: usize,
-    more: Vec<VertexId>,
-}
-
-impl Ring {
-    fn push(&mut self, v: VertexId) {
-        match self.few.get_mut(self.count) {
-            Some(slot) => *slot = Some(v),
-            None => self.more.push(v),
-        }
-        self.count += 1;
-    }
-
-    fn contains(&self, v: VertexId) -> bool {
-        self.few[..self.count.min(self.few.len())].contains(&Some(v)) || self.more.contains(&v)
     }
 }
 

@@ -27,8 +27,7 @@ pub use options::SimOptions;
 pub use project::{Projection, closest_weights};
 pub use remesh::{Pass, RemeshReport, remesh};
 
-use crate::mesh::edit::Compact;
-use crate::mesh::{ChainId, CornerId, IdVec, VertexId};
+use crate::mesh::{ChainId, Compact, CornerId, IdVec, VertexId};
 use glam::Vec3;
 
 /// A finished simulation mesh with all that transfer needs.

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 
 /// The surface makes a ridge where its normal turns by more than this over one target length. Smaller values make more
 /// chains, which take freedom from the triangles beside them; larger ones let more of a fold be cut off. \[radians\]
-const SHARP: f32 = 1.8;
+const SHARP: f32 = 1.6;
 /// A ridge goes on where the normal still turns by this. \[radians\]
 const BLUNT: f32 = 1.2;
 /// Least length of what is sharp in a ridge, as a multiple of the target length: shorter ones end as soon as they begin.

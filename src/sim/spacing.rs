@@ -81,10 +81,9 @@ impl Chain {
             let (u, v) = (at(b) - at(a), at(c) - at(b));
             u.cross(v).length().atan2(u.dot(v))
         };
-        let mut turns = vec![0.0; n];
-        for (i, own) in turns.iter_mut().enumerate().take(n.saturating_sub(1)).skip(1) {
-            *own = turn(i - 1, i, i + 1);
-        }
+        let inside = 1..n.saturating_sub(1);
+        let mut turns: Vec<f32> =
+            (0..n).map(|i| if inside.contains(&i) { turn(i - 1, i, i + 1) } else { 0.0 }).collect();
         if self.is_loop && n > 2 {
             turns[0] = turn(n - 2, 0, 1);
             turns[n - 1] = turns[0];
