@@ -203,7 +203,9 @@ impl Prepared {
         let expected = self.expected_faces()?;
         if expected > max_faces {
             let fault = format!("the target lengths ask for about {expected} triangles, more than {max_faces}");
-            return Err(self.fault(&fault, "raise sim.minEdgeLength or sim.maxEdgeLength, or --max-faces"));
+            return Err(
+                self.fault(&fault, "raise sim.minEdgeLength or sim.maxEdgeLength, or --max-faces of the command")
+            );
         }
         self.check_levels()
     }

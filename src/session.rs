@@ -211,7 +211,7 @@ fn encode(
     products: &[Product],
     warnings: &mut Warnings,
 ) -> Result<Vec<u8>, Error> {
-    let surroundings = Surroundings { folder: Some(document.folder()), source: Some(document.source()) };
+    let surroundings = Surroundings { folder: document.folder(), source: Some(document.source()) };
     Ok(layer_bytes(source, products, Format::Usdc, surroundings, &WriteOptions::default(), warnings)?)
 }
 

@@ -64,8 +64,16 @@ fn a_sharp_crease_is_an_edge_of_the_mesh() {
 }
 
 #[test]
+fn a_fold_that_the_length_cannot_follow_becomes_a_chain() {
+    let (products, _) = build(folded_cloth(0.0), 2.0);
+    assert!(products.remesh.ridges > 0);
+    assert!((kept(&products) - 1.0).abs() < 0.03, "{} of the area is kept", kept(&products));
+}
+
+#[test]
 fn a_fold_that_is_cut_short_is_told() {
-    let (products, warnings) = build(folded_cloth(0.0), 2.0);
+    // The fold is too short for edges of this length to be laid along it.
+    let (products, warnings) = build(folded_cloth(0.0), 3.5);
     let told = warnings.iter().any(|w| matches!(w, Warning::AreaChanged { sets, .. } if sets == &["cloth"]));
     assert!(kept(&products) < 0.95, "{} of the area is kept, which tests nothing", kept(&products));
     assert!(told, "{:?}", warnings.iter().collect::<Vec<_>>());

@@ -58,7 +58,7 @@ fn straight(example: &Example, arguments: &[(&str, &str)]) -> Vec<u8> {
         Product { name: "sim", role: Role::Sim, mesh: &products.sim },
         Product { name: "render", role: Role::Render, mesh: &products.render },
     ];
-    let surroundings = Surroundings { folder: Some(document.folder()), source: Some(document.source()) };
+    let surroundings = Surroundings { folder: document.folder(), source: Some(document.source()) };
     layer_bytes(&source, &meshes, Format::Usdc, surroundings, &WriteOptions::default(), &mut warnings).expect("a layer")
 }
 

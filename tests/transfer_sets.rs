@@ -1,5 +1,6 @@
 //! Face and edge sets on the simulation mesh: where they are constraints and where they are not.
 
+#[allow(dead_code)]
 #[path = "common/built.rs"]
 mod built;
 #[path = "common/garments.rs"]
@@ -168,7 +169,12 @@ fn a_partition_stays_one_and_overlapping_sets_are_counted_apart() {
         let coverage = independent(&built);
         for subset in &built.garment.subsets {
             let Elements::Faces(source) = &subset.elements else { continue };
-            let least = if subset.name == "one" { 0.4 } else { 0.9 };
+            // At the longer length the set is of some three triangles, and most of those that meet it cross its border.
+            let least = match (subset.name.as_str(), length) {
+                ("one", "0.8") => 0.1,
+                ("one", _) => 0.6,
+                _ => 0.9,
+            };
             let own = overlap(source, &faces(mesh, &subset.name), &coverage);
             assert!(own > least, "{} at {length}: {own}", subset.name);
         }

@@ -1,5 +1,6 @@
 //! Values on the simulation mesh: UV sets with cuts of their own, skinning, blend shapes, provenance, normals.
 
+#[allow(dead_code)]
 #[path = "common/built.rs"]
 mod built;
 #[path = "common/garments.rs"]
@@ -206,7 +207,7 @@ fn skinning_poses_the_mesh_as_the_input_at_its_places() {
             let point = points[vertex].as_dvec3();
             let sum: f64 = wanted.values().sum();
             let a = posed(point, own[vertex.index()].iter().map(|&(j, w)| (j, f64::from(w))));
-            let b = posed(point, wanted.into_iter().map(|(j, w)| (j, w)));
+            let b = posed(point, wanted.into_iter());
             assert!((sum - 1.0).abs() < 1e-3 && a.distance(b) <= 1e-5 * size, "{vertex:?}: {a} instead of {b}");
             checked += 1;
         }
@@ -295,4 +296,59 @@ fn uniform_values_are_means_and_majorities() {
     assert_eq!(values.len(), 156_250 * sim.faces.len());
     assert_eq!(wide.width(), 156_250);
     assert!(values.chunks(156_250).all(|row| row.iter().all(|x| *x == row[0] && (0.0..64.0).contains(x))));
+}
+
+/// Normals of a polygonal sheet, as the attribute that they are: those of its faces, or turned from them.
+fn with_normals(turn: f32) -> GarmentInput {
+    let mut input = sheet(6, 6);
+    input.rules.scheme = tailor::garment::Scheme::None;
+    let product = build(input.clone(), &["sim.baselineLevel=0"]);
+    let t = Topology::new(product.garment.faces.clone(), product.garment.points.len());
+    let mut all = vec![glam::Vec3::ZERO; input.points.len()];
+    for corner in t.faces.corners().ids() {
+        let at = |c: CornerId| product.garment.points[t.faces.vertex(c)];
+        let (a, b) = (at(t.faces.next(corner)) - at(corner), at(t.faces.prev(corner)) - at(corner));
+        all[t.faces.vertex(corner).index()] += a.cross(b);
+    }
+    let turned = all.iter().map(|n| glam::Quat::from_rotation_x(turn) * n.normalize());
+    let values = Values::F32(turned.flat_map(|n| n.to_array()).collect());
+    let name = tailor::garment::normals::ATTRIBUTE;
+    let normals = primvar(name, Interpolation::Vertex, 3, values);
+    input.primvars.push(PrimvarInput { mixing: Mixing::Direction, ..normals });
+    input
+}
+
+#[test]
+fn normals_of_the_faces_are_made_again_and_others_carried() {
+    for (turn, made) in [(0.0, true), (0.5, false)] {
+        let built = build(with_normals(turn), &["sim.maxEdgeLength=0.4"]);
+        let sim = &built.products.sim;
+        let (_, values) = floats(sim, tailor::garment::normals::ATTRIBUTE);
+        let normal = |i: usize| glam::Vec3::from_slice(&values[3 * i..]);
+        assert!((0..sim.points.len()).all(|i| (normal(i).length() - 1.0).abs() < 1e-5), "of unit length");
+        let t = Topology::new(sim.faces.clone(), sim.points.len());
+        let off = t.faces.corners().ids().map(|c| {
+            let at = |c: CornerId| sim.points[t.faces.vertex(c)];
+            let face = (at(t.faces.next(c)) - at(c)).cross(at(t.faces.prev(c)) - at(c)).normalize();
+            face.angle_between(normal(t.faces.vertex(c).index()))
+        });
+        let mean = off.sum::<f32>() / t.faces.corners().len() as f32;
+        assert_eq!(mean < 0.1, made, "turned by {turn}: {mean} from the faces");
+    }
+}
+
+#[test]
+fn values_of_corners_that_are_no_numbers_are_taken_as_they_are() {
+    let mut input = sheet(4, 4);
+    let names = Values::Text((0..64).map(|i| format!("corner {i}")).collect());
+    input.primvars.push(primvar("names", Interpolation::FaceVarying, 1, names));
+    let flags = Values::Bool((0..25).map(|i| i % 2 == 0).collect());
+    input.primvars.push(primvar("flags", Interpolation::Vertex, 1, flags));
+    let built = build(input, &["sim.maxEdgeLength=0.4"]);
+    let sim = &built.products.sim;
+    let of = |name: &str| sim.primvar(name).unwrap_or_else(|| panic!("no {name}"));
+    assert_eq!(of("names").elements(), sim.faces.corners().len());
+    assert_eq!(of("flags").elements(), sim.points.len());
+    let (Values::Text(names), Values::Bool(_)) = (&of("names").values, &of("flags").values) else { panic!("types") };
+    assert!(names.iter().all(|n| n.starts_with("corner ")));
 }

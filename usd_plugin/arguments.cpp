@@ -64,6 +64,12 @@ std::string List(const std::string &printed)
     return list;
 }
 
+/// Whether there is no value, or one that takes away weaker ones.
+bool IsNothing(const VtValue &value)
+{
+    return value.IsEmpty() || value.GetTypeName() == "SdfValueBlock";
+}
+
 bool IsText(const std::type_info &type)
 {
     return type == typeid(TfToken) || type == typeid(std::string);
@@ -93,7 +99,7 @@ void TailorComposeArguments(
 {
     for (const Field &field : Fields()) {
         VtValue value;
-        if (!context.ComposeAttributeDefaultValue(TfToken(field.attribute), &value) || value.IsEmpty()) {
+        if (!context.ComposeAttributeDefaultValue(TfToken(field.attribute), &value) || IsNothing(value)) {
             continue;
         }
         if (const std::optional<std::string> text = Text(value)) {

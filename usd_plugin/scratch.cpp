@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <filesystem>
+#include <stdexcept>
 #include <system_error>
 
 #include <fcntl.h>
@@ -19,9 +20,19 @@ namespace {
     throw std::system_error(errno, std::generic_category(), what);
 }
 
+std::string TemporaryFolder()
+{
+    std::error_code fault;
+    const std::string folder = std::filesystem::temp_directory_path(fault).string();
+    if (fault) {
+        throw std::runtime_error("TMPDIR names no folder: " + fault.message());
+    }
+    return folder;
+}
+
 } // namespace
 
-TailorScratchFile::TailorScratchFile(const std::string &name) : _folder((std::filesystem::temp_directory_path() / "usdtailor.XXXXXX").string())
+TailorScratchFile::TailorScratchFile(const std::string &name) : _folder(TemporaryFolder() + "/usdtailor.XXXXXX")
 {
     if (!mkdtemp(_folder.data())) {
         Fail("cannot make a temporary folder " + _folder);

@@ -12,6 +12,8 @@
 #include <pxr/usd/sdf/layer.h>
 #include <pxr/usd/usd/stage.h>
 
+#include <filesystem>
+
 PXR_NAMESPACE_OPEN_SCOPE
 
 namespace {
@@ -40,6 +42,22 @@ ArResolverContext Context(const std::string &source)
     const ArResolver &resolver = ArGetResolver();
     const ArResolverContext current = resolver.GetCurrentContext();
     return current.IsEmpty() ? resolver.CreateDefaultContextForAsset(source) : current;
+}
+
+/// A relative `source` beside a `.tailor` file in a package (`outer.usdz[inner.tailor]`), as a path of the package; empty
+/// for other files. The resolver alone would look beside the package.
+std::string InPackage(const std::string &source, const std::string &resolvedPath)
+{
+    const size_t bracket = resolvedPath.rfind('[');
+    const std::filesystem::path relative(source);
+    if (bracket == std::string::npos || resolvedPath.back() != ']' || relative.is_absolute() ||
+        source.find(':') != std::string::npos) {
+        return std::string();
+    }
+    const size_t end = resolvedPath.find(']', bracket);
+    const std::filesystem::path inner(resolvedPath.substr(bracket + 1, end - bracket - 1));
+    const std::string entry = (inner.parent_path() / relative).lexically_normal().generic_string();
+    return resolvedPath.substr(0, bracket + 1) + entry + resolvedPath.substr(end);
 }
 
 SdfLayerRefPtr
@@ -84,7 +102,9 @@ TailorReadDocument(const std::string &resolvedPath, const SdfFileFormat::FileFor
 
 std::string TailorGetSource(const tailor::Document &document, const std::string &resolvedPath)
 {
-    return ArGetResolver().CreateIdentifier(std::string(document.source()), ArResolvedPath(resolvedPath));
+    const std::string source(document.source());
+    const std::string packaged = InPackage(source, resolvedPath);
+    return packaged.empty() ? ArGetResolver().CreateIdentifier(source, ArResolvedPath(resolvedPath)) : packaged;
 }
 
 TailorFlattenedSource::TailorFlattenedSource(const std::string &path, const std::string &source, bool reload)

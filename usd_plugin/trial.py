@@ -38,7 +38,8 @@ with tempfile.TemporaryDirectory() as folder:
     recipe.write_text('{"source": "quads.usda"}')
     broken.write_text('{"source": "broken.usda"}')
     Path(folder, "broken.usda").write_text("#usda 1.0\ndef Mesh { oops }\n")
-    cycle.write_text('{"source": "cycle.tailor"}')
+    cycle.write_text('{"source": "cycle.usda"}')
+    Path(folder, "cycle.usda").write_text("#usda 1.0\n(\nsubLayers = [@cycle.tailor@]\n)\n")
 
     stage = Usd.Stage.CreateInMemory()
     prim = stage.DefinePrim("/A")

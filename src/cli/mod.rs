@@ -50,6 +50,9 @@ struct Inputs {
     /// Override one option, such as sim.maxEdgeLength=2 [stage units] or render.level=2 [levels]; repeatable
     #[arg(long = "set", value_name = "KEY=VALUE", help_heading = "Recipe")]
     set: Vec<String>,
+    /// Say of each vertex of the simulation mesh which face it came from: --set sim.provenance=true
+    #[arg(long, help_heading = "Recipe")]
+    provenance: bool,
     /// Threads [default: one for each core]
     #[arg(long, value_name = "N", help_heading = "Run", allow_negative_numbers = true)]
     threads: Option<usize>,
@@ -171,6 +174,9 @@ impl Inputs {
         let mut layers = Layers::default();
         layers.add_attributes(source.recipe()?, &mut warnings);
         recipes.into_iter().for_each(|recipe| layers.add(recipe.into_layer()));
+        if self.provenance {
+            layers.add_override("sim.provenance=true")?;
+        }
         for assignment in &self.set {
             layers.add_override(assignment)?;
         }

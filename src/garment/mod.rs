@@ -6,6 +6,7 @@
 mod check;
 mod input;
 pub mod joints;
+pub mod normals;
 mod primvar;
 pub mod shapes;
 mod subset;

@@ -3,7 +3,8 @@
 //! Half-edges are corners: corner `c` leaves its vertex towards the next corner of its triangle. Every edit names all
 //! that it made or removed, so that attributes can follow; nothing here knows positions.
 
-use super::{CornerId, FaceId, IdVec, VertexId};
+use super::ring::Ring;
+use super::{CornerId, Csr, FaceId, IdVec, VertexId};
 
 /// A manifold, oriented triangle mesh under edit. Removed triangles and vertices stay as gaps until [`compact`].
 ///
@@ -26,17 +27,6 @@ pub struct Split {
     pub ahead: CornerId,
     /// The half-edge from the new vertex back, on the other side; none at a border. Its triangle is new.
     pub behind: Option<CornerId>,
-}
-
-/// A mesh without gaps, and where its elements were before.
-#[derive(Clone, Debug)]
-pub struct Compact {
-    /// The triangles.
-    pub triangles: Vec<[VertexId; 3]>,
-    /// The old vertex of each new one.
-    pub old_vertex: IdVec<VertexId, VertexId>,
-    /// The old corner of each new one.
-    pub old_corner: IdVec<CornerId, CornerId>,
 }
 
 impl EditMesh {
@@ -62,23 +52,24 @@ impl EditMesh {
     }
 
     fn pair(&mut self) {
-        let key = |c: CornerId| {
-            let (a, b) = (self.corner_vertex[c], self.corner_vertex[next(c)]);
-            (a.min(b), a.max(b))
-        };
-        let mut halves: Vec<CornerId> = self.corner_vertex.ids().collect();
-        halves.sort_unstable_by_key(|&c| (key(c), c));
-        let mut pairs = Vec::new();
-        for group in halves.chunk_by(|&a, &b| key(a) == key(b)) {
-            if let &[a, b] = group
-                && self.corner_vertex[a] != self.corner_vertex[b]
-            {
-                pairs.push((a, b));
+        // Half-edges by their lower vertex; few share one, so each group is searched.
+        let low = |c: CornerId| self.corner_vertex[c].min(self.corner_vertex[next(c)]);
+        let halves = self.corner_vertex.ids().map(|c| (low(c), c));
+        let groups = Csr::group(self.vertex_corner.len(), halves, CornerId::new(0));
+        let mut by_high: Vec<(VertexId, CornerId)> = Vec::new();
+        for vertex in self.vertex_corner.ids() {
+            by_high.clear();
+            let high = |c: CornerId| self.corner_vertex[c].max(self.corner_vertex[next(c)]);
+            by_high.extend(groups.row(vertex).iter().map(|&c| (high(c), c)));
+            by_high.sort_unstable();
+            for group in by_high.chunk_by(|a, b| a.0 == b.0) {
+                if let &[(_, a), (_, b)] = group
+                    && self.corner_vertex[a] != self.corner_vertex[b]
+                {
+                    self.twin[a] = Some(b);
+                    self.twin[b] = Some(a);
+                }
             }
-        }
-        for (a, b) in pairs {
-            self.twin[a] = Some(b);
-            self.twin[b] = Some(a);
         }
     }
 
@@ -97,6 +88,12 @@ impl EditMesh {
         self.corners().filter(|&c| self.twin[c].is_none_or(|t| c < t))
     }
 
+    /// Whether a half-edge is there and stands for its edge: the lower of two.
+    #[inline]
+    pub fn is_edge(&self, half: CornerId) -> bool {
+        self.alive[face(half)] && self.twin[half].is_none_or(|t| half < t)
+    }
+
     /// All vertices that are there and have a triangle.
     pub fn vertices(&self) -> impl Iterator<Item = VertexId> + '_ {
         self.vertex_corner.enumerated().filter(|(_, c)| c.is_some()).map(|(v, _)| v)
@@ -110,6 +107,11 @@ impl EditMesh {
     /// Number of corner slots, gaps included.
     pub fn corner_slots(&self) -> usize {
         self.corner_vertex.len()
+    }
+
+    /// Number of triangle slots, gaps included.
+    pub fn face_slots(&self) -> usize {
+        self.alive.len()
     }
 
     /// Number of triangles.
@@ -159,9 +161,30 @@ impl EditMesh {
     }
 
     /// The neighbours of a vertex, each once.
+    #[inline]
     pub fn ring(&self, vertex: VertexId) -> impl Iterator<Item = VertexId> + '_ {
-        let last = self.fan(vertex).last().filter(|&c| self.twin[prev(c)].is_none());
-        self.fan(vertex).map(|c| self.target(c)).chain(last.map(|c| self.vertex(prev(c))))
+        self.spokes(vertex).map(move |c| if self.vertex(c) == vertex { self.target(c) } else { self.vertex(c) })
+    }
+
+    /// A half-edge of each edge at a vertex: those that leave it, and at a border the one that only arrives.
+    #[inline]
+    pub fn spokes(&self, vertex: VertexId) -> impl Iterator<Item = CornerId> + '_ {
+        let first = self.vertex_corner[vertex];
+        let mut at = first;
+        let mut leaves = true;
+        std::iter::from_fn(move || {
+            let own = at?;
+            if !leaves {
+                at = None;
+                return Some(own);
+            }
+            let arriving = prev(own);
+            match self.twin[arriving] {
+                Some(twin) => at = Some(twin).filter(|_| Some(twin) != first),
+                None => (at, leaves) = (Some(arriving), false),
+            }
+            Some(own)
+        })
     }
 
     /// The half-edge between two vertices, in either direction.
@@ -188,20 +211,8 @@ impl EditMesh {
             self.pair_up(half, behind);
             self.pair_up(ahead, o);
         }
+        // At a border the half-edge ahead leaves along it.
         self.vertex_corner[m] = Some(ahead);
-        self.settle(m);
-        for c in [half, ahead] {
-            let v = self.target(c);
-            self.settle(v);
-            let v = self.vertex(prev(c));
-            self.settle(v);
-        }
-        if let Some(o) = other {
-            let v = self.vertex(prev(o));
-            self.settle(v);
-        }
-        let v = self.vertex(half);
-        self.settle(v);
         Split { vertex: m, ahead, behind }
     }
 
@@ -220,10 +231,8 @@ impl EditMesh {
         }
         self.pair_up(n, edge_cm);
         self.twin[half] = None;
-        for (v, corner) in [(b, edge_bc), (c, edge_cm)] {
-            if self.vertex_corner[v].is_some_and(|k| k == n) || self.vertex_corner[v].is_none() {
-                self.vertex_corner[v] = Some(corner);
-            }
+        if self.vertex_corner[b] == Some(n) {
+            self.vertex_corner[b] = Some(edge_bc);
         }
         ahead
     }
@@ -237,9 +246,10 @@ impl EditMesh {
         }
         let apex = self.vertex(prev(half));
         let other_apex = self.twin[half].map(|t| self.vertex(prev(t)));
-        let shared = self.ring(a).filter(|&v| self.ring(b).any(|w| w == v));
+        let mut around_a = Ring::default();
+        self.ring(a).for_each(|v| around_a.push(v));
         let mut count = 0;
-        for v in shared {
+        for v in self.ring(b).filter(|&v| around_a.contains(v)) {
             if v != apex && Some(v) != other_apex {
                 return false;
             }
@@ -260,17 +270,19 @@ impl EditMesh {
     /// Merges one end of an edge, `removed`, into the other and removes the triangles beside the edge. The caller has
     /// asked [`Self::may_collapse`].
     pub fn collapse(&mut self, half: CornerId, removed: VertexId) {
-        let (a, b) = (self.vertex(half), self.target(half));
-        let (a, b) = if removed == a { (a, b) } else { (b, a) };
-        let moved: Vec<CornerId> = self.fan(a).collect();
+        let b = if removed == self.vertex(half) { self.target(half) } else { self.vertex(half) };
         let other = self.twin[half];
-        let apexes = [Some(self.vertex(prev(half))), other.map(|t| self.vertex(prev(t)))];
-        for corner in moved {
+        let mut at = self.vertex_corner[removed];
+        let first = at;
+        while let Some(corner) = at {
             self.corner_vertex[corner] = b;
+            at = self.twin[prev(corner)].filter(|&c| Some(c) != first);
         }
-        let mut seeds = Vec::with_capacity(4);
+        let is_border = self.is_border_vertex(b) || first.is_some_and(|c| self.twin[c].is_none());
+        self.vertex_corner[removed] = None;
         for side in std::iter::once(half).chain(other) {
             self.alive[face(side)] = false;
+            let apex = self.vertex(prev(side));
             let (x, y) = (self.twin[next(side)], self.twin[prev(side)]);
             match (x, y) {
                 (Some(x), Some(y)) => self.pair_up(x, y),
@@ -278,15 +290,17 @@ impl EditMesh {
                 (None, Some(y)) => self.twin[y] = None,
                 (None, None) => {}
             }
-            seeds.extend(x.into_iter().chain(y));
-        }
-        self.vertex_corner[a] = None;
-        for v in std::iter::once(b).chain(apexes.into_iter().flatten()) {
-            let own = seeds.iter().flat_map(|&s| [s, next(s)]).find(|&c| self.corner_vertex[c] == v);
-            if let Some(corner) = own {
-                self.vertex_corner[v] = Some(corner);
+            // `x` leaves the apex towards b, `y` leaves b towards the apex.
+            let (at_apex, at_b) = (x.or(y.map(next)), y.or(x.map(next)));
+            let gone = |c: Option<CornerId>| c.is_none_or(|c| face(c) == face(side));
+            if gone(self.vertex_corner[apex]) {
+                self.vertex_corner[apex] = at_apex;
+                self.settle(apex);
             }
-            self.settle(v);
+            self.vertex_corner[b] = at_b.or(self.vertex_corner[b]);
+        }
+        if is_border {
+            self.settle(b);
         }
     }
 
@@ -321,30 +335,13 @@ impl EditMesh {
                 self.twin[t] = Some(corner);
             }
         }
-        for (v, corner) in [(a, op), (b, hp), (c, half), (d, other)] {
-            self.vertex_corner[v] = Some(corner);
-            self.settle(v);
-        }
-        Some([[half, hn, hp], [other, on, op]])
-    }
-
-    /// Drops the gaps.
-    pub fn compact(&self) -> Compact {
-        let mut new_of = IdVec::<VertexId, Option<VertexId>>::filled(None, self.vertex_corner.len());
-        let mut old_of = IdVec::new();
-        for v in self.vertices() {
-            new_of[v] = Some(old_of.push(v));
-        }
-        let mut triangles = Vec::with_capacity(self.alive.len());
-        let mut corners = IdVec::new();
-        for f in self.faces() {
-            let vertices = self.triangle(f).map(|v| new_of[v]);
-            if let [Some(a), Some(b), Some(c)] = vertices {
-                triangles.push([a, b, c]);
-                corners.extend((0..3).map(|k| CornerId::new(f.index() * 3 + k)));
+        // Half-edges of the rim keep their vertex but change their corner, so that border vertices stay settled.
+        for (v, gone, corner) in [(a, [half, on], op), (b, [other, hn], hp), (c, [hp, hp], on), (d, [op, op], hn)] {
+            if self.vertex_corner[v].is_some_and(|k| gone.contains(&k)) {
+                self.vertex_corner[v] = Some(corner);
             }
         }
-        Compact { triangles, old_vertex: old_of, old_corner: corners }
+        Some([[half, hn, hp], [other, on, op]])
     }
 
     fn pair_up(&mut self, a: CornerId, b: CornerId) {
@@ -383,6 +380,11 @@ impl EditMesh {
         }
         for (v, &count) in at_vertex.enumerated() {
             assert_eq!(self.fan(v).count(), count, "the corners of {v:?} are one fan");
+            assert!(
+                self.vertex_corner[v]
+                    .is_none_or(|c| self.twin[c].is_none() || self.fan(v).all(|c| self.twin[prev(c)].is_some())),
+                "the fan of {v:?} begins at its border"
+            );
             assert!(self.fan(v).all(|c| self.vertex(c) == v && self.alive[face(c)]), "the fan of {v:?} is its own");
         }
     }

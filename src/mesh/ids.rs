@@ -81,6 +81,10 @@ ids! {
     ValueId
     /// A chain of constrained edges.
     ChainId
+    /// What one sector of a vertex, between constrained edges, knows of its place.
+    SiteId
+    /// A constrained edge's part of its chain.
+    SpanId
 }
 
 /// A vector whose index is a handle type.

@@ -1,10 +1,13 @@
 //! Mesh connectivity and its handles. Nothing here knows positions.
 
+mod compact;
 pub mod edit;
 mod faces;
 mod ids;
+mod ring;
 mod topology;
 
+pub use compact::Compact;
 pub use faces::Faces;
-pub use ids::{ChainId, CornerId, EdgeId, FaceId, Id, IdVec, ValueId, VertexId};
+pub use ids::{ChainId, CornerId, EdgeId, FaceId, Id, IdVec, SiteId, SpanId, ValueId, VertexId};
 pub use topology::{Csr, Topology};

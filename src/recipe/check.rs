@@ -7,6 +7,8 @@ use crate::error::Error;
 const MAX_LEVEL: u32 = 6;
 /// Rounds above this change nothing any more. \[rounds\]
 const MAX_ITERATIONS: u32 = 100;
+/// Samples above this settle nothing more, and their time grows with their number. \[samples a face\]
+const MAX_SAMPLES: u32 = 1024;
 
 fn fault(key: &str, fault: &str, hint: &str) -> Result<(), Error> {
     Err(Error::Recipe(format!("{key}: {fault}\n  hint: {hint}")))
@@ -57,6 +59,7 @@ impl Recipe {
             ("sim.baselineLevel", self.sim.baseline_level, MAX_LEVEL),
             ("render.level", self.render.level, MAX_LEVEL),
             ("sim.iterations", self.sim.iterations, MAX_ITERATIONS),
+            ("sim.transferSamples", self.sim.transfer_samples, MAX_SAMPLES),
         ] {
             if value > most {
                 return fault(key, &format!("{value} is too much"), &format!("give at most {most}"));

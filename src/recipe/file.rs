@@ -49,6 +49,8 @@ impl RecipeFile {
                 in_words(&e)
             ))
         };
+        // Some editors put a byte order mark first.
+        let text = text.trim_start_matches('\u{feff}');
         // Once for its form with unknown keys by line and column, once for what it says.
         serde_json::from_str::<Form>(text).map_err(fault)?;
         serde_json::from_str(text).map_err(fault)
@@ -160,12 +162,13 @@ impl Document {
 
     /// The source as a file, relative to this one.
     pub fn source_file(&self) -> PathBuf {
-        self.folder().join(&self.source)
+        self.path.parent().unwrap_or(Path::new("")).join(&self.source)
     }
 
-    /// The folder that the file is in.
-    pub fn folder(&self) -> &Path {
-        self.path.parent().unwrap_or(Path::new(""))
+    /// The folder that the file is in; none inside a package.
+    pub fn folder(&self) -> Option<&Path> {
+        let packed = self.path.to_str().is_some_and(|path| path.ends_with(']'));
+        self.path.parent().filter(|_| !packed)
     }
 
     /// What is read of the source.
@@ -206,6 +209,11 @@ mod tests {
         layers.add(document.file);
         layers.add(document.arguments.merged);
         assert_eq!(layers.recipe().expect("a good recipe").sim.iterations, 4);
+    }
+
+    #[test]
+    fn a_byte_order_mark_is_no_fault() {
+        assert!(document(&format!("\u{feff}{FILE}"), &[]).is_ok());
     }
 
     #[test]

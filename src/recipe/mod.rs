@@ -117,11 +117,12 @@ fn usd_type_of(value: &Value) -> &'static str {
 
 /// What serde found, without the names of our types.
 fn in_words(e: &serde_json::Error) -> String {
-    const WORDS: [(&str, &str); 9] = [
+    const WORDS: [(&str, &str); 10] = [
         ("expected f32", "expected a number"),
         ("expected u32", "expected a whole number, 0 or more"),
         ("expected a sequence", "expected a list"),
         ("expected a boolean", "expected true or false"),
+        ("expected struct Form", "expected { options }"),
         ("expected struct SimOptions", "expected { options }"),
         ("expected struct RenderOptions", "expected { options }"),
         ("expected struct SeamOptions", "expected { options }"),

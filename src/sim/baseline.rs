@@ -3,6 +3,7 @@
 use super::chains::{self, Chain, StartSpan};
 use super::manifold::Manifold;
 use super::options::SimOptions;
+use super::ridges;
 use crate::garment::{Garment, Interpolation, Primvar, Values};
 use crate::mesh::{ChainId, CornerId, FaceId, Faces, IdVec, Topology, VertexId};
 use crate::subdivide::{Level, Numbering, Real, Refiner, Stencils, mix_rows};
@@ -44,8 +45,17 @@ pub struct Baseline {
     pub shell_sign: IdVec<FaceId, f32>,
     /// Half-edges that no projection crosses: those on chains and at borders.
     pub barrier: IdVec<CornerId, bool>,
+    /// The opposite half-edge of each, where a projection may cross.
+    pub open_twin: IdVec<CornerId, Option<CornerId>>,
+    /// Unit normal of each triangle; zero where it has no area.
+    pub unit_normal: IdVec<FaceId, Vec3>,
+    /// Whether UVs are one to one over each piece between chains, so that a mesh can be held to them.
+    pub holds_uvs: bool,
     /// Target edge length at each vertex. \[stage units\]
     pub target: IdVec<VertexId, f32>,
+    /// The length that remeshing works with at each vertex: the target, or less near a chain that bends.
+    /// \[stage units\]
+    pub sizing: IdVec<VertexId, f32>,
     /// The constraint chains.
     pub chains: IdVec<ChainId, Chain>,
     /// The triangles that remeshing starts from, by corners of the baseline.
@@ -119,11 +129,15 @@ impl Baseline {
         let corner_uvs: IdVec<CornerId, Vec2> = corner_uvs.collect();
 
         let is_seam = |e| cage.channels.first().is_some_and(|c| c.is_cut(e));
-        let marked = chains::constrained_edges(garment, &manifold, options, is_seam, |f| is_hole[f]);
-        let cage_chains = chains::join(&manifold, &marked);
+        let mut marked = chains::constrained_edges(garment, &manifold, options, is_seam, |f| is_hole[f]);
+        let target = targets(garment, lengths, &manifold, &levels, points.len());
         let all_levels: Vec<&Refiner> = std::iter::once(&cage).chain(&levels).collect();
+        let surface = ridges::Surface { topology: &topology, points: &points, target: &target };
+        ridges::mark(&manifold, &all_levels, &surface, &mut marked);
+        let cage_chains = chains::join(&manifold, &marked);
         let curves = cage_chains.refine(&all_levels);
-        let chains = cage_chains.on_baseline(&curves[levels.len()], &manifold, &topology, &points);
+        let mut chains = cage_chains.on_baseline(&curves[levels.len()], &manifold, &topology, &points);
+        chains.iter_mut().for_each(|c| surface.set_normals(c));
 
         let start_level = nearest_level(&all_levels, &points, lengths);
         let start =
@@ -136,12 +150,17 @@ impl Baseline {
         for half in chains.iter().flat_map(|c| c.left.iter().chain(&c.right)).flatten() {
             barrier[*half] = true;
         }
+        let open_twin = barrier.enumerated().map(|(c, &closed)| topology.twin(c).filter(|_| !closed)).collect();
         let mut baseline = Self {
+            open_twin,
+            unit_normal: IdVec::filled(Vec3::ZERO, topology.faces.len()),
+            holds_uvs: uv_set.is_some() && options.constrain_uv_seams,
             source_face: quads.faces.iter().map(|&f| faces[f]).collect(),
             level_face: quads.faces,
             level_corner: quads.corners,
             shell_sign: IdVec::filled(1.0, topology.faces.len()),
-            target: IdVec::filled(lengths.max, points.len()),
+            target: level_vertex.iter().map(|&v| target[v]).collect(),
+            sizing: IdVec::new(),
             has_uvs: uv_set.is_some(),
             uvs: corner_uvs,
             manifold,
@@ -154,8 +173,11 @@ impl Baseline {
             start,
             start_spans,
         };
-        baseline.set_targets(garment, lengths);
         baseline.set_shell_signs();
+        let (points, target) = (&baseline.points, &baseline.target);
+        baseline.chains.iter_mut().for_each(|c| c.space(points, target, 1 << options.baseline_level));
+        baseline.spread_lengths();
+        baseline.unit_normal = baseline.topology.faces.ids().map(|f| baseline.normal(f).normalize_or_zero()).collect();
         baseline
     }
 
@@ -177,26 +199,7 @@ impl Baseline {
 
     /// The rows of a vertex or varying primvar at the vertices of the finest level. `values` are the primvar's.
     pub fn refine_rows<T: Real>(&self, primvar: &Primvar, values: &[T]) -> Vec<T> {
-        let width = primvar.width();
-        let row = |v: &VertexId| values[primvar.row(v.index()) * width..][..width].iter().copied();
-        let mut rows: Vec<T> = self.manifold.vertex_source.iter().flat_map(row).collect();
-        for parent in self.parents() {
-            let stencils = match primvar.interpolation {
-                Interpolation::Varying => parent.level.varying_stencils(),
-                _ => parent.level.vertex_stencils(),
-            };
-            rows = mix_rows(&stencils, &rows, primvar);
-        }
-        rows
-    }
-
-    fn set_targets(&mut self, garment: &Garment, lengths: Lengths<'_>) {
-        let Some(density) = lengths.density else { return };
-        let Values::F32(values) = &density.values else { return };
-        debug_assert_eq!(density.elements(), garment.points.len());
-        let weights = self.refine_rows(density, values);
-        let target = |v: &VertexId| lengths.of(weights[v.index()]);
-        self.target = self.level_vertex.iter().map(target).collect();
+        refine_rows(&self.manifold, &self.levels, primvar, values)
     }
 
     /// Signed area of a triangle in UV space.
@@ -235,6 +238,36 @@ impl Baseline {
             shell.iter().for_each(|&f| self.shell_sign[f] = sign);
         }
     }
+}
+
+/// The rows of a vertex or varying primvar at the vertices of the last of `levels`.
+fn refine_rows<T: Real>(manifold: &Manifold, levels: &[Refiner], primvar: &Primvar, values: &[T]) -> Vec<T> {
+    let width = primvar.width();
+    let row = |v: &VertexId| values[primvar.row(v.index()) * width..][..width].iter().copied();
+    let mut rows: Vec<T> = manifold.vertex_source.iter().flat_map(row).collect();
+    for parent in std::iter::once(&manifold.refiner).chain(levels).take(levels.len()) {
+        let stencils = match primvar.interpolation {
+            Interpolation::Varying => parent.level.varying_stencils(),
+            _ => parent.level.vertex_stencils(),
+        };
+        rows = mix_rows(&stencils, &rows, primvar);
+    }
+    rows
+}
+
+/// Target edge length at each vertex of the finest level.
+fn targets(
+    garment: &Garment,
+    lengths: Lengths<'_>,
+    manifold: &Manifold,
+    levels: &[Refiner],
+    vertices: usize,
+) -> IdVec<VertexId, f32> {
+    let Some((density, Values::F32(values))) = lengths.density.map(|d| (d, &d.values)) else {
+        return IdVec::filled(lengths.max, vertices);
+    };
+    debug_assert_eq!(density.elements(), garment.points.len());
+    refine_rows(manifold, levels, density, values).into_iter().map(|w| lengths.of(w)).collect()
 }
 
 /// Adds the constraint UVs as a channel of the cage; returns the channel's values.

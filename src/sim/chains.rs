@@ -17,6 +17,8 @@ pub struct Marks {
     pub seam: bool,
     /// An infinitely sharp edge inside the mesh: the surface has a fold there at every level.
     pub sharp: bool,
+    /// A fold that is sharper than the target length can follow.
+    pub ridge: bool,
     /// The edge subsets that hold it, by their place in the garment's list.
     pub subsets: Vec<usize>,
 }
@@ -38,6 +40,16 @@ pub struct Chain {
     pub left: Vec<Option<CornerId>>,
     /// The same on the right, in the other direction.
     pub right: Vec<Option<CornerId>>,
+    /// Unit normals of the surface to the left and to the right of each segment: how triangles should lie there. Those of
+    /// a ridge are taken half a target length away, as the fold itself is rounded.
+    pub normals: Vec<[Vec3; 2]>,
+    /// Vertices of the curve, by their place in `vertices`, that stay where they are although no chain ends there:
+    /// corners.
+    pub pins: Vec<usize>,
+    /// The length that edges should have at each vertex: the target, or less where the curve bends. \[stage units\]
+    pub lengths: Vec<f32>,
+    /// Number of edges that the curve asks for up to each vertex, as a real number.
+    pub spaced: Vec<f32>,
 }
 
 /// A place on a chain's curve.
@@ -57,12 +69,24 @@ impl Chain {
 
     /// The place at arc length `s`; loops go round, paths end.
     pub fn at(&self, s: f32) -> OnCurve {
+        self.wound(s).1
+    }
+
+    /// The surface's unit normal beside the curve at arc length `s`, on the side of a half-edge that runs `forward`.
+    pub(super) fn normal_at(&self, s: f32, forward: bool) -> Vec3 {
+        self.normals[self.at(s).segment][usize::from(!forward)]
+    }
+
+    /// How many times a loop was gone round up to arc length `s`, and the place there.
+    pub(super) fn wound(&self, s: f32) -> (f32, OnCurve) {
         let length = self.length();
-        let s = if self.is_loop && length > 0.0 { s.rem_euclid(length) } else { s.clamp(0.0, length) };
+        let turn = if self.is_loop && length > 0.0 { (s / length).floor() } else { 0.0 };
+        let s = (s - turn * length).clamp(0.0, length);
         let last = self.along.len().saturating_sub(2);
         let segment = self.along.partition_point(|&a| a <= s).saturating_sub(1).min(last);
         let span = self.along[segment + 1] - self.along[segment];
-        OnCurve { segment, t: if span > 0.0 { ((s - self.along[segment]) / span).clamp(0.0, 1.0) } else { 0.0 } }
+        let t = if span > 0.0 { ((s - self.along[segment]) / span).clamp(0.0, 1.0) } else { 0.0 };
+        (turn, OnCurve { segment, t })
     }
 }
 
@@ -117,6 +141,7 @@ pub fn constrained_edges(
             border: solid == 1,
             seam: solid > 1 && is_seam(edge),
             sharp: solid > 1 && manifold.refiner.level.edge_sharpness[edge] >= INFINITE_SHARPNESS,
+            ridge: false,
             subsets,
         };
         if marks.border || marks.sharp || chosen || marks.seam && options.constrain_uv_seams {
@@ -225,6 +250,10 @@ impl CageChains {
                     left: curve.windows(2).map(|p| half(p[0], p[1])).collect(),
                     right: curve.windows(2).map(|p| half(p[1], p[0])).collect(),
                     vertices: curve.clone(),
+                    normals: Vec::new(),
+                    pins: Vec::new(),
+                    lengths: Vec::new(),
+                    spaced: Vec::new(),
                     along,
                 }
             })

@@ -1,29 +1,41 @@
 //! Flip every free edge whose opposite angles sum to more than π.
 
-use super::mesh::SimMesh;
-use crate::mesh::CornerId;
+use super::mesh::{Grade, SimMesh};
 use crate::mesh::edit::{next, prev};
+use crate::mesh::{CornerId, IdVec, SiteId};
 use glam::Vec3;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::f32::consts::FRAC_PI_3;
 
 /// Sweeps over all edges; each flip raises the smallest angle of its pair, so a few suffice.
 const MAX_SWEEPS: usize = 8;
 /// The angles must exceed π by this sine before an edge is flipped, so that rounding cannot turn it back.
 const MIN_GAIN: f32 = 1e-4;
 
-/// Flips until no edge gains by it. Returns the number of flips.
-pub fn flip_edges(mesh: &mut SimMesh<'_>) -> usize {
+/// Cosine of the angle between a new triangle and the surface at its corners above which it lies well. Larger values
+/// keep more flips from turning edges out of a fold.
+const MIN_ALIGNMENT: f32 = 0.85;
+
+/// Flips until no edge gains by it. `regularity` is what one square of excess weighs against the sine of the angle by
+/// which an edge is not Delaunay: 0 gives a Delaunay mesh. Returns the number of flips.
+pub fn flip_edges(mesh: &mut SimMesh<'_>, regularity: f32) -> usize {
+    let mut excess = excess(mesh);
+    let all = (0..mesh.topology.corner_slots()).into_par_iter().map(CornerId::new);
+    let wants = |mesh: &SimMesh<'_>, excess: &Excess, h: CornerId| gain(mesh, excess, h, regularity) > MIN_GAIN;
+    let mut candidates: Vec<CornerId> =
+        all.filter(|&h| mesh.topology.is_edge(h) && !mesh.is_constrained(h) && wants(mesh, &excess, h)).collect();
     let mut count = 0;
-    let mut candidates: Vec<CornerId> = mesh.topology.edges().collect();
+    let mut touched = Vec::new();
     for _ in 0..MAX_SWEEPS {
-        let mut touched = Vec::new();
-        for half in candidates {
-            if wants_flip(mesh, half) && may_flip(mesh, half) && flip_is_safe(mesh, half) {
-                let twin = mesh.topology.twin(half);
+        for &half in &candidates {
+            let Some(twin) = mesh.topology.twin(half).filter(|_| !mesh.is_constrained(half)) else { continue };
+            if wants(mesh, &excess, half) && mesh.topology.may_flip(half) && flip_is_safe(mesh, half) {
+                let sites = [half, twin, prev(half), prev(twin)].map(|c| mesh.site_of[c]);
+                sites.into_iter().zip([-1, -1, 1, 1]).for_each(|(site, by)| excess[site] += by);
                 mesh.flip(half);
                 count += 1;
-                for c in std::iter::once(half).chain(twin) {
-                    touched.extend([next(c), prev(c)]);
-                }
+                touched.extend([half, twin].into_iter().flat_map(|c| [next(c), prev(c)]));
             }
         }
         if touched.is_empty() {
@@ -31,35 +43,73 @@ pub fn flip_edges(mesh: &mut SimMesh<'_>) -> usize {
         }
         touched.sort_unstable();
         touched.dedup();
-        candidates = touched;
+        std::mem::swap(&mut candidates, &mut touched);
+        touched.clear();
     }
     count
 }
 
-/// Sine of the sum of two angles from their sine and cosine parts.
+/// Triangles in each sector of a vertex above the best number: six at a free vertex, three on each side of a chain, and
+/// between the chains of an anchor what makes angles of 60 degrees.
+type Excess = IdVec<SiteId, i8>;
+
+fn excess(mesh: &SimMesh<'_>) -> Excess {
+    let mut count: IdVec<SiteId, u8> = IdVec::filled(0, mesh.sites.len());
+    let mut best: IdVec<SiteId, i8> = IdVec::filled(6, mesh.sites.len());
+    let mut angles: BTreeMap<SiteId, f32> = BTreeMap::new();
+    for c in mesh.topology.corners() {
+        let site = mesh.site_of[c];
+        count[site] = count[site].saturating_add(1);
+        match mesh.grade[mesh.topology.vertex(c)] {
+            Grade::Free => {}
+            Grade::OnCurve(_) => best[site] = 3,
+            Grade::Frozen => {
+                let [p, q, r] = [c, next(c), prev(c)].map(|c| mesh.points[mesh.topology.vertex(c)]);
+                *angles.entry(site).or_default() += (q - p).angle_between(r - p);
+            }
+        }
+    }
+    for (site, angle) in angles {
+        best[site] = (angle / FRAC_PI_3).round().clamp(1.0, 12.0) as i8;
+    }
+    count.iter().zip(best.iter()).map(|(&n, &best)| n.min(100) as i8 - best).collect()
+}
+
+/// What turning an edge gains, in sines.
+#[inline]
+fn gain(mesh: &SimMesh<'_>, excess: &Excess, half: CornerId, regularity: f32) -> f32 {
+    let Some(twin) = mesh.topology.twin(half) else { return -1.0 };
+    let corners = [half, twin, prev(half), prev(twin)];
+    let [a, b, c, d] = corners.map(|x| mesh.points[mesh.topology.vertex(x)]);
+    let [ea, eb, ec, ed] = corners.map(|x| i32::from(excess[mesh.site_of[x]]));
+    // The change of the sum of squares.
+    let change = 4 + 2 * (ec + ed - ea - eb);
+    let square = (a - c).dot(b - c) >= 0.0 && (a - d).dot(b - d) >= 0.0;
+    if (change >= 0 || regularity == 0.0) && square {
+        return -1.0;
+    }
+    let ((s1, c1), (s2, c2)) = (opposite_angle(c, a, b), opposite_angle(d, a, b));
+    let size = ((s1 * s1 + c1 * c1) * (s2 * s2 + c2 * c2)).sqrt().max(f32::MIN_POSITIVE);
+    // The sine of the sum is negative where that exceeds π.
+    -(s1 * c2 + c1 * s2) / size - regularity * change as f32
+}
+
+/// Sine and cosine of an angle, both times the same positive number.
+#[inline]
 fn opposite_angle(apex: Vec3, a: Vec3, b: Vec3) -> (f32, f32) {
     let (u, v) = (a - apex, b - apex);
     (u.cross(v).length(), u.dot(v))
 }
 
-/// Whether the angles opposite the edge sum to more than π.
-pub fn wants_flip(mesh: &SimMesh<'_>, half: CornerId) -> bool {
-    let Some(twin) = mesh.topology.twin(half) else { return false };
-    let [a, b, c, d] = [half, twin, prev(half), prev(twin)].map(|x| mesh.points[mesh.topology.vertex(x)]);
-    let ((s1, c1), (s2, c2)) = (opposite_angle(c, a, b), opposite_angle(d, a, b));
-    // sin(x + y) < 0 means x + y > π.
-    let scale = (s1.hypot(c1) * s2.hypot(c2)).max(f32::MIN_POSITIVE);
-    (s1 * c2 + c1 * s2) / scale < -MIN_GAIN
-}
-
-fn may_flip(mesh: &SimMesh<'_>, half: CornerId) -> bool {
-    !mesh.is_constrained(half) && mesh.topology.may_flip(half)
-}
-
-/// Neither new triangle is worse than the worse of the old.
+/// Neither new triangle is worse than the worse of the old, or turns further from the surface than those, if it turns
+/// far.
 fn flip_is_safe(mesh: &SimMesh<'_>, half: CornerId) -> bool {
     let Some(twin) = mesh.topology.twin(half) else { return false };
     let [a, b, c, d] = [half, next(half), prev(half), prev(twin)].map(|x| mesh.corner(x));
     let new = mesh.badness([c, d, b]).max(mesh.badness([d, c, a]));
-    new == 0 || new < mesh.face_badness(half).max(mesh.face_badness(twin))
+    let aligned = || {
+        let after = mesh.alignment([c, d, b]).min(mesh.alignment([d, c, a]));
+        after >= MIN_ALIGNMENT || after >= mesh.alignment([a, b, c]).min(mesh.alignment([b, a, d]))
+    };
+    (new == 0 && aligned()) || new < mesh.face_badness(half).max(mesh.face_badness(twin))
 }

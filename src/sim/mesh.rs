@@ -1,13 +1,12 @@
 //! The mesh under remeshing: topology, positions, and what each vertex and edge may do.
-//!
-//! All edits pass through here: they ask for permission and carry the constraint spans, places and UVs along.
 
 use super::baseline::{Baseline, Location};
 use super::chains::Chain;
 use crate::mesh::edit::{EditMesh, next, prev};
-use crate::mesh::{ChainId, CornerId, FaceId, IdVec, VertexId};
+use crate::mesh::{ChainId, CornerId, FaceId, IdVec, SiteId, SpanId, VertexId};
 use glam::{Vec2, Vec3};
 use std::collections::BTreeSet;
+use std::num::NonZeroU32;
 
 /// What a vertex may do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,10 +37,20 @@ impl Span {
     pub fn reversed(self) -> Self {
         Self { chain: self.chain, from: self.to, to: self.from, forward: !self.forward }
     }
+
+    /// Whether a span in its chain's direction has no length left.
+    pub fn is_reversed(self) -> bool {
+        self.from >= self.to
+    }
+
+    /// In the chain's own direction.
+    pub fn along(self) -> Self {
+        if self.forward { self } else { self.reversed() }
+    }
 }
 
 /// Where a corner's vertex is, as the corner's triangle sees it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
     /// The baseline's triangle.
     pub location: Location,
@@ -49,14 +58,42 @@ pub struct Place {
     pub uv: Vec2,
 }
 
-/// A triangle with less than this share of the area of the equilateral triangle on its longest edge is degenerate.
-const MIN_SHAPE: f32 = 0.02;
+/// What the triangles of one sector of a vertex know of its place. Constrained edges divide sectors; a free vertex has
+/// one.
+#[derive(Clone, Copy, Debug)]
+pub struct Site {
+    /// The place.
+    pub place: Place,
+    /// Unit normal of the surface.
+    pub normal: Vec3,
+    /// The sense in which the shell lies in UV space.
+    pub sense: f32,
+}
 
-/// A collapse may not make a triangle whose normal turns further than this from the surface's at a corner: it would
-/// bridge a fold and erase it. Larger values keep more of a fold, but leave short edges along it.
-const MIN_COSINE: f32 = 0.2;
+/// Which span a half-edge has, and whether it runs along it: in four bytes, none included.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Mark(NonZeroU32);
+
+impl Mark {
+    fn new(span: SpanId, forward: bool) -> Self {
+        Self(NonZeroU32::MIN.saturating_add(2 * span.index() as u32 + u32::from(forward)))
+    }
+
+    pub(super) fn span(self) -> SpanId {
+        SpanId::new((self.0.get() - 1) as usize / 2)
+    }
+
+    pub(super) fn is_forward(self) -> bool {
+        (self.0.get() - 1) % 2 == 1
+    }
+
+    pub(super) fn reversed(self) -> Self {
+        Self::new(self.span(), !self.is_forward())
+    }
+}
 
 /// The simulation mesh while it is made.
+#[derive(Clone)]
 pub struct SimMesh<'a> {
     /// The surface that it lies on.
     pub baseline: &'a Baseline,
@@ -64,14 +101,18 @@ pub struct SimMesh<'a> {
     pub topology: EditMesh,
     /// Positions.
     pub points: IdVec<VertexId, Vec3>,
-    /// Target edge length at each vertex.
+    /// Target edge length at each vertex: that of the baseline, or less on a chain that bends.
     pub target: IdVec<VertexId, f32>,
     /// What each vertex may do.
     pub grade: IdVec<VertexId, Grade>,
     /// The constrained half-edges.
-    pub span: IdVec<CornerId, Option<Span>>,
-    /// The place of each corner.
-    pub place: IdVec<CornerId, Place>,
+    pub(super) mark: IdVec<CornerId, Option<Mark>>,
+    /// Parts of curves, in their chains' directions.
+    pub(super) spans: IdVec<SpanId, Span>,
+    /// The site that each corner's vertex has there.
+    pub(super) site_of: IdVec<CornerId, SiteId>,
+    /// The sites. Those of vertices that went stay as gaps.
+    pub(super) sites: IdVec<SiteId, Site>,
 }
 
 impl<'a> SimMesh<'a> {
@@ -80,63 +121,170 @@ impl<'a> SimMesh<'a> {
         let vertex = |c: CornerId| baseline.topology.faces.vertex(c);
         let triangles: Vec<[VertexId; 3]> = baseline.start.iter().map(|t| t.map(vertex)).collect();
         let topology = EditMesh::new(&triangles, baseline.points.len());
-        let place = |&c: &CornerId| Place { location: baseline.corner_location(c), uv: baseline.uvs[c] };
+        let corners = topology.corner_slots();
         let mut mesh = Self {
             baseline,
             points: baseline.points.clone(),
-            target: baseline.target.clone(),
+            target: baseline.sizing.clone(),
             grade: IdVec::filled(Grade::Free, baseline.points.len()),
-            span: IdVec::filled(None, topology.corner_slots()),
-            place: baseline.start.iter().flatten().map(place).collect(),
+            mark: IdVec::filled(None, corners),
+            spans: IdVec::new(),
+            site_of: IdVec::filled(SiteId::new(0), corners),
+            sites: IdVec::with_capacity(triangles.len()),
             topology,
         };
         mesh.set_constraints();
+        mesh.set_sites();
         mesh
     }
 
     fn set_constraints(&mut self) {
-        for corner in self.topology.corners() {
-            let (a, b) = (self.topology.vertex(corner), self.topology.target(corner));
+        let halves: Vec<CornerId> = self.topology.edges().collect();
+        for half in halves {
+            let (a, b) = (self.topology.vertex(half), self.topology.target(half));
             let [x, y] = [a, b].map(|v| self.baseline.level_vertex[v]);
             let Some(start) = self.baseline.start_spans.get(&[x.min(y), x.max(y)]) else { continue };
             let span = Span { chain: start.chain, from: start.from, to: start.to, forward: true };
-            self.span[corner] = Some(if start.first == x { span } else { span.reversed() });
-            self.grade[a] = Grade::OnCurve(start.chain);
-            self.grade[b] = Grade::OnCurve(start.chain);
+            let span = self.spans.push(span);
+            self.set_mark(half, Mark::new(span, start.first == x));
+            for (v, s) in [(a, self.spans[span].from), (b, self.spans[span].to)] {
+                let v = if start.first == x { v } else { if v == a { b } else { a } };
+                self.grade[v] = Grade::OnCurve(start.chain);
+                self.target[v] = self.target[v].min(self.chain(start.chain).length_at(s));
+            }
         }
-        let paths = self.baseline.chains.iter().filter(|c| !c.is_loop);
-        let ends: BTreeSet<VertexId> =
-            paths.flat_map(|c| c.vertices.first().into_iter().chain(c.vertices.last())).copied().collect();
+        let mut anchors = BTreeSet::new();
+        for chain in self.baseline.chains.iter() {
+            anchors.extend(chain.pins.iter().map(|&i| chain.vertices[i]));
+            if !chain.is_loop {
+                anchors.extend(chain.vertices.first().into_iter().chain(chain.vertices.last()).copied());
+            }
+        }
         for (vertex, level_vertex) in self.baseline.level_vertex.enumerated() {
-            if ends.contains(level_vertex) {
+            if anchors.contains(level_vertex) {
                 self.grade[vertex] = Grade::Frozen;
             }
         }
     }
 
+    /// A site for each sector of each vertex.
+    fn set_sites(&mut self) {
+        let start: Vec<CornerId> = self.baseline.start.iter().flatten().copied().collect();
+        let mut done = IdVec::<CornerId, bool>::filled(false, self.topology.corner_slots());
+        let mut sector = Vec::new();
+        for corner in self.topology.corners().collect::<Vec<_>>() {
+            if done[corner] {
+                continue;
+            }
+            let own = start[corner.index()];
+            let location = self.baseline.corner_location(own);
+            let site = self.sites.push(self.site_at(Place { location, uv: self.baseline.uvs[own] }));
+            self.sector(corner, &mut sector);
+            for &c in &sector {
+                self.site_of[c] = site;
+                done[c] = true;
+            }
+        }
+        for half in self.topology.corners() {
+            let Some(span) = self.span(half) else { continue };
+            for (corner, s) in [(half, span.from), (next(half), span.to)] {
+                self.sites[self.site_of[corner]].normal = self.chain(span.chain).normal_at(s, span.forward);
+            }
+        }
+    }
+
+    /// The site of a place.
+    pub(super) fn site_at(&self, place: Place) -> Site {
+        let face = place.location.face;
+        Site { place, normal: self.baseline.unit_normal[face], sense: self.baseline.shell_sign[face] }
+    }
+
+    /// The site of a location.
+    pub(super) fn site_on(&self, location: Location) -> Site {
+        self.site_at(Place { location, uv: self.baseline.uv(location) })
+    }
+
     /// The chain of an id.
-    pub fn chain(&self, id: ChainId) -> &Chain {
+    pub fn chain(&self, id: ChainId) -> &'a Chain {
         &self.baseline.chains[id]
     }
 
     /// Length of a half-edge.
+    #[inline]
     pub fn length(&self, half: CornerId) -> f32 {
         self.points[self.topology.vertex(half)].distance(self.points[self.topology.target(half)])
     }
 
     /// Target length of the edge between two vertices.
+    #[inline]
     pub fn target_between(&self, a: VertexId, b: VertexId) -> f32 {
         0.5 * (self.target[a] + self.target[b])
     }
 
-    /// Length of a half-edge over its target.
+    /// Length of a half-edge over the length that it should have: the target, or less on a chain that bends.
+    #[inline]
     pub fn relative_length(&self, half: CornerId) -> f32 {
-        self.length(half) / self.target_between(self.topology.vertex(half), self.topology.target(half))
+        match self.span(half) {
+            Some(span) => self.count(span),
+            None => self.length(half) / self.target_between(self.topology.vertex(half), self.topology.target(half)),
+        }
+    }
+
+    /// Whether a half-edge is longer, or shorter, than a share of the length that it should have.
+    #[inline]
+    pub(super) fn is_outside(&self, half: CornerId, share: f32, longer: bool) -> bool {
+        if self.mark[half].is_some() {
+            return (self.relative_length(half) > share) == longer;
+        }
+        let (a, b) = (self.topology.vertex(half), self.topology.target(half));
+        let bound = share * self.target_between(a, b);
+        (self.points[a].distance_squared(self.points[b]) > bound * bound) == longer
+    }
+
+    /// Number of edges that a span should be.
+    pub(super) fn count(&self, span: Span) -> f32 {
+        let chain = self.chain(span.chain);
+        (chain.count_to(span.to) - chain.count_to(span.from)).abs()
     }
 
     /// Whether an edge is constrained.
+    #[inline]
     pub fn is_constrained(&self, half: CornerId) -> bool {
-        self.span[half].is_some()
+        self.mark[half].is_some()
+    }
+
+    /// The part of a chain that a half-edge follows.
+    #[inline]
+    pub fn span(&self, half: CornerId) -> Option<Span> {
+        self.mark[half].map(|mark| {
+            let span = self.spans[mark.span()];
+            if mark.is_forward() { span } else { span.reversed() }
+        })
+    }
+
+    /// The site of a corner's vertex there.
+    #[inline]
+    pub(super) fn site(&self, corner: CornerId) -> &Site {
+        &self.sites[self.site_of[corner]]
+    }
+
+    /// The place of a corner.
+    pub fn place(&self, corner: CornerId) -> Place {
+        self.site(corner).place
+    }
+
+    /// Marks a half-edge and its twin.
+    pub(super) fn set_mark(&mut self, half: CornerId, mark: Mark) {
+        self.mark[half] = Some(mark);
+        if let Some(t) = self.topology.twin(half) {
+            self.mark[t] = Some(mark.reversed());
+        }
+    }
+
+    /// Adds a part of a curve and marks a half-edge and its twin with it.
+    pub(super) fn add_span(&mut self, half: CornerId, span: Span) {
+        let id = self.spans.push(span.along());
+        self.set_mark(half, Mark::new(id, span.forward));
     }
 
     /// The place on a chain's curve at `s`, on the side of a half-edge that runs `forward` along it.
@@ -159,290 +307,51 @@ impl<'a> SimMesh<'a> {
         (position, place)
     }
 
-    /// How bad a triangle with these corners is: 0 good, 1 degenerate or folded over in space, 2 the wrong way round in
-    /// UV. No edit may make a triangle worse than what it replaces.
-    pub fn badness(&self, corners: [(Vec3, Place); 3]) -> u8 {
-        let [(a, pa), (b, pb), (c, pc)] = corners;
-        let area = (pb.uv - pa.uv).perp_dot(pc.uv - pa.uv);
-        if self.baseline.has_uvs && area * self.baseline.shell_sign[pa.location.face] <= 0.0 {
-            return 2;
-        }
-        let normal = (b - a).cross(c - a);
-        let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
-        let surface: Vec3 =
-            [pa, pb, pc].iter().map(|p| self.baseline.normal(p.location.face).normalize_or_zero()).sum();
-        u8::from(normal.length() <= MIN_SHAPE * 0.866 * longest || normal.dot(surface) <= 0.0)
-    }
-
-    /// Whether a triangle with these corners turns away from the surface at one of them: it bridges a fold.
-    pub fn bridges_fold(&self, corners: [(Vec3, Place); 3]) -> bool {
-        let [(a, _), (b, _), (c, _)] = corners;
-        let normal = (b - a).cross(c - a);
-        corners.iter().any(|(_, place)| {
-            let surface = self.baseline.normal(place.location.face);
-            normal.dot(surface) <= MIN_COSINE * normal.length() * surface.length()
-        })
-    }
-
-    /// Position and place of a corner.
-    pub fn corner(&self, corner: CornerId) -> (Vec3, Place) {
-        (self.points[self.topology.vertex(corner)], self.place[corner])
-    }
-
-    /// How bad the triangle of a corner is.
-    pub fn face_badness(&self, corner: CornerId) -> u8 {
-        self.badness([corner, next(corner), prev(corner)].map(|c| self.corner(c)))
-    }
-
-    /// Whether a vertex may take another place: no triangle around it becomes worse.
-    pub fn may_move(&self, vertex: VertexId, position: Vec3, place: impl Fn(CornerId) -> Place) -> bool {
-        self.topology.fan(vertex).all(|c| {
-            let moved = [(position, place(c)), self.corner(next(c)), self.corner(prev(c))];
-            self.badness(moved) <= self.face_badness(c)
-        })
-    }
-
-    /// Splits an edge in its middle: on its chain's curve, or on the surface. Returns the new vertex; none where every
-    /// place would turn a triangle over.
-    pub fn split(&mut self, half: CornerId) -> Option<VertexId> {
-        let span = self.span[half];
-        let free_place = if span.is_none() { Some(self.middle_place(half)?) } else { None };
-        let twin = self.topology.twin(half);
-        let split = self.topology.split(half);
-        let filler = self.place[half];
-        self.span.resize(self.topology.corner_slots(), None);
-        self.place.resize(self.topology.corner_slots(), filler);
-        for (side, ahead) in [(Some(half), Some(split.ahead)), (twin, split.behind)] {
-            if let (Some(side), Some(ahead)) = (side, ahead) {
-                self.carry_split(side, ahead);
-            }
-        }
-        let (position, grade) = match (span, free_place) {
-            (Some(span), _) => {
-                (self.place_on_curve(half, split.ahead, twin, split.behind, span), Grade::OnCurve(span.chain))
-            }
-            (None, place) => {
-                let place = place.unwrap_or(filler);
-                let corners: Vec<CornerId> = self.topology.fan(split.vertex).collect();
-                corners.into_iter().for_each(|c| self.place[c] = place);
-                (self.baseline.position(place.location), Grade::Free)
-            }
-        };
-        self.points.push(position);
-        self.grade.push(grade);
-        self.target.push(self.baseline.target_at(self.place[split.ahead].location));
-        Some(split.vertex)
-    }
-
-    /// The middle of a free edge on the surface: the closest point, or that between the UVs where the closest would turn
-    /// a triangle over.
-    fn middle_place(&self, half: CornerId) -> Option<Place> {
-        let (from, to) = (self.place[half], self.place[next(half)]);
-        let middle = self.points[self.topology.vertex(half)].midpoint(self.points[self.topology.target(half)]);
-        let own = self.baseline.closest(from.location.face, middle);
-        let other = self.baseline.closest(to.location.face, middle);
-        let best = if other.distance_squared < own.distance_squared { other } else { own };
-        let between = || {
-            let uv = from.uv.midpoint(to.uv);
-            let faces = [from.location.face, to.location.face].into_iter();
-            faces.filter(|_| self.baseline.has_uvs).find_map(|f| self.baseline.locate_uv(f, uv))
-        };
-        let place = |location| Place { location, uv: self.baseline.uv(location) };
-        let fits = |p: &Place| self.split_is_safe(half, *p);
-        Some(place(best.location)).filter(fits).or_else(|| between().map(place).filter(fits))
-    }
-
-    /// Whether no half of a split triangle is worse than the whole was.
-    fn split_is_safe(&self, half: CornerId, place: Place) -> bool {
-        let m = (self.baseline.position(place.location), place);
-        let side = |h: CornerId| {
-            let [a, b, c] = [h, next(h), prev(h)].map(|c| self.corner(c));
-            let worst = self.badness([a, m, c]).max(self.badness([m, b, c]));
-            // A thin half is put right later; one that lies the wrong way round may stay for good.
-            worst < 2 || worst <= self.badness([a, b, c])
-        };
-        side(half) && self.topology.twin(half).is_none_or(side)
-    }
-
-    /// One side of a split: `half` is `(a, m)` in `(a, m, c)`, `ahead` is `(m, b)` in `(m, b, c)`.
-    fn carry_split(&mut self, half: CornerId, ahead: CornerId) {
-        let (b, c) = (next(half), prev(half));
-        self.place[next(ahead)] = self.place[b];
-        self.place[prev(ahead)] = self.place[c];
-        self.span[next(ahead)] = self.span[b];
-        self.span[b] = None;
-        self.span[prev(ahead)] = None;
-    }
-
-    fn place_on_curve(
-        &mut self,
-        half: CornerId,
-        ahead: CornerId,
-        twin: Option<CornerId>,
-        behind: Option<CornerId>,
-        span: Span,
-    ) -> Vec3 {
-        let s = 0.5 * (span.from + span.to);
-        let (position, place) = self.on_curve(span.chain, s, span.forward);
-        self.set_span(half, Span { to: s, ..span });
-        self.set_span(ahead, Span { from: s, ..span });
-        for (corner, place) in [(next(half), place), (ahead, place)] {
-            self.place[corner] = place.unwrap_or(self.place[corner]);
-        }
-        if let (Some(twin), Some(behind)) = (twin, behind) {
-            let (_, place) = self.on_curve(span.chain, s, !span.forward);
-            for corner in [next(twin), behind] {
-                self.place[corner] = place.unwrap_or(self.place[corner]);
-            }
-        }
-        position
-    }
-
-    /// Sets the span of a half-edge and of its twin.
-    pub fn set_span(&mut self, half: CornerId, span: Span) {
-        self.span[half] = Some(span);
-        if let Some(t) = self.topology.twin(half) {
-            self.span[t] = Some(span.reversed());
-        }
-    }
-
-    /// The corners at one end of an edge, and for each the place that the other end has in its sector: sectors are
-    /// divided by constrained edges.
-    pub fn merged_places(&self, half: CornerId, removed: VertexId) -> Vec<(CornerId, Place)> {
-        let starts = self.topology.vertex(half) == removed;
-        let twin = self.topology.twin(half);
-        let left = self.place[if starts { next(half) } else { half }];
-        let right = twin.map_or(left, |t| self.place[if starts { t } else { next(t) }]);
-        let own = self.sector(if starts { half } else { next(half) });
-        self.topology.fan(removed).map(|c| (c, if own.contains(&c) { left } else { right })).collect()
+    /// The site on a chain's curve at `s`, on the side of a half-edge that runs `forward` along it.
+    pub(super) fn site_on_curve(&self, chain: ChainId, s: f32, forward: bool) -> (Vec3, Option<Site>) {
+        let (position, place) = self.on_curve(chain, s, forward);
+        let normal = self.chain(chain).normal_at(s, forward);
+        (position, place.map(|p| Site { normal, ..self.site_at(p) }))
     }
 
     /// The corners at the vertex of `corner` that are reached from it without crossing a constrained edge.
-    pub fn sector(&self, corner: CornerId) -> Vec<CornerId> {
-        let mut sector = vec![corner];
+    pub(super) fn sector(&self, corner: CornerId, sector: &mut Vec<CornerId>) {
+        sector.clear();
+        sector.push(corner);
         let mut at = corner;
-        while self.span[prev(at)].is_none()
+        while self.mark[prev(at)].is_none()
             && let Some(c) = self.topology.twin(prev(at))
-            && c != corner
         {
+            if c == corner {
+                return;
+            }
             sector.push(c);
             at = c;
         }
         at = corner;
-        while self.span[at].is_none()
+        while self.mark[at].is_none()
             && let Some(t) = self.topology.twin(at)
-            && !sector.contains(&next(t))
         {
             at = next(t);
             sector.push(at);
         }
-        sector
     }
 
-    /// The corners at a vertex of one chain, and whether each lies on the left of it. `half` is one of its edges there.
-    pub fn sides(&self, vertex: VertexId, half: CornerId) -> Vec<(CornerId, bool)> {
-        let starts = self.topology.vertex(half) == vertex;
-        let own = self.sector(if starts { half } else { next(half) });
-        // The triangle of a half-edge lies on its left.
-        let is_left = self.span[half].is_some_and(|s| s.forward);
-        self.topology.fan(vertex).map(|c| (c, own.contains(&c) == is_left)).collect()
-    }
-
-    /// Merges one end of an edge into the other, which keeps its place. The caller has asked whether that is allowed.
-    pub fn collapse(&mut self, half: CornerId, removed: VertexId) {
-        let places = self.merged_places(half, removed);
-        self.join_spans(half, removed);
-        let twin = self.topology.twin(half);
-        // The two outer edges of each removed triangle become one; a span of either stays.
-        let outer: Vec<_> = std::iter::once(half)
-            .chain(twin)
-            .map(|c| (self.topology.twin(next(c)), self.topology.twin(prev(c)), self.span[next(c)], self.span[prev(c)]))
-            .collect();
-        self.topology.collapse(half, removed);
-        for (x, y, x_span, y_span) in outer {
-            if let Some(x) = x {
-                self.span[x] = x_span.map(Span::reversed).or(y_span);
-            }
-            if let Some(y) = y {
-                self.span[y] = x_span.or(y_span.map(Span::reversed));
-            }
-        }
-        for (corner, place) in places {
-            self.place[corner] = place;
-        }
-    }
-
-    /// Before a constrained edge goes: the chain's next edge, beyond `removed`, takes its part of the curve.
-    fn join_spans(&mut self, half: CornerId, removed: VertexId) {
-        let Some(span) = self.span[half] else { return };
-        let step = if self.topology.vertex(half) == removed { span.to - span.from } else { span.from - span.to };
-        let twin = self.topology.twin(half);
-        let follower = self
-            .topology
-            .fan(removed)
-            .flat_map(|c| [c, prev(c)])
-            .find(|&c| self.span[c].is_some() && c != half && Some(c) != twin);
-        let Some(follower) = follower else { return };
-        let Some(next) = self.span[follower] else { return };
-        let joined = if self.topology.vertex(follower) == removed {
-            Span { from: next.from + step, ..next }
-        } else {
-            Span { to: next.to + step, ..next }
-        };
-        self.set_span(follower, joined);
-    }
-
-    /// Turns an unconstrained edge.
-    pub fn flip(&mut self, half: CornerId) {
-        let Some(twin) = self.topology.twin(half) else { return };
-        let (hn, hp, on, op) = (next(half), prev(half), next(twin), prev(twin));
-        let old = [half, hn, hp, twin, on, op].map(|c| (self.place[c], self.span[c]));
-        let [(pa, _), (pb, bc), (pc, ca), _, (_, ad), (pd, db)] = old;
-        if self.topology.flip(half).is_none() {
-            return;
-        }
-        // (a, b, c) and (b, a, d) are now (c, d, b) and (d, c, a) in the same corners.
-        for (corner, place, span) in
-            [(half, pc, None), (hn, pd, db), (hp, pb, bc), (twin, pd, None), (on, pc, ca), (op, pa, ad)]
-        {
-            self.place[corner] = place;
-            self.span[corner] = span;
-        }
-    }
-
-    /// Panics where an invariant of the mesh is broken.
-    pub fn assert_consistent(&self) {
-        self.topology.assert_consistent();
-        for half in self.topology.corners() {
-            let (a, b) = (self.topology.vertex(half), self.topology.target(half));
-            match self.span[half] {
-                Some(span) => {
-                    assert!(self.grade[a] != Grade::Free && self.grade[b] != Grade::Free, "chain ends are constrained");
-                    let (p, _) = self.on_curve(span.chain, span.from, span.forward);
-                    let (q, _) = self.on_curve(span.chain, span.to, span.forward);
-                    let slack = 1e-3 * self.target[a];
-                    assert!(
-                        p.distance(self.points[a]) <= slack,
-                        "{a:?} is on its curve: off by {}",
-                        p.distance(self.points[a])
-                    );
-                    assert!(
-                        q.distance(self.points[b]) <= slack,
-                        "{b:?} is on its curve: off by {}",
-                        q.distance(self.points[b])
-                    );
-                    if let Some(t) = self.topology.twin(half) {
-                        assert_eq!(self.span[t], Some(span.reversed()), "the twin of {half:?} has the same span");
-                    }
-                }
-                None => {
-                    assert!(self.topology.twin(half).is_some(), "borders are chains");
-                    assert!(self.topology.twin(half).is_none_or(|t| self.span[t].is_none()), "both halves are free");
+    /// The two constrained half-edges that leave a vertex of one chain: along the chain, and against it. At a border
+    /// one of them is the twin that is not there; its other half, which arrives, stands for it.
+    pub(super) fn chain_neighbours(&self, vertex: VertexId) -> Option<[CornerId; 2]> {
+        let mut found = [None; 2];
+        for c in self.topology.fan(vertex) {
+            for half in [c, prev(c)] {
+                let Some(mark) = self.mark[half] else { continue };
+                let leaves = half == c;
+                let slot = &mut found[usize::from(mark.is_forward() != leaves)];
+                // The half that leaves is better.
+                if slot.is_none() || leaves {
+                    *slot = Some(half);
                 }
             }
-            let place = self.place[half];
-            let off = self.baseline.position(place.location).distance(self.points[a]);
-            assert!(off <= 1e-3 * self.target[a], "{a:?} is where its corner says: off by {off}");
         }
+        Some([found[0]?, found[1]?])
     }
 }

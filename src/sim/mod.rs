@@ -2,7 +2,9 @@
 
 mod baseline;
 mod chains;
+mod check;
 mod collapse;
+mod edits;
 mod flip;
 mod manifold;
 mod mesh;
@@ -11,18 +13,21 @@ mod project;
 mod queue;
 mod relax;
 mod remesh;
+mod ridges;
+mod shape;
+mod sizing;
+mod slide;
+mod spacing;
 mod split;
 
 pub use baseline::{Baseline, Lengths, Location, holes};
 pub use chains::{Chain, Marks};
-pub use flip::wants_flip;
 pub use mesh::{Grade, Place, SimMesh, Span};
 pub use options::SimOptions;
 pub use project::{Projection, closest_weights};
-pub use remesh::{RemeshReport, remesh};
+pub use remesh::{Pass, RemeshReport, remesh};
 
-use crate::mesh::edit::Compact;
-use crate::mesh::{ChainId, CornerId, IdVec, VertexId};
+use crate::mesh::{ChainId, Compact, CornerId, IdVec, VertexId};
 use glam::Vec3;
 
 /// A finished simulation mesh with all that transfer needs.
@@ -55,7 +60,7 @@ pub fn simulate(baseline: Baseline, iterations: u32, max_faces: usize) -> SimPro
     old_vertex.enumerated().for_each(|(new, &old)| new_vertex[old] = Some(new));
     let mut on_chain: IdVec<ChainId, Vec<OnChain>> = IdVec::filled(Vec::new(), baseline.chains.len());
     for half in mesh.topology.edges() {
-        let Some(span) = mesh.span[half] else { continue };
+        let Some(span) = mesh.span(half) else { continue };
         let ends = [mesh.topology.vertex(half), mesh.topology.target(half)].map(|v| new_vertex[v]);
         let [Some(a), Some(b)] = ends else { continue };
         let length = baseline.chains[span.chain].length();
@@ -69,8 +74,11 @@ pub fn simulate(baseline: Baseline, iterations: u32, max_faces: usize) -> SimPro
         edges.into_iter().map(|(_, _, e)| e).collect()
     });
     let chain_edges = chain_edges.collect();
-    let points = old_vertex.iter().map(|&v| mesh.points[v]).collect();
-    let target = old_vertex.iter().map(|&v| mesh.target[v]).collect();
-    let places = old_corner.iter().map(|&c| mesh.place[c]).collect();
+    let points: IdVec<VertexId, Vec3> = old_vertex.iter().map(|&v| mesh.points[v]).collect();
+    let places: IdVec<CornerId, Place> = old_corner.iter().map(|&c| mesh.place(c)).collect();
+    let mut target = IdVec::<VertexId, f32>::filled(0.0, points.len());
+    for (&v, place) in triangles.iter().flatten().zip(places.iter()) {
+        target[v] = baseline.target_at(place.location);
+    }
     SimProduct { points, triangles, target, places, chain_edges, report, baseline }
 }

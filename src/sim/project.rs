@@ -4,7 +4,8 @@
 //! lies.
 
 use super::baseline::{Baseline, Location};
-use crate::mesh::{CornerId, FaceId, IdVec};
+use crate::mesh::edit;
+use crate::mesh::{CornerId, FaceId, IdVec, VertexId};
 use glam::{Vec2, Vec3};
 
 /// Steps after which a walk stops where it is. A walk gets nearer with every step, so only a start that is very far
@@ -25,14 +26,25 @@ pub struct Projection {
 }
 
 impl Baseline {
-    /// Corners of a triangle.
-    fn corners(&self, face: FaceId) -> [CornerId; 3] {
-        [0, 1, 2].map(|k| CornerId::new(face.index() * 3 + k))
+    /// Vertices of a triangle.
+    #[inline]
+    fn vertices(&self, face: FaceId) -> [VertexId; 3] {
+        let first = 3 * face.index();
+        let corners = &self.topology.faces.corners().as_slice()[first..first + 3];
+        [corners[0], corners[1], corners[2]]
+    }
+
+    /// A mix of corner or vertex values.
+    #[inline]
+    fn mix<T: std::ops::Mul<f32, Output = T> + std::ops::Add<Output = T>>(weights: Vec3, [a, b, c]: [T; 3]) -> T {
+        a * weights.x + b * weights.y + c * weights.z
     }
 
     /// Positions of a triangle's corners.
+    #[inline]
     pub fn triangle(&self, face: FaceId) -> [Vec3; 3] {
-        self.corners(face).map(|c| self.points[self.topology.faces.vertex(c)])
+        let [a, b, c] = self.vertices(face);
+        [self.points[a], self.points[b], self.points[c]]
     }
 
     /// Normal of a triangle, not scaled to unit length.
@@ -43,20 +55,34 @@ impl Baseline {
 
     /// Position of a location.
     pub fn position(&self, at: Location) -> Vec3 {
-        let [a, b, c] = self.triangle(at.face);
-        a * at.weights.x + b * at.weights.y + c * at.weights.z
+        Self::mix(at.weights, self.triangle(at.face))
+    }
+
+    /// Constraint UVs of a triangle's corners.
+    #[inline]
+    fn triangle_uvs(&self, face: FaceId) -> [Vec2; 3] {
+        let first = 3 * face.index();
+        let uvs = &self.uvs.as_slice()[first..first + 3];
+        [uvs[0], uvs[1], uvs[2]]
     }
 
     /// Constraint UVs of a location.
+    #[inline]
     pub fn uv(&self, at: Location) -> Vec2 {
-        let [a, b, c] = self.corners(at.face).map(|c| self.uvs[c]);
-        a * at.weights.x + b * at.weights.y + c * at.weights.z
+        Self::mix(at.weights, self.triangle_uvs(at.face))
     }
 
     /// Target edge length at a location. \[stage units\]
     pub fn target_at(&self, at: Location) -> f32 {
-        let [a, b, c] = self.corners(at.face).map(|c| self.target[self.topology.faces.vertex(c)]);
-        a * at.weights.x + b * at.weights.y + c * at.weights.z
+        let [a, b, c] = self.vertices(at.face);
+        Self::mix(at.weights, [self.target[a], self.target[b], self.target[c]])
+    }
+
+    /// The length that remeshing works with at a location. \[stage units\]
+    #[inline]
+    pub fn sizing_at(&self, at: Location) -> f32 {
+        let [a, b, c] = self.vertices(at.face);
+        Self::mix(at.weights, [self.sizing[a], self.sizing[b], self.sizing[c]])
     }
 
     /// The location of a corner of a triangle.
@@ -67,6 +93,7 @@ impl Baseline {
     }
 
     /// The closest point of one triangle.
+    #[inline]
     fn on_triangle(&self, face: FaceId, point: Vec3) -> Projection {
         let [a, b, c] = self.triangle(face);
         let weights = closest_weights(a, b, c, point);
@@ -77,16 +104,22 @@ impl Baseline {
 
     /// The closest point that a walk from triangle `start` reaches.
     pub fn closest(&self, start: FaceId, point: Vec3) -> Projection {
-        self.closest_within(start, point, &self.barrier)
+        self.walk(start, point, |half| self.open_twin[half])
     }
 
     /// The same, with half-edges that it does not cross given by `barrier`.
     pub fn closest_within(&self, start: FaceId, point: Vec3, barrier: &IdVec<CornerId, bool>) -> Projection {
+        self.walk(start, point, |half| self.topology.twin(half).filter(|_| !barrier[half]))
+    }
+
+    /// Goes on to the nearest of the triangles around as long as that is nearer; `cross` leads over a half-edge.
+    #[inline]
+    fn walk(&self, start: FaceId, point: Vec3, cross: impl Fn(CornerId) -> Option<CornerId> + Copy) -> Projection {
         let mut best = self.on_triangle(start, point);
         for _ in 0..MAX_STEPS {
             let here = best.location;
             let mut next = best;
-            self.for_each_neighbour(here, barrier, |face| {
+            for_each_neighbour(here, cross, |face| {
                 let there = self.on_triangle(face, point);
                 if there.distance_squared < next.distance_squared * PROGRESS {
                     next = there;
@@ -105,8 +138,7 @@ impl Baseline {
     pub fn locate_uv(&self, start: FaceId, uv: Vec2) -> Option<Location> {
         let mut face = start;
         for _ in 0..MAX_STEPS {
-            let corners = self.corners(face);
-            let [a, b, c] = corners.map(|c| self.uvs[c]);
+            let [a, b, c] = self.triangle_uvs(face);
             let area = (b - a).perp_dot(c - a);
             let weights =
                 Vec3::new((b - uv).perp_dot(c - uv), (c - uv).perp_dot(a - uv), (a - uv).perp_dot(b - uv)) / area;
@@ -117,62 +149,53 @@ impl Baseline {
             if weights[outward] >= 0.0 {
                 return Some(Location { face, weights });
             }
-            let half = corners[(outward + 1) % 3];
-            face = self.topology.faces.face_of(self.topology.twin(half).filter(|_| !self.barrier[half])?);
+            let half = CornerId::new(3 * face.index() + (outward + 1) % 3);
+            face = edit::face(self.open_twin[half]?);
         }
         None
     }
+}
 
-    /// The triangles that share the edge or vertex on which a location lies, as far as no barrier is between.
-    fn for_each_neighbour(&self, at: Location, barrier: &IdVec<CornerId, bool>, mut visit: impl FnMut(FaceId)) {
-        let corners = self.corners(at.face);
-        let zero = at.weights.to_array().map(|w| w <= 0.0);
-        match zero.iter().filter(|z| **z).count() {
-            0 => {}
-            1 => {
-                // The edge opposite the corner without weight.
-                let k = (0..3).find(|&k| zero[k]).unwrap_or(0);
-                self.across(corners[(k + 1) % 3], barrier, &mut visit);
-            }
-            _ => {
-                let k = (0..3).find(|&k| !zero[k]).unwrap_or(0);
-                self.around(corners[k], barrier, &mut visit);
-            }
-        }
+/// The triangles that share the edge or vertex on which a location lies, as far as `cross` leads.
+#[inline]
+fn for_each_neighbour(
+    at: Location,
+    cross: impl Fn(CornerId) -> Option<CornerId> + Copy,
+    mut visit: impl FnMut(FaceId),
+) {
+    let corner = |k: usize| CornerId::new(at.face.index() * 3 + k);
+    let zero = at.weights.to_array().map(|w| w <= 0.0);
+    match zero {
+        [false, false, false] => {}
+        // The edge opposite the corner without weight.
+        [true, false, false] => drop(cross(corner(1)).map(|t| visit(edit::face(t)))),
+        [false, true, false] => drop(cross(corner(2)).map(|t| visit(edit::face(t)))),
+        [false, false, true] => drop(cross(corner(0)).map(|t| visit(edit::face(t)))),
+        [_, true, true] => around(corner(0), cross, visit),
+        [true, _, true] => around(corner(1), cross, visit),
+        [true, true, _] => around(corner(2), cross, visit),
     }
+}
 
-    fn across(
-        &self,
-        half: CornerId,
-        barrier: &IdVec<CornerId, bool>,
-        visit: &mut impl FnMut(FaceId),
-    ) -> Option<CornerId> {
-        if barrier[half] {
-            return None;
+/// Turns around the vertex of a corner, both ways as far as `cross` leads.
+fn around(corner: CornerId, cross: impl Fn(CornerId) -> Option<CornerId>, mut visit: impl FnMut(FaceId)) {
+    let mut at = corner;
+    while let Some(twin) = cross(edit::prev(at)) {
+        at = twin;
+        if at == corner {
+            return;
         }
-        let twin = self.topology.twin(half)?;
-        visit(self.topology.faces.face_of(twin));
-        Some(twin)
+        visit(edit::face(at));
     }
-
-    /// Turns around the vertex of a corner, both ways up to a barrier.
-    fn around(&self, corner: CornerId, barrier: &IdVec<CornerId, bool>, visit: &mut impl FnMut(FaceId)) {
-        let faces = &self.topology.faces;
-        let mut at = corner;
-        while let Some(twin) = self.across(faces.prev(at), barrier, visit) {
-            at = twin;
-            if at == corner {
-                return;
-            }
-        }
-        at = corner;
-        while let Some(twin) = self.across(at, barrier, visit) {
-            at = faces.next(twin);
-        }
+    at = corner;
+    while let Some(twin) = cross(at) {
+        at = edit::next(twin);
+        visit(edit::face(at));
     }
 }
 
 /// Weights of the point of a triangle that is closest to `p` (Ericson, Real-Time Collision Detection, 5.1.5).
+#[inline]
 pub fn closest_weights(a: Vec3, b: Vec3, c: Vec3, p: Vec3) -> Vec3 {
     let (ab, ac, ap) = (b - a, c - a, p - a);
     let (d1, d2) = (ab.dot(ap), ac.dot(ap));

@@ -1,153 +1,234 @@
 //! Relax: every free vertex moves to the weighted middle of its neighbours and back to the surface; vertices on a chain
 //! slide along its curve; anchors stay.
+//!
+//! All moves are found from the same mesh and done together; those that made a triangle worse are taken back. So the
+//! result is the same for any number of threads.
 
-use super::mesh::{Grade, Place, SimMesh, Span};
-use crate::mesh::edit::prev;
-use crate::mesh::{CornerId, VertexId};
-use glam::Vec3;
+use super::mesh::{Grade, SimMesh, Site};
+use super::slide::{Slide, even_place, slide};
+use crate::mesh::edit::face;
+use crate::mesh::{CornerId, FaceId, IdVec, SiteId, VertexId};
+use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
-/// Shares of the way that vertices try to move, in turn: where moves would fold triangles, all try again and shorter.
+/// Shares of the way that vertices try to move, in turn: where moves would fold triangles, they try again and shorter.
 const STEPS: [f32; 3] = [1.0, 0.5, 0.25];
 
 /// Where a vertex wants to go.
 #[derive(Clone, Copy)]
-enum Move {
-    To { position: Vec3, place: Place },
-    Slide { arriving: CornerId, leaving: CornerId, by: f32 },
+enum Goal {
+    Point(Vec3),
+    /// By how much along the chain. \[stage units\]
+    Along(f32),
 }
 
-/// Moves every vertex once. Returns the number of vertices that moved.
-pub fn relax_and_project(mesh: &mut SimMesh<'_>) -> usize {
-    let vertices: Vec<VertexId> = mesh.topology.vertices().collect();
-    let mut count = 0;
+/// A vertex with all that a move changes; swapped with the mesh, it is the way back.
+pub struct Move {
+    pub(super) vertex: VertexId,
+    pub(super) position: Vec3,
+    pub(super) target: f32,
+    pub(super) id: SiteId,
+    pub(super) site: Site,
+    /// Of a chain's vertex.
+    pub(super) slide: Option<Box<Slide>>,
+}
+
+/// Moves every vertex once, `sweeps` times averaged before it goes back to the surface.
+pub fn relax_and_project(mesh: &mut SimMesh<'_>, sweeps: usize, moves: &mut Vec<Option<Move>>) {
+    let mut waiting = goals(mesh, sweeps);
     for step in STEPS {
-        let moves: Vec<Option<Move>> = vertices.par_iter().map(|&v| wanted(mesh, v, step)).collect();
-        let mut refused = 0;
-        for (&vertex, wanted) in vertices.iter().zip(moves) {
-            match wanted.map(|m| apply(mesh, vertex, m)) {
-                Some(true) => count += 1,
-                Some(false) => refused += 1,
-                None => {}
-            }
-        }
-        // A few refusals do not pay for another pass over all vertices.
-        if refused == 0 || step == STEPS[0] && refused * 100 < vertices.len() {
+        waiting = attempt(mesh, &waiting, step, moves);
+        if waiting.is_empty() {
             break;
         }
     }
-    count
 }
 
-fn wanted(mesh: &SimMesh<'_>, vertex: VertexId, step: f32) -> Option<Move> {
-    match mesh.grade[vertex] {
-        Grade::Frozen => None,
-        Grade::OnCurve(_) => slide(mesh, vertex, step),
-        Grade::Free => free_move(mesh, vertex, step),
+/// The rings of the free vertices, in one array.
+struct Rings {
+    vertices: Vec<VertexId>,
+    start: Vec<u32>,
+    around: Vec<VertexId>,
+}
+
+impl Rings {
+    fn new(mesh: &SimMesh<'_>) -> Self {
+        let free = mesh.topology.vertices().filter(|&v| mesh.grade[v] == Grade::Free);
+        let mut rings = Self { vertices: free.collect(), start: vec![0], around: Vec::new() };
+        rings.around.reserve(7 * rings.vertices.len());
+        for &v in &rings.vertices {
+            rings.around.extend(mesh.topology.fan(v).map(|c| mesh.topology.target(c)));
+            rings.start.push(rings.around.len() as u32);
+        }
+        rings
+    }
+
+    fn of(&self, i: usize) -> &[VertexId] {
+        &self.around[self.start[i] as usize..self.start[i + 1] as usize]
     }
 }
 
-/// To the middle of the surrounding triangles, each weighted by its area against its target, then to the surface.
-fn free_move(mesh: &SimMesh<'_>, vertex: VertexId, step: f32) -> Option<Move> {
-    let own = mesh.points[vertex];
-    let (mut sum, mut weight, mut normal) = (Vec3::ZERO, 0.0f32, Vec3::ZERO);
-    for corner in mesh.topology.fan(vertex) {
-        let (a, b) = (mesh.topology.target(corner), mesh.topology.vertex(prev(corner)));
-        let cross = (mesh.points[a] - own).cross(mesh.points[b] - own);
-        let target = (mesh.target[vertex] + mesh.target[a] + mesh.target[b]) / 3.0;
-        let w = cross.length() / (target * target);
-        sum += w * (own + mesh.points[a] + mesh.points[b]) / 3.0;
+/// Where vertices want to go; those that stay are left out.
+fn goals(mesh: &SimMesh<'_>, sweeps: usize) -> Vec<(VertexId, Goal)> {
+    let rings = Rings::new(mesh);
+    // With the weight of each vertex: triangles count by their area against their target.
+    let weighted = |(p, t): (&Vec3, &f32)| p.extend(1.0 / (t * t));
+    let mut points: IdVec<VertexId, Vec4> = mesh.points.iter().zip(mesh.target.iter()).map(weighted).collect();
+    let normal = |(i, &v): (usize, &VertexId)| mean_normal(&points, v, rings.of(i));
+    let normals: Vec<Vec3> = rings.vertices.par_iter().enumerate().map(normal).collect();
+    for _ in 0..sweeps {
+        let middle = |(i, &v): (usize, &VertexId)| middle(&points, v, rings.of(i), normals[i]);
+        let next: Vec<Vec3> = rings.vertices.par_iter().enumerate().map(middle).collect();
+        rings.vertices.iter().zip(next).for_each(|(&v, p)| points[v] = p.extend(points[v].w));
+    }
+    let free = rings.vertices.iter().map(|&v| (v, Goal::Point(points[v].truncate())));
+    let on_chains = mesh.topology.vertices().filter(|&v| matches!(mesh.grade[v], Grade::OnCurve(_)));
+    free.chain(on_chains.filter_map(|v| Some((v, Goal::Along(even_place(mesh, v)?))))).collect()
+}
+
+/// The unit normal of the triangles around a vertex together.
+#[inline]
+fn mean_normal(points: &IdVec<VertexId, Vec4>, vertex: VertexId, ring: &[VertexId]) -> Vec3 {
+    let own = points[vertex].truncate();
+    let Some(&last) = ring.last() else { return Vec3::ZERO };
+    let (mut sum, mut u) = (Vec3::ZERO, points[last].truncate() - own);
+    for &b in ring {
+        let v = points[b].truncate() - own;
+        sum += u.cross(v);
+        u = v;
+    }
+    sum.normalize_or_zero()
+}
+
+/// The middle of the triangles around a vertex, in the plane of the surface there. A triangle that lies the wrong way
+/// round has no weight.
+#[inline]
+fn middle(points: &IdVec<VertexId, Vec4>, vertex: VertexId, ring: &[VertexId], normal: Vec3) -> Vec3 {
+    let (own, own_weight) = (points[vertex].truncate(), points[vertex].w);
+    let Some(&last) = ring.last() else { return own };
+    let (mut sum, mut weight) = (Vec3::ZERO, 0.0f32);
+    let (mut u, mut u_weight) = (points[last].truncate() - own, points[last].w);
+    for &b in ring {
+        let (v, v_weight) = (points[b].truncate() - own, points[b].w);
+        let w = normal.dot(u.cross(v)).max(0.0) * (own_weight + u_weight + v_weight);
+        sum += w * (u + v);
         weight += w;
-        normal += cross;
+        (u, u_weight) = (v, v_weight);
     }
     if weight <= 0.0 {
-        return None;
+        return own;
     }
-    let shift = sum / weight - own;
-    let normal = normal.normalize_or_zero();
-    let tangential = shift - normal * normal.dot(shift);
-    let start = mesh.topology.fan(vertex).next().map(|c| mesh.place[c].location.face)?;
-    let there = mesh.baseline.closest(start, own + step * tangential);
-    let place = Place { location: there.location, uv: mesh.baseline.uv(there.location) };
-    Some(Move::To { position: there.position, place })
+    let shift = sum / (3.0 * weight);
+    own + shift - normal * normal.dot(shift)
 }
 
-/// The constrained half-edges that arrive at and leave a vertex, along the chain or against it.
-fn chain_edges(mesh: &SimMesh<'_>, vertex: VertexId) -> Option<(CornerId, CornerId)> {
-    let mut found = mesh.topology.fan(vertex).flat_map(|c| [c, prev(c)]).filter(|&c| mesh.is_constrained(c));
-    let first = found.next()?;
-    let twin = mesh.topology.twin(first);
-    let second = found.find(|&c| c != first && Some(c) != twin)?;
-    let arrives = |c: CornerId| {
-        let span = mesh.span[c];
-        (mesh.topology.target(c) == vertex) == span.is_some_and(|s| s.forward)
-    };
-    Some(if arrives(first) { (first, second) } else { (second, first) })
-}
-
-/// The span of a constrained edge in the chain's own direction.
-fn along(mesh: &SimMesh<'_>, half: CornerId) -> Option<Span> {
-    mesh.span[half].map(|s| if s.forward { s } else { s.reversed() })
-}
-
-/// To where both parts of the curve have the same length in terms of their targets.
-fn slide(mesh: &SimMesh<'_>, vertex: VertexId, step: f32) -> Option<Move> {
-    let (arriving, leaving) = chain_edges(mesh, vertex)?;
-    let (before, after) = (along(mesh, arriving)?, along(mesh, leaving)?);
-    let far = |half: CornerId| {
-        let v = mesh.topology.vertex(half);
-        if v == vertex { mesh.topology.target(half) } else { v }
-    };
-    let (l, r) = (mesh.target_between(far(arriving), vertex), mesh.target_between(vertex, far(leaving)));
-    let (d, e) = (before.to - before.from, after.to - after.from);
-    let by = step * ((d + e) * l / (l + r) - d);
-    Some(Move::Slide { arriving, leaving, by })
-}
-
-fn apply(mesh: &mut SimMesh<'_>, vertex: VertexId, wanted: Move) -> bool {
-    match wanted {
-        Move::To { position, place } => {
-            if !mesh.may_move(vertex, position, |_| place) {
-                return false;
-            }
-            let corners: Vec<CornerId> = mesh.topology.fan(vertex).collect();
-            corners.into_iter().for_each(|c| mesh.place[c] = place);
-            mesh.points[vertex] = position;
-            mesh.target[vertex] = mesh.baseline.target_at(place.location);
-            true
+/// Moves vertices `step` of their way, back to the surface. Returns those that had to go back.
+///
+/// `moves` is only room to work in.
+fn attempt(
+    mesh: &mut SimMesh<'_>,
+    goals: &[(VertexId, Goal)],
+    step: f32,
+    moves: &mut Vec<Option<Move>>,
+) -> Vec<(VertexId, Goal)> {
+    goals.par_iter().map(|&(v, goal)| wanted(mesh, v, goal, step)).collect_into_vec(moves);
+    let mut moved: IdVec<VertexId, Option<u32>> = IdVec::filled(None, mesh.points.len());
+    for (i, wanted) in moves.iter_mut().enumerate().filter_map(|(i, m)| Some((i, m.as_mut()?))) {
+        moved[wanted.vertex] = Some(i as u32);
+        swap(mesh, wanted);
+    }
+    let mut refused: Vec<VertexId> = Vec::new();
+    let mut bad: Vec<FaceId> = match goals.len() * 4 > mesh.points.len() {
+        true => {
+            worse_among(mesh, (0..mesh.topology.corner_slots() / 3).into_par_iter().map(FaceId::new), &moved, moves)
         }
-        Move::Slide { arriving, leaving, by } => apply_slide(mesh, vertex, arriving, leaving, by),
+        false => {
+            let near = around(mesh, moves.iter().flatten().map(|m| m.vertex));
+            worse_among(mesh, near.into_par_iter(), &moved, moves)
+        }
+    };
+    while !bad.is_empty() {
+        let mut back: Vec<VertexId> =
+            bad.iter().flat_map(|&f| mesh.topology.triangle(f)).filter(|&v| moved[v].is_some()).collect();
+        back.sort_unstable();
+        back.dedup();
+        for &v in &back {
+            if let Some(way_back) = moved[v].take().and_then(|i| moves[i as usize].as_mut()) {
+                swap(mesh, way_back);
+            }
+        }
+        let near = around(mesh, back.iter().copied());
+        bad = worse_among(mesh, near.into_par_iter(), &moved, moves);
+        bad.retain(|&f| mesh.topology.triangle(f).iter().any(|&v| moved[v].is_some()));
+        refused.extend(back);
+    }
+    refused.sort_unstable();
+    goals.iter().filter(|(v, _)| refused.binary_search(v).is_ok()).copied().collect()
+}
+
+/// The triangles around some vertices, each once.
+fn around(mesh: &SimMesh<'_>, vertices: impl Iterator<Item = VertexId>) -> Vec<FaceId> {
+    let mut faces: Vec<FaceId> = vertices.flat_map(|v| mesh.topology.fan(v).map(face)).collect();
+    faces.sort_unstable();
+    faces.dedup();
+    faces
+}
+
+fn wanted(mesh: &SimMesh<'_>, vertex: VertexId, goal: Goal, step: f32) -> Option<Move> {
+    match goal {
+        Goal::Point(goal) => {
+            let id = mesh.site_of[mesh.topology.fan(vertex).next()?];
+            let start = mesh.sites[id].place.location.face;
+            let there = mesh.baseline.closest(start, mesh.points[vertex].lerp(goal, step));
+            let site = mesh.site_on(there.location);
+            let target = mesh.baseline.sizing_at(there.location);
+            Some(Move { vertex, position: there.position, target, id, site, slide: None })
+        }
+        Goal::Along(by) => slide(mesh, vertex, step * by),
     }
 }
 
-fn apply_slide(mesh: &mut SimMesh<'_>, vertex: VertexId, arriving: CornerId, leaving: CornerId, by: f32) -> bool {
-    let (Some(before), Some(after)) = (along(mesh, arriving), along(mesh, leaving)) else { return false };
-    let (before, after) = (Span { to: before.to + by, ..before }, Span { from: after.from + by, ..after });
-    if !(before.from < before.to && after.from < after.to) {
+/// Does a move; it becomes the move back.
+fn swap(mesh: &mut SimMesh<'_>, wanted: &mut Move) {
+    std::mem::swap(&mut mesh.points[wanted.vertex], &mut wanted.position);
+    std::mem::swap(&mut mesh.target[wanted.vertex], &mut wanted.target);
+    std::mem::swap(&mut mesh.sites[wanted.id], &mut wanted.site);
+    if let Some(slide) = &mut wanted.slide {
+        slide.swap(mesh);
+    }
+}
+
+fn worse_among(
+    mesh: &SimMesh<'_>,
+    faces: impl ParallelIterator<Item = FaceId>,
+    moved: &IdVec<VertexId, Option<u32>>,
+    moves: &[Option<Move>],
+) -> Vec<FaceId> {
+    faces.filter(|&f| is_worse(mesh, f, moved, moves)).collect()
+}
+
+/// Whether the moves of its corners made a triangle worse, or a chain's vertices pass each other.
+fn is_worse(mesh: &SimMesh<'_>, f: FaceId, moved: &IdVec<VertexId, Option<u32>>, moves: &[Option<Move>]) -> bool {
+    let first = 3 * f.index();
+    let corners = [CornerId::new(first), CornerId::new(first + 1), CornerId::new(first + 2)];
+    if !mesh.topology.is_alive(corners[0]) {
         return false;
     }
-    let (position, left) = mesh.on_curve(before.chain, before.to, true);
-    let (_, right) = mesh.on_curve(before.chain, before.to, false);
-    let sides = mesh.sides(vertex, leaving);
-    let place = |c: CornerId| {
-        let is_left = sides.iter().find(|(corner, _)| *corner == c).is_none_or(|(_, l)| *l);
-        let (own, other) = if is_left { (left, right) } else { (right, left) };
-        own.or(other).unwrap_or(mesh.place[c])
+    let now = mesh.badness([mesh.corner(corners[0]), mesh.corner(corners[1]), mesh.corner(corners[2])]);
+    let passes = |&c: &CornerId| mesh.mark[c].is_some_and(|m| mesh.spans[m.span()].is_reversed());
+    if corners.iter().any(passes) {
+        return true;
+    }
+    let before = |c: CornerId| {
+        let (point, site) = mesh.corner(c);
+        match moved[mesh.topology.vertex(c)].and_then(|i| moves[i as usize].as_ref()) {
+            None => (point, site),
+            Some(old) => {
+                let own = (old.id == mesh.site_of[c]).then_some(&old.site);
+                let other = || old.slide.as_ref().and_then(|s| s.other_site(mesh.site_of[c]));
+                (old.position, own.or_else(other).unwrap_or(site))
+            }
+        }
     };
-    if !mesh.may_move(vertex, position, place) {
-        return false;
-    }
-    let places: Vec<(CornerId, Place)> = sides.iter().map(|&(c, _)| (c, place(c))).collect();
-    for (half, span) in [(arriving, before), (leaving, after)] {
-        let forward = mesh.span[half].is_some_and(|s| s.forward);
-        mesh.set_span(half, if forward { span } else { span.reversed() });
-    }
-    for (corner, place) in places {
-        mesh.place[corner] = place;
-    }
-    mesh.points[vertex] = position;
-    if let Some(corner) = mesh.topology.fan(vertex).next() {
-        mesh.target[vertex] = mesh.baseline.target_at(mesh.place[corner].location);
-    }
-    true
+    now > 0 && now > mesh.badness(corners.map(before))
 }

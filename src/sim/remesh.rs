@@ -10,6 +10,16 @@ use super::relax::relax_and_project;
 use super::split::split_long_edges;
 use serde::Serialize;
 
+/// What a square of excess neighbours weighs in a flip while rounds go on. Larger values make more vertices of valence 6
+/// and, above this, worse angles.
+const REGULARITY: f32 = 0.3;
+/// The same for the last flips: nearly Delaunay.
+const LAST_REGULARITY: f32 = 0.1;
+/// Averages between two projections. More make the triangles of a round more even; past three a round gains little.
+const SWEEPS: usize = 3;
+/// The same in the last round, whose triangles stay.
+const LAST_SWEEPS: usize = 6;
+
 /// What remeshing did.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "camelCase")]
@@ -24,22 +34,61 @@ pub struct RemeshReport {
     pub collapses: usize,
     /// Edges flipped in all rounds.
     pub flips: usize,
+    /// Chains along folds that are sharper than the target length can follow.
+    pub ridges: usize,
+    /// Corners of chains that were kept as vertices.
+    pub corners: usize,
+}
+
+/// A pass over a whole mesh as a round does it, for tests and benches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pass {
+    /// Split long edges.
+    Split,
+    /// Collapse short edges.
+    Collapse,
+    /// Turn edges.
+    Flip,
+    /// Relax and project.
+    Relax,
+}
+
+impl Pass {
+    /// The passes of a round, in their order.
+    pub const ROUND: [Self; 4] = [Self::Split, Self::Collapse, Self::Flip, Self::Relax];
+
+    /// Does the pass; returns the number of edges that it changed.
+    pub fn run(self, mesh: &mut SimMesh<'_>) -> usize {
+        match self {
+            Self::Split => split_long_edges(mesh, usize::MAX),
+            Self::Collapse => collapse_short_edges(mesh),
+            Self::Flip => flip_edges(mesh, REGULARITY),
+            Self::Relax => {
+                relax_and_project(mesh, SWEEPS, &mut Vec::new());
+                0
+            }
+        }
+    }
 }
 
 /// Brings the edges of `mesh` to their targets in at most `rounds` rounds, and never above `max_faces` triangles.
 pub fn remesh(mesh: &mut SimMesh<'_>, rounds: u32, max_faces: usize) -> RemeshReport {
-    let mut report = RemeshReport::default();
-    flip_edges(mesh);
-    for _ in 0..rounds {
+    let chains = &mesh.baseline.chains;
+    let ridges = chains.iter().filter(|c| c.marks.ridge).count();
+    let corners = chains.iter().map(|c| c.pins.len()).sum();
+    let mut report = RemeshReport { ridges, corners, ..RemeshReport::default() };
+    let mut room = Vec::new();
+    flip_edges(mesh, 0.0);
+    for round in 1..=rounds {
         let splits = split_long_edges(mesh, max_faces);
         check(mesh);
         let collapses = collapse_short_edges(mesh);
         check(mesh);
-        let flips = flip_edges(mesh);
+        let flips = flip_edges(mesh, REGULARITY);
         check(mesh);
-        relax_and_project(mesh);
+        relax_and_project(mesh, if round < rounds { SWEEPS } else { LAST_SWEEPS }, &mut room);
         check(mesh);
-        report.rounds += 1;
+        report.rounds = round;
         report.splits += splits;
         report.collapses += collapses;
         report.flips += flips;
@@ -48,7 +97,12 @@ pub fn remesh(mesh: &mut SimMesh<'_>, rounds: u32, max_faces: usize) -> RemeshRe
             break;
         }
     }
-    flip_edges(mesh);
+    if rounds > 0 {
+        flip_edges(mesh, LAST_REGULARITY);
+        relax_and_project(mesh, LAST_SWEEPS, &mut room);
+    }
+    flip_edges(mesh, LAST_REGULARITY);
+    check(mesh);
     report
 }
 

@@ -1,13 +1,12 @@
 //! Values of corners: the constraint UVs as they were made, others at the corners' places on the baseline.
 
-use super::coverage::Coverage;
 use super::shell::{Cuts, ROUNDS, Source};
 use super::{Sites, Target};
 use crate::error::Warning;
 use crate::garment::{Garment, Mixing, Primvar, Values};
 use crate::mesh::{CornerId, FaceId, IdVec};
 use crate::sim::{Location, SimProduct};
-use crate::subdivide::{Channel, Real, Refiner, mix, mix_rows, taken};
+use crate::subdivide::{Channel, ChannelChild, Real, mix, mix_rows, taken};
 use rayon::prelude::*;
 
 /// Values that differ by no more than this share of the largest are the same: they came to one place on two ways.
@@ -19,32 +18,28 @@ const MIN_AREA: f64 = 0.02;
 pub(super) fn carry(
     garment: &Garment,
     primvar: &Primvar,
-    target: &mut Target<'_>,
+    target: &Target<'_>,
     uv_set: Option<&Primvar>,
+    warnings: &mut Vec<Warning>,
 ) -> Primvar {
-    let Target { product, sites, coverage, .. } = *target;
+    let Target { product, sites, .. } = *target;
     if uv_set.is_some_and(|uv| uv.name == primvar.name) {
         let values: Vec<f32> = product.places.iter().flat_map(|p| p.uv.to_array()).collect();
         let same = |a: CornerId, b: CornerId| values[2 * a.index()..][..2] == values[2 * b.index()..][..2];
         let rows = indexed(sites, true, same);
         return rows.primvar(primvar, &Values::F32(values));
     }
-    if !primvar.is_mixed() {
-        let corners = product.places.iter().enumerate().map(|(i, _)| {
-            let face = sites.centres()[FaceId::new(i / 3)];
-            product.baseline.source_corner(face).index()
-        });
-        return taken(primvar, corners.collect::<Vec<_>>().into_iter());
-    }
-    let fine = Fine::new(garment, primvar, product);
     let (carried, apart) = match &primvar.values {
-        Values::F32(v) => fine.carry(v, primvar, sites, coverage, Values::F32),
-        Values::F64(v) => fine.carry(v, primvar, sites, coverage, Values::F64),
-        // Only real values are mixed, see above.
-        _ => (primvar.clone(), 0),
+        Values::F32(v) if primvar.is_mixed() => Field::new(garment, primvar, product, v).carry(target, Values::F32),
+        Values::F64(v) if primvar.is_mixed() => Field::new(garment, primvar, product, v).carry(target, Values::F64),
+        _ => {
+            let source = |i| product.baseline.source_corner(sites.centre(FaceId::new(i))).index();
+            let sources: Vec<usize> = (0..product.triangles.len()).into_par_iter().map(source).collect();
+            (taken(primvar, sources.iter().flat_map(|&c| [c; 3])), 0)
+        }
     };
     if apart > 0 {
-        target.warnings.push(Warning::NotCarried {
+        warnings.push(Warning::NotCarried {
             what: format!("the shells of {apart} triangles in primvars:{} on the simulation mesh", primvar.name),
             why: "next to others of their side they would lie the wrong way round, so that they are cut off; make the cuts \
                   of the layout edges of the mesh, or lower sim.maxEdgeLength"
@@ -54,43 +49,54 @@ pub(super) fn carry(
     carried
 }
 
-/// A face-varying channel refined to the baseline.
-struct Fine<'a> {
-    product: &'a SimProduct,
-    levels: Vec<Refiner>,
-    rows: Vec<u32>,
-}
-
-/// The values of the baseline's corners, and how to tell them apart.
+/// A face-varying primvar refined to the baseline.
 struct Field<'a, T> {
-    fine: &'a Fine<'a>,
+    product: &'a SimProduct,
     primvar: &'a Primvar,
+    /// The primvar's topology on the finest level.
+    channel: Channel,
+    /// Its values there.
     values: Vec<T>,
+    /// Values that differ by no more are the same.
     slack: f64,
 }
 
-impl<'a> Fine<'a> {
-    fn new(garment: &Garment, primvar: &Primvar, product: &'a SimProduct) -> Self {
-        let baseline = &product.baseline;
-        let mut cage = baseline.manifold.refiner.clone();
-        let own = primvar.corner_rows(&garment.faces, garment.points.len());
-        let rows = cage.add_channel(garment, |c| own[baseline.manifold.corner_source[c]] as usize);
-        let mut levels = vec![cage];
-        for _ in 0..baseline.levels.len() {
-            let parent = levels.last().map(Refiner::derive);
-            levels.extend(parent.map(crate::subdivide::Derivation::into_child));
-        }
-        Self { product, levels, rows }
-    }
+/// What each face and corner near the cuts takes.
+struct Sides<T> {
+    homes: Vec<Option<FaceId>>,
+    sources: IdVec<CornerId, Source>,
+    values: Vec<T>,
+}
 
-    fn finest(&self) -> &Channel {
-        &self.levels[self.levels.len() - 1].channels[0]
+/// A face of the simulation mesh, and the triangle of the baseline on whose side it is.
+type Home = (FaceId, FaceId);
+
+impl<'a, T: Real> Field<'a, T> {
+    fn new(garment: &Garment, primvar: &'a Primvar, product: &'a SimProduct, source: &[T]) -> Self {
+        let baseline = &product.baseline;
+        let own = primvar.corner_rows(&garment.faces, garment.points.len());
+        let row = |c: CornerId| own[baseline.manifold.corner_source[c]] as usize;
+        let rules = garment.rules;
+        let cage = &baseline.manifold.refiner.level;
+        let (mut channel, rows) = Channel::base(cage, row, rules.face_varying, rules.boundary);
+        let width = primvar.width();
+        let mut values: Vec<T> =
+            rows.iter().flat_map(|&r| source[r as usize * width..][..width].iter().copied()).collect();
+        // Along the levels that the baseline has, so that only the channel itself is refined.
+        for (parent, child) in baseline.parents().zip(&baseline.levels) {
+            let refined = ChannelChild::new(&parent.level, &channel);
+            values = mix_rows(&refined, &values, primvar);
+            let next = refined.into_channel(&child.level);
+            channel = next;
+        }
+        let largest = values.iter().map(|v| v.to_f64().abs()).filter(|v| v.is_finite()).fold(0.0, f64::max);
+        Self { product, primvar, channel, values, slack: SAME * largest }
     }
 
     /// The cuts of this channel with the barriers of the baseline; none where it has no other cuts than those.
     fn barrier(&self) -> Option<IdVec<CornerId, bool>> {
         let baseline = &self.product.baseline;
-        let value = |c: CornerId| self.finest().corner_value[baseline.level_corner[c]];
+        let value = |c: CornerId| self.channel.corner_value[baseline.level_corner[c]];
         let t = &baseline.topology;
         let is_cut = |c: CornerId| {
             let Some(twin) = t.twin(c) else { return false };
@@ -102,42 +108,18 @@ impl<'a> Fine<'a> {
     }
 
     /// The primvar, and how many of its triangles had to be cut off.
-    fn carry<T: Real>(
-        &self,
-        source: &[T],
-        primvar: &Primvar,
-        sites: &Sites<'_>,
-        coverage: &Coverage,
-        wrap: impl Fn(Vec<T>) -> Values,
-    ) -> (Primvar, usize) {
-        let field = Field::new(self, source, primvar);
-        let own = self.product.places.iter().map(|p| Source { location: p.location, moved: false }).collect();
-        let Some(barrier) = self.barrier() else {
-            let values = field.at(&own);
-            let rows = indexed(sites, false, |a, b| field.same(&values, a, b));
-            return (rows.primvar(primvar, &wrap(values)), 0);
+    fn carry(&self, target: &Target<'_>, wrap: impl Fn(Vec<T>) -> Values) -> (Primvar, usize) {
+        let sites = target.sites;
+        let (values, apart) = match self.barrier() {
+            Some(barrier) => self.on_sides(&Cuts::new(self.product, sites, target.coverage, barrier), sites),
+            None => (self.product.places.par_iter().flat_map_iter(|p| self.at_location(&p.location)).collect(), 0),
         };
-        let cuts = Cuts::new(self.product, sites, coverage, barrier);
-        let (values, apart) = field.on_sides(&cuts, sites);
-        let rows = indexed(sites, false, |a, b| field.same(&values, a, b));
-        (rows.primvar(primvar, &wrap(values)), apart)
-    }
-}
-
-impl<'a, T: Real> Field<'a, T> {
-    fn new(fine: &'a Fine<'a>, source: &[T], primvar: &'a Primvar) -> Self {
-        let width = primvar.width();
-        let mut values: Vec<T> =
-            fine.rows.iter().flat_map(|&r| source[r as usize * width..][..width].iter().copied()).collect();
-        for parent in &fine.levels[..fine.levels.len() - 1] {
-            values = mix_rows(&parent.derive().channels[0], &values, primvar);
-        }
-        let largest = values.iter().map(|v| v.to_f64().abs()).filter(|v| v.is_finite()).fold(0.0, f64::max);
-        Self { fine, primvar, values, slack: SAME * largest }
+        let rows = indexed(sites, false, |a, b| self.same(&values, a, b));
+        (rows.primvar(self.primvar, &wrap(values)), apart)
     }
 
     fn corner(&self, corner: CornerId) -> &[T] {
-        let value = self.fine.finest().corner_value[self.fine.product.baseline.level_corner[corner]];
+        let value = self.channel.corner_value[self.product.baseline.level_corner[corner]];
         let width = self.primvar.width();
         &self.values[value.index() * width..][..width]
     }
@@ -146,10 +128,6 @@ impl<'a, T: Real> Field<'a, T> {
         let first = at.face.index() * 3;
         let parts = [0, 1, 2].map(|k| (self.corner(CornerId::new(first + k)), at.weights[k]));
         mix(parts.into_iter(), self.primvar)
-    }
-
-    fn at(&self, sources: &IdVec<CornerId, Source>) -> Vec<T> {
-        sources.par_iter().flat_map_iter(|s| self.at_location(&s.location)).collect()
     }
 
     fn same(&self, values: &[T], a: CornerId, b: CornerId) -> bool {
@@ -162,23 +140,23 @@ impl<'a, T: Real> Field<'a, T> {
     /// way round beside their neighbours.
     fn on_sides(&self, cuts: &Cuts<'_>, sites: &Sites<'_>) -> (Vec<T>, usize) {
         let is_layout = self.primvar.width() == 2 && self.primvar.mixing == Mixing::Linear;
-        let mut homes = cuts.homes();
-        let mut best: Option<(Vec<T>, Vec<(FaceId, FaceId)>)> = None;
+        let homes = cuts.homes();
+        let sources = cuts.sources(&homes);
+        let values = sources.par_iter().flat_map_iter(|s| self.at_location(&s.location)).collect();
+        let mut sides = Sides { homes, sources, values };
+        let mut best: Option<(Vec<T>, Vec<Home>)> = None;
         for _ in 0..ROUNDS {
-            let (mut sources, mut values) = self.without_islands(cuts, &mut homes);
-            let flipped = match is_layout {
-                true => self.unflip(cuts, sites, &homes, &mut sources, &mut values),
-                false => Vec::new(),
-            };
+            self.join_islands(cuts, &mut sides);
+            let flipped = if is_layout { self.unflip(cuts, sites, &mut sides) } else { Vec::new() };
+            let other = |&(face, _): &Home| Some((face, cuts.other_home(face, &sides.homes)?));
+            let turned: Vec<Home> = flipped.iter().filter_map(other).collect();
             if best.as_ref().is_none_or(|b| flipped.len() < b.1.len()) {
-                best = Some((values, flipped.clone()));
+                best = Some((sides.values.clone(), flipped));
             }
-            let other = |&(face, _): &(FaceId, FaceId)| Some((face, cuts.other_home(face, &homes)?));
-            let turned: Vec<_> = flipped.iter().filter_map(other).collect();
             if turned.is_empty() {
                 break;
             }
-            turned.into_iter().for_each(|(face, home)| homes[face.index()] = Some(home));
+            self.rehome(cuts, &turned, &mut sides);
         }
         let (mut values, apart) = best.unwrap_or_default();
         for &(face, home) in &apart {
@@ -191,76 +169,76 @@ impl<'a, T: Real> Field<'a, T> {
         (values, apart.len())
     }
 
-    fn without_islands(&self, cuts: &Cuts<'_>, homes: &mut [Option<FaceId>]) -> (IdVec<CornerId, Source>, Vec<T>) {
-        let mut sources = cuts.sources(homes);
-        let mut values = self.at(&sources);
+    fn join_islands(&self, cuts: &Cuts<'_>, sides: &mut Sides<T>) {
         for _ in 0..ROUNDS {
-            let islands = cuts.islands(homes, |a, b| self.same(&values, a, b));
+            let islands = cuts.islands(&sides.homes, |a, b| self.same(&sides.values, a, b));
             if islands.is_empty() {
                 break;
             }
-            islands.into_iter().for_each(|(face, home)| homes[face.index()] = Some(home));
-            sources = cuts.sources(homes);
-            values = self.at(&sources);
+            self.rehome(cuts, &islands, sides);
         }
-        (sources, values)
+    }
+
+    /// Gives faces other homes.
+    fn rehome(&self, cuts: &Cuts<'_>, faces: &[Home], sides: &mut Sides<T>) {
+        faces.iter().for_each(|&(face, home)| sides.homes[face.index()] = Some(home));
+        let width = self.primvar.width();
+        for corner in cuts.renew(faces, &sides.homes, &mut sides.sources) {
+            let value = self.at_location(&sides.sources[corner].location);
+            sides.values[corner.index() * width..][..width].copy_from_slice(&value);
+        }
     }
 
     /// Continues the values beyond the cuts where keeping them inside turns a triangle over. Returns those that stay so.
-    fn unflip(
-        &self,
-        cuts: &Cuts<'_>,
-        sites: &Sites<'_>,
-        homes: &[Option<FaceId>],
-        sources: &mut IdVec<CornerId, Source>,
-        values: &mut [T],
-    ) -> Vec<(FaceId, FaceId)> {
-        let near: Vec<(FaceId, FaceId)> =
-            homes.iter().enumerate().filter_map(|(i, h)| Some((FaceId::new(i), (*h)?))).collect();
+    fn unflip(&self, cuts: &Cuts<'_>, sites: &Sites<'_>, sides: &mut Sides<T>) -> Vec<Home> {
+        let homes = sides.homes.iter().enumerate();
+        let near: Vec<Home> = homes.filter_map(|(i, h)| Some((FaceId::new(i), (*h)?))).collect();
         for _ in 0..ROUNDS {
             let mut changed = false;
             for &(face, home) in &near {
-                if !self.is_flipped(face, home, sources, values) {
+                if !self.is_flipped(face, home, sides) {
                     continue;
                 }
                 for corner in sites.topology.faces.corners_of(face) {
-                    if !sources[corner].moved {
-                        continue;
+                    if sides.sources[corner].moved {
+                        self.go_on(cuts, sites, corner, sides);
+                        changed = true;
                     }
-                    let vertex = sites.topology.faces.vertex(corner);
-                    let before = values[2 * corner.index()..][..2].to_vec();
-                    let source = Source { moved: false, ..cuts.continued(corner, sources[corner]) };
-                    let value = self.at_location(&source.location);
-                    for &other in sites.topology.vertex_corners.row(vertex) {
-                        let own = &mut values[2 * other.index()..][..2];
-                        let is_same =
-                            own.iter().zip(&before).all(|(a, b)| (a.to_f64() - b.to_f64()).abs() <= self.slack);
-                        if is_same {
-                            own.copy_from_slice(&value);
-                            sources[other] = source;
-                        }
-                    }
-                    changed = true;
                 }
             }
             if !changed {
                 break;
             }
         }
-        near.into_iter().filter(|(face, home)| self.is_flipped(*face, *home, sources, values)).collect()
+        near.into_iter().filter(|(face, home)| self.is_flipped(*face, *home, sides)).collect()
+    }
+
+    /// Continues the value of a corner, and of those that share it, beyond their side to where the vertex is.
+    fn go_on(&self, cuts: &Cuts<'_>, sites: &Sites<'_>, corner: CornerId, sides: &mut Sides<T>) {
+        let before = [0, 1].map(|k| sides.values[2 * corner.index() + k].to_f64());
+        let source = Source { moved: false, ..cuts.continued(corner, sides.sources[corner]) };
+        let value = self.at_location(&source.location);
+        let t = &sites.topology;
+        for &other in t.vertex_corners.row(t.faces.vertex(corner)) {
+            let own = &mut sides.values[2 * other.index()..][..2];
+            if own.iter().zip(&before).all(|(a, b)| (a.to_f64() - b).abs() <= self.slack) {
+                own.copy_from_slice(&value);
+                sides.sources[other] = source;
+            }
+        }
     }
 
     /// Whether a triangle has too little area in UV for what it has in space, or lies the other way round than its home.
     /// Not where the layout itself folds over.
-    fn is_flipped(&self, face: FaceId, home: FaceId, sources: &IdVec<CornerId, Source>, values: &[T]) -> bool {
-        let product = self.fine.product;
+    fn is_flipped(&self, face: FaceId, home: FaceId, sides: &Sides<T>) -> bool {
+        let product = self.product;
         let corners = [0, 1, 2].map(|k| CornerId::new(3 * face.index() + k));
         let of_home = self.doubled_area(home);
-        let folds = |c: CornerId| self.doubled_area(sources[c].location.face) * of_home <= 0.0;
+        let folds = |c: CornerId| self.doubled_area(sides.sources[c].location.face) * of_home <= 0.0;
         if corners.into_iter().any(folds) {
             return false;
         }
-        let own = doubled_area(corners.map(|c| &values[2 * c.index()..][..2]));
+        let own = doubled_area(corners.map(|c| &sides.values[2 * c.index()..][..2]));
         let [a, b, c] = product.triangles[face.index()].map(|v| product.points[v]);
         let in_space = f64::from((b - a).cross(c - a).length()) / f64::from(product.baseline.normal(home).length());
         in_space.is_finite() && own * of_home.signum() <= MIN_AREA * of_home.abs() * in_space

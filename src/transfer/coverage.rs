@@ -30,7 +30,7 @@ pub struct Coverage {
 }
 
 /// Shares of one face that are merged when there are so many.
-const MERGE_AT: usize = 4096;
+const MERGE_AT: usize = 256;
 
 impl Coverage {
     /// Samples the baseline: `transferSamples` for each equilateral triangle of the target length.
@@ -49,6 +49,8 @@ impl Coverage {
                     plan.sample(&locator, face, near, &mut shares);
                 }
                 merge(&mut shares);
+                // Thousands of rows wait until all are there.
+                shares.shrink_to_fit();
                 shares
             })
             .collect();

@@ -9,6 +9,7 @@ mod curve;
 mod edge;
 mod face;
 mod locate;
+mod normals;
 mod provenance;
 mod region;
 mod shell;
@@ -19,13 +20,12 @@ mod vertex;
 pub use coverage::{Coverage, Share};
 pub use provenance::{SOURCE_COORDS, SOURCE_FACE, corner_coordinates};
 
-use crate::error::Warnings;
+use crate::error::{Warning, Warnings};
 use crate::garment::{Garment, Interpolation, Primvar, Scheme, SubdivisionRules, joints};
 use crate::mesh::{CornerId, EdgeId, FaceId, Faces, IdVec, Topology, VertexId};
 use crate::sim::{Location, SimOptions, SimProduct};
 use crate::subdivide::to_unit_length;
 use rayon::prelude::*;
-use std::sync::OnceLock;
 
 /// A simulation mesh with attributes, and what is known of how they came there.
 pub struct Transferred {
@@ -62,17 +62,13 @@ pub fn transfer(
 ) -> Transferred {
     let coverage = Coverage::new(product, garment.faces.len(), options);
     let sites = Sites::new(product, &coverage);
-    let mut target = Target { product, sites: &sites, coverage: &coverage, warnings };
-    let mut primvars = Vec::with_capacity(garment.primvars.len());
-    for primvar in &garment.primvars {
-        let carried = match primvar.interpolation {
-            Interpolation::Constant => Some(primvar.clone()),
-            Interpolation::Uniform => Some(face::carry(primvar, &coverage, &sites)),
-            Interpolation::Vertex | Interpolation::Varying if joints::is_influence(garment, primvar) => None,
-            Interpolation::Vertex | Interpolation::Varying => Some(vertex::carry(primvar, product, &sites)),
-            Interpolation::FaceVarying => Some(corner::carry(garment, primvar, &mut target, uv_set)),
-        };
-        primvars.extend(carried);
+    let target = Target { product, sites: &sites, coverage: &coverage };
+    let carried: Vec<(Option<Primvar>, Vec<Warning>)> =
+        garment.primvars.par_iter().map(|p| target.carry(garment, p, uv_set)).collect();
+    let mut primvars = Vec::with_capacity(carried.len());
+    for (primvar, told) in carried {
+        primvars.extend(primvar);
+        told.into_iter().for_each(|w| warnings.push(w));
     }
     primvars.extend(vertex::carry_influences(garment, product, &sites));
     primvars.iter_mut().for_each(to_unit_length);
@@ -101,12 +97,29 @@ pub fn transfer(
     Transferred { mesh, coverage, curves, islands }
 }
 
-/// What attributes are carried to, and who is told of what is not.
+/// What attributes are carried to.
 struct Target<'a> {
     product: &'a SimProduct,
     sites: &'a Sites<'a>,
     coverage: &'a Coverage,
-    warnings: &'a mut Warnings,
+}
+
+impl Target<'_> {
+    /// A primvar on the simulation mesh, with what is to be told; none of those that are carried together.
+    fn carry(&self, garment: &Garment, primvar: &Primvar, uv_set: Option<&Primvar>) -> (Option<Primvar>, Vec<Warning>) {
+        let mut warnings = Vec::new();
+        if let Some(normals) = normals::rebuilt(garment, primvar, self.product, self.sites) {
+            return (Some(normals), warnings);
+        }
+        let carried = match primvar.interpolation {
+            Interpolation::Constant => Some(primvar.clone()),
+            Interpolation::Uniform => Some(face::carry(primvar, self.coverage, self.sites)),
+            Interpolation::Vertex | Interpolation::Varying if joints::is_influence(garment, primvar) => None,
+            Interpolation::Vertex | Interpolation::Varying => Some(vertex::carry(primvar, self.product, self.sites)),
+            Interpolation::FaceVarying => Some(corner::carry(garment, primvar, self, uv_set, &mut warnings)),
+        };
+        (carried, warnings)
+    }
 }
 
 /// Where the elements of the simulation mesh are on the baseline.
@@ -122,7 +135,6 @@ pub(crate) struct Sites<'a> {
     pub is_seam: IdVec<EdgeId, bool>,
     /// Which of them are on chains.
     pub is_chain: IdVec<EdgeId, bool>,
-    centres: OnceLock<IdVec<FaceId, FaceId>>,
 }
 
 impl<'a> Sites<'a> {
@@ -145,15 +157,12 @@ impl<'a> Sites<'a> {
         }
         let bare = topology.faces.ids().filter(|&f| coverage.sources.row(f).is_empty());
         let unsampled = bare.map(|f| (f, product.baseline.source_face[centre(product, f)])).collect();
-        Self { product, vertices, unsampled, topology, is_seam, is_chain, centres: OnceLock::new() }
+        Self { product, vertices, unsampled, topology, is_seam, is_chain }
     }
 
-    /// The baseline's triangle under the centre of each face, on the face's own panel.
-    pub fn centres(&self) -> &IdVec<FaceId, FaceId> {
-        let faces = 0..self.topology.faces.len();
-        self.centres.get_or_init(|| {
-            faces.into_par_iter().map(|i| centre(self.product, FaceId::new(i))).collect::<Vec<_>>().into()
-        })
+    /// The baseline's triangle under the centre of a face, on the face's own panel.
+    pub fn centre(&self, face: FaceId) -> FaceId {
+        centre(self.product, face)
     }
 
     /// The garment's face under the centre of a face without a sample.

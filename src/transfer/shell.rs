@@ -77,20 +77,40 @@ impl<'a> Cuts<'a> {
 
     /// Where each corner of the simulation mesh takes its value.
     pub fn sources(&self, homes: &[Option<FaceId>]) -> IdVec<CornerId, Source> {
-        let of_face = |(i, home): (usize, &Option<FaceId>)| self.of_face(FaceId::new(i), *home);
-        let mut sources: IdVec<CornerId, Source> =
-            homes.par_iter().enumerate().flat_map_iter(of_face).collect::<Vec<_>>().into();
         let t = &self.sites.topology;
+        let of_corner = |i: usize| self.of_corner(CornerId::new(i), homes);
+        let mut sources: IdVec<CornerId, Source> =
+            (0..t.faces.corners().len()).into_par_iter().map(of_corner).collect::<Vec<_>>().into();
         for vertex in (0..t.vertex_count()).map(VertexId::new) {
-            if t.vertex_corners.row(vertex).iter().any(|&c| sources[c].moved) {
-                self.agree(t.vertex_corners.row(vertex), homes, &mut sources);
-            }
+            self.agree(t.vertex_corners.row(vertex), homes, &mut sources);
         }
         sources
     }
 
+    /// Finds the sources around some faces again, whose homes are new. Returns the corners whose sources may be others.
+    pub fn renew(
+        &self,
+        faces: &[(FaceId, FaceId)],
+        homes: &[Option<FaceId>],
+        sources: &mut IdVec<CornerId, Source>,
+    ) -> Vec<CornerId> {
+        let t = &self.sites.topology;
+        let mut vertices: Vec<VertexId> = faces.iter().flat_map(|f| t.faces.vertices_of(f.0)).copied().collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        for &vertex in &vertices {
+            let corners = t.vertex_corners.row(vertex);
+            corners.iter().for_each(|&c| sources[c] = self.of_corner(c, homes));
+            self.agree(corners, homes, sources);
+        }
+        vertices.iter().flat_map(|&v| t.vertex_corners.row(v)).copied().collect()
+    }
+
     /// Gives the corners of one vertex that lie on the same side one source.
     fn agree(&self, corners: &[CornerId], homes: &[Option<FaceId>], sources: &mut IdVec<CornerId, Source>) {
+        if !corners.iter().any(|&c| sources[c].moved) {
+            return;
+        }
         let faces: Vec<FaceId> = corners.iter().map(|&c| self.sites.topology.faces.face_of(c)).collect();
         let mut side: Vec<usize> = (0..corners.len()).collect();
         for i in 0..corners.len() {
@@ -124,7 +144,7 @@ impl<'a> Cuts<'a> {
             let at = homes[face.index()].unwrap_or_else(|| self.places(face)[0].face);
             self.product.baseline.source_face[at]
         };
-        let joined = |a: FaceId, b: FaceId| a == b || self.joined.contains(&[a.min(b), a.max(b)]);
+        let joined = |a: FaceId, b: FaceId| self.are_neighbours(a, b);
         let (from, to) = (source(a), source(b));
         let between = || {
             let rows = [a, b].into_iter().flat_map(|f| self.coverage.sources.row(f));
@@ -140,8 +160,16 @@ impl<'a> Cuts<'a> {
         if !row.iter().map(|s| s.face).chain(own).any(|f| self.touched[f]) {
             return None;
         }
-        let Some(source) = self.side(face) else { return Some(self.sites.centres()[face]) };
-        Some(self.nearest_child(source, self.centre(face)))
+        let Some(source) = self.side(face) else { return Some(self.sites.centre(face)) };
+        let is_there =
+            |joined: bool| move |k: &usize| own[*k] == source || joined && self.are_neighbours(own[*k], source);
+        let corner = (0..3).find(is_there(false)).or_else(|| (0..3).find(is_there(true)));
+        Some(corner.map_or_else(|| self.nearest_child(source, self.centre(face)), |k| places[k].face))
+    }
+
+    /// Whether two faces of the garment are one, or neighbours without a cut between them.
+    fn are_neighbours(&self, a: FaceId, b: FaceId) -> bool {
+        a == b || self.joined.contains(&[a.min(b), a.max(b)])
     }
 
     fn places(&self, face: FaceId) -> [Location; 3] {
@@ -183,15 +211,18 @@ impl<'a> Cuts<'a> {
         nearest.map_or(FaceId::new(0), |n| n.1)
     }
 
-    fn of_face(&self, face: FaceId, home: Option<FaceId>) -> [Source; 3] {
-        let places = self.places(face);
-        let Some(home) = home else { return places.map(|location| Source { location, moved: false }) };
-        [0, 1, 2].map(|k| {
-            let vertex = self.product.triangles[face.index()][k];
-            let there = self.product.baseline.closest_within(home, self.product.points[vertex], &self.barrier);
-            let moved = there.distance_squared.sqrt() > MOVED * self.product.target[vertex];
-            Source { location: there.location, moved }
-        })
+    /// Where a corner takes its value, as its face sees it: in place, or at the nearest place of the face's side.
+    fn of_corner(&self, corner: CornerId, homes: &[Option<FaceId>]) -> Source {
+        let location = self.product.places[corner].location;
+        let Some(home) = homes[corner.index() / 3] else { return Source { location, moved: false } };
+        let base = &self.product.baseline;
+        if self.are_neighbours(base.source_face[location.face], base.source_face[home]) {
+            return Source { location, moved: false };
+        }
+        let vertex = self.product.triangles[corner.index() / 3][corner.index() % 3];
+        let there = base.closest_within(home, self.product.points[vertex], &self.barrier);
+        let moved = there.distance_squared.sqrt() > MOVED * self.product.target[vertex];
+        Source { location: there.location, moved }
     }
 
     /// The home of a neighbour on another side of the cuts: across the longest edge that is on no chain.

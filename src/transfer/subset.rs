@@ -140,8 +140,8 @@ fn sharp_sets(garment: &Garment) -> Vec<Subset> {
 
 /// A name that is not taken: `base`, or that with a number.
 fn free_name(base: &str, is_taken: impl Fn(&str) -> bool) -> String {
-    let numbered = (1..).map(|n| if n == 1 { base.to_owned() } else { format!("{base}_{n}") });
-    numbered.skip_while(|name| is_taken(name)).next().unwrap_or_default()
+    let mut numbered = (1..).map(|n| if n == 1 { base.to_owned() } else { format!("{base}_{n}") });
+    numbered.find(|name| !is_taken(name)).unwrap_or_default()
 }
 
 /// Each edge once, in order: a chain between two cut pieces may be there from both sides.

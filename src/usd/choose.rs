@@ -34,9 +34,7 @@ pub fn choose_mesh(stage: &Stage, file: &Path, options: &ReadOptions) -> Result<
 fn named_mesh(stage: &Stage, file: &Path, path: &str) -> Result<Prim, UsdError> {
     let parsed = sdf::Path::new(path).ok().filter(|p| p.is_abs() && p.is_prim_path() && !p.is_abs_root());
     let Some(parsed) = parsed else {
-        return Err(
-            UsdError::new(format!("--prim {path:?} is not the path of a prim")).hint("it looks like /Coat/model")
-        );
+        return Err(UsdError::new(format!("prim {path:?} is not the path of a prim")).hint("it looks like /Coat/model"));
     };
     let prim = prim_at(stage, &parsed)?;
     if !prim.is_valid().map_err(|e| unreadable(&prim, &e))? {
@@ -72,7 +70,7 @@ fn only_mesh(stage: &Stage, file: &Path) -> Result<Prim, UsdError> {
         [one] => prim_at(stage, one),
         [] if !all.is_empty() => {
             Err(UsdError::new(format!("{} holds no mesh but products of usd-tailor", file.display()))
-                .hint("name the garment's own file, or give one of them by --prim"))
+                .hint("name the garment's own file, or give one of them by --prim, or as \"prim\" in a .tailor file"))
         }
         [] => {
             let faults: Vec<_> = stage.composition_errors().iter().map(|e| format!("\n  {e}")).take(LISTED).collect();
@@ -82,7 +80,7 @@ fn only_mesh(stage: &Stage, file: &Path) -> Result<Prim, UsdError> {
                 .hint("a garment is an active prim of type Mesh"))
         }
         several => Err(UsdError::new(format!("{} holds {} meshes", file.display(), several.len()))
-            .hint(format!("choose one by --prim: {}", list(several)))),
+            .hint(format!("choose one by --prim, or as \"prim\" in a .tailor file: {}", list(several)))),
     }
 }
 

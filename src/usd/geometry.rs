@@ -76,7 +76,7 @@ pub fn value(prim: &Prim, name: &str, time: Option<TimeCode>) -> Result<Option<V
 fn only_samples(prim: &Prim, name: &str, times: &[f64]) -> UsdError {
     let first = times.first().copied().unwrap_or_default();
     UsdError::new(format!("{}.{name} has values at {} times and none besides", prim.path(), times.len()))
-        .hint(format!("choose a time by --time, for example --time {first}"))
+        .hint(format!("choose a time, for example --time {first}, or the argument time={first} of a .tailor file"))
 }
 
 fn required_or_empty<T>(

@@ -5,7 +5,7 @@ use super::geometry::value;
 use super::names::{self, UsdToken};
 use super::values::{flat, mixing, text};
 use crate::error::Warning;
-use crate::garment::{Interpolation, PrimvarInput};
+use crate::garment::{Interpolation, PrimvarInput, normals};
 use openusd::sdf::Value;
 use openusd::usd::{Prim, TimeCode};
 
@@ -61,6 +61,40 @@ pub fn read_primvars(
         }
     }
     Ok(found)
+}
+
+/// The attribute `normals` of a polygonal mesh, as a primvar; none where a primvar of that name replaces it, or where it
+/// has not one normal for each element.
+///
+/// `elements` are the numbers of faces, points and corners.
+pub fn read_normals(prim: &Prim, time: Option<TimeCode>, elements: [usize; 3]) -> Option<PrimvarInput> {
+    let attribute = prim.attribute(names::NORMALS);
+    let replaced = prim.attribute(format!("{}{}", names::PRIMVARS, names::NORMALS));
+    if replaced.has_authored_value().unwrap_or(false) {
+        return None;
+    }
+    let value = value(prim, names::NORMALS, time).ok()??;
+    let field = attribute.get_metadata::<Value>(names::INTERPOLATION).ok()?;
+    let interpolation = field.as_ref().and_then(text).map_or(Some(Interpolation::Vertex), Interpolation::from_token)?;
+    let [faces, points, corners] = elements;
+    let count = match interpolation {
+        Interpolation::Constant => return None,
+        Interpolation::Uniform => faces,
+        Interpolation::Vertex | Interpolation::Varying => points,
+        Interpolation::FaceVarying => corners,
+    };
+    let type_name = attribute.type_name().ok()??;
+    let (components, values) = flat(value)?;
+    (components == 3 && values.len() == 3 * count).then(|| PrimvarInput {
+        name: normals::ATTRIBUTE.into(),
+        type_name: type_name.as_str().to_owned(),
+        interpolation,
+        components,
+        element_size: 1,
+        mixing: mixing(&type_name),
+        values,
+        indices: None,
+    })
 }
 
 /// One primvar; none when it has no value, and the reason when it has one that cannot be carried.

@@ -7,7 +7,7 @@ use super::record::{Content, Record};
 use super::values::typed;
 use super::write::{Product, Role};
 use crate::error::{Warning, Warnings};
-use crate::garment::{Elements, Garment, Primvar, Values, shapes};
+use crate::garment::{Elements, Garment, Primvar, Values, normals};
 use glam::Vec3;
 use openusd::gf::Vec3f;
 use openusd::sdf::{self, AbstractData, FieldKey, Path, PrimSpec, Specifier, Value, ValueTypeName, Variability};
@@ -41,9 +41,10 @@ impl Author<'_> {
             record.state(self.data, &path, self.place)?;
         }
         self.mesh(&path, product.role, product.mesh)?;
-        for primvar in product.mesh.primvars.iter().filter(|p| !shapes::is_channel(&p.name)) {
+        for primvar in product.mesh.primvars.iter().filter(|p| !p.name.contains('/')) {
             self.primvar(&path, primvar, warnings)?;
         }
+        self.normals(&path, product.mesh)?;
         self.subsets(&path, product.mesh)?;
         self.shapes(&path, product.mesh)?;
         match before {
@@ -179,6 +180,19 @@ impl Author<'_> {
             let indices = indices.iter().map(|&i| i as i32).collect();
             self.data.set_field(&path, FieldKey::Default.as_str(), Value::IntVec(indices));
         }
+        Ok(())
+    }
+
+    /// The attribute `normals`.
+    fn normals(&mut self, prim: &Path, mesh: &Garment) -> openusd::Result<()> {
+        let Some(primvar) = mesh.primvar(normals::ATTRIBUTE) else { return Ok(()) };
+        let type_name = ValueTypeName::from(primvar.type_name.as_str());
+        let rows = (0..primvar.elements()).map(|i| primvar.row(i));
+        let Some(value) = typed(&type_name, &primvar.values.gather(primvar.width(), rows)) else { return Ok(()) };
+        self.attribute(prim, names::NORMALS, type_name, Variability::Varying, value)?;
+        let path = prim.append_property(names::NORMALS)?;
+        let interpolation = Value::Token(Token::from(primvar.interpolation.token()));
+        self.data.set_field(&path, names::INTERPOLATION, interpolation);
         Ok(())
     }
 

@@ -4,12 +4,14 @@ use super::choose::choose_mesh;
 use super::facts::{Facts, gather};
 use super::geometry::read_mesh;
 use super::model::Model;
+use super::names;
 use super::origin::Origin;
+use super::primvars::read_normals;
 use super::recipe::read_recipe;
 use super::shapes::read_shapes;
 use super::{UsdError, on_large_stack};
 use crate::error::{Warning, Warnings};
-use crate::garment::GarmentInput;
+use crate::garment::{GarmentInput, Scheme, normals};
 use openusd::usd::TimeCode;
 use serde_json::{Map, Value as Json};
 use std::path::Path;
@@ -75,6 +77,14 @@ impl Source {
         }
         let garment = garment.map(|mut g| {
             g.primvars.extend(offsets);
+            // A subdivision surface has normals of its own, whatever is authored.
+            if g.rules.scheme == Scheme::None {
+                let elements = [g.face_vertex_counts.len(), g.points.len(), g.face_vertex_indices.len()];
+                g.primvars.extend(read_normals(&prim, time, elements));
+            }
+            let is_carried = g.primvars.iter().any(|p| p.name == normals::ATTRIBUTE);
+            let of_normals = format!("{}.{}", prim.path(), names::NORMALS);
+            warnings.retain(|w| !is_carried || !matches!(w, Warning::NotCarried { what, .. } if *what == of_normals));
             g
         });
         let facts = gather(&prim, &model, time)?;

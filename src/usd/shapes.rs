@@ -151,8 +151,8 @@ impl Author<'_> {
         let (mut tokens, mut targets) = (Vec::new(), Vec::new());
         let model = self.model;
         for (number, shape) in model.shapes.iter().enumerate() {
-            let numbered = (1..).map(|n| if n == 1 { shape.name.clone() } else { format!("{}_{n}", shape.name) });
-            let Some(name) = numbered.skip_while(|n| taken.contains(n)).next() else { continue };
+            let mut numbered = (1..).map(|n| if n == 1 { shape.name.clone() } else { format!("{}_{n}", shape.name) });
+            let Some(name) = numbered.find(|n| !taken.contains(n)) else { continue };
             let path = prim.append_path(name.as_str())?;
             taken.insert(name);
             self.shape(&path, number, shape, mesh)?;

@@ -207,9 +207,8 @@ fn check_names(model: &Model, products: &[Product]) -> Result<(), UsdError> {
             || products[..i].iter().any(|p| p.name == product.name);
         if taken {
             let path = beside(&model.path, product.name).map_err(|e| UsdError::new(e.to_string()))?;
-            return Err(
-                UsdError::new(format!("{path} is taken by another prim")).hint(format!("choose a name by {flag}"))
-            );
+            return Err(UsdError::new(format!("{path} is taken by another prim"))
+                .hint(format!("rename that prim, or choose another name by {flag}")));
         }
     }
     Ok(())

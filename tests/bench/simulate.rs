@@ -1,4 +1,5 @@
-//! Time of the simulation mesh: the baseline that it lies on, and the remeshing, at three target lengths.
+//! Time of the simulation mesh: the baseline that it lies on, the remeshing, and each pass of its first round, at three
+//! target lengths.
 //!
 //! ```text
 //! cargo benches --bench simulate                 (an alias, see .cargo/config.toml)
@@ -17,7 +18,7 @@ use criterion::measurement::WallTime;
 use criterion::{BatchSize, BenchmarkGroup, BenchmarkId, SamplingMode, Throughput};
 use tailor::garment::Garment;
 use tailor::mesh::Topology;
-use tailor::sim::{Baseline, Lengths, SimOptions, simulate};
+use tailor::sim::{Baseline, Lengths, Pass, SimMesh, SimOptions, simulate};
 
 /// Target lengths, as parts of the cage's mean edge length.
 const PARTS: [f32; 3] = [1.0, 0.5, 0.25];
@@ -32,6 +33,9 @@ fn main() {
     group.finish();
     let mut group = criterion.benchmark_group("simulate/remesh");
     garments.iter().for_each(|sample| measure_remesh(&mut group, sample));
+    group.finish();
+    let mut group = criterion.benchmark_group("simulate/pass");
+    garments.iter().for_each(|sample| measure_passes(&mut group, sample));
     group.finish();
     criterion.final_summary();
 }
@@ -55,6 +59,21 @@ fn measure_remesh(group: &mut BenchmarkGroup<'_, WallTime>, sample: &Sample) {
         group.bench_function(BenchmarkId::new(sample.name, part), |bencher| {
             bencher.iter_batched(new, remesh, BatchSize::PerIteration);
         });
+    }
+}
+
+fn measure_passes(group: &mut BenchmarkGroup<'_, WallTime>, sample: &Sample) {
+    let options = SimOptions::default();
+    for part in PARTS {
+        let baseline = baseline(sample, &options, part);
+        let mut mesh = SimMesh::new(&baseline);
+        for pass in Pass::ROUND {
+            group.throughput(Throughput::Elements(mesh.topology.face_count() as u64));
+            group.bench_function(BenchmarkId::new(format!("{pass:?}/{}", sample.name), part), |bencher| {
+                bencher.iter_batched_ref(|| mesh.clone(), |mesh| pass.run(mesh), BatchSize::PerIteration);
+            });
+            pass.run(&mut mesh);
+        }
     }
 }
 

@@ -42,7 +42,7 @@ fn main() {
             bencher.iter_batched(new, remesh, BatchSize::PerIteration);
         });
         group.bench_function(BenchmarkId::new("all", name), |bencher| {
-            bencher.iter(|| carried(&garment, &product, &sample))
+            bencher.iter(|| carried(&garment, &product, &sample));
         });
         for samples in [8, 32, 128] {
             let options = SimOptions { transfer_samples: samples, ..options.clone() };

@@ -5,7 +5,7 @@ import time
 
 import pytest
 import sources
-from pxr import Sdf, Tf, Usd, UsdGeom, Vt
+from pxr import Ar, Sdf, Tf, Usd, UsdGeom, Vt
 from tailor_file import errors, faces, holder, mesh, needs_plugin, recipe, script
 
 pytestmark = needs_plugin
@@ -54,6 +54,15 @@ def test_an_edit_of_the_holder_makes_the_content_anew(stage, coat):
         assert faces(prim) == faces_at(level)
     prim.RemoveProperty(LEVEL)
     assert faces(prim) == faces_at(1), "the file's own level"
+
+
+def test_a_blocked_attribute_says_nothing(stage, coat, capfd):
+    prim = holder(stage, coat)
+    setting(prim, LEVEL, 2)
+    capfd.readouterr()
+    prim.GetAttribute(LEVEL).Block()
+    assert faces(prim) == faces_at(1), "the file's own level"
+    assert capfd.readouterr().err == ""
 
 
 def test_edits_of_both_products_are_seen_at_once(stage, coat):
@@ -182,6 +191,20 @@ def test_instances_with_one_recipe_share_and_others_do_not(stage, coat):
     assert found == [faces_at(level) for level in levels]
     layers = {layer.identifier for layer in stage.GetUsedLayers() if layer.fileExtension == "tailor"}
     assert len(layers) == 2
+
+
+def test_the_source_is_found_as_the_composing_stage_finds_files(coat, tmp_path):
+    """By the search path of the stage's resolver context, where it is not beside the `.tailor` file."""
+    (tmp_path / "library" / "cloth").mkdir(parents=True)
+    coat.with_name("coat.usda").rename(tmp_path / "library" / "cloth" / "coat.usda")
+    recipe(tmp_path / "library" / "found.tailor", "cloth/coat.usda")
+    (tmp_path / "elsewhere").mkdir()
+    shot = tmp_path / "elsewhere" / "shot.usda"
+    shot.write_text('#usda 1.0\ndef "Coat" (payload = @found.tailor@)\n{\n}\n')
+    context = Ar.ResolverContext(Ar.DefaultResolverContext([str(tmp_path / "library")]))
+    stage = Usd.Stage.Open(str(shot), context)
+    assert faces(stage.GetPrimAtPath("/Coat")) == faces_at(1)
+    assert not Usd.Stage.Open(str(shot)).GetPrimAtPath("/Coat/render")
 
 
 def test_a_payload_that_is_not_loaded_makes_nothing(coat):

@@ -97,6 +97,7 @@ FAULTS = {
     "time without end": (None, "time=inf", ["time"]),
     "lengths the wrong way round": (None, "sim.minEdgeLength=3&sim.maxEdgeLength=2", ["sim.minEdgeLength"]),
     "far too fine": (None, "sim.maxEdgeLength=0.0001", ["triangles", "sim.maxEdgeLength"]),
+    "far too many samples": (None, "sim.transferSamples=1000000000", ["sim.transferSamples", "at most"]),
     "far too many levels": (None, "render.level=99", ["render.level"]),
     "itself": (itself, "", ["uses the file itself", "coat.usda -> "]),
     "itself by a long way": (itself_by_a_long_way, "", ["uses the file itself", "one.usda", "other.tailor", "other.usda"]),
@@ -124,7 +125,7 @@ def test_one_error_names_file_cause_and_remedy(folder, name):
     assert found[0].startswith(f"{path}: "), found
     assert all(words in found[0] for words in said), found
     assert "\n  hint: " in found[0] or "internal" not in found[0], found
-    assert not [layer for layer in Sdf.Layer.GetLoadedLayers() if layer.realPath == path], "nothing half-filled stays open"
+    assert not [layer for layer in Sdf.Layer.GetLoadedLayers() if layer and layer.realPath == path], "nothing half-filled stays open"
 
 
 def test_a_fault_that_is_mended_is_gone(folder):

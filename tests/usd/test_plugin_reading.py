@@ -96,7 +96,8 @@ def test_the_source_is_composed_by_openusd(tmp_path):
     stage.Save()
     path = tmp_path / "asset.tailor"
     path.write_text('{"source": "asset.usda", "sim": {"iterations": 1}}')
-    assert faces(Usd.Stage.Open(str(path)).GetPrimAtPath("/Asset")) == 12 * 16
+    stage = Usd.Stage.Open(str(path))
+    assert faces(stage.GetPrimAtPath("/Asset")) == 12 * 16
 
 
 @pytest.mark.parametrize("arc", ["payload", "reference", "sublayer"])
@@ -135,7 +136,26 @@ def test_exports_as_a_package(coat):
     Usd.Stage.Open(str(coat)).Export(str(coat.with_name("flat.usdc")))
     package = coat.with_name("coat.usdz")
     assert UsdUtils.CreateNewUsdzPackage(str(coat.with_name("flat.usdc")), str(package))
-    assert faces(Usd.Stage.Open(str(package)).GetPrimAtPath("/Coat")) == 12 * 4
+    stage = Usd.Stage.Open(str(package))
+    assert faces(stage.GetPrimAtPath("/Coat")) == 12 * 4
+
+
+def test_is_opened_inside_a_package(coat, tmp_path):
+    """The source is the one in the package, whatever lies beside the package."""
+    outside = tmp_path / "outside"
+    outside.mkdir()
+    sources.write(outside / "coat.usda", shape=lambda: sources.sheet(width=9), seam_column=2)
+    for name in ("", "shots/"):
+        package = outside / f"packed{len(name)}.usdz"
+        with Sdf.ZipFileWriter.CreateNew(str(package)) as writer:
+            root = tmp_path / "root.usda"
+            root.write_text(f'#usda 1.0\ndef "A" (payload = @./{name}coat.tailor@)\n{{\n}}\n')
+            writer.AddFile(str(root), "root.usda")
+            writer.AddFile(str(coat), f"{name}coat.tailor")
+            writer.AddFile(str(coat.with_name("coat.usda")), f"{name}coat.usda")
+        stage = Usd.Stage.Open(str(package))
+        prim = stage.GetPrimAtPath("/A")
+        assert faces(prim, "model") == 12 and faces(prim, "render") == 12 * 4
 
 
 def test_is_printed_as_text(coat):

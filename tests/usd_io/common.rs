@@ -39,12 +39,12 @@ pub fn sound(input: &GarmentInput) -> Garment {
             .map(|s| Subset {
                 name: s.name.clone(),
                 family: s.family.clone(),
-                sharpness: None,
                 elements: match s.element_type.as_str() {
                     "face" => Elements::Faces(faces(&s.indices)),
                     "edge" => Elements::Edges(s.indices.chunks(2).map(|e| [vertex(&e[0]), vertex(&e[1])]).collect()),
                     _ => Elements::Points(s.indices.iter().map(vertex).collect()),
                 },
+                sharpness: None,
             })
             .collect(),
         families: input.families.clone(),

@@ -1,6 +1,7 @@
 //! The project's own tasks, run as `cargo xtask <task>`. Nothing here is needed to build or use `usdtailor`.
 
 mod golden;
+mod peers;
 mod plugin;
 mod process;
 mod project;
@@ -26,6 +27,7 @@ Tasks:
   picture                      Build examples/coat.usda and draw the input and both meshes as examples/coat.png
   golden [ARGS...]             Write the OpenSubdiv reference data of the subdivision tests (needs cmake and C++)
   plugin [OPTIONS]             Build the OpenUSD plugin into target/usd_plugin (see below)
+  peers                        Compare remeshing with other remeshers, in time and quality
   venv                         Make the Python environment target/venv that the other tasks use
 
 Options:
@@ -75,7 +77,8 @@ fn run(args: &[String]) -> Outcome {
         "plugin" => plugin::run(&project, rest),
         "golden" => golden::run(rest).map_err(|error| Failure::new(error.to_string())),
         "venv" if rest.is_empty() => venv::ensure(&project).map(|_| ()),
-        "picture" | "venv" => Err(unexpected(task, rest)),
+        "peers" if rest.is_empty() => peers::run(&project),
+        "picture" | "peers" | "venv" => Err(unexpected(task, rest)),
         _ => Err(Failure::new(format!("no task `{task}`")).hint("cargo xtask --help lists them")),
     }
 }

@@ -141,9 +141,13 @@ fn rust(project: &Project, extra: &[String]) -> Outcome {
     process::run(cargo(project, "test").arg("--workspace").args(extra))
 }
 
-/// Builds the binary as the alias `cargo usdtailor` does, so that the two share everything.
+/// What is built in the release profile, always together: cargo gives a dependency the features that all packages of a
+/// command ask for, so that the plugin alone would compile most dependencies anew.
+pub const SHIPPED: [&str; 4] = ["--package", "tailor", "--package", "tailor-usd-plugin"];
+
+/// Builds the binary as users run it.
 pub fn build(project: &Project) -> Outcome {
-    process::run(cargo(project, "build").args(["--release", "--bin", "usdtailor"]))
+    process::run(cargo(project, "build").arg("--release").args(SHIPPED).args(["--bin", "usdtailor"]))
 }
 
 fn python(project: &Project, extra: &[String]) -> Outcome {

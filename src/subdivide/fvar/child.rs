@@ -18,7 +18,8 @@ pub struct ChannelChild<'a> {
 }
 
 impl<'a> ChannelChild<'a> {
-    pub(in crate::subdivide) fn new(level: &'a Level, parent: &'a Channel) -> Self {
+    /// The refinement of a channel of `level`.
+    pub fn new(level: &'a Level, parent: &'a Channel) -> Self {
         let values = Values::new(parent, level);
         let (corner_values, tags) =
             rayon::join(|| values.corner_values(parent, level), || parent.child_tags(level, &values));
@@ -31,7 +32,7 @@ impl<'a> ChannelChild<'a> {
     }
 
     /// The child channel, over the child's topology.
-    pub(in crate::subdivide) fn into_channel(self, child: &Level) -> Channel {
+    pub fn into_channel(self, child: &Level) -> Channel {
         let t = &self.level.topology;
         let numbering = Numbering::new(self.level);
         let mut edges = IdVec::filled(EdgeTag::default(), child.topology.edges.len());

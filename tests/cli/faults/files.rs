@@ -116,7 +116,7 @@ fn of_the_choice_of_a_mesh() {
             |f| f.file("in.usda", CLOTH.replace("def Mesh", "over \"x\" {} class Mesh")),
             &["in.usda holds no mesh"],
         ),
-        fault(ARGS, meshes, &["in.usda holds 2 meshes", "--prim: /Coat/shirt, /Coat/tie"]),
+        fault(ARGS, meshes, &["in.usda holds 2 meshes", ".tailor file: /Coat/shirt, /Coat/tie"]),
         fault(
             "build in.usda -o out/coat.usda --prim /Coat/hat",
             cloth,
@@ -126,9 +126,9 @@ fn of_the_choice_of_a_mesh() {
         fault(
             "build in.usda -o out/coat.usda --prim Coat//model",
             cloth,
-            &["--prim \"Coat//model\" is not the path of a prim", "/Coat/model"],
+            &["prim \"Coat//model\" is not the path of a prim", "/Coat/model"],
         ),
-        fault("check in.usda --prim /", cloth, &["--prim \"/\" is not the path of a prim"]),
+        fault("check in.usda --prim /", cloth, &["prim \"/\" is not the path of a prim"]),
         fault("info in.usda --prim /Coat/model.points", cloth, &["is not the path of a prim"]),
         fault(
             ARGS,

@@ -81,7 +81,7 @@ pub fn compile(project: &Project, target: &Target) -> Outcome<PathBuf> {
     let settings = target.folder.join("build.txt");
     write(&settings, &settings_text(target))?;
     let mut cargo = steps::cargo(project, "build");
-    cargo.args(["--release", "--package", "tailor-usd-plugin"]).env("USDTAILOR_PLUGIN_BUILD", &settings);
+    cargo.args(["--release", "--lib"]).args(steps::SHIPPED).env("USDTAILOR_PLUGIN_BUILD", &settings);
     if !target.cxx11_abi {
         // The crate `cxx` compiles C++ of its own. Not said where it is the default, so that builds share it.
         let flags = std::env::var("CXXFLAGS").unwrap_or_default();

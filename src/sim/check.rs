@@ -1,0 +1,44 @@
+//! Every invariant of the mesh, for debug builds and tests.
+
+use super::mesh::{Grade, SimMesh};
+use crate::mesh::CornerId;
+
+/// Distance of a vertex from its place and its curve, as a share of the target length.
+const SLACK: f32 = 1e-3;
+
+impl SimMesh<'_> {
+    /// Panics where an invariant of the mesh is broken.
+    pub fn assert_consistent(&self) {
+        self.topology.assert_consistent();
+        for half in self.topology.corners() {
+            self.assert_span(half);
+            let own = self.topology.vertex(half);
+            let slack = SLACK * self.target[own];
+            let off = self.baseline.position(self.place(half).location).distance(self.points[own]);
+            assert!(off <= slack, "{own:?} is where its corner says: off by {off}");
+        }
+        for vertex in self.topology.vertices().filter(|&v| self.grade[v] == Grade::Free) {
+            let mut sites = self.topology.fan(vertex).map(|c| self.site_of[c]);
+            let first = sites.next();
+            assert!(sites.all(|s| Some(s) == first), "{vertex:?} is free and has one site");
+        }
+    }
+
+    fn assert_span(&self, half: CornerId) {
+        let ends = [self.topology.vertex(half), self.topology.target(half)];
+        let twin = self.topology.twin(half);
+        let Some(span) = self.span(half) else {
+            assert!(twin.is_some_and(|t| self.span(t).is_none()), "borders are chains, and both halves are free");
+            return;
+        };
+        for (v, s) in ends.into_iter().zip([span.from, span.to]) {
+            assert!(self.grade[v] != Grade::Free, "chain ends are constrained");
+            let (p, _) = self.on_curve(span.chain, s, span.forward);
+            let off = p.distance(self.points[v]);
+            assert!(off <= SLACK * self.target[v], "{v:?} is on its curve: off by {off}");
+        }
+        if let Some(t) = twin {
+            assert_eq!(self.span(t), Some(span.reversed()), "the twin of {half:?} has the same span");
+        }
+    }
+}

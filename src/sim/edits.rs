@@ -1,0 +1,202 @@
+//! Split, collapse and flip with all that the mesh carries: constraint spans, sites, targets.
+
+use super::mesh::{Grade, Mark, SimMesh, Site, Span};
+use crate::mesh::edit::{next, prev};
+use crate::mesh::{CornerId, SiteId, VertexId};
+use glam::Vec3;
+
+/// A middle that lies nearer to the surface than this share of the edge's length needs no second search.
+const NEAR: f32 = 0.05;
+
+impl SimMesh<'_> {
+    /// Splits an edge in its middle: on its chain's curve, or on the surface. Returns the new vertex; none where every
+    /// place would turn a triangle over.
+    pub fn split(&mut self, half: CornerId) -> Option<VertexId> {
+        match self.span(half) {
+            Some(span) => Some(self.split_span(half, span)),
+            None => {
+                let (position, site) = self.middle_site(half)?;
+                let ahead = self.split_topology(half);
+                let site = self.sites.push(site);
+                let (first, second) = (self.topology.twin(half), self.topology.twin(ahead));
+                for c in [next(half), ahead].into_iter().chain(first).chain(second.map(next)) {
+                    self.site_of[c] = site;
+                }
+                let target = self.baseline.sizing_at(self.sites[site].place.location);
+                Some(self.settle_new(position, Grade::Free, target))
+            }
+        }
+    }
+
+    /// The topology of a split; what corners and edges had before, they have after. Returns the half-edge ahead.
+    fn split_topology(&mut self, half: CornerId) -> CornerId {
+        let twin = self.topology.twin(half);
+        let split = self.topology.split(half);
+        self.mark.resize(self.topology.corner_slots(), None);
+        self.site_of.resize(self.topology.corner_slots(), SiteId::new(0));
+        for (side, ahead) in [(Some(half), Some(split.ahead)), (twin, split.behind)] {
+            let (Some(side), Some(ahead)) = (side, ahead) else { continue };
+            // `side` is (a, m) in (a, m, c), `ahead` is (m, b) in (m, b, c).
+            let (b, c) = (next(side), prev(side));
+            self.site_of[next(ahead)] = self.site_of[b];
+            self.site_of[prev(ahead)] = self.site_of[c];
+            self.mark[next(ahead)] = self.mark[b].take();
+        }
+        split.ahead
+    }
+
+    fn settle_new(&mut self, position: Vec3, grade: Grade, target: f32) -> VertexId {
+        self.grade.push(grade);
+        self.target.push(target);
+        self.points.push(position)
+    }
+
+    fn split_span(&mut self, half: CornerId, span: Span) -> VertexId {
+        let chain = self.chain(span.chain);
+        let s = chain.at_count(0.5 * (chain.count_to(span.from) + chain.count_to(span.to)));
+        let low = span.from.min(span.to);
+        let s = s.clamp(low, span.from.max(span.to));
+        let ahead = self.split_topology(half);
+        self.add_span(half, Span { to: s, ..span });
+        self.add_span(ahead, Span { from: s, ..span });
+        let (position, own) = self.site_on_curve(span.chain, s, span.forward);
+        let own = self.new_site(own, half);
+        self.site_of[next(half)] = own;
+        self.site_of[ahead] = own;
+        if let (Some(first), Some(second)) = (self.topology.twin(half), self.topology.twin(ahead)) {
+            let (_, other) = self.site_on_curve(span.chain, s, !span.forward);
+            let other = self.new_site(other, second);
+            self.site_of[first] = other;
+            self.site_of[next(second)] = other;
+        }
+        self.settle_new(position, Grade::OnCurve(span.chain), chain.length_at(s))
+    }
+
+    fn new_site(&mut self, site: Option<Site>, like: CornerId) -> SiteId {
+        let site = site.unwrap_or(*self.site(like));
+        self.sites.push(site)
+    }
+
+    /// The middle of a free edge on the surface: the closest point, or that between the UVs where the closest would turn
+    /// a triangle over.
+    fn middle_site(&self, half: CornerId) -> Option<(Vec3, Site)> {
+        let (from, to) = (self.place(half), self.place(next(half)));
+        let ends = [self.topology.vertex(half), self.topology.target(half)].map(|v| self.points[v]);
+        let middle = ends[0].midpoint(ends[1]);
+        let mut best = self.baseline.closest(from.location.face, middle);
+        if best.distance_squared > NEAR * NEAR * ends[0].distance_squared(ends[1]) {
+            let other = self.baseline.closest(to.location.face, middle);
+            if other.distance_squared < best.distance_squared {
+                best = other;
+            }
+        }
+        let between = || {
+            let uv = from.uv.midpoint(to.uv);
+            let faces = [from.location.face, to.location.face].into_iter();
+            let found = faces.filter(|_| self.baseline.holds_uvs).find_map(|f| self.baseline.locate_uv(f, uv))?;
+            Some((self.baseline.position(found), self.site_on(found)))
+        };
+        let fits = |m: &(Vec3, Site)| self.split_is_safe(half, m.0, &m.1);
+        Some((best.position, self.site_on(best.location))).filter(fits).or_else(|| between().filter(fits))
+    }
+
+    /// Whether no half of a split triangle is worse than the whole was.
+    fn split_is_safe(&self, half: CornerId, position: Vec3, site: &Site) -> bool {
+        let m = (position, site);
+        let side = |h: CornerId| {
+            let [a, b, c] = [h, next(h), prev(h)].map(|c| self.corner(c));
+            let worst = self.badness([a, m, c]).max(self.badness([m, b, c]));
+            // A thin half is put right later; one that lies the wrong way round may stay for good.
+            worst < 2 || worst <= self.badness([a, b, c])
+        };
+        side(half) && self.topology.twin(half).is_none_or(side)
+    }
+
+    /// The sites that the corners of `removed` get when it merges into the other end of `half`: those of that end, on
+    /// the left of the half-edge and on its right.
+    pub(super) fn merged_sites(&self, half: CornerId, removed: VertexId) -> [SiteId; 2] {
+        let starts = self.topology.vertex(half) == removed;
+        let left = self.site_of[if starts { next(half) } else { half }];
+        let right = self.topology.twin(half).map_or(left, |t| self.site_of[if starts { t } else { next(t) }]);
+        [left, right]
+    }
+
+    /// The corners at one end of a constrained edge in the sector on the edge's left; none for a free edge, all of
+    /// whose corners get the same.
+    pub(super) fn left_sector(&self, half: CornerId, removed: VertexId, sector: &mut Vec<CornerId>) {
+        sector.clear();
+        if self.is_constrained(half) {
+            let starts = self.topology.vertex(half) == removed;
+            self.sector(if starts { half } else { next(half) }, sector);
+        }
+    }
+
+    /// Merges one end of an edge into the other, which keeps its place. The caller has asked whether that is allowed.
+    pub fn collapse(&mut self, half: CornerId, removed: VertexId) {
+        let [left, right] = self.merged_sites(half, removed);
+        let mut sector = Vec::new();
+        self.left_sector(half, removed, &mut sector);
+        let mut at = self.topology.fan(removed).next();
+        let first = at;
+        while let Some(c) = at {
+            self.site_of[c] = if sector.is_empty() || sector.contains(&c) { left } else { right };
+            at = self.topology.twin(prev(c)).filter(|&c| Some(c) != first);
+        }
+        self.join_spans(half, removed);
+        let twin = self.topology.twin(half);
+        // The two outer edges of each removed triangle become one; a mark of either stays.
+        let outer = [Some(half), twin].map(|side| {
+            let side = side?;
+            let (x, y) = (next(side), prev(side));
+            Some((self.topology.twin(x), self.topology.twin(y), self.mark[x], self.mark[y]))
+        });
+        self.topology.collapse(half, removed);
+        for (x, y, x_mark, y_mark) in outer.into_iter().flatten() {
+            if let Some(x) = x {
+                self.mark[x] = x_mark.map(Mark::reversed).or(y_mark);
+            }
+            if let Some(y) = y {
+                self.mark[y] = x_mark.or(y_mark.map(Mark::reversed));
+            }
+        }
+    }
+
+    /// Before a constrained edge goes: the chain's next edge, beyond `removed`, takes its part of the curve.
+    fn join_spans(&mut self, half: CornerId, removed: VertexId) {
+        let Some(span) = self.span(half) else { return };
+        let step = if self.topology.vertex(half) == removed { span.to - span.from } else { span.from - span.to };
+        let Some(own) = self.mark[half].map(Mark::span) else { return };
+        let follower = self
+            .topology
+            .fan(removed)
+            .flat_map(|c| [c, prev(c)])
+            .find(|&c| self.mark[c].is_some_and(|mark| mark.span() != own));
+        let Some(follower) = follower else { return };
+        let Some(mark) = self.mark[follower] else { return };
+        let leaves = self.topology.vertex(follower) == removed;
+        let next = &mut self.spans[mark.span()];
+        if leaves == mark.is_forward() {
+            next.from += step;
+        } else {
+            next.to += step;
+        }
+    }
+
+    /// Turns an unconstrained edge.
+    pub fn flip(&mut self, half: CornerId) {
+        let Some(twin) = self.topology.twin(half) else { return };
+        let (hn, hp, on, op) = (next(half), prev(half), next(twin), prev(twin));
+        let old = [half, hn, hp, twin, on, op].map(|c| (self.site_of[c], self.mark[c]));
+        let [(sa, _), (sb, bc), (sc, ca), _, (_, ad), (sd, db)] = old;
+        if self.topology.flip(half).is_none() {
+            return;
+        }
+        // (a, b, c) and (b, a, d) are now (c, d, b) and (d, c, a) in the same corners.
+        for (corner, site, mark) in
+            [(half, sc, None), (hn, sd, db), (hp, sb, bc), (twin, sd, None), (on, sc, ca), (op, sa, ad)]
+        {
+            self.site_of[corner] = site;
+            self.mark[corner] = mark;
+        }
+    }
+}

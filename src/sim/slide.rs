@@ -1,0 +1,101 @@
+//! Vertices of a chain slide along its curve.
+
+use super::mesh::{SimMesh, Site};
+use super::relax::Move;
+use super::spacing::SHORTEST;
+use crate::mesh::edit::{next, prev};
+use crate::mesh::{CornerId, SiteId, VertexId};
+use glam::Vec3;
+
+/// How much of the way leads to the middle of the triangles on both sides, the rest to where the chain's own edges are
+/// even. The first makes better triangles, the second more even edges.
+const TO_MIDDLE: f32 = 0.8;
+/// Where bends make edges of a chain this share of the target length, or more, all of [`TO_MIDDLE`] holds; none where they
+/// are as short as they get.
+const STRAIGHT: f32 = 0.8;
+/// Largest part of an edge of the chain that its end moves at once, so that two ends never pass each other.
+const LONGEST_SLIDE: f32 = 0.4;
+
+/// What else moves with a chain's vertex.
+pub(super) struct Slide {
+    /// The constrained half-edges along the chain and against it.
+    ahead: CornerId,
+    back: CornerId,
+    /// By how much. \[stage units\]
+    by: f32,
+    /// The site on the other side of the chain.
+    other: Option<(SiteId, Site)>,
+}
+
+impl Slide {
+    /// Does the move; it becomes the move back.
+    pub(super) fn swap(&mut self, mesh: &mut SimMesh<'_>) {
+        for (half, starts) in [(self.ahead, true), (self.back, false)] {
+            let Some(mark) = mesh.mark[half] else { continue };
+            let span = &mut mesh.spans[mark.span()];
+            *(if starts { &mut span.from } else { &mut span.to }) += self.by;
+        }
+        self.by = -self.by;
+        if let Some((id, site)) = &mut self.other {
+            std::mem::swap(&mut mesh.sites[*id], site);
+        }
+    }
+
+    /// The site of an id, if it is that on the other side.
+    pub(super) fn other_site(&self, id: SiteId) -> Option<&Site> {
+        self.other.as_ref().filter(|(own, _)| *own == id).map(|(_, site)| site)
+    }
+}
+
+/// By how much a chain's vertex wants to move along it. \[stage units\]
+pub(super) fn even_place(mesh: &SimMesh<'_>, vertex: VertexId) -> Option<f32> {
+    let [ahead, back] = mesh.chain_neighbours(vertex)?;
+    let (after, before) = (mesh.span(ahead)?.along(), mesh.span(back)?.along());
+    let chain = mesh.chain(after.chain);
+    let half_way = 0.5 * (mesh.count(before) + mesh.count(after));
+    // A loop's two edges may count from different turns.
+    let even = chain.at_count(chain.count_to(before.from) + half_way) - before.to;
+    let (p, _) = mesh.on_curve(after.chain, after.to, true);
+    let (q, _) = mesh.on_curve(after.chain, before.from, true);
+    let central = (p - q).normalize_or_zero().dot(to_middle(mesh, vertex));
+    let (low, high) = (before.from - before.to, after.to - after.from);
+    // Where the curve bends as sharply as edges follow it, uneven edges would cut it off.
+    let straight = mesh.target[vertex] / mesh.baseline.target_at(mesh.place(ahead).location);
+    let share = TO_MIDDLE * ((straight - SHORTEST) / (STRAIGHT - SHORTEST)).clamp(0.0, 1.0);
+    Some((even + share * (central - even)).clamp(LONGEST_SLIDE * low, LONGEST_SLIDE * high.max(0.0)))
+}
+
+/// The way from a vertex to the middle of the triangles around it, weighted by their areas.
+fn to_middle(mesh: &SimMesh<'_>, vertex: VertexId) -> Vec3 {
+    let own = mesh.points[vertex];
+    let (mut sum, mut weight) = (Vec3::ZERO, 0.0f32);
+    for corner in mesh.topology.fan(vertex) {
+        let (a, b) = (mesh.topology.target(corner), mesh.topology.vertex(prev(corner)));
+        let (u, v) = (mesh.points[a] - own, mesh.points[b] - own);
+        let w = u.cross(v).length();
+        sum += w * (u + v);
+        weight += w;
+    }
+    sum / (3.0 * weight).max(f32::MIN_POSITIVE)
+}
+
+/// The move of a chain's vertex.
+pub(super) fn slide(mesh: &SimMesh<'_>, vertex: VertexId, by: f32) -> Option<Move> {
+    let [ahead, back] = mesh.chain_neighbours(vertex)?;
+    let after = mesh.span(ahead)?.along();
+    let s = mesh.span(back)?.along().to + by;
+    let (position, left) = mesh.site_on_curve(after.chain, s, true);
+    let (_, right) = mesh.site_on_curve(after.chain, s, false);
+    // The corner of a half-edge lies on its left: of one that leaves forward, on the chain's left.
+    let leaves = |half: CornerId| mesh.topology.vertex(half) == vertex;
+    let on_left = if leaves(ahead) { Some(ahead) } else { Some(next(back)).filter(|_| !leaves(back)) };
+    let on_right = if leaves(back) { Some(back) } else { Some(next(ahead)).filter(|_| !leaves(ahead)) };
+    let site = |corner: Option<CornerId>, site: Option<Site>| Some((mesh.site_of[corner?], site?));
+    let (left, right) = (site(on_left, left), site(on_right, right));
+    let target = mesh.chain(after.chain).length_at(s);
+    let ((id, site), other) = match (left, right) {
+        (Some(left), right) => (left, right),
+        (None, right) => (right?, None),
+    };
+    Some(Move { vertex, position, target, id, site, slide: Some(Box::new(Slide { ahead, back, by, other })) })
+}

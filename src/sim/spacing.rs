@@ -1,0 +1,171 @@
+//! How densely a chain's curve is cut: at its corners, and in edges short enough to follow its bends.
+
+use super::chains::Chain;
+use crate::mesh::{IdVec, VertexId};
+use glam::Vec3;
+
+/// A curve that turns by more than this within one target length has a corner there, which stays a vertex. Smaller
+/// values pin more vertices, whose edges then miss their target lengths; larger ones let chords cut corners off.
+/// \[radians\]
+const CORNER_TURN: f32 = 0.87;
+/// Corners are at least this far from each other and from the ends, as a share of the target length. Smaller values make
+/// shorter edges in small details, larger ones let chords cut those off.
+const CORNER_DISTANCE: f32 = 0.2;
+/// A chord may leave its curve by this share of the target length. Smaller values make shorter edges where curves bend.
+const SAGITTA: f32 = 0.02;
+/// No bend asks for edges shorter than this share of the target length, for the triangles beside them would be thin.
+pub(super) const SHORTEST: f32 = 0.6;
+
+/// Lengths change at most by this much per length along the curve, so that neighbouring edges are alike.
+const GRADING: f32 = 0.3;
+
+impl Chain {
+    /// Finds the corners of the curve and the lengths of edges that follow it. `step` curve segments are one edge of the
+    /// cage; `target` is the target length at each vertex of the baseline.
+    pub(super) fn space(&mut self, points: &IdVec<VertexId, Vec3>, target: &IdVec<VertexId, f32>, step: usize) {
+        let turns = self.turns(points);
+        let targets: Vec<f32> = self.vertices.iter().map(|&v| target[v]).collect();
+        self.pins = self.corners(&turns, &targets, step);
+        let mut smooth = turns;
+        self.pins.iter().for_each(|&pin| smooth[pin] = 0.0);
+        self.lengths = (0..self.vertices.len())
+            .map(|i| {
+                let bend = self.turn_around(&smooth, i, 0.5 * targets[i]) / targets[i];
+                // A chord of length l on a circle of curvature k leaves it by l² k / 8.
+                let longest = (8.0 * SAGITTA * targets[i] / bend.max(f32::MIN_POSITIVE)).sqrt();
+                longest.clamp(SHORTEST * targets[i], targets[i])
+            })
+            .collect();
+        self.grade_lengths();
+        let mut sum = 0.0f64;
+        self.spaced = vec![0.0];
+        for i in 1..self.vertices.len() {
+            let mean = 0.5 * (1.0 / self.lengths[i - 1] + 1.0 / self.lengths[i]);
+            sum += f64::from((self.along[i] - self.along[i - 1]) * mean);
+            self.spaced.push(sum as f32);
+        }
+    }
+
+    /// Makes lengths change gradually along the curve; a loop is gone round twice.
+    fn grade_lengths(&mut self) {
+        let n = self.lengths.len();
+        for _ in 0..if self.is_loop { 2 } else { 1 } {
+            for i in 1..n {
+                let most = self.lengths[i - 1] + GRADING * (self.along[i] - self.along[i - 1]);
+                self.lengths[i] = self.lengths[i].min(most);
+            }
+            for i in (1..n).rev() {
+                let most = self.lengths[i] + GRADING * (self.along[i] - self.along[i - 1]);
+                self.lengths[i - 1] = self.lengths[i - 1].min(most);
+            }
+            if self.is_loop {
+                let least = self.lengths[0].min(self.lengths[n - 1]);
+                self.lengths[0] = least;
+                self.lengths[n - 1] = least;
+            }
+        }
+    }
+
+    /// The length that edges should have at arc length `s`. \[stage units\]
+    pub fn length_at(&self, s: f32) -> f32 {
+        let at = self.at(s);
+        let (a, b) = (self.lengths[at.segment], self.lengths[at.segment + 1]);
+        a + (b - a) * at.t
+    }
+
+    /// The angle by which the curve turns at each vertex. \[radians\]
+    fn turns(&self, points: &IdVec<VertexId, Vec3>) -> Vec<f32> {
+        let n = self.vertices.len();
+        let at = |i: usize| points[self.vertices[i]];
+        let turn = |a: usize, b: usize, c: usize| {
+            let (u, v) = (at(b) - at(a), at(c) - at(b));
+            u.cross(v).length().atan2(u.dot(v))
+        };
+        let inside = 1..n.saturating_sub(1);
+        let mut turns: Vec<f32> =
+            (0..n).map(|i| if inside.contains(&i) { turn(i - 1, i, i + 1) } else { 0.0 }).collect();
+        if self.is_loop && n > 2 {
+            turns[0] = turn(n - 2, 0, 1);
+            turns[n - 1] = turns[0];
+        }
+        turns
+    }
+
+    /// The turn within `reach` of a vertex, both ways along the curve.
+    fn turn_around(&self, turns: &[f32], vertex: usize, reach: f32) -> f32 {
+        let n = turns.len() - 1;
+        let length = self.length();
+        let mut sum = turns[vertex];
+        for forward in [true, false] {
+            let (mut i, mut passed) = (vertex, 0.0);
+            while passed < length {
+                let to = match (forward, self.is_loop) {
+                    (true, _) if i < n => i + 1,
+                    (false, _) if i > 0 => i - 1,
+                    (true, true) => 1,
+                    (false, true) => n - 1,
+                    _ => break,
+                };
+                let segment = if forward { to } else { to + 1 };
+                passed += self.along[segment] - self.along[segment - 1];
+                if passed > reach || to == vertex {
+                    break;
+                }
+                sum += turns[to];
+                i = to;
+            }
+        }
+        sum
+    }
+
+    /// Vertices of the cage at which the curve has a corner, the sharpest first chosen.
+    fn corners(&self, turns: &[f32], targets: &[f32], step: usize) -> Vec<usize> {
+        let n = self.vertices.len() - 1;
+        let inside = if self.is_loop { 0..n } else { 1..n };
+        let mut found: Vec<(f32, usize)> = inside
+            .filter(|i| i % step.max(1) == 0)
+            .map(|i| (self.turn_around(turns, i, 0.5 * targets[i]), i))
+            .filter(|&(turn, _)| turn > CORNER_TURN)
+            .collect();
+        found.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        let mut pins: Vec<usize> = if self.is_loop { Vec::new() } else { vec![0, n] };
+        let ends = pins.len();
+        for (_, i) in found {
+            let apart = |&pin: &usize| {
+                let d = (self.along[i] - self.along[pin]).abs();
+                let d = if self.is_loop { d.min(self.length() - d) } else { d };
+                d >= CORNER_DISTANCE * targets[i]
+            };
+            if pins.iter().all(apart) {
+                pins.push(i);
+            }
+        }
+        pins.drain(..ends);
+        pins.sort_unstable();
+        pins
+    }
+
+    /// Number of edges that the curve asks for up to arc length `s`, as a real number.
+    pub fn count_to(&self, s: f32) -> f32 {
+        let (turn, at) = self.wound(s);
+        let (a, b) = (self.spaced[at.segment], self.spaced[at.segment + 1]);
+        turn * self.edge_count() + a + (b - a) * at.t
+    }
+
+    /// Number of edges that the curve asks for, as a real number.
+    pub fn edge_count(&self) -> f32 {
+        self.spaced.last().copied().unwrap_or(0.0)
+    }
+
+    /// The arc length at which the curve asks for `count` edges; the inverse of [`Self::count_to`].
+    pub fn at_count(&self, count: f32) -> f32 {
+        let all = self.edge_count();
+        let turn = if self.is_loop && all > 0.0 { (count / all).floor() } else { 0.0 };
+        let rest = (count - turn * all).clamp(0.0, all);
+        let last = self.spaced.len().saturating_sub(2);
+        let i = self.spaced.partition_point(|&a| a <= rest).saturating_sub(1).min(last);
+        let span = self.spaced[i + 1] - self.spaced[i];
+        let t = if span > 0.0 { (rest - self.spaced[i]) / span } else { 0.0 };
+        turn * self.length() + self.along[i] + (self.along[i + 1] - self.along[i]) * t.clamp(0.0, 1.0)
+    }
+}

@@ -1,0 +1,128 @@
+//! Time and quality of remeshing with each garment's own recipe, in one table.
+//!
+//! ```text
+//! cargo benches --bench quality                    all garments that are here
+//! cargo benches --bench quality -- coat            those whose name holds the word; more words: more garments
+//! cargo benches --bench quality -- --export DIR    what other remeshers are given (see `cargo xtask peers`)
+//! cargo benches --bench quality -- --measure DIR   our table beside what they made of it
+//! ```
+//!
+//! Times are of `simulate` alone, the least of a few runs: processor time on one thread, and wall time on one and two.
+//! `TAILOR_SET=sim.maxEdgeLength=2,sim.iterations=3` changes the recipes.
+
+#![allow(clippy::print_stdout)]
+
+#[path = "../common/garments.rs"]
+mod garments;
+#[path = "../common/nearest.rs"]
+mod nearest;
+#[path = "../common/objects.rs"]
+mod objects;
+#[path = "../common/quality.rs"]
+mod quality;
+
+use glam::Vec3;
+use quality::{Quality, Reference, measure};
+use rayon::ThreadPoolBuilder;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+use tailor::error::Warnings;
+use tailor::mesh::VertexId;
+use tailor::pipeline::Prepared;
+use tailor::recipe::{Layers, bind};
+use tailor::sim::{Baseline, Lengths, simulate};
+use tailor::spatial::PointGrid;
+use tailor::usd::{ReadOptions, Source};
+
+/// Runs of which the fastest counts.
+const RUNS: usize = 5;
+/// A bound that nothing here reaches.
+const MAX_FACES: usize = 20_000_000;
+/// Refinements of the mesh that other remeshers start from.
+const PEER_LEVEL: u32 = 1;
+
+fn main() {
+    let args: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
+    let folder = |flag: &str| args.iter().position(|a| a == flag).and_then(|i| args.get(i + 1)).map(PathBuf::from);
+    let (export, peers) = (folder("--export"), folder("--measure"));
+    let words = if export.is_some() || peers.is_some() { &[][..] } else { &args[..] };
+    if export.is_none() {
+        println!("{:32} {:>7} {:>6} {:>6} {:>6} {}", "garment", "tris", "cpu", "1 thr", "2 thr", Quality::HEAD);
+    }
+    for file in garments::garments() {
+        let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        if !words.is_empty() && !words.iter().any(|w| name.contains(w.as_str())) {
+            continue;
+        }
+        let prepared = prepare(&file);
+        match &export {
+            Some(folder) => objects::write(folder, &name, &baseline(&prepared, PEER_LEVEL)),
+            None => rows(&name, &prepared, peers.as_deref()),
+        }
+    }
+}
+
+/// Our row, and those of others.
+fn rows(name: &str, prepared: &Prepared, peers: Option<&Path>) {
+    let level = prepared.recipe.sim.baseline_level;
+    let least = |threads| (0..RUNS).map(|_| timed(prepared, threads)).reduce(|a, b| (a.0.min(b.0), a.1.min(b.1)));
+    let ((cpu, one), (_, two)) = (least(1).unwrap_or_default(), least(2).unwrap_or_default());
+    let product = simulate(baseline(prepared, level), prepared.recipe.sim.iterations, MAX_FACES);
+    let surface: Vec<[Vec3; 3]> = product.baseline.topology.faces.ids().map(|f| product.baseline.triangle(f)).collect();
+    let curves: Vec<Vec<Vec3>> = constraint_curves(&product.baseline);
+    let grid = PointGrid::new(&product.baseline.points);
+    let target = |p: Vec3| grid.nearest(&product.baseline.points, p).map_or(1.0, |v| product.baseline.target[v]);
+    let reference = Reference { surface: &surface, curves: &curves, target: &target };
+    let triangles: Vec<[usize; 3]> = product.triangles.iter().map(|t| t.map(VertexId::index)).collect();
+    let own = measure(&product.points, &triangles, &product.target, &reference);
+    println!("{name:32} {:7} {cpu:6.1} {one:6.1} {two:6.1} {own}", own.triangles);
+    for other in peers.into_iter().flat_map(|folder| objects::others(folder, name)) {
+        let wanted: Vec<f32> = other.points.iter().map(|&p| target(p)).collect();
+        let q = measure(&other.points, &other.triangles, &wanted, &reference);
+        println!("  {:30} {:7} {:>6} {:6.1} {:>6} {q}", other.name, q.triangles, "", other.milliseconds, "");
+    }
+}
+
+/// The curves that everyone is held to: those of borders, seams and chosen sets, but not our own ridges.
+fn constraint_curves(baseline: &Baseline) -> Vec<Vec<Vec3>> {
+    let chains = baseline.chains.iter().filter(|c| !c.marks.ridge);
+    chains.map(|c| c.vertices.iter().map(|&v| baseline.points[v]).collect()).collect()
+}
+
+fn prepare(file: &Path) -> Prepared {
+    let mut warnings = Warnings::default();
+    let source = Source::open(file, &ReadOptions::default()).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
+    let input = source.garment(&mut warnings).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
+    let mut layers = Layers::default();
+    layers.add_attributes(source.recipe().unwrap_or_default(), &mut warnings);
+    let more = std::env::var("TAILOR_SET").unwrap_or_default();
+    more.split(',').filter(|s| !s.is_empty()).for_each(|s| layers.add_override(s).unwrap_or_else(|e| panic!("{e}")));
+    Prepared::new(input, &layers, &mut warnings).unwrap_or_else(|e| panic!("{}: {e}", file.display()))
+}
+
+fn baseline(prepared: &Prepared, level: u32) -> Baseline {
+    let bound = bind(&prepared.recipe, &prepared.garment, false).unwrap_or_else(|e| panic!("{e}"));
+    let mut sim = prepared.recipe.sim.clone();
+    sim.baseline_level = level;
+    let lengths = Lengths { min: sim.min_edge_length, max: sim.max_edge_length, density: bound.density };
+    Baseline::new(&prepared.garment, &sim, lengths, bound.uv_set)
+}
+
+/// Processor and wall time of one run. \[milliseconds\]
+fn timed(prepared: &Prepared, threads: usize) -> (f64, f64) {
+    let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap_or_else(|e| panic!("{e}"));
+    let baseline = pool.install(|| baseline(prepared, prepared.recipe.sim.baseline_level));
+    pool.install(|| {
+        let (cpu, wall) = (cpu_time(), Instant::now());
+        let product = simulate(baseline, prepared.recipe.sim.iterations, MAX_FACES);
+        let times = (cpu_time() - cpu, wall.elapsed().as_secs_f64() * 1e3);
+        drop(product);
+        times
+    })
+}
+
+/// Processor time of this thread, where the system tells; 0 elsewhere. \[milliseconds\]
+fn cpu_time() -> f64 {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
+    text.split(' ').next().and_then(|ns| ns.parse::<f64>().ok()).unwrap_or(0.0) / 1e6
+}

@@ -1,0 +1,236 @@
+//! Every pass of remeshing, on random grids, tubes and tees with random constraints, weights and lengths: what must hold
+//! after each.
+
+#[path = "common/zoo.rs"]
+#[allow(dead_code)]
+mod zoo;
+
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
+use rayon::ThreadPoolBuilder;
+use std::collections::{BTreeMap, BTreeSet};
+use tailor::error::Warnings;
+use tailor::garment::GarmentInput;
+use tailor::mesh::{ChainId, CornerId, VertexId};
+use tailor::pipeline::Prepared;
+use tailor::recipe::{Layers, bind};
+use tailor::sim::{Baseline, Grade, Lengths, Pass, SimMesh, simulate};
+
+/// Rounds after which a mesh is left.
+const ROUNDS: usize = 3;
+/// A bound that no mesh here reaches.
+const MAX_FACES: usize = 200_000;
+
+/// What a garment is made of.
+#[derive(Clone, Debug)]
+enum Shape {
+    Grid(usize, usize),
+    Tube(usize, usize),
+    /// Lengths of the arms of a tee of square tubes.
+    Tee([usize; 3]),
+}
+
+#[derive(Clone, Debug)]
+struct Case {
+    shape: Shape,
+    shifts: Vec<f32>,
+    constraints: Vec<usize>,
+    length: f32,
+    level: u32,
+    is_graded: bool,
+}
+
+fn cases() -> impl Strategy<Value = Case> {
+    let shape = prop_oneof![
+        (1usize..6, 1usize..6).prop_map(|(x, y)| Shape::Grid(x, y)),
+        (3usize..9, 1usize..6).prop_map(|(around, along)| Shape::Tube(around, along)),
+        prop::array::uniform3(1usize..4).prop_map(Shape::Tee),
+    ];
+    let shifts = prop::collection::vec(-0.2f32..0.2, 64);
+    let constraints = prop::collection::vec(0usize..400, 0..12);
+    (shape, shifts, constraints, 0.15f32..2.0, 0u32..3, any::<bool>()).prop_map(
+        |(shape, shifts, constraints, length, level, is_graded)| Case {
+            shape,
+            shifts,
+            constraints,
+            length,
+            level,
+            is_graded,
+        },
+    )
+}
+
+/// The surface of unit cubes in the form of a T, open at its three ends, as quads without UVs.
+fn tee(arms: [usize; 3]) -> GarmentInput {
+    let [left, right, down] = arms.map(|n| n as i32);
+    let inside =
+        |[x, y, z]: [i32; 3]| z == 0 && (y == 0 && (-left..=right).contains(&x) || x == 0 && (-down..0).contains(&y));
+    let is_open =
+        |[x, y, z]: [i32; 3]| z == 0 && (y == 0 && (x == -left - 1 || x == right + 1) || x == 0 && y == -down - 1);
+    let mut points: Vec<[f32; 3]> = Vec::new();
+    let mut number: BTreeMap<[i32; 3], i32> = BTreeMap::new();
+    let mut faces: Vec<Vec<i32>> = Vec::new();
+    let cubes = (-left..=right).map(|x| [x, 0, 0]).chain((-down..0).map(|y| [0, y, 0]));
+    for cube in cubes {
+        for (axis, sign) in (0..3).flat_map(|axis| [(axis, 1), (axis, -1)]) {
+            let mut beyond = cube;
+            beyond[axis] += sign;
+            if inside(beyond) || is_open(beyond) {
+                continue;
+            }
+            let (u, v) = if sign > 0 { ((axis + 1) % 3, (axis + 2) % 3) } else { ((axis + 2) % 3, (axis + 1) % 3) };
+            let corner = |(i, j): (i32, i32)| {
+                let mut at = cube;
+                at[axis] += i32::from(sign > 0);
+                at[u] += i;
+                at[v] += j;
+                at
+            };
+            let quad = [(0, 0), (1, 0), (1, 1), (0, 1)].map(corner).map(|at| {
+                *number.entry(at).or_insert_with(|| {
+                    points.push(at.map(|c| c as f32));
+                    points.len() as i32 - 1
+                })
+            });
+            faces.push(quad.to_vec());
+        }
+    }
+    zoo::mesh(points, &faces.iter().map(Vec::as_slice).collect::<Vec<_>>())
+}
+
+impl Case {
+    fn input(&self) -> GarmentInput {
+        let mut input = match self.shape {
+            Shape::Grid(x, y) => zoo::grid(x, y, |_, _| true),
+            Shape::Tube(around, along) => zoo::tube(around, along),
+            Shape::Tee(arms) => tee(arms),
+        };
+        for (i, point) in input.points.iter_mut().enumerate() {
+            point.z += self.shifts[i % self.shifts.len()];
+        }
+        let mut edges = BTreeSet::new();
+        let mut start = 0;
+        for &n in &input.face_vertex_counts {
+            let face = &input.face_vertex_indices[start..start + n as usize];
+            edges.extend(
+                (0..face.len()).map(|k| (face[k], face[(k + 1) % face.len()])).map(|(a, b)| [a.min(b), a.max(b)]),
+            );
+            start += n as usize;
+        }
+        let edges: Vec<[i32; 2]> = edges.into_iter().collect();
+        let chosen: BTreeSet<[i32; 2]> = self.constraints.iter().map(|&i| edges[i % edges.len()]).collect();
+        match chosen.is_empty() {
+            true => input,
+            false => zoo::with_edges(input, "line", &chosen.into_iter().collect::<Vec<_>>()),
+        }
+    }
+
+    fn prepared(&self) -> Prepared {
+        let mut layers = Layers::default();
+        let mut set = |text: String| layers.add_override(&text).unwrap_or_else(|e| panic!("{e}"));
+        set(format!("sim.maxEdgeLength={}", self.length));
+        set(format!("sim.baselineLevel={}", self.level));
+        if self.is_graded {
+            set("sim.density=density".into());
+            set(format!("sim.minEdgeLength={}", 0.25 * self.length));
+        }
+        if !self.constraints.is_empty() {
+            set("sim.constraints=line".into());
+        }
+        Prepared::new(self.input(), &layers, &mut Warnings::default()).unwrap_or_else(|e| panic!("{e}"))
+    }
+}
+
+fn baseline(prepared: &Prepared) -> Baseline {
+    let bound = bind(&prepared.recipe, &prepared.garment, false).unwrap_or_else(|e| panic!("{e}"));
+    let sim = &prepared.recipe.sim;
+    let lengths = Lengths { min: sim.min_edge_length, max: sim.max_edge_length, density: bound.density };
+    Baseline::new(&prepared.garment, sim, lengths, bound.uv_set)
+}
+
+/// What no pass may change: vertices - edges + faces, border loops, and the curve that the edges of each chain cover.
+#[derive(Debug, PartialEq)]
+struct Kept {
+    euler: i64,
+    border_loops: usize,
+    anchors: BTreeSet<VertexId>,
+}
+
+fn kept(mesh: &SimMesh<'_>) -> Kept {
+    let t = &mesh.topology;
+    let euler = t.vertices().count() as i64 - t.edges().count() as i64 + t.faces().count() as i64;
+    let next_border: BTreeMap<VertexId, VertexId> =
+        t.corners().filter(|&c| t.twin(c).is_none()).map(|c| (t.vertex(c), t.target(c))).collect();
+    let mut seen = BTreeSet::new();
+    let mut border_loops = 0;
+    for &start in next_border.keys() {
+        let mut at = start;
+        border_loops += usize::from(!seen.contains(&start));
+        while seen.insert(at) {
+            at = next_border[&at];
+        }
+    }
+    let anchors = t.vertices().filter(|&v| mesh.grade[v] == Grade::Frozen).collect();
+    Kept { euler, border_loops, anchors }
+}
+
+/// Length of the part of each curve that the mesh's edges follow.
+fn covered(mesh: &SimMesh<'_>) -> BTreeMap<ChainId, f64> {
+    let mut covered = BTreeMap::new();
+    for span in mesh.topology.edges().filter_map(|h| mesh.span(h)) {
+        *covered.entry(span.chain).or_default() += f64::from((span.to - span.from).abs());
+    }
+    covered
+}
+
+/// Triangles that lie the wrong way round in UV space.
+fn flipped(mesh: &SimMesh<'_>) -> usize {
+    let base = mesh.baseline;
+    let is_flipped = |f: &tailor::mesh::FaceId| {
+        let [a, b, c] = [0, 1, 2].map(|k| mesh.place(CornerId::new(3 * f.index() + k)));
+        (b.uv - a.uv).perp_dot(c.uv - a.uv) * base.shell_sign[a.location.face] <= 0.0
+    };
+    if base.holds_uvs { mesh.topology.faces().filter(is_flipped).count() } else { 0 }
+}
+
+fn few() -> ProptestConfig {
+    let given = ProptestConfig::default();
+    let set = |name: &str| std::env::var_os(name).is_some();
+    let cases = if set("PROPTEST_CASES") { given.cases } else { 64 };
+    let rng_seed = if set("PROPTEST_RNG_SEED") { given.rng_seed } else { RngSeed::Fixed(20_040_308) };
+    ProptestConfig { cases, rng_seed, failure_persistence: None, ..given }
+}
+
+proptest! {
+    #![proptest_config(few())]
+
+    #[test]
+    fn every_pass_keeps_what_it_must(case in cases()) {
+        let baseline = baseline(&case.prepared());
+        let mut mesh = SimMesh::new(&baseline);
+        mesh.assert_consistent();
+        let (before, curves, flips) = (kept(&mesh), covered(&mesh), flipped(&mesh));
+        for pass in [Pass::ROUND; ROUNDS].concat() {
+            pass.run(&mut mesh);
+            mesh.assert_consistent();
+            prop_assert_eq!(&kept(&mesh), &before, "after {:?}", pass);
+            prop_assert!(flipped(&mesh) <= flips, "{:?} turned a triangle over in UV", pass);
+            for (chain, length) in covered(&mesh) {
+                let whole = curves[&chain];
+                prop_assert!((length - whole).abs() <= 1e-4 * whole, "{chain:?} covers {length} of {whole} after {pass:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn any_number_of_threads_gives_the_same_bytes(case in cases()) {
+        let prepared = case.prepared();
+        let run = |threads| {
+            let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap_or_else(|e| panic!("{e}"));
+            pool.install(|| simulate(baseline(&prepared), 2, MAX_FACES))
+        };
+        let (one, many) = (run(1), run(8));
+        prop_assert_eq!(one.triangles, many.triangles);
+        prop_assert!(one.points.iter().zip(many.points.iter()).all(|(a, b)| a.to_array().map(f32::to_bits) == b.to_array().map(f32::to_bits)));
+    }
+}

@@ -1,0 +1,161 @@
+"""What transfer writes beyond primvars and subsets: sharpness, blend shapes, provenance."""
+
+import numpy as np
+import pytest
+from catmull_clark import Subdivision
+from mesh import read_mesh
+from pxr import Sdf, Usd, UsdGeom, UsdSkel, Vt
+from sources import MODEL, add_subset, sheet, write
+
+COUNT = len(sheet()[0])
+
+
+def sharpness(prim):
+    attribute = prim.GetAttribute("tailor:sharpness")
+    return attribute.Get() if attribute else None
+
+
+def test_creases_and_corners_are_subsets_with_their_sharpness(build, tmp_path):
+    source = write(tmp_path / "in.usda", creases={(5, 6, 7): 2.5, (11, 12): 10.0}, corners={3: 4.0})
+    product = build(source)
+    sim = product.sim
+    found = {name: (s.element_type, s.family, sharpness(s.prim)) for name, s in sim.subsets.items() if "tailorC" in name}
+    assert found == {
+        "tailorCreases": ("edge", "tailorCreases", 2.5),
+        "tailorCreases_2": ("edge", "tailorCreases", 10.0),
+        "tailorCorners": ("point", "tailorCorners", 4.0),
+    }
+    assert all(len(sim.subsets[name].indices) > 0 for name in found)
+
+
+@pytest.mark.parametrize("suffix", [".usda", ".usdc"])
+def test_sharpness_survives_a_round_trip(build, tmp_path, suffix):
+    """Written, exported by OpenUSD, and built again from the simulation mesh."""
+    source = write(tmp_path / "in.usda", creases={(5, 6, 7): 2.5})
+    first = build(source, "--flatten", suffix=suffix)
+    again = tmp_path / f"again{suffix}"
+    assert first.stage.GetRootLayer().Export(str(again))
+    path = str(first.model_path.ReplaceName("sim"))
+    names = ("--prim", path, "--sim-name", "sim2", "--render-name", "render2")
+    second = build(again, *names, suffix=suffix, stem="second")
+    for name in ("sim2", "render2"):
+        mesh = read_mesh(second.stage.GetPrimAtPath(first.model_path.ReplaceName(name)))
+        assert sharpness(mesh.subsets["tailorCreases"].prim) == 2.5, name
+        assert len(mesh.subsets["tailorCreases"].indices) > 0, name
+
+
+def add_shapes(mesh):
+    """Two bound shapes, one of some points with an inbetween, and one that is not bound."""
+    stage, path = mesh.GetPrim().GetStage(), mesh.GetPath()
+
+    def shape(name, offsets, indices=None, inbetween=None):
+        prim = UsdSkel.BlendShape.Define(stage, path.AppendChild(name))
+        prim.CreateOffsetsAttr(Vt.Vec3fArray([tuple(map(float, o)) for o in offsets]))
+        prim.CreateNormalOffsetsAttr(Vt.Vec3fArray([tuple(map(float, o * 0.5)) for o in offsets]))
+        if indices is not None:
+            prim.CreatePointIndicesAttr(Vt.IntArray(indices))
+        if inbetween is not None:
+            half = prim.CreateInbetween("half")
+            half.SetWeight(0.5)
+            half.SetOffsets(Vt.Vec3fArray([tuple(map(float, o)) for o in inbetween]))
+        return prim
+
+    rng = np.random.default_rng(5)
+    shape("wide", rng.normal(size=(COUNT, 3)))
+    shape("bump", rng.normal(size=(3, 3)), indices=[7, 2, 12], inbetween=rng.normal(size=(3, 3)))
+    shape("loose", rng.normal(size=(COUNT, 3)))
+    binding = UsdSkel.BindingAPI.Apply(mesh.GetPrim())
+    binding.CreateBlendShapesAttr(Vt.TokenArray(["b", "w"]))
+    binding.CreateBlendShapeTargetsRel().SetTargets([path.AppendChild("bump"), path.AppendChild("wide")])
+    add_subset(mesh, name="loose_set", indices=[0, 1])
+
+
+def dense(shape, count, name="offsets"):
+    offsets = np.array(shape.GetPrim().GetAttribute(name).Get(), float).reshape(-1, 3)
+    indices = shape.GetPointIndicesAttr().Get()
+    out = np.zeros((count, 3))
+    out[np.arange(count) if indices is None else np.array(indices, int)] = offsets
+    return out
+
+
+@pytest.mark.parametrize("flatten", [(), ("--flatten",)])
+def test_blend_shapes_are_carried_to_both_products(build, tmp_path, flatten):
+    source = write(tmp_path / "in.usda", finish=add_shapes)
+    product = build(source, "--set", "render.level=1", *flatten)
+    made = Subdivision(product.source.cage, 1)
+    there = made.vertex(product.source.points)
+    order = np.array([((there - point) ** 2).sum(axis=1).argmin() for point in product.render.points])
+    assert len(np.unique(order)) == len(there)
+    assert not any("lend" in warning for warning in product.warnings), product.warnings
+    for name in ("sim", "render"):
+        prim = product.prim(name)
+        binding = UsdSkel.BindingAPI(prim)
+        assert list(binding.GetBlendShapesAttr().Get()) == ["b", "w"]
+        targets = binding.GetBlendShapeTargetsRel().GetTargets()
+        assert [str(t) for t in targets] == [f"{prim.GetPath()}/bump", f"{prim.GetPath()}/wide"]
+        for shape in ("wide", "bump", "loose"):
+            own = UsdSkel.BlendShape(prim.GetChild(shape))
+            valid, reason = UsdSkel.BlendShape.ValidatePointIndices(own.GetPointIndicesAttr().Get(), len(product.mesh(name).points))
+            assert valid, reason
+            before = UsdSkel.BlendShape(product.source.prim.GetChild(shape))
+            for values in ("offsets", "normalOffsets"):
+                moved = dense(own, len(product.mesh(name).points), values)
+                given = dense(before, COUNT, values)
+                if name == "render":
+                    assert np.allclose(moved, made.vertex(given)[order], atol=1e-5), (shape, values)
+                else:
+                    assert np.abs(moved).max() <= np.abs(given).max() + 1e-5
+                    assert np.abs(moved).max() > 0
+        half = UsdSkel.BlendShape(prim.GetChild("bump")).GetInbetween("half")
+        assert half.GetWeight() == 0.5
+        assert len(half.GetOffsets()) == len(UsdSkel.BlendShape(prim.GetChild("bump")).GetPointIndicesAttr().Get())
+
+
+def test_a_pose_of_the_blend_shapes_is_that_of_the_input(build, tmp_path):
+    """The simulation mesh moved by a shape lies on the moved surface: it does where the shape shifts everything."""
+
+    def finish(mesh):
+        shape = UsdSkel.BlendShape.Define(mesh.GetPrim().GetStage(), mesh.GetPath().AppendChild("shift"))
+        shape.CreateOffsetsAttr(Vt.Vec3fArray([(1.0, -2.0, 0.5)] * COUNT))
+
+    product = build(write(tmp_path / "in.usda", finish=finish))
+    for name in ("sim", "render"):
+        shape = UsdSkel.BlendShape(product.prim(name).GetChild("shift"))
+        assert np.allclose(dense(shape, len(product.mesh(name).points)), (1.0, -2.0, 0.5), atol=1e-5)
+
+
+def test_a_shape_that_does_not_fit_is_a_warning(build, tmp_path):
+    def finish(mesh):
+        shape = UsdSkel.BlendShape.Define(mesh.GetPrim().GetStage(), mesh.GetPath().AppendChild("odd"))
+        shape.CreateOffsetsAttr(Vt.Vec3fArray([(1.0, 0.0, 0.0)] * 2))
+        shape.CreatePointIndicesAttr(Vt.IntArray([0, COUNT + 5]))
+
+    product = build(write(tmp_path / "in.usda", finish=finish))
+    assert any(f"{MODEL}/odd" in warning for warning in product.warnings), product.warnings
+    assert not product.prim("sim").GetChild("odd")
+
+
+def test_provenance_is_written_when_asked_for(build, tmp_path):
+    source = write(tmp_path / "in.usda")
+    assert "tailor:sourceFace" not in build(source).sim.primvars
+    sim = build(source, "--set", "sim.provenance=true", stem="asked").sim
+    faces, coords = sim.primvars["tailor:sourceFace"], sim.primvars["tailor:sourceCoords"]
+    assert (faces.type_name, faces.interpolation) == ("int[]", "vertex")
+    assert (coords.type_name, coords.interpolation) == ("float2[]", "vertex")
+    assert len(faces.rows) == len(coords.rows) == len(sim.points)
+    assert ((faces.rows >= 0) & (faces.rows < len(sheet()[1]))).all()
+    assert (coords.rows >= -1e-5).all() and (coords.rows <= 1 + 1e-5).all()
+
+
+def test_colours_are_means_of_what_faces_cover(build, tmp_path):
+    """A gradient over the faces stays within one face's step of itself."""
+    x = np.array(sheet()[0])[:, 0]
+
+    def finish(mesh):
+        colours = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar("displayColor", Sdf.ValueTypeNames.Color3fArray, "uniform")
+        colours.Set(Vt.Vec3fArray([(float(i % 4), 0.0, 1.0) for i in range(len(sheet()[1]))]))
+
+    product = build(write(tmp_path / "in.usda", finish=finish), "--set", "sim.maxEdgeLength=0.4")
+    rows = product.sim.primvars["displayColor"].flat
+    assert (np.abs(rows[:, 0] + 0.5 - product.sim.face_centres[:, 0]) <= 0.7 + 1e-6).all()
+    assert np.ptp(x) == 4 and rows[:, 0].min() == 0 and rows[:, 0].max() == 3

@@ -1,0 +1,31 @@
+//! `cargo xtask peers`: other remeshers on the same surfaces, measured by the same code, in one table.
+
+use crate::process::{self, Failure, Outcome};
+use crate::project::Project;
+
+/// What the peers are installed from, in an environment of their own.
+const PACKAGES: [&str; 4] = ["numpy", "pymeshlab", "gpytoolbox", "meshlib"];
+
+/// Exports the garments, lets the peers remesh them, and prints the table.
+pub fn run(project: &Project) -> Outcome {
+    let folder = project.scratch("peers")?;
+    bench(project, "--export", &folder)?;
+    let environment = project.target.join("peers-venv");
+    let programs = environment.join(if cfg!(windows) { "Scripts" } else { "bin" });
+    let python = programs.join(if cfg!(windows) { "python.exe" } else { "python" });
+    if !environment.join("installed").exists() {
+        let base = std::env::var("PYTHON").unwrap_or_else(|_| "python3".into());
+        process::run(project.command(base).args(["-m", "venv", "--clear"]).arg(&environment))?;
+        process::run(project.command(&python).args(["-m", "pip", "install", "--quiet"]).args(PACKAGES))?;
+        std::fs::write(environment.join("installed"), PACKAGES.join("\n"))
+            .map_err(|error| Failure::new(format!("cannot write in {}: {error}", environment.display())))?;
+    }
+    process::run(project.command(&python).arg("tests/bench/peers.py").arg(&folder))?;
+    bench(project, "--measure", &folder)
+}
+
+fn bench(project: &Project, flag: &str, folder: &std::path::Path) -> Outcome {
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let bench = ["bench", "--ignore-rust-version", "--package", "tailor", "--bench", "quality", "--"];
+    process::run(project.command(cargo).args(bench).arg(flag).arg(folder))
+}
