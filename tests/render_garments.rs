@@ -126,7 +126,8 @@ fn operators_make_sound_quads() {
                 assert_eq!(mesh.faces.valence(face), 4, "{name}");
                 let vector = area(&mesh, face);
                 let corners = mesh.faces.vertices_of(face);
-                let longest = (0..4).map(|i| mesh.points[corners[i]].distance_squared(mesh.points[corners[(i + 1) % 4]]));
+                let longest =
+                    (0..4).map(|i| mesh.points[corners[i]].distance_squared(mesh.points[corners[(i + 1) % 4]]));
                 if vector.length() < 1e-4 * longest.fold(0.0, f32::max) {
                     flat.push(face);
                 }
@@ -139,7 +140,10 @@ fn operators_make_sound_quads() {
             turned.retain(|(_, parent)| !folded.contains(parent));
             if !turned.is_empty() || !flat.is_empty() {
                 let (n, m) = (turned.len(), flat.len());
-                complaints.push(format!("{name}, {seam:?}, {hem:?}: {n} turned {:?}, {m} flat {flat:?}", &turned[..n.min(9)]));
+                complaints.push(format!(
+                    "{name}, {seam:?}, {hem:?}: {n} turned {:?}, {m} flat {flat:?}",
+                    &turned[..n.min(9)]
+                ));
             }
         }
     }

@@ -19,12 +19,14 @@ pub struct Table<I> {
     entries: Vec<(I, f32)>,
 }
 
-impl<I: Copy> Table<I> {
-    /// A table of no rows.
-    pub fn new() -> Self {
+/// A table of no rows.
+impl<I> Default for Table<I> {
+    fn default() -> Self {
         Self { offsets: vec![0], entries: Vec::new() }
     }
+}
 
+impl<I: Copy> Table<I> {
     /// Adds a row.
     pub fn push(&mut self, row: impl IntoIterator<Item = (I, f32)>) {
         self.entries.extend(row);
@@ -87,7 +89,7 @@ pub struct Builder<'a> {
 impl<'a> Builder<'a> {
     /// A child that has the parent's vertices and nothing else.
     pub fn new(parent: &'a Topology) -> Self {
-        let mut vertices = Table::new();
+        let mut vertices = Table::default();
         (0..parent.vertex_count()).for_each(|v| vertices.push([(VertexId::new(v), 1.0)]));
         let (faces, corners) = (parent.faces.len(), parent.faces.corners().len());
         Self {
@@ -236,7 +238,7 @@ impl Derivation {
         let by_vertex = Csr::group(self.vertices.len(), by_vertex, CornerId::new(0));
         let vertices = (0..self.vertices.len()).into_par_iter().map(VertexId::new);
         let shared: Vec<Shared> = vertices.map(|v| self.values_at(v, by_vertex.row(v), rows)).collect();
-        let mut stencils = Table::new();
+        let mut stencils = Table::default();
         let mut corner_values = IdVec::filled(ValueId::new(0), corners.len());
         for (corners, sum) in shared.into_iter().flatten() {
             corners.into_iter().for_each(|c| corner_values[c] = ValueId::new(stencils.len()));

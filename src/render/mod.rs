@@ -218,8 +218,8 @@ fn add_border_holes(cage: &mut Garment) {
 
 /// A subset of new faces, under a name that no other subset has.
 fn new_set(garment: &Garment, name: &str, faces: Vec<FaceId>) -> Subset {
-    let numbered = (1..).map(|n| if n == 1 { name.to_owned() } else { format!("{name}_{n}") });
-    let free = numbered.skip_while(|name| garment.subset(name).is_some()).next();
+    let mut numbered = (1..).map(|n| if n == 1 { name.to_owned() } else { format!("{name}_{n}") });
+    let free = numbered.find(|name| garment.subset(name).is_none());
     Subset { name: free.unwrap_or_default(), family: String::new(), elements: Elements::Faces(faces), sharpness: None }
 }
 

@@ -185,7 +185,7 @@ impl Formed {
         let t = &self.parent.topology;
         let mut targets: Vec<(Vec3, Vec3)> = self.seen.iter().map(|seen| surface.at(t, seen)).collect();
         let heights = operator.heights(&self.shape, &targets, warnings);
-        let mut made = carried_points(&(&self.shape.derivation).vertex(), points);
+        let mut made = carried_points(&self.shape.derivation.vertex(), points);
         for ((held, target), height) in self.shape.held.iter().zip(&mut targets).zip(heights) {
             target.0 += height * target.1;
             // Those that slide in the surface begin where they are to be; old ones keep their place in it.

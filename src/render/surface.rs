@@ -21,7 +21,7 @@ const ENOUGH: f32 = 2e-7;
 pub fn limit_rows(level: &Level, vertices: impl IndexedParallelIterator<Item = VertexId>) -> Table<VertexId> {
     let refined = level.vertex_stencils();
     let rows: Vec<Vec<(VertexId, f32)>> = vertices.map(|v| limit_row(level, &refined, v)).collect();
-    let mut table = Table::new();
+    let mut table = Table::default();
     rows.into_iter().for_each(|row| table.push(row));
     table
 }

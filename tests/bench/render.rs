@@ -13,10 +13,8 @@ use tailor::session::Session;
 use tailor::usd::{ReadOptions, Source, WriteOptions, write};
 
 /// Name, file and edge set of the garments; those that are not here are not measured.
-const GARMENTS: [(&str, &str, &str); 2] = [
-    ("coat", "examples/coat.usda", "side_seams"),
-    ("worksuit", "../shared/garments/male_worksuit01.usdc", "uvSeams"),
-];
+const GARMENTS: [(&str, &str, &str); 2] =
+    [("coat", "examples/coat.usda", "side_seams"), ("worksuit", "../shared/garments/male_worksuit01.usdc", "uvSeams")];
 
 fn file(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
@@ -52,7 +50,8 @@ fn stack(garment: &Garment, options: &[(String, String)]) -> Stack {
     let mut layers = Layers::default();
     options.iter().for_each(|(k, v)| layers.add_text("bench", k, v).unwrap_or_else(|e| panic!("{e}")));
     let recipe = layers.recipe().unwrap_or_else(|e| panic!("{e}"));
-    Stack::new(garment.points.len(), &recipe.render, &recipe.seams, &recipe.thicknesses).unwrap_or_else(|e| panic!("{e}"))
+    Stack::new(garment.points.len(), &recipe.render, &recipe.seams, &recipe.thicknesses)
+        .unwrap_or_else(|e| panic!("{e}"))
 }
 
 fn composed(source: &Source) -> Vec<u8> {

@@ -70,9 +70,9 @@ impl Network {
     ) -> Option<[VertexId; 2]> {
         let far = |e: EdgeId| if t.edges[e][0] == vertex { t.edges[e][1] } else { t.edges[e][0] };
         let around: Vec<VertexId> = self.marked_at(t, vertex).map(far).collect();
-        match around.as_slice() {
-            &[before] => Some([before, vertex]),
-            &[a, b] => {
+        match *around.as_slice() {
+            [before] => Some([before, vertex]),
+            [a, b] => {
                 let into = (points[vertex] - points[a]).normalize_or_zero();
                 let on = (points[b] - points[vertex]).normalize_or_zero();
                 (into.dot(on) > least_cosine).then_some([a, b])
@@ -146,9 +146,9 @@ impl Network {
     ) {
         loop {
             let here: Vec<EdgeId> = self.marked_at(t, at).filter(|&e| self.seam[e] == self.seam[edge]).collect();
-            let next = match here.as_slice() {
-                &[x, y] if x == edge => y,
-                &[x, y] if y == edge => x,
+            let next = match *here.as_slice() {
+                [x, y] if x == edge => y,
+                [x, y] if y == edge => x,
                 _ => return,
             };
             if std::mem::replace(&mut done[next], true) {
