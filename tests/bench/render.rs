@@ -1,6 +1,8 @@
 //! Time of the render mesh: seams on all UV seams, hems on all panels at a border, two refinements, all attributes; and
 //! of one edit of a seam through a session.
 
+#![allow(clippy::print_stderr)]
+
 use criterion::Criterion;
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
