@@ -150,7 +150,7 @@ pub enum Warning {
         /// What is left of the width at the narrowest place, as a share.
         least: f32,
     },
-    /// Seams that are pushed less than asked, as they would come through the other layer of a fold.
+    /// Seams that are pushed less than asked, as they would cross the other layer of a fold or another part.
     ShallowSeam {
         /// Name of the seam.
         seam: String,
@@ -158,6 +158,8 @@ pub enum Warning {
         count: usize,
         /// Point indices.
         examples: Vec<usize>,
+        /// What is left of the offset at the shallowest place, as a share.
+        least: f32,
     },
     /// Edges of a seam that an earlier seam has already.
     SharedSeamEdges {
@@ -177,7 +179,7 @@ pub enum Warning {
         /// Point indices.
         examples: Vec<[usize; 2]>,
     },
-    /// A second layer that is nearer in places than asked, where it would cross itself.
+    /// A second layer that is nearer in places than asked, where it would cross itself or another part.
     ThinLayer {
         /// Name of the thickness.
         thickness: String,
@@ -258,13 +260,11 @@ impl fmt::Display for Warning {
                 write!(f, "seam.{seam} is narrower than asked at {count} places ({some}), down to ")?;
                 write!(f, "{:.0} % of its width; lower its width, or give it longer edges there", least * 100.0)
             }
-            Self::ShallowSeam { seam, count, examples } => {
+            Self::ShallowSeam { seam, count, examples, least } => {
                 let some = some(*count, "points", examples, usize::to_string);
-                write!(
-                    f,
-                    "seam.{seam} is pushed less than its normalOffset at {count} places ({some}), where it would "
-                )?;
-                write!(f, "come through the other layer of a thickness; lower it, or run the thickness after the seam")
+                write!(f, "seam.{seam} is pushed less than its normalOffset at {count} places ({some}), down to ")?;
+                write!(f, "{:.0} % of it, where it would cross another layer or part; ", least * 100.0)?;
+                write!(f, "lower it there, or run a thickness after the seam")
             }
             Self::SharedSeamEdges { seam, count, examples } => {
                 let some = some(*count, "points", examples, |[a, b]| format!("{a}-{b}"));
@@ -279,7 +279,7 @@ impl fmt::Display for Warning {
             Self::ThinLayer { thickness, count, examples, least } => {
                 let some = some(*count, "points", examples, usize::to_string);
                 write!(f, "thickness.{thickness} is thinner than asked at {count} places ({some}), down to ")?;
-                write!(f, "{:.0} % of its amount, where it would cross itself", least * 100.0)
+                write!(f, "{:.0} % of its amount, where it would cross itself or another part", least * 100.0)
             }
             Self::OperatorsLeftOut { names } => {
                 write!(f, "not in render.operators, and so not made: {}", names.join(", "))

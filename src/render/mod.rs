@@ -1,15 +1,18 @@
 //! The render mesh: the cage through a stack of operators, then refined.
 //!
 //! An operator is a *derivation* (cage in, cage out, with the parents of every element: [`derivation`]) and a
-//! *deformation* (where the limit surface of the new cage is to be: [`surface`]). Attributes of every kind go through the
+//! *deformation* (where the limit surface of the new cage is to be: `surface`). Attributes of every kind go through the
 //! derivation by the code that refinement uses. Seams and hems share the insertion of lines beside marked edges
-//! ([`lines`]).
+//! (`lines`).
+//!
+//! What an operator makes crosses and turns over as little as can be: `sound` lowers its heights where it would.
 //!
 //! # A new operator
 //!
 //! 1. A file here with its options (a serde struct with defaults) and a type with the trait [`Operator`]: `shape`
 //!    collects faces, vertices and edges in a [`derivation::Builder`], each with its parent, and lists the vertices that
-//!    are held; `heights` says how far from the old surface each of them is. `structure` names the options that `shape`
+//!    are held; `heights` says how far from the old surface each of them is, and
+//!    `reduced` warns where less was given. `structure` names the options that `shape`
 //!    reads, so that a change of the others only moves points.
 //! 2. A map of its instances in `recipe::Recipe`, and a line for it in [`Stack::new`].
 //! 3. A multiple-apply schema in `schemas/schema.usda`; a test holds its attributes to the options.
@@ -18,11 +21,12 @@ pub mod derivation;
 mod lines;
 mod seam;
 mod shape;
+mod sound;
 mod surface;
 mod thickness;
 
 pub use seam::{SeamOptions, Seams};
-pub use shape::{Formed, Held, Operator, Role, Room, Shape, without_rooms};
+pub use shape::{Formed, Ground, Held, Operator, Role, Room, Shape, without_rooms};
 pub use surface::{Pin, Surface, limit_rows};
 pub use thickness::{Side, Thickness, ThicknessOptions};
 

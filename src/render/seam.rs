@@ -31,8 +31,11 @@ const LINES: [f32; 2] = [1.0, 1.6];
 const SWOLLEN_LINES: [f32; 3] = [0.5, 1.0, 1.5];
 /// Cosine of the turn from which on a chain has a corner, which is rounded, and not held across.
 const STRAIGHT: f32 = 0.87;
-/// Least part of the width on one side, so that full asymmetry keeps both lines apart.
-const LEAST_SIDE: f32 = 0.05;
+/// Least part of the width on one side, so that at full asymmetry both lines are apart and the steep flank is not turned
+/// over.
+const LEAST_SIDE: f32 = 0.2;
+/// A centre that keeps less of its offset than this is reported.
+const REPORTED: f32 = 0.98;
 /// Elements that a warning names.
 const EXAMPLES: usize = 5;
 
@@ -48,7 +51,7 @@ pub struct SeamOptions {
     pub depth: f32,
     /// How far the centre is pushed along the normal; below 0 is a groove, above a ridge. \[stage units\]
     pub normal_offset: f32,
-    /// Part of the width on either side: -1 all on the left, 0 even, 1 all on the right.
+    /// Part of the width on either side: -1 most on the left, 0 even, 1 most on the right; a fifth stays on the other.
     pub asymmetry: f32,
 }
 
@@ -233,25 +236,30 @@ impl Operator for Seams {
         Ok(Shape { derivation: lines.builder.finish(), held, subsets, corners, creases, apart, warnings })
     }
 
-    fn heights(&self, shape: &Shape, _: &[(Vec3, Vec3)], warnings: &mut Warnings) -> Vec<f32> {
-        let mut shallow: Vec<(usize, VertexId)> = Vec::new();
-        let of = |held: &Held| {
+    fn heights(&self, shape: &Shape, _: &[(Vec3, Vec3)]) -> Vec<f32> {
+        let of = |held: &Held| self.height(&held.role).0.clamp(-held.room[0], held.room[1]);
+        shape.held.iter().map(of).collect()
+    }
+
+    fn reduced(&self, shape: &Shape, given: &[f32]) -> Warnings {
+        let mut warnings = Warnings::default();
+        let mut shallow: Vec<(usize, VertexId, f32)> = Vec::new();
+        for (held, given) in shape.held.iter().zip(given) {
             let (asked, instance) = self.height(&held.role);
-            let height = asked.clamp(-held.room[0], held.room[1]);
-            if height != asked && matches!(held.role, Role::Centre(_)) {
-                shallow.push((instance, held.vertex));
-            }
-            height
-        };
-        let heights = shape.held.iter().map(of).collect();
-        for (instance, (name, _)) in self.seams.iter().enumerate() {
-            let vertices: Vec<VertexId> = shallow.iter().filter(|s| s.0 == instance).map(|s| s.1).collect();
-            if !vertices.is_empty() {
-                let examples = self.examples(&vertices, |v| vec![v], |v| v.index());
-                warnings.push(Warning::ShallowSeam { seam: name.clone(), count: vertices.len(), examples });
+            if matches!(held.role, Role::Centre(_)) && given.abs() < REPORTED * asked.abs() {
+                shallow.push((instance, held.vertex, given / asked));
             }
         }
-        heights
+        for (instance, (name, _)) in self.seams.iter().enumerate() {
+            let here = shallow.iter().filter(|s| s.0 == instance);
+            let vertices: Vec<VertexId> = here.clone().map(|s| s.1).collect();
+            if !vertices.is_empty() {
+                let examples = self.examples(&vertices, |v| vec![v], |v| v.index());
+                let (seam, least) = (name.clone(), here.map(|s| s.2).fold(1.0, f32::min));
+                warnings.push(Warning::ShallowSeam { seam, count: vertices.len(), examples, least });
+            }
+        }
+        warnings
     }
 }
 

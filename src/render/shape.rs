@@ -3,6 +3,7 @@
 //! The two are apart, so that an edit that only moves points repeats only the second.
 
 use super::derivation::{Derivation, Table};
+use super::sound::{Kin, LEAST_SHARE, Sound, States, sound};
 use super::surface::{Aim, Pin, Surface, fit, limit_rows};
 use crate::error::{Error, Warnings};
 use crate::garment::{Interpolation, Mixing, Orientation, Primvar, Subset, Values};
@@ -26,7 +27,10 @@ pub trait Operator: Sync + Send {
     fn shape(&self, cage: &Cage) -> Result<Shape, Error>;
 
     /// How far from the parent's surface each role of the shape is, along the normal. \[stage units\]
-    fn heights(&self, shape: &Shape, surface: &[(Vec3, Vec3)], warnings: &mut Warnings) -> Vec<f32>;
+    fn heights(&self, shape: &Shape, surface: &[(Vec3, Vec3)]) -> Vec<f32>;
+
+    /// What to say of the heights that were given, where they are less than asked.
+    fn reduced(&self, shape: &Shape, given: &[f32]) -> Warnings;
 }
 
 /// What a held vertex is for.
@@ -67,6 +71,10 @@ pub struct Held {
 
 /// How far a vertex may go against and along the normal until it meets the other layer of a fold. \[stage units\]
 pub type Room = [f32; 2];
+
+/// Part of its height that the free border of a layer keeps: nearer, it is within what a refined mesh differs from the
+/// limit, and weaves through the other layer.
+const LEAST_AT_BORDER: f32 = 0.4;
 
 /// No layer is near.
 pub const FREE: Room = [1e30; 2];
@@ -150,6 +158,19 @@ pub struct Formed {
     parent_rows: Table<VertexId>,
     /// For each aim the corners of the parent that its place is a weighted mean of.
     seen: Vec<Vec<(CornerId, f32)>>,
+    /// Vertices with their copies.
+    pairs: Vec<[VertexId; 2]>,
+    /// Faces whose points may move.
+    moved: IdVec<FaceId, bool>,
+}
+
+/// Where the points of a stage are without heights; what heights are measured from.
+pub struct Ground {
+    parent: IdVec<VertexId, Vec3>,
+    /// Place and normal for each held vertex.
+    targets: Vec<(Vec3, Vec3)>,
+    linear: IdVec<VertexId, Vec3>,
+    flat: IdVec<VertexId, Vec3>,
 }
 
 impl Formed {
@@ -171,7 +192,79 @@ impl Formed {
         let parent_rows = limit_rows(parent.level(), every);
         let seen = seen(&shape, cage.level(), parent.level());
         let (level, orientation) = (parent.level().clone(), parent.garment().orientation);
-        Ok(Self { cage, shape, aims, rows, parent: level, orientation, parent_rows, seen })
+        let pair = |held: &Held| match held.role {
+            Role::Layer { over, .. } => Some([over, held.vertex]),
+            _ => None,
+        };
+        let (pairs, moved) = (shape.held.iter().filter_map(pair).collect(), moved(&shape));
+        Ok(Self { cage, shape, aims, rows, parent: level, orientation, parent_rows, seen, pairs, moved })
+    }
+
+    /// The points of the new cage without heights, where the parent's are `points`.
+    pub fn ground(&self, points: &IdVec<VertexId, Vec3>) -> Ground {
+        let surface = Surface::new(&self.parent, self.orientation, &self.parent_rows, points);
+        let t = &self.parent.topology;
+        let targets: Vec<(Vec3, Vec3)> = self.seen.par_iter().map(|seen| surface.at(t, seen)).collect();
+        let linear = carried_points(&self.shape.derivation.vertex(), points);
+        let mut flat = linear.clone();
+        for (held, target) in self.shape.held.iter().zip(&targets) {
+            // Those that slide in the surface begin where they are to be; old ones keep their place in it.
+            let is_new = held.vertex.index() >= points.len() || matches!(held.role, Role::Centre(_));
+            if is_new && matches!(held.pin, Pin::Across(_)) {
+                flat[held.vertex] = target.0;
+            }
+        }
+        fit(&self.aims, &self.rows, &targets, &mut flat);
+        // Fitted apart, a layer of no height would weave through the one it copies. At its own border it has to be.
+        let mut linear = linear;
+        for held in &self.shape.held {
+            let Role::Layer { over, .. } = held.role else { continue };
+            match self.is_alike(held) {
+                true => flat[held.vertex] = flat[over],
+                false => linear[held.vertex] += flat[held.vertex] - flat[over],
+            }
+        }
+        Ground { parent: points.clone(), targets, linear, flat }
+    }
+
+    /// Whether a copy has as many faces, and the same rule, as the vertex it is a copy of.
+    fn is_alike(&self, held: &Held) -> bool {
+        let Role::Layer { over, .. } = held.role else { return true };
+        let level = self.cage.level();
+        let of = |v: VertexId| (level.topology.vertex_corners.row(v).len(), level.rules[v]);
+        of(held.vertex) == of(over)
+    }
+
+    /// The points of the new cage, and what was met on the way.
+    pub fn raised(&self, operator: &dyn Operator, ground: &Ground) -> (IdVec<VertexId, Vec3>, Warnings) {
+        let mut heights = operator.heights(&self.shape, &ground.targets);
+        let mut raised = ground.flat.clone();
+        let mut targets = ground.targets.clone();
+        // Some height is always left, as layers that coincide are no better than ones that cross.
+        let (mut linear, mut flat) = (ground.linear.clone(), ground.flat.clone());
+        for ((held, target), height) in self.shape.held.iter().zip(&mut targets).zip(&heights) {
+            let step = *height * target.1;
+            target.0 += step;
+            raised[held.vertex] += step;
+            let least = if self.is_alike(held) { LEAST_SHARE } else { LEAST_AT_BORDER };
+            flat[held.vertex] += least * step;
+            linear[held.vertex] += least * step;
+        }
+        fit(&self.aims, &self.rows, &targets, &mut raised);
+        let kin = Kin {
+            child: self.cage.level(),
+            parent: &self.parent,
+            parent_points: &ground.parent,
+            derivation: &self.shape.derivation,
+            pairs: &self.pairs,
+            moved: &self.moved,
+        };
+        let Sound { points, shares } = sound(&kin, &States { linear: &linear, flat: &flat, raised: &raised });
+        for (held, height) in self.shape.held.iter().zip(&mut heights) {
+            *height *= shares[held.vertex];
+        }
+        let warnings = operator.reduced(&self.shape, &heights);
+        (points, warnings)
     }
 
     /// The points of the new cage, where the parent's are `points`.
@@ -181,23 +274,18 @@ impl Formed {
         points: &IdVec<VertexId, Vec3>,
         warnings: &mut Warnings,
     ) -> IdVec<VertexId, Vec3> {
-        let surface = Surface::new(&self.parent, self.orientation, &self.parent_rows, points);
-        let t = &self.parent.topology;
-        let mut targets: Vec<(Vec3, Vec3)> = self.seen.iter().map(|seen| surface.at(t, seen)).collect();
-        let heights = operator.heights(&self.shape, &targets, warnings);
-        let mut made = carried_points(&self.shape.derivation.vertex(), points);
-        for ((held, target), height) in self.shape.held.iter().zip(&mut targets).zip(heights) {
-            target.0 += height * target.1;
-            // Those that slide in the surface begin where they are to be; old ones keep their place in it.
-            let is_new = held.vertex.index() >= points.len() || matches!(held.role, Role::Centre(_));
-            match is_new && held.pin != Pin::Place {
-                true => made[held.vertex] = target.0,
-                false => made[held.vertex] += height * target.1,
-            }
-        }
-        fit(&self.aims, &self.rows, &targets, &mut made);
-        made
+        let (points, met) = self.raised(operator, &self.ground(points));
+        warnings.extend(&met);
+        points
     }
+}
+
+/// Faces with a held vertex.
+fn moved(shape: &Shape) -> IdVec<FaceId, bool> {
+    let mut held = vec![false; shape.derivation.vertices.len()];
+    shape.held.iter().for_each(|h| held[h.vertex.index()] = true);
+    let faces = &shape.derivation.faces;
+    faces.ids().map(|f| faces.vertices_of(f).iter().any(|v| held[v.index()])).collect()
 }
 
 /// Vertices that are sharp as the corners of single faces, where they have more faces now.

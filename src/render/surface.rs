@@ -12,6 +12,13 @@ use rayon::prelude::*;
 
 /// Part of the step to the tangent planes that gives a surface of even curvature its true height.
 const PHONG_SHARE: f32 = 0.5;
+/// Least cosine between the normal at a vertex and those of the faces there. Where a sharp fold has a smaller one, the
+/// normal turns.
+const SEEN: f32 = 0.3;
+/// Cosine below which a vertex has no normal.
+const UNSEEN: f32 = -0.4;
+/// Turns of a normal, each some 25 degrees at most.
+const TURNS: usize = 8;
 /// Sweeps over all aims; each leaves about half of the error.
 const SWEEPS: usize = 24;
 /// Sweeps end when no step is longer than this share of the mesh's extent.
@@ -115,7 +122,8 @@ impl Surface {
         let mut normals: IdVec<CornerId, Vec3> = t.faces.corners().ids().map(own).collect();
         for vertex in places.ids() {
             let corners = t.vertex_corners.row(vertex);
-            let mean = corners.iter().map(|&c| normals[c]).sum::<Vec3>().normalize_or_zero();
+            let own: Vec<Vec3> = corners.iter().map(|&c| normals[c]).collect();
+            let mean = seen_by_all(&own);
             let folded = has_fold(level, vertex);
             for &corner in corners {
                 let own = normals[corner].normalize_or_zero();
@@ -139,6 +147,20 @@ impl Surface {
         };
         (place - PHONG_SHARE * seen.iter().map(lift).sum::<Vec3>(), normal)
     }
+}
+
+/// The mean of vectors as a direction, turned towards those that would see it from behind; none where there is always
+/// one, as at the tip of a pleat.
+fn seen_by_all(vectors: &[Vec3]) -> Vec3 {
+    let mut mean = vectors.iter().sum::<Vec3>().normalize_or_zero();
+    for _ in 0..TURNS {
+        let least = vectors.iter().map(|v| v.normalize_or_zero()).min_by(|a, b| a.dot(mean).total_cmp(&b.dot(mean)));
+        match least {
+            Some(least) if least.dot(mean) < SEEN => mean = (mean + 0.5 * least).normalize_or_zero(),
+            _ => return mean,
+        }
+    }
+    if vectors.iter().all(|v| v.normalize_or_zero().dot(mean) > UNSEEN) { mean } else { Vec3::ZERO }
 }
 
 /// Whether inner edges at a vertex stay sharp.

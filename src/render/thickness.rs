@@ -20,12 +20,14 @@ use serde::{Deserialize, Serialize};
 /// Distance of the line that holds the fold from it, as a share of the amount. Smaller makes the fold tighter.
 const HOLD: f32 = 1.0;
 /// Least weight, so that the layers stay apart where it is painted 0.
-const LEAST_WEIGHT: f32 = 0.01;
+const LEAST_WEIGHT: f32 = 0.05;
 /// Part of an edge's length that a fold of the surface may take from it on the second layer. Larger lets the layer come
 /// closer to crossing itself.
 const MOST_SHRUNK: f32 = 0.7;
 /// Part of the distance of the layers that a later seam on one of them may take. Below a half, two do not meet.
 const PART_OF_ROOM: f32 = 0.4;
+/// A layer that keeps less of its distance than this is reported.
+const REPORTED: f32 = 0.98;
 /// Points that a warning names.
 const EXAMPLES: usize = 5;
 
@@ -344,25 +346,32 @@ impl Operator for Thickness {
         Ok(Shape { derivation: lines.builder.finish(), held, subsets, corners, creases, apart, warnings })
     }
 
-    fn heights(&self, shape: &Shape, surface: &[(Vec3, Vec3)], warnings: &mut Warnings) -> Vec<f32> {
+    fn heights(&self, shape: &Shape, surface: &[(Vec3, Vec3)]) -> Vec<f32> {
         let most = self.most(shape, surface);
+        let of = |(held, &most): (&Held, &f32)| match held.role {
+            Role::Layer { weight, .. } => self.sign() * most.min(self.options.amount * weight),
+            _ => 0.0,
+        };
+        shape.held.iter().zip(&most).map(of).collect()
+    }
+
+    fn reduced(&self, shape: &Shape, given: &[f32]) -> Warnings {
+        let mut warnings = Warnings::default();
         let mut thin: Vec<VertexId> = Vec::new();
         let mut least = 1.0f32;
-        let heights = shape.held.iter().zip(&most).map(|(held, &most)| {
-            let Role::Layer { over, weight } = held.role else { return 0.0 };
-            let asked = self.options.amount * weight;
-            if most < 0.98 * asked {
+        for (held, given) in shape.held.iter().zip(given) {
+            let Role::Layer { over, weight } = held.role else { continue };
+            let share = given.abs() / (self.options.amount * weight);
+            if share < REPORTED {
                 thin.push(over);
-                least = least.min(most / asked);
+                least = least.min(share);
             }
-            self.sign() * asked.min(most)
-        });
-        let heights = heights.collect();
+        }
         if !thin.is_empty() {
             let own = thin.iter().map(|v| v.index()).filter(|&v| v < self.own_points);
             let examples = own.take(EXAMPLES).collect();
             warnings.push(Warning::ThinLayer { thickness: self.name.clone(), count: thin.len(), examples, least });
         }
-        heights
+        warnings
     }
 }

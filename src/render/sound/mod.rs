@@ -1,0 +1,184 @@
+//! Operators make no face cross another, or turn over, that did not before: where one would, its heights are reduced
+//! step by step, first to almost nothing, then together with the fit to the limit surface.
+
+mod skin;
+mod tree;
+
+use super::derivation::Derivation;
+use crate::mesh::{FaceId, IdVec, VertexId};
+use crate::subdivide::{Level, Lineage};
+use glam::Vec3;
+use skin::Skin;
+use std::cell::OnceCell;
+
+/// Part of a height that is left in any case.
+pub const LEAST_SHARE: f32 = 0.03;
+/// Parts of the rest of the height that are left after each step, and of the fit. Finer steps leave more of both, and
+/// take longer.
+const STEPS: [(f32, f32); 10] = [
+    (1.0, 1.0),
+    (0.7, 1.0),
+    (0.45, 1.0),
+    (0.25, 1.0),
+    (0.12, 1.0),
+    (0.05, 1.0),
+    (0.0, 1.0),
+    (0.0, 0.6),
+    (0.0, 0.3),
+    (0.0, 0.0),
+];
+/// Steps by which a neighbour may be behind. More makes the change from full height more sudden.
+const SLACK: u8 = 2;
+/// Cosine from which on faces of the parent count as turned themselves.
+const ALREADY_TURNED: f32 = 0.3;
+
+/// The places of the points in three states, from which the sound one is mixed.
+pub struct States<'a> {
+    /// By the operator's weights alone, with the least heights.
+    pub linear: &'a IdVec<VertexId, Vec3>,
+    /// Fitted to the surface, with the least heights.
+    pub flat: &'a IdVec<VertexId, Vec3>,
+    /// Fitted with heights.
+    pub raised: &'a IdVec<VertexId, Vec3>,
+}
+
+/// A child and its parent, whose points are known.
+pub struct Kin<'a> {
+    /// The child's connectivity and rules.
+    pub child: &'a Level,
+    /// The parent's.
+    pub parent: &'a Level,
+    /// The parent's points.
+    pub parent_points: &'a IdVec<VertexId, Vec3>,
+    /// What made the child of the parent.
+    pub derivation: &'a Derivation,
+    /// Pairs of a vertex and its copy, which keep together.
+    pub pairs: &'a [[VertexId; 2]],
+    /// Faces that may have moved.
+    pub moved: &'a IdVec<FaceId, bool>,
+}
+
+/// Sound points.
+pub struct Sound {
+    /// The points.
+    pub points: IdVec<VertexId, Vec3>,
+    /// For each vertex the part that is left of its height.
+    pub shares: IdVec<VertexId, f32>,
+}
+
+/// The points, with as much of their heights as leaves the mesh sound.
+pub fn sound(kin: &Kin, states: &States) -> Sound {
+    let mut steps: IdVec<VertexId, u8> = IdVec::filled(0, states.raised.len());
+    let mut points = states.raised.clone();
+    let mut skin = Skin::new(kin.child, &points);
+    let normals = linear_normals(kin.child, states.linear);
+    let parent = OnceCell::new();
+    let mut active: Vec<FaceId> = kin.moved.ids().filter(|&f| kin.moved[f]).collect();
+    let mut is_active = kin.moved.clone();
+    // Where a step back makes more faults than it mends, as beside the free border of a layer, an earlier one is kept.
+    let mut best = (usize::MAX, points.clone(), steps.clone());
+    for _ in 0..STEPS.len() {
+        let faults = faults(kin, &mut skin, (&active, &is_active), &normals, &parent);
+        if faults.len() < best.0 {
+            best = (faults.len(), points.clone(), steps.clone());
+        }
+        let changed = step_on(kin, &mut steps, &faults);
+        if changed.is_empty() {
+            break;
+        }
+        for &vertex in &changed {
+            let (height, fit) = STEPS[usize::from(steps[vertex])];
+            let flat = states.flat[vertex].lerp(states.raised[vertex], height);
+            points[vertex] = states.linear[vertex].lerp(flat, fit);
+        }
+        active = around(kin.child, &around(kin.child, &[], &changed), &[]);
+        is_active.iter_mut().for_each(|a| *a = false);
+        active.iter().for_each(|&f| is_active[f] = true);
+        skin.update(&points, &active);
+    }
+    let share = |&s: &u8| LEAST_SHARE + (1.0 - LEAST_SHARE) * STEPS[usize::from(s)].0;
+    let (_, points, steps) = best;
+    Sound { points, shares: steps.iter().map(share).collect() }
+}
+
+/// Normals of the faces where the weights alone put them; none of faces without area.
+fn linear_normals(level: &Level, points: &IdVec<VertexId, Vec3>) -> IdVec<FaceId, Vec3> {
+    let faces = &level.topology.faces;
+    let normal = |face| {
+        let vertices = faces.vertices_of(face);
+        let at = |v: VertexId| points[v] - points[vertices[0]];
+        let area: Vec3 = vertices.windows(2).map(|p| at(p[0]).cross(at(p[1]))).sum();
+        let longest = vertices.iter().map(|&v| at(v).length_squared()).fold(0.0, f32::max);
+        if area.length() > 1e-3 * longest { area.normalize() } else { Vec3::ZERO }
+    };
+    faces.ids().map(normal).collect()
+}
+
+/// Faces that cross others or are turned over, and did not before.
+fn faults<'a>(
+    kin: &Kin<'a>,
+    skin: &mut Skin,
+    (active, is_active): (&[FaceId], &IdVec<FaceId, bool>),
+    normals: &IdVec<FaceId, Vec3>,
+    parent: &OnceCell<Skin<'a>>,
+) -> Vec<FaceId> {
+    let before = || parent.get_or_init(|| Skin::new(kin.parent, kin.parent_points));
+    let parent_face = |f| kin.derivation.parent_face(f);
+    let crossing = skin.crossings(active, is_active).into_iter();
+    let is_new = |pair: &[FaceId; 2]| {
+        let [p, q] = pair.map(parent_face);
+        !before().cross(p, q)
+    };
+    let mut faults: Vec<FaceId> = crossing.filter(is_new).flatten().collect();
+    let turned = skin.turned(active, normals).into_iter();
+    faults.extend(turned.filter(|&f| {
+        let p = parent_face(f);
+        !before().is_turned(p, before().normal(p), ALREADY_TURNED)
+    }));
+    faults.sort_unstable();
+    faults.dedup();
+    faults
+}
+
+/// Takes a step back at the vertices of `faults`, and as many at their neighbours as keep the change even; returns the
+/// vertices that took one.
+fn step_on(kin: &Kin, steps: &mut IdVec<VertexId, u8>, faults: &[FaceId]) -> Vec<VertexId> {
+    let faces = &kin.child.topology.faces;
+    let last = STEPS.len() as u8 - 1;
+    let mut marked: Vec<VertexId> = faults.iter().flat_map(|&f| faces.vertices_of(f)).copied().collect();
+    marked.sort_unstable();
+    marked.dedup();
+    marked.retain(|&v| steps[v] < last);
+    let before = steps.clone();
+    marked.iter().for_each(|&v| steps[v] += 1);
+    let mut front = marked;
+    while !front.is_empty() {
+        let mut next: Vec<VertexId> = Vec::new();
+        for &vertex in &front {
+            let least = steps[vertex].saturating_sub(SLACK);
+            for face in kin.child.topology.faces_at(vertex) {
+                for &other in faces.vertices_of(face) {
+                    if steps[other] < least {
+                        steps[other] = least;
+                        next.push(other);
+                    }
+                }
+            }
+        }
+        front = next;
+    }
+    for &[vertex, copy] in kin.pairs {
+        let most = steps[vertex].max(steps[copy]);
+        (steps[vertex], steps[copy]) = (most, most);
+    }
+    steps.ids().filter(|&v| steps[v] != before[v]).collect()
+}
+
+/// The faces that touch others, or vertices.
+fn around(level: &Level, faces: &[FaceId], vertices: &[VertexId]) -> Vec<FaceId> {
+    let of_faces = faces.iter().flat_map(|&f| level.topology.faces.vertices_of(f));
+    let mut found: Vec<FaceId> = of_faces.chain(vertices).flat_map(|&v| level.topology.faces_at(v)).collect();
+    found.sort_unstable();
+    found.dedup();
+    found
+}

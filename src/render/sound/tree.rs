@@ -1,0 +1,127 @@
+//! Boxes around faces in a tree, to find those that may touch.
+
+use crate::mesh::{FaceId, IdVec};
+use glam::Vec3;
+use rayon::prelude::*;
+
+/// Faces of a leaf. More makes fewer nodes and more boxes to compare.
+const LEAF: usize = 4;
+/// Bits of a place in each direction by which faces are ordered.
+const BITS: u32 = 10;
+
+/// A box along the axes.
+#[derive(Clone, Copy, Debug)]
+pub struct Bounds {
+    /// Least corner.
+    pub low: Vec3,
+    /// Largest corner.
+    pub high: Vec3,
+}
+
+impl Bounds {
+    /// The box of nothing.
+    pub const EMPTY: Self = Self { low: Vec3::MAX, high: Vec3::MIN };
+
+    /// The box of points.
+    pub fn of(points: &[Vec3]) -> Self {
+        points.iter().fold(Self::EMPTY, |b, &p| Self { low: b.low.min(p), high: b.high.max(p) })
+    }
+
+    /// Whether two boxes have a place in common.
+    #[inline]
+    pub fn meets(&self, other: &Self) -> bool {
+        self.low.cmple(other.high).all() && other.low.cmple(self.high).all()
+    }
+
+    fn and(&self, other: &Self) -> Self {
+        Self { low: self.low.min(other.low), high: self.high.max(other.high) }
+    }
+}
+
+/// A complete binary tree over faces in an order in which neighbours are near.
+pub struct Tree {
+    order: Vec<FaceId>,
+    /// The root is 1, the children of `i` are `2 i` and `2 i + 1`.
+    nodes: Vec<Bounds>,
+    leaves: usize,
+}
+
+impl Tree {
+    /// The tree of faces with their boxes.
+    pub fn new(boxes: &IdVec<FaceId, Bounds>) -> Self {
+        let all = boxes.iter().fold(Bounds::EMPTY, |a, b| a.and(b));
+        let scale = ((1u32 << BITS) - 1) as f32 / (all.high - all.low).max_element().max(f32::MIN_POSITIVE);
+        let code = |b: &Bounds| {
+            let cell = ((0.5 * (b.low + b.high) - all.low) * scale).as_uvec3();
+            spread(cell.x) | spread(cell.y) << 1 | spread(cell.z) << 2
+        };
+        let mut keys: Vec<(u32, FaceId)> = boxes.enumerated().map(|(f, b)| (code(b), f)).collect();
+        keys.par_sort_unstable_by_key(|&(code, face)| (code, face.index()));
+        let leaves = keys.len().div_ceil(LEAF).next_power_of_two();
+        let order = keys.into_iter().map(|(_, face)| face).collect();
+        let mut tree = Self { order, nodes: vec![Bounds::EMPTY; 2 * leaves], leaves };
+        tree.refit(boxes);
+        tree
+    }
+
+    /// Fits the nodes to boxes that have changed.
+    pub fn refit(&mut self, boxes: &IdVec<FaceId, Bounds>) {
+        for (leaf, faces) in self.order.chunks(LEAF).enumerate() {
+            self.nodes[self.leaves + leaf] = faces.iter().fold(Bounds::EMPTY, |b, &f| b.and(&boxes[f]));
+        }
+        for node in (1..self.leaves).rev() {
+            self.nodes[node] = self.nodes[2 * node].and(&self.nodes[2 * node + 1]);
+        }
+    }
+
+    /// Passes each face whose box meets `bounds` to `sink`.
+    pub fn visit(&self, boxes: &IdVec<FaceId, Bounds>, bounds: &Bounds, sink: &mut impl FnMut(FaceId)) {
+        let mut stack = [0usize; 64];
+        let mut depth = 1;
+        stack[0] = 1;
+        while depth > 0 {
+            depth -= 1;
+            let node = stack[depth];
+            if !self.nodes[node].meets(bounds) {
+                continue;
+            }
+            if node < self.leaves {
+                stack[depth] = 2 * node + 1;
+                stack[depth + 1] = 2 * node;
+                depth += 2;
+                continue;
+            }
+            let first = LEAF * (node - self.leaves);
+            let faces = self.order.get(first..(first + LEAF).min(self.order.len())).unwrap_or(&[]);
+            faces.iter().filter(|&&f| boxes[f].meets(bounds)).for_each(|&f| sink(f));
+        }
+    }
+}
+
+/// The bits of a number, each followed by two zeros.
+fn spread(x: u32) -> u32 {
+    let x = (x | x << 16) & 0x0300_00FF;
+    let x = (x | x << 8) & 0x0300_F00F;
+    let x = (x | x << 4) & 0x030C_30C3;
+    (x | x << 2) & 0x0924_9249
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_that_meet_are_found() {
+        let at = |i: usize| Vec3::new((i * 7 % 13) as f32, (i * 5 % 11) as f32, (i % 3) as f32);
+        let boxes: IdVec<FaceId, Bounds> =
+            (0..101).map(|i| Bounds { low: at(i), high: at(i) + Vec3::splat(1.5) }).collect();
+        let tree = Tree::new(&boxes);
+        for b in boxes.iter() {
+            let mut found = Vec::new();
+            tree.visit(&boxes, b, &mut |f| found.push(f));
+            found.sort_unstable();
+            let expected: Vec<FaceId> = boxes.ids().filter(|&f| boxes[f].meets(b)).collect();
+            assert_eq!(found, expected);
+        }
+    }
+}
