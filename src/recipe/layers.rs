@@ -89,6 +89,10 @@ impl Layers {
         let Some(default) = default_of(space, field) else {
             return Err(Error::Usage(format!("{giver} {key}: there is no such option\n  hint: {}", all_keys())));
         };
+        if let Some(("", _)) = split(space, field) {
+            let hint = format!("write {space}.<name>.{field}, such as {space}.a.{field}");
+            return Err(Error::Usage(format!("{giver} {key}: the {space} has no name\n  hint: {hint}")));
+        }
         let unfit = || {
             let kind = type_of(&default);
             Error::Usage(format!("{giver} {key}: \"{text}\" is no {kind}\n  hint: its default is {default}"))

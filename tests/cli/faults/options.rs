@@ -70,7 +70,7 @@ fn of_overrides() {
         of("build in.usda -o out/coat.usda --set sim.constrainUvSeams=maybe", &["\"maybe\" is no true or false"]),
         of(
             "build in.usda -o out/coat.usda --set render.operators=pleat",
-            &["render.operators", "no operators yet", "leave it empty"],
+            &["render.operators", "which is no operator of the recipe", "the operators of the recipe are: none"],
         ),
         of(
             "build in.usda -o out/coat.usda --set sim.uvSet=map1",
