@@ -66,6 +66,9 @@ pub struct EdgeSet {
     pub source_length: f64,
     /// Largest distance between the two at a vertex, in local target lengths.
     pub farthest: f32,
+    /// The same as `length`, but that chains whose lengths differ from their sources' by more than a twentieth count
+    /// with the shortest path of edges within reach: what no choice of edges can go below. \[stage units\]
+    pub shortest_length: f64,
 }
 
 /// Area of a face subset.
@@ -292,6 +295,7 @@ fn edge_sets(product: &SimProduct, transferred: &Transferred) -> Vec<EdgeSet> {
         length: length(&c.name),
         source_length: c.length,
         farthest: c.farthest,
+        shortest_length: c.shortest,
     };
     transferred.curves.iter().map(set).collect()
 }

@@ -51,6 +51,16 @@ impl EditMesh {
         mesh
     }
 
+    /// A mesh of consistent arrays.
+    pub(super) fn from_parts(
+        corner_vertex: IdVec<CornerId, VertexId>,
+        twin: IdVec<CornerId, Option<CornerId>>,
+        vertex_corner: IdVec<VertexId, Option<CornerId>>,
+    ) -> Self {
+        let alive = IdVec::filled(true, corner_vertex.len() / 3);
+        Self { corner_vertex, twin, vertex_corner, alive }
+    }
+
     fn pair(&mut self) {
         // Half-edges by their lower vertex; few share one, so each group is searched.
         let low = |c: CornerId| self.corner_vertex[c].min(self.corner_vertex[next(c)]);

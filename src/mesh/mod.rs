@@ -7,7 +7,7 @@ mod ids;
 mod ring;
 mod topology;
 
-pub use compact::Compact;
+pub use compact::{Compact, Reordered};
 pub use faces::Faces;
 pub use ids::{ChainId, CornerId, EdgeId, FaceId, Id, IdVec, SiteId, SpanId, ValueId, VertexId};
 pub use topology::{Csr, Topology};

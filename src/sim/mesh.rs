@@ -75,7 +75,7 @@ pub struct Site {
 pub(super) struct Mark(NonZeroU32);
 
 impl Mark {
-    fn new(span: SpanId, forward: bool) -> Self {
+    pub(super) fn new(span: SpanId, forward: bool) -> Self {
         Self(NonZeroU32::MIN.saturating_add(2 * span.index() as u32 + u32::from(forward)))
     }
 

@@ -17,7 +17,7 @@ const REGULARITY: f32 = 0.3;
 const LAST_REGULARITY: f32 = 0.1;
 /// Averages between two projections. More make the triangles of a round more even; past three a round gains little.
 const SWEEPS: usize = 3;
-/// The same in the last round, whose triangles stay.
+/// The same for the last relaxation, whose triangles stay.
 const LAST_SWEEPS: usize = 6;
 
 /// What remeshing did.
@@ -80,13 +80,18 @@ pub fn remesh(mesh: &mut SimMesh<'_>, rounds: u32, max_faces: usize) -> RemeshRe
     let mut room = Vec::new();
     flip_edges(mesh, 0.0);
     for round in 1..=rounds {
+        // The first round makes most of the elements, in the order of their lengths.
+        if round == 2 {
+            mesh.reorder();
+            check(mesh);
+        }
         let splits = split_long_edges(mesh, max_faces);
         check(mesh);
         let collapses = collapse_short_edges(mesh);
         check(mesh);
         let flips = flip_edges(mesh, REGULARITY);
         check(mesh);
-        relax_and_project(mesh, if round < rounds { SWEEPS } else { LAST_SWEEPS }, &mut room);
+        relax_and_project(mesh, SWEEPS, &mut room);
         check(mesh);
         report.rounds = round;
         report.splits += splits;

@@ -1,6 +1,7 @@
 //! Which faces of the garment each face of the simulation mesh covers, counted by samples of the baseline. One pass
 //! serves all sets and primvars, and keeps the counts alone, so that memory does not grow with the number of samples.
 
+use super::Net;
 use super::locate::{Locator, Near};
 use super::region::Regions;
 use crate::mesh::{Csr, FaceId, IdVec};
@@ -30,13 +31,18 @@ pub struct Coverage {
 }
 
 /// Shares of one face that are merged when there are so many.
-const MERGE_AT: usize = 256;
+const MERGE_AT: usize = 512;
 
 impl Coverage {
     /// Samples the baseline: `transferSamples` for each equilateral triangle of the target length.
     pub fn new(product: &SimProduct, source_faces: usize, options: &SimOptions) -> Self {
+        Self::over(product, &Net::new(product), source_faces, options)
+    }
+
+    /// The same, with the edges of the simulation mesh at hand.
+    pub(super) fn over(product: &SimProduct, net: &Net, source_faces: usize, options: &SimOptions) -> Self {
         let regions = Regions::new(&product.baseline);
-        let locator = Locator::new(product, &regions);
+        let locator = Locator::new(product, net, &regions);
         let base = &product.baseline;
         let pairs = base.source_face.enumerated().map(|(face, &source)| (source, face));
         let children: Csr<FaceId, FaceId> = Csr::group(source_faces, pairs, FaceId::new(0));
@@ -105,7 +111,7 @@ struct Plan {
     /// The area that one sample of each triangle stands for.
     area: IdVec<FaceId, f32>,
     /// Where the sequence begins.
-    shift: [f64; 2],
+    shift: [u64; 2],
 }
 
 impl Plan {
@@ -123,7 +129,8 @@ impl Plan {
             })
             .collect();
         let mut seed = u64::from(options.seed);
-        let [start, u, v] = [0; 3].map(|_| random(&mut seed));
+        let start = (random(&mut seed) >> 11) as f64 / (1u64 << 53) as f64;
+        let shift = [0; 2].map(|_| random(&mut seed));
         let mut numbers = IdVec::filled([0, 0], area.len());
         let mut sum = start;
         for &face in children.items() {
@@ -132,7 +139,7 @@ impl Plan {
             sum += if own.is_finite() { own } else { 0.0 };
             numbers[face] = [first, sum as u64];
         }
-        Self { numbers, area, shift: [u, v] }
+        Self { numbers, area, shift }
     }
 
     fn samples(&self) -> u64 {
@@ -145,35 +152,42 @@ impl Plan {
         if first == end {
             return;
         }
-        locator.turn_to(face, near);
-        let mut last: Option<Share> = None;
-        for number in first..end {
-            let Some(found) = locator.locate(near, self.weights(number)) else { continue };
-            match &mut last {
-                Some(share) if share.face == found => share.area += self.area[face],
-                _ => shares.extend(last.replace(Share { face: found, area: self.area[face] })),
-            }
-            if shares.len() >= MERGE_AT && shares.len().is_power_of_two() {
-                merge(shares);
-            }
+        if !locator.turn_to(face, near) {
+            return;
         }
-        shares.extend(last);
+        let area = self.area[face];
+        let mut merge_at = MERGE_AT;
+        let mut found = |face: FaceId, count: u32| {
+            shares.push(Share { face, area: count as f32 * area });
+            if shares.len() >= merge_at {
+                merge(shares);
+                merge_at = MERGE_AT.max(2 * shares.len());
+            }
+        };
+        for number in first..end {
+            locator.count(near, self.weights(number), &mut found);
+        }
+        Locator::finish(near, &mut found);
     }
 
-    /// A place on a triangle: the plane's R2 sequence (Roberts 2018), whose square is folded to the triangle.
+    /// A place on a triangle: the plane's R2 sequence (Roberts 2018) in whole numbers that wrap around, whose square is
+    /// folded to the triangle.
     fn weights(&self, number: u64) -> Vec3 {
-        const STEP: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_3];
-        let [u, v] = [0, 1].map(|k| (self.shift[k] + number as f64 * STEP[k]).fract());
-        let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
-        Vec3::new((1.0 - u - v) as f32, u as f32, v as f32)
+        // 2^64 over the plastic number, and over its square.
+        const STEP: [u64; 2] = [0xc13f_a9a9_02a6_328f, 0x91e1_0da5_c79e_7b1d];
+        const ONE: u32 = 1 << 24;
+        let [u, v] = [0, 1].map(|k| (self.shift[k].wrapping_add(number.wrapping_mul(STEP[k])) >> 40) as u32);
+        let (u, v) = if u + v > ONE { (ONE - u, ONE - v) } else { (u, v) };
+        let [u, v] = [u, v].map(|x| x as f32 / ONE as f32);
+        Vec3::new(1.0 - u - v, u, v)
     }
 }
 
-/// A number from 0 to 1, and the next state (splitmix64).
-fn random(state: &mut u64) -> f64 {
+/// A number of any 64 bits, and the next state (splitmix64).
+fn random(state: &mut u64) -> u64 {
     *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let mut z = *state;
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    z ^ (z >> 31)
 }

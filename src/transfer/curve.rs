@@ -1,15 +1,21 @@
 //! Paths of edges of the simulation mesh along curves of the baseline.
 
 use super::Sites;
+use super::hash::{IdMap, IdSet};
 use super::snap::Surface;
 use crate::mesh::{CornerId, FaceId, IdVec, VertexId};
 use glam::Vec3;
 use std::cmp::Reverse;
-use std::collections::{BTreeSet, BinaryHeap, HashMap, HashSet, VecDeque};
+use std::collections::{BTreeSet, BinaryHeap, VecDeque};
 
 /// What distance from the curve adds to the length of an edge one target length away, as a share: more follows the curve
-/// closer and zigzags, less is shorter and cuts its corners.
-const STRAY: f64 = 0.25;
+/// closer and zigzags, less is shorter and cuts its corners. The first whose path is as long as the curve is taken, and
+/// the last finds the shortest path that there is.
+const STRAYS: [f64; 4] = [0.5, 0.125, 0.03, 0.0];
+/// How much longer or shorter than its curve a path may be, as a share.
+const LENGTH_SLACK: f64 = 0.05;
+/// What a path must gain in length, as a share of its curve's, to be worth straying farther.
+const LENGTH_GAIN: f64 = 0.005;
 /// What a vertex costs that a chain or another path of the same set passes, in edges: what is apart on the surface stays
 /// apart where it can.
 const PASSED: f64 = 20.0;
@@ -82,141 +88,156 @@ impl Curve {
     }
 }
 
-/// The vertices of the simulation mesh beside a curve, on the same part of the surface.
+/// The vertices of the simulation mesh beside a curve, on the same part of the surface, by their place in a list.
 pub(super) struct Corridor<'a> {
     surface: &'a Surface<'a>,
-    sites: &'a Sites<'a>,
     curve: &'a Curve,
-    faces: HashSet<FaceId>,
-    vertices: HashMap<VertexId, OnCurve>,
+    /// Ascending by vertex.
+    vertices: Vec<Beside>,
+    /// What leaves each vertex: from its number here to the next one's.
+    first: Vec<usize>,
+    /// The other ends of the edges inside the corridor.
+    ends: Vec<usize>,
 }
 
-/// A vertex, and how often the way there has gone round a closed curve.
-type State = (VertexId, i8);
+/// A vertex beside a curve.
+struct Beside {
+    vertex: VertexId,
+    on: OnCurve,
+    /// Distance from the curve, in target lengths.
+    off: f32,
+    /// Whether a chain or another path of the same set passes here.
+    is_passed: bool,
+}
+
+/// A path along a curve.
+pub(super) struct Found {
+    pub vertices: Vec<VertexId>,
+    /// Largest distance of a vertex from the curve, in local target lengths.
+    pub farthest: f32,
+    /// Its length; where that is farther from the curve's than it may be, that of the shortest path in the corridor
+    /// between the same ends. \[stage units\]
+    pub shortest: f64,
+}
+
+/// Ways around a closed curve: none, or once in either direction.
+const ROUNDS: usize = 3;
 
 impl<'a> Corridor<'a> {
-    /// Those at most `reach` target lengths from the curve, whose vertices are `path`.
+    /// Those at most `reach` target lengths from the curve, whose vertices are `path`; `passed` are those of other paths.
     pub fn new(
         surface: &'a Surface<'a>,
-        sites: &'a Sites<'a>,
+        sites: &Sites<'_>,
         curve: &'a Curve,
         path: &[VertexId],
         reach: f32,
+        passed: &BTreeSet<VertexId>,
     ) -> Self {
-        let base = &surface.product.baseline;
-        let t = &base.topology;
-        let mut corridor = Self { surface, sites, curve, faces: HashSet::new(), vertices: HashMap::new() };
-        let mut queue = VecDeque::new();
-        let mut seen = HashSet::new();
-        for (segment, pair) in path.windows(2).enumerate() {
-            for half in [(pair[0], pair[1]), (pair[1], pair[0])].into_iter().filter_map(|(a, b)| half_edge(t, a, b)) {
-                let face = t.faces.face_of(half);
-                if seen.insert(face) {
-                    queue.push_back((face, segment));
-                }
+        let (faces, near) = beside(surface, curve, path, reach);
+        let mut vertices: Vec<Beside> = near
+            .into_iter()
+            .map(|(vertex, on)| Beside {
+                vertex,
+                on,
+                off: on.distance / surface.product.target[vertex],
+                is_passed: surface.is_constrained[vertex] || passed.contains(&vertex),
+            })
+            .collect();
+        vertices.sort_unstable_by_key(|v| v.vertex);
+        let number: IdMap<VertexId, usize> = vertices.iter().enumerate().map(|(i, v)| (v.vertex, i)).collect();
+        let t = &sites.topology;
+        let is_inside = |c: CornerId| faces.contains(&surface.product.places[c].location.face);
+        let (mut first, mut ends) = (vec![0], Vec::with_capacity(8 * vertices.len()));
+        for beside in &vertices {
+            for &corner in t.vertex_corners.row(beside.vertex).iter().filter(|&&c| is_inside(c)) {
+                let around = [t.faces.next(corner), t.faces.prev(corner)].into_iter().filter(|&c| is_inside(c));
+                ends.extend(around.filter_map(|c| number.get(&t.faces.vertex(c))));
             }
+            first.push(ends.len());
         }
-        while let Some((face, hint)) = queue.pop_front() {
-            let corners = base.triangle(face);
-            let centre = corners.iter().sum::<Vec3>() / 3.0;
-            let size = corners.iter().map(|p| p.distance(centre)).fold(0.0, f32::max);
-            let target = t.faces.vertices_of(face).iter().map(|&v| base.target[v]).fold(0.0, f32::max);
-            let on = curve.nearest(centre, hint);
-            if on.distance > reach * target + size {
-                continue;
-            }
-            corridor.faces.insert(face);
-            corridor.take_vertices(face, on.segment, reach);
-            for corner in t.faces.corners_of(face).filter(|&c| !base.barrier[c]) {
-                if let Some(other) = t.twin(corner).map(|c| t.faces.face_of(c))
-                    && seen.insert(other)
-                {
-                    queue.push_back((other, on.segment));
-                }
-            }
-        }
-        corridor
-    }
-
-    fn take_vertices(&mut self, face: FaceId, hint: usize, reach: f32) {
-        let product = self.surface.product;
-        for &vertex in self.surface.in_face.row(face) {
-            let on = self.curve.nearest(product.points[vertex], hint);
-            if on.distance <= reach * product.target[vertex] {
-                let own = self.vertices.entry(vertex).or_insert(on);
-                if on.distance < own.distance {
-                    *own = on;
-                }
-            }
-        }
+        Self { surface, curve, vertices, first, ends }
     }
 
     /// The vertex that is nearest to the curve.
-    pub fn nearest(&self, passed: &BTreeSet<VertexId>) -> Option<VertexId> {
-        let is_passed = |v: &VertexId| passed.contains(v) || self.surface.is_constrained[*v];
-        let key = |(v, on): (&VertexId, &OnCurve)| (is_passed(v), on.distance.to_bits(), *v);
+    pub fn nearest(&self) -> Option<VertexId> {
+        let key = |v: &Beside| (v.is_passed, v.on.distance.to_bits(), v.vertex);
         self.vertices.iter().map(key).min().map(|k| k.2)
     }
 
-    /// Distance of a vertex from the curve, in target lengths.
-    pub fn distance(&self, vertex: VertexId) -> f32 {
-        self.vertices.get(&vertex).map_or(f32::MAX, |on| on.distance / self.surface.product.target[vertex])
-    }
-
-    /// The neighbours of a vertex across edges inside the corridor.
-    fn neighbours(&self, vertex: VertexId) -> impl Iterator<Item = VertexId> + '_ {
-        let t = &self.sites.topology;
-        let is_inside = |c: CornerId| self.faces.contains(&self.surface.product.places[c].location.face);
-        t.vertex_corners.row(vertex).iter().flat_map(move |&corner| {
-            let ends = [t.faces.next(corner), t.faces.prev(corner)];
-            let own = is_inside(corner);
-            ends.into_iter().filter(move |&c| own && is_inside(c)).map(move |c| t.faces.vertex(c))
+    /// The path between two vertices that follows the curve closest of those that are as long as it, or as near to that
+    /// as edges can come; once round a closed curve from a vertex to itself. None of fewer than `least` vertices.
+    pub fn best_path(&self, from: VertexId, to: VertexId, least: usize) -> Option<Found> {
+        let wanted = f64::from(self.curve.length());
+        let off = |length: f64| ((length - wanted).abs() - LENGTH_SLACK * wanted).max(0.0);
+        let number = |v: VertexId| self.vertices.binary_search_by_key(&v, |b| b.vertex).ok();
+        let (from, to) = (number(from)?, number(to)?);
+        let mut paths: Vec<(f64, Vec<usize>)> = Vec::with_capacity(STRAYS.len());
+        for stray in STRAYS {
+            let Some(path) = self.path(from, to, stray).filter(|p| p.len() >= least) else { continue };
+            let length = path.windows(2).map(|p| self.distance(p[0], p[1])).sum();
+            paths.push((length, path));
+            if off(length) == 0.0 {
+                break;
+            }
+        }
+        let least_off = paths.iter().map(|p| off(p.0)).fold(f64::MAX, f64::min);
+        let gain = if least_off > 0.0 { LENGTH_GAIN * wanted } else { 0.0 };
+        let shortest = paths.iter().map(|p| p.0).fold(f64::MAX, f64::min);
+        let best = paths.into_iter().find(|p| off(p.0) <= least_off + gain);
+        best.map(|(length, path)| Found {
+            farthest: path.iter().map(|&i| self.vertices[i].off).fold(0.0, f32::max),
+            vertices: path.into_iter().map(|i| self.vertices[i].vertex).collect(),
+            shortest: if off(length) > 0.0 { shortest } else { length },
         })
     }
 
-    fn cost(&self, a: (VertexId, OnCurve), b: (VertexId, OnCurve)) -> f64 {
-        let product = self.surface.product;
-        let off = f64::from(a.1.distance + b.1.distance) / f64::from(product.target[a.0] + product.target[b.0]);
-        f64::from(product.points[a.0].distance(product.points[b.0])) * (1.0 + STRAY * off * off)
+    fn distance(&self, a: usize, b: usize) -> f64 {
+        let [a, b] = [a, b].map(|i| self.surface.product.points[self.vertices[i].vertex]);
+        f64::from(a.distance(b))
     }
 
-    /// Whether a step goes over the place where a closed curve begins: forwards, backwards or not.
-    fn turn(&self, a: OnCurve, b: OnCurve) -> i8 {
-        let (step, half) = (b.s - a.s, 0.5 * self.curve.length());
+    fn cost(&self, a: usize, b: usize, stray: f64) -> f64 {
+        let off = 0.5 * f64::from(self.vertices[a].off + self.vertices[b].off);
+        self.distance(a, b) * (1.0 + stray * off * off)
+    }
+
+    /// Whether a step goes over the place where a closed curve begins: backwards, not, or forwards, from 0 to 2.
+    fn turn(&self, a: usize, b: usize) -> usize {
+        let (step, half) = (self.vertices[b].on.s - self.vertices[a].on.s, 0.5 * self.curve.length());
         match self.curve.is_loop {
-            true if step < -half => 1,
-            true if step > half => -1,
-            _ => 0,
+            true if step < -half => 2,
+            true if step > half => 0,
+            _ => 1,
         }
     }
 
-    /// The cheapest path between two vertices; once round a closed curve from a vertex to itself.
-    pub fn path(&self, from: VertexId, to: VertexId, passed: &BTreeSet<VertexId>) -> Option<Vec<VertexId>> {
-        if !self.vertices.contains_key(&from) || !self.vertices.contains_key(&to) {
-            return None;
-        }
-        let (start, goal): (State, State) = ((from, 0), (to, i8::from(self.curve.is_loop)));
-        let mut best: HashMap<State, (f64, Option<State>)> = HashMap::from([(start, (0.0, None))]);
+    /// The cheapest path, from its first vertex to its last.
+    fn path(&self, from: usize, to: usize, stray: f64) -> Option<Vec<usize>> {
+        // A state is a vertex and how often the way there has gone round the curve; 1 is not at all.
+        let (start, goal) = (from * ROUNDS + 1, to * ROUNDS + if self.curve.is_loop { 2 } else { 1 });
+        let mut best: Vec<(f64, usize)> = vec![(f64::INFINITY, usize::MAX); ROUNDS * self.vertices.len()];
+        best[start].0 = 0.0;
         // Costs are not negative, so that their bits are in their order.
         let mut queue = BinaryHeap::from([Reverse((0u64, start))]);
         while let Some(Reverse((bits, state))) = queue.pop() {
-            let cost = f64::from_bits(bits);
+            let (cost, here) = (f64::from_bits(bits), state / ROUNDS);
             if state == goal {
                 return Some(self.trace(&best, goal));
             }
-            if cost > best[&state].0 {
+            if cost > best[state].0 {
                 continue;
             }
-            let here = (state.0, self.vertices[&state.0]);
-            for vertex in self.neighbours(state.0) {
-                let Some(&on) = self.vertices.get(&vertex) else { continue };
-                let next = (vertex, state.1 + self.turn(here.1, on));
-                let is_passed =
-                    (passed.contains(&vertex) || self.surface.is_constrained[vertex]) && vertex != to && vertex != from;
-                let step = self.cost(here, (vertex, on)) * if is_passed { PASSED } else { 1.0 };
-                if next.1.abs() <= 1 && best.get(&next).is_none_or(|b| cost + step < b.0) {
-                    best.insert(next, (cost + step, Some(state)));
-                    queue.push(Reverse(((cost + step).to_bits(), next)));
+            for &there in &self.ends[self.first[here]..self.first[here + 1]] {
+                let Some(rounds) = (state % ROUNDS + self.turn(here, there)).checked_sub(1).filter(|r| *r < ROUNDS)
+                else {
+                    continue;
+                };
+                let is_passed = self.vertices[there].is_passed && there != to && there != from;
+                let sum = cost + self.cost(here, there, stray) * if is_passed { PASSED } else { 1.0 };
+                let next = there * ROUNDS + rounds;
+                if sum < best[next].0 {
+                    best[next] = (sum, state);
+                    queue.push(Reverse((sum.to_bits(), next)));
                 }
             }
         }
@@ -224,25 +245,77 @@ impl<'a> Corridor<'a> {
     }
 
     /// The way to a state; of one round a closed curve only the round, without what leads to it.
-    fn trace(&self, best: &HashMap<State, (f64, Option<State>)>, goal: State) -> Vec<VertexId> {
+    fn trace(&self, best: &[(f64, usize)], goal: usize) -> Vec<usize> {
         let mut states = vec![goal];
-        while let Some(Some(before)) = best.get(&states[states.len() - 1]).map(|b| b.1) {
+        while let Some(&(_, before)) = states.last().map(|&s| &best[s]).filter(|b| b.1 != usize::MAX) {
             states.push(before);
         }
         states.reverse();
-        let mut path: Vec<State> = Vec::with_capacity(states.len());
+        let mut path: Vec<usize> = Vec::with_capacity(states.len());
         for state in states {
-            if let Some(first) = path.iter().position(|s| s.0 == state.0) {
-                if self.curve.is_loop && path[first].1 != state.1 {
+            if let Some(first) = path.iter().position(|s| s / ROUNDS == state / ROUNDS) {
+                if self.curve.is_loop && path[first] != state {
                     path.push(state);
-                    return path[first..].iter().map(|s| s.0).collect();
+                    return path[first..].iter().map(|s| s / ROUNDS).collect();
                 }
                 path.truncate(first);
             }
             path.push(state);
         }
-        path.into_iter().map(|s| s.0).collect()
+        path.into_iter().map(|s| s / ROUNDS).collect()
     }
+}
+
+/// The triangles of the baseline at most `reach` target lengths from a curve on the same part of the surface, and the
+/// vertices of the simulation mesh in them that are no farther.
+fn beside(
+    surface: &Surface<'_>,
+    curve: &Curve,
+    path: &[VertexId],
+    reach: f32,
+) -> (IdSet<FaceId>, IdMap<VertexId, OnCurve>) {
+    let product = surface.product;
+    let base = &product.baseline;
+    let t = &base.topology;
+    let (mut faces, mut seen) = (IdSet::default(), IdSet::default());
+    let mut vertices: IdMap<VertexId, OnCurve> = IdMap::default();
+    let mut queue = VecDeque::new();
+    for (segment, pair) in path.windows(2).enumerate() {
+        for half in [(pair[0], pair[1]), (pair[1], pair[0])].into_iter().filter_map(|(a, b)| half_edge(t, a, b)) {
+            let face = t.faces.face_of(half);
+            if seen.insert(face) {
+                queue.push_back((face, segment));
+            }
+        }
+    }
+    while let Some((face, hint)) = queue.pop_front() {
+        let corners = base.triangle(face);
+        let centre = corners.iter().sum::<Vec3>() / 3.0;
+        let size = corners.iter().map(|p| p.distance(centre)).fold(0.0, f32::max);
+        let target = t.faces.vertices_of(face).iter().map(|&v| base.target[v]).fold(0.0, f32::max);
+        let on = curve.nearest(centre, hint);
+        if on.distance > reach * target + size {
+            continue;
+        }
+        faces.insert(face);
+        for &vertex in surface.in_face.row(face) {
+            let on = curve.nearest(product.points[vertex], on.segment);
+            if on.distance <= reach * product.target[vertex] {
+                let own = vertices.entry(vertex).or_insert(on);
+                if on.distance < own.distance {
+                    *own = on;
+                }
+            }
+        }
+        for corner in t.faces.corners_of(face).filter(|&c| !base.barrier[c]) {
+            if let Some(other) = t.twin(corner).map(|c| t.faces.face_of(c))
+                && seen.insert(other)
+            {
+                queue.push_back((other, on.segment));
+            }
+        }
+    }
+    (faces, vertices)
 }
 
 fn half_edge(t: &crate::mesh::Topology, a: VertexId, b: VertexId) -> Option<CornerId> {

@@ -1,7 +1,7 @@
 //! Edge sets: exact where their edges are chains, else paths of edges along the curves that they are on the baseline.
 
 use super::Sites;
-use super::curve::{Corridor, Curve};
+use super::curve::{Corridor, Curve, Found};
 use super::snap::{Surface, sorted};
 use crate::mesh::{ChainId, VertexId};
 use crate::sim::SimProduct;
@@ -33,6 +33,8 @@ pub(super) struct Carried {
     pub source_length: f64,
     /// Largest distance of a vertex from its curve, in local target lengths.
     pub farthest: f32,
+    /// Length of its edges, those of too long a path counted with the shortest one there is. \[stage units\]
+    pub shortest: f64,
 }
 
 /// A path of cage edges without a branch, none of them a constraint.
@@ -90,7 +92,10 @@ impl<'a> Edges<'a> {
         for (chain, mut places) in on_chains {
             places.sort_unstable();
             for interval in places.chunk_by(|a, b| a + 1 == *b) {
-                carried.edges.extend(self.part_of_chain(chain, interval[0], interval[interval.len() - 1] + 1));
+                let edges = self.part_of_chain(chain, interval[0], interval[interval.len() - 1] + 1);
+                let points = &self.surface.product.points;
+                carried.shortest += edges.iter().map(|&[a, b]| f64::from(points[a].distance(points[b]))).sum::<f64>();
+                carried.edges.extend(edges);
             }
         }
         let ends_on_chains = |v: &VertexId| self.surface.is_on_chain(*v);
@@ -159,35 +164,29 @@ impl<'a> Edges<'a> {
         }
         for run in runs {
             match self.path(run, &snapped, &passed) {
-                Some((path, farthest)) => {
-                    carried.farthest = carried.farthest.max(farthest);
-                    passed.extend(&path);
-                    carried.edges.extend(path.windows(2).map(|p| [p[0], p[1]]));
+                Some(found) => {
+                    carried.farthest = carried.farthest.max(found.farthest);
+                    carried.shortest += found.shortest;
+                    passed.extend(&found.vertices);
+                    carried.edges.extend(found.vertices.windows(2).map(|p| [p[0], p[1]]));
                 }
                 None => carried.lost += run.path.len() - 1,
             }
         }
     }
 
-    fn path(
-        &self,
-        run: &Run,
-        snapped: &BTreeMap<VertexId, VertexId>,
-        passed: &BTreeSet<VertexId>,
-    ) -> Option<(Vec<VertexId>, f32)> {
+    fn path(&self, run: &Run, snapped: &BTreeMap<VertexId, VertexId>, passed: &BTreeSet<VertexId>) -> Option<Found> {
         let vertices = self.curve(&run.path);
         let is_closed = run.path[0] == run.path[run.path.len() - 1];
         let curve = Curve::new(&vertices, &self.surface.product.baseline.points, is_closed);
         REACHES.iter().find_map(|&reach| {
-            let corridor = Corridor::new(&self.surface, self.sites, &curve, &vertices, reach);
+            let corridor = Corridor::new(&self.surface, self.sites, &curve, &vertices, reach, passed);
             let ends = [run.path[0], run.path[run.path.len() - 1]];
             let [from, to] = match run.is_loop {
-                true => [corridor.nearest(passed)?; 2],
+                true => [corridor.nearest()?; 2],
                 false => [*snapped.get(&ends[0])?, *snapped.get(&ends[1])?],
             };
-            let path = corridor.path(from, to, passed).filter(|p| p.len() > if is_closed { 3 } else { 1 })?;
-            let farthest = path.iter().map(|&v| corridor.distance(v)).fold(0.0, f32::max);
-            Some((path, farthest))
+            corridor.best_path(from, to, if is_closed { 4 } else { 2 })
         })
     }
 }

@@ -1,326 +1,230 @@
-//! The triangle of the simulation mesh over a point of the baseline: in UV space where its region lies there in one
-//! piece, which is exact and knows no layers; else the closest one of the region that faces the same way.
+//! The triangle of the simulation mesh over a point of the baseline: found by walking to it from one near by, in UV space
+//! where the region lies there in one piece, which is exact and knows no layers, else over the triangles' own planes. A
+//! walk crosses no chain, so that it stays on its own piece of cloth and its own side of the seams.
 
+use super::Net;
 use super::region::Regions;
-use crate::mesh::{CornerId, FaceId};
-use crate::sim::{Location, SimProduct, closest_weights};
-use glam::{Vec2, Vec3};
-use std::collections::HashMap;
-use std::hash::{BuildHasherDefault, Hasher};
-use std::ops::Range;
+use crate::mesh::{CornerId, FaceId, IdVec};
+use crate::sim::{SimProduct, closest_weights};
+use glam::{Mat3A, Vec3, Vec3A};
+use std::cmp::Reverse;
+use std::collections::{BinaryHeap, VecDeque};
 
-/// A triangle whose longest side is more cells long than this makes the cells larger.
-const MAX_CELLS: f32 = 8.0;
-/// Distance at which a point counts as on a triangle, as a share of the cell: rounding alone is less.
-const ON_TRIANGLE: f32 = 1e-5;
-/// How much farther a triangle counts that faces the other way, as a share of the cell; more keeps the two sides of a
-/// flat fold apart even where the simulation mesh cuts it short.
+/// A walk that is longer goes in circles.
+const MAX_STEPS: usize = 512;
+/// A point that is no farther beyond a chain, as a share of its triangle's height, is of that triangle: chords leave out
+/// what a curve bends. Others may have come to the wrong side of a notch, and are searched.
+const BEYOND_CHAIN: f32 = 0.05;
+/// Triangles that a search looks at: enough to get around the end of a dart.
+const MAX_SEARCHED: usize = 96;
+/// How much farther a triangle counts that faces the other way, as a share of its longest side.
 const TURNED: f32 = 0.5;
-/// Cells of a grid along each side: three of them are told apart by one number.
-const MOST_CELLS: f32 = ((1 << 20) - 1) as f32;
-/// A search ends, whatever it has found, when it is this many cells wide.
-const WIDEST: f32 = 16.0;
+/// Triangles that are remembered at a time.
+const REMEMBERED: usize = 32;
 
-/// The triangles of the simulation mesh, in the cells of a grid for each region.
+/// The triangles of the simulation mesh and the ways between them.
 pub(super) struct Locator<'a> {
     product: &'a SimProduct,
     regions: &'a Regions,
-    grids: Vec<Grid>,
+    /// The triangle across each half-edge that is on no chain.
+    across: IdVec<CornerId, Option<FaceId>>,
+    /// A triangle of the simulation mesh near each one of the baseline; none in a region that has none.
+    start: IdVec<FaceId, Option<FaceId>>,
 }
 
-/// The triangles of one region, where it is searched: in UV, or in space.
-struct Grid {
-    low: Vec3,
-    /// The last cell each way.
-    last: Vec3,
-    cell: f32,
-    cells: HashMap<u64, Range<u32>, BuildHasherDefault<Mix>>,
-    triangles: Vec<FaceId>,
-}
-
-/// The triangles near a triangle of the baseline; one is used for many.
+/// A triangle of the baseline, and those of the simulation mesh that its points were found in.
 pub(super) struct Near {
-    face: FaceId,
-    reach: f32,
-    triangles: Vec<Candidate>,
-    found: Found,
-    /// Where the last point was found, among the triangles: the next is likely there.
-    last: usize,
-}
-
-/// Triangles of the simulation mesh, each once.
-#[derive(Default)]
-struct Found {
-    faces: Vec<FaceId>,
-    /// The search in which each triangle was found last.
-    stamps: Vec<u32>,
-    search: u32,
-}
-
-impl Found {
-    fn clear(&mut self) {
-        self.faces.clear();
-        self.search = self.search.wrapping_add(1);
-        if self.search == 0 {
-            self.stamps.clear();
-            self.search = 1;
-        }
-    }
-
-    fn add(&mut self, face: FaceId) {
-        if face.index() >= self.stamps.len() {
-            self.stamps.resize(face.index() + 1, 0);
-        }
-        if std::mem::replace(&mut self.stamps[face.index()], self.search) != self.search {
-            self.faces.push(face);
-        }
-    }
-}
-
-/// A triangle where it is searched.
-struct Candidate {
-    face: FaceId,
     corners: [Vec3; 3],
-    bounds: (Vec3, Vec3),
-    /// What is added to its distance in space.
-    turned: f32,
+    normal: Vec3,
+    is_flat: bool,
+    last: Option<FaceId>,
+    seen: [Seen; REMEMBERED],
 }
+
+/// A triangle of the simulation mesh as a triangle of the baseline sees it.
+#[derive(Clone, Copy)]
+struct Seen {
+    face: Option<FaceId>,
+    /// Its weights at the corners of the triangle of the baseline.
+    weights: Mat3A,
+    is_facing: bool,
+    /// Samples that were found in it.
+    count: u32,
+}
+
+const UNSEEN: Seen = Seen { face: None, weights: Mat3A::ZERO, is_facing: false, count: 0 };
 
 impl Near {
     pub fn new() -> Self {
-        Self { face: FaceId::new(0), reach: 0.0, triangles: Vec::new(), found: Found::default(), last: 0 }
+        let corners = [Vec3::ZERO; 3];
+        Self { corners, normal: Vec3::ZERO, is_flat: false, last: None, seen: [UNSEEN; REMEMBERED] }
     }
 }
 
 impl<'a> Locator<'a> {
-    pub fn new(product: &'a SimProduct, regions: &'a Regions) -> Self {
-        let mut members: Vec<Vec<FaceId>> = vec![Vec::new(); regions.is_flat.len()];
-        for (face, &region) in regions.of_product(product).enumerated() {
-            members[region as usize].push(face);
-        }
-        let mut locator = Self { product, regions, grids: Vec::new() };
-        let grids = members.iter().enumerate().map(|(region, faces)| {
-            let corners: Vec<_> = faces.iter().map(|&f| locator.chart(region, f)).collect();
-            Grid::new(faces, &corners)
+    pub fn new(product: &'a SimProduct, net: &Net, regions: &'a Regions) -> Self {
+        let t = &net.topology;
+        let across = t.faces.corners().ids().map(|c| {
+            let twin = t.twin(c).filter(|_| !net.is_chain[t.corner_edge[c]]);
+            twin.map(|twin| FaceId::new(twin.index() / 3))
         });
-        locator.grids = grids.collect();
-        locator
+        Self { product, regions, across: across.collect(), start: starts(product, regions) }
     }
 
-    /// The corners of a triangle of the simulation mesh where its region is searched.
-    fn chart(&self, region: usize, face: FaceId) -> [Vec3; 3] {
-        match self.regions.is_flat[region] {
+    /// Turns to a triangle of the baseline, before any point of it is located. Whether there is anything over it.
+    pub fn turn_to(&self, face: FaceId, near: &mut Near) -> bool {
+        let base = &self.product.baseline;
+        near.is_flat = self.regions.is_flat[self.regions.of[face] as usize];
+        near.corners = match near.is_flat {
+            true => [0, 1, 2].map(|k| base.uvs[CornerId::new(3 * face.index() + k)].extend(0.0)),
+            false => base.triangle(face),
+        };
+        near.normal = base.unit_normal[face];
+        near.last = self.start[face];
+        near.seen.iter_mut().for_each(|s| s.face = None);
+        near.last.is_some()
+    }
+
+    /// Counts a point for the triangle of the simulation mesh over it.
+    pub fn count(&self, near: &mut Near, weights: Vec3, found: &mut impl FnMut(FaceId, u32)) {
+        let Some(start) = near.last else { return };
+        let face = self.walk(near, start, weights, found);
+        near.last = Some(face);
+        self.see(near, face, found).count += 1;
+    }
+
+    /// Tells of the triangles with points that were not told of yet.
+    pub fn finish(near: &mut Near, found: &mut impl FnMut(FaceId, u32)) {
+        for seen in &mut near.seen {
+            if let Some(face) = seen.face.take().filter(|_| seen.count > 0) {
+                found(face, seen.count);
+            }
+        }
+    }
+
+    fn walk(&self, near: &mut Near, start: FaceId, weights: Vec3, found: &mut impl FnMut(FaceId, u32)) -> FaceId {
+        let point = Vec3A::from(weights);
+        let (mut face, mut before) = (start, None);
+        for _ in 0..MAX_STEPS {
+            let seen = self.see(near, face, found);
+            let (own, is_facing) = (seen.weights * point, seen.is_facing);
+            let least = own.min_element();
+            if least >= 0.0 && is_facing {
+                return face;
+            }
+            match self.step(face, own.into()) {
+                // Between two triangles that bend away from it, the point is as near to either.
+                Some(next) if before == Some(next) && is_facing => return face.min(next),
+                Some(next) if before != Some(next) => (face, before) = (next, Some(face)),
+                None if is_facing && least > -BEYOND_CHAIN => return face,
+                _ => break,
+            }
+        }
+        self.search(near, face, weights)
+    }
+
+    /// The triangle across the side that a point is farthest beyond.
+    fn step(&self, face: FaceId, weights: Vec3) -> Option<FaceId> {
+        let mut next = None;
+        let mut least = 0.0;
+        for k in 0..3 {
+            // A weight is below zero beyond the side that is opposite its corner.
+            let across = self.across[CornerId::new(3 * face.index() + (k + 1) % 3)];
+            if weights[k] < least && across.is_some() {
+                (next, least) = (across, weights[k]);
+            }
+        }
+        next
+    }
+
+    /// How the triangle of the baseline sees one of the simulation mesh.
+    fn see<'n>(&self, near: &'n mut Near, face: FaceId, found: &mut impl FnMut(FaceId, u32)) -> &'n mut Seen {
+        let slot = face.index() % REMEMBERED;
+        if near.seen[slot].face != Some(face) {
+            let old = near.seen[slot];
+            if let Some(other) = old.face.filter(|_| old.count > 0) {
+                found(other, old.count);
+            }
+            near.seen[slot] = self.sight(near, face);
+        }
+        &mut near.seen[slot]
+    }
+
+    fn sight(&self, near: &Near, face: FaceId) -> Seen {
+        let [a, b, c] = self.chart(near.is_flat, face);
+        let normal = (b - a).cross(c - a);
+        let over = normal / normal.length_squared();
+        let column = |p: Vec3| {
+            let (u, v) = ((c - b).cross(p - b).dot(over), (a - c).cross(p - c).dot(over));
+            Vec3A::new(u, v, 1.0 - u - v)
+        };
+        let [x, y, z] = near.corners.map(column);
+        let weights = Mat3A::from_cols(x, y, z);
+        let is_facing = weights.is_finite() && (near.is_flat || normal.dot(near.normal) > 0.0);
+        Seen { face: Some(face), weights, is_facing, count: 0 }
+    }
+
+    /// The corners of a triangle of the simulation mesh in UV, or in space.
+    fn chart(&self, is_flat: bool, face: FaceId) -> [Vec3; 3] {
+        match is_flat {
             true => [0, 1, 2].map(|k| self.product.places[CornerId::new(3 * face.index() + k)].uv.extend(0.0)),
-            false => self.corners(face),
+            false => self.product.triangles[face.index()].map(|v| self.product.points[v]),
         }
     }
 
-    fn corners(&self, face: FaceId) -> [Vec3; 3] {
-        self.product.triangles[face.index()].map(|v| self.product.points[v])
-    }
-
-    fn normal(&self, face: FaceId) -> Vec3 {
-        let [a, b, c] = self.corners(face);
-        (b - a).cross(c - a)
-    }
-
-    /// Turns to a triangle of the baseline, before any point of it is located.
-    pub fn turn_to(&self, face: FaceId, near: &mut Near) {
-        let region = self.regions.of[face] as usize;
-        near.face = face;
-        near.reach = if self.regions.is_flat[region] { 0.0 } else { 0.25 * self.grids[region].cell };
-        self.gather(near);
-    }
-
-    fn gather(&self, near: &mut Near) {
-        let region = self.regions.of[near.face] as usize;
-        let base = &self.product.baseline;
-        let corners = match self.regions.is_flat[region] {
-            true => [0, 1, 2].map(|k| base.uvs[CornerId::new(3 * near.face.index() + k)].extend(0.0)),
-            false => base.triangle(near.face),
+    /// The closest triangle around one, those that face the same way first.
+    fn search(&self, near: &Near, start: FaceId, weights: Vec3) -> FaceId {
+        let [a, b, c] = near.corners;
+        let point = a * weights.x + b * weights.y + c * weights.z;
+        let distance = |face: FaceId| {
+            let [a, b, c] = self.chart(near.is_flat, face);
+            let w = closest_weights(a, b, c, point);
+            let is_turned = !near.is_flat && (b - a).cross(c - a).dot(near.normal) <= 0.0;
+            let side = a.distance(b).max(b.distance(c)).max(c.distance(a));
+            (a * w.x + b * w.y + c * w.z).distance(point) + if is_turned { TURNED * side } else { 0.0 }
         };
-        let slack = near.reach + ON_TRIANGLE * self.grids[region].cell;
-        let (low, high) = bounds(&corners);
-        let (low, high) = (low - slack, high + slack);
-        self.grids[region].gather(low, high, &mut near.found);
-        near.triangles.clear();
-        near.last = 0;
-        let is_flat = self.regions.is_flat[region];
-        let (normal, turned) = (base.normal(near.face), TURNED * self.grids[region].cell);
-        for &face in &near.found.faces {
-            let corners = self.chart(region, face);
-            let bounds = bounds(&corners);
-            if bounds.0.cmple(high).all() && bounds.1.cmpge(low).all() {
-                let is_turned = !is_flat && self.normal(face).dot(normal) <= 0.0;
-                let turned = if is_turned { turned } else { 0.0 };
-                near.triangles.push(Candidate { face, corners, bounds, turned });
-            }
-        }
-    }
-
-    /// The triangle of the simulation mesh over a point of a triangle of the baseline; none in a region that has none.
-    pub fn locate(&self, near: &mut Near, weights: Vec3) -> Option<FaceId> {
-        let at = Location { face: near.face, weights };
-        let region = self.regions.of[near.face] as usize;
-        let cell = self.grids[region].cell;
-        if self.grids[region].triangles.is_empty() {
-            return None;
-        }
-        if self.regions.is_flat[region]
-            && let Some(face) = inside_one(&near.triangles, self.product.baseline.uv(at))
-        {
-            return Some(face);
-        }
-        loop {
-            let best = self.best(near, at);
-            near.last = best.map_or(0, |(_, i)| i);
-            let is_closest = best.is_some_and(|(distance, _)| distance <= near.reach);
-            if is_closest || near.reach > WIDEST * cell {
-                return best.map(|(_, i)| near.triangles[i].face);
-            }
-            near.reach = (2.0 * near.reach).max(0.5 * cell);
-            self.gather(near);
-        }
-    }
-
-    /// The best of the triangles at hand, with its distance.
-    fn best(&self, near: &Near, at: Location) -> Option<(f32, usize)> {
-        let base = &self.product.baseline;
-        let region = self.regions.of[near.face] as usize;
-        let (is_flat, cell) = (self.regions.is_flat[region], self.grids[region].cell);
-        let position = base.position(at);
-        let point = if is_flat { base.uv(at).extend(0.0) } else { position };
-        let in_space = |i: usize| {
-            let face = near.triangles[i].face;
-            let turned = if self.normal(face).dot(base.normal(near.face)) > 0.0 { 0.0 } else { TURNED * cell };
-            distance(self.corners(face), position) + turned
-        };
-        let lower = |i: usize, j: usize| near.triangles[i].face < near.triangles[j].face;
-        let mut best: Option<(f32, usize)> = None;
-        let order = near.triangles.get(near.last).map(|_| near.last).into_iter().chain(0..near.triangles.len());
-        for i in order {
-            let Candidate { corners, bounds: (low, high), turned, .. } = near.triangles[i];
-            let outside = (low - point).max(point - high).max(Vec3::ZERO);
-            if best.is_some_and(|(d, j)| i == j || outside.length_squared() > d * d) {
-                continue;
-            }
-            let mut own = distance(corners, point) + turned;
-            if own <= ON_TRIANGLE * cell {
-                own = 0.0;
-            }
-            // Where a layout lies on itself, the nearer in space; else the lower of two neighbours.
-            let wins = |j: usize| match is_flat && own == 0.0 {
-                true => {
-                    let (i_off, j_off) = (in_space(i), in_space(j));
-                    i_off < j_off || i_off == j_off && lower(i, j)
+        // Distances are not negative, so that their bits are in their order.
+        let key = |face: FaceId| (distance(face).to_bits(), face);
+        let mut queue = BinaryHeap::from([Reverse(key(start))]);
+        let mut reached = vec![start];
+        let mut best = key(start);
+        while let Some(Reverse(nearest)) = queue.pop().filter(|_| reached.len() < MAX_SEARCHED) {
+            best = best.min(nearest);
+            for k in 0..3 {
+                let across = self.across[CornerId::new(3 * nearest.1.index() + k)];
+                if let Some(other) = across.filter(|f| !reached.contains(f)) {
+                    reached.push(other);
+                    queue.push(Reverse(key(other)));
                 }
-                false => lower(i, j),
-            };
-            if best.is_none_or(|(d, j)| own < d || own == d && wins(j)) {
-                best = Some((own, i));
             }
         }
-        best
+        best.1
     }
 }
 
-/// The triangle that a point is well inside of, where it is the only one: nearly every point.
-fn inside_one(triangles: &[Candidate], p: Vec2) -> Option<FaceId> {
-    let mut found = None;
-    for Candidate { face, corners, .. } in triangles {
-        let [a, b, c] = corners.map(|c| c.truncate() - p);
-        let sides = Vec3::new(a.perp_dot(b), b.perp_dot(c), c.perp_dot(a));
-        let slack = 1e-4 * sides.element_sum().abs();
-        // Beyond a side by more than rounding, whichever way round the triangle is.
-        if sides.min_element() < -slack && sides.max_element() > slack {
-            continue;
+/// A triangle of the simulation mesh near each triangle of the baseline: one with a corner there, else that of a
+/// neighbour on the same side of the chains.
+fn starts(product: &SimProduct, regions: &Regions) -> IdVec<FaceId, Option<FaceId>> {
+    let base = &product.baseline;
+    let mut start = IdVec::<FaceId, Option<FaceId>>::filled(None, base.topology.faces.len());
+    let of_product = regions.of_product(product);
+    let mut queue = VecDeque::new();
+    for (corner, place) in product.places.enumerated() {
+        let (face, at) = (FaceId::new(corner.index() / 3), place.location.face);
+        if start[at].is_none() && regions.of[at] == of_product[face] {
+            start[at] = Some(face);
+            queue.push_back(at);
         }
-        let is_inside = sides.min_element() > slack || sides.max_element() < -slack;
-        if !is_inside || found.is_some() {
-            return None;
-        }
-        found = Some(*face);
     }
-    found
-}
-
-impl Grid {
-    /// Cells about as large as a triangle.
-    fn new(faces: &[FaceId], corners: &[[Vec3; 3]]) -> Self {
-        let boxes: Vec<(Vec3, Vec3)> = corners.iter().map(bounds).collect();
-        let low = boxes.iter().fold(Vec3::MAX, |low, b| low.min(b.0));
-        let (mut sum, mut longest) = (0.0f64, 0.0f32);
-        for (from, to) in &boxes {
-            let size = (*to - *from).max_element();
-            sum += f64::from(size);
-            longest = longest.max(size);
-        }
-        let mean = (sum / boxes.len().max(1) as f64) as f32;
-        let cell = mean.max(longest / MAX_CELLS).max(f32::MIN_POSITIVE);
-        let high = boxes.iter().fold(low, |high, b| high.max(b.1));
-        let last = ((high - low) / cell).floor().min(Vec3::splat(MOST_CELLS));
-        let mut grid = Self { low, last, cell, cells: HashMap::default(), triangles: Vec::new() };
-        let mut entries: Vec<(u64, FaceId)> = Vec::with_capacity(4 * faces.len());
-        for (&face, (from, to)) in faces.iter().zip(&boxes) {
-            grid.for_each_cell(*from, *to, |cell| entries.push((cell, face)));
-        }
-        entries.sort_unstable();
-        for group in entries.chunk_by(|a, b| a.0 == b.0) {
-            let start = grid.triangles.len() as u32;
-            grid.triangles.extend(group.iter().map(|e| e.1));
-            grid.cells.insert(group[0].0, start..grid.triangles.len() as u32);
-        }
-        grid
-    }
-
-    fn for_each_cell(&self, low: Vec3, high: Vec3, mut visit: impl FnMut(u64)) {
-        if !self.last.is_finite() {
-            return;
-        }
-        let at = |p: Vec3| ((p - self.low) / self.cell).floor().clamp(Vec3::ZERO, self.last).as_u64vec3();
-        let (low, high) = (at(low), at(high));
-        for z in low.z..=high.z {
-            for y in low.y..=high.y {
-                (low.x..=high.x).for_each(|x| visit(x | y << 20 | z << 40));
+    while let Some(face) = queue.pop_front() {
+        for k in 0..3 {
+            let Some(twin) = base.open_twin[CornerId::new(3 * face.index() + k)] else { continue };
+            let other = FaceId::new(twin.index() / 3);
+            if start[other].is_none() {
+                start[other] = start[face];
+                queue.push_back(other);
             }
         }
     }
-
-    /// The triangles in the cells of a box.
-    fn gather(&self, low: Vec3, high: Vec3, found: &mut Found) {
-        found.clear();
-        self.for_each_cell(low, high, |cell| {
-            let range = self.cells.get(&cell).cloned().unwrap_or(0..0);
-            self.triangles[range.start as usize..range.end as usize].iter().for_each(|&f| found.add(f));
-        });
-    }
-}
-
-/// Mixes the bits of a cell's number.
-#[derive(Default)]
-struct Mix(u64);
-
-impl Hasher for Mix {
-    fn finish(&self) -> u64 {
-        self.0
-    }
-
-    fn write(&mut self, bytes: &[u8]) {
-        bytes.iter().for_each(|&b| self.write_u64(u64::from(b)));
-    }
-
-    fn write_u64(&mut self, number: u64) {
-        let mixed = (self.0.rotate_left(5) ^ number).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-        self.0 = mixed ^ (mixed >> 32);
-    }
-}
-
-fn bounds(corners: &[Vec3; 3]) -> (Vec3, Vec3) {
-    let [a, b, c] = *corners;
-    (a.min(b).min(c), a.max(b).max(c))
-}
-
-fn distance([a, b, c]: [Vec3; 3], point: Vec3) -> f32 {
-    let w = closest_weights(a, b, c, point);
-    (a * w.x + b * w.y + c * w.z).distance(point)
+    start
 }

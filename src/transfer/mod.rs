@@ -8,6 +8,7 @@ mod coverage;
 mod curve;
 mod edge;
 mod face;
+mod hash;
 mod locate;
 mod normals;
 mod provenance;
@@ -48,6 +49,8 @@ pub struct SetCurve {
     pub length: f64,
     /// Largest distance of the subset on the simulation mesh from it, in local target lengths.
     pub farthest: f32,
+    /// Length of the subset, too long a path of edges counted with the shortest one within reach. \[stage units\]
+    pub shortest: f64,
 }
 
 /// The simulation mesh with the garment's attributes, and how its faces cover those of the garment.
@@ -60,8 +63,9 @@ pub fn transfer(
     uv_set: Option<&Primvar>,
     warnings: &mut Warnings,
 ) -> Transferred {
-    let coverage = Coverage::new(product, garment.faces.len(), options);
-    let sites = Sites::new(product, &coverage);
+    let net = Net::new(product);
+    let coverage = Coverage::over(product, &net, garment.faces.len(), options);
+    let sites = Sites::new(product, net, &coverage);
     let target = Target { product, sites: &sites, coverage: &coverage };
     let carried: Vec<(Option<Primvar>, Vec<Warning>)> =
         garment.primvars.par_iter().map(|p| target.carry(garment, p, uv_set)).collect();
@@ -122,6 +126,31 @@ impl Target<'_> {
     }
 }
 
+/// The edges of the simulation mesh.
+pub(crate) struct Net {
+    pub topology: Topology,
+    /// Which of them are seams of the constraint UVs.
+    pub is_seam: IdVec<EdgeId, bool>,
+    /// Which of them are on chains.
+    pub is_chain: IdVec<EdgeId, bool>,
+}
+
+impl Net {
+    fn new(product: &SimProduct) -> Self {
+        let corners: Vec<VertexId> = product.triangles.iter().flatten().copied().collect();
+        let topology = Topology::new(Faces::triangles(corners), product.points.len());
+        let mut is_seam = IdVec::filled(false, topology.edges.len());
+        let mut is_chain = is_seam.clone();
+        for (id, chain) in product.baseline.chains.enumerated() {
+            for edge in product.chain_edges[id].iter().filter_map(|&[a, b]| topology.find_edge(a, b)) {
+                is_seam[edge] |= chain.marks.seam;
+                is_chain[edge] = true;
+            }
+        }
+        Self { topology, is_seam, is_chain }
+    }
+}
+
 /// Where the elements of the simulation mesh are on the baseline.
 pub(crate) struct Sites<'a> {
     product: &'a SimProduct,
@@ -138,23 +167,14 @@ pub(crate) struct Sites<'a> {
 }
 
 impl<'a> Sites<'a> {
-    fn new(product: &'a SimProduct, coverage: &Coverage) -> Self {
-        let corners: Vec<VertexId> = product.triangles.iter().flatten().copied().collect();
+    fn new(product: &'a SimProduct, net: Net, coverage: &Coverage) -> Self {
+        let Net { topology, is_seam, is_chain } = net;
         let mut vertices = IdVec::<VertexId, Option<Location>>::filled(None, product.points.len());
-        for (&v, place) in corners.iter().zip(product.places.iter()) {
+        for (&v, place) in product.triangles.iter().flatten().zip(product.places.iter()) {
             vertices[v].get_or_insert(place.location);
         }
         let vertices =
             vertices.iter().map(|l| l.unwrap_or(Location { face: FaceId::new(0), weights: glam::Vec3::X })).collect();
-        let topology = Topology::new(Faces::triangles(corners), product.points.len());
-        let mut is_seam = IdVec::filled(false, topology.edges.len());
-        let mut is_chain = is_seam.clone();
-        for (id, chain) in product.baseline.chains.enumerated() {
-            for edge in product.chain_edges[id].iter().filter_map(|&[a, b]| topology.find_edge(a, b)) {
-                is_seam[edge] |= chain.marks.seam;
-                is_chain[edge] = true;
-            }
-        }
         let bare = topology.faces.ids().filter(|&f| coverage.sources.row(f).is_empty());
         let unsampled = bare.map(|f| (f, product.baseline.source_face[centre(product, f)])).collect();
         Self { product, vertices, unsampled, topology, is_seam, is_chain }

@@ -8,7 +8,7 @@ use crate::sim::{Baseline, SimProduct};
 pub(super) struct Regions {
     /// The region of each triangle of the baseline.
     pub of: IdVec<FaceId, u32>,
-    /// For each region whether it lies in UV space in one piece, so that places in it are found there.
+    /// For each region whether it lies in UV space in one piece and does not fold, so that places in it are found there.
     pub is_flat: Vec<bool>,
 }
 
@@ -24,10 +24,12 @@ impl Regions {
             let own = is_flat.len() as u32;
             of[seed] = Some(own);
             let mut region = vec![seed];
-            let (mut at, mut area, mut is_whole) = (0, 0.0, baseline.has_uvs);
+            let (mut at, mut is_whole, mut upright, mut turned) = (0, baseline.has_uvs, false, false);
             while let Some(&face) = region.get(at) {
                 at += 1;
-                area += f64::from(baseline.uv_area(face));
+                let area = baseline.uv_area(face);
+                turned |= area < 0.0;
+                upright |= area > 0.0;
                 for corner in t.faces.corners_of(face).filter(|&c| !baseline.barrier[c]) {
                     let Some(twin) = t.twin(corner) else { continue };
                     is_whole &= same_uvs(baseline, corner, twin);
@@ -38,7 +40,7 @@ impl Regions {
                     }
                 }
             }
-            is_flat.push(is_whole && area != 0.0);
+            is_flat.push(is_whole && upright != turned);
         }
         Self { of: of.iter().map(|r| r.unwrap_or(0)).collect(), is_flat }
     }

@@ -96,8 +96,8 @@ impl<'a> Surface<'a> {
         self.on_chain.contains_key(&vertex)
     }
 
-    /// The nearest vertex to a vertex of the cage that `is_free` admits; if none is near, the nearest of all. None where
-    /// nothing of the surface is left.
+    /// The nearest vertex to a vertex of the cage that `is_free` admits; if none is within a target length, the nearest of
+    /// all. None where nothing of the surface is left.
     pub fn nearest(&self, vertex: VertexId, is_free: impl Fn(VertexId) -> bool) -> Option<VertexId> {
         if let Some(&(chain, index)) = self.on_chain.get(&vertex) {
             let curve = &self.product.baseline.chains[chain];
@@ -107,7 +107,7 @@ impl<'a> Surface<'a> {
         }
         let found = self.around(vertex);
         let first = found.first()?;
-        let near = found.iter().take_while(|f| f.0 <= DRIFT * self.product.target[f.1]);
+        let near = found.iter().take_while(|f| f.0 <= self.product.target[f.1]);
         Some(near.map(|f| f.1).find(|&v| is_free(v)).unwrap_or(first.1))
     }
 
@@ -128,7 +128,7 @@ impl<'a> Surface<'a> {
             for &v in self.in_face.row(face) {
                 let distance = self.product.points[v].distance(point);
                 found.push((distance, v));
-                reach = reach.min(distance + DRIFT * self.product.target[v]);
+                reach = reach.min(distance + self.product.target[v]);
             }
             for corner in t.faces.corners_of(face).filter(|&c| !base.barrier[c]) {
                 if let Some(other) = t.twin(corner).map(|c| t.faces.face_of(c))

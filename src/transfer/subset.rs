@@ -45,6 +45,7 @@ pub(super) fn carry(
         name: s.name.clone(),
         length: carried.source_length,
         farthest: carried.farthest,
+        shortest: carried.shortest,
     });
     let curves = curves.collect();
     let grid = PointGrid::new(&product.points);

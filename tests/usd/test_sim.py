@@ -84,7 +84,7 @@ def test_has_no_degenerate_triangle(product):
 
 
 def test_faces_the_way_its_source_does(product, baseline):
-    """Normals agree with those of the nearest faces of the source, but for a few at sharp folds."""
+    """Normals agree with one of the nearest faces of the source, which may be of another layer, but for a few at sharp folds."""
     if product.source.cage.non_manifold_edges().any():
         pytest.skip("the source's own faces disagree in winding")
     fine = baseline.made.cage.verts.reshape(-1, 4)
@@ -94,9 +94,9 @@ def test_faces_the_way_its_source_does(product, baseline):
     ours = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     middle = corners.mean(axis=1)
     sample = np.arange(0, len(middle), max(1, len(middle) // 400))
-    nearest = np.array([((centres - middle[i]) ** 2).sum(axis=1).argmin() for i in sample])
-    agree = (ours[sample] * normals[nearest]).sum(axis=1) > 0
-    assert agree.mean() > 0.95
+    nearest = np.array([((centres - middle[i]) ** 2).sum(axis=1).argsort()[:8] for i in sample])
+    agree = ((ours[sample][:, None] * normals[nearest]).sum(axis=2) > 0).any(axis=1)
+    assert agree.mean() > 0.99
 
 
 def test_points_lie_on_the_baseline(product, baseline):
