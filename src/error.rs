@@ -190,6 +190,15 @@ pub enum Warning {
         /// What is left of the distance at the thinnest place, as a share.
         least: f32,
     },
+    /// Faces that have no second layer, since the surface turns back on itself there.
+    BareFaces {
+        /// Name of the thickness.
+        thickness: String,
+        /// How many faces.
+        count: usize,
+        /// Point indices.
+        examples: Vec<usize>,
+    },
     /// Operators that `render.operators` does not name.
     OperatorsLeftOut {
         /// Their names.
@@ -280,6 +289,15 @@ impl fmt::Display for Warning {
                 let some = some(*count, "points", examples, usize::to_string);
                 write!(f, "thickness.{thickness} is thinner than asked at {count} places ({some}), down to ")?;
                 write!(f, "{:.0} % of its amount, where it would cross itself or another part", least * 100.0)
+            }
+            Self::BareFaces { thickness, count, examples } => {
+                let some = some(*count, "points", examples, usize::to_string);
+                write!(f, "thickness.{thickness} leaves out {count} faces ({some}), where the surface turns back on ")?;
+                write!(
+                    f,
+                    "itself, so that there is no side for a second layer; open the fold, or turn faces that look "
+                )?;
+                write!(f, "the other way than their neighbours")
             }
             Self::OperatorsLeftOut { names } => {
                 write!(f, "not in render.operators, and so not made: {}", names.join(", "))

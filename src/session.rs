@@ -17,7 +17,7 @@ use crate::memo::{Footprint, Memo};
 use crate::mesh::{IdVec, VertexId};
 use crate::pipeline::{Checked, Clock, DEFAULT_MAX_FACES, Prepared};
 use crate::recipe::Document;
-use crate::render::{Formed, Stack, first_cage, without_rooms};
+use crate::render::{Formed, Ground, Placed, Stack, first_cage};
 use crate::sim::{SimOptions, SimProduct};
 use crate::subdivide::Cage;
 use crate::usd::{Format, Product, ReadOptions, Role, Source, Surroundings, WriteOptions, layer_bytes};
@@ -142,23 +142,29 @@ impl Session {
         let (mut structure, mut options) = (Vec::new(), Vec::new());
         let mut cage: Arc<dyn AsCage> =
             self.memo.get(&opened.key("cage", &())?, || Ok(self.pool.install(|| first_cage(&prepared.garment))))?;
-        let mut points = Arc::new(Made { value: cage.cage().garment().points.clone(), warnings: Warnings::default() });
+        let reach = stack.reach();
+        let mut placed = self.memo.get(&opened.key("first", &reach)?, || {
+            let value = self.pool.install(|| Placed::first(cage.cage(), reach));
+            Ok(Made { value, warnings: Warnings::default() })
+        })?;
         for operator in &stack.operators {
             structure.push(operator.structure());
-            options.push(operator.options());
             let formed = self.memo.get(&opened.key("form", &structure)?, || {
                 self.pool.install(|| Formed::new(operator.as_ref(), cage.cage()))
             })?;
             warnings.extend(&formed.shape.warnings);
-            points = self.memo.get(&opened.key("points", &options)?, || {
-                let mut warnings = Warnings::default();
-                let place = || formed.points(operator.as_ref(), &points.value, &mut warnings);
-                let value = self.pool.install(place);
+            let ground = self.memo.get(&opened.key("ground", &(&structure, &options))?, || {
+                Ok(self.pool.install(|| formed.ground(&placed.value)))
+            })?;
+            options.push(operator.options());
+            placed = self.memo.get(&opened.key("points", &options)?, || {
+                let (value, warnings) = self.pool.install(|| formed.raised(operator.as_ref(), &ground));
                 Ok(Made { value, warnings })
             })?;
-            warnings.extend(&points.warnings);
+            warnings.extend(&placed.warnings);
             cage = formed;
         }
+        let mut points = Arc::new(Made { value: placed.value.points.clone(), warnings: Warnings::default() });
         for level in 1..=stack.level {
             points = self.memo.get(&opened.key("level points", &(&options, level))?, || {
                 let value = self.pool.install(|| cage.cage().refined_points(&points.value));
@@ -169,7 +175,7 @@ impl Session {
                 .get(&opened.key("level", &(&structure, level))?, || Ok(self.pool.install(|| cage.cage().refined())))?;
         }
         let finished = self.memo.get(&opened.key("attributes", &(&structure, stack.level))?, || {
-            let value = self.pool.install(|| without_rooms(cage.cage().clone()).into_garment());
+            let value = self.pool.install(|| cage.cage().clone().into_garment());
             Ok(Made { value, warnings: Warnings::default() })
         })?;
         Ok(Made { value: Garment { points: points.value.clone(), ..finished.value.clone() }, warnings })
@@ -267,6 +273,18 @@ impl Footprint for Cage {
 impl Footprint for Formed {
     fn footprint(&self) -> usize {
         self.cage.footprint() + FORMED_CORNER * self.cage.garment().faces.corners().len()
+    }
+}
+
+impl Footprint for Ground {
+    fn footprint(&self) -> usize {
+        self.bytes()
+    }
+}
+
+impl Footprint for Made<Placed> {
+    fn footprint(&self) -> usize {
+        self.value.bytes()
     }
 }
 

@@ -19,15 +19,18 @@
 
 pub mod derivation;
 mod lines;
+mod placed;
 mod seam;
+mod settle;
 mod shape;
 mod sound;
 mod surface;
 mod thickness;
 
+pub use placed::{Placed, Room};
 pub use seam::{SeamOptions, Seams};
-pub use shape::{Formed, Ground, Held, Operator, Role, Room, Shape, without_rooms};
-pub use surface::{Pin, Surface, limit_rows};
+pub use shape::{Formed, Ground, Held, Operator, Role, Shape};
+pub use surface::{Surface, limit_rows};
 pub use thickness::{Side, Thickness, ThicknessOptions};
 
 use crate::error::{Error, Warning, Warnings};
@@ -128,6 +131,13 @@ impl Stack {
         end_network(&mut network, points, options, &mut operators);
         Ok(Self { operators, level: options.level, warnings })
     }
+
+    /// The furthest that an operator goes from the surface, as the next power of 2, so that what depends on it need not
+    /// change with each edit. \[stage units\]
+    pub fn reach(&self) -> f32 {
+        let furthest = self.operators.iter().map(|o| o.reach()).fold(0.0, f32::max);
+        if furthest > 0.0 { furthest.log2().ceil().exp2() } else { 0.0 }
+    }
 }
 
 /// Seams in a row are one operator.
@@ -183,14 +193,14 @@ pub fn render(garment: &Garment, stack: &Stack, warnings: &mut Warnings) -> Resu
         return Ok(garment.clone());
     }
     let mut cage = first_cage(garment);
-    let mut points = cage.garment().points.clone();
+    let mut placed = Placed::first(&cage, stack.reach());
     for operator in &stack.operators {
         let formed = Formed::new(operator.as_ref(), &cage)?;
         warnings.extend(&formed.shape.warnings);
-        points = formed.points(operator.as_ref(), &points, warnings);
+        placed = formed.placed(operator.as_ref(), &placed, warnings);
         cage = formed.cage;
     }
-    cage = without_rooms(cage);
+    let mut points = placed.points;
     for _ in 0..stack.level {
         points = cage.refined_points(&points);
         cage = cage.refined();

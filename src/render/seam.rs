@@ -14,11 +14,10 @@
 mod chains;
 
 use super::lines::{self, Lines, Narrowed, Request};
-use super::shape::{FREE, Held, Operator, Role, Shape, room_at};
-use super::surface::Pin;
+use super::shape::{Held, Operator, Role, Shape};
 use crate::error::{Error, Warning, Warnings};
 use crate::garment::{Elements, Scheme, Subset};
-use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, VertexId};
+use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
 use crate::subdivide::Cage;
 use chains::Network;
 use glam::Vec3;
@@ -26,14 +25,12 @@ use serde::{Deserialize, Serialize};
 
 /// Lines as shares of the width's half: that of the width, and one that holds the surface outside. Further away, it makes
 /// the shoulders of the seam softer, and takes more room.
-const LINES: [f32; 2] = [1.0, 1.6];
+const LINES: [f32; 2] = [0.5, 1.0];
 /// The same with a line on the flank.
-const SWOLLEN_LINES: [f32; 3] = [0.5, 1.0, 1.5];
-/// Cosine of the turn from which on a chain has a corner, which is rounded, and not held across.
-const STRAIGHT: f32 = 0.87;
+const SWOLLEN_LINES: [f32; 3] = [0.33, 0.67, 1.0];
 /// Least part of the width on one side, so that at full asymmetry both lines are apart and the steep flank is not turned
 /// over.
-const LEAST_SIDE: f32 = 0.2;
+const LEAST_SIDE: f32 = 0.05;
 /// A centre that keeps less of its offset than this is reported.
 const REPORTED: f32 = 0.98;
 /// Elements that a warning names.
@@ -84,7 +81,7 @@ impl Seams {
 
     /// The line of the width; those before it are on the flank.
     fn width_line(&self) -> usize {
-        self.shares().len() - 2
+        self.shares().len() - 1
     }
 
     fn is_swollen(&self) -> bool {
@@ -112,9 +109,9 @@ impl Seams {
                 let further = |a: (f32, usize), b: (f32, usize)| if b.0.abs() > a.0.abs() { b } else { a };
                 instances.iter().map(of).reduce(further).unwrap_or((0.0, 0))
             }
-            Role::Line { line, instance } if *line < self.width_line() => {
+            Role::Line { line: 0, instance } if self.is_swollen() => {
                 let options = &self.seams[*instance].1;
-                ((1.0 - self.shares()[*line]) * options.normal_offset + options.depth, *instance)
+                ((1.0 - self.shares()[0]) * options.normal_offset + options.depth, *instance)
             }
             _ => (0.0, 0),
         }
@@ -152,24 +149,18 @@ impl Seams {
         warnings
     }
 
-    fn held(&self, cage: &Cage, network: &Network, lines: &Lines) -> Vec<Held> {
-        let t = &cage.level().topology;
+    fn held(&self, t: &Topology, network: &Network, lines: &Lines) -> Vec<Held> {
         let near = lines.near.enumerated().filter(|(_, near)| **near).map(|(v, _)| v);
         let kept = near.map(|vertex| {
             let instances = network.at(t, vertex);
             if instances.is_empty() || network.tapers[vertex] {
-                return Held { vertex, pin: Pin::Height, role: Role::Surface, room: FREE };
+                return Held { vertex, role: Role::Surface };
             }
-            let straight = network.straight_at(t, vertex, &cage.garment().points, STRAIGHT);
-            let pin = straight.map_or(Pin::Height, Pin::Across);
-            Held { vertex, pin, role: Role::Centre(instances), room: room_at(cage, &[(vertex, 1.0)]) }
+            Held { vertex, role: Role::Centre(instances) }
         });
         let on_lines = lines.vertices.iter().map(|l| {
             let instance = network.seam[l.mark].unwrap_or(0);
-            let room = room_at(cage, &lines.builder.sources(l.vertex));
-            let straight = network.straight_at(t, l.from, &cage.garment().points, STRAIGHT);
-            let pin = straight.filter(|_| l.line <= self.width_line()).map_or(Pin::Height, Pin::Across);
-            Held { vertex: l.vertex, pin, role: Role::Line { line: l.line, instance }, room }
+            Held { vertex: l.vertex, role: Role::Line { line: l.line, instance } }
         });
         kept.chain(on_lines).collect()
     }
@@ -209,6 +200,10 @@ impl Operator for Seams {
         format!("seams {} {} {}", seams.join("; "), self.is_swollen(), self.names_sets)
     }
 
+    fn reach(&self) -> f32 {
+        self.seams.iter().map(|(_, o)| o.normal_offset.abs() + o.depth.abs()).fold(0.0, f32::max)
+    }
+
     fn options(&self) -> String {
         format!("seams {:?}", self.seams)
     }
@@ -229,7 +224,7 @@ impl Operator for Seams {
             kept_line: self.width_line(),
         };
         let lines = lines::insert(&request);
-        let held = self.held(cage, &network, &lines);
+        let held = self.held(t, &network, &lines);
         let subsets = self.subsets(cage, &network, &lines);
         let warnings = self.warn(&network, &lines.narrowed);
         let (corners, creases, apart) = (Vec::new(), Vec::new(), Vec::new());
@@ -237,8 +232,7 @@ impl Operator for Seams {
     }
 
     fn heights(&self, shape: &Shape, _: &[(Vec3, Vec3)]) -> Vec<f32> {
-        let of = |held: &Held| self.height(&held.role).0.clamp(-held.room[0], held.room[1]);
-        shape.held.iter().map(of).collect()
+        shape.held.iter().map(|held| self.height(&held.role).0).collect()
     }
 
     fn reduced(&self, shape: &Shape, given: &[f32]) -> Warnings {

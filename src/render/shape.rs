@@ -3,10 +3,12 @@
 //! The two are apart, so that an edit that only moves points repeats only the second.
 
 use super::derivation::{Derivation, Table};
-use super::sound::{Kin, LEAST_SHARE, Sound, States, sound};
-use super::surface::{Aim, Pin, Surface, fit, limit_rows};
+use super::placed::{Placed, Room, least};
+use super::settle::{Raise, Settling, graded};
+use super::sound::{Kin, LEAST_SHARE, OPEN, States, sound};
+use super::surface::{Surface, limit_rows};
 use crate::error::{Error, Warnings};
-use crate::garment::{Interpolation, Mixing, Orientation, Primvar, Subset, Values};
+use crate::garment::{Orientation, Subset};
 use crate::mesh::{CornerId, Csr, FaceId, IdVec, VertexId};
 use crate::subdivide::{Cage, INFINITE_SHARPNESS, Level, Lineage, carried_points};
 use glam::Vec3;
@@ -16,6 +18,9 @@ use rayon::prelude::*;
 pub trait Operator: Sync + Send {
     /// The options on which [`Operator::shape`] depends, as text.
     fn structure(&self) -> String;
+
+    /// The furthest that it goes from the surface. \[stage units\]
+    fn reach(&self) -> f32;
 
     /// All options, as text.
     fn options(&self) -> String;
@@ -38,6 +43,8 @@ pub trait Operator: Sync + Send {
 pub enum Role {
     /// On the surface as it was.
     Surface,
+    /// On a border that is folded: where it was.
+    Fold,
     /// On a marked edge of these instances of the operator.
     Centre(Vec<usize>),
     /// On a line.
@@ -53,6 +60,8 @@ pub enum Role {
         over: VertexId,
         /// The painted weight.
         weight: f32,
+        /// 1 before the surface, -1 behind it.
+        side: f32,
     },
 }
 
@@ -61,69 +70,14 @@ pub enum Role {
 pub struct Held {
     /// The vertex.
     pub vertex: VertexId,
-    /// How it is held.
-    pub pin: Pin,
     /// What it is for.
     pub role: Role,
-    /// How far it may go behind and before the surface.
-    pub room: Room,
 }
 
-/// How far a vertex may go against and along the normal until it meets the other layer of a fold. \[stage units\]
-pub type Room = [f32; 2];
-
-/// Part of its height that the free border of a layer keeps: nearer, it is within what a refined mesh differs from the
-/// limit, and weaves through the other layer.
-const LEAST_AT_BORDER: f32 = 0.4;
-
-/// No layer is near.
-pub const FREE: Room = [1e30; 2];
-
-/// The primvar in which the room of vertices goes through later operators; a `/` is in no name of USD's.
-const ROOM: &str = "tailor/room";
-
-/// The room at a weighted mean of a cage's vertices.
-pub fn room_at(cage: &Cage, sources: &[(VertexId, f32)]) -> Room {
-    let Some(Primvar { values: Values::F32(values), .. }) = cage.garment().primvar(ROOM) else { return FREE };
-    let mut room = [0.0; 2];
-    for &(v, w) in sources {
-        (0..2).for_each(|k| room[k] += w * values[2 * v.index() + k]);
-    }
-    room
-}
-
-/// The cage with its rooms narrowed to those of `held`.
-fn with_rooms(cage: Cage, held: &[Held]) -> Cage {
-    if held.iter().all(|h| h.room == FREE) {
-        return cage;
-    }
-    let mut rooms = match cage.garment().primvar(ROOM) {
-        Some(Primvar { values: Values::F32(values), .. }) => values.clone(),
-        _ => vec![FREE[0]; 2 * cage.garment().points.len()],
-    };
-    for held in held {
-        let over = if let Role::Layer { over, .. } = held.role { Some(over) } else { None };
-        for vertex in over.into_iter().chain([held.vertex]) {
-            let at = 2 * vertex.index();
-            (0..2).for_each(|k| rooms[at + k] = rooms[at + k].min(held.room[k]));
-        }
-    }
-    cage.with_primvar(Primvar {
-        name: ROOM.into(),
-        type_name: "float2[]".into(),
-        interpolation: Interpolation::Vertex,
-        components: 2,
-        element_size: 1,
-        mixing: Mixing::Linear,
-        values: Values::F32(rooms),
-        indices: None,
-    })
-}
-
-/// The cage without what operators tell each other.
-pub fn without_rooms(cage: Cage) -> Cage {
-    cage.without_primvar(ROOM)
-}
+/// Part of the room that is left which an operator may take, so that later ones have some too.
+const PART_OF_ROOM: f32 = 0.5;
+/// Part of the distance of two layers that a later operator may take on either.
+const PART_BETWEEN: f32 = 0.4;
 
 /// What an operator makes of a cage, but for the places of the points.
 pub struct Shape {
@@ -149,28 +103,39 @@ pub struct Formed {
     pub cage: Cage,
     /// What the operator made.
     pub shape: Shape,
-    aims: Vec<Aim>,
-    /// Limit rows of the aims.
+    /// Limit rows of the held vertices.
     rows: Table<VertexId>,
     parent: Level,
     orientation: Orientation,
     /// Limit rows of the parent.
     parent_rows: Table<VertexId>,
-    /// For each aim the corners of the parent that its place is a weighted mean of.
+    /// For each held vertex the corners of the parent that its place is a weighted mean of.
     seen: Vec<Vec<(CornerId, f32)>>,
+    /// For each held vertex the one whose limit, before any height, its own is measured from.
+    from: Vec<usize>,
     /// Vertices with their copies.
     pairs: Vec<[VertexId; 2]>,
+    /// Edges of the second layer, by their held vertices.
+    between: Vec<[usize; 2]>,
     /// Faces whose points may move.
     moved: IdVec<FaceId, bool>,
 }
 
 /// Where the points of a stage are without heights; what heights are measured from.
 pub struct Ground {
-    parent: IdVec<VertexId, Vec3>,
     /// Place and normal for each held vertex.
     targets: Vec<(Vec3, Vec3)>,
+    /// The operator's weights alone.
     linear: IdVec<VertexId, Vec3>,
-    flat: IdVec<VertexId, Vec3>,
+    placed: Placed,
+    parent: IdVec<VertexId, Vec3>,
+}
+
+impl Ground {
+    /// Memory that it holds. \[bytes\]
+    pub fn bytes(&self) -> usize {
+        self.placed.bytes() + size_of_val(self.targets.as_slice())
+    }
 }
 
 impl Formed {
@@ -185,9 +150,7 @@ impl Formed {
         let mut points = cage.garment().points.clone();
         shape.apart.iter().for_each(|&(vertex, offset)| points[vertex] += offset);
         cage = cage.with_points(points).with_subsets(shape.subsets.iter().cloned());
-        cage = with_rooms(cage, &shape.held);
-        let aims: Vec<Aim> = shape.held.iter().map(|h| Aim { vertex: h.vertex, pin: h.pin }).collect();
-        let rows = limit_rows(cage.level(), aims.par_iter().map(|a| a.vertex));
+        let rows = limit_rows(cage.level(), shape.held.par_iter().map(|h| h.vertex));
         let every = (0..parent.level().topology.vertex_count()).into_par_iter().map(VertexId::new);
         let parent_rows = limit_rows(parent.level(), every);
         let seen = seen(&shape, cage.level(), parent.level());
@@ -197,60 +160,41 @@ impl Formed {
             _ => None,
         };
         let (pairs, moved) = (shape.held.iter().filter_map(pair).collect(), moved(&shape));
-        Ok(Self { cage, shape, aims, rows, parent: level, orientation, parent_rows, seen, pairs, moved })
+        let (from, between) = (measured_from(&shape, cage.level()), layer_edges(&shape, cage.level()));
+        Ok(Self { cage, shape, rows, parent: level, orientation, parent_rows, seen, from, pairs, between, moved })
     }
 
-    /// The points of the new cage without heights, where the parent's are `points`.
-    pub fn ground(&self, points: &IdVec<VertexId, Vec3>) -> Ground {
-        let surface = Surface::new(&self.parent, self.orientation, &self.parent_rows, points);
+    /// The points of the new cage without heights.
+    pub fn ground(&self, parent: &Placed) -> Ground {
+        let surface = Surface::new(&self.parent, self.orientation, &self.parent_rows, &parent.points);
         let t = &self.parent.topology;
         let targets: Vec<(Vec3, Vec3)> = self.seen.par_iter().map(|seen| surface.at(t, seen)).collect();
-        let linear = carried_points(&self.shape.derivation.vertex(), points);
-        let mut flat = linear.clone();
-        for (held, target) in self.shape.held.iter().zip(&targets) {
-            // Those that slide in the surface begin where they are to be; old ones keep their place in it.
-            let is_new = held.vertex.index() >= points.len() || matches!(held.role, Role::Centre(_));
-            if is_new && matches!(held.pin, Pin::Across(_)) {
-                flat[held.vertex] = target.0;
-            }
-        }
-        fit(&self.aims, &self.rows, &targets, &mut flat);
-        // Fitted apart, a layer of no height would weave through the one it copies. At its own border it has to be.
-        let mut linear = linear;
-        for held in &self.shape.held {
-            let Role::Layer { over, .. } = held.role else { continue };
-            match self.is_alike(held) {
-                true => flat[held.vertex] = flat[over],
-                false => linear[held.vertex] += flat[held.vertex] - flat[over],
-            }
-        }
-        Ground { parent: points.clone(), targets, linear, flat }
-    }
-
-    /// Whether a copy has as many faces, and the same rule, as the vertex it is a copy of.
-    fn is_alike(&self, held: &Held) -> bool {
-        let Role::Layer { over, .. } = held.role else { return true };
-        let level = self.cage.level();
-        let of = |v: VertexId| (level.topology.vertex_corners.row(v).len(), level.rules[v]);
-        of(held.vertex) == of(over)
+        let vertices = &self.shape.derivation.vertices;
+        let linear = carried_points(&vertices, &parent.points);
+        let settling = self.settling();
+        let points = settling.aligned(&targets, settling.base(&targets, &linear));
+        let linear = settling.aligned(&targets, linear);
+        let room = |row| vertices.at(row).iter().fold(OPEN, |room, &(v, _)| least(room, parent.rooms[v]));
+        let rooms = (0..vertices.len()).map(room).collect();
+        Ground { targets, linear, placed: Placed { points, rooms }, parent: parent.points.clone() }
     }
 
     /// The points of the new cage, and what was met on the way.
-    pub fn raised(&self, operator: &dyn Operator, ground: &Ground) -> (IdVec<VertexId, Vec3>, Warnings) {
-        let mut heights = operator.heights(&self.shape, &ground.targets);
-        let mut raised = ground.flat.clone();
-        let mut targets = ground.targets.clone();
-        // Some height is always left, as layers that coincide are no better than ones that cross.
-        let (mut linear, mut flat) = (ground.linear.clone(), ground.flat.clone());
-        for ((held, target), height) in self.shape.held.iter().zip(&mut targets).zip(&heights) {
-            let step = *height * target.1;
-            target.0 += step;
-            raised[held.vertex] += step;
-            let least = if self.is_alike(held) { LEAST_SHARE } else { LEAST_AT_BORDER };
-            flat[held.vertex] += least * step;
-            linear[held.vertex] += least * step;
+    pub fn raised(&self, operator: &dyn Operator, ground: &Ground) -> (Placed, Warnings) {
+        let asked = operator.heights(&self.shape, &ground.targets);
+        let mut placed = ground.placed.clone();
+        let mut given = self.within_room(&asked, &ground.targets, &mut placed.rooms);
+        let raise = |i: usize| Raise { normal: ground.targets[i].1, height: given[i], is_least: given[i] != asked[i] };
+        let mut raises: Vec<Raise> = (0..given.len()).map(raise).collect();
+        graded(&mut raises, &self.between);
+        given.iter_mut().zip(&raises).for_each(|(given, raise)| *given = raise.height);
+        let raised = self.settling().raised(&ground.targets, &raises, ground.placed.points.clone());
+        let (mut linear, mut flat) = (ground.linear.clone(), ground.placed.points.clone());
+        for (held, raise) in self.shape.held.iter().zip(&raises) {
+            let step = LEAST_SHARE * raise.height * raise.normal;
+            linear[held.vertex] += step;
+            flat[held.vertex] += step;
         }
-        fit(&self.aims, &self.rows, &targets, &mut raised);
         let kin = Kin {
             child: self.cage.level(),
             parent: &self.parent,
@@ -259,25 +203,58 @@ impl Formed {
             pairs: &self.pairs,
             moved: &self.moved,
         };
-        let Sound { points, shares } = sound(&kin, &States { linear: &linear, flat: &flat, raised: &raised });
-        for (held, height) in self.shape.held.iter().zip(&mut heights) {
-            *height *= shares[held.vertex];
-        }
-        let warnings = operator.reduced(&self.shape, &heights);
-        (points, warnings)
+        let sound = sound(&kin, &States { linear: &linear, flat: &flat, raised: &raised });
+        placed.points = sound.points;
+        let given: Vec<f32> =
+            self.shape.held.iter().zip(&given).map(|(held, height)| height * sound.shares[held.vertex]).collect();
+        let warnings = operator.reduced(&self.shape, &given);
+        (placed, warnings)
     }
 
-    /// The points of the new cage, where the parent's are `points`.
-    pub fn points(
-        &self,
-        operator: &dyn Operator,
-        points: &IdVec<VertexId, Vec3>,
-        warnings: &mut Warnings,
-    ) -> IdVec<VertexId, Vec3> {
-        let (points, met) = self.raised(operator, &self.ground(points));
-        warnings.extend(&met);
-        points
+    fn settling(&self) -> Settling<'_> {
+        let edges = &self.cage.level().topology.edges;
+        Settling { held: &self.shape.held, rows: &self.rows, from: &self.from, edges }
     }
+
+    /// The heights that there is room for, which they take.
+    fn within_room(&self, asked: &[f32], targets: &[(Vec3, Vec3)], rooms: &mut IdVec<VertexId, Room>) -> Vec<f32> {
+        let of = |((held, &asked), target): ((&Held, &f32), &(Vec3, Vec3))| {
+            // Where the surface turns back on itself there is no way off it.
+            let asked = if target.1 == Vec3::ZERO { 0.0 } else { asked };
+            let on = if let Role::Layer { over, .. } = held.role { over } else { held.vertex };
+            let (side, height) = (usize::from(asked > 0.0), asked.abs());
+            let given = height.min((PART_OF_ROOM * rooms[on][side]).max(LEAST_SHARE * height));
+            match held.role {
+                Role::Layer { over, .. } => {
+                    // Both layers have one between them; the second one faces the other way.
+                    let (between, rest) = (PART_BETWEEN * given, rooms[over][side] - given);
+                    rooms[held.vertex][side] = between;
+                    rooms[held.vertex][1 - side] = rest.max(0.0);
+                    rooms[over][side] = between;
+                }
+                _ => rooms[on][side] -= given,
+            }
+            if asked < 0.0 { -given } else { given }
+        };
+        self.shape.held.iter().zip(asked).zip(targets).map(of).collect()
+    }
+
+    /// The points of the new cage, where the parent's are `parent`.
+    pub fn placed(&self, operator: &dyn Operator, parent: &Placed, warnings: &mut Warnings) -> Placed {
+        let (placed, met) = self.raised(operator, &self.ground(parent));
+        warnings.extend(&met);
+        placed
+    }
+}
+
+/// The edges between copies, as the places of both among the held vertices.
+fn layer_edges(shape: &Shape, level: &Level) -> Vec<[usize; 2]> {
+    let mut index = vec![None; shape.derivation.vertices.len()];
+    for (i, held) in shape.held.iter().enumerate().filter(|(_, h)| matches!(h.role, Role::Layer { .. })) {
+        index[held.vertex.index()] = Some(i);
+    }
+    let of = |ends: &[VertexId; 2]| Some([index[ends[0].index()]?, index[ends[1].index()]?]);
+    level.topology.edges.iter().filter_map(of).collect()
 }
 
 /// Faces with a held vertex.
@@ -286,6 +263,19 @@ fn moved(shape: &Shape) -> IdVec<FaceId, bool> {
     shape.held.iter().for_each(|h| held[h.vertex.index()] = true);
     let faces = &shape.derivation.faces;
     faces.ids().map(|f| faces.vertices_of(f).iter().any(|v| held[v.index()])).collect()
+}
+
+/// The held vertex from whose limit each is measured: itself, but for copies that have other faces or another rule than
+/// what they are a copy of, as at the free border of a layer. Those have another limit at the same place.
+fn measured_from(shape: &Shape, level: &Level) -> Vec<usize> {
+    let mut index = vec![None; shape.derivation.vertices.len()];
+    shape.held.iter().enumerate().for_each(|(i, h)| index[h.vertex.index()] = Some(i));
+    let like = |v: VertexId| (level.topology.vertex_corners.row(v).len(), level.rules[v]);
+    let of = |(i, held): (usize, &Held)| match held.role {
+        Role::Layer { over, .. } if like(over) != like(held.vertex) => index[over.index()].unwrap_or(i),
+        _ => i,
+    };
+    shape.held.iter().enumerate().map(of).collect()
 }
 
 /// Vertices that are sharp as the corners of single faces, where they have more faces now.

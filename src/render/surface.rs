@@ -1,12 +1,12 @@
-//! The limit surface of a cage, and cages whose limit surface is where it was asked to be.
+//! The limit surface of a cage.
 //!
-//! References: Halstead, Kass and DeRose 1993 (limit positions, and interpolation by solving for the cage); Boubekeur and
-//! Alexa 2008 (places between vertices from the tangent planes there).
+//! References: Halstead, Kass and DeRose 1993 (limit positions); Boubekeur and Alexa 2008 (places between vertices from
+//! the tangent planes there).
 
 use super::derivation::Table;
 use crate::garment::{Orientation, Scheme};
 use crate::mesh::{CornerId, IdVec, Topology, VertexId};
-use crate::subdivide::{INFINITE_SHARPNESS, Level, Numbering, Rule, Spoke, Stencils, VertexStencils, carried_points};
+use crate::subdivide::{INFINITE_SHARPNESS, Level, Numbering, Spoke, Stencils, VertexStencils, carried_points};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -17,13 +17,10 @@ const PHONG_SHARE: f32 = 0.5;
 const SEEN: f32 = 0.3;
 /// Cosine below which a vertex has no normal.
 const UNSEEN: f32 = -0.4;
+/// Length of the mean of normals below which they look opposite ways, so that there is none.
+const OPPOSITE: f32 = 0.25;
 /// Turns of a normal, each some 25 degrees at most.
 const TURNS: usize = 8;
-/// Sweeps over all aims; each leaves about half of the error.
-const SWEEPS: usize = 24;
-/// Sweeps end when no step is longer than this share of the mesh's extent.
-const ENOUGH: f32 = 2e-7;
-
 /// Limit positions of a level's vertices, as weighted sums of the cage's.
 pub fn limit_rows(level: &Level, vertices: impl IndexedParallelIterator<Item = VertexId>) -> Table<VertexId> {
     let refined = level.vertex_stencils();
@@ -50,15 +47,15 @@ fn limit_row(level: &Level, refined: &VertexStencils, vertex: VertexId) -> Vec<(
     };
     let mut spokes: Vec<Spoke> = Vec::new();
     level.spokes(vertex, &mut spokes);
-    let sharp: Vec<&Spoke> = spokes.iter().filter(|s| level.edge_sharpness[s.edge] > 0.0).collect();
-    let least = sharp.iter().map(|s| level.edge_sharpness[s.edge]).fold(INFINITE_SHARPNESS, f32::min);
-    let kept = match level.rules[vertex] {
-        Rule::Corner => lasting(level.vertex_sharpness[vertex].max(if sharp.len() > 2 { least } else { 0.0 })),
-        _ => 0.0,
-    };
-    let creased = if sharp.len() == 2 { (1.0 - kept) * lasting(least) } else { 0.0 };
+    // What is sharper lasts longer: a corner of three edges becomes a crease of the two sharpest.
+    let mut sharp: Vec<&Spoke> = spokes.iter().filter(|s| level.edge_sharpness[s.edge] > 0.0).collect();
+    sharp.sort_by(|a, b| level.edge_sharpness[b.edge].total_cmp(&level.edge_sharpness[a.edge]));
+    let sharpness = |k: usize| sharp.get(k).map_or(0.0, |s| level.edge_sharpness[s.edge]);
+    let kept = lasting(level.vertex_sharpness[vertex].max(sharpness(2)));
+    let creased = (1.0 - kept) * lasting(sharpness(1));
     sink(vertex, kept + creased * 2.0 / 3.0);
-    sharp.iter().filter(|_| creased > 0.0).for_each(|s| sink(level.topology.faces.vertex(s.far), creased / 6.0));
+    let ends = sharp.iter().take(if creased > 0.0 { 2 } else { 0 });
+    ends.for_each(|s| sink(level.topology.faces.vertex(s.far), creased / 6.0));
     let smooth = 1.0 - kept - creased;
     if smooth > 1e-6 {
         smooth_row(level, refined, vertex, smooth, &mut sink);
@@ -118,7 +115,9 @@ impl Surface {
         let t = &level.topology;
         let sign = if orientation == Orientation::LeftHanded { -1.0 } else { 1.0 };
         let at = |c: CornerId| places[t.faces.vertex(c)];
-        let own = |c: CornerId| sign * (at(t.faces.next(c)) - at(c)).cross(at(t.faces.prev(c)) - at(c));
+        // All of a length, so that a large face beside a fold does not hide the small ones on its other side.
+        let own =
+            |c: CornerId| sign * (at(t.faces.next(c)) - at(c)).cross(at(t.faces.prev(c)) - at(c)).normalize_or_zero();
         let mut normals: IdVec<CornerId, Vec3> = t.faces.corners().ids().map(own).collect();
         for vertex in places.ids() {
             let corners = t.vertex_corners.row(vertex);
@@ -126,7 +125,7 @@ impl Surface {
             let mean = seen_by_all(&own);
             let folded = has_fold(level, vertex);
             for &corner in corners {
-                let own = normals[corner].normalize_or_zero();
+                let own = normals[corner];
                 normals[corner] = if folded && own != Vec3::ZERO { own } else { mean };
             }
         }
@@ -137,7 +136,8 @@ impl Surface {
     /// The place on the surface that corners with their weights stand for, and the normal there.
     pub fn at(&self, t: &Topology, seen: &[(CornerId, f32)]) -> (Vec3, Vec3) {
         let place: Vec3 = seen.iter().map(|&(c, w)| w * self.places[t.faces.vertex(c)]).sum();
-        let normal = seen.iter().map(|&(c, w)| w * self.normals[c]).sum::<Vec3>().normalize_or_zero();
+        let sum: Vec3 = seen.iter().map(|&(c, w)| w * self.normals[c]).sum();
+        let normal = if sum.length() < OPPOSITE { Vec3::ZERO } else { sum.normalize() };
         if self.is_flat {
             return (place, normal);
         }
@@ -149,18 +149,18 @@ impl Surface {
     }
 }
 
-/// The mean of vectors as a direction, turned towards those that would see it from behind; none where there is always
+/// The mean of directions, turned towards those that would see it from behind; none where there is always
 /// one, as at the tip of a pleat.
 fn seen_by_all(vectors: &[Vec3]) -> Vec3 {
     let mut mean = vectors.iter().sum::<Vec3>().normalize_or_zero();
     for _ in 0..TURNS {
-        let least = vectors.iter().map(|v| v.normalize_or_zero()).min_by(|a, b| a.dot(mean).total_cmp(&b.dot(mean)));
+        let least = vectors.iter().min_by(|a, b| a.dot(mean).total_cmp(&b.dot(mean)));
         match least {
-            Some(least) if least.dot(mean) < SEEN => mean = (mean + 0.5 * least).normalize_or_zero(),
+            Some(&least) if least.dot(mean) < SEEN => mean = (mean + 0.5 * least).normalize_or_zero(),
             _ => return mean,
         }
     }
-    if vectors.iter().all(|v| v.normalize_or_zero().dot(mean) > UNSEEN) { mean } else { Vec3::ZERO }
+    if vectors.iter().all(|v| v.dot(mean) > UNSEEN) { mean } else { Vec3::ZERO }
 }
 
 /// Whether inner edges at a vertex stay sharp.
@@ -168,67 +168,4 @@ fn has_fold(level: &Level, vertex: VertexId) -> bool {
     let t = &level.topology;
     let edges = t.vertex_corners.row(vertex).iter().map(|&c| t.corner_edge[c]);
     edges.into_iter().any(|e| !t.is_border(e) && level.edge_sharpness[e] > 1.0)
-}
-
-/// How a vertex is held to its aim.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Pin {
-    /// In place.
-    Place,
-    /// In its height along the normal; it may slide in the surface.
-    Height,
-    /// In its height, and across the line from one vertex to another; it may slide along.
-    Across([VertexId; 2]),
-}
-
-impl Pin {
-    /// The part of a step that the pin asks for; `across` is the direction of [`Pin::Across`].
-    fn part(self, step: Vec3, normal: Vec3, across: Vec3) -> Vec3 {
-        match self {
-            Self::Place => step,
-            Self::Height => step.dot(normal) * normal,
-            Self::Across(_) => step.dot(normal) * normal + step.dot(across) * across,
-        }
-    }
-}
-
-/// A vertex whose limit is held to a place.
-#[derive(Clone, Copy, Debug)]
-pub struct Aim {
-    /// The vertex.
-    pub vertex: VertexId,
-    /// How it is held.
-    pub pin: Pin,
-}
-
-/// Moves the vertices of `aims`, whose limit rows are `rows`, until their limits are at `targets` (place and normal).
-pub fn fit(aims: &[Aim], rows: &Table<VertexId>, targets: &[(Vec3, Vec3)], points: &mut IdVec<VertexId, Vec3>) {
-    let (low, high) = points.iter().fold((Vec3::MAX, Vec3::MIN), |(l, h), &p| (l.min(p), h.max(p)));
-    let enough = ENOUGH * low.distance(high);
-    let direction = |(aim, &(_, normal)): (&Aim, &(Vec3, Vec3))| match aim.pin {
-        Pin::Across([a, b]) => normal.cross(points[b] - points[a]).normalize_or_zero(),
-        _ => Vec3::ZERO,
-    };
-    let across: Vec<Vec3> = aims.iter().zip(targets).map(direction).collect();
-    for _ in 0..SWEEPS {
-        let mut longest = 0.0f32;
-        for (i, aim) in aims.iter().enumerate() {
-            let (place, normal) = targets[i];
-            let (mut limit, mut own) = (Vec3::ZERO, 0.0);
-            for &(v, w) in rows.at(i) {
-                limit += w * points[v];
-                if v == aim.vertex {
-                    own = w;
-                }
-            }
-            let step = aim.pin.part(place - limit, normal, across[i]) / own.max(0.25);
-            if step.is_finite() {
-                points[aim.vertex] += step;
-                longest = longest.max(step.abs().max_element());
-            }
-        }
-        if longest < enough {
-            return;
-        }
-    }
 }

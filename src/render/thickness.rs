@@ -7,8 +7,8 @@
 //! ```
 
 use super::lines::{self, Lines, Request};
-use super::shape::{FREE, Held, Operator, Role, Room, Shape, is_lone_corner};
-use super::surface::{Pin, limit_rows};
+use super::shape::{Held, Operator, Role, Shape, is_lone_corner};
+use super::surface::limit_rows;
 use crate::error::{Error, Warning, Warnings};
 use crate::garment::{Elements, Garment, Orientation, Subset, Values};
 use crate::mesh::{CornerId, Csr, EdgeId, FaceId, IdVec, Topology, VertexId};
@@ -19,13 +19,13 @@ use serde::{Deserialize, Serialize};
 
 /// Distance of the line that holds the fold from it, as a share of the amount. Smaller makes the fold tighter.
 const HOLD: f32 = 1.0;
+/// Length of the mean of the normals at a vertex below which the surface turns back on itself there.
+const TURNS_BACK: f32 = 0.35;
 /// Least weight, so that the layers stay apart where it is painted 0.
-const LEAST_WEIGHT: f32 = 0.05;
+const LEAST_WEIGHT: f32 = 0.01;
 /// Part of an edge's length that a fold of the surface may take from it on the second layer. Larger lets the layer come
 /// closer to crossing itself.
 const MOST_SHRUNK: f32 = 0.7;
-/// Part of the distance of the layers that a later seam on one of them may take. Below a half, two do not meet.
-const PART_OF_ROOM: f32 = 0.4;
 /// A layer that keeps less of its distance than this is reported.
 const REPORTED: f32 = 0.98;
 /// Points that a warning names.
@@ -90,6 +90,26 @@ impl Thickness {
             }
         }
         chosen
+    }
+
+    /// The faces that a second layer can cover: not those where the surface turns back on itself, whose two sides would
+    /// have it at the same place.
+    fn coverable(&self, cage: &Cage) -> (IdVec<FaceId, bool>, Warnings) {
+        let (mut chosen, mut warnings) = (self.chosen(cage.garment()), Warnings::default());
+        let faces = &cage.level().topology.faces;
+        let turns_back = turning_back(cage);
+        let is_bare = |f: FaceId| faces.vertices_of(f).iter().any(|&v| turns_back[v]);
+        let bare: Vec<FaceId> = chosen.ids().filter(|&f| chosen[f] && is_bare(f)).collect();
+        if !bare.is_empty() {
+            let mut at: Vec<usize> = bare.iter().flat_map(|&f| faces.vertices_of(f)).map(|v| v.index()).collect();
+            at.sort_unstable();
+            at.dedup();
+            at.retain(|&v| v < self.own_points && turns_back[VertexId::new(v)]);
+            at.truncate(EXAMPLES);
+            warnings.push(Warning::BareFaces { thickness: self.name.clone(), count: bare.len(), examples: at });
+            bare.iter().for_each(|&f| chosen[f] = false);
+        }
+        (chosen, warnings)
     }
 
     fn no_border(&self, garment: &Garment) -> Error {
@@ -174,46 +194,35 @@ impl Thickness {
         weight.max(LEAST_WEIGHT)
     }
 
-    fn held(&self, cage: &Cage, folds: &IdVec<VertexId, bool>, layer: &Layer, lines: &Lines) -> Vec<Held> {
+    fn held(
+        &self,
+        cage: &Cage,
+        (folds, ends): (&IdVec<VertexId, bool>, &IdVec<VertexId, bool>),
+        layer: &Layer,
+        lines: &Lines,
+    ) -> Vec<Held> {
         let weights = self.weights(cage);
         let weights = weights.as_deref();
-        let near = lines.near.enumerated().filter(|(_, near)| **near).map(|(v, _)| v);
-        let on_surface = |vertex: VertexId, pin| {
-            let room = match layer.copy[vertex.index()] {
-                Some(_) => self.room(self.weight(weights, &lines.builder.sources(vertex))),
-                None => FREE,
-            };
-            Held { vertex, pin, role: Role::Surface, room }
+        let near = lines.near.enumerated().filter(|(v, near)| **near || ends[*v]).map(|(v, _)| v);
+        let on_surface = |vertex: VertexId| {
+            let is_fold = folds.contains_id(vertex) && folds[vertex];
+            Held { vertex, role: if is_fold { Role::Fold } else { Role::Surface } }
         };
-        let pin = |fold: bool| if fold { Pin::Place } else { Pin::Height };
-        let mut held: Vec<Held> = near.map(|vertex| on_surface(vertex, pin(folds[vertex]))).collect();
-        let on_lines = lines.vertices.iter().map(|l| l.vertex);
-        held.extend(on_lines.clone().map(|vertex| on_surface(vertex, Pin::Height)));
-        let mut on_line = vec![false; layer.copy.len()];
-        on_lines.for_each(|v| on_line[v.index()] = true);
+        let mut held: Vec<Held> = near.map(on_surface).collect();
+        held.extend(lines.vertices.iter().map(|l| on_surface(l.vertex)));
         let copies = layer.copy.iter().enumerate().filter_map(|(v, copy)| Some((VertexId::new(v), (*copy)?)));
         held.extend(copies.map(|(over, vertex)| {
             let weight = self.weight(weights, &lines.builder.sources(over));
-            let pin = pin(!on_line[over.index()]);
-            Held { vertex, pin, role: Role::Layer { over, weight }, room: self.room(weight) }
+            Held { vertex, role: Role::Layer { over, weight, side: self.sign() } }
         }));
         held
-    }
-
-    /// Both layers may come as near to each other: the second one faces away from the first, or towards it.
-    fn room(&self, weight: f32) -> Room {
-        let room = PART_OF_ROOM * self.options.amount * weight;
-        match self.options.side {
-            Side::Inner => [room, FREE[1]],
-            Side::Outer => [FREE[0], room],
-        }
     }
 
     /// Where the copies are until their surface is fitted.
     fn apart(&self, cage: &Cage, held: &[Held], lines: &Lines) -> Vec<(VertexId, Vec3)> {
         let normals = vertex_normals(cage);
         let offset = |h: &Held| {
-            let Role::Layer { over, weight } = h.role else { return None };
+            let Role::Layer { over, weight, .. } = h.role else { return None };
             let normal: Vec3 = lines.builder.sources(over).iter().map(|&(v, w)| w * normals[v]).sum();
             Some((h.vertex, self.sign() * self.options.amount * weight * normal.normalize_or_zero()))
         };
@@ -253,6 +262,15 @@ impl Thickness {
     }
 }
 
+/// Vertices at which the second layer ends and the first goes on.
+fn layer_ends(t: &Topology, chosen: &IdVec<FaceId, bool>) -> IdVec<VertexId, bool> {
+    let mut sides = IdVec::filled([false; 2], t.vertex_count());
+    for (face, chosen) in chosen.enumerated() {
+        t.faces.vertices_of(face).iter().for_each(|&v| sides[v][usize::from(*chosen)] = true);
+    }
+    sides.iter().map(|&s| s == [true; 2]).collect()
+}
+
 /// The copy of a vertex, made when it is first asked for.
 fn copy_of(copies: &mut [Option<VertexId>], vertex: VertexId, lines: &mut Lines) -> VertexId {
     *copies[vertex.index()].get_or_insert_with(|| {
@@ -285,6 +303,18 @@ fn sharpness(
     (corners, creases)
 }
 
+/// Vertices whose faces look opposite ways: at a fold flat on itself, and where neighbours disagree in winding.
+fn turning_back(cage: &Cage) -> IdVec<VertexId, bool> {
+    let (garment, t) = (cage.garment(), &cage.level().topology);
+    let at = |c: CornerId| garment.points[t.faces.vertex(c)];
+    let normal = |&c: &CornerId| (at(t.faces.next(c)) - at(c)).cross(at(t.faces.prev(c)) - at(c)).normalize_or_zero();
+    let is_turning = |v: VertexId| {
+        let corners = t.vertex_corners.row(v);
+        corners.len() > 1 && corners.iter().map(normal).sum::<Vec3>().length() < TURNS_BACK * corners.len() as f32
+    };
+    (0..t.vertex_count()).map(|v| is_turning(VertexId::new(v))).collect()
+}
+
 /// Normals of a cage, to the front.
 fn vertex_normals(cage: &Cage) -> IdVec<VertexId, Vec3> {
     let (garment, faces) = (cage.garment(), &cage.level().topology.faces);
@@ -304,6 +334,10 @@ impl Operator for Thickness {
         format!("thickness {:?} {:?} {}", self.name, self.options, self.names_sets)
     }
 
+    fn reach(&self) -> f32 {
+        self.options.amount.abs()
+    }
+
     fn options(&self) -> String {
         self.structure()
     }
@@ -311,7 +345,7 @@ impl Operator for Thickness {
     fn shape(&self, cage: &Cage) -> Result<Shape, Error> {
         super::refuse_loop(cage, &format!("thickness.{}", self.name))?;
         let (garment, t) = (cage.garment(), &cage.level().topology);
-        let chosen = self.chosen(garment);
+        let (chosen, warnings) = self.coverable(cage);
         let is_fold = |c: &CornerId| t.is_border(t.corner_edge[*c]) && chosen[t.faces.face_of(*c)];
         let border: Vec<CornerId> = t.faces.corners().ids().filter(is_fold).collect();
         if border.is_empty() && !self.options.closed {
@@ -338,11 +372,10 @@ impl Operator for Thickness {
         let mut layer = self.copy_faces(t, &chosen, &mut lines);
         self.add_hem(t, &border, &mut layer, &mut lines);
         self.add_edges(t, &chosen, &folds, &layer, &mut lines);
-        let held = self.held(cage, &folds, &layer, &lines);
+        let held = self.held(cage, (&folds, &layer_ends(t, &chosen)), &layer, &lines);
         let apart = self.apart(cage, &held, &lines);
         let subsets = self.subsets(garment, &layer);
         let (corners, creases) = sharpness(cage, &folds, &request.marked, &layer);
-        let warnings = Warnings::default();
         Ok(Shape { derivation: lines.builder.finish(), held, subsets, corners, creases, apart, warnings })
     }
 
@@ -360,7 +393,7 @@ impl Operator for Thickness {
         let mut thin: Vec<VertexId> = Vec::new();
         let mut least = 1.0f32;
         for (held, given) in shape.held.iter().zip(given) {
-            let Role::Layer { over, weight } = held.role else { continue };
+            let Role::Layer { over, weight, .. } = held.role else { continue };
             let share = given.abs() / (self.options.amount * weight);
             if share < REPORTED {
                 thin.push(over);

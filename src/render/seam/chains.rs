@@ -1,7 +1,6 @@
 //! The marked edges of seams as chains with a direction.
 
 use crate::mesh::{EdgeId, IdVec, Topology, VertexId};
-use glam::Vec3;
 
 /// The marked edges of all seams.
 pub struct Network {
@@ -58,27 +57,6 @@ impl Network {
         instances.sort_unstable();
         instances.dedup();
         instances
-    }
-
-    /// The vertices before and after `vertex` on a chain that passes it straight on, or its end and the one before.
-    pub fn straight_at(
-        &self,
-        t: &Topology,
-        vertex: VertexId,
-        points: &IdVec<VertexId, Vec3>,
-        least_cosine: f32,
-    ) -> Option<[VertexId; 2]> {
-        let far = |e: EdgeId| if t.edges[e][0] == vertex { t.edges[e][1] } else { t.edges[e][0] };
-        let around: Vec<VertexId> = self.marked_at(t, vertex).map(far).collect();
-        match *around.as_slice() {
-            [before] => Some([before, vertex]),
-            [a, b] => {
-                let into = (points[vertex] - points[a]).normalize_or_zero();
-                let on = (points[b] - points[vertex]).normalize_or_zero();
-                (into.dot(on) > least_cosine).then_some([a, b])
-            }
-            _ => None,
-        }
     }
 
     /// The marked edges at a vertex, each once.

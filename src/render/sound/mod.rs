@@ -1,32 +1,24 @@
 //! Operators make no face cross another, or turn over, that did not before: where one would, its heights are reduced
 //! step by step, first to almost nothing, then together with the fit to the limit surface.
 
+mod gap;
 mod skin;
 mod tree;
+
+pub use gap::{Gap, OPEN};
+pub use skin::Skin;
 
 use super::derivation::Derivation;
 use crate::mesh::{FaceId, IdVec, VertexId};
 use crate::subdivide::{Level, Lineage};
 use glam::Vec3;
-use skin::Skin;
 use std::cell::OnceCell;
 
 /// Part of a height that is left in any case.
 pub const LEAST_SHARE: f32 = 0.03;
 /// Parts of the rest of the height that are left after each step, and of the fit. Finer steps leave more of both, and
 /// take longer.
-const STEPS: [(f32, f32); 10] = [
-    (1.0, 1.0),
-    (0.7, 1.0),
-    (0.45, 1.0),
-    (0.25, 1.0),
-    (0.12, 1.0),
-    (0.05, 1.0),
-    (0.0, 1.0),
-    (0.0, 0.6),
-    (0.0, 0.3),
-    (0.0, 0.0),
-];
+const STEPS: [(f32, f32); 6] = [(1.0, 1.0), (0.5, 1.0), (0.15, 1.0), (0.0, 1.0), (0.0, 0.4), (0.0, 0.0)];
 /// Steps by which a neighbour may be behind. More makes the change from full height more sudden.
 const SLACK: u8 = 2;
 /// Cosine from which on faces of the parent count as turned themselves.

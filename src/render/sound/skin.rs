@@ -26,10 +26,10 @@ struct Patch {
 
 /// A cage's first refinement.
 pub struct Skin<'a> {
-    level: &'a Level,
+    pub(super) level: &'a Level,
     numbering: Numbering,
     points: IdVec<VertexId, Vec3>,
-    boxes: IdVec<FaceId, Bounds>,
+    pub(super) boxes: IdVec<FaceId, Bounds>,
     patches: IdVec<FaceId, Patch>,
     tree: Option<Tree>,
 }
@@ -101,6 +101,11 @@ impl<'a> Skin<'a> {
     #[inline]
     fn places(&self, face: FaceId, corner: CornerId) -> [Vec3; 4] {
         self.quad(face, corner).map(|v| self.points[v])
+    }
+
+    /// The children of a face.
+    pub(super) fn quads(&self, face: FaceId) -> impl Iterator<Item = [Vec3; 4]> {
+        self.level.topology.faces.corners_of(face).map(move |corner| self.places(face, corner))
     }
 
     /// Area vector of the child of a corner.

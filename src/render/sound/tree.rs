@@ -33,7 +33,13 @@ impl Bounds {
         self.low.cmple(other.high).all() && other.low.cmple(self.high).all()
     }
 
-    fn and(&self, other: &Self) -> Self {
+    /// The box with all that is within a distance of it.
+    pub fn grown(&self, by: f32) -> Self {
+        Self { low: self.low - by, high: self.high + by }
+    }
+
+    /// The box of two.
+    pub fn and(&self, other: &Self) -> Self {
         Self { low: self.low.min(other.low), high: self.high.max(other.high) }
     }
 }

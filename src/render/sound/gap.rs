@@ -1,0 +1,87 @@
+//! How far it is from each face of a cage to the next layer.
+
+use super::skin::Skin;
+use super::tree::Tree;
+use crate::mesh::{FaceId, IdVec};
+use glam::Vec3;
+use rayon::prelude::*;
+
+/// Cosine between normals below which faces that touch are two sides of a fold.
+const FOLDED: f32 = -0.3;
+/// Share of a face's size within which points of faces that touch are those they have in common.
+const SHARED: f32 = 1e-3;
+
+/// How far it is from a face to the next layer against and along its normal. \[stage units\]
+pub type Gap = [f32; 2];
+
+/// No layer is near.
+pub const OPEN: Gap = [f32::INFINITY; 2];
+
+impl Skin<'_> {
+    /// For each face the gap to the next layer that is within `reach` of it.
+    pub fn gaps(&self, reach: f32) -> IdVec<FaceId, Gap> {
+        let tree = Tree::new(&self.boxes);
+        let of = |face: FaceId| {
+            let mut gap = OPEN;
+            let around = self.boxes[face].grown(reach);
+            tree.visit(&self.boxes, &around, &mut |other| self.narrow(face, other, &mut gap));
+            gap
+        };
+        (0..self.boxes.len()).into_par_iter().map(|f| of(FaceId::new(f))).collect::<Vec<_>>().into()
+    }
+
+    /// Whether a plane across `axis` parts two faces, or touches both.
+    fn is_beside(&self, face: FaceId, other: FaceId, axis: Vec3) -> bool {
+        let range = |face: FaceId| {
+            let heights = self.quads(face).flat_map(|q| [q[0], q[1], q[2]]).map(|p| p.dot(axis));
+            heights.fold((f32::MAX, f32::MIN), |(low, high), h| (low.min(h), high.max(h)))
+        };
+        let ((a, b), (c, d)) = (range(face), range(other));
+        b <= c || d <= a
+    }
+
+    /// Narrows the gap of a face to what another leaves of it.
+    fn narrow(&self, face: FaceId, other: FaceId, gap: &mut Gap) {
+        let faces = &self.level.topology.faces;
+        let normal = self.normal(face);
+        let touch = || faces.vertices_of(face).iter().any(|v| faces.vertices_of(other).contains(v));
+        if face == other || (normal.dot(self.normal(other)) > FOLDED && touch()) {
+            return;
+        }
+        // Seen along the normal they have to be over each other.
+        let (u, v) = normal.any_orthonormal_pair();
+        if [u, v].iter().any(|&axis| self.is_beside(face, other, axis)) {
+            return;
+        }
+        let size = (self.boxes[face].high - self.boxes[face].low).max_element();
+        let least = if touch() { SHARED * size } else { 0.0 };
+        let mut take = |height: f32| {
+            if height.abs() >= least {
+                let side = usize::from(height > 0.0);
+                gap[side] = gap[side].min(height.abs());
+            }
+        };
+        // From the points of each face to the other one, as either may have the finer ones.
+        for p in self.quads(face).flatten() {
+            self.quads(other).filter_map(|q| height_of(p, normal, q)).for_each(&mut take);
+        }
+        for p in self.quads(other).flatten() {
+            self.quads(face).filter_map(|q| height_of(p, normal, q)).for_each(|h| take(-h));
+        }
+    }
+}
+
+/// How far along `direction` it is from `p` to a quad, if it is there.
+fn height_of(p: Vec3, direction: Vec3, [a, b, c, d]: [Vec3; 4]) -> Option<f32> {
+    [[a, b, c], [a, c, d]].into_iter().find_map(|[a, b, c]| {
+        let normal = (b - a).cross(c - a);
+        let slope = normal.dot(direction);
+        if slope.abs() < 1e-2 * normal.length() {
+            return None;
+        }
+        let height = (a - p).dot(normal) / slope;
+        let x = p + height * direction;
+        let inside = |u: Vec3, v: Vec3| (v - u).cross(x - u).dot(normal) >= -1e-6 * normal.length_squared();
+        (inside(a, b) && inside(b, c) && inside(c, a)).then_some(height)
+    })
+}
