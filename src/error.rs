@@ -190,7 +190,7 @@ pub enum Warning {
         /// What is left of the distance at the thinnest place, as a share.
         least: f32,
     },
-    /// Faces that have no second layer, since the surface turns back on itself there.
+    /// Faces that have no second layer, since their neighbours look the other way.
     BareFaces {
         /// Name of the thickness.
         thickness: String,
@@ -292,12 +292,11 @@ impl fmt::Display for Warning {
             }
             Self::BareFaces { thickness, count, examples } => {
                 let some = some(*count, "points", examples, usize::to_string);
-                write!(f, "thickness.{thickness} leaves out {count} faces ({some}), where the surface turns back on ")?;
                 write!(
                     f,
-                    "itself, so that there is no side for a second layer; open the fold, or turn faces that look "
+                    "thickness.{thickness} leaves out {count} faces ({some}) whose neighbours look the other way, as "
                 )?;
-                write!(f, "the other way than their neighbours")
+                write!(f, "a second layer would pass through the surface there; give both the same winding")
             }
             Self::OperatorsLeftOut { names } => {
                 write!(f, "not in render.operators, and so not made: {}", names.join(", "))

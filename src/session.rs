@@ -170,12 +170,16 @@ impl Session {
                 let value = self.pool.install(|| cage.cage().refined_points(&points.value));
                 Ok(Made { value, warnings: Warnings::default() })
             })?;
-            cage = self
-                .memo
-                .get(&opened.key("level", &(&structure, level))?, || Ok(self.pool.install(|| cage.cage().refined())))?;
+            if level < stack.level {
+                let key = opened.key("level", &(&structure, level))?;
+                cage = self.memo.get(&key, || Ok(self.pool.install(|| cage.cage().refined())))?;
+            }
         }
         let finished = self.memo.get(&opened.key("attributes", &(&structure, stack.level))?, || {
-            let value = self.pool.install(|| cage.cage().clone().into_garment());
+            let value = self.pool.install(|| match stack.level {
+                0 => cage.cage().clone().into_garment(),
+                _ => cage.cage().refined_garment(),
+            });
             Ok(Made { value, warnings: Warnings::default() })
         })?;
         Ok(Made { value: Garment { points: points.value.clone(), ..finished.value.clone() }, warnings })

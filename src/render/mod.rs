@@ -35,9 +35,8 @@ pub use thickness::{Side, Thickness, ThicknessOptions};
 
 use crate::error::{Error, Warning, Warnings};
 use crate::garment::{BoundaryInterpolation, Elements, Garment, Subset};
-use crate::mesh::{FaceId, IdVec, VertexId};
+use crate::mesh::FaceId;
 use crate::subdivide::{Cage, Level};
-use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -132,11 +131,11 @@ impl Stack {
         Ok(Self { operators, level: options.level, warnings })
     }
 
-    /// The furthest that an operator goes from the surface, as the next power of 2, so that what depends on it need not
-    /// change with each edit. \[stage units\]
+    /// The furthest that an operator goes from the surface, rounded up, so that what depends on it need not change with
+    /// each edit. \[stage units\]
     pub fn reach(&self) -> f32 {
         let furthest = self.operators.iter().map(|o| o.reach()).fold(0.0, f32::max);
-        if furthest > 0.0 { furthest.log2().ceil().exp2() } else { 0.0 }
+        if furthest > 0.0 { (0.25 * (4.0 * furthest.log2()).ceil()).exp2() } else { 0.0 }
     }
 }
 
@@ -200,12 +199,11 @@ pub fn render(garment: &Garment, stack: &Stack, warnings: &mut Warnings) -> Resu
         placed = formed.placed(operator.as_ref(), &placed, warnings);
         cage = formed.cage;
     }
-    let mut points = placed.points;
-    for _ in 0..stack.level {
-        points = cage.refined_points(&points);
+    cage = cage.with_points(placed.points);
+    for _ in 1..stack.level {
         cage = cage.refined();
     }
-    Ok(finished(cage, points))
+    Ok(if stack.level > 0 { cage.refined_garment() } else { cage.into_garment() })
 }
 
 /// The cage before any operator.
@@ -213,11 +211,6 @@ pub fn first_cage(garment: &Garment) -> Cage {
     let mut garment = garment.clone();
     add_border_holes(&mut garment);
     Cage::new(garment)
-}
-
-/// The render mesh of the last cage, with the points that it is to have.
-pub fn finished(cage: Cage, points: IdVec<VertexId, Vec3>) -> Garment {
-    cage.with_points(points).into_garment()
 }
 
 /// Notes the faces that `interpolateBoundary = "none"` removes, which are fewer with each refinement.

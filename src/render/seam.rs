@@ -1,11 +1,14 @@
 //! Seams: edge sets as grooves or ridges of a width.
 //!
 //! ```text
-//!        left    right                 height along the normal
-//!  hold | width | centre | width | hold
-//!   o---o---o---*---o---o---o           * = normalOffset        depth swells the flanks between centre and width
-//!                                       o = the surface as it was
+//!        left            right         height along the normal
+//!  width | flank | centre | flank | width
+//!    o-------o-------*-------o-------o   * = normalOffset, which a cubic B-spline brings to 0 at the width
+//!                                        o = the surface as it was; with a depth the inner flanks are further out
 //! ```
+//!
+//! Only the centre has a height, with a depth also the line beside it, and two lines follow. So by the masks of
+//! Catmull-Clark all that is outside the width is the surface as it was.
 //!
 //! Seams that follow one another in the stack are one network: they cross, meet and share room as equals, whatever
 //! their order. Left is the left-hand side of one who walks the chain with the normals up; a chain runs as most of its
@@ -48,7 +51,7 @@ pub struct SeamOptions {
     pub depth: f32,
     /// How far the centre is pushed along the normal; below 0 is a groove, above a ridge. \[stage units\]
     pub normal_offset: f32,
-    /// Part of the width on either side: -1 most on the left, 0 even, 1 most on the right; a fifth stays on the other.
+    /// Part of the width on either side: -1 most on the left, 0 even, 1 most on the right; a twentieth stays on the other.
     pub asymmetry: f32,
 }
 

@@ -157,7 +157,8 @@ impl Settling<'_> {
             if step < HEIGHT_STEPS {
                 let next = |((&i, &(height, part)), &lift): ((&usize, &(f32, f32)), &f32)| {
                     let off = height - self.limit(i, &points).dot(raises[i].normal);
-                    raises[i].clamped(lift + off / part)
+                    let next = lift + off / part;
+                    if matches!(self.held[i].role, Role::Layer { .. }) { raises[i].clamped(next) } else { next }
                 };
                 lifts = raised.par_iter().zip(&wanted).zip(&lifts).map(next).collect();
             }

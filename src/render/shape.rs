@@ -77,7 +77,7 @@ pub struct Held {
 /// Part of the room that is left which an operator may take, so that later ones have some too.
 const PART_OF_ROOM: f32 = 0.5;
 /// Part of the distance of two layers that a later operator may take on either.
-const PART_BETWEEN: f32 = 0.4;
+const PART_BETWEEN: f32 = 0.8;
 
 /// What an operator makes of a cage, but for the places of the points.
 pub struct Shape {
@@ -202,6 +202,7 @@ impl Formed {
             derivation: &self.shape.derivation,
             pairs: &self.pairs,
             moved: &self.moved,
+            doubtful: &self.doubtful(&raises, &ground.placed.rooms),
         };
         let sound = sound(&kin, &States { linear: &linear, flat: &flat, raised: &raised });
         placed.points = sound.points;
@@ -209,6 +210,16 @@ impl Formed {
             self.shape.held.iter().zip(&given).map(|(held, height)| height * sound.shares[held.vertex]).collect();
         let warnings = operator.reduced(&self.shape, &given);
         (placed, warnings)
+    }
+
+    /// Faces that moved and have another layer near, or less height than asked.
+    fn doubtful(&self, raises: &[Raise], rooms: &IdVec<VertexId, Room>) -> IdVec<FaceId, bool> {
+        let mut doubtful: Vec<bool> = rooms.iter().map(|room| room.iter().any(|r| r.is_finite())).collect();
+        let low = self.shape.held.iter().zip(raises).filter(|(_, raise)| raise.is_least);
+        low.for_each(|(held, _)| doubtful[held.vertex.index()] = true);
+        let faces = &self.shape.derivation.faces;
+        let is_doubtful = |f: FaceId| faces.vertices_of(f).iter().any(|v| doubtful[v.index()]);
+        self.moved.enumerated().map(|(f, moved)| *moved && is_doubtful(f)).collect()
     }
 
     fn settling(&self) -> Settling<'_> {

@@ -18,7 +18,7 @@ const SEEN: f32 = 0.3;
 /// Cosine below which a vertex has no normal.
 const UNSEEN: f32 = -0.4;
 /// Length of the mean of normals below which they look opposite ways, so that there is none.
-const OPPOSITE: f32 = 0.25;
+const OPPOSITE: f32 = 0.05;
 /// Turns of a normal, each some 25 degrees at most.
 const TURNS: usize = 8;
 /// Limit positions of a level's vertices, as weighted sums of the cage's.

@@ -19,8 +19,6 @@ use serde::{Deserialize, Serialize};
 
 /// Distance of the line that holds the fold from it, as a share of the amount. Smaller makes the fold tighter.
 const HOLD: f32 = 1.0;
-/// Length of the mean of the normals at a vertex below which the surface turns back on itself there.
-const TURNS_BACK: f32 = 0.35;
 /// Least weight, so that the layers stay apart where it is painted 0.
 const LEAST_WEIGHT: f32 = 0.01;
 /// Part of an edge's length that a fold of the surface may take from it on the second layer. Larger lets the layer come
@@ -92,19 +90,19 @@ impl Thickness {
         chosen
     }
 
-    /// The faces that a second layer can cover: not those where the surface turns back on itself, whose two sides would
-    /// have it at the same place.
+    /// The faces that a second layer can cover: not those beside faces that look the other way, where it would have to
+    /// pass through the surface.
     fn coverable(&self, cage: &Cage) -> (IdVec<FaceId, bool>, Warnings) {
         let (mut chosen, mut warnings) = (self.chosen(cage.garment()), Warnings::default());
         let faces = &cage.level().topology.faces;
-        let turns_back = turning_back(cage);
-        let is_bare = |f: FaceId| faces.vertices_of(f).iter().any(|&v| turns_back[v]);
+        let turns = turning_over(&cage.level().topology);
+        let is_bare = |f: FaceId| faces.vertices_of(f).iter().any(|&v| turns[v]);
         let bare: Vec<FaceId> = chosen.ids().filter(|&f| chosen[f] && is_bare(f)).collect();
         if !bare.is_empty() {
             let mut at: Vec<usize> = bare.iter().flat_map(|&f| faces.vertices_of(f)).map(|v| v.index()).collect();
             at.sort_unstable();
             at.dedup();
-            at.retain(|&v| v < self.own_points && turns_back[VertexId::new(v)]);
+            at.retain(|&v| v < self.own_points && turns[VertexId::new(v)]);
             at.truncate(EXAMPLES);
             warnings.push(Warning::BareFaces { thickness: self.name.clone(), count: bare.len(), examples: at });
             bare.iter().for_each(|&f| chosen[f] = false);
@@ -303,16 +301,18 @@ fn sharpness(
     (corners, creases)
 }
 
-/// Vertices whose faces look opposite ways: at a fold flat on itself, and where neighbours disagree in winding.
-fn turning_back(cage: &Cage) -> IdVec<VertexId, bool> {
-    let (garment, t) = (cage.garment(), &cage.level().topology);
-    let at = |c: CornerId| garment.points[t.faces.vertex(c)];
-    let normal = |&c: &CornerId| (at(t.faces.next(c)) - at(c)).cross(at(t.faces.prev(c)) - at(c)).normalize_or_zero();
-    let is_turning = |v: VertexId| {
-        let corners = t.vertex_corners.row(v);
-        corners.len() > 1 && corners.iter().map(normal).sum::<Vec3>().length() < TURNS_BACK * corners.len() as f32
-    };
-    (0..t.vertex_count()).map(|v| is_turning(VertexId::new(v))).collect()
+/// Vertices of edges whose two faces run along them in the same direction: the front of one goes on as the back of the
+/// other.
+fn turning_over(t: &Topology) -> IdVec<VertexId, bool> {
+    let mut turns = IdVec::filled(false, t.vertex_count());
+    for edge in t.edges.ids() {
+        if let &[a, b] = t.edge_corners.row(edge)
+            && t.faces.vertex(a) == t.faces.vertex(b)
+        {
+            t.edges[edge].iter().for_each(|&v| turns[v] = true);
+        }
+    }
+    turns
 }
 
 /// Normals of a cage, to the front.

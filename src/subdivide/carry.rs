@@ -209,9 +209,19 @@ impl Cage {
         self
     }
 
+    /// The garment of the cage refined once: the last step, which needs no connectivity of what it makes.
+    pub fn refined_garment(&self) -> Garment {
+        let refinement = Refinement::new(&self.level, self.garment.rules);
+        let (garment, influences) = carry(&self.garment, self.influences.as_deref(), &refinement);
+        Self::completed(garment, influences)
+    }
+
     /// The garment, with its influences pruned and its directions of unit length.
     pub fn into_garment(self) -> Garment {
-        let Self { mut garment, influences, .. } = self;
+        Self::completed(self.garment, self.influences)
+    }
+
+    fn completed(mut garment: Garment, influences: Option<Vec<Influences>>) -> Garment {
         garment.primvars.iter_mut().for_each(to_unit_length);
         let carried = match (joints::pair(&garment), &influences) {
             (Some((indices, weights)), Some(influences)) => joints::to_primvars(influences, indices, weights),

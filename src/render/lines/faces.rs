@@ -60,7 +60,7 @@ impl Weaver<'_, '_> {
         for (line, &step) in rib.steps.iter().enumerate() {
             let sources = weights(self.request.topology, rib, step);
             let vertex = self.builder.vertex(&sources);
-            self.vertices.push(LineVertex { vertex, line, from: rib.vertex, mark: rib.mark });
+            self.vertices.push(LineVertex { vertex, line, mark: rib.mark });
             column.push(vertex);
         }
         self.columns.push(column);

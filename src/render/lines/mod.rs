@@ -46,8 +46,6 @@ pub struct LineVertex {
     pub vertex: VertexId,
     /// Number of its line, from 0 nearest to the marked edge.
     pub line: usize,
-    /// The vertex of the marked edges from which its rib leads.
-    pub from: VertexId,
     /// The marked edge that the line belongs to.
     pub mark: EdgeId,
 }

@@ -17,44 +17,69 @@ pub type Gap = [f32; 2];
 /// No layer is near.
 pub const OPEN: Gap = [f32::INFINITY; 2];
 
+/// A face seen along its normal.
+struct View {
+    face: FaceId,
+    normal: Vec3,
+    /// Directions across the normal, with the range of the face along each.
+    across: [(Vec3, f32, f32); 2],
+}
+
 impl Skin<'_> {
     /// For each face the gap to the next layer that is within `reach` of it.
     pub fn gaps(&self, reach: f32) -> IdVec<FaceId, Gap> {
         let tree = Tree::new(&self.boxes);
         let of = |face: FaceId| {
-            let mut gap = OPEN;
+            let (mut gap, view) = (OPEN, self.view(face));
             let around = self.boxes[face].grown(reach);
-            tree.visit(&self.boxes, &around, &mut |other| self.narrow(face, other, &mut gap));
+            tree.visit(&self.boxes, &around, &mut |other| self.narrow(&view, other, &mut gap));
             gap
         };
         (0..self.boxes.len()).into_par_iter().map(|f| of(FaceId::new(f))).collect::<Vec<_>>().into()
     }
 
-    /// Whether a plane across `axis` parts two faces, or touches both.
-    fn is_beside(&self, face: FaceId, other: FaceId, axis: Vec3) -> bool {
-        let range = |face: FaceId| {
-            let heights = self.quads(face).flat_map(|q| [q[0], q[1], q[2]]).map(|p| p.dot(axis));
-            heights.fold((f32::MAX, f32::MIN), |(low, high), h| (low.min(h), high.max(h)))
+    fn view(&self, face: FaceId) -> View {
+        let normal = self.normal(face);
+        let (u, v) = normal.try_normalize().unwrap_or(Vec3::Z).any_orthonormal_pair();
+        let range = |axis| {
+            let (low, high) = self.range(face, axis);
+            (axis, low, high)
         };
-        let ((a, b), (c, d)) = (range(face), range(other));
-        b <= c || d <= a
+        View { face, normal, across: [range(u), range(v)] }
+    }
+
+    fn range(&self, face: FaceId, axis: Vec3) -> (f32, f32) {
+        let heights = self.quads(face).flat_map(|q| [q[0], q[1], q[2]]).map(|p| p.dot(axis));
+        heights.fold((f32::MAX, f32::MIN), |(low, high), h| (low.min(h), high.max(h)))
+    }
+
+    /// Whether a face is not over or under the one that is seen.
+    fn is_beside(&self, view: &View, other: FaceId) -> bool {
+        let bounds = &self.boxes[other];
+        let (middle, half) = (0.5 * (bounds.low + bounds.high), 0.5 * (bounds.high - bounds.low));
+        let boxes_part = |&(axis, low, high): &(Vec3, f32, f32)| {
+            let (at, radius) = (middle.dot(axis), half.dot(axis.abs()));
+            at + radius <= low || at - radius >= high
+        };
+        let parts = |&(axis, low, high): &(Vec3, f32, f32)| {
+            let (from, to) = self.range(other, axis);
+            to <= low || from >= high
+        };
+        view.across.iter().any(boxes_part) || view.across.iter().any(parts)
     }
 
     /// Narrows the gap of a face to what another leaves of it.
-    fn narrow(&self, face: FaceId, other: FaceId, gap: &mut Gap) {
-        let faces = &self.level.topology.faces;
-        let normal = self.normal(face);
-        let touch = || faces.vertices_of(face).iter().any(|v| faces.vertices_of(other).contains(v));
-        if face == other || (normal.dot(self.normal(other)) > FOLDED && touch()) {
+    fn narrow(&self, view: &View, other: FaceId, gap: &mut Gap) {
+        let (faces, normal, face) = (&self.level.topology.faces, view.normal, view.face);
+        if face == other || self.is_beside(view, other) {
             return;
         }
-        // Seen along the normal they have to be over each other.
-        let (u, v) = normal.any_orthonormal_pair();
-        if [u, v].iter().any(|&axis| self.is_beside(face, other, axis)) {
+        let touch = faces.vertices_of(face).iter().any(|v| faces.vertices_of(other).contains(v));
+        if touch && normal.dot(self.normal(other)) > FOLDED {
             return;
         }
         let size = (self.boxes[face].high - self.boxes[face].low).max_element();
-        let least = if touch() { SHARED * size } else { 0.0 };
+        let least = if touch { SHARED * size } else { 0.0 };
         let mut take = |height: f32| {
             if height.abs() >= least {
                 let side = usize::from(height > 0.0);

@@ -15,7 +15,7 @@ use glam::Vec3;
 use std::cell::OnceCell;
 
 /// Part of a height that is left in any case.
-pub const LEAST_SHARE: f32 = 0.03;
+pub const LEAST_SHARE: f32 = 0.1;
 /// Parts of the rest of the height that are left after each step, and of the fit. Finer steps leave more of both, and
 /// take longer.
 const STEPS: [(f32, f32); 6] = [(1.0, 1.0), (0.5, 1.0), (0.15, 1.0), (0.0, 1.0), (0.0, 0.4), (0.0, 0.0)];
@@ -48,6 +48,8 @@ pub struct Kin<'a> {
     pub pairs: &'a [[VertexId; 2]],
     /// Faces that may have moved.
     pub moved: &'a IdVec<FaceId, bool>,
+    /// Those of them that may have become unsound. Others do so only where they bend.
+    pub doubtful: &'a IdVec<FaceId, bool>,
 }
 
 /// Sound points.
@@ -65,8 +67,9 @@ pub fn sound(kin: &Kin, states: &States) -> Sound {
     let mut skin = Skin::new(kin.child, &points);
     let normals = linear_normals(kin.child, states.linear);
     let parent = OnceCell::new();
-    let mut active: Vec<FaceId> = kin.moved.ids().filter(|&f| kin.moved[f]).collect();
-    let mut is_active = kin.moved.clone();
+    let is_active = |f: FaceId| kin.moved[f] && (kin.doubtful[f] || skin.is_bent(f));
+    let mut is_active: IdVec<FaceId, bool> = kin.moved.ids().map(is_active).collect();
+    let mut active: Vec<FaceId> = kin.moved.ids().filter(|&f| is_active[f]).collect();
     // Where a step back makes more faults than it mends, as beside the free border of a layer, an earlier one is kept.
     let mut best = (usize::MAX, points.clone(), steps.clone());
     for _ in 0..STEPS.len() {

@@ -11,6 +11,8 @@ use rayon::prelude::*;
 
 /// Cosine of the angle to the plane below which normals count as on its other side. Larger looks at more faces closely.
 const ONE_SIDED: f32 = 0.1;
+/// Cosine between a face's normal and a child's below which it is bent. Larger looks at more faces.
+const EVEN: f32 = 0.8;
 /// A child that looks this far to the other side is turned over, as a cosine. Nearer to 0 takes the overhang of a steep
 /// flank for one.
 const TURNED: f32 = -0.2;
@@ -140,6 +142,11 @@ impl<'a> Skin<'a> {
         let (patch, mut corners) = (self.patches[face], self.level.topology.faces.corners_of(face));
         let is_even = patch.spread > 0.5 && patch.normal.dot(normal) > 0.5;
         normal != Vec3::ZERO && !is_even && corners.any(|c| self.area(face, c).normalize_or_zero().dot(normal) < least)
+    }
+
+    /// Whether a face's children look to different sides.
+    pub fn is_bent(&self, face: FaceId) -> bool {
+        self.patches[face].spread < EVEN
     }
 
     /// Mean normal of a face's children.
