@@ -309,7 +309,7 @@ fn both_orders_are_sound_and_differ() {
     // Through a fold the seam goes around; under a hem the second layer follows the groove.
     let lowest = |mesh: &Garment| mesh.points.iter().map(|p| p.z).fold(0.0, f32::min);
     let (through, under) = (lowest(&hem_first), lowest(&seam_first));
-    assert!(under < through - 0.03, "{under} {through}");
+    assert!((under + 0.25).abs() < 0.02 && (through + 0.2).abs() < 0.02, "{under} {through}");
     let (deep, warnings) =
         rendered(&garment, &[&options("render.operators=t,s")[..], &["seam.s.normalOffset=-0.2"]].concat());
     assert!(warnings.iter().any(|w| matches!(w, Warning::ShallowSeam { .. })), "{warnings:?}");

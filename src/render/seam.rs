@@ -26,8 +26,8 @@ use chains::Network;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-/// Lines as shares of the width's half: that of the width, and one that holds the surface outside. Further away, it makes
-/// the shoulders of the seam softer, and takes more room.
+/// Lines of each side as shares of its width: on the flank, and where the surface begins. With the first nearer to the
+/// centre the seam is sharper.
 const LINES: [f32; 2] = [0.5, 1.0];
 /// The same with a line on the flank.
 const SWOLLEN_LINES: [f32; 3] = [0.33, 0.67, 1.0];

@@ -23,6 +23,9 @@ struct View {
     normal: Vec3,
     /// Directions across the normal, with the range of the face along each.
     across: [(Vec3, f32, f32); 2],
+    /// Its range along the normal.
+    heights: (f32, f32),
+    reach: f32,
 }
 
 impl Skin<'_> {
@@ -30,7 +33,7 @@ impl Skin<'_> {
     pub fn gaps(&self, reach: f32) -> IdVec<FaceId, Gap> {
         let tree = Tree::new(&self.boxes);
         let of = |face: FaceId| {
-            let (mut gap, view) = (OPEN, self.view(face));
+            let (mut gap, view) = (OPEN, self.view(face, reach));
             let around = self.boxes[face].grown(reach);
             tree.visit(&self.boxes, &around, &mut |other| self.narrow(&view, other, &mut gap));
             gap
@@ -38,18 +41,24 @@ impl Skin<'_> {
         (0..self.boxes.len()).into_par_iter().map(|f| of(FaceId::new(f))).collect::<Vec<_>>().into()
     }
 
-    fn view(&self, face: FaceId) -> View {
+    fn view(&self, face: FaceId, reach: f32) -> View {
         let normal = self.normal(face);
         let (u, v) = normal.try_normalize().unwrap_or(Vec3::Z).any_orthonormal_pair();
         let range = |axis| {
             let (low, high) = self.range(face, axis);
             (axis, low, high)
         };
-        View { face, normal, across: [range(u), range(v)] }
+        View { face, normal, across: [range(u), range(v)], heights: self.range(face, normal), reach }
+    }
+
+    /// The children's points: corners, middles and the centre, which comes with the last corner.
+    fn samples(&self, face: FaceId) -> impl Iterator<Item = Vec3> {
+        let last = self.level.topology.faces.range(face).len() - 1;
+        self.quads(face).enumerate().flat_map(move |(i, q)| q.into_iter().take(if i == last { 3 } else { 2 }))
     }
 
     fn range(&self, face: FaceId, axis: Vec3) -> (f32, f32) {
-        let heights = self.quads(face).flat_map(|q| [q[0], q[1], q[2]]).map(|p| p.dot(axis));
+        let heights = self.samples(face).map(|p| p.dot(axis));
         heights.fold((f32::MAX, f32::MIN), |(low, high), h| (low.min(h), high.max(h)))
     }
 
@@ -78,6 +87,11 @@ impl Skin<'_> {
         if touch && normal.dot(self.normal(other)) > FOLDED {
             return;
         }
+        // Nearer ones are known on both sides.
+        let ((low, high), (from, to)) = (view.heights, self.range(other, normal));
+        if from - high > gap[1].min(view.reach) || low - to > gap[0].min(view.reach) {
+            return;
+        }
         let size = (self.boxes[face].high - self.boxes[face].low).max_element();
         let least = if touch { SHARED * size } else { 0.0 };
         let mut take = |height: f32| {
@@ -87,10 +101,10 @@ impl Skin<'_> {
             }
         };
         // From the points of each face to the other one, as either may have the finer ones.
-        for p in self.quads(face).flatten() {
+        for p in self.samples(face) {
             self.quads(other).filter_map(|q| height_of(p, normal, q)).for_each(&mut take);
         }
-        for p in self.quads(other).flatten() {
+        for p in self.samples(other) {
             self.quads(face).filter_map(|q| height_of(p, normal, q)).for_each(|h| take(-h));
         }
     }

@@ -1,5 +1,6 @@
 //! Operators make no face cross another, or turn over, that did not before: where one would, its heights are reduced
-//! step by step, first to almost nothing, then together with the fit to the limit surface.
+//! step by step, first to almost nothing, then together with the fit to the limit surface. Only faces are looked at that
+//! have another layer near, less height than asked, or a bend: others are sound by how they are made.
 
 mod gap;
 mod skin;
@@ -21,6 +22,8 @@ pub const LEAST_SHARE: f32 = 0.1;
 const STEPS: [(f32, f32); 6] = [(1.0, 1.0), (0.5, 1.0), (0.15, 1.0), (0.0, 1.0), (0.0, 0.4), (0.0, 0.0)];
 /// Steps by which a neighbour may be behind. More makes the change from full height more sudden.
 const SLACK: u8 = 2;
+/// Cosine between the normals of a face with and without its moves below which it is looked at.
+const ONE_WAY: f32 = 0.5;
 /// Cosine from which on faces of the parent count as turned themselves.
 const ALREADY_TURNED: f32 = 0.3;
 
@@ -67,7 +70,8 @@ pub fn sound(kin: &Kin, states: &States) -> Sound {
     let mut skin = Skin::new(kin.child, &points);
     let normals = linear_normals(kin.child, states.linear);
     let parent = OnceCell::new();
-    let is_active = |f: FaceId| kin.moved[f] && (kin.doubtful[f] || skin.is_bent(f));
+    let is_active =
+        |f: FaceId| kin.moved[f] && (kin.doubtful[f] || skin.is_bent(f) || skin.normal(f).dot(normals[f]) < ONE_WAY);
     let mut is_active: IdVec<FaceId, bool> = kin.moved.ids().map(is_active).collect();
     let mut active: Vec<FaceId> = kin.moved.ids().filter(|&f| is_active[f]).collect();
     // Where a step back makes more faults than it mends, as beside the free border of a layer, an earlier one is kept.
