@@ -5,15 +5,17 @@
 //! derivation by the code that refinement uses. Seams and hems share the insertion of lines beside marked edges
 //! (`lines`).
 //!
-//! What an operator makes crosses and turns over as little as can be: `sound` lowers its heights where it would.
+//! Heights stay within the room that is left to other layers (`placed`, from gaps found once on the input), the cage
+//! settles to them without the waves of an exact fit (`settle`), and `sound` lowers them where faces still would cross or
+//! turn over.
 //!
 //! # A new operator
 //!
 //! 1. A file here with its options (a serde struct with defaults) and a type with the trait [`Operator`]: `shape`
 //!    collects faces, vertices and edges in a [`derivation::Builder`], each with its parent, and lists the vertices that
-//!    are held; `heights` says how far from the old surface each of them is, and
-//!    `reduced` warns where less was given. `structure` names the options that `shape`
-//!    reads, so that a change of the others only moves points.
+//!    are held; `heights` says how far from the old surface each of them is, `reach` the furthest of them, and `reduced`
+//!    warns where less was given. `structure` names the options that `shape` reads, so that a change of the others only
+//!    moves points.
 //! 2. A map of its instances in `recipe::Recipe`, and a line for it in [`Stack::new`].
 //! 3. A multiple-apply schema in `schemas/schema.usda`; a test holds its attributes to the options.
 

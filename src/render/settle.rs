@@ -134,14 +134,14 @@ impl Settling<'_> {
         &self,
         targets: &[(Vec3, Vec3)],
         raises: &[Raise],
-        base: IdVec<VertexId, Vec3>,
+        base: &IdVec<VertexId, Vec3>,
     ) -> IdVec<VertexId, Vec3> {
         let raised: Vec<usize> = (0..raises.len()).filter(|&i| raises[i].height != 0.0).collect();
         let mut moves = IdVec::filled(false, base.len());
         raised.iter().for_each(|&i| moves[self.held[i].vertex] = true);
         let prepare = |&i: &usize| {
             let from = match self.held[i].role {
-                Role::Layer { .. } => self.limit(i, &base),
+                Role::Layer { .. } => self.limit(i, base),
                 _ => targets[i].0,
             };
             let part = self.rows.at(i).iter().filter(|(v, _)| moves[*v]).map(|(_, w)| w).sum::<f32>();

@@ -188,7 +188,7 @@ impl Formed {
         let mut raises: Vec<Raise> = (0..given.len()).map(raise).collect();
         graded(&mut raises, &self.between);
         given.iter_mut().zip(&raises).for_each(|(given, raise)| *given = raise.height);
-        let raised = self.settling().raised(&ground.targets, &raises, ground.placed.points.clone());
+        let raised = self.settling().raised(&ground.targets, &raises, &ground.placed.points);
         let (mut linear, mut flat) = (ground.linear.clone(), ground.placed.points.clone());
         for (held, raise) in self.shape.held.iter().zip(&raises) {
             let step = LEAST_SHARE * raise.height * raise.normal;

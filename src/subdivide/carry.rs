@@ -213,17 +213,17 @@ impl Cage {
     pub fn refined_garment(&self) -> Garment {
         let refinement = Refinement::new(&self.level, self.garment.rules);
         let (garment, influences) = carry(&self.garment, self.influences.as_deref(), &refinement);
-        Self::completed(garment, influences)
+        Self::completed(garment, influences.as_deref())
     }
 
     /// The garment, with its influences pruned and its directions of unit length.
     pub fn into_garment(self) -> Garment {
-        Self::completed(self.garment, self.influences)
+        Self::completed(self.garment, self.influences.as_deref())
     }
 
-    fn completed(mut garment: Garment, influences: Option<Vec<Influences>>) -> Garment {
+    fn completed(mut garment: Garment, influences: Option<&[Influences]>) -> Garment {
         garment.primvars.iter_mut().for_each(to_unit_length);
-        let carried = match (joints::pair(&garment), &influences) {
+        let carried = match (joints::pair(&garment), influences) {
             (Some((indices, weights)), Some(influences)) => joints::to_primvars(influences, indices, weights),
             _ => return garment,
         };
