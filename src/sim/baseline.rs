@@ -4,11 +4,12 @@ use super::chains::{self, Chain, StartSpan};
 use super::manifold::Manifold;
 use super::options::SimOptions;
 use super::ridges;
+use super::triangulation::{Start, Triangulation};
 use crate::garment::{Garment, Interpolation, Primvar, Values};
 use crate::mesh::{ChainId, CornerId, FaceId, Faces, IdVec, Topology, VertexId};
 use crate::subdivide::{Level, Numbering, Real, Refiner, Stencils, mix_rows};
 use glam::{Vec2, Vec3};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// A point of the baseline.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -141,7 +142,8 @@ impl Baseline {
 
         let start_level = nearest_level(&all_levels, &points, lengths);
         let start =
-            quads.start(&all_levels, start_level, &points, |f| !is_hole[root_face(&all_levels[..=start_level], f)]);
+            Start { levels: &all_levels, level: start_level, points: &points, uvs: &corner_uvs, target: &target };
+        let start = start.triangles(&quads, |f| !is_hole[root_face(&all_levels[..=start_level], f)]);
         let start_spans = chains::start_spans(&chains, &curves[start_level]);
         // Chains and the start know the vertices of the level; from here on, fans that only touch are apart.
         let (topology, level_vertex) = apart(topology, is_hole.contains(&true));
@@ -347,100 +349,4 @@ fn nearest_level(levels: &[&Refiner], points: &IdVec<VertexId, Vec3>, lengths: L
         }
     }
     best
-}
-
-/// The corners of a face from which it can be cut in a fan, the one with the shortest diagonals first.
-fn apexes<'a>(
-    faces: &'a Faces,
-    points: &'a IdVec<VertexId, Vec3>,
-    face: FaceId,
-) -> impl Iterator<Item = usize> + use<'a> {
-    let n = faces.valence(face);
-    let vertices = faces.vertices_of(face);
-    let longest = move |apex: &usize| {
-        let p = points[vertices[*apex]];
-        (2..n - 1).map(|k| p.distance_squared(points[vertices[(apex + k) % n]])).fold(0.0f32, f32::max)
-    };
-    let best = (1..n).fold(0, |best, k| if longest(&k) < longest(&best) { k } else { best });
-    std::iter::once(best).chain((0..n).filter(move |&k| k != best))
-}
-
-/// The diagonals of a face that is cut in a fan, each with its lower vertex first.
-fn diagonals(faces: &Faces, face: FaceId, apex: usize) -> impl Iterator<Item = [VertexId; 2]> + use<'_> {
-    let (n, vertices) = (faces.valence(face), faces.vertices_of(face));
-    (2..n - 1).map(move |k| {
-        let (a, b) = (vertices[apex], vertices[(apex + k) % n]);
-        [a.min(b), a.max(b)]
-    })
-}
-
-fn diagonals_are_new(faces: &Faces, face: FaceId, apex: usize, taken: &BTreeSet<[VertexId; 2]>) -> bool {
-    diagonals(faces, face, apex).all(|d| !taken.contains(&d))
-}
-
-/// The triangles of a level's faces.
-struct Triangulation {
-    /// The level's corner behind each corner of the triangles.
-    corners: IdVec<CornerId, CornerId>,
-    /// The level's face behind each triangle.
-    faces: IdVec<FaceId, FaceId>,
-}
-
-impl Triangulation {
-    /// Splits quads at their shorter diagonal, and others in a fan from the corner with the shortest diagonals; another
-    /// one where two vertices would be joined twice, for such a mesh cannot be edited.
-    fn new(topology: &Topology, points: &IdVec<VertexId, Vec3>, keep: impl Fn(FaceId) -> bool) -> Self {
-        let faces = &topology.faces;
-        let kept: Vec<FaceId> = faces.ids().filter(|&f| keep(f)).collect();
-        let mut apexes: Vec<usize> = kept.iter().map(|&f| apexes(faces, points, f).next().unwrap_or(0)).collect();
-        let mut diagonals: Vec<[VertexId; 2]> =
-            kept.iter().zip(&apexes).flat_map(|(&f, &apex)| diagonals(faces, f, apex)).collect();
-        diagonals.sort_unstable();
-        let joined_twice = diagonals.windows(2).any(|p| p[0] == p[1])
-            || diagonals.iter().any(|&[a, b]| topology.find_edge(a, b).is_some());
-        if joined_twice {
-            let mut taken: BTreeSet<[VertexId; 2]> =
-                topology.edges.iter().map(|&[a, b]| [a.min(b), a.max(b)]).collect();
-            for (&face, apex) in kept.iter().zip(&mut apexes) {
-                let is_new = |&k: &usize| diagonals_are_new(faces, face, k, &taken);
-                *apex = self::apexes(faces, points, face).find(is_new).unwrap_or(*apex);
-                taken.extend(self::diagonals(faces, face, *apex));
-            }
-        }
-        let mut all = Self { corners: IdVec::new(), faces: IdVec::new() };
-        for (&face, apex) in kept.iter().zip(apexes) {
-            let n = faces.valence(face);
-            let at = |k: usize| CornerId::new(faces.range(face).start + k % n);
-            for k in 1..n - 1 {
-                all.corners.extend([at(apex), at(apex + k), at(apex + k + 1)]);
-                all.faces.push(face);
-            }
-        }
-        all
-    }
-
-    fn vertices(&self, faces: &Faces) -> Vec<VertexId> {
-        self.corners.iter().map(|&c| faces.vertex(c)).collect()
-    }
-
-    /// The triangles of a coarser level, by corners of these.
-    fn start(
-        &self,
-        levels: &[&Refiner],
-        level: usize,
-        points: &IdVec<VertexId, Vec3>,
-        keep: impl Fn(FaceId) -> bool,
-    ) -> Vec<[CornerId; 3]> {
-        let finest = &levels[levels.len() - 1].level.topology.faces;
-        let mut own = IdVec::<CornerId, Option<CornerId>>::filled(None, finest.corners().len());
-        for (triangle_corner, &c) in self.corners.enumerated() {
-            own[c].get_or_insert(triangle_corner);
-        }
-        let down = |c: CornerId| {
-            let c = levels[level..levels.len() - 1].iter().fold(c, |c, parent| parent.child_of(c));
-            own[c]
-        };
-        let coarse = Self::new(&levels[level].level.topology, points, keep);
-        coarse.corners.chunks_exact(3).filter_map(|t| Some([down(t[0])?, down(t[1])?, down(t[2])?])).collect()
-    }
 }

@@ -20,6 +20,7 @@ mod sizing;
 mod slide;
 mod spacing;
 mod split;
+mod triangulation;
 
 pub use baseline::{Baseline, Lengths, Location, holes};
 pub use chains::{Chain, Marks};
