@@ -42,23 +42,29 @@ impl EditMesh {
             corner_vertex,
         };
         mesh.pair();
-        for corner in mesh.corner_vertex.ids() {
-            let slot = &mut mesh.vertex_corner[mesh.corner_vertex[corner]];
-            if slot.is_none() || mesh.twin[corner].is_none() {
-                *slot = Some(corner);
-            }
-        }
+        mesh.set_vertex_corners();
         mesh
     }
 
-    /// A mesh of consistent arrays.
+    /// A mesh of consistent half-edges over `vertices` vertices.
     pub(super) fn from_parts(
         corner_vertex: IdVec<CornerId, VertexId>,
         twin: IdVec<CornerId, Option<CornerId>>,
-        vertex_corner: IdVec<VertexId, Option<CornerId>>,
+        vertices: usize,
     ) -> Self {
         let alive = IdVec::filled(true, corner_vertex.len() / 3);
-        Self { corner_vertex, twin, vertex_corner, alive }
+        let mut mesh = Self { corner_vertex, twin, vertex_corner: IdVec::filled(None, vertices), alive };
+        mesh.set_vertex_corners();
+        mesh
+    }
+
+    fn set_vertex_corners(&mut self) {
+        for corner in self.corner_vertex.ids() {
+            let slot = &mut self.vertex_corner[self.corner_vertex[corner]];
+            if slot.is_none() || self.twin[corner].is_none() {
+                *slot = Some(corner);
+            }
+        }
     }
 
     fn pair(&mut self) {

@@ -72,6 +72,7 @@ fn may_collapse(mesh: &SimMesh<'_>, half: CornerId, removed: VertexId) -> bool {
         && !joins_chains(half)
         && !mesh.topology.twin(half).is_some_and(joins_chains)
         && mesh.topology.may_collapse(half)
+        && mesh.may_merge(half, removed)
 }
 
 /// The corners around `vertex` in triangles that stay.

@@ -30,7 +30,7 @@ pub fn flip_edges(mesh: &mut SimMesh<'_>, regularity: f32) -> usize {
     for _ in 0..MAX_SWEEPS {
         for &half in &candidates {
             let Some(twin) = mesh.topology.twin(half).filter(|_| !mesh.is_constrained(half)) else { continue };
-            if wants(mesh, &excess, half) && mesh.topology.may_flip(half) && flip_is_safe(mesh, half) {
+            if wants(mesh, &excess, half) && may_flip(mesh, half) && flip_is_safe(mesh, half) {
                 let sites = [half, twin, prev(half), prev(twin)].map(|c| mesh.site_of[c]);
                 sites.into_iter().zip([-1, -1, 1, 1]).for_each(|(site, by)| excess[site] += by);
                 mesh.flip(half);
@@ -99,6 +99,12 @@ fn gain(mesh: &SimMesh<'_>, excess: &Excess, half: CornerId, regularity: f32) ->
 fn opposite_angle(apex: Vec3, a: Vec3, b: Vec3) -> (f32, f32) {
     let (u, v) = (a - apex, b - apex);
     (u.cross(v).length(), u.dot(v))
+}
+
+/// Whether turning an edge makes no edge that is there already, in this patch or another.
+fn may_flip(mesh: &SimMesh<'_>, half: CornerId) -> bool {
+    let apexes = mesh.topology.twin(half).map(|t| [half, t].map(|h| mesh.topology.vertex(prev(h))));
+    apexes.is_some_and(|[c, d]| mesh.may_join(c, d)) && mesh.topology.may_flip(half)
 }
 
 /// Neither new triangle is worse than the worse of the old, or turns further from the surface than those, if it turns

@@ -2,6 +2,7 @@
 
 use super::baseline::{Baseline, Location};
 use super::chains::Chain;
+use super::patches::Seal;
 use crate::mesh::edit::{EditMesh, next, prev};
 use crate::mesh::{ChainId, CornerId, FaceId, IdVec, SiteId, SpanId, VertexId};
 use glam::{Vec2, Vec3};
@@ -113,6 +114,8 @@ pub struct SimMesh<'a> {
     pub(super) site_of: IdVec<CornerId, SiteId>,
     /// The sites. Those of vertices that went stay as gaps.
     pub(super) sites: IdVec<SiteId, Site>,
+    /// Which vertices a patch shares with others; empty for a whole mesh.
+    pub(super) seals: IdVec<VertexId, Seal>,
 }
 
 impl<'a> SimMesh<'a> {
@@ -131,6 +134,7 @@ impl<'a> SimMesh<'a> {
             spans: IdVec::new(),
             site_of: IdVec::filled(SiteId::new(0), corners),
             sites: IdVec::with_capacity(triangles.len()),
+            seals: IdVec::new(),
             topology,
         };
         mesh.set_constraints();

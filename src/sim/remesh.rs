@@ -6,6 +6,7 @@
 use super::collapse::collapse_short_edges;
 use super::flip::flip_edges;
 use super::mesh::SimMesh;
+use super::patches::{PATCH, in_patches};
 use super::relax::relax_and_project;
 use super::split::split_long_edges;
 use serde::Serialize;
@@ -80,14 +81,10 @@ pub fn remesh(mesh: &mut SimMesh<'_>, rounds: u32, max_faces: usize) -> RemeshRe
     let mut room = Vec::new();
     flip_edges(mesh, 0.0);
     for round in 1..=rounds {
-        // The first round makes most of the elements, in the order of their lengths.
-        if round == 2 {
-            mesh.reorder();
-            check(mesh);
-        }
-        let splits = split_long_edges(mesh, max_faces);
+        let (mut splits, mut collapses) = if round == 1 { edit_in_patches(mesh, PATCH, max_faces) } else { (0, 0) };
+        splits += split_long_edges(mesh, max_faces);
         check(mesh);
-        let collapses = collapse_short_edges(mesh);
+        collapses += collapse_short_edges(mesh);
         check(mesh);
         let flips = flip_edges(mesh, REGULARITY);
         check(mesh);
@@ -109,6 +106,22 @@ pub fn remesh(mesh: &mut SimMesh<'_>, rounds: u32, max_faces: usize) -> RemeshRe
     flip_edges(mesh, LAST_REGULARITY);
     check(mesh);
     report
+}
+
+/// Splits and collapses what lies inside patches of about `size` triangles: most of what a first round does.
+fn edit_in_patches(mesh: &mut SimMesh<'_>, size: usize, max_faces: usize) -> (usize, usize) {
+    let faces = mesh.topology.face_count();
+    let room = max_faces.saturating_sub(faces) as f64 / faces.max(1) as f64;
+    let done = in_patches(mesh, size, |patch| {
+        let own = patch.topology.face_count();
+        let splits = split_long_edges(patch, own + (room * own as f64) as usize);
+        check(patch);
+        let collapses = collapse_short_edges(patch);
+        check(patch);
+        (splits, collapses)
+    });
+    check(mesh);
+    done.into_iter().flatten().fold((0, 0), |sum, one| (sum.0 + one.0, sum.1 + one.1))
 }
 
 /// Every invariant after every pass, in debug builds.
