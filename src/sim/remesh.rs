@@ -80,16 +80,24 @@ pub fn remesh(mesh: &mut SimMesh<'_>, rounds: u32, max_faces: usize) -> RemeshRe
     let mut report = RemeshReport { ridges, corners, ..RemeshReport::default() };
     let mut room = Vec::new();
     flip_edges(mesh, 0.0);
+    check(mesh);
     for round in 1..=rounds {
-        let (mut splits, mut collapses) = if round == 1 { edit_in_patches(mesh, PATCH, max_faces) } else { (0, 0) };
-        splits += split_long_edges(mesh, max_faces);
-        check(mesh);
-        collapses += collapse_short_edges(mesh);
+ if std::env::var("PH").is_ok() { eprintln!(); }
+        let (splits, collapses) = match round {
+            1 => edit_in_patches(mesh, PATCH, max_faces),
+            _ => {
+                let s = split_long_edges(mesh, max_faces);
+                check(mesh);
+                let c = collapse_short_edges(mesh);
+                (s, c)
+            }
+        };
         check(mesh);
         let flips = flip_edges(mesh, REGULARITY);
         check(mesh);
         relax_and_project(mesh, SWEEPS, &mut room);
         check(mesh);
+        if std::env::var("PH").is_ok() { eprint!(" [{splits} {collapses} {flips}]"); }
         report.rounds = round;
         report.splits += splits;
         report.collapses += collapses;
@@ -112,7 +120,9 @@ pub fn remesh(mesh: &mut SimMesh<'_>, rounds: u32, max_faces: usize) -> RemeshRe
 fn edit_in_patches(mesh: &mut SimMesh<'_>, size: usize, max_faces: usize) -> (usize, usize) {
     let faces = mesh.topology.face_count();
     let room = max_faces.saturating_sub(faces) as f64 / faces.max(1) as f64;
+    check(mesh);
     let done = in_patches(mesh, size, |patch| {
+        check(patch);
         let own = patch.topology.face_count();
         let splits = split_long_edges(patch, own + (room * own as f64) as usize);
         check(patch);
@@ -121,12 +131,16 @@ fn edit_in_patches(mesh: &mut SimMesh<'_>, size: usize, max_faces: usize) -> (us
         (splits, collapses)
     });
     check(mesh);
+    if std::env::var("PH").is_ok() { eprintln!("{done:?}"); }
     done.into_iter().flatten().fold((0, 0), |sum, one| (sum.0 + one.0, sum.1 + one.1))
 }
 
 /// Every invariant after every pass, in debug builds.
 fn check(mesh: &SimMesh<'_>) {
+    T.with(|t| { let n = std::time::Instant::now(); let d = n - t.replace(n); if std::env::var("PH").is_ok() { eprint!("{:.1} ", d.as_secs_f64()*1e3); } });
     if cfg!(debug_assertions) {
         mesh.assert_consistent();
     }
 }
+
+thread_local!{static T: std::cell::Cell<std::time::Instant> = std::cell::Cell::new(std::time::Instant::now());}
