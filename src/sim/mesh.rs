@@ -143,7 +143,11 @@ impl<'a> SimMesh<'a> {
     }
 
     fn set_constraints(&mut self) {
-        let halves: Vec<CornerId> = self.topology.edges().collect();
+        let mut on_chain = IdVec::<VertexId, bool>::filled(false, self.points.len());
+        self.baseline.chains.iter().flat_map(|c| &c.vertices).for_each(|&v| on_chain[v] = true);
+        let ends = |half: CornerId| [self.topology.vertex(half), self.topology.target(half)];
+        let known = |half: &CornerId| ends(*half).iter().all(|&v| on_chain[self.baseline.level_vertex[v]]);
+        let halves: Vec<CornerId> = self.topology.edges().filter(known).collect();
         for half in halves {
             let (a, b) = (self.topology.vertex(half), self.topology.target(half));
             let [x, y] = [a, b].map(|v| self.baseline.level_vertex[v]);
@@ -173,22 +177,11 @@ impl<'a> SimMesh<'a> {
 
     /// A site for each sector of each vertex.
     fn set_sites(&mut self) {
-        let start: Vec<CornerId> = self.baseline.start.iter().flatten().copied().collect();
-        let mut done = IdVec::<CornerId, bool>::filled(false, self.topology.corner_slots());
-        let mut sector = Vec::new();
-        for corner in self.topology.corners().collect::<Vec<_>>() {
-            if done[corner] {
-                continue;
-            }
-            let own = start[corner.index()];
-            let location = self.baseline.corner_location(own);
-            let site = self.sites.push(self.site_at(Place { location, uv: self.baseline.uvs[own] }));
-            self.sector(corner, &mut sector);
-            for &c in &sector {
-                self.site_of[c] = site;
-                done[c] = true;
-            }
-        }
+        let baseline = self.baseline;
+        self.make_sites(|corner| {
+            let own = baseline.start[corner.index() / 3][corner.index() % 3];
+            site_at(baseline, Place { location: baseline.corner_location(own), uv: baseline.uvs[own] })
+        });
         for half in self.topology.corners() {
             let Some(span) = self.span(half) else { continue };
             for (corner, s) in [(half, span.from), (next(half), span.to)] {
@@ -197,10 +190,26 @@ impl<'a> SimMesh<'a> {
         }
     }
 
+    /// Makes a site for each sector of each vertex, as `site` tells it for one of its corners.
+    pub(super) fn make_sites(&mut self, site: impl Fn(CornerId) -> Site) {
+        let mut done = IdVec::<CornerId, bool>::filled(false, self.topology.corner_slots());
+        let mut sector = Vec::new();
+        for corner in (0..done.len()).map(CornerId::new) {
+            if done[corner] {
+                continue;
+            }
+            let own = self.sites.push(site(corner));
+            self.sector(corner, &mut sector);
+            for &c in &sector {
+                self.site_of[c] = own;
+                done[c] = true;
+            }
+        }
+    }
+
     /// The site of a place.
     pub(super) fn site_at(&self, place: Place) -> Site {
-        let face = place.location.face;
-        Site { place, normal: self.baseline.unit_normal[face], sense: self.baseline.shell_sign[face] }
+        site_at(self.baseline, place)
     }
 
     /// The site of a location.
@@ -358,4 +367,10 @@ impl<'a> SimMesh<'a> {
         }
         Some([found[0]?, found[1]?])
     }
+}
+
+/// The site of a place on a baseline.
+fn site_at(baseline: &Baseline, place: Place) -> Site {
+    let face = place.location.face;
+    Site { place, normal: baseline.unit_normal[face], sense: baseline.shell_sign[face] }
 }

@@ -88,6 +88,13 @@ impl Patches {
     }
 }
 
+/// What a mesh knows of its vertices.
+struct Vertices {
+    points: IdVec<VertexId, Vec3>,
+    target: IdVec<VertexId, f32>,
+    grade: IdVec<VertexId, Grade>,
+}
+
 impl<'a> SimMesh<'a> {
     /// A patch with its border sealed, and what the whole calls the vertices there.
     fn patch(&self, patches: &Patches, number: usize) -> (Self, Names) {
@@ -111,10 +118,12 @@ impl<'a> SimMesh<'a> {
             Seal::Shared | Seal::Pinched => Grade::Frozen,
         });
         let grade = grade.collect();
-        let old = |c: CornerId| (*self.site(old_corner[c]), self.span(old_corner[c]));
+        let site = |c: CornerId| *self.site(old_corner[c]);
+        let span = |c: CornerId| self.span(old_corner[c]);
         let points = old_vertex.iter().map(|&v| self.points[v]).collect();
         let target = old_vertex.iter().map(|&v| self.target[v]).collect();
-        (Self::assembled(self.baseline, topology, points, target, grade, old).with_seals(seals), names)
+        let patch = Self::assembled(self.baseline, topology, Vertices { points, target, grade }, site, span);
+        (Self { seals, ..patch }, names)
     }
 
     /// Patches joined; `grade` tells what a shared vertex may do.
@@ -128,24 +137,21 @@ impl<'a> SimMesh<'a> {
         'a: 'p,
     {
         let Joined { mesh, old_vertex, old_corner } = joined;
-        let old = |c: CornerId| {
-            let (i, c) = old_corner[c];
-            (*patch(i).site(c), patch(i).span(c))
-        };
+        let site = |c: CornerId| *patch(old_corner[c].0).site(old_corner[c].1);
+        let span = |c: CornerId| patch(old_corner[c].0).span(old_corner[c].1);
         let points = old_vertex.iter().map(|&(i, v)| patch(i).points[v]).collect();
         let target = old_vertex.iter().map(|&(i, v)| patch(i).target[v]).collect();
         let grade = old_vertex.iter().map(|&(i, v)| grade(i, v).unwrap_or(patch(i).grade[v])).collect();
-        Self::assembled(baseline, mesh, points, target, grade, old)
+        Self::assembled(baseline, mesh, Vertices { points, target, grade }, site, span)
     }
 
-    /// A mesh of which `old` tells the site and span of each corner.
+    /// A mesh of which `site` and `span` tell what each corner has.
     fn assembled(
         baseline: &'a Baseline,
         topology: EditMesh,
-        points: IdVec<VertexId, Vec3>,
-        target: IdVec<VertexId, f32>,
-        grade: IdVec<VertexId, Grade>,
-        old: impl Fn(CornerId) -> (Site, Option<Span>),
+        Vertices { points, target, grade }: Vertices,
+        site: impl Fn(CornerId) -> Site,
+        span: impl Fn(CornerId) -> Option<Span>,
     ) -> Self {
         let corners = topology.corner_slots();
         let mut mesh = Self {
@@ -162,29 +168,13 @@ impl<'a> SimMesh<'a> {
         };
         for half in (0..corners).map(CornerId::new) {
             if mesh.mark[half].is_none()
-                && let (_, Some(span)) = old(half)
+                && let Some(span) = span(half)
             {
                 mesh.add_span(half, span);
             }
         }
-        let mut done = IdVec::<CornerId, bool>::filled(false, corners);
-        let mut sector = Vec::new();
-        for corner in (0..corners).map(CornerId::new) {
-            if done[corner] {
-                continue;
-            }
-            let site = mesh.sites.push(old(corner).0);
-            mesh.sector(corner, &mut sector);
-            for &c in &sector {
-                mesh.site_of[c] = site;
-                done[c] = true;
-            }
-        }
+        mesh.make_sites(site);
         mesh
-    }
-
-    fn with_seals(self, seals: IdVec<VertexId, Seal>) -> Self {
-        Self { seals, ..self }
     }
 
     /// The triangles by the baseline's triangle at their first corners; of equals the older first.

@@ -82,8 +82,13 @@ fn goals(mesh: &SimMesh<'_>, sweeps: usize) -> Vec<(VertexId, Goal)> {
         rings.vertices.iter().zip(next).for_each(|(&v, p)| points[v] = p.extend(points[v].w));
     }
     let free = rings.vertices.iter().map(|&v| (v, Goal::Point(points[v].truncate())));
-    let on_chains = mesh.topology.vertices().filter(|&v| matches!(mesh.grade[v], Grade::OnCurve(_)));
-    free.chain(on_chains.filter_map(|v| Some((v, Goal::Along(even_place(mesh, v)?))))).collect()
+    let on_chains: Vec<VertexId> = mesh.grade.enumerated().filter(is_on_chain).map(|(v, _)| v).collect();
+    let along = on_chains.into_par_iter().filter_map(|v| Some((v, Goal::Along(even_place(mesh, v)?))));
+    free.chain(along.collect::<Vec<_>>()).collect()
+}
+
+fn is_on_chain((_, grade): &(VertexId, &Grade)) -> bool {
+    matches!(grade, Grade::OnCurve(_))
 }
 
 /// The unit normal of the triangles around a vertex together.
