@@ -13,9 +13,6 @@ const MAX_SWEEPS: usize = 8;
 /// The angles must exceed π by this sine before an edge is flipped, so that rounding cannot turn it back.
 const MIN_GAIN: f32 = 1e-4;
 
-/// Triangles that one task looks at.
-const FACES_PER_TASK: usize = 2048;
-
 /// Cosine of the angle between a new triangle and the surface at its corners above which it lies well. Larger values
 /// keep more flips from turning edges out of a fold.
 const MIN_ALIGNMENT: f32 = 0.85;
@@ -24,8 +21,10 @@ const MIN_ALIGNMENT: f32 = 0.85;
 /// which an edge is not Delaunay: 0 gives a Delaunay mesh. Returns the number of flips.
 pub fn flip_edges(mesh: &mut SimMesh<'_>, regularity: f32) -> usize {
     let mut excess = excess(mesh);
+    let all = (0..mesh.topology.corner_slots()).into_par_iter().map(CornerId::new);
     let wants = |mesh: &SimMesh<'_>, excess: &Excess, h: CornerId| gain(mesh, excess, h, regularity) > MIN_GAIN;
-    let mut candidates = candidates(mesh, &excess, regularity);
+    let mut candidates: Vec<CornerId> =
+        all.filter(|&h| mesh.topology.is_edge(h) && !mesh.is_constrained(h) && wants(mesh, &excess, h)).collect();
     let mut count = 0;
     let mut touched = Vec::new();
     for _ in 0..MAX_SWEEPS {
@@ -76,42 +75,13 @@ fn excess(mesh: &SimMesh<'_>) -> Excess {
     count.iter().zip(best.iter()).map(|(&n, &best)| n.min(100) as i8 - best).collect()
 }
 
-/// A corner as a flip sees it: its position, and the excess of its sector.
-type Seen = (Vec3, i32);
-
-fn seen(mesh: &SimMesh<'_>, excess: &Excess, corner: CornerId) -> Seen {
-    (mesh.points[mesh.topology.vertex(corner)], i32::from(excess[mesh.site_of[corner]]))
-}
-
-/// The free edges that gain by a turn.
-fn candidates(mesh: &SimMesh<'_>, excess: &Excess, regularity: f32) -> Vec<CornerId> {
-    let faces = mesh.topology.face_slots();
-    let of_face = |f: usize| {
-        let corners = [0, 1, 2].map(|k| CornerId::new(3 * f + k));
-        let own = mesh.topology.is_alive(corners[0]).then(|| corners.map(|c| seen(mesh, excess, c)));
-        let wants = move |k: usize| {
-            let own = own?;
-            let twin = mesh.topology.twin(corners[k]).filter(|&t| corners[k] < t && !mesh.is_constrained(corners[k]))?;
-            let quad = [own[k], own[(k + 1) % 3], own[(k + 2) % 3], seen(mesh, excess, prev(twin))];
-            // The edge's ends have the same sectors on both of its sides, for it is free.
-            (turn_gain(quad, regularity) > MIN_GAIN).then_some(corners[k])
-        };
-        (0..3).filter_map(wants)
-    };
-    let tasks = (0..faces.div_ceil(FACES_PER_TASK)).into_par_iter();
-    tasks.flat_map_iter(|t| (t * FACES_PER_TASK..faces.min((t + 1) * FACES_PER_TASK)).flat_map(of_face)).collect()
-}
-
 /// What turning an edge gains, in sines.
 #[inline]
 fn gain(mesh: &SimMesh<'_>, excess: &Excess, half: CornerId, regularity: f32) -> f32 {
     let Some(twin) = mesh.topology.twin(half) else { return -1.0 };
-    turn_gain([half, twin, prev(half), prev(twin)].map(|x| seen(mesh, excess, x)), regularity)
-}
-
-/// What it gains to turn the edge from the first corner to the second, between the others.
-#[inline]
-fn turn_gain([(a, ea), (b, eb), (c, ec), (d, ed)]: [Seen; 4], regularity: f32) -> f32 {
+    let corners = [half, twin, prev(half), prev(twin)];
+    let [a, b, c, d] = corners.map(|x| mesh.points[mesh.topology.vertex(x)]);
+    let [ea, eb, ec, ed] = corners.map(|x| i32::from(excess[mesh.site_of[x]]));
     // The change of the sum of squares.
     let change = 4 + 2 * (ec + ed - ea - eb);
     let square = (a - c).dot(b - c) >= 0.0 && (a - d).dot(b - d) >= 0.0;
