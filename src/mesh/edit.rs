@@ -156,8 +156,8 @@ impl EditMesh {
     /// The vertices of a triangle.
     #[inline]
     pub fn triangle(&self, f: FaceId) -> [VertexId; 3] {
-        let c = f.index() * 3;
-        [0, 1, 2].map(|k| self.corner_vertex[CornerId::new(c + k)])
+        let own = &self.corner_vertex.as_slice()[3 * f.index()..3 * f.index() + 3];
+        [own[0], own[1], own[2]]
     }
 
     /// The opposite half-edge; none at a border.

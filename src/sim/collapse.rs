@@ -113,7 +113,7 @@ fn may_be(mesh: &SimMesh<'_>, corners: [Corner<'_>; 3], old: CornerId) -> bool {
         return false;
     }
     let alignment = mesh.alignment(corners);
-    alignment > MIN_COSINE || alignment >= mesh.alignment([old, next(old), prev(old)].map(|c| mesh.corner(c)))
+    alignment > MIN_COSINE || alignment >= mesh.alignment(mesh.corners(old))
 }
 
 /// Whether `removed` may take the place of `kept`.

@@ -81,7 +81,7 @@ impl SimMesh<'_> {
     /// a triangle over.
     fn middle_site(&self, half: CornerId) -> Option<(Vec3, Site)> {
         let (from, to) = (self.place(half), self.place(next(half)));
-        let ends = [self.topology.vertex(half), self.topology.target(half)].map(|v| self.points[v]);
+        let ends = [self.points[self.topology.vertex(half)], self.points[self.topology.target(half)]];
         let middle = ends[0].midpoint(ends[1]);
         let mut best = self.baseline.closest(from.location.face, middle);
         if best.distance_squared > NEAR * NEAR * ends[0].distance_squared(ends[1]) {
@@ -104,7 +104,7 @@ impl SimMesh<'_> {
     fn split_is_safe(&self, half: CornerId, position: Vec3, site: &Site) -> bool {
         let m = (position, site);
         let side = |h: CornerId| {
-            let [a, b, c] = [h, next(h), prev(h)].map(|c| self.corner(c));
+            let [a, b, c] = self.corners(h);
             let worst = self.badness([a, m, c]).max(self.badness([m, b, c]));
             // A thin half is put right later; one that lies the wrong way round may stay for good.
             worst < 2 || worst <= self.badness([a, b, c])

@@ -79,9 +79,12 @@ fn excess(mesh: &SimMesh<'_>) -> Excess {
 #[inline]
 fn gain(mesh: &SimMesh<'_>, excess: &Excess, half: CornerId, regularity: f32) -> f32 {
     let Some(twin) = mesh.topology.twin(half) else { return -1.0 };
-    let corners = [half, twin, prev(half), prev(twin)];
-    let [a, b, c, d] = corners.map(|x| mesh.points[mesh.topology.vertex(x)]);
-    let [ea, eb, ec, ed] = corners.map(|x| i32::from(excess[mesh.site_of[x]]));
+    // Written out: arrays that are mapped are not kept in registers, and this is asked of every edge.
+    let point = |x: CornerId| mesh.points[mesh.topology.vertex(x)];
+    let excess = |x: CornerId| i32::from(excess[mesh.site_of[x]]);
+    let (apex, other) = (prev(half), prev(twin));
+    let (a, b, c, d) = (point(half), point(twin), point(apex), point(other));
+    let (ea, eb, ec, ed) = (excess(half), excess(twin), excess(apex), excess(other));
     // The change of the sum of squares.
     let change = 4 + 2 * (ec + ed - ea - eb);
     let square = (a - c).dot(b - c) >= 0.0 && (a - d).dot(b - d) >= 0.0;
@@ -111,7 +114,7 @@ fn may_flip(mesh: &SimMesh<'_>, half: CornerId) -> bool {
 /// far.
 fn flip_is_safe(mesh: &SimMesh<'_>, half: CornerId) -> bool {
     let Some(twin) = mesh.topology.twin(half) else { return false };
-    let [a, b, c, d] = [half, next(half), prev(half), prev(twin)].map(|x| mesh.corner(x));
+    let ([a, b, c], d) = (mesh.corners(half), mesh.corner(prev(twin)));
     let new = mesh.badness([c, d, b]).max(mesh.badness([d, c, a]));
     let aligned = || {
         let after = mesh.alignment([c, d, b]).min(mesh.alignment([d, c, a]));

@@ -219,7 +219,7 @@ fn is_worse(mesh: &SimMesh<'_>, f: FaceId, moved: &IdVec<VertexId, Option<u32>>,
     if !mesh.topology.is_alive(corners[0]) {
         return false;
     }
-    let now = mesh.badness([mesh.corner(corners[0]), mesh.corner(corners[1]), mesh.corner(corners[2])]);
+    let now = mesh.badness(mesh.corners(corners[0]));
     let passes = |&c: &CornerId| mesh.mark[c].is_some_and(|m| mesh.spans[m.span()].is_reversed());
     if corners.iter().any(passes) {
         return true;
@@ -235,5 +235,5 @@ fn is_worse(mesh: &SimMesh<'_>, f: FaceId, moved: &IdVec<VertexId, Option<u32>>,
             }
         }
     };
-    now > 0 && now > mesh.badness(corners.map(before))
+    now > 0 && now > mesh.badness([before(corners[0]), before(corners[1]), before(corners[2])])
 }
