@@ -16,8 +16,6 @@ use tailor::pipeline::Prepared;
 use tailor::recipe::{Layers, bind};
 use tailor::sim::{Baseline, Grade, Lengths, Pass, SimMesh, simulate};
 
-/// Rounds after which a mesh is left.
-const ROUNDS: usize = 3;
 /// A bound that no mesh here reaches.
 const MAX_FACES: usize = 200_000;
 
@@ -153,7 +151,8 @@ fn baseline(prepared: &Prepared) -> Baseline {
 struct Kept {
     euler: i64,
     border_loops: usize,
-    anchors: BTreeSet<VertexId>,
+    /// Where they are, bit by bit.
+    anchors: Vec<[u32; 3]>,
 }
 
 fn kept(mesh: &SimMesh<'_>) -> Kept {
@@ -170,7 +169,9 @@ fn kept(mesh: &SimMesh<'_>) -> Kept {
             at = next_border[&at];
         }
     }
-    let anchors = t.vertices().filter(|&v| mesh.grade[v] == Grade::Frozen).collect();
+    let frozen = t.vertices().filter(|&v| mesh.grade[v] == Grade::Frozen);
+    let mut anchors: Vec<[u32; 3]> = frozen.map(|v| mesh.points[v].to_array().map(f32::to_bits)).collect();
+    anchors.sort_unstable();
     Kept { euler, border_loops, anchors }
 }
 
@@ -205,12 +206,14 @@ proptest! {
     #![proptest_config(few())]
 
     #[test]
-    fn every_pass_keeps_what_it_must(case in cases()) {
+    fn every_pass_keeps_what_it_must(case in cases(), patch in 1usize..60) {
         let baseline = baseline(&case.prepared());
         let mut mesh = SimMesh::new(&baseline);
         mesh.assert_consistent();
         let (before, curves, flips) = (kept(&mesh), covered(&mesh), flipped(&mesh));
-        for pass in [Pass::ROUND; ROUNDS].concat() {
+        // Patches of a mesh that is far from its lengths, and of one that is near.
+        let in_patches = [Pass::InPatches(patch)];
+        for pass in [&in_patches[..], &Pass::ROUND, &in_patches, &Pass::ROUND].concat() {
             pass.run(&mut mesh);
             mesh.assert_consistent();
             prop_assert_eq!(&kept(&mesh), &before, "after {:?}", pass);

@@ -11,5 +11,5 @@ mod topology;
 pub use compact::Compact;
 pub use faces::Faces;
 pub use ids::{ChainId, CornerId, EdgeId, FaceId, Id, IdVec, SiteId, SpanId, ValueId, VertexId};
-pub use parts::{Joined, Part, Piece, join};
+pub use parts::{Joined, Part, join};
 pub use topology::{Csr, Topology};

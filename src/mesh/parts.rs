@@ -14,28 +14,41 @@ pub struct Part {
     pub old_corner: IdVec<CornerId, CornerId>,
 }
 
-/// A part that is to be joined to others.
-pub struct Piece<'a> {
-    /// The part.
-    pub mesh: &'a EditMesh,
-    /// Its triangles, in the order that they shall have.
-    pub order: Vec<FaceId>,
-    /// What other parts call its vertices; none for those that no other part has, which may be left out at the end.
-    pub names: &'a IdVec<VertexId, Option<VertexId>>,
-}
-
-/// Parts joined, and where their elements were.
+/// Meshes joined, and where their elements are.
 #[derive(Clone, Debug)]
 pub struct Joined {
-    /// The mesh.
+    /// The mesh. Its corners are those of the parts, one part after the other.
     pub mesh: EditMesh,
-    /// The part of each vertex, and what it was there; of a shared one, the first part.
+    /// The part that each vertex is taken from, and what it is there.
     pub old_vertex: IdVec<VertexId, (usize, VertexId)>,
-    /// The same for corners.
-    pub old_corner: IdVec<CornerId, (usize, CornerId)>,
+    /// Half-edges that were joined to each other.
+    pub seams: Vec<[CornerId; 2]>,
+    /// The vertices that more than one part may have.
+    pub shared: Vec<VertexId>,
 }
 
 impl EditMesh {
+    /// Drops the gaps, and puts triangles in the order of `faces`, which are all that are there, and vertices in that of
+    /// their first triangles.
+    pub fn reordered(&self, faces: &[FaceId]) -> Part {
+        let mut new_face = IdVec::<FaceId, Option<FaceId>>::filled(None, self.face_slots());
+        faces.iter().enumerate().for_each(|(new, &old)| new_face[old] = Some(FaceId::new(new)));
+        let new_corner = |c: CornerId| Some(CornerId::new(3 * new_face[face(c)]?.index() + c.index() % 3));
+        let mut new_vertex = IdVec::<VertexId, Option<VertexId>>::filled(None, self.vertex_slots());
+        let mut old_vertex = IdVec::with_capacity(faces.len() / 2 + 2);
+        let mut old_corner = IdVec::with_capacity(3 * faces.len());
+        let mut corner_vertex = IdVec::with_capacity(3 * faces.len());
+        let mut twin = IdVec::with_capacity(3 * faces.len());
+        for c in faces.iter().flat_map(|&f| corners_of(f)) {
+            let v = self.vertex(c);
+            corner_vertex.push(*new_vertex[v].get_or_insert_with(|| old_vertex.push(v)));
+            twin.push(self.twin(c).and_then(new_corner));
+            old_corner.push(c);
+        }
+        let mesh = Self::from_parts(corner_vertex, twin, old_vertex.len());
+        Part { mesh, old_vertex, old_corner }
+    }
+
     /// The triangles `faces` in their order; `place` tells where there a triangle is, if it is one of them. Edges to
     /// others become borders.
     pub fn part(&self, faces: &[FaceId], place: impl Fn(FaceId) -> Option<usize>) -> Part {
@@ -66,50 +79,45 @@ impl EditMesh {
     }
 }
 
-/// Joins parts where they have the same names, which are below `names`. None where more than two half-edges meet
-/// between the same two vertices.
-pub fn join(pieces: &[Piece<'_>], names: usize) -> Option<Joined> {
-    let faces: usize = pieces.iter().map(|p| p.order.len()).sum();
+/// Joins meshes without gaps at the vertices to which they give the same names, which are below `names`. None where more
+/// than two half-edges meet between the same two vertices.
+pub fn join(parts: &[(&EditMesh, &IdVec<VertexId, Option<VertexId>>)], names: usize) -> Option<Joined> {
+    let corners = parts.iter().map(|(mesh, _)| mesh.corner_slots()).sum();
     let mut named = IdVec::<VertexId, Option<VertexId>>::filled(None, names);
-    let mut old_vertex = IdVec::with_capacity(faces / 2 + 2);
-    let mut old_corner = IdVec::with_capacity(3 * faces);
-    let mut vertex = IdVec::with_capacity(3 * faces);
-    let mut twin = IdVec::with_capacity(3 * faces);
+    let mut old_vertex = IdVec::with_capacity(corners / 6 + 2);
+    let (mut vertex, mut twin) = (IdVec::with_capacity(corners), IdVec::with_capacity(corners));
     let mut rim: Vec<([VertexId; 2], CornerId)> = Vec::new();
-    for (i, piece) in pieces.iter().enumerate() {
-        let mesh = piece.mesh;
-        let name = |v: VertexId| piece.names.get(v.index()).copied().flatten();
-        let mut new_face = IdVec::<FaceId, Option<FaceId>>::filled(None, mesh.face_slots());
-        for (k, &f) in piece.order.iter().enumerate() {
-            new_face[f] = Some(FaceId::new(old_corner.len() / 3 + k));
-        }
-        let new_corner = |c: CornerId| Some(CornerId::new(3 * new_face[face(c)]?.index() + c.index() % 3));
-        let mut new_vertex = IdVec::<VertexId, Option<VertexId>>::filled(None, mesh.vertex_slots());
-        for c in piece.order.iter().flat_map(|&f| corners_of(f)) {
-            let v = mesh.vertex(c);
-            let mut push = || old_vertex.push((i, v));
-            let new = new_vertex[v].get_or_insert_with(|| match name(v) {
-                Some(name) => *named[name].get_or_insert_with(push),
-                None => push(),
-            });
-            let own = vertex.push(*new);
-            twin.push(mesh.twin(c).and_then(new_corner));
-            old_corner.push((i, c));
-            if let (None, Some(a), Some(b)) = (mesh.twin(c), name(v), name(mesh.target(c))) {
+    for (i, &(mesh, names)) in parts.iter().enumerate() {
+        let first = vertex.len();
+        let new: IdVec<VertexId, VertexId> = names
+            .enumerated()
+            .map(|(v, name)| match *name {
+                Some(name) => *named[name].get_or_insert_with(|| old_vertex.push((i, v))),
+                None => old_vertex.push((i, v)),
+            })
+            .collect();
+        for c in (0..mesh.corner_slots()).map(CornerId::new) {
+            let own = vertex.push(new[mesh.vertex(c)]);
+            twin.push(mesh.twin(c).map(|t| CornerId::new(first + t.index())));
+            if let (None, Some(a), Some(b)) = (mesh.twin(c), names[mesh.vertex(c)], names[mesh.target(c)]) {
                 rim.push(([a.min(b), a.max(b)], own));
             }
         }
     }
     rim.sort_unstable();
+    let mut seams = Vec::with_capacity(rim.len() / 2);
     for group in rim.chunk_by(|a, b| a.0 == b.0) {
         match *group {
             [_] => {}
-            [(_, a), (_, b)] if vertex[a] == vertex[next(b)] => (twin[a], twin[b]) = (Some(b), Some(a)),
+            [(_, a), (_, b)] if vertex[a] == vertex[next(b)] => {
+                (twin[a], twin[b]) = (Some(b), Some(a));
+                seams.push([a, b]);
+            }
             _ => return None,
         }
     }
     let mesh = EditMesh::from_parts(vertex, twin, old_vertex.len());
-    Some(Joined { mesh, old_vertex, old_corner })
+    Some(Joined { mesh, old_vertex, seams, shared: named.iter().flatten().copied().collect() })
 }
 
 /// The corners of a triangle.

@@ -28,7 +28,10 @@ impl SimMesh<'_> {
         let ends = [self.topology.vertex(half), self.topology.target(half)];
         let twin = self.topology.twin(half);
         let Some(span) = self.span(half) else {
-            assert!(self.is_sealed(half) || twin.is_some_and(|t| self.span(t).is_none()), "borders are chains, and both halves are free");
+            assert!(
+                self.is_sealed(half) || twin.is_some_and(|t| self.span(t).is_none()),
+                "borders are chains, and both halves are free"
+            );
             return;
         };
         for (v, s) in ends.into_iter().zip([span.from, span.to]) {

@@ -84,6 +84,11 @@ impl Mark {
         SpanId::new((self.0.get() - 1) as usize / 2)
     }
 
+    /// The mark where spans have numbers larger by `by`.
+    pub(super) fn shifted(self, by: usize) -> Self {
+        Self::new(SpanId::new(self.span().index() + by), self.is_forward())
+    }
+
     pub(super) fn is_forward(self) -> bool {
         (self.0.get() - 1) % 2 == 1
     }

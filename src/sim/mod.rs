@@ -9,6 +9,7 @@ mod flip;
 mod manifold;
 mod mesh;
 mod options;
+mod order;
 mod patches;
 mod project;
 mod queue;

@@ -4,10 +4,9 @@
 //! result is the same for any number of threads. What was left along the borders is for a pass over the whole.
 
 use super::baseline::Baseline;
-use super::mesh::{Grade, SimMesh, Site, Span};
+use super::mesh::{Grade, SimMesh};
 use crate::mesh::edit::{EditMesh, face, prev};
-use crate::mesh::{CornerId, FaceId, IdVec, Joined, Part, Piece, SiteId, VertexId, join};
-use glam::Vec3;
+use crate::mesh::{CornerId, FaceId, IdVec, Joined, Part, SiteId, VertexId, join};
 use rayon::prelude::*;
 use std::collections::VecDeque;
 
@@ -45,17 +44,15 @@ pub(super) fn in_patches<'a, T: Send>(
     let done = (0..patches.faces.len()).into_par_iter().map(|i| {
         let (mut patch, names) = whole.patch(&patches, i);
         let result = work(&mut patch);
-        (patch, names, result)
+        let old = patch.reorder();
+        (patch, old.iter().map(|v| names.get(v.index()).copied().flatten()).collect(), result)
     });
     let done: Vec<(SimMesh<'a>, Names, T)> = done.collect();
-    let pieces = done.iter().map(|(patch, names, _)| Piece {
-        mesh: &patch.topology,
-        order: patch.faces_by_place(),
-        names,
-    });
-    let joined = join(&pieces.collect::<Vec<_>>(), mesh.topology.vertex_slots())?;
-    let grade = &mesh.grade;
-    *mesh = SimMesh::joined(joined, mesh.baseline, |i| &done[i].0, |i, v| done[i].1.get(v.index())?.map(|v| grade[v]));
+    let parts: Vec<(&EditMesh, &Names)> = done.iter().map(|(patch, names, _)| (&patch.topology, names)).collect();
+    let joined = join(&parts, mesh.topology.vertex_slots())?;
+    let patches: Vec<&SimMesh<'a>> = done.iter().map(|(patch, ..)| patch).collect();
+    let grade = |i: usize, v: VertexId| done[i].1[v].map_or(patches[i].grade[v], |v| mesh.grade[v]);
+    *mesh = SimMesh::joined(joined, &patches, grade, mesh.baseline);
     Some(done.into_iter().map(|(_, _, result)| result).collect())
 }
 
@@ -88,13 +85,6 @@ impl Patches {
     }
 }
 
-/// What a mesh knows of its vertices.
-struct Vertices {
-    points: IdVec<VertexId, Vec3>,
-    target: IdVec<VertexId, f32>,
-    grade: IdVec<VertexId, Grade>,
-}
-
 impl<'a> SimMesh<'a> {
     /// A patch with its border sealed, and what the whole calls the vertices there.
     fn patch(&self, patches: &Patches, number: usize) -> (Self, Names) {
@@ -117,72 +107,71 @@ impl<'a> SimMesh<'a> {
             Seal::Open => self.grade[old],
             Seal::Shared | Seal::Pinched => Grade::Frozen,
         });
-        let grade = grade.collect();
-        let site = |c: CornerId| *self.site(old_corner[c]);
-        let span = |c: CornerId| self.span(old_corner[c]);
-        let points = old_vertex.iter().map(|&v| self.points[v]).collect();
-        let target = old_vertex.iter().map(|&v| self.target[v]).collect();
-        let patch = Self::assembled(self.baseline, topology, Vertices { points, target, grade }, site, span);
-        (Self { seals, ..patch }, names)
-    }
-
-    /// Patches joined; `grade` tells what a shared vertex may do.
-    fn joined<'p>(
-        joined: Joined,
-        baseline: &'a Baseline,
-        patch: impl Fn(usize) -> &'p Self,
-        grade: impl Fn(usize, VertexId) -> Option<Grade>,
-    ) -> Self
-    where
-        'a: 'p,
-    {
-        let Joined { mesh, old_vertex, old_corner } = joined;
-        let site = |c: CornerId| *patch(old_corner[c].0).site(old_corner[c].1);
-        let span = |c: CornerId| patch(old_corner[c].0).span(old_corner[c].1);
-        let points = old_vertex.iter().map(|&(i, v)| patch(i).points[v]).collect();
-        let target = old_vertex.iter().map(|&(i, v)| patch(i).target[v]).collect();
-        let grade = old_vertex.iter().map(|&(i, v)| grade(i, v).unwrap_or(patch(i).grade[v])).collect();
-        Self::assembled(baseline, mesh, Vertices { points, target, grade }, site, span)
-    }
-
-    /// A mesh of which `site` and `span` tell what each corner has.
-    fn assembled(
-        baseline: &'a Baseline,
-        topology: EditMesh,
-        Vertices { points, target, grade }: Vertices,
-        site: impl Fn(CornerId) -> Site,
-        span: impl Fn(CornerId) -> Option<Span>,
-    ) -> Self {
         let corners = topology.corner_slots();
-        let mut mesh = Self {
+        let mut patch = Self {
+            baseline: self.baseline,
+            points: old_vertex.iter().map(|&v| self.points[v]).collect(),
+            target: old_vertex.iter().map(|&v| self.target[v]).collect(),
+            grade: grade.collect(),
             mark: IdVec::filled(None, corners),
             spans: IdVec::new(),
             site_of: IdVec::filled(SiteId::new(0), corners),
-            sites: IdVec::with_capacity(points.len() + points.len() / 4),
-            seals: IdVec::new(),
-            baseline,
+            sites: IdVec::with_capacity(old_vertex.len()),
             topology,
-            points,
-            target,
-            grade,
+            seals,
         };
-        for half in (0..corners).map(CornerId::new) {
-            if mesh.mark[half].is_none()
-                && let Some(span) = span(half)
-            {
-                mesh.add_span(half, span);
+        for half in (0..corners).map(CornerId::new).filter(|&c| self.is_constrained(old_corner[c])) {
+            if let (None, Some(span)) = (patch.mark[half], self.span(old_corner[half])) {
+                patch.add_span(half, span);
             }
         }
-        mesh.make_sites(site);
-        mesh
+        patch.make_sites(|c| *self.site(old_corner[c]));
+        (patch, names)
     }
 
-    /// The triangles by the baseline's triangle at their first corners; of equals the older first.
-    fn faces_by_place(&self) -> Vec<FaceId> {
-        let place = |f: &FaceId| (self.place(CornerId::new(3 * f.index())).location.face, *f);
-        let mut faces: Vec<FaceId> = self.topology.faces().collect();
-        faces.sort_unstable_by_key(place);
-        faces
+    /// Patches joined; `grade` tells what a patch's vertex may do.
+    fn joined(
+        joined: Joined,
+        patches: &[&Self],
+        grade: impl Fn(usize, VertexId) -> Grade,
+        baseline: &'a Baseline,
+    ) -> Self {
+        let Joined { mesh: topology, old_vertex, seams, shared } = joined;
+        let corners = topology.corner_slots();
+        let mut mesh = Self {
+            baseline,
+            points: old_vertex.iter().map(|&(i, v)| patches[i].points[v]).collect(),
+            target: old_vertex.iter().map(|&(i, v)| patches[i].target[v]).collect(),
+            grade: old_vertex.iter().map(|&(i, v)| grade(i, v)).collect(),
+            mark: IdVec::with_capacity(corners),
+            spans: IdVec::new(),
+            site_of: IdVec::with_capacity(corners),
+            sites: IdVec::with_capacity(patches.iter().map(|p| p.sites.len()).sum()),
+            seals: IdVec::new(),
+            topology,
+        };
+        for patch in patches {
+            let (spans, sites) = (mesh.spans.len(), mesh.sites.len());
+            mesh.mark.extend(patch.mark.iter().map(|m| m.map(|m| m.shifted(spans))));
+            mesh.site_of.extend(patch.site_of.iter().map(|s| SiteId::new(sites + s.index())));
+            mesh.spans.extend_from_slice(&patch.spans);
+            mesh.sites.extend_from_slice(&patch.sites);
+        }
+        // Both sides of a seam had a span and sites of their own; they are the same.
+        for [half, _] in seams {
+            if let Some(mark) = mesh.mark[half] {
+                mesh.set_mark(half, mark);
+            }
+        }
+        let mut sector = Vec::new();
+        for vertex in shared {
+            for corner in mesh.topology.fan(vertex).collect::<Vec<_>>() {
+                mesh.sector(corner, &mut sector);
+                let first = sector.iter().map(|&c| mesh.site_of[c]).min();
+                first.into_iter().for_each(|site| mesh.site_of[corner] = site);
+            }
+        }
+        mesh
     }
 
     fn seal(&self, vertex: VertexId) -> Seal {

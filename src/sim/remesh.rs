@@ -52,6 +52,8 @@ pub enum Pass {
     Flip,
     /// Relax and project.
     Relax,
+    /// Split and collapse inside patches of about so many triangles, as a first round does.
+    InPatches(usize),
 }
 
 impl Pass {
@@ -68,6 +70,7 @@ impl Pass {
                 relax_and_project(mesh, SWEEPS, &mut Vec::new());
                 0
             }
+            Self::InPatches(size) => edit_in_patches(mesh, size, usize::MAX).map_or(0, |(a, b)| a + b),
         }
     }
 }
@@ -79,30 +82,20 @@ pub fn remesh(mesh: &mut SimMesh<'_>, rounds: u32, max_faces: usize) -> RemeshRe
     let corners = chains.iter().map(|c| c.pins.len()).sum();
     let mut report = RemeshReport { ridges, corners, ..RemeshReport::default() };
     let mut room = Vec::new();
-    flip_edges(mesh, 0.0);
-    check(mesh);
     for round in 1..=rounds {
- if std::env::var("PH").is_ok() { eprintln!(); }
-        let (splits, collapses) = match round {
-            1 => edit_in_patches(mesh, PATCH, max_faces),
-            _ => {
-                let s = split_long_edges(mesh, max_faces);
-                check(mesh);
-                let c = collapse_short_edges(mesh);
-                (s, c)
-            }
-        };
+        let in_patches = if round == 1 && rounds > 1 { edit_in_patches(mesh, PATCH, max_faces) } else { None };
+        let (splits, collapses) = in_patches.unwrap_or_else(|| edit(mesh, max_faces));
         check(mesh);
         let flips = flip_edges(mesh, REGULARITY);
         check(mesh);
         relax_and_project(mesh, SWEEPS, &mut room);
         check(mesh);
-        if std::env::var("PH").is_ok() { eprint!(" [{splits} {collapses} {flips}]"); }
         report.rounds = round;
         report.splits += splits;
         report.collapses += collapses;
         report.flips += flips;
-        report.converged = splits + collapses + flips == 0;
+        // Patches leave what lies along their borders to the next round.
+        report.converged = in_patches.is_none() && splits + collapses + flips == 0;
         if report.converged {
             break;
         }
@@ -116,31 +109,31 @@ pub fn remesh(mesh: &mut SimMesh<'_>, rounds: u32, max_faces: usize) -> RemeshRe
     report
 }
 
-/// Splits and collapses what lies inside patches of about `size` triangles: most of what a first round does.
-fn edit_in_patches(mesh: &mut SimMesh<'_>, size: usize, max_faces: usize) -> (usize, usize) {
+/// Splits and collapses; returns the numbers of edits.
+fn edit(mesh: &mut SimMesh<'_>, max_faces: usize) -> (usize, usize) {
+    let splits = split_long_edges(mesh, max_faces);
+    check(mesh);
+    (splits, collapse_short_edges(mesh))
+}
+
+/// The same inside patches of about `size` triangles, Delaunay first. None where the mesh does not fall into patches.
+fn edit_in_patches(mesh: &mut SimMesh<'_>, size: usize, max_faces: usize) -> Option<(usize, usize)> {
     let faces = mesh.topology.face_count();
     let room = max_faces.saturating_sub(faces) as f64 / faces.max(1) as f64;
-    check(mesh);
     let done = in_patches(mesh, size, |patch| {
-        check(patch);
         let own = patch.topology.face_count();
-        let splits = split_long_edges(patch, own + (room * own as f64) as usize);
+        flip_edges(patch, 0.0);
         check(patch);
-        let collapses = collapse_short_edges(patch);
+        let edits = edit(patch, own.saturating_add((room * own as f64) as usize));
         check(patch);
-        (splits, collapses)
-    });
-    check(mesh);
-    if std::env::var("PH").is_ok() { eprintln!("{done:?}"); }
-    done.into_iter().flatten().fold((0, 0), |sum, one| (sum.0 + one.0, sum.1 + one.1))
+        edits
+    })?;
+    Some(done.into_iter().fold((0, 0), |sum, one| (sum.0 + one.0, sum.1 + one.1)))
 }
 
 /// Every invariant after every pass, in debug builds.
 fn check(mesh: &SimMesh<'_>) {
-    T.with(|t| { let n = std::time::Instant::now(); let d = n - t.replace(n); if std::env::var("PH").is_ok() { eprint!("{:.1} ", d.as_secs_f64()*1e3); } });
     if cfg!(debug_assertions) {
         mesh.assert_consistent();
     }
 }
-
-thread_local!{static T: std::cell::Cell<std::time::Instant> = std::cell::Cell::new(std::time::Instant::now());}
