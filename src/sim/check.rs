@@ -34,6 +34,9 @@ impl SimMesh<'_> {
             );
             return;
         };
+        let chain = self.chain(span.chain);
+        let count = (chain.count_to(span.to) - chain.count_to(span.from)).abs();
+        assert!((span.count() - count).abs() <= SLACK * count.max(1.0), "{half:?} counts {} of {count}", span.count());
         for (v, s) in ends.into_iter().zip([span.from, span.to]) {
             assert!(self.grade[v] != Grade::Free, "chain ends are constrained");
             let (p, _) = self.on_curve(span.chain, s, span.forward);

@@ -1,6 +1,6 @@
 //! Collapse every edge that is too short, the shortest first.
 
-use super::mesh::{Grade, SimMesh, Site};
+use super::mesh::{Grade, SimMesh, Site, Span};
 use super::queue::edit_in_order;
 use super::shape::Corner;
 use super::split::SPLIT_RATIO;
@@ -100,7 +100,7 @@ fn stays_short(mesh: &SimMesh<'_>, half: CornerId, vertex: VertexId, kept: Verte
 fn chain_stays_short(mesh: &SimMesh<'_>, half: CornerId, removed: VertexId) -> bool {
     let Some(span) = mesh.span(half) else { return true };
     let Some([ahead, back]) = mesh.chain_neighbours(removed) else { return true };
-    let parts = [ahead, back].map(|h| mesh.span(h).map_or(0.0, |s| mesh.count(s)));
+    let parts = [ahead, back].map(|h| mesh.span(h).map_or(0.0, Span::count));
     debug_assert!(span.from <= span.to || !span.forward, "spans run along their chains");
     parts[0] + parts[1] <= SPLIT_RATIO
 }

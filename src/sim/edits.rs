@@ -53,12 +53,12 @@ impl SimMesh<'_> {
 
     fn split_span(&mut self, half: CornerId, span: Span) -> VertexId {
         let chain = self.chain(span.chain);
-        let s = chain.at_count(0.5 * (chain.count_to(span.from) + chain.count_to(span.to)));
-        let low = span.from.min(span.to);
-        let s = s.clamp(low, span.from.max(span.to));
+        let s = chain.at_count(0.5 * (span.counts[0] + span.counts[1]));
+        let s = s.clamp(span.from.min(span.to), span.from.max(span.to));
+        let count = chain.count_to(s);
         let ahead = self.split_topology(half);
-        self.add_span(half, Span { to: s, ..span });
-        self.add_span(ahead, Span { from: s, ..span });
+        self.add_span(half, Span { to: s, counts: [span.counts[0], count], ..span });
+        self.add_span(ahead, Span { from: s, counts: [count, span.counts[1]], ..span });
         let (position, own) = self.site_on_curve(span.chain, s, span.forward);
         let own = self.new_site(own, half);
         self.site_of[next(half)] = own;
@@ -164,7 +164,8 @@ impl SimMesh<'_> {
     /// Before a constrained edge goes: the chain's next edge, beyond `removed`, takes its part of the curve.
     fn join_spans(&mut self, half: CornerId, removed: VertexId) {
         let Some(span) = self.span(half) else { return };
-        let step = if self.topology.vertex(half) == removed { span.to - span.from } else { span.from - span.to };
+        let goes = if self.topology.vertex(half) == removed { span } else { span.reversed() };
+        let (step, count) = (goes.to - goes.from, goes.counts[1] - goes.counts[0]);
         let Some(own) = self.mark[half].map(Mark::span) else { return };
         let follower = self
             .topology
@@ -177,8 +178,10 @@ impl SimMesh<'_> {
         let next = &mut self.spans[mark.span()];
         if leaves == mark.is_forward() {
             next.from += step;
+            next.counts[0] += count;
         } else {
             next.to += step;
+            next.counts[1] += count;
         }
     }
 

@@ -29,6 +29,8 @@ pub struct Span {
     pub from: f32,
     /// See `from`.
     pub to: f32,
+    /// Number of edges that the chain asks for up to `from` and up to `to`.
+    pub counts: [f32; 2],
     /// Whether the half-edge runs along the chain; lengths do not say that of an edge without length.
     pub forward: bool,
 }
@@ -36,12 +38,18 @@ pub struct Span {
 impl Span {
     /// As the twin has it.
     pub fn reversed(self) -> Self {
-        Self { chain: self.chain, from: self.to, to: self.from, forward: !self.forward }
+        let [from, to] = self.counts;
+        Self { from: self.to, to: self.from, counts: [to, from], forward: !self.forward, ..self }
     }
 
     /// Whether a span in its chain's direction has no length left.
     pub fn is_reversed(self) -> bool {
         self.from >= self.to
+    }
+
+    /// Number of edges that it should be.
+    pub fn count(self) -> f32 {
+        (self.counts[1] - self.counts[0]).abs()
     }
 
     /// In the chain's own direction.
@@ -157,7 +165,8 @@ impl<'a> SimMesh<'a> {
             let (a, b) = (self.topology.vertex(half), self.topology.target(half));
             let [x, y] = [a, b].map(|v| self.baseline.level_vertex[v]);
             let Some(start) = self.baseline.start_spans.get(&[x.min(y), x.max(y)]) else { continue };
-            let span = Span { chain: start.chain, from: start.from, to: start.to, forward: true };
+            let counts = [start.from, start.to].map(|s| self.chain(start.chain).count_to(s));
+            let span = Span { chain: start.chain, from: start.from, to: start.to, counts, forward: true };
             let span = self.spans.push(span);
             self.set_mark(half, Mark::new(span, start.first == x));
             for (v, s) in [(a, self.spans[span].from), (b, self.spans[span].to)] {
@@ -243,7 +252,7 @@ impl<'a> SimMesh<'a> {
     #[inline]
     pub fn relative_length(&self, half: CornerId) -> f32 {
         match self.span(half) {
-            Some(span) => self.count(span),
+            Some(span) => span.count(),
             None => self.length(half) / self.target_between(self.topology.vertex(half), self.topology.target(half)),
         }
     }
@@ -252,17 +261,17 @@ impl<'a> SimMesh<'a> {
     #[inline]
     pub(super) fn is_outside(&self, half: CornerId, share: f32, longer: bool) -> bool {
         if self.mark[half].is_some() {
-            return (self.relative_length(half) > share) == longer;
+            return self.chain_edge_is_outside(half, share, longer);
         }
         let (a, b) = (self.topology.vertex(half), self.topology.target(half));
         let bound = share * self.target_between(a, b);
         (self.points[a].distance_squared(self.points[b]) > bound * bound) == longer
     }
 
-    /// Number of edges that a span should be.
-    pub(super) fn count(&self, span: Span) -> f32 {
-        let chain = self.chain(span.chain);
-        (chain.count_to(span.to) - chain.count_to(span.from)).abs()
+    /// The same for a constrained edge. Apart, so that the many free ones are asked quickly.
+    #[cold]
+    fn chain_edge_is_outside(&self, half: CornerId, share: f32, longer: bool) -> bool {
+        (self.relative_length(half) > share) == longer
     }
 
     /// Whether an edge is constrained.
