@@ -238,7 +238,7 @@ fn uv_flips(product: &SimProduct) -> usize {
     let flipped = |i: &usize| {
         let [a, b, c] = [0, 1, 2].map(|k| product.places[CornerId::new(3 * i + k)]);
         let area = (b.uv - a.uv).perp_dot(c.uv - a.uv);
-        area * product.baseline.shell_sign[a.location.face] <= 0.0
+        area * product.baseline.facets[a.location.face].sense <= 0.0
     };
     (0..product.triangles.len()).filter(flipped).count()
 }

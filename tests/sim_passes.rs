@@ -189,7 +189,7 @@ fn flipped(mesh: &SimMesh<'_>) -> usize {
     let base = mesh.baseline;
     let is_flipped = |f: &tailor::mesh::FaceId| {
         let [a, b, c] = [0, 1, 2].map(|k| mesh.place(CornerId::new(3 * f.index() + k)));
-        (b.uv - a.uv).perp_dot(c.uv - a.uv) * base.shell_sign[a.location.face] <= 0.0
+        (b.uv - a.uv).perp_dot(c.uv - a.uv) * base.facets[a.location.face].sense <= 0.0
     };
     if base.holds_uvs { mesh.topology.faces().filter(is_flipped).count() } else { 0 }
 }

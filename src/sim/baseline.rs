@@ -1,6 +1,7 @@
 //! The surface that the simulation mesh lies on: the garment refined, in triangles, with its chains.
 
 use super::chains::{self, Chain, StartSpan};
+use super::facets::{Facet, facets};
 use super::manifold::Manifold;
 use super::options::SimOptions;
 use super::ridges;
@@ -42,14 +43,10 @@ pub struct Baseline {
     pub level_corner: IdVec<CornerId, CornerId>,
     /// The garment's face behind each triangle.
     pub source_face: IdVec<FaceId, FaceId>,
-    /// +1 or -1: the sense in which the triangle's shell lies in UV space.
-    pub shell_sign: IdVec<FaceId, f32>,
     /// Half-edges that no projection crosses: those on chains and at borders.
     pub barrier: IdVec<CornerId, bool>,
-    /// The opposite half-edge of each, where a projection may cross.
-    pub open_twin: IdVec<CornerId, Option<CornerId>>,
-    /// Unit normal of each triangle; zero where it has no area.
-    pub unit_normal: IdVec<FaceId, Vec3>,
+    /// What projections ask of each triangle.
+    pub facets: IdVec<FaceId, Facet>,
     /// Whether UVs are one to one over each piece between chains, so that a mesh can be held to them.
     pub holds_uvs: bool,
     /// Target edge length at each vertex. \[stage units\]
@@ -152,15 +149,13 @@ impl Baseline {
         for half in chains.iter().flat_map(|c| c.left.iter().chain(&c.right)).flatten() {
             barrier[*half] = true;
         }
-        let open_twin = barrier.enumerated().map(|(c, &closed)| topology.twin(c).filter(|_| !closed)).collect();
+        let facets = facets(&topology, &points, &barrier, uv_set.map(|_| &corner_uvs));
         let mut baseline = Self {
-            open_twin,
-            unit_normal: IdVec::filled(Vec3::ZERO, topology.faces.len()),
+            facets,
             holds_uvs: uv_set.is_some() && options.constrain_uv_seams,
             source_face: quads.faces.iter().map(|&f| faces[f]).collect(),
             level_face: quads.faces,
             level_corner: quads.corners,
-            shell_sign: IdVec::filled(1.0, topology.faces.len()),
             target: level_vertex.iter().map(|&v| target[v]).collect(),
             sizing: IdVec::new(),
             has_uvs: uv_set.is_some(),
@@ -175,11 +170,9 @@ impl Baseline {
             start,
             start_spans,
         };
-        baseline.set_shell_signs();
         let (points, target) = (&baseline.points, &baseline.target);
         baseline.chains.iter_mut().for_each(|c| c.space(points, target, 1 << options.baseline_level));
         baseline.spread_lengths();
-        baseline.unit_normal = baseline.topology.faces.ids().map(|f| baseline.normal(f).normalize_or_zero()).collect();
         baseline
     }
 
@@ -202,43 +195,6 @@ impl Baseline {
     /// The rows of a vertex or varying primvar at the vertices of the finest level. `values` are the primvar's.
     pub fn refine_rows<T: Real>(&self, primvar: &Primvar, values: &[T]) -> Vec<T> {
         refine_rows(&self.manifold, &self.levels, primvar, values)
-    }
-
-    /// Signed area of a triangle in UV space.
-    pub fn uv_area(&self, face: FaceId) -> f32 {
-        let [a, b, c] = [0, 1, 2].map(|k| self.uvs[CornerId::new(face.index() * 3 + k)]);
-        0.5 * (b - a).perp_dot(c - a)
-    }
-
-    /// The sense of each shell: that of most of its UV area.
-    fn set_shell_signs(&mut self) {
-        if !self.has_uvs {
-            return;
-        }
-        let t = &self.topology;
-        let mut seen = IdVec::<FaceId, bool>::filled(false, t.faces.len());
-        for seed in t.faces.ids() {
-            if std::mem::replace(&mut seen[seed], true) {
-                continue;
-            }
-            let mut shell = vec![seed];
-            let mut at = 0;
-            while let Some(&face) = shell.get(at) {
-                at += 1;
-                for corner in t.faces.corners_of(face) {
-                    let Some(twin) = t.twin(corner) else { continue };
-                    let same = self.uvs[corner] == self.uvs[t.faces.next(twin)]
-                        && self.uvs[t.faces.next(corner)] == self.uvs[twin];
-                    let other = t.faces.face_of(twin);
-                    if same && !std::mem::replace(&mut seen[other], true) {
-                        shell.push(other);
-                    }
-                }
-            }
-            let area: f64 = shell.iter().map(|&f| f64::from(self.uv_area(f))).sum();
-            let sign = if area < 0.0 { -1.0 } else { 1.0 };
-            shell.iter().for_each(|&f| self.shell_sign[f] = sign);
-        }
     }
 }
 

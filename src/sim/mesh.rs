@@ -385,6 +385,6 @@ impl<'a> SimMesh<'a> {
 
 /// The site of a place on a baseline.
 fn site_at(baseline: &Baseline, place: Place) -> Site {
-    let face = place.location.face;
-    Site { place, normal: baseline.unit_normal[face], sense: baseline.shell_sign[face] }
+    let facet = &baseline.facets[place.location.face];
+    Site { place, normal: facet.normal, sense: facet.sense }
 }

@@ -5,6 +5,7 @@ mod chains;
 mod check;
 mod collapse;
 mod edits;
+mod facets;
 mod flip;
 mod manifold;
 mod mesh;
@@ -25,6 +26,7 @@ mod triangulation;
 
 pub use baseline::{Baseline, Lengths, Location, holes};
 pub use chains::{Chain, Marks};
+pub use facets::Facet;
 pub use mesh::{Grade, Place, SimMesh, Span};
 pub use options::SimOptions;
 pub use project::{Projection, closest_weights};

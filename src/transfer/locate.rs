@@ -79,7 +79,7 @@ impl<'a> Locator<'a> {
             true => [0, 1, 2].map(|k| base.uvs[CornerId::new(3 * face.index() + k)].extend(0.0)),
             false => base.triangle(face),
         };
-        near.normal = base.unit_normal[face];
+        near.normal = base.facets[face].normal;
         near.last = self.start[face];
         near.seen.iter_mut().for_each(|s| s.face = None);
         near.last.is_some()
@@ -218,7 +218,7 @@ fn starts(product: &SimProduct, regions: &Regions) -> IdVec<FaceId, Option<FaceI
     }
     while let Some(face) = queue.pop_front() {
         for k in 0..3 {
-            let Some(twin) = base.open_twin[CornerId::new(3 * face.index() + k)] else { continue };
+            let Some(twin) = base.open_twin(CornerId::new(3 * face.index() + k)) else { continue };
             let other = FaceId::new(twin.index() / 3);
             if start[other].is_none() {
                 start[other] = start[face];

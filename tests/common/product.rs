@@ -197,7 +197,7 @@ impl Subject {
     /// No triangle lies the wrong way round in UV space, if none of the baseline does.
     fn uvs_are_not_flipped(&mut self) {
         let base = &self.product.baseline;
-        let flipped = base.topology.faces.ids().filter(|&f| base.uv_area(f) * base.shell_sign[f] <= 0.0).count();
+        let flipped = base.topology.faces.ids().filter(|&f| base.uv_area(f) * base.facets[f].sense <= 0.0).count();
         let (own, all) = (self.products.sim_figures.uv_flips, self.product.triangles.len());
         if base.has_uvs && flipped == 0 {
             self.expect("UV flips", own == 0, || format!("{own} of {all} triangles"));
