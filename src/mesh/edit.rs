@@ -115,6 +115,12 @@ impl EditMesh {
         self.vertex_corner.enumerated().filter(|(_, c)| c.is_some()).map(|(v, _)| v)
     }
 
+    /// Whether a vertex is there and has a triangle.
+    #[inline]
+    pub fn has_faces(&self, vertex: VertexId) -> bool {
+        self.vertex_corner[vertex].is_some()
+    }
+
     /// Number of vertex slots, gaps included.
     pub fn vertex_slots(&self) -> usize {
         self.vertex_corner.len()

@@ -101,7 +101,6 @@ pub fn remesh(mesh: &mut SimMesh<'_>, rounds: u32, max_faces: usize) -> RemeshRe
         }
     }
     if rounds > 0 {
-        flip_edges(mesh, LAST_REGULARITY);
         relax_and_project(mesh, LAST_SWEEPS, &mut room);
     }
     flip_edges(mesh, LAST_REGULARITY);
