@@ -21,16 +21,21 @@ const MAX_ITERATIONS: u32 = 100;
 /// Samples above this settle nothing more, and their time grows with their number. \[samples a face\]
 const MAX_SAMPLES: u32 = 1024;
 
+/// Lengths that grow more slowly than this spread a fine region over the whole garment. \[factor\]
+const LEAST_GRADING: f32 = 1.05;
+
 /// The options: key, unit and meaning, in the order of the schemas.
-pub const KEYS: [(&str, &str, &str); 14] = [
+pub const KEYS: [(&str, &str, &str); 16] = [
     ("sim.minEdgeLength", "stage units", "edge length where the density is 1; 0: half of maxEdgeLength"),
     ("sim.maxEdgeLength", "stage units", "edge length where the density is 0; 0: half the mean edge of the input"),
     ("sim.density", "name", "painted float primvar, 1 fine to 0 coarse; empty: maxEdgeLength everywhere"),
+    ("sim.grading", "factor", "how many times longer than its neighbour an edge may be asked to be; 0: any"),
     ("sim.baselineLevel", "levels", "refinements that give the surface which the mesh lies on"),
     ("sim.iterations", "rounds", "rounds of split, collapse, flip and relax"),
     ("sim.uvSet", "name", "UV set whose shell borders are seams; empty: none"),
     ("sim.constrainUvSeams", "true or false", "whether UV seams are edges of the mesh"),
     ("sim.constraints", "names", "edge subsets that become edges of the mesh"),
+    ("sim.cornerAngle", "degrees", "a curve that turns more within one edge length keeps a corner there; 180: none"),
     ("sim.transferSamples", "samples a face", "samples that face sets, colours and uniform primvars are counted by"),
     ("sim.seed", "number", "seed of the samples"),
     ("sim.cleanIslands", "true or false", "whether single stray faces of a face set go to their neighbours"),
@@ -70,6 +75,22 @@ impl Recipe {
                 "sim.minEdgeLength",
                 format!("{min} is more than sim.maxEdgeLength, {max}"),
                 "exchange the two",
+            );
+        }
+        let grading = self.sim.grading;
+        if !(grading == 0.0 || grading.is_finite() && grading >= LEAST_GRADING) {
+            return fault(
+                "sim.grading",
+                format!("{grading} is no factor by which lengths can grow"),
+                &format!("give {LEAST_GRADING} or more, or 0 to leave lengths as they are"),
+            );
+        }
+        let angle = self.sim.corner_angle;
+        if !(angle > 0.0 && angle <= 180.0) {
+            return fault(
+                "sim.cornerAngle",
+                format!("{angle} is no angle of a corner"),
+                "give more than 0, at most 180",
             );
         }
         for (key, value, most) in [

@@ -5,6 +5,7 @@ use super::facets::{Facet, facets};
 use super::manifold::Manifold;
 use super::options::SimOptions;
 use super::ridges;
+use super::sizing::grade;
 use super::triangulation::{Start, Triangulation};
 use crate::garment::{Garment, Interpolation, Primvar, Values};
 use crate::mesh::{ChainId, CornerId, FaceId, Faces, IdVec, Topology, VertexId};
@@ -51,6 +52,8 @@ pub struct Baseline {
     pub holds_uvs: bool,
     /// Target edge length at each vertex. \[stage units\]
     pub target: IdVec<VertexId, f32>,
+    /// Number of vertices whose target grading shortened.
+    pub graded: usize,
     /// The length that remeshing works with at each vertex: the target, or less near a chain that bends.
     /// \[stage units\]
     pub sizing: IdVec<VertexId, f32>,
@@ -128,7 +131,14 @@ impl Baseline {
 
         let is_seam = |e| cage.channels.first().is_some_and(|c| c.is_cut(e));
         let mut marked = chains::constrained_edges(garment, &manifold, options, is_seam, |f| is_hole[f]);
-        let target = targets(garment, lengths, &manifold, &levels, points.len());
+        let mut target = targets(garment, lengths, &manifold, &levels, points.len());
+        let graded = match options.grading > 0.0 {
+            true => {
+                let all: Vec<(VertexId, f32)> = target.enumerated().map(|(v, &length)| (v, length)).collect();
+                grade(&mut target, all.into_iter(), options.grading - 1.0, &topology, &points)
+            }
+            false => 0,
+        };
         let all_levels: Vec<&Refiner> = std::iter::once(&cage).chain(&levels).collect();
         let surface = ridges::Surface { topology: &topology, points: &points, target: &target };
         ridges::mark(&manifold, &all_levels, &surface, &mut marked);
@@ -158,6 +168,7 @@ impl Baseline {
             level_corner: quads.corners,
             target: level_vertex.iter().map(|&v| target[v]).collect(),
             sizing: IdVec::new(),
+            graded,
             has_uvs: uv_set.is_some(),
             uvs: corner_uvs,
             manifold,
@@ -171,7 +182,8 @@ impl Baseline {
             start_spans,
         };
         let (points, target) = (&baseline.points, &baseline.target);
-        baseline.chains.iter_mut().for_each(|c| c.space(points, target, 1 << options.baseline_level));
+        let (step, corner) = (1 << options.baseline_level, options.corner());
+        baseline.chains.iter_mut().for_each(|c| c.space(points, target, step, corner));
         baseline.spread_lengths();
         baseline
     }

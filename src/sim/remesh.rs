@@ -39,6 +39,8 @@ pub struct RemeshReport {
     pub ridges: usize,
     /// Corners of chains that were kept as vertices.
     pub corners: usize,
+    /// Vertices of the surface whose target length grading shortened.
+    pub graded: usize,
 }
 
 /// A pass over a whole mesh as a round does it, for tests and benches.
@@ -80,7 +82,7 @@ pub fn remesh(mesh: &mut SimMesh<'_>, rounds: u32, max_faces: usize) -> RemeshRe
     let chains = &mesh.baseline.chains;
     let ridges = chains.iter().filter(|c| c.marks.ridge).count();
     let corners = chains.iter().map(|c| c.pins.len()).sum();
-    let mut report = RemeshReport { ridges, corners, ..RemeshReport::default() };
+    let mut report = RemeshReport { ridges, corners, graded: mesh.baseline.graded, ..RemeshReport::default() };
     let mut room = Vec::new();
     for round in 1..=rounds {
         let in_patches = if round == 1 && rounds > 1 { edit_in_patches(mesh, PATCH, max_faces) } else { None };

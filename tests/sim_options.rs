@@ -1,0 +1,66 @@
+//! Options of the simulation mesh that change where its vertices lie: what each promises, with it and without it.
+
+#[allow(dead_code)]
+#[path = "common/built.rs"]
+mod built;
+#[allow(dead_code)]
+#[path = "common/zoo.rs"]
+mod zoo;
+
+use built::build;
+use glam::Vec3;
+use tailor::garment::{BoundaryInterpolation, GarmentInput};
+use tailor::sim::SimProduct;
+
+/// A sheet whose density jumps from vertex to vertex.
+fn uneven() -> GarmentInput {
+    zoo::grid(8, 8, |_, _| true)
+}
+
+fn product(input: GarmentInput, options: &[&str]) -> SimProduct {
+    build(input, options).product()
+}
+
+/// The largest growth of target lengths along an edge of the baseline, per length.
+fn growth(product: &SimProduct) -> f32 {
+    let base = &product.baseline;
+    let slope = |&[a, b]: &[tailor::mesh::VertexId; 2]| {
+        (base.target[a] - base.target[b]).abs() / base.points[a].distance(base.points[b])
+    };
+    base.topology.edges.iter().map(slope).fold(0.0, f32::max)
+}
+
+#[test]
+fn graded_lengths_grow_no_faster_than_asked_for() {
+    let sizes = ["sim.density=density", "sim.minEdgeLength=0.1", "sim.maxEdgeLength=1.6"];
+    let free = product(uneven(), &sizes);
+    assert_eq!(free.report.graded, 0, "off unless asked for");
+    for factor in [1.1f32, 1.3, 1.6] {
+        assert!(growth(&free) > factor - 1.0, "{factor} asks for something");
+        let option = format!("sim.grading={factor}");
+        let graded = product(uneven(), &[&sizes[..], &[option.as_str()]].concat());
+        assert!(growth(&graded) <= factor - 1.0 + 1e-3, "{factor}: {}", growth(&graded));
+        let pairs = || graded.baseline.target.iter().zip(free.baseline.target.iter());
+        assert!(pairs().all(|(graded, free)| graded <= free), "{factor}: grading only shortens");
+        assert_eq!(graded.report.graded, pairs().filter(|(graded, free)| graded < free).count(), "{factor}");
+    }
+}
+
+#[test]
+fn borders_keep_the_corners_that_turn_by_more_than_the_angle() {
+    let corners = [Vec3::ZERO, Vec3::new(4.0, 0.0, 0.0), Vec3::new(4.0, 4.0, 0.0), Vec3::new(0.0, 4.0, 0.0)];
+    let kept = |angle: &str| {
+        let mut input = zoo::grid(4, 4, |_, _| true);
+        // Rounded corners are no corners by themselves, and level 0 has the sheet's own border.
+        input.rules.boundary = BoundaryInterpolation::EdgeOnly;
+        let angle = format!("sim.cornerAngle={angle}");
+        let options = ["sim.baselineLevel=0", "sim.maxEdgeLength=0.7", "sim.uvSet=", &angle];
+        let product = product(input, &options);
+        let is_there = |corner: &&Vec3| product.points.iter().any(|p| p.truncate() == corner.truncate());
+        (product.report.corners, corners.iter().filter(is_there).count())
+    };
+    assert_eq!(kept("50"), (4, 4));
+    assert_eq!(kept("89"), (4, 4));
+    assert_eq!(kept("91").0, 0, "a right angle turns by less");
+    assert_eq!(kept("180").0, 0);
+}
