@@ -1,12 +1,13 @@
 //! Every pass of remeshing, on random grids, tubes and tees with random constraints, weights and lengths: what must hold
 //! after each.
 
-#[path = "common/zoo.rs"]
-#[allow(dead_code)]
-mod zoo;
+#[path = "common/cases.rs"]
+mod cases;
+#[path = "common/sheets.rs"]
+mod sheets;
 
+use cases::few;
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 use rayon::ThreadPoolBuilder;
 use std::collections::{BTreeMap, BTreeSet};
 use tailor::error::Warnings;
@@ -95,14 +96,14 @@ fn tee(arms: [usize; 3]) -> GarmentInput {
             faces.push(quad.to_vec());
         }
     }
-    zoo::mesh(points, &faces.iter().map(Vec::as_slice).collect::<Vec<_>>())
+    sheets::mesh(points, &faces.iter().map(Vec::as_slice).collect::<Vec<_>>())
 }
 
 impl Case {
     fn input(&self) -> GarmentInput {
         let mut input = match self.shape {
-            Shape::Grid(x, y) => zoo::grid(x, y, |_, _| true),
-            Shape::Tube(around, along) => zoo::tube(around, along),
+            Shape::Grid(x, y) => sheets::grid(x, y, |_, _| true),
+            Shape::Tube(around, along) => sheets::tube(around, along),
             Shape::Tee(arms) => tee(arms),
         };
         for (i, point) in input.points.iter_mut().enumerate() {
@@ -121,7 +122,7 @@ impl Case {
         let chosen: BTreeSet<[i32; 2]> = self.constraints.iter().map(|&i| edges[i % edges.len()]).collect();
         match chosen.is_empty() {
             true => input,
-            false => zoo::with_edges(input, "line", &chosen.into_iter().collect::<Vec<_>>()),
+            false => sheets::with_edges(input, "line", &chosen.into_iter().collect::<Vec<_>>()),
         }
     }
 
@@ -193,16 +194,8 @@ fn flipped(mesh: &SimMesh<'_>) -> usize {
     if base.holds_uvs { mesh.topology.faces().filter(is_flipped).count() } else { 0 }
 }
 
-fn few() -> ProptestConfig {
-    let given = ProptestConfig::default();
-    let set = |name: &str| std::env::var_os(name).is_some();
-    let cases = if set("PROPTEST_CASES") { given.cases } else { 64 };
-    let rng_seed = if set("PROPTEST_RNG_SEED") { given.rng_seed } else { RngSeed::Fixed(20_040_308) };
-    ProptestConfig { cases, rng_seed, failure_persistence: None, ..given }
-}
-
 proptest! {
-    #![proptest_config(few())]
+    #![proptest_config(few(64, 20_040_308))]
 
     #[test]
     fn every_pass_keeps_what_it_must(case in cases()) {

@@ -1,15 +1,8 @@
 //! Face and edge sets on the simulation mesh: where they are constraints and where they are not.
 
-#[allow(dead_code)]
-#[path = "common/built.rs"]
-mod built;
-#[path = "common/garments.rs"]
-mod garments;
-#[allow(dead_code)]
-#[path = "common/zoo.rs"]
-mod zoo;
-
-use built::{Built, build, build_with};
+use crate::built::{Built, build, build_with};
+use crate::garments::garments;
+use crate::{sheet, sheets};
 use std::collections::{BTreeMap, BTreeSet};
 use tailor::error::Warnings;
 use tailor::garment::{Elements, Family, FamilyType, Garment, GarmentInput, SubsetInput};
@@ -26,14 +19,6 @@ const FREE: [&str; 2] = ["sim.uvSet=", "sim.constraints="];
 fn with_faces(mut input: GarmentInput, name: &str, family: &str, indices: Vec<i32>) -> GarmentInput {
     let (element_type, family) = ("face".into(), family.into());
     input.subsets.push(SubsetInput { name: name.into(), element_type, family, indices });
-    input
-}
-
-/// A whole grid without the sets of the zoo.
-fn sheet(nx: usize, ny: usize) -> GarmentInput {
-    let mut input = zoo::grid(nx, ny, |_, _| true);
-    input.subsets.clear();
-    input.families.clear();
     input
 }
 
@@ -104,7 +89,7 @@ fn on_another_layer(built: &Built, coverage: &Coverage) -> usize {
 
 #[test]
 fn sets_between_chains_are_exact_on_every_garment() {
-    for file in garments::garments() {
+    for file in garments() {
         let built = garment(&file, &[]);
         let coverage = independent(&built);
         for subset in &built.garment.subsets {
@@ -118,7 +103,7 @@ fn sets_between_chains_are_exact_on_every_garment() {
 
 #[test]
 fn sets_without_chains_follow_their_borders() {
-    for file in garments::garments() {
+    for file in garments() {
         let built = garment(&file, &FREE);
         let coverage = independent(&built);
         let whole: f64 = coverage.source_area.iter().sum();
@@ -260,7 +245,7 @@ fn free_edge_sets_are_found_as_the_same_chains() {
     for (uv, length) in [("sim.uvSet=st", "0.5"), ("sim.uvSet=", "0.5"), ("sim.uvSet=", "0.3"), ("sim.uvSet=", "0.8")] {
         let mut input = sheet(8, 8);
         for (name, pairs, ..) in lines() {
-            input = zoo::with_edges(input, name, &pairs);
+            input = sheets::with_edges(input, name, &pairs);
         }
         let built = build(input, &[uv, &format!("sim.maxEdgeLength={length}")]);
         assert!(built.warnings.is_empty(), "{:?}", built.warnings);
@@ -276,7 +261,7 @@ fn free_edge_sets_are_found_as_the_same_chains() {
 
 #[test]
 fn free_edge_sets_of_garments_stay_by_their_curves() {
-    for file in garments::garments() {
+    for file in garments() {
         let built = garment(&file, &FREE);
         for set in &built.products.sim_figures.edge_sets {
             assert!(set.farthest <= 1.0, "{file:?}: {} is {} targets away", set.name, set.farthest);
@@ -318,7 +303,7 @@ fn creases_are_sets_with_their_sharpness() {
 
 #[test]
 fn the_number_of_threads_changes_nothing() {
-    let file = garments::garments().into_iter().find(|f| f.ends_with("coat.usda")).expect("the coat");
+    let file = garments().into_iter().find(|f| f.ends_with("coat.usda")).expect("the coat");
     let built = garment(&file, &["sim.constraints="]);
     let product = built.product();
     let at = |threads: usize| {
