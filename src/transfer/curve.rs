@@ -145,7 +145,7 @@ impl<'a> Corridor<'a> {
             .collect();
         vertices.sort_unstable_by_key(|v| v.vertex);
         let number: IdMap<VertexId, usize> = vertices.iter().enumerate().map(|(i, v)| (v.vertex, i)).collect();
-        let t = &sites.topology;
+        let t = &sites.net.topology;
         let is_inside = |c: CornerId| faces.contains(&surface.product.places[c].location.face);
         let (mut first, mut ends) = (vec![0], Vec::with_capacity(8 * vertices.len()));
         for beside in &vertices {
