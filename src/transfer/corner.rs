@@ -5,8 +5,8 @@ use super::shell::Cuts;
 use super::sides::Sides;
 use super::{Sites, Target};
 use crate::error::Warning;
-use crate::garment::{Garment, Mixing, Primvar, Values};
-use crate::mesh::{CornerId, FaceId, IdVec};
+use crate::garment::{Garment, Interpolation, Mixing, Primvar, Values};
+use crate::mesh::{CornerId, FaceId, IdVec, Topology, VertexId};
 use crate::sim::{Location, SimProduct};
 use crate::subdivide::{Channel, ChannelChild, Real, mix_rows, taken};
 use rayon::prelude::*;
@@ -14,7 +14,9 @@ use rayon::prelude::*;
 /// Values that differ by no more than this share of the largest are the same: they came to one place on two ways.
 const SAME: f64 = 4e-6;
 
-/// A face-varying primvar on the simulation mesh.
+/// A face-varying primvar on the simulation mesh: on its vertices where no value changes by that.
+///
+/// The constraint UVs stay on the corners, as a layout has to be there to be one of another run.
 pub(super) fn carry(
     garment: &Garment,
     primvar: &Primvar,
@@ -46,7 +48,25 @@ pub(super) fn carry(
                 .into(),
         });
     }
-    carried
+    as_vertex(carried, &sites.net.topology)
+}
+
+/// The primvar on vertices, where all corners of each vertex have one value bit for bit; else as it is.
+fn as_vertex(primvar: Primvar, t: &Topology) -> Primvar {
+    let corners_of = |v: VertexId| t.vertex_corners.row(v);
+    let row = |c: CornerId| primvar.row(c.index());
+    let same = |a: usize, b: usize| a == b || primvar.values.same_rows(primvar.width(), a, b);
+    let is_one = |v| corners_of(v).first().is_some_and(|&own| corners_of(v).iter().all(|&c| same(row(c), row(own))));
+    let vertices = (0..t.vertex_count()).map(VertexId::new);
+    if !vertices.clone().all(is_one) {
+        return primvar;
+    }
+    let rows = vertices.map(|v| row(corners_of(v)[0]));
+    let (values, indices) = match &primvar.indices {
+        Some(_) if !primvar.is_mixed() => (primvar.values.clone(), Some(rows.map(|r| r as u32).collect())),
+        _ => (primvar.values.gather(primvar.width(), rows), None),
+    };
+    Primvar { interpolation: Interpolation::Vertex, values, indices, ..primvar }
 }
 
 /// A face-varying primvar refined to the baseline.
@@ -212,4 +232,59 @@ fn indexed(sites: &Sites<'_>, keep_seams: bool, same: impl Fn(CornerId, CornerId
         }
     }
     Rows { rows, indices: row.iter().map(|r| r.unwrap_or(0)).collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::Faces;
+
+    /// Two triangles over four vertices.
+    fn two() -> Topology {
+        Topology::new(Faces::triangles([0, 1, 2, 2, 1, 3].map(VertexId::new).to_vec()), 4)
+    }
+
+    fn primvar(values: Vec<f32>, indices: Option<Vec<u32>>) -> Primvar {
+        Primvar {
+            name: "x".into(),
+            type_name: "float[]".into(),
+            interpolation: Interpolation::FaceVarying,
+            components: 1,
+            element_size: 1,
+            mixing: Mixing::Linear,
+            values: Values::F32(values),
+            indices,
+        }
+    }
+
+    fn bits(primvar: &Primvar, row: usize) -> u32 {
+        match &primvar.values {
+            Values::F32(v) => v[primvar.row(row)].to_bits(),
+            _ => panic!("floats stay floats"),
+        }
+    }
+
+    #[test]
+    fn values_on_vertices_are_those_of_all_corners_bit_for_bit() {
+        let (t, of_vertex) = (two(), [0.1f32, -0.0, f32::MIN_POSITIVE, f32::NAN]);
+        let corners: Vec<f32> = t.faces.corners().iter().map(|v| of_vertex[v.index()]).collect();
+        for given in [primvar(corners, None), primvar(of_vertex.to_vec(), Some(vec![0, 1, 2, 2, 1, 3]))] {
+            let moved = as_vertex(given.clone(), &t);
+            assert_eq!((moved.interpolation, moved.elements()), (Interpolation::Vertex, 4));
+            for (corner, vertex) in t.faces.corners().enumerated() {
+                assert_eq!(bits(&moved, vertex.index()), bits(&given, corner.index()));
+            }
+        }
+    }
+
+    #[test]
+    fn a_corner_that_differs_by_one_bit_keeps_all_on_corners() {
+        let t = two();
+        for (corner, other) in [(3, 2.0f32.next_up()), (4, -0.0)] {
+            let mut values = vec![1.0, 0.0, 2.0, 2.0, 0.0, 3.0];
+            values[corner] = other;
+            let given = primvar(values, None);
+            assert_eq!(as_vertex(given.clone(), &t), given);
+        }
+    }
 }

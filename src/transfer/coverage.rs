@@ -67,6 +67,31 @@ impl Coverage {
         Self { sources, faces, source_area, samples: plan.samples() }
     }
 
+    /// The area that a set of the garment's faces and a set of faces of the simulation mesh have in common: that inside
+    /// both, that of the first, and that of the second. \[square stage units\]
+    fn common(&self, source: &[FaceId], set: &[FaceId]) -> [f64; 3] {
+        let mut is_in = IdVec::<FaceId, bool>::filled(false, self.faces.rows());
+        source.iter().for_each(|&f| is_in[f] = true);
+        let first = source.iter().flat_map(|&f| self.faces.row(f)).map(|s| f64::from(s.area)).sum();
+        let shares = || set.iter().flat_map(|&f| self.sources.row(f));
+        let both = shares().filter(|s| is_in[s.face]).map(|s| f64::from(s.area)).sum();
+        [both, first, shares().map(|s| f64::from(s.area)).sum()]
+    }
+
+    /// What a set of the garment's faces and a set of faces of the simulation mesh have in common, as a share of their mean
+    /// area (Dice 1945); 1 where both are empty.
+    pub fn agreement(&self, source: &[FaceId], set: &[FaceId]) -> f64 {
+        let [both, first, second] = self.common(source, set);
+        if first + second > 0.0 { 2.0 * both / (first + second) } else { 1.0 }
+    }
+
+    /// The same as a share of their union (Jaccard 1901).
+    pub fn overlap(&self, source: &[FaceId], set: &[FaceId]) -> f64 {
+        let [both, first, second] = self.common(source, set);
+        let all = first + second - both;
+        if all > 0.0 { both / all } else { 1.0 }
+    }
+
     /// The area that all samples of a face of the simulation mesh stand for; 0 where it has none.
     pub fn total(&self, face: FaceId) -> f32 {
         self.sources.row(face).iter().map(|s| s.area).sum()

@@ -227,18 +227,20 @@ impl<'a> Cuts<'a> {
         Source { location: there.location, moved }
     }
 
-    /// The home of a neighbour on another side of the cuts: across the longest edge that is on no chain.
-    pub fn other_home(&self, face: FaceId, homes: &[Option<FaceId>]) -> Option<FaceId> {
-        let t = &self.sites.net.topology;
+    /// The homes of the neighbours on another side of the cuts: first across the longest edge, none across chains.
+    pub fn other_homes(&self, face: FaceId, homes: &[Option<FaceId>]) -> impl Iterator<Item = FaceId> + use<> {
+        let (t, net) = (&self.sites.net.topology, &self.sites.net);
         let length = |c: CornerId| {
             let [a, b] = t.faces.half_edge(c).map(|v| self.product.points[v]);
             a.distance_squared(b)
         };
-        let open = t.faces.corners_of(face).filter(|&c| !self.sites.net.is_chain[t.corner_edge[c]]);
-        let others = open.filter_map(|c| Some((c, t.faces.face_of(t.twin(c)?))));
-        let other_side = others.filter(|(_, other)| !self.are_joined(face, *other, homes));
-        let longest = other_side.reduce(|a, b| if length(b.0) > length(a.0) { b } else { a });
-        longest.and_then(|(_, other)| homes[other.index()])
+        let open = t.faces.corners_of(face).filter(|&c| !net.is_chain[t.corner_edge[c]]);
+        let others = open.filter_map(|c| Some((c, t.faces.face_of(net.twin[c]?))));
+        let mut others: Vec<(CornerId, FaceId)> =
+            others.filter(|(_, other)| !self.are_joined(face, *other, homes)).collect();
+        others.sort_by(|a, b| length(b.0).total_cmp(&length(a.0)));
+        let found: Vec<FaceId> = others.into_iter().filter_map(|(_, other)| homes[other.index()]).collect();
+        found.into_iter()
     }
 
     /// Small parts of a side, with one of `seeds`, that touch the rest of it nowhere: each face with the home of a

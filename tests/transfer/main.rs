@@ -2,8 +2,11 @@
 
 #[path = "../common/built.rs"]
 mod built;
+mod edges;
 #[path = "../common/garments.rs"]
 mod garments;
+#[path = "../common/nearest.rs"]
+mod nearest;
 mod sets;
 #[path = "../common/sheets.rs"]
 mod sheets;
