@@ -15,6 +15,9 @@ const REACHES: [f32; 4] = [1.0, 1.5, 2.5, 4.0];
 /// Times that the paths of a set are found again where some run into others.
 const RETRIES: usize = 4;
 
+/// Vertices that are tried for an end of a run that meets another: more hardly help, and take time.
+const MAX_ENDS: usize = 6;
+
 /// Where edges of the garment are on the simulation mesh.
 pub(super) struct Edges<'a> {
     pub surface: Surface<'a>,
@@ -98,6 +101,14 @@ impl Laid {
         }
         if let [a, b] = found.vertices[..] {
             change(self.direct.entry(sorted(a, b)).or_default());
+        }
+    }
+
+    /// Takes away the paths of some runs.
+    fn take_up(&mut self, runs: &Runs, which: &[usize]) {
+        for &i in which {
+            self.count(runs, i, |n| *n -= 1);
+            self.found[i] = None;
         }
     }
 
@@ -277,19 +288,21 @@ impl<'a> Edges<'a> {
     /// Finds a path for each run. Runs that share an end share its vertex, and keep apart elsewhere as far as they can:
     /// those that run into others are found again before them.
     fn lay(&self, mut runs: Runs, scratch: &mut Scratch, carried: &mut Carried) {
-        let mut order: Vec<usize> = (0..runs.runs.len()).collect();
+        let order: Vec<usize> = (0..runs.runs.len()).collect();
         let mut best = self.lay_in_order(&runs, &order, scratch);
-        let mut crowded = best.crowded.clone();
         for _ in 0..RETRIES {
-            if crowded.is_empty() || best.crowded.is_empty() {
+            if best.crowded.is_empty() {
                 break;
             }
-            order.sort_by_key(|i| !crowded.contains(i));
-            let next = self.lay_in_order(&runs, &order, scratch);
-            crowded.clone_from(&next.crowded);
-            if next.crowded.len() < best.crowded.len() {
-                best = next;
+            // Only these, the last first: the others are in nobody's way.
+            let again: Vec<usize> = best.crowded.iter().rev().copied().collect();
+            let mut next = best.clone();
+            next.take_up(&runs, &again);
+            self.lay_again(&runs, &again, &mut next, scratch);
+            if next.crowded.len() >= best.crowded.len() {
+                break;
             }
+            best = next;
         }
         self.move_ends(&mut runs, &mut best, scratch);
         for (run, found) in runs.runs.iter().zip(best.found) {
@@ -339,13 +352,10 @@ impl<'a> Edges<'a> {
         let mut again: Vec<usize> = (0..runs.runs.len()).filter(ends_here).collect();
         again.extend(laid.crowded.iter().filter(|i| !ends_here(i)));
         let mut bare = laid.clone();
-        for &i in &again {
-            bare.count(runs, i, |n| *n -= 1);
-            bare.found[i] = None;
-        }
+        bare.take_up(runs, &again);
         bare.passed.remove(&own);
         bare.passed.retain(|_, n| *n > 0);
-        for vertex in self.surface.vertices_near(end).into_iter().filter(|&v| v != own) {
+        for vertex in self.surface.vertices_near(end).into_iter().filter(|&v| v != own).take(MAX_ENDS) {
             if bare.passed.contains_key(&vertex) {
                 continue;
             }
@@ -365,7 +375,7 @@ impl<'a> Edges<'a> {
         let (run, curve) = (&runs.runs[i], &runs.curves[i]);
         let ends = run.ends().map(|end| runs.snapped.get(&end).copied());
         let mut at_reach = |reach: f32, least: usize| {
-            let is_passed = |v: VertexId| laid.passed.contains_key(&v);
+            let is_passed = |v: VertexId| laid.passed.get(&v).is_some_and(|n| *n > 0);
             let corridor = Corridor::new(&self.surface, self.sites, (curve, &runs.paths[i]), reach, is_passed, scratch);
             let [from, to] = match run.is_loop {
                 true => [corridor.nearest()?; 2],

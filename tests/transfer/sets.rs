@@ -146,7 +146,7 @@ fn parts(source: &[FaceId], coverage: &Coverage) -> Vec<(FaceId, f64, f64)> {
 fn labels_are_the_best_that_whole_triangles_allow_and_small_sets_are_told() {
     let mut blurred = 0;
     for file in garments() {
-        for length in [None, Some(0.5), Some(0.25)] {
+        for length in [None, Some(0.5)] {
             let whole = garment(&file, &FREE);
             let built = match length {
                 None => whole,
