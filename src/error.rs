@@ -139,6 +139,13 @@ pub enum Warning {
         /// The largest change, as a share of the subset's area.
         largest: f32,
     },
+    /// Face subsets that are too small for the triangles of the simulation mesh to follow their borders.
+    SetsBlurred {
+        /// Names of the subsets.
+        sets: Vec<String>,
+        /// The least agreement with the source: what both have in common, as a share of their mean area.
+        least: f32,
+    },
     /// The products have no ancestor that a reference to the asset could name.
     RootMesh {
         /// Path of the model.
@@ -189,15 +196,26 @@ impl fmt::Display for Warning {
                 write!(f, "the simulation mesh was stopped at {faces} triangles, before its edges were short enough")
             }
             Self::AreaChanged { sets, largest } => {
-                let (shown, more) = (sets.iter().take(5).cloned().collect::<Vec<_>>(), sets.len().saturating_sub(5));
-                let more = if more > 0 { format!(" and {more} more") } else { String::new() };
                 write!(
                     f,
                     "the simulation mesh has up to {:.0} % more or less area than the surface in ",
                     largest * 100.0
                 )?;
-                write!(f, "{}{more}; lower sim.maxEdgeLength, or name edge sets along folds in ", shown.join(", "))?;
+                write!(f, "{}; lower sim.maxEdgeLength, or name edge sets along folds in ", few(sets))?;
                 write!(f, "sim.constraints")
+            }
+            Self::SetsBlurred { sets, least } => {
+                write!(
+                    f,
+                    "whole triangles of the simulation mesh agree by no more than {:.0} % of area ",
+                    least * 100.0
+                )?;
+                write!(
+                    f,
+                    "with face subsets that are hardly larger: {}; name edge sets along their borders ",
+                    few(sets)
+                )?;
+                write!(f, "in sim.constraints, or lower sim.maxEdgeLength")
             }
             Self::RootMesh { prim } => {
                 write!(
@@ -210,6 +228,12 @@ impl fmt::Display for Warning {
             Self::Composition { fault } => write!(f, "the stage does not compose fully: {fault}"),
         }
     }
+}
+
+/// The first few names, and how many more there are.
+fn few(names: &[String]) -> String {
+    let (shown, more) = (names.iter().take(5).cloned().collect::<Vec<_>>().join(", "), names.len().saturating_sub(5));
+    if more > 0 { format!("{shown} and {more} more") } else { shown }
 }
 
 /// The examples of `count` elements, with dots where there are more.

@@ -1,9 +1,9 @@
 //! The quality figures of a product, defined once for the summary, the JSON report, tests and benches.
 
 use crate::garment::{Elements, Garment};
-use crate::mesh::{CornerId, FaceId, IdVec, Topology, VertexId};
+use crate::mesh::{CornerId, IdVec, Topology, VertexId};
 use crate::sim::SimProduct;
-use crate::transfer::{Coverage, Transferred};
+use crate::transfer::Transferred;
 use glam::Vec3;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -264,23 +264,11 @@ pub fn subset_areas(product: &SimProduct, transferred: &Transferred, garment: &G
             name: s.name.clone(),
             area: on.iter().map(|f| own[f.index()]).sum(),
             source_area: of.iter().map(|&f| coverage.source_area[f]).sum(),
-            overlap: overlap(of, on, coverage),
+            overlap: coverage.overlap(of, on),
         }),
         _ => None,
     });
     sets.collect()
-}
-
-/// Overlap of a set with its source, as a share of their union; 1 where both are empty.
-pub fn overlap(source: &[FaceId], set: &[FaceId], coverage: &Coverage) -> f64 {
-    let mut is_in = IdVec::<FaceId, bool>::filled(false, coverage.faces.rows());
-    source.iter().for_each(|&f| is_in[f] = true);
-    let all: f64 = source.iter().flat_map(|&f| coverage.faces.row(f)).map(|s| f64::from(s.area)).sum();
-    let (mut common, mut beyond) = (0.0, 0.0);
-    for share in set.iter().flat_map(|&f| coverage.sources.row(f)) {
-        *(if is_in[share.face] { &mut common } else { &mut beyond }) += f64::from(share.area);
-    }
-    if all + beyond > 0.0 { common / (all + beyond) } else { 1.0 }
 }
 
 fn edge_sets(product: &SimProduct, transferred: &Transferred) -> Vec<EdgeSet> {

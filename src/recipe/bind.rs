@@ -21,31 +21,16 @@ pub fn bind<'a>(recipe: &Recipe, garment: &'a Garment, uv_set_was_given: bool) -
     let is_uv = |p: &&Primvar| {
         p.interpolation == Interpolation::FaceVarying && p.width() == 2 && matches!(p.values, Values::F32(_))
     };
-    let uv_set = garment.primvar(&sim.uv_set).filter(is_uv);
-    if uv_set.is_none() && uv_set_was_given && !sim.uv_set.is_empty() {
-        return Err(missing(
-            garment,
-            "uvSet",
-            &sim.uv_set,
-            "face-varying float2 primvar",
-            garment.primvars.iter().filter(is_uv),
-        ));
-    }
+    let uv_set = match named(garment, "uvSet", &sim.uv_set, "face-varying float2 primvar", is_uv) {
+        Err(_) if !uv_set_was_given => None,
+        found => found?,
+    };
     let is_weight = |p: &&Primvar| {
         matches!(p.interpolation, Interpolation::Vertex | Interpolation::Varying)
             && p.width() == 1
             && matches!(p.values, Values::F32(_))
     };
-    let density = garment.primvar(&sim.density).filter(is_weight);
-    if density.is_none() && !sim.density.is_empty() {
-        return Err(missing(
-            garment,
-            "density",
-            &sim.density,
-            "float primvar per vertex",
-            garment.primvars.iter().filter(is_weight),
-        ));
-    }
+    let density = named(garment, "density", &sim.density, "float primvar per vertex", is_weight)?;
     for name in &sim.constraints {
         if !garment.subset(name).is_some_and(|s| matches!(s.elements, Elements::Edges(_))) {
             let names: Vec<&str> = garment
@@ -64,18 +49,23 @@ pub fn bind<'a>(recipe: &Recipe, garment: &'a Garment, uv_set_was_given: bool) -
     Ok(Bound { uv_set, density })
 }
 
-fn missing<'a>(
-    garment: &Garment,
+/// The primvar that `sim.key` names, which has to be a `kind`; none where the name is empty.
+fn named<'a>(
+    garment: &'a Garment,
     key: &str,
     name: &str,
     kind: &str,
-    fitting: impl Iterator<Item = &'a Primvar>,
-) -> Error {
-    let names: Vec<&str> = fitting.map(|p| p.name.as_str()).collect();
+    fits: impl Fn(&&Primvar) -> bool,
+) -> Result<Option<&'a Primvar>, Error> {
+    let found = garment.primvar(name).filter(&fits);
+    if found.is_some() || name.is_empty() {
+        return Ok(found);
+    }
+    let names: Vec<&str> = garment.primvars.iter().filter(&fits).map(|p| p.name.as_str()).collect();
     let hint =
         if names.is_empty() { "the mesh has none".to_owned() } else { format!("the mesh has: {}", names.join(", ")) };
-    Error::Recipe(format!(
+    Err(Error::Recipe(format!(
         "{}: sim.{key} names \"{name}\", which is no {kind} of the mesh\n  hint: {hint}",
         garment.prim
-    ))
+    )))
 }

@@ -1,6 +1,6 @@
 //! Layers of a recipe: attributes, file, arguments and flags, the strongest last.
 
-use super::{Recipe, all_keys, defaults, in_words, known, type_of, usd_type_of};
+use super::{Recipe, all_keys, defaults, in_words, kind_of, known};
 use crate::error::{Error, Warning, Warnings};
 use serde_json::{Map, Value};
 
@@ -60,7 +60,7 @@ impl Layers {
         }
         let default = &defaults()[space][field];
         let value = parse_like(default, text).ok_or_else(|| {
-            let kind = type_of(default);
+            let kind = kind_of(default).recipe;
             Error::Usage(format!("{giver} {key}: \"{text}\" is no {kind}\n  hint: its default is {default}"))
         })?;
         self.set(space, field, value);
@@ -101,7 +101,7 @@ impl Layers {
                     return Error::Recipe(format!(
                         "tailor:{space}:{key} of the model: {}\n  hint: declare it as {}",
                         in_words(&e),
-                        usd_type_of(&defaults[space][key])
+                        kind_of(&defaults[space][key]).usd
                     ));
                 }
             }

@@ -134,25 +134,21 @@ pub fn help() -> String {
     format!("Options of the recipe, each with its default:\n{}", lines.collect::<String>())
 }
 
-fn type_of(value: &Value) -> &'static str {
-    match value {
-        Value::Bool(_) => "true or false",
-        Value::Number(n) if n.is_f64() => "number",
-        Value::Number(_) => "whole number",
-        Value::Array(_) => "list",
-        _ => "name",
-    }
+/// The type of an option, in a recipe, and in the schemas as an example of its declaration.
+struct Kind {
+    recipe: &'static str,
+    usd: &'static str,
 }
 
-/// The type of an option in the schemas, as an example of its declaration.
-fn usd_type_of(value: &Value) -> &'static str {
-    match value {
-        Value::Bool(_) => "bool, such as true",
-        Value::Number(n) if n.is_f64() => "float, such as 2.5",
-        Value::Number(_) => "int, such as 3 (0 or more)",
-        Value::Array(_) => "rel, with subsets of the mesh as targets",
-        _ => "token, such as \"st\"",
-    }
+fn kind_of(value: &Value) -> Kind {
+    let (recipe, usd) = match value {
+        Value::Bool(_) => ("true or false", "bool, such as true"),
+        Value::Number(n) if n.is_f64() => ("number", "float, such as 2.5"),
+        Value::Number(_) => ("whole number", "int, such as 3 (0 or more)"),
+        Value::Array(_) => ("list", "rel, with subsets of the mesh as targets"),
+        _ => ("name", "token, such as \"st\""),
+    };
+    Kind { recipe, usd }
 }
 
 /// What serde found, without the names of our types.

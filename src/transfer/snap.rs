@@ -67,11 +67,25 @@ impl<'a> Surface<'a> {
         along
     }
 
-    /// The place of a cage vertex among the vertices of a chain of the simulation mesh; `k` is its place in the cage's.
-    pub fn place_on_chain(&self, chain: ChainId, k: usize) -> usize {
+    /// The places of cage vertices among the vertices of a chain of the simulation mesh: one for each where there are
+    /// enough, in their order. `wanted` are the vertices' places in the cage's, ascending.
+    pub fn places_on_chain(&self, chain: ChainId, wanted: &[usize]) -> Vec<(usize, VertexId)> {
+        let along = self.along(chain);
+        let Some(last) = along.len().checked_sub(1) else { return Vec::new() };
+        let mut places: Vec<usize> = wanted.iter().map(|&k| self.nearest_on_chain(chain, &along, k)).collect();
+        for i in 1..places.len() {
+            places[i] = places[i].max(places[i - 1] + 1);
+        }
+        let count = places.len();
+        for (i, place) in places.iter_mut().enumerate() {
+            *place = (*place).min(last.saturating_sub(count - 1 - i));
+        }
+        places.into_iter().map(|place| (place, along[place].1)).collect()
+    }
+
+    fn nearest_on_chain(&self, chain: ChainId, along: &[(f32, VertexId)], k: usize) -> usize {
         let curve = &self.product.baseline.chains[chain];
         let step = (curve.vertices.len() - 1) / (curve.cage.len() - 1).max(1);
-        let along = self.along(chain);
         let index = (k * step).min(curve.vertices.len() - 1);
         if index == 0 {
             return 0;
@@ -91,6 +105,14 @@ impl<'a> Surface<'a> {
         (1..along.len()).fold(0, |best, i| if nearer(best, i) { i } else { best })
     }
 
+    /// The chain that a vertex of the cage lies on, and its place in the chain's cage.
+    pub fn on_chain(&self, vertex: VertexId) -> Option<(ChainId, usize)> {
+        let &(chain, index) = self.on_chain.get(&vertex)?;
+        let curve = &self.product.baseline.chains[chain];
+        let step = (curve.vertices.len() - 1) / (curve.cage.len() - 1).max(1);
+        Some((chain, index / step.max(1)))
+    }
+
     /// Whether a vertex of the cage lies on a chain.
     pub fn is_on_chain(&self, vertex: VertexId) -> bool {
         self.on_chain.contains_key(&vertex)
@@ -99,16 +121,19 @@ impl<'a> Surface<'a> {
     /// The nearest vertex to a vertex of the cage that `is_free` admits; if none is within a target length, the nearest of
     /// all. None where nothing of the surface is left.
     pub fn nearest(&self, vertex: VertexId, is_free: impl Fn(VertexId) -> bool) -> Option<VertexId> {
-        if let Some(&(chain, index)) = self.on_chain.get(&vertex) {
-            let curve = &self.product.baseline.chains[chain];
-            let step = (curve.vertices.len() - 1) / (curve.cage.len() - 1).max(1);
-            let along = self.along(chain);
-            return along.get(self.place_on_chain(chain, index / step.max(1))).map(|a| a.1);
+        if let Some((chain, k)) = self.on_chain(vertex) {
+            return self.places_on_chain(chain, &[k]).first().map(|p| p.1);
         }
         let found = self.around(vertex);
         let first = found.first()?;
         let near = found.iter().take_while(|f| f.0 <= self.product.target[f.1]);
         Some(near.map(|f| f.1).find(|&v| is_free(v)).unwrap_or(first.1))
+    }
+
+    /// The vertices within a target length of a vertex of the cage, the nearest first, on its part of the surface.
+    pub fn vertices_near(&self, vertex: VertexId) -> Vec<VertexId> {
+        let found = self.around(vertex).into_iter();
+        found.filter(|f| f.0 <= self.product.target[f.1]).map(|f| f.1).collect()
     }
 
     /// The vertices around a vertex of the cage, the nearest first, on its part of the surface.

@@ -1,24 +1,18 @@
 //! Options of the simulation mesh that change where its vertices lie: what each promises, with it and without it.
 
-#[allow(dead_code)]
-#[path = "common/built.rs"]
-mod built;
-#[allow(dead_code)]
-#[path = "common/zoo.rs"]
-mod zoo;
-
-use built::build;
+use crate::{MAX_FACES, baseline, prepare, sheets};
 use glam::Vec3;
 use tailor::garment::{BoundaryInterpolation, GarmentInput};
-use tailor::sim::SimProduct;
+use tailor::sim::{SimProduct, simulate};
 
 /// A sheet whose density jumps from vertex to vertex.
 fn uneven() -> GarmentInput {
-    zoo::grid(8, 8, |_, _| true)
+    sheets::grid(8, 8, |_, _| true)
 }
 
 fn product(input: GarmentInput, options: &[&str]) -> SimProduct {
-    build(input, options).product()
+    let prepared = prepare(input, options);
+    simulate(baseline(&prepared), prepared.recipe.sim.iterations, MAX_FACES)
 }
 
 /// The largest growth of target lengths along an edge of the baseline, per length.
@@ -50,7 +44,7 @@ fn graded_lengths_grow_no_faster_than_asked_for() {
 fn borders_keep_the_corners_that_turn_by_more_than_the_angle() {
     let corners = [Vec3::ZERO, Vec3::new(4.0, 0.0, 0.0), Vec3::new(4.0, 4.0, 0.0), Vec3::new(0.0, 4.0, 0.0)];
     let kept = |angle: &str| {
-        let mut input = zoo::grid(4, 4, |_, _| true);
+        let mut input = sheets::grid(4, 4, |_, _| true);
         // Rounded corners are no corners by themselves, and level 0 has the sheet's own border.
         input.rules.boundary = BoundaryInterpolation::EdgeOnly;
         let angle = format!("sim.cornerAngle={angle}");
