@@ -131,6 +131,15 @@ pub enum Warning {
         /// Triangles that it has.
         faces: usize,
     },
+    /// Borders, seams and edge subsets that bend too much for the edges of the simulation mesh to follow.
+    CurvesCut {
+        /// How many chains.
+        count: usize,
+        /// The largest distance of a curve from its edges, in target lengths.
+        farthest: f32,
+        /// The points of the garment nearest to the farthest places, the farthest first.
+        examples: Vec<usize>,
+    },
     /// Face subsets whose area on the simulation mesh is not that on the garment's surface: folds finer than the target
     /// length are cut short.
     AreaChanged {
@@ -194,6 +203,11 @@ impl fmt::Display for Warning {
             }
             Self::FaceLimit { faces } => {
                 write!(f, "the simulation mesh was stopped at {faces} triangles, before its edges were short enough")
+            }
+            Self::CurvesCut { count, farthest, examples } => {
+                let some = some(*count, "at points", examples, usize::to_string);
+                write!(f, "borders, seams or constraints up to {farthest:.2} edge lengths from their edges: {count} ")?;
+                write!(f, "({some}); they bend within an edge: lower sim.maxEdgeLength, or sim.cornerAngle")
             }
             Self::AreaChanged { sets, largest } => {
                 write!(

@@ -44,6 +44,8 @@ pub struct SimFigures {
     pub distance_mean: f32,
     /// Length of the constraint chains on the mesh as a share of that of their curves: the smallest of any chain.
     pub chain_length_min: f32,
+    /// Largest distance of a chain's curve from the edges that follow it, as a share of the target length.
+    pub chain_distance_max: f32,
     /// Triangles that lie the wrong way round in UV space for their shell.
     pub uv_flips: usize,
     /// For each face subset its area on the mesh and on the baseline. \[square stage units\]
@@ -136,6 +138,7 @@ impl SimFigures {
             edge_sets: edge_sets(product, transferred),
             islands_cleaned: transferred.islands,
             chain_length_min: chain_length_min(product),
+            chain_distance_max: product.gaps.iter().map(|gap| gap.distance).fold(0.0, f32::max),
             ..Self::default()
         };
         figures.set_angles(product);

@@ -168,6 +168,9 @@ impl Scratch {
     }
 }
 
+/// Vertices that the way to a closed path and back may not have in common, before it is left as it is.
+const MAX_AVOIDED: usize = 3;
+
 /// Ways around a closed curve: none, or once in either direction.
 const ROUNDS: usize = 3;
 
@@ -221,7 +224,9 @@ impl<'a> Corridor<'a> {
         let mut paths: Vec<(f64, Vec<usize>)> = Vec::with_capacity(STRAYS.len());
         for stray in STRAYS {
             let is_direct = least <= 2;
-            let Some(path) = self.path(from, to, stray, is_direct).filter(|p| p.len() >= least) else { continue };
+            let Some(path) = self.path_through(from, to, stray, is_direct).filter(|p| p.len() >= least) else {
+                continue;
+            };
             let length = path.windows(2).map(|p| self.distance(p[0], p[1])).sum();
             paths.push((length, path));
             if off(length) == 0.0 {
@@ -259,8 +264,22 @@ impl<'a> Corridor<'a> {
         }
     }
 
+    /// The cheapest path; round a closed curve one that begins and ends where it is asked to, if there is one: others
+    /// may meet it there.
+    fn path_through(&self, from: usize, to: usize, stray: f64, is_direct: bool) -> Option<Vec<usize>> {
+        let mut avoided = Vec::new();
+        loop {
+            let path = self.path(from, to, stray, is_direct, &avoided)?;
+            if path[0] == from || avoided.len() == MAX_AVOIDED {
+                return Some(path);
+            }
+            // The way there and the way back had this vertex in common.
+            avoided.push(path[0]);
+        }
+    }
+
     /// The cheapest path, from its first vertex to its last; along the edge between them only if it may be direct.
-    fn path(&self, from: usize, to: usize, stray: f64, is_direct: bool) -> Option<Vec<usize>> {
+    fn path(&self, from: usize, to: usize, stray: f64, is_direct: bool, avoided: &[usize]) -> Option<Vec<usize>> {
         // A state is a vertex and how often the way there has gone round the curve; 1 is not at all.
         let (start, goal) = (from * ROUNDS + 1, to * ROUNDS + if self.curve.is_loop { 2 } else { 1 });
         let mut best: Vec<(f64, usize)> = vec![(f64::INFINITY, usize::MAX); ROUNDS * self.vertices.len()];
@@ -283,7 +302,8 @@ impl<'a> Corridor<'a> {
                 else {
                     continue;
                 };
-                let is_passed = self.vertices[there].is_passed && there != to && there != from;
+                let is_passed = self.vertices[there].is_passed || avoided.contains(&there);
+                let is_passed = is_passed && there != to && there != from;
                 let sum = cost + self.cost(here, there, stray) * if is_passed { PASSED } else { 1.0 };
                 let next = there * ROUNDS + rounds;
                 if sum < best[next].0 {

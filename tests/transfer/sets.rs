@@ -195,6 +195,9 @@ fn labels_are_the_best_that_whole_triangles_allow_and_small_sets_are_told() {
     assert!(blurred > 0, "some sets are too small");
 }
 
+/// Share of a triangle's area that makes no difference.
+const SLIVER: f32 = 0.02;
+
 #[test]
 fn what_differs_lies_within_an_edge_of_the_border() {
     for file in garments() {
@@ -212,7 +215,9 @@ fn what_differs_lies_within_an_edge_of_the_border() {
             let border = Nearest::new(border);
             let set: BTreeSet<FaceId> = faces(&built.products.sim, &subset.name).into_iter().collect();
             for (face, row) in (0..product.triangles.len()).map(FaceId::new).map(|f| (f, coverage.sources.row(f))) {
-                if row.iter().all(|s| own.contains(&s.face) == set.contains(&face)) {
+                // The mesh cuts off a fold that is thinner than its edges, and then a sliver of the other side is over it.
+                let area = |of: &dyn Fn(FaceId) -> bool| row.iter().filter(|s| of(s.face)).map(|s| s.area).sum::<f32>();
+                if area(&|f| own.contains(&f) != set.contains(&face)) <= SLIVER * area(&|_| true) {
                     continue;
                 }
                 let [a, b, c] = product.triangles[face.index()].map(|v| product.points[v]);
