@@ -8,6 +8,8 @@ from pxr import UsdGeom
 from surface import distance_to_segments, distance_to_triangles, ragged, triangles_of
 from test_render import no_new_values
 
+# Sine of the angle by which a triangle on a fold may lean over.
+EDGE_ON = 0.1
 # Shares of the diagonal of the source's box.
 ON_SURFACE = 1e-4
 ON_CURVE = 1e-3
@@ -134,7 +136,8 @@ def test_faces_the_way_its_source_does(product, baseline):
     wound = one_way(product.source)[faces[:, 0].astype(int)][corners].all(axis=1)
     assert not wound.any() or is_smooth[wound].mean() > 0.9
     assert (agree[wound & is_smooth] > 0).all()
-    assert (agree[wound & ~is_smooth] > 0).any(axis=1).all()
+    # One that bridges a fold may stand on edge.
+    assert (agree[wound & ~is_smooth] > -EDGE_ON).any(axis=1).all()
     # Where the source's faces disagree, the few are turned to the side of the many.
     assert wound.all() or (agree[~wound] > 0).any(axis=1).mean() > 0.9
 
