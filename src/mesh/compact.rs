@@ -1,6 +1,6 @@
 //! A mesh without the gaps that editing left.
 
-use super::edit::EditMesh;
+use super::edit::{EditMesh, corners};
 use super::{CornerId, IdVec, VertexId};
 
 /// A mesh without gaps, and where its elements were before.
@@ -23,14 +23,14 @@ impl EditMesh {
             new_of[v] = Some(old_of.push(v));
         }
         let mut triangles = Vec::with_capacity(self.face_slots());
-        let mut corners = IdVec::new();
+        let mut old_corner = IdVec::new();
         for f in self.faces() {
             let vertices = self.triangle(f).map(|v| new_of[v]);
             if let [Some(a), Some(b), Some(c)] = vertices {
                 triangles.push([a, b, c]);
-                corners.extend((0..3).map(|k| CornerId::new(f.index() * 3 + k)));
+                old_corner.extend(corners(f));
             }
         }
-        Compact { triangles, old_vertex: old_of, old_corner: corners }
+        Compact { triangles, old_vertex: old_of, old_corner }
     }
 }

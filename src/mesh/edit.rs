@@ -383,33 +383,6 @@ impl EditMesh {
         }
         self.vertex_corner[vertex] = Some(corner);
     }
-
-    /// Panics where a half-edge, a fan or a handle is inconsistent.
-    pub fn assert_consistent(&self) {
-        let mut at_vertex = IdVec::<VertexId, usize>::filled(0, self.vertex_corner.len());
-        for c in self.corners() {
-            at_vertex[self.vertex(c)] += 1;
-            assert_ne!(self.vertex(c), self.target(c), "{c:?} joins two vertices");
-            if let Some(t) = self.twin[c] {
-                assert!(self.alive[face(t)], "the twin of {c:?} is there");
-                assert_eq!(self.twin[t], Some(c), "{c:?} is its twin's twin");
-                assert_eq!(
-                    (self.vertex(t), self.target(t)),
-                    (self.target(c), self.vertex(c)),
-                    "{c:?} and its twin are opposite"
-                );
-            }
-        }
-        for (v, &count) in at_vertex.enumerated() {
-            assert_eq!(self.fan(v).count(), count, "the corners of {v:?} are one fan");
-            assert!(
-                self.vertex_corner[v]
-                    .is_none_or(|c| self.twin[c].is_none() || self.fan(v).all(|c| self.twin[prev(c)].is_some())),
-                "the fan of {v:?} begins at its border"
-            );
-            assert!(self.fan(v).all(|c| self.vertex(c) == v && self.alive[face(c)]), "the fan of {v:?} is its own");
-        }
-    }
 }
 
 /// The corners at a vertex, counter-clockwise.
@@ -442,6 +415,12 @@ pub fn next(corner: CornerId) -> CornerId {
 pub fn prev(corner: CornerId) -> CornerId {
     let c = corner.index();
     CornerId::new(if c.is_multiple_of(3) { c + 2 } else { c - 1 })
+}
+
+/// The corners of a triangle.
+#[inline]
+pub fn corners(f: FaceId) -> impl Iterator<Item = CornerId> {
+    (0..3).map(move |k| CornerId::new(3 * f.index() + k))
 }
 
 /// The triangle of a corner.

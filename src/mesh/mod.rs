@@ -1,5 +1,6 @@
 //! Mesh connectivity and its handles. Nothing here knows positions.
 
+mod check;
 mod compact;
 pub mod edit;
 mod faces;

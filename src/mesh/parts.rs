@@ -1,6 +1,6 @@
 //! Parts of a mesh as meshes of their own, and parts joined again after they were edited.
 
-use super::edit::{EditMesh, face, next, prev};
+use super::edit::{EditMesh, corners, face, next, prev};
 use super::{CornerId, FaceId, IdVec, VertexId};
 
 /// Some triangles of a mesh as a mesh, and where its elements were.
@@ -31,29 +31,16 @@ impl EditMesh {
     /// Drops the gaps, and puts triangles in the order of `faces`, which are all that are there, and vertices in that of
     /// their first triangles.
     pub fn reordered(&self, faces: &[FaceId]) -> Part {
-        let mut new_face = IdVec::<FaceId, Option<FaceId>>::filled(None, self.face_slots());
-        faces.iter().enumerate().for_each(|(new, &old)| new_face[old] = Some(FaceId::new(new)));
-        let new_corner = |c: CornerId| Some(CornerId::new(3 * new_face[face(c)]?.index() + c.index() % 3));
-        let mut new_vertex = IdVec::<VertexId, Option<VertexId>>::filled(None, self.vertex_slots());
-        let mut old_vertex = IdVec::with_capacity(faces.len() / 2 + 2);
-        let mut old_corner = IdVec::with_capacity(3 * faces.len());
-        let mut corner_vertex = IdVec::with_capacity(3 * faces.len());
-        let mut twin = IdVec::with_capacity(3 * faces.len());
-        for c in faces.iter().flat_map(|&f| corners_of(f)) {
-            let v = self.vertex(c);
-            corner_vertex.push(*new_vertex[v].get_or_insert_with(|| old_vertex.push(v)));
-            twin.push(self.twin(c).and_then(new_corner));
-            old_corner.push(c);
-        }
-        let mesh = Self::from_parts(corner_vertex, twin, old_vertex.len());
-        Part { mesh, old_vertex, old_corner }
+        let mut place = IdVec::<FaceId, Option<FaceId>>::filled(None, self.face_slots());
+        faces.iter().enumerate().for_each(|(new, &old)| place[old] = Some(FaceId::new(new)));
+        self.part(faces, |f| place[f].map(FaceId::index))
     }
 
     /// The triangles `faces` in their order; `place` tells where there a triangle is, if it is one of them. Edges to
     /// others become borders.
     pub fn part(&self, faces: &[FaceId], place: impl Fn(FaceId) -> Option<usize>) -> Part {
         let local = |c: CornerId| Some(CornerId::new(3 * place(face(c))? + c.index() % 3));
-        let old_corner: IdVec<CornerId, CornerId> = faces.iter().flat_map(|&f| corners_of(f)).collect();
+        let old_corner: IdVec<CornerId, CornerId> = faces.iter().flat_map(|&f| corners(f)).collect();
         let twin: IdVec<CornerId, Option<CornerId>> =
             old_corner.iter().map(|&c| self.twin(c).and_then(local)).collect();
         let mut vertex: IdVec<CornerId, Option<VertexId>> = IdVec::filled(None, old_corner.len());
@@ -82,10 +69,10 @@ impl EditMesh {
 /// Joins meshes without gaps at the vertices to which they give the same names, which are below `names`. None where more
 /// than two half-edges meet between the same two vertices.
 pub fn join(parts: &[(&EditMesh, &IdVec<VertexId, Option<VertexId>>)], names: usize) -> Option<Joined> {
-    let corners = parts.iter().map(|(mesh, _)| mesh.corner_slots()).sum();
+    let slots = parts.iter().map(|(mesh, _)| mesh.corner_slots()).sum();
     let mut named = IdVec::<VertexId, Option<VertexId>>::filled(None, names);
-    let mut old_vertex = IdVec::with_capacity(corners / 6 + 2);
-    let (mut vertex, mut twin) = (IdVec::with_capacity(corners), IdVec::with_capacity(corners));
+    let mut old_vertex = IdVec::with_capacity(slots / 6 + 2);
+    let (mut vertex, mut twin) = (IdVec::with_capacity(slots), IdVec::with_capacity(slots));
     let mut rim: Vec<([VertexId; 2], CornerId)> = Vec::new();
     for (i, &(mesh, names)) in parts.iter().enumerate() {
         let first = vertex.len();
@@ -118,9 +105,4 @@ pub fn join(parts: &[(&EditMesh, &IdVec<VertexId, Option<VertexId>>)], names: us
     }
     let mesh = EditMesh::from_parts(vertex, twin, old_vertex.len());
     Some(Joined { mesh, old_vertex, seams, shared: named.iter().flatten().copied().collect() })
-}
-
-/// The corners of a triangle.
-fn corners_of(f: FaceId) -> impl Iterator<Item = CornerId> {
-    (0..3).map(move |k| CornerId::new(3 * f.index() + k))
 }

@@ -1,6 +1,7 @@
 //! What projections ask of the baseline's triangles, in one place for each.
 
 use super::baseline::Baseline;
+use crate::mesh::edit;
 use crate::mesh::{CornerId, FaceId, IdVec, Topology, VertexId};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
@@ -34,8 +35,8 @@ pub(super) fn facets(
     };
     let mut facets: IdVec<FaceId, Facet> =
         (0..topology.faces.len()).into_par_iter().map(facet).collect::<Vec<_>>().into();
-    for shell in uvs.into_iter().flat_map(|uvs| shells(topology, uvs).map(move |shell| (shell, uvs))) {
-        let (shell, uvs) = shell;
+    let Some(uvs) = uvs else { return facets };
+    for shell in shells(topology, uvs) {
         let area: f64 = shell.iter().map(|&f| f64::from(uv_area(uvs, f))).sum();
         let sense = if area < 0.0 { -1.0 } else { 1.0 };
         shell.iter().for_each(|&f| facets[f].sense = sense);
@@ -76,7 +77,7 @@ impl Baseline {
     /// The opposite half-edge, where a projection may cross.
     #[inline]
     pub fn open_twin(&self, corner: CornerId) -> Option<CornerId> {
-        self.facets[FaceId::new(corner.index() / 3)].open_twin[corner.index() % 3]
+        self.facets[edit::face(corner)].open_twin[corner.index() % 3]
     }
 
     /// Signed area of a triangle in UV space.

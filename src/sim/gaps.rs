@@ -16,7 +16,7 @@ pub struct Gap {
 
 /// The largest gap of a chain; `edges` are all of its edges, and `points` the positions of the mesh.
 pub(super) fn gap(baseline: &Baseline, chain: &Chain, edges: &[OnChain], points: &IdVec<VertexId, Vec3>) -> Gap {
-    let (last, steps) = (chain.vertices.len() - 1, chain.cage.len() - 1);
+    let (last, step) = (chain.vertices.len() - 1, chain.step().max(1));
     let mut largest = Gap { distance: 0.0, near: chain.cage[0] };
     for &(start, length, [a, b]) in edges {
         let first = chain.along.partition_point(|&s| s <= start);
@@ -29,7 +29,7 @@ pub(super) fn gap(baseline: &Baseline, chain: &Chain, edges: &[OnChain], points:
             let off = distance_to_segment(baseline.points[vertex], points[a], points[b]);
             let distance = off / baseline.target[vertex];
             if distance > largest.distance {
-                largest = Gap { distance, near: chain.cage[(i * steps + last / 2) / last] };
+                largest = Gap { distance, near: chain.cage[(i + step / 2) / step] };
             }
         }
     }

@@ -221,14 +221,9 @@ impl<'a> SimMesh<'a> {
         }
     }
 
-    /// The site of a place.
-    pub(super) fn site_at(&self, place: Place) -> Site {
-        site_at(self.baseline, place)
-    }
-
     /// The site of a location.
     pub(super) fn site_on(&self, location: Location) -> Site {
-        self.site_at(Place { location, uv: self.baseline.uv(location) })
+        site_at(self.baseline, Place { location, uv: self.baseline.uv(location) })
     }
 
     /// The chain of an id.
@@ -338,7 +333,7 @@ impl<'a> SimMesh<'a> {
     pub(super) fn site_on_curve(&self, chain: ChainId, s: f32, forward: bool) -> (Vec3, Option<Site>) {
         let (position, place) = self.on_curve(chain, s, forward);
         let normal = self.chain(chain).normal_at(s, forward);
-        (position, place.map(|p| Site { normal, ..self.site_at(p) }))
+        (position, place.map(|p| Site { normal, ..site_at(self.baseline, p) }))
     }
 
     /// The corners at the vertex of `corner` that are reached from it without crossing a constrained edge.

@@ -5,8 +5,8 @@
 
 use super::baseline::Baseline;
 use super::mesh::{Grade, SimMesh};
-use crate::mesh::edit::{EditMesh, face, prev};
-use crate::mesh::{CornerId, FaceId, IdVec, Joined, Part, SiteId, VertexId, join};
+use crate::mesh::edit::{EditMesh, corners, face, prev};
+use crate::mesh::{CornerId, FaceId, IdVec, Joined, SiteId, VertexId, join};
 use rayon::prelude::*;
 use std::collections::VecDeque;
 
@@ -76,8 +76,7 @@ impl Patches {
                 }
                 place[f] = Some((number, own.len() as u32));
                 own.push(f);
-                let corners = (0..3).map(|k| CornerId::new(3 * f.index() + k));
-                queue.extend(corners.filter_map(|c| topology.twin(c)).map(face));
+                queue.extend(corners(f).filter_map(|c| topology.twin(c)).map(face));
             }
             faces.push(own);
         }
@@ -89,43 +88,24 @@ impl<'a> SimMesh<'a> {
     /// A patch with its border sealed, and what the whole calls the vertices there.
     fn patch(&self, patches: &Patches, number: usize) -> (Self, Names) {
         let place = |f: FaceId| Some(patches.place[f]).filter(|p| p.0 as usize == number).map(|p| p.1 as usize);
-        let Part { mesh: topology, old_vertex, old_corner } = self.topology.part(&patches.faces[number], place);
+        let part = self.topology.part(&patches.faces[number], place);
+        let (topology, old_vertex) = (&part.mesh, &part.old_vertex);
         let mut names = IdVec::filled(None, old_vertex.len());
         for c in topology.corners().filter(|&c| topology.twin(c).is_none()) {
-            if self.topology.twin(old_corner[c]).is_some() {
+            if self.topology.twin(part.old_corner[c]).is_some() {
                 [topology.vertex(c), topology.target(c)].into_iter().for_each(|v| names[v] = Some(old_vertex[v]));
             }
         }
-        let mut sealed: Vec<(VertexId, VertexId)> = names.enumerated().filter_map(|(v, n)| Some(((*n)?, v))).collect();
-        sealed.sort_unstable();
-        let mut seals = IdVec::filled(Seal::Open, old_vertex.len());
-        for same in sealed.chunk_by(|a, b| a.0 == b.0) {
-            let seal = if same.len() > 1 { Seal::Pinched } else { Seal::Shared };
-            same.iter().for_each(|&(_, v)| seals[v] = seal);
-        }
-        let grade = old_vertex.enumerated().map(|(v, &old)| match seals[v] {
-            Seal::Open => self.grade[old],
-            Seal::Shared | Seal::Pinched => Grade::Frozen,
-        });
-        let corners = topology.corner_slots();
-        let mut patch = Self {
-            baseline: self.baseline,
-            points: old_vertex.iter().map(|&v| self.points[v]).collect(),
-            target: old_vertex.iter().map(|&v| self.target[v]).collect(),
-            grade: grade.collect(),
-            mark: IdVec::filled(None, corners),
-            spans: IdVec::new(),
-            site_of: IdVec::filled(SiteId::new(0), corners),
-            sites: IdVec::with_capacity(old_vertex.len()),
-            topology,
-            seals,
-        };
-        for half in (0..corners).map(CornerId::new).filter(|&c| self.is_constrained(old_corner[c])) {
-            if let (None, Some(span)) = (patch.mark[half], self.span(old_corner[half])) {
-                patch.add_span(half, span);
+        let mut shared: Vec<(VertexId, VertexId)> = names.enumerated().filter_map(|(v, n)| Some(((*n)?, v))).collect();
+        shared.sort_unstable();
+        let mut patch = self.gathered(part);
+        patch.seals = IdVec::filled(Seal::Open, patch.points.len());
+        for same in shared.chunk_by(|a, b| a.0 == b.0) {
+            for &(_, v) in same {
+                patch.seals[v] = if same.len() > 1 { Seal::Pinched } else { Seal::Shared };
+                patch.grade[v] = Grade::Frozen;
             }
         }
-        patch.make_sites(|c| *self.site(old_corner[c]));
         (patch, names)
     }
 
@@ -137,15 +117,15 @@ impl<'a> SimMesh<'a> {
         baseline: &'a Baseline,
     ) -> Self {
         let Joined { mesh: topology, old_vertex, seams, shared } = joined;
-        let corners = topology.corner_slots();
+        let slots = topology.corner_slots();
         let mut mesh = Self {
             baseline,
             points: old_vertex.iter().map(|&(i, v)| patches[i].points[v]).collect(),
             target: old_vertex.iter().map(|&(i, v)| patches[i].target[v]).collect(),
             grade: old_vertex.iter().map(|&(i, v)| grade(i, v)).collect(),
-            mark: IdVec::with_capacity(corners),
+            mark: IdVec::with_capacity(slots),
             spans: IdVec::new(),
-            site_of: IdVec::with_capacity(corners),
+            site_of: IdVec::with_capacity(slots),
             sites: IdVec::with_capacity(patches.iter().map(|p| p.sites.len()).sum()),
             seals: IdVec::new(),
             topology,

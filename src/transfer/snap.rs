@@ -1,8 +1,9 @@
 //! The vertex of the simulation mesh nearest to a vertex of the cage, on the same chain or the same part of the surface.
 
+use super::hash::{IdMap, IdSet};
 use crate::mesh::{ChainId, Csr, FaceId, IdVec, VertexId};
 use crate::sim::SimProduct;
-use std::collections::{HashMap, HashSet, VecDeque};
+use std::collections::VecDeque;
 
 /// How far along its chain a vertex may be from where its share of the chain's edges puts it, in target lengths. Longer
 /// finds vertices that relaxing has moved; shorter keeps to the right turn of a winding chain.
@@ -16,9 +17,9 @@ pub(super) struct Surface<'a> {
     /// Which vertices are on chains.
     pub is_constrained: IdVec<VertexId, bool>,
     /// Where vertices of the cage lie on chains: the chain, and the place in its curve.
-    on_chain: HashMap<VertexId, (ChainId, usize)>,
+    on_chain: IdMap<VertexId, (ChainId, usize)>,
     /// The chain between two neighbouring vertices of the cage, and which of its cage edges that is.
-    pub chain_edge: HashMap<[VertexId; 2], (ChainId, usize)>,
+    pub chain_edge: IdMap<[VertexId; 2], (ChainId, usize)>,
 }
 
 impl<'a> Surface<'a> {
@@ -36,10 +37,10 @@ impl<'a> Surface<'a> {
         let in_face = Csr::group(faces, pairs.iter().copied(), VertexId::new(0));
         let mut is_constrained = IdVec::filled(false, product.points.len());
         product.chain_edges.iter().flatten().flatten().for_each(|&v| is_constrained[v] = true);
-        let (on_chain, chain_edge) = (HashMap::new(), HashMap::new());
+        let (on_chain, chain_edge) = (IdMap::default(), IdMap::default());
         let mut surface = Self { product, in_face, is_constrained, on_chain, chain_edge };
         for (id, chain) in product.baseline.chains.enumerated() {
-            let step = (chain.vertices.len() - 1) / (chain.cage.len() - 1).max(1);
+            let step = chain.step();
             // Vertices of the cage keep their numbers on every level.
             let cage: Vec<VertexId> = chain.vertices.iter().step_by(step.max(1)).copied().collect();
             for (k, &vertex) in cage.iter().enumerate() {
@@ -85,8 +86,7 @@ impl<'a> Surface<'a> {
 
     fn nearest_on_chain(&self, chain: ChainId, along: &[(f32, VertexId)], k: usize) -> usize {
         let curve = &self.product.baseline.chains[chain];
-        let step = (curve.vertices.len() - 1) / (curve.cage.len() - 1).max(1);
-        let index = (k * step).min(curve.vertices.len() - 1);
+        let index = (k * curve.step()).min(curve.vertices.len() - 1);
         if index == 0 {
             return 0;
         }
@@ -108,9 +108,7 @@ impl<'a> Surface<'a> {
     /// The chain that a vertex of the cage lies on, and its place in the chain's cage.
     pub fn on_chain(&self, vertex: VertexId) -> Option<(ChainId, usize)> {
         let &(chain, index) = self.on_chain.get(&vertex)?;
-        let curve = &self.product.baseline.chains[chain];
-        let step = (curve.vertices.len() - 1) / (curve.cage.len() - 1).max(1);
-        Some((chain, index / step.max(1)))
+        Some((chain, index / self.product.baseline.chains[chain].step().max(1)))
     }
 
     /// Whether a vertex of the cage lies on a chain.
@@ -142,7 +140,7 @@ impl<'a> Surface<'a> {
         let t = &base.topology;
         let point = base.points[vertex];
         let mut queue: VecDeque<FaceId> = t.faces_at(vertex).collect();
-        let mut seen: HashSet<FaceId> = queue.iter().copied().collect();
+        let mut seen: IdSet<FaceId> = queue.iter().copied().collect();
         let mut found: Vec<(f32, VertexId)> = Vec::new();
         let mut reach = f32::MAX;
         while let Some(face) = queue.pop_front() {
@@ -155,8 +153,8 @@ impl<'a> Surface<'a> {
                 found.push((distance, v));
                 reach = reach.min(distance + self.product.target[v]);
             }
-            for corner in t.faces.corners_of(face).filter(|&c| !base.barrier[c]) {
-                if let Some(other) = t.twin(corner).map(|c| t.faces.face_of(c))
+            for corner in t.faces.corners_of(face) {
+                if let Some(other) = base.open_twin(corner).map(|c| t.faces.face_of(c))
                     && seen.insert(other)
                 {
                     queue.push_back(other);
