@@ -131,6 +131,15 @@ pub enum Warning {
         /// Triangles that it has.
         faces: usize,
     },
+    /// Borders, seams and edge subsets that bend too much for the edges of the simulation mesh to follow.
+    CurvesCut {
+        /// How many chains.
+        count: usize,
+        /// The largest distance of a curve from its edges, in target lengths.
+        farthest: f32,
+        /// The points of the garment nearest to the farthest places, the farthest first.
+        examples: Vec<usize>,
+    },
     /// Face subsets whose area on the simulation mesh is not that on the garment's surface: folds finer than the target
     /// length are cut short.
     AreaChanged {
@@ -204,6 +213,13 @@ pub enum Warning {
         /// Their names.
         names: Vec<String>,
     },
+    /// Face subsets that are too small for the triangles of the simulation mesh to follow their borders.
+    SetsBlurred {
+        /// Names of the subsets.
+        sets: Vec<String>,
+        /// The least agreement with the source: what both have in common, as a share of their mean area.
+        least: f32,
+    },
     /// The products have no ancestor that a reference to the asset could name.
     RootMesh {
         /// Path of the model.
@@ -253,15 +269,18 @@ impl fmt::Display for Warning {
             Self::FaceLimit { faces } => {
                 write!(f, "the simulation mesh was stopped at {faces} triangles, before its edges were short enough")
             }
+            Self::CurvesCut { count, farthest, examples } => {
+                let some = some(*count, "at points", examples, usize::to_string);
+                write!(f, "borders, seams or constraints up to {farthest:.2} edge lengths from their edges: {count} ")?;
+                write!(f, "({some}); they bend within an edge: lower sim.maxEdgeLength, or sim.cornerAngle")
+            }
             Self::AreaChanged { sets, largest } => {
-                let (shown, more) = (sets.iter().take(5).cloned().collect::<Vec<_>>(), sets.len().saturating_sub(5));
-                let more = if more > 0 { format!(" and {more} more") } else { String::new() };
                 write!(
                     f,
                     "the simulation mesh has up to {:.0} % more or less area than the surface in ",
                     largest * 100.0
                 )?;
-                write!(f, "{}{more}; lower sim.maxEdgeLength, or name edge sets along folds in ", shown.join(", "))?;
+                write!(f, "{}; lower sim.maxEdgeLength, or name edge sets along folds in ", few(sets))?;
                 write!(f, "sim.constraints")
             }
             Self::NarrowSeam { seam, count, examples, least } => {
@@ -301,6 +320,19 @@ impl fmt::Display for Warning {
             Self::OperatorsLeftOut { names } => {
                 write!(f, "not in render.operators, and so not made: {}", names.join(", "))
             }
+            Self::SetsBlurred { sets, least } => {
+                write!(
+                    f,
+                    "whole triangles of the simulation mesh agree by no more than {:.0} % of area ",
+                    least * 100.0
+                )?;
+                write!(
+                    f,
+                    "with face subsets that are hardly larger: {}; name edge sets along their borders ",
+                    few(sets)
+                )?;
+                write!(f, "in sim.constraints, or lower sim.maxEdgeLength")
+            }
             Self::RootMesh { prim } => {
                 write!(
                     f,
@@ -312,6 +344,12 @@ impl fmt::Display for Warning {
             Self::Composition { fault } => write!(f, "the stage does not compose fully: {fault}"),
         }
     }
+}
+
+/// The first few names, and how many more there are.
+fn few(names: &[String]) -> String {
+    let (shown, more) = (names.iter().take(5).cloned().collect::<Vec<_>>().join(", "), names.len().saturating_sub(5));
+    if more > 0 { format!("{shown} and {more} more") } else { shown }
 }
 
 /// The examples of `count` elements, with dots where there are more.

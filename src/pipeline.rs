@@ -6,7 +6,7 @@ use crate::mesh::{FaceId, IdVec, Topology, VertexId};
 use crate::recipe::{Bound, Layers, Recipe, bind};
 use crate::render::{Formed, Stack, first_cage, render};
 use crate::report::{RenderFigures, SimFigures, SubsetArea, subset_areas};
-use crate::sim::{Baseline, Lengths, RemeshReport, SimProduct, holes, simulate};
+use crate::sim::{Baseline, Gap, Lengths, RemeshReport, SimProduct, holes, simulate};
 use crate::subdivide::Level;
 use crate::transfer::{Transferred, transfer};
 use serde::Serialize;
@@ -238,6 +238,7 @@ impl Prepared {
         if product.triangles.len() >= cap {
             warnings.push(Warning::FaceLimit { faces: product.triangles.len() });
         }
+        warn_of_gaps(&product, warnings);
         Ok(product)
     }
 
@@ -354,6 +355,21 @@ fn doubled_area(garment: &Garment, face: FaceId) -> f64 {
     let origin = at(&vertices[0]);
     let fan = vertices.windows(2).map(|p| (at(&p[0]) - origin).cross(at(&p[1]) - origin));
     fan.sum::<glam::DVec3>().length()
+}
+
+/// Distance of a curve from its edges that is worth a warning. \[target lengths\]
+const CURVE_GAP: f32 = 0.1;
+/// Points that a warning names.
+const EXAMPLES: usize = 5;
+
+/// Warns of borders, seams and constraints that the mesh's edges do not follow.
+fn warn_of_gaps(product: &SimProduct, warnings: &mut Warnings) {
+    let given = product.gaps.iter().zip(product.baseline.chains.iter()).filter(|(_, chain)| !chain.marks.ridge);
+    let mut gaps: Vec<&Gap> = given.map(|(gap, _)| gap).filter(|gap| gap.distance > CURVE_GAP).collect();
+    gaps.sort_by(|a, b| b.distance.total_cmp(&a.distance).then(a.near.cmp(&b.near)));
+    let Some(first) = gaps.first() else { return };
+    let examples = gaps.iter().take(EXAMPLES).map(|gap| gap.near.index()).collect();
+    warnings.push(Warning::CurvesCut { count: gaps.len(), farthest: first.distance, examples });
 }
 
 /// Share of a face subset's area whose loss or gain is worth a warning. Chords of a curved border alone stay below it.

@@ -1,9 +1,9 @@
 //! The quality figures of a product, defined once for the summary, the JSON report, tests and benches.
 
 use crate::garment::{Elements, Garment};
-use crate::mesh::{CornerId, FaceId, IdVec, Topology, VertexId};
+use crate::mesh::{CornerId, IdVec, Topology, VertexId};
 use crate::sim::SimProduct;
-use crate::transfer::{Coverage, Transferred};
+use crate::transfer::Transferred;
 use glam::Vec3;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -44,6 +44,8 @@ pub struct SimFigures {
     pub distance_mean: f32,
     /// Length of the constraint chains on the mesh as a share of that of their curves: the smallest of any chain.
     pub chain_length_min: f32,
+    /// Largest distance of a chain's curve from the edges that follow it, as a share of the target length.
+    pub chain_distance_max: f32,
     /// Triangles that lie the wrong way round in UV space for their shell.
     pub uv_flips: usize,
     /// For each face subset its area on the mesh and on the baseline. \[square stage units\]
@@ -136,6 +138,7 @@ impl SimFigures {
             edge_sets: edge_sets(product, transferred),
             islands_cleaned: transferred.islands,
             chain_length_min: chain_length_min(product),
+            chain_distance_max: product.gaps.iter().map(|gap| gap.distance).fold(0.0, f32::max),
             ..Self::default()
         };
         figures.set_angles(product);
@@ -238,7 +241,7 @@ fn uv_flips(product: &SimProduct) -> usize {
     let flipped = |i: &usize| {
         let [a, b, c] = [0, 1, 2].map(|k| product.places[CornerId::new(3 * i + k)]);
         let area = (b.uv - a.uv).perp_dot(c.uv - a.uv);
-        area * product.baseline.shell_sign[a.location.face] <= 0.0
+        area * product.baseline.facets[a.location.face].sense <= 0.0
     };
     (0..product.triangles.len()).filter(flipped).count()
 }
@@ -264,23 +267,11 @@ pub fn subset_areas(product: &SimProduct, transferred: &Transferred, garment: &G
             name: s.name.clone(),
             area: on.iter().map(|f| own[f.index()]).sum(),
             source_area: of.iter().map(|&f| coverage.source_area[f]).sum(),
-            overlap: overlap(of, on, coverage),
+            overlap: coverage.overlap(of, on),
         }),
         _ => None,
     });
     sets.collect()
-}
-
-/// Overlap of a set with its source, as a share of their union; 1 where both are empty.
-pub fn overlap(source: &[FaceId], set: &[FaceId], coverage: &Coverage) -> f64 {
-    let mut is_in = IdVec::<FaceId, bool>::filled(false, coverage.faces.rows());
-    source.iter().for_each(|&f| is_in[f] = true);
-    let all: f64 = source.iter().flat_map(|&f| coverage.faces.row(f)).map(|s| f64::from(s.area)).sum();
-    let (mut common, mut beyond) = (0.0, 0.0);
-    for share in set.iter().flat_map(|&f| coverage.sources.row(f)) {
-        *(if is_in[share.face] { &mut common } else { &mut beyond }) += f64::from(share.area);
-    }
-    if all + beyond > 0.0 { common / (all + beyond) } else { 1.0 }
 }
 
 fn edge_sets(product: &SimProduct, transferred: &Transferred) -> Vec<EdgeSet> {

@@ -2,16 +2,20 @@
 //!
 //! In debug builds the remesher checks its own invariants after each pass too.
 
+#[path = "common/cases.rs"]
+mod cases;
 #[path = "common/garments.rs"]
 mod garments;
 #[path = "common/product.rs"]
 mod product;
+#[path = "common/sheets.rs"]
+mod sheets;
 #[path = "common/zoo.rs"]
 mod zoo;
 
+use cases::few;
 use product::{Bounds, GARMENT, Subject};
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use tailor::error::Warnings;
 use tailor::garment::GarmentInput;
@@ -157,10 +161,10 @@ impl Sheet {
         if holes.len() == kept.len() {
             return None;
         }
-        let mut input = zoo::grid(self.nx, self.ny, |x, y| kind(x, y) != 1);
+        let mut input = sheets::grid(self.nx, self.ny, |x, y| kind(x, y) != 1);
         input.primvars.retain(|p| p.name != "st");
         let (cut, nx) = (self.cut, self.nx);
-        let mut input = zoo::with_uvs(input, move |face, v| {
+        let mut input = sheets::with_uvs(input, move |face, v| {
             let shift = if kept[face].0 >= cut { 10.0 } else { 0.0 };
             [(v % (nx + 1)) as f32 + shift, (v / (nx + 1)) as f32]
         });
@@ -170,7 +174,7 @@ impl Sheet {
         let edge =
             |y: usize| (self.line > 0 && kind(self.line - 1, y) != 1) || (self.line < nx && kind(self.line, y) != 1);
         let line: Vec<[i32; 2]> = (0..self.ny).filter(|&y| edge(y)).map(|y| [row(y), row(y + 1)]).collect();
-        Some(if line.is_empty() { input } else { zoo::with_edges(input, "line", &line) })
+        Some(if line.is_empty() { input } else { sheets::with_edges(input, "line", &line) })
     }
 
     fn layers(&self, input: &GarmentInput) -> Layers {
@@ -189,18 +193,8 @@ impl Sheet {
     }
 }
 
-/// The same few cases in each run, so that a failure is a change's own; `PROPTEST_CASES` and `PROPTEST_RNG_SEED` look
-/// further.
-fn few() -> ProptestConfig {
-    let given = ProptestConfig::default();
-    let set = |name: &str| std::env::var_os(name).is_some();
-    let cases = if set("PROPTEST_CASES") { given.cases } else { 48 };
-    let rng_seed = if set("PROPTEST_RNG_SEED") { given.rng_seed } else { RngSeed::Fixed(20_220_808) };
-    ProptestConfig { cases, rng_seed, failure_persistence: None, ..given }
-}
-
 proptest! {
-    #![proptest_config(few())]
+    #![proptest_config(few(48, 20_220_808))]
 
     #[test]
     fn of_random_sheets(sheet in sheets()) {
@@ -223,7 +217,7 @@ proptest! {
         // The corners of a box, each moved a little, so that no two are in one place.
         let corner = |i: usize| [i & 1, i >> 1 & 1, i >> 2].map(|k| k as f32);
         let points = shifts.iter().enumerate().map(|(i, s)| [0, 1, 2].map(|k| corner(i)[k] + s[k]));
-        let input = zoo::mesh(points, &faces);
+        let input = sheets::mesh(points, &faces);
         let layers = layers(&[format!("sim.maxEdgeLength={target}")]);
         // Such a surface folds back on itself: what is asked for is a sound mesh, not a good one.
         let bounds = Bounds { distance: f32::MAX, chain: 1.0, area: -1.0 };

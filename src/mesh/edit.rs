@@ -42,23 +42,29 @@ impl EditMesh {
             corner_vertex,
         };
         mesh.pair();
-        for corner in mesh.corner_vertex.ids() {
-            let slot = &mut mesh.vertex_corner[mesh.corner_vertex[corner]];
-            if slot.is_none() || mesh.twin[corner].is_none() {
-                *slot = Some(corner);
-            }
-        }
+        mesh.set_vertex_corners();
         mesh
     }
 
-    /// A mesh of consistent arrays.
+    /// A mesh of consistent half-edges over `vertices` vertices.
     pub(super) fn from_parts(
         corner_vertex: IdVec<CornerId, VertexId>,
         twin: IdVec<CornerId, Option<CornerId>>,
-        vertex_corner: IdVec<VertexId, Option<CornerId>>,
+        vertices: usize,
     ) -> Self {
         let alive = IdVec::filled(true, corner_vertex.len() / 3);
-        Self { corner_vertex, twin, vertex_corner, alive }
+        let mut mesh = Self { corner_vertex, twin, vertex_corner: IdVec::filled(None, vertices), alive };
+        mesh.set_vertex_corners();
+        mesh
+    }
+
+    fn set_vertex_corners(&mut self) {
+        for corner in self.corner_vertex.ids() {
+            let slot = &mut self.vertex_corner[self.corner_vertex[corner]];
+            if slot.is_none() || self.twin[corner].is_none() {
+                *slot = Some(corner);
+            }
+        }
     }
 
     fn pair(&mut self) {
@@ -109,6 +115,12 @@ impl EditMesh {
         self.vertex_corner.enumerated().filter(|(_, c)| c.is_some()).map(|(v, _)| v)
     }
 
+    /// Whether a vertex is there and has a triangle.
+    #[inline]
+    pub fn has_faces(&self, vertex: VertexId) -> bool {
+        self.vertex_corner[vertex].is_some()
+    }
+
     /// Number of vertex slots, gaps included.
     pub fn vertex_slots(&self) -> usize {
         self.vertex_corner.len()
@@ -150,8 +162,8 @@ impl EditMesh {
     /// The vertices of a triangle.
     #[inline]
     pub fn triangle(&self, f: FaceId) -> [VertexId; 3] {
-        let c = f.index() * 3;
-        [0, 1, 2].map(|k| self.corner_vertex[CornerId::new(c + k)])
+        let own = &self.corner_vertex.as_slice()[3 * f.index()..3 * f.index() + 3];
+        [own[0], own[1], own[2]]
     }
 
     /// The opposite half-edge; none at a border.
@@ -371,33 +383,6 @@ impl EditMesh {
         }
         self.vertex_corner[vertex] = Some(corner);
     }
-
-    /// Panics where a half-edge, a fan or a handle is inconsistent.
-    pub fn assert_consistent(&self) {
-        let mut at_vertex = IdVec::<VertexId, usize>::filled(0, self.vertex_corner.len());
-        for c in self.corners() {
-            at_vertex[self.vertex(c)] += 1;
-            assert_ne!(self.vertex(c), self.target(c), "{c:?} joins two vertices");
-            if let Some(t) = self.twin[c] {
-                assert!(self.alive[face(t)], "the twin of {c:?} is there");
-                assert_eq!(self.twin[t], Some(c), "{c:?} is its twin's twin");
-                assert_eq!(
-                    (self.vertex(t), self.target(t)),
-                    (self.target(c), self.vertex(c)),
-                    "{c:?} and its twin are opposite"
-                );
-            }
-        }
-        for (v, &count) in at_vertex.enumerated() {
-            assert_eq!(self.fan(v).count(), count, "the corners of {v:?} are one fan");
-            assert!(
-                self.vertex_corner[v]
-                    .is_none_or(|c| self.twin[c].is_none() || self.fan(v).all(|c| self.twin[prev(c)].is_some())),
-                "the fan of {v:?} begins at its border"
-            );
-            assert!(self.fan(v).all(|c| self.vertex(c) == v && self.alive[face(c)]), "the fan of {v:?} is its own");
-        }
-    }
 }
 
 /// The corners at a vertex, counter-clockwise.
@@ -430,6 +415,12 @@ pub fn next(corner: CornerId) -> CornerId {
 pub fn prev(corner: CornerId) -> CornerId {
     let c = corner.index();
     CornerId::new(if c.is_multiple_of(3) { c + 2 } else { c - 1 })
+}
+
+/// The corners of a triangle.
+#[inline]
+pub fn corners(f: FaceId) -> impl Iterator<Item = CornerId> {
+    (0..3).map(move |k| CornerId::new(3 * f.index() + k))
 }
 
 /// The triangle of a corner.

@@ -1,13 +1,16 @@
 //! Mesh connectivity and its handles. Nothing here knows positions.
 
+mod check;
 mod compact;
 pub mod edit;
 mod faces;
 mod ids;
+mod parts;
 mod ring;
 mod topology;
 
-pub use compact::{Compact, Reordered};
+pub use compact::Compact;
 pub use faces::Faces;
 pub use ids::{ChainId, CornerId, EdgeId, FaceId, Id, IdVec, SiteId, SpanId, ValueId, VertexId};
+pub use parts::{Joined, Part, join};
 pub use topology::{Csr, Topology};

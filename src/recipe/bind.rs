@@ -21,43 +21,24 @@ pub fn bind<'a>(recipe: &Recipe, garment: &'a Garment, uv_set_was_given: bool) -
     let is_uv = |p: &&Primvar| {
         p.interpolation == Interpolation::FaceVarying && p.width() == 2 && matches!(p.values, Values::F32(_))
     };
-    let uv_set = garment.primvar(&sim.uv_set).filter(is_uv);
-    if uv_set.is_none() && uv_set_was_given && !sim.uv_set.is_empty() {
-        return Err(missing(
-            garment,
-            "sim.uvSet",
-            &sim.uv_set,
-            "face-varying float2 primvar",
-            garment.primvars.iter().filter(is_uv),
-        ));
-    }
+    let uv_set = match named(garment, "sim.uvSet", &sim.uv_set, "face-varying float2 primvar", is_uv) {
+        Err(_) if !uv_set_was_given => None,
+        found => found?,
+    };
     let is_weight = |p: &&Primvar| {
         matches!(p.interpolation, Interpolation::Vertex | Interpolation::Varying)
             && p.width() == 1
             && matches!(p.values, Values::F32(_))
     };
-    let density = garment.primvar(&sim.density).filter(is_weight);
-    if density.is_none() && !sim.density.is_empty() {
-        return Err(missing(
-            garment,
-            "sim.density",
-            &sim.density,
-            "float primvar per vertex",
-            garment.primvars.iter().filter(is_weight),
-        ));
-    }
+    let density = named(garment, "sim.density", &sim.density, "float primvar per vertex", is_weight)?;
     subsets_are(garment, "sim.constraints", &sim.constraints, "edge")?;
     for (name, seam) in &recipe.seams {
         subsets_are(garment, &format!("seam.{name}.edges"), &seam.edges, "edge")?;
     }
     for (name, thickness) in &recipe.thicknesses {
         subsets_are(garment, &format!("thickness.{name}.faces"), &thickness.faces, "face")?;
-        let weights = &thickness.weights;
-        if !weights.is_empty() && garment.primvar(weights).filter(is_weight).is_none() {
-            let fitting = garment.primvars.iter().filter(is_weight);
-            let key = format!("thickness.{name}.weights");
-            return Err(missing(garment, &key, weights, "float primvar per vertex", fitting));
-        }
+        let key = format!("thickness.{name}.weights");
+        named(garment, &key, &thickness.weights, "float primvar per vertex", is_weight)?;
     }
     Ok(Bound { uv_set, density })
 }
@@ -78,15 +59,23 @@ fn subsets_are(garment: &Garment, key: &str, names: &[String], kind: &str) -> Re
     Ok(())
 }
 
-fn missing<'a>(
-    garment: &Garment,
+/// The primvar that `key` names, which has to be a `kind`; none where the name is empty.
+fn named<'a>(
+    garment: &'a Garment,
     key: &str,
     name: &str,
     kind: &str,
-    fitting: impl Iterator<Item = &'a Primvar>,
-) -> Error {
-    let names: Vec<&str> = fitting.map(|p| p.name.as_str()).collect();
+    fits: impl Fn(&&Primvar) -> bool,
+) -> Result<Option<&'a Primvar>, Error> {
+    let found = garment.primvar(name).filter(&fits);
+    if found.is_some() || name.is_empty() {
+        return Ok(found);
+    }
+    let names: Vec<&str> = garment.primvars.iter().filter(&fits).map(|p| p.name.as_str()).collect();
     let hint =
         if names.is_empty() { "the mesh has none".to_owned() } else { format!("the mesh has: {}", names.join(", ")) };
-    Error::Recipe(format!("{}: {key} names \"{name}\", which is no {kind} of the mesh\n  hint: {hint}", garment.prim))
+    Err(Error::Recipe(format!(
+        "{}: {key} names \"{name}\", which is no {kind} of the mesh\n  hint: {hint}",
+        garment.prim
+    )))
 }

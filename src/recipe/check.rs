@@ -9,6 +9,8 @@ const MAX_LEVEL: u32 = 6;
 const MAX_ITERATIONS: u32 = 100;
 /// Samples above this settle nothing more, and their time grows with their number. \[samples a face\]
 const MAX_SAMPLES: u32 = 1024;
+/// Lengths that grow more slowly than this spread a fine region over the whole garment. \[factor\]
+const LEAST_GRADING: f32 = 1.05;
 
 fn fault(key: &str, fault: &str, hint: &str) -> Result<(), Error> {
     Err(Error::Recipe(format!("{key}: {fault}\n  hint: {hint}")))
@@ -50,6 +52,17 @@ impl Recipe {
         if min > max && max > 0.0 {
             let more = format!("{min} is more than sim.maxEdgeLength, {max}");
             return fault("sim.minEdgeLength", &more, "exchange the two");
+        }
+        let grading = self.sim.grading;
+        if !(grading == 0.0 || grading.is_finite() && grading >= LEAST_GRADING) {
+            let slow = format!("{grading} is no factor by which lengths can grow");
+            let hint = format!("give {LEAST_GRADING} or more, or 0 to leave lengths as they are");
+            return fault("sim.grading", &slow, &hint);
+        }
+        let angle = self.sim.corner_angle;
+        if !(angle > 0.0 && angle <= 180.0) {
+            let none = format!("{angle} is no angle of a corner");
+            return fault("sim.cornerAngle", &none, "give more than 0, at most 180");
         }
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! Layers of a recipe: attributes, file, arguments and flags, the strongest last.
 
 use super::instances::split;
-use super::{Recipe, all_keys, default_of, in_words, instance_defaults, type_of, usd_type_of};
+use super::{Recipe, all_keys, default_of, in_words, instance_defaults, kind_of};
 use crate::error::{Error, Warning, Warnings};
 use serde_json::{Map, Value};
 
@@ -94,7 +94,7 @@ impl Layers {
             return Err(Error::Usage(format!("{giver} {key}: the {space} has no name\n  hint: {hint}")));
         }
         let unfit = || {
-            let kind = type_of(&default);
+            let kind = kind_of(&default).recipe;
             Error::Usage(format!("{giver} {key}: \"{text}\" is no {kind}\n  hint: its default is {default}"))
         };
         let value = parse_like(&default, text).ok_or_else(unfit)?;
@@ -147,7 +147,7 @@ impl Layers {
     fn mistyped(&self, whole: &serde_json::Error) -> Error {
         let fault = |path: &str, space: &str, key: &str, e: &serde_json::Error| {
             let default = default_of(space, key).unwrap_or_default();
-            let (words, kind) = (in_words(e), usd_type_of(&default));
+            let (words, kind) = (in_words(e), kind_of(&default).usd);
             Error::Recipe(format!("tailor:{path} of the model: {words}\n  hint: declare it as {kind}"))
         };
         for (space, fields) in &self.merged {

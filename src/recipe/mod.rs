@@ -19,15 +19,17 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 /// The options that each recipe has once: key, unit and meaning, in the order of the schemas.
-pub const KEYS: [(&str, &str, &str); 15] = [
+pub const KEYS: [(&str, &str, &str); 17] = [
     ("sim.minEdgeLength", "stage units", "edge length where the density is 1; 0: half of maxEdgeLength"),
     ("sim.maxEdgeLength", "stage units", "edge length where the density is 0; 0: half the mean edge of the input"),
     ("sim.density", "name", "painted float primvar, 1 fine to 0 coarse; empty: maxEdgeLength everywhere"),
+    ("sim.grading", "factor", "how many times longer than its neighbour an edge may be asked to be; 0: any"),
     ("sim.baselineLevel", "levels", "refinements that give the surface which the mesh lies on"),
     ("sim.iterations", "rounds", "rounds of split, collapse, flip and relax"),
     ("sim.uvSet", "name", "UV set whose shell borders are seams; empty: none"),
     ("sim.constrainUvSeams", "true or false", "whether UV seams are edges of the mesh"),
     ("sim.constraints", "names", "edge subsets that become edges of the mesh"),
+    ("sim.cornerAngle", "degrees", "a curve that turns more within one edge length keeps a corner there; 180: none"),
     ("sim.transferSamples", "samples a face", "samples that face sets, colours and uniform primvars are counted by"),
     ("sim.seed", "number", "seed of the samples"),
     ("sim.cleanIslands", "true or false", "whether single stray faces of a face set go to their neighbours"),
@@ -94,25 +96,21 @@ pub fn help() -> String {
     text
 }
 
-fn type_of(value: &Value) -> &'static str {
-    match value {
-        Value::Bool(_) => "true or false",
-        Value::Number(n) if n.is_f64() => "number",
-        Value::Number(_) => "whole number",
-        Value::Array(_) => "list",
-        _ => "name",
-    }
+/// The type of an option, in a recipe, and in the schemas as an example of its declaration.
+struct Kind {
+    recipe: &'static str,
+    usd: &'static str,
 }
 
-/// The type of an option in the schemas, as an example of its declaration.
-fn usd_type_of(value: &Value) -> &'static str {
-    match value {
-        Value::Bool(_) => "bool, such as true",
-        Value::Number(n) if n.is_f64() => "float, such as 2.5",
-        Value::Number(_) => "int, such as 3 (0 or more)",
-        Value::Array(_) => "rel, with subsets of the mesh as targets",
-        _ => "token, such as \"st\"",
-    }
+fn kind_of(value: &Value) -> Kind {
+    let (recipe, usd) = match value {
+        Value::Bool(_) => ("true or false", "bool, such as true"),
+        Value::Number(n) if n.is_f64() => ("number", "float, such as 2.5"),
+        Value::Number(_) => ("whole number", "int, such as 3 (0 or more)"),
+        Value::Array(_) => ("list", "rel, with subsets of the mesh as targets"),
+        _ => ("name", "token, such as \"st\""),
+    };
+    Kind { recipe, usd }
 }
 
 /// What serde found, without the names of our types.

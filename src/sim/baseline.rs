@@ -1,14 +1,17 @@
 //! The surface that the simulation mesh lies on: the garment refined, in triangles, with its chains.
 
 use super::chains::{self, Chain, StartSpan};
+use super::facets::{Facet, facets};
 use super::manifold::Manifold;
 use super::options::SimOptions;
 use super::ridges;
+use super::sizing::grade;
+use super::triangulation::{Start, Triangulation};
 use crate::garment::{Garment, Interpolation, Primvar, Values};
 use crate::mesh::{ChainId, CornerId, FaceId, Faces, IdVec, Topology, VertexId};
 use crate::subdivide::{Level, Numbering, Real, Refiner, Stencils, mix_rows};
 use glam::{Vec2, Vec3};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// A point of the baseline.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,18 +44,16 @@ pub struct Baseline {
     pub level_corner: IdVec<CornerId, CornerId>,
     /// The garment's face behind each triangle.
     pub source_face: IdVec<FaceId, FaceId>,
-    /// +1 or -1: the sense in which the triangle's shell lies in UV space.
-    pub shell_sign: IdVec<FaceId, f32>,
     /// Half-edges that no projection crosses: those on chains and at borders.
     pub barrier: IdVec<CornerId, bool>,
-    /// The opposite half-edge of each, where a projection may cross.
-    pub open_twin: IdVec<CornerId, Option<CornerId>>,
-    /// Unit normal of each triangle; zero where it has no area.
-    pub unit_normal: IdVec<FaceId, Vec3>,
+    /// What projections ask of each triangle.
+    pub facets: IdVec<FaceId, Facet>,
     /// Whether UVs are one to one over each piece between chains, so that a mesh can be held to them.
     pub holds_uvs: bool,
     /// Target edge length at each vertex. \[stage units\]
     pub target: IdVec<VertexId, f32>,
+    /// Number of vertices whose target grading shortened.
+    pub graded: usize,
     /// The length that remeshing works with at each vertex: the target, or less near a chain that bends.
     /// \[stage units\]
     pub sizing: IdVec<VertexId, f32>,
@@ -130,7 +131,14 @@ impl Baseline {
 
         let is_seam = |e| cage.channels.first().is_some_and(|c| c.is_cut(e));
         let mut marked = chains::constrained_edges(garment, &manifold, options, is_seam, |f| is_hole[f]);
-        let target = targets(garment, lengths, &manifold, &levels, points.len());
+        let mut target = targets(garment, lengths, &manifold, &levels, points.len());
+        let graded = match options.grading > 0.0 {
+            true => {
+                let all: Vec<(VertexId, f32)> = target.enumerated().map(|(v, &length)| (v, length)).collect();
+                grade(&mut target, all.into_iter(), options.grading - 1.0, &topology, &points)
+            }
+            false => 0,
+        };
         let all_levels: Vec<&Refiner> = std::iter::once(&cage).chain(&levels).collect();
         let surface = ridges::Surface { topology: &topology, points: &points, target: &target };
         ridges::mark(&manifold, &all_levels, &surface, &mut marked);
@@ -141,7 +149,8 @@ impl Baseline {
 
         let start_level = nearest_level(&all_levels, &points, lengths);
         let start =
-            quads.start(&all_levels, start_level, &points, |f| !is_hole[root_face(&all_levels[..=start_level], f)]);
+            Start { levels: &all_levels, level: start_level, points: &points, uvs: &corner_uvs, target: &target };
+        let start = start.triangles(&quads, |f| !is_hole[root_face(&all_levels[..=start_level], f)]);
         let start_spans = chains::start_spans(&chains, &curves[start_level]);
         // Chains and the start know the vertices of the level; from here on, fans that only touch are apart.
         let (topology, level_vertex) = apart(topology, is_hole.contains(&true));
@@ -150,17 +159,16 @@ impl Baseline {
         for half in chains.iter().flat_map(|c| c.left.iter().chain(&c.right)).flatten() {
             barrier[*half] = true;
         }
-        let open_twin = barrier.enumerated().map(|(c, &closed)| topology.twin(c).filter(|_| !closed)).collect();
+        let facets = facets(&topology, &points, &barrier, uv_set.map(|_| &corner_uvs));
         let mut baseline = Self {
-            open_twin,
-            unit_normal: IdVec::filled(Vec3::ZERO, topology.faces.len()),
+            facets,
             holds_uvs: uv_set.is_some() && options.constrain_uv_seams,
             source_face: quads.faces.iter().map(|&f| faces[f]).collect(),
             level_face: quads.faces,
             level_corner: quads.corners,
-            shell_sign: IdVec::filled(1.0, topology.faces.len()),
             target: level_vertex.iter().map(|&v| target[v]).collect(),
             sizing: IdVec::new(),
+            graded,
             has_uvs: uv_set.is_some(),
             uvs: corner_uvs,
             manifold,
@@ -173,11 +181,10 @@ impl Baseline {
             start,
             start_spans,
         };
-        baseline.set_shell_signs();
         let (points, target) = (&baseline.points, &baseline.target);
-        baseline.chains.iter_mut().for_each(|c| c.space(points, target, 1 << options.baseline_level));
+        let (step, corner) = (1 << options.baseline_level, options.corner());
+        baseline.chains.iter_mut().for_each(|c| c.space(points, target, step, corner));
         baseline.spread_lengths();
-        baseline.unit_normal = baseline.topology.faces.ids().map(|f| baseline.normal(f).normalize_or_zero()).collect();
         baseline
     }
 
@@ -200,43 +207,6 @@ impl Baseline {
     /// The rows of a vertex or varying primvar at the vertices of the finest level. `values` are the primvar's.
     pub fn refine_rows<T: Real>(&self, primvar: &Primvar, values: &[T]) -> Vec<T> {
         refine_rows(&self.manifold, &self.levels, primvar, values)
-    }
-
-    /// Signed area of a triangle in UV space.
-    pub fn uv_area(&self, face: FaceId) -> f32 {
-        let [a, b, c] = [0, 1, 2].map(|k| self.uvs[CornerId::new(face.index() * 3 + k)]);
-        0.5 * (b - a).perp_dot(c - a)
-    }
-
-    /// The sense of each shell: that of most of its UV area.
-    fn set_shell_signs(&mut self) {
-        if !self.has_uvs {
-            return;
-        }
-        let t = &self.topology;
-        let mut seen = IdVec::<FaceId, bool>::filled(false, t.faces.len());
-        for seed in t.faces.ids() {
-            if std::mem::replace(&mut seen[seed], true) {
-                continue;
-            }
-            let mut shell = vec![seed];
-            let mut at = 0;
-            while let Some(&face) = shell.get(at) {
-                at += 1;
-                for corner in t.faces.corners_of(face) {
-                    let Some(twin) = t.twin(corner) else { continue };
-                    let same = self.uvs[corner] == self.uvs[t.faces.next(twin)]
-                        && self.uvs[t.faces.next(corner)] == self.uvs[twin];
-                    let other = t.faces.face_of(twin);
-                    if same && !std::mem::replace(&mut seen[other], true) {
-                        shell.push(other);
-                    }
-                }
-            }
-            let area: f64 = shell.iter().map(|&f| f64::from(self.uv_area(f))).sum();
-            let sign = if area < 0.0 { -1.0 } else { 1.0 };
-            shell.iter().for_each(|&f| self.shell_sign[f] = sign);
-        }
     }
 }
 
@@ -347,100 +317,4 @@ fn nearest_level(levels: &[&Refiner], points: &IdVec<VertexId, Vec3>, lengths: L
         }
     }
     best
-}
-
-/// The corners of a face from which it can be cut in a fan, the one with the shortest diagonals first.
-fn apexes<'a>(
-    faces: &'a Faces,
-    points: &'a IdVec<VertexId, Vec3>,
-    face: FaceId,
-) -> impl Iterator<Item = usize> + use<'a> {
-    let n = faces.valence(face);
-    let vertices = faces.vertices_of(face);
-    let longest = move |apex: &usize| {
-        let p = points[vertices[*apex]];
-        (2..n - 1).map(|k| p.distance_squared(points[vertices[(apex + k) % n]])).fold(0.0f32, f32::max)
-    };
-    let best = (1..n).fold(0, |best, k| if longest(&k) < longest(&best) { k } else { best });
-    std::iter::once(best).chain((0..n).filter(move |&k| k != best))
-}
-
-/// The diagonals of a face that is cut in a fan, each with its lower vertex first.
-fn diagonals(faces: &Faces, face: FaceId, apex: usize) -> impl Iterator<Item = [VertexId; 2]> + use<'_> {
-    let (n, vertices) = (faces.valence(face), faces.vertices_of(face));
-    (2..n - 1).map(move |k| {
-        let (a, b) = (vertices[apex], vertices[(apex + k) % n]);
-        [a.min(b), a.max(b)]
-    })
-}
-
-fn diagonals_are_new(faces: &Faces, face: FaceId, apex: usize, taken: &BTreeSet<[VertexId; 2]>) -> bool {
-    diagonals(faces, face, apex).all(|d| !taken.contains(&d))
-}
-
-/// The triangles of a level's faces.
-struct Triangulation {
-    /// The level's corner behind each corner of the triangles.
-    corners: IdVec<CornerId, CornerId>,
-    /// The level's face behind each triangle.
-    faces: IdVec<FaceId, FaceId>,
-}
-
-impl Triangulation {
-    /// Splits quads at their shorter diagonal, and others in a fan from the corner with the shortest diagonals; another
-    /// one where two vertices would be joined twice, for such a mesh cannot be edited.
-    fn new(topology: &Topology, points: &IdVec<VertexId, Vec3>, keep: impl Fn(FaceId) -> bool) -> Self {
-        let faces = &topology.faces;
-        let kept: Vec<FaceId> = faces.ids().filter(|&f| keep(f)).collect();
-        let mut apexes: Vec<usize> = kept.iter().map(|&f| apexes(faces, points, f).next().unwrap_or(0)).collect();
-        let mut diagonals: Vec<[VertexId; 2]> =
-            kept.iter().zip(&apexes).flat_map(|(&f, &apex)| diagonals(faces, f, apex)).collect();
-        diagonals.sort_unstable();
-        let joined_twice = diagonals.windows(2).any(|p| p[0] == p[1])
-            || diagonals.iter().any(|&[a, b]| topology.find_edge(a, b).is_some());
-        if joined_twice {
-            let mut taken: BTreeSet<[VertexId; 2]> =
-                topology.edges.iter().map(|&[a, b]| [a.min(b), a.max(b)]).collect();
-            for (&face, apex) in kept.iter().zip(&mut apexes) {
-                let is_new = |&k: &usize| diagonals_are_new(faces, face, k, &taken);
-                *apex = self::apexes(faces, points, face).find(is_new).unwrap_or(*apex);
-                taken.extend(self::diagonals(faces, face, *apex));
-            }
-        }
-        let mut all = Self { corners: IdVec::new(), faces: IdVec::new() };
-        for (&face, apex) in kept.iter().zip(apexes) {
-            let n = faces.valence(face);
-            let at = |k: usize| CornerId::new(faces.range(face).start + k % n);
-            for k in 1..n - 1 {
-                all.corners.extend([at(apex), at(apex + k), at(apex + k + 1)]);
-                all.faces.push(face);
-            }
-        }
-        all
-    }
-
-    fn vertices(&self, faces: &Faces) -> Vec<VertexId> {
-        self.corners.iter().map(|&c| faces.vertex(c)).collect()
-    }
-
-    /// The triangles of a coarser level, by corners of these.
-    fn start(
-        &self,
-        levels: &[&Refiner],
-        level: usize,
-        points: &IdVec<VertexId, Vec3>,
-        keep: impl Fn(FaceId) -> bool,
-    ) -> Vec<[CornerId; 3]> {
-        let finest = &levels[levels.len() - 1].level.topology.faces;
-        let mut own = IdVec::<CornerId, Option<CornerId>>::filled(None, finest.corners().len());
-        for (triangle_corner, &c) in self.corners.enumerated() {
-            own[c].get_or_insert(triangle_corner);
-        }
-        let down = |c: CornerId| {
-            let c = levels[level..levels.len() - 1].iter().fold(c, |c, parent| parent.child_of(c));
-            own[c]
-        };
-        let coarse = Self::new(&levels[level].level.topology, points, keep);
-        coarse.corners.chunks_exact(3).filter_map(|t| Some([down(t[0])?, down(t[1])?, down(t[2])?])).collect()
-    }
 }

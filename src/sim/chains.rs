@@ -67,6 +67,11 @@ impl Chain {
         self.along.last().copied().unwrap_or(0.0)
     }
 
+    /// Segments of the curve for each edge of the cage.
+    pub fn step(&self) -> usize {
+        (self.vertices.len() - 1) / (self.cage.len() - 1).max(1)
+    }
+
     /// The place at arc length `s`; loops go round, paths end.
     pub fn at(&self, s: f32) -> OnCurve {
         self.wound(s).1

@@ -28,9 +28,15 @@ impl SimMesh<'_> {
         let ends = [self.topology.vertex(half), self.topology.target(half)];
         let twin = self.topology.twin(half);
         let Some(span) = self.span(half) else {
-            assert!(twin.is_some_and(|t| self.span(t).is_none()), "borders are chains, and both halves are free");
+            assert!(
+                self.is_sealed(half) || twin.is_some_and(|t| self.span(t).is_none()),
+                "borders are chains, and both halves are free"
+            );
             return;
         };
+        let chain = self.chain(span.chain);
+        let count = (chain.count_to(span.to) - chain.count_to(span.from)).abs();
+        assert!((span.count() - count).abs() <= SLACK * count.max(1.0), "{half:?} counts {} of {count}", span.count());
         for (v, s) in ends.into_iter().zip([span.from, span.to]) {
             assert!(self.grade[v] != Grade::Free, "chain ends are constrained");
             let (p, _) = self.on_curve(span.chain, s, span.forward);

@@ -1,6 +1,6 @@
 //! Collapse every edge that is too short, the shortest first.
 
-use super::mesh::{Grade, SimMesh, Site};
+use super::mesh::{Grade, SimMesh, Site, Span};
 use super::queue::edit_in_order;
 use super::shape::Corner;
 use super::split::SPLIT_RATIO;
@@ -72,6 +72,7 @@ fn may_collapse(mesh: &SimMesh<'_>, half: CornerId, removed: VertexId) -> bool {
         && !joins_chains(half)
         && !mesh.topology.twin(half).is_some_and(joins_chains)
         && mesh.topology.may_collapse(half)
+        && mesh.may_merge(half, removed)
 }
 
 /// The corners around `vertex` in triangles that stay.
@@ -99,7 +100,7 @@ fn stays_short(mesh: &SimMesh<'_>, half: CornerId, vertex: VertexId, kept: Verte
 fn chain_stays_short(mesh: &SimMesh<'_>, half: CornerId, removed: VertexId) -> bool {
     let Some(span) = mesh.span(half) else { return true };
     let Some([ahead, back]) = mesh.chain_neighbours(removed) else { return true };
-    let parts = [ahead, back].map(|h| mesh.span(h).map_or(0.0, |s| mesh.count(s)));
+    let parts = [ahead, back].map(|h| mesh.span(h).map_or(0.0, Span::count));
     debug_assert!(span.from <= span.to || !span.forward, "spans run along their chains");
     parts[0] + parts[1] <= SPLIT_RATIO
 }
@@ -112,7 +113,7 @@ fn may_be(mesh: &SimMesh<'_>, corners: [Corner<'_>; 3], old: CornerId) -> bool {
         return false;
     }
     let alignment = mesh.alignment(corners);
-    alignment > MIN_COSINE || alignment >= mesh.alignment([old, next(old), prev(old)].map(|c| mesh.corner(c)))
+    alignment > MIN_COSINE || alignment >= mesh.alignment(mesh.corners(old))
 }
 
 /// Whether `removed` may take the place of `kept`.

@@ -53,12 +53,12 @@ impl SimMesh<'_> {
 
     fn split_span(&mut self, half: CornerId, span: Span) -> VertexId {
         let chain = self.chain(span.chain);
-        let s = chain.at_count(0.5 * (chain.count_to(span.from) + chain.count_to(span.to)));
-        let low = span.from.min(span.to);
-        let s = s.clamp(low, span.from.max(span.to));
+        let s = chain.at_count(0.5 * (span.counts[0] + span.counts[1]));
+        let s = s.clamp(span.from.min(span.to), span.from.max(span.to));
+        let count = chain.count_to(s);
         let ahead = self.split_topology(half);
-        self.add_span(half, Span { to: s, ..span });
-        self.add_span(ahead, Span { from: s, ..span });
+        self.add_span(half, Span { to: s, counts: [span.counts[0], count], ..span });
+        self.add_span(ahead, Span { from: s, counts: [count, span.counts[1]], ..span });
         let (position, own) = self.site_on_curve(span.chain, s, span.forward);
         let own = self.new_site(own, half);
         self.site_of[next(half)] = own;
@@ -81,7 +81,7 @@ impl SimMesh<'_> {
     /// a triangle over.
     fn middle_site(&self, half: CornerId) -> Option<(Vec3, Site)> {
         let (from, to) = (self.place(half), self.place(next(half)));
-        let ends = [self.topology.vertex(half), self.topology.target(half)].map(|v| self.points[v]);
+        let ends = [self.points[self.topology.vertex(half)], self.points[self.topology.target(half)]];
         let middle = ends[0].midpoint(ends[1]);
         let mut best = self.baseline.closest(from.location.face, middle);
         if best.distance_squared > NEAR * NEAR * ends[0].distance_squared(ends[1]) {
@@ -104,7 +104,7 @@ impl SimMesh<'_> {
     fn split_is_safe(&self, half: CornerId, position: Vec3, site: &Site) -> bool {
         let m = (position, site);
         let side = |h: CornerId| {
-            let [a, b, c] = [h, next(h), prev(h)].map(|c| self.corner(c));
+            let [a, b, c] = self.corners(h);
             let worst = self.badness([a, m, c]).max(self.badness([m, b, c]));
             // A thin half is put right later; one that lies the wrong way round may stay for good.
             worst < 2 || worst <= self.badness([a, b, c])
@@ -164,7 +164,8 @@ impl SimMesh<'_> {
     /// Before a constrained edge goes: the chain's next edge, beyond `removed`, takes its part of the curve.
     fn join_spans(&mut self, half: CornerId, removed: VertexId) {
         let Some(span) = self.span(half) else { return };
-        let step = if self.topology.vertex(half) == removed { span.to - span.from } else { span.from - span.to };
+        let goes = if self.topology.vertex(half) == removed { span } else { span.reversed() };
+        let (step, count) = (goes.to - goes.from, goes.counts[1] - goes.counts[0]);
         let Some(own) = self.mark[half].map(Mark::span) else { return };
         let follower = self
             .topology
@@ -177,8 +178,10 @@ impl SimMesh<'_> {
         let next = &mut self.spans[mark.span()];
         if leaves == mark.is_forward() {
             next.from += step;
+            next.counts[0] += count;
         } else {
             next.to += step;
+            next.counts[1] += count;
         }
     }
 

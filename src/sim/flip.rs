@@ -30,7 +30,7 @@ pub fn flip_edges(mesh: &mut SimMesh<'_>, regularity: f32) -> usize {
     for _ in 0..MAX_SWEEPS {
         for &half in &candidates {
             let Some(twin) = mesh.topology.twin(half).filter(|_| !mesh.is_constrained(half)) else { continue };
-            if wants(mesh, &excess, half) && mesh.topology.may_flip(half) && flip_is_safe(mesh, half) {
+            if wants(mesh, &excess, half) && may_flip(mesh, half) && flip_is_safe(mesh, half) {
                 let sites = [half, twin, prev(half), prev(twin)].map(|c| mesh.site_of[c]);
                 sites.into_iter().zip([-1, -1, 1, 1]).for_each(|(site, by)| excess[site] += by);
                 mesh.flip(half);
@@ -79,9 +79,12 @@ fn excess(mesh: &SimMesh<'_>) -> Excess {
 #[inline]
 fn gain(mesh: &SimMesh<'_>, excess: &Excess, half: CornerId, regularity: f32) -> f32 {
     let Some(twin) = mesh.topology.twin(half) else { return -1.0 };
-    let corners = [half, twin, prev(half), prev(twin)];
-    let [a, b, c, d] = corners.map(|x| mesh.points[mesh.topology.vertex(x)]);
-    let [ea, eb, ec, ed] = corners.map(|x| i32::from(excess[mesh.site_of[x]]));
+    // Written out: arrays that are mapped are not kept in registers, and this is asked of every edge.
+    let point = |x: CornerId| mesh.points[mesh.topology.vertex(x)];
+    let excess = |x: CornerId| i32::from(excess[mesh.site_of[x]]);
+    let (apex, other) = (prev(half), prev(twin));
+    let (a, b, c, d) = (point(half), point(twin), point(apex), point(other));
+    let (ea, eb, ec, ed) = (excess(half), excess(twin), excess(apex), excess(other));
     // The change of the sum of squares.
     let change = 4 + 2 * (ec + ed - ea - eb);
     let square = (a - c).dot(b - c) >= 0.0 && (a - d).dot(b - d) >= 0.0;
@@ -101,11 +104,17 @@ fn opposite_angle(apex: Vec3, a: Vec3, b: Vec3) -> (f32, f32) {
     (u.cross(v).length(), u.dot(v))
 }
 
+/// Whether turning an edge makes no edge that is there already, in this patch or another.
+fn may_flip(mesh: &SimMesh<'_>, half: CornerId) -> bool {
+    let apexes = mesh.topology.twin(half).map(|t| [half, t].map(|h| mesh.topology.vertex(prev(h))));
+    apexes.is_some_and(|[c, d]| mesh.may_join(c, d)) && mesh.topology.may_flip(half)
+}
+
 /// Neither new triangle is worse than the worse of the old, or turns further from the surface than those, if it turns
 /// far.
 fn flip_is_safe(mesh: &SimMesh<'_>, half: CornerId) -> bool {
     let Some(twin) = mesh.topology.twin(half) else { return false };
-    let [a, b, c, d] = [half, next(half), prev(half), prev(twin)].map(|x| mesh.corner(x));
+    let ([a, b, c], d) = (mesh.corners(half), mesh.corner(prev(twin)));
     let new = mesh.badness([c, d, b]).max(mesh.badness([d, c, a]));
     let aligned = || {
         let after = mesh.alignment([c, d, b]).min(mesh.alignment([d, c, a]));

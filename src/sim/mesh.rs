@@ -2,6 +2,7 @@
 
 use super::baseline::{Baseline, Location};
 use super::chains::Chain;
+use super::patches::Seal;
 use crate::mesh::edit::{EditMesh, next, prev};
 use crate::mesh::{ChainId, CornerId, FaceId, IdVec, SiteId, SpanId, VertexId};
 use glam::{Vec2, Vec3};
@@ -28,6 +29,8 @@ pub struct Span {
     pub from: f32,
     /// See `from`.
     pub to: f32,
+    /// Number of edges that the chain asks for up to `from` and up to `to`.
+    pub counts: [f32; 2],
     /// Whether the half-edge runs along the chain; lengths do not say that of an edge without length.
     pub forward: bool,
 }
@@ -35,12 +38,18 @@ pub struct Span {
 impl Span {
     /// As the twin has it.
     pub fn reversed(self) -> Self {
-        Self { chain: self.chain, from: self.to, to: self.from, forward: !self.forward }
+        let [from, to] = self.counts;
+        Self { from: self.to, to: self.from, counts: [to, from], forward: !self.forward, ..self }
     }
 
     /// Whether a span in its chain's direction has no length left.
     pub fn is_reversed(self) -> bool {
         self.from >= self.to
+    }
+
+    /// Number of edges that it should be.
+    pub fn count(self) -> f32 {
+        (self.counts[1] - self.counts[0]).abs()
     }
 
     /// In the chain's own direction.
@@ -83,6 +92,11 @@ impl Mark {
         SpanId::new((self.0.get() - 1) as usize / 2)
     }
 
+    /// The mark where spans have numbers larger by `by`.
+    pub(super) fn shifted(self, by: usize) -> Self {
+        Self::new(SpanId::new(self.span().index() + by), self.is_forward())
+    }
+
     pub(super) fn is_forward(self) -> bool {
         (self.0.get() - 1) % 2 == 1
     }
@@ -113,6 +127,8 @@ pub struct SimMesh<'a> {
     pub(super) site_of: IdVec<CornerId, SiteId>,
     /// The sites. Those of vertices that went stay as gaps.
     pub(super) sites: IdVec<SiteId, Site>,
+    /// Which vertices a patch shares with others; empty for a whole mesh.
+    pub(super) seals: IdVec<VertexId, Seal>,
 }
 
 impl<'a> SimMesh<'a> {
@@ -131,6 +147,7 @@ impl<'a> SimMesh<'a> {
             spans: IdVec::new(),
             site_of: IdVec::filled(SiteId::new(0), corners),
             sites: IdVec::with_capacity(triangles.len()),
+            seals: IdVec::new(),
             topology,
         };
         mesh.set_constraints();
@@ -139,12 +156,17 @@ impl<'a> SimMesh<'a> {
     }
 
     fn set_constraints(&mut self) {
-        let halves: Vec<CornerId> = self.topology.edges().collect();
+        let mut on_chain = IdVec::<VertexId, bool>::filled(false, self.points.len());
+        self.baseline.chains.iter().flat_map(|c| &c.vertices).for_each(|&v| on_chain[v] = true);
+        let ends = |half: CornerId| [self.topology.vertex(half), self.topology.target(half)];
+        let known = |half: &CornerId| ends(*half).iter().all(|&v| on_chain[self.baseline.level_vertex[v]]);
+        let halves: Vec<CornerId> = self.topology.edges().filter(known).collect();
         for half in halves {
             let (a, b) = (self.topology.vertex(half), self.topology.target(half));
             let [x, y] = [a, b].map(|v| self.baseline.level_vertex[v]);
             let Some(start) = self.baseline.start_spans.get(&[x.min(y), x.max(y)]) else { continue };
-            let span = Span { chain: start.chain, from: start.from, to: start.to, forward: true };
+            let counts = [start.from, start.to].map(|s| self.chain(start.chain).count_to(s));
+            let span = Span { chain: start.chain, from: start.from, to: start.to, counts, forward: true };
             let span = self.spans.push(span);
             self.set_mark(half, Mark::new(span, start.first == x));
             for (v, s) in [(a, self.spans[span].from), (b, self.spans[span].to)] {
@@ -169,22 +191,11 @@ impl<'a> SimMesh<'a> {
 
     /// A site for each sector of each vertex.
     fn set_sites(&mut self) {
-        let start: Vec<CornerId> = self.baseline.start.iter().flatten().copied().collect();
-        let mut done = IdVec::<CornerId, bool>::filled(false, self.topology.corner_slots());
-        let mut sector = Vec::new();
-        for corner in self.topology.corners().collect::<Vec<_>>() {
-            if done[corner] {
-                continue;
-            }
-            let own = start[corner.index()];
-            let location = self.baseline.corner_location(own);
-            let site = self.sites.push(self.site_at(Place { location, uv: self.baseline.uvs[own] }));
-            self.sector(corner, &mut sector);
-            for &c in &sector {
-                self.site_of[c] = site;
-                done[c] = true;
-            }
-        }
+        let baseline = self.baseline;
+        self.make_sites(|corner| {
+            let own = baseline.start[corner.index() / 3][corner.index() % 3];
+            site_at(baseline, Place { location: baseline.corner_location(own), uv: baseline.uvs[own] })
+        });
         for half in self.topology.corners() {
             let Some(span) = self.span(half) else { continue };
             for (corner, s) in [(half, span.from), (next(half), span.to)] {
@@ -193,15 +204,26 @@ impl<'a> SimMesh<'a> {
         }
     }
 
-    /// The site of a place.
-    pub(super) fn site_at(&self, place: Place) -> Site {
-        let face = place.location.face;
-        Site { place, normal: self.baseline.unit_normal[face], sense: self.baseline.shell_sign[face] }
+    /// Makes a site for each sector of each vertex, as `site` tells it for one of its corners.
+    pub(super) fn make_sites(&mut self, site: impl Fn(CornerId) -> Site) {
+        let mut done = IdVec::<CornerId, bool>::filled(false, self.topology.corner_slots());
+        let mut sector = Vec::new();
+        for corner in (0..done.len()).map(CornerId::new) {
+            if done[corner] {
+                continue;
+            }
+            let own = self.sites.push(site(corner));
+            self.sector(corner, &mut sector);
+            for &c in &sector {
+                self.site_of[c] = own;
+                done[c] = true;
+            }
+        }
     }
 
     /// The site of a location.
     pub(super) fn site_on(&self, location: Location) -> Site {
-        self.site_at(Place { location, uv: self.baseline.uv(location) })
+        site_at(self.baseline, Place { location, uv: self.baseline.uv(location) })
     }
 
     /// The chain of an id.
@@ -225,7 +247,7 @@ impl<'a> SimMesh<'a> {
     #[inline]
     pub fn relative_length(&self, half: CornerId) -> f32 {
         match self.span(half) {
-            Some(span) => self.count(span),
+            Some(span) => span.count(),
             None => self.length(half) / self.target_between(self.topology.vertex(half), self.topology.target(half)),
         }
     }
@@ -234,17 +256,17 @@ impl<'a> SimMesh<'a> {
     #[inline]
     pub(super) fn is_outside(&self, half: CornerId, share: f32, longer: bool) -> bool {
         if self.mark[half].is_some() {
-            return (self.relative_length(half) > share) == longer;
+            return self.chain_edge_is_outside(half, share, longer);
         }
         let (a, b) = (self.topology.vertex(half), self.topology.target(half));
         let bound = share * self.target_between(a, b);
         (self.points[a].distance_squared(self.points[b]) > bound * bound) == longer
     }
 
-    /// Number of edges that a span should be.
-    pub(super) fn count(&self, span: Span) -> f32 {
-        let chain = self.chain(span.chain);
-        (chain.count_to(span.to) - chain.count_to(span.from)).abs()
+    /// The same for a constrained edge. Apart, so that the many free ones are asked quickly.
+    #[cold]
+    fn chain_edge_is_outside(&self, half: CornerId, share: f32, longer: bool) -> bool {
+        (self.relative_length(half) > share) == longer
     }
 
     /// Whether an edge is constrained.
@@ -311,7 +333,7 @@ impl<'a> SimMesh<'a> {
     pub(super) fn site_on_curve(&self, chain: ChainId, s: f32, forward: bool) -> (Vec3, Option<Site>) {
         let (position, place) = self.on_curve(chain, s, forward);
         let normal = self.chain(chain).normal_at(s, forward);
-        (position, place.map(|p| Site { normal, ..self.site_at(p) }))
+        (position, place.map(|p| Site { normal, ..site_at(self.baseline, p) }))
     }
 
     /// The corners at the vertex of `corner` that are reached from it without crossing a constrained edge.
@@ -354,4 +376,10 @@ impl<'a> SimMesh<'a> {
         }
         Some([found[0]?, found[1]?])
     }
+}
+
+/// The site of a place on a baseline.
+fn site_at(baseline: &Baseline, place: Place) -> Site {
+    let facet = &baseline.facets[place.location.face];
+    Site { place, normal: facet.normal, sense: facet.sense }
 }

@@ -5,11 +5,14 @@ mod chains;
 mod check;
 mod collapse;
 mod edits;
+mod facets;
 mod flip;
+mod gaps;
 mod manifold;
 mod mesh;
 mod options;
 mod order;
+mod patches;
 mod project;
 mod queue;
 mod relax;
@@ -20,9 +23,12 @@ mod sizing;
 mod slide;
 mod spacing;
 mod split;
+mod triangulation;
 
 pub use baseline::{Baseline, Lengths, Location, holes};
 pub use chains::{Chain, Marks};
+pub use facets::Facet;
+pub use gaps::Gap;
 pub use mesh::{Grade, Place, SimMesh, Span};
 pub use options::SimOptions;
 pub use project::{Projection, closest_weights};
@@ -45,6 +51,8 @@ pub struct SimProduct {
     pub places: IdVec<CornerId, Place>,
     /// The edges on each chain, in order and direction of the chain.
     pub chain_edges: IdVec<ChainId, Vec<[VertexId; 2]>>,
+    /// Where each chain's curve is farthest from those edges.
+    pub gaps: IdVec<ChainId, Gap>,
     /// What the remesher did.
     pub report: RemeshReport,
 }
@@ -69,17 +77,19 @@ pub fn simulate(baseline: Baseline, iterations: u32, max_faces: usize) -> SimPro
         let start = if baseline.chains[span.chain].is_loop { from.rem_euclid(length) } else { from };
         on_chain[span.chain].push((start, to - from, if span.forward { [a, b] } else { [b, a] }));
     }
-    let chain_edges = on_chain.into_vec().into_iter().map(|mut edges| {
+    for edges in on_chain.iter_mut() {
         // An edge without length comes before the one that starts where it does.
         edges.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
-        edges.into_iter().map(|(_, _, e)| e).collect()
-    });
-    let chain_edges = chain_edges.collect();
+    }
     let points: IdVec<VertexId, Vec3> = old_vertex.iter().map(|&v| mesh.points[v]).collect();
+    let gaps = on_chain.enumerated().map(|(id, edges)| gaps::gap(&baseline, &baseline.chains[id], edges, &points));
+    let gaps = gaps.collect();
+    let chain_edges = on_chain.into_vec().into_iter().map(|edges| edges.into_iter().map(|(_, _, e)| e).collect());
+    let chain_edges = chain_edges.collect();
     let places: IdVec<CornerId, Place> = old_corner.iter().map(|&c| mesh.place(c)).collect();
     let mut target = IdVec::<VertexId, f32>::filled(0.0, points.len());
     for (&v, place) in triangles.iter().flatten().zip(places.iter()) {
         target[v] = baseline.target_at(place.location);
     }
-    SimProduct { points, triangles, target, places, chain_edges, report, baseline }
+    SimProduct { points, triangles, target, places, chain_edges, gaps, report, baseline }
 }

@@ -13,6 +13,9 @@ pub struct SimOptions {
     pub max_edge_length: f32,
     /// Name of the painted vertex primvar, 1 = `minEdgeLength`, 0 = `maxEdgeLength`; empty: `maxEdgeLength` everywhere.
     pub density: String,
+    /// How many times longer than a neighbour an edge may be asked to be: lengths grow no faster than that away from
+    /// where they are shorter. \[factor\] 0: as the density has it.
+    pub grading: f32,
     /// Refinements of the input that give the surface which the mesh lies on. \[levels\]
     pub baseline_level: u32,
     /// Rounds of split, collapse, flip and relax. \[rounds\]
@@ -23,6 +26,9 @@ pub struct SimOptions {
     pub constrain_uv_seams: bool,
     /// Edge subsets that become edges of the mesh.
     pub constraints: Vec<String>,
+    /// A seam, border or constraint that turns by more than this within one edge length has a corner there, which stays.
+    /// \[degrees\] 180: none has.
+    pub corner_angle: f32,
     /// Samples for each expected face when sets and colours are transferred. \[samples\]
     pub transfer_samples: u32,
     /// Seed of the samples.
@@ -33,17 +39,26 @@ pub struct SimOptions {
     pub provenance: bool,
 }
 
+impl SimOptions {
+    /// The turn above which a curve has a corner. \[radians\]
+    pub(super) fn corner(&self) -> f32 {
+        if self.corner_angle < 180.0 { self.corner_angle.to_radians() } else { f32::INFINITY }
+    }
+}
+
 impl Default for SimOptions {
     fn default() -> Self {
         Self {
             min_edge_length: 0.0,
             max_edge_length: 0.0,
             density: String::new(),
+            grading: 0.0,
             baseline_level: 2,
             iterations: 5,
             uv_set: "st".into(),
             constrain_uv_seams: true,
             constraints: Vec::new(),
+            corner_angle: 50.0,
             transfer_samples: 32,
             seed: 0,
             clean_islands: false,

@@ -43,8 +43,7 @@ impl Baseline {
     /// Positions of a triangle's corners.
     #[inline]
     pub fn triangle(&self, face: FaceId) -> [Vec3; 3] {
-        let [a, b, c] = self.vertices(face);
-        [self.points[a], self.points[b], self.points[c]]
+        self.facets[face].points
     }
 
     /// Normal of a triangle, not scaled to unit length.
@@ -104,7 +103,7 @@ impl Baseline {
 
     /// The closest point that a walk from triangle `start` reaches.
     pub fn closest(&self, start: FaceId, point: Vec3) -> Projection {
-        self.walk(start, point, |half| self.open_twin[half])
+        self.walk(start, point, |half| self.open_twin(half))
     }
 
     /// The same, with half-edges that it does not cross given by `barrier`.
@@ -150,7 +149,7 @@ impl Baseline {
                 return Some(Location { face, weights });
             }
             let half = CornerId::new(3 * face.index() + (outward + 1) % 3);
-            face = edit::face(self.open_twin[half]?);
+            face = edit::face(self.open_twin(half)?);
         }
         None
     }

@@ -10,9 +10,13 @@ use crate::mesh::edit::face;
 use crate::mesh::{CornerId, FaceId, IdVec, SiteId, VertexId};
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Shares of the way that vertices try to move, in turn: where moves would fold triangles, they try again and shorter.
 const STEPS: [f32; 3] = [1.0, 0.5, 0.25];
+
+/// Vertices that one task averages.
+const VERTICES_PER_TASK: usize = 2048;
 
 /// Where a vertex wants to go.
 #[derive(Clone, Copy)]
@@ -44,56 +48,71 @@ pub fn relax_and_project(mesh: &mut SimMesh<'_>, sweeps: usize, moves: &mut Vec<
     }
 }
 
-/// The rings of the free vertices, in one array.
+/// The rings of some free vertices, in one array.
 struct Rings {
     vertices: Vec<VertexId>,
     start: Vec<u32>,
     around: Vec<VertexId>,
+    normals: Vec<Vec3>,
 }
 
 impl Rings {
-    fn new(mesh: &SimMesh<'_>) -> Self {
-        let free = mesh.topology.vertices().filter(|&v| mesh.grade[v] == Grade::Free);
-        let mut rings = Self { vertices: free.collect(), start: vec![0], around: Vec::new() };
-        rings.around.reserve(7 * rings.vertices.len());
-        for &v in &rings.vertices {
-            rings.around.extend(mesh.topology.fan(v).map(|c| mesh.topology.target(c)));
-            rings.start.push(rings.around.len() as u32);
+    /// The rings of the free ones of the vertices with numbers in `numbers`.
+    fn new(mesh: &SimMesh<'_>, numbers: Range<usize>) -> Self {
+        let free = |v: &VertexId| mesh.grade[*v] == Grade::Free && mesh.topology.has_faces(*v);
+        let vertices: Vec<VertexId> = numbers.map(VertexId::new).filter(free).collect();
+        let mut start = Vec::with_capacity(vertices.len() + 1);
+        let mut around = Vec::with_capacity(7 * vertices.len());
+        start.push(0);
+        for &v in &vertices {
+            around.extend(mesh.topology.fan(v).map(|c| mesh.topology.target(c)));
+            start.push(around.len() as u32);
         }
-        rings
+        let ring = |i: usize| &around[start[i] as usize..start[i + 1] as usize];
+        let normals = (0..vertices.len()).map(|i| mean_normal(&mesh.points, vertices[i], ring(i))).collect();
+        Self { vertices, start, around, normals }
     }
 
-    fn of(&self, i: usize) -> &[VertexId] {
-        &self.around[self.start[i] as usize..self.start[i + 1] as usize]
+    /// The middle around each vertex.
+    fn middles(&self, points: &IdVec<VertexId, Vec4>) -> Vec<Vec3> {
+        let ring = |i: usize| &self.around[self.start[i] as usize..self.start[i + 1] as usize];
+        (0..self.vertices.len()).map(|i| middle(points, self.vertices[i], ring(i), self.normals[i])).collect()
     }
 }
 
 /// Where vertices want to go; those that stay are left out.
 fn goals(mesh: &SimMesh<'_>, sweeps: usize) -> Vec<(VertexId, Goal)> {
-    let rings = Rings::new(mesh);
+    let slots = mesh.topology.vertex_slots();
+    let tasks = (0..slots.div_ceil(VERTICES_PER_TASK)).into_par_iter();
+    let numbers = |t: usize| t * VERTICES_PER_TASK..slots.min((t + 1) * VERTICES_PER_TASK);
+    let rings: Vec<Rings> = tasks.map(|t| Rings::new(mesh, numbers(t))).collect();
     // With the weight of each vertex: triangles count by their area against their target.
     let weighted = |(p, t): (&Vec3, &f32)| p.extend(1.0 / (t * t));
     let mut points: IdVec<VertexId, Vec4> = mesh.points.iter().zip(mesh.target.iter()).map(weighted).collect();
-    let normal = |(i, &v): (usize, &VertexId)| mean_normal(&points, v, rings.of(i));
-    let normals: Vec<Vec3> = rings.vertices.par_iter().enumerate().map(normal).collect();
     for _ in 0..sweeps {
-        let middle = |(i, &v): (usize, &VertexId)| middle(&points, v, rings.of(i), normals[i]);
-        let next: Vec<Vec3> = rings.vertices.par_iter().enumerate().map(middle).collect();
-        rings.vertices.iter().zip(next).for_each(|(&v, p)| points[v] = p.extend(points[v].w));
+        let next: Vec<Vec<Vec3>> = rings.par_iter().map(|r| r.middles(&points)).collect();
+        for (v, p) in rings.iter().zip(next).flat_map(|(r, next)| r.vertices.iter().zip(next)) {
+            points[*v] = p.extend(points[*v].w);
+        }
     }
-    let free = rings.vertices.iter().map(|&v| (v, Goal::Point(points[v].truncate())));
-    let on_chains = mesh.topology.vertices().filter(|&v| matches!(mesh.grade[v], Grade::OnCurve(_)));
-    free.chain(on_chains.filter_map(|v| Some((v, Goal::Along(even_place(mesh, v)?))))).collect()
+    let free = rings.iter().flat_map(|r| &r.vertices).map(|&v| (v, Goal::Point(points[v].truncate())));
+    let on_chains: Vec<VertexId> = mesh.grade.enumerated().filter(is_on_chain).map(|(v, _)| v).collect();
+    let along = on_chains.into_par_iter().filter_map(|v| Some((v, Goal::Along(even_place(mesh, v)?))));
+    free.chain(along.collect::<Vec<_>>()).collect()
+}
+
+fn is_on_chain((_, grade): &(VertexId, &Grade)) -> bool {
+    matches!(grade, Grade::OnCurve(_))
 }
 
 /// The unit normal of the triangles around a vertex together.
 #[inline]
-fn mean_normal(points: &IdVec<VertexId, Vec4>, vertex: VertexId, ring: &[VertexId]) -> Vec3 {
-    let own = points[vertex].truncate();
+fn mean_normal(points: &IdVec<VertexId, Vec3>, vertex: VertexId, ring: &[VertexId]) -> Vec3 {
+    let own = points[vertex];
     let Some(&last) = ring.last() else { return Vec3::ZERO };
-    let (mut sum, mut u) = (Vec3::ZERO, points[last].truncate() - own);
+    let (mut sum, mut u) = (Vec3::ZERO, points[last] - own);
     for &b in ring {
-        let v = points[b].truncate() - own;
+        let v = points[b] - own;
         sum += u.cross(v);
         u = v;
     }
@@ -214,7 +233,7 @@ fn is_worse(mesh: &SimMesh<'_>, f: FaceId, moved: &IdVec<VertexId, Option<u32>>,
     if !mesh.topology.is_alive(corners[0]) {
         return false;
     }
-    let now = mesh.badness([mesh.corner(corners[0]), mesh.corner(corners[1]), mesh.corner(corners[2])]);
+    let now = mesh.badness(mesh.corners(corners[0]));
     let passes = |&c: &CornerId| mesh.mark[c].is_some_and(|m| mesh.spans[m.span()].is_reversed());
     if corners.iter().any(passes) {
         return true;
@@ -230,5 +249,5 @@ fn is_worse(mesh: &SimMesh<'_>, f: FaceId, moved: &IdVec<VertexId, Option<u32>>,
             }
         }
     };
-    now > 0 && now > mesh.badness(corners.map(before))
+    now > 0 && now > mesh.badness([before(corners[0]), before(corners[1]), before(corners[2])])
 }

@@ -6,6 +6,7 @@
 use super::collapse::collapse_short_edges;
 use super::flip::flip_edges;
 use super::mesh::SimMesh;
+use super::patches::{PATCH, in_patches};
 use super::relax::relax_and_project;
 use super::split::split_long_edges;
 use serde::Serialize;
@@ -38,6 +39,8 @@ pub struct RemeshReport {
     pub ridges: usize,
     /// Corners of chains that were kept as vertices.
     pub corners: usize,
+    /// Vertices of the surface whose target length grading shortened.
+    pub graded: usize,
 }
 
 /// A pass over a whole mesh as a round does it, for tests and benches.
@@ -51,6 +54,8 @@ pub enum Pass {
     Flip,
     /// Relax and project.
     Relax,
+    /// Split and collapse inside patches of about so many triangles, as a first round does.
+    InPatches(usize),
 }
 
 impl Pass {
@@ -67,6 +72,7 @@ impl Pass {
                 relax_and_project(mesh, SWEEPS, &mut Vec::new());
                 0
             }
+            Self::InPatches(size) => edit_in_patches(mesh, size, usize::MAX).map_or(0, |(a, b)| a + b),
         }
     }
 }
@@ -76,18 +82,11 @@ pub fn remesh(mesh: &mut SimMesh<'_>, rounds: u32, max_faces: usize) -> RemeshRe
     let chains = &mesh.baseline.chains;
     let ridges = chains.iter().filter(|c| c.marks.ridge).count();
     let corners = chains.iter().map(|c| c.pins.len()).sum();
-    let mut report = RemeshReport { ridges, corners, ..RemeshReport::default() };
+    let mut report = RemeshReport { ridges, corners, graded: mesh.baseline.graded, ..RemeshReport::default() };
     let mut room = Vec::new();
-    flip_edges(mesh, 0.0);
     for round in 1..=rounds {
-        // The first round makes most of the elements, in the order of their lengths.
-        if round == 2 {
-            mesh.reorder();
-            check(mesh);
-        }
-        let splits = split_long_edges(mesh, max_faces);
-        check(mesh);
-        let collapses = collapse_short_edges(mesh);
+        let in_patches = if round == 1 && rounds > 1 { edit_in_patches(mesh, PATCH, max_faces) } else { None };
+        let (splits, collapses) = in_patches.unwrap_or_else(|| edit(mesh, max_faces));
         check(mesh);
         let flips = flip_edges(mesh, REGULARITY);
         check(mesh);
@@ -97,18 +96,40 @@ pub fn remesh(mesh: &mut SimMesh<'_>, rounds: u32, max_faces: usize) -> RemeshRe
         report.splits += splits;
         report.collapses += collapses;
         report.flips += flips;
-        report.converged = splits + collapses + flips == 0;
+        // Patches leave what lies along their borders to the next round.
+        report.converged = in_patches.is_none() && splits + collapses + flips == 0;
         if report.converged {
             break;
         }
     }
     if rounds > 0 {
-        flip_edges(mesh, LAST_REGULARITY);
         relax_and_project(mesh, LAST_SWEEPS, &mut room);
     }
     flip_edges(mesh, LAST_REGULARITY);
     check(mesh);
     report
+}
+
+/// Splits and collapses; returns the numbers of edits.
+fn edit(mesh: &mut SimMesh<'_>, max_faces: usize) -> (usize, usize) {
+    let splits = split_long_edges(mesh, max_faces);
+    check(mesh);
+    (splits, collapse_short_edges(mesh))
+}
+
+/// The same inside patches of about `size` triangles, Delaunay first. None where the mesh does not fall into patches.
+fn edit_in_patches(mesh: &mut SimMesh<'_>, size: usize, max_faces: usize) -> Option<(usize, usize)> {
+    let faces = mesh.topology.face_count();
+    let room = max_faces.saturating_sub(faces) as f64 / faces.max(1) as f64;
+    let done = in_patches(mesh, size, |patch| {
+        let own = patch.topology.face_count();
+        flip_edges(patch, 0.0);
+        check(patch);
+        let edits = edit(patch, own.saturating_add((room * own as f64) as usize));
+        check(patch);
+        edits
+    })?;
+    Some(done.into_iter().fold((0, 0), |sum, one| (sum.0 + one.0, sum.1 + one.1)))
 }
 
 /// Every invariant after every pass, in debug builds.

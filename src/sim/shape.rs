@@ -14,7 +14,7 @@ pub(super) type Corner<'a> = (Vec3, &'a Site);
 impl SimMesh<'_> {
     /// How bad a triangle with these corners is: 0 good, 1 degenerate or folded over in space, 2 the wrong way round in
     /// UV. No edit may make a triangle worse than what it replaces.
-    #[inline]
+    #[inline(always)]
     pub(super) fn badness(&self, [(a, pa), (b, pb), (c, pc)]: [Corner<'_>; 3]) -> u8 {
         if self.baseline.holds_uvs {
             let (u, v) = (pb.place.uv - pa.place.uv, pc.place.uv - pa.place.uv);
@@ -31,6 +31,7 @@ impl SimMesh<'_> {
     }
 
     /// The least cosine between a triangle with these corners and the surface at one of them.
+    #[inline(always)]
     pub(super) fn alignment(&self, corners: [Corner<'_>; 3]) -> f32 {
         let [(a, p), (b, q), (c, r)] = corners;
         let normal = (b - a).cross(c - a).normalize_or_zero();
@@ -38,13 +39,19 @@ impl SimMesh<'_> {
     }
 
     /// Position and site of a corner.
-    #[inline]
+    #[inline(always)]
     pub(super) fn corner(&self, corner: CornerId) -> Corner<'_> {
         (self.points[self.topology.vertex(corner)], self.site(corner))
     }
 
+    /// The corners of a triangle from one of them on.
+    #[inline(always)]
+    pub(super) fn corners(&self, corner: CornerId) -> [Corner<'_>; 3] {
+        [self.corner(corner), self.corner(next(corner)), self.corner(prev(corner))]
+    }
+
     /// How bad the triangle of a corner is.
     pub(super) fn face_badness(&self, corner: CornerId) -> u8 {
-        self.badness([corner, next(corner), prev(corner)].map(|c| self.corner(c)))
+        self.badness(self.corners(corner))
     }
 }

@@ -1,7 +1,8 @@
 //! The lengths that remeshing works with: the targets, shorter near chains that bend, changing gradually from there.
 
 use super::baseline::Baseline;
-use crate::mesh::VertexId;
+use crate::mesh::{IdVec, Topology, VertexId};
+use glam::Vec3;
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
@@ -27,33 +28,44 @@ impl PartialOrd for Entry {
     }
 }
 
+/// Shortens the lengths of vertices until none grows by more than `growth` per length away from another. Returns the
+/// number of those that changed.
+pub(super) fn grade(
+    lengths: &mut IdVec<VertexId, f32>,
+    shorter: impl Iterator<Item = (VertexId, f32)>,
+    growth: f32,
+    t: &Topology,
+    points: &IdVec<VertexId, Vec3>,
+) -> usize {
+    let before = lengths.clone();
+    let mut queue = BinaryHeap::new();
+    for (v, length) in shorter {
+        lengths[v] = lengths[v].min(length);
+        queue.push(Reverse(Entry(lengths[v], v)));
+    }
+    while let Some(Reverse(Entry(length, v))) = queue.pop() {
+        if length > lengths[v] {
+            continue;
+        }
+        for &corner in t.vertex_corners.row(v) {
+            for w in [t.faces.vertex(t.faces.next(corner)), t.faces.vertex(t.faces.prev(corner))] {
+                let grown = length + growth * points[v].distance(points[w]);
+                if grown < lengths[w] {
+                    lengths[w] = grown;
+                    queue.push(Reverse(Entry(grown, w)));
+                }
+            }
+        }
+    }
+    lengths.iter().zip(before.iter()).filter(|(after, before)| after < before).count()
+}
+
 impl Baseline {
     /// Spreads the lengths of the chains over the vertices around them.
     pub(super) fn spread_lengths(&mut self) {
         self.sizing = self.target.clone();
-        let mut queue = BinaryHeap::new();
-        let shorten = |sizing: &mut f32, v: VertexId, length: f32, queue: &mut BinaryHeap<_>| {
-            if length < *sizing {
-                *sizing = length;
-                queue.push(Reverse(Entry(length, v)));
-            }
-        };
-        for chain in self.chains.iter() {
-            for (&v, &length) in chain.vertices.iter().zip(&chain.lengths) {
-                shorten(&mut self.sizing[v], v, length, &mut queue);
-            }
-        }
-        let t = &self.topology;
-        while let Some(Reverse(Entry(length, v))) = queue.pop() {
-            if length > self.sizing[v] {
-                continue;
-            }
-            for &corner in t.vertex_corners.row(v) {
-                for w in [t.faces.vertex(t.faces.next(corner)), t.faces.vertex(t.faces.prev(corner))] {
-                    let grown = length + GROWTH * self.points[v].distance(self.points[w]);
-                    shorten(&mut self.sizing[w], w, grown, &mut queue);
-                }
-            }
-        }
+        let on_chains = self.chains.iter().flat_map(|c| c.vertices.iter().copied().zip(c.lengths.iter().copied()));
+        let shorter: Vec<(VertexId, f32)> = on_chains.filter(|&(v, length)| length < self.target[v]).collect();
+        grade(&mut self.sizing, shorter.into_iter(), GROWTH, &self.topology, &self.points);
     }
 }

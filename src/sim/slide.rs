@@ -23,6 +23,8 @@ pub(super) struct Slide {
     back: CornerId,
     /// By how much. \[stage units\]
     by: f32,
+    /// By how many of the edges that the chain asks for.
+    by_count: f32,
     /// The site on the other side of the chain.
     other: Option<(SiteId, Site)>,
 }
@@ -34,8 +36,9 @@ impl Slide {
             let Some(mark) = mesh.mark[half] else { continue };
             let span = &mut mesh.spans[mark.span()];
             *(if starts { &mut span.from } else { &mut span.to }) += self.by;
+            span.counts[usize::from(!starts)] += self.by_count;
         }
-        self.by = -self.by;
+        (self.by, self.by_count) = (-self.by, -self.by_count);
         if let Some((id, site)) = &mut self.other {
             std::mem::swap(&mut mesh.sites[*id], site);
         }
@@ -52,12 +55,14 @@ pub(super) fn even_place(mesh: &SimMesh<'_>, vertex: VertexId) -> Option<f32> {
     let [ahead, back] = mesh.chain_neighbours(vertex)?;
     let (after, before) = (mesh.span(ahead)?.along(), mesh.span(back)?.along());
     let chain = mesh.chain(after.chain);
-    let half_way = 0.5 * (mesh.count(before) + mesh.count(after));
+    let half_way = 0.5 * (before.count() + after.count());
     // A loop's two edges may count from different turns.
-    let even = chain.at_count(chain.count_to(before.from) + half_way) - before.to;
-    let (p, _) = mesh.on_curve(after.chain, after.to, true);
-    let (q, _) = mesh.on_curve(after.chain, before.from, true);
-    let central = (p - q).normalize_or_zero().dot(to_middle(mesh, vertex));
+    let even = chain.at_count(before.counts[0] + half_way) - before.to;
+    let other = |half: CornerId| {
+        let start = mesh.topology.vertex(half);
+        mesh.points[if start == vertex { mesh.topology.target(half) } else { start }]
+    };
+    let central = (other(ahead) - other(back)).normalize_or_zero().dot(to_middle(mesh, vertex));
     let (low, high) = (before.from - before.to, after.to - after.from);
     // Where the curve bends as sharply as edges follow it, uneven edges would cut it off.
     let straight = mesh.target[vertex] / mesh.baseline.target_at(mesh.place(ahead).location);
@@ -83,7 +88,9 @@ fn to_middle(mesh: &SimMesh<'_>, vertex: VertexId) -> Vec3 {
 pub(super) fn slide(mesh: &SimMesh<'_>, vertex: VertexId, by: f32) -> Option<Move> {
     let [ahead, back] = mesh.chain_neighbours(vertex)?;
     let after = mesh.span(ahead)?.along();
-    let s = mesh.span(back)?.along().to + by;
+    let before = mesh.span(back)?.along();
+    let (s, chain) = (before.to + by, mesh.chain(after.chain));
+    let by_count = chain.count_to(s) - before.counts[1];
     let (position, left) = mesh.site_on_curve(after.chain, s, true);
     let (_, right) = mesh.site_on_curve(after.chain, s, false);
     // The corner of a half-edge lies on its left: of one that leaves forward, on the chain's left.
@@ -92,10 +99,10 @@ pub(super) fn slide(mesh: &SimMesh<'_>, vertex: VertexId, by: f32) -> Option<Mov
     let on_right = if leaves(back) { Some(back) } else { Some(next(ahead)).filter(|_| !leaves(ahead)) };
     let site = |corner: Option<CornerId>, site: Option<Site>| Some((mesh.site_of[corner?], site?));
     let (left, right) = (site(on_left, left), site(on_right, right));
-    let target = mesh.chain(after.chain).length_at(s);
+    let target = chain.length_at(s);
     let ((id, site), other) = match (left, right) {
         (Some(left), right) => (left, right),
         (None, right) => (right?, None),
     };
-    Some(Move { vertex, position, target, id, site, slide: Some(Box::new(Slide { ahead, back, by, other })) })
+    Some(Move { vertex, position, target, id, site, slide: Some(Box::new(Slide { ahead, back, by, by_count, other })) })
 }

@@ -4,10 +4,6 @@ use super::chains::Chain;
 use crate::mesh::{IdVec, VertexId};
 use glam::Vec3;
 
-/// A curve that turns by more than this within one target length has a corner there, which stays a vertex. Smaller
-/// values pin more vertices, whose edges then miss their target lengths; larger ones let chords cut corners off.
-/// \[radians\]
-const CORNER_TURN: f32 = 0.87;
 /// Corners are at least this far from each other and from the ends, as a share of the target length. Smaller values make
 /// shorter edges in small details, larger ones let chords cut those off.
 const CORNER_DISTANCE: f32 = 0.2;
@@ -21,11 +17,18 @@ const GRADING: f32 = 0.3;
 
 impl Chain {
     /// Finds the corners of the curve and the lengths of edges that follow it. `step` curve segments are one edge of the
-    /// cage; `target` is the target length at each vertex of the baseline.
-    pub(super) fn space(&mut self, points: &IdVec<VertexId, Vec3>, target: &IdVec<VertexId, f32>, step: usize) {
+    /// cage; `target` is the target length at each vertex of the baseline; a curve that turns by more than `corner`
+    /// within one target length has a corner. \[radians\]
+    pub(super) fn space(
+        &mut self,
+        points: &IdVec<VertexId, Vec3>,
+        target: &IdVec<VertexId, f32>,
+        step: usize,
+        corner: f32,
+    ) {
         let turns = self.turns(points);
         let targets: Vec<f32> = self.vertices.iter().map(|&v| target[v]).collect();
-        self.pins = self.corners(&turns, &targets, step);
+        self.pins = self.corners(&turns, &targets, step, corner);
         let mut smooth = turns;
         self.pins.iter().for_each(|&pin| smooth[pin] = 0.0);
         self.lengths = (0..self.vertices.len())
@@ -119,13 +122,13 @@ impl Chain {
     }
 
     /// Vertices of the cage at which the curve has a corner, the sharpest first chosen.
-    fn corners(&self, turns: &[f32], targets: &[f32], step: usize) -> Vec<usize> {
+    fn corners(&self, turns: &[f32], targets: &[f32], step: usize, corner: f32) -> Vec<usize> {
         let n = self.vertices.len() - 1;
         let inside = if self.is_loop { 0..n } else { 1..n };
         let mut found: Vec<(f32, usize)> = inside
             .filter(|i| i % step.max(1) == 0)
             .map(|i| (self.turn_around(turns, i, 0.5 * targets[i]), i))
-            .filter(|&(turn, _)| turn > CORNER_TURN)
+            .filter(|&(turn, _)| turn > corner)
             .collect();
         found.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         let mut pins: Vec<usize> = if self.is_loop { Vec::new() } else { vec![0, n] };

@@ -13,7 +13,7 @@ pub const SPLIT_RATIO: f32 = 1.25;
 pub fn split_long_edges(mesh: &mut SimMesh<'_>, max_faces: usize) -> usize {
     let mut faces = mesh.topology.face_count();
     edit_in_order(mesh, excess, |mesh, half| {
-        if faces >= max_faces || !mesh.topology.may_split(half) {
+        if faces >= max_faces || !mesh.topology.may_split(half) || mesh.is_sealed(half) {
             return None;
         }
         let vertex = mesh.split(half)?;

@@ -112,37 +112,40 @@ fn sharp_vertex(level: &Level, vertex: VertexId, own: CornerId) -> Vec<(CornerId
     let sharpnesses = |s: &Spoke| level.edge_sharpness[s.edge];
     let refined = |s: &Spoke| refined_sharpness(sharpnesses(s));
     let child = Rule::new(refined_sharpness(sharpness), spokes.iter().map(refined));
+    let ring = Ring { level, vertex, own, spokes: &spokes };
     if child == rule {
-        by_rule(level, vertex, rule, own, &spokes, &sharpnesses, 1.0, sink);
+        ring.mask(rule, &sharpnesses, 1.0, sink);
         return mask;
     }
     let keep = fractional_weight(sharpness, spokes.iter().map(sharpnesses));
     if keep > 0.0 {
-        by_rule(level, vertex, rule, own, &spokes, &sharpnesses, keep, sink);
+        ring.mask(rule, &sharpnesses, keep, sink);
     }
     if keep < 1.0 {
-        by_rule(level, vertex, child, own, &spokes, &refined, 1.0 - keep, sink);
+        ring.mask(child, &refined, 1.0 - keep, sink);
     }
     mask
 }
 
-#[allow(clippy::too_many_arguments)]
-fn by_rule(
-    level: &Level,
+/// A vertex with what is around it.
+struct Ring<'a> {
+    level: &'a Level,
     vertex: VertexId,
-    rule: Rule,
+    /// A corner of the vertex.
     own: CornerId,
-    spokes: &[Spoke],
-    sharpness: &dyn Fn(&Spoke) -> f32,
-    scale: f32,
-    sink: &mut impl FnMut(CornerId, f32),
-) {
-    match rule {
-        Rule::Smooth | Rule::Dart => smooth_vertex(level, vertex, scale, sink),
-        Rule::Corner => sink(own, scale),
-        Rule::Crease => {
-            sink(own, 0.75 * scale);
-            spokes.iter().filter(|s| sharpness(s) > 0.0).for_each(|s| sink(s.far, 0.125 * scale));
+    spokes: &'a [Spoke],
+}
+
+impl Ring<'_> {
+    /// The mask of a rule, `scale` times; of a crease along the spokes that are sharp.
+    fn mask(&self, rule: Rule, sharpness: &dyn Fn(&Spoke) -> f32, scale: f32, sink: &mut impl FnMut(CornerId, f32)) {
+        match rule {
+            Rule::Smooth | Rule::Dart => smooth_vertex(self.level, self.vertex, scale, sink),
+            Rule::Corner => sink(self.own, scale),
+            Rule::Crease => {
+                sink(self.own, 0.75 * scale);
+                self.spokes.iter().filter(|s| sharpness(s) > 0.0).for_each(|s| sink(s.far, 0.125 * scale));
+            }
         }
     }
 }

@@ -55,6 +55,12 @@ impl Refiner {
         }
     }
 
+    /// The corner at the centre of a corner's face, in the child of that corner; none under Loop, which has no such
+    /// vertex.
+    pub fn centre_of(&self, corner: CornerId) -> Option<CornerId> {
+        (self.level.scheme != Scheme::Loop).then(|| child_corner(&self.level.topology.faces, corner, 2))
+    }
+
     /// The corner whose part of its face a child face is; the middle of a triangle under Loop counts to its first.
     pub fn corner_of_child(&self, child: FaceId) -> CornerId {
         match self.level.scheme {

@@ -1,20 +1,22 @@
 //! Values of corners: the constraint UVs as they were made, others at the corners' places on the baseline.
 
-use super::shell::{Cuts, ROUNDS, Source};
+use super::rows::{at_places, mix_into, parts};
+use super::shell::Cuts;
+use super::sides::Sides;
 use super::{Sites, Target};
 use crate::error::Warning;
-use crate::garment::{Garment, Mixing, Primvar, Values};
-use crate::mesh::{CornerId, FaceId, IdVec};
+use crate::garment::{Garment, Interpolation, Mixing, Primvar, Values};
+use crate::mesh::{CornerId, FaceId, IdVec, Topology, VertexId};
 use crate::sim::{Location, SimProduct};
-use crate::subdivide::{Channel, ChannelChild, Real, mix, mix_rows, taken};
+use crate::subdivide::{Channel, ChannelChild, Real, mix_rows, taken};
 use rayon::prelude::*;
 
 /// Values that differ by no more than this share of the largest are the same: they came to one place on two ways.
 const SAME: f64 = 4e-6;
-/// A triangle in UV with less than this share of the area that it has on the baseline counts as flipped.
-const MIN_AREA: f64 = 0.02;
 
-/// A face-varying primvar on the simulation mesh.
+/// A face-varying primvar on the simulation mesh: on its vertices where no value changes by that.
+///
+/// The constraint UVs stay on the corners, as a layout has to be there to be one of another run.
 pub(super) fn carry(
     garment: &Garment,
     primvar: &Primvar,
@@ -46,11 +48,29 @@ pub(super) fn carry(
                 .into(),
         });
     }
-    carried
+    as_vertex(carried, &sites.net.topology)
+}
+
+/// The primvar on vertices, where all corners of each vertex have one value bit for bit; else as it is.
+fn as_vertex(primvar: Primvar, t: &Topology) -> Primvar {
+    let corners_of = |v: VertexId| t.vertex_corners.row(v);
+    let row = |c: CornerId| primvar.row(c.index());
+    let same = |a: usize, b: usize| a == b || primvar.values.same_rows(primvar.width(), a, b);
+    let is_one = |v| corners_of(v).first().is_some_and(|&own| corners_of(v).iter().all(|&c| same(row(c), row(own))));
+    let vertices = (0..t.vertex_count()).map(VertexId::new);
+    if !vertices.clone().all(is_one) {
+        return primvar;
+    }
+    let rows = vertices.map(|v| row(corners_of(v)[0]));
+    let (values, indices) = match &primvar.indices {
+        Some(_) if !primvar.is_mixed() => (primvar.values.clone(), Some(rows.map(|r| r as u32).collect())),
+        _ => (primvar.values.gather(primvar.width(), rows), None),
+    };
+    Primvar { interpolation: Interpolation::Vertex, values, indices, ..primvar }
 }
 
 /// A face-varying primvar refined to the baseline.
-struct Field<'a, T> {
+pub(super) struct Field<'a, T> {
     product: &'a SimProduct,
     primvar: &'a Primvar,
     /// The primvar's topology on the finest level.
@@ -60,16 +80,6 @@ struct Field<'a, T> {
     /// Values that differ by no more are the same.
     slack: f64,
 }
-
-/// What each face and corner near the cuts takes.
-struct Sides<T> {
-    homes: Vec<Option<FaceId>>,
-    sources: IdVec<CornerId, Source>,
-    values: Vec<T>,
-}
-
-/// A face of the simulation mesh, and the triangle of the baseline on whose side it is.
-type Home = (FaceId, FaceId);
 
 impl<'a, T: Real> Field<'a, T> {
     fn new(garment: &Garment, primvar: &'a Primvar, product: &'a SimProduct, source: &[T]) -> Self {
@@ -98,159 +108,83 @@ impl<'a, T: Real> Field<'a, T> {
         let baseline = &self.product.baseline;
         let value = |c: CornerId| self.channel.corner_value[baseline.level_corner[c]];
         let t = &baseline.topology;
-        let is_cut = |c: CornerId| {
-            let Some(twin) = t.twin(c) else { return false };
-            value(c) != value(t.faces.next(twin)) || value(t.faces.next(c)) != value(twin)
+        let is_own = |i: usize| {
+            let corner = CornerId::new(i);
+            let Some(twin) = baseline.open_twin(corner) else { return false };
+            let source = |c| baseline.source_face[t.faces.face_of(c)];
+            // No cut runs through a face of the garment.
+            source(corner) != source(twin)
+                && (value(corner) != value(t.faces.next(twin)) || value(t.faces.next(corner)) != value(twin))
         };
-        let cut: IdVec<CornerId, bool> = t.faces.corners().ids().map(is_cut).collect();
-        let has_own = cut.enumerated().any(|(c, &cut)| cut && !baseline.barrier[c]);
-        has_own.then(|| cut.iter().zip(baseline.barrier.iter()).map(|(&cut, &barrier)| cut || barrier).collect())
+        let is_own: Vec<bool> = (0..t.faces.corners().len()).into_par_iter().map(is_own).collect();
+        let has_own = is_own.contains(&true);
+        has_own.then(|| is_own.iter().zip(baseline.barrier.iter()).map(|(&own, &barrier)| own || barrier).collect())
     }
 
     /// The primvar, and how many of its triangles had to be cut off.
     fn carry(&self, target: &Target<'_>, wrap: impl Fn(Vec<T>) -> Values) -> (Primvar, usize) {
         let sites = target.sites;
         let (values, apart) = match self.barrier() {
-            Some(barrier) => self.on_sides(&Cuts::new(self.product, sites, target.coverage, barrier), sites),
-            None => (self.product.places.par_iter().flat_map_iter(|p| self.at_location(&p.location)).collect(), 0),
+            Some(barrier) => {
+                let cuts = Cuts::new(self.product, sites, target.coverage, barrier);
+                Sides::new(self, &cuts, sites).settle(self.is_layout())
+            }
+            None => (self.at_locations(|c| self.product.places[c].location), 0),
         };
         let rows = indexed(sites, false, |a, b| self.same(&values, a, b));
         (rows.primvar(self.primvar, &wrap(values)), apart)
     }
 
-    fn corner(&self, corner: CornerId) -> &[T] {
-        let value = self.channel.corner_value[self.product.baseline.level_corner[corner]];
+    /// Whether the values lie in a plane, in which triangles can turn over.
+    fn is_layout(&self) -> bool {
+        self.primvar.width() == 2 && self.primvar.mixing == Mixing::Linear
+    }
+
+    /// Numbers of one value.
+    pub fn width(&self) -> usize {
+        self.primvar.width()
+    }
+
+    /// The value of corner `k` of a triangle of the baseline.
+    pub fn corner(&self, face: FaceId, k: usize) -> &[T] {
+        let corner = self.product.baseline.level_corner[CornerId::new(3 * face.index() + k)];
         let width = self.primvar.width();
-        &self.values[value.index() * width..][..width]
+        &self.values[self.channel.corner_value[corner].index() * width..][..width]
     }
 
-    fn at_location(&self, at: &Location) -> Vec<T> {
-        let first = at.face.index() * 3;
-        let parts = [0, 1, 2].map(|k| (self.corner(CornerId::new(first + k)), at.weights[k]));
-        mix(parts.into_iter(), self.primvar)
+    /// The values of all corners of the simulation mesh, each at a location.
+    pub fn at_locations(&self, location: impl Fn(CornerId) -> Location + Sync) -> Vec<T> {
+        at_places(self.product.places.len(), self.primvar, |i| {
+            let at = location(CornerId::new(i));
+            parts(&at, |k| self.corner(at.face, k))
+        })
     }
 
-    fn same(&self, values: &[T], a: CornerId, b: CornerId) -> bool {
+    /// The value at a location.
+    pub fn value_at(&self, at: &Location, value: &mut [T]) {
+        mix_into(parts(at, |k| self.corner(at.face, k)).into_iter(), self.primvar, value);
+    }
+
+    /// Whether two corners have the same of `values`.
+    pub fn same(&self, values: &[T], a: CornerId, b: CornerId) -> bool {
         let width = self.primvar.width();
         let row = |c: CornerId| &values[c.index() * width..][..width];
-        row(a).iter().zip(row(b)).all(|(a, b)| (a.to_f64() - b.to_f64()).abs() <= self.slack)
+        self.same_values(row(a), row(b))
     }
 
-    /// The values of each corner on its side of the cuts, and how many triangles are cut off, as they would lie the wrong
-    /// way round beside their neighbours.
-    fn on_sides(&self, cuts: &Cuts<'_>, sites: &Sites<'_>) -> (Vec<T>, usize) {
-        let is_layout = self.primvar.width() == 2 && self.primvar.mixing == Mixing::Linear;
-        let homes = cuts.homes();
-        let sources = cuts.sources(&homes);
-        let values = sources.par_iter().flat_map_iter(|s| self.at_location(&s.location)).collect();
-        let mut sides = Sides { homes, sources, values };
-        let mut best: Option<(Vec<T>, Vec<Home>)> = None;
-        for _ in 0..ROUNDS {
-            self.join_islands(cuts, &mut sides);
-            let flipped = if is_layout { self.unflip(cuts, sites, &mut sides) } else { Vec::new() };
-            let other = |&(face, _): &Home| Some((face, cuts.other_home(face, &sides.homes)?));
-            let turned: Vec<Home> = flipped.iter().filter_map(other).collect();
-            if best.as_ref().is_none_or(|b| flipped.len() < b.1.len()) {
-                best = Some((sides.values.clone(), flipped));
-            }
-            if turned.is_empty() {
-                break;
-            }
-            self.rehome(cuts, &turned, &mut sides);
-        }
-        let (mut values, apart) = best.unwrap_or_default();
-        for &(face, home) in &apart {
-            for corner in sites.topology.faces.corners_of(face) {
-                let inside = Location { face: home, weights: glam::Vec3::splat(1.0 / 3.0) };
-                let source = cuts.continued(corner, Source { location: inside, moved: true });
-                values[2 * corner.index()..][..2].copy_from_slice(&self.at_location(&source.location));
-            }
-        }
-        (values, apart.len())
+    /// Whether two values are the same.
+    pub fn same_values(&self, a: &[T], b: &[T]) -> bool {
+        a.iter().zip(b).all(|(a, b)| (a.to_f64() - b.to_f64()).abs() <= self.slack)
     }
 
-    fn join_islands(&self, cuts: &Cuts<'_>, sides: &mut Sides<T>) {
-        for _ in 0..ROUNDS {
-            let islands = cuts.islands(&sides.homes, |a, b| self.same(&sides.values, a, b));
-            if islands.is_empty() {
-                break;
-            }
-            self.rehome(cuts, &islands, sides);
-        }
-    }
-
-    /// Gives faces other homes.
-    fn rehome(&self, cuts: &Cuts<'_>, faces: &[Home], sides: &mut Sides<T>) {
-        faces.iter().for_each(|&(face, home)| sides.homes[face.index()] = Some(home));
-        let width = self.primvar.width();
-        for corner in cuts.renew(faces, &sides.homes, &mut sides.sources) {
-            let value = self.at_location(&sides.sources[corner].location);
-            sides.values[corner.index() * width..][..width].copy_from_slice(&value);
-        }
-    }
-
-    /// Continues the values beyond the cuts where keeping them inside turns a triangle over. Returns those that stay so.
-    fn unflip(&self, cuts: &Cuts<'_>, sites: &Sites<'_>, sides: &mut Sides<T>) -> Vec<Home> {
-        let homes = sides.homes.iter().enumerate();
-        let near: Vec<Home> = homes.filter_map(|(i, h)| Some((FaceId::new(i), (*h)?))).collect();
-        for _ in 0..ROUNDS {
-            let mut changed = false;
-            for &(face, home) in &near {
-                if !self.is_flipped(face, home, sides) {
-                    continue;
-                }
-                for corner in sites.topology.faces.corners_of(face) {
-                    if sides.sources[corner].moved {
-                        self.go_on(cuts, sites, corner, sides);
-                        changed = true;
-                    }
-                }
-            }
-            if !changed {
-                break;
-            }
-        }
-        near.into_iter().filter(|(face, home)| self.is_flipped(*face, *home, sides)).collect()
-    }
-
-    /// Continues the value of a corner, and of those that share it, beyond their side to where the vertex is.
-    fn go_on(&self, cuts: &Cuts<'_>, sites: &Sites<'_>, corner: CornerId, sides: &mut Sides<T>) {
-        let before = [0, 1].map(|k| sides.values[2 * corner.index() + k].to_f64());
-        let source = Source { moved: false, ..cuts.continued(corner, sides.sources[corner]) };
-        let value = self.at_location(&source.location);
-        let t = &sites.topology;
-        for &other in t.vertex_corners.row(t.faces.vertex(corner)) {
-            let own = &mut sides.values[2 * other.index()..][..2];
-            if own.iter().zip(&before).all(|(a, b)| (a.to_f64() - b).abs() <= self.slack) {
-                own.copy_from_slice(&value);
-                sides.sources[other] = source;
-            }
-        }
-    }
-
-    /// Whether a triangle has too little area in UV for what it has in space, or lies the other way round than its home.
-    /// Not where the layout itself folds over.
-    fn is_flipped(&self, face: FaceId, home: FaceId, sides: &Sides<T>) -> bool {
-        let product = self.product;
-        let corners = [0, 1, 2].map(|k| CornerId::new(3 * face.index() + k));
-        let of_home = self.doubled_area(home);
-        let folds = |c: CornerId| self.doubled_area(sides.sources[c].location.face) * of_home <= 0.0;
-        if corners.into_iter().any(folds) {
-            return false;
-        }
-        let own = doubled_area(corners.map(|c| &sides.values[2 * c.index()..][..2]));
-        let [a, b, c] = product.triangles[face.index()].map(|v| product.points[v]);
-        let in_space = f64::from((b - a).cross(c - a).length()) / f64::from(product.baseline.normal(home).length());
-        in_space.is_finite() && own * of_home.signum() <= MIN_AREA * of_home.abs() * in_space
-    }
-
-    /// Twice the signed area in UV of a triangle of the baseline.
-    fn doubled_area(&self, face: FaceId) -> f64 {
-        doubled_area([0, 1, 2].map(|k| self.corner(CornerId::new(3 * face.index() + k))))
+    /// Twice the signed area of a triangle of the baseline in a layout.
+    pub fn doubled_area(&self, face: FaceId) -> f64 {
+        doubled_area([0, 1, 2].map(|k| self.corner(face, k)))
     }
 }
 
-fn doubled_area<T: Real>([a, b, c]: [&[T]; 3]) -> f64 {
+/// Twice the signed area of a triangle in a layout.
+pub(super) fn doubled_area<T: Real>([a, b, c]: [&[T]; 3]) -> f64 {
     let side = |p: &[T]| [0, 1].map(|k| p[k].to_f64() - a[k].to_f64());
     let (u, v) = (side(b), side(c));
     u[0] * v[1] - u[1] * v[0]
@@ -271,26 +205,26 @@ impl Rows {
 
 /// Corners of a vertex share a value where neither a difference nor, for the constraint UVs, a seam is between them.
 fn indexed(sites: &Sites<'_>, keep_seams: bool, same: impl Fn(CornerId, CornerId) -> bool) -> Rows {
-    let t = &sites.topology;
-    let mut row: IdVec<CornerId, Option<u32>> = IdVec::filled(None, t.faces.corners().len());
-    let mut rows = Vec::new();
-    for seed in t.faces.corners().ids() {
+    let (net, faces) = (&sites.net, &sites.net.topology.faces);
+    let mut row: IdVec<CornerId, Option<u32>> = IdVec::filled(None, faces.corners().len());
+    let (mut rows, mut reached) = (Vec::with_capacity(sites.vertices.len()), Vec::new());
+    for seed in faces.corners().ids() {
         if row[seed].is_some() {
             continue;
         }
         let own = rows.len() as u32;
         rows.push(seed.index());
         row[seed] = Some(own);
-        let mut reached = vec![seed];
+        reached.push(seed);
         while let Some(corner) = reached.pop() {
             // The neighbours around the vertex: across the edge that leaves and across the one that arrives.
-            let before = t.twin(corner).map(|twin| (t.corner_edge[corner], t.faces.next(twin)));
-            let arriving = t.faces.prev(corner);
-            let after = t.twin(arriving).map(|twin| (t.corner_edge[arriving], twin));
-            for (edge, other) in before.into_iter().chain(after) {
-                let is_cut = keep_seams && sites.is_seam[edge];
+            let arriving = faces.prev(corner);
+            let before = net.twin[corner].map(|twin| (corner, faces.next(twin)));
+            let after = net.twin[arriving].map(|twin| (arriving, twin));
+            for (half, other) in before.into_iter().chain(after) {
+                let is_cut = || keep_seams && net.is_seam[net.topology.corner_edge[half]];
                 // By the value that is kept, so that small differences do not add up around a vertex.
-                if !is_cut && row[other].is_none() && same(seed, other) {
+                if row[other].is_none() && !is_cut() && same(seed, other) {
                     row[other] = Some(own);
                     reached.push(other);
                 }
@@ -298,4 +232,59 @@ fn indexed(sites: &Sites<'_>, keep_seams: bool, same: impl Fn(CornerId, CornerId
         }
     }
     Rows { rows, indices: row.iter().map(|r| r.unwrap_or(0)).collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::Faces;
+
+    /// Two triangles over four vertices.
+    fn two() -> Topology {
+        Topology::new(Faces::triangles([0, 1, 2, 2, 1, 3].map(VertexId::new).to_vec()), 4)
+    }
+
+    fn primvar(values: Vec<f32>, indices: Option<Vec<u32>>) -> Primvar {
+        Primvar {
+            name: "x".into(),
+            type_name: "float[]".into(),
+            interpolation: Interpolation::FaceVarying,
+            components: 1,
+            element_size: 1,
+            mixing: Mixing::Linear,
+            values: Values::F32(values),
+            indices,
+        }
+    }
+
+    fn bits(primvar: &Primvar, row: usize) -> u32 {
+        match &primvar.values {
+            Values::F32(v) => v[primvar.row(row)].to_bits(),
+            _ => panic!("floats stay floats"),
+        }
+    }
+
+    #[test]
+    fn values_on_vertices_are_those_of_all_corners_bit_for_bit() {
+        let (t, of_vertex) = (two(), [0.1f32, -0.0, f32::MIN_POSITIVE, f32::NAN]);
+        let corners: Vec<f32> = t.faces.corners().iter().map(|v| of_vertex[v.index()]).collect();
+        for given in [primvar(corners, None), primvar(of_vertex.to_vec(), Some(vec![0, 1, 2, 2, 1, 3]))] {
+            let moved = as_vertex(given.clone(), &t);
+            assert_eq!((moved.interpolation, moved.elements()), (Interpolation::Vertex, 4));
+            for (corner, vertex) in t.faces.corners().enumerated() {
+                assert_eq!(bits(&moved, vertex.index()), bits(&given, corner.index()));
+            }
+        }
+    }
+
+    #[test]
+    fn a_corner_that_differs_by_one_bit_keeps_all_on_corners() {
+        let t = two();
+        for (corner, other) in [(3, 2.0f32.next_up()), (4, -0.0)] {
+            let mut values = vec![1.0, 0.0, 2.0, 2.0, 0.0, 3.0];
+            values[corner] = other;
+            let given = primvar(values, None);
+            assert_eq!(as_vertex(given.clone(), &t), given);
+        }
+    }
 }

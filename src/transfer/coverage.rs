@@ -2,11 +2,11 @@
 //! serves all sets and primvars, and keeps the counts alone, so that memory does not grow with the number of samples.
 
 use super::Net;
-use super::locate::{Locator, Near};
+use super::locate::Locator;
 use super::region::Regions;
 use crate::mesh::{Csr, FaceId, IdVec};
 use crate::sim::{SimOptions, SimProduct};
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 use rayon::prelude::*;
 
 /// Area that one face covers of another. \[square stage units\]
@@ -30,39 +30,33 @@ pub struct Coverage {
     pub samples: u64,
 }
 
-/// Shares of one face that are merged when there are so many.
-const MERGE_AT: usize = 512;
-
 impl Coverage {
     /// Samples the baseline: `transferSamples` for each equilateral triangle of the target length.
     pub fn new(product: &SimProduct, source_faces: usize, options: &SimOptions) -> Self {
-        Self::over(product, &Net::new(product), source_faces, options)
+        Self::over(product, &Net::new(product, source_faces), options)
     }
 
     /// The same, with the edges of the simulation mesh at hand.
-    pub(super) fn over(product: &SimProduct, net: &Net, source_faces: usize, options: &SimOptions) -> Self {
+    pub(super) fn over(product: &SimProduct, net: &Net, options: &SimOptions) -> Self {
         let regions = Regions::new(&product.baseline);
         let locator = Locator::new(product, net, &regions);
         let base = &product.baseline;
-        let pairs = base.source_face.enumerated().map(|(face, &source)| (source, face));
-        let children: Csr<FaceId, FaceId> = Csr::group(source_faces, pairs, FaceId::new(0));
-        let plan = Plan::new(product, &children, options);
+        let plan = Plan::new(product, &net.children, options);
+        let source_faces = net.children.rows();
         let rows: Vec<Vec<Share>> = (0..source_faces)
             .into_par_iter()
-            .map_init(Near::new, |near, source| {
-                let mut shares = Vec::new();
-                for &face in children.row(FaceId::new(source)) {
-                    plan.sample(&locator, face, near, &mut shares);
-                }
-                merge(&mut shares);
-                // Thousands of rows wait until all are there.
-                shares.shrink_to_fit();
-                shares
-            })
+            .map_init(
+                || Tally::new(product.triangles.len()),
+                |tally, source| {
+                    let own = net.children.row(FaceId::new(source));
+                    own.iter().for_each(|&face| plan.sample(&locator, face, tally));
+                    tally.take()
+                },
+            )
             .collect();
         let mut source_area = IdVec::filled(0.0, source_faces);
-        for (face, &source) in base.source_face.enumerated() {
-            source_area[source] += 0.5 * f64::from(base.normal(face).length());
+        for (&source, &area) in base.source_face.iter().zip(plan.area.iter()) {
+            source_area[source] += f64::from(area);
         }
         let faces = rows_of(&rows);
         let transposed = rows.iter().enumerate().flat_map(|(source, row)| {
@@ -71,6 +65,31 @@ impl Coverage {
         let filler = Share { face: FaceId::new(0), area: 0.0 };
         let sources = Csr::group(product.triangles.len(), transposed, filler);
         Self { sources, faces, source_area, samples: plan.samples() }
+    }
+
+    /// The area that a set of the garment's faces and a set of faces of the simulation mesh have in common: that inside
+    /// both, that of the first, and that of the second. \[square stage units\]
+    fn common(&self, source: &[FaceId], set: &[FaceId]) -> [f64; 3] {
+        let mut is_in = IdVec::<FaceId, bool>::filled(false, self.faces.rows());
+        source.iter().for_each(|&f| is_in[f] = true);
+        let first = source.iter().flat_map(|&f| self.faces.row(f)).map(|s| f64::from(s.area)).sum();
+        let shares = || set.iter().flat_map(|&f| self.sources.row(f));
+        let both = shares().filter(|s| is_in[s.face]).map(|s| f64::from(s.area)).sum();
+        [both, first, shares().map(|s| f64::from(s.area)).sum()]
+    }
+
+    /// What a set of the garment's faces and a set of faces of the simulation mesh have in common, as a share of their mean
+    /// area (Dice 1945); 1 where both are empty.
+    pub fn agreement(&self, source: &[FaceId], set: &[FaceId]) -> f64 {
+        let [both, first, second] = self.common(source, set);
+        if first + second > 0.0 { 2.0 * both / (first + second) } else { 1.0 }
+    }
+
+    /// The same as a share of their union (Jaccard 1901).
+    pub fn overlap(&self, source: &[FaceId], set: &[FaceId]) -> f64 {
+        let [both, first, second] = self.common(source, set);
+        let all = first + second - both;
+        if all > 0.0 { both / all } else { 1.0 }
     }
 
     /// The area that all samples of a face of the simulation mesh stand for; 0 where it has none.
@@ -90,17 +109,35 @@ fn rows_of(rows: &[Vec<Share>]) -> Csr<FaceId, Share> {
     Csr::from_parts(offsets, items)
 }
 
-/// Sums the shares of each face; ascending.
-fn merge(shares: &mut Vec<Share>) {
-    // Stable, so that sums do not depend on how the sort works.
-    shares.sort_by_key(|s| s.face);
-    shares.dedup_by(|next, kept| {
-        let same = next.face == kept.face;
-        if same {
-            kept.area += next.area;
+/// The shares of one face of the garment while they are counted.
+struct Tally {
+    shares: Vec<Share>,
+    /// The place of each face of the simulation mesh in the shares; of those that have none, anything.
+    place: IdVec<FaceId, u32>,
+    /// Samples that are being located.
+    points: Vec<Vec3A>,
+}
+
+impl Tally {
+    fn new(faces: usize) -> Self {
+        Self { shares: Vec::new(), place: IdVec::filled(0, faces), points: Vec::new() }
+    }
+
+    fn add(&mut self, face: FaceId, area: f32) {
+        match self.shares.get_mut(self.place[face] as usize) {
+            Some(share) if share.face == face => share.area += area,
+            _ => {
+                self.place[face] = self.shares.len() as u32;
+                self.shares.push(Share { face, area });
+            }
         }
-        same
-    });
+    }
+
+    /// The shares, ascending; none are left.
+    fn take(&mut self) -> Vec<Share> {
+        self.shares.sort_unstable_by_key(|s| s.face);
+        self.shares.drain(..).collect()
+    }
 }
 
 /// The samples of each triangle of the baseline: numbered in one low-discrepancy sequence, the number of each triangle
@@ -108,8 +145,10 @@ fn merge(shares: &mut Vec<Share>) {
 struct Plan {
     /// The number of the first sample of each triangle, and one past its last.
     numbers: IdVec<FaceId, [u64; 2]>,
-    /// The area that one sample of each triangle stands for.
+    /// The area of each triangle. \[square stage units\]
     area: IdVec<FaceId, f32>,
+    /// The area that one sample of each triangle stands for. \[square stage units\]
+    sample_area: IdVec<FaceId, f32>,
     /// Where the sequence begins.
     shift: [u64; 2],
 }
@@ -118,16 +157,14 @@ impl Plan {
     fn new(product: &SimProduct, children: &Csr<FaceId, FaceId>, options: &SimOptions) -> Self {
         let base = &product.baseline;
         let samples = f64::from(options.transfer_samples.max(1));
-        let area: IdVec<FaceId, f32> = base
-            .topology
-            .faces
-            .ids()
-            .map(|face| {
-                let target: f32 = base.topology.faces.vertices_of(face).iter().map(|&v| base.target[v]).sum();
-                let target = f64::from(target) / 3.0;
-                (0.25 * 3f64.sqrt() * target * target / samples) as f32
-            })
-            .collect();
+        let areas = |i: usize| {
+            let face = FaceId::new(i);
+            let target: f32 = base.topology.faces.vertices_of(face).iter().map(|&v| base.target[v]).sum();
+            let target = f64::from(target) / 3.0;
+            (0.5 * base.normal(face).length(), (0.25 * 3f64.sqrt() * target * target / samples) as f32)
+        };
+        let (area, sample_area): (Vec<f32>, Vec<f32>) =
+            (0..base.topology.faces.len()).into_par_iter().map(areas).unzip();
         let mut seed = u64::from(options.seed);
         let start = (random(&mut seed) >> 11) as f64 / (1u64 << 53) as f64;
         let shift = [0; 2].map(|_| random(&mut seed));
@@ -135,11 +172,11 @@ impl Plan {
         let mut sum = start;
         for &face in children.items() {
             let first = sum as u64;
-            let own = 0.5 * f64::from(base.normal(face).length()) / f64::from(area[face]);
+            let own = f64::from(area[face.index()]) / f64::from(sample_area[face.index()]);
             sum += if own.is_finite() { own } else { 0.0 };
             numbers[face] = [first, sum as u64];
         }
-        Self { numbers, area, shift }
+        Self { numbers, area: area.into(), sample_area: sample_area.into(), shift }
     }
 
     fn samples(&self) -> u64 {
@@ -147,27 +184,20 @@ impl Plan {
     }
 
     /// Locates the samples of a triangle.
-    fn sample(&self, locator: &Locator<'_>, face: FaceId, near: &mut Near, shares: &mut Vec<Share>) {
+    fn sample(&self, locator: &Locator<'_>, face: FaceId, tally: &mut Tally) {
         let [first, end] = self.numbers[face];
         if first == end {
             return;
         }
-        if !locator.turn_to(face, near) {
-            return;
-        }
-        let area = self.area[face];
-        let mut merge_at = MERGE_AT;
-        let mut found = |face: FaceId, count: u32| {
-            shares.push(Share { face, area: count as f32 * area });
-            if shares.len() >= merge_at {
-                merge(shares);
-                merge_at = MERGE_AT.max(2 * shares.len());
-            }
-        };
-        for number in first..end {
-            locator.count(near, self.weights(number), &mut found);
-        }
-        Locator::finish(near, &mut found);
+        let Some(mut near) = locator.near(face) else { return };
+        let (area, [a, b, c]) = (self.sample_area[face], near.corners);
+        let mut points = std::mem::take(&mut tally.points);
+        points.extend((first..end).map(|number| {
+            let weights = self.weights(number);
+            a * weights.x + b * weights.y + c * weights.z
+        }));
+        locator.count(&mut near, &mut points, |face, count| tally.add(face, count as f32 * area));
+        tally.points = points;
     }
 
     /// A place on a triangle: the plane's R2 sequence (Roberts 2018) in whole numbers that wrap around, whose square is

@@ -1,12 +1,11 @@
 //! Paths of edges of the simulation mesh along curves of the baseline.
 
 use super::Sites;
-use super::hash::{IdMap, IdSet};
 use super::snap::Surface;
-use crate::mesh::{CornerId, FaceId, IdVec, VertexId};
+use crate::mesh::{CornerId, FaceId, Id, IdVec, VertexId};
 use glam::Vec3;
 use std::cmp::Reverse;
-use std::collections::{BTreeSet, BinaryHeap, VecDeque};
+use std::collections::{BinaryHeap, VecDeque};
 
 /// What distance from the curve adds to the length of an edge one target length away, as a share: more follows the curve
 /// closer and zigzags, less is shorter and cuts its corners. The first whose path is as long as the curve is taken, and
@@ -111,6 +110,7 @@ struct Beside {
 }
 
 /// A path along a curve.
+#[derive(Clone)]
 pub(super) struct Found {
     pub vertices: Vec<VertexId>,
     /// Largest distance of a vertex from the curve, in local target lengths.
@@ -120,38 +120,88 @@ pub(super) struct Found {
     pub shortest: f64,
 }
 
+impl Found {
+    /// Its vertices without its ends; of a loop, which has none, all.
+    pub fn inner(&self, is_loop: bool) -> &[VertexId] {
+        &self.vertices[1..self.vertices.len() - usize::from(!is_loop)]
+    }
+}
+
+/// Marks of elements that are all taken away at once.
+struct Marks<I, T> {
+    of: IdVec<I, (u32, T)>,
+    now: u32,
+}
+
+impl<I: Id, T: Copy> Marks<I, T> {
+    fn new(count: usize, filler: T) -> Self {
+        Self { of: IdVec::filled((0, filler), count), now: 0 }
+    }
+
+    fn clear(&mut self) {
+        self.now += 1;
+    }
+
+    fn get(&self, id: I) -> Option<T> {
+        let (when, mark) = self.of[id];
+        (when == self.now).then_some(mark)
+    }
+
+    fn set(&mut self, id: I, mark: T) {
+        self.of[id] = (self.now, mark);
+    }
+}
+
+/// What finding corridors marks on the way.
+pub(super) struct Scratch {
+    /// Triangles of the baseline that were reached, and whether they are in the corridor.
+    faces: Marks<FaceId, bool>,
+    /// The places in the corridor's list of the vertices of the simulation mesh.
+    vertices: Marks<VertexId, u32>,
+    queue: VecDeque<(FaceId, usize)>,
+}
+
+impl Scratch {
+    pub fn new(surface: &Surface<'_>) -> Self {
+        let faces = Marks::new(surface.product.baseline.topology.faces.len(), false);
+        Self { faces, vertices: Marks::new(surface.product.points.len(), 0), queue: VecDeque::new() }
+    }
+}
+
+/// Vertices that the way to a closed path and back may not have in common, before it is left as it is.
+const MAX_AVOIDED: usize = 3;
+
 /// Ways around a closed curve: none, or once in either direction.
 const ROUNDS: usize = 3;
 
 impl<'a> Corridor<'a> {
-    /// Those at most `reach` target lengths from the curve, whose vertices are `path`; `passed` are those of other paths.
+    /// Those at most `reach` target lengths from the curve, along `path` on the baseline; `is_passed` are those of other
+    /// paths.
     pub fn new(
         surface: &'a Surface<'a>,
         sites: &Sites<'_>,
-        curve: &'a Curve,
-        path: &[VertexId],
+        (curve, path): (&'a Curve, &[VertexId]),
         reach: f32,
-        passed: &BTreeSet<VertexId>,
+        is_passed: impl Fn(VertexId) -> bool,
+        scratch: &mut Scratch,
     ) -> Self {
-        let (faces, near) = beside(surface, curve, path, reach);
-        let mut vertices: Vec<Beside> = near
-            .into_iter()
-            .map(|(vertex, on)| Beside {
-                vertex,
-                on,
-                off: on.distance / surface.product.target[vertex],
-                is_passed: surface.is_constrained[vertex] || passed.contains(&vertex),
-            })
-            .collect();
+        let near = beside(surface, curve, path, reach, scratch);
+        let beside = |(vertex, on): (VertexId, OnCurve)| Beside {
+            vertex,
+            on,
+            off: on.distance / surface.product.target[vertex],
+            is_passed: surface.is_constrained[vertex] || is_passed(vertex),
+        };
+        let mut vertices: Vec<Beside> = near.into_iter().map(beside).collect();
         vertices.sort_unstable_by_key(|v| v.vertex);
-        let number: IdMap<VertexId, usize> = vertices.iter().enumerate().map(|(i, v)| (v.vertex, i)).collect();
-        let t = &sites.topology;
-        let is_inside = |c: CornerId| faces.contains(&surface.product.places[c].location.face);
+        vertices.iter().enumerate().for_each(|(i, v)| scratch.vertices.set(v.vertex, i as u32));
+        let t = &sites.net.topology;
+        let is_inside = |c: CornerId| scratch.faces.get(surface.product.places[c].location.face) == Some(true);
         let (mut first, mut ends) = (vec![0], Vec::with_capacity(8 * vertices.len()));
         for beside in &vertices {
             for &corner in t.vertex_corners.row(beside.vertex).iter().filter(|&&c| is_inside(c)) {
                 let around = [t.faces.next(corner), t.faces.prev(corner)].into_iter().filter(|&c| is_inside(c));
-                ends.extend(around.filter_map(|c| number.get(&t.faces.vertex(c))));
+                ends.extend(around.filter_map(|c| scratch.vertices.get(t.faces.vertex(c))).map(|i| i as usize));
             }
             first.push(ends.len());
         }
@@ -173,7 +223,10 @@ impl<'a> Corridor<'a> {
         let (from, to) = (number(from)?, number(to)?);
         let mut paths: Vec<(f64, Vec<usize>)> = Vec::with_capacity(STRAYS.len());
         for stray in STRAYS {
-            let Some(path) = self.path(from, to, stray).filter(|p| p.len() >= least) else { continue };
+            let is_direct = least <= 2;
+            let Some(path) = self.path_through(from, to, stray, is_direct).filter(|p| p.len() >= least) else {
+                continue;
+            };
             let length = path.windows(2).map(|p| self.distance(p[0], p[1])).sum();
             paths.push((length, path));
             if off(length) == 0.0 {
@@ -211,8 +264,22 @@ impl<'a> Corridor<'a> {
         }
     }
 
-    /// The cheapest path, from its first vertex to its last.
-    fn path(&self, from: usize, to: usize, stray: f64) -> Option<Vec<usize>> {
+    /// The cheapest path; round a closed curve one that begins and ends where it is asked to, if there is one: others
+    /// may meet it there.
+    fn path_through(&self, from: usize, to: usize, stray: f64, is_direct: bool) -> Option<Vec<usize>> {
+        let mut avoided = Vec::new();
+        loop {
+            let path = self.path(from, to, stray, is_direct, &avoided)?;
+            if path[0] == from || avoided.len() == MAX_AVOIDED {
+                return Some(path);
+            }
+            // The way there and the way back had this vertex in common.
+            avoided.push(path[0]);
+        }
+    }
+
+    /// The cheapest path, from its first vertex to its last; along the edge between them only if it may be direct.
+    fn path(&self, from: usize, to: usize, stray: f64, is_direct: bool, avoided: &[usize]) -> Option<Vec<usize>> {
         // A state is a vertex and how often the way there has gone round the curve; 1 is not at all.
         let (start, goal) = (from * ROUNDS + 1, to * ROUNDS + if self.curve.is_loop { 2 } else { 1 });
         let mut best: Vec<(f64, usize)> = vec![(f64::INFINITY, usize::MAX); ROUNDS * self.vertices.len()];
@@ -228,11 +295,15 @@ impl<'a> Corridor<'a> {
                 continue;
             }
             for &there in &self.ends[self.first[here]..self.first[here + 1]] {
+                if !is_direct && here == from && there == to {
+                    continue;
+                }
                 let Some(rounds) = (state % ROUNDS + self.turn(here, there)).checked_sub(1).filter(|r| *r < ROUNDS)
                 else {
                     continue;
                 };
-                let is_passed = self.vertices[there].is_passed && there != to && there != from;
+                let is_passed = self.vertices[there].is_passed || avoided.contains(&there);
+                let is_passed = is_passed && there != to && there != from;
                 let sum = cost + self.cost(here, there, stray) * if is_passed { PASSED } else { 1.0 };
                 let next = there * ROUNDS + rounds;
                 if sum < best[next].0 {
@@ -266,24 +337,27 @@ impl<'a> Corridor<'a> {
     }
 }
 
-/// The triangles of the baseline at most `reach` target lengths from a curve on the same part of the surface, and the
-/// vertices of the simulation mesh in them that are no farther.
+/// Marks the triangles of the baseline at most `reach` target lengths from a curve on the same part of the surface. Returns
+/// the vertices of the simulation mesh in them that are no farther.
 fn beside(
     surface: &Surface<'_>,
     curve: &Curve,
     path: &[VertexId],
     reach: f32,
-) -> (IdSet<FaceId>, IdMap<VertexId, OnCurve>) {
+    scratch: &mut Scratch,
+) -> Vec<(VertexId, OnCurve)> {
     let product = surface.product;
     let base = &product.baseline;
     let t = &base.topology;
-    let (mut faces, mut seen) = (IdSet::default(), IdSet::default());
-    let mut vertices: IdMap<VertexId, OnCurve> = IdMap::default();
-    let mut queue = VecDeque::new();
+    let Scratch { faces, vertices, queue } = scratch;
+    faces.clear();
+    vertices.clear();
+    let mut found: Vec<(VertexId, OnCurve)> = Vec::new();
     for (segment, pair) in path.windows(2).enumerate() {
         for half in [(pair[0], pair[1]), (pair[1], pair[0])].into_iter().filter_map(|(a, b)| half_edge(t, a, b)) {
             let face = t.faces.face_of(half);
-            if seen.insert(face) {
+            if faces.get(face).is_none() {
+                faces.set(face, false);
                 queue.push_back((face, segment));
             }
         }
@@ -297,25 +371,30 @@ fn beside(
         if on.distance > reach * target + size {
             continue;
         }
-        faces.insert(face);
+        faces.set(face, true);
         for &vertex in surface.in_face.row(face) {
             let on = curve.nearest(product.points[vertex], on.segment);
             if on.distance <= reach * product.target[vertex] {
-                let own = vertices.entry(vertex).or_insert(on);
-                if on.distance < own.distance {
-                    *own = on;
+                match vertices.get(vertex) {
+                    None => {
+                        vertices.set(vertex, found.len() as u32);
+                        found.push((vertex, on));
+                    }
+                    Some(i) if on.distance < found[i as usize].1.distance => found[i as usize].1 = on,
+                    Some(_) => {}
                 }
             }
         }
-        for corner in t.faces.corners_of(face).filter(|&c| !base.barrier[c]) {
-            if let Some(other) = t.twin(corner).map(|c| t.faces.face_of(c))
-                && seen.insert(other)
+        for corner in t.faces.corners_of(face) {
+            if let Some(other) = base.open_twin(corner).map(|c| t.faces.face_of(c))
+                && faces.get(other).is_none()
             {
+                faces.set(other, false);
                 queue.push_back((other, on.segment));
             }
         }
     }
-    (faces, vertices)
+    found
 }
 
 fn half_edge(t: &crate::mesh::Topology, a: VertexId, b: VertexId) -> Option<CornerId> {

@@ -2,9 +2,10 @@
 
 use super::Sites;
 use super::coverage::{Coverage, Share};
+use super::rows::mix_into;
 use crate::garment::{Elements, FamilyType, Garment, Primvar, Subset, Values};
 use crate::mesh::{CornerId, FaceId, IdVec};
-use crate::subdivide::{Real, mix, scale_to_unit_length};
+use crate::subdivide::{Real, scale_to_unit_length};
 use rayon::prelude::*;
 
 /// The face subsets of a garment on the simulation mesh, by their place in the garment's list.
@@ -28,7 +29,7 @@ pub(super) fn sets(garment: &Garment, coverage: &Coverage, sites: &Sites<'_>, cl
     let mut found: Vec<Option<Vec<FaceId>>> = (0..sources.len()).into_par_iter().map(alone).collect();
     let mut islands = 0;
     for set in found.iter_mut().flatten().filter(|_| clean) {
-        let mut labels = IdVec::filled(None, sites.topology.faces.len());
+        let mut labels = IdVec::filled(None, sites.net.topology.faces.len());
         set.iter().for_each(|&f| labels[f] = Some(0));
         islands += clean_islands(&mut labels, sites);
         *set = labels.enumerated().filter(|(_, l)| l.is_some()).map(|(f, _)| f).collect();
@@ -60,7 +61,7 @@ pub(super) struct FaceSets {
 /// Gives each face that touches no other of its label, though there are more, the label across its longest edge that is
 /// on no chain. Returns how many.
 fn clean_islands(labels: &mut IdVec<FaceId, Option<u32>>, sites: &Sites<'_>) -> usize {
-    let t = &sites.topology;
+    let t = &sites.net.topology;
     let mut members: std::collections::HashMap<Option<u32>, usize> = std::collections::HashMap::new();
     labels.iter().for_each(|&l| *members.entry(l).or_default() += 1);
     let length = |c: CornerId| {
@@ -72,7 +73,7 @@ fn clean_islands(labels: &mut IdVec<FaceId, Option<u32>>, sites: &Sites<'_>) -> 
         if members[&labels[face]] == 1 || around().any(|(_, other)| labels[other] == labels[face]) {
             return None;
         }
-        let open = around().filter(|(c, _)| !sites.is_chain[t.corner_edge[*c]]);
+        let open = around().filter(|(c, _)| !sites.net.is_chain[t.corner_edge[*c]]);
         open.reduce(|a, b| if length(b.0) > length(a.0) { b } else { a }).map(|(_, other)| (face, labels[other]))
     };
     let cleaned: Vec<(FaceId, Option<u32>)> = t.faces.ids().filter_map(wanted).collect();
@@ -156,30 +157,23 @@ impl Labels {
 /// over a face stays as it is, bit for bit.
 pub(super) fn carry(primvar: &Primvar, coverage: &Coverage, sites: &Sites<'_>) -> Primvar {
     let shares = Shares { primvar, coverage, sites };
-    let rows: Vec<Row> = (0..coverage.sources.rows()).into_par_iter().map(|f| shares.row(FaceId::new(f))).collect();
-    let single = rows.iter().all(|r| matches!(r, Row::Of(_)));
-    if single {
-        let taken = rows.iter().map(|r| if let Row::Of(row) = r { *row } else { 0 });
+    let count = coverage.sources.rows();
+    let row = |parts: &mut Vec<(usize, f32)>, f: usize| shares.row(FaceId::new(f), parts);
+    let single: Option<Vec<usize>> = (0..count).into_par_iter().map_init(Vec::new, row).collect();
+    if let Some(taken) = single {
+        let taken = taken.into_iter();
         return match &primvar.indices {
             Some(_) => Primvar { indices: Some(taken.map(|r| r as u32).collect()), ..primvar.clone() },
             None => Primvar { values: primvar.values.gather(primvar.width(), taken), ..primvar.clone() },
         };
     }
     let values = match &primvar.values {
-        Values::F32(v) => Values::F32(shares.mean(v, &rows)),
-        Values::F64(v) => Values::F64(shares.mean(v, &rows)),
+        Values::F32(v) => Values::F32(shares.means(v, count)),
+        Values::F64(v) => Values::F64(shares.means(v, count)),
         // Only real values are mixed.
         discrete => discrete.clone(),
     };
     Primvar { values, indices: None, ..primvar.clone() }
-}
-
-/// What a face takes.
-enum Row {
-    /// A row of the source.
-    Of(usize),
-    /// The mean of rows by these weights.
-    Mean(Vec<(usize, f32)>),
 }
 
 struct Shares<'a> {
@@ -189,42 +183,45 @@ struct Shares<'a> {
 }
 
 impl Shares<'_> {
-    fn row(&self, face: FaceId) -> Row {
+    /// The row that a face takes; none where that is the mean of `parts`, which are rows with their weights.
+    fn row(&self, face: FaceId, parts: &mut Vec<(usize, f32)>) -> Option<usize> {
         let primvar = self.primvar;
         let (values, width) = (&primvar.values, primvar.width());
-        let mut rows: Vec<(usize, f32)> = Vec::with_capacity(4);
+        parts.clear();
         for share in self.coverage.sources.row(face) {
             let row = primvar.row(share.face.index());
             let same = |other: usize| other == row || values.same_rows(width, other, row);
-            match rows.iter_mut().find(|r| same(r.0)) {
+            match parts.iter_mut().find(|r| same(r.0)) {
                 Some(own) => own.1 += share.area,
-                None => rows.push((row, share.area)),
+                None => parts.push((row, share.area)),
             }
         }
-        match rows.as_slice() {
-            [] => Row::Of(primvar.row(self.sites.source_of(face).index())),
-            [(row, _)] => Row::Of(*row),
+        match parts.as_slice() {
+            [] => Some(primvar.row(self.sites.source_of(face).index())),
+            [(row, _)] => Some(*row),
             _ if primvar.is_mixed() => {
-                let sum: f32 = rows.iter().map(|r| r.1).sum();
-                rows.iter_mut().for_each(|r| r.1 /= sum);
-                Row::Mean(rows)
+                let sum: f32 = parts.iter().map(|r| r.1).sum();
+                parts.iter_mut().for_each(|r| r.1 /= sum);
+                None
             }
             // The first of equals: rows come in the order of the garment's faces.
-            _ => Row::Of(rows.iter().fold(rows[0], |best, r| if r.1 > best.1 { *r } else { best }).0),
+            _ => Some(parts.iter().fold(parts[0], |best, r| if r.1 > best.1 { *r } else { best }).0),
         }
     }
 
-    fn mean<T: Real>(&self, source: &[T], rows: &[Row]) -> Vec<T> {
-        let width = self.primvar.width();
+    fn means<T: Real>(&self, source: &[T], count: usize) -> Vec<T> {
+        let (primvar, width) = (self.primvar, self.primvar.width().max(1));
         let of = |row: usize| &source[row * width..][..width];
-        let value = |row: &Row| match row {
-            Row::Of(row) => of(*row).to_vec(),
-            Row::Mean(parts) => {
-                let mut mean = mix(parts.iter().map(|&(row, weight)| (of(row), weight)), self.primvar);
-                scale_to_unit_length(&mut mean, self.primvar.components, self.primvar.mixing);
-                mean
+        let mut means = vec![T::from_f64(0.0); count * width];
+        means.par_chunks_mut(width).enumerate().for_each_init(Vec::new, |parts, (face, mean)| {
+            match self.row(FaceId::new(face), parts) {
+                Some(row) => mean.copy_from_slice(of(row)),
+                None => {
+                    mix_into(parts.iter().map(|&(row, weight)| (of(row), weight)), primvar, mean);
+                    scale_to_unit_length(mean, primvar.components, primvar.mixing);
+                }
             }
-        };
-        rows.par_iter().flat_map_iter(value).collect()
+        });
+        means
     }
 }

@@ -6,7 +6,7 @@ use super::Net;
 use super::region::Regions;
 use crate::mesh::{CornerId, FaceId, IdVec};
 use crate::sim::{SimProduct, closest_weights};
-use glam::{Mat3A, Vec3, Vec3A};
+use glam::{Vec3, Vec3A};
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
 
@@ -19,100 +19,112 @@ const BEYOND_CHAIN: f32 = 0.05;
 const MAX_SEARCHED: usize = 96;
 /// How much farther a triangle counts that faces the other way, as a share of its longest side.
 const TURNED: f32 = 0.5;
-/// Triangles that are remembered at a time.
-const REMEMBERED: usize = 32;
 
 /// The triangles of the simulation mesh and the ways between them.
 pub(super) struct Locator<'a> {
     product: &'a SimProduct,
     regions: &'a Regions,
+    charts: IdVec<FaceId, Chart>,
     /// The triangle across each half-edge that is on no chain.
     across: IdVec<CornerId, Option<FaceId>>,
     /// A triangle of the simulation mesh near each one of the baseline; none in a region that has none.
     start: IdVec<FaceId, Option<FaceId>>,
 }
 
-/// A triangle of the baseline, and those of the simulation mesh that its points were found in.
-pub(super) struct Near {
-    corners: [Vec3; 3],
-    normal: Vec3,
-    is_flat: bool,
-    last: Option<FaceId>,
-    seen: [Seen; REMEMBERED],
+/// A triangle of the simulation mesh in UV, or in space as its plane sees it: its weights at any point there.
+struct Chart {
+    origin: Vec3A,
+    /// How the first two weights grow from the origin, where they are zero.
+    growth: [Vec3A; 2],
+    /// In UV that of the plane; zero for a triangle without area.
+    normal: Vec3A,
 }
 
-/// A triangle of the simulation mesh as a triangle of the baseline sees it.
-#[derive(Clone, Copy)]
-struct Seen {
-    face: Option<FaceId>,
-    /// Its weights at the corners of the triangle of the baseline.
-    weights: Mat3A,
-    is_facing: bool,
-    /// Samples that were found in it.
-    count: u32,
-}
-
-const UNSEEN: Seen = Seen { face: None, weights: Mat3A::ZERO, is_facing: false, count: 0 };
-
-impl Near {
-    pub fn new() -> Self {
-        let corners = [Vec3::ZERO; 3];
-        Self { corners, normal: Vec3::ZERO, is_flat: false, last: None, seen: [UNSEEN; REMEMBERED] }
+impl Chart {
+    fn new([a, b, c]: [Vec3; 3], is_flat: bool) -> Self {
+        let normal = (b - a).cross(c - a);
+        let over = normal / normal.length_squared();
+        let growth = [over.cross(c - b), over.cross(a - c)].map(Vec3A::from);
+        let facing = if is_flat { Vec3::Z } else { normal };
+        let is_whole = growth[0].is_finite() && growth[1].is_finite();
+        Self { origin: c.into(), growth, normal: if is_whole { facing.into() } else { Vec3A::ZERO } }
     }
+
+    fn weights(&self, point: Vec3A) -> Vec3 {
+        let from = point - self.origin;
+        let [u, v] = self.growth.map(|g| g.dot(from));
+        Vec3::new(u, v, 1.0 - u - v)
+    }
+}
+
+/// A triangle of the baseline whose points are located, in UV or in space.
+pub(super) struct Near {
+    pub corners: [Vec3A; 3],
+    normal: Vec3A,
+    is_flat: bool,
+    last: FaceId,
 }
 
 impl<'a> Locator<'a> {
     pub fn new(product: &'a SimProduct, net: &Net, regions: &'a Regions) -> Self {
         let t = &net.topology;
-        let across = t.faces.corners().ids().map(|c| {
-            let twin = t.twin(c).filter(|_| !net.is_chain[t.corner_edge[c]]);
+        let across = net.twin.enumerated().map(|(c, twin)| {
+            let twin = twin.filter(|_| !net.is_chain[t.corner_edge[c]]);
             twin.map(|twin| FaceId::new(twin.index() / 3))
         });
-        Self { product, regions, across: across.collect(), start: starts(product, regions) }
-    }
-
-    /// Turns to a triangle of the baseline, before any point of it is located. Whether there is anything over it.
-    pub fn turn_to(&self, face: FaceId, near: &mut Near) -> bool {
-        let base = &self.product.baseline;
-        near.is_flat = self.regions.is_flat[self.regions.of[face] as usize];
-        near.corners = match near.is_flat {
-            true => [0, 1, 2].map(|k| base.uvs[CornerId::new(3 * face.index() + k)].extend(0.0)),
-            false => base.triangle(face),
+        let of = regions.of_product(product);
+        let chart = |(face, &region): (FaceId, &u32)| {
+            let is_flat = regions.is_flat[region as usize];
+            Chart::new(chart(product, is_flat, face), is_flat)
         };
-        near.normal = base.unit_normal[face];
-        near.last = self.start[face];
-        near.seen.iter_mut().for_each(|s| s.face = None);
-        near.last.is_some()
+        let start = starts(product, regions, &of);
+        Self { product, regions, charts: of.enumerated().map(chart).collect(), across: across.collect(), start }
     }
 
-    /// Counts a point for the triangle of the simulation mesh over it.
-    pub fn count(&self, near: &mut Near, weights: Vec3, found: &mut impl FnMut(FaceId, u32)) {
-        let Some(start) = near.last else { return };
-        let face = self.walk(near, start, weights, found);
-        near.last = Some(face);
-        self.see(near, face, found).count += 1;
+    /// A triangle of the baseline, to locate points of it; none where nothing is over it.
+    pub fn near(&self, face: FaceId) -> Option<Near> {
+        let base = &self.product.baseline;
+        let is_flat = self.regions.is_flat[self.regions.of[face] as usize];
+        let (corners, normal) = match is_flat {
+            true => ([0, 1, 2].map(|k| base.uvs[CornerId::new(3 * face.index() + k)].extend(0.0)), Vec3::Z),
+            false => (base.triangle(face), base.facets[face].normal),
+        };
+        let corners = corners.map(Vec3A::from);
+        self.start[face].map(|last| Near { corners, normal: normal.into(), is_flat, last })
     }
 
-    /// Tells of the triangles with points that were not told of yet.
-    pub fn finish(near: &mut Near, found: &mut impl FnMut(FaceId, u32)) {
-        for seen in &mut near.seen {
-            if let Some(face) = seen.face.take().filter(|_| seen.count > 0) {
-                found(face, seen.count);
+    /// Takes points of a triangle of the baseline and tells how many of them each triangle of the simulation mesh is over.
+    ///
+    /// Those that lie in the triangle over one of them are counted with it, so that few have to be walked to.
+    pub fn count(&self, near: &mut Near, points: &mut Vec<Vec3A>, mut found: impl FnMut(FaceId, u32)) {
+        while let Some(point) = points.pop() {
+            near.last = self.walk(near, point);
+            let chart = &self.charts[near.last];
+            let mut kept = points.len();
+            if chart.normal.dot(near.normal) > 0.0 {
+                kept = 0;
+                // Without a branch, which would be guessed wrong half the time.
+                for i in 0..points.len() {
+                    points[kept] = points[i];
+                    kept += usize::from(chart.weights(points[i]).min_element() < 0.0);
+                }
             }
+            found(near.last, 1 + (points.len() - kept) as u32);
+            points.truncate(kept);
         }
     }
 
-    fn walk(&self, near: &mut Near, start: FaceId, weights: Vec3, found: &mut impl FnMut(FaceId, u32)) -> FaceId {
-        let point = Vec3A::from(weights);
-        let (mut face, mut before) = (start, None);
+    fn walk(&self, near: &Near, point: Vec3A) -> FaceId {
+        let (mut face, mut before) = (near.last, None);
         for _ in 0..MAX_STEPS {
-            let seen = self.see(near, face, found);
-            let (own, is_facing) = (seen.weights * point, seen.is_facing);
+            let chart = &self.charts[face];
+            let own = chart.weights(point);
             let least = own.min_element();
+            let is_facing = chart.normal.dot(near.normal) > 0.0;
             if least >= 0.0 && is_facing {
                 return face;
             }
-            match self.step(face, own.into()) {
+            match self.step(face, own) {
                 // Between two triangles that bend away from it, the point is as near to either.
                 Some(next) if before == Some(next) && is_facing => return face.min(next),
                 Some(next) if before != Some(next) => (face, before) = (next, Some(face)),
@@ -120,7 +132,7 @@ impl<'a> Locator<'a> {
                 _ => break,
             }
         }
-        self.search(near, face, weights)
+        self.search(near, face, point.into())
     }
 
     /// The triangle across the side that a point is farthest beyond.
@@ -137,49 +149,13 @@ impl<'a> Locator<'a> {
         next
     }
 
-    /// How the triangle of the baseline sees one of the simulation mesh.
-    fn see<'n>(&self, near: &'n mut Near, face: FaceId, found: &mut impl FnMut(FaceId, u32)) -> &'n mut Seen {
-        let slot = face.index() % REMEMBERED;
-        if near.seen[slot].face != Some(face) {
-            let old = near.seen[slot];
-            if let Some(other) = old.face.filter(|_| old.count > 0) {
-                found(other, old.count);
-            }
-            near.seen[slot] = self.sight(near, face);
-        }
-        &mut near.seen[slot]
-    }
-
-    fn sight(&self, near: &Near, face: FaceId) -> Seen {
-        let [a, b, c] = self.chart(near.is_flat, face);
-        let normal = (b - a).cross(c - a);
-        let over = normal / normal.length_squared();
-        let column = |p: Vec3| {
-            let (u, v) = ((c - b).cross(p - b).dot(over), (a - c).cross(p - c).dot(over));
-            Vec3A::new(u, v, 1.0 - u - v)
-        };
-        let [x, y, z] = near.corners.map(column);
-        let weights = Mat3A::from_cols(x, y, z);
-        let is_facing = weights.is_finite() && (near.is_flat || normal.dot(near.normal) > 0.0);
-        Seen { face: Some(face), weights, is_facing, count: 0 }
-    }
-
-    /// The corners of a triangle of the simulation mesh in UV, or in space.
-    fn chart(&self, is_flat: bool, face: FaceId) -> [Vec3; 3] {
-        match is_flat {
-            true => [0, 1, 2].map(|k| self.product.places[CornerId::new(3 * face.index() + k)].uv.extend(0.0)),
-            false => self.product.triangles[face.index()].map(|v| self.product.points[v]),
-        }
-    }
-
     /// The closest triangle around one, those that face the same way first.
-    fn search(&self, near: &Near, start: FaceId, weights: Vec3) -> FaceId {
-        let [a, b, c] = near.corners;
-        let point = a * weights.x + b * weights.y + c * weights.z;
+    fn search(&self, near: &Near, start: FaceId, point: Vec3) -> FaceId {
+        let normal = Vec3::from(near.normal);
         let distance = |face: FaceId| {
-            let [a, b, c] = self.chart(near.is_flat, face);
+            let [a, b, c] = chart(self.product, near.is_flat, face);
             let w = closest_weights(a, b, c, point);
-            let is_turned = !near.is_flat && (b - a).cross(c - a).dot(near.normal) <= 0.0;
+            let is_turned = !near.is_flat && (b - a).cross(c - a).dot(normal) <= 0.0;
             let side = a.distance(b).max(b.distance(c)).max(c.distance(a));
             (a * w.x + b * w.y + c * w.z).distance(point) + if is_turned { TURNED * side } else { 0.0 }
         };
@@ -202,12 +178,19 @@ impl<'a> Locator<'a> {
     }
 }
 
+/// The corners of a triangle of the simulation mesh in UV, or in space.
+fn chart(product: &SimProduct, is_flat: bool, face: FaceId) -> [Vec3; 3] {
+    match is_flat {
+        true => [0, 1, 2].map(|k| product.places[CornerId::new(3 * face.index() + k)].uv.extend(0.0)),
+        false => product.triangles[face.index()].map(|v| product.points[v]),
+    }
+}
+
 /// A triangle of the simulation mesh near each triangle of the baseline: one with a corner there, else that of a
 /// neighbour on the same side of the chains.
-fn starts(product: &SimProduct, regions: &Regions) -> IdVec<FaceId, Option<FaceId>> {
+fn starts(product: &SimProduct, regions: &Regions, of_product: &IdVec<FaceId, u32>) -> IdVec<FaceId, Option<FaceId>> {
     let base = &product.baseline;
     let mut start = IdVec::<FaceId, Option<FaceId>>::filled(None, base.topology.faces.len());
-    let of_product = regions.of_product(product);
     let mut queue = VecDeque::new();
     for (corner, place) in product.places.enumerated() {
         let (face, at) = (FaceId::new(corner.index() / 3), place.location.face);
@@ -218,7 +201,7 @@ fn starts(product: &SimProduct, regions: &Regions) -> IdVec<FaceId, Option<FaceI
     }
     while let Some(face) = queue.pop_front() {
         for k in 0..3 {
-            let Some(twin) = base.open_twin[CornerId::new(3 * face.index() + k)] else { continue };
+            let Some(twin) = base.open_twin(CornerId::new(3 * face.index() + k)) else { continue };
             let other = FaceId::new(twin.index() / 3);
             if start[other].is_none() {
                 start[other] = start[face];

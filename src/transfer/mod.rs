@@ -13,7 +13,9 @@ mod locate;
 mod normals;
 mod provenance;
 mod region;
+mod rows;
 mod shell;
+mod sides;
 mod snap;
 mod subset;
 mod vertex;
@@ -23,7 +25,7 @@ pub use provenance::{SOURCE_COORDS, SOURCE_FACE, corner_coordinates};
 
 use crate::error::{Warning, Warnings};
 use crate::garment::{Garment, Interpolation, Primvar, Scheme, SubdivisionRules, joints};
-use crate::mesh::{CornerId, EdgeId, FaceId, Faces, IdVec, Topology, VertexId};
+use crate::mesh::{CornerId, Csr, EdgeId, FaceId, Faces, IdVec, Topology, VertexId};
 use crate::sim::{Location, SimOptions, SimProduct};
 use crate::subdivide::to_unit_length;
 use rayon::prelude::*;
@@ -63,8 +65,8 @@ pub fn transfer(
     uv_set: Option<&Primvar>,
     warnings: &mut Warnings,
 ) -> Transferred {
-    let net = Net::new(product);
-    let coverage = Coverage::over(product, &net, garment.faces.len(), options);
+    let net = Net::new(product, garment.faces.len());
+    let coverage = Coverage::over(product, &net, options);
     let sites = Sites::new(product, net, &coverage);
     let target = Target { product, sites: &sites, coverage: &coverage };
     let carried: Vec<(Option<Primvar>, Vec<Warning>)> =
@@ -88,7 +90,7 @@ pub fn transfer(
     let mesh = Garment {
         prim: garment.prim.clone(),
         points: product.points.clone(),
-        faces: sites.topology.faces.clone(),
+        faces: sites.net.topology.faces.clone(),
         orientation: garment.orientation,
         rules: SubdivisionRules { scheme: Scheme::None, ..SubdivisionRules::default() },
         holes: Vec::new(),
@@ -126,17 +128,21 @@ impl Target<'_> {
     }
 }
 
-/// The edges of the simulation mesh.
+/// What does not depend on where the samples are: the edges of the simulation mesh, and the parts of the garment's faces.
 pub(crate) struct Net {
     pub topology: Topology,
     /// Which of them are seams of the constraint UVs.
     pub is_seam: IdVec<EdgeId, bool>,
     /// Which of them are on chains.
     pub is_chain: IdVec<EdgeId, bool>,
+    /// The other half-edge of each; none at borders.
+    pub twin: IdVec<CornerId, Option<CornerId>>,
+    /// The triangles of the baseline in each face of the garment.
+    pub children: Csr<FaceId, FaceId>,
 }
 
 impl Net {
-    fn new(product: &SimProduct) -> Self {
+    fn new(product: &SimProduct, source_faces: usize) -> Self {
         let corners: Vec<VertexId> = product.triangles.iter().flatten().copied().collect();
         let topology = Topology::new(Faces::triangles(corners), product.points.len());
         let mut is_seam = IdVec::filled(false, topology.edges.len());
@@ -147,7 +153,10 @@ impl Net {
                 is_chain[edge] = true;
             }
         }
-        Self { topology, is_seam, is_chain }
+        let twin = topology.faces.corners().ids().map(|c| topology.twin(c)).collect();
+        let pairs = product.baseline.source_face.enumerated().map(|(face, &source)| (source, face));
+        let children = Csr::group(source_faces, pairs, FaceId::new(0));
+        Self { topology, is_seam, is_chain, twin, children }
     }
 }
 
@@ -159,25 +168,20 @@ pub(crate) struct Sites<'a> {
     /// Faces without a sample, each with the garment's face under its centre.
     pub unsampled: Vec<(FaceId, FaceId)>,
     /// The edges of the simulation mesh.
-    pub topology: Topology,
-    /// Which of them are seams of the constraint UVs.
-    pub is_seam: IdVec<EdgeId, bool>,
-    /// Which of them are on chains.
-    pub is_chain: IdVec<EdgeId, bool>,
+    pub net: Net,
 }
 
 impl<'a> Sites<'a> {
     fn new(product: &'a SimProduct, net: Net, coverage: &Coverage) -> Self {
-        let Net { topology, is_seam, is_chain } = net;
         let mut vertices = IdVec::<VertexId, Option<Location>>::filled(None, product.points.len());
         for (&v, place) in product.triangles.iter().flatten().zip(product.places.iter()) {
             vertices[v].get_or_insert(place.location);
         }
         let vertices =
             vertices.iter().map(|l| l.unwrap_or(Location { face: FaceId::new(0), weights: glam::Vec3::X })).collect();
-        let bare = topology.faces.ids().filter(|&f| coverage.sources.row(f).is_empty());
+        let bare = net.topology.faces.ids().filter(|&f| coverage.sources.row(f).is_empty());
         let unsampled = bare.map(|f| (f, product.baseline.source_face[centre(product, f)])).collect();
-        Self { product, vertices, unsampled, topology, is_seam, is_chain }
+        Self { product, vertices, unsampled, net }
     }
 
     /// The baseline's triangle under the centre of a face, on the face's own panel.

@@ -70,7 +70,7 @@ pub(super) fn rebuilt(
         wanted.iter().enumerate().all(|(i, n)| *n == Vec3::ZERO || n.dot(given(i)) >= SAME)
     };
     let smooth = [true, false].into_iter().find(is_made)?;
-    let faces = &sites.topology.faces;
+    let faces = &sites.net.topology.faces;
     let own = Made::new(faces, &product.points, garment.orientation).at(faces, primvar.interpolation, smooth);
     let values = Values::F32(own.iter().flat_map(|n| n.to_array()).collect());
     Some(Primvar { values, indices: None, ..primvar.clone() })

@@ -30,8 +30,8 @@ impl Regions {
                 let area = baseline.uv_area(face);
                 turned |= area < 0.0;
                 upright |= area > 0.0;
-                for corner in t.faces.corners_of(face).filter(|&c| !baseline.barrier[c]) {
-                    let Some(twin) = t.twin(corner) else { continue };
+                for corner in t.faces.corners_of(face) {
+                    let Some(twin) = baseline.open_twin(corner) else { continue };
                     is_whole &= same_uvs(baseline, corner, twin);
                     let other = t.faces.face_of(twin);
                     if of[other].is_none() {

@@ -7,12 +7,9 @@ use crate::mesh::{CornerId, Csr, FaceId, IdVec, VertexId};
 use crate::sim::{Location, SimProduct};
 use glam::Vec3;
 use rayon::prelude::*;
-use std::collections::HashSet;
 
 /// A corner farther than this from its own side of the cuts was moved there, in target lengths.
 const MOVED: f32 = 1e-3;
-/// Times that small islands are given to their neighbours.
-pub(super) const ROUNDS: usize = 3;
 /// Triangles of the largest part of a side that is given to its neighbours rather than kept apart.
 const ISLAND: usize = 2;
 
@@ -32,12 +29,10 @@ pub(super) struct Cuts<'a> {
     coverage: &'a Coverage,
     /// Half-edges of the baseline that no walk crosses.
     barrier: IdVec<CornerId, bool>,
-    /// Triangles of the baseline in each face of the garment.
-    children: Csr<FaceId, FaceId>,
     /// Faces of the garment that touch a cut.
     touched: IdVec<FaceId, bool>,
-    /// Neighbouring faces of the garment without a cut between them.
-    joined: HashSet<[FaceId; 2]>,
+    /// The neighbours of each face of the garment without a cut between them; one may be there more than once.
+    joined: Csr<FaceId, FaceId>,
 }
 
 impl<'a> Cuts<'a> {
@@ -51,22 +46,27 @@ impl<'a> Cuts<'a> {
         let base = &product.baseline;
         let t = &base.topology;
         let mut at_cut = IdVec::<VertexId, bool>::filled(false, base.points.len());
-        let mut joined = HashSet::new();
-        for corner in t.faces.corners().ids() {
-            if barrier[corner] {
-                t.faces.half_edge(corner).into_iter().for_each(|v| at_cut[v] = true);
-            } else if let Some(twin) = t.twin(corner) {
-                let [a, b] = [corner, twin].map(|c| base.source_face[t.faces.face_of(c)]);
-                joined.insert([a.min(b), a.max(b)]);
+        let mut pairs: Vec<(FaceId, FaceId)> = Vec::new();
+        for (face, &source) in base.source_face.enumerated() {
+            for corner in t.faces.corners_of(face) {
+                if barrier[corner] {
+                    t.faces.half_edge(corner).into_iter().for_each(|v| at_cut[v] = true);
+                } else if let Some(twin) = base.open_twin(corner) {
+                    let other = base.source_face[t.faces.face_of(twin)];
+                    // The edges that an edge of the garment becomes follow each other.
+                    if other != source && pairs.last() != Some(&(source, other)) {
+                        pairs.push((source, other));
+                    }
+                }
             }
         }
-        let mut touched = IdVec::filled(false, coverage.faces.rows());
+        let rows = coverage.faces.rows();
+        let joined = Csr::group(rows, pairs.into_iter(), FaceId::new(0));
+        let mut touched = IdVec::filled(false, rows);
         for (face, &source) in base.source_face.enumerated() {
             touched[source] |= t.faces.vertices_of(face).iter().any(|&v| at_cut[v]);
         }
-        let pairs = base.source_face.enumerated().map(|(face, &source)| (source, face));
-        let children = Csr::group(coverage.faces.rows(), pairs, FaceId::new(0));
-        Self { product, sites, coverage, barrier, children, touched, joined }
+        Self { product, sites, coverage, barrier, touched, joined }
     }
 
     /// The triangle of the baseline from which each face near a cut takes its values; none for others, which take those
@@ -77,13 +77,15 @@ impl<'a> Cuts<'a> {
 
     /// Where each corner of the simulation mesh takes its value.
     pub fn sources(&self, homes: &[Option<FaceId>]) -> IdVec<CornerId, Source> {
-        let t = &self.sites.topology;
+        let t = &self.sites.net.topology;
         let of_corner = |i: usize| self.of_corner(CornerId::new(i), homes);
         let mut sources: IdVec<CornerId, Source> =
             (0..t.faces.corners().len()).into_par_iter().map(of_corner).collect::<Vec<_>>().into();
-        for vertex in (0..t.vertex_count()).map(VertexId::new) {
-            self.agree(t.vertex_corners.row(vertex), homes, &mut sources);
-        }
+        let mut moved: Vec<VertexId> =
+            sources.enumerated().filter(|(_, s)| s.moved).map(|(c, _)| t.faces.vertex(c)).collect();
+        moved.sort_unstable();
+        moved.dedup();
+        moved.into_iter().for_each(|v| self.agree(t.vertex_corners.row(v), homes, &mut sources));
         sources
     }
 
@@ -94,7 +96,7 @@ impl<'a> Cuts<'a> {
         homes: &[Option<FaceId>],
         sources: &mut IdVec<CornerId, Source>,
     ) -> Vec<CornerId> {
-        let t = &self.sites.topology;
+        let t = &self.sites.net.topology;
         let mut vertices: Vec<VertexId> = faces.iter().flat_map(|f| t.faces.vertices_of(f.0)).copied().collect();
         vertices.sort_unstable();
         vertices.dedup();
@@ -111,7 +113,7 @@ impl<'a> Cuts<'a> {
         if !corners.iter().any(|&c| sources[c].moved) {
             return;
         }
-        let faces: Vec<FaceId> = corners.iter().map(|&c| self.sites.topology.faces.face_of(c)).collect();
+        let faces: Vec<FaceId> = corners.iter().map(|&c| self.sites.net.topology.faces.face_of(c)).collect();
         let mut side: Vec<usize> = (0..corners.len()).collect();
         for i in 0..corners.len() {
             for j in 0..i {
@@ -122,7 +124,7 @@ impl<'a> Cuts<'a> {
             }
         }
         let off = |s: &Source, c: CornerId| {
-            let vertex = self.sites.topology.faces.vertex(c);
+            let vertex = self.sites.net.topology.faces.vertex(c);
             self.product.baseline.position(s.location).distance_squared(self.product.points[vertex])
         };
         for own in 0..corners.len() {
@@ -169,7 +171,7 @@ impl<'a> Cuts<'a> {
 
     /// Whether two faces of the garment are one, or neighbours without a cut between them.
     fn are_neighbours(&self, a: FaceId, b: FaceId) -> bool {
-        a == b || self.joined.contains(&[a.min(b), a.max(b)])
+        a == b || self.joined.row(a).contains(&b)
     }
 
     fn places(&self, face: FaceId) -> [Location; 3] {
@@ -186,7 +188,7 @@ impl<'a> Cuts<'a> {
         let mut side: Vec<usize> = (0..row.len()).collect();
         for i in 0..row.len() {
             for j in 0..i {
-                if side[i] != side[j] && self.joined.contains(&[row[j].face, row[i].face]) {
+                if side[i] != side[j] && self.are_neighbours(row[j].face, row[i].face) {
                     let (from, to) = (side[i].max(side[j]), side[i].min(side[j]));
                     side.iter_mut().filter(|s| **s == from).for_each(|s| *s = to);
                 }
@@ -206,7 +208,7 @@ impl<'a> Cuts<'a> {
             let w = crate::sim::closest_weights(a, b, c, point);
             (a * w.x + b * w.y + c * w.z).distance_squared(point)
         };
-        let children = self.children.row(source).iter().copied();
+        let children = self.sites.net.children.row(source).iter().copied();
         let nearest = children.map(|f| (distance(&f), f)).reduce(|a, b| if b.0 < a.0 { b } else { a });
         nearest.map_or(FaceId::new(0), |n| n.1)
     }
@@ -225,54 +227,65 @@ impl<'a> Cuts<'a> {
         Source { location: there.location, moved }
     }
 
-    /// The home of a neighbour on another side of the cuts: across the longest edge that is on no chain.
-    pub fn other_home(&self, face: FaceId, homes: &[Option<FaceId>]) -> Option<FaceId> {
-        let t = &self.sites.topology;
+    /// The homes of the neighbours on another side of the cuts: first across the longest edge, none across chains.
+    pub fn other_homes(&self, face: FaceId, homes: &[Option<FaceId>]) -> impl Iterator<Item = FaceId> + use<> {
+        let (t, net) = (&self.sites.net.topology, &self.sites.net);
         let length = |c: CornerId| {
             let [a, b] = t.faces.half_edge(c).map(|v| self.product.points[v]);
             a.distance_squared(b)
         };
-        let open = t.faces.corners_of(face).filter(|&c| !self.sites.is_chain[t.corner_edge[c]]);
-        let others = open.filter_map(|c| Some((c, t.faces.face_of(t.twin(c)?))));
-        let other_side = others.filter(|(_, other)| !self.are_joined(face, *other, homes));
-        let longest = other_side.reduce(|a, b| if length(b.0) > length(a.0) { b } else { a });
-        longest.and_then(|(_, other)| homes[other.index()])
+        let open = t.faces.corners_of(face).filter(|&c| !net.is_chain[t.corner_edge[c]]);
+        let others = open.filter_map(|c| Some((c, t.faces.face_of(net.twin[c]?))));
+        let mut others: Vec<(CornerId, FaceId)> =
+            others.filter(|(_, other)| !self.are_joined(face, *other, homes)).collect();
+        others.sort_by(|a, b| length(b.0).total_cmp(&length(a.0)));
+        let found: Vec<FaceId> = others.into_iter().filter_map(|(_, other)| homes[other.index()]).collect();
+        found.into_iter()
     }
 
-    /// Small parts of a side that touch the rest of it nowhere, each face with the home of a neighbour. `same` says
-    /// whether two corners of one vertex have the same value.
+    /// Small parts of a side, with one of `seeds`, that touch the rest of it nowhere: each face with the home of a
+    /// neighbour. `same` says whether two corners of one vertex have the same value.
     pub fn islands(
         &self,
+        seeds: &[FaceId],
+        homes: &[Option<FaceId>],
+        same: impl Fn(CornerId, CornerId) -> bool + Sync,
+    ) -> Vec<(FaceId, FaceId)> {
+        let island = |&seed: &FaceId| self.island(seed, homes, &same).unwrap_or_default();
+        let mut islands: Vec<(FaceId, FaceId)> = seeds.par_iter().flat_map_iter(island).collect();
+        islands.sort_unstable();
+        islands.dedup_by_key(|i| i.0);
+        islands
+    }
+
+    /// The small part around a face, each face with the home of a neighbour.
+    fn island(
+        &self,
+        seed: FaceId,
         homes: &[Option<FaceId>],
         same: impl Fn(CornerId, CornerId) -> bool,
-    ) -> Vec<(FaceId, FaceId)> {
-        let t = &self.sites.topology;
+    ) -> Option<Vec<(FaceId, FaceId)>> {
+        let (t, net) = (&self.sites.net.topology, &self.sites.net);
         let next = |c| t.faces.next(c);
-        let mut seen = IdVec::<FaceId, bool>::filled(false, t.faces.len());
-        let mut islands = Vec::new();
-        for seed in t.faces.ids().filter(|f| homes[f.index()].is_some()) {
-            if seen[seed] {
-                continue;
-            }
-            let (mut part, mut beyond, mut at) = (vec![seed], None, 0);
-            while let Some(&face) = part.get(at).filter(|_| part.len() <= ISLAND) {
-                at += 1;
-                for corner in t.faces.corners_of(face) {
-                    let Some(twin) = t.twin(corner) else { continue };
-                    let other = t.faces.face_of(twin);
-                    if !(same(corner, next(twin)) && same(next(corner), twin)) {
-                        beyond = beyond.or(homes[other.index()].filter(|_| !self.sites.is_seam[t.corner_edge[corner]]));
-                    } else if !part.contains(&other) {
-                        part.push(other);
+        let (mut part, mut size, mut beyond, mut at) = ([seed; ISLAND], 1, None, 0);
+        while at < size {
+            let face = part[at];
+            at += 1;
+            for corner in t.faces.corners_of(face) {
+                let Some(twin) = net.twin[corner] else { continue };
+                let other = t.faces.face_of(twin);
+                if !(same(corner, next(twin)) && same(next(corner), twin)) {
+                    beyond = beyond.or(homes[other.index()].filter(|_| !net.is_seam[t.corner_edge[corner]]));
+                } else if !part[..size].contains(&other) {
+                    if size == ISLAND {
+                        return None;
                     }
+                    part[size] = other;
+                    size += 1;
                 }
             }
-            part.iter().for_each(|&f| seen[f] = true);
-            if let Some(home) = beyond.filter(|_| part.len() <= ISLAND) {
-                islands.extend(part.into_iter().map(|f| (f, home)));
-            }
         }
-        islands
+        beyond.map(|home| part[..size].iter().map(|&f| (f, home)).collect())
     }
 
     /// The source of a moved corner, continued beyond its side instead.

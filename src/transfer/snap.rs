@@ -1,8 +1,9 @@
 //! The vertex of the simulation mesh nearest to a vertex of the cage, on the same chain or the same part of the surface.
 
+use super::hash::{IdMap, IdSet};
 use crate::mesh::{ChainId, Csr, FaceId, IdVec, VertexId};
 use crate::sim::SimProduct;
-use std::collections::{HashMap, HashSet, VecDeque};
+use std::collections::VecDeque;
 
 /// How far along its chain a vertex may be from where its share of the chain's edges puts it, in target lengths. Longer
 /// finds vertices that relaxing has moved; shorter keeps to the right turn of a winding chain.
@@ -16,9 +17,9 @@ pub(super) struct Surface<'a> {
     /// Which vertices are on chains.
     pub is_constrained: IdVec<VertexId, bool>,
     /// Where vertices of the cage lie on chains: the chain, and the place in its curve.
-    on_chain: HashMap<VertexId, (ChainId, usize)>,
+    on_chain: IdMap<VertexId, (ChainId, usize)>,
     /// The chain between two neighbouring vertices of the cage, and which of its cage edges that is.
-    pub chain_edge: HashMap<[VertexId; 2], (ChainId, usize)>,
+    pub chain_edge: IdMap<[VertexId; 2], (ChainId, usize)>,
 }
 
 impl<'a> Surface<'a> {
@@ -36,10 +37,10 @@ impl<'a> Surface<'a> {
         let in_face = Csr::group(faces, pairs.iter().copied(), VertexId::new(0));
         let mut is_constrained = IdVec::filled(false, product.points.len());
         product.chain_edges.iter().flatten().flatten().for_each(|&v| is_constrained[v] = true);
-        let (on_chain, chain_edge) = (HashMap::new(), HashMap::new());
+        let (on_chain, chain_edge) = (IdMap::default(), IdMap::default());
         let mut surface = Self { product, in_face, is_constrained, on_chain, chain_edge };
         for (id, chain) in product.baseline.chains.enumerated() {
-            let step = (chain.vertices.len() - 1) / (chain.cage.len() - 1).max(1);
+            let step = chain.step();
             // Vertices of the cage keep their numbers on every level.
             let cage: Vec<VertexId> = chain.vertices.iter().step_by(step.max(1)).copied().collect();
             for (k, &vertex) in cage.iter().enumerate() {
@@ -67,12 +68,25 @@ impl<'a> Surface<'a> {
         along
     }
 
-    /// The place of a cage vertex among the vertices of a chain of the simulation mesh; `k` is its place in the cage's.
-    pub fn place_on_chain(&self, chain: ChainId, k: usize) -> usize {
-        let curve = &self.product.baseline.chains[chain];
-        let step = (curve.vertices.len() - 1) / (curve.cage.len() - 1).max(1);
+    /// The places of cage vertices among the vertices of a chain of the simulation mesh: one for each where there are
+    /// enough, in their order. `wanted` are the vertices' places in the cage's, ascending.
+    pub fn places_on_chain(&self, chain: ChainId, wanted: &[usize]) -> Vec<(usize, VertexId)> {
         let along = self.along(chain);
-        let index = (k * step).min(curve.vertices.len() - 1);
+        let Some(last) = along.len().checked_sub(1) else { return Vec::new() };
+        let mut places: Vec<usize> = wanted.iter().map(|&k| self.nearest_on_chain(chain, &along, k)).collect();
+        for i in 1..places.len() {
+            places[i] = places[i].max(places[i - 1] + 1);
+        }
+        let count = places.len();
+        for (i, place) in places.iter_mut().enumerate() {
+            *place = (*place).min(last.saturating_sub(count - 1 - i));
+        }
+        places.into_iter().map(|place| (place, along[place].1)).collect()
+    }
+
+    fn nearest_on_chain(&self, chain: ChainId, along: &[(f32, VertexId)], k: usize) -> usize {
+        let curve = &self.product.baseline.chains[chain];
+        let index = (k * curve.step()).min(curve.vertices.len() - 1);
         if index == 0 {
             return 0;
         }
@@ -91,6 +105,12 @@ impl<'a> Surface<'a> {
         (1..along.len()).fold(0, |best, i| if nearer(best, i) { i } else { best })
     }
 
+    /// The chain that a vertex of the cage lies on, and its place in the chain's cage.
+    pub fn on_chain(&self, vertex: VertexId) -> Option<(ChainId, usize)> {
+        let &(chain, index) = self.on_chain.get(&vertex)?;
+        Some((chain, index / self.product.baseline.chains[chain].step().max(1)))
+    }
+
     /// Whether a vertex of the cage lies on a chain.
     pub fn is_on_chain(&self, vertex: VertexId) -> bool {
         self.on_chain.contains_key(&vertex)
@@ -99,16 +119,19 @@ impl<'a> Surface<'a> {
     /// The nearest vertex to a vertex of the cage that `is_free` admits; if none is within a target length, the nearest of
     /// all. None where nothing of the surface is left.
     pub fn nearest(&self, vertex: VertexId, is_free: impl Fn(VertexId) -> bool) -> Option<VertexId> {
-        if let Some(&(chain, index)) = self.on_chain.get(&vertex) {
-            let curve = &self.product.baseline.chains[chain];
-            let step = (curve.vertices.len() - 1) / (curve.cage.len() - 1).max(1);
-            let along = self.along(chain);
-            return along.get(self.place_on_chain(chain, index / step.max(1))).map(|a| a.1);
+        if let Some((chain, k)) = self.on_chain(vertex) {
+            return self.places_on_chain(chain, &[k]).first().map(|p| p.1);
         }
         let found = self.around(vertex);
         let first = found.first()?;
         let near = found.iter().take_while(|f| f.0 <= self.product.target[f.1]);
         Some(near.map(|f| f.1).find(|&v| is_free(v)).unwrap_or(first.1))
+    }
+
+    /// The vertices within a target length of a vertex of the cage, the nearest first, on its part of the surface.
+    pub fn vertices_near(&self, vertex: VertexId) -> Vec<VertexId> {
+        let found = self.around(vertex).into_iter();
+        found.filter(|f| f.0 <= self.product.target[f.1]).map(|f| f.1).collect()
     }
 
     /// The vertices around a vertex of the cage, the nearest first, on its part of the surface.
@@ -117,7 +140,7 @@ impl<'a> Surface<'a> {
         let t = &base.topology;
         let point = base.points[vertex];
         let mut queue: VecDeque<FaceId> = t.faces_at(vertex).collect();
-        let mut seen: HashSet<FaceId> = queue.iter().copied().collect();
+        let mut seen: IdSet<FaceId> = queue.iter().copied().collect();
         let mut found: Vec<(f32, VertexId)> = Vec::new();
         let mut reach = f32::MAX;
         while let Some(face) = queue.pop_front() {
@@ -130,8 +153,8 @@ impl<'a> Surface<'a> {
                 found.push((distance, v));
                 reach = reach.min(distance + self.product.target[v]);
             }
-            for corner in t.faces.corners_of(face).filter(|&c| !base.barrier[c]) {
-                if let Some(other) = t.twin(corner).map(|c| t.faces.face_of(c))
+            for corner in t.faces.corners_of(face) {
+                if let Some(other) = base.open_twin(corner).map(|c| t.faces.face_of(c))
                     && seen.insert(other)
                 {
                     queue.push_back(other);

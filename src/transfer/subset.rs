@@ -5,13 +5,15 @@ use super::edge::{Carried, Edges};
 use super::{SetCurve, Sites, face};
 use crate::error::{Warning, Warnings};
 use crate::garment::{Elements, Family, FamilyType, Garment, Subset};
-use crate::mesh::VertexId;
+use crate::mesh::{FaceId, VertexId};
 use crate::sim::{Chain, SimOptions, SimProduct};
 use crate::spatial::PointGrid;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Family of the subsets that say which edges were constraints.
 const CONSTRAINT_FAMILY: &str = "tailorConstraints";
+/// The share of area by which a face set is to agree with its source.
+const AGREEMENT: f64 = 0.97;
 /// Families of the subsets that hold the garment's creases and corners.
 const CREASE_FAMILY: &str = "tailorCreases";
 const CORNER_FAMILY: &str = "tailorCorners";
@@ -37,6 +39,7 @@ pub(super) fn carry(
     let mut sources = garment.subsets.clone();
     sources.extend(sharp_sets(garment));
     let face::FaceSets { sets: mut face_sets, islands } = face::sets(garment, coverage, sites, options.clean_islands);
+    warnings_of_small_sets(garment, &face_sets, coverage).into_iter().for_each(|w| warnings.push(w));
     face_sets.resize(sources.len(), None);
     let edges = Edges::new(product, sites);
     let mut edge_sets = edges.carry_all(&edges_of(&sources));
@@ -67,6 +70,21 @@ pub(super) fn carry(
     subsets.extend(constraint_sets(garment, product, options));
     let families = families(garment, &subsets);
     Subsets { subsets, families, curves, islands }
+}
+
+/// A warning of face sets that the triangles follow too roughly.
+fn warnings_of_small_sets(garment: &Garment, sets: &[Option<Vec<FaceId>>], coverage: &Coverage) -> Option<Warning> {
+    let agreement = |(subset, set): (&Subset, &Option<Vec<FaceId>>)| match (&subset.elements, set) {
+        // A set that covers most of no triangle has a warning of its own.
+        (Elements::Faces(source), Some(set)) if !set.is_empty() => {
+            Some((subset.name.clone(), coverage.agreement(source, set)))
+        }
+        _ => None,
+    };
+    let found = garment.subsets.iter().zip(sets).filter_map(agreement);
+    let (sets, agreements): (Vec<String>, Vec<f64>) = found.filter(|(_, own)| *own < AGREEMENT).unzip();
+    let least = agreements.iter().copied().reduce(f64::min)?;
+    Some(Warning::SetsBlurred { sets, least: least as f32 })
 }
 
 /// The edges of each subset; none of those of faces and points.

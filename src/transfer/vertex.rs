@@ -1,11 +1,12 @@
 //! Values of vertices: interpolated at the vertex's location, or taken from the nearest vertex.
 
 use super::Sites;
+use super::rows::{at_places, parts};
 use crate::garment::joints::{self, Influences};
 use crate::garment::{Garment, Interpolation, Primvar, Values};
 use crate::mesh::{CornerId, VertexId};
 use crate::sim::{Location, SimProduct};
-use crate::subdivide::{Real, Stencils, mix, taken};
+use crate::subdivide::{Real, Stencils, taken};
 use rayon::prelude::*;
 
 /// A vertex or varying primvar on the simulation mesh.
@@ -24,13 +25,18 @@ pub(super) fn carry(primvar: &Primvar, product: &SimProduct, sites: &Sites<'_>) 
 
 fn interpolated<T: Real>(primvar: &Primvar, source: &[T], product: &SimProduct, sites: &Sites<'_>) -> Vec<T> {
     let width = primvar.width();
-    let fine = product.baseline.refine_rows(primvar, source);
-    let at = |at: &Location| mix(parts(product, *at).map(|(v, w)| (&fine[v.index() * width..][..width], w)), primvar);
-    sites.vertices.par_iter().flat_map_iter(at).collect()
+    let baseline = &product.baseline;
+    let fine = baseline.refine_rows(primvar, source);
+    let row = |v: VertexId| &fine[baseline.level_vertex[v].index() * width..][..width];
+    at_places(sites.vertices.len(), primvar, |i| {
+        let at = &sites.vertices[VertexId::new(i)];
+        let corners = baseline.topology.faces.vertices_of(at.face);
+        parts(at, |k| row(corners[k]))
+    })
 }
 
 /// The vertices of the finest level around a location, with their weights.
-fn parts(product: &SimProduct, at: Location) -> impl Iterator<Item = (VertexId, f32)> + Clone + '_ {
+fn around(product: &SimProduct, at: Location) -> impl Iterator<Item = (VertexId, f32)> + Clone + '_ {
     let faces = &product.baseline.topology.faces;
     faces
         .corners_of(at.face)
@@ -67,7 +73,7 @@ pub(super) fn carry_influences(garment: &Garment, product: &SimProduct, sites: &
         let rows = (0..stencils.rows()).into_par_iter();
         fine = rows.map(|r| joints::blend(stencils.merged(r).iter().map(|&(v, w)| (&fine[v.index()], w)))).collect();
     }
-    let at = |at: &Location| joints::blend(parts(product, *at).map(|(v, w)| (&fine[v.index()], w)));
+    let at = |at: &Location| joints::blend(around(product, *at).map(|(v, w)| (&fine[v.index()], w)));
     let blended: Vec<Influences> = sites.vertices.par_iter().map(at).collect();
     joints::to_primvars(&blended, indices, weights).into()
 }

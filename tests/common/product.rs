@@ -21,8 +21,6 @@ use tailor::sim::{Baseline, Lengths, SimProduct, simulate};
 
 /// Distance of a vertex from where its corner says it is, and from its chain's curve, as a share of the target length.
 const ON_SURFACE: f32 = 1e-3;
-/// Joint weights sum to what they were but for this.
-const WEIGHT_SUM: f64 = 1e-4;
 /// Refined positions agree with the independent rules to this share of the bounding box.
 const REFINED: f32 = 1e-5;
 
@@ -197,7 +195,7 @@ impl Subject {
     /// No triangle lies the wrong way round in UV space, if none of the baseline does.
     fn uvs_are_not_flipped(&mut self) {
         let base = &self.product.baseline;
-        let flipped = base.topology.faces.ids().filter(|&f| base.uv_area(f) * base.shell_sign[f] <= 0.0).count();
+        let flipped = base.topology.faces.ids().filter(|&f| base.uv_area(f) * base.facets[f].sense <= 0.0).count();
         let (own, all) = (self.products.sim_figures.uv_flips, self.product.triangles.len());
         if base.has_uvs && flipped == 0 {
             self.expect("UV flips", own == 0, || format!("{own} of {all} triangles"));

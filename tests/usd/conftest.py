@@ -3,7 +3,9 @@
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -47,6 +49,7 @@ class Product:
     stage: Usd.Stage
     report: dict
     stderr: str
+    again: Callable  # the same run with more arguments, beside it
 
     @property
     def model_path(self):
@@ -65,6 +68,11 @@ class Product:
         if name not in self.__dict__:
             self.__dict__[name] = read_mesh(self.prim(name))
         return self.__dict__[name]
+
+    @cached_property
+    def traced(self):
+        """The same run with what each vertex of the simulation mesh came from."""
+        return self.again("--provenance")
 
     @property
     def sim(self):
@@ -100,9 +108,12 @@ def make(usdtailor, source, folder, *args, suffix=".usda", stem="built"):
     path, report = folder / f"{stem}{suffix}", folder / f"{stem}{suffix}.json"
     done = run(usdtailor, "build", source, "-o", path, "--report", report, *args)
     assert done.returncode == 0, f"usdtailor build {source} {' '.join(map(str, args))}\nexit {done.returncode}\n{done.stderr}"
-    return Product(
-        Path(source), path, Usd.Stage.Open(str(source)), Usd.Stage.Open(str(path)), json.loads(report.read_text()), done.stderr
-    )
+
+    def again(*more):
+        return make(usdtailor, source, folder, *args, *more, suffix=suffix, stem=f"{stem}_again")
+
+    stages = (Usd.Stage.Open(str(source)), Usd.Stage.Open(str(path)))
+    return Product(Path(source), path, *stages, json.loads(report.read_text()), done.stderr, again)
 
 
 @pytest.fixture

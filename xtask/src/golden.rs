@@ -32,8 +32,8 @@
 //!         bit 1+k: f32[2] value of slot k (without it, that of slot 0)
 //! ```
 //!
-//! `xtask/golden/golden.cpp` says the same in more words, and has the text mesh of the bench;
-//! `tests/common/golden.rs` is the reader.
+//! `xtask/golden/write.h` says the same in more words, `bench.h` what a text mesh is; `tests/common/golden.rs` is the
+//! reader.
 
 use std::env;
 use std::path::{Path, PathBuf};

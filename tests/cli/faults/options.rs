@@ -55,6 +55,10 @@ fn of_overrides() {
             "build in.usda -o out/coat.usda --set sim.maxEdgeLength=-1",
             &["sim.maxEdgeLength: -1 is no length", "positive number"],
         ),
+        of("check in.usda --set sim.grading=1", &["sim.grading: 1 is no factor", "1.05 or more, or 0"]),
+        of("check in.usda --set sim.grading=nan", &["sim.grading"]),
+        of("check in.usda --set sim.cornerAngle=0", &["sim.cornerAngle: 0 is no angle", "at most 180"]),
+        of("check in.usda --set sim.cornerAngle=181", &["sim.cornerAngle: 181 is no angle"]),
         of("check in.usda --set sim.minEdgeLength=-0.5", &["sim.minEdgeLength: -0.5 is no length"]),
         of(
             "build in.usda -o out/coat.usda --set sim.minEdgeLength=2 --set sim.maxEdgeLength=1",

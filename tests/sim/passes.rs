@@ -1,25 +1,15 @@
 //! Every pass of remeshing, on random grids, tubes and tees with random constraints, weights and lengths: what must hold
 //! after each.
 
-#[path = "common/zoo.rs"]
-#[allow(dead_code)]
-mod zoo;
-
+use crate::cases::few;
+use crate::{MAX_FACES, baseline, prepare, sheets};
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 use rayon::ThreadPoolBuilder;
 use std::collections::{BTreeMap, BTreeSet};
-use tailor::error::Warnings;
 use tailor::garment::GarmentInput;
 use tailor::mesh::{ChainId, CornerId, VertexId};
 use tailor::pipeline::Prepared;
-use tailor::recipe::{Layers, bind};
-use tailor::sim::{Baseline, Grade, Lengths, Pass, SimMesh, simulate};
-
-/// Rounds after which a mesh is left.
-const ROUNDS: usize = 3;
-/// A bound that no mesh here reaches.
-const MAX_FACES: usize = 200_000;
+use tailor::sim::{Grade, Pass, SimMesh, simulate};
 
 /// What a garment is made of.
 #[derive(Clone, Debug)]
@@ -95,14 +85,14 @@ fn tee(arms: [usize; 3]) -> GarmentInput {
             faces.push(quad.to_vec());
         }
     }
-    zoo::mesh(points, &faces.iter().map(Vec::as_slice).collect::<Vec<_>>())
+    sheets::mesh(points, &faces.iter().map(Vec::as_slice).collect::<Vec<_>>())
 }
 
 impl Case {
     fn input(&self) -> GarmentInput {
         let mut input = match self.shape {
-            Shape::Grid(x, y) => zoo::grid(x, y, |_, _| true),
-            Shape::Tube(around, along) => zoo::tube(around, along),
+            Shape::Grid(x, y) => sheets::grid(x, y, |_, _| true),
+            Shape::Tube(around, along) => sheets::tube(around, along),
             Shape::Tee(arms) => tee(arms),
         };
         for (i, point) in input.points.iter_mut().enumerate() {
@@ -121,31 +111,21 @@ impl Case {
         let chosen: BTreeSet<[i32; 2]> = self.constraints.iter().map(|&i| edges[i % edges.len()]).collect();
         match chosen.is_empty() {
             true => input,
-            false => zoo::with_edges(input, "line", &chosen.into_iter().collect::<Vec<_>>()),
+            false => sheets::with_edges(input, "line", &chosen.into_iter().collect::<Vec<_>>()),
         }
     }
 
     fn prepared(&self) -> Prepared {
-        let mut layers = Layers::default();
-        let mut set = |text: String| layers.add_override(&text).unwrap_or_else(|e| panic!("{e}"));
-        set(format!("sim.maxEdgeLength={}", self.length));
-        set(format!("sim.baselineLevel={}", self.level));
+        let mut options =
+            vec![format!("sim.maxEdgeLength={}", self.length), format!("sim.baselineLevel={}", self.level)];
         if self.is_graded {
-            set("sim.density=density".into());
-            set(format!("sim.minEdgeLength={}", 0.25 * self.length));
+            options.extend(["sim.density=density".into(), format!("sim.minEdgeLength={}", 0.25 * self.length)]);
         }
         if !self.constraints.is_empty() {
-            set("sim.constraints=line".into());
+            options.push("sim.constraints=line".into());
         }
-        Prepared::new(self.input(), &layers, &mut Warnings::default()).unwrap_or_else(|e| panic!("{e}"))
+        prepare(self.input(), &options.iter().map(String::as_str).collect::<Vec<_>>())
     }
-}
-
-fn baseline(prepared: &Prepared) -> Baseline {
-    let bound = bind(&prepared.recipe, &prepared.garment, false).unwrap_or_else(|e| panic!("{e}"));
-    let sim = &prepared.recipe.sim;
-    let lengths = Lengths { min: sim.min_edge_length, max: sim.max_edge_length, density: bound.density };
-    Baseline::new(&prepared.garment, sim, lengths, bound.uv_set)
 }
 
 /// What no pass may change: vertices - edges + faces, border loops, and the curve that the edges of each chain cover.
@@ -153,7 +133,8 @@ fn baseline(prepared: &Prepared) -> Baseline {
 struct Kept {
     euler: i64,
     border_loops: usize,
-    anchors: BTreeSet<VertexId>,
+    /// Where they are, bit by bit.
+    anchors: Vec<[u32; 3]>,
 }
 
 fn kept(mesh: &SimMesh<'_>) -> Kept {
@@ -170,7 +151,9 @@ fn kept(mesh: &SimMesh<'_>) -> Kept {
             at = next_border[&at];
         }
     }
-    let anchors = t.vertices().filter(|&v| mesh.grade[v] == Grade::Frozen).collect();
+    let frozen = t.vertices().filter(|&v| mesh.grade[v] == Grade::Frozen);
+    let mut anchors: Vec<[u32; 3]> = frozen.map(|v| mesh.points[v].to_array().map(f32::to_bits)).collect();
+    anchors.sort_unstable();
     Kept { euler, border_loops, anchors }
 }
 
@@ -188,29 +171,23 @@ fn flipped(mesh: &SimMesh<'_>) -> usize {
     let base = mesh.baseline;
     let is_flipped = |f: &tailor::mesh::FaceId| {
         let [a, b, c] = [0, 1, 2].map(|k| mesh.place(CornerId::new(3 * f.index() + k)));
-        (b.uv - a.uv).perp_dot(c.uv - a.uv) * base.shell_sign[a.location.face] <= 0.0
+        (b.uv - a.uv).perp_dot(c.uv - a.uv) * base.facets[a.location.face].sense <= 0.0
     };
     if base.holds_uvs { mesh.topology.faces().filter(is_flipped).count() } else { 0 }
 }
 
-fn few() -> ProptestConfig {
-    let given = ProptestConfig::default();
-    let set = |name: &str| std::env::var_os(name).is_some();
-    let cases = if set("PROPTEST_CASES") { given.cases } else { 64 };
-    let rng_seed = if set("PROPTEST_RNG_SEED") { given.rng_seed } else { RngSeed::Fixed(20_040_308) };
-    ProptestConfig { cases, rng_seed, failure_persistence: None, ..given }
-}
-
 proptest! {
-    #![proptest_config(few())]
+    #![proptest_config(few(64, 20_040_308))]
 
     #[test]
-    fn every_pass_keeps_what_it_must(case in cases()) {
+    fn every_pass_keeps_what_it_must(case in cases(), patch in 1usize..60) {
         let baseline = baseline(&case.prepared());
         let mut mesh = SimMesh::new(&baseline);
         mesh.assert_consistent();
         let (before, curves, flips) = (kept(&mesh), covered(&mesh), flipped(&mesh));
-        for pass in [Pass::ROUND; ROUNDS].concat() {
+        // Patches of a mesh that is far from its lengths, and of one that is near.
+        let in_patches = [Pass::InPatches(patch)];
+        for pass in [&in_patches[..], &Pass::ROUND, &in_patches, &Pass::ROUND].concat() {
             pass.run(&mut mesh);
             mesh.assert_consistent();
             prop_assert_eq!(&kept(&mesh), &before, "after {:?}", pass);

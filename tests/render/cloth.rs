@@ -1,6 +1,6 @@
 //! Sheets, tubes and rings with named lines and patches, and their render meshes.
 
-use super::zoo::{grid_faces, mesh, with_edges, with_uvs};
+use crate::sheets::{grid_faces, mesh, with_edges, with_uvs};
 use glam::Vec3;
 use tailor::error::Warnings;
 use tailor::garment::{Garment, GarmentInput, SubsetInput, check_garment};

@@ -1,12 +1,7 @@
 //! Seams and thickness: where the surface is, and that it is sound.
 
-#[path = "common/cloth.rs"]
-mod cloth;
-#[path = "common/zoo.rs"]
-#[allow(dead_code)]
-mod zoo;
-
-use cloth::{checked, limit, path, rendered, sheet, stack, torus, tube, with_faces};
+use crate::cloth::{checked, limit, path, rendered, sheet, stack, torus, tube, with_faces};
+use crate::sheets::with_edges;
 use glam::Vec3;
 use std::collections::BTreeSet;
 use tailor::error::{Warning, Warnings};
@@ -14,7 +9,6 @@ use tailor::garment::{Elements, Garment, GarmentInput, Orientation, Scheme};
 use tailor::mesh::{IdVec, Topology, VertexId};
 use tailor::render::render;
 use tailor::spatial::PointGrid;
-use zoo::with_edges;
 
 /// Heights are as asked to this share of the width or the amount.
 const EXACT: f32 = 0.02;
@@ -342,7 +336,7 @@ fn faults_name_what_is_wrong() {
     let fault = message(inside(), &["thickness.t.faces=inside"]);
     assert!(fault.contains("inside") && fault.contains("border") && fault.contains("hint:"), "{fault}");
     assert_eq!(message(inside(), &["thickness.t.faces=inside", "thickness.t.closed=true"]), "");
-    let (_, triangles) = zoo::all().into_iter().find(|(name, _)| *name == "loop").expect("in the zoo");
+    let (_, triangles) = crate::zoo::all().into_iter().find(|(name, _)| *name == "loop").expect("in the zoo");
     assert_eq!(triangles.rules.scheme, Scheme::Loop);
     let fault = message(with_edges(triangles, "line", &path(&[4, 5, 6])), &["seam.s.edges=line"]);
     assert!(fault.contains("seam.s") && fault.contains("loop"), "{fault}");
@@ -359,7 +353,7 @@ fn operators_run_as_they_are_named() {
 
 #[test]
 fn the_zoo_survives_every_operator() {
-    for (name, input) in zoo::all().into_iter().filter(|(_, i)| i.rules.scheme != Scheme::Loop) {
+    for (name, input) in crate::zoo::all().into_iter().filter(|(_, i)| i.rules.scheme != Scheme::Loop) {
         let mut edges: Vec<[i32; 2]> = Vec::new();
         let mut start = 0;
         for (f, &n) in input.face_vertex_counts.iter().enumerate() {

@@ -1,12 +1,8 @@
 //! Operators on the examples and on real garments: every face a quad, none without area or turned over, and no crossing
 //! that the garment itself does not have, but for faults that are counted here.
 
-#[path = "common/crossings.rs"]
-mod crossings;
-#[path = "common/garments.rs"]
-mod garments;
-
-use crossings::crossing_parents;
+use crate::crossings::crossing_parents;
+use crate::garments::garments;
 use glam::Vec3;
 use std::collections::BTreeSet;
 use tailor::error::Warnings;
@@ -48,7 +44,7 @@ fn known(table: &Known, name: &str) -> [usize; 3] {
 
 fn load() -> Vec<(String, Garment)> {
     let mut all = Vec::new();
-    for file in garments::garments() {
+    for file in garments() {
         let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let source = Source::open(&file, &ReadOptions::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
         let input = source.garment(&mut Warnings::default()).unwrap_or_else(|e| panic!("{name}: {e}"));

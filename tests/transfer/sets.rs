@@ -1,39 +1,24 @@
 //! Face and edge sets on the simulation mesh: where they are constraints and where they are not.
 
-#[allow(dead_code)]
-#[path = "common/built.rs"]
-mod built;
-#[path = "common/garments.rs"]
-mod garments;
-#[allow(dead_code)]
-#[path = "common/zoo.rs"]
-mod zoo;
-
-use built::{Built, build, build_with};
-use std::collections::{BTreeMap, BTreeSet};
-use tailor::error::Warnings;
+use crate::built::{Built, build, build_with};
+use crate::garments::garments;
+use crate::nearest::Nearest;
+use crate::sheet;
+use std::collections::BTreeSet;
+use tailor::error::{Warning, Warnings};
 use tailor::garment::{Elements, Family, FamilyType, Garment, GarmentInput, SubsetInput};
-use tailor::mesh::{FaceId, IdVec, Topology, VertexId};
+use tailor::mesh::{EdgeId, FaceId, IdVec, Topology, VertexId};
 use tailor::recipe::Layers;
-use tailor::report::overlap;
 use tailor::sim::SimOptions;
 use tailor::transfer::Coverage;
 use tailor::usd::{ReadOptions, Source};
 
 /// Without UVs, so that no border of a set is a constraint.
-const FREE: [&str; 2] = ["sim.uvSet=", "sim.constraints="];
+pub const FREE: [&str; 2] = ["sim.uvSet=", "sim.constraints="];
 
 fn with_faces(mut input: GarmentInput, name: &str, family: &str, indices: Vec<i32>) -> GarmentInput {
     let (element_type, family) = ("face".into(), family.into());
     input.subsets.push(SubsetInput { name: name.into(), element_type, family, indices });
-    input
-}
-
-/// A whole grid without the sets of the zoo.
-fn sheet(nx: usize, ny: usize) -> GarmentInput {
-    let mut input = zoo::grid(nx, ny, |_, _| true);
-    input.subsets.clear();
-    input.families.clear();
     input
 }
 
@@ -44,7 +29,7 @@ fn faces(mesh: &Garment, name: &str) -> Vec<FaceId> {
     }
 }
 
-fn edges(mesh: &Garment, name: &str) -> Vec<[VertexId; 2]> {
+pub fn edges(mesh: &Garment, name: &str) -> Vec<[VertexId; 2]> {
     match mesh.subset(name).map(|s| &s.elements) {
         Some(Elements::Edges(edges)) => edges.clone(),
         other => panic!("{name}: {other:?}"),
@@ -57,7 +42,8 @@ fn independent(built: &Built) -> Coverage {
     Coverage::new(&built.product(), built.garment.faces.len(), &options)
 }
 
-fn garment(file: &std::path::Path, more: &[&str]) -> Built {
+/// A garment as the command builds it, with more options.
+pub fn garment(file: &std::path::Path, more: &[&str]) -> Built {
     let source = Source::open(file, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
     let mut warnings = Warnings::default();
     let input = source.garment(&mut warnings).unwrap_or_else(|e| panic!("{e}"));
@@ -104,12 +90,12 @@ fn on_another_layer(built: &Built, coverage: &Coverage) -> usize {
 
 #[test]
 fn sets_between_chains_are_exact_on_every_garment() {
-    for file in garments::garments() {
+    for file in garments() {
         let built = garment(&file, &[]);
         let coverage = independent(&built);
         for subset in &built.garment.subsets {
             let Elements::Faces(source) = &subset.elements else { continue };
-            let own = overlap(source, &faces(&built.products.sim, &subset.name), &coverage);
+            let own = coverage.overlap(source, &faces(&built.products.sim, &subset.name));
             assert!(own > 0.9999, "{file:?}: {} has {own} in common with its source", subset.name);
         }
         assert_eq!(on_another_layer(&built, &coverage), 0, "{file:?}: faces with a label of another layer");
@@ -118,16 +104,14 @@ fn sets_between_chains_are_exact_on_every_garment() {
 
 #[test]
 fn sets_without_chains_follow_their_borders() {
-    for file in garments::garments() {
+    for file in garments() {
         let built = garment(&file, &FREE);
         let coverage = independent(&built);
         let whole: f64 = coverage.source_area.iter().sum();
         let (mut met, mut missed) = (0.0, Vec::new());
         for subset in &built.garment.subsets {
             let Elements::Faces(source) = &subset.elements else { continue };
-            let own = overlap(source, &faces(&built.products.sim, &subset.name), &coverage);
-            // What two sets have in common as a share of their mean (Dice).
-            let agreement = 2.0 * own / (1.0 + own);
+            let agreement = coverage.agreement(source, &faces(&built.products.sim, &subset.name));
             let area: f64 = source.iter().map(|&f| coverage.source_area[f]).sum();
             if agreement >= 0.97 {
                 met += area;
@@ -144,6 +128,111 @@ fn sets_without_chains_follow_their_borders() {
     }
 }
 
+/// The faces of a set and the area of its source in each of them and of the rest.
+fn parts(source: &[FaceId], coverage: &Coverage) -> Vec<(FaceId, f64, f64)> {
+    let own: BTreeSet<FaceId> = source.iter().copied().collect();
+    let part = |f: usize| {
+        let face = FaceId::new(f);
+        let (mut inside, mut outside) = (0.0, 0.0);
+        for share in coverage.sources.row(face) {
+            *(if own.contains(&share.face) { &mut inside } else { &mut outside }) += f64::from(share.area);
+        }
+        (face, inside, outside)
+    };
+    (0..coverage.sources.rows()).map(part).filter(|p| p.1 > 0.0).collect()
+}
+
+#[test]
+fn labels_are_the_best_that_whole_triangles_allow_and_small_sets_are_told() {
+    let mut blurred = 0;
+    for file in garments() {
+        for length in [None, Some(0.5)] {
+            let whole = garment(&file, &FREE);
+            let built = match length {
+                None => whole,
+                Some(scale) => {
+                    let (min, max) = (whole.options().min_edge_length, whole.options().max_edge_length);
+                    let lengths = [("min", min), ("max", max)].map(|(k, l)| format!("sim.{k}EdgeLength={}", scale * l));
+                    garment(&file, &[FREE[0], FREE[1], &lengths[0], &lengths[1]])
+                }
+            };
+            let coverage = independent(&built);
+            let told: Vec<&String> = built
+                .warnings
+                .iter()
+                .flat_map(|w| match w {
+                    Warning::SetsBlurred { sets, .. } => sets.iter(),
+                    _ => [].iter(),
+                })
+                .collect();
+            for subset in &built.garment.subsets {
+                let Elements::Faces(source) = &subset.elements else { continue };
+                let set = faces(&built.products.sim, &subset.name);
+                let is_in: BTreeSet<FaceId> = set.iter().copied().collect();
+                let parts = parts(source, &coverage);
+                let area: f64 = parts.iter().map(|p| p.1).sum();
+                let wrong: f64 = parts.iter().map(|(f, i, o)| if is_in.contains(f) { *o } else { *i }).sum();
+                let least: f64 = parts.iter().map(|(_, i, o)| i.min(*o)).sum();
+                // Faces on the border take the wrong side where the count of samples is close.
+                let both: f64 = parts.iter().filter(|p| p.2 > 0.0).map(|p| p.1 + p.2).sum();
+                assert!(
+                    wrong <= least + 0.1 * both,
+                    "{file:?}: {} is off by {wrong} of {area}, {least} would do",
+                    subset.name
+                );
+                let agreement = coverage.agreement(source, &set);
+                let is_told = told.contains(&&subset.name);
+                blurred += usize::from(is_told);
+                assert!(
+                    agreement > 0.96 || is_told || set.is_empty(),
+                    "{file:?}: {} agrees by {agreement}",
+                    subset.name
+                );
+                assert!(agreement < 0.98 || !is_told, "{file:?}: {} agrees by {agreement}", subset.name);
+            }
+        }
+    }
+    assert!(blurred > 0, "some sets are too small");
+}
+
+/// Share of a triangle's area that makes no difference.
+const SLIVER: f32 = 0.02;
+
+#[test]
+fn what_differs_lies_within_an_edge_of_the_border() {
+    for file in garments() {
+        let built = garment(&file, &FREE);
+        let (coverage, product) = (independent(&built), built.product());
+        let base = &product.baseline;
+        let t = &base.topology;
+        for subset in &built.garment.subsets {
+            let Elements::Faces(source) = &subset.elements else { continue };
+            let own: BTreeSet<FaceId> = source.iter().copied().collect();
+            let sides = |e| t.edge_corners.row(e).iter().map(|&c| own.contains(&base.source_face[t.faces.face_of(c)]));
+            let is_border = |e: &EdgeId| sides(*e).collect::<BTreeSet<_>>().len() == 2;
+            let segment = |e: EdgeId| t.edges[e].map(|v| base.points[v]);
+            let border: Vec<_> = t.edges.ids().filter(is_border).map(segment).map(|[a, b]| [a, b, b]).collect();
+            let border = Nearest::new(border);
+            let set: BTreeSet<FaceId> = faces(&built.products.sim, &subset.name).into_iter().collect();
+            for (face, row) in (0..product.triangles.len()).map(FaceId::new).map(|f| (f, coverage.sources.row(f))) {
+                // The mesh cuts off a fold that is thinner than its edges, and then a sliver of the other side is over it.
+                let area = |of: &dyn Fn(FaceId) -> bool| row.iter().filter(|s| of(s.face)).map(|s| s.area).sum::<f32>();
+                if area(&|f| own.contains(&f) != set.contains(&face)) <= SLIVER * area(&|_| true) {
+                    continue;
+                }
+                let [a, b, c] = product.triangles[face.index()].map(|v| product.points[v]);
+                let edge = a.distance(b).max(b.distance(c)).max(c.distance(a));
+                let off = [a, b, c].map(|p| border.distance(p)).into_iter().fold(0.0, f32::max);
+                assert!(
+                    off <= edge,
+                    "{file:?}: {face:?} of {} is {off} from its border, its edges are {edge}",
+                    subset.name
+                );
+            }
+        }
+    }
+}
+
 #[test]
 fn a_partition_stays_one_and_overlapping_sets_are_counted_apart() {
     let mut input = sheet(12, 12);
@@ -157,6 +246,7 @@ fn a_partition_stays_one_and_overlapping_sets_are_counted_apart() {
     input = with_faces(input, "none", "", Vec::new());
     input = with_faces(input, "all", "", (0..144).collect());
     input = with_faces(input, "one", "", vec![77]);
+    input = with_faces(input, "along the border", "", (0..12).collect());
     for length in ["0.3", "0.8"] {
         let built = build(input.clone(), &["sim.uvSet=", &format!("sim.maxEdgeLength={length}")]);
         let mesh = &built.products.sim;
@@ -173,9 +263,11 @@ fn a_partition_stays_one_and_overlapping_sets_are_counted_apart() {
             let least = match (subset.name.as_str(), length) {
                 ("one", "0.8") => 0.1,
                 ("one", _) => 0.6,
+                ("along the border", "0.8") => 0.5,
+                ("along the border", _) => 0.8,
                 _ => 0.9,
             };
-            let own = overlap(source, &faces(mesh, &subset.name), &coverage);
+            let own = coverage.overlap(source, &faces(mesh, &subset.name));
             assert!(own > least, "{} at {length}: {own}", subset.name);
         }
     }
@@ -187,6 +279,9 @@ fn five_hundred_sets_and_sets_named_like_ours() {
     for i in 0..500 {
         input = with_faces(input, &format!("set{i}"), "", vec![i, (i + 1) % 500]);
     }
+    for name in ["sim", "render", "model"] {
+        input = with_faces(input, name, "", vec![7, 8]);
+    }
     input = with_faces(input, "tailorBorders", "", vec![3]);
     input = with_faces(input, "tailorCreases", "", vec![4]);
     input.crease_indices = vec![30, 31, 32];
@@ -195,6 +290,7 @@ fn five_hundred_sets_and_sets_named_like_ours() {
     let built = build(input, &["sim.maxEdgeLength=0.5"]);
     let mesh = &built.products.sim;
     assert!((0..500).all(|i| !faces(mesh, &format!("set{i}")).is_empty()));
+    assert!(["sim", "render", "model"].iter().all(|name| !faces(mesh, name).is_empty()));
     let names: BTreeSet<&str> = mesh.subsets.iter().map(|s| s.name.as_str()).collect();
     assert_eq!(names.len(), mesh.subsets.len(), "each name once");
     assert!(!edges(mesh, "tailorBorders_2").is_empty());
@@ -202,123 +298,9 @@ fn five_hundred_sets_and_sets_named_like_ours() {
     assert_eq!((creases.sharpness, creases.family.as_str()), (Some(2.5), "tailorCreases"));
 }
 
-/// The chains of an edge set: for each whether it is a loop, and its number of edges.
-fn chains(edges: &[[VertexId; 2]]) -> Vec<(bool, usize)> {
-    let mut at: BTreeMap<VertexId, Vec<usize>> = BTreeMap::new();
-    for (i, edge) in edges.iter().enumerate() {
-        edge.iter().for_each(|v| at.entry(*v).or_default().push(i));
-    }
-    let mut used = vec![false; edges.len()];
-    let mut walk = |start: VertexId, first: usize| {
-        let (mut vertex, mut edge, mut count) = (start, first, 0);
-        while !std::mem::replace(&mut used[edge], true) {
-            count += 1;
-            vertex = if edges[edge][0] == vertex { edges[edge][1] } else { edges[edge][0] };
-            if at[&vertex].len() != 2 || vertex == start {
-                break;
-            }
-            edge = at[&vertex].iter().copied().find(|&e| !used[e]).unwrap_or(edge);
-        }
-        (count > 0).then_some((vertex == start && at[&start].len() == 2, count))
-    };
-    let ends = |is_end: bool| at.iter().filter(move |(_, e)| (e.len() != 2) == is_end);
-    let mut found = Vec::new();
-    for is_end in [true, false] {
-        found.extend(ends(is_end).flat_map(|(&v, e)| e.iter().map(move |&e| (v, e))).filter_map(|(v, e)| walk(v, e)));
-    }
-    found
-}
-
-/// Lines on a sheet of 8 by 8 quads: name, pairs of points, and how many open chains and loops they are.
-fn lines() -> Vec<(&'static str, Vec<[i32; 2]>, usize, usize)> {
-    let at = |x: i32, y: i32| 9 * y + x;
-    let line = |points: &[(i32, i32)]| -> Vec<[i32; 2]> {
-        points.windows(2).map(|p| [at(p[0].0, p[0].1), at(p[1].0, p[1].1)]).collect()
-    };
-    let row = |y: i32, from: i32, to: i32| line(&(from..=to).map(|x| (x, y)).collect::<Vec<_>>());
-    let column = |x: i32, from: i32, to: i32| line(&(from..=to).map(|y| (x, y)).collect::<Vec<_>>());
-    let ring = line(&[(2, 2), (3, 2), (4, 2), (4, 3), (4, 4), (3, 4), (2, 4), (2, 3), (2, 2)]);
-    let ring2 = line(&[(4, 4), (5, 4), (6, 4), (6, 5), (6, 6), (5, 6), (4, 6), (4, 5), (4, 4)]);
-    vec![
-        ("single", row(3, 2, 3), 1, 0),
-        ("open", row(3, 1, 7), 1, 0),
-        ("across", row(3, 0, 8), 1, 0),
-        ("bent", [row(2, 1, 5), column(5, 2, 6)].concat(), 1, 0),
-        ("ring", ring.clone(), 0, 1),
-        ("touching", [ring, ring2].concat(), 2, 0),
-        ("crossing", [row(4, 1, 7), column(4, 1, 7)].concat(), 4, 0),
-        ("tee", [row(4, 1, 7), column(4, 4, 7)].concat(), 3, 0),
-        ("two", [row(2, 1, 7), row(5, 1, 7)].concat(), 2, 0),
-        ("border", row(0, 0, 8), 1, 0),
-        ("beside", row(1, 0, 8), 1, 0),
-        ("none", Vec::new(), 0, 0),
-    ]
-}
-
-#[test]
-fn free_edge_sets_are_found_as_the_same_chains() {
-    for (uv, length) in [("sim.uvSet=st", "0.5"), ("sim.uvSet=", "0.5"), ("sim.uvSet=", "0.3"), ("sim.uvSet=", "0.8")] {
-        let mut input = sheet(8, 8);
-        for (name, pairs, ..) in lines() {
-            input = zoo::with_edges(input, name, &pairs);
-        }
-        let built = build(input, &[uv, &format!("sim.maxEdgeLength={length}")]);
-        assert!(built.warnings.is_empty(), "{:?}", built.warnings);
-        for (name, _, open, loops) in lines() {
-            let own = chains(&edges(&built.products.sim, name));
-            let found = (own.iter().filter(|c| !c.0).count(), own.iter().filter(|c| c.0).count());
-            assert_eq!(found, (open, loops), "{name} at {length}: open chains and loops, {own:?}");
-            let figures = built.products.sim_figures.edge_sets.iter().find(|e| e.name == name).expect("figures");
-            assert!(figures.farthest <= 1.0, "{name} at {length} is {} targets away", figures.farthest);
-        }
-    }
-}
-
-#[test]
-fn free_edge_sets_of_garments_stay_by_their_curves() {
-    for file in garments::garments() {
-        let built = garment(&file, &FREE);
-        for set in &built.products.sim_figures.edge_sets {
-            assert!(set.farthest <= 1.0, "{file:?}: {} is {} targets away", set.name, set.farthest);
-            // A path of edges across a lattice of equilateral triangles is at most 2 / sqrt 3 of a straight line; where a
-            // curve's is beyond the twentieth that is asked, hardly a shorter one is there.
-            assert!(set.length <= set.shortest_length + 0.006 * set.source_length, "{file:?}: {set:?}");
-            assert!(set.length <= 2.0 / 3f64.sqrt() * set.source_length, "{file:?}: {set:?}");
-            // Not on all shared garments yet: their hundreds of chains meet within a target length of each other.
-            let is_example = file.extension().is_some_and(|e| e == "usda");
-            let source = built.garment.subset(&set.name).filter(|_| is_example).map(|s| &s.elements);
-            let Some(Elements::Edges(source)) = source else { continue };
-            let (wanted, own) = (chains(source), chains(&edges(&built.products.sim, &set.name)));
-            let count = |c: &[(bool, usize)], is_loop: bool| c.iter().filter(|c| c.0 == is_loop).count();
-            for is_loop in [true, false] {
-                assert_eq!(count(&own, is_loop), count(&wanted, is_loop), "{file:?}: {}, loops {is_loop}", set.name);
-            }
-        }
-    }
-}
-
-#[test]
-fn creases_are_sets_with_their_sharpness() {
-    let mut input = sheet(8, 8);
-    input.crease_indices = vec![20, 21, 22, 23, 40, 41, 42, 0, 1, 2];
-    input.crease_lengths = vec![4, 3, 3];
-    input.crease_sharpnesses = vec![2.0, 10.0, 2.0];
-    input.corner_indices = vec![50];
-    input.corner_sharpnesses = vec![4.0];
-    let built = build(input, &["sim.maxEdgeLength=0.4"]);
-    let mesh = &built.products.sim;
-    let of = |name: &str| mesh.subset(name).unwrap_or_else(|| panic!("no {name}"));
-    assert_eq!(of("tailorCreases").sharpness, Some(2.0));
-    assert_eq!(of("tailorCreases_2").sharpness, Some(10.0));
-    assert_eq!(of("tailorCorners").sharpness, Some(4.0));
-    assert_eq!(chains(&edges(mesh, "tailorCreases")).len(), 2);
-    assert_eq!(chains(&edges(mesh, "tailorCreases_2")).len(), 1);
-    assert!(built.warnings.is_empty(), "{:?}", built.warnings);
-}
-
 #[test]
 fn the_number_of_threads_changes_nothing() {
-    let file = garments::garments().into_iter().find(|f| f.ends_with("coat.usda")).expect("the coat");
+    let file = garments().into_iter().find(|f| f.ends_with("coat.usda")).expect("the coat");
     let built = garment(&file, &["sim.constraints="]);
     let product = built.product();
     let at = |threads: usize| {

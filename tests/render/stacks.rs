@@ -1,19 +1,8 @@
 //! What goes through stacks of operators: every kind of attribute, through any stack of up to four.
 
-#[path = "common/attributes.rs"]
-mod attributes;
-#[path = "common/cloth.rs"]
-#[allow(dead_code)]
-mod cloth;
-#[path = "common/zoo.rs"]
-#[allow(dead_code)]
-mod zoo;
-
-/// Joint weights sum to what they were but for this.
-const WEIGHT_SUM: f64 = 1e-4;
-
-use attributes::{family_faults, primvar_faults, subset_faults};
-use cloth::{checked, path, rendered, sheet, with_faces};
+use crate::attributes::{family_faults, primvar_faults, subset_faults};
+use crate::cloth::{checked, path, rendered, sheet, stack, with_faces};
+use crate::sheets::with_edges;
 use glam::Vec2;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
@@ -23,7 +12,6 @@ use tailor::garment::{
     shapes,
 };
 use tailor::mesh::Topology;
-use zoo::with_edges;
 
 const N: usize = 6;
 
@@ -229,7 +217,7 @@ proptest! {
         let options: Vec<&str> = options.iter().map(String::as_str).collect();
         // A second fold of faces whose border is folded already has none left, which is an error.
         let mut warnings = tailor::error::Warnings::default();
-        let made = tailor::render::render(&garment, &cloth::stack(&garment, &options), &mut warnings);
+        let made = tailor::render::render(&garment, &stack(&garment, &options), &mut warnings);
         let found = match made {
             Ok(mesh) => faults(&mesh, &garment),
             Err(e) if e.to_string().contains("not next to a border") => Vec::new(),

@@ -1,0 +1,186 @@
+//! Patches of a mesh that are worked on apart, at the same time: each fits the cache, and none sees another.
+//!
+//! What patches share stays as it is: vertices on their borders are sealed. So the parts fit together again, and the
+//! result is the same for any number of threads. What was left along the borders is for a pass over the whole.
+
+use super::baseline::Baseline;
+use super::mesh::{Grade, SimMesh};
+use crate::mesh::edit::{EditMesh, corners, face, prev};
+use crate::mesh::{CornerId, FaceId, IdVec, Joined, SiteId, VertexId, join};
+use rayon::prelude::*;
+use std::collections::VecDeque;
+
+/// Triangles of a patch. Larger ones have fewer edges along their borders, smaller ones fit a core's cache better and
+/// are shared out more evenly.
+pub(super) const PATCH: usize = 4096;
+
+/// Whether a vertex is on the border of a patch.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Seal {
+    /// Not shared.
+    #[default]
+    Open,
+    /// Other patches have it too.
+    Shared,
+    /// The patch itself has it more than once.
+    Pinched,
+}
+
+/// The triangles of each patch, and for each triangle its patch and its place there.
+struct Patches {
+    faces: Vec<Vec<FaceId>>,
+    place: IdVec<FaceId, (u32, u32)>,
+}
+
+/// Does `work` on patches of about `size` triangles. Returns what it returned for each; nothing, with the mesh as it was,
+/// where parts cannot be told apart again.
+pub(super) fn in_patches<'a, T: Send>(
+    mesh: &mut SimMesh<'a>,
+    size: usize,
+    work: impl Fn(&mut SimMesh<'a>) -> T + Sync,
+) -> Option<Vec<T>> {
+    let patches = Patches::new(&mesh.topology, size);
+    let whole = &*mesh;
+    let done = (0..patches.faces.len()).into_par_iter().map(|i| {
+        let (mut patch, names) = whole.patch(&patches, i);
+        let result = work(&mut patch);
+        let old = patch.reorder();
+        (patch, old.iter().map(|v| names.get(v.index()).copied().flatten()).collect(), result)
+    });
+    let done: Vec<(SimMesh<'a>, Names, T)> = done.collect();
+    let parts: Vec<(&EditMesh, &Names)> = done.iter().map(|(patch, names, _)| (&patch.topology, names)).collect();
+    let joined = join(&parts, mesh.topology.vertex_slots())?;
+    let patches: Vec<&SimMesh<'a>> = done.iter().map(|(patch, ..)| patch).collect();
+    let grade = |i: usize, v: VertexId| done[i].1[v].map_or(patches[i].grade[v], |v| mesh.grade[v]);
+    *mesh = SimMesh::joined(joined, &patches, grade, mesh.baseline);
+    Some(done.into_iter().map(|(_, _, result)| result).collect())
+}
+
+/// The vertices that a patch shares, by their numbers in the whole.
+type Names = IdVec<VertexId, Option<VertexId>>;
+
+impl Patches {
+    /// Grows patches over edges, each from the first triangle that is in none.
+    fn new(topology: &EditMesh, size: usize) -> Self {
+        let mut place: IdVec<FaceId, Option<(u32, u32)>> = IdVec::filled(None, topology.face_slots());
+        let mut faces = Vec::new();
+        for seed in topology.faces() {
+            if place[seed].is_some() {
+                continue;
+            }
+            let number = faces.len() as u32;
+            let (mut own, mut queue) = (Vec::new(), VecDeque::from([seed]));
+            while let Some(f) = queue.pop_front().filter(|_| own.len() < size) {
+                if place[f].is_some() {
+                    continue;
+                }
+                place[f] = Some((number, own.len() as u32));
+                own.push(f);
+                queue.extend(corners(f).filter_map(|c| topology.twin(c)).map(face));
+            }
+            faces.push(own);
+        }
+        Self { faces, place: place.iter().map(|p| p.unwrap_or_default()).collect() }
+    }
+}
+
+impl<'a> SimMesh<'a> {
+    /// A patch with its border sealed, and what the whole calls the vertices there.
+    fn patch(&self, patches: &Patches, number: usize) -> (Self, Names) {
+        let place = |f: FaceId| Some(patches.place[f]).filter(|p| p.0 as usize == number).map(|p| p.1 as usize);
+        let part = self.topology.part(&patches.faces[number], place);
+        let (topology, old_vertex) = (&part.mesh, &part.old_vertex);
+        let mut names = IdVec::filled(None, old_vertex.len());
+        for c in topology.corners().filter(|&c| topology.twin(c).is_none()) {
+            if self.topology.twin(part.old_corner[c]).is_some() {
+                [topology.vertex(c), topology.target(c)].into_iter().for_each(|v| names[v] = Some(old_vertex[v]));
+            }
+        }
+        let mut shared: Vec<(VertexId, VertexId)> = names.enumerated().filter_map(|(v, n)| Some(((*n)?, v))).collect();
+        shared.sort_unstable();
+        let mut patch = self.gathered(part);
+        patch.seals = IdVec::filled(Seal::Open, patch.points.len());
+        for same in shared.chunk_by(|a, b| a.0 == b.0) {
+            for &(_, v) in same {
+                patch.seals[v] = if same.len() > 1 { Seal::Pinched } else { Seal::Shared };
+                patch.grade[v] = Grade::Frozen;
+            }
+        }
+        (patch, names)
+    }
+
+    /// Patches joined; `grade` tells what a patch's vertex may do.
+    fn joined(
+        joined: Joined,
+        patches: &[&Self],
+        grade: impl Fn(usize, VertexId) -> Grade,
+        baseline: &'a Baseline,
+    ) -> Self {
+        let Joined { mesh: topology, old_vertex, seams, shared } = joined;
+        let slots = topology.corner_slots();
+        let mut mesh = Self {
+            baseline,
+            points: old_vertex.iter().map(|&(i, v)| patches[i].points[v]).collect(),
+            target: old_vertex.iter().map(|&(i, v)| patches[i].target[v]).collect(),
+            grade: old_vertex.iter().map(|&(i, v)| grade(i, v)).collect(),
+            mark: IdVec::with_capacity(slots),
+            spans: IdVec::new(),
+            site_of: IdVec::with_capacity(slots),
+            sites: IdVec::with_capacity(patches.iter().map(|p| p.sites.len()).sum()),
+            seals: IdVec::new(),
+            topology,
+        };
+        for patch in patches {
+            let (spans, sites) = (mesh.spans.len(), mesh.sites.len());
+            mesh.mark.extend(patch.mark.iter().map(|m| m.map(|m| m.shifted(spans))));
+            mesh.site_of.extend(patch.site_of.iter().map(|s| SiteId::new(sites + s.index())));
+            mesh.spans.extend_from_slice(&patch.spans);
+            mesh.sites.extend_from_slice(&patch.sites);
+        }
+        // Both sides of a seam had a span and sites of their own; they are the same.
+        for [half, _] in seams {
+            if let Some(mark) = mesh.mark[half] {
+                mesh.set_mark(half, mark);
+            }
+        }
+        let mut sector = Vec::new();
+        for vertex in shared {
+            for corner in mesh.topology.fan(vertex).collect::<Vec<_>>() {
+                mesh.sector(corner, &mut sector);
+                let first = sector.iter().map(|&c| mesh.site_of[c]).min();
+                first.into_iter().for_each(|site| mesh.site_of[corner] = site);
+            }
+        }
+        mesh
+    }
+
+    fn seal(&self, vertex: VertexId) -> Seal {
+        self.seals.get(vertex.index()).copied().unwrap_or_default()
+    }
+
+    /// Whether an edge is on the border of a patch, where other patches have it too.
+    pub(super) fn is_sealed(&self, half: CornerId) -> bool {
+        self.topology.twin(half).is_none()
+            && self.seal(self.topology.vertex(half)) != Seal::Open
+            && self.seal(self.topology.target(half)) != Seal::Open
+    }
+
+    /// Whether an edge may be made that no other patch could make too.
+    pub(super) fn may_join(&self, a: VertexId, b: VertexId) -> bool {
+        match (self.seal(a), self.seal(b)) {
+            (Seal::Pinched, _) | (_, Seal::Pinched) => false,
+            (a, b) => a == Seal::Open || b == Seal::Open,
+        }
+    }
+
+    /// Whether merging an end of an edge into the other makes only such edges.
+    pub(super) fn may_merge(&self, half: CornerId, removed: VertexId) -> bool {
+        if self.seals.is_empty() {
+            return true;
+        }
+        let ends = [self.topology.vertex(half), self.topology.target(half)];
+        let kept = if ends[0] == removed { ends[1] } else { ends[0] };
+        let apexes = [Some(half), self.topology.twin(half)].map(|h| h.map(|h| self.topology.vertex(prev(h))));
+        self.topology.ring(removed).all(|v| v == kept || apexes.contains(&Some(v)) || self.may_join(kept, v))
+    }
+}

@@ -1,0 +1,15 @@
+//! The render mesh: its operators alone, in stacks, and on garments.
+
+#[path = "../common/attributes.rs"]
+mod attributes;
+mod cloth;
+mod crossings;
+#[path = "../common/garments.rs"]
+mod garments;
+mod on_garments;
+mod operators;
+#[path = "../common/sheets.rs"]
+mod sheets;
+mod stacks;
+#[path = "../common/zoo.rs"]
+mod zoo;
