@@ -1,7 +1,7 @@
 //! How far it is from each face of a cage to the next layer.
 
-use super::skin::Skin;
-use super::tree::Tree;
+use super::skin::{Skin, quads};
+use super::tree::{Bounds, Tree};
 use crate::mesh::{FaceId, IdVec};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -10,6 +10,10 @@ use rayon::prelude::*;
 const FOLDED: f32 = -0.3;
 /// Share of a face's size within which points of faces that touch are those they have in common.
 const SHARED: f32 = 1e-3;
+/// Cosine between a triangle's normal and the direction below which it is seen edge on, and has no height.
+const STEEP: f32 = 1e-2;
+/// Part of a triangle's area by which a point may be outside it.
+const ROUNDING: f32 = 1e-6;
 
 /// How far it is from a face to the next layer against and along its normal. \[stage units\]
 pub type Gap = [f32; 2];
@@ -17,15 +21,29 @@ pub type Gap = [f32; 2];
 /// No layer is near.
 pub const OPEN: Gap = [f32::INFINITY; 2];
 
-/// A face seen along its normal.
+/// A face seen along its normal: its samples in a frame whose last axis is the normal.
 struct View {
     face: FaceId,
-    normal: Vec3,
-    /// Directions across the normal, with the range of the face along each.
-    across: [(Vec3, f32, f32); 2],
-    /// Its range along the normal.
-    heights: (f32, f32),
-    reach: f32,
+    axes: [Vec3; 3],
+    samples: Vec<Vec3>,
+    /// Its range along each axis.
+    low: Vec3,
+    high: Vec3,
+}
+
+impl View {
+    fn place(&self, p: Vec3) -> Vec3 {
+        Vec3::from(self.axes.map(|axis| axis.dot(p)))
+    }
+
+    /// Whether a box is not over or under the face.
+    fn is_beside(&self, bounds: &Bounds) -> bool {
+        let (middle, half) = (0.5 * (bounds.low + bounds.high), 0.5 * (bounds.high - bounds.low));
+        (0..2).any(|i| {
+            let (at, radius) = (middle.dot(self.axes[i]), half.dot(self.axes[i].abs()));
+            at + radius <= self.low[i] || at - radius >= self.high[i]
+        })
+    }
 }
 
 impl Skin<'_> {
@@ -33,66 +51,42 @@ impl Skin<'_> {
     pub fn gaps(&self, reach: f32) -> IdVec<FaceId, Gap> {
         let tree = Tree::new(&self.boxes);
         let of = |face: FaceId| {
-            let (mut gap, view) = (OPEN, self.view(face, reach));
+            let (mut gap, view, mut samples) = (OPEN, self.view(face), Vec::new());
             let around = self.boxes[face].grown(reach);
-            tree.visit(&self.boxes, &around, &mut |other| self.narrow(&view, other, &mut gap));
+            tree.visit(&self.boxes, &around, &mut |other| self.narrow(&view, other, reach, &mut samples, &mut gap));
             gap
         };
         (0..self.boxes.len()).into_par_iter().map(|f| of(FaceId::new(f))).collect::<Vec<_>>().into()
     }
 
-    fn view(&self, face: FaceId, reach: f32) -> View {
+    fn view(&self, face: FaceId) -> View {
         let normal = self.normal(face);
         let (u, v) = normal.try_normalize().unwrap_or(Vec3::Z).any_orthonormal_pair();
-        let range = |axis| {
-            let (low, high) = self.range(face, axis);
-            (axis, low, high)
-        };
-        View { face, normal, across: [range(u), range(v)], heights: self.range(face, normal), reach }
+        let mut view = View { face, axes: [u, v, normal], samples: Vec::new(), low: Vec3::ZERO, high: Vec3::ZERO };
+        view.samples = self.samples(face).iter().map(|&p| view.place(p)).collect();
+        let Bounds { low, high } = Bounds::of(&view.samples);
+        (view.low, view.high) = (low, high);
+        view
     }
 
-    /// The children's points: corners, middles and the centre, which comes with the last corner.
-    fn samples(&self, face: FaceId) -> impl Iterator<Item = Vec3> {
-        let last = self.level.topology.faces.range(face).len() - 1;
-        self.quads(face).enumerate().flat_map(move |(i, q)| q.into_iter().take(if i == last { 3 } else { 2 }))
-    }
-
-    fn range(&self, face: FaceId, axis: Vec3) -> (f32, f32) {
-        let heights = self.samples(face).map(|p| p.dot(axis));
-        heights.fold((f32::MAX, f32::MIN), |(low, high), h| (low.min(h), high.max(h)))
-    }
-
-    /// Whether a face is not over or under the one that is seen.
-    fn is_beside(&self, view: &View, other: FaceId) -> bool {
-        let bounds = &self.boxes[other];
-        let (middle, half) = (0.5 * (bounds.low + bounds.high), 0.5 * (bounds.high - bounds.low));
-        let boxes_part = |&(axis, low, high): &(Vec3, f32, f32)| {
-            let (at, radius) = (middle.dot(axis), half.dot(axis.abs()));
-            at + radius <= low || at - radius >= high
-        };
-        let parts = |&(axis, low, high): &(Vec3, f32, f32)| {
-            let (from, to) = self.range(other, axis);
-            to <= low || from >= high
-        };
-        view.across.iter().any(boxes_part) || view.across.iter().any(parts)
-    }
-
-    /// Narrows the gap of a face to what another leaves of it.
-    fn narrow(&self, view: &View, other: FaceId, gap: &mut Gap) {
-        let (faces, normal, face) = (&self.level.topology.faces, view.normal, view.face);
-        if face == other || self.is_beside(view, other) {
+    /// Narrows the gap of a face to what another leaves of it, whose samples in the face's frame go to `samples`.
+    fn narrow(&self, view: &View, other: FaceId, reach: f32, samples: &mut Vec<Vec3>, gap: &mut Gap) {
+        if view.face == other || view.is_beside(&self.boxes[other]) {
             return;
         }
-        let touch = faces.vertices_of(face).iter().any(|v| faces.vertices_of(other).contains(v));
-        if touch && normal.dot(self.normal(other)) > FOLDED {
+        let touch = self.touch(view.face, other);
+        if touch && view.axes[2].dot(self.normal(other)) > FOLDED {
             return;
         }
+        samples.clear();
+        samples.extend(self.samples(other).iter().map(|&p| view.place(p)));
+        let Bounds { low, high } = Bounds::of(samples);
         // Nearer ones are known on both sides.
-        let ((low, high), (from, to)) = (view.heights, self.range(other, normal));
-        if from - high > gap[1].min(view.reach) || low - to > gap[0].min(view.reach) {
+        let is_far = low.z - view.high.z > gap[1].min(reach) || view.low.z - high.z > gap[0].min(reach);
+        if is_far || (0..2).any(|i| high[i] <= view.low[i] || low[i] >= view.high[i]) {
             return;
         }
-        let size = (self.boxes[face].high - self.boxes[face].low).max_element();
+        let size = (self.boxes[view.face].high - self.boxes[view.face].low).max_element();
         let least = if touch { SHARED * size } else { 0.0 };
         let mut take = |height: f32| {
             if height.abs() >= least {
@@ -101,26 +95,34 @@ impl Skin<'_> {
             }
         };
         // From the points of each face to the other one, as either may have the finer ones.
-        for p in self.samples(face) {
-            self.quads(other).filter_map(|q| height_of(p, normal, q)).for_each(&mut take);
-        }
-        for p in self.samples(other) {
-            self.quads(face).filter_map(|q| height_of(p, normal, q)).for_each(|h| take(-h));
+        heights_over(&view.samples, samples, &mut take);
+        heights_over(samples, &view.samples, &mut |height| take(-height));
+    }
+}
+
+/// How far it is along the last axis from each of `points` to the children over and under it.
+fn heights_over(points: &[Vec3], children: &[Vec3], take: &mut impl FnMut(f32)) {
+    for quad in quads(children) {
+        let Bounds { low, high } = Bounds::of(&quad);
+        for &p in points {
+            let is_beside = p.x < low.x || p.x > high.x || p.y < low.y || p.y > high.y;
+            if !is_beside && let Some(height) = height_of(p, quad) {
+                take(height);
+            }
         }
     }
 }
 
-/// How far along `direction` it is from `p` to a quad, if it is there.
-fn height_of(p: Vec3, direction: Vec3, [a, b, c, d]: [Vec3; 4]) -> Option<f32> {
+/// How far along the last axis it is from `p` to a quad, if it is there.
+fn height_of(p: Vec3, [a, b, c, d]: [Vec3; 4]) -> Option<f32> {
     [[a, b, c], [a, c, d]].into_iter().find_map(|[a, b, c]| {
         let normal = (b - a).cross(c - a);
-        let slope = normal.dot(direction);
-        if slope.abs() < 1e-2 * normal.length() {
+        if normal.z.abs() < STEEP * normal.length() {
             return None;
         }
-        let height = (a - p).dot(normal) / slope;
-        let x = p + height * direction;
-        let inside = |u: Vec3, v: Vec3| (v - u).cross(x - u).dot(normal) >= -1e-6 * normal.length_squared();
-        (inside(a, b) && inside(b, c) && inside(c, a)).then_some(height)
+        let part = |u: Vec3, v: Vec3| (v - u).truncate().perp_dot((p - u).truncate()) / normal.z;
+        let parts = [part(b, c), part(c, a), part(a, b)];
+        let inside = parts.iter().all(|&part| part >= -ROUNDING);
+        inside.then(|| parts[0] * a.z + parts[1] * b.z + parts[2] * c.z - p.z)
     })
 }

@@ -5,9 +5,10 @@
 
 use super::tree::{Bounds, Tree};
 use crate::mesh::{CornerId, FaceId, IdVec, VertexId};
-use crate::subdivide::{Level, Numbering, Stencils};
+use crate::subdivide::{Level, Numbering, Stencils, carried_points};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Cosine of the angle to the plane below which normals count as on its other side. Larger looks at more faces closely.
 const ONE_SIDED: f32 = 0.1;
@@ -24,37 +25,42 @@ struct Patch {
     normal: Vec3,
     /// Least cosine between it and the normal of a child.
     spread: f32,
+    /// Range along the normal.
+    heights: (f32, f32),
 }
 
-/// A cage's first refinement.
+/// A cage's first refinement, stored face by face, so that a pair of faces is two pieces of memory.
 pub struct Skin<'a> {
     pub(super) level: &'a Level,
     numbering: Numbering,
-    points: IdVec<VertexId, Vec3>,
+    refined: IdVec<VertexId, Vec3>,
+    /// The children's points: of each face corners and middles of edges by turns, then the centre.
+    samples: Vec<Vec3>,
+    /// Unit normals of the children, zero without area.
+    normals: IdVec<CornerId, Vec3>,
     pub(super) boxes: IdVec<FaceId, Bounds>,
     patches: IdVec<FaceId, Patch>,
     tree: Option<Tree>,
 }
 
-/// A triangle of a child by its vertices and places.
-struct Triangle {
-    vertices: [VertexId; 3],
-    points: [DVec3; 3],
-}
-
 impl<'a> Skin<'a> {
     /// The skin of a cage with the given points.
     pub fn new(level: &'a Level, points: &IdVec<VertexId, Vec3>) -> Self {
-        let refined = crate::subdivide::carried_points(&level.vertex_stencils(), points);
         let mut skin = Self {
             level,
             numbering: Numbering::new(level),
-            points: refined,
+            refined: carried_points(&level.vertex_stencils(), points),
+            samples: Vec::new(),
+            normals: IdVec::default(),
             boxes: IdVec::default(),
             patches: IdVec::default(),
             tree: None,
         };
         let faces = (0..level.topology.faces.len()).into_par_iter().map(FaceId::new);
+        let places = |f| skin.vertices(f).map(|v| skin.refined[v]);
+        skin.samples = faces.clone().flat_map_iter(places).collect();
+        let normals: Vec<Vec3> = faces.clone().flat_map_iter(|f| normals(skin.samples(f))).collect();
+        skin.normals = normals.into();
         let (boxes, patches): (Vec<Bounds>, Vec<Patch>) = faces.map(|f| skin.measured(f)).unzip();
         (skin.boxes, skin.patches) = (boxes.into(), patches.into());
         skin
@@ -62,18 +68,21 @@ impl<'a> Skin<'a> {
 
     /// Moves the children of `faces` to where the cage's points put them now.
     pub fn update(&mut self, points: &IdVec<VertexId, Vec3>, faces: &[FaceId]) {
-        let t = &self.level.topology;
+        let mut moved: Vec<VertexId> = faces.iter().flat_map(|&f| self.vertices(f)).collect();
+        moved.sort_unstable();
+        moved.dedup();
         let stencils = self.level.vertex_stencils();
-        for &face in faces {
-            for corner in t.faces.corners_of(face) {
-                for child in self.quad(face, corner) {
-                    let mut place = Vec3::ZERO;
-                    stencils.row(child.index(), &mut |v, w| place += w * points[v]);
-                    self.points[child] = place;
-                }
-            }
+        for child in moved {
+            let mut place = Vec3::ZERO;
+            stencils.row(child.index(), &mut |v, w| place += w * points[v]);
+            self.refined[child] = place;
         }
         for &face in faces {
+            let places: Vec<Vec3> = self.vertices(face).map(|v| self.refined[v]).collect();
+            let corners = self.level.topology.faces.range(face);
+            corners.zip(normals(&places)).for_each(|(c, normal)| self.normals[CornerId::new(c)] = normal);
+            let range = self.range(face);
+            self.samples[range].copy_from_slice(&places);
             (self.boxes[face], self.patches[face]) = self.measured(face);
         }
         if let Some(tree) = &mut self.tree {
@@ -81,54 +90,37 @@ impl<'a> Skin<'a> {
         }
     }
 
-    /// The children's vertices from the corner on: the vertex, the middle of its edge, the centre, the middle before.
-    #[inline]
-    fn quad(&self, face: FaceId, corner: CornerId) -> [VertexId; 4] {
+    /// The vertices of a face's children, in the order of its samples.
+    fn vertices(&self, face: FaceId) -> impl Iterator<Item = VertexId> {
         let t = &self.level.topology;
-        [
-            self.numbering.of_vertex(t.faces.vertex(corner)),
-            self.numbering.of_edge(t.corner_edge[corner]),
-            self.numbering.of_face(face),
-            self.numbering.of_edge(t.corner_edge[self.prev(face, corner)]),
-        ]
-    }
-
-    /// The corner before, without a search for its face.
-    #[inline]
-    fn prev(&self, face: FaceId, corner: CornerId) -> CornerId {
-        let range = self.level.topology.faces.range(face);
-        CornerId::new(if corner.index() == range.start { range.end - 1 } else { corner.index() - 1 })
+        let of = |c| [self.numbering.of_vertex(t.faces.vertex(c)), self.numbering.of_edge(t.corner_edge[c])];
+        t.faces.corners_of(face).flat_map(of).chain(std::iter::once(self.numbering.of_face(face)))
     }
 
     #[inline]
-    fn places(&self, face: FaceId, corner: CornerId) -> [Vec3; 4] {
-        self.quad(face, corner).map(|v| self.points[v])
+    fn range(&self, face: FaceId) -> Range<usize> {
+        let corners = self.level.topology.faces.range(face);
+        2 * corners.start + face.index()..2 * corners.end + face.index() + 1
     }
 
-    /// The children of a face.
-    pub(super) fn quads(&self, face: FaceId) -> impl Iterator<Item = [Vec3; 4]> {
-        self.level.topology.faces.corners_of(face).map(move |corner| self.places(face, corner))
-    }
-
-    /// Area vector of the child of a corner.
+    /// The children's points: corners and middles of edges by turns, then the centre.
     #[inline]
-    fn area(&self, face: FaceId, corner: CornerId) -> Vec3 {
-        let [a, b, c, d] = self.places(face, corner);
-        (c - a).cross(d - b)
+    pub(super) fn samples(&self, face: FaceId) -> &[Vec3] {
+        &self.samples[self.range(face)]
+    }
+
+    /// Unit normals of the children of a face, zero without area.
+    #[inline]
+    fn normals(&self, face: FaceId) -> &[Vec3] {
+        &self.normals.as_slice()[self.level.topology.faces.range(face)]
     }
 
     fn measured(&self, face: FaceId) -> (Bounds, Patch) {
-        let corners = self.level.topology.faces.corners_of(face);
-        let (mut bounds, mut sum) = (Bounds::EMPTY, Vec3::ZERO);
-        for corner in corners.clone() {
-            for p in self.places(face, corner) {
-                bounds = Bounds { low: bounds.low.min(p), high: bounds.high.max(p) };
-            }
-            sum += self.area(face, corner);
-        }
-        let normal = sum.normalize_or_zero();
-        let spread = corners.map(|c| self.area(face, c).normalize_or_zero().dot(normal)).fold(1.0, f32::min);
-        (bounds, Patch { normal, spread })
+        let samples = self.samples(face);
+        let areas: Vec3 = quads(samples).map(area).sum();
+        let normal = areas.normalize_or_zero();
+        let spread = self.normals(face).iter().map(|n| n.dot(normal)).fold(1.0, f32::min);
+        (Bounds::of(samples), Patch { normal, spread, heights: heights(samples, normal) })
     }
 
     /// Faces of `active` that have a child which looks away from `normals`, zero where any may.
@@ -139,9 +131,7 @@ impl<'a> Skin<'a> {
 
     /// Whether a child of a face looks away from `normal` by a cosine of less than `least`.
     pub fn is_turned(&self, face: FaceId, normal: Vec3, least: f32) -> bool {
-        let (patch, mut corners) = (self.patches[face], self.level.topology.faces.corners_of(face));
-        let is_even = patch.spread > 0.5 && patch.normal.dot(normal) > 0.5;
-        normal != Vec3::ZERO && !is_even && corners.any(|c| self.area(face, c).normalize_or_zero().dot(normal) < least)
+        normal != Vec3::ZERO && self.normals(face).iter().any(|n| n.dot(normal) < least)
     }
 
     /// Whether a face's children look to different sides.
@@ -177,53 +167,49 @@ impl<'a> Skin<'a> {
     /// Whether the children of two faces cross, or of one.
     pub fn cross(&self, f: FaceId, g: FaceId) -> bool {
         if f == g {
-            return self.patches[f].spread < ONE_SIDED && self.children_cross(f, g);
+            return self.patches[f].spread < ONE_SIDED && self.children_cross(f, g, true);
         }
+        if self.touch(f, g) {
+            return !self.is_one_sided(f, g) && self.children_cross(f, g, true);
+        }
+        !self.is_apart(f, g) && !self.is_apart(g, f) && self.children_cross(f, g, false)
+    }
+
+    /// Whether two faces have a vertex in common.
+    pub(super) fn touch(&self, f: FaceId, g: FaceId) -> bool {
         let faces = &self.level.topology.faces;
-        let touch = faces.vertices_of(f).iter().any(|v| faces.vertices_of(g).contains(v));
-        match touch {
-            true => !self.is_one_sided(f, g) && self.children_cross(f, g),
-            false => {
-                !self.is_apart(f, g, self.patches[f].normal)
-                    && !self.is_apart(f, g, self.patches[g].normal)
-                    && self.children_cross(f, g)
-            }
-        }
+        faces.vertices_of(f).iter().any(|v| faces.vertices_of(g).contains(v))
     }
 
     fn is_one_sided(&self, f: FaceId, g: FaceId) -> bool {
         let (a, b) = (self.patches[f], self.patches[g]);
         let axis = (a.normal + b.normal).normalize_or_zero();
-        if a.spread.min(b.spread) > 0.9 && a.normal.dot(axis) > 0.6 {
-            return true;
-        }
-        let faces = &self.level.topology.faces;
-        let mut corners = [f, g].into_iter().flat_map(|face| faces.corners_of(face).map(move |c| (face, c)));
-        corners.all(|(face, c)| self.area(face, c).normalize_or_zero().dot(axis) > ONE_SIDED)
+        let is_even = a.spread.min(b.spread) > 0.9 && a.normal.dot(axis) > 0.6;
+        is_even || [f, g].iter().all(|&face| self.normals(face).iter().all(|n| n.dot(axis) > ONE_SIDED))
     }
 
-    /// Whether a plane across `axis` parts two faces.
-    fn is_apart(&self, f: FaceId, g: FaceId, axis: Vec3) -> bool {
-        let range = |face: FaceId| {
-            let corners = self.level.topology.faces.corners_of(face);
-            let heights = corners.flat_map(|c| self.places(face, c)).map(|p| p.dot(axis));
-            heights.fold((f32::MAX, f32::MIN), |(low, high), h| (low.min(h), high.max(h)))
-        };
-        let ((a, b), (c, d)) = (range(f), range(g));
+    /// Whether a plane across the normal of `f` parts two faces.
+    fn is_apart(&self, f: FaceId, g: FaceId) -> bool {
+        let patch = &self.patches[f];
+        let ((a, b), (c, d)) = (patch.heights, heights(self.samples(g), patch.normal));
         b < c || d < a
     }
 
-    fn children_cross(&self, f: FaceId, g: FaceId) -> bool {
-        let faces = &self.level.topology.faces;
-        for (i, a) in faces.corners_of(f).enumerate() {
-            let bounds = Bounds::of(&self.places(f, a));
-            for (j, b) in faces.corners_of(g).enumerate() {
+    /// `joined` tells whether they may have vertices in common.
+    fn children_cross(&self, f: FaceId, g: FaceId, joined: bool) -> bool {
+        for (i, a) in quads(self.samples(f)).enumerate() {
+            let bounds = Bounds::of(&a);
+            for (j, b) in quads(self.samples(g)).enumerate() {
                 // A child's own two triangles have an edge in common.
-                if (f == g && j <= i) || !bounds.meets(&Bounds::of(&self.places(g, b))) {
+                if (f == g && j <= i) || !bounds.meets(&Bounds::of(&b)) {
                     continue;
                 }
-                let (first, second) = (self.triangles(f, a), self.triangles(g, b));
-                if first.iter().any(|x| second.iter().any(|y| pierce(x, y))) {
+                let (first, second) = (self.cuts(f, i), self.cuts(g, j));
+                let [a, b] = [a, b].map(|quad| quad.map(|p| p.as_dvec3()));
+                let pierces = |x: &[usize; 3], y: &[usize; 3]| {
+                    !(joined && self.are_joined((f, i, x), (g, j, y))) && pierce(&x.map(|k| a[k]), &y.map(|k| b[k]))
+                };
+                if first.iter().any(|x| second.iter().any(|y| pierces(x, y))) {
                     return true;
                 }
             }
@@ -231,26 +217,80 @@ impl<'a> Skin<'a> {
         false
     }
 
-    /// The child of a corner, cut as the refined mesh has it.
-    fn triangles(&self, face: FaceId, corner: CornerId) -> [Triangle; 2] {
-        let range = self.level.topology.faces.range(face);
-        let is_odd = range.len() == 4 && (corner.index() - range.start) % 2 == 1;
-        let [a, b, c, d] = self.quad(face, corner);
-        let cut = if is_odd { [[b, c, d], [b, d, a]] } else { [[a, b, c], [a, c, d]] };
-        cut.map(|vertices| Triangle { vertices, points: vertices.map(|v| self.points[v].as_dvec3()) })
+    /// The two triangles of a child, by places in its quad, cut as the refined mesh has it.
+    fn cuts(&self, face: FaceId, child: usize) -> [[usize; 3]; 2] {
+        let is_odd = self.level.topology.faces.valence(face) == 4 && child % 2 == 1;
+        if is_odd { [[1, 2, 3], [1, 3, 0]] } else { [[0, 1, 2], [0, 2, 3]] }
+    }
+
+    /// Whether triangles of children have a vertex in common.
+    fn are_joined(&self, (f, i, x): (FaceId, usize, &[usize; 3]), (g, j, y): (FaceId, usize, &[usize; 3])) -> bool {
+        let (a, b) = (self.quad_vertices(f, i), self.quad_vertices(g, j));
+        x.iter().any(|&k| y.iter().any(|&l| a[k] == b[l]))
+    }
+
+    /// The vertices of a child, in the order of its quad.
+    fn quad_vertices(&self, face: FaceId, child: usize) -> [VertexId; 4] {
+        let t = &self.level.topology;
+        let corners = t.faces.range(face);
+        let corner = CornerId::new(corners.start + child);
+        let prev = CornerId::new(if child == 0 { corners.end - 1 } else { corner.index() - 1 });
+        let middle = |c: CornerId| self.numbering.of_edge(t.corner_edge[c]);
+        let own = self.numbering.of_vertex(t.faces.vertex(corner));
+        [own, middle(corner), self.numbering.of_face(face), middle(prev)]
     }
 }
 
-/// Whether triangles without a common vertex pass through each other.
-fn pierce(a: &Triangle, b: &Triangle) -> bool {
-    let joined = a.vertices.iter().any(|v| b.vertices.contains(v));
-    !joined && (edges_pierce(&a.points, &b.points) || edges_pierce(&b.points, &a.points))
+/// The children of a face from its samples: the corner, the middle of its edge, the centre, the middle before.
+#[inline]
+pub(super) fn quads(samples: &[Vec3]) -> impl Iterator<Item = [Vec3; 4]> {
+    let last = samples.len() - 1;
+    (0..last / 2).map(move |i| {
+        let before = if i == 0 { last - 1 } else { 2 * i - 1 };
+        [samples[2 * i], samples[2 * i + 1], samples[last], samples[before]]
+    })
 }
 
-/// Whether an edge of `a` passes through `b`.
-fn edges_pierce(a: &[DVec3; 3], &[p, q, r]: &[DVec3; 3]) -> bool {
+/// Area vector of a quad, twice.
+#[inline]
+fn area([a, b, c, d]: [Vec3; 4]) -> Vec3 {
+    (c - a).cross(d - b)
+}
+
+/// Unit normals of the children.
+fn normals(samples: &[Vec3]) -> Vec<Vec3> {
+    quads(samples).map(|q| area(q).normalize_or_zero()).collect()
+}
+
+/// The range of points along an axis.
+#[inline]
+pub(super) fn heights(points: &[Vec3], axis: Vec3) -> (f32, f32) {
+    points.iter().map(|p| p.dot(axis)).fold((f32::MAX, f32::MIN), |(low, high), h| (low.min(h), high.max(h)))
+}
+
+/// Whether triangles without a common vertex pass through each other.
+fn pierce(a: &[DVec3; 3], b: &[DVec3; 3]) -> bool {
+    let of_b = sides(a, b);
+    if is_one_side(&of_b) {
+        return false;
+    }
+    let of_a = sides(b, a);
+    !is_one_side(&of_a) && (edges_pierce(a, &of_b, b) || edges_pierce(b, &of_a, a))
+}
+
+/// How far the corners of `a` are before the plane of `b`, times its area.
+fn sides(a: &[DVec3; 3], &[p, q, r]: &[DVec3; 3]) -> [f64; 3] {
     let normal = (q - p).cross(r - p);
-    let side = a.map(|x| (x - p).dot(normal));
+    a.map(|x| (x - p).dot(normal))
+}
+
+fn is_one_side(sides: &[f64; 3]) -> bool {
+    sides.iter().all(|&s| s > 0.0) || sides.iter().all(|&s| s < 0.0)
+}
+
+/// Whether an edge of `a`, whose corners are on these sides of `b`, passes through `b`.
+fn edges_pierce(a: &[DVec3; 3], side: &[f64; 3], &[p, q, r]: &[DVec3; 3]) -> bool {
+    let normal = (q - p).cross(r - p);
     (0..3).any(|i| {
         let (s, t) = (side[i], side[(i + 1) % 3]);
         if s * t >= 0.0 {
