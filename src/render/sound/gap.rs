@@ -26,9 +26,8 @@ struct View {
     face: FaceId,
     axes: [Vec3; 3],
     samples: Vec<Vec3>,
-    /// Its range along each axis.
-    low: Vec3,
-    high: Vec3,
+    /// Their range along each axis.
+    range: Bounds,
 }
 
 impl View {
@@ -38,10 +37,11 @@ impl View {
 
     /// Whether a box is not over or under the face.
     fn is_beside(&self, bounds: &Bounds) -> bool {
-        let (middle, half) = (0.5 * (bounds.low + bounds.high), 0.5 * (bounds.high - bounds.low));
+        let (middle, half) =
+            (Vec3::from(0.5 * (bounds.low + bounds.high)), Vec3::from(0.5 * (bounds.high - bounds.low)));
         (0..2).any(|i| {
             let (at, radius) = (middle.dot(self.axes[i]), half.dot(self.axes[i].abs()));
-            at + radius <= self.low[i] || at - radius >= self.high[i]
+            at + radius <= self.range.low[i] || at - radius >= self.range.high[i]
         })
     }
 }
@@ -62,10 +62,9 @@ impl Skin<'_> {
     fn view(&self, face: FaceId) -> View {
         let normal = self.normal(face);
         let (u, v) = normal.try_normalize().unwrap_or(Vec3::Z).any_orthonormal_pair();
-        let mut view = View { face, axes: [u, v, normal], samples: Vec::new(), low: Vec3::ZERO, high: Vec3::ZERO };
+        let mut view = View { face, axes: [u, v, normal], samples: Vec::new(), range: Bounds::EMPTY };
         view.samples = self.samples(face).iter().map(|&p| view.place(p)).collect();
-        let Bounds { low, high } = Bounds::of(&view.samples);
-        (view.low, view.high) = (low, high);
+        view.range = Bounds::of(&view.samples);
         view
     }
 
@@ -80,10 +79,10 @@ impl Skin<'_> {
         }
         samples.clear();
         samples.extend(self.samples(other).iter().map(|&p| view.place(p)));
-        let Bounds { low, high } = Bounds::of(samples);
+        let (own, its) = (view.range, Bounds::of(samples));
         // Nearer ones are known on both sides.
-        let is_far = low.z - view.high.z > gap[1].min(reach) || view.low.z - high.z > gap[0].min(reach);
-        if is_far || (0..2).any(|i| high[i] <= view.low[i] || low[i] >= view.high[i]) {
+        let is_far = its.low.z - own.high.z > gap[1].min(reach) || own.low.z - its.high.z > gap[0].min(reach);
+        if is_far || (0..2).any(|i| its.high[i] <= own.low[i] || its.low[i] >= own.high[i]) {
             return;
         }
         let size = (self.boxes[view.face].high - self.boxes[view.face].low).max_element();

@@ -199,15 +199,18 @@ impl<'a> Skin<'a> {
     fn children_cross(&self, f: FaceId, g: FaceId, joined: bool) -> bool {
         for (i, a) in quads(self.samples(f)).enumerate() {
             let bounds = Bounds::of(&a);
+            if !bounds.meets(&self.boxes[g]) {
+                continue;
+            }
+            let (a, first) = (a.map(|p| p.as_dvec3()), self.cuts(f, i));
             for (j, b) in quads(self.samples(g)).enumerate() {
                 // A child's own two triangles have an edge in common.
                 if (f == g && j <= i) || !bounds.meets(&Bounds::of(&b)) {
                     continue;
                 }
-                let (first, second) = (self.cuts(f, i), self.cuts(g, j));
-                let [a, b] = [a, b].map(|quad| quad.map(|p| p.as_dvec3()));
+                let (b, second) = (b.map(|p| p.as_dvec3()), self.cuts(g, j));
                 let pierces = |x: &[usize; 3], y: &[usize; 3]| {
-                    !(joined && self.are_joined((f, i, x), (g, j, y))) && pierce(&x.map(|k| a[k]), &y.map(|k| b[k]))
+                    pierce(&x.map(|k| a[k]), &y.map(|k| b[k])) && !(joined && self.are_joined((f, i, x), (g, j, y)))
                 };
                 if first.iter().any(|x| second.iter().any(|y| pierces(x, y))) {
                     return true;

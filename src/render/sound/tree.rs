@@ -1,7 +1,7 @@
 //! Boxes around faces in a tree, to find those that may touch.
 
 use crate::mesh::{FaceId, IdVec};
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 use rayon::prelude::*;
 
 /// Faces of a leaf. More makes fewer nodes and more boxes to compare.
@@ -13,18 +13,18 @@ const BITS: u32 = 10;
 #[derive(Clone, Copy, Debug)]
 pub struct Bounds {
     /// Least corner.
-    pub low: Vec3,
+    pub low: Vec3A,
     /// Largest corner.
-    pub high: Vec3,
+    pub high: Vec3A,
 }
 
 impl Bounds {
     /// The box of nothing.
-    pub const EMPTY: Self = Self { low: Vec3::MAX, high: Vec3::MIN };
+    pub const EMPTY: Self = Self { low: Vec3A::MAX, high: Vec3A::MIN };
 
     /// The box of points.
     pub fn of(points: &[Vec3]) -> Self {
-        points.iter().fold(Self::EMPTY, |b, &p| Self { low: b.low.min(p), high: b.high.max(p) })
+        points.iter().map(|&p| Vec3A::from(p)).fold(Self::EMPTY, |b, p| Self { low: b.low.min(p), high: b.high.max(p) })
     }
 
     /// Whether two boxes have a place in common.
@@ -119,8 +119,7 @@ mod tests {
     #[test]
     fn all_that_meet_are_found() {
         let at = |i: usize| Vec3::new((i * 7 % 13) as f32, (i * 5 % 11) as f32, (i % 3) as f32);
-        let boxes: IdVec<FaceId, Bounds> =
-            (0..101).map(|i| Bounds { low: at(i), high: at(i) + Vec3::splat(1.5) }).collect();
+        let boxes: IdVec<FaceId, Bounds> = (0..101).map(|i| Bounds::of(&[at(i), at(i) + 1.5])).collect();
         let tree = Tree::new(&boxes);
         for b in boxes.iter() {
             let mut found = Vec::new();
