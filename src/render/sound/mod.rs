@@ -13,7 +13,6 @@ use super::derivation::Derivation;
 use crate::mesh::{FaceId, IdVec, VertexId};
 use crate::subdivide::{Level, Lineage};
 use glam::Vec3;
-use std::cell::OnceCell;
 
 /// Part of a height that is left in any case.
 pub const LEAST_SHARE: f32 = 0.1;
@@ -69,7 +68,6 @@ pub fn sound(kin: &Kin, states: &States) -> Sound {
     let mut points = states.raised.clone();
     let mut skin = Skin::new(kin.child, &points);
     let normals = linear_normals(kin.child, states.linear);
-    let parent = OnceCell::new();
     let is_active =
         |f: FaceId| kin.moved[f] && (kin.doubtful[f] || skin.is_bent(f) || skin.normal(f).dot(normals[f]) < ONE_WAY);
     let mut is_active: IdVec<FaceId, bool> = kin.moved.ids().map(is_active).collect();
@@ -77,7 +75,7 @@ pub fn sound(kin: &Kin, states: &States) -> Sound {
     // Where a step back makes more faults than it mends, as beside the free border of a layer, an earlier one is kept.
     let mut best = (usize::MAX, points.clone(), steps.clone());
     for _ in 0..STEPS.len() {
-        let faults = faults(kin, &mut skin, (&active, &is_active), &normals, &parent);
+        let faults = faults(kin, &mut skin, (&active, &is_active), &normals);
         if faults.len() < best.0 {
             best = (faults.len(), points.clone(), steps.clone());
         }
@@ -114,26 +112,25 @@ fn linear_normals(level: &Level, points: &IdVec<VertexId, Vec3>) -> IdVec<FaceId
 }
 
 /// Faces that cross others or are turned over, and did not before.
-fn faults<'a>(
-    kin: &Kin<'a>,
+fn faults(
+    kin: &Kin,
     skin: &mut Skin,
     (active, is_active): (&[FaceId], &IdVec<FaceId, bool>),
     normals: &IdVec<FaceId, Vec3>,
-    parent: &OnceCell<Skin<'a>>,
 ) -> Vec<FaceId> {
-    let before = || parent.get_or_init(|| Skin::new(kin.parent, kin.parent_points));
-    let parent_face = |f| kin.derivation.parent_face(f);
-    let crossing = skin.crossings(active, is_active).into_iter();
-    let is_new = |pair: &[FaceId; 2]| {
-        let [p, q] = pair.map(parent_face);
-        !before().cross(p, q)
-    };
-    let mut faults: Vec<FaceId> = crossing.filter(is_new).flatten().collect();
-    let turned = skin.turned(active, normals).into_iter();
-    faults.extend(turned.filter(|&f| {
+    let (crossing, turned) = (skin.crossings(active, is_active), skin.turned(active, normals));
+    let parent_face = |f: FaceId| kin.derivation.parent_face(f);
+    let mut parents: Vec<FaceId> = crossing.iter().flatten().chain(&turned).map(|&f| parent_face(f)).collect();
+    parents.sort_unstable();
+    parents.dedup();
+    let before = Skin::of(kin.parent, kin.parent_points, &parents);
+    let crossed = |&[f, g]: &[FaceId; 2]| before.cross(parent_face(f), parent_face(g));
+    let had_turned = |&f: &FaceId| {
         let p = parent_face(f);
-        !before().is_turned(p, before().normal(p), ALREADY_TURNED)
-    }));
+        before.is_turned(p, before.normal(p), ALREADY_TURNED)
+    };
+    let mut faults: Vec<FaceId> = crossing.into_iter().filter(|pair| !crossed(pair)).flatten().collect();
+    faults.extend(turned.into_iter().filter(|f| !had_turned(f)));
     faults.sort_unstable();
     faults.dedup();
     faults

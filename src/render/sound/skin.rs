@@ -19,7 +19,7 @@ const EVEN: f32 = 0.8;
 const TURNED: f32 = -0.2;
 
 /// What the search for crossings needs of a face.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 struct Patch {
     /// Mean normal.
     normal: Vec3,
@@ -63,6 +63,24 @@ impl<'a> Skin<'a> {
         skin.normals = normals.into();
         let (boxes, patches): (Vec<Bounds>, Vec<Patch>) = faces.map(|f| skin.measured(f)).unzip();
         (skin.boxes, skin.patches) = (boxes.into(), patches.into());
+        skin
+    }
+
+    /// The skin of some faces of a cage, which alone may be asked about.
+    pub fn of(level: &'a Level, points: &IdVec<VertexId, Vec3>, faces: &[FaceId]) -> Self {
+        let all = &level.topology.faces;
+        let numbering = Numbering::new(level);
+        let mut skin = Self {
+            level,
+            numbering,
+            refined: IdVec::filled(Vec3::ZERO, numbering.vertices()),
+            samples: vec![Vec3::ZERO; 2 * all.corners().len() + all.len()],
+            normals: IdVec::filled(Vec3::ZERO, all.corners().len()),
+            boxes: IdVec::filled(Bounds::EMPTY, all.len()),
+            patches: IdVec::filled(Patch::default(), all.len()),
+            tree: None,
+        };
+        skin.update(points, faces);
         skin
     }
 
@@ -191,21 +209,24 @@ impl<'a> Skin<'a> {
     /// Whether a plane across the normal of `f` parts two faces.
     fn is_apart(&self, f: FaceId, g: FaceId) -> bool {
         let patch = &self.patches[f];
-        let ((a, b), (c, d)) = (patch.heights, heights(self.samples(g), patch.normal));
-        b < c || d < a
+        are_apart(patch.heights, heights(self.samples(g), patch.normal))
     }
 
     /// `joined` tells whether they may have vertices in common.
     fn children_cross(&self, f: FaceId, g: FaceId, joined: bool) -> bool {
-        for (i, a) in quads(self.samples(f)).enumerate() {
-            let bounds = Bounds::of(&a);
+        for (i, quad) in quads(self.samples(f)).enumerate() {
+            let bounds = Bounds::of(&quad);
             if !bounds.meets(&self.boxes[g]) {
                 continue;
             }
-            let (a, first) = (a.map(|p| p.as_dvec3()), self.cuts(f, i));
+            let (a, first) = (quad.map(|p| p.as_dvec3()), self.cuts(f, i));
             for (j, b) in quads(self.samples(g)).enumerate() {
                 // A child's own two triangles have an edge in common.
                 if (f == g && j <= i) || !bounds.meets(&Bounds::of(&b)) {
+                    continue;
+                }
+                let looks = [self.normals(f)[i], self.normals(g)[j]];
+                if looks.iter().any(|&axis| are_apart(heights(&quad, axis), heights(&b, axis))) {
                     continue;
                 }
                 let (b, second) = (b.map(|p| p.as_dvec3()), self.cuts(g, j));
@@ -269,6 +290,10 @@ fn normals(samples: &[Vec3]) -> Vec<Vec3> {
 #[inline]
 pub(super) fn heights(points: &[Vec3], axis: Vec3) -> (f32, f32) {
     points.iter().map(|p| p.dot(axis)).fold((f32::MAX, f32::MIN), |(low, high), h| (low.min(h), high.max(h)))
+}
+
+fn are_apart((a, b): (f32, f32), (c, d): (f32, f32)) -> bool {
+    b < c || d < a
 }
 
 /// Whether triangles without a common vertex pass through each other.
