@@ -33,6 +33,32 @@ impl<I: Copy> Table<I> {
         self.offsets.push(self.entries.len() as u32);
     }
 
+    /// Adds to the weight of a source in the last row.
+    pub fn add(&mut self, source: I, weight: f32)
+    where
+        I: PartialEq,
+    {
+        let start = self.offsets.len().checked_sub(2).map_or(0, |last| self.offsets[last] as usize);
+        match self.entries[start..].iter_mut().find(|(known, _)| *known == source) {
+            Some((_, sum)) => *sum += weight,
+            None => self.entries.push((source, weight)),
+        }
+        if let Some(end) = self.offsets.last_mut() {
+            *end = self.entries.len() as u32;
+        }
+    }
+
+    /// The rows of tables one after the other.
+    pub fn joined(tables: &[Self]) -> Self {
+        let mut joined = Self::default();
+        for table in tables {
+            let start = joined.entries.len() as u32;
+            joined.entries.extend_from_slice(&table.entries);
+            joined.offsets.extend(table.offsets[1..].iter().map(|offset| start + offset));
+        }
+        joined
+    }
+
     /// Number of rows.
     pub fn len(&self) -> usize {
         self.offsets.len() - 1

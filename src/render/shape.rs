@@ -146,14 +146,14 @@ impl Formed {
     pub fn new(operator: &dyn Operator, parent: &Cage) -> Result<Self, Error> {
         let shape = operator.shape(parent)?;
         let corners: Vec<VertexId> = kept_corners(parent, &shape).chain(shape.corners.iter().copied()).collect();
-        let mut cage = parent.derived(&shape.derivation, &corners, &shape.creases);
+        let every = (0..parent.level().topology.vertex_count()).into_par_iter().map(VertexId::new);
+        let derived = || parent.derived(&shape.derivation, &corners, &shape.creases);
+        let (mut cage, parent_rows) = rayon::join(derived, || limit_rows(parent.level(), every));
         let mut points = cage.garment().points.clone();
         shape.apart.iter().for_each(|&(vertex, offset)| points[vertex] += offset);
         cage = cage.with_points(points).with_subsets(shape.subsets.iter().cloned());
-        let rows = limit_rows(cage.level(), shape.held.par_iter().map(|h| h.vertex));
-        let every = (0..parent.level().topology.vertex_count()).into_par_iter().map(VertexId::new);
-        let parent_rows = limit_rows(parent.level(), every);
-        let seen = seen(&shape, cage.level(), parent.level());
+        let of_held = || limit_rows(cage.level(), shape.held.par_iter().map(|h| h.vertex));
+        let (rows, seen) = rayon::join(of_held, || seen(&shape, cage.level(), parent.level()));
         let (level, orientation) = (parent.level().clone(), parent.garment().orientation);
         let pair = |held: &Held| match held.role {
             Role::Layer { over, .. } => Some([over, held.vertex]),

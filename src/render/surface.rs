@@ -21,13 +21,18 @@ const UNSEEN: f32 = -0.4;
 const OPPOSITE: f32 = 0.05;
 /// Turns of a normal, each some 25 degrees at most.
 const TURNS: usize = 8;
+/// Rows that are made in one go.
+const BLOCK: usize = 256;
+
 /// Limit positions of a level's vertices, as weighted sums of the cage's.
 pub fn limit_rows(level: &Level, vertices: impl IndexedParallelIterator<Item = VertexId>) -> Table<VertexId> {
     let refined = level.vertex_stencils();
-    let rows: Vec<Vec<(VertexId, f32)>> = vertices.map(|v| limit_row(level, &refined, v)).collect();
-    let mut table = Table::default();
-    rows.into_iter().for_each(|row| table.push(row));
-    table
+    let add = |mut table: Table<VertexId>, v| {
+        limit_row(level, &refined, v, &mut table);
+        table
+    };
+    let blocks: Vec<Table<VertexId>> = vertices.fold_chunks(BLOCK, Table::default, add).collect();
+    Table::joined(&blocks)
 }
 
 /// How much a sharpness still counts in the limit: exact where it is none or infinite, and near it between.
@@ -35,16 +40,13 @@ fn lasting(sharpness: f32) -> f32 {
     if sharpness >= INFINITE_SHARPNESS { 1.0 } else { 1.0 - 0.5f32.powf(sharpness) }
 }
 
-fn limit_row(level: &Level, refined: &VertexStencils, vertex: VertexId) -> Vec<(VertexId, f32)> {
+fn limit_row(level: &Level, refined: &VertexStencils, vertex: VertexId, table: &mut Table<VertexId>) {
     let linear = matches!(level.scheme, Scheme::Bilinear | Scheme::None | Scheme::Loop);
     if linear || level.topology.vertex_corners.row(vertex).is_empty() {
-        return vec![(vertex, 1.0)];
+        return table.push([(vertex, 1.0)]);
     }
-    let mut row = Vec::with_capacity(16);
-    let mut sink = |v: VertexId, weight: f32| match row.iter_mut().find(|(known, _)| *known == v) {
-        Some((_, sum)) => *sum += weight,
-        None => row.push((v, weight)),
-    };
+    table.push([]);
+    let mut sink = |v: VertexId, weight: f32| table.add(v, weight);
     let mut spokes: Vec<Spoke> = Vec::new();
     level.spokes(vertex, &mut spokes);
     // What is sharper lasts longer: a corner of three edges becomes a crease of the two sharpest.
@@ -60,7 +62,6 @@ fn limit_row(level: &Level, refined: &VertexStencils, vertex: VertexId) -> Vec<(
     if smooth > 1e-6 {
         smooth_row(level, refined, vertex, smooth, &mut sink);
     }
-    row
 }
 
 /// The limit of a smooth vertex, through the first refinement where not all faces about it are quads.

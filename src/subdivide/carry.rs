@@ -157,8 +157,9 @@ impl Cage {
     /// The cage refined once, with every attribute.
     pub fn refined(&self) -> Self {
         let refinement = Refinement::new(&self.level, self.garment.rules);
-        let (garment, influences) = carry(&self.garment, self.influences.as_deref(), &refinement);
-        let level = split::child_level(&self.level, refinement.faces);
+        let faces = refinement.faces.clone();
+        let carry = || carry(&self.garment, self.influences.as_deref(), &refinement);
+        let ((garment, influences), level) = rayon::join(carry, || split::child_level(&self.level, faces));
         Self { garment, level, influences }
     }
 
@@ -171,13 +172,16 @@ impl Cage {
     ///
     /// `corners` and `creases` of the child become infinitely sharp.
     pub fn derived(&self, lineage: &impl Lineage, corners: &[VertexId], creases: &[[VertexId; 2]]) -> Self {
-        let (mut garment, influences) = carry(&self.garment, self.influences.as_deref(), lineage);
+        let carry = Carry::new(&self.garment, lineage);
+        let mut garment = carry.frame();
         let mut sharp: BTreeSet<VertexId> = garment.corners.iter().map(|c| c.vertex).collect();
         let new = corners.iter().filter(|&&v| sharp.insert(v));
         garment.corners.extend(new.map(|&vertex| Corner { vertex, sharpness: INFINITE_SHARPNESS }));
         let crease = |ends: &[VertexId; 2]| Crease { vertices: ends.to_vec(), sharpnesses: vec![INFINITE_SHARPNESS] };
         garment.creases.extend(creases.iter().map(crease));
-        Self { level: Level::base(&garment), garment, influences }
+        let attributes = || carry.attributes(self.influences.as_deref());
+        let ((primvars, influences), level) = rayon::join(attributes, || Level::base(&garment));
+        Self { level, garment: Garment { primvars, ..garment }, influences }
     }
 
     /// The cage with more subsets, which later derivations carry too.
@@ -252,26 +256,8 @@ fn carry<L: Lineage>(
     lineage: &L,
 ) -> (Garment, Option<Vec<Influences>>) {
     let carry = Carry::new(garment, lineage);
-    let carried = garment.primvars.par_iter().map(|primvar| match primvar {
-        p if is_channel(p) => lineage.face_varying(garment, p),
-        p if joints::is_influence(garment, p) => p.clone(),
-        p => carry.primvar(p),
-    });
-    let (primvars, influences) = rayon::join(|| carried.collect(), || influences.map(|all| carry.influences(all)));
-    let child = Garment {
-        prim: garment.prim.clone(),
-        points: carried_points(&lineage.vertex(), &garment.points),
-        orientation: garment.orientation,
-        rules: garment.rules,
-        holes: carry.faces(&garment.holes),
-        creases: garment.creases.iter().flat_map(|c| carry.crease(c)).collect(),
-        corners: garment.corners.iter().filter_map(|c| carry.corner(c)).collect(),
-        subsets: garment.subsets.iter().map(|s| carry.subset(s)).collect(),
-        families: garment.families.iter().map(|f| carried_family(garment, f)).collect(),
-        primvars,
-        faces: lineage.faces().clone(),
-    };
-    (child, influences)
+    let (frame, (primvars, influences)) = rayon::join(|| carry.frame(), || carry.attributes(influences));
+    (Garment { primvars, ..frame }, influences)
 }
 
 /// Whether a primvar is carried as a face-varying channel.
@@ -303,6 +289,34 @@ impl<'a, L: Lineage> Carry<'a, L> {
         let pairs = parent_face.iter().enumerate().map(|(child, &parent)| (parent, FaceId::new(child)));
         let children = Csr::group(garment.faces.len(), pairs, FaceId::new(0));
         Self { garment, lineage, parent_face, children }
+    }
+
+    /// The child without its primvars.
+    fn frame(&self) -> Garment {
+        let garment = self.garment;
+        Garment {
+            prim: garment.prim.clone(),
+            points: carried_points(&self.lineage.vertex(), &garment.points),
+            orientation: garment.orientation,
+            rules: garment.rules,
+            holes: self.faces(&garment.holes),
+            creases: garment.creases.iter().flat_map(|c| self.crease(c)).collect(),
+            corners: garment.corners.iter().filter_map(|c| self.corner(c)).collect(),
+            subsets: garment.subsets.iter().map(|s| self.subset(s)).collect(),
+            families: garment.families.iter().map(|f| carried_family(garment, f)).collect(),
+            primvars: Vec::new(),
+            faces: self.lineage.faces().clone(),
+        }
+    }
+
+    /// The child's primvars, and joint influences.
+    fn attributes(&self, influences: Option<&[Influences]>) -> (Vec<Primvar>, Option<Vec<Influences>>) {
+        let carried = self.garment.primvars.par_iter().map(|primvar| match primvar {
+            p if is_channel(p) => self.lineage.face_varying(self.garment, p),
+            p if joints::is_influence(self.garment, p) => p.clone(),
+            p => self.primvar(p),
+        });
+        rayon::join(|| carried.collect(), || influences.map(|all| self.influences(all)))
     }
 
     fn faces(&self, parents: &[FaceId]) -> Vec<FaceId> {

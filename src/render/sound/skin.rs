@@ -18,6 +18,9 @@ const EVEN: f32 = 0.8;
 /// flank for one.
 const TURNED: f32 = -0.2;
 
+/// Faces that are measured in one go.
+const BLOCK: usize = 512;
+
 /// What the search for crossings needs of a face.
 #[derive(Clone, Copy, Default)]
 struct Patch {
@@ -27,6 +30,15 @@ struct Patch {
     spread: f32,
     /// Range along the normal.
     heights: (f32, f32),
+}
+
+/// What is known of some faces in a row.
+#[derive(Default)]
+struct Part {
+    samples: Vec<Vec3>,
+    normals: Vec<Vec3>,
+    boxes: Vec<Bounds>,
+    patches: Vec<Patch>,
 }
 
 /// A cage's first refinement, stored face by face, so that a pair of faces is two pieces of memory.
@@ -56,14 +68,30 @@ impl<'a> Skin<'a> {
             patches: IdVec::default(),
             tree: None,
         };
-        let faces = (0..level.topology.faces.len()).into_par_iter().map(FaceId::new);
-        let places = |f| skin.vertices(f).map(|v| skin.refined[v]);
-        skin.samples = faces.clone().flat_map_iter(places).collect();
-        let normals: Vec<Vec3> = faces.clone().flat_map_iter(|f| normals(skin.samples(f))).collect();
-        skin.normals = normals.into();
-        let (boxes, patches): (Vec<Bounds>, Vec<Patch>) = faces.map(|f| skin.measured(f)).unzip();
-        (skin.boxes, skin.patches) = (boxes.into(), patches.into());
+        let count = level.topology.faces.len();
+        let blocks = (0..count.div_ceil(BLOCK)).into_par_iter();
+        let parts: Vec<Part> = blocks.map(|b| skin.part(b * BLOCK..count.min((b + 1) * BLOCK))).collect();
+        for part in parts {
+            skin.samples.extend(part.samples);
+            skin.normals.extend(part.normals);
+            skin.boxes.extend(part.boxes);
+            skin.patches.extend(part.patches);
+        }
         skin
+    }
+
+    fn part(&self, faces: Range<usize>) -> Part {
+        let mut part = Part::default();
+        for face in faces.map(FaceId::new) {
+            let (from, first) = (part.samples.len(), part.normals.len());
+            part.samples.extend(self.vertices(face).map(|v| self.refined[v]));
+            let samples = &part.samples[from..];
+            part.normals.extend(normals(samples));
+            let (bounds, patch) = measured(samples, &part.normals[first..]);
+            part.boxes.push(bounds);
+            part.patches.push(patch);
+        }
+        part
     }
 
     /// The skin of some faces of a cage, which alone may be asked about.
@@ -96,12 +124,12 @@ impl<'a> Skin<'a> {
             self.refined[child] = place;
         }
         for &face in faces {
-            let places: Vec<Vec3> = self.vertices(face).map(|v| self.refined[v]).collect();
+            let part = self.part(face.index()..face.index() + 1);
             let corners = self.level.topology.faces.range(face);
-            corners.zip(normals(&places)).for_each(|(c, normal)| self.normals[CornerId::new(c)] = normal);
+            corners.zip(part.normals).for_each(|(c, normal)| self.normals[CornerId::new(c)] = normal);
             let range = self.range(face);
-            self.samples[range].copy_from_slice(&places);
-            (self.boxes[face], self.patches[face]) = self.measured(face);
+            self.samples[range].copy_from_slice(&part.samples);
+            (self.boxes[face], self.patches[face]) = (part.boxes[0], part.patches[0]);
         }
         if let Some(tree) = &mut self.tree {
             tree.refit(&self.boxes);
@@ -131,14 +159,6 @@ impl<'a> Skin<'a> {
     #[inline]
     fn normals(&self, face: FaceId) -> &[Vec3] {
         &self.normals.as_slice()[self.level.topology.faces.range(face)]
-    }
-
-    fn measured(&self, face: FaceId) -> (Bounds, Patch) {
-        let samples = self.samples(face);
-        let areas: Vec3 = quads(samples).map(area).sum();
-        let normal = areas.normalize_or_zero();
-        let spread = self.normals(face).iter().map(|n| n.dot(normal)).fold(1.0, f32::min);
-        (Bounds::of(samples), Patch { normal, spread, heights: heights(samples, normal) })
     }
 
     /// Faces of `active` that have a child which looks away from `normals`, zero where any may.
@@ -282,8 +302,14 @@ fn area([a, b, c, d]: [Vec3; 4]) -> Vec3 {
 }
 
 /// Unit normals of the children.
-fn normals(samples: &[Vec3]) -> Vec<Vec3> {
-    quads(samples).map(|q| area(q).normalize_or_zero()).collect()
+fn normals(samples: &[Vec3]) -> impl Iterator<Item = Vec3> {
+    quads(samples).map(|q| area(q).normalize_or_zero())
+}
+
+fn measured(samples: &[Vec3], normals: &[Vec3]) -> (Bounds, Patch) {
+    let normal = quads(samples).map(area).sum::<Vec3>().normalize_or_zero();
+    let spread = normals.iter().map(|n| n.dot(normal)).fold(1.0, f32::min);
+    (Bounds::of(samples), Patch { normal, spread, heights: heights(samples, normal) })
 }
 
 /// The range of points along an axis.
