@@ -9,6 +9,7 @@ mod curve;
 mod edge;
 mod face;
 mod hash;
+mod lay;
 mod locate;
 mod normals;
 mod provenance;

@@ -130,6 +130,17 @@ fn told(source: &Subset, carried: Carried, warnings: &mut Warnings) -> Vec<[Vert
                 .into(),
         });
     }
+    if carried.merged > 0 {
+        warnings.push(Warning::NotCarried {
+            what: format!(
+                "{} chains of subset {} as chains of their own on the simulation mesh",
+                carried.merged, source.name
+            ),
+            why: "the mesh has too few vertices to keep them apart from others of the set; name the subset in \
+                  tailor:sim:constraints, or lower sim.maxEdgeLength"
+                .into(),
+        });
+    }
     carried.edges
 }
 
