@@ -11,7 +11,7 @@ mod masks;
 mod split;
 mod stencil;
 
-pub use carry::{Cage, mix, mix_rows, scale_to_unit_length, taken, to_unit_length};
+pub use carry::{Cage, mix_into, mix_rows, scale_to_unit_length, taken, to_unit_length};
 pub use fvar::{Channel, ChannelChild};
 pub use level::{INFINITE_SHARPNESS, Level, Rule, Spoke, refined_sharpness};
 pub use split::{Numbering, child_corner};

@@ -2,10 +2,9 @@
 
 use super::Sites;
 use super::coverage::{Coverage, Share};
-use super::rows::mix_into;
 use crate::garment::{Elements, FamilyType, Garment, Primvar, Subset, Values};
 use crate::mesh::{CornerId, FaceId, IdVec};
-use crate::subdivide::{Real, scale_to_unit_length};
+use crate::subdivide::{Real, mix_into, scale_to_unit_length};
 use rayon::prelude::*;
 
 /// The face subsets of a garment on the simulation mesh, by their place in the garment's list.

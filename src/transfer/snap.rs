@@ -5,8 +5,8 @@ use crate::mesh::{ChainId, Csr, FaceId, IdVec, VertexId};
 use crate::sim::SimProduct;
 use std::collections::VecDeque;
 
-/// How far along its chain a vertex may be from where its share of the chain's edges puts it, in target lengths. Longer
-/// finds vertices that relaxing has moved; shorter keeps to the right turn of a winding chain.
+/// How far along its chain a vertex may be from a place on it, in target lengths. Longer finds the vertex that is nearest
+/// in space; shorter keeps to the right turn of a winding chain.
 const DRIFT: f32 = 2.0;
 
 /// Where the vertices of the simulation mesh are on the baseline.
@@ -53,19 +53,11 @@ impl<'a> Surface<'a> {
         surface
     }
 
-    /// The vertices of the simulation mesh along a chain, with arc lengths as near as the lengths of edges say.
+    /// The vertices of the simulation mesh along a chain, with their arc lengths.
     fn along(&self, chain: ChainId) -> Vec<(f32, VertexId)> {
-        let edges = &self.product.chain_edges[chain];
-        let points = &self.product.points;
-        let own: f32 = edges.iter().map(|&[a, b]| points[a].distance(points[b])).sum();
-        let scale = if own > 0.0 { self.product.baseline.chains[chain].length() / own } else { 0.0 };
-        let mut at = 0.0;
-        let mut along: Vec<(f32, VertexId)> = edges.first().map(|e| (0.0, e[0])).into_iter().collect();
-        for &[a, b] in edges {
-            at += scale * points[a].distance(points[b]);
-            along.push((at, b));
-        }
-        along
+        let edges = self.product.chain_arcs[chain].iter().zip(&self.product.chain_edges[chain]);
+        let first = edges.clone().next().map(|(arcs, edge)| (arcs[0], edge[0]));
+        first.into_iter().chain(edges.map(|(arcs, edge)| (arcs[1], edge[1]))).collect()
     }
 
     /// The places of cage vertices among the vertices of a chain of the simulation mesh: one for each where there are
