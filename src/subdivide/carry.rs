@@ -256,12 +256,16 @@ pub fn mix_into<'a, T: super::Real + 'a>(
     let heaviest = rows.clone().filter(|_| primvar.mixing == Mixing::Rotation).reduce(heavier);
     for (k, value) in mean.iter_mut().enumerate() {
         let own = k - k % primvar.components..;
-        let is_opposite = |row: &[T]| {
-            let parts = |(h, _): (&'a [T], f32)| row[own.clone()].iter().zip(&h[own.clone()]).take(primvar.components);
-            heaviest.is_some_and(|h| parts(h).map(|(a, b)| a.to_f64() * b.to_f64()).sum::<f64>() < 0.0)
+        let is_opposite = |row: &[T], heaviest: &[T]| {
+            let parts = row[own.clone()].iter().zip(&heaviest[own.clone()]).take(primvar.components);
+            parts.map(|(a, b)| a.to_f64() * b.to_f64()).sum::<f64>() < 0.0
         };
-        let signed = |row, weight| if is_opposite(row) { -f64::from(weight) } else { f64::from(weight) };
-        *value = T::from_f64(rows.clone().fold(0.0, |sum, (row, weight)| sum + signed(row, weight) * row[k].to_f64()));
+        let part = |(row, weight): (&[T], f32)| f64::from(weight) * row[k].to_f64();
+        let turned = |row: (&[T], f32), heaviest| if is_opposite(row.0, heaviest) { -part(row) } else { part(row) };
+        *value = T::from_f64(match heaviest {
+            None => rows.clone().fold(0.0, |sum, row| sum + part(row)),
+            Some((heaviest, _)) => rows.clone().fold(0.0, |sum, row| sum + turned(row, heaviest)),
+        });
     }
 }
 

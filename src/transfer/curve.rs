@@ -1,8 +1,13 @@
 //! Paths of edges of the simulation mesh along curves of the baseline.
+//!
+//! The mesh knows nothing of these curves, and no path of its edges is as short. In a lattice of equilateral triangles a
+//! straight line at the angle φ to the nearest edge direction, 0 to 30 degrees, is followed by edges of two directions,
+//! together cos φ + sin φ / √3 times as long: from 1 along edges to 2 / √3, 15 % more, halfway between, and 10 % more on the
+//! mean over all angles. What a path has beyond that is reported, by the shortest one between the same ends
+//! (`shortestLength`); only moving vertices to the curve, as constraints do, makes it shorter.
 
-use super::Sites;
 use super::snap::Surface;
-use crate::mesh::{CornerId, FaceId, Id, IdVec, VertexId};
+use crate::mesh::{CornerId, FaceId, Id, IdVec, Topology, VertexId};
 use glam::Vec3;
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
@@ -107,8 +112,10 @@ impl Curve {
 }
 
 /// The vertices of the simulation mesh beside a curve, on the same part of the surface, by their place in a list.
-pub(super) struct Corridor<'a> {
-    curve: &'a Curve,
+pub(super) struct Corridor {
+    /// Length of the curve. \[stage units\]
+    length: f32,
+    is_loop: bool,
     /// Ascending by vertex.
     vertices: Vec<Beside>,
     /// What leaves each vertex: from its number here to the next one's.
@@ -133,8 +140,7 @@ struct Beside {
     on: OnCurve,
     /// Distance from the curve, in target lengths.
     off: f32,
-    /// Whether a chain or another path of the same set passes here.
-    is_passed: bool,
+    is_constrained: bool,
 }
 
 impl Edge {
@@ -149,8 +155,17 @@ impl Edge {
     }
 }
 
+/// What a path is asked for.
+struct Way<'a> {
+    from: usize,
+    to: usize,
+    stray: f64,
+    /// Whether it may be the edge between its ends alone.
+    is_direct: bool,
+    passed: &'a [bool],
+}
+
 /// A path along a curve.
-#[derive(Clone)]
 pub(super) struct Found {
     pub vertices: Vec<VertexId>,
     /// Largest distance of a vertex from the curve, in local target lengths.
@@ -219,15 +234,13 @@ type Best = (f64, u32);
 /// The state before the first.
 const NOWHERE: u32 = u32::MAX;
 
-impl<'a> Corridor<'a> {
-    /// Those at most `reach` target lengths from the curve, along `path` on the baseline; `is_passed` are those of other
-    /// paths.
+impl Corridor {
+    /// Those at most `reach` target lengths from the curve, along `path` on the baseline.
     pub fn new(
-        surface: &'a Surface<'a>,
-        sites: &Sites<'_>,
-        (curve, path): (&'a Curve, &[VertexId]),
+        surface: &Surface<'_>,
+        t: &Topology,
+        (curve, path): (&Curve, &[VertexId]),
         reach: f32,
-        is_passed: impl Fn(VertexId) -> bool,
         scratch: &mut Scratch,
     ) -> Self {
         let near = beside(surface, curve, path, reach, scratch);
@@ -235,12 +248,11 @@ impl<'a> Corridor<'a> {
             vertex,
             on,
             off: on.distance / surface.product.target[vertex],
-            is_passed: surface.is_constrained[vertex] || is_passed(vertex),
+            is_constrained: surface.is_constrained[vertex],
         };
         let mut vertices: Vec<Beside> = near.into_iter().map(beside).collect();
         vertices.sort_unstable_by_key(|v| v.vertex);
         vertices.iter().enumerate().for_each(|(i, v)| scratch.vertices.set(v.vertex, i as u32));
-        let t = &sites.net.topology;
         let is_inside = |c: CornerId| scratch.faces.get(surface.product.places[c].location.face) == Some(true);
         let (mut first, mut edges) = (vec![0], Vec::<Edge>::with_capacity(6 * vertices.len()));
         for beside in &vertices {
@@ -255,24 +267,30 @@ impl<'a> Corridor<'a> {
             }
             first.push(edges.len());
         }
-        Self { curve, vertices, first, edges }
+        Self { length: curve.length, is_loop: curve.is_loop, vertices, first, edges }
+    }
+
+    /// Which vertices a chain or another path of the same set passes, where `is_passed` says so of the paths.
+    pub fn passed(&self, is_passed: impl Fn(VertexId) -> bool) -> Vec<bool> {
+        self.vertices.iter().map(|v| v.is_constrained || is_passed(v.vertex)).collect()
     }
 
     /// The vertex that is nearest to the curve.
-    pub fn nearest(&self) -> Option<VertexId> {
-        let key = |v: &Beside| (v.is_passed, v.on.distance.to_bits(), v.vertex);
-        self.vertices.iter().map(key).min().map(|k| k.2)
+    pub fn nearest(&self, passed: &[bool]) -> Option<VertexId> {
+        let key = |(v, &is_passed): (&Beside, &bool)| (is_passed, v.on.distance.to_bits(), v.vertex);
+        self.vertices.iter().zip(passed).map(key).min().map(|k| k.2)
     }
 
     /// The path between two vertices that follows the curve closest of those that are as long as it, or as near to that
     /// as edges can come; once round a closed curve from a vertex to itself. None of fewer than `least` vertices.
-    pub fn best_path(&self, from: VertexId, to: VertexId, least: usize) -> Option<Found> {
-        let wanted = f64::from(self.curve.length);
+    pub fn best_path(&self, [from, to]: [VertexId; 2], least: usize, passed: &[bool]) -> Option<Found> {
+        let wanted = f64::from(self.length);
         let off = |length: f64| ((length - wanted).abs() - LENGTH_SLACK * wanted).max(0.0);
         let number = |v: VertexId| self.vertices.binary_search_by_key(&v, |b| b.vertex).ok();
         let (from, to) = (number(from)?, number(to)?);
         let path = |stray: f64| {
-            let path = self.path_through(from, to, stray, least <= 2).filter(|p| p.len() >= least)?;
+            let way = Way { from, to, stray, is_direct: least <= 2, passed };
+            let path = self.path_through(&way).filter(|p| p.len() >= least)?;
             Some((path.windows(2).map(|p| self.distance(p[0], p[1])).sum(), path))
         };
         let mut paths: Vec<(f64, Vec<usize>)> = path(STRAYS[0]).into_iter().collect();
@@ -307,8 +325,8 @@ impl<'a> Corridor<'a> {
 
     /// Whether a step goes over the place where a closed curve begins: backwards, not, or forwards, from 0 to 2.
     fn turn(&self, a: usize, b: usize) -> usize {
-        let (step, half) = (self.vertices[b].on.s - self.vertices[a].on.s, 0.5 * self.curve.length);
-        match self.curve.is_loop {
+        let (step, half) = (self.vertices[b].on.s - self.vertices[a].on.s, 0.5 * self.length);
+        match self.is_loop {
             true if step < -half => 2,
             true if step > half => 0,
             _ => 1,
@@ -317,11 +335,11 @@ impl<'a> Corridor<'a> {
 
     /// The cheapest path; round a closed curve one that begins and ends where it is asked to, if there is one: others
     /// may meet it there.
-    fn path_through(&self, from: usize, to: usize, stray: f64, is_direct: bool) -> Option<Vec<usize>> {
+    fn path_through(&self, way: &Way<'_>) -> Option<Vec<usize>> {
         let mut avoided = Vec::new();
         loop {
-            let path = self.path(from, to, stray, is_direct, &avoided)?;
-            if path[0] == from || avoided.len() == MAX_AVOIDED {
+            let path = self.path(way, &avoided)?;
+            if path[0] == way.from || avoided.len() == MAX_AVOIDED {
                 return Some(path);
             }
             // The way there and the way back had this vertex in common.
@@ -329,8 +347,9 @@ impl<'a> Corridor<'a> {
         }
     }
 
-    /// The cheapest path, from its first vertex to its last; along the edge between them only if it may be direct.
-    fn path(&self, from: usize, to: usize, stray: f64, is_direct: bool, avoided: &[usize]) -> Option<Vec<usize>> {
+    /// The cheapest path, from its first vertex to its last.
+    fn path(&self, way: &Way<'_>, avoided: &[usize]) -> Option<Vec<usize>> {
+        let Way { from, to, stray, is_direct, passed } = *way;
         // A state is a vertex and how often the way there has gone round a closed curve: once back, not, or once.
         let rounds = self.rounds();
         let (start, goal) = (from * rounds + rounds / 2, to * rounds + rounds - 1);
@@ -354,7 +373,7 @@ impl<'a> Corridor<'a> {
                 let Some(turns) = (turns + self.turn(here, there)).checked_sub(1).filter(|r| *r < rounds) else {
                     continue;
                 };
-                let is_passed = self.vertices[there].is_passed || avoided.contains(&there);
+                let is_passed = passed[there] || avoided.contains(&there);
                 let is_passed = is_passed && there != to && there != from;
                 let sum = cost + edge.cost(stray) * if is_passed { PASSED } else { 1.0 };
                 let next = there * rounds + turns;
@@ -369,7 +388,7 @@ impl<'a> Corridor<'a> {
 
     /// How many states a vertex has.
     fn rounds(&self) -> usize {
-        if self.curve.is_loop { ROUNDS } else { 1 }
+        if self.is_loop { ROUNDS } else { 1 }
     }
 
     /// The way to a state; of one round a closed curve only the round, without what leads to it.
@@ -383,7 +402,7 @@ impl<'a> Corridor<'a> {
         let mut path: Vec<usize> = Vec::with_capacity(states.len());
         for state in states {
             if let Some(first) = path.iter().position(|s| s / rounds == state / rounds) {
-                if self.curve.is_loop && path[first] != state {
+                if self.is_loop && path[first] != state {
                     path.push(state);
                     return path[first..].iter().map(|s| s / rounds).collect();
                 }
@@ -455,6 +474,6 @@ fn beside(
     found
 }
 
-fn half_edge(t: &crate::mesh::Topology, a: VertexId, b: VertexId) -> Option<CornerId> {
+fn half_edge(t: &Topology, a: VertexId, b: VertexId) -> Option<CornerId> {
     t.vertex_corners.row(a).iter().copied().find(|&c| t.faces.vertex(t.faces.next(c)) == b)
 }

@@ -1,11 +1,10 @@
 //! Edge sets: exact where their edges are chains, else paths of edges along the curves that they are on the baseline.
 
-use super::Sites;
 use super::curve::{Curve, Scratch};
 use super::hash::{IdMap, IdSet};
 use super::lay::Laid;
 use super::snap::{Surface, sorted};
-use crate::mesh::{ChainId, VertexId};
+use crate::mesh::{ChainId, Topology, VertexId};
 use crate::sim::SimProduct;
 use crate::subdivide::Numbering;
 use rayon::prelude::*;
@@ -14,7 +13,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Where edges of the garment are on the simulation mesh.
 pub(super) struct Edges<'a> {
     pub surface: Surface<'a>,
-    sites: &'a Sites<'a>,
+    topology: &'a Topology,
     /// The edges of the cage's pieces on each edge of the garment, where the surface has a face.
     pieces: IdMap<[VertexId; 2], Vec<[VertexId; 2]>>,
     /// The vertices of the cage's pieces at each vertex of the garment.
@@ -111,7 +110,8 @@ fn intervals(places: &BTreeSet<usize>) -> Vec<[usize; 2]> {
 }
 
 impl<'a> Edges<'a> {
-    pub fn new(product: &'a SimProduct, sites: &'a Sites<'a>) -> Self {
+    /// On the simulation mesh, whose `topology` is at hand.
+    pub fn new(product: &'a SimProduct, topology: &'a Topology) -> Self {
         let manifold = &product.baseline.manifold;
         let mut pieces: IdMap<[VertexId; 2], Vec<[VertexId; 2]>> = IdMap::default();
         for &[a, b] in manifold.refiner.level.topology.edges.iter() {
@@ -122,7 +122,7 @@ impl<'a> Edges<'a> {
         for (own, &source) in manifold.vertex_source.enumerated() {
             copies.entry(source).or_default().push(own);
         }
-        Self { surface: Surface::new(product), sites, pieces, copies }
+        Self { surface: Surface::new(product, topology), topology, pieces, copies }
     }
 
     /// The vertices of the cage's pieces at a vertex of the garment; several where it is cut apart.
@@ -170,7 +170,7 @@ impl<'a> Edges<'a> {
         }
         let on_chains = carried.edges.clone();
         let runs = Runs { on_chains, ..self.with_curves(runs, &places) };
-        carried.lay(Laid::new(&self.surface, self.sites, runs, scratch));
+        carried.lay(Laid::new(&self.surface, self.topology, runs, scratch));
         let mut seen = BTreeSet::new();
         carried.edges.retain(|&[a, b]| seen.insert(sorted(a, b)));
         carried

@@ -1,11 +1,10 @@
 //! The paths of the runs of one edge set: apart from each other, as far as the mesh has vertices for that.
 
-use super::Sites;
 use super::curve::{Corridor, Found, Scratch};
 use super::edge::{Run, Runs};
 use super::hash::IdMap;
 use super::snap::{Surface, sorted};
-use crate::mesh::VertexId;
+use crate::mesh::{Topology, VertexId};
 
 /// How far from its curve a path may be, in target lengths: wider only where there is no narrower one.
 const REACHES: [f32; 4] = [1.0, 1.5, 2.5, 4.0];
@@ -20,10 +19,12 @@ type Move = (VertexId, VertexId);
 /// The runs of a set and what was found of them.
 pub(super) struct Laid<'a> {
     surface: &'a Surface<'a>,
-    sites: &'a Sites<'a>,
+    topology: &'a Topology,
     pub runs: Runs,
     /// The path of each run.
     pub found: Vec<Option<Found>>,
+    /// The vertices within the least reach of each, once they have been looked for.
+    corridors: Vec<Option<Corridor>>,
     /// How many runs pass each vertex; the ends that are there are one more, unless it takes several of them.
     passed: IdMap<VertexId, u32>,
     /// How many go along each edge whose ends are theirs.
@@ -35,7 +36,7 @@ pub(super) struct Laid<'a> {
 impl<'a> Laid<'a> {
     /// Finds a path for each run. Runs that share an end share its vertex, and keep apart elsewhere as far as they can:
     /// those that run into others are found again before them, or get other ends.
-    pub fn new(surface: &'a Surface<'a>, sites: &'a Sites<'a>, runs: Runs, scratch: &mut Scratch) -> Self {
+    pub fn new(surface: &'a Surface<'a>, topology: &'a Topology, runs: Runs, scratch: &mut Scratch) -> Self {
         let (is_chained, is_free): (Vec<_>, Vec<_>) =
             runs.snapped.iter().partition(|(end, _)| surface.is_on_chain(**end));
         let of_chains = runs.on_chains.iter().flatten().chain(is_chained.into_iter().map(|(_, vertex)| vertex));
@@ -43,7 +44,8 @@ impl<'a> Laid<'a> {
         is_free.into_iter().for_each(|(_, &vertex)| *passed.entry(vertex).or_default() += 1);
         let direct = runs.on_chains.iter().map(|&[a, b]| (sorted(a, b), 1)).collect();
         let found = runs.runs.iter().map(|_| None).collect();
-        let mut laid = Self { surface, sites, runs, found, passed, direct, crowded: Vec::new() };
+        let corridors = runs.runs.iter().map(|_| None).collect();
+        let mut laid = Self { surface, topology, runs, found, corridors, passed, direct, crowded: Vec::new() };
         let all: Vec<usize> = (0..laid.found.len()).collect();
         laid.lay(&all, scratch);
         for _ in 0..RETRIES {
@@ -204,26 +206,36 @@ impl<'a> Laid<'a> {
         }
     }
 
-    fn path(&self, i: usize, scratch: &mut Scratch) -> Option<Found> {
-        let (run, curve) = (&self.runs.runs[i], &self.runs.curves[i]);
-        let ends = run.ends().map(|end| self.runs.snapped.get(&end).copied());
-        let mut at_reach = |reach: f32, least: usize| {
-            let path = &self.runs.paths[i];
-            let corridor =
-                Corridor::new(self.surface, self.sites, (curve, path), reach, |v| self.is_passed(v), scratch);
-            let [from, to] = match run.is_loop {
-                true => [corridor.nearest()?; 2],
-                false => [ends[0]?, ends[1]?],
-            };
-            corridor.best_path(from, to, least)
-        };
-        let least = if curve.is_loop { 4 } else { 2 };
+    fn path(&mut self, i: usize, scratch: &mut Scratch) -> Option<Found> {
+        let corridor = self.corridors[i].take().unwrap_or_else(|| self.corridor(i, REACHES[0], scratch));
+        let (is_loop, ends) = (self.runs.curves[i].is_loop, self.runs.runs[i].ends());
+        let ends = ends.map(|end| self.runs.snapped.get(&end).copied());
         let is_taken = |a, b| self.direct.get(&sorted(a, b)).is_some_and(|n| *n > 0);
+        let least = if is_loop { 4 } else { 2 };
         // Not along an edge that is another run's, as long as there is another way near by.
         let apart = match ends {
-            [Some(a), Some(b)] if !curve.is_loop && is_taken(a, b) => at_reach(REACHES[0], 3),
+            [Some(a), Some(b)] if !is_loop && is_taken(a, b) => self.path_within(i, &corridor, ends, 3),
             _ => None,
         };
-        apart.or_else(|| REACHES.iter().find_map(|&reach| at_reach(reach, least)))
+        let near = apart.or_else(|| self.path_within(i, &corridor, ends, least));
+        self.corridors[i] = Some(corridor);
+        let mut wider = REACHES[1..].iter();
+        near.or_else(|| wider.find_map(|&r| self.path_within(i, &self.corridor(i, r, scratch), ends, least)))
+    }
+
+    /// The vertices beside a run.
+    fn corridor(&self, i: usize, reach: f32, scratch: &mut Scratch) -> Corridor {
+        let along = (&self.runs.curves[i], &self.runs.paths[i][..]);
+        Corridor::new(self.surface, self.topology, along, reach, scratch)
+    }
+
+    /// The best path of a run in a corridor, of at least so many vertices.
+    fn path_within(&self, i: usize, beside: &Corridor, ends: [Option<VertexId>; 2], least: usize) -> Option<Found> {
+        let passed = beside.passed(|v| self.is_passed(v));
+        let ends = match self.runs.runs[i].is_loop {
+            true => [beside.nearest(&passed)?; 2],
+            false => [ends[0]?, ends[1]?],
+        };
+        beside.best_path(ends, least, &passed)
     }
 }

@@ -1,7 +1,7 @@
 //! The vertex of the simulation mesh nearest to a vertex of the cage, on the same chain or the same part of the surface.
 
 use super::hash::{IdMap, IdSet};
-use crate::mesh::{ChainId, Csr, FaceId, IdVec, VertexId};
+use crate::mesh::{ChainId, Csr, FaceId, IdVec, Topology, VertexId};
 use crate::sim::SimProduct;
 use std::collections::VecDeque;
 
@@ -23,16 +23,18 @@ pub(super) struct Surface<'a> {
 }
 
 impl<'a> Surface<'a> {
-    pub fn new(product: &'a SimProduct) -> Self {
-        let mut pairs: Vec<(FaceId, VertexId)> = product
-            .triangles
-            .iter()
-            .flatten()
-            .zip(product.places.iter())
-            .map(|(&vertex, place)| (place.location.face, vertex))
-            .collect();
-        pairs.sort_unstable();
-        pairs.dedup();
+    /// Of the simulation mesh, whose `topology` is at hand.
+    pub fn new(product: &'a SimProduct, topology: &Topology) -> Self {
+        let mut pairs: Vec<(FaceId, VertexId)> = Vec::with_capacity(2 * product.points.len());
+        for vertex in product.points.ids() {
+            let own = pairs.len();
+            for &corner in topology.vertex_corners.row(vertex) {
+                let pair = (product.places[corner].location.face, vertex);
+                if !pairs[own..].contains(&pair) {
+                    pairs.push(pair);
+                }
+            }
+        }
         let faces = product.baseline.topology.faces.len();
         let in_face = Csr::group(faces, pairs.iter().copied(), VertexId::new(0));
         let mut is_constrained = IdVec::filled(false, product.points.len());
