@@ -240,14 +240,14 @@ pub fn mix_rows<S: Stencils, T: super::Real>(stencils: &S, source: &[T], primvar
     children.par_chunks_mut(width.max(1)).enumerate().for_each(|(r, child)| {
         let parts = stencils.merged(r);
         let row = |&(s, w): &(S::Source, f32)| (&source[crate::mesh::Id::index(s) * width..][..width], w);
-        mix_into(parts.iter().map(row), primvar, child);
+        mix_into(&parts.iter().map(row), primvar, child);
     });
     children
 }
 
 /// The mean of rows of a primvar with their weights, by its way of mixing; directions are not yet of unit length.
 pub fn mix_into<'a, T: super::Real + 'a>(
-    rows: impl Iterator<Item = (&'a [T], f32)> + Clone,
+    rows: &(impl Iterator<Item = (&'a [T], f32)> + Clone),
     primvar: &Primvar,
     mean: &mut [T],
 ) {

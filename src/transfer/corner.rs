@@ -162,7 +162,7 @@ impl<'a, T: Real> Field<'a, T> {
 
     /// The value at a location.
     pub fn value_at(&self, at: &Location, value: &mut [T]) {
-        mix_into(parts(at, |k| self.corner(at.face, k)).into_iter(), self.primvar, value);
+        mix_into(&parts(at, |k| self.corner(at.face, k)).iter().copied(), self.primvar, value);
     }
 
     /// Whether two corners have the same of `values`.

@@ -216,7 +216,7 @@ impl Shares<'_> {
             match self.row(FaceId::new(face), parts) {
                 Some(row) => mean.copy_from_slice(of(row)),
                 None => {
-                    mix_into(parts.iter().map(|&(row, weight)| (of(row), weight)), primvar, mean);
+                    mix_into(&parts.iter().map(|&(row, weight)| (of(row), weight)), primvar, mean);
                     scale_to_unit_length(mean, primvar.components, primvar.mixing);
                 }
             }

@@ -32,7 +32,7 @@ impl Regions {
             let own = of.as_slice().get(first).copied().unwrap_or(whole.len() as u32);
             of.push(own);
             match whole.get_mut(own as usize) {
-                Some(whole) => whole.join(place),
+                Some(whole) => whole.join(&place),
                 None => whole.push(place),
             }
         }
@@ -66,7 +66,7 @@ impl InUv {
         Self { is_whole, is_upright: area > 0.0, is_turned: area < 0.0 }
     }
 
-    fn join(&mut self, other: Self) {
+    fn join(&mut self, other: &Self) {
         self.is_whole &= other.is_whole;
         self.is_upright |= other.is_upright;
         self.is_turned |= other.is_turned;

@@ -21,7 +21,7 @@ pub(super) fn at_places<'a, T: Real + 'a>(
     let mut rows = vec![T::from_f64(0.0); count * width];
     rows.par_chunks_mut(CHUNK * width).enumerate().for_each(|(chunk, rows)| {
         for (i, row) in rows.chunks_mut(width).enumerate() {
-            mix_into(parts(CHUNK * chunk + i).into_iter(), primvar, row);
+            mix_into(&parts(CHUNK * chunk + i).iter().copied(), primvar, row);
         }
     });
     rows
