@@ -51,6 +51,8 @@ pub struct SimProduct {
     pub places: IdVec<CornerId, Place>,
     /// The edges on each chain, in order and direction of the chain.
     pub chain_edges: IdVec<ChainId, Vec<[VertexId; 2]>>,
+    /// Arc length of the chain at the ends of each of those edges. \[stage units\]
+    pub chain_arcs: IdVec<ChainId, Vec<[f32; 2]>>,
     /// Where each chain's curve is farthest from those edges.
     pub gaps: IdVec<ChainId, Gap>,
     /// What the remesher did.
@@ -84,6 +86,8 @@ pub fn simulate(baseline: Baseline, iterations: u32, max_faces: usize) -> SimPro
     let points: IdVec<VertexId, Vec3> = old_vertex.iter().map(|&v| mesh.points[v]).collect();
     let gaps = on_chain.enumerated().map(|(id, edges)| gaps::gap(&baseline, &baseline.chains[id], edges, &points));
     let gaps = gaps.collect();
+    let arcs = |edges: &Vec<OnChain>| edges.iter().map(|&(start, length, _)| [start, start + length]).collect();
+    let chain_arcs = on_chain.iter().map(arcs).collect();
     let chain_edges = on_chain.into_vec().into_iter().map(|edges| edges.into_iter().map(|(_, _, e)| e).collect());
     let chain_edges = chain_edges.collect();
     let places: IdVec<CornerId, Place> = old_corner.iter().map(|&c| mesh.place(c)).collect();
@@ -91,5 +95,5 @@ pub fn simulate(baseline: Baseline, iterations: u32, max_faces: usize) -> SimPro
     for (&v, place) in triangles.iter().flatten().zip(places.iter()) {
         target[v] = baseline.target_at(place.location);
     }
-    SimProduct { points, triangles, target, places, chain_edges, gaps, report, baseline }
+    SimProduct { points, triangles, target, places, chain_edges, chain_arcs, gaps, report, baseline }
 }

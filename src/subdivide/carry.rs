@@ -432,34 +432,37 @@ pub fn mix_rows<S: Stencils, T: super::Real>(stencils: &S, source: &[T], primvar
     if primvar.mixing != Mixing::Rotation {
         return stencils.apply_rows(source, width);
     }
-    let rows = (0..stencils.rows()).into_par_iter();
-    rows.flat_map_iter(|r| {
+    let mut children = vec![T::from_f64(0.0); stencils.rows() * width];
+    children.par_chunks_mut(width.max(1)).enumerate().for_each(|(r, child)| {
         let parts = stencils.merged(r);
-        mix(parts.iter().map(|&(s, w)| (&source[crate::mesh::Id::index(s) * width..][..width], w)), primvar)
-    })
-    .collect()
+        let row = |&(s, w): &(S::Source, f32)| (&source[crate::mesh::Id::index(s) * width..][..width], w);
+        mix_into(&parts.iter().map(row), primvar, child);
+    });
+    children
 }
 
 /// The mean of rows of a primvar with their weights, by its way of mixing; directions are not yet of unit length.
-pub fn mix<'a, T: super::Real + 'a>(rows: impl Iterator<Item = (&'a [T], f32)> + Clone, primvar: &Primvar) -> Vec<T> {
-    let width = primvar.width();
-    let mut sum = vec![0.0f64; width];
+pub fn mix_into<'a, T: super::Real + 'a>(
+    rows: &(impl Iterator<Item = (&'a [T], f32)> + Clone),
+    primvar: &Primvar,
+    mean: &mut [T],
+) {
     // The heaviest row decides the hemisphere of quaternions, which stand for the same rotation with either sign.
-    let heaviest = rows.clone().fold(None, |best: Option<(&[T], f32)>, r| match best {
-        Some(b) if b.1 >= r.1 => Some(b),
-        _ => Some(r),
-    });
-    for (row, weight) in rows {
-        for (k, part) in row.chunks(primvar.components).enumerate() {
-            let at = k * primvar.components;
-            let dot =
-                |other: &[T]| -> f64 { part.iter().zip(&other[at..]).map(|(a, b)| a.to_f64() * b.to_f64()).sum() };
-            let opposite = primvar.mixing == Mixing::Rotation && heaviest.is_some_and(|(h, _)| dot(h) < 0.0);
-            let weight = if opposite { -f64::from(weight) } else { f64::from(weight) };
-            part.iter().enumerate().for_each(|(i, x)| sum[at + i] += weight * x.to_f64());
-        }
+    let heavier = |best: (&'a [T], f32), row: (&'a [T], f32)| if best.1 >= row.1 { best } else { row };
+    let heaviest = rows.clone().filter(|_| primvar.mixing == Mixing::Rotation).reduce(heavier);
+    for (k, value) in mean.iter_mut().enumerate() {
+        let own = k - k % primvar.components..;
+        let is_opposite = |row: &[T], heaviest: &[T]| {
+            let parts = row[own.clone()].iter().zip(&heaviest[own.clone()]).take(primvar.components);
+            parts.map(|(a, b)| a.to_f64() * b.to_f64()).sum::<f64>() < 0.0
+        };
+        let part = |(row, weight): (&[T], f32)| f64::from(weight) * row[k].to_f64();
+        let turned = |row: (&[T], f32), heaviest| if is_opposite(row.0, heaviest) { -part(row) } else { part(row) };
+        *value = T::from_f64(match heaviest {
+            None => rows.clone().fold(0.0, |sum, row| sum + part(row)),
+            Some((heaviest, _)) => rows.clone().fold(0.0, |sum, row| sum + turned(row, heaviest)),
+        });
     }
-    sum.into_iter().map(T::from_f64).collect()
 }
 
 /// Scales the values of a primvar of directions or rotations to unit length, once all mixing is done. Uniform ones are

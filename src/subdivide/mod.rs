@@ -12,7 +12,7 @@ mod split;
 mod stencil;
 
 pub use carry::{
-    Cage, Lineage, Refinement, carried_points, mix, mix_rows, mixed_channel, scale_to_unit_length, taken,
+    Cage, Lineage, Refinement, carried_points, mix_into, mix_rows, mixed_channel, scale_to_unit_length, taken,
     to_unit_length,
 };
 pub use fvar::{Channel, ChannelChild};

@@ -1,6 +1,6 @@
 //! Values of corners: the constraint UVs as they were made, others at the corners' places on the baseline.
 
-use super::rows::{at_places, mix_into, parts};
+use super::rows::{at_places, parts};
 use super::shell::Cuts;
 use super::sides::Sides;
 use super::{Sites, Target};
@@ -8,7 +8,7 @@ use crate::error::Warning;
 use crate::garment::{Garment, Interpolation, Mixing, Primvar, Values};
 use crate::mesh::{CornerId, FaceId, IdVec, Topology, VertexId};
 use crate::sim::{Location, SimProduct};
-use crate::subdivide::{Channel, ChannelChild, Real, mix_rows, taken};
+use crate::subdivide::{Channel, ChannelChild, Real, mix_into, mix_rows, taken};
 use rayon::prelude::*;
 
 /// Values that differ by no more than this share of the largest are the same: they came to one place on two ways.
@@ -162,7 +162,7 @@ impl<'a, T: Real> Field<'a, T> {
 
     /// The value at a location.
     pub fn value_at(&self, at: &Location, value: &mut [T]) {
-        mix_into(parts(at, |k| self.corner(at.face, k)).into_iter(), self.primvar, value);
+        mix_into(&parts(at, |k| self.corner(at.face, k)).iter().copied(), self.primvar, value);
     }
 
     /// Whether two corners have the same of `values`.

@@ -38,10 +38,9 @@ impl Coverage {
 
     /// The same, with the edges of the simulation mesh at hand.
     pub(super) fn over(product: &SimProduct, net: &Net, options: &SimOptions) -> Self {
-        let regions = Regions::new(&product.baseline);
-        let locator = Locator::new(product, net, &regions);
         let base = &product.baseline;
-        let plan = Plan::new(product, &net.children, options);
+        let (regions, plan) = rayon::join(|| Regions::new(base), || Plan::new(product, &net.children, options));
+        let locator = Locator::new(product, net, &regions);
         let source_faces = net.children.rows();
         let rows: Vec<Vec<Share>> = (0..source_faces)
             .into_par_iter()

@@ -1,16 +1,22 @@
 //! Paths of edges of the simulation mesh along curves of the baseline.
+//!
+//! The mesh knows nothing of these curves, and no path of its edges is as short. In a lattice of equilateral triangles a
+//! straight line at the angle φ to the nearest edge direction, 0 to 30 degrees, is followed by edges of two directions,
+//! together cos φ + sin φ / √3 times as long: from 1 along edges to 2 / √3, 15 % more, halfway between, and 10 % more on the
+//! mean over all angles. What a path has beyond that is reported, by the shortest one between the same ends
+//! (`shortestLength`); only moving vertices to the curve, as constraints do, makes it shorter.
 
-use super::Sites;
 use super::snap::Surface;
-use crate::mesh::{CornerId, FaceId, Id, IdVec, VertexId};
+use crate::mesh::{CornerId, FaceId, Id, IdVec, Topology, VertexId};
 use glam::Vec3;
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
 
 /// What distance from the curve adds to the length of an edge one target length away, as a share: more follows the curve
-/// closer and zigzags, less is shorter and cuts its corners. The first whose path is as long as the curve is taken, and
-/// the last finds the shortest path that there is.
-const STRAYS: [f64; 4] = [0.5, 0.125, 0.03, 0.0];
+/// closer and zigzags, less is shorter and cuts its corners. The first whose path is as long as the curve is taken.
+const STRAYS: [f64; 3] = [0.5, 0.125, 0.03];
+/// The same for the shortest path that there is.
+const STRAIGHT: f64 = 0.0;
 /// How much longer or shorter than its curve a path may be, as a share.
 const LENGTH_SLACK: f64 = 0.05;
 /// What a path must gain in length, as a share of its curve's, to be worth straying farther.
@@ -21,10 +27,20 @@ const PASSED: f64 = 20.0;
 
 /// A path on the baseline, to measure distances from.
 pub(super) struct Curve {
-    points: Vec<Vec3>,
-    /// Length up to each point. \[stage units\]
-    along: Vec<f32>,
+    segments: Vec<Segment>,
+    length: f32,
     pub is_loop: bool,
+}
+
+/// A straight piece of a curve.
+struct Segment {
+    from: Vec3,
+    step: Vec3,
+    /// 1 over the square of its length.
+    inverse: f32,
+    /// Length of the curve up to it, and its own. \[stage units\]
+    along: f32,
+    length: f32,
 }
 
 /// The place on a curve that is nearest to a point.
@@ -38,65 +54,84 @@ pub(super) struct OnCurve {
 
 impl Curve {
     pub fn new(vertices: &[VertexId], points: &IdVec<VertexId, Vec3>, is_loop: bool) -> Self {
-        let points: Vec<Vec3> = vertices.iter().map(|&v| points[v]).collect();
-        let mut along = vec![0.0];
-        for pair in points.windows(2) {
-            along.push(along[along.len() - 1] + pair[0].distance(pair[1]));
-        }
-        Self { points, along, is_loop }
+        let mut length = 0.0;
+        let segment = |pair: &[VertexId]| {
+            let (from, step) = (points[pair[0]], points[pair[1]] - points[pair[0]]);
+            let inverse = step.length_squared().max(f32::MIN_POSITIVE).recip();
+            let segment = Segment { from, step, inverse, along: length, length: step.length() };
+            length += segment.length;
+            segment
+        };
+        let segments = vertices.windows(2).map(segment).collect();
+        Self { segments, length, is_loop }
     }
 
-    pub fn length(&self) -> f32 {
-        self.along[self.along.len() - 1]
-    }
-
-    pub fn segments(&self) -> usize {
-        self.points.len() - 1
-    }
-
-    fn on_segment(&self, segment: usize, point: Vec3) -> OnCurve {
-        let (a, b) = (self.points[segment], self.points[segment + 1]);
-        let t = ((point - a).dot(b - a) / (b - a).length_squared().max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
-        let s = self.along[segment] + t * (self.along[segment + 1] - self.along[segment]);
-        OnCurve { segment, s, distance: a.lerp(b, t).distance(point) }
+    /// How far along a segment a point is, 0 to 1, and the square of its distance.
+    fn on_segment(&self, segment: usize, point: Vec3) -> (f32, f32) {
+        let Segment { from, step, inverse, .. } = self.segments[segment];
+        let t = ((point - from).dot(step) * inverse).clamp(0.0, 1.0);
+        (t, (from + t * step).distance_squared(point))
     }
 
     /// The nearest place, as far as it can be reached from a segment by ever nearer ones, a few at a time.
     pub fn nearest(&self, point: Vec3, start: usize) -> OnCurve {
         const STEPS: usize = 3;
-        let n = self.segments();
-        let mut best = self.on_segment(start.min(n - 1), point);
-        loop {
-            let here = best;
-            for step in 1..=STEPS.min(n - 1) {
-                let ahead = here.segment + step;
-                let ahead = if self.is_loop { Some(ahead % n) } else { Some(ahead).filter(|&k| k < n) };
-                let behind =
-                    if self.is_loop { Some((here.segment + n - step) % n) } else { here.segment.checked_sub(step) };
-                for other in [ahead, behind].into_iter().flatten() {
+        let n = self.segments.len();
+        let start = start.min(n - 1);
+        let (mut best, mut at) = (self.on_segment(start, point), start);
+        // Segments around the first that were looked at: so many ahead and so many behind.
+        let mut seen = [0, 0];
+        let mut reach = [STEPS; 2];
+        while seen != reach {
+            for way in 0..2 {
+                while seen[way] < reach[way] {
+                    seen[way] += 1;
+                    let Some(other) = self.step(start, seen[way], way == 0) else { continue };
                     let there = self.on_segment(other, point);
-                    if there.distance < best.distance {
-                        best = there;
+                    if there.1 < best.1 {
+                        (best, at) = (there, other);
+                        reach[way] = (seen[way] + STEPS).min(n);
                     }
                 }
             }
-            if best.segment == here.segment {
-                return best;
-            }
+        }
+        let segment = &self.segments[at];
+        OnCurve { segment: at, s: segment.along + best.0 * segment.length, distance: best.1.sqrt() }
+    }
+
+    /// The segment some steps ahead of one, or behind it; loops go round, paths end.
+    fn step(&self, from: usize, steps: usize, is_ahead: bool) -> Option<usize> {
+        let n = self.segments.len();
+        match (self.is_loop, is_ahead) {
+            (true, true) => Some((from + steps) % n),
+            (true, false) => Some((from + n - steps % n) % n),
+            (false, true) => Some(from + steps).filter(|&k| k < n),
+            (false, false) => from.checked_sub(steps),
         }
     }
 }
 
 /// The vertices of the simulation mesh beside a curve, on the same part of the surface, by their place in a list.
-pub(super) struct Corridor<'a> {
-    surface: &'a Surface<'a>,
-    curve: &'a Curve,
+pub(super) struct Corridor {
+    /// Length of the curve. \[stage units\]
+    length: f32,
+    is_loop: bool,
     /// Ascending by vertex.
     vertices: Vec<Beside>,
     /// What leaves each vertex: from its number here to the next one's.
     first: Vec<usize>,
-    /// The other ends of the edges inside the corridor.
-    ends: Vec<usize>,
+    /// The edges inside the corridor.
+    edges: Vec<Edge>,
+}
+
+/// An edge that leaves a vertex beside a curve.
+struct Edge {
+    /// The other end, by its place in the corridor's list.
+    to: u32,
+    /// Mean distance of its ends from the curve, squared, in target lengths.
+    off: f32,
+    /// Its length. \[stage units\]
+    length: f64,
 }
 
 /// A vertex beside a curve.
@@ -105,12 +140,32 @@ struct Beside {
     on: OnCurve,
     /// Distance from the curve, in target lengths.
     off: f32,
-    /// Whether a chain or another path of the same set passes here.
-    is_passed: bool,
+    is_constrained: bool,
+}
+
+impl Edge {
+    fn new(surface: &Surface<'_>, a: &Beside, b: &Beside, to: u32) -> Self {
+        let points = &surface.product.points;
+        let off = 0.5 * (a.off + b.off);
+        Self { to, off: off * off, length: f64::from(points[a.vertex].distance(points[b.vertex])) }
+    }
+
+    fn cost(&self, stray: f64) -> f64 {
+        self.length * (1.0 + stray * f64::from(self.off))
+    }
+}
+
+/// What a path is asked for.
+struct Way<'a> {
+    from: usize,
+    to: usize,
+    stray: f64,
+    /// Whether it may be the edge between its ends alone.
+    is_direct: bool,
+    passed: &'a [bool],
 }
 
 /// A path along a curve.
-#[derive(Clone)]
 pub(super) struct Found {
     pub vertices: Vec<VertexId>,
     /// Largest distance of a vertex from the curve, in local target lengths.
@@ -174,15 +229,18 @@ const MAX_AVOIDED: usize = 3;
 /// Ways around a closed curve: none, or once in either direction.
 const ROUNDS: usize = 3;
 
-impl<'a> Corridor<'a> {
-    /// Those at most `reach` target lengths from the curve, along `path` on the baseline; `is_passed` are those of other
-    /// paths.
+/// The least cost of a state, and the one before it.
+type Best = (f64, u32);
+/// The state before the first.
+const NOWHERE: u32 = u32::MAX;
+
+impl Corridor {
+    /// Those at most `reach` target lengths from the curve, along `path` on the baseline.
     pub fn new(
-        surface: &'a Surface<'a>,
-        sites: &Sites<'_>,
-        (curve, path): (&'a Curve, &[VertexId]),
+        surface: &Surface<'_>,
+        t: &Topology,
+        (curve, path): (&Curve, &[VertexId]),
         reach: f32,
-        is_passed: impl Fn(VertexId) -> bool,
         scratch: &mut Scratch,
     ) -> Self {
         let near = beside(surface, curve, path, reach, scratch);
@@ -190,48 +248,64 @@ impl<'a> Corridor<'a> {
             vertex,
             on,
             off: on.distance / surface.product.target[vertex],
-            is_passed: surface.is_constrained[vertex] || is_passed(vertex),
+            is_constrained: surface.is_constrained[vertex],
         };
         let mut vertices: Vec<Beside> = near.into_iter().map(beside).collect();
         vertices.sort_unstable_by_key(|v| v.vertex);
         vertices.iter().enumerate().for_each(|(i, v)| scratch.vertices.set(v.vertex, i as u32));
-        let t = &sites.net.topology;
         let is_inside = |c: CornerId| scratch.faces.get(surface.product.places[c].location.face) == Some(true);
-        let (mut first, mut ends) = (vec![0], Vec::with_capacity(8 * vertices.len()));
+        let (mut first, mut edges) = (vec![0], Vec::<Edge>::with_capacity(6 * vertices.len()));
         for beside in &vertices {
+            let own = edges.len();
             for &corner in t.vertex_corners.row(beside.vertex).iter().filter(|&&c| is_inside(c)) {
                 let around = [t.faces.next(corner), t.faces.prev(corner)].into_iter().filter(|&c| is_inside(c));
-                ends.extend(around.filter_map(|c| scratch.vertices.get(t.faces.vertex(c))).map(|i| i as usize));
+                for to in around.filter_map(|c| scratch.vertices.get(t.faces.vertex(c))) {
+                    if edges[own..].iter().all(|e| e.to != to) {
+                        edges.push(Edge::new(surface, beside, &vertices[to as usize], to));
+                    }
+                }
             }
-            first.push(ends.len());
+            first.push(edges.len());
         }
-        Self { surface, curve, vertices, first, ends }
+        Self { length: curve.length, is_loop: curve.is_loop, vertices, first, edges }
+    }
+
+    /// Which vertices a chain or another path of the same set passes, where `is_passed` says so of the paths.
+    pub fn passed(&self, is_passed: impl Fn(VertexId) -> bool) -> Vec<bool> {
+        self.vertices.iter().map(|v| v.is_constrained || is_passed(v.vertex)).collect()
     }
 
     /// The vertex that is nearest to the curve.
-    pub fn nearest(&self) -> Option<VertexId> {
-        let key = |v: &Beside| (v.is_passed, v.on.distance.to_bits(), v.vertex);
-        self.vertices.iter().map(key).min().map(|k| k.2)
+    pub fn nearest(&self, passed: &[bool]) -> Option<VertexId> {
+        let key = |(v, &is_passed): (&Beside, &bool)| (is_passed, v.on.distance.to_bits(), v.vertex);
+        self.vertices.iter().zip(passed).map(key).min().map(|k| k.2)
     }
 
     /// The path between two vertices that follows the curve closest of those that are as long as it, or as near to that
     /// as edges can come; once round a closed curve from a vertex to itself. None of fewer than `least` vertices.
-    pub fn best_path(&self, from: VertexId, to: VertexId, least: usize) -> Option<Found> {
-        let wanted = f64::from(self.curve.length());
+    pub fn best_path(&self, [from, to]: [VertexId; 2], least: usize, passed: &[bool]) -> Option<Found> {
+        let wanted = f64::from(self.length);
         let off = |length: f64| ((length - wanted).abs() - LENGTH_SLACK * wanted).max(0.0);
         let number = |v: VertexId| self.vertices.binary_search_by_key(&v, |b| b.vertex).ok();
         let (from, to) = (number(from)?, number(to)?);
-        let mut paths: Vec<(f64, Vec<usize>)> = Vec::with_capacity(STRAYS.len());
-        for stray in STRAYS {
-            let is_direct = least <= 2;
-            let Some(path) = self.path_through(from, to, stray, is_direct).filter(|p| p.len() >= least) else {
-                continue;
-            };
-            let length = path.windows(2).map(|p| self.distance(p[0], p[1])).sum();
-            paths.push((length, path));
-            if off(length) == 0.0 {
-                break;
+        let path = |stray: f64| {
+            let way = Way { from, to, stray, is_direct: least <= 2, passed };
+            let path = self.path_through(&way).filter(|p| p.len() >= least)?;
+            Some((path.windows(2).map(|p| self.distance(p[0], p[1])).sum(), path))
+        };
+        let mut paths: Vec<(f64, Vec<usize>)> = path(STRAYS[0]).into_iter().collect();
+        let is_found = |paths: &[(f64, _)]| paths.last().is_some_and(|p| off(p.0) == 0.0);
+        if !is_found(&paths) {
+            let straight = path(STRAIGHT);
+            // What lies between two that hardly differ is no better.
+            let hardly = |straight: &(f64, _)| paths.first().is_some_and(|p| p.0 - straight.0 <= LENGTH_GAIN * wanted);
+            let rest = if straight.as_ref().is_some_and(hardly) { &[] } else { &STRAYS[1..] };
+            for &stray in rest {
+                if !is_found(&paths) {
+                    paths.extend(path(stray));
+                }
             }
+            paths.extend(straight);
         }
         let least_off = paths.iter().map(|p| off(p.0)).fold(f64::MAX, f64::min);
         let gain = if least_off > 0.0 { LENGTH_GAIN * wanted } else { 0.0 };
@@ -245,19 +319,14 @@ impl<'a> Corridor<'a> {
     }
 
     fn distance(&self, a: usize, b: usize) -> f64 {
-        let [a, b] = [a, b].map(|i| self.surface.product.points[self.vertices[i].vertex]);
-        f64::from(a.distance(b))
-    }
-
-    fn cost(&self, a: usize, b: usize, stray: f64) -> f64 {
-        let off = 0.5 * f64::from(self.vertices[a].off + self.vertices[b].off);
-        self.distance(a, b) * (1.0 + stray * off * off)
+        let mut edges = self.edges[self.first[a]..self.first[a + 1]].iter();
+        edges.find(|e| e.to as usize == b).map_or(0.0, |e| e.length)
     }
 
     /// Whether a step goes over the place where a closed curve begins: backwards, not, or forwards, from 0 to 2.
     fn turn(&self, a: usize, b: usize) -> usize {
-        let (step, half) = (self.vertices[b].on.s - self.vertices[a].on.s, 0.5 * self.curve.length());
-        match self.curve.is_loop {
+        let (step, half) = (self.vertices[b].on.s - self.vertices[a].on.s, 0.5 * self.length);
+        match self.is_loop {
             true if step < -half => 2,
             true if step > half => 0,
             _ => 1,
@@ -266,11 +335,11 @@ impl<'a> Corridor<'a> {
 
     /// The cheapest path; round a closed curve one that begins and ends where it is asked to, if there is one: others
     /// may meet it there.
-    fn path_through(&self, from: usize, to: usize, stray: f64, is_direct: bool) -> Option<Vec<usize>> {
+    fn path_through(&self, way: &Way<'_>) -> Option<Vec<usize>> {
         let mut avoided = Vec::new();
         loop {
-            let path = self.path(from, to, stray, is_direct, &avoided)?;
-            if path[0] == from || avoided.len() == MAX_AVOIDED {
+            let path = self.path(way, &avoided)?;
+            if path[0] == way.from || avoided.len() == MAX_AVOIDED {
                 return Some(path);
             }
             // The way there and the way back had this vertex in common.
@@ -278,62 +347,70 @@ impl<'a> Corridor<'a> {
         }
     }
 
-    /// The cheapest path, from its first vertex to its last; along the edge between them only if it may be direct.
-    fn path(&self, from: usize, to: usize, stray: f64, is_direct: bool, avoided: &[usize]) -> Option<Vec<usize>> {
-        // A state is a vertex and how often the way there has gone round the curve; 1 is not at all.
-        let (start, goal) = (from * ROUNDS + 1, to * ROUNDS + if self.curve.is_loop { 2 } else { 1 });
-        let mut best: Vec<(f64, usize)> = vec![(f64::INFINITY, usize::MAX); ROUNDS * self.vertices.len()];
+    /// The cheapest path, from its first vertex to its last.
+    fn path(&self, way: &Way<'_>, avoided: &[usize]) -> Option<Vec<usize>> {
+        let Way { from, to, stray, is_direct, passed } = *way;
+        // A state is a vertex and how often the way there has gone round a closed curve: once back, not, or once.
+        let rounds = self.rounds();
+        let (start, goal) = (from * rounds + rounds / 2, to * rounds + rounds - 1);
+        let mut best: Vec<Best> = vec![(f64::INFINITY, NOWHERE); rounds * self.vertices.len()];
         best[start].0 = 0.0;
         // Costs are not negative, so that their bits are in their order.
-        let mut queue = BinaryHeap::from([Reverse((0u64, start))]);
+        let mut queue = BinaryHeap::from([Reverse((0u64, start as u32))]);
         while let Some(Reverse((bits, state))) = queue.pop() {
-            let (cost, here) = (f64::from_bits(bits), state / ROUNDS);
-            if state == goal {
+            let (cost, here, turns) = (f64::from_bits(bits), state as usize / rounds, state as usize % rounds);
+            if state as usize == goal {
                 return Some(self.trace(&best, goal));
             }
-            if cost > best[state].0 {
+            if cost > best[state as usize].0 {
                 continue;
             }
-            for &there in &self.ends[self.first[here]..self.first[here + 1]] {
+            for edge in &self.edges[self.first[here]..self.first[here + 1]] {
+                let there = edge.to as usize;
                 if !is_direct && here == from && there == to {
                     continue;
                 }
-                let Some(rounds) = (state % ROUNDS + self.turn(here, there)).checked_sub(1).filter(|r| *r < ROUNDS)
-                else {
+                let Some(turns) = (turns + self.turn(here, there)).checked_sub(1).filter(|r| *r < rounds) else {
                     continue;
                 };
-                let is_passed = self.vertices[there].is_passed || avoided.contains(&there);
+                let is_passed = passed[there] || avoided.contains(&there);
                 let is_passed = is_passed && there != to && there != from;
-                let sum = cost + self.cost(here, there, stray) * if is_passed { PASSED } else { 1.0 };
-                let next = there * ROUNDS + rounds;
+                let sum = cost + edge.cost(stray) * if is_passed { PASSED } else { 1.0 };
+                let next = there * rounds + turns;
                 if sum < best[next].0 {
                     best[next] = (sum, state);
-                    queue.push(Reverse((sum.to_bits(), next)));
+                    queue.push(Reverse((sum.to_bits(), next as u32)));
                 }
             }
         }
         None
     }
 
+    /// How many states a vertex has.
+    fn rounds(&self) -> usize {
+        if self.is_loop { ROUNDS } else { 1 }
+    }
+
     /// The way to a state; of one round a closed curve only the round, without what leads to it.
-    fn trace(&self, best: &[(f64, usize)], goal: usize) -> Vec<usize> {
+    fn trace(&self, best: &[Best], goal: usize) -> Vec<usize> {
         let mut states = vec![goal];
-        while let Some(&(_, before)) = states.last().map(|&s| &best[s]).filter(|b| b.1 != usize::MAX) {
-            states.push(before);
+        while let Some(&(_, before)) = states.last().map(|&s| &best[s]).filter(|b| b.1 != NOWHERE) {
+            states.push(before as usize);
         }
         states.reverse();
+        let rounds = self.rounds();
         let mut path: Vec<usize> = Vec::with_capacity(states.len());
         for state in states {
-            if let Some(first) = path.iter().position(|s| s / ROUNDS == state / ROUNDS) {
-                if self.curve.is_loop && path[first] != state {
+            if let Some(first) = path.iter().position(|s| s / rounds == state / rounds) {
+                if self.is_loop && path[first] != state {
                     path.push(state);
-                    return path[first..].iter().map(|s| s / ROUNDS).collect();
+                    return path[first..].iter().map(|s| s / rounds).collect();
                 }
                 path.truncate(first);
             }
             path.push(state);
         }
-        path.into_iter().map(|s| s / ROUNDS).collect()
+        path.into_iter().map(|s| s / rounds).collect()
     }
 }
 
@@ -397,6 +474,6 @@ fn beside(
     found
 }
 
-fn half_edge(t: &crate::mesh::Topology, a: VertexId, b: VertexId) -> Option<CornerId> {
+fn half_edge(t: &Topology, a: VertexId, b: VertexId) -> Option<CornerId> {
     t.vertex_corners.row(a).iter().copied().find(|&c| t.faces.vertex(t.faces.next(c)) == b)
 }

@@ -1,27 +1,19 @@
 //! Edge sets: exact where their edges are chains, else paths of edges along the curves that they are on the baseline.
 
-use super::Sites;
-use super::curve::{Corridor, Curve, Found, Scratch};
+use super::curve::{Curve, Scratch};
 use super::hash::{IdMap, IdSet};
+use super::lay::Laid;
 use super::snap::{Surface, sorted};
-use crate::mesh::{ChainId, VertexId};
+use crate::mesh::{ChainId, Topology, VertexId};
 use crate::sim::SimProduct;
 use crate::subdivide::Numbering;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// How far from its curve a path may be, in target lengths: wider only where there is no narrower one.
-const REACHES: [f32; 4] = [1.0, 1.5, 2.5, 4.0];
-/// Times that the paths of a set are found again where some run into others.
-const RETRIES: usize = 4;
-
-/// Vertices that are tried for an end of a run that meets another: more hardly help, and take time.
-const MAX_ENDS: usize = 6;
-
 /// Where edges of the garment are on the simulation mesh.
 pub(super) struct Edges<'a> {
     pub surface: Surface<'a>,
-    sites: &'a Sites<'a>,
+    topology: &'a Topology,
     /// The edges of the cage's pieces on each edge of the garment, where the surface has a face.
     pieces: IdMap<[VertexId; 2], Vec<[VertexId; 2]>>,
     /// The vertices of the cage's pieces at each vertex of the garment.
@@ -35,6 +27,8 @@ pub(super) struct Carried {
     pub edges: Vec<[VertexId; 2]>,
     /// Edges of the source that are not on the simulation mesh.
     pub lost: usize,
+    /// Chains that run into others, where the mesh has too few vertices to keep them apart.
+    pub merged: usize,
     /// Length of the source's curves on the baseline. \[stage units\]
     pub source_length: f64,
     /// Largest distance of a vertex from its curve, in local target lengths.
@@ -43,28 +37,45 @@ pub(super) struct Carried {
     pub shortest: f64,
 }
 
+impl Carried {
+    /// Adds the paths of runs.
+    fn lay(&mut self, laid: Laid<'_>) {
+        self.merged = laid.crowded.iter().filter(|&&i| laid.found[i].is_some()).count();
+        for (run, found) in laid.runs.runs.iter().zip(laid.found) {
+            match found {
+                Some(found) => {
+                    self.farthest = self.farthest.max(found.farthest);
+                    self.shortest += found.shortest;
+                    self.edges.extend(found.vertices.windows(2).map(|p| [p[0], p[1]]));
+                }
+                None => self.lost += run.path.len() - 1,
+            }
+        }
+    }
+}
+
 /// A path of cage edges without a branch, none of them a constraint.
-struct Run {
+pub(super) struct Run {
     path: Vec<VertexId>,
-    is_loop: bool,
+    pub is_loop: bool,
 }
 
 impl Run {
-    fn ends(&self) -> [VertexId; 2] {
+    pub fn ends(&self) -> [VertexId; 2] {
         [self.path[0], self.path[self.path.len() - 1]]
     }
 }
 
 /// The runs of a set with their curves on the baseline.
-struct Runs {
-    runs: Vec<Run>,
+pub(super) struct Runs {
+    pub runs: Vec<Run>,
     /// The vertices of the baseline along each run.
-    paths: Vec<Vec<VertexId>>,
-    curves: Vec<Curve>,
+    pub paths: Vec<Vec<VertexId>>,
+    pub curves: Vec<Curve>,
     /// The vertex of the simulation mesh at each end of a run.
-    snapped: BTreeMap<VertexId, VertexId>,
+    pub snapped: BTreeMap<VertexId, VertexId>,
     /// What the set has on chains.
-    on_chains: Vec<[VertexId; 2]>,
+    pub on_chains: Vec<[VertexId; 2]>,
 }
 
 /// Where a set's ends on chains are: the place among the edges of the chain, and the vertex there.
@@ -92,58 +103,15 @@ impl Places {
     }
 }
 
-impl Laid {
-    /// Changes the counts of what a run passes.
-    fn count(&mut self, runs: &Runs, i: usize, change: impl Fn(&mut u32)) {
-        let Some(found) = &self.found[i] else { return };
-        for &vertex in found.inner(runs.runs[i].is_loop) {
-            change(self.passed.entry(vertex).or_default());
-        }
-        if let [a, b] = found.vertices[..] {
-            change(self.direct.entry(sorted(a, b)).or_default());
-        }
-    }
-
-    /// Takes away the paths of some runs.
-    fn take_up(&mut self, runs: &Runs, which: &[usize]) {
-        for &i in which {
-            self.count(runs, i, |n| *n -= 1);
-            self.found[i] = None;
-        }
-    }
-
-    fn is_crowded(&self, runs: &Runs, i: usize) -> bool {
-        let Some(found) = &self.found[i] else { return true };
-        let is_shared = |[a, b]: [VertexId; 2]| self.direct.get(&sorted(a, b)) != Some(&1);
-        let meets = found.inner(runs.runs[i].is_loop).iter().any(|v| self.passed.get(v) != Some(&1));
-        meets || found.vertices[..].try_into().is_ok_and(is_shared)
-    }
-
-    fn is_taken(&self, a: VertexId, b: VertexId) -> bool {
-        self.direct.get(&sorted(a, b)).is_some_and(|n| *n > 0)
-    }
-}
-
 /// The first place and the end of each run of places that follow each other.
 fn intervals(places: &BTreeSet<usize>) -> Vec<[usize; 2]> {
     let places: Vec<usize> = places.iter().copied().collect();
     places.chunk_by(|a, b| a + 1 == *b).map(|own| [own[0], own[own.len() - 1] + 1]).collect()
 }
 
-/// What was found of each run of a set.
-#[derive(Clone)]
-struct Laid {
-    found: Vec<Option<Found>>,
-    /// How many runs pass each vertex or, for one of them all, end there.
-    passed: IdMap<VertexId, u32>,
-    /// How many go along each edge whose ends are theirs.
-    direct: IdMap<[VertexId; 2], u32>,
-    /// Runs without a path, or whose path meets another's elsewhere than at an end that both have.
-    crowded: Vec<usize>,
-}
-
 impl<'a> Edges<'a> {
-    pub fn new(product: &'a SimProduct, sites: &'a Sites<'a>) -> Self {
+    /// On the simulation mesh, whose `topology` is at hand.
+    pub fn new(product: &'a SimProduct, topology: &'a Topology) -> Self {
         let manifold = &product.baseline.manifold;
         let mut pieces: IdMap<[VertexId; 2], Vec<[VertexId; 2]>> = IdMap::default();
         for &[a, b] in manifold.refiner.level.topology.edges.iter() {
@@ -154,7 +122,7 @@ impl<'a> Edges<'a> {
         for (own, &source) in manifold.vertex_source.enumerated() {
             copies.entry(source).or_default().push(own);
         }
-        Self { surface: Surface::new(product), sites, pieces, copies }
+        Self { surface: Surface::new(product, topology), topology, pieces, copies }
     }
 
     /// The vertices of the cage's pieces at a vertex of the garment; several where it is cut apart.
@@ -202,7 +170,7 @@ impl<'a> Edges<'a> {
         }
         let on_chains = carried.edges.clone();
         let runs = Runs { on_chains, ..self.with_curves(runs, &places) };
-        self.lay(runs, scratch, &mut carried);
+        carried.lay(Laid::new(&self.surface, self.topology, runs, scratch));
         let mut seen = BTreeSet::new();
         carried.edges.retain(|&[a, b]| seen.insert(sorted(a, b)));
         carried
@@ -283,113 +251,6 @@ impl<'a> Edges<'a> {
             }
         }
         snapped
-    }
-
-    /// Finds a path for each run. Runs that share an end share its vertex, and keep apart elsewhere as far as they can:
-    /// those that run into others are found again before them.
-    fn lay(&self, mut runs: Runs, scratch: &mut Scratch, carried: &mut Carried) {
-        let order: Vec<usize> = (0..runs.runs.len()).collect();
-        let mut best = self.lay_in_order(&runs, &order, scratch);
-        for _ in 0..RETRIES {
-            if best.crowded.is_empty() {
-                break;
-            }
-            // Only these, the last first: the others are in nobody's way.
-            let again: Vec<usize> = best.crowded.iter().rev().copied().collect();
-            let mut next = best.clone();
-            next.take_up(&runs, &again);
-            self.lay_again(&runs, &again, &mut next, scratch);
-            if next.crowded.len() >= best.crowded.len() {
-                break;
-            }
-            best = next;
-        }
-        self.move_ends(&mut runs, &mut best, scratch);
-        for (run, found) in runs.runs.iter().zip(best.found) {
-            match found {
-                Some(found) => {
-                    carried.farthest = carried.farthest.max(found.farthest);
-                    carried.shortest += found.shortest;
-                    carried.edges.extend(found.vertices.windows(2).map(|p| [p[0], p[1]]));
-                }
-                None => carried.lost += run.path.len() - 1,
-            }
-        }
-    }
-
-    fn lay_in_order(&self, runs: &Runs, order: &[usize], scratch: &mut Scratch) -> Laid {
-        let passed = runs.snapped.values().chain(runs.on_chains.iter().flatten()).map(|&v| (v, 1)).collect();
-        let direct = runs.on_chains.iter().map(|&[a, b]| (sorted(a, b), 1)).collect();
-        let mut laid = Laid { found: runs.runs.iter().map(|_| None).collect(), passed, direct, crowded: Vec::new() };
-        self.lay_again(runs, order, &mut laid, scratch);
-        laid
-    }
-
-    /// Finds the paths of some runs, which have none, in their order.
-    fn lay_again(&self, runs: &Runs, order: &[usize], laid: &mut Laid, scratch: &mut Scratch) {
-        for &i in order {
-            laid.found[i] = self.path(runs, i, laid, scratch);
-            laid.count(runs, i, |n| *n += 1);
-        }
-        let is_crowded = |&i: &usize| laid.is_crowded(runs, i);
-        laid.crowded = (0..laid.found.len()).filter(is_crowded).collect();
-    }
-
-    /// Gives ends of runs that still run into others other vertices near by, where fewer do with those.
-    fn move_ends(&self, runs: &mut Runs, laid: &mut Laid, scratch: &mut Scratch) {
-        for i in laid.crowded.clone() {
-            for end in runs.runs[i].ends() {
-                if laid.crowded.contains(&i) && !runs.runs[i].is_loop && !self.surface.is_on_chain(end) {
-                    self.move_end(end, runs, laid, scratch);
-                }
-            }
-        }
-    }
-
-    fn move_end(&self, end: VertexId, runs: &mut Runs, laid: &mut Laid, scratch: &mut Scratch) {
-        let Some(&own) = runs.snapped.get(&end) else { return };
-        let ends_here = |i: &usize| !runs.runs[*i].is_loop && runs.runs[*i].ends().contains(&end);
-        let mut again: Vec<usize> = (0..runs.runs.len()).filter(ends_here).collect();
-        again.extend(laid.crowded.iter().filter(|i| !ends_here(i)));
-        let mut bare = laid.clone();
-        bare.take_up(runs, &again);
-        bare.passed.remove(&own);
-        bare.passed.retain(|_, n| *n > 0);
-        for vertex in self.surface.vertices_near(end).into_iter().filter(|&v| v != own).take(MAX_ENDS) {
-            if bare.passed.contains_key(&vertex) {
-                continue;
-            }
-            let mut tried = bare.clone();
-            tried.passed.insert(vertex, 1);
-            runs.snapped.insert(end, vertex);
-            self.lay_again(runs, &again, &mut tried, scratch);
-            if tried.crowded.len() < laid.crowded.len() {
-                *laid = tried;
-                return;
-            }
-        }
-        runs.snapped.insert(end, own);
-    }
-
-    fn path(&self, runs: &Runs, i: usize, laid: &Laid, scratch: &mut Scratch) -> Option<Found> {
-        let (run, curve) = (&runs.runs[i], &runs.curves[i]);
-        let ends = run.ends().map(|end| runs.snapped.get(&end).copied());
-        let mut at_reach = |reach: f32, least: usize| {
-            let is_passed = |v: VertexId| laid.passed.get(&v).is_some_and(|n| *n > 0);
-            let corridor = Corridor::new(&self.surface, self.sites, (curve, &runs.paths[i]), reach, is_passed, scratch);
-            let [from, to] = match run.is_loop {
-                true => [corridor.nearest()?; 2],
-                false => [ends[0]?, ends[1]?],
-            };
-            corridor.best_path(from, to, least)
-        };
-        let least = if curve.is_loop { 4 } else { 2 };
-        // Not along an edge that is another run's, as long as there is another way near by.
-        let apart = match ends {
-            [Some(a), Some(b)] if !curve.is_loop && laid.is_taken(a, b) => at_reach(REACHES[0], 3),
-            _ => None,
-        };
-        apart.or_else(|| REACHES.iter().find_map(|&reach| at_reach(reach, least)))
     }
 }
 

@@ -2,10 +2,9 @@
 
 use super::Sites;
 use super::coverage::{Coverage, Share};
-use super::rows::mix_into;
 use crate::garment::{Elements, FamilyType, Garment, Primvar, Subset, Values};
 use crate::mesh::{CornerId, FaceId, IdVec};
-use crate::subdivide::{Real, scale_to_unit_length};
+use crate::subdivide::{Real, mix_into, scale_to_unit_length};
 use rayon::prelude::*;
 
 /// The face subsets of a garment on the simulation mesh, by their place in the garment's list.
@@ -217,7 +216,7 @@ impl Shares<'_> {
             match self.row(FaceId::new(face), parts) {
                 Some(row) => mean.copy_from_slice(of(row)),
                 None => {
-                    mix_into(parts.iter().map(|&(row, weight)| (of(row), weight)), primvar, mean);
+                    mix_into(&parts.iter().map(|&(row, weight)| (of(row), weight)), primvar, mean);
                     scale_to_unit_length(mean, primvar.components, primvar.mixing);
                 }
             }

@@ -9,6 +9,7 @@ mod curve;
 mod edge;
 mod face;
 mod hash;
+mod lay;
 mod locate;
 mod normals;
 mod provenance;
@@ -66,13 +67,16 @@ pub fn transfer(
     warnings: &mut Warnings,
 ) -> Transferred {
     let net = Net::new(product, garment.faces.len());
-    let coverage = Coverage::over(product, &net, options);
-    let sites = Sites::new(product, net, &coverage);
+    let (coverage, edge_sets) =
+        rayon::join(|| Coverage::over(product, &net, options), || subset::EdgeSets::new(garment, product, &net));
+    let sites = Sites::new(product, &net, &coverage);
     let target = Target { product, sites: &sites, coverage: &coverage };
-    let carried: Vec<(Option<Primvar>, Vec<Warning>)> =
-        garment.primvars.par_iter().map(|p| target.carry(garment, p, uv_set)).collect();
-    let mut primvars = Vec::with_capacity(carried.len());
-    for (primvar, told) in carried {
+    let (carried, (subsets, of_subsets)) = rayon::join(
+        || target.carry_all(garment, uv_set),
+        || subset::carry(garment, product, &coverage, &sites, options, edge_sets),
+    );
+    let (mut primvars, each) = carried;
+    for (primvar, told) in each {
         primvars.extend(primvar);
         told.into_iter().for_each(|w| warnings.push(w));
     }
@@ -85,8 +89,8 @@ pub fn transfer(
         primvars.retain(|p| own.iter().all(|o| o.name != p.name));
         primvars.extend(own);
     }
-    let subset::Subsets { subsets, families, curves, islands } =
-        subset::carry(garment, product, &coverage, &sites, options, warnings);
+    of_subsets.iter().for_each(|w| warnings.push(w.clone()));
+    let subset::Subsets { subsets, families, curves, islands } = subsets;
     let mesh = Garment {
         prim: garment.prim.clone(),
         points: product.points.clone(),
@@ -110,9 +114,20 @@ struct Target<'a> {
     coverage: &'a Coverage,
 }
 
+/// A primvar, if it is carried by itself, and what is to be told of it.
+type Told = (Option<Primvar>, Vec<Warning>);
+
 impl Target<'_> {
+    /// The primvars that are carried together, and each of the others.
+    fn carry_all(&self, garment: &Garment, uv_set: Option<&Primvar>) -> (Vec<Primvar>, Vec<Told>) {
+        rayon::join(
+            || vertex::carry_together(garment, self.product, self.sites),
+            || garment.primvars.par_iter().map(|p| self.carry(garment, p, uv_set)).collect(),
+        )
+    }
+
     /// A primvar on the simulation mesh, with what is to be told; none of those that are carried together.
-    fn carry(&self, garment: &Garment, primvar: &Primvar, uv_set: Option<&Primvar>) -> (Option<Primvar>, Vec<Warning>) {
+    fn carry(&self, garment: &Garment, primvar: &Primvar, uv_set: Option<&Primvar>) -> Told {
         let mut warnings = Vec::new();
         if let Some(normals) = normals::rebuilt(garment, primvar, self.product, self.sites) {
             return (Some(normals), warnings);
@@ -120,7 +135,11 @@ impl Target<'_> {
         let carried = match primvar.interpolation {
             Interpolation::Constant => Some(primvar.clone()),
             Interpolation::Uniform => Some(face::carry(primvar, self.coverage, self.sites)),
-            Interpolation::Vertex | Interpolation::Varying if joints::is_influence(garment, primvar) => None,
+            Interpolation::Vertex | Interpolation::Varying
+                if joints::is_influence(garment, primvar) || vertex::is_together(garment, primvar) =>
+            {
+                None
+            }
             Interpolation::Vertex | Interpolation::Varying => Some(vertex::carry(primvar, self.product, self.sites)),
             Interpolation::FaceVarying => Some(corner::carry(garment, primvar, self, uv_set, &mut warnings)),
         };
@@ -168,11 +187,11 @@ pub(crate) struct Sites<'a> {
     /// Faces without a sample, each with the garment's face under its centre.
     pub unsampled: Vec<(FaceId, FaceId)>,
     /// The edges of the simulation mesh.
-    pub net: Net,
+    pub net: &'a Net,
 }
 
 impl<'a> Sites<'a> {
-    fn new(product: &'a SimProduct, net: Net, coverage: &Coverage) -> Self {
+    fn new(product: &'a SimProduct, net: &'a Net, coverage: &Coverage) -> Self {
         let mut vertices = IdVec::<VertexId, Option<Location>>::filled(None, product.points.len());
         for (&v, place) in product.triangles.iter().flatten().zip(product.places.iter()) {
             vertices[v].get_or_insert(place.location);

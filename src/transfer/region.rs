@@ -3,6 +3,7 @@
 
 use crate::mesh::{CornerId, FaceId, IdVec};
 use crate::sim::{Baseline, SimProduct};
+use rayon::prelude::*;
 
 /// The regions of a baseline.
 pub(super) struct Regions {
@@ -14,35 +15,28 @@ pub(super) struct Regions {
 
 impl Regions {
     pub fn new(baseline: &Baseline) -> Self {
-        let t = &baseline.topology;
-        let mut of = IdVec::<FaceId, Option<u32>>::filled(None, t.faces.len());
-        let mut is_flat = Vec::new();
-        for seed in t.faces.ids() {
-            if of[seed].is_some() {
-                continue;
+        let count = baseline.topology.faces.len();
+        let places: Vec<InUv> = (0..count).into_par_iter().map(|i| InUv::new(baseline, FaceId::new(i))).collect();
+        let mut joined: Vec<u32> = (0..count as u32).collect();
+        for corner in baseline.topology.faces.corners().ids() {
+            let twin = baseline.open_twin(corner).filter(|&twin| corner < twin);
+            if let Some(twin) = twin {
+                let [a, b] = [corner, twin].map(|c| root(&mut joined, (c.index() / 3) as u32));
+                joined[a.max(b) as usize] = a.min(b);
             }
-            let own = is_flat.len() as u32;
-            of[seed] = Some(own);
-            let mut region = vec![seed];
-            let (mut at, mut is_whole, mut upright, mut turned) = (0, baseline.has_uvs, false, false);
-            while let Some(&face) = region.get(at) {
-                at += 1;
-                let area = baseline.uv_area(face);
-                turned |= area < 0.0;
-                upright |= area > 0.0;
-                for corner in t.faces.corners_of(face) {
-                    let Some(twin) = baseline.open_twin(corner) else { continue };
-                    is_whole &= same_uvs(baseline, corner, twin);
-                    let other = t.faces.face_of(twin);
-                    if of[other].is_none() {
-                        of[other] = Some(own);
-                        region.push(other);
-                    }
-                }
-            }
-            is_flat.push(is_whole && upright != turned);
         }
-        Self { of: of.iter().map(|r| r.unwrap_or(0)).collect(), is_flat }
+        let (mut of, mut whole) = (IdVec::<FaceId, u32>::with_capacity(count), Vec::<InUv>::new());
+        for (i, place) in places.into_iter().enumerate() {
+            // The first of a region comes before all others of it.
+            let first = root(&mut joined, i as u32) as usize;
+            let own = of.as_slice().get(first).copied().unwrap_or(whole.len() as u32);
+            of.push(own);
+            match whole.get_mut(own as usize) {
+                Some(whole) => whole.join(&place),
+                None => whole.push(place),
+            }
+        }
+        Self { of, is_flat: whole.iter().map(|w| w.is_whole && w.is_upright != w.is_turned).collect() }
     }
 
     /// The region of each triangle of the simulation mesh: that of most of its corners.
@@ -53,6 +47,39 @@ impl Regions {
         };
         (0..product.triangles.len()).map(region).collect()
     }
+}
+
+/// How triangles lie in UV space.
+struct InUv {
+    /// Whether they have the same UVs as their neighbours.
+    is_whole: bool,
+    is_upright: bool,
+    is_turned: bool,
+}
+
+impl InUv {
+    fn new(baseline: &Baseline, face: FaceId) -> Self {
+        let area = baseline.uv_area(face);
+        // From one of the two faces.
+        let is_joined = |c| baseline.open_twin(c).is_none_or(|twin| twin < c || same_uvs(baseline, c, twin));
+        let is_whole = baseline.has_uvs && baseline.topology.faces.corners_of(face).all(is_joined);
+        Self { is_whole, is_upright: area > 0.0, is_turned: area < 0.0 }
+    }
+
+    fn join(&mut self, other: &Self) {
+        self.is_whole &= other.is_whole;
+        self.is_upright |= other.is_upright;
+        self.is_turned |= other.is_turned;
+    }
+}
+
+/// The first of what a triangle is joined with, with shorter ways to it afterwards.
+fn root(joined: &mut [u32], mut at: u32) -> u32 {
+    while joined[at as usize] != at {
+        joined[at as usize] = joined[joined[at as usize] as usize];
+        at = joined[at as usize];
+    }
+    at
 }
 
 /// Whether two faces have the same UVs along the edge between them.

@@ -1,8 +1,8 @@
 //! Rows of a primvar, mixed at many places.
 
-use crate::garment::{Mixing, Primvar};
+use crate::garment::Primvar;
 use crate::sim::Location;
-use crate::subdivide::{Real, mix};
+use crate::subdivide::{Real, mix_into};
 use rayon::prelude::*;
 
 /// Places that are mixed in one go.
@@ -21,26 +21,10 @@ pub(super) fn at_places<'a, T: Real + 'a>(
     let mut rows = vec![T::from_f64(0.0); count * width];
     rows.par_chunks_mut(CHUNK * width).enumerate().for_each(|(chunk, rows)| {
         for (i, row) in rows.chunks_mut(width).enumerate() {
-            mix_into(parts(CHUNK * chunk + i).into_iter(), primvar, row);
+            mix_into(&parts(CHUNK * chunk + i).iter().copied(), primvar, row);
         }
     });
     rows
-}
-
-/// The mean of rows, as [`mix`] makes it, without memory of its own.
-pub(super) fn mix_into<'a, T: Real + 'a>(
-    parts: impl Iterator<Item = (&'a [T], f32)> + Clone,
-    primvar: &Primvar,
-    row: &mut [T],
-) {
-    if primvar.mixing == Mixing::Rotation {
-        row.copy_from_slice(&mix(parts, primvar));
-        return;
-    }
-    for (k, value) in row.iter_mut().enumerate() {
-        let sum = parts.clone().fold(0.0, |sum, (part, weight)| sum + f64::from(weight) * part[k].to_f64());
-        *value = T::from_f64(sum);
-    }
 }
 
 /// The three rows of a triangle at a location.

@@ -85,7 +85,9 @@ impl<'a> Cuts<'a> {
             sources.enumerated().filter(|(_, s)| s.moved).map(|(c, _)| t.faces.vertex(c)).collect();
         moved.sort_unstable();
         moved.dedup();
-        moved.into_iter().for_each(|v| self.agree(t.vertex_corners.row(v), homes, &mut sources));
+        let agreed = |&v: &VertexId| self.agreed(t.vertex_corners.row(v), homes, &sources);
+        let agreed: Vec<(CornerId, Source)> = moved.par_iter().flat_map_iter(agreed).collect();
+        agreed.into_iter().for_each(|(corner, source)| sources[corner] = source);
         sources
     }
 
@@ -103,15 +105,22 @@ impl<'a> Cuts<'a> {
         for &vertex in &vertices {
             let corners = t.vertex_corners.row(vertex);
             corners.iter().for_each(|&c| sources[c] = self.of_corner(c, homes));
-            self.agree(corners, homes, sources);
+            let agreed = self.agreed(corners, homes, sources);
+            agreed.into_iter().for_each(|(corner, source)| sources[corner] = source);
         }
         vertices.iter().flat_map(|&v| t.vertex_corners.row(v)).copied().collect()
     }
 
-    /// Gives the corners of one vertex that lie on the same side one source.
-    fn agree(&self, corners: &[CornerId], homes: &[Option<FaceId>], sources: &mut IdVec<CornerId, Source>) {
+    /// New sources for corners of one vertex: one for those that lie on the same side.
+    fn agreed(
+        &self,
+        corners: &[CornerId],
+        homes: &[Option<FaceId>],
+        sources: &IdVec<CornerId, Source>,
+    ) -> Vec<(CornerId, Source)> {
+        let mut agreed = Vec::new();
         if !corners.iter().any(|&c| sources[c].moved) {
-            return;
+            return agreed;
         }
         let faces: Vec<FaceId> = corners.iter().map(|&c| self.sites.net.topology.faces.face_of(c)).collect();
         let mut side: Vec<usize> = (0..corners.len()).collect();
@@ -132,12 +141,9 @@ impl<'a> Cuts<'a> {
             let best =
                 members().map(|c| (off(&sources[c], c), sources[c])).reduce(|a, b| if b.0 < a.0 { b } else { a });
             let Some((_, best)) = best else { continue };
-            members().for_each(|c| {
-                if sources[c].moved {
-                    sources[c] = best;
-                }
-            });
+            agreed.extend(members().filter(|&c| sources[c].moved).map(|c| (c, best)));
         }
+        agreed
     }
 
     /// Whether two faces take their values from the same side, as far as the garment's faces around them say.

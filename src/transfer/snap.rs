@@ -1,12 +1,12 @@
 //! The vertex of the simulation mesh nearest to a vertex of the cage, on the same chain or the same part of the surface.
 
 use super::hash::{IdMap, IdSet};
-use crate::mesh::{ChainId, Csr, FaceId, IdVec, VertexId};
+use crate::mesh::{ChainId, Csr, FaceId, IdVec, Topology, VertexId};
 use crate::sim::SimProduct;
 use std::collections::VecDeque;
 
-/// How far along its chain a vertex may be from where its share of the chain's edges puts it, in target lengths. Longer
-/// finds vertices that relaxing has moved; shorter keeps to the right turn of a winding chain.
+/// How far along its chain a vertex may be from a place on it, in target lengths. Longer finds the vertex that is nearest
+/// in space; shorter keeps to the right turn of a winding chain.
 const DRIFT: f32 = 2.0;
 
 /// Where the vertices of the simulation mesh are on the baseline.
@@ -23,16 +23,18 @@ pub(super) struct Surface<'a> {
 }
 
 impl<'a> Surface<'a> {
-    pub fn new(product: &'a SimProduct) -> Self {
-        let mut pairs: Vec<(FaceId, VertexId)> = product
-            .triangles
-            .iter()
-            .flatten()
-            .zip(product.places.iter())
-            .map(|(&vertex, place)| (place.location.face, vertex))
-            .collect();
-        pairs.sort_unstable();
-        pairs.dedup();
+    /// Of the simulation mesh, whose `topology` is at hand.
+    pub fn new(product: &'a SimProduct, topology: &Topology) -> Self {
+        let mut pairs: Vec<(FaceId, VertexId)> = Vec::with_capacity(2 * product.points.len());
+        for vertex in product.points.ids() {
+            let own = pairs.len();
+            for &corner in topology.vertex_corners.row(vertex) {
+                let pair = (product.places[corner].location.face, vertex);
+                if !pairs[own..].contains(&pair) {
+                    pairs.push(pair);
+                }
+            }
+        }
         let faces = product.baseline.topology.faces.len();
         let in_face = Csr::group(faces, pairs.iter().copied(), VertexId::new(0));
         let mut is_constrained = IdVec::filled(false, product.points.len());
@@ -53,19 +55,11 @@ impl<'a> Surface<'a> {
         surface
     }
 
-    /// The vertices of the simulation mesh along a chain, with arc lengths as near as the lengths of edges say.
+    /// The vertices of the simulation mesh along a chain, with their arc lengths.
     fn along(&self, chain: ChainId) -> Vec<(f32, VertexId)> {
-        let edges = &self.product.chain_edges[chain];
-        let points = &self.product.points;
-        let own: f32 = edges.iter().map(|&[a, b]| points[a].distance(points[b])).sum();
-        let scale = if own > 0.0 { self.product.baseline.chains[chain].length() / own } else { 0.0 };
-        let mut at = 0.0;
-        let mut along: Vec<(f32, VertexId)> = edges.first().map(|e| (0.0, e[0])).into_iter().collect();
-        for &[a, b] in edges {
-            at += scale * points[a].distance(points[b]);
-            along.push((at, b));
-        }
-        along
+        let edges = self.product.chain_arcs[chain].iter().zip(&self.product.chain_edges[chain]);
+        let first = edges.clone().next().map(|(arcs, edge)| (arcs[0], edge[0]));
+        first.into_iter().chain(edges.map(|(arcs, edge)| (arcs[1], edge[1]))).collect()
     }
 
     /// The places of cage vertices among the vertices of a chain of the simulation mesh: one for each where there are

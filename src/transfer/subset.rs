@@ -2,12 +2,13 @@
 
 use super::coverage::Coverage;
 use super::edge::{Carried, Edges};
-use super::{SetCurve, Sites, face};
+use super::{Net, SetCurve, Sites, face};
 use crate::error::{Warning, Warnings};
 use crate::garment::{Elements, Family, FamilyType, Garment, Subset};
 use crate::mesh::{FaceId, VertexId};
 use crate::sim::{Chain, SimOptions, SimProduct};
 use crate::spatial::PointGrid;
+use std::cell::LazyCell;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Family of the subsets that say which edges were constraints.
@@ -27,6 +28,24 @@ pub(super) struct Subsets {
     pub islands: usize,
 }
 
+/// The edge sets on the simulation mesh, which need no samples.
+pub(super) struct EdgeSets<'a> {
+    edges: Edges<'a>,
+    /// The subsets of the garment, and those of its creases and corners.
+    sources: Vec<Subset>,
+    carried: Vec<Carried>,
+}
+
+impl<'a> EdgeSets<'a> {
+    pub fn new(garment: &Garment, product: &'a SimProduct, net: &'a Net) -> Self {
+        let mut sources = garment.subsets.clone();
+        sources.extend(sharp_sets(garment));
+        let edges = Edges::new(product, &net.topology);
+        let carried = edges.carry_all(&edges_of(&sources));
+        Self { edges, sources, carried }
+    }
+}
+
 /// The garment's subsets on the simulation mesh, those of its creases, borders and seams, and the families.
 pub(super) fn carry(
     garment: &Garment,
@@ -34,15 +53,13 @@ pub(super) fn carry(
     coverage: &Coverage,
     sites: &Sites<'_>,
     options: &SimOptions,
-    warnings: &mut Warnings,
-) -> Subsets {
-    let mut sources = garment.subsets.clone();
-    sources.extend(sharp_sets(garment));
+    edge_sets: EdgeSets<'_>,
+) -> (Subsets, Warnings) {
+    let mut warnings = Warnings::default();
+    let EdgeSets { edges, sources, carried: mut edge_sets } = edge_sets;
     let face::FaceSets { sets: mut face_sets, islands } = face::sets(garment, coverage, sites, options.clean_islands);
     warnings_of_small_sets(garment, &face_sets, coverage).into_iter().for_each(|w| warnings.push(w));
     face_sets.resize(sources.len(), None);
-    let edges = Edges::new(product, sites);
-    let mut edge_sets = edges.carry_all(&edges_of(&sources));
     let is_edges = |(s, _): &(&Subset, &Carried)| matches!(s.elements, Elements::Edges(_));
     let curves = sources.iter().zip(&edge_sets).filter(is_edges).map(|(s, carried)| SetCurve {
         name: s.name.clone(),
@@ -51,12 +68,12 @@ pub(super) fn carry(
         shortest: carried.shortest,
     });
     let curves = curves.collect();
-    let grid = PointGrid::new(&product.points);
+    let grid = LazyCell::new(|| PointGrid::new(&product.points));
     let mut subsets: Vec<Subset> = Vec::with_capacity(sources.len() + 2);
     for (i, source) in sources.into_iter().enumerate() {
         let elements = match &source.elements {
             Elements::Faces(_) => Elements::Faces(face_sets[i].take().unwrap_or_default()),
-            Elements::Edges(_) => Elements::Edges(told(&source, std::mem::take(&mut edge_sets[i]), warnings)),
+            Elements::Edges(_) => Elements::Edges(told(&source, std::mem::take(&mut edge_sets[i]), &mut warnings)),
             Elements::Points(points) => Elements::Points(nearest_points(points, garment, &edges, &grid)),
         };
         if matches!(elements, Elements::Faces(_)) && elements.is_empty() && !source.elements.is_empty() {
@@ -69,7 +86,7 @@ pub(super) fn carry(
     }
     subsets.extend(constraint_sets(garment, product, options));
     let families = families(garment, &subsets);
-    Subsets { subsets, families, curves, islands }
+    (Subsets { subsets, families, curves, islands }, warnings)
 }
 
 /// A warning of face sets that the triangles follow too roughly.
@@ -126,6 +143,17 @@ fn told(source: &Subset, carried: Carried, warnings: &mut Warnings) -> Vec<[Vert
                 source.name
             ),
             why: "they lie between holes, or no edges of the mesh are near them; name the subset in \
+                  tailor:sim:constraints, or lower sim.maxEdgeLength"
+                .into(),
+        });
+    }
+    if carried.merged > 0 {
+        warnings.push(Warning::NotCarried {
+            what: format!(
+                "{} chains of subset {} as chains of their own on the simulation mesh",
+                carried.merged, source.name
+            ),
+            why: "the mesh has too few vertices to keep them apart from others of the set; name the subset in \
                   tailor:sim:constraints, or lower sim.maxEdgeLength"
                 .into(),
         });

@@ -3,7 +3,7 @@
 use super::Sites;
 use super::rows::{at_places, parts};
 use crate::garment::joints::{self, Influences};
-use crate::garment::{Garment, Interpolation, Primvar, Values};
+use crate::garment::{Garment, Interpolation, Mixing, Primvar, Values, normals};
 use crate::mesh::{CornerId, VertexId};
 use crate::sim::{Location, SimProduct};
 use crate::subdivide::{Real, Stencils, taken};
@@ -21,6 +21,59 @@ pub(super) fn carry(primvar: &Primvar, product: &SimProduct, sites: &Sites<'_>) 
         }
     };
     Primvar { values, indices: None, ..primvar.clone() }
+}
+
+/// Numbers of one value up to which a primvar is carried together with others: wider ones gain nothing, and take memory.
+const MAX_TOGETHER: usize = 16;
+
+/// Whether a primvar is carried together with others of its kind.
+pub(super) fn is_together(garment: &Garment, primvar: &Primvar) -> bool {
+    matches!(primvar.interpolation, Interpolation::Vertex | Interpolation::Varying)
+        && matches!(primvar.values, Values::F32(_))
+        && matches!(primvar.mixing, Mixing::Linear | Mixing::Direction)
+        && (1..=MAX_TOGETHER).contains(&primvar.width())
+        && !joints::is_influence(garment, primvar)
+        && !normals::are_normals(&primvar.name)
+}
+
+/// Primvars that are carried together, as the weights of subdivision are the same for all.
+pub(super) fn carry_together(garment: &Garment, product: &SimProduct, sites: &Sites<'_>) -> Vec<Primvar> {
+    let kinds = [Interpolation::Vertex, Interpolation::Varying];
+    let carried = kinds.into_par_iter().map(|kind| {
+        let is_own = |p: &&Primvar| p.interpolation == kind && is_together(garment, p);
+        let own: Vec<&Primvar> = garment.primvars.iter().filter(is_own).collect();
+        let Some(joined) = joined(&own, garment.points.len()) else { return Vec::new() };
+        apart(&own, &carry(&joined, product, sites))
+    });
+    carried.flatten().collect()
+}
+
+/// One primvar with the values of several side by side.
+fn joined(primvars: &[&Primvar], count: usize) -> Option<Primvar> {
+    let width = primvars.iter().map(|p| p.width()).sum();
+    let mut values = Vec::with_capacity(count * width);
+    for vertex in 0..count {
+        for primvar in primvars {
+            let Values::F32(own) = &primvar.values else { continue };
+            values.extend_from_slice(&own[primvar.row(vertex) * primvar.width()..][..primvar.width()]);
+        }
+    }
+    let like =
+        Primvar { element_size: 1, components: width, values: Values::F32(values), ..(*primvars.first()?).clone() };
+    Some(Primvar { indices: None, mixing: Mixing::Linear, ..like })
+}
+
+/// The primvars whose values one has side by side.
+fn apart(primvars: &[&Primvar], joined: &Primvar) -> Vec<Primvar> {
+    let Values::F32(values) = &joined.values else { return Vec::new() };
+    let mut at = 0;
+    let own = |primvar: &&Primvar| {
+        let range = at..at + primvar.width();
+        at = range.end;
+        let own = values.chunks_exact(joined.components).flat_map(|row| &row[range.clone()]).copied().collect();
+        Primvar { values: Values::F32(own), indices: None, ..(*primvar).clone() }
+    };
+    primvars.iter().map(own).collect()
 }
 
 fn interpolated<T: Real>(primvar: &Primvar, source: &[T], product: &SimProduct, sites: &Sites<'_>) -> Vec<T> {

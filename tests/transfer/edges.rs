@@ -95,12 +95,25 @@ fn free_edge_sets_of_garments_stay_by_their_curves() {
             let count = |c: &[(bool, usize)], is_loop: bool| c.iter().filter(|c| c.0 == is_loop).count();
             for is_loop in [true, false] {
                 let (own, wanted) = (count(&own, is_loop), count(&wanted, is_loop));
-                // Of hundreds of chains some are shorter than an edge, and none may be free between their ends.
-                let slack = wanted / 50;
-                assert!(own.abs_diff(wanted) <= slack, "{file:?}: {} has {own} of {wanted}, loops {is_loop}", set.name);
+                assert_eq!(own, wanted, "{file:?}: {}, loops {is_loop}", set.name);
             }
         }
     }
+}
+
+#[test]
+fn chains_that_a_coarse_mesh_cannot_keep_apart_are_told() {
+    // Seven lines, and hardly as many vertices as they have ends.
+    let line = |x: i32| (1..7).map(move |y| [9 * y + x, 9 * (y + 1) + x]);
+    let input = sheets::with_edges(sheet(8, 8), "lines", &(1..8).flat_map(line).collect::<Vec<_>>());
+    let told = |length: &str| {
+        let built = build(input.clone(), &["sim.uvSet=", length]);
+        let is_told = built.warnings.iter().any(|w| w.to_string().contains("chains of subset lines"));
+        (is_told, chains(&edges(&built.products.sim, "lines")).len())
+    };
+    assert_eq!(told("sim.maxEdgeLength=0.5"), (false, 7));
+    let (is_told, found) = told("sim.maxEdgeLength=6");
+    assert!(is_told && found < 7, "{found} chains");
 }
 
 #[test]
