@@ -33,14 +33,14 @@ SEAMS = {
     "sleeve": {"edges": ["sleeve_seams"], "width": 0.8, "depth": 0.04, "normalOffset": -0.14},
     # The allowance lies in the sleeve and lifts it, so most of the width is on that side.
     "armhole": {"edges": ["armholes"], "width": 0.8, "depth": 0.06, "normalOffset": -0.14, "asymmetry": 0.15},
-    "neck": {"edges": ["neck_seam"], "width": 0.8, "depth": 0.03, "normalOffset": -0.12},
+    "neckline": {"edges": ["neck_seam"], "width": 0.8, "depth": 0.03, "normalOffset": -0.12},
     "placket": {"edges": ["placket_stitch"], "width": 0.5, "normalOffset": -0.05},
     "pocket": {"edges": ["pocket_outline"], "width": 1.0, "normalOffset": -0.18},
     "dart": {"edges": ["darts"], "width": 0.8, "depth": 0.03, "normalOffset": -0.11},
 }
 THICKNESSES = {
     "collar": {"faces": ["collar"], "amount": 0.35, "weights": "thicknessWeight"},
-    "cuff": {"faces": ["cuff_left", "cuff_right"], "amount": 0.35, "weights": "thicknessWeight"},
+    "cuffs": {"faces": ["cuff_left", "cuff_right"], "amount": 0.35, "weights": "thicknessWeight"},
     "hem": {"faces": ["hem_turnup"], "amount": 0.15},
     "flap": {"faces": ["flap_left", "flap_right"], "amount": 0.12},
 }

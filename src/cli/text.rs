@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use tailor::error::{Error, Warning, Warnings};
+use tailor::garment::Elements;
 use tailor::pipeline::Products;
 use tailor::recipe::Recipe;
 
@@ -121,6 +122,9 @@ pub fn made(products: &Products) -> Vec<(String, usize)> {
     }
     let seams = seams.keys().map(|name| format!("{name}_seam"));
     let layers = thicknesses.keys().flat_map(|name| ["hem", "inner"].map(|part| format!("{name}_{part}")));
-    let found = |name: String| products.render.subset(&name).map(|set| (name.clone(), set.elements.len()));
+    let found = |name: String| match &products.render.subset(&name)?.elements {
+        Elements::Faces(faces) => Some((name, faces.len())),
+        _ => None,
+    };
     seams.chain(layers).filter_map(found).collect()
 }
