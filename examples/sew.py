@@ -150,12 +150,12 @@ WHOLE, CLOSE, COLUMNS = (WIDTH // 2, 900), (WIDTH // 3, 500), 3
 INK, CUT = (25, 28, 38), (160, 30, 30)
 # What it shows, the ball in the middle (x, y, z, radius), azimuth and elevation, and a plane that it is cut by (point, normal).
 CLOSE_UPS = (
-    ("seam: a dart, which ends in the surface", (11.3, 110.5, 14.0, 5.0), (50, 15), None),
+    ("seam: a dart, which ends in the surface", (11.5, 112.0, 14.0, 4.0), (62, 20), None),
     ("T junctions: shoulder, armhole, sleeve", (20.0, 144.5, -1.5, 6.0), (70, 40), None),
-    ("T junction: side seam and hem", (29.0, 56.0, -1.0, 3.2), (75, -15), None),
-    ("collar, cut behind the neck", (0.0, 149.0, -9.8, 6.0), (-90, 0), ((0.1, 0.0, 0.0), (1.0, 0.0, 0.0))),
-    ("hem folded over, cut", (8.0, 56.2, -18.0, 2.6), (-90, 0), ((8.0, 0.0, 0.0), (1.0, 0.0, 0.0))),
-    ("pocket and flap", (22.0, 86.5, 12.0, 5.0), (70, 10), None),
+    ("T junction: side seam and hem", (29.0, 55.6, -1.0, 2.8), (72, -15), None),
+    ("collar, cut behind the neck", (0.0, 149.2, -10.4, 6.0), (-90, 0), ((0.1, 0.0, 0.0), (1.0, 0.0, 0.0))),
+    ("hem folded over, cut", (8.0, 55.6, -18.6, 1.9), (-90, 0), ((8.0, 0.0, 0.0), (1.0, 0.0, 0.0))),
+    ("pocket and flap", (21.5, 86.0, 12.0, 5.5), (60, 12), None),
 )
 
 
@@ -213,7 +213,7 @@ def close_up(surface, ball, view, plane):
     mesh, cut = near(surface, ball), np.zeros((0, 2, 3))
     if plane:
         mesh, cut = behind(mesh, plane)
-    style = draw.Style(size=tuple(large), wire=True, line=1.6, wire_strength=0.4, samples=2)
+    style = draw.Style(size=tuple(large), wire=True, line=1.3, wire_strength=0.34, samples=2)
     image = draw.render(mesh, camera, style)
     screen = (cut - camera.centre) @ camera.axes().T[:, :2] * (large[1] / 2 / ball[3]) * (1, -1) + large / 2
     pen = ImageDraw.Draw(image)
