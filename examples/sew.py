@@ -150,11 +150,11 @@ WHOLE, CLOSE, COLUMNS = (WIDTH // 2, 900), (WIDTH // 3, 500), 3
 INK, CUT = (25, 28, 38), (160, 30, 30)
 # What it shows, the ball in the middle (x, y, z, radius), azimuth and elevation, and a plane that it is cut by (point, normal).
 CLOSE_UPS = (
-    ("seam: a dart, which ends in the surface", (11.5, 112.0, 14.0, 4.0), (62, 20), None),
+    ("seam: a dart, which ends in the surface", (11.3, 110.0, 14.0, 4.2), (20, 5), None),
     ("T junctions: shoulder, armhole, sleeve", (20.0, 144.5, -1.5, 6.0), (70, 40), None),
     ("T junction: side seam and hem", (29.0, 55.6, -1.0, 2.8), (72, -15), None),
-    ("collar, cut behind the neck", (0.0, 149.2, -10.4, 6.0), (-90, 0), ((0.1, 0.0, 0.0), (1.0, 0.0, 0.0))),
-    ("hem folded over, cut", (8.0, 55.6, -18.6, 1.9), (-90, 0), ((8.0, 0.0, 0.0), (1.0, 0.0, 0.0))),
+    ("collar, cut behind the neck", (0.0, 149.2, -10.4, 6.0), (90, 0), ((0.1, 0.0, 0.0), (1.0, 0.0, 0.0))),
+    ("hem folded over, cut", (8.0, 56.0, -17.6, 2.4), (78, 6), ((8.0, 0.0, 0.0), (1.0, 0.0, 0.0))),
     ("pocket and flap", (21.5, 86.0, 12.0, 5.5), (60, 12), None),
 )
 
@@ -200,17 +200,17 @@ def replace(mesh, kept):
     return part
 
 
-def near(mesh, ball):
-    """The triangles about a ball: what is far outside is not seen, and only takes time."""
-    away = np.abs(mesh.points[mesh.tris].mean(1) - ball[:3]).max(1)
-    return replace(mesh, away < 5 * ball[3])
+def near(mesh, camera):
+    """The triangles about what a camera shows: the others are not seen, and only take time."""
+    away = np.abs((mesh.points[mesh.tris].mean(1) - camera.centre) @ camera.axes()[:2].T).max(1)
+    return replace(mesh, away < 2 * camera.radius)
 
 
 def close_up(surface, ball, view, plane):
     size = (CLOSE[0] - GAP, CLOSE[1] - GAP)
     # Twice as large, since lines of Pillow are not smooth.
     camera, large = draw.Camera(*view, np.array(ball[:3]), ball[3]), np.array(size) * 2
-    mesh, cut = near(surface, ball), np.zeros((0, 2, 3))
+    mesh, cut = near(surface, camera), np.zeros((0, 2, 3))
     if plane:
         mesh, cut = behind(mesh, plane)
     style = draw.Style(size=tuple(large), wire=True, line=1.3, wire_strength=0.34, samples=2)
