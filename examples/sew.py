@@ -29,17 +29,18 @@ T = Sdf.ValueTypeNames
 SEAMS = {
     "side": {"edges": ["side_seams"], "width": 0.9, "depth": 0.04, "normalOffset": -0.16},
     "shoulder": {"edges": ["shoulder_seams"], "width": 0.9, "depth": 0.04, "normalOffset": -0.16},
-    "back": {"edges": ["centre_back"], "width": 0.9, "depth": 0.04, "normalOffset": -0.16},
+    # Its allowance is pressed to one side. (Chains of both halves of a garment would lean the same way only if one of them
+    # were walked the other way: they need a seam each.)
+    "back": {"edges": ["centre_back"], "width": 0.9, "depth": 0.04, "normalOffset": -0.16, "asymmetry": 0.3},
     "sleeve": {"edges": ["sleeve_seams"], "width": 0.8, "depth": 0.04, "normalOffset": -0.14},
-    # The allowance lies in the sleeve and lifts it, so most of the width is on that side.
-    "armhole": {"edges": ["armholes"], "width": 0.8, "depth": 0.06, "normalOffset": -0.14, "asymmetry": 0.15},
+    "armhole": {"edges": ["armholes"], "width": 0.8, "depth": 0.06, "normalOffset": -0.14},
     "neckline": {"edges": ["neck_seam"], "width": 0.8, "depth": 0.03, "normalOffset": -0.12},
     "placket": {"edges": ["placket_stitch"], "width": 0.5, "normalOffset": -0.05},
     "pocket": {"edges": ["pocket_outline"], "width": 1.0, "normalOffset": -0.18},
     "dart": {"edges": ["darts"], "width": 0.8, "depth": 0.03, "normalOffset": -0.11},
 }
 THICKNESSES = {
-    "collar": {"faces": ["collar"], "amount": 0.35, "weights": "thicknessWeight"},
+    "collar": {"faces": ["collar_facing"], "amount": 0.35, "weights": "thicknessWeight"},
     "cuffs": {"faces": ["cuff_left", "cuff_right"], "amount": 0.35, "weights": "thicknessWeight"},
     "hem": {"faces": ["hem_turnup"], "amount": 0.15},
     "flap": {"faces": ["flap_left", "flap_right"], "amount": 0.12},
@@ -67,6 +68,14 @@ def outline(mesh, faces):
     face = np.repeat(np.arange(len(mesh.counts)), mesh.counts)
     uses, of_them = np.bincount(which.ravel()), np.bincount(which.ravel(), inside[face])
     return pairs[(of_them == 1) & (uses == 2)]
+
+
+def collar_facing(mesh):
+    """The collar without the faces at both ends of its fold, where it is no wider than a point and holds no second layer."""
+    fold, uses = np.unique(dict(mesh.subsets("edge"))["collar_fold"], return_counts=True)
+    collar = dict(mesh.subsets("face"))["collar"]
+    at_ends = np.add.reduceat(np.isin(mesh.indices, fold[uses == 1]).astype(int), mesh.starts)
+    return collar[at_ends[collar] == 0]
 
 
 def darts(mesh):
@@ -130,6 +139,7 @@ def author(source, out):
         if base.HasAuthoredMetadata(key):
             over.SetMetadata(key, base.GetMetadata(key))
     model = over.OverridePrim(path)
+    subset(model, "collar_facing", "face", "sets", collar_facing(mesh))
     folded = turnup(mesh)
     subset(model, "hem_turnup", "face", "sets", folded)
     # As a constraint, so that the set is exact on the simulation mesh too.

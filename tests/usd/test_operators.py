@@ -282,6 +282,18 @@ def test_the_coat_keeps_its_attributes(coat):
     assert weights.rows.reshape(len(render.points), -1).sum(axis=1) == pytest.approx(1, abs=1e-4)
 
 
+def test_nothing_of_the_sewn_coat_passes_through_anything(built):
+    """As the program that makes the garments checks them: no edge of a triangle goes through another triangle."""
+    sys.path.insert(0, str(EXAMPLES))
+    from tailoring.check import crossings
+
+    render = built(EXAMPLES / "sewn" / "coat.usda", "--set", "render.level=1").render
+    quads = render.indices.reshape(-1, 4)
+    found = crossings(render.points, np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]))
+    faces = sorted({tuple(sorted((a % len(quads), b % len(quads)))) for a, b in found})
+    assert faces == []
+
+
 def test_the_plain_coat_is_as_it_was(coat, built):
     """The layer changes nothing of what is below it."""
     plain = built(EXAMPLES / "coat.usda")
