@@ -1,37 +1,52 @@
 #include "arguments.h"
 
+#include "source.h"
 #include "tailor-usd-plugin/src/lib.rs.h"
 
 #include <pxr/base/tf/diagnostic.h>
 #include <pxr/base/tf/stringUtils.h>
 #include <pxr/base/tf/token.h>
 #include <pxr/base/vt/value.h>
+#include <pxr/usd/ar/resolver.h>
 #include <pxr/usd/pcp/dynamicFileFormatContext.h>
 
 #include <charconv>
 #include <cstdint>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 PXR_NAMESPACE_OPEN_SCOPE
 
 namespace {
 
-struct Field {
-    std::string attribute;
-    std::string argument;
-};
+constexpr const char *AppliedSchemas = "apiSchemas";
+/// What is between the path of a layer and its arguments in an asset path.
+constexpr std::string_view ArgumentsDelimiter = ":SDF_FORMAT_ARGS:";
 
-const std::vector<Field> &Fields()
+/// The applied schemas of the prim in all layers, as OpenUSD prints them.
+std::string Schemas(const PcpDynamicFileFormatContext &context)
 {
-    static const std::vector<Field> fields = [] {
-        std::vector<Field> all;
-        for (const tailor::Field &field : tailor::fields()) {
-            all.push_back({std::string(field.attribute), std::string(field.argument)});
+    std::vector<VtValue> values;
+    std::string schemas;
+    if (context.ComposeValueStack(TfToken(AppliedSchemas), &values)) {
+        for (const VtValue &value : values) {
+            schemas += TfStringify(value) + "\n";
         }
-        return all;
-    }();
-    return fields;
+    }
+    return schemas;
+}
+
+/// The attributes that are composed, which differ from payload to payload by the names of instances.
+rust::Vec<tailor::Field> Fields(const std::string &assetPath, const PcpDynamicFileFormatContext &context)
+{
+    const size_t end = assetPath.find(ArgumentsDelimiter);
+    const std::string arguments =
+        end == std::string::npos ? std::string() : assetPath.substr(end + ArgumentsDelimiter.size());
+    // One that cannot be read names nothing here, and is reported when the payload is opened.
+    const TailorRecipeText text(ArGetResolver().Resolve(assetPath.substr(0, end)));
+    const std::string schemas = Schemas(context);
+    return tailor::fields(text.GetBytes(), TailorStr(schemas), TailorStr(arguments));
 }
 
 /// The shortest text that reads as the same number again: a layer's identity is the text of its arguments.
@@ -97,16 +112,17 @@ void TailorComposeArguments(
     const std::string &assetPath, const PcpDynamicFileFormatContext &context,
     SdfFileFormat::FileFormatArguments *arguments)
 {
-    for (const Field &field : Fields()) {
+    for (const tailor::Field &field : Fields(assetPath, context)) {
+        const std::string attribute(field.attribute);
         VtValue value;
-        if (!context.ComposeAttributeDefaultValue(TfToken(field.attribute), &value) || IsNothing(value)) {
+        if (!context.ComposeAttributeDefaultValue(TfToken(attribute), &value) || IsNothing(value)) {
             continue;
         }
         if (const std::optional<std::string> text = Text(value)) {
-            (*arguments)[field.argument] = *text;
+            (*arguments)[std::string(field.argument)] = *text;
         } else {
             TF_WARN(
-                "%s: %s is a %s, which no option is; it is left out", assetPath.c_str(), field.attribute.c_str(),
+                "%s: %s is a %s, which no option is; it is left out", assetPath.c_str(), attribute.c_str(),
                 value.GetTypeName().c_str());
         }
     }
@@ -114,12 +130,13 @@ void TailorComposeArguments(
 
 bool TailorIsArgument(const TfToken &attributeName)
 {
-    for (const Field &field : Fields()) {
-        if (attributeName == field.attribute) {
-            return true;
-        }
-    }
-    return false;
+    const std::string name = TfStringify(attributeName);
+    return tailor::is_field(TailorStr(name));
+}
+
+bool TailorNamesInstances(const TfToken &field)
+{
+    return field == AppliedSchemas;
 }
 
 PXR_NAMESPACE_CLOSE_SCOPE

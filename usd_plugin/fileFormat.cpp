@@ -143,6 +143,12 @@ void TailorFileFormat::ComposeFieldsForFileFormatArguments(
     TailorComposeArguments(assetPath, context, arguments);
 }
 
+bool TailorFileFormat::CanFieldChangeAffectFileFormatArguments(
+    const TfToken &field, const VtValue &oldValue, const VtValue &newValue, const VtValue &) const
+{
+    return TailorNamesInstances(field) && oldValue != newValue;
+}
+
 bool TailorFileFormat::CanAttributeDefaultValueChangeAffectFileFormatArguments(
     const TfToken &attributeName, const VtValue &oldValue, const VtValue &newValue, const VtValue &) const
 {

@@ -25,6 +25,9 @@ public:
     void ComposeFieldsForFileFormatArguments(
         const std::string &assetPath, const PcpDynamicFileFormatContext &context, FileFormatArguments *arguments,
         VtValue *contextDependencyData) const override;
+    bool CanFieldChangeAffectFileFormatArguments(
+        const TfToken &field, const VtValue &oldValue, const VtValue &newValue,
+        const VtValue &contextDependencyData) const override;
     bool CanAttributeDefaultValueChangeAffectFileFormatArguments(
         const TfToken &attributeName, const VtValue &oldValue, const VtValue &newValue,
         const VtValue &contextDependencyData) const override;

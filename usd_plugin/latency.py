@@ -1,8 +1,9 @@
 """Time of one edit through a dynamic payload: from the attribute's new value until the recomposed points are read.
 
-    PXR_PLUGINPATH_NAME=target/usd_plugin target/venv/bin/python usd_plugin/latency.py [GARMENT LENGTH]
+    PXR_PLUGINPATH_NAME=$PWD/target/usd_plugin target/venv/bin/python usd_plugin/latency.py [GARMENT LENGTH]
 
-LENGTH is an edge length that fits the garment. USDTAILOR_DEBUG=1 adds where the time goes.
+LENGTH is an edge length that fits the garment. Where the garment's model has seams or thicknesses, one of each is edited too;
+without arguments it is examples/sewn/coat.usda. USDTAILOR_DEBUG=1 adds where the time goes.
 """
 
 import json
@@ -16,16 +17,34 @@ from pathlib import Path
 from pxr import Sdf, Usd
 
 SAMPLES = 9
+# What a seam's and a thickness's attribute is set to by turns, as shares of what it is.
+SHARES = (0.9, 0.8, 0.7)
+EDITED = {"TailorSeamAPI": ("seam", ("normalOffset", "width")), "TailorThicknessAPI": ("thickness", ("amount",))}
 
 
-def garments(source, folder):
-    """Copies that differ in a word, so that nothing of one is known when the next is opened."""
-    flat = Usd.Stage.Open(source).Flatten(addSourceFileComment=False)
+def operators(stage):
+    """An attribute of the first seam and of the first thickness of the model, by name, each with its value."""
+    found, left = {}, dict(EDITED)
+    for prim in stage.Traverse():
+        for schema, _, name in (applied.partition(":") for applied in prim.GetAppliedSchemas()):
+            space, fields = left.pop(schema, ("", ()))
+            for field in fields:
+                found[f"{space}:{name}:{field}"] = prim.GetAttribute(f"tailor:{space}:{name}:{field}").Get()
+    return found
+
+
+def garments(flat, names, folder):
+    """Copies that differ in a word, so that nothing of one is known when the next is opened; `names` are those of seams and
+    thicknesses that the payload shall follow."""
+    instances = defaultdict(dict)
+    for name in names:
+        space, instance, _ = name.split(":")
+        instances[space][instance] = {}
     for i in range(SAMPLES):
         flat.customLayerData = {"copy": i}
         flat.Export(str(Path(folder, f"copy{i}.usdc")))
         recipe = Path(folder, f"copy{i}.tailor")
-        recipe.write_text(json.dumps({"source": f"copy{i}.usdc"}))
+        recipe.write_text(json.dumps({"source": f"copy{i}.usdc", **instances}))
         yield recipe
 
 
@@ -37,7 +56,7 @@ def edit(prim, name, kind, value, product):
     return (time.perf_counter() - start) * 1e3
 
 
-def measure(recipe, length, times):
+def measure(recipe, length, values, times):
     stage = Usd.Stage.CreateInMemory()
     prim = stage.DefinePrim("/Garment")
     start = time.perf_counter()
@@ -50,14 +69,19 @@ def measure(recipe, length, times):
         times["sim:maxEdgeLength"].append(
             edit(prim, "tailor:sim:maxEdgeLength", Sdf.ValueTypeNames.Float, length * factor, "sim")
         )
+    for name, value in values.items():
+        for share in SHARES:
+            times[name].append(edit(prim, f"tailor:{name}", Sdf.ValueTypeNames.Float, share * value, "render"))
 
 
 def main():
-    source, length = sys.argv[1:3] if len(sys.argv) > 2 else ("examples/coat.usda", 2.7)
+    source, length = sys.argv[1:3] if len(sys.argv) > 2 else ("examples/sewn/coat.usda", 2.7)
+    stage = Usd.Stage.Open(source)
+    values, flat = operators(stage), stage.Flatten(addSourceFileComment=False)
     times = defaultdict(list)
     with tempfile.TemporaryDirectory() as folder:
-        for recipe in garments(source, folder):
-            measure(recipe, float(length), times)
+        for recipe in garments(flat, values, folder):
+            measure(recipe, float(length), values, times)
     for name, all_times in times.items():
         middle, least, most = statistics.median(all_times), min(all_times), max(all_times)
         print(f"{name:<30} median {middle:6.1f} ms   least {least:6.1f} ms   most {most:6.1f} ms")

@@ -18,11 +18,6 @@ PXR_NAMESPACE_OPEN_SCOPE
 
 namespace {
 
-rust::Str Str(const std::string &text)
-{
-    return rust::Str(text.data(), text.size());
-}
-
 rust::Vec<tailor::Argument> Arguments(const SdfFileFormat::FileFormatArguments &arguments)
 {
     rust::Vec<tailor::Argument> all;
@@ -85,19 +80,29 @@ bool TailorIsRecipe(const std::string &path)
     return SdfFileFormat::GetFileExtension(path) == "tailor";
 }
 
+TailorRecipeText::TailorRecipeText(const ArResolvedPath &path)
+    : _asset(ArGetResolver().OpenAsset(path)), _text(_asset ? _asset->GetBuffer() : nullptr)
+{
+    // A file without content has no buffer either, and is a matter for the reader.
+    if (!_text && _asset && _asset->GetSize() > 0) {
+        _asset.reset();
+    }
+}
+
+rust::Slice<const uint8_t> TailorRecipeText::GetBytes() const
+{
+    return {reinterpret_cast<const uint8_t *>(_text.get()), _text ? _asset->GetSize() : 0};
+}
+
 rust::Box<tailor::Document>
 TailorReadDocument(const std::string &resolvedPath, const SdfFileFormat::FileFormatArguments &arguments)
 {
-    const std::shared_ptr<ArAsset> asset = ArGetResolver().OpenAsset(ArResolvedPath(resolvedPath));
-    const std::shared_ptr<const char> text = asset ? asset->GetBuffer() : nullptr;
-    // A file without content has no buffer either, and is a matter for the reader.
-    if (!text && !(asset && asset->GetSize() == 0)) {
+    const TailorRecipeText text{ArResolvedPath(resolvedPath)};
+    if (!text.IsReadable()) {
         throw TailorFault(resolvedPath, "the file cannot be read", "check that it is there and may be read");
     }
     const rust::Vec<tailor::Argument> all = Arguments(arguments);
-    return tailor::read_document(
-        Str(resolvedPath), {reinterpret_cast<const uint8_t *>(text.get()), asset->GetSize()},
-        {all.data(), all.size()});
+    return tailor::read_document(TailorStr(resolvedPath), text.GetBytes(), {all.data(), all.size()});
 }
 
 std::string TailorGetSource(const tailor::Document &document, const std::string &resolvedPath)

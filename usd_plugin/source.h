@@ -4,15 +4,37 @@
 #include "tailor-usd-plugin/src/lib.rs.h"
 
 #include <pxr/pxr.h>
+#include <pxr/usd/ar/asset.h>
+#include <pxr/usd/ar/resolvedPath.h>
 #include <pxr/usd/sdf/fileFormat.h>
 
+#include <memory>
 #include <optional>
 #include <string>
 
 PXR_NAMESPACE_OPEN_SCOPE
 
+/// A text as Rust takes it, as long as it is there.
+inline rust::Str TailorStr(const std::string &text)
+{
+    return rust::Str(text.data(), text.size());
+}
+
 /// Whether a path, with or without arguments, is that of a `.tailor` file.
 bool TailorIsRecipe(const std::string &path);
+
+/// The text of a `.tailor` file through the resolver; empty where it cannot be read.
+class TailorRecipeText {
+public:
+    explicit TailorRecipeText(const ArResolvedPath &path);
+
+    bool IsReadable() const { return bool(_asset); }
+    rust::Slice<const uint8_t> GetBytes() const;
+
+private:
+    std::shared_ptr<ArAsset> _asset;
+    std::shared_ptr<const char> _text;
+};
 
 /// Reads a `.tailor` file through the resolver; throws what is wrong with it.
 rust::Box<tailor::Document>

@@ -3,6 +3,7 @@
 use super::build::Built;
 use super::text;
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -94,6 +95,7 @@ fn report(built: &Built) -> Value {
         "sim": p.sim_figures,
         "remesh": p.remesh,
         "render": p.render_figures,
+        "operatorFaces": text::made(p).into_iter().collect::<BTreeMap<_, _>>(),
         "stages": p.stages,
         "warnings": built.warnings.iter().map(text::warning_json).collect::<Vec<_>>(),
     })

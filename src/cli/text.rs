@@ -5,7 +5,9 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use tailor::error::{Error, Warning, Warnings};
+use tailor::garment::Elements;
 use tailor::pipeline::Products;
+use tailor::recipe::Recipe;
 
 /// Writes warnings to standard error, with the name of the input where there are several.
 pub fn print_warnings(warnings: &Warnings, quiet: bool, input: Option<&PathBuf>) {
@@ -76,6 +78,10 @@ pub fn summary(input: &Path, output: &Path, products: &Products, verbose: bool) 
         percent(r.quads),
         recipe.render.level
     );
+    let operators = operators(recipe);
+    if !operators.is_empty() {
+        let _ = writeln!(t, "          {} operators: {}", operators.len(), operators.join(", "));
+    }
     let _ = write!(t, "  time   ");
     for stage in &products.stages {
         let _ = write!(t, " {} {:.0} ms", stage.name, stage.seconds * 1e3);
@@ -88,10 +94,37 @@ pub fn summary(input: &Path, output: &Path, products: &Products, verbose: bool) 
             "  rounds  {} with {} splits, {} collapses, {} flips",
             m.rounds, m.splits, m.collapses, m.flips
         );
+        for (name, faces) in made(products) {
+            let _ = writeln!(t, "  made    {name}: {faces} faces");
+        }
         for area in &s.subset_areas {
             let _ = writeln!(t, "  set     {}: area {:.3} of {:.3}", area.name, area.area, area.source_area);
         }
         let _ = writeln!(t, "  recipe  {}", serde_json::to_string(recipe).unwrap_or_default());
     }
     t
+}
+
+/// The operators of the render mesh, in their order.
+fn operators(recipe: &Recipe) -> Vec<String> {
+    if !recipe.render.operators.is_empty() {
+        return recipe.render.operators.clone();
+    }
+    let seams = recipe.seams.keys().map(|name| format!("seam.{name}"));
+    seams.chain(recipe.thicknesses.keys().map(|name| format!("thickness.{name}"))).collect()
+}
+
+/// The face sets of what each operator made, with their sizes; none unless `render.faceSets` asks for them.
+pub fn made(products: &Products) -> Vec<(String, usize)> {
+    let Recipe { render, seams, thicknesses, .. } = &products.recipe;
+    if !render.face_sets {
+        return Vec::new();
+    }
+    let seams = seams.keys().map(|name| format!("{name}_seam"));
+    let layers = thicknesses.keys().flat_map(|name| ["hem", "inner"].map(|part| format!("{name}_{part}")));
+    let found = |name: String| match &products.render.subset(&name)?.elements {
+        Elements::Faces(faces) => Some((name, faces.len())),
+        _ => None,
+    };
+    seams.chain(layers).filter_map(found).collect()
 }

@@ -32,7 +32,11 @@ fn finite(key: &str, value: f32) -> Result<(), Error> {
 
 fn named(key: &str, names: &[String], kind: &str) -> Result<(), Error> {
     if names.is_empty() {
-        return fault(key, &format!("it names no {kind} subset"), &format!("name a {kind} subset of the mesh"));
+        return fault(
+            key,
+            &format!("it names no {kind} subset"),
+            &format!("name one of the {kind} subsets of the mesh"),
+        );
     }
     Ok(())
 }

@@ -216,6 +216,38 @@ say(strings=after("tailor:sim:constraints", "StringArray", ["hem", "armholes"]))
     assert found["strings"] == found["array"]
 
 
+@pytest.mark.parametrize("named_by", ["file", "schema"])
+def test_a_seam_of_a_payload_follows_its_offset(plugin, shirt, tmp_path, named_by):
+    recipe = shirt()
+    seam = {"edges": ["armholes"], "width": 0.8}
+    if named_by == "file":
+        recipe.write_text(json.dumps({"source": "shirt.usda", **RECIPE, "seam": {"sleeve": seam}}))
+    (tmp_path / "shot.usda").write_text('#usda 1.0\ndef "A" (payload = @shirt.tailor@)\n{\n}\n')
+    found, said = plugin.run(
+        """
+stage = Usd.Stage.Open(sys.argv[1])
+prim = stage.GetPrimAtPath("/A")
+plain = len(points(stage, "render"))
+if sys.argv[2] == "schema":
+    prim.AddAppliedSchema("TailorSeamAPI:sleeve")
+    prim.CreateAttribute("tailor:seam:sleeve:edges", Sdf.ValueTypeNames.TokenArray).Set(["armholes"])
+    prim.CreateAttribute("tailor:seam:sleeve:width", Sdf.ValueTypeNames.Float).Set(0.8)
+offset = prim.CreateAttribute("tailor:seam:sleeve:normalOffset", Sdf.ValueTypeNames.Float)
+def after(value):
+    offset.Set(value)
+    return points(stage, "render")
+groove, ridge, again = after(-0.1), after(0.1), after(-0.1)
+away = max(sum((x - y) ** 2 for x, y in zip(a, b)) ** 0.5 for a, b in zip(groove, ridge))
+say(plain=plain, sewn=len(groove), same=groove == again, away=away)
+""",
+        tmp_path / "shot.usda",
+        named_by,
+    )
+    assert (found["sewn"] > found["plain"]) == (named_by == "schema"), "the file's seam is there from the beginning"
+    assert found["same"] and 0.1 < found["away"] < 1
+    assert "TF_CODING_ERROR" not in said and "Coding Error" not in said
+
+
 @pytest.mark.parametrize("held", ["nobody", "another stage"])
 def test_a_reload_reads_the_edited_source_though_an_old_one_is_in_memory(plugin, shirt, tmp_path, held):
     shirt()

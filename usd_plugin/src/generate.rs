@@ -1,12 +1,12 @@
 //! From a recipe and a composed source to a layer, through the one [`Session`] of the process.
 
-use crate::ffi::{Argument, Field, Generated};
+use crate::ffi::{Argument, Generated};
 use std::collections::HashSet;
 use std::path::Path;
 use std::str;
 use std::sync::{LazyLock, Mutex, PoisonError};
 use tailor::error::{Error, Warnings};
-use tailor::recipe::{self, KEYS};
+use tailor::recipe;
 use tailor::session::Session;
 
 /// Memory for results, where `USDTAILOR_CACHE_MB` says nothing. \[megabytes\]
@@ -62,11 +62,6 @@ impl Document {
         let texts = warnings.iter().map(ToString::to_string);
         texts.filter(|text| told.insert(format!("{}\n{text}", self.path))).collect()
     }
-}
-
-pub fn fields() -> Vec<Field> {
-    let field = |key: &str| Field { attribute: format!("tailor:{}", key.replace('.', ":")), argument: key.into() };
-    KEYS.iter().map(|key| field(key.0)).collect()
 }
 
 /// As many threads as OpenUSD takes by `PXR_WORK_THREAD_LIMIT`: all when it is not set or 0, and all but so many when

@@ -4,6 +4,7 @@
 //! The C++ beside this crate is the file format as OpenUSD knows it: it finds the source, composes it and fills the
 //! layer. Everything else is decided here and in [`tailor`]. `cargo xtask plugin` builds both into one library.
 
+mod fields;
 mod generate;
 
 use ffi::{Argument, Field, Generated};
@@ -46,8 +47,12 @@ mod ffi {
         /// The layer: what `usdtailor build` writes. `flattened` is the composed source as crate bytes.
         fn generate(document: &Document, flattened: &[u8], metadata_only: bool) -> Result<Generated>;
 
-        /// The attributes that a dynamic payload reads, from `tailor::recipe::KEYS`.
-        fn fields() -> Vec<Field>;
+        /// The attributes that a dynamic payload reads. The text of its `.tailor` file, the schemas of its prim as OpenUSD
+        /// prints them and its arguments name the seams and thicknesses among them.
+        fn fields(recipe: &[u8], schemas: &str, arguments: &str) -> Vec<Field>;
+
+        /// Whether an attribute can be one of those.
+        fn is_field(attribute: &str) -> bool;
     }
 }
 
@@ -66,9 +71,13 @@ fn generate(document: &Document, flattened: &[u8], metadata_only: bool) -> Resul
     guarded(|| document.generate(flattened, metadata_only)).map_err(|message| named(document.path(), message))
 }
 
-fn fields() -> Vec<Field> {
+fn fields(recipe: &[u8], schemas: &str, arguments: &str) -> Vec<Field> {
     // There is no way to report a fault from here; without fields, payloads are not dynamic.
-    guarded(|| Ok(generate::fields())).unwrap_or_default()
+    guarded(|| Ok(fields::fields(recipe, schemas, arguments))).unwrap_or_default()
+}
+
+fn is_field(attribute: &str) -> bool {
+    guarded(|| Ok(fields::is_field(attribute))).unwrap_or_default()
 }
 
 /// Runs `work` so that a panic becomes an error: one that left this library would abort the program that loaded it.
@@ -136,15 +145,5 @@ mod tests {
     fn the_source_is_as_the_file_names_it() {
         let document = read_document("a.tailor", br#"{"source": "../coat.usda"}"#, &[]).expect("a recipe");
         assert_eq!(document.source(), "../coat.usda");
-    }
-
-    #[test]
-    fn every_option_has_its_attribute() {
-        let fields = fields();
-        assert_eq!(fields.len(), tailor::recipe::KEYS.len());
-        for field in fields {
-            assert_eq!(field.attribute, format!("tailor:{}", field.argument.replace('.', ":")));
-            assert!(tailor::recipe::KEYS.iter().any(|key| key.0 == field.argument));
-        }
     }
 }

@@ -24,7 +24,7 @@ Tasks:
   schemas [--check]            Write schemas/generatedSchema.usda and plugInfo.json from schema.usda;
                                --check only compares, and fails on a difference
   examples [ARGS...]           Write the garments in examples/ (examples/make_garments.py)
-  picture                      Build examples/coat.usda and draw the input and both meshes as examples/coat.png
+  picture                      Build examples/coat.usda and examples/sewn/coat.usda and draw both, as examples/*.png
   golden [ARGS...]             Write the OpenSubdiv reference data of the subdivision tests (needs cmake and C++)
   plugin [OPTIONS]             Build the OpenUSD plugin into target/usd_plugin (see below)
   peers                        Compare remeshing with other remeshers, in time and quality
@@ -92,12 +92,25 @@ fn examples(project: &Project, args: &[String]) -> Outcome {
     process::run(project.command(python).arg("examples/make_garments.py").args(args))
 }
 
-/// Draws what a user gets: the stage is built by the release binary, into a folder of its own.
+/// Draws what a user gets: the stages are built by the release binary, into a folder of its own.
 fn picture(project: &Project) -> Outcome {
     let python = venv::ensure(project)?;
     steps::build(project)?;
     let folder = project.scratch("picture")?;
-    let built = folder.join("coat.usda");
-    process::run(project.command(project.binary()).args(["build", "examples/coat.usda", "-o"]).arg(&built))?;
-    process::run(project.command(python).arg("examples/picture.py").arg(&built).args(["-o", "examples/coat.png"]))
+    let built = |source: &str, name: &str, options: &[&str]| {
+        let path = folder.join(name);
+        let mut command = project.command(project.binary());
+        process::run(command.args(["build", source, "-o"]).arg(&path).args(options)).map(|()| path)
+    };
+    let coat = built("examples/coat.usda", "coat.usda", &[])?;
+    let [cage, surface] = ["0", "3"].map(|level| {
+        built("examples/sewn/coat.usda", &format!("sewn{level}.usda"), &["--set", &format!("render.level={level}")])
+    });
+    let script = |name: &str| {
+        let mut command = project.command(&python);
+        command.arg(format!("examples/{name}"));
+        command
+    };
+    process::run(script("picture.py").arg(&coat).args(["-o", "examples/coat.png"]))?;
+    process::run(script("sew.py").arg("draw").args([cage?, surface?]).args(["-o", "examples/sewn.png"]))
 }

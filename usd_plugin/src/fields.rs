@@ -1,0 +1,128 @@
+//! The attributes of a prim that a dynamic payload reads.
+//!
+//! OpenUSD composes attributes whose names it is told. Those of seams and thicknesses hold the names of instances, which
+//! the `.tailor` file, the applied schemas of the prim and the arguments of the asset path tell.
+
+use crate::ffi::Field;
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::str;
+use tailor::recipe::{INSTANCE_KEYS, KEYS, RecipeFile};
+
+/// A kind of operator and the name of one of that kind.
+type Instance = (&'static str, String);
+
+/// The attributes that a payload reads: those of the options that each recipe has once, and of the instances that the
+/// text of the `.tailor` file, applied schemas as OpenUSD prints them, and arguments (`key=value`, separated by `&`) name.
+pub fn fields(recipe: &[u8], schemas: &str, arguments: &str) -> Vec<Field> {
+    let instances: BTreeSet<Instance> =
+        in_recipe(recipe).into_iter().chain(in_schemas(schemas)).chain(in_arguments(arguments)).collect();
+    let of_instances = instances.iter().flat_map(|(kind, name)| {
+        let keys = INSTANCE_KEYS.iter().filter(move |key| key.kind == *kind);
+        keys.map(move |key| format!("{kind}.{name}.{}", key.field))
+    });
+    KEYS.iter().map(|key| key.0.to_owned()).chain(of_instances).map(field).collect()
+}
+
+/// Whether an attribute can be one of those, whatever the names of the instances.
+pub fn is_field(attribute: &str) -> bool {
+    let Some((space, rest)) = attribute.strip_prefix("tailor:").and_then(|a| a.split_once(':')) else { return false };
+    KEYS.iter().any(|key| key.0.split_once('.') == Some((space, rest)))
+        || rest
+            .rsplit_once(':')
+            .is_some_and(|(_, field)| INSTANCE_KEYS.iter().any(|key| key.kind == space && key.field == field))
+}
+
+fn field(argument: String) -> Field {
+    Field { attribute: format!("tailor:{}", argument.replace('.', ":")), argument }
+}
+
+fn kinds() -> BTreeSet<&'static str> {
+    INSTANCE_KEYS.iter().map(|key| key.kind).collect()
+}
+
+/// A text that is no recipe names nothing: its fault is told when it is read.
+fn in_recipe(text: &[u8]) -> Vec<Instance> {
+    let file = str::from_utf8(text).ok().and_then(|text| RecipeFile::parse(Path::new(""), text).ok());
+    let layer = file.map(RecipeFile::into_layer).unwrap_or_default();
+    let names = |kind: &'static str| {
+        let of_kind = layer.get(kind).and_then(|fields| fields.as_object());
+        of_kind.into_iter().flat_map(|fields| fields.keys()).map(move |name| (kind, name.clone()))
+    };
+    kinds().into_iter().flat_map(names).collect()
+}
+
+/// `TailorSeamAPI:placket` in a text that holds other words too.
+fn in_schemas(text: &str) -> Vec<Instance> {
+    let words: Vec<&str> = text.split(|c: char| c.is_whitespace() || "[],".contains(c)).collect();
+    let named = |kind: &'static str| {
+        let schema = schema(kind);
+        let names = words.iter().filter_map(move |word| word.strip_prefix(&schema)).filter(|name| !name.is_empty());
+        names.map(|name| (kind, name.to_owned())).collect::<Vec<_>>()
+    };
+    kinds().into_iter().flat_map(named).collect()
+}
+
+/// The multiple-apply schema of a kind, up to the name of the instance.
+fn schema(kind: &str) -> String {
+    let mut letters = kind.chars();
+    let first: String = letters.next().into_iter().flat_map(char::to_uppercase).collect();
+    format!("Tailor{first}{}API:", letters.as_str())
+}
+
+fn in_arguments(text: &str) -> Vec<Instance> {
+    let key = |argument: &str| {
+        let (key, _) = argument.split_once('=')?;
+        let (kind, rest) = key.split_once('.')?;
+        let (name, _) = rest.rsplit_once('.')?;
+        Some((kinds().into_iter().find(|known| *known == kind)?, name.to_owned()))
+    };
+    text.split('&').filter_map(key).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn attributes(recipe: &str, schemas: &str, arguments: &str) -> Vec<String> {
+        let all = fields(recipe.as_bytes(), schemas, arguments);
+        all.into_iter().map(|f| f.attribute).skip(KEYS.len()).collect()
+    }
+
+    #[test]
+    fn options_that_a_recipe_has_once_are_always_read() {
+        let all = fields(b"", "", "");
+        assert_eq!(all.len(), KEYS.len());
+        for field in all {
+            assert_eq!(field.attribute, format!("tailor:{}", field.argument.replace('.', ":")));
+            assert!(KEYS.iter().any(|key| key.0 == field.argument) && is_field(&field.attribute));
+        }
+    }
+
+    #[test]
+    fn instances_are_named_by_file_schemas_and_arguments() {
+        let file = r#"{"source": "a.usda", "seam": {"placket": {}}, "thickness": {"hem": {"amount": 1}}}"#;
+        let found = attributes(file, "", "");
+        assert_eq!(found.len(), INSTANCE_KEYS.len());
+        assert!(found.contains(&"tailor:seam:placket:normalOffset".to_owned()));
+        assert!(found.contains(&"tailor:thickness:hem:weights".to_owned()));
+        let printed = "SdfListOp(Prepended Items: [TailorSimAPI, TailorSeamAPI:left:hip, TailorSeamAPI:back])\n";
+        let found = attributes("", printed, "sim.seed=1&seam.dart.width=2&seam.back.width=2");
+        for name in ["left:hip", "back", "dart"] {
+            assert!(found.contains(&format!("tailor:seam:{name}:width")), "{found:?}");
+        }
+        assert!(found.iter().all(|attribute| is_field(attribute)));
+        assert_eq!(found.len(), 3 * INSTANCE_KEYS.iter().filter(|key| key.kind == "seam").count());
+    }
+
+    #[test]
+    fn a_text_that_is_no_recipe_and_other_schemas_name_nothing() {
+        assert!(
+            attributes("{", "SdfListOp(Explicit Items: [TailorSeamAPI:, SkelBindingAPI:x])", "seam=1&a.b.c=2")
+                .is_empty()
+        );
+        for other in ["tailor:seam:width", "tailor:seam:a:wide", "tailor:sim:maxEdge", "primvars:seam:a:width"] {
+            assert!(!is_field(other), "{other}");
+        }
+    }
+}
