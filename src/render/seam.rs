@@ -1,14 +1,16 @@
 //! Seams: edge sets as grooves or ridges of a width.
 //!
 //! ```text
-//!        left            right         height along the normal
-//!  width | flank | centre | flank | width
-//!    o-------o-------*-------o-------o   * = normalOffset, which a cubic B-spline brings to 0 at the width
-//!                                        o = the surface as it was; with a depth the inner flanks are further out
+//!                 left            right                 height along the normal
+//!  hold | width | flank | centre | flank | width | hold
+//!    o------o-------o-------*-------o-------o------o    * = normalOffset, which a cubic B-spline brings to 0 at the
+//!                                                       width; with a depth the flanks are further out
 //! ```
 //!
-//! Only the centre has a height, with a depth also the line beside it, and two lines follow. So by the masks of
-//! Catmull-Clark all that is outside the width is the surface as it was.
+//! Only the centre has a height, with a depth also the line beside it, and two lines follow to the width. All lines are
+//! as far from each other, so by the masks of Catmull-Clark the limits of the flank and of the width are where their
+//! lines are, and all that is outside the width is the surface as it was. Without the line that holds, the width would
+//! be drawn outwards by the faces beside it, by a third of it.
 //!
 //! Seams that follow one another in the stack are one network: they cross, meet and share room as equals, whatever
 //! their order. Left is the left-hand side of one who walks the chain with the normals up; a chain runs as most of its
@@ -26,11 +28,10 @@ use chains::Network;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-/// Lines of each side as shares of its width: on the flank, and where the surface begins. With the first nearer to the
-/// centre the seam is sharper.
-const LINES: [f32; 2] = [0.5, 1.0];
+/// Lines of each side as shares of its width: on the flank, where the surface begins, and outside, to hold it there.
+const LINES: [f32; 3] = [0.5, 1.0, 1.5];
 /// The same with a line on the flank.
-const SWOLLEN_LINES: [f32; 3] = [0.33, 0.67, 1.0];
+const SWOLLEN_LINES: [f32; 4] = [1.0 / 3.0, 2.0 / 3.0, 1.0, 4.0 / 3.0];
 /// Least part of the width on one side, so that at full asymmetry both lines are apart and the steep flank is not turned
 /// over.
 const LEAST_SIDE: f32 = 0.05;
@@ -84,7 +85,7 @@ impl Seams {
 
     /// The line of the width; those before it are on the flank.
     fn width_line(&self) -> usize {
-        self.shares().len() - 1
+        self.shares().len() - 2
     }
 
     fn is_swollen(&self) -> bool {

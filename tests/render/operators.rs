@@ -79,6 +79,36 @@ fn the_centre_line_is_at_the_offset() {
 }
 
 #[test]
+fn the_faces_of_a_seam_are_as_wide_as_asked() {
+    let garment = checked(shapes().remove(0).1);
+    for (asymmetry, depth) in [(0.0, 0.0), (0.5, 0.0), (-0.8, 0.0), (0.0, 0.03), (0.5, -0.02)] {
+        let mut options: Vec<String> = [
+            "seam.s.edges=ring",
+            "seam.s.width=0.4",
+            "seam.s.normalOffset=-0.1",
+            "render.level=3",
+            "render.faceSets=true",
+        ]
+        .map(str::to_owned)
+        .into();
+        options.extend([format!("seam.s.asymmetry={asymmetry}"), format!("seam.s.depth={depth}")]);
+        let options: Vec<&str> = options.iter().map(String::as_str).collect();
+        let (mesh, _) = rendered(&garment, &options);
+        let places = limit(&mesh);
+        let Some(Elements::Faces(faces)) = mesh.subset("s_seam").map(|s| &s.elements) else { panic!("a set") };
+        let within = faces.iter().flat_map(|&f| mesh.faces.vertices_of(f)).map(|&v| places[v]);
+        // The line runs to the right of x at y = 4, so its left is above it.
+        let across: Vec<f32> =
+            within.filter(|p| (p.x - 4.5).abs() < 0.3 && (p.y - 4.0).abs() < 1.0).map(|p| p.y - 4.0).collect();
+        let sides = [across.iter().copied().fold(0.0, f32::max), -across.iter().copied().fold(0.0, f32::min)];
+        let asked = [0.2 * (1.0 - asymmetry), 0.2 * (1.0 + asymmetry)];
+        for (side, asked) in sides.into_iter().zip(asked) {
+            assert!((side - asked).abs() < EXACT * 0.4, "{options:?}: {sides:?}, asked for {asked}");
+        }
+    }
+}
+
+#[test]
 fn a_seam_keeps_its_width() {
     // On a plane the surface is untouched from the width on, but for the shoulder's overshoot.
     let garment = checked(shapes().remove(0).1);
