@@ -199,6 +199,22 @@ pub enum Warning {
         /// What is left of the distance at the thinnest place, as a share.
         least: f32,
     },
+    /// A face set of an operator whose name another subset has.
+    SetRenamed {
+        /// The name that it would have.
+        wanted: String,
+        /// The name that it has.
+        name: String,
+    },
+    /// Faces that cross others or are turned over, whatever their heights.
+    Unsound {
+        /// The operators, by kind and name.
+        operator: String,
+        /// How many faces of the cage.
+        count: usize,
+        /// Points of the input beside them.
+        examples: Vec<usize>,
+    },
     /// Faces that have no second layer, since their neighbours look the other way.
     BareFaces {
         /// Name of the thickness.
@@ -308,6 +324,16 @@ impl fmt::Display for Warning {
                 let some = some(*count, "points", examples, usize::to_string);
                 write!(f, "thickness.{thickness} is thinner than asked at {count} places ({some}), down to ")?;
                 write!(f, "{:.0} % of its amount, where it would cross itself or another part", least * 100.0)
+            }
+            Self::SetRenamed { wanted, name } => {
+                write!(f, "the faces that would be {wanted} are {name}, as the mesh has a subset {wanted} already; ")?;
+                write!(f, "rename the operator")
+            }
+            Self::Unsound { operator, count, examples } => {
+                let points: Vec<String> = examples.iter().map(usize::to_string).collect();
+                let at = if points.is_empty() { String::new() } else { format!(", near points {}", points.join(", ")) };
+                write!(f, "{operator}: {count} faces of the cage cross others or are turned over{at}; the surface ")?;
+                write!(f, "bends too tightly for it there: make it narrower or thinner, or take those places out")
             }
             Self::BareFaces { thickness, count, examples } => {
                 let some = some(*count, "points", examples, usize::to_string);

@@ -226,10 +226,13 @@ fn add_border_holes(cage: &mut Garment) {
 }
 
 /// A subset of new faces, under a name that no other subset has.
-fn new_set(garment: &Garment, name: &str, faces: Vec<FaceId>) -> Subset {
-    let mut numbered = (1..).map(|n| if n == 1 { name.to_owned() } else { format!("{name}_{n}") });
-    let free = numbered.find(|name| garment.subset(name).is_none());
-    Subset { name: free.unwrap_or_default(), family: String::new(), elements: Elements::Faces(faces), sharpness: None }
+fn new_set(garment: &Garment, wanted: &str, faces: Vec<FaceId>, warnings: &mut Warnings) -> Subset {
+    let mut numbered = (1..).map(|n| if n == 1 { wanted.to_owned() } else { format!("{wanted}_{n}") });
+    let name = numbered.find(|name| garment.subset(name).is_none()).unwrap_or_default();
+    if name != wanted {
+        warnings.push(Warning::SetRenamed { wanted: wanted.to_owned(), name: name.clone() });
+    }
+    Subset { name, family: String::new(), elements: Elements::Faces(faces), sharpness: None }
 }
 
 /// Loop surfaces have no quads to work with.

@@ -170,7 +170,7 @@ impl Seams {
     }
 
     /// The faces within the width of each seam.
-    fn subsets(&self, cage: &Cage, network: &Network, lines: &Lines) -> Vec<Subset> {
+    fn subsets(&self, cage: &Cage, network: &Network, lines: &Lines, warnings: &mut Warnings) -> Vec<Subset> {
         if !self.names_sets {
             return Vec::new();
         }
@@ -178,7 +178,7 @@ impl Seams {
         let of = |(instance, (name, _)): (usize, &(String, SeamOptions))| {
             let within = lines.strips.iter().filter(|s| s.line <= width && network.seam[s.mark] == Some(instance));
             let faces: Vec<FaceId> = within.map(|s| s.face).collect();
-            super::new_set(cage.garment(), &format!("{name}_seam"), faces)
+            super::new_set(cage.garment(), &format!("{name}_seam"), faces, warnings)
         };
         self.seams.iter().enumerate().map(of).collect()
     }
@@ -229,14 +229,20 @@ impl Operator for Seams {
         };
         let lines = lines::insert(&request);
         let held = self.held(t, &network, &lines);
-        let subsets = self.subsets(cage, &network, &lines);
-        let warnings = self.warn(&network, &lines.narrowed);
+        let mut warnings = self.warn(&network, &lines.narrowed);
+        let subsets = self.subsets(cage, &network, &lines, &mut warnings);
         let (corners, creases, apart) = (Vec::new(), Vec::new(), Vec::new());
         Ok(Shape { derivation: lines.builder.finish(), held, subsets, corners, creases, apart, warnings })
     }
 
     fn heights(&self, shape: &Shape, _: &[(Vec3, Vec3)]) -> Vec<f32> {
         shape.held.iter().map(|held| self.height(&held.role).0).collect()
+    }
+
+    fn unsound(&self, count: usize, points: Vec<usize>) -> Warning {
+        let names: Vec<String> = self.seams.iter().map(|(name, _)| format!("seam.{name}")).collect();
+        let examples = points.into_iter().filter(|&v| v < self.own_points).take(EXAMPLES).collect();
+        Warning::Unsound { operator: names.join(", "), count, examples }
     }
 
     fn reduced(&self, shape: &Shape, given: &[f32]) -> Warnings {

@@ -7,12 +7,13 @@ use super::placed::{Placed, Room, least};
 use super::settle::{Raise, Settling, graded};
 use super::sound::{Kin, LEAST_SHARE, OPEN, States, sound};
 use super::surface::{Surface, limit_rows};
-use crate::error::{Error, Warnings};
+use crate::error::{Error, Warning, Warnings};
 use crate::garment::{Orientation, Subset};
 use crate::mesh::{CornerId, Csr, FaceId, IdVec, VertexId};
 use crate::subdivide::{Cage, INFINITE_SHARPNESS, Level, Lineage, carried_points};
 use glam::Vec3;
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 
 /// A step of the stack. Every operator is one type with this trait.
 pub trait Operator: Sync + Send {
@@ -36,6 +37,9 @@ pub trait Operator: Sync + Send {
 
     /// What to say of the heights that were given, where they are less than asked.
     fn reduced(&self, shape: &Shape, given: &[f32]) -> Warnings;
+
+    /// What to say of points of the input beside `count` faces that cross others or are turned over in spite of that.
+    fn unsound(&self, count: usize, points: Vec<usize>) -> Warning;
 }
 
 /// What a held vertex is for.
@@ -208,8 +212,19 @@ impl Formed {
         placed.points = sound.points;
         let given: Vec<f32> =
             self.shape.held.iter().zip(&given).map(|(held, height)| height * sound.shares[held.vertex]).collect();
-        let warnings = operator.reduced(&self.shape, &given);
+        let mut warnings = operator.reduced(&self.shape, &given);
+        if !sound.faults.is_empty() {
+            warnings.push(operator.unsound(sound.faults.len(), self.sources(&sound.faults)));
+        }
         (placed, warnings)
+    }
+
+    /// The vertices of the parent that vertices of faces are made of, each once.
+    fn sources(&self, faces: &[FaceId]) -> Vec<usize> {
+        let derivation = &self.shape.derivation;
+        let vertices = faces.iter().flat_map(|&f| derivation.faces.vertices_of(f));
+        let of = |v: &VertexId| derivation.vertices.at(v.index()).iter().map(|s| s.0.index());
+        vertices.flat_map(of).collect::<BTreeSet<usize>>().into_iter().collect()
     }
 
     /// Faces that moved and have another layer near, or less height than asked.

@@ -227,12 +227,13 @@ impl Thickness {
         held.iter().filter_map(offset).collect()
     }
 
-    fn subsets(&self, garment: &Garment, layer: &Layer) -> Vec<Subset> {
+    fn subsets(&self, garment: &Garment, layer: &Layer, warnings: &mut Warnings) -> Vec<Subset> {
         if !self.names_sets {
             return Vec::new();
         }
-        let set =
-            |end: &str, faces: &[FaceId]| super::new_set(garment, &format!("{}_{end}", self.name), faces.to_vec());
+        let mut set = |end: &str, faces: &[FaceId]| {
+            super::new_set(garment, &format!("{}_{end}", self.name), faces.to_vec(), warnings)
+        };
         vec![set("hem", &layer.hem), set("inner", &layer.inner)]
     }
 
@@ -345,7 +346,7 @@ impl Operator for Thickness {
     fn shape(&self, cage: &Cage) -> Result<Shape, Error> {
         super::refuse_loop(cage, &format!("thickness.{}", self.name))?;
         let (garment, t) = (cage.garment(), &cage.level().topology);
-        let (chosen, warnings) = self.coverable(cage);
+        let (chosen, mut warnings) = self.coverable(cage);
         let is_fold = |c: &CornerId| t.is_border(t.corner_edge[*c]) && chosen[t.faces.face_of(*c)];
         let border: Vec<CornerId> = t.faces.corners().ids().filter(is_fold).collect();
         if border.is_empty() && !self.options.closed {
@@ -374,7 +375,7 @@ impl Operator for Thickness {
         self.add_edges(t, &chosen, &folds, &layer, &mut lines);
         let held = self.held(cage, (&folds, &layer_ends(t, &chosen)), &layer, &lines);
         let apart = self.apart(cage, &held, &lines);
-        let subsets = self.subsets(garment, &layer);
+        let subsets = self.subsets(garment, &layer, &mut warnings);
         let (corners, creases) = sharpness(cage, &folds, &request.marked, &layer);
         Ok(Shape { derivation: lines.builder.finish(), held, subsets, corners, creases, apart, warnings })
     }
@@ -386,6 +387,11 @@ impl Operator for Thickness {
             _ => 0.0,
         };
         shape.held.iter().zip(&most).map(of).collect()
+    }
+
+    fn unsound(&self, count: usize, points: Vec<usize>) -> Warning {
+        let examples = points.into_iter().filter(|&v| v < self.own_points).take(EXAMPLES).collect();
+        Warning::Unsound { operator: format!("thickness.{}", self.name), count, examples }
     }
 
     fn reduced(&self, shape: &Shape, given: &[f32]) -> Warnings {

@@ -60,6 +60,8 @@ pub struct Sound {
     pub points: IdVec<VertexId, Vec3>,
     /// For each vertex the part that is left of its height.
     pub shares: IdVec<VertexId, f32>,
+    /// Faces that cross others or are turned over all the same.
+    pub faults: Vec<FaceId>,
 }
 
 /// The points, with as much of their heights as leaves the mesh sound.
@@ -73,13 +75,15 @@ pub fn sound(kin: &Kin, states: &States) -> Sound {
     let mut is_active: IdVec<FaceId, bool> = kin.moved.ids().map(is_active).collect();
     let mut active: Vec<FaceId> = kin.moved.ids().filter(|&f| is_active[f]).collect();
     // Where a step back makes more faults than it mends, as beside the free border of a layer, an earlier one is kept.
-    let mut best = (usize::MAX, points.clone(), steps.clone());
+    let mut best: Option<Sound> = None;
+    let share = |&s: &u8| LEAST_SHARE + (1.0 - LEAST_SHARE) * STEPS[usize::from(s)].0;
     for _ in 0..STEPS.len() {
         let faults = faults(kin, &mut skin, (&active, &is_active), &normals);
-        if faults.len() < best.0 {
-            best = (faults.len(), points.clone(), steps.clone());
-        }
+        let shares = steps.iter().map(share).collect();
         let changed = step_on(kin, &mut steps, &faults);
+        if best.as_ref().is_none_or(|best| faults.len() < best.faults.len()) {
+            best = Some(Sound { points: points.clone(), shares, faults });
+        }
         if changed.is_empty() {
             break;
         }
@@ -93,9 +97,7 @@ pub fn sound(kin: &Kin, states: &States) -> Sound {
         active.iter().for_each(|&f| is_active[f] = true);
         skin.update(&points, &active);
     }
-    let share = |&s: &u8| LEAST_SHARE + (1.0 - LEAST_SHARE) * STEPS[usize::from(s)].0;
-    let (_, points, steps) = best;
-    Sound { points, shares: steps.iter().map(share).collect() }
+    best.unwrap_or_else(|| Sound { points, shares: steps.iter().map(share).collect(), faults: Vec::new() })
 }
 
 /// Normals of the faces where the weights alone put them; none of faces without area.
