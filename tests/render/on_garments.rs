@@ -5,7 +5,7 @@ use crate::crossings::crossing_parents;
 use crate::garments::garments;
 use glam::Vec3;
 use std::collections::BTreeSet;
-use tailor::error::Warnings;
+use tailor::error::{Warning, Warnings};
 use tailor::garment::{Elements, Garment, Interpolation, Mixing, Primvar, Values, check_garment};
 use tailor::mesh::{FaceId, Topology};
 use tailor::pipeline::mean_edge_length;
@@ -22,20 +22,20 @@ type Known = [(&'static str, [usize; 3])];
 
 /// Faces that are turned over.
 const TURNED: &Known = &[
-    ("female_elegantsuit01.usdc", [12, 56, 106]),
+    ("female_elegantsuit01.usdc", [13, 56, 116]),
     ("female_sportsuit01.usdc", [0, 0, 1]),
-    ("male_casualsuit04.usdc", [0, 0, 5]),
-    ("male_worksuit01.usdc", [28, 3, 73]),
-    ("shoes01.usdc", [0, 0, 44]),
-    ("tshirt.usda", [0, 0, 7]),
+    ("male_casualsuit04.usdc", [0, 0, 7]),
+    ("male_worksuit01.usdc", [53, 3, 152]),
+    ("shoes01.usdc", [0, 0, 30]),
+    ("tshirt.usda", [0, 0, 4]),
 ];
 
 /// Pairs of faces of the garment whose children cross.
 const CROSSING: &Known = &[
     ("coat.usda", [0, 34, 34]),
-    ("fedora.usdc", [0, 0, 2]),
-    ("female_elegantsuit01.usdc", [2, 48, 50]),
-    ("male_worksuit01.usdc", [0, 4, 14]),
+    ("fedora.usdc", [0, 0, 1]),
+    ("female_elegantsuit01.usdc", [2, 48, 54]),
+    ("male_worksuit01.usdc", [7, 4, 23]),
 ];
 
 fn known(table: &Known, name: &str) -> [usize; 3] {
@@ -85,12 +85,19 @@ fn uv_seams(garment: &Garment) -> String {
 }
 
 fn made(garment: &Garment, options: &[String]) -> Garment {
+    let (mesh, _) = made_with_warnings(garment, options);
+    mesh
+}
+
+fn made_with_warnings(garment: &Garment, options: &[String]) -> (Garment, Warnings) {
     let mut layers = Layers::default();
     options.iter().for_each(|o| layers.add_override(o).unwrap_or_else(|e| panic!("{e}")));
     let recipe = layers.recipe().unwrap_or_else(|e| panic!("{e}"));
     let stack = Stack::new(garment.points.len(), &recipe.render, &recipe.seams, &recipe.thicknesses)
         .unwrap_or_else(|e| panic!("{e}"));
-    render(garment, &stack, &mut Warnings::default()).unwrap_or_else(|e| panic!("{e}"))
+    let mut warnings = Warnings::default();
+    let mesh = render(garment, &stack, &mut warnings).unwrap_or_else(|e| panic!("{e}"));
+    (mesh, warnings)
 }
 
 fn parents(mesh: &Garment) -> Vec<usize> {
@@ -187,9 +194,13 @@ fn no_crossing_is_introduced() {
         let before = crossing_parents(&plain, &parents(&plain));
         let sizes = [(Some(0.25), None), (None, Some(0.05)), (Some(0.25), Some(0.05))];
         for ((seam, hem), known) in sizes.into_iter().zip(known(CROSSING, &name)) {
-            let mesh = made(&garment, &recipe(&garment, seam, hem));
+            let (mesh, warnings) = made_with_warnings(&garment, &recipe(&garment, seam, hem));
             let after = crossing_parents(&mesh, &parents(&mesh));
             let new: Vec<_> = after.difference(&before).collect();
+            let is_told = warnings.iter().any(|w| matches!(w, Warning::Unsound { .. }));
+            if !new.is_empty() && !is_told {
+                complaints.push(format!("{name}, {seam:?}, {hem:?}: {} new crossings, and nothing is said", new.len()));
+            }
             if new.len() > known {
                 let (old, n) = (before.len(), new.len());
                 complaints.push(format!("{name}, {seam:?}, {hem:?}: {old} before, {n} new {:?}", &new[..n.min(12)]));

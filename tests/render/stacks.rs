@@ -7,6 +7,7 @@ use glam::Vec2;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use std::collections::BTreeSet;
+use tailor::error::Warning;
 use tailor::garment::{
     Elements, Family, FamilyType, Garment, GarmentInput, Interpolation, Mixing, PrimvarInput, SubsetInput, Values,
     shapes,
@@ -233,7 +234,9 @@ fn new_faces_are_in_sets_of_their_own_when_asked() {
     let base = ["seam.s.edges=row", "thickness.t.faces=left", "seam.s.width=0.3", "render.level=0"];
     let (mesh, _) = rendered(&garment, &base);
     assert_eq!(mesh.subsets.len(), garment.subsets.len());
-    let (mesh, _) = rendered(&garment, &[&base[..], &["render.faceSets=true"]].concat());
+    let (mesh, warnings) = rendered(&garment, &[&base[..], &["render.faceSets=true"]].concat());
+    let renamed = Warning::SetRenamed { wanted: "s_seam".into(), name: "s_seam_2".into() };
+    assert_eq!(warnings.iter().filter(|w| matches!(w, Warning::SetRenamed { .. })).collect::<Vec<_>>(), [&renamed]);
     let new: BTreeSet<&str> = mesh.subsets[garment.subsets.len()..].iter().map(|s| s.name.as_str()).collect();
     assert_eq!(new, BTreeSet::from(["s_seam_2", "t_hem", "t_inner"]));
     let faces = |name: &str| mesh.subset(name).map_or(0, |s| s.elements.len());
