@@ -27,17 +27,17 @@ T = Sdf.ValueTypeNames
 # Centimetres. Grooves are cloth sewn right sides together and pressed open; what lies on the body is pressed onto it at
 # its outline; a stitched line is narrow and shallow.
 SEAMS = {
-    "side": {"edges": ["side_seams"], "width": 0.9, "depth": 0.04, "normalOffset": -0.16},
-    "shoulder": {"edges": ["shoulder_seams"], "width": 0.9, "depth": 0.04, "normalOffset": -0.16},
+    "side": {"edges": ["side_seams"], "width": 0.7, "depth": 0.04, "normalOffset": -0.16},
+    "shoulder": {"edges": ["shoulder_seams"], "width": 0.7, "depth": 0.04, "normalOffset": -0.16},
     # Its allowance is pressed to one side. (Chains of both halves of a garment would lean the same way only if one of them
     # were walked the other way: they need a seam each.)
-    "back": {"edges": ["centre_back"], "width": 0.9, "depth": 0.04, "normalOffset": -0.16, "asymmetry": 0.3},
-    "sleeve": {"edges": ["sleeve_seams"], "width": 0.8, "depth": 0.04, "normalOffset": -0.14},
-    "armhole": {"edges": ["armholes"], "width": 0.8, "depth": 0.06, "normalOffset": -0.14},
-    "neckline": {"edges": ["neck_seam"], "width": 0.8, "depth": 0.03, "normalOffset": -0.12},
+    "back": {"edges": ["centre_back"], "width": 0.7, "depth": 0.04, "normalOffset": -0.16, "asymmetry": 0.3},
+    "sleeve": {"edges": ["sleeve_seams"], "width": 0.6, "depth": 0.04, "normalOffset": -0.14},
+    "armhole": {"edges": ["armholes"], "width": 0.5, "depth": 0.06, "normalOffset": -0.14},
+    "neckline": {"edges": ["neck_seam"], "width": 0.7, "depth": 0.03, "normalOffset": -0.12},
     "placket": {"edges": ["placket_stitch"], "width": 0.5, "normalOffset": -0.05},
-    "pocket": {"edges": ["pocket_outline"], "width": 1.0, "normalOffset": -0.18},
-    "dart": {"edges": ["darts"], "width": 0.8, "depth": 0.03, "normalOffset": -0.11},
+    "pocket": {"edges": ["pocket_outline"], "width": 0.8, "normalOffset": -0.18},
+    "dart": {"edges": ["darts"], "width": 0.6, "depth": 0.03, "normalOffset": -0.11},
 }
 THICKNESSES = {
     "collar": {"faces": ["collar_facing"], "amount": 0.35, "weights": "thicknessWeight"},

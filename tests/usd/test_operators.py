@@ -254,7 +254,7 @@ def test_the_layer_over_the_coat_is_what_its_script_authors(tmp_path):
 
 
 def test_the_coat_is_sewn(coat):
-    """Every operator made faces, and the one place where there is no room for a width is told."""
+    """Every operator made faces, and the two places where there is no room for a width are told."""
     assert set(coat.render.counts) == {4}
     prim = coat.source.prim
     instances = [schema.partition(":") for schema in prim.GetAppliedSchemas() if schema.startswith(("TailorSeam", "TailorThickness"))]
@@ -262,7 +262,7 @@ def test_the_coat_is_sewn(coat):
     expected = {f"{name}_{end}" for schema, _, name in instances for end in ends[schema]}
     assert len(expected) == 17 and coat.report["operatorFaces"].keys() == expected
     assert all(len(coat.render.subsets[name].indices) == count > 0 for name, count in coat.report["operatorFaces"].items())
-    assert [(warning["code"], warning["seam"]) for warning in coat.report["warnings"]] == [("narrow-seam", "armhole")]
+    assert [(warning["code"], warning["seam"]) for warning in coat.report["warnings"]] == [("narrow-seam", "armhole"), ("narrow-seam", "neckline")]
 
 
 def test_the_coat_keeps_its_attributes(coat):
