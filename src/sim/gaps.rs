@@ -36,7 +36,7 @@ pub(super) fn gap(baseline: &Baseline, chain: &Chain, edges: &[OnChain], points:
     largest
 }
 
-fn distance_to_segment(p: Vec3, a: Vec3, b: Vec3) -> f32 {
+pub(super) fn distance_to_segment(p: Vec3, a: Vec3, b: Vec3) -> f32 {
     let along = b - a;
     let t = (p - a).dot(along) / along.length_squared().max(f32::MIN_POSITIVE);
     p.distance(a + along * t.clamp(0.0, 1.0))

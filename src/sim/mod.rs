@@ -13,6 +13,7 @@ mod mesh;
 mod options;
 mod order;
 mod patches;
+mod polish;
 mod project;
 mod queue;
 mod relax;

@@ -20,7 +20,7 @@ const VERTICES_PER_TASK: usize = 2048;
 
 /// Where a vertex wants to go.
 #[derive(Clone, Copy)]
-enum Goal {
+pub(super) enum Goal {
     Point(Vec3),
     /// By how much along the chain. \[stage units\]
     Along(f32),
@@ -193,7 +193,8 @@ fn around(mesh: &SimMesh<'_>, vertices: impl Iterator<Item = VertexId>) -> Vec<F
     faces
 }
 
-fn wanted(mesh: &SimMesh<'_>, vertex: VertexId, goal: Goal, step: f32) -> Option<Move> {
+/// The move that brings a vertex `step` of the way to its goal.
+pub(super) fn wanted(mesh: &SimMesh<'_>, vertex: VertexId, goal: Goal, step: f32) -> Option<Move> {
     match goal {
         Goal::Point(goal) => {
             let id = mesh.site_of[mesh.topology.fan(vertex).next()?];
@@ -208,7 +209,7 @@ fn wanted(mesh: &SimMesh<'_>, vertex: VertexId, goal: Goal, step: f32) -> Option
 }
 
 /// Does a move; it becomes the move back.
-fn swap(mesh: &mut SimMesh<'_>, wanted: &mut Move) {
+pub(super) fn swap(mesh: &mut SimMesh<'_>, wanted: &mut Move) {
     std::mem::swap(&mut mesh.points[wanted.vertex], &mut wanted.position);
     std::mem::swap(&mut mesh.target[wanted.vertex], &mut wanted.target);
     std::mem::swap(&mut mesh.sites[wanted.id], &mut wanted.site);

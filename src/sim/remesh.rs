@@ -7,8 +7,9 @@ use super::collapse::collapse_short_edges;
 use super::flip::flip_edges;
 use super::mesh::SimMesh;
 use super::patches::{PATCH, in_patches};
+use super::polish::open_thin_triangles;
 use super::relax::relax_and_project;
-use super::split::split_long_edges;
+use super::split::{split_far_edges, split_long_edges};
 use serde::Serialize;
 
 /// What a square of excess neighbours weighs in a flip while rounds go on. Larger values make more vertices of valence 6
@@ -103,9 +104,17 @@ pub fn remesh(mesh: &mut SimMesh<'_>, rounds: u32, max_faces: usize) -> RemeshRe
         }
     }
     if rounds > 0 {
+        let far = split_far_edges(mesh, max_faces);
+        report.splits += far;
+        if far > 0 {
+            report.flips += flip_edges(mesh, REGULARITY);
+        }
         relax_and_project(mesh, LAST_SWEEPS, &mut room);
     }
     flip_edges(mesh, LAST_REGULARITY);
+    if rounds > 0 {
+        open_thin_triangles(mesh);
+    }
     check(mesh);
     report
 }

@@ -64,10 +64,15 @@ pub(super) fn even_place(mesh: &SimMesh<'_>, vertex: VertexId) -> Option<f32> {
     };
     let central = (other(ahead) - other(back)).normalize_or_zero().dot(to_middle(mesh, vertex));
     let (low, high) = (before.from - before.to, after.to - after.from);
-    // Where the curve bends as sharply as edges follow it, uneven edges would cut it off.
-    let straight = mesh.target[vertex] / mesh.baseline.target_at(mesh.place(ahead).location);
-    let share = TO_MIDDLE * ((straight - SHORTEST) / (STRAIGHT - SHORTEST)).clamp(0.0, 1.0);
+    let share = TO_MIDDLE * freedom(mesh, vertex, ahead);
     Some((even + share * (central - even)).clamp(LONGEST_SLIDE * low, LONGEST_SLIDE * high.max(0.0)))
+}
+
+/// How freely a chain's vertex may slide, 0 to 1: where the curve bends as sharply as edges follow it, uneven edges would
+/// cut it off. `ahead` is the constrained edge along the chain.
+pub(super) fn freedom(mesh: &SimMesh<'_>, vertex: VertexId, ahead: CornerId) -> f32 {
+    let straight = mesh.target[vertex] / mesh.baseline.target_at(mesh.place(ahead).location);
+    ((straight - SHORTEST) / (STRAIGHT - SHORTEST)).clamp(0.0, 1.0)
 }
 
 /// The way from a vertex to the middle of the triangles around it, weighted by their areas.
