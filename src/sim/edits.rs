@@ -1,6 +1,7 @@
 //! Split, collapse and flip with all that the mesh carries: constraint spans, sites, targets.
 
 use super::mesh::{Grade, Mark, SimMesh, Site, Span};
+use super::shape::Corner;
 use crate::mesh::edit::{next, prev};
 use crate::mesh::{CornerId, SiteId, VertexId};
 use glam::Vec3;
@@ -52,9 +53,8 @@ impl SimMesh<'_> {
     }
 
     fn split_span(&mut self, half: CornerId, span: Span) -> VertexId {
+        let s = self.middle_of_span(span);
         let chain = self.chain(span.chain);
-        let s = chain.at_count(0.5 * (span.counts[0] + span.counts[1]));
-        let s = s.clamp(span.from.min(span.to), span.from.max(span.to));
         let count = chain.count_to(s);
         let ahead = self.split_topology(half);
         self.add_span(half, Span { to: s, counts: [span.counts[0], count], ..span });
@@ -70,6 +70,22 @@ impl SimMesh<'_> {
             self.site_of[next(second)] = other;
         }
         self.settle_new(position, Grade::OnCurve(span.chain), chain.length_at(s))
+    }
+
+    fn middle_of_span(&self, span: Span) -> f32 {
+        let s = self.chain(span.chain).at_count(0.5 * (span.counts[0] + span.counts[1]));
+        s.clamp(span.from.min(span.to), span.from.max(span.to))
+    }
+
+    /// Whether no triangle would be worse than what it is a half of, if a constrained edge were split.
+    pub(super) fn span_split_is_safe(&self, half: CornerId, span: Span) -> bool {
+        let s = self.middle_of_span(span);
+        let side = |half: CornerId, forward: bool| {
+            let (position, site) = self.site_on_curve(span.chain, s, forward);
+            let [halves, whole] = self.halves(half, (position, &site.unwrap_or(*self.site(half))));
+            halves <= whole
+        };
+        side(half, span.forward) && self.topology.twin(half).is_none_or(|twin| side(twin, !span.forward))
     }
 
     fn new_site(&mut self, site: Option<Site>, like: CornerId) -> SiteId {
@@ -102,14 +118,18 @@ impl SimMesh<'_> {
 
     /// Whether no half of a split triangle is worse than the whole was.
     fn split_is_safe(&self, half: CornerId, position: Vec3, site: &Site) -> bool {
-        let m = (position, site);
         let side = |h: CornerId| {
-            let [a, b, c] = self.corners(h);
-            let worst = self.badness([a, m, c]).max(self.badness([m, b, c]));
+            let [halves, whole] = self.halves(h, (position, site));
             // A thin half is put right later; one that lies the wrong way round may stay for good.
-            worst < 2 || worst <= self.badness([a, b, c])
+            halves < 2 || halves <= whole
         };
         side(half) && self.topology.twin(half).is_none_or(side)
+    }
+
+    /// How bad the worse half of a triangle is that is split at `middle` of an edge, and how bad the whole.
+    fn halves(&self, half: CornerId, middle: Corner<'_>) -> [u8; 2] {
+        let [a, b, c] = self.corners(half);
+        [self.badness([a, middle, c]).max(self.badness([middle, b, c])), self.badness([a, b, c])]
     }
 
     /// The sites that the corners of `removed` get when it merges into the other end of `half`: those of that end, on

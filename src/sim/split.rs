@@ -38,14 +38,16 @@ fn excess(mesh: &SimMesh<'_>, half: CornerId) -> Option<f32> {
     Some((mesh.relative_length(half) - 1.0) * mesh.target_between(a, b))
 }
 
-/// Splits edges of chains that leave their curves by more than [`FAR`], however short. Returns the number of splits.
+/// Splits edges of chains that leave their curves by more than [`FAR`], however short, where no triangle is worse for it.
+/// Returns the number of splits.
 pub fn split_far_edges(mesh: &mut SimMesh<'_>, max_faces: usize) -> usize {
     let far: Vec<CornerId> = mesh.topology.edges().filter(|&half| is_far(mesh, half)).collect();
     let mut faces = mesh.topology.face_count();
     let mut count = 0;
     for half in far {
         let more = 1 + usize::from(mesh.topology.twin(half).is_some());
-        if faces + more <= max_faces && mesh.topology.may_split(half) && mesh.split(half).is_some() {
+        let is_safe = mesh.span(half).is_some_and(|span| mesh.span_split_is_safe(half, span));
+        if is_safe && faces + more <= max_faces && mesh.topology.may_split(half) && mesh.split(half).is_some() {
             faces += more;
             count += 1;
         }

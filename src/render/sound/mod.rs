@@ -18,7 +18,7 @@ use glam::Vec3;
 pub const LEAST_SHARE: f32 = 0.1;
 /// Parts of the rest of the height that are left after each step, and of the fit. Finer steps leave more of both, and
 /// take longer.
-const STEPS: [(f32, f32); 6] = [(1.0, 1.0), (0.5, 1.0), (0.15, 1.0), (0.0, 1.0), (0.0, 0.4), (0.0, 0.0)];
+const STEPS: [(f32, f32); 4] = [(1.0, 1.0), (0.3, 1.0), (0.0, 1.0), (0.0, 0.0)];
 /// Steps by which a neighbour may be behind. More makes the change from full height more sudden.
 const SLACK: u8 = 2;
 /// Cosine between the normals of a face with and without its moves below which it is looked at.
