@@ -326,8 +326,11 @@ impl fmt::Display for Warning {
                 write!(f, "{:.0} % of its amount, where it would cross itself or another part", least * 100.0)
             }
             Self::SetRenamed { wanted, name } => {
-                write!(f, "the faces that would be {wanted} are {name}, as the mesh has a subset {wanted} already; ")?;
-                write!(f, "rename the operator")
+                write!(
+                    f,
+                    "the face set {wanted} of an operator is {name}, as the mesh has a subset of its name or no "
+                )?;
+                write!(f, "prim can have it; rename the operator")
             }
             Self::Unsound { operator, count, examples } => {
                 let points: Vec<String> = examples.iter().map(usize::to_string).collect();

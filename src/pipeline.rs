@@ -4,10 +4,10 @@ use crate::error::{Error, Warning, Warnings};
 use crate::garment::{BoundaryInterpolation, Garment, GarmentError, GarmentInput, Problem, Scheme, check_garment};
 use crate::mesh::{FaceId, IdVec, Topology, VertexId};
 use crate::recipe::{Bound, Layers, Recipe, bind};
-use crate::render::{Formed, Stack, first_cage, render};
+use crate::render::{Formed, Stack, check_size, first_cage, render};
 use crate::report::{RenderFigures, SimFigures, SubsetArea, subset_areas};
 use crate::sim::{Baseline, Gap, Lengths, RemeshReport, SimProduct, holes, simulate};
-use crate::subdivide::Level;
+use crate::subdivide::{Level, MAX_REFINED_FACES, refined_faces};
 use crate::transfer::{Transferred, transfer};
 use serde::Serialize;
 use std::sync::Arc;
@@ -26,9 +26,6 @@ pub const DEFAULT_MAX_FACES: usize = 5_000_000;
 
 /// Mean edges with which areas, and ratios of areas, stay within 32 bits. \[stage units\]
 const USABLE_LENGTHS: std::ops::RangeInclusive<f32> = 1e-8..=1e8;
-
-/// Largest refined mesh: its corners are counted in 32 bits, and it takes some 200 bytes a face. \[faces\]
-const MAX_REFINED_FACES: usize = 100_000_000;
 
 /// Width of a seam that says none, as a share of the mean edge.
 const SEAM_WIDTH: f32 = 0.25;
@@ -281,6 +278,7 @@ impl Prepared {
         for operator in &stack.operators {
             cage = Formed::new(operator.as_ref(), &cage)?.cage;
         }
+        check_size(&cage, stack.level)?;
         Ok(refined_faces(cage.garment(), stack.level))
     }
 
@@ -304,16 +302,6 @@ impl Prepared {
             recipe: self.recipe.clone(),
             stages: clock.stages,
         })
-    }
-}
-
-/// Faces of a garment after `level` refinements.
-fn refined_faces(garment: &Garment, level: u32) -> usize {
-    let faces = &garment.faces;
-    match level {
-        0 => faces.len(),
-        _ if garment.rules.scheme == Scheme::Loop => faces.len().saturating_mul(4usize.saturating_pow(level)),
-        _ => faces.corners().len().saturating_mul(4usize.saturating_pow(level - 1)),
     }
 }
 

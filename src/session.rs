@@ -17,7 +17,7 @@ use crate::memo::{Footprint, Memo};
 use crate::mesh::{IdVec, VertexId};
 use crate::pipeline::{Checked, Clock, DEFAULT_MAX_FACES, Prepared};
 use crate::recipe::Document;
-use crate::render::{Formed, Ground, Placed, Stack, first_cage};
+use crate::render::{Formed, Ground, Placed, Stack, check_size, first_cage};
 use crate::sim::{SimOptions, SimProduct};
 use crate::subdivide::Cage;
 use crate::usd::{Format, Product, ReadOptions, Role, Source, Surroundings, WriteOptions, layer_bytes};
@@ -129,7 +129,9 @@ impl Session {
     /// A mesh that would be too large; operators that do not fit the garment.
     pub fn render(&self, opened: &Opened, prepared: &Prepared) -> Result<Arc<Made<Garment>>, Error> {
         let stack = prepared.stack()?;
-        self.memo.get(&opened.key("render", &options_of(&stack))?, || self.rendered(opened, prepared, &stack))
+        let told: Vec<String> = stack.warnings.iter().map(ToString::to_string).collect();
+        let key = opened.key("render", &(options_of(&stack), told))?;
+        self.memo.get(&key, || self.rendered(opened, prepared, &stack))
     }
 
     /// Stages are asked for on the caller's thread only: one that waits in the pool could wait for work under itself.
@@ -138,11 +140,11 @@ impl Session {
         if stack.level == 0 && stack.operators.is_empty() {
             return Ok(Made { value: (*prepared.garment).clone(), warnings });
         }
-        // What the connectivity depends on, and what the points do.
-        let (mut structure, mut options) = (Vec::new(), Vec::new());
+        // What the connectivity depends on, and what the points do: all heights on how far gaps were looked for.
+        let reach = stack.reach(&prepared.garment);
+        let (mut structure, mut options) = (Vec::new(), vec![reach.to_string()]);
         let mut cage: Arc<dyn AsCage> =
             self.memo.get(&opened.key("cage", &())?, || Ok(self.pool.install(|| first_cage(&prepared.garment))))?;
-        let reach = stack.reach();
         let mut placed = self.memo.get(&opened.key("first", &reach)?, || {
             let value = self.pool.install(|| Placed::first(cage.cage(), reach));
             Ok(Made { value, warnings: Warnings::default() })
@@ -164,6 +166,7 @@ impl Session {
             warnings.extend(&placed.warnings);
             cage = formed;
         }
+        check_size(cage.cage(), stack.level)?;
         let mut points = Arc::new(Made { value: placed.value.points.clone(), warnings: Warnings::default() });
         for level in 1..=stack.level {
             points = self.memo.get(&opened.key("level points", &(&options, level))?, || {

@@ -71,6 +71,24 @@ fn a_session_gives_what_the_pipeline_gives() {
 }
 
 #[test]
+fn operators_give_the_same_after_other_edits() {
+    let (example, session) = (Example::new("tshirt.usda"), Session::new(ROOM, None).expect("threads"));
+    let of = |amount: &'static str, offset: &'static str, operators: &'static str| {
+        [
+            ("seam.side.edges", "side_seams"),
+            ("seam.side.normalOffset", offset),
+            ("thickness.all.faces", "front,back"),
+            ("thickness.all.amount", amount),
+            ("render.operators", operators),
+        ]
+    };
+    // From small to large, so that what is kept of the first was made for less.
+    for arguments in [of("0.1", "-0.1", ""), of("4", "-0.1", ""), of("4", "-0.3", ""), of("0.1", "-0.1", "side")] {
+        assert!(example.layer(&session, &arguments) == straight(&example, &arguments), "{arguments:?}");
+    }
+}
+
+#[test]
 fn an_edit_repeats_only_what_depends_on_it() {
     let (example, session) = (Example::new("tshirt.usda"), Session::new(ROOM, None).expect("threads"));
     let products = |arguments: &[(&str, &str)]| {

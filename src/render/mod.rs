@@ -38,7 +38,7 @@ pub use thickness::{Side, Thickness, ThicknessOptions};
 use crate::error::{Error, Warning, Warnings};
 use crate::garment::{BoundaryInterpolation, Elements, Garment, Subset};
 use crate::mesh::FaceId;
-use crate::subdivide::{Cage, Level};
+use crate::subdivide::{Cage, Level, MAX_REFINED_FACES, refined_faces};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -133,10 +133,10 @@ impl Stack {
         Ok(Self { operators, level: options.level, warnings })
     }
 
-    /// The furthest that an operator goes from the surface, rounded up, so that what depends on it need not change with
+    /// The furthest that an operator goes from the surface of a garment, rounded up, so that what depends on it need not change with
     /// each edit. \[stage units\]
-    pub fn reach(&self) -> f32 {
-        let furthest = self.operators.iter().map(|o| o.reach()).fold(0.0, f32::max);
+    pub fn reach(&self, garment: &Garment) -> f32 {
+        let furthest = self.operators.iter().map(|o| o.reach(garment)).fold(0.0, f32::max);
         if furthest > 0.0 { (0.25 * (4.0 * furthest.log2()).ceil()).exp2() } else { 0.0 }
     }
 }
@@ -194,18 +194,35 @@ pub fn render(garment: &Garment, stack: &Stack, warnings: &mut Warnings) -> Resu
         return Ok(garment.clone());
     }
     let mut cage = first_cage(garment);
-    let mut placed = Placed::first(&cage, stack.reach());
+    let mut placed = Placed::first(&cage, stack.reach(garment));
     for operator in &stack.operators {
         let formed = Formed::new(operator.as_ref(), &cage)?;
         warnings.extend(&formed.shape.warnings);
         placed = formed.placed(operator.as_ref(), &placed, warnings);
         cage = formed.cage;
     }
+    check_size(&cage, stack.level)?;
     cage = cage.with_points(placed.points);
     for _ in 1..stack.level {
         cage = cage.refined();
     }
     Ok(if stack.level > 0 { cage.refined_garment() } else { cage.into_garment() })
+}
+
+/// Whether a cage, whose faces operators have multiplied, can be refined.
+///
+/// # Errors
+/// More faces than [`MAX_REFINED_FACES`].
+pub fn check_size(cage: &Cage, level: u32) -> Result<(), Error> {
+    let faces = refined_faces(cage.garment(), level);
+    if faces <= MAX_REFINED_FACES || level == 0 {
+        return Ok(());
+    }
+    Err(Error::Recipe(format!(
+        "{}: render.level {level} makes {faces} faces with its operators, more than {MAX_REFINED_FACES}\n  \
+         hint: lower the level",
+        cage.garment().prim
+    )))
 }
 
 /// The cage before any operator.
@@ -225,9 +242,11 @@ fn add_border_holes(cage: &mut Garment) {
     }
 }
 
-/// A subset of new faces, under a name that no other subset has.
+/// A subset of new faces, under a name that a prim may have and no other subset has.
 fn new_set(garment: &Garment, wanted: &str, faces: Vec<FaceId>, warnings: &mut Warnings) -> Subset {
-    let mut numbered = (1..).map(|n| if n == 1 { wanted.to_owned() } else { format!("{wanted}_{n}") });
+    let valid: String = wanted.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+    let valid = if valid.starts_with(|c: char| c.is_ascii_digit()) { format!("_{valid}") } else { valid };
+    let mut numbered = (1..).map(|n| if n == 1 { valid.clone() } else { format!("{valid}_{n}") });
     let name = numbered.find(|name| garment.subset(name).is_none()).unwrap_or_default();
     if name != wanted {
         warnings.push(Warning::SetRenamed { wanted: wanted.to_owned(), name: name.clone() });

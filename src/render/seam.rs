@@ -21,7 +21,7 @@ mod chains;
 use super::lines::{self, Lines, Narrowed, Request};
 use super::shape::{Held, Operator, Role, Shape};
 use crate::error::{Error, Warning, Warnings};
-use crate::garment::{Elements, Scheme, Subset};
+use crate::garment::{Elements, Garment, Scheme, Subset};
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
 use crate::subdivide::Cage;
 use chains::Network;
@@ -204,7 +204,7 @@ impl Operator for Seams {
         format!("seams {} {} {}", seams.join("; "), self.is_swollen(), self.names_sets)
     }
 
-    fn reach(&self) -> f32 {
+    fn reach(&self, _: &Garment) -> f32 {
         self.seams.iter().map(|(_, o)| o.normal_offset.abs() + o.depth.abs()).fold(0.0, f32::max)
     }
 

@@ -8,7 +8,7 @@ use super::settle::{Raise, Settling, graded};
 use super::sound::{Kin, LEAST_SHARE, OPEN, States, sound};
 use super::surface::{Surface, limit_rows};
 use crate::error::{Error, Warning, Warnings};
-use crate::garment::{Orientation, Subset};
+use crate::garment::{Garment, Orientation, Subset};
 use crate::mesh::{CornerId, Csr, FaceId, IdVec, VertexId};
 use crate::subdivide::{Cage, INFINITE_SHARPNESS, Level, Lineage, carried_points};
 use glam::Vec3;
@@ -20,8 +20,8 @@ pub trait Operator: Sync + Send {
     /// The options on which [`Operator::shape`] depends, as text.
     fn structure(&self) -> String;
 
-    /// The furthest that it goes from the surface. \[stage units\]
-    fn reach(&self) -> f32;
+    /// The furthest that it goes from the surface of a garment. \[stage units\]
+    fn reach(&self, garment: &Garment) -> f32;
 
     /// All options, as text.
     fn options(&self) -> String;
@@ -138,7 +138,8 @@ pub struct Ground {
 impl Ground {
     /// Memory that it holds. \[bytes\]
     pub fn bytes(&self) -> usize {
-        self.placed.bytes() + size_of_val(self.targets.as_slice())
+        let points = size_of_val(self.linear.as_slice()) + size_of_val(self.parent.as_slice());
+        self.placed.bytes() + points + size_of_val(self.targets.as_slice())
     }
 }
 

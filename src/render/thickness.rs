@@ -3,7 +3,8 @@
 //! ```text
 //!   outer   --o-------o---v           v  border, now the fold       o  line that holds the fold
 //!                         | hem       v' its copy
-//!   inner   --o'------o'--v'          the layers are amount × weight apart, and face away from each other
+//!   inner   --o'------o'--v'          the layers are amount × weight apart, and wound as one
+//!                                        closed surface: away from each other, on the outer side to each other
 //! ```
 
 use super::lines::{self, Lines, Request};
@@ -335,8 +336,12 @@ impl Operator for Thickness {
         format!("thickness {:?} {:?} {}", self.name, self.options, self.names_sets)
     }
 
-    fn reach(&self) -> f32 {
-        self.options.amount.abs()
+    fn reach(&self, garment: &Garment) -> f32 {
+        let most = match garment.primvar(&self.options.weights).map(|painted| &painted.values) {
+            Some(Values::F32(weights)) => weights.iter().copied().fold(0.0, f32::max),
+            _ => 1.0,
+        };
+        self.options.amount.abs() * most.max(LEAST_WEIGHT)
     }
 
     fn options(&self) -> String {

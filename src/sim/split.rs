@@ -46,7 +46,8 @@ pub fn split_far_edges(mesh: &mut SimMesh<'_>, max_faces: usize) -> usize {
     let mut count = 0;
     for half in far {
         let more = 1 + usize::from(mesh.topology.twin(half).is_some());
-        let is_safe = mesh.span(half).is_some_and(|span| mesh.span_split_is_safe(half, span));
+        // A split before may have made another edge of it.
+        let is_safe = is_far(mesh, half) && mesh.span(half).is_some_and(|span| mesh.span_split_is_safe(half, span));
         if is_safe && faces + more <= max_faces && mesh.topology.may_split(half) && mesh.split(half).is_some() {
             faces += more;
             count += 1;

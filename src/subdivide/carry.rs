@@ -191,21 +191,6 @@ impl Cage {
         self
     }
 
-    /// The cage with a primvar, in place of one that has its name.
-    #[must_use]
-    pub fn with_primvar(self, primvar: Primvar) -> Self {
-        let mut cage = self.without_primvar(&primvar.name);
-        cage.garment.primvars.push(primvar);
-        cage
-    }
-
-    /// The cage without a primvar.
-    #[must_use]
-    pub fn without_primvar(mut self, name: &str) -> Self {
-        self.garment.primvars.retain(|p| p.name != name);
-        self
-    }
-
     /// The cage with other points.
     #[must_use]
     pub fn with_points(mut self, points: IdVec<VertexId, Vec3>) -> Self {

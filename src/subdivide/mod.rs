@@ -23,6 +23,19 @@ pub use stencil::{Real, Stencils};
 use crate::garment::{Garment, Scheme};
 use crate::mesh::{CornerId, EdgeId, FaceId, Faces, VertexId};
 
+/// Largest refined mesh: its corners are counted in 32 bits, and it takes some 200 bytes a face. \[faces\]
+pub const MAX_REFINED_FACES: usize = 100_000_000;
+
+/// Faces of a garment after `level` refinements.
+pub fn refined_faces(garment: &Garment, level: u32) -> usize {
+    let faces = &garment.faces;
+    match level {
+        0 => faces.len(),
+        _ if garment.rules.scheme == Scheme::Loop => faces.len().saturating_mul(4usize.saturating_pow(level)),
+        _ => faces.corners().len().saturating_mul(4usize.saturating_pow(level - 1)),
+    }
+}
+
 /// A level with its face-varying channels, ready to be refined.
 #[derive(Clone, Debug)]
 pub struct Refiner {

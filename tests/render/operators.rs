@@ -415,3 +415,16 @@ fn the_zoo_survives_every_operator() {
         }
     }
 }
+
+#[test]
+fn an_edge_of_no_length_beside_a_seam_makes_no_point_of_no_place() {
+    let mut input = sheet(8);
+    // The first vertex of an edge that leads away from the seam comes upon its second.
+    input.points[9 * 4 + 4] = input.points[9 * 5 + 4];
+    let garment = checked(with_edges(input, "row", &path(&(36..=44).collect::<Vec<_>>())));
+    for width in ["0.3", "5"] {
+        let width = format!("seam.s.width={width}");
+        let (mesh, _) = rendered(&garment, &["seam.s.edges=row", &width, "seam.s.normalOffset=0.1", "render.level=2"]);
+        assert!(mesh.points.iter().all(|p| p.is_finite()), "{width}");
+    }
+}

@@ -52,8 +52,25 @@ fn in_recipe(text: &[u8]) -> Vec<Instance> {
     kinds().into_iter().flat_map(names).collect()
 }
 
-/// `TailorSeamAPI:placket` in a text that holds other words too.
+/// What OpenUSD prints before the items that a list operation takes out.
+const DELETED: &str = "Deleted Items: [";
+
+/// The instances of lists of applied schemas, a line for each layer, the strongest first: those that no stronger layer
+/// takes out again.
 fn in_schemas(text: &str) -> Vec<Instance> {
+    let (mut found, mut deleted) = (Vec::new(), Vec::new());
+    for list in text.lines() {
+        let (before, rest) = list.split_once(DELETED).unwrap_or((list, ""));
+        let (gone, after) = rest.split_once(']').unwrap_or((rest, ""));
+        let named = in_words(before).into_iter().chain(in_words(after));
+        found.extend(named.filter(|instance| !deleted.contains(instance)));
+        deleted.extend(in_words(gone));
+    }
+    found
+}
+
+/// `TailorSeamAPI:placket` in a text that holds other words too.
+fn in_words(text: &str) -> Vec<Instance> {
     let words: Vec<&str> = text.split(|c: char| c.is_whitespace() || "[],".contains(c)).collect();
     let named = |kind: &'static str| {
         let schema = schema(kind);
@@ -83,6 +100,16 @@ fn in_arguments(text: &str) -> Vec<Instance> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn schemas_that_a_stronger_layer_takes_out_name_nothing() {
+        let stronger = "SdfTokenListOp(Deleted Items: [TailorSeamAPI:hip], Prepended Items: [TailorSeamAPI:yoke])";
+        let weaker = "SdfTokenListOp(Prepended Items: [TailorSeamAPI:hip, TailorThicknessAPI:hem])";
+        let both = in_schemas(&format!("{stronger}\n{weaker}\n"));
+        assert_eq!(both, [("seam", "yoke".to_owned()), ("thickness", "hem".to_owned())]);
+        let added_again = in_schemas(&format!("{weaker}\n{stronger}\n"));
+        assert_eq!(added_again.len(), 3);
+    }
 
     fn attributes(recipe: &str, schemas: &str, arguments: &str) -> Vec<String> {
         let all = fields(recipe.as_bytes(), schemas, arguments);

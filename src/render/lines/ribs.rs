@@ -14,6 +14,8 @@ const TRIANGLE_ROOM: f32 = 0.28;
 const INNER_ROOM: f32 = 0.75;
 /// Least sine of the angle between a rib and a marked edge. Smaller makes longer ribs where a chain turns sharply.
 const LEAST_SINE: f32 = 0.34;
+/// Least length of an edge as a share of the distance that lines are asked for along it, so that shares stay finite.
+const SHORT: f32 = 1e-3;
 /// A rib that keeps less of its distance than this is reported.
 const REPORTED: f32 = 0.98;
 
@@ -103,9 +105,9 @@ impl Ribs {
         let outer = request.shares.last().copied().unwrap_or(1.0);
         for (edge, &ends) in wanted.enumerated().filter(|(_, w)| w[0] || w[1]) {
             let vertices = t.edges[edge];
-            let length = request.points[vertices[0]].distance(request.points[vertices[1]]).max(f32::MIN_POSITIVE);
+            let length = request.points[vertices[0]].distance(request.points[vertices[1]]);
             let reach = [0, 1].map(|i| ends[i].then(|| spoke_reach(request, edge, vertices[i])).flatten());
-            let asked = reach.map(|r| r.map_or(0.0, |(reach, _)| outer * reach / length));
+            let asked = reach.map(|r| r.map_or(0.0, |(reach, _)| share_of(outer * reach, length)));
             let room = if asked[0] > 0.0 && asked[1] > 0.0 { SHARED_ROOM } else { ROOM };
             let scale = (room / (asked[0] + asked[1])).min(1.0);
             for i in [0, 1] {
@@ -289,6 +291,11 @@ fn steps_to_mark(request: &Request, start: CornerId, turn: Turn) -> Option<(usiz
     None
 }
 
+/// A distance as a share of a length, which may be none.
+fn share_of(distance: f32, length: f32) -> f32 {
+    distance / length.max(SHORT * distance).max(f32::MIN_POSITIVE)
+}
+
 fn direction(request: &Request, edge: EdgeId, from: VertexId) -> Vec3 {
     let [a, b] = request.topology.edges[edge];
     let to = if a == from { b } else { a };
@@ -302,16 +309,16 @@ fn mitre(request: &Request, corner: CornerId) -> Path {
     let prev = t.faces.prev(corner);
     let at = |c: CornerId| request.points[t.faces.vertex(c)];
     let (next, back) = (at(t.faces.next(corner)) - at(corner), at(prev) - at(corner));
-    let (after, before) = (next.length().max(f32::MIN_POSITIVE), back.length().max(f32::MIN_POSITIVE));
-    let (d1, d2) = (next / after, back / before);
+    let (after, before) = (next.length(), back.length());
+    let (d1, d2) = (next.normalize_or_zero(), back.normalize_or_zero());
     let [from_after, from_before] = [corner, prev].map(|half| outer * request.distance[half]);
     let sine = d1.cross(d2).length();
     if d1.dot(d2) < 0.0 && sine < LEAST_SINE {
         let others: Vec<Vec3> = t.faces.corners_of(t.faces.face_of(corner)).filter(|&c| c != corner).map(at).collect();
         let middle = others.iter().sum::<Vec3>() / others.len() as f32 - at(corner);
-        let away = middle.reject_from_normalized((d1 - d2).normalize_or_zero()).length().max(f32::MIN_POSITIVE);
-        return Path::Across { corner, part: 0.5 * (from_after + from_before) / away };
+        let away = middle.reject_from_normalized((d1 - d2).normalize_or_zero()).length();
+        return Path::Across { corner, part: share_of(0.5 * (from_after + from_before), away) };
     }
     let sine = sine.max(LEAST_SINE);
-    Path::Face { corner, after: from_before / (sine * after), before: from_after / (sine * before) }
+    Path::Face { corner, after: share_of(from_before / sine, after), before: share_of(from_after / sine, before) }
 }

@@ -36,7 +36,9 @@ impl Network {
                         network.seam[edge] = Some(instance);
                         network.start[edge] = a;
                     }
-                    Some(first) if first != instance => network.shared.push((edge, instance)),
+                    Some(first) if first != instance && !network.shared.contains(&(edge, instance)) => {
+                        network.shared.push((edge, instance));
+                    }
                     Some(_) => {}
                 }
             }
