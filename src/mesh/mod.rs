@@ -4,6 +4,7 @@ mod check;
 mod compact;
 pub mod edit;
 mod faces;
+mod groups;
 mod ids;
 mod parts;
 mod ring;
@@ -11,6 +12,7 @@ mod topology;
 
 pub use compact::Compact;
 pub use faces::Faces;
+pub use groups::Groups;
 pub use ids::{ChainId, CornerId, EdgeId, FaceId, Id, IdVec, SiteId, SpanId, ValueId, VertexId};
 pub use parts::{Joined, Part, join};
 pub use topology::{Csr, Topology};

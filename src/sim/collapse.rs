@@ -14,7 +14,7 @@ pub const COLLAPSE_RATIO: f32 = 4.0 / 5.0;
 
 /// A collapse may not make a triangle whose normal turns further than this from the surface's at a corner: it would
 /// bridge a fold and erase it. Larger values keep more of a fold, but leave short edges along it.
-const MIN_COSINE: f32 = 0.2;
+pub(super) const MIN_COSINE: f32 = 0.2;
 
 /// A collapse makes no edge longer than this times its target. Larger values let more short edges go, and leave more
 /// work to the next round's splits (Botsch and Kobbelt's 4/3; the 5/4 of splits leaves three times the short edges).

@@ -5,7 +5,7 @@
 //! points as the garment.
 
 use crate::garment::Garment;
-use crate::mesh::{CornerId, EdgeId, FaceId, Faces, IdVec, Topology, VertexId};
+use crate::mesh::{CornerId, EdgeId, FaceId, Faces, Groups, IdVec, Topology, VertexId};
 use crate::subdivide::{Level, Refiner};
 
 /// The manifold cage and where it comes from.
@@ -31,7 +31,7 @@ impl Manifold {
         // Corners joined across manifold edges share a vertex; all others are apart.
         let fans = fans(t, &Faces::mixed(counts(), loose.clone()), &corner_source);
         let mut vertex_source = IdVec::new();
-        let mut vertex_of_fan = vec![None; fans.len()];
+        let mut vertex_of_fan = IdVec::filled(None, fans.len());
         let corners: Vec<VertexId> = fans
             .iter()
             .zip(&loose)
@@ -121,8 +121,9 @@ fn corner_sources(t: &Topology, turned: &IdVec<FaceId, bool>) -> IdVec<CornerId,
         .collect()
 }
 
-/// Numbers the fans of corners that are joined across edges of two faces which agree in direction; one number a corner.
-fn fans(t: &Topology, faces: &Faces, source: &IdVec<CornerId, CornerId>) -> Vec<usize> {
+/// The fans of corners that are joined across edges of two faces which agree in direction: for each corner the first of its
+/// fan.
+fn fans(t: &Topology, faces: &Faces, source: &IdVec<CornerId, CornerId>) -> Vec<CornerId> {
     // The half-edges of the pieces on each edge of the garment.
     let mut halves = IdVec::<EdgeId, Vec<CornerId>>::filled(Vec::new(), t.edges.len());
     for corner in faces.corners().ids() {
@@ -132,23 +133,14 @@ fn fans(t: &Topology, faces: &Faces, source: &IdVec<CornerId, CornerId>) -> Vec<
         let edge = if t.faces.next(own) == next { t.corner_edge[own] } else { t.corner_edge[next] };
         halves[edge].push(corner);
     }
-    let mut parent: Vec<usize> = (0..faces.corners().len()).collect();
-    fn root(parent: &mut [usize], mut i: usize) -> usize {
-        while parent[i] != i {
-            parent[i] = parent[parent[i]];
-            i = parent[i];
-        }
-        i
-    }
+    let mut fans = Groups::<CornerId>::new(faces.corners().len());
     for row in halves.iter() {
         let &[a, b] = row.as_slice() else { continue };
         if faces.vertex(a) == faces.vertex(b) {
             continue;
         }
-        for (x, y) in [(a, faces.next(b)), (faces.next(a), b)] {
-            let (x, y) = (root(&mut parent, x.index()), root(&mut parent, y.index()));
-            parent[x.max(y)] = x.min(y);
-        }
+        fans.join(a, faces.next(b));
+        fans.join(faces.next(a), b);
     }
-    (0..parent.len()).map(|i| root(&mut parent, i)).collect()
+    faces.corners().ids().map(|c| fans.first(c)).collect()
 }

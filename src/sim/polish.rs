@@ -6,6 +6,7 @@
 //! Source: Freitag and Ollivier-Gooch, *Tetrahedral Mesh Improvement Using Swapping and Smoothing* (IJNME 1997), section
 //! 3: averages everywhere, a search where the worst angles ask for it.
 
+use super::collapse::MIN_COSINE;
 use super::mesh::{Grade, SimMesh};
 use super::relax::{Goal, Move, swap, wanted};
 use super::slide::freedom;
@@ -37,10 +38,6 @@ const STEPS: usize = 4;
 const REACH: f32 = 0.25;
 /// Places that it looks at, each way.
 const PLACES: i8 = 4;
-/// A move may not turn a triangle further from the surface than this, as a cosine, unless it was so before: as for
-/// collapses. The 0.85 of flips leaves three times the thin triangles where folds are tight.
-const MIN_ALIGNMENT: f32 = 0.2;
-
 /// How bad the angles around a vertex are.
 #[derive(Clone, Copy)]
 struct Angles {
@@ -124,7 +121,8 @@ fn move_safely(mesh: &mut SimMesh<'_>, vertex: VertexId, there: &mut Move, befor
     swap(mesh, there);
     let is_good = |&(c, (badness, alignment)): &(CornerId, (u8, f32))| {
         let now = lies(mesh, c);
-        (now.0 == 0 || now.0 <= badness) && (now.1 >= MIN_ALIGNMENT || now.1 >= alignment) && !passes(mesh, c)
+        // The bound of collapses: that of flips leaves three times the thin triangles where folds are tight.
+        now.0 <= badness && (now.1 >= MIN_COSINE || now.1 >= alignment) && !passes(mesh, c)
     };
     angles(mesh, vertex, mesh.points[vertex]).is_better(before) && old.iter().all(is_good)
 }

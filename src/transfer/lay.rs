@@ -135,14 +135,12 @@ impl<'a> Laid<'a> {
         let own = run.ends().into_iter().filter(|_| !run.is_loop);
         let passed = self.found[i].as_ref().map_or(&[][..], |found| &found.vertices);
         let others = self.runs.snapped.iter().filter(|(_, vertex)| passed.contains(vertex)).map(|(&end, _)| end);
-        let mut ends: Vec<VertexId> = own.chain(others).filter(|&end| !self.surface.is_on_chain(end)).collect();
-        let mut seen = Vec::with_capacity(ends.len());
-        ends.retain(|&end| {
-            !seen.contains(&end) && {
-                seen.push(end);
-                true
+        let mut ends: Vec<VertexId> = Vec::new();
+        for end in own.chain(others).filter(|&end| !self.surface.is_on_chain(end)) {
+            if !ends.contains(&end) {
+                ends.push(end);
             }
-        });
+        }
         ends
     }
 

@@ -1,7 +1,7 @@
 //! Regions of the baseline: what is connected without crossing a chain or a border. A triangle of the simulation mesh
 //! lies in one of them, so that what is counted within regions never leaks across a seam or to another layer.
 
-use crate::mesh::{CornerId, FaceId, IdVec};
+use crate::mesh::{CornerId, FaceId, Groups, IdVec};
 use crate::sim::{Baseline, SimProduct};
 use rayon::prelude::*;
 
@@ -17,19 +17,18 @@ impl Regions {
     pub fn new(baseline: &Baseline) -> Self {
         let count = baseline.topology.faces.len();
         let places: Vec<InUv> = (0..count).into_par_iter().map(|i| InUv::new(baseline, FaceId::new(i))).collect();
-        let mut joined: Vec<u32> = (0..count as u32).collect();
+        let mut regions = Groups::<FaceId>::new(count);
         for corner in baseline.topology.faces.corners().ids() {
-            let twin = baseline.open_twin(corner).filter(|&twin| corner < twin);
-            if let Some(twin) = twin {
-                let [a, b] = [corner, twin].map(|c| root(&mut joined, (c.index() / 3) as u32));
-                joined[a.max(b) as usize] = a.min(b);
+            if let Some(twin) = baseline.open_twin(corner).filter(|&twin| corner < twin) {
+                let [a, b] = [corner, twin].map(|c| FaceId::new(c.index() / 3));
+                regions.join(a, b);
             }
         }
         let (mut of, mut whole) = (IdVec::<FaceId, u32>::with_capacity(count), Vec::<InUv>::new());
         for (i, place) in places.into_iter().enumerate() {
             // The first of a region comes before all others of it.
-            let first = root(&mut joined, i as u32) as usize;
-            let own = of.as_slice().get(first).copied().unwrap_or(whole.len() as u32);
+            let first = regions.first(FaceId::new(i));
+            let own = of.as_slice().get(first.index()).copied().unwrap_or(whole.len() as u32);
             of.push(own);
             match whole.get_mut(own as usize) {
                 Some(whole) => whole.join(&place),
@@ -71,15 +70,6 @@ impl InUv {
         self.is_upright |= other.is_upright;
         self.is_turned |= other.is_turned;
     }
-}
-
-/// The first of what a triangle is joined with, with shorter ways to it afterwards.
-fn root(joined: &mut [u32], mut at: u32) -> u32 {
-    while joined[at as usize] != at {
-        joined[at as usize] = joined[joined[at as usize] as usize];
-        at = joined[at as usize];
-    }
-    at
 }
 
 /// Whether two faces have the same UVs along the edge between them.

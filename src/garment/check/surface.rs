@@ -1,7 +1,7 @@
 //! What is odd about a surface but can be worked with: found, counted and located for the user.
 
 use crate::error::{Warning, Warnings};
-use crate::mesh::{CornerId, FaceId, Faces, IdVec, Topology, VertexId};
+use crate::mesh::{CornerId, FaceId, Faces, Groups, IdVec, Topology, VertexId};
 use glam::{DVec3, Vec3};
 
 /// Elements that a warning names.
@@ -61,7 +61,7 @@ fn bow_ties(topology: &Topology) -> impl Iterator<Item = usize> {
 fn fan_counts(topology: &Topology) -> IdVec<VertexId, usize> {
     let vertices = (0..topology.vertex_count()).map(VertexId::new);
     let mut fans: IdVec<VertexId, usize> = vertices.map(|v| topology.vertex_corners.row(v).len()).collect();
-    let mut groups = Groups::new(topology.faces.corners().len());
+    let mut groups = Groups::<CornerId>::new(topology.faces.corners().len());
     for edge in topology.edges.ids() {
         let &[a, b] = topology.edge_corners.row(edge) else { continue };
         for end in topology.edges[edge] {
@@ -76,34 +76,6 @@ fn fan_counts(topology: &Topology) -> IdVec<VertexId, usize> {
 /// The corner at `end` of the face whose half-edge `corner` begins or ends there.
 fn corner_at(faces: &Faces, corner: CornerId, end: VertexId) -> CornerId {
     if faces.vertex(corner) == end { corner } else { faces.next(corner) }
-}
-
-/// Corners in groups that grow together.
-struct Groups {
-    parent: IdVec<CornerId, CornerId>,
-}
-
-impl Groups {
-    /// Each corner on its own.
-    fn new(corners: usize) -> Self {
-        Self { parent: (0..corners).map(CornerId::new).collect() }
-    }
-
-    /// The corner that stands for the group of `corner`.
-    fn root(&mut self, mut corner: CornerId) -> CornerId {
-        while self.parent[corner] != corner {
-            self.parent[corner] = self.parent[self.parent[corner]];
-            corner = self.parent[corner];
-        }
-        corner
-    }
-
-    /// Joins the groups of two corners; says whether they were two.
-    fn join(&mut self, a: CornerId, b: CornerId) -> bool {
-        let (a, b) = (self.root(a), self.root(b));
-        self.parent[a.max(b)] = a.min(b);
-        a != b
-    }
 }
 
 /// The faces whose area is zero but for rounding.
