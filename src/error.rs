@@ -6,6 +6,9 @@ use serde::Serialize;
 use std::fmt;
 use std::io;
 
+/// Elements that a warning names: enough to find the place, few enough to read.
+pub const EXAMPLES: usize = 5;
+
 /// What went wrong, for the person at the terminal.
 #[derive(Debug)]
 pub enum Error {

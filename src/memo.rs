@@ -1,6 +1,6 @@
 //! Values that were made before, by key, within a bound of memory.
 
-use crate::error::Error;
+use crate::error::{Error, Warnings};
 use std::any::Any;
 use std::collections::HashMap;
 use std::hash::Hash;
@@ -10,6 +10,21 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 pub trait Footprint {
     /// An estimate of the memory that it holds. \[bytes\]
     fn footprint(&self) -> usize;
+}
+
+/// A result with its warnings.
+pub struct Made<T> {
+    /// The result.
+    pub value: T,
+    /// What was met on the way.
+    pub warnings: Warnings,
+}
+
+/// A result without warnings.
+impl<T> From<T> for Made<T> {
+    fn from(value: T) -> Self {
+        Self { value, warnings: Warnings::default() }
+    }
 }
 
 /// A cache of values of any type. Each is made once, however many threads ask for it: the others wait. Those that were

@@ -1,10 +1,10 @@
 //! Read, check, subdivide, simulate, render, transfer: what the command, the plugin and the crate's users all run.
 
-use crate::error::{Error, Warning, Warnings};
+use crate::error::{EXAMPLES, Error, Warning, Warnings};
 use crate::garment::{BoundaryInterpolation, Garment, GarmentError, GarmentInput, Problem, Scheme, check_garment};
 use crate::mesh::{FaceId, IdVec, Topology, VertexId};
 use crate::recipe::{Bound, Layers, Recipe, bind};
-use crate::render::{Formed, Stack, check_size, first_cage, render};
+use crate::render::{Afresh, Rendered, Stack, render};
 use crate::report::{RenderFigures, SimFigures, SubsetArea, subset_areas};
 use crate::sim::{Baseline, Gap, Lengths, RemeshReport, SimProduct, holes, simulate};
 use crate::subdivide::{Level, MAX_REFINED_FACES, refined_faces};
@@ -55,6 +55,10 @@ pub struct Products {
     pub render_figures: RenderFigures,
     /// The recipe with the lengths that were used.
     pub recipe: Recipe,
+    /// The operators of the render mesh, in their order.
+    pub operators: Vec<String>,
+    /// Names of the face sets that they made.
+    pub operator_sets: Vec<String>,
     /// Time of each stage.
     pub stages: Vec<Stage>,
 }
@@ -266,20 +270,18 @@ impl Prepared {
     }
 
     /// The render mesh: the stage "render".
-    fn render(&self, clock: &mut Clock<'_>, warnings: &mut Warnings) -> Result<Garment, Error> {
-        let stack = self.stack()?;
-        clock.run("render", || render(&self.garment, &stack, warnings))
+    fn render(&self, stack: &Stack, clock: &mut Clock<'_>, warnings: &mut Warnings) -> Result<Rendered, Error> {
+        let rendered = clock.run("render", || render(&self.garment, stack, &Afresh))?;
+        warnings.extend(&rendered.warnings);
+        Ok(rendered)
     }
 
-    /// Faces of the render mesh.
+    /// Faces of the render mesh: what operators make of the cage, and then each refinement.
     fn render_faces(&self) -> Result<usize, Error> {
         let stack = self.stack()?;
-        let mut cage = first_cage(&self.garment);
-        for operator in &stack.operators {
-            cage = Formed::new(operator.as_ref(), &cage)?.cage;
-        }
-        check_size(&cage, stack.level)?;
-        Ok(refined_faces(cage.garment(), stack.level))
+        let level = stack.level;
+        let cage = render(&self.garment, &Stack { level: 0, ..stack }, &Afresh)?.mesh;
+        Ok(refined_faces(&cage, level))
     }
 
     /// Builds both products.
@@ -290,7 +292,8 @@ impl Prepared {
         let mut clock = Clock { stages: Vec::new(), progress: limits.progress };
         let product = self.remesh(limits.max_faces, &mut clock, warnings)?;
         let (transferred, areas) = self.transfer(&product, &mut clock, warnings)?;
-        let render = self.render(&mut clock, warnings)?;
+        let stack = self.stack()?;
+        let Rendered { mesh: render, sets, .. } = self.render(&stack, &mut clock, warnings)?;
         let (sim_figures, render_figures) =
             clock.run("figures", || (SimFigures::new(&product, &transferred, areas), RenderFigures::new(&render)));
         Ok(Products {
@@ -300,6 +303,8 @@ impl Prepared {
             render_figures,
             remesh: product.report,
             recipe: self.recipe.clone(),
+            operators: stack.names,
+            operator_sets: sets,
             stages: clock.stages,
         })
     }
@@ -347,8 +352,6 @@ fn doubled_area(garment: &Garment, face: FaceId) -> f64 {
 
 /// Distance of a curve from its edges that is worth a warning. \[target lengths\]
 const CURVE_GAP: f32 = 0.1;
-/// Points that a warning names.
-const EXAMPLES: usize = 5;
 
 /// Warns of borders, seams and constraints that the mesh's edges do not follow.
 fn warn_of_gaps(product: &SimProduct, warnings: &mut Warnings) {

@@ -6,18 +6,19 @@
 //!                              └→ operator (its options) → … → refinement → … → render
 //! ```
 //!
-//! An operator and a refinement are two stages each: what the mesh is made of, and where its points are. An option that
-//! only moves points repeats the second ones.
+//! An operator and a refinement are two stages each (`render::stages`): what the mesh is made of, and where its points
+//! are. An option that only moves points repeats the second ones.
 //!
 //! A stage is known by the content of its source and by the options that it reads, never by the name of a file.
 
 use crate::error::{Error, Warnings};
 use crate::garment::{Elements, Garment, Primvar, Values};
+pub use crate::memo::Made;
 use crate::memo::{Footprint, Memo};
 use crate::mesh::{IdVec, VertexId};
 use crate::pipeline::{Checked, Clock, DEFAULT_MAX_FACES, Prepared};
 use crate::recipe::Document;
-use crate::render::{Formed, Ground, Placed, Stack, check_size, first_cage};
+use crate::render::{Formed, Ground, Placed, Rendered, Stack, Stages, render};
 use crate::sim::{SimOptions, SimProduct};
 use crate::subdivide::Cage;
 use crate::usd::{Format, Product, ReadOptions, Role, Source, Surroundings, WriteOptions, layer_bytes};
@@ -53,14 +54,6 @@ pub struct Opened {
     /// Names the source among those of the session.
     serial: u64,
     content: usize,
-}
-
-/// The result of a stage and of those before it, with their warnings.
-pub struct Made<T> {
-    /// The result.
-    pub value: T,
-    /// What was met on the way.
-    pub warnings: Warnings,
 }
 
 impl Session {
@@ -131,61 +124,10 @@ impl Session {
         let stack = prepared.stack()?;
         let told: Vec<String> = stack.warnings.iter().map(ToString::to_string).collect();
         let key = opened.key("render", &(options_of(&stack), told))?;
-        self.memo.get(&key, || self.rendered(opened, prepared, &stack))
-    }
-
-    /// Stages are asked for on the caller's thread only: one that waits in the pool could wait for work under itself.
-    fn rendered(&self, opened: &Opened, prepared: &Prepared, stack: &Stack) -> Result<Made<Garment>, Error> {
-        let mut warnings = stack.warnings.clone();
-        if stack.level == 0 && stack.operators.is_empty() {
-            return Ok(Made { value: (*prepared.garment).clone(), warnings });
-        }
-        // What the connectivity depends on, and what the points do: all heights on how far gaps were looked for.
-        let reach = stack.reach(&prepared.garment);
-        let (mut structure, mut options) = (Vec::new(), vec![reach.to_string()]);
-        let mut cage: Arc<dyn AsCage> =
-            self.memo.get(&opened.key("cage", &())?, || Ok(self.pool.install(|| first_cage(&prepared.garment))))?;
-        let mut placed = self.memo.get(&opened.key("first", &reach)?, || {
-            let value = self.pool.install(|| Placed::first(cage.cage(), reach));
-            Ok(Made { value, warnings: Warnings::default() })
-        })?;
-        for operator in &stack.operators {
-            structure.push(operator.structure());
-            let formed = self.memo.get(&opened.key("form", &structure)?, || {
-                self.pool.install(|| Formed::new(operator.as_ref(), cage.cage()))
-            })?;
-            warnings.extend(&formed.shape.warnings);
-            let ground = self.memo.get(&opened.key("ground", &(&structure, &options))?, || {
-                Ok(self.pool.install(|| formed.ground(&placed.value)))
-            })?;
-            options.push(operator.options());
-            placed = self.memo.get(&opened.key("points", &options)?, || {
-                let (value, warnings) = self.pool.install(|| formed.raised(operator.as_ref(), &ground));
-                Ok(Made { value, warnings })
-            })?;
-            warnings.extend(&placed.warnings);
-            cage = formed;
-        }
-        check_size(cage.cage(), stack.level)?;
-        let mut points = Arc::new(Made { value: placed.value.points.clone(), warnings: Warnings::default() });
-        for level in 1..=stack.level {
-            points = self.memo.get(&opened.key("level points", &(&options, level))?, || {
-                let value = self.pool.install(|| cage.cage().refined_points(&points.value));
-                Ok(Made { value, warnings: Warnings::default() })
-            })?;
-            if level < stack.level {
-                let key = opened.key("level", &(&structure, level))?;
-                cage = self.memo.get(&key, || Ok(self.pool.install(|| cage.cage().refined())))?;
-            }
-        }
-        let finished = self.memo.get(&opened.key("attributes", &(&structure, stack.level))?, || {
-            let value = self.pool.install(|| match stack.level {
-                0 => cage.cage().clone().into_garment(),
-                _ => cage.cage().refined_garment(),
-            });
-            Ok(Made { value, warnings: Warnings::default() })
-        })?;
-        Ok(Made { value: Garment { points: points.value.clone(), ..finished.value.clone() }, warnings })
+        self.memo.get(&key, || {
+            let Rendered { mesh, warnings, .. } = render(&prepared.garment, &stack, &Kept { session: self, opened })?;
+            Ok(Made { value: mesh, warnings })
+        })
     }
 
     /// The layer of a `.tailor` file as crate bytes: what the command writes for it. `content` is the composed source.
@@ -243,20 +185,21 @@ impl Footprint for Opened {
     }
 }
 
-/// A stage of the render mesh that has a cage.
-trait AsCage: Send + Sync {
-    fn cage(&self) -> &Cage;
+/// The stages of a source that a session keeps. They are asked for on the caller's thread only: one that waits in the
+/// pool could wait for work under itself.
+struct Kept<'a> {
+    session: &'a Session,
+    opened: &'a Opened,
 }
 
-impl AsCage for Cage {
-    fn cage(&self) -> &Cage {
-        self
-    }
-}
-
-impl AsCage for Formed {
-    fn cage(&self) -> &Cage {
-        &self.cage
+impl Stages for Kept<'_> {
+    fn get<V: Footprint + Send + Sync + 'static>(
+        &self,
+        name: &'static str,
+        options: &impl serde::Serialize,
+        make: impl FnOnce() -> Result<V, Error> + Send,
+    ) -> Result<Arc<V>, Error> {
+        self.session.memo.get(&self.opened.key(name, options)?, || self.session.pool.install(make))
     }
 }
 
@@ -295,9 +238,15 @@ impl Footprint for Made<Placed> {
     }
 }
 
-impl Footprint for Made<IdVec<VertexId, Vec3>> {
+impl Footprint for IdVec<VertexId, Vec3> {
     fn footprint(&self) -> usize {
-        size_of::<Vec3>() * self.value.len()
+        size_of::<Vec3>() * self.len()
+    }
+}
+
+impl Footprint for Garment {
+    fn footprint(&self) -> usize {
+        garment_bytes(self)
     }
 }
 

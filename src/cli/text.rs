@@ -5,9 +5,7 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use tailor::error::{Error, Warning, Warnings};
-use tailor::garment::Elements;
 use tailor::pipeline::Products;
-use tailor::recipe::Recipe;
 
 /// Writes warnings to standard error, with the name of the input where there are several.
 pub fn print_warnings(warnings: &Warnings, quiet: bool, input: Option<&PathBuf>) {
@@ -78,7 +76,7 @@ pub fn summary(input: &Path, output: &Path, products: &Products, verbose: bool) 
         percent(r.quads),
         recipe.render.level
     );
-    let operators = operators(recipe);
+    let operators = &products.operators;
     if !operators.is_empty() {
         let _ = writeln!(t, "          {} operators: {}", operators.len(), operators.join(", "));
     }
@@ -105,26 +103,8 @@ pub fn summary(input: &Path, output: &Path, products: &Products, verbose: bool) 
     t
 }
 
-/// The operators of the render mesh, in their order.
-fn operators(recipe: &Recipe) -> Vec<String> {
-    if !recipe.render.operators.is_empty() {
-        return recipe.render.operators.clone();
-    }
-    let seams = recipe.seams.keys().map(|name| format!("seam.{name}"));
-    seams.chain(recipe.thicknesses.keys().map(|name| format!("thickness.{name}"))).collect()
-}
-
-/// The face sets of what each operator made, with their sizes; none unless `render.faceSets` asks for them.
+/// The face sets of what operators made, with their sizes; none unless `render.faceSets` asks for them.
 pub fn made(products: &Products) -> Vec<(String, usize)> {
-    let Recipe { render, seams, thicknesses, .. } = &products.recipe;
-    if !render.face_sets {
-        return Vec::new();
-    }
-    let seams = seams.keys().map(|name| format!("{name}_seam"));
-    let layers = thicknesses.keys().flat_map(|name| ["hem", "inner"].map(|part| format!("{name}_{part}")));
-    let found = |name: String| match &products.render.subset(&name)?.elements {
-        Elements::Faces(faces) => Some((name, faces.len())),
-        _ => None,
-    };
-    seams.chain(layers).filter_map(found).collect()
+    let size = |name: &String| Some((name.clone(), products.render.subset(name)?.elements.len()));
+    products.operator_sets.iter().filter_map(size).collect()
 }

@@ -26,21 +26,26 @@ mod seam;
 mod settle;
 mod shape;
 mod sound;
+mod stages;
 mod surface;
 mod thickness;
 
 pub use placed::{Placed, Room};
 pub use seam::{SeamOptions, Seams};
 pub use shape::{Formed, Ground, Held, Operator, Role, Shape};
+pub use stages::{Afresh, Rendered, Stages, render};
 pub use surface::{Surface, limit_rows};
 pub use thickness::{Side, Thickness, ThicknessOptions};
 
-use crate::error::{Error, Warning, Warnings};
+use crate::error::{EXAMPLES, Error, Warning, Warnings};
 use crate::garment::{BoundaryInterpolation, Elements, Garment, Subset};
-use crate::mesh::FaceId;
+use crate::mesh::{FaceId, VertexId};
 use crate::subdivide::{Cage, Level, MAX_REFINED_FACES, refined_faces};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+
+/// A height or a distance that keeps less of what was asked than this is reported.
+const REPORTED: f32 = 0.98;
 
 /// Options of the render mesh: the attributes of `TailorRenderAPI`, with the same names and defaults.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -96,6 +101,8 @@ impl<'a> Instance<'a> {
 pub struct Stack {
     /// The operators.
     pub operators: Vec<Box<dyn Operator>>,
+    /// Their names with their kinds, of each seam by itself.
+    pub names: Vec<String>,
     /// Refinements after them. \[levels\]
     pub level: u32,
     /// What was met on the way.
@@ -117,6 +124,7 @@ impl Stack {
         let of_seams = seams.keys().map(|name| Instance::Seam(name));
         let all: Vec<Instance> = of_seams.chain(thicknesses.keys().map(|name| Instance::Thickness(name))).collect();
         let order = order(&all, &options.operators, &mut warnings)?;
+        let names = order.iter().map(|instance| instance.full_name()).collect();
         let mut operators: Vec<Box<dyn Operator>> = Vec::new();
         let mut network: Vec<(String, SeamOptions)> = Vec::new();
         for instance in order {
@@ -130,7 +138,7 @@ impl Stack {
             }
         }
         end_network(&mut network, points, options, &mut operators);
-        Ok(Self { operators, level: options.level, warnings })
+        Ok(Self { operators, names, level: options.level, warnings })
     }
 
     /// The furthest that an operator goes from the surface of a garment, rounded up, so that what depends on it need not change with
@@ -182,51 +190,21 @@ fn order<'a>(all: &[Instance<'a>], names: &[String], warnings: &mut Warnings) ->
     Ok(order)
 }
 
-/// The render mesh of a checked garment.
-///
-/// A polygonal mesh (`subdivisionScheme = "none"`) is refined as if bilinear and stays polygonal.
-///
-/// # Errors
-/// Operators that do not fit the garment.
-pub fn render(garment: &Garment, stack: &Stack, warnings: &mut Warnings) -> Result<Garment, Error> {
-    warnings.extend(&stack.warnings);
-    if stack.level == 0 && stack.operators.is_empty() {
-        return Ok(garment.clone());
-    }
-    let mut cage = first_cage(garment);
-    let mut placed = Placed::first(&cage, stack.reach(garment));
-    for operator in &stack.operators {
-        let formed = Formed::new(operator.as_ref(), &cage)?;
-        warnings.extend(&formed.shape.warnings);
-        placed = formed.placed(operator.as_ref(), &placed, warnings);
-        cage = formed.cage;
-    }
-    check_size(&cage, stack.level)?;
-    cage = cage.with_points(placed.points);
-    for _ in 1..stack.level {
-        cage = cage.refined();
-    }
-    Ok(if stack.level > 0 { cage.refined_garment() } else { cage.into_garment() })
-}
-
 /// Whether a cage, whose faces operators have multiplied, can be refined.
-///
-/// # Errors
-/// More faces than [`MAX_REFINED_FACES`].
-pub fn check_size(cage: &Cage, level: u32) -> Result<(), Error> {
-    let faces = refined_faces(cage.garment(), level);
+fn check_size(cage: &Garment, level: u32) -> Result<(), Error> {
+    let faces = refined_faces(cage, level);
     if faces <= MAX_REFINED_FACES || level == 0 {
         return Ok(());
     }
     Err(Error::Recipe(format!(
         "{}: render.level {level} makes {faces} faces with its operators, more than {MAX_REFINED_FACES}\n  \
          hint: lower the level",
-        cage.garment().prim
+        cage.prim
     )))
 }
 
 /// The cage before any operator.
-pub fn first_cage(garment: &Garment) -> Cage {
+fn first_cage(garment: &Garment) -> Cage {
     let mut garment = garment.clone();
     add_border_holes(&mut garment);
     Cage::new(garment)
@@ -242,16 +220,26 @@ fn add_border_holes(cage: &mut Garment) {
     }
 }
 
-/// A subset of new faces, under a name that a prim may have and no other subset has.
-fn new_set(garment: &Garment, wanted: &str, faces: Vec<FaceId>, warnings: &mut Warnings) -> Subset {
-    let valid: String = wanted.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
-    let valid = if valid.starts_with(|c: char| c.is_ascii_digit()) { format!("_{valid}") } else { valid };
-    let mut numbered = (1..).map(|n| if n == 1 { valid.clone() } else { format!("{valid}_{n}") });
-    let name = numbered.find(|name| garment.subset(name).is_none()).unwrap_or_default();
-    if name != wanted {
-        warnings.push(Warning::SetRenamed { wanted: wanted.to_owned(), name: name.clone() });
+/// Subsets of new faces, under names that prims may have and no other subset has.
+fn new_sets(garment: &Garment, wanted: Vec<(String, Vec<FaceId>)>, warnings: &mut Warnings) -> Vec<Subset> {
+    let mut sets: Vec<Subset> = Vec::with_capacity(wanted.len());
+    for (wanted, faces) in wanted {
+        let valid: String = wanted.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+        let valid = if valid.starts_with(|c: char| c.is_ascii_digit()) { format!("_{valid}") } else { valid };
+        let mut numbered = (1..).map(|n| if n == 1 { valid.clone() } else { format!("{valid}_{n}") });
+        let is_free = |name: &String| garment.subset(name).is_none() && sets.iter().all(|set| set.name != *name);
+        let name = numbered.find(is_free).unwrap_or_default();
+        if name != wanted {
+            warnings.push(Warning::SetRenamed { wanted, name: name.clone() });
+        }
+        sets.push(Subset { name, family: String::new(), elements: Elements::Faces(faces), sharpness: None });
     }
-    Subset { name, family: String::new(), elements: Elements::Faces(faces), sharpness: None }
+    sets
+}
+
+/// The first points of the input among `vertices`, as many as a warning names.
+fn examples(own_points: usize, vertices: impl IntoIterator<Item = VertexId>) -> Vec<usize> {
+    vertices.into_iter().map(VertexId::index).filter(|&v| v < own_points).take(EXAMPLES).collect()
 }
 
 /// Loop surfaces have no quads to work with.

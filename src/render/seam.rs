@@ -18,15 +18,17 @@
 
 mod chains;
 
+use super::REPORTED;
 use super::lines::{self, Lines, Narrowed, Request};
 use super::shape::{Held, Operator, Role, Shape};
-use crate::error::{Error, Warning, Warnings};
+use crate::error::{EXAMPLES, Error, Warning, Warnings};
 use crate::garment::{Elements, Garment, Scheme, Subset};
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
 use crate::subdivide::Cage;
 use chains::Network;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 
 /// Lines of each side as shares of its width: on the flank, where the surface begins, and outside, to hold it there.
 const LINES: [f32; 3] = [0.5, 1.0, 1.5];
@@ -35,10 +37,6 @@ const SWOLLEN_LINES: [f32; 4] = [1.0 / 3.0, 2.0 / 3.0, 1.0, 4.0 / 3.0];
 /// Least part of the width on one side, so that at full asymmetry both lines are apart and the steep flank is not turned
 /// over.
 const LEAST_SIDE: f32 = 0.05;
-/// A centre that keeps less of its offset than this is reported.
-const REPORTED: f32 = 0.98;
-/// Elements that a warning names.
-const EXAMPLES: usize = 5;
 
 /// Options of a seam: the attributes of `TailorSeamAPI`, with the same names and defaults.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -177,10 +175,9 @@ impl Seams {
         let width = self.width_line();
         let of = |(instance, (name, _)): (usize, &(String, SeamOptions))| {
             let within = lines.strips.iter().filter(|s| s.line <= width && network.seam[s.mark] == Some(instance));
-            let faces: Vec<FaceId> = within.map(|s| s.face).collect();
-            super::new_set(cage.garment(), &format!("{name}_seam"), faces, warnings)
+            (format!("{name}_seam"), within.map(|s| s.face).collect())
         };
-        self.seams.iter().enumerate().map(of).collect()
+        super::new_sets(cage.garment(), self.seams.iter().enumerate().map(of).collect(), warnings)
     }
 
     fn distances(&self, cage: &Cage, network: &Network) -> IdVec<CornerId, f32> {
@@ -239,10 +236,18 @@ impl Operator for Seams {
         shape.held.iter().map(|held| self.height(&held.role).0).collect()
     }
 
-    fn unsound(&self, count: usize, points: Vec<usize>) -> Warning {
-        let names: Vec<String> = self.seams.iter().map(|(name, _)| format!("seam.{name}")).collect();
-        let examples = points.into_iter().filter(|&v| v < self.own_points).take(EXAMPLES).collect();
-        Warning::Unsound { operator: names.join(", "), count, examples }
+    fn unsound(&self, shape: &Shape, faces: &[FaceId]) -> Warning {
+        let there: BTreeSet<VertexId> =
+            faces.iter().flat_map(|&f| shape.derivation.faces.vertices_of(f)).copied().collect();
+        let instances = |held: &Held| match &held.role {
+            Role::Centre(instances) => instances.clone(),
+            Role::Line { instance, .. } => vec![*instance],
+            _ => Vec::new(),
+        };
+        let of: BTreeSet<usize> = shape.held.iter().filter(|h| there.contains(&h.vertex)).flat_map(instances).collect();
+        let names: Vec<String> = of.iter().map(|&i| format!("seam.{}", self.seams[i].0)).collect();
+        let examples = super::examples(self.own_points, shape.sources(faces));
+        Warning::Unsound { operator: names.join(", "), count: faces.len(), examples }
     }
 
     fn reduced(&self, shape: &Shape, given: &[f32]) -> Warnings {

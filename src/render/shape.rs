@@ -38,8 +38,8 @@ pub trait Operator: Sync + Send {
     /// What to say of the heights that were given, where they are less than asked.
     fn reduced(&self, shape: &Shape, given: &[f32]) -> Warnings;
 
-    /// What to say of points of the input beside `count` faces that cross others or are turned over in spite of that.
-    fn unsound(&self, count: usize, points: Vec<usize>) -> Warning;
+    /// What to say of faces that cross others or are turned over in spite of that.
+    fn unsound(&self, shape: &Shape, faces: &[FaceId]) -> Warning;
 }
 
 /// What a held vertex is for.
@@ -99,6 +99,22 @@ pub struct Shape {
     pub apart: Vec<(VertexId, Vec3)>,
     /// What was met on the way.
     pub warnings: Warnings,
+}
+
+impl Shape {
+    /// The place of each vertex among those held for a role that is `wanted`.
+    pub fn index(&self, wanted: impl Fn(&Role) -> bool) -> IdVec<VertexId, Option<usize>> {
+        let mut index = IdVec::filled(None, self.derivation.vertices.len());
+        let held = self.held.iter().enumerate().filter(|(_, held)| wanted(&held.role));
+        held.for_each(|(i, held)| index[held.vertex] = Some(i));
+        index
+    }
+
+    /// The vertices of the parent that those of faces are made of, each once.
+    pub fn sources(&self, faces: &[FaceId]) -> BTreeSet<VertexId> {
+        let vertices = faces.iter().flat_map(|&f| self.derivation.faces.vertices_of(f));
+        vertices.flat_map(|v| self.derivation.vertices.at(v.index()).iter().map(|s| s.0)).collect()
+    }
 }
 
 /// The stage of a stack that an operator makes: all but the places of its points.
@@ -215,17 +231,9 @@ impl Formed {
             self.shape.held.iter().zip(&given).map(|(held, height)| height * sound.shares[held.vertex]).collect();
         let mut warnings = operator.reduced(&self.shape, &given);
         if !sound.faults.is_empty() {
-            warnings.push(operator.unsound(sound.faults.len(), self.sources(&sound.faults)));
+            warnings.push(operator.unsound(&self.shape, &sound.faults));
         }
         (placed, warnings)
-    }
-
-    /// The vertices of the parent that vertices of faces are made of, each once.
-    fn sources(&self, faces: &[FaceId]) -> Vec<usize> {
-        let derivation = &self.shape.derivation;
-        let vertices = faces.iter().flat_map(|&f| derivation.faces.vertices_of(f));
-        let of = |v: &VertexId| derivation.vertices.at(v.index()).iter().map(|s| s.0.index());
-        vertices.flat_map(of).collect::<BTreeSet<usize>>().into_iter().collect()
     }
 
     /// Faces that moved and have another layer near, or less height than asked.
@@ -265,22 +273,12 @@ impl Formed {
         };
         self.shape.held.iter().zip(asked).zip(targets).map(of).collect()
     }
-
-    /// The points of the new cage, where the parent's are `parent`.
-    pub fn placed(&self, operator: &dyn Operator, parent: &Placed, warnings: &mut Warnings) -> Placed {
-        let (placed, met) = self.raised(operator, &self.ground(parent));
-        warnings.extend(&met);
-        placed
-    }
 }
 
 /// The edges between copies, as the places of both among the held vertices.
 fn layer_edges(shape: &Shape, level: &Level) -> Vec<[usize; 2]> {
-    let mut index = vec![None; shape.derivation.vertices.len()];
-    for (i, held) in shape.held.iter().enumerate().filter(|(_, h)| matches!(h.role, Role::Layer { .. })) {
-        index[held.vertex.index()] = Some(i);
-    }
-    let of = |ends: &[VertexId; 2]| Some([index[ends[0].index()]?, index[ends[1].index()]?]);
+    let index = shape.index(|role| matches!(role, Role::Layer { .. }));
+    let of = |ends: &[VertexId; 2]| Some([index[ends[0]]?, index[ends[1]]?]);
     level.topology.edges.iter().filter_map(of).collect()
 }
 
@@ -295,11 +293,10 @@ fn moved(shape: &Shape) -> IdVec<FaceId, bool> {
 /// The held vertex from whose limit each is measured: itself, but for copies that have other faces or another rule than
 /// what they are a copy of, as at the free border of a layer. Those have another limit at the same place.
 fn measured_from(shape: &Shape, level: &Level) -> Vec<usize> {
-    let mut index = vec![None; shape.derivation.vertices.len()];
-    shape.held.iter().enumerate().for_each(|(i, h)| index[h.vertex.index()] = Some(i));
+    let index = shape.index(|_| true);
     let like = |v: VertexId| (level.topology.vertex_corners.row(v).len(), level.rules[v]);
     let of = |(i, held): (usize, &Held)| match held.role {
-        Role::Layer { over, .. } if like(over) != like(held.vertex) => index[over.index()].unwrap_or(i),
+        Role::Layer { over, .. } if like(over) != like(held.vertex) => index[over].unwrap_or(i),
         _ => i,
     };
     shape.held.iter().enumerate().map(of).collect()

@@ -7,6 +7,7 @@
 //!                                        closed surface: away from each other, on the outer side to each other
 //! ```
 
+use super::REPORTED;
 use super::lines::{self, Lines, Request};
 use super::shape::{Held, Operator, Role, Shape, is_lone_corner};
 use super::surface::limit_rows;
@@ -17,6 +18,7 @@ use crate::subdivide::{Cage, Stencils};
 use glam::Vec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 
 /// Distance of the line that holds the fold from it, as a share of the amount. Smaller makes the fold tighter.
 const HOLD: f32 = 1.0;
@@ -25,10 +27,6 @@ const LEAST_WEIGHT: f32 = 0.01;
 /// Part of an edge's length that a fold of the surface may take from it on the second layer. Larger lets the layer come
 /// closer to crossing itself.
 const MOST_SHRUNK: f32 = 0.7;
-/// A layer that keeps less of its distance than this is reported.
-const REPORTED: f32 = 0.98;
-/// Points that a warning names.
-const EXAMPLES: usize = 5;
 
 /// On which side of the surface the second layer is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -100,12 +98,9 @@ impl Thickness {
         let is_bare = |f: FaceId| faces.vertices_of(f).iter().any(|&v| turns[v]);
         let bare: Vec<FaceId> = chosen.ids().filter(|&f| chosen[f] && is_bare(f)).collect();
         if !bare.is_empty() {
-            let mut at: Vec<usize> = bare.iter().flat_map(|&f| faces.vertices_of(f)).map(|v| v.index()).collect();
-            at.sort_unstable();
-            at.dedup();
-            at.retain(|&v| v < self.own_points && turns[VertexId::new(v)]);
-            at.truncate(EXAMPLES);
-            warnings.push(Warning::BareFaces { thickness: self.name.clone(), count: bare.len(), examples: at });
+            let at: BTreeSet<VertexId> = bare.iter().flat_map(|&f| faces.vertices_of(f)).copied().collect();
+            let examples = super::examples(self.own_points, at.into_iter().filter(|&v| turns[v]));
+            warnings.push(Warning::BareFaces { thickness: self.name.clone(), count: bare.len(), examples });
             bare.iter().for_each(|&f| chosen[f] = false);
         }
         (chosen, warnings)
@@ -232,24 +227,18 @@ impl Thickness {
         if !self.names_sets {
             return Vec::new();
         }
-        let mut set = |end: &str, faces: &[FaceId]| {
-            super::new_set(garment, &format!("{}_{end}", self.name), faces.to_vec(), warnings)
-        };
-        vec![set("hem", &layer.hem), set("inner", &layer.inner)]
+        let set = |(end, faces): (&str, &Vec<FaceId>)| (format!("{}_{end}", self.name), faces.clone());
+        let sets = [("hem", &layer.hem), ("inner", &layer.inner)].map(set);
+        super::new_sets(garment, sets.into(), warnings)
     }
 
     /// The largest distance at each held vertex of the layer at which its edges do not turn around.
     fn most(&self, shape: &Shape, surface: &[(Vec3, Vec3)]) -> Vec<f32> {
-        let mut index = vec![None; shape.derivation.vertices.len()];
-        for (i, held) in shape.held.iter().enumerate() {
-            if let Role::Layer { .. } = held.role {
-                index[held.vertex.index()] = Some(i);
-            }
-        }
+        let index = shape.index(|role| matches!(role, Role::Layer { .. }));
         let mut most = vec![f32::INFINITY; shape.held.len()];
         let faces = &shape.derivation.faces;
         for corner in faces.corners().ids() {
-            let [Some(i), Some(j)] = faces.half_edge(corner).map(|v| index[v.index()]) else { continue };
+            let [Some(i), Some(j)] = faces.half_edge(corner).map(|v| index[v]) else { continue };
             let ((p, n), (q, m)) = (surface[i], surface[j]);
             let shrinks = -self.sign() * (m - n).dot(q - p);
             if shrinks > 0.0 {
@@ -394,9 +383,9 @@ impl Operator for Thickness {
         shape.held.iter().zip(&most).map(of).collect()
     }
 
-    fn unsound(&self, count: usize, points: Vec<usize>) -> Warning {
-        let examples = points.into_iter().filter(|&v| v < self.own_points).take(EXAMPLES).collect();
-        Warning::Unsound { operator: format!("thickness.{}", self.name), count, examples }
+    fn unsound(&self, shape: &Shape, faces: &[FaceId]) -> Warning {
+        let examples = super::examples(self.own_points, shape.sources(faces));
+        Warning::Unsound { operator: format!("thickness.{}", self.name), count: faces.len(), examples }
     }
 
     fn reduced(&self, shape: &Shape, given: &[f32]) -> Warnings {
@@ -412,8 +401,7 @@ impl Operator for Thickness {
             }
         }
         if !thin.is_empty() {
-            let own = thin.iter().map(|v| v.index()).filter(|&v| v < self.own_points);
-            let examples = own.take(EXAMPLES).collect();
+            let examples = super::examples(self.own_points, thin.iter().copied());
             warnings.push(Warning::ThinLayer { thickness: self.name.clone(), count: thin.len(), examples, least });
         }
         warnings

@@ -154,7 +154,8 @@ impl Cage {
         &self.level
     }
 
-    /// The cage refined once, with every attribute.
+    /// The cage refined once, with every attribute. Its points are not: they are zero, and go by
+    /// [`Cage::refined_points`].
     pub fn refined(&self) -> Self {
         let refinement = Refinement::new(&self.level, self.garment.rules);
         let faces = refinement.faces.clone();
@@ -173,7 +174,7 @@ impl Cage {
     /// `corners` and `creases` of the child become infinitely sharp.
     pub fn derived(&self, lineage: &impl Lineage, corners: &[VertexId], creases: &[[VertexId; 2]]) -> Self {
         let carry = Carry::new(&self.garment, lineage);
-        let mut garment = carry.frame();
+        let mut garment = carry.frame(carried_points(&lineage.vertex(), &self.garment.points));
         let mut sharp: BTreeSet<VertexId> = garment.corners.iter().map(|c| c.vertex).collect();
         let new = corners.iter().filter(|&&v| sharp.insert(v));
         garment.corners.extend(new.map(|&vertex| Corner { vertex, sharpness: INFINITE_SHARPNESS }));
@@ -198,7 +199,8 @@ impl Cage {
         self
     }
 
-    /// The garment of the cage refined once: the last step, which needs no connectivity of what it makes.
+    /// The garment of the cage refined once, without its points as in [`Cage::refined`]: the last step, which needs no
+    /// connectivity of what it makes.
     pub fn refined_garment(&self) -> Garment {
         let refinement = Refinement::new(&self.level, self.garment.rules);
         let (garment, influences) = carry(&self.garment, self.influences.as_deref(), &refinement);
@@ -234,14 +236,15 @@ pub fn carried_points<S: Stencils<Source = VertexId>>(
     stencils.apply(rows).into_iter().map(Vec3::from).collect()
 }
 
-/// A garment through a lineage.
+/// A garment through a lineage, but for its points.
 fn carry<L: Lineage>(
     garment: &Garment,
     influences: Option<&[Influences]>,
     lineage: &L,
 ) -> (Garment, Option<Vec<Influences>>) {
     let carry = Carry::new(garment, lineage);
-    let (frame, (primvars, influences)) = rayon::join(|| carry.frame(), || carry.attributes(influences));
+    let frame = || carry.frame(IdVec::filled(Vec3::ZERO, lineage.vertex().rows()));
+    let (frame, (primvars, influences)) = rayon::join(frame, || carry.attributes(influences));
     (Garment { primvars, ..frame }, influences)
 }
 
@@ -277,11 +280,11 @@ impl<'a, L: Lineage> Carry<'a, L> {
     }
 
     /// The child without its primvars.
-    fn frame(&self) -> Garment {
+    fn frame(&self, points: IdVec<VertexId, Vec3>) -> Garment {
         let garment = self.garment;
         Garment {
             prim: garment.prim.clone(),
-            points: carried_points(&self.lineage.vertex(), &garment.points),
+            points,
             orientation: garment.orientation,
             rules: garment.rules,
             holes: self.faces(&garment.holes),

@@ -3,14 +3,16 @@
 
 #![allow(clippy::print_stderr)]
 
+#[path = "../common/operators.rs"]
+mod operators;
+
 use criterion::Criterion;
+use operators::{border_panels, rendered};
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
 use tailor::error::Warnings;
-use tailor::garment::{Elements, Garment, check_garment};
-use tailor::mesh::Topology;
-use tailor::recipe::{Document, Layers};
-use tailor::render::{Stack, render};
+use tailor::garment::{Garment, check_garment};
+use tailor::recipe::Document;
 use tailor::session::Session;
 use tailor::usd::{ReadOptions, Source, WriteOptions, write};
 
@@ -22,21 +24,10 @@ fn file(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
 }
 
-/// Panels with a border of the mesh among their edges.
-fn border_panels(garment: &Garment) -> Vec<String> {
-    let t = Topology::new(garment.faces.clone(), garment.points.len());
-    let panels = garment.subsets.iter().filter(|s| s.family == "panels");
-    let at_border = panels.filter(|s| match &s.elements {
-        Elements::Faces(faces) => faces.iter().any(|&f| t.faces.corners_of(f).any(|c| t.is_border(t.corner_edge[c]))),
-        _ => false,
-    });
-    at_border.map(|s| s.name.clone()).collect()
-}
-
 /// Seams and hems of sizes that the garment's edges have room for.
 fn options(garment: &Garment, seams: &str) -> Vec<(String, String)> {
     let size = tailor::pipeline::mean_edge_length(garment);
-    let panels = border_panels(garment).join(",");
+    let panels = border_panels(garment);
     let pairs = [
         ("seam.all.edges", seams.to_owned()),
         ("seam.all.width", format!("{}", 0.3 * size)),
@@ -46,14 +37,6 @@ fn options(garment: &Garment, seams: &str) -> Vec<(String, String)> {
         ("render.level", "2".to_owned()),
     ];
     pairs.map(|(key, value)| (key.to_owned(), value)).to_vec()
-}
-
-fn stack(garment: &Garment, options: &[(String, String)]) -> Stack {
-    let mut layers = Layers::default();
-    options.iter().for_each(|(k, v)| layers.add_text("bench", k, v).unwrap_or_else(|e| panic!("{e}")));
-    let recipe = layers.recipe().unwrap_or_else(|e| panic!("{e}"));
-    Stack::new(garment.points.len(), &recipe.render, &recipe.seams, &recipe.thicknesses)
-        .unwrap_or_else(|e| panic!("{e}"))
 }
 
 fn composed(source: &Source) -> Vec<u8> {
@@ -69,14 +52,13 @@ fn measure(c: &mut Criterion, name: &str, path: &Path, seams: &str) {
     let input = source.garment(&mut Warnings::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
     let garment = check_garment(input, &mut Warnings::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
     let options = options(&garment, seams);
-    let whole = stack(&garment, &options);
+    let assigned: Vec<String> = options.iter().map(|(key, value)| format!("{key}={value}")).collect();
     let mut group = c.benchmark_group(format!("render/{name}"));
     group.bench_function("whole", |b| {
-        b.iter(|| black_box(render(&garment, &whole, &mut Warnings::default()).expect("a mesh")));
+        b.iter(|| black_box(rendered(&garment, &assigned)));
     });
-    let plain = stack(&garment, &[("render.level".into(), "2".into())]);
     group.bench_function("no operators", |b| {
-        b.iter(|| black_box(render(&garment, &plain, &mut Warnings::default()).expect("a mesh")));
+        b.iter(|| black_box(rendered(&garment, &["render.level=2"])));
     });
     let (session, content) = (Session::new(1 << 30, None).expect("threads"), composed(&source));
     let edit = |key: &str, value: &str| {

@@ -16,7 +16,7 @@ use tailor::garment::{BoundaryInterpolation, Garment, GarmentInput, Interpolatio
 use tailor::mesh::{ChainId, CornerId, EdgeId, Topology, VertexId};
 use tailor::pipeline::{Limits, Prepared, Products};
 use tailor::recipe::{Layers, bind};
-use tailor::render::{RenderOptions, Stack, render};
+use tailor::render::{Afresh, RenderOptions, Stack, render};
 use tailor::sim::{Baseline, Lengths, SimProduct, simulate};
 
 /// Distance of a vertex from where its corner says it is, and from its chain's curve, as a share of the target length.
@@ -262,7 +262,7 @@ impl Subject {
         let level = |level| {
             let options = RenderOptions { level, ..recipe.render.clone() };
             let stack = Stack::new(self.garment.points.len(), &options, &recipe.seams, &recipe.thicknesses);
-            let made = stack.and_then(|stack| render(&self.garment, &stack, &mut Warnings::default()));
+            let made = stack.and_then(|stack| render(&self.garment, &stack, &Afresh)).map(|made| made.mesh);
             made.unwrap_or_else(|e| panic!("render level {level}: {e}"))
         };
         let levels = [0, 1, 2].map(level);

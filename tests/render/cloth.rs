@@ -5,8 +5,7 @@ use glam::Vec3;
 use tailor::error::Warnings;
 use tailor::garment::{Garment, GarmentInput, SubsetInput, check_garment};
 use tailor::mesh::{IdVec, VertexId};
-use tailor::recipe::Layers;
-use tailor::render::{Stack, limit_rows, render};
+use tailor::render::limit_rows;
 use tailor::subdivide::{Level, carried_points};
 
 /// Adds a face subset.
@@ -73,22 +72,6 @@ pub fn torus() -> GarmentInput {
 /// The checked garment.
 pub fn checked(input: GarmentInput) -> Garment {
     check_garment(input, &mut Warnings::default()).unwrap_or_else(|e| panic!("{e}"))
-}
-
-/// The stack of a recipe as on the command line.
-pub fn stack(garment: &Garment, options: &[&str]) -> Stack {
-    let mut layers = Layers::default();
-    options.iter().for_each(|o| layers.add_override(o).unwrap_or_else(|e| panic!("{e}")));
-    let recipe = layers.recipe().unwrap_or_else(|e| panic!("{e}"));
-    let made = Stack::new(garment.points.len(), &recipe.render, &recipe.seams, &recipe.thicknesses);
-    made.unwrap_or_else(|e| panic!("{e}"))
-}
-
-/// The render mesh and what was said of it.
-pub fn rendered(garment: &Garment, options: &[&str]) -> (Garment, Warnings) {
-    let mut warnings = Warnings::default();
-    let made = render(garment, &stack(garment, options), &mut warnings).unwrap_or_else(|e| panic!("{e}"));
-    (made, warnings)
 }
 
 /// Limit positions of a mesh's vertices.

@@ -8,6 +8,8 @@ mod crossings;
 mod garments;
 mod on_garments;
 mod operators;
+#[path = "../common/operators.rs"]
+mod recipes;
 #[path = "../common/sheets.rs"]
 mod sheets;
 mod stacks;

@@ -3,14 +3,13 @@
 
 use crate::crossings::crossing_parents;
 use crate::garments::garments;
+use crate::recipes::{border_panels, rendered};
 use glam::Vec3;
 use std::collections::BTreeSet;
 use tailor::error::{Warning, Warnings};
 use tailor::garment::{Elements, Garment, Interpolation, Mixing, Primvar, Values, check_garment};
-use tailor::mesh::{FaceId, Topology};
+use tailor::mesh::FaceId;
 use tailor::pipeline::mean_edge_length;
-use tailor::recipe::Layers;
-use tailor::render::{Stack, render};
 use tailor::usd::{ReadOptions, Source};
 
 /// Name of the primvar that says which face of the input each face is part of.
@@ -64,17 +63,6 @@ fn load() -> Vec<(String, Garment)> {
     all
 }
 
-/// All face subsets that partition the mesh and have a border of it among their edges.
-fn border_panels(garment: &Garment) -> String {
-    let t = Topology::new(garment.faces.clone(), garment.points.len());
-    let panels = garment.subsets.iter().filter(|s| s.family == "panels");
-    let at_border = panels.filter(|s| match &s.elements {
-        Elements::Faces(faces) => faces.iter().any(|&f| t.faces.corners_of(f).any(|c| t.is_border(t.corner_edge[c]))),
-        _ => false,
-    });
-    at_border.map(|s| s.name.clone()).collect::<Vec<_>>().join(",")
-}
-
 /// The edges at which the UVs are cut.
 fn uv_seams(garment: &Garment) -> String {
     if garment.subset("uvSeams").is_some() {
@@ -82,22 +70,6 @@ fn uv_seams(garment: &Garment) -> String {
     }
     let seams = ["side_seams", "shoulder_seams", "armholes", "inseam", "placket", "neck_seam", "sleeve_seams"];
     seams.into_iter().filter(|s| garment.subset(s).is_some()).collect::<Vec<_>>().join(",")
-}
-
-fn made(garment: &Garment, options: &[String]) -> Garment {
-    let (mesh, _) = made_with_warnings(garment, options);
-    mesh
-}
-
-fn made_with_warnings(garment: &Garment, options: &[String]) -> (Garment, Warnings) {
-    let mut layers = Layers::default();
-    options.iter().for_each(|o| layers.add_override(o).unwrap_or_else(|e| panic!("{e}")));
-    let recipe = layers.recipe().unwrap_or_else(|e| panic!("{e}"));
-    let stack = Stack::new(garment.points.len(), &recipe.render, &recipe.seams, &recipe.thicknesses)
-        .unwrap_or_else(|e| panic!("{e}"));
-    let mut warnings = Warnings::default();
-    let mesh = render(garment, &stack, &mut warnings).unwrap_or_else(|e| panic!("{e}"));
-    (mesh, warnings)
 }
 
 fn parents(mesh: &Garment) -> Vec<usize> {
@@ -141,11 +113,11 @@ fn recipe(garment: &Garment, seam: Option<f32>, hem: Option<f32>) -> Vec<String>
 fn operators_make_sound_quads() {
     let mut complaints: Vec<String> = Vec::new();
     for (name, garment) in load() {
-        let plain = made(&garment, &["render.level=1".to_owned()]);
+        let plain = rendered(&garment, &["render.level=1".to_owned()]).0;
         let normals = face_normals(&plain, garment.faces.len());
         let sizes = [(Some(0.25), None), (None, Some(0.08)), (Some(0.25), Some(0.08))];
         for ((seam, hem), known) in sizes.into_iter().zip(known(TURNED, &name)) {
-            let mesh = made(&garment, &recipe(&garment, seam, hem));
+            let mesh = rendered(&garment, &recipe(&garment, seam, hem)).0;
             let in_set = |set: &str| match mesh.subset(set).map(|s| &s.elements) {
                 Some(Elements::Faces(faces)) => faces.iter().copied().collect::<BTreeSet<FaceId>>(),
                 _ => BTreeSet::new(),
@@ -190,11 +162,11 @@ fn already_turned(plain: &Garment, normals: &[Vec3]) -> BTreeSet<usize> {
 fn no_crossing_is_introduced() {
     let mut complaints: Vec<String> = Vec::new();
     for (name, garment) in load() {
-        let plain = made(&garment, &["render.level=1".to_owned()]);
+        let plain = rendered(&garment, &["render.level=1".to_owned()]).0;
         let before = crossing_parents(&plain, &parents(&plain));
         let sizes = [(Some(0.25), None), (None, Some(0.05)), (Some(0.25), Some(0.05))];
         for ((seam, hem), known) in sizes.into_iter().zip(known(CROSSING, &name)) {
-            let (mesh, warnings) = made_with_warnings(&garment, &recipe(&garment, seam, hem));
+            let (mesh, warnings) = rendered(&garment, &recipe(&garment, seam, hem));
             let after = crossing_parents(&mesh, &parents(&mesh));
             let new: Vec<_> = after.difference(&before).collect();
             let is_told = warnings.iter().any(|w| matches!(w, Warning::Unsound { .. }));

@@ -1,13 +1,14 @@
 //! Seams and thickness: where the surface is, and that it is sound.
 
-use crate::cloth::{checked, limit, path, rendered, sheet, stack, torus, tube, with_faces};
+use crate::cloth::{checked, limit, path, sheet, torus, tube, with_faces};
+use crate::recipes::{rendered, stack};
 use crate::sheets::with_edges;
 use glam::Vec3;
 use std::collections::BTreeSet;
-use tailor::error::{Warning, Warnings};
+use tailor::error::Warning;
 use tailor::garment::{Elements, Garment, GarmentInput, Orientation, Scheme};
 use tailor::mesh::{IdVec, Topology, VertexId};
-use tailor::render::render;
+use tailor::render::{Afresh, render};
 use tailor::spatial::PointGrid;
 
 /// Heights are as asked to this share of the width or the amount.
@@ -359,7 +360,7 @@ fn tight_folds_are_thinner_and_say_so() {
 fn faults_name_what_is_wrong() {
     let message = |input: GarmentInput, options: &[&str]| {
         let garment = checked(input);
-        let made = render(&garment, &stack(&garment, options), &mut Warnings::default());
+        let made = render(&garment, &stack(&garment, options), &Afresh);
         made.err().map(|e| e.to_string()).unwrap_or_default()
     };
     let inside = || with_faces(sheet(8), "inside", [18, 19, 26, 27]);

@@ -1,7 +1,8 @@
 //! What goes through stacks of operators: every kind of attribute, through any stack of up to four.
 
 use crate::attributes::{family_faults, primvar_faults, subset_faults};
-use crate::cloth::{checked, path, rendered, sheet, stack, with_faces};
+use crate::cloth::{checked, path, sheet, with_faces};
+use crate::recipes::{rendered, stack};
 use crate::sheets::with_edges;
 use glam::Vec2;
 use proptest::prelude::*;
@@ -217,10 +218,9 @@ proptest! {
         let options = options_of(&operators);
         let options: Vec<&str> = options.iter().map(String::as_str).collect();
         // A second fold of faces whose border is folded already has none left, which is an error.
-        let mut warnings = tailor::error::Warnings::default();
-        let made = tailor::render::render(&garment, &stack(&garment, &options), &mut warnings);
+        let made = tailor::render::render(&garment, &stack(&garment, &options), &tailor::render::Afresh);
         let found = match made {
-            Ok(mesh) => faults(&mesh, &garment),
+            Ok(made) => faults(&made.mesh, &garment),
             Err(e) if e.to_string().contains("not next to a border") => Vec::new(),
             Err(e) => vec![e.to_string()],
         };

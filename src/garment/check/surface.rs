@@ -1,11 +1,9 @@
 //! What is odd about a surface but can be worked with: found, counted and located for the user.
 
-use crate::error::{Warning, Warnings};
+use crate::error::{EXAMPLES, Warning, Warnings};
 use crate::mesh::{CornerId, FaceId, Faces, Groups, IdVec, Topology, VertexId};
 use glam::{DVec3, Vec3};
 
-/// Elements that a warning names.
-const MAX_EXAMPLES: usize = 5;
 /// A face is without area when its area is this share of its longest edge's square or less: thinner than the rounding
 /// of its points. Larger values take slivers too.
 const NO_AREA: f64 = f32::EPSILON as f64;
@@ -27,7 +25,7 @@ pub(super) fn warn(topology: &Topology, points: Option<&Vec<Vec3>>, warnings: &m
 /// The warning of a number of items with the first few as examples; none where there is no item.
 fn counted<T>(items: impl IntoIterator<Item = T>, warning: impl FnOnce(usize, Vec<T>) -> Warning) -> Option<Warning> {
     let mut items = items.into_iter();
-    let examples: Vec<T> = items.by_ref().take(MAX_EXAMPLES).collect();
+    let examples: Vec<T> = items.by_ref().take(EXAMPLES).collect();
     let count = examples.len() + items.count();
     (count > 0).then(|| warning(count, examples))
 }

@@ -2,6 +2,7 @@
 
 use super::{Narrowed, Request};
 use crate::mesh::{CornerId, EdgeId, IdVec, Topology, VertexId};
+use crate::render::REPORTED;
 use glam::Vec3;
 
 /// Part of an edge that lines from one end may take. Larger leaves less of the face beside a wide seam.
@@ -16,8 +17,6 @@ const INNER_ROOM: f32 = 0.75;
 const LEAST_SINE: f32 = 0.34;
 /// Least length of an edge as a share of the distance that lines are asked for along it, so that shares stay finite.
 const SHORT: f32 = 1e-3;
-/// A rib that keeps less of its distance than this is reported.
-const REPORTED: f32 = 0.98;
 
 /// Where a rib leads, with how far along each direction its end is.
 #[derive(Clone, Copy, Debug)]
