@@ -105,15 +105,15 @@ impl Seams {
     /// How far a role is from the surface, and the seam that says so.
     fn height(&self, role: &Role) -> (f32, usize) {
         match role {
-            Role::Centre(instances) => {
+            Role::Centre { instances, part } => {
                 // Where seams meet, the one that goes furthest decides.
-                let of = |&i: &usize| (self.seams[i].1.normal_offset, i);
+                let of = |&i: &usize| (part * self.seams[i].1.normal_offset, i);
                 let further = |a: (f32, usize), b: (f32, usize)| if b.0.abs() > a.0.abs() { b } else { a };
                 instances.iter().map(of).reduce(further).unwrap_or((0.0, 0))
             }
-            Role::Line { line: 0, instance } if self.is_swollen() => {
+            Role::Line { line: 0, instance, part } if self.is_swollen() => {
                 let options = &self.seams[*instance].1;
-                ((1.0 - self.shares()[0]) * options.normal_offset + options.depth, *instance)
+                (part * ((1.0 - self.shares()[0]) * options.normal_offset + options.depth), *instance)
             }
             _ => (0.0, 0),
         }
@@ -158,11 +158,16 @@ impl Seams {
             if instances.is_empty() || network.tapers[vertex] {
                 return Held { vertex, role: Role::Surface };
             }
-            Held { vertex, role: Role::Centre(instances) }
+            Held { vertex, role: Role::Centre { instances, part: 1.0 } }
         });
         let on_lines = lines.vertices.iter().map(|l| {
             let instance = network.seam[l.mark].unwrap_or(0);
-            Held { vertex: l.vertex, role: Role::Line { line: l.line, instance } }
+            let part = l.part;
+            let role = match l.line {
+                Some(line) => Role::Line { line, instance, part },
+                None => Role::Centre { instances: vec![instance], part },
+            };
+            Held { vertex: l.vertex, role }
         });
         kept.chain(on_lines).collect()
     }
@@ -240,7 +245,7 @@ impl Operator for Seams {
         let there: BTreeSet<VertexId> =
             faces.iter().flat_map(|&f| shape.derivation.faces.vertices_of(f)).copied().collect();
         let instances = |held: &Held| match &held.role {
-            Role::Centre(instances) => instances.clone(),
+            Role::Centre { instances, .. } => instances.clone(),
             Role::Line { instance, .. } => vec![*instance],
             _ => Vec::new(),
         };
@@ -255,7 +260,7 @@ impl Operator for Seams {
         let mut shallow: Vec<(usize, VertexId, f32)> = Vec::new();
         for (held, given) in shape.held.iter().zip(given) {
             let (asked, instance) = self.height(&held.role);
-            if matches!(held.role, Role::Centre(_)) && given.abs() < REPORTED * asked.abs() {
+            if matches!(held.role, Role::Centre { .. }) && given.abs() < REPORTED * asked.abs() {
                 shallow.push((instance, held.vertex, given / asked));
             }
         }

@@ -67,7 +67,7 @@ impl Settling<'_> {
                 match self.held[i].role {
                     Role::Layer { .. } => Vec3::ZERO,
                     Role::Fold => off,
-                    Role::Centre(_) => CENTRED * off + (1.0 - CENTRED) * off.dot(targets[i].1) * targets[i].1,
+                    Role::Centre { .. } => CENTRED * off + (1.0 - CENTRED) * off.dot(targets[i].1) * targets[i].1,
                     _ => off.dot(targets[i].1) * targets[i].1,
                 }
             };

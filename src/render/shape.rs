@@ -49,14 +49,21 @@ pub enum Role {
     Surface,
     /// On a border that is folded: where it was.
     Fold,
-    /// On a marked edge of these instances of the operator.
-    Centre(Vec<usize>),
+    /// On a marked edge.
+    Centre {
+        /// The instances of the operator there.
+        instances: Vec<usize>,
+        /// The part of the height that it has where it ends.
+        part: f32,
+    },
     /// On a line.
     Line {
         /// Number of the line, from 0 nearest to the marked edge.
         line: usize,
         /// The instance of the operator.
         instance: usize,
+        /// The part of the height that it has where it ends.
+        part: f32,
     },
     /// On the second layer.
     Layer {

@@ -5,6 +5,9 @@ use super::{LineVertex, Lines, Request, StripFace};
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
 use crate::render::derivation::Builder;
 
+/// Where the last edge of a path that tapers is cut, as a part of its length.
+const HALFWAY: f32 = 0.5;
+
 /// A corner of the core of a face.
 #[derive(Clone, Copy)]
 struct CorePoint {
@@ -19,6 +22,10 @@ struct Weaver<'a, 'r> {
     builder: Builder<'a>,
     /// The vertices of each rib, from the first line on.
     columns: Vec<Vec<VertexId>>,
+    /// The vertex that cuts a marked edge, where its path tapers.
+    halfway: IdVec<EdgeId, Option<VertexId>>,
+    /// The vertices of the lines beside it in the face of each half-edge.
+    beside: IdVec<CornerId, Vec<VertexId>>,
     vertices: Vec<LineVertex>,
     strips: Vec<StripFace>,
 }
@@ -30,11 +37,14 @@ pub fn build<'a>(request: &Request<'a>, ribs: &Ribs) -> Lines<'a> {
         ribs,
         builder: Builder::new(request.topology),
         columns: Vec::with_capacity(ribs.all.len()),
+        halfway: IdVec::filled(None, request.topology.edges.len()),
+        beside: IdVec::filled(Vec::new(), request.topology.faces.corners().len()),
         vertices: Vec::new(),
         strips: Vec::new(),
     };
     ribs.all.iter().for_each(|rib| weaver.add_column(rib));
     let t = request.topology;
+    t.edges.ids().for_each(|edge| weaver.cut_halfway(edge));
     let mut near = IdVec::filled(false, t.vertex_count());
     let mut first_child = Vec::with_capacity(t.faces.len() + 1);
     for face in t.faces.ids() {
@@ -60,10 +70,40 @@ impl Weaver<'_, '_> {
         for (line, &step) in rib.steps.iter().enumerate() {
             let sources = weights(self.request.topology, rib, step);
             let vertex = self.builder.vertex(&sources);
-            self.vertices.push(LineVertex { vertex, line, mark: rib.mark });
+            self.vertices.push(LineVertex { vertex, line: Some(line), mark: rib.mark, part: 1.0 });
             column.push(vertex);
         }
         self.columns.push(column);
+    }
+
+    /// Cuts a marked edge at one of whose ends lines taper.
+    fn cut_halfway(&mut self, edge: EdgeId) {
+        let t = self.request.topology;
+        let [a, b] = t.edges[edge];
+        if !self.request.marked[edge] || self.request.tapers[a] == self.request.tapers[b] {
+            return;
+        }
+        let part = 1.0 - HALFWAY;
+        let (end, other) = if self.request.tapers[a] { (a, b) } else { (b, a) };
+        let vertex = self.builder.vertex(&[(other, part), (end, HALFWAY)]);
+        self.vertices.push(LineVertex { vertex, line: None, mark: edge, part });
+        self.halfway[edge] = Some(vertex);
+        for &corner in t.edge_corners.row(edge) {
+            let is_tail = t.faces.vertex(corner) == other;
+            let at = if is_tail { corner } else { t.faces.next(corner) };
+            let Some(rib) = self.strip_rib(at, is_tail).map(|rib| &self.ribs.all[rib]) else { continue };
+            for (line, &step) in rib.steps.iter().enumerate() {
+                let vertex = self.builder.vertex(&towards(weights(t, rib, step), end));
+                self.vertices.push(LineVertex { vertex, line: Some(line), mark: edge, part });
+                self.beside[corner].push(vertex);
+            }
+        }
+    }
+
+    /// The vertices across the strip where the edge after a corner is cut.
+    fn cut(&self, corner: CornerId) -> Option<Vec<VertexId>> {
+        let vertex = self.halfway[self.topology().corner_edge[corner]]?;
+        Some(std::iter::once(vertex).chain(self.beside[corner].iter().copied()).collect())
     }
 
     /// The children of a face; whether there are new ones.
@@ -144,7 +184,7 @@ impl Weaver<'_, '_> {
         }
     }
 
-    /// Cuts of the edge after a corner by lines that do not enter this face.
+    /// Cuts of the edge after a corner by lines that do not enter this face, and of its line that is next to the core.
     fn cuts_after(&self, corner: CornerId, core: &mut Vec<CorePoint>) {
         let t = self.topology();
         let next = t.faces.next(corner);
@@ -154,6 +194,7 @@ impl Weaver<'_, '_> {
         };
         let point = |&vertex: &VertexId| CorePoint { vertex, is_reflex: false };
         core.extend(cuts(corner).iter().map(point));
+        core.extend(self.cut(corner).iter().filter_map(|across| across.last()).map(point));
         core.extend(cuts(next).iter().rev().map(point));
     }
 
@@ -180,8 +221,12 @@ impl Weaver<'_, '_> {
         let tail = self.column(corner, self.strip_rib(corner, true));
         let head = self.column(next, self.strip_rib(next, false));
         let mark = self.topology().corner_edge[corner];
+        let columns: Vec<Vec<VertexId>> = [Some(tail), self.cut(corner), Some(head)].into_iter().flatten().collect();
         for line in 0..self.request.shares.len() {
-            self.strip_face(face, &[tail[line], head[line], head[line + 1], tail[line + 1]], line, mark);
+            for pair in columns.windows(2) {
+                let [tail, head] = [&pair[0], &pair[1]];
+                self.strip_face(face, &[tail[line], head[line], head[line + 1], tail[line + 1]], line, mark);
+            }
         }
     }
 
@@ -234,10 +279,21 @@ impl Weaver<'_, '_> {
         let column = |v| self.ribs.along(t, edge, v).map_or(&[][..], |r| &self.columns[r]);
         let mut path = vec![a];
         path.extend(column(a));
+        path.extend(self.halfway[edge]);
         path.extend(column(b).iter().rev());
         path.push(b);
         path.windows(2).for_each(|step| self.builder.edge(edge, [step[0], step[1]]));
     }
+}
+
+/// The sources of the place halfway from a place to a vertex.
+fn towards(mut place: Vec<(VertexId, f32)>, end: VertexId) -> Vec<(VertexId, f32)> {
+    place.iter_mut().for_each(|(_, weight)| *weight *= 1.0 - HALFWAY);
+    match place.iter_mut().find(|(vertex, _)| *vertex == end) {
+        Some((_, weight)) => *weight += HALFWAY,
+        None => place.push((end, HALFWAY)),
+    }
+    place
 }
 
 /// The sources of a place on a rib.

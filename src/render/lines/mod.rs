@@ -10,7 +10,9 @@
 //!  |   |   |   |
 //! ```
 //!
-//! A path that ends inside the surface tapers: its last vertex has no rib. One that ends at a border runs off it.
+//! A path that ends inside the surface tapers: its last vertex has no rib. Its last edge is cut halfway, so that what
+//! narrows to triangles does not begin where lines turn a corner: Catmull-Clark rounds triangles and quads differently,
+//! and lines that lie closer than that would pass each other. One that ends at a border runs off it.
 
 mod faces;
 mod ribs;
@@ -39,15 +41,17 @@ pub struct Request<'a> {
     pub kept_line: usize,
 }
 
-/// A vertex of a line.
+/// A new vertex.
 #[derive(Clone, Copy, Debug)]
 pub struct LineVertex {
     /// The vertex.
     pub vertex: VertexId,
-    /// Number of its line, from 0 nearest to the marked edge.
-    pub line: usize,
+    /// Number of its line, from 0 nearest to the marked edge; none: on the marked edge.
+    pub line: Option<usize>,
     /// The marked edge that the line belongs to.
     pub mark: EdgeId,
+    /// How wide the lines are apart here, as a part of what they are where they do not taper.
+    pub part: f32,
 }
 
 /// A face between lines.
@@ -76,7 +80,7 @@ pub struct Narrowed {
 pub struct Lines<'a> {
     /// The child so far.
     pub builder: Builder<'a>,
-    /// Vertices of the lines.
+    /// Vertices of the lines, and those that cut marked edges.
     pub vertices: Vec<LineVertex>,
     /// Faces between them.
     pub strips: Vec<StripFace>,
