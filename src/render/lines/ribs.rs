@@ -11,6 +11,9 @@ const ROOM: f32 = 0.8;
 const SHARED_ROOM: f32 = 0.9;
 /// Part of the edges of a triangle that a mitre may take, so that three of them do not meet.
 const TRIANGLE_ROOM: f32 = 0.28;
+/// Part of the edges of a corner that a mitre may take together where lines taper at the ends of both, so that what is left
+/// of the face is not concave.
+const TAPERED_ROOM: f32 = 0.9;
 /// Part of a rib that the line at the full distance may take, so that the one that holds has room outside.
 const INNER_ROOM: f32 = 0.75;
 /// Least sine of the angle between a rib and a marked edge. Smaller makes longer ribs where a chain turns sharply.
@@ -146,22 +149,8 @@ impl Ribs {
         };
         for (&corner, &path) in corners.iter().zip(&paths) {
             let mark = t.corner_edge[corner];
-            let (scale, path) = match path {
-                Path::Face { after, before, .. } => {
-                    let ahead = parts(t.faces.next(corner))[1];
-                    let behind = parts(t.faces.prev(corner))[0];
-                    let room =
-                        if t.faces.valence(t.faces.face_of(corner)) == 3 { 2.0 * TRIANGLE_ROOM } else { SHARED_ROOM };
-                    let scale = [room / (after + ahead), room / (before + behind), ROOM / after, ROOM / before];
-                    let scale = scale.into_iter().fold(1.0, f32::min);
-                    (scale, Path::Face { corner, after: after * scale, before: before * scale })
-                }
-                Path::Across { part, .. } => {
-                    let scale = (0.5 * ROOM / part).min(1.0);
-                    (scale, Path::Across { corner, part: part * scale })
-                }
-                edge => (1.0, edge),
-            };
+            let next_to = [parts(t.faces.next(corner))[1], parts(t.faces.prev(corner))[0]];
+            let (scale, path) = within_room(request, path, next_to);
             let vertex = t.faces.vertex(corner);
             let steps = self.steps(request, vertex, mark, scale);
             self.within[corner] = self.push(Rib { vertex, path, steps, mark });
@@ -299,6 +288,29 @@ fn direction(request: &Request, edge: EdgeId, from: VertexId) -> Vec3 {
     let [a, b] = request.topology.edges[edge];
     let to = if a == from { b } else { a };
     (request.points[to] - request.points[from]).normalize_or_zero()
+}
+
+/// The path of a mitre as far as there is room beside those of the next corner and of the one before, and the share of it
+/// that this is.
+fn within_room(request: &Request, path: Path, [ahead, behind]: [f32; 2]) -> (f32, Path) {
+    let t = request.topology;
+    match path {
+        Path::Face { corner, after, before } => {
+            let is_triangle = t.faces.valence(t.faces.face_of(corner)) == 3;
+            let tapers = |c: CornerId| request.tapers[t.faces.vertex(c)];
+            let is_tapered = tapers(t.faces.next(corner)) && tapers(t.faces.prev(corner));
+            let shared = if is_triangle { 2.0 * TRIANGLE_ROOM } else { SHARED_ROOM };
+            let both = if is_tapered { TAPERED_ROOM } else { 2.0 * ROOM };
+            let rooms = [shared / (after + ahead), shared / (before + behind), ROOM / after, ROOM / before];
+            let scale = rooms.into_iter().fold(f32::min(1.0, both / (after + before)), f32::min);
+            (scale, Path::Face { corner, after: after * scale, before: before * scale })
+        }
+        Path::Across { corner, part } => {
+            let scale = (0.5 * ROOM / part).min(1.0);
+            (scale, Path::Across { corner, part: part * scale })
+        }
+        edge @ Path::Edge { .. } => (1.0, edge),
+    }
 }
 
 /// Where the outermost lines beside the two marked edges of a corner meet.
