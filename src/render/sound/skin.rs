@@ -219,7 +219,12 @@ impl<'a> Skin<'a> {
         faces.vertices_of(f).iter().any(|v| faces.vertices_of(g).contains(v))
     }
 
+    /// Whether faces that touch cannot cross, as they look to one side. Of the narrow triangles where a seam ends, one may
+    /// pass another all the same.
     fn is_one_sided(&self, f: FaceId, g: FaceId) -> bool {
+        if [f, g].iter().any(|&face| self.level.topology.faces.valence(face) != 4) {
+            return false;
+        }
         let (a, b) = (self.patches[f], self.patches[g]);
         let axis = (a.normal + b.normal).normalize_or_zero();
         let is_even = a.spread.min(b.spread) > 0.9 && a.normal.dot(axis) > 0.6;
