@@ -246,20 +246,29 @@ fn new_faces_are_in_sets_of_their_own_when_asked() {
 
 #[test]
 fn the_same_bytes_at_every_thread_count() {
-    let garment = checked(sample());
+    // Enough faces for several tasks of every parallel pass.
+    let n = 60;
+    let (row, column): (Vec<i32>, Vec<i32>) = (0..=n).map(|i| ((n + 1) * 30 + i, (n + 1) * i + 30)).unzip();
+    let mut input = with_edges(with_edges(sheet(n as usize), "row", &path(&row)), "column", &path(&column));
+    for p in &mut input.points {
+        p.z = (0.7 * p.x).sin() * (0.9 * p.y).cos();
+    }
+    let garment = checked(input);
     let options = [
         "seam.s.edges=row,column",
         "seam.s.normalOffset=-0.05",
-        "seam.s.width=0.3",
-        "thickness.t.faces=left,half",
-        "thickness.t.amount=0.1",
-        "render.level=2",
+        "seam.s.width=1.6",
+        "thickness.t.faces=half",
+        "thickness.t.amount=1.5",
+        "render.level=1",
     ];
     let with = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-        pool.install(|| rendered(&garment, &options).0)
+        pool.install(|| rendered(&garment, &options))
     };
-    let (one, eight) = (with(1), with(8));
+    let ((one, said), (eight, said_by_eight)) = (with(1), with(8));
+    assert!(!said.is_empty());
     assert_eq!(*one.points, *eight.points);
     assert_eq!((&one.faces, &one.primvars, &one.subsets), (&eight.faces, &eight.primvars, &eight.subsets));
+    assert_eq!(format!("{said:?}"), format!("{said_by_eight:?}"));
 }
