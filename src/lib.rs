@@ -12,6 +12,7 @@
 //! [`error`] is what all may say. `mesh` knows no positions, geometry code knows no USD types, and `usd` is the only
 //! place that does.
 
+mod checks;
 pub mod error;
 pub mod garment;
 pub mod memo;

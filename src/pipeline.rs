@@ -27,11 +27,6 @@ pub const DEFAULT_MAX_FACES: usize = 5_000_000;
 /// Mean edges with which areas, and ratios of areas, stay within 32 bits. \[stage units\]
 const USABLE_LENGTHS: std::ops::RangeInclusive<f32> = 1e-8..=1e8;
 
-/// Width of a seam that says none, as a share of the mean edge.
-const SEAM_WIDTH: f32 = 0.25;
-/// Amount of a thickness that says none, as a share of the mean edge.
-const THICKNESS: f32 = 0.1;
-
 /// Time that a stage took.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Stage {
@@ -265,8 +260,7 @@ impl Prepared {
     /// Names of operators that the recipe does not have.
     pub(crate) fn stack(&self) -> Result<Stack, Error> {
         self.check_levels()?;
-        let Recipe { render, seams, thicknesses, .. } = &self.recipe;
-        Stack::new(self.garment.points.len(), render, seams, thicknesses)
+        Stack::new(self.garment.points.len(), &self.recipe.render, &self.recipe.instances())
     }
 
     /// The render mesh: the stage "render".
@@ -387,12 +381,7 @@ fn settle_lengths(mean_edge: f32, recipe: &mut Recipe) {
     if sim.min_edge_length <= 0.0 {
         sim.min_edge_length = sim.max_edge_length * if sim.density.is_empty() { 1.0 } else { 0.5 };
     }
-    for seam in recipe.seams.values_mut().filter(|s| s.width == 0.0) {
-        seam.width = SEAM_WIDTH * mean_edge;
-    }
-    for thickness in recipe.thicknesses.values_mut().filter(|t| t.amount == 0.0) {
-        thickness.amount = THICKNESS * mean_edge;
-    }
+    recipe.instances_mut().for_each(|options| options.settle(mean_edge));
 }
 
 /// Mean length of the garment's edges. \[stage units\]

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 use std::collections::BTreeMap;
-use tailor::recipe::{defaults, instance_defaults};
+use tailor::recipe::{KINDS, defaults};
 
 /// What stands for the name of an instance in a schema that is applied more than once.
 const INSTANCE: &str = "__INSTANCE_NAME__";
@@ -39,8 +39,7 @@ fn schemas_and_options_agree() {
     let mut options = Vec::new();
     let once = defaults();
     let once = once.as_object().expect("an object").iter().map(|(space, fields)| (space.clone(), fields.clone()));
-    let kinds = ["seam", "thickness"].map(|kind| (kind, instance_defaults(kind).expect("a kind")));
-    let each = kinds.map(|(kind, fields)| (format!("{kind}.{INSTANCE}"), fields));
+    let each = KINDS.iter().map(|kind| (format!("{}.{INSTANCE}", kind.name), (kind.defaults)()));
     for (space, fields) in once.chain(each) {
         for (key, value) in fields.as_object().expect("an object") {
             let name = format!("{space}.{key}");

@@ -1,6 +1,7 @@
 //! Whether the values of a recipe make sense, before any garment is looked at.
 
 use super::Recipe;
+use crate::checks::{fault, length};
 use crate::error::Error;
 
 /// Refinement quadruples the faces, so a level above this is a mistake. \[levels\]
@@ -12,41 +13,11 @@ const MAX_SAMPLES: u32 = 1024;
 /// Lengths that grow more slowly than this spread a fine region over the whole garment. \[factor\]
 const LEAST_GRADING: f32 = 1.05;
 
-fn fault(key: &str, fault: &str, hint: &str) -> Result<(), Error> {
-    Err(Error::Recipe(format!("{key}: {fault}\n  hint: {hint}")))
-}
-
-fn length(key: &str, length: f32) -> Result<(), Error> {
-    if length.is_finite() && length >= 0.0 {
-        return Ok(());
-    }
-    fault(key, &format!("{length} is no length"), "give a positive number of stage units, or 0 for automatic")
-}
-
-fn finite(key: &str, value: f32) -> Result<(), Error> {
-    if value.is_finite() {
-        return Ok(());
-    }
-    fault(key, &format!("{value} is no distance"), "give a number of stage units")
-}
-
-fn named(key: &str, names: &[String], kind: &str) -> Result<(), Error> {
-    if names.is_empty() {
-        return fault(
-            key,
-            &format!("it names no {kind} subset"),
-            &format!("name one of the {kind} subsets of the mesh"),
-        );
-    }
-    Ok(())
-}
-
 impl Recipe {
     pub(super) fn check(&self) -> Result<(), Error> {
         self.check_sim()?;
         self.check_levels()?;
-        self.check_seams()?;
-        self.check_thicknesses()
+        self.instances().into_iter().try_for_each(|(name, options)| options.check(&options.key_of(name)))
     }
 
     fn check_sim(&self) -> Result<(), Error> {
@@ -81,29 +52,6 @@ impl Recipe {
             if value > most {
                 return fault(key, &format!("{value} is too much"), &format!("give at most {most}"));
             }
-        }
-        Ok(())
-    }
-
-    fn check_seams(&self) -> Result<(), Error> {
-        for (name, seam) in &self.seams {
-            let key = |field: &str| format!("seam.{name}.{field}");
-            named(&key("edges"), &seam.edges, "edge")?;
-            length(&key("width"), seam.width)?;
-            finite(&key("depth"), seam.depth)?;
-            finite(&key("normalOffset"), seam.normal_offset)?;
-            if !(-1.0..=1.0).contains(&seam.asymmetry) {
-                let value = format!("{} is not between -1 and 1", seam.asymmetry);
-                return fault(&key("asymmetry"), &value, "give -1 for all on the left, 1 for all on the right");
-            }
-        }
-        Ok(())
-    }
-
-    fn check_thicknesses(&self) -> Result<(), Error> {
-        for (name, thickness) in &self.thicknesses {
-            named(&format!("thickness.{name}.faces"), &thickness.faces, "face")?;
-            length(&format!("thickness.{name}.amount"), thickness.amount)?;
         }
         Ok(())
     }

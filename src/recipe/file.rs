@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 
 /// A `.tailor` file.
 #[derive(Clone, Debug, Default, Deserialize)]
-#[serde(rename_all = "camelCase", default, deny_unknown_fields)]
+#[serde(rename_all = "camelCase", default)]
 pub struct RecipeFile {
     /// The USD file, relative to this one.
     pub source: Option<String>,
@@ -20,8 +20,8 @@ pub struct RecipeFile {
     pub prim: Option<String>,
     sim: Map<String, Value>,
     render: Map<String, Value>,
-    seam: Map<String, Value>,
-    thickness: Map<String, Value>,
+    #[serde(flatten)]
+    instances: Map<String, Value>,
 }
 
 impl RecipeFile {
@@ -77,8 +77,7 @@ impl RecipeFile {
         let mut layer = Map::new();
         layer.insert("sim".into(), Value::Object(self.sim));
         layer.insert("render".into(), Value::Object(self.render));
-        layer.insert("seam".into(), Value::Object(self.seam));
-        layer.insert("thickness".into(), Value::Object(self.thickness));
+        layer.extend(self.instances);
         layer
     }
 }

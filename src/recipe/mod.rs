@@ -8,7 +8,7 @@ mod layers;
 
 pub use bind::{Bound, bind};
 pub use file::{Document, RecipeFile, is_recipe};
-pub use instances::{INSTANCE_KEYS, InstanceKey, instance_defaults};
+pub use instances::{KINDS, instance_defaults};
 pub use layers::Layers;
 
 use crate::render::{RenderOptions, SeamOptions, ThicknessOptions};
@@ -68,8 +68,13 @@ fn default_of(space: &str, key: &str) -> Option<Value> {
     }
 }
 
+/// The key of an option of instances, with a place for their name.
+fn pattern(kind: &str, field: &str) -> String {
+    format!("{kind}.<name>.{field}")
+}
+
 fn all_keys() -> String {
-    let of_instances = INSTANCE_KEYS.iter().map(InstanceKey::pattern);
+    let of_instances = KINDS.iter().flat_map(|kind| kind.keys.iter().map(|key| pattern(kind.name, key.field)));
     let keys: Vec<String> = KEYS.iter().map(|k| k.0.to_owned()).chain(of_instances).collect();
     format!("the options are {}", keys.join(", "))
 }
@@ -85,13 +90,11 @@ pub fn help() -> String {
         let (space, field) = key.split_once('.').unwrap_or((key, ""));
         line(key, default_of(space, field), meaning, unit);
     }
-    for key in &INSTANCE_KEYS {
-        line(
-            &key.pattern(),
-            instance_defaults(key.kind).and_then(|d| d.get(key.field).cloned()),
-            key.meaning,
-            key.unit,
-        );
+    for kind in &KINDS {
+        let defaults = (kind.defaults)();
+        for key in kind.keys {
+            line(&pattern(kind.name, key.field), defaults.get(key.field).cloned(), key.meaning, key.unit);
+        }
     }
     text
 }
@@ -115,19 +118,16 @@ fn kind_of(value: &Value) -> Kind {
 
 /// What serde found, without the names of our types.
 fn in_words(e: &serde_json::Error) -> String {
-    const WORDS: [(&str, &str); 10] = [
+    const WORDS: [(&str, &str); 5] = [
         ("expected f32", "expected a number"),
         ("expected u32", "expected a whole number, 0 or more"),
         ("expected a sequence", "expected a list"),
         ("expected a boolean", "expected true or false"),
-        ("expected struct Form", "expected { options }"),
-        ("expected struct SimOptions", "expected { options }"),
-        ("expected struct RenderOptions", "expected { options }"),
-        ("expected struct SeamOptions", "expected { options }"),
-        ("expected struct ThicknessOptions", "expected { options }"),
         ("expected a map", "expected { name: { options } }"),
     ];
-    WORDS.iter().fold(e.to_string(), |text, (ours, theirs)| text.replace(ours, theirs))
+    let text = WORDS.iter().fold(e.to_string(), |text, (ours, theirs)| text.replace(ours, theirs));
+    let Some((before, after)) = text.split_once("expected struct ") else { return text };
+    format!("{before}expected {{ options }}{}", after.trim_start_matches(char::is_alphanumeric))
 }
 
 #[cfg(test)]

@@ -11,15 +11,18 @@
 //!
 //! # A new operator
 //!
-//! 1. A file here with its options (a serde struct with defaults) and a type with the trait [`Operator`]: `shape`
-//!    collects faces, vertices and edges in a [`derivation::Builder`], each with its parent, and lists the vertices that
-//!    are held; `heights` says how far from the old surface each of them is, `reach` the furthest of them, and `reduced`
-//!    warns where less was given. `structure` names the options that `shape` reads, so that a change of the others only
-//!    moves points.
-//! 2. A map of its instances in `recipe::Recipe`, and a line for it in [`Stack::new`].
-//! 3. A multiple-apply schema in `schemas/schema.usda`; a test holds its attributes to the options.
+//! 1. A file here with two types. Its options (a serde struct with defaults) have the traits [`Options`] and [`Instance`]:
+//!    their keys with units and meanings, what they may be, what they name on the garment, automatic lengths. The operator
+//!    has the trait [`Operator`]: `shape` collects faces, vertices and edges in a [`derivation::Builder`], each with its
+//!    parent, and lists the vertices that are held; `heights` says how far from the old surface each of them is, `reach`
+//!    the furthest of them, and `reduced` and `unsound` warn of what is not as asked. `structure` names the options that
+//!    `shape` reads, so that a change of the others only moves points.
+//! 2. A multiple-apply schema in `schemas/schema.usda`; a test holds its attributes to the options.
+//! 3. Its options among those of [`Recipe`](crate::recipe::Recipe): a map of instances by name, and its line in `KINDS` and
+//!    in the lists of instances beside it, where serde and `--set`, layers, the help and the plugin find all they need.
 
 pub mod derivation;
+mod kind;
 mod lines;
 mod placed;
 mod seam;
@@ -30,6 +33,7 @@ mod stages;
 mod surface;
 mod thickness;
 
+pub use kind::{Context, Instance, Key, Kind, Options};
 pub use placed::{Placed, Room};
 pub use seam::{SeamOptions, Seams};
 pub use shape::{Formed, Ground, Held, Operator, Role, Shape};
@@ -42,7 +46,6 @@ use crate::garment::{BoundaryInterpolation, Elements, Garment, Subset};
 use crate::mesh::{FaceId, VertexId};
 use crate::subdivide::{Cage, Level, MAX_REFINED_FACES, refined_faces};
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 
 /// A height or a distance that keeps less of what was asked than this is reported.
 const REPORTED: f32 = 0.98;
@@ -65,38 +68,6 @@ impl Default for RenderOptions {
     }
 }
 
-/// An instance of an operator by its kind and name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Instance<'a> {
-    Seam(&'a str),
-    Thickness(&'a str),
-}
-
-impl<'a> Instance<'a> {
-    fn name(self) -> &'a str {
-        match self {
-            Self::Seam(name) | Self::Thickness(name) => name,
-        }
-    }
-
-    fn kind(self) -> &'static str {
-        match self {
-            Self::Seam(_) => "seam",
-            Self::Thickness(_) => "thickness",
-        }
-    }
-
-    fn full_name(self) -> String {
-        format!("{}.{}", self.kind(), self.name())
-    }
-
-    /// Whether `text` names it: by its name alone, or with its kind.
-    fn is_called(self, text: &str) -> bool {
-        text == self.name()
-            || text.split_once(['.', ':']).is_some_and(|(kind, name)| kind == self.kind() && name == self.name())
-    }
-}
-
 /// The operators of a render mesh in their order, and its level.
 pub struct Stack {
     /// The operators.
@@ -110,34 +81,20 @@ pub struct Stack {
 }
 
 impl Stack {
-    /// The stack of a garment of `points` points.
+    /// The stack of a garment of `points` points, from all instances by name.
     ///
     /// # Errors
     /// A name in `operators` that no instance has, or more than one.
-    pub fn new(
-        points: usize,
-        options: &RenderOptions,
-        seams: &BTreeMap<String, SeamOptions>,
-        thicknesses: &BTreeMap<String, ThicknessOptions>,
-    ) -> Result<Self, Error> {
+    pub fn new(points: usize, options: &RenderOptions, instances: &[(&str, &dyn Instance)]) -> Result<Self, Error> {
         let mut warnings = Warnings::default();
-        let of_seams = seams.keys().map(|name| Instance::Seam(name));
-        let all: Vec<Instance> = of_seams.chain(thicknesses.keys().map(|name| Instance::Thickness(name))).collect();
-        let order = order(&all, &options.operators, &mut warnings)?;
-        let names = order.iter().map(|instance| instance.full_name()).collect();
+        let context = Context { points, names_sets: options.face_sets };
         let mut operators: Vec<Box<dyn Operator>> = Vec::new();
-        let mut network: Vec<(String, SeamOptions)> = Vec::new();
-        for instance in order {
-            match instance {
-                Instance::Seam(name) => network.push((name.to_owned(), seams[name].clone())),
-                Instance::Thickness(name) => {
-                    end_network(&mut network, points, options, &mut operators);
-                    let chosen = thicknesses[name].clone();
-                    operators.push(Box::new(Thickness::new(name.to_owned(), chosen, points, options.face_sets)));
-                }
-            }
+        let mut names = Vec::new();
+        for at in order(instances, &options.operators, &mut warnings)? {
+            let (name, instance) = instances[at];
+            instance.stack(name, context, &mut operators);
+            names.push(instance.full_name(name));
         }
-        end_network(&mut network, points, options, &mut operators);
         Ok(Self { operators, names, level: options.level, warnings })
     }
 
@@ -149,45 +106,39 @@ impl Stack {
     }
 }
 
-/// Seams in a row are one operator.
-fn end_network(
-    network: &mut Vec<(String, SeamOptions)>,
-    points: usize,
-    options: &RenderOptions,
-    operators: &mut Vec<Box<dyn Operator>>,
-) {
-    if !network.is_empty() {
-        operators.push(Box::new(Seams::new(std::mem::take(network), points, options.face_sets)));
-    }
-}
-
-/// The instances in the order of `names`; all of them, seams first, where it is empty.
-fn order<'a>(all: &[Instance<'a>], names: &[String], warnings: &mut Warnings) -> Result<Vec<Instance<'a>>, Error> {
+/// The places of the instances in the order of `names`; all of them where it is empty.
+fn order(all: &[(&str, &dyn Instance)], names: &[String], warnings: &mut Warnings) -> Result<Vec<usize>, Error> {
     if names.is_empty() {
-        return Ok(all.to_vec());
+        return Ok((0..all.len()).collect());
     }
+    let full_names = |of: &mut dyn Iterator<Item = usize>| of.map(|i| all[i].1.full_name(all[i].0)).collect::<Vec<_>>();
     let fault = |name: &str, fault: &str| {
-        let known: Vec<String> = all.iter().map(|i| i.full_name()).collect();
+        let known = full_names(&mut (0..all.len()));
         let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
         Err(Error::Recipe(format!(
             "render.operators names \"{name}\", {fault}\n  hint: the operators of the recipe are: {known}"
         )))
     };
-    let mut order: Vec<Instance> = Vec::new();
+    let mut order: Vec<usize> = Vec::new();
     for name in names {
-        let called: Vec<Instance> = all.iter().copied().filter(|i| i.is_called(name)).collect();
+        let called: Vec<usize> = (0..all.len()).filter(|&i| is_called(all[i], name)).collect();
         match called.as_slice() {
             [] => return fault(name, "which is no operator of the recipe"),
-            [instance] if order.contains(instance) => return fault(name, "which it names before already"),
-            [instance] => order.push(*instance),
+            [one] if order.contains(one) => return fault(name, "which it names before already"),
+            [one] => order.push(*one),
             _ => return fault(name, "which is the name of several; give its kind too"),
         }
     }
-    let left: Vec<String> = all.iter().filter(|i| !order.contains(i)).map(|i| i.full_name()).collect();
+    let left = full_names(&mut (0..all.len()).filter(|i| !order.contains(i)));
     if !left.is_empty() {
         warnings.push(Warning::OperatorsLeftOut { names: left });
     }
     Ok(order)
+}
+
+/// Whether `text` names an instance: by its name alone, or with its kind.
+fn is_called((name, instance): (&str, &dyn Instance), text: &str) -> bool {
+    text == name || text.split_once(['.', ':']).is_some_and(|(kind, rest)| kind == instance.kind() && rest == name)
 }
 
 /// Whether a cage, whose faces operators have multiplied, can be refined.

@@ -19,8 +19,10 @@
 mod chains;
 
 use super::REPORTED;
+use super::kind::{Context, Instance, Key, Options};
 use super::lines::{self, Lines, Narrowed, Request};
 use super::shape::{Held, Operator, Role, Shape};
+use crate::checks;
 use crate::error::{EXAMPLES, Error, Warning, Warnings};
 use crate::garment::{Elements, Garment, Scheme, Subset};
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
@@ -28,12 +30,15 @@ use crate::subdivide::Cage;
 use chains::Network;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
+use std::any::Any;
 use std::collections::BTreeSet;
 
 /// Lines of each side as shares of its width: on the flank, where the surface begins, and outside, to hold it there.
 const LINES: [f32; 3] = [0.5, 1.0, 1.5];
 /// The same with a line on the flank.
 const SWOLLEN_LINES: [f32; 4] = [1.0 / 3.0, 2.0 / 3.0, 1.0, 4.0 / 3.0];
+/// Width of a seam that says none, as a share of the mean edge.
+const AUTOMATIC_WIDTH: f32 = 0.25;
 /// Least part of the width on one side, so that at full asymmetry both lines are apart and the steep flank is not turned
 /// over.
 const LEAST_SIDE: f32 = 0.05;
@@ -62,6 +67,59 @@ impl SeamOptions {
     }
 }
 
+impl Options for SeamOptions {
+    const KIND: &'static str = "seam";
+    const KEYS: &'static [Key] = &[
+        Key { field: "edges", unit: "names", meaning: "edge subsets that the seam follows" },
+        Key { field: "width", unit: "stage units", meaning: "from side to side; 0: a quarter of the mean edge" },
+        Key { field: "depth", unit: "stage units", meaning: "how far the flanks swell over straight ones" },
+        Key {
+            field: "normalOffset",
+            unit: "stage units",
+            meaning: "height of the centre; below 0 a groove, above a ridge",
+        },
+        Key { field: "asymmetry", unit: "-1 to 1", meaning: "-1: all of the width on the left, 1: all on the right" },
+    ];
+}
+
+impl Instance for SeamOptions {
+    fn kind(&self) -> &'static str {
+        Self::KIND
+    }
+
+    fn check(&self, key: &dyn Fn(&str) -> String) -> Result<(), Error> {
+        checks::named(&key("edges"), &self.edges, "edge")?;
+        checks::length(&key("width"), self.width)?;
+        checks::finite(&key("depth"), self.depth)?;
+        checks::finite(&key("normalOffset"), self.normal_offset)?;
+        if !(-1.0..=1.0).contains(&self.asymmetry) {
+            let value = format!("{} is not between -1 and 1", self.asymmetry);
+            return checks::fault(&key("asymmetry"), &value, "give -1 for all on the left, 1 for all on the right");
+        }
+        Ok(())
+    }
+
+    fn bind(&self, key: &dyn Fn(&str) -> String, garment: &Garment) -> Result<(), Error> {
+        checks::subsets_are(garment, &key("edges"), &self.edges, "edge")
+    }
+
+    fn settle(&mut self, mean_edge: f32) {
+        if self.width == 0.0 {
+            self.width = AUTOMATIC_WIDTH * mean_edge;
+        }
+    }
+
+    /// Seams in a row are one operator.
+    fn stack(&self, name: &str, context: Context, operators: &mut Vec<Box<dyn Operator>>) {
+        let seam = (name.to_owned(), self.clone());
+        let last = operators.last_mut().and_then(|o| (o.as_mut() as &mut dyn Any).downcast_mut::<Seams>());
+        match last {
+            Some(seams) => seams.seams.push(seam),
+            None => operators.push(Box::new(Seams::new(vec![seam], context))),
+        }
+    }
+}
+
 /// Seams that are made together.
 pub struct Seams {
     seams: Vec<(String, SeamOptions)>,
@@ -71,9 +129,9 @@ pub struct Seams {
 }
 
 impl Seams {
-    /// Seams by name, of a garment of `own_points` points. With `names_sets` their faces become subsets.
-    pub fn new(seams: Vec<(String, SeamOptions)>, own_points: usize, names_sets: bool) -> Self {
-        Self { seams, own_points, names_sets }
+    /// Seams by name.
+    pub fn new(seams: Vec<(String, SeamOptions)>, context: Context) -> Self {
+        Self { seams, own_points: context.points, names_sets: context.names_sets }
     }
 
     /// Lines of each side as shares of its width. Seams with swollen flanks have one more.

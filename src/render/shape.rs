@@ -13,10 +13,11 @@ use crate::mesh::{CornerId, Csr, FaceId, IdVec, VertexId};
 use crate::subdivide::{Cage, INFINITE_SHARPNESS, Level, Lineage, carried_points};
 use glam::Vec3;
 use rayon::prelude::*;
+use std::any::Any;
 use std::collections::BTreeSet;
 
 /// A step of the stack. Every operator is one type with this trait.
-pub trait Operator: Sync + Send {
+pub trait Operator: Any + Sync + Send {
     /// The options on which [`Operator::shape`] depends, as text.
     fn structure(&self) -> String;
 

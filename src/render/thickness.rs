@@ -8,9 +8,11 @@
 //! ```
 
 use super::REPORTED;
+use super::kind::{Context, Instance, Key, Options};
 use super::lines::{self, Lines, Request};
 use super::shape::{Held, Operator, Role, Shape, is_lone_corner};
 use super::surface::limit_rows;
+use crate::checks;
 use crate::error::{Error, Warning, Warnings};
 use crate::garment::{Elements, Garment, Orientation, Subset, Values};
 use crate::mesh::{CornerId, Csr, EdgeId, FaceId, IdVec, Topology, VertexId};
@@ -22,6 +24,8 @@ use std::collections::BTreeSet;
 
 /// Distance of the line that holds the fold from it, as a share of the amount. Smaller makes the fold tighter.
 const HOLD: f32 = 1.0;
+/// Amount of a thickness that says none, as a share of the mean edge.
+const AUTOMATIC_AMOUNT: f32 = 0.1;
 /// Least weight, so that the layers stay apart where it is painted 0.
 const LEAST_WEIGHT: f32 = 0.01;
 /// Part of an edge's length that a fold of the surface may take from it on the second layer. Larger lets the layer come
@@ -55,6 +59,47 @@ pub struct ThicknessOptions {
     pub closed: bool,
 }
 
+impl Options for ThicknessOptions {
+    const KIND: &'static str = "thickness";
+    const KEYS: &'static [Key] = &[
+        Key { field: "faces", unit: "names", meaning: "face subsets that are folded over at their border" },
+        Key { field: "amount", unit: "stage units", meaning: "distance of the layers; 0: a tenth of the mean edge" },
+        Key { field: "weights", unit: "name", meaning: "painted float primvar that scales the amount; empty: 1" },
+        Key { field: "side", unit: "inner or outer", meaning: "the side of the second layer" },
+        Key {
+            field: "closed",
+            unit: "true or false",
+            meaning: "whether faces without a border get a second layer too",
+        },
+    ];
+}
+
+impl Instance for ThicknessOptions {
+    fn kind(&self) -> &'static str {
+        Self::KIND
+    }
+
+    fn check(&self, key: &dyn Fn(&str) -> String) -> Result<(), Error> {
+        checks::named(&key("faces"), &self.faces, "face")?;
+        checks::length(&key("amount"), self.amount)
+    }
+
+    fn bind(&self, key: &dyn Fn(&str) -> String, garment: &Garment) -> Result<(), Error> {
+        checks::subsets_are(garment, &key("faces"), &self.faces, "face")?;
+        checks::weights(garment, &key("weights"), &self.weights).map(|_| ())
+    }
+
+    fn settle(&mut self, mean_edge: f32) {
+        if self.amount == 0.0 {
+            self.amount = AUTOMATIC_AMOUNT * mean_edge;
+        }
+    }
+
+    fn stack(&self, name: &str, context: Context, operators: &mut Vec<Box<dyn Operator>>) {
+        operators.push(Box::new(Thickness::new(name.to_owned(), self.clone(), context)));
+    }
+}
+
 /// One thickness.
 pub struct Thickness {
     name: String,
@@ -73,9 +118,9 @@ struct Layer {
 }
 
 impl Thickness {
-    /// A thickness by name, of a garment of `own_points` points. With `names_sets` its faces become subsets.
-    pub fn new(name: String, options: ThicknessOptions, own_points: usize, names_sets: bool) -> Self {
-        Self { name, options, own_points, names_sets }
+    /// A thickness by name.
+    pub fn new(name: String, options: ThicknessOptions, context: Context) -> Self {
+        Self { name, options, own_points: context.points, names_sets: context.names_sets }
     }
 
     /// The faces that are folded over.

@@ -11,7 +11,7 @@ pub fn stack<T: AsRef<str>>(garment: &Garment, options: &[T]) -> Stack {
     let mut layers = Layers::default();
     options.iter().for_each(|o| layers.add_override(o.as_ref()).unwrap_or_else(|e| panic!("{e}")));
     let recipe = layers.recipe().unwrap_or_else(|e| panic!("{e}"));
-    let made = Stack::new(garment.points.len(), &recipe.render, &recipe.seams, &recipe.thicknesses);
+    let made = Stack::new(garment.points.len(), &recipe.render, &recipe.instances());
     made.unwrap_or_else(|e| panic!("{e}"))
 }
 

@@ -261,14 +261,14 @@ impl Subject {
         let recipe = self.products.recipe.clone();
         let level = |level| {
             let options = RenderOptions { level, ..recipe.render.clone() };
-            let stack = Stack::new(self.garment.points.len(), &options, &recipe.seams, &recipe.thicknesses);
+            let stack = Stack::new(self.garment.points.len(), &options, &recipe.instances());
             let made = stack.and_then(|stack| render(&self.garment, &stack, &Afresh)).map(|made| made.mesh);
             made.unwrap_or_else(|e| panic!("render level {level}: {e}"))
         };
         let levels = [0, 1, 2].map(level);
         let cage = &levels[0];
         let same = *cage.points == *self.garment.points && cage.faces.corners() == self.garment.faces.corners();
-        let plain = recipe.seams.is_empty() && recipe.thicknesses.is_empty();
+        let plain = recipe.instances().is_empty();
         self.expect("render level 0", same || !plain, || "it is not the garment as it is".into());
         let built = &self.products.render;
         let wanted = levels.get(self.products.recipe.render.level as usize);

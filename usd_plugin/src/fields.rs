@@ -7,7 +7,7 @@ use crate::ffi::Field;
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::str;
-use tailor::recipe::{INSTANCE_KEYS, KEYS, RecipeFile};
+use tailor::recipe::{KEYS, KINDS, RecipeFile};
 
 /// A kind of operator and the name of one of that kind.
 type Instance = (&'static str, String);
@@ -18,8 +18,8 @@ pub fn fields(recipe: &[u8], schemas: &str, arguments: &str) -> Vec<Field> {
     let instances: BTreeSet<Instance> =
         in_recipe(recipe).into_iter().chain(in_schemas(schemas)).chain(in_arguments(arguments)).collect();
     let of_instances = instances.iter().flat_map(|(kind, name)| {
-        let keys = INSTANCE_KEYS.iter().filter(move |key| key.kind == *kind);
-        keys.map(move |key| format!("{kind}.{name}.{}", key.field))
+        let of_kind = KINDS.iter().filter(move |known| known.name == *kind);
+        of_kind.flat_map(|known| known.keys).map(move |key| format!("{kind}.{name}.{}", key.field))
     });
     KEYS.iter().map(|key| key.0.to_owned()).chain(of_instances).map(field).collect()
 }
@@ -28,17 +28,18 @@ pub fn fields(recipe: &[u8], schemas: &str, arguments: &str) -> Vec<Field> {
 pub fn is_field(attribute: &str) -> bool {
     let Some((space, rest)) = attribute.strip_prefix("tailor:").and_then(|a| a.split_once(':')) else { return false };
     KEYS.iter().any(|key| key.0.split_once('.') == Some((space, rest)))
-        || rest
-            .rsplit_once(':')
-            .is_some_and(|(_, field)| INSTANCE_KEYS.iter().any(|key| key.kind == space && key.field == field))
+        || rest.rsplit_once(':').is_some_and(|(_, field)| {
+            let of_kind = KINDS.iter().filter(|kind| kind.name == space);
+            of_kind.flat_map(|kind| kind.keys).any(|key| key.field == field)
+        })
 }
 
 fn field(argument: String) -> Field {
     Field { attribute: format!("tailor:{}", argument.replace('.', ":")), argument }
 }
 
-fn kinds() -> BTreeSet<&'static str> {
-    INSTANCE_KEYS.iter().map(|key| key.kind).collect()
+fn kinds() -> impl Iterator<Item = &'static str> {
+    KINDS.iter().map(|kind| kind.name)
 }
 
 /// A text that is no recipe names nothing: its fault is told when it is read.
@@ -49,7 +50,7 @@ fn in_recipe(text: &[u8]) -> Vec<Instance> {
         let of_kind = layer.get(kind).and_then(|fields| fields.as_object());
         of_kind.into_iter().flat_map(|fields| fields.keys()).map(move |name| (kind, name.clone()))
     };
-    kinds().into_iter().flat_map(names).collect()
+    kinds().flat_map(names).collect()
 }
 
 /// What OpenUSD prints before the items that a list operation takes out.
@@ -77,7 +78,7 @@ fn in_words(text: &str) -> Vec<Instance> {
         let names = words.iter().filter_map(move |word| word.strip_prefix(&schema)).filter(|name| !name.is_empty());
         names.map(|name| (kind, name.to_owned())).collect::<Vec<_>>()
     };
-    kinds().into_iter().flat_map(named).collect()
+    kinds().flat_map(named).collect()
 }
 
 /// The multiple-apply schema of a kind, up to the name of the instance.
@@ -92,7 +93,7 @@ fn in_arguments(text: &str) -> Vec<Instance> {
         let (key, _) = argument.split_once('=')?;
         let (kind, rest) = key.split_once('.')?;
         let (name, _) = rest.rsplit_once('.')?;
-        Some((kinds().into_iter().find(|known| *known == kind)?, name.to_owned()))
+        Some((kinds().find(|known| *known == kind)?, name.to_owned()))
     };
     text.split('&').filter_map(key).collect()
 }
@@ -130,7 +131,7 @@ mod tests {
     fn instances_are_named_by_file_schemas_and_arguments() {
         let file = r#"{"source": "a.usda", "seam": {"placket": {}}, "thickness": {"hem": {"amount": 1}}}"#;
         let found = attributes(file, "", "");
-        assert_eq!(found.len(), INSTANCE_KEYS.len());
+        assert_eq!(found.len(), KINDS.iter().map(|kind| kind.keys.len()).sum::<usize>());
         assert!(found.contains(&"tailor:seam:placket:normalOffset".to_owned()));
         assert!(found.contains(&"tailor:thickness:hem:weights".to_owned()));
         let printed = "SdfListOp(Prepended Items: [TailorSimAPI, TailorSeamAPI:left:hip, TailorSeamAPI:back])\n";
@@ -139,7 +140,7 @@ mod tests {
             assert!(found.contains(&format!("tailor:seam:{name}:width")), "{found:?}");
         }
         assert!(found.iter().all(|attribute| is_field(attribute)));
-        assert_eq!(found.len(), 3 * INSTANCE_KEYS.iter().filter(|key| key.kind == "seam").count());
+        assert_eq!(found.len(), 3 * KINDS[0].keys.len());
     }
 
     #[test]
