@@ -4,13 +4,13 @@ use super::stencil::Stencils;
 use super::{Channel, ChannelChild, INFINITE_SHARPNESS, Level, Numbering, refined_sharpness, split};
 use crate::garment::joints::{self, Influences};
 use crate::garment::{
-    Corner, Crease, Elements, Family, FamilyType, Garment, Interpolation, Mixing, Primvar, Scheme, SubdivisionRules,
-    Subset, Values,
+    Corner, Crease, Elements, Family, FamilyType, Garment, Interpolation, Mixing, Primvar, Scheme, Subset, Values,
 };
-use crate::mesh::{CornerId, Csr, EdgeId, FaceId, Faces, IdVec, Topology, ValueId, VertexId};
+use crate::mesh::{CornerId, EdgeId, FaceId, Faces, IdVec, Topology, ValueId, VertexId};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
+use std::sync::OnceLock;
 
 /// Where each element of a child mesh comes from. All that is attached to a mesh is carried by this alone, whether the
 /// child is a refinement or what an operator made.
@@ -24,6 +24,8 @@ pub trait Lineage: Sync {
     fn faces(&self) -> &Faces;
     /// The face that a child face is part of.
     fn parent_face(&self, child: FaceId) -> FaceId;
+    /// The parts of a face.
+    fn child_faces(&self, parent: FaceId) -> impl Iterator<Item = FaceId>;
     /// The corner that a child corner takes discrete values from.
     fn parent_corner(&self, child: CornerId) -> CornerId;
     /// The child that takes the place of a vertex.
@@ -36,21 +38,34 @@ pub trait Lineage: Sync {
     fn vertex(&self) -> impl Stencils<Source = VertexId>;
     /// Child vertices from parent vertices, linearly.
     fn varying(&self) -> impl Stencils<Source = VertexId>;
-    /// A face-varying primvar whose values are mixed. Values of different regions do not mix.
-    fn face_varying(&self, garment: &Garment, primvar: &Primvar) -> Primvar;
+    /// A face-varying primvar whose values are mixed, by its place among the garment's. Values of different regions do
+    /// not mix.
+    fn face_varying(&self, garment: &Garment, place: usize) -> Primvar;
 }
 
 /// A refinement as a lineage.
 pub struct Refinement<'a> {
     level: &'a Level,
-    rules: SubdivisionRules,
     faces: Faces,
+    /// The channel of each primvar that has one.
+    channels: Vec<Option<RefinedChannel<'a>>>,
+}
+
+/// A channel's refinement, and the rows of the parent's values where they are in another order.
+struct RefinedChannel<'a> {
+    child: ChannelChild<'a>,
+    rows: Option<&'a [u32]>,
 }
 
 impl<'a> Refinement<'a> {
-    /// The refinement of the cage of a garment.
-    pub fn new(level: &'a Level, rules: SubdivisionRules) -> Self {
-        Self { level, rules, faces: split::child_faces(level) }
+    fn new(level: &'a Level, channels: &'a [Option<PrimvarChannel>]) -> Self {
+        let refined = |c: &'a PrimvarChannel| RefinedChannel {
+            child: ChannelChild::new(level, &c.channel),
+            rows: c.rows.as_deref(),
+        };
+        let all = || channels.par_iter().map(|c| c.as_ref().map(refined)).collect();
+        let (faces, channels) = rayon::join(|| split::child_faces(level), all);
+        Self { level, faces, channels }
     }
 
     fn is_loop(&self) -> bool {
@@ -72,6 +87,11 @@ impl Lineage for Refinement<'_> {
     #[inline]
     fn parent_face(&self, child: FaceId) -> FaceId {
         Numbering::new(self.level).parent_face(&self.level.topology.faces, child)
+    }
+
+    #[inline]
+    fn child_faces(&self, parent: FaceId) -> impl Iterator<Item = FaceId> {
+        Numbering::new(self.level).of_face_within(&self.level.topology.faces, parent)
     }
 
     #[inline]
@@ -107,25 +127,44 @@ impl Lineage for Refinement<'_> {
         self.level.varying_stencils()
     }
 
-    fn face_varying(&self, garment: &Garment, primvar: &Primvar) -> Primvar {
-        let rows = primvar.corner_rows(&garment.faces, garment.points.len());
-        let rules = self.rules;
-        let (channel, rows) = Channel::base(self.level, |c| rows[c] as usize, rules.face_varying, rules.boundary);
-        let child = ChannelChild::new(self.level, &channel);
-        mixed_channel(&child, child.corner_values(), &rows, primvar)
+    fn face_varying(&self, garment: &Garment, place: usize) -> Primvar {
+        let primvar = &garment.primvars[place];
+        match &self.channels[place] {
+            Some(channel) => mixed_channel(&channel.child, channel.child.corner_values(), channel.rows, primvar),
+            None => primvar.clone(),
+        }
     }
 }
 
-/// A face-varying primvar from the rows of its parent's values, and the value of each child corner.
+/// The channel of a face-varying primvar.
+#[derive(Clone)]
+struct PrimvarChannel {
+    channel: Channel,
+    /// The row of each value, where they are not the primvar's rows in their order.
+    rows: Option<Vec<u32>>,
+}
+
+impl PrimvarChannel {
+    fn new(garment: &Garment, level: &Level, primvar: &Primvar) -> Self {
+        let rows = primvar.corner_rows(&garment.faces, garment.points.len());
+        let rules = garment.rules;
+        let (channel, rows) = Channel::base(level, |c| rows[c] as usize, rules.face_varying, rules.boundary);
+        Self { channel, rows: Some(rows) }
+    }
+}
+
+/// A face-varying primvar from the rows of its parent's values, if they have an order of their own, and the value of
+/// each child corner.
 pub fn mixed_channel<S: Stencils<Source = ValueId>>(
     stencils: &S,
     corner_values: &IdVec<CornerId, ValueId>,
-    rows: &[u32],
+    rows: Option<&[u32]>,
     primvar: &Primvar,
 ) -> Primvar {
-    let source = primvar.values.gather(primvar.width(), rows.iter().map(|&r| r as usize));
+    let gathered = rows.map(|rows| primvar.values.gather(primvar.width(), rows.iter().map(|&r| r as usize)));
+    let source = gathered.as_ref().unwrap_or(&primvar.values);
     let indices = corner_values.iter().map(|v| v.index() as u32).collect();
-    Primvar { values: mixed(stencils, &source, primvar), indices: Some(indices), ..primvar.clone() }
+    Primvar { values: mixed(stencils, source, primvar), indices: Some(indices), ..primvar.headed() }
 }
 
 /// A garment on its way through derivations. Its joint influences are kept whole until the end, so that they are pruned
@@ -135,13 +174,20 @@ pub struct Cage {
     garment: Garment,
     level: Level,
     influences: Option<Vec<Influences>>,
+    /// The channel of each primvar that has one, once they are needed.
+    channels: OnceLock<Vec<Option<PrimvarChannel>>>,
 }
 
 impl Cage {
     /// The cage of a garment.
     pub fn new(garment: Garment) -> Self {
         let influences = joints::pair(&garment).map(|(indices, weights)| joints::influences(indices, weights));
-        Self { level: Level::base(&garment), garment, influences }
+        Self { level: Level::base(&garment), garment, influences, channels: OnceLock::new() }
+    }
+
+    fn channels(&self) -> &[Option<PrimvarChannel>] {
+        let channel = |p: &Primvar| is_channel(p).then(|| PrimvarChannel::new(&self.garment, &self.level, p));
+        self.channels.get_or_init(|| self.garment.primvars.iter().map(channel).collect())
     }
 
     /// The garment as it is so far: its skinning and its directions are not yet what [`Cage::into_garment`] gives.
@@ -157,11 +203,14 @@ impl Cage {
     /// The cage refined once, with every attribute. Its points are not: they are zero, and go by
     /// [`Cage::refined_points`].
     pub fn refined(&self) -> Self {
-        let refinement = Refinement::new(&self.level, self.garment.rules);
+        let refinement = Refinement::new(&self.level, self.channels());
         let faces = refinement.faces.clone();
         let carry = || carry(&self.garment, self.influences.as_deref(), &refinement);
         let ((garment, influences), level) = rayon::join(carry, || split::child_level(&self.level, faces));
-        Self { garment, level, influences }
+        // Values of a refined channel are in the order of the primvar's rows.
+        let channel = |c: RefinedChannel| PrimvarChannel { channel: c.child.into_channel(&level), rows: None };
+        let channels: Vec<_> = refinement.channels.into_par_iter().map(|c| c.map(channel)).collect();
+        Self { garment, level, influences, channels: channels.into() }
     }
 
     /// The points of the refined cage, where this one's are `points`.
@@ -182,7 +231,7 @@ impl Cage {
         garment.creases.extend(creases.iter().map(crease));
         let attributes = || carry.attributes(self.influences.as_deref());
         let ((primvars, influences), level) = rayon::join(attributes, || Level::base(&garment));
-        Self { level, garment: Garment { primvars, ..garment }, influences }
+        Self { level, garment: Garment { primvars: primvars.into(), ..garment }, influences, channels: OnceLock::new() }
     }
 
     /// The cage with more subsets, which later derivations carry too.
@@ -202,7 +251,7 @@ impl Cage {
     /// The garment of the cage refined once, without its points as in [`Cage::refined`]: the last step, which needs no
     /// connectivity of what it makes.
     pub fn refined_garment(&self) -> Garment {
-        let refinement = Refinement::new(&self.level, self.garment.rules);
+        let refinement = Refinement::new(&self.level, self.channels());
         let (garment, influences) = carry(&self.garment, self.influences.as_deref(), &refinement);
         Self::completed(garment, influences.as_deref())
     }
@@ -245,7 +294,7 @@ fn carry<L: Lineage>(
     let carry = Carry::new(garment, lineage);
     let frame = || carry.frame(IdVec::filled(Vec3::ZERO, lineage.vertex().rows()));
     let (frame, (primvars, influences)) = rayon::join(frame, || carry.attributes(influences));
-    (Garment { primvars, ..frame }, influences)
+    (Garment { primvars: primvars.into(), ..frame }, influences)
 }
 
 /// Whether a primvar is carried as a face-varying channel.
@@ -267,16 +316,11 @@ fn carried_family(garment: &Garment, family: &Family) -> Family {
 struct Carry<'a, L> {
     garment: &'a Garment,
     lineage: &'a L,
-    parent_face: Vec<FaceId>,
-    children: Csr<FaceId, FaceId>,
 }
 
 impl<'a, L: Lineage> Carry<'a, L> {
     fn new(garment: &'a Garment, lineage: &'a L) -> Self {
-        let parent_face: Vec<FaceId> = lineage.faces().ids().map(|f| lineage.parent_face(f)).collect();
-        let pairs = parent_face.iter().enumerate().map(|(child, &parent)| (parent, FaceId::new(child)));
-        let children = Csr::group(garment.faces.len(), pairs, FaceId::new(0));
-        Self { garment, lineage, parent_face, children }
+        Self { garment, lineage }
     }
 
     /// The child without its primvars.
@@ -292,15 +336,15 @@ impl<'a, L: Lineage> Carry<'a, L> {
             corners: garment.corners.iter().filter_map(|c| self.corner(c)).collect(),
             subsets: garment.subsets.iter().map(|s| self.subset(s)).collect(),
             families: garment.families.iter().map(|f| carried_family(garment, f)).collect(),
-            primvars: Vec::new(),
+            primvars: Vec::new().into(),
             faces: self.lineage.faces().clone(),
         }
     }
 
     /// The child's primvars, and joint influences.
     fn attributes(&self, influences: Option<&[Influences]>) -> (Vec<Primvar>, Option<Vec<Influences>>) {
-        let carried = self.garment.primvars.par_iter().map(|primvar| match primvar {
-            p if is_channel(p) => self.lineage.face_varying(self.garment, p),
+        let carried = self.garment.primvars.par_iter().enumerate().map(|(place, primvar)| match primvar {
+            p if is_channel(p) => self.lineage.face_varying(self.garment, place),
             p if joints::is_influence(self.garment, p) => p.clone(),
             p => self.primvar(p),
         });
@@ -308,7 +352,9 @@ impl<'a, L: Lineage> Carry<'a, L> {
     }
 
     fn faces(&self, parents: &[FaceId]) -> Vec<FaceId> {
-        parents.iter().flat_map(|&f| self.children.row(f).iter().copied()).collect()
+        let mut children = Vec::with_capacity(4 * parents.len());
+        parents.iter().for_each(|&f| children.extend(self.lineage.child_faces(f)));
+        children
     }
 
     /// The children of an edge, in its direction.
@@ -370,7 +416,10 @@ impl<'a, L: Lineage> Carry<'a, L> {
         let corners = || self.lineage.faces().corners().ids().map(|c| self.lineage.parent_corner(c).index());
         match primvar.interpolation {
             Interpolation::Constant => primvar.clone(),
-            Interpolation::Uniform => taken(primvar, self.parent_face.iter().map(|f| f.index())),
+            Interpolation::Uniform => {
+                let faces = 0..self.lineage.faces().len();
+                taken(primvar, faces.map(|f| self.lineage.parent_face(FaceId::new(f)).index()))
+            }
             Interpolation::FaceVarying => taken(primvar, corners()),
             Interpolation::Vertex => self.by_vertex(primvar, &self.lineage.vertex()),
             Interpolation::Varying => self.by_vertex(primvar, &self.lineage.varying()),
@@ -385,7 +434,7 @@ impl<'a, L: Lineage> Carry<'a, L> {
         }
         let rows = (0..self.garment.points.len()).map(|v| primvar.row(v));
         let source = primvar.values.gather(primvar.width(), rows);
-        Primvar { values: mixed(stencils, &source, primvar), indices: None, ..primvar.clone() }
+        Primvar { values: mixed(stencils, &source, primvar), indices: None, ..primvar.headed() }
     }
 
     /// The influences of the child's vertices, merged by joint.
@@ -399,8 +448,12 @@ impl<'a, L: Lineage> Carry<'a, L> {
 /// The values of the given elements, as they are; indexed primvars stay indexed.
 pub fn taken(primvar: &Primvar, elements: impl Iterator<Item = usize> + Clone) -> Primvar {
     match &primvar.indices {
-        Some(indices) => Primvar { indices: Some(elements.map(|e| indices[e]).collect()), ..primvar.clone() },
-        None => Primvar { values: primvar.values.gather(primvar.width(), elements), ..primvar.clone() },
+        Some(indices) => Primvar {
+            indices: Some(elements.map(|e| indices[e]).collect()),
+            values: primvar.values.clone(),
+            ..primvar.headed()
+        },
+        None => Primvar { values: primvar.values.gather(primvar.width(), elements), ..primvar.headed() },
     }
 }
 

@@ -8,7 +8,7 @@ use crate::garment::Scheme;
 use crate::mesh::{CornerId, Csr, EdgeId, FaceId, Faces, IdVec, Topology, VertexId};
 use rayon::prelude::*;
 
-/// Corners that one task works on.
+/// Corners that one task works on at least.
 const CORNERS_PER_TASK: usize = 4096;
 
 /// Where the children of a parent's elements are.
@@ -63,6 +63,13 @@ impl Numbering {
         VertexId::new(self.vertices + self.faces + e.index())
     }
 
+    /// The children of a parent face.
+    #[inline]
+    pub fn of_face_within(&self, parent: &Faces, face: FaceId) -> impl Iterator<Item = FaceId> + use<> {
+        let children = if self.triangles { 4 * face.index()..4 * face.index() + 4 } else { parent.range(face) };
+        children.map(FaceId::new)
+    }
+
     /// The parent face of a child face.
     #[inline]
     pub fn parent_face(&self, parent: &Faces, child: FaceId) -> FaceId {
@@ -91,21 +98,19 @@ fn turn(parent: &Faces, c: CornerId) -> usize {
 }
 
 /// What the corners of the child quads take, where `around` gives it for the quad of a corner, from step 0 on.
-pub fn child_corners<T: Copy + Send>(parent: &Faces, filler: T, around: impl Fn(CornerId) -> [T; 4] + Sync) -> Vec<T> {
-    let mut children = vec![filler; 4 * parent.corners().len()];
-    children.par_chunks_mut(4 * CORNERS_PER_TASK).enumerate().for_each(|(task, quads)| {
-        for (i, quad) in quads.chunks_exact_mut(4).enumerate() {
-            let corner = CornerId::new(task * CORNERS_PER_TASK + i);
-            let [a, b, c, d] = around(corner);
-            quad.copy_from_slice(&match turn(parent, corner) {
-                0 => [a, b, c, d],
-                1 => [d, a, b, c],
-                2 => [c, d, a, b],
-                _ => [b, c, d, a],
-            });
+pub fn child_corners<T: Copy + Send>(parent: &Faces, around: impl Fn(CornerId) -> [T; 4] + Sync) -> Vec<T> {
+    let quad = |corner: usize| {
+        let corner = CornerId::new(corner);
+        let [a, b, c, d] = around(corner);
+        match turn(parent, corner) {
+            0 => [a, b, c, d],
+            1 => [d, a, b, c],
+            2 => [c, d, a, b],
+            _ => [b, c, d, a],
         }
-    });
-    children
+    };
+    let corners = (0..parent.corners().len()).into_par_iter().with_min_len(CORNERS_PER_TASK);
+    corners.map(quad).collect::<Vec<[T; 4]>>().into_flattened()
 }
 
 /// The child faces of a level.
@@ -116,7 +121,7 @@ pub fn child_faces(parent: &Level) -> Faces {
 fn child_quads(parent: &Level) -> Faces {
     let numbering = Numbering::new(parent);
     let t = &parent.topology;
-    Faces::quads(child_corners(&t.faces, VertexId::new(0), |corner| {
+    Faces::quads(child_corners(&t.faces, |corner| {
         [
             t.faces.vertex(corner),
             numbering.of_edge(t.corner_edge[corner]),
@@ -203,7 +208,7 @@ fn quad_topology(parent: &Level, faces: Faces) -> Topology {
         |edge: EdgeId, at: VertexId| EdgeId::new(corners + 2 * edge.index() + usize::from(t.edges[edge][0] != at));
 
     let corner_edge = || {
-        child_corners(&t.faces, EdgeId::new(0), |corner| {
+        child_corners(&t.faces, |corner| {
             let prev = t.faces.prev(corner);
             let vertex = t.faces.vertex(corner);
             [

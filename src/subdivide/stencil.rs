@@ -37,10 +37,36 @@ pub trait Stencils: Sync {
 
     /// Child values of `width` numbers each, summed in double precision.
     fn apply_rows<T: Real>(&self, parents: &[T], width: usize) -> Vec<T> {
-        let mut children = vec![T::from_f64(0.0); self.rows() * width];
-        if width == 0 {
-            return children;
+        match width {
+            0 => Vec::new(),
+            1 => self.apply_tuples::<T, 1>(parents),
+            2 => self.apply_tuples::<T, 2>(parents),
+            3 => self.apply_tuples::<T, 3>(parents),
+            4 => self.apply_tuples::<T, 4>(parents),
+            _ => self.apply_wide(parents, width),
         }
+    }
+
+    /// The same for few numbers, whose sums are kept in registers.
+    fn apply_tuples<T: Real, const N: usize>(&self, parents: &[T]) -> Vec<T> {
+        let (parents, _) = parents.as_chunks::<N>();
+        let mut children = vec![T::from_f64(0.0); self.rows() * N];
+        children.par_chunks_mut(ROWS_PER_TASK * N).enumerate().for_each(|(task, children)| {
+            for (i, child) in children.as_chunks_mut::<N>().0.iter_mut().enumerate() {
+                let mut sum = [0.0f64; N];
+                self.row(task * ROWS_PER_TASK + i, &mut |source, weight| {
+                    let (parent, weight) = (&parents[source.index()], f64::from(weight));
+                    (0..N).for_each(|k| sum[k] += weight * parent[k].to_f64());
+                });
+                *child = sum.map(T::from_f64);
+            }
+        });
+        children
+    }
+
+    /// The same for many numbers.
+    fn apply_wide<T: Real>(&self, parents: &[T], width: usize) -> Vec<T> {
+        let mut children = vec![T::from_f64(0.0); self.rows() * width];
         children.par_chunks_mut(ROWS_PER_TASK * width).enumerate().for_each(|(task, children)| {
             let mut sum = vec![0.0f64; width];
             for (i, child) in children.chunks_exact_mut(width).enumerate() {

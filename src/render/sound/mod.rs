@@ -76,9 +76,10 @@ pub fn sound(kin: &Kin, states: &States) -> Sound {
     let mut active: Vec<FaceId> = kin.moved.ids().filter(|&f| is_active[f]).collect();
     // Where a step back makes more faults than it mends, as beside the free border of a layer, an earlier one is kept.
     let mut best: Option<Sound> = None;
+    let mut before = Skin::of(kin.parent, kin.parent_points, &[]);
     let share = |&s: &u8| LEAST_SHARE + (1.0 - LEAST_SHARE) * STEPS[usize::from(s)].0;
     for _ in 0..STEPS.len() {
-        let faults = faults(kin, &mut skin, (&active, &is_active), &normals);
+        let faults = faults(kin, (&mut skin, &mut before), (&active, &is_active), &normals);
         let shares = steps.iter().map(share).collect();
         let changed = step_on(kin, &mut steps, &faults);
         if best.as_ref().is_none_or(|best| faults.len() < best.faults.len()) {
@@ -92,9 +93,8 @@ pub fn sound(kin: &Kin, states: &States) -> Sound {
             let flat = states.flat[vertex].lerp(states.raised[vertex], height);
             points[vertex] = states.linear[vertex].lerp(flat, fit);
         }
-        active = around(kin.child, &around(kin.child, &[], &changed), &[]);
-        is_active.iter_mut().for_each(|a| *a = false);
-        active.iter().for_each(|&f| is_active[f] = true);
+        is_active = reached(kin.child, &changed);
+        active = is_active.ids().filter(|&f| is_active[f]).collect();
         skin.update(&points, &active);
     }
     best.unwrap_or_else(|| Sound { points, shares: steps.iter().map(share).collect(), faults: Vec::new() })
@@ -116,16 +116,16 @@ fn linear_normals(level: &Level, points: &IdVec<VertexId, Vec3>) -> IdVec<FaceId
 /// Faces that cross others or are turned over, and did not before.
 fn faults(
     kin: &Kin,
-    skin: &mut Skin,
+    (skin, before): (&mut Skin, &mut Skin),
     (active, is_active): (&[FaceId], &IdVec<FaceId, bool>),
     normals: &IdVec<FaceId, Vec3>,
 ) -> Vec<FaceId> {
-    let (crossing, turned) = (skin.crossings(active, is_active), skin.turned(active, normals));
+    let (crossing, turned) = (skin.crossings(is_active), skin.turned(active, normals));
     let parent_face = |f: FaceId| kin.derivation.parent_face(f);
     let mut parents: Vec<FaceId> = crossing.iter().flatten().chain(&turned).map(|&f| parent_face(f)).collect();
     parents.sort_unstable();
     parents.dedup();
-    let before = Skin::of(kin.parent, kin.parent_points, &parents);
+    before.update(kin.parent_points, &parents);
     let crossed = |&[f, g]: &[FaceId; 2]| before.cross(parent_face(f), parent_face(g));
     let had_turned = |&f: &FaceId| {
         let p = parent_face(f);
@@ -172,11 +172,12 @@ fn step_on(kin: &Kin, steps: &mut IdVec<VertexId, u8>, faults: &[FaceId]) -> Vec
     steps.ids().filter(|&v| steps[v] != before[v]).collect()
 }
 
-/// The faces that touch others, or vertices.
-fn around(level: &Level, faces: &[FaceId], vertices: &[VertexId]) -> Vec<FaceId> {
-    let of_faces = faces.iter().flat_map(|&f| level.topology.faces.vertices_of(f));
-    let mut found: Vec<FaceId> = of_faces.chain(vertices).flat_map(|&v| level.topology.faces_at(v)).collect();
-    found.sort_unstable();
-    found.dedup();
-    found
+/// The faces whose children move with some vertices: those at them, and the faces that touch those.
+fn reached(level: &Level, vertices: &[VertexId]) -> IdVec<FaceId, bool> {
+    let t = &level.topology;
+    let mut near = IdVec::filled(false, t.vertex_count());
+    for face in vertices.iter().flat_map(|&v| t.faces_at(v)) {
+        t.faces.vertices_of(face).iter().for_each(|&v| near[v] = true);
+    }
+    t.faces.ids().map(|f| t.faces.vertices_of(f).iter().any(|&v| near[v])).collect()
 }

@@ -20,6 +20,8 @@ const TURNED: f32 = -0.2;
 
 /// Faces that are measured in one go.
 const BLOCK: usize = 512;
+/// The same where they are few.
+const SMALL_BLOCK: usize = 64;
 
 /// What the search for crossings needs of a face.
 #[derive(Clone, Copy, Default)]
@@ -70,7 +72,8 @@ impl<'a> Skin<'a> {
         };
         let count = level.topology.faces.len();
         let blocks = (0..count.div_ceil(BLOCK)).into_par_iter();
-        let parts: Vec<Part> = blocks.map(|b| skin.part(b * BLOCK..count.min((b + 1) * BLOCK))).collect();
+        let parts: Vec<Part> =
+            blocks.map(|b| skin.part((b * BLOCK..count.min((b + 1) * BLOCK)).map(FaceId::new))).collect();
         for part in parts {
             skin.samples.extend(part.samples);
             skin.normals.extend(part.normals);
@@ -80,9 +83,11 @@ impl<'a> Skin<'a> {
         skin
     }
 
-    fn part(&self, faces: Range<usize>) -> Part {
+    fn part(&self, faces: impl ExactSizeIterator<Item = FaceId>) -> Part {
         let mut part = Part::default();
-        for face in faces.map(FaceId::new) {
+        part.samples.reserve(9 * faces.len());
+        part.normals.reserve(4 * faces.len());
+        for face in faces {
             let (from, first) = (part.samples.len(), part.normals.len());
             part.samples.extend(self.vertices(face).map(|v| self.refined[v]));
             let samples = &part.samples[from..];
@@ -114,22 +119,26 @@ impl<'a> Skin<'a> {
 
     /// Moves the children of `faces` to where the cage's points put them now.
     pub fn update(&mut self, points: &IdVec<VertexId, Vec3>, faces: &[FaceId]) {
-        let mut moved: Vec<VertexId> = faces.iter().flat_map(|&f| self.vertices(f)).collect();
-        moved.sort_unstable();
-        moved.dedup();
+        let mut is_moved = IdVec::filled(false, self.refined.len());
+        faces.iter().flat_map(|&f| self.vertices(f)).for_each(|child| is_moved[child] = true);
         let stencils = self.level.vertex_stencils();
-        for child in moved {
+        for child in is_moved.ids().filter(|&child| is_moved[child]) {
             let mut place = Vec3::ZERO;
             stencils.row(child.index(), &mut |v, w| place += w * points[v]);
             self.refined[child] = place;
         }
-        for &face in faces {
-            let part = self.part(face.index()..face.index() + 1);
-            let corners = self.level.topology.faces.range(face);
-            corners.zip(part.normals).for_each(|(c, normal)| self.normals[CornerId::new(c)] = normal);
-            let range = self.range(face);
-            self.samples[range].copy_from_slice(&part.samples);
-            (self.boxes[face], self.patches[face]) = (part.boxes[0], part.patches[0]);
+        let parts: Vec<Part> = faces.par_chunks(SMALL_BLOCK).map(|faces| self.part(faces.iter().copied())).collect();
+        for (faces, part) in faces.chunks(SMALL_BLOCK).zip(parts) {
+            let (mut samples, mut normals) = (part.samples.as_slice(), part.normals.as_slice());
+            for ((&face, bounds), patch) in faces.iter().zip(part.boxes).zip(part.patches) {
+                let (range, corners) = (self.range(face), self.level.topology.faces.range(face));
+                let (own, own_normals);
+                (own, samples) = samples.split_at(range.len());
+                (own_normals, normals) = normals.split_at(corners.len());
+                self.samples[range].copy_from_slice(own);
+                corners.zip(own_normals).for_each(|(c, &normal)| self.normals[CornerId::new(c)] = normal);
+                (self.boxes[face], self.patches[face]) = (bounds, patch);
+            }
         }
         if let Some(tree) = &mut self.tree {
             tree.refit(&self.boxes);
@@ -182,24 +191,24 @@ impl<'a> Skin<'a> {
         self.patches[face].normal
     }
 
-    /// Pairs of faces that cross, or a face twice that crosses itself, with at least one of `active`, whose faces
-    /// `is_active` tells.
-    pub fn crossings(&mut self, active: &[FaceId], is_active: &IdVec<FaceId, bool>) -> Vec<[FaceId; 2]> {
+    /// Pairs of faces that cross, or a face twice that crosses itself, with at least one that is active.
+    pub fn crossings(&mut self, is_active: &IdVec<FaceId, bool>) -> Vec<[FaceId; 2]> {
         let boxes = &self.boxes;
         self.tree.get_or_insert_with(|| Tree::new(boxes));
         let Some(tree) = &self.tree else { return Vec::new() };
-        let with = |&face: &FaceId| {
+        // What is near one face is near the others of its group.
+        let of_group = |group: usize| {
             let mut found: Vec<[FaceId; 2]> = Vec::new();
-            tree.visit(&self.boxes, &self.boxes[face], &mut |other| {
-                let is_other_turn = is_active[other] && other.index() < face.index();
-                if !is_other_turn && self.cross(face, other) {
-                    found.push([face, other]);
-                }
+            let own: Vec<(FaceId, &Bounds)> = tree.group(group).filter(|(face, _)| is_active[*face]).collect();
+            let around = own.iter().fold(Bounds::EMPTY, |all, (_, b)| all.and(b));
+            tree.visit(&around, &mut |other, bounds| {
+                let is_own_turn = |face: FaceId| !is_active[other] || face <= other;
+                let near = own.iter().filter(|(face, b)| is_own_turn(*face) && b.meets(bounds));
+                found.extend(near.map(|&(face, _)| [face, other]).filter(|&[f, g]| self.cross(f, g)));
             });
-            found.sort_unstable();
             found
         };
-        active.par_iter().flat_map_iter(with).collect()
+        (0..tree.groups()).into_par_iter().flat_map_iter(of_group).collect()
     }
 
     /// Whether the children of two faces cross, or of one.

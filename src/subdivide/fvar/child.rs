@@ -251,7 +251,7 @@ impl Values {
     }
 
     fn quad_values(&self, channel: &Channel, t: &Topology) -> IdVec<CornerId, ValueId> {
-        let values = child_corners(&t.faces, ValueId::new(0), |c| {
+        let values = child_corners(&t.faces, |c| {
             [
                 channel.corner_value[c],
                 self.middle(channel, t, c),
