@@ -6,87 +6,12 @@
 
 use crate::garment::{Garment, Primvar};
 use crate::mesh::{CornerId, Csr, EdgeId, FaceId, Faces, IdVec, Topology, ValueId, VertexId};
+pub use crate::subdivide::Table;
 use crate::subdivide::{Lineage, Stencils, mixed_channel};
 use rayon::prelude::*;
 
 /// Weights that differ by less are the same: far above rounding, far below what can be seen.
 const SAME_WEIGHT: f32 = 1e-5;
-
-/// Weighted sums, one row for each child value.
-#[derive(Clone, Debug)]
-pub struct Table<I> {
-    offsets: Vec<u32>,
-    entries: Vec<(I, f32)>,
-}
-
-/// A table of no rows.
-impl<I> Default for Table<I> {
-    fn default() -> Self {
-        Self { offsets: vec![0], entries: Vec::new() }
-    }
-}
-
-impl<I: Copy> Table<I> {
-    /// Adds a row.
-    pub fn push(&mut self, row: impl IntoIterator<Item = (I, f32)>) {
-        self.entries.extend(row);
-        self.offsets.push(self.entries.len() as u32);
-    }
-
-    /// Adds to the weight of a source in the last row.
-    pub fn add(&mut self, source: I, weight: f32)
-    where
-        I: PartialEq,
-    {
-        let start = self.offsets.len().checked_sub(2).map_or(0, |last| self.offsets[last] as usize);
-        match self.entries[start..].iter_mut().find(|(known, _)| *known == source) {
-            Some((_, sum)) => *sum += weight,
-            None => self.entries.push((source, weight)),
-        }
-        if let Some(end) = self.offsets.last_mut() {
-            *end = self.entries.len() as u32;
-        }
-    }
-
-    /// The rows of tables one after the other.
-    pub fn joined(tables: &[Self]) -> Self {
-        let mut joined = Self::default();
-        for table in tables {
-            let start = joined.entries.len() as u32;
-            joined.entries.extend_from_slice(&table.entries);
-            joined.offsets.extend(table.offsets[1..].iter().map(|offset| start + offset));
-        }
-        joined
-    }
-
-    /// Number of rows.
-    pub fn len(&self) -> usize {
-        self.offsets.len() - 1
-    }
-
-    /// Whether there is no row.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    /// The sources and weights of a row.
-    #[inline]
-    pub fn at(&self, row: usize) -> &[(I, f32)] {
-        &self.entries[self.offsets[row] as usize..self.offsets[row + 1] as usize]
-    }
-}
-
-impl<I: crate::mesh::Id> Stencils for &Table<I> {
-    type Source = I;
-
-    fn rows(&self) -> usize {
-        self.len()
-    }
-
-    fn row(&self, row: usize, sink: &mut impl FnMut(I, f32)) {
-        self.at(row).iter().for_each(|&(source, weight)| sink(source, weight));
-    }
-}
 
 /// The child of an operator.
 #[derive(Clone, Debug)]

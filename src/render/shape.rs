@@ -217,7 +217,7 @@ impl Formed {
             flat[held.vertex] += step;
         }
         let kin = Kin {
-            child: self.cage.level(),
+            child: &self.cage,
             parent: &self.parent,
             parent_points: &ground.parent,
             derivation: &self.shape.derivation,

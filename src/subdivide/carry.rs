@@ -1,16 +1,14 @@
 //! A garment with all its attributes through one derivation.
 
 use super::stencil::Stencils;
-use super::{Channel, ChannelChild, INFINITE_SHARPNESS, Level, Numbering, refined_sharpness, split};
 use crate::garment::joints::{self, Influences};
 use crate::garment::{
-    Corner, Crease, Elements, Family, FamilyType, Garment, Interpolation, Mixing, Primvar, Scheme, Subset, Values,
+    Corner, Crease, Elements, Family, FamilyType, Garment, Interpolation, Mixing, Primvar, Subset, Values,
 };
 use crate::mesh::{CornerId, EdgeId, FaceId, Faces, IdVec, Topology, ValueId, VertexId};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
-use std::sync::OnceLock;
 
 /// Where each element of a child mesh comes from. All that is attached to a mesh is carried by this alone, whether the
 /// child is a refinement or what an operator made.
@@ -43,116 +41,6 @@ pub trait Lineage: Sync {
     fn face_varying(&self, garment: &Garment, place: usize) -> Primvar;
 }
 
-/// A refinement as a lineage.
-pub struct Refinement<'a> {
-    level: &'a Level,
-    faces: Faces,
-    /// The channel of each primvar that has one.
-    channels: Vec<Option<RefinedChannel<'a>>>,
-}
-
-/// A channel's refinement, and the rows of the parent's values where they are in another order.
-struct RefinedChannel<'a> {
-    child: ChannelChild<'a>,
-    rows: Option<&'a [u32]>,
-}
-
-impl<'a> Refinement<'a> {
-    fn new(level: &'a Level, channels: &'a [Option<PrimvarChannel>]) -> Self {
-        let refined = |c: &'a PrimvarChannel| RefinedChannel {
-            child: ChannelChild::new(level, &c.channel),
-            rows: c.rows.as_deref(),
-        };
-        let all = || channels.par_iter().map(|c| c.as_ref().map(refined)).collect();
-        let (faces, channels) = rayon::join(|| split::child_faces(level), all);
-        Self { level, faces, channels }
-    }
-
-    fn is_loop(&self) -> bool {
-        self.level.scheme == Scheme::Loop
-    }
-}
-
-impl Lineage for Refinement<'_> {
-    const EDGES_ARE_OWN: bool = true;
-
-    fn parent(&self) -> &Topology {
-        &self.level.topology
-    }
-
-    fn faces(&self) -> &Faces {
-        &self.faces
-    }
-
-    #[inline]
-    fn parent_face(&self, child: FaceId) -> FaceId {
-        Numbering::new(self.level).parent_face(&self.level.topology.faces, child)
-    }
-
-    #[inline]
-    fn child_faces(&self, parent: FaceId) -> impl Iterator<Item = FaceId> {
-        Numbering::new(self.level).of_face_within(&self.level.topology.faces, parent)
-    }
-
-    #[inline]
-    fn parent_corner(&self, corner: CornerId) -> CornerId {
-        let child = self.faces.face_of(corner);
-        if !self.is_loop() {
-            // A child quad belongs to one corner of its parent.
-            return CornerId::new(child.index());
-        }
-        let (parent, step) = (self.level.topology.faces.range(self.parent_face(child)).start, child.index() % 4);
-        CornerId::new(parent + if step < 3 { step } else { corner.index() % 3 })
-    }
-
-    fn child_vertex(&self, vertex: VertexId) -> VertexId {
-        Numbering::new(self.level).of_vertex(vertex)
-    }
-
-    fn child_edges(&self, edge: EdgeId, children: &mut Vec<[VertexId; 2]>) {
-        let numbering = Numbering::new(self.level);
-        let ([a, b], middle) = (self.level.topology.edges[edge], numbering.of_edge(edge));
-        children.extend([[numbering.of_vertex(a), middle], [middle, numbering.of_vertex(b)]]);
-    }
-
-    fn remaining(&self, sharpness: f32) -> f32 {
-        refined_sharpness(sharpness)
-    }
-
-    fn vertex(&self) -> impl Stencils<Source = VertexId> {
-        self.level.vertex_stencils()
-    }
-
-    fn varying(&self) -> impl Stencils<Source = VertexId> {
-        self.level.varying_stencils()
-    }
-
-    fn face_varying(&self, garment: &Garment, place: usize) -> Primvar {
-        let primvar = &garment.primvars[place];
-        match &self.channels[place] {
-            Some(channel) => mixed_channel(&channel.child, channel.child.corner_values(), channel.rows, primvar),
-            None => primvar.clone(),
-        }
-    }
-}
-
-/// The channel of a face-varying primvar.
-#[derive(Clone)]
-struct PrimvarChannel {
-    channel: Channel,
-    /// The row of each value, where they are not the primvar's rows in their order.
-    rows: Option<Vec<u32>>,
-}
-
-impl PrimvarChannel {
-    fn new(garment: &Garment, level: &Level, primvar: &Primvar) -> Self {
-        let rows = primvar.corner_rows(&garment.faces, garment.points.len());
-        let rules = garment.rules;
-        let (channel, rows) = Channel::base(level, |c| rows[c] as usize, rules.face_varying, rules.boundary);
-        Self { channel, rows: Some(rows) }
-    }
-}
-
 /// A face-varying primvar from the rows of its parent's values, if they have an order of their own, and the value of
 /// each child corner.
 pub fn mixed_channel<S: Stencils<Source = ValueId>>(
@@ -167,115 +55,6 @@ pub fn mixed_channel<S: Stencils<Source = ValueId>>(
     Primvar { values: mixed(stencils, source, primvar), indices: Some(indices), ..primvar.headed() }
 }
 
-/// A garment on its way through derivations. Its joint influences are kept whole until the end, so that they are pruned
-/// to `elementSize` only once.
-#[derive(Clone)]
-pub struct Cage {
-    garment: Garment,
-    level: Level,
-    influences: Option<Vec<Influences>>,
-    /// The channel of each primvar that has one, once they are needed.
-    channels: OnceLock<Vec<Option<PrimvarChannel>>>,
-}
-
-impl Cage {
-    /// The cage of a garment.
-    pub fn new(garment: Garment) -> Self {
-        let influences = joints::pair(&garment).map(|(indices, weights)| joints::influences(indices, weights));
-        Self { level: Level::base(&garment), garment, influences, channels: OnceLock::new() }
-    }
-
-    fn channels(&self) -> &[Option<PrimvarChannel>] {
-        let channel = |p: &Primvar| is_channel(p).then(|| PrimvarChannel::new(&self.garment, &self.level, p));
-        self.channels.get_or_init(|| self.garment.primvars.iter().map(channel).collect())
-    }
-
-    /// The garment as it is so far: its skinning and its directions are not yet what [`Cage::into_garment`] gives.
-    pub fn garment(&self) -> &Garment {
-        &self.garment
-    }
-
-    /// The cage's connectivity and rules.
-    pub fn level(&self) -> &Level {
-        &self.level
-    }
-
-    /// The cage refined once, with every attribute. Its points are not: they are zero, and go by
-    /// [`Cage::refined_points`].
-    pub fn refined(&self) -> Self {
-        let refinement = Refinement::new(&self.level, self.channels());
-        let faces = refinement.faces.clone();
-        let carry = || carry(&self.garment, self.influences.as_deref(), &refinement);
-        let ((garment, influences), level) = rayon::join(carry, || split::child_level(&self.level, faces));
-        // Values of a refined channel are in the order of the primvar's rows.
-        let channel = |c: RefinedChannel| PrimvarChannel { channel: c.child.into_channel(&level), rows: None };
-        let channels: Vec<_> = refinement.channels.into_par_iter().map(|c| c.map(channel)).collect();
-        Self { garment, level, influences, channels: channels.into() }
-    }
-
-    /// The points of the refined cage, where this one's are `points`.
-    pub fn refined_points(&self, points: &IdVec<VertexId, Vec3>) -> IdVec<VertexId, Vec3> {
-        carried_points(&self.level.vertex_stencils(), points)
-    }
-
-    /// The cage that an operator makes of it, with every attribute.
-    ///
-    /// `corners` and `creases` of the child become infinitely sharp.
-    pub fn derived(&self, lineage: &impl Lineage, corners: &[VertexId], creases: &[[VertexId; 2]]) -> Self {
-        let carry = Carry::new(&self.garment, lineage);
-        let mut garment = carry.frame(carried_points(&lineage.vertex(), &self.garment.points));
-        let mut sharp: BTreeSet<VertexId> = garment.corners.iter().map(|c| c.vertex).collect();
-        let new = corners.iter().filter(|&&v| sharp.insert(v));
-        garment.corners.extend(new.map(|&vertex| Corner { vertex, sharpness: INFINITE_SHARPNESS }));
-        let crease = |ends: &[VertexId; 2]| Crease { vertices: ends.to_vec(), sharpnesses: vec![INFINITE_SHARPNESS] };
-        garment.creases.extend(creases.iter().map(crease));
-        let attributes = || carry.attributes(self.influences.as_deref());
-        let ((primvars, influences), level) = rayon::join(attributes, || Level::base(&garment));
-        Self { level, garment: Garment { primvars: primvars.into(), ..garment }, influences, channels: OnceLock::new() }
-    }
-
-    /// The cage with more subsets, which later derivations carry too.
-    #[must_use]
-    pub fn with_subsets(mut self, subsets: impl IntoIterator<Item = Subset>) -> Self {
-        self.garment.subsets.extend(subsets);
-        self
-    }
-
-    /// The cage with other points.
-    #[must_use]
-    pub fn with_points(mut self, points: IdVec<VertexId, Vec3>) -> Self {
-        self.garment.points = points;
-        self
-    }
-
-    /// The garment of the cage refined once, without its points as in [`Cage::refined`]: the last step, which needs no
-    /// connectivity of what it makes.
-    pub fn refined_garment(&self) -> Garment {
-        let refinement = Refinement::new(&self.level, self.channels());
-        let (garment, influences) = carry(&self.garment, self.influences.as_deref(), &refinement);
-        Self::completed(garment, influences.as_deref())
-    }
-
-    /// The garment, with its influences pruned and its directions of unit length.
-    pub fn into_garment(self) -> Garment {
-        Self::completed(self.garment, self.influences.as_deref())
-    }
-
-    fn completed(mut garment: Garment, influences: Option<&[Influences]>) -> Garment {
-        garment.primvars.iter_mut().for_each(to_unit_length);
-        let carried = match (joints::pair(&garment), influences) {
-            (Some((indices, weights)), Some(influences)) => joints::to_primvars(influences, indices, weights),
-            _ => return garment,
-        };
-        for primvar in carried {
-            if let Some(slot) = garment.primvars.iter_mut().find(|p| p.name == primvar.name) {
-                *slot = primvar;
-            }
-        }
-        garment
-    }
-}
-
 /// Points through stencils.
 pub fn carried_points<S: Stencils<Source = VertexId>>(
     stencils: &S,
@@ -286,7 +65,7 @@ pub fn carried_points<S: Stencils<Source = VertexId>>(
 }
 
 /// A garment through a lineage, but for its points.
-fn carry<L: Lineage>(
+pub(super) fn carry<L: Lineage>(
     garment: &Garment,
     influences: Option<&[Influences]>,
     lineage: &L,
@@ -298,7 +77,7 @@ fn carry<L: Lineage>(
 }
 
 /// Whether a primvar is carried as a face-varying channel.
-fn is_channel(primvar: &Primvar) -> bool {
+pub(super) fn is_channel(primvar: &Primvar) -> bool {
     primvar.interpolation == Interpolation::FaceVarying && primvar.is_mixed()
 }
 
@@ -313,18 +92,18 @@ fn carried_family(garment: &Garment, family: &Family) -> Family {
     Family { name: family.name.clone(), kind }
 }
 
-struct Carry<'a, L> {
+pub(super) struct Carry<'a, L> {
     garment: &'a Garment,
     lineage: &'a L,
 }
 
 impl<'a, L: Lineage> Carry<'a, L> {
-    fn new(garment: &'a Garment, lineage: &'a L) -> Self {
+    pub(super) fn new(garment: &'a Garment, lineage: &'a L) -> Self {
         Self { garment, lineage }
     }
 
     /// The child without its primvars.
-    fn frame(&self, points: IdVec<VertexId, Vec3>) -> Garment {
+    pub(super) fn frame(&self, points: IdVec<VertexId, Vec3>) -> Garment {
         let garment = self.garment;
         Garment {
             prim: garment.prim.clone(),
@@ -342,7 +121,7 @@ impl<'a, L: Lineage> Carry<'a, L> {
     }
 
     /// The child's primvars, and joint influences.
-    fn attributes(&self, influences: Option<&[Influences]>) -> (Vec<Primvar>, Option<Vec<Influences>>) {
+    pub(super) fn attributes(&self, influences: Option<&[Influences]>) -> (Vec<Primvar>, Option<Vec<Influences>>) {
         let carried = self.garment.primvars.par_iter().enumerate().map(|(place, primvar)| match primvar {
             p if is_channel(p) => self.lineage.face_varying(self.garment, place),
             p if joints::is_influence(self.garment, p) => p.clone(),

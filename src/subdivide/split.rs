@@ -97,8 +97,28 @@ fn turn(parent: &Faces, c: CornerId) -> usize {
     }
 }
 
+/// What the corners of the child quads take: `own` at a corner, `middle` on the edge after it, and `centre` in a face.
+pub fn child_quads_of<T: Copy + Send>(
+    parent: &Faces,
+    own: impl Fn(CornerId) -> T + Sync,
+    middle: impl Fn(CornerId) -> T + Sync,
+    centre: impl Fn(FaceId) -> T + Sync,
+) -> Vec<T> {
+    if parent.regular_valence() != Some(4) {
+        let quad = |c| [own(c), middle(c), centre(parent.face_of(c)), middle(parent.prev(c))];
+        return child_corners(parent, quad);
+    }
+    let quads = |face: usize| {
+        let corners = [0, 1, 2, 3].map(|k| CornerId::new(4 * face + k));
+        let ([a, b, c, d], [ab, bc, cd, da], e) = (corners.map(&own), corners.map(&middle), centre(FaceId::new(face)));
+        [[a, ab, e, da], [ab, b, bc, e], [e, bc, c, cd], [da, e, cd, d]]
+    };
+    let faces = (0..parent.len()).into_par_iter().with_min_len(CORNERS_PER_TASK / 4);
+    faces.map(quads).collect::<Vec<[[T; 4]; 4]>>().into_flattened().into_flattened()
+}
+
 /// What the corners of the child quads take, where `around` gives it for the quad of a corner, from step 0 on.
-pub fn child_corners<T: Copy + Send>(parent: &Faces, around: impl Fn(CornerId) -> [T; 4] + Sync) -> Vec<T> {
+fn child_corners<T: Copy + Send>(parent: &Faces, around: impl Fn(CornerId) -> [T; 4] + Sync) -> Vec<T> {
     let quad = |corner: usize| {
         let corner = CornerId::new(corner);
         let [a, b, c, d] = around(corner);
@@ -121,14 +141,8 @@ pub fn child_faces(parent: &Level) -> Faces {
 fn child_quads(parent: &Level) -> Faces {
     let numbering = Numbering::new(parent);
     let t = &parent.topology;
-    Faces::quads(child_corners(&t.faces, |corner| {
-        [
-            t.faces.vertex(corner),
-            numbering.of_edge(t.corner_edge[corner]),
-            numbering.of_face(t.faces.face_of(corner)),
-            numbering.of_edge(t.corner_edge[t.faces.prev(corner)]),
-        ]
-    }))
+    let middle = |corner| numbering.of_edge(t.corner_edge[corner]);
+    Faces::quads(child_quads_of(&t.faces, |corner| t.faces.vertex(corner), middle, |face| numbering.of_face(face)))
 }
 
 fn child_triangles(parent: &Level) -> Faces {

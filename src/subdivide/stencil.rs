@@ -8,7 +8,7 @@ const ROWS_PER_TASK: usize = 4096;
 
 /// For each child value the parent values that it is a weighted sum of.
 ///
-/// A row is computed when it is asked for: the masks of a regular mesh cost less than reading them from a table.
+/// A row may be computed when it is asked for: the masks of a regular mesh cost less than reading them from a table.
 pub trait Stencils: Sync {
     /// What the parent values belong to.
     type Source: Id;
@@ -95,6 +95,105 @@ pub trait Stencils: Sync {
     fn heaviest(&self, row: usize) -> Option<Self::Source> {
         let heavier = |a: &(Self::Source, f32), b: &(Self::Source, f32)| b.1 > a.1 || b.1 == a.1 && b.0 < a.0;
         self.merged(row).into_iter().reduce(|a, b| if heavier(&a, &b) { b } else { a }).map(|(s, _)| s)
+    }
+}
+
+/// Weighted sums, one row for each child value.
+#[derive(Clone, Debug)]
+pub struct Table<I> {
+    offsets: Vec<u32>,
+    entries: Vec<(I, f32)>,
+}
+
+/// A table of no rows.
+impl<I> Default for Table<I> {
+    fn default() -> Self {
+        Self { offsets: vec![0], entries: Vec::new() }
+    }
+}
+
+impl<I: Copy> Table<I> {
+    /// Adds a row.
+    pub fn push(&mut self, row: impl IntoIterator<Item = (I, f32)>) {
+        self.entries.extend(row);
+        self.offsets.push(self.entries.len() as u32);
+    }
+
+    /// Adds to the weight of a source in the last row, and returns the place of its entry. `place` is where it may be.
+    pub fn add(&mut self, source: I, weight: f32, place: u32) -> u32
+    where
+        I: PartialEq,
+    {
+        let start = self.offsets.len().checked_sub(2).map_or(0, |last| self.offsets[last]);
+        match self.entries.get_mut(place as usize) {
+            Some((known, sum)) if place >= start && *known == source => {
+                *sum += weight;
+                place
+            }
+            _ => {
+                self.entries.push((source, weight));
+                let end = self.entries.len() as u32;
+                if let Some(last) = self.offsets.last_mut() {
+                    *last = end;
+                }
+                end - 1
+            }
+        }
+    }
+
+    /// The rows of stencils, to be used many times.
+    pub fn of(stencils: &impl Stencils<Source = I>) -> Self
+    where
+        I: Id,
+    {
+        let add = |mut table: Self, row| {
+            stencils.row(row, &mut |source, weight| table.entries.push((source, weight)));
+            table.push([]);
+            table
+        };
+        let rows = (0..stencils.rows()).into_par_iter();
+        Self::joined(&rows.fold_chunks(ROWS_PER_TASK, Self::default, add).collect::<Vec<_>>())
+    }
+
+    /// The rows of tables one after the other.
+    pub fn joined(tables: &[Self]) -> Self {
+        let mut joined = Self::default();
+        joined.entries.reserve(tables.iter().map(|table| table.entries.len()).sum());
+        joined.offsets.reserve(tables.iter().map(Self::len).sum());
+        for table in tables {
+            let start = joined.entries.len() as u32;
+            joined.entries.extend_from_slice(&table.entries);
+            joined.offsets.extend(table.offsets[1..].iter().map(|offset| start + offset));
+        }
+        joined
+    }
+
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.offsets.len() - 1
+    }
+
+    /// Whether there is no row.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The sources and weights of a row.
+    #[inline]
+    pub fn at(&self, row: usize) -> &[(I, f32)] {
+        &self.entries[self.offsets[row] as usize..self.offsets[row + 1] as usize]
+    }
+}
+
+impl<I: Id> Stencils for &Table<I> {
+    type Source = I;
+
+    fn rows(&self) -> usize {
+        self.len()
+    }
+
+    fn row(&self, row: usize, sink: &mut impl FnMut(I, f32)) {
+        self.at(row).iter().for_each(|&(source, weight)| sink(source, weight));
     }
 }
 

@@ -11,8 +11,9 @@ pub use skin::Skin;
 
 use super::derivation::Derivation;
 use crate::mesh::{FaceId, IdVec, VertexId};
-use crate::subdivide::{Level, Lineage};
+use crate::subdivide::{Cage, Level, Lineage};
 use glam::Vec3;
+use rayon::prelude::*;
 
 /// Part of a height that is left in any case.
 pub const LEAST_SHARE: f32 = 0.1;
@@ -38,8 +39,8 @@ pub struct States<'a> {
 
 /// A child and its parent, whose points are known.
 pub struct Kin<'a> {
-    /// The child's connectivity and rules.
-    pub child: &'a Level,
+    /// The child; its points are not read.
+    pub child: &'a Cage,
     /// The parent's.
     pub parent: &'a Level,
     /// The parent's points.
@@ -69,7 +70,7 @@ pub fn sound(kin: &Kin, states: &States) -> Sound {
     let mut steps: IdVec<VertexId, u8> = IdVec::filled(0, states.raised.len());
     let mut points = states.raised.clone();
     let mut skin = Skin::new(kin.child, &points);
-    let normals = linear_normals(kin.child, states.linear);
+    let normals = linear_normals(kin.child.level(), states.linear);
     let is_active =
         |f: FaceId| kin.moved[f] && (kin.doubtful[f] || skin.is_bent(f) || skin.normal(f).dot(normals[f]) < ONE_WAY);
     let mut is_active: IdVec<FaceId, bool> = kin.moved.ids().map(is_active).collect();
@@ -93,7 +94,7 @@ pub fn sound(kin: &Kin, states: &States) -> Sound {
             let flat = states.flat[vertex].lerp(states.raised[vertex], height);
             points[vertex] = states.linear[vertex].lerp(flat, fit);
         }
-        is_active = reached(kin.child, &changed);
+        is_active = reached(kin.child.level(), &changed);
         active = is_active.ids().filter(|&f| is_active[f]).collect();
         skin.update(&points, &active);
     }
@@ -110,7 +111,7 @@ fn linear_normals(level: &Level, points: &IdVec<VertexId, Vec3>) -> IdVec<FaceId
         let longest = vertices.iter().map(|&v| at(v).length_squared()).fold(0.0, f32::max);
         if area.length() > 1e-3 * longest { area.normalize() } else { Vec3::ZERO }
     };
-    faces.ids().map(normal).collect()
+    (0..faces.len()).into_par_iter().map(|face| normal(FaceId::new(face))).collect::<Vec<_>>().into()
 }
 
 /// Faces that cross others or are turned over, and did not before.
@@ -141,9 +142,9 @@ fn faults(
 /// Takes a step back at the vertices of `faults`, and as many at their neighbours as keep the change even; returns the
 /// vertices that took one.
 fn step_on(kin: &Kin, steps: &mut IdVec<VertexId, u8>, faults: &[FaceId]) -> Vec<VertexId> {
-    let faces = &kin.child.topology.faces;
+    let t = &kin.child.level().topology;
     let last = STEPS.len() as u8 - 1;
-    let mut marked: Vec<VertexId> = faults.iter().flat_map(|&f| faces.vertices_of(f)).copied().collect();
+    let mut marked: Vec<VertexId> = faults.iter().flat_map(|&f| t.faces.vertices_of(f)).copied().collect();
     marked.sort_unstable();
     marked.dedup();
     marked.retain(|&v| steps[v] < last);
@@ -154,8 +155,8 @@ fn step_on(kin: &Kin, steps: &mut IdVec<VertexId, u8>, faults: &[FaceId]) -> Vec
         let mut next: Vec<VertexId> = Vec::new();
         for &vertex in &front {
             let least = steps[vertex].saturating_sub(SLACK);
-            for face in kin.child.topology.faces_at(vertex) {
-                for &other in faces.vertices_of(face) {
+            for face in t.faces_at(vertex) {
+                for &other in t.faces.vertices_of(face) {
                     if steps[other] < least {
                         steps[other] = least;
                         next.push(other);

@@ -5,7 +5,7 @@
 
 use super::tree::{Bounds, Tree};
 use crate::mesh::{CornerId, FaceId, IdVec, VertexId};
-use crate::subdivide::{Level, Numbering, Stencils, carried_points};
+use crate::subdivide::{Cage, Level, Numbering, Stencils, VertexRows};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -43,9 +43,13 @@ struct Part {
     patches: Vec<Patch>,
 }
 
+/// A child by its face and its number there, and its quad.
+type Child<'a> = (FaceId, usize, &'a [Vec3; 4]);
+
 /// A cage's first refinement, stored face by face, so that a pair of faces is two pieces of memory.
 pub struct Skin<'a> {
     pub(super) level: &'a Level,
+    rows: VertexRows<'a>,
     numbering: Numbering,
     refined: IdVec<VertexId, Vec3>,
     /// The children's points: of each face corners and middles of edges by turns, then the centre.
@@ -59,11 +63,13 @@ pub struct Skin<'a> {
 
 impl<'a> Skin<'a> {
     /// The skin of a cage with the given points.
-    pub fn new(level: &'a Level, points: &IdVec<VertexId, Vec3>) -> Self {
+    pub fn new(cage: &'a Cage, points: &IdVec<VertexId, Vec3>) -> Self {
+        let level = cage.level();
         let mut skin = Self {
             level,
+            rows: cage.vertex_rows(),
             numbering: Numbering::new(level),
-            refined: carried_points(&level.vertex_stencils(), points),
+            refined: cage.refined_points(points),
             samples: Vec::new(),
             normals: IdVec::default(),
             boxes: IdVec::default(),
@@ -105,6 +111,7 @@ impl<'a> Skin<'a> {
         let numbering = Numbering::new(level);
         let mut skin = Self {
             level,
+            rows: VertexRows::Masks(level.vertex_stencils()),
             numbering,
             refined: IdVec::filled(Vec3::ZERO, numbering.vertices()),
             samples: vec![Vec3::ZERO; 2 * all.corners().len() + all.len()],
@@ -121,10 +128,9 @@ impl<'a> Skin<'a> {
     pub fn update(&mut self, points: &IdVec<VertexId, Vec3>, faces: &[FaceId]) {
         let mut is_moved = IdVec::filled(false, self.refined.len());
         faces.iter().flat_map(|&f| self.vertices(f)).for_each(|child| is_moved[child] = true);
-        let stencils = self.level.vertex_stencils();
         for child in is_moved.ids().filter(|&child| is_moved[child]) {
             let mut place = Vec3::ZERO;
-            stencils.row(child.index(), &mut |v, w| place += w * points[v]);
+            self.rows.row(child.index(), &mut |v, w| place += w * points[v]);
             self.refined[child] = place;
         }
         let parts: Vec<Part> = faces.par_chunks(SMALL_BLOCK).map(|faces| self.part(faces.iter().copied())).collect();
@@ -225,7 +231,12 @@ impl<'a> Skin<'a> {
     /// Whether two faces have a vertex in common.
     pub(super) fn touch(&self, f: FaceId, g: FaceId) -> bool {
         let faces = &self.level.topology.faces;
-        faces.vertices_of(f).iter().any(|v| faces.vertices_of(g).contains(v))
+        let (a, b) = (faces.vertices_of(f), faces.vertices_of(g));
+        if let (Ok(a), Ok(b)) = (<&[VertexId; 4]>::try_from(a), <&[VertexId; 4]>::try_from(b)) {
+            // All at once is faster than to stop at the first.
+            return a.iter().fold(false, |any, v| b.iter().fold(any, |any, w| any | (v == w)));
+        }
+        a.iter().any(|v| b.contains(v))
     }
 
     fn is_one_sided(&self, f: FaceId, g: FaceId) -> bool {
@@ -237,49 +248,59 @@ impl<'a> Skin<'a> {
 
     /// Whether a plane across the normal of `f` parts two faces.
     fn is_apart(&self, f: FaceId, g: FaceId) -> bool {
-        let patch = &self.patches[f];
-        are_apart(patch.heights, heights(self.samples(g), patch.normal))
+        let Patch { normal, heights: (low, high), .. } = self.patches[f];
+        let mut heights = self.samples(g).iter().map(|p| p.dot(normal));
+        // All on the side of the first one.
+        match heights.next() {
+            Some(first) if first > high => heights.all(|h| h > high),
+            Some(first) if first < low => heights.all(|h| h < low),
+            _ => false,
+        }
     }
 
     /// `joined` tells whether they may have vertices in common.
     fn children_cross(&self, f: FaceId, g: FaceId, joined: bool) -> bool {
-        for (i, quad) in quads(self.samples(f)).enumerate() {
-            let bounds = Bounds::of(&quad);
-            if !bounds.meets(&self.boxes[g]) {
-                continue;
-            }
-            let (a, first) = (quad.map(|p| p.as_dvec3()), self.cuts(f, i));
-            for (j, b) in quads(self.samples(g)).enumerate() {
-                // A child's own two triangles have an edge in common.
-                if (f == g && j <= i) || !bounds.meets(&Bounds::of(&b)) {
-                    continue;
-                }
-                let looks = [self.normals(f)[i], self.normals(g)[j]];
-                if looks.iter().any(|&axis| are_apart(heights(&quad, axis), heights(&b, axis))) {
-                    continue;
-                }
-                let (b, second) = (b.map(|p| p.as_dvec3()), self.cuts(g, j));
-                let pierces = |x: &[usize; 3], y: &[usize; 3]| {
-                    pierce(&x.map(|k| a[k]), &y.map(|k| b[k])) && !(joined && self.are_joined((f, i, x), (g, j, y)))
-                };
-                if first.iter().any(|x| second.iter().any(|y| pierces(x, y))) {
-                    return true;
-                }
-            }
+        let near = |face: FaceId, other: FaceId| {
+            let children = quads(self.samples(face)).enumerate().map(|(i, quad)| (i, quad, Bounds::of(&quad)));
+            children.filter(move |(_, _, bounds)| bounds.meets(&self.boxes[other]))
+        };
+        let of_g: Vec<(usize, [Vec3; 4], Bounds)> = near(g, f).collect();
+        if of_g.is_empty() {
+            return false;
         }
-        false
+        near(f, g).any(|(i, a, bounds)| {
+            // A child's own two triangles have an edge in common.
+            let others = of_g.iter().filter(|(j, _, its)| (f != g || *j > i) && bounds.meets(its));
+            others.into_iter().any(|(j, b, _)| {
+                let mut looks = [self.normals(f)[i], self.normals(g)[*j]].into_iter();
+                let are_apart = looks.any(|axis| are_apart(heights(&a, axis), heights(b, axis)));
+                !are_apart && self.triangles_cross((f, i, &a), (g, *j, b), joined)
+            })
+        })
+    }
+
+    /// Whether the triangles of two children cross, given with their faces and quads.
+    fn triangles_cross(&self, (f, i, a): Child, (g, j, b): Child, joined: bool) -> bool {
+        // Triangles that have a vertex in common do not count.
+        let same = if joined {
+            {
+                let (a, b) = (self.quad_vertices(f, i), self.quad_vertices(g, j));
+                a.map(|v| b.map(|w| v == w))
+            }
+        } else {
+            [[false; 4]; 4]
+        };
+        let are_joined = |x: &[usize; 3], y: &[usize; 3]| x.iter().any(|&k| y.iter().any(|&l| same[k][l]));
+        let (first, second) = (self.cuts(f, i), self.cuts(g, j));
+        let (a, b) = (a.map(|p| p.as_dvec3()), b.map(|p| p.as_dvec3()));
+        let pierces = |x: &[usize; 3], y: &[usize; 3]| !are_joined(x, y) && pierce(&x.map(|k| a[k]), &y.map(|k| b[k]));
+        first.iter().any(|x| second.iter().any(|y| pierces(x, y)))
     }
 
     /// The two triangles of a child, by places in its quad, cut as the refined mesh has it.
     fn cuts(&self, face: FaceId, child: usize) -> [[usize; 3]; 2] {
         let is_odd = self.level.topology.faces.valence(face) == 4 && child % 2 == 1;
         if is_odd { [[1, 2, 3], [1, 3, 0]] } else { [[0, 1, 2], [0, 2, 3]] }
-    }
-
-    /// Whether triangles of children have a vertex in common.
-    fn are_joined(&self, (f, i, x): (FaceId, usize, &[usize; 3]), (g, j, y): (FaceId, usize, &[usize; 3])) -> bool {
-        let (a, b) = (self.quad_vertices(f, i), self.quad_vertices(g, j));
-        x.iter().any(|&k| y.iter().any(|&l| a[k] == b[l]))
     }
 
     /// The vertices of a child, in the order of its quad.
@@ -324,7 +345,9 @@ fn measured(samples: &[Vec3], normals: &[Vec3]) -> (Bounds, Patch) {
 /// The range of points along an axis.
 #[inline]
 pub(super) fn heights(points: &[Vec3], axis: Vec3) -> (f32, f32) {
-    points.iter().map(|p| p.dot(axis)).fold((f32::MAX, f32::MIN), |(low, high), h| (low.min(h), high.max(h)))
+    // Comparisons are single instructions, where `f32::min` must see to what is not a number in either.
+    let add = |(low, high), h| (if h < low { h } else { low }, if h > high { h } else { high });
+    points.iter().map(|p| p.dot(axis)).fold((f32::MAX, f32::MIN), add)
 }
 
 fn are_apart((a, b): (f32, f32), (c, d): (f32, f32)) -> bool {

@@ -5,13 +5,15 @@ use crate::garment::Scheme;
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, ValueId};
 use crate::subdivide::level::{self, INFINITE_SHARPNESS, Level};
 use crate::subdivide::masks;
-use crate::subdivide::split::{Numbering, child_corner, child_corners};
+use crate::subdivide::regular::Quads;
+use crate::subdivide::split::{Numbering, child_corner, child_quads_of};
 use crate::subdivide::stencil::Stencils;
 
 /// The refinement of one channel.
 pub struct ChannelChild<'a> {
     level: &'a Level,
     parent: &'a Channel,
+    quads: Option<Quads<'a, ValueId>>,
     values: Values,
     corner_values: IdVec<CornerId, ValueId>,
     tags: IdVec<ValueId, Tag>,
@@ -23,7 +25,25 @@ impl<'a> ChannelChild<'a> {
         let values = Values::new(parent, level);
         let (corner_values, tags) =
             rayon::join(|| values.corner_values(parent, level), || parent.child_tags(level, &values));
-        Self { level, parent, values, corner_values, tags }
+        let quads = if parent.is_linear(level) { None } else { Quads::new(level, &parent.corner_value) };
+        Self { level, parent, quads, values, corner_values, tags }
+    }
+
+    /// The row of a mesh of quads; whether it is one of the smooth ones.
+    #[inline(always)]
+    fn regular_row(&self, quads: &Quads<ValueId>, row: usize, sink: &mut impl FnMut(ValueId, f32)) -> bool {
+        let (own, faces, t) = (self.parent.len(), self.values.faces, &self.level.topology);
+        if row >= own && row < own + faces {
+            quads.face(FaceId::new(row - own), sink);
+            return true;
+        }
+        if self.tags[ValueId::new(row)] != Tag::Match {
+            return false;
+        }
+        if row < own {
+            return quads.vertex(t.faces.vertex(self.parent.value_corner[ValueId::new(row)]), sink);
+        }
+        quads.edge(t.corner_edge[self.values.halves[row - own - faces]], sink)
     }
 
     /// The value of each child corner.
@@ -57,6 +77,9 @@ impl Stencils for ChannelChild<'_> {
 
     #[inline(always)]
     fn row(&self, row: usize, sink: &mut impl FnMut(ValueId, f32)) {
+        if self.quads.is_some_and(|quads| self.regular_row(&quads, row, sink)) {
+            return;
+        }
         let (parent, level) = (self.parent, self.level);
         let mut sink = |corner: CornerId, weight: f32| sink(parent.corner_value[corner], weight);
         let own = parent.len();
@@ -251,15 +274,8 @@ impl Values {
     }
 
     fn quad_values(&self, channel: &Channel, t: &Topology) -> IdVec<CornerId, ValueId> {
-        let values = child_corners(&t.faces, |c| {
-            [
-                channel.corner_value[c],
-                self.middle(channel, t, c),
-                ValueId::new(self.own + t.faces.face_of(c).index()),
-                self.middle(channel, t, t.faces.prev(c)),
-            ]
-        });
-        values.into()
+        let centre = |face: FaceId| ValueId::new(self.own + face.index());
+        child_quads_of(&t.faces, |c| channel.corner_value[c], |c| self.middle(channel, t, c), centre).into()
     }
 
     fn triangle_values(&self, channel: &Channel, t: &Topology) -> IdVec<CornerId, ValueId> {
