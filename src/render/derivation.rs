@@ -179,8 +179,8 @@ impl Lineage for Derivation {
     fn face_varying(&self, garment: &Garment, place: usize) -> Primvar {
         let primvar = &garment.primvars[place];
         let rows = primvar.corner_rows(&garment.faces, garment.points.len());
-        let (stencils, corner_values) = self.channel(&rows);
-        mixed_channel(&&stencils, &corner_values, None, primvar)
+        let (stencils, indices) = self.channel(&rows);
+        mixed_channel(&&stencils, indices, None, primvar)
     }
 }
 
@@ -199,7 +199,7 @@ struct Shared {
 impl Derivation {
     /// The values of a face-varying channel whose parent corners take `rows`, and the value of each child corner. Corners
     /// of a vertex share a value where it is the same sum.
-    fn channel(&self, rows: &IdVec<CornerId, u32>) -> (Table<ValueId>, IdVec<CornerId, ValueId>) {
+    fn channel(&self, rows: &IdVec<CornerId, u32>) -> (Table<ValueId>, Vec<u32>) {
         let corners = self.faces.corners();
         let by_vertex = corners.enumerated().map(|(c, &v)| (v, c));
         let by_vertex = Csr::group(self.vertices.len(), by_vertex, CornerId::new(0));
@@ -210,10 +210,10 @@ impl Derivation {
         };
         let (sums, of_corners): (Vec<_>, Vec<_>) =
             vertices.fold_chunks(BLOCK, Shared::default, add).map(|s| (s.sums, s.corners)).unzip();
-        let mut corner_values = IdVec::filled(ValueId::new(0), corners.len());
+        let mut corner_values = vec![0; corners.len()];
         let mut first = 0;
         for (sums, of_corners) in sums.iter().zip(of_corners) {
-            of_corners.into_iter().for_each(|(c, row)| corner_values[c] = ValueId::new(first + row));
+            of_corners.into_iter().for_each(|(c, row)| corner_values[c.index()] = (first + row) as u32);
             first += sums.len();
         }
         (Table::joined(&sums), corner_values)

@@ -9,7 +9,7 @@ use crate::mesh::{CornerId, EdgeId, FaceId, Faces, IdVec, Topology, VertexId};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// A refinement as a lineage.
 pub struct Refinement<'a> {
@@ -98,7 +98,7 @@ impl Lineage for Refinement<'_> {
     fn face_varying(&self, garment: &Garment, place: usize) -> Primvar {
         let primvar = &garment.primvars[place];
         match &self.channels[place] {
-            Some(channel) => mixed_channel(&channel.child, channel.child.corner_values(), channel.rows, primvar),
+            Some(channel) => mixed_channel(&channel.child, channel.child.indices(), channel.rows, primvar),
             None => primvar.clone(),
         }
     }
@@ -126,12 +126,12 @@ impl PrimvarChannel {
 #[derive(Clone)]
 pub struct Cage {
     garment: Garment,
-    level: Level,
+    level: Arc<Level>,
     influences: Option<Vec<Influences>>,
     /// The channel of each primvar that has one, once they are needed.
     channels: OnceLock<Vec<Option<PrimvarChannel>>>,
     /// The masks of its vertices, once they are needed, where it costs more to compute them again.
-    rows: OnceLock<Table<VertexId>>,
+    rows: OnceLock<KeptRows>,
 }
 
 /// Child vertices from a cage's.
@@ -139,7 +139,34 @@ pub enum VertexRows<'a> {
     /// Computed when they are asked for.
     Masks(VertexStencils<'a>),
     /// Computed before.
-    Kept(&'a Table<VertexId>),
+    Kept(&'a KeptRows),
+}
+
+/// Rows that were computed before, so many to a table.
+#[derive(Clone)]
+pub struct KeptRows {
+    tables: Vec<Table<VertexId>>,
+    rows: usize,
+}
+
+/// Rows of a table.
+const BLOCK: usize = 4096;
+/// Sources of a row for which there is room at first.
+const SOURCES: usize = 12;
+
+impl KeptRows {
+    fn new(masks: &VertexStencils) -> Self {
+        let rows = masks.rows();
+        let table = |block: usize| {
+            let mut table = Table::with_capacity(BLOCK, SOURCES * BLOCK);
+            for row in block * BLOCK..rows.min((block + 1) * BLOCK) {
+                masks.row(row, &mut |vertex, weight| table.extend_row(vertex, weight));
+                table.push([]);
+            }
+            table
+        };
+        Self { tables: (0..rows.div_ceil(BLOCK)).into_par_iter().map(table).collect(), rows }
+    }
 }
 
 impl Stencils for VertexRows<'_> {
@@ -148,7 +175,7 @@ impl Stencils for VertexRows<'_> {
     fn rows(&self) -> usize {
         match self {
             Self::Masks(masks) => masks.rows(),
-            Self::Kept(table) => table.rows(),
+            Self::Kept(kept) => kept.rows,
         }
     }
 
@@ -156,7 +183,10 @@ impl Stencils for VertexRows<'_> {
     fn row(&self, row: usize, sink: &mut impl FnMut(VertexId, f32)) {
         match self {
             Self::Masks(masks) => masks.row(row, sink),
-            Self::Kept(table) => table.row(row, sink),
+            Self::Kept(kept) => {
+                let row = kept.tables[row / BLOCK].at(row % BLOCK);
+                row.iter().for_each(|&(vertex, weight)| sink(vertex, weight));
+            }
         }
     }
 }
@@ -165,7 +195,13 @@ impl Cage {
     /// The cage of a garment.
     pub fn new(garment: Garment) -> Self {
         let influences = joints::pair(&garment).map(|(indices, weights)| joints::influences(indices, weights));
-        Self { level: Level::base(&garment), garment, influences, channels: OnceLock::new(), rows: OnceLock::new() }
+        Self {
+            level: Arc::new(Level::base(&garment)),
+            garment,
+            influences,
+            channels: OnceLock::new(),
+            rows: OnceLock::new(),
+        }
     }
 
     fn channels(&self) -> &[Option<PrimvarChannel>] {
@@ -190,10 +226,16 @@ impl Cage {
         let faces = refinement.faces.clone();
         let carry = || carry(&self.garment, self.influences.as_deref(), &refinement);
         let ((garment, influences), level) = rayon::join(carry, || split::child_level(&self.level, faces));
+        let level = Arc::new(level);
         // Values of a refined channel are in the order of the primvar's rows.
         let channel = |c: RefinedChannel| PrimvarChannel { channel: c.child.into_channel(&level), rows: None };
         let channels: Vec<_> = refinement.channels.into_par_iter().map(|c| c.map(channel)).collect();
         Self { garment, level, influences, channels: channels.into(), rows: OnceLock::new() }
+    }
+
+    /// The same, to be kept.
+    pub fn shared_level(&self) -> Arc<Level> {
+        Arc::clone(&self.level)
     }
 
     /// The vertices of the refined cage from this one's.
@@ -202,7 +244,7 @@ impl Cage {
         if self.level.topology.faces.regular_valence().is_some() {
             return VertexRows::Masks(masks);
         }
-        VertexRows::Kept(self.rows.get_or_init(|| Table::of(&masks)))
+        VertexRows::Kept(self.rows.get_or_init(|| KeptRows::new(&masks)))
     }
 
     /// The points of the refined cage, where this one's are `points`.
@@ -224,7 +266,7 @@ impl Cage {
         let attributes = || carry.attributes(self.influences.as_deref());
         let ((primvars, influences), level) = rayon::join(attributes, || Level::base(&garment));
         Self {
-            level,
+            level: Arc::new(level),
             garment: Garment { primvars: primvars.into(), ..garment },
             influences,
             channels: OnceLock::new(),

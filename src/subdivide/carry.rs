@@ -42,16 +42,15 @@ pub trait Lineage: Sync {
 }
 
 /// A face-varying primvar from the rows of its parent's values, if they have an order of their own, and the value of
-/// each child corner.
+/// each child corner, by its number.
 pub fn mixed_channel<S: Stencils<Source = ValueId>>(
     stencils: &S,
-    corner_values: &IdVec<CornerId, ValueId>,
+    indices: Vec<u32>,
     rows: Option<&[u32]>,
     primvar: &Primvar,
 ) -> Primvar {
     let gathered = rows.map(|rows| primvar.values.gather(primvar.width(), rows.iter().map(|&r| r as usize)));
     let source = gathered.as_ref().unwrap_or(&primvar.values);
-    let indices = corner_values.iter().map(|v| v.index() as u32).collect();
     Primvar { values: mixed(stencils, source, primvar), indices: Some(indices), ..primvar.headed() }
 }
 

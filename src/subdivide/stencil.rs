@@ -119,6 +119,18 @@ impl<I: Copy> Table<I> {
         self.offsets.push(self.entries.len() as u32);
     }
 
+    /// A table with room for rows, and for sources of all of them.
+    pub fn with_capacity(rows: usize, sources: usize) -> Self {
+        let mut offsets = Vec::with_capacity(rows + 1);
+        offsets.push(0);
+        Self { offsets, entries: Vec::with_capacity(sources) }
+    }
+
+    /// Adds a source to the row that the next [`Table::push`] ends.
+    pub fn extend_row(&mut self, source: I, weight: f32) {
+        self.entries.push((source, weight));
+    }
+
     /// Adds to the weight of a source in the last row, and returns the place of its entry. `place` is where it may be.
     pub fn add(&mut self, source: I, weight: f32, place: u32) -> u32
     where
@@ -139,20 +151,6 @@ impl<I: Copy> Table<I> {
                 end - 1
             }
         }
-    }
-
-    /// The rows of stencils, to be used many times.
-    pub fn of(stencils: &impl Stencils<Source = I>) -> Self
-    where
-        I: Id,
-    {
-        let add = |mut table: Self, row| {
-            stencils.row(row, &mut |source, weight| table.entries.push((source, weight)));
-            table.push([]);
-            table
-        };
-        let rows = (0..stencils.rows()).into_par_iter();
-        Self::joined(&rows.fold_chunks(ROWS_PER_TASK, Self::default, add).collect::<Vec<_>>())
     }
 
     /// The rows of tables one after the other.

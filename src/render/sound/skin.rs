@@ -20,8 +20,6 @@ const TURNED: f32 = -0.2;
 
 /// Faces that are measured in one go.
 const BLOCK: usize = 512;
-/// The same where they are few.
-const SMALL_BLOCK: usize = 64;
 
 /// What the search for crossings needs of a face.
 #[derive(Clone, Copy, Default)]
@@ -32,15 +30,6 @@ struct Patch {
     spread: f32,
     /// Range along the normal.
     heights: (f32, f32),
-}
-
-/// What is known of some faces in a row.
-#[derive(Default)]
-struct Part {
-    samples: Vec<Vec3>,
-    normals: Vec<Vec3>,
-    boxes: Vec<Bounds>,
-    patches: Vec<Patch>,
 }
 
 /// A child by its face and its number there, and its quad.
@@ -64,98 +53,79 @@ pub struct Skin<'a> {
 impl<'a> Skin<'a> {
     /// The skin of a cage with the given points.
     pub fn new(cage: &'a Cage, points: &IdVec<VertexId, Vec3>) -> Self {
-        let level = cage.level();
-        let mut skin = Self {
-            level,
-            rows: cage.vertex_rows(),
-            numbering: Numbering::new(level),
-            refined: cage.refined_points(points),
-            samples: Vec::new(),
-            normals: IdVec::default(),
-            boxes: IdVec::default(),
-            patches: IdVec::default(),
-            tree: None,
-        };
-        let count = level.topology.faces.len();
-        let blocks = (0..count.div_ceil(BLOCK)).into_par_iter();
-        let parts: Vec<Part> =
-            blocks.map(|b| skin.part((b * BLOCK..count.min((b + 1) * BLOCK)).map(FaceId::new))).collect();
-        for part in parts {
-            skin.samples.extend(part.samples);
-            skin.normals.extend(part.normals);
-            skin.boxes.extend(part.boxes);
-            skin.patches.extend(part.patches);
-        }
+        let mut skin = Self::empty(cage.level(), cage.vertex_rows(), cage.refined_points(points));
+        skin.measure_all();
         skin
-    }
-
-    fn part(&self, faces: impl ExactSizeIterator<Item = FaceId>) -> Part {
-        let mut part = Part::default();
-        part.samples.reserve(9 * faces.len());
-        part.normals.reserve(4 * faces.len());
-        for face in faces {
-            let (from, first) = (part.samples.len(), part.normals.len());
-            part.samples.extend(self.vertices(face).map(|v| self.refined[v]));
-            let samples = &part.samples[from..];
-            part.normals.extend(normals(samples));
-            let (bounds, patch) = measured(samples, &part.normals[first..]);
-            part.boxes.push(bounds);
-            part.patches.push(patch);
-        }
-        part
     }
 
     /// The skin of some faces of a cage, which alone may be asked about.
     pub fn of(level: &'a Level, points: &IdVec<VertexId, Vec3>, faces: &[FaceId]) -> Self {
+        let refined = IdVec::filled(Vec3::ZERO, Numbering::new(level).vertices());
+        let mut skin = Self::empty(level, VertexRows::Masks(level.vertex_stencils()), refined);
+        skin.update(points, faces);
+        skin
+    }
+
+    fn empty(level: &'a Level, rows: VertexRows<'a>, refined: IdVec<VertexId, Vec3>) -> Self {
         let all = &level.topology.faces;
-        let numbering = Numbering::new(level);
-        let mut skin = Self {
+        Self {
             level,
-            rows: VertexRows::Masks(level.vertex_stencils()),
-            numbering,
-            refined: IdVec::filled(Vec3::ZERO, numbering.vertices()),
+            rows,
+            numbering: Numbering::new(level),
+            refined,
             samples: vec![Vec3::ZERO; 2 * all.corners().len() + all.len()],
             normals: IdVec::filled(Vec3::ZERO, all.corners().len()),
             boxes: IdVec::filled(Bounds::EMPTY, all.len()),
             patches: IdVec::filled(Patch::default(), all.len()),
             tree: None,
-        };
-        skin.update(points, faces);
-        skin
+        }
+    }
+
+    fn measure_all(&mut self) {
+        let (level, numbering, refined) = (self.level, self.numbering, &self.refined);
+        let faces = &level.topology.faces;
+        let (mut samples, mut normals) = (self.samples.as_mut_slice(), self.normals.as_mut_slice());
+        let mut blocks = Vec::new();
+        for first in (0..faces.len()).step_by(BLOCK) {
+            let own = first..faces.len().min(first + BLOCK);
+            let corners: usize = own.clone().map(|face| faces.valence(FaceId::new(face))).sum();
+            let (own_samples, own_normals);
+            (own_samples, samples) = samples.split_at_mut(2 * corners + own.len());
+            (own_normals, normals) = normals.split_at_mut(corners);
+            blocks.push((own, own_samples, own_normals));
+        }
+        let boxes = self.boxes.as_mut_slice().par_chunks_mut(BLOCK);
+        let known = boxes.zip(self.patches.as_mut_slice().par_chunks_mut(BLOCK));
+        blocks.into_par_iter().zip(known).for_each(|((own, mut samples, mut normals), (boxes, patches))| {
+            for ((face, bounds), patch) in own.map(FaceId::new).zip(boxes).zip(patches) {
+                let (its_samples, its_normals);
+                (its_samples, samples) = samples.split_at_mut(2 * faces.valence(face) + 1);
+                (its_normals, normals) = normals.split_at_mut(faces.valence(face));
+                let children = vertices(level, numbering, face).map(|v| refined[v]);
+                (*bounds, *patch) = measure(children, its_samples, its_normals);
+            }
+        });
     }
 
     /// Moves the children of `faces` to where the cage's points put them now.
     pub fn update(&mut self, points: &IdVec<VertexId, Vec3>, faces: &[FaceId]) {
+        let (level, numbering) = (self.level, self.numbering);
         let mut is_moved = IdVec::filled(false, self.refined.len());
-        faces.iter().flat_map(|&f| self.vertices(f)).for_each(|child| is_moved[child] = true);
+        faces.iter().flat_map(|&f| vertices(level, numbering, f)).for_each(|child| is_moved[child] = true);
         for child in is_moved.ids().filter(|&child| is_moved[child]) {
             let mut place = Vec3::ZERO;
             self.rows.row(child.index(), &mut |v, w| place += w * points[v]);
             self.refined[child] = place;
         }
-        let parts: Vec<Part> = faces.par_chunks(SMALL_BLOCK).map(|faces| self.part(faces.iter().copied())).collect();
-        for (faces, part) in faces.chunks(SMALL_BLOCK).zip(parts) {
-            let (mut samples, mut normals) = (part.samples.as_slice(), part.normals.as_slice());
-            for ((&face, bounds), patch) in faces.iter().zip(part.boxes).zip(part.patches) {
-                let (range, corners) = (self.range(face), self.level.topology.faces.range(face));
-                let (own, own_normals);
-                (own, samples) = samples.split_at(range.len());
-                (own_normals, normals) = normals.split_at(corners.len());
-                self.samples[range].copy_from_slice(own);
-                corners.zip(own_normals).for_each(|(c, &normal)| self.normals[CornerId::new(c)] = normal);
-                (self.boxes[face], self.patches[face]) = (bounds, patch);
-            }
+        for &face in faces {
+            let (range, corners) = (self.range(face), level.topology.faces.range(face));
+            let children = vertices(level, numbering, face).map(|v| self.refined[v]);
+            (self.boxes[face], self.patches[face]) =
+                measure(children, &mut self.samples[range], &mut self.normals.as_mut_slice()[corners]);
         }
         if let Some(tree) = &mut self.tree {
             tree.refit(&self.boxes);
         }
-    }
-
-    /// The vertices of a face's children, in the order of its samples.
-    fn vertices(&self, face: FaceId) -> impl Iterator<Item = VertexId> {
-        let t = &self.level.topology;
-        let of = |c| [self.numbering.of_vertex(t.faces.vertex(c)), self.numbering.of_edge(t.corner_edge[c])];
-        t.faces.corners_of(face).flat_map(of).chain(std::iter::once(self.numbering.of_face(face)))
     }
 
     #[inline]
@@ -331,12 +301,17 @@ fn area([a, b, c, d]: [Vec3; 4]) -> Vec3 {
     (c - a).cross(d - b)
 }
 
-/// Unit normals of the children.
-fn normals(samples: &[Vec3]) -> impl Iterator<Item = Vec3> {
-    quads(samples).map(|q| area(q).normalize_or_zero())
+/// The vertices of a face's children, in the order of its samples.
+fn vertices(level: &Level, numbering: Numbering, face: FaceId) -> impl Iterator<Item = VertexId> {
+    let t = &level.topology;
+    let of = move |c| [numbering.of_vertex(t.faces.vertex(c)), numbering.of_edge(t.corner_edge[c])];
+    t.faces.corners_of(face).flat_map(of).chain(std::iter::once(numbering.of_face(face)))
 }
 
-fn measured(samples: &[Vec3], normals: &[Vec3]) -> (Bounds, Patch) {
+/// Puts the samples of a face where its children are, and measures them.
+fn measure(children: impl Iterator<Item = Vec3>, samples: &mut [Vec3], normals: &mut [Vec3]) -> (Bounds, Patch) {
+    samples.iter_mut().zip(children).for_each(|(sample, child)| *sample = child);
+    normals.iter_mut().zip(quads(samples)).for_each(|(normal, quad)| *normal = area(quad).normalize_or_zero());
     let normal = quads(samples).map(area).sum::<Vec3>().normalize_or_zero();
     let spread = normals.iter().map(|n| n.dot(normal)).fold(1.0, f32::min);
     (Bounds::of(samples), Patch { normal, spread, heights: heights(samples, normal) })

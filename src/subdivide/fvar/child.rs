@@ -8,6 +8,7 @@ use crate::subdivide::masks;
 use crate::subdivide::regular::Quads;
 use crate::subdivide::split::{Numbering, child_corner, child_quads_of};
 use crate::subdivide::stencil::Stencils;
+use std::sync::OnceLock;
 
 /// The refinement of one channel.
 pub struct ChannelChild<'a> {
@@ -15,7 +16,7 @@ pub struct ChannelChild<'a> {
     parent: &'a Channel,
     quads: Option<Quads<'a, ValueId>>,
     values: Values,
-    corner_values: IdVec<CornerId, ValueId>,
+    corner_values: OnceLock<IdVec<CornerId, ValueId>>,
     tags: IdVec<ValueId, Tag>,
 }
 
@@ -23,10 +24,9 @@ impl<'a> ChannelChild<'a> {
     /// The refinement of a channel of `level`.
     pub fn new(level: &'a Level, parent: &'a Channel) -> Self {
         let values = Values::new(parent, level);
-        let (corner_values, tags) =
-            rayon::join(|| values.corner_values(parent, level), || parent.child_tags(level, &values));
+        let tags = parent.child_tags(level, &values);
         let quads = if parent.is_linear(level) { None } else { Quads::new(level, &parent.corner_value) };
-        Self { level, parent, quads, values, corner_values, tags }
+        Self { level, parent, quads, values, corner_values: OnceLock::new(), tags }
     }
 
     /// The row of a mesh of quads; whether it is one of the smooth ones.
@@ -48,7 +48,12 @@ impl<'a> ChannelChild<'a> {
 
     /// The value of each child corner.
     pub fn corner_values(&self) -> &IdVec<CornerId, ValueId> {
-        &self.corner_values
+        self.corner_values.get_or_init(|| self.values.corner_values(self.parent, self.level, ValueId::new).into())
+    }
+
+    /// The number of the value of each child corner.
+    pub fn indices(&self) -> Vec<u32> {
+        self.values.corner_values(self.parent, self.level, |value| value as u32)
     }
 
     /// The child channel, over the child's topology.
@@ -64,7 +69,9 @@ impl<'a> ChannelChild<'a> {
             }
         }
         let value_corner = self.values.value_corners(self.parent, self.level);
-        Channel { corner_value: self.corner_values, value_corner, tags: self.tags, edges, mode: self.parent.mode }
+        self.corner_values();
+        let corner_value = self.corner_values.into_inner().unwrap_or_default();
+        Channel { corner_value, value_corner, tags: self.tags, edges, mode: self.parent.mode }
     }
 }
 
@@ -255,38 +262,35 @@ impl Values {
 
     /// The value in the middle of an edge as the face of `half` sees it.
     #[inline(always)]
-    fn middle(&self, channel: &Channel, t: &Topology, half: CornerId) -> ValueId {
+    fn middle(&self, channel: &Channel, t: &Topology, half: CornerId) -> usize {
         let edge = t.corner_edge[half];
         let side = match channel.edges[edge].cut {
             true => t.edge_corners.row(edge).iter().position(|&h| h == half).unwrap_or(0),
             false => 0,
         };
-        ValueId::new(self.own + self.faces + self.first[edge] as usize + side)
+        self.own + self.faces + self.first[edge] as usize + side
     }
 
-    /// The value of each child corner.
-    fn corner_values(&self, channel: &Channel, level: &Level) -> IdVec<CornerId, ValueId> {
+    /// The value of each child corner, which `value` makes of its number.
+    fn corner_values<T: Copy + Send>(
+        &self,
+        channel: &Channel,
+        level: &Level,
+        value: impl Fn(usize) -> T + Sync,
+    ) -> Vec<T> {
         let t = &level.topology;
-        match level.scheme {
-            Scheme::Loop => self.triangle_values(channel, t),
-            _ => self.quad_values(channel, t),
+        let own = |corner: CornerId| value(channel.corner_value[corner].index());
+        let middle = |corner: CornerId| value(self.middle(channel, t, corner));
+        if level.scheme != Scheme::Loop {
+            return child_quads_of(&t.faces, own, middle, |face| value(self.own + face.index()));
         }
-    }
-
-    fn quad_values(&self, channel: &Channel, t: &Topology) -> IdVec<CornerId, ValueId> {
-        let centre = |face: FaceId| ValueId::new(self.own + face.index());
-        child_quads_of(&t.faces, |c| channel.corner_value[c], |c| self.middle(channel, t, c), centre).into()
-    }
-
-    fn triangle_values(&self, channel: &Channel, t: &Topology) -> IdVec<CornerId, ValueId> {
-        let mut corner_value = Vec::with_capacity(12 * t.faces.len());
+        let mut values = Vec::with_capacity(12 * t.faces.len());
         for face in t.faces.ids() {
             let at = |k: usize| CornerId::new(t.faces.range(face).start + k);
-            let [v0, v1, v2] = [0, 1, 2].map(|k| channel.corner_value[at(k)]);
-            let [e0, e1, e2] = [0, 1, 2].map(|k| self.middle(channel, t, at(k)));
-            corner_value.extend([v0, e0, e2, e0, v1, e1, e2, e1, v2, e1, e2, e0]);
+            let ([v0, v1, v2], [e0, e1, e2]) = ([0, 1, 2].map(|k| own(at(k))), [0, 1, 2].map(|k| middle(at(k))));
+            values.extend([v0, e0, e2, e0, v1, e1, e2, e1, v2, e1, e2, e0]);
         }
-        corner_value.into()
+        values
     }
 
     /// A child corner of each child value.
