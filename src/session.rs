@@ -211,12 +211,16 @@ fn options_of(stack: &Stack) -> (Vec<String>, Vec<String>, u32) {
 
 /// Adjacency and rules that a cage keeps for a corner. \[bytes\]
 const CAGE_CORNER: usize = 40;
+/// Masks that a cage of any faces keeps for a corner. \[bytes\]
+const MASKS_CORNER: usize = 90;
 /// Limit rows, their sources and the parent's share that an operator keeps for a corner. \[bytes\]
 const FORMED_CORNER: usize = 160;
 
 impl Footprint for Cage {
     fn footprint(&self) -> usize {
-        garment_bytes(self.garment()) + CAGE_CORNER * self.garment().faces.corners().len()
+        let faces = &self.garment().faces;
+        let masks = if faces.regular_valence().is_some() { 0 } else { MASKS_CORNER };
+        garment_bytes(self.garment()) + (CAGE_CORNER + masks) * faces.corners().len()
     }
 }
 

@@ -9,11 +9,13 @@ pub mod joints;
 pub mod normals;
 mod primvar;
 pub mod shapes;
+mod shared;
 mod subset;
 
 pub use check::{GarmentError, Problem, check_garment};
 pub use input::{GarmentInput, PrimvarInput, SubsetInput};
 pub use primvar::{Interpolation, Mixing, Primvar, Values};
+pub use shared::Shared;
 pub use subset::{Elements, Family, FamilyType, Subset};
 
 use crate::mesh::{FaceId, Faces, IdVec, VertexId};
@@ -134,9 +136,9 @@ pub struct Garment {
     /// Sharp vertices.
     pub corners: Vec<Corner>,
     /// Primvars that vary over the mesh; constant ones are copied as they are by the writer.
-    pub primvars: Vec<Primvar>,
+    pub primvars: Shared<Vec<Primvar>>,
     /// Named sets of faces, edges and points.
-    pub subsets: Vec<Subset>,
+    pub subsets: Shared<Vec<Subset>>,
     /// Families of subsets with their rules.
     pub families: Vec<Family>,
 }

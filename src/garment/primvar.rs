@@ -136,6 +136,12 @@ pub struct Primvar {
 }
 
 impl Primvar {
+    /// The same without values and indices.
+    pub fn headed(&self) -> Self {
+        let (name, type_name) = (self.name.clone(), self.type_name.clone());
+        Self { name, type_name, values: Values::F32(Vec::new()), indices: None, ..*self }
+    }
+
     /// Numbers in the row of one element.
     pub fn width(&self) -> usize {
         self.components * self.element_size

@@ -2,11 +2,13 @@
 
 use super::{CornerId, FaceId, IdVec, VertexId};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// The faces of a mesh, each a loop of corners; the corners of all faces are numbered in one sequence.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Faces {
-    corners: IdVec<CornerId, VertexId>,
+    /// Copies share them.
+    corners: Arc<IdVec<CornerId, VertexId>>,
     layout: Layout,
 }
 
@@ -27,14 +29,14 @@ impl Faces {
     pub fn triangles(corners: impl Into<IdVec<CornerId, VertexId>>) -> Self {
         let corners = corners.into();
         assert!(corners.len().is_multiple_of(3), "whole triangles");
-        Self { corners, layout: Layout::Triangles }
+        Self { corners: Arc::new(corners), layout: Layout::Triangles }
     }
 
     /// Quads.
     pub fn quads(corners: impl Into<IdVec<CornerId, VertexId>>) -> Self {
         let corners = corners.into();
         assert!(corners.len().is_multiple_of(4), "whole quads");
-        Self { corners, layout: Layout::Quads }
+        Self { corners: Arc::new(corners), layout: Layout::Quads }
     }
 
     /// Faces of `counts` corners; the counts sum to the number of corners.
@@ -51,7 +53,7 @@ impl Faces {
         match offsets.get(1) {
             Some(3) if all(3) => Self::triangles(corners),
             Some(4) if all(4) => Self::quads(corners),
-            _ => Self { corners, layout: Layout::Mixed { offsets, corner_face } },
+            _ => Self { corners: Arc::new(corners), layout: Layout::Mixed { offsets, corner_face } },
         }
     }
 

@@ -6,87 +6,12 @@
 
 use crate::garment::{Garment, Primvar};
 use crate::mesh::{CornerId, Csr, EdgeId, FaceId, Faces, IdVec, Topology, ValueId, VertexId};
+pub use crate::subdivide::Table;
 use crate::subdivide::{Lineage, Stencils, mixed_channel};
 use rayon::prelude::*;
 
 /// Weights that differ by less are the same: far above rounding, far below what can be seen.
 const SAME_WEIGHT: f32 = 1e-5;
-
-/// Weighted sums, one row for each child value.
-#[derive(Clone, Debug)]
-pub struct Table<I> {
-    offsets: Vec<u32>,
-    entries: Vec<(I, f32)>,
-}
-
-/// A table of no rows.
-impl<I> Default for Table<I> {
-    fn default() -> Self {
-        Self { offsets: vec![0], entries: Vec::new() }
-    }
-}
-
-impl<I: Copy> Table<I> {
-    /// Adds a row.
-    pub fn push(&mut self, row: impl IntoIterator<Item = (I, f32)>) {
-        self.entries.extend(row);
-        self.offsets.push(self.entries.len() as u32);
-    }
-
-    /// Adds to the weight of a source in the last row.
-    pub fn add(&mut self, source: I, weight: f32)
-    where
-        I: PartialEq,
-    {
-        let start = self.offsets.len().checked_sub(2).map_or(0, |last| self.offsets[last] as usize);
-        match self.entries[start..].iter_mut().find(|(known, _)| *known == source) {
-            Some((_, sum)) => *sum += weight,
-            None => self.entries.push((source, weight)),
-        }
-        if let Some(end) = self.offsets.last_mut() {
-            *end = self.entries.len() as u32;
-        }
-    }
-
-    /// The rows of tables one after the other.
-    pub fn joined(tables: &[Self]) -> Self {
-        let mut joined = Self::default();
-        for table in tables {
-            let start = joined.entries.len() as u32;
-            joined.entries.extend_from_slice(&table.entries);
-            joined.offsets.extend(table.offsets[1..].iter().map(|offset| start + offset));
-        }
-        joined
-    }
-
-    /// Number of rows.
-    pub fn len(&self) -> usize {
-        self.offsets.len() - 1
-    }
-
-    /// Whether there is no row.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    /// The sources and weights of a row.
-    #[inline]
-    pub fn at(&self, row: usize) -> &[(I, f32)] {
-        &self.entries[self.offsets[row] as usize..self.offsets[row + 1] as usize]
-    }
-}
-
-impl<I: crate::mesh::Id> Stencils for &Table<I> {
-    type Source = I;
-
-    fn rows(&self) -> usize {
-        self.len()
-    }
-
-    fn row(&self, row: usize, sink: &mut impl FnMut(I, f32)) {
-        self.at(row).iter().for_each(|&(source, weight)| sink(source, weight));
-    }
-}
 
 /// The child of an operator.
 #[derive(Clone, Debug)]
@@ -95,6 +20,7 @@ pub struct Derivation {
     /// The child's faces.
     pub faces: Faces,
     parent_face: Vec<FaceId>,
+    children: Csr<FaceId, FaceId>,
     /// Child vertices from parent vertices.
     pub vertices: Table<VertexId>,
     /// The children of each parent edge, in its direction.
@@ -176,7 +102,9 @@ impl<'a> Builder<'a> {
 
     /// The child.
     pub fn finish(self) -> Derivation {
+        let children = self.parent_face.iter().enumerate().map(|(child, &parent)| (parent, FaceId::new(child)));
         Derivation {
+            children: Csr::group(self.parent.faces.len(), children, FaceId::new(0)),
             edges: self.edges(),
             parent: self.parent.clone(),
             faces: Faces::mixed(self.counts, self.corners),
@@ -217,6 +145,10 @@ impl Lineage for Derivation {
         self.parent_face[child.index()]
     }
 
+    fn child_faces(&self, parent: FaceId) -> impl Iterator<Item = FaceId> {
+        self.children.row(parent).iter().copied()
+    }
+
     fn parent_corner(&self, child: CornerId) -> CornerId {
         let face = self.parent_face[self.faces.face_of(child).index()];
         let heavier = |a: (CornerId, f32), b: (CornerId, f32)| if b.1 > a.1 + SAME_WEIGHT { b } else { a };
@@ -244,40 +176,56 @@ impl Lineage for Derivation {
         &self.vertices
     }
 
-    fn face_varying(&self, garment: &Garment, primvar: &Primvar) -> Primvar {
+    fn face_varying(&self, garment: &Garment, place: usize) -> Primvar {
+        let primvar = &garment.primvars[place];
         let rows = primvar.corner_rows(&garment.faces, garment.points.len());
-        let (stencils, corner_values) = self.channel(&rows);
-        let every: Vec<u32> = (0..primvar.rows() as u32).collect();
-        mixed_channel(&&stencils, &corner_values, &every, primvar)
+        let (stencils, indices) = self.channel(&rows);
+        mixed_channel(&&stencils, indices, None, primvar)
     }
 }
 
-/// The values at one child vertex: the corners that have each, and what it is a sum of.
-type Shared = Vec<(Vec<CornerId>, Vec<(ValueId, f32)>)>;
+/// Vertices whose values are found in one go.
+const BLOCK: usize = 512;
+
+/// The values at some child vertices in a row.
+#[derive(Default)]
+struct Shared {
+    /// What each is a sum of.
+    sums: Table<ValueId>,
+    /// The value that each corner has, by its row here.
+    corners: Vec<(CornerId, usize)>,
+}
 
 impl Derivation {
     /// The values of a face-varying channel whose parent corners take `rows`, and the value of each child corner. Corners
     /// of a vertex share a value where it is the same sum.
-    fn channel(&self, rows: &IdVec<CornerId, u32>) -> (Table<ValueId>, IdVec<CornerId, ValueId>) {
+    fn channel(&self, rows: &IdVec<CornerId, u32>) -> (Table<ValueId>, Vec<u32>) {
         let corners = self.faces.corners();
         let by_vertex = corners.enumerated().map(|(c, &v)| (v, c));
         let by_vertex = Csr::group(self.vertices.len(), by_vertex, CornerId::new(0));
         let vertices = (0..self.vertices.len()).into_par_iter().map(VertexId::new);
-        let shared: Vec<Shared> = vertices.map(|v| self.values_at(v, by_vertex.row(v), rows)).collect();
-        let mut stencils = Table::default();
-        let mut corner_values = IdVec::filled(ValueId::new(0), corners.len());
-        for (corners, sum) in shared.into_iter().flatten() {
-            corners.into_iter().for_each(|c| corner_values[c] = ValueId::new(stencils.len()));
-            stencils.push(sum);
+        let add = |mut shared: Shared, v| {
+            self.values_at(v, by_vertex.row(v), rows, &mut shared);
+            shared
+        };
+        let (sums, of_corners): (Vec<_>, Vec<_>) =
+            vertices.fold_chunks(BLOCK, Shared::default, add).map(|s| (s.sums, s.corners)).unzip();
+        let mut corner_values = vec![0; corners.len()];
+        let mut first = 0;
+        for (sums, of_corners) in sums.iter().zip(of_corners) {
+            of_corners.into_iter().for_each(|(c, row)| corner_values[c.index()] = (first + row) as u32);
+            first += sums.len();
         }
-        (stencils, corner_values)
+        (Table::joined(&sums), corner_values)
     }
 
-    fn values_at(&self, vertex: VertexId, corners: &[CornerId], rows: &IdVec<CornerId, u32>) -> Shared {
-        let mut shared: Shared = Vec::with_capacity(1);
+    /// Adds the values at a vertex.
+    fn values_at(&self, vertex: VertexId, corners: &[CornerId], rows: &IdVec<CornerId, u32>, shared: &mut Shared) {
+        let first = shared.sums.len();
+        let mut sum: Vec<(ValueId, f32)> = Vec::with_capacity(4);
         for &corner in corners {
             let face = self.parent_face[self.faces.face_of(corner).index()];
-            let mut sum: Vec<(ValueId, f32)> = Vec::with_capacity(4);
+            sum.clear();
             for (parent, weight) in self.at_corners(vertex, face) {
                 let value = ValueId::new(rows[parent] as usize);
                 match sum.iter_mut().find(|(v, _)| *v == value) {
@@ -286,13 +234,14 @@ impl Derivation {
                 }
             }
             sum.sort_unstable_by_key(|(value, _)| *value);
-            match shared.iter_mut().find(|(_, known)| same(known, &sum)) {
-                Some((corners, _)) => corners.push(corner),
-                None => shared.push((vec![corner], sum)),
-            }
+            let known = (first..shared.sums.len()).find(|&row| same(shared.sums.at(row), &sum));
+            let row = known.unwrap_or_else(|| {
+                shared.sums.push(sum.iter().copied());
+                shared.sums.len() - 1
+            });
+            shared.corners.push((corner, row));
         }
-        debug_assert!(!self.is_kept(vertex) || shared.iter().all(|(_, sum)| sum.len() == 1));
-        shared
+        debug_assert!(!self.is_kept(vertex) || (first..shared.sums.len()).all(|row| shared.sums.at(row).len() == 1));
     }
 }
 

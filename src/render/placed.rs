@@ -32,7 +32,7 @@ impl Placed {
             let rooms = IdVec::filled(OPEN, points.len());
             return Self { points, rooms };
         }
-        let mut of_faces = Skin::new(cage.level(), &points).gaps(REACH * height);
+        let mut of_faces = Skin::new(cage, &points).gaps(REACH * height);
         if cage.garment().orientation == Orientation::LeftHanded {
             of_faces.iter_mut().for_each(|gap| gap.reverse());
         }

@@ -15,6 +15,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 use std::any::Any;
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// A step of the stack. Every operator is one type with this trait.
 pub trait Operator: Any + Sync + Send {
@@ -133,7 +134,7 @@ pub struct Formed {
     pub shape: Shape,
     /// Limit rows of the held vertices.
     rows: Table<VertexId>,
-    parent: Level,
+    parent: Arc<Level>,
     orientation: Orientation,
     /// Limit rows of the parent.
     parent_rows: Table<VertexId>,
@@ -183,7 +184,7 @@ impl Formed {
         cage = cage.with_points(points).with_subsets(shape.subsets.iter().cloned());
         let of_held = || limit_rows(cage.level(), shape.held.par_iter().map(|h| h.vertex));
         let (rows, seen) = rayon::join(of_held, || seen(&shape, cage.level(), parent.level()));
-        let (level, orientation) = (parent.level().clone(), parent.garment().orientation);
+        let (level, orientation) = (parent.shared_level(), parent.garment().orientation);
         let pair = |held: &Held| match held.role {
             Role::Layer { over, .. } => Some([over, held.vertex]),
             _ => None,
@@ -225,7 +226,7 @@ impl Formed {
             flat[held.vertex] += step;
         }
         let kin = Kin {
-            child: self.cage.level(),
+            child: &self.cage,
             parent: &self.parent,
             parent_points: &ground.parent,
             derivation: &self.shape.derivation,

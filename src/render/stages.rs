@@ -123,7 +123,8 @@ fn refine(operated: &Operated, level: u32, stages: &impl Stages) -> Result<Garme
     let finished = stages.get("attributes", &(structure, level), || {
         Ok(if level == 0 { cage.cage().clone().into_garment() } else { cage.cage().refined_garment() })
     })?;
-    Ok(Garment { points: Arc::unwrap_or_clone(points), ..Arc::unwrap_or_clone(finished) })
+    // Attributes are shared with those of other points.
+    Ok(Garment { points: Arc::unwrap_or_clone(points), ..Garment::clone(&finished) })
 }
 
 /// A stage that has a cage.

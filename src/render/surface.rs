@@ -27,12 +27,30 @@ const BLOCK: usize = 256;
 /// Limit positions of a level's vertices, as weighted sums of the cage's.
 pub fn limit_rows(level: &Level, vertices: impl IndexedParallelIterator<Item = VertexId>) -> Table<VertexId> {
     let refined = level.vertex_stencils();
-    let add = |mut table: Table<VertexId>, v| {
-        limit_row(level, &refined, v, &mut table);
-        table
+    let add = |mut rows: Rows, v| {
+        limit_row(level, &refined, v, &mut rows);
+        rows
     };
-    let blocks: Vec<Table<VertexId>> = vertices.fold_chunks(BLOCK, Table::default, add).collect();
-    Table::joined(&blocks)
+    let blocks = vertices.fold_chunks(BLOCK, || Rows::new(level.topology.vertex_count()), add);
+    Table::joined(&blocks.map(|rows| rows.table).collect::<Vec<_>>())
+}
+
+/// Rows that are summed source by source.
+struct Rows {
+    table: Table<VertexId>,
+    /// Where the last row that has a vertex has it.
+    last: Vec<u32>,
+}
+
+impl Rows {
+    fn new(vertices: usize) -> Self {
+        Self { table: Table::default(), last: vec![0; vertices] }
+    }
+
+    fn add(&mut self, vertex: VertexId, weight: f32) {
+        let last = &mut self.last[vertex.index()];
+        *last = self.table.add(vertex, weight, *last);
+    }
 }
 
 /// How much a sharpness still counts in the limit: exact where it is none or infinite, and near it between.
@@ -40,13 +58,13 @@ fn lasting(sharpness: f32) -> f32 {
     if sharpness >= INFINITE_SHARPNESS { 1.0 } else { 1.0 - 0.5f32.powf(sharpness) }
 }
 
-fn limit_row(level: &Level, refined: &VertexStencils, vertex: VertexId, table: &mut Table<VertexId>) {
+fn limit_row(level: &Level, refined: &VertexStencils, vertex: VertexId, rows: &mut Rows) {
     let linear = matches!(level.scheme, Scheme::Bilinear | Scheme::None | Scheme::Loop);
     if linear || level.topology.vertex_corners.row(vertex).is_empty() {
-        return table.push([(vertex, 1.0)]);
+        return rows.table.push([(vertex, 1.0)]);
     }
-    table.push([]);
-    let mut sink = |v: VertexId, weight: f32| table.add(v, weight);
+    rows.table.push([]);
+    let mut sink = |v: VertexId, weight: f32| rows.add(v, weight);
     let mut spokes: Vec<Spoke> = Vec::new();
     level.spokes(vertex, &mut spokes);
     // What is sharper lasts longer: a corner of three edges becomes a crease of the two sharpest.

@@ -1,13 +1,11 @@
 //! A garment with all its attributes through one derivation.
 
 use super::stencil::Stencils;
-use super::{Channel, ChannelChild, INFINITE_SHARPNESS, Level, Numbering, refined_sharpness, split};
 use crate::garment::joints::{self, Influences};
 use crate::garment::{
-    Corner, Crease, Elements, Family, FamilyType, Garment, Interpolation, Mixing, Primvar, Scheme, SubdivisionRules,
-    Subset, Values,
+    Corner, Crease, Elements, Family, FamilyType, Garment, Interpolation, Mixing, Primvar, Subset, Values,
 };
-use crate::mesh::{CornerId, Csr, EdgeId, FaceId, Faces, IdVec, Topology, ValueId, VertexId};
+use crate::mesh::{CornerId, EdgeId, FaceId, Faces, IdVec, Topology, ValueId, VertexId};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -24,6 +22,8 @@ pub trait Lineage: Sync {
     fn faces(&self) -> &Faces;
     /// The face that a child face is part of.
     fn parent_face(&self, child: FaceId) -> FaceId;
+    /// The parts of a face.
+    fn child_faces(&self, parent: FaceId) -> impl Iterator<Item = FaceId>;
     /// The corner that a child corner takes discrete values from.
     fn parent_corner(&self, child: CornerId) -> CornerId;
     /// The child that takes the place of a vertex.
@@ -36,195 +36,22 @@ pub trait Lineage: Sync {
     fn vertex(&self) -> impl Stencils<Source = VertexId>;
     /// Child vertices from parent vertices, linearly.
     fn varying(&self) -> impl Stencils<Source = VertexId>;
-    /// A face-varying primvar whose values are mixed. Values of different regions do not mix.
-    fn face_varying(&self, garment: &Garment, primvar: &Primvar) -> Primvar;
+    /// A face-varying primvar whose values are mixed, by its place among the garment's. Values of different regions do
+    /// not mix.
+    fn face_varying(&self, garment: &Garment, place: usize) -> Primvar;
 }
 
-/// A refinement as a lineage.
-pub struct Refinement<'a> {
-    level: &'a Level,
-    rules: SubdivisionRules,
-    faces: Faces,
-}
-
-impl<'a> Refinement<'a> {
-    /// The refinement of the cage of a garment.
-    pub fn new(level: &'a Level, rules: SubdivisionRules) -> Self {
-        Self { level, rules, faces: split::child_faces(level) }
-    }
-
-    fn is_loop(&self) -> bool {
-        self.level.scheme == Scheme::Loop
-    }
-}
-
-impl Lineage for Refinement<'_> {
-    const EDGES_ARE_OWN: bool = true;
-
-    fn parent(&self) -> &Topology {
-        &self.level.topology
-    }
-
-    fn faces(&self) -> &Faces {
-        &self.faces
-    }
-
-    #[inline]
-    fn parent_face(&self, child: FaceId) -> FaceId {
-        Numbering::new(self.level).parent_face(&self.level.topology.faces, child)
-    }
-
-    #[inline]
-    fn parent_corner(&self, corner: CornerId) -> CornerId {
-        let child = self.faces.face_of(corner);
-        if !self.is_loop() {
-            // A child quad belongs to one corner of its parent.
-            return CornerId::new(child.index());
-        }
-        let (parent, step) = (self.level.topology.faces.range(self.parent_face(child)).start, child.index() % 4);
-        CornerId::new(parent + if step < 3 { step } else { corner.index() % 3 })
-    }
-
-    fn child_vertex(&self, vertex: VertexId) -> VertexId {
-        Numbering::new(self.level).of_vertex(vertex)
-    }
-
-    fn child_edges(&self, edge: EdgeId, children: &mut Vec<[VertexId; 2]>) {
-        let numbering = Numbering::new(self.level);
-        let ([a, b], middle) = (self.level.topology.edges[edge], numbering.of_edge(edge));
-        children.extend([[numbering.of_vertex(a), middle], [middle, numbering.of_vertex(b)]]);
-    }
-
-    fn remaining(&self, sharpness: f32) -> f32 {
-        refined_sharpness(sharpness)
-    }
-
-    fn vertex(&self) -> impl Stencils<Source = VertexId> {
-        self.level.vertex_stencils()
-    }
-
-    fn varying(&self) -> impl Stencils<Source = VertexId> {
-        self.level.varying_stencils()
-    }
-
-    fn face_varying(&self, garment: &Garment, primvar: &Primvar) -> Primvar {
-        let rows = primvar.corner_rows(&garment.faces, garment.points.len());
-        let rules = self.rules;
-        let (channel, rows) = Channel::base(self.level, |c| rows[c] as usize, rules.face_varying, rules.boundary);
-        let child = ChannelChild::new(self.level, &channel);
-        mixed_channel(&child, child.corner_values(), &rows, primvar)
-    }
-}
-
-/// A face-varying primvar from the rows of its parent's values, and the value of each child corner.
+/// A face-varying primvar from the rows of its parent's values, if they have an order of their own, and the value of
+/// each child corner, by its number.
 pub fn mixed_channel<S: Stencils<Source = ValueId>>(
     stencils: &S,
-    corner_values: &IdVec<CornerId, ValueId>,
-    rows: &[u32],
+    indices: Vec<u32>,
+    rows: Option<&[u32]>,
     primvar: &Primvar,
 ) -> Primvar {
-    let source = primvar.values.gather(primvar.width(), rows.iter().map(|&r| r as usize));
-    let indices = corner_values.iter().map(|v| v.index() as u32).collect();
-    Primvar { values: mixed(stencils, &source, primvar), indices: Some(indices), ..primvar.clone() }
-}
-
-/// A garment on its way through derivations. Its joint influences are kept whole until the end, so that they are pruned
-/// to `elementSize` only once.
-#[derive(Clone)]
-pub struct Cage {
-    garment: Garment,
-    level: Level,
-    influences: Option<Vec<Influences>>,
-}
-
-impl Cage {
-    /// The cage of a garment.
-    pub fn new(garment: Garment) -> Self {
-        let influences = joints::pair(&garment).map(|(indices, weights)| joints::influences(indices, weights));
-        Self { level: Level::base(&garment), garment, influences }
-    }
-
-    /// The garment as it is so far: its skinning and its directions are not yet what [`Cage::into_garment`] gives.
-    pub fn garment(&self) -> &Garment {
-        &self.garment
-    }
-
-    /// The cage's connectivity and rules.
-    pub fn level(&self) -> &Level {
-        &self.level
-    }
-
-    /// The cage refined once, with every attribute. Its points are not: they are zero, and go by
-    /// [`Cage::refined_points`].
-    pub fn refined(&self) -> Self {
-        let refinement = Refinement::new(&self.level, self.garment.rules);
-        let faces = refinement.faces.clone();
-        let carry = || carry(&self.garment, self.influences.as_deref(), &refinement);
-        let ((garment, influences), level) = rayon::join(carry, || split::child_level(&self.level, faces));
-        Self { garment, level, influences }
-    }
-
-    /// The points of the refined cage, where this one's are `points`.
-    pub fn refined_points(&self, points: &IdVec<VertexId, Vec3>) -> IdVec<VertexId, Vec3> {
-        carried_points(&self.level.vertex_stencils(), points)
-    }
-
-    /// The cage that an operator makes of it, with every attribute.
-    ///
-    /// `corners` and `creases` of the child become infinitely sharp.
-    pub fn derived(&self, lineage: &impl Lineage, corners: &[VertexId], creases: &[[VertexId; 2]]) -> Self {
-        let carry = Carry::new(&self.garment, lineage);
-        let mut garment = carry.frame(carried_points(&lineage.vertex(), &self.garment.points));
-        let mut sharp: BTreeSet<VertexId> = garment.corners.iter().map(|c| c.vertex).collect();
-        let new = corners.iter().filter(|&&v| sharp.insert(v));
-        garment.corners.extend(new.map(|&vertex| Corner { vertex, sharpness: INFINITE_SHARPNESS }));
-        let crease = |ends: &[VertexId; 2]| Crease { vertices: ends.to_vec(), sharpnesses: vec![INFINITE_SHARPNESS] };
-        garment.creases.extend(creases.iter().map(crease));
-        let attributes = || carry.attributes(self.influences.as_deref());
-        let ((primvars, influences), level) = rayon::join(attributes, || Level::base(&garment));
-        Self { level, garment: Garment { primvars, ..garment }, influences }
-    }
-
-    /// The cage with more subsets, which later derivations carry too.
-    #[must_use]
-    pub fn with_subsets(mut self, subsets: impl IntoIterator<Item = Subset>) -> Self {
-        self.garment.subsets.extend(subsets);
-        self
-    }
-
-    /// The cage with other points.
-    #[must_use]
-    pub fn with_points(mut self, points: IdVec<VertexId, Vec3>) -> Self {
-        self.garment.points = points;
-        self
-    }
-
-    /// The garment of the cage refined once, without its points as in [`Cage::refined`]: the last step, which needs no
-    /// connectivity of what it makes.
-    pub fn refined_garment(&self) -> Garment {
-        let refinement = Refinement::new(&self.level, self.garment.rules);
-        let (garment, influences) = carry(&self.garment, self.influences.as_deref(), &refinement);
-        Self::completed(garment, influences.as_deref())
-    }
-
-    /// The garment, with its influences pruned and its directions of unit length.
-    pub fn into_garment(self) -> Garment {
-        Self::completed(self.garment, self.influences.as_deref())
-    }
-
-    fn completed(mut garment: Garment, influences: Option<&[Influences]>) -> Garment {
-        garment.primvars.iter_mut().for_each(to_unit_length);
-        let carried = match (joints::pair(&garment), influences) {
-            (Some((indices, weights)), Some(influences)) => joints::to_primvars(influences, indices, weights),
-            _ => return garment,
-        };
-        for primvar in carried {
-            if let Some(slot) = garment.primvars.iter_mut().find(|p| p.name == primvar.name) {
-                *slot = primvar;
-            }
-        }
-        garment
-    }
+    let gathered = rows.map(|rows| primvar.values.gather(primvar.width(), rows.iter().map(|&r| r as usize)));
+    let source = gathered.as_ref().unwrap_or(&primvar.values);
+    Primvar { values: mixed(stencils, source, primvar), indices: Some(indices), ..primvar.headed() }
 }
 
 /// Points through stencils.
@@ -237,7 +64,7 @@ pub fn carried_points<S: Stencils<Source = VertexId>>(
 }
 
 /// A garment through a lineage, but for its points.
-fn carry<L: Lineage>(
+pub(super) fn carry<L: Lineage>(
     garment: &Garment,
     influences: Option<&[Influences]>,
     lineage: &L,
@@ -245,11 +72,11 @@ fn carry<L: Lineage>(
     let carry = Carry::new(garment, lineage);
     let frame = || carry.frame(IdVec::filled(Vec3::ZERO, lineage.vertex().rows()));
     let (frame, (primvars, influences)) = rayon::join(frame, || carry.attributes(influences));
-    (Garment { primvars, ..frame }, influences)
+    (Garment { primvars: primvars.into(), ..frame }, influences)
 }
 
 /// Whether a primvar is carried as a face-varying channel.
-fn is_channel(primvar: &Primvar) -> bool {
+pub(super) fn is_channel(primvar: &Primvar) -> bool {
     primvar.interpolation == Interpolation::FaceVarying && primvar.is_mixed()
 }
 
@@ -264,23 +91,18 @@ fn carried_family(garment: &Garment, family: &Family) -> Family {
     Family { name: family.name.clone(), kind }
 }
 
-struct Carry<'a, L> {
+pub(super) struct Carry<'a, L> {
     garment: &'a Garment,
     lineage: &'a L,
-    parent_face: Vec<FaceId>,
-    children: Csr<FaceId, FaceId>,
 }
 
 impl<'a, L: Lineage> Carry<'a, L> {
-    fn new(garment: &'a Garment, lineage: &'a L) -> Self {
-        let parent_face: Vec<FaceId> = lineage.faces().ids().map(|f| lineage.parent_face(f)).collect();
-        let pairs = parent_face.iter().enumerate().map(|(child, &parent)| (parent, FaceId::new(child)));
-        let children = Csr::group(garment.faces.len(), pairs, FaceId::new(0));
-        Self { garment, lineage, parent_face, children }
+    pub(super) fn new(garment: &'a Garment, lineage: &'a L) -> Self {
+        Self { garment, lineage }
     }
 
     /// The child without its primvars.
-    fn frame(&self, points: IdVec<VertexId, Vec3>) -> Garment {
+    pub(super) fn frame(&self, points: IdVec<VertexId, Vec3>) -> Garment {
         let garment = self.garment;
         Garment {
             prim: garment.prim.clone(),
@@ -292,15 +114,15 @@ impl<'a, L: Lineage> Carry<'a, L> {
             corners: garment.corners.iter().filter_map(|c| self.corner(c)).collect(),
             subsets: garment.subsets.iter().map(|s| self.subset(s)).collect(),
             families: garment.families.iter().map(|f| carried_family(garment, f)).collect(),
-            primvars: Vec::new(),
+            primvars: Vec::new().into(),
             faces: self.lineage.faces().clone(),
         }
     }
 
     /// The child's primvars, and joint influences.
-    fn attributes(&self, influences: Option<&[Influences]>) -> (Vec<Primvar>, Option<Vec<Influences>>) {
-        let carried = self.garment.primvars.par_iter().map(|primvar| match primvar {
-            p if is_channel(p) => self.lineage.face_varying(self.garment, p),
+    pub(super) fn attributes(&self, influences: Option<&[Influences]>) -> (Vec<Primvar>, Option<Vec<Influences>>) {
+        let carried = self.garment.primvars.par_iter().enumerate().map(|(place, primvar)| match primvar {
+            p if is_channel(p) => self.lineage.face_varying(self.garment, place),
             p if joints::is_influence(self.garment, p) => p.clone(),
             p => self.primvar(p),
         });
@@ -308,7 +130,9 @@ impl<'a, L: Lineage> Carry<'a, L> {
     }
 
     fn faces(&self, parents: &[FaceId]) -> Vec<FaceId> {
-        parents.iter().flat_map(|&f| self.children.row(f).iter().copied()).collect()
+        let mut children = Vec::with_capacity(4 * parents.len());
+        parents.iter().for_each(|&f| children.extend(self.lineage.child_faces(f)));
+        children
     }
 
     /// The children of an edge, in its direction.
@@ -370,7 +194,10 @@ impl<'a, L: Lineage> Carry<'a, L> {
         let corners = || self.lineage.faces().corners().ids().map(|c| self.lineage.parent_corner(c).index());
         match primvar.interpolation {
             Interpolation::Constant => primvar.clone(),
-            Interpolation::Uniform => taken(primvar, self.parent_face.iter().map(|f| f.index())),
+            Interpolation::Uniform => {
+                let faces = 0..self.lineage.faces().len();
+                taken(primvar, faces.map(|f| self.lineage.parent_face(FaceId::new(f)).index()))
+            }
             Interpolation::FaceVarying => taken(primvar, corners()),
             Interpolation::Vertex => self.by_vertex(primvar, &self.lineage.vertex()),
             Interpolation::Varying => self.by_vertex(primvar, &self.lineage.varying()),
@@ -385,7 +212,7 @@ impl<'a, L: Lineage> Carry<'a, L> {
         }
         let rows = (0..self.garment.points.len()).map(|v| primvar.row(v));
         let source = primvar.values.gather(primvar.width(), rows);
-        Primvar { values: mixed(stencils, &source, primvar), indices: None, ..primvar.clone() }
+        Primvar { values: mixed(stencils, &source, primvar), indices: None, ..primvar.headed() }
     }
 
     /// The influences of the child's vertices, merged by joint.
@@ -399,8 +226,12 @@ impl<'a, L: Lineage> Carry<'a, L> {
 /// The values of the given elements, as they are; indexed primvars stay indexed.
 pub fn taken(primvar: &Primvar, elements: impl Iterator<Item = usize> + Clone) -> Primvar {
     match &primvar.indices {
-        Some(indices) => Primvar { indices: Some(elements.map(|e| indices[e]).collect()), ..primvar.clone() },
-        None => Primvar { values: primvar.values.gather(primvar.width(), elements), ..primvar.clone() },
+        Some(indices) => Primvar {
+            indices: Some(elements.map(|e| indices[e]).collect()),
+            values: primvar.values.clone(),
+            ..primvar.headed()
+        },
+        None => Primvar { values: primvar.values.gather(primvar.width(), elements), ..primvar.headed() },
     }
 }
 

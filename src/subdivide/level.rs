@@ -117,12 +117,13 @@ impl Level {
     /// Makes corners of the border and non-manifold vertices infinitely sharp.
     fn sharpen_vertices(&mut self) {
         let mut spokes = Vec::new();
+        let borders = borders_at(&self.topology);
         for vertex in self.vertex_sharpness.ids() {
             let corners = self.topology.vertex_corners.row(vertex).len();
             if corners == 0 {
                 continue;
             }
-            let is_non_manifold = is_non_manifold_vertex(&self.topology, vertex);
+            let is_non_manifold = borders[vertex] > 2 || fan_length(&self.topology, vertex) != corners;
             if corners > 1 && !is_non_manifold {
                 continue;
             }
@@ -210,6 +211,20 @@ pub fn is_non_manifold_vertex(topology: &Topology, vertex: VertexId) -> bool {
     }
     let borders = edges_at(topology, vertex).filter(|&e| topology.is_border(e)).count();
     borders > 2 || fan_length(topology, vertex) != topology.vertex_corners.row(vertex).len()
+}
+
+/// The number of borders at each vertex; as many as can be where an edge is non-manifold.
+fn borders_at(topology: &Topology) -> IdVec<VertexId, u8> {
+    let mut borders = IdVec::filled(0u8, topology.vertex_count());
+    for (edge, ends) in topology.edges.enumerated() {
+        let more = match topology.is_border(edge) {
+            true => 1,
+            false if is_non_manifold(topology, edge) => u8::MAX,
+            false => continue,
+        };
+        ends.iter().for_each(|&v| borders[v] = borders[v].saturating_add(more));
+    }
+    borders
 }
 
 /// Corners in the fan that begins at a border of the vertex, or at any corner where there is none.

@@ -4,24 +4,27 @@
 //! of value, the parent of each element), and values of any kind are carried by that. Conventions and weights are
 //! OpenSubdiv's; values agree with it to 1e-6 of the bounding box.
 
+mod cage;
 mod carry;
 mod fvar;
 mod level;
 mod masks;
+mod regular;
 mod split;
 mod stencil;
 
+pub use cage::{Cage, VertexRows};
 pub use carry::{
-    Cage, Lineage, Refinement, carried_points, mix_into, mix_rows, mixed_channel, scale_to_unit_length, taken,
-    to_unit_length,
+    Lineage, carried_points, mix_into, mix_rows, mixed_channel, scale_to_unit_length, taken, to_unit_length,
 };
 pub use fvar::{Channel, ChannelChild};
 pub use level::{INFINITE_SHARPNESS, Level, Rule, Spoke, refined_sharpness};
 pub use split::{Numbering, child_corner};
-pub use stencil::{Real, Stencils};
+pub use stencil::{Real, Stencils, Table};
 
 use crate::garment::{Garment, Scheme};
 use crate::mesh::{CornerId, EdgeId, FaceId, Faces, VertexId};
+use regular::Quads;
 
 /// Largest refined mesh: its corners are counted in 32 bits, and it takes some 200 bytes a face. \[faces\]
 pub const MAX_REFINED_FACES: usize = 100_000_000;
@@ -147,6 +150,7 @@ impl<'a> Derivation<'a> {
 pub struct VertexStencils<'a> {
     level: &'a Level,
     is_linear: bool,
+    quads: Option<Quads<'a, VertexId>>,
     own: usize,
     faces: usize,
 }
@@ -154,7 +158,23 @@ pub struct VertexStencils<'a> {
 impl<'a> VertexStencils<'a> {
     fn new(level: &'a Level, is_linear: bool) -> Self {
         let faces = if level.scheme == Scheme::Loop { 0 } else { level.topology.faces.len() };
-        Self { level, is_linear, own: level.topology.vertex_count(), faces }
+        let quads = if is_linear { None } else { Quads::new(level, level.topology.faces.corners()) };
+        Self { level, is_linear, quads, own: level.topology.vertex_count(), faces }
+    }
+}
+
+impl VertexStencils<'_> {
+    /// The row of a mesh of quads; whether it is one of the smooth ones.
+    #[inline(always)]
+    fn regular_row(&self, quads: &Quads<VertexId>, row: usize, sink: &mut impl FnMut(VertexId, f32)) -> bool {
+        if row >= self.own + self.faces {
+            return quads.edge(EdgeId::new(row - self.own - self.faces), sink);
+        }
+        if row >= self.own {
+            quads.face(FaceId::new(row - self.own), sink);
+            return true;
+        }
+        quads.vertex(VertexId::new(row), sink)
     }
 }
 
@@ -167,6 +187,9 @@ impl Stencils for VertexStencils<'_> {
 
     #[inline(always)]
     fn row(&self, row: usize, sink: &mut impl FnMut(VertexId, f32)) {
+        if self.quads.is_some_and(|quads| self.regular_row(&quads, row, sink)) {
+            return;
+        }
         let faces = &self.level.topology.faces;
         let mut by_corner = |corner: CornerId, weight: f32| sink(faces.vertex(corner), weight);
         if row >= self.own + self.faces {

@@ -8,7 +8,7 @@ use crate::garment::Scheme;
 use crate::mesh::{CornerId, Csr, EdgeId, FaceId, Faces, IdVec, Topology, VertexId};
 use rayon::prelude::*;
 
-/// Corners that one task works on.
+/// Corners that one task works on at least.
 const CORNERS_PER_TASK: usize = 4096;
 
 /// Where the children of a parent's elements are.
@@ -63,6 +63,13 @@ impl Numbering {
         VertexId::new(self.vertices + self.faces + e.index())
     }
 
+    /// The children of a parent face.
+    #[inline]
+    pub fn of_face_within(&self, parent: &Faces, face: FaceId) -> impl Iterator<Item = FaceId> + use<> {
+        let children = if self.triangles { 4 * face.index()..4 * face.index() + 4 } else { parent.range(face) };
+        children.map(FaceId::new)
+    }
+
     /// The parent face of a child face.
     #[inline]
     pub fn parent_face(&self, parent: &Faces, child: FaceId) -> FaceId {
@@ -90,22 +97,40 @@ fn turn(parent: &Faces, c: CornerId) -> usize {
     }
 }
 
+/// What the corners of the child quads take: `own` at a corner, `middle` on the edge after it, and `centre` in a face.
+pub fn child_quads_of<T: Copy + Send>(
+    parent: &Faces,
+    own: impl Fn(CornerId) -> T + Sync,
+    middle: impl Fn(CornerId) -> T + Sync,
+    centre: impl Fn(FaceId) -> T + Sync,
+) -> Vec<T> {
+    if parent.regular_valence() != Some(4) {
+        let quad = |c| [own(c), middle(c), centre(parent.face_of(c)), middle(parent.prev(c))];
+        return child_corners(parent, quad);
+    }
+    let quads = |face: usize| {
+        let corners = [0, 1, 2, 3].map(|k| CornerId::new(4 * face + k));
+        let ([a, b, c, d], [ab, bc, cd, da], e) = (corners.map(&own), corners.map(&middle), centre(FaceId::new(face)));
+        [[a, ab, e, da], [ab, b, bc, e], [e, bc, c, cd], [da, e, cd, d]]
+    };
+    let faces = (0..parent.len()).into_par_iter().with_min_len(CORNERS_PER_TASK / 4);
+    faces.map(quads).collect::<Vec<[[T; 4]; 4]>>().into_flattened().into_flattened()
+}
+
 /// What the corners of the child quads take, where `around` gives it for the quad of a corner, from step 0 on.
-pub fn child_corners<T: Copy + Send>(parent: &Faces, filler: T, around: impl Fn(CornerId) -> [T; 4] + Sync) -> Vec<T> {
-    let mut children = vec![filler; 4 * parent.corners().len()];
-    children.par_chunks_mut(4 * CORNERS_PER_TASK).enumerate().for_each(|(task, quads)| {
-        for (i, quad) in quads.chunks_exact_mut(4).enumerate() {
-            let corner = CornerId::new(task * CORNERS_PER_TASK + i);
-            let [a, b, c, d] = around(corner);
-            quad.copy_from_slice(&match turn(parent, corner) {
-                0 => [a, b, c, d],
-                1 => [d, a, b, c],
-                2 => [c, d, a, b],
-                _ => [b, c, d, a],
-            });
+fn child_corners<T: Copy + Send>(parent: &Faces, around: impl Fn(CornerId) -> [T; 4] + Sync) -> Vec<T> {
+    let quad = |corner: usize| {
+        let corner = CornerId::new(corner);
+        let [a, b, c, d] = around(corner);
+        match turn(parent, corner) {
+            0 => [a, b, c, d],
+            1 => [d, a, b, c],
+            2 => [c, d, a, b],
+            _ => [b, c, d, a],
         }
-    });
-    children
+    };
+    let corners = (0..parent.corners().len()).into_par_iter().with_min_len(CORNERS_PER_TASK);
+    corners.map(quad).collect::<Vec<[T; 4]>>().into_flattened()
 }
 
 /// The child faces of a level.
@@ -116,14 +141,8 @@ pub fn child_faces(parent: &Level) -> Faces {
 fn child_quads(parent: &Level) -> Faces {
     let numbering = Numbering::new(parent);
     let t = &parent.topology;
-    Faces::quads(child_corners(&t.faces, VertexId::new(0), |corner| {
-        [
-            t.faces.vertex(corner),
-            numbering.of_edge(t.corner_edge[corner]),
-            numbering.of_face(t.faces.face_of(corner)),
-            numbering.of_edge(t.corner_edge[t.faces.prev(corner)]),
-        ]
-    }))
+    let middle = |corner| numbering.of_edge(t.corner_edge[corner]);
+    Faces::quads(child_quads_of(&t.faces, |corner| t.faces.vertex(corner), middle, |face| numbering.of_face(face)))
 }
 
 fn child_triangles(parent: &Level) -> Faces {
@@ -203,7 +222,7 @@ fn quad_topology(parent: &Level, faces: Faces) -> Topology {
         |edge: EdgeId, at: VertexId| EdgeId::new(corners + 2 * edge.index() + usize::from(t.edges[edge][0] != at));
 
     let corner_edge = || {
-        child_corners(&t.faces, EdgeId::new(0), |corner| {
+        child_corners(&t.faces, |corner| {
             let prev = t.faces.prev(corner);
             let vertex = t.faces.vertex(corner);
             [

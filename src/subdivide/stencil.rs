@@ -8,7 +8,7 @@ const ROWS_PER_TASK: usize = 4096;
 
 /// For each child value the parent values that it is a weighted sum of.
 ///
-/// A row is computed when it is asked for: the masks of a regular mesh cost less than reading them from a table.
+/// A row may be computed when it is asked for: the masks of a regular mesh cost less than reading them from a table.
 pub trait Stencils: Sync {
     /// What the parent values belong to.
     type Source: Id;
@@ -37,10 +37,36 @@ pub trait Stencils: Sync {
 
     /// Child values of `width` numbers each, summed in double precision.
     fn apply_rows<T: Real>(&self, parents: &[T], width: usize) -> Vec<T> {
-        let mut children = vec![T::from_f64(0.0); self.rows() * width];
-        if width == 0 {
-            return children;
+        match width {
+            0 => Vec::new(),
+            1 => self.apply_tuples::<T, 1>(parents),
+            2 => self.apply_tuples::<T, 2>(parents),
+            3 => self.apply_tuples::<T, 3>(parents),
+            4 => self.apply_tuples::<T, 4>(parents),
+            _ => self.apply_wide(parents, width),
         }
+    }
+
+    /// The same for few numbers, whose sums are kept in registers.
+    fn apply_tuples<T: Real, const N: usize>(&self, parents: &[T]) -> Vec<T> {
+        let (parents, _) = parents.as_chunks::<N>();
+        let mut children = vec![T::from_f64(0.0); self.rows() * N];
+        children.par_chunks_mut(ROWS_PER_TASK * N).enumerate().for_each(|(task, children)| {
+            for (i, child) in children.as_chunks_mut::<N>().0.iter_mut().enumerate() {
+                let mut sum = [0.0f64; N];
+                self.row(task * ROWS_PER_TASK + i, &mut |source, weight| {
+                    let (parent, weight) = (&parents[source.index()], f64::from(weight));
+                    (0..N).for_each(|k| sum[k] += weight * parent[k].to_f64());
+                });
+                *child = sum.map(T::from_f64);
+            }
+        });
+        children
+    }
+
+    /// The same for many numbers.
+    fn apply_wide<T: Real>(&self, parents: &[T], width: usize) -> Vec<T> {
+        let mut children = vec![T::from_f64(0.0); self.rows() * width];
         children.par_chunks_mut(ROWS_PER_TASK * width).enumerate().for_each(|(task, children)| {
             let mut sum = vec![0.0f64; width];
             for (i, child) in children.chunks_exact_mut(width).enumerate() {
@@ -69,6 +95,103 @@ pub trait Stencils: Sync {
     fn heaviest(&self, row: usize) -> Option<Self::Source> {
         let heavier = |a: &(Self::Source, f32), b: &(Self::Source, f32)| b.1 > a.1 || b.1 == a.1 && b.0 < a.0;
         self.merged(row).into_iter().reduce(|a, b| if heavier(&a, &b) { b } else { a }).map(|(s, _)| s)
+    }
+}
+
+/// Weighted sums, one row for each child value.
+#[derive(Clone, Debug)]
+pub struct Table<I> {
+    offsets: Vec<u32>,
+    entries: Vec<(I, f32)>,
+}
+
+/// A table of no rows.
+impl<I> Default for Table<I> {
+    fn default() -> Self {
+        Self { offsets: vec![0], entries: Vec::new() }
+    }
+}
+
+impl<I: Copy> Table<I> {
+    /// Adds a row.
+    pub fn push(&mut self, row: impl IntoIterator<Item = (I, f32)>) {
+        self.entries.extend(row);
+        self.offsets.push(self.entries.len() as u32);
+    }
+
+    /// A table with room for rows, and for sources of all of them.
+    pub fn with_capacity(rows: usize, sources: usize) -> Self {
+        let mut offsets = Vec::with_capacity(rows + 1);
+        offsets.push(0);
+        Self { offsets, entries: Vec::with_capacity(sources) }
+    }
+
+    /// Adds a source to the row that the next [`Table::push`] ends.
+    pub fn extend_row(&mut self, source: I, weight: f32) {
+        self.entries.push((source, weight));
+    }
+
+    /// Adds to the weight of a source in the last row, and returns the place of its entry. `place` is where it may be.
+    pub fn add(&mut self, source: I, weight: f32, place: u32) -> u32
+    where
+        I: PartialEq,
+    {
+        let start = self.offsets.len().checked_sub(2).map_or(0, |last| self.offsets[last]);
+        match self.entries.get_mut(place as usize) {
+            Some((known, sum)) if place >= start && *known == source => {
+                *sum += weight;
+                place
+            }
+            _ => {
+                self.entries.push((source, weight));
+                let end = self.entries.len() as u32;
+                if let Some(last) = self.offsets.last_mut() {
+                    *last = end;
+                }
+                end - 1
+            }
+        }
+    }
+
+    /// The rows of tables one after the other.
+    pub fn joined(tables: &[Self]) -> Self {
+        let mut joined = Self::default();
+        joined.entries.reserve(tables.iter().map(|table| table.entries.len()).sum());
+        joined.offsets.reserve(tables.iter().map(Self::len).sum());
+        for table in tables {
+            let start = joined.entries.len() as u32;
+            joined.entries.extend_from_slice(&table.entries);
+            joined.offsets.extend(table.offsets[1..].iter().map(|offset| start + offset));
+        }
+        joined
+    }
+
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.offsets.len() - 1
+    }
+
+    /// Whether there is no row.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The sources and weights of a row.
+    #[inline]
+    pub fn at(&self, row: usize) -> &[(I, f32)] {
+        &self.entries[self.offsets[row] as usize..self.offsets[row + 1] as usize]
+    }
+}
+
+impl<I: Id> Stencils for &Table<I> {
+    type Source = I;
+
+    fn rows(&self) -> usize {
+        self.len()
+    }
+
+    fn row(&self, row: usize, sink: &mut impl FnMut(I, f32)) {
+        self.at(row).iter().for_each(|&(source, weight)| sink(source, weight));
     }
 }
 

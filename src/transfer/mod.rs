@@ -100,8 +100,8 @@ pub fn transfer(
         holes: Vec::new(),
         creases: Vec::new(),
         corners: Vec::new(),
-        primvars,
-        subsets,
+        primvars: primvars.into(),
+        subsets: subsets.into(),
         families,
     };
     Transferred { mesh, coverage, curves, islands }

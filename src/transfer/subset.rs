@@ -38,7 +38,7 @@ pub(super) struct EdgeSets<'a> {
 
 impl<'a> EdgeSets<'a> {
     pub fn new(garment: &Garment, product: &'a SimProduct, net: &'a Net) -> Self {
-        let mut sources = garment.subsets.clone();
+        let mut sources = garment.subsets.to_vec();
         sources.extend(sharp_sets(garment));
         let edges = Edges::new(product, &net.topology);
         let carried = edges.carry_all(&edges_of(&sources));

@@ -53,7 +53,7 @@ impl Skin<'_> {
         let of = |face: FaceId| {
             let (mut gap, view, mut samples) = (OPEN, self.view(face), Vec::new());
             let around = self.boxes[face].grown(reach);
-            tree.visit(&self.boxes, &around, &mut |other| self.narrow(&view, other, reach, &mut samples, &mut gap));
+            tree.visit(&around, &mut |other, _| self.narrow(&view, other, reach, &mut samples, &mut gap));
             gap
         };
         (0..self.boxes.len()).into_par_iter().map(|f| of(FaceId::new(f))).collect::<Vec<_>>().into()

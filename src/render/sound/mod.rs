@@ -11,8 +11,9 @@ pub use skin::Skin;
 
 use super::derivation::Derivation;
 use crate::mesh::{FaceId, IdVec, VertexId};
-use crate::subdivide::{Level, Lineage};
+use crate::subdivide::{Cage, Level, Lineage};
 use glam::Vec3;
+use rayon::prelude::*;
 
 /// Part of a height that is left in any case.
 pub const LEAST_SHARE: f32 = 0.1;
@@ -38,8 +39,8 @@ pub struct States<'a> {
 
 /// A child and its parent, whose points are known.
 pub struct Kin<'a> {
-    /// The child's connectivity and rules.
-    pub child: &'a Level,
+    /// The child; its points are not read.
+    pub child: &'a Cage,
     /// The parent's.
     pub parent: &'a Level,
     /// The parent's points.
@@ -69,16 +70,17 @@ pub fn sound(kin: &Kin, states: &States) -> Sound {
     let mut steps: IdVec<VertexId, u8> = IdVec::filled(0, states.raised.len());
     let mut points = states.raised.clone();
     let mut skin = Skin::new(kin.child, &points);
-    let normals = linear_normals(kin.child, states.linear);
+    let normals = linear_normals(kin.child.level(), states.linear);
     let is_active =
         |f: FaceId| kin.moved[f] && (kin.doubtful[f] || skin.is_bent(f) || skin.normal(f).dot(normals[f]) < ONE_WAY);
     let mut is_active: IdVec<FaceId, bool> = kin.moved.ids().map(is_active).collect();
     let mut active: Vec<FaceId> = kin.moved.ids().filter(|&f| is_active[f]).collect();
     // Where a step back makes more faults than it mends, as beside the free border of a layer, an earlier one is kept.
     let mut best: Option<Sound> = None;
+    let mut before = Skin::of(kin.parent, kin.parent_points, &[]);
     let share = |&s: &u8| LEAST_SHARE + (1.0 - LEAST_SHARE) * STEPS[usize::from(s)].0;
     for _ in 0..STEPS.len() {
-        let faults = faults(kin, &mut skin, (&active, &is_active), &normals);
+        let faults = faults(kin, (&mut skin, &mut before), (&active, &is_active), &normals);
         let shares = steps.iter().map(share).collect();
         let changed = step_on(kin, &mut steps, &faults);
         if best.as_ref().is_none_or(|best| faults.len() < best.faults.len()) {
@@ -92,9 +94,8 @@ pub fn sound(kin: &Kin, states: &States) -> Sound {
             let flat = states.flat[vertex].lerp(states.raised[vertex], height);
             points[vertex] = states.linear[vertex].lerp(flat, fit);
         }
-        active = around(kin.child, &around(kin.child, &[], &changed), &[]);
-        is_active.iter_mut().for_each(|a| *a = false);
-        active.iter().for_each(|&f| is_active[f] = true);
+        is_active = reached(kin.child.level(), &changed);
+        active = is_active.ids().filter(|&f| is_active[f]).collect();
         skin.update(&points, &active);
     }
     best.unwrap_or_else(|| Sound { points, shares: steps.iter().map(share).collect(), faults: Vec::new() })
@@ -110,22 +111,22 @@ fn linear_normals(level: &Level, points: &IdVec<VertexId, Vec3>) -> IdVec<FaceId
         let longest = vertices.iter().map(|&v| at(v).length_squared()).fold(0.0, f32::max);
         if area.length() > 1e-3 * longest { area.normalize() } else { Vec3::ZERO }
     };
-    faces.ids().map(normal).collect()
+    (0..faces.len()).into_par_iter().map(|face| normal(FaceId::new(face))).collect::<Vec<_>>().into()
 }
 
 /// Faces that cross others or are turned over, and did not before.
 fn faults(
     kin: &Kin,
-    skin: &mut Skin,
+    (skin, before): (&mut Skin, &mut Skin),
     (active, is_active): (&[FaceId], &IdVec<FaceId, bool>),
     normals: &IdVec<FaceId, Vec3>,
 ) -> Vec<FaceId> {
-    let (crossing, turned) = (skin.crossings(active, is_active), skin.turned(active, normals));
+    let (crossing, turned) = (skin.crossings(is_active), skin.turned(active, normals));
     let parent_face = |f: FaceId| kin.derivation.parent_face(f);
     let mut parents: Vec<FaceId> = crossing.iter().flatten().chain(&turned).map(|&f| parent_face(f)).collect();
     parents.sort_unstable();
     parents.dedup();
-    let before = Skin::of(kin.parent, kin.parent_points, &parents);
+    before.update(kin.parent_points, &parents);
     let crossed = |&[f, g]: &[FaceId; 2]| before.cross(parent_face(f), parent_face(g));
     let had_turned = |&f: &FaceId| {
         let p = parent_face(f);
@@ -141,9 +142,9 @@ fn faults(
 /// Takes a step back at the vertices of `faults`, and as many at their neighbours as keep the change even; returns the
 /// vertices that took one.
 fn step_on(kin: &Kin, steps: &mut IdVec<VertexId, u8>, faults: &[FaceId]) -> Vec<VertexId> {
-    let faces = &kin.child.topology.faces;
+    let t = &kin.child.level().topology;
     let last = STEPS.len() as u8 - 1;
-    let mut marked: Vec<VertexId> = faults.iter().flat_map(|&f| faces.vertices_of(f)).copied().collect();
+    let mut marked: Vec<VertexId> = faults.iter().flat_map(|&f| t.faces.vertices_of(f)).copied().collect();
     marked.sort_unstable();
     marked.dedup();
     marked.retain(|&v| steps[v] < last);
@@ -154,8 +155,8 @@ fn step_on(kin: &Kin, steps: &mut IdVec<VertexId, u8>, faults: &[FaceId]) -> Vec
         let mut next: Vec<VertexId> = Vec::new();
         for &vertex in &front {
             let least = steps[vertex].saturating_sub(SLACK);
-            for face in kin.child.topology.faces_at(vertex) {
-                for &other in faces.vertices_of(face) {
+            for face in t.faces_at(vertex) {
+                for &other in t.faces.vertices_of(face) {
                     if steps[other] < least {
                         steps[other] = least;
                         next.push(other);
@@ -172,11 +173,12 @@ fn step_on(kin: &Kin, steps: &mut IdVec<VertexId, u8>, faults: &[FaceId]) -> Vec
     steps.ids().filter(|&v| steps[v] != before[v]).collect()
 }
 
-/// The faces that touch others, or vertices.
-fn around(level: &Level, faces: &[FaceId], vertices: &[VertexId]) -> Vec<FaceId> {
-    let of_faces = faces.iter().flat_map(|&f| level.topology.faces.vertices_of(f));
-    let mut found: Vec<FaceId> = of_faces.chain(vertices).flat_map(|&v| level.topology.faces_at(v)).collect();
-    found.sort_unstable();
-    found.dedup();
-    found
+/// The faces whose children move with some vertices: those at them, and the faces that touch those.
+fn reached(level: &Level, vertices: &[VertexId]) -> IdVec<FaceId, bool> {
+    let t = &level.topology;
+    let mut near = IdVec::filled(false, t.vertex_count());
+    for face in vertices.iter().flat_map(|&v| t.faces_at(v)) {
+        t.faces.vertices_of(face).iter().for_each(|&v| near[v] = true);
+    }
+    t.faces.ids().map(|f| t.faces.vertices_of(f).iter().any(|&v| near[v])).collect()
 }

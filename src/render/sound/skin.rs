@@ -5,7 +5,7 @@
 
 use super::tree::{Bounds, Tree};
 use crate::mesh::{CornerId, FaceId, IdVec, VertexId};
-use crate::subdivide::{Level, Numbering, Stencils, carried_points};
+use crate::subdivide::{Cage, Level, Numbering, Stencils, VertexRows};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -32,18 +32,13 @@ struct Patch {
     heights: (f32, f32),
 }
 
-/// What is known of some faces in a row.
-#[derive(Default)]
-struct Part {
-    samples: Vec<Vec3>,
-    normals: Vec<Vec3>,
-    boxes: Vec<Bounds>,
-    patches: Vec<Patch>,
-}
+/// A child by its face and its number there, and its quad.
+type Child<'a> = (FaceId, usize, &'a [Vec3; 4]);
 
 /// A cage's first refinement, stored face by face, so that a pair of faces is two pieces of memory.
 pub struct Skin<'a> {
     pub(super) level: &'a Level,
+    rows: VertexRows<'a>,
     numbering: Numbering,
     refined: IdVec<VertexId, Vec3>,
     /// The children's points: of each face corners and middles of edges by turns, then the centre.
@@ -57,90 +52,80 @@ pub struct Skin<'a> {
 
 impl<'a> Skin<'a> {
     /// The skin of a cage with the given points.
-    pub fn new(level: &'a Level, points: &IdVec<VertexId, Vec3>) -> Self {
-        let mut skin = Self {
-            level,
-            numbering: Numbering::new(level),
-            refined: carried_points(&level.vertex_stencils(), points),
-            samples: Vec::new(),
-            normals: IdVec::default(),
-            boxes: IdVec::default(),
-            patches: IdVec::default(),
-            tree: None,
-        };
-        let count = level.topology.faces.len();
-        let blocks = (0..count.div_ceil(BLOCK)).into_par_iter();
-        let parts: Vec<Part> = blocks.map(|b| skin.part(b * BLOCK..count.min((b + 1) * BLOCK))).collect();
-        for part in parts {
-            skin.samples.extend(part.samples);
-            skin.normals.extend(part.normals);
-            skin.boxes.extend(part.boxes);
-            skin.patches.extend(part.patches);
-        }
+    pub fn new(cage: &'a Cage, points: &IdVec<VertexId, Vec3>) -> Self {
+        let mut skin = Self::empty(cage.level(), cage.vertex_rows(), cage.refined_points(points));
+        skin.measure_all();
         skin
-    }
-
-    fn part(&self, faces: Range<usize>) -> Part {
-        let mut part = Part::default();
-        for face in faces.map(FaceId::new) {
-            let (from, first) = (part.samples.len(), part.normals.len());
-            part.samples.extend(self.vertices(face).map(|v| self.refined[v]));
-            let samples = &part.samples[from..];
-            part.normals.extend(normals(samples));
-            let (bounds, patch) = measured(samples, &part.normals[first..]);
-            part.boxes.push(bounds);
-            part.patches.push(patch);
-        }
-        part
     }
 
     /// The skin of some faces of a cage, which alone may be asked about.
     pub fn of(level: &'a Level, points: &IdVec<VertexId, Vec3>, faces: &[FaceId]) -> Self {
+        let refined = IdVec::filled(Vec3::ZERO, Numbering::new(level).vertices());
+        let mut skin = Self::empty(level, VertexRows::Masks(level.vertex_stencils()), refined);
+        skin.update(points, faces);
+        skin
+    }
+
+    fn empty(level: &'a Level, rows: VertexRows<'a>, refined: IdVec<VertexId, Vec3>) -> Self {
         let all = &level.topology.faces;
-        let numbering = Numbering::new(level);
-        let mut skin = Self {
+        Self {
             level,
-            numbering,
-            refined: IdVec::filled(Vec3::ZERO, numbering.vertices()),
+            rows,
+            numbering: Numbering::new(level),
+            refined,
             samples: vec![Vec3::ZERO; 2 * all.corners().len() + all.len()],
             normals: IdVec::filled(Vec3::ZERO, all.corners().len()),
             boxes: IdVec::filled(Bounds::EMPTY, all.len()),
             patches: IdVec::filled(Patch::default(), all.len()),
             tree: None,
-        };
-        skin.update(points, faces);
-        skin
+        }
+    }
+
+    fn measure_all(&mut self) {
+        let (level, numbering, refined) = (self.level, self.numbering, &self.refined);
+        let faces = &level.topology.faces;
+        let (mut samples, mut normals) = (self.samples.as_mut_slice(), self.normals.as_mut_slice());
+        let mut blocks = Vec::new();
+        for first in (0..faces.len()).step_by(BLOCK) {
+            let own = first..faces.len().min(first + BLOCK);
+            let corners: usize = own.clone().map(|face| faces.valence(FaceId::new(face))).sum();
+            let (own_samples, own_normals);
+            (own_samples, samples) = samples.split_at_mut(2 * corners + own.len());
+            (own_normals, normals) = normals.split_at_mut(corners);
+            blocks.push((own, own_samples, own_normals));
+        }
+        let boxes = self.boxes.as_mut_slice().par_chunks_mut(BLOCK);
+        let known = boxes.zip(self.patches.as_mut_slice().par_chunks_mut(BLOCK));
+        blocks.into_par_iter().zip(known).for_each(|((own, mut samples, mut normals), (boxes, patches))| {
+            for ((face, bounds), patch) in own.map(FaceId::new).zip(boxes).zip(patches) {
+                let (its_samples, its_normals);
+                (its_samples, samples) = samples.split_at_mut(2 * faces.valence(face) + 1);
+                (its_normals, normals) = normals.split_at_mut(faces.valence(face));
+                let children = vertices(level, numbering, face).map(|v| refined[v]);
+                (*bounds, *patch) = measure(children, its_samples, its_normals);
+            }
+        });
     }
 
     /// Moves the children of `faces` to where the cage's points put them now.
     pub fn update(&mut self, points: &IdVec<VertexId, Vec3>, faces: &[FaceId]) {
-        let mut moved: Vec<VertexId> = faces.iter().flat_map(|&f| self.vertices(f)).collect();
-        moved.sort_unstable();
-        moved.dedup();
-        let stencils = self.level.vertex_stencils();
-        for child in moved {
+        let (level, numbering) = (self.level, self.numbering);
+        let mut is_moved = IdVec::filled(false, self.refined.len());
+        faces.iter().flat_map(|&f| vertices(level, numbering, f)).for_each(|child| is_moved[child] = true);
+        for child in is_moved.ids().filter(|&child| is_moved[child]) {
             let mut place = Vec3::ZERO;
-            stencils.row(child.index(), &mut |v, w| place += w * points[v]);
+            self.rows.row(child.index(), &mut |v, w| place += w * points[v]);
             self.refined[child] = place;
         }
         for &face in faces {
-            let part = self.part(face.index()..face.index() + 1);
-            let corners = self.level.topology.faces.range(face);
-            corners.zip(part.normals).for_each(|(c, normal)| self.normals[CornerId::new(c)] = normal);
-            let range = self.range(face);
-            self.samples[range].copy_from_slice(&part.samples);
-            (self.boxes[face], self.patches[face]) = (part.boxes[0], part.patches[0]);
+            let (range, corners) = (self.range(face), level.topology.faces.range(face));
+            let children = vertices(level, numbering, face).map(|v| self.refined[v]);
+            (self.boxes[face], self.patches[face]) =
+                measure(children, &mut self.samples[range], &mut self.normals.as_mut_slice()[corners]);
         }
         if let Some(tree) = &mut self.tree {
             tree.refit(&self.boxes);
         }
-    }
-
-    /// The vertices of a face's children, in the order of its samples.
-    fn vertices(&self, face: FaceId) -> impl Iterator<Item = VertexId> {
-        let t = &self.level.topology;
-        let of = |c| [self.numbering.of_vertex(t.faces.vertex(c)), self.numbering.of_edge(t.corner_edge[c])];
-        t.faces.corners_of(face).flat_map(of).chain(std::iter::once(self.numbering.of_face(face)))
     }
 
     #[inline]
@@ -182,24 +167,24 @@ impl<'a> Skin<'a> {
         self.patches[face].normal
     }
 
-    /// Pairs of faces that cross, or a face twice that crosses itself, with at least one of `active`, whose faces
-    /// `is_active` tells.
-    pub fn crossings(&mut self, active: &[FaceId], is_active: &IdVec<FaceId, bool>) -> Vec<[FaceId; 2]> {
+    /// Pairs of faces that cross, or a face twice that crosses itself, with at least one that is active.
+    pub fn crossings(&mut self, is_active: &IdVec<FaceId, bool>) -> Vec<[FaceId; 2]> {
         let boxes = &self.boxes;
         self.tree.get_or_insert_with(|| Tree::new(boxes));
         let Some(tree) = &self.tree else { return Vec::new() };
-        let with = |&face: &FaceId| {
+        // What is near one face is near the others of its group.
+        let of_group = |group: usize| {
             let mut found: Vec<[FaceId; 2]> = Vec::new();
-            tree.visit(&self.boxes, &self.boxes[face], &mut |other| {
-                let is_other_turn = is_active[other] && other.index() < face.index();
-                if !is_other_turn && self.cross(face, other) {
-                    found.push([face, other]);
-                }
+            let own: Vec<(FaceId, &Bounds)> = tree.group(group).filter(|(face, _)| is_active[*face]).collect();
+            let around = own.iter().fold(Bounds::EMPTY, |all, (_, b)| all.and(b));
+            tree.visit(&around, &mut |other, bounds| {
+                let is_own_turn = |face: FaceId| !is_active[other] || face <= other;
+                let near = own.iter().filter(|(face, b)| is_own_turn(*face) && b.meets(bounds));
+                found.extend(near.map(|&(face, _)| [face, other]).filter(|&[f, g]| self.cross(f, g)));
             });
-            found.sort_unstable();
             found
         };
-        active.par_iter().flat_map_iter(with).collect()
+        (0..tree.groups()).into_par_iter().flat_map_iter(of_group).collect()
     }
 
     /// Whether the children of two faces cross, or of one.
@@ -216,7 +201,12 @@ impl<'a> Skin<'a> {
     /// Whether two faces have a vertex in common.
     pub(super) fn touch(&self, f: FaceId, g: FaceId) -> bool {
         let faces = &self.level.topology.faces;
-        faces.vertices_of(f).iter().any(|v| faces.vertices_of(g).contains(v))
+        let (a, b) = (faces.vertices_of(f), faces.vertices_of(g));
+        if let (Ok(a), Ok(b)) = (<&[VertexId; 4]>::try_from(a), <&[VertexId; 4]>::try_from(b)) {
+            // All at once is faster than to stop at the first.
+            return a.iter().fold(false, |any, v| b.iter().fold(any, |any, w| any | (v == w)));
+        }
+        a.iter().any(|v| b.contains(v))
     }
 
     /// Whether faces that touch cannot cross, as they look to one side. Of the narrow triangles where a seam ends, one may
@@ -233,49 +223,59 @@ impl<'a> Skin<'a> {
 
     /// Whether a plane across the normal of `f` parts two faces.
     fn is_apart(&self, f: FaceId, g: FaceId) -> bool {
-        let patch = &self.patches[f];
-        are_apart(patch.heights, heights(self.samples(g), patch.normal))
+        let Patch { normal, heights: (low, high), .. } = self.patches[f];
+        let mut heights = self.samples(g).iter().map(|p| p.dot(normal));
+        // All on the side of the first one.
+        match heights.next() {
+            Some(first) if first > high => heights.all(|h| h > high),
+            Some(first) if first < low => heights.all(|h| h < low),
+            _ => false,
+        }
     }
 
     /// `joined` tells whether they may have vertices in common.
     fn children_cross(&self, f: FaceId, g: FaceId, joined: bool) -> bool {
-        for (i, quad) in quads(self.samples(f)).enumerate() {
-            let bounds = Bounds::of(&quad);
-            if !bounds.meets(&self.boxes[g]) {
-                continue;
-            }
-            let (a, first) = (quad.map(|p| p.as_dvec3()), self.cuts(f, i));
-            for (j, b) in quads(self.samples(g)).enumerate() {
-                // A child's own two triangles have an edge in common.
-                if (f == g && j <= i) || !bounds.meets(&Bounds::of(&b)) {
-                    continue;
-                }
-                let looks = [self.normals(f)[i], self.normals(g)[j]];
-                if looks.iter().any(|&axis| are_apart(heights(&quad, axis), heights(&b, axis))) {
-                    continue;
-                }
-                let (b, second) = (b.map(|p| p.as_dvec3()), self.cuts(g, j));
-                let pierces = |x: &[usize; 3], y: &[usize; 3]| {
-                    pierce(&x.map(|k| a[k]), &y.map(|k| b[k])) && !(joined && self.are_joined((f, i, x), (g, j, y)))
-                };
-                if first.iter().any(|x| second.iter().any(|y| pierces(x, y))) {
-                    return true;
-                }
-            }
+        let near = |face: FaceId, other: FaceId| {
+            let children = quads(self.samples(face)).enumerate().map(|(i, quad)| (i, quad, Bounds::of(&quad)));
+            children.filter(move |(_, _, bounds)| bounds.meets(&self.boxes[other]))
+        };
+        let of_g: Vec<(usize, [Vec3; 4], Bounds)> = near(g, f).collect();
+        if of_g.is_empty() {
+            return false;
         }
-        false
+        near(f, g).any(|(i, a, bounds)| {
+            // A child's own two triangles have an edge in common.
+            let others = of_g.iter().filter(|(j, _, its)| (f != g || *j > i) && bounds.meets(its));
+            others.into_iter().any(|(j, b, _)| {
+                let mut looks = [self.normals(f)[i], self.normals(g)[*j]].into_iter();
+                let are_apart = looks.any(|axis| are_apart(heights(&a, axis), heights(b, axis)));
+                !are_apart && self.triangles_cross((f, i, &a), (g, *j, b), joined)
+            })
+        })
+    }
+
+    /// Whether the triangles of two children cross, given with their faces and quads.
+    fn triangles_cross(&self, (f, i, a): Child, (g, j, b): Child, joined: bool) -> bool {
+        // Triangles that have a vertex in common do not count.
+        let same = if joined {
+            {
+                let (a, b) = (self.quad_vertices(f, i), self.quad_vertices(g, j));
+                a.map(|v| b.map(|w| v == w))
+            }
+        } else {
+            [[false; 4]; 4]
+        };
+        let are_joined = |x: &[usize; 3], y: &[usize; 3]| x.iter().any(|&k| y.iter().any(|&l| same[k][l]));
+        let (first, second) = (self.cuts(f, i), self.cuts(g, j));
+        let (a, b) = (a.map(|p| p.as_dvec3()), b.map(|p| p.as_dvec3()));
+        let pierces = |x: &[usize; 3], y: &[usize; 3]| !are_joined(x, y) && pierce(&x.map(|k| a[k]), &y.map(|k| b[k]));
+        first.iter().any(|x| second.iter().any(|y| pierces(x, y)))
     }
 
     /// The two triangles of a child, by places in its quad, cut as the refined mesh has it.
     fn cuts(&self, face: FaceId, child: usize) -> [[usize; 3]; 2] {
         let is_odd = self.level.topology.faces.valence(face) == 4 && child % 2 == 1;
         if is_odd { [[1, 2, 3], [1, 3, 0]] } else { [[0, 1, 2], [0, 2, 3]] }
-    }
-
-    /// Whether triangles of children have a vertex in common.
-    fn are_joined(&self, (f, i, x): (FaceId, usize, &[usize; 3]), (g, j, y): (FaceId, usize, &[usize; 3])) -> bool {
-        let (a, b) = (self.quad_vertices(f, i), self.quad_vertices(g, j));
-        x.iter().any(|&k| y.iter().any(|&l| a[k] == b[l]))
     }
 
     /// The vertices of a child, in the order of its quad.
@@ -306,12 +306,17 @@ fn area([a, b, c, d]: [Vec3; 4]) -> Vec3 {
     (c - a).cross(d - b)
 }
 
-/// Unit normals of the children.
-fn normals(samples: &[Vec3]) -> impl Iterator<Item = Vec3> {
-    quads(samples).map(|q| area(q).normalize_or_zero())
+/// The vertices of a face's children, in the order of its samples.
+fn vertices(level: &Level, numbering: Numbering, face: FaceId) -> impl Iterator<Item = VertexId> {
+    let t = &level.topology;
+    let of = move |c| [numbering.of_vertex(t.faces.vertex(c)), numbering.of_edge(t.corner_edge[c])];
+    t.faces.corners_of(face).flat_map(of).chain(std::iter::once(numbering.of_face(face)))
 }
 
-fn measured(samples: &[Vec3], normals: &[Vec3]) -> (Bounds, Patch) {
+/// Puts the samples of a face where its children are, and measures them.
+fn measure(children: impl Iterator<Item = Vec3>, samples: &mut [Vec3], normals: &mut [Vec3]) -> (Bounds, Patch) {
+    samples.iter_mut().zip(children).for_each(|(sample, child)| *sample = child);
+    normals.iter_mut().zip(quads(samples)).for_each(|(normal, quad)| *normal = area(quad).normalize_or_zero());
     let normal = quads(samples).map(area).sum::<Vec3>().normalize_or_zero();
     let spread = normals.iter().map(|n| n.dot(normal)).fold(1.0, f32::min);
     (Bounds::of(samples), Patch { normal, spread, heights: heights(samples, normal) })
@@ -320,7 +325,9 @@ fn measured(samples: &[Vec3], normals: &[Vec3]) -> (Bounds, Patch) {
 /// The range of points along an axis.
 #[inline]
 pub(super) fn heights(points: &[Vec3], axis: Vec3) -> (f32, f32) {
-    points.iter().map(|p| p.dot(axis)).fold((f32::MAX, f32::MIN), |(low, high), h| (low.min(h), high.max(h)))
+    // Comparisons are single instructions, where `f32::min` must see to what is not a number in either.
+    let add = |(low, high), h| (if h < low { h } else { low }, if h > high { h } else { high });
+    points.iter().map(|p| p.dot(axis)).fold((f32::MAX, f32::MIN), add)
 }
 
 fn are_apart((a, b): (f32, f32), (c, d): (f32, f32)) -> bool {

@@ -47,6 +47,8 @@ impl Bounds {
 /// A complete binary tree over faces in an order in which neighbours are near.
 pub struct Tree {
     order: Vec<FaceId>,
+    /// The boxes of the faces in that order.
+    boxes: Vec<Bounds>,
     /// The root is 1, the children of `i` are `2 i` and `2 i + 1`.
     nodes: Vec<Bounds>,
     leaves: usize,
@@ -65,41 +67,52 @@ impl Tree {
         keys.par_sort_unstable_by_key(|&(code, face)| (code, face.index()));
         let leaves = keys.len().div_ceil(LEAF).next_power_of_two();
         let order = keys.into_iter().map(|(_, face)| face).collect();
-        let mut tree = Self { order, nodes: vec![Bounds::EMPTY; 2 * leaves], leaves };
+        let (of_faces, nodes) = (vec![Bounds::EMPTY; boxes.len()], vec![Bounds::EMPTY; 2 * leaves]);
+        let mut tree = Self { order, boxes: of_faces, nodes, leaves };
         tree.refit(boxes);
         tree
     }
 
     /// Fits the nodes to boxes that have changed.
     pub fn refit(&mut self, boxes: &IdVec<FaceId, Bounds>) {
-        for (leaf, faces) in self.order.chunks(LEAF).enumerate() {
-            self.nodes[self.leaves + leaf] = faces.iter().fold(Bounds::EMPTY, |b, &f| b.and(&boxes[f]));
+        self.boxes.iter_mut().zip(&self.order).for_each(|(own, &face)| *own = boxes[face]);
+        for (leaf, boxes) in self.boxes.chunks(LEAF).enumerate() {
+            self.nodes[self.leaves + leaf] = boxes.iter().fold(Bounds::EMPTY, |all, b| all.and(b));
         }
         for node in (1..self.leaves).rev() {
             self.nodes[node] = self.nodes[2 * node].and(&self.nodes[2 * node + 1]);
         }
     }
 
-    /// Passes each face whose box meets `bounds` to `sink`.
-    pub fn visit(&self, boxes: &IdVec<FaceId, Bounds>, bounds: &Bounds, sink: &mut impl FnMut(FaceId)) {
+    /// Number of groups of near faces.
+    pub fn groups(&self) -> usize {
+        self.order.len().div_ceil(LEAF)
+    }
+
+    /// The faces of a group with their boxes.
+    pub fn group(&self, group: usize) -> impl Iterator<Item = (FaceId, &Bounds)> {
+        let faces = LEAF * group..(LEAF * (group + 1)).min(self.order.len());
+        self.order[faces.clone()].iter().copied().zip(&self.boxes[faces])
+    }
+
+    /// Passes each face whose box meets `bounds` to `sink`, with its box.
+    pub fn visit(&self, bounds: &Bounds, sink: &mut impl FnMut(FaceId, &Bounds)) {
         let mut stack = [0usize; 64];
-        let mut depth = 1;
+        let mut depth = usize::from(self.nodes[1].meets(bounds));
         stack[0] = 1;
         while depth > 0 {
             depth -= 1;
             let node = stack[depth];
-            if !self.nodes[node].meets(bounds) {
+            if node >= self.leaves {
+                self.group(node - self.leaves).filter(|(_, b)| b.meets(bounds)).for_each(|(f, b)| sink(f, b));
                 continue;
             }
-            if node < self.leaves {
-                stack[depth] = 2 * node + 1;
-                stack[depth + 1] = 2 * node;
-                depth += 2;
-                continue;
+            for child in [2 * node + 1, 2 * node] {
+                if self.nodes[child].meets(bounds) {
+                    stack[depth] = child;
+                    depth += 1;
+                }
             }
-            let first = LEAF * (node - self.leaves);
-            let faces = self.order.get(first..(first + LEAF).min(self.order.len())).unwrap_or(&[]);
-            faces.iter().filter(|&&f| boxes[f].meets(bounds)).for_each(|&f| sink(f));
         }
     }
 }
@@ -123,7 +136,7 @@ mod tests {
         let tree = Tree::new(&boxes);
         for b in boxes.iter() {
             let mut found = Vec::new();
-            tree.visit(&boxes, b, &mut |f| found.push(f));
+            tree.visit(b, &mut |f, _| found.push(f));
             found.sort_unstable();
             let expected: Vec<FaceId> = boxes.ids().filter(|&f| boxes[f].meets(b)).collect();
             assert_eq!(found, expected);

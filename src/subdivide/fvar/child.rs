@@ -5,15 +5,18 @@ use crate::garment::Scheme;
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, ValueId};
 use crate::subdivide::level::{self, INFINITE_SHARPNESS, Level};
 use crate::subdivide::masks;
-use crate::subdivide::split::{Numbering, child_corner, child_corners};
+use crate::subdivide::regular::Quads;
+use crate::subdivide::split::{Numbering, child_corner, child_quads_of};
 use crate::subdivide::stencil::Stencils;
+use std::sync::OnceLock;
 
 /// The refinement of one channel.
 pub struct ChannelChild<'a> {
     level: &'a Level,
     parent: &'a Channel,
+    quads: Option<Quads<'a, ValueId>>,
     values: Values,
-    corner_values: IdVec<CornerId, ValueId>,
+    corner_values: OnceLock<IdVec<CornerId, ValueId>>,
     tags: IdVec<ValueId, Tag>,
 }
 
@@ -21,14 +24,36 @@ impl<'a> ChannelChild<'a> {
     /// The refinement of a channel of `level`.
     pub fn new(level: &'a Level, parent: &'a Channel) -> Self {
         let values = Values::new(parent, level);
-        let (corner_values, tags) =
-            rayon::join(|| values.corner_values(parent, level), || parent.child_tags(level, &values));
-        Self { level, parent, values, corner_values, tags }
+        let tags = parent.child_tags(level, &values);
+        let quads = if parent.is_linear(level) { None } else { Quads::new(level, &parent.corner_value) };
+        Self { level, parent, quads, values, corner_values: OnceLock::new(), tags }
+    }
+
+    /// The row of a mesh of quads; whether it is one of the smooth ones.
+    #[inline(always)]
+    fn regular_row(&self, quads: &Quads<ValueId>, row: usize, sink: &mut impl FnMut(ValueId, f32)) -> bool {
+        let (own, faces, t) = (self.parent.len(), self.values.faces, &self.level.topology);
+        if row >= own && row < own + faces {
+            quads.face(FaceId::new(row - own), sink);
+            return true;
+        }
+        if self.tags[ValueId::new(row)] != Tag::Match {
+            return false;
+        }
+        if row < own {
+            return quads.vertex(t.faces.vertex(self.parent.value_corner[ValueId::new(row)]), sink);
+        }
+        quads.edge(t.corner_edge[self.values.halves[row - own - faces]], sink)
     }
 
     /// The value of each child corner.
     pub fn corner_values(&self) -> &IdVec<CornerId, ValueId> {
-        &self.corner_values
+        self.corner_values.get_or_init(|| self.values.corner_values(self.parent, self.level, ValueId::new).into())
+    }
+
+    /// The number of the value of each child corner.
+    pub fn indices(&self) -> Vec<u32> {
+        self.values.corner_values(self.parent, self.level, |value| value as u32)
     }
 
     /// The child channel, over the child's topology.
@@ -44,7 +69,9 @@ impl<'a> ChannelChild<'a> {
             }
         }
         let value_corner = self.values.value_corners(self.parent, self.level);
-        Channel { corner_value: self.corner_values, value_corner, tags: self.tags, edges, mode: self.parent.mode }
+        self.corner_values();
+        let corner_value = self.corner_values.into_inner().unwrap_or_default();
+        Channel { corner_value, value_corner, tags: self.tags, edges, mode: self.parent.mode }
     }
 }
 
@@ -57,6 +84,9 @@ impl Stencils for ChannelChild<'_> {
 
     #[inline(always)]
     fn row(&self, row: usize, sink: &mut impl FnMut(ValueId, f32)) {
+        if self.quads.is_some_and(|quads| self.regular_row(&quads, row, sink)) {
+            return;
+        }
         let (parent, level) = (self.parent, self.level);
         let mut sink = |corner: CornerId, weight: f32| sink(parent.corner_value[corner], weight);
         let own = parent.len();
@@ -232,45 +262,35 @@ impl Values {
 
     /// The value in the middle of an edge as the face of `half` sees it.
     #[inline(always)]
-    fn middle(&self, channel: &Channel, t: &Topology, half: CornerId) -> ValueId {
+    fn middle(&self, channel: &Channel, t: &Topology, half: CornerId) -> usize {
         let edge = t.corner_edge[half];
         let side = match channel.edges[edge].cut {
             true => t.edge_corners.row(edge).iter().position(|&h| h == half).unwrap_or(0),
             false => 0,
         };
-        ValueId::new(self.own + self.faces + self.first[edge] as usize + side)
+        self.own + self.faces + self.first[edge] as usize + side
     }
 
-    /// The value of each child corner.
-    fn corner_values(&self, channel: &Channel, level: &Level) -> IdVec<CornerId, ValueId> {
+    /// The value of each child corner, which `value` makes of its number.
+    fn corner_values<T: Copy + Send>(
+        &self,
+        channel: &Channel,
+        level: &Level,
+        value: impl Fn(usize) -> T + Sync,
+    ) -> Vec<T> {
         let t = &level.topology;
-        match level.scheme {
-            Scheme::Loop => self.triangle_values(channel, t),
-            _ => self.quad_values(channel, t),
+        let own = |corner: CornerId| value(channel.corner_value[corner].index());
+        let middle = |corner: CornerId| value(self.middle(channel, t, corner));
+        if level.scheme != Scheme::Loop {
+            return child_quads_of(&t.faces, own, middle, |face| value(self.own + face.index()));
         }
-    }
-
-    fn quad_values(&self, channel: &Channel, t: &Topology) -> IdVec<CornerId, ValueId> {
-        let values = child_corners(&t.faces, ValueId::new(0), |c| {
-            [
-                channel.corner_value[c],
-                self.middle(channel, t, c),
-                ValueId::new(self.own + t.faces.face_of(c).index()),
-                self.middle(channel, t, t.faces.prev(c)),
-            ]
-        });
-        values.into()
-    }
-
-    fn triangle_values(&self, channel: &Channel, t: &Topology) -> IdVec<CornerId, ValueId> {
-        let mut corner_value = Vec::with_capacity(12 * t.faces.len());
+        let mut values = Vec::with_capacity(12 * t.faces.len());
         for face in t.faces.ids() {
             let at = |k: usize| CornerId::new(t.faces.range(face).start + k);
-            let [v0, v1, v2] = [0, 1, 2].map(|k| channel.corner_value[at(k)]);
-            let [e0, e1, e2] = [0, 1, 2].map(|k| self.middle(channel, t, at(k)));
-            corner_value.extend([v0, e0, e2, e0, v1, e1, e2, e1, v2, e1, e2, e0]);
+            let ([v0, v1, v2], [e0, e1, e2]) = ([0, 1, 2].map(|k| own(at(k))), [0, 1, 2].map(|k| middle(at(k))));
+            values.extend([v0, e0, e2, e0, v1, e1, e2, e1, v2, e1, e2, e0]);
         }
-        corner_value.into()
+        values
     }
 
     /// A child corner of each child value.

@@ -1,0 +1,317 @@
+//! A garment on its way through refinements and operators.
+
+use super::carry::{Carry, Lineage, carried_points, carry, is_channel, mixed_channel, to_unit_length};
+use super::stencil::{Stencils, Table};
+use super::{Channel, ChannelChild, INFINITE_SHARPNESS, Level, Numbering, VertexStencils, refined_sharpness, split};
+use crate::garment::joints::{self, Influences};
+use crate::garment::{Corner, Crease, Garment, Primvar, Scheme, Subset};
+use crate::mesh::{CornerId, EdgeId, FaceId, Faces, IdVec, Topology, VertexId};
+use glam::Vec3;
+use rayon::prelude::*;
+use std::collections::BTreeSet;
+use std::sync::{Arc, OnceLock};
+
+/// A refinement as a lineage.
+pub struct Refinement<'a> {
+    level: &'a Level,
+    faces: Faces,
+    /// The channel of each primvar that has one.
+    channels: Vec<Option<RefinedChannel<'a>>>,
+}
+
+/// A channel's refinement, and the rows of the parent's values where they are in another order.
+struct RefinedChannel<'a> {
+    child: ChannelChild<'a>,
+    rows: Option<&'a [u32]>,
+}
+
+impl<'a> Refinement<'a> {
+    fn new(level: &'a Level, channels: &'a [Option<PrimvarChannel>]) -> Self {
+        let refined = |c: &'a PrimvarChannel| RefinedChannel {
+            child: ChannelChild::new(level, &c.channel),
+            rows: c.rows.as_deref(),
+        };
+        let all = || channels.par_iter().map(|c| c.as_ref().map(refined)).collect();
+        let (faces, channels) = rayon::join(|| split::child_faces(level), all);
+        Self { level, faces, channels }
+    }
+
+    fn is_loop(&self) -> bool {
+        self.level.scheme == Scheme::Loop
+    }
+}
+
+impl Lineage for Refinement<'_> {
+    const EDGES_ARE_OWN: bool = true;
+
+    fn parent(&self) -> &Topology {
+        &self.level.topology
+    }
+
+    fn faces(&self) -> &Faces {
+        &self.faces
+    }
+
+    #[inline]
+    fn parent_face(&self, child: FaceId) -> FaceId {
+        Numbering::new(self.level).parent_face(&self.level.topology.faces, child)
+    }
+
+    #[inline]
+    fn child_faces(&self, parent: FaceId) -> impl Iterator<Item = FaceId> {
+        Numbering::new(self.level).of_face_within(&self.level.topology.faces, parent)
+    }
+
+    #[inline]
+    fn parent_corner(&self, corner: CornerId) -> CornerId {
+        let child = self.faces.face_of(corner);
+        if !self.is_loop() {
+            // A child quad belongs to one corner of its parent.
+            return CornerId::new(child.index());
+        }
+        let (parent, step) = (self.level.topology.faces.range(self.parent_face(child)).start, child.index() % 4);
+        CornerId::new(parent + if step < 3 { step } else { corner.index() % 3 })
+    }
+
+    fn child_vertex(&self, vertex: VertexId) -> VertexId {
+        Numbering::new(self.level).of_vertex(vertex)
+    }
+
+    fn child_edges(&self, edge: EdgeId, children: &mut Vec<[VertexId; 2]>) {
+        let numbering = Numbering::new(self.level);
+        let ([a, b], middle) = (self.level.topology.edges[edge], numbering.of_edge(edge));
+        children.extend([[numbering.of_vertex(a), middle], [middle, numbering.of_vertex(b)]]);
+    }
+
+    fn remaining(&self, sharpness: f32) -> f32 {
+        refined_sharpness(sharpness)
+    }
+
+    fn vertex(&self) -> impl Stencils<Source = VertexId> {
+        self.level.vertex_stencils()
+    }
+
+    fn varying(&self) -> impl Stencils<Source = VertexId> {
+        self.level.varying_stencils()
+    }
+
+    fn face_varying(&self, garment: &Garment, place: usize) -> Primvar {
+        let primvar = &garment.primvars[place];
+        match &self.channels[place] {
+            Some(channel) => mixed_channel(&channel.child, channel.child.indices(), channel.rows, primvar),
+            None => primvar.clone(),
+        }
+    }
+}
+
+/// The channel of a face-varying primvar.
+#[derive(Clone)]
+struct PrimvarChannel {
+    channel: Channel,
+    /// The row of each value, where they are not the primvar's rows in their order.
+    rows: Option<Vec<u32>>,
+}
+
+impl PrimvarChannel {
+    fn new(garment: &Garment, level: &Level, primvar: &Primvar) -> Self {
+        let rows = primvar.corner_rows(&garment.faces, garment.points.len());
+        let rules = garment.rules;
+        let (channel, rows) = Channel::base(level, |c| rows[c] as usize, rules.face_varying, rules.boundary);
+        Self { channel, rows: Some(rows) }
+    }
+}
+
+/// A garment on its way through derivations. Its joint influences are kept whole until the end, so that they are pruned
+/// to `elementSize` only once.
+#[derive(Clone)]
+pub struct Cage {
+    garment: Garment,
+    level: Arc<Level>,
+    influences: Option<Vec<Influences>>,
+    /// The channel of each primvar that has one, once they are needed.
+    channels: OnceLock<Vec<Option<PrimvarChannel>>>,
+    /// The masks of its vertices, once they are needed, where it costs more to compute them again.
+    rows: OnceLock<KeptRows>,
+}
+
+/// Child vertices from a cage's.
+pub enum VertexRows<'a> {
+    /// Computed when they are asked for.
+    Masks(VertexStencils<'a>),
+    /// Computed before.
+    Kept(&'a KeptRows),
+}
+
+/// Rows that were computed before, so many to a table.
+#[derive(Clone)]
+pub struct KeptRows {
+    tables: Vec<Table<VertexId>>,
+    rows: usize,
+}
+
+/// Rows of a table.
+const BLOCK: usize = 4096;
+/// Sources of a row for which there is room at first.
+const SOURCES: usize = 12;
+
+impl KeptRows {
+    fn new(masks: &VertexStencils) -> Self {
+        let rows = masks.rows();
+        let table = |block: usize| {
+            let mut table = Table::with_capacity(BLOCK, SOURCES * BLOCK);
+            for row in block * BLOCK..rows.min((block + 1) * BLOCK) {
+                masks.row(row, &mut |vertex, weight| table.extend_row(vertex, weight));
+                table.push([]);
+            }
+            table
+        };
+        Self { tables: (0..rows.div_ceil(BLOCK)).into_par_iter().map(table).collect(), rows }
+    }
+}
+
+impl Stencils for VertexRows<'_> {
+    type Source = VertexId;
+
+    fn rows(&self) -> usize {
+        match self {
+            Self::Masks(masks) => masks.rows(),
+            Self::Kept(kept) => kept.rows,
+        }
+    }
+
+    #[inline(always)]
+    fn row(&self, row: usize, sink: &mut impl FnMut(VertexId, f32)) {
+        match self {
+            Self::Masks(masks) => masks.row(row, sink),
+            Self::Kept(kept) => {
+                let row = kept.tables[row / BLOCK].at(row % BLOCK);
+                row.iter().for_each(|&(vertex, weight)| sink(vertex, weight));
+            }
+        }
+    }
+}
+
+impl Cage {
+    /// The cage of a garment.
+    pub fn new(garment: Garment) -> Self {
+        let influences = joints::pair(&garment).map(|(indices, weights)| joints::influences(indices, weights));
+        Self {
+            level: Arc::new(Level::base(&garment)),
+            garment,
+            influences,
+            channels: OnceLock::new(),
+            rows: OnceLock::new(),
+        }
+    }
+
+    fn channels(&self) -> &[Option<PrimvarChannel>] {
+        let channel = |p: &Primvar| is_channel(p).then(|| PrimvarChannel::new(&self.garment, &self.level, p));
+        self.channels.get_or_init(|| self.garment.primvars.iter().map(channel).collect())
+    }
+
+    /// The garment as it is so far: its skinning and its directions are not yet what [`Cage::into_garment`] gives.
+    pub fn garment(&self) -> &Garment {
+        &self.garment
+    }
+
+    /// The cage's connectivity and rules.
+    pub fn level(&self) -> &Level {
+        &self.level
+    }
+
+    /// The cage refined once, with every attribute. Its points are not: they are zero, and go by
+    /// [`Cage::refined_points`].
+    pub fn refined(&self) -> Self {
+        let refinement = Refinement::new(&self.level, self.channels());
+        let faces = refinement.faces.clone();
+        let carry = || carry(&self.garment, self.influences.as_deref(), &refinement);
+        let ((garment, influences), level) = rayon::join(carry, || split::child_level(&self.level, faces));
+        let level = Arc::new(level);
+        // Values of a refined channel are in the order of the primvar's rows.
+        let channel = |c: RefinedChannel| PrimvarChannel { channel: c.child.into_channel(&level), rows: None };
+        let channels: Vec<_> = refinement.channels.into_par_iter().map(|c| c.map(channel)).collect();
+        Self { garment, level, influences, channels: channels.into(), rows: OnceLock::new() }
+    }
+
+    /// The same, to be kept.
+    pub fn shared_level(&self) -> Arc<Level> {
+        Arc::clone(&self.level)
+    }
+
+    /// The vertices of the refined cage from this one's.
+    pub fn vertex_rows(&self) -> VertexRows<'_> {
+        let masks = self.level.vertex_stencils();
+        if self.level.topology.faces.regular_valence().is_some() {
+            return VertexRows::Masks(masks);
+        }
+        VertexRows::Kept(self.rows.get_or_init(|| KeptRows::new(&masks)))
+    }
+
+    /// The points of the refined cage, where this one's are `points`.
+    pub fn refined_points(&self, points: &IdVec<VertexId, Vec3>) -> IdVec<VertexId, Vec3> {
+        carried_points(&self.vertex_rows(), points)
+    }
+
+    /// The cage that an operator makes of it, with every attribute.
+    ///
+    /// `corners` and `creases` of the child become infinitely sharp.
+    pub fn derived(&self, lineage: &impl Lineage, corners: &[VertexId], creases: &[[VertexId; 2]]) -> Self {
+        let carry = Carry::new(&self.garment, lineage);
+        let mut garment = carry.frame(carried_points(&lineage.vertex(), &self.garment.points));
+        let mut sharp: BTreeSet<VertexId> = garment.corners.iter().map(|c| c.vertex).collect();
+        let new = corners.iter().filter(|&&v| sharp.insert(v));
+        garment.corners.extend(new.map(|&vertex| Corner { vertex, sharpness: INFINITE_SHARPNESS }));
+        let crease = |ends: &[VertexId; 2]| Crease { vertices: ends.to_vec(), sharpnesses: vec![INFINITE_SHARPNESS] };
+        garment.creases.extend(creases.iter().map(crease));
+        let attributes = || carry.attributes(self.influences.as_deref());
+        let ((primvars, influences), level) = rayon::join(attributes, || Level::base(&garment));
+        Self {
+            level: Arc::new(level),
+            garment: Garment { primvars: primvars.into(), ..garment },
+            influences,
+            channels: OnceLock::new(),
+            rows: OnceLock::new(),
+        }
+    }
+
+    /// The cage with more subsets, which later derivations carry too.
+    #[must_use]
+    pub fn with_subsets(mut self, subsets: impl IntoIterator<Item = Subset>) -> Self {
+        self.garment.subsets.extend(subsets);
+        self
+    }
+
+    /// The cage with other points.
+    #[must_use]
+    pub fn with_points(mut self, points: IdVec<VertexId, Vec3>) -> Self {
+        self.garment.points = points;
+        self
+    }
+
+    /// The garment of the cage refined once, without its points as in [`Cage::refined`]: the last step, which needs no
+    /// connectivity of what it makes.
+    pub fn refined_garment(&self) -> Garment {
+        let refinement = Refinement::new(&self.level, self.channels());
+        let (garment, influences) = carry(&self.garment, self.influences.as_deref(), &refinement);
+        Self::completed(garment, influences.as_deref())
+    }
+
+    /// The garment, with its influences pruned and its directions of unit length.
+    pub fn into_garment(self) -> Garment {
+        Self::completed(self.garment, self.influences.as_deref())
+    }
+
+    fn completed(mut garment: Garment, influences: Option<&[Influences]>) -> Garment {
+        garment.primvars.iter_mut().for_each(to_unit_length);
+        let carried = match (joints::pair(&garment), influences) {
+            (Some((indices, weights)), Some(influences)) => joints::to_primvars(influences, indices, weights),
+            _ => return garment,
+        };
+        for primvar in carried {
+            if let Some(slot) = garment.primvars.iter_mut().find(|p| p.name == primvar.name) {
+                *slot = primvar;
+            }
+        }
+        garment
+    }
+}
