@@ -4,6 +4,7 @@ mod baseline;
 mod chains;
 mod check;
 mod collapse;
+mod drift;
 mod edits;
 mod facets;
 mod flip;
@@ -28,6 +29,7 @@ mod triangulation;
 
 pub use baseline::{Baseline, Lengths, Location, holes};
 pub use chains::{Chain, Marks};
+pub use drift::drift;
 pub use facets::Facet;
 pub use gaps::Gap;
 pub use mesh::{Grade, Place, SimMesh, Span};

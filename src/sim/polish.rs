@@ -82,7 +82,7 @@ fn thin_vertices(mesh: &SimMesh<'_>) -> Vec<VertexId> {
 
 /// The cosine of a triangle's smallest angle, which is opposite its shortest side.
 #[inline]
-fn cosine([a, b, c]: [Vec3; 3]) -> f32 {
+pub(super) fn cosine([a, b, c]: [Vec3; 3]) -> f32 {
     let (x, y, z) = (b.distance_squared(c), c.distance_squared(a), a.distance_squared(b));
     let (least, most, middle) = (x.min(y).min(z), x.max(y).max(z), x.max(y).min(x.min(y).max(z)));
     (most + middle - least) / (2.0 * (most * middle).sqrt()).max(f32::MIN_POSITIVE)
