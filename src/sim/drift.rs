@@ -15,8 +15,9 @@ use rayon::prelude::*;
 /// make good. A smaller bound gives 1 to 2 % more regular vertices, and on some garments crushed triangles beside chains;
 /// 30 degrees gives 3 % fewer.
 const WORST: f32 = 0.906_31;
-/// Flips that gain nothing before the one that gains. With one, 1.5 % fewer vertices are regular; more find little.
-const STEPS: usize = 2;
+/// Flips that gain nothing before the one that gains. With one, 1.5 % fewer vertices are regular, and with two the 5th
+/// percentile of the smallest angle is 0.1 degrees less; with four it is 0.2 degrees more for 2 % of the time.
+const STEPS: usize = 3;
 
 /// Makes vertices regular by runs of flips that each bring pairs of irregular ones together. Returns the number of flips.
 pub fn drift(mesh: &mut SimMesh<'_>) -> usize {
@@ -43,27 +44,31 @@ fn run(mesh: &mut SimMesh<'_>, excess: &mut Excess, half: CornerId, steps: usize
     if change < 0 {
         return 1;
     }
-    for other in around(mesh, excess, half) {
+    let most = if steps > 1 { 0 } else { -1 };
+    for (_, other) in around(mesh, excess, half, most) {
         match run(mesh, excess, other, steps - 1) {
             0 => {}
             more => return 1 + more,
         }
     }
-    flip_with(mesh, excess, half);
+    // Four flips turn an edge all the way round, so that nothing tells of it.
+    (0..3).for_each(|_| flip_with(mesh, excess, half));
     0
 }
 
-/// The edges whose flips gain by that of `half`, those that gain most now first.
-fn around(mesh: &SimMesh<'_>, excess: &Excess, half: CornerId) -> Vec<CornerId> {
+/// The edges whose flips gain by that of `half` and now change squares by no more than `most`, with that change; those that
+/// gain most first.
+fn around(mesh: &SimMesh<'_>, excess: &Excess, half: CornerId, most: i32) -> Vec<(i32, CornerId)> {
     let t = &mesh.topology;
     let Some(twin) = t.twin(half) else { return Vec::new() };
     // The ends have one triangle more, the apexes one less.
     let spokes = [half, twin].into_iter().flat_map(|c| t.fan(t.vertex(c)));
     let links = [half, twin].into_iter().flat_map(|c| t.fan(t.vertex(prev(c))).map(next));
-    let is_level = |&c: &CornerId| !mesh.is_constrained(c) && change(mesh, excess, c) <= 0;
-    let mut others: Vec<CornerId> = spokes.chain(links).filter(|&c| c != half && c != twin).filter(is_level).collect();
-    others.sort_by_key(|&c| change(mesh, excess, c));
-    others
+    let others = spokes.chain(links).filter(|&c| c != half && c != twin && !mesh.is_constrained(c));
+    let mut found: Vec<(i32, CornerId)> =
+        others.map(|c| (change(mesh, excess, c), c)).filter(|c| c.0 <= most).collect();
+    found.sort_by_key(|c| c.0);
+    found
 }
 
 /// Whether an edge may be flipped although its angles do not ask for it.

@@ -8,6 +8,7 @@ mod drift;
 mod edits;
 mod facets;
 mod flip;
+mod follow;
 mod gaps;
 mod manifold;
 mod mesh;

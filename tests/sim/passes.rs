@@ -231,6 +231,25 @@ proptest! {
     }
 
     #[test]
+    fn following_curves_leaves_less_of_them_astray(case in cases()) {
+        let baseline = baseline(&case.prepared());
+        let mut mesh = SimMesh::new(&baseline);
+        for pass in Pass::ROUND {
+            pass.run(&mut mesh);
+        }
+        let (before, kept_before, curves, flips) = (mesh.length_astray(), kept(&mesh), covered(&mesh), flipped(&mesh));
+        let moved = Pass::Follow.run(&mut mesh);
+        mesh.assert_consistent();
+        prop_assert_eq!(kept(&mesh), kept_before);
+        prop_assert!(flipped(&mesh) <= flips, "a triangle was turned over in UV");
+        for (chain, length) in covered(&mesh) {
+            prop_assert!((length - curves[&chain]).abs() <= 1e-4 * curves[&chain], "{chain:?} covers {length}");
+        }
+        let after = mesh.length_astray();
+        prop_assert!(after <= before * 1.001 && (moved == 0 || after < before), "{before} to {after} by {moved}");
+    }
+
+    #[test]
     fn drifting_makes_vertices_more_regular(turns in prop::collection::vec(0usize..400, 1..40)) {
         let baseline = baseline(&rhombs(10));
         let mut mesh = SimMesh::new(&baseline);
@@ -239,8 +258,8 @@ proptest! {
         let flips = drift(&mut mesh);
         mesh.assert_consistent();
         prop_assert_eq!(kept(&mesh), kept_before);
-        // A run of flips is not longer than three, and squares change by even numbers.
-        prop_assert!(before - mesh.irregularity() >= 2 * flips.div_ceil(3) as i64, "{flips} flips");
+        // A run of flips is not longer than four, and squares change by even numbers.
+        prop_assert!(before - mesh.irregularity() >= 2 * flips.div_ceil(4) as i64, "{flips} flips");
     }
 
     #[test]
