@@ -1,11 +1,12 @@
 //! Flip every free edge whose opposite angles sum to more than π.
 
+use super::drift::drift_with;
 use super::mesh::{Grade, SimMesh};
 use crate::mesh::edit::{next, prev};
 use crate::mesh::{CornerId, IdVec, SiteId};
 use glam::Vec3;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::f32::consts::FRAC_PI_3;
 
 /// Sweeps over all edges; each flip raises the smallest angle of its pair, so a few suffice.
@@ -21,19 +22,27 @@ const MIN_ALIGNMENT: f32 = 0.85;
 /// which an edge is not Delaunay: 0 gives a Delaunay mesh. Returns the number of flips.
 pub fn flip_edges(mesh: &mut SimMesh<'_>, regularity: f32) -> usize {
     let mut excess = excess(mesh);
+    flip_for_angles(mesh, &mut excess, regularity)
+}
+
+/// The same, and then runs of flips for regular vertices alone.
+pub fn flip_and_drift(mesh: &mut SimMesh<'_>, regularity: f32) -> usize {
+    let mut excess = excess(mesh);
+    flip_for_angles(mesh, &mut excess, regularity) + drift_with(mesh, &mut excess)
+}
+
+fn flip_for_angles(mesh: &mut SimMesh<'_>, excess: &mut Excess, regularity: f32) -> usize {
     let all = (0..mesh.topology.corner_slots()).into_par_iter().map(CornerId::new);
     let wants = |mesh: &SimMesh<'_>, excess: &Excess, h: CornerId| gain(mesh, excess, h, regularity) > MIN_GAIN;
     let mut candidates: Vec<CornerId> =
-        all.filter(|&h| mesh.topology.is_edge(h) && !mesh.is_constrained(h) && wants(mesh, &excess, h)).collect();
+        all.filter(|&h| mesh.topology.is_edge(h) && !mesh.is_constrained(h) && wants(mesh, excess, h)).collect();
     let mut count = 0;
     let mut touched = Vec::new();
     for _ in 0..MAX_SWEEPS {
         for &half in &candidates {
             let Some(twin) = mesh.topology.twin(half).filter(|_| !mesh.is_constrained(half)) else { continue };
-            if wants(mesh, &excess, half) && may_flip(mesh, half) && flip_is_safe(mesh, half) {
-                let sites = [half, twin, prev(half), prev(twin)].map(|c| mesh.site_of[c]);
-                sites.into_iter().zip([-1, -1, 1, 1]).for_each(|(site, by)| excess[site] += by);
-                mesh.flip(half);
+            if wants(mesh, excess, half) && may_flip(mesh, half) && flip_is_safe(mesh, half) {
+                flip_with(mesh, excess, half);
                 count += 1;
                 touched.extend([half, twin].into_iter().flat_map(|c| [next(c), prev(c)]));
             }
@@ -49,11 +58,19 @@ pub fn flip_edges(mesh: &mut SimMesh<'_>, regularity: f32) -> usize {
     count
 }
 
+/// Flips an edge that may be, and keeps `excess` up with it.
+pub(super) fn flip_with(mesh: &mut SimMesh<'_>, excess: &mut Excess, half: CornerId) {
+    let Some(twin) = mesh.topology.twin(half) else { return };
+    let sites = [half, twin, prev(half), prev(twin)].map(|c| mesh.site_of[c]);
+    sites.into_iter().zip([-1, -1, 1, 1]).for_each(|(site, by)| excess[site] += by);
+    mesh.flip(half);
+}
+
 /// Triangles in each sector of a vertex above the best number: six at a free vertex, three on each side of a chain, and
 /// between the chains of an anchor what makes angles of 60 degrees.
-type Excess = IdVec<SiteId, i8>;
+pub(super) type Excess = IdVec<SiteId, i8>;
 
-fn excess(mesh: &SimMesh<'_>) -> Excess {
+pub(super) fn excess(mesh: &SimMesh<'_>) -> Excess {
     let mut count: IdVec<SiteId, u8> = IdVec::filled(0, mesh.sites.len());
     let mut best: IdVec<SiteId, i8> = IdVec::filled(6, mesh.sites.len());
     let mut angles: BTreeMap<SiteId, f32> = BTreeMap::new();
@@ -75,18 +92,31 @@ fn excess(mesh: &SimMesh<'_>) -> Excess {
     count.iter().zip(best.iter()).map(|(&n, &best)| n.min(100) as i8 - best).collect()
 }
 
+impl SimMesh<'_> {
+    /// The sum over all sectors of the square of their triangles above or below the best number.
+    pub fn irregularity(&self) -> i64 {
+        let excess = excess(self);
+        let sites: BTreeSet<SiteId> = self.topology.corners().map(|c| self.site_of[c]).collect();
+        sites.into_iter().map(|site| i64::from(excess[site]).pow(2)).sum()
+    }
+}
+
+/// The change of the sum of squares of excesses when an edge of two triangles is turned.
+#[inline]
+pub(super) fn change(mesh: &SimMesh<'_>, excess: &Excess, half: CornerId) -> i32 {
+    let Some(twin) = mesh.topology.twin(half) else { return 0 };
+    let excess = |x: CornerId| i32::from(excess[mesh.site_of[x]]);
+    4 + 2 * (excess(prev(half)) + excess(prev(twin)) - excess(half) - excess(twin))
+}
+
 /// What turning an edge gains, in sines.
 #[inline]
 fn gain(mesh: &SimMesh<'_>, excess: &Excess, half: CornerId, regularity: f32) -> f32 {
     let Some(twin) = mesh.topology.twin(half) else { return -1.0 };
     // Written out: arrays that are mapped are not kept in registers, and this is asked of every edge.
     let point = |x: CornerId| mesh.points[mesh.topology.vertex(x)];
-    let excess = |x: CornerId| i32::from(excess[mesh.site_of[x]]);
-    let (apex, other) = (prev(half), prev(twin));
-    let (a, b, c, d) = (point(half), point(twin), point(apex), point(other));
-    let (ea, eb, ec, ed) = (excess(half), excess(twin), excess(apex), excess(other));
-    // The change of the sum of squares.
-    let change = 4 + 2 * (ec + ed - ea - eb);
+    let (a, b, c, d) = (point(half), point(twin), point(prev(half)), point(prev(twin)));
+    let change = change(mesh, excess, half);
     let square = (a - c).dot(b - c) >= 0.0 && (a - d).dot(b - d) >= 0.0;
     if (change >= 0 || regularity == 0.0) && square {
         return -1.0;
@@ -105,14 +135,14 @@ fn opposite_angle(apex: Vec3, a: Vec3, b: Vec3) -> (f32, f32) {
 }
 
 /// Whether turning an edge makes no edge that is there already, in this patch or another.
-fn may_flip(mesh: &SimMesh<'_>, half: CornerId) -> bool {
+pub(super) fn may_flip(mesh: &SimMesh<'_>, half: CornerId) -> bool {
     let apexes = mesh.topology.twin(half).map(|t| [half, t].map(|h| mesh.topology.vertex(prev(h))));
     apexes.is_some_and(|[c, d]| mesh.may_join(c, d)) && mesh.topology.may_flip(half)
 }
 
 /// Neither new triangle is worse than the worse of the old, or turns further from the surface than those, if it turns
 /// far.
-fn flip_is_safe(mesh: &SimMesh<'_>, half: CornerId) -> bool {
+pub(super) fn flip_is_safe(mesh: &SimMesh<'_>, half: CornerId) -> bool {
     let Some(twin) = mesh.topology.twin(half) else { return false };
     let ([a, b, c], d) = (mesh.corners(half), mesh.corner(prev(twin)));
     let new = mesh.badness([c, d, b]).max(mesh.badness([d, c, a]));

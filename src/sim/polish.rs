@@ -8,7 +8,7 @@
 
 use super::collapse::MIN_COSINE;
 use super::mesh::{Grade, SimMesh};
-use super::relax::{Goal, Move, swap, wanted};
+use super::relax::{Goal, swap, wanted};
 use super::slide::freedom;
 use crate::mesh::edit::{face, prev};
 use crate::mesh::{CornerId, FaceId, VertexId};
@@ -38,13 +38,14 @@ const STEPS: usize = 4;
 const REACH: f32 = 0.25;
 /// Places that it looks at, each way.
 const PLACES: i8 = 4;
+
 /// How bad the angles around a vertex are.
 #[derive(Clone, Copy)]
-struct Angles {
+pub(super) struct Angles {
     /// What all triangles lack together.
-    lack: f32,
+    pub lack: f32,
     /// The largest cosine of a smallest angle.
-    worst: f32,
+    pub worst: f32,
 }
 
 impl Angles {
@@ -82,14 +83,14 @@ fn thin_vertices(mesh: &SimMesh<'_>) -> Vec<VertexId> {
 
 /// The cosine of a triangle's smallest angle, which is opposite its shortest side.
 #[inline]
-fn cosine([a, b, c]: [Vec3; 3]) -> f32 {
+pub(super) fn cosine([a, b, c]: [Vec3; 3]) -> f32 {
     let (x, y, z) = (b.distance_squared(c), c.distance_squared(a), a.distance_squared(b));
     let (least, most, middle) = (x.min(y).min(z), x.max(y).max(z), x.max(y).min(x.min(y).max(z)));
     (most + middle - least) / (2.0 * (most * middle).sqrt()).max(f32::MIN_POSITIVE)
 }
 
 /// The angles of all triangles around a vertex, if it lay at `own`.
-fn angles(mesh: &SimMesh<'_>, vertex: VertexId, own: Vec3) -> Angles {
+pub(super) fn angles(mesh: &SimMesh<'_>, vertex: VertexId, own: Vec3) -> Angles {
     let at = |v: VertexId| mesh.points[v];
     mesh.topology.fan(vertex).fold(Angles { lack: 0.0, worst: 0.0 }, |sum, c| {
         let cosine = cosine([own, at(mesh.topology.target(c)), at(mesh.topology.vertex(prev(c)))]);
@@ -106,25 +107,32 @@ fn improve(mesh: &mut SimMesh<'_>, vertex: VertexId) -> bool {
         Grade::OnCurve(_) => slide_goal(mesh, vertex, before),
         Grade::Frozen => None,
     };
-    let Some(mut there) = goal.and_then(|goal| wanted(mesh, vertex, goal, 1.0)) else { return false };
-    let moved = move_safely(mesh, vertex, &mut there, before);
-    if !moved {
-        swap(mesh, &mut there);
-    }
-    moved
+    let is_better = |mesh: &SimMesh<'_>| angles(mesh, vertex, mesh.points[vertex]).is_better(before);
+    goal.is_some_and(|goal| try_move(mesh, vertex, goal, is_better))
 }
 
-/// Does a move; returns whether angles are better, and no triangle lies worse, nor an edge against its chain.
-fn move_safely(mesh: &mut SimMesh<'_>, vertex: VertexId, there: &mut Move, before: Angles) -> bool {
+/// Moves a vertex if the result is wanted, and no triangle lies worse, nor an edge against its chain. Returns whether it
+/// moved.
+pub(super) fn try_move(
+    mesh: &mut SimMesh<'_>,
+    vertex: VertexId,
+    goal: Goal,
+    is_wanted: impl Fn(&SimMesh<'_>) -> bool,
+) -> bool {
+    let Some(mut there) = wanted(mesh, vertex, goal, 1.0) else { return false };
     let lies = |mesh: &SimMesh<'_>, c| (mesh.face_badness(c), mesh.alignment(mesh.corners(c)));
     let old: Vec<(CornerId, (u8, f32))> = mesh.topology.fan(vertex).map(|c| (c, lies(mesh, c))).collect();
-    swap(mesh, there);
+    swap(mesh, &mut there);
     let is_good = |&(c, (badness, alignment)): &(CornerId, (u8, f32))| {
         let now = lies(mesh, c);
         // The bound of collapses: that of flips leaves three times the thin triangles where folds are tight.
         now.0 <= badness && (now.1 >= MIN_COSINE || now.1 >= alignment) && !passes(mesh, c)
     };
-    angles(mesh, vertex, mesh.points[vertex]).is_better(before) && old.iter().all(is_good)
+    let moves = is_wanted(mesh) && old.iter().all(is_good);
+    if !moves {
+        swap(mesh, &mut there);
+    }
+    moves
 }
 
 /// Whether an edge of a corner's triangle runs against its chain.

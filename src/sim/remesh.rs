@@ -4,23 +4,29 @@
 //! de Goes, *Revamping the Cloth Tailoring Pipeline at Pixar* (SIGGRAPH Talks 2022).
 
 use super::collapse::collapse_short_edges;
-use super::flip::flip_edges;
+use super::flip::{flip_and_drift, flip_edges};
+use super::follow::follow_curves;
 use super::mesh::SimMesh;
 use super::patches::{PATCH, in_patches};
 use super::polish::open_thin_triangles;
 use super::relax::relax_and_project;
 use super::split::{split_far_edges, split_long_edges};
 use serde::Serialize;
+use std::ops::RangeInclusive;
 
 /// What a square of excess neighbours weighs in a flip while rounds go on. Larger values make more vertices of valence 6
-/// and, above this, worse angles.
+/// and, above this, worse angles; 0.2 makes better angles on some garments and worse ones on others.
 const REGULARITY: f32 = 0.3;
 /// The same for the last flips: nearly Delaunay.
 const LAST_REGULARITY: f32 = 0.1;
+/// Rounds in which irregular vertices drift together: the first ones after that in patches, so that later ones relax what
+/// they leave. Only the second round: 3 % fewer regular vertices; the last one too: 3 % more, and 0.2 degrees less in the
+/// 5th percentile of the smallest angle; also the fourth: 1 to 2 % more, for 4 % of the time.
+const DRIFT: RangeInclusive<u32> = 2..=3;
 /// Averages between two projections. More make the triangles of a round more even; past three a round gains little.
 const SWEEPS: usize = 3;
 /// The same for the last relaxation, whose triangles stay.
-const LAST_SWEEPS: usize = 6;
+const LAST_SWEEPS: usize = 4;
 
 /// What remeshing did.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
@@ -53,26 +59,32 @@ pub enum Pass {
     Collapse,
     /// Turn edges.
     Flip,
+    /// Turn edges, also such that only bring irregular vertices together.
+    Drift,
     /// Relax and project.
     Relax,
+    /// Slide vertices of chains to where edges follow the curves.
+    Follow,
     /// Split and collapse inside patches of about so many triangles, as a first round does.
     InPatches(usize),
 }
 
 impl Pass {
     /// The passes of a round, in their order.
-    pub const ROUND: [Self; 4] = [Self::Split, Self::Collapse, Self::Flip, Self::Relax];
+    pub const ROUND: [Self; 4] = [Self::Split, Self::Collapse, Self::Drift, Self::Relax];
 
-    /// Does the pass; returns the number of edges that it changed.
+    /// Does the pass; returns the number of edges that it changed, or of vertices that follow their curves better.
     pub fn run(self, mesh: &mut SimMesh<'_>) -> usize {
         match self {
             Self::Split => split_long_edges(mesh, usize::MAX),
             Self::Collapse => collapse_short_edges(mesh),
             Self::Flip => flip_edges(mesh, REGULARITY),
+            Self::Drift => flip_and_drift(mesh, REGULARITY),
             Self::Relax => {
                 relax_and_project(mesh, SWEEPS, &mut Vec::new());
                 0
             }
+            Self::Follow => follow_curves(mesh),
             Self::InPatches(size) => edit_in_patches(mesh, size, usize::MAX).map_or(0, |(a, b)| a + b),
         }
     }
@@ -89,7 +101,7 @@ pub fn remesh(mesh: &mut SimMesh<'_>, rounds: u32, max_faces: usize) -> RemeshRe
         let in_patches = if round == 1 && rounds > 1 { edit_in_patches(mesh, PATCH, max_faces) } else { None };
         let (splits, collapses) = in_patches.unwrap_or_else(|| edit(mesh, max_faces));
         check(mesh);
-        let flips = flip_edges(mesh, REGULARITY);
+        let flips = if DRIFT.contains(&round) { flip_and_drift } else { flip_edges }(mesh, REGULARITY);
         check(mesh);
         relax_and_project(mesh, SWEEPS, &mut room);
         check(mesh);
@@ -110,10 +122,13 @@ pub fn remesh(mesh: &mut SimMesh<'_>, rounds: u32, max_faces: usize) -> RemeshRe
             report.flips += flip_edges(mesh, REGULARITY);
         }
         relax_and_project(mesh, LAST_SWEEPS, &mut room);
+        // Where a triangle was in the way, it may have moved.
+        report.splits += split_far_edges(mesh, max_faces);
     }
     flip_edges(mesh, LAST_REGULARITY);
     if rounds > 0 {
         open_thin_triangles(mesh);
+        follow_curves(mesh);
     }
     check(mesh);
     report

@@ -12,6 +12,15 @@ const SAGITTA: f32 = 0.02;
 /// No bend asks for edges shorter than this share of the target length, for the triangles beside them would be thin.
 pub(super) const SHORTEST: f32 = 0.6;
 
+/// Edges around two corners or ends of a chain that lie near each other are asked to be as short as the way between them,
+/// but no shorter than this share of the target length, so that the triangles on that way are less thin. On the garments
+/// 0.35 leaves a fifth fewer thin triangles where corners are close, and a third more where folds are; without it there
+/// are half as many again on male_worksuit01.
+const SHORTEST_BETWEEN_CORNERS: f32 = 0.4;
+/// Corners nearer than this share of the target length ask for nothing: triangles on a way so short are thin whatever the
+/// lengths around it are, and shorter ones are more.
+const CLOSEST: f32 = 0.2;
+
 /// Lengths change at most by this much per length along the curve, so that neighbouring edges are alike.
 const GRADING: f32 = 0.3;
 
@@ -39,6 +48,7 @@ impl Chain {
                 longest.clamp(SHORTEST * targets[i], targets[i])
             })
             .collect();
+        self.shorten_between_corners(&targets);
         self.grade_lengths();
         let mut sum = 0.0f64;
         self.spaced = vec![0.0];
@@ -46,6 +56,30 @@ impl Chain {
             let mean = 0.5 * (1.0 / self.lengths[i - 1] + 1.0 / self.lengths[i]);
             sum += f64::from((self.along[i] - self.along[i - 1]) * mean);
             self.spaced.push(sum as f32);
+        }
+    }
+
+    /// Shortens lengths where corners or ends are near each other.
+    fn shorten_between_corners(&mut self, targets: &[f32]) {
+        let last = self.vertices.len() - 1;
+        let mut stops = self.pins.clone();
+        match (self.is_loop, stops.first()) {
+            (true, Some(&first)) => stops.push(first + last),
+            (true, None) => {}
+            (false, _) => {
+                stops.insert(0, 0);
+                stops.push(last);
+            }
+        }
+        for pair in stops.windows(2) {
+            let at = |i: usize| self.along[i % last.max(1)] + if i >= last { self.length() } else { 0.0 };
+            let gap = at(pair[1]) - at(pair[0]);
+            for i in (pair[0]..=pair[1]).map(|i| if i > last { i - last } else { i }) {
+                if gap > CLOSEST * targets[i] {
+                    let wanted = gap.max(SHORTEST_BETWEEN_CORNERS * targets[i]);
+                    self.lengths[i] = self.lengths[i].min(wanted);
+                }
+            }
         }
     }
 

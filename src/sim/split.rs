@@ -4,6 +4,7 @@ use super::gaps::distance_to_segment;
 use super::mesh::{SimMesh, Span};
 use super::queue::edit_in_order;
 use crate::mesh::CornerId;
+use rayon::prelude::*;
 
 /// An edge longer than this times its target is split. Smaller values make more, shorter edges. Botsch and Kobbelt 2004,
 /// section 4, have 4/3, from which halves are nearer to the target than the whole; 5/4 makes better triangles: on the
@@ -12,7 +13,7 @@ pub const SPLIT_RATIO: f32 = 1.25;
 
 /// An edge of a chain that leaves its curve by more than this share of the target length is split at the end. Smaller
 /// values make more short edges, which cost angles; without it the chord between two anchors cuts up to 0.13 off.
-const FAR: f32 = 0.1;
+pub(super) const FAR: f32 = 0.1;
 /// Places on a curve at which its distance from the edge is asked.
 const PLACES: u8 = 8;
 
@@ -41,7 +42,8 @@ fn excess(mesh: &SimMesh<'_>, half: CornerId) -> Option<f32> {
 /// Splits edges of chains that leave their curves by more than [`FAR`], however short, where no triangle is worse for it.
 /// Returns the number of splits.
 pub fn split_far_edges(mesh: &mut SimMesh<'_>, max_faces: usize) -> usize {
-    let far: Vec<CornerId> = mesh.topology.edges().filter(|&half| is_far(mesh, half)).collect();
+    let corners = (0..mesh.topology.corner_slots()).into_par_iter().map(CornerId::new);
+    let far: Vec<CornerId> = corners.filter(|&h| mesh.topology.is_edge(h) && is_far(mesh, h)).collect();
     let mut faces = mesh.topology.face_count();
     let mut count = 0;
     for half in far {

@@ -3,13 +3,15 @@
 
 use crate::cases::few;
 use crate::{MAX_FACES, baseline, prepare, sheets};
+use glam::Vec3;
 use proptest::prelude::*;
 use rayon::ThreadPoolBuilder;
 use std::collections::{BTreeMap, BTreeSet};
 use tailor::garment::GarmentInput;
+use tailor::mesh::edit::face;
 use tailor::mesh::{ChainId, CornerId, VertexId};
 use tailor::pipeline::Prepared;
-use tailor::sim::{Grade, Pass, SimMesh, simulate};
+use tailor::sim::{Grade, Pass, SimMesh, drift, simulate};
 
 /// What a garment is made of.
 #[derive(Clone, Debug)]
@@ -176,8 +178,89 @@ fn flipped(mesh: &SimMesh<'_>) -> usize {
     if base.holds_uvs { mesh.topology.faces().filter(is_flipped).count() } else { 0 }
 }
 
+/// A sheet of `n` by `n` rhombs, which are two equilateral triangles each.
+fn rhombs(n: usize) -> Prepared {
+    let mut input = sheets::grid(n, n, |_, _| true);
+    for (i, point) in input.points.iter_mut().enumerate() {
+        let (x, y) = ((i % (n + 1)) as f32, (i / (n + 1)) as f32);
+        *point = Vec3::new(x - 0.5 * y, 0.75f32.sqrt() * y, 0.0);
+    }
+    prepare(input, &["sim.maxEdgeLength=1", "sim.baselineLevel=0"])
+}
+
+/// The half-edge that is the `n`th of those inside a sheet, away from its borders.
+fn inner_half(mesh: &SimMesh<'_>, n: usize) -> CornerId {
+    let t = &mesh.topology;
+    let is_free = |v: VertexId| t.ring(v).all(|w| mesh.grade[w] == Grade::Free);
+    let inner: Vec<CornerId> = t.edges().filter(|&h| is_free(t.vertex(h)) && is_free(t.target(h))).collect();
+    inner[n % inner.len()]
+}
+
+/// Flips an inner edge, unless a triangle would be turned over.
+fn turn(mesh: &mut SimMesh<'_>, n: usize) {
+    let half = inner_half(mesh, n);
+    mesh.flip(half);
+    let t = &mesh.topology;
+    let faces = [Some(half), t.twin(half)].into_iter().flatten().map(|c| t.triangle(face(c)));
+    let mut normals = faces.map(|f| f.map(|v| mesh.points[v])).map(|[a, b, c]| (b - a).cross(c - a).z);
+    if normals.any(|z| z < 0.1) {
+        mesh.flip(half);
+    }
+}
+
 proptest! {
     #![proptest_config(few(64, 20_040_308))]
+
+    #[test]
+    fn two_pairs_of_irregular_vertices_drift_together(n in 0usize..400, step in 0usize..24) {
+        let baseline = baseline(&rhombs(10));
+        let mut mesh = SimMesh::new(&baseline);
+        let regular = mesh.irregularity();
+        let half = inner_half(&mesh, n);
+        mesh.flip(half);
+        prop_assert_eq!(mesh.irregularity(), regular + 4);
+        // One of the pairs goes a step away from the other, where it can.
+        let around: Vec<CornerId> = mesh.topology.fan(mesh.topology.vertex(half)).collect();
+        let other = around[step % around.len()];
+        mesh.flip(other);
+        if mesh.irregularity() != regular + 4 {
+            mesh.flip(other);
+        }
+        prop_assert!(drift(&mut mesh) > 0);
+        prop_assert_eq!(mesh.irregularity(), regular);
+    }
+
+    #[test]
+    fn following_curves_leaves_less_of_them_astray(case in cases()) {
+        let baseline = baseline(&case.prepared());
+        let mut mesh = SimMesh::new(&baseline);
+        for pass in Pass::ROUND {
+            pass.run(&mut mesh);
+        }
+        let (before, kept_before, curves, flips) = (mesh.length_astray(), kept(&mesh), covered(&mesh), flipped(&mesh));
+        let moved = Pass::Follow.run(&mut mesh);
+        mesh.assert_consistent();
+        prop_assert_eq!(kept(&mesh), kept_before);
+        prop_assert!(flipped(&mesh) <= flips, "a triangle was turned over in UV");
+        for (chain, length) in covered(&mesh) {
+            prop_assert!((length - curves[&chain]).abs() <= 1e-4 * curves[&chain], "{chain:?} covers {length}");
+        }
+        let after = mesh.length_astray();
+        prop_assert!(after <= before * 1.001 && (moved == 0 || after < before), "{before} to {after} by {moved}");
+    }
+
+    #[test]
+    fn drifting_makes_vertices_more_regular(turns in prop::collection::vec(0usize..400, 1..40)) {
+        let baseline = baseline(&rhombs(10));
+        let mut mesh = SimMesh::new(&baseline);
+        turns.into_iter().for_each(|n| turn(&mut mesh, n));
+        let (before, kept_before) = (mesh.irregularity(), kept(&mesh));
+        let flips = drift(&mut mesh);
+        mesh.assert_consistent();
+        prop_assert_eq!(kept(&mesh), kept_before);
+        // A run of flips is not longer than four, and squares change by even numbers.
+        prop_assert!(before - mesh.irregularity() >= 2 * flips.div_ceil(4) as i64, "{flips} flips");
+    }
 
     #[test]
     fn every_pass_keeps_what_it_must(case in cases(), patch in 1usize..60) {
