@@ -59,6 +59,7 @@ fn load() -> Vec<(String, Garment)> {
             values: Values::I32((0..garment.faces.len() as i32).collect()),
             indices: None,
         });
+        let fronts = vertex_normals(&garment).iter().flat_map(|n| n.to_array()).collect();
         garment.primvars.push(Primvar {
             name: FRONT.into(),
             type_name: "float3[]".into(),
@@ -66,7 +67,7 @@ fn load() -> Vec<(String, Garment)> {
             components: 3,
             element_size: 1,
             mixing: Mixing::Linear,
-            values: Values::F32(vertex_normals(&garment).iter().flat_map(|n| n.to_array()).collect()),
+            values: Values::F32(fronts),
             indices: None,
         });
         all.push((name, garment));
