@@ -96,7 +96,7 @@ impl Places {
         let mut of = BTreeMap::new();
         for (chain, ks) in wanted {
             let ks: Vec<usize> = ks.into_iter().collect();
-            let places = surface.places_on_chain(chain, &ks);
+            let places = surface.places_on_chain(chain, &ks, on_chains.contains_key(&chain));
             of.extend(ks.into_iter().map(|k| (chain, k)).zip(places));
         }
         Self { of }

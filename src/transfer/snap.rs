@@ -63,11 +63,20 @@ impl<'a> Surface<'a> {
     }
 
     /// The places of cage vertices among the vertices of a chain of the simulation mesh: one for each where there are
-    /// enough, in their order. `wanted` are the vertices' places in the cage's, ascending.
-    pub fn places_on_chain(&self, chain: ChainId, wanted: &[usize]) -> Vec<(usize, VertexId)> {
-        let along = self.along(chain);
+    /// enough, in their order. `wanted` are the vertices' places in the cage's, ascending. Parts of a loop have ends where it
+    /// begins (`has_ends`); else it begins anywhere, and places count from that of the first vertex.
+    pub fn places_on_chain(&self, chain: ChainId, wanted: &[usize], has_ends: bool) -> Vec<(usize, VertexId)> {
+        let mut along = self.along(chain);
+        let is_round = self.product.baseline.chains[chain].is_loop && !has_ends;
+        if is_round && let Some(&first) = wanted.first() {
+            // Its last vertex is its first.
+            along.pop();
+            let start = self.nearest_on_chain(chain, &along, first, is_round);
+            along.rotate_left(start);
+        }
         let Some(last) = along.len().checked_sub(1) else { return Vec::new() };
-        let mut places: Vec<usize> = wanted.iter().map(|&k| self.nearest_on_chain(chain, &along, k)).collect();
+        let mut places: Vec<usize> =
+            wanted.iter().map(|&k| self.nearest_on_chain(chain, &along, k, is_round)).collect();
         for i in 1..places.len() {
             places[i] = places[i].max(places[i - 1] + 1);
         }
@@ -78,18 +87,20 @@ impl<'a> Surface<'a> {
         places.into_iter().map(|place| (place, along[place].1)).collect()
     }
 
-    fn nearest_on_chain(&self, chain: ChainId, along: &[(f32, VertexId)], k: usize) -> usize {
+    fn nearest_on_chain(&self, chain: ChainId, along: &[(f32, VertexId)], k: usize, is_round: bool) -> usize {
         let curve = &self.product.baseline.chains[chain];
         let index = (k * curve.step()).min(curve.vertices.len() - 1);
-        if index == 0 {
+        if index == 0 && !is_round {
             return 0;
         }
-        if index + 1 == curve.vertices.len() {
+        if index + 1 == curve.vertices.len() && !is_round {
             return along.len().saturating_sub(1);
         }
         let (s, point) = (curve.along[index], self.product.baseline.points[curve.vertices[index]]);
         let off = |(at, v): (f32, VertexId)| {
-            let far = (at - s).abs() > DRIFT * self.product.target[v];
+            let way = (at - s).abs();
+            let way = if is_round { way.min(curve.length() - way) } else { way };
+            let far = way > DRIFT * self.product.target[v];
             (far, self.product.points[v].distance_squared(point))
         };
         let nearer = |best: usize, i: usize| {
@@ -114,7 +125,7 @@ impl<'a> Surface<'a> {
     /// all. None where nothing of the surface is left.
     pub fn nearest(&self, vertex: VertexId, is_free: impl Fn(VertexId) -> bool) -> Option<VertexId> {
         if let Some((chain, k)) = self.on_chain(vertex) {
-            return self.places_on_chain(chain, &[k]).first().map(|p| p.1);
+            return self.places_on_chain(chain, &[k], false).first().map(|p| p.1);
         }
         let found = self.around(vertex);
         let first = found.first()?;

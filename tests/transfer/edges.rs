@@ -113,7 +113,8 @@ fn chains_that_a_coarse_mesh_cannot_keep_apart_are_told() {
     };
     assert_eq!(told("sim.maxEdgeLength=0.5"), (false, 7));
     let (is_told, found) = told("sim.maxEdgeLength=6");
-    assert!(is_told && found < 7, "{found} chains");
+    // Those that meet are cut or joined there.
+    assert!(is_told && found != 7, "{found} chains, told: {is_told}");
 }
 
 #[test]
