@@ -76,15 +76,16 @@ impl Weaver<'_, '_> {
         self.columns.push(column);
     }
 
-    /// Cuts a marked edge at one of whose ends lines taper.
+    /// Cuts a marked edge at one of whose ends lines taper, where they turn a corner at the other.
     fn cut_halfway(&mut self, edge: EdgeId) {
         let t = self.request.topology;
         let [a, b] = t.edges[edge];
-        if !self.request.marked[edge] || self.request.tapers[a] == self.request.tapers[b] {
+        let (end, other) = if self.request.tapers[a] { (a, b) } else { (b, a) };
+        let is_last = self.request.marked[edge] && self.request.tapers[end] && !self.request.tapers[other];
+        if !is_last || t.vertex_corners.row(other).iter().all(|&c| self.ribs.within(c).is_none()) {
             return;
         }
         let part = 1.0 - HALFWAY;
-        let (end, other) = if self.request.tapers[a] { (a, b) } else { (b, a) };
         let vertex = self.builder.vertex(&[(other, part), (end, HALFWAY)]);
         self.vertices.push(LineVertex { vertex, line: None, mark: edge, part });
         self.halfway[edge] = Some(vertex);

@@ -10,9 +10,10 @@
 //!  |   |   |   |
 //! ```
 //!
-//! A path that ends inside the surface tapers: its last vertex has no rib. Its last edge is cut halfway, so that what
-//! narrows to triangles does not begin where lines turn a corner: Catmull-Clark rounds triangles and quads differently,
-//! and lines that lie closer than that would pass each other. One that ends at a border runs off it.
+//! A path that ends inside the surface tapers: its last vertex has no rib. Where lines turn a corner at the other end of
+//! its last edge, that is cut halfway, so that what narrows to triangles does not begin at the corner: Catmull-Clark rounds
+//! triangles and quads differently, and lines that lie closer than that would pass each other. A path that ends at a border
+//! runs off it.
 
 mod faces;
 mod ribs;
