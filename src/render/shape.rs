@@ -55,7 +55,7 @@ pub enum Role {
     Centre {
         /// The instances of the operator there.
         instances: Vec<usize>,
-        /// The part of the height that it has where it ends.
+        /// The part of the height that it has: 1, less where its end is near.
         part: f32,
     },
     /// On a line.
@@ -64,7 +64,7 @@ pub enum Role {
         line: usize,
         /// The instance of the operator.
         instance: usize,
-        /// The part of the height that it has where it ends.
+        /// The part of the height that it has: 1, less where its end is near.
         part: f32,
     },
     /// On the second layer.

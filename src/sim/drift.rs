@@ -45,7 +45,7 @@ fn run(mesh: &mut SimMesh<'_>, excess: &mut Excess, half: CornerId, steps: usize
         return 1;
     }
     let most = if steps > 1 { 0 } else { -1 };
-    for (_, other) in around(mesh, excess, half, most) {
+    for other in around(mesh, excess, half, most) {
         match run(mesh, excess, other, steps - 1) {
             0 => {}
             more => return 1 + more,
@@ -56,9 +56,8 @@ fn run(mesh: &mut SimMesh<'_>, excess: &mut Excess, half: CornerId, steps: usize
     0
 }
 
-/// The edges whose flips gain by that of `half` and now change squares by no more than `most`, with that change; those that
-/// gain most first.
-fn around(mesh: &SimMesh<'_>, excess: &Excess, half: CornerId, most: i32) -> Vec<(i32, CornerId)> {
+/// The edges whose flips gain by that of `half` and now change squares by no more than `most`; those that gain most first.
+fn around(mesh: &SimMesh<'_>, excess: &Excess, half: CornerId, most: i32) -> Vec<CornerId> {
     let t = &mesh.topology;
     let Some(twin) = t.twin(half) else { return Vec::new() };
     // The ends have one triangle more, the apexes one less.
@@ -68,7 +67,7 @@ fn around(mesh: &SimMesh<'_>, excess: &Excess, half: CornerId, most: i32) -> Vec
     let mut found: Vec<(i32, CornerId)> =
         others.map(|c| (change(mesh, excess, c), c)).filter(|c| c.0 <= most).collect();
     found.sort_by_key(|c| c.0);
-    found
+    found.into_iter().map(|c| c.1).collect()
 }
 
 /// Whether an edge may be flipped although its angles do not ask for it.

@@ -257,14 +257,11 @@ impl<'a> Skin<'a> {
     /// Whether the triangles of two children cross, given with their faces and quads.
     fn triangles_cross(&self, (f, i, a): Child, (g, j, b): Child, joined: bool) -> bool {
         // Triangles that have a vertex in common do not count.
-        let same = if joined {
-            {
-                let (a, b) = (self.quad_vertices(f, i), self.quad_vertices(g, j));
-                a.map(|v| b.map(|w| v == w))
-            }
-        } else {
-            [[false; 4]; 4]
-        };
+        let mut same = [[false; 4]; 4];
+        if joined {
+            let (a, b) = (self.quad_vertices(f, i), self.quad_vertices(g, j));
+            same = a.map(|v| b.map(|w| v == w));
+        }
         let are_joined = |x: &[usize; 3], y: &[usize; 3]| x.iter().any(|&k| y.iter().any(|&l| same[k][l]));
         let (first, second) = (self.cuts(f, i), self.cuts(g, j));
         let (a, b) = (a.map(|p| p.as_dvec3()), b.map(|p| p.as_dvec3()));
