@@ -2,10 +2,12 @@
 //! step by step, first to almost nothing, then together with the fit to the limit surface. Only faces are looked at that
 //! have another layer near, less height than asked, or a bend: others are sound by how they are made.
 
+mod cross;
 mod gap;
 mod skin;
 mod tree;
 
+use cross::Scratch;
 pub use gap::{Gap, OPEN};
 pub use skin::Skin;
 
@@ -127,7 +129,8 @@ fn faults(
     parents.sort_unstable();
     parents.dedup();
     before.update(kin.parent_points, &parents);
-    let crossed = |&[f, g]: &[FaceId; 2]| before.cross(parent_face(f), parent_face(g));
+    let mut scratch = Scratch::default();
+    let mut crossed = |&[f, g]: &[FaceId; 2]| before.cross(parent_face(f), parent_face(g), &mut scratch);
     let had_turned = |&f: &FaceId| {
         let p = parent_face(f);
         before.is_turned(p, before.normal(p), ALREADY_TURNED)

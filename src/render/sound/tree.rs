@@ -6,6 +6,8 @@ use rayon::prelude::*;
 
 /// Faces of a leaf. More makes fewer nodes and more boxes to compare.
 const LEAF: usize = 4;
+/// Pairs of nodes among which a search is parted.
+const PARTS: usize = 256;
 /// Bits of a place in each direction by which faces are ordered.
 const BITS: u32 = 10;
 
@@ -31,6 +33,11 @@ impl Bounds {
     #[inline]
     pub fn meets(&self, other: &Self) -> bool {
         self.low.cmple(other.high).all() && other.low.cmple(self.high).all()
+    }
+
+    /// The box of what is in both.
+    pub fn common(&self, other: &Self) -> Self {
+        Self { low: self.low.max(other.low), high: self.high.min(other.high) }
     }
 
     /// The box with all that is within a distance of it.
@@ -84,15 +91,41 @@ impl Tree {
         }
     }
 
-    /// Number of groups of near faces.
-    pub fn groups(&self) -> usize {
-        self.order.len().div_ceil(LEAF)
+    /// The faces of a leaf with their boxes.
+    fn leaf(&self, node: usize) -> impl Iterator<Item = (FaceId, &Bounds)> {
+        let first = LEAF * (node - self.leaves);
+        let faces = first.min(self.order.len())..(first + LEAF).min(self.order.len());
+        self.order[faces.clone()].iter().copied().zip(&self.boxes[faces])
     }
 
-    /// The faces of a group with their boxes.
-    pub fn group(&self, group: usize) -> impl Iterator<Item = (FaceId, &Bounds)> {
-        let faces = LEAF * group..(LEAF * (group + 1)).min(self.order.len());
-        self.order[faces.clone()].iter().copied().zip(&self.boxes[faces])
+    /// The pairs of faces that pass a test, the first not after the second, of all whose boxes meet and of which one is
+    /// active. `S` is what the test keeps from one pair to the next.
+    pub fn pairs<S: Default>(
+        &self,
+        is_active: &IdVec<FaceId, bool>,
+        test: impl Fn(FaceId, FaceId, &mut S) -> bool + Sync,
+    ) -> Vec<[FaceId; 2]> {
+        let search = Search { tree: self, is_active, has_active: self.nodes_with(is_active), test };
+        let mut parts = vec![[1, 1]];
+        while parts.len() < PARTS && parts.iter().any(|[node, _]| *node < self.leaves) {
+            parts = parts.iter().flat_map(|&pair| search.below(pair)).collect();
+        }
+        let found = |&pair: &[usize; 2]| {
+            let (mut found, mut state) = (Vec::new(), S::default());
+            search.descend(pair, &mut state, &mut found);
+            found
+        };
+        parts.par_iter().flat_map_iter(found).collect()
+    }
+
+    /// Which nodes have an active face.
+    fn nodes_with(&self, is_active: &IdVec<FaceId, bool>) -> Vec<bool> {
+        let mut nodes = vec![false; self.nodes.len()];
+        for (leaf, faces) in self.order.chunks(LEAF).enumerate() {
+            nodes[self.leaves + leaf] = faces.iter().any(|&face| is_active[face]);
+        }
+        (1..self.leaves).rev().for_each(|node| nodes[node] = nodes[2 * node] || nodes[2 * node + 1]);
+        nodes
     }
 
     /// Passes each face whose box meets `bounds` to `sink`, with its box.
@@ -104,13 +137,57 @@ impl Tree {
             depth -= 1;
             let node = stack[depth];
             if node >= self.leaves {
-                self.group(node - self.leaves).filter(|(_, b)| b.meets(bounds)).for_each(|(f, b)| sink(f, b));
+                self.leaf(node).filter(|(_, b)| b.meets(bounds)).for_each(|(f, b)| sink(f, b));
                 continue;
             }
             for child in [2 * node + 1, 2 * node] {
                 if self.nodes[child].meets(bounds) {
                     stack[depth] = child;
                     depth += 1;
+                }
+            }
+        }
+    }
+}
+
+/// A search for pairs, from pairs of nodes of a depth to those below them.
+struct Search<'a, T> {
+    tree: &'a Tree,
+    is_active: &'a IdVec<FaceId, bool>,
+    has_active: Vec<bool>,
+    test: T,
+}
+
+impl<T> Search<'_, T> {
+    fn is_asked(&self, [a, b]: [usize; 2]) -> bool {
+        (self.has_active[a] || self.has_active[b]) && self.tree.nodes[a].meets(&self.tree.nodes[b])
+    }
+
+    /// The pairs of children that may have what is looked for; a pair of leaves has none and stays itself.
+    fn below(&self, [a, b]: [usize; 2]) -> impl Iterator<Item = [usize; 2]> {
+        let (left, right) = (2 * a, 2 * b);
+        let all = [[left, right], [left, right + 1], [left + 1, right], [left + 1, right + 1]];
+        // A node with itself has one pair of its two children.
+        let pairs = all.into_iter().enumerate().filter(move |(i, _)| a != b || *i != 2).map(|(_, pair)| pair);
+        pairs.filter(|&pair| self.is_asked(pair))
+    }
+
+    fn descend<S>(&self, pair: [usize; 2], state: &mut S, found: &mut Vec<[FaceId; 2]>)
+    where
+        T: Fn(FaceId, FaceId, &mut S) -> bool,
+    {
+        if pair[0] < self.tree.leaves {
+            self.below(pair).for_each(|pair| self.descend(pair, state, found));
+            return;
+        }
+        let b = &self.tree.nodes[pair[1]];
+        for (i, (f, of_f)) in self.tree.leaf(pair[0]).enumerate().filter(|(_, (_, of_f))| of_f.meets(b)) {
+            let first = if pair[0] == pair[1] { i } else { 0 };
+            for (g, of_g) in self.tree.leaf(pair[1]).skip(first) {
+                let is_asked = of_f.meets(of_g) && (self.is_active[f] || self.is_active[g]);
+                let ordered = if f <= g { [f, g] } else { [g, f] };
+                if is_asked && (self.test)(ordered[0], ordered[1], state) {
+                    found.push(ordered);
                 }
             }
         }
