@@ -137,17 +137,21 @@ impl Surface {
         // All of a length, so that a large face beside a fold does not hide the small ones on its other side.
         let own =
             |c: CornerId| sign * (at(t.faces.next(c)) - at(c)).cross(at(t.faces.prev(c)) - at(c)).normalize_or_zero();
-        let mut normals: IdVec<CornerId, Vec3> = t.faces.corners().ids().map(own).collect();
-        for vertex in places.ids() {
-            let corners = t.vertex_corners.row(vertex);
-            let own: Vec<Vec3> = corners.iter().map(|&c| normals[c]).collect();
-            let mean = seen_by_all(&own);
-            let folded = has_fold(level, vertex);
-            for &corner in corners {
-                let own = normals[corner];
-                normals[corner] = if folded && own != Vec3::ZERO { own } else { mean };
-            }
-        }
+        let corners = t.faces.corners();
+        let own: Vec<Vec3> = (0..corners.len()).into_par_iter().map(|c| own(CornerId::new(c))).collect();
+        // One for each vertex, unless the surface has a fold there.
+        let mean = |around: &mut Vec<Vec3>, vertex: usize| {
+            let vertex = VertexId::new(vertex);
+            around.clear();
+            around.extend(t.vertex_corners.row(vertex).iter().map(|c| own[c.index()]));
+            (seen_by_all(around), has_fold(level, vertex))
+        };
+        let means: Vec<(Vec3, bool)> = (0..places.len()).into_par_iter().map_init(Vec::new, mean).collect();
+        let normal = |(&own, vertex): (&Vec3, &VertexId)| {
+            let (mean, is_folded) = means[vertex.index()];
+            if is_folded && own != Vec3::ZERO { own } else { mean }
+        };
+        let normals: IdVec<CornerId, Vec3> = own.iter().zip(corners.iter()).map(normal).collect();
         let is_flat = matches!(level.scheme, Scheme::Bilinear | Scheme::None);
         Self { places, normals, is_flat }
     }

@@ -19,9 +19,9 @@ use rayon::prelude::*;
 
 /// Part of a height that is left in any case.
 pub const LEAST_SHARE: f32 = 0.1;
-/// Parts of the rest of the height that are left after each step, and of the fit. Finer steps leave more of both, and
-/// take longer.
-const STEPS: [(f32, f32); 4] = [(1.0, 1.0), (0.3, 1.0), (0.0, 1.0), (0.0, 0.0)];
+/// Parts of the rest of the height that are left after each step, and whether the fit is. Finer steps leave more of both,
+/// and take longer.
+const STEPS: [(f32, bool); 4] = [(1.0, true), (0.3, true), (0.0, true), (0.0, false)];
 /// Steps by which a neighbour may be behind. More makes the change from full height more sudden.
 const SLACK: u8 = 2;
 /// Cosine between the normals of a face with and without its moves below which it is looked at.
@@ -37,6 +37,13 @@ pub struct States<'a> {
     pub flat: &'a IdVec<VertexId, Vec3>,
     /// Fitted with heights.
     pub raised: &'a IdVec<VertexId, Vec3>,
+}
+
+impl States<'_> {
+    /// The place of a vertex that has a part of the rest of its height, and the fit or not.
+    fn at(&self, vertex: VertexId, (height, is_fitted): (f32, bool)) -> Vec3 {
+        if is_fitted { self.flat[vertex].lerp(self.raised[vertex], height) } else { self.linear[vertex] }
+    }
 }
 
 /// A child and its parent, whose points are known.
@@ -81,8 +88,12 @@ pub fn sound(kin: &Kin, states: &States) -> Sound {
     let mut best: Option<Sound> = None;
     let mut before = Skin::of(kin.parent, kin.parent_points, &[]);
     let share = |&s: &u8| LEAST_SHARE + (1.0 - LEAST_SHARE) * STEPS[usize::from(s)].0;
+    let mut pairs: Vec<[FaceId; 2]> = Vec::new();
     for _ in 0..STEPS.len() {
-        let faults = faults(kin, (&mut skin, &mut before), (&active, &is_active), &normals);
+        // Faces that did not move are as they were.
+        pairs.retain(|pair| pair.iter().all(|&f| !is_active[f]));
+        pairs.extend(faults(kin, (&mut skin, &mut before), (&active, &is_active), &normals));
+        let faults = faces_of(&pairs);
         let shares = steps.iter().map(share).collect();
         let changed = step_on(kin, &mut steps, &faults);
         if best.as_ref().is_none_or(|best| faults.len() < best.faults.len()) {
@@ -91,12 +102,11 @@ pub fn sound(kin: &Kin, states: &States) -> Sound {
         if changed.is_empty() {
             break;
         }
-        for &vertex in &changed {
-            let (height, fit) = STEPS[usize::from(steps[vertex])];
-            let flat = states.flat[vertex].lerp(states.raised[vertex], height);
-            points[vertex] = states.linear[vertex].lerp(flat, fit);
-        }
-        is_active = reached(kin.child.level(), &changed);
+        let moved = changed.into_iter().filter(|&vertex| {
+            let place = states.at(vertex, STEPS[usize::from(steps[vertex])]);
+            std::mem::replace(&mut points[vertex], place) != place
+        });
+        is_active = reached(kin.child.level(), moved);
         active = is_active.ids().filter(|&f| is_active[f]).collect();
         skin.update(&points, &active);
     }
@@ -116,13 +126,21 @@ fn linear_normals(level: &Level, points: &IdVec<VertexId, Vec3>) -> IdVec<FaceId
     (0..faces.len()).into_par_iter().map(|face| normal(FaceId::new(face))).collect::<Vec<_>>().into()
 }
 
-/// Faces that cross others or are turned over, and did not before.
+/// The faces of pairs, each once.
+fn faces_of(pairs: &[[FaceId; 2]]) -> Vec<FaceId> {
+    let mut faces: Vec<FaceId> = pairs.iter().flatten().copied().collect();
+    faces.sort_unstable();
+    faces.dedup();
+    faces
+}
+
+/// Pairs of faces that cross, and faces with themselves that are turned over, and did not before.
 fn faults(
     kin: &Kin,
     (skin, before): (&mut Skin, &mut Skin),
     (active, is_active): (&[FaceId], &IdVec<FaceId, bool>),
     normals: &IdVec<FaceId, Vec3>,
-) -> Vec<FaceId> {
+) -> Vec<[FaceId; 2]> {
     let (crossing, turned) = (skin.crossings(is_active), skin.turned(active, normals));
     let parent_face = |f: FaceId| kin.derivation.parent_face(f);
     let mut parents: Vec<FaceId> = crossing.iter().flatten().chain(&turned).map(|&f| parent_face(f)).collect();
@@ -135,10 +153,8 @@ fn faults(
         let p = parent_face(f);
         before.is_turned(p, before.normal(p), ALREADY_TURNED)
     };
-    let mut faults: Vec<FaceId> = crossing.into_iter().filter(|pair| !crossed(pair)).flatten().collect();
-    faults.extend(turned.into_iter().filter(|f| !had_turned(f)));
-    faults.sort_unstable();
-    faults.dedup();
+    let mut faults: Vec<[FaceId; 2]> = crossing.into_iter().filter(|pair| !crossed(pair)).collect();
+    faults.extend(turned.into_iter().filter(|f| !had_turned(f)).map(|f| [f, f]));
     faults
 }
 
@@ -177,10 +193,10 @@ fn step_on(kin: &Kin, steps: &mut IdVec<VertexId, u8>, faults: &[FaceId]) -> Vec
 }
 
 /// The faces whose children move with some vertices: those at them, and the faces that touch those.
-fn reached(level: &Level, vertices: &[VertexId]) -> IdVec<FaceId, bool> {
+fn reached(level: &Level, vertices: impl Iterator<Item = VertexId>) -> IdVec<FaceId, bool> {
     let t = &level.topology;
     let mut near = IdVec::filled(false, t.vertex_count());
-    for face in vertices.iter().flat_map(|&v| t.faces_at(v)) {
+    for face in vertices.flat_map(|v| t.faces_at(v)) {
         t.faces.vertices_of(face).iter().for_each(|&v| near[v] = true);
     }
     t.faces.ids().map(|f| t.faces.vertices_of(f).iter().any(|&v| near[v])).collect()
