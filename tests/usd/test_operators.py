@@ -154,6 +154,15 @@ def test_flags_are_stronger_than_the_layer(build, tmp_path):
     assert ridge.points[:, 2].max() > 0.02 and ridge.points[:, 2].min() > -0.01
 
 
+def groove_of_second_layer(render):
+    """How much higher the middle of the seam on the second layer is than the rest of that layer."""
+    corners = np.asarray(render.indices).reshape(-1, 4)
+    inner, seam = (set(render.subsets[name].indices) for name in ("hem_inner", "placket_seam"))
+    points = {of: render.points[np.unique(corners[sorted(faces)])] for of, faces in (("seam", inner & seam), ("rest", inner - seam))}
+    middle = points["seam"][abs(points["seam"][:, 0] - flat()[0][7, 0]) < 1e-4]
+    return np.median(middle[:, 2]) - np.median(points["rest"][:, 2])
+
+
 def test_operators_run_in_their_order(build, tmp_path):
     """A hem over a seam has the groove on both layers; a seam over a hem on the face that it was marked on, and around."""
     source, made = garment(tmp_path), {}
@@ -165,8 +174,10 @@ def test_operators_run_in_their_order(build, tmp_path):
         made[stem] = product.render
     assert (made["default"].points == made["seam_first"].points).all()
     assert made["hem_first"].points.shape != made["seam_first"].points.shape or (made["hem_first"].points != made["seam_first"].points).any()
-    overlap = {stem: np.intersect1d(render.subsets["placket_seam"].indices, render.subsets["hem_inner"].indices) for stem, render in made.items()}
-    assert all(len(faces) > 0 for faces in overlap.values())
+    depths = {stem: groove_of_second_layer(render) for stem, render in made.items()}
+    # Points of the cage go further than the limit surface, which is at 0.02.
+    assert -0.026 < depths["seam_first"] < -0.018, "the groove of the first layer goes on in the second"
+    assert 0.018 < depths["hem_first"] < 0.026, "the second layer has a groove on its own outside"
 
 
 def test_what_the_order_does_not_name_is_told(build, usdtailor, tmp_path):
