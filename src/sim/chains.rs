@@ -77,21 +77,46 @@ impl Chain {
         self.wound(s).1
     }
 
-    /// The surface's unit normal beside the curve at arc length `s`, on the side of a half-edge that runs `forward`.
-    pub(super) fn normal_at(&self, s: f32, forward: bool) -> Vec3 {
-        self.normals[self.at(s).segment][usize::from(!forward)]
+    /// The same, searched from the segment `near` on, which becomes that of the place: for places one after the other.
+    pub(super) fn at_after(&self, s: f32, near: &mut usize) -> OnCurve {
+        let (_, s) = self.unwound(s);
+        if self.along[*near] > s {
+            *near = self.segment_at(s);
+        }
+        while *near + 2 < self.along.len() && self.along[*near + 1] <= s {
+            *near += 1;
+        }
+        self.in_segment(s, *near)
+    }
+
+    /// The surface's unit normal beside the curve, on the side of a half-edge that runs `forward`.
+    pub(super) fn normal_at(&self, at: OnCurve, forward: bool) -> Vec3 {
+        self.normals[at.segment][usize::from(!forward)]
     }
 
     /// How many times a loop was gone round up to arc length `s`, and the place there.
     pub(super) fn wound(&self, s: f32) -> (f32, OnCurve) {
+        let (turn, s) = self.unwound(s);
+        (turn, self.in_segment(s, self.segment_at(s)))
+    }
+
+    /// How many times a loop was gone round up to arc length `s`, and the rest.
+    fn unwound(&self, s: f32) -> (f32, f32) {
         let length = self.length();
         let turn = if self.is_loop && length > 0.0 { (s / length).floor() } else { 0.0 };
-        let s = (s - turn * length).clamp(0.0, length);
+        (turn, (s - turn * length).clamp(0.0, length))
+    }
+
+    /// The segment of an arc length on the curve.
+    fn segment_at(&self, s: f32) -> usize {
         let last = self.along.len().saturating_sub(2);
-        let segment = self.along.partition_point(|&a| a <= s).saturating_sub(1).min(last);
+        self.along.partition_point(|&a| a <= s).saturating_sub(1).min(last)
+    }
+
+    fn in_segment(&self, s: f32, segment: usize) -> OnCurve {
         let span = self.along[segment + 1] - self.along[segment];
         let t = if span > 0.0 { ((s - self.along[segment]) / span).clamp(0.0, 1.0) } else { 0.0 };
-        (turn, OnCurve { segment, t })
+        OnCurve { segment, t }
     }
 }
 

@@ -39,7 +39,7 @@ impl SimMesh<'_> {
         assert!((span.count() - count).abs() <= SLACK * count.max(1.0), "{half:?} counts {} of {count}", span.count());
         for (v, s) in ends.into_iter().zip([span.from, span.to]) {
             assert!(self.grade[v] != Grade::Free, "chain ends are constrained");
-            let (p, _) = self.on_curve(span.chain, s, span.forward);
+            let p = self.on_curve(span.chain, s);
             let off = p.distance(self.points[v]);
             assert!(off <= SLACK * self.target[v], "{v:?} is on its curve: off by {off}");
         }

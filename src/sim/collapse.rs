@@ -1,7 +1,7 @@
 //! Collapse every edge that is too short, the shortest first.
 
 use super::mesh::{Grade, SimMesh, Site, Span};
-use super::queue::edit_in_order;
+use super::queue::{Entry, edit_in_order, keyed};
 use super::shape::Corner;
 use super::split::SPLIT_RATIO;
 use crate::mesh::edit::{face, next, prev};
@@ -12,6 +12,10 @@ use glam::Vec3;
 /// fewer, longer edges.
 pub const COLLAPSE_RATIO: f32 = 4.0 / 5.0;
 
+/// The same in the first of several rounds: relaxing makes most edges that are a little short long enough. With
+/// [`COLLAPSE_RATIO`] the 5th percentile of the smallest angle is 0.1 to 0.4 degrees less.
+pub(super) const FIRST_COLLAPSE_RATIO: f32 = 0.7;
+
 /// A collapse may not make a triangle whose normal turns further than this from the surface's at a corner: it would
 /// bridge a fold and erase it. Larger values keep more of a fold, but leave short edges along it.
 pub(super) const MIN_COSINE: f32 = 0.2;
@@ -20,14 +24,20 @@ pub(super) const MIN_COSINE: f32 = 0.2;
 /// work to the next round's splits (Botsch and Kobbelt's 4/3; the 5/4 of splits leaves three times the short edges).
 const LONGEST: f32 = 4.0 / 3.0;
 
-/// Collapses until no edge is too short that may go. Returns the number of collapses.
-pub fn collapse_short_edges(mesh: &mut SimMesh<'_>) -> usize {
-    edit_in_order(mesh, lack, try_collapse)
+/// Collapses until no edge is shorter than `ratio` times its target that may go. Returns the number of collapses.
+pub fn collapse_short_edges(mesh: &mut SimMesh<'_>, ratio: f32) -> usize {
+    let short = keyed(mesh, |mesh, half| lack(mesh, half, ratio));
+    collapse_edges(mesh, short, ratio)
+}
+
+/// The same where the edges to begin with are known.
+pub(super) fn collapse_edges(mesh: &mut SimMesh<'_>, short: Vec<Entry>, ratio: f32) -> usize {
+    edit_in_order(mesh, short, |mesh, half| lack(mesh, half, ratio), try_collapse)
 }
 
 /// What an edge that is to be collapsed lacks of its target.
-fn lack(mesh: &SimMesh<'_>, half: CornerId) -> Option<f32> {
-    if !mesh.is_outside(half, COLLAPSE_RATIO, false) {
+pub(super) fn lack(mesh: &SimMesh<'_>, half: CornerId, ratio: f32) -> Option<f32> {
+    if !mesh.is_outside(half, ratio, false) {
         return None;
     }
     let (a, b) = (mesh.topology.vertex(half), mesh.topology.target(half));

@@ -59,17 +59,16 @@ impl SimMesh<'_> {
         let ahead = self.split_topology(half);
         self.add_span(half, Span { to: s, counts: [span.counts[0], count], ..span });
         self.add_span(ahead, Span { from: s, counts: [count, span.counts[1]], ..span });
-        let (position, own) = self.site_on_curve(span.chain, s, span.forward);
-        let own = self.new_site(own, half);
+        let at = chain.at(s);
+        let own = self.new_site(self.site_on_curve(chain, at, span.forward), half);
         self.site_of[next(half)] = own;
         self.site_of[ahead] = own;
         if let (Some(first), Some(second)) = (self.topology.twin(half), self.topology.twin(ahead)) {
-            let (_, other) = self.site_on_curve(span.chain, s, !span.forward);
-            let other = self.new_site(other, second);
+            let other = self.new_site(self.site_on_curve(chain, at, !span.forward), second);
             self.site_of[first] = other;
             self.site_of[next(second)] = other;
         }
-        self.settle_new(position, Grade::OnCurve(span.chain), chain.length_at(s))
+        self.settle_new(self.point_on(chain, at), Grade::OnCurve(span.chain), chain.length_at(s))
     }
 
     fn middle_of_span(&self, span: Span) -> f32 {
@@ -79,9 +78,11 @@ impl SimMesh<'_> {
 
     /// Whether no triangle would be worse than what it is a half of, if a constrained edge were split.
     pub(super) fn span_split_is_safe(&self, half: CornerId, span: Span) -> bool {
-        let s = self.middle_of_span(span);
+        let chain = self.chain(span.chain);
+        let at = chain.at(self.middle_of_span(span));
+        let position = self.point_on(chain, at);
         let side = |half: CornerId, forward: bool| {
-            let (position, site) = self.site_on_curve(span.chain, s, forward);
+            let site = self.site_on_curve(chain, at, forward);
             let [halves, whole] = self.halves(half, (position, &site.unwrap_or(*self.site(half))));
             halves <= whole
         };

@@ -3,10 +3,10 @@
 use super::drift::drift_with;
 use super::mesh::{Grade, SimMesh};
 use crate::mesh::edit::{next, prev};
-use crate::mesh::{CornerId, IdVec, SiteId};
+use crate::mesh::{CornerId, IdVec, SiteId, VertexId};
 use glam::Vec3;
 use rayon::prelude::*;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::f32::consts::FRAC_PI_3;
 
 /// Sweeps over all edges; each flip raises the smallest angle of its pair, so a few suffice.
@@ -17,6 +17,9 @@ const MIN_GAIN: f32 = 1e-4;
 /// Cosine of the angle between a new triangle and the surface at its corners above which it lies well. Larger values
 /// keep more flips from turning edges out of a fold.
 const MIN_ALIGNMENT: f32 = 0.85;
+
+/// Vertices whose excess one task finds.
+const VERTICES_PER_TASK: usize = 4096;
 
 /// Flips until no edge gains by it. `regularity` is what one square of excess weighs against the sine of the angle by
 /// which an edge is not Delaunay: 0 gives a Delaunay mesh. Returns the number of flips.
@@ -71,28 +74,51 @@ pub(super) fn flip_with(mesh: &mut SimMesh<'_>, excess: &mut Excess, half: Corne
 pub(super) type Excess = IdVec<SiteId, i8>;
 
 pub(super) fn excess(mesh: &SimMesh<'_>) -> Excess {
-    let mut count: IdVec<SiteId, u8> = IdVec::filled(0, mesh.sites.len());
-    let mut best: IdVec<SiteId, i8> = IdVec::filled(6, mesh.sites.len());
-    let mut angles: BTreeMap<SiteId, f32> = BTreeMap::new();
-    for c in mesh.topology.corners() {
+    let slots = mesh.topology.vertex_slots();
+    let tasks = (0..slots.div_ceil(VERTICES_PER_TASK)).into_par_iter();
+    let found = tasks.map(|t| {
+        let (first, end) = (t * VERTICES_PER_TASK, slots.min((t + 1) * VERTICES_PER_TASK));
+        let mut found = Vec::with_capacity(end - first);
+        (first..end).for_each(|v| excess_at(mesh, VertexId::new(v), &mut found));
+        found
+    });
+    let mut excess: Excess = IdVec::filled(0, mesh.sites.len());
+    found.collect::<Vec<_>>().into_iter().flatten().for_each(|(site, own)| excess[site] = own);
+    excess
+}
+
+/// The excess in each sector of a vertex.
+fn excess_at(mesh: &SimMesh<'_>, vertex: VertexId, found: &mut Vec<(SiteId, i8)>) {
+    let grade = mesh.grade[vertex];
+    let mut fan = mesh.topology.fan(vertex);
+    if grade == Grade::Free {
+        let Some(first) = fan.next() else { return };
+        found.push((mesh.site_of[first], (fan.count() + 1).min(100) as i8 - 6));
+        return;
+    }
+    let mut sectors: Vec<(SiteId, i8, f32)> = Vec::with_capacity(4);
+    for c in fan {
         let site = mesh.site_of[c];
-        count[site] = count[site].saturating_add(1);
-        match mesh.grade[mesh.topology.vertex(c)] {
-            Grade::Free => {}
-            Grade::OnCurve(_) => best[site] = 3,
-            Grade::Frozen => {
-                let [p, q, r] = [c, next(c), prev(c)].map(|c| mesh.points[mesh.topology.vertex(c)]);
-                *angles.entry(site).or_default() += (q - p).angle_between(r - p);
-            }
+        let angle = if grade == Grade::Frozen { mesh.angle(c) } else { 0.0 };
+        match sectors.iter_mut().find(|s| s.0 == site) {
+            Some(own) => (own.1, own.2) = (own.1.saturating_add(1).min(100), own.2 + angle),
+            None => sectors.push((site, 1, angle)),
         }
     }
-    for (site, angle) in angles {
-        best[site] = (angle / FRAC_PI_3).round().clamp(1.0, 12.0) as i8;
-    }
-    count.iter().zip(best.iter()).map(|(&n, &best)| n.min(100) as i8 - best).collect()
+    let best = |angle: f32| match grade {
+        Grade::Frozen => (angle / FRAC_PI_3).round().clamp(1.0, 12.0) as i8,
+        _ => 3,
+    };
+    found.extend(sectors.into_iter().map(|(site, count, angle)| (site, count - best(angle))));
 }
 
 impl SimMesh<'_> {
+    /// The angle of a corner. \[radians\]
+    fn angle(&self, corner: CornerId) -> f32 {
+        let [p, q, r] = [corner, next(corner), prev(corner)].map(|c| self.points[self.topology.vertex(c)]);
+        (q - p).angle_between(r - p)
+    }
+
     /// The sum over all sectors of the square of their triangles above or below the best number.
     pub fn irregularity(&self) -> i64 {
         let excess = excess(self);

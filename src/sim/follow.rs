@@ -67,7 +67,7 @@ fn follow(mesh: &mut SimMesh<'_>, vertex: VertexId) -> bool {
     let old = angles(mesh, vertex, mesh.points[vertex]);
     let is_thin = |now: &Angles| now.worst > old.worst.max(WORST);
     let cost = |by: f32| {
-        let (there, _) = mesh.on_curve(between.chain, between.along[1] + by, true);
+        let there = mesh.on_curve(between.chain, between.along[1] + by);
         let now = Some(angles(mesh, vertex, there)).filter(|now| !is_thin(now))?;
         let astray = mesh.astray(&between, by);
         let is_far = astray.farthest > before.farthest.max(FARTHEST);
@@ -109,7 +109,7 @@ impl SimMesh<'_> {
     /// How the chords beside a vertex follow the curve if it slides.
     fn astray(&self, between: &Between, by: f32) -> Astray {
         let &Between { chain, along: [from, own, to], ends: [a, b] } = between;
-        let (p, _) = self.on_curve(chain, own + by, true);
+        let p = self.on_curve(chain, own + by);
         let before = self.chord_astray(chain, [from, own + by], [a, p]);
         let after = self.chord_astray(chain, [own + by, to], [p, b]);
         Astray { length: before.length + after.length, farthest: before.farthest.max(after.farthest) }
@@ -120,13 +120,14 @@ impl SimMesh<'_> {
         let curve = self.chain(chain);
         let target = self.baseline.target[curve.vertices[curve.at(0.5 * (from + to)).segment]];
         let step = (to - from) / f32::from(SAMPLES);
-        let at = |k: u8| self.on_curve(chain, from + step * (f32::from(k) + 0.5), true).0;
-        (0..SAMPLES).map(|k| distance_to_segment(at(k), a, b) / target).fold(
-            Astray { length: 0.0, farthest: 0.0 },
-            |sum, off| {
-                let length = sum.length + if off > ASTRAY { step / target } else { 0.0 };
-                Astray { length, farthest: sum.farthest.max(off) }
-            },
-        )
+        let mut near = curve.at(from).segment;
+        let mut sum = Astray { length: 0.0, farthest: 0.0 };
+        for k in 0..SAMPLES {
+            let at = curve.at_after(from + step * (f32::from(k) + 0.5), &mut near);
+            let off = distance_to_segment(self.point_on(curve, at), a, b) / target;
+            sum.length += if off > ASTRAY { step / target } else { 0.0 };
+            sum.farthest = sum.farthest.max(off);
+        }
+        sum
     }
 }

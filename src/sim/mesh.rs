@@ -1,12 +1,11 @@
 //! The mesh under remeshing: topology, positions, and what each vertex and edge may do.
 
 use super::baseline::{Baseline, Location};
-use super::chains::Chain;
+use super::chains::{Chain, OnCurve};
 use super::patches::Seal;
 use crate::mesh::edit::{EditMesh, next, prev};
 use crate::mesh::{ChainId, CornerId, FaceId, IdVec, SiteId, SpanId, VertexId};
 use glam::{Vec2, Vec3};
-use std::collections::BTreeSet;
 use std::num::NonZeroU32;
 
 /// What a vertex may do.
@@ -175,15 +174,15 @@ impl<'a> SimMesh<'a> {
                 self.target[v] = self.target[v].min(self.chain(start.chain).length_at(s));
             }
         }
-        let mut anchors = BTreeSet::new();
+        let mut is_anchor = IdVec::<VertexId, bool>::filled(false, self.points.len());
         for chain in self.baseline.chains.iter() {
-            anchors.extend(chain.pins.iter().map(|&i| chain.vertices[i]));
+            chain.pins.iter().for_each(|&i| is_anchor[chain.vertices[i]] = true);
             if !chain.is_loop {
-                anchors.extend(chain.vertices.first().into_iter().chain(chain.vertices.last()).copied());
+                chain.vertices.first().into_iter().chain(chain.vertices.last()).for_each(|&v| is_anchor[v] = true);
             }
         }
-        for (vertex, level_vertex) in self.baseline.level_vertex.enumerated() {
-            if anchors.contains(level_vertex) {
+        for (vertex, &level_vertex) in self.baseline.level_vertex.enumerated() {
+            if is_anchor[level_vertex] {
                 self.grade[vertex] = Grade::Frozen;
             }
         }
@@ -199,7 +198,8 @@ impl<'a> SimMesh<'a> {
         for half in self.topology.corners() {
             let Some(span) = self.span(half) else { continue };
             for (corner, s) in [(half, span.from), (next(half), span.to)] {
-                self.sites[self.site_of[corner]].normal = self.chain(span.chain).normal_at(s, span.forward);
+                let chain = self.chain(span.chain);
+                self.sites[self.site_of[corner]].normal = chain.normal_at(chain.at(s), span.forward);
             }
         }
     }
@@ -309,31 +309,31 @@ impl<'a> SimMesh<'a> {
         self.set_mark(half, Mark::new(id, span.forward));
     }
 
-    /// The place on a chain's curve at `s`, on the side of a half-edge that runs `forward` along it.
-    pub fn on_curve(&self, chain: ChainId, s: f32, forward: bool) -> (Vec3, Option<Place>) {
-        let curve = self.chain(chain);
-        let at = curve.at(s);
+    /// Position of a place on a chain's curve.
+    #[inline]
+    pub(super) fn point_on(&self, curve: &Chain, at: OnCurve) -> Vec3 {
         let (a, b) = (curve.vertices[at.segment], curve.vertices[at.segment + 1]);
-        let position = self.baseline.points[a].lerp(self.baseline.points[b], at.t);
-        let half = if forward { curve.left[at.segment] } else { curve.right[at.segment] };
-        let place = half.map(|half| {
-            let t = if forward { at.t } else { 1.0 - at.t };
-            let mut weights = [0.0; 3];
-            weights[half.index() % 3] = 1.0 - t;
-            weights[next(half).index() % 3] = t;
-            let location = Location { face: FaceId::new(half.index() / 3), weights: weights.into() };
-            // In the chain's direction on both sides, so that UVs which are the same there stay so bit for bit.
-            let [from, to] = if forward { [half, next(half)] } else { [next(half), half] };
-            Place { location, uv: self.baseline.uvs[from].lerp(self.baseline.uvs[to], at.t) }
-        });
-        (position, place)
+        self.baseline.points[a].lerp(self.baseline.points[b], at.t)
     }
 
-    /// The site on a chain's curve at `s`, on the side of a half-edge that runs `forward` along it.
-    pub(super) fn site_on_curve(&self, chain: ChainId, s: f32, forward: bool) -> (Vec3, Option<Site>) {
-        let (position, place) = self.on_curve(chain, s, forward);
-        let normal = self.chain(chain).normal_at(s, forward);
-        (position, place.map(|p| Site { normal, ..site_at(self.baseline, p) }))
+    /// Position of the place on a chain's curve at arc length `s`.
+    pub fn on_curve(&self, chain: ChainId, s: f32) -> Vec3 {
+        let curve = self.chain(chain);
+        self.point_on(curve, curve.at(s))
+    }
+
+    /// The site of a place on a chain's curve, on the side of a half-edge that runs `forward` along it.
+    pub(super) fn site_on_curve(&self, curve: &Chain, at: OnCurve, forward: bool) -> Option<Site> {
+        let half = if forward { curve.left[at.segment] } else { curve.right[at.segment] }?;
+        let t = if forward { at.t } else { 1.0 - at.t };
+        let mut weights = [0.0; 3];
+        weights[half.index() % 3] = 1.0 - t;
+        weights[next(half).index() % 3] = t;
+        let location = Location { face: FaceId::new(half.index() / 3), weights: weights.into() };
+        // In the chain's direction on both sides, so that UVs which are the same there stay so bit for bit.
+        let [from, to] = if forward { [half, next(half)] } else { [next(half), half] };
+        let place = Place { location, uv: self.baseline.uvs[from].lerp(self.baseline.uvs[to], at.t) };
+        Some(Site { normal: curve.normal_at(at, forward), ..site_at(self.baseline, place) })
     }
 
     /// The corners at the vertex of `corner` that are reached from it without crossing a constrained edge.

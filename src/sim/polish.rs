@@ -174,7 +174,7 @@ fn slide_goal(mesh: &SimMesh<'_>, vertex: VertexId, before: Angles) -> Option<Go
     let (mut best, mut least) = (0.0, before);
     for k in (-PLACES..=PLACES).filter(|&k| k != 0) {
         let by = reach * f32::from(k) / f32::from(PLACES);
-        let there = angles(mesh, vertex, mesh.on_curve(after.chain, last.to + by, true).0);
+        let there = angles(mesh, vertex, mesh.on_curve(after.chain, last.to + by));
         if there.is_better(least) {
             (best, least) = (by, there);
         }

@@ -15,7 +15,7 @@ const MAX_SWEEPS: usize = 8;
 
 /// An edge, where it was when it was found.
 #[derive(Clone, Copy)]
-struct Entry {
+pub(super) struct Entry {
     key: f32,
     /// The lower vertex first.
     ends: [VertexId; 2],
@@ -46,18 +46,19 @@ fn ends(mesh: &SimMesh<'_>, half: CornerId) -> [VertexId; 2] {
     [a.min(b), a.max(b)]
 }
 
-/// Edits edges that have a key, the largest first, until none is left that can be. `edit` returns a vertex around which
-/// edges changed, or nothing where it refused. Returns the number of edits.
+/// Edits `entries`, the largest key first, and then what has a key after that, until none is left that can be edited.
+/// `edit` returns a vertex around which edges changed, or nothing where it refused. Returns the number of edits.
 pub(super) fn edit_in_order<'a>(
     mesh: &mut SimMesh<'a>,
-    key: impl Fn(&SimMesh<'a>, CornerId) -> Option<f32> + Sync,
+    mut entries: Vec<Entry>,
+    key: impl Fn(&SimMesh<'a>, CornerId) -> Option<f32>,
     mut edit: impl FnMut(&mut SimMesh<'a>, CornerId) -> Option<VertexId>,
 ) -> usize {
     let mut count = 0;
-    let mut entries = all(mesh, &key);
     let mut changed: Vec<VertexId> = Vec::new();
     for _ in 0..MAX_SWEEPS {
         entries.par_sort_unstable_by(Entry::order);
+        entries.dedup_by_key(|entry| entry.ends);
         for entry in &entries {
             let half = entry.find(mesh).filter(|&half| key(mesh, half).is_some());
             if let Some(vertex) = half.and_then(|half| edit(mesh, half)) {
@@ -68,10 +69,7 @@ pub(super) fn edit_in_order<'a>(
         changed.sort_unstable();
         changed.dedup();
         entries.clear();
-        for vertex in changed.drain(..) {
-            let found = mesh.topology.spokes(vertex);
-            entries.extend(found.filter_map(|half| Some(Entry::new(mesh, half, key(mesh, half)?))));
-        }
+        entries.extend(keyed_around(mesh, changed.drain(..), &key));
         if entries.is_empty() {
             break;
         }
@@ -80,13 +78,47 @@ pub(super) fn edit_in_order<'a>(
 }
 
 /// The edges of a mesh that have a key.
-fn all<'a>(mesh: &SimMesh<'a>, key: &(impl Fn(&SimMesh<'a>, CornerId) -> Option<f32> + Sync)) -> Vec<Entry> {
+pub(super) fn keyed<'a>(mesh: &SimMesh<'a>, key: impl Fn(&SimMesh<'a>, CornerId) -> Option<f32> + Sync) -> Vec<Entry> {
+    let [found, _] = keyed_by_both(mesh, key, |_, _| None);
+    found
+}
+
+/// The edges of a mesh that have a key by the first of two, and of the others those that have one by the second: looking
+/// at all edges costs as much as a late round's edits.
+pub(super) fn keyed_by_both<'a>(
+    mesh: &SimMesh<'a>,
+    first: impl Fn(&SimMesh<'a>, CornerId) -> Option<f32> + Sync,
+    second: impl Fn(&SimMesh<'a>, CornerId) -> Option<f32> + Sync,
+) -> [Vec<Entry>; 2] {
     let slots = mesh.topology.corner_slots();
     let tasks = (0..slots.div_ceil(CORNERS_PER_TASK)).into_par_iter();
-    let found = tasks.flat_map_iter(|task| {
+    let found = tasks.map(|task| {
         let own = task * CORNERS_PER_TASK..slots.min((task + 1) * CORNERS_PER_TASK);
-        let edges = own.map(CornerId::new).filter(|&half| mesh.topology.is_edge(half));
-        edges.filter_map(move |half| Some(Entry::new(mesh, half, key(mesh, half)?)))
+        let mut found = [Vec::new(), Vec::new()];
+        for half in own.map(CornerId::new).filter(|&half| mesh.topology.is_edge(half)) {
+            if let Some(key) = first(mesh, half) {
+                found[0].push(Entry::new(mesh, half, key));
+            } else if let Some(key) = second(mesh, half) {
+                found[1].push(Entry::new(mesh, half, key));
+            }
+        }
+        found
     });
-    found.collect()
+    found.collect::<Vec<_>>().into_iter().fold([Vec::new(), Vec::new()], |[mut a, mut b], [c, d]| {
+        a.extend(c);
+        b.extend(d);
+        [a, b]
+    })
+}
+
+/// The edges at some vertices that have a key; those between two of them twice.
+pub(super) fn keyed_around<'a>(
+    mesh: &SimMesh<'a>,
+    vertices: impl Iterator<Item = VertexId>,
+    key: impl Fn(&SimMesh<'a>, CornerId) -> Option<f32>,
+) -> impl Iterator<Item = Entry> {
+    vertices.flat_map(move |v| {
+        let spokes = mesh.topology.spokes(v);
+        spokes.filter_map(|half| Some(Entry::new(mesh, half, key(mesh, half)?))).collect::<Vec<_>>()
+    })
 }

@@ -12,8 +12,9 @@ use super::mesh::{Grade, SimMesh, Site};
 use super::slide::{Slide, even_place, slide};
 use crate::mesh::edit::face;
 use crate::mesh::{CornerId, FaceId, IdVec, SiteId, VertexId};
-use glam::{Vec3, Vec4};
+use glam::{Vec3, Vec3A, Vec4};
 use rayon::prelude::*;
+use std::hint::black_box;
 use std::ops::Range;
 
 /// Shares of the way that vertices try to move, in turn: where moves would fold triangles, they try again and shorter.
@@ -21,6 +22,12 @@ const STEPS: [f32; 3] = [1.0, 0.5, 0.25];
 
 /// Vertices that one task averages.
 const VERTICES_PER_TASK: usize = 2048;
+
+/// Vertices that are moved one after the other once the surface was looked at for all of them: what lies apart in memory
+/// comes for all at the same time, which takes a tenth of a relaxation off.
+const GROUP: usize = 16;
+/// Such groups that one task moves at least.
+const MIN_GROUPS: usize = 32;
 
 /// Where a vertex wants to go.
 #[derive(Clone, Copy)]
@@ -57,7 +64,7 @@ struct Rings {
     vertices: Vec<VertexId>,
     start: Vec<u32>,
     around: Vec<VertexId>,
-    normals: Vec<Vec3>,
+    normals: Vec<Vec3A>,
 }
 
 impl Rings {
@@ -73,7 +80,7 @@ impl Rings {
             start.push(around.len() as u32);
         }
         let ring = |i: usize| &around[start[i] as usize..start[i + 1] as usize];
-        let normals = (0..vertices.len()).map(|i| mean_normal(&mesh.points, vertices[i], ring(i))).collect();
+        let normals = (0..vertices.len()).map(|i| mean_normal(&mesh.points, vertices[i], ring(i)).into()).collect();
         Self { vertices, start, around, normals }
     }
 
@@ -126,23 +133,23 @@ fn mean_normal(points: &IdVec<VertexId, Vec3>, vertex: VertexId, ring: &[VertexI
 /// The middle of the triangles around a vertex, in the plane of the surface there. A triangle that lies the wrong way
 /// round has no weight.
 #[inline]
-fn middle(points: &IdVec<VertexId, Vec4>, vertex: VertexId, ring: &[VertexId], normal: Vec3) -> Vec3 {
-    let (own, own_weight) = (points[vertex].truncate(), points[vertex].w);
-    let Some(&last) = ring.last() else { return own };
-    let (mut sum, mut weight) = (Vec3::ZERO, 0.0f32);
-    let (mut u, mut u_weight) = (points[last].truncate() - own, points[last].w);
+fn middle(points: &IdVec<VertexId, Vec4>, vertex: VertexId, ring: &[VertexId], normal: Vec3A) -> Vec3 {
+    let (own, own_weight) = (Vec3A::from_vec4(points[vertex]), points[vertex].w);
+    let Some(&last) = ring.last() else { return own.into() };
+    let (mut sum, mut weight) = (Vec3A::ZERO, 0.0f32);
+    let (mut u, mut u_weight) = (Vec3A::from_vec4(points[last]) - own, points[last].w);
     for &b in ring {
-        let (v, v_weight) = (points[b].truncate() - own, points[b].w);
+        let (v, v_weight) = (Vec3A::from_vec4(points[b]) - own, points[b].w);
         let w = normal.dot(u.cross(v)).max(0.0) * (own_weight + u_weight + v_weight);
         sum += w * (u + v);
         weight += w;
         (u, u_weight) = (v, v_weight);
     }
     if weight <= 0.0 {
-        return own;
+        return own.into();
     }
     let shift = sum / (3.0 * weight);
-    own + shift - normal * normal.dot(shift)
+    (own + shift - normal * normal.dot(shift)).into()
 }
 
 /// Moves vertices `step` of their way, back to the surface. Returns those that had to go back.
@@ -154,7 +161,7 @@ fn attempt(
     step: f32,
     moves: &mut Vec<Option<Move>>,
 ) -> Vec<(VertexId, Goal)> {
-    goals.par_iter().map(|&(v, goal)| wanted(mesh, v, goal, step)).collect_into_vec(moves);
+    find_moves(mesh, goals, step, moves);
     let mut moved: IdVec<VertexId, Option<u32>> = IdVec::filled(None, mesh.points.len());
     for (i, wanted) in moves.iter_mut().enumerate().filter_map(|(i, m)| Some((i, m.as_mut()?))) {
         moved[wanted.vertex] = Some(i as u32);
@@ -187,6 +194,30 @@ fn attempt(
     }
     refused.sort_unstable();
     goals.iter().filter(|(v, _)| refused.binary_search(v).is_ok()).copied().collect()
+}
+
+/// The moves that bring vertices `step` of the way to their goals.
+fn find_moves(mesh: &SimMesh<'_>, goals: &[(VertexId, Goal)], step: f32, moves: &mut Vec<Option<Move>>) {
+    moves.clear();
+    moves.resize_with(goals.len(), || None);
+    let groups = moves.par_chunks_mut(GROUP).zip(goals.par_chunks(GROUP)).with_min_len(MIN_GROUPS);
+    groups.for_each(|(moves, goals)| {
+        black_box(goals.iter().map(|&(v, _)| mesh.look_at_surface(v)).sum::<f32>());
+        for (own, &(v, goal)) in moves.iter_mut().zip(goals) {
+            *own = wanted(mesh, v, goal, step);
+        }
+    });
+}
+
+impl SimMesh<'_> {
+    /// Something of all that a projection needs of the surface at a vertex.
+    fn look_at_surface(&self, vertex: VertexId) -> f32 {
+        let Some(corner) = self.topology.fan(vertex).next() else { return 0.0 };
+        let face = self.place(corner).location.face;
+        let first = CornerId::new(3 * face.index());
+        let sizing = self.baseline.sizing[self.baseline.topology.faces.vertex(first)];
+        self.baseline.facets[face].points[0].x + self.baseline.uvs[first].x + sizing
+    }
 }
 
 /// The triangles around some vertices, each once.

@@ -3,14 +3,16 @@
 //! Source: Botsch and Kobbelt, *A Remeshing Approach to Multiresolution Modeling* (SGP 2004), section 4; Waggoner and
 //! de Goes, *Revamping the Cloth Tailoring Pipeline at Pixar* (SIGGRAPH Talks 2022).
 
-use super::collapse::collapse_short_edges;
+use super::collapse::{COLLAPSE_RATIO, FIRST_COLLAPSE_RATIO, collapse_edges, collapse_short_edges, lack};
 use super::flip::{flip_and_drift, flip_edges};
 use super::follow::follow_curves;
 use super::mesh::SimMesh;
 use super::patches::{PATCH, in_patches};
 use super::polish::open_thin_triangles;
+use super::queue::{keyed_around, keyed_by_both};
 use super::relax::relax_and_project;
-use super::split::{split_far_edges, split_long_edges};
+use super::split::{FIRST_SPLIT_RATIO, SPLIT_RATIO, excess, split_edges, split_far_edges, split_long_edges};
+use crate::mesh::{CornerId, VertexId};
 use serde::Serialize;
 use std::ops::RangeInclusive;
 
@@ -27,6 +29,11 @@ const DRIFT: RangeInclusive<u32> = 2..=3;
 const SWEEPS: usize = 3;
 /// The same for the last relaxation, whose triangles stay.
 const LAST_SWEEPS: usize = 4;
+
+/// Above which length edges are split, and below which they are collapsed, as shares of their targets.
+const RATIOS: [f32; 2] = [SPLIT_RATIO, COLLAPSE_RATIO];
+/// The same in the first of several rounds.
+const FIRST_RATIOS: [f32; 2] = [FIRST_SPLIT_RATIO, FIRST_COLLAPSE_RATIO];
 
 /// What remeshing did.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
@@ -76,8 +83,8 @@ impl Pass {
     /// Does the pass; returns the number of edges that it changed, or of vertices that follow their curves better.
     pub fn run(self, mesh: &mut SimMesh<'_>) -> usize {
         match self {
-            Self::Split => split_long_edges(mesh, usize::MAX),
-            Self::Collapse => collapse_short_edges(mesh),
+            Self::Split => split_long_edges(mesh, SPLIT_RATIO, usize::MAX),
+            Self::Collapse => collapse_short_edges(mesh, COLLAPSE_RATIO),
             Self::Flip => flip_edges(mesh, REGULARITY),
             Self::Drift => flip_and_drift(mesh, REGULARITY),
             Self::Relax => {
@@ -99,11 +106,15 @@ pub fn remesh(mesh: &mut SimMesh<'_>, rounds: u32, max_faces: usize) -> RemeshRe
     let mut room = Vec::new();
     for round in 1..=rounds {
         let in_patches = if round == 1 && rounds > 1 { edit_in_patches(mesh, PATCH, max_faces) } else { None };
-        let (splits, collapses) = in_patches.unwrap_or_else(|| edit(mesh, max_faces));
+        let (splits, collapses) = in_patches.unwrap_or_else(|| edit(mesh, RATIOS, max_faces));
         check(mesh);
         let flips = if DRIFT.contains(&round) { flip_and_drift } else { flip_edges }(mesh, REGULARITY);
         check(mesh);
-        relax_and_project(mesh, SWEEPS, &mut room);
+        // The last round's is the one after it. Without a second one there the 5th percentile of the smallest angle is 0.1
+        // degrees less, for a twentieth of the time.
+        if round == 1 || round < rounds {
+            relax_and_project(mesh, SWEEPS, &mut room);
+        }
         check(mesh);
         report.rounds = round;
         report.splits += splits;
@@ -135,10 +146,15 @@ pub fn remesh(mesh: &mut SimMesh<'_>, rounds: u32, max_faces: usize) -> RemeshRe
 }
 
 /// Splits and collapses; returns the numbers of edits.
-fn edit(mesh: &mut SimMesh<'_>, max_faces: usize) -> (usize, usize) {
-    let splits = split_long_edges(mesh, max_faces);
+fn edit(mesh: &mut SimMesh<'_>, [longest, shortest]: [f32; 2], max_faces: usize) -> (usize, usize) {
+    let lack = |mesh: &SimMesh<'_>, half: CornerId| lack(mesh, half, shortest);
+    let [long, mut short] = keyed_by_both(mesh, |mesh, half| excess(mesh, half, longest), lack);
+    let old = mesh.topology.vertex_slots();
+    let splits = split_edges(mesh, long, longest, max_faces);
     check(mesh);
-    (splits, collapse_short_edges(mesh))
+    let new = (old..mesh.topology.vertex_slots()).map(VertexId::new);
+    short.extend(keyed_around(mesh, new, lack));
+    (splits, collapse_edges(mesh, short, shortest))
 }
 
 /// The same inside patches of about `size` triangles, Delaunay first. None where the mesh does not fall into patches.
@@ -149,7 +165,7 @@ fn edit_in_patches(mesh: &mut SimMesh<'_>, size: usize, max_faces: usize) -> Opt
         let own = patch.topology.face_count();
         flip_edges(patch, 0.0);
         check(patch);
-        let edits = edit(patch, own.saturating_add((room * own as f64) as usize));
+        let edits = edit(patch, FIRST_RATIOS, own.saturating_add((room * own as f64) as usize));
         check(patch);
         edits
     })?;

@@ -96,15 +96,16 @@ pub(super) fn slide(mesh: &SimMesh<'_>, vertex: VertexId, by: f32) -> Option<Mov
     let before = mesh.span(back)?.along();
     let (s, chain) = (before.to + by, mesh.chain(after.chain));
     let by_count = chain.count_to(s) - before.counts[1];
-    let (position, left) = mesh.site_on_curve(after.chain, s, true);
-    let (_, right) = mesh.site_on_curve(after.chain, s, false);
+    let at = chain.at(s);
+    let (position, left) = (mesh.point_on(chain, at), mesh.site_on_curve(chain, at, true));
+    let right = mesh.site_on_curve(chain, at, false);
     // The corner of a half-edge lies on its left: of one that leaves forward, on the chain's left.
     let leaves = |half: CornerId| mesh.topology.vertex(half) == vertex;
     let on_left = if leaves(ahead) { Some(ahead) } else { Some(next(back)).filter(|_| !leaves(back)) };
     let on_right = if leaves(back) { Some(back) } else { Some(next(ahead)).filter(|_| !leaves(ahead)) };
     let site = |corner: Option<CornerId>, site: Option<Site>| Some((mesh.site_of[corner?], site?));
     let (left, right) = (site(on_left, left), site(on_right, right));
-    let target = chain.length_at(s);
+    let target = chain.length_of(at);
     let ((id, site), other) = match (left, right) {
         (Some(left), right) => (left, right),
         (None, right) => (right?, None),

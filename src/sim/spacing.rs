@@ -1,6 +1,6 @@
 //! How densely a chain's curve is cut: at its corners, and in edges short enough to follow its bends.
 
-use super::chains::Chain;
+use super::chains::{Chain, OnCurve};
 use crate::mesh::{IdVec, VertexId};
 use glam::Vec3;
 
@@ -105,7 +105,11 @@ impl Chain {
 
     /// The length that edges should have at arc length `s`. \[stage units\]
     pub fn length_at(&self, s: f32) -> f32 {
-        let at = self.at(s);
+        self.length_of(self.at(s))
+    }
+
+    /// The same at a place on the curve.
+    pub(super) fn length_of(&self, at: OnCurve) -> f32 {
         let (a, b) = (self.lengths[at.segment], self.lengths[at.segment + 1]);
         a + (b - a) * at.t
     }

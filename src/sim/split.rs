@@ -2,7 +2,7 @@
 
 use super::gaps::distance_to_segment;
 use super::mesh::{SimMesh, Span};
-use super::queue::edit_in_order;
+use super::queue::{Entry, edit_in_order, keyed};
 use crate::mesh::CornerId;
 use rayon::prelude::*;
 
@@ -11,16 +11,29 @@ use rayon::prelude::*;
 /// garments it raises the 5th percentile of the smallest angle by 0.7 degrees, with 1 % more triangles.
 pub const SPLIT_RATIO: f32 = 1.25;
 
+/// The same in the first of several rounds. The halves of an edge only just longer than [`SPLIT_RATIO`] are so short that
+/// collapses undo the split: on male_worksuit01 a round of that makes 29 000 edits, one of this 16 000, and a tenth of all
+/// time is saved. At 1.5 as many edits are left to the second round.
+pub(super) const FIRST_SPLIT_RATIO: f32 = 1.4;
+
 /// An edge of a chain that leaves its curve by more than this share of the target length is split at the end. Smaller
 /// values make more short edges, which cost angles; without it the chord between two anchors cuts up to 0.13 off.
 pub(super) const FAR: f32 = 0.1;
 /// Places on a curve at which its distance from the edge is asked.
 const PLACES: u8 = 8;
 
-/// Splits until no edge is too long or the mesh has `max_faces` triangles. Returns the number of splits.
-pub fn split_long_edges(mesh: &mut SimMesh<'_>, max_faces: usize) -> usize {
+/// Splits until no edge is longer than `ratio` times its target or the mesh has `max_faces` triangles. Returns the number
+/// of splits.
+pub fn split_long_edges(mesh: &mut SimMesh<'_>, ratio: f32, max_faces: usize) -> usize {
+    let long = keyed(mesh, |mesh, half| excess(mesh, half, ratio));
+    split_edges(mesh, long, ratio, max_faces)
+}
+
+/// The same where the edges to begin with are known.
+pub(super) fn split_edges(mesh: &mut SimMesh<'_>, long: Vec<Entry>, ratio: f32, max_faces: usize) -> usize {
     let mut faces = mesh.topology.face_count();
-    edit_in_order(mesh, excess, |mesh, half| {
+    let key = |mesh: &SimMesh<'_>, half: CornerId| excess(mesh, half, ratio);
+    edit_in_order(mesh, long, key, |mesh, half| {
         if faces >= max_faces || !mesh.topology.may_split(half) || mesh.is_sealed(half) {
             return None;
         }
@@ -31,8 +44,8 @@ pub fn split_long_edges(mesh: &mut SimMesh<'_>, max_faces: usize) -> usize {
 }
 
 /// The excess over the target, as in Waggoner and de Goes 2022, of an edge that is to be split.
-fn excess(mesh: &SimMesh<'_>, half: CornerId) -> Option<f32> {
-    if !mesh.is_outside(half, SPLIT_RATIO, true) {
+pub(super) fn excess(mesh: &SimMesh<'_>, half: CornerId, ratio: f32) -> Option<f32> {
+    if !mesh.is_outside(half, ratio, true) {
         return None;
     }
     let (a, b) = (mesh.topology.vertex(half), mesh.topology.target(half));
@@ -62,8 +75,10 @@ fn is_far(mesh: &SimMesh<'_>, half: CornerId) -> bool {
     let Some(span) = mesh.span(half).map(Span::along) else { return false };
     let [a, b] = [mesh.topology.vertex(half), mesh.topology.target(half)].map(|v| mesh.points[v]);
     let most = FAR * mesh.baseline.target_at(mesh.place(half).location);
+    let curve = mesh.chain(span.chain);
+    let mut near = curve.at(span.from).segment;
     (1..PLACES).any(|k| {
         let s = span.from + (span.to - span.from) * f32::from(k) / f32::from(PLACES);
-        distance_to_segment(mesh.on_curve(span.chain, s, true).0, a, b) > most
+        distance_to_segment(mesh.point_on(curve, curve.at_after(s, &mut near)), a, b) > most
     })
 }

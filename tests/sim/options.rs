@@ -68,7 +68,7 @@ fn curves_that_bend_within_an_edge_are_told() {
         let mut input = sheets::grid(4, 4, |_, _| true);
         input.rules.boundary = BoundaryInterpolation::EdgeOnly;
         let angle = format!("sim.cornerAngle={angle}");
-        let prepared = prepare(input, &["sim.maxEdgeLength=1.2", "sim.baselineLevel=0", "sim.uvSet=", &angle]);
+        let prepared = prepare(input, &["sim.maxEdgeLength=1.0", "sim.baselineLevel=0", "sim.uvSet=", &angle]);
         let product = simulate(baseline(&prepared), prepared.recipe.sim.iterations, MAX_FACES);
         let base = &product.baseline;
         let mut farthest = 0.0f32;
