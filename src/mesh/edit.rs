@@ -4,7 +4,8 @@
 //! that it made or removed, so that attributes can follow; nothing here knows positions.
 
 use super::ring::Ring;
-use super::{CornerId, Csr, FaceId, IdVec, VertexId};
+use super::{CornerId, FaceId, IdVec, VertexId};
+use std::collections::BTreeSet;
 
 /// A manifold, oriented triangle mesh under edit. Removed triangles and vertices stay as gaps until [`compact`].
 ///
@@ -68,22 +69,27 @@ impl EditMesh {
     }
 
     fn pair(&mut self) {
-        // Half-edges by their lower vertex; few share one, so each group is searched.
-        let low = |c: CornerId| self.corner_vertex[c].min(self.corner_vertex[next(c)]);
-        let halves = self.corner_vertex.ids().map(|c| (low(c), c));
-        let groups = Csr::group(self.vertex_corner.len(), halves, CornerId::new(0));
-        let mut by_high: Vec<(VertexId, CornerId)> = Vec::new();
-        for vertex in self.vertex_corner.ids() {
-            by_high.clear();
-            let high = |c: CornerId| self.corner_vertex[c].max(self.corner_vertex[next(c)]);
-            by_high.extend(groups.row(vertex).iter().map(|&c| (high(c), c)));
-            by_high.sort_unstable();
-            for group in by_high.chunk_by(|a, b| a.0 == b.0) {
-                if let &[(_, a), (_, b)] = group
-                    && self.corner_vertex[a] != self.corner_vertex[b]
-                {
-                    self.twin[a] = Some(b);
-                    self.twin[b] = Some(a);
+        // The first half-edge between two vertices stands in a list at the lower one; a list has few.
+        let mut first = IdVec::<VertexId, Option<CornerId>>::filled(None, self.vertex_corner.len());
+        let mut after = IdVec::<CornerId, Option<CornerId>>::filled(None, self.corner_vertex.len());
+        // Those of more than two, or of two in the same direction.
+        let mut crowded = BTreeSet::new();
+        for half in self.corner_vertex.ids() {
+            let (a, b) = (self.corner_vertex[half], self.corner_vertex[next(half)]);
+            let mut at = first[a.min(b)];
+            while let Some(c) = at.filter(|&c| self.vertex(c).max(self.target(c)) != a.max(b)) {
+                at = after[c];
+            }
+            match at {
+                None => after[half] = first[a.min(b)].replace(half),
+                Some(c) if self.twin[c].is_none() && !crowded.contains(&c) && self.corner_vertex[c] != a => {
+                    self.pair_up(c, half);
+                }
+                Some(c) => {
+                    crowded.insert(c);
+                    if let Some(t) = self.twin[c].take() {
+                        self.twin[t] = None;
+                    }
                 }
             }
         }

@@ -207,16 +207,28 @@ impl<'a> SimMesh<'a> {
     /// Makes a site for each sector of each vertex, as `site` tells it for one of its corners.
     pub(super) fn make_sites(&mut self, site: impl Fn(CornerId) -> Site) {
         let mut done = IdVec::<CornerId, bool>::filled(false, self.topology.corner_slots());
-        let mut sector = Vec::new();
         for corner in (0..done.len()).map(CornerId::new) {
-            if done[corner] {
+            if std::mem::replace(&mut done[corner], true) {
                 continue;
             }
             let own = self.sites.push(site(corner));
-            self.sector(corner, &mut sector);
-            for &c in &sector {
+            self.site_of[corner] = own;
+            let mut give = |c: CornerId| {
                 self.site_of[c] = own;
-                done[c] = true;
+                !std::mem::replace(&mut done[c], true)
+            };
+            // Both ways round, as `sector` goes.
+            let mut at = corner;
+            while self.mark[prev(at)].is_none()
+                && let Some(c) = self.topology.twin(prev(at)).filter(|&c| give(c))
+            {
+                at = c;
+            }
+            at = corner;
+            while self.mark[at].is_none()
+                && let Some(c) = self.topology.twin(at).map(next).filter(|&c| give(c))
+            {
+                at = c;
             }
         }
     }

@@ -96,8 +96,11 @@ pub fn simulate(baseline: Baseline, iterations: u32, max_faces: usize) -> SimPro
     let chain_edges = chain_edges.collect();
     let places: IdVec<CornerId, Place> = old_corner.iter().map(|&c| mesh.place(c)).collect();
     let mut target = IdVec::<VertexId, f32>::filled(0.0, points.len());
+    let mut is_known = IdVec::<VertexId, bool>::filled(false, points.len());
     for (&v, place) in triangles.iter().flatten().zip(places.iter()) {
-        target[v] = baseline.target_at(place.location);
+        if !std::mem::replace(&mut is_known[v], true) {
+            target[v] = baseline.target_at(place.location);
+        }
     }
     SimProduct { points, triangles, target, places, chain_edges, chain_arcs, gaps, report, baseline }
 }

@@ -108,6 +108,9 @@ pub fn remesh(mesh: &mut SimMesh<'_>, rounds: u32, max_faces: usize) -> RemeshRe
         let in_patches = if round == 1 && rounds > 1 { edit_in_patches(mesh, PATCH, max_faces) } else { None };
         let (splits, collapses) = in_patches.unwrap_or_else(|| edit(mesh, RATIOS, max_faces));
         check(mesh);
+        if round == rounds {
+            report.splits += split_far_edges(mesh, max_faces);
+        }
         let flips = if DRIFT.contains(&round) { flip_and_drift } else { flip_edges }(mesh, REGULARITY);
         check(mesh);
         // The last round's is the one after it. Without a second one there the 5th percentile of the smallest angle is 0.1
@@ -127,11 +130,6 @@ pub fn remesh(mesh: &mut SimMesh<'_>, rounds: u32, max_faces: usize) -> RemeshRe
         }
     }
     if rounds > 0 {
-        let far = split_far_edges(mesh, max_faces);
-        report.splits += far;
-        if far > 0 {
-            report.flips += flip_edges(mesh, REGULARITY);
-        }
         relax_and_project(mesh, LAST_SWEEPS, &mut room);
         // Where a triangle was in the way, it may have moved.
         report.splits += split_far_edges(mesh, max_faces);
