@@ -102,6 +102,23 @@ fn sets_between_chains_are_exact_on_every_garment() {
     }
 }
 
+/// Area that whole triangles may leave on the wrong side of a border, for each target length of it, in squares of that
+/// length. A line crosses some 2.3 triangles of 0.43 there, and leaves a fifth of each on its other side.
+const MOST_BESIDE: f64 = 0.2;
+
+/// Length of the edges between the faces of a set and others.
+fn inner_border(garment: &Garment, set: &[FaceId]) -> f64 {
+    let t = Topology::new(garment.faces.clone(), garment.points.len());
+    let own: BTreeSet<FaceId> = set.iter().copied().collect();
+    let is_between = |e: &EdgeId| {
+        let mut faces = t.edge_corners.row(*e).iter().map(|&c| own.contains(&t.faces.face_of(c)));
+        let first = faces.next();
+        faces.any(|is_own| Some(is_own) != first)
+    };
+    let length = |e: EdgeId| f64::from(garment.points[t.edges[e][0]].distance(garment.points[t.edges[e][1]]));
+    t.edges.ids().filter(is_between).map(length).sum()
+}
+
 #[test]
 fn sets_without_chains_follow_their_borders() {
     for file in garments() {
@@ -116,12 +133,14 @@ fn sets_without_chains_follow_their_borders() {
             if agreement >= 0.97 {
                 met += area;
             } else {
-                missed.push((subset.name.clone(), agreement, area / whole));
+                let most =
+                    MOST_BESIDE * inner_border(&built.garment, source) * f64::from(built.options().max_edge_length);
+                missed.push((subset.name.clone(), agreement, 1.0 - most / area));
             }
         }
-        // Sets no wider than a few triangles cannot be met better than by whole triangles.
-        for (name, agreement, share) in &missed {
-            assert!(*share < 0.01, "{file:?}: {name} agrees by {agreement}, {share} of the garment");
+        // Whole triangles cannot follow a border more closely.
+        for (name, agreement, least) in &missed {
+            assert!(agreement >= least, "{file:?}: {name} agrees by {agreement}, less than {least}");
         }
         assert!(met > 0.5 * whole);
         assert_eq!(on_another_layer(&built, &coverage), 0, "{file:?}: faces with a label of another layer");
