@@ -163,7 +163,7 @@ impl<T> Search<'_, T> {
         (self.has_active[a] || self.has_active[b]) && self.tree.nodes[a].meets(&self.tree.nodes[b])
     }
 
-    /// The pairs of children that may have what is looked for; a pair of leaves has none and stays itself.
+    /// The pairs of children that may have what is looked for, of nodes that are no leaves.
     fn below(&self, [a, b]: [usize; 2]) -> impl Iterator<Item = [usize; 2]> {
         let (left, right) = (2 * a, 2 * b);
         let all = [[left, right], [left, right + 1], [left + 1, right], [left + 1, right + 1]];
@@ -217,6 +217,23 @@ mod tests {
             found.sort_unstable();
             let expected: Vec<FaceId> = boxes.ids().filter(|&f| boxes[f].meets(b)).collect();
             assert_eq!(found, expected);
+        }
+    }
+
+    #[test]
+    fn all_pairs_that_meet_and_have_an_active_one_are_found_once() {
+        let at = |i: usize| Vec3::new((i * 7 % 13) as f32, (i * 5 % 11) as f32, (i % 3) as f32);
+        for count in [0, 1, 3, 5, 101] {
+            let boxes: IdVec<FaceId, Bounds> = (0..count).map(|i| Bounds::of(&[at(i), at(i) + 1.5])).collect();
+            let is_active: IdVec<FaceId, bool> = (0..count).map(|i| i % 4 == 1).collect();
+            let is_even = |f: FaceId, g: FaceId, _: &mut ()| (f.index() + g.index()).is_multiple_of(2);
+            let mut found = Tree::new(&boxes).pairs(&is_active, is_even);
+            found.sort_unstable();
+            let all = boxes.ids().flat_map(|f| boxes.ids().map(move |g| [f, g]));
+            let expected = |&[f, g]: &[FaceId; 2]| {
+                f <= g && is_even(f, g, &mut ()) && (is_active[f] || is_active[g]) && boxes[f].meets(&boxes[g])
+            };
+            assert_eq!(found, all.filter(expected).collect::<Vec<_>>());
         }
     }
 }
