@@ -1,7 +1,6 @@
 //! Vertices of chains slide to where the chords beside them follow the curve: averages put them where triangles are
 //! even, and how far a chord cuts off a bend hangs on where its ends lie.
 
-use super::gaps::distance_to_segment;
 use super::mesh::{Grade, SimMesh};
 use super::polish::{Angles, angles, try_move};
 use super::relax::Goal;
@@ -124,15 +123,13 @@ impl SimMesh<'_> {
     }
 
     /// How a chord follows the curve between two arc lengths.
-    fn chord_astray(&self, chain: ChainId, [from, to]: [f32; 2], [a, b]: [Vec3; 2]) -> Astray {
+    fn chord_astray(&self, chain: ChainId, [from, to]: [f32; 2], ends: [Vec3; 2]) -> Astray {
         let curve = self.chain(chain);
         let target = self.baseline.target[curve.vertices[curve.at(0.5 * (from + to)).segment]];
         let step = (to - from) / f32::from(SAMPLES);
-        let mut near = curve.at(from).segment;
+        let places = (0..SAMPLES).map(|k| from + step * (f32::from(k) + 0.5));
         let mut sum = Astray { length: 0.0, farthest: 0.0 };
-        for k in 0..SAMPLES {
-            let at = curve.at_after(from + step * (f32::from(k) + 0.5), &mut near);
-            let off = distance_to_segment(self.point_on(curve, at), a, b) / target;
+        for off in self.off_chord(curve, from, places, ends).map(|off| off / target) {
             sum.length += if off > ASTRAY { step / target } else { 0.0 };
             sum.farthest = sum.farthest.max(off);
         }

@@ -2,6 +2,7 @@
 
 use super::baseline::{Baseline, Location};
 use super::chains::{Chain, OnCurve};
+use super::gaps::distance_to_segment;
 use super::patches::Seal;
 use crate::mesh::edit::{EditMesh, next, prev};
 use crate::mesh::{ChainId, CornerId, FaceId, IdVec, SiteId, SpanId, VertexId};
@@ -332,6 +333,18 @@ impl<'a> SimMesh<'a> {
     pub fn on_curve(&self, chain: ChainId, s: f32) -> Vec3 {
         let curve = self.chain(chain);
         self.point_on(curve, curve.at(s))
+    }
+
+    /// How far a curve is from a chord at some arc lengths, one after the other from about `from` on.
+    pub(super) fn off_chord(
+        &self,
+        curve: &Chain,
+        from: f32,
+        places: impl Iterator<Item = f32>,
+        [a, b]: [Vec3; 2],
+    ) -> impl Iterator<Item = f32> {
+        let mut near = curve.at(from).segment;
+        places.map(move |s| distance_to_segment(self.point_on(curve, curve.at_after(s, &mut near)), a, b))
     }
 
     /// The site of a place on a chain's curve, on the side of a half-edge that runs `forward` along it.

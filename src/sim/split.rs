@@ -1,6 +1,5 @@
 //! Split every edge that is too long, the longest first.
 
-use super::gaps::distance_to_segment;
 use super::mesh::{SimMesh, Span};
 use super::queue::{Entry, edit_in_order, keyed};
 use crate::mesh::CornerId;
@@ -73,12 +72,8 @@ pub fn split_far_edges(mesh: &mut SimMesh<'_>, max_faces: usize) -> usize {
 
 fn is_far(mesh: &SimMesh<'_>, half: CornerId) -> bool {
     let Some(span) = mesh.span(half).map(Span::along) else { return false };
-    let [a, b] = [mesh.topology.vertex(half), mesh.topology.target(half)].map(|v| mesh.points[v]);
+    let ends = [mesh.topology.vertex(half), mesh.topology.target(half)].map(|v| mesh.points[v]);
     let most = FAR * mesh.baseline.target_at(mesh.place(half).location);
-    let curve = mesh.chain(span.chain);
-    let mut near = curve.at(span.from).segment;
-    (1..PLACES).any(|k| {
-        let s = span.from + (span.to - span.from) * f32::from(k) / f32::from(PLACES);
-        distance_to_segment(mesh.point_on(curve, curve.at_after(s, &mut near)), a, b) > most
-    })
+    let places = (1..PLACES).map(|k| span.from + (span.to - span.from) * f32::from(k) / f32::from(PLACES));
+    mesh.off_chord(mesh.chain(span.chain), span.from, places, ends).any(|off| off > most)
 }

@@ -102,12 +102,16 @@ fn sets_between_chains_are_exact_on_every_garment() {
     }
 }
 
-/// Area that whole triangles may leave on the wrong side of a border, for each target length of it, in squares of that
-/// length. A line crosses some 2.3 triangles of 0.43 there, and leaves a fifth of each on its other side.
-const MOST_BESIDE: f64 = 0.2;
+/// Sets of more than a hundredth of a garment that agree by less than 97 %, with the least that they may; a number here may
+/// only be raised.
+const BELOW: [(&str, &str, f64); 1] = [("coat.usda", "sleeve_under_left", 0.9688)];
 
-/// Length of the edges between the faces of a set and others.
-fn inner_border(garment: &Garment, set: &[FaceId]) -> f64 {
+/// Area that whole triangles may leave on the wrong side of a border, for each edge length of it, in squares of that length.
+/// A line crosses some 2.3 triangles of 0.43 there, and leaves an eighth of each on its other side.
+const MOST_BESIDE: f64 = 0.12;
+
+/// Number and length of the edges between the faces of a set and others.
+fn border(garment: &Garment, set: &[FaceId]) -> (usize, f64) {
     let t = Topology::new(garment.faces.clone(), garment.points.len());
     let own: BTreeSet<FaceId> = set.iter().copied().collect();
     let is_between = |e: &EdgeId| {
@@ -116,7 +120,7 @@ fn inner_border(garment: &Garment, set: &[FaceId]) -> f64 {
         faces.any(|is_own| Some(is_own) != first)
     };
     let length = |e: EdgeId| f64::from(garment.points[t.edges[e][0]].distance(garment.points[t.edges[e][1]]));
-    t.edges.ids().filter(is_between).map(length).sum()
+    t.edges.ids().filter(is_between).fold((0, 0.0), |(count, sum), e| (count + 1, sum + length(e)))
 }
 
 #[test]
@@ -128,17 +132,20 @@ fn sets_without_chains_follow_their_borders() {
         let (mut met, mut missed) = (0.0, Vec::new());
         for subset in &built.garment.subsets {
             let Elements::Faces(source) = &subset.elements else { continue };
-            let agreement = coverage.agreement(source, &faces(&built.products.sim, &subset.name));
+            let own = faces(&built.products.sim, &subset.name);
+            let agreement = coverage.agreement(source, &own);
             let area: f64 = source.iter().map(|&f| coverage.source_area[f]).sum();
             if agreement >= 0.97 {
                 met += area;
             } else {
-                let most =
-                    MOST_BESIDE * inner_border(&built.garment, source) * f64::from(built.options().max_edge_length);
-                missed.push((subset.name.clone(), agreement, 1.0 - most / area));
+                // Whole triangles cannot follow a border more closely.
+                let (count, sum) = border(&built.products.sim, &own);
+                let beside = MOST_BESIDE * border(&built.garment, source).1 * sum / count.max(1) as f64;
+                let known = BELOW.iter().find(|k| file.ends_with(k.0) && subset.name == k.1).map_or(0.97, |k| k.2);
+                let least = (1.0 - beside / area).max(if area < 0.01 * whole { 0.0 } else { known });
+                missed.push((subset.name.clone(), agreement, least));
             }
         }
-        // Whole triangles cannot follow a border more closely.
         for (name, agreement, least) in &missed {
             assert!(agreement >= least, "{file:?}: {name} agrees by {agreement}, less than {least}");
         }

@@ -83,16 +83,15 @@ pub fn sound(kin: &Kin, states: &States) -> Sound {
     let is_active =
         |f: FaceId| kin.moved[f] && (kin.doubtful[f] || skin.is_bent(f) || skin.normal(f).dot(normals[f]) < ONE_WAY);
     let mut is_active: IdVec<FaceId, bool> = kin.moved.ids().map(is_active).collect();
-    let mut active: Vec<FaceId> = kin.moved.ids().filter(|&f| is_active[f]).collect();
     // Where a step back makes more faults than it mends, as beside the free border of a layer, an earlier one is kept.
     let mut best: Option<Sound> = None;
-    let mut before = Skin::of(kin.parent, kin.parent_points, &[]);
+    let mut before = Skin::bare(kin.parent);
     let share = |&s: &u8| LEAST_SHARE + (1.0 - LEAST_SHARE) * STEPS[usize::from(s)].0;
     let mut pairs: Vec<[FaceId; 2]> = Vec::new();
     for _ in 0..STEPS.len() {
         // Faces that did not move are as they were.
         pairs.retain(|pair| pair.iter().all(|&f| !is_active[f]));
-        pairs.extend(faults(kin, (&mut skin, &mut before), (&active, &is_active), &normals));
+        pairs.extend(faults(kin, (&mut skin, &mut before), &is_active, &normals));
         let faults = faces_of(&pairs);
         let shares = steps.iter().map(share).collect();
         let changed = step_on(kin, &mut steps, &faults);
@@ -107,8 +106,7 @@ pub fn sound(kin: &Kin, states: &States) -> Sound {
             std::mem::replace(&mut points[vertex], place) != place
         });
         is_active = reached(kin.child.level(), moved);
-        active = is_active.ids().filter(|&f| is_active[f]).collect();
-        skin.update(&points, &active);
+        skin.update(&points, &is_active);
     }
     best.unwrap_or_else(|| Sound { points, shares: steps.iter().map(share).collect(), faults: Vec::new() })
 }
@@ -138,15 +136,14 @@ fn faces_of(pairs: &[[FaceId; 2]]) -> Vec<FaceId> {
 fn faults(
     kin: &Kin,
     (skin, before): (&mut Skin, &mut Skin),
-    (active, is_active): (&[FaceId], &IdVec<FaceId, bool>),
+    is_active: &IdVec<FaceId, bool>,
     normals: &IdVec<FaceId, Vec3>,
 ) -> Vec<[FaceId; 2]> {
-    let (crossing, turned) = (skin.crossings(is_active), skin.turned(active, normals));
+    let (crossing, turned) = (skin.crossings(is_active), skin.turned(is_active, normals));
     let parent_face = |f: FaceId| kin.derivation.parent_face(f);
-    let mut parents: Vec<FaceId> = crossing.iter().flatten().chain(&turned).map(|&f| parent_face(f)).collect();
-    parents.sort_unstable();
-    parents.dedup();
-    before.update(kin.parent_points, &parents);
+    let mut is_parent = IdVec::filled(false, kin.parent.topology.faces.len());
+    crossing.iter().flatten().chain(&turned).for_each(|&f| is_parent[parent_face(f)] = true);
+    before.update(kin.parent_points, &is_parent);
     let mut scratch = Scratch::default();
     let mut crossed = |&[f, g]: &[FaceId; 2]| before.cross(parent_face(f), parent_face(g), &mut scratch);
     let had_turned = |&f: &FaceId| {

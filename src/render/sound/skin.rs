@@ -50,12 +50,10 @@ impl<'a> Skin<'a> {
         skin
     }
 
-    /// The skin of some faces of a cage, which alone may be asked about.
-    pub fn of(level: &'a Level, points: &IdVec<VertexId, Vec3>, faces: &[FaceId]) -> Self {
+    /// The skin of a level of which nothing is known yet: only what is updated may be asked about.
+    pub fn bare(level: &'a Level) -> Self {
         let refined = IdVec::filled(Vec3::ZERO, Numbering::new(level).vertices());
-        let mut skin = Self::empty(level, VertexRows::Masks(level.vertex_stencils()), refined);
-        skin.update(points, faces);
-        skin
+        Self::empty(level, VertexRows::Masks(level.vertex_stencils()), refined)
     }
 
     fn empty(level: &'a Level, rows: VertexRows<'a>, refined: IdVec<VertexId, Vec3>) -> Self {
@@ -103,13 +101,11 @@ impl<'a> Skin<'a> {
         });
     }
 
-    /// Moves the children of `faces` to where the cage's points put them now.
-    pub fn update(&mut self, points: &IdVec<VertexId, Vec3>, faces: &[FaceId]) {
+    /// Moves the children of the faces that are asked for to where the cage's points put them now.
+    pub fn update(&mut self, points: &IdVec<VertexId, Vec3>, is_asked: &IdVec<FaceId, bool>) {
         let (level, numbering, rows) = (self.level, self.numbering, &self.rows);
-        let mut is_asked = IdVec::filled(false, level.topology.faces.len());
         let mut is_moved = IdVec::filled(false, self.refined.len());
-        for &face in faces {
-            is_asked[face] = true;
+        for face in is_asked.ids().filter(|&face| is_asked[face]) {
             vertices(level, numbering, face).for_each(|child| is_moved[child] = true);
         }
         self.refined.as_mut_slice().par_iter_mut().enumerate().with_min_len(BLOCK).for_each(|(child, place)| {
@@ -142,10 +138,10 @@ impl<'a> Skin<'a> {
         &self.normals.as_slice()[self.level.topology.faces.range(face)]
     }
 
-    /// Faces of `active` that have a child which looks away from `normals`, zero where any may.
-    pub fn turned(&self, active: &[FaceId], normals: &IdVec<FaceId, Vec3>) -> Vec<FaceId> {
-        let is_turned = |face: &&FaceId| self.is_turned(**face, normals[**face], TURNED);
-        active.par_iter().filter(is_turned).copied().collect()
+    /// Active faces that have a child which looks away from `normals`, zero where any may.
+    pub fn turned(&self, is_active: &IdVec<FaceId, bool>, normals: &IdVec<FaceId, Vec3>) -> Vec<FaceId> {
+        let faces = (0..is_active.len()).into_par_iter().map(FaceId::new);
+        faces.filter(|&face| is_active[face] && self.is_turned(face, normals[face], TURNED)).collect()
     }
 
     /// Whether a child of a face looks away from `normal` by a cosine of less than `least`.

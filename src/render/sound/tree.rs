@@ -206,10 +206,14 @@ fn spread(x: u32) -> u32 {
 mod tests {
     use super::*;
 
+    fn scattered(count: usize) -> IdVec<FaceId, Bounds> {
+        let at = |i: usize| Vec3::new((i * 7 % 13) as f32, (i * 5 % 11) as f32, (i % 3) as f32);
+        (0..count).map(|i| Bounds::of(&[at(i), at(i) + 1.5])).collect()
+    }
+
     #[test]
     fn all_that_meet_are_found() {
-        let at = |i: usize| Vec3::new((i * 7 % 13) as f32, (i * 5 % 11) as f32, (i % 3) as f32);
-        let boxes: IdVec<FaceId, Bounds> = (0..101).map(|i| Bounds::of(&[at(i), at(i) + 1.5])).collect();
+        let boxes = scattered(101);
         let tree = Tree::new(&boxes);
         for b in boxes.iter() {
             let mut found = Vec::new();
@@ -222,9 +226,8 @@ mod tests {
 
     #[test]
     fn all_pairs_that_meet_and_have_an_active_one_are_found_once() {
-        let at = |i: usize| Vec3::new((i * 7 % 13) as f32, (i * 5 % 11) as f32, (i % 3) as f32);
         for count in [0, 1, 3, 5, 101] {
-            let boxes: IdVec<FaceId, Bounds> = (0..count).map(|i| Bounds::of(&[at(i), at(i) + 1.5])).collect();
+            let boxes = scattered(count);
             let is_active: IdVec<FaceId, bool> = (0..count).map(|i| i % 4 == 1).collect();
             let is_even = |f: FaceId, g: FaceId, _: &mut ()| (f.index() + g.index()).is_multiple_of(2);
             let mut found = Tree::new(&boxes).pairs(&is_active, is_even);
