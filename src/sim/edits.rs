@@ -71,7 +71,8 @@ impl SimMesh<'_> {
         self.settle_new(self.point_on(chain, at), Grade::OnCurve(span.chain), chain.length_at(s))
     }
 
-    fn middle_of_span(&self, span: Span) -> f32 {
+    /// The arc length in the middle of a span, as the chain counts edges. \[stage units\]
+    pub(super) fn middle_of_span(&self, span: Span) -> f32 {
         let s = self.chain(span.chain).at_count(0.5 * (span.counts[0] + span.counts[1]));
         s.clamp(span.from.min(span.to), span.from.max(span.to))
     }

@@ -23,8 +23,6 @@ const PLACES: i8 = 8;
 const LACK: f32 = 0.1;
 /// A gain of less, in target lengths, is not worth a move.
 const LEAST: f32 = 0.01;
-/// No chord gets farther from its curve than this share of the target length, unless it is: at [`FAR`] it is split.
-const FARTHEST: f32 = 0.8 * FAR;
 /// An angle below 33 degrees (its cosine) becomes no smaller.
 const WORST: f32 = 0.838_67;
 
@@ -77,7 +75,8 @@ fn follow(mesh: &mut SimMesh<'_>, vertex: VertexId) -> bool {
         let there = mesh.on_curve(between.chain, between.along[1] + by);
         let now = Some(angles(mesh, vertex, there)).filter(|now| !is_thin(now))?;
         let astray = mesh.astray(&between, by);
-        let is_far = astray.farthest > before.farthest.max(FARTHEST);
+        // Chords farther than that are split.
+        let is_far = astray.farthest > before.farthest.max(FAR);
         (!is_far).then_some(astray.length + LACK * (now.lack - old.lack).max(0.0))
     };
     let [from, own, to] = between.along;

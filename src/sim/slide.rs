@@ -70,7 +70,7 @@ pub(super) fn even_place(mesh: &SimMesh<'_>, vertex: VertexId) -> Option<f32> {
 
 /// How freely a chain's vertex may slide, 0 to 1: where the curve bends as sharply as edges follow it, uneven edges would
 /// cut it off. `ahead` is the constrained edge along the chain.
-pub(super) fn freedom(mesh: &SimMesh<'_>, vertex: VertexId, ahead: CornerId) -> f32 {
+fn freedom(mesh: &SimMesh<'_>, vertex: VertexId, ahead: CornerId) -> f32 {
     let straight = mesh.target[vertex] / mesh.baseline.target_at(mesh.place(ahead).location);
     ((straight - SHORTEST) / (STRAIGHT - SHORTEST)).clamp(0.0, 1.0)
 }
