@@ -2,7 +2,7 @@
 //! even, and how far a chord cuts off a bend hangs on where its ends lie.
 
 use super::mesh::{Grade, SimMesh};
-use super::polish::{Angles, angles, try_move};
+use super::polish::{Angles, angles, try_move, with_rings};
 use super::relax::Goal;
 use super::split::FAR;
 use crate::mesh::{ChainId, CornerId, VertexId};
@@ -51,15 +51,20 @@ struct Astray {
 /// Slides the vertices of chains, one after the other in the order of their numbers, so the result is the same for any
 /// number of threads. Returns the number of moves.
 pub(super) fn follow_curves(mesh: &mut SimMesh<'_>) -> usize {
-    (0..PASSES).map(|_| follow_once(mesh)).take_while(|&moved| moved > 0).sum()
+    let vertices = (0..mesh.topology.vertex_slots()).into_par_iter().map(VertexId::new);
+    let is_astray = |&v: &VertexId| mesh.between(v).is_some_and(|between| mesh.astray(&between, 0.0).length > 0.0);
+    let mut waiting: Vec<VertexId> = vertices.filter(|&v| is_on_curve(mesh, v)).filter(is_astray).collect();
+    let mut moves = 0;
+    for _ in 0..PASSES {
+        waiting.retain(|&v| is_on_curve(mesh, v) && follow(mesh, v));
+        moves += waiting.len();
+        waiting = with_rings(mesh, &waiting);
+    }
+    moves
 }
 
-fn follow_once(mesh: &mut SimMesh<'_>) -> usize {
-    let vertices = (0..mesh.topology.vertex_slots()).into_par_iter().map(VertexId::new);
-    let on_curves = vertices.filter(|&v| matches!(mesh.grade[v], Grade::OnCurve(_)));
-    let is_astray = |&v: &VertexId| mesh.between(v).is_some_and(|between| mesh.astray(&between, 0.0).length > 0.0);
-    let astray: Vec<VertexId> = on_curves.filter(is_astray).collect();
-    astray.into_iter().filter(|&v| follow(mesh, v)).count()
+fn is_on_curve(mesh: &SimMesh<'_>, vertex: VertexId) -> bool {
+    matches!(mesh.grade[vertex], Grade::OnCurve(_))
 }
 
 /// Slides a vertex to the best place that a search finds. Returns whether it moved.

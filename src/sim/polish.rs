@@ -58,12 +58,21 @@ impl Angles {
 /// Moves vertices of thin triangles. One after the other in the order of their numbers, so the result is the same for any
 /// number of threads.
 pub(super) fn open_thin_triangles(mesh: &mut SimMesh<'_>) {
+    let mut waiting = thin_vertices(mesh);
     for _ in 0..ROUNDS {
-        let vertices = thin_vertices(mesh);
-        if vertices.into_iter().filter(|&v| improve(mesh, v)).count() == 0 {
-            break;
-        }
+        waiting.retain(|&v| improve(mesh, v));
+        waiting = with_rings(mesh, &waiting);
+        waiting.retain(|&v| angles(mesh, v, mesh.points[v]).worst > SEARCHED);
     }
+}
+
+/// Some vertices and those around them: where these did not move, a search finds nothing that it did not find before.
+pub(super) fn with_rings(mesh: &SimMesh<'_>, moved: &[VertexId]) -> Vec<VertexId> {
+    let mut near: Vec<VertexId> =
+        moved.iter().flat_map(|&v| mesh.topology.ring(v)).chain(moved.iter().copied()).collect();
+    near.sort_unstable();
+    near.dedup();
+    near
 }
 
 /// The vertices of thin triangles that may move.
