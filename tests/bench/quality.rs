@@ -18,22 +18,21 @@ mod garments;
 mod nearest;
 #[path = "../common/objects.rs"]
 mod objects;
+#[path = "../common/prepared.rs"]
+mod prepared;
 #[path = "../common/quality.rs"]
 mod quality;
 
-use glam::Vec3;
-use quality::{Quality, Reference, measure};
+use prepared::{baseline, of_file};
+use quality::{Reference, measure, of_product};
 use rayon::ThreadPoolBuilder;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use tailor::error::Warnings;
-use tailor::mesh::VertexId;
 use tailor::pipeline::Prepared;
-use tailor::recipe::{Layers, bind};
-use tailor::sim::{Baseline, Lengths, simulate};
-use tailor::spatial::PointGrid;
-use tailor::usd::{ReadOptions, Source};
+use tailor::sim::{SimProduct, simulate};
 
+/// The heads of the columns that figures have.
+const HEAD: &str = "  min    p5   <30 %  val6    rms   seam   near     to   from";
 /// Runs of which the fastest counts.
 const RUNS: usize = 5;
 /// A bound that nothing here reaches.
@@ -47,14 +46,15 @@ fn main() {
     let (export, peers) = (folder("--export"), folder("--measure"));
     let words = if export.is_some() || peers.is_some() { &[][..] } else { &args[..] };
     if export.is_none() {
-        println!("{:32} {:>7} {:>6} {:>6} {:>6} {}", "garment", "tris", "cpu", "1 thr", "2 thr", Quality::HEAD);
+        println!("{:32} {:>7} {:>6} {:>6} {:>6} {}", "garment", "tris", "cpu", "1 thr", "2 thr", HEAD);
     }
     for file in garments::garments() {
         let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         if !words.is_empty() && !words.iter().any(|w| name.contains(w.as_str())) {
             continue;
         }
-        let prepared = prepare(&file);
+        let more = std::env::var("TAILOR_SET").unwrap_or_default();
+        let prepared = of_file(&file, more.split(',').filter(|s| !s.is_empty()));
         match &export {
             Some(folder) => objects::write(folder, &name, &baseline(&prepared, PEER_LEVEL)),
             None => rows(&name, &prepared, peers.as_deref()),
@@ -68,44 +68,23 @@ fn rows(name: &str, prepared: &Prepared, peers: Option<&Path>) {
     let least = |threads| (0..RUNS).map(|_| timed(prepared, threads)).reduce(|a, b| (a.0.min(b.0), a.1.min(b.1)));
     let ((cpu, one), (_, two)) = (least(1).unwrap_or_default(), least(2).unwrap_or_default());
     let product = simulate(baseline(prepared, level), prepared.recipe.sim.iterations, MAX_FACES);
-    let surface: Vec<[Vec3; 3]> = product.baseline.topology.faces.ids().map(|f| product.baseline.triangle(f)).collect();
-    let curves: Vec<Vec<Vec3>> = constraint_curves(&product.baseline);
-    let grid = PointGrid::new(&product.baseline.points);
-    let target = |p: Vec3| grid.nearest(&product.baseline.points, p).map_or(1.0, |v| product.baseline.target[v]);
-    let reference = Reference { surface: &surface, curves: &curves, target: &target };
-    let triangles: Vec<[usize; 3]> = product.triangles.iter().map(|t| t.map(VertexId::index)).collect();
-    let own = measure(&product.points, &triangles, &product.target, &reference);
-    println!("{name:32} {:7} {cpu:6.1} {one:6.1} {two:6.1} {own}", own.triangles);
+    Reference::of(&product, |reference| compare(name, &product, [cpu, one, two], reference, peers));
+}
+
+fn compare(
+    name: &str,
+    product: &SimProduct,
+    [cpu, one, two]: [f64; 3],
+    reference: &Reference<'_>,
+    peers: Option<&Path>,
+) {
+    let own = of_product(product, reference);
+    println!("{name:32} {:7} {cpu:6.1} {one:6.1} {two:6.1} {own}", product.triangles.len());
     for other in peers.into_iter().flat_map(|folder| objects::others(folder, name)) {
-        let wanted: Vec<f32> = other.points.iter().map(|&p| target(p)).collect();
-        let q = measure(&other.points, &other.triangles, &wanted, &reference);
-        println!("  {:30} {:7} {:>6} {:6.1} {:>6} {q}", other.name, q.triangles, "", other.milliseconds, "");
+        let wanted: Vec<f32> = other.points.iter().map(|&p| (reference.target)(p)).collect();
+        let q = measure(&other.points, &other.triangles, &wanted, reference);
+        println!("  {:30} {:7} {:>6} {:6.1} {:>6} {q}", other.name, other.triangles.len(), "", other.milliseconds, "");
     }
-}
-
-/// The curves that everyone is held to: those of borders, seams and chosen sets, but not our own ridges.
-fn constraint_curves(baseline: &Baseline) -> Vec<Vec<Vec3>> {
-    let chains = baseline.chains.iter().filter(|c| !c.marks.ridge);
-    chains.map(|c| c.vertices.iter().map(|&v| baseline.points[v]).collect()).collect()
-}
-
-fn prepare(file: &Path) -> Prepared {
-    let mut warnings = Warnings::default();
-    let source = Source::open(file, &ReadOptions::default()).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
-    let input = source.garment(&mut warnings).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
-    let mut layers = Layers::default();
-    layers.add_attributes(source.recipe().unwrap_or_default(), &mut warnings);
-    let more = std::env::var("TAILOR_SET").unwrap_or_default();
-    more.split(',').filter(|s| !s.is_empty()).for_each(|s| layers.add_override(s).unwrap_or_else(|e| panic!("{e}")));
-    Prepared::new(input, &layers, &mut warnings).unwrap_or_else(|e| panic!("{}: {e}", file.display()))
-}
-
-fn baseline(prepared: &Prepared, level: u32) -> Baseline {
-    let bound = bind(&prepared.recipe, &prepared.garment, false).unwrap_or_else(|e| panic!("{e}"));
-    let mut sim = prepared.recipe.sim.clone();
-    sim.baseline_level = level;
-    let lengths = Lengths { min: sim.min_edge_length, max: sim.max_edge_length, density: bound.density };
-    Baseline::new(&prepared.garment, &sim, lengths, bound.uv_set)
 }
 
 /// Processor and wall time of one run. \[milliseconds\]

@@ -5,7 +5,10 @@ use super::nearest::Nearest;
 use glam::Vec3;
 use std::collections::HashMap;
 use std::fmt;
+use tailor::mesh::VertexId;
 use tailor::report::min_angle;
+use tailor::sim::SimProduct;
+use tailor::spatial::PointGrid;
 
 /// What a mesh is held to.
 pub struct Reference<'a> {
@@ -17,10 +20,23 @@ pub struct Reference<'a> {
     pub target: &'a dyn Fn(Vec3) -> f32,
 }
 
+impl Reference<'_> {
+    /// Does work with what a product is held to: its baseline, and the curves of borders, seams and chosen edges, but not
+    /// our own ridges.
+    pub fn of<T>(product: &SimProduct, work: impl FnOnce(&Reference<'_>) -> T) -> T {
+        let base = &product.baseline;
+        let surface: Vec<[Vec3; 3]> = base.topology.faces.ids().map(|f| base.triangle(f)).collect();
+        let chains = base.chains.iter().filter(|c| !c.marks.ridge);
+        let curves: Vec<Vec<Vec3>> = chains.map(|c| c.vertices.iter().map(|&v| base.points[v]).collect()).collect();
+        let grid = PointGrid::new(&base.points);
+        let target = |p: Vec3| grid.nearest(&base.points, p).map_or(1.0, |v| base.target[v]);
+        work(&Reference { surface: &surface, curves: &curves, target: &target })
+    }
+}
+
 /// Figures of a mesh. Angles in degrees, lengths as shares of the target length.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Quality {
-    pub triangles: usize,
     pub min_angle: f32,
     pub p5: f32,
     pub under30: f32,
@@ -36,11 +52,7 @@ pub struct Quality {
     pub from_surface: f32,
 }
 
-impl Quality {
-    /// The heads of the columns that its display has.
-    pub const HEAD: &str = "  min    p5   <30 %  val6    rms   seam   near     to   from";
-}
-
+/// In the order of min, p5, <30 %, val6, rms, seam, near, to, from.
 impl fmt::Display for Quality {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { min_angle, p5, rms, curve_max, to_surface, from_surface, .. } = *self;
@@ -53,8 +65,14 @@ impl fmt::Display for Quality {
 /// Points on each segment of a curve, and on each side of the triangles, at which distances are taken.
 const STEPS: usize = 4;
 
+/// The figures of a product.
+pub fn of_product(product: &SimProduct, reference: &Reference<'_>) -> Quality {
+    let triangles: Vec<[usize; 3]> = product.triangles.iter().map(|t| t.map(VertexId::index)).collect();
+    measure(&product.points, &triangles, &product.target, reference)
+}
+
 pub fn measure(points: &[Vec3], triangles: &[[usize; 3]], target: &[f32], reference: &Reference<'_>) -> Quality {
-    let mut q = Quality { triangles: triangles.len(), ..Quality::default() };
+    let mut q = Quality::default();
     let corners: Vec<[Vec3; 3]> = triangles.iter().map(|t| t.map(|v| points[v])).collect();
     let mut angles: Vec<f32> = corners.iter().map(|&t| min_angle(t)).collect();
     angles.sort_by(f32::total_cmp);

@@ -1,17 +1,26 @@
-//! The simulation mesh: its passes and its options, on small sheets.
+//! The simulation mesh: its passes and its options, on small sheets and on garments.
 
 #[path = "../common/cases.rs"]
 mod cases;
+#[path = "../common/garments.rs"]
+mod garments;
+#[path = "../common/nearest.rs"]
+mod nearest;
+mod on_garments;
 mod options;
 mod passes;
+#[path = "../common/prepared.rs"]
+mod prepared;
+#[path = "../common/quality.rs"]
+mod quality;
 #[path = "../common/sheets.rs"]
 mod sheets;
 
 use tailor::error::Warnings;
 use tailor::garment::GarmentInput;
 use tailor::pipeline::Prepared;
-use tailor::recipe::{Layers, bind};
-use tailor::sim::{Baseline, Lengths};
+use tailor::recipe::Layers;
+use tailor::sim::Baseline;
 
 /// A bound that no mesh here reaches.
 const MAX_FACES: usize = 200_000;
@@ -24,8 +33,5 @@ fn prepare(input: GarmentInput, options: &[&str]) -> Prepared {
 }
 
 fn baseline(prepared: &Prepared) -> Baseline {
-    let bound = bind(&prepared.recipe, &prepared.garment, false).unwrap_or_else(|e| panic!("{e}"));
-    let sim = &prepared.recipe.sim;
-    let lengths = Lengths { min: sim.min_edge_length, max: sim.max_edge_length, density: bound.density };
-    Baseline::new(&prepared.garment, sim, lengths, bound.uv_set)
+    prepared::baseline(prepared, prepared.recipe.sim.baseline_level)
 }
