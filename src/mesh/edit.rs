@@ -372,6 +372,28 @@ impl EditMesh {
         Some([[half, hn, hp], [other, on, op]])
     }
 
+    /// Turns an edge back that was turned, as three more flips would.
+    pub fn unflip(&mut self, half: CornerId) {
+        let Some(other) = self.twin[half] else { return };
+        let (hn, hp, on, op) = (next(half), prev(half), next(other), prev(other));
+        let (c, d, b, a) = (self.vertex(half), self.vertex(other), self.vertex(hp), self.vertex(op));
+        let (db, bc, ca, ad) = (self.twin[hn], self.twin[hp], self.twin[on], self.twin[op]);
+        for (corner, v) in [(half, a), (hn, b), (hp, c), (other, b), (on, a), (op, d)] {
+            self.corner_vertex[corner] = v;
+        }
+        for (corner, twin) in [(hn, bc), (hp, ca), (on, ad), (op, db)] {
+            self.twin[corner] = twin;
+            if let Some(t) = twin {
+                self.twin[t] = Some(corner);
+            }
+        }
+        for (v, gone, corner) in [(a, op, on), (b, hp, hn), (c, on, hp), (d, hn, op)] {
+            if self.vertex_corner[v] == Some(gone) {
+                self.vertex_corner[v] = Some(corner);
+            }
+        }
+    }
+
     fn pair_up(&mut self, a: CornerId, b: CornerId) {
         self.twin[a] = Some(b);
         self.twin[b] = Some(a);
@@ -477,6 +499,20 @@ mod tests {
             }
             mesh.assert_consistent();
             assert_eq!(euler(&mesh), 1, "still a disc after edit {round}");
+        }
+    }
+
+    #[test]
+    fn an_edge_turns_back_as_if_it_went_all_the_way_round() {
+        let mesh = grid(4);
+        for half in mesh.corners().filter(|&c| mesh.may_flip(c)) {
+            let (mut back, mut round) = (mesh.clone(), mesh.clone());
+            back.flip(half);
+            back.unflip(half);
+            back.assert_consistent();
+            (0..4).for_each(|_| assert!(round.flip(half).is_some()));
+            assert!(mesh.corners().all(|c| back.vertex(c) == mesh.vertex(c) && back.twin(c) == mesh.twin(c)));
+            assert_eq!(back.vertex_corner, round.vertex_corner);
         }
     }
 

@@ -4,7 +4,7 @@
 //!
 //! Source: Surazhsky and Gotsman, *Explicit Surface Remeshing* (SGP 2003): drifting edges.
 
-use super::flip::{Excess, change, excess, flip_is_safe, flip_with, may_flip};
+use super::flip::{Excess, change, excess, flip_is_safe, flip_with, may_flip, unflip_with};
 use super::mesh::SimMesh;
 use super::polish::cosine;
 use crate::mesh::CornerId;
@@ -51,8 +51,7 @@ fn run(mesh: &mut SimMesh<'_>, excess: &mut Excess, half: CornerId, steps: usize
             more => return 1 + more,
         }
     }
-    // Four flips turn an edge all the way round, so that nothing tells of it.
-    (0..3).for_each(|_| flip_with(mesh, excess, half));
+    unflip_with(mesh, excess, half);
     0
 }
 

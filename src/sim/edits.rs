@@ -207,6 +207,20 @@ impl SimMesh<'_> {
         }
     }
 
+    /// Turns an edge back that was turned.
+    pub(super) fn unflip(&mut self, half: CornerId) {
+        let Some(twin) = self.topology.twin(half) else { return };
+        let (hn, hp, on, op) = (next(half), prev(half), next(twin), prev(twin));
+        let [(sd, db), (sb, bc), (sc, ca), (sa, ad)] = [hn, hp, on, op].map(|c| (self.site_of[c], self.mark[c]));
+        self.topology.unflip(half);
+        for (corner, site, mark) in
+            [(half, sa, None), (hn, sb, bc), (hp, sc, ca), (twin, sb, None), (on, sa, ad), (op, sd, db)]
+        {
+            self.site_of[corner] = site;
+            self.mark[corner] = mark;
+        }
+    }
+
     /// Turns an unconstrained edge.
     pub fn flip(&mut self, half: CornerId) {
         let Some(twin) = self.topology.twin(half) else { return };

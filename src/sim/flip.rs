@@ -63,10 +63,21 @@ fn flip_for_angles(mesh: &mut SimMesh<'_>, excess: &mut Excess, regularity: f32)
 
 /// Flips an edge that may be, and keeps `excess` up with it.
 pub(super) fn flip_with(mesh: &mut SimMesh<'_>, excess: &mut Excess, half: CornerId) {
+    count_flip(mesh, excess, half, 1);
+    mesh.flip(half);
+}
+
+/// Turns an edge back that was flipped, and keeps `excess` up with it.
+pub(super) fn unflip_with(mesh: &mut SimMesh<'_>, excess: &mut Excess, half: CornerId) {
+    mesh.unflip(half);
+    count_flip(mesh, excess, half, -1);
+}
+
+/// Counts a flip that is to come, or takes back one that is no more (`sign` -1).
+fn count_flip(mesh: &SimMesh<'_>, excess: &mut Excess, half: CornerId, sign: i8) {
     let Some(twin) = mesh.topology.twin(half) else { return };
     let sites = [half, twin, prev(half), prev(twin)].map(|c| mesh.site_of[c]);
-    sites.into_iter().zip([-1, -1, 1, 1]).for_each(|(site, by)| excess[site] += by);
-    mesh.flip(half);
+    sites.into_iter().zip([-sign, -sign, sign, sign]).for_each(|(site, by)| excess[site] += by);
 }
 
 /// Triangles in each sector of a vertex above the best number: six at a free vertex, three on each side of a chain, and
