@@ -387,8 +387,8 @@ impl EditMesh {
                 self.twin[t] = Some(corner);
             }
         }
-        for (v, gone, corner) in [(a, op, on), (b, hp, hn), (c, on, hp), (d, hn, op)] {
-            if self.vertex_corner[v] == Some(gone) {
+        for (v, gone, corner) in [(a, [op, op], on), (b, [hp, hp], hn), (c, [half, on], hp), (d, [other, hn], op)] {
+            if self.vertex_corner[v].is_some_and(|k| gone.contains(&k)) {
                 self.vertex_corner[v] = Some(corner);
             }
         }
@@ -505,12 +505,20 @@ mod tests {
     #[test]
     fn an_edge_turns_back_as_if_it_went_all_the_way_round() {
         let mesh = grid(4);
-        for half in mesh.corners().filter(|&c| mesh.may_flip(c)) {
+        let three = |mesh: &mut EditMesh, half| (0..3).for_each(|_| assert!(mesh.flip(half).is_some()));
+        let pairs = mesh.corners().flat_map(|a| mesh.corners().map(move |b| [a, b]));
+        for [first, second] in pairs.filter(|&[a, b]| a != b && mesh.may_flip(a)) {
+            // The second edge turns there and back in between, which may change where its vertices begin.
             let (mut back, mut round) = (mesh.clone(), mesh.clone());
-            back.flip(half);
-            back.unflip(half);
+            [&mut back, &mut round].into_iter().for_each(|m| assert!(m.flip(first).is_some()));
+            if back.may_flip(second) {
+                [&mut back, &mut round].into_iter().for_each(|m| assert!(m.flip(second).is_some()));
+                back.unflip(second);
+                three(&mut round, second);
+            }
+            back.unflip(first);
+            three(&mut round, first);
             back.assert_consistent();
-            (0..4).for_each(|_| assert!(round.flip(half).is_some()));
             assert!(mesh.corners().all(|c| back.vertex(c) == mesh.vertex(c) && back.twin(c) == mesh.twin(c)));
             assert_eq!(back.vertex_corner, round.vertex_corner);
         }
