@@ -354,21 +354,11 @@ impl EditMesh {
         let (a, b) = (self.vertex(half), self.vertex(other));
         let (c, d) = (self.vertex(hp), self.vertex(op));
         let (bc, ca, ad, db) = (self.twin[hn], self.twin[hp], self.twin[on], self.twin[op]);
-        for (corner, v) in [(half, c), (hn, d), (hp, b), (other, d), (on, c), (op, a)] {
-            self.corner_vertex[corner] = v;
-        }
-        for (corner, twin) in [(hn, db), (hp, bc), (on, ca), (op, ad)] {
-            self.twin[corner] = twin;
-            if let Some(t) = twin {
-                self.twin[t] = Some(corner);
-            }
-        }
-        // Half-edges of the rim keep their vertex but change their corner, so that border vertices stay settled.
-        for (v, gone, corner) in [(a, [half, on], op), (b, [other, hn], hp), (c, [hp, hp], on), (d, [op, op], hn)] {
-            if self.vertex_corner[v].is_some_and(|k| gone.contains(&k)) {
-                self.vertex_corner[v] = Some(corner);
-            }
-        }
+        self.set_quad(
+            [(half, c), (hn, d), (hp, b), (other, d), (on, c), (op, a)],
+            [(hn, db), (hp, bc), (on, ca), (op, ad)],
+            [(a, [half, on], op), (b, [other, hn], hp), (c, [hp, hp], on), (d, [op, op], hn)],
+        );
         Some([[half, hn, hp], [other, on, op]])
     }
 
@@ -378,16 +368,33 @@ impl EditMesh {
         let (hn, hp, on, op) = (next(half), prev(half), next(other), prev(other));
         let (c, d, b, a) = (self.vertex(half), self.vertex(other), self.vertex(hp), self.vertex(op));
         let (db, bc, ca, ad) = (self.twin[hn], self.twin[hp], self.twin[on], self.twin[op]);
-        for (corner, v) in [(half, a), (hn, b), (hp, c), (other, b), (on, a), (op, d)] {
+        self.set_quad(
+            [(half, a), (hn, b), (hp, c), (other, b), (on, a), (op, d)],
+            [(hn, bc), (hp, ca), (on, ad), (op, db)],
+            [(a, [op, op], on), (b, [hp, hp], hn), (c, [half, on], hp), (d, [other, hn], op)],
+        );
+    }
+
+    /// The vertices of the corners of two triangles, the twins of their rim, and for each vertex which of its corners are
+    /// gone and what it begins with instead: half-edges of the rim keep their vertex but change their corner, so that
+    /// border vertices stay settled.
+    #[inline]
+    fn set_quad(
+        &mut self,
+        corners: [(CornerId, VertexId); 6],
+        rim: [(CornerId, Option<CornerId>); 4],
+        starts: [(VertexId, [CornerId; 2], CornerId); 4],
+    ) {
+        for (corner, v) in corners {
             self.corner_vertex[corner] = v;
         }
-        for (corner, twin) in [(hn, bc), (hp, ca), (on, ad), (op, db)] {
+        for (corner, twin) in rim {
             self.twin[corner] = twin;
             if let Some(t) = twin {
                 self.twin[t] = Some(corner);
             }
         }
-        for (v, gone, corner) in [(a, [op, op], on), (b, [hp, hp], hn), (c, [half, on], hp), (d, [other, hn], op)] {
+        for (v, gone, corner) in starts {
             if self.vertex_corner[v].is_some_and(|k| gone.contains(&k)) {
                 self.vertex_corner[v] = Some(corner);
             }

@@ -55,11 +55,11 @@ impl SimMesh<'_> {
     fn split_span(&mut self, half: CornerId, span: Span) -> VertexId {
         let s = self.middle_of_span(span);
         let chain = self.chain(span.chain);
-        let count = chain.count_to(s);
+        let (turn, at) = chain.wound(s);
+        let count = chain.count_of(turn, at);
         let ahead = self.split_topology(half);
         self.add_span(half, Span { to: s, counts: [span.counts[0], count], ..span });
         self.add_span(ahead, Span { from: s, counts: [count, span.counts[1]], ..span });
-        let at = chain.at(s);
         let own = self.new_site(self.site_on_curve(chain, at, span.forward), half);
         self.site_of[next(half)] = own;
         self.site_of[ahead] = own;
@@ -68,7 +68,7 @@ impl SimMesh<'_> {
             self.site_of[first] = other;
             self.site_of[next(second)] = other;
         }
-        self.settle_new(self.point_on(chain, at), Grade::OnCurve(span.chain), chain.length_at(s))
+        self.settle_new(self.point_on(chain, at), Grade::OnCurve(span.chain), chain.length_of(at))
     }
 
     /// The arc length in the middle of a span, as the chain counts edges. \[stage units\]
@@ -213,9 +213,11 @@ impl SimMesh<'_> {
         let (hn, hp, on, op) = (next(half), prev(half), next(twin), prev(twin));
         let [(sd, db), (sb, bc), (sc, ca), (sa, ad)] = [hn, hp, on, op].map(|c| (self.site_of[c], self.mark[c]));
         self.topology.unflip(half);
-        for (corner, site, mark) in
-            [(half, sa, None), (hn, sb, bc), (hp, sc, ca), (twin, sb, None), (on, sa, ad), (op, sd, db)]
-        {
+        self.set_quad([(half, sa, None), (hn, sb, bc), (hp, sc, ca), (twin, sb, None), (on, sa, ad), (op, sd, db)]);
+    }
+
+    fn set_quad(&mut self, corners: [(CornerId, SiteId, Option<Mark>); 6]) {
+        for (corner, site, mark) in corners {
             self.site_of[corner] = site;
             self.mark[corner] = mark;
         }
@@ -231,11 +233,6 @@ impl SimMesh<'_> {
             return;
         }
         // (a, b, c) and (b, a, d) are now (c, d, b) and (d, c, a) in the same corners.
-        for (corner, site, mark) in
-            [(half, sc, None), (hn, sd, db), (hp, sb, bc), (twin, sd, None), (on, sc, ca), (op, sa, ad)]
-        {
-            self.site_of[corner] = site;
-            self.mark[corner] = mark;
-        }
+        self.set_quad([(half, sc, None), (hn, sd, db), (hp, sb, bc), (twin, sd, None), (on, sc, ca), (op, sa, ad)]);
     }
 }

@@ -25,9 +25,8 @@ const LACK: f32 = 0.1;
 const LEAST: f32 = 0.01;
 /// An angle below 33 degrees (its cosine) becomes no smaller.
 const WORST: f32 = 0.838_67;
-
-/// Passes over all vertices; a second one finds what moves of neighbours made room for: 0.1 to 0.3 % less of the curves is
-/// astray on the garments with most of it.
+/// Passes; the second one finds what moves of neighbours made room for: 0.1 to 0.3 % less of the curves is astray on the
+/// garments with most of it.
 const PASSES: usize = 2;
 
 /// A vertex of a chain with its neighbours there.

@@ -25,7 +25,7 @@ const POOR: f32 = 0.719_34;
 /// Without it the triangles around a thin one pay for it: the 5th percentile falls by 0.2 degrees. Larger values leave
 /// more thin ones: 0.6 a tenth more, on shoes01 half as many again.
 const POOR_WEIGHT: f32 = 0.35;
-/// Searches over all thin triangles; later ones find next to nothing.
+/// Searches, later ones where something moved; more find next to nothing.
 const ROUNDS: usize = 3;
 /// Directions in which a free vertex looks for a better place.
 const DIRECTIONS: usize = 8;

@@ -115,10 +115,8 @@ pub(super) fn keyed_by_both<'a>(
 pub(super) fn keyed_around<'a>(
     mesh: &SimMesh<'a>,
     vertices: impl Iterator<Item = VertexId>,
-    key: impl Fn(&SimMesh<'a>, CornerId) -> Option<f32>,
+    key: &impl Fn(&SimMesh<'a>, CornerId) -> Option<f32>,
 ) -> impl Iterator<Item = Entry> {
-    vertices.flat_map(move |v| {
-        let spokes = mesh.topology.spokes(v);
-        spokes.filter_map(|half| Some(Entry::new(mesh, half, key(mesh, half)?))).collect::<Vec<_>>()
-    })
+    let keyed = move |half| Some(Entry::new(mesh, half, key(mesh, half)?));
+    vertices.flat_map(move |v| mesh.topology.spokes(v).filter_map(keyed))
 }

@@ -151,7 +151,7 @@ fn edit(mesh: &mut SimMesh<'_>, [longest, shortest]: [f32; 2], max_faces: usize)
     let splits = split_edges(mesh, long, longest, max_faces);
     check(mesh);
     let new = (old..mesh.topology.vertex_slots()).map(VertexId::new);
-    short.extend(keyed_around(mesh, new, lack));
+    short.extend(keyed_around(mesh, new, &lack));
     (splits, collapse_edges(mesh, short, shortest))
 }
 

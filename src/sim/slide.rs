@@ -95,8 +95,8 @@ pub(super) fn slide(mesh: &SimMesh<'_>, vertex: VertexId, by: f32) -> Option<Mov
     let after = mesh.span(ahead)?.along();
     let before = mesh.span(back)?.along();
     let (s, chain) = (before.to + by, mesh.chain(after.chain));
-    let by_count = chain.count_to(s) - before.counts[1];
-    let at = chain.at(s);
+    let (turn, at) = chain.wound(s);
+    let by_count = chain.count_of(turn, at) - before.counts[1];
     let (position, left) = (mesh.point_on(chain, at), mesh.site_on_curve(chain, at, true));
     let right = mesh.site_on_curve(chain, at, false);
     // The corner of a half-edge lies on its left: of one that leaves forward, on the chain's left.

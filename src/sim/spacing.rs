@@ -193,6 +193,11 @@ impl Chain {
     /// Number of edges that the curve asks for up to arc length `s`, as a real number.
     pub fn count_to(&self, s: f32) -> f32 {
         let (turn, at) = self.wound(s);
+        self.count_of(turn, at)
+    }
+
+    /// The same up to a place, after a loop was gone round `turn` times.
+    pub(super) fn count_of(&self, turn: f32, at: OnCurve) -> f32 {
         let (a, b) = (self.spaced[at.segment], self.spaced[at.segment + 1]);
         turn * self.edge_count() + a + (b - a) * at.t
     }

@@ -24,15 +24,13 @@ mod prepared;
 mod quality;
 
 use prepared::{baseline, of_file};
-use quality::{Reference, measure, of_product};
+use quality::{Quality, Reference, measure, of_product};
 use rayon::ThreadPoolBuilder;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use tailor::pipeline::Prepared;
 use tailor::sim::{SimProduct, simulate};
 
-/// The heads of the columns that figures have.
-const HEAD: &str = "  min    p5   <30 %  val6    rms   seam   near     to   from";
 /// Runs of which the fastest counts.
 const RUNS: usize = 5;
 /// A bound that nothing here reaches.
@@ -46,7 +44,7 @@ fn main() {
     let (export, peers) = (folder("--export"), folder("--measure"));
     let words = if export.is_some() || peers.is_some() { &[][..] } else { &args[..] };
     if export.is_none() {
-        println!("{:32} {:>7} {:>6} {:>6} {:>6} {}", "garment", "tris", "cpu", "1 thr", "2 thr", HEAD);
+        println!("{:32} {:>7} {:>6} {:>6} {:>6} {}", "garment", "tris", "cpu", "1 thr", "2 thr", Quality::HEAD);
     }
     for file in garments::garments() {
         let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();

@@ -52,7 +52,11 @@ pub struct Quality {
     pub from_surface: f32,
 }
 
-/// In the order of min, p5, <30 %, val6, rms, seam, near, to, from.
+impl Quality {
+    /// The heads of the columns that its display has.
+    pub const HEAD: &str = "  min    p5   <30 %  val6    rms   seam   near     to   from";
+}
+
 impl fmt::Display for Quality {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { min_angle, p5, rms, curve_max, to_surface, from_surface, .. } = *self;

@@ -2,7 +2,7 @@
 
 use crate::garments::garments;
 use crate::prepared::of_file;
-use crate::quality::{Reference, of_product};
+use crate::quality::{Quality, Reference, of_product};
 use crate::{MAX_FACES, baseline};
 use rayon::prelude::*;
 use tailor::sim::simulate;
@@ -13,10 +13,10 @@ fn lie_on_their_surfaces_and_curves() {
         let prepared = of_file(&file, []);
         let product = simulate(baseline(&prepared), prepared.recipe.sim.iterations, MAX_FACES);
         let q = Reference::of(&product, |reference| of_product(&product, reference));
-        let name = file.display();
-        assert!(q.to_surface <= 0.35 && q.from_surface <= 0.6, "{name}: {q}");
-        assert!(q.curve_max <= 0.1 && q.curve_near >= 0.97, "{name}: {q}");
-        // Edges as even as those of an even mesh would be; folds and small details keep a few triangles thin.
-        assert!(q.rms <= 0.14 && q.p5 >= 40.0 && q.under30 <= 0.01, "{name}: {q}");
+        let figures = format!("{}\n{}\n{q}", file.display(), Quality::HEAD);
+        assert!(q.to_surface <= 0.35 && q.from_surface <= 0.6, "{figures}");
+        assert!(q.curve_max <= 0.1 && q.curve_near >= 0.97, "{figures}");
+        // Small details and folds keep a few triangles thin, and lengths that change as they are painted cost a degree.
+        assert!(q.rms <= 0.14 && q.p5 >= 40.0 && q.under30 <= 0.01, "{figures}");
     });
 }
