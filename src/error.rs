@@ -71,6 +71,16 @@ pub fn plain(e: &io::Error) -> String {
     }
 }
 
+/// Why faces have no second layer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Bare {
+    /// Their neighbours look the other way.
+    Turned,
+    /// Another part of the garment lies on them.
+    NoRoom,
+}
+
 /// Something the user should know that does not stop the work.
 ///
 /// `examples` name the first few elements in the user's own numbers.
@@ -218,7 +228,7 @@ pub enum Warning {
         /// Points of the input beside them.
         examples: Vec<usize>,
     },
-    /// Faces that have no second layer, since their neighbours look the other way.
+    /// Faces that have no second layer.
     BareFaces {
         /// Name of the thickness.
         thickness: String,
@@ -226,6 +236,8 @@ pub enum Warning {
         count: usize,
         /// Point indices.
         examples: Vec<usize>,
+        /// Why.
+        why: Bare,
     },
     /// Operators that `render.operators` does not name.
     OperatorsLeftOut {
@@ -341,13 +353,22 @@ impl fmt::Display for Warning {
                 write!(f, "{operator}: {count} faces of the cage cross others or are turned over{at}; the surface ")?;
                 write!(f, "bends too tightly for it there: make it narrower or thinner, or take those places out")
             }
-            Self::BareFaces { thickness, count, examples } => {
+            Self::BareFaces { thickness, count, examples, why } => {
                 let some = some(*count, "points", examples, usize::to_string);
-                write!(
-                    f,
-                    "thickness.{thickness} leaves out {count} faces ({some}) whose neighbours look the other way, as "
-                )?;
-                write!(f, "a second layer would pass through the surface there; give both the same winding")
+                write!(f, "thickness.{thickness} leaves out {count} faces ({some}) ")?;
+                match why {
+                    Bare::Turned => {
+                        write!(f, "whose neighbours look the other way, as a second layer would pass through the ")?;
+                        write!(f, "surface there; give both the same winding")
+                    }
+                    Bare::NoRoom => {
+                        write!(f, "on which another part of the garment lies, so that there is no room for a second ")?;
+                        write!(
+                            f,
+                            "layer; move them apart, put the layer on the other side, or take them out of its faces"
+                        )
+                    }
+                }
             }
             Self::OperatorsLeftOut { names } => {
                 write!(f, "not in render.operators, and so not made: {}", names.join(", "))

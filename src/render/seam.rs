@@ -21,6 +21,7 @@ mod chains;
 use super::REPORTED;
 use super::kind::{Context, Instance, Key, Options};
 use super::lines::{self, Lines, Narrowed, Request};
+use super::placed::Room;
 use super::shape::{Held, Operator, Role, Shape};
 use crate::checks;
 use crate::error::{EXAMPLES, Error, Warning, Warnings};
@@ -272,7 +273,7 @@ impl Operator for Seams {
         format!("seams {:?}", self.seams)
     }
 
-    fn shape(&self, cage: &Cage) -> Result<Shape, Error> {
+    fn shape(&self, cage: &Cage, _: &IdVec<VertexId, Room>) -> Result<Shape, Error> {
         super::refuse_loop(cage, &format!("seam.{}", self.seams.first().map_or("", |s| &s.0)))?;
         let edges = self.seams.iter().map(|(_, options)| self.edges(cage, options)).collect::<Vec<_>>();
         let t = &cage.level().topology;

@@ -28,11 +28,12 @@ pub trait Operator: Any + Sync + Send {
     /// All options, as text.
     fn options(&self) -> String;
 
-    /// The new connectivity and the vertices whose place on the surface is held.
+    /// The new connectivity and the vertices whose place on the surface is held. `clearance` is the room that the input
+    /// leaves about each vertex; where it is more than the operator's reach it may be any.
     ///
     /// # Errors
     /// Options that do not fit the cage.
-    fn shape(&self, cage: &Cage) -> Result<Shape, Error>;
+    fn shape(&self, cage: &Cage, clearance: &IdVec<VertexId, Room>) -> Result<Shape, Error>;
 
     /// How far from the parent's surface each role of the shape is, along the normal. \[stage units\]
     fn heights(&self, shape: &Shape, surface: &[(Vec3, Vec3)]) -> Vec<f32>;
@@ -91,6 +92,9 @@ pub struct Held {
 const PART_OF_ROOM: f32 = 0.5;
 /// Part of the distance of two layers that a later operator may take on either.
 const PART_BETWEEN: f32 = 0.8;
+/// Room as a share of the largest height below which a face that has all its height is looked at too: the limit surface
+/// is not quite where it was. Larger looks at more faces and finds no more.
+const NEAR: f32 = 0.7;
 
 /// What an operator makes of a cage, but for the places of the points.
 pub struct Shape {
@@ -119,6 +123,13 @@ impl Shape {
         index
     }
 
+    /// The room about each vertex: the least of those about what it is made of.
+    fn carried(&self, rooms: &IdVec<VertexId, Room>) -> IdVec<VertexId, Room> {
+        let vertices = &self.derivation.vertices;
+        let room = |row| vertices.at(row).iter().fold(OPEN, |room, &(v, _)| least(room, rooms[v]));
+        (0..vertices.len()).map(room).collect()
+    }
+
     /// The vertices of the parent that those of faces are made of, each once.
     pub fn sources(&self, faces: &[FaceId]) -> BTreeSet<VertexId> {
         let vertices = faces.iter().flat_map(|&f| self.derivation.faces.vertices_of(f));
@@ -132,6 +143,8 @@ pub struct Formed {
     pub cage: Cage,
     /// What the operator made.
     pub shape: Shape,
+    /// The room that the input leaves about each vertex, whatever operators take of it.
+    pub clearance: Arc<IdVec<VertexId, Room>>,
     /// Limit rows of the held vertices.
     rows: Table<VertexId>,
     parent: Arc<Level>,
@@ -173,8 +186,9 @@ impl Formed {
     ///
     /// # Errors
     /// As [`Operator::shape`].
-    pub fn new(operator: &dyn Operator, parent: &Cage) -> Result<Self, Error> {
-        let shape = operator.shape(parent)?;
+    pub fn new(operator: &dyn Operator, parent: &Cage, clearance: &IdVec<VertexId, Room>) -> Result<Self, Error> {
+        let shape = operator.shape(parent, clearance)?;
+        let clearance = Arc::new(shape.carried(clearance));
         let corners: Vec<VertexId> = kept_corners(parent, &shape).chain(shape.corners.iter().copied()).collect();
         let every = (0..parent.level().topology.vertex_count()).into_par_iter().map(VertexId::new);
         let derived = || parent.derived(&shape.derivation, &corners, &shape.creases);
@@ -191,7 +205,20 @@ impl Formed {
         };
         let (pairs, moved) = (shape.held.iter().filter_map(pair).collect(), moved(&shape));
         let (from, between) = (measured_from(&shape, cage.level()), layer_edges(&shape, cage.level()));
-        Ok(Self { cage, shape, rows, parent: level, orientation, parent_rows, seen, from, pairs, between, moved })
+        Ok(Self {
+            cage,
+            shape,
+            clearance,
+            rows,
+            parent: level,
+            orientation,
+            parent_rows,
+            seen,
+            from,
+            pairs,
+            between,
+            moved,
+        })
     }
 
     /// The points of the new cage without heights.
@@ -199,13 +226,11 @@ impl Formed {
         let surface = Surface::new(&self.parent, self.orientation, &self.parent_rows, &parent.points);
         let t = &self.parent.topology;
         let targets: Vec<(Vec3, Vec3)> = self.seen.par_iter().map(|seen| surface.at(t, seen)).collect();
-        let vertices = &self.shape.derivation.vertices;
-        let linear = carried_points(&vertices, &parent.points);
+        let linear = carried_points(&&self.shape.derivation.vertices, &parent.points);
         let settling = self.settling();
         let points = settling.aligned(&targets, settling.base(&targets, &linear));
         let linear = settling.aligned(&targets, linear);
-        let room = |row| vertices.at(row).iter().fold(OPEN, |room, &(v, _)| least(room, parent.rooms[v]));
-        let rooms = (0..vertices.len()).map(room).collect();
+        let rooms = self.shape.carried(&parent.rooms);
         Ground { targets, linear, placed: Placed { points, rooms }, parent: parent.points.clone() }
     }
 
@@ -247,7 +272,8 @@ impl Formed {
 
     /// Faces that moved and have another layer near, or less height than asked.
     fn doubtful(&self, raises: &[Raise], rooms: &IdVec<VertexId, Room>) -> IdVec<FaceId, bool> {
-        let mut doubtful: Vec<bool> = rooms.iter().map(|room| room.iter().any(|r| r.is_finite())).collect();
+        let near = NEAR * raises.iter().map(|raise| raise.height.abs()).fold(0.0, f32::max);
+        let mut doubtful: Vec<bool> = rooms.iter().map(|room| room.iter().any(|&r| r < near)).collect();
         let low = self.shape.held.iter().zip(raises).filter(|(_, raise)| raise.is_least);
         low.for_each(|(held, _)| doubtful[held.vertex.index()] = true);
         let faces = &self.shape.derivation.faces;

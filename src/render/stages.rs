@@ -3,12 +3,13 @@
 //! An operator and a refinement are two stages each: what the mesh is made of, and where its points are. A stage is known
 //! by its name and by what it depends on beside the garment: the connectivity on `structure`, the points on `options`.
 
-use super::placed::Placed;
+use super::placed::{Placed, Room};
 use super::shape::{Formed, Operator};
 use super::{Stack, check_size, first_cage};
 use crate::error::{Error, Warnings};
 use crate::garment::Garment;
 use crate::memo::{Footprint, Made};
+use crate::mesh::{IdVec, VertexId};
 use crate::subdivide::Cage;
 use serde::Serialize;
 use std::sync::Arc;
@@ -55,6 +56,7 @@ pub struct Rendered {
 /// The cage after operators.
 struct Operated {
     cage: Arc<dyn AsCage>,
+    clearance: Arc<IdVec<VertexId, Room>>,
     placed: Arc<Made<Placed>>,
     structure: Vec<String>,
     options: Vec<String>,
@@ -84,7 +86,9 @@ fn operate(garment: &Garment, stack: &Stack, stages: &impl Stages) -> Result<Ope
     let reach = stack.reach(garment);
     let placed = stages.get("first", &reach, || Ok(Made::from(Placed::first(cage.cage(), reach))))?;
     let (structure, options, sets) = (Vec::new(), vec![reach.to_string()], Vec::new());
-    let mut operated = Operated { cage, placed, structure, options, sets, warnings: stack.warnings.clone() };
+    let clearance = Arc::new(placed.value.rooms.clone());
+    let warnings = stack.warnings.clone();
+    let mut operated = Operated { cage, clearance, placed, structure, options, sets, warnings };
     for operator in &stack.operators {
         operated.apply(operator.as_ref(), stages)?;
     }
@@ -94,7 +98,9 @@ fn operate(garment: &Garment, stack: &Stack, stages: &impl Stages) -> Result<Ope
 impl Operated {
     fn apply(&mut self, operator: &dyn Operator, stages: &impl Stages) -> Result<(), Error> {
         self.structure.push(operator.structure());
-        let formed = stages.get("form", &self.structure, || Formed::new(operator, self.cage.cage()))?;
+        // The same for every reach, as operators ask for no clearance beyond their own.
+        let formed =
+            stages.get("form", &self.structure, || Formed::new(operator, self.cage.cage(), &self.clearance))?;
         let ground =
             stages.get("ground", &(&self.structure, &self.options), || Ok(formed.ground(&self.placed.value)))?;
         self.options.push(operator.options());
@@ -105,6 +111,7 @@ impl Operated {
         self.sets.extend(formed.shape.subsets.iter().map(|set| set.name.clone()));
         self.warnings.extend(&formed.shape.warnings);
         self.warnings.extend(&self.placed.warnings);
+        self.clearance = Arc::clone(&formed.clearance);
         self.cage = formed;
         Ok(())
     }

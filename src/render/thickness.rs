@@ -7,20 +7,23 @@
 //!                                        closed surface: away from each other, on the outer side to each other
 //! ```
 
+mod cover;
+
 use super::REPORTED;
 use super::kind::{Context, Instance, Key, Options};
 use super::lines::{self, Lines, Request};
+use super::placed::Room;
 use super::shape::{Held, Operator, Role, Shape, is_lone_corner};
 use super::surface::limit_rows;
 use crate::checks;
-use crate::error::{Error, Warning, Warnings};
+use crate::error::{Bare, Error, Warning, Warnings};
 use crate::garment::{Elements, Garment, Orientation, Subset, Values};
 use crate::mesh::{CornerId, Csr, EdgeId, FaceId, IdVec, Topology, VertexId};
 use crate::subdivide::{Cage, Stencils};
+use cover::{Cover, layer_ends};
 use glam::Vec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeSet;
 
 /// Distance of the line that holds the fold from it, as a share of the amount. Smaller makes the fold tighter.
 const HOLD: f32 = 1.0;
@@ -134,21 +137,16 @@ impl Thickness {
         chosen
     }
 
-    /// The faces that a second layer can cover: not those beside faces that look the other way, where it would have to
-    /// pass through the surface.
-    fn coverable(&self, cage: &Cage) -> (IdVec<FaceId, bool>, Warnings) {
-        let (mut chosen, mut warnings) = (self.chosen(cage.garment()), Warnings::default());
-        let faces = &cage.level().topology.faces;
-        let turns = turning_over(&cage.level().topology);
-        let is_bare = |f: FaceId| faces.vertices_of(f).iter().any(|&v| turns[v]);
-        let bare: Vec<FaceId> = chosen.ids().filter(|&f| chosen[f] && is_bare(f)).collect();
-        if !bare.is_empty() {
-            let at: BTreeSet<VertexId> = bare.iter().flat_map(|&f| faces.vertices_of(f)).copied().collect();
-            let examples = super::examples(self.own_points, at.into_iter().filter(|&v| turns[v]));
-            warnings.push(Warning::BareFaces { thickness: self.name.clone(), count: bare.len(), examples });
-            bare.iter().for_each(|&f| chosen[f] = false);
+    /// What is said of faces that get no second layer.
+    fn warn(&self, cover: &Cover) -> Warnings {
+        let mut warnings = Warnings::default();
+        for (left, why) in [(&cover.turned, Bare::Turned), (&cover.tight, Bare::NoRoom)] {
+            if !left.faces.is_empty() {
+                let (count, examples) = (left.faces.len(), super::examples(self.own_points, left.at.iter().copied()));
+                warnings.push(Warning::BareFaces { thickness: self.name.clone(), count, examples, why });
+            }
         }
-        (chosen, warnings)
+        warnings
     }
 
     fn no_border(&self, garment: &Garment) -> Error {
@@ -235,13 +233,11 @@ impl Thickness {
 
     fn held(
         &self,
-        cage: &Cage,
+        weights: Option<&[f32]>,
         (folds, ends): (&IdVec<VertexId, bool>, &IdVec<VertexId, bool>),
         layer: &Layer,
         lines: &Lines,
     ) -> Vec<Held> {
-        let weights = self.weights(cage);
-        let weights = weights.as_deref();
         let near = lines.near.enumerated().filter(|(v, near)| **near || ends[*v]).map(|(v, _)| v);
         let on_surface = |vertex: VertexId| {
             let is_fold = folds.contains_id(vertex) && folds[vertex];
@@ -296,13 +292,9 @@ impl Thickness {
     }
 }
 
-/// Vertices at which the second layer ends and the first goes on.
-fn layer_ends(t: &Topology, chosen: &IdVec<FaceId, bool>) -> IdVec<VertexId, bool> {
-    let mut sides = IdVec::filled([false; 2], t.vertex_count());
-    for (face, chosen) in chosen.enumerated() {
-        t.faces.vertices_of(face).iter().for_each(|&v| sides[v][usize::from(*chosen)] = true);
-    }
-    sides.iter().map(|&s| s == [true; 2]).collect()
+/// The half-edges of chosen faces along the border of the mesh.
+fn border<'a>(t: &'a Topology, chosen: &'a IdVec<FaceId, bool>) -> impl Iterator<Item = CornerId> + 'a {
+    t.faces.corners().ids().filter(|&c| t.is_border(t.corner_edge[c]) && chosen[t.faces.face_of(c)])
 }
 
 /// The copy of a vertex, made when it is first asked for.
@@ -337,20 +329,6 @@ fn sharpness(
     (corners, creases)
 }
 
-/// Vertices of edges whose two faces run along them in the same direction: the front of one goes on as the back of the
-/// other.
-fn turning_over(t: &Topology) -> IdVec<VertexId, bool> {
-    let mut turns = IdVec::filled(false, t.vertex_count());
-    for edge in t.edges.ids() {
-        if let &[a, b] = t.edge_corners.row(edge)
-            && t.faces.vertex(a) == t.faces.vertex(b)
-        {
-            t.edges[edge].iter().for_each(|&v| turns[v] = true);
-        }
-    }
-    turns
-}
-
 /// Normals of a cage, to the front.
 fn vertex_normals(cage: &Cage) -> IdVec<VertexId, Vec3> {
     let (garment, faces) = (cage.garment(), &cage.level().topology.faces);
@@ -382,15 +360,21 @@ impl Operator for Thickness {
         self.structure()
     }
 
-    fn shape(&self, cage: &Cage) -> Result<Shape, Error> {
+    fn shape(&self, cage: &Cage, clearance: &IdVec<VertexId, Room>) -> Result<Shape, Error> {
         super::refuse_loop(cage, &format!("thickness.{}", self.name))?;
         let (garment, t) = (cage.garment(), &cage.level().topology);
-        let (chosen, mut warnings) = self.coverable(cage);
-        let is_fold = |c: &CornerId| t.is_border(t.corner_edge[*c]) && chosen[t.faces.face_of(*c)];
-        let border: Vec<CornerId> = t.faces.corners().ids().filter(is_fold).collect();
-        if border.is_empty() && !self.options.closed {
+        let chosen = self.chosen(garment);
+        if !self.options.closed && border(t, &chosen).next().is_none() {
             return Err(self.no_border(garment));
         }
+        let weights = self.weights(cage);
+        let weights = weights.as_deref();
+        let side = usize::from(self.sign() > 0.0);
+        let room = |v: VertexId| clearance[v][side] / (self.options.amount * self.weight(weights, &[(v, 1.0)]));
+        let cover = Cover::new(t, chosen, room);
+        let mut warnings = self.warn(&cover);
+        let chosen = cover.chosen;
+        let border: Vec<CornerId> = border(t, &chosen).collect();
         let mut marked = IdVec::filled(false, t.edges.len());
         let mut folds = IdVec::filled(false, t.vertex_count());
         for &half in &border {
@@ -412,7 +396,7 @@ impl Operator for Thickness {
         let mut layer = self.copy_faces(t, &chosen, &mut lines);
         self.add_hem(t, &border, &mut layer, &mut lines);
         self.add_edges(t, &chosen, &folds, &layer, &mut lines);
-        let held = self.held(cage, (&folds, &layer_ends(t, &chosen)), &layer, &lines);
+        let held = self.held(weights, (&folds, &layer_ends(t, &chosen)), &layer, &lines);
         let apart = self.apart(cage, &held, &lines);
         let subsets = self.subsets(garment, &layer, &mut warnings);
         let (corners, creases) = sharpness(cage, &folds, &request.marked, &layer);

@@ -22,6 +22,8 @@ pub const LEAST_SHARE: f32 = 0.1;
 /// Parts of the rest of the height that are left after each step, and whether the fit is. Finer steps leave more of both,
 /// and take longer.
 const STEPS: [(f32, bool); 4] = [(1.0, true), (0.3, true), (0.0, true), (0.0, false)];
+/// Steps back of what is turned over before crossings are looked for. More lower heights that need not be.
+const TURNS: usize = 2;
 /// Steps by which a neighbour may be behind. More makes the change from full height more sudden.
 const SLACK: u8 = 2;
 /// Cosine between the normals of a face with and without its moves below which it is looked at.
@@ -76,39 +78,122 @@ pub struct Sound {
 
 /// The points, with as much of their heights as leaves the mesh sound.
 pub fn sound(kin: &Kin, states: &States) -> Sound {
-    let mut steps: IdVec<VertexId, u8> = IdVec::filled(0, states.raised.len());
-    let mut points = states.raised.clone();
-    let mut skin = Skin::new(kin.child, &points);
-    let normals = linear_normals(kin.child.level(), states.linear);
-    let is_active =
-        |f: FaceId| kin.moved[f] && (kin.doubtful[f] || skin.is_bent(f) || skin.normal(f).dot(normals[f]) < ONE_WAY);
-    let mut is_active: IdVec<FaceId, bool> = kin.moved.ids().map(is_active).collect();
+    let mut mending = Mending::new(kin, states);
+    mending.turn_back();
     // Where a step back makes more faults than it mends, as beside the free border of a layer, an earlier one is kept.
     let mut best: Option<Sound> = None;
-    let mut before = Skin::bare(kin.parent);
-    let share = |&s: &u8| LEAST_SHARE + (1.0 - LEAST_SHARE) * STEPS[usize::from(s)].0;
     let mut pairs: Vec<[FaceId; 2]> = Vec::new();
     for _ in 0..STEPS.len() {
         // Faces that did not move are as they were.
-        pairs.retain(|pair| pair.iter().all(|&f| !is_active[f]));
-        pairs.extend(faults(kin, (&mut skin, &mut before), &is_active, &normals));
+        pairs.retain(|pair| pair.iter().all(|&f| !mending.is_active[f]));
+        pairs.extend(mending.faults());
         let faults = faces_of(&pairs);
-        let shares = steps.iter().map(share).collect();
-        let changed = step_on(kin, &mut steps, &faults);
         if best.as_ref().is_none_or(|best| faults.len() < best.faults.len()) {
-            best = Some(Sound { points: points.clone(), shares, faults });
+            best = Some(mending.as_it_is(faults.clone()));
         }
-        if changed.is_empty() {
+        if !mending.step_back(&faults) {
             break;
         }
+    }
+    best.unwrap_or_else(|| mending.as_it_is(Vec::new()))
+}
+
+/// A mesh while its faults are mended.
+struct Mending<'a> {
+    kin: &'a Kin<'a>,
+    states: &'a States<'a>,
+    skin: Skin<'a>,
+    /// The parent's skin, as far as it was asked about.
+    before: Skin<'a>,
+    /// Normals where the weights alone put the faces.
+    normals: IdVec<FaceId, Vec3>,
+    /// How far each vertex has stepped back.
+    steps: IdVec<VertexId, u8>,
+    points: IdVec<VertexId, Vec3>,
+    /// Faces that may have become unsound with the last step.
+    is_active: IdVec<FaceId, bool>,
+}
+
+impl<'a> Mending<'a> {
+    fn new(kin: &'a Kin<'a>, states: &'a States<'a>) -> Self {
+        let points = states.raised.clone();
+        let skin = Skin::new(kin.child, &points);
+        let normals = linear_normals(kin.child.level(), states.linear);
+        let is_active = |f: FaceId| {
+            kin.moved[f] && (kin.doubtful[f] || skin.is_bent(f) || skin.normal(f).dot(normals[f]) < ONE_WAY)
+        };
+        let is_active = kin.moved.ids().map(is_active).collect();
+        let steps = IdVec::filled(0, points.len());
+        Self { kin, states, skin, before: Skin::bare(kin.parent), normals, steps, points, is_active }
+    }
+
+    fn as_it_is(&self, faults: Vec<FaceId>) -> Sound {
+        let share = |&step: &u8| LEAST_SHARE + (1.0 - LEAST_SHARE) * STEPS[usize::from(step)].0;
+        Sound { points: self.points.clone(), shares: self.steps.iter().map(share).collect(), faults }
+    }
+
+    /// Takes steps back at what is turned over. Most of what crosses is, too, and this is found without a search for pairs.
+    fn turn_back(&mut self) {
+        let mut all = self.is_active.clone();
+        for _ in 0..TURNS {
+            let turned = self.turned();
+            if !self.step_back(&turned) {
+                break;
+            }
+            all.iter_mut().zip(self.is_active.iter()).for_each(|(all, now)| *all |= now);
+        }
+        self.is_active = all;
+    }
+
+    /// Takes a step back at the vertices of `faults`, and as many at their neighbours as keep the change even; whether any
+    /// vertex did.
+    fn step_back(&mut self, faults: &[FaceId]) -> bool {
+        let changed = step_on(self.kin, &mut self.steps, faults);
+        if changed.is_empty() {
+            return false;
+        }
+        let (states, steps, points) = (self.states, &self.steps, &mut self.points);
         let moved = changed.into_iter().filter(|&vertex| {
             let place = states.at(vertex, STEPS[usize::from(steps[vertex])]);
             std::mem::replace(&mut points[vertex], place) != place
         });
-        is_active = reached(kin.child.level(), moved);
-        skin.update(&points, &is_active);
+        self.is_active = reached(self.kin.child.level(), moved);
+        self.skin.update(&self.points, &self.is_active);
+        true
     }
-    best.unwrap_or_else(|| Sound { points, shares: steps.iter().map(share).collect(), faults: Vec::new() })
+
+    /// Active faces that are turned over, and were not before.
+    fn turned(&mut self) -> Vec<FaceId> {
+        let mut turned = self.skin.turned(&self.is_active, &self.normals);
+        self.know(&turned);
+        let parent_face = |f: FaceId| self.kin.derivation.parent_face(f);
+        turned.retain(|&f| {
+            let p = parent_face(f);
+            !self.before.is_turned(p, self.before.normal(p), ALREADY_TURNED)
+        });
+        turned
+    }
+
+    /// Pairs of faces that cross, and faces with themselves that are turned over, and did not before.
+    fn faults(&mut self) -> Vec<[FaceId; 2]> {
+        let mut crossing = self.skin.crossings(&self.is_active);
+        let faces: Vec<FaceId> = crossing.iter().flatten().copied().collect();
+        self.know(&faces);
+        let (mut scratch, derivation) = (Scratch::default(), self.kin.derivation);
+        crossing.retain(|pair| {
+            let [f, g] = pair.map(|face| derivation.parent_face(face));
+            !self.before.cross(f, g, &mut scratch)
+        });
+        crossing.extend(self.turned().into_iter().map(|f| [f, f]));
+        crossing
+    }
+
+    /// Measures the parents of some faces.
+    fn know(&mut self, faces: &[FaceId]) {
+        let mut is_parent = IdVec::filled(false, self.kin.parent.topology.faces.len());
+        faces.iter().for_each(|&f| is_parent[self.kin.derivation.parent_face(f)] = true);
+        self.before.update(self.kin.parent_points, &is_parent);
+    }
 }
 
 /// Normals of the faces where the weights alone put them; none of faces without area.
@@ -130,29 +215,6 @@ fn faces_of(pairs: &[[FaceId; 2]]) -> Vec<FaceId> {
     faces.sort_unstable();
     faces.dedup();
     faces
-}
-
-/// Pairs of faces that cross, and faces with themselves that are turned over, and did not before.
-fn faults(
-    kin: &Kin,
-    (skin, before): (&mut Skin, &mut Skin),
-    is_active: &IdVec<FaceId, bool>,
-    normals: &IdVec<FaceId, Vec3>,
-) -> Vec<[FaceId; 2]> {
-    let (crossing, turned) = (skin.crossings(is_active), skin.turned(is_active, normals));
-    let parent_face = |f: FaceId| kin.derivation.parent_face(f);
-    let mut is_parent = IdVec::filled(false, kin.parent.topology.faces.len());
-    crossing.iter().flatten().chain(&turned).for_each(|&f| is_parent[parent_face(f)] = true);
-    before.update(kin.parent_points, &is_parent);
-    let mut scratch = Scratch::default();
-    let mut crossed = |&[f, g]: &[FaceId; 2]| before.cross(parent_face(f), parent_face(g), &mut scratch);
-    let had_turned = |&f: &FaceId| {
-        let p = parent_face(f);
-        before.is_turned(p, before.normal(p), ALREADY_TURNED)
-    };
-    let mut faults: Vec<[FaceId; 2]> = crossing.into_iter().filter(|pair| !crossed(pair)).collect();
-    faults.extend(turned.into_iter().filter(|f| !had_turned(f)).map(|f| [f, f]));
-    faults
 }
 
 /// Takes a step back at the vertices of `faults`, and as many at their neighbours as keep the change even; returns the

@@ -11,7 +11,7 @@ use std::ops::Range;
 const EVEN: f32 = 0.8;
 /// A child that looks this far to the other side is turned over, as a cosine. Nearer to 0 takes the overhang of a steep
 /// flank for one.
-const TURNED: f32 = -0.2;
+const TURNED: f32 = -0.1;
 
 /// Faces that are measured in one go.
 const BLOCK: usize = 512;
