@@ -22,20 +22,14 @@ const FRONT: &str = "front";
 type Known = [(&'static str, [usize; 3])];
 
 /// Faces that look away from the front of the garment at their place.
-const TURNED: &Known = &[
-    ("fedora.usdc", [0, 0, 1]),
-    ("female_elegantsuit01.usdc", [0, 9, 9]),
-    ("male_casualsuit04.usdc", [0, 0, 1]),
-    ("male_worksuit01.usdc", [1, 1, 21]),
-    ("shoes01.usdc", [0, 0, 8]),
-];
+const TURNED: &Known = &[("male_worksuit01.usdc", [1, 1, 20]), ("shoes01.usdc", [0, 0, 2])];
 
 /// Pairs of faces of the garment whose children cross.
 const CROSSING: &Known = &[
     ("coat.usda", [0, 34, 34]),
     ("fedora.usdc", [0, 0, 1]),
-    ("female_elegantsuit01.usdc", [2, 47, 54]),
-    ("male_worksuit01.usdc", [0, 3, 9]),
+    ("female_elegantsuit01.usdc", [0, 0, 2]),
+    ("male_worksuit01.usdc", [0, 0, 7]),
 ];
 
 fn known(table: &Known, name: &str) -> [usize; 3] {

@@ -1,13 +1,14 @@
 //! Seams and thickness: where the surface is, and that it is sound.
 
 use crate::cloth::{checked, limit, path, sheet, torus, tube, with_faces};
+use crate::crossings::crossing_parents;
 use crate::recipes::{rendered, stack};
 use crate::sheets::with_edges;
 use glam::Vec3;
 use std::collections::BTreeSet;
-use tailor::error::Warning;
+use tailor::error::{Bare, Warning, Warnings};
 use tailor::garment::{Elements, Garment, GarmentInput, Orientation, Scheme};
-use tailor::mesh::{IdVec, Topology, VertexId};
+use tailor::mesh::{FaceId, IdVec, Topology, VertexId};
 use tailor::render::{Afresh, render};
 use tailor::spatial::PointGrid;
 
@@ -361,6 +362,64 @@ fn tight_folds_are_thinner_and_say_so() {
     let (mesh, warnings) = rendered(&garment, &options);
     assert!(warnings.iter().any(|w| matches!(w, Warning::ThinLayer { .. })), "{warnings:?}");
     sound(&mesh, "gutter");
+}
+
+/// A sheet folded back over itself, the halves `gap(y)` apart, with their fronts to each other.
+fn folded_back(gap: impl Fn(f32) -> f32) -> Garment {
+    let mut input = sheet(8);
+    for p in input.points.iter_mut().filter(|p| p.x > 4.0) {
+        *p = Vec3::new(8.0 - p.x, p.y, gap(p.y));
+    }
+    checked(with_faces(input, "all", 0..64))
+}
+
+fn faces_in(mesh: &Garment, set: &str) -> BTreeSet<FaceId> {
+    match mesh.subset(set).map(|s| &s.elements) {
+        Some(Elements::Faces(faces)) => faces.iter().copied().collect(),
+        _ => BTreeSet::new(),
+    }
+}
+
+fn without_room(warnings: &Warnings) -> usize {
+    let count = |w: &Warning| matches!(w, Warning::BareFaces { why: Bare::NoRoom, .. });
+    warnings
+        .iter()
+        .filter(|w| count(w))
+        .map(|w| if let Warning::BareFaces { count, .. } = w { *count } else { 0 })
+        .sum()
+}
+
+#[test]
+fn what_lies_on_a_face_leaves_it_one_layer() {
+    let garment = folded_back(|y| 0.001 + 0.4 * (y - 3.0).max(0.0));
+    let options = |side: &str| {
+        let side = format!("thickness.t.side={side}");
+        ["thickness.t.faces=all", "thickness.t.amount=0.2", "render.faceSets=true", "render.level=1", &side]
+            .map(String::from)
+    };
+    let (mesh, warnings) = rendered(&garment, &options("outer"));
+    assert!((8..56).contains(&without_room(&warnings)), "{warnings:?}");
+    let layer = faces_in(&mesh, "t_inner");
+    let lowest =
+        layer.iter().flat_map(|&f| mesh.faces.vertices_of(f)).map(|&v| mesh.points[v].y).fold(f32::MAX, f32::min);
+    assert!(!layer.is_empty() && lowest > 3.0, "{lowest}");
+    let own: Vec<usize> = (0..mesh.faces.len()).collect();
+    assert_eq!(crossing_parents(&mesh, &own), BTreeSet::new());
+    sound(&mesh, "half a layer");
+    // On the other side there is nothing.
+    let (mesh, warnings) = rendered(&garment, &options("inner"));
+    assert_eq!(without_room(&warnings), 0, "{warnings:?}");
+    assert_eq!(faces_in(&mesh, "t_inner").len(), (mesh.faces.len() - faces_in(&mesh, "t_hem").len()) / 2);
+}
+
+#[test]
+fn a_layer_that_has_no_room_at_all_is_told_and_left_out() {
+    let garment = folded_back(|_| 0.001);
+    let options = ["thickness.t.faces=all", "thickness.t.amount=0.2", "thickness.t.side=outer", "render.level=1"];
+    let (mesh, warnings) = rendered(&garment, &options);
+    assert_eq!(without_room(&warnings), 64, "{warnings:?}");
+    let (plain, _) = rendered(&garment, &["render.level=1"]);
+    assert_eq!((&mesh.faces, mesh.points.as_slice()), (&plain.faces, plain.points.as_slice()));
 }
 
 #[test]

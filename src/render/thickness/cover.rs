@@ -79,3 +79,43 @@ fn turning_over(t: &Topology) -> IdVec<VertexId, bool> {
     }
     turns
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::Faces;
+
+    /// A row of quads; vertices `2 i` and `2 i + 1` are at its places from one end to the other.
+    fn row(count: usize) -> Topology {
+        let quads = (0..count).flat_map(|i| [2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1]).map(VertexId::new);
+        let corners: Vec<VertexId> = quads.collect();
+        Topology::new(Faces::mixed(vec![4; count], corners), 2 * count + 2)
+    }
+
+    fn numbers(faces: &[FaceId]) -> Vec<usize> {
+        faces.iter().map(|f| f.index()).collect()
+    }
+
+    #[test]
+    fn a_layer_ends_where_there_is_room_for_its_end() {
+        let (t, all) = (row(8), IdVec::filled(true, 8));
+        // None at one end, ever more to the other; little in the middle alone is no reason.
+        let rooms = [0.0, 0.3, 0.5, 0.9, 2.0, 0.3, 2.0, 2.0, 2.0];
+        let cover = Cover::new(&t, all.clone(), |v| rooms[v.index() / 2]);
+        assert_eq!(numbers(&cover.tight.faces), [0, 1, 2]);
+        assert_eq!(cover.tight.at.iter().map(|v| v.index()).collect::<Vec<_>>(), [0, 1, 2, 3, 4, 5]);
+        assert!(cover.turned.faces.is_empty());
+        assert_eq!(cover.chosen.iter().filter(|&&chosen| chosen).count(), 5);
+        let none = Cover::new(&t, all, |_| f32::INFINITY);
+        assert!(none.tight.faces.is_empty() && none.chosen.iter().all(|&chosen| chosen));
+    }
+
+    #[test]
+    fn faces_that_were_not_chosen_are_not_counted() {
+        let t = row(4);
+        let chosen = [false, false, true, true].into_iter().collect();
+        let cover = Cover::new(&t, chosen, |_| 0.0);
+        assert_eq!(numbers(&cover.tight.faces), [2, 3]);
+        assert!(cover.chosen.iter().all(|&chosen| !chosen));
+    }
+}
