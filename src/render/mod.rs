@@ -5,17 +5,17 @@
 //! derivation by the code that refinement uses. Seams and hems share the insertion of lines beside marked edges
 //! (`lines`).
 //!
-//! Heights stay within the room that is left to other layers (`placed`, from gaps found once on the input), the cage
-//! settles to them without the waves of an exact fit (`settle`), and `sound` lowers them where faces still would cross or
-//! turn over.
+//! Heights stay within the room that is left to other layers (`placed`, from gaps found once on the input; where there is
+//! none, a thickness leaves faces as they are: `thickness::cover`), the cage settles to them without the waves of an exact
+//! fit (`settle`), and `sound` lowers them where faces still would cross or turn over.
 //!
 //! # A new operator
 //!
 //! 1. A file here with two types. Its options (a serde struct with defaults) have the traits [`Options`] and [`Instance`]:
 //!    their keys with units and meanings, what they may be, what they name on the garment, automatic lengths. The operator
 //!    has the trait [`Operator`]: `shape` collects faces, vertices and edges in a [`derivation::Builder`], each with its
-//!    parent, and lists the vertices that are held; `heights` says how far from the old surface each of them is, `reach`
-//!    the furthest of them, and `reduced` and `unsound` warn of what is not as asked. `structure` names the options that
+//!    parent, and lists the vertices that are held (`clearance` is the room there is for them); `heights` says how far from
+//!    the old surface each of them is, `reach` the furthest of them, and `reduced` and `unsound` warn of what is not as asked. `structure` names the options that
 //!    `shape` reads, so that a change of the others only moves points.
 //! 2. A multiple-apply schema in `schemas/schema.usda`; a test holds its attributes to the options.
 //! 3. Its options among those of [`Recipe`](crate::recipe::Recipe): a map of instances by name, and its line in `KINDS` and

@@ -1,6 +1,7 @@
 //! Operators make no face cross another, or turn over, that did not before: where one would, its heights are reduced
-//! step by step, first to almost nothing, then together with the fit to the limit surface. Only faces are looked at that
-//! have another layer near, less height than asked, or a bend: others are sound by how they are made.
+//! step by step, first to almost nothing, then together with the fit to the limit surface. What is turned over steps back
+//! first, as it is found without a search for pairs. Only faces are looked at that have another layer near, less height than
+//! asked, or a bend: others are sound by how they are made.
 
 mod cross;
 mod gap;
