@@ -2,9 +2,10 @@
 
 use crate::sheets::{grid_faces, mesh, with_edges, with_uvs};
 use glam::Vec3;
+use std::collections::BTreeSet;
 use tailor::error::Warnings;
-use tailor::garment::{Garment, GarmentInput, SubsetInput, check_garment};
-use tailor::mesh::{IdVec, VertexId};
+use tailor::garment::{Elements, Garment, GarmentInput, SubsetInput, check_garment};
+use tailor::mesh::{FaceId, IdVec, VertexId};
 use tailor::render::limit_rows;
 use tailor::subdivide::{Level, carried_points};
 
@@ -13,6 +14,14 @@ pub fn with_faces(mut input: GarmentInput, name: &str, faces: impl IntoIterator<
     let (element_type, family, indices) = ("face".into(), String::new(), faces.into_iter().collect());
     input.subsets.push(SubsetInput { name: name.into(), element_type, family, indices });
     input
+}
+
+/// The faces of a subset, none where there is no such.
+pub fn faces_in(mesh: &Garment, name: &str) -> BTreeSet<FaceId> {
+    match mesh.subset(name).map(|s| &s.elements) {
+        Some(Elements::Faces(faces)) => faces.iter().copied().collect(),
+        _ => BTreeSet::new(),
+    }
 }
 
 /// The steps of a path of points.

@@ -1,13 +1,14 @@
 //! Operators on the examples and on real garments: every face a quad, none without area or turned over, and no crossing
 //! that the garment itself does not have, but for faults that are counted here.
 
+use crate::cloth::faces_in;
 use crate::crossings::crossing_parents;
 use crate::garments::garments;
 use crate::recipes::{border_panels, rendered};
 use glam::Vec3;
 use std::collections::BTreeSet;
 use tailor::error::{Warning, Warnings};
-use tailor::garment::{Elements, Garment, Interpolation, Mixing, Primvar, Values, check_garment};
+use tailor::garment::{Garment, Interpolation, Mixing, Primvar, Values, check_garment};
 use tailor::mesh::{FaceId, VertexId};
 use tailor::pipeline::mean_edge_length;
 use tailor::usd::{ReadOptions, Source};
@@ -138,11 +139,7 @@ fn operators_make_sound_quads() {
         let sizes = [(Some(0.25), None), (None, Some(0.08)), (Some(0.25), Some(0.08))];
         for ((seam, hem), known) in sizes.into_iter().zip(known(TURNED, &name)) {
             let mesh = rendered(&garment, &recipe(&garment, seam, hem)).0;
-            let in_set = |set: &str| match mesh.subset(set).map(|s| &s.elements) {
-                Some(Elements::Faces(faces)) => faces.iter().copied().collect::<BTreeSet<FaceId>>(),
-                _ => BTreeSet::new(),
-            };
-            let (inner, hems) = (in_set("t_inner"), in_set("t_hem"));
+            let (inner, hems) = (faces_in(&mesh, "t_inner"), faces_in(&mesh, "t_hem"));
             let (mut turned, mut flat) = (Vec::new(), Vec::new());
             for ((face, parent), facing) in mesh.faces.ids().zip(parents(&mesh)).zip(facing(&mesh)) {
                 assert_eq!(mesh.faces.valence(face), 4, "{name}");

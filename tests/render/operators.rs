@@ -1,6 +1,6 @@
 //! Seams and thickness: where the surface is, and that it is sound.
 
-use crate::cloth::{checked, limit, path, sheet, torus, tube, with_faces};
+use crate::cloth::{checked, faces_in, limit, path, sheet, torus, tube, with_faces};
 use crate::crossings::crossing_parents;
 use crate::recipes::{rendered, stack};
 use crate::sheets::with_edges;
@@ -8,7 +8,7 @@ use glam::Vec3;
 use std::collections::BTreeSet;
 use tailor::error::{Bare, Warning, Warnings};
 use tailor::garment::{Elements, Garment, GarmentInput, Orientation, Scheme};
-use tailor::mesh::{FaceId, IdVec, Topology, VertexId};
+use tailor::mesh::{IdVec, Topology, VertexId};
 use tailor::render::{Afresh, render};
 use tailor::spatial::PointGrid;
 
@@ -373,20 +373,13 @@ fn folded_back(gap: impl Fn(f32) -> f32) -> Garment {
     checked(with_faces(input, "all", 0..64))
 }
 
-fn faces_in(mesh: &Garment, set: &str) -> BTreeSet<FaceId> {
-    match mesh.subset(set).map(|s| &s.elements) {
-        Some(Elements::Faces(faces)) => faces.iter().copied().collect(),
-        _ => BTreeSet::new(),
-    }
-}
-
+/// How many faces have no second layer for want of room.
 fn without_room(warnings: &Warnings) -> usize {
-    let count = |w: &Warning| matches!(w, Warning::BareFaces { why: Bare::NoRoom, .. });
-    warnings
-        .iter()
-        .filter(|w| count(w))
-        .map(|w| if let Warning::BareFaces { count, .. } = w { *count } else { 0 })
-        .sum()
+    let count = |w: &Warning| match w {
+        Warning::BareFaces { why: Bare::NoRoom, count, .. } => *count,
+        _ => 0,
+    };
+    warnings.iter().map(count).sum()
 }
 
 #[test]
