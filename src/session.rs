@@ -226,7 +226,8 @@ impl Footprint for Cage {
 
 impl Footprint for Formed {
     fn footprint(&self) -> usize {
-        self.cage.footprint() + FORMED_CORNER * self.cage.garment().faces.corners().len()
+        let clearance = size_of_val(self.clearance.as_slice());
+        self.cage.footprint() + FORMED_CORNER * self.cage.garment().faces.corners().len() + clearance
     }
 }
 

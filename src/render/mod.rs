@@ -15,8 +15,8 @@
 //!    their keys with units and meanings, what they may be, what they name on the garment, automatic lengths. The operator
 //!    has the trait [`Operator`]: `shape` collects faces, vertices and edges in a [`derivation::Builder`], each with its
 //!    parent, and lists the vertices that are held (`clearance` is the room there is for them); `heights` says how far from
-//!    the old surface each of them is, `reach` the furthest of them, and `reduced` and `unsound` warn of what is not as asked. `structure` names the options that
-//!    `shape` reads, so that a change of the others only moves points.
+//!    the old surface each of them is, `reach` the furthest of them, and `reduced` and `unsound` warn of what is not as
+//!    asked. `structure` names the options that `shape` reads, so that a change of the others only moves points.
 //! 2. A multiple-apply schema in `schemas/schema.usda`; a test holds its attributes to the options.
 //! 3. Its options among those of [`Recipe`](crate::recipe::Recipe): a map of instances by name, and its line in `KINDS` and
 //!    in the lists of instances beside it, where serde and `--set`, layers, the help and the plugin find all they need.
