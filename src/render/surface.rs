@@ -4,9 +4,9 @@
 //! the tangent planes there).
 
 use super::derivation::Table;
-use crate::garment::{Orientation, Scheme};
+use crate::garment::{Orientation, Scheme, TriangleRule};
 use crate::mesh::{CornerId, IdVec, Topology, VertexId};
-use crate::subdivide::{INFINITE_SHARPNESS, Level, Numbering, Spoke, Stencils, VertexStencils, carried_points};
+use crate::subdivide::{INFINITE_SHARPNESS, Level, Numbering, Rule, Spoke, Stencils, VertexStencils, carried_points};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -65,6 +65,9 @@ fn limit_row(level: &Level, refined: &VertexStencils, vertex: VertexId, rows: &m
     }
     rows.table.push([]);
     let mut sink = |v: VertexId, weight: f32| rows.add(v, weight);
+    if level.rules[vertex] == Rule::Smooth {
+        return smooth_row(level, refined, vertex, 1.0, &mut sink);
+    }
     let mut spokes: Vec<Spoke> = Vec::new();
     level.spokes(vertex, &mut spokes);
     // What is sharper lasts longer: a corner of three edges becomes a crease of the two sharpest.
@@ -82,7 +85,7 @@ fn limit_row(level: &Level, refined: &VertexStencils, vertex: VertexId, rows: &m
     }
 }
 
-/// The limit of a smooth vertex, through the first refinement where not all faces about it are quads.
+/// The limit of a smooth vertex, through the first refinement where that has other masks than those of smooth edges.
 fn smooth_row(
     level: &Level,
     refined: &VertexStencils,
@@ -99,6 +102,17 @@ fn smooth_row(
         for &corner in corners {
             sink(t.faces.vertex(t.faces.ahead(corner, 1)), 4.0 * unit);
             sink(t.faces.vertex(t.faces.ahead(corner, 2)), unit);
+        }
+        return;
+    }
+    if level.rules[vertex] == Rule::Smooth && level.triangles == TriangleRule::CatmullClark {
+        // The first refinement put into the limit: the vertex, the ends of its edges, and the centres of its faces.
+        sink(vertex, n * (n - 1.0) * unit);
+        for &corner in corners {
+            sink(t.faces.vertex(t.faces.next(corner)), 2.0 * unit);
+            let around = t.faces.vertices_of(t.faces.face_of(corner));
+            let share = 4.0 / around.len() as f32 * unit;
+            around.iter().for_each(|&v| sink(v, share));
         }
         return;
     }
@@ -191,4 +205,52 @@ fn has_fold(level: &Level, vertex: VertexId) -> bool {
     let t = &level.topology;
     let edges = t.vertex_corners.row(vertex).iter().map(|&c| t.corner_edge[c]);
     edges.into_iter().any(|e| !t.is_border(e) && level.edge_sharpness[e] > 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::garment::Garment;
+    use crate::mesh::{FaceId, Faces};
+    use crate::subdivide::Cage;
+
+    /// A triangle, two quads and a pentagon around vertex 0, with quads and a triangle around them.
+    fn fan() -> Garment {
+        let faces: [&[usize]; 9] = [
+            &[0, 1, 2],
+            &[0, 2, 3, 4],
+            &[0, 4, 5, 6],
+            &[0, 6, 7, 8, 1],
+            &[1, 8, 9],
+            &[1, 9, 10, 2],
+            &[2, 10, 11, 3],
+            &[4, 3, 11, 12, 5],
+            &[6, 5, 12, 7],
+        ];
+        let at = |i: usize| {
+            let angle = if i < 9 { i as f32 * 0.785 } else { i as f32 * 1.57 };
+            let radius = [0.0, 1.0, 2.2][usize::from(i > 0) + usize::from(i >= 9)];
+            Vec3::new(radius * angle.cos(), radius * angle.sin(), (i as f32 * 1.3).sin())
+        };
+        let corners: Vec<VertexId> = faces.concat().into_iter().map(VertexId::new).collect();
+        let faces = Faces::mixed(faces.map(<[usize]>::len), corners);
+        Garment { faces, points: (0..13).map(at).collect(), ..Garment::default() }
+    }
+
+    #[test]
+    fn limits_are_where_those_of_the_refinement_are() {
+        let cage = Cage::new(fan());
+        let limits = |cage: &Cage| {
+            let vertices = (0..cage.garment().points.len()).into_par_iter().map(VertexId::new);
+            carried_points(&&limit_rows(cage.level(), vertices), &cage.garment().points)
+        };
+        let refined = cage.refined().with_points(cage.refined_points(&cage.garment().points));
+        let (coarse, fine) = (limits(&cage), limits(&refined));
+        for (vertex, limit) in coarse.enumerated() {
+            let off = limit.distance(fine[vertex]);
+            assert!(off < 1e-5, "vertex {vertex:?} is {off} off");
+        }
+        let is_mixed = |f: FaceId| cage.garment().faces.valence(f) != 4;
+        assert!(cage.level().rules[VertexId::new(0)] == Rule::Smooth && cage.garment().faces.ids().any(is_mixed));
+    }
 }
