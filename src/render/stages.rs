@@ -2,20 +2,32 @@
 //!
 //! An operator and a refinement are two stages each: what the mesh is made of, and where its points are. A stage is known
 //! by its name and by what it depends on beside the garment: the connectivity on `structure`, the points on `options`.
+//!
+//! ```text
+//! cage → gaps ┬→ form → form → … → level → attributes    what the mesh is made of
+//!             └─→ ground, points → ground, points → … → level points
+//! ```
+//!
+//! The second chain waits for each form and each level of the first, which goes on meanwhile: in both there is work that
+//! one thread does.
 
 use super::placed::{Placed, Room};
-use super::shape::{Formed, Operator};
+use super::shape::Formed;
 use super::{Stack, check_size, first_cage};
 use crate::error::{Error, Warnings};
 use crate::garment::Garment;
 use crate::memo::{Footprint, Made};
 use crate::mesh::{IdVec, VertexId};
 use crate::subdivide::Cage;
+use glam::Vec3;
 use serde::Serialize;
+use std::panic::resume_unwind;
 use std::sync::Arc;
+use std::sync::mpsc::{self, Receiver, Sender};
+use std::thread;
 
 /// Where results of stages come from.
-pub trait Stages {
+pub trait Stages: Sync {
     /// The result of a stage, which depends on the garment and on `options` alone.
     ///
     /// # Errors
@@ -38,7 +50,8 @@ impl Stages for Afresh {
         _: &impl Serialize,
         make: impl FnOnce() -> Result<V, Error> + Send,
     ) -> Result<Arc<V>, Error> {
-        make().map(Arc::new)
+        // Within the pool, where a loop need not be handed over to it.
+        rayon::scope(|_| make()).map(Arc::new)
     }
 }
 
@@ -53,17 +66,6 @@ pub struct Rendered {
     pub warnings: Warnings,
 }
 
-/// The cage after operators.
-struct Operated {
-    cage: Arc<dyn AsCage>,
-    clearance: Arc<IdVec<VertexId, Room>>,
-    placed: Arc<Made<Placed>>,
-    structure: Vec<String>,
-    options: Vec<String>,
-    sets: Vec<String>,
-    warnings: Warnings,
-}
-
 /// The render mesh of a checked garment.
 ///
 /// A polygonal mesh (`subdivisionScheme = "none"`) is refined as if bilinear and stays polygonal.
@@ -74,79 +76,151 @@ pub fn render(garment: &Garment, stack: &Stack, stages: &impl Stages) -> Result<
     if stack.level == 0 && stack.operators.is_empty() {
         return Ok(Rendered { mesh: garment.clone(), sets: Vec::new(), warnings: stack.warnings.clone() });
     }
-    let operated = operate(garment, stack, stages)?;
-    check_size(operated.cage.cage().garment(), stack.level)?;
-    let mesh = refine(&operated, stack.level, stages)?;
-    Ok(Rendered { mesh, sets: operated.sets, warnings: operated.warnings })
-}
-
-fn operate(garment: &Garment, stack: &Stack, stages: &impl Stages) -> Result<Operated, Error> {
-    let cage: Arc<dyn AsCage> = stages.get("cage", &(), || Ok(first_cage(garment)))?;
+    let cage: Arc<Cage> = stages.get("cage", &(), || Ok(first_cage(garment)))?;
     // All heights depend on how far gaps were looked for.
     let reach = stack.reach(garment);
-    let placed = stages.get("first", &reach, || Ok(Made::from(Placed::first(cage.cage(), reach))))?;
-    let (structure, options, sets) = (Vec::new(), vec![reach.to_string()], Vec::new());
-    let clearance = Arc::new(placed.value.rooms.clone());
-    let warnings = stack.warnings.clone();
-    let mut operated = Operated { cage, clearance, placed, structure, options, sets, warnings };
-    for operator in &stack.operators {
-        operated.apply(operator.as_ref(), stages)?;
+    let first = stages.get("first", &reach, || Ok(Made::from(Placed::first(&cage, reach))))?;
+    let plan = Plan::new(stack, reach, stages);
+    let ((formed, next_formed), (cages, next_cage)) = (mpsc::channel(), mpsc::channel());
+    let clearance = Arc::new(first.value.rooms.clone());
+    let frame = || plan.frame(&Base::Plain(cage), clearance, &Sent { formed, cages });
+    let (frame, points) = at_once(frame, || plan.points(first, &next_formed, &next_cage));
+    let (frame, points) = (frame?, points?);
+    let mut warnings = stack.warnings.clone();
+    for (formed, placed) in frame.formed.iter().zip(&points.placed) {
+        warnings.extend(&formed.shape.warnings);
+        warnings.extend(&placed.warnings);
     }
-    Ok(operated)
+    let subsets = frame.formed.iter().flat_map(|formed| &formed.shape.subsets);
+    let sets = subsets.map(|set| set.name.clone()).collect();
+    // Attributes are shared with those of other points.
+    let mesh = Garment { points: points.last, ..Garment::clone(&frame.mesh) };
+    Ok(Rendered { mesh, sets, warnings })
 }
 
-impl Operated {
-    fn apply(&mut self, operator: &dyn Operator, stages: &impl Stages) -> Result<(), Error> {
-        self.structure.push(operator.structure());
-        // The same for every reach, as operators ask for no clearance beyond their own.
-        let formed =
-            stages.get("form", &self.structure, || Formed::new(operator, self.cage.cage(), &self.clearance))?;
-        let ground =
-            stages.get("ground", &(&self.structure, &self.options), || Ok(formed.ground(&self.placed.value)))?;
-        self.options.push(operator.options());
-        self.placed = stages.get("points", &self.options, || {
-            let (value, warnings) = formed.raised(operator, &ground);
-            Ok(Made { value, warnings })
-        })?;
-        self.sets.extend(formed.shape.subsets.iter().map(|set| set.name.clone()));
-        self.warnings.extend(&formed.shape.warnings);
-        self.warnings.extend(&self.placed.warnings);
-        self.clearance = Arc::clone(&formed.clearance);
-        self.cage = formed;
-        Ok(())
+/// Runs two chains of stages at the same time, of which the second may wait for what the first sends.
+fn at_once<A: Send, B>(first: impl FnOnce() -> A + Send, second: impl FnOnce() -> B) -> (A, B) {
+    // A thread of a pool may not wait: what it waits for may be left to that thread.
+    if rayon::current_thread_index().is_some() || rayon::current_num_threads() == 1 {
+        return (first(), second());
     }
+    thread::scope(|scope| {
+        let first = scope.spawn(first);
+        let second = second();
+        (first.join().unwrap_or_else(|panic| resume_unwind(panic)), second)
+    })
 }
 
-fn refine(operated: &Operated, level: u32, stages: &impl Stages) -> Result<Garment, Error> {
-    let Operated { structure, options, placed, .. } = operated;
-    let mut cage = Arc::clone(&operated.cage);
-    let mut points = Arc::new(placed.value.points.clone());
-    for step in 1..=level {
-        points = stages.get("level points", &(options, step), || Ok(cage.cage().refined_points(&points)))?;
-        if step < level {
-            cage = stages.get("level", &(structure, step), || Ok(cage.cage().refined()))?;
+/// What makes the mesh, and by which names.
+struct Plan<'a, S> {
+    stack: &'a Stack,
+    stages: &'a S,
+    /// What the connectivity after each operator depends on, one after the other.
+    structure: Vec<String>,
+    /// What the points depend on, from before the first operator on.
+    options: Vec<String>,
+}
+
+/// To where the points are made.
+struct Sent {
+    formed: Sender<Arc<Formed>>,
+    /// Cages to refine.
+    cages: Sender<Base>,
+}
+
+/// All of a mesh but its points.
+struct Frame {
+    formed: Vec<Arc<Formed>>,
+    mesh: Arc<Garment>,
+}
+
+/// The points of a mesh.
+struct Points {
+    /// After each operator.
+    placed: Vec<Arc<Made<Placed>>>,
+    last: IdVec<VertexId, Vec3>,
+}
+
+/// A cage, as a stage has it.
+#[derive(Clone)]
+enum Base {
+    Plain(Arc<Cage>),
+    Formed(Arc<Formed>),
+}
+
+impl Base {
+    fn cage(&self) -> &Cage {
+        match self {
+            Self::Plain(cage) => cage,
+            Self::Formed(formed) => &formed.cage,
         }
     }
-    let finished = stages.get("attributes", &(structure, level), || {
-        Ok(if level == 0 { cage.cage().clone().into_garment() } else { cage.cage().refined_garment() })
-    })?;
-    // Attributes are shared with those of other points.
-    Ok(Garment { points: Arc::unwrap_or_clone(points), ..Garment::clone(&finished) })
 }
 
-/// A stage that has a cage.
-trait AsCage: Send + Sync {
-    fn cage(&self) -> &Cage;
-}
+impl<'a, S: Stages> Plan<'a, S> {
+    fn new(stack: &'a Stack, reach: f32, stages: &'a S) -> Self {
+        let structure = stack.operators.iter().map(|operator| operator.structure()).collect();
+        let all = stack.operators.iter().map(|operator| operator.options());
+        Self { stack, stages, structure, options: std::iter::once(reach.to_string()).chain(all).collect() }
+    }
 
-impl AsCage for Cage {
-    fn cage(&self) -> &Cage {
-        self
+    /// The connectivity and the attributes.
+    fn frame(&self, first: &Base, clearance: Arc<IdVec<VertexId, Room>>, sent: &Sent) -> Result<Frame, Error> {
+        let (mut cage, mut clearance) = (first.clone(), clearance);
+        let mut formed: Vec<Arc<Formed>> = Vec::with_capacity(self.structure.len());
+        for (number, operator) in self.stack.operators.iter().enumerate() {
+            // The same for every reach, as operators ask for no clearance beyond their own.
+            let form = || Formed::new(operator.as_ref(), cage.cage(), &clearance);
+            let stage = self.stages.get("form", &&self.structure[..=number], form)?;
+            clearance = Arc::clone(&stage.clearance);
+            cage = Base::Formed(Arc::clone(&stage));
+            // Nobody waits for it where the points have failed.
+            drop(sent.formed.send(Arc::clone(&stage)));
+            formed.push(stage);
+        }
+        let level = self.stack.level;
+        check_size(cage.cage().garment(), level)?;
+        drop(sent.cages.send(cage.clone()));
+        for step in 1..level {
+            cage = Base::Plain(self.stages.get("level", &(&self.structure, step), || Ok(cage.cage().refined()))?);
+            drop(sent.cages.send(cage.clone()));
+        }
+        let mesh = self.stages.get("attributes", &(&self.structure, level), || {
+            Ok(if level == 0 { cage.cage().clone().into_garment() } else { cage.cage().refined_garment() })
+        })?;
+        Ok(Frame { formed, mesh })
+    }
+
+    /// The points, in what is sent from the other chain.
+    fn points(
+        &self,
+        first: Arc<Made<Placed>>,
+        formed: &Receiver<Arc<Formed>>,
+        cages: &Receiver<Base>,
+    ) -> Result<Points, Error> {
+        let (mut last, mut placed) = (first, Vec::with_capacity(self.structure.len()));
+        for (number, operator) in self.stack.operators.iter().enumerate() {
+            let formed = received(formed)?;
+            let (before, options) = (&self.options[..=number], &self.options[..=number + 1]);
+            let ground = || Ok(formed.ground(&last.value));
+            let ground = self.stages.get("ground", &(&self.structure[..=number], before), ground)?;
+            last = self.stages.get("points", &options, || {
+                let (value, warnings) = formed.raised(operator.as_ref(), &ground);
+                Ok(Made { value, warnings })
+            })?;
+            placed.push(Arc::clone(&last));
+        }
+        let mut points = Arc::new(last.value.points.clone());
+        for step in 1..=self.stack.level {
+            let cage = received(cages)?;
+            let refined = || Ok(cage.cage().refined_points(&points));
+            points = self.stages.get("level points", &(&self.options, step), refined)?;
+        }
+        Ok(Points { placed, last: Arc::unwrap_or_clone(points) })
     }
 }
 
-impl AsCage for Formed {
-    fn cage(&self) -> &Cage {
-        &self.cage
-    }
+/// What the other chain sends; where it has failed, its own fault is told.
+fn received<T>(from: &Receiver<T>) -> Result<T, Error> {
+    from.recv().map_err(|_| Error::Internal("a stage before the points was not made".to_owned()))
 }
