@@ -362,11 +362,15 @@ impl fmt::Display for Warning {
                         write!(f, "surface there; give both the same winding")
                     }
                     Bare::NoRoom => {
-                        write!(f, "on which another part of the garment lies, so that there is no room for a second ")?;
                         write!(
                             f,
-                            "layer; move them apart, put the layer on the other side, or take them out of its faces"
-                        )
+                            "on which another part of the garment lies, or which such faces cut off from the border, "
+                        )?;
+                        write!(
+                            f,
+                            "so that there is no room for a second layer; move them apart, put the layer on the "
+                        )?;
+                        write!(f, "other side, or take them out of its faces")
                     }
                 }
             }

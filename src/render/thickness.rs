@@ -371,7 +371,7 @@ impl Operator for Thickness {
         let weights = weights.as_deref();
         let side = usize::from(self.sign() > 0.0);
         let room = |v: VertexId| clearance[v][side] / (self.options.amount * self.weight(weights, &[(v, 1.0)]));
-        let cover = Cover::new(t, chosen, room);
+        let cover = Cover::new(t, chosen, self.options.closed, room);
         let mut warnings = self.warn(&cover);
         let chosen = cover.chosen;
         let border: Vec<CornerId> = border(t, &chosen).collect();

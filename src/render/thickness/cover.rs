@@ -15,7 +15,8 @@ pub struct Cover {
     pub chosen: IdVec<FaceId, bool>,
     /// Faces beside some that look the other way, where the layer would have to pass through the surface.
     pub turned: Left,
-    /// Faces that another part of the garment lies on, with those around as far as there is little room.
+    /// Faces that another part of the garment lies on, with those around as far as there is little room. Those that are
+    /// cut off from the border with them are here, or with the others where there are none.
     pub tight: Left,
 }
 
@@ -29,10 +30,11 @@ pub struct Left {
 
 impl Cover {
     /// What of the chosen faces can be covered, where `room` is how far a layer may go at a vertex, as a share of how far
-    /// it is to go.
-    pub fn new(t: &Topology, mut chosen: IdVec<FaceId, bool>, room: impl Fn(VertexId) -> f32) -> Self {
+    /// it is to go. Where it `is_closed`, a layer may be without a fold at a border.
+    pub fn new(t: &Topology, mut chosen: IdVec<FaceId, bool>, is_closed: bool, room: impl Fn(VertexId) -> f32) -> Self {
+        let at_border = at_border(t, &chosen);
         let turns = turning_over(t);
-        let turned = Left::taken(t, &mut chosen, |v| turns[v]);
+        let mut turned = Left::taken(t, &mut chosen, |v| turns[v]);
         let mut tight = Left::taken(t, &mut chosen, |v| room(v) < NONE);
         let mut next = 0;
         while next < tight.faces.len() {
@@ -42,6 +44,13 @@ impl Cover {
                 }
             }
             next += 1;
+        }
+        if !is_closed {
+            let still = self::at_border(t, &chosen);
+            let cut_off: Vec<FaceId> = chosen.ids().filter(|&f| chosen[f] && at_border[f] && !still[f]).collect();
+            cut_off.iter().for_each(|&f| chosen[f] = false);
+            let left = if tight.faces.is_empty() { &mut turned } else { &mut tight };
+            left.faces.extend(cut_off);
         }
         Self { chosen, turned, tight }
     }
@@ -55,6 +64,22 @@ impl Left {
         faces.iter().for_each(|&f| chosen[f] = false);
         Self { at: faces.iter().flat_map(|&f| bad(f)).collect(), faces }
     }
+}
+
+/// The chosen faces that are joined to the border of the mesh, by others if not themselves.
+fn at_border(t: &Topology, chosen: &IdVec<FaceId, bool>) -> IdVec<FaceId, bool> {
+    let is_at_border = |f: FaceId| chosen[f] && t.faces.corners_of(f).any(|c| t.is_border(t.corner_edge[c]));
+    let mut joined: IdVec<FaceId, bool> = chosen.ids().map(is_at_border).collect();
+    let mut next: Vec<FaceId> = joined.ids().filter(|&f| joined[f]).collect();
+    while let Some(face) = next.pop() {
+        let beside = t.faces.corners_of(face).flat_map(|c| t.edge_corners.row(t.corner_edge[c]));
+        for other in beside.map(|&c| t.faces.face_of(c)) {
+            if chosen[other] && !std::mem::replace(&mut joined[other], true) {
+                next.push(other);
+            }
+        }
+    }
+    joined
 }
 
 /// Vertices at which the second layer ends and the first goes on.
@@ -101,12 +126,12 @@ mod tests {
         let (t, all) = (row(8), IdVec::filled(true, 8));
         // None at one end, ever more to the other; little in the middle alone is no reason.
         let rooms = [0.0, 0.3, 0.5, 0.9, 2.0, 0.3, 2.0, 2.0, 2.0];
-        let cover = Cover::new(&t, all.clone(), |v| rooms[v.index() / 2]);
+        let cover = Cover::new(&t, all.clone(), false, |v| rooms[v.index() / 2]);
         assert_eq!(numbers(&cover.tight.faces), [0, 1, 2]);
         assert_eq!(cover.tight.at.iter().map(|v| v.index()).collect::<Vec<_>>(), [0, 1, 2, 3, 4, 5]);
         assert!(cover.turned.faces.is_empty());
         assert_eq!(cover.chosen.iter().filter(|&&chosen| chosen).count(), 5);
-        let none = Cover::new(&t, all, |_| f32::INFINITY);
+        let none = Cover::new(&t, all, false, |_| f32::INFINITY);
         assert!(none.tight.faces.is_empty() && none.chosen.iter().all(|&chosen| chosen));
     }
 
@@ -114,8 +139,28 @@ mod tests {
     fn faces_that_were_not_chosen_are_not_counted() {
         let t = row(4);
         let chosen = [false, false, true, true].into_iter().collect();
-        let cover = Cover::new(&t, chosen, |_| 0.0);
+        let cover = Cover::new(&t, chosen, false, |_| 0.0);
         assert_eq!(numbers(&cover.tight.faces), [2, 3]);
         assert!(cover.chosen.iter().all(|&chosen| !chosen));
+    }
+
+    #[test]
+    fn what_is_cut_off_from_the_border_is_left_out_unless_it_may_be_closed() {
+        let n = 6;
+        let at = |x: usize, y: usize| (n + 1) * y + x;
+        let quad = |i: usize| {
+            let (x, y) = (i % n, i / n);
+            [at(x, y), at(x + 1, y), at(x + 1, y + 1), at(x, y + 1)]
+        };
+        let corners: Vec<VertexId> = (0..n * n).flat_map(quad).map(VertexId::new).collect();
+        let t = Topology::new(Faces::quads(corners), (n + 1) * (n + 1));
+        let is_border = |v: VertexId| [v.index() % (n + 1), v.index() / (n + 1)].iter().any(|&i| i == 0 || i == n);
+        let room = |v: VertexId| if is_border(v) { 0.0 } else { 2.0 };
+        let all = IdVec::filled(true, n * n);
+        let left = |is_closed| Cover::new(&t, all.clone(), is_closed, room).tight.faces.len();
+        assert_eq!((left(false), left(true)), (n * n, 4 * (n - 1)));
+        // Nothing was taken from what has no border from the start.
+        let middle: IdVec<FaceId, bool> = (0..n * n).map(|i| i == n + 1).collect();
+        assert!(Cover::new(&t, middle, false, |_| 2.0).tight.faces.is_empty());
     }
 }
