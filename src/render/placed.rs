@@ -1,6 +1,6 @@
 //! Where the points of a stage are, and how much room is left about them.
 
-use super::sound::{Gap, OPEN, Skin};
+use super::sound::{Gap, OPEN, Skin, order};
 use crate::garment::Orientation;
 use crate::mesh::{FaceId, IdVec, Topology, VertexId};
 use crate::subdivide::Cage;
@@ -32,7 +32,7 @@ impl Placed {
             let rooms = IdVec::filled(OPEN, points.len());
             return Self { points, rooms };
         }
-        let mut of_faces = Skin::new(cage, &points).gaps(REACH * height);
+        let mut of_faces = Skin::new(cage, &points, &order(&t.faces, &points)).gaps(REACH * height);
         if cage.garment().orientation == Orientation::LeftHanded {
             of_faces.iter_mut().for_each(|gap| gap.reverse());
         }

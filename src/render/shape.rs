@@ -5,7 +5,7 @@
 use super::derivation::{Derivation, Table};
 use super::placed::{Placed, Room, least};
 use super::settle::{Raise, Settling, graded};
-use super::sound::{Kin, LEAST_SHARE, OPEN, States, sound};
+use super::sound::{Kin, LEAST_SHARE, OPEN, States, order, sound};
 use super::surface::{Surface, limit_rows};
 use crate::error::{Error, Warning, Warnings};
 use crate::garment::{Garment, Orientation, Subset};
@@ -96,6 +96,9 @@ const PART_BETWEEN: f32 = 0.8;
 /// is not quite where it was. Larger looks at more faces and finds no more.
 const NEAR: f32 = 0.7;
 
+/// Held vertices that are looked at in one go.
+const BLOCK: usize = 256;
+
 /// What an operator makes of a cage, but for the places of the points.
 pub struct Shape {
     /// The connectivity.
@@ -152,7 +155,7 @@ pub struct Formed {
     /// Limit rows of the parent.
     parent_rows: Table<VertexId>,
     /// For each held vertex the corners of the parent that its place is a weighted mean of.
-    seen: Vec<Vec<(CornerId, f32)>>,
+    seen: Table<CornerId>,
     /// For each held vertex the one whose limit, before any height, its own is measured from.
     from: Vec<usize>,
     /// Vertices with their copies.
@@ -161,6 +164,8 @@ pub struct Formed {
     between: Vec<[usize; 2]>,
     /// Faces whose points may move.
     moved: IdVec<FaceId, bool>,
+    /// Faces in an order in which neighbours are near.
+    order: Vec<FaceId>,
 }
 
 /// Where the points of a stage are without heights; what heights are measured from.
@@ -204,6 +209,7 @@ impl Formed {
             _ => None,
         };
         let (pairs, moved) = (shape.held.iter().filter_map(pair).collect(), moved(&shape));
+        let order = order(&cage.level().topology.faces, &cage.garment().points);
         let (from, between) = (measured_from(&shape, cage.level()), layer_edges(&shape, cage.level()));
         Ok(Self {
             cage,
@@ -218,6 +224,7 @@ impl Formed {
             pairs,
             between,
             moved,
+            order,
         })
     }
 
@@ -225,7 +232,8 @@ impl Formed {
     pub fn ground(&self, parent: &Placed) -> Ground {
         let surface = Surface::new(&self.parent, self.orientation, &self.parent_rows, &parent.points);
         let t = &self.parent.topology;
-        let targets: Vec<(Vec3, Vec3)> = self.seen.par_iter().map(|seen| surface.at(t, seen)).collect();
+        let targets: Vec<(Vec3, Vec3)> =
+            (0..self.seen.len()).into_par_iter().map(|i| surface.at(t, self.seen.at(i))).collect();
         let linear = carried_points(&&self.shape.derivation.vertices, &parent.points);
         let settling = self.settling();
         let points = settling.aligned(&targets, settling.base(&targets, &linear));
@@ -256,6 +264,7 @@ impl Formed {
             parent_points: &ground.parent,
             derivation: &self.shape.derivation,
             pairs: &self.pairs,
+            order: &self.order,
             moved: &self.moved,
             doubtful: &self.doubtful(&raises, &ground.placed.rooms),
         };
@@ -351,22 +360,24 @@ pub fn is_lone_corner(cage: &Cage, vertex: VertexId) -> bool {
 }
 
 /// For each held vertex the corners of the parent's faces around it, with weights that sum to one.
-fn seen(shape: &Shape, child: &Level, parent: &Level) -> Vec<Vec<(CornerId, f32)>> {
+fn seen(shape: &Shape, child: &Level, parent: &Level) -> Table<CornerId> {
     let derivation = &shape.derivation;
     let vertex_corners: &Csr<VertexId, CornerId> = &child.topology.vertex_corners;
-    let of = |held: &Held| {
+    let corner = |face: FaceId, v: VertexId| {
+        parent.topology.faces.corners_of(face).find(|&c| parent.topology.faces.vertex(c) == v)
+    };
+    let add = |(mut table, mut faces): (Table<CornerId>, Vec<FaceId>), held: &Held| {
         let over = if let Role::Layer { over, .. } = held.role { over } else { held.vertex };
-        let around = vertex_corners.row(over).iter().map(|&c| derivation.parent_face(derivation.faces.face_of(c)));
-        let mut faces: Vec<FaceId> = around.collect();
+        faces.clear();
+        faces.extend(vertex_corners.row(over).iter().map(|&c| derivation.parent_face(derivation.faces.face_of(c))));
         faces.sort_unstable();
         faces.dedup();
         let share = 1.0 / faces.len().max(1) as f32;
-        let corner = |face: FaceId, v: VertexId| {
-            parent.topology.faces.corners_of(face).find(|&c| parent.topology.faces.vertex(c) == v)
-        };
         let sources = derivation.vertices.at(over.index());
         let pairs = faces.iter().flat_map(|&f| sources.iter().map(move |&(v, w)| (f, v, w)));
-        pairs.filter_map(|(f, v, w)| Some((corner(f, v)?, w * share))).collect()
+        table.push(pairs.filter_map(|(f, v, w)| Some((corner(f, v)?, w * share))));
+        (table, faces)
     };
-    shape.held.par_iter().map(of).collect()
+    let blocks = shape.held.par_iter().fold_chunks(BLOCK, || (Table::default(), Vec::new()), add);
+    Table::joined(&blocks.map(|(table, _)| table).collect::<Vec<_>>())
 }

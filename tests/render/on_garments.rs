@@ -30,7 +30,7 @@ const CROSSING: &Known = &[
     ("coat.usda", [0, 34, 34]),
     ("fedora.usdc", [0, 0, 1]),
     ("female_elegantsuit01.usdc", [0, 0, 2]),
-    ("male_worksuit01.usdc", [0, 0, 7]),
+    ("male_worksuit01.usdc", [0, 0, 6]),
 ];
 
 fn known(table: &Known, name: &str) -> [usize; 3] {

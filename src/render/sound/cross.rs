@@ -3,188 +3,274 @@
 //! Reference: Volino and Magnenat Thalmann 1994 (a patch all of whose normals are on one side of a plane does not cross
 //! itself): faces that touch are looked at closely only where that fails.
 
-use super::skin::{Skin, heights, quads};
+use super::lanes::{Boxes, Four, Lanes, Ranges, each};
+use super::piece::{Cell, LANES, Piece, heights};
+use super::skin::Skin;
 use super::tree::{Bounds, Tree};
-use crate::mesh::{CornerId, FaceId, IdVec, VertexId};
-use glam::{DVec3, Vec3};
+use crate::mesh::{CornerId, FaceId, VertexId};
+use glam::{DVec3, Vec3, Vec4};
 
+/// All lanes.
+const ALL: Lanes = (1 << LANES) - 1;
 /// Cosine of the angle to the plane below which normals count as on its other side. Larger looks at more faces closely.
 const ONE_SIDED: f32 = 0.1;
 
-/// A child near another face.
-#[derive(Clone, Copy)]
-struct Child {
-    /// Its number in its face.
-    number: usize,
-    quad: [Vec3; 4],
-    bounds: Bounds,
+/// A cell of a face, of which some children are near another face.
+struct Part<'a> {
+    face: FaceId,
+    /// The number of its first child.
+    first: usize,
+    cell: &'a Cell,
+    boxes: Boxes,
+    near: Lanes,
 }
 
-/// What is kept from one pair of faces to the next, so that nothing is allocated for each.
-#[derive(Default)]
-pub struct Scratch {
-    children: Vec<Child>,
+impl<'a> Part<'a> {
+    /// Of the cell of a face that has this number, what is in a box.
+    fn new(face: FaceId, number: usize, cell: &'a Cell, bounds: &Bounds) -> Self {
+        let boxes = cell.boxes();
+        Self { face, first: LANES * number, cell, boxes, near: boxes.that_meet(bounds) & cell.all() }
+    }
+
+    fn child(&self, lane: usize) -> Child {
+        Child { face: self.face, number: self.first + lane, quad: self.cell.quad(lane) }
+    }
+}
+
+/// A child of a face.
+struct Child {
+    face: FaceId,
+    /// Its number in the face.
+    number: usize,
+    quad: [Vec3; 4],
 }
 
 impl Skin<'_> {
     /// Pairs of faces that cross, or a face twice that crosses itself, with at least one that is active.
-    pub fn crossings(&mut self, is_active: &IdVec<FaceId, bool>) -> Vec<[FaceId; 2]> {
-        let boxes = &self.boxes;
-        self.tree.get_or_insert_with(|| Tree::new(boxes));
+    pub fn crossings(&mut self, active: &[FaceId]) -> Vec<[FaceId; 2]> {
+        let pieces = &self.pieces;
+        self.tree.get_or_insert_with(|| Tree::new(pieces.len(), |place| pieces[place].bounds));
         let Some(tree) = &self.tree else { return Vec::new() };
-        tree.pairs(is_active, |f, g, scratch| self.cross(f, g, scratch))
+        let active: Vec<usize> = active.iter().map(|&face| self.place(face)).collect();
+        let pairs = tree.pairs(&active, |a, b| self.pieces_cross(&self.pieces[a], &self.pieces[b]));
+        pairs.into_iter().map(|pair| pair.map(|place| self.pieces[place].face)).collect()
     }
 
     /// Whether the children of two faces cross, or of one.
-    pub fn cross(&self, f: FaceId, g: FaceId, scratch: &mut Scratch) -> bool {
-        if f == g {
-            return self.patches[f].spread < ONE_SIDED && self.children_cross(f, g, true, scratch);
+    pub fn cross(&self, f: FaceId, g: FaceId) -> bool {
+        self.pieces_cross(&self.pieces[self.place(f)], &self.pieces[self.place(g)])
+    }
+
+    fn pieces_cross(&self, a: &Piece, b: &Piece) -> bool {
+        // The same whatever their order in memory is.
+        let (f, g) = if a.face <= b.face { (a, b) } else { (b, a) };
+        if f.face == g.face {
+            return f.spread < ONE_SIDED && self.children_cross(f, g);
         }
         if self.touch(f, g) {
-            let axis = (self.patches[f].normal + self.patches[g].normal).normalize_or_zero();
+            let axis = (f.normal + g.normal).normalize_or_zero();
             return !self.is_one_sided(f, g, axis)
+                && !self.are_beside(f, g)
                 && !self.are_parted(f, g, axis)
                 && !self.are_parted(g, f, axis)
-                && self.children_cross(f, g, true, scratch);
+                && self.children_cross(f, g);
         }
-        !self.is_apart(f, g)
-            && !self.is_apart(g, f)
-            && !self.are_beside(f, g)
-            && self.children_cross(f, g, false, scratch)
+        !self.is_apart(f, g) && !self.is_apart(g, f) && !self.are_beside(f, g) && self.children_cross(f, g)
     }
 
     /// Whether two faces have a vertex in common.
-    pub(super) fn touch(&self, f: FaceId, g: FaceId) -> bool {
-        let faces = &self.level.topology.faces;
-        let (a, b) = (faces.vertices_of(f), faces.vertices_of(g));
-        if let (Ok(a), Ok(b)) = (<&[VertexId; 4]>::try_from(a), <&[VertexId; 4]>::try_from(b)) {
+    #[inline]
+    pub(super) fn touch(&self, f: &Piece, g: &Piece) -> bool {
+        if f.valence == LANES && g.valence == LANES {
             // All at once is faster than to stop at the first.
-            return a.iter().fold(false, |any, v| b.iter().fold(any, |any, w| any | (v == w)));
+            return f.vertices.iter().fold(false, |any, v| g.vertices.iter().fold(any, |any, w| any | (v == w)));
         }
+        let [a, b] = [f, g].map(|piece| self.level.topology.faces.vertices_of(piece.face));
         a.iter().any(|v| b.contains(v))
     }
 
     /// Whether quads that touch cannot cross, as they look to one side. Of the narrow triangles where a seam ends, one may
     /// pass another all the same.
-    fn is_one_sided(&self, f: FaceId, g: FaceId, axis: Vec3) -> bool {
-        if [f, g].iter().any(|&face| self.level.topology.faces.valence(face) != 4) {
+    fn is_one_sided(&self, f: &Piece, g: &Piece, axis: Vec3) -> bool {
+        if f.valence != LANES || g.valence != LANES {
             return false;
         }
-        let (a, b) = (&self.patches[f], &self.patches[g]);
-        let is_even = a.spread.min(b.spread) > 0.9 && a.normal.dot(axis) > 0.6;
-        is_even || [f, g].iter().all(|&face| self.normals(face).iter().all(|n| n.dot(axis) > ONE_SIDED))
+        let is_even = f.spread.min(g.spread) > 0.9 && f.normal.dot(axis) > 0.6;
+        is_even || [f, g].iter().all(|piece| self.all_look(piece, axis, ONE_SIDED))
     }
 
     /// Whether a plane along `axis`, through an edge of `f` at what it has in common with `g`, parts the two.
-    fn are_parted(&self, f: FaceId, g: FaceId, axis: Vec3) -> bool {
-        let faces = &self.level.topology.faces;
-        let (of_f, of_g) = (faces.vertices_of(f), faces.vertices_of(g));
-        let (own, other) = (self.samples(f), self.samples(g));
-        let next = |i: usize| if i + 1 == of_f.len() { 0 } else { i + 1 };
+    fn are_parted(&self, f: &Piece, g: &Piece, axis: Vec3) -> bool {
+        let [of_f, of_g] = [f, g].map(|piece| self.level.topology.faces.vertices_of(piece.face));
+        let next = |i: usize| if i + 1 == f.valence { 0 } else { i + 1 };
+        let corner = |i: usize| self.cell(f, i / LANES).corners.at(i % LANES);
         let is_common = |i: usize| of_g.contains(&of_f[i]);
-        (0..of_f.len()).any(|i| {
-            let common = [is_common(i), is_common(next(i))];
-            if common == [false; 2] {
+        (0..f.valence).any(|i| {
+            let are_common = [is_common(i), is_common(next(i))];
+            if are_common == [false; 2] {
                 return false;
             }
-            let (from, middle, to) = (own[2 * i], own[2 * i + 1], own[2 * next(i)]);
-            let normal = axis.cross(to - from);
-            let height = |p: Vec3| (p - from).dot(normal);
-            let is_end = |p: Vec3| p == from || p == to || (p == middle && common == [true; 2]);
+            let (from, to) = (corner(i), corner(next(i)));
             // The middle of an edge that both have is beside the plane; what is nearer than it may cross.
-            let least = if common == [true; 2] { height(middle).abs() } else { 0.0 };
-            other.iter().all(|&p| height(p) < -least || is_end(p))
-                && own.iter().all(|&p| height(p) >= least || is_end(p))
+            let middle = (are_common == [true; 2]).then(|| self.cell(f, i / LANES).middles.at(i % LANES));
+            let plane = Plane { from, normal: axis.cross(to - from) };
+            let least = middle.map_or(0.0, |middle| plane.height(middle).abs());
+            let ends = [from, to, middle.unwrap_or(from)];
+            plane.all(self.cells(g), ends, |heights| heights.cmplt(Vec4::splat(-least)).bitmask())
+                && plane.all(self.cells(f), ends, |heights| heights.cmpge(Vec4::splat(least)).bitmask())
         })
     }
 
     /// Whether a plane across the normal of `f` parts two faces.
-    fn is_apart(&self, f: FaceId, g: FaceId) -> bool {
-        let patch = &self.patches[f];
-        are_apart(patch.heights, heights(self.samples(g), patch.normal))
+    #[inline]
+    fn is_apart(&self, f: &Piece, g: &Piece) -> bool {
+        are_apart(f.heights, heights(self.cells(g), f.normal))
     }
 
-    /// Whether a plane across the line between their centres parts two faces.
-    fn are_beside(&self, f: FaceId, g: FaceId) -> bool {
-        let (a, b) = (self.samples(f), self.samples(g));
-        let axis = b[b.len() - 1] - a[a.len() - 1];
-        are_apart(heights(a, axis), heights(b, axis))
+    /// Whether a plane across the line between their centres parts two faces, which have no more in common than what is
+    /// in it.
+    #[inline]
+    fn are_beside(&self, f: &Piece, g: &Piece) -> bool {
+        let axis = g.cell.centre - f.cell.centre;
+        let ((low, end), (start, high)) = (heights(self.cells(f), axis), heights(self.cells(g), axis));
+        // Not where the centres are in one place, and all heights are the same.
+        low < high && end <= start
     }
 
-    /// `joined` tells whether they may have vertices in common.
-    fn children_cross(&self, f: FaceId, g: FaceId, joined: bool, scratch: &mut Scratch) -> bool {
-        let common = self.boxes[f].common(&self.boxes[g]);
-        let near = |face: FaceId| {
-            let children = quads(self.samples(face)).enumerate();
-            let children = children.map(|(number, quad)| Child { number, quad, bounds: Bounds::of(&quad) });
-            children.filter(|child| child.bounds.meets(&common))
+    fn children_cross(&self, f: &Piece, g: &Piece) -> bool {
+        let common = f.bounds.common(&g.bounds);
+        let parts = |piece| {
+            let cells = self.cells(piece).enumerate();
+            cells.map(move |(number, cell)| Part::new(piece.face, number, cell, &common)).filter(|part| part.near != 0)
         };
-        scratch.children.clear();
-        scratch.children.extend(near(g));
-        near(f).any(|a| {
-            // A child's own two triangles have an edge in common.
-            let others =
-                scratch.children.iter().filter(|b| (f != g || b.number > a.number) && b.bounds.meets(&a.bounds));
-            others.into_iter().any(|b| {
-                let middles = b.quad[0] + b.quad[2] - a.quad[0] - a.quad[2];
-                let mut axes = [self.normals(f)[a.number], self.normals(g)[b.number], middles].into_iter();
-                !axes.any(|axis| are_apart(heights(&a.quad, axis), heights(&b.quad, axis)))
-                    && self.triangles_cross((f, &a), (g, b), joined)
+        parts(f).any(|a| parts(g).any(|b| self.parts_cross(&a, &b)))
+    }
+
+    fn parts_cross(&self, a: &Part, b: &Part) -> bool {
+        each(a.near).any(|lane| {
+            let own = a.child(lane);
+            let mut near = b.near & b.boxes.that_meet(&a.boxes.at(lane));
+            if a.face == b.face {
+                // A child's own two triangles have an edge in common.
+                near &= after(own.number, b.first);
+            }
+            if near != 0 {
+                near &= meeting(&own.quad, a.cell.normals.at(lane), b.cell);
+            }
+            each(near).any(|lane| self.triangles_cross(&own, &b.child(lane)))
+        })
+    }
+
+    /// Whether the triangles of two children cross.
+    fn triangles_cross(&self, a: &Child, b: &Child) -> bool {
+        let (of_a, of_b) = (self.cuts(a), self.cuts(b));
+        let (p, q) = (a.quad.map(|p| p.as_dvec3()), b.quad.map(|p| p.as_dvec3()));
+        let (before_b, before_a) =
+            (of_b.map(|y| sides(&p, &y.map(|k| q[k]))), of_a.map(|x| sides(&q, &x.map(|k| p[k]))));
+        (0..2).any(|x| {
+            (0..2).any(|y| {
+                let (s, t) = (of_a[x].map(|k| before_b[y][k]), of_b[y].map(|k| before_a[x][k]));
+                // Triangles that have a vertex in common do not count.
+                let are_parted = is_one_side(&s) || is_one_side(&t) || self.are_joined((a, of_a[x]), (b, of_b[y]));
+                !are_parted && pierce((&of_a[x].map(|k| p[k]), &s), (&of_b[y].map(|k| q[k]), &t))
             })
         })
     }
 
-    /// Whether the triangles of two children cross, given with their faces.
-    fn triangles_cross(&self, (f, a): (FaceId, &Child), (g, b): (FaceId, &Child), joined: bool) -> bool {
-        // Triangles that have a vertex in common do not count.
-        let mut same = [[false; 4]; 4];
-        if joined {
-            let (a, b) = (self.quad_vertices(f, a.number), self.quad_vertices(g, b.number));
-            same = a.map(|v| b.map(|w| v == w));
-        }
-        let are_joined = |x: &[usize; 3], y: &[usize; 3]| x.iter().any(|&k| y.iter().any(|&l| same[k][l]));
-        let (first, second) = (self.cuts(f, a.number), self.cuts(g, b.number));
-        let (a, b) = (a.quad.map(|p| p.as_dvec3()), b.quad.map(|p| p.as_dvec3()));
-        let pierces = |x: &[usize; 3], y: &[usize; 3]| !are_joined(x, y) && pierce(&x.map(|k| a[k]), &y.map(|k| b[k]));
-        first.iter().any(|x| second.iter().any(|y| pierces(x, y)))
+    /// Whether triangles of two children have a vertex in common.
+    fn are_joined(&self, (a, x): (&Child, [usize; 3]), (b, y): (&Child, [usize; 3])) -> bool {
+        let (of_a, of_b) = (self.quad_vertices(a), self.quad_vertices(b));
+        x.iter().any(|&k| y.iter().any(|&l| of_a[k] == of_b[l]))
     }
 
     /// The two triangles of a child, by places in its quad, cut as the refined mesh has it.
-    fn cuts(&self, face: FaceId, child: usize) -> [[usize; 3]; 2] {
-        let is_odd = self.level.topology.faces.valence(face) == 4 && child % 2 == 1;
+    fn cuts(&self, child: &Child) -> [[usize; 3]; 2] {
+        let is_odd = self.level.topology.faces.valence(child.face) == 4 && child.number % 2 == 1;
         if is_odd { [[1, 2, 3], [1, 3, 0]] } else { [[0, 1, 2], [0, 2, 3]] }
     }
 
     /// The vertices of a child, in the order of its quad.
-    fn quad_vertices(&self, face: FaceId, child: usize) -> [VertexId; 4] {
+    fn quad_vertices(&self, child: &Child) -> [VertexId; 4] {
         let t = &self.level.topology;
-        let corners = t.faces.range(face);
-        let corner = CornerId::new(corners.start + child);
-        let prev = CornerId::new(if child == 0 { corners.end - 1 } else { corner.index() - 1 });
+        let corners = t.faces.range(child.face);
+        let corner = CornerId::new(corners.start + child.number);
+        let prev = CornerId::new(if child.number == 0 { corners.end - 1 } else { corner.index() - 1 });
         let middle = |c: CornerId| self.numbering.of_edge(t.corner_edge[c]);
         let own = self.numbering.of_vertex(t.faces.vertex(corner));
-        [own, middle(corner), self.numbering.of_face(face), middle(prev)]
+        [own, middle(corner), self.numbering.of_face(child.face), middle(prev)]
     }
+}
+
+/// A plane that may part two faces.
+struct Plane {
+    from: Vec3,
+    normal: Vec3,
+}
+
+impl Plane {
+    fn height(&self, point: Vec3) -> f32 {
+        (point - self.from).dot(self.normal)
+    }
+
+    /// Whether all points of a face but `ends` have heights that `are_right`.
+    fn all<'c>(
+        &self,
+        mut cells: impl Iterator<Item = &'c Cell>,
+        ends: [Vec3; 3],
+        are_right: impl Fn(Vec4) -> Lanes,
+    ) -> bool {
+        let from = Four::splat(self.from);
+        let fit = |points: &Four| {
+            let others = ALL & !are_right(points.minus(&from).dot(self.normal));
+            others == 0 || others & !ends.iter().fold(0, |all, &end| all | points.that_are(end)) == 0
+        };
+        cells.all(|cell| fit(&Four::splat(cell.centre)) && fit(&cell.corners) && fit(&cell.middles))
+    }
+}
+
+/// The lanes of `b` with a child that no axis, of a few that may, parts from a quad that has this normal.
+#[inline]
+fn meeting(quad: &[Vec3; 4], normal: Vec3, b: &Cell) -> Lanes {
+    let along = |axis: Vec3| {
+        let (low, high) = heights_of(quad, axis);
+        Ranges { low: Vec4::splat(low), high: Vec4::splat(high) }.that_meet(&b.heights(axis))
+    };
+    let own = quad.map(Four::splat);
+    let centres = Four::splat(b.centre);
+    let along_each = |axes: &Four| {
+        let of_b = [&b.corners, &b.middles, &b.befores, &centres].map(|points| points.dots(axes));
+        Ranges::of(own.map(|point| point.dots(axes))).that_meet(&Ranges::of(of_b))
+    };
+    let middles = b.corners.plus(&centres).minus(&own[0]).minus(&own[2]);
+    along(normal) & along_each(&b.normals) & along_each(&middles)
+}
+
+/// The range of a quad along an axis.
+fn heights_of(quad: &[Vec3; 4], axis: Vec3) -> (f32, f32) {
+    let [a, b, c, d] = quad.map(|p| p.dot(axis));
+    (a.min(b).min(c.min(d)), a.max(b).max(c.max(d)))
+}
+
+/// The lanes of a cell whose children have a larger number than `number`, where the first has the number `first`.
+fn after(number: usize, first: usize) -> Lanes {
+    let passed = (number + 1).saturating_sub(first).min(LANES);
+    ALL & !((1 << passed) - 1)
 }
 
 fn are_apart((a, b): (f32, f32), (c, d): (f32, f32)) -> bool {
     b < c || d < a
 }
 
-/// Whether triangles without a common vertex pass through each other.
-fn pierce(a: &[DVec3; 3], b: &[DVec3; 3]) -> bool {
-    let of_b = sides(a, b);
-    if is_one_side(&of_b) {
-        return false;
-    }
-    let of_a = sides(b, a);
-    !is_one_side(&of_a) && (edges_pierce(a, &of_b, b) || edges_pierce(b, &of_a, a))
+/// Whether triangles without a common vertex pass through each other, given with the sides of the other one's plane that
+/// their corners are on.
+fn pierce((a, of_a): (&[DVec3; 3], &[f64; 3]), (b, of_b): (&[DVec3; 3], &[f64; 3])) -> bool {
+    edges_pierce(a, of_a, b) || edges_pierce(b, of_b, a)
 }
 
-/// How far the corners of `a` are before the plane of `b`, times its area.
-fn sides(a: &[DVec3; 3], &[p, q, r]: &[DVec3; 3]) -> [f64; 3] {
+/// How far points are before the plane of a triangle, times its area.
+fn sides(points: &[DVec3; 4], &[p, q, r]: &[DVec3; 3]) -> [f64; 4] {
     let normal = (q - p).cross(r - p);
-    a.map(|x| (x - p).dot(normal))
+    points.map(|x| (x - p).dot(normal))
 }
 
 fn is_one_side(sides: &[f64; 3]) -> bool {

@@ -1,6 +1,8 @@
 //! How far it is from each face of a cage to the next layer.
 
-use super::skin::{Skin, quads};
+use super::lanes::each;
+use super::piece::{Cell, Piece, samples};
+use super::skin::Skin;
 use super::tree::{Bounds, Tree};
 use crate::mesh::{FaceId, IdVec};
 use glam::Vec3;
@@ -21,20 +23,17 @@ pub type Gap = [f32; 2];
 /// No layer is near.
 pub const OPEN: Gap = [f32::INFINITY; 2];
 
-/// A face seen along its normal: its samples in a frame whose last axis is the normal.
-struct View {
-    face: FaceId,
+/// A face seen along its normal, in a frame whose last axis is the normal.
+struct View<'a> {
+    piece: &'a Piece,
     axes: [Vec3; 3],
-    samples: Vec<Vec3>,
+    cells: Vec<Cell>,
+    points: Vec<Vec3>,
     /// Their range along each axis.
     range: Bounds,
 }
 
-impl View {
-    fn place(&self, p: Vec3) -> Vec3 {
-        Vec3::from(self.axes.map(|axis| axis.dot(p)))
-    }
-
+impl View<'_> {
     /// Whether a box is not over or under the face.
     fn is_beside(&self, bounds: &Bounds) -> bool {
         let (middle, half) =
@@ -49,43 +48,44 @@ impl View {
 impl Skin<'_> {
     /// For each face the gap to the next layer that is within `reach` of it.
     pub fn gaps(&self, reach: f32) -> IdVec<FaceId, Gap> {
-        let tree = Tree::new(&self.boxes);
-        let of = |face: FaceId| {
-            let (mut gap, view, mut samples) = (OPEN, self.view(face), Vec::new());
-            let around = self.boxes[face].grown(reach);
-            tree.visit(&around, &mut |other, _| self.narrow(&view, other, reach, &mut samples, &mut gap));
+        let tree = Tree::new(self.pieces.len(), |place| self.pieces[place].bounds);
+        let of = |piece: &Piece| {
+            let (mut gap, view, mut cells) = (OPEN, self.view(piece), Vec::new());
+            let around = piece.bounds.grown(reach);
+            tree.visit(&around, &mut |other| self.narrow(&view, &self.pieces[other], reach, &mut cells, &mut gap));
             gap
         };
-        (0..self.boxes.len()).into_par_iter().map(|f| of(FaceId::new(f))).collect::<Vec<_>>().into()
+        let found: Vec<Gap> = self.pieces.par_iter().map(of).collect();
+        let mut gaps = IdVec::filled(OPEN, found.len());
+        self.pieces.iter().zip(found).for_each(|(piece, gap)| gaps[piece.face] = gap);
+        gaps
     }
 
-    fn view(&self, face: FaceId) -> View {
-        let normal = self.normal(face);
-        let (u, v) = normal.try_normalize().unwrap_or(Vec3::Z).any_orthonormal_pair();
-        let mut view = View { face, axes: [u, v, normal], samples: Vec::new(), range: Bounds::EMPTY };
-        view.samples = self.samples(face).iter().map(|&p| view.place(p)).collect();
-        view.range = Bounds::of(&view.samples);
-        view
+    fn view<'p>(&self, piece: &'p Piece) -> View<'p> {
+        let (u, v) = piece.normal.try_normalize().unwrap_or(Vec3::Z).any_orthonormal_pair();
+        let axes = [u, v, piece.normal];
+        let cells: Vec<Cell> = self.cells(piece).map(|cell| cell.within(&axes)).collect();
+        View { piece, axes, points: samples(cells.iter()).collect(), range: range(&cells), cells }
     }
 
-    /// Narrows the gap of a face to what another leaves of it, whose samples in the face's frame go to `samples`.
-    fn narrow(&self, view: &View, other: FaceId, reach: f32, samples: &mut Vec<Vec3>, gap: &mut Gap) {
-        if view.face == other || view.is_beside(&self.boxes[other]) {
+    /// Narrows the gap of a face to what another leaves of it, whose cells in the face's frame go to `cells`.
+    fn narrow(&self, view: &View, other: &Piece, reach: f32, cells: &mut Vec<Cell>, gap: &mut Gap) {
+        if view.piece.face == other.face || view.is_beside(&other.bounds) {
             return;
         }
-        let touch = self.touch(view.face, other);
-        if touch && view.axes[2].dot(self.normal(other)) > FOLDED {
+        let touch = self.touch(view.piece, other);
+        if touch && view.axes[2].dot(other.normal) > FOLDED {
             return;
         }
-        samples.clear();
-        samples.extend(self.samples(other).iter().map(|&p| view.place(p)));
-        let (own, its) = (view.range, Bounds::of(samples));
+        cells.clear();
+        cells.extend(self.cells(other).map(|cell| cell.within(&view.axes)));
+        let (own, its) = (view.range, range(cells));
         // Nearer ones are known on both sides.
         let is_far = its.low.z - own.high.z > gap[1].min(reach) || own.low.z - its.high.z > gap[0].min(reach);
         if is_far || (0..2).any(|i| its.high[i] <= own.low[i] || its.low[i] >= own.high[i]) {
             return;
         }
-        let size = (self.boxes[view.face].high - self.boxes[view.face].low).max_element();
+        let size = (view.piece.bounds.high - view.piece.bounds.low).max_element();
         let least = if touch { SHARED * size } else { 0.0 };
         let mut take = |height: f32| {
             if height.abs() >= least {
@@ -94,20 +94,23 @@ impl Skin<'_> {
             }
         };
         // From the points of each face to the other one, as either may have the finer ones.
-        heights_over(&view.samples, samples, &mut take);
-        heights_over(samples, &view.samples, &mut |height| take(-height));
+        heights_over(&view.points.iter().copied(), cells, &mut take);
+        heights_over(&samples(cells.iter()), &view.cells, &mut |height| take(-height));
     }
 }
 
+/// The box of cells.
+fn range(cells: &[Cell]) -> Bounds {
+    cells.iter().map(|cell| cell.boxes().whole()).fold(Bounds::EMPTY, |all, b| all.and(&b))
+}
+
 /// How far it is along the last axis from each of `points` to the children over and under it.
-fn heights_over(points: &[Vec3], children: &[Vec3], take: &mut impl FnMut(f32)) {
-    for quad in quads(children) {
-        let Bounds { low, high } = Bounds::of(&quad);
-        for &p in points {
-            let is_beside = p.x < low.x || p.x > high.x || p.y < low.y || p.y > high.y;
-            if !is_beside && let Some(height) = height_of(p, quad) {
-                take(height);
-            }
+fn heights_over(points: &(impl Iterator<Item = Vec3> + Clone), children: &[Cell], take: &mut impl FnMut(f32)) {
+    for cell in children {
+        let boxes = cell.boxes();
+        for p in points.clone() {
+            let there = each(boxes.that_have(p) & cell.all());
+            there.filter_map(|child| height_of(p, cell.quad(child))).for_each(&mut *take);
         }
     }
 }

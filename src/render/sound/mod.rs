@@ -2,15 +2,24 @@
 //! step by step, first to almost nothing, then together with the fit to the limit surface. What is turned over steps back
 //! first, as it is found without a search for pairs. Only faces are looked at that have another layer near, less height than
 //! asked, or a bend: others are sound by how they are made.
+//!
+//! A face is looked at with its four children at once, in the lanes of vector registers (`lanes`, `piece`), and faces that
+//! are near each other are near in memory (`tree::order`).
 
+mod choice;
 mod cross;
 mod gap;
+mod lanes;
+mod marks;
+mod piece;
 mod skin;
 mod tree;
 
-use cross::Scratch;
+use choice::{Tried, best_of_each};
 pub use gap::{Gap, OPEN};
+use marks::Marks;
 pub use skin::Skin;
+pub use tree::order;
 
 use super::derivation::Derivation;
 use crate::mesh::{FaceId, IdVec, VertexId};
@@ -61,6 +70,8 @@ pub struct Kin<'a> {
     pub derivation: &'a Derivation,
     /// Pairs of a vertex and its copy, which keep together.
     pub pairs: &'a [[VertexId; 2]],
+    /// The child's faces in an order in which neighbours are near.
+    pub order: &'a [FaceId],
     /// Faces that may have moved.
     pub moved: &'a IdVec<FaceId, bool>,
     /// Those of them that may have become unsound. Others do so only where they bend.
@@ -81,22 +92,25 @@ pub struct Sound {
 pub fn sound(kin: &Kin, states: &States) -> Sound {
     let mut mending = Mending::new(kin, states);
     mending.turn_back();
-    // Where a step back makes more faults than it mends, as beside the free border of a layer, an earlier one is kept.
-    let mut best: Option<Sound> = None;
+    let mut tried: Vec<Tried> = Vec::with_capacity(STEPS.len() + 1);
     let mut pairs: Vec<[FaceId; 2]> = Vec::new();
-    for _ in 0..STEPS.len() {
-        // Faces that did not move are as they were.
-        pairs.retain(|pair| pair.iter().all(|&f| !mending.is_active[f]));
-        pairs.extend(mending.faults());
-        let faults = faces_of(&pairs);
-        if best.as_ref().is_none_or(|best| faults.len() < best.faults.len()) {
-            best = Some(mending.as_it_is(faults.clone()));
-        }
-        if !mending.step_back(&faults) {
+    while tried.len() < STEPS.len() {
+        mending.search(&mut pairs);
+        tried.push(Tried { steps: mending.steps.clone(), pairs: pairs.clone() });
+        let is_last = tried.len() == STEPS.len();
+        if is_last || !mending.step_to(stepped_on(kin, &mending.steps, &faces_of(&pairs))) {
             break;
         }
     }
-    best.unwrap_or_else(|| mending.as_it_is(Vec::new()))
+    if let Some(steps) = best_of_each(&kin.child.level().topology, &tried, kin.pairs) {
+        mending.step_to(steps.clone());
+        mending.search(&mut pairs);
+        tried.push(Tried { steps, pairs });
+    }
+    let states = tried.into_iter().map(|state| (faces_of(&state.pairs), state.steps));
+    let fewest = states.min_by_key(|(faults, _)| faults.len());
+    let (faults, steps) = fewest.unwrap_or_else(|| (Vec::new(), mending.steps.clone()));
+    mending.left_at(&steps, faults)
 }
 
 /// A mesh while its faults are mended.
@@ -111,61 +125,78 @@ struct Mending<'a> {
     /// How far each vertex has stepped back.
     steps: IdVec<VertexId, u8>,
     points: IdVec<VertexId, Vec3>,
-    /// Faces that may have become unsound with the last step.
-    is_active: IdVec<FaceId, bool>,
+    /// Faces that may have become unsound with the last step, in their order.
+    active: Vec<FaceId>,
 }
 
 impl<'a> Mending<'a> {
     fn new(kin: &'a Kin<'a>, states: &'a States<'a>) -> Self {
         let points = states.raised.clone();
-        let skin = Skin::new(kin.child, &points);
+        let skin = Skin::new(kin.child, &points, kin.order);
+        let before = Skin::bare(kin.parent);
         let normals = linear_normals(kin.child.level(), states.linear);
-        let is_active = |f: FaceId| {
+        let is_active = |&f: &FaceId| {
             kin.moved[f] && (kin.doubtful[f] || skin.is_bent(f) || skin.normal(f).dot(normals[f]) < ONE_WAY)
         };
-        let is_active = kin.moved.ids().map(is_active).collect();
+        let active = (0..kin.moved.len()).into_par_iter().map(FaceId::new).filter(is_active).collect();
         let steps = IdVec::filled(0, points.len());
-        Self { kin, states, skin, before: Skin::bare(kin.parent), normals, steps, points, is_active }
+        Self { kin, states, skin, before, normals, steps, points, active }
     }
 
-    fn as_it_is(&self, faults: Vec<FaceId>) -> Sound {
+    /// The points where each vertex has stepped back so far.
+    fn left_at(mut self, steps: &IdVec<VertexId, u8>, faults: Vec<FaceId>) -> Sound {
+        self.move_to(steps);
         let share = |&step: &u8| LEAST_SHARE + (1.0 - LEAST_SHARE) * STEPS[usize::from(step)].0;
-        Sound { points: self.points.clone(), shares: self.steps.iter().map(share).collect(), faults }
+        Sound { points: self.points, shares: steps.iter().map(share).collect(), faults }
     }
 
     /// Takes steps back at what is turned over. Most of what crosses is, too, and this is found without a search for pairs.
     fn turn_back(&mut self) {
-        let mut all = self.is_active.clone();
+        let mut all = self.active.clone();
         for _ in 0..TURNS {
             let turned = self.turned();
-            if !self.step_back(&turned) {
+            if !self.step_to(stepped_on(self.kin, &self.steps, &turned)) {
                 break;
             }
-            all.iter_mut().zip(self.is_active.iter()).for_each(|(all, now)| *all |= now);
+            all.extend(&self.active);
         }
-        self.is_active = all;
+        self.active = each_once(all);
     }
 
-    /// Takes a step back at the vertices of `faults`, and as many at their neighbours as keep the change even; whether any
-    /// vertex did.
-    fn step_back(&mut self, faults: &[FaceId]) -> bool {
-        let changed = step_on(self.kin, &mut self.steps, faults);
-        if changed.is_empty() {
+    /// Has each vertex step back so far; whether any did before by another step.
+    fn step_to(&mut self, steps: IdVec<VertexId, u8>) -> bool {
+        if steps == self.steps {
             return false;
         }
-        let (states, steps, points) = (self.states, &self.steps, &mut self.points);
-        let moved = changed.into_iter().filter(|&vertex| {
-            let place = states.at(vertex, STEPS[usize::from(steps[vertex])]);
-            std::mem::replace(&mut points[vertex], place) != place
-        });
-        self.is_active = reached(self.kin.child.level(), moved);
-        self.skin.update(&self.points, &self.is_active);
+        let moved = self.move_to(&steps);
+        self.steps = steps;
+        self.active = reached(self.kin.child.level(), moved.into_iter());
+        self.skin.update(&self.points, &self.active);
         true
+    }
+
+    /// Moves the points to where vertices are that have stepped back so far; those that have moved.
+    fn move_to(&mut self, steps: &IdVec<VertexId, u8>) -> Vec<VertexId> {
+        let mut moved = Vec::new();
+        for vertex in steps.ids().filter(|&v| steps[v] != self.steps[v]) {
+            let place = self.states.at(vertex, STEPS[usize::from(steps[vertex])]);
+            if std::mem::replace(&mut self.points[vertex], place) != place {
+                moved.push(vertex);
+            }
+        }
+        moved
+    }
+
+    /// Brings the pairs of faces that were found before up to date.
+    fn search(&mut self, pairs: &mut Vec<[FaceId; 2]>) {
+        // Faces that did not move are as they were.
+        pairs.retain(|pair| pair.iter().all(|f| self.active.binary_search(f).is_err()));
+        pairs.extend(self.faults());
     }
 
     /// Active faces that are turned over, and were not before.
     fn turned(&mut self) -> Vec<FaceId> {
-        let mut turned = self.skin.turned(&self.is_active, &self.normals);
+        let mut turned = self.skin.turned(&self.active, &self.normals);
         self.know(&turned);
         let parent_face = |f: FaceId| self.kin.derivation.parent_face(f);
         turned.retain(|&f| {
@@ -177,13 +208,13 @@ impl<'a> Mending<'a> {
 
     /// Pairs of faces that cross, and faces with themselves that are turned over, and did not before.
     fn faults(&mut self) -> Vec<[FaceId; 2]> {
-        let mut crossing = self.skin.crossings(&self.is_active);
+        let mut crossing = self.skin.crossings(&self.active);
         let faces: Vec<FaceId> = crossing.iter().flatten().copied().collect();
         self.know(&faces);
-        let (mut scratch, derivation) = (Scratch::default(), self.kin.derivation);
+        let derivation = self.kin.derivation;
         crossing.retain(|pair| {
             let [f, g] = pair.map(|face| derivation.parent_face(face));
-            !self.before.cross(f, g, &mut scratch)
+            !self.before.cross(f, g)
         });
         crossing.extend(self.turned().into_iter().map(|f| [f, f]));
         crossing
@@ -191,9 +222,8 @@ impl<'a> Mending<'a> {
 
     /// Measures the parents of some faces.
     fn know(&mut self, faces: &[FaceId]) {
-        let mut is_parent = IdVec::filled(false, self.kin.parent.topology.faces.len());
-        faces.iter().for_each(|&f| is_parent[self.kin.derivation.parent_face(f)] = true);
-        self.before.update(self.kin.parent_points, &is_parent);
+        let parents = faces.iter().map(|&f| self.kin.derivation.parent_face(f)).filter(|&p| !self.before.knows(p));
+        self.before.learn(self.kin.parent_points, &each_once(parents.collect()));
     }
 }
 
@@ -212,22 +242,25 @@ fn linear_normals(level: &Level, points: &IdVec<VertexId, Vec3>) -> IdVec<FaceId
 
 /// The faces of pairs, each once.
 fn faces_of(pairs: &[[FaceId; 2]]) -> Vec<FaceId> {
-    let mut faces: Vec<FaceId> = pairs.iter().flatten().copied().collect();
+    each_once(pairs.iter().flatten().copied().collect())
+}
+
+/// Faces in their order, each once.
+fn each_once(mut faces: Vec<FaceId>) -> Vec<FaceId> {
     faces.sort_unstable();
     faces.dedup();
     faces
 }
 
-/// Takes a step back at the vertices of `faults`, and as many at their neighbours as keep the change even; returns the
-/// vertices that took one.
-fn step_on(kin: &Kin, steps: &mut IdVec<VertexId, u8>, faults: &[FaceId]) -> Vec<VertexId> {
+/// The steps after one more at the vertices of `faults`, and as many at their neighbours as keep the change even.
+fn stepped_on(kin: &Kin, steps: &IdVec<VertexId, u8>, faults: &[FaceId]) -> IdVec<VertexId, u8> {
     let t = &kin.child.level().topology;
     let last = STEPS.len() as u8 - 1;
     let mut marked: Vec<VertexId> = faults.iter().flat_map(|&f| t.faces.vertices_of(f)).copied().collect();
     marked.sort_unstable();
     marked.dedup();
     marked.retain(|&v| steps[v] < last);
-    let before = steps.clone();
+    let mut steps = steps.clone();
     marked.iter().for_each(|&v| steps[v] += 1);
     let mut front = marked;
     while !front.is_empty() {
@@ -249,15 +282,17 @@ fn step_on(kin: &Kin, steps: &mut IdVec<VertexId, u8>, faults: &[FaceId]) -> Vec
         let most = steps[vertex].max(steps[copy]);
         (steps[vertex], steps[copy]) = (most, most);
     }
-    steps.ids().filter(|&v| steps[v] != before[v]).collect()
+    steps
 }
 
-/// The faces whose children move with some vertices: those at them, and the faces that touch those.
-fn reached(level: &Level, vertices: impl Iterator<Item = VertexId>) -> IdVec<FaceId, bool> {
+/// The faces whose children move with some vertices, in their order: those at them, and the faces that touch those.
+fn reached(level: &Level, vertices: impl Iterator<Item = VertexId>) -> Vec<FaceId> {
     let t = &level.topology;
-    let mut near = IdVec::filled(false, t.vertex_count());
+    let mut near = Marks::new(t.vertex_count());
     for face in vertices.flat_map(|v| t.faces_at(v)) {
-        t.faces.vertices_of(face).iter().for_each(|&v| near[v] = true);
+        t.faces.vertices_of(face).iter().for_each(|&v| near.add(v));
     }
-    t.faces.ids().map(|f| t.faces.vertices_of(f).iter().any(|&v| near[v])).collect()
+    let mut faces = Marks::new(t.faces.len());
+    near.list.iter().flat_map(|&v| t.faces_at(v)).for_each(|face| faces.add(face));
+    each_once(faces.list)
 }

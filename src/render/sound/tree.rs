@@ -1,14 +1,15 @@
 //! Boxes around faces in a tree, to find those that may touch.
 
-use crate::mesh::{FaceId, IdVec};
+use super::lanes::{Boxes, Lanes, each};
+use crate::mesh::{FaceId, Faces, IdVec, VertexId};
 use glam::{Vec3, Vec3A};
 use rayon::prelude::*;
 
-/// Faces of a leaf. More makes fewer nodes and more boxes to compare.
-const LEAF: usize = 4;
-/// Pairs of nodes among which a search is parted.
+/// Boxes of a group.
+const WIDTH: usize = 4;
+/// Pairs of groups among which a search is parted.
 const PARTS: usize = 256;
-/// Bits of a place in each direction by which faces are ordered.
+/// Bits of a centre in each direction by which faces are ordered.
 const BITS: u32 = 10;
 
 /// A box along the axes.
@@ -22,18 +23,9 @@ pub struct Bounds {
 
 impl Bounds {
     /// The box of nothing.
-    pub const EMPTY: Self = Self { low: Vec3A::MAX, high: Vec3A::MIN };
-
-    /// The box of points.
-    pub fn of(points: &[Vec3]) -> Self {
-        points.iter().map(|&p| Vec3A::from(p)).fold(Self::EMPTY, |b, p| Self { low: b.low.min(p), high: b.high.max(p) })
-    }
-
-    /// Whether two boxes have a place in common.
-    #[inline]
-    pub fn meets(&self, other: &Self) -> bool {
-        self.low.cmple(other.high).all() && other.low.cmple(self.high).all()
-    }
+    pub const EMPTY: Self = Self { low: Vec3A::INFINITY, high: Vec3A::NEG_INFINITY };
+    /// The box of everything.
+    pub const ALL: Self = Self { low: Vec3A::MIN, high: Vec3A::MAX };
 
     /// The box of what is in both.
     pub fn common(&self, other: &Self) -> Self {
@@ -51,146 +43,163 @@ impl Bounds {
     }
 }
 
-/// A complete binary tree over faces in an order in which neighbours are near.
+/// The faces of a mesh in an order in which neighbours are near: along a curve that fills space.
+pub fn order(faces: &Faces, points: &IdVec<VertexId, Vec3>) -> Vec<FaceId> {
+    let centre = |face: FaceId| {
+        let vertices = faces.vertices_of(face);
+        vertices.iter().map(|&v| Vec3A::from(points[v])).sum::<Vec3A>() / vertices.len() as f32
+    };
+    let centres: Vec<Vec3A> = (0..faces.len()).into_par_iter().map(|face| centre(FaceId::new(face))).collect();
+    let all = centres.iter().fold(Bounds::EMPTY, |b, &p| Bounds { low: b.low.min(p), high: b.high.max(p) });
+    let scale = ((1u32 << BITS) - 1) as f32 / (all.high - all.low).max_element().max(f32::MIN_POSITIVE);
+    let code = |&p: &Vec3A| {
+        let cell = ((p - all.low) * scale).as_uvec3();
+        spread(cell.x) | spread(cell.y) << 1 | spread(cell.z) << 2
+    };
+    let mut keys: Vec<(u32, FaceId)> =
+        centres.par_iter().map(code).enumerate().map(|(face, code)| (code, FaceId::new(face))).collect();
+    keys.par_sort_unstable();
+    keys.into_iter().map(|(_, face)| face).collect()
+}
+
+/// A tree over boxes in an order in which neighbours are near: each of its groups has the boxes of four groups below.
 pub struct Tree {
-    order: Vec<FaceId>,
-    /// The boxes of the faces in that order.
-    boxes: Vec<Bounds>,
-    /// The root is 1, the children of `i` are `2 i` and `2 i + 1`.
-    nodes: Vec<Bounds>,
-    leaves: usize,
+    /// Groups of each level, from the boxes up to a single group.
+    levels: Vec<Vec<Boxes>>,
 }
 
 impl Tree {
-    /// The tree of faces with their boxes.
-    pub fn new(boxes: &IdVec<FaceId, Bounds>) -> Self {
-        let all = boxes.iter().fold(Bounds::EMPTY, |a, b| a.and(b));
-        let scale = ((1u32 << BITS) - 1) as f32 / (all.high - all.low).max_element().max(f32::MIN_POSITIVE);
-        let code = |b: &Bounds| {
-            let cell = ((0.5 * (b.low + b.high) - all.low) * scale).as_uvec3();
-            spread(cell.x) | spread(cell.y) << 1 | spread(cell.z) << 2
-        };
-        let mut keys: Vec<(u32, FaceId)> = boxes.enumerated().map(|(f, b)| (code(b), f)).collect();
-        keys.par_sort_unstable_by_key(|&(code, face)| (code, face.index()));
-        let leaves = keys.len().div_ceil(LEAF).next_power_of_two();
-        let order = keys.into_iter().map(|(_, face)| face).collect();
-        let (of_faces, nodes) = (vec![Bounds::EMPTY; boxes.len()], vec![Bounds::EMPTY; 2 * leaves]);
-        let mut tree = Self { order, boxes: of_faces, nodes, leaves };
-        tree.refit(boxes);
-        tree
+    /// The tree of so many boxes.
+    pub fn new(count: usize, bounds: impl Fn(usize) -> Bounds) -> Self {
+        let mut levels = vec![groups(count, bounds)];
+        while let Some(below) = levels.last().filter(|groups| groups.len() > 1) {
+            levels.push(groups(below.len(), |group| below[group].whole()));
+        }
+        Self { levels }
     }
 
-    /// Fits the nodes to boxes that have changed.
-    pub fn refit(&mut self, boxes: &IdVec<FaceId, Bounds>) {
-        self.boxes.iter_mut().zip(&self.order).for_each(|(own, &face)| *own = boxes[face]);
-        for (leaf, boxes) in self.boxes.chunks(LEAF).enumerate() {
-            self.nodes[self.leaves + leaf] = boxes.iter().fold(Bounds::EMPTY, |all, b| all.and(b));
-        }
-        for node in (1..self.leaves).rev() {
-            self.nodes[node] = self.nodes[2 * node].and(&self.nodes[2 * node + 1]);
+    /// Fits it to boxes that have changed, given in their order.
+    pub fn refit(&mut self, changed: &[usize], bounds: impl Fn(usize) -> Bounds) {
+        let mut changed: Vec<(usize, Bounds)> = changed.iter().map(|&place| (place, bounds(place))).collect();
+        for groups in &mut self.levels {
+            changed.iter().for_each(|(place, bounds)| groups[place / WIDTH].set(place % WIDTH, bounds));
+            changed.dedup_by_key(|(place, _)| *place / WIDTH);
+            changed.iter_mut().for_each(|(place, bounds)| {
+                *place /= WIDTH;
+                *bounds = groups[*place].whole();
+            });
         }
     }
 
-    /// The faces of a leaf with their boxes.
-    fn leaf(&self, node: usize) -> impl Iterator<Item = (FaceId, &Bounds)> {
-        let first = LEAF * (node - self.leaves);
-        let faces = first.min(self.order.len())..(first + LEAF).min(self.order.len());
-        self.order[faces.clone()].iter().copied().zip(&self.boxes[faces])
-    }
-
-    /// The pairs of faces that pass a test, the first not after the second, of all whose boxes meet and of which one is
-    /// active. `S` is what the test keeps from one pair to the next.
-    pub fn pairs<S: Default>(
-        &self,
-        is_active: &IdVec<FaceId, bool>,
-        test: impl Fn(FaceId, FaceId, &mut S) -> bool + Sync,
-    ) -> Vec<[FaceId; 2]> {
-        let search = Search { tree: self, is_active, has_active: self.nodes_with(is_active), test };
-        let mut parts = vec![[1, 1]];
-        while parts.len() < PARTS && parts.iter().any(|[node, _]| *node < self.leaves) {
-            parts = parts.iter().flat_map(|&pair| search.below(pair)).collect();
+    /// The pairs of places that pass a test, the first not after the second, of all whose boxes meet and of which one is
+    /// active.
+    pub fn pairs(&self, active: &[usize], test: impl Fn(usize, usize) -> bool + Sync) -> Vec<[usize; 2]> {
+        let search = Search { tree: self, active: self.lanes_of(active), test };
+        let mut parts = vec![Pair { level: self.levels.len() - 1, groups: [0, 0], bounds: Bounds::ALL }];
+        while parts.len() < PARTS && parts[0].level > 0 {
+            let mut below = Vec::new();
+            parts.iter().for_each(|pair| search.below(pair, &mut |pair| below.push(pair)));
+            if below.is_empty() {
+                return Vec::new();
+            }
+            parts = below;
         }
-        let found = |&pair: &[usize; 2]| {
-            let (mut found, mut state) = (Vec::new(), S::default());
-            search.descend(pair, &mut state, &mut found);
+        let found = |pair: &Pair| {
+            let mut found = Vec::new();
+            search.descend(pair, &mut found);
             found
         };
         parts.par_iter().flat_map_iter(found).collect()
     }
 
-    /// Which nodes have an active face.
-    fn nodes_with(&self, is_active: &IdVec<FaceId, bool>) -> Vec<bool> {
-        let mut nodes = vec![false; self.nodes.len()];
-        for (leaf, faces) in self.order.chunks(LEAF).enumerate() {
-            nodes[self.leaves + leaf] = faces.iter().any(|&face| is_active[face]);
+    /// The lanes of each group with something active.
+    fn lanes_of(&self, active: &[usize]) -> Vec<Vec<u8>> {
+        let mut all: Vec<Vec<u8>> = Vec::with_capacity(self.levels.len());
+        for groups in &self.levels {
+            let mut lanes = vec![0u8; groups.len()];
+            let mut add = |place: usize| lanes[place / WIDTH] |= 1 << (place % WIDTH);
+            match all.last() {
+                None => active.iter().for_each(|&place| add(place)),
+                Some(below) => below.iter().enumerate().filter(|(_, lanes)| **lanes != 0).for_each(|(i, _)| add(i)),
+            }
+            all.push(lanes);
         }
-        (1..self.leaves).rev().for_each(|node| nodes[node] = nodes[2 * node] || nodes[2 * node + 1]);
-        nodes
+        all
     }
 
-    /// Passes each face whose box meets `bounds` to `sink`, with its box.
-    pub fn visit(&self, bounds: &Bounds, sink: &mut impl FnMut(FaceId, &Bounds)) {
-        let mut stack = [0usize; 64];
-        let mut depth = usize::from(self.nodes[1].meets(bounds));
-        stack[0] = 1;
-        while depth > 0 {
-            depth -= 1;
-            let node = stack[depth];
-            if node >= self.leaves {
-                self.leaf(node).filter(|(_, b)| b.meets(bounds)).for_each(|(f, b)| sink(f, b));
-                continue;
-            }
-            for child in [2 * node + 1, 2 * node] {
-                if self.nodes[child].meets(bounds) {
-                    stack[depth] = child;
-                    depth += 1;
-                }
-            }
+    /// Passes each place whose box meets `bounds` to `sink`.
+    pub fn visit(&self, bounds: &Bounds, sink: &mut impl FnMut(usize)) {
+        self.visit_group(self.levels.len() - 1, 0, bounds, sink);
+    }
+
+    fn visit_group(&self, level: usize, group: usize, bounds: &Bounds, sink: &mut impl FnMut(usize)) {
+        for lane in each(self.levels[level][group].that_meet(bounds)) {
+            let below = WIDTH * group + lane;
+            if level == 0 { sink(below) } else { self.visit_group(level - 1, below, bounds, sink) }
         }
     }
 }
 
-/// A search for pairs, from pairs of nodes of a depth to those below them.
+/// Boxes in groups.
+fn groups(count: usize, bounds: impl Fn(usize) -> Bounds) -> Vec<Boxes> {
+    let mut groups = vec![Boxes::EMPTY; count.div_ceil(WIDTH).max(1)];
+    (0..count).for_each(|i| groups[i / WIDTH].set(i % WIDTH, &bounds(i)));
+    groups
+}
+
+/// Two groups of a level, the first not after the second.
+struct Pair {
+    level: usize,
+    groups: [usize; 2],
+    /// A box that all of the second is in.
+    bounds: Bounds,
+}
+
+/// A search for pairs.
 struct Search<'a, T> {
     tree: &'a Tree,
-    is_active: &'a IdVec<FaceId, bool>,
-    has_active: Vec<bool>,
+    active: Vec<Vec<u8>>,
     test: T,
 }
 
-impl<T> Search<'_, T> {
-    fn is_asked(&self, [a, b]: [usize; 2]) -> bool {
-        (self.has_active[a] || self.has_active[b]) && self.tree.nodes[a].meets(&self.tree.nodes[b])
+impl<T: Fn(usize, usize) -> bool> Search<'_, T> {
+    /// Passes the pairs of lanes of a pair of groups to `sink` whose boxes meet and of which one is active.
+    #[inline]
+    fn lanes(&self, pair: &Pair, mut sink: impl FnMut(usize, usize)) {
+        let Pair { level, groups: [a, b], .. } = *pair;
+        let [of_a, of_b] = [a, b].map(|group| &self.tree.levels[level][group]);
+        let [active, others] = [a, b].map(|group| Lanes::from(self.active[level][group]));
+        for i in each(of_a.that_meet(&pair.bounds)) {
+            let mut near = of_b.that_meet(&of_a.at(i));
+            if active & 1 << i == 0 {
+                near &= others;
+            }
+            if a == b {
+                near &= !((1 << i) - 1);
+            }
+            each(near).for_each(|j| sink(i, j));
+        }
     }
 
-    /// The pairs of children that may have what is looked for, of nodes that are no leaves.
-    fn below(&self, [a, b]: [usize; 2]) -> impl Iterator<Item = [usize; 2]> {
-        let (left, right) = (2 * a, 2 * b);
-        let all = [[left, right], [left, right + 1], [left + 1, right], [left + 1, right + 1]];
-        // A node with itself has one pair of its two children.
-        let pairs = all.into_iter().enumerate().filter(move |(i, _)| a != b || *i != 2).map(|(_, pair)| pair);
-        pairs.filter(|&pair| self.is_asked(pair))
+    fn below(&self, pair: &Pair, sink: &mut impl FnMut(Pair)) {
+        let Pair { level, groups: [a, b], .. } = *pair;
+        let of_b = &self.tree.levels[level][b];
+        self.lanes(pair, |i, j| {
+            sink(Pair { level: level - 1, groups: [WIDTH * a + i, WIDTH * b + j], bounds: of_b.at(j) });
+        });
     }
 
-    fn descend<S>(&self, pair: [usize; 2], state: &mut S, found: &mut Vec<[FaceId; 2]>)
-    where
-        T: Fn(FaceId, FaceId, &mut S) -> bool,
-    {
-        if pair[0] < self.tree.leaves {
-            self.below(pair).for_each(|pair| self.descend(pair, state, found));
+    fn descend(&self, pair: &Pair, found: &mut Vec<[usize; 2]>) {
+        if pair.level > 0 {
+            self.below(pair, &mut |pair| self.descend(&pair, found));
             return;
         }
-        let b = &self.tree.nodes[pair[1]];
-        for (i, (f, of_f)) in self.tree.leaf(pair[0]).enumerate().filter(|(_, (_, of_f))| of_f.meets(b)) {
-            let first = if pair[0] == pair[1] { i } else { 0 };
-            for (g, of_g) in self.tree.leaf(pair[1]).skip(first) {
-                let is_asked = of_f.meets(of_g) && (self.is_active[f] || self.is_active[g]);
-                let ordered = if f <= g { [f, g] } else { [g, f] };
-                if is_asked && (self.test)(ordered[0], ordered[1], state) {
-                    found.push(ordered);
-                }
+        self.lanes(pair, |i, j| {
+            let places = [WIDTH * pair.groups[0] + i, WIDTH * pair.groups[1] + j];
+            if (self.test)(places[0], places[1]) {
+                found.push(places);
             }
-        }
+        });
     }
 }
 
@@ -206,37 +215,54 @@ fn spread(x: u32) -> u32 {
 mod tests {
     use super::*;
 
-    fn scattered(count: usize) -> IdVec<FaceId, Bounds> {
-        let at = |i: usize| Vec3::new((i * 7 % 13) as f32, (i * 5 % 11) as f32, (i % 3) as f32);
-        (0..count).map(|i| Bounds::of(&[at(i), at(i) + 1.5])).collect()
+    fn meet(a: &Bounds, b: &Bounds) -> bool {
+        a.low.cmple(b.high).all() && b.low.cmple(a.high).all()
+    }
+
+    fn scattered(count: usize) -> Vec<Bounds> {
+        let at = |i: usize| Vec3A::new((i * 7 % 13) as f32, (i * 5 % 11) as f32, (i % 3) as f32);
+        (0..count).map(|i| Bounds { low: at(i), high: at(i) + 1.5 }).collect()
     }
 
     #[test]
     fn all_that_meet_are_found() {
         let boxes = scattered(101);
-        let tree = Tree::new(&boxes);
-        for b in boxes.iter() {
+        let tree = Tree::new(boxes.len(), |i| boxes[i]);
+        for b in &boxes {
             let mut found = Vec::new();
-            tree.visit(b, &mut |f, _| found.push(f));
+            tree.visit(b, &mut |i| found.push(i));
             found.sort_unstable();
-            let expected: Vec<FaceId> = boxes.ids().filter(|&f| boxes[f].meets(b)).collect();
-            assert_eq!(found, expected);
+            assert!(found.into_iter().eq((0..boxes.len()).filter(|&i| meet(&boxes[i], b))));
         }
+    }
+
+    fn has_all_pairs(tree: &Tree, boxes: &[Bounds]) {
+        let is_active = |i: usize| i % 4 == 1;
+        let is_even = |i: usize, j: usize| (i + j).is_multiple_of(2);
+        let active: Vec<usize> = (0..boxes.len()).filter(|&i| is_active(i)).collect();
+        let mut found = tree.pairs(&active, is_even);
+        found.sort_unstable();
+        let all = (0..boxes.len()).flat_map(|i| (i..boxes.len()).map(move |j| [i, j]));
+        let expected =
+            |&[i, j]: &[usize; 2]| is_even(i, j) && (is_active(i) || is_active(j)) && meet(&boxes[i], &boxes[j]);
+        assert!(found.into_iter().eq(all.filter(expected)));
     }
 
     #[test]
     fn all_pairs_that_meet_and_have_an_active_one_are_found_once() {
         for count in [0, 1, 3, 5, 101] {
             let boxes = scattered(count);
-            let is_active: IdVec<FaceId, bool> = (0..count).map(|i| i % 4 == 1).collect();
-            let is_even = |f: FaceId, g: FaceId, _: &mut ()| (f.index() + g.index()).is_multiple_of(2);
-            let mut found = Tree::new(&boxes).pairs(&is_active, is_even);
-            found.sort_unstable();
-            let all = boxes.ids().flat_map(|f| boxes.ids().map(move |g| [f, g]));
-            let expected = |&[f, g]: &[FaceId; 2]| {
-                f <= g && is_even(f, g, &mut ()) && (is_active[f] || is_active[g]) && boxes[f].meets(&boxes[g])
-            };
-            assert_eq!(found, all.filter(expected).collect::<Vec<_>>());
+            has_all_pairs(&Tree::new(count, |i| boxes[i]), &boxes);
         }
+    }
+
+    #[test]
+    fn a_tree_can_be_fitted_to_what_has_moved() {
+        let mut boxes = scattered(101);
+        let mut tree = Tree::new(boxes.len(), |i| boxes[i]);
+        let moved = [0, 17, 18, 63, 100];
+        moved.iter().for_each(|&i| boxes[i].high += 4.0);
+        tree.refit(&moved, |i| boxes[i]);
+        has_all_pairs(&tree, &boxes);
     }
 }

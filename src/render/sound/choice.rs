@@ -1,0 +1,101 @@
+//! Which step each part of a mesh is best left at.
+//!
+//! A step back may mend one place and spoil another, as beside the free border of a layer. So where steps differ, each
+//! connected part has the one with the fewest faults there.
+
+use crate::mesh::{FaceId, IdVec, Topology, VertexId};
+use std::collections::BTreeMap;
+
+/// A state of a mesh while it is mended.
+pub struct Tried {
+    /// How far each vertex had stepped back.
+    pub steps: IdVec<VertexId, u8>,
+    /// Pairs of faces that crossed, and faces with themselves that were turned over.
+    pub pairs: Vec<[FaceId; 2]>,
+}
+
+/// The steps of the best of each part; `together` are vertices that keep together. None where one state is the best of
+/// all.
+pub fn best_of_each(t: &Topology, tried: &[Tried], together: &[[VertexId; 2]]) -> Option<IdVec<VertexId, u8>> {
+    let ([first, ..], Some(last)) = (tried, tried.last()) else { return None };
+    let differs = |v: VertexId| first.steps[v] != last.steps[v];
+    let mut parts = Parts { above: first.steps.ids().collect() };
+    for face in t.faces.ids() {
+        parts.join(t.faces.vertices_of(face).iter().copied().filter(|&v| differs(v)));
+    }
+    together.iter().for_each(|pair| parts.join(pair.iter().copied().filter(|&v| differs(v))));
+    let of_pair = |pair: &[FaceId; 2]| pair.map(|f| t.faces.vertices_of(f)).into_iter().flatten().copied();
+    for pair in tried.iter().flat_map(|state| &state.pairs) {
+        parts.join(of_pair(pair).filter(|&v| differs(v)));
+    }
+    // For each part, by the vertex that stands for it, the faults of each state.
+    let mut faults: BTreeMap<VertexId, Vec<usize>> = BTreeMap::new();
+    for (state, of_state) in tried.iter().enumerate() {
+        for pair in &of_state.pairs {
+            if let Some(v) = of_pair(pair).find(|&v| differs(v)) {
+                faults.entry(parts.part(v)).or_insert_with(|| vec![0; tried.len()])[state] += 1;
+            }
+        }
+    }
+    let best = |counts: &Vec<usize>| (0..tried.len()).min_by_key(|&state| counts[state]).unwrap_or(0);
+    let choice: BTreeMap<VertexId, usize> = faults.iter().map(|(&part, counts)| (part, best(counts))).collect();
+    let mut chosen = choice.values();
+    let one = chosen.next()?;
+    if chosen.all(|state| state == one) {
+        return None;
+    }
+    let steps = |v: VertexId| choice.get(&parts.part(v)).map_or(first, |&state| &tried[state]).steps[v];
+    Some(first.steps.ids().map(steps).collect())
+}
+
+/// Vertices in parts that are joined one by one.
+struct Parts {
+    above: IdVec<VertexId, VertexId>,
+}
+
+impl Parts {
+    /// The vertex that stands for a vertex's part.
+    fn part(&mut self, mut v: VertexId) -> VertexId {
+        while self.above[v] != v {
+            self.above[v] = self.above[self.above[v]];
+            v = self.above[v];
+        }
+        v
+    }
+
+    /// Makes one part of those of some vertices.
+    fn join(&mut self, vertices: impl Iterator<Item = VertexId>) {
+        let mut one: Option<VertexId> = None;
+        for v in vertices {
+            let part = self.part(v);
+            let other = one.unwrap_or(part);
+            self.above[part.max(other)] = part.min(other);
+            one = Some(part.min(other));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::Faces;
+
+    #[test]
+    fn each_part_has_the_state_that_is_best_there() {
+        // A row of nine quads; what is done at one end has nothing to do with the other.
+        let corners = (0..9).flat_map(|i| [2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1]).map(VertexId::new);
+        let t = Topology::new(Faces::quads(corners.collect::<Vec<_>>()), 20);
+        let [start, end] = [0, 8].map(|f| [FaceId::new(f); 2]);
+        let steps = |of_start: u8, of_end: u8| (0..20).map(|v| [of_start, 0, of_end][v / 7]).collect();
+        let state =
+            |of_start, of_end, pairs: &[[FaceId; 2]]| Tried { steps: steps(of_start, of_end), pairs: pairs.to_vec() };
+        // The second step mends the end and spoils the start.
+        let tried = [state(0, 0, &[start, end]), state(1, 1, &[end]), state(2, 2, &[start])];
+        assert_eq!(best_of_each(&t, &tried, &[]), Some(steps(1, 2)));
+        // Not where both ends keep together, nor where one state is the best of both.
+        assert_eq!(best_of_each(&t, &tried, &[[VertexId::new(0), VertexId::new(19)]]), None);
+        assert_eq!(best_of_each(&t, &tried[..2], &[]), Some(steps(1, 0)));
+        assert_eq!(best_of_each(&t, &[], &[]), None);
+        assert_eq!(best_of_each(&t, &[state(0, 0, &[start, end]), state(1, 1, &[])], &[]), None);
+    }
+}
