@@ -14,13 +14,12 @@ pub struct Tried {
     pub pairs: Vec<[FaceId; 2]>,
 }
 
-/// The steps of the best of each part; `together` are vertices that keep together. None where one state is the best of
-/// all.
+/// The steps of the best of each part; `together` are vertices that keep together. None where one state is as good.
 pub fn best_of_each(t: &Topology, tried: &[Tried], together: &[[VertexId; 2]]) -> Option<IdVec<VertexId, u8>> {
     let ([first, ..], Some(last)) = (tried, tried.last()) else { return None };
     let differs = |v: VertexId| first.steps[v] != last.steps[v];
     let mut parts = Parts { above: first.steps.ids().collect() };
-    for face in t.faces.ids() {
+    for face in first.steps.ids().filter(|&v| differs(v)).flat_map(|v| t.faces_at(v)) {
         parts.join(t.faces.vertices_of(face).iter().copied().filter(|&v| differs(v)));
     }
     together.iter().for_each(|pair| parts.join(pair.iter().copied().filter(|&v| differs(v))));
@@ -39,9 +38,9 @@ pub fn best_of_each(t: &Topology, tried: &[Tried], together: &[[VertexId; 2]]) -
     }
     let best = |counts: &Vec<usize>| (0..tried.len()).min_by_key(|&state| counts[state]).unwrap_or(0);
     let choice: BTreeMap<VertexId, usize> = faults.iter().map(|(&part, counts)| (part, best(counts))).collect();
-    let mut chosen = choice.values();
-    let one = chosen.next()?;
-    if chosen.all(|state| state == one) {
+    let total = |state: usize| faults.values().map(|counts| counts[state]).sum::<usize>();
+    let fewest: usize = faults.values().filter_map(|counts| counts.iter().min()).sum();
+    if (0..tried.len()).any(|state| total(state) == fewest) {
         return None;
     }
     let steps = |v: VertexId| choice.get(&parts.part(v)).map_or(first, |&state| &tried[state]).steps[v];
@@ -92,9 +91,9 @@ mod tests {
         // The second step mends the end and spoils the start.
         let tried = [state(0, 0, &[start, end]), state(1, 1, &[end]), state(2, 2, &[start])];
         assert_eq!(best_of_each(&t, &tried, &[]), Some(steps(1, 2)));
-        // Not where both ends keep together, nor where one state is the best of both.
+        // Not where both ends keep together, nor where one state is as good.
         assert_eq!(best_of_each(&t, &tried, &[[VertexId::new(0), VertexId::new(19)]]), None);
-        assert_eq!(best_of_each(&t, &tried[..2], &[]), Some(steps(1, 0)));
+        assert_eq!(best_of_each(&t, &tried[..2], &[]), None);
         assert_eq!(best_of_each(&t, &[], &[]), None);
         assert_eq!(best_of_each(&t, &[state(0, 0, &[start, end]), state(1, 1, &[])], &[]), None);
     }
