@@ -79,6 +79,8 @@ pub enum Bare {
     Turned,
     /// Another part of the garment lies on them.
     NoRoom,
+    /// Others without a second layer are between them and the border.
+    CutOff,
 }
 
 /// Something the user should know that does not stop the work.
@@ -362,15 +364,15 @@ impl fmt::Display for Warning {
                         write!(f, "surface there; give both the same winding")
                     }
                     Bare::NoRoom => {
+                        write!(f, "on which another part of the garment lies, so that there is no room for a second ")?;
                         write!(
                             f,
-                            "on which another part of the garment lies, or which such faces cut off from the border, "
-                        )?;
-                        write!(
-                            f,
-                            "so that there is no room for a second layer; move them apart, put the layer on the "
-                        )?;
-                        write!(f, "other side, or take them out of its faces")
+                            "layer; move them apart, put the layer on the other side, or take them out of its faces"
+                        )
+                    }
+                    Bare::CutOff => {
+                        write!(f, "that others without a second layer cut off from the border, so that there is ")?;
+                        write!(f, "nothing to fold over; mend those, or set thickness.{thickness}.closed")
                     }
                 }
             }

@@ -96,9 +96,6 @@ const PART_BETWEEN: f32 = 0.8;
 /// is not quite where it was. Larger looks at more faces and finds no more.
 const NEAR: f32 = 0.7;
 
-/// Held vertices that are looked at in one go.
-const BLOCK: usize = 256;
-
 /// What an operator makes of a cage, but for the places of the points.
 pub struct Shape {
     /// The connectivity.
@@ -366,7 +363,7 @@ fn seen(shape: &Shape, child: &Level, parent: &Level) -> Table<CornerId> {
     let corner = |face: FaceId, v: VertexId| {
         parent.topology.faces.corners_of(face).find(|&c| parent.topology.faces.vertex(c) == v)
     };
-    let add = |(mut table, mut faces): (Table<CornerId>, Vec<FaceId>), held: &Held| {
+    Table::of(shape.held.par_iter(), Vec::new, |table, faces: &mut Vec<FaceId>, held| {
         let over = if let Role::Layer { over, .. } = held.role { over } else { held.vertex };
         faces.clear();
         faces.extend(vertex_corners.row(over).iter().map(|&c| derivation.parent_face(derivation.faces.face_of(c))));
@@ -376,8 +373,5 @@ fn seen(shape: &Shape, child: &Level, parent: &Level) -> Table<CornerId> {
         let sources = derivation.vertices.at(over.index());
         let pairs = faces.iter().flat_map(|&f| sources.iter().map(move |&(v, w)| (f, v, w)));
         table.push(pairs.filter_map(|(f, v, w)| Some((corner(f, v)?, w * share))));
-        (table, faces)
-    };
-    let blocks = shape.held.par_iter().fold_chunks(BLOCK, || (Table::default(), Vec::new()), add);
-    Table::joined(&blocks.map(|(table, _)| table).collect::<Vec<_>>())
+    })
 }

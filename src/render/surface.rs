@@ -21,32 +21,22 @@ const UNSEEN: f32 = -0.4;
 const OPPOSITE: f32 = 0.05;
 /// Turns of a normal, each some 25 degrees at most.
 const TURNS: usize = 8;
-/// Rows that are made in one go.
-const BLOCK: usize = 256;
 
 /// Limit positions of a level's vertices, as weighted sums of the cage's.
 pub fn limit_rows(level: &Level, vertices: impl IndexedParallelIterator<Item = VertexId>) -> Table<VertexId> {
     let refined = level.vertex_stencils();
-    let add = |mut rows: Rows, v| {
-        limit_row(level, &refined, v, &mut rows);
-        rows
-    };
-    let blocks = vertices.fold_chunks(BLOCK, || Rows::new(level.topology.vertex_count()), add);
-    Table::joined(&blocks.map(|rows| rows.table).collect::<Vec<_>>())
+    let last = || vec![0; level.topology.vertex_count()];
+    Table::of(vertices, last, |table, last, v| limit_row(level, &refined, v, &mut Rows { table, last }))
 }
 
 /// Rows that are summed source by source.
-struct Rows {
-    table: Table<VertexId>,
+struct Rows<'a> {
+    table: &'a mut Table<VertexId>,
     /// Where the last row that has a vertex has it.
-    last: Vec<u32>,
+    last: &'a mut [u32],
 }
 
-impl Rows {
-    fn new(vertices: usize) -> Self {
-        Self { table: Table::default(), last: vec![0; vertices] }
-    }
-
+impl Rows<'_> {
     fn add(&mut self, vertex: VertexId, weight: f32) {
         let last = &mut self.last[vertex.index()];
         *last = self.table.add(vertex, weight, *last);

@@ -140,7 +140,8 @@ impl Thickness {
     /// What is said of faces that get no second layer.
     fn warn(&self, cover: &Cover) -> Warnings {
         let mut warnings = Warnings::default();
-        for (left, why) in [(&cover.turned, Bare::Turned), (&cover.tight, Bare::NoRoom)] {
+        for (left, why) in [(&cover.turned, Bare::Turned), (&cover.tight, Bare::NoRoom), (&cover.cut_off, Bare::CutOff)]
+        {
             if !left.faces.is_empty() {
                 let (count, examples) = (left.faces.len(), super::examples(self.own_points, left.at.iter().copied()));
                 warnings.push(Warning::BareFaces { thickness: self.name.clone(), count, examples, why });
@@ -371,7 +372,7 @@ impl Operator for Thickness {
         let weights = weights.as_deref();
         let side = usize::from(self.sign() > 0.0);
         let room = |v: VertexId| clearance[v][side] / (self.options.amount * self.weight(weights, &[(v, 1.0)]));
-        let cover = Cover::new(t, chosen, self.options.closed, room);
+        let cover = Cover::new(t, &chosen, self.options.closed, room);
         let mut warnings = self.warn(&cover);
         let chosen = cover.chosen;
         let border: Vec<CornerId> = border(t, &chosen).collect();

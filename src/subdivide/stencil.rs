@@ -5,6 +5,8 @@ use rayon::prelude::*;
 
 /// Rows that one task works on; small enough to balance, large enough to pay for the task.
 const ROWS_PER_TASK: usize = 4096;
+/// Rows of a table that one task makes, which is more work.
+const ROWS_PER_BLOCK: usize = 256;
 
 /// For each child value the parent values that it is a weighted sum of.
 ///
@@ -151,6 +153,24 @@ impl<I: Copy> Table<I> {
                 end - 1
             }
         }
+    }
+
+    /// A table that some tasks make, each a block of rows, where `add` adds those of an item; each block has a `scratch`
+    /// of its own.
+    pub fn of<T, S: Send>(
+        items: impl IndexedParallelIterator<Item = T>,
+        scratch: impl Fn() -> S + Sync + Send,
+        add: impl Fn(&mut Self, &mut S, T) + Sync + Send,
+    ) -> Self
+    where
+        I: Send,
+    {
+        let start = || (Self::default(), scratch());
+        let blocks = items.fold_chunks(ROWS_PER_BLOCK, start, |(mut table, mut scratch), item| {
+            add(&mut table, &mut scratch, item);
+            (table, scratch)
+        });
+        Self::joined(&blocks.map(|(table, _)| table).collect::<Vec<_>>())
     }
 
     /// The rows of tables one after the other.

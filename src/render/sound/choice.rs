@@ -3,7 +3,7 @@
 //! A step back may mend one place and spoil another, as beside the free border of a layer. So where steps differ, each
 //! connected part has the one with the fewest faults there.
 
-use crate::mesh::{FaceId, IdVec, Topology, VertexId};
+use crate::mesh::{FaceId, Groups, IdVec, Topology, VertexId};
 use std::collections::BTreeMap;
 
 /// A state of a mesh while it is mended.
@@ -18,21 +18,23 @@ pub struct Tried {
 pub fn best_of_each(t: &Topology, tried: &[Tried], together: &[[VertexId; 2]]) -> Option<IdVec<VertexId, u8>> {
     let ([first, ..], Some(last)) = (tried, tried.last()) else { return None };
     let differs = |v: VertexId| first.steps[v] != last.steps[v];
-    let mut parts = Parts { above: first.steps.ids().collect() };
-    for face in first.steps.ids().filter(|&v| differs(v)).flat_map(|v| t.faces_at(v)) {
-        parts.join(t.faces.vertices_of(face).iter().copied().filter(|&v| differs(v)));
-    }
-    together.iter().for_each(|pair| parts.join(pair.iter().copied().filter(|&v| differs(v))));
-    let of_pair = |pair: &[FaceId; 2]| pair.map(|f| t.faces.vertices_of(f)).into_iter().flatten().copied();
-    for pair in tried.iter().flat_map(|state| &state.pairs) {
-        parts.join(of_pair(pair).filter(|&v| differs(v)));
-    }
-    // For each part, by the vertex that stands for it, the faults of each state.
+    let of_pair = |[a, b]: &[FaceId; 2]| [*a, *b].map(|f| t.faces.vertices_of(f)).into_iter().flatten().copied();
+    let mut parts: Groups<VertexId> = Groups::new(first.steps.len());
+    let mut join = |vertices: &mut dyn Iterator<Item = VertexId>| {
+        let mut vertices = vertices.filter(|&v| differs(v));
+        let Some(one) = vertices.next() else { return };
+        vertices.for_each(|v| _ = parts.join(one, v));
+    };
+    let near = first.steps.ids().filter(|&v| differs(v)).flat_map(|v| t.faces_at(v));
+    near.for_each(|face| join(&mut t.faces.vertices_of(face).iter().copied()));
+    together.iter().for_each(|pair| join(&mut pair.iter().copied()));
+    tried.iter().flat_map(|state| &state.pairs).for_each(|pair| join(&mut of_pair(pair)));
+    // For each part, by its first vertex, the faults of each state.
     let mut faults: BTreeMap<VertexId, Vec<usize>> = BTreeMap::new();
     for (state, of_state) in tried.iter().enumerate() {
         for pair in &of_state.pairs {
             if let Some(v) = of_pair(pair).find(|&v| differs(v)) {
-                faults.entry(parts.part(v)).or_insert_with(|| vec![0; tried.len()])[state] += 1;
+                faults.entry(parts.first(v)).or_insert_with(|| vec![0; tried.len()])[state] += 1;
             }
         }
     }
@@ -43,35 +45,8 @@ pub fn best_of_each(t: &Topology, tried: &[Tried], together: &[[VertexId; 2]]) -
     if (0..tried.len()).any(|state| total(state) == fewest) {
         return None;
     }
-    let steps = |v: VertexId| choice.get(&parts.part(v)).map_or(first, |&state| &tried[state]).steps[v];
+    let steps = |v: VertexId| choice.get(&parts.first(v)).map_or(first, |&state| &tried[state]).steps[v];
     Some(first.steps.ids().map(steps).collect())
-}
-
-/// Vertices in parts that are joined one by one.
-struct Parts {
-    above: IdVec<VertexId, VertexId>,
-}
-
-impl Parts {
-    /// The vertex that stands for a vertex's part.
-    fn part(&mut self, mut v: VertexId) -> VertexId {
-        while self.above[v] != v {
-            self.above[v] = self.above[self.above[v]];
-            v = self.above[v];
-        }
-        v
-    }
-
-    /// Makes one part of those of some vertices.
-    fn join(&mut self, vertices: impl Iterator<Item = VertexId>) {
-        let mut one: Option<VertexId> = None;
-        for v in vertices {
-            let part = self.part(v);
-            let other = one.unwrap_or(part);
-            self.above[part.max(other)] = part.min(other);
-            one = Some(part.min(other));
-        }
-    }
 }
 
 #[cfg(test)]

@@ -124,7 +124,8 @@ impl Skin<'_> {
     /// Whether a plane across the normal of `f` parts two faces.
     #[inline]
     fn is_apart(&self, f: &Piece, g: &Piece) -> bool {
-        are_apart(f.heights, heights(self.cells(g), f.normal))
+        let ((a, b), (c, d)) = (f.heights, heights(self.cells(g), f.normal));
+        b < c || d < a
     }
 
     /// Whether a plane across the line between their centres parts two faces, which have no more in common than what is
@@ -231,34 +232,20 @@ impl Plane {
 /// The lanes of `b` with a child that no axis, of a few that may, parts from a quad that has this normal.
 #[inline]
 fn meeting(quad: &[Vec3; 4], normal: Vec3, b: &Cell) -> Lanes {
-    let along = |axis: Vec3| {
-        let (low, high) = heights_of(quad, axis);
-        Ranges { low: Vec4::splat(low), high: Vec4::splat(high) }.that_meet(&b.heights(axis))
-    };
     let own = quad.map(Four::splat);
     let centres = Four::splat(b.centre);
-    let along_each = |axes: &Four| {
+    let along = |axes: &Four| {
         let of_b = [&b.corners, &b.middles, &b.befores, &centres].map(|points| points.dots(axes));
         Ranges::of(own.map(|point| point.dots(axes))).that_meet(&Ranges::of(of_b))
     };
     let middles = b.corners.plus(&centres).minus(&own[0]).minus(&own[2]);
-    along(normal) & along_each(&b.normals) & along_each(&middles)
-}
-
-/// The range of a quad along an axis.
-fn heights_of(quad: &[Vec3; 4], axis: Vec3) -> (f32, f32) {
-    let [a, b, c, d] = quad.map(|p| p.dot(axis));
-    (a.min(b).min(c.min(d)), a.max(b).max(c.max(d)))
+    along(&Four::splat(normal)) & along(&b.normals) & along(&middles)
 }
 
 /// The lanes of a cell whose children have a larger number than `number`, where the first has the number `first`.
 fn after(number: usize, first: usize) -> Lanes {
     let passed = (number + 1).saturating_sub(first).min(LANES);
     ALL & !((1 << passed) - 1)
-}
-
-fn are_apart((a, b): (f32, f32), (c, d): (f32, f32)) -> bool {
-    b < c || d < a
 }
 
 /// Whether triangles without a common vertex pass through each other, given with the sides of the other one's plane that

@@ -122,13 +122,6 @@ impl Cell {
         Boxes::of([&self.corners, &self.middles, &self.befores, &Four::splat(self.centre)])
     }
 
-    /// The ranges of the children along an axis.
-    #[inline]
-    pub fn heights(&self, axis: Vec3) -> Ranges {
-        let centre = Vec4::splat(self.centre.dot(axis));
-        Ranges::of([self.corners.dot(axis), self.middles.dot(axis), self.befores.dot(axis), centre])
-    }
-
     /// Twice their areas, as vectors.
     #[inline]
     fn areas(&self) -> Four {

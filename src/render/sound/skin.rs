@@ -102,15 +102,17 @@ impl<'a> Skin<'a> {
 
     /// Adds faces whose children are in their places.
     fn extend(&mut self, faces: &[FaceId]) {
-        let formed = |&face: &FaceId| Piece::new(self.level, self.numbering, face, |v| self.refined[v]);
-        let mut pieces: Vec<Piece> = faces.par_iter().with_min_len(BLOCK).map(|face| formed(face).0).collect();
-        for piece in pieces.iter_mut().filter(|piece| piece.valence > LANES) {
-            piece.more = self.more.len();
-            self.more.extend(Piece::new(self.level, self.numbering, piece.face, |v| self.refined[v]).1);
+        let Self { level, numbering, refined, pieces, places, more, .. } = self;
+        let formed = |face: FaceId| Piece::new(level, *numbering, face, |v| refined[v]);
+        let first = pieces.len();
+        pieces.par_extend(faces.par_iter().with_min_len(BLOCK).map(|&face| formed(face).0));
+        for (place, piece) in pieces.iter_mut().enumerate().skip(first) {
+            places[piece.face] = place as u32;
+            if piece.valence > LANES {
+                piece.more = more.len();
+                more.extend(formed(piece.face).1);
+            }
         }
-        let places = self.pieces.len() as u32..;
-        faces.iter().zip(places).for_each(|(&face, place)| self.places[face] = place);
-        if self.pieces.is_empty() { self.pieces = pieces } else { self.pieces.extend(pieces) }
     }
 
     /// Whether something is known of a face.

@@ -96,12 +96,9 @@ impl Tree {
     pub fn pairs(&self, active: &[usize], test: impl Fn(usize, usize) -> bool + Sync) -> Vec<[usize; 2]> {
         let search = Search { tree: self, active: self.lanes_of(active), test };
         let mut parts = vec![Pair { level: self.levels.len() - 1, groups: [0, 0], bounds: Bounds::ALL }];
-        while parts.len() < PARTS && parts[0].level > 0 {
+        while parts.len() < PARTS && parts.first().is_some_and(|pair| pair.level > 0) {
             let mut below = Vec::new();
             parts.iter().for_each(|pair| search.below(pair, &mut |pair| below.push(pair)));
-            if below.is_empty() {
-                return Vec::new();
-            }
             parts = below;
         }
         let found = |pair: &Pair| {

@@ -1,6 +1,6 @@
 //! Which faces a second layer can cover.
 
-use crate::mesh::{FaceId, IdVec, Topology, VertexId};
+use crate::mesh::{FaceId, Groups, IdVec, Topology, VertexId};
 use std::collections::BTreeSet;
 
 /// Room as a share of the layer's distance below which there is none: another part of the garment lies on the surface.
@@ -15,12 +15,14 @@ pub struct Cover {
     pub chosen: IdVec<FaceId, bool>,
     /// Faces beside some that look the other way, where the layer would have to pass through the surface.
     pub turned: Left,
-    /// Faces that another part of the garment lies on, with those around as far as there is little room. Those that are
-    /// cut off from the border with them are here, or with the others where there are none.
+    /// Faces that another part of the garment lies on, with those around as far as there is little room.
     pub tight: Left,
+    /// Faces that the others cut off from the border, so that there is nothing to fold over.
+    pub cut_off: Left,
 }
 
 /// Faces that have no second layer.
+#[derive(Default)]
 pub struct Left {
     /// The faces.
     pub faces: Vec<FaceId>,
@@ -31,10 +33,10 @@ pub struct Left {
 impl Cover {
     /// What of the chosen faces can be covered, where `room` is how far a layer may go at a vertex, as a share of how far
     /// it is to go. Where it `is_closed`, a layer may be without a fold at a border.
-    pub fn new(t: &Topology, mut chosen: IdVec<FaceId, bool>, is_closed: bool, room: impl Fn(VertexId) -> f32) -> Self {
-        let at_border = at_border(t, &chosen);
+    pub fn new(t: &Topology, asked: &IdVec<FaceId, bool>, is_closed: bool, room: impl Fn(VertexId) -> f32) -> Self {
+        let mut chosen = asked.clone();
         let turns = turning_over(t);
-        let mut turned = Left::taken(t, &mut chosen, |v| turns[v]);
+        let turned = Left::taken(t, &mut chosen, |v| turns[v]);
         let mut tight = Left::taken(t, &mut chosen, |v| room(v) < NONE);
         let mut next = 0;
         while next < tight.faces.len() {
@@ -45,14 +47,14 @@ impl Cover {
             }
             next += 1;
         }
-        if !is_closed {
-            let still = self::at_border(t, &chosen);
-            let cut_off: Vec<FaceId> = chosen.ids().filter(|&f| chosen[f] && at_border[f] && !still[f]).collect();
-            cut_off.iter().for_each(|&f| chosen[f] = false);
-            let left = if tight.faces.is_empty() { &mut turned } else { &mut tight };
-            left.faces.extend(cut_off);
+        let mut cut_off = Left::default();
+        if !is_closed && chosen != *asked {
+            let (before, after) = (at_border(t, asked), at_border(t, &chosen));
+            cut_off.faces = chosen.ids().filter(|&f| chosen[f] && before[f] && !after[f]).collect();
+            cut_off.at = cut_off.faces.iter().flat_map(|&f| t.faces.vertices_of(f)).copied().collect();
+            cut_off.faces.iter().for_each(|&f| chosen[f] = false);
         }
-        Self { chosen, turned, tight }
+        Self { chosen, turned, tight, cut_off }
     }
 }
 
@@ -68,18 +70,17 @@ impl Left {
 
 /// The chosen faces that are joined to the border of the mesh, by others if not themselves.
 fn at_border(t: &Topology, chosen: &IdVec<FaceId, bool>) -> IdVec<FaceId, bool> {
-    let is_at_border = |f: FaceId| chosen[f] && t.faces.corners_of(f).any(|c| t.is_border(t.corner_edge[c]));
-    let mut joined: IdVec<FaceId, bool> = chosen.ids().map(is_at_border).collect();
-    let mut next: Vec<FaceId> = joined.ids().filter(|&f| joined[f]).collect();
-    while let Some(face) = next.pop() {
-        let beside = t.faces.corners_of(face).flat_map(|c| t.edge_corners.row(t.corner_edge[c]));
-        for other in beside.map(|&c| t.faces.face_of(c)) {
-            if chosen[other] && !std::mem::replace(&mut joined[other], true) {
-                next.push(other);
-            }
-        }
+    let mut groups: Groups<FaceId> = Groups::new(chosen.len());
+    let mut is_at_border = IdVec::filled(false, chosen.len());
+    for edge in t.edges.ids() {
+        let mut faces = t.edge_corners.row(edge).iter().map(|&c| t.faces.face_of(c)).filter(|&f| chosen[f]);
+        let Some(face) = faces.next() else { continue };
+        is_at_border[face] |= t.is_border(edge);
+        faces.for_each(|other| _ = groups.join(face, other));
     }
-    joined
+    let mut joined = IdVec::filled(false, chosen.len());
+    chosen.ids().filter(|&f| is_at_border[f]).for_each(|f| joined[groups.first(f)] = true);
+    chosen.ids().map(|f| joined[groups.first(f)]).collect()
 }
 
 /// Vertices at which the second layer ends and the first goes on.
@@ -126,12 +127,12 @@ mod tests {
         let (t, all) = (row(8), IdVec::filled(true, 8));
         // None at one end, ever more to the other; little in the middle alone is no reason.
         let rooms = [0.0, 0.3, 0.5, 0.9, 2.0, 0.3, 2.0, 2.0, 2.0];
-        let cover = Cover::new(&t, all.clone(), false, |v| rooms[v.index() / 2]);
+        let cover = Cover::new(&t, &all, false, |v| rooms[v.index() / 2]);
         assert_eq!(numbers(&cover.tight.faces), [0, 1, 2]);
         assert_eq!(cover.tight.at.iter().map(|v| v.index()).collect::<Vec<_>>(), [0, 1, 2, 3, 4, 5]);
         assert!(cover.turned.faces.is_empty());
         assert_eq!(cover.chosen.iter().filter(|&&chosen| chosen).count(), 5);
-        let none = Cover::new(&t, all, false, |_| f32::INFINITY);
+        let none = Cover::new(&t, &all, false, |_| f32::INFINITY);
         assert!(none.tight.faces.is_empty() && none.chosen.iter().all(|&chosen| chosen));
     }
 
@@ -139,7 +140,7 @@ mod tests {
     fn faces_that_were_not_chosen_are_not_counted() {
         let t = row(4);
         let chosen = [false, false, true, true].into_iter().collect();
-        let cover = Cover::new(&t, chosen, false, |_| 0.0);
+        let cover = Cover::new(&t, &chosen, false, |_| 0.0);
         assert_eq!(numbers(&cover.tight.faces), [2, 3]);
         assert!(cover.chosen.iter().all(|&chosen| !chosen));
     }
@@ -157,10 +158,17 @@ mod tests {
         let is_border = |v: VertexId| [v.index() % (n + 1), v.index() / (n + 1)].iter().any(|&i| i == 0 || i == n);
         let room = |v: VertexId| if is_border(v) { 0.0 } else { 2.0 };
         let all = IdVec::filled(true, n * n);
-        let left = |is_closed| Cover::new(&t, all.clone(), is_closed, room).tight.faces.len();
-        assert_eq!((left(false), left(true)), (n * n, 4 * (n - 1)));
+        let left = |is_closed| {
+            let cover = Cover::new(&t, &all, is_closed, room);
+            [&cover.tight, &cover.cut_off].map(|left| (left.faces.len(), left.at.len()))
+        };
+        let (rim, middle) = ((4 * (n - 1), 4 * n), ((n - 2) * (n - 2), (n - 1) * (n - 1)));
+        assert_eq!((left(false), left(true)), ([rim, middle], [rim, (0, 0)]));
         // Nothing was taken from what has no border from the start.
         let middle: IdVec<FaceId, bool> = (0..n * n).map(|i| i == n + 1).collect();
-        assert!(Cover::new(&t, middle, false, |_| 2.0).tight.faces.is_empty());
+        let room = |v: VertexId| if v.index() == 0 { 0.0 } else { 2.0 };
+        let both: IdVec<FaceId, bool> = (0..n * n).map(|i| i == 0 || i == n + 1).collect();
+        assert!(Cover::new(&t, &middle, false, |_| 2.0).cut_off.faces.is_empty());
+        assert_eq!(Cover::new(&t, &both, false, room).chosen.iter().filter(|&&chosen| chosen).count(), 1);
     }
 }
