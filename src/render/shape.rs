@@ -92,9 +92,9 @@ pub struct Held {
 const PART_OF_ROOM: f32 = 0.5;
 /// Part of the distance of two layers that a later operator may take on either.
 const PART_BETWEEN: f32 = 0.8;
-/// Room as a share of the largest height below which a face that has all its height is looked at too: the limit surface
-/// is not quite where it was. Larger looks at more faces and finds no more.
-const NEAR: f32 = 0.7;
+/// Heights below which another layer is near: it may be raised too, and the limit surface is not quite where it was. Less
+/// misses some that cross, and more looks at more faces and finds no others.
+const NEAR: f32 = 3.0;
 
 /// What an operator makes of a cage, but for the places of the points.
 pub struct Shape {
@@ -263,7 +263,7 @@ impl Formed {
             pairs: &self.pairs,
             order: &self.order,
             moved: &self.moved,
-            doubtful: &self.doubtful(&raises, &ground.placed.rooms),
+            near: &self.near(&asked, &ground.placed.rooms),
         };
         let sound = sound(&kin, &States { linear: &linear, flat: &flat, raised: &raised });
         placed.points = sound.points;
@@ -276,15 +276,14 @@ impl Formed {
         (placed, warnings)
     }
 
-    /// Faces that moved and have another layer near, or less height than asked.
-    fn doubtful(&self, raises: &[Raise], rooms: &IdVec<VertexId, Room>) -> IdVec<FaceId, bool> {
-        let near = NEAR * raises.iter().map(|raise| raise.height.abs()).fold(0.0, f32::max);
-        let mut doubtful: Vec<bool> = rooms.iter().map(|room| room.iter().any(|&r| r < near)).collect();
-        let low = self.shape.held.iter().zip(raises).filter(|(_, raise)| raise.is_least);
-        low.for_each(|(held, _)| doubtful[held.vertex.index()] = true);
+    /// Faces with another layer near on the side to which they are raised.
+    fn near(&self, asked: &[f32], rooms: &IdVec<VertexId, Room>) -> IdVec<FaceId, bool> {
+        let mut is_near: IdVec<VertexId, bool> = IdVec::filled(false, rooms.len());
+        for (held, asked) in self.shape.held.iter().zip(asked) {
+            is_near[held.vertex] |= rooms[held.vertex][usize::from(*asked > 0.0)] < NEAR * asked.abs();
+        }
         let faces = &self.shape.derivation.faces;
-        let is_doubtful = |f: FaceId| faces.vertices_of(f).iter().any(|v| doubtful[v.index()]);
-        self.moved.enumerated().map(|(f, moved)| *moved && is_doubtful(f)).collect()
+        faces.ids().map(|f| faces.vertices_of(f).iter().any(|&v| is_near[v])).collect()
     }
 
     fn settling(&self) -> Settling<'_> {

@@ -23,14 +23,14 @@ const FRONT: &str = "front";
 type Known = [(&'static str, [usize; 3])];
 
 /// Faces that look away from the front of the garment at their place.
-const TURNED: &Known = &[("male_worksuit01.usdc", [1, 1, 20]), ("shoes01.usdc", [0, 0, 2])];
+const TURNED: &Known = &[("male_worksuit01.usdc", [1, 1, 16]), ("shoes01.usdc", [0, 0, 2])];
 
 /// Pairs of faces of the garment whose children cross.
 const CROSSING: &Known = &[
     ("coat.usda", [0, 34, 34]),
     ("fedora.usdc", [0, 0, 1]),
     ("female_elegantsuit01.usdc", [0, 0, 2]),
-    ("male_worksuit01.usdc", [0, 0, 6]),
+    ("male_worksuit01.usdc", [0, 0, 2]),
 ];
 
 fn known(table: &Known, name: &str) -> [usize; 3] {

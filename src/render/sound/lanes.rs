@@ -16,9 +16,8 @@ pub struct Four {
 
 impl Four {
     #[inline]
-    pub fn new(points: [Vec3; 4]) -> Self {
-        let [x, y, z] = [0, 1, 2].map(|k| Vec4::from_array(points.map(|p| p[k])));
-        Self { x, y, z }
+    pub fn new([a, b, c, d]: [Vec3; 4]) -> Self {
+        Self { x: Vec4::new(a.x, b.x, c.x, d.x), y: Vec4::new(a.y, b.y, c.y, d.y), z: Vec4::new(a.z, b.z, c.z, d.z) }
     }
 
     /// One number everywhere.

@@ -1,7 +1,6 @@
 //! Operators make no face cross another, or turn over, that did not before: where one would, its heights are reduced
-//! step by step, first to almost nothing, then together with the fit to the limit surface. What is turned over steps back
-//! first, as it is found without a search for pairs. Only faces are looked at that have another layer near, less height than
-//! asked, or a bend: others are sound by how they are made.
+//! step by step, first to almost nothing, then together with the fit to the limit surface. Only faces are looked at that
+//! have another layer near where they go, or a bend: others are sound by how they are made.
 //!
 //! A face is looked at with its four children at once, in the lanes of vector registers (`lanes`, `piece`), and faces that
 //! are near each other are near in memory (`tree::order`).
@@ -22,7 +21,7 @@ pub use skin::Skin;
 pub use tree::order;
 
 use super::derivation::Derivation;
-use crate::mesh::{FaceId, IdVec, VertexId};
+use crate::mesh::{FaceId, IdVec, Topology, VertexId};
 use crate::subdivide::{Cage, Level, Lineage};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -32,8 +31,8 @@ pub const LEAST_SHARE: f32 = 0.1;
 /// Parts of the rest of the height that are left after each step, and whether the fit is. Finer steps leave more of both,
 /// and take longer.
 const STEPS: [(f32, bool); 4] = [(1.0, true), (0.3, true), (0.0, true), (0.0, false)];
-/// Steps back of what is turned over before crossings are looked for. More lower heights that need not be.
-const TURNS: usize = 2;
+/// Searches at most: one for each step, and one for what is in another's way only after some. More find nearly nothing.
+const SEARCHES: usize = 5;
 /// Steps by which a neighbour may be behind. More makes the change from full height more sudden.
 const SLACK: u8 = 2;
 /// Cosine between the normals of a face with and without its moves below which it is looked at.
@@ -74,8 +73,8 @@ pub struct Kin<'a> {
     pub order: &'a [FaceId],
     /// Faces that may have moved.
     pub moved: &'a IdVec<FaceId, bool>,
-    /// Those of them that may have become unsound. Others do so only where they bend.
-    pub doubtful: &'a IdVec<FaceId, bool>,
+    /// Those that have another layer near where they may have gone. Others become unsound only where they bend.
+    pub near: &'a IdVec<FaceId, bool>,
 }
 
 /// Sound points.
@@ -91,13 +90,12 @@ pub struct Sound {
 /// The points, with as much of their heights as leaves the mesh sound.
 pub fn sound(kin: &Kin, states: &States) -> Sound {
     let mut mending = Mending::new(kin, states);
-    mending.turn_back();
-    let mut tried: Vec<Tried> = Vec::with_capacity(STEPS.len() + 1);
+    let mut tried: Vec<Tried> = Vec::with_capacity(SEARCHES + 1);
     let mut pairs: Vec<[FaceId; 2]> = Vec::new();
-    while tried.len() < STEPS.len() {
+    while tried.len() < SEARCHES {
         mending.search(&mut pairs);
         tried.push(Tried { steps: mending.steps.clone(), pairs: pairs.clone() });
-        let is_last = tried.len() == STEPS.len();
+        let is_last = tried.len() == SEARCHES;
         if is_last || !mending.step_to(stepped_on(kin, &mending.steps, &faces_of(&pairs))) {
             break;
         }
@@ -125,7 +123,9 @@ struct Mending<'a> {
     /// How far each vertex has stepped back.
     steps: IdVec<VertexId, u8>,
     points: IdVec<VertexId, Vec3>,
-    /// Faces that may have become unsound with the last step, in their order.
+    /// Faces whose children moved with the last step, in their order.
+    moved: Vec<FaceId>,
+    /// Those of them that may cross others now, in their order.
     active: Vec<FaceId>,
 }
 
@@ -135,12 +135,11 @@ impl<'a> Mending<'a> {
         let skin = Skin::new(kin.child, &points, kin.order);
         let before = Skin::bare(kin.parent);
         let normals = linear_normals(kin.child.level(), states.linear);
-        let is_active = |&f: &FaceId| {
-            kin.moved[f] && (kin.doubtful[f] || skin.is_bent(f) || skin.normal(f).dot(normals[f]) < ONE_WAY)
-        };
-        let active = (0..kin.moved.len()).into_par_iter().map(FaceId::new).filter(is_active).collect();
+        let is_active =
+            |&f: &FaceId| kin.moved[f] && (kin.near[f] || skin.is_bent(f) || skin.normal(f).dot(normals[f]) < ONE_WAY);
+        let active: Vec<FaceId> = (0..kin.moved.len()).into_par_iter().map(FaceId::new).filter(is_active).collect();
         let steps = IdVec::filled(0, points.len());
-        Self { kin, states, skin, before, normals, steps, points, active }
+        Self { kin, states, skin, before, normals, steps, points, moved: active.clone(), active }
     }
 
     /// The points where each vertex has stepped back so far.
@@ -150,28 +149,20 @@ impl<'a> Mending<'a> {
         Sound { points: self.points, shares: steps.iter().map(share).collect(), faults }
     }
 
-    /// Takes steps back at what is turned over. Most of what crosses is, too, and this is found without a search for pairs.
-    fn turn_back(&mut self) {
-        let mut all = self.active.clone();
-        for _ in 0..TURNS {
-            let turned = self.turned();
-            if !self.step_to(stepped_on(self.kin, &self.steps, &turned)) {
-                break;
-            }
-            all.extend(&self.active);
-        }
-        self.active = each_once(all);
-    }
-
     /// Has each vertex step back so far; whether any did before by another step.
     fn step_to(&mut self, steps: IdVec<VertexId, u8>) -> bool {
         if steps == self.steps {
             return false;
         }
-        let moved = self.move_to(&steps);
+        let vertices = self.move_to(&steps);
         self.steps = steps;
-        self.active = reached(self.kin.child.level(), moved.into_iter());
-        self.skin.update(&self.points, &self.active);
+        let t = &self.kin.child.level().topology;
+        let own = faces_at(t, vertices.iter().copied());
+        self.moved = touching(t, &own);
+        self.skin.update(&self.points, &self.moved);
+        // Of the children of those around, a few move a little.
+        let is_active = |f: &FaceId| self.kin.near[*f] || own.binary_search(f).is_ok();
+        self.active = self.moved.iter().copied().filter(is_active).collect();
         true
     }
 
@@ -189,14 +180,16 @@ impl<'a> Mending<'a> {
 
     /// Brings the pairs of faces that were found before up to date.
     fn search(&mut self, pairs: &mut Vec<[FaceId; 2]>) {
-        // Faces that did not move are as they were.
+        // Faces that did not move are as they were; what crossed and did is looked at again.
+        let moved = pairs.iter().flatten().copied().filter(|f| self.moved.binary_search(f).is_ok());
+        self.active = each_once(self.active.iter().copied().chain(moved).collect());
         pairs.retain(|pair| pair.iter().all(|f| self.active.binary_search(f).is_err()));
         pairs.extend(self.faults());
     }
 
-    /// Active faces that are turned over, and were not before.
+    /// Faces that moved and are turned over, and were not before.
     fn turned(&mut self) -> Vec<FaceId> {
-        let mut turned = self.skin.turned(&self.active, &self.normals);
+        let mut turned = self.skin.turned(&self.moved, &self.normals);
         self.know(&turned);
         let parent_face = |f: FaceId| self.kin.derivation.parent_face(f);
         turned.retain(|&f| {
@@ -285,14 +278,17 @@ fn stepped_on(kin: &Kin, steps: &IdVec<VertexId, u8>, faults: &[FaceId]) -> IdVe
     steps
 }
 
-/// The faces whose children move with some vertices, in their order: those at them, and the faces that touch those.
-fn reached(level: &Level, vertices: impl Iterator<Item = VertexId>) -> Vec<FaceId> {
-    let t = &level.topology;
-    let mut near = Marks::new(t.vertex_count());
-    for face in vertices.flat_map(|v| t.faces_at(v)) {
-        t.faces.vertices_of(face).iter().for_each(|&v| near.add(v));
-    }
+/// Some faces and those that touch them, in their order: their children are made of the same points.
+fn touching(t: &Topology, faces: &[FaceId]) -> Vec<FaceId> {
+    let mut vertices = Marks::new(t.vertex_count());
+    faces.iter().flat_map(|&f| t.faces.vertices_of(f)).for_each(|&v| vertices.add(v));
+    faces_at(t, vertices.list.into_iter())
+}
+
+/// The faces at some vertices, in their order.
+fn faces_at(t: &Topology, vertices: impl Iterator<Item = VertexId>) -> Vec<FaceId> {
     let mut faces = Marks::new(t.faces.len());
-    near.list.iter().flat_map(|&v| t.faces_at(v)).for_each(|face| faces.add(face));
-    each_once(faces.list)
+    vertices.flat_map(|v| t.faces_at(v)).for_each(|face| faces.add(face));
+    faces.list.sort_unstable();
+    faces.list
 }

@@ -106,13 +106,13 @@ impl<'a> Skin<'a> {
         let formed = |face: FaceId| Piece::new(level, *numbering, face, |v| refined[v]);
         let first = pieces.len();
         pieces.par_extend(faces.par_iter().with_min_len(BLOCK).map(|&face| formed(face).0));
-        for (place, piece) in pieces.iter_mut().enumerate().skip(first) {
-            places[piece.face] = place as u32;
-            if piece.valence > LANES {
-                piece.more = more.len();
-                more.extend(formed(piece.face).1);
-            }
+        let large: Vec<usize> = (first..pieces.len()).filter(|&place| pieces[place].valence > LANES).collect();
+        let cells: Vec<Vec<Cell>> = large.par_iter().map(|&place| formed(pieces[place].face).1).collect();
+        for (place, cells) in large.into_iter().zip(cells) {
+            pieces[place].more = more.len();
+            more.extend(cells);
         }
+        pieces[first..].iter().zip(first as u32..).for_each(|(piece, place)| places[piece.face] = place);
     }
 
     /// Whether something is known of a face.
