@@ -90,9 +90,9 @@ impl Skin<'_> {
     }
 
     /// Whether quads that touch cannot cross, as they look to one side. Of the narrow triangles where a seam ends, one may
-    /// pass another all the same.
+    /// pass another all the same, and so may two faces at a vertex across a fold.
     fn is_one_sided(&self, f: &Piece, g: &Piece, axis: Vec3) -> bool {
-        if f.valence != LANES || g.valence != LANES {
+        if f.valence != LANES || g.valence != LANES || f.normal.dot(g.normal) < 0.0 {
             return false;
         }
         let is_even = f.spread.min(g.spread) > 0.9 && f.normal.dot(axis) > 0.6;
