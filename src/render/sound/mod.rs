@@ -159,7 +159,7 @@ impl<'a> Mending<'a> {
         let t = &self.kin.child.level().topology;
         let own = faces_at(t, vertices.iter().copied());
         self.moved = touching(t, &own);
-        self.skin.update(&self.points, &self.moved);
+        self.skin.update(&self.points, &own, &self.moved);
         // Of the children of those around, a few move a little.
         let is_active = |f: &FaceId| self.kin.near[*f] || own.binary_search(f).is_ok();
         self.active = self.moved.iter().copied().filter(is_active).collect();
@@ -278,7 +278,7 @@ fn stepped_on(kin: &Kin, steps: &IdVec<VertexId, u8>, faults: &[FaceId]) -> IdVe
     steps
 }
 
-/// Some faces and those that touch them, in their order: their children are made of the same points.
+/// Some faces and those that touch them, in their order.
 fn touching(t: &Topology, faces: &[FaceId]) -> Vec<FaceId> {
     let mut vertices = Marks::new(t.vertex_count());
     faces.iter().flat_map(|&f| t.faces.vertices_of(f)).for_each(|&v| vertices.add(v));

@@ -58,10 +58,11 @@ impl<'a> Skin<'a> {
         self.extend(faces);
     }
 
-    /// Takes the children of some faces to where the cage's points put them now.
-    pub fn update(&mut self, points: &IdVec<VertexId, Vec3>, faces: &[FaceId]) {
-        self.refine(points, faces);
-        let mut places: Vec<usize> = faces.iter().map(|&face| self.place(face)).collect();
+    /// Takes the children to where the cage's points put them now, where those of some faces moved. `touching` are these
+    /// faces and all that have a vertex in common with them, and so some children.
+    pub fn update(&mut self, points: &IdVec<VertexId, Vec3>, moved: &[FaceId], touching: &[FaceId]) {
+        self.refine(points, moved);
+        let mut places: Vec<usize> = touching.iter().map(|&face| self.place(face)).collect();
         places.sort_unstable();
         let (level, numbering, refined) = (self.level, self.numbering, &self.refined);
         let of_block = |(number, pieces): (usize, &mut [Piece])| {
