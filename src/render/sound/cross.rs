@@ -5,7 +5,7 @@
 
 use super::lanes::{Boxes, Four, Lanes, Ranges, each};
 use super::piece::{Cell, LANES, Piece, heights};
-use super::skin::Skin;
+use super::skin::{EVEN, Skin};
 use super::tree::{Bounds, Tree};
 use crate::mesh::{CornerId, FaceId, VertexId};
 use glam::{DVec3, Vec3, Vec4};
@@ -95,8 +95,7 @@ impl Skin<'_> {
         if f.valence != LANES || g.valence != LANES || f.normal.dot(g.normal) < 0.0 {
             return false;
         }
-        let is_even = f.spread.min(g.spread) > 0.9 && f.normal.dot(axis) > 0.6;
-        is_even || [f, g].iter().all(|piece| self.all_look(piece, axis, ONE_SIDED))
+        f.spread.min(g.spread) > EVEN || [f, g].iter().all(|piece| self.all_look(piece, axis, ONE_SIDED))
     }
 
     /// Whether a plane along `axis`, through an edge of `f` at what it has in common with `g`, parts the two.

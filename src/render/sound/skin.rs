@@ -9,7 +9,7 @@ use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
 /// Cosine between a face's normal and a child's below which it is bent. Larger looks at more faces.
-const EVEN: f32 = 0.9;
+pub const EVEN: f32 = 0.9;
 /// A child that looks this far to the other side is turned over, as a cosine. Nearer to 0 takes the overhang of a steep
 /// flank for one.
 const TURNED: f32 = -0.1;
