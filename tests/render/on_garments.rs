@@ -23,7 +23,7 @@ const FRONT: &str = "front";
 type Known = [(&'static str, [usize; 3])];
 
 /// Faces that look away from the front of the garment at their place.
-const TURNED: &Known = &[("male_worksuit01.usdc", [1, 1, 16]), ("shoes01.usdc", [0, 0, 2])];
+const TURNED: &Known = &[("male_worksuit01.usdc", [1, 1, 15]), ("shoes01.usdc", [0, 0, 2])];
 
 /// Pairs of faces of the garment whose children cross.
 const CROSSING: &Known = &[

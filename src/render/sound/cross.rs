@@ -14,6 +14,9 @@ use glam::{DVec3, Vec3, Vec4};
 const ALL: Lanes = (1 << LANES) - 1;
 /// Cosine of the angle to the plane below which normals count as on its other side. Larger looks at more faces closely.
 const ONE_SIDED: f32 = 0.1;
+/// Cosine between the normals of two faces below which they may cross at a vertex, whatever lies between them there.
+/// Larger looks at more of them closely.
+const ACROSS: f32 = 0.5;
 
 /// A cell of a face, of which some children are near another face.
 struct Part<'a> {
@@ -92,7 +95,7 @@ impl Skin<'_> {
     /// Whether quads that touch cannot cross, as they look to one side. Of the narrow triangles where a seam ends, one may
     /// pass another all the same, and so may two faces at a vertex across a fold.
     fn is_one_sided(&self, f: &Piece, g: &Piece, axis: Vec3) -> bool {
-        if f.valence != LANES || g.valence != LANES || f.normal.dot(g.normal) < 0.0 {
+        if f.valence != LANES || g.valence != LANES || f.normal.dot(g.normal) < ACROSS {
             return false;
         }
         f.spread.min(g.spread) > EVEN || [f, g].iter().all(|piece| self.all_look(piece, axis, ONE_SIDED))
@@ -275,4 +278,38 @@ fn edges_pierce(a: &[DVec3; 3], side: &[f64; 3], &[p, q, r]: &[DVec3; 3]) -> boo
         let inside = |u: DVec3, v: DVec3| (v - u).cross(x - u).dot(normal) >= 0.0;
         inside(p, q) && inside(q, r) && inside(r, p)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::garment::{Garment, Scheme, SubdivisionRules};
+    use crate::mesh::{FaceId, Faces, VertexId};
+    use crate::render::sound::Skin;
+    use crate::subdivide::Cage;
+    use glam::Vec3;
+
+    /// What crosses of a quad on the ground and one that stands on its first vertex and goes there by `run` and `rise`.
+    fn crossings(run: f32, rise: f32) -> Vec<[FaceId; 2]> {
+        let at = |along: f32, z: f32| Vec3::new(run * along, 0.8 * run * along, z + rise * along);
+        let standing = [at(0.5, -0.6), at(1.0, -0.1), at(0.5, 0.4)];
+        let points = [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y].into_iter().chain(standing);
+        let corners: Vec<VertexId> = [0, 1, 2, 3, 0, 4, 5, 6].map(VertexId::new).to_vec();
+        let cage = Cage::new(Garment {
+            points: points.collect(),
+            faces: Faces::quads(corners),
+            rules: SubdivisionRules { scheme: Scheme::Bilinear, ..SubdivisionRules::default() },
+            ..Garment::default()
+        });
+        let all = [0, 1].map(FaceId::new);
+        Skin::new(&cage, &cage.garment().points, &all).crossings(&all)
+    }
+
+    #[test]
+    fn faces_that_meet_at_a_vertex_may_cross_there() {
+        let both = [0, 1].map(FaceId::new);
+        assert_eq!(crossings(1.0, 0.0), [both]);
+        assert_eq!(crossings(1.0, -0.2), [both]);
+        assert!(crossings(-1.0, 0.0).is_empty());
+        assert!(crossings(1.0, 2.0).is_empty());
+    }
 }
