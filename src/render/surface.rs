@@ -32,7 +32,7 @@ pub fn limit_rows(level: &Level, vertices: impl IndexedParallelIterator<Item = V
 /// Rows that are summed source by source.
 struct Rows<'a> {
     table: &'a mut Table<VertexId>,
-    /// Where the last row that has a vertex has it.
+    /// Where the last row that has a vertex may have it, in this table or another.
     last: &'a mut [u32],
 }
 

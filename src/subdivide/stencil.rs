@@ -155,9 +155,9 @@ impl<I: Copy> Table<I> {
         }
     }
 
-    /// A table that some tasks make, each a block of rows, where `add` adds those of an item; each block has a `scratch`
-    /// of its own.
-    pub fn of<T, S: Send>(
+    /// A table that some tasks make, each some blocks of rows, where `add` adds those of an item. A task has one `scratch`,
+    /// which must not matter to what is added.
+    pub fn of<T: Send, S>(
         items: impl IndexedParallelIterator<Item = T>,
         scratch: impl Fn() -> S + Sync + Send,
         add: impl Fn(&mut Self, &mut S, T) + Sync + Send,
@@ -165,12 +165,12 @@ impl<I: Copy> Table<I> {
     where
         I: Send,
     {
-        let start = || (Self::default(), scratch());
-        let blocks = items.fold_chunks(ROWS_PER_BLOCK, start, |(mut table, mut scratch), item| {
-            add(&mut table, &mut scratch, item);
-            (table, scratch)
-        });
-        Self::joined(&blocks.map(|(table, _)| table).collect::<Vec<_>>())
+        let of_block = |scratch: &mut S, block: Vec<T>| {
+            let mut table = Self::default();
+            block.into_iter().for_each(|item| add(&mut table, scratch, item));
+            table
+        };
+        Self::joined(&items.chunks(ROWS_PER_BLOCK).map_init(scratch, of_block).collect::<Vec<_>>())
     }
 
     /// The rows of tables one after the other.

@@ -21,7 +21,7 @@ pub use skin::Skin;
 pub use tree::order;
 
 use super::derivation::Derivation;
-use crate::mesh::{FaceId, IdVec, Topology, VertexId};
+use crate::mesh::{FaceId, Id, IdVec, Topology, VertexId};
 use crate::subdivide::{Cage, Level, Lineage};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -157,11 +157,11 @@ impl<'a> Mending<'a> {
         let vertices = self.move_to(&steps);
         self.steps = steps;
         let t = &self.kin.child.level().topology;
-        let own = faces_at(t, vertices.iter().copied());
-        self.moved = touching(t, &own);
-        self.skin.update(&self.points, &own, &self.moved);
+        let at = faces_at(t, vertices.iter().copied());
+        self.moved = touching(t, &at);
+        self.skin.update(&self.points, &at, &self.moved);
         // Of the children of those around, a few move a little.
-        let is_active = |f: &FaceId| self.kin.near[*f] || own.binary_search(f).is_ok();
+        let is_active = |f: &FaceId| self.kin.near[*f] || at.binary_search(f).is_ok();
         self.active = self.moved.iter().copied().filter(is_active).collect();
         true
     }
@@ -238,20 +238,18 @@ fn faces_of(pairs: &[[FaceId; 2]]) -> Vec<FaceId> {
     each_once(pairs.iter().flatten().copied().collect())
 }
 
-/// Faces in their order, each once.
-fn each_once(mut faces: Vec<FaceId>) -> Vec<FaceId> {
-    faces.sort_unstable();
-    faces.dedup();
-    faces
+/// Elements in their order, each once.
+fn each_once<I: Id>(mut all: Vec<I>) -> Vec<I> {
+    all.sort_unstable();
+    all.dedup();
+    all
 }
 
 /// The steps after one more at the vertices of `faults`, and as many at their neighbours as keep the change even.
 fn stepped_on(kin: &Kin, steps: &IdVec<VertexId, u8>, faults: &[FaceId]) -> IdVec<VertexId, u8> {
     let t = &kin.child.level().topology;
     let last = STEPS.len() as u8 - 1;
-    let mut marked: Vec<VertexId> = faults.iter().flat_map(|&f| t.faces.vertices_of(f)).copied().collect();
-    marked.sort_unstable();
-    marked.dedup();
+    let mut marked: Vec<VertexId> = each_once(faults.iter().flat_map(|&f| t.faces.vertices_of(f)).copied().collect());
     marked.retain(|&v| steps[v] < last);
     let mut steps = steps.clone();
     marked.iter().for_each(|&v| steps[v] += 1);

@@ -58,10 +58,10 @@ impl<'a> Skin<'a> {
         self.extend(faces);
     }
 
-    /// Takes the children to where the cage's points put them now, where those of some faces moved. `touching` are these
-    /// faces and all that have a vertex in common with them, and so some children.
-    pub fn update(&mut self, points: &IdVec<VertexId, Vec3>, moved: &[FaceId], touching: &[FaceId]) {
-        self.refine(points, moved);
+    /// Takes the children to where the cage's points put them now. `at` are the faces with a point that has moved: all that
+    /// move are children of these. `touching` has them and the faces that share some of those children.
+    pub fn update(&mut self, points: &IdVec<VertexId, Vec3>, at: &[FaceId], touching: &[FaceId]) {
+        self.refine(points, at);
         let mut places: Vec<usize> = touching.iter().map(|&face| self.place(face)).collect();
         places.sort_unstable();
         let (level, numbering, refined) = (self.level, self.numbering, &self.refined);
