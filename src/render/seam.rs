@@ -301,14 +301,7 @@ impl Operator for Seams {
     }
 
     fn unsound(&self, shape: &Shape, faces: &[FaceId]) -> Warning {
-        let there: BTreeSet<VertexId> =
-            faces.iter().flat_map(|&f| shape.derivation.faces.vertices_of(f)).copied().collect();
-        let instances = |held: &Held| match &held.role {
-            Role::Centre { instances, .. } => instances.clone(),
-            Role::Line { instance, .. } => vec![*instance],
-            _ => Vec::new(),
-        };
-        let of: BTreeSet<usize> = shape.held.iter().filter(|h| there.contains(&h.vertex)).flat_map(instances).collect();
+        let of = seams_at(shape, faces);
         let names: Vec<String> = of.iter().map(|&i| format!("seam.{}", self.seams[i].0)).collect();
         let examples = super::examples(self.own_points, shape.sources(faces));
         Warning::Unsound { operator: names.join(", "), count: faces.len(), examples }
@@ -336,7 +329,78 @@ impl Operator for Seams {
     }
 }
 
+/// The seams at some faces, or the next ones, by their places among the instances.
+fn seams_at(shape: &Shape, faces: &[FaceId]) -> BTreeSet<usize> {
+    let instances = |held: &Held| match &held.role {
+        Role::Centre { instances, .. } => instances.clone(),
+        Role::Line { instance, .. } => vec![*instance],
+        _ => Vec::new(),
+    };
+    let all = &shape.derivation.faces;
+    let mut there: BTreeSet<VertexId> = faces.iter().flat_map(|&f| all.vertices_of(f)).copied().collect();
+    loop {
+        let of: BTreeSet<usize> = shape.held.iter().filter(|h| there.contains(&h.vertex)).flat_map(instances).collect();
+        let touches = |f: &FaceId| all.vertices_of(*f).iter().any(|v| there.contains(v));
+        let wider: BTreeSet<VertexId> = all.ids().filter(touches).flat_map(|f| all.vertices_of(f)).copied().collect();
+        if !of.is_empty() || wider.len() == there.len() {
+            return of;
+        }
+        there = wider;
+    }
+}
+
 /// Whether a scheme has faces that seams can be cut into.
 pub(super) fn is_supported(scheme: Scheme) -> bool {
     scheme != Scheme::Loop
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::Faces;
+    use crate::render::sound::OPEN;
+    use crate::subdivide::Lineage;
+
+    #[test]
+    fn faults_beside_a_seam_name_the_next_one() {
+        // A strip of quads with a seam across it near each end.
+        let (length, at) = (12, |x: usize, y: usize| VertexId::new(2 * x + y));
+        let quads = (0..length).flat_map(|x| [at(x, 0), at(x + 1, 0), at(x + 1, 1), at(x, 1)]);
+        let subset = |name: &str, x: usize| Subset {
+            name: name.into(),
+            family: String::new(),
+            elements: Elements::Edges(vec![[at(x, 0), at(x, 1)]]),
+            sharpness: None,
+        };
+        let points = (0..=length).flat_map(|x| [0.0, 1.0].map(|y| Vec3::new(x as f32, y, 0.0)));
+        let garment = Garment {
+            points: points.collect(),
+            faces: Faces::quads(quads.collect::<Vec<_>>()),
+            subsets: vec![subset("first", 2), subset("second", 10)].into(),
+            ..Garment::default()
+        };
+        let seam = |name: &str| {
+            (name.to_owned(), SeamOptions { edges: vec![name.to_owned()], width: 0.3, ..SeamOptions::default() })
+        };
+        let points = garment.points.len();
+        let seams = Seams::new(vec![seam("first"), seam("second")], Context { points, names_sets: false });
+        let shape = seams.shape(&Cage::new(garment), &IdVec::filled(OPEN, points)).expect("a shape");
+        let name = |face: FaceId| match seams.unsound(&shape, &[face]) {
+            Warning::Unsound { operator, .. } => operator,
+            other => panic!("{other}"),
+        };
+        let middle = |f: FaceId| {
+            let parents = shape.derivation.parent_face(f).index();
+            (parents as f32 + 0.5) / length as f32
+        };
+        for face in shape.derivation.faces.ids() {
+            if middle(face) < 0.4 {
+                assert_eq!(name(face), "seam.first");
+            } else if middle(face) > 0.6 {
+                assert_eq!(name(face), "seam.second");
+            } else {
+                assert!(!name(face).is_empty());
+            }
+        }
+    }
 }
