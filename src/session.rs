@@ -199,7 +199,11 @@ impl Stages for Kept<'_> {
         options: &impl serde::Serialize,
         make: impl FnOnce() -> Result<V, Error> + Send,
     ) -> Result<Arc<V>, Error> {
-        self.session.memo.get(&self.opened.key(name, options)?, || self.session.pool.install(make))
+        self.session.memo.get(&self.opened.key(name, options)?, || self.make(make))
+    }
+
+    fn make<V: Send>(&self, make: impl FnOnce() -> V + Send) -> V {
+        self.session.pool.install(make)
     }
 }
 

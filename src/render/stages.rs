@@ -38,6 +38,9 @@ pub trait Stages: Sync {
         options: &impl Serialize,
         make: impl FnOnce() -> Result<V, Error> + Send,
     ) -> Result<Arc<V>, Error>;
+
+    /// Makes what is never kept.
+    fn make<V: Send>(&self, make: impl FnOnce() -> V + Send) -> V;
 }
 
 /// Every stage is made, and none is kept.
@@ -50,8 +53,12 @@ impl Stages for Afresh {
         _: &impl Serialize,
         make: impl FnOnce() -> Result<V, Error> + Send,
     ) -> Result<Arc<V>, Error> {
+        self.make(make).map(Arc::new)
+    }
+
+    fn make<V: Send>(&self, make: impl FnOnce() -> V + Send) -> V {
         // Within the pool, where a loop need not be handed over to it.
-        rayon::scope(|_| make()).map(Arc::new)
+        rayon::scope(|_| make())
     }
 }
 
@@ -210,13 +217,27 @@ impl<'a, S: Stages> Plan<'a, S> {
             })?;
             placed.push(Arc::clone(&last));
         }
-        let mut points = Arc::new(last.value.points.clone());
-        for step in 1..=self.stack.level {
+        Ok(Points { last: self.refined_points(&last.value.points, cages)?, placed })
+    }
+
+    /// The points after the refinements. Those of the last one go into the mesh and are not kept by themselves.
+    fn refined_points(
+        &self,
+        points: &IdVec<VertexId, Vec3>,
+        cages: &Receiver<Base>,
+    ) -> Result<IdVec<VertexId, Vec3>, Error> {
+        let mut kept: Option<Arc<IdVec<VertexId, Vec3>>> = None;
+        for step in 1..self.stack.level {
             let cage = received(cages)?;
-            let refined = || Ok(cage.cage().refined_points(&points));
-            points = self.stages.get("level points", &(&self.options, step), refined)?;
+            let refined = || Ok(cage.cage().refined_points(kept.as_deref().unwrap_or(points)));
+            kept = Some(self.stages.get("level points", &(&self.options, step), refined)?);
         }
-        Ok(Points { placed, last: Arc::unwrap_or_clone(points) })
+        let points = kept.as_deref().unwrap_or(points);
+        if self.stack.level == 0 {
+            return Ok(points.clone());
+        }
+        let cage = received(cages)?;
+        Ok(self.stages.make(|| cage.cage().refined_points(points)))
     }
 }
 

@@ -225,7 +225,8 @@ impl Cage {
         let refinement = Refinement::new(&self.level, self.channels());
         let faces = refinement.faces.clone();
         let carry = || carry(&self.garment, self.influences.as_deref(), &refinement);
-        let ((garment, influences), level) = rayon::join(carry, || split::child_level(&self.level, faces));
+        let ((mut garment, influences), level) = rayon::join(carry, || split::child_level(&self.level, faces));
+        garment.points = IdVec::filled(Vec3::ZERO, level.topology.vertex_count());
         let level = Arc::new(level);
         // Values of a refined channel are in the order of the primvar's rows.
         let channel = |c: RefinedChannel| PrimvarChannel { channel: c.child.into_channel(&level), rows: None };
@@ -288,8 +289,8 @@ impl Cage {
         self
     }
 
-    /// The garment of the cage refined once, without its points as in [`Cage::refined`]: the last step, which needs no
-    /// connectivity of what it makes.
+    /// The garment of the cage refined once, without points: they go by [`Cage::refined_points`]. It is the last step,
+    /// which needs no connectivity of what it makes.
     pub fn refined_garment(&self) -> Garment {
         let refinement = Refinement::new(&self.level, self.channels());
         let (garment, influences) = carry(&self.garment, self.influences.as_deref(), &refinement);

@@ -63,15 +63,15 @@ pub fn carried_points<S: Stencils<Source = VertexId>>(
     stencils.apply(rows).into_iter().map(Vec3::from).collect()
 }
 
-/// A garment through a lineage, but for its points.
+/// A garment through a lineage, without points.
 pub(super) fn carry<L: Lineage>(
     garment: &Garment,
     influences: Option<&[Influences]>,
     lineage: &L,
 ) -> (Garment, Option<Vec<Influences>>) {
     let carry = Carry::new(garment, lineage);
-    let frame = || carry.frame(IdVec::filled(Vec3::ZERO, lineage.vertex().rows()));
-    let (frame, (primvars, influences)) = rayon::join(frame, || carry.attributes(influences));
+    let (frame, (primvars, influences)) =
+        rayon::join(|| carry.frame(IdVec::default()), || carry.attributes(influences));
     (Garment { primvars: primvars.into(), ..frame }, influences)
 }
 
