@@ -98,8 +98,8 @@ impl Stack {
         Ok(Self { operators, names, level: options.level, warnings })
     }
 
-    /// The furthest that an operator goes from the surface of a garment, rounded up, so that what depends on it need not change with
-    /// each edit. \[stage units\]
+    /// The furthest that an operator goes from the surface of a garment, rounded up, so that what depends on it need not
+    /// change with each edit. \[stage units\]
     pub fn reach(&self, garment: &Garment) -> f32 {
         let furthest = self.operators.iter().map(|o| o.reach(garment)).fold(0.0, f32::max);
         if furthest > 0.0 { (0.25 * (4.0 * furthest.log2()).ceil()).exp2() } else { 0.0 }

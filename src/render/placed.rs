@@ -32,7 +32,7 @@ impl Placed {
             let rooms = IdVec::filled(OPEN, points.len());
             return Self { points, rooms };
         }
-        let mut of_faces = Skin::new(cage, &points, &order(&t.faces, &points)).gaps(REACH * height);
+        let mut of_faces = Skin::new(cage, &points, &order(&t.faces, &points), None).gaps(REACH * height);
         if cage.garment().orientation == Orientation::LeftHanded {
             of_faces.iter_mut().for_each(|gap| gap.reverse());
         }

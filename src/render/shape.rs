@@ -157,6 +157,8 @@ pub struct Formed {
     from: Vec<usize>,
     /// Vertices with their copies.
     pairs: Vec<[VertexId; 2]>,
+    /// Vertices on marked edges.
+    marked: IdVec<VertexId, bool>,
     /// Edges of the second layer, by their held vertices.
     between: Vec<[usize; 2]>,
     /// Faces whose points may move.
@@ -206,6 +208,7 @@ impl Formed {
             _ => None,
         };
         let (pairs, moved) = (shape.held.iter().filter_map(pair).collect(), moved(&shape));
+        let marked = shape.index(|role| matches!(role, Role::Centre { .. })).iter().map(Option::is_some).collect();
         let order = order(&cage.level().topology.faces, &cage.garment().points);
         let (from, between) = (measured_from(&shape, cage.level()), layer_edges(&shape, cage.level()));
         Ok(Self {
@@ -219,6 +222,7 @@ impl Formed {
             seen,
             from,
             pairs,
+            marked,
             between,
             moved,
             order,
@@ -261,6 +265,7 @@ impl Formed {
             parent_points: &ground.parent,
             derivation: &self.shape.derivation,
             pairs: &self.pairs,
+            marked: &self.marked,
             order: &self.order,
             moved: &self.moved,
             near: &self.near(&asked, &ground.placed.rooms),

@@ -4,8 +4,8 @@
 //! itself): faces that touch are looked at closely only where that fails.
 
 use super::lanes::{Boxes, Four, Lanes, Ranges, each};
-use super::piece::{Cell, LANES, Piece, heights};
-use super::skin::{EVEN, Skin};
+use super::piece::{Cell, EVEN, LANES, Piece, heights};
+use super::skin::Skin;
 use super::tree::{Bounds, Tree};
 use crate::mesh::{CornerId, FaceId, VertexId};
 use glam::{DVec3, Vec3, Vec4};
@@ -71,6 +71,9 @@ impl Skin<'_> {
             return f.spread < ONE_SIDED && self.children_cross(f, g);
         }
         if self.touch(f, g) {
+            if are_even(f, g) {
+                return false;
+            }
             let axis = (f.normal + g.normal).normalize_or_zero();
             return !self.is_one_sided(f, g, axis)
                 && !self.are_beside(f, g)
@@ -84,7 +87,7 @@ impl Skin<'_> {
     /// Whether two faces have a vertex in common.
     #[inline]
     pub(super) fn touch(&self, f: &Piece, g: &Piece) -> bool {
-        if f.valence == LANES && g.valence == LANES {
+        if f.valence <= LANES && g.valence <= LANES {
             // All at once is faster than to stop at the first.
             return f.vertices.iter().fold(false, |any, v| g.vertices.iter().fold(any, |any, w| any | (v == w)));
         }
@@ -92,10 +95,10 @@ impl Skin<'_> {
         a.iter().any(|v| b.contains(v))
     }
 
-    /// Whether quads that touch cannot cross, as they look to one side. Of the narrow triangles where a seam ends, one may
+    /// Whether faces that touch cannot cross, as they look to one side. Of the narrow triangles where a seam ends, one may
     /// pass another all the same, and so may two faces at a vertex across a fold.
     fn is_one_sided(&self, f: &Piece, g: &Piece, axis: Vec3) -> bool {
-        if f.valence != LANES || g.valence != LANES || f.normal.dot(g.normal) < ACROSS {
+        if f.is_narrow || g.is_narrow || f.normal.dot(g.normal) < ACROSS {
             return false;
         }
         f.spread.min(g.spread) > EVEN || [f, g].iter().all(|piece| self.all_look(piece, axis, ONE_SIDED))
@@ -204,6 +207,12 @@ impl Skin<'_> {
     }
 }
 
+/// Whether faces that touch are sound by how they are made.
+#[inline]
+fn are_even(f: &Piece, g: &Piece) -> bool {
+    f.is_even && g.is_even && f.normal.dot(g.normal) >= ACROSS
+}
+
 /// A plane that may part two faces.
 struct Plane {
     from: Vec3,
@@ -301,7 +310,29 @@ mod tests {
             ..Garment::default()
         });
         let all = [0, 1].map(FaceId::new);
-        Skin::new(&cage, &cage.garment().points, &all).crossings(&all)
+        Skin::new(&cage, &cage.garment().points, &all, None).crossings(&all)
+    }
+
+    #[test]
+    fn a_narrow_triangle_may_pass_a_flat_face_that_it_touches() {
+        let pentagon = [[0.0, 0.0], [2.0, -1.0], [3.0, 0.5], [2.0, 2.0], [0.5, 1.5]];
+        let points = pentagon.map(|[x, y]| Vec3::new(x, y, 0.0));
+        let across = |rise: f32| [Vec3::new(1.0, 0.2, rise), Vec3::new(1.0, 0.35, -0.6 * rise)];
+        let crossings = |rise: f32| {
+            let cage = Cage::new(Garment {
+                points: points.into_iter().chain(across(rise)).collect(),
+                faces: Faces::mixed([5, 3], [0, 1, 2, 3, 4, 0, 5, 6].map(VertexId::new).to_vec()),
+                rules: SubdivisionRules { scheme: Scheme::Bilinear, ..SubdivisionRules::default() },
+                ..Garment::default()
+            });
+            let all = [0, 1].map(FaceId::new);
+            let looks = Some(all.map(|_| Vec3::Z).into_iter().collect());
+            let mut skin = Skin::new(&cage, &cage.garment().points, &all, looks);
+            let narrow = all.into_iter().filter(|&face| !skin.is_even(face)).collect::<Vec<_>>();
+            (skin.crossings(&narrow), narrow)
+        };
+        let [pentagon, triangle] = [0, 1].map(FaceId::new);
+        assert_eq!(crossings(0.02), (vec![[pentagon, triangle]], vec![triangle]));
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Operators make no face cross another, or turn over, that did not before: where one would, its heights are reduced
 //! step by step, first to almost nothing, then together with the fit to the limit surface. Only faces are looked at that
-//! have another layer near where they go, or a bend: others are sound by how they are made.
+//! have another layer near where they go, a bend, or a corner so narrow that they may pass a neighbour in its plane: others
+//! are sound by how they are made.
 //!
 //! A face is looked at with its four children at once, in the lanes of vector registers (`lanes`, `piece`), and faces that
 //! are near each other are near in memory (`tree::order`).
@@ -31,12 +32,6 @@ pub const LEAST_SHARE: f32 = 0.1;
 /// Parts of the rest of the height that are left after each step, and whether the fit is. Finer steps leave more of both,
 /// and take longer.
 const STEPS: [(f32, bool); 4] = [(1.0, true), (0.3, true), (0.0, true), (0.0, false)];
-/// Searches at most: one for each step, and one for what is in another's way only after some. More find nearly nothing.
-const SEARCHES: usize = 5;
-/// Steps by which a neighbour may be behind. More makes the change from full height more sudden.
-const SLACK: u8 = 2;
-/// Cosine between the normals of a face with and without its moves below which it is looked at.
-const ONE_WAY: f32 = 0.5;
 /// Cosine from which on faces of the parent count as turned themselves.
 const ALREADY_TURNED: f32 = 0.3;
 
@@ -69,11 +64,13 @@ pub struct Kin<'a> {
     pub derivation: &'a Derivation,
     /// Pairs of a vertex and its copy, which keep together.
     pub pairs: &'a [[VertexId; 2]],
+    /// Vertices on marked edges.
+    pub marked: &'a IdVec<VertexId, bool>,
     /// The child's faces in an order in which neighbours are near.
     pub order: &'a [FaceId],
     /// Faces that may have moved.
     pub moved: &'a IdVec<FaceId, bool>,
-    /// Those that have another layer near where they may have gone. Others become unsound only where they bend.
+    /// Those that have another layer near where they may have gone. Others may be unsound only where they are not even.
     pub near: &'a IdVec<FaceId, bool>,
 }
 
@@ -90,13 +87,15 @@ pub struct Sound {
 /// The points, with as much of their heights as leaves the mesh sound.
 pub fn sound(kin: &Kin, states: &States) -> Sound {
     let mut mending = Mending::new(kin, states);
-    let mut tried: Vec<Tried> = Vec::with_capacity(SEARCHES + 1);
+    mending.turn_back();
+    let mut tried: Vec<Tried> = Vec::with_capacity(STEPS.len() + 1);
     let mut pairs: Vec<[FaceId; 2]> = Vec::new();
-    while tried.len() < SEARCHES {
+    // More find nearly nothing.
+    while tried.len() < STEPS.len() {
         mending.search(&mut pairs);
         tried.push(Tried { steps: mending.steps.clone(), pairs: pairs.clone() });
-        let is_last = tried.len() == SEARCHES;
-        if is_last || !mending.step_to(stepped_on(kin, &mending.steps, &faces_of(&pairs))) {
+        let is_last = tried.len() == STEPS.len();
+        if is_last || !mending.step_to(mending.stepped_on(&pairs)) {
             break;
         }
     }
@@ -118,28 +117,39 @@ struct Mending<'a> {
     skin: Skin<'a>,
     /// The parent's skin, as far as it was asked about.
     before: Skin<'a>,
-    /// Normals where the weights alone put the faces.
-    normals: IdVec<FaceId, Vec3>,
     /// How far each vertex has stepped back.
     steps: IdVec<VertexId, u8>,
     points: IdVec<VertexId, Vec3>,
     /// Faces whose children moved with the last step, in their order.
     moved: Vec<FaceId>,
-    /// Those of them that may cross others now, in their order.
+    /// Those of them that may be unsound now, in their order.
     active: Vec<FaceId>,
 }
 
 impl<'a> Mending<'a> {
     fn new(kin: &'a Kin<'a>, states: &'a States<'a>) -> Self {
         let points = states.raised.clone();
-        let skin = Skin::new(kin.child, &points, kin.order);
-        let before = Skin::bare(kin.parent);
         let normals = linear_normals(kin.child.level(), states.linear);
-        let is_active =
-            |&f: &FaceId| kin.moved[f] && (kin.near[f] || skin.is_bent(f) || skin.normal(f).dot(normals[f]) < ONE_WAY);
-        let active: Vec<FaceId> = (0..kin.moved.len()).into_par_iter().map(FaceId::new).filter(is_active).collect();
-        let steps = IdVec::filled(0, points.len());
-        Self { kin, states, skin, before, normals, steps, points, moved: active.clone(), active }
+        let skin = Skin::new(kin.child, &points, kin.order, Some(normals));
+        let (before, steps) = (Skin::bare(kin.parent), IdVec::filled(0, points.len()));
+        let mut mending = Self { kin, states, skin, before, steps, points, moved: Vec::new(), active: Vec::new() };
+        mending.see(kin.moved.ids().filter(|&f| kin.moved[f]).collect());
+        mending
+    }
+
+    /// Notes what moved, and what of it may be unsound.
+    fn see(&mut self, moved: Vec<FaceId>) {
+        let is_doubtful = |&f: &FaceId| self.kin.near[f] || !self.skin.is_even(f);
+        self.active = moved.iter().copied().filter(is_doubtful).collect();
+        self.moved = moved;
+    }
+
+    /// Steps back at what is turned over. Most of what crosses is there too, and this is found without a search for pairs.
+    fn turn_back(&mut self) {
+        let turned: Vec<[FaceId; 2]> = self.turned().into_iter().map(|f| [f, f]).collect();
+        let moved = self.moved.clone();
+        self.step_to(self.stepped_on(&turned));
+        self.see(moved);
     }
 
     /// The points where each vertex has stepped back so far.
@@ -158,12 +168,28 @@ impl<'a> Mending<'a> {
         self.steps = steps;
         let t = &self.kin.child.level().topology;
         let at = faces_at(t, vertices.iter().copied());
-        self.moved = touching(t, &at);
-        self.skin.update(&self.points, &at, &self.moved);
-        // Of the children of those around, a few move a little.
-        let is_active = |f: &FaceId| self.kin.near[*f] || at.binary_search(f).is_ok();
-        self.active = self.moved.iter().copied().filter(is_active).collect();
+        let moved = touching(t, &at);
+        self.skin.update(&self.points, &at, &moved);
+        self.see(moved);
         true
+    }
+
+    /// The steps after one more at the vertices of what crosses, and of what is turned over with what touches it. A marked
+    /// edge steps back for its own faces only.
+    fn stepped_on(&self, pairs: &[[FaceId; 2]]) -> IdVec<VertexId, u8> {
+        let t = &self.kin.child.level().topology;
+        let turned: Vec<[FaceId; 2]> = pairs.iter().copied().filter(|[f, g]| f == g).collect();
+        let vertices_of = |faces: Vec<FaceId>| faces.into_iter().flat_map(|face| t.faces.vertices_of(face)).copied();
+        let around = vertices_of(touching(t, &faces_of(&turned))).filter(|&v| !self.kin.marked[v]);
+        let mut steps = self.steps.clone();
+        for vertex in around.chain(vertices_of(faces_of(pairs))) {
+            steps[vertex] = (self.steps[vertex] + 1).min(STEPS.len() as u8 - 1);
+        }
+        for &[vertex, copy] in self.kin.pairs {
+            let most = steps[vertex].max(steps[copy]);
+            (steps[vertex], steps[copy]) = (most, most);
+        }
+        steps
     }
 
     /// Moves the points to where vertices are that have stepped back so far; those that have moved.
@@ -187,9 +213,9 @@ impl<'a> Mending<'a> {
         pairs.extend(self.faults());
     }
 
-    /// Faces that moved and are turned over, and were not before.
+    /// Faces that are turned over, and were not before. No even one is.
     fn turned(&mut self) -> Vec<FaceId> {
-        let mut turned = self.skin.turned(&self.moved, &self.normals);
+        let mut turned = self.skin.turned(&self.active);
         self.know(&turned);
         let parent_face = |f: FaceId| self.kin.derivation.parent_face(f);
         turned.retain(|&f| {
@@ -243,37 +269,6 @@ fn each_once<I: Id>(mut all: Vec<I>) -> Vec<I> {
     all.sort_unstable();
     all.dedup();
     all
-}
-
-/// The steps after one more at the vertices of `faults`, and as many at their neighbours as keep the change even.
-fn stepped_on(kin: &Kin, steps: &IdVec<VertexId, u8>, faults: &[FaceId]) -> IdVec<VertexId, u8> {
-    let t = &kin.child.level().topology;
-    let last = STEPS.len() as u8 - 1;
-    let mut marked: Vec<VertexId> = each_once(faults.iter().flat_map(|&f| t.faces.vertices_of(f)).copied().collect());
-    marked.retain(|&v| steps[v] < last);
-    let mut steps = steps.clone();
-    marked.iter().for_each(|&v| steps[v] += 1);
-    let mut front = marked;
-    while !front.is_empty() {
-        let mut next: Vec<VertexId> = Vec::new();
-        for &vertex in &front {
-            let least = steps[vertex].saturating_sub(SLACK);
-            for face in t.faces_at(vertex) {
-                for &other in t.faces.vertices_of(face) {
-                    if steps[other] < least {
-                        steps[other] = least;
-                        next.push(other);
-                    }
-                }
-            }
-        }
-        front = next;
-    }
-    for &[vertex, copy] in kin.pairs {
-        let most = steps[vertex].max(steps[copy]);
-        (steps[vertex], steps[copy]) = (most, most);
-    }
-    steps
 }
 
 /// Some faces and those that touch them, in their order.

@@ -2,12 +2,19 @@
 
 use super::lanes::{Boxes, Four, Lanes, Ranges, each};
 use super::tree::Bounds;
-use crate::mesh::{CornerId, FaceId, VertexId};
+use crate::mesh::{FaceId, IdVec, VertexId};
 use crate::subdivide::{Level, Numbering};
 use glam::{Vec3, Vec4};
 
 /// Children of a cell.
 pub const LANES: usize = 4;
+
+/// Cosine between a face's normal and a child's below which it is bent. Larger looks at more faces.
+pub const EVEN: f32 = 0.9;
+/// Cosine between the normals of a face with and without its moves below which it is looked at.
+const ONE_WAY: f32 = 0.5;
+/// Cosine of a corner's angle above which a triangle is narrow: it may pass a neighbour in the plane of both.
+const NARROW: f32 = 0.9;
 
 /// Four children of a face, in lanes: all that a quad has. Lanes without a child repeat the last one.
 #[derive(Clone, Copy)]
@@ -45,55 +52,90 @@ pub struct Piece {
     pub bounds: Bounds,
     /// The first children.
     pub cell: Cell,
+    /// Whether it is sound where no other layer is near.
+    pub is_even: bool,
+    /// Whether it is a triangle that may pass a neighbour in the plane of both.
+    pub is_narrow: bool,
     /// Where the skin has the other cells, if there are any.
     pub more: usize,
 }
 
-impl Piece {
-    /// A face with its children, whose vertices are `at` places, and the cells of those after the first.
-    pub fn new(level: &Level, numbering: Numbering, face: FaceId, at: impl Fn(VertexId) -> Vec3) -> (Self, Vec<Cell>) {
-        let t = &level.topology;
-        let (first, valence) = (t.faces.range(face).start, t.faces.valence(face));
-        let centre = at(numbering.of_face(face));
-        let corner = |i: usize| CornerId::new(first + i);
-        let middle = |i: usize| at(numbering.of_edge(t.corner_edge[corner(i)]));
-        let cell = |start: usize| {
-            let child = |lane: usize| (start + lane).min(valence - 1);
-            let middles: [Vec3; LANES] = std::array::from_fn(|lane| middle(child(lane)));
-            let before = |lane: usize| {
-                let edge = if child(lane) == 0 { valence - 1 } else { child(lane) - 1 };
-                middles.get(edge.wrapping_sub(start)).copied().unwrap_or_else(|| middle(edge))
-            };
-            let corners = std::array::from_fn(|lane| at(numbering.of_vertex(t.faces.vertex(corner(child(lane))))));
-            let befores = std::array::from_fn(before);
-            Cell::new(corners, middles, befores, centre, (valence - start).min(LANES))
-        };
-        let (own, more) = (cell(0), (LANES..valence).step_by(LANES).map(cell).collect::<Vec<_>>());
-        let mut vertices = [t.faces.vertex(corner(0)); LANES];
-        (1..LANES.min(valence)).for_each(|i| vertices[i] = t.faces.vertex(corner(i)));
-        let cells = || std::iter::once(&own).chain(&more);
-        let normal = cells().fold(Vec3::ZERO, |sum, cell| sum + cell.area()).normalize_or_zero();
-        let piece = Self {
+/// What pieces are made of.
+pub struct Former<'a> {
+    pub level: &'a Level,
+    pub numbering: Numbering,
+    /// The points of the first refinement.
+    pub refined: &'a IdVec<VertexId, Vec3>,
+    /// Where the faces look without their moves, if that is known.
+    pub looks: Option<&'a IdVec<FaceId, Vec3>>,
+}
+
+impl Former<'_> {
+    /// The cells of a face after the first.
+    pub fn others(&self, face: FaceId) -> Vec<Cell> {
+        let valence = self.level.topology.faces.valence(face);
+        (LANES..valence).step_by(LANES).map(|first| self.cell(face, first).0).collect()
+    }
+
+    /// A face whose cells after the first are in `all`, from `more` on.
+    pub fn piece(&self, face: FaceId, more: usize, all: &[Cell]) -> Piece {
+        let of_face = self.level.topology.faces.vertices_of(face);
+        let others = &all[more..more + others(of_face.len())];
+        let (cell, area) = self.cell(face, 0);
+        let cells = || std::iter::once(&cell).chain(others);
+        let normal = others.iter().fold(area, |sum, cell| sum + cell.area()).normalize_or_zero();
+        let spread = cells().map(|cell| cell.normals.dot(normal).min_element()).fold(1.0, f32::min);
+        let looks_right = self.looks.is_some_and(|looks| normal.dot(looks[face]) >= ONE_WAY);
+        let is_narrow = of_face.len() == 3 && cell.is_narrow();
+        Piece {
             face,
-            valence,
-            vertices,
+            valence: of_face.len(),
+            vertices: std::array::from_fn(|i| of_face[if i < of_face.len() { i } else { 0 }]),
             normal,
-            spread: cells().map(|cell| cell.normals.dot(normal).min_element()).fold(1.0, f32::min),
+            spread,
             heights: heights(cells(), normal),
             bounds: cells().map(|cell| cell.boxes().whole()).fold(Bounds::EMPTY, |all, b| all.and(&b)),
-            cell: own,
-            more: 0,
+            is_even: looks_right && spread >= EVEN && !is_narrow,
+            is_narrow,
+            cell,
+            more,
+        }
+    }
+
+    /// The children of a face from the one with this number on, and twice their area as a vector.
+    fn cell(&self, face: FaceId, first: usize) -> (Cell, Vec3) {
+        let t = &self.level.topology;
+        let (vertices, range) = (t.faces.vertices_of(face), t.faces.range(face));
+        let edges = &t.corner_edge.as_slice()[range];
+        let (last, count) = (vertices.len() - 1, (vertices.len() - first).min(LANES));
+        let child: [usize; LANES] = std::array::from_fn(|lane| (first + lane).min(last));
+        let corner = |i: usize| self.refined[self.numbering.of_vertex(vertices[i])];
+        let middle = |i: usize| self.refined[self.numbering.of_edge(edges[i])];
+        let middles = child.map(middle);
+        let before = |lane: usize| {
+            let edge = if child[lane] == 0 { last } else { child[lane] - 1 };
+            middles.get(edge.wrapping_sub(first)).copied().unwrap_or_else(|| middle(edge))
         };
-        (piece, more)
+        let centre = self.refined[self.numbering.of_face(face)];
+        Cell::new(child.map(corner), middles, std::array::from_fn(before), centre, count)
     }
 }
 
 impl Cell {
-    fn new(corners: [Vec3; 4], middles: [Vec3; 4], befores: [Vec3; 4], centre: Vec3, count: usize) -> Self {
+    /// The cell, and twice its area as a vector.
+    fn new(corners: [Vec3; 4], middles: [Vec3; 4], befores: [Vec3; 4], centre: Vec3, count: usize) -> (Self, Vec3) {
         let [corners, middles, befores] = [corners, middles, befores].map(Four::new);
         let mut cell = Self { corners, middles, befores, normals: Four::default(), centre, count };
-        cell.normals = cell.areas().normalize_or_zero();
-        cell
+        let areas = cell.areas();
+        cell.normals = areas.normalize_or_zero();
+        (cell, cell.sum(&areas))
+    }
+
+    /// Whether the triangle that this is all of is narrow.
+    fn is_narrow(&self) -> bool {
+        let [a, b, c] = [0, 1, 2].map(|i| self.corners.at(i));
+        let [ab, bc, ca] = [b - a, c - b, a - c].map(Vec3::normalize_or_zero);
+        (-ca.dot(ab)).max(-ab.dot(bc)).max(-bc.dot(ca)) > NARROW
     }
 
     /// The lanes that have a child.
@@ -131,9 +173,20 @@ impl Cell {
     /// Twice the area of all, as a vector.
     #[inline]
     fn area(&self) -> Vec3 {
-        let areas = self.areas();
-        (0..self.count).map(|child| areas.at(child)).sum()
+        self.sum(&self.areas())
     }
+
+    /// The sum of what belongs to each child.
+    #[inline]
+    fn sum(&self, of_children: &Four) -> Vec3 {
+        (0..self.count).map(|child| of_children.at(child)).sum()
+    }
+}
+
+/// The number of cells after the first of a face with so many vertices.
+#[inline]
+pub fn others(valence: usize) -> usize {
+    (valence - 1) / LANES
 }
 
 /// The range of a face along an axis.

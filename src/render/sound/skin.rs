@@ -1,15 +1,13 @@
 //! The first refinement of a cage, face by face, and which faces turn over on it.
 
 use super::marks::Marks;
-use super::piece::{Cell, LANES, Piece};
+use super::piece::{Cell, Former, LANES, Piece, others};
 use super::tree::Tree;
 use crate::mesh::{FaceId, IdVec, VertexId};
 use crate::subdivide::{Cage, Level, Numbering, Stencils, VertexRows};
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
-/// Cosine between a face's normal and a child's below which it is bent. Larger looks at more faces.
-pub const EVEN: f32 = 0.9;
 /// A child that looks this far to the other side is turned over, as a cosine. Nearer to 0 takes the overhang of a steep
 /// flank for one.
 const TURNED: f32 = -0.1;
@@ -27,6 +25,8 @@ pub struct Skin<'a> {
     pub(super) pieces: Vec<Piece>,
     /// Where the piece of each face is.
     places: IdVec<FaceId, u32>,
+    /// Where the faces look without their moves, zero where any way is right. None where nothing is known of it.
+    looks: Option<IdVec<FaceId, Vec3>>,
     /// The cells of faces with many vertices, but for the first of each.
     more: Vec<Cell>,
     pub(super) tree: Option<Tree>,
@@ -34,9 +34,14 @@ pub struct Skin<'a> {
 
 impl<'a> Skin<'a> {
     /// The skin of a cage with the given points. Faces that are near each other are near in memory, where they are in
-    /// `order`.
-    pub fn new(cage: &'a Cage, points: &IdVec<VertexId, Vec3>, order: &[FaceId]) -> Self {
-        let mut skin = Self::with(cage.level(), cage.vertex_rows(), cage.refined_points(points));
+    /// `order`. They look along `looks` without their moves, zero where any way is right, if that is known.
+    pub fn new(
+        cage: &'a Cage,
+        points: &IdVec<VertexId, Vec3>,
+        order: &[FaceId],
+        looks: Option<IdVec<FaceId, Vec3>>,
+    ) -> Self {
+        let mut skin = Self::with(cage.level(), cage.vertex_rows(), cage.refined_points(points), looks);
         skin.extend(order);
         skin
     }
@@ -44,12 +49,17 @@ impl<'a> Skin<'a> {
     /// The skin of a level of which nothing is known yet: only what is learnt may be asked about.
     pub fn bare(level: &'a Level) -> Self {
         let refined = IdVec::filled(Vec3::ZERO, Numbering::new(level).vertices());
-        Self::with(level, VertexRows::Masks(level.vertex_stencils()), refined)
+        Self::with(level, VertexRows::Masks(level.vertex_stencils()), refined, None)
     }
 
-    fn with(level: &'a Level, rows: VertexRows<'a>, refined: IdVec<VertexId, Vec3>) -> Self {
+    fn with(
+        level: &'a Level,
+        rows: VertexRows<'a>,
+        refined: IdVec<VertexId, Vec3>,
+        looks: Option<IdVec<FaceId, Vec3>>,
+    ) -> Self {
         let (numbering, places) = (Numbering::new(level), IdVec::filled(NONE, level.topology.faces.len()));
-        Self { level, rows, numbering, refined, pieces: Vec::new(), places, more: Vec::new(), tree: None }
+        Self { level, rows, numbering, refined, pieces: Vec::new(), places, looks, more: Vec::new(), tree: None }
     }
 
     /// Adds faces whose children are where the cage's points put them.
@@ -64,23 +74,21 @@ impl<'a> Skin<'a> {
         self.refine(points, at);
         let mut places: Vec<usize> = touching.iter().map(|&face| self.place(face)).collect();
         places.sort_unstable();
-        let (level, numbering, refined) = (self.level, self.numbering, &self.refined);
-        let of_block = |(number, pieces): (usize, &mut [Piece])| {
+        let Self { level, numbering, refined, looks, pieces, more, .. } = self;
+        let former = Former { level, numbering: *numbering, refined, looks: looks.as_ref() };
+        let large: Vec<&Piece> = places.iter().map(|&place| &pieces[place]).filter(|p| p.valence > LANES).collect();
+        let cells: Vec<Vec<Cell>> = large.par_iter().map(|piece| former.others(piece.face)).collect();
+        for (piece, cells) in large.into_iter().zip(cells) {
+            more[piece.more..piece.more + cells.len()].copy_from_slice(&cells);
+        }
+        pieces.par_chunks_mut(BLOCK).enumerate().for_each(|(number, pieces)| {
             let first = BLOCK * number;
             let within = places.partition_point(|&p| p < first)..places.partition_point(|&p| p < first + pieces.len());
-            let renew = |&place: &usize| {
+            for &place in &places[within] {
                 let known = &mut pieces[place - first];
-                let (piece, cells) = Piece::new(level, numbering, known.face, |v| refined[v]);
-                *known = Piece { more: known.more, ..piece };
-                (known.more, cells)
-            };
-            places[within].iter().map(renew).filter(|(_, cells)| !cells.is_empty()).collect::<Vec<_>>()
-        };
-        let large: Vec<(usize, Vec<Cell>)> =
-            self.pieces.par_chunks_mut(BLOCK).enumerate().flat_map_iter(of_block).collect();
-        for (first, cells) in large {
-            self.more[first..first + cells.len()].copy_from_slice(&cells);
-        }
+                *known = former.piece(known.face, known.more, more);
+            }
+        });
         if let Some(tree) = &mut self.tree {
             tree.refit(&places, |place| self.pieces[place].bounds);
         }
@@ -103,16 +111,18 @@ impl<'a> Skin<'a> {
 
     /// Adds faces whose children are in their places.
     fn extend(&mut self, faces: &[FaceId]) {
-        let Self { level, numbering, refined, pieces, places, more, .. } = self;
-        let formed = |face: FaceId| Piece::new(level, *numbering, face, |v| refined[v]);
+        let Self { level, numbering, refined, pieces, places, looks, more, .. } = self;
+        let former = Former { level, numbering: *numbering, refined, looks: looks.as_ref() };
+        let start = |rest: &mut usize, &face: &FaceId| {
+            let start = *rest;
+            *rest += others(level.topology.faces.valence(face));
+            Some(start)
+        };
+        let starts: Vec<usize> = faces.iter().scan(more.len(), start).collect();
+        more.par_extend(faces.par_iter().with_min_len(BLOCK).flat_map_iter(|&face| former.others(face)));
+        let piece = |(&face, &start): (&FaceId, &usize)| former.piece(face, start, more);
         let first = pieces.len();
-        pieces.par_extend(faces.par_iter().with_min_len(BLOCK).map(|&face| formed(face).0));
-        let large: Vec<usize> = (first..pieces.len()).filter(|&place| pieces[place].valence > LANES).collect();
-        let cells: Vec<Vec<Cell>> = large.par_iter().map(|&place| formed(pieces[place].face).1).collect();
-        for (place, cells) in large.into_iter().zip(cells) {
-            pieces[place].more = more.len();
-            more.extend(cells);
-        }
+        pieces.par_extend(faces.par_iter().zip(&starts).with_min_len(BLOCK).map(piece));
         pieces[first..].iter().zip(first as u32..).for_each(|(piece, place)| places[piece.face] = place);
     }
 
@@ -135,8 +145,7 @@ impl<'a> Skin<'a> {
     /// The children of a face.
     #[inline]
     pub(super) fn cells<'p>(&'p self, piece: &'p Piece) -> impl Iterator<Item = &'p Cell> + Clone {
-        let others = (piece.valence - 1) / LANES;
-        std::iter::once(&piece.cell).chain(if others > 0 { &self.more[piece.more..piece.more + others] } else { &[] })
+        std::iter::once(&piece.cell).chain(&self.more[piece.more..piece.more + others(piece.valence)])
     }
 
     /// A cell of a face.
@@ -145,9 +154,10 @@ impl<'a> Skin<'a> {
         if number == 0 { &piece.cell } else { &self.more[piece.more + number - 1] }
     }
 
-    /// The faces that have a child which looks away from `normals`, zero where any may.
-    pub fn turned(&self, faces: &[FaceId], normals: &IdVec<FaceId, Vec3>) -> Vec<FaceId> {
-        faces.par_iter().with_min_len(BLOCK).copied().filter(|&f| self.is_turned(f, normals[f], TURNED)).collect()
+    /// The faces that have a child which looks away from where they look without their moves.
+    pub fn turned(&self, faces: &[FaceId]) -> Vec<FaceId> {
+        let Some(looks) = &self.looks else { return Vec::new() };
+        faces.par_iter().with_min_len(BLOCK).copied().filter(|&f| self.is_turned(f, looks[f], TURNED)).collect()
     }
 
     /// Whether a child of a face looks away from `normal` by a cosine of less than `least`.
@@ -161,9 +171,9 @@ impl<'a> Skin<'a> {
         self.cells(piece).all(|cell| cell.normals.dot(axis).cmpge(Vec4::splat(least)).all())
     }
 
-    /// Whether a face's children look to different sides.
-    pub fn is_bent(&self, face: FaceId) -> bool {
-        self.piece(face).spread < EVEN
+    /// Whether a face is sound where no other layer is near.
+    pub fn is_even(&self, face: FaceId) -> bool {
+        self.piece(face).is_even
     }
 
     /// Mean normal of a face's children.
