@@ -32,7 +32,7 @@ impl<'a> Part<'a> {
     /// Of the cell of a face that has this number, what is in a box.
     fn new(face: FaceId, number: usize, cell: &'a Cell, bounds: &Bounds) -> Self {
         let boxes = cell.boxes();
-        Self { face, first: LANES * number, cell, boxes, near: boxes.that_meet(bounds) & cell.all() }
+        Self { face, first: LANES * number, cell, boxes, near: boxes.that_meet(&Boxes::splat(bounds)) & cell.all() }
     }
 
     fn child(&self, lane: usize) -> Child {
@@ -68,7 +68,7 @@ impl Skin<'_> {
         // The same whatever their order in memory is.
         let (f, g) = if a.face <= b.face { (a, b) } else { (b, a) };
         if f.face == g.face {
-            return f.spread < ONE_SIDED && self.children_cross(f, g);
+            return f.spread < ONE_SIDED && self.children_cross(f, g, true);
         }
         if self.touch(f, g) {
             if are_even(f, g) {
@@ -79,9 +79,9 @@ impl Skin<'_> {
                 && !self.are_beside(f, g)
                 && !self.are_parted(f, g, axis)
                 && !self.are_parted(g, f, axis)
-                && self.children_cross(f, g);
+                && self.children_cross(f, g, true);
         }
-        !self.is_apart(f, g) && !self.is_apart(g, f) && !self.are_beside(f, g) && self.children_cross(f, g)
+        !self.is_apart(f, g) && !self.is_apart(g, f) && !self.are_beside(f, g) && self.children_cross(f, g, false)
     }
 
     /// Whether two faces have a vertex in common.
@@ -109,16 +109,18 @@ impl Skin<'_> {
         let [of_f, of_g] = [f, g].map(|piece| self.level.topology.faces.vertices_of(piece.face));
         let next = |i: usize| if i + 1 == f.valence { 0 } else { i + 1 };
         let corner = |i: usize| self.cell(f, i / LANES).corners.at(i % LANES);
-        let is_common = |i: usize| of_g.contains(&of_f[i]);
         (0..f.valence).any(|i| {
-            let are_common = [is_common(i), is_common(next(i))];
+            let are_common = [i, next(i)].map(|i| of_g.contains(&of_f[i]));
             if are_common == [false; 2] {
                 return false;
             }
             let (from, to) = (corner(i), corner(next(i)));
+            let plane = Plane { from, normal: axis.cross(to - from) };
+            if plane.height(g.cell.centre) >= 0.0 || plane.height(f.cell.centre) < 0.0 {
+                return false;
+            }
             // The middle of an edge that both have is beside the plane; what is nearer than it may cross.
             let middle = (are_common == [true; 2]).then(|| self.cell(f, i / LANES).middles.at(i % LANES));
-            let plane = Plane { from, normal: axis.cross(to - from) };
             let least = middle.map_or(0.0, |middle| plane.height(middle).abs());
             let ends = [from, to, middle.unwrap_or(from)];
             plane.all(self.cells(g), ends, |heights| heights.cmplt(Vec4::splat(-least)).bitmask())
@@ -143,19 +145,19 @@ impl Skin<'_> {
         low < high && end <= start
     }
 
-    fn children_cross(&self, f: &Piece, g: &Piece) -> bool {
+    fn children_cross(&self, f: &Piece, g: &Piece, touch: bool) -> bool {
         let common = f.bounds.common(&g.bounds);
         let parts = |piece| {
             let cells = self.cells(piece).enumerate();
             cells.map(move |(number, cell)| Part::new(piece.face, number, cell, &common)).filter(|part| part.near != 0)
         };
-        parts(f).any(|a| parts(g).any(|b| self.parts_cross(&a, &b)))
+        parts(f).any(|a| parts(g).any(|b| self.parts_cross(&a, &b, touch)))
     }
 
-    fn parts_cross(&self, a: &Part, b: &Part) -> bool {
+    fn parts_cross(&self, a: &Part, b: &Part, touch: bool) -> bool {
         each(a.near).any(|lane| {
             let own = a.child(lane);
-            let mut near = b.near & b.boxes.that_meet(&a.boxes.at(lane));
+            let mut near = b.near & b.boxes.that_meet(&Boxes::splat(&a.boxes.at(lane)));
             if a.face == b.face {
                 // A child's own two triangles have an edge in common.
                 near &= after(own.number, b.first);
@@ -163,30 +165,40 @@ impl Skin<'_> {
             if near != 0 {
                 near &= meeting(&own.quad, a.cell.normals.at(lane), b.cell);
             }
-            each(near).any(|lane| self.triangles_cross(&own, &b.child(lane)))
+            each(near).any(|lane| self.triangles_cross(&own, &b.child(lane), touch))
         })
     }
 
-    /// Whether the triangles of two children cross.
-    fn triangles_cross(&self, a: &Child, b: &Child) -> bool {
+    /// Whether the triangles of two children cross, of faces that touch or do not.
+    fn triangles_cross(&self, a: &Child, b: &Child, touch: bool) -> bool {
         let (of_a, of_b) = (self.cuts(a), self.cuts(b));
+        // Triangles that have a vertex in common do not count.
+        let joined = if touch { self.joined((a, &of_a), (b, &of_b)) } else { [[false; 2]; 2] };
+        if joined == [[true; 2]; 2] {
+            return false;
+        }
         let (p, q) = (a.quad.map(|p| p.as_dvec3()), b.quad.map(|p| p.as_dvec3()));
-        let (before_b, before_a) =
-            (of_b.map(|y| sides(&p, &y.map(|k| q[k]))), of_a.map(|x| sides(&q, &x.map(|k| p[k]))));
+        let before_b = of_b.map(|y| sides(&p, &y.map(|k| q[k])));
+        let are_parted = |x: usize, y: usize| joined[x][y] || is_one_side(&of_a[x].map(|k| before_b[y][k]));
+        let parted = [0, 1].map(|x| [0, 1].map(|y| are_parted(x, y)));
+        if parted == [[true; 2]; 2] {
+            return false;
+        }
+        let before_a = of_a.map(|x| sides(&q, &x.map(|k| p[k])));
         (0..2).any(|x| {
             (0..2).any(|y| {
                 let (s, t) = (of_a[x].map(|k| before_b[y][k]), of_b[y].map(|k| before_a[x][k]));
-                // Triangles that have a vertex in common do not count.
-                let are_parted = is_one_side(&s) || is_one_side(&t) || self.are_joined((a, of_a[x]), (b, of_b[y]));
-                !are_parted && pierce((&of_a[x].map(|k| p[k]), &s), (&of_b[y].map(|k| q[k]), &t))
+                !parted[x][y]
+                    && !is_one_side(&t)
+                    && pierce((&of_a[x].map(|k| p[k]), &s), (&of_b[y].map(|k| q[k]), &t))
             })
         })
     }
 
-    /// Whether triangles of two children have a vertex in common.
-    fn are_joined(&self, (a, x): (&Child, [usize; 3]), (b, y): (&Child, [usize; 3])) -> bool {
-        let (of_a, of_b) = (self.quad_vertices(a), self.quad_vertices(b));
-        x.iter().any(|&k| y.iter().any(|&l| of_a[k] == of_b[l]))
+    /// Which triangles of two children have a vertex in common.
+    fn joined(&self, (a, of_a): (&Child, &[[usize; 3]; 2]), (b, of_b): (&Child, &[[usize; 3]; 2])) -> [[bool; 2]; 2] {
+        let (in_a, in_b) = (self.quad_vertices(a), self.quad_vertices(b));
+        of_a.map(|x| of_b.map(|y| x.iter().any(|&k| y.iter().any(|&l| in_a[k] == in_b[l]))))
     }
 
     /// The two triangles of a child, by places in its quad, cut as the refined mesh has it.

@@ -161,13 +161,19 @@ impl Boxes {
         Bounds { low: self.low.at(lane).into(), high: self.high.at(lane).into() }
     }
 
-    /// The lanes whose boxes have a place in common with another.
+    /// The same box in all lanes.
     #[inline]
-    pub fn that_meet(&self, other: &Bounds) -> Lanes {
-        let (low, high) = (Four::splat(other.low.into()), Four::splat(other.high.into()));
+    pub fn splat(bounds: &Bounds) -> Self {
+        Self { low: Four::splat(bounds.low.into()), high: Four::splat(bounds.high.into()) }
+    }
+
+    /// The lanes whose boxes have a place in common with those of another.
+    #[inline]
+    pub fn that_meet(&self, other: &Self) -> Lanes {
         let of = |a: Vec4, b: Vec4, c: Vec4, d: Vec4| a.cmple(b) & c.cmple(d);
-        let (x, y) = (of(self.low.x, high.x, low.x, self.high.x), of(self.low.y, high.y, low.y, self.high.y));
-        (x & y & of(self.low.z, high.z, low.z, self.high.z)).bitmask()
+        let x = of(self.low.x, other.high.x, other.low.x, self.high.x);
+        let y = of(self.low.y, other.high.y, other.low.y, self.high.y);
+        (x & y & of(self.low.z, other.high.z, other.low.z, self.high.z)).bitmask()
     }
 
     /// The lanes whose boxes have a point over or under them along the last axis.
@@ -232,7 +238,7 @@ mod tests {
             low.cmple(other.high).all() && other.low.cmple(high).all()
         };
         let expected = (0..4).filter(|&lane| meets(POINTS[lane]));
-        assert!(each(boxes.that_meet(&other)).eq(expected));
+        assert!(each(boxes.that_meet(&Boxes::splat(&other))).eq(expected));
         assert!(each(boxes.that_have(Vec3::new(1.5, 2.25, 100.0))).eq([0]));
         let whole = boxes.whole();
         assert_eq!((whole.low.x, whole.high.z), (-0.5, 8.25));

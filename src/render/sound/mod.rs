@@ -90,12 +90,11 @@ pub fn sound(kin: &Kin, states: &States) -> Sound {
     mending.turn_back();
     let mut tried: Vec<Tried> = Vec::with_capacity(STEPS.len() + 1);
     let mut pairs: Vec<[FaceId; 2]> = Vec::new();
-    // More find nearly nothing.
-    while tried.len() < STEPS.len() {
+    loop {
         mending.search(&mut pairs);
         tried.push(Tried { steps: mending.steps.clone(), pairs: pairs.clone() });
-        let is_last = tried.len() == STEPS.len();
-        if is_last || !mending.step_to(mending.stepped_on(&pairs)) {
+        // More find nearly nothing.
+        if tried.len() == STEPS.len() || !mending.step_to(mending.stepped_on(&pairs)) {
             break;
         }
     }

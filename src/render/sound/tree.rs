@@ -7,8 +7,8 @@ use rayon::prelude::*;
 
 /// Boxes of a group.
 const WIDTH: usize = 4;
-/// Pairs of groups among which a search is parted.
-const PARTS: usize = 256;
+/// Groups that are searched in one go.
+const PART: usize = 16;
 /// Bits of a centre in each direction by which faces are ordered.
 const BITS: u32 = 10;
 
@@ -24,8 +24,6 @@ pub struct Bounds {
 impl Bounds {
     /// The box of nothing.
     pub const EMPTY: Self = Self { low: Vec3A::INFINITY, high: Vec3A::NEG_INFINITY };
-    /// The box of everything.
-    pub const ALL: Self = Self { low: Vec3A::MIN, high: Vec3A::MAX };
 
     /// The box of what is in both.
     pub fn common(&self, other: &Self) -> Self {
@@ -94,47 +92,57 @@ impl Tree {
     /// The pairs of places that pass a test, the first not after the second, of all whose boxes meet and of which one is
     /// active.
     pub fn pairs(&self, active: &[usize], test: impl Fn(usize, usize) -> bool + Sync) -> Vec<[usize; 2]> {
-        let search = Search { tree: self, active: self.lanes_of(active), test };
-        let mut parts = vec![Pair { level: self.levels.len() - 1, groups: [0, 0], bounds: Bounds::ALL }];
-        while parts.len() < PARTS && parts.first().is_some_and(|pair| pair.level > 0) {
-            let mut below = Vec::new();
-            parts.iter().for_each(|pair| search.below(pair, &mut |pair| below.push(pair)));
-            parts = below;
-        }
-        let found = |pair: &Pair| {
+        let lowest = &self.levels[0];
+        let mut lanes: Vec<Lanes> = vec![0; lowest.len()];
+        active.iter().for_each(|&place| lanes[place / WIDTH] |= 1 << (place % WIDTH));
+        let of_group = |found: &mut Vec<[usize; 2]>, a: usize| {
+            let of_a = &lowest[a];
+            let all = each(lanes[a]).fold(Bounds::EMPTY, |all, i| all.and(&of_a.at(i)));
+            self.visit_groups(&all, &mut |b| {
+                for i in each(lanes[a]) {
+                    // Two that are active are found from the first one.
+                    let found_before = lanes[b] & lanes_before(WIDTH * a + i, b);
+                    let near = lowest[b].that_meet(&Boxes::splat(&of_a.at(i))) & !found_before;
+                    let places = each(near).map(|j| [WIDTH * a + i, WIDTH * b + j]);
+                    found.extend(places.filter(|&[i, j]| test(i, j)).map(|[i, j]| [i.min(j), i.max(j)]));
+                }
+            });
+        };
+        let of_part = |groups: &[usize]| {
             let mut found = Vec::new();
-            search.descend(pair, &mut found);
+            groups.iter().for_each(|&group| of_group(&mut found, group));
             found
         };
-        parts.par_iter().flat_map_iter(found).collect()
-    }
-
-    /// The lanes of each group with something active.
-    fn lanes_of(&self, active: &[usize]) -> Vec<Vec<u8>> {
-        let mut all: Vec<Vec<u8>> = Vec::with_capacity(self.levels.len());
-        for groups in &self.levels {
-            let mut lanes = vec![0u8; groups.len()];
-            let mut add = |place: usize| lanes[place / WIDTH] |= 1 << (place % WIDTH);
-            match all.last() {
-                None => active.iter().for_each(|&place| add(place)),
-                Some(below) => below.iter().enumerate().filter(|(_, lanes)| **lanes != 0).for_each(|(i, _)| add(i)),
-            }
-            all.push(lanes);
-        }
-        all
+        let searched: Vec<usize> = (0..lowest.len()).filter(|&group| lanes[group] != 0).collect();
+        searched.par_chunks(PART).flat_map_iter(of_part).collect()
     }
 
     /// Passes each place whose box meets `bounds` to `sink`.
     pub fn visit(&self, bounds: &Bounds, sink: &mut impl FnMut(usize)) {
-        self.visit_group(self.levels.len() - 1, 0, bounds, sink);
+        let there = Boxes::splat(bounds);
+        self.visit_groups(bounds, &mut |group| {
+            each(self.levels[0][group].that_meet(&there)).for_each(|lane| sink(WIDTH * group + lane));
+        });
     }
 
-    fn visit_group(&self, level: usize, group: usize, bounds: &Bounds, sink: &mut impl FnMut(usize)) {
-        for lane in each(self.levels[level][group].that_meet(bounds)) {
-            let below = WIDTH * group + lane;
-            if level == 0 { sink(below) } else { self.visit_group(level - 1, below, bounds, sink) }
+    /// Passes each group of boxes whose box meets `bounds` to `sink`.
+    fn visit_groups(&self, bounds: &Bounds, sink: &mut impl FnMut(usize)) {
+        self.visit_below(self.levels.len() - 1, 0, &Boxes::splat(bounds), sink);
+    }
+
+    fn visit_below(&self, level: usize, group: usize, there: &Boxes, sink: &mut impl FnMut(usize)) {
+        if level == 0 {
+            return sink(group);
+        }
+        for lane in each(self.levels[level][group].that_meet(there)) {
+            self.visit_below(level - 1, WIDTH * group + lane, there, sink);
         }
     }
+}
+
+/// The lanes of a group that are before a place.
+fn lanes_before(place: usize, group: usize) -> Lanes {
+    (1 << place.saturating_sub(WIDTH * group).min(WIDTH)) - 1
 }
 
 /// Boxes in groups.
@@ -142,62 +150,6 @@ fn groups(count: usize, bounds: impl Fn(usize) -> Bounds) -> Vec<Boxes> {
     let mut groups = vec![Boxes::EMPTY; count.div_ceil(WIDTH).max(1)];
     (0..count).for_each(|i| groups[i / WIDTH].set(i % WIDTH, &bounds(i)));
     groups
-}
-
-/// Two groups of a level, the first not after the second.
-struct Pair {
-    level: usize,
-    groups: [usize; 2],
-    /// A box that all of the second is in.
-    bounds: Bounds,
-}
-
-/// A search for pairs.
-struct Search<'a, T> {
-    tree: &'a Tree,
-    active: Vec<Vec<u8>>,
-    test: T,
-}
-
-impl<T: Fn(usize, usize) -> bool> Search<'_, T> {
-    /// Passes the pairs of lanes of a pair of groups to `sink` whose boxes meet and of which one is active.
-    #[inline]
-    fn lanes(&self, pair: &Pair, mut sink: impl FnMut(usize, usize)) {
-        let Pair { level, groups: [a, b], .. } = *pair;
-        let [of_a, of_b] = [a, b].map(|group| &self.tree.levels[level][group]);
-        let [active, others] = [a, b].map(|group| Lanes::from(self.active[level][group]));
-        for i in each(of_a.that_meet(&pair.bounds)) {
-            let mut near = of_b.that_meet(&of_a.at(i));
-            if active & 1 << i == 0 {
-                near &= others;
-            }
-            if a == b {
-                near &= !((1 << i) - 1);
-            }
-            each(near).for_each(|j| sink(i, j));
-        }
-    }
-
-    fn below(&self, pair: &Pair, sink: &mut impl FnMut(Pair)) {
-        let Pair { level, groups: [a, b], .. } = *pair;
-        let of_b = &self.tree.levels[level][b];
-        self.lanes(pair, |i, j| {
-            sink(Pair { level: level - 1, groups: [WIDTH * a + i, WIDTH * b + j], bounds: of_b.at(j) });
-        });
-    }
-
-    fn descend(&self, pair: &Pair, found: &mut Vec<[usize; 2]>) {
-        if pair.level > 0 {
-            self.below(pair, &mut |pair| self.descend(&pair, found));
-            return;
-        }
-        self.lanes(pair, |i, j| {
-            let places = [WIDTH * pair.groups[0] + i, WIDTH * pair.groups[1] + j];
-            if (self.test)(places[0], places[1]) {
-                found.push(places);
-            }
-        });
-    }
 }
 
 /// The bits of a number, each followed by two zeros.
