@@ -19,8 +19,8 @@ const SEEN: f32 = 0.3;
 const UNSEEN: f32 = -0.4;
 /// Length of the mean of normals below which they look opposite ways, so that there is none.
 const OPPOSITE: f32 = 0.05;
-/// Turns of a normal, each some 25 degrees at most.
-const TURNS: usize = 8;
+/// Most turns of a normal. Fewer leave it off the middle of a sharp fold, where one layer then passes the other.
+const TURNS: usize = 80;
 
 /// Limit positions of a level's vertices, as weighted sums of the cage's.
 pub fn limit_rows(level: &Level, vertices: impl IndexedParallelIterator<Item = VertexId>) -> Table<VertexId> {
@@ -148,7 +148,7 @@ impl Surface {
             let vertex = VertexId::new(vertex);
             around.clear();
             around.extend(t.vertex_corners.row(vertex).iter().map(|c| own[c.index()]));
-            (seen_by_all(around), has_fold(level, vertex))
+            (seen_by_all(around.iter().sum(), &around.iter().copied()), has_fold(level, vertex))
         };
         let means: Vec<(Vec3, bool)> = (0..places.len()).into_par_iter().map_init(Vec::new, mean).collect();
         let normal = |(&own, vertex): (&Vec3, &VertexId)| {
@@ -164,7 +164,8 @@ impl Surface {
     pub fn at(&self, t: &Topology, seen: &[(CornerId, f32)]) -> (Vec3, Vec3) {
         let place: Vec3 = seen.iter().map(|&(c, w)| w * self.places[t.faces.vertex(c)]).sum();
         let sum: Vec3 = seen.iter().map(|&(c, w)| w * self.normals[c]).sum();
-        let normal = if sum.length() < OPPOSITE { Vec3::ZERO } else { sum.normalize() };
+        let all = seen.iter().map(|&(c, _)| self.normals[c]);
+        let normal = if sum.length() < OPPOSITE { Vec3::ZERO } else { seen_by_all(sum, &all) };
         if self.is_flat {
             return (place, normal);
         }
@@ -176,18 +177,16 @@ impl Surface {
     }
 }
 
-/// The mean of directions, turned towards those that would see it from behind; none where there is always
-/// one, as at the tip of a pleat.
-fn seen_by_all(vectors: &[Vec3]) -> Vec3 {
-    let mut mean = vectors.iter().sum::<Vec3>().normalize_or_zero();
-    for _ in 0..TURNS {
-        let least = vectors.iter().min_by(|a, b| a.dot(mean).total_cmp(&b.dot(mean)));
-        match least {
-            Some(&least) if least.dot(mean) < SEEN => mean = (mean + 0.5 * least).normalize_or_zero(),
-            _ => return mean,
-        }
+/// The mean of directions, turned towards those that would see it from behind by ever smaller steps, to the centre of all
+/// (Badoiu and Clarkson 2003); none where there is always one, as at the tip of a pleat.
+fn seen_by_all(sum: Vec3, vectors: &(impl Iterator<Item = Vec3> + Clone)) -> Vec3 {
+    let mut mean = sum.normalize_or_zero();
+    for turn in 0..TURNS {
+        let least = vectors.clone().min_by(|a, b| a.dot(mean).total_cmp(&b.dot(mean)));
+        let Some(least) = least.filter(|least| least.dot(mean) < SEEN) else { return mean };
+        mean = mean.lerp(least, 1.0 / (turn + 2) as f32).normalize_or_zero();
     }
-    if vectors.iter().all(|v| v.dot(mean) > UNSEEN) { mean } else { Vec3::ZERO }
+    if vectors.clone().all(|v| v.dot(mean) > UNSEEN) { mean } else { Vec3::ZERO }
 }
 
 /// Whether inner edges at a vertex stay sharp.
@@ -225,6 +224,17 @@ mod tests {
         let corners: Vec<VertexId> = faces.concat().into_iter().map(VertexId::new).collect();
         let faces = Faces::mixed(faces.map(<[usize]>::len), corners);
         Garment { faces, points: (0..13).map(at).collect(), ..Garment::default() }
+    }
+
+    #[test]
+    fn the_normal_of_a_sharp_fold_is_seen_from_both_sides() {
+        // Two sides of a fold by 160 degrees, more faces on one than on the other.
+        let (front, back) = (Vec3::new(0.17, 0.0, 0.985).normalize(), Vec3::new(0.17, 0.0, -0.985).normalize());
+        let all = [front, front, front, front, back, back];
+        let normal = seen_by_all(all.iter().sum(), &all.iter().copied());
+        assert!(all.iter().all(|side| side.dot(normal) > 0.14), "{normal}");
+        // Not where all see the mean.
+        assert_eq!(seen_by_all(Vec3::Y, &[Vec3::Y, Vec3::new(0.6, 0.8, 0.0)].into_iter()), Vec3::Y);
     }
 
     #[test]

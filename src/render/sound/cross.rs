@@ -188,9 +188,7 @@ impl Skin<'_> {
         (0..2).any(|x| {
             (0..2).any(|y| {
                 let (s, t) = (of_a[x].map(|k| before_b[y][k]), of_b[y].map(|k| before_a[x][k]));
-                !parted[x][y]
-                    && !is_one_side(&t)
-                    && pierce((&of_a[x].map(|k| p[k]), &s), (&of_b[y].map(|k| q[k]), &t))
+                !parted[x][y] && !is_one_side(&t) && pierce((&of_a[x].map(|k| p[k]), &s), (&of_b[y].map(|k| q[k]), &t))
             })
         })
     }
