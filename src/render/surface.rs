@@ -144,13 +144,12 @@ impl Surface {
         let corners = t.faces.corners();
         let own: Vec<Vec3> = (0..corners.len()).into_par_iter().map(|c| own(CornerId::new(c))).collect();
         // One for each vertex, unless the surface has a fold there.
-        let mean = |around: &mut Vec<Vec3>, vertex: usize| {
+        let mean = |vertex: usize| {
             let vertex = VertexId::new(vertex);
-            around.clear();
-            around.extend(t.vertex_corners.row(vertex).iter().map(|c| own[c.index()]));
-            (seen_by_all(around.iter().sum(), &around.iter().copied()), has_fold(level, vertex))
+            let around = t.vertex_corners.row(vertex).iter().map(|c| own[c.index()]);
+            (seen_by_all(around.clone().sum(), &around), has_fold(level, vertex))
         };
-        let means: Vec<(Vec3, bool)> = (0..places.len()).into_par_iter().map_init(Vec::new, mean).collect();
+        let means: Vec<(Vec3, bool)> = (0..places.len()).into_par_iter().map(mean).collect();
         let normal = |(&own, vertex): (&Vec3, &VertexId)| {
             let (mean, is_folded) = means[vertex.index()];
             if is_folded && own != Vec3::ZERO { own } else { mean }
@@ -177,8 +176,8 @@ impl Surface {
     }
 }
 
-/// The mean of directions, turned towards those that would see it from behind by ever smaller steps, to the centre of all
-/// (Badoiu and Clarkson 2003); none where there is always one, as at the tip of a pleat.
+/// The direction of a sum of directions, turned towards those that would see it from behind by ever smaller steps, to the
+/// centre of all (Badoiu and Clarkson 2003); none where there is always one, as at the tip of a pleat.
 fn seen_by_all(sum: Vec3, vectors: &(impl Iterator<Item = Vec3> + Clone)) -> Vec3 {
     let mut mean = sum.normalize_or_zero();
     for turn in 0..TURNS {
