@@ -5,7 +5,7 @@
 
 use super::derivation::Table;
 use crate::garment::{Orientation, Scheme, TriangleRule};
-use crate::mesh::{CornerId, IdVec, Topology, VertexId};
+use crate::mesh::{CornerId, FaceId, IdVec, Topology, VertexId};
 use crate::subdivide::{INFINITE_SHARPNESS, Level, Numbering, Rule, Spoke, Stencils, VertexStencils, carried_points};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -19,6 +19,8 @@ const SEEN: f32 = 0.3;
 const UNSEEN: f32 = -0.4;
 /// Length of the mean of normals below which they look opposite ways, so that there is none.
 const OPPOSITE: f32 = 0.05;
+/// Sine of the angle at a corner up to which its edges count as straight on.
+const STRAIGHT: f32 = 0.3;
 /// Most turns of a normal. Fewer leave it off the middle of a sharp fold, where one layer then passes the other.
 const TURNS: usize = 80;
 
@@ -136,13 +138,7 @@ impl Surface {
     ) -> Self {
         let places = carried_points(&rows, points);
         let t = &level.topology;
-        let sign = if orientation == Orientation::LeftHanded { -1.0 } else { 1.0 };
-        let at = |c: CornerId| places[t.faces.vertex(c)];
-        // All of a length, so that a large face beside a fold does not hide the small ones on its other side.
-        let own =
-            |c: CornerId| sign * (at(t.faces.next(c)) - at(c)).cross(at(t.faces.prev(c)) - at(c)).normalize_or_zero();
-        let corners = t.faces.corners();
-        let own: Vec<Vec3> = (0..corners.len()).into_par_iter().map(|c| own(CornerId::new(c))).collect();
+        let own = corner_normals(t, &places, orientation);
         // One for each vertex, unless the surface has a fold there.
         let mean = |vertex: usize| {
             let vertex = VertexId::new(vertex);
@@ -154,7 +150,7 @@ impl Surface {
             let (mean, is_folded) = means[vertex.index()];
             if is_folded && own != Vec3::ZERO { own } else { mean }
         };
-        let normals: IdVec<CornerId, Vec3> = own.iter().zip(corners.iter()).map(normal).collect();
+        let normals: IdVec<CornerId, Vec3> = own.iter().zip(t.faces.corners().iter()).map(normal).collect();
         let is_flat = matches!(level.scheme, Scheme::Bilinear | Scheme::None);
         Self { places, normals, is_flat }
     }
@@ -174,6 +170,26 @@ impl Surface {
         };
         (place - PHONG_SHARE * seen.iter().map(lift).sum::<Vec3>(), normal)
     }
+}
+
+/// Where each corner looks: all of a length, so that a large face beside a fold does not hide the small ones on its other
+/// side.
+fn corner_normals(t: &Topology, places: &IdVec<VertexId, Vec3>, orientation: Orientation) -> Vec<Vec3> {
+    let sign = if orientation == Orientation::LeftHanded { -1.0 } else { 1.0 };
+    let of_face = |face: usize| {
+        let face = FaceId::new(face);
+        let vertices = t.faces.vertices_of(face);
+        let centre = vertices.iter().map(|&v| places[v]).sum::<Vec3>() / vertices.len() as f32;
+        t.faces.corners_of(face).map(move |c| {
+            let [at, next, prev] = [c, t.faces.next(c), t.faces.prev(c)].map(|c| places[t.faces.vertex(c)]);
+            let corner = (next - at).normalize_or_zero().cross((prev - at).normalize_or_zero());
+            let inward = (centre - at).cross(prev - next);
+            // Where the edges go on straight, as beside the end of a seam, they say nothing, or the opposite.
+            let is_clear = corner.length() > STRAIGHT && corner.dot(inward) > 0.0;
+            sign * (if is_clear { corner } else { inward }).normalize_or_zero()
+        })
+    };
+    (0..t.faces.len()).into_par_iter().flat_map_iter(of_face).collect()
 }
 
 /// The direction of a sum of directions, turned towards those that would see it from behind by ever smaller steps, to the
@@ -198,8 +214,8 @@ fn has_fold(level: &Level, vertex: VertexId) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::garment::Garment;
-    use crate::mesh::{FaceId, Faces};
+    use crate::garment::{Garment, SubdivisionRules};
+    use crate::mesh::Faces;
     use crate::subdivide::Cage;
 
     /// A triangle, two quads and a pentagon around vertex 0, with quads and a triangle around them.
@@ -234,6 +250,27 @@ mod tests {
         assert!(all.iter().all(|side| side.dot(normal) > 0.14), "{normal}");
         // Not where all see the mean.
         assert_eq!(seen_by_all(Vec3::Y, &[Vec3::Y, Vec3::new(0.6, 0.8, 0.0)].into_iter()), Vec3::Y);
+    }
+
+    #[test]
+    fn corners_that_are_straight_or_more_look_as_their_faces_do() {
+        // A seam's end in a plane: a quad and a triangle beside a hexagon, at whose corner the angle is less or more than
+        // straight, or nearly so.
+        for bulge in [-0.2f32, 1.0 / 6.0, 0.17, 0.4] {
+            let points = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, -0.5], [0.0, 1.0], [1.0, 1.0 + bulge], [3.0, 1.5]];
+            let points = points.into_iter().chain([[3.0, 3.0], [0.0, 3.0]]).map(|[x, y]| Vec3::new(x, y, 0.0));
+            let faces: [&[usize]; 3] = [&[0, 1, 5, 4], &[1, 2, 5], &[2, 6, 7, 8, 4, 5]];
+            let corners: Vec<VertexId> = faces.concat().into_iter().map(VertexId::new).collect();
+            let faces = Faces::mixed(faces.map(<[usize]>::len), corners);
+            let rules = SubdivisionRules { scheme: Scheme::Bilinear, ..SubdivisionRules::default() };
+            let cage = Cage::new(Garment { faces, points: points.collect(), rules, ..Garment::default() });
+            let vertices = (0..9).into_par_iter().map(VertexId::new);
+            let rows = limit_rows(cage.level(), vertices);
+            let surface = Surface::new(cage.level(), Orientation::RightHanded, &rows, &cage.garment().points);
+            for (corner, normal) in surface.normals.enumerated() {
+                assert!(normal.abs_diff_eq(Vec3::Z, 1e-6), "{bulge}: {corner:?} looks along {normal}");
+            }
+        }
     }
 
     #[test]
