@@ -313,7 +313,7 @@ impl Operator for Seams {
         for (held, given) in shape.held.iter().zip(given) {
             let (asked, instance) = self.height(&held.role);
             if matches!(held.role, Role::Centre { .. }) && given.abs() < REPORTED * asked.abs() {
-                shallow.push((instance, held.vertex, given / asked));
+                shallow.push((instance, held.vertex, given.abs() / asked.abs()));
             }
         }
         for (instance, (name, _)) in self.seams.iter().enumerate() {

@@ -15,8 +15,6 @@ const PHONG_SHARE: f32 = 0.5;
 /// Least cosine between the normal at a vertex and those of the faces there. Where a sharp fold has a smaller one, the
 /// normal turns.
 const SEEN: f32 = 0.3;
-/// Cosine below which a vertex has no normal.
-const UNSEEN: f32 = -0.4;
 /// Length of the mean of normals below which they look opposite ways, so that there is none.
 const OPPOSITE: f32 = 0.05;
 /// Sine of the angle at a corner up to which its edges count as straight on.
@@ -193,7 +191,8 @@ fn corner_normals(t: &Topology, places: &IdVec<VertexId, Vec3>, orientation: Ori
 }
 
 /// The direction of a sum of directions, turned towards those that would see it from behind by ever smaller steps, to the
-/// centre of all (Badoiu and Clarkson 2003); none where there is always one, as at the tip of a pleat.
+/// centre of all (Badoiu and Clarkson 2003); none where there is always one, as where a fold goes over into
+/// one to the other side.
 fn seen_by_all(sum: Vec3, vectors: &(impl Iterator<Item = Vec3> + Clone)) -> Vec3 {
     let mut mean = sum.normalize_or_zero();
     for turn in 0..TURNS {
@@ -201,7 +200,7 @@ fn seen_by_all(sum: Vec3, vectors: &(impl Iterator<Item = Vec3> + Clone)) -> Vec
         let Some(least) = least.filter(|least| least.dot(mean) < SEEN) else { return mean };
         mean = mean.lerp(least, 1.0 / (turn + 2) as f32).normalize_or_zero();
     }
-    if vectors.clone().all(|v| v.dot(mean) > UNSEEN) { mean } else { Vec3::ZERO }
+    if vectors.clone().all(|v| v.dot(mean) > 0.0) { mean } else { Vec3::ZERO }
 }
 
 /// Whether inner edges at a vertex stay sharp.
@@ -248,6 +247,9 @@ mod tests {
         let all = [front, front, front, front, back, back];
         let normal = seen_by_all(all.iter().sum(), &all.iter().copied());
         assert!(all.iter().all(|side| side.dot(normal) > 0.14), "{normal}");
+        // None where a fold goes over into one to the other side: nothing is seen by all.
+        let (left, right) = (Vec3::new(0.3, 0.0, -0.95).normalize(), Vec3::new(-0.3, 0.0, -0.95).normalize());
+        assert_eq!(seen_by_all(Vec3::Z + left + right, &[Vec3::Z, left, right].into_iter()), Vec3::ZERO);
         // Not where all see the mean.
         assert_eq!(seen_by_all(Vec3::Y, &[Vec3::Y, Vec3::new(0.6, 0.8, 0.0)].into_iter()), Vec3::Y);
     }
