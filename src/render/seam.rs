@@ -29,7 +29,6 @@ use crate::garment::{Elements, Garment, Scheme, Subset};
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
 use crate::subdivide::Cage;
 use chains::Network;
-use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::any::Any;
 use std::collections::BTreeSet;
@@ -296,7 +295,7 @@ impl Operator for Seams {
         Ok(Shape { derivation: lines.builder.finish(), held, subsets, corners, creases, apart, warnings })
     }
 
-    fn heights(&self, shape: &Shape, _: &[(Vec3, Vec3)]) -> Vec<f32> {
+    fn heights(&self, shape: &Shape) -> Vec<f32> {
         shape.held.iter().map(|held| self.height(&held.role).0).collect()
     }
 
@@ -360,6 +359,7 @@ mod tests {
     use crate::mesh::Faces;
     use crate::render::sound::OPEN;
     use crate::subdivide::Lineage;
+    use glam::Vec3;
 
     #[test]
     fn faults_beside_a_seam_name_the_next_one() {

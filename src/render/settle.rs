@@ -27,6 +27,9 @@ const HEIGHT_STEPS: usize = 4;
 const LEAST_PART: f32 = 0.4;
 /// How much of the way back to its place the centre of a seam goes. All of it would bend the lines beside a turn.
 const CENTRED: f32 = 0.7;
+/// Part of an edge's length that a fold of the surface may take from it on the second layer. Larger lets the layer come
+/// closer to crossing itself.
+const MOST_SHRUNK: f32 = 0.7;
 /// How much of its height a vertex has at least and at most, to have that height in the limit.
 const LIFT: [f32; 2] = [0.7, 2.0];
 
@@ -164,6 +167,21 @@ impl Settling<'_> {
             }
         }
         points
+    }
+}
+
+/// Lowers heights at the ends of edges that would be too short, or the other way round, where the surface folds towards
+/// the second layer. `targets` are places and normals.
+pub fn unfolded(heights: &mut [f32], edges: &[[usize; 2]], targets: &[(Vec3, Vec3)]) {
+    for &[a, b] in edges {
+        let ((p, n), (q, m)) = (targets[a], targets[b]);
+        let turn = (m - n).dot(q - p);
+        let most = MOST_SHRUNK * p.distance_squared(q) / turn.abs();
+        for i in [a, b] {
+            if heights[i] * turn < 0.0 {
+                heights[i] = heights[i].abs().min(most).copysign(heights[i]);
+            }
+        }
     }
 }
 

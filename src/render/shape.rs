@@ -4,7 +4,7 @@
 
 use super::derivation::{Derivation, Table};
 use super::placed::{Placed, Room, least};
-use super::settle::{Raise, Settling, graded};
+use super::settle::{Raise, Settling, graded, unfolded};
 use super::sound::{Kin, LEAST_SHARE, OPEN, States, order, sound};
 use super::surface::{Surface, limit_rows};
 use crate::error::{Error, Warning, Warnings};
@@ -36,7 +36,7 @@ pub trait Operator: Any + Sync + Send {
     fn shape(&self, cage: &Cage, clearance: &IdVec<VertexId, Room>) -> Result<Shape, Error>;
 
     /// How far from the parent's surface each role of the shape is, along the normal. \[stage units\]
-    fn heights(&self, shape: &Shape, surface: &[(Vec3, Vec3)]) -> Vec<f32>;
+    fn heights(&self, shape: &Shape) -> Vec<f32>;
 
     /// What to say of the heights that were given, where they are less than asked.
     fn reduced(&self, shape: &Shape, given: &[f32]) -> Warnings;
@@ -245,7 +245,8 @@ impl Formed {
 
     /// The points of the new cage, and what was met on the way.
     pub fn raised(&self, operator: &dyn Operator, ground: &Ground) -> (Placed, Warnings) {
-        let asked = operator.heights(&self.shape, &ground.targets);
+        let mut asked = operator.heights(&self.shape);
+        unfolded(&mut asked, &self.between, &ground.targets);
         let mut placed = ground.placed.clone();
         let mut given = self.within_room(&asked, &ground.targets, &mut placed.rooms);
         let raise = |i: usize| Raise { normal: ground.targets[i].1, height: given[i], is_least: given[i] != asked[i] };

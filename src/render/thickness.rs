@@ -31,9 +31,6 @@ const HOLD: f32 = 1.0;
 const AUTOMATIC_AMOUNT: f32 = 0.1;
 /// Least weight, so that the layers stay apart where it is painted 0.
 const LEAST_WEIGHT: f32 = 0.01;
-/// Part of an edge's length that a fold of the surface may take from it on the second layer. Larger lets the layer come
-/// closer to crossing itself.
-const MOST_SHRUNK: f32 = 0.7;
 
 /// On which side of the surface the second layer is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -273,24 +270,6 @@ impl Thickness {
         let sets = [("hem", &layer.hem), ("inner", &layer.inner)].map(set);
         super::new_sets(garment, sets.into(), warnings)
     }
-
-    /// The largest distance at each held vertex of the layer at which its edges do not turn around.
-    fn most(&self, shape: &Shape, surface: &[(Vec3, Vec3)]) -> Vec<f32> {
-        let index = shape.index(|role| matches!(role, Role::Layer { .. }));
-        let mut most = vec![f32::INFINITY; shape.held.len()];
-        let faces = &shape.derivation.faces;
-        for corner in faces.corners().ids() {
-            let [Some(i), Some(j)] = faces.half_edge(corner).map(|v| index[v]) else { continue };
-            let ((p, n), (q, m)) = (surface[i], surface[j]);
-            let shrinks = -self.sign() * (m - n).dot(q - p);
-            if shrinks > 0.0 {
-                let limit = MOST_SHRUNK * p.distance_squared(q) / shrinks;
-                most[i] = most[i].min(limit);
-                most[j] = most[j].min(limit);
-            }
-        }
-        most
-    }
 }
 
 /// The half-edges of chosen faces along the border of the mesh.
@@ -404,13 +383,12 @@ impl Operator for Thickness {
         Ok(Shape { derivation: lines.builder.finish(), held, subsets, corners, creases, apart, warnings })
     }
 
-    fn heights(&self, shape: &Shape, surface: &[(Vec3, Vec3)]) -> Vec<f32> {
-        let most = self.most(shape, surface);
-        let of = |(held, &most): (&Held, &f32)| match held.role {
-            Role::Layer { weight, .. } => self.sign() * most.min(self.options.amount * weight),
+    fn heights(&self, shape: &Shape) -> Vec<f32> {
+        let of = |held: &Held| match held.role {
+            Role::Layer { weight, .. } => self.sign() * self.options.amount * weight,
             _ => 0.0,
         };
-        shape.held.iter().zip(&most).map(of).collect()
+        shape.held.iter().map(of).collect()
     }
 
     fn unsound(&self, shape: &Shape, faces: &[FaceId]) -> Warning {

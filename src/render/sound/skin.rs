@@ -121,9 +121,8 @@ impl<'a> Skin<'a> {
         let starts: Vec<usize> = faces.iter().scan(more.len(), start).collect();
         more.par_extend(faces.par_iter().with_min_len(BLOCK).flat_map_iter(|&face| former.others(face)));
         let piece = |(&face, &start): (&FaceId, &usize)| former.piece(face, start, more);
-        let first = pieces.len();
+        faces.iter().zip(pieces.len() as u32..).for_each(|(&face, place)| places[face] = place);
         pieces.par_extend(faces.par_iter().zip(&starts).with_min_len(BLOCK).map(piece));
-        pieces[first..].iter().zip(first as u32..).for_each(|(piece, place)| places[piece.face] = place);
     }
 
     /// Whether something is known of a face.

@@ -68,7 +68,7 @@ pub struct Tree {
 
 impl Tree {
     /// The tree of so many boxes.
-    pub fn new(count: usize, bounds: impl Fn(usize) -> Bounds) -> Self {
+    pub fn new(count: usize, bounds: impl Fn(usize) -> Bounds + Sync) -> Self {
         let mut levels = vec![groups(count, bounds)];
         while let Some(below) = levels.last().filter(|groups| groups.len() > 1) {
             levels.push(groups(below.len(), |group| below[group].whole()));
@@ -146,10 +146,13 @@ fn lanes_before(place: usize, group: usize) -> Lanes {
 }
 
 /// Boxes in groups.
-fn groups(count: usize, bounds: impl Fn(usize) -> Bounds) -> Vec<Boxes> {
-    let mut groups = vec![Boxes::EMPTY; count.div_ceil(WIDTH).max(1)];
-    (0..count).for_each(|i| groups[i / WIDTH].set(i % WIDTH, &bounds(i)));
-    groups
+fn groups(count: usize, bounds: impl Fn(usize) -> Bounds + Sync) -> Vec<Boxes> {
+    let group = |number: usize| {
+        let (mut boxes, first) = (Boxes::EMPTY, WIDTH * number);
+        (first..count.min(first + WIDTH)).for_each(|i| boxes.set(i - first, &bounds(i)));
+        boxes
+    };
+    (0..count.div_ceil(WIDTH).max(1)).into_par_iter().with_min_len(PART * PART).map(group).collect()
 }
 
 /// The bits of a number, each followed by two zeros.
