@@ -68,7 +68,7 @@ impl Skin<'_> {
         // The same whatever their order in memory is.
         let (f, g) = if a.face <= b.face { (a, b) } else { (b, a) };
         if f.face == g.face {
-            return f.spread < ONE_SIDED && self.children_cross(f, g, true);
+            return f.spread < ONE_SIDED && self.children_cross(f, g);
         }
         if self.touch(f, g) {
             if are_even(f, g) {
@@ -79,9 +79,9 @@ impl Skin<'_> {
                 && !self.are_beside(f, g)
                 && !self.are_parted(f, g, axis)
                 && !self.are_parted(g, f, axis)
-                && self.children_cross(f, g, true);
+                && self.children_cross(f, g);
         }
-        !self.is_apart(f, g) && !self.is_apart(g, f) && !self.are_beside(f, g) && self.children_cross(f, g, false)
+        !self.is_apart(f, g) && !self.is_apart(g, f) && !self.are_beside(f, g) && self.children_cross(f, g)
     }
 
     /// Whether two faces have a vertex in common.
@@ -145,16 +145,16 @@ impl Skin<'_> {
         low < high && end <= start
     }
 
-    fn children_cross(&self, f: &Piece, g: &Piece, touch: bool) -> bool {
+    fn children_cross(&self, f: &Piece, g: &Piece) -> bool {
         let common = f.bounds.common(&g.bounds);
         let parts = |piece| {
             let cells = self.cells(piece).enumerate();
             cells.map(move |(number, cell)| Part::new(piece.face, number, cell, &common)).filter(|part| part.near != 0)
         };
-        parts(f).any(|a| parts(g).any(|b| self.parts_cross(&a, &b, touch)))
+        parts(f).any(|a| parts(g).any(|b| self.parts_cross(&a, &b)))
     }
 
-    fn parts_cross(&self, a: &Part, b: &Part, touch: bool) -> bool {
+    fn parts_cross(&self, a: &Part, b: &Part) -> bool {
         each(a.near).any(|lane| {
             let own = a.child(lane);
             let mut near = b.near & b.boxes.that_meet(&Boxes::splat(&a.boxes.at(lane)));
@@ -165,15 +165,15 @@ impl Skin<'_> {
             if near != 0 {
                 near &= meeting(&own.quad, a.cell.normals.at(lane), b.cell);
             }
-            each(near).any(|lane| self.triangles_cross(&own, &b.child(lane), touch))
+            each(near).any(|lane| self.triangles_cross(&own, &b.child(lane)))
         })
     }
 
-    /// Whether the triangles of two children cross, of faces that touch or do not.
-    fn triangles_cross(&self, a: &Child, b: &Child, touch: bool) -> bool {
+    /// Whether the triangles of two children cross.
+    fn triangles_cross(&self, a: &Child, b: &Child) -> bool {
         let (of_a, of_b) = (self.cuts(a), self.cuts(b));
         // Triangles that have a vertex in common do not count.
-        let joined = if touch { self.joined((a, &of_a), (b, &of_b)) } else { [[false; 2]; 2] };
+        let joined = self.joined((a, &of_a), (b, &of_b));
         if joined == [[true; 2]; 2] {
             return false;
         }

@@ -177,11 +177,11 @@ impl<'a> Mending<'a> {
     /// edge steps back for its own faces only.
     fn stepped_on(&self, pairs: &[[FaceId; 2]]) -> IdVec<VertexId, u8> {
         let t = &self.kin.child.level().topology;
-        let turned: Vec<[FaceId; 2]> = pairs.iter().copied().filter(|[f, g]| f == g).collect();
-        let vertices_of = |faces: Vec<FaceId>| faces.into_iter().flat_map(|face| t.faces.vertices_of(face)).copied();
-        let around = vertices_of(touching(t, &faces_of(&turned))).filter(|&v| !self.kin.marked[v]);
+        let turned: Vec<FaceId> = pairs.iter().filter(|[f, g]| f == g).map(|pair| pair[0]).collect();
+        let vertices_of = |face: FaceId| t.faces.vertices_of(face).iter().copied();
+        let around = touching(t, &turned).into_iter().flat_map(vertices_of).filter(|&v| !self.kin.marked[v]);
         let mut steps = self.steps.clone();
-        for vertex in around.chain(vertices_of(faces_of(pairs))) {
+        for vertex in around.chain(pairs.iter().flatten().copied().flat_map(vertices_of)) {
             steps[vertex] = (self.steps[vertex] + 1).min(STEPS.len() as u8 - 1);
         }
         for &[vertex, copy] in self.kin.pairs {
