@@ -191,10 +191,11 @@ fn corner_normals(t: &Topology, places: &IdVec<VertexId, Vec3>, orientation: Ori
 }
 
 /// The direction of a sum of directions, turned towards those that would see it from behind by ever smaller steps, to the
-/// centre of all (Badoiu and Clarkson 2003); none where there is always one, as where a fold goes over into
-/// one to the other side.
+/// centre of all (Badoiu and Clarkson 2003); none where there is always one, as where a fold goes over into one to the
+/// other side. Those that are zero, of corners without area, see it anyhow.
 fn seen_by_all(sum: Vec3, vectors: &(impl Iterator<Item = Vec3> + Clone)) -> Vec3 {
     let mut mean = sum.normalize_or_zero();
+    let vectors = vectors.clone().filter(|v| *v != Vec3::ZERO);
     for turn in 0..TURNS {
         let least = vectors.clone().min_by(|a, b| a.dot(mean).total_cmp(&b.dot(mean)));
         let Some(least) = least.filter(|least| least.dot(mean) < SEEN) else { return mean };
@@ -250,7 +251,10 @@ mod tests {
         // None where a fold goes over into one to the other side: nothing is seen by all.
         let (left, right) = (Vec3::new(0.3, 0.0, -0.95).normalize(), Vec3::new(-0.3, 0.0, -0.95).normalize());
         assert_eq!(seen_by_all(Vec3::Z + left + right, &[Vec3::Z, left, right].into_iter()), Vec3::ZERO);
-        // Not where all see the mean.
+        // Corners without area have no say.
+        let flat = [Vec3::Z, Vec3::ZERO, Vec3::new(0.0, 0.6, 0.8)];
+        assert_eq!(seen_by_all(Vec3::Z, &flat.into_iter()), Vec3::Z);
+        // Not turned where all see the mean.
         assert_eq!(seen_by_all(Vec3::Y, &[Vec3::Y, Vec3::new(0.6, 0.8, 0.0)].into_iter()), Vec3::Y);
     }
 
