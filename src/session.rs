@@ -18,7 +18,7 @@ use crate::memo::{Footprint, Memo};
 use crate::mesh::{IdVec, VertexId};
 use crate::pipeline::{Checked, Clock, DEFAULT_MAX_FACES, Prepared};
 use crate::recipe::Document;
-use crate::render::{Formed, Ground, Placed, Rendered, Stack, Stages, render};
+use crate::render::{Formed, Front, Ground, Placed, Rendered, Stack, Stages, render};
 use crate::sim::{SimOptions, SimProduct};
 use crate::subdivide::Cage;
 use crate::usd::{Format, Product, ReadOptions, Role, Source, Surroundings, WriteOptions, layer_bytes};
@@ -230,8 +230,14 @@ impl Footprint for Cage {
 
 impl Footprint for Formed {
     fn footprint(&self) -> usize {
-        let clearance = size_of_val(self.clearance.as_slice());
-        self.cage.footprint() + FORMED_CORNER * self.cage.garment().faces.corners().len() + clearance
+        let origin = size_of_val(self.origin.clearance.as_slice()) + self.origin.front.bytes();
+        self.cage.footprint() + FORMED_CORNER * self.cage.garment().faces.corners().len() + origin
+    }
+}
+
+impl Footprint for Front {
+    fn footprint(&self) -> usize {
+        self.bytes()
     }
 }
 

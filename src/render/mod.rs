@@ -22,6 +22,7 @@
 //!    in the lists of instances beside it, where serde and `--set`, layers, the help and the plugin find all they need.
 
 pub mod derivation;
+mod front;
 mod kind;
 mod lines;
 mod placed;
@@ -33,10 +34,11 @@ mod stages;
 mod surface;
 mod thickness;
 
+pub use front::Front;
 pub use kind::{Context, Instance, Key, Kind, Options};
 pub use placed::{Placed, Room};
 pub use seam::{SeamOptions, Seams};
-pub use shape::{Formed, Ground, Held, Operator, Role, Shape};
+pub use shape::{Formed, Ground, Held, Operator, Origin, Role, Shape};
 pub use stages::{Afresh, Rendered, Stages, render};
 pub use surface::{Surface, limit_rows};
 pub use thickness::{Side, Thickness, ThicknessOptions};

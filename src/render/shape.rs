@@ -3,6 +3,7 @@
 //! The two are apart, so that an edit that only moves points repeats only the second.
 
 use super::derivation::{Derivation, Table};
+use super::front::Front;
 use super::placed::{Placed, Room, least};
 use super::settle::{Raise, Settling, graded, unfolded};
 use super::sound::{Kin, LEAST_SHARE, OPEN, States, order, sound};
@@ -137,14 +138,25 @@ impl Shape {
     }
 }
 
+/// What is known of the input, at the elements of a cage after it.
+#[derive(Clone)]
+pub struct Origin {
+    /// The room that the input leaves about each vertex, whatever operators take of it.
+    pub clearance: Arc<IdVec<VertexId, Room>>,
+    /// Its front.
+    pub front: Arc<Front>,
+}
+
 /// The stage of a stack that an operator makes: all but the places of its points.
 pub struct Formed {
     /// The cage; its points are where they are without any seam's height.
     pub cage: Cage,
     /// What the operator made.
     pub shape: Shape,
-    /// The room that the input leaves about each vertex, whatever operators take of it.
-    pub clearance: Arc<IdVec<VertexId, Room>>,
+    /// What is known of the input.
+    pub origin: Origin,
+    /// Where the front of the input is for each face, zero where either side may be.
+    front: IdVec<FaceId, Vec3>,
     /// Limit rows of the held vertices.
     rows: Table<VertexId>,
     parent: Arc<Level>,
@@ -185,14 +197,24 @@ impl Ground {
     }
 }
 
+impl Origin {
+    /// What is known of it after an operator.
+    fn carried(&self, shape: &Shape) -> Self {
+        let is_copy = shape.index(|role| matches!(role, Role::Layer { .. })).iter().map(Option::is_some).collect();
+        Self {
+            clearance: Arc::new(shape.carried(&self.clearance)),
+            front: Arc::new(self.front.carried(&shape.derivation, &is_copy)),
+        }
+    }
+}
+
 impl Formed {
     /// Applies an operator to a cage.
     ///
     /// # Errors
     /// As [`Operator::shape`].
-    pub fn new(operator: &dyn Operator, parent: &Cage, clearance: &IdVec<VertexId, Room>) -> Result<Self, Error> {
-        let shape = operator.shape(parent, clearance)?;
-        let clearance = Arc::new(shape.carried(clearance));
+    pub fn new(operator: &dyn Operator, parent: &Cage, origin: &Origin) -> Result<Self, Error> {
+        let shape = operator.shape(parent, &origin.clearance)?;
         let corners: Vec<VertexId> = kept_corners(parent, &shape).chain(shape.corners.iter().copied()).collect();
         let every = (0..parent.level().topology.vertex_count()).into_par_iter().map(VertexId::new);
         let derived = || parent.derived(&shape.derivation, &corners, &shape.creases);
@@ -210,11 +232,14 @@ impl Formed {
         let (pairs, moved) = (shape.held.iter().filter_map(pair).collect(), moved(&shape));
         let marked = shape.index(|role| matches!(role, Role::Centre { .. })).iter().map(Option::is_some).collect();
         let order = order(&cage.level().topology.faces, &cage.garment().points);
+        let origin = origin.carried(&shape);
+        let front = origin.front.directions(&cage);
         let (from, between) = (measured_from(&shape, cage.level()), layer_edges(&shape, cage.level()));
         Ok(Self {
             cage,
             shape,
-            clearance,
+            origin,
+            front,
             rows,
             parent: level,
             orientation,
@@ -268,6 +293,7 @@ impl Formed {
             pairs: &self.pairs,
             marked: &self.marked,
             order: &self.order,
+            front: &self.front,
             moved: &self.moved,
             near: &self.near(&asked, &ground.placed.rooms),
         };

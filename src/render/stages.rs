@@ -11,8 +11,9 @@
 //! The second chain waits for each form and each level of the first, which goes on meanwhile: in both there is work that
 //! one thread does.
 
-use super::placed::{Placed, Room};
-use super::shape::Formed;
+use super::front::Front;
+use super::placed::Placed;
+use super::shape::{Formed, Origin};
 use super::{Stack, check_size, first_cage};
 use crate::error::{Error, Warnings};
 use crate::garment::Garment;
@@ -89,8 +90,9 @@ pub fn render(garment: &Garment, stack: &Stack, stages: &impl Stages) -> Result<
     let first = stages.get("first", &reach, || Ok(Made::from(Placed::first(&cage, reach))))?;
     let plan = Plan::new(stack, reach, stages);
     let ((formed, next_formed), (cages, next_cage)) = (mpsc::channel(), mpsc::channel());
-    let clearance = Arc::new(first.value.rooms.clone());
-    let frame = || plan.frame(&Base::Plain(cage), clearance, &Sent { formed, cages });
+    let front = stages.get("front", &(), || Ok(Front::first(&cage)))?;
+    let origin = Origin { clearance: Arc::new(first.value.rooms.clone()), front };
+    let frame = || plan.frame(&Base::Plain(cage), origin, &Sent { formed, cages });
     let (frame, points) = at_once(frame, || plan.points(first, &next_formed, &next_cage));
     let (frame, points) = (frame?, points?);
     let mut warnings = stack.warnings.clone();
@@ -172,14 +174,14 @@ impl<'a, S: Stages> Plan<'a, S> {
     }
 
     /// The connectivity and the attributes.
-    fn frame(&self, first: &Base, clearance: Arc<IdVec<VertexId, Room>>, sent: &Sent) -> Result<Frame, Error> {
-        let (mut cage, mut clearance) = (first.clone(), clearance);
+    fn frame(&self, first: &Base, origin: Origin, sent: &Sent) -> Result<Frame, Error> {
+        let (mut cage, mut origin) = (first.clone(), origin);
         let mut formed: Vec<Arc<Formed>> = Vec::with_capacity(self.structure.len());
         for (number, operator) in self.stack.operators.iter().enumerate() {
             // The same for every reach, as operators ask for no clearance beyond their own.
-            let form = || Formed::new(operator.as_ref(), cage.cage(), &clearance);
+            let form = || Formed::new(operator.as_ref(), cage.cage(), &origin);
             let stage = self.stages.get("form", &&self.structure[..=number], form)?;
-            clearance = Arc::clone(&stage.clearance);
+            origin = stage.origin.clone();
             cage = Base::Formed(Arc::clone(&stage));
             // Nobody waits for it where the points have failed.
             drop(sent.formed.send(Arc::clone(&stage)));

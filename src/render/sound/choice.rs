@@ -14,6 +14,22 @@ pub struct Tried {
     pub pairs: Vec<[FaceId; 2]>,
 }
 
+impl Tried {
+    /// How many pairs cross and how many faces are turned over; one is better than another where fewer cross.
+    pub fn faults(&self) -> [usize; 2] {
+        self.pairs.iter().fold([0; 2], |count, pair| sum(count, fault(pair)))
+    }
+}
+
+/// What a pair counts for.
+fn fault([f, g]: &[FaceId; 2]) -> [usize; 2] {
+    if f == g { [0, 1] } else { [1, 0] }
+}
+
+fn sum(a: [usize; 2], b: [usize; 2]) -> [usize; 2] {
+    [a[0] + b[0], a[1] + b[1]]
+}
+
 /// The steps of the best of each part; `together` are vertices that keep together. None where one state is as good.
 pub fn best_of_each(t: &Topology, tried: &[Tried], together: &[[VertexId; 2]]) -> Option<IdVec<VertexId, u8>> {
     let ([first, ..], Some(last)) = (tried, tried.last()) else { return None };
@@ -30,18 +46,19 @@ pub fn best_of_each(t: &Topology, tried: &[Tried], together: &[[VertexId; 2]]) -
     together.iter().for_each(|pair| join(&mut pair.iter().copied()));
     tried.iter().flat_map(|state| &state.pairs).for_each(|pair| join(&mut of_pair(pair)));
     // For each part, by its first vertex, the faults of each state.
-    let mut faults: BTreeMap<VertexId, Vec<usize>> = BTreeMap::new();
+    let mut faults: BTreeMap<VertexId, Vec<[usize; 2]>> = BTreeMap::new();
     for (state, of_state) in tried.iter().enumerate() {
         for pair in &of_state.pairs {
             if let Some(v) = of_pair(pair).find(|&v| differs(v)) {
-                faults.entry(parts.first(v)).or_insert_with(|| vec![0; tried.len()])[state] += 1;
+                let of_part = faults.entry(parts.first(v)).or_insert_with(|| vec![[0; 2]; tried.len()]);
+                of_part[state] = sum(of_part[state], fault(pair));
             }
         }
     }
-    let best = |counts: &Vec<usize>| (0..tried.len()).min_by_key(|&state| counts[state]).unwrap_or(0);
+    let best = |counts: &Vec<[usize; 2]>| (0..tried.len()).min_by_key(|&state| counts[state]).unwrap_or(0);
     let choice: BTreeMap<VertexId, usize> = faults.iter().map(|(&part, counts)| (part, best(counts))).collect();
-    let total = |state: usize| faults.values().map(|counts| counts[state]).sum::<usize>();
-    let fewest: usize = faults.values().filter_map(|counts| counts.iter().min()).sum();
+    let total = |state: usize| faults.values().map(|counts| counts[state]).fold([0; 2], sum);
+    let fewest = faults.values().filter_map(|counts| counts.iter().min()).copied().fold([0; 2], sum);
     if (0..tried.len()).any(|state| total(state) == fewest) {
         return None;
     }

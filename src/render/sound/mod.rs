@@ -14,12 +14,14 @@ mod marks;
 mod piece;
 mod skin;
 mod tree;
+mod untangle;
 
 use choice::{Tried, best_of_each};
 pub use gap::{Gap, OPEN};
 use marks::Marks;
 pub use skin::Skin;
 pub use tree::order;
+use untangle::{Untangled, untangled};
 
 use super::derivation::Derivation;
 use crate::mesh::{FaceId, Id, IdVec, Topology, VertexId};
@@ -32,6 +34,8 @@ pub const LEAST_SHARE: f32 = 0.1;
 /// Parts of the rest of the height that are left after each step, and whether the fit is. Finer steps leave more of both,
 /// and take longer.
 const STEPS: [(f32, bool); 4] = [(1.0, true), (0.3, true), (0.0, true), (0.0, false)];
+/// The step of a vertex that was moved to turn back faces.
+const UNTANGLED: u8 = STEPS.len() as u8;
 /// Cosine from which on faces of the parent count as turned themselves.
 const ALREADY_TURNED: f32 = 0.3;
 
@@ -68,6 +72,8 @@ pub struct Kin<'a> {
     pub marked: &'a IdVec<VertexId, bool>,
     /// The child's faces in an order in which neighbours are near.
     pub order: &'a [FaceId],
+    /// Where the front of the input is for each of the child's faces, zero where either side may be.
+    pub front: &'a IdVec<FaceId, Vec3>,
     /// Faces that may have moved.
     pub moved: &'a IdVec<FaceId, bool>,
     /// Those that have another layer near where they may have gone. Others may be unsound only where they are not even.
@@ -88,25 +94,11 @@ pub struct Sound {
 pub fn sound(kin: &Kin, states: &States) -> Sound {
     let mut mending = Mending::new(kin, states);
     mending.turn_back();
-    let mut tried: Vec<Tried> = Vec::with_capacity(STEPS.len() + 1);
-    let mut pairs: Vec<[FaceId; 2]> = Vec::new();
-    loop {
-        mending.search(&mut pairs);
-        tried.push(Tried { steps: mending.steps.clone(), pairs: pairs.clone() });
-        // More find nearly nothing.
-        if tried.len() == STEPS.len() || !mending.step_to(mending.stepped_on(&pairs)) {
-            break;
-        }
-    }
-    if let Some(steps) = best_of_each(&kin.child.level().topology, &tried, kin.pairs) {
-        mending.step_to(steps.clone());
-        mending.search(&mut pairs);
-        tried.push(Tried { steps, pairs });
-    }
-    let states = tried.into_iter().map(|state| (faces_of(&state.pairs), state.steps));
-    let fewest = states.min_by_key(|(faults, _)| faults.len());
-    let (faults, steps) = fewest.unwrap_or_else(|| (Vec::new(), mending.steps.clone()));
-    mending.left_at(&steps, faults)
+    let stepped = mending.stepped_back();
+    let share = |&step: &u8| LEAST_SHARE + (1.0 - LEAST_SHARE) * STEPS[usize::from(step)].0;
+    let shares = stepped.steps.iter().map(share).collect();
+    let faults = mending.untangle(stepped);
+    Sound { points: mending.points, shares, faults }
 }
 
 /// A mesh while its faults are mended.
@@ -123,6 +115,10 @@ struct Mending<'a> {
     moved: Vec<FaceId>,
     /// Those of them that may be unsound now, in their order.
     active: Vec<FaceId>,
+    /// Whether faces are held to the front of the input, where it is known, and not to where the weights alone put them.
+    by_front: bool,
+    /// Where vertices are that were moved to turn back faces.
+    untangled: IdVec<VertexId, Vec3>,
 }
 
 impl<'a> Mending<'a> {
@@ -131,7 +127,8 @@ impl<'a> Mending<'a> {
         let normals = linear_normals(kin.child.level(), states.linear);
         let skin = Skin::new(kin.child, &points, kin.order, Some(normals));
         let (before, steps) = (Skin::bare(kin.parent), IdVec::filled(0, points.len()));
-        let mut mending = Self { kin, states, skin, before, steps, points, moved: Vec::new(), active: Vec::new() };
+        let (moved, active, untangled) = (Vec::new(), Vec::new(), IdVec::default());
+        let mut mending = Self { kin, states, skin, before, steps, points, moved, active, by_front: false, untangled };
         mending.see(kin.moved.ids().filter(|&f| kin.moved[f]).collect());
         mending
     }
@@ -151,11 +148,59 @@ impl<'a> Mending<'a> {
         self.see(moved);
     }
 
-    /// The points where each vertex has stepped back so far.
-    fn left_at(mut self, steps: &IdVec<VertexId, u8>, faults: Vec<FaceId>) -> Sound {
-        self.move_to(steps);
-        let share = |&step: &u8| LEAST_SHARE + (1.0 - LEAST_SHARE) * STEPS[usize::from(step)].0;
-        Sound { points: self.points, shares: steps.iter().map(share).collect(), faults }
+    /// The best of all steps back.
+    fn stepped_back(&mut self) -> Tried {
+        let mut tried: Vec<Tried> = Vec::with_capacity(STEPS.len() + 1);
+        let mut pairs: Vec<[FaceId; 2]> = Vec::new();
+        loop {
+            self.search(&mut pairs);
+            tried.push(Tried { steps: self.steps.clone(), pairs: pairs.clone() });
+            // More find nearly nothing.
+            if tried.len() == STEPS.len() || !self.step_to(self.stepped_on(&pairs)) {
+                return self.best(tried, pairs);
+            }
+        }
+    }
+
+    /// Goes to the best of what was tried, each part by itself. `pairs` are the faults as it is now.
+    fn best(&mut self, mut tried: Vec<Tried>, mut pairs: Vec<[FaceId; 2]>) -> Tried {
+        if let Some(steps) = best_of_each(&self.kin.child.level().topology, &tried, self.kin.pairs) {
+            self.step_to(steps.clone());
+            self.search(&mut pairs);
+            tried.push(Tried { steps, pairs });
+        }
+        let best = tried.into_iter().min_by_key(Tried::faults);
+        let best = best.unwrap_or_else(|| Tried { steps: self.steps.clone(), pairs: Vec::new() });
+        self.step_to(best.steps.clone());
+        best
+    }
+
+    /// Turns back what looks away from the front of the input, by small moves, where that makes no others cross; the faces
+    /// that are left.
+    fn untangle(&mut self, mut stepped: Tried) -> Vec<FaceId> {
+        let Kin { child, front, pairs: together, .. } = self.kin;
+        let t = &child.level().topology;
+        self.by_front = true;
+        stepped.pairs.retain(|[f, g]| f != g || front[*f] == Vec3::ZERO);
+        let moved: Vec<FaceId> = self.kin.moved.ids().filter(|&f| self.kin.moved[f]).collect();
+        let turned = self.skin.turned_from(front, &moved);
+        stepped.pairs.extend(turned.iter().map(|&f| [f, f]));
+        if turned.is_empty() {
+            return faces_of(&stepped.pairs);
+        }
+        let mut beside = touching(t, &turned);
+        beside.retain(|face| turned.binary_search(face).is_err());
+        let area = |face: FaceId| {
+            let direction = if front[face] == Vec3::ZERO { self.skin.look(face) } else { front[face] };
+            twice_area(t.faces.vertices_of(face), self.states.linear).length() * direction
+        };
+        let Untangled { points, moved } = untangled(&self.skin, &self.points, [&turned, &beside], area, together);
+        self.untangled = points;
+        let (mut steps, mut pairs) = (stepped.steps.clone(), stepped.pairs.clone());
+        moved.into_iter().for_each(|vertex| steps[vertex] = UNTANGLED);
+        self.step_to(steps.clone());
+        self.search(&mut pairs);
+        faces_of(&self.best(vec![stepped, Tried { steps, pairs: pairs.clone() }], pairs).pairs)
     }
 
     /// Has each vertex step back so far; whether any did before by another step.
@@ -195,7 +240,8 @@ impl<'a> Mending<'a> {
     fn move_to(&mut self, steps: &IdVec<VertexId, u8>) -> Vec<VertexId> {
         let mut moved = Vec::new();
         for vertex in steps.ids().filter(|&v| steps[v] != self.steps[v]) {
-            let place = self.states.at(vertex, STEPS[usize::from(steps[vertex])]);
+            let step = STEPS.get(usize::from(steps[vertex]));
+            let place = step.map_or_else(|| self.untangled[vertex], |&step| self.states.at(vertex, step));
             if std::mem::replace(&mut self.points[vertex], place) != place {
                 moved.push(vertex);
             }
@@ -214,13 +260,16 @@ impl<'a> Mending<'a> {
 
     /// Faces that are turned over, and were not before. No even one is.
     fn turned(&mut self) -> Vec<FaceId> {
-        let mut turned = self.skin.turned(&self.active);
+        let is_known = |f: &FaceId| self.by_front && self.kin.front[*f] != Vec3::ZERO;
+        let (known, others): (Vec<FaceId>, Vec<FaceId>) = self.active.iter().partition(|f| is_known(f));
+        let mut turned = self.skin.turned(&others);
         self.know(&turned);
         let parent_face = |f: FaceId| self.kin.derivation.parent_face(f);
         turned.retain(|&f| {
             let p = parent_face(f);
             !self.before.is_turned(p, self.before.normal(p), ALREADY_TURNED)
         });
+        turned.extend(self.skin.turned_from(self.kin.front, &known));
         turned
     }
 
@@ -250,12 +299,18 @@ fn linear_normals(level: &Level, points: &IdVec<VertexId, Vec3>) -> IdVec<FaceId
     let faces = &level.topology.faces;
     let normal = |face| {
         let vertices = faces.vertices_of(face);
-        let at = |v: VertexId| points[v] - points[vertices[0]];
-        let area: Vec3 = vertices.windows(2).map(|p| at(p[0]).cross(at(p[1]))).sum();
-        let longest = vertices.iter().map(|&v| at(v).length_squared()).fold(0.0, f32::max);
+        let area = twice_area(vertices, points);
+        let squared = |&v: &VertexId| points[v].distance_squared(points[vertices[0]]);
+        let longest = vertices.iter().map(squared).fold(0.0, f32::max);
         if area.length() > 1e-3 * longest { area.normalize() } else { Vec3::ZERO }
     };
     (0..faces.len()).into_par_iter().map(|face| normal(FaceId::new(face))).collect::<Vec<_>>().into()
+}
+
+/// Twice the area of a face, as a vector.
+pub fn twice_area(vertices: &[VertexId], points: &IdVec<VertexId, Vec3>) -> Vec3 {
+    let at = |v: VertexId| points[v] - points[vertices[0]];
+    vertices.windows(2).map(|pair| at(pair[0]).cross(at(pair[1]))).sum()
 }
 
 /// The faces of pairs, each once.

@@ -19,7 +19,7 @@ const BLOCK: usize = 64;
 /// A cage's first refinement.
 pub struct Skin<'a> {
     pub(super) level: &'a Level,
-    rows: VertexRows<'a>,
+    pub(super) rows: VertexRows<'a>,
     pub(super) numbering: Numbering,
     refined: IdVec<VertexId, Vec3>,
     pub(super) pieces: Vec<Piece>,
@@ -155,8 +155,17 @@ impl<'a> Skin<'a> {
 
     /// The faces that have a child which looks away from where they look without their moves.
     pub fn turned(&self, faces: &[FaceId]) -> Vec<FaceId> {
-        let Some(looks) = &self.looks else { return Vec::new() };
-        faces.par_iter().with_min_len(BLOCK).copied().filter(|&f| self.is_turned(f, looks[f], TURNED)).collect()
+        self.looks.as_ref().map_or_else(Vec::new, |looks| self.turned_from(looks, faces))
+    }
+
+    /// The faces that have a child which looks away from the direction of the face.
+    pub fn turned_from(&self, directions: &IdVec<FaceId, Vec3>, faces: &[FaceId]) -> Vec<FaceId> {
+        faces.par_iter().with_min_len(BLOCK).copied().filter(|&f| self.is_turned(f, directions[f], TURNED)).collect()
+    }
+
+    /// Where a face looks without its moves, zero where any way is right or nothing is known of it.
+    pub fn look(&self, face: FaceId) -> Vec3 {
+        self.looks.as_ref().map_or(Vec3::ZERO, |looks| looks[face])
     }
 
     /// Whether a child of a face looks away from `normal` by a cosine of less than `least`.
