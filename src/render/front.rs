@@ -1,14 +1,11 @@
 //! Where the front of the input is: it says of the faces of all cages after it whether they are turned over.
 
 use super::derivation::Derivation;
-use super::sound::{Skin, twice_area};
+use super::sound::{ALREADY_TURNED, Skin, twice_area};
 use crate::mesh::{FaceId, IdVec, VertexId};
 use crate::subdivide::{Cage, Lineage};
 use glam::Vec3;
 use rayon::prelude::*;
-
-/// Cosine between a child and the front below which faces of the input count as turned over themselves.
-const ALREADY_TURNED: f32 = 0.3;
 
 /// The front of the input, at the vertices and faces of a cage.
 #[derive(Clone, Debug)]
@@ -67,5 +64,62 @@ impl Front {
     /// Memory that it holds. \[bytes\]
     pub fn bytes(&self) -> usize {
         size_of_val(self.normals.as_slice()) + size_of_val(self.sides.as_slice())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::garment::{Garment, Scheme, SubdivisionRules};
+    use crate::mesh::Faces;
+    use crate::render::derivation::Builder;
+
+    fn ids(numbers: &[usize]) -> Vec<VertexId> {
+        numbers.iter().map(|&v| VertexId::new(v)).collect()
+    }
+
+    /// Two quads, of which the second is turned back over the first by a last vertex at `x`.
+    fn front(x: f32) -> (Cage, Front) {
+        let points = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [2.0, 0.0], [x, 1.0]];
+        let cage = Cage::new(Garment {
+            points: points.iter().map(|&[x, y]| Vec3::new(x, y, 0.0)).collect(),
+            faces: Faces::quads(ids(&[0, 1, 2, 3, 1, 4, 5, 2])),
+            rules: SubdivisionRules { scheme: Scheme::Bilinear, ..SubdivisionRules::default() },
+            ..Garment::default()
+        });
+        let front = Front::first(&cage);
+        (cage, front)
+    }
+
+    #[test]
+    fn faces_look_to_the_front_but_for_those_that_are_turned_over() {
+        let (cage, flat) = front(2.0);
+        assert_eq!(flat.directions(&cage).as_slice(), [Vec3::Z; 2]);
+        let (cage, bow_tie) = front(-2.0);
+        assert_eq!(bow_tie.directions(&cage).as_slice(), [Vec3::Z, Vec3::ZERO]);
+    }
+
+    #[test]
+    fn a_second_layer_looks_away_from_the_front_and_a_fold_to_neither_side() {
+        let (cage, front) = front(2.0);
+        let parent = &cage.level().topology;
+        let mut builder = Builder::new(parent);
+        let [a, b] = [0, 3].map(|v| builder.vertex(&[(VertexId::new(v), 1.0)]));
+        let [c, d] = [1, 2].map(|v| builder.vertex(&[(VertexId::new(v), 1.0)]));
+        let first = FaceId::new(0);
+        builder.face(first, &ids(&[0, 1, 2, 3]));
+        builder.face(first, &[a, b, d, c]);
+        let [two, one] = [2, 1].map(VertexId::new);
+        builder.face(first, &[two, one, c, d]);
+        let derivation = builder.finish();
+        let is_copy: IdVec<VertexId, bool> = (0..derivation.vertices.len()).map(|v| v >= 6).collect();
+        let carried = front.carried(&derivation, &is_copy);
+        assert_eq!(carried.sides.as_slice(), [1.0, -1.0, 0.0]);
+        assert!(carried.normals.iter().all(|&n| n == Vec3::Z));
+        // A second layer of the second layer looks to the front again.
+        let mut again = Builder::new(parent);
+        again.face(FaceId::new(1), &ids(&[0, 1, 2, 3]));
+        let all = IdVec::filled(true, 6);
+        assert_eq!(carried.carried(&again.finish(), &all).sides.as_slice(), [1.0]);
     }
 }

@@ -7,7 +7,7 @@
 //!
 //! Heights stay within the room that is left to other layers (`placed`, from gaps found once on the input; where there is
 //! none, a thickness leaves faces as they are: `thickness::cover`), the cage settles to them without the waves of an exact
-//! fit (`settle`), and `sound` lowers them where faces still would cross or turn over.
+//! fit (`settle`), and `sound` lowers them where faces still would cross or turn over, as seen from the `front` of the input.
 //!
 //! # A new operator
 //!

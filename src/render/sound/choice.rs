@@ -87,6 +87,10 @@ mod tests {
         assert_eq!(best_of_each(&t, &tried, &[[VertexId::new(0), VertexId::new(19)]]), None);
         assert_eq!(best_of_each(&t, &tried[..2], &[]), None);
         assert_eq!(best_of_each(&t, &[], &[]), None);
+        // Two that are turned over are better than one pair that crosses.
+        let crossing = [FaceId::new(0), FaceId::new(1)];
+        let tried = [state(0, 0, &[start, start, end]), state(1, 1, &[crossing])];
+        assert_eq!(best_of_each(&t, &tried, &[]), Some(steps(0, 1)));
         assert_eq!(best_of_each(&t, &[state(0, 0, &[start, end]), state(1, 1, &[])], &[]), None);
     }
 }

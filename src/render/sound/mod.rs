@@ -1,5 +1,6 @@
 //! Operators make no face cross another, or turn over, that did not before: where one would, its heights are reduced
-//! step by step, first to almost nothing, then together with the fit to the limit surface. Only faces are looked at that
+//! step by step, first to almost nothing, then together with the fit to the limit surface. What looks away from the front
+//! of the input after that is turned back by small moves (`untangle`). Only faces are looked at that
 //! have another layer near where they go, a bend, or a corner so narrow that they may pass a neighbour in its plane: others
 //! are sound by how they are made.
 //!
@@ -36,8 +37,8 @@ pub const LEAST_SHARE: f32 = 0.1;
 const STEPS: [(f32, bool); 4] = [(1.0, true), (0.3, true), (0.0, true), (0.0, false)];
 /// The step of a vertex that was moved to turn back faces.
 const UNTANGLED: u8 = STEPS.len() as u8;
-/// Cosine from which on faces of the parent count as turned themselves.
-const ALREADY_TURNED: f32 = 0.3;
+/// Cosine below which faces of the parent, and of the input, count as turned over themselves.
+pub const ALREADY_TURNED: f32 = 0.3;
 
 /// The places of the points in three states, from which the sound one is mixed.
 pub struct States<'a> {

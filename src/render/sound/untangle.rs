@@ -141,3 +141,59 @@ impl Child {
         moves
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::garment::{Garment, Scheme, SubdivisionRules};
+    use crate::mesh::Faces;
+    use crate::subdivide::Cage;
+
+    /// Two sheets of four quads each, with their middle vertices at a place beyond the corner of the last quad.
+    fn sheets(place: [f32; 2]) -> Cage {
+        let at = |i: usize| if i == 4 { place } else { [(i % 3) as f32, (i / 3) as f32] };
+        let points = [0.0, 0.1].into_iter().flat_map(|z| (0..9).map(move |i| Vec3::new(at(i)[0], at(i)[1], z)));
+        let quads = [0, 1, 3, 4].into_iter().flat_map(|i| [i, i + 1, i + 4, i + 3]);
+        let corners = [0, 9].into_iter().flat_map(|first| quads.clone().map(move |v| VertexId::new(first + v)));
+        Cage::new(Garment {
+            points: points.collect(),
+            faces: Faces::quads(corners.collect::<Vec<_>>()),
+            rules: SubdivisionRules { scheme: Scheme::Bilinear, ..SubdivisionRules::default() },
+            ..Garment::default()
+        })
+    }
+
+    fn skin<'a>(cage: &'a Cage, points: &IdVec<VertexId, Vec3>) -> Skin<'a> {
+        let all: Vec<FaceId> = cage.garment().faces.ids().collect();
+        Skin::new(cage, points, &all, Some(IdVec::filled(Vec3::Z, all.len())))
+    }
+
+    #[test]
+    fn faces_are_turned_back_by_small_moves() {
+        let cage = sheets([2.2, 2.2]);
+        let points = &cage.garment().points;
+        let all: Vec<FaceId> = cage.garment().faces.ids().collect();
+        let (lower, upper) = all.split_at(4);
+        let before = skin(&cage, points);
+        let turned = before.turned(lower);
+        assert!(!turned.is_empty());
+        let beside: Vec<FaceId> = lower.iter().copied().filter(|f| !turned.contains(f)).collect();
+        let pairs: Vec<[VertexId; 2]> = (0..9).map(|v| [v, v + 9].map(VertexId::new)).collect();
+        let area = |_| 2.0 * Vec3::Z;
+        let after = untangled(&before, points, [&turned, &beside], area, &pairs);
+        let skin_after = skin(&cage, &after.points);
+        assert_eq!((skin_after.turned(lower), skin_after.turned(upper)), (vec![], vec![]), "both sheets");
+        let step = |v: VertexId| after.points[v] - points[v];
+        assert!(pairs.iter().all(|&[a, b]| step(a).abs_diff_eq(step(b), 1e-6)), "pairs keep together");
+        assert!(points.ids().all(|v| step(v).length() < 1.0 && step(v).z == 0.0), "in the plane, and not far");
+        assert!(points.ids().all(|v| after.moved.contains(&v) || step(v) == Vec3::ZERO));
+    }
+
+    #[test]
+    fn what_is_right_stays() {
+        let cage = sheets([1.2, 0.9]);
+        let (points, all) = (&cage.garment().points, cage.garment().faces.ids().collect::<Vec<_>>());
+        let after = untangled(&skin(&cage, points), points, [&all, &[]], |_| 2.0 * Vec3::Z, &[]);
+        assert_eq!((after.moved, &after.points), (vec![], points));
+    }
+}
