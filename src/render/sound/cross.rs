@@ -98,7 +98,7 @@ impl Skin<'_> {
     /// Whether faces that touch cannot cross, as they look to one side. Of the narrow triangles where a seam ends, one may
     /// pass another all the same, and so may two faces at a vertex across a fold.
     fn is_one_sided(&self, f: &Piece, g: &Piece, axis: Vec3) -> bool {
-        if f.is_narrow || g.is_narrow || f.normal.dot(g.normal) < ACROSS {
+        if f.is_loose || g.is_loose || f.normal.dot(g.normal) < ACROSS {
             return false;
         }
         f.spread.min(g.spread) > EVEN || [f, g].iter().all(|piece| self.all_look(piece, axis, ONE_SIDED))

@@ -176,32 +176,40 @@ impl<'a> Mending<'a> {
         best
     }
 
-    /// Turns back what looks away from the front of the input, by small moves, where that makes no others cross; the faces
-    /// that are left.
+    /// Turns back what looks away from the front of the input, where it is known; the faces with a fault that is left.
     fn untangle(&mut self, mut stepped: Tried) -> Vec<FaceId> {
+        let front = self.kin.front;
+        self.by_front = true;
+        // What looks to the front all the same may still be folded within its plane.
+        let is_odd = |[f, g]: &[FaceId; 2]| f == g && front[*f] != Vec3::ZERO;
+        let odd: Vec<[FaceId; 2]> = stepped.pairs.extract_if(.., |pair| is_odd(pair)).collect();
+        let all: Vec<FaceId> = self.kin.moved.ids().filter(|&f| self.kin.moved[f]).collect();
+        let turned = self.skin.turned_from(front, &all);
+        stepped.pairs.extend(turned.iter().map(|&f| [f, f]));
+        let mut best = if turned.is_empty() { stepped } else { self.turned_to_front(stepped, &turned) };
+        let faces = &self.kin.child.level().topology.faces;
+        let stays = |[face, _]: &[FaceId; 2]| faces.vertices_of(*face).iter().all(|&v| best.steps[v] != UNTANGLED);
+        best.pairs.extend(odd.into_iter().filter(stays));
+        faces_of(&best.pairs)
+    }
+
+    /// The better of a state and one where some faces are turned to the front by small moves, each part by itself.
+    fn turned_to_front(&mut self, stepped: Tried, turned: &[FaceId]) -> Tried {
         let Kin { child, front, pairs: together, .. } = self.kin;
         let t = &child.level().topology;
-        self.by_front = true;
-        stepped.pairs.retain(|[f, g]| f != g || front[*f] == Vec3::ZERO);
-        let moved: Vec<FaceId> = self.kin.moved.ids().filter(|&f| self.kin.moved[f]).collect();
-        let turned = self.skin.turned_from(front, &moved);
-        stepped.pairs.extend(turned.iter().map(|&f| [f, f]));
-        if turned.is_empty() {
-            return faces_of(&stepped.pairs);
-        }
-        let mut beside = touching(t, &turned);
+        let mut beside = touching(t, turned);
         beside.retain(|face| turned.binary_search(face).is_err());
         let area = |face: FaceId| {
             let direction = if front[face] == Vec3::ZERO { self.skin.look(face) } else { front[face] };
             twice_area(t.faces.vertices_of(face), self.states.linear).length() * direction
         };
-        let Untangled { points, moved } = untangled(&self.skin, &self.points, [&turned, &beside], area, together);
+        let Untangled { points, moved } = untangled(&self.skin, &self.points, [turned, &beside], area, together);
         self.untangled = points;
         let (mut steps, mut pairs) = (stepped.steps.clone(), stepped.pairs.clone());
         moved.into_iter().for_each(|vertex| steps[vertex] = UNTANGLED);
         self.step_to(steps.clone());
         self.search(&mut pairs);
-        faces_of(&self.best(vec![stepped, Tried { steps, pairs: pairs.clone() }], pairs).pairs)
+        self.best(vec![stepped, Tried { steps, pairs: pairs.clone() }], pairs)
     }
 
     /// Has each vertex step back so far; whether any did before by another step.
@@ -215,6 +223,9 @@ impl<'a> Mending<'a> {
         let at = faces_at(t, vertices.iter().copied());
         let moved = touching(t, &at);
         self.skin.update(&self.points, &at, &moved);
+        if self.by_front {
+            self.skin.loosen(&moved);
+        }
         self.see(moved);
         true
     }

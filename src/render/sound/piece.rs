@@ -54,8 +54,8 @@ pub struct Piece {
     pub cell: Cell,
     /// Whether it is sound where no other layer is near.
     pub is_even: bool,
-    /// Whether it is a triangle that may pass a neighbour in the plane of both.
-    pub is_narrow: bool,
+    /// Whether it may pass a neighbour in the plane of both, as narrow triangles do.
+    pub is_loose: bool,
     /// Where the skin has the other cells, if there are any.
     pub more: usize,
 }
@@ -96,7 +96,7 @@ impl Former<'_> {
             heights: heights(cells(), normal),
             bounds: cells().map(|cell| cell.boxes().whole()).fold(Bounds::EMPTY, |all, b| all.and(&b)),
             is_even: looks_right && spread >= EVEN && !is_narrow,
-            is_narrow,
+            is_loose: is_narrow,
             cell,
             more,
         }

@@ -94,6 +94,14 @@ impl<'a> Skin<'a> {
         }
     }
 
+    /// Takes some faces for such as may pass a neighbour in the plane of both, until they are updated.
+    pub fn loosen(&mut self, faces: &[FaceId]) {
+        for &face in faces {
+            let piece = &mut self.pieces[self.places[face] as usize];
+            (piece.is_even, piece.is_loose) = (false, true);
+        }
+    }
+
     /// Puts the children of some faces where the cage's points are.
     fn refine(&mut self, points: &IdVec<VertexId, Vec3>, faces: &[FaceId]) {
         let mut children = Marks::new(self.refined.len());
