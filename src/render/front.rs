@@ -8,7 +8,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 /// The front of the input, at the vertices and faces of a cage.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Front {
     /// Normals of the input, each the mean of those of the faces around a vertex.
     normals: IdVec<VertexId, Vec3>,

@@ -12,7 +12,7 @@
 //! one thread does.
 
 use super::front::Front;
-use super::placed::Placed;
+use super::placed::{Placed, Room};
 use super::shape::{Formed, Origin};
 use super::{Stack, check_size, first_cage};
 use crate::error::{Error, Warnings};
@@ -90,9 +90,8 @@ pub fn render(garment: &Garment, stack: &Stack, stages: &impl Stages) -> Result<
     let first = stages.get("first", &reach, || Ok(Made::from(Placed::first(&cage, reach))))?;
     let plan = Plan::new(stack, reach, stages);
     let ((formed, next_formed), (cages, next_cage)) = (mpsc::channel(), mpsc::channel());
-    let front = stages.get("front", &(), || Ok(Front::first(&cage)))?;
-    let origin = Origin { clearance: Arc::new(first.value.rooms.clone()), front };
-    let frame = || plan.frame(&Base::Plain(cage), origin, &Sent { formed, cages });
+    let clearance = Arc::new(first.value.rooms.clone());
+    let frame = || plan.frame(cage, clearance, &Sent { formed, cages });
     let (frame, points) = at_once(frame, || plan.points(first, &next_formed, &next_cage));
     let (frame, points) = (frame?, points?);
     let mut warnings = stack.warnings.clone();
@@ -174,9 +173,11 @@ impl<'a, S: Stages> Plan<'a, S> {
     }
 
     /// The connectivity and the attributes.
-    fn frame(&self, first: &Base, origin: Origin, sent: &Sent) -> Result<Frame, Error> {
-        let (mut cage, mut origin) = (first.clone(), origin);
+    fn frame(&self, first: Arc<Cage>, clearance: Arc<IdVec<VertexId, Room>>, sent: &Sent) -> Result<Frame, Error> {
         let mut formed: Vec<Arc<Formed>> = Vec::with_capacity(self.structure.len());
+        let mut cage = Base::Plain(first);
+        let front = || Ok(if self.structure.is_empty() { Front::default() } else { Front::first(cage.cage()) });
+        let mut origin = Origin { clearance, front: self.stages.get("front", &self.structure.is_empty(), front)? };
         for (number, operator) in self.stack.operators.iter().enumerate() {
             // The same for every reach, as operators ask for no clearance beyond their own.
             let form = || Formed::new(operator.as_ref(), cage.cage(), &origin);
