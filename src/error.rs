@@ -163,7 +163,7 @@ pub enum Warning {
         /// The largest change, as a share of the subset's area.
         largest: f32,
     },
-    /// Seams that are narrower in places than asked, for want of room.
+    /// Seams that are narrower in places than asked, for want of room, and as much lower.
     NarrowSeam {
         /// Name of the seam.
         seam: String,
@@ -319,7 +319,11 @@ impl fmt::Display for Warning {
             Self::NarrowSeam { seam, count, examples, least } => {
                 let some = some(*count, "points", examples, usize::to_string);
                 write!(f, "seam.{seam} is narrower than asked at {count} places ({some}), down to ")?;
-                write!(f, "{:.0} % of its width; lower its width, or give it longer edges there", least * 100.0)
+                write!(
+                    f,
+                    "{:.0} % of its width and height; lower its width, or give it longer edges there",
+                    least * 100.0
+                )
             }
             Self::ShallowSeam { seam, count, examples, least } => {
                 let some = some(*count, "points", examples, usize::to_string);

@@ -216,7 +216,7 @@ impl Seams {
             if instances.is_empty() || network.tapers[vertex] {
                 return Held { vertex, role: Role::Surface };
             }
-            Held { vertex, role: Role::Centre { instances, part: 1.0 } }
+            Held { vertex, role: Role::Centre { instances, part: lines.widths[vertex] } }
         });
         let on_lines = lines.vertices.iter().map(|l| {
             let instance = network.seam[l.mark].unwrap_or(0);

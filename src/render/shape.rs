@@ -57,7 +57,7 @@ pub enum Role {
     Centre {
         /// The instances of the operator there.
         instances: Vec<usize>,
-        /// The part of the height that it has: 1, less where its end is near.
+        /// The part of the height that it has: 1, less where its end is near or where there is no room for its width.
         part: f32,
     },
     /// On a line.
@@ -66,7 +66,7 @@ pub enum Role {
         line: usize,
         /// The instance of the operator.
         instance: usize,
-        /// The part of the height that it has: 1, less where its end is near.
+        /// The part of the height that it has: 1, less where its end is near or where there is no room for its width.
         part: f32,
     },
     /// On the second layer.

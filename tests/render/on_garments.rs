@@ -1,5 +1,5 @@
 //! Operators on the examples and on real garments: every face a quad, none without area or turned over, and no crossing
-//! that the garment itself does not have, but for a few that are counted here.
+//! that the garment itself does not have, but for three pairs.
 
 use crate::cloth::faces_in;
 use crate::crossings::crossing_parents;
@@ -21,7 +21,7 @@ const FRONT: &str = "front";
 /// Pairs of faces of the garment whose children cross by what operators still get wrong, for seams, hems and both: a file
 /// that is not here has none. The aim is none; a number here may only be lowered.
 const CROSSING: &[(&str, [usize; 3])] =
-    &[("female_elegantsuit01.usdc", [0, 0, 2]), ("male_worksuit01.usdc", [0, 0, 3]), ("tshirt.usda", [0, 0, 1])];
+    &[("female_elegantsuit01.usdc", [0, 0, 2]), ("male_worksuit01.usdc", [0, 0, 1])];
 
 fn known_crossings(name: &str) -> [usize; 3] {
     CROSSING.iter().find(|(file, _)| *file == name).map_or([0; 3], |(_, known)| *known)

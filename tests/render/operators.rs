@@ -320,6 +320,27 @@ fn seams_that_are_too_wide_shrink_and_say_where() {
 }
 
 #[test]
+fn a_seam_that_has_no_room_for_its_width_is_as_much_less_deep() {
+    let edges = path(&[37, 38, 39, 40]);
+    let garment = checked(with_edges(with_edges(sheet(8), "a", &edges), "b", &path(&[46, 47, 48, 49])));
+    let of = |options: &[&str]| {
+        let (mesh, warnings) = rendered(&garment, &[options, &["render.level=4"]].concat());
+        // Of the two inner vertices of the chain, which keep their numbers.
+        let depth = -0.5 * [38, 39].map(|v| mesh.points[VertexId::new(v)].z).iter().sum::<f32>();
+        let shares = warnings.iter().filter_map(|w| match w {
+            Warning::NarrowSeam { least, .. } => Some(*least),
+            _ => None,
+        });
+        (depth / 0.1, shares.fold(1.0, f32::min))
+    };
+    let (deep, all) = of(&["seam.a.edges=a", "seam.a.width=0.5", "seam.a.normalOffset=-0.1"]);
+    assert!(all == 1.0 && (deep - 1.0).abs() < 0.02, "{deep}, {all}");
+    let both = ["seam.a.edges=a", "seam.b.edges=b", "seam.a.width=1", "seam.b.width=1"];
+    let (shallow, narrow) = of(&[&both[..], &["seam.a.normalOffset=-0.1", "seam.b.normalOffset=-0.1"]].concat());
+    assert!(narrow < 0.95 && (shallow - narrow).abs() < 0.02, "{shallow}, {narrow}");
+}
+
+#[test]
 fn both_orders_are_sound_and_differ() {
     let garment = checked(with_edges(sheet(8), "line", &path(&[36, 37, 38, 39, 40, 41, 42, 43, 44])));
     let options = |order| {

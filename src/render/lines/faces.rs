@@ -19,6 +19,8 @@ struct CorePoint {
 struct Weaver<'a, 'r> {
     request: &'r Request<'a>,
     ribs: &'r Ribs,
+    /// How wide the lines are at each vertex, as a share of what was asked.
+    widths: IdVec<VertexId, f32>,
     builder: Builder<'a>,
     /// The vertices of each rib, from the first line on.
     columns: Vec<Vec<VertexId>>,
@@ -32,9 +34,12 @@ struct Weaver<'a, 'r> {
 
 /// The child of a request.
 pub fn build<'a>(request: &Request<'a>, ribs: &Ribs) -> Lines<'a> {
+    let mut widths = IdVec::filled(1.0f32, request.topology.vertex_count());
+    ribs.narrowed.iter().for_each(|n| widths[n.vertex] = widths[n.vertex].min(n.share));
     let mut weaver = Weaver {
         request,
         ribs,
+        widths,
         builder: Builder::new(request.topology),
         columns: Vec::with_capacity(ribs.all.len()),
         halfway: IdVec::filled(None, request.topology.edges.len()),
@@ -55,8 +60,8 @@ pub fn build<'a>(request: &Request<'a>, ribs: &Ribs) -> Lines<'a> {
     }
     first_child.push(weaver.builder.face_count());
     t.edges.ids().for_each(|edge| weaver.add_edge(edge));
-    let Weaver { builder, vertices, strips, .. } = weaver;
-    Lines { builder, vertices, strips, first_child, narrowed: ribs.narrowed.clone(), near }
+    let Weaver { builder, vertices, strips, widths, .. } = weaver;
+    Lines { builder, vertices, strips, first_child, narrowed: ribs.narrowed.clone(), widths, near }
 }
 
 impl Weaver<'_, '_> {
@@ -70,7 +75,7 @@ impl Weaver<'_, '_> {
         for (line, &step) in rib.steps.iter().enumerate() {
             let sources = weights(self.request.topology, rib, step);
             let vertex = self.builder.vertex(&sources);
-            self.vertices.push(LineVertex { vertex, line: Some(line), mark: rib.mark, part: 1.0 });
+            self.vertices.push(LineVertex { vertex, line: Some(line), mark: rib.mark, part: self.widths[rib.vertex] });
             column.push(vertex);
         }
         self.columns.push(column);
@@ -85,8 +90,8 @@ impl Weaver<'_, '_> {
         if !is_last || t.vertex_corners.row(other).iter().all(|&c| self.ribs.within(c).is_none()) {
             return;
         }
-        let part = 1.0 - HALFWAY;
-        let vertex = self.builder.vertex(&[(other, part), (end, HALFWAY)]);
+        let vertex = self.builder.vertex(&[(other, 1.0 - HALFWAY), (end, HALFWAY)]);
+        let part = (1.0 - HALFWAY) * self.widths[other];
         self.vertices.push(LineVertex { vertex, line: None, mark: edge, part });
         self.halfway[edge] = Some(vertex);
         for &corner in t.edge_corners.row(edge) {

@@ -51,7 +51,7 @@ pub struct LineVertex {
     pub line: Option<usize>,
     /// The marked edge that the line belongs to.
     pub mark: EdgeId,
-    /// How wide the lines are apart here, as a part of what they are where they do not taper.
+    /// How wide the lines are apart here, as a part of what was asked: less where they taper or have no room.
     pub part: f32,
 }
 
@@ -89,6 +89,8 @@ pub struct Lines<'a> {
     pub first_child: Vec<usize>,
     /// Where there was less room than asked, at most one a rib.
     pub narrowed: Vec<Narrowed>,
+    /// How wide they are at each parent vertex, as a share of what was asked.
+    pub widths: IdVec<VertexId, f32>,
     /// Parent vertices of faces that were cut.
     pub near: IdVec<VertexId, bool>,
 }
