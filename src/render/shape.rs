@@ -173,8 +173,8 @@ pub struct Formed {
     marked: IdVec<VertexId, bool>,
     /// Edges of the second layer, by their held vertices.
     between: Vec<[usize; 2]>,
-    /// Faces whose points may move.
-    moved: IdVec<FaceId, bool>,
+    /// Faces whose points may move, in their order.
+    moved: Vec<FaceId>,
     /// Faces in an order in which neighbours are near.
     order: Vec<FaceId>,
 }
@@ -354,12 +354,12 @@ fn layer_edges(shape: &Shape, level: &Level) -> Vec<[usize; 2]> {
     level.topology.edges.iter().filter_map(of).collect()
 }
 
-/// Faces with a held vertex.
-fn moved(shape: &Shape) -> IdVec<FaceId, bool> {
+/// Faces with a held vertex, in their order.
+fn moved(shape: &Shape) -> Vec<FaceId> {
     let mut held = vec![false; shape.derivation.vertices.len()];
     shape.held.iter().for_each(|h| held[h.vertex.index()] = true);
     let faces = &shape.derivation.faces;
-    faces.ids().map(|f| faces.vertices_of(f).iter().any(|v| held[v.index()])).collect()
+    faces.ids().filter(|&f| faces.vertices_of(f).iter().any(|v| held[v.index()])).collect()
 }
 
 /// The held vertex from whose limit each is measured: itself, but for copies that have other faces or another rule than

@@ -1,8 +1,8 @@
 //! Operators make no face cross another, or turn over, that did not before: where one would, its heights are reduced
 //! step by step, first to almost nothing, then together with the fit to the limit surface. What looks away from the front
-//! of the input after that is turned back by small moves (`untangle`). Only faces are looked at that
-//! have another layer near where they go, a bend, or a corner so narrow that they may pass a neighbour in its plane: others
-//! are sound by how they are made.
+//! of the input after that is turned back by small moves (`untangle`). Only faces are looked at that have another layer near
+//! where they go, a bend, or a corner so narrow that they may pass a neighbour in its plane: others are sound by how they
+//! are made.
 //!
 //! A face is looked at with its four children at once, in the lanes of vector registers (`lanes`, `piece`), and faces that
 //! are near each other are near in memory (`tree::order`).
@@ -75,8 +75,8 @@ pub struct Kin<'a> {
     pub order: &'a [FaceId],
     /// Where the front of the input is for each of the child's faces, zero where either side may be.
     pub front: &'a IdVec<FaceId, Vec3>,
-    /// Faces that may have moved.
-    pub moved: &'a IdVec<FaceId, bool>,
+    /// Faces that may have moved, in their order.
+    pub moved: &'a [FaceId],
     /// Those that have another layer near where they may have gone. Others may be unsound only where they are not even.
     pub near: &'a IdVec<FaceId, bool>,
 }
@@ -130,7 +130,7 @@ impl<'a> Mending<'a> {
         let (before, steps) = (Skin::bare(kin.parent), IdVec::filled(0, points.len()));
         let (moved, active, untangled) = (Vec::new(), Vec::new(), IdVec::default());
         let mut mending = Self { kin, states, skin, before, steps, points, moved, active, by_front: false, untangled };
-        mending.see(kin.moved.ids().filter(|&f| kin.moved[f]).collect());
+        mending.see(kin.moved.to_vec());
         mending
     }
 
@@ -158,14 +158,15 @@ impl<'a> Mending<'a> {
             tried.push(Tried { steps: self.steps.clone(), pairs: pairs.clone() });
             // More find nearly nothing.
             if tried.len() == STEPS.len() || !self.step_to(self.stepped_on(&pairs)) {
-                return self.best(tried, pairs);
+                return self.best(tried);
             }
         }
     }
 
-    /// Goes to the best of what was tried, each part by itself. `pairs` are the faults as it is now.
-    fn best(&mut self, mut tried: Vec<Tried>, mut pairs: Vec<[FaceId; 2]>) -> Tried {
+    /// Goes to the best of what was tried, each part by itself; the last of it is how things are.
+    fn best(&mut self, mut tried: Vec<Tried>) -> Tried {
         if let Some(steps) = best_of_each(&self.kin.child.level().topology, &tried, self.kin.pairs) {
+            let mut pairs = tried.last().map_or_else(Vec::new, |last| last.pairs.clone());
             self.step_to(steps.clone());
             self.search(&mut pairs);
             tried.push(Tried { steps, pairs });
@@ -183,8 +184,7 @@ impl<'a> Mending<'a> {
         // What looks to the front all the same may still be folded within its plane.
         let is_odd = |[f, g]: &[FaceId; 2]| f == g && front[*f] != Vec3::ZERO;
         let odd: Vec<[FaceId; 2]> = stepped.pairs.extract_if(.., |pair| is_odd(pair)).collect();
-        let all: Vec<FaceId> = self.kin.moved.ids().filter(|&f| self.kin.moved[f]).collect();
-        let turned = self.skin.turned_from(front, &all);
+        let turned = self.skin.turned_from(front, self.kin.moved);
         stepped.pairs.extend(turned.iter().map(|&f| [f, f]));
         let mut best = if turned.is_empty() { stepped } else { self.turned_to_front(stepped, &turned) };
         let faces = &self.kin.child.level().topology.faces;
@@ -209,7 +209,7 @@ impl<'a> Mending<'a> {
         moved.into_iter().for_each(|vertex| steps[vertex] = UNTANGLED);
         self.step_to(steps.clone());
         self.search(&mut pairs);
-        self.best(vec![stepped, Tried { steps, pairs: pairs.clone() }], pairs)
+        self.best(vec![stepped, Tried { steps, pairs }])
     }
 
     /// Has each vertex step back so far; whether any did before by another step.
