@@ -123,6 +123,8 @@ pub struct Surface {
     pub places: IdVec<VertexId, Vec3>,
     /// Normals to the front; all corners of a vertex have one, unless the surface has a fold there.
     pub normals: IdVec<CornerId, Vec3>,
+    /// Where the corners of the cage look.
+    of_cage: Vec<Vec3>,
     is_flat: bool,
 }
 
@@ -136,7 +138,8 @@ impl Surface {
     ) -> Self {
         let places = carried_points(&rows, points);
         let t = &level.topology;
-        let own = corner_normals(t, &places, orientation);
+        let (own, of_cage) =
+            rayon::join(|| corner_normals(t, &places, orientation), || corner_normals(t, points, orientation));
         // One for each vertex, unless the surface has a fold there.
         let mean = |vertex: usize| {
             let vertex = VertexId::new(vertex);
@@ -150,7 +153,7 @@ impl Surface {
         };
         let normals: IdVec<CornerId, Vec3> = own.iter().zip(t.faces.corners().iter()).map(normal).collect();
         let is_flat = matches!(level.scheme, Scheme::Bilinear | Scheme::None);
-        Self { places, normals, is_flat }
+        Self { places, normals, of_cage, is_flat }
     }
 
     /// The place on the surface that corners with their weights stand for, and the normal there.
@@ -159,6 +162,9 @@ impl Surface {
         let sum: Vec3 = seen.iter().map(|&(c, w)| w * self.normals[c]).sum();
         let all = seen.iter().map(|&(c, _)| self.normals[c]);
         let normal = if sum.length() < OPPOSITE { Vec3::ZERO } else { seen_by_all(sum, &all) };
+        // Where the limit of a narrow face is turned over, the cage, whose children must not cross, is not.
+        let of_cage = seen_by_all(normal, &seen.iter().map(|&(c, _)| self.of_cage[c.index()]));
+        let normal = if of_cage == Vec3::ZERO { normal } else { of_cage };
         if self.is_flat {
             return (place, normal);
         }
@@ -256,6 +262,21 @@ mod tests {
         assert_eq!(seen_by_all(Vec3::Z, &flat.into_iter()), Vec3::Z);
         // Not turned where all see the mean.
         assert_eq!(seen_by_all(Vec3::Y, &[Vec3::Y, Vec3::new(0.6, 0.8, 0.0)].into_iter()), Vec3::Y);
+    }
+
+    #[test]
+    fn normals_are_seen_by_the_cage_where_it_looks_to_one_side() {
+        let t = Topology::new(Faces::quads((0..4).map(VertexId::new).collect::<Vec<_>>()), 4);
+        let corners = [0, 1].map(|c| (CornerId::new(c), 0.5));
+        let at = |limit: Vec3, of_cage: Vec<Vec3>| {
+            let (places, normals) = (IdVec::filled(Vec3::ZERO, 4), IdVec::filled(limit, 4));
+            Surface { places, normals, of_cage, is_flat: false }.at(&t, &corners).1
+        };
+        let tilted = Vec3::new(0.9, 0.0, -0.4).normalize();
+        let normal = at(tilted, vec![Vec3::Z; 4]);
+        assert!(normal.dot(Vec3::Z) >= SEEN && normal.dot(tilted) > 0.0, "{normal}");
+        assert_eq!(at(Vec3::Z, vec![tilted.with_z(0.4); 4]), Vec3::Z, "seen as it is");
+        assert_eq!(at(Vec3::Z, vec![Vec3::X, -Vec3::X, Vec3::X, Vec3::X]), Vec3::Z, "seen by all from no side");
     }
 
     #[test]

@@ -22,7 +22,7 @@ pub use gap::{Gap, OPEN};
 use marks::Marks;
 pub use skin::Skin;
 pub use tree::order;
-use untangle::{Untangled, untangled};
+use untangle::{Layer, Untangled, Wanted, untangled};
 
 use super::derivation::Derivation;
 use crate::mesh::{FaceId, Id, IdVec, Topology, VertexId};
@@ -35,8 +35,10 @@ pub const LEAST_SHARE: f32 = 0.1;
 /// Parts of the rest of the height that are left after each step, and whether the fit is. Finer steps leave more of both,
 /// and take longer.
 const STEPS: [(f32, bool); 4] = [(1.0, true), (0.3, true), (0.0, true), (0.0, false)];
-/// The step of a vertex that was moved to turn back faces.
+/// The step of a vertex that was moved by the first attempt to untangle faces; those of more attempts follow.
 const UNTANGLED: u8 = STEPS.len() as u8;
+/// Part of its height that a second layer is moved to where it crosses the first. Less leaves some of them crossing.
+const APART: f32 = 0.6;
 /// Cosine below which faces of the parent, and of the input, count as turned over themselves.
 pub const ALREADY_TURNED: f32 = 0.3;
 
@@ -118,8 +120,8 @@ struct Mending<'a> {
     active: Vec<FaceId>,
     /// Whether faces are held to the front of the input, where it is known, and not to where the weights alone put them.
     by_front: bool,
-    /// Where vertices are that were moved to turn back faces.
-    untangled: IdVec<VertexId, Vec3>,
+    /// Where vertices are that were moved by each attempt to untangle faces.
+    untangled: Vec<IdVec<VertexId, Vec3>>,
 }
 
 impl<'a> Mending<'a> {
@@ -128,7 +130,7 @@ impl<'a> Mending<'a> {
         let normals = linear_normals(kin.child.level(), states.linear);
         let skin = Skin::new(kin.child, &points, kin.order, Some(normals));
         let (before, steps) = (Skin::bare(kin.parent), IdVec::filled(0, points.len()));
-        let (moved, active, untangled) = (Vec::new(), Vec::new(), IdVec::default());
+        let (moved, active, untangled) = (Vec::new(), Vec::new(), Vec::new());
         let mut mending = Self { kin, states, skin, before, steps, points, moved, active, by_front: false, untangled };
         mending.see(kin.moved.to_vec());
         mending
@@ -186,27 +188,79 @@ impl<'a> Mending<'a> {
         let odd: Vec<[FaceId; 2]> = stepped.pairs.extract_if(.., |pair| is_odd(pair)).collect();
         let turned = self.skin.turned_from(front, self.kin.moved);
         stepped.pairs.extend(turned.iter().map(|&f| [f, f]));
-        let mut best = if turned.is_empty() { stepped } else { self.turned_to_front(stepped, &turned) };
+        let turned = if turned.is_empty() { stepped } else { self.turned_to_front(stepped, turned) };
+        let mut best = self.layers_apart(turned);
         let faces = &self.kin.child.level().topology.faces;
-        let stays = |[face, _]: &[FaceId; 2]| faces.vertices_of(*face).iter().all(|&v| best.steps[v] != UNTANGLED);
+        let stays = |[face, _]: &[FaceId; 2]| faces.vertices_of(*face).iter().all(|&v| best.steps[v] < UNTANGLED);
         best.pairs.extend(odd.into_iter().filter(stays));
         faces_of(&best.pairs)
     }
 
-    /// The better of a state and one where some faces are turned to the front by small moves, each part by itself.
-    fn turned_to_front(&mut self, stepped: Tried, turned: &[FaceId]) -> Tried {
-        let Kin { child, front, pairs: together, .. } = self.kin;
-        let t = &child.level().topology;
-        let mut beside = touching(t, turned);
+    /// The better of a state and one where some faces are turned to the front by small moves.
+    fn turned_to_front(&mut self, stepped: Tried, turned: Vec<FaceId>) -> Tried {
+        let beside = self.with_areas(self.beside(&turned, &turned));
+        let wanted = Wanted { turned: self.with_areas(turned), beside, moves_both: true, ..Wanted::default() };
+        self.better(stepped, &wanted)
+    }
+
+    /// The better of a state and one where the second layer is moved away from where it crosses the first, and where the
+    /// strip between them is folded.
+    fn layers_apart(&mut self, stepped: Tried) -> Tried {
+        let faces = &self.kin.child.level().topology.faces;
+        let mut over: IdVec<VertexId, VertexId> = self.states.linear.ids().collect();
+        self.kin.pairs.iter().for_each(|&[vertex, copy]| over[copy] = vertex);
+        let copies = |face: FaceId| faces.vertices_of(face).iter().filter(|&&v| over[v] != v).count();
+        let is_layer = |face: FaceId| copies(face) == faces.valence(face);
+        let is_strip = |&f: &FaceId| self.kin.front[f] == Vec3::ZERO && copies(f) > 0 && !is_layer(f);
+        let parent = |face: FaceId| self.kin.derivation.parent_face(face);
+        let (same, others): (Vec<[FaceId; 2]>, Vec<[FaceId; 2]>) = stepped.pairs.iter().partition(|[f, g]| f == g);
+        let folded: Vec<FaceId> = faces_of(&same).into_iter().filter(is_strip).collect();
+        let of_one = others.into_iter().filter(|[f, g]| parent(*f) == parent(*g));
+        let crossing = of_one.filter_map(|[f, g]| match [f, g].map(is_layer) {
+            [true, false] => Some([g, f]),
+            [false, true] => Some([f, g]),
+            _ => None,
+        });
+        let crossing: Vec<[FaceId; 2]> = crossing.collect();
+        if folded.is_empty() && crossing.is_empty() {
+            return stepped;
+        }
+        let layer = |&[face, copy]: &[FaceId; 2]| {
+            let step = |&v: &VertexId| self.states.linear[v] - self.states.linear[over[v]];
+            let steps: Vec3 = faces.vertices_of(copy).iter().map(step).sum();
+            Layer { over: face, copy, gap: APART / LEAST_SHARE / faces.valence(copy) as f32 * steps }
+        };
+        let around: Vec<FaceId> = faces_of(&crossing).into_iter().chain(folded.iter().copied()).collect();
+        let beside = self.with_areas(self.beside(&around, &folded));
+        let layers = crossing.iter().map(layer).collect();
+        let wanted = Wanted { turned: self.with_areas(folded), beside, layers, moves_both: false };
+        self.better(stepped, &wanted)
+    }
+
+    /// Faces that touch some, but for those that are turned.
+    fn beside(&self, faces: &[FaceId], turned: &[FaceId]) -> Vec<FaceId> {
+        let mut beside = touching(&self.kin.child.level().topology, faces);
         beside.retain(|face| turned.binary_search(face).is_err());
+        beside
+    }
+
+    /// Faces with twice the areas that they have by the weights alone, to the side where they are to look.
+    fn with_areas(&self, faces: Vec<FaceId>) -> Vec<(FaceId, Vec3)> {
+        let (all, front) = (&self.kin.child.level().topology.faces, self.kin.front);
         let area = |face: FaceId| {
             let direction = if front[face] == Vec3::ZERO { self.skin.look(face) } else { front[face] };
-            twice_area(t.faces.vertices_of(face), self.states.linear).length() * direction
+            twice_area(all.vertices_of(face), self.states.linear).length() * direction
         };
-        let Untangled { points, moved } = untangled(&self.skin, &self.points, [turned, &beside], area, together);
-        self.untangled = points;
+        faces.into_iter().map(|face| (face, area(face))).collect()
+    }
+
+    /// The better of a state and one where points are moved to what is wanted, each part by itself.
+    fn better(&mut self, stepped: Tried, wanted: &Wanted) -> Tried {
+        let Untangled { points, moved } = untangled(&self.skin, &self.points, wanted, self.kin.pairs);
+        let step = UNTANGLED + self.untangled.len() as u8;
+        self.untangled.push(points);
         let (mut steps, mut pairs) = (stepped.steps.clone(), stepped.pairs.clone());
-        moved.into_iter().for_each(|vertex| steps[vertex] = UNTANGLED);
+        moved.into_iter().for_each(|vertex| steps[vertex] = step);
         self.step_to(steps.clone());
         self.search(&mut pairs);
         self.best(vec![stepped, Tried { steps, pairs }])
@@ -253,7 +307,8 @@ impl<'a> Mending<'a> {
         let mut moved = Vec::new();
         for vertex in steps.ids().filter(|&v| steps[v] != self.steps[v]) {
             let step = STEPS.get(usize::from(steps[vertex]));
-            let place = step.map_or_else(|| self.untangled[vertex], |&step| self.states.at(vertex, step));
+            let untangled = || self.untangled[usize::from(steps[vertex] - UNTANGLED)][vertex];
+            let place = step.map_or_else(untangled, |&step| self.states.at(vertex, step));
             if std::mem::replace(&mut self.points[vertex], place) != place {
                 moved.push(vertex);
             }

@@ -26,27 +26,49 @@ pub struct Untangled {
     pub moved: Vec<VertexId>,
 }
 
-/// Moves points of a skin's cage until the children of `turned` look to the side of their faces' `areas` (twice the area,
-/// as a vector), and none of `beside` turns over. Both vertices of a pair move together.
-pub fn untangled(
-    skin: &Skin,
-    points: &IdVec<VertexId, Vec3>,
-    [turned, beside]: [&[FaceId]; 2],
-    area: impl Fn(FaceId) -> Vec3,
-    pairs: &[[VertexId; 2]],
-) -> Untangled {
-    let children = |faces: &[FaceId]| -> Vec<Child> { faces.iter().flat_map(|&f| of_face(skin, f, area(f))).collect() };
-    let mut all = children(turned);
-    all.extend(children(beside).into_iter().filter_map(|child| child.no_worse(points)));
+/// What is asked of the children of some faces.
+#[derive(Default)]
+pub struct Wanted {
+    /// Faces whose children are to look to the side of these areas (twice the area, as a vector).
+    pub turned: Vec<(FaceId, Vec3)>,
+    /// Faces of which no child is to be worse than it is.
+    pub beside: Vec<(FaceId, Vec3)>,
+    /// Faces of a second layer that are to be behind those that they are copies of.
+    pub layers: Vec<Layer>,
+    /// Whether copies move with what they are copies of.
+    pub moves_both: bool,
+}
+
+/// A face of a second layer.
+pub struct Layer {
+    /// The face that it is a copy of.
+    pub over: FaceId,
+    /// The face.
+    pub copy: FaceId,
+    /// How far it is to be from the other one at least, and to which side.
+    pub gap: Vec3,
+}
+
+/// Moves points of a skin's cage until its children are as wanted. `pairs` are vertices with their copies.
+pub fn untangled(skin: &Skin, points: &IdVec<VertexId, Vec3>, wanted: &Wanted, pairs: &[[VertexId; 2]]) -> Untangled {
+    let children = |faces: &[(FaceId, Vec3)]| -> Vec<Child> {
+        faces.iter().flat_map(|&(face, area)| of_face(skin, face, area)).collect()
+    };
+    let mut of_layers: Vec<Behind> = Vec::new();
+    wanted.layers.iter().for_each(|layer| of_layers.extend(behind(skin, layer, pairs)));
+    let mut all: Vec<&dyn Constraint> = of_layers.iter().map(|point| point as _).collect();
+    let turned = children(&wanted.turned);
+    let beside: Vec<Child> = children(&wanted.beside).into_iter().filter_map(|child| child.no_worse(points)).collect();
+    all.extend(turned.iter().chain(&beside).map(|child| child as &dyn Constraint));
     let mut partner: IdVec<VertexId, VertexId> = points.ids().collect();
-    for &[vertex, copy] in pairs {
+    for &[vertex, copy] in pairs.iter().filter(|_| wanted.moves_both) {
         (partner[vertex], partner[copy]) = (copy, vertex);
     }
     let (mut points, mut moved) = (points.clone(), Marks::new(points.len()));
     for _ in 0..ROUNDS {
         let mut is_done = true;
-        for child in &all {
-            for (vertex, by) in child.moves(&points, &partner) {
+        for constraint in &all {
+            for (vertex, by) in constraint.moves(&points, &partner) {
                 is_done = false;
                 points[vertex] += by;
                 moved.add(vertex);
@@ -61,6 +83,27 @@ pub fn untangled(
         }
     }
     Untangled { points, moved: moved.list }
+}
+
+/// What is to hold of the points of a cage.
+trait Constraint {
+    /// The least moves by which it holds, to first order, for one of each two partners; none where it does.
+    fn moves(&self, points: &IdVec<VertexId, Vec3>, partner: &IdVec<VertexId, VertexId>) -> Vec<(VertexId, Vec3)>;
+}
+
+/// The least moves that make up for a lack, by how much a move of each vertex does.
+fn least_moves(mut moves: Vec<(VertexId, Vec3)>, lack: f32, furthest: f32) -> Vec<(VertexId, Vec3)> {
+    let squared: f32 = moves.iter().map(|(_, slope)| slope.length_squared()).sum();
+    let longest = moves.iter().map(|(_, slope)| slope.length()).fold(0.0, f32::max);
+    let scale = (FURTHER * lack / squared).min(furthest / longest);
+    moves.iter_mut().for_each(|(_, slope)| *slope *= scale);
+    moves.retain(|(_, by)| by.is_finite());
+    moves
+}
+
+/// Whether there is a lack, and it is a number.
+fn is_lacking(lack: f32) -> bool {
+    lack.partial_cmp(&0.0) == Some(std::cmp::Ordering::Greater)
 }
 
 /// A child of a face that is to have an area.
@@ -92,12 +135,15 @@ fn diagonals(skin: &Skin, corner: CornerId) -> [Vec<(VertexId, f32)>; 2] {
     let before = CornerId::new(if corner.index() == range.start { range.end } else { corner.index() } - 1);
     let middle = |corner: CornerId| skin.numbering.of_edge(t.corner_edge[corner]);
     let own = skin.numbering.of_vertex(t.faces.vertex(corner));
-    [[own, skin.numbering.of_face(face)], [middle(corner), middle(before)]].map(|[from, to]| {
-        let mut row = Vec::new();
-        skin.rows.row(from.index(), &mut |vertex, weight| add(&mut row, vertex, -weight));
-        skin.rows.row(to.index(), &mut |vertex, weight| add(&mut row, vertex, weight));
-        row
-    })
+    [[own, skin.numbering.of_face(face)], [middle(corner), middle(before)]].map(|step| difference(skin, step))
+}
+
+/// The step from one point of the first refinement to another, as weights on the points of the cage.
+fn difference(skin: &Skin, [from, to]: [VertexId; 2]) -> Vec<(VertexId, f32)> {
+    let mut row = Vec::new();
+    skin.rows.row(from.index(), &mut |vertex, weight| add(&mut row, vertex, -weight));
+    skin.rows.row(to.index(), &mut |vertex, weight| add(&mut row, vertex, weight));
+    row
 }
 
 /// Adds to what a vertex has.
@@ -120,25 +166,61 @@ impl Child {
         self.least = self.least.min(self.measured(points).1);
         (self.least > 0.0).then_some(self)
     }
+}
 
-    /// The least moves that give it the area, to first order, for one of each two partners.
+impl Constraint for Child {
     fn moves(&self, points: &IdVec<VertexId, Vec3>, partner: &IdVec<VertexId, VertexId>) -> Vec<(VertexId, Vec3)> {
         let ([u, v], area) = self.measured(points);
         let lack = self.least - area;
-        let mut moves = Vec::new();
-        // Not where it is not a number.
-        if lack.partial_cmp(&0.0) != Some(std::cmp::Ordering::Greater) {
-            return moves;
+        let mut slopes = Vec::new();
+        if !is_lacking(lack) {
+            return slopes;
         }
         for (row, slope) in self.diagonals.iter().zip([v.cross(self.direction), self.direction.cross(u)]) {
-            row.iter().for_each(|&(vertex, w)| add(&mut moves, vertex.min(partner[vertex]), w * slope));
+            row.iter().for_each(|&(vertex, w)| add(&mut slopes, vertex.min(partner[vertex]), w * slope));
         }
-        let squared: f32 = moves.iter().map(|(_, slope)| slope.length_squared()).sum();
-        let longest = moves.iter().map(|(_, slope)| slope.length()).fold(0.0, f32::max);
-        let scale = (FURTHER * lack / squared).min(self.furthest / longest);
-        moves.iter_mut().for_each(|(_, slope)| *slope *= scale);
-        moves.retain(|(_, by)| by.is_finite());
-        moves
+        least_moves(slopes, lack, self.furthest)
+    }
+}
+
+/// A point of a second layer's children that is to stay behind that of the first.
+struct Behind {
+    /// The step from the one to the other, as weights on the points of the cage.
+    step: Vec<(VertexId, f32)>,
+    /// Where behind is.
+    direction: Vec3,
+    /// How far it is to be.
+    least: f32,
+}
+
+/// The points of the children of a face of a second layer. None where it is no copy of the other.
+fn behind(skin: &Skin, layer: &Layer, pairs: &[[VertexId; 2]]) -> Vec<Behind> {
+    let (faces, corner_edge) = (&skin.level.topology.faces, &skin.level.topology.corner_edge);
+    let vertex = |corner| [faces.vertex(corner), faces.vertex(faces.next(corner))];
+    let mut steps = vec![[skin.numbering.of_face(layer.over), skin.numbering.of_face(layer.copy)]];
+    for corner in faces.corners_of(layer.copy) {
+        // The copy runs the other way around.
+        let [to, from] = vertex(corner).map(|copy| pairs.iter().find(|pair| pair[1] == copy).map(|pair| pair[0]));
+        let is_over = |&over: &CornerId| vertex(over).map(Some) == [from, to];
+        let Some(over) = faces.corners_of(layer.over).find(is_over) else { return Vec::new() };
+        steps.push([faces.vertex(faces.next(over)), faces.vertex(corner)].map(|v| skin.numbering.of_vertex(v)));
+        steps.push([over, corner].map(|c| skin.numbering.of_edge(corner_edge[c])));
+    }
+    let (direction, least) = (layer.gap.normalize_or_zero(), layer.gap.length());
+    steps.into_iter().map(|step| Behind { step: difference(skin, step), direction, least }).collect()
+}
+
+impl Constraint for Behind {
+    fn moves(&self, points: &IdVec<VertexId, Vec3>, partner: &IdVec<VertexId, VertexId>) -> Vec<(VertexId, Vec3)> {
+        let step: Vec3 = self.step.iter().map(|&(vertex, w)| w * points[vertex]).sum();
+        let lack = self.least - step.dot(self.direction);
+        let mut slopes = Vec::new();
+        if is_lacking(lack) {
+            self.step.iter().for_each(|&(vertex, w)| {
+                add(&mut slopes, vertex.min(partner[vertex]), w * self.direction);
+            });
+        }
+        least_moves(slopes, lack, self.least)
     }
 }
 
@@ -179,8 +261,9 @@ mod tests {
         assert!(!turned.is_empty());
         let beside: Vec<FaceId> = lower.iter().copied().filter(|f| !turned.contains(f)).collect();
         let pairs: Vec<[VertexId; 2]> = (0..9).map(|v| [v, v + 9].map(VertexId::new)).collect();
-        let area = |_| 2.0 * Vec3::Z;
-        let after = untangled(&before, points, [&turned, &beside], area, &pairs);
+        let [turned, beside] = [turned, beside].map(|faces| faces.into_iter().map(|f| (f, 2.0 * Vec3::Z)).collect());
+        let wanted = Wanted { turned, beside, moves_both: true, ..Wanted::default() };
+        let after = untangled(&before, points, &wanted, &pairs);
         let skin_after = skin(&cage, &after.points);
         assert_eq!((skin_after.turned(lower), skin_after.turned(upper)), (vec![], vec![]), "both sheets");
         let step = |v: VertexId| after.points[v] - points[v];
@@ -192,8 +275,41 @@ mod tests {
     #[test]
     fn what_is_right_stays() {
         let cage = sheets([1.2, 0.9]);
-        let (points, all) = (&cage.garment().points, cage.garment().faces.ids().collect::<Vec<_>>());
-        let after = untangled(&skin(&cage, points), points, [&all, &[]], |_| 2.0 * Vec3::Z, &[]);
+        let points = &cage.garment().points;
+        let turned = cage.garment().faces.ids().map(|face| (face, 2.0 * Vec3::Z)).collect();
+        let after = untangled(&skin(&cage, points), points, &Wanted { turned, ..Wanted::default() }, &[]);
         assert_eq!((after.moved, &after.points), (vec![], points));
+    }
+
+    /// A quad, and its copy below it but for one corner, which is at a height.
+    fn layers(corner: f32) -> Cage {
+        let plane = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let points = [0.0, -0.1].into_iter().flat_map(|z| plane.map(|[x, y]| Vec3::new(x, y, z)));
+        let mut points: IdVec<VertexId, Vec3> = points.collect();
+        points[VertexId::new(6)].z = corner;
+        Cage::new(Garment {
+            points,
+            faces: Faces::quads([0, 1, 2, 3, 7, 6, 5, 4].map(VertexId::new).to_vec()),
+            rules: SubdivisionRules { scheme: Scheme::Bilinear, ..SubdivisionRules::default() },
+            ..Garment::default()
+        })
+    }
+
+    #[test]
+    fn second_layers_are_moved_behind_the_first() {
+        let [over, copy] = [0, 1].map(FaceId::new);
+        let pairs: Vec<[VertexId; 2]> = (0..4).map(|v| [v, v + 4].map(VertexId::new)).collect();
+        let moved = |corner: f32, pairs: &[[VertexId; 2]]| {
+            let cage = layers(corner);
+            let layers = vec![Layer { over, copy, gap: Vec3::new(0.0, 0.0, -0.05) }];
+            let wanted = Wanted { layers, ..Wanted::default() };
+            untangled(&skin(&cage, &cage.garment().points), &cage.garment().points, &wanted, pairs)
+        };
+        let after = moved(0.08, &pairs);
+        let gaps = pairs.iter().map(|&[v, copy]| after.points[v].z - after.points[copy].z);
+        assert!(gaps.clone().all(|gap| gap > 0.0499), "{:?}", gaps.collect::<Vec<_>>());
+        assert!(after.points.iter().zip(layers(0.08).garment().points.iter()).all(|(a, b)| a.x == b.x && a.y == b.y));
+        assert!(moved(-0.1, &pairs).moved.is_empty(), "what is behind stays");
+        assert!(moved(0.08, &[]).moved.is_empty(), "no copies");
     }
 }
