@@ -18,7 +18,7 @@ use crate::memo::{Footprint, Memo};
 use crate::mesh::{IdVec, VertexId};
 use crate::pipeline::{Checked, Clock, DEFAULT_MAX_FACES, Prepared};
 use crate::recipe::Document;
-use crate::render::{Formed, Front, Ground, Placed, Rendered, Stack, Stages, render};
+use crate::render::{Formed, Front, Ground, Placed, Placing, Rendered, Stack, Stages, render};
 use crate::sim::{SimOptions, SimProduct};
 use crate::subdivide::Cage;
 use crate::usd::{Format, Product, ReadOptions, Role, Source, Surroundings, WriteOptions, layer_bytes};
@@ -217,8 +217,10 @@ fn options_of(stack: &Stack) -> (Vec<String>, Vec<String>, u32) {
 const CAGE_CORNER: usize = 40;
 /// Masks that a cage of any faces keeps for a corner. \[bytes\]
 const MASKS_CORNER: usize = 90;
-/// Limit rows, their sources and the parent's share that an operator keeps for a corner. \[bytes\]
-const FORMED_CORNER: usize = 160;
+/// Parents and sources that an operator keeps for a corner. \[bytes\]
+const FORMED_CORNER: usize = 60;
+/// Limit rows and what they are measured from that an operator keeps for a corner. \[bytes\]
+const PLACING_CORNER: usize = 100;
 
 impl Footprint for Cage {
     fn footprint(&self) -> usize {
@@ -232,6 +234,12 @@ impl Footprint for Formed {
     fn footprint(&self) -> usize {
         let origin = size_of_val(self.origin.clearance.as_slice()) + self.origin.front.bytes();
         self.cage.footprint() + FORMED_CORNER * self.cage.garment().faces.corners().len() + origin
+    }
+}
+
+impl Footprint for Placing {
+    fn footprint(&self) -> usize {
+        PLACING_CORNER * self.corner_count()
     }
 }
 

@@ -13,6 +13,7 @@
 
 use super::front::Front;
 use super::placed::{Placed, Room};
+use super::placing::Placing;
 use super::shape::{Formed, Origin};
 use super::{Stack, check_size, first_cage};
 use crate::error::{Error, Warnings};
@@ -211,11 +212,13 @@ impl<'a, S: Stages> Plan<'a, S> {
         let (mut last, mut placed) = (first, Vec::with_capacity(self.structure.len()));
         for (number, operator) in self.stack.operators.iter().enumerate() {
             let formed = received(formed)?;
+            let structure = &self.structure[..=number];
+            let placing = self.stages.get("placing", &structure, || Ok(Placing::new(formed)))?;
             let (before, options) = (&self.options[..=number], &self.options[..=number + 1]);
-            let ground = || Ok(formed.ground(&last.value));
-            let ground = self.stages.get("ground", &(&self.structure[..=number], before), ground)?;
+            let ground = || Ok(placing.ground(&last.value));
+            let ground = self.stages.get("ground", &(structure, before), ground)?;
             last = self.stages.get("points", &options, || {
-                let (value, warnings) = formed.raised(operator.as_ref(), &ground);
+                let (value, warnings) = placing.raised(operator.as_ref(), &ground);
                 Ok(Made { value, warnings })
             })?;
             placed.push(Arc::clone(&last));

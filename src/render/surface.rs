@@ -186,10 +186,11 @@ fn corner_normals(t: &Topology, places: &IdVec<VertexId, Vec3>, orientation: Ori
         let centre = vertices.iter().map(|&v| places[v]).sum::<Vec3>() / vertices.len() as f32;
         t.faces.corners_of(face).map(move |c| {
             let [at, next, prev] = [c, t.faces.next(c), t.faces.prev(c)].map(|c| places[t.faces.vertex(c)]);
-            let corner = (next - at).normalize_or_zero().cross((prev - at).normalize_or_zero());
-            let inward = (centre - at).cross(prev - next);
+            let (after, before) = (next - at, prev - at);
+            let (corner, inward) = (after.cross(before), (centre - at).cross(prev - next));
             // Where the edges go on straight, as beside the end of a seam, they say nothing, or the opposite.
-            let is_clear = corner.length() > STRAIGHT && corner.dot(inward) > 0.0;
+            let least = STRAIGHT * STRAIGHT * after.length_squared() * before.length_squared();
+            let is_clear = corner.length_squared() > least && corner.dot(inward) > 0.0;
             sign * (if is_clear { corner } else { inward }).normalize_or_zero()
         })
     };

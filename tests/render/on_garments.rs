@@ -1,5 +1,5 @@
 //! Operators on the examples and on real garments: every face a quad, none without area or turned over, and no crossing
-//! that the garment itself does not have.
+//! that the garment itself does not have; on the second refinement, which operators do not look at, few of them.
 
 use crate::cloth::faces_in;
 use crate::crossings::crossing_parents;
@@ -17,6 +17,15 @@ use tailor::usd::{ReadOptions, Source};
 const PARENT: &str = "parentFace";
 /// Name of the primvar that says where the front of the input is.
 const FRONT: &str = "front";
+
+/// Pairs of faces of the garment whose children cross on the second refinement only, for seams, hems and both: a file that
+/// is not here has none. The aim is none; a number here may only be lowered.
+const CROSSING_AFTER_TWO: &[(&str, [usize; 3])] = &[
+    ("female_elegantsuit01.usdc", [1, 0, 3]),
+    ("male_casualsuit04.usdc", [0, 0, 2]),
+    ("male_worksuit01.usdc", [4, 2, 6]),
+    ("shoes01.usdc", [0, 2, 2]),
+];
 
 fn load() -> Vec<(String, Garment)> {
     let mut all = Vec::new();
@@ -96,9 +105,9 @@ fn facing(mesh: &Garment) -> Vec<f32> {
 }
 
 /// Sizes as shares of the mean edge.
-fn recipe(garment: &Garment, seam: Option<f32>, hem: Option<f32>) -> Vec<String> {
+fn recipe(garment: &Garment, level: u32, seam: Option<f32>, hem: Option<f32>) -> Vec<String> {
     let size = mean_edge_length(garment);
-    let mut options = vec!["render.level=1".to_owned(), "render.faceSets=true".to_owned()];
+    let mut options = vec![format!("render.level={level}"), "render.faceSets=true".to_owned()];
     if let Some(width) = seam {
         options.push(format!("seam.s.edges={}", uv_seams(garment)));
         options.push(format!("seam.s.width={}", width * size));
@@ -119,7 +128,7 @@ fn operators_make_sound_quads() {
         let folded = already_turned(&plain);
         let sizes = [(Some(0.25), None), (None, Some(0.08)), (Some(0.25), Some(0.08))];
         for (seam, hem) in sizes {
-            let mesh = rendered(&garment, &recipe(&garment, seam, hem)).0;
+            let mesh = rendered(&garment, &recipe(&garment, 1, seam, hem)).0;
             let (inner, hems) = (faces_in(&mesh, "t_inner"), faces_in(&mesh, "t_hem"));
             let (mut turned, mut flat) = (Vec::new(), Vec::new());
             for ((face, parent), facing) in mesh.faces.ids().zip(parents(&mesh)).zip(facing(&mesh)) {
@@ -165,28 +174,41 @@ const STACKS: [(Option<f32>, Option<f32>); 3] = [(Some(0.25), None), (None, Some
 /// Pairs of faces of the garment whose children cross by operators.
 type Pairs = Vec<[usize; 2]>;
 
-/// The new crossings of each stack at a multiple of its sizes, and whether a warning tells of them.
-fn new_crossings(garment: &Garment, multiple: f32) -> [(Pairs, bool); 3] {
-    let plain = rendered(garment, &["render.level=1".to_owned()]).0;
+/// The new crossings of each stack on a refinement, at a multiple of its sizes, and whether a warning tells of them.
+fn new_crossings(garment: &Garment, level: u32, multiple: f32) -> [(Pairs, bool); 3] {
+    let plain = rendered(garment, &[format!("render.level={level}")]).0;
     let before = crossing_parents(&plain, &parents(&plain));
     STACKS.map(|(seam, hem)| {
         let sized = |share: Option<f32>| share.map(|share| multiple * share);
-        let (mesh, warnings) = rendered(garment, &recipe(garment, sized(seam), sized(hem)));
+        let (mesh, warnings) = rendered(garment, &recipe(garment, level, sized(seam), sized(hem)));
         let after = crossing_parents(&mesh, &parents(&mesh));
         let is_told = warnings.iter().any(|w| matches!(w, Warning::Unsound { .. }));
         (after.difference(&before).copied().collect(), is_told)
     })
 }
 
-#[test]
-fn no_crossing_is_introduced() {
+/// What is new on a refinement beyond what is known.
+fn complaints(level: u32, known: impl Fn(&str) -> [usize; 3]) -> Vec<String> {
     let mut complaints: Vec<String> = Vec::new();
     for (name, garment) in load() {
-        let all = new_crossings(&garment, 1.0).into_iter().zip(STACKS);
-        for ((new, _), stack) in all.filter(|((new, _), _)| !new.is_empty()) {
+        let all = new_crossings(&garment, level, 1.0).into_iter().zip(STACKS).zip(known(&name));
+        for (((new, _), stack), _) in all.filter(|(((new, _), _), known)| new.len() > *known) {
             complaints.push(format!("{name}, {stack:?}: {} new {:?}", new.len(), &new[..new.len().min(12)]));
         }
     }
+    complaints
+}
+
+#[test]
+fn no_crossing_is_introduced() {
+    let complaints = complaints(1, |_| [0; 3]);
+    assert!(complaints.is_empty(), "{}", complaints.join("\n"));
+}
+
+#[test]
+fn few_cross_on_the_second_refinement() {
+    let known = |name: &str| CROSSING_AFTER_TWO.iter().find(|(file, _)| *file == name).map_or([0; 3], |(_, n)| *n);
+    let complaints = complaints(2, known);
     assert!(complaints.is_empty(), "{}", complaints.join("\n"));
 }
 
@@ -195,7 +217,7 @@ fn crossings_are_told_at_every_size() {
     let mut complaints: Vec<String> = Vec::new();
     for (name, garment) in load() {
         for multiple in [0.5, 0.7, 1.0, 1.3, 1.5] {
-            let all = new_crossings(&garment, multiple).into_iter().zip(STACKS);
+            let all = new_crossings(&garment, 1, multiple).into_iter().zip(STACKS);
             for ((new, _), stack) in all.filter(|((new, is_told), _)| !new.is_empty() && !is_told) {
                 complaints.push(format!("{name}, {stack:?} times {multiple}: nothing is said of {new:?}"));
             }

@@ -206,25 +206,13 @@ impl<'a> Mending<'a> {
     /// The better of a state and one where the second layer is moved away from where it crosses the first, and where the
     /// strip between them is folded.
     fn layers_apart(&mut self, stepped: Tried) -> Tried {
-        let faces = &self.kin.child.level().topology.faces;
         let mut over: IdVec<VertexId, VertexId> = self.states.linear.ids().collect();
         self.kin.pairs.iter().for_each(|&[vertex, copy]| over[copy] = vertex);
-        let copies = |face: FaceId| faces.vertices_of(face).iter().filter(|&&v| over[v] != v).count();
-        let is_layer = |face: FaceId| copies(face) == faces.valence(face);
-        let is_strip = |&f: &FaceId| self.kin.front[f] == Vec3::ZERO && copies(f) > 0 && !is_layer(f);
-        let parent = |face: FaceId| self.kin.derivation.parent_face(face);
-        let (same, others): (Vec<[FaceId; 2]>, Vec<[FaceId; 2]>) = stepped.pairs.iter().partition(|[f, g]| f == g);
-        let folded: Vec<FaceId> = faces_of(&same).into_iter().filter(is_strip).collect();
-        let of_one = others.into_iter().filter(|[f, g]| parent(*f) == parent(*g));
-        let crossing = of_one.filter_map(|[f, g]| match [f, g].map(is_layer) {
-            [true, false] => Some([g, f]),
-            [false, true] => Some([f, g]),
-            _ => None,
-        });
-        let crossing: Vec<[FaceId; 2]> = crossing.collect();
+        let (crossing, folded) = (self.crossing_layers(&stepped, &over), self.folded_strips(&stepped, &over));
         if folded.is_empty() && crossing.is_empty() {
             return stepped;
         }
+        let faces = &self.kin.child.level().topology.faces;
         let layer = |&[face, copy]: &[FaceId; 2]| {
             let step = |&v: &VertexId| self.states.linear[v] - self.states.linear[over[v]];
             let steps: Vec3 = faces.vertices_of(copy).iter().map(step).sum();
@@ -235,6 +223,32 @@ impl<'a> Mending<'a> {
         let layers = crossing.iter().map(layer).collect();
         let wanted = Wanted { turned: self.with_areas(folded), beside, layers, moves_both: false };
         self.better(stepped, &wanted)
+    }
+
+    /// Faces of the first layer with those of the second that they cross, of one face of the parent. `over` is what each
+    /// vertex is a copy of, itself where it is none.
+    fn crossing_layers(&self, tried: &Tried, over: &IdVec<VertexId, VertexId>) -> Vec<[FaceId; 2]> {
+        let faces = &self.kin.child.level().topology.faces;
+        let is_layer = |face: FaceId| faces.vertices_of(face).iter().all(|&v| over[v] != v);
+        let parent = |face: FaceId| self.kin.derivation.parent_face(face);
+        let of_one = tried.pairs.iter().filter(|[f, g]| f != g && parent(*f) == parent(*g));
+        let layers = of_one.filter_map(|&[f, g]| match [f, g].map(is_layer) {
+            [true, false] => Some([g, f]),
+            [false, true] => Some([f, g]),
+            _ => None,
+        });
+        layers.collect()
+    }
+
+    /// Faces between the layers that are turned over, in their order.
+    fn folded_strips(&self, tried: &Tried, over: &IdVec<VertexId, VertexId>) -> Vec<FaceId> {
+        let faces = &self.kin.child.level().topology.faces;
+        let is_strip = |f: &FaceId| {
+            let copies = faces.vertices_of(*f).iter().filter(|&&v| over[v] != v).count();
+            0 < copies && copies < faces.valence(*f) && self.kin.front[*f] == Vec3::ZERO
+        };
+        let turned = tried.pairs.iter().filter(|[f, g]| f == g).map(|pair| pair[0]);
+        each_once(turned.filter(is_strip).collect())
     }
 
     /// Faces that touch some, but for those that are turned.
