@@ -1,7 +1,8 @@
 //! One level of a subdivision hierarchy: topology, sharpness, and the rule that holds at each vertex.
 
+use super::split;
 use crate::garment::{BoundaryInterpolation, Garment, Scheme, TriangleRule};
-use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
+use crate::mesh::{CornerId, EdgeId, FaceId, Faces, IdVec, Topology, VertexId};
 use std::collections::BTreeSet;
 
 /// Sharpness from which on an edge or vertex stays sharp at every level (OpenSubdiv's `SHARPNESS_INFINITE`).
@@ -145,6 +146,40 @@ impl Level {
         for (vertex, rule) in self.rules.iter_mut().enumerate().map(|(i, r)| (VertexId::new(i), r)) {
             *rule = Rule::of_count(self.vertex_sharpness[vertex], sharp_edges[vertex]);
         }
+    }
+
+    /// Some faces as a level of their own, and the vertices of this one that it has. Vertices all of whose faces are there
+    /// have the same rules; others do not move.
+    pub fn part(&self, faces: &[FaceId]) -> (Self, IdVec<VertexId, VertexId>) {
+        let t = &self.topology;
+        let mut new: IdVec<VertexId, Option<VertexId>> = IdVec::filled(None, t.vertex_count());
+        let mut old: IdVec<VertexId, VertexId> = IdVec::with_capacity(4 * faces.len());
+        let corners = faces.iter().flat_map(|&f| t.faces.vertices_of(f));
+        let corners: Vec<VertexId> = corners.map(|&v| *new[v].get_or_insert_with(|| old.push(v))).collect();
+        let topology = Topology::new(Faces::mixed(faces.iter().map(|&f| t.faces.valence(f)), corners), old.len());
+        let mut edge_sharpness = IdVec::filled(INFINITE_SHARPNESS, topology.edges.len());
+        let all = faces.iter().flat_map(|&f| t.faces.corners_of(f));
+        all.zip(topology.corner_edge.iter()).for_each(|(corner, &edge)| {
+            edge_sharpness[edge] = self.edge_sharpness[t.corner_edge[corner]];
+        });
+        let is_whole = |v: VertexId| topology.vertex_corners.row(v).len() == t.vertex_corners.row(old[v]).len();
+        let rule = |v: VertexId| if is_whole(v) { self.rules[old[v]] } else { Rule::Corner };
+        let rules = old.ids().map(rule).collect();
+        for (edge, ends) in topology.edges.enumerated() {
+            if !ends.iter().any(|&v| is_whole(v)) {
+                edge_sharpness[edge] = INFINITE_SHARPNESS;
+            }
+        }
+        let sharpness = |v: VertexId| if is_whole(v) { self.vertex_sharpness[old[v]] } else { INFINITE_SHARPNESS };
+        let vertex_sharpness = old.ids().map(sharpness).collect();
+        let level = Self { topology, edge_sharpness, vertex_sharpness, rules, ..*self };
+        (level, old)
+    }
+
+    /// The level refined once.
+    #[must_use]
+    pub fn refined(&self) -> Self {
+        split::child_level(self, split::child_faces(self))
     }
 
     /// The edges at a vertex, each once.
