@@ -232,8 +232,10 @@ impl Footprint for Cage {
 
 impl Footprint for Formed {
     fn footprint(&self) -> usize {
-        let origin = size_of_val(self.origin.clearance.as_slice()) + self.origin.front.bytes();
-        self.cage.footprint() + FORMED_CORNER * self.cage.garment().faces.corners().len() + origin
+        let origin = &self.origin;
+        let by_vertex = size_of_val(origin.clearance.as_slice());
+        let by_face = origin.front.bytes() + size_of_val(origin.faces.as_slice());
+        self.cage.footprint() + FORMED_CORNER * self.cage.garment().faces.corners().len() + by_vertex + by_face
     }
 }
 

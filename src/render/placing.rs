@@ -4,7 +4,7 @@ use super::derivation::Table;
 use super::placed::{Placed, Room};
 use super::settle::{Raise, Settling, graded, unfolded};
 use super::shape::{Formed, Held, Operator, Role, Shape};
-use super::sound::{Kin, LEAST_SHARE, States, order, sound};
+use super::sound::{Before, Kin, LEAST_SHARE, LookAhead, States, order, sound};
 use super::surface::{Surface, limit_rows};
 use crate::error::Warnings;
 use crate::mesh::{CornerId, Csr, FaceId, IdVec, VertexId};
@@ -20,6 +20,9 @@ const PART_BETWEEN: f32 = 0.8;
 /// Heights below which another layer is near: it may be raised too, and the limit surface is not quite where it was. Less
 /// misses some that cross, and more looks at more faces and finds no others.
 const NEAR: f32 = 3.0;
+
+/// Part of a face's size within which another layer may cross it on the second refinement, where neither is bent.
+const CLOSE: f32 = 0.03;
 
 /// What the points of a stage are placed by: all that depends on its connectivity only.
 pub struct Placing {
@@ -112,8 +115,9 @@ impl Placing {
         Ground { targets, linear, placed: Placed { points, rooms }, parent: parent.points.clone() }
     }
 
-    /// The points of the new cage, and what was met on the way.
-    pub fn raised(&self, operator: &dyn Operator, ground: &Ground) -> (Placed, Warnings) {
+    /// The points of the new cage, and what was met on the way. Those of the last cage are held to the second refinement
+    /// too.
+    pub fn raised(&self, operator: &dyn Operator, ground: &Ground, is_last: bool) -> (Placed, Warnings) {
         let mut asked = operator.heights(&self.formed.shape);
         unfolded(&mut asked, &self.between, &ground.targets);
         let mut placed = ground.placed.clone();
@@ -140,6 +144,7 @@ impl Placing {
             front: &self.front,
             moved: &self.moved,
             near: &self.near(&asked, &ground.placed.rooms),
+            ahead: is_last.then(|| self.look_ahead(&ground.placed.rooms)),
         };
         let sound = sound(&kin, &States { linear: &linear, flat: &flat, raised: &raised });
         placed.points = sound.points;
@@ -166,6 +171,20 @@ impl Placing {
         }
         let faces = &self.formed.shape.derivation.faces;
         faces.ids().map(|f| faces.vertices_of(f).iter().any(|&v| is_near[v])).collect()
+    }
+
+    /// What is to be seen to on the second refinement. Of rooms only those are known that are within the operators' reach.
+    fn look_ahead(&self, rooms: &IdVec<VertexId, Room>) -> LookAhead<'_> {
+        let Formed { origin, cage, .. } = self.formed.as_ref();
+        let (faces, points) = (&cage.level().topology.faces, &cage.garment().points);
+        let is_close = |face: usize| {
+            let vertices = faces.vertices_of(FaceId::new(face));
+            let size = vertices.iter().map(|&v| points[v].distance(points[vertices[0]])).fold(0.0, f32::max);
+            vertices.iter().any(|&v| rooms[v][0].min(rooms[v][1]) < CLOSE * size)
+        };
+        let close = (0..faces.len()).into_par_iter().map(is_close).collect::<Vec<_>>().into();
+        let (level, points) = (origin.cage.level(), &origin.cage.garment().points);
+        LookAhead { before: Before { level, points, parent_faces: &origin.faces }, close }
     }
 
     fn settling(&self) -> Settling<'_> {

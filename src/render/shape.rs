@@ -9,7 +9,7 @@ use super::sound::OPEN;
 use crate::error::{Error, Warning, Warnings};
 use crate::garment::{Garment, Orientation, Subset};
 use crate::mesh::{FaceId, IdVec, VertexId};
-use crate::subdivide::{Cage, INFINITE_SHARPNESS, Level};
+use crate::subdivide::{Cage, INFINITE_SHARPNESS, Level, Lineage};
 use glam::Vec3;
 use std::any::Any;
 use std::collections::BTreeSet;
@@ -134,6 +134,10 @@ pub struct Origin {
     pub clearance: Arc<IdVec<VertexId, Room>>,
     /// Its front.
     pub front: Arc<Front>,
+    /// The input.
+    pub cage: Arc<Cage>,
+    /// The face of the input that each face is part of.
+    pub faces: Arc<IdVec<FaceId, FaceId>>,
 }
 
 /// The stage of a stack that an operator makes: all but the places of its points.
@@ -154,9 +158,12 @@ impl Origin {
     /// What is known of it after an operator.
     fn carried(&self, shape: &Shape) -> Self {
         let is_copy = shape.index(|role| matches!(role, Role::Layer { .. })).iter().map(Option::is_some).collect();
+        let parents = shape.derivation.faces.ids().map(|face| shape.derivation.parent_face(face));
         Self {
             clearance: Arc::new(shape.carried(&self.clearance)),
             front: Arc::new(self.front.carried(&shape.derivation, &is_copy)),
+            cage: Arc::clone(&self.cage),
+            faces: Arc::new(parents.map(|face| self.faces[face]).collect()),
         }
     }
 }

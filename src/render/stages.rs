@@ -176,9 +176,11 @@ impl<'a, S: Stages> Plan<'a, S> {
     /// The connectivity and the attributes.
     fn frame(&self, first: Arc<Cage>, clearance: Arc<IdVec<VertexId, Room>>, sent: &Sent) -> Result<Frame, Error> {
         let mut formed: Vec<Arc<Formed>> = Vec::with_capacity(self.structure.len());
-        let mut cage = Base::Plain(first);
+        let faces = Arc::new(first.garment().faces.ids().collect());
+        let mut cage = Base::Plain(Arc::clone(&first));
         let front = || Ok(if self.structure.is_empty() { Front::default() } else { Front::first(cage.cage()) });
-        let mut origin = Origin { clearance, front: self.stages.get("front", &self.structure.is_empty(), front)? };
+        let front = self.stages.get("front", &self.structure.is_empty(), front)?;
+        let mut origin = Origin { clearance, front, cage: first, faces };
         for (number, operator) in self.stack.operators.iter().enumerate() {
             // The same for every reach, as operators ask for no clearance beyond their own.
             let form = || Formed::new(operator.as_ref(), cage.cage(), &origin);
@@ -217,8 +219,9 @@ impl<'a, S: Stages> Plan<'a, S> {
             let (before, options) = (&self.options[..=number], &self.options[..=number + 1]);
             let ground = || Ok(placing.ground(&last.value));
             let ground = self.stages.get("ground", &(structure, before), ground)?;
-            last = self.stages.get("points", &options, || {
-                let (value, warnings) = placing.raised(operator.as_ref(), &ground);
+            let is_last = number + 1 == self.structure.len();
+            last = self.stages.get("points", &(options, is_last), || {
+                let (value, warnings) = placing.raised(operator.as_ref(), &ground, is_last);
                 Ok(Made { value, warnings })
             })?;
             placed.push(Arc::clone(&last));

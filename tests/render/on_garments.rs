@@ -20,12 +20,8 @@ const FRONT: &str = "front";
 
 /// Pairs of faces of the garment whose children cross on the second refinement only, for seams, hems and both: a file that
 /// is not here has none. The aim is none; a number here may only be lowered.
-const CROSSING_AFTER_TWO: &[(&str, [usize; 3])] = &[
-    ("female_elegantsuit01.usdc", [1, 0, 3]),
-    ("male_casualsuit04.usdc", [0, 0, 2]),
-    ("male_worksuit01.usdc", [4, 2, 6]),
-    ("shoes01.usdc", [0, 2, 2]),
-];
+const CROSSING_AFTER_TWO: &[(&str, [usize; 3])] =
+    &[("female_elegantsuit01.usdc", [1, 0, 1]), ("male_worksuit01.usdc", [3, 0, 3])];
 
 fn load() -> Vec<(String, Garment)> {
     let mut all = Vec::new();
@@ -187,13 +183,16 @@ fn new_crossings(garment: &Garment, level: u32, multiple: f32) -> [(Pairs, bool)
     })
 }
 
-/// What is new on a refinement beyond what is known.
+/// What is new on a refinement beyond what is known, or is not told.
 fn complaints(level: u32, known: impl Fn(&str) -> [usize; 3]) -> Vec<String> {
     let mut complaints: Vec<String> = Vec::new();
     for (name, garment) in load() {
         let all = new_crossings(&garment, level, 1.0).into_iter().zip(STACKS).zip(known(&name));
-        for (((new, _), stack), _) in all.filter(|(((new, _), _), known)| new.len() > *known) {
-            complaints.push(format!("{name}, {stack:?}: {} new {:?}", new.len(), &new[..new.len().min(12)]));
+        for (((new, is_told), stack), known) in all.filter(|(((new, _), _), _)| !new.is_empty()) {
+            if new.len() > known || !is_told {
+                let some = &new[..new.len().min(12)];
+                complaints.push(format!("{name}, {stack:?}: {} new {some:?}, told {is_told}", new.len()));
+            }
         }
     }
     complaints
@@ -213,13 +212,14 @@ fn few_cross_on_the_second_refinement() {
 }
 
 #[test]
-fn crossings_are_told_at_every_size() {
+fn crossings_are_told_at_other_sizes() {
     let mut complaints: Vec<String> = Vec::new();
     for (name, garment) in load() {
-        for multiple in [0.5, 0.7, 1.0, 1.3, 1.5] {
-            let all = new_crossings(&garment, 1, multiple).into_iter().zip(STACKS);
+        for (level, multiple) in [(1, 0.5), (1, 0.7), (1, 1.3), (1, 1.5), (2, 0.7), (2, 1.3)] {
+            let all = new_crossings(&garment, level, multiple).into_iter().zip(STACKS);
             for ((new, _), stack) in all.filter(|((new, is_told), _)| !new.is_empty() && !is_told) {
-                complaints.push(format!("{name}, {stack:?} times {multiple}: nothing is said of {new:?}"));
+                complaints
+                    .push(format!("{name}, {stack:?} times {multiple}, level {level}: nothing is said of {new:?}"));
             }
         }
     }

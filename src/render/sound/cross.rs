@@ -3,6 +3,7 @@
 //! Reference: Volino and Magnenat Thalmann 1994 (a patch all of whose normals are on one side of a plane does not cross
 //! itself): faces that touch are looked at closely only where that fails.
 
+use super::close::ChildOf;
 use super::lanes::{Boxes, Four, Lanes, Ranges, each};
 use super::piece::{Cell, EVEN, LANES, Piece, heights};
 use super::skin::Skin;
@@ -16,7 +17,7 @@ const ALL: Lanes = (1 << LANES) - 1;
 const ONE_SIDED: f32 = 0.1;
 /// Cosine between the normals of two faces below which they may cross at a vertex, whatever lies between them there.
 /// Larger looks at more of them closely.
-const ACROSS: f32 = 0.5;
+pub const ACROSS: f32 = 0.5;
 
 /// A cell of a face, of which some children are near another face.
 struct Part<'a> {
@@ -68,20 +69,31 @@ impl Skin<'_> {
         // The same whatever their order in memory is.
         let (f, g) = if a.face <= b.face { (a, b) } else { (b, a) };
         if f.face == g.face {
-            return f.spread < ONE_SIDED && self.children_cross(f, g);
+            return self.may_cross_itself(f) && self.children_cross(f, g);
         }
         if self.touch(f, g) {
             if are_even(f, g) {
                 return false;
             }
             let axis = (f.normal + g.normal).normalize_or_zero();
-            return !self.is_one_sided(f, g, axis)
-                && !self.are_beside(f, g)
-                && !self.are_parted(f, g, axis)
-                && !self.are_parted(g, f, axis)
-                && self.children_cross(f, g);
+            return !self.are_sound_beside(f, g, axis) && self.children_cross(f, g);
         }
         !self.is_apart(f, g) && !self.is_apart(g, f) && !self.are_beside(f, g) && self.children_cross(f, g)
+    }
+
+    /// Whether the children of a face look to so many sides that they may cross each other.
+    #[inline]
+    pub(super) fn may_cross_itself(&self, f: &Piece) -> bool {
+        f.spread < ONE_SIDED
+    }
+
+    /// Whether faces that touch cannot cross, as they look to one side, or as something parts them along `axis`.
+    #[inline]
+    pub(super) fn are_sound_beside(&self, f: &Piece, g: &Piece, axis: Vec3) -> bool {
+        self.is_one_sided(f, g, axis)
+            || self.are_beside(f, g)
+            || self.are_parted(f, g, axis)
+            || self.are_parted(g, f, axis)
     }
 
     /// Whether two faces have a vertex in common.
@@ -138,11 +150,26 @@ impl Skin<'_> {
     /// Whether a plane across the line between their centres parts two faces, which have no more in common than what is
     /// in it.
     #[inline]
-    fn are_beside(&self, f: &Piece, g: &Piece) -> bool {
+    pub(super) fn are_beside(&self, f: &Piece, g: &Piece) -> bool {
         let axis = g.cell.centre - f.cell.centre;
         let ((low, end), (start, high)) = (heights(self.cells(f), axis), heights(self.cells(g), axis));
         // Not where the centres are in one place, and all heights are the same.
         low < high && end <= start
+    }
+
+    /// The children of two faces that cross.
+    pub fn crossing_children(&self, f: FaceId, g: FaceId) -> Vec<[ChildOf; 2]> {
+        let child = |&(face, number): &ChildOf| Child { face, number, quad: self.child_quad((face, number)) };
+        let faces = &self.level.topology.faces;
+        let of_g = |own: ChildOf| (0..faces.valence(g)).map(move |other| [own, (g, other)]);
+        let pairs = (0..faces.valence(f)).flat_map(|own| of_g((f, own))).filter(|[a, b]| f != g || a < b);
+        pairs.filter(|[a, b]| self.triangles_cross(&child(a), &child(b))).collect()
+    }
+
+    /// A child of a face: the corner, the middle of its edge, the centre, the middle before.
+    pub fn child_quad(&self, (face, number): ChildOf) -> [Vec3; 4] {
+        let piece = &self.pieces[self.place(face)];
+        self.cell(piece, number / LANES).quad(number % LANES)
     }
 
     fn children_cross(&self, f: &Piece, g: &Piece) -> bool {
@@ -163,7 +190,7 @@ impl Skin<'_> {
                 near &= after(own.number, b.first);
             }
             if near != 0 {
-                near &= meeting(&own.quad, a.cell.normals.at(lane), b.cell);
+                near &= meeting(&own.quad, a.cell.normals.at(lane), b.cell, &Way::NONE);
             }
             each(near).any(|lane| self.triangles_cross(&own, &b.child(lane)))
         })
@@ -195,7 +222,7 @@ impl Skin<'_> {
 
     /// Which triangles of two children have a vertex in common.
     fn joined(&self, (a, of_a): (&Child, &[[usize; 3]; 2]), (b, of_b): (&Child, &[[usize; 3]; 2])) -> [[bool; 2]; 2] {
-        let (in_a, in_b) = (self.quad_vertices(a), self.quad_vertices(b));
+        let (in_a, in_b) = (self.child_vertices((a.face, a.number)), self.child_vertices((b.face, b.number)));
         of_a.map(|x| of_b.map(|y| x.iter().any(|&k| y.iter().any(|&l| in_a[k] == in_b[l]))))
     }
 
@@ -205,15 +232,15 @@ impl Skin<'_> {
         if is_odd { [[1, 2, 3], [1, 3, 0]] } else { [[0, 1, 2], [0, 2, 3]] }
     }
 
-    /// The vertices of a child, in the order of its quad.
-    fn quad_vertices(&self, child: &Child) -> [VertexId; 4] {
+    /// The vertices of a face's child, in the order of its quad.
+    pub fn child_vertices(&self, (face, number): ChildOf) -> [VertexId; 4] {
         let t = &self.level.topology;
-        let corners = t.faces.range(child.face);
-        let corner = CornerId::new(corners.start + child.number);
-        let prev = CornerId::new(if child.number == 0 { corners.end - 1 } else { corner.index() - 1 });
+        let corners = t.faces.range(face);
+        let corner = CornerId::new(corners.start + number);
+        let prev = CornerId::new(if number == 0 { corners.end - 1 } else { corner.index() - 1 });
         let middle = |c: CornerId| self.numbering.of_edge(t.corner_edge[c]);
         let own = self.numbering.of_vertex(t.faces.vertex(corner));
-        [own, middle(corner), self.numbering.of_face(child.face), middle(prev)]
+        [own, middle(corner), self.numbering.of_face(face), middle(prev)]
     }
 }
 
@@ -250,17 +277,29 @@ impl Plane {
     }
 }
 
-/// The lanes of `b` with a child that no axis, of a few that may, parts from a quad that has this normal.
+/// How one face may move, seen from another.
+pub struct Way {
+    pub by: Vec3,
+    /// How far it may be beside that.
+    pub least: f32,
+}
+
+impl Way {
+    /// That of what does not move.
+    pub const NONE: Self = Self { by: Vec3::ZERO, least: 0.0 };
+}
+
+/// The lanes of `b` with a child that no axis, of a few that may, parts from a quad that has this normal and goes this way.
 #[inline]
-fn meeting(quad: &[Vec3; 4], normal: Vec3, b: &Cell) -> Lanes {
+pub fn meeting(quad: &[Vec3; 4], normal: Vec3, b: &Cell, way: &Way) -> Lanes {
     let own = quad.map(Four::splat);
-    let centres = Four::splat(b.centre);
-    let along = |axes: &Four| {
+    let (centres, by) = (Four::splat(b.centre), Four::splat(way.by));
+    let along = |axes: &Four, least: f32| {
         let of_b = [&b.corners, &b.middles, &b.befores, &centres].map(|points| points.dots(axes));
-        Ranges::of(own.map(|point| point.dots(axes))).that_meet(&Ranges::of(of_b))
+        Ranges::of(own.map(|point| point.dots(axes))).swept(by.dots(axes)).grown(least).that_meet(&Ranges::of(of_b))
     };
     let middles = b.corners.plus(&centres).minus(&own[0]).minus(&own[2]);
-    along(&Four::splat(normal)) & along(&b.normals) & along(&middles)
+    along(&Four::splat(normal), way.least) & along(&b.normals, way.least) & along(&middles, 0.0)
 }
 
 /// The lanes of a cell whose children have a larger number than `number`, where the first has the number `first`.

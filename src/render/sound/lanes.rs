@@ -121,6 +121,18 @@ impl Ranges {
         Self { low: a.min(b).min(c.min(d)), high: a.max(b).max(c.max(d)) }
     }
 
+    /// The ranges with all that is within a distance of them.
+    #[inline]
+    pub fn grown(&self, by: f32) -> Self {
+        Self { low: self.low - by, high: self.high + by }
+    }
+
+    /// The ranges with where moves take them.
+    #[inline]
+    pub fn swept(&self, by: Vec4) -> Self {
+        Self { low: self.low + by.min(Vec4::ZERO), high: self.high + by.max(Vec4::ZERO) }
+    }
+
     /// The lanes whose ranges have a value in common.
     #[inline]
     pub fn that_meet(&self, other: &Self) -> Lanes {

@@ -1,31 +1,37 @@
 //! Operators make no face cross another, or turn over, that did not before: where one would, its heights are reduced
-//! step by step, first to almost nothing, then together with the fit to the limit surface. What looks away from the front
-//! of the input after that is turned back by small moves (`untangle`). Only faces are looked at that have another layer near
-//! where they go, a bend, or a corner so narrow that they may pass a neighbour in its plane: others are sound by how they
-//! are made.
+//! step by step, first to almost nothing, then together with the fit to the limit surface. What is left after that is
+//! mended by small moves (`mend`, `untangle`): what looks away from the front of the input, second layers that cross the
+//! first, and, on the last cage, what crosses on the second refinement (`ahead`). Only faces are looked at that have
+//! another layer near where they go, a bend, or a corner so narrow that they may pass a neighbour in its plane: others are
+//! sound by how they are made.
 //!
 //! A face is looked at with its four children at once, in the lanes of vector registers (`lanes`, `piece`), and faces that
 //! are near each other are near in memory (`tree::order`).
 
+mod ahead;
 mod choice;
+mod close;
 mod cross;
 mod gap;
 mod lanes;
 mod marks;
+mod mend;
 mod piece;
 mod skin;
 mod tree;
 mod untangle;
 
+pub use ahead::Before;
 use choice::{Tried, best_of_each};
+use close::Nearness;
 pub use gap::{Gap, OPEN};
 use marks::Marks;
 pub use skin::Skin;
 pub use tree::order;
-use untangle::{Layer, Untangled, Wanted, untangled};
+use untangle::Apart;
 
 use super::derivation::Derivation;
-use crate::mesh::{FaceId, Id, IdVec, Topology, VertexId};
+use crate::mesh::{FaceId, IdVec, Topology, VertexId};
 use crate::subdivide::{Cage, Level, Lineage};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -37,8 +43,6 @@ pub const LEAST_SHARE: f32 = 0.1;
 const STEPS: [(f32, bool); 4] = [(1.0, true), (0.3, true), (0.0, true), (0.0, false)];
 /// The step of a vertex that was moved by the first attempt to untangle faces; those of more attempts follow.
 const UNTANGLED: u8 = STEPS.len() as u8;
-/// Part of its height that a second layer is moved to where it crosses the first. Less leaves some of them crossing.
-const APART: f32 = 0.6;
 /// Cosine below which faces of the parent, and of the input, count as turned over themselves.
 pub const ALREADY_TURNED: f32 = 0.3;
 
@@ -81,6 +85,16 @@ pub struct Kin<'a> {
     pub moved: &'a [FaceId],
     /// Those that have another layer near where they may have gone. Others may be unsound only where they are not even.
     pub near: &'a IdVec<FaceId, bool>,
+    /// What is to be seen to on the second refinement, which is that of the last cage only.
+    pub ahead: Option<LookAhead<'a>>,
+}
+
+/// What is to be seen to on the second refinement.
+pub struct LookAhead<'a> {
+    /// What may cross there.
+    pub before: Before<'a>,
+    /// Faces that have another layer all but in their place.
+    pub close: IdVec<FaceId, bool>,
 }
 
 /// Sound points.
@@ -120,6 +134,12 @@ struct Mending<'a> {
     active: Vec<FaceId>,
     /// Whether faces are held to the front of the input, where it is known, and not to where the weights alone put them.
     by_front: bool,
+    /// Where the points were when it was first seen what crosses on the second refinement. None where it is not looked at.
+    parted_from: Option<IdVec<VertexId, Vec3>>,
+    /// What is near each other there.
+    nearness: Option<Nearness>,
+    /// What parts all that was found to cross there since.
+    apart: Vec<Apart>,
     /// Where vertices are that were moved by each attempt to untangle faces.
     untangled: Vec<IdVec<VertexId, Vec3>>,
 }
@@ -131,7 +151,22 @@ impl<'a> Mending<'a> {
         let skin = Skin::new(kin.child, &points, kin.order, Some(normals));
         let (before, steps) = (Skin::bare(kin.parent), IdVec::filled(0, points.len()));
         let (moved, active, untangled) = (Vec::new(), Vec::new(), Vec::new());
-        let mut mending = Self { kin, states, skin, before, steps, points, moved, active, by_front: false, untangled };
+        let (by_front, parted_from, nearness, apart) = (false, None, None, Vec::new());
+        let mut mending = Self {
+            kin,
+            states,
+            skin,
+            before,
+            steps,
+            points,
+            moved,
+            active,
+            by_front,
+            parted_from,
+            nearness,
+            apart,
+            untangled,
+        };
         mending.see(kin.moved.to_vec());
         mending
     }
@@ -147,7 +182,7 @@ impl<'a> Mending<'a> {
     fn turn_back(&mut self) {
         let turned: Vec<[FaceId; 2]> = self.turned().into_iter().map(|f| [f, f]).collect();
         let moved = self.moved.clone();
-        self.step_to(self.stepped_on(&turned));
+        self.step_to(self.stepped_on(&turned, 1));
         self.see(moved);
     }
 
@@ -159,7 +194,7 @@ impl<'a> Mending<'a> {
             self.search(&mut pairs);
             tried.push(Tried { steps: self.steps.clone(), pairs: pairs.clone() });
             // More find nearly nothing.
-            if tried.len() == STEPS.len() || !self.step_to(self.stepped_on(&pairs)) {
+            if tried.len() == STEPS.len() || !self.step_to(self.stepped_on(&pairs, 1)) {
                 return self.best(tried);
             }
         }
@@ -179,107 +214,6 @@ impl<'a> Mending<'a> {
         best
     }
 
-    /// Turns back what looks away from the front of the input, where it is known; the faces with a fault that is left.
-    fn untangle(&mut self, mut stepped: Tried) -> Vec<FaceId> {
-        let front = self.kin.front;
-        self.by_front = true;
-        // What looks to the front all the same may still be folded within its plane.
-        let is_odd = |[f, g]: &[FaceId; 2]| f == g && front[*f] != Vec3::ZERO;
-        let odd: Vec<[FaceId; 2]> = stepped.pairs.extract_if(.., |pair| is_odd(pair)).collect();
-        let turned = self.skin.turned_from(front, self.kin.moved);
-        stepped.pairs.extend(turned.iter().map(|&f| [f, f]));
-        let turned = if turned.is_empty() { stepped } else { self.turned_to_front(stepped, turned) };
-        let mut best = self.layers_apart(turned);
-        let faces = &self.kin.child.level().topology.faces;
-        let stays = |[face, _]: &[FaceId; 2]| faces.vertices_of(*face).iter().all(|&v| best.steps[v] < UNTANGLED);
-        best.pairs.extend(odd.into_iter().filter(stays));
-        faces_of(&best.pairs)
-    }
-
-    /// The better of a state and one where some faces are turned to the front by small moves.
-    fn turned_to_front(&mut self, stepped: Tried, turned: Vec<FaceId>) -> Tried {
-        let beside = self.with_areas(self.beside(&turned, &turned));
-        let wanted = Wanted { turned: self.with_areas(turned), beside, moves_both: true, ..Wanted::default() };
-        self.better(stepped, &wanted)
-    }
-
-    /// The better of a state and one where the second layer is moved away from where it crosses the first, and where the
-    /// strip between them is folded.
-    fn layers_apart(&mut self, stepped: Tried) -> Tried {
-        let mut over: IdVec<VertexId, VertexId> = self.states.linear.ids().collect();
-        self.kin.pairs.iter().for_each(|&[vertex, copy]| over[copy] = vertex);
-        let (crossing, folded) = (self.crossing_layers(&stepped, &over), self.folded_strips(&stepped, &over));
-        if folded.is_empty() && crossing.is_empty() {
-            return stepped;
-        }
-        let faces = &self.kin.child.level().topology.faces;
-        let layer = |&[face, copy]: &[FaceId; 2]| {
-            let step = |&v: &VertexId| self.states.linear[v] - self.states.linear[over[v]];
-            let steps: Vec3 = faces.vertices_of(copy).iter().map(step).sum();
-            Layer { over: face, copy, gap: APART / LEAST_SHARE / faces.valence(copy) as f32 * steps }
-        };
-        let around: Vec<FaceId> = faces_of(&crossing).into_iter().chain(folded.iter().copied()).collect();
-        let beside = self.with_areas(self.beside(&around, &folded));
-        let layers = crossing.iter().map(layer).collect();
-        let wanted = Wanted { turned: self.with_areas(folded), beside, layers, moves_both: false };
-        self.better(stepped, &wanted)
-    }
-
-    /// Faces of the first layer with those of the second that they cross, of one face of the parent. `over` is what each
-    /// vertex is a copy of, itself where it is none.
-    fn crossing_layers(&self, tried: &Tried, over: &IdVec<VertexId, VertexId>) -> Vec<[FaceId; 2]> {
-        let faces = &self.kin.child.level().topology.faces;
-        let is_layer = |face: FaceId| faces.vertices_of(face).iter().all(|&v| over[v] != v);
-        let parent = |face: FaceId| self.kin.derivation.parent_face(face);
-        let of_one = tried.pairs.iter().filter(|[f, g]| f != g && parent(*f) == parent(*g));
-        let layers = of_one.filter_map(|&[f, g]| match [f, g].map(is_layer) {
-            [true, false] => Some([g, f]),
-            [false, true] => Some([f, g]),
-            _ => None,
-        });
-        layers.collect()
-    }
-
-    /// Faces between the layers that are turned over, in their order.
-    fn folded_strips(&self, tried: &Tried, over: &IdVec<VertexId, VertexId>) -> Vec<FaceId> {
-        let faces = &self.kin.child.level().topology.faces;
-        let is_strip = |f: &FaceId| {
-            let copies = faces.vertices_of(*f).iter().filter(|&&v| over[v] != v).count();
-            0 < copies && copies < faces.valence(*f) && self.kin.front[*f] == Vec3::ZERO
-        };
-        let turned = tried.pairs.iter().filter(|[f, g]| f == g).map(|pair| pair[0]);
-        each_once(turned.filter(is_strip).collect())
-    }
-
-    /// Faces that touch some, but for those that are turned.
-    fn beside(&self, faces: &[FaceId], turned: &[FaceId]) -> Vec<FaceId> {
-        let mut beside = touching(&self.kin.child.level().topology, faces);
-        beside.retain(|face| turned.binary_search(face).is_err());
-        beside
-    }
-
-    /// Faces with twice the areas that they have by the weights alone, to the side where they are to look.
-    fn with_areas(&self, faces: Vec<FaceId>) -> Vec<(FaceId, Vec3)> {
-        let (all, front) = (&self.kin.child.level().topology.faces, self.kin.front);
-        let area = |face: FaceId| {
-            let direction = if front[face] == Vec3::ZERO { self.skin.look(face) } else { front[face] };
-            twice_area(all.vertices_of(face), self.states.linear).length() * direction
-        };
-        faces.into_iter().map(|face| (face, area(face))).collect()
-    }
-
-    /// The better of a state and one where points are moved to what is wanted, each part by itself.
-    fn better(&mut self, stepped: Tried, wanted: &Wanted) -> Tried {
-        let Untangled { points, moved } = untangled(&self.skin, &self.points, wanted, self.kin.pairs);
-        let step = UNTANGLED + self.untangled.len() as u8;
-        self.untangled.push(points);
-        let (mut steps, mut pairs) = (stepped.steps.clone(), stepped.pairs.clone());
-        moved.into_iter().for_each(|vertex| steps[vertex] = step);
-        self.step_to(steps.clone());
-        self.search(&mut pairs);
-        self.best(vec![stepped, Tried { steps, pairs }])
-    }
-
     /// Has each vertex step back so far; whether any did before by another step.
     fn step_to(&mut self, steps: IdVec<VertexId, u8>) -> bool {
         if steps == self.steps {
@@ -294,20 +228,23 @@ impl<'a> Mending<'a> {
         if self.by_front {
             self.skin.loosen(&moved);
         }
+        if let Some(nearness) = &mut self.nearness {
+            nearness.update(&self.skin, &moved);
+        }
         self.see(moved);
         true
     }
 
-    /// The steps after one more at the vertices of what crosses, and of what is turned over with what touches it. A marked
-    /// edge steps back for its own faces only.
-    fn stepped_on(&self, pairs: &[[FaceId; 2]]) -> IdVec<VertexId, u8> {
+    /// The steps after so many more at the vertices of what crosses, and of what is turned over with what touches it. A
+    /// marked edge steps back for its own faces only.
+    fn stepped_on(&self, pairs: &[[FaceId; 2]], more: u8) -> IdVec<VertexId, u8> {
         let t = &self.kin.child.level().topology;
         let turned: Vec<FaceId> = pairs.iter().filter(|[f, g]| f == g).map(|pair| pair[0]).collect();
         let vertices_of = |face: FaceId| t.faces.vertices_of(face).iter().copied();
         let around = touching(t, &turned).into_iter().flat_map(vertices_of).filter(|&v| !self.kin.marked[v]);
         let mut steps = self.steps.clone();
         for vertex in around.chain(pairs.iter().flatten().copied().flat_map(vertices_of)) {
-            steps[vertex] = (self.steps[vertex] + 1).min(STEPS.len() as u8 - 1);
+            steps[vertex] = self.steps[vertex].saturating_add(more).min(STEPS.len() as u8 - 1);
         }
         for &[vertex, copy] in self.kin.pairs {
             let most = steps[vertex].max(steps[copy]);
@@ -337,6 +274,11 @@ impl<'a> Mending<'a> {
         self.active = each_once(self.active.iter().copied().chain(moved).collect());
         pairs.retain(|pair| pair.iter().all(|f| self.active.binary_search(f).is_err()));
         pairs.extend(self.faults());
+        let found = self.parted_from.as_ref().and_then(|before| self.later(&self.moved, before));
+        if let Some(found) = found {
+            pairs.extend(found.pairs);
+            self.apart.extend(found.apart);
+        }
     }
 
     /// Faces that are turned over, and were not before. No even one is.
@@ -400,7 +342,7 @@ fn faces_of(pairs: &[[FaceId; 2]]) -> Vec<FaceId> {
 }
 
 /// Elements in their order, each once.
-fn each_once<I: Id>(mut all: Vec<I>) -> Vec<I> {
+fn each_once<I: Ord>(mut all: Vec<I>) -> Vec<I> {
     all.sort_unstable();
     all.dedup();
     all

@@ -161,6 +161,11 @@ impl<'a> Skin<'a> {
         if number == 0 { &piece.cell } else { &self.more[piece.more + number - 1] }
     }
 
+    /// Where a vertex of the refinement is.
+    pub fn child_point(&self, vertex: VertexId) -> Vec3 {
+        self.refined[vertex]
+    }
+
     /// The faces that have a child which looks away from where they look without their moves.
     pub fn turned(&self, faces: &[FaceId]) -> Vec<FaceId> {
         self.looks.as_ref().map_or_else(Vec::new, |looks| self.turned_from(looks, faces))

@@ -35,6 +35,12 @@ impl Bounds {
         Self { low: self.low - by, high: self.high + by }
     }
 
+    /// The box with where a move takes it.
+    pub fn swept(&self, by: Vec3) -> Self {
+        let by = Vec3A::from(by);
+        self.and(&Self { low: self.low + by, high: self.high + by })
+    }
+
     /// The box of two.
     pub fn and(&self, other: &Self) -> Self {
         Self { low: self.low.min(other.low), high: self.high.max(other.high) }

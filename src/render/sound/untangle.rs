@@ -18,6 +18,9 @@ const FURTHER: f32 = 1.1;
 /// The furthest that a point goes at once, in lengths of a square of the face's area.
 const FURTHEST: f32 = 0.1;
 
+/// A point, as weights on the points of a cage.
+pub type Row = Vec<(VertexId, f32)>;
+
 /// Points of which some have moved.
 pub struct Untangled {
     /// All points.
@@ -35,6 +38,8 @@ pub struct Wanted {
     pub beside: Vec<(FaceId, Vec3)>,
     /// Faces of a second layer that are to be behind those that they are copies of.
     pub layers: Vec<Layer>,
+    /// Points that are to be on two sides of a plane.
+    pub apart: Vec<Apart>,
     /// Whether copies move with what they are copies of.
     pub moves_both: bool,
 }
@@ -59,6 +64,7 @@ pub fn untangled(skin: &Skin, points: &IdVec<VertexId, Vec3>, wanted: &Wanted, p
     let mut all: Vec<&dyn Constraint> = of_layers.iter().map(|point| point as _).collect();
     let turned = children(&wanted.turned);
     let beside: Vec<Child> = children(&wanted.beside).into_iter().filter_map(|child| child.no_worse(points)).collect();
+    all.extend(wanted.apart.iter().map(|pair| pair as &dyn Constraint));
     all.extend(turned.iter().chain(&beside).map(|child| child as &dyn Constraint));
     let mut partner: IdVec<VertexId, VertexId> = points.ids().collect();
     for &[vertex, copy] in pairs.iter().filter(|_| wanted.moves_both) {
@@ -110,7 +116,7 @@ fn is_lacking(lack: f32) -> bool {
 struct Child {
     /// Its diagonals as weights on the points of the cage: from its corner to the centre, and to the middle of the edge
     /// before from that of the edge after.
-    diagonals: [Vec<(VertexId, f32)>; 2],
+    diagonals: [Row; 2],
     /// Where it is to look.
     direction: Vec3,
     /// Twice the area that it is to have at least.
@@ -128,7 +134,7 @@ fn of_face<'a>(skin: &'a Skin, face: FaceId, area: Vec3) -> impl Iterator<Item =
 }
 
 /// The diagonals of the child at a corner.
-fn diagonals(skin: &Skin, corner: CornerId) -> [Vec<(VertexId, f32)>; 2] {
+fn diagonals(skin: &Skin, corner: CornerId) -> [Row; 2] {
     let t = &skin.level.topology;
     let face = t.faces.face_of(corner);
     let range = t.faces.range(face);
@@ -139,7 +145,7 @@ fn diagonals(skin: &Skin, corner: CornerId) -> [Vec<(VertexId, f32)>; 2] {
 }
 
 /// The step from one point of the first refinement to another, as weights on the points of the cage.
-fn difference(skin: &Skin, [from, to]: [VertexId; 2]) -> Vec<(VertexId, f32)> {
+fn difference(skin: &Skin, [from, to]: [VertexId; 2]) -> Row {
     let mut row = Vec::new();
     skin.rows.row(from.index(), &mut |vertex, weight| add(&mut row, vertex, -weight));
     skin.rows.row(to.index(), &mut |vertex, weight| add(&mut row, vertex, weight));
@@ -147,7 +153,7 @@ fn difference(skin: &Skin, [from, to]: [VertexId; 2]) -> Vec<(VertexId, f32)> {
 }
 
 /// Adds to what a vertex has.
-fn add<T: std::ops::AddAssign>(all: &mut Vec<(VertexId, T)>, vertex: VertexId, value: T) {
+pub fn add<T: std::ops::AddAssign>(all: &mut Vec<(VertexId, T)>, vertex: VertexId, value: T) {
     match all.iter_mut().find(|(v, _)| *v == vertex) {
         Some((_, sum)) => *sum += value,
         None => all.push((vertex, value)),
@@ -186,7 +192,7 @@ impl Constraint for Child {
 /// A point of a second layer's children that is to stay behind that of the first.
 struct Behind {
     /// The step from the one to the other, as weights on the points of the cage.
-    step: Vec<(VertexId, f32)>,
+    step: Row,
     /// Where behind is.
     direction: Vec3,
     /// How far it is to be.
@@ -221,6 +227,39 @@ impl Constraint for Behind {
             });
         }
         least_moves(slopes, lack, self.least)
+    }
+}
+
+/// Points that are to be on two sides of a plane.
+pub struct Apart {
+    /// Points on the one side.
+    pub over: Vec<Row>,
+    /// Points on the other.
+    pub under: Vec<Row>,
+    /// The normal of the plane, on the first side.
+    pub axis: Vec3,
+    /// How far they are to be apart.
+    pub gap: f32,
+}
+
+impl Constraint for Apart {
+    fn moves(&self, points: &IdVec<VertexId, Vec3>, partner: &IdVec<VertexId, VertexId>) -> Vec<(VertexId, Vec3)> {
+        let height = |row: &Row| row.iter().map(|&(v, w)| w * points[v].dot(self.axis)).sum::<f32>();
+        let lowest = |sign: f32, rows: &[Row]| {
+            let heights = rows.iter().map(|row| sign * height(row)).enumerate();
+            heights.min_by(|a, b| a.1.total_cmp(&b.1))
+        };
+        let mut slopes = Vec::new();
+        let (Some((over, low)), Some((under, high))) = (lowest(1.0, &self.over), lowest(-1.0, &self.under)) else {
+            return slopes;
+        };
+        let lack = self.gap - low - high;
+        if is_lacking(lack) {
+            let (over, under) = (self.over[over].iter(), self.under[under].iter());
+            let weights = over.copied().chain(under.map(|&(v, w)| (v, -w)));
+            weights.for_each(|(v, w)| add(&mut slopes, v.min(partner[v]), w * self.axis));
+        }
+        least_moves(slopes, lack, self.gap)
     }
 }
 
