@@ -3,6 +3,7 @@
 //! A refinement moves the points of the one before it. Where two sheets all but touch, or a fold is tight, faces that do
 //! not cross on the first may cross on the second. Only the part of the cage that is close to itself is refined twice.
 
+use super::apart::{Quad, on_two_sides, place, separating_axis};
 use super::close::ChildOf;
 use super::skin::Skin;
 use super::untangle::{Apart, Row, add};
@@ -11,9 +12,6 @@ use crate::mesh::{FaceId, IdVec, VertexId};
 use crate::subdivide::{Level, Numbering, Stencils, VertexRows};
 use glam::Vec3;
 use rayon::prelude::*;
-
-/// How far what crossed is to be apart, as a part of the size of the faces there.
-const APART: f32 = 5e-3;
 
 /// A cage before any operator, which later ones are held to.
 pub struct Before<'a> {
@@ -123,7 +121,7 @@ impl Ahead {
     }
 }
 
-/// How what crosses is parted.
+/// How what crosses on the second refinement is parted.
 struct Parting<'a> {
     ahead: &'a Ahead,
     /// That of the part.
@@ -140,29 +138,13 @@ impl Parting<'_> {
         let [a, b] = pair.map(|child| self.ahead.place(child));
         let axis = separating_axis(&self.quad(a), &self.quad(b));
         let crossing = self.skin.crossing_children(a, b).into_iter();
-        crossing.flat_map(|children| self.on_two_sides(children, axis)).collect()
+        crossing.flat_map(|children| on_two_sides(self.skin, children, axis, |v| self.row(v))).collect()
     }
 
     fn quad(&self, face: FaceId) -> Quad {
         let vertices = self.ahead.refined.topology.faces.vertices_of(face);
         let vertices = std::array::from_fn(|i| vertices[i]);
         Quad { points: vertices.map(|v| place(self.rows, self.ahead.vertices[v], self.points)), vertices }
-    }
-
-    /// That two of the smallest children are on two sides along an axis, but for what they have in common.
-    fn on_two_sides(&self, pair: [ChildOf; 2], axis: Vec3) -> Vec<Apart> {
-        let [over, under] = pair.map(|child| self.skin.child_vertices(child));
-        let quad = self.skin.child_quad(pair[0]);
-        let gap = APART * quad[0].distance(quad[2]);
-        let rows = |vertices: &mut dyn Iterator<Item = VertexId>| vertices.map(|v| self.row(v)).collect();
-        let common: Vec<VertexId> = over.into_iter().filter(|v| under.contains(v)).collect();
-        let own = |all: [VertexId; 4]| rows(&mut all.into_iter().filter(|v| !common.contains(v)));
-        let apart = |over: Vec<Row>, under: Vec<Row>| Apart { over, under, axis, gap };
-        if common.is_empty() {
-            return vec![apart(own(over), own(under))];
-        }
-        let common = || rows(&mut common.iter().copied());
-        vec![apart(own(over), common()), apart(common(), own(under))]
     }
 
     /// A point of the second refinement.
@@ -174,46 +156,6 @@ impl Parting<'_> {
         });
         row
     }
-}
-
-/// A face of the first refinement.
-struct Quad {
-    points: [Vec3; 4],
-    vertices: [VertexId; 4],
-}
-
-impl Quad {
-    fn edges(&self) -> [Vec3; 4] {
-        [0, 1, 2, 3].map(|i| self.points[(i + 1) % 4] - self.points[i])
-    }
-
-    fn normal(&self) -> Vec3 {
-        let [a, b, c, d] = self.points;
-        (c - a).cross(d - b)
-    }
-
-    /// The least height along an axis of what it has not in common with another.
-    fn low(&self, axis: Vec3, other: &Self) -> f32 {
-        let own = (0..4).filter(|&i| !other.vertices.contains(&self.vertices[i]));
-        own.map(|i| self.points[i].dot(axis)).fold(f32::INFINITY, f32::min)
-    }
-}
-
-/// The axis along which the first of two quads is furthest over the other, of those that can part convex ones (Gottschalk,
-/// Lin and Manocha 1996, section 5): the normals, and what is across an edge of each.
-fn separating_axis(a: &Quad, b: &Quad) -> Vec3 {
-    let across = a.edges().into_iter().flat_map(|e| b.edges().map(|f| e.cross(f)));
-    let axes = [a.normal(), b.normal()].into_iter().chain(across).filter_map(Vec3::try_normalize);
-    let distance = |axis: Vec3| a.low(axis, b) + b.low(-axis, a);
-    let both = axes.flat_map(|axis| [axis, -axis]).map(|axis| (axis, distance(axis)));
-    both.max_by(|(_, d), (_, e)| d.total_cmp(e)).map_or(Vec3::ZERO, |(axis, _)| axis)
-}
-
-/// Where a vertex is that is made of some points.
-fn place(rows: &impl Stencils<Source = VertexId>, vertex: VertexId, points: &IdVec<VertexId, Vec3>) -> Vec3 {
-    let mut place = Vec3::ZERO;
-    rows.row(vertex.index(), &mut |v, w| place += w * points[v]);
-    place
 }
 
 /// The children of pairs, each once, in their order.
@@ -335,23 +277,5 @@ mod tests {
                 }
             }
         }
-    }
-
-    #[test]
-    fn quads_are_parted_along_an_axis() {
-        let quad = |points: [[f32; 3]; 4], first: usize| Quad {
-            points: points.map(Vec3::from),
-            vertices: std::array::from_fn(|i| VertexId::new(first + i)),
-        };
-        let ground = quad([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]], 0);
-        let over = quad([[0.0, 0.0, 0.2], [1.0, 0.0, 0.1], [1.0, 1.0, 0.2], [0.0, 1.0, 0.1]], 4);
-        let axis = separating_axis(&over, &ground);
-        assert!(axis.abs_diff_eq(Vec3::Z, 1e-6) && separating_axis(&ground, &over).abs_diff_eq(-Vec3::Z, 1e-6));
-        // Turned about an edge that both have.
-        let mut beside = quad([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 0.5, 1.0], [0.0, 0.5, 1.0]], 8);
-        beside.vertices[0] = ground.vertices[0];
-        beside.vertices[1] = ground.vertices[1];
-        let axis = separating_axis(&beside, &ground);
-        assert!(beside.low(axis, &ground) > 0.5 && ground.low(-axis, &beside) > -1e-6, "{axis}");
     }
 }

@@ -1,7 +1,9 @@
 //! Mends by small moves what stepping back leaves: what looks away from the front of the input, second layers that cross
-//! the first, and what crosses on the second refinement. The better of both states of each part stays.
+//! the first, and what else crosses, on the last cage also on the second refinement. The better of both states of each part
+//! stays.
 
 use super::ahead::{Later, crossing_later};
+use super::apart::apart_now;
 use super::choice::Tried;
 use super::close::Nearness;
 use super::untangle::{Layer, Untangled, Wanted, untangled};
@@ -12,8 +14,8 @@ use glam::Vec3;
 
 /// Part of its height that a second layer is moved to where it crosses the first. Less leaves some of them crossing.
 const APART: f32 = 0.6;
-/// How many times what crosses on the second refinement is parted, at most.
-const LOOKS_AHEAD: usize = 3;
+/// How many times what crosses is parted, at most.
+const PARTINGS: usize = 3;
 
 impl Mending<'_> {
     /// Turns back what looks away from the front of the input, where it is known; the faces with a fault that is left.
@@ -27,7 +29,7 @@ impl Mending<'_> {
         stepped.pairs.extend(turned.iter().map(|&f| [f, f]));
         let turned = if turned.is_empty() { stepped } else { self.turned_to_front(stepped, turned) };
         let apart = self.layers_apart(turned);
-        let mut best = self.apart_later(apart);
+        let mut best = self.all_apart(apart);
         let faces = &self.kin.child.level().topology.faces;
         let stays = |[face, _]: &[FaceId; 2]| faces.vertices_of(*face).iter().all(|&v| best.steps[v] < UNTANGLED);
         best.pairs.extend(odd.into_iter().filter(stays));
@@ -63,17 +65,22 @@ impl Mending<'_> {
         self.better(stepped, &wanted)
     }
 
-    /// The best of a state and some where what crosses on the second refinement has stepped back, and is parted.
-    fn apart_later(&mut self, mut stepped: Tried) -> Tried {
-        if self.kin.ahead.is_none() {
-            return stepped;
+    /// The best of a state and some where what crosses has stepped back, and is parted, on the second refinement too if that
+    /// is looked at.
+    fn all_apart(&mut self, mut stepped: Tried) -> Tried {
+        if self.kin.ahead.is_some() {
+            self.nearness = Some(Nearness::new(&self.skin));
         }
-        self.nearness = Some(Nearness::new(&self.skin));
         let all: Vec<FaceId> = self.kin.child.level().topology.faces.ids().collect();
-        let Some(found) = self.later(&all, &self.points).filter(|found| !found.pairs.is_empty()) else {
-            return stepped;
-        };
-        stepped.pairs.extend(found.pairs);
+        if let Some(found) = self.later(&all, &self.points).filter(|found| !found.pairs.is_empty()) {
+            stepped.pairs.extend(found.pairs);
+            stepped = self.back_later(stepped);
+        }
+        if stepped.pairs.is_empty() { stepped } else { self.parted(stepped) }
+    }
+
+    /// The best of a state and one where what crosses on the second refinement has stepped back.
+    fn back_later(&mut self, stepped: Tried) -> Tried {
         self.parted_from = Some(self.points.clone());
         let (mut pairs, mut tried) = (stepped.pairs.clone(), vec![stepped]);
         // All the way at once: each step by itself leaves no less.
@@ -81,21 +88,24 @@ impl Mending<'_> {
             self.search(&mut pairs);
             tried.push(Tried { steps: self.steps.clone(), pairs });
         }
-        let stepped = self.best(tried);
-        self.parted(stepped)
+        self.best(tried)
     }
 
-    /// The best of a state and some where what crosses on the second refinement is parted by small moves. What is parted
-    /// may cross others, which are parted too the next time.
+    /// The best of a state and some where what crosses is parted by small moves. What is parted may cross others, which are
+    /// parted too the next time.
     fn parted(&mut self, stepped: Tried) -> Tried {
         let before = self.points.clone();
         let found = self.later(&self.around(&stepped), &before);
         self.apart = found.map_or_else(Vec::new, |found| found.apart);
         self.parted_from = Some(before.clone());
         let mut tried = vec![stepped];
-        while let Some(last) = tried.last().filter(|last| tried.len() <= LOOKS_AHEAD && !last.pairs.is_empty()) {
-            let (apart, beside) = (std::mem::take(&mut self.apart), self.with_areas(self.around(last)));
-            let wanted = Wanted { apart, beside, ..Wanted::default() };
+        while let Some(last) = tried.last().filter(|last| tried.len() <= PARTINGS && !last.pairs.is_empty()) {
+            let mut apart = std::mem::take(&mut self.apart);
+            apart.extend(apart_now(&self.skin, self.states.linear, &last.pairs));
+            if apart.is_empty() {
+                break;
+            }
+            let wanted = Wanted { apart, beside: self.with_areas(self.around(last)), ..Wanted::default() };
             let Untangled { points, moved } = untangled(&self.skin, &before, &wanted, self.kin.pairs);
             self.apart = wanted.apart;
             let next = self.moved_to(&tried[0].steps, &last.pairs, points, &moved);

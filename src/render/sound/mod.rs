@@ -1,7 +1,7 @@
 //! Operators make no face cross another, or turn over, that did not before: where one would, its heights are reduced
 //! step by step, first to almost nothing, then together with the fit to the limit surface. What is left after that is
 //! mended by small moves (`mend`, `untangle`): what looks away from the front of the input, second layers that cross the
-//! first, and, on the last cage, what crosses on the second refinement (`ahead`). Only faces are looked at that have
+//! first, and what else crosses (`apart`), on the last cage also on the second refinement (`ahead`). Only faces are looked at that have
 //! another layer near where they go, a bend, or a corner so narrow that they may pass a neighbour in its plane: others are
 //! sound by how they are made.
 //!
@@ -9,6 +9,7 @@
 //! are near each other are near in memory (`tree::order`).
 
 mod ahead;
+mod apart;
 mod choice;
 mod close;
 mod cross;
@@ -138,7 +139,7 @@ struct Mending<'a> {
     parted_from: Option<IdVec<VertexId, Vec3>>,
     /// What is near each other there.
     nearness: Option<Nearness>,
-    /// What parts all that was found to cross there since.
+    /// What parts all that was found to cross since.
     apart: Vec<Apart>,
     /// Where vertices are that were moved by each attempt to untangle faces.
     untangled: Vec<IdVec<VertexId, Vec3>>,
