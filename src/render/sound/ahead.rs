@@ -3,10 +3,10 @@
 //! A refinement moves the points of the one before it. Where two sheets all but touch, or a fold is tight, faces that do
 //! not cross on the first may cross on the second. Only the part of the cage that is close to itself is refined twice.
 
-use super::apart::{Quad, on_two_sides, place, separating_axis};
+use super::apart::{Quad, on_two_sides, separating_axis};
 use super::close::ChildOf;
-use super::skin::Skin;
-use super::untangle::{Apart, Row, add};
+use super::skin::{Skin, place};
+use super::untangle::{Apart, Row, add_row};
 use super::{each_once, faces_at};
 use crate::mesh::{FaceId, IdVec, VertexId};
 use crate::subdivide::{Level, Numbering, Stencils, VertexRows};
@@ -151,8 +151,7 @@ impl Parting<'_> {
     fn row(&self, vertex: VertexId) -> Row {
         let mut row = Row::new();
         self.skin.rows.row(vertex.index(), &mut |middle, weight| {
-            let first = self.ahead.vertices[middle];
-            self.rows.row(first.index(), &mut |v, w| add(&mut row, v, weight * w));
+            add_row(&mut row, self.rows, self.ahead.vertices[middle], weight);
         });
         row
     }
@@ -163,8 +162,8 @@ fn children_of(pairs: &[[ChildOf; 2]]) -> Vec<ChildOf> {
     each_once(pairs.iter().flatten().copied().collect())
 }
 
-fn sorted<T: Ord>([a, b]: [T; 2]) -> [T; 2] {
-    if a <= b { [a, b] } else { [b, a] }
+fn sorted([a, b]: [FaceId; 2]) -> [FaceId; 2] {
+    [a.min(b), a.max(b)]
 }
 
 #[cfg(test)]

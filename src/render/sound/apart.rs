@@ -1,10 +1,9 @@
 //! What parts children of a skin that cross: a plane that parted them where they did not.
 
 use super::close::ChildOf;
-use super::skin::Skin;
-use super::untangle::{Apart, Row, add};
+use super::skin::{Skin, place};
+use super::untangle::{Apart, Row, add_row};
 use crate::mesh::{FaceId, IdVec, VertexId};
-use crate::subdivide::Stencils;
 use glam::Vec3;
 
 /// How far what crossed is to be apart, as a part of the size of the faces there.
@@ -18,7 +17,7 @@ pub fn apart_now(skin: &Skin, parted: &IdVec<VertexId, Vec3>, pairs: &[[FaceId; 
     };
     let row = |vertex: VertexId| {
         let mut row = Row::new();
-        skin.rows.row(vertex.index(), &mut |v, w| add(&mut row, v, w));
+        add_row(&mut row, &skin.rows, vertex, 1.0);
         row
     };
     let crossing = pairs.iter().flat_map(|&[f, g]| skin.crossing_children(f, g));
@@ -74,13 +73,6 @@ pub fn separating_axis(a: &Quad, b: &Quad) -> Vec3 {
     let distance = |axis: Vec3| a.low(axis, b) + b.low(-axis, a);
     let both = axes.flat_map(|axis| [axis, -axis]).map(|axis| (axis, distance(axis)));
     both.max_by(|(_, d), (_, e)| d.total_cmp(e)).map_or(Vec3::ZERO, |(axis, _)| axis)
-}
-
-/// Where a vertex is that is made of some points.
-pub fn place(rows: &impl Stencils<Source = VertexId>, vertex: VertexId, points: &IdVec<VertexId, Vec3>) -> Vec3 {
-    let mut place = Vec3::ZERO;
-    rows.row(vertex.index(), &mut |v, w| place += w * points[v]);
-    place
 }
 
 #[cfg(test)]

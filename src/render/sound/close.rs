@@ -2,15 +2,13 @@
 
 use super::cross::{ACROSS, Way, meeting};
 use super::lanes::{Boxes, each};
-use super::piece::{Cell, LANES, Piece, heights};
+use super::piece::{Cell, LANES, Piece};
 use super::skin::Skin;
 use super::tree::{Bounds, Tree};
 use crate::mesh::FaceId;
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// How much further than the centres of two faces, beside each other, other points of theirs may move.
-const FURTHER: f32 = 1.0;
 /// Part of its size that a face may move in any case. More looks at more faces.
 const LEAST: f32 = 1e-4;
 
@@ -19,7 +17,7 @@ pub type ChildOf = (FaceId, usize);
 
 /// How far the next refinement moves a face's children.
 struct Step {
-    /// How far it moves the centre.
+    /// How far it moves the centre, and other points no further as a rule.
     centre: Vec3,
     /// How far anything may move in any case.
     least: f32,
@@ -28,13 +26,13 @@ struct Step {
 impl Step {
     /// The box of a face with the way that it may move.
     fn bounds(&self, piece: &Piece) -> Bounds {
-        piece.bounds.swept(FURTHER * self.centre).grown(self.least)
+        piece.bounds.swept(self.centre).grown(self.least)
     }
 
     /// How the face may move, seen from another.
     fn way(&self, other: &Self) -> Way {
         // Layers move together: only the difference counts.
-        Way { by: FURTHER * (self.centre - other.centre), least: self.least + other.least }
+        Way { by: self.centre - other.centre, least: self.least + other.least }
     }
 }
 
@@ -97,21 +95,17 @@ impl Skin<'_> {
             let axis = (f.normal + g.normal).normalize_or_zero();
             return f.is_loose && g.is_loose && f.normal.dot(g.normal) < ACROSS && !self.are_sound_beside(f, g, axis);
         }
-        let is_apart = |f: &Piece, g: &Piece, by: Vec3| {
-            let ((a, b), (c, d)) = (f.heights, heights(self.cells(g), f.normal));
-            let by = by.dot(f.normal);
-            b + by.max(0.0) + way.least < c || d + way.least < a + by.min(0.0)
-        };
-        !is_apart(f, g, way.by) && !is_apart(g, f, -way.by) && !self.are_beside(f, g)
+        !self.is_apart(f, g, way) && !self.is_apart(g, f, &way.back()) && !self.are_beside(f, g)
     }
 
     fn close_children(&self, f: &Piece, g: &Piece, way: &Way) -> Vec<[ChildOf; 2]> {
         let boxes: Vec<Boxes> = self.cells(g).map(Cell::boxes).collect();
         let mut found = Vec::new();
         for (m, a) in self.cells(f).enumerate() {
+            let of_a = a.boxes();
             for i in each(a.all()) {
                 let (own, quad, normal) = ((f.face, LANES * m + i), a.quad(i), a.normals.at(i));
-                let there = Boxes::splat(&a.boxes().at(i).swept(way.by).grown(way.least));
+                let there = Boxes::splat(&of_a.at(i).swept(way.by).grown(way.least));
                 for (n, b) in self.cells(g).enumerate() {
                     let near = boxes[n].that_meet(&there) & b.all() & meeting(&quad, normal, b, way);
                     found.extend(each(near).map(|j| [own, (g.face, LANES * n + j)]));

@@ -78,7 +78,10 @@ impl Skin<'_> {
             let axis = (f.normal + g.normal).normalize_or_zero();
             return !self.are_sound_beside(f, g, axis) && self.children_cross(f, g);
         }
-        !self.is_apart(f, g) && !self.is_apart(g, f) && !self.are_beside(f, g) && self.children_cross(f, g)
+        !self.is_apart(f, g, &Way::NONE)
+            && !self.is_apart(g, f, &Way::NONE)
+            && !self.are_beside(f, g)
+            && self.children_cross(f, g)
     }
 
     /// Whether the children of a face look to so many sides that they may cross each other.
@@ -140,11 +143,12 @@ impl Skin<'_> {
         })
     }
 
-    /// Whether a plane across the normal of `f` parts two faces.
+    /// Whether a plane across the normal of `f` parts two faces, of which `f` goes a way.
     #[inline]
-    fn is_apart(&self, f: &Piece, g: &Piece) -> bool {
+    pub(super) fn is_apart(&self, f: &Piece, g: &Piece, way: &Way) -> bool {
         let ((a, b), (c, d)) = (f.heights, heights(self.cells(g), f.normal));
-        b < c || d < a
+        let by = way.by.dot(f.normal);
+        b + by.max(0.0) + way.least < c || d + way.least < a + by.min(0.0)
     }
 
     /// Whether a plane across the line between their centres parts two faces, which have no more in common than what is
@@ -287,6 +291,11 @@ pub struct Way {
 impl Way {
     /// That of what does not move.
     pub const NONE: Self = Self { by: Vec3::ZERO, least: 0.0 };
+
+    /// How the other one may move, seen from this one.
+    pub fn back(&self) -> Self {
+        Self { by: -self.by, ..*self }
+    }
 }
 
 /// The lanes of `b` with a child that no axis, of a few that may, parts from a quad that has this normal and goes this way.

@@ -70,11 +70,12 @@ impl Mending<'_> {
     fn all_apart(&mut self, mut stepped: Tried) -> Tried {
         if self.kin.ahead.is_some() {
             self.nearness = Some(Nearness::new(&self.skin));
-        }
-        let all: Vec<FaceId> = self.kin.child.level().topology.faces.ids().collect();
-        if let Some(found) = self.later(&all, &self.points).filter(|found| !found.pairs.is_empty()) {
-            stepped.pairs.extend(found.pairs);
-            stepped = self.back_later(stepped);
+            let all: Vec<FaceId> = self.kin.child.level().topology.faces.ids().collect();
+            let found = self.later(&all, &self.points).map_or_else(Vec::new, |found| found.pairs);
+            if !found.is_empty() {
+                stepped.pairs.extend(found);
+                stepped = self.back_later(stepped);
+            }
         }
         if stepped.pairs.is_empty() { stepped } else { self.parted(stepped) }
     }

@@ -1,9 +1,10 @@
 //! Operators make no face cross another, or turn over, that did not before: where one would, its heights are reduced
 //! step by step, first to almost nothing, then together with the fit to the limit surface. What is left after that is
 //! mended by small moves (`mend`, `untangle`): what looks away from the front of the input, second layers that cross the
-//! first, and what else crosses (`apart`), on the last cage also on the second refinement (`ahead`). Only faces are looked at that have
-//! another layer near where they go, a bend, or a corner so narrow that they may pass a neighbour in its plane: others are
-//! sound by how they are made.
+//! first, and what else crosses (`apart`), on the last cage also on the second refinement (`close`, `ahead`).
+//!
+//! Only faces are looked at that have another layer near where they go, a bend, or a corner so narrow that they may pass a
+//! neighbour in its plane: others are sound by how they are made.
 //!
 //! A face is looked at with its four children at once, in the lanes of vector registers (`lanes`, `piece`), and faces that
 //! are near each other are near in memory (`tree::order`).
@@ -151,8 +152,6 @@ impl<'a> Mending<'a> {
         let normals = linear_normals(kin.child.level(), states.linear);
         let skin = Skin::new(kin.child, &points, kin.order, Some(normals));
         let (before, steps) = (Skin::bare(kin.parent), IdVec::filled(0, points.len()));
-        let (moved, active, untangled) = (Vec::new(), Vec::new(), Vec::new());
-        let (by_front, parted_from, nearness, apart) = (false, None, None, Vec::new());
         let mut mending = Self {
             kin,
             states,
@@ -160,13 +159,13 @@ impl<'a> Mending<'a> {
             before,
             steps,
             points,
-            moved,
-            active,
-            by_front,
-            parted_from,
-            nearness,
-            apart,
-            untangled,
+            moved: Vec::new(),
+            active: Vec::new(),
+            by_front: false,
+            parted_from: None,
+            nearness: None,
+            apart: Vec::new(),
+            untangled: Vec::new(),
         };
         mending.see(kin.moved.to_vec());
         mending

@@ -108,11 +108,7 @@ impl<'a> Skin<'a> {
         for &face in faces {
             vertices(self.level, self.numbering, face).for_each(|child| children.add(child));
         }
-        let refined = |child: &VertexId| {
-            let mut place = Vec3::ZERO;
-            self.rows.row(child.index(), &mut |v, w| place += w * points[v]);
-            place
-        };
+        let refined = |&child: &VertexId| place(&self.rows, child, points);
         let places: Vec<Vec3> = children.list.par_iter().with_min_len(BLOCK).map(refined).collect();
         children.list.iter().zip(places).for_each(|(&child, place)| self.refined[child] = place);
     }
@@ -201,6 +197,13 @@ impl<'a> Skin<'a> {
     pub fn normal(&self, face: FaceId) -> Vec3 {
         self.piece(face).normal
     }
+}
+
+/// Where a vertex is that is made of some points.
+pub fn place(rows: &impl Stencils<Source = VertexId>, vertex: VertexId, points: &IdVec<VertexId, Vec3>) -> Vec3 {
+    let mut place = Vec3::ZERO;
+    rows.row(vertex.index(), &mut |v, w| place += w * points[v]);
+    place
 }
 
 /// The vertices of a face's children.

@@ -6,7 +6,7 @@
 use super::marks::Marks;
 use super::skin::Skin;
 use crate::mesh::{CornerId, FaceId, IdVec, VertexId};
-use crate::subdivide::Stencils;
+use crate::subdivide::{Stencils, VertexRows};
 use glam::Vec3;
 
 /// Rounds over all children, at most.
@@ -147,13 +147,18 @@ fn diagonals(skin: &Skin, corner: CornerId) -> [Row; 2] {
 /// The step from one point of the first refinement to another, as weights on the points of the cage.
 fn difference(skin: &Skin, [from, to]: [VertexId; 2]) -> Row {
     let mut row = Vec::new();
-    skin.rows.row(from.index(), &mut |vertex, weight| add(&mut row, vertex, -weight));
-    skin.rows.row(to.index(), &mut |vertex, weight| add(&mut row, vertex, weight));
+    add_row(&mut row, &skin.rows, from, -1.0);
+    add_row(&mut row, &skin.rows, to, 1.0);
     row
 }
 
+/// Adds so many times what a vertex of a refinement is made of.
+pub fn add_row(row: &mut Row, rows: &VertexRows, vertex: VertexId, times: f32) {
+    rows.row(vertex.index(), &mut |v, weight| add(row, v, times * weight));
+}
+
 /// Adds to what a vertex has.
-pub fn add<T: std::ops::AddAssign>(all: &mut Vec<(VertexId, T)>, vertex: VertexId, value: T) {
+fn add<T: std::ops::AddAssign>(all: &mut Vec<(VertexId, T)>, vertex: VertexId, value: T) {
     match all.iter_mut().find(|(v, _)| *v == vertex) {
         Some((_, sum)) => *sum += value,
         None => all.push((vertex, value)),
