@@ -19,7 +19,8 @@ const PARENT: &str = "parentFace";
 const FRONT: &str = "front";
 
 /// Pairs of faces of the garment whose children cross on the second refinement only, for seams, hems and both: a file that
-/// is not here has none. The aim is none; a number here may only be lowered.
+/// is not here has none. All of them are beside faces that cross in the garment itself, where the line along which they do
+/// has come to a neighbour. The aim is none; a number here may only be lowered.
 const CROSSING_AFTER_TWO: &[(&str, [usize; 3])] =
     &[("female_elegantsuit01.usdc", [1, 0, 1]), ("male_worksuit01.usdc", [3, 0, 3])];
 
@@ -170,28 +171,54 @@ const STACKS: [(Option<f32>, Option<f32>); 3] = [(Some(0.25), None), (None, Some
 /// Pairs of faces of the garment whose children cross by operators.
 type Pairs = Vec<[usize; 2]>;
 
-/// The new crossings of each stack on a refinement, at a multiple of its sizes, and whether a warning tells of them.
-fn new_crossings(garment: &Garment, level: u32, multiple: f32) -> [(Pairs, bool); 3] {
+/// The crossings of a stack.
+struct Crossings {
+    new: Pairs,
+    /// Those of them that are not beside any of the garment's own.
+    apart: Pairs,
+    /// Whether a warning tells of them.
+    are_told: bool,
+}
+
+/// The crossings of each stack on a refinement, at a multiple of its sizes.
+fn crossings(garment: &Garment, level: u32, multiple: f32) -> [Crossings; 3] {
     let plain = rendered(garment, &[format!("render.level={level}")]).0;
     let before = crossing_parents(&plain, &parents(&plain));
     STACKS.map(|(seam, hem)| {
         let sized = |share: Option<f32>| share.map(|share| multiple * share);
         let (mesh, warnings) = rendered(garment, &recipe(garment, level, sized(seam), sized(hem)));
         let after = crossing_parents(&mesh, &parents(&mesh));
-        let is_told = warnings.iter().any(|w| matches!(w, Warning::Unsound { .. }));
-        (after.difference(&before).copied().collect(), is_told)
+        let new: Pairs = after.difference(&before).copied().collect();
+        let apart = new.iter().copied().filter(|&pair| !is_beside(garment, pair, &before)).collect();
+        Crossings { new, apart, are_told: warnings.iter().any(|w| matches!(w, Warning::Unsound { .. })) }
     })
 }
 
-/// What is new on a refinement, at a multiple of the sizes, that is not told or is beyond what is known.
-fn complaints(level: u32, multiple: f32, known: impl Fn(&str) -> [usize; 3]) -> String {
+/// Whether a pair of faces is beside one that crosses: each is a face of that pair or touches it.
+fn is_beside(garment: &Garment, [f, g]: [usize; 2], crossing: &BTreeSet<[usize; 2]>) -> bool {
+    let vertices = |face: usize| garment.faces.vertices_of(FaceId::new(face));
+    let touch = |a: usize, b: usize| vertices(a).iter().any(|v| vertices(b).contains(v));
+    crossing.iter().any(|&[a, b]| touch(f, a) && touch(g, b) || touch(f, b) && touch(g, a))
+}
+
+/// What is new on a refinement, at a multiple of the sizes, that is not told, is beyond what is known, or is not where it
+/// `may_be`.
+fn complaints(
+    level: u32,
+    multiple: f32,
+    known: impl Fn(&str) -> [usize; 3],
+    may_be: impl Fn(&Crossings) -> bool,
+) -> String {
     let mut complaints: Vec<String> = Vec::new();
     for (name, garment) in load() {
-        let all = new_crossings(&garment, level, multiple).into_iter().zip(STACKS).zip(known(&name));
-        for (((new, is_told), stack), known) in all.filter(|(((new, _), _), _)| !new.is_empty()) {
-            if new.len() > known || !is_told {
+        let all = crossings(&garment, level, multiple).into_iter().zip(STACKS).zip(known(&name));
+        for ((found, stack), known) in all.filter(|((found, _), _)| !found.new.is_empty()) {
+            let Crossings { new, apart, are_told } = &found;
+            if new.len() > known || !are_told || !may_be(&found) {
                 let (count, some) = (new.len(), &new[..new.len().min(12)]);
-                complaints.push(format!("{name}, {stack:?} times {multiple}: {count} new {some:?}, told: {is_told}"));
+                complaints.push(format!(
+                    "{name}, {stack:?} times {multiple}: {count} new {some:?}, apart {apart:?}, told: {are_told}"
+                ));
             }
         }
     }
@@ -201,22 +228,22 @@ fn complaints(level: u32, multiple: f32, known: impl Fn(&str) -> [usize; 3]) -> 
 #[test]
 fn no_crossing_is_introduced() {
     for multiple in [0.7, 1.0, 1.3] {
-        let complaints = complaints(1, multiple, |_| [0; 3]);
+        let complaints = complaints(1, multiple, |_| [0; 3], |_| false);
         assert!(complaints.is_empty(), "{complaints}");
     }
 }
 
 #[test]
-fn few_cross_on_the_second_refinement() {
+fn what_crosses_on_the_second_refinement_is_beside_what_did_before() {
     let known = |name: &str| CROSSING_AFTER_TWO.iter().find(|(file, _)| *file == name).map_or([0; 3], |(_, n)| *n);
-    let complaints = complaints(2, 1.0, known);
+    let complaints = complaints(2, 1.0, known, |found| found.apart.is_empty());
     assert!(complaints.is_empty(), "{complaints}");
 }
 
 #[test]
 fn crossings_are_told_at_other_sizes() {
     for (level, multiple) in [(1, 0.5), (1, 1.5), (2, 0.7), (2, 1.3)] {
-        let complaints = complaints(level, multiple, |_| [usize::MAX; 3]);
+        let complaints = complaints(level, multiple, |_| [usize::MAX; 3], |_| true);
         assert!(complaints.is_empty(), "level {level}: {complaints}");
     }
 }
