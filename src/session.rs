@@ -7,7 +7,8 @@
 //! ```
 //!
 //! An operator and a refinement are two stages each (`render::stages`): what the mesh is made of, and where its points
-//! are. An option that only moves points repeats the second ones.
+//! are. An option that only moves points repeats the second ones. What depends on the faces alone is known by them, so that
+//! it is kept where another option makes the same faces.
 //!
 //! A stage is known by the content of its source and by the options that it reads, never by the name of a file.
 
@@ -15,12 +16,12 @@ use crate::error::{Error, Warnings};
 use crate::garment::{Elements, Garment, Primvar, Values};
 pub use crate::memo::Made;
 use crate::memo::{Footprint, Memo};
-use crate::mesh::{IdVec, VertexId};
+use crate::mesh::{Faces, IdVec, VertexId};
 use crate::pipeline::{Checked, Clock, DEFAULT_MAX_FACES, Prepared};
 use crate::recipe::Document;
-use crate::render::{Formed, Front, Ground, Placed, Placing, Rendered, Stack, Stages, render};
+use crate::render::{Front, Ground, Placed, Placing, Rendered, Shaped, Stack, Stages, render};
 use crate::sim::{SimOptions, SimProduct};
-use crate::subdivide::Cage;
+use crate::subdivide::{Cage, Connectivity, Level};
 use crate::usd::{Format, Product, ReadOptions, Role, Source, Surroundings, WriteOptions, layer_bytes};
 use glam::Vec3;
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -213,29 +214,50 @@ fn options_of(stack: &Stack) -> (Vec<String>, Vec<String>, u32) {
     (operators.clone().map(|o| o.structure()).collect(), operators.map(|o| o.options()).collect(), stack.level)
 }
 
-/// Adjacency and rules that a cage keeps for a corner. \[bytes\]
-const CAGE_CORNER: usize = 40;
-/// Masks that a cage of any faces keeps for a corner. \[bytes\]
+/// Adjacency and rules that a level keeps for a corner. \[bytes\]
+const LEVEL_CORNER: usize = 40;
+/// Masks of its refinement that a level of any faces keeps for a corner. \[bytes\]
 const MASKS_CORNER: usize = 90;
+/// Limit rows that a level keeps for a corner. \[bytes\]
+const LIMITS_CORNER: usize = 30;
 /// Parents and sources that an operator keeps for a corner. \[bytes\]
-const FORMED_CORNER: usize = 60;
-/// Limit rows and what they are measured from that an operator keeps for a corner. \[bytes\]
-const PLACING_CORNER: usize = 100;
+const SHAPED_CORNER: usize = 60;
+/// What the places of an operator's points are measured from, for a corner. \[bytes\]
+const PLACING_CORNER: usize = 70;
 
+/// Without its level, which others have too.
 impl Footprint for Cage {
     fn footprint(&self) -> usize {
-        let faces = &self.garment().faces;
-        let masks = if faces.regular_valence().is_some() { 0 } else { MASKS_CORNER };
-        garment_bytes(self.garment()) + (CAGE_CORNER + masks) * faces.corners().len()
+        garment_bytes(self.garment())
     }
 }
 
-impl Footprint for Formed {
+impl Footprint for Faces {
+    fn footprint(&self) -> usize {
+        4 * self.corners().len()
+    }
+}
+
+impl Footprint for Level {
+    fn footprint(&self) -> usize {
+        LEVEL_CORNER * self.topology.faces.corners().len()
+    }
+}
+
+impl Footprint for Connectivity {
+    fn footprint(&self) -> usize {
+        let faces = &self.level().topology.faces;
+        let masks = if faces.regular_valence().is_some() { 0 } else { MASKS_CORNER };
+        self.level().footprint() + (masks + LIMITS_CORNER) * faces.corners().len()
+    }
+}
+
+impl Footprint for Shaped {
     fn footprint(&self) -> usize {
         let origin = &self.origin;
         let by_vertex = size_of_val(origin.clearance.as_slice());
         let by_face = origin.front.bytes() + size_of_val(origin.faces.as_slice());
-        self.cage.footprint() + FORMED_CORNER * self.cage.garment().faces.corners().len() + by_vertex + by_face
+        garment_bytes(&self.frame) + SHAPED_CORNER * self.frame.faces.corners().len() + by_vertex + by_face
     }
 }
 

@@ -113,6 +113,34 @@ fn an_edit_repeats_only_what_depends_on_it() {
 }
 
 #[test]
+fn other_widths_of_a_seam_have_the_same_faces() {
+    let (example, session) = (Example::new("tshirt.usda"), Session::new(ROOM, None).expect("threads"));
+    let of = |width: &'static str, edges: &'static str| {
+        [
+            ("seam.side.edges", edges),
+            ("seam.side.width", width),
+            ("thickness.all.faces", "front,back"),
+            ("thickness.all.amount", "0.3"),
+            ("render.level", "2"),
+        ]
+    };
+    let faces = |arguments: &[(&str, &str)]| {
+        let document = example.document(arguments);
+        let opened = example.open(&session, &document);
+        let layers = document.layers(&opened.source, &mut Warnings::default()).expect("a recipe");
+        let prepared = opened.checked.prepare(&layers).expect("a recipe that fits");
+        session.render(&opened, &prepared).expect("a mesh").value.faces.clone()
+    };
+    let (narrow, wide, other) = (of("0.4", "side_seams"), of("0.8", "side_seams"), of("0.4", "shoulder_seams"));
+    let [first, again, others] = [&narrow, &wide, &other].map(|arguments| faces(arguments));
+    assert!(std::ptr::eq(first.corners(), again.corners()), "they were made once");
+    assert!(first != others);
+    for arguments in [narrow, wide, other] {
+        assert!(example.layer(&session, &arguments) == straight(&example, &arguments), "{arguments:?}");
+    }
+}
+
+#[test]
 fn many_threads_get_the_same_bytes() {
     let (example, session) = (Example::new("tshirt.usda"), Session::new(ROOM, Some(2)).expect("threads"));
     let levels = ["0", "1", "2"];

@@ -32,7 +32,7 @@ pub enum Orientation {
 }
 
 /// The surface that a cage stands for, as `UsdGeomMesh.subdivisionScheme`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Scheme {
     /// Catmull-Clark, the default.
     #[default]
@@ -46,7 +46,7 @@ pub enum Scheme {
 }
 
 /// What happens at mesh borders, as `UsdGeomMesh.interpolateBoundary`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum BoundaryInterpolation {
     /// Faces at borders are holes.
     None,
@@ -76,7 +76,7 @@ pub enum FaceVaryingInterpolation {
 }
 
 /// The weights for triangles under Catmull-Clark, as `UsdGeomMesh.triangleSubdivisionRule`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum TriangleRule {
     /// The ordinary weights.
     #[default]

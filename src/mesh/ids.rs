@@ -17,7 +17,7 @@ macro_rules! ids {
     ($($(#[$doc:meta])* $name:ident)*) => { $(
         $(#[$doc])*
         // Stored inverted, so that `Option` of it takes four bytes.
-        #[derive(Clone, Copy, PartialEq, Eq, Hash)]
+        #[derive(Clone, Copy, PartialEq, Eq, Hash, bytemuck::NoUninit)]
         #[repr(transparent)]
         pub struct $name(NonZeroU32);
 

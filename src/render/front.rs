@@ -2,7 +2,7 @@
 
 use super::derivation::Derivation;
 use super::sound::{ALREADY_TURNED, Skin, twice_area};
-use crate::mesh::{FaceId, IdVec, VertexId};
+use crate::mesh::{FaceId, Faces, IdVec, VertexId};
 use crate::subdivide::{Cage, Lineage};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -29,7 +29,9 @@ impl Front {
         let normals = normals.iter().map(|sum| sum.normalize_or_zero()).collect();
         let all: Vec<FaceId> = garment.faces.ids().collect();
         let mut front = Self { normals, sides: IdVec::filled(1.0, all.len()) };
-        let (directions, skin) = (front.directions(cage), Skin::new(cage, &garment.points, &all, None));
+        let level = cage.level();
+        let skin = Skin::new(level, level.vertex_rows(), &garment.points, &all, None);
+        let directions = front.directions(&garment.faces);
         for face in all.into_iter().filter(|&face| skin.is_turned(face, directions[face], ALREADY_TURNED)) {
             front.sides[face] = 0.0;
         }
@@ -52,8 +54,7 @@ impl Front {
     }
 
     /// Where each face of the cage is to look; zero where either way may be right.
-    pub fn directions(&self, cage: &Cage) -> IdVec<FaceId, Vec3> {
-        let faces = &cage.level().topology.faces;
+    pub fn directions(&self, faces: &Faces) -> IdVec<FaceId, Vec3> {
         let direction = |face: FaceId| {
             let sum: Vec3 = faces.vertices_of(face).iter().map(|&v| self.normals[v]).sum();
             self.sides[face] * sum.normalize_or_zero()
@@ -71,7 +72,6 @@ impl Front {
 mod tests {
     use super::*;
     use crate::garment::{Garment, Scheme, SubdivisionRules};
-    use crate::mesh::Faces;
     use crate::render::derivation::Builder;
 
     fn ids(numbers: &[usize]) -> Vec<VertexId> {
@@ -94,9 +94,9 @@ mod tests {
     #[test]
     fn faces_look_to_the_front_but_for_those_that_are_turned_over() {
         let (cage, flat) = front(2.0);
-        assert_eq!(flat.directions(&cage).as_slice(), [Vec3::Z; 2]);
+        assert_eq!(flat.directions(&cage.garment().faces).as_slice(), [Vec3::Z; 2]);
         let (cage, bow_tie) = front(-2.0);
-        assert_eq!(bow_tie.directions(&cage).as_slice(), [Vec3::Z, Vec3::ZERO]);
+        assert_eq!(bow_tie.directions(&cage.garment().faces).as_slice(), [Vec3::Z, Vec3::ZERO]);
     }
 
     #[test]

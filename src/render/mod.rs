@@ -40,9 +40,9 @@ pub use kind::{Context, Instance, Key, Kind, Options};
 pub use placed::{Placed, Room};
 pub use placing::{Ground, Placing};
 pub use seam::{SeamOptions, Seams};
-pub use shape::{Formed, Held, Operator, Origin, Role, Shape};
+pub use shape::{Formed, Held, Operator, Origin, Role, Shape, Shaped};
 pub use stages::{Afresh, Rendered, Stages, render};
-pub use surface::{Surface, limit_rows};
+pub use surface::Surface;
 pub use thickness::{Side, Thickness, ThicknessOptions};
 
 use crate::error::{EXAMPLES, Error, Warning, Warnings};

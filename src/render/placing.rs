@@ -3,15 +3,15 @@
 use super::derivation::Table;
 use super::placed::{Placed, Room};
 use super::settle::{Raise, Settling, graded, unfolded};
-use super::shape::{Formed, Held, Operator, Role, Shape};
+use super::shape::{Formed, Held, Operator, Role, Shape, Shaped};
 use super::sound::{Before, Kin, LEAST_SHARE, LookAhead, States, order, sound};
-use super::surface::{Surface, limit_rows};
+use super::surface::Surface;
 use crate::error::Warnings;
+use crate::garment::Garment;
 use crate::mesh::{CornerId, Csr, FaceId, IdVec, VertexId};
 use crate::subdivide::{Level, Lineage, carried_points};
 use glam::Vec3;
 use rayon::prelude::*;
-use std::sync::Arc;
 
 /// Part of the room that is left which an operator may take, so that later ones have some too.
 const PART_OF_ROOM: f32 = 0.5;
@@ -26,13 +26,9 @@ const CLOSE: f32 = 0.03;
 
 /// What the points of a stage are placed by: all that depends on its connectivity only.
 pub struct Placing {
-    formed: Arc<Formed>,
+    formed: Formed,
     /// Where the front of the input is for each face, zero where either side may be.
     front: IdVec<FaceId, Vec3>,
-    /// Limit rows of the held vertices.
-    rows: Table<VertexId>,
-    /// Limit rows of the parent.
-    parent_rows: Table<VertexId>,
     /// For each held vertex the corners of the parent that its place is a weighted mean of.
     seen: Table<CornerId>,
     /// For each held vertex the one whose limit, before any height, its own is measured from.
@@ -69,22 +65,17 @@ impl Ground {
 
 impl Placing {
     /// What the points of a stage are placed by.
-    pub fn new(formed: Arc<Formed>) -> Self {
-        let (shape, level, parent) = (&formed.shape, formed.cage.level(), &formed.parent);
-        let every = (0..parent.topology.vertex_count()).into_par_iter().map(VertexId::new);
-        let of_held = || limit_rows(level, shape.held.par_iter().map(|h| h.vertex));
-        let all_rows = || rayon::join(of_held, || limit_rows(parent, every));
-        let rest = || (seen(shape, level, parent), order(&level.topology.faces, &formed.cage.garment().points));
-        let ((rows, parent_rows), (seen, order)) = rayon::join(all_rows, rest);
+    pub fn new(formed: Formed) -> Self {
+        let Shaped { shape, frame, origin, .. } = formed.shaped.as_ref();
+        let (level, parent) = (formed.child.level(), formed.parent.level());
+        let (seen, order) = rayon::join(|| seen(shape, level, parent), || order(&frame.faces, &frame.points));
         let pair = |held: &Held| match held.role {
             Role::Layer { over, .. } => Some([over, held.vertex]),
             _ => None,
         };
         let is_centre = |role: &Role| matches!(role, Role::Centre { .. });
         Self {
-            front: formed.origin.front.directions(&formed.cage),
-            rows,
-            parent_rows,
+            front: origin.front.directions(&frame.faces),
             seen,
             from: measured_from(shape, level),
             pairs: shape.held.iter().filter_map(pair).collect(),
@@ -96,29 +87,35 @@ impl Placing {
         }
     }
 
+    fn shape(&self) -> &Shape {
+        &self.formed.shaped.shape
+    }
+
     /// The number of corners of the cage.
     pub fn corner_count(&self) -> usize {
-        self.formed.cage.garment().faces.corners().len()
+        self.formed.shaped.frame.faces.corners().len()
     }
 
     /// The points of the new cage without heights.
     pub fn ground(&self, parent: &Placed) -> Ground {
-        let surface = Surface::new(&self.formed.parent, self.formed.orientation, &self.parent_rows, &parent.points);
-        let t = &self.formed.parent.topology;
+        let Formed { shaped, parent: connectivity, .. } = &self.formed;
+        let (level, orientation) = (connectivity.level(), shaped.frame.orientation);
+        let surface = Surface::new(level, orientation, connectivity.limits(), &parent.points);
+        let t = &level.topology;
         let targets: Vec<(Vec3, Vec3)> =
             (0..self.seen.len()).into_par_iter().map(|i| surface.at(t, self.seen.at(i))).collect();
-        let linear = carried_points(&&self.formed.shape.derivation.vertices, &parent.points);
+        let linear = carried_points(&&shaped.shape.derivation.vertices, &parent.points);
         let settling = self.settling();
         let points = settling.aligned(&targets, settling.base(&targets, &linear));
         let linear = settling.aligned(&targets, linear);
-        let rooms = self.formed.shape.carried(&parent.rooms);
+        let rooms = shaped.shape.carried(&parent.rooms);
         Ground { targets, linear, placed: Placed { points, rooms }, parent: parent.points.clone() }
     }
 
     /// The points of the new cage, and what was met on the way. Those of the last cage are held to the second refinement
     /// too.
     pub fn raised(&self, operator: &dyn Operator, ground: &Ground, is_last: bool) -> (Placed, Warnings) {
-        let mut asked = operator.heights(&self.formed.shape);
+        let mut asked = operator.heights(self.shape());
         unfolded(&mut asked, &self.between, &ground.targets);
         let mut placed = ground.placed.clone();
         let mut given = self.within_room(&asked, &ground.targets, &mut placed.rooms);
@@ -128,16 +125,16 @@ impl Placing {
         given.iter_mut().zip(&raises).for_each(|(given, raise)| *given = raise.height);
         let raised = self.settling().raised(&ground.targets, &raises, &ground.placed.points);
         let (mut linear, mut flat) = (ground.linear.clone(), ground.placed.points.clone());
-        for (held, raise) in self.formed.shape.held.iter().zip(&raises) {
+        for (held, raise) in self.shape().held.iter().zip(&raises) {
             let step = LEAST_SHARE * raise.height * raise.normal;
             linear[held.vertex] += step;
             flat[held.vertex] += step;
         }
         let kin = Kin {
-            child: &self.formed.cage,
-            parent: &self.formed.parent,
+            child: &self.formed.child,
+            parent: self.formed.parent.level(),
             parent_points: &ground.parent,
-            derivation: &self.formed.shape.derivation,
+            derivation: &self.shape().derivation,
             pairs: &self.pairs,
             marked: &self.marked,
             order: &self.order,
@@ -148,17 +145,11 @@ impl Placing {
         };
         let sound = sound(&kin, &States { linear: &linear, flat: &flat, raised: &raised });
         placed.points = sound.points;
-        let given: Vec<f32> = self
-            .formed
-            .shape
-            .held
-            .iter()
-            .zip(&given)
-            .map(|(held, height)| height * sound.shares[held.vertex])
-            .collect();
-        let mut warnings = operator.reduced(&self.formed.shape, &given);
+        let held = self.shape().held.iter().zip(&given);
+        let given: Vec<f32> = held.map(|(held, height)| height * sound.shares[held.vertex]).collect();
+        let mut warnings = operator.reduced(self.shape(), &given);
         if !sound.faults.is_empty() {
-            warnings.push(operator.unsound(&self.formed.shape, &sound.faults));
+            warnings.push(operator.unsound(self.shape(), &sound.faults));
         }
         (placed, warnings)
     }
@@ -166,17 +157,16 @@ impl Placing {
     /// Faces with another layer near on the side to which they are raised.
     fn near(&self, asked: &[f32], rooms: &IdVec<VertexId, Room>) -> IdVec<FaceId, bool> {
         let mut is_near: IdVec<VertexId, bool> = IdVec::filled(false, rooms.len());
-        for (held, asked) in self.formed.shape.held.iter().zip(asked) {
+        for (held, asked) in self.shape().held.iter().zip(asked) {
             is_near[held.vertex] |= rooms[held.vertex][usize::from(*asked > 0.0)] < NEAR * asked.abs();
         }
-        let faces = &self.formed.shape.derivation.faces;
+        let faces = &self.shape().derivation.faces;
         faces.ids().map(|f| faces.vertices_of(f).iter().any(|&v| is_near[v])).collect()
     }
 
     /// What is to be seen to on the second refinement. Of rooms only those are known that are within the operators' reach.
     fn look_ahead(&self, rooms: &IdVec<VertexId, Room>) -> LookAhead<'_> {
-        let Formed { origin, cage, .. } = self.formed.as_ref();
-        let (faces, points) = (&cage.level().topology.faces, &cage.garment().points);
+        let Shaped { frame: Garment { faces, points, .. }, origin, .. } = self.formed.shaped.as_ref();
         let is_close = |face: usize| {
             let vertices = faces.vertices_of(FaceId::new(face));
             let size = vertices.iter().map(|&v| points[v].distance(points[vertices[0]])).fold(0.0, f32::max);
@@ -188,8 +178,9 @@ impl Placing {
     }
 
     fn settling(&self) -> Settling<'_> {
-        let edges = &self.formed.cage.level().topology.edges;
-        Settling { held: &self.formed.shape.held, rows: &self.rows, from: &self.from, edges }
+        let child = &self.formed.child;
+        let edges = &child.level().topology.edges;
+        Settling { held: &self.shape().held, rows: child.limits(), from: &self.from, edges }
     }
 
     /// The heights that there is room for, which they take.
@@ -212,7 +203,7 @@ impl Placing {
             }
             if asked < 0.0 { -given } else { given }
         };
-        self.formed.shape.held.iter().zip(asked).zip(targets).map(of).collect()
+        self.shape().held.iter().zip(asked).zip(targets).map(of).collect()
     }
 }
 

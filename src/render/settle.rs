@@ -37,7 +37,7 @@ const LIFT: [f32; 2] = [0.7, 2.0];
 pub struct Settling<'a> {
     /// The vertices.
     pub held: &'a [Held],
-    /// Their limit rows.
+    /// Limit rows of all vertices.
     pub rows: &'a Table<VertexId>,
     /// The one from whose limit each is measured.
     pub from: &'a [usize],
@@ -57,8 +57,12 @@ pub struct Raise {
 }
 
 impl Settling<'_> {
-    fn limit(&self, row: usize, points: &IdVec<VertexId, Vec3>) -> Vec3 {
-        self.rows.at(row).iter().map(|&(v, w)| w * points[v]).sum()
+    fn row(&self, held: usize) -> &[(VertexId, f32)] {
+        self.rows.at(self.held[held].vertex.index())
+    }
+
+    fn limit(&self, held: usize, points: &IdVec<VertexId, Vec3>) -> Vec3 {
+        self.row(held).iter().map(|&(v, w)| w * points[v]).sum()
     }
 
     /// Moves the vertices so that their limits are near `targets` (place and normal).
@@ -147,7 +151,7 @@ impl Settling<'_> {
                 Role::Layer { .. } => self.limit(i, base),
                 _ => targets[i].0,
             };
-            let part = self.rows.at(i).iter().filter(|(v, _)| moves[*v]).map(|(_, w)| w).sum::<f32>();
+            let part = self.row(i).iter().filter(|(v, _)| moves[*v]).map(|(_, w)| w).sum::<f32>();
             (from.dot(raises[i].normal) + raises[i].height, part.max(LEAST_PART))
         };
         let wanted: Vec<(f32, f32)> = raised.par_iter().map(prepare).collect();

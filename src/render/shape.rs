@@ -7,9 +7,9 @@ use super::front::Front;
 use super::placed::{Room, least};
 use super::sound::OPEN;
 use crate::error::{Error, Warning, Warnings};
-use crate::garment::{Garment, Orientation, Subset};
+use crate::garment::{Garment, Subset};
 use crate::mesh::{FaceId, IdVec, VertexId};
-use crate::subdivide::{Cage, INFINITE_SHARPNESS, Level, Lineage};
+use crate::subdivide::{Cage, Connectivity, Fingerprint, INFINITE_SHARPNESS, Level, Lineage};
 use glam::Vec3;
 use std::any::Any;
 use std::collections::BTreeSet;
@@ -140,18 +140,26 @@ pub struct Origin {
     pub faces: Arc<IdVec<FaceId, FaceId>>,
 }
 
-/// The stage of a stack that an operator makes: all but the places of its points.
-pub struct Formed {
-    /// The cage; its points are where they are without any seam's height.
-    pub cage: Cage,
+/// The stage of a stack that an operator makes: all but the primvars and the places of the points.
+pub struct Shaped {
     /// What the operator made.
     pub shape: Shape,
+    /// The garment without primvars. Its points are where they are without any seam's height.
+    pub frame: Garment,
+    /// That of its level.
+    pub fingerprint: Fingerprint,
     /// What is known of the input.
     pub origin: Origin,
-    /// The connectivity of the parent.
-    pub parent: Arc<Level>,
-    /// The side to which faces look.
-    pub orientation: Orientation,
+}
+
+/// What an operator made, with the connectivity of both cages.
+pub struct Formed {
+    /// What it made.
+    pub shaped: Arc<Shaped>,
+    /// The connectivity of the new cage.
+    pub child: Arc<Connectivity>,
+    /// That of the parent.
+    pub parent: Arc<Connectivity>,
 }
 
 impl Origin {
@@ -168,7 +176,7 @@ impl Origin {
     }
 }
 
-impl Formed {
+impl Shaped {
     /// Applies an operator to a cage.
     ///
     /// # Errors
@@ -176,12 +184,11 @@ impl Formed {
     pub fn new(operator: &dyn Operator, parent: &Cage, origin: &Origin) -> Result<Self, Error> {
         let shape = operator.shape(parent, &origin.clearance)?;
         let corners: Vec<VertexId> = kept_corners(parent, &shape).chain(shape.corners.iter().copied()).collect();
-        let derived = parent.derived(&shape.derivation, &corners, &shape.creases);
-        let mut points = derived.garment().points.clone();
-        shape.apart.iter().for_each(|&(vertex, offset)| points[vertex] += offset);
-        let cage = derived.with_points(points).with_subsets(shape.subsets.iter().cloned());
-        let origin = origin.carried(&shape);
-        Ok(Self { cage, shape, origin, parent: parent.shared_level(), orientation: parent.garment().orientation })
+        let mut frame = parent.frame(&shape.derivation, &corners, &shape.creases);
+        shape.apart.iter().for_each(|&(vertex, offset)| frame.points[vertex] += offset);
+        frame.subsets.extend(shape.subsets.iter().cloned());
+        let (fingerprint, origin) = (Level::fingerprint(&frame), origin.carried(&shape));
+        Ok(Self { shape, frame, fingerprint, origin })
     }
 }
 

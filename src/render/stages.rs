@@ -4,23 +4,26 @@
 //! by its name and by what it depends on beside the garment: the connectivity on `structure`, the points on `options`.
 //!
 //! ```text
-//! cage → gaps ┬→ form → form → … → level → attributes    what the mesh is made of
+//! cage → gaps ┬→ shape, form → shape, form → … → level → attributes    what the mesh is made of
 //!             └─→ ground, points → ground, points → … → level points
 //! ```
 //!
-//! The second chain waits for each form and each level of the first, which goes on meanwhile: in both there is work that
+//! The second chain waits for each shape and each level of the first, which goes on meanwhile: in both there is work that
 //! one thread does.
+//!
+//! The connectivity of each cage with its masks, and of each refinement, is a stage by what it is made of and not by the
+//! options that led there: mostly, other widths of a seam change no face.
 
 use super::front::Front;
 use super::placed::{Placed, Room};
 use super::placing::Placing;
-use super::shape::{Formed, Origin};
+use super::shape::{Formed, Origin, Shaped};
 use super::{Stack, check_size, first_cage};
 use crate::error::{Error, Warnings};
 use crate::garment::Garment;
 use crate::memo::{Footprint, Made};
-use crate::mesh::{IdVec, VertexId};
-use crate::subdivide::Cage;
+use crate::mesh::{Faces, IdVec, VertexId};
+use crate::subdivide::{Cage, Connectivity, Fingerprint, Level, carried_points};
 use glam::Vec3;
 use serde::Serialize;
 use std::panic::resume_unwind;
@@ -90,17 +93,17 @@ pub fn render(garment: &Garment, stack: &Stack, stages: &impl Stages) -> Result<
     let reach = stack.reach(garment);
     let first = stages.get("first", &reach, || Ok(Made::from(Placed::first(&cage, reach))))?;
     let plan = Plan::new(stack, reach, stages);
-    let ((formed, next_formed), (cages, next_cage)) = (mpsc::channel(), mpsc::channel());
-    let clearance = Arc::new(first.value.rooms.clone());
-    let frame = || plan.frame(cage, clearance, &Sent { formed, cages });
-    let (frame, points) = at_once(frame, || plan.points(first, &next_formed, &next_cage));
+    let ((shaped, next_shaped), (levels, next_level)) = (mpsc::channel(), mpsc::channel());
+    let (base, clearance) = (Base::first(&cage), Arc::new(first.value.rooms.clone()));
+    let frame = || plan.frame(cage, base.clone(), clearance, &Sent { shaped, levels });
+    let (frame, points) = at_once(frame, || plan.points(first, base.clone(), &next_shaped, &next_level));
     let (frame, points) = (frame?, points?);
     let mut warnings = stack.warnings.clone();
-    for (formed, placed) in frame.formed.iter().zip(&points.placed) {
-        warnings.extend(&formed.shape.warnings);
+    for (shaped, placed) in frame.shaped.iter().zip(&points.placed) {
+        warnings.extend(&shaped.shape.warnings);
         warnings.extend(&placed.warnings);
     }
-    let subsets = frame.formed.iter().flat_map(|formed| &formed.shape.subsets);
+    let subsets = frame.shaped.iter().flat_map(|shaped| &shaped.shape.subsets);
     let sets = subsets.map(|set| set.name.clone()).collect();
     // Attributes are shared with those of other points.
     let mesh = Garment { points: points.last, ..Garment::clone(&frame.mesh) };
@@ -132,14 +135,27 @@ struct Plan<'a, S> {
 
 /// To where the points are made.
 struct Sent {
-    formed: Sender<Arc<Formed>>,
-    /// Cages to refine.
-    cages: Sender<Base>,
+    shaped: Sender<(Arc<Shaped>, Base)>,
+    /// Levels to refine.
+    levels: Sender<Arc<Level>>,
+}
+
+/// The level of a cage that is not refined.
+#[derive(Clone)]
+struct Base {
+    level: Arc<Level>,
+    fingerprint: Fingerprint,
+}
+
+impl Base {
+    fn first(cage: &Cage) -> Self {
+        Self { level: cage.shared_level(), fingerprint: Level::fingerprint(cage.garment()) }
+    }
 }
 
 /// All of a mesh but its points.
 struct Frame {
-    formed: Vec<Arc<Formed>>,
+    shaped: Vec<Arc<Shaped>>,
     mesh: Arc<Garment>,
 }
 
@@ -150,22 +166,6 @@ struct Points {
     last: IdVec<VertexId, Vec3>,
 }
 
-/// A cage, as a stage has it.
-#[derive(Clone)]
-enum Base {
-    Plain(Arc<Cage>),
-    Formed(Arc<Formed>),
-}
-
-impl Base {
-    fn cage(&self) -> &Cage {
-        match self {
-            Self::Plain(cage) => cage,
-            Self::Formed(formed) => &formed.cage,
-        }
-    }
-}
-
 impl<'a, S: Stages> Plan<'a, S> {
     fn new(stack: &'a Stack, reach: f32, stages: &'a S) -> Self {
         let structure = stack.operators.iter().map(|operator| operator.structure()).collect();
@@ -174,46 +174,81 @@ impl<'a, S: Stages> Plan<'a, S> {
     }
 
     /// The connectivity and the attributes.
-    fn frame(&self, first: Arc<Cage>, clearance: Arc<IdVec<VertexId, Room>>, sent: &Sent) -> Result<Frame, Error> {
-        let mut formed: Vec<Arc<Formed>> = Vec::with_capacity(self.structure.len());
-        let faces = Arc::new(first.garment().faces.ids().collect());
-        let mut cage = Base::Plain(Arc::clone(&first));
-        let front = || Ok(if self.structure.is_empty() { Front::default() } else { Front::first(cage.cage()) });
-        let front = self.stages.get("front", &self.structure.is_empty(), front)?;
-        let mut origin = Origin { clearance, front, cage: first, faces };
-        for (number, operator) in self.stack.operators.iter().enumerate() {
-            // The same for every reach, as operators ask for no clearance beyond their own.
-            let form = || Formed::new(operator.as_ref(), cage.cage(), &origin);
-            let stage = self.stages.get("form", &&self.structure[..=number], form)?;
-            origin = stage.origin.clone();
-            cage = Base::Formed(Arc::clone(&stage));
-            // Nobody waits for it where the points have failed.
-            drop(sent.formed.send(Arc::clone(&stage)));
-            formed.push(stage);
+    fn frame(
+        &self,
+        first: Arc<Cage>,
+        mut base: Base,
+        clearance: Arc<IdVec<VertexId, Room>>,
+        sent: &Sent,
+    ) -> Result<Frame, Error> {
+        let mut shaped: Vec<Arc<Shaped>> = Vec::with_capacity(self.structure.len());
+        let mut cage = Arc::clone(&first);
+        if !self.structure.is_empty() {
+            let front = self.stages.get("front", &(), || Ok(Front::first(&first)))?;
+            let faces = Arc::new(first.garment().faces.ids().collect());
+            let mut origin = Origin { clearance, front, cage: first, faces };
+            for (number, operator) in self.stack.operators.iter().enumerate() {
+                let structure = &&self.structure[..=number];
+                // The same for every reach, as operators ask for no clearance beyond their own.
+                let stage = self.stages.get("shape", structure, || Shaped::new(operator.as_ref(), &cage, &origin))?;
+                base = self.base(&stage)?;
+                // Nobody waits for it where the points have failed.
+                drop(sent.shaped.send((Arc::clone(&stage), base.clone())));
+                let level = Arc::clone(&base.level);
+                let form = || Ok(cage.derived(&stage.shape.derivation, stage.frame.clone(), level));
+                cage = self.stages.get("form", structure, form)?;
+                origin = stage.origin.clone();
+                shaped.push(stage);
+            }
         }
-        let level = self.stack.level;
-        check_size(cage.cage().garment(), level)?;
-        drop(sent.cages.send(cage.clone()));
-        for step in 1..level {
-            cage = Base::Plain(self.stages.get("level", &(&self.structure, step), || Ok(cage.cage().refined()))?);
-            drop(sent.cages.send(cage.clone()));
+        check_size(cage.garment(), self.stack.level)?;
+        Ok(Frame { shaped, mesh: self.refined(cage, base.fingerprint, sent)? })
+    }
+
+    fn base(&self, Shaped { frame, fingerprint, .. }: &Shaped) -> Result<Base, Error> {
+        let level = self.stages.get("base level", fingerprint, || Ok(Level::base(frame)))?;
+        Ok(Base { level, fingerprint: *fingerprint })
+    }
+
+    fn connectivity(&self, base: Base) -> Result<Arc<Connectivity>, Error> {
+        self.stages.get("connectivity", &base.fingerprint, || Ok(Connectivity::new(base.level)))
+    }
+
+    /// The last cage, whose level has this fingerprint, after the refinements.
+    fn refined(&self, mut cage: Arc<Cage>, fingerprint: Fingerprint, sent: &Sent) -> Result<Arc<Garment>, Error> {
+        let last = self.stack.level;
+        let key = (&self.structure, last);
+        if last == 0 {
+            return self.stages.get("attributes", &key, || Ok(Cage::clone(&cage).into_garment()));
         }
-        let mesh = self.stages.get("attributes", &(&self.structure, level), || {
-            Ok(if level == 0 { cage.cage().clone().into_garment() } else { cage.cage().refined_garment() })
-        })?;
-        Ok(Frame { formed, mesh })
+        drop(sent.levels.send(cage.shared_level()));
+        for step in 1..last {
+            let level = self.stages.get("refined level", &(fingerprint, step), || Ok(cage.level().refined()))?;
+            drop(sent.levels.send(Arc::clone(&level)));
+            cage = self.stages.get("level", &(&self.structure, step), || Ok(cage.refined(level)))?;
+        }
+        let faces = || Ok(cage.level().refined_faces());
+        let faces: Arc<Faces> = self.stages.get("refined faces", &(fingerprint, last), faces)?;
+        self.stages.get("attributes", &key, || Ok(cage.refined_garment(Faces::clone(&faces))))
     }
 
     /// The points, in what is sent from the other chain.
     fn points(
         &self,
         first: Arc<Made<Placed>>,
-        formed: &Receiver<Arc<Formed>>,
-        cages: &Receiver<Base>,
+        base: Base,
+        shaped: &Receiver<(Arc<Shaped>, Base)>,
+        levels: &Receiver<Arc<Level>>,
     ) -> Result<Points, Error> {
         let (mut last, mut placed) = (first, Vec::with_capacity(self.structure.len()));
+        if self.structure.is_empty() {
+            return Ok(Points { last: self.refined_points(&last.value.points, None, levels)?, placed });
+        }
+        let mut connectivity = self.connectivity(base)?;
         for (number, operator) in self.stack.operators.iter().enumerate() {
-            let formed = received(formed)?;
+            let (shaped, base) = received(shaped)?;
+            let parent = std::mem::replace(&mut connectivity, self.connectivity(base)?);
+            let formed = Formed { shaped, child: Arc::clone(&connectivity), parent };
             let structure = &self.structure[..=number];
             let placing = self.stages.get("placing", &structure, || Ok(Placing::new(formed)))?;
             let (before, options) = (&self.options[..=number], &self.options[..=number + 1]);
@@ -226,27 +261,34 @@ impl<'a, S: Stages> Plan<'a, S> {
             })?;
             placed.push(Arc::clone(&last));
         }
-        Ok(Points { last: self.refined_points(&last.value.points, cages)?, placed })
+        Ok(Points { last: self.refined_points(&last.value.points, Some(&connectivity), levels)?, placed })
     }
 
-    /// The points after the refinements. Those of the last one go into the mesh and are not kept by themselves.
+    /// The points after the refinements, of which the first is that of `connectivity` where there is one. Those of the last
+    /// one go into the mesh and are not kept by themselves.
     fn refined_points(
         &self,
         points: &IdVec<VertexId, Vec3>,
-        cages: &Receiver<Base>,
+        connectivity: Option<&Connectivity>,
+        levels: &Receiver<Arc<Level>>,
     ) -> Result<IdVec<VertexId, Vec3>, Error> {
-        let mut kept: Option<Arc<IdVec<VertexId, Vec3>>> = None;
-        for step in 1..self.stack.level {
-            let cage = received(cages)?;
-            let refined = || Ok(cage.cage().refined_points(kept.as_deref().unwrap_or(points)));
-            kept = Some(self.stages.get("level points", &(&self.options, step), refined)?);
+        let refined = |level: &Level, step: u32, points: &IdVec<VertexId, Vec3>| {
+            // Masks that are known need not be computed again.
+            let known = connectivity.filter(|_| step == 1);
+            carried_points(&known.map_or_else(|| level.vertex_rows(), Connectivity::vertex_rows), points)
+        };
+        let (mut kept, last): (Option<Arc<IdVec<VertexId, Vec3>>>, u32) = (None, self.stack.level);
+        for step in 1..last {
+            let (level, points) = (received(levels)?, kept.as_deref().unwrap_or(points));
+            let stage = self.stages.get("level points", &(&self.options, step), || Ok(refined(&level, step, points)));
+            kept = Some(stage?);
         }
         let points = kept.as_deref().unwrap_or(points);
-        if self.stack.level == 0 {
+        if last == 0 {
             return Ok(points.clone());
         }
-        let cage = received(cages)?;
-        Ok(self.stages.make(|| cage.cage().refined_points(points)))
+        let level = received(levels)?;
+        Ok(self.stages.make(|| refined(&level, last, points)))
     }
 }
 

@@ -1,12 +1,10 @@
 //! The limit surface of a cage.
 //!
-//! References: Halstead, Kass and DeRose 1993 (limit positions); Boubekeur and Alexa 2008 (places between vertices from
-//! the tangent planes there).
+//! Reference: Boubekeur and Alexa 2008 (places between vertices from the tangent planes there).
 
-use super::derivation::Table;
-use crate::garment::{Orientation, Scheme, TriangleRule};
+use crate::garment::{Orientation, Scheme};
 use crate::mesh::{CornerId, FaceId, IdVec, Topology, VertexId};
-use crate::subdivide::{INFINITE_SHARPNESS, Level, Numbering, Rule, Spoke, Stencils, VertexStencils, carried_points};
+use crate::subdivide::{Level, Table, carried_points};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -21,101 +19,6 @@ const OPPOSITE: f32 = 0.05;
 const STRAIGHT: f32 = 0.3;
 /// Most turns of a normal. Fewer leave it off the middle of a sharp fold, where one layer then passes the other.
 const TURNS: usize = 80;
-
-/// Limit positions of a level's vertices, as weighted sums of the cage's.
-pub fn limit_rows(level: &Level, vertices: impl IndexedParallelIterator<Item = VertexId>) -> Table<VertexId> {
-    let refined = level.vertex_stencils();
-    let last = || vec![0; level.topology.vertex_count()];
-    Table::of(vertices, last, |table, last, v| limit_row(level, &refined, v, &mut Rows { table, last }))
-}
-
-/// Rows that are summed source by source.
-struct Rows<'a> {
-    table: &'a mut Table<VertexId>,
-    /// Where the last row that has a vertex may have it, in this table or another.
-    last: &'a mut [u32],
-}
-
-impl Rows<'_> {
-    fn add(&mut self, vertex: VertexId, weight: f32) {
-        let last = &mut self.last[vertex.index()];
-        *last = self.table.add(vertex, weight, *last);
-    }
-}
-
-/// How much a sharpness still counts in the limit: exact where it is none or infinite, and near it between.
-fn lasting(sharpness: f32) -> f32 {
-    if sharpness >= INFINITE_SHARPNESS { 1.0 } else { 1.0 - 0.5f32.powf(sharpness) }
-}
-
-fn limit_row(level: &Level, refined: &VertexStencils, vertex: VertexId, rows: &mut Rows) {
-    let linear = matches!(level.scheme, Scheme::Bilinear | Scheme::None | Scheme::Loop);
-    if linear || level.topology.vertex_corners.row(vertex).is_empty() {
-        return rows.table.push([(vertex, 1.0)]);
-    }
-    rows.table.push([]);
-    let mut sink = |v: VertexId, weight: f32| rows.add(v, weight);
-    if level.rules[vertex] == Rule::Smooth {
-        return smooth_row(level, refined, vertex, 1.0, &mut sink);
-    }
-    let mut spokes: Vec<Spoke> = Vec::new();
-    level.spokes(vertex, &mut spokes);
-    // What is sharper lasts longer: a corner of three edges becomes a crease of the two sharpest.
-    let mut sharp: Vec<&Spoke> = spokes.iter().filter(|s| level.edge_sharpness[s.edge] > 0.0).collect();
-    sharp.sort_by(|a, b| level.edge_sharpness[b.edge].total_cmp(&level.edge_sharpness[a.edge]));
-    let sharpness = |k: usize| sharp.get(k).map_or(0.0, |s| level.edge_sharpness[s.edge]);
-    let kept = lasting(level.vertex_sharpness[vertex].max(sharpness(2)));
-    let creased = (1.0 - kept) * lasting(sharpness(1));
-    sink(vertex, kept + creased * 2.0 / 3.0);
-    let ends = sharp.iter().take(if creased > 0.0 { 2 } else { 0 });
-    ends.for_each(|s| sink(level.topology.faces.vertex(s.far), creased / 6.0));
-    let smooth = 1.0 - kept - creased;
-    if smooth > 1e-6 {
-        smooth_row(level, refined, vertex, smooth, &mut sink);
-    }
-}
-
-/// The limit of a smooth vertex, through the first refinement where that has other masks than those of smooth edges.
-fn smooth_row(
-    level: &Level,
-    refined: &VertexStencils,
-    vertex: VertexId,
-    scale: f32,
-    sink: &mut impl FnMut(VertexId, f32),
-) {
-    let t = &level.topology;
-    let corners = t.vertex_corners.row(vertex);
-    let n = corners.len() as f32;
-    let unit = scale / (n * (n + 5.0));
-    if corners.iter().all(|&c| t.faces.valence(t.faces.face_of(c)) == 4) {
-        sink(vertex, n * n * unit);
-        for &corner in corners {
-            sink(t.faces.vertex(t.faces.ahead(corner, 1)), 4.0 * unit);
-            sink(t.faces.vertex(t.faces.ahead(corner, 2)), unit);
-        }
-        return;
-    }
-    if level.rules[vertex] == Rule::Smooth && level.triangles == TriangleRule::CatmullClark {
-        // The first refinement put into the limit: the vertex, the ends of its edges, and the centres of its faces.
-        sink(vertex, n * (n - 1.0) * unit);
-        for &corner in corners {
-            sink(t.faces.vertex(t.faces.next(corner)), 2.0 * unit);
-            let around = t.faces.vertices_of(t.faces.face_of(corner));
-            let share = 4.0 / around.len() as f32 * unit;
-            around.iter().for_each(|&v| sink(v, share));
-        }
-        return;
-    }
-    let numbering = Numbering::new(level);
-    let mut through = |child: VertexId, weight: f32| {
-        refined.row(child.index(), &mut |source, share| sink(source, weight * share));
-    };
-    through(vertex, n * n * unit);
-    for &corner in corners {
-        through(numbering.of_edge(t.corner_edge[corner]), 4.0 * unit);
-        through(numbering.of_face(t.faces.face_of(corner)), unit);
-    }
-}
 
 /// A limit surface: positions at the cage's vertices, and the normal that each corner sees there.
 pub struct Surface {
@@ -225,29 +128,6 @@ mod tests {
     use crate::mesh::Faces;
     use crate::subdivide::Cage;
 
-    /// A triangle, two quads and a pentagon around vertex 0, with quads and a triangle around them.
-    fn fan() -> Garment {
-        let faces: [&[usize]; 9] = [
-            &[0, 1, 2],
-            &[0, 2, 3, 4],
-            &[0, 4, 5, 6],
-            &[0, 6, 7, 8, 1],
-            &[1, 8, 9],
-            &[1, 9, 10, 2],
-            &[2, 10, 11, 3],
-            &[4, 3, 11, 12, 5],
-            &[6, 5, 12, 7],
-        ];
-        let at = |i: usize| {
-            let angle = if i < 9 { i as f32 * 0.785 } else { i as f32 * 1.57 };
-            let radius = [0.0, 1.0, 2.2][usize::from(i > 0) + usize::from(i >= 9)];
-            Vec3::new(radius * angle.cos(), radius * angle.sin(), (i as f32 * 1.3).sin())
-        };
-        let corners: Vec<VertexId> = faces.concat().into_iter().map(VertexId::new).collect();
-        let faces = Faces::mixed(faces.map(<[usize]>::len), corners);
-        Garment { faces, points: (0..13).map(at).collect(), ..Garment::default() }
-    }
-
     #[test]
     fn the_normal_of_a_sharp_fold_is_seen_from_both_sides() {
         // Two sides of a fold by 160 degrees, more faces on one than on the other.
@@ -292,29 +172,11 @@ mod tests {
             let faces = Faces::mixed(faces.map(<[usize]>::len), corners);
             let rules = SubdivisionRules { scheme: Scheme::Bilinear, ..SubdivisionRules::default() };
             let cage = Cage::new(Garment { faces, points: points.collect(), rules, ..Garment::default() });
-            let vertices = (0..9).into_par_iter().map(VertexId::new);
-            let rows = limit_rows(cage.level(), vertices);
+            let rows = cage.level().limit_rows();
             let surface = Surface::new(cage.level(), Orientation::RightHanded, &rows, &cage.garment().points);
             for (corner, normal) in surface.normals.enumerated() {
                 assert!(normal.abs_diff_eq(Vec3::Z, 1e-6), "{bulge}: {corner:?} looks along {normal}");
             }
         }
-    }
-
-    #[test]
-    fn limits_are_where_those_of_the_refinement_are() {
-        let cage = Cage::new(fan());
-        let limits = |cage: &Cage| {
-            let vertices = (0..cage.garment().points.len()).into_par_iter().map(VertexId::new);
-            carried_points(&&limit_rows(cage.level(), vertices), &cage.garment().points)
-        };
-        let refined = cage.refined().with_points(cage.refined_points(&cage.garment().points));
-        let (coarse, fine) = (limits(&cage), limits(&refined));
-        for (vertex, limit) in coarse.enumerated() {
-            let off = limit.distance(fine[vertex]);
-            assert!(off < 1e-5, "vertex {vertex:?} is {off} off");
-        }
-        let is_mixed = |f: FaceId| cage.garment().faces.valence(f) != 4;
-        assert!(cage.level().rules[VertexId::new(0)] == Rule::Smooth && cage.garment().faces.ids().any(is_mixed));
     }
 }

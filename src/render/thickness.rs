@@ -14,7 +14,6 @@ use super::kind::{Context, Instance, Key, Options};
 use super::lines::{self, Lines, Request};
 use super::placed::Room;
 use super::shape::{Held, Operator, Role, Shape, is_lone_corner};
-use super::surface::limit_rows;
 use crate::checks;
 use crate::error::{Bare, Error, Warning, Warnings};
 use crate::garment::{Elements, Garment, Orientation, Subset, Values};
@@ -22,7 +21,6 @@ use crate::mesh::{CornerId, Csr, EdgeId, FaceId, IdVec, Topology, VertexId};
 use crate::subdivide::{Cage, Stencils};
 use cover::{Cover, layer_ends};
 use glam::Vec3;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 /// Distance of the line that holds the fold from it, as a share of the amount. Smaller makes the fold tighter.
@@ -219,9 +217,7 @@ impl Thickness {
         let painted = cage.garment().primvar(&self.options.weights)?;
         let Values::F32(values) = &painted.values else { return None };
         let values: Vec<[f32; 1]> = (0..cage.garment().points.len()).map(|v| [values[painted.row(v)]]).collect();
-        let every = (0..values.len()).into_par_iter().map(VertexId::new);
-        let rows = limit_rows(cage.level(), every);
-        Some((&rows).apply(&values).into_iter().flatten().collect())
+        Some((&cage.level().limit_rows()).apply(&values).into_iter().flatten().collect())
     }
 
     fn weight(&self, weights: Option<&[f32]>, sources: &[(VertexId, f32)]) -> f32 {

@@ -1,10 +1,10 @@
 //! A garment on its way through refinements and operators.
 
 use super::carry::{Carry, Lineage, carried_points, carry, is_channel, mixed_channel, to_unit_length};
-use super::stencil::{Stencils, Table};
-use super::{Channel, ChannelChild, INFINITE_SHARPNESS, Level, Numbering, VertexStencils, refined_sharpness, split};
+use super::stencil::Stencils;
+use super::{Channel, ChannelChild, INFINITE_SHARPNESS, Level, Numbering, refined_sharpness};
 use crate::garment::joints::{self, Influences};
-use crate::garment::{Corner, Crease, Garment, Primvar, Scheme, Subset};
+use crate::garment::{Corner, Crease, Garment, Primvar, Scheme};
 use crate::mesh::{CornerId, EdgeId, FaceId, Faces, IdVec, Topology, VertexId};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -26,14 +26,12 @@ struct RefinedChannel<'a> {
 }
 
 impl<'a> Refinement<'a> {
-    fn new(level: &'a Level, channels: &'a [Option<PrimvarChannel>]) -> Self {
+    fn new(level: &'a Level, faces: Faces, channels: &'a [Option<PrimvarChannel>]) -> Self {
         let refined = |c: &'a PrimvarChannel| RefinedChannel {
             child: ChannelChild::new(level, &c.channel),
             rows: c.rows.as_deref(),
         };
-        let all = || channels.par_iter().map(|c| c.as_ref().map(refined)).collect();
-        let (faces, channels) = rayon::join(|| split::child_faces(level), all);
-        Self { level, faces, channels }
+        Self { level, faces, channels: channels.par_iter().map(|c| c.as_ref().map(refined)).collect() }
     }
 
     fn is_loop(&self) -> bool {
@@ -130,78 +128,13 @@ pub struct Cage {
     influences: Option<Vec<Influences>>,
     /// The channel of each primvar that has one, once they are needed.
     channels: OnceLock<Vec<Option<PrimvarChannel>>>,
-    /// The masks of its vertices, once they are needed, where it costs more to compute them again.
-    rows: OnceLock<KeptRows>,
-}
-
-/// Child vertices from a cage's.
-pub enum VertexRows<'a> {
-    /// Computed when they are asked for.
-    Masks(VertexStencils<'a>),
-    /// Computed before.
-    Kept(&'a KeptRows),
-}
-
-/// Rows that were computed before, so many to a table.
-#[derive(Clone)]
-pub struct KeptRows {
-    tables: Vec<Table<VertexId>>,
-    rows: usize,
-}
-
-/// Rows of a table.
-const BLOCK: usize = 4096;
-/// Sources of a row for which there is room at first.
-const SOURCES: usize = 12;
-
-impl KeptRows {
-    fn new(masks: &VertexStencils) -> Self {
-        let rows = masks.rows();
-        let table = |block: usize| {
-            let mut table = Table::with_capacity(BLOCK, SOURCES * BLOCK);
-            for row in block * BLOCK..rows.min((block + 1) * BLOCK) {
-                masks.row(row, &mut |vertex, weight| table.extend_row(vertex, weight));
-                table.push([]);
-            }
-            table
-        };
-        Self { tables: (0..rows.div_ceil(BLOCK)).into_par_iter().map(table).collect(), rows }
-    }
-}
-
-impl Stencils for VertexRows<'_> {
-    type Source = VertexId;
-
-    fn rows(&self) -> usize {
-        match self {
-            Self::Masks(masks) => masks.rows(),
-            Self::Kept(kept) => kept.rows,
-        }
-    }
-
-    #[inline(always)]
-    fn row(&self, row: usize, sink: &mut impl FnMut(VertexId, f32)) {
-        match self {
-            Self::Masks(masks) => masks.row(row, sink),
-            Self::Kept(kept) => {
-                let row = kept.tables[row / BLOCK].at(row % BLOCK);
-                row.iter().for_each(|&(vertex, weight)| sink(vertex, weight));
-            }
-        }
-    }
 }
 
 impl Cage {
     /// The cage of a garment.
     pub fn new(garment: Garment) -> Self {
         let influences = joints::pair(&garment).map(|(indices, weights)| joints::influences(indices, weights));
-        Self {
-            level: Arc::new(Level::base(&garment)),
-            garment,
-            influences,
-            channels: OnceLock::new(),
-            rows: OnceLock::new(),
-        }
+        Self { level: Arc::new(Level::base(&garment)), garment, influences, channels: OnceLock::new() }
     }
 
     fn channels(&self) -> &[Option<PrimvarChannel>] {
@@ -219,19 +152,15 @@ impl Cage {
         &self.level
     }
 
-    /// The cage refined once, with every attribute. Its points are not: they are zero, and go by
-    /// [`Cage::refined_points`].
-    pub fn refined(&self) -> Self {
-        let refinement = Refinement::new(&self.level, self.channels());
-        let faces = refinement.faces.clone();
-        let carry = || carry(&self.garment, self.influences.as_deref(), &refinement);
-        let ((mut garment, influences), level) = rayon::join(carry, || split::child_level(&self.level, faces));
+    /// The cage refined once, with every attribute, where its level refined is `level`. Its points are not: they are zero.
+    pub fn refined(&self, level: Arc<Level>) -> Self {
+        let refinement = Refinement::new(&self.level, level.topology.faces.clone(), self.channels());
+        let (mut garment, influences) = carry(&self.garment, self.influences.as_deref(), &refinement);
         garment.points = IdVec::filled(Vec3::ZERO, level.topology.vertex_count());
-        let level = Arc::new(level);
         // Values of a refined channel are in the order of the primvar's rows.
         let channel = |c: RefinedChannel| PrimvarChannel { channel: c.child.into_channel(&level), rows: None };
         let channels: Vec<_> = refinement.channels.into_par_iter().map(|c| c.map(channel)).collect();
-        Self { garment, level, influences, channels: channels.into(), rows: OnceLock::new() }
+        Self { garment, level, influences, channels: channels.into() }
     }
 
     /// The same, to be kept.
@@ -239,60 +168,32 @@ impl Cage {
         Arc::clone(&self.level)
     }
 
-    /// The vertices of the refined cage from this one's.
-    pub fn vertex_rows(&self) -> VertexRows<'_> {
-        let masks = self.level.vertex_stencils();
-        if self.level.topology.faces.regular_valence().is_some() {
-            return VertexRows::Masks(masks);
-        }
-        VertexRows::Kept(self.rows.get_or_init(|| KeptRows::new(&masks)))
-    }
-
-    /// The points of the refined cage, where this one's are `points`.
-    pub fn refined_points(&self, points: &IdVec<VertexId, Vec3>) -> IdVec<VertexId, Vec3> {
-        carried_points(&self.vertex_rows(), points)
-    }
-
-    /// The cage that an operator makes of it, with every attribute.
+    /// The garment of the cage that an operator makes of it, without primvars.
     ///
     /// `corners` and `creases` of the child become infinitely sharp.
-    pub fn derived(&self, lineage: &impl Lineage, corners: &[VertexId], creases: &[[VertexId; 2]]) -> Self {
-        let carry = Carry::new(&self.garment, lineage);
-        let mut garment = carry.frame(carried_points(&lineage.vertex(), &self.garment.points));
+    pub fn frame(&self, lineage: &impl Lineage, corners: &[VertexId], creases: &[[VertexId; 2]]) -> Garment {
+        let points = carried_points(&lineage.vertex(), &self.garment.points);
+        let mut garment = Carry::new(&self.garment, lineage).frame(points);
         let mut sharp: BTreeSet<VertexId> = garment.corners.iter().map(|c| c.vertex).collect();
         let new = corners.iter().filter(|&&v| sharp.insert(v));
         garment.corners.extend(new.map(|&vertex| Corner { vertex, sharpness: INFINITE_SHARPNESS }));
         let crease = |ends: &[VertexId; 2]| Crease { vertices: ends.to_vec(), sharpnesses: vec![INFINITE_SHARPNESS] };
         garment.creases.extend(creases.iter().map(crease));
-        let attributes = || carry.attributes(self.influences.as_deref());
-        let ((primvars, influences), level) = rayon::join(attributes, || Level::base(&garment));
-        Self {
-            level: Arc::new(level),
-            garment: Garment { primvars: primvars.into(), ..garment },
-            influences,
-            channels: OnceLock::new(),
-            rows: OnceLock::new(),
-        }
+        garment
     }
 
-    /// The cage with more subsets, which later derivations carry too.
-    #[must_use]
-    pub fn with_subsets(mut self, subsets: impl IntoIterator<Item = Subset>) -> Self {
-        self.garment.subsets.extend(subsets);
-        self
+    /// The cage that an operator makes of it, with every attribute: what is in `frame`, whose level is `level`, and the
+    /// primvars.
+    pub fn derived(&self, lineage: &impl Lineage, frame: Garment, level: Arc<Level>) -> Self {
+        let (primvars, influences) = Carry::new(&self.garment, lineage).attributes(self.influences.as_deref());
+        let garment = Garment { primvars: primvars.into(), ..frame };
+        Self { level, garment, influences, channels: OnceLock::new() }
     }
 
-    /// The cage with other points.
-    #[must_use]
-    pub fn with_points(mut self, points: IdVec<VertexId, Vec3>) -> Self {
-        self.garment.points = points;
-        self
-    }
-
-    /// The garment of the cage refined once, without points: they go by [`Cage::refined_points`]. It is the last step,
-    /// which needs no connectivity of what it makes.
-    pub fn refined_garment(&self) -> Garment {
-        let refinement = Refinement::new(&self.level, self.channels());
+    /// The garment of the cage refined once, without points, where the faces of its refined level are `faces`. It is the
+    /// last step, which needs no more connectivity of what it makes.
+    pub fn refined_garment(&self, faces: Faces) -> Garment {
+        let refinement = Refinement::new(&self.level, faces, self.channels());
         let (garment, influences) = carry(&self.garment, self.influences.as_deref(), &refinement);
         Self::completed(garment, influences.as_deref())
     }

@@ -179,7 +179,12 @@ impl Level {
     /// The level refined once.
     #[must_use]
     pub fn refined(&self) -> Self {
-        split::child_level(self, split::child_faces(self))
+        split::child_level(self, self.refined_faces())
+    }
+
+    /// The faces of the level refined once.
+    pub fn refined_faces(&self) -> Faces {
+        split::child_faces(self)
     }
 
     /// The edges at a vertex, each once.

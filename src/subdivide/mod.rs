@@ -6,17 +6,20 @@
 
 mod cage;
 mod carry;
+mod connectivity;
 mod fvar;
 mod level;
+mod limit;
 mod masks;
 mod regular;
 mod split;
 mod stencil;
 
-pub use cage::{Cage, VertexRows};
+pub use cage::Cage;
 pub use carry::{
     Lineage, carried_points, mix_into, mix_rows, mixed_channel, scale_to_unit_length, taken, to_unit_length,
 };
+pub use connectivity::{Connectivity, Fingerprint, VertexRows};
 pub use fvar::{Channel, ChannelChild};
 pub use level::{INFINITE_SHARPNESS, Level, Rule, Spoke, refined_sharpness};
 pub use split::{Numbering, child_corner};

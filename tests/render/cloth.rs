@@ -6,7 +6,6 @@ use std::collections::BTreeSet;
 use tailor::error::Warnings;
 use tailor::garment::{Elements, Garment, GarmentInput, SubsetInput, check_garment};
 use tailor::mesh::{FaceId, IdVec, VertexId};
-use tailor::render::limit_rows;
 use tailor::subdivide::{Level, carried_points};
 
 /// Adds a face subset.
@@ -85,8 +84,5 @@ pub fn checked(input: GarmentInput) -> Garment {
 
 /// Limit positions of a mesh's vertices.
 pub fn limit(garment: &Garment) -> IdVec<VertexId, Vec3> {
-    use rayon::prelude::*;
-    let level = Level::base(garment);
-    let every = (0..garment.points.len()).into_par_iter().map(VertexId::new);
-    carried_points(&&limit_rows(&level, every), &garment.points)
+    carried_points(&&Level::base(garment).limit_rows(), &garment.points)
 }

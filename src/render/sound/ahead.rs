@@ -173,7 +173,7 @@ mod tests {
     use super::*;
     use crate::garment::{Crease, Garment};
     use crate::mesh::Faces;
-    use crate::subdivide::Cage;
+    use crate::subdivide::{Cage, carried_points};
 
     /// The first vertex of the small quad.
     const QUAD: usize = 25;
@@ -197,7 +197,7 @@ mod tests {
 
     fn skin<'a>(cage: &'a Cage, points: &IdVec<VertexId, Vec3>) -> Skin<'a> {
         let all: Vec<FaceId> = cage.garment().faces.ids().collect();
-        Skin::new(cage, points, &all, None)
+        Skin::new(cage.level(), cage.level().vertex_rows(), points, &all, None)
     }
 
     fn close(skin: &Skin) -> Vec<[ChildOf; 2]> {
@@ -259,7 +259,7 @@ mod tests {
     #[test]
     fn a_part_is_refined_as_the_whole_is() {
         let cage = mixed();
-        let (level, first) = (cage.level(), cage.refined_points(&cage.garment().points));
+        let (level, first) = (cage.level(), carried_points(&cage.level().vertex_rows(), &cage.garment().points));
         let (numbering, whole) = (Numbering::new(level), level.refined());
         let mut expected = Skin::bare(&whole);
         expected.learn(&first, &whole.topology.faces.ids().collect::<Vec<_>>());

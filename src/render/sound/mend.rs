@@ -46,6 +46,9 @@ impl Mending<'_> {
     /// The better of a state and one where the second layer is moved away from where it crosses the first, and where the
     /// strip between them is folded.
     fn layers_apart(&mut self, stepped: Tried) -> Tried {
+        if stepped.pairs.is_empty() {
+            return stepped;
+        }
         let mut over: IdVec<VertexId, VertexId> = self.states.linear.ids().collect();
         self.kin.pairs.iter().for_each(|&[vertex, copy]| over[copy] = vertex);
         let (crossing, folded) = (self.crossing_layers(&stepped, &over), self.folded_strips(&stepped, &over));

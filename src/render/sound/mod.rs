@@ -34,7 +34,7 @@ use untangle::Apart;
 
 use super::derivation::Derivation;
 use crate::mesh::{FaceId, IdVec, Topology, VertexId};
-use crate::subdivide::{Cage, Level, Lineage};
+use crate::subdivide::{Connectivity, Level, Lineage};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -67,8 +67,8 @@ impl States<'_> {
 
 /// A child and its parent, whose points are known.
 pub struct Kin<'a> {
-    /// The child; its points are not read.
-    pub child: &'a Cage,
+    /// The child.
+    pub child: &'a Connectivity,
     /// The parent's.
     pub parent: &'a Level,
     /// The parent's points.
@@ -150,7 +150,8 @@ impl<'a> Mending<'a> {
     fn new(kin: &'a Kin<'a>, states: &'a States<'a>) -> Self {
         let points = states.raised.clone();
         let normals = linear_normals(kin.child.level(), states.linear);
-        let skin = Skin::new(kin.child, &points, kin.order, Some(normals));
+        let (level, rows) = (kin.child.level(), kin.child.vertex_rows());
+        let skin = Skin::new(level, rows, &points, kin.order, Some(normals));
         let (before, steps) = (Skin::bare(kin.parent), IdVec::filled(0, points.len()));
         let mut mending = Self {
             kin,

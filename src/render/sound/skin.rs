@@ -4,7 +4,7 @@ use super::marks::Marks;
 use super::piece::{Cell, Former, LANES, Piece, others};
 use super::tree::Tree;
 use crate::mesh::{FaceId, IdVec, VertexId};
-use crate::subdivide::{Cage, Level, Numbering, Stencils, VertexRows};
+use crate::subdivide::{Level, Numbering, Stencils, VertexRows, carried_points};
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
@@ -33,15 +33,17 @@ pub struct Skin<'a> {
 }
 
 impl<'a> Skin<'a> {
-    /// The skin of a cage with the given points. Faces that are near each other are near in memory, where they are in
+    /// The skin of a cage with the given points, by the rows of its refinement. Faces that are near each other are near in memory, where they are in
     /// `order`. They look along `looks` without their moves, zero where any way is right, if that is known.
     pub fn new(
-        cage: &'a Cage,
+        level: &'a Level,
+        rows: VertexRows<'a>,
         points: &IdVec<VertexId, Vec3>,
         order: &[FaceId],
         looks: Option<IdVec<FaceId, Vec3>>,
     ) -> Self {
-        let mut skin = Self::with(cage.level(), cage.vertex_rows(), cage.refined_points(points), looks);
+        let refined = carried_points(&rows, points);
+        let mut skin = Self::with(level, rows, refined, looks);
         skin.extend(order);
         skin
     }
@@ -49,7 +51,7 @@ impl<'a> Skin<'a> {
     /// The skin of a level of which nothing is known yet: only what is learnt may be asked about.
     pub fn bare(level: &'a Level) -> Self {
         let refined = IdVec::filled(Vec3::ZERO, Numbering::new(level).vertices());
-        Self::with(level, VertexRows::Masks(level.vertex_stencils()), refined, None)
+        Self::with(level, level.vertex_rows(), refined, None)
     }
 
     fn with(

@@ -1,0 +1,209 @@
+//! The connectivity of a cage with the masks that follow from it alone, so that cages with other points and other values
+//! may have them in common.
+
+use super::stencil::{Stencils, Table};
+use super::{Level, VertexStencils};
+use crate::garment::Garment;
+use crate::mesh::VertexId;
+use rayon::prelude::*;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::sync::Arc;
+
+/// What the connectivity of a garment depends on, as a number. Two that differ have the same by a chance of 2^-128.
+pub type Fingerprint = [u64; 2];
+
+/// A cage's connectivity with its masks.
+pub struct Connectivity {
+    level: Arc<Level>,
+    /// The masks of its refinement, where it costs more to compute them again.
+    refined: Option<KeptRows>,
+    limits: Table<VertexId>,
+}
+
+impl Connectivity {
+    /// A level with its masks.
+    pub fn new(level: Arc<Level>) -> Self {
+        let is_regular = level.topology.faces.regular_valence().is_some();
+        let kept = || (!is_regular).then(|| KeptRows::new(&level.vertex_stencils()));
+        let (refined, limits) = rayon::join(kept, || level.limit_rows());
+        Self { level, refined, limits }
+    }
+
+    /// The level.
+    pub fn level(&self) -> &Level {
+        &self.level
+    }
+
+    /// The same, to be kept.
+    pub fn shared_level(&self) -> Arc<Level> {
+        Arc::clone(&self.level)
+    }
+
+    /// The vertices of the refinement from those of the level.
+    pub fn vertex_rows(&self) -> VertexRows<'_> {
+        self.refined.as_ref().map_or_else(|| self.level.vertex_rows(), VertexRows::Kept)
+    }
+
+    /// Limit positions of the vertices, as weighted sums of them.
+    pub fn limits(&self) -> &Table<VertexId> {
+        &self.limits
+    }
+}
+
+impl Level {
+    /// The vertices of the refinement from those of the level.
+    pub fn vertex_rows(&self) -> VertexRows<'_> {
+        VertexRows::Masks(self.vertex_stencils())
+    }
+
+    /// The fingerprint of the unrefined level of a garment.
+    pub fn fingerprint(garment: &Garment) -> Fingerprint {
+        [0u8, 1].map(|seed| {
+            let mut hasher = DefaultHasher::new();
+            seed.hash(&mut hasher);
+            hash_connectivity(garment, &mut hasher);
+            hasher.finish()
+        })
+    }
+}
+
+/// All that [`Level::base`] reads.
+fn hash_connectivity(garment: &Garment, hasher: &mut impl Hasher) {
+    let (faces, rules) = (&garment.faces, garment.rules);
+    (rules.scheme, rules.boundary, rules.triangles, garment.points.len()).hash(hasher);
+    faces.regular_valence().hash(hasher);
+    if faces.regular_valence().is_none() {
+        faces.ids().for_each(|face| faces.valence(face).hash(hasher));
+    }
+    // At once: ids one by one take five times as long.
+    hasher.write(bytemuck::cast_slice(faces.corners().as_slice()));
+    for crease in &garment.creases {
+        crease.vertices.hash(hasher);
+        crease.sharpnesses.iter().for_each(|sharpness| sharpness.to_bits().hash(hasher));
+    }
+    garment.creases.len().hash(hasher);
+    garment.corners.iter().for_each(|corner| (corner.vertex, corner.sharpness.to_bits()).hash(hasher));
+}
+
+/// Child vertices from a cage's.
+pub enum VertexRows<'a> {
+    /// Computed when they are asked for.
+    Masks(VertexStencils<'a>),
+    /// Computed before.
+    Kept(&'a KeptRows),
+}
+
+/// Rows that were computed before, so many to a table.
+#[derive(Clone)]
+pub struct KeptRows {
+    tables: Vec<Table<VertexId>>,
+    rows: usize,
+}
+
+/// Rows of a table.
+const BLOCK: usize = 4096;
+/// Sources of a row for which there is room at first.
+const SOURCES: usize = 12;
+
+impl KeptRows {
+    fn new(masks: &VertexStencils) -> Self {
+        let rows = masks.rows();
+        let table = |block: usize| {
+            let mut table = Table::with_capacity(BLOCK, SOURCES * BLOCK);
+            for row in block * BLOCK..rows.min((block + 1) * BLOCK) {
+                masks.row(row, &mut |vertex, weight| table.extend_row(vertex, weight));
+                table.push([]);
+            }
+            table
+        };
+        Self { tables: (0..rows.div_ceil(BLOCK)).into_par_iter().map(table).collect(), rows }
+    }
+}
+
+impl Stencils for VertexRows<'_> {
+    type Source = VertexId;
+
+    fn rows(&self) -> usize {
+        match self {
+            Self::Masks(masks) => masks.rows(),
+            Self::Kept(kept) => kept.rows,
+        }
+    }
+
+    #[inline(always)]
+    fn row(&self, row: usize, sink: &mut impl FnMut(VertexId, f32)) {
+        match self {
+            Self::Masks(masks) => masks.row(row, sink),
+            Self::Kept(kept) => {
+                let row = kept.tables[row / BLOCK].at(row % BLOCK);
+                row.iter().for_each(|&(vertex, weight)| sink(vertex, weight));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::garment::{BoundaryInterpolation, Corner, Crease, Scheme, TriangleRule};
+    use crate::mesh::{Faces, IdVec};
+    use crate::subdivide::carried_points;
+    use glam::Vec3;
+
+    fn ids(all: &[usize]) -> Vec<VertexId> {
+        all.iter().copied().map(VertexId::new).collect()
+    }
+
+    /// A quad and a triangle.
+    fn garment() -> Garment {
+        Garment {
+            points: IdVec::filled(Vec3::ZERO, 5),
+            faces: Faces::mixed([4, 3], ids(&[0, 1, 2, 3, 1, 4, 2])),
+            creases: vec![Crease { vertices: ids(&[1, 2]), sharpnesses: vec![2.0] }],
+            corners: vec![Corner { vertex: VertexId::new(0), sharpness: 1.0 }],
+            ..Garment::default()
+        }
+    }
+
+    #[test]
+    fn a_fingerprint_is_that_of_all_that_a_level_depends_on() {
+        let changes: [fn(&mut Garment); 11] = [
+            |g| _ = g.points.push(Vec3::ZERO),
+            |g| g.faces = Faces::mixed([4, 3], ids(&[0, 1, 2, 3, 4, 2, 1])),
+            |g| g.faces = Faces::mixed([3, 4], ids(&[0, 1, 2, 3, 1, 4, 2])),
+            |g| g.faces = Faces::quads(ids(&[0, 1, 2, 3])),
+            |g| g.creases[0].vertices = ids(&[1, 0]),
+            |g| g.creases[0].sharpnesses[0] = 2.5,
+            |g| g.corners[0].vertex = VertexId::new(1),
+            |g| g.corners[0].sharpness = 1.5,
+            |g| g.rules.scheme = Scheme::Bilinear,
+            |g| g.rules.boundary = BoundaryInterpolation::EdgeOnly,
+            |g| g.rules.triangles = TriangleRule::Smooth,
+        ];
+        let first = Level::fingerprint(&garment());
+        let mut known = vec![first];
+        for change in changes {
+            let mut changed = garment();
+            change(&mut changed);
+            known.push(Level::fingerprint(&changed));
+        }
+        known.sort_unstable();
+        known.dedup();
+        assert_eq!(known.len(), changes.len() + 1);
+        let moved = Garment { points: IdVec::filled(Vec3::ONE, 5), ..garment() };
+        assert_eq!(Level::fingerprint(&moved), first, "where the points are does not matter");
+    }
+
+    #[test]
+    fn kept_masks_are_those_of_the_level() {
+        let garment = garment();
+        let level = Arc::new(Level::base(&garment));
+        let points = (0..5).map(|i| Vec3::new(i as f32, (i * i) as f32, 1.0)).collect();
+        let connectivity = Connectivity::new(Arc::clone(&level));
+        assert!(matches!(connectivity.vertex_rows(), VertexRows::Kept(_)), "faces differ");
+        assert_eq!(carried_points(&connectivity.vertex_rows(), &points), carried_points(&level.vertex_rows(), &points));
+        let quad = Garment { faces: Faces::quads(ids(&[0, 1, 2, 3])), ..Garment::default() };
+        let quad = Garment { points: IdVec::filled(Vec3::ZERO, 4), ..quad };
+        assert!(matches!(Connectivity::new(Arc::new(Level::base(&quad))).vertex_rows(), VertexRows::Masks(_)));
+    }
+}

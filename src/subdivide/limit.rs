@@ -1,0 +1,153 @@
+//! Limit positions: where a cage's vertices are once it is refined for ever.
+//!
+//! Reference: Halstead, Kass and DeRose 1993.
+
+use super::{INFINITE_SHARPNESS, Level, Numbering, Rule, Spoke, Stencils, Table, VertexStencils};
+use crate::garment::{Scheme, TriangleRule};
+use crate::mesh::VertexId;
+use rayon::prelude::*;
+
+impl Level {
+    /// Limit positions of the vertices, as weighted sums of them.
+    pub fn limit_rows(&self) -> Table<VertexId> {
+        let (refined, count) = (self.vertex_stencils(), self.topology.vertex_count());
+        let vertices = (0..count).into_par_iter().map(VertexId::new);
+        let last = || vec![0; count];
+        Table::of(vertices, last, |table, last, v| limit_row(self, &refined, v, &mut Rows { table, last }))
+    }
+}
+
+/// Rows that are summed source by source.
+struct Rows<'a> {
+    table: &'a mut Table<VertexId>,
+    /// Where the last row that has a vertex may have it, in this table or another.
+    last: &'a mut [u32],
+}
+
+impl Rows<'_> {
+    fn add(&mut self, vertex: VertexId, weight: f32) {
+        let last = &mut self.last[vertex.index()];
+        *last = self.table.add(vertex, weight, *last);
+    }
+}
+
+/// How much a sharpness still counts in the limit: exact where it is none or infinite, and near it between.
+fn lasting(sharpness: f32) -> f32 {
+    if sharpness >= INFINITE_SHARPNESS { 1.0 } else { 1.0 - 0.5f32.powf(sharpness) }
+}
+
+fn limit_row(level: &Level, refined: &VertexStencils, vertex: VertexId, rows: &mut Rows) {
+    let linear = matches!(level.scheme, Scheme::Bilinear | Scheme::None | Scheme::Loop);
+    if linear || level.topology.vertex_corners.row(vertex).is_empty() {
+        return rows.table.push([(vertex, 1.0)]);
+    }
+    rows.table.push([]);
+    let mut sink = |v: VertexId, weight: f32| rows.add(v, weight);
+    if level.rules[vertex] == Rule::Smooth {
+        return smooth_row(level, refined, vertex, 1.0, &mut sink);
+    }
+    let mut spokes: Vec<Spoke> = Vec::new();
+    level.spokes(vertex, &mut spokes);
+    // What is sharper lasts longer: a corner of three edges becomes a crease of the two sharpest.
+    let mut sharp: Vec<&Spoke> = spokes.iter().filter(|s| level.edge_sharpness[s.edge] > 0.0).collect();
+    sharp.sort_by(|a, b| level.edge_sharpness[b.edge].total_cmp(&level.edge_sharpness[a.edge]));
+    let sharpness = |k: usize| sharp.get(k).map_or(0.0, |s| level.edge_sharpness[s.edge]);
+    let kept = lasting(level.vertex_sharpness[vertex].max(sharpness(2)));
+    let creased = (1.0 - kept) * lasting(sharpness(1));
+    sink(vertex, kept + creased * 2.0 / 3.0);
+    let ends = sharp.iter().take(if creased > 0.0 { 2 } else { 0 });
+    ends.for_each(|s| sink(level.topology.faces.vertex(s.far), creased / 6.0));
+    let smooth = 1.0 - kept - creased;
+    if smooth > 1e-6 {
+        smooth_row(level, refined, vertex, smooth, &mut sink);
+    }
+}
+
+/// The limit of a smooth vertex, through the first refinement where that has other masks than those of smooth edges.
+fn smooth_row(
+    level: &Level,
+    refined: &VertexStencils,
+    vertex: VertexId,
+    scale: f32,
+    sink: &mut impl FnMut(VertexId, f32),
+) {
+    let t = &level.topology;
+    let corners = t.vertex_corners.row(vertex);
+    let n = corners.len() as f32;
+    let unit = scale / (n * (n + 5.0));
+    if corners.iter().all(|&c| t.faces.valence(t.faces.face_of(c)) == 4) {
+        sink(vertex, n * n * unit);
+        for &corner in corners {
+            sink(t.faces.vertex(t.faces.ahead(corner, 1)), 4.0 * unit);
+            sink(t.faces.vertex(t.faces.ahead(corner, 2)), unit);
+        }
+        return;
+    }
+    if level.rules[vertex] == Rule::Smooth && level.triangles == TriangleRule::CatmullClark {
+        // The first refinement put into the limit: the vertex, the ends of its edges, and the centres of its faces.
+        sink(vertex, n * (n - 1.0) * unit);
+        for &corner in corners {
+            sink(t.faces.vertex(t.faces.next(corner)), 2.0 * unit);
+            let around = t.faces.vertices_of(t.faces.face_of(corner));
+            let share = 4.0 / around.len() as f32 * unit;
+            around.iter().for_each(|&v| sink(v, share));
+        }
+        return;
+    }
+    let numbering = Numbering::new(level);
+    let mut through = |child: VertexId, weight: f32| {
+        refined.row(child.index(), &mut |source, share| sink(source, weight * share));
+    };
+    through(vertex, n * n * unit);
+    for &corner in corners {
+        through(numbering.of_edge(t.corner_edge[corner]), 4.0 * unit);
+        through(numbering.of_face(t.faces.face_of(corner)), unit);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::garment::Garment;
+    use crate::mesh::{FaceId, Faces, IdVec};
+    use crate::subdivide::carried_points;
+    use glam::Vec3;
+
+    /// A triangle, two quads and a pentagon around vertex 0, with quads and a triangle around them.
+    fn fan() -> Garment {
+        let faces: [&[usize]; 9] = [
+            &[0, 1, 2],
+            &[0, 2, 3, 4],
+            &[0, 4, 5, 6],
+            &[0, 6, 7, 8, 1],
+            &[1, 8, 9],
+            &[1, 9, 10, 2],
+            &[2, 10, 11, 3],
+            &[4, 3, 11, 12, 5],
+            &[6, 5, 12, 7],
+        ];
+        let at = |i: usize| {
+            let angle = if i < 9 { i as f32 * 0.785 } else { i as f32 * 1.57 };
+            let radius = [0.0, 1.0, 2.2][usize::from(i > 0) + usize::from(i >= 9)];
+            Vec3::new(radius * angle.cos(), radius * angle.sin(), (i as f32 * 1.3).sin())
+        };
+        let corners: Vec<VertexId> = faces.concat().into_iter().map(VertexId::new).collect();
+        let faces = Faces::mixed(faces.map(<[usize]>::len), corners);
+        Garment { faces, points: (0..13).map(at).collect(), ..Garment::default() }
+    }
+
+    #[test]
+    fn limits_are_where_those_of_the_refinement_are() {
+        let garment = fan();
+        let level = Level::base(&garment);
+        let limits = |level: &Level, points: &IdVec<VertexId, Vec3>| carried_points(&&level.limit_rows(), points);
+        let coarse = limits(&level, &garment.points);
+        let fine = limits(&level.refined(), &carried_points(&level.vertex_stencils(), &garment.points));
+        for (vertex, limit) in coarse.enumerated() {
+            let off = limit.distance(fine[vertex]);
+            assert!(off < 1e-5, "vertex {vertex:?} is {off} off");
+        }
+        let is_mixed = |f: FaceId| garment.faces.valence(f) != 4;
+        assert!(level.rules[VertexId::new(0)] == Rule::Smooth && garment.faces.ids().any(is_mixed));
+    }
+}
