@@ -29,8 +29,7 @@ impl Front {
         let normals = normals.iter().map(|sum| sum.normalize_or_zero()).collect();
         let all: Vec<FaceId> = garment.faces.ids().collect();
         let mut front = Self { normals, sides: IdVec::filled(1.0, all.len()) };
-        let level = cage.level();
-        let skin = Skin::new(level, level.vertex_rows(), &garment.points, &all, None);
+        let skin = Skin::new(cage.level(), &garment.points, &all, None);
         let directions = front.directions(&garment.faces);
         for face in all.into_iter().filter(|&face| skin.is_turned(face, directions[face], ALREADY_TURNED)) {
             front.sides[face] = 0.0;

@@ -32,7 +32,7 @@ impl Placed {
             let rooms = IdVec::filled(OPEN, points.len());
             return Self { points, rooms };
         }
-        let skin = Skin::new(cage.level(), cage.level().vertex_rows(), &points, &order(&t.faces, &points), None);
+        let skin = Skin::new(cage.level(), &points, &order(&t.faces, &points), None);
         let mut of_faces = skin.gaps(REACH * height);
         if cage.garment().orientation == Orientation::LeftHanded {
             of_faces.iter_mut().for_each(|gap| gap.reverse());

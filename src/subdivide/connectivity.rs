@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 
-/// What the connectivity of a garment depends on, as a number. Two that differ have the same by a chance of 2^-128.
+/// What the connectivity of a garment depends on, as a number. Two that differ have the same by a chance of about 2^-128.
 pub type Fingerprint = [u64; 2];
 
 /// A cage's connectivity with its masks.
@@ -32,11 +32,6 @@ impl Connectivity {
     /// The level.
     pub fn level(&self) -> &Level {
         &self.level
-    }
-
-    /// The same, to be kept.
-    pub fn shared_level(&self) -> Arc<Level> {
-        Arc::clone(&self.level)
     }
 
     /// The vertices of the refinement from those of the level.
@@ -75,7 +70,7 @@ fn hash_connectivity(garment: &Garment, hasher: &mut impl Hasher) {
     if faces.regular_valence().is_none() {
         faces.ids().for_each(|face| faces.valence(face).hash(hasher));
     }
-    // At once: ids one by one take five times as long.
+    // All bytes at once, not id by id.
     hasher.write(bytemuck::cast_slice(faces.corners().as_slice()));
     for crease in &garment.creases {
         crease.vertices.hash(hasher);
@@ -94,7 +89,6 @@ pub enum VertexRows<'a> {
 }
 
 /// Rows that were computed before, so many to a table.
-#[derive(Clone)]
 pub struct KeptRows {
     tables: Vec<Table<VertexId>>,
     rows: usize,

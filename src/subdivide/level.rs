@@ -80,7 +80,8 @@ pub struct Level {
 }
 
 impl Level {
-    /// The unrefined level of a garment, with borders and non-manifold elements sharpened as OpenSubdiv does.
+    /// The unrefined level of a garment, with borders and non-manifold elements sharpened as OpenSubdiv does. All that it
+    /// reads is in [`Level::fingerprint`].
     pub fn base(garment: &Garment) -> Self {
         let topology = Topology::new(garment.faces.clone(), garment.points.len());
         let sharp_corners = garment.rules.boundary == BoundaryInterpolation::EdgeAndCorner;

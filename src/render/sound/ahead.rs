@@ -197,7 +197,7 @@ mod tests {
 
     fn skin<'a>(cage: &'a Cage, points: &IdVec<VertexId, Vec3>) -> Skin<'a> {
         let all: Vec<FaceId> = cage.garment().faces.ids().collect();
-        Skin::new(cage.level(), cage.level().vertex_rows(), points, &all, None)
+        Skin::new(cage.level(), points, &all, None)
     }
 
     fn close(skin: &Skin) -> Vec<[ChildOf; 2]> {

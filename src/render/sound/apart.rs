@@ -97,7 +97,7 @@ mod tests {
     }
 
     fn skin<'a>(cage: &'a Cage, points: &IdVec<VertexId, Vec3>) -> Skin<'a> {
-        Skin::new(cage.level(), cage.level().vertex_rows(), points, &[0, 1].map(FaceId::new), None)
+        Skin::new(cage.level(), points, &[0, 1].map(FaceId::new), None)
     }
 
     #[test]

@@ -368,7 +368,7 @@ mod tests {
             ..Garment::default()
         });
         let all = [0, 1].map(FaceId::new);
-        Skin::new(cage.level(), cage.level().vertex_rows(), &cage.garment().points, &all, None).crossings(&all)
+        Skin::new(cage.level(), &cage.garment().points, &all, None).crossings(&all)
     }
 
     #[test]
@@ -385,7 +385,7 @@ mod tests {
             });
             let all = [0, 1].map(FaceId::new);
             let looks = Some(all.map(|_| Vec3::Z).into_iter().collect());
-            let mut skin = Skin::new(cage.level(), cage.level().vertex_rows(), &cage.garment().points, &all, looks);
+            let mut skin = Skin::new(cage.level(), &cage.garment().points, &all, looks);
             let narrow = all.into_iter().filter(|&face| !skin.is_even(face)).collect::<Vec<_>>();
             (skin.crossings(&narrow), narrow)
         };

@@ -150,8 +150,7 @@ impl<'a> Mending<'a> {
     fn new(kin: &'a Kin<'a>, states: &'a States<'a>) -> Self {
         let points = states.raised.clone();
         let normals = linear_normals(kin.child.level(), states.linear);
-        let (level, rows) = (kin.child.level(), kin.child.vertex_rows());
-        let skin = Skin::new(level, rows, &points, kin.order, Some(normals));
+        let skin = Skin::of(kin.child, &points, kin.order, Some(normals));
         let (before, steps) = (Skin::bare(kin.parent), IdVec::filled(0, points.len()));
         let mut mending = Self {
             kin,

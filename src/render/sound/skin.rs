@@ -4,7 +4,7 @@ use super::marks::Marks;
 use super::piece::{Cell, Former, LANES, Piece, others};
 use super::tree::Tree;
 use crate::mesh::{FaceId, IdVec, VertexId};
-use crate::subdivide::{Level, Numbering, Stencils, VertexRows, carried_points};
+use crate::subdivide::{Connectivity, Level, Numbering, Stencils, VertexRows, carried_points};
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 
@@ -33,9 +33,28 @@ pub struct Skin<'a> {
 }
 
 impl<'a> Skin<'a> {
-    /// The skin of a cage with the given points, by the rows of its refinement. Faces that are near each other are near in memory, where they are in
+    /// The skin of a level with the given points. Faces that are near each other are near in memory, where they are in
     /// `order`. They look along `looks` without their moves, zero where any way is right, if that is known.
     pub fn new(
+        level: &'a Level,
+        points: &IdVec<VertexId, Vec3>,
+        order: &[FaceId],
+        looks: Option<IdVec<FaceId, Vec3>>,
+    ) -> Self {
+        Self::by_rows(level, level.vertex_rows(), points, order, looks)
+    }
+
+    /// The same, by masks that are kept.
+    pub fn of(
+        connectivity: &'a Connectivity,
+        points: &IdVec<VertexId, Vec3>,
+        order: &[FaceId],
+        looks: Option<IdVec<FaceId, Vec3>>,
+    ) -> Self {
+        Self::by_rows(connectivity.level(), connectivity.vertex_rows(), points, order, looks)
+    }
+
+    fn by_rows(
         level: &'a Level,
         rows: VertexRows<'a>,
         points: &IdVec<VertexId, Vec3>,

@@ -291,7 +291,7 @@ mod tests {
 
     fn skin<'a>(cage: &'a Cage, points: &IdVec<VertexId, Vec3>) -> Skin<'a> {
         let all: Vec<FaceId> = cage.garment().faces.ids().collect();
-        Skin::new(cage.level(), cage.level().vertex_rows(), points, &all, Some(IdVec::filled(Vec3::Z, all.len())))
+        Skin::new(cage.level(), points, &all, Some(IdVec::filled(Vec3::Z, all.len())))
     }
 
     #[test]
