@@ -21,7 +21,7 @@ use crate::pipeline::{Checked, Clock, DEFAULT_MAX_FACES, Prepared};
 use crate::recipe::Document;
 use crate::render::{Front, Ground, Placed, Placing, Rendered, Shaped, Stack, Stages, render};
 use crate::sim::{SimOptions, SimProduct};
-use crate::subdivide::{Cage, Connectivity, Level};
+use crate::subdivide::{Cage, Channels, Connectivity, Level};
 use crate::usd::{Format, Product, ReadOptions, Role, Source, Surroundings, WriteOptions, layer_bytes};
 use glam::Vec3;
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -238,6 +238,12 @@ impl Footprint for Faces {
     }
 }
 
+impl Footprint for Channels {
+    fn footprint(&self) -> usize {
+        self.bytes()
+    }
+}
+
 impl Footprint for Level {
     fn footprint(&self) -> usize {
         LEVEL_CORNER * self.topology.faces.corners().len()
@@ -327,7 +333,7 @@ fn elements_bytes(elements: &Elements) -> usize {
 }
 
 fn primvar_bytes(primvar: &Primvar) -> usize {
-    let indices = primvar.indices.as_ref().map_or(0, Vec::len);
+    let indices = primvar.indices.as_ref().map_or(0, |indices| indices.len());
     let values = match &primvar.values {
         Values::Bool(v) => v.len(),
         Values::U8(v) => v.len(),

@@ -104,7 +104,7 @@ fn compare(case: &Case, rule: usize) -> (f64, String) {
         let numbering = derivation.numbering();
         base_face =
             faces.ids().map(|f| base_face[numbering.parent_face(&refiner.level.topology.faces, f).index()]).collect();
-        let corner_values = derivation.channels[0].corner_values().clone();
+        let corner_values = derivation.channels[0].corner_values();
         let child = derivation.into_child();
         refiner = child;
 

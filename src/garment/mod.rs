@@ -58,7 +58,7 @@ pub enum BoundaryInterpolation {
 }
 
 /// Where face-varying values are kept linear, as `UsdGeomMesh.faceVaryingLinearInterpolation`.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum FaceVaryingInterpolation {
     /// Smooth everywhere.
     None,

@@ -1,6 +1,7 @@
 //! Values on the elements of a mesh (`UsdGeomPrimvar`).
 
 use crate::mesh::{CornerId, Csr, Faces, IdVec};
+use std::sync::Arc;
 
 /// The elements that carry a primvar's values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -131,8 +132,8 @@ pub struct Primvar {
     pub mixing: Mixing,
     /// The values; rows of [`Primvar::width`] numbers.
     pub values: Values,
-    /// For each element the row that it takes; none when the rows are in element order.
-    pub indices: Option<Vec<u32>>,
+    /// For each element the row that it takes; none when the rows are in element order. Copies share them.
+    pub indices: Option<Arc<Vec<u32>>>,
 }
 
 impl Primvar {
@@ -163,7 +164,7 @@ impl Primvar {
     /// the same bit for bit, so that a UV layout written flat keeps its shells.
     pub fn corner_rows(&self, faces: &Faces, vertices: usize) -> IdVec<CornerId, u32> {
         if let Some(indices) = &self.indices {
-            return indices.clone().into();
+            return indices.to_vec().into();
         }
         let mut rows: IdVec<CornerId, u32> = (0..faces.corners().len() as u32).collect::<Vec<_>>().into();
         let at_vertex = Csr::group(vertices, faces.corners().enumerated().map(|(c, &v)| (v, c)), CornerId::new(0));
@@ -182,7 +183,7 @@ impl Primvar {
 
     /// Number of elements that have a value.
     pub fn elements(&self) -> usize {
-        self.indices.as_ref().map_or_else(|| self.rows(), Vec::len)
+        self.indices.as_ref().map_or_else(|| self.rows(), |indices| indices.len())
     }
 
     /// The row that element `element` takes.

@@ -9,6 +9,7 @@ use crate::mesh::{CornerId, Csr, EdgeId, FaceId, Faces, IdVec, Topology, ValueId
 pub use crate::subdivide::Table;
 use crate::subdivide::{Lineage, Stencils, mixed_channel};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Weights that differ by less are the same: far above rounding, far below what can be seen.
 const SAME_WEIGHT: f32 = 1e-5;
@@ -180,7 +181,7 @@ impl Lineage for Derivation {
         let primvar = &garment.primvars[place];
         let rows = primvar.corner_rows(&garment.faces, garment.points.len());
         let (stencils, indices) = self.channel(&rows);
-        mixed_channel(&&stencils, indices, None, primvar)
+        mixed_channel(&&stencils, Arc::new(indices), None, primvar)
     }
 }
 

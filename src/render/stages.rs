@@ -23,7 +23,7 @@ use crate::error::{Error, Warnings};
 use crate::garment::Garment;
 use crate::memo::{Footprint, Made};
 use crate::mesh::{Faces, IdVec, VertexId};
-use crate::subdivide::{Cage, Connectivity, Fingerprint, Level, carried_points};
+use crate::subdivide::{Cage, Channels, Connectivity, Fingerprint, Level, carried_points};
 use glam::Vec3;
 use serde::Serialize;
 use std::panic::resume_unwind;
@@ -222,14 +222,21 @@ impl<'a, S: Stages> Plan<'a, S> {
             return self.stages.get("attributes", &key, || Ok(Cage::clone(&cage).into_garment()));
         }
         drop(sent.levels.send(cage.shared_level()));
+        let sharing = Channels::fingerprint(cage.garment());
+        let known_by = |step: u32| (fingerprint, sharing, step);
+        let mut channels = self.stages.get("channels", &known_by(0), || Ok(Channels::new(&cage)))?;
         for step in 1..last {
             let level = self.stages.get("refined level", &(fingerprint, step), || Ok(cage.level().refined()))?;
             drop(sent.levels.send(Arc::clone(&level)));
-            cage = self.stages.get("level", &(&self.structure, step), || Ok(cage.refined(level)))?;
+            let refined = || Ok(cage.refined(Arc::clone(&level), &channels));
+            let refined = self.stages.get("level", &(&self.structure, step), refined)?;
+            let next = || Ok(channels.refined(cage.level(), &level));
+            channels = self.stages.get("channels", &known_by(step), next)?;
+            cage = refined;
         }
         let faces = || Ok(cage.level().refined_faces());
         let faces: Arc<Faces> = self.stages.get("refined faces", &(fingerprint, last), faces)?;
-        self.stages.get("attributes", &key, || Ok(cage.refined_garment(Faces::clone(&faces))))
+        self.stages.get("attributes", &key, || Ok(cage.refined_garment(Faces::clone(&faces), &channels)))
     }
 
     /// The points, in what is sent from the other chain.

@@ -1,39 +1,24 @@
 //! A garment on its way through refinements and operators.
 
-use super::carry::{Carry, Lineage, carried_points, carry, is_channel, mixed_channel, to_unit_length};
+use super::carry::{Carry, Lineage, carried_points, carry, to_unit_length};
+use super::channels::Channels;
 use super::stencil::Stencils;
-use super::{Channel, ChannelChild, INFINITE_SHARPNESS, Level, Numbering, refined_sharpness};
+use super::{INFINITE_SHARPNESS, Level, Numbering, refined_sharpness};
 use crate::garment::joints::{self, Influences};
 use crate::garment::{Corner, Crease, Garment, Primvar, Scheme};
 use crate::mesh::{CornerId, EdgeId, FaceId, Faces, IdVec, Topology, VertexId};
 use glam::Vec3;
-use rayon::prelude::*;
 use std::collections::BTreeSet;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 /// A refinement as a lineage.
 pub struct Refinement<'a> {
     level: &'a Level,
     faces: Faces,
-    /// The channel of each primvar that has one.
-    channels: Vec<Option<RefinedChannel<'a>>>,
+    channels: &'a Channels,
 }
 
-/// A channel's refinement, and the rows of the parent's values where they are in another order.
-struct RefinedChannel<'a> {
-    child: ChannelChild<'a>,
-    rows: Option<&'a [u32]>,
-}
-
-impl<'a> Refinement<'a> {
-    fn new(level: &'a Level, faces: Faces, channels: &'a [Option<PrimvarChannel>]) -> Self {
-        let refined = |c: &'a PrimvarChannel| RefinedChannel {
-            child: ChannelChild::new(level, &c.channel),
-            rows: c.rows.as_deref(),
-        };
-        Self { level, faces, channels: channels.par_iter().map(|c| c.as_ref().map(refined)).collect() }
-    }
-
+impl Refinement<'_> {
     fn is_loop(&self) -> bool {
         self.level.scheme == Scheme::Loop
     }
@@ -94,28 +79,7 @@ impl Lineage for Refinement<'_> {
     }
 
     fn face_varying(&self, garment: &Garment, place: usize) -> Primvar {
-        let primvar = &garment.primvars[place];
-        match &self.channels[place] {
-            Some(channel) => mixed_channel(&channel.child, channel.child.indices(), channel.rows, primvar),
-            None => primvar.clone(),
-        }
-    }
-}
-
-/// The channel of a face-varying primvar.
-#[derive(Clone)]
-struct PrimvarChannel {
-    channel: Channel,
-    /// The row of each value, where they are not the primvar's rows in their order.
-    rows: Option<Vec<u32>>,
-}
-
-impl PrimvarChannel {
-    fn new(garment: &Garment, level: &Level, primvar: &Primvar) -> Self {
-        let rows = primvar.corner_rows(&garment.faces, garment.points.len());
-        let rules = garment.rules;
-        let (channel, rows) = Channel::base(level, |c| rows[c] as usize, rules.face_varying, rules.boundary);
-        Self { channel, rows: Some(rows) }
+        self.channels.refined_primvar(self.level, place, &garment.primvars[place])
     }
 }
 
@@ -126,20 +90,13 @@ pub struct Cage {
     garment: Garment,
     level: Arc<Level>,
     influences: Option<Vec<Influences>>,
-    /// The channel of each primvar that has one, once they are needed.
-    channels: OnceLock<Vec<Option<PrimvarChannel>>>,
 }
 
 impl Cage {
     /// The cage of a garment.
     pub fn new(garment: Garment) -> Self {
         let influences = joints::pair(&garment).map(|(indices, weights)| joints::influences(indices, weights));
-        Self { level: Arc::new(Level::base(&garment)), garment, influences, channels: OnceLock::new() }
-    }
-
-    fn channels(&self) -> &[Option<PrimvarChannel>] {
-        let channel = |p: &Primvar| is_channel(p).then(|| PrimvarChannel::new(&self.garment, &self.level, p));
-        self.channels.get_or_init(|| self.garment.primvars.iter().map(channel).collect())
+        Self { level: Arc::new(Level::base(&garment)), garment, influences }
     }
 
     /// The garment as it is so far: its skinning and its directions are not yet what [`Cage::into_garment`] gives.
@@ -152,15 +109,13 @@ impl Cage {
         &self.level
     }
 
-    /// The cage refined once, with every attribute, where its level refined is `level`. Its points are not: they are zero.
-    pub fn refined(&self, level: Arc<Level>) -> Self {
-        let refinement = Refinement::new(&self.level, level.topology.faces.clone(), self.channels());
+    /// The cage refined once, with every attribute, where its level refined is `level` and its channels are `channels`. Its
+    /// points are not: they are zero.
+    pub fn refined(&self, level: Arc<Level>, channels: &Channels) -> Self {
+        let refinement = Refinement { level: &self.level, faces: level.topology.faces.clone(), channels };
         let (mut garment, influences) = carry(&self.garment, self.influences.as_deref(), &refinement);
         garment.points = IdVec::filled(Vec3::ZERO, level.topology.vertex_count());
-        // Values of a refined channel are in the order of the primvar's rows.
-        let channel = |c: RefinedChannel| PrimvarChannel { channel: c.child.into_channel(&level), rows: None };
-        let channels: Vec<_> = refinement.channels.into_par_iter().map(|c| c.map(channel)).collect();
-        Self { garment, level, influences, channels: channels.into() }
+        Self { garment, level, influences }
     }
 
     /// The same, to be kept.
@@ -187,13 +142,13 @@ impl Cage {
     pub fn derived(&self, lineage: &impl Lineage, frame: Garment, level: Arc<Level>) -> Self {
         let (primvars, influences) = Carry::new(&self.garment, lineage).attributes(self.influences.as_deref());
         let garment = Garment { primvars: primvars.into(), ..frame };
-        Self { level, garment, influences, channels: OnceLock::new() }
+        Self { level, garment, influences }
     }
 
-    /// The garment of the cage refined once, without points, where the faces of its refined level are `faces`. It is the
-    /// last step, which needs no more connectivity of what it makes.
-    pub fn refined_garment(&self, faces: Faces) -> Garment {
-        let refinement = Refinement::new(&self.level, faces, self.channels());
+    /// The garment of the cage refined once, without points, where the faces of its refined level are `faces` and its
+    /// channels are `channels`. It is the last step, which needs no more connectivity of what it makes.
+    pub fn refined_garment(&self, faces: Faces, channels: &Channels) -> Garment {
+        let refinement = Refinement { level: &self.level, faces, channels };
         let (garment, influences) = carry(&self.garment, self.influences.as_deref(), &refinement);
         Self::completed(garment, influences.as_deref())
     }

@@ -9,6 +9,7 @@ use crate::mesh::{CornerId, EdgeId, FaceId, Faces, IdVec, Topology, ValueId, Ver
 use glam::Vec3;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// Where each element of a child mesh comes from. All that is attached to a mesh is carried by this alone, whether the
 /// child is a refinement or what an operator made.
@@ -45,7 +46,7 @@ pub trait Lineage: Sync {
 /// each child corner, by its number.
 pub fn mixed_channel<S: Stencils<Source = ValueId>>(
     stencils: &S,
-    indices: Vec<u32>,
+    indices: Arc<Vec<u32>>,
     rows: Option<&[u32]>,
     primvar: &Primvar,
 ) -> Primvar {
@@ -227,7 +228,7 @@ impl<'a, L: Lineage> Carry<'a, L> {
 pub fn taken(primvar: &Primvar, elements: impl Iterator<Item = usize> + Clone) -> Primvar {
     match &primvar.indices {
         Some(indices) => Primvar {
-            indices: Some(elements.map(|e| indices[e]).collect()),
+            indices: Some(Arc::new(elements.map(|e| indices[e]).collect())),
             values: primvar.values.clone(),
             ..primvar.headed()
         },

@@ -6,11 +6,12 @@ use super::{Level, VertexStencils};
 use crate::garment::Garment;
 use crate::mesh::VertexId;
 use rayon::prelude::*;
-use std::hash::{DefaultHasher, Hash, Hasher};
+use std::hash::Hash;
 use std::sync::Arc;
+use twox_hash::xxhash3_128;
 
 /// What the connectivity of a garment depends on, as a number. Two that differ have the same by a chance of about 2^-128.
-pub type Fingerprint = [u64; 2];
+pub type Fingerprint = u128;
 
 /// A cage's connectivity with its masks.
 pub struct Connectivity {
@@ -53,31 +54,52 @@ impl Level {
 
     /// The fingerprint of the unrefined level of a garment.
     pub fn fingerprint(garment: &Garment) -> Fingerprint {
-        [0u8, 1].map(|seed| {
-            let mut hasher = DefaultHasher::new();
-            seed.hash(&mut hasher);
-            hash_connectivity(garment, &mut hasher);
-            hasher.finish()
-        })
+        // All that [`Level::base`] reads.
+        let (faces, rules, mut hasher) = (&garment.faces, garment.rules, Hasher::default());
+        hasher.add((rules.scheme, rules.boundary, rules.triangles, garment.points.len()));
+        hasher.add(faces.regular_valence());
+        if faces.regular_valence().is_none() {
+            faces.ids().for_each(|face| hasher.add(faces.valence(face)));
+        }
+        hasher.add_all(faces.corners().as_slice());
+        hasher.add(garment.creases.len());
+        for crease in &garment.creases {
+            hasher.add_all(&crease.vertices);
+            hasher.add_all(&crease.sharpnesses);
+        }
+        garment.corners.iter().for_each(|corner| hasher.add((corner.vertex, corner.sharpness.to_bits())));
+        hasher.finish()
     }
 }
 
-/// All that [`Level::base`] reads.
-fn hash_connectivity(garment: &Garment, hasher: &mut impl Hasher) {
-    let (faces, rules) = (&garment.faces, garment.rules);
-    (rules.scheme, rules.boundary, rules.triangles, garment.points.len()).hash(hasher);
-    faces.regular_valence().hash(hasher);
-    if faces.regular_valence().is_none() {
-        faces.ids().for_each(|face| faces.valence(face).hash(hasher));
+/// Makes fingerprints.
+#[derive(Default)]
+pub(super) struct Hasher(xxhash3_128::Hasher);
+
+impl Hasher {
+    pub(super) fn add(&mut self, value: impl Hash) {
+        value.hash(self);
     }
-    // All bytes at once, not id by id.
-    hasher.write(bytemuck::cast_slice(faces.corners().as_slice()));
-    for crease in &garment.creases {
-        crease.vertices.hash(hasher);
-        crease.sharpnesses.iter().for_each(|sharpness| sharpness.to_bits().hash(hasher));
+
+    /// Adds numbers of which all bits count, all at once.
+    pub(super) fn add_all<T: bytemuck::NoUninit>(&mut self, values: &[T]) {
+        self.add(values.len());
+        self.0.write(bytemuck::cast_slice(values));
     }
-    garment.creases.len().hash(hasher);
-    garment.corners.iter().for_each(|corner| (corner.vertex, corner.sharpness.to_bits()).hash(hasher));
+
+    pub(super) fn finish(&self) -> Fingerprint {
+        self.0.finish_128()
+    }
+}
+
+impl std::hash::Hasher for Hasher {
+    fn finish(&self) -> u64 {
+        self.0.finish_128() as u64
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        self.0.write(bytes);
+    }
 }
 
 /// Child vertices from a cage's.

@@ -6,6 +6,7 @@
 
 mod cage;
 mod carry;
+mod channels;
 mod connectivity;
 mod fvar;
 mod level;
@@ -19,6 +20,7 @@ pub use cage::Cage;
 pub use carry::{
     Lineage, carried_points, mix_into, mix_rows, mixed_channel, scale_to_unit_length, taken, to_unit_length,
 };
+pub use channels::Channels;
 pub use connectivity::{Connectivity, Fingerprint, VertexRows};
 pub use fvar::{Channel, ChannelChild};
 pub use level::{INFINITE_SHARPNESS, Level, Rule, Spoke, refined_sharpness};

@@ -10,6 +10,7 @@ use crate::mesh::{CornerId, FaceId, IdVec, Topology, VertexId};
 use crate::sim::{Location, SimProduct};
 use crate::subdivide::{Channel, ChannelChild, Real, mix_into, mix_rows, taken};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Values that differ by no more than this share of the largest are the same: they came to one place on two ways.
 const SAME: f64 = 4e-6;
@@ -63,7 +64,7 @@ fn as_vertex(primvar: Primvar, t: &Topology) -> Primvar {
     }
     let rows = vertices.map(|v| row(corners_of(v)[0]));
     let (values, indices) = match &primvar.indices {
-        Some(_) if !primvar.is_mixed() => (primvar.values.clone(), Some(rows.map(|r| r as u32).collect())),
+        Some(_) if !primvar.is_mixed() => (primvar.values.clone(), Some(Arc::new(rows.map(|r| r as u32).collect()))),
         _ => (primvar.values.gather(primvar.width(), rows), None),
     };
     Primvar { interpolation: Interpolation::Vertex, values, indices, ..primvar }
@@ -199,7 +200,7 @@ struct Rows {
 impl Rows {
     fn primvar(self, primvar: &Primvar, values: &Values) -> Primvar {
         let values = values.gather(primvar.width(), self.rows.into_iter());
-        Primvar { values, indices: Some(self.indices), ..primvar.clone() }
+        Primvar { values, indices: Some(Arc::new(self.indices)), ..primvar.clone() }
     }
 }
 
@@ -253,7 +254,7 @@ mod tests {
             element_size: 1,
             mixing: Mixing::Linear,
             values: Values::F32(values),
-            indices,
+            indices: indices.map(Arc::new),
         }
     }
 

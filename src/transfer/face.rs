@@ -6,6 +6,7 @@ use crate::garment::{Elements, FamilyType, Garment, Primvar, Subset, Values};
 use crate::mesh::{CornerId, FaceId, IdVec};
 use crate::subdivide::{Real, mix_into, scale_to_unit_length};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// The face subsets of a garment on the simulation mesh, by their place in the garment's list.
 ///
@@ -162,7 +163,7 @@ pub(super) fn carry(primvar: &Primvar, coverage: &Coverage, sites: &Sites<'_>) -
     if let Some(taken) = single {
         let taken = taken.into_iter();
         return match &primvar.indices {
-            Some(_) => Primvar { indices: Some(taken.map(|r| r as u32).collect()), ..primvar.clone() },
+            Some(_) => Primvar { indices: Some(Arc::new(taken.map(|r| r as u32).collect())), ..primvar.clone() },
             None => Primvar { values: primvar.values.gather(primvar.width(), taken), ..primvar.clone() },
         };
     }

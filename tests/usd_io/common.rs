@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use tailor::error::Warnings;
 use tailor::garment::{Corner, Crease, Elements, Garment, GarmentInput, Primvar, Subset};
 use tailor::mesh::{FaceId, Faces, VertexId};
@@ -60,7 +61,7 @@ pub fn primvar(p: &tailor::garment::PrimvarInput) -> Primvar {
         element_size: p.element_size as usize,
         mixing: p.mixing,
         values: p.values.clone(),
-        indices: p.indices.as_ref().map(|i| i.iter().map(|&i| i as u32).collect()),
+        indices: p.indices.as_ref().map(|i| Arc::new(i.iter().map(|&i| i as u32).collect())),
     }
 }
 

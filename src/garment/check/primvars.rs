@@ -5,6 +5,7 @@ use super::problem::Problems;
 use crate::garment::{Interpolation, Primvar, PrimvarInput, Values};
 use crate::mesh::ValueId;
 use std::collections::HashSet;
+use std::sync::Arc;
 
 /// The primvars, in the order in which they were authored.
 pub(super) fn primvars(inputs: Vec<PrimvarInput>, mesh: &Mesh<'_>, problems: &mut Problems) -> Vec<Primvar> {
@@ -42,7 +43,7 @@ fn primvar(input: PrimvarInput, mesh: &Mesh<'_>, problems: &mut Problems) -> Opt
         element_size,
         mixing: input.mixing,
         values: input.values,
-        indices,
+        indices: indices.map(Arc::new),
     })
 }
 

@@ -8,25 +8,26 @@ use crate::subdivide::masks;
 use crate::subdivide::regular::Quads;
 use crate::subdivide::split::{Numbering, child_corner, child_quads_of};
 use crate::subdivide::stencil::Stencils;
-use std::sync::OnceLock;
+use std::sync::Arc;
 
 /// The refinement of one channel.
 pub struct ChannelChild<'a> {
     level: &'a Level,
     parent: &'a Channel,
     quads: Option<Quads<'a, ValueId>>,
-    values: Values,
-    corner_values: OnceLock<IdVec<CornerId, ValueId>>,
-    tags: IdVec<ValueId, Tag>,
+    values: Arc<ChildValues>,
 }
 
 impl<'a> ChannelChild<'a> {
     /// The refinement of a channel of `level`.
     pub fn new(level: &'a Level, parent: &'a Channel) -> Self {
-        let values = Values::new(parent, level);
-        let tags = parent.child_tags(level, &values);
+        Self::of(level, parent, Arc::new(ChildValues::new(parent, level)))
+    }
+
+    /// The same, by values that are known.
+    pub fn of(level: &'a Level, parent: &'a Channel, values: Arc<ChildValues>) -> Self {
         let quads = if parent.is_linear(level) { None } else { Quads::new(level, &parent.corner_value) };
-        Self { level, parent, quads, values, corner_values: OnceLock::new(), tags }
+        Self { level, parent, quads, values }
     }
 
     /// The row of a mesh of quads; whether it is one of the smooth ones.
@@ -37,7 +38,7 @@ impl<'a> ChannelChild<'a> {
             quads.face(FaceId::new(row - own), sink);
             return true;
         }
-        if self.tags[ValueId::new(row)] != Tag::Match {
+        if self.values.tags[ValueId::new(row)] != Tag::Match {
             return false;
         }
         if row < own {
@@ -47,8 +48,8 @@ impl<'a> ChannelChild<'a> {
     }
 
     /// The value of each child corner.
-    pub fn corner_values(&self) -> &IdVec<CornerId, ValueId> {
-        self.corner_values.get_or_init(|| self.values.corner_values(self.parent, self.level, ValueId::new).into())
+    pub fn corner_values(&self) -> IdVec<CornerId, ValueId> {
+        self.values.corner_values(self.parent, self.level, ValueId::new).into()
     }
 
     /// The number of the value of each child corner.
@@ -69,9 +70,8 @@ impl<'a> ChannelChild<'a> {
             }
         }
         let value_corner = self.values.value_corners(self.parent, self.level);
-        self.corner_values();
-        let corner_value = self.corner_values.into_inner().unwrap_or_default();
-        Channel { corner_value, value_corner, tags: self.tags, edges, mode: self.parent.mode }
+        let corner_value = self.corner_values();
+        Channel { corner_value, value_corner, tags: self.values.tags.clone(), edges, mode: self.parent.mode }
     }
 }
 
@@ -79,7 +79,7 @@ impl Stencils for ChannelChild<'_> {
     type Source = ValueId;
 
     fn rows(&self) -> usize {
-        self.tags.len()
+        self.values.tags.len()
     }
 
     #[inline(always)]
@@ -90,7 +90,7 @@ impl Stencils for ChannelChild<'_> {
         let (parent, level) = (self.parent, self.level);
         let mut sink = |corner: CornerId, weight: f32| sink(parent.corner_value[corner], weight);
         let own = parent.len();
-        let tag = self.tags[ValueId::new(row)];
+        let tag = self.values.tags[ValueId::new(row)];
         if row < own {
             parent.value_mask(level, ValueId::new(row), tag, &mut sink);
         } else if row < own + self.values.faces {
@@ -109,13 +109,13 @@ impl Stencils for ChannelChild<'_> {
 
 impl Channel {
     /// The tags of the refined channel.
-    fn child_tags(&self, parent: &Level, values: &Values) -> IdVec<ValueId, Tag> {
+    fn child_tags(&self, parent: &Level, faces: usize, halves: &[CornerId]) -> IdVec<ValueId, Tag> {
         let t = &parent.topology;
         let mut tags = self.tags.clone();
         self.reclassify(parent, &mut tags);
-        tags.resize(self.len() + values.faces, Tag::Match);
+        tags.resize(self.len() + faces, Tag::Match);
         let on_split_edge = if self.linear_boundaries() { Tag::Corner } else { Tag::Crease };
-        tags.extend(values.halves.iter().map(|&half| {
+        tags.extend(halves.iter().map(|&half| {
             let tag = self.edges[t.corner_edge[half]];
             if tag.cut || tag.linear { on_split_edge } else { Tag::Match }
         }));
@@ -232,18 +232,21 @@ impl Channel {
     }
 }
 
-/// Where the child values are: those of values first, then of faces, then of edges, one a side where they are cut.
-struct Values {
+/// Which values a channel's refinement has: those of values first, then of faces, then of edges, one a side where they are
+/// cut.
+pub struct ChildValues {
     own: usize,
     faces: usize,
     /// The half-edge behind each value of an edge.
     halves: Vec<CornerId>,
     /// The first value of each edge among `halves`.
     first: IdVec<EdgeId, u32>,
+    tags: IdVec<ValueId, Tag>,
 }
 
-impl Values {
-    fn new(channel: &Channel, level: &Level) -> Self {
+impl ChildValues {
+    /// The values of the refinement of a channel of `level`.
+    pub fn new(channel: &Channel, level: &Level) -> Self {
         let t = &level.topology;
         let mut halves = Vec::with_capacity(t.edges.len() + t.edges.len() / 8);
         let mut first = IdVec::with_capacity(t.edges.len());
@@ -257,7 +260,13 @@ impl Values {
             }
         }
         let faces = if level.scheme == Scheme::Loop { 0 } else { t.faces.len() };
-        Self { own: channel.len(), faces, halves, first }
+        let tags = channel.child_tags(level, faces, &halves);
+        Self { own: channel.len(), faces, halves, first, tags }
+    }
+
+    /// An estimate of the memory that they hold. \[bytes\]
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.halves.as_slice()) + size_of_val(self.first.as_slice()) + size_of_val(self.tags.as_slice())
     }
 
     /// The value in the middle of an edge as the face of `half` sees it.

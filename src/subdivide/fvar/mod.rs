@@ -6,7 +6,7 @@
 
 mod child;
 
-pub use child::ChannelChild;
+pub use child::{ChannelChild, ChildValues};
 
 use super::level::{self, INFINITE_SHARPNESS, Level};
 use crate::garment::{BoundaryInterpolation, FaceVaryingInterpolation, Scheme};
@@ -98,6 +98,12 @@ impl Channel {
     /// Whether the values on the two sides of an edge differ.
     pub fn is_cut(&self, edge: EdgeId) -> bool {
         self.edges[edge].cut
+    }
+
+    /// An estimate of the memory that it holds. \[bytes\]
+    pub fn bytes(&self) -> usize {
+        let values = size_of_val(self.value_corner.as_slice()) + size_of_val(self.tags.as_slice());
+        size_of_val(self.corner_value.as_slice()) + values + size_of_val(self.edges.as_slice())
     }
 
     fn linear_boundaries(&self) -> bool {

@@ -10,6 +10,7 @@ use crate::garment::{
 };
 use crate::mesh::{FaceId, VertexId};
 use glam::Vec3;
+use std::sync::Arc;
 
 /// A cloth of 2 x 2 quads over 3 x 3 points, numbered row by row, with an attribute of each kind.
 fn cloth() -> GarmentInput {
@@ -123,7 +124,7 @@ fn unchecked(p: PrimvarInput) -> Primvar {
         element_size: p.element_size as usize,
         mixing: p.mixing,
         values: p.values,
-        indices: p.indices.map(|i| i.into_iter().map(|i| i as u32).collect()),
+        indices: p.indices.map(|i| Arc::new(i.into_iter().map(|i| i as u32).collect())),
     }
 }
 
