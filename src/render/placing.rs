@@ -106,9 +106,9 @@ impl Placing {
             (0..self.seen.len()).into_par_iter().map(|i| surface.at(t, self.seen.at(i))).collect();
         let linear = carried_points(&&shaped.shape.derivation.vertices, &parent.points);
         let settling = self.settling();
-        let points = settling.aligned(&targets, settling.base(&targets, &linear));
-        let linear = settling.aligned(&targets, linear);
-        let rooms = shaped.shape.carried(&parent.rooms);
+        let points = || settling.aligned(&targets, settling.base(&targets, &linear));
+        let others = || (settling.aligned(&targets, linear.clone()), shaped.shape.carried(&parent.rooms));
+        let (points, (linear, rooms)) = rayon::join(points, others);
         Ground { targets, linear, placed: Placed { points, rooms }, parent: parent.points.clone() }
     }
 
@@ -123,13 +123,9 @@ impl Placing {
         let mut raises: Vec<Raise> = (0..given.len()).map(raise).collect();
         graded(&mut raises, &self.between);
         given.iter_mut().zip(&raises).for_each(|(given, raise)| *given = raise.height);
-        let raised = self.settling().raised(&ground.targets, &raises, &ground.placed.points);
-        let (mut linear, mut flat) = (ground.linear.clone(), ground.placed.points.clone());
-        for (held, raise) in self.shape().held.iter().zip(&raises) {
-            let step = LEAST_SHARE * raise.height * raise.normal;
-            linear[held.vertex] += step;
-            flat[held.vertex] += step;
-        }
+        let raised = || self.settling().raised(&ground.targets, &raises, &ground.placed.points);
+        let least = || [&ground.linear, &ground.placed.points].map(|points| self.least_raised(&raises, points.clone()));
+        let (raised, [linear, flat]) = rayon::join(raised, least);
         let kin = Kin {
             child: &self.formed.child,
             parent: self.formed.parent.level(),
@@ -154,6 +150,14 @@ impl Placing {
         (placed, warnings)
     }
 
+    /// The points with the least part of their heights.
+    fn least_raised(&self, raises: &[Raise], mut points: IdVec<VertexId, Vec3>) -> IdVec<VertexId, Vec3> {
+        for (held, raise) in self.shape().held.iter().zip(raises) {
+            points[held.vertex] += LEAST_SHARE * raise.height * raise.normal;
+        }
+        points
+    }
+
     /// Faces with another layer near on the side to which they are raised.
     fn near(&self, asked: &[f32], rooms: &IdVec<VertexId, Room>) -> IdVec<FaceId, bool> {
         let mut is_near: IdVec<VertexId, bool> = IdVec::filled(false, rooms.len());
@@ -161,7 +165,8 @@ impl Placing {
             is_near[held.vertex] |= rooms[held.vertex][usize::from(*asked > 0.0)] < NEAR * asked.abs();
         }
         let faces = &self.shape().derivation.faces;
-        faces.ids().map(|f| faces.vertices_of(f).iter().any(|&v| is_near[v])).collect()
+        let is_near = |face: usize| faces.vertices_of(FaceId::new(face)).iter().any(|&v| is_near[v]);
+        (0..faces.len()).into_par_iter().map(is_near).collect::<Vec<_>>().into()
     }
 
     /// What is to be seen to on the second refinement. Of rooms only those are known that are within the operators' reach.

@@ -192,6 +192,7 @@ pub fn unfolded(heights: &mut [f32], edges: &[[usize; 2]], targets: &[(Vec3, Vec
 /// Lowers heights that are much larger than those beside them: on a mean of directions that differ, the largest decides.
 pub fn graded(raises: &mut [Raise], edges: &[[usize; 2]]) {
     for _ in 0..GRADES {
+        let mut is_even = true;
         for &[a, b] in edges {
             if raises[a].height == 0.0 || raises[b].height == 0.0 {
                 continue;
@@ -203,8 +204,12 @@ pub fn graded(raises: &mut [Raise], edges: &[[usize; 2]]) {
                 if raises[high].height.abs() > limit {
                     raises[high].height = raises[high].height.signum() * limit;
                     raises[high].is_least = true;
+                    is_even = false;
                 }
             }
+        }
+        if is_even {
+            break;
         }
     }
 }

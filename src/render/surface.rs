@@ -54,7 +54,8 @@ impl Surface {
             let (mean, is_folded) = means[vertex.index()];
             if is_folded && own != Vec3::ZERO { own } else { mean }
         };
-        let normals: IdVec<CornerId, Vec3> = own.iter().zip(t.faces.corners().iter()).map(normal).collect();
+        let vertices = t.faces.corners().as_slice();
+        let normals = own.par_iter().zip(vertices).map(normal).collect::<Vec<_>>().into();
         let is_flat = matches!(level.scheme, Scheme::Bilinear | Scheme::None);
         Self { places, normals, of_cage, is_flat }
     }

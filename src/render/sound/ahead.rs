@@ -13,6 +13,9 @@ use crate::subdivide::{Level, Numbering, Stencils, VertexRows};
 use glam::Vec3;
 use rayon::prelude::*;
 
+/// Pairs of children that are looked at in one go. Fewer refine more of the cage twice.
+const PART: usize = 1024;
+
 /// A cage before any operator, which later ones are held to.
 pub struct Before<'a> {
     /// Its level.
@@ -35,13 +38,24 @@ pub struct Later {
 ///
 /// They are parted as they are where the points of the cage are `parted`.
 pub fn crossing_later(skin: &Skin, parted: &IdVec<VertexId, Vec3>, close: &[[ChildOf; 2]], before: &Before) -> Later {
+    let parts: Vec<Later> = close.par_chunks(PART).map(|close| of_part(skin, parted, close, before)).collect();
+    let mut all = Later { pairs: Vec::new(), apart: Vec::new() };
+    for part in parts {
+        all.pairs.extend(part.pairs);
+        all.apart.extend(part.apart);
+    }
+    Later { pairs: each_once(all.pairs), ..all }
+}
+
+/// The same of pairs that are looked at in one go.
+fn of_part(skin: &Skin, parted: &IdVec<VertexId, Vec3>, close: &[[ChildOf; 2]], before: &Before) -> Later {
     let ahead = Ahead::new(skin.level, &children_of(close), |v| skin.child_point(v));
     let next = ahead.skin();
     let mut found = ahead.crossing(&next, close);
     let parents = |pair: &[ChildOf; 2]| pair.map(|(face, _)| before.parent_faces[face]);
     let known = before.crossing(&each_once(found.iter().map(parents).map(sorted).collect()));
     found.retain(|pair| known.binary_search(&sorted(parents(pair))).is_err());
-    let pairs = each_once(found.iter().map(|pair| sorted(pair.map(|(face, _)| face))).collect());
+    let pairs = found.iter().map(|pair| sorted(pair.map(|(face, _)| face))).collect();
     let parting = Parting { ahead: &ahead, skin: &next, rows: &skin.rows, points: parted };
     Later { pairs, apart: found.iter().flat_map(|pair| parting.apart(pair)).collect() }
 }
@@ -49,6 +63,9 @@ pub fn crossing_later(skin: &Skin, parted: &IdVec<VertexId, Vec3>, close: &[[Chi
 impl Before<'_> {
     /// Of pairs of faces, those that cross on the second refinement.
     fn crossing(&self, pairs: &[[FaceId; 2]]) -> Vec<[FaceId; 2]> {
+        if pairs.is_empty() {
+            return Vec::new();
+        }
         let faces = &self.level.topology.faces;
         let of = |face: FaceId| (0..faces.valence(face)).map(move |number| (face, number));
         let all = pairs.iter().flat_map(|&[f, g]| of(f).flat_map(move |a| of(g).map(move |b| [a, b])));
