@@ -17,6 +17,7 @@ pub mod error;
 pub mod garment;
 pub mod memo;
 pub mod mesh;
+mod parallel;
 pub mod pipeline;
 pub mod recipe;
 pub mod render;

@@ -27,8 +27,9 @@ impl<T> From<T> for Made<T> {
     }
 }
 
-/// A cache of values of any type. Each is made once, however many threads ask for it: the others wait. Those that were
-/// not used for longest are forgotten first, when all together are larger than the capacity.
+/// A cache of values of any type. Each is made once, however many threads ask for it: the others wait. Only a thread of a
+/// pool makes it for itself: what it would wait for may be left to it. Values that were not used for longest are forgotten
+/// first, when all together are larger than the capacity.
 pub struct Memo<K> {
     entries: Mutex<Entries<K>>,
     made: Condvar,
@@ -65,8 +66,12 @@ impl<K: Clone + Eq + Hash> Memo<K> {
     where
         V: Footprint + Send + Sync + 'static,
     {
-        if let Some(value) = self.find_or_claim(key) {
-            return value.downcast().map_err(|_| Error::Internal("a stage's key names two kinds of result".into()));
+        match self.find_or_claim(key) {
+            Found::Ready(value) => {
+                return value.downcast().map_err(|_| Error::Internal("a stage's key names two kinds of result".into()));
+            }
+            Found::Pending => return make().map(Arc::new),
+            Found::Claimed => {}
         }
         // Gives the key up again when `make` fails or panics.
         let claim = Claim { memo: self, key };
@@ -82,8 +87,8 @@ impl<K: Clone + Eq + Hash> Memo<K> {
         self.lock().used
     }
 
-    /// The value, or none and the duty to make it.
-    fn find_or_claim(&self, key: &K) -> Option<Arc<dyn Any + Send + Sync>> {
+    /// The value, or the duty to make it.
+    fn find_or_claim(&self, key: &K) -> Found {
         let mut entries = self.lock();
         loop {
             entries.clock += 1;
@@ -91,14 +96,15 @@ impl<K: Clone + Eq + Hash> Memo<K> {
             match entries.slots.get_mut(key) {
                 Some(Slot::Ready { value, last_use, .. }) => {
                     *last_use = now;
-                    return Some(Arc::clone(value));
+                    return Found::Ready(Arc::clone(value));
                 }
+                Some(Slot::Pending) if rayon::current_thread_index().is_some() => return Found::Pending,
                 Some(Slot::Pending) => {
                     entries = self.made.wait(entries).unwrap_or_else(PoisonError::into_inner);
                 }
                 None => {
                     entries.slots.insert(key.clone(), Slot::Pending);
-                    return None;
+                    return Found::Claimed;
                 }
             }
         }
@@ -133,6 +139,15 @@ impl<K: Clone + Eq + Hash> Entries<K> {
         }
         true
     }
+}
+
+/// What there is of a key.
+enum Found {
+    Ready(Arc<dyn Any + Send + Sync>),
+    /// Another thread is at it, for which this one may not wait.
+    Pending,
+    /// Nothing: who asks is to make it.
+    Claimed,
 }
 
 /// The duty to make a value.
@@ -179,6 +194,18 @@ mod tests {
             }
         });
         assert_eq!((made.into_inner(), memo.used()), (1, 10));
+    }
+
+    #[test]
+    fn a_thread_of_a_pool_does_not_wait() {
+        let (memo, pool) = (Memo::new(100), rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread"));
+        let made = memo.get(&1, || {
+            // It would wait for this thread, which waits for it.
+            assert_eq!(pool.install(|| memo.get(&1, || Ok(Block(10)))).expect("a block").0, 10);
+            Ok(Block(20))
+        });
+        assert_eq!(made.expect("a block").0, 20);
+        assert_eq!((pool.install(|| memo.get(&1, || Ok(Block(10)))).expect("a block").0, memo.used()), (20, 20));
     }
 
     #[test]

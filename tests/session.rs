@@ -124,17 +124,22 @@ fn other_widths_of_a_seam_have_the_same_faces() {
             ("render.level", "2"),
         ]
     };
-    let faces = |arguments: &[(&str, &str)]| {
+    let mesh = |arguments: &[(&str, &str)]| {
         let document = example.document(arguments);
         let opened = example.open(&session, &document);
         let layers = document.layers(&opened.source, &mut Warnings::default()).expect("a recipe");
         let prepared = opened.checked.prepare(&layers).expect("a recipe that fits");
-        session.render(&opened, &prepared).expect("a mesh").value.faces.clone()
+        session.render(&opened, &prepared).expect("a mesh")
     };
     let (narrow, wide, other) = (of("0.4", "side_seams"), of("0.8", "side_seams"), of("0.4", "shoulder_seams"));
-    let [first, again, others] = [&narrow, &wide, &other].map(|arguments| faces(arguments));
+    let meshes = [&narrow, &wide, &other].map(|arguments| mesh(arguments));
+    let [first, again, others] = meshes.each_ref().map(|mesh| &mesh.value.faces);
     assert!(std::ptr::eq(first.corners(), again.corners()), "they were made once");
     assert!(first != others);
+    let uv = meshes.each_ref().map(|mesh| mesh.value.primvars.iter().find(|p| p.name == "st").expect("UVs"));
+    let [first, again, others] = uv.map(|uv| uv.indices.as_ref().expect("indices"));
+    assert!(Arc::ptr_eq(first, again) && first != others);
+    assert!(uv[0].values != uv[1].values, "what is at the corners is not the same");
     for arguments in [narrow, wide, other] {
         assert!(example.layer(&session, &arguments) == straight(&example, &arguments), "{arguments:?}");
     }

@@ -8,7 +8,7 @@
 //!             └─→ ground, points → ground, points → … → level points
 //! ```
 //!
-//! The second chain waits for each shape and each level of the first, which goes on meanwhile: in both there is work that
+//! The second chain follows the first with each shape and each level, which goes on meanwhile: in both there is work that
 //! one thread does.
 //!
 //! The connectivity of each cage with its masks, and of each refinement, is a stage by what it is made of and not by the
@@ -23,13 +23,11 @@ use crate::error::{Error, Warnings};
 use crate::garment::Garment;
 use crate::memo::{Footprint, Made};
 use crate::mesh::{Faces, IdVec, VertexId};
+use crate::parallel::Follower;
 use crate::subdivide::{Cage, Channels, Connectivity, Fingerprint, Level, carried_points};
 use glam::Vec3;
 use serde::Serialize;
-use std::panic::resume_unwind;
-use std::sync::Arc;
-use std::sync::mpsc::{self, Receiver, Sender};
-use std::thread;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Where results of stages come from.
 pub trait Stages: Sync {
@@ -44,7 +42,7 @@ pub trait Stages: Sync {
         make: impl FnOnce() -> Result<V, Error> + Send,
     ) -> Result<Arc<V>, Error>;
 
-    /// Makes what is never kept.
+    /// Makes what is never kept, within the pool.
     fn make<V: Send>(&self, make: impl FnOnce() -> V + Send) -> V;
 }
 
@@ -62,7 +60,6 @@ impl Stages for Afresh {
     }
 
     fn make<V: Send>(&self, make: impl FnOnce() -> V + Send) -> V {
-        // Within the pool, where a loop need not be handed over to it.
         rayon::scope(|_| make())
     }
 }
@@ -88,39 +85,8 @@ pub fn render(garment: &Garment, stack: &Stack, stages: &impl Stages) -> Result<
     if stack.level == 0 && stack.operators.is_empty() {
         return Ok(Rendered { mesh: garment.clone(), sets: Vec::new(), warnings: stack.warnings.clone() });
     }
-    let cage: Arc<Cage> = stages.get("cage", &(), || Ok(first_cage(garment)))?;
-    // All heights depend on how far gaps were looked for.
-    let reach = stack.reach(garment);
-    let first = stages.get("first", &reach, || Ok(Made::from(Placed::first(&cage, reach))))?;
-    let plan = Plan::new(stack, reach, stages);
-    let ((shaped, next_shaped), (levels, next_level)) = (mpsc::channel(), mpsc::channel());
-    let (base, clearance) = (Base::first(&cage), Arc::new(first.value.rooms.clone()));
-    let frame = || plan.frame(cage, base.clone(), clearance, &Sent { shaped, levels });
-    let (frame, points) = at_once(frame, || plan.points(first, base.clone(), &next_shaped, &next_level));
-    let (frame, points) = (frame?, points?);
-    let mut warnings = stack.warnings.clone();
-    for (shaped, placed) in frame.shaped.iter().zip(&points.placed) {
-        warnings.extend(&shaped.shape.warnings);
-        warnings.extend(&placed.warnings);
-    }
-    let subsets = frame.shaped.iter().flat_map(|shaped| &shaped.shape.subsets);
-    let sets = subsets.map(|set| set.name.clone()).collect();
-    // Attributes are shared with those of other points.
-    let mesh = Garment { points: points.last, ..Garment::clone(&frame.mesh) };
-    Ok(Rendered { mesh, sets, warnings })
-}
-
-/// Runs two chains of stages at the same time, of which the second may wait for what the first sends.
-fn at_once<A: Send, B>(first: impl FnOnce() -> A + Send, second: impl FnOnce() -> B) -> (A, B) {
-    // A thread of a pool may not wait: what it waits for may be left to that thread.
-    if rayon::current_thread_index().is_some() || rayon::current_num_threads() == 1 {
-        return (first(), second());
-    }
-    thread::scope(|scope| {
-        let first = scope.spawn(first);
-        let second = second();
-        (first.join().unwrap_or_else(|panic| resume_unwind(panic)), second)
-    })
+    // A loop within the pool need not be handed over to it.
+    stages.make(|| Plan::new(garment, stack, stages).rendered(garment))
 }
 
 /// What makes the mesh, and by which names.
@@ -129,15 +95,20 @@ struct Plan<'a, S> {
     stages: &'a S,
     /// What the connectivity after each operator depends on, one after the other.
     structure: Vec<String>,
+    /// How far gaps are looked for. \[stage units\]
+    reach: f32,
     /// What the points depend on, from before the first operator on.
     options: Vec<String>,
 }
 
-/// To where the points are made.
-struct Sent {
-    shaped: Sender<(Arc<Shaped>, Base)>,
-    /// Levels to refine.
-    levels: Sender<Arc<Level>>,
+/// What the points are made of, as soon as it is there.
+enum Step {
+    /// The cage before the operators.
+    Cage(Base),
+    /// What an operator makes of it.
+    Shape(Arc<Shaped>, Base),
+    /// A level to refine.
+    Level(Arc<Level>),
 }
 
 /// The level of a cage that is not refined.
@@ -159,31 +130,70 @@ struct Frame {
     mesh: Arc<Garment>,
 }
 
-/// The points of a mesh.
-struct Points {
+/// The points, as far as they are made.
+struct Points<'a, S> {
+    plan: &'a Plan<'a, S>,
+    /// That of the last cage.
+    connectivity: Option<Arc<Connectivity>>,
+    last: Arc<Made<Placed>>,
     /// After each operator.
     placed: Vec<Arc<Made<Placed>>>,
-    last: IdVec<VertexId, Vec3>,
+    /// Refinements that were made.
+    step: u32,
+    refined: Option<Arc<IdVec<VertexId, Vec3>>>,
+    /// Those of the mesh, if it is refined.
+    of_mesh: Option<IdVec<VertexId, Vec3>>,
 }
 
 impl<'a, S: Stages> Plan<'a, S> {
-    fn new(stack: &'a Stack, reach: f32, stages: &'a S) -> Self {
+    fn new(garment: &Garment, stack: &'a Stack, stages: &'a S) -> Self {
         let structure = stack.operators.iter().map(|operator| operator.structure()).collect();
+        // All heights depend on how far gaps were looked for.
+        let reach = stack.reach(garment);
         let all = stack.operators.iter().map(|operator| operator.options());
-        Self { stack, stages, structure, options: std::iter::once(reach.to_string()).chain(all).collect() }
+        let options = std::iter::once(reach.to_string()).chain(all).collect();
+        Self { stack, stages, structure, reach, options }
+    }
+
+    fn rendered(&self, garment: &Garment) -> Result<Rendered, Error> {
+        let cage: Arc<Cage> = self.stages.get("cage", &(), || Ok(first_cage(garment)))?;
+        let first = || Ok(Made::from(Placed::first(&cage, self.reach)));
+        let first = self.stages.get("first", &self.reach, first)?;
+        let clearance = Arc::new(first.value.rooms.clone());
+        let points = Mutex::new(Ok(Points::new(self, first)));
+        let follower = Follower::new(|step| {
+            let mut points = points.lock().unwrap_or_else(PoisonError::into_inner);
+            let followed = points.as_mut().map_or(Ok(()), |points| points.follow(step));
+            if let Err(fault) = followed {
+                *points = Err(fault);
+            }
+        });
+        let frame = rayon::scope(|scope| self.frame(cage, clearance, &|step| follower.send(scope, step)))?;
+        let points = points.into_inner().unwrap_or_else(PoisonError::into_inner)?;
+        let mut warnings = self.stack.warnings.clone();
+        for (shaped, placed) in frame.shaped.iter().zip(&points.placed) {
+            warnings.extend(&shaped.shape.warnings);
+            warnings.extend(&placed.warnings);
+        }
+        let subsets = frame.shaped.iter().flat_map(|shaped| &shaped.shape.subsets);
+        let sets = subsets.map(|set| set.name.clone()).collect();
+        // Attributes are shared with those of other points.
+        let mesh = Garment { points: points.into_mesh(), ..Garment::clone(&frame.mesh) };
+        Ok(Rendered { mesh, sets, warnings })
     }
 
     /// The connectivity and the attributes.
     fn frame(
         &self,
         first: Arc<Cage>,
-        mut base: Base,
         clearance: Arc<IdVec<VertexId, Room>>,
-        sent: &Sent,
+        send: &impl Fn(Step),
     ) -> Result<Frame, Error> {
+        let mut base = Base::first(&first);
         let mut shaped: Vec<Arc<Shaped>> = Vec::with_capacity(self.structure.len());
         let mut cage = Arc::clone(&first);
         if !self.structure.is_empty() {
+            send(Step::Cage(base.clone()));
             let front = self.stages.get("front", &(), || Ok(Front::first(&first)))?;
             let faces = Arc::new(first.garment().faces.ids().collect());
             let mut origin = Origin { clearance, front, cage: first, faces };
@@ -192,8 +202,7 @@ impl<'a, S: Stages> Plan<'a, S> {
                 // The same for every reach, as operators ask for no clearance beyond their own.
                 let stage = self.stages.get("shape", structure, || Shaped::new(operator.as_ref(), &cage, &origin))?;
                 base = self.base(&stage)?;
-                // Nobody waits for it where the points have failed.
-                drop(sent.shaped.send((Arc::clone(&stage), base.clone())));
+                send(Step::Shape(Arc::clone(&stage), base.clone()));
                 let level = Arc::clone(&base.level);
                 let form = || Ok(cage.derived(&stage.shape.derivation, stage.frame.clone(), level));
                 cage = self.stages.get("form", structure, form)?;
@@ -202,7 +211,7 @@ impl<'a, S: Stages> Plan<'a, S> {
             }
         }
         check_size(cage.garment(), self.stack.level)?;
-        Ok(Frame { shaped, mesh: self.refined(cage, base.fingerprint, sent)? })
+        Ok(Frame { shaped, mesh: self.refined(cage, base.fingerprint, send)? })
     }
 
     fn base(&self, Shaped { frame, fingerprint, .. }: &Shaped) -> Result<Base, Error> {
@@ -215,19 +224,24 @@ impl<'a, S: Stages> Plan<'a, S> {
     }
 
     /// The last cage, whose level has this fingerprint, after the refinements.
-    fn refined(&self, mut cage: Arc<Cage>, fingerprint: Fingerprint, sent: &Sent) -> Result<Arc<Garment>, Error> {
+    fn refined(
+        &self,
+        mut cage: Arc<Cage>,
+        fingerprint: Fingerprint,
+        send: &impl Fn(Step),
+    ) -> Result<Arc<Garment>, Error> {
         let last = self.stack.level;
         let key = (&self.structure, last);
         if last == 0 {
             return self.stages.get("attributes", &key, || Ok(Cage::clone(&cage).into_garment()));
         }
-        drop(sent.levels.send(cage.shared_level()));
+        send(Step::Level(cage.shared_level()));
         let sharing = Channels::fingerprint(cage.garment());
         let known_by = |step: u32| (fingerprint, sharing, step);
         let mut channels = self.stages.get("channels", &known_by(0), || Ok(Channels::new(&cage)))?;
         for step in 1..last {
             let level = self.stages.get("refined level", &(fingerprint, step), || Ok(cage.level().refined()))?;
-            drop(sent.levels.send(Arc::clone(&level)));
+            send(Step::Level(Arc::clone(&level)));
             let refined = || Ok(cage.refined(Arc::clone(&level), &channels));
             let refined = self.stages.get("level", &(&self.structure, step), refined)?;
             let next = || Ok(channels.refined(cage.level(), &level));
@@ -238,68 +252,61 @@ impl<'a, S: Stages> Plan<'a, S> {
         let faces: Arc<Faces> = self.stages.get("refined faces", &(fingerprint, last), faces)?;
         self.stages.get("attributes", &key, || Ok(cage.refined_garment(Faces::clone(&faces), &channels)))
     }
-
-    /// The points, in what is sent from the other chain.
-    fn points(
-        &self,
-        first: Arc<Made<Placed>>,
-        base: Base,
-        shaped: &Receiver<(Arc<Shaped>, Base)>,
-        levels: &Receiver<Arc<Level>>,
-    ) -> Result<Points, Error> {
-        let (mut last, mut placed) = (first, Vec::with_capacity(self.structure.len()));
-        if self.structure.is_empty() {
-            return Ok(Points { last: self.refined_points(&last.value.points, None, levels)?, placed });
-        }
-        let mut connectivity = self.connectivity(base)?;
-        for (number, operator) in self.stack.operators.iter().enumerate() {
-            let (shaped, base) = received(shaped)?;
-            let parent = std::mem::replace(&mut connectivity, self.connectivity(base)?);
-            let formed = Formed { shaped, child: Arc::clone(&connectivity), parent };
-            let structure = &self.structure[..=number];
-            let placing = self.stages.get("placing", &structure, || Ok(Placing::new(formed)))?;
-            let (before, options) = (&self.options[..=number], &self.options[..=number + 1]);
-            let ground = || Ok(placing.ground(&last.value));
-            let ground = self.stages.get("ground", &(structure, before), ground)?;
-            let is_last = number + 1 == self.structure.len();
-            last = self.stages.get("points", &(options, is_last), || {
-                let (value, warnings) = placing.raised(operator.as_ref(), &ground, is_last);
-                Ok(Made { value, warnings })
-            })?;
-            placed.push(Arc::clone(&last));
-        }
-        Ok(Points { last: self.refined_points(&last.value.points, Some(&connectivity), levels)?, placed })
-    }
-
-    /// The points after the refinements, of which the first is that of `connectivity` where there is one. Those of the last
-    /// one go into the mesh and are not kept by themselves.
-    fn refined_points(
-        &self,
-        points: &IdVec<VertexId, Vec3>,
-        connectivity: Option<&Connectivity>,
-        levels: &Receiver<Arc<Level>>,
-    ) -> Result<IdVec<VertexId, Vec3>, Error> {
-        let refined = |level: &Level, step: u32, points: &IdVec<VertexId, Vec3>| {
-            // Masks that are known need not be computed again.
-            let known = connectivity.filter(|_| step == 1);
-            carried_points(&known.map_or_else(|| level.vertex_rows(), Connectivity::vertex_rows), points)
-        };
-        let (mut kept, last): (Option<Arc<IdVec<VertexId, Vec3>>>, u32) = (None, self.stack.level);
-        for step in 1..last {
-            let (level, points) = (received(levels)?, kept.as_deref().unwrap_or(points));
-            let stage = self.stages.get("level points", &(&self.options, step), || Ok(refined(&level, step, points)));
-            kept = Some(stage?);
-        }
-        let points = kept.as_deref().unwrap_or(points);
-        if last == 0 {
-            return Ok(points.clone());
-        }
-        let level = received(levels)?;
-        Ok(self.stages.make(|| refined(&level, last, points)))
-    }
 }
 
-/// What the other chain sends; where it has failed, its own fault is told.
-fn received<T>(from: &Receiver<T>) -> Result<T, Error> {
-    from.recv().map_err(|_| Error::Internal("a stage before the points was not made".to_owned()))
+impl<'a, S: Stages> Points<'a, S> {
+    fn new(plan: &'a Plan<'a, S>, first: Arc<Made<Placed>>) -> Self {
+        Self { plan, connectivity: None, last: first, placed: Vec::new(), step: 0, refined: None, of_mesh: None }
+    }
+
+    fn follow(&mut self, step: Step) -> Result<(), Error> {
+        match step {
+            Step::Cage(base) => self.connectivity = Some(self.plan.connectivity(base)?),
+            Step::Shape(shaped, base) => self.raise(shaped, base)?,
+            Step::Level(level) => self.refine(&level)?,
+        }
+        Ok(())
+    }
+
+    /// The points of the next cage.
+    fn raise(&mut self, shaped: Arc<Shaped>, base: Base) -> Result<(), Error> {
+        let Plan { stack, stages, structure, options, .. } = self.plan;
+        let child = self.plan.connectivity(base)?;
+        let parent = self.connectivity.replace(Arc::clone(&child));
+        let parent = parent.ok_or_else(|| Error::Internal("a shape came before its cage".to_owned()))?;
+        let formed = Formed { shaped, child, parent };
+        let number = self.placed.len();
+        let structure = &structure[..=number];
+        let placing = stages.get("placing", &structure, || Ok(Placing::new(formed)))?;
+        let (before, options) = (&options[..=number], &options[..=number + 1]);
+        let ground = stages.get("ground", &(structure, before), || Ok(placing.ground(&self.last.value)))?;
+        let is_last = number + 1 == stack.operators.len();
+        self.last = stages.get("points", &(options, is_last), || {
+            let (value, warnings) = placing.raised(stack.operators[number].as_ref(), &ground, is_last);
+            Ok(Made { value, warnings })
+        })?;
+        self.placed.push(Arc::clone(&self.last));
+        Ok(())
+    }
+
+    /// The points after a refinement. Those of the last one go into the mesh and are not kept by themselves.
+    fn refine(&mut self, level: &Level) -> Result<(), Error> {
+        let Plan { stack, stages, options, .. } = self.plan;
+        self.step += 1;
+        let points = self.refined.as_deref().unwrap_or(&self.last.value.points);
+        // Masks that are known need not be computed again.
+        let known = self.connectivity.as_deref().filter(|_| self.step == 1);
+        let rows = known.map_or_else(|| level.vertex_rows(), Connectivity::vertex_rows);
+        if self.step == stack.level {
+            self.of_mesh = Some(stages.make(|| carried_points(&rows, points)));
+        } else {
+            let refined = || Ok(carried_points(&rows, points));
+            self.refined = Some(stages.get("level points", &(options, self.step), refined)?);
+        }
+        Ok(())
+    }
+
+    fn into_mesh(self) -> IdVec<VertexId, Vec3> {
+        self.of_mesh.unwrap_or_else(|| self.last.value.points.clone())
+    }
 }

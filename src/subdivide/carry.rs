@@ -6,10 +6,14 @@ use crate::garment::{
     Corner, Crease, Elements, Family, FamilyType, Garment, Interpolation, Mixing, Primvar, Subset, Values,
 };
 use crate::mesh::{CornerId, EdgeId, FaceId, Faces, IdVec, Topology, ValueId, VertexId};
+use crate::parallel::when_idle;
 use glam::Vec3;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::sync::Arc;
+
+/// Vertices whose influences are found in one go.
+const BLOCK: usize = 512;
 
 /// Where each element of a child mesh comes from. All that is attached to a mesh is carried by this alone, whether the
 /// child is a refinement or what an operator made.
@@ -71,8 +75,8 @@ pub(super) fn carry<L: Lineage>(
     lineage: &L,
 ) -> (Garment, Option<Vec<Influences>>) {
     let carry = Carry::new(garment, lineage);
-    let (frame, (primvars, influences)) =
-        rayon::join(|| carry.frame(IdVec::default()), || carry.attributes(influences));
+    let ((primvars, influences), frame) =
+        rayon::join(|| carry.attributes(influences), || carry.frame(IdVec::default()));
     (Garment { primvars: primvars.into(), ..frame }, influences)
 }
 
@@ -122,12 +126,19 @@ impl<'a, L: Lineage> Carry<'a, L> {
 
     /// The child's primvars, and joint influences.
     pub(super) fn attributes(&self, influences: Option<&[Influences]>) -> (Vec<Primvar>, Option<Vec<Influences>>) {
-        let carried = self.garment.primvars.par_iter().enumerate().map(|(place, primvar)| match primvar {
+        let primvars = &self.garment.primvars;
+        let carried = |place: usize| match &primvars[place] {
             p if is_channel(p) => self.lineage.face_varying(self.garment, place),
             p if joints::is_influence(self.garment, p) => p.clone(),
             p => self.primvar(p),
-        });
-        rayon::join(|| carried.collect(), || influences.map(|all| self.influences(all)))
+        };
+        let mut all: Vec<Primvar> = primvars.iter().map(Primvar::headed).collect();
+        // All threads share in each that is mixed.
+        let places = all.iter_mut().enumerate();
+        let (mixed, others): (Vec<_>, Vec<_>) = places.partition(|(place, _)| primvars[*place].is_mixed());
+        when_idle(others.into_iter(), |(place, child)| *child = carried(place));
+        mixed.into_iter().for_each(|(place, child)| *child = carried(place));
+        (all, influences.map(|all| self.influences(all)))
     }
 
     fn faces(&self, parents: &[FaceId]) -> Vec<FaceId> {
@@ -219,8 +230,12 @@ impl<'a, L: Lineage> Carry<'a, L> {
     /// The influences of the child's vertices, merged by joint.
     fn influences(&self, all: &[Influences]) -> Vec<Influences> {
         let stencils = self.lineage.vertex();
-        let rows = (0..stencils.rows()).into_par_iter();
-        rows.map(|r| joints::blend(stencils.merged(r).iter().map(|&(v, w)| (&all[v.index()], w)))).collect()
+        let row = |r: usize| joints::blend(stencils.merged(r).iter().map(|&(v, w)| (&all[v.index()], w)));
+        let mut children = vec![Influences::new(); stencils.rows()];
+        when_idle(children.chunks_mut(BLOCK).enumerate(), |(block, children)| {
+            children.iter_mut().zip(BLOCK * block..).for_each(|(child, r)| *child = row(r));
+        });
+        children
     }
 }
 

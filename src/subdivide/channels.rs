@@ -85,3 +85,68 @@ impl PrimvarChannel {
         self.channel.bytes() + self.children.bytes() + rows + size_of_val(self.indices.as_slice())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::garment::{FaceVaryingInterpolation, Interpolation, Mixing, Values};
+    use crate::mesh::{Faces, IdVec, VertexId};
+    use glam::Vec3;
+
+    /// Two quads side by side, with a value for each corner.
+    fn garment(indices: Option<Vec<u32>>, values: Vec<f32>) -> Garment {
+        let primvar = Primvar {
+            name: "st".to_owned(),
+            type_name: "float[]".to_owned(),
+            interpolation: Interpolation::FaceVarying,
+            components: 1,
+            element_size: 1,
+            mixing: Mixing::Linear,
+            values: Values::F32(values),
+            indices: indices.map(Arc::new),
+        };
+        Garment {
+            points: IdVec::filled(Vec3::ZERO, 6),
+            faces: Faces::quads([0, 1, 4, 3, 1, 2, 5, 4].map(VertexId::new).to_vec()),
+            primvars: vec![primvar].into(),
+            ..Garment::default()
+        }
+    }
+
+    #[test]
+    fn a_fingerprint_is_that_of_which_corners_share_a_value() {
+        let joined = || Some(vec![0, 1, 2, 3, 1, 4, 5, 2]);
+        let first = Channels::fingerprint(&garment(joined(), vec![0.0; 6]));
+        assert_eq!(first, Channels::fingerprint(&garment(joined(), (0..6).map(|i| i as f32).collect())), "values");
+        let mut linear = garment(joined(), vec![0.0; 6]);
+        linear.rules.face_varying = FaceVaryingInterpolation::All;
+        let mut without = garment(joined(), vec![0.0; 6]);
+        without.primvars = Vec::new().into();
+        let apart = garment(Some((0..8).collect()), vec![0.0; 8]);
+        let flat = garment(None, (0..8).map(|i| i as f32).collect());
+        assert_eq!(Channels::fingerprint(&apart), Channels::fingerprint(&flat), "where no corners share a value");
+        let joined_flat = garment(None, vec![0.0, 1.0, 2.0, 3.0, 1.0, 4.0, 5.0, 2.0]);
+        let mut known = [&linear, &without, &apart, &joined_flat].map(Channels::fingerprint).to_vec();
+        known.push(first);
+        known.sort_unstable();
+        known.dedup();
+        assert_eq!(known.len(), 5);
+    }
+
+    #[test]
+    fn a_primvar_takes_what_is_shared_and_its_own_values() {
+        let indices = || Some(vec![0, 1, 2, 3, 6, 4, 5, 7]);
+        let cages = [1.0, 2.0].map(|scale| Cage::new(garment(indices(), (0..8).map(|i| scale * i as f32).collect())));
+        let channels = Channels::new(&cages[0]);
+        let faces = || cages[0].level().refined_faces();
+        let [own, other] = cages.each_ref().map(|cage| cage.refined_garment(faces(), &channels).primvars[0].clone());
+        assert!(Arc::ptr_eq(own.indices.as_ref().expect("indices"), other.indices.as_ref().expect("indices")));
+        let of = |primvar: &Primvar| match &primvar.values {
+            Values::F32(values) => values.iter().map(|value| 2.0 * value).collect::<Vec<_>>(),
+            _ => Vec::new(),
+        };
+        assert_eq!(Values::F32(of(&own)), other.values);
+        let afresh = Channels::new(&cages[1]);
+        assert_eq!(cages[1].refined_garment(faces(), &afresh).primvars[0], other);
+    }
+}

@@ -1,6 +1,7 @@
 //! Sparse linear maps from the values of one mesh to those of the next.
 
 use crate::mesh::Id;
+use crate::parallel::when_idle;
 use rayon::prelude::*;
 
 /// Rows that one task works on; small enough to balance, large enough to pay for the task.
@@ -53,7 +54,7 @@ pub trait Stencils: Sync {
     fn apply_tuples<T: Real, const N: usize>(&self, parents: &[T]) -> Vec<T> {
         let (parents, _) = parents.as_chunks::<N>();
         let mut children = vec![T::from_f64(0.0); self.rows() * N];
-        children.par_chunks_mut(ROWS_PER_TASK * N).enumerate().for_each(|(task, children)| {
+        when_idle(children.chunks_mut(ROWS_PER_TASK * N).enumerate(), |(task, children)| {
             for (i, child) in children.as_chunks_mut::<N>().0.iter_mut().enumerate() {
                 let mut sum = [0.0f64; N];
                 self.row(task * ROWS_PER_TASK + i, &mut |source, weight| {
@@ -69,7 +70,7 @@ pub trait Stencils: Sync {
     /// The same for many numbers.
     fn apply_wide<T: Real>(&self, parents: &[T], width: usize) -> Vec<T> {
         let mut children = vec![T::from_f64(0.0); self.rows() * width];
-        children.par_chunks_mut(ROWS_PER_TASK * width).enumerate().for_each(|(task, children)| {
+        when_idle(children.chunks_mut(ROWS_PER_TASK * width).enumerate(), |(task, children)| {
             let mut sum = vec![0.0f64; width];
             for (i, child) in children.chunks_exact_mut(width).enumerate() {
                 sum.fill(0.0);
