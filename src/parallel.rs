@@ -35,7 +35,8 @@ fn next_part<'s, T: Send + 's>(
 /// but the scope.
 pub struct Follower<T, W> {
     steps: Mutex<Steps<T>>,
-    work: W,
+    /// Held by who is at the steps.
+    work: Mutex<W>,
 }
 
 struct Steps<T> {
@@ -44,10 +45,10 @@ struct Steps<T> {
     is_followed: bool,
 }
 
-impl<T: Send, W: Fn(T) + Sync> Follower<T, W> {
+impl<T: Send, W: FnMut(T) + Send> Follower<T, W> {
     /// What does `work` with each step.
     pub fn new(work: W) -> Self {
-        Self { steps: Mutex::new(Steps { waiting: VecDeque::new(), is_followed: false }), work }
+        Self { steps: Mutex::new(Steps { waiting: VecDeque::new(), is_followed: false }), work: Mutex::new(work) }
     }
 
     /// Adds a step, which is done within the scope.
@@ -61,7 +62,7 @@ impl<T: Send, W: Fn(T) + Sync> Follower<T, W> {
 
     fn follow(&self) {
         while let Some(step) = self.next() {
-            (self.work)(step);
+            lock(&self.work)(step);
         }
     }
 
@@ -101,17 +102,18 @@ mod tests {
     }
 
     #[test]
-    fn steps_are_followed_in_their_order_by_one_at_a_time() {
+    fn steps_are_followed_in_their_order() {
         with_threads(|| {
-            let followed = Mutex::new(Vec::new());
+            let mut followed = Vec::new();
             let follower = Follower::new(|step: usize| {
-                let mut followed = followed.try_lock().expect("nobody else is at it");
                 let mut sums = vec![0; 1000];
                 when_idle(sums.iter_mut(), |sum| *sum += step);
                 followed.push(sums.iter().sum::<usize>());
             });
             rayon::scope(|scope| (0..100).for_each(|step| follower.send(scope, step)));
-            assert!(followed.into_inner().expect("no panic").into_iter().eq((0..100).map(|step| 1000 * step)));
+            assert_eq!(lock(&follower.steps).waiting.len(), 0);
+            drop(follower);
+            assert!(followed.into_iter().eq((0..100).map(|step| 1000 * step)));
         });
     }
 }

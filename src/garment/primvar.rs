@@ -192,3 +192,20 @@ impl Primvar {
         self.indices.as_ref().map_or(element, |i| i[element] as usize)
     }
 }
+
+#[cfg(test)]
+impl Primvar {
+    /// Numbers at corners, for tests.
+    pub fn of_corners(values: Vec<f32>, indices: Option<Vec<u32>>) -> Self {
+        Self {
+            name: "x".to_owned(),
+            type_name: "float[]".to_owned(),
+            interpolation: Interpolation::FaceVarying,
+            components: 1,
+            element_size: 1,
+            mixing: Mixing::Linear,
+            values: Values::F32(values),
+            indices: indices.map(Arc::new),
+        }
+    }
+}

@@ -27,7 +27,7 @@ use crate::parallel::Follower;
 use crate::subdivide::{Cage, Channels, Connectivity, Fingerprint, Level, carried_points};
 use glam::Vec3;
 use serde::Serialize;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 /// Where results of stages come from.
 pub trait Stages: Sync {
@@ -160,16 +160,15 @@ impl<'a, S: Stages> Plan<'a, S> {
         let first = || Ok(Made::from(Placed::first(&cage, self.reach)));
         let first = self.stages.get("first", &self.reach, first)?;
         let clearance = Arc::new(first.value.rooms.clone());
-        let points = Mutex::new(Ok(Points::new(self, first)));
+        let (mut points, mut followed) = (Points::new(self, first), Ok(()));
         let follower = Follower::new(|step| {
-            let mut points = points.lock().unwrap_or_else(PoisonError::into_inner);
-            let followed = points.as_mut().map_or(Ok(()), |points| points.follow(step));
-            if let Err(fault) = followed {
-                *points = Err(fault);
+            if followed.is_ok() {
+                followed = points.follow(step);
             }
         });
         let frame = rayon::scope(|scope| self.frame(cage, clearance, &|step| follower.send(scope, step)))?;
-        let points = points.into_inner().unwrap_or_else(PoisonError::into_inner)?;
+        drop(follower);
+        followed?;
         let mut warnings = self.stack.warnings.clone();
         for (shaped, placed) in frame.shaped.iter().zip(&points.placed) {
             warnings.extend(&shaped.shape.warnings);

@@ -89,26 +89,16 @@ impl PrimvarChannel {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::garment::{FaceVaryingInterpolation, Interpolation, Mixing, Values};
+    use crate::garment::{FaceVaryingInterpolation, Values};
     use crate::mesh::{Faces, IdVec, VertexId};
     use glam::Vec3;
 
     /// Two quads side by side, with a value for each corner.
     fn garment(indices: Option<Vec<u32>>, values: Vec<f32>) -> Garment {
-        let primvar = Primvar {
-            name: "st".to_owned(),
-            type_name: "float[]".to_owned(),
-            interpolation: Interpolation::FaceVarying,
-            components: 1,
-            element_size: 1,
-            mixing: Mixing::Linear,
-            values: Values::F32(values),
-            indices: indices.map(Arc::new),
-        };
         Garment {
             points: IdVec::filled(Vec3::ZERO, 6),
             faces: Faces::quads([0, 1, 4, 3, 1, 2, 5, 4].map(VertexId::new).to_vec()),
-            primvars: vec![primvar].into(),
+            primvars: vec![Primvar::of_corners(values, indices)].into(),
             ..Garment::default()
         }
     }

@@ -245,19 +245,6 @@ mod tests {
         Topology::new(Faces::triangles([0, 1, 2, 2, 1, 3].map(VertexId::new).to_vec()), 4)
     }
 
-    fn primvar(values: Vec<f32>, indices: Option<Vec<u32>>) -> Primvar {
-        Primvar {
-            name: "x".into(),
-            type_name: "float[]".into(),
-            interpolation: Interpolation::FaceVarying,
-            components: 1,
-            element_size: 1,
-            mixing: Mixing::Linear,
-            values: Values::F32(values),
-            indices: indices.map(Arc::new),
-        }
-    }
-
     fn bits(primvar: &Primvar, row: usize) -> u32 {
         match &primvar.values {
             Values::F32(v) => v[primvar.row(row)].to_bits(),
@@ -269,7 +256,9 @@ mod tests {
     fn values_on_vertices_are_those_of_all_corners_bit_for_bit() {
         let (t, of_vertex) = (two(), [0.1f32, -0.0, f32::MIN_POSITIVE, f32::NAN]);
         let corners: Vec<f32> = t.faces.corners().iter().map(|v| of_vertex[v.index()]).collect();
-        for given in [primvar(corners, None), primvar(of_vertex.to_vec(), Some(vec![0, 1, 2, 2, 1, 3]))] {
+        for given in
+            [Primvar::of_corners(corners, None), Primvar::of_corners(of_vertex.to_vec(), Some(vec![0, 1, 2, 2, 1, 3]))]
+        {
             let moved = as_vertex(given.clone(), &t);
             assert_eq!((moved.interpolation, moved.elements()), (Interpolation::Vertex, 4));
             for (corner, vertex) in t.faces.corners().enumerated() {
@@ -284,7 +273,7 @@ mod tests {
         for (corner, other) in [(3, 2.0f32.next_up()), (4, -0.0)] {
             let mut values = vec![1.0, 0.0, 2.0, 2.0, 0.0, 3.0];
             values[corner] = other;
-            let given = primvar(values, None);
+            let given = Primvar::of_corners(values, None);
             assert_eq!(as_vertex(given.clone(), &t), given);
         }
     }
