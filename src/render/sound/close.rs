@@ -92,8 +92,7 @@ impl Skin<'_> {
             return self.may_cross_itself(f);
         }
         if self.touch(f, g) {
-            let axis = (f.normal + g.normal).normalize_or_zero();
-            return f.is_loose && g.is_loose && f.normal.dot(g.normal) < ACROSS && !self.are_sound_beside(f, g, axis);
+            return f.is_loose && g.is_loose && f.normal.dot(g.normal) < ACROSS && !self.are_sound_beside(f, g);
         }
         !self.is_apart(f, g, way) && !self.is_apart(g, f, &way.back()) && !self.are_beside(f, g)
     }

@@ -5,7 +5,7 @@
 
 use super::close::ChildOf;
 use super::lanes::{Boxes, Four, Lanes, Ranges, each};
-use super::piece::{Cell, EVEN, LANES, Piece, heights};
+use super::piece::{Cell, EVEN, LANES, Piece};
 use super::skin::Skin;
 use super::tree::{Bounds, Tree};
 use crate::mesh::{CornerId, FaceId, VertexId};
@@ -72,11 +72,7 @@ impl Skin<'_> {
             return self.may_cross_itself(f) && self.children_cross(f, g);
         }
         if self.touch(f, g) {
-            if are_even(f, g) {
-                return false;
-            }
-            let axis = (f.normal + g.normal).normalize_or_zero();
-            return !self.are_sound_beside(f, g, axis) && self.children_cross(f, g);
+            return !are_even(f, g) && !self.are_sound_beside(f, g) && self.children_cross(f, g);
         }
         !self.is_apart(f, g, &Way::NONE)
             && !self.is_apart(g, f, &Way::NONE)
@@ -90,13 +86,14 @@ impl Skin<'_> {
         f.spread < ONE_SIDED
     }
 
-    /// Whether faces that touch cannot cross, as they look to one side, or as something parts them along `axis`.
+    /// Whether faces that touch cannot cross, as they look to one side, or as something parts them.
     #[inline]
-    pub(super) fn are_sound_beside(&self, f: &Piece, g: &Piece, axis: Vec3) -> bool {
-        self.is_one_sided(f, g, axis)
-            || self.are_beside(f, g)
-            || self.are_parted(f, g, axis)
-            || self.are_parted(g, f, axis)
+    pub(super) fn are_sound_beside(&self, f: &Piece, g: &Piece) -> bool {
+        if self.are_one_sided(f, g) || self.are_beside(f, g) {
+            return true;
+        }
+        let axis = between(f, g);
+        self.are_parted(f, g, axis) || self.are_parted(g, f, axis)
     }
 
     /// Whether two faces have a vertex in common.
@@ -106,30 +103,35 @@ impl Skin<'_> {
             // All at once is faster than to stop at the first.
             return f.vertices.iter().fold(false, |any, v| g.vertices.iter().fold(any, |any, w| any | (v == w)));
         }
-        let [a, b] = [f, g].map(|piece| self.level.topology.faces.vertices_of(piece.face));
+        let [a, b] = [f, g].map(|piece| self.vertices(piece));
         a.iter().any(|v| b.contains(v))
     }
 
     /// Whether faces that touch cannot cross, as they look to one side. Of the narrow triangles where a seam ends, one may
     /// pass another all the same, and so may two faces at a vertex across a fold.
-    fn is_one_sided(&self, f: &Piece, g: &Piece, axis: Vec3) -> bool {
+    #[inline]
+    fn are_one_sided(&self, f: &Piece, g: &Piece) -> bool {
         if f.is_loose || g.is_loose || f.normal.dot(g.normal) < ACROSS {
             return false;
         }
-        f.spread.min(g.spread) > EVEN || [f, g].iter().all(|piece| self.all_look(piece, axis, ONE_SIDED))
+        let all_look = |axis| [f, g].iter().all(|piece| self.all_look(piece, axis, ONE_SIDED));
+        f.spread.min(g.spread) > EVEN || all_look(between(f, g))
     }
 
     /// Whether a plane along `axis`, through an edge of `f` at what it has in common with `g`, parts the two.
     fn are_parted(&self, f: &Piece, g: &Piece, axis: Vec3) -> bool {
-        let [of_f, of_g] = [f, g].map(|piece| self.level.topology.faces.vertices_of(piece.face));
-        let next = |i: usize| if i + 1 == f.valence { 0 } else { i + 1 };
+        let [of_f, of_g] = [f, g].map(|piece| self.vertices(piece));
         let corner = |i: usize| self.cell(f, i / LANES).corners.at(i % LANES);
+        let is_common = |i: usize| of_g.contains(&of_f[i]);
+        let mut is_next_common = is_common(0);
         (0..f.valence).any(|i| {
-            let are_common = [i, next(i)].map(|i| of_g.contains(&of_f[i]));
+            let next = if i + 1 == f.valence { 0 } else { i + 1 };
+            let are_common = [is_next_common, is_common(next)];
+            is_next_common = are_common[1];
             if are_common == [false; 2] {
                 return false;
             }
-            let (from, to) = (corner(i), corner(next(i)));
+            let (from, to) = (corner(i), corner(next));
             let plane = Plane { from, normal: axis.cross(to - from) };
             if plane.height(g.cell.centre) >= 0.0 || plane.height(f.cell.centre) < 0.0 {
                 return false;
@@ -146,7 +148,7 @@ impl Skin<'_> {
     /// Whether a plane across the normal of `f` parts two faces, of which `f` goes a way.
     #[inline]
     pub(super) fn is_apart(&self, f: &Piece, g: &Piece, way: &Way) -> bool {
-        let ((a, b), (c, d)) = (f.heights, heights(self.cells(g), f.normal));
+        let ((a, b), (c, d)) = (f.heights, self.heights(g, f.normal));
         let by = way.by.dot(f.normal);
         b + by.max(0.0) + way.least < c || d + way.least < a + by.min(0.0)
     }
@@ -156,7 +158,7 @@ impl Skin<'_> {
     #[inline]
     pub(super) fn are_beside(&self, f: &Piece, g: &Piece) -> bool {
         let axis = g.cell.centre - f.cell.centre;
-        let ((low, end), (start, high)) = (heights(self.cells(f), axis), heights(self.cells(g), axis));
+        let ((low, end), (start, high)) = (self.heights(f, axis), self.heights(g, axis));
         // Not where the centres are in one place, and all heights are the same.
         low < high && end <= start
     }
@@ -209,19 +211,8 @@ impl Skin<'_> {
             return false;
         }
         let (p, q) = (a.quad.map(|p| p.as_dvec3()), b.quad.map(|p| p.as_dvec3()));
-        let before_b = of_b.map(|y| sides(&p, &y.map(|k| q[k])));
-        let are_parted = |x: usize, y: usize| joined[x][y] || is_one_side(&of_a[x].map(|k| before_b[y][k]));
-        let parted = [0, 1].map(|x| [0, 1].map(|y| are_parted(x, y)));
-        if parted == [[true; 2]; 2] {
-            return false;
-        }
-        let before_a = of_a.map(|x| sides(&q, &x.map(|k| p[k])));
-        (0..2).any(|x| {
-            (0..2).any(|y| {
-                let (s, t) = (of_a[x].map(|k| before_b[y][k]), of_b[y].map(|k| before_a[x][k]));
-                !parted[x][y] && !is_one_side(&t) && pierce((&of_a[x].map(|k| p[k]), &s), (&of_b[y].map(|k| q[k]), &t))
-            })
-        })
+        let cross = |x: usize, y: usize| pierce(&of_a[x].map(|k| p[k]), &of_b[y].map(|k| q[k]));
+        (0..2).any(|x| (0..2).any(|y| !joined[x][y] && cross(x, y)))
     }
 
     /// Which triangles of two children have a vertex in common.
@@ -252,6 +243,12 @@ impl Skin<'_> {
 #[inline]
 fn are_even(f: &Piece, g: &Piece) -> bool {
     f.is_even && g.is_even && f.normal.dot(g.normal) >= ACROSS
+}
+
+/// The direction between those in which two faces look.
+#[inline]
+fn between(f: &Piece, g: &Piece) -> Vec3 {
+    (f.normal + g.normal).normalize_or_zero()
 }
 
 /// A plane that may part two faces.
@@ -317,14 +314,18 @@ fn after(number: usize, first: usize) -> Lanes {
     ALL & !((1 << passed) - 1)
 }
 
-/// Whether triangles without a common vertex pass through each other, given with the sides of the other one's plane that
-/// their corners are on.
-fn pierce((a, of_a): (&[DVec3; 3], &[f64; 3]), (b, of_b): (&[DVec3; 3], &[f64; 3])) -> bool {
-    edges_pierce(a, of_a, b) || edges_pierce(b, of_b, a)
+/// Whether triangles without a common vertex pass through each other.
+fn pierce(a: &[DVec3; 3], b: &[DVec3; 3]) -> bool {
+    let of_a = sides(a, b);
+    if is_one_side(&of_a) {
+        return false;
+    }
+    let of_b = sides(b, a);
+    !is_one_side(&of_b) && (edges_pierce(a, &of_a, b) || edges_pierce(b, &of_b, a))
 }
 
 /// How far points are before the plane of a triangle, times its area.
-fn sides(points: &[DVec3; 4], &[p, q, r]: &[DVec3; 3]) -> [f64; 4] {
+fn sides(points: &[DVec3; 3], &[p, q, r]: &[DVec3; 3]) -> [f64; 3] {
     let normal = (q - p).cross(r - p);
     points.map(|x| (x - p).dot(normal))
 }

@@ -1,7 +1,7 @@
 //! Points four at a time, in the lanes of vector registers.
 
 use super::tree::Bounds;
-use glam::{Vec3, Vec3A, Vec4};
+use glam::{Vec3, Vec3A, Vec4, Vec4Swizzles};
 
 /// A set of lanes, one bit each.
 pub type Lanes = u32;
@@ -34,6 +34,12 @@ impl Four {
     #[inline]
     pub fn at(&self, lane: usize) -> Vec3 {
         Vec3::new(self.x[lane], self.y[lane], self.z[lane])
+    }
+
+    /// The points with the last one first.
+    #[inline]
+    pub fn turned(&self) -> Self {
+        Self { x: self.x.wxyz(), y: self.y.wxyz(), z: self.z.wxyz() }
     }
 
     #[inline]

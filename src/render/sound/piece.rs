@@ -117,14 +117,16 @@ impl Former<'_> {
             middles.get(edge.wrapping_sub(first)).copied().unwrap_or_else(|| middle(edge))
         };
         let centre = self.refined[self.numbering.of_face(face)];
-        Cell::new(child.map(corner), middles, std::array::from_fn(before), centre, count)
+        let around = Four::new(middles);
+        let befores = if last + 1 == LANES { around.turned() } else { Four::new(std::array::from_fn(before)) };
+        Cell::new(Four::new(child.map(corner)), around, befores, centre, count)
     }
 }
 
 impl Cell {
     /// The cell, and twice its area as a vector.
-    fn new(corners: [Vec3; 4], middles: [Vec3; 4], befores: [Vec3; 4], centre: Vec3, count: usize) -> (Self, Vec3) {
-        let [corners, middles, befores] = [corners, middles, befores].map(Four::new);
+    #[inline]
+    fn new(corners: Four, middles: Four, befores: Four, centre: Vec3, count: usize) -> (Self, Vec3) {
         let mut cell = Self { corners, middles, befores, normals: Four::default(), centre, count };
         let areas = cell.areas();
         cell.normals = areas.normalize_or_zero();
@@ -164,6 +166,13 @@ impl Cell {
         Boxes::of([&self.corners, &self.middles, &self.befores, &Four::splat(self.centre)])
     }
 
+    /// The ranges of the children along an axis, together.
+    #[inline]
+    pub fn ranges(&self, axis: Vec3) -> Ranges {
+        let (a, b, c) = (self.corners.dot(axis), self.middles.dot(axis), Vec4::splat(self.centre.dot(axis)));
+        Ranges { low: a.min(b).min(c), high: a.max(b).max(c) }
+    }
+
     /// Twice their areas, as vectors.
     #[inline]
     fn areas(&self) -> Four {
@@ -192,13 +201,9 @@ pub fn others(valence: usize) -> usize {
 /// The range of a face along an axis.
 #[inline]
 pub fn heights<'a>(mut cells: impl Iterator<Item = &'a Cell>, axis: Vec3) -> (f32, f32) {
-    let of = |cell: &Cell| {
-        let (a, b, c) = (cell.corners.dot(axis), cell.middles.dot(axis), Vec4::splat(cell.centre.dot(axis)));
-        Ranges { low: a.min(b).min(c), high: a.max(b).max(c) }
-    };
     let both = |a: Ranges, b: Ranges| Ranges { low: a.low.min(b.low), high: a.high.max(b.high) };
-    let first = cells.next().map_or(Ranges { low: Vec4::MAX, high: Vec4::MIN }, of);
-    cells.map(of).fold(first, both).whole()
+    let first = cells.next().map_or(Ranges { low: Vec4::MAX, high: Vec4::MIN }, |cell| cell.ranges(axis));
+    cells.map(|cell| cell.ranges(axis)).fold(first, both).whole()
 }
 
 /// The points of a face: corners, middles of edges, and the centre.

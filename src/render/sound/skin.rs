@@ -1,7 +1,7 @@
 //! The first refinement of a cage, face by face, and which faces turn over on it.
 
 use super::marks::Marks;
-use super::piece::{Cell, Former, LANES, Piece, others};
+use super::piece::{Cell, Former, LANES, Piece, heights, others};
 use super::tree::Tree;
 use crate::mesh::{FaceId, IdVec, VertexId};
 use crate::subdivide::{Connectivity, Level, Numbering, Stencils, VertexRows, carried_points};
@@ -127,7 +127,7 @@ impl<'a> Skin<'a> {
     fn refine(&mut self, points: &IdVec<VertexId, Vec3>, faces: &[FaceId]) {
         let mut children = Marks::new(self.refined.len());
         for &face in faces {
-            vertices(self.level, self.numbering, face).for_each(|child| children.add(child));
+            children_of(self.level, self.numbering, face).for_each(|child| children.add(child));
         }
         let refined = |&child: &VertexId| place(&self.rows, child, points);
         let places: Vec<Vec3> = children.list.par_iter().with_min_len(BLOCK).map(refined).collect();
@@ -164,6 +164,22 @@ impl<'a> Skin<'a> {
     #[inline]
     fn piece(&self, face: FaceId) -> &Piece {
         &self.pieces[self.place(face)]
+    }
+
+    /// The vertices of a face.
+    #[inline]
+    pub(super) fn vertices<'p>(&'p self, piece: &'p Piece) -> &'p [VertexId] {
+        // Those of most are at hand.
+        if piece.valence > LANES {
+            return self.level.topology.faces.vertices_of(piece.face);
+        }
+        &piece.vertices[..piece.valence]
+    }
+
+    /// The range of a face along an axis.
+    #[inline]
+    pub(super) fn heights(&self, piece: &Piece, axis: Vec3) -> (f32, f32) {
+        if piece.valence > LANES { heights(self.cells(piece), axis) } else { piece.cell.ranges(axis).whole() }
     }
 
     /// The children of a face.
@@ -206,7 +222,8 @@ impl<'a> Skin<'a> {
     /// Whether the normals of all children of a face have this cosine or more with an axis.
     #[inline]
     pub(super) fn all_look(&self, piece: &Piece, axis: Vec3, least: f32) -> bool {
-        self.cells(piece).all(|cell| cell.normals.dot(axis).cmpge(Vec4::splat(least)).all())
+        let all = |cell: &Cell| cell.normals.dot(axis).cmpge(Vec4::splat(least)).all();
+        all(&piece.cell) && (piece.valence <= LANES || self.cells(piece).all(all))
     }
 
     /// Whether a face is sound where no other layer is near.
@@ -228,7 +245,7 @@ pub fn place(rows: &impl Stencils<Source = VertexId>, vertex: VertexId, points: 
 }
 
 /// The vertices of a face's children.
-fn vertices(level: &Level, numbering: Numbering, face: FaceId) -> impl Iterator<Item = VertexId> {
+fn children_of(level: &Level, numbering: Numbering, face: FaceId) -> impl Iterator<Item = VertexId> {
     let t = &level.topology;
     let of = move |c| [numbering.of_vertex(t.faces.vertex(c)), numbering.of_edge(t.corner_edge[c])];
     t.faces.corners_of(face).flat_map(of).chain(std::iter::once(numbering.of_face(face)))
