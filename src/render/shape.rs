@@ -113,6 +113,15 @@ impl Shape {
         index
     }
 
+    /// The garment that it makes of a cage's, without primvars.
+    fn frame(&self, parent: &Cage) -> Garment {
+        let corners: Vec<VertexId> = kept_corners(parent, self).chain(self.corners.iter().copied()).collect();
+        let mut frame = parent.frame(&self.derivation, &corners, &self.creases);
+        self.apart.iter().for_each(|&(vertex, offset)| frame.points[vertex] += offset);
+        frame.subsets.extend(self.subsets.iter().cloned());
+        frame
+    }
+
     /// The room about each vertex: the least of those about what it is made of.
     pub fn carried(&self, rooms: &IdVec<VertexId, Room>) -> IdVec<VertexId, Room> {
         let vertices = &self.derivation.vertices;
@@ -183,11 +192,11 @@ impl Shaped {
     /// As [`Operator::shape`].
     pub fn new(operator: &dyn Operator, parent: &Cage, origin: &Origin) -> Result<Self, Error> {
         let shape = operator.shape(parent, &origin.clearance)?;
-        let corners: Vec<VertexId> = kept_corners(parent, &shape).chain(shape.corners.iter().copied()).collect();
-        let mut frame = parent.frame(&shape.derivation, &corners, &shape.creases);
-        shape.apart.iter().for_each(|&(vertex, offset)| frame.points[vertex] += offset);
-        frame.subsets.extend(shape.subsets.iter().cloned());
-        let (fingerprint, origin) = (Level::fingerprint(&frame), origin.carried(&shape));
+        let frame = || {
+            let frame = shape.frame(parent);
+            (Level::fingerprint(&frame), frame)
+        };
+        let ((fingerprint, frame), origin) = rayon::join(frame, || origin.carried(&shape));
         Ok(Self { shape, frame, fingerprint, origin })
     }
 }
