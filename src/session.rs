@@ -13,7 +13,7 @@
 //! A stage is known by the content of its source and by the options that it reads, never by the name of a file.
 
 use crate::error::{Error, Warnings};
-use crate::garment::{Elements, Garment, Primvar, Values};
+use crate::garment::{Elements, Garment, Primvar, Shared, Subset, Values};
 pub use crate::memo::Made;
 use crate::memo::{Footprint, Memo};
 use crate::mesh::{Faces, IdVec, VertexId};
@@ -303,6 +303,12 @@ impl Footprint for Garment {
     }
 }
 
+impl Footprint for Shared<Vec<Subset>> {
+    fn footprint(&self) -> usize {
+        self.iter().map(subset_bytes).sum()
+    }
+}
+
 impl Footprint for Made<Garment> {
     fn footprint(&self) -> usize {
         garment_bytes(&self.value)
@@ -324,12 +330,11 @@ impl Footprint for Made<SimProduct> {
 
 fn garment_bytes(garment: &Garment) -> usize {
     let primvars: usize = garment.primvars.iter().map(primvar_bytes).sum();
-    let subsets: usize = garment.subsets.iter().map(|s| s.elements.len() * elements_bytes(&s.elements)).sum();
-    12 * garment.points.len() + 4 * garment.faces.corners().len() + primvars + subsets
+    12 * garment.points.len() + 4 * garment.faces.corners().len() + primvars + garment.subsets.footprint()
 }
 
-fn elements_bytes(elements: &Elements) -> usize {
-    if matches!(elements, Elements::Edges(_)) { 8 } else { 4 }
+fn subset_bytes(subset: &Subset) -> usize {
+    subset.elements.len() * if matches!(subset.elements, Elements::Edges(_)) { 8 } else { 4 }
 }
 
 fn primvar_bytes(primvar: &Primvar) -> usize {

@@ -136,6 +136,8 @@ fn other_widths_of_a_seam_have_the_same_faces() {
     let [first, again, others] = meshes.each_ref().map(|mesh| &mesh.value.faces);
     assert!(std::ptr::eq(first.corners(), again.corners()), "they were made once");
     assert!(first != others);
+    let [first, again, others] = meshes.each_ref().map(|mesh| mesh.value.subsets.as_slice());
+    assert!(std::ptr::eq(first, again) && !first.is_empty() && first != others);
     let uv = meshes.each_ref().map(|mesh| mesh.value.primvars.iter().find(|p| p.name == "st").expect("UVs"));
     let [first, again, others] = uv.map(|uv| uv.indices.as_ref().expect("indices"));
     assert!(Arc::ptr_eq(first, again) && first != others);

@@ -11,8 +11,8 @@
 //! The second chain follows the first with each shape and each level, which goes on meanwhile: in both there is work that
 //! one thread does.
 //!
-//! The connectivity of each cage with its masks, and of each refinement, is a stage by what it is made of and not by the
-//! options that led there: mostly, other widths of a seam change no face.
+//! The connectivity of each cage with its masks, and of each refinement with its subsets, is a stage by what it is made of
+//! and not by the options that led there: mostly, other widths of a seam change no face.
 
 use super::front::Front;
 use super::placed::{Placed, Room};
@@ -20,7 +20,7 @@ use super::placing::Placing;
 use super::shape::{Formed, Origin, Shaped};
 use super::{Stack, check_size, first_cage};
 use crate::error::{Error, Warnings};
-use crate::garment::Garment;
+use crate::garment::{Garment, Shared};
 use crate::memo::{Footprint, Made};
 use crate::mesh::{Faces, IdVec, VertexId};
 use crate::parallel::Follower;
@@ -235,21 +235,26 @@ impl<'a, S: Stages> Plan<'a, S> {
             return self.stages.get("attributes", &key, || Ok(Cage::clone(&cage).into_garment()));
         }
         send(Step::Level(cage.shared_level()));
-        let sharing = Channels::fingerprint(cage.garment());
-        let known_by = |step: u32| (fingerprint, sharing, step);
-        let mut channels = self.stages.get("channels", &known_by(0), || Ok(Channels::new(&cage)))?;
+        let (sharing, sets) = (Channels::fingerprint(cage.garment()), cage.subsets_fingerprint());
+        let (channels_of, subsets_of) =
+            (|step: u32| (fingerprint, sharing, step), |step: u32| (fingerprint, sets, step));
+        let mut channels = self.stages.get("channels", &channels_of(0), || Ok(Channels::new(&cage)))?;
         for step in 1..last {
             let level = self.stages.get("refined level", &(fingerprint, step), || Ok(cage.level().refined()))?;
             send(Step::Level(Arc::clone(&level)));
-            let refined = || Ok(cage.refined(Arc::clone(&level), &channels));
+            let refinement = cage.refinement(level.topology.faces.clone(), &channels);
+            let subsets = self.stages.get("subsets", &subsets_of(step), || Ok(refinement.subsets()))?;
+            let refined = || Ok(refinement.cage(Arc::clone(&level), Shared::clone(&subsets)));
             let refined = self.stages.get("level", &(&self.structure, step), refined)?;
             let next = || Ok(channels.refined(cage.level(), &level));
-            channels = self.stages.get("channels", &known_by(step), next)?;
+            channels = self.stages.get("channels", &channels_of(step), next)?;
             cage = refined;
         }
         let faces = || Ok(cage.level().refined_faces());
         let faces: Arc<Faces> = self.stages.get("refined faces", &(fingerprint, last), faces)?;
-        self.stages.get("attributes", &key, || Ok(cage.refined_garment(Faces::clone(&faces), &channels)))
+        let refinement = cage.refinement(Faces::clone(&faces), &channels);
+        let subsets = self.stages.get("subsets", &subsets_of(last), || Ok(refinement.subsets()))?;
+        self.stages.get("attributes", &key, || Ok(refinement.garment(Shared::clone(&subsets))))
     }
 }
 

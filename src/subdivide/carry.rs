@@ -3,7 +3,7 @@
 use super::stencil::Stencils;
 use crate::garment::joints::{self, Influences};
 use crate::garment::{
-    Corner, Crease, Elements, Family, FamilyType, Garment, Interpolation, Mixing, Primvar, Subset, Values,
+    Corner, Crease, Elements, Family, FamilyType, Garment, Interpolation, Mixing, Primvar, Shared, Subset, Values,
 };
 use crate::mesh::{CornerId, EdgeId, FaceId, Faces, IdVec, Topology, ValueId, VertexId};
 use crate::parallel::when_idle;
@@ -68,16 +68,16 @@ pub fn carried_points<S: Stencils<Source = VertexId>>(
     stencils.apply(rows).into_iter().map(Vec3::from).collect()
 }
 
-/// A garment through a lineage, without points.
+/// A garment through a lineage, without points, with the subsets that it has then.
 pub(super) fn carry<L: Lineage>(
     garment: &Garment,
     influences: Option<&[Influences]>,
     lineage: &L,
+    subsets: Shared<Vec<Subset>>,
 ) -> (Garment, Option<Vec<Influences>>) {
     let carry = Carry::new(garment, lineage);
-    let ((primvars, influences), frame) =
-        rayon::join(|| carry.attributes(influences), || carry.frame(IdVec::default()));
-    (Garment { primvars: primvars.into(), ..frame }, influences)
+    let (primvars, influences) = carry.attributes(influences);
+    (Garment { primvars: primvars.into(), ..carry.frame(IdVec::default(), subsets) }, influences)
 }
 
 /// Whether a primvar is carried as a face-varying channel.
@@ -106,8 +106,13 @@ impl<'a, L: Lineage> Carry<'a, L> {
         Self { garment, lineage }
     }
 
+    /// The child's subsets.
+    pub(super) fn subsets(&self) -> Shared<Vec<Subset>> {
+        self.garment.subsets.iter().map(|s| self.subset(s)).collect()
+    }
+
     /// The child without its primvars.
-    pub(super) fn frame(&self, points: IdVec<VertexId, Vec3>) -> Garment {
+    pub(super) fn frame(&self, points: IdVec<VertexId, Vec3>, subsets: Shared<Vec<Subset>>) -> Garment {
         let garment = self.garment;
         Garment {
             prim: garment.prim.clone(),
@@ -117,7 +122,7 @@ impl<'a, L: Lineage> Carry<'a, L> {
             holes: self.faces(&garment.holes),
             creases: garment.creases.iter().flat_map(|c| self.crease(c)).collect(),
             corners: garment.corners.iter().filter_map(|c| self.corner(c)).collect(),
-            subsets: garment.subsets.iter().map(|s| self.subset(s)).collect(),
+            subsets,
             families: garment.families.iter().map(|f| carried_family(garment, f)).collect(),
             primvars: Vec::new().into(),
             faces: self.lineage.faces().clone(),
