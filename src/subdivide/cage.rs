@@ -42,6 +42,10 @@ impl Refinement<'_> {
         carry(&self.cage.garment, self.cage.influences.as_deref(), self, subsets)
     }
 
+    fn numbering(&self) -> Numbering {
+        Numbering::new(&self.cage.level)
+    }
+
     fn is_loop(&self) -> bool {
         self.cage.level.scheme == Scheme::Loop
     }
@@ -60,12 +64,12 @@ impl Lineage for Refinement<'_> {
 
     #[inline]
     fn parent_face(&self, child: FaceId) -> FaceId {
-        Numbering::new(&self.cage.level).parent_face(&self.cage.level.topology.faces, child)
+        self.numbering().parent_face(&self.cage.level.topology.faces, child)
     }
 
     #[inline]
     fn child_faces(&self, parent: FaceId) -> impl Iterator<Item = FaceId> {
-        Numbering::new(&self.cage.level).of_face_within(&self.cage.level.topology.faces, parent)
+        self.numbering().of_face_within(&self.cage.level.topology.faces, parent)
     }
 
     #[inline]
@@ -80,11 +84,11 @@ impl Lineage for Refinement<'_> {
     }
 
     fn child_vertex(&self, vertex: VertexId) -> VertexId {
-        Numbering::new(&self.cage.level).of_vertex(vertex)
+        self.numbering().of_vertex(vertex)
     }
 
     fn child_edges(&self, edge: EdgeId, children: &mut Vec<[VertexId; 2]>) {
-        let numbering = Numbering::new(&self.cage.level);
+        let numbering = self.numbering();
         let ([a, b], middle) = (self.cage.level.topology.edges[edge], numbering.of_edge(edge));
         children.extend([[numbering.of_vertex(a), middle], [middle, numbering.of_vertex(b)]]);
     }

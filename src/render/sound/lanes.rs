@@ -38,7 +38,7 @@ impl Four {
 
     /// The points with the last one first.
     #[inline]
-    pub fn turned(&self) -> Self {
+    pub fn rolled(&self) -> Self {
         Self { x: self.x.wxyz(), y: self.y.wxyz(), z: self.z.wxyz() }
     }
 

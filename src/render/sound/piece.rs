@@ -93,7 +93,7 @@ impl Former<'_> {
             vertices: std::array::from_fn(|i| of_face[if i < of_face.len() { i } else { 0 }]),
             normal,
             spread,
-            heights: heights(cells(), normal),
+            heights: heights(&cell, others, normal),
             bounds: cells().map(|cell| cell.boxes().whole()).fold(Bounds::EMPTY, |all, b| all.and(&b)),
             is_even: looks_right && spread >= EVEN && !is_narrow,
             is_loose: is_narrow,
@@ -118,7 +118,7 @@ impl Former<'_> {
         };
         let centre = self.refined[self.numbering.of_face(face)];
         let around = Four::new(middles);
-        let befores = if last + 1 == LANES { around.turned() } else { Four::new(std::array::from_fn(before)) };
+        let befores = if last + 1 == LANES { around.rolled() } else { Four::new(std::array::from_fn(before)) };
         Cell::new(Four::new(child.map(corner)), around, befores, centre, count)
     }
 }
@@ -198,12 +198,11 @@ pub fn others(valence: usize) -> usize {
     (valence - 1) / LANES
 }
 
-/// The range of a face along an axis.
+/// The range of a face along an axis, which has a first cell and maybe others.
 #[inline]
-pub fn heights<'a>(mut cells: impl Iterator<Item = &'a Cell>, axis: Vec3) -> (f32, f32) {
+pub fn heights(first: &Cell, others: &[Cell], axis: Vec3) -> (f32, f32) {
     let both = |a: Ranges, b: Ranges| Ranges { low: a.low.min(b.low), high: a.high.max(b.high) };
-    let first = cells.next().map_or(Ranges { low: Vec4::MAX, high: Vec4::MIN }, |cell| cell.ranges(axis));
-    cells.map(|cell| cell.ranges(axis)).fold(first, both).whole()
+    others.iter().map(|cell| cell.ranges(axis)).fold(first.ranges(axis), both).whole()
 }
 
 /// The points of a face: corners, middles of edges, and the centre.

@@ -179,13 +179,19 @@ impl<'a> Skin<'a> {
     /// The range of a face along an axis.
     #[inline]
     pub(super) fn heights(&self, piece: &Piece, axis: Vec3) -> (f32, f32) {
-        if piece.valence > LANES { heights(self.cells(piece), axis) } else { piece.cell.ranges(axis).whole() }
+        heights(&piece.cell, self.others(piece), axis)
+    }
+
+    /// The cells of a face after the first, which most have not.
+    #[inline]
+    fn others(&self, piece: &Piece) -> &[Cell] {
+        if piece.valence > LANES { &self.more[piece.more..piece.more + others(piece.valence)] } else { &[] }
     }
 
     /// The children of a face.
     #[inline]
     pub(super) fn cells<'p>(&'p self, piece: &'p Piece) -> impl Iterator<Item = &'p Cell> + Clone {
-        std::iter::once(&piece.cell).chain(&self.more[piece.more..piece.more + others(piece.valence)])
+        std::iter::once(&piece.cell).chain(self.others(piece))
     }
 
     /// A cell of a face.
@@ -223,7 +229,7 @@ impl<'a> Skin<'a> {
     #[inline]
     pub(super) fn all_look(&self, piece: &Piece, axis: Vec3, least: f32) -> bool {
         let all = |cell: &Cell| cell.normals.dot(axis).cmpge(Vec4::splat(least)).all();
-        all(&piece.cell) && (piece.valence <= LANES || self.cells(piece).all(all))
+        all(&piece.cell) && self.others(piece).iter().all(all)
     }
 
     /// Whether a face is sound where no other layer is near.
