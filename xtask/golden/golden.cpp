@@ -18,7 +18,7 @@ int main(int argc, char** argv) {
     try {
         std::string const mode = argc > 2 ? argv[1] : "";
         if (mode == "data") golden::data(argv[2]);
-        else if (mode == "bench") golden::bench(argv[2], 15);
+        else if (mode == "bench") golden::bench(argv[2]);
         else throw std::runtime_error("usage: golden data DIR | golden bench MESH");
     } catch (std::exception const& e) {
         std::cerr << "golden: " << e.what() << "\n";

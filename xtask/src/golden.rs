@@ -3,12 +3,19 @@
 //! ```text
 //! cargo xtask golden                    write tests/golden/*.bin
 //! cargo xtask golden --out DIR          write them elsewhere
-//! cargo xtask golden --bench MESH.txt   time OpenSubdiv on a text mesh
+//! cargo xtask golden --bench FILE       time OpenSubdiv on the first mesh of a stage, or on a text mesh (*.txt)
 //! ```
 //!
 //! OpenSubdiv comes from the sources which the crate `opensubdiv-petite-sys` carries (fetched by
 //! cargo, not compiled as a crate), or from the installation that `OPENSUBDIV_ROOT` names. CMake and
-//! a C++17 compiler are needed; the ordinary tests need neither, only the committed data.
+//! a C++17 compiler are needed; the ordinary tests need neither, only the committed data. Reading a
+//! stage needs `target/venv` as well, which is made where it is missing.
+//!
+//! The bench keeps its heap between runs. With glibc the same holds for ours with
+//!
+//! ```text
+//! MALLOC_MMAP_MAX_=0 MALLOC_TRIM_THRESHOLD_=1000000000 MALLOC_TOP_PAD_=67108864 cargo benches --bench subdivide
+//! ```
 //!
 //! The data hold, for every case, the base mesh and samples of levels 1 to 3 of its uniform
 //! refinement. Little endian, no padding; `str` is a `u16` length and UTF-8 bytes:
@@ -39,33 +46,45 @@ use std::env;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use crate::process::{self, Failure, Outcome};
+use crate::project::Project;
+use crate::venv;
+
 /// The crate whose package carries the sources of OpenSubdiv.
 const SOURCES: &str = "opensubdiv-petite-sys";
 
 /// Runs the task with the arguments after `golden`.
-pub fn run(args: &[String]) -> Result<(), String> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().ok_or("xtask has no parent directory")?;
+pub fn run(project: &Project, args: &[String]) -> Outcome {
     let args: Vec<&str> = args.iter().map(String::as_str).collect();
     let (mode, path) = match args[..] {
-        [] => ("data", root.join("tests/golden")),
+        [] => ("data", project.root.join("tests/golden")),
         ["--out", dir] => ("data", PathBuf::from(dir)),
-        ["--bench", mesh] => ("bench", PathBuf::from(mesh)),
-        _ => return Err("usage: cargo xtask golden [--out DIR | --bench MESH.txt]".into()),
+        ["--bench", mesh] if mesh.ends_with(".txt") => ("bench", PathBuf::from(mesh)),
+        ["--bench", stage] => ("bench", text_mesh(project, Path::new(stage))?),
+        _ => return Err(Failure::new("usage: cargo xtask golden [--out DIR | --bench FILE]")),
     };
-    let program = build(root)?;
-    execute(Command::new(program).arg(mode).arg(path))
+    process::run(Command::new(build(project)?).arg(mode).arg(path))
 }
 
-/// Builds the generator with CMake in `target/golden` and gives its path.
-fn build(root: &Path) -> Result<PathBuf, String> {
-    let source = root.join("xtask/golden");
-    let build = root.join("target/golden");
+/// Writes the first mesh of a stage as text.
+fn text_mesh(project: &Project, stage: &Path) -> Outcome<PathBuf> {
+    let text = project.scratch("golden")?.join("mesh.txt");
+    process::run(
+        Command::new(venv::ensure(project)?).arg(project.root.join("xtask/golden/export.py")).arg(stage).arg(&text),
+    )?;
+    Ok(text)
+}
+
+/// Builds the generator with CMake in `target/golden` and returns its path.
+fn build(project: &Project) -> Outcome<PathBuf> {
+    let source = project.root.join("xtask/golden");
+    let build = project.target.join("golden");
     // Both are always given, as CMake remembers the choice of the last time.
     let (installed, sources) = match env::var_os("OPENSUBDIV_ROOT") {
         Some(prefix) => (PathBuf::from(prefix), PathBuf::new()),
         None => (PathBuf::new(), opensubdiv_sources(&source)?),
     };
-    execute(
+    process::run_quietly(
         Command::new("cmake")
             .arg("-S")
             .arg(&source)
@@ -75,26 +94,27 @@ fn build(root: &Path) -> Result<PathBuf, String> {
             .arg(format!("-DOPENSUBDIV_ROOT={}", installed.display()))
             .arg(format!("-DOPENSUBDIV_SOURCE={}", sources.display())),
     )?;
-    execute(Command::new("cmake").arg("--build").arg(&build).args(["--config", "Release", "--parallel", "2"]))?;
+    let options = ["--config", "Release", "--parallel", "2"];
+    process::run_quietly(Command::new("cmake").arg("--build").arg(&build).args(options))?;
     let name = format!("golden{}", env::consts::EXE_SUFFIX);
     [build.join(&name), build.join("Release").join(&name)]
         .into_iter()
         .find(|path| path.is_file())
-        .ok_or_else(|| format!("CMake made no {name}"))
+        .ok_or_else(|| Failure::new(format!("CMake made no {name}")))
 }
 
 /// The OpenSubdiv tree inside the fetched package.
-fn opensubdiv_sources(manifest_dir: &Path) -> Result<PathBuf, String> {
+fn opensubdiv_sources(manifest_dir: &Path) -> Outcome<PathBuf> {
     let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     // This fetches the package where it is missing.
     let output = Command::new(cargo)
         .args(["metadata", "--locked", "--format-version", "1", "--manifest-path"])
         .arg(manifest_dir.join("Cargo.toml"))
         .output()
-        .map_err(|error| format!("cannot run cargo metadata: {error}"))?;
+        .map_err(|error| Failure::new(format!("cannot run cargo metadata: {error}")))?;
     if !output.status.success() {
         let text = String::from_utf8_lossy(&output.stderr);
-        return Err(format!("cargo metadata failed: {}", text.trim()));
+        return Err(Failure::new(format!("cargo metadata failed: {}", text.trim())));
     }
     let json = String::from_utf8_lossy(&output.stdout);
     json.split("\"manifest_path\":\"")
@@ -105,11 +125,5 @@ fn opensubdiv_sources(manifest_dir: &Path) -> Result<PathBuf, String> {
         .find(|dir| dir.file_name().is_some_and(|name| name.to_string_lossy().starts_with(SOURCES)))
         .map(|dir| dir.join("OpenSubdiv"))
         .filter(|dir| dir.is_dir())
-        .ok_or_else(|| format!("the sources of {SOURCES} are not where cargo says"))
-}
-
-fn execute(command: &mut Command) -> Result<(), String> {
-    let name = command.get_program().to_string_lossy().into_owned();
-    let status = command.status().map_err(|error| format!("cannot run {name}: {error}"))?;
-    if status.success() { Ok(()) } else { Err(format!("{name} failed: {status}")) }
+        .ok_or_else(|| Failure::new(format!("the sources of {SOURCES} are not where cargo says")))
 }

@@ -75,7 +75,7 @@ fn run(args: &[String]) -> Outcome {
         "examples" => examples(&project, rest),
         "picture" if rest.is_empty() => picture(&project),
         "plugin" => plugin::run(&project, rest),
-        "golden" => golden::run(rest).map_err(|error| Failure::new(error.to_string())),
+        "golden" => golden::run(&project, rest),
         "venv" if rest.is_empty() => venv::ensure(&project).map(|_| ()),
         "peers" if rest.is_empty() => peers::run(&project),
         "picture" | "peers" | "venv" => Err(unexpected(task, rest)),
