@@ -1,8 +1,8 @@
 //! How well the edges of chains follow their curves.
 
-use super::chains::Chain;
-use super::{Baseline, OnChain};
 use crate::mesh::{IdVec, VertexId};
+use crate::sim::constraints::chain::Chain;
+use crate::sim::{Baseline, OnChain};
 use glam::Vec3;
 
 /// Where a chain's curve lies farthest from the edges that follow it.
@@ -15,7 +15,7 @@ pub struct Gap {
 }
 
 /// The largest gap of a chain; `edges` are all of its edges, and `points` the positions of the mesh.
-pub(super) fn gap(baseline: &Baseline, chain: &Chain, edges: &[OnChain], points: &IdVec<VertexId, Vec3>) -> Gap {
+pub(crate) fn gap(baseline: &Baseline, chain: &Chain, edges: &[OnChain], points: &IdVec<VertexId, Vec3>) -> Gap {
     let (last, step) = (chain.vertices.len() - 1, chain.step().max(1));
     let mut largest = Gap { distance: 0.0, near: chain.cage[0] };
     for &(start, length, [a, b]) in edges {
@@ -36,7 +36,7 @@ pub(super) fn gap(baseline: &Baseline, chain: &Chain, edges: &[OnChain], points:
     largest
 }
 
-pub(super) fn distance_to_segment(p: Vec3, a: Vec3, b: Vec3) -> f32 {
+pub(crate) fn distance_to_segment(p: Vec3, a: Vec3, b: Vec3) -> f32 {
     let along = b - a;
     let t = (p - a).dot(along) / along.length_squared().max(f32::MIN_POSITIVE);
     p.distance(a + along * t.clamp(0.0, 1.0))

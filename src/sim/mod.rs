@@ -1,42 +1,22 @@
 //! The simulation mesh: triangles of the wanted size on the garment's surface, conforming to its seams and borders.
 
 mod baseline;
-mod chains;
-mod check;
-mod collapse;
-mod drift;
-mod edits;
-mod facets;
-mod flip;
-mod follow;
+mod constraints;
 mod gaps;
-mod manifold;
-mod mesh;
 mod options;
-mod order;
-mod patches;
-mod polish;
-mod project;
-mod queue;
-mod relax;
-mod remesh;
-mod ridges;
-mod shape;
-mod sizing;
-mod slide;
-mod spacing;
-mod split;
-mod triangulation;
+mod passes;
+mod sim_mesh;
+mod surface;
 
+pub use baseline::facets::Facet;
+pub use baseline::project::{Projection, closest_weights};
 pub use baseline::{Baseline, Lengths, Location, holes};
-pub use chains::{Chain, Marks};
-pub use drift::drift;
-pub use facets::Facet;
+pub use constraints::chain::{Chain, Marks};
 pub use gaps::Gap;
-pub use mesh::{Grade, Place, SimMesh, Span};
 pub use options::SimOptions;
-pub use project::{Projection, closest_weights};
-pub use remesh::{Pass, RemeshReport, remesh};
+pub use passes::drift::drift;
+pub use passes::remesh::{Pass, RemeshReport, remesh};
+pub use sim_mesh::{Grade, Place, SimMesh, Span};
 
 use crate::mesh::{ChainId, Compact, CornerId, IdVec, VertexId};
 use glam::Vec3;

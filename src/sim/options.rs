@@ -41,7 +41,7 @@ pub struct SimOptions {
 
 impl SimOptions {
     /// The turn above which a curve has a corner. \[radians\]
-    pub(super) fn corner(&self) -> f32 {
+    pub(crate) fn corner(&self) -> f32 {
         if self.corner_angle < 180.0 { self.corner_angle.to_radians() } else { f32::INFINITY }
     }
 }

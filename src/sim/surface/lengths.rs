@@ -1,7 +1,7 @@
 //! The lengths that remeshing works with: the targets, shorter near chains that bend, changing gradually from there.
 
-use super::baseline::Baseline;
 use crate::mesh::{IdVec, Topology, VertexId};
+use crate::sim::baseline::Baseline;
 use glam::Vec3;
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
@@ -30,7 +30,7 @@ impl PartialOrd for Entry {
 
 /// Shortens the lengths of vertices until none grows by more than `growth` per length away from another. Returns the
 /// number of those that changed.
-pub(super) fn grade(
+pub(crate) fn grade(
     lengths: &mut IdVec<VertexId, f32>,
     shorter: impl Iterator<Item = (VertexId, f32)>,
     growth: f32,
@@ -62,7 +62,7 @@ pub(super) fn grade(
 
 impl Baseline {
     /// Spreads the lengths of the chains over the vertices around them.
-    pub(super) fn spread_lengths(&mut self) {
+    pub(crate) fn spread_lengths(&mut self) {
         self.sizing = self.target.clone();
         let on_chains = self.chains.iter().flat_map(|c| c.vertices.iter().copied().zip(c.lengths.iter().copied()));
         let shorter: Vec<(VertexId, f32)> = on_chains.filter(|&(v, length)| length < self.target[v]).collect();

@@ -1,10 +1,10 @@
 //! Split every edge that is too long, the longest first.
 
-use super::mesh::{SimMesh, Span};
-use super::polish::cosine;
-use super::queue::{Entry, edit_in_order, keyed};
 use crate::mesh::CornerId;
 use crate::mesh::edit::prev;
+use crate::sim::passes::polish::cosine;
+use crate::sim::passes::queue::{Entry, edit_in_order, keyed};
+use crate::sim::sim_mesh::{SimMesh, Span};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -16,12 +16,12 @@ pub const SPLIT_RATIO: f32 = 1.25;
 /// The same in the first of several rounds. The halves of an edge only just longer than [`SPLIT_RATIO`] are so short that
 /// collapses undo the split: on male_worksuit01 a round of that makes 29 000 edits, one of this 16 000, and a tenth of all
 /// time is saved. At 1.5 as many edits are left to the second round.
-pub(super) const FIRST_SPLIT_RATIO: f32 = 1.4;
+pub(crate) const FIRST_SPLIT_RATIO: f32 = 1.4;
 
 /// An edge of a chain that leaves its curve by more than this share of the target length is split at the end. Smaller
 /// values make more short edges, which cost angles; without it the chord between two anchors cuts up to 0.13 off. At 0.1
 /// 3.5 % of the curves of shoes01, the soles', are more than 0.02 off; at 0.08, 2.6 %.
-pub(super) const FAR: f32 = 0.08;
+pub(crate) const FAR: f32 = 0.08;
 /// The same where the triangles beside it stay open: 0.5 to 1 % more of the curves within 0.02 on the garments with least.
 const OFF: f32 = 0.03;
 /// The least angle of those triangles, 28 degrees; its cosine. Some of them open further when they are relaxed. A smaller
@@ -38,7 +38,7 @@ pub fn split_long_edges(mesh: &mut SimMesh<'_>, ratio: f32, max_faces: usize) ->
 }
 
 /// The same where the edges to begin with are known.
-pub(super) fn split_edges(mesh: &mut SimMesh<'_>, long: Vec<Entry>, ratio: f32, max_faces: usize) -> usize {
+pub(crate) fn split_edges(mesh: &mut SimMesh<'_>, long: Vec<Entry>, ratio: f32, max_faces: usize) -> usize {
     let mut faces = mesh.topology.face_count();
     let key = |mesh: &SimMesh<'_>, half: CornerId| excess(mesh, half, ratio);
     edit_in_order(mesh, long, key, |mesh, half| {
@@ -52,7 +52,7 @@ pub(super) fn split_edges(mesh: &mut SimMesh<'_>, long: Vec<Entry>, ratio: f32, 
 }
 
 /// The excess over the target, as in Waggoner and de Goes 2022, of an edge that is to be split.
-pub(super) fn excess(mesh: &SimMesh<'_>, half: CornerId, ratio: f32) -> Option<f32> {
+pub(crate) fn excess(mesh: &SimMesh<'_>, half: CornerId, ratio: f32) -> Option<f32> {
     if !mesh.is_outside(half, ratio, true) {
         return None;
     }

@@ -1,11 +1,17 @@
 //! The mesh under remeshing: topology, positions, and what each vertex and edge may do.
 
-use super::baseline::{Baseline, Location};
-use super::chains::{Chain, OnCurve};
-use super::gaps::distance_to_segment;
-use super::patches::Seal;
+mod check;
+mod edits;
+pub mod patches;
+pub mod quality;
+mod reorder;
+
 use crate::mesh::edit::{EditMesh, next, prev};
 use crate::mesh::{ChainId, CornerId, FaceId, IdVec, SiteId, SpanId, VertexId};
+use crate::sim::baseline::{Baseline, Location};
+use crate::sim::constraints::chain::{Chain, OnCurve};
+use crate::sim::gaps::distance_to_segment;
+use crate::sim::sim_mesh::patches::Seal;
 use glam::{Vec2, Vec3};
 use std::num::NonZeroU32;
 
@@ -81,27 +87,27 @@ pub struct Site {
 
 /// Which span a half-edge has, and whether it runs along it: in four bytes, none included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Mark(NonZeroU32);
+pub(crate) struct Mark(NonZeroU32);
 
 impl Mark {
-    pub(super) fn new(span: SpanId, forward: bool) -> Self {
+    pub(crate) fn new(span: SpanId, forward: bool) -> Self {
         Self(NonZeroU32::MIN.saturating_add(2 * span.index() as u32 + u32::from(forward)))
     }
 
-    pub(super) fn span(self) -> SpanId {
+    pub(crate) fn span(self) -> SpanId {
         SpanId::new((self.0.get() - 1) as usize / 2)
     }
 
     /// The mark where spans have numbers larger by `by`.
-    pub(super) fn shifted(self, by: usize) -> Self {
+    pub(crate) fn shifted(self, by: usize) -> Self {
         Self::new(SpanId::new(self.span().index() + by), self.is_forward())
     }
 
-    pub(super) fn is_forward(self) -> bool {
+    pub(crate) fn is_forward(self) -> bool {
         (self.0.get() - 1) % 2 == 1
     }
 
-    pub(super) fn reversed(self) -> Self {
+    pub(crate) fn reversed(self) -> Self {
         Self::new(self.span(), !self.is_forward())
     }
 }
@@ -120,15 +126,15 @@ pub struct SimMesh<'a> {
     /// What each vertex may do.
     pub grade: IdVec<VertexId, Grade>,
     /// The constrained half-edges.
-    pub(super) mark: IdVec<CornerId, Option<Mark>>,
+    pub(crate) mark: IdVec<CornerId, Option<Mark>>,
     /// Parts of curves, in their chains' directions.
-    pub(super) spans: IdVec<SpanId, Span>,
+    pub(crate) spans: IdVec<SpanId, Span>,
     /// The site that each corner's vertex has there.
-    pub(super) site_of: IdVec<CornerId, SiteId>,
+    pub(crate) site_of: IdVec<CornerId, SiteId>,
     /// The sites. Those of vertices that went stay as gaps.
-    pub(super) sites: IdVec<SiteId, Site>,
+    pub(crate) sites: IdVec<SiteId, Site>,
     /// Which vertices a patch shares with others; empty for a whole mesh.
-    pub(super) seals: IdVec<VertexId, Seal>,
+    pub(crate) seals: IdVec<VertexId, Seal>,
 }
 
 impl<'a> SimMesh<'a> {
@@ -206,7 +212,7 @@ impl<'a> SimMesh<'a> {
     }
 
     /// Makes a site for each sector of each vertex, as `site` tells it for one of its corners.
-    pub(super) fn make_sites(&mut self, site: impl Fn(CornerId) -> Site) {
+    pub(crate) fn make_sites(&mut self, site: impl Fn(CornerId) -> Site) {
         let mut done = IdVec::<CornerId, bool>::filled(false, self.topology.corner_slots());
         for corner in (0..done.len()).map(CornerId::new) {
             if std::mem::replace(&mut done[corner], true) {
@@ -235,7 +241,7 @@ impl<'a> SimMesh<'a> {
     }
 
     /// The site of a location.
-    pub(super) fn site_on(&self, location: Location) -> Site {
+    pub(crate) fn site_on(&self, location: Location) -> Site {
         site_at(self.baseline, Place { location, uv: self.baseline.uv(location) })
     }
 
@@ -267,7 +273,7 @@ impl<'a> SimMesh<'a> {
 
     /// Whether a half-edge is longer, or shorter, than a share of the length that it should have.
     #[inline]
-    pub(super) fn is_outside(&self, half: CornerId, share: f32, longer: bool) -> bool {
+    pub(crate) fn is_outside(&self, half: CornerId, share: f32, longer: bool) -> bool {
         if self.mark[half].is_some() {
             return self.chain_edge_is_outside(half, share, longer);
         }
@@ -299,7 +305,7 @@ impl<'a> SimMesh<'a> {
 
     /// The site of a corner's vertex there.
     #[inline]
-    pub(super) fn site(&self, corner: CornerId) -> &Site {
+    pub(crate) fn site(&self, corner: CornerId) -> &Site {
         &self.sites[self.site_of[corner]]
     }
 
@@ -309,7 +315,7 @@ impl<'a> SimMesh<'a> {
     }
 
     /// Marks a half-edge and its twin.
-    pub(super) fn set_mark(&mut self, half: CornerId, mark: Mark) {
+    pub(crate) fn set_mark(&mut self, half: CornerId, mark: Mark) {
         self.mark[half] = Some(mark);
         if let Some(t) = self.topology.twin(half) {
             self.mark[t] = Some(mark.reversed());
@@ -317,14 +323,14 @@ impl<'a> SimMesh<'a> {
     }
 
     /// Adds a part of a curve and marks a half-edge and its twin with it.
-    pub(super) fn add_span(&mut self, half: CornerId, span: Span) {
+    pub(crate) fn add_span(&mut self, half: CornerId, span: Span) {
         let id = self.spans.push(span.along());
         self.set_mark(half, Mark::new(id, span.forward));
     }
 
     /// Position of a place on a chain's curve.
     #[inline]
-    pub(super) fn point_on(&self, curve: &Chain, at: OnCurve) -> Vec3 {
+    pub(crate) fn point_on(&self, curve: &Chain, at: OnCurve) -> Vec3 {
         let (a, b) = (curve.vertices[at.segment], curve.vertices[at.segment + 1]);
         self.baseline.points[a].lerp(self.baseline.points[b], at.t)
     }
@@ -336,7 +342,7 @@ impl<'a> SimMesh<'a> {
     }
 
     /// How far a curve is from a chord at some arc lengths, one after the other from about `from` on.
-    pub(super) fn off_chord(
+    pub(crate) fn off_chord(
         &self,
         curve: &Chain,
         from: f32,
@@ -348,7 +354,7 @@ impl<'a> SimMesh<'a> {
     }
 
     /// The site of a place on a chain's curve, on the side of a half-edge that runs `forward` along it.
-    pub(super) fn site_on_curve(&self, curve: &Chain, at: OnCurve, forward: bool) -> Option<Site> {
+    pub(crate) fn site_on_curve(&self, curve: &Chain, at: OnCurve, forward: bool) -> Option<Site> {
         let half = if forward { curve.left[at.segment] } else { curve.right[at.segment] }?;
         let t = if forward { at.t } else { 1.0 - at.t };
         let mut weights = [0.0; 3];
@@ -362,7 +368,7 @@ impl<'a> SimMesh<'a> {
     }
 
     /// The corners at the vertex of `corner` that are reached from it without crossing a constrained edge.
-    pub(super) fn sector(&self, corner: CornerId, sector: &mut Vec<CornerId>) {
+    pub(crate) fn sector(&self, corner: CornerId, sector: &mut Vec<CornerId>) {
         sector.clear();
         sector.push(corner);
         let mut at = corner;
@@ -386,7 +392,7 @@ impl<'a> SimMesh<'a> {
 
     /// The two constrained half-edges that leave a vertex of one chain: along the chain, and against it. At a border
     /// one of them is the twin that is not there; its other half, which arrives, stands for it.
-    pub(super) fn chain_neighbours(&self, vertex: VertexId) -> Option<[CornerId; 2]> {
+    pub(crate) fn chain_neighbours(&self, vertex: VertexId) -> Option<[CornerId; 2]> {
         let mut found = [None; 2];
         for c in self.topology.fan(vertex) {
             for half in [c, prev(c)] {

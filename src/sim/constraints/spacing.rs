@@ -1,7 +1,7 @@
 //! How densely a chain's curve is cut: at its corners, and in edges short enough to follow its bends.
 
-use super::chains::{Chain, OnCurve};
 use crate::mesh::{IdVec, VertexId};
+use crate::sim::constraints::chain::{Chain, OnCurve};
 use glam::Vec3;
 
 /// Corners are at least this far from each other and from the ends, as a share of the target length. Smaller values make
@@ -10,7 +10,7 @@ const CORNER_DISTANCE: f32 = 0.2;
 /// A chord may leave its curve by this share of the target length. Smaller values make shorter edges where curves bend.
 const SAGITTA: f32 = 0.02;
 /// No bend asks for edges shorter than this share of the target length, for the triangles beside them would be thin.
-pub(super) const SHORTEST: f32 = 0.6;
+pub(crate) const SHORTEST: f32 = 0.6;
 
 /// Edges around two corners or ends of a chain that lie near each other are asked to be as short as the way between them,
 /// but no shorter than this share of the target length, so that the triangles on that way are less thin. On the garments
@@ -31,7 +31,7 @@ impl Chain {
     /// Finds the corners of the curve and the lengths of edges that follow it. `step` curve segments are one edge of the
     /// cage; `target` is the target length at each vertex of the baseline; a curve that turns by more than `corner`
     /// within one target length has a corner. \[radians\]
-    pub(super) fn space(
+    pub(crate) fn space(
         &mut self,
         points: &IdVec<VertexId, Vec3>,
         target: &IdVec<VertexId, f32>,
@@ -113,7 +113,7 @@ impl Chain {
     }
 
     /// The same at a place on the curve.
-    pub(super) fn length_of(&self, at: OnCurve) -> f32 {
+    pub(crate) fn length_of(&self, at: OnCurve) -> f32 {
         let (a, b) = (self.lengths[at.segment], self.lengths[at.segment + 1]);
         a + (b - a) * at.t
     }
@@ -197,7 +197,7 @@ impl Chain {
     }
 
     /// The same up to a place, after a loop was gone round `turn` times.
-    pub(super) fn count_of(&self, turn: f32, at: OnCurve) -> f32 {
+    pub(crate) fn count_of(&self, turn: f32, at: OnCurve) -> f32 {
         let (a, b) = (self.spaced[at.segment], self.spaced[at.segment + 1]);
         turn * self.edge_count() + a + (b - a) * at.t
     }

@@ -3,16 +3,18 @@
 //! Source: Botsch and Kobbelt, *A Remeshing Approach to Multiresolution Modeling* (SGP 2004), section 4; Waggoner and
 //! de Goes, *Revamping the Cloth Tailoring Pipeline at Pixar* (SIGGRAPH Talks 2022).
 
-use super::collapse::{COLLAPSE_RATIO, FIRST_COLLAPSE_RATIO, collapse_edges, collapse_short_edges, lack};
-use super::flip::{flip_and_drift, flip_edges};
-use super::follow::follow_curves;
-use super::mesh::SimMesh;
-use super::patches::{PATCH, in_patches};
-use super::polish::open_thin_triangles;
-use super::queue::{keyed_around, keyed_by_both};
-use super::relax::relax_and_project;
-use super::split::{FIRST_SPLIT_RATIO, SPLIT_RATIO, excess, split_edges, split_far_edges, split_long_edges};
 use crate::mesh::{CornerId, VertexId};
+use crate::sim::passes::collapse::{COLLAPSE_RATIO, FIRST_COLLAPSE_RATIO, collapse_edges, collapse_short_edges, lack};
+use crate::sim::passes::flip::{flip_and_drift, flip_edges};
+use crate::sim::passes::follow::follow_curves;
+use crate::sim::passes::polish::open_thin_triangles;
+use crate::sim::passes::queue::{keyed_around, keyed_by_both};
+use crate::sim::passes::relax::relax_and_project;
+use crate::sim::passes::split::{
+    FIRST_SPLIT_RATIO, SPLIT_RATIO, excess, split_edges, split_far_edges, split_long_edges,
+};
+use crate::sim::sim_mesh::SimMesh;
+use crate::sim::sim_mesh::patches::{PATCH, in_patches};
 use serde::Serialize;
 use std::ops::RangeInclusive;
 

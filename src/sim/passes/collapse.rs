@@ -1,11 +1,11 @@
 //! Collapse every edge that is too short, the shortest first.
 
-use super::mesh::{Grade, SimMesh, Site, Span};
-use super::queue::{Entry, edit_in_order, keyed};
-use super::shape::Corner;
-use super::split::SPLIT_RATIO;
 use crate::mesh::edit::{face, next, prev};
 use crate::mesh::{CornerId, VertexId};
+use crate::sim::passes::queue::{Entry, edit_in_order, keyed};
+use crate::sim::passes::split::SPLIT_RATIO;
+use crate::sim::sim_mesh::quality::Corner;
+use crate::sim::sim_mesh::{Grade, SimMesh, Site, Span};
 use glam::Vec3;
 
 /// An edge shorter than this times its target is collapsed (Botsch and Kobbelt 2004, section 4). Larger values make
@@ -14,11 +14,11 @@ pub const COLLAPSE_RATIO: f32 = 4.0 / 5.0;
 
 /// The same in the first of several rounds: relaxing makes most edges that are a little short long enough. With
 /// [`COLLAPSE_RATIO`] the 5th percentile of the smallest angle is 0.1 to 0.4 degrees less.
-pub(super) const FIRST_COLLAPSE_RATIO: f32 = 0.7;
+pub(crate) const FIRST_COLLAPSE_RATIO: f32 = 0.7;
 
 /// A collapse may not make a triangle whose normal turns further than this from the surface's at a corner: it would
 /// bridge a fold and erase it. Larger values keep more of a fold, but leave short edges along it.
-pub(super) const MIN_COSINE: f32 = 0.2;
+pub(crate) const MIN_COSINE: f32 = 0.2;
 
 /// A collapse makes no edge longer than this times its target. Larger values let more short edges go, and leave more
 /// work to the next round's splits (Botsch and Kobbelt's 4/3; the 5/4 of splits leaves three times the short edges).
@@ -31,12 +31,12 @@ pub fn collapse_short_edges(mesh: &mut SimMesh<'_>, ratio: f32) -> usize {
 }
 
 /// The same where the edges to begin with are known.
-pub(super) fn collapse_edges(mesh: &mut SimMesh<'_>, short: Vec<Entry>, ratio: f32) -> usize {
+pub(crate) fn collapse_edges(mesh: &mut SimMesh<'_>, short: Vec<Entry>, ratio: f32) -> usize {
     edit_in_order(mesh, short, |mesh, half| lack(mesh, half, ratio), try_collapse)
 }
 
 /// What an edge that is to be collapsed lacks of its target.
-pub(super) fn lack(mesh: &SimMesh<'_>, half: CornerId, ratio: f32) -> Option<f32> {
+pub(crate) fn lack(mesh: &SimMesh<'_>, half: CornerId, ratio: f32) -> Option<f32> {
     if !mesh.is_outside(half, ratio, false) {
         return None;
     }

@@ -1,7 +1,7 @@
 //! The triangles of a level's faces, and those that remeshing starts from.
 
-use super::split::SPLIT_RATIO;
 use crate::mesh::{CornerId, FaceId, Faces, IdVec, Topology, VertexId};
+use crate::sim::passes::split::SPLIT_RATIO;
 use crate::subdivide::Refiner;
 use glam::{Vec2, Vec3};
 use std::collections::BTreeSet;
@@ -36,7 +36,7 @@ fn diagonals_are_new(faces: &Faces, face: FaceId, apex: usize, taken: &BTreeSet<
 }
 
 /// The triangles of a level's faces.
-pub(super) struct Triangulation {
+pub(crate) struct Triangulation {
     /// The level's corner behind each corner of the triangles.
     pub corners: IdVec<CornerId, CornerId>,
     /// The level's face behind each triangle.
@@ -83,7 +83,7 @@ impl Triangulation {
 }
 
 /// What the start of remeshing is chosen by.
-pub(super) struct Start<'a> {
+pub(crate) struct Start<'a> {
     /// The levels from the cage on; the last is the one in triangles.
     pub levels: &'a [&'a Refiner],
     /// The level that remeshing starts from.

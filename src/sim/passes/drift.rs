@@ -4,11 +4,11 @@
 //!
 //! Source: Surazhsky and Gotsman, *Explicit Surface Remeshing* (SGP 2003): drifting edges.
 
-use super::flip::{Excess, change, excess, flip_is_safe, flip_with, may_flip, unflip_with};
-use super::mesh::SimMesh;
-use super::polish::cosine;
 use crate::mesh::CornerId;
 use crate::mesh::edit::{next, prev};
+use crate::sim::passes::flip::{Excess, change, excess, flip_is_safe, flip_with, may_flip, unflip_with};
+use crate::sim::passes::polish::cosine;
+use crate::sim::sim_mesh::SimMesh;
 use rayon::prelude::*;
 
 /// A flip on the way makes no angle below 25 degrees (its cosine), unless there is one: what is worse, relaxation does not
@@ -26,7 +26,7 @@ pub fn drift(mesh: &mut SimMesh<'_>) -> usize {
 }
 
 /// The same with the excess of the mesh, which is kept up.
-pub(super) fn drift_with(mesh: &mut SimMesh<'_>, excess: &mut Excess) -> usize {
+pub(crate) fn drift_with(mesh: &mut SimMesh<'_>, excess: &mut Excess) -> usize {
     let corners = (0..mesh.topology.corner_slots()).into_par_iter().map(CornerId::new);
     let is_level = |&h: &CornerId| mesh.topology.is_edge(h) && !mesh.is_constrained(h) && change(mesh, excess, h) <= 0;
     let level: Vec<CornerId> = corners.filter(is_level).collect();

@@ -1,7 +1,7 @@
 //! Every invariant of the mesh, for debug builds and tests.
 
-use super::mesh::{Grade, SimMesh};
 use crate::mesh::CornerId;
+use crate::sim::sim_mesh::{Grade, SimMesh};
 
 /// Distance of a vertex from its place and its curve, as a share of the target length.
 const SLACK: f32 = 1e-3;

@@ -1,10 +1,10 @@
 //! Folds of the surface that are sharper than the target length can follow. An edge across such a fold cuts it off, and
 //! where edges come to lie by chance it becomes a saw blade; so the edges of the cage along it become chains.
 
-use super::chains::{CageChains, Chain, Marks};
-use super::manifold::Manifold;
 use crate::mesh::edit::{next, prev};
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
+use crate::sim::constraints::chain::{CageChains, Chain, Marks};
+use crate::sim::surface::manifold::Manifold;
 use crate::subdivide::Refiner;
 use glam::Vec3;
 use std::collections::BTreeMap;
@@ -35,14 +35,14 @@ struct Candidate {
 }
 
 /// The triangulated surface.
-pub(super) struct Surface<'a> {
+pub(crate) struct Surface<'a> {
     pub topology: &'a Topology,
     pub points: &'a IdVec<VertexId, Vec3>,
     pub target: &'a IdVec<VertexId, f32>,
 }
 
 /// Marks the ridges among the edges of the cage that are no constraints yet. `levels` lead to the surface.
-pub(super) fn mark(
+pub(crate) fn mark(
     manifold: &Manifold,
     levels: &[&Refiner],
     surface: &Surface<'_>,
@@ -140,7 +140,7 @@ fn pieces<'a>(t: &Topology, edges: &[&'a Candidate]) -> Vec<Vec<&'a Candidate>> 
 
 impl Surface<'_> {
     /// Finds the normals on both sides of a chain: at the chain itself, but half a target length away from a ridge.
-    pub(super) fn set_normals(&self, chain: &mut Chain) {
+    pub(crate) fn set_normals(&self, chain: &mut Chain) {
         let part = if chain.marks.ridge { 0.5 } else { 0.0 };
         let reach = |v: VertexId| part * self.target[v];
         let beyond = |half: Option<CornerId>, v| half.map_or(Vec3::ZERO, |h| self.normal_beyond(h, reach(v)));

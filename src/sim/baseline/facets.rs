@@ -1,8 +1,8 @@
 //! What projections ask of the baseline's triangles, in one place for each.
 
-use super::baseline::Baseline;
 use crate::mesh::edit;
 use crate::mesh::{CornerId, FaceId, IdVec, Topology, VertexId};
+use crate::sim::baseline::Baseline;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
@@ -21,7 +21,7 @@ pub struct Facet {
 }
 
 /// The facets of triangles; `uvs` are the constraint UVs of their corners, if there are any.
-pub(super) fn facets(
+pub(crate) fn facets(
     topology: &Topology,
     points: &IdVec<VertexId, Vec3>,
     barrier: &IdVec<CornerId, bool>,

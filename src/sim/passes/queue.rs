@@ -3,8 +3,8 @@
 //! A sweep takes the edges that are there, those with the largest key first; what an edit changes comes in the next
 //! sweep. Sorting once costs a quarter of a heap, and the meshes are as good.
 
-use super::mesh::SimMesh;
 use crate::mesh::{CornerId, VertexId};
+use crate::sim::sim_mesh::SimMesh;
 use rayon::prelude::*;
 use std::cmp::Ordering;
 
@@ -15,7 +15,7 @@ const MAX_SWEEPS: usize = 8;
 
 /// An edge, where it was when it was found.
 #[derive(Clone, Copy)]
-pub(super) struct Entry {
+pub(crate) struct Entry {
     key: f32,
     /// The lower vertex first.
     ends: [VertexId; 2],
@@ -48,7 +48,7 @@ fn ends(mesh: &SimMesh<'_>, half: CornerId) -> [VertexId; 2] {
 
 /// Edits `entries`, the largest key first, and then what has a key after that, until none is left that can be edited.
 /// `edit` returns a vertex around which edges changed, or nothing where it refused. Returns the number of edits.
-pub(super) fn edit_in_order<'a>(
+pub(crate) fn edit_in_order<'a>(
     mesh: &mut SimMesh<'a>,
     mut entries: Vec<Entry>,
     key: impl Fn(&SimMesh<'a>, CornerId) -> Option<f32>,
@@ -78,14 +78,14 @@ pub(super) fn edit_in_order<'a>(
 }
 
 /// The edges of a mesh that have a key.
-pub(super) fn keyed<'a>(mesh: &SimMesh<'a>, key: impl Fn(&SimMesh<'a>, CornerId) -> Option<f32> + Sync) -> Vec<Entry> {
+pub(crate) fn keyed<'a>(mesh: &SimMesh<'a>, key: impl Fn(&SimMesh<'a>, CornerId) -> Option<f32> + Sync) -> Vec<Entry> {
     let [found, _] = keyed_by_both(mesh, key, |_, _| None);
     found
 }
 
 /// The edges of a mesh that have a key by the first of two, and of the others those that have one by the second: looking
 /// at all edges costs as much as a late round's edits.
-pub(super) fn keyed_by_both<'a>(
+pub(crate) fn keyed_by_both<'a>(
     mesh: &SimMesh<'a>,
     first: impl Fn(&SimMesh<'a>, CornerId) -> Option<f32> + Sync,
     second: impl Fn(&SimMesh<'a>, CornerId) -> Option<f32> + Sync,
@@ -112,7 +112,7 @@ pub(super) fn keyed_by_both<'a>(
 }
 
 /// The edges at some vertices that have a key; those between two of them twice.
-pub(super) fn keyed_around<'a>(
+pub(crate) fn keyed_around<'a>(
     mesh: &SimMesh<'a>,
     vertices: impl Iterator<Item = VertexId>,
     key: &impl Fn(&SimMesh<'a>, CornerId) -> Option<f32>,

@@ -6,11 +6,11 @@
 //! Source: Freitag and Ollivier-Gooch, *Tetrahedral Mesh Improvement Using Swapping and Smoothing* (IJNME 1997), section
 //! 3: averages everywhere, a search where the worst angles ask for it.
 
-use super::collapse::MIN_COSINE;
-use super::mesh::{Grade, SimMesh};
-use super::relax::{Goal, swap, wanted};
 use crate::mesh::edit::{face, prev};
 use crate::mesh::{CornerId, FaceId, VertexId};
+use crate::sim::passes::collapse::MIN_COSINE;
+use crate::sim::passes::relax::{Goal, swap, wanted};
+use crate::sim::sim_mesh::{Grade, SimMesh};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::f32::consts::TAU;
@@ -41,7 +41,7 @@ const PLACES: i8 = 4;
 
 /// How bad the angles around a vertex are.
 #[derive(Clone, Copy)]
-pub(super) struct Angles {
+pub(crate) struct Angles {
     /// What all triangles lack together.
     pub lack: f32,
     /// The largest cosine of a smallest angle.
@@ -57,7 +57,7 @@ impl Angles {
 
 /// Moves vertices of thin triangles. One after the other in the order of their numbers, so the result is the same for any
 /// number of threads.
-pub(super) fn open_thin_triangles(mesh: &mut SimMesh<'_>) {
+pub(crate) fn open_thin_triangles(mesh: &mut SimMesh<'_>) {
     let mut waiting = thin_vertices(mesh);
     for _ in 0..ROUNDS {
         waiting.retain(|&v| improve(mesh, v));
@@ -67,7 +67,7 @@ pub(super) fn open_thin_triangles(mesh: &mut SimMesh<'_>) {
 }
 
 /// Some vertices and those around them: where these did not move, a search finds nothing that it did not find before.
-pub(super) fn with_rings(mesh: &SimMesh<'_>, moved: &[VertexId]) -> Vec<VertexId> {
+pub(crate) fn with_rings(mesh: &SimMesh<'_>, moved: &[VertexId]) -> Vec<VertexId> {
     let mut near: Vec<VertexId> =
         moved.iter().flat_map(|&v| mesh.topology.ring(v)).chain(moved.iter().copied()).collect();
     near.sort_unstable();
@@ -92,14 +92,14 @@ fn thin_vertices(mesh: &SimMesh<'_>) -> Vec<VertexId> {
 
 /// The cosine of a triangle's smallest angle, which is opposite its shortest side.
 #[inline]
-pub(super) fn cosine([a, b, c]: [Vec3; 3]) -> f32 {
+pub(crate) fn cosine([a, b, c]: [Vec3; 3]) -> f32 {
     let (x, y, z) = (b.distance_squared(c), c.distance_squared(a), a.distance_squared(b));
     let (least, most, middle) = (x.min(y).min(z), x.max(y).max(z), x.max(y).min(x.min(y).max(z)));
     (most + middle - least) / (2.0 * (most * middle).sqrt()).max(f32::MIN_POSITIVE)
 }
 
 /// The angles of all triangles around a vertex, if it lay at `own`.
-pub(super) fn angles(mesh: &SimMesh<'_>, vertex: VertexId, own: Vec3) -> Angles {
+pub(crate) fn angles(mesh: &SimMesh<'_>, vertex: VertexId, own: Vec3) -> Angles {
     let at = |v: VertexId| mesh.points[v];
     mesh.topology.fan(vertex).fold(Angles { lack: 0.0, worst: 0.0 }, |sum, c| {
         let cosine = cosine([own, at(mesh.topology.target(c)), at(mesh.topology.vertex(prev(c)))]);
@@ -122,7 +122,7 @@ fn improve(mesh: &mut SimMesh<'_>, vertex: VertexId) -> bool {
 
 /// Moves a vertex if the result is wanted, and no triangle lies worse, nor an edge against its chain. Returns whether it
 /// moved.
-pub(super) fn try_move(
+pub(crate) fn try_move(
     mesh: &mut SimMesh<'_>,
     vertex: VertexId,
     goal: Goal,

@@ -1,14 +1,17 @@
 //! The surface that the simulation mesh lies on: the garment refined, in triangles, with its chains.
 
-use super::chains::{self, Chain, StartSpan};
-use super::facets::{Facet, facets};
-use super::manifold::Manifold;
-use super::options::SimOptions;
-use super::ridges;
-use super::sizing::grade;
-use super::triangulation::{Start, Triangulation};
+pub mod facets;
+pub mod project;
+
 use crate::garment::{Garment, Interpolation, Primvar, Values};
 use crate::mesh::{ChainId, CornerId, FaceId, Faces, IdVec, Topology, VertexId};
+use crate::sim::baseline::facets::{Facet, facets};
+use crate::sim::constraints::chain::{self as chains, Chain, StartSpan};
+use crate::sim::constraints::ridges;
+use crate::sim::options::SimOptions;
+use crate::sim::surface::lengths::grade;
+use crate::sim::surface::manifold::Manifold;
+use crate::sim::surface::triangulation::{Start, Triangulation};
 use crate::subdivide::{Level, Numbering, Real, Refiner, Stencils, mix_rows};
 use glam::{Vec2, Vec3};
 use std::collections::BTreeMap;

@@ -3,9 +3,9 @@
 //! A walk never crosses a chain or a border, so a vertex stays on its own piece and panel however near another layer
 //! lies.
 
-use super::baseline::{Baseline, Location};
 use crate::mesh::edit;
 use crate::mesh::{CornerId, FaceId, IdVec, VertexId};
+use crate::sim::baseline::{Baseline, Location};
 use glam::{Vec2, Vec3};
 
 /// Steps after which a walk stops where it is. A walk gets nearer with every step, so only a start that is very far

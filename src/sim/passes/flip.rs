@@ -1,9 +1,9 @@
 //! Flip every free edge whose opposite angles sum to more than π.
 
-use super::drift::drift_with;
-use super::mesh::{Grade, SimMesh};
 use crate::mesh::edit::{next, prev};
 use crate::mesh::{CornerId, IdVec, SiteId, VertexId};
+use crate::sim::passes::drift::drift_with;
+use crate::sim::sim_mesh::{Grade, SimMesh};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -62,13 +62,13 @@ fn flip_for_angles(mesh: &mut SimMesh<'_>, excess: &mut Excess, regularity: f32)
 }
 
 /// Flips an edge that may be, and keeps `excess` up with it.
-pub(super) fn flip_with(mesh: &mut SimMesh<'_>, excess: &mut Excess, half: CornerId) {
+pub(crate) fn flip_with(mesh: &mut SimMesh<'_>, excess: &mut Excess, half: CornerId) {
     count_flip(mesh, excess, half, 1);
     mesh.flip(half);
 }
 
 /// Turns an edge back that was flipped, and keeps `excess` up with it.
-pub(super) fn unflip_with(mesh: &mut SimMesh<'_>, excess: &mut Excess, half: CornerId) {
+pub(crate) fn unflip_with(mesh: &mut SimMesh<'_>, excess: &mut Excess, half: CornerId) {
     mesh.unflip(half);
     count_flip(mesh, excess, half, -1);
 }
@@ -82,9 +82,9 @@ fn count_flip(mesh: &SimMesh<'_>, excess: &mut Excess, half: CornerId, sign: i8)
 
 /// Triangles in each sector of a vertex above the best number: six at a free vertex, three on each side of a chain, and
 /// between the chains of an anchor what makes angles of 60 degrees.
-pub(super) type Excess = IdVec<SiteId, i8>;
+pub(crate) type Excess = IdVec<SiteId, i8>;
 
-pub(super) fn excess(mesh: &SimMesh<'_>) -> Excess {
+pub(crate) fn excess(mesh: &SimMesh<'_>) -> Excess {
     let slots = mesh.topology.vertex_slots();
     let tasks = (0..slots.div_ceil(VERTICES_PER_TASK)).into_par_iter();
     let found = tasks.map(|t| {
@@ -140,7 +140,7 @@ impl SimMesh<'_> {
 
 /// The change of the sum of squares of excesses when an edge of two triangles is turned.
 #[inline]
-pub(super) fn change(mesh: &SimMesh<'_>, excess: &Excess, half: CornerId) -> i32 {
+pub(crate) fn change(mesh: &SimMesh<'_>, excess: &Excess, half: CornerId) -> i32 {
     let Some(twin) = mesh.topology.twin(half) else { return 0 };
     let excess = |x: CornerId| i32::from(excess[mesh.site_of[x]]);
     4 + 2 * (excess(prev(half)) + excess(prev(twin)) - excess(half) - excess(twin))
@@ -172,14 +172,14 @@ fn opposite_angle(apex: Vec3, a: Vec3, b: Vec3) -> (f32, f32) {
 }
 
 /// Whether turning an edge makes no edge that is there already, in this patch or another.
-pub(super) fn may_flip(mesh: &SimMesh<'_>, half: CornerId) -> bool {
+pub(crate) fn may_flip(mesh: &SimMesh<'_>, half: CornerId) -> bool {
     let apexes = mesh.topology.twin(half).map(|t| [half, t].map(|h| mesh.topology.vertex(prev(h))));
     apexes.is_some_and(|[c, d]| mesh.may_join(c, d)) && mesh.topology.may_flip(half)
 }
 
 /// Neither new triangle is worse than the worse of the old, or turns further from the surface than those, if it turns
 /// far.
-pub(super) fn flip_is_safe(mesh: &SimMesh<'_>, half: CornerId) -> bool {
+pub(crate) fn flip_is_safe(mesh: &SimMesh<'_>, half: CornerId) -> bool {
     let Some(twin) = mesh.topology.twin(half) else { return false };
     let ([a, b, c], d) = (mesh.corners(half), mesh.corner(prev(twin)));
     let new = mesh.badness([c, d, b]).max(mesh.badness([d, c, a]));

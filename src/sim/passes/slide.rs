@@ -1,10 +1,10 @@
 //! Vertices of a chain slide along its curve.
 
-use super::mesh::{SimMesh, Site};
-use super::relax::Move;
-use super::spacing::SHORTEST;
 use crate::mesh::edit::{next, prev};
 use crate::mesh::{CornerId, SiteId, VertexId};
+use crate::sim::constraints::spacing::SHORTEST;
+use crate::sim::passes::relax::Move;
+use crate::sim::sim_mesh::{SimMesh, Site};
 use glam::Vec3;
 
 /// How much of the way leads to the middle of the triangles on both sides, the rest to where the chain's own edges are
@@ -17,7 +17,7 @@ const STRAIGHT: f32 = 1.0;
 const LONGEST_SLIDE: f32 = 0.4;
 
 /// What else moves with a chain's vertex.
-pub(super) struct Slide {
+pub(crate) struct Slide {
     /// The constrained half-edges along the chain and against it.
     ahead: CornerId,
     back: CornerId,
@@ -31,7 +31,7 @@ pub(super) struct Slide {
 
 impl Slide {
     /// Does the move; it becomes the move back.
-    pub(super) fn swap(&mut self, mesh: &mut SimMesh<'_>) {
+    pub(crate) fn swap(&mut self, mesh: &mut SimMesh<'_>) {
         for (half, starts) in [(self.ahead, true), (self.back, false)] {
             let Some(mark) = mesh.mark[half] else { continue };
             let span = &mut mesh.spans[mark.span()];
@@ -45,13 +45,13 @@ impl Slide {
     }
 
     /// The site of an id, if it is that on the other side.
-    pub(super) fn other_site(&self, id: SiteId) -> Option<&Site> {
+    pub(crate) fn other_site(&self, id: SiteId) -> Option<&Site> {
         self.other.as_ref().filter(|(own, _)| *own == id).map(|(_, site)| site)
     }
 }
 
 /// By how much a chain's vertex wants to move along it. \[stage units\]
-pub(super) fn even_place(mesh: &SimMesh<'_>, vertex: VertexId) -> Option<f32> {
+pub(crate) fn even_place(mesh: &SimMesh<'_>, vertex: VertexId) -> Option<f32> {
     let [ahead, back] = mesh.chain_neighbours(vertex)?;
     let (after, before) = (mesh.span(ahead)?.along(), mesh.span(back)?.along());
     let chain = mesh.chain(after.chain);
@@ -90,7 +90,7 @@ fn to_middle(mesh: &SimMesh<'_>, vertex: VertexId) -> Vec3 {
 }
 
 /// The move of a chain's vertex.
-pub(super) fn slide(mesh: &SimMesh<'_>, vertex: VertexId, by: f32) -> Option<Move> {
+pub(crate) fn slide(mesh: &SimMesh<'_>, vertex: VertexId, by: f32) -> Option<Move> {
     let [ahead, back] = mesh.chain_neighbours(vertex)?;
     let after = mesh.span(ahead)?.along();
     let before = mesh.span(back)?.along();

@@ -1,9 +1,9 @@
 //! Constrained edges, joined into chains between anchors; each chain keeps its curve on the baseline.
 
-use super::manifold::Manifold;
-use super::options::SimOptions;
 use crate::garment::{Elements, Garment};
 use crate::mesh::{ChainId, CornerId, EdgeId, IdVec, Topology, VertexId};
+use crate::sim::options::SimOptions;
+use crate::sim::surface::manifold::Manifold;
 use crate::subdivide::{INFINITE_SHARPNESS, Refiner};
 use glam::Vec3;
 use std::collections::BTreeMap;
@@ -78,7 +78,7 @@ impl Chain {
     }
 
     /// The same, searched from the segment `near` on, which becomes that of the place: for places one after the other.
-    pub(super) fn at_after(&self, s: f32, near: &mut usize) -> OnCurve {
+    pub(crate) fn at_after(&self, s: f32, near: &mut usize) -> OnCurve {
         let (_, s) = self.unwound(s);
         if self.along[*near] > s {
             *near = self.segment_at(s);
@@ -90,12 +90,12 @@ impl Chain {
     }
 
     /// The surface's unit normal beside the curve, on the side of a half-edge that runs `forward`.
-    pub(super) fn normal_at(&self, at: OnCurve, forward: bool) -> Vec3 {
+    pub(crate) fn normal_at(&self, at: OnCurve, forward: bool) -> Vec3 {
         self.normals[at.segment][usize::from(!forward)]
     }
 
     /// How many times a loop was gone round up to arc length `s`, and the place there.
-    pub(super) fn wound(&self, s: f32) -> (f32, OnCurve) {
+    pub(crate) fn wound(&self, s: f32) -> (f32, OnCurve) {
         let (turn, s) = self.unwound(s);
         (turn, self.in_segment(s, self.segment_at(s)))
     }

@@ -8,10 +8,10 @@
 //! All moves are found from the same mesh and done together; those that made a triangle worse are taken back. So the
 //! result is the same for any number of threads.
 
-use super::mesh::{Grade, SimMesh, Site};
-use super::slide::{Slide, even_place, slide};
 use crate::mesh::edit::face;
 use crate::mesh::{CornerId, FaceId, IdVec, SiteId, VertexId};
+use crate::sim::passes::slide::{Slide, even_place, slide};
+use crate::sim::sim_mesh::{Grade, SimMesh, Site};
 use glam::{Vec3, Vec3A, Vec4};
 use rayon::prelude::*;
 use std::hint::black_box;
@@ -31,7 +31,7 @@ const MIN_GROUPS: usize = 32;
 
 /// Where a vertex wants to go.
 #[derive(Clone, Copy)]
-pub(super) enum Goal {
+pub(crate) enum Goal {
     Point(Vec3),
     /// By how much along the chain. \[stage units\]
     Along(f32),
@@ -39,13 +39,13 @@ pub(super) enum Goal {
 
 /// A vertex with all that a move changes; swapped with the mesh, it is the way back.
 pub struct Move {
-    pub(super) vertex: VertexId,
-    pub(super) position: Vec3,
-    pub(super) target: f32,
-    pub(super) id: SiteId,
-    pub(super) site: Site,
+    pub(crate) vertex: VertexId,
+    pub(crate) position: Vec3,
+    pub(crate) target: f32,
+    pub(crate) id: SiteId,
+    pub(crate) site: Site,
     /// Of a chain's vertex.
-    pub(super) slide: Option<Box<Slide>>,
+    pub(crate) slide: Option<Box<Slide>>,
 }
 
 /// Moves every vertex once, `sweeps` times averaged before it goes back to the surface.
@@ -229,7 +229,7 @@ fn around(mesh: &SimMesh<'_>, vertices: impl Iterator<Item = VertexId>) -> Vec<F
 }
 
 /// The move that brings a vertex `step` of the way to its goal.
-pub(super) fn wanted(mesh: &SimMesh<'_>, vertex: VertexId, goal: Goal, step: f32) -> Option<Move> {
+pub(crate) fn wanted(mesh: &SimMesh<'_>, vertex: VertexId, goal: Goal, step: f32) -> Option<Move> {
     match goal {
         Goal::Point(goal) => {
             let id = mesh.site_of[mesh.topology.fan(vertex).next()?];
@@ -244,7 +244,7 @@ pub(super) fn wanted(mesh: &SimMesh<'_>, vertex: VertexId, goal: Goal, step: f32
 }
 
 /// Does a move; it becomes the move back.
-pub(super) fn swap(mesh: &mut SimMesh<'_>, wanted: &mut Move) {
+pub(crate) fn swap(mesh: &mut SimMesh<'_>, wanted: &mut Move) {
     std::mem::swap(&mut mesh.points[wanted.vertex], &mut wanted.position);
     std::mem::swap(&mut mesh.target[wanted.vertex], &mut wanted.target);
     std::mem::swap(&mut mesh.sites[wanted.id], &mut wanted.site);

@@ -1,13 +1,13 @@
 //! Elements that are near each other on the baseline get numbers near each other, so that a pass finds most of what it
 //! needs in the cache.
 
-use super::mesh::SimMesh;
 use crate::mesh::{CornerId, FaceId, IdVec, Part, SiteId, VertexId};
+use crate::sim::sim_mesh::SimMesh;
 
 impl SimMesh<'_> {
     /// Numbers triangles by their places on the baseline and vertices by their triangles, and drops what is gone. Returns
     /// the old vertex of each new one.
-    pub(super) fn reorder(&mut self) -> IdVec<VertexId, VertexId> {
+    pub(crate) fn reorder(&mut self) -> IdVec<VertexId, VertexId> {
         let part = self.topology.reordered(&self.faces_by_place());
         let old_vertex = part.old_vertex.clone();
         *self = self.gathered(part);
@@ -15,7 +15,7 @@ impl SimMesh<'_> {
     }
 
     /// What this mesh has, for a part of it.
-    pub(super) fn gathered(&self, part: Part) -> Self {
+    pub(crate) fn gathered(&self, part: Part) -> Self {
         let Part { mesh: topology, old_vertex, old_corner } = part;
         let corners = topology.corner_slots();
         let mut mesh = Self {

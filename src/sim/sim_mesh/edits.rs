@@ -1,9 +1,9 @@
 //! Split, collapse and flip with all that the mesh carries: constraint spans, sites, targets.
 
-use super::mesh::{Grade, Mark, SimMesh, Site, Span};
-use super::shape::Corner;
 use crate::mesh::edit::{next, prev};
 use crate::mesh::{CornerId, SiteId, VertexId};
+use crate::sim::sim_mesh::quality::Corner;
+use crate::sim::sim_mesh::{Grade, Mark, SimMesh, Site, Span};
 use glam::Vec3;
 
 /// A middle that lies nearer to the surface than this share of the edge's length needs no second search.
@@ -72,13 +72,13 @@ impl SimMesh<'_> {
     }
 
     /// The arc length in the middle of a span, as the chain counts edges. \[stage units\]
-    pub(super) fn middle_of_span(&self, span: Span) -> f32 {
+    pub(crate) fn middle_of_span(&self, span: Span) -> f32 {
         let s = self.chain(span.chain).at_count(0.5 * (span.counts[0] + span.counts[1]));
         s.clamp(span.from.min(span.to), span.from.max(span.to))
     }
 
     /// Whether no triangle would be worse than what it is a half of, if a constrained edge were split.
-    pub(super) fn span_split_is_safe(&self, half: CornerId, span: Span) -> bool {
+    pub(crate) fn span_split_is_safe(&self, half: CornerId, span: Span) -> bool {
         let chain = self.chain(span.chain);
         let at = chain.at(self.middle_of_span(span));
         let position = self.point_on(chain, at);
@@ -136,7 +136,7 @@ impl SimMesh<'_> {
 
     /// The sites that the corners of `removed` get when it merges into the other end of `half`: those of that end, on
     /// the left of the half-edge and on its right.
-    pub(super) fn merged_sites(&self, half: CornerId, removed: VertexId) -> [SiteId; 2] {
+    pub(crate) fn merged_sites(&self, half: CornerId, removed: VertexId) -> [SiteId; 2] {
         let starts = self.topology.vertex(half) == removed;
         let left = self.site_of[if starts { next(half) } else { half }];
         let right = self.topology.twin(half).map_or(left, |t| self.site_of[if starts { t } else { next(t) }]);
@@ -145,7 +145,7 @@ impl SimMesh<'_> {
 
     /// The corners at one end of a constrained edge in the sector on the edge's left; none for a free edge, all of
     /// whose corners get the same.
-    pub(super) fn left_sector(&self, half: CornerId, removed: VertexId, sector: &mut Vec<CornerId>) {
+    pub(crate) fn left_sector(&self, half: CornerId, removed: VertexId, sector: &mut Vec<CornerId>) {
         sector.clear();
         if self.is_constrained(half) {
             let starts = self.topology.vertex(half) == removed;
@@ -208,7 +208,7 @@ impl SimMesh<'_> {
     }
 
     /// Turns an edge back that was turned.
-    pub(super) fn unflip(&mut self, half: CornerId) {
+    pub(crate) fn unflip(&mut self, half: CornerId) {
         let Some(twin) = self.topology.twin(half) else { return };
         let (hn, hp, on, op) = (next(half), prev(half), next(twin), prev(twin));
         let [(sd, db), (sb, bc), (sc, ca), (sa, ad)] = [hn, hp, on, op].map(|c| (self.site_of[c], self.mark[c]));

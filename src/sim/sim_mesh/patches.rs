@@ -3,20 +3,20 @@
 //! What patches share stays as it is: vertices on their borders are sealed. So the parts fit together again, and the
 //! result is the same for any number of threads. What was left along the borders is for a pass over the whole.
 
-use super::baseline::Baseline;
-use super::mesh::{Grade, SimMesh};
 use crate::mesh::edit::{EditMesh, corners, face, prev};
 use crate::mesh::{CornerId, FaceId, IdVec, Joined, SiteId, VertexId, join};
+use crate::sim::baseline::Baseline;
+use crate::sim::sim_mesh::{Grade, SimMesh};
 use rayon::prelude::*;
 use std::collections::VecDeque;
 
 /// Triangles of a patch. Larger ones have fewer edges along their borders, smaller ones fit a core's cache better and
 /// are shared out more evenly.
-pub(super) const PATCH: usize = 4096;
+pub(crate) const PATCH: usize = 4096;
 
 /// Whether a vertex is on the border of a patch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) enum Seal {
+pub(crate) enum Seal {
     /// Not shared.
     #[default]
     Open,
@@ -34,7 +34,7 @@ struct Patches {
 
 /// Does `work` on patches of about `size` triangles. Returns what it returned for each; nothing, with the mesh as it was,
 /// where parts cannot be told apart again.
-pub(super) fn in_patches<'a, T: Send>(
+pub(crate) fn in_patches<'a, T: Send>(
     mesh: &mut SimMesh<'a>,
     size: usize,
     work: impl Fn(&mut SimMesh<'a>) -> T + Sync,
@@ -159,14 +159,14 @@ impl<'a> SimMesh<'a> {
     }
 
     /// Whether an edge is on the border of a patch, where other patches have it too.
-    pub(super) fn is_sealed(&self, half: CornerId) -> bool {
+    pub(crate) fn is_sealed(&self, half: CornerId) -> bool {
         self.topology.twin(half).is_none()
             && self.seal(self.topology.vertex(half)) != Seal::Open
             && self.seal(self.topology.target(half)) != Seal::Open
     }
 
     /// Whether an edge may be made that no other patch could make too.
-    pub(super) fn may_join(&self, a: VertexId, b: VertexId) -> bool {
+    pub(crate) fn may_join(&self, a: VertexId, b: VertexId) -> bool {
         match (self.seal(a), self.seal(b)) {
             (Seal::Pinched, _) | (_, Seal::Pinched) => false,
             (a, b) => a == Seal::Open || b == Seal::Open,
@@ -174,7 +174,7 @@ impl<'a> SimMesh<'a> {
     }
 
     /// Whether merging an end of an edge into the other makes only such edges.
-    pub(super) fn may_merge(&self, half: CornerId, removed: VertexId) -> bool {
+    pub(crate) fn may_merge(&self, half: CornerId, removed: VertexId) -> bool {
         if self.seals.is_empty() {
             return true;
         }

@@ -1,11 +1,11 @@
 //! Vertices of chains slide to where the chords beside them follow the curve: averages put them where triangles are
 //! even, and how far a chord cuts off a bend hangs on where its ends lie.
 
-use super::mesh::{Grade, SimMesh};
-use super::polish::{Angles, angles, try_move, with_rings};
-use super::relax::Goal;
-use super::split::FAR;
 use crate::mesh::{ChainId, CornerId, VertexId};
+use crate::sim::passes::polish::{Angles, angles, try_move, with_rings};
+use crate::sim::passes::relax::Goal;
+use crate::sim::passes::split::FAR;
+use crate::sim::sim_mesh::{Grade, SimMesh};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -49,7 +49,7 @@ struct Astray {
 
 /// Slides the vertices of chains, one after the other in the order of their numbers, so the result is the same for any
 /// number of threads. Returns the number of moves.
-pub(super) fn follow_curves(mesh: &mut SimMesh<'_>) -> usize {
+pub(crate) fn follow_curves(mesh: &mut SimMesh<'_>) -> usize {
     let vertices = (0..mesh.topology.vertex_slots()).into_par_iter().map(VertexId::new);
     let is_astray = |&v: &VertexId| mesh.between(v).is_some_and(|between| mesh.astray(&between, 0.0).length > 0.0);
     let mut waiting: Vec<VertexId> = vertices.filter(|&v| is_on_curve(mesh, v)).filter(is_astray).collect();
@@ -97,7 +97,7 @@ impl SimMesh<'_> {
     /// Length of all chains' curves that is astray, in target lengths.
     pub fn length_astray(&self) -> f32 {
         let spans = self.topology.edges().filter_map(|half| Some((half, self.span(half)?.along())));
-        let chord = |(half, span): (CornerId, super::mesh::Span)| {
+        let chord = |(half, span): (CornerId, crate::sim::sim_mesh::Span)| {
             let ends = [self.topology.vertex(half), self.topology.target(half)].map(|v| self.points[v]);
             self.chord_astray(span.chain, [span.from, span.to], ends).length
         };
