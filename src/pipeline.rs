@@ -6,7 +6,7 @@ use crate::mesh::{FaceId, IdVec, Topology, VertexId};
 use crate::recipe::{Bound, Layers, Recipe, bind};
 use crate::render::{Afresh, Rendered, Stack, render};
 use crate::report::{RenderFigures, SimFigures, SubsetArea, subset_areas};
-use crate::sim::{Baseline, Gap, Lengths, RemeshReport, SimProduct, holes, simulate};
+use crate::sim::{Baseline, CurveGap, Lengths, RemeshReport, SimProduct, holes, simulate};
 use crate::subdivide::{Level, MAX_REFINED_FACES, refined_faces};
 use crate::transfer::{Transferred, transfer};
 use serde::Serialize;
@@ -349,8 +349,8 @@ const CURVE_GAP: f32 = 0.1;
 
 /// Warns of borders, seams and constraints that the mesh's edges do not follow.
 fn warn_of_gaps(product: &SimProduct, warnings: &mut Warnings) {
-    let given = product.gaps.iter().zip(product.baseline.chains.iter()).filter(|(_, chain)| !chain.marks.ridge);
-    let mut gaps: Vec<&Gap> = given.map(|(gap, _)| gap).filter(|gap| gap.distance > CURVE_GAP).collect();
+    let given = product.gaps.iter().zip(product.baseline.chains.iter()).filter(|(_, chain)| !chain.kind.ridge);
+    let mut gaps: Vec<&CurveGap> = given.map(|(gap, _)| gap).filter(|gap| gap.distance > CURVE_GAP).collect();
     gaps.sort_by(|a, b| b.distance.total_cmp(&a.distance).then(a.near.cmp(&b.near)));
     let Some(first) = gaps.first() else { return };
     let examples = gaps.iter().take(EXAMPLES).map(|gap| gap.near.index()).collect();

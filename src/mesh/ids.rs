@@ -82,7 +82,7 @@ ids! {
     /// A chain of constrained edges.
     ChainId
     /// What one sector of a vertex, between constrained edges, knows of its place.
-    SiteId
+    WedgeId
     /// A constrained edge's part of its chain.
     SpanId
 }

@@ -13,6 +13,6 @@ mod topology;
 pub use compact::Compact;
 pub use faces::Faces;
 pub use groups::Groups;
-pub use ids::{ChainId, CornerId, EdgeId, FaceId, Id, IdVec, SiteId, SpanId, ValueId, VertexId};
+pub use ids::{ChainId, CornerId, EdgeId, FaceId, Id, IdVec, SpanId, ValueId, VertexId, WedgeId};
 pub use parts::{Joined, Part, join};
 pub use topology::{Csr, Topology};

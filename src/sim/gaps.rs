@@ -7,7 +7,7 @@ use glam::Vec3;
 
 /// Where a chain's curve lies farthest from the edges that follow it.
 #[derive(Clone, Copy, Debug)]
-pub struct Gap {
+pub struct CurveGap {
     /// The distance, as a share of the target length there.
     pub distance: f32,
     /// The garment's vertex on the chain nearest to that place, by the steps of the curve.
@@ -15,9 +15,9 @@ pub struct Gap {
 }
 
 /// The largest gap of a chain; `edges` are all of its edges, and `points` the positions of the mesh.
-pub(crate) fn gap(baseline: &Baseline, chain: &Chain, edges: &[OnChain], points: &IdVec<VertexId, Vec3>) -> Gap {
+pub(crate) fn gap(baseline: &Baseline, chain: &Chain, edges: &[OnChain], points: &IdVec<VertexId, Vec3>) -> CurveGap {
     let (last, step) = (chain.vertices.len() - 1, chain.step().max(1));
-    let mut largest = Gap { distance: 0.0, near: chain.cage[0] };
+    let mut largest = CurveGap { distance: 0.0, near: chain.cage[0] };
     for &(start, length, [a, b]) in edges {
         let first = chain.along.partition_point(|&s| s <= start);
         // A loop's edge may run over the place where its curve begins.
@@ -29,7 +29,7 @@ pub(crate) fn gap(baseline: &Baseline, chain: &Chain, edges: &[OnChain], points:
             let off = distance_to_segment(baseline.points[vertex], points[a], points[b]);
             let distance = off / baseline.target[vertex];
             if distance > largest.distance {
-                largest = Gap { distance, near: chain.cage[(i + step / 2) / step] };
+                largest = CurveGap { distance, near: chain.cage[(i + step / 2) / step] };
             }
         }
     }

@@ -11,12 +11,12 @@ mod surface;
 pub use baseline::facets::Facet;
 pub use baseline::project::{Projection, closest_weights};
 pub use baseline::{Baseline, Lengths, Location, holes};
-pub use constraints::chain::{Chain, Marks};
-pub use gaps::Gap;
+pub use constraints::chain::{Chain, ChainKind};
+pub use gaps::CurveGap;
 pub use options::SimOptions;
 pub use passes::drift::drift;
 pub use passes::remesh::{Pass, RemeshReport, remesh};
-pub use sim_mesh::{Grade, Place, SimMesh, Span};
+pub use sim_mesh::{CurveSpan, SimMesh, UvLocation, VertexConstraint};
 
 use crate::mesh::{ChainId, Compact, CornerId, IdVec, VertexId};
 use glam::Vec3;
@@ -32,13 +32,13 @@ pub struct SimProduct {
     /// Target edge length at each vertex. \[stage units\]
     pub target: IdVec<VertexId, f32>,
     /// Place of each corner on the baseline, with the constraint UVs.
-    pub places: IdVec<CornerId, Place>,
+    pub places: IdVec<CornerId, UvLocation>,
     /// The edges on each chain, in order and direction of the chain.
     pub chain_edges: IdVec<ChainId, Vec<[VertexId; 2]>>,
     /// Arc length of the chain at the ends of each of those edges. \[stage units\]
     pub chain_arcs: IdVec<ChainId, Vec<[f32; 2]>>,
     /// Where each chain's curve is farthest from those edges.
-    pub gaps: IdVec<ChainId, Gap>,
+    pub gaps: IdVec<ChainId, CurveGap>,
     /// What the remesher did.
     pub report: RemeshReport,
 }
@@ -74,7 +74,7 @@ pub fn simulate(baseline: Baseline, iterations: u32, max_faces: usize) -> SimPro
     let chain_arcs = on_chain.iter().map(arcs).collect();
     let chain_edges = on_chain.into_vec().into_iter().map(|edges| edges.into_iter().map(|(_, _, e)| e).collect());
     let chain_edges = chain_edges.collect();
-    let places: IdVec<CornerId, Place> = old_corner.iter().map(|&c| mesh.place(c)).collect();
+    let places: IdVec<CornerId, UvLocation> = old_corner.iter().map(|&c| mesh.place(c)).collect();
     let mut target = IdVec::<VertexId, f32>::filled(0.0, points.len());
     let mut is_known = IdVec::<VertexId, bool>::filled(false, points.len());
     for (&v, place) in triangles.iter().flatten().zip(places.iter()) {

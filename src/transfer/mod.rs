@@ -168,7 +168,7 @@ impl Net {
         let mut is_chain = is_seam.clone();
         for (id, chain) in product.baseline.chains.enumerated() {
             for edge in product.chain_edges[id].iter().filter_map(|&[a, b]| topology.find_edge(a, b)) {
-                is_seam[edge] |= chain.marks.seam;
+                is_seam[edge] |= chain.kind.seam;
                 is_chain[edge] = true;
             }
         }

@@ -202,7 +202,7 @@ fn constraint_sets(garment: &Garment, product: &SimProduct, options: &SimOptions
     let mut sets = Vec::new();
     for (name, of_seams) in [("tailorBorders", false), ("tailorSeams", true)] {
         let wanted = !of_seams || options.constrain_uv_seams;
-        let is_in = |c: &Chain| if of_seams { c.marks.seam } else { c.marks.border };
+        let is_in = |c: &Chain| if of_seams { c.kind.seam } else { c.kind.border };
         let chains = product.baseline.chains.enumerated().filter(|(_, c)| is_in(c));
         let edges = unique(chains.flat_map(|(id, _)| product.chain_edges[id].iter().copied()));
         if wanted && !edges.is_empty() {

@@ -217,7 +217,7 @@ impl Subject {
             .baseline
             .chains
             .enumerated()
-            .filter(|(_, c)| c.marks.seam)
+            .filter(|(_, c)| c.kind.seam)
             .flat_map(|(id, _)| self.product.chain_edges[id].iter().map(|&[a, b]| [a.min(b), a.max(b)]))
             .collect();
         let mut faults = Vec::new();

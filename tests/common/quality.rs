@@ -26,7 +26,7 @@ impl Reference<'_> {
     pub fn of<T>(product: &SimProduct, work: impl FnOnce(&Reference<'_>) -> T) -> T {
         let base = &product.baseline;
         let surface: Vec<[Vec3; 3]> = base.topology.faces.ids().map(|f| base.triangle(f)).collect();
-        let chains = base.chains.iter().filter(|c| !c.marks.ridge);
+        let chains = base.chains.iter().filter(|c| !c.kind.ridge);
         let curves: Vec<Vec<Vec3>> = chains.map(|c| c.vertices.iter().map(|&v| base.points[v]).collect()).collect();
         let grid = PointGrid::new(&base.points);
         let target = |p: Vec3| grid.nearest(&base.points, p).map_or(1.0, |v| base.target[v]);

@@ -11,7 +11,7 @@ use tailor::garment::GarmentInput;
 use tailor::mesh::edit::face;
 use tailor::mesh::{ChainId, CornerId, VertexId};
 use tailor::pipeline::Prepared;
-use tailor::sim::{Grade, Pass, SimMesh, drift, simulate};
+use tailor::sim::{Pass, SimMesh, VertexConstraint, drift, simulate};
 
 /// What a garment is made of.
 #[derive(Clone, Debug)]
@@ -153,7 +153,7 @@ fn kept(mesh: &SimMesh<'_>) -> Kept {
             at = next_border[&at];
         }
     }
-    let frozen = t.vertices().filter(|&v| mesh.grade[v] == Grade::Frozen);
+    let frozen = t.vertices().filter(|&v| mesh.constraint[v] == VertexConstraint::Fixed);
     let mut anchors: Vec<[u32; 3]> = frozen.map(|v| mesh.points[v].to_array().map(f32::to_bits)).collect();
     anchors.sort_unstable();
     Kept { euler, border_loops, anchors }
@@ -191,7 +191,7 @@ fn rhombs(n: usize) -> Prepared {
 /// The half-edge that is the `n`th of those inside a sheet, away from its borders.
 fn inner_half(mesh: &SimMesh<'_>, n: usize) -> CornerId {
     let t = &mesh.topology;
-    let is_free = |v: VertexId| t.ring(v).all(|w| mesh.grade[w] == Grade::Free);
+    let is_free = |v: VertexId| t.ring(v).all(|w| mesh.constraint[w] == VertexConstraint::Free);
     let inner: Vec<CornerId> = t.edges().filter(|&h| is_free(t.vertex(h)) && is_free(t.target(h))).collect();
     inner[n % inner.len()]
 }

@@ -11,7 +11,7 @@ use crate::sim::constraints::ridges;
 use crate::sim::options::SimOptions;
 use crate::sim::surface::lengths::grade;
 use crate::sim::surface::manifold::Manifold;
-use crate::sim::surface::triangulation::{Start, Triangulation};
+use crate::sim::surface::triangulation::{StartMesh, Triangulation};
 use crate::subdivide::{Level, Numbering, Real, Refiner, Stencils, mix_rows};
 use glam::{Vec2, Vec3};
 use std::collections::BTreeMap;
@@ -143,7 +143,7 @@ impl Baseline {
             false => 0,
         };
         let all_levels: Vec<&Refiner> = std::iter::once(&cage).chain(&levels).collect();
-        let surface = ridges::Surface { topology: &topology, points: &points, target: &target };
+        let surface = ridges::RefinedSurface { topology: &topology, points: &points, target: &target };
         ridges::mark(&manifold, &all_levels, &surface, &mut marked);
         let cage_chains = chains::join(&manifold, &marked);
         let curves = cage_chains.refine(&all_levels);
@@ -152,7 +152,7 @@ impl Baseline {
 
         let start_level = nearest_level(&all_levels, &points, lengths);
         let start =
-            Start { levels: &all_levels, level: start_level, points: &points, uvs: &corner_uvs, target: &target };
+            StartMesh { levels: &all_levels, level: start_level, points: &points, uvs: &corner_uvs, target: &target };
         let start = start.triangles(&quads, |f| !is_hole[root_face(&all_levels[..=start_level], f)]);
         let start_spans = chains::start_spans(&chains, &curves[start_level]);
         // Chains and the start know the vertices of the level; from here on, fans that only touch are apart.

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 
 /// What an edge of the cage is part of.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Marks {
+pub struct ChainKind {
     /// A border of the mesh, or of its holes.
     pub border: bool,
     /// A border of a UV shell.
@@ -27,7 +27,7 @@ pub struct Marks {
 #[derive(Clone, Debug)]
 pub struct Chain {
     /// What its edges are part of; the same for all.
-    pub marks: Marks,
+    pub kind: ChainKind,
     /// Whether it closes without an anchor.
     pub is_loop: bool,
     /// The garment's vertices along the cage; a loop repeats its first at the end.
@@ -54,7 +54,7 @@ pub struct Chain {
 
 /// A place on a chain's curve.
 #[derive(Clone, Copy, Debug)]
-pub struct OnCurve {
+pub struct CurvePoint {
     /// The segment.
     pub segment: usize,
     /// How far along it, 0 to 1.
@@ -73,12 +73,12 @@ impl Chain {
     }
 
     /// The place at arc length `s`; loops go round, paths end.
-    pub fn at(&self, s: f32) -> OnCurve {
+    pub fn at(&self, s: f32) -> CurvePoint {
         self.wound(s).1
     }
 
     /// The same, searched from the segment `near` on, which becomes that of the place: for places one after the other.
-    pub(crate) fn at_after(&self, s: f32, near: &mut usize) -> OnCurve {
+    pub(crate) fn at_after(&self, s: f32, near: &mut usize) -> CurvePoint {
         let (_, s) = self.unwound(s);
         if self.along[*near] > s {
             *near = self.segment_at(s);
@@ -90,12 +90,12 @@ impl Chain {
     }
 
     /// The surface's unit normal beside the curve, on the side of a half-edge that runs `forward`.
-    pub(crate) fn normal_at(&self, at: OnCurve, forward: bool) -> Vec3 {
+    pub(crate) fn normal_at(&self, at: CurvePoint, forward: bool) -> Vec3 {
         self.normals[at.segment][usize::from(!forward)]
     }
 
     /// How many times a loop was gone round up to arc length `s`, and the place there.
-    pub(crate) fn wound(&self, s: f32) -> (f32, OnCurve) {
+    pub(crate) fn wound(&self, s: f32) -> (f32, CurvePoint) {
         let (turn, s) = self.unwound(s);
         (turn, self.in_segment(s, self.segment_at(s)))
     }
@@ -113,10 +113,10 @@ impl Chain {
         self.along.partition_point(|&a| a <= s).saturating_sub(1).min(last)
     }
 
-    fn in_segment(&self, s: f32, segment: usize) -> OnCurve {
+    fn in_segment(&self, s: f32, segment: usize) -> CurvePoint {
         let span = self.along[segment + 1] - self.along[segment];
         let t = if span > 0.0 { ((s - self.along[segment]) / span).clamp(0.0, 1.0) } else { 0.0 };
-        OnCurve { segment, t }
+        CurvePoint { segment, t }
     }
 }
 
@@ -136,7 +136,7 @@ pub struct StartSpan {
 /// The chains of a garment on its cage.
 pub struct CageChains {
     /// Marks, whether it is a loop, and the cage's vertices in order.
-    pub paths: Vec<(Marks, bool, Vec<VertexId>)>,
+    pub paths: Vec<(ChainKind, bool, Vec<VertexId>)>,
 }
 
 /// What each constrained edge of the manifold cage is part of.
@@ -146,7 +146,7 @@ pub fn constrained_edges(
     options: &SimOptions,
     is_seam: impl Fn(EdgeId) -> bool,
     is_hole: impl Fn(crate::mesh::FaceId) -> bool,
-) -> BTreeMap<EdgeId, Marks> {
+) -> BTreeMap<EdgeId, ChainKind> {
     let t = &manifold.refiner.level.topology;
     let mut in_subsets: BTreeMap<[VertexId; 2], (Vec<usize>, bool)> = BTreeMap::new();
     for (i, subset) in garment.subsets.iter().enumerate() {
@@ -167,15 +167,15 @@ pub fn constrained_edges(
         }
         let (a, b) = (manifold.vertex_source[a], manifold.vertex_source[b]);
         let (subsets, chosen) = in_subsets.get(&[a.min(b), a.max(b)]).cloned().unwrap_or_default();
-        let marks = Marks {
+        let kind = ChainKind {
             border: solid == 1,
             seam: solid > 1 && is_seam(edge),
             sharp: solid > 1 && manifold.refiner.level.edge_sharpness[edge] >= INFINITE_SHARPNESS,
             ridge: false,
             subsets,
         };
-        if marks.border || marks.sharp || chosen || marks.seam && options.constrain_uv_seams {
-            marked.insert(edge, marks);
+        if kind.border || kind.sharp || chosen || kind.seam && options.constrain_uv_seams {
+            marked.insert(edge, kind);
         }
     }
     marked
@@ -185,7 +185,7 @@ pub fn constrained_edges(
 ///
 /// A vertex is an anchor if one, or more than two, constrained edges meet there (Waggoner and de Goes 2022), if what
 /// its two edges are part of differs, or if the surface has a corner there.
-pub fn join(manifold: &Manifold, marked: &BTreeMap<EdgeId, Marks>) -> CageChains {
+pub fn join(manifold: &Manifold, marked: &BTreeMap<EdgeId, ChainKind>) -> CageChains {
     let level = &manifold.refiner.level;
     let t = &level.topology;
     let mut at: BTreeMap<VertexId, Vec<EdgeId>> = BTreeMap::new();
@@ -197,7 +197,7 @@ pub fn join(manifold: &Manifold, marked: &BTreeMap<EdgeId, Marks>) -> CageChains
         _ => true,
     };
     let mut used = IdVec::<EdgeId, bool>::filled(false, t.edges.len());
-    let mut walk = |start: VertexId, first: EdgeId| -> Option<(Marks, bool, Vec<VertexId>)> {
+    let mut walk = |start: VertexId, first: EdgeId| -> Option<(ChainKind, bool, Vec<VertexId>)> {
         if used[first] {
             return None;
         }
@@ -266,7 +266,7 @@ impl CageChains {
         self.paths
             .iter()
             .zip(curves)
-            .map(|((marks, is_loop, cage), curve)| {
+            .map(|((kind, is_loop, cage), curve)| {
                 let mut along = vec![0.0f32];
                 let mut length = 0.0f64;
                 for pair in curve.windows(2) {
@@ -274,7 +274,7 @@ impl CageChains {
                     along.push(length as f32);
                 }
                 Chain {
-                    marks: marks.clone(),
+                    kind: kind.clone(),
                     is_loop: *is_loop,
                     cage: cage.iter().map(|&v| manifold.vertex_source[v]).collect(),
                     left: curve.windows(2).map(|p| half(p[0], p[1])).collect(),

@@ -3,7 +3,7 @@
 
 use crate::mesh::edit::{next, prev};
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
-use crate::sim::constraints::chain::{CageChains, Chain, Marks};
+use crate::sim::constraints::chain::{CageChains, Chain, ChainKind};
 use crate::sim::surface::manifold::Manifold;
 use crate::subdivide::Refiner;
 use glam::Vec3;
@@ -35,7 +35,7 @@ struct Candidate {
 }
 
 /// The triangulated surface.
-pub(crate) struct Surface<'a> {
+pub(crate) struct RefinedSurface<'a> {
     pub topology: &'a Topology,
     pub points: &'a IdVec<VertexId, Vec3>,
     pub target: &'a IdVec<VertexId, f32>,
@@ -45,8 +45,8 @@ pub(crate) struct Surface<'a> {
 pub(crate) fn mark(
     manifold: &Manifold,
     levels: &[&Refiner],
-    surface: &Surface<'_>,
-    marked: &mut BTreeMap<EdgeId, Marks>,
+    surface: &RefinedSurface<'_>,
+    marked: &mut BTreeMap<EdgeId, ChainKind>,
 ) {
     let t = &manifold.refiner.level.topology;
     let candidates = candidates(t, levels, surface, marked);
@@ -55,7 +55,7 @@ pub(crate) fn mark(
     for piece in pieces(t, &kept) {
         let sharp: f32 = piece.iter().filter(|c| c.bend > SHARP).map(|c| c.length / c.target).sum();
         if sharp >= LEAST_LENGTH {
-            marked.extend(piece.iter().map(|c| (c.edge, Marks { ridge: true, ..Marks::default() })));
+            marked.extend(piece.iter().map(|c| (c.edge, ChainKind { ridge: true, ..ChainKind::default() })));
         }
     }
 }
@@ -63,8 +63,8 @@ pub(crate) fn mark(
 fn candidates(
     t: &Topology,
     levels: &[&Refiner],
-    surface: &Surface<'_>,
-    marked: &BTreeMap<EdgeId, Marks>,
+    surface: &RefinedSurface<'_>,
+    marked: &BTreeMap<EdgeId, ChainKind>,
 ) -> Vec<Candidate> {
     let at = |v: VertexId| surface.points[v];
     let normal = |face: FaceId| {
@@ -82,7 +82,7 @@ fn candidates(
         _ => false,
     };
     let edges: Vec<EdgeId> = t.edges.ids().filter(is_bent).collect();
-    let paths = edges.iter().map(|&e| (Marks::default(), false, t.edges[e].to_vec())).collect();
+    let paths = edges.iter().map(|&e| (ChainKind::default(), false, t.edges[e].to_vec())).collect();
     let curves = CageChains { paths }.refine(levels).pop().unwrap_or_default();
     let measured = edges.iter().zip(curves).filter_map(|(&edge, curve)| {
         let steps = curve.windows(2);
@@ -138,10 +138,10 @@ fn pieces<'a>(t: &Topology, edges: &[&'a Candidate]) -> Vec<Vec<&'a Candidate>> 
     pieces
 }
 
-impl Surface<'_> {
+impl RefinedSurface<'_> {
     /// Finds the normals on both sides of a chain: at the chain itself, but half a target length away from a ridge.
     pub(crate) fn set_normals(&self, chain: &mut Chain) {
-        let part = if chain.marks.ridge { 0.5 } else { 0.0 };
+        let part = if chain.kind.ridge { 0.5 } else { 0.0 };
         let reach = |v: VertexId| part * self.target[v];
         let beyond = |half: Option<CornerId>, v| half.map_or(Vec3::ZERO, |h| self.normal_beyond(h, reach(v)));
         let sides = chain.left.iter().zip(&chain.right).zip(&chain.vertices);

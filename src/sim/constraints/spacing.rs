@@ -1,7 +1,7 @@
 //! How densely a chain's curve is cut: at its corners, and in edges short enough to follow its bends.
 
 use crate::mesh::{IdVec, VertexId};
-use crate::sim::constraints::chain::{Chain, OnCurve};
+use crate::sim::constraints::chain::{Chain, CurvePoint};
 use glam::Vec3;
 
 /// Corners are at least this far from each other and from the ends, as a share of the target length. Smaller values make
@@ -74,7 +74,7 @@ impl Chain {
                 stops.push(last);
             }
         }
-        let shortest = if self.marks.ridge { SHORTEST_BETWEEN_RIDGE_CORNERS } else { SHORTEST_BETWEEN_CORNERS };
+        let shortest = if self.kind.ridge { SHORTEST_BETWEEN_RIDGE_CORNERS } else { SHORTEST_BETWEEN_CORNERS };
         for pair in stops.windows(2) {
             let at = |i: usize| self.along[i % last.max(1)] + if i >= last { self.length() } else { 0.0 };
             let gap = at(pair[1]) - at(pair[0]);
@@ -113,7 +113,7 @@ impl Chain {
     }
 
     /// The same at a place on the curve.
-    pub(crate) fn length_of(&self, at: OnCurve) -> f32 {
+    pub(crate) fn length_of(&self, at: CurvePoint) -> f32 {
         let (a, b) = (self.lengths[at.segment], self.lengths[at.segment + 1]);
         a + (b - a) * at.t
     }
@@ -197,7 +197,7 @@ impl Chain {
     }
 
     /// The same up to a place, after a loop was gone round `turn` times.
-    pub(crate) fn count_of(&self, turn: f32, at: OnCurve) -> f32 {
+    pub(crate) fn count_of(&self, turn: f32, at: CurvePoint) -> f32 {
         let (a, b) = (self.spaced[at.segment], self.spaced[at.segment + 1]);
         turn * self.edge_count() + a + (b - a) * at.t
     }

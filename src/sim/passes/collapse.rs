@@ -2,10 +2,10 @@
 
 use crate::mesh::edit::{face, next, prev};
 use crate::mesh::{CornerId, VertexId};
-use crate::sim::passes::queue::{Entry, edit_in_order, keyed};
+use crate::sim::passes::queue::{QueuedEdge, edit_in_order, keyed};
 use crate::sim::passes::split::SPLIT_RATIO;
 use crate::sim::sim_mesh::quality::Corner;
-use crate::sim::sim_mesh::{Grade, SimMesh, Site, Span};
+use crate::sim::sim_mesh::{CurveSpan, SimMesh, VertexConstraint, Wedge};
 use glam::Vec3;
 
 /// An edge shorter than this times its target is collapsed (Botsch and Kobbelt 2004, section 4). Larger values make
@@ -31,7 +31,7 @@ pub fn collapse_short_edges(mesh: &mut SimMesh<'_>, ratio: f32) -> usize {
 }
 
 /// The same where the edges to begin with are known.
-pub(crate) fn collapse_edges(mesh: &mut SimMesh<'_>, short: Vec<Entry>, ratio: f32) -> usize {
+pub(crate) fn collapse_edges(mesh: &mut SimMesh<'_>, short: Vec<QueuedEdge>, ratio: f32) -> usize {
     edit_in_order(mesh, short, |mesh, half| lack(mesh, half, ratio), try_collapse)
 }
 
@@ -48,16 +48,16 @@ pub(crate) fn lack(mesh: &SimMesh<'_>, half: CornerId, ratio: f32) -> Option<f32
 fn try_collapse(mesh: &mut SimMesh<'_>, half: CornerId) -> Option<VertexId> {
     let (a, b) = (mesh.topology.vertex(half), mesh.topology.target(half));
     // Lengths are asked first: they refuse most, and cost least.
-    if let Some((position, site)) = middle(mesh, half, a, b).filter(|_| may_collapse(mesh, half, a)) {
-        let own = mesh.merged_sites(half, a)[0];
+    if let Some((position, wedge)) = middle(mesh, half, a, b).filter(|_| may_collapse(mesh, half, a)) {
+        let own = mesh.merged_wedges(half, a)[0];
         mesh.collapse(half, a);
-        mesh.sites[own] = site;
+        mesh.wedges[own] = wedge;
         mesh.points[b] = position;
-        mesh.target[b] = mesh.baseline.sizing_at(site.place.location);
+        mesh.target[b] = mesh.baseline.sizing_at(wedge.place.location);
         return Some(b);
     }
     for (removed, kept) in [(a, b), (b, a)] {
-        if mesh.grade[removed] != Grade::Frozen
+        if mesh.constraint[removed] != VertexConstraint::Fixed
             && stays_short(mesh, half, removed, kept, mesh.points[kept])
             && may_collapse(mesh, half, removed)
             && is_safe(mesh, half, removed, kept)
@@ -71,10 +71,10 @@ fn try_collapse(mesh: &mut SimMesh<'_>, half: CornerId) -> Option<VertexId> {
 
 /// Whether the constraints let `removed` go: it is free, or it slides along its chain into its neighbour there.
 fn may_collapse(mesh: &SimMesh<'_>, half: CornerId, removed: VertexId) -> bool {
-    let allowed = match mesh.grade[removed] {
-        Grade::Free => true,
-        Grade::OnCurve(chain) => mesh.span(half).is_some_and(|s| s.chain == chain),
-        Grade::Frozen => false,
+    let allowed = match mesh.constraint[removed] {
+        VertexConstraint::Free => true,
+        VertexConstraint::OnCurve(chain) => mesh.span(half).is_some_and(|s| s.chain == chain),
+        VertexConstraint::Fixed => false,
     };
     // Two constrained edges of a removed triangle would become one.
     let joins_chains = |c: CornerId| mesh.is_constrained(next(c)) && mesh.is_constrained(prev(c));
@@ -110,7 +110,7 @@ fn stays_short(mesh: &SimMesh<'_>, half: CornerId, vertex: VertexId, kept: Verte
 fn chain_stays_short(mesh: &SimMesh<'_>, half: CornerId, removed: VertexId) -> bool {
     let Some(span) = mesh.span(half) else { return true };
     let Some([ahead, back]) = mesh.chain_neighbours(removed) else { return true };
-    let parts = [ahead, back].map(|h| mesh.span(h).map_or(0.0, Span::count));
+    let parts = [ahead, back].map(|h| mesh.span(h).map_or(0.0, CurveSpan::count));
     debug_assert!(span.from <= span.to || !span.forward, "spans run along their chains");
     parts[0] + parts[1] <= SPLIT_RATIO
 }
@@ -118,8 +118,8 @@ fn chain_stays_short(mesh: &SimMesh<'_>, half: CornerId, removed: VertexId) -> b
 /// Whether a collapse may make such a triangle from that of `old`, the corner that moves: none that is bad, or bridges a
 /// fold, unless it was so before and gets better.
 fn may_be(mesh: &SimMesh<'_>, corners: [Corner<'_>; 3], old: CornerId) -> bool {
-    let badness = mesh.badness(corners);
-    if badness > 0 && badness > mesh.face_badness(old) {
+    let defect = mesh.defect(corners);
+    if defect > 0 && defect > mesh.face_defect(old) {
         return false;
     }
     let alignment = mesh.alignment(corners);
@@ -129,18 +129,18 @@ fn may_be(mesh: &SimMesh<'_>, corners: [Corner<'_>; 3], old: CornerId) -> bool {
 /// Whether `removed` may take the place of `kept`.
 fn is_safe(mesh: &SimMesh<'_>, half: CornerId, removed: VertexId, kept: VertexId) -> bool {
     let position = mesh.points[kept];
-    let [left, right] = mesh.merged_sites(half, removed).map(|s| &mesh.sites[s]);
+    let [left, right] = mesh.merged_wedges(half, removed).map(|s| &mesh.wedges[s]);
     let mut sector = Vec::new();
     mesh.left_sector(half, removed, &mut sector);
-    let site = |c: CornerId| if sector.is_empty() || sector.contains(&c) { left } else { right };
+    let wedge = |c: CornerId| if sector.is_empty() || sector.contains(&c) { left } else { right };
     chain_stays_short(mesh, half, removed)
         && staying(mesh, half, removed)
-            .all(|c| may_be(mesh, [(position, site(c)), mesh.corner(next(c)), mesh.corner(prev(c))], c))
+            .all(|c| may_be(mesh, [(position, wedge(c)), mesh.corner(next(c)), mesh.corner(prev(c))], c))
 }
 
 /// For two free vertices: their middle on the surface, if both may move there.
-fn middle(mesh: &SimMesh<'_>, half: CornerId, removed: VertexId, kept: VertexId) -> Option<(Vec3, Site)> {
-    if mesh.grade[removed] != Grade::Free || mesh.grade[kept] != Grade::Free {
+fn middle(mesh: &SimMesh<'_>, half: CornerId, removed: VertexId, kept: VertexId) -> Option<(Vec3, Wedge)> {
+    if mesh.constraint[removed] != VertexConstraint::Free || mesh.constraint[kept] != VertexConstraint::Free {
         return None;
     }
     let point = mesh.points[removed].midpoint(mesh.points[kept]);
@@ -149,10 +149,10 @@ fn middle(mesh: &SimMesh<'_>, half: CornerId, removed: VertexId, kept: VertexId)
         return None;
     }
     let there = mesh.baseline.closest(mesh.place(half).location.face, point);
-    let site = mesh.site_on(there.location);
+    let wedge = mesh.wedge_at(there.location);
     let fits = |v: VertexId| {
         staying(mesh, half, v)
-            .all(|c| may_be(mesh, [(there.position, &site), mesh.corner(next(c)), mesh.corner(prev(c))], c))
+            .all(|c| may_be(mesh, [(there.position, &wedge), mesh.corner(next(c)), mesh.corner(prev(c))], c))
     };
-    (fits(removed) && fits(kept)).then_some((there.position, site))
+    (fits(removed) && fits(kept)).then_some((there.position, wedge))
 }

@@ -6,8 +6,8 @@
 
 use crate::mesh::CornerId;
 use crate::mesh::edit::{next, prev};
-use crate::sim::passes::flip::{Excess, change, excess, flip_is_safe, flip_with, may_flip, unflip_with};
-use crate::sim::passes::polish::cosine;
+use crate::sim::passes::flip::{ValenceExcess, change, excess, flip_is_safe, flip_with, may_flip, unflip_with};
+use crate::sim::passes::polish::smallest_angle_cosine;
 use crate::sim::sim_mesh::SimMesh;
 use rayon::prelude::*;
 
@@ -26,7 +26,7 @@ pub fn drift(mesh: &mut SimMesh<'_>) -> usize {
 }
 
 /// The same with the excess of the mesh, which is kept up.
-pub(crate) fn drift_with(mesh: &mut SimMesh<'_>, excess: &mut Excess) -> usize {
+pub(crate) fn drift_with(mesh: &mut SimMesh<'_>, excess: &mut ValenceExcess) -> usize {
     let corners = (0..mesh.topology.corner_slots()).into_par_iter().map(CornerId::new);
     let is_level = |&h: &CornerId| mesh.topology.is_edge(h) && !mesh.is_constrained(h) && change(mesh, excess, h) <= 0;
     let level: Vec<CornerId> = corners.filter(is_level).collect();
@@ -35,7 +35,7 @@ pub(crate) fn drift_with(mesh: &mut SimMesh<'_>, excess: &mut Excess) -> usize {
 
 /// Flips an edge, and others around it, if the sum of squares is smaller then; at most `steps` flips gain nothing. Returns
 /// the number of flips.
-fn run(mesh: &mut SimMesh<'_>, excess: &mut Excess, half: CornerId, steps: usize) -> usize {
+fn run(mesh: &mut SimMesh<'_>, excess: &mut ValenceExcess, half: CornerId, steps: usize) -> usize {
     let change = change(mesh, excess, half);
     if change > 0 || change == 0 && steps == 0 || !may_turn(mesh, half) {
         return 0;
@@ -56,7 +56,7 @@ fn run(mesh: &mut SimMesh<'_>, excess: &mut Excess, half: CornerId, steps: usize
 }
 
 /// The edges whose flips gain by that of `half` and now change squares by no more than `most`; those that gain most first.
-fn around(mesh: &SimMesh<'_>, excess: &Excess, half: CornerId, most: i32) -> Vec<CornerId> {
+fn around(mesh: &SimMesh<'_>, excess: &ValenceExcess, half: CornerId, most: i32) -> Vec<CornerId> {
     let t = &mesh.topology;
     let Some(twin) = t.twin(half) else { return Vec::new() };
     // The ends have one triangle more, the apexes one less.
@@ -73,7 +73,7 @@ fn around(mesh: &SimMesh<'_>, excess: &Excess, half: CornerId, most: i32) -> Vec
 fn may_turn(mesh: &SimMesh<'_>, half: CornerId) -> bool {
     let Some(twin) = mesh.topology.twin(half) else { return false };
     let [a, b, c, d] = [half, twin, prev(half), prev(twin)].map(|c| mesh.corner(c).0);
-    let worst = || cosine([c, d, b]).max(cosine([d, c, a]));
-    let bound = || cosine([a, b, c]).max(cosine([b, a, d])).max(WORST);
+    let worst = || smallest_angle_cosine([c, d, b]).max(smallest_angle_cosine([d, c, a]));
+    let bound = || smallest_angle_cosine([a, b, c]).max(smallest_angle_cosine([b, a, d])).max(WORST);
     worst() <= bound() && may_flip(mesh, half) && flip_is_safe(mesh, half)
 }

@@ -1,9 +1,9 @@
 //! Flip every free edge whose opposite angles sum to more than π.
 
 use crate::mesh::edit::{next, prev};
-use crate::mesh::{CornerId, IdVec, SiteId, VertexId};
+use crate::mesh::{CornerId, IdVec, VertexId, WedgeId};
 use crate::sim::passes::drift::drift_with;
-use crate::sim::sim_mesh::{Grade, SimMesh};
+use crate::sim::sim_mesh::{SimMesh, VertexConstraint};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -34,9 +34,9 @@ pub fn flip_and_drift(mesh: &mut SimMesh<'_>, regularity: f32) -> usize {
     flip_for_angles(mesh, &mut excess, regularity) + drift_with(mesh, &mut excess)
 }
 
-fn flip_for_angles(mesh: &mut SimMesh<'_>, excess: &mut Excess, regularity: f32) -> usize {
+fn flip_for_angles(mesh: &mut SimMesh<'_>, excess: &mut ValenceExcess, regularity: f32) -> usize {
     let all = (0..mesh.topology.corner_slots()).into_par_iter().map(CornerId::new);
-    let wants = |mesh: &SimMesh<'_>, excess: &Excess, h: CornerId| gain(mesh, excess, h, regularity) > MIN_GAIN;
+    let wants = |mesh: &SimMesh<'_>, excess: &ValenceExcess, h: CornerId| gain(mesh, excess, h, regularity) > MIN_GAIN;
     let mut candidates: Vec<CornerId> =
         all.filter(|&h| mesh.topology.is_edge(h) && !mesh.is_constrained(h) && wants(mesh, excess, h)).collect();
     let mut count = 0;
@@ -62,29 +62,29 @@ fn flip_for_angles(mesh: &mut SimMesh<'_>, excess: &mut Excess, regularity: f32)
 }
 
 /// Flips an edge that may be, and keeps `excess` up with it.
-pub(crate) fn flip_with(mesh: &mut SimMesh<'_>, excess: &mut Excess, half: CornerId) {
+pub(crate) fn flip_with(mesh: &mut SimMesh<'_>, excess: &mut ValenceExcess, half: CornerId) {
     count_flip(mesh, excess, half, 1);
     mesh.flip(half);
 }
 
 /// Turns an edge back that was flipped, and keeps `excess` up with it.
-pub(crate) fn unflip_with(mesh: &mut SimMesh<'_>, excess: &mut Excess, half: CornerId) {
+pub(crate) fn unflip_with(mesh: &mut SimMesh<'_>, excess: &mut ValenceExcess, half: CornerId) {
     mesh.unflip(half);
     count_flip(mesh, excess, half, -1);
 }
 
 /// Counts a flip that is to come, or takes back one that is no more (`sign` -1).
-fn count_flip(mesh: &SimMesh<'_>, excess: &mut Excess, half: CornerId, sign: i8) {
+fn count_flip(mesh: &SimMesh<'_>, excess: &mut ValenceExcess, half: CornerId, sign: i8) {
     let Some(twin) = mesh.topology.twin(half) else { return };
-    let sites = [half, twin, prev(half), prev(twin)].map(|c| mesh.site_of[c]);
-    sites.into_iter().zip([-sign, -sign, sign, sign]).for_each(|(site, by)| excess[site] += by);
+    let wedges = [half, twin, prev(half), prev(twin)].map(|c| mesh.corner_wedge[c]);
+    wedges.into_iter().zip([-sign, -sign, sign, sign]).for_each(|(wedge, by)| excess[wedge] += by);
 }
 
 /// Triangles in each sector of a vertex above the best number: six at a free vertex, three on each side of a chain, and
 /// between the chains of an anchor what makes angles of 60 degrees.
-pub(crate) type Excess = IdVec<SiteId, i8>;
+pub(crate) type ValenceExcess = IdVec<WedgeId, i8>;
 
-pub(crate) fn excess(mesh: &SimMesh<'_>) -> Excess {
+pub(crate) fn excess(mesh: &SimMesh<'_>) -> ValenceExcess {
     let slots = mesh.topology.vertex_slots();
     let tasks = (0..slots.div_ceil(VERTICES_PER_TASK)).into_par_iter();
     let found = tasks.map(|t| {
@@ -93,34 +93,34 @@ pub(crate) fn excess(mesh: &SimMesh<'_>) -> Excess {
         (first..end).for_each(|v| excess_at(mesh, VertexId::new(v), &mut found));
         found
     });
-    let mut excess: Excess = IdVec::filled(0, mesh.sites.len());
-    found.collect::<Vec<_>>().into_iter().flatten().for_each(|(site, own)| excess[site] = own);
+    let mut excess: ValenceExcess = IdVec::filled(0, mesh.wedges.len());
+    found.collect::<Vec<_>>().into_iter().flatten().for_each(|(wedge, own)| excess[wedge] = own);
     excess
 }
 
 /// The excess in each sector of a vertex.
-fn excess_at(mesh: &SimMesh<'_>, vertex: VertexId, found: &mut Vec<(SiteId, i8)>) {
-    let grade = mesh.grade[vertex];
+fn excess_at(mesh: &SimMesh<'_>, vertex: VertexId, found: &mut Vec<(WedgeId, i8)>) {
+    let constraint = mesh.constraint[vertex];
     let mut fan = mesh.topology.fan(vertex);
-    if grade == Grade::Free {
+    if constraint == VertexConstraint::Free {
         let Some(first) = fan.next() else { return };
-        found.push((mesh.site_of[first], (fan.count() + 1).min(100) as i8 - 6));
+        found.push((mesh.corner_wedge[first], (fan.count() + 1).min(100) as i8 - 6));
         return;
     }
-    let mut sectors: Vec<(SiteId, i8, f32)> = Vec::with_capacity(4);
+    let mut sectors: Vec<(WedgeId, i8, f32)> = Vec::with_capacity(4);
     for c in fan {
-        let site = mesh.site_of[c];
-        let angle = if grade == Grade::Frozen { mesh.angle(c) } else { 0.0 };
-        match sectors.iter_mut().find(|s| s.0 == site) {
+        let wedge = mesh.corner_wedge[c];
+        let angle = if constraint == VertexConstraint::Fixed { mesh.angle(c) } else { 0.0 };
+        match sectors.iter_mut().find(|s| s.0 == wedge) {
             Some(own) => (own.1, own.2) = (own.1.saturating_add(1).min(100), own.2 + angle),
-            None => sectors.push((site, 1, angle)),
+            None => sectors.push((wedge, 1, angle)),
         }
     }
-    let best = |angle: f32| match grade {
-        Grade::Frozen => (angle / FRAC_PI_3).round().clamp(1.0, 12.0) as i8,
+    let best = |angle: f32| match constraint {
+        VertexConstraint::Fixed => (angle / FRAC_PI_3).round().clamp(1.0, 12.0) as i8,
         _ => 3,
     };
-    found.extend(sectors.into_iter().map(|(site, count, angle)| (site, count - best(angle))));
+    found.extend(sectors.into_iter().map(|(wedge, count, angle)| (wedge, count - best(angle))));
 }
 
 impl SimMesh<'_> {
@@ -133,22 +133,22 @@ impl SimMesh<'_> {
     /// The sum over all sectors of the square of their triangles above or below the best number.
     pub fn irregularity(&self) -> i64 {
         let excess = excess(self);
-        let sites: BTreeSet<SiteId> = self.topology.corners().map(|c| self.site_of[c]).collect();
-        sites.into_iter().map(|site| i64::from(excess[site]).pow(2)).sum()
+        let wedges: BTreeSet<WedgeId> = self.topology.corners().map(|c| self.corner_wedge[c]).collect();
+        wedges.into_iter().map(|wedge| i64::from(excess[wedge]).pow(2)).sum()
     }
 }
 
 /// The change of the sum of squares of excesses when an edge of two triangles is turned.
 #[inline]
-pub(crate) fn change(mesh: &SimMesh<'_>, excess: &Excess, half: CornerId) -> i32 {
+pub(crate) fn change(mesh: &SimMesh<'_>, excess: &ValenceExcess, half: CornerId) -> i32 {
     let Some(twin) = mesh.topology.twin(half) else { return 0 };
-    let excess = |x: CornerId| i32::from(excess[mesh.site_of[x]]);
+    let excess = |x: CornerId| i32::from(excess[mesh.corner_wedge[x]]);
     4 + 2 * (excess(prev(half)) + excess(prev(twin)) - excess(half) - excess(twin))
 }
 
 /// What turning an edge gains, in sines.
 #[inline]
-fn gain(mesh: &SimMesh<'_>, excess: &Excess, half: CornerId, regularity: f32) -> f32 {
+fn gain(mesh: &SimMesh<'_>, excess: &ValenceExcess, half: CornerId, regularity: f32) -> f32 {
     let Some(twin) = mesh.topology.twin(half) else { return -1.0 };
     // Written out: arrays that are mapped are not kept in registers, and this is asked of every edge.
     let point = |x: CornerId| mesh.points[mesh.topology.vertex(x)];
@@ -174,7 +174,7 @@ fn opposite_angle(apex: Vec3, a: Vec3, b: Vec3) -> (f32, f32) {
 /// Whether turning an edge makes no edge that is there already, in this patch or another.
 pub(crate) fn may_flip(mesh: &SimMesh<'_>, half: CornerId) -> bool {
     let apexes = mesh.topology.twin(half).map(|t| [half, t].map(|h| mesh.topology.vertex(prev(h))));
-    apexes.is_some_and(|[c, d]| mesh.may_join(c, d)) && mesh.topology.may_flip(half)
+    apexes.is_some_and(|[c, d]| mesh.may_connect(c, d)) && mesh.topology.may_flip(half)
 }
 
 /// Neither new triangle is worse than the worse of the old, or turns further from the surface than those, if it turns
@@ -182,10 +182,10 @@ pub(crate) fn may_flip(mesh: &SimMesh<'_>, half: CornerId) -> bool {
 pub(crate) fn flip_is_safe(mesh: &SimMesh<'_>, half: CornerId) -> bool {
     let Some(twin) = mesh.topology.twin(half) else { return false };
     let ([a, b, c], d) = (mesh.corners(half), mesh.corner(prev(twin)));
-    let new = mesh.badness([c, d, b]).max(mesh.badness([d, c, a]));
+    let new = mesh.defect([c, d, b]).max(mesh.defect([d, c, a]));
     let aligned = || {
         let after = mesh.alignment([c, d, b]).min(mesh.alignment([d, c, a]));
         after >= MIN_ALIGNMENT || after >= mesh.alignment([a, b, c]).min(mesh.alignment([b, a, d]))
     };
-    (new == 0 && aligned()) || new < mesh.face_badness(half).max(mesh.face_badness(twin))
+    (new == 0 && aligned()) || new < mesh.face_defect(half).max(mesh.face_defect(twin))
 }

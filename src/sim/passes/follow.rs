@@ -2,10 +2,10 @@
 //! even, and how far a chord cuts off a bend hangs on where its ends lie.
 
 use crate::mesh::{ChainId, CornerId, VertexId};
-use crate::sim::passes::polish::{Angles, angles, try_move, with_rings};
-use crate::sim::passes::relax::Goal;
+use crate::sim::passes::polish::{FanAngles, angles, try_move, with_rings};
+use crate::sim::passes::relax::Destination;
 use crate::sim::passes::split::FAR;
-use crate::sim::sim_mesh::{Grade, SimMesh};
+use crate::sim::sim_mesh::{SimMesh, VertexConstraint};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -30,7 +30,7 @@ const WORST: f32 = 0.838_67;
 const PASSES: usize = 2;
 
 /// A vertex of a chain with its neighbours there.
-struct Between {
+struct CurveNeighbours {
     chain: ChainId,
     /// Arc lengths of the neighbour before, the vertex and the neighbour after. \[stage units\]
     along: [f32; 3],
@@ -40,7 +40,7 @@ struct Between {
 
 /// How a chord follows its curve, in target lengths.
 #[derive(Clone, Copy)]
-struct Astray {
+struct ChordError {
     /// Length of the curve that is astray.
     length: f32,
     /// Where it is farthest from the chord.
@@ -63,7 +63,7 @@ pub(crate) fn follow_curves(mesh: &mut SimMesh<'_>) -> usize {
 }
 
 fn is_on_curve(mesh: &SimMesh<'_>, vertex: VertexId) -> bool {
-    matches!(mesh.grade[vertex], Grade::OnCurve(_))
+    matches!(mesh.constraint[vertex], VertexConstraint::OnCurve(_))
 }
 
 /// Slides a vertex to the best place that a search finds. Returns whether it moved.
@@ -74,7 +74,7 @@ fn follow(mesh: &mut SimMesh<'_>, vertex: VertexId) -> bool {
         return false;
     }
     let old = angles(mesh, vertex, mesh.points[vertex]);
-    let is_thin = |now: &Angles| now.worst > old.worst.max(WORST);
+    let is_thin = |now: &FanAngles| now.worst > old.worst.max(WORST);
     let cost = |by: f32| {
         let there = mesh.on_curve(between.chain, between.along[1] + by);
         let now = Some(angles(mesh, vertex, there)).filter(|now| !is_thin(now))?;
@@ -89,7 +89,7 @@ fn follow(mesh: &mut SimMesh<'_>, vertex: VertexId) -> bool {
         REACH * chord * f32::from(k) / f32::from(PLACES)
     });
     let best = ways.filter_map(|by| Some((cost(by)?, by))).min_by(|a, b| a.0.total_cmp(&b.0));
-    let goal = best.filter(|&(cost, _)| cost < before.length - LEAST).map(|(_, by)| Goal::Along(by));
+    let goal = best.filter(|&(cost, _)| cost < before.length - LEAST).map(|(_, by)| Destination::Along(by));
     goal.is_some_and(|goal| try_move(mesh, vertex, goal, |_| true))
 }
 
@@ -97,14 +97,14 @@ impl SimMesh<'_> {
     /// Length of all chains' curves that is astray, in target lengths.
     pub fn length_astray(&self) -> f32 {
         let spans = self.topology.edges().filter_map(|half| Some((half, self.span(half)?.along())));
-        let chord = |(half, span): (CornerId, crate::sim::sim_mesh::Span)| {
+        let chord = |(half, span): (CornerId, crate::sim::sim_mesh::CurveSpan)| {
             let ends = [self.topology.vertex(half), self.topology.target(half)].map(|v| self.points[v]);
             self.chord_astray(span.chain, [span.from, span.to], ends).length
         };
         spans.map(chord).sum()
     }
 
-    fn between(&self, vertex: VertexId) -> Option<Between> {
+    fn between(&self, vertex: VertexId) -> Option<CurveNeighbours> {
         let [ahead, back] = self.chain_neighbours(vertex)?;
         let (after, before) = (self.span(ahead)?.along(), self.span(back)?.along());
         let other = |half: CornerId| {
@@ -113,25 +113,25 @@ impl SimMesh<'_> {
         };
         // A loop's two edges may count from different turns.
         let along = [before.from, before.to, before.to + after.to - after.from];
-        Some(Between { chain: after.chain, along, ends: [other(back), other(ahead)] })
+        Some(CurveNeighbours { chain: after.chain, along, ends: [other(back), other(ahead)] })
     }
 
     /// How the chords beside a vertex follow the curve if it slides.
-    fn astray(&self, between: &Between, by: f32) -> Astray {
-        let &Between { chain, along: [from, own, to], ends: [a, b] } = between;
+    fn astray(&self, between: &CurveNeighbours, by: f32) -> ChordError {
+        let &CurveNeighbours { chain, along: [from, own, to], ends: [a, b] } = between;
         let p = self.on_curve(chain, own + by);
         let before = self.chord_astray(chain, [from, own + by], [a, p]);
         let after = self.chord_astray(chain, [own + by, to], [p, b]);
-        Astray { length: before.length + after.length, farthest: before.farthest.max(after.farthest) }
+        ChordError { length: before.length + after.length, farthest: before.farthest.max(after.farthest) }
     }
 
     /// How a chord follows the curve between two arc lengths.
-    fn chord_astray(&self, chain: ChainId, [from, to]: [f32; 2], ends: [Vec3; 2]) -> Astray {
+    fn chord_astray(&self, chain: ChainId, [from, to]: [f32; 2], ends: [Vec3; 2]) -> ChordError {
         let curve = self.chain(chain);
         let target = self.baseline.target[curve.vertices[curve.at(0.5 * (from + to)).segment]];
         let step = (to - from) / f32::from(SAMPLES);
         let places = (0..SAMPLES).map(|k| from + step * (f32::from(k) + 0.5));
-        let mut sum = Astray { length: 0.0, farthest: 0.0 };
+        let mut sum = ChordError { length: 0.0, farthest: 0.0 };
         for off in self.off_chord(curve, from, places, ends).map(|off| off / target) {
             sum.length += if off > ASTRAY { step / target } else { 0.0 };
             sum.farthest = sum.farthest.max(off);

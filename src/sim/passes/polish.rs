@@ -9,8 +9,8 @@
 use crate::mesh::edit::{face, prev};
 use crate::mesh::{CornerId, FaceId, VertexId};
 use crate::sim::passes::collapse::MIN_COSINE;
-use crate::sim::passes::relax::{Goal, swap, wanted};
-use crate::sim::sim_mesh::{Grade, SimMesh};
+use crate::sim::passes::relax::{Destination, swap, wanted};
+use crate::sim::sim_mesh::{SimMesh, VertexConstraint};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::f32::consts::TAU;
@@ -41,14 +41,14 @@ const PLACES: i8 = 4;
 
 /// How bad the angles around a vertex are.
 #[derive(Clone, Copy)]
-pub(crate) struct Angles {
+pub(crate) struct FanAngles {
     /// What all triangles lack together.
     pub lack: f32,
     /// The largest cosine of a smallest angle.
     pub worst: f32,
 }
 
-impl Angles {
+impl FanAngles {
     /// Whether less is lacking than `before`, and the smallest angle is none the smaller, or is not thin.
     fn is_better(self, before: Self) -> bool {
         self.lack < before.lack && self.worst <= before.worst.max(SEARCHED)
@@ -80,11 +80,11 @@ fn thin_vertices(mesh: &SimMesh<'_>) -> Vec<VertexId> {
     let faces = (0..mesh.topology.corner_slots() / 3).into_par_iter().map(FaceId::new);
     let is_thin = |&f: &FaceId| {
         let is_alive = mesh.topology.is_alive(CornerId::new(3 * f.index()));
-        is_alive && cosine(mesh.topology.triangle(f).map(|v| mesh.points[v])) > SEARCHED
+        is_alive && smallest_angle_cosine(mesh.topology.triangle(f).map(|v| mesh.points[v])) > SEARCHED
     };
     let thin: Vec<FaceId> = faces.filter(is_thin).collect();
     let vertices = thin.into_iter().flat_map(|f| mesh.topology.triangle(f));
-    let mut vertices: Vec<VertexId> = vertices.filter(|&v| mesh.grade[v] != Grade::Frozen).collect();
+    let mut vertices: Vec<VertexId> = vertices.filter(|&v| mesh.constraint[v] != VertexConstraint::Fixed).collect();
     vertices.sort_unstable();
     vertices.dedup();
     vertices
@@ -92,29 +92,30 @@ fn thin_vertices(mesh: &SimMesh<'_>) -> Vec<VertexId> {
 
 /// The cosine of a triangle's smallest angle, which is opposite its shortest side.
 #[inline]
-pub(crate) fn cosine([a, b, c]: [Vec3; 3]) -> f32 {
+pub(crate) fn smallest_angle_cosine([a, b, c]: [Vec3; 3]) -> f32 {
     let (x, y, z) = (b.distance_squared(c), c.distance_squared(a), a.distance_squared(b));
     let (least, most, middle) = (x.min(y).min(z), x.max(y).max(z), x.max(y).min(x.min(y).max(z)));
     (most + middle - least) / (2.0 * (most * middle).sqrt()).max(f32::MIN_POSITIVE)
 }
 
 /// The angles of all triangles around a vertex, if it lay at `own`.
-pub(crate) fn angles(mesh: &SimMesh<'_>, vertex: VertexId, own: Vec3) -> Angles {
+pub(crate) fn angles(mesh: &SimMesh<'_>, vertex: VertexId, own: Vec3) -> FanAngles {
     let at = |v: VertexId| mesh.points[v];
-    mesh.topology.fan(vertex).fold(Angles { lack: 0.0, worst: 0.0 }, |sum, c| {
-        let cosine = cosine([own, at(mesh.topology.target(c)), at(mesh.topology.vertex(prev(c)))]);
-        let lack = (cosine - THIN).max(0.0) + POOR_WEIGHT * (cosine - POOR).max(0.0);
-        Angles { lack: sum.lack + lack, worst: sum.worst.max(cosine) }
+    mesh.topology.fan(vertex).fold(FanAngles { lack: 0.0, worst: 0.0 }, |sum, c| {
+        let smallest_angle_cosine =
+            smallest_angle_cosine([own, at(mesh.topology.target(c)), at(mesh.topology.vertex(prev(c)))]);
+        let lack = (smallest_angle_cosine - THIN).max(0.0) + POOR_WEIGHT * (smallest_angle_cosine - POOR).max(0.0);
+        FanAngles { lack: sum.lack + lack, worst: sum.worst.max(smallest_angle_cosine) }
     })
 }
 
 /// Moves a vertex to the best place that a search around it finds. Returns whether it moved.
 fn improve(mesh: &mut SimMesh<'_>, vertex: VertexId) -> bool {
     let before = angles(mesh, vertex, mesh.points[vertex]);
-    let goal = match mesh.grade[vertex] {
-        Grade::Free => free_goal(mesh, vertex, before),
-        Grade::OnCurve(_) => slide_goal(mesh, vertex, before),
-        Grade::Frozen => None,
+    let goal = match mesh.constraint[vertex] {
+        VertexConstraint::Free => free_goal(mesh, vertex, before),
+        VertexConstraint::OnCurve(_) => slide_goal(mesh, vertex, before),
+        VertexConstraint::Fixed => None,
     };
     let is_better = |mesh: &SimMesh<'_>| angles(mesh, vertex, mesh.points[vertex]).is_better(before);
     goal.is_some_and(|goal| try_move(mesh, vertex, goal, is_better))
@@ -125,17 +126,17 @@ fn improve(mesh: &mut SimMesh<'_>, vertex: VertexId) -> bool {
 pub(crate) fn try_move(
     mesh: &mut SimMesh<'_>,
     vertex: VertexId,
-    goal: Goal,
+    goal: Destination,
     is_wanted: impl Fn(&SimMesh<'_>) -> bool,
 ) -> bool {
     let Some(mut there) = wanted(mesh, vertex, goal, 1.0) else { return false };
-    let lies = |mesh: &SimMesh<'_>, c| (mesh.face_badness(c), mesh.alignment(mesh.corners(c)));
+    let lies = |mesh: &SimMesh<'_>, c| (mesh.face_defect(c), mesh.alignment(mesh.corners(c)));
     let old: Vec<(CornerId, (u8, f32))> = mesh.topology.fan(vertex).map(|c| (c, lies(mesh, c))).collect();
     swap(mesh, &mut there);
-    let is_good = |&(c, (badness, alignment)): &(CornerId, (u8, f32))| {
+    let is_good = |&(c, (defect, alignment)): &(CornerId, (u8, f32))| {
         let now = lies(mesh, c);
         // The bound of collapses: that of flips leaves three times the thin triangles where folds are tight.
-        now.0 <= badness && (now.1 >= MIN_COSINE || now.1 >= alignment) && !passes(mesh, c)
+        now.0 <= defect && (now.1 >= MIN_COSINE || now.1 >= alignment) && !passes(mesh, c)
     };
     let moves = is_wanted(mesh) && old.iter().all(is_good);
     if !moves {
@@ -152,7 +153,7 @@ fn passes(mesh: &SimMesh<'_>, corner: CornerId) -> bool {
 }
 
 /// The best place for a free vertex, in the plane of its triangles.
-fn free_goal(mesh: &SimMesh<'_>, vertex: VertexId, before: Angles) -> Option<Goal> {
+fn free_goal(mesh: &SimMesh<'_>, vertex: VertexId, before: FanAngles) -> Option<Destination> {
     let start = mesh.points[vertex];
     let at = |v: VertexId| mesh.points[v] - start;
     let area = |c: CornerId| at(mesh.topology.target(c)).cross(at(mesh.topology.vertex(prev(c))));
@@ -172,12 +173,12 @@ fn free_goal(mesh: &SimMesh<'_>, vertex: VertexId, before: Angles) -> Option<Goa
         }
         step *= 0.5;
     }
-    (best != start).then_some(Goal::Point(best))
+    (best != start).then_some(Destination::Point(best))
 }
 
 /// The best place for a chain's vertex on its curve. Bends do not hold it: it follows them afterwards, as far as that makes
 /// no thin triangle.
-fn slide_goal(mesh: &SimMesh<'_>, vertex: VertexId, before: Angles) -> Option<Goal> {
+fn slide_goal(mesh: &SimMesh<'_>, vertex: VertexId, before: FanAngles) -> Option<Destination> {
     let [ahead, back] = mesh.chain_neighbours(vertex)?;
     let (after, last) = (mesh.span(ahead)?.along(), mesh.span(back)?.along());
     let reach = REACH * (after.to - after.from).min(last.to - last.from);
@@ -189,5 +190,5 @@ fn slide_goal(mesh: &SimMesh<'_>, vertex: VertexId, before: Angles) -> Option<Go
             (best, least) = (by, there);
         }
     }
-    (best != 0.0).then_some(Goal::Along(best))
+    (best != 0.0).then_some(Destination::Along(best))
 }

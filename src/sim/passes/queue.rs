@@ -15,14 +15,14 @@ const MAX_SWEEPS: usize = 8;
 
 /// An edge, where it was when it was found.
 #[derive(Clone, Copy)]
-pub(crate) struct Entry {
+pub(crate) struct QueuedEdge {
     key: f32,
     /// The lower vertex first.
     ends: [VertexId; 2],
     half: CornerId,
 }
 
-impl Entry {
+impl QueuedEdge {
     fn new(mesh: &SimMesh<'_>, half: CornerId, key: f32) -> Self {
         Self { key, ends: ends(mesh, half), half }
     }
@@ -50,14 +50,14 @@ fn ends(mesh: &SimMesh<'_>, half: CornerId) -> [VertexId; 2] {
 /// `edit` returns a vertex around which edges changed, or nothing where it refused. Returns the number of edits.
 pub(crate) fn edit_in_order<'a>(
     mesh: &mut SimMesh<'a>,
-    mut entries: Vec<Entry>,
+    mut entries: Vec<QueuedEdge>,
     key: impl Fn(&SimMesh<'a>, CornerId) -> Option<f32>,
     mut edit: impl FnMut(&mut SimMesh<'a>, CornerId) -> Option<VertexId>,
 ) -> usize {
     let mut count = 0;
     let mut changed: Vec<VertexId> = Vec::new();
     for _ in 0..MAX_SWEEPS {
-        entries.par_sort_unstable_by(Entry::order);
+        entries.par_sort_unstable_by(QueuedEdge::order);
         entries.dedup_by_key(|entry| entry.ends);
         for entry in &entries {
             let half = entry.find(mesh).filter(|&half| key(mesh, half).is_some());
@@ -78,7 +78,10 @@ pub(crate) fn edit_in_order<'a>(
 }
 
 /// The edges of a mesh that have a key.
-pub(crate) fn keyed<'a>(mesh: &SimMesh<'a>, key: impl Fn(&SimMesh<'a>, CornerId) -> Option<f32> + Sync) -> Vec<Entry> {
+pub(crate) fn keyed<'a>(
+    mesh: &SimMesh<'a>,
+    key: impl Fn(&SimMesh<'a>, CornerId) -> Option<f32> + Sync,
+) -> Vec<QueuedEdge> {
     let [found, _] = keyed_by_both(mesh, key, |_, _| None);
     found
 }
@@ -89,7 +92,7 @@ pub(crate) fn keyed_by_both<'a>(
     mesh: &SimMesh<'a>,
     first: impl Fn(&SimMesh<'a>, CornerId) -> Option<f32> + Sync,
     second: impl Fn(&SimMesh<'a>, CornerId) -> Option<f32> + Sync,
-) -> [Vec<Entry>; 2] {
+) -> [Vec<QueuedEdge>; 2] {
     let slots = mesh.topology.corner_slots();
     let tasks = (0..slots.div_ceil(CORNERS_PER_TASK)).into_par_iter();
     let found = tasks.map(|task| {
@@ -97,9 +100,9 @@ pub(crate) fn keyed_by_both<'a>(
         let mut found = [Vec::new(), Vec::new()];
         for half in own.map(CornerId::new).filter(|&half| mesh.topology.is_edge(half)) {
             if let Some(key) = first(mesh, half) {
-                found[0].push(Entry::new(mesh, half, key));
+                found[0].push(QueuedEdge::new(mesh, half, key));
             } else if let Some(key) = second(mesh, half) {
-                found[1].push(Entry::new(mesh, half, key));
+                found[1].push(QueuedEdge::new(mesh, half, key));
             }
         }
         found
@@ -116,7 +119,7 @@ pub(crate) fn keyed_around<'a>(
     mesh: &SimMesh<'a>,
     vertices: impl Iterator<Item = VertexId>,
     key: &impl Fn(&SimMesh<'a>, CornerId) -> Option<f32>,
-) -> impl Iterator<Item = Entry> {
-    let keyed = move |half| Some(Entry::new(mesh, half, key(mesh, half)?));
+) -> impl Iterator<Item = QueuedEdge> {
+    let keyed = move |half| Some(QueuedEdge::new(mesh, half, key(mesh, half)?));
     vertices.flat_map(move |v| mesh.topology.spokes(v).filter_map(keyed))
 }

@@ -9,9 +9,9 @@
 //! result is the same for any number of threads.
 
 use crate::mesh::edit::face;
-use crate::mesh::{CornerId, FaceId, IdVec, SiteId, VertexId};
+use crate::mesh::{CornerId, FaceId, IdVec, VertexId, WedgeId};
 use crate::sim::passes::slide::{Slide, even_place, slide};
-use crate::sim::sim_mesh::{Grade, SimMesh, Site};
+use crate::sim::sim_mesh::{SimMesh, VertexConstraint, Wedge};
 use glam::{Vec3, Vec3A, Vec4};
 use rayon::prelude::*;
 use std::hint::black_box;
@@ -31,25 +31,25 @@ const MIN_GROUPS: usize = 32;
 
 /// Where a vertex wants to go.
 #[derive(Clone, Copy)]
-pub(crate) enum Goal {
+pub(crate) enum Destination {
     Point(Vec3),
     /// By how much along the chain. \[stage units\]
     Along(f32),
 }
 
 /// A vertex with all that a move changes; swapped with the mesh, it is the way back.
-pub struct Move {
+pub struct VertexMove {
     pub(crate) vertex: VertexId,
     pub(crate) position: Vec3,
     pub(crate) target: f32,
-    pub(crate) id: SiteId,
-    pub(crate) site: Site,
+    pub(crate) id: WedgeId,
+    pub(crate) wedge: Wedge,
     /// Of a chain's vertex.
     pub(crate) slide: Option<Box<Slide>>,
 }
 
 /// Moves every vertex once, `sweeps` times averaged before it goes back to the surface.
-pub fn relax_and_project(mesh: &mut SimMesh<'_>, sweeps: usize, moves: &mut Vec<Option<Move>>) {
+pub fn relax_and_project(mesh: &mut SimMesh<'_>, sweeps: usize, moves: &mut Vec<Option<VertexMove>>) {
     let mut waiting = goals(mesh, sweeps);
     for step in STEPS {
         waiting = attempt(mesh, &waiting, step, moves);
@@ -70,7 +70,7 @@ struct Rings {
 impl Rings {
     /// The rings of the free ones of the vertices with numbers in `numbers`.
     fn new(mesh: &SimMesh<'_>, numbers: Range<usize>) -> Self {
-        let free = |v: &VertexId| mesh.grade[*v] == Grade::Free && mesh.topology.has_faces(*v);
+        let free = |v: &VertexId| mesh.constraint[*v] == VertexConstraint::Free && mesh.topology.has_faces(*v);
         let vertices: Vec<VertexId> = numbers.map(VertexId::new).filter(free).collect();
         let mut start = Vec::with_capacity(vertices.len() + 1);
         let mut around = Vec::with_capacity(7 * vertices.len());
@@ -92,7 +92,7 @@ impl Rings {
 }
 
 /// Where vertices want to go; those that stay are left out.
-fn goals(mesh: &SimMesh<'_>, sweeps: usize) -> Vec<(VertexId, Goal)> {
+fn goals(mesh: &SimMesh<'_>, sweeps: usize) -> Vec<(VertexId, Destination)> {
     let slots = mesh.topology.vertex_slots();
     let tasks = (0..slots.div_ceil(VERTICES_PER_TASK)).into_par_iter();
     let numbers = |t: usize| t * VERTICES_PER_TASK..slots.min((t + 1) * VERTICES_PER_TASK);
@@ -106,14 +106,14 @@ fn goals(mesh: &SimMesh<'_>, sweeps: usize) -> Vec<(VertexId, Goal)> {
             points[*v] = p.extend(points[*v].w);
         }
     }
-    let free = rings.iter().flat_map(|r| &r.vertices).map(|&v| (v, Goal::Point(points[v].truncate())));
-    let on_chains: Vec<VertexId> = mesh.grade.enumerated().filter(is_on_chain).map(|(v, _)| v).collect();
-    let along = on_chains.into_par_iter().filter_map(|v| Some((v, Goal::Along(even_place(mesh, v)?))));
+    let free = rings.iter().flat_map(|r| &r.vertices).map(|&v| (v, Destination::Point(points[v].truncate())));
+    let on_chains: Vec<VertexId> = mesh.constraint.enumerated().filter(is_on_chain).map(|(v, _)| v).collect();
+    let along = on_chains.into_par_iter().filter_map(|v| Some((v, Destination::Along(even_place(mesh, v)?))));
     free.chain(along.collect::<Vec<_>>()).collect()
 }
 
-fn is_on_chain((_, grade): &(VertexId, &Grade)) -> bool {
-    matches!(grade, Grade::OnCurve(_))
+fn is_on_chain((_, constraint): &(VertexId, &VertexConstraint)) -> bool {
+    matches!(constraint, VertexConstraint::OnCurve(_))
 }
 
 /// The unit normal of the triangles around a vertex together.
@@ -157,10 +157,10 @@ fn middle(points: &IdVec<VertexId, Vec4>, vertex: VertexId, ring: &[VertexId], n
 /// `moves` is only room to work in.
 fn attempt(
     mesh: &mut SimMesh<'_>,
-    goals: &[(VertexId, Goal)],
+    goals: &[(VertexId, Destination)],
     step: f32,
-    moves: &mut Vec<Option<Move>>,
-) -> Vec<(VertexId, Goal)> {
+    moves: &mut Vec<Option<VertexMove>>,
+) -> Vec<(VertexId, Destination)> {
     find_moves(mesh, goals, step, moves);
     let mut moved: IdVec<VertexId, Option<u32>> = IdVec::filled(None, mesh.points.len());
     for (i, wanted) in moves.iter_mut().enumerate().filter_map(|(i, m)| Some((i, m.as_mut()?))) {
@@ -197,7 +197,7 @@ fn attempt(
 }
 
 /// The moves that bring vertices `step` of the way to their goals.
-fn find_moves(mesh: &SimMesh<'_>, goals: &[(VertexId, Goal)], step: f32, moves: &mut Vec<Option<Move>>) {
+fn find_moves(mesh: &SimMesh<'_>, goals: &[(VertexId, Destination)], step: f32, moves: &mut Vec<Option<VertexMove>>) {
     moves.clear();
     moves.resize_with(goals.len(), || None);
     let groups = moves.par_chunks_mut(GROUP).zip(goals.par_chunks(GROUP)).with_min_len(MIN_GROUPS);
@@ -229,25 +229,25 @@ fn around(mesh: &SimMesh<'_>, vertices: impl Iterator<Item = VertexId>) -> Vec<F
 }
 
 /// The move that brings a vertex `step` of the way to its goal.
-pub(crate) fn wanted(mesh: &SimMesh<'_>, vertex: VertexId, goal: Goal, step: f32) -> Option<Move> {
+pub(crate) fn wanted(mesh: &SimMesh<'_>, vertex: VertexId, goal: Destination, step: f32) -> Option<VertexMove> {
     match goal {
-        Goal::Point(goal) => {
-            let id = mesh.site_of[mesh.topology.fan(vertex).next()?];
-            let start = mesh.sites[id].place.location.face;
+        Destination::Point(goal) => {
+            let id = mesh.corner_wedge[mesh.topology.fan(vertex).next()?];
+            let start = mesh.wedges[id].place.location.face;
             let there = mesh.baseline.closest(start, mesh.points[vertex].lerp(goal, step));
-            let site = mesh.site_on(there.location);
+            let wedge = mesh.wedge_at(there.location);
             let target = mesh.baseline.sizing_at(there.location);
-            Some(Move { vertex, position: there.position, target, id, site, slide: None })
+            Some(VertexMove { vertex, position: there.position, target, id, wedge, slide: None })
         }
-        Goal::Along(by) => slide(mesh, vertex, step * by),
+        Destination::Along(by) => slide(mesh, vertex, step * by),
     }
 }
 
 /// Does a move; it becomes the move back.
-pub(crate) fn swap(mesh: &mut SimMesh<'_>, wanted: &mut Move) {
+pub(crate) fn swap(mesh: &mut SimMesh<'_>, wanted: &mut VertexMove) {
     std::mem::swap(&mut mesh.points[wanted.vertex], &mut wanted.position);
     std::mem::swap(&mut mesh.target[wanted.vertex], &mut wanted.target);
-    std::mem::swap(&mut mesh.sites[wanted.id], &mut wanted.site);
+    std::mem::swap(&mut mesh.wedges[wanted.id], &mut wanted.wedge);
     if let Some(slide) = &mut wanted.slide {
         slide.swap(mesh);
     }
@@ -257,33 +257,33 @@ fn worse_among(
     mesh: &SimMesh<'_>,
     faces: impl ParallelIterator<Item = FaceId>,
     moved: &IdVec<VertexId, Option<u32>>,
-    moves: &[Option<Move>],
+    moves: &[Option<VertexMove>],
 ) -> Vec<FaceId> {
     faces.filter(|&f| is_worse(mesh, f, moved, moves)).collect()
 }
 
 /// Whether the moves of its corners made a triangle worse, or a chain's vertices pass each other.
-fn is_worse(mesh: &SimMesh<'_>, f: FaceId, moved: &IdVec<VertexId, Option<u32>>, moves: &[Option<Move>]) -> bool {
+fn is_worse(mesh: &SimMesh<'_>, f: FaceId, moved: &IdVec<VertexId, Option<u32>>, moves: &[Option<VertexMove>]) -> bool {
     let first = 3 * f.index();
     let corners = [CornerId::new(first), CornerId::new(first + 1), CornerId::new(first + 2)];
     if !mesh.topology.is_alive(corners[0]) {
         return false;
     }
-    let now = mesh.badness(mesh.corners(corners[0]));
+    let now = mesh.defect(mesh.corners(corners[0]));
     let passes = |&c: &CornerId| mesh.mark[c].is_some_and(|m| mesh.spans[m.span()].is_reversed());
     if corners.iter().any(passes) {
         return true;
     }
     let before = |c: CornerId| {
-        let (point, site) = mesh.corner(c);
+        let (point, wedge) = mesh.corner(c);
         match moved[mesh.topology.vertex(c)].and_then(|i| moves[i as usize].as_ref()) {
-            None => (point, site),
+            None => (point, wedge),
             Some(old) => {
-                let own = (old.id == mesh.site_of[c]).then_some(&old.site);
-                let other = || old.slide.as_ref().and_then(|s| s.other_site(mesh.site_of[c]));
-                (old.position, own.or_else(other).unwrap_or(site))
+                let own = (old.id == mesh.corner_wedge[c]).then_some(&old.wedge);
+                let other = || old.slide.as_ref().and_then(|s| s.other_wedge(mesh.corner_wedge[c]));
+                (old.position, own.or_else(other).unwrap_or(wedge))
             }
         }
     };
-    now > 0 && now > mesh.badness([before(corners[0]), before(corners[1]), before(corners[2])])
+    now > 0 && now > mesh.defect([before(corners[0]), before(corners[1]), before(corners[2])])
 }

@@ -102,7 +102,7 @@ impl Pass {
 /// Brings the edges of `mesh` to their targets in at most `rounds` rounds, and never above `max_faces` triangles.
 pub fn remesh(mesh: &mut SimMesh<'_>, rounds: u32, max_faces: usize) -> RemeshReport {
     let chains = &mesh.baseline.chains;
-    let ridges = chains.iter().filter(|c| c.marks.ridge).count();
+    let ridges = chains.iter().filter(|c| c.kind.ridge).count();
     let corners = chains.iter().map(|c| c.pins.len()).sum();
     let mut report = RemeshReport { ridges, corners, graded: mesh.baseline.graded, ..RemeshReport::default() };
     let mut room = Vec::new();

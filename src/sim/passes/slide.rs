@@ -1,10 +1,10 @@
 //! Vertices of a chain slide along its curve.
 
 use crate::mesh::edit::{next, prev};
-use crate::mesh::{CornerId, SiteId, VertexId};
+use crate::mesh::{CornerId, VertexId, WedgeId};
 use crate::sim::constraints::spacing::SHORTEST;
-use crate::sim::passes::relax::Move;
-use crate::sim::sim_mesh::{SimMesh, Site};
+use crate::sim::passes::relax::VertexMove;
+use crate::sim::sim_mesh::{SimMesh, Wedge};
 use glam::Vec3;
 
 /// How much of the way leads to the middle of the triangles on both sides, the rest to where the chain's own edges are
@@ -26,7 +26,7 @@ pub(crate) struct Slide {
     /// By how many of the edges that the chain asks for.
     by_count: f32,
     /// The site on the other side of the chain.
-    other: Option<(SiteId, Site)>,
+    other: Option<(WedgeId, Wedge)>,
 }
 
 impl Slide {
@@ -39,14 +39,14 @@ impl Slide {
             span.counts[usize::from(!starts)] += self.by_count;
         }
         (self.by, self.by_count) = (-self.by, -self.by_count);
-        if let Some((id, site)) = &mut self.other {
-            std::mem::swap(&mut mesh.sites[*id], site);
+        if let Some((id, wedge)) = &mut self.other {
+            std::mem::swap(&mut mesh.wedges[*id], wedge);
         }
     }
 
     /// The site of an id, if it is that on the other side.
-    pub(crate) fn other_site(&self, id: SiteId) -> Option<&Site> {
-        self.other.as_ref().filter(|(own, _)| *own == id).map(|(_, site)| site)
+    pub(crate) fn other_wedge(&self, id: WedgeId) -> Option<&Wedge> {
+        self.other.as_ref().filter(|(own, _)| *own == id).map(|(_, wedge)| wedge)
     }
 }
 
@@ -90,25 +90,32 @@ fn to_middle(mesh: &SimMesh<'_>, vertex: VertexId) -> Vec3 {
 }
 
 /// The move of a chain's vertex.
-pub(crate) fn slide(mesh: &SimMesh<'_>, vertex: VertexId, by: f32) -> Option<Move> {
+pub(crate) fn slide(mesh: &SimMesh<'_>, vertex: VertexId, by: f32) -> Option<VertexMove> {
     let [ahead, back] = mesh.chain_neighbours(vertex)?;
     let after = mesh.span(ahead)?.along();
     let before = mesh.span(back)?.along();
     let (s, chain) = (before.to + by, mesh.chain(after.chain));
     let (turn, at) = chain.wound(s);
     let by_count = chain.count_of(turn, at) - before.counts[1];
-    let (position, left) = (mesh.point_on(chain, at), mesh.site_on_curve(chain, at, true));
-    let right = mesh.site_on_curve(chain, at, false);
+    let (position, left) = (mesh.point_on(chain, at), mesh.wedge_on_curve(chain, at, true));
+    let right = mesh.wedge_on_curve(chain, at, false);
     // The corner of a half-edge lies on its left: of one that leaves forward, on the chain's left.
     let leaves = |half: CornerId| mesh.topology.vertex(half) == vertex;
     let on_left = if leaves(ahead) { Some(ahead) } else { Some(next(back)).filter(|_| !leaves(back)) };
     let on_right = if leaves(back) { Some(back) } else { Some(next(ahead)).filter(|_| !leaves(ahead)) };
-    let site = |corner: Option<CornerId>, site: Option<Site>| Some((mesh.site_of[corner?], site?));
-    let (left, right) = (site(on_left, left), site(on_right, right));
+    let wedge = |corner: Option<CornerId>, wedge: Option<Wedge>| Some((mesh.corner_wedge[corner?], wedge?));
+    let (left, right) = (wedge(on_left, left), wedge(on_right, right));
     let target = chain.length_of(at);
-    let ((id, site), other) = match (left, right) {
+    let ((id, wedge), other) = match (left, right) {
         (Some(left), right) => (left, right),
         (None, right) => (right?, None),
     };
-    Some(Move { vertex, position, target, id, site, slide: Some(Box::new(Slide { ahead, back, by, by_count, other })) })
+    Some(VertexMove {
+        vertex,
+        position,
+        target,
+        id,
+        wedge,
+        slide: Some(Box::new(Slide { ahead, back, by, by_count, other })),
+    })
 }

@@ -2,9 +2,9 @@
 
 use crate::mesh::CornerId;
 use crate::mesh::edit::prev;
-use crate::sim::passes::polish::cosine;
-use crate::sim::passes::queue::{Entry, edit_in_order, keyed};
-use crate::sim::sim_mesh::{SimMesh, Span};
+use crate::sim::passes::polish::smallest_angle_cosine;
+use crate::sim::passes::queue::{QueuedEdge, edit_in_order, keyed};
+use crate::sim::sim_mesh::{CurveSpan, SimMesh};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -38,11 +38,11 @@ pub fn split_long_edges(mesh: &mut SimMesh<'_>, ratio: f32, max_faces: usize) ->
 }
 
 /// The same where the edges to begin with are known.
-pub(crate) fn split_edges(mesh: &mut SimMesh<'_>, long: Vec<Entry>, ratio: f32, max_faces: usize) -> usize {
+pub(crate) fn split_edges(mesh: &mut SimMesh<'_>, long: Vec<QueuedEdge>, ratio: f32, max_faces: usize) -> usize {
     let mut faces = mesh.topology.face_count();
     let key = |mesh: &SimMesh<'_>, half: CornerId| excess(mesh, half, ratio);
     edit_in_order(mesh, long, key, |mesh, half| {
-        if faces >= max_faces || !mesh.topology.may_split(half) || mesh.is_sealed(half) {
+        if faces >= max_faces || !mesh.topology.may_split(half) || mesh.is_patch_border(half) {
             return None;
         }
         let vertex = mesh.split(half)?;
@@ -80,7 +80,7 @@ pub fn split_far_edges(mesh: &mut SimMesh<'_>, max_faces: usize) -> usize {
 }
 
 fn is_far(mesh: &SimMesh<'_>, half: CornerId) -> bool {
-    let Some(span) = mesh.span(half).map(Span::along) else { return false };
+    let Some(span) = mesh.span(half).map(CurveSpan::along) else { return false };
     let ends = [mesh.topology.vertex(half), mesh.topology.target(half)].map(|v| mesh.points[v]);
     let target = mesh.baseline.target_at(mesh.place(half).location);
     let places = (1..PLACES).map(|k| span.from + (span.to - span.from) * f32::from(k) / f32::from(PLACES));
@@ -89,8 +89,10 @@ fn is_far(mesh: &SimMesh<'_>, half: CornerId) -> bool {
 }
 
 /// Whether the triangles beside a constrained edge would have no small angle if that were split.
-fn halves_are_open(mesh: &SimMesh<'_>, half: CornerId, span: Span, ends: [Vec3; 2]) -> bool {
+fn halves_are_open(mesh: &SimMesh<'_>, half: CornerId, span: CurveSpan, ends: [Vec3; 2]) -> bool {
     let middle = mesh.on_curve(span.chain, mesh.middle_of_span(span));
     let apexes = [Some(half), mesh.topology.twin(half)].into_iter().flatten().map(|h| mesh.topology.vertex(prev(h)));
-    apexes.map(|v| mesh.points[v]).all(|apex| ends.iter().all(|&end| cosine([end, middle, apex]) <= OPEN))
+    apexes
+        .map(|v| mesh.points[v])
+        .all(|apex| ends.iter().all(|&end| smallest_angle_cosine([end, middle, apex]) <= OPEN))
 }

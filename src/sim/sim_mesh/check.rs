@@ -1,7 +1,7 @@
 //! Every invariant of the mesh, for debug builds and tests.
 
 use crate::mesh::CornerId;
-use crate::sim::sim_mesh::{Grade, SimMesh};
+use crate::sim::sim_mesh::{SimMesh, VertexConstraint};
 
 /// Distance of a vertex from its place and its curve, as a share of the target length.
 const SLACK: f32 = 1e-3;
@@ -17,10 +17,10 @@ impl SimMesh<'_> {
             let off = self.baseline.position(self.place(half).location).distance(self.points[own]);
             assert!(off <= slack, "{own:?} is where its corner says: off by {off}");
         }
-        for vertex in self.topology.vertices().filter(|&v| self.grade[v] == Grade::Free) {
-            let mut sites = self.topology.fan(vertex).map(|c| self.site_of[c]);
-            let first = sites.next();
-            assert!(sites.all(|s| Some(s) == first), "{vertex:?} is free and has one site");
+        for vertex in self.topology.vertices().filter(|&v| self.constraint[v] == VertexConstraint::Free) {
+            let mut wedges = self.topology.fan(vertex).map(|c| self.corner_wedge[c]);
+            let first = wedges.next();
+            assert!(wedges.all(|s| Some(s) == first), "{vertex:?} is free and has one wedge");
         }
     }
 
@@ -29,7 +29,7 @@ impl SimMesh<'_> {
         let twin = self.topology.twin(half);
         let Some(span) = self.span(half) else {
             assert!(
-                self.is_sealed(half) || twin.is_some_and(|t| self.span(t).is_none()),
+                self.is_patch_border(half) || twin.is_some_and(|t| self.span(t).is_none()),
                 "borders are chains, and both halves are free"
             );
             return;
@@ -38,7 +38,7 @@ impl SimMesh<'_> {
         let count = (chain.count_to(span.to) - chain.count_to(span.from)).abs();
         assert!((span.count() - count).abs() <= SLACK * count.max(1.0), "{half:?} counts {} of {count}", span.count());
         for (v, s) in ends.into_iter().zip([span.from, span.to]) {
-            assert!(self.grade[v] != Grade::Free, "chain ends are constrained");
+            assert!(self.constraint[v] != VertexConstraint::Free, "chain ends are constrained");
             let p = self.on_curve(span.chain, s);
             let off = p.distance(self.points[v]);
             assert!(off <= SLACK * self.target[v], "{v:?} is on its curve: off by {off}");

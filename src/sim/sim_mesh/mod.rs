@@ -7,28 +7,28 @@ pub mod quality;
 mod reorder;
 
 use crate::mesh::edit::{EditMesh, next, prev};
-use crate::mesh::{ChainId, CornerId, FaceId, IdVec, SiteId, SpanId, VertexId};
+use crate::mesh::{ChainId, CornerId, FaceId, IdVec, SpanId, VertexId, WedgeId};
 use crate::sim::baseline::{Baseline, Location};
-use crate::sim::constraints::chain::{Chain, OnCurve};
+use crate::sim::constraints::chain::{Chain, CurvePoint};
 use crate::sim::gaps::distance_to_segment;
-use crate::sim::sim_mesh::patches::Seal;
+use crate::sim::sim_mesh::patches::PatchVertex;
 use glam::{Vec2, Vec3};
 use std::num::NonZeroU32;
 
 /// What a vertex may do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Grade {
+pub enum VertexConstraint {
     /// Anything on the surface.
     Free,
     /// Slide, split and merge along one chain.
     OnCurve(ChainId),
     /// Nothing: an anchor.
-    Frozen,
+    Fixed,
 }
 
 /// A constrained half-edge: its part of a chain's curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Span {
+pub struct CurveSpan {
     /// The chain.
     pub chain: ChainId,
     /// Arc length at the half-edge's start and end. Loops may count beyond their length. \[stage units\]
@@ -41,7 +41,7 @@ pub struct Span {
     pub forward: bool,
 }
 
-impl Span {
+impl CurveSpan {
     /// As the twin has it.
     pub fn reversed(self) -> Self {
         let [from, to] = self.counts;
@@ -66,7 +66,7 @@ impl Span {
 
 /// Where a corner's vertex is, as the corner's triangle sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
+pub struct UvLocation {
     /// The baseline's triangle.
     pub location: Location,
     /// Constraint UVs.
@@ -76,9 +76,9 @@ pub struct Place {
 /// What the triangles of one sector of a vertex know of its place. Constrained edges divide sectors; a free vertex has
 /// one.
 #[derive(Clone, Copy, Debug)]
-pub struct Site {
+pub struct Wedge {
     /// The place.
-    pub place: Place,
+    pub place: UvLocation,
     /// Unit normal of the surface.
     pub normal: Vec3,
     /// The sense in which the shell lies in UV space.
@@ -87,9 +87,9 @@ pub struct Site {
 
 /// Which span a half-edge has, and whether it runs along it: in four bytes, none included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Mark(NonZeroU32);
+pub(crate) struct DirectedSpan(NonZeroU32);
 
-impl Mark {
+impl DirectedSpan {
     pub(crate) fn new(span: SpanId, forward: bool) -> Self {
         Self(NonZeroU32::MIN.saturating_add(2 * span.index() as u32 + u32::from(forward)))
     }
@@ -124,17 +124,17 @@ pub struct SimMesh<'a> {
     /// Target edge length at each vertex: that of the baseline, or less on a chain that bends.
     pub target: IdVec<VertexId, f32>,
     /// What each vertex may do.
-    pub grade: IdVec<VertexId, Grade>,
+    pub constraint: IdVec<VertexId, VertexConstraint>,
     /// The constrained half-edges.
-    pub(crate) mark: IdVec<CornerId, Option<Mark>>,
+    pub(crate) mark: IdVec<CornerId, Option<DirectedSpan>>,
     /// Parts of curves, in their chains' directions.
-    pub(crate) spans: IdVec<SpanId, Span>,
+    pub(crate) spans: IdVec<SpanId, CurveSpan>,
     /// The site that each corner's vertex has there.
-    pub(crate) site_of: IdVec<CornerId, SiteId>,
+    pub(crate) corner_wedge: IdVec<CornerId, WedgeId>,
     /// The sites. Those of vertices that went stay as gaps.
-    pub(crate) sites: IdVec<SiteId, Site>,
+    pub(crate) wedges: IdVec<WedgeId, Wedge>,
     /// Which vertices a patch shares with others; empty for a whole mesh.
-    pub(crate) seals: IdVec<VertexId, Seal>,
+    pub(crate) patch_vertices: IdVec<VertexId, PatchVertex>,
 }
 
 impl<'a> SimMesh<'a> {
@@ -148,16 +148,16 @@ impl<'a> SimMesh<'a> {
             baseline,
             points: baseline.points.clone(),
             target: baseline.sizing.clone(),
-            grade: IdVec::filled(Grade::Free, baseline.points.len()),
+            constraint: IdVec::filled(VertexConstraint::Free, baseline.points.len()),
             mark: IdVec::filled(None, corners),
             spans: IdVec::new(),
-            site_of: IdVec::filled(SiteId::new(0), corners),
-            sites: IdVec::with_capacity(triangles.len()),
-            seals: IdVec::new(),
+            corner_wedge: IdVec::filled(WedgeId::new(0), corners),
+            wedges: IdVec::with_capacity(triangles.len()),
+            patch_vertices: IdVec::new(),
             topology,
         };
         mesh.set_constraints();
-        mesh.set_sites();
+        mesh.set_wedges();
         mesh
     }
 
@@ -172,12 +172,12 @@ impl<'a> SimMesh<'a> {
             let [x, y] = [a, b].map(|v| self.baseline.level_vertex[v]);
             let Some(start) = self.baseline.start_spans.get(&[x.min(y), x.max(y)]) else { continue };
             let counts = [start.from, start.to].map(|s| self.chain(start.chain).count_to(s));
-            let span = Span { chain: start.chain, from: start.from, to: start.to, counts, forward: true };
+            let span = CurveSpan { chain: start.chain, from: start.from, to: start.to, counts, forward: true };
             let span = self.spans.push(span);
-            self.set_mark(half, Mark::new(span, start.first == x));
+            self.set_mark(half, DirectedSpan::new(span, start.first == x));
             for (v, s) in [(a, self.spans[span].from), (b, self.spans[span].to)] {
                 let v = if start.first == x { v } else { if v == a { b } else { a } };
-                self.grade[v] = Grade::OnCurve(start.chain);
+                self.constraint[v] = VertexConstraint::OnCurve(start.chain);
                 self.target[v] = self.target[v].min(self.chain(start.chain).length_at(s));
             }
         }
@@ -190,38 +190,38 @@ impl<'a> SimMesh<'a> {
         }
         for (vertex, &level_vertex) in self.baseline.level_vertex.enumerated() {
             if is_anchor[level_vertex] {
-                self.grade[vertex] = Grade::Frozen;
+                self.constraint[vertex] = VertexConstraint::Fixed;
             }
         }
     }
 
     /// A site for each sector of each vertex.
-    fn set_sites(&mut self) {
+    fn set_wedges(&mut self) {
         let baseline = self.baseline;
-        self.make_sites(|corner| {
+        self.make_wedges(|corner| {
             let own = baseline.start[corner.index() / 3][corner.index() % 3];
-            site_at(baseline, Place { location: baseline.corner_location(own), uv: baseline.uvs[own] })
+            wedge_on(baseline, UvLocation { location: baseline.corner_location(own), uv: baseline.uvs[own] })
         });
         for half in self.topology.corners() {
             let Some(span) = self.span(half) else { continue };
             for (corner, s) in [(half, span.from), (next(half), span.to)] {
                 let chain = self.chain(span.chain);
-                self.sites[self.site_of[corner]].normal = chain.normal_at(chain.at(s), span.forward);
+                self.wedges[self.corner_wedge[corner]].normal = chain.normal_at(chain.at(s), span.forward);
             }
         }
     }
 
     /// Makes a site for each sector of each vertex, as `site` tells it for one of its corners.
-    pub(crate) fn make_sites(&mut self, site: impl Fn(CornerId) -> Site) {
+    pub(crate) fn make_wedges(&mut self, wedge: impl Fn(CornerId) -> Wedge) {
         let mut done = IdVec::<CornerId, bool>::filled(false, self.topology.corner_slots());
         for corner in (0..done.len()).map(CornerId::new) {
             if std::mem::replace(&mut done[corner], true) {
                 continue;
             }
-            let own = self.sites.push(site(corner));
-            self.site_of[corner] = own;
+            let own = self.wedges.push(wedge(corner));
+            self.corner_wedge[corner] = own;
             let mut give = |c: CornerId| {
-                self.site_of[c] = own;
+                self.corner_wedge[c] = own;
                 !std::mem::replace(&mut done[c], true)
             };
             // Both ways round, as `sector` goes.
@@ -241,8 +241,8 @@ impl<'a> SimMesh<'a> {
     }
 
     /// The site of a location.
-    pub(crate) fn site_on(&self, location: Location) -> Site {
-        site_at(self.baseline, Place { location, uv: self.baseline.uv(location) })
+    pub(crate) fn wedge_at(&self, location: Location) -> Wedge {
+        wedge_on(self.baseline, UvLocation { location, uv: self.baseline.uv(location) })
     }
 
     /// The chain of an id.
@@ -296,7 +296,7 @@ impl<'a> SimMesh<'a> {
 
     /// The part of a chain that a half-edge follows.
     #[inline]
-    pub fn span(&self, half: CornerId) -> Option<Span> {
+    pub fn span(&self, half: CornerId) -> Option<CurveSpan> {
         self.mark[half].map(|mark| {
             let span = self.spans[mark.span()];
             if mark.is_forward() { span } else { span.reversed() }
@@ -305,17 +305,17 @@ impl<'a> SimMesh<'a> {
 
     /// The site of a corner's vertex there.
     #[inline]
-    pub(crate) fn site(&self, corner: CornerId) -> &Site {
-        &self.sites[self.site_of[corner]]
+    pub(crate) fn wedge(&self, corner: CornerId) -> &Wedge {
+        &self.wedges[self.corner_wedge[corner]]
     }
 
     /// The place of a corner.
-    pub fn place(&self, corner: CornerId) -> Place {
-        self.site(corner).place
+    pub fn place(&self, corner: CornerId) -> UvLocation {
+        self.wedge(corner).place
     }
 
     /// Marks a half-edge and its twin.
-    pub(crate) fn set_mark(&mut self, half: CornerId, mark: Mark) {
+    pub(crate) fn set_mark(&mut self, half: CornerId, mark: DirectedSpan) {
         self.mark[half] = Some(mark);
         if let Some(t) = self.topology.twin(half) {
             self.mark[t] = Some(mark.reversed());
@@ -323,14 +323,14 @@ impl<'a> SimMesh<'a> {
     }
 
     /// Adds a part of a curve and marks a half-edge and its twin with it.
-    pub(crate) fn add_span(&mut self, half: CornerId, span: Span) {
+    pub(crate) fn add_span(&mut self, half: CornerId, span: CurveSpan) {
         let id = self.spans.push(span.along());
-        self.set_mark(half, Mark::new(id, span.forward));
+        self.set_mark(half, DirectedSpan::new(id, span.forward));
     }
 
     /// Position of a place on a chain's curve.
     #[inline]
-    pub(crate) fn point_on(&self, curve: &Chain, at: OnCurve) -> Vec3 {
+    pub(crate) fn point_on(&self, curve: &Chain, at: CurvePoint) -> Vec3 {
         let (a, b) = (curve.vertices[at.segment], curve.vertices[at.segment + 1]);
         self.baseline.points[a].lerp(self.baseline.points[b], at.t)
     }
@@ -354,7 +354,7 @@ impl<'a> SimMesh<'a> {
     }
 
     /// The site of a place on a chain's curve, on the side of a half-edge that runs `forward` along it.
-    pub(crate) fn site_on_curve(&self, curve: &Chain, at: OnCurve, forward: bool) -> Option<Site> {
+    pub(crate) fn wedge_on_curve(&self, curve: &Chain, at: CurvePoint, forward: bool) -> Option<Wedge> {
         let half = if forward { curve.left[at.segment] } else { curve.right[at.segment] }?;
         let t = if forward { at.t } else { 1.0 - at.t };
         let mut weights = [0.0; 3];
@@ -363,8 +363,8 @@ impl<'a> SimMesh<'a> {
         let location = Location { face: FaceId::new(half.index() / 3), weights: weights.into() };
         // In the chain's direction on both sides, so that UVs which are the same there stay so bit for bit.
         let [from, to] = if forward { [half, next(half)] } else { [next(half), half] };
-        let place = Place { location, uv: self.baseline.uvs[from].lerp(self.baseline.uvs[to], at.t) };
-        Some(Site { normal: curve.normal_at(at, forward), ..site_at(self.baseline, place) })
+        let place = UvLocation { location, uv: self.baseline.uvs[from].lerp(self.baseline.uvs[to], at.t) };
+        Some(Wedge { normal: curve.normal_at(at, forward), ..wedge_on(self.baseline, place) })
     }
 
     /// The corners at the vertex of `corner` that are reached from it without crossing a constrained edge.
@@ -410,7 +410,7 @@ impl<'a> SimMesh<'a> {
 }
 
 /// The site of a place on a baseline.
-fn site_at(baseline: &Baseline, place: Place) -> Site {
+fn wedge_on(baseline: &Baseline, place: UvLocation) -> Wedge {
     let facet = &baseline.facets[place.location.face];
-    Site { place, normal: facet.normal, sense: facet.sense }
+    Wedge { place, normal: facet.normal, sense: facet.sense }
 }

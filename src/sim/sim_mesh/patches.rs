@@ -4,9 +4,9 @@
 //! result is the same for any number of threads. What was left along the borders is for a pass over the whole.
 
 use crate::mesh::edit::{EditMesh, corners, face, prev};
-use crate::mesh::{CornerId, FaceId, IdVec, Joined, SiteId, VertexId, join};
+use crate::mesh::{CornerId, FaceId, IdVec, Joined, VertexId, WedgeId, join};
 use crate::sim::baseline::Baseline;
-use crate::sim::sim_mesh::{Grade, SimMesh};
+use crate::sim::sim_mesh::{SimMesh, VertexConstraint};
 use rayon::prelude::*;
 use std::collections::VecDeque;
 
@@ -16,7 +16,7 @@ pub(crate) const PATCH: usize = 4096;
 
 /// Whether a vertex is on the border of a patch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum Seal {
+pub(crate) enum PatchVertex {
     /// Not shared.
     #[default]
     Open,
@@ -51,8 +51,8 @@ pub(crate) fn in_patches<'a, T: Send>(
     let parts: Vec<(&EditMesh, &Names)> = done.iter().map(|(patch, names, _)| (&patch.topology, names)).collect();
     let joined = join(&parts, mesh.topology.vertex_slots())?;
     let patches: Vec<&SimMesh<'a>> = done.iter().map(|(patch, ..)| patch).collect();
-    let grade = |i: usize, v: VertexId| done[i].1[v].map_or(patches[i].grade[v], |v| mesh.grade[v]);
-    *mesh = SimMesh::joined(joined, &patches, grade, mesh.baseline);
+    let constraint = |i: usize, v: VertexId| done[i].1[v].map_or(patches[i].constraint[v], |v| mesh.constraint[v]);
+    *mesh = SimMesh::joined(joined, &patches, constraint, mesh.baseline);
     Some(done.into_iter().map(|(_, _, result)| result).collect())
 }
 
@@ -99,11 +99,11 @@ impl<'a> SimMesh<'a> {
         let mut shared: Vec<(VertexId, VertexId)> = names.enumerated().filter_map(|(v, n)| Some(((*n)?, v))).collect();
         shared.sort_unstable();
         let mut patch = self.gathered(part);
-        patch.seals = IdVec::filled(Seal::Open, patch.points.len());
+        patch.patch_vertices = IdVec::filled(PatchVertex::Open, patch.points.len());
         for same in shared.chunk_by(|a, b| a.0 == b.0) {
             for &(_, v) in same {
-                patch.seals[v] = if same.len() > 1 { Seal::Pinched } else { Seal::Shared };
-                patch.grade[v] = Grade::Frozen;
+                patch.patch_vertices[v] = if same.len() > 1 { PatchVertex::Pinched } else { PatchVertex::Shared };
+                patch.constraint[v] = VertexConstraint::Fixed;
             }
         }
         (patch, names)
@@ -113,7 +113,7 @@ impl<'a> SimMesh<'a> {
     fn joined(
         joined: Joined,
         patches: &[&Self],
-        grade: impl Fn(usize, VertexId) -> Grade,
+        constraint: impl Fn(usize, VertexId) -> VertexConstraint,
         baseline: &'a Baseline,
     ) -> Self {
         let Joined { mesh: topology, old_vertex, seams, shared } = joined;
@@ -122,20 +122,20 @@ impl<'a> SimMesh<'a> {
             baseline,
             points: old_vertex.iter().map(|&(i, v)| patches[i].points[v]).collect(),
             target: old_vertex.iter().map(|&(i, v)| patches[i].target[v]).collect(),
-            grade: old_vertex.iter().map(|&(i, v)| grade(i, v)).collect(),
+            constraint: old_vertex.iter().map(|&(i, v)| constraint(i, v)).collect(),
             mark: IdVec::with_capacity(slots),
             spans: IdVec::new(),
-            site_of: IdVec::with_capacity(slots),
-            sites: IdVec::with_capacity(patches.iter().map(|p| p.sites.len()).sum()),
-            seals: IdVec::new(),
+            corner_wedge: IdVec::with_capacity(slots),
+            wedges: IdVec::with_capacity(patches.iter().map(|p| p.wedges.len()).sum()),
+            patch_vertices: IdVec::new(),
             topology,
         };
         for patch in patches {
-            let (spans, sites) = (mesh.spans.len(), mesh.sites.len());
+            let (spans, wedges) = (mesh.spans.len(), mesh.wedges.len());
             mesh.mark.extend(patch.mark.iter().map(|m| m.map(|m| m.shifted(spans))));
-            mesh.site_of.extend(patch.site_of.iter().map(|s| SiteId::new(sites + s.index())));
+            mesh.corner_wedge.extend(patch.corner_wedge.iter().map(|s| WedgeId::new(wedges + s.index())));
             mesh.spans.extend_from_slice(&patch.spans);
-            mesh.sites.extend_from_slice(&patch.sites);
+            mesh.wedges.extend_from_slice(&patch.wedges);
         }
         // Both sides of a seam had a span and sites of their own; they are the same.
         for [half, _] in seams {
@@ -147,40 +147,40 @@ impl<'a> SimMesh<'a> {
         for vertex in shared {
             for corner in mesh.topology.fan(vertex).collect::<Vec<_>>() {
                 mesh.sector(corner, &mut sector);
-                let first = sector.iter().map(|&c| mesh.site_of[c]).min();
-                first.into_iter().for_each(|site| mesh.site_of[corner] = site);
+                let first = sector.iter().map(|&c| mesh.corner_wedge[c]).min();
+                first.into_iter().for_each(|wedge| mesh.corner_wedge[corner] = wedge);
             }
         }
         mesh
     }
 
-    fn seal(&self, vertex: VertexId) -> Seal {
-        self.seals.get(vertex.index()).copied().unwrap_or_default()
+    fn patch_vertex(&self, vertex: VertexId) -> PatchVertex {
+        self.patch_vertices.get(vertex.index()).copied().unwrap_or_default()
     }
 
     /// Whether an edge is on the border of a patch, where other patches have it too.
-    pub(crate) fn is_sealed(&self, half: CornerId) -> bool {
+    pub(crate) fn is_patch_border(&self, half: CornerId) -> bool {
         self.topology.twin(half).is_none()
-            && self.seal(self.topology.vertex(half)) != Seal::Open
-            && self.seal(self.topology.target(half)) != Seal::Open
+            && self.patch_vertex(self.topology.vertex(half)) != PatchVertex::Open
+            && self.patch_vertex(self.topology.target(half)) != PatchVertex::Open
     }
 
     /// Whether an edge may be made that no other patch could make too.
-    pub(crate) fn may_join(&self, a: VertexId, b: VertexId) -> bool {
-        match (self.seal(a), self.seal(b)) {
-            (Seal::Pinched, _) | (_, Seal::Pinched) => false,
-            (a, b) => a == Seal::Open || b == Seal::Open,
+    pub(crate) fn may_connect(&self, a: VertexId, b: VertexId) -> bool {
+        match (self.patch_vertex(a), self.patch_vertex(b)) {
+            (PatchVertex::Pinched, _) | (_, PatchVertex::Pinched) => false,
+            (a, b) => a == PatchVertex::Open || b == PatchVertex::Open,
         }
     }
 
     /// Whether merging an end of an edge into the other makes only such edges.
     pub(crate) fn may_merge(&self, half: CornerId, removed: VertexId) -> bool {
-        if self.seals.is_empty() {
+        if self.patch_vertices.is_empty() {
             return true;
         }
         let ends = [self.topology.vertex(half), self.topology.target(half)];
         let kept = if ends[0] == removed { ends[1] } else { ends[0] };
         let apexes = [Some(half), self.topology.twin(half)].map(|h| h.map(|h| self.topology.vertex(prev(h))));
-        self.topology.ring(removed).all(|v| v == kept || apexes.contains(&Some(v)) || self.may_join(kept, v))
+        self.topology.ring(removed).all(|v| v == kept || apexes.contains(&Some(v)) || self.may_connect(kept, v))
     }
 }

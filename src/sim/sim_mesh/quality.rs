@@ -2,20 +2,20 @@
 
 use crate::mesh::CornerId;
 use crate::mesh::edit::{next, prev};
-use crate::sim::sim_mesh::{SimMesh, Site};
+use crate::sim::sim_mesh::{SimMesh, Wedge};
 use glam::Vec3;
 
 /// A triangle with less than this share of the area of the equilateral triangle on its longest edge is degenerate.
 const MIN_SHAPE: f32 = 0.02;
 
 /// A corner of a triangle that is there, or that an edit would make.
-pub(crate) type Corner<'a> = (Vec3, &'a Site);
+pub(crate) type Corner<'a> = (Vec3, &'a Wedge);
 
 impl SimMesh<'_> {
     /// How bad a triangle with these corners is: 0 good, 1 degenerate or folded over in space, 2 the wrong way round in
     /// UV. No edit may make a triangle worse than what it replaces.
     #[inline(always)]
-    pub(crate) fn badness(&self, [(a, pa), (b, pb), (c, pc)]: [Corner<'_>; 3]) -> u8 {
+    pub(crate) fn defect(&self, [(a, pa), (b, pb), (c, pc)]: [Corner<'_>; 3]) -> u8 {
         if self.baseline.holds_uvs {
             let (u, v) = (pb.place.uv - pa.place.uv, pc.place.uv - pa.place.uv);
             if u.perp_dot(v) * pa.sense <= 0.0 {
@@ -41,7 +41,7 @@ impl SimMesh<'_> {
     /// Position and site of a corner.
     #[inline(always)]
     pub(crate) fn corner(&self, corner: CornerId) -> Corner<'_> {
-        (self.points[self.topology.vertex(corner)], self.site(corner))
+        (self.points[self.topology.vertex(corner)], self.wedge(corner))
     }
 
     /// The corners of a triangle from one of them on.
@@ -51,7 +51,7 @@ impl SimMesh<'_> {
     }
 
     /// How bad the triangle of a corner is.
-    pub(crate) fn face_badness(&self, corner: CornerId) -> u8 {
-        self.badness(self.corners(corner))
+    pub(crate) fn face_defect(&self, corner: CornerId) -> u8 {
+        self.defect(self.corners(corner))
     }
 }

@@ -1,7 +1,7 @@
 //! Elements that are near each other on the baseline get numbers near each other, so that a pass finds most of what it
 //! needs in the cache.
 
-use crate::mesh::{CornerId, FaceId, IdVec, Part, SiteId, VertexId};
+use crate::mesh::{CornerId, FaceId, IdVec, Part, VertexId, WedgeId};
 use crate::sim::sim_mesh::SimMesh;
 
 impl SimMesh<'_> {
@@ -22,12 +22,12 @@ impl SimMesh<'_> {
             baseline: self.baseline,
             points: old_vertex.iter().map(|&v| self.points[v]).collect(),
             target: old_vertex.iter().map(|&v| self.target[v]).collect(),
-            grade: old_vertex.iter().map(|&v| self.grade[v]).collect(),
+            constraint: old_vertex.iter().map(|&v| self.constraint[v]).collect(),
             mark: IdVec::filled(None, corners),
             spans: IdVec::new(),
-            site_of: IdVec::filled(SiteId::new(0), corners),
-            sites: IdVec::with_capacity(old_vertex.len()),
-            seals: IdVec::new(),
+            corner_wedge: IdVec::filled(WedgeId::new(0), corners),
+            wedges: IdVec::with_capacity(old_vertex.len()),
+            patch_vertices: IdVec::new(),
             topology,
         };
         for (half, &old) in old_corner.enumerated() {
@@ -35,7 +35,7 @@ impl SimMesh<'_> {
                 mesh.add_span(half, span);
             }
         }
-        mesh.make_sites(|c| *self.site(old_corner[c]));
+        mesh.make_wedges(|c| *self.wedge(old_corner[c]));
         mesh
     }
 

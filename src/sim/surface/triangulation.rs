@@ -83,7 +83,7 @@ impl Triangulation {
 }
 
 /// What the start of remeshing is chosen by.
-pub(crate) struct Start<'a> {
+pub(crate) struct StartMesh<'a> {
     /// The levels from the cage on; the last is the one in triangles.
     pub levels: &'a [&'a Refiner],
     /// The level that remeshing starts from.
@@ -96,7 +96,7 @@ pub(crate) struct Start<'a> {
     pub target: &'a IdVec<VertexId, f32>,
 }
 
-impl Start<'_> {
+impl StartMesh<'_> {
     /// The triangles of the level's faces that `keep` tells, by corners of `finest`. A face whose diagonals would be split
     /// first of all gets a vertex in its centre instead.
     pub fn triangles(&self, finest: &Triangulation, keep: impl Fn(FaceId) -> bool) -> Vec<[CornerId; 3]> {
