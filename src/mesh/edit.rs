@@ -165,6 +165,18 @@ impl EditMesh {
         self.corner_vertex[next(corner)]
     }
 
+    /// The vertices at the start and end of a half-edge.
+    #[inline]
+    pub fn ends(&self, half: CornerId) -> [VertexId; 2] {
+        [self.vertex(half), self.target(half)]
+    }
+
+    /// The end of an edge that is not `vertex`.
+    #[inline]
+    pub fn other_end(&self, half: CornerId, vertex: VertexId) -> VertexId {
+        if self.vertex(half) == vertex { self.target(half) } else { self.vertex(half) }
+    }
+
     /// The vertices of a triangle.
     #[inline]
     pub fn triangle(&self, f: FaceId) -> [VertexId; 3] {
@@ -191,7 +203,7 @@ impl EditMesh {
     /// The neighbours of a vertex, each once.
     #[inline]
     pub fn ring(&self, vertex: VertexId) -> impl Iterator<Item = VertexId> + '_ {
-        self.spokes(vertex).map(move |c| if self.vertex(c) == vertex { self.target(c) } else { self.vertex(c) })
+        self.spokes(vertex).map(move |c| self.other_end(c, vertex))
     }
 
     /// A half-edge of each edge at a vertex: those that leave it, and at a border the one that only arrives.

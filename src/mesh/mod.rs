@@ -6,13 +6,14 @@ pub mod edit;
 mod faces;
 mod groups;
 mod ids;
-mod parts;
+
 mod ring;
+mod submesh;
 mod topology;
 
 pub use compact::Compact;
 pub use faces::Faces;
 pub use groups::Groups;
 pub use ids::{ChainId, CornerId, EdgeId, FaceId, Id, IdVec, SpanId, ValueId, VertexId, WedgeId};
-pub use parts::{Joined, Part, join};
+pub use submesh::{JoinedMesh, Submesh, join_meshes};
 pub use topology::{Csr, Topology};

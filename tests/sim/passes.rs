@@ -237,7 +237,7 @@ proptest! {
         for pass in Pass::ROUND {
             pass.run(&mut mesh);
         }
-        let (before, kept_before, curves, flips) = (mesh.length_astray(), kept(&mesh), covered(&mesh), flipped(&mesh));
+        let (before, kept_before, curves, flips) = (mesh.length_off_chords(), kept(&mesh), covered(&mesh), flipped(&mesh));
         let moved = Pass::Follow.run(&mut mesh);
         mesh.assert_consistent();
         prop_assert_eq!(kept(&mesh), kept_before);
@@ -245,7 +245,7 @@ proptest! {
         for (chain, length) in covered(&mesh) {
             prop_assert!((length - curves[&chain]).abs() <= 1e-4 * curves[&chain], "{chain:?} covers {length}");
         }
-        let after = mesh.length_astray();
+        let after = mesh.length_off_chords();
         prop_assert!(after <= before * 1.001 && (moved == 0 || after < before), "{before} to {after} by {moved}");
     }
 

@@ -1,8 +1,8 @@
 //! What projections ask of the baseline's triangles, in one place for each.
 
+use super::Baseline;
 use crate::mesh::edit;
 use crate::mesh::{CornerId, FaceId, IdVec, Topology, VertexId};
-use crate::sim::baseline::Baseline;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 

@@ -1,23 +1,22 @@
 //! Closest points on the baseline by walking from a known triangle.
 //!
-//! A walk never crosses a chain or a border, so a vertex stays on its own piece and panel however near another layer
-//! lies.
+//! Walks stop at chains and borders, so a vertex stays on its own panel however near another layer lies.
 
+use super::{Baseline, Location};
 use crate::mesh::edit;
 use crate::mesh::{CornerId, FaceId, IdVec, VertexId};
-use crate::sim::baseline::{Baseline, Location};
+use crate::sim::geometry::closest_weights;
 use glam::{Vec2, Vec3};
 
-/// Steps after which a walk stops where it is. A walk gets nearer with every step, so only a start that is very far
-/// away comes near this.
+/// Most triangles of a walk. Every step gets nearer, so only walks from very far away need this many.
 const MAX_STEPS: usize = 4096;
-/// A step must shorten the squared distance by this share, so that rounding cannot turn it back.
+/// A step must bring the squared distance below this share of the last, so that rounding cannot make walks cycle.
 const PROGRESS: f32 = 1.0 - 1e-6;
 
 /// A point of the baseline with its position.
 #[derive(Clone, Copy, Debug)]
 pub struct Projection {
-    /// Where it is on the baseline.
+    /// Triangle and weights.
     pub location: Location,
     /// Position.
     pub position: Vec3,
@@ -34,7 +33,7 @@ impl Baseline {
         [corners[0], corners[1], corners[2]]
     }
 
-    /// A mix of corner or vertex values.
+    /// Barycentric interpolation of values at a triangle's corners.
     #[inline]
     fn mix<T: std::ops::Mul<f32, Output = T> + std::ops::Add<Output = T>>(weights: Vec3, [a, b, c]: [T; 3]) -> T {
         a * weights.x + b * weights.y + c * weights.z
@@ -77,7 +76,7 @@ impl Baseline {
         Self::mix(at.weights, [self.target[a], self.target[b], self.target[c]])
     }
 
-    /// The length that remeshing works with at a location. \[stage units\]
+    /// Target length at a location, shortened near chains that bend. \[stage units\]
     #[inline]
     pub fn sizing_at(&self, at: Location) -> f32 {
         let [a, b, c] = self.vertices(at.face);
@@ -86,9 +85,7 @@ impl Baseline {
 
     /// The location of a corner of a triangle.
     pub fn corner_location(&self, corner: CornerId) -> Location {
-        let mut weights = [0.0; 3];
-        weights[corner.index() % 3] = 1.0;
-        Location { face: FaceId::new(corner.index() / 3), weights: weights.into() }
+        Location { face: edit::face(corner), weights: Vec3::AXES[corner.index() % 3] }
     }
 
     /// The closest point of one triangle.
@@ -96,7 +93,7 @@ impl Baseline {
     fn on_triangle(&self, face: FaceId, point: Vec3) -> Projection {
         let [a, b, c] = self.triangle(face);
         let weights = closest_weights(a, b, c, point);
-        let position = a * weights.x + b * weights.y + c * weights.z;
+        let position = Self::mix(weights, [a, b, c]);
         let distance_squared = position.distance_squared(point);
         Projection { location: Location { face, weights }, position, distance_squared }
     }
@@ -106,12 +103,12 @@ impl Baseline {
         self.walk(start, point, |half| self.open_twin(half))
     }
 
-    /// The same, with half-edges that it does not cross given by `barrier`.
+    /// The closest point that a walk reaches without crossing the half-edges of `barrier`.
     pub fn closest_within(&self, start: FaceId, point: Vec3, barrier: &IdVec<CornerId, bool>) -> Projection {
         self.walk(start, point, |half| self.topology.twin(half).filter(|_| !barrier[half]))
     }
 
-    /// Goes on to the nearest of the triangles around as long as that is nearer; `cross` leads over a half-edge.
+    /// Steps to the nearest of the adjacent triangles while that is nearer; `cross` leads over a half-edge.
     #[inline]
     fn walk(&self, start: FaceId, point: Vec3, cross: impl Fn(CornerId) -> Option<CornerId> + Copy) -> Projection {
         let mut best = self.on_triangle(start, point);
@@ -132,8 +129,8 @@ impl Baseline {
         best
     }
 
-    /// The location of a UV point in the shell of triangle `start`, by a straight walk there; none where a barrier or a
-    /// fold of the layout is in the way.
+    /// The location of a UV point in the shell of triangle `start`, by a straight walk; none where a barrier or a fold of
+    /// the UV layout blocks it.
     pub fn locate_uv(&self, start: FaceId, uv: Vec2) -> Option<Location> {
         let mut face = start;
         for _ in 0..MAX_STEPS {
@@ -155,7 +152,7 @@ impl Baseline {
     }
 }
 
-/// The triangles that share the edge or vertex on which a location lies, as far as `cross` leads.
+/// Visits the triangles that share the edge or vertex on which a location lies, where `cross` leads to them.
 #[inline]
 fn for_each_neighbour(
     at: Location,
@@ -166,17 +163,17 @@ fn for_each_neighbour(
     let zero = at.weights.to_array().map(|w| w <= 0.0);
     match zero {
         [false, false, false] => {}
-        // The edge opposite the corner without weight.
-        [true, false, false] => drop(cross(corner(1)).map(|t| visit(edit::face(t)))),
-        [false, true, false] => drop(cross(corner(2)).map(|t| visit(edit::face(t)))),
-        [false, false, true] => drop(cross(corner(0)).map(|t| visit(edit::face(t)))),
+        // On the edge opposite the corner of zero weight.
+        [true, false, false] => cross(corner(1)).into_iter().for_each(|t| visit(edit::face(t))),
+        [false, true, false] => cross(corner(2)).into_iter().for_each(|t| visit(edit::face(t))),
+        [false, false, true] => cross(corner(0)).into_iter().for_each(|t| visit(edit::face(t))),
         [_, true, true] => around(corner(0), cross, visit),
         [true, _, true] => around(corner(1), cross, visit),
         [true, true, _] => around(corner(2), cross, visit),
     }
 }
 
-/// Turns around the vertex of a corner, both ways as far as `cross` leads.
+/// Visits the triangles around the vertex of a corner, in both directions as far as `cross` leads.
 fn around(corner: CornerId, cross: impl Fn(CornerId) -> Option<CornerId>, mut visit: impl FnMut(FaceId)) {
     let mut at = corner;
     while let Some(twin) = cross(edit::prev(at)) {
@@ -190,67 +187,5 @@ fn around(corner: CornerId, cross: impl Fn(CornerId) -> Option<CornerId>, mut vi
     while let Some(twin) = cross(at) {
         at = edit::next(twin);
         visit(edit::face(at));
-    }
-}
-
-/// Weights of the point of a triangle that is closest to `p` (Ericson, Real-Time Collision Detection, 5.1.5).
-#[inline]
-pub fn closest_weights(a: Vec3, b: Vec3, c: Vec3, p: Vec3) -> Vec3 {
-    let (ab, ac, ap) = (b - a, c - a, p - a);
-    let (d1, d2) = (ab.dot(ap), ac.dot(ap));
-    if d1 <= 0.0 && d2 <= 0.0 {
-        return Vec3::X;
-    }
-    let bp = p - b;
-    let (d3, d4) = (ab.dot(bp), ac.dot(bp));
-    if d3 >= 0.0 && d4 <= d3 {
-        return Vec3::Y;
-    }
-    let vc = d1 * d4 - d3 * d2;
-    // An edge without length is passed by: the point is closest to one of the others.
-    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 && d1 > d3 {
-        let v = d1 / (d1 - d3);
-        return Vec3::new(1.0 - v, v, 0.0);
-    }
-    let cp = p - c;
-    let (d5, d6) = (ab.dot(cp), ac.dot(cp));
-    if d6 >= 0.0 && d5 <= d6 {
-        return Vec3::Z;
-    }
-    let vb = d5 * d2 - d1 * d6;
-    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 && d2 > d6 {
-        let w = d2 / (d2 - d6);
-        return Vec3::new(1.0 - w, 0.0, w);
-    }
-    let va = d3 * d6 - d5 * d4;
-    if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
-        let w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-        return Vec3::new(0.0, 1.0 - w, w);
-    }
-    let sum = va + vb + vc;
-    // A degenerate triangle that reaches here is a point.
-    if sum <= 0.0 {
-        return Vec3::X;
-    }
-    let (v, w) = (vb / sum, vc / sum);
-    Vec3::new(1.0 - v - w, v, w)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn triangles_without_area_have_closest_points() {
-        let (a, b) = (Vec3::ZERO, Vec3::new(2.0, 0.0, 0.0));
-        for [p, q, r] in [[a, a, b], [a, b, a], [b, a, a], [a, b, b], [a, a, a], [a, b, (a + b) / 2.0]] {
-            for point in [Vec3::new(1.0, 1.0, 0.0), Vec3::new(3.0, 0.0, 0.0), Vec3::new(-1.0, 1.0, 1.0), a, b] {
-                let weights = closest_weights(p, q, r, point);
-                let found = p * weights.x + q * weights.y + r * weights.z;
-                let far = if [p, q, r].contains(&b) { point.x.clamp(0.0, 2.0) } else { 0.0 };
-                assert!((weights.element_sum() - 1.0).abs() < 1e-6, "{weights} for {point} on {p} {q} {r}");
-                assert_eq!(found, Vec3::new(far, 0.0, 0.0), "{weights} for {point} on {p} {q} {r}");
-            }
-        }
     }
 }

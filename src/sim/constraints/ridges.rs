@@ -1,27 +1,28 @@
 //! Folds of the surface that are sharper than the target length can follow. An edge across such a fold cuts it off, and
 //! where edges come to lie by chance it becomes a saw blade; so the edges of the cage along it become chains.
 
+use super::cage_edges::{half_edge, refine_paths};
+use super::chain::{Chain, ChainKind};
 use crate::mesh::edit::{next, prev};
-use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
-use crate::sim::constraints::chain::{CageChains, Chain, ChainKind};
-use crate::sim::surface::manifold::Manifold;
+use crate::mesh::{CornerId, EdgeId, FaceId, Groups, IdVec, Topology, VertexId};
+use crate::sim::geometry::angle;
+use crate::sim::surface::triangulation::RefinedSurface;
 use crate::subdivide::Refiner;
 use glam::Vec3;
 use std::collections::BTreeMap;
 
-/// The surface makes a ridge where its normal turns by more than this over one target length. Smaller values make more
-/// chains, which take freedom from the triangles beside them; larger ones let more of a fold be cut off. \[radians\]
+/// A ridge is where the normal turns by more than this over one target length. Smaller values make more chains, which
+/// constrain the triangles beside them; larger ones let chords cut off more of a fold. \[radians\]
 const SHARP: f32 = 1.6;
-/// A ridge goes on where the normal still turns by this. \[radians\]
+/// A ridge continues where the normal still turns by this. \[radians\]
 const BLUNT: f32 = 1.2;
-/// Least length of what is sharp in a ridge, as a multiple of the target length: shorter ones end as soon as they begin.
+/// Least total length of a ridge's sharp edges, as a multiple of the target length.
 const LEAST_LENGTH: f32 = 2.0;
-/// Of two parallel edges of the cage that are nearer than this multiple of the target length the sharper is the ridge.
+/// Parallel edges of the cage nearer than this multiple of the target length compete; the sharper one is the ridge.
 const APART: f32 = 1.0;
-/// Edges of the cage with less than this between their faces are no candidates, as smooth folds are sharper at the cage.
-/// \[radians\]
+/// Least dihedral of a candidate edge: folds are sharper on the cage than on the refined surface. \[radians\]
 const LEAST_DIHEDRAL: f32 = 0.3;
-/// Triangles that a walk away from an edge goes through.
+/// Most triangles of a walk away from an edge.
 const MAX_STEPS: usize = 64;
 
 /// An edge of the cage that may be part of a ridge.
@@ -34,28 +35,20 @@ struct Candidate {
     target: f32,
 }
 
-/// The triangulated surface.
-pub(crate) struct RefinedSurface<'a> {
-    pub topology: &'a Topology,
-    pub points: &'a IdVec<VertexId, Vec3>,
-    pub target: &'a IdVec<VertexId, f32>,
-}
-
-/// Marks the ridges among the edges of the cage that are no constraints yet. `levels` lead to the surface.
-pub(crate) fn mark(
-    manifold: &Manifold,
+/// Adds the ridges among the unconstrained edges of the cage to `kinds`. The last of `levels` is the surface's.
+pub(crate) fn add_ridges(
+    t: &Topology,
     levels: &[&Refiner],
     surface: &RefinedSurface<'_>,
-    marked: &mut BTreeMap<EdgeId, ChainKind>,
+    kinds: &mut BTreeMap<EdgeId, ChainKind>,
 ) {
-    let t = &manifold.refiner.level.topology;
-    let candidates = candidates(t, levels, surface, marked);
+    let candidates = candidates(t, levels, surface, kinds);
     let bend_of: BTreeMap<EdgeId, &Candidate> = candidates.iter().map(|c| (c.edge, c)).collect();
     let kept: Vec<&Candidate> = candidates.iter().filter(|c| is_sharpest(t, c, &bend_of)).collect();
     for piece in pieces(t, &kept) {
         let sharp: f32 = piece.iter().filter(|c| c.bend > SHARP).map(|c| c.length / c.target).sum();
         if sharp >= LEAST_LENGTH {
-            marked.extend(piece.iter().map(|c| (c.edge, ChainKind { ridge: true, ..ChainKind::default() })));
+            kinds.extend(piece.iter().map(|c| (c.edge, ChainKind { ridge: true, ..ChainKind::default() })));
         }
     }
 }
@@ -64,7 +57,7 @@ fn candidates(
     t: &Topology,
     levels: &[&Refiner],
     surface: &RefinedSurface<'_>,
-    marked: &BTreeMap<EdgeId, ChainKind>,
+    kinds: &BTreeMap<EdgeId, ChainKind>,
 ) -> Vec<Candidate> {
     let at = |v: VertexId| surface.points[v];
     let normal = |face: FaceId| {
@@ -77,16 +70,15 @@ fn candidates(
     let is_bent = |&edge: &EdgeId| match *t.edge_corners.row(edge) {
         [a, b] => {
             let (m, n) = (normals[t.faces.face_of(a)], normals[t.faces.face_of(b)]);
-            !marked.contains_key(&edge) && m.cross(n).length().atan2(m.dot(n)) > LEAST_DIHEDRAL
+            !kinds.contains_key(&edge) && angle(m, n) > LEAST_DIHEDRAL
         }
         _ => false,
     };
     let edges: Vec<EdgeId> = t.edges.ids().filter(is_bent).collect();
-    let paths = edges.iter().map(|&e| (ChainKind::default(), false, t.edges[e].to_vec())).collect();
-    let curves = CageChains { paths }.refine(levels).pop().unwrap_or_default();
-    let measured = edges.iter().zip(curves).filter_map(|(&edge, curve)| {
+    let curves = refine_paths(edges.iter().map(|&e| t.edges[e].to_vec()).collect(), levels);
+    let measured = edges.iter().zip(&curves[levels.len() - 1]).filter_map(|(&edge, curve)| {
         let steps = curve.windows(2);
-        let n = steps.len().max(1) as f32;
+        let n = steps.len() as f32;
         let bend = steps.clone().map(|p| surface.bend(p[0], p[1])).sum::<f32>() / n;
         let length = steps.map(|p| at(p[0]).distance(at(p[1]))).sum();
         let middle = curve[curve.len() / 2];
@@ -95,7 +87,7 @@ fn candidates(
     measured.collect()
 }
 
-/// Whether no parallel edge nearby bends more; of equals the first counts.
+/// Whether the edge bends more than all parallel ones nearby; of equals the first counts.
 fn is_sharpest(t: &Topology, own: &Candidate, all: &BTreeMap<EdgeId, &Candidate>) -> bool {
     t.edge_corners.row(own.edge).iter().all(|&corner| {
         let face = t.faces.face_of(corner);
@@ -111,31 +103,18 @@ fn is_sharpest(t: &Topology, own: &Candidate, all: &BTreeMap<EdgeId, &Candidate>
     })
 }
 
-/// Groups of edges that are joined at their ends.
+/// Groups of edges that are connected at their ends.
 fn pieces<'a>(t: &Topology, edges: &[&'a Candidate]) -> Vec<Vec<&'a Candidate>> {
-    let mut at: BTreeMap<VertexId, Vec<usize>> = BTreeMap::new();
-    for (i, c) in edges.iter().enumerate() {
-        t.edges[c.edge].iter().for_each(|&v| at.entry(v).or_default().push(i));
+    let mut groups = Groups::<VertexId>::new(t.vertex_count());
+    for candidate in edges {
+        let [a, b] = t.edges[candidate.edge];
+        groups.join(a, b);
     }
-    let mut seen = vec![false; edges.len()];
-    let mut pieces = Vec::new();
-    for seed in 0..edges.len() {
-        if std::mem::replace(&mut seen[seed], true) {
-            continue;
-        }
-        let mut piece = vec![seed];
-        let mut done = 0;
-        while let Some(&i) = piece.get(done) {
-            done += 1;
-            for j in t.edges[edges[i].edge].iter().flat_map(|v| &at[v]) {
-                if !std::mem::replace(&mut seen[*j], true) {
-                    piece.push(*j);
-                }
-            }
-        }
-        pieces.push(piece.into_iter().map(|i| edges[i]).collect());
+    let mut pieces = BTreeMap::<VertexId, Vec<&Candidate>>::new();
+    for &candidate in edges {
+        pieces.entry(groups.first(t.edges[candidate.edge][0])).or_default().push(candidate);
     }
-    pieces
+    pieces.into_values().collect()
 }
 
 impl RefinedSurface<'_> {
@@ -150,17 +129,13 @@ impl RefinedSurface<'_> {
 
     /// The angle between the normals half a target length to the left and to the right of an edge. \[radians\]
     fn bend(&self, a: VertexId, b: VertexId) -> f32 {
-        let half = |a: VertexId, b: VertexId| {
-            let faces = &self.topology.faces;
-            self.topology.vertex_corners.row(a).iter().copied().find(|&c| faces.vertex(faces.next(c)) == b)
-        };
+        let half = |a, b| half_edge(self.topology, a, b);
         let (Some(left), Some(right)) = (half(a, b), half(b, a)) else { return 0.0 };
         let reach = 0.25 * (self.target[a] + self.target[b]);
-        let (m, n) = (self.normal_beyond(left, reach), self.normal_beyond(right, reach));
-        m.cross(n).length().atan2(m.dot(n))
+        angle(self.normal_beyond(left, reach), self.normal_beyond(right, reach))
     }
 
-    /// The normal at a distance from the middle of a half-edge, straight away from it over the surface.
+    /// The normal at a distance from the middle of a half-edge, by a straight walk away from it over the surface.
     fn normal_beyond(&self, half: CornerId, reach: f32) -> Vec3 {
         let at = |c: CornerId| self.points[self.topology.faces.vertex(c)];
         let mut from = at(half).midpoint(at(next(half)));
@@ -181,7 +156,7 @@ impl RefinedSurface<'_> {
             left -= passed;
             from += way * passed;
             let along = (at(next(side)) - at(side)).normalize_or_zero();
-            // What leads away from the side here leads into the next triangle there.
+            // Unfolds the direction into the next triangle.
             let (own, across) = (way.dot(along), way.dot(along.cross(normal)));
             normal = self.normal(twin);
             way = along * own + along.cross(normal) * across;

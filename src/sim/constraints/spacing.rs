@@ -1,7 +1,8 @@
-//! How densely a chain's curve is cut: at its corners, and in edges short enough to follow its bends.
+//! Spacing of vertices along a chain: its corners, and edge lengths short enough to follow its bends.
 
+use super::chain::{Chain, CurvePoint, fraction, segment_of};
 use crate::mesh::{IdVec, VertexId};
-use crate::sim::constraints::chain::{Chain, CurvePoint};
+use crate::sim::geometry::angle;
 use glam::Vec3;
 
 /// Corners are at least this far from each other and from the ends, as a share of the target length. Smaller values make
@@ -12,19 +13,18 @@ const SAGITTA: f32 = 0.02;
 /// No bend asks for edges shorter than this share of the target length, for the triangles beside them would be thin.
 pub(crate) const SHORTEST: f32 = 0.6;
 
-/// Edges around two corners or ends of a chain that lie near each other are asked to be as short as the way between them,
-/// but no shorter than this share of the target length, so that the triangles on that way are less thin. On the garments
-/// 0.35 leaves a fifth fewer thin triangles where corners are close and lengths 2 % less even; without it there are half
-/// as many again on male_worksuit01.
+/// Edges between two nearby corners or ends of a chain shorten to the distance between them, but to no less than this
+/// share of the target length. That makes the triangles there less thin. At 0.35 a fifth fewer are thin where corners are
+/// close, and lengths are 2 % less even; without it male_worksuit01 has half as many thin ones again.
 const SHORTEST_BETWEEN_CORNERS: f32 = 0.4;
-/// The same on ridges, whose corners are those of small details. 0.4 leaves a tenth more thin triangles on
-/// male_worksuit01, as does 0.3.
+/// The share on ridges, whose corners belong to small details. 0.3 and 0.4 both leave a tenth more thin triangles on
+/// male_worksuit01.
 const SHORTEST_BETWEEN_RIDGE_CORNERS: f32 = 0.35;
-/// Corners nearer than this share of the target length ask for nothing: triangles on a way so short are thin whatever the
-/// lengths around it are, and shorter ones are more.
+/// Corners nearer than this share of the target length shorten nothing: triangles between them are thin at any length, and
+/// shorter edges make more of them.
 const CLOSEST: f32 = 0.2;
 
-/// Lengths change at most by this much per length along the curve, so that neighbouring edges are alike.
+/// Largest change of edge length per length along the curve, so that neighbouring edges are similar.
 const GRADING: f32 = 0.3;
 
 impl Chain {
@@ -54,12 +54,13 @@ impl Chain {
         self.shorten_between_corners(&targets);
         self.grade_lengths();
         let mut sum = 0.0f64;
-        self.spaced = vec![0.0];
-        for i in 1..self.vertices.len() {
-            let mean = 0.5 * (1.0 / self.lengths[i - 1] + 1.0 / self.lengths[i]);
-            sum += f64::from((self.along[i] - self.along[i - 1]) * mean);
-            self.spaced.push(sum as f32);
-        }
+        let advance = |(along, lengths): (&[f32], &[f32])| {
+            let mean = 0.5 * (1.0 / lengths[0] + 1.0 / lengths[1]);
+            sum += f64::from((along[1] - along[0]) * mean);
+            sum as f32
+        };
+        let spaced = self.along.windows(2).zip(self.lengths.windows(2)).map(advance);
+        self.spaced = std::iter::once(0.0).chain(spaced).collect();
     }
 
     /// Shortens lengths where corners or ends are near each other.
@@ -76,7 +77,7 @@ impl Chain {
         }
         let shortest = if self.kind.ridge { SHORTEST_BETWEEN_RIDGE_CORNERS } else { SHORTEST_BETWEEN_CORNERS };
         for pair in stops.windows(2) {
-            let at = |i: usize| self.along[i % last.max(1)] + if i >= last { self.length() } else { 0.0 };
+            let at = |i: usize| self.along[i % last] + if i >= last { self.length() } else { 0.0 };
             let gap = at(pair[1]) - at(pair[0]);
             for i in (pair[0]..=pair[1]).map(|i| if i > last { i - last } else { i }) {
                 if gap > CLOSEST * targets[i] {
@@ -87,7 +88,7 @@ impl Chain {
         }
     }
 
-    /// Makes lengths change gradually along the curve; a loop is gone round twice.
+    /// Makes lengths change gradually along the curve. A loop takes two rounds.
     fn grade_lengths(&mut self) {
         let n = self.lengths.len();
         for _ in 0..if self.is_loop { 2 } else { 1 } {
@@ -107,13 +108,8 @@ impl Chain {
         }
     }
 
-    /// The length that edges should have at arc length `s`. \[stage units\]
-    pub fn length_at(&self, s: f32) -> f32 {
-        self.length_of(self.at(s))
-    }
-
-    /// The same at a place on the curve.
-    pub(crate) fn length_of(&self, at: CurvePoint) -> f32 {
+    /// Target edge length at a point of the curve. \[stage units\]
+    pub(crate) fn length_at(&self, at: CurvePoint) -> f32 {
         let (a, b) = (self.lengths[at.segment], self.lengths[at.segment + 1]);
         a + (b - a) * at.t
     }
@@ -122,10 +118,7 @@ impl Chain {
     fn turns(&self, points: &IdVec<VertexId, Vec3>) -> Vec<f32> {
         let n = self.vertices.len();
         let at = |i: usize| points[self.vertices[i]];
-        let turn = |a: usize, b: usize, c: usize| {
-            let (u, v) = (at(b) - at(a), at(c) - at(b));
-            u.cross(v).length().atan2(u.dot(v))
-        };
+        let turn = |a: usize, b: usize, c: usize| angle(at(b) - at(a), at(c) - at(b));
         let inside = 1..n.saturating_sub(1);
         let mut turns: Vec<f32> =
             (0..n).map(|i| if inside.contains(&i) { turn(i - 1, i, i + 1) } else { 0.0 }).collect();
@@ -136,7 +129,7 @@ impl Chain {
         turns
     }
 
-    /// The turn within `reach` of a vertex, both ways along the curve.
+    /// The turn within `reach` of a vertex, in both directions along the curve. \[radians\]
     fn turn_around(&self, turns: &[f32], vertex: usize, reach: f32) -> f32 {
         let n = turns.len() - 1;
         let length = self.length();
@@ -163,12 +156,12 @@ impl Chain {
         sum
     }
 
-    /// Vertices of the cage at which the curve has a corner, the sharpest first chosen.
+    /// Indices of the cage's vertices at which the curve has a corner. Of two that are too close the sharper stays.
     fn corners(&self, turns: &[f32], targets: &[f32], step: usize, corner: f32) -> Vec<usize> {
         let n = self.vertices.len() - 1;
         let inside = if self.is_loop { 0..n } else { 1..n };
         let mut found: Vec<(f32, usize)> = inside
-            .filter(|i| i % step.max(1) == 0)
+            .filter(|i| i % step == 0)
             .map(|i| (self.turn_around(turns, i, 0.5 * targets[i]), i))
             .filter(|&(turn, _)| turn > corner)
             .collect();
@@ -192,30 +185,26 @@ impl Chain {
 
     /// Number of edges that the curve asks for up to arc length `s`, as a real number.
     pub fn count_to(&self, s: f32) -> f32 {
-        let (turn, at) = self.wound(s);
-        self.count_of(turn, at)
+        let (turns, at) = self.at_with_turns(s);
+        self.count_at(turns, at)
     }
 
-    /// The same up to a place, after a loop was gone round `turn` times.
-    pub(crate) fn count_of(&self, turn: f32, at: CurvePoint) -> f32 {
+    /// Number of edges up to a point that lies beyond `turns` full turns of a loop.
+    pub(crate) fn count_at(&self, turns: f32, at: CurvePoint) -> f32 {
         let (a, b) = (self.spaced[at.segment], self.spaced[at.segment + 1]);
-        turn * self.edge_count() + a + (b - a) * at.t
+        turns * self.edge_count() + a + (b - a) * at.t
     }
 
-    /// Number of edges that the curve asks for, as a real number.
-    pub fn edge_count(&self) -> f32 {
-        self.spaced.last().copied().unwrap_or(0.0)
+    fn edge_count(&self) -> f32 {
+        self.spaced[self.spaced.len() - 1]
     }
 
-    /// The arc length at which the curve asks for `count` edges; the inverse of [`Self::count_to`].
+    /// The arc length at which the curve asks for `count` edges; the inverse of [`Self::count_to`]. \[stage units\]
     pub fn at_count(&self, count: f32) -> f32 {
         let all = self.edge_count();
         let turn = if self.is_loop && all > 0.0 { (count / all).floor() } else { 0.0 };
         let rest = (count - turn * all).clamp(0.0, all);
-        let last = self.spaced.len().saturating_sub(2);
-        let i = self.spaced.partition_point(|&a| a <= rest).saturating_sub(1).min(last);
-        let span = self.spaced[i + 1] - self.spaced[i];
-        let t = if span > 0.0 { (rest - self.spaced[i]) / span } else { 0.0 };
-        turn * self.length() + self.along[i] + (self.along[i + 1] - self.along[i]) * t.clamp(0.0, 1.0)
+        let i = segment_of(&self.spaced, rest);
+        turn * self.length() + self.along[i] + (self.along[i + 1] - self.along[i]) * fraction(&self.spaced, rest, i)
     }
 }

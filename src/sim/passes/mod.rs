@@ -1,12 +1,13 @@
 //! The passes of remeshing, and their loop.
 
-pub mod collapse;
+mod collapse;
 pub mod drift;
-pub mod flip;
-pub mod follow;
-pub mod polish;
-pub mod queue;
-pub mod relax;
+mod even;
+mod flip;
+mod follow;
+mod polish;
+mod queue;
+mod relax;
 pub mod remesh;
-pub mod slide;
-pub mod split;
+mod split;
+mod valence;

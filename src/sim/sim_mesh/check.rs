@@ -1,9 +1,9 @@
 //! Every invariant of the mesh, for debug builds and tests.
 
+use super::{SimMesh, VertexConstraint};
 use crate::mesh::CornerId;
-use crate::sim::sim_mesh::{SimMesh, VertexConstraint};
 
-/// Distance of a vertex from its place and its curve, as a share of the target length.
+/// Distance of a vertex from its location and its curve, as a share of the target length.
 const SLACK: f32 = 1e-3;
 
 impl SimMesh<'_> {
@@ -15,7 +15,7 @@ impl SimMesh<'_> {
             let own = self.topology.vertex(half);
             let slack = SLACK * self.target[own];
             let off = self.baseline.position(self.place(half).location).distance(self.points[own]);
-            assert!(off <= slack, "{own:?} is where its corner says: off by {off}");
+            assert!(off <= slack, "{own:?} is at its corner's location: off by {off}");
         }
         for vertex in self.topology.vertices().filter(|&v| self.constraint[v] == VertexConstraint::Free) {
             let mut wedges = self.topology.fan(vertex).map(|c| self.corner_wedge[c]);
@@ -25,7 +25,7 @@ impl SimMesh<'_> {
     }
 
     fn assert_span(&self, half: CornerId) {
-        let ends = [self.topology.vertex(half), self.topology.target(half)];
+        let ends = self.topology.ends(half);
         let twin = self.topology.twin(half);
         let Some(span) = self.span(half) else {
             assert!(
@@ -45,6 +45,13 @@ impl SimMesh<'_> {
         }
         if let Some(t) = twin {
             assert_eq!(self.span(t), Some(span.reversed()), "the twin of {half:?} has the same span");
+        }
+    }
+
+    /// Checks every invariant in debug builds.
+    pub(crate) fn debug_check(&self) {
+        if cfg!(debug_assertions) {
+            self.assert_consistent();
         }
     }
 }

@@ -1,39 +1,39 @@
-//! Patches of a mesh that are worked on apart, at the same time: each fits the cache, and none sees another.
+//! Patches of a mesh that are remeshed in parallel: each fits the cache, and none sees another.
 //!
-//! What patches share stays as it is: vertices on their borders are sealed. So the parts fit together again, and the
-//! result is the same for any number of threads. What was left along the borders is for a pass over the whole.
+//! Vertices on the borders of patches are fixed, so the parts fit together again, and the result is the same for any number
+//! of threads. A later pass over the whole mesh edits what is left along the borders.
 
+use super::{SimMesh, VertexConstraint};
 use crate::mesh::edit::{EditMesh, corners, face, prev};
-use crate::mesh::{CornerId, FaceId, IdVec, Joined, VertexId, WedgeId, join};
+use crate::mesh::{CornerId, FaceId, IdVec, JoinedMesh, VertexId, WedgeId, join_meshes};
 use crate::sim::baseline::Baseline;
-use crate::sim::sim_mesh::{SimMesh, VertexConstraint};
 use rayon::prelude::*;
 use std::collections::VecDeque;
 
-/// Triangles of a patch. Larger ones have fewer edges along their borders, smaller ones fit a core's cache better and
-/// are shared out more evenly.
-pub(crate) const PATCH: usize = 4096;
+/// Triangles of a patch. Larger patches have fewer border edges; smaller ones fit a core's cache better and balance the
+/// load better.
+pub(crate) const PATCH_SIZE: usize = 4096;
 
-/// Whether a vertex is on the border of a patch.
+/// The role of a vertex in its patch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum PatchVertex {
-    /// Not shared.
+    /// In this patch alone.
     #[default]
-    Open,
-    /// Other patches have it too.
-    Shared,
-    /// The patch itself has it more than once.
+    Interior,
+    /// On the border, shared with other patches.
+    Border,
+    /// On the border more than once.
     Pinched,
 }
 
-/// The triangles of each patch, and for each triangle its patch and its place there.
+/// The triangles of each patch, and for each triangle its patch and its index there.
 struct Patches {
     faces: Vec<Vec<FaceId>>,
-    place: IdVec<FaceId, (u32, u32)>,
+    index: IdVec<FaceId, Option<(u32, u32)>>,
 }
 
-/// Does `work` on patches of about `size` triangles. Returns what it returned for each; nothing, with the mesh as it was,
-/// where parts cannot be told apart again.
+/// Runs `work` on patches of about `size` triangles. Returns its results; none, with the mesh unchanged, if the patches
+/// cannot be joined again.
 pub(crate) fn in_patches<'a, T: Send>(
     mesh: &mut SimMesh<'a>,
     size: usize,
@@ -49,46 +49,46 @@ pub(crate) fn in_patches<'a, T: Send>(
     });
     let done: Vec<(SimMesh<'a>, Names, T)> = done.collect();
     let parts: Vec<(&EditMesh, &Names)> = done.iter().map(|(patch, names, _)| (&patch.topology, names)).collect();
-    let joined = join(&parts, mesh.topology.vertex_slots())?;
+    let joined = join_meshes(&parts, mesh.topology.vertex_slots())?;
     let patches: Vec<&SimMesh<'a>> = done.iter().map(|(patch, ..)| patch).collect();
     let constraint = |i: usize, v: VertexId| done[i].1[v].map_or(patches[i].constraint[v], |v| mesh.constraint[v]);
     *mesh = SimMesh::joined(joined, &patches, constraint, mesh.baseline);
     Some(done.into_iter().map(|(_, _, result)| result).collect())
 }
 
-/// The vertices that a patch shares, by their numbers in the whole.
+/// The vertices of the whole mesh behind those that a patch shares.
 type Names = IdVec<VertexId, Option<VertexId>>;
 
 impl Patches {
     /// Grows patches over edges, each from the first triangle that is in none.
     fn new(topology: &EditMesh, size: usize) -> Self {
-        let mut place: IdVec<FaceId, Option<(u32, u32)>> = IdVec::filled(None, topology.face_slots());
+        let mut index: IdVec<FaceId, Option<(u32, u32)>> = IdVec::filled(None, topology.face_slots());
         let mut faces = Vec::new();
         for seed in topology.faces() {
-            if place[seed].is_some() {
+            if index[seed].is_some() {
                 continue;
             }
             let number = faces.len() as u32;
             let (mut own, mut queue) = (Vec::new(), VecDeque::from([seed]));
             while let Some(f) = queue.pop_front().filter(|_| own.len() < size) {
-                if place[f].is_some() {
+                if index[f].is_some() {
                     continue;
                 }
-                place[f] = Some((number, own.len() as u32));
+                index[f] = Some((number, own.len() as u32));
                 own.push(f);
                 queue.extend(corners(f).filter_map(|c| topology.twin(c)).map(face));
             }
             faces.push(own);
         }
-        Self { faces, place: place.iter().map(|p| p.unwrap_or_default()).collect() }
+        Self { faces, index }
     }
 }
 
 impl<'a> SimMesh<'a> {
-    /// A patch with its border sealed, and what the whole calls the vertices there.
+    /// A patch with its border fixed, and the vertices of the whole mesh there.
     fn patch(&self, patches: &Patches, number: usize) -> (Self, Names) {
-        let place = |f: FaceId| Some(patches.place[f]).filter(|p| p.0 as usize == number).map(|p| p.1 as usize);
-        let part = self.topology.part(&patches.faces[number], place);
+        let index = |f: FaceId| patches.index[f].filter(|p| p.0 as usize == number).map(|p| p.1 as usize);
+        let part = self.topology.submesh(&patches.faces[number], index);
         let (topology, old_vertex) = (&part.mesh, &part.old_vertex);
         let mut names = IdVec::filled(None, old_vertex.len());
         for c in topology.corners().filter(|&c| topology.twin(c).is_none()) {
@@ -98,49 +98,45 @@ impl<'a> SimMesh<'a> {
         }
         let mut shared: Vec<(VertexId, VertexId)> = names.enumerated().filter_map(|(v, n)| Some(((*n)?, v))).collect();
         shared.sort_unstable();
-        let mut patch = self.gathered(part);
-        patch.patch_vertices = IdVec::filled(PatchVertex::Open, patch.points.len());
+        let mut patch = self.submesh(part);
+        patch.patch_vertices = IdVec::filled(PatchVertex::Interior, patch.points.len());
         for same in shared.chunk_by(|a, b| a.0 == b.0) {
             for &(_, v) in same {
-                patch.patch_vertices[v] = if same.len() > 1 { PatchVertex::Pinched } else { PatchVertex::Shared };
+                patch.patch_vertices[v] = if same.len() > 1 { PatchVertex::Pinched } else { PatchVertex::Border };
                 patch.constraint[v] = VertexConstraint::Fixed;
             }
         }
         (patch, names)
     }
 
-    /// Patches joined; `grade` tells what a patch's vertex may do.
+    /// Joins patches; `constraint` is that of a patch's vertex in the whole mesh.
     fn joined(
-        joined: Joined,
+        joined: JoinedMesh,
         patches: &[&Self],
         constraint: impl Fn(usize, VertexId) -> VertexConstraint,
         baseline: &'a Baseline,
     ) -> Self {
-        let Joined { mesh: topology, old_vertex, seams, shared } = joined;
-        let slots = topology.corner_slots();
+        let JoinedMesh { mesh: topology, old_vertex, seams, shared } = joined;
         let mut mesh = Self {
-            baseline,
             points: old_vertex.iter().map(|&(i, v)| patches[i].points[v]).collect(),
             target: old_vertex.iter().map(|&(i, v)| patches[i].target[v]).collect(),
             constraint: old_vertex.iter().map(|&(i, v)| constraint(i, v)).collect(),
-            mark: IdVec::with_capacity(slots),
-            spans: IdVec::new(),
-            corner_wedge: IdVec::with_capacity(slots),
+            corner_span: IdVec::with_capacity(topology.corner_slots()),
+            corner_wedge: IdVec::with_capacity(topology.corner_slots()),
             wedges: IdVec::with_capacity(patches.iter().map(|p| p.wedges.len()).sum()),
-            patch_vertices: IdVec::new(),
-            topology,
+            ..Self::empty(baseline, topology)
         };
         for patch in patches {
             let (spans, wedges) = (mesh.spans.len(), mesh.wedges.len());
-            mesh.mark.extend(patch.mark.iter().map(|m| m.map(|m| m.shifted(spans))));
+            mesh.corner_span.extend(patch.corner_span.iter().map(|s| s.map(|s| s.shifted(spans))));
             mesh.corner_wedge.extend(patch.corner_wedge.iter().map(|s| WedgeId::new(wedges + s.index())));
             mesh.spans.extend_from_slice(&patch.spans);
             mesh.wedges.extend_from_slice(&patch.wedges);
         }
-        // Both sides of a seam had a span and sites of their own; they are the same.
+        // Both sides of a seam have copies of the same span and wedges; one of them stays.
         for [half, _] in seams {
-            if let Some(mark) = mesh.mark[half] {
-                mesh.set_mark(half, mark);
+            if let Some(span) = mesh.corner_span[half] {
+                mesh.set_span(half, span);
             }
         }
         let mut sector = Vec::new();
@@ -158,28 +154,26 @@ impl<'a> SimMesh<'a> {
         self.patch_vertices.get(vertex.index()).copied().unwrap_or_default()
     }
 
-    /// Whether an edge is on the border of a patch, where other patches have it too.
+    /// Whether an edge is on the border of a patch, shared with other patches.
     pub(crate) fn is_patch_border(&self, half: CornerId) -> bool {
         self.topology.twin(half).is_none()
-            && self.patch_vertex(self.topology.vertex(half)) != PatchVertex::Open
-            && self.patch_vertex(self.topology.target(half)) != PatchVertex::Open
+            && self.topology.ends(half).iter().all(|&v| self.patch_vertex(v) != PatchVertex::Interior)
     }
 
-    /// Whether an edge may be made that no other patch could make too.
+    /// Whether a new edge between two vertices cannot also arise in another patch.
     pub(crate) fn may_connect(&self, a: VertexId, b: VertexId) -> bool {
         match (self.patch_vertex(a), self.patch_vertex(b)) {
             (PatchVertex::Pinched, _) | (_, PatchVertex::Pinched) => false,
-            (a, b) => a == PatchVertex::Open || b == PatchVertex::Open,
+            (a, b) => a == PatchVertex::Interior || b == PatchVertex::Interior,
         }
     }
 
-    /// Whether merging an end of an edge into the other makes only such edges.
+    /// Whether collapsing an end of an edge into the other makes only such edges.
     pub(crate) fn may_merge(&self, half: CornerId, removed: VertexId) -> bool {
         if self.patch_vertices.is_empty() {
             return true;
         }
-        let ends = [self.topology.vertex(half), self.topology.target(half)];
-        let kept = if ends[0] == removed { ends[1] } else { ends[0] };
+        let kept = self.topology.other_end(half, removed);
         let apexes = [Some(half), self.topology.twin(half)].map(|h| h.map(|h| self.topology.vertex(prev(h))));
         self.topology.ring(removed).all(|v| v == kept || apexes.contains(&Some(v)) || self.may_connect(kept, v))
     }

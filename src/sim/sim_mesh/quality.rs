@@ -1,25 +1,42 @@
-//! Which triangles an edit may make.
+//! Quality of triangles, and edits that keep it.
 
+use super::{SimMesh, Wedge};
 use crate::mesh::CornerId;
 use crate::mesh::edit::{next, prev};
-use crate::sim::sim_mesh::{SimMesh, Wedge};
 use glam::Vec3;
 
 /// A triangle with less than this share of the area of the equilateral triangle on its longest edge is degenerate.
 const MIN_SHAPE: f32 = 0.02;
 
-/// A corner of a triangle that is there, or that an edit would make.
-pub(crate) type Corner<'a> = (Vec3, &'a Wedge);
+/// Least cosine between the normals of a triangle and of the surface at its corners that collapses and moves allow. Beyond
+/// it a triangle bridges a fold and erases it. Larger values keep more of a fold, but leave short edges along it.
+pub(crate) const MIN_COSINE: f32 = 0.2;
+
+/// The cosine that flips allow. Larger values keep more flips from turning edges out of a fold.
+const MIN_FLIP_COSINE: f32 = 0.85;
+
+/// Position and wedge of a triangle's corner.
+pub(crate) type TriangleCorner<'a> = (Vec3, &'a Wedge);
+
+/// The fault of a triangle. No edit may replace triangles by worse ones.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Defect {
+    /// None.
+    Good,
+    /// Degenerate, or facing away from the surface.
+    Degenerate,
+    /// Flipped in UV.
+    Flipped,
+}
 
 impl SimMesh<'_> {
-    /// How bad a triangle with these corners is: 0 good, 1 degenerate or folded over in space, 2 the wrong way round in
-    /// UV. No edit may make a triangle worse than what it replaces.
+    /// The defect of a triangle with these corners.
     #[inline(always)]
-    pub(crate) fn defect(&self, [(a, pa), (b, pb), (c, pc)]: [Corner<'_>; 3]) -> u8 {
+    pub(crate) fn defect(&self, [(a, pa), (b, pb), (c, pc)]: [TriangleCorner<'_>; 3]) -> Defect {
         if self.baseline.holds_uvs {
             let (u, v) = (pb.place.uv - pa.place.uv, pc.place.uv - pa.place.uv);
             if u.perp_dot(v) * pa.sense <= 0.0 {
-                return 2;
+                return Defect::Flipped;
             }
         }
         let (ab, ac) = (b - a, c - a);
@@ -27,31 +44,53 @@ impl SimMesh<'_> {
         let longest = ab.length_squared().max(ac.length_squared()).max(b.distance_squared(c));
         let surface = pa.normal + pb.normal + pc.normal;
         let least = 0.866 * MIN_SHAPE * longest;
-        u8::from(normal.length_squared() <= least * least || normal.dot(surface) <= 0.0)
+        match normal.length_squared() <= least * least || normal.dot(surface) <= 0.0 {
+            true => Defect::Degenerate,
+            false => Defect::Good,
+        }
     }
 
     /// The least cosine between a triangle with these corners and the surface at one of them.
     #[inline(always)]
-    pub(crate) fn alignment(&self, corners: [Corner<'_>; 3]) -> f32 {
+    pub(crate) fn alignment(&self, corners: [TriangleCorner<'_>; 3]) -> f32 {
         let [(a, p), (b, q), (c, r)] = corners;
         let normal = (b - a).cross(c - a).normalize_or_zero();
         normal.dot(p.normal).min(normal.dot(q.normal)).min(normal.dot(r.normal))
     }
 
-    /// Position and site of a corner.
+    /// Position and wedge of a corner.
     #[inline(always)]
-    pub(crate) fn corner(&self, corner: CornerId) -> Corner<'_> {
+    pub(crate) fn corner(&self, corner: CornerId) -> TriangleCorner<'_> {
         (self.points[self.topology.vertex(corner)], self.wedge(corner))
     }
 
     /// The corners of a triangle from one of them on.
     #[inline(always)]
-    pub(crate) fn corners(&self, corner: CornerId) -> [Corner<'_>; 3] {
+    pub(crate) fn corners(&self, corner: CornerId) -> [TriangleCorner<'_>; 3] {
         [self.corner(corner), self.corner(next(corner)), self.corner(prev(corner))]
     }
 
-    /// How bad the triangle of a corner is.
-    pub(crate) fn face_defect(&self, corner: CornerId) -> u8 {
+    /// The defect of a corner's triangle.
+    pub(crate) fn face_defect(&self, corner: CornerId) -> Defect {
         self.defect(self.corners(corner))
+    }
+
+    /// Whether flipping an edge makes a new edge, in this patch and all others.
+    pub(crate) fn may_flip(&self, half: CornerId) -> bool {
+        let apexes = self.topology.twin(half).map(|t| [half, t].map(|h| self.topology.vertex(prev(h))));
+        apexes.is_some_and(|[c, d]| self.may_connect(c, d)) && self.topology.may_flip(half)
+    }
+
+    /// Whether flipping an edge makes no triangle worse. One that turns far from the surface may turn no further than the
+    /// old triangles did.
+    pub(crate) fn flip_is_safe(&self, half: CornerId) -> bool {
+        let Some(twin) = self.topology.twin(half) else { return false };
+        let ([a, b, c], d) = (self.corners(half), self.corner(prev(twin)));
+        let new = self.defect([c, d, b]).max(self.defect([d, c, a]));
+        let is_aligned = || {
+            let after = self.alignment([c, d, b]).min(self.alignment([d, c, a]));
+            after >= MIN_FLIP_COSINE || after >= self.alignment([a, b, c]).min(self.alignment([b, a, d]))
+        };
+        (new == Defect::Good && is_aligned()) || new < self.face_defect(half).max(self.face_defect(twin))
     }
 }

@@ -1,37 +1,30 @@
-//! Elements that are near each other on the baseline get numbers near each other, so that a pass finds most of what it
-//! needs in the cache.
+//! Reordering and submeshes. Elements near each other on the baseline get near numbers, which keeps passes in the cache.
 
-use crate::mesh::{CornerId, FaceId, IdVec, Part, VertexId, WedgeId};
-use crate::sim::sim_mesh::SimMesh;
+use super::SimMesh;
+use crate::mesh::{CornerId, FaceId, IdVec, Submesh, VertexId};
 
 impl SimMesh<'_> {
-    /// Numbers triangles by their places on the baseline and vertices by their triangles, and drops what is gone. Returns
-    /// the old vertex of each new one.
-    pub(crate) fn reorder(&mut self) -> IdVec<VertexId, VertexId> {
-        let part = self.topology.reordered(&self.faces_by_place());
-        let old_vertex = part.old_vertex.clone();
-        *self = self.gathered(part);
+    /// Orders triangles by their baseline triangles and vertices by their triangles, and drops gaps. Returns the old vertex
+    /// of each new one.
+    pub(super) fn reorder(&mut self) -> IdVec<VertexId, VertexId> {
+        let submesh = self.topology.reordered(&self.faces_by_location());
+        let old_vertex = submesh.old_vertex.clone();
+        *self = self.submesh(submesh);
         old_vertex
     }
 
-    /// What this mesh has, for a part of it.
-    pub(crate) fn gathered(&self, part: Part) -> Self {
-        let Part { mesh: topology, old_vertex, old_corner } = part;
-        let corners = topology.corner_slots();
+    /// Everything that this mesh carries, for some of its triangles.
+    pub(super) fn submesh(&self, submesh: Submesh) -> Self {
+        let Submesh { mesh: topology, old_vertex, old_corner } = submesh;
         let mut mesh = Self {
-            baseline: self.baseline,
             points: old_vertex.iter().map(|&v| self.points[v]).collect(),
             target: old_vertex.iter().map(|&v| self.target[v]).collect(),
             constraint: old_vertex.iter().map(|&v| self.constraint[v]).collect(),
-            mark: IdVec::filled(None, corners),
-            spans: IdVec::new(),
-            corner_wedge: IdVec::filled(WedgeId::new(0), corners),
             wedges: IdVec::with_capacity(old_vertex.len()),
-            patch_vertices: IdVec::new(),
-            topology,
+            ..Self::empty(self.baseline, topology)
         };
         for (half, &old) in old_corner.enumerated() {
-            if let (None, Some(span)) = (mesh.mark[half], self.span(old)) {
+            if let (None, Some(span)) = (mesh.corner_span[half], self.span(old)) {
                 mesh.add_span(half, span);
             }
         }
@@ -39,10 +32,10 @@ impl SimMesh<'_> {
         mesh
     }
 
-    /// The triangles by the baseline's triangle at their first corners; of equals the older first.
-    fn faces_by_place(&self) -> Vec<FaceId> {
-        let place = |f: FaceId| (self.place(CornerId::new(3 * f.index())).location.face, f);
-        let mut faces: Vec<(FaceId, FaceId)> = self.topology.faces().map(place).collect();
+    /// The triangles, sorted by the baseline triangle of their first corner, then by id.
+    fn faces_by_location(&self) -> Vec<FaceId> {
+        let key = |f: FaceId| (self.place(CornerId::new(3 * f.index())).location.face, f);
+        let mut faces: Vec<(FaceId, FaceId)> = self.topology.faces().map(key).collect();
         faces.sort_unstable();
         faces.into_iter().map(|(_, f)| f).collect()
     }

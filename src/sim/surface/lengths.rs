@@ -1,35 +1,61 @@
-//! The lengths that remeshing works with: the targets, shorter near chains that bend, changing gradually from there.
+//! Target edge lengths on the surface, and how fast they may change.
 
+use super::manifold::Manifold;
+use crate::garment::{Garment, Primvar, Values};
 use crate::mesh::{IdVec, Topology, VertexId};
-use crate::sim::baseline::Baseline;
+use crate::subdivide::Refiner;
 use glam::Vec3;
-use std::cmp::{Ordering, Reverse};
+use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Lengths grow at most by this much per length away from a shorter one. Larger values spend fewer triangles near bends,
-/// smaller ones make them more even.
-const GROWTH: f32 = 0.3;
+/// An edge longer than this times its target is split. Smaller values make more, shorter edges. Botsch and Kobbelt 2004,
+/// section 4, use 4/3, from which halves are nearer to the target than the whole. 5/4 makes better triangles: on the
+/// garments it raises the 5th percentile of the smallest angle by 0.7 degrees, with 1 % more triangles.
+pub const SPLIT_RATIO: f32 = 1.25;
 
-/// A vertex with the length that it would get; the shortest is settled first.
-#[derive(PartialEq)]
-struct Entry(f32, VertexId);
+/// Target edge lengths over the garment.
+#[derive(Clone, Copy, Debug)]
+pub struct Lengths<'a> {
+    /// Where the density is 1. \[stage units\]
+    pub min: f32,
+    /// Where the density is 0. \[stage units\]
+    pub max: f32,
+    /// The density, on the garment's vertices.
+    pub density: Option<&'a Primvar>,
+}
 
-impl Eq for Entry {}
+impl Lengths<'_> {
+    /// The target length for a density.
+    fn of(&self, density: f32) -> f32 {
+        self.max + (self.min - self.max) * density.clamp(0.0, 1.0)
+    }
 
-impl Ord for Entry {
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.0.total_cmp(&other.0).then(self.1.cmp(&other.1))
+    /// The target length at a vertex of the garment. \[stage units\]
+    pub fn at(&self, vertex: VertexId) -> f32 {
+        match self.density.map(|d| (d, &d.values)) {
+            Some((density, Values::F32(values))) => self.of(values[density.row(vertex.index())]),
+            _ => self.max,
+        }
+    }
+
+    /// Target edge length at each of the `vertices` vertices of the finest level. \[stage units\]
+    pub(crate) fn refined(
+        &self,
+        garment: &Garment,
+        manifold: &Manifold,
+        levels: &[Refiner],
+        vertices: usize,
+    ) -> IdVec<VertexId, f32> {
+        let Some((density, Values::F32(values))) = self.density.map(|d| (d, &d.values)) else {
+            return IdVec::filled(self.max, vertices);
+        };
+        debug_assert_eq!(density.elements(), garment.points.len());
+        manifold.refine_rows(levels, density, values).into_iter().map(|w| self.of(w)).collect()
     }
 }
 
-impl PartialOrd for Entry {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-/// Shortens the lengths of vertices until none grows by more than `growth` per length away from another. Returns the
-/// number of those that changed.
+/// Shortens the lengths of vertices until none grows by more than `growth` per length away from another. `shorter` are
+/// vertices with a new upper bound. Returns the number of vertices that changed.
 pub(crate) fn grade(
     lengths: &mut IdVec<VertexId, f32>,
     shorter: impl Iterator<Item = (VertexId, f32)>,
@@ -38,34 +64,27 @@ pub(crate) fn grade(
     points: &IdVec<VertexId, Vec3>,
 ) -> usize {
     let before = lengths.clone();
+    // Positive floats order like their bits.
+    let entry = |length: f32, v: VertexId| Reverse((length.to_bits(), v));
     let mut queue = BinaryHeap::new();
     for (v, length) in shorter {
         lengths[v] = lengths[v].min(length);
-        queue.push(Reverse(Entry(lengths[v], v)));
+        queue.push(entry(lengths[v], v));
     }
-    while let Some(Reverse(Entry(length, v))) = queue.pop() {
+    while let Some(Reverse((bits, v))) = queue.pop() {
+        let length = f32::from_bits(bits);
         if length > lengths[v] {
             continue;
         }
         for &corner in t.vertex_corners.row(v) {
-            for w in [t.faces.vertex(t.faces.next(corner)), t.faces.vertex(t.faces.prev(corner))] {
+            for w in [t.faces.next(corner), t.faces.prev(corner)].map(|c| t.faces.vertex(c)) {
                 let grown = length + growth * points[v].distance(points[w]);
                 if grown < lengths[w] {
                     lengths[w] = grown;
-                    queue.push(Reverse(Entry(grown, w)));
+                    queue.push(entry(grown, w));
                 }
             }
         }
     }
     lengths.iter().zip(before.iter()).filter(|(after, before)| after < before).count()
-}
-
-impl Baseline {
-    /// Spreads the lengths of the chains over the vertices around them.
-    pub(crate) fn spread_lengths(&mut self) {
-        self.sizing = self.target.clone();
-        let on_chains = self.chains.iter().flat_map(|c| c.vertices.iter().copied().zip(c.lengths.iter().copied()));
-        let shorter: Vec<(VertexId, f32)> = on_chains.filter(|&(v, length)| length < self.target[v]).collect();
-        grade(&mut self.sizing, shorter.into_iter(), GROWTH, &self.topology, &self.points);
-    }
 }

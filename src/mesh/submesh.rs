@@ -1,44 +1,43 @@
-//! Parts of a mesh as meshes of their own, and parts joined again after they were edited.
+//! Submeshes: some triangles of a mesh as a mesh of its own, and meshes joined again.
 
 use super::edit::{EditMesh, corners, face, next, prev};
 use super::{CornerId, FaceId, IdVec, VertexId};
 
-/// Some triangles of a mesh as a mesh, and where its elements were.
+/// Some triangles of a mesh as a mesh, and the elements behind its own.
 #[derive(Clone, Debug)]
-pub struct Part {
+pub struct Submesh {
     /// The triangles.
     pub mesh: EditMesh,
-    /// The old vertex of each new one. Fans that only touch have vertices of their own.
+    /// The old vertex behind each vertex. Fans that only touch have vertices of their own.
     pub old_vertex: IdVec<VertexId, VertexId>,
-    /// The old corner of each new one.
+    /// The old corner behind each corner.
     pub old_corner: IdVec<CornerId, CornerId>,
 }
 
-/// Meshes joined, and where their elements are.
+/// Joined meshes, and the elements behind their own.
 #[derive(Clone, Debug)]
-pub struct Joined {
-    /// The mesh. Its corners are those of the parts, one part after the other.
+pub struct JoinedMesh {
+    /// The mesh. Its corners are those of the parts in sequence.
     pub mesh: EditMesh,
-    /// The part that each vertex is taken from, and what it is there.
+    /// The part and the vertex in it behind each vertex.
     pub old_vertex: IdVec<VertexId, (usize, VertexId)>,
     /// Half-edges that were joined to each other.
     pub seams: Vec<[CornerId; 2]>,
-    /// The vertices that more than one part may have.
+    /// The vertices that parts may share.
     pub shared: Vec<VertexId>,
 }
 
 impl EditMesh {
-    /// Drops the gaps, and puts triangles in the order of `faces`, which are all that are there, and vertices in that of
-    /// their first triangles.
-    pub fn reordered(&self, faces: &[FaceId]) -> Part {
+    /// The mesh without gaps. Triangles are in the order of `faces`, which lists them all, vertices in that of their first
+    /// triangles.
+    pub fn reordered(&self, faces: &[FaceId]) -> Submesh {
         let mut place = IdVec::<FaceId, Option<FaceId>>::filled(None, self.face_slots());
         faces.iter().enumerate().for_each(|(new, &old)| place[old] = Some(FaceId::new(new)));
-        self.part(faces, |f| place[f].map(FaceId::index))
+        self.submesh(faces, |f| place[f].map(FaceId::index))
     }
 
-    /// The triangles `faces` in their order; `place` tells where there a triangle is, if it is one of them. Edges to
-    /// others become borders.
-    pub fn part(&self, faces: &[FaceId], place: impl Fn(FaceId) -> Option<usize>) -> Part {
+    /// The triangles `faces` in their order; `place` is the index of a triangle among them. Edges to others become borders.
+    pub fn submesh(&self, faces: &[FaceId], place: impl Fn(FaceId) -> Option<usize>) -> Submesh {
         let local = |c: CornerId| Some(CornerId::new(3 * place(face(c))? + c.index() % 3));
         let old_corner: IdVec<CornerId, CornerId> = faces.iter().flat_map(|&f| corners(f)).collect();
         let twin: IdVec<CornerId, Option<CornerId>> =
@@ -62,13 +61,13 @@ impl EditMesh {
             }
         }
         let vertex = vertex.iter().flatten().copied().collect();
-        Part { mesh: Self::from_parts(vertex, twin, old_vertex.len()), old_vertex, old_corner }
+        Submesh { mesh: Self::from_parts(vertex, twin, old_vertex.len()), old_vertex, old_corner }
     }
 }
 
-/// Joins meshes without gaps at the vertices to which they give the same names, which are below `names`. None where more
-/// than two half-edges meet between the same two vertices.
-pub fn join(parts: &[(&EditMesh, &IdVec<VertexId, Option<VertexId>>)], names: usize) -> Option<Joined> {
+/// Joins meshes without gaps at the vertices with equal names, all below `names`. None if more than two half-edges meet
+/// between the same two vertices.
+pub fn join_meshes(parts: &[(&EditMesh, &IdVec<VertexId, Option<VertexId>>)], names: usize) -> Option<JoinedMesh> {
     let slots = parts.iter().map(|(mesh, _)| mesh.corner_slots()).sum();
     let mut named = IdVec::<VertexId, Option<VertexId>>::filled(None, names);
     let mut old_vertex = IdVec::with_capacity(slots / 6 + 2);
@@ -104,5 +103,5 @@ pub fn join(parts: &[(&EditMesh, &IdVec<VertexId, Option<VertexId>>)], names: us
         }
     }
     let mesh = EditMesh::from_parts(vertex, twin, old_vertex.len());
-    Some(Joined { mesh, old_vertex, seams, shared: named.iter().flatten().copied().collect() })
+    Some(JoinedMesh { mesh, old_vertex, seams, shared: named.iter().flatten().copied().collect() })
 }

@@ -1,0 +1,171 @@
+//! The steps from a garment to its baseline.
+
+use super::Baseline;
+use super::facets::facets;
+use super::start::{StartMesh, nearest_level};
+use crate::garment::{Garment, Primvar};
+use crate::mesh::{ChainId, CornerId, FaceId, Faces, IdVec, Topology, VertexId};
+use crate::sim::constraints::cage_edges::{constrained_edges, refine_paths, start_spans, trace_paths};
+use crate::sim::constraints::chain::Chain;
+use crate::sim::constraints::ridges::add_ridges;
+use crate::sim::options::SimOptions;
+use crate::sim::surface::lengths::{Lengths, grade};
+use crate::sim::surface::manifold::Manifold;
+use crate::sim::surface::refine::{Refined, holes};
+use crate::sim::surface::triangulation::{RefinedSurface, Triangulation};
+use crate::subdivide::{Level, Refiner};
+use glam::Vec3;
+
+/// Largest growth of lengths per length away from a chain that bends. Larger values spend fewer triangles near bends,
+/// smaller ones make them more even.
+const GROWTH: f32 = 0.3;
+
+impl Baseline {
+    /// Refines and triangulates a garment and finds its chains.
+    ///
+    /// `uv_set` is the primvar whose shells are constraints, if there is one.
+    pub fn new(garment: &Garment, options: &SimOptions, lengths: Lengths<'_>, uv_set: Option<&Primvar>) -> Self {
+        let base = Level::base(garment);
+        let is_hole = holes(garment, &base);
+        let mut manifold = Manifold::new(garment, &base);
+        let uvs = uv_set.map(|uv| manifold.add_uv_channel(garment, uv)).unwrap_or_default();
+        let Refined { levels, points, uvs, cage_faces } = manifold.refine(garment, uvs, options.baseline_level);
+        let all_levels: Vec<&Refiner> = std::iter::once(&manifold.refiner).chain(&levels).collect();
+        let finest = all_levels[levels.len()];
+        let source_face = &cage_faces[levels.len()];
+        let quads = Triangulation::new(&finest.level.topology, &points, |f| !is_hole[source_face[f]]);
+        let topology = Topology::new(Faces::triangles(quads.vertices(&finest.level.topology.faces)), points.len());
+        let uvs = quads.uvs(finest.channels.first(), &uvs);
+        let mut target = lengths.refined(garment, &manifold, &levels, points.len());
+        let graded = grade_targets(&mut target, options, &topology, &points);
+
+        let surface = RefinedSurface { topology: &topology, points: &points, target: &target, uvs: &uvs };
+        let (chains, curves) = find_chains(garment, options, &manifold, &all_levels, &surface, &is_hole);
+        let level = nearest_level(&all_levels, &points, lengths);
+        let start = StartMesh { levels: &all_levels, level, surface };
+        let start = start.triangles(&quads, |f| !is_hole[cage_faces[level][f]]);
+        let start_spans = start_spans(&chains, &curves[level]);
+
+        // Chains and the start refer to the vertices of the level; from here on, fans that only touch are separate.
+        let (topology, level_vertex) = separate_fans(topology, is_hole.contains(&true));
+        let points: IdVec<VertexId, Vec3> = level_vertex.iter().map(|&v| points[v]).collect();
+        let barrier = barrier(&topology, &chains);
+        let mut baseline = Self {
+            facets: facets(&topology, &points, &barrier, uv_set.map(|_| &uvs)),
+            holds_uvs: uv_set.is_some() && options.constrain_uv_seams,
+            source_face: quads.faces.iter().map(|&f| source_face[f]).collect(),
+            level_face: quads.faces,
+            level_corner: quads.corners,
+            target: level_vertex.iter().map(|&v| target[v]).collect(),
+            sizing: IdVec::new(),
+            graded,
+            has_uvs: uv_set.is_some(),
+            uvs,
+            manifold,
+            levels,
+            level_vertex,
+            points,
+            topology,
+            barrier,
+            chains,
+            start,
+            start_spans,
+        };
+        baseline.space_chains(options);
+        baseline
+    }
+
+    /// Spaces vertices along the chains, and shortens the lengths of vertices near those that bend.
+    fn space_chains(&mut self, options: &SimOptions) {
+        let step = 1 << options.baseline_level;
+        for chain in self.chains.iter_mut() {
+            chain.space(&self.points, &self.target, step, options.corner());
+        }
+        self.sizing = self.target.clone();
+        let on_chains = self.chains.iter().flat_map(|c| c.vertices.iter().copied().zip(c.lengths.iter().copied()));
+        let shorter = on_chains.filter(|&(v, length)| length < self.target[v]);
+        grade(&mut self.sizing, shorter, GROWTH, &self.topology, &self.points);
+    }
+}
+
+/// Grades the targets of all vertices, if the options ask for it. Returns the number of shortened ones.
+fn grade_targets(
+    target: &mut IdVec<VertexId, f32>,
+    options: &SimOptions,
+    topology: &Topology,
+    points: &IdVec<VertexId, Vec3>,
+) -> usize {
+    if options.grading <= 0.0 {
+        return 0;
+    }
+    let all = target.clone();
+    let all = all.enumerated().map(|(v, &length)| (v, length));
+    grade(target, all, options.grading - 1.0, topology, points)
+}
+
+/// The chains on the surface, and their vertices on every level from the cage on.
+fn find_chains(
+    garment: &Garment,
+    options: &SimOptions,
+    manifold: &Manifold,
+    levels: &[&Refiner],
+    surface: &RefinedSurface<'_>,
+    is_hole: &IdVec<FaceId, bool>,
+) -> (IdVec<ChainId, Chain>, Vec<Vec<Vec<VertexId>>>) {
+    let is_seam = |e| manifold.refiner.channels.first().is_some_and(|c| c.is_cut(e));
+    let mut kinds = constrained_edges(garment, manifold, options, is_seam, is_hole);
+    add_ridges(&manifold.refiner.level.topology, levels, surface, &mut kinds);
+    let paths = trace_paths(manifold, &kinds);
+    let curves = refine_paths(paths.iter().map(|p| p.vertices.clone()).collect(), levels);
+    let on_surface = paths.iter().zip(&curves[levels.len() - 1]);
+    let chains = on_surface.map(|(path, curve)| path.on_surface(curve, manifold, surface)).collect();
+    (chains, curves)
+}
+
+/// Half-edges on chains and at borders.
+fn barrier(t: &Topology, chains: &IdVec<ChainId, Chain>) -> IdVec<CornerId, bool> {
+    let mut barrier: IdVec<CornerId, bool> = t.corner_edge.iter().map(|&e| t.is_border(e)).collect();
+    for &half in chains.iter().flat_map(|c| c.left.iter().chain(&c.right)).flatten() {
+        barrier[half] = true;
+    }
+    barrier
+}
+
+/// Gives each fan of faces at a vertex a vertex of its own; the first fan keeps the vertex. Returns the vertex behind each.
+fn separate_fans(t: Topology, has_holes: bool) -> (Topology, IdVec<VertexId, VertexId>) {
+    let mut source: IdVec<VertexId, VertexId> = (0..t.vertex_count()).map(VertexId::new).collect();
+    if !has_holes {
+        return (t, source);
+    }
+    let mut corners = t.faces.corners().clone();
+    for vertex in (0..t.vertex_count()).map(VertexId::new) {
+        let mut rest: Vec<CornerId> = t.vertex_corners.row(vertex).to_vec();
+        let mut is_first = true;
+        while let Some(&seed) = rest.first() {
+            let fan = fan_of(&t, seed);
+            rest.retain(|c| !fan.contains(c));
+            if !std::mem::replace(&mut is_first, false) {
+                let own = source.push(vertex);
+                fan.iter().for_each(|&c| corners[c] = own);
+            }
+        }
+    }
+    let count = source.len();
+    (Topology::new(Faces::triangles(corners), count), source)
+}
+
+/// The corners at the vertex of `seed` that are connected to it across edges.
+fn fan_of(t: &Topology, seed: CornerId) -> Vec<CornerId> {
+    let mut fan = vec![seed];
+    let mut at = seed;
+    while let Some(c) = t.twin(t.faces.prev(at)).filter(|&c| c != seed) {
+        fan.push(c);
+        at = c;
+    }
+    at = seed;
+    while let Some(c) = t.twin(at).map(|twin| t.faces.next(twin)).filter(|c| !fan.contains(c)) {
+        fan.push(c);
+        at = c;
+    }
+    fan
+}
