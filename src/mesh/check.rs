@@ -9,9 +9,9 @@ impl EditMesh {
         let mut at_vertex = IdVec::<VertexId, usize>::filled(0, self.vertex_slots());
         for c in self.corners() {
             at_vertex[self.vertex(c)] += 1;
-            assert_ne!(self.vertex(c), self.target(c), "{c:?} joins two vertices");
+            assert_ne!(self.vertex(c), self.target(c), "{c:?} connects two vertices");
             if let Some(t) = self.twin(c) {
-                assert!(self.is_alive(t), "the twin of {c:?} is there");
+                assert!(self.is_alive(t), "the twin of {c:?} exists");
                 assert_eq!(self.twin(t), Some(c), "{c:?} is its twin's twin");
                 assert_eq!(
                     (self.vertex(t), self.target(t)),

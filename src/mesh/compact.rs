@@ -1,36 +1,26 @@
-//! A mesh without the gaps that editing left.
+//! Removal of the gaps that edits leave.
 
-use super::edit::{EditMesh, corners};
+use super::edit::EditMesh;
 use super::{CornerId, IdVec, VertexId};
 
-/// A mesh without gaps, and where its elements were before.
+/// A mesh without gaps, and the elements behind its own.
 #[derive(Clone, Debug)]
 pub struct Compact {
     /// The triangles.
     pub triangles: Vec<[VertexId; 3]>,
-    /// The old vertex of each new one.
+    /// The old vertex behind each vertex.
     pub old_vertex: IdVec<VertexId, VertexId>,
-    /// The old corner of each new one.
+    /// The old corner behind each corner.
     pub old_corner: IdVec<CornerId, CornerId>,
 }
 
 impl EditMesh {
-    /// Drops the gaps.
+    /// The mesh without gaps, in the same order.
     pub fn compact(&self) -> Compact {
-        let mut new_of = IdVec::<VertexId, Option<VertexId>>::filled(None, self.vertex_slots());
-        let mut old_of = IdVec::new();
-        for v in self.vertices() {
-            new_of[v] = Some(old_of.push(v));
-        }
-        let mut triangles = Vec::with_capacity(self.face_slots());
-        let mut old_corner = IdVec::new();
-        for f in self.faces() {
-            let vertices = self.triangle(f).map(|v| new_of[v]);
-            if let [Some(a), Some(b), Some(c)] = vertices {
-                triangles.push([a, b, c]);
-                old_corner.extend(corners(f));
-            }
-        }
-        Compact { triangles, old_vertex: old_of, old_corner }
+        let old_vertex: IdVec<VertexId, VertexId> = self.vertices().collect();
+        let mut new_vertex: IdVec<VertexId, VertexId> = (0..self.vertex_slots()).map(VertexId::new).collect();
+        old_vertex.enumerated().for_each(|(new, &old)| new_vertex[old] = new);
+        let triangles = self.faces().map(|f| self.triangle(f).map(|v| new_vertex[v])).collect();
+        Compact { triangles, old_vertex, old_corner: self.corners().collect() }
     }
 }

@@ -1,9 +1,8 @@
 //! A triangle mesh that can be edited: split, collapse and flip.
 //!
-//! Half-edges are corners: corner `c` leaves its vertex towards the next corner of its triangle. Every edit names all
-//! that it made or removed, so that attributes can follow; nothing here knows positions.
+//! Half-edges are corners: corner `c` leaves its vertex towards the next corner of its triangle. Every edit documents the
+//! corners that it makes or removes, so that attributes can follow; nothing here knows positions.
 
-use super::ring::Ring;
 use super::{CornerId, FaceId, IdVec, VertexId};
 use std::collections::BTreeSet;
 
@@ -19,14 +18,12 @@ pub struct EditMesh {
     alive: IdVec<FaceId, bool>,
 }
 
-/// What [`EditMesh::split`] made.
+/// The new half-edges of [`EditMesh::split`].
 #[derive(Clone, Copy, Debug)]
 pub struct Split {
-    /// The new vertex.
-    pub vertex: VertexId,
-    /// The half-edge from the new vertex on, in the direction that was split; its triangle is new.
+    /// The half-edge from the new vertex to the old end; its triangle is new.
     pub ahead: CornerId,
-    /// The half-edge from the new vertex back, on the other side; none at a border. Its triangle is new.
+    /// The half-edge from the new vertex to the old start, in a new triangle; none at a border.
     pub behind: Option<CornerId>,
 }
 
@@ -69,10 +66,10 @@ impl EditMesh {
     }
 
     fn pair(&mut self) {
-        // The first half-edge between two vertices stands in a list at the lower one; a list has few.
+        // The first half-edge between two vertices is in a short list at the lower one.
         let mut first = IdVec::<VertexId, Option<CornerId>>::filled(None, self.vertex_corner.len());
         let mut after = IdVec::<CornerId, Option<CornerId>>::filled(None, self.corner_vertex.len());
-        // Those of more than two, or of two in the same direction.
+        // Edges of more than two half-edges, or of two in the same direction.
         let mut crowded = BTreeSet::new();
         for half in self.corner_vertex.ids() {
             let (a, b) = (self.corner_vertex[half], self.corner_vertex[next(half)]);
@@ -95,12 +92,12 @@ impl EditMesh {
         }
     }
 
-    /// All corners of triangles that are there.
+    /// All corners of triangles that exist.
     pub fn corners(&self) -> impl Iterator<Item = CornerId> + '_ {
         self.corner_vertex.ids().filter(|&c| self.alive[face(c)])
     }
 
-    /// All triangles that are there.
+    /// All triangles that exist.
     pub fn faces(&self) -> impl Iterator<Item = FaceId> + '_ {
         self.alive.enumerated().filter(|(_, a)| **a).map(|(f, _)| f)
     }
@@ -110,18 +107,18 @@ impl EditMesh {
         self.corners().filter(|&c| self.twin[c].is_none_or(|t| c < t))
     }
 
-    /// Whether a half-edge is there and stands for its edge: the lower of two.
+    /// Whether a half-edge exists and represents its edge: the lower of two.
     #[inline]
     pub fn is_edge(&self, half: CornerId) -> bool {
         self.alive[face(half)] && self.twin[half].is_none_or(|t| half < t)
     }
 
-    /// All vertices that are there and have a triangle.
+    /// All vertices that have a triangle.
     pub fn vertices(&self) -> impl Iterator<Item = VertexId> + '_ {
         self.vertex_corner.enumerated().filter(|(_, c)| c.is_some()).map(|(v, _)| v)
     }
 
-    /// Whether a vertex is there and has a triangle.
+    /// Whether a vertex has a triangle.
     #[inline]
     pub fn has_faces(&self, vertex: VertexId) -> bool {
         self.vertex_corner[vertex].is_some()
@@ -147,7 +144,7 @@ impl EditMesh {
         self.alive.iter().filter(|a| **a).count()
     }
 
-    /// Whether the corner's triangle is there.
+    /// Whether the corner's triangle exists.
     #[inline]
     pub fn is_alive(&self, corner: CornerId) -> bool {
         self.alive[face(corner)]
@@ -196,8 +193,10 @@ impl EditMesh {
     }
 
     /// The corners at a vertex, counter-clockwise; from border to border where there is one.
-    pub fn fan(&self, vertex: VertexId) -> Fan<'_> {
-        Fan { mesh: self, first: self.vertex_corner[vertex], at: self.vertex_corner[vertex] }
+    #[inline]
+    pub fn fan(&self, vertex: VertexId) -> impl Iterator<Item = CornerId> + '_ {
+        let first = self.vertex_corner[vertex];
+        std::iter::successors(first, move |&c| self.twin[prev(c)].filter(|&c| Some(c) != first))
     }
 
     /// The neighbours of a vertex, each once.
@@ -206,7 +205,7 @@ impl EditMesh {
         self.spokes(vertex).map(move |c| self.other_end(c, vertex))
     }
 
-    /// A half-edge of each edge at a vertex: those that leave it, and at a border the one that only arrives.
+    /// A half-edge of each edge at a vertex: those that leave it, and at a border the last one, which arrives.
     #[inline]
     pub fn spokes(&self, vertex: VertexId) -> impl Iterator<Item = CornerId> + '_ {
         let first = self.vertex_corner[vertex];
@@ -253,7 +252,7 @@ impl EditMesh {
         }
         // At a border the half-edge ahead leaves along it.
         self.vertex_corner[m] = Some(ahead);
-        Split { vertex: m, ahead, behind }
+        Split { ahead, behind }
     }
 
     /// One side of a split: `half` now ends at `m`; returns the half-edge from `m` on, in the new triangle.
@@ -277,7 +276,7 @@ impl EditMesh {
         ahead
     }
 
-    /// Whether merging the ends of an edge keeps the mesh manifold (link condition, borders included).
+    /// Whether collapsing an edge keeps the mesh manifold (link condition, borders included).
     pub fn may_collapse(&self, half: CornerId) -> bool {
         let (a, b) = (self.vertex(half), self.target(half));
         let is_border_edge = self.twin[half].is_none();
@@ -286,10 +285,8 @@ impl EditMesh {
         }
         let apex = self.vertex(prev(half));
         let other_apex = self.twin[half].map(|t| self.vertex(prev(t)));
-        let mut around_a = Ring::default();
-        self.ring(a).for_each(|v| around_a.push(v));
         let mut count = 0;
-        for v in self.ring(b).filter(|&v| around_a.contains(v)) {
+        for v in self.ring(b).filter(|&v| self.ring(a).any(|w| w == v)) {
             if v != apex && Some(v) != other_apex {
                 return false;
             }
@@ -307,8 +304,8 @@ impl EditMesh {
             && self.twin[half].is_none_or(|t| !vanishes(t) && !closed_pair(t))
     }
 
-    /// Merges one end of an edge, `removed`, into the other and removes the triangles beside the edge. The caller has
-    /// asked [`Self::may_collapse`].
+    /// Collapses one end of an edge, `removed`, into the other and removes the triangles beside the edge. The caller has
+    /// checked [`Self::may_collapse`].
     pub fn collapse(&mut self, half: CornerId, removed: VertexId) {
         let b = if removed == self.vertex(half) { self.target(half) } else { self.vertex(half) };
         let other = self.twin[half];
@@ -335,29 +332,28 @@ impl EditMesh {
             let gone = |c: Option<CornerId>| c.is_none_or(|c| face(c) == face(side));
             if gone(self.vertex_corner[apex]) {
                 self.vertex_corner[apex] = at_apex;
-                self.settle(apex);
+                self.begin_at_border(apex);
             }
             self.vertex_corner[b] = at_b.or(self.vertex_corner[b]);
         }
         if is_border {
-            self.settle(b);
+            self.begin_at_border(b);
         }
     }
 
-    /// Whether turning an edge makes no edge that is there already.
+    /// Whether flipping an edge makes a new edge.
     pub fn may_flip(&self, half: CornerId) -> bool {
         let Some(t) = self.twin[half] else { return false };
         let (c, d) = (self.vertex(prev(half)), self.vertex(prev(t)));
         c != d && self.find(c, d).is_none()
     }
 
-    /// Whether a split leaves a mesh in which no two vertices are joined twice: two triangles on the same vertices would
-    /// both get an edge from there to the new one.
+    /// Whether a split connects no two vertices twice, as it would between two triangles on the same vertices.
     pub fn may_split(&self, half: CornerId) -> bool {
         self.twin[half].is_none_or(|t| self.vertex(prev(half)) != self.vertex(prev(t)))
     }
 
-    /// Turns an interior edge: triangles `(a, b, c)` and `(b, a, d)` become `(c, d, b)` and `(d, c, a)`, in the same
+    /// Flips an interior edge: triangles `(a, b, c)` and `(b, a, d)` become `(c, d, b)` and `(d, c, a)`, in the same
     /// places; the corners `half` and its twin become `c` and `d`. Returns the corners, now
     /// `[c, d, b]` and `[d, c, a]`.
     pub fn flip(&mut self, half: CornerId) -> Option<[[CornerId; 3]; 2]> {
@@ -374,7 +370,7 @@ impl EditMesh {
         Some([[half, hn, hp], [other, on, op]])
     }
 
-    /// Turns an edge back that was turned, as three more flips would.
+    /// Undoes a flip, as three more flips would.
     pub fn unflip(&mut self, half: CornerId) {
         let Some(other) = self.twin[half] else { return };
         let (hn, hp, on, op) = (next(half), prev(half), next(other), prev(other));
@@ -387,9 +383,9 @@ impl EditMesh {
         );
     }
 
-    /// The vertices of the corners of two triangles, the twins of their rim, and for each vertex which of its corners are
-    /// gone and what it begins with instead: half-edges of the rim keep their vertex but change their corner, so that
-    /// border vertices stay settled.
+    /// Sets the vertices at the corners of two triangles, the twins of their rim, and for each vertex the corner that
+    /// replaces its lost ones. Half-edges of the rim keep their vertex but change their corner, so border vertices still
+    /// begin at their borders.
     #[inline]
     fn set_quad(
         &mut self,
@@ -418,8 +414,8 @@ impl EditMesh {
         self.twin[b] = Some(a);
     }
 
-    /// Turns a vertex's corner back to the border, where there is one.
-    fn settle(&mut self, vertex: VertexId) {
+    /// Sets a vertex's corner to the one that leaves along the border, if there is one.
+    fn begin_at_border(&mut self, vertex: VertexId) {
         let Some(first) = self.vertex_corner[vertex] else { return };
         let mut corner = first;
         while let Some(t) = self.twin[corner] {
@@ -429,24 +425,6 @@ impl EditMesh {
             }
         }
         self.vertex_corner[vertex] = Some(corner);
-    }
-}
-
-/// The corners at a vertex, counter-clockwise.
-pub struct Fan<'a> {
-    mesh: &'a EditMesh,
-    first: Option<CornerId>,
-    at: Option<CornerId>,
-}
-
-impl Iterator for Fan<'_> {
-    type Item = CornerId;
-
-    #[inline]
-    fn next(&mut self) -> Option<CornerId> {
-        let corner = self.at?;
-        self.at = self.mesh.twin[prev(corner)].filter(|&c| Some(c) != self.first);
-        Some(corner)
     }
 }
 

@@ -7,7 +7,6 @@ mod faces;
 mod groups;
 mod ids;
 
-mod ring;
 mod submesh;
 mod topology;
 

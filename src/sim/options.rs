@@ -1,4 +1,4 @@
-//! What the user can choose about the simulation mesh.
+//! Options of the simulation mesh.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,8 +13,7 @@ pub struct SimOptions {
     pub max_edge_length: f32,
     /// Name of the painted vertex primvar, 1 = `minEdgeLength`, 0 = `maxEdgeLength`; empty: `maxEdgeLength` everywhere.
     pub density: String,
-    /// How many times longer than a neighbour an edge may be asked to be: lengths grow no faster than that away from
-    /// where they are shorter. \[factor\] 0: as the density has it.
+    /// Largest ratio of target lengths between neighbouring edges. \[factor\] 0: targets follow the density ungraded.
     pub grading: f32,
     /// Refinements of the input that give the surface which the mesh lies on. \[levels\]
     pub baseline_level: u32,
@@ -33,9 +32,9 @@ pub struct SimOptions {
     pub transfer_samples: u32,
     /// Seed of the samples.
     pub seed: u32,
-    /// Whether single faces of a face set that touch no other of it are given to their neighbours.
+    /// Whether single faces of a face set that touch no other face of it join the sets of their neighbours.
     pub clean_islands: bool,
-    /// Whether the mesh says of each vertex which face of the garment it came from, and where in it.
+    /// Whether the mesh stores for each vertex the garment's face that it lies on, and the location there.
     pub provenance: bool,
 }
 

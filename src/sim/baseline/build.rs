@@ -4,7 +4,7 @@ use super::Baseline;
 use super::facets::facets;
 use super::start::{StartMesh, nearest_level};
 use crate::garment::{Garment, Primvar};
-use crate::mesh::{ChainId, CornerId, FaceId, Faces, IdVec, Topology, VertexId};
+use crate::mesh::{ChainId, CornerId, FaceId, Faces, Groups, IdVec, Topology, VertexId};
 use crate::sim::constraints::cage_edges::{constrained_edges, refine_paths, start_spans, trace_paths};
 use crate::sim::constraints::chain::Chain;
 use crate::sim::constraints::ridges::add_ridges;
@@ -138,34 +138,18 @@ fn separate_fans(t: Topology, has_holes: bool) -> (Topology, IdVec<VertexId, Ver
         return (t, source);
     }
     let mut corners = t.faces.corners().clone();
+    let mut fans = Groups::<CornerId>::new(corners.len());
+    for corner in corners.ids() {
+        if let Some(twin) = t.twin(corner) {
+            fans.join(corner, t.faces.next(twin));
+        }
+    }
     for vertex in (0..t.vertex_count()).map(VertexId::new) {
-        let mut rest: Vec<CornerId> = t.vertex_corners.row(vertex).to_vec();
-        let mut is_first = true;
-        while let Some(&seed) = rest.first() {
-            let fan = fan_of(&t, seed);
-            rest.retain(|c| !fan.contains(c));
-            if !std::mem::replace(&mut is_first, false) {
-                let own = source.push(vertex);
-                fan.iter().for_each(|&c| corners[c] = own);
-            }
+        for &corner in t.vertex_corners.row(vertex).iter().skip(1) {
+            let first = fans.first(corner);
+            corners[corner] = if first == corner { source.push(vertex) } else { corners[first] };
         }
     }
     let count = source.len();
     (Topology::new(Faces::triangles(corners), count), source)
-}
-
-/// The corners at the vertex of `seed` that are connected to it across edges.
-fn fan_of(t: &Topology, seed: CornerId) -> Vec<CornerId> {
-    let mut fan = vec![seed];
-    let mut at = seed;
-    while let Some(c) = t.twin(t.faces.prev(at)).filter(|&c| c != seed) {
-        fan.push(c);
-        at = c;
-    }
-    at = seed;
-    while let Some(c) = t.twin(at).map(|twin| t.faces.next(twin)).filter(|c| !fan.contains(c)) {
-        fan.push(c);
-        at = c;
-    }
-    fan
 }

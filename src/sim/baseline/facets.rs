@@ -1,22 +1,22 @@
-//! What projections ask of the baseline's triangles, in one place for each.
+//! The baseline's triangles as projections read them.
 
 use super::Baseline;
 use crate::mesh::edit;
-use crate::mesh::{CornerId, FaceId, IdVec, Topology, VertexId};
+use crate::mesh::{CornerId, FaceId, Groups, IdVec, Topology, VertexId};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
-/// A triangle of the baseline, in one line of the cache: a projection looks at many, which lie apart.
+/// A triangle of the baseline in one cache line: a projection reads many, which are far apart in memory.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub struct Facet {
     /// Positions of the corners. \[stage units\]
     pub points: [Vec3; 3],
-    /// The opposite half-edges, where a projection may cross: not those on chains and at borders.
+    /// The opposite half-edges where a projection may cross; none on chains and at borders.
     pub open_twin: [Option<CornerId>; 3],
     /// Unit normal; zero where there is no area.
     pub normal: Vec3,
-    /// +1 or -1: the sense in which the triangle's shell lies in UV space.
+    /// +1 or -1: the orientation of the triangle's shell in UV space.
     pub sense: f32,
 }
 
@@ -36,36 +36,23 @@ pub(crate) fn facets(
     let mut facets: IdVec<FaceId, Facet> =
         (0..topology.faces.len()).into_par_iter().map(facet).collect::<Vec<_>>().into();
     let Some(uvs) = uvs else { return facets };
-    for shell in shells(topology, uvs) {
-        let area: f64 = shell.iter().map(|&f| f64::from(uv_area(uvs, f))).sum();
-        let sense = if area < 0.0 { -1.0 } else { 1.0 };
-        shell.iter().for_each(|&f| facets[f].sense = sense);
-    }
+    let mut shells = shells(topology, uvs);
+    let mut area = IdVec::<FaceId, f64>::filled(0.0, facets.len());
+    facets.ids().for_each(|f| area[shells.first(f)] += f64::from(uv_area(uvs, f)));
+    facets.ids().for_each(|f| facets[f].sense = if area[shells.first(f)] < 0.0 { -1.0 } else { 1.0 });
     facets
 }
 
-/// The triangles of each shell: joined across edges where the UVs of both sides agree.
-fn shells<'a>(t: &'a Topology, uvs: &'a IdVec<CornerId, Vec2>) -> impl Iterator<Item = Vec<FaceId>> + use<'a> {
-    let mut seen = IdVec::<FaceId, bool>::filled(false, t.faces.len());
-    t.faces.ids().filter_map(move |seed| {
-        if std::mem::replace(&mut seen[seed], true) {
-            return None;
+/// The UV shells: triangles joined across edges where the UVs of both sides agree.
+fn shells(t: &Topology, uvs: &IdVec<CornerId, Vec2>) -> Groups<FaceId> {
+    let mut shells = Groups::new(t.faces.len());
+    for corner in t.faces.corners().ids() {
+        let Some(twin) = t.twin(corner) else { continue };
+        if uvs[corner] == uvs[t.faces.next(twin)] && uvs[t.faces.next(corner)] == uvs[twin] {
+            shells.join(t.faces.face_of(corner), t.faces.face_of(twin));
         }
-        let mut shell = vec![seed];
-        let mut at = 0;
-        while let Some(&face) = shell.get(at) {
-            at += 1;
-            for corner in t.faces.corners_of(face) {
-                let Some(twin) = t.twin(corner) else { continue };
-                let same = uvs[corner] == uvs[t.faces.next(twin)] && uvs[t.faces.next(corner)] == uvs[twin];
-                let other = t.faces.face_of(twin);
-                if same && !std::mem::replace(&mut seen[other], true) {
-                    shell.push(other);
-                }
-            }
-        }
-        Some(shell)
-    })
+    }
+    shells
 }
 
 fn uv_area(uvs: &IdVec<CornerId, Vec2>, face: FaceId) -> f32 {

@@ -25,11 +25,13 @@ impl StartMesh<'_> {
         for (triangle_corner, &c) in finest.corners.enumerated() {
             own[c].get_or_insert(triangle_corner);
         }
-        let own = |from: usize, c: CornerId| {
-            own[self.levels[from..self.levels.len() - 1].iter().fold(c, |c, parent| parent.child_of(c))]
+        // Faces of all levels have the same holes, so each kept corner is in a triangle.
+        let triangle_corner = |from: usize, c: CornerId| {
+            let finest = self.levels[from..self.levels.len() - 1].iter().fold(c, |c, parent| parent.child_of(c));
+            own[finest].unwrap_or_else(|| unreachable!("{finest:?} is in a triangle"))
         };
         let level = self.levels[self.level];
-        let vertex = |c: CornerId| level.level.topology.faces.vertex(c);
+        let at = |c: CornerId| triangle_corner(self.level, c);
         let coarse = Triangulation::new(&level.level.topology, self.surface.points, keep);
         let mut triangles = Vec::with_capacity(2 * coarse.faces.len());
         let mut rest = coarse.corners.as_slice();
@@ -37,18 +39,17 @@ impl StartMesh<'_> {
             let (fan, others) = rest.split_at(3 * same.len());
             rest = others;
             let rim: Vec<CornerId> = fan[..2].iter().chain(fan.iter().skip(2).step_by(3)).copied().collect();
+            let vertex = |c: CornerId| level.level.topology.faces.vertex(c);
             let is_long = rim[2..rim.len() - 1].iter().any(|&c| self.is_long(vertex(rim[0]), vertex(c)));
             let centre = level.centre_of(rim[0]).filter(|_| is_long && self.level + 1 < self.levels.len());
-            let centre = centre.and_then(|c| own(self.level + 1, c));
-            let at = |c: CornerId| own(self.level, c);
-            let around = centre.and_then(|centre| {
-                let ring = rim.iter().zip(rim.iter().cycle().skip(1));
-                let ring: Option<Vec<_>> = ring.map(|(&a, &b)| Some([at(a)?, at(b)?, centre])).collect();
-                ring.filter(|ring| self.are_aligned(finest, faces, ring))
+            let ring = centre.map(|centre| {
+                let centre = triangle_corner(self.level + 1, centre);
+                let edges = rim.iter().zip(rim.iter().cycle().skip(1));
+                edges.map(|(&a, &b)| [at(a), at(b), centre]).collect::<Vec<_>>()
             });
-            match around {
+            match ring.filter(|ring| self.are_aligned(finest, faces, ring)) {
                 Some(ring) => triangles.extend(ring),
-                None => triangles.extend(fan.chunks_exact(3).filter_map(|t| Some([at(t[0])?, at(t[1])?, at(t[2])?]))),
+                None => triangles.extend(fan.chunks_exact(3).map(|t| [at(t[0]), at(t[1]), at(t[2])])),
             }
         }
         triangles

@@ -1,5 +1,5 @@
-//! Folds of the surface that are sharper than the target length can follow. An edge across such a fold cuts it off, and
-//! where edges come to lie by chance it becomes a saw blade; so the edges of the cage along it become chains.
+//! Ridges: folds of the surface that are sharper than the target length can follow. Edges across such a fold cut it off and
+//! leave it jagged, so the edges of the cage along it become chains.
 
 use super::cage_edges::{half_edge, refine_paths};
 use super::chain::{Chain, ChainKind};

@@ -10,7 +10,7 @@ use glam::Vec3;
 const CORNER_DISTANCE: f32 = 0.2;
 /// A chord may leave its curve by this share of the target length. Smaller values make shorter edges where curves bend.
 const SAGITTA: f32 = 0.02;
-/// No bend asks for edges shorter than this share of the target length, for the triangles beside them would be thin.
+/// Bends shorten edges to no less than this share of the target length: triangles beside shorter ones would be thin.
 pub(crate) const SHORTEST: f32 = 0.6;
 
 /// Edges between two nearby corners or ends of a chain shorten to the distance between them, but to no less than this

@@ -36,7 +36,7 @@ const RATIOS: [f32; 2] = [SPLIT_RATIO, COLLAPSE_RATIO];
 /// The ratios in the first of several rounds.
 const FIRST_RATIOS: [f32; 2] = [FIRST_SPLIT_RATIO, FIRST_COLLAPSE_RATIO];
 
-/// What remeshing did.
+/// Rounds and edits of remeshing.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct RemeshReport {

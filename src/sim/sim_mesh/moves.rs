@@ -32,7 +32,7 @@ struct Slide {
     back: CornerId,
     /// The signed arc length. \[stage units\]
     by: f32,
-    /// The same in edges that the chain asks for.
+    /// The number of edges that the chain asks for over that length.
     by_count: f32,
     /// The wedge on the other side of the chain.
     other: Option<(WedgeId, Wedge)>,

@@ -1,34 +1,32 @@
 //! The garment's cage as manifold, consistently oriented pieces over the same surface.
 //!
-//! Edges of more than two faces are cut, vertices where several fans meet are doubled, and faces that disagree with
-//! their neighbours in winding are turned. Sharpness is taken over edge by edge, so that the pieces refine to the same
-//! points as the garment.
+//! Edges of more than two faces are cut, vertices where several fans meet are duplicated, and faces whose winding disagrees
+//! with their neighbours are reversed. Edges and vertices keep their sharpness, so the pieces refine to the same points as
+//! the garment.
 
 use crate::garment::Garment;
 use crate::mesh::{CornerId, EdgeId, FaceId, Faces, Groups, IdVec, Topology, VertexId};
 use crate::subdivide::{Level, Refiner};
 
-/// The manifold cage and where it comes from.
+/// The manifold cage and the garment's elements behind it.
 pub struct Manifold {
-    /// The cage, ready to be refined; no channels yet.
+    /// The cage with the channel of the constraint UVs, if there is a UV set.
     pub refiner: Refiner,
     /// The garment's vertex behind each vertex.
     pub vertex_source: IdVec<VertexId, VertexId>,
     /// The garment's corner behind each corner.
     pub corner_source: IdVec<CornerId, CornerId>,
-    /// The garment's edge behind each edge.
-    pub edge_source: IdVec<EdgeId, EdgeId>,
 }
 
 impl Manifold {
     /// The pieces of `garment`, whose unrefined level is `level`.
     pub fn new(garment: &Garment, level: &Level) -> Self {
         let t = &level.topology;
-        let turned = turned_faces(t);
-        let corner_source = corner_sources(t, &turned);
+        let is_reversed = reversed_faces(t);
+        let corner_source = corner_sources(t, &is_reversed);
         let loose: Vec<VertexId> = corner_source.iter().map(|&c| t.faces.vertex(c)).collect();
         let counts = || t.faces.ids().map(|f| t.faces.valence(f));
-        // Corners joined across manifold edges share a vertex; all others are apart.
+        // Corners connected across manifold edges share a vertex.
         let fans = fans(t, &Faces::mixed(counts(), loose.clone()), &corner_source);
         let mut vertex_source = IdVec::new();
         let mut vertex_of_fan = IdVec::filled(None, fans.len());
@@ -48,11 +46,11 @@ impl Manifold {
             .collect();
         let refiner = Refiner { level: like(level, topology, &vertex_source, &edge_source), channels: Vec::new() };
         debug_assert_eq!(garment.points.len(), t.vertex_count());
-        Self { refiner, vertex_source, corner_source, edge_source }
+        Self { refiner, vertex_source, corner_source }
     }
 }
 
-/// The level of the pieces: sharpness and rules as in the garment's own.
+/// The level of the pieces, with the sharpness and rules of the garment's own.
 fn like(
     level: &Level,
     topology: Topology,
@@ -70,18 +68,18 @@ fn like(
     }
 }
 
-/// The faces to turn so that each piece agrees with the most of its faces. A piece that has no two sides stays as it is,
-/// cut where its winding disagrees: there its edges are sharp already, as they are in the garment.
-fn turned_faces(t: &Topology) -> IdVec<FaceId, bool> {
-    let mut turned = IdVec::<FaceId, Option<bool>>::filled(None, t.faces.len());
+/// The faces to reverse so that each piece agrees with the majority of its faces. A non-orientable piece is not reversed but
+/// cut where its winding disagrees; its edges are sharp there already, as in the garment.
+fn reversed_faces(t: &Topology) -> IdVec<FaceId, bool> {
+    let mut is_reversed = IdVec::<FaceId, Option<bool>>::filled(None, t.faces.len());
     for seed in t.faces.ids() {
-        if turned[seed].is_some() {
+        if is_reversed[seed].is_some() {
             continue;
         }
-        turned[seed] = Some(false);
+        is_reversed[seed] = Some(false);
         let mut piece = vec![seed];
         let mut at = 0;
-        let mut two_sided = true;
+        let mut is_orientable = true;
         while let Some(&face) = piece.get(at) {
             at += 1;
             for corner in t.faces.corners_of(face) {
@@ -89,46 +87,45 @@ fn turned_faces(t: &Topology) -> IdVec<FaceId, bool> {
                 let other = if a == corner { b } else { a };
                 let neighbour = t.faces.face_of(other);
                 let disagrees = t.faces.vertex(a) == t.faces.vertex(b);
-                if turned[neighbour].is_none() {
-                    turned[neighbour] = turned[face].map(|own| own != disagrees);
+                if is_reversed[neighbour].is_none() {
+                    is_reversed[neighbour] = is_reversed[face].map(|own| own != disagrees);
                     piece.push(neighbour);
                 }
-                two_sided &= turned[neighbour] == turned[face].map(|own| own != disagrees);
+                is_orientable &= is_reversed[neighbour] == is_reversed[face].map(|own| own != disagrees);
             }
         }
-        if !two_sided {
-            piece.iter().for_each(|&f| turned[f] = Some(false));
+        if !is_orientable {
+            piece.iter().for_each(|&f| is_reversed[f] = Some(false));
             continue;
         }
-        let minority = piece.iter().filter(|&&f| turned[f] == Some(true)).count();
+        let minority = piece.iter().filter(|&&f| is_reversed[f] == Some(true)).count();
         if 2 * minority > piece.len() {
-            piece.iter().for_each(|&f| turned[f] = turned[f].map(|x| !x));
+            piece.iter().for_each(|&f| is_reversed[f] = is_reversed[f].map(|x| !x));
         }
     }
-    turned.iter().map(|t| t.unwrap_or(false)).collect()
+    is_reversed.iter().map(|t| t.unwrap_or(false)).collect()
 }
 
-/// The garment's corner behind each corner of the pieces, whose turned faces run backwards from the same corner.
-fn corner_sources(t: &Topology, turned: &IdVec<FaceId, bool>) -> IdVec<CornerId, CornerId> {
+/// The garment's corner behind each corner of the pieces. Reversed faces run backwards from the same corner.
+fn corner_sources(t: &Topology, is_reversed: &IdVec<FaceId, bool>) -> IdVec<CornerId, CornerId> {
     t.faces
         .ids()
         .flat_map(|face| {
             let range = t.faces.range(face);
             let (first, n) = (range.start, range.len());
-            let is_turned = turned[face];
-            (0..n).map(move |k| CornerId::new(if is_turned { first + (n - k) % n } else { first + k }))
+            let is_reversed_face = is_reversed[face];
+            (0..n).map(move |k| CornerId::new(if is_reversed_face { first + (n - k) % n } else { first + k }))
         })
         .collect()
 }
 
-/// The fans of corners that are joined across edges of two faces which agree in direction: for each corner the first of its
-/// fan.
+/// For each corner the first one of its fan: the corners connected across edges of two faces with the same winding.
 fn fans(t: &Topology, faces: &Faces, source: &IdVec<CornerId, CornerId>) -> Vec<CornerId> {
     // The half-edges of the pieces on each edge of the garment.
     let mut halves = IdVec::<EdgeId, Vec<CornerId>>::filled(Vec::new(), t.edges.len());
     for corner in faces.corners().ids() {
         let back = faces.next(corner);
-        // In a turned face the edge to the next corner leaves from that next corner in the garment.
+        // In a reversed face the garment's half-edge runs from the next corner to this one.
         let (own, next) = (source[corner], source[back]);
         let edge = if t.faces.next(own) == next { t.corner_edge[own] } else { t.corner_edge[next] };
         halves[edge].push(corner);
