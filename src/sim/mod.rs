@@ -1,8 +1,8 @@
 //! The simulation mesh: triangles of the wanted size on the garment's surface, conforming to its seams and borders.
 //!
-//! Data flows one way: [`surface`] (the refined garment and target lengths), [`constraints`] (chains of edges and their
-//! curves), [`baseline`] (the surface with its chains, and projection onto it), [`sim_mesh`] (the mesh under edit),
-//! [`passes`] (split, collapse, flip, relax, and their loop), and [`product`].
+//! Data flows one way: `surface` (the refined garment and target lengths), `constraints` (chains of edges and their
+//! curves), `baseline` (the surface with its chains, and projection onto it), `sim_mesh` (the mesh under edit),
+//! `passes` (split, collapse, flip, relax, and their loop), and `product`.
 
 mod baseline;
 mod constraints;
