@@ -22,7 +22,7 @@ use crate::recipe::Document;
 use crate::render::{Front, Ground, Placed, Placing, Rendered, Shaped, Stack, Stages, render};
 use crate::sim::{SimOptions, SimProduct};
 use crate::subdivide::{Cage, Channels, Connectivity, Level};
-use crate::usd::{Format, Product, ReadOptions, Role, Source, Surroundings, WriteOptions, layer_bytes};
+use crate::usd::{Format, Product, ProductRole, ReadOptions, Source, Surroundings, WriteOptions, layer_bytes};
 use glam::Vec3;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::path::Path;
@@ -154,8 +154,8 @@ impl Session {
         warnings.extend(&sim.warnings);
         warnings.extend(&render.warnings);
         let products = [
-            Product { name: Role::Sim.name(), role: Role::Sim, mesh: &sim.value },
-            Product { name: Role::Render.name(), role: Role::Render, mesh: &render.value },
+            Product { name: ProductRole::Sim.name(), role: ProductRole::Sim, mesh: &sim.value },
+            Product { name: ProductRole::Render.name(), role: ProductRole::Render, mesh: &render.value },
         ];
         encode(document, &opened.source, &products, warnings)
     }

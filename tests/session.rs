@@ -6,7 +6,7 @@ use tailor::error::Warnings;
 use tailor::pipeline::{DEFAULT_MAX_FACES, Limits};
 use tailor::recipe::Document;
 use tailor::session::{Opened, Session};
-use tailor::usd::{Format, Product, ReadOptions, Role, Source, Surroundings, WriteOptions, layer_bytes, write};
+use tailor::usd::{Format, Product, ProductRole, ReadOptions, Source, Surroundings, WriteOptions, layer_bytes, write};
 
 const ROOM: usize = 1 << 30;
 
@@ -55,8 +55,8 @@ fn straight(example: &Example, arguments: &[(&str, &str)]) -> Vec<u8> {
     let limits = Limits { max_faces: DEFAULT_MAX_FACES, progress: &|_| () };
     let products = prepared.build(&limits, &mut warnings).expect("products");
     let meshes = [
-        Product { name: "sim", role: Role::Sim, mesh: &products.sim },
-        Product { name: "render", role: Role::Render, mesh: &products.render },
+        Product { name: "sim", role: ProductRole::Sim, mesh: &products.sim },
+        Product { name: "render", role: ProductRole::Render, mesh: &products.render },
     ];
     let surroundings = Surroundings { folder: document.folder(), source: Some(document.source()) };
     layer_bytes(&source, &meshes, Format::Usdc, surroundings, &WriteOptions::default(), &mut warnings).expect("a layer")

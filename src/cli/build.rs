@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use tailor::error::{Error, Warnings};
 use tailor::pipeline::{Limits, Products, Stage};
-use tailor::usd::{Product, Role, WriteOptions, check_target, write};
+use tailor::usd::{Product, ProductRole, WriteOptions, check_target, write};
 
 /// What one input gave.
 pub struct Built {
@@ -94,8 +94,8 @@ fn build_one(build: &Build, input: &Path, output: PathBuf) -> Result<Built, Erro
     progress("write");
     let start = Instant::now();
     let meshes = [
-        Product { name: &build.sim_name, role: Role::Sim, mesh: &products.sim },
-        Product { name: &build.render_name, role: Role::Render, mesh: &products.render },
+        Product { name: &build.sim_name, role: ProductRole::Sim, mesh: &products.sim },
+        Product { name: &build.render_name, role: ProductRole::Render, mesh: &products.render },
     ];
     let options = WriteOptions { flatten: build.flatten, force: build.force, model_guide: !build.keep_model_purpose };
     write(&source, &meshes, &output, &options, &mut warnings)?;

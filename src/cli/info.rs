@@ -4,7 +4,7 @@ use super::{Inputs, Output, text};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use tailor::error::Error;
-use tailor::garment::Garment;
+use tailor::garment::{Garment, PrimvarRole};
 use tailor::pipeline::{Plan, mean_edge_length};
 use tailor::usd::Facts;
 
@@ -77,8 +77,7 @@ fn describe(out: &mut String, facts: &Facts, garment: &Garment, plan: &Plan, ver
     for op in &facts.transform {
         let _ = writeln!(out, "  xform    {} {}", op.name, op.value);
     }
-    // A / is in the names of what is no primvar of the file: offsets of blend shapes, the attribute normals.
-    for p in garment.primvars.iter().filter(|p| !p.name.contains('/')) {
+    for p in garment.primvars.iter().filter(|p| p.role == PrimvarRole::Primvar) {
         let indexed = if p.indices.is_some() { ", indexed" } else { "" };
         let size = if p.element_size > 1 { format!(", elementSize {}", p.element_size) } else { String::new() };
         let _ = writeln!(out, "  primvar  {} {} {}{indexed}{size}", p.name, p.type_name, token(&p.interpolation));

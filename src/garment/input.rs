@@ -1,6 +1,6 @@
 //! What a file said about a garment, before anything is checked.
 
-use super::{Family, Interpolation, Mixing, Orientation, SubdivisionRules, Values};
+use super::{Family, Interpolation, Mixing, Orientation, PrimvarRole, SubdivisionRules, Values};
 use glam::Vec3;
 
 /// A mesh as authored. Index arrays keep the file's signed integers, so that a fault can be named as the user wrote it.
@@ -41,8 +41,10 @@ pub struct GarmentInput {
 /// A primvar as authored.
 #[derive(Clone, Debug)]
 pub struct PrimvarInput {
-    /// Name without `primvars:`.
+    /// See [`Primvar::name`](super::Primvar::name).
     pub name: String,
+    /// The property that holds the values.
+    pub role: PrimvarRole,
     /// USD's name of the value type.
     pub type_name: String,
     /// `interpolation`

@@ -88,6 +88,7 @@ mod tests {
     fn pruned_influences_keep_their_sum() {
         let template = Primvar {
             name: String::new(),
+            role: super::super::PrimvarRole::Primvar,
             type_name: String::new(),
             interpolation: Interpolation::Vertex,
             components: 1,

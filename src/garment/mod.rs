@@ -6,15 +6,13 @@
 mod check;
 mod input;
 pub mod joints;
-pub mod normals;
 mod primvar;
-pub mod shapes;
 mod shared;
 mod subset;
 
 pub use check::{GarmentError, Problem, check_garment};
 pub use input::{GarmentInput, PrimvarInput, SubsetInput};
-pub use primvar::{Interpolation, Mixing, Primvar, Values};
+pub use primvar::{Interpolation, Mixing, Primvar, PrimvarRole, Values};
 pub use shared::Shared;
 pub use subset::{Elements, Family, FamilyType, Subset};
 

@@ -115,11 +115,30 @@ impl Values {
     }
 }
 
-/// A primvar that varies over the mesh.
+/// The property of the file whose values a primvar holds.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum PrimvarRole {
+    /// A primvar, `primvars:<name>`.
+    #[default]
+    Primvar,
+    /// The attribute `normals` of the mesh.
+    Normals,
+    /// Offsets of the mesh's blend shape number `shape`: its property `property`.
+    BlendShape {
+        /// Number of the blend shape.
+        shape: usize,
+        /// `offsets`, `normalOffsets` or an inbetween.
+        property: String,
+    },
+}
+
+/// Values that vary over the mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Primvar {
-    /// Name without `primvars:`.
+    /// Name, unique in the mesh: without `primvars:`; the path of the property for offsets of a blend shape.
     pub name: String,
+    /// The property that holds the values.
+    pub role: PrimvarRole,
     /// USD's name of the value type (`texCoord2f[]`); opaque here, the writer gives it back.
     pub type_name: String,
     /// The elements that carry the values.
@@ -139,8 +158,13 @@ pub struct Primvar {
 impl Primvar {
     /// The same without values and indices.
     pub fn headed(&self) -> Self {
-        let (name, type_name) = (self.name.clone(), self.type_name.clone());
-        Self { name, type_name, values: Values::F32(Vec::new()), indices: None, ..*self }
+        let (name, role, type_name) = (self.name.clone(), self.role.clone(), self.type_name.clone());
+        Self { name, role, type_name, values: Values::F32(Vec::new()), indices: None, ..*self }
+    }
+
+    /// Whether it holds the normals of the mesh: the attribute, or the primvar that replaces it.
+    pub fn is_normals(&self) -> bool {
+        self.name == "normals"
     }
 
     /// Numbers in the row of one element.
@@ -199,6 +223,7 @@ impl Primvar {
     pub fn of_corners(values: Vec<f32>, indices: Option<Vec<u32>>) -> Self {
         Self {
             name: "x".to_owned(),
+            role: PrimvarRole::Primvar,
             type_name: "float[]".to_owned(),
             interpolation: Interpolation::FaceVarying,
             components: 1,

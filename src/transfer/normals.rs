@@ -2,7 +2,7 @@
 //! baked, are carried as directions.
 
 use super::Sites;
-use crate::garment::{Garment, Interpolation, Orientation, Primvar, Values, normals};
+use crate::garment::{Garment, Interpolation, Orientation, Primvar, Values};
 use crate::mesh::{CornerId, FaceId, Faces, IdVec, VertexId};
 use crate::sim::SimProduct;
 use glam::Vec3;
@@ -58,8 +58,7 @@ pub(super) fn rebuilt(
     sites: &Sites<'_>,
 ) -> Option<Primvar> {
     let Values::F32(values) = &primvar.values else { return None };
-    if !normals::are_normals(&primvar.name) || primvar.width() != 3 || primvar.interpolation == Interpolation::Constant
-    {
+    if !primvar.is_normals() || primvar.width() != 3 || primvar.interpolation == Interpolation::Constant {
         return None;
     }
     let made = Made::new(&garment.faces, &garment.points, garment.orientation);

@@ -1,7 +1,7 @@
 //! Where each vertex of the simulation mesh comes from, as primvars: a face of the garment, and coordinates in it.
 
 use super::Sites;
-use crate::garment::{Interpolation, Mixing, Primvar, Values};
+use crate::garment::{Interpolation, Mixing, Primvar, PrimvarRole, Values};
 use crate::mesh::{CornerId, IdVec};
 use crate::sim::SimProduct;
 use crate::subdivide::Numbering;
@@ -23,6 +23,7 @@ pub(super) fn primvars(product: &SimProduct, sites: &Sites<'_>) -> [Primvar; 2] 
     });
     let primvar = |name: &str, type_name: &str, components, mixing, values| Primvar {
         name: name.into(),
+        role: PrimvarRole::Primvar,
         type_name: type_name.into(),
         interpolation: Interpolation::Vertex,
         components,

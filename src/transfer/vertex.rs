@@ -3,7 +3,7 @@
 use super::Sites;
 use super::rows::{at_places, parts};
 use crate::garment::joints::{self, Influences};
-use crate::garment::{Garment, Interpolation, Mixing, Primvar, Values, normals};
+use crate::garment::{Garment, Interpolation, Mixing, Primvar, Values};
 use crate::mesh::{CornerId, VertexId};
 use crate::sim::{Location, SimProduct};
 use crate::subdivide::{Real, Stencils, taken};
@@ -33,7 +33,7 @@ pub(super) fn is_together(garment: &Garment, primvar: &Primvar) -> bool {
         && matches!(primvar.mixing, Mixing::Linear | Mixing::Direction)
         && (1..=MAX_TOGETHER).contains(&primvar.width())
         && !joints::is_influence(garment, primvar)
-        && !normals::are_normals(&primvar.name)
+        && !primvar.is_normals()
 }
 
 /// Primvars that are carried together, as the weights of subdivision are the same for all.

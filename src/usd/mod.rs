@@ -25,7 +25,7 @@ mod write;
 
 pub use facts::{Binding, Facts, InheritedPrimvar, TransformOp};
 pub use read::{ReadOptions, Source};
-pub use write::{Format, Product, Role, Surroundings, WriteOptions, check_target, layer_bytes, write};
+pub use write::{Format, Product, ProductRole, Surroundings, WriteOptions, check_target, layer_bytes, write};
 
 use std::fmt;
 use std::thread;

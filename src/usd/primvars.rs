@@ -5,7 +5,7 @@ use super::geometry::value;
 use super::names::{self, UsdToken};
 use super::values::{flat, mixing, text};
 use crate::error::Warning;
-use crate::garment::{Interpolation, PrimvarInput, normals};
+use crate::garment::{Interpolation, PrimvarInput, PrimvarRole};
 use openusd::sdf::Value;
 use openusd::usd::{Prim, TimeCode};
 
@@ -86,7 +86,8 @@ pub fn read_normals(prim: &Prim, time: Option<TimeCode>, elements: [usize; 3]) -
     let type_name = attribute.type_name().ok()??;
     let (components, values) = flat(value)?;
     (components == 3 && values.len() == 3 * count).then(|| PrimvarInput {
-        name: normals::ATTRIBUTE.into(),
+        name: names::NORMALS.to_owned(),
+        role: PrimvarRole::Normals,
         type_name: type_name.as_str().to_owned(),
         interpolation,
         components,
@@ -113,6 +114,7 @@ fn read_primvar(
     };
     Ok(Some(PrimvarInput {
         name: name.to_owned(),
+        role: PrimvarRole::Primvar,
         type_name: type_name.as_str().to_owned(),
         interpolation,
         components,

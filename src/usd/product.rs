@@ -5,9 +5,9 @@ use super::model::{Model, Sibling, SubsetRecord};
 use super::names::{self, UsdToken};
 use super::record::{Content, Record};
 use super::values::typed;
-use super::write::{Product, Role};
+use super::write::{Product, ProductRole};
 use crate::error::{Warning, Warnings};
-use crate::garment::{Elements, Garment, Primvar, Values, normals};
+use crate::garment::{Elements, Garment, Primvar, PrimvarRole, Values};
 use glam::Vec3;
 use openusd::gf::Vec3f;
 use openusd::sdf::{self, AbstractData, FieldKey, Path, PrimSpec, Specifier, Value, ValueTypeName, Variability};
@@ -41,7 +41,7 @@ impl Author<'_> {
             record.state(self.data, &path, self.place)?;
         }
         self.mesh(&path, product.role, product.mesh)?;
-        for primvar in product.mesh.primvars.iter().filter(|p| !p.name.contains('/')) {
+        for primvar in product.mesh.primvars.iter().filter(|p| p.role == PrimvarRole::Primvar) {
             self.primvar(&path, primvar, warnings)?;
         }
         self.normals(&path, product.mesh)?;
@@ -101,7 +101,7 @@ impl Author<'_> {
         AbstractData::set_field(self.data, prim, FieldKey::ApiSchemas.as_str(), list.into());
     }
 
-    fn mesh(&mut self, prim: &Path, role: Role, mesh: &Garment) -> openusd::Result<()> {
+    fn mesh(&mut self, prim: &Path, role: ProductRole, mesh: &Garment) -> openusd::Result<()> {
         let points: &[Vec3f] = bytemuck::cast_slice(mesh.points.as_slice());
         let points = Value::Vec3fVec(points.to_vec());
         let extent = Value::Vec3fVec(extent(mesh.points.as_slice()));
@@ -115,8 +115,8 @@ impl Author<'_> {
         self.token(prim, names::ORIENTATION, mesh.orientation.token())?;
         self.token(prim, names::PURPOSE, role.purpose())?;
         match role {
-            Role::Sim => self.token(prim, names::SUBDIVISION_SCHEME, "none")?,
-            Role::Render => {
+            ProductRole::Sim => self.token(prim, names::SUBDIVISION_SCHEME, "none")?,
+            ProductRole::Render => {
                 self.token(prim, names::SUBDIVISION_SCHEME, mesh.rules.scheme.token())?;
                 self.token(prim, names::INTERPOLATE_BOUNDARY, mesh.rules.boundary.token())?;
                 self.token(prim, names::FACE_VARYING_LINEAR_INTERPOLATION, mesh.rules.face_varying.token())?;
@@ -185,7 +185,7 @@ impl Author<'_> {
 
     /// The attribute `normals`.
     fn normals(&mut self, prim: &Path, mesh: &Garment) -> openusd::Result<()> {
-        let Some(primvar) = mesh.primvar(normals::ATTRIBUTE) else { return Ok(()) };
+        let Some(primvar) = mesh.primvars.iter().find(|p| p.role == PrimvarRole::Normals) else { return Ok(()) };
         let type_name = ValueTypeName::from(primvar.type_name.as_str());
         let rows = (0..primvar.elements()).map(|i| primvar.row(i));
         let Some(value) = typed(&type_name, &primvar.values.gather(primvar.width(), rows)) else { return Ok(()) };
@@ -290,15 +290,15 @@ pub fn beside(model: &Path, name: &str) -> Result<Path, sdf::PathParseError> {
     model.parent().unwrap_or_else(Path::abs_root).append_path(name)
 }
 
-fn doc(role: Role, model: &Path) -> String {
+fn doc(role: ProductRole, model: &Path) -> String {
     let what = match role {
-        Role::Sim => "Simulation mesh",
-        Role::Render => "Render mesh",
+        ProductRole::Sim => "Simulation mesh",
+        ProductRole::Render => "Render mesh",
     };
     format!("{what} made by usd-tailor from <{model}>.")
 }
 
-fn custom_data(role: Role) -> Value {
+fn custom_data(role: ProductRole) -> Value {
     let ours = HashMap::from([(names::PRODUCT.to_owned(), Value::String(role.name().to_owned()))]);
     Value::Dictionary(HashMap::from([(names::PRODUCT_SPACE.to_owned(), Value::Dictionary(ours))]))
 }

@@ -11,7 +11,7 @@ use super::recipe::read_recipe;
 use super::shapes::read_shapes;
 use super::{UsdError, on_large_stack};
 use crate::error::{Warning, Warnings};
-use crate::garment::{GarmentInput, Scheme, normals};
+use crate::garment::{GarmentInput, PrimvarRole, Scheme};
 use openusd::usd::TimeCode;
 use serde_json::{Map, Value as Json};
 use std::path::Path;
@@ -82,7 +82,7 @@ impl Source {
                 let elements = [g.face_vertex_counts.len(), g.points.len(), g.face_vertex_indices.len()];
                 g.primvars.extend(read_normals(&prim, time, elements));
             }
-            let is_carried = g.primvars.iter().any(|p| p.name == normals::ATTRIBUTE);
+            let is_carried = g.primvars.iter().any(|p| p.role == PrimvarRole::Normals);
             let of_normals = format!("{}.{}", prim.path(), names::NORMALS);
             warnings.retain(|w| !is_carried || !matches!(w, Warning::NotCarried { what, .. } if *what == of_normals));
             g

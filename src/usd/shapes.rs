@@ -7,7 +7,7 @@ use super::names;
 use super::product::Author;
 use super::record::{Depth, Record};
 use crate::error::Warning;
-use crate::garment::{Garment, Interpolation, Mixing, PrimvarInput, Values, shapes};
+use crate::garment::{Garment, Interpolation, Mixing, PrimvarInput, PrimvarRole, Values};
 use openusd::gf::Vec3f;
 use openusd::sdf::{self, AbstractData, FieldKey, Path, PrimSpec, Specifier, Value};
 use openusd::tf::Token;
@@ -110,7 +110,8 @@ fn read_shape(
         let Value::Vec3fVec(offsets) = offsets else { return Err(format!("its {name} are not three floats each")) };
         let values = dense(&offsets, indices.as_deref(), points).map_err(|why| format!("its {name} {why}"))?;
         channels.push(PrimvarInput {
-            name: shapes::channel(number, &name),
+            name: format!("{path}.{name}"),
+            role: PrimvarRole::BlendShape { shape: number, property: name.to_string() },
             type_name: "vector3f[]".into(),
             interpolation: Interpolation::Vertex,
             components: 3,
@@ -179,9 +180,12 @@ impl Author<'_> {
         let channels: Vec<(&Record, &[f32])> = shape
             .channels
             .iter()
-            .filter_map(|record| match mesh.primvar(&shapes::channel(number, &record.name)).map(|p| &p.values) {
-                Some(Values::F32(values)) => Some((record, values.as_slice())),
-                _ => None,
+            .filter_map(|record| {
+                let role = PrimvarRole::BlendShape { shape: number, property: record.name.clone() };
+                match &mesh.primvars.iter().find(|p| p.role == role)?.values {
+                    Values::F32(values) => Some((record, values.as_slice())),
+                    _ => None,
+                }
             })
             .collect();
         let moves = |point: &usize| channels.iter().any(|(_, v)| v[3 * point..3 * point + 3].iter().any(|x| *x != 0.0));

@@ -19,14 +19,14 @@ pub use super::save::Format;
 
 /// What a product is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Role {
+pub enum ProductRole {
     /// Cloth simulation: triangles, no subdivision, purpose `guide`.
     Sim,
     /// Rendering: a subdivision cage, purpose `default`.
     Render,
 }
 
-impl Role {
+impl ProductRole {
     /// Its name in `customData`, and that of its prim unless another is chosen.
     pub fn name(self) -> &'static str {
         match self {
@@ -58,7 +58,7 @@ pub struct Product<'a> {
     /// Name of its prim.
     pub name: &'a str,
     /// What it is for.
-    pub role: Role,
+    pub role: ProductRole,
     /// The mesh.
     pub mesh: &'a Garment,
 }
@@ -190,7 +190,7 @@ fn compose(
         author.product(product, warnings).map_err(fault)?;
     }
     if model_guide {
-        author.model_purpose(Role::Sim.purpose()).map_err(fault)?;
+        author.model_purpose(ProductRole::Sim.purpose()).map_err(fault)?;
     }
     Ok(data)
 }

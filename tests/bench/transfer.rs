@@ -17,7 +17,7 @@ use common::Sample;
 use criterion::{BatchSize, BenchmarkId, SamplingMode, Throughput};
 use std::collections::BTreeSet;
 use tailor::error::Warnings;
-use tailor::garment::{Elements, Garment, Interpolation, Mixing, Primvar, Subset, Values};
+use tailor::garment::{Elements, Garment, Interpolation, Mixing, Primvar, PrimvarRole, Subset, Values};
 use tailor::mesh::{FaceId, Topology, VertexId};
 use tailor::sim::{Baseline, Lengths, SimOptions, SimProduct, simulate};
 use tailor::transfer::{Coverage, transfer};
@@ -107,7 +107,8 @@ fn set(name: String, elements: Elements) -> Subset {
 fn primvar(name: &str, interpolation: Interpolation, components: usize, values: Values) -> Primvar {
     let mixing = if matches!(values, Values::F32(_)) { Mixing::Linear } else { Mixing::Discrete };
     let (name, type_name) = (name.into(), "float[]".into());
-    Primvar { name, type_name, interpolation, components, element_size: 1, mixing, values, indices: None }
+    let role = PrimvarRole::Primvar;
+    Primvar { name, role, type_name, interpolation, components, element_size: 1, mixing, values, indices: None }
 }
 
 /// The edges between faces inside and outside.

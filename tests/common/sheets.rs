@@ -1,7 +1,9 @@
 //! Grids, tubes and any faces as garments, made in code, with an attribute of each kind.
 
 use glam::Vec3;
-use tailor::garment::{Family, FamilyType, GarmentInput, Interpolation, Mixing, PrimvarInput, SubsetInput, Values};
+use tailor::garment::{
+    Family, FamilyType, GarmentInput, Interpolation, Mixing, PrimvarInput, PrimvarRole, SubsetInput, Values,
+};
 
 /// A mesh of the given faces.
 pub fn mesh(points: impl IntoIterator<Item = [f32; 3]>, faces: &[&[i32]]) -> GarmentInput {
@@ -58,7 +60,8 @@ fn dressed(mut input: GarmentInput) -> GarmentInput {
 
 fn primvar(name: &str, type_name: &str, interpolation: Interpolation, values: Values) -> PrimvarInput {
     let (name, type_name, mixing) = (name.into(), type_name.into(), Mixing::Linear);
-    PrimvarInput { name, type_name, interpolation, components: 1, element_size: 1, mixing, values, indices: None }
+    let role = PrimvarRole::Primvar;
+    PrimvarInput { name, role, type_name, interpolation, components: 1, element_size: 1, mixing, values, indices: None }
 }
 
 /// Gives a mesh UVs, one for each corner.

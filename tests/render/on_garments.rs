@@ -8,7 +8,7 @@ use crate::recipes::{border_panels, rendered};
 use glam::Vec3;
 use std::collections::BTreeSet;
 use tailor::error::{Warning, Warnings};
-use tailor::garment::{Garment, Interpolation, Mixing, Primvar, Values, check_garment};
+use tailor::garment::{Garment, Interpolation, Mixing, Primvar, PrimvarRole, Values, check_garment};
 use tailor::mesh::{FaceId, VertexId};
 use tailor::pipeline::mean_edge_length;
 use tailor::usd::{ReadOptions, Source};
@@ -33,6 +33,7 @@ fn load() -> Vec<(String, Garment)> {
         let mut garment = check_garment(input, &mut Warnings::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
         garment.primvars.push(Primvar {
             name: PARENT.into(),
+            role: PrimvarRole::Primvar,
             type_name: "int[]".into(),
             interpolation: Interpolation::Uniform,
             components: 1,
@@ -44,6 +45,7 @@ fn load() -> Vec<(String, Garment)> {
         let fronts = vertex_normals(&garment).iter().flat_map(|n| n.to_array()).collect();
         garment.primvars.push(Primvar {
             name: FRONT.into(),
+            role: PrimvarRole::Primvar,
             type_name: "float3[]".into(),
             interpolation: Interpolation::Vertex,
             components: 3,

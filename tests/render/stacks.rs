@@ -10,12 +10,14 @@ use proptest::test_runner::RngSeed;
 use std::collections::BTreeSet;
 use tailor::error::Warning;
 use tailor::garment::{
-    Elements, Family, FamilyType, Garment, GarmentInput, Interpolation, Mixing, PrimvarInput, SubsetInput, Values,
-    shapes,
+    Elements, Family, FamilyType, Garment, GarmentInput, Interpolation, Mixing, PrimvarInput, PrimvarRole, SubsetInput,
+    Values,
 };
 use tailor::mesh::Topology;
 
 const N: usize = 6;
+/// Name of the offsets of a blend shape.
+const OFFSETS: &str = "/Coat/model/wide.offsets";
 
 fn primvar(
     name: &str,
@@ -26,7 +28,8 @@ fn primvar(
 ) -> PrimvarInput {
     let mixing = if matches!(values, Values::F32(_)) { Mixing::Linear } else { Mixing::Discrete };
     let (name, type_name) = (name.into(), type_name.into());
-    PrimvarInput { name, type_name, interpolation, components, element_size: 1, mixing, values, indices: None }
+    let role = PrimvarRole::Primvar;
+    PrimvarInput { name, role, type_name, interpolation, components, element_size: 1, mixing, values, indices: None }
 }
 
 /// A sheet whose attributes say where on it they are: `rest` by vertices, `st` by corners with shells 100 apart, `face`
@@ -39,13 +42,9 @@ fn sample() -> GarmentInput {
     let moved: Vec<f32> = every.flat_map(|v| [at(v)[0], 2.0 * at(v)[1], 0.0]).collect();
     input.primvars.push(primvar("rest", "float2[]", Interpolation::Vertex, 2, Values::F32(rest.clone())));
     input.primvars.push(primvar("flat", "float2[]", Interpolation::Varying, 2, Values::F32(rest)));
-    input.primvars.push(primvar(
-        &shapes::channel(0, "offsets"),
-        "vector3f[]",
-        Interpolation::Vertex,
-        3,
-        Values::F32(moved),
-    ));
+    let role = PrimvarRole::BlendShape { shape: 0, property: "offsets".into() };
+    let offsets = primvar(OFFSETS, "vector3f[]", Interpolation::Vertex, 3, Values::F32(moved));
+    input.primvars.push(PrimvarInput { role, ..offsets });
     let faces: Vec<i32> = (0..(N * N) as i32).collect();
     let corners: Vec<String> = (0..4 * N * N).map(|c| format!("{}", c / 4)).collect();
     input.primvars.push(primvar("face", "int[]", Interpolation::Uniform, 1, Values::I32(faces.clone())));
@@ -82,7 +81,7 @@ fn faults(mesh: &Garment, source: &Garment) -> Vec<String> {
         _ => Vec::new(),
     };
     let (rest, flat, uv) = (floats("rest"), floats("flat"), floats("st"));
-    let shape = floats(&shapes::channel(0, "offsets"));
+    let shape = floats(OFFSETS);
     let st = mesh.primvar("st").expect("UVs");
     let Values::I32(parents) = &mesh.primvar("face").expect("faces").values else { return vec!["no faces".into()] };
     let note = mesh.primvar("note").expect("notes");

@@ -7,7 +7,7 @@ use crate::{sheet, sheets};
 use glam::{DMat3, DVec3};
 use std::collections::BTreeMap;
 use tailor::garment::joints::{self, Influences};
-use tailor::garment::{Garment, GarmentInput, Interpolation, Mixing, Primvar, PrimvarInput, Values, shapes};
+use tailor::garment::{Garment, GarmentInput, Interpolation, Mixing, Primvar, PrimvarInput, PrimvarRole, Values};
 use tailor::mesh::{CornerId, FaceId, IdVec, Topology, VertexId};
 use tailor::sim::Location;
 use tailor::subdivide::Stencils;
@@ -16,7 +16,8 @@ use tailor::transfer::{SOURCE_COORDS, SOURCE_FACE, corner_coordinates};
 fn primvar(name: &str, interpolation: Interpolation, components: usize, values: Values) -> PrimvarInput {
     let mixing = if matches!(values, Values::F32(_) | Values::F64(_)) { Mixing::Linear } else { Mixing::Discrete };
     let (name, type_name) = (name.into(), "test[]".into());
-    PrimvarInput { name, type_name, interpolation, components, element_size: 1, mixing, values, indices: None }
+    let role = PrimvarRole::Primvar;
+    PrimvarInput { name, role, type_name, interpolation, components, element_size: 1, mixing, values, indices: None }
 }
 
 /// Gives a grid of `nx` columns a second layout, whose shells `shell` numbers by column and row.
@@ -254,16 +255,17 @@ fn blend_shapes_move_both_products_as_the_garment() {
     let mut moved = input.clone();
     moved.points.iter_mut().enumerate().for_each(|(i, p)| *p += glam::Vec3::from(offset(i)));
     let mut input = input;
-    let name = shapes::channel(0, "offsets");
-    input.primvars.push(primvar(&name, Interpolation::Vertex, 3, Values::F32(values)));
+    let name = "/Coat/model/bent.offsets";
+    let role = PrimvarRole::BlendShape { shape: 0, property: "offsets".into() };
+    input.primvars.push(PrimvarInput { role, ..primvar(name, Interpolation::Vertex, 3, Values::F32(values)) });
     let (built, other) = (build(input, &["render.level=2"]), build(moved, &["render.level=2"]));
-    let (_, offsets) = floats(&built.products.render, &name);
+    let (_, offsets) = floats(&built.products.render, name);
     for (i, (p, q)) in built.products.render.points.iter().zip(other.products.render.points.iter()).enumerate() {
         let moved = *p + glam::Vec3::new(offsets[3 * i], offsets[3 * i + 1], offsets[3 * i + 2]);
         assert!(moved.distance(*q) < 1e-4, "render point {i}: {moved} instead of {q}");
     }
     // On the simulation mesh: the moved baseline at the same locations.
-    let (_, offsets) = floats(&built.products.sim, &name);
+    let (_, offsets) = floats(&built.products.sim, name);
     let (here, there) = (built.product(), other.product());
     for (v, place) in here.triangles.iter().flatten().zip(here.places.iter()) {
         let i = v.index();
@@ -343,9 +345,8 @@ fn with_normals(turn: f32) -> GarmentInput {
     }
     let turned = all.iter().map(|n| glam::Quat::from_rotation_x(turn) * n.normalize());
     let values = Values::F32(turned.flat_map(|n| n.to_array()).collect());
-    let name = tailor::garment::normals::ATTRIBUTE;
-    let normals = primvar(name, Interpolation::Vertex, 3, values);
-    input.primvars.push(PrimvarInput { mixing: Mixing::Direction, ..normals });
+    let normals = primvar("normals", Interpolation::Vertex, 3, values);
+    input.primvars.push(PrimvarInput { role: PrimvarRole::Normals, mixing: Mixing::Direction, ..normals });
     input
 }
 
@@ -354,7 +355,7 @@ fn normals_of_the_faces_are_made_again_and_others_carried() {
     for (turn, made) in [(0.0, true), (0.5, false)] {
         let built = build(with_normals(turn), &["sim.maxEdgeLength=0.4"]);
         let sim = &built.products.sim;
-        let (_, values) = floats(sim, tailor::garment::normals::ATTRIBUTE);
+        let (_, values) = floats(sim, "normals");
         let normal = |i: usize| glam::Vec3::from_slice(&values[3 * i..]);
         assert!((0..sim.points.len()).all(|i| (normal(i).length() - 1.0).abs() < 1e-5), "of unit length");
         let t = Topology::new(sim.faces.clone(), sim.points.len());

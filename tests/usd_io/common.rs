@@ -6,7 +6,7 @@ use std::sync::Arc;
 use tailor::error::Warnings;
 use tailor::garment::{Corner, Crease, Elements, Garment, GarmentInput, Primvar, Subset};
 use tailor::mesh::{FaceId, Faces, VertexId};
-use tailor::usd::{Product, ReadOptions, Role, Source, UsdError, WriteOptions, write};
+use tailor::usd::{Product, ProductRole, ReadOptions, Source, UsdError, WriteOptions, write};
 
 /// The garment of an input that is known to be sound.
 pub fn sound(input: &GarmentInput) -> Garment {
@@ -55,6 +55,7 @@ pub fn sound(input: &GarmentInput) -> Garment {
 pub fn primvar(p: &tailor::garment::PrimvarInput) -> Primvar {
     Primvar {
         name: p.name.clone(),
+        role: p.role.clone(),
         type_name: p.type_name.clone(),
         interpolation: p.interpolation,
         components: p.components,
@@ -125,7 +126,13 @@ pub fn tailor(source: &Source, out: &Path, options: &WriteOptions) -> Result<Vec
     let mesh = sound(&read(source)?);
     let product = |name, role| Product { name, role, mesh: &mesh };
     let mut warnings = Warnings::default();
-    write(source, &[product("sim", Role::Sim), product("render", Role::Render)], out, options, &mut warnings)?;
+    write(
+        source,
+        &[product("sim", ProductRole::Sim), product("render", ProductRole::Render)],
+        out,
+        options,
+        &mut warnings,
+    )?;
     Ok(warnings.iter().map(ToString::to_string).collect())
 }
 

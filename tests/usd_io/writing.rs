@@ -6,7 +6,7 @@ use std::path::Path;
 use tailor::error::Warnings;
 use tailor::garment::GarmentInput;
 use tailor::usd::{
-    Format, Product, ReadOptions, Role, Source, Surroundings, UsdError, WriteOptions, layer_bytes, write,
+    Format, Product, ProductRole, ReadOptions, Source, Surroundings, UsdError, WriteOptions, layer_bytes, write,
 };
 
 /// A coat with attributes of many kinds.
@@ -123,7 +123,7 @@ fn a_layer_in_memory_is_the_layer_in_the_file() {
     let at = Stages::new();
     let source = open(&at.usda("coat.usda", &rich())).unwrap();
     let mesh = sound(&read(&source).unwrap());
-    let products = [Product { name: "sim", role: Role::Sim, mesh: &mesh }];
+    let products = [Product { name: "sim", role: ProductRole::Sim, mesh: &mesh }];
     let nowhere = Surroundings::default();
     let here = Surroundings { folder: Some(at.0.path()), ..nowhere };
     for (format, name) in [(Format::Usda, "o.usda"), (Format::Usdc, "o.usdc")] {
@@ -158,7 +158,7 @@ fn a_source_in_memory_is_the_source_in_the_file() {
     assert_eq!(memory.recipe().unwrap(), flat.recipe().unwrap());
     assert_eq!(memory.prim(), flat.prim());
     let mesh = sound(&read(&flat).unwrap());
-    let products = [Product { name: "sim", role: Role::Sim, mesh: &mesh }];
+    let products = [Product { name: "sim", role: ProductRole::Sim, mesh: &mesh }];
     let here = Surroundings { folder: Some(at.0.path()), source: None };
     let text = |source: &Source, flatten: bool| {
         let options = WriteOptions { flatten, ..FORCE };
@@ -224,7 +224,7 @@ fn names_that_are_taken_or_impossible_are_refused() {
     let mesh = sound(&read(&source).unwrap());
     let attempt = |sim, render| -> Result<(), UsdError> {
         let product = |name, role| Product { name, role, mesh: &mesh };
-        let products = [product(sim, Role::Sim), product(render, Role::Render)];
+        let products = [product(sim, ProductRole::Sim), product(render, ProductRole::Render)];
         write(&source, &products, &at.at("o.usda"), &FORCE, &mut Warnings::default())
     };
     assert_fault(attempt("sim", "render"), &["/Coat/render is taken", "--render-name"]);

@@ -2,7 +2,7 @@
 
 use super::mesh::{Count, Indices, Mesh};
 use super::problem::Problems;
-use crate::garment::{Interpolation, Primvar, PrimvarInput, Values};
+use crate::garment::{Interpolation, Primvar, PrimvarInput, PrimvarRole, Values};
 use crate::mesh::ValueId;
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -37,6 +37,7 @@ fn primvar(input: PrimvarInput, mesh: &Mesh<'_>, problems: &mut Problems) -> Opt
     };
     Some(Primvar {
         name: input.name,
+        role: input.role,
         type_name: input.type_name,
         interpolation: input.interpolation,
         components: input.components,
@@ -47,9 +48,12 @@ fn primvar(input: PrimvarInput, mesh: &Mesh<'_>, problems: &mut Problems) -> Opt
     })
 }
 
-/// Name of the attribute of a primvar.
+/// The attribute that holds the values, as problems name it.
 fn attribute(input: &PrimvarInput) -> String {
-    format!("primvars:{}", input.name)
+    match input.role {
+        PrimvarRole::Primvar => format!("primvars:{}", input.name),
+        PrimvarRole::Normals | PrimvarRole::BlendShape { .. } => input.name.clone(),
+    }
 }
 
 /// The token of an interpolation.
@@ -156,7 +160,7 @@ fn row_indices(
     mesh: &Mesh<'_>,
     problems: &mut Problems,
 ) -> Vec<u32> {
-    let attribute = format!("primvars:{}:indices", input.name);
+    let attribute = format!("{}:indices", attribute(input));
     let interpolation = input.interpolation;
     if let Some(elements) = mesh.elements(interpolation).filter(|&n| n != indices.len()) {
         let (token, carrier) = (token(interpolation), carrier(interpolation));

@@ -11,7 +11,7 @@ const MAX_PER_ATTRIBUTE: usize = 5;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Problem {
     /// The attribute that is at fault: a name such as `primvars:st:indices` for one of the mesh, `collar.indices` for
-    /// one of its subset `collar`.
+    /// one of its subset `collar`, or a whole path.
     pub attribute: String,
     /// What is wrong, with the element in the user's own numbers.
     pub fault: String,
@@ -22,9 +22,12 @@ pub struct Problem {
 impl Problem {
     /// The path of the attribute, given the path of the mesh.
     pub fn path(&self, prim: &str) -> String {
-        // No property name has a dot: one that does begins with the name of a child.
-        let separator = if self.attribute.contains('.') { '/' } else { '.' };
-        format!("{prim}{separator}{}", self.attribute)
+        match &self.attribute {
+            path if path.starts_with('/') => path.clone(),
+            // No property name has a dot: one that does begins with the name of a child.
+            of_child if of_child.contains('.') => format!("{prim}/{of_child}"),
+            name => format!("{prim}.{name}"),
+        }
     }
 }
 

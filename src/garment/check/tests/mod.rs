@@ -5,7 +5,7 @@ mod faults;
 use super::*;
 use crate::error::Warning;
 use crate::garment::{
-    Corner, Crease, Elements, Family, FamilyType, Interpolation, Mixing, Primvar, PrimvarInput, Scheme,
+    Corner, Crease, Elements, Family, FamilyType, Interpolation, Mixing, Primvar, PrimvarInput, PrimvarRole, Scheme,
     SubdivisionRules, Subset, SubsetInput, Values,
 };
 use crate::mesh::{FaceId, VertexId};
@@ -46,7 +46,8 @@ fn cloth() -> GarmentInput {
 fn primvar(name: &str, type_name: &str, interpolation: Interpolation, values: Values) -> PrimvarInput {
     let (components, mixing) = (1, Mixing::Linear);
     let (name, type_name) = (name.into(), type_name.into());
-    PrimvarInput { name, type_name, interpolation, components, element_size: 1, mixing, values, indices: None }
+    let role = PrimvarRole::Primvar;
+    PrimvarInput { name, role, type_name, interpolation, components, element_size: 1, mixing, values, indices: None }
 }
 
 /// Two columns of UVs, cut along the middle; value 12 is used by no corner.
@@ -118,6 +119,7 @@ fn creases() -> [Crease; 2] {
 fn unchecked(p: PrimvarInput) -> Primvar {
     Primvar {
         name: p.name,
+        role: p.role,
         type_name: p.type_name,
         interpolation: p.interpolation,
         components: p.components,
