@@ -1,32 +1,32 @@
-//! Asset paths: where they point from the layer that states them, and how another layer states the same file.
+//! Asset paths: the file that a layer refers to, and the path by which another layer refers to it.
 
 use openusd::sdf::{AssetPath, Value};
 use openusd::usd::{SpecSite, Stage};
 use std::path::{Component, Path, PathBuf};
 
-/// What stands in a path for the number of a texture tile.
+/// The token for the number of a texture tile.
 const UDIM: &str = "<UDIM>";
 
-/// Where a layer will be read from, which decides how it states asset paths.
+/// The anchor of the asset paths of a layer.
 #[derive(Clone, Copy, Debug)]
-pub enum Place<'a> {
-    /// A layer in this folder (canonical): paths are relative to it.
+pub enum Anchor<'a> {
+    /// The folder of the layer (canonical): paths are relative to it.
     Folder(&'a Path),
-    /// Not known, or moved later: paths are absolute.
-    Anywhere,
+    /// None, as the folder is unknown or will change: paths are absolute.
+    Root,
 }
 
-impl Place<'_> {
-    /// The path at which a layer here finds the file `target` (absolute).
+impl Anchor<'_> {
+    /// The asset path of the file `target` (absolute).
     pub fn path_to(self, target: &str) -> String {
         match self {
             Self::Folder(folder) => relative(folder, Path::new(target)).unwrap_or_else(|| target.to_owned()),
-            Self::Anywhere => target.to_owned(),
+            Self::Root => target.to_owned(),
         }
     }
 
-    /// The value with all its asset paths stated for a layer here.
-    pub fn anchor(self, value: Value) -> Value {
+    /// The value with its resolved asset paths written for this anchor.
+    pub fn restated(self, value: Value) -> Value {
         value.map_asset_paths(&mut |asset| match asset.resolved_path() {
             Some(file) if Path::new(file).is_absolute() => AssetPath::new(self.path_to(file)),
             _ => AssetPath::new(asset.asset_path()),
@@ -54,9 +54,9 @@ pub fn relative(folder: &Path, target: &Path) -> Option<String> {
     Some(parts.join("/"))
 }
 
-/// The value with each asset path that composition could not resolve anchored to the layer that states it, where that
-/// is plain: paths that start with `./` or `../`, and texture tiles that are there.
-pub fn settle(stage: &Stage, sites: &[SpecSite], value: Value) -> Value {
+/// The value with more asset paths resolved than composition does: `./` and `../` paths to missing files, and texture
+/// tiles that exist, are resolved from the folder of the strongest layer in `sites`.
+pub fn resolved(value: Value, stage: &Stage, sites: &[SpecSite]) -> Value {
     let folder = || {
         let layer = stage.layer(&sites.first()?.layer)?;
         let file = layer.resolved_path()?;
@@ -91,7 +91,7 @@ fn anchored(folder: &Path, path: &str) -> Option<String> {
     file.to_str().map(str::to_owned)
 }
 
-/// The files that a path with `<UDIM>` stands for, in order.
+/// The tiles of a path with `<UDIM>`, sorted; their names are UTF-8.
 pub fn tiles(pattern: &Path) -> Vec<PathBuf> {
     let Some((before, after)) = pattern.file_name().and_then(|n| n.to_str()).and_then(|n| n.split_once(UDIM)) else {
         return Vec::new();

@@ -1,30 +1,18 @@
-//! The door to USD: stages in, layers out. No other folder knows a USD type.
+//! USD: stages in, layers out. No other folder knows a USD type.
 //!
-//! [`Source`] opens a stage and takes a copy of all that is needed from it: what geometry code works on, what the
-//! writer gives back as it was, and what `info` prints. [`write()`] turns products into a layer beside it.
+//! [`Source`] opens a stage and copies all that is needed from it: the mesh for the geometry code, the properties that
+//! products have too, and the facts that `info` prints. [`write()`] turns products into a layer over the stage.
+//!
+//! `write` imports from `read`, and both from `names`, `values`, `assets` and `record`.
 
 mod assets;
-mod choose;
-mod crates;
-mod facts;
-mod flatten;
-mod geometry;
-mod long_arrays;
-mod model;
 mod names;
-mod origin;
-mod primvars;
-mod product;
 mod read;
-mod recipe;
 mod record;
-mod save;
-mod shapes;
 mod values;
 mod write;
 
-pub use facts::{Binding, Facts, InheritedPrimvar, TransformOp};
-pub use read::{ReadOptions, Source};
+pub use read::{Binding, Facts, InheritedPrimvar, ReadOptions, Source, TransformOp};
 pub use write::{Format, Product, ProductRole, Surroundings, WriteOptions, check_target, layer_bytes, write};
 
 use std::fmt;
@@ -33,9 +21,9 @@ use std::thread;
 /// A fault while reading or writing USD.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UsdError {
-    /// What is wrong, naming file, prim and attribute.
+    /// The fault, with file, prim and attribute.
     pub message: String,
-    /// What the user can do, where there is something.
+    /// The remedy, where there is one.
     pub hint: Option<String>,
 }
 
@@ -64,21 +52,21 @@ impl fmt::Display for UsdError {
 
 impl std::error::Error for UsdError {}
 
-/// Stack reserved for composition and writing, which recurse once a level of nested prims. Larger admits deeper stages;
-/// only what is touched takes memory. \[bytes\]
+/// Stack for composition and writing, which recurse once per level of nested prims. Larger admits deeper stages; only
+/// pages in use take memory. \[bytes\]
 const STACK: usize = 256 << 20;
 
-/// Runs `work` on a thread whose stack holds deeply nested stages.
+/// Runs `work` on a thread with a stack for deeply nested stages.
 ///
 /// # Errors
-/// What `work` reports; or that there is no such thread; or that `work` panicked, which is a fault of the reader.
+/// Those of `work`, a thread that cannot start, and a panic in `work`.
 fn on_large_stack<T: Send>(work: impl FnOnce() -> Result<T, UsdError> + Send) -> Result<T, UsdError> {
     thread::scope(|scope| {
         let thread = thread::Builder::new().name("usd".into()).stack_size(STACK).spawn_scoped(scope, work);
         match thread.map(thread::ScopedJoinHandle::join) {
             Ok(Ok(result)) => result,
             Ok(Err(_)) => Err(UsdError::new("the USD library failed on this stage")
-                .hint("open and export the file again with the program that wrote it, and please report it")),
+                .hint("export the file again from the program that wrote it, and please report the failure")),
             Err(e) => Err(UsdError::new(format!("cannot start a thread: {e}"))),
         }
     })

@@ -15,55 +15,31 @@ pub const MATERIAL_BINDING_API: &str = "MaterialBindingAPI";
 /// The schema that gives skinning its meaning.
 pub const SKEL_BINDING_API: &str = "SkelBindingAPI";
 
-/// `points`
+// Attributes and relationships of meshes, subsets and blend shapes.
 pub const POINTS: &str = "points";
-/// `faceVertexCounts`
 pub const FACE_VERTEX_COUNTS: &str = "faceVertexCounts";
-/// `faceVertexIndices`
 pub const FACE_VERTEX_INDICES: &str = "faceVertexIndices";
-/// `extent`
 pub const EXTENT: &str = "extent";
-/// `orientation`
 pub const ORIENTATION: &str = "orientation";
-/// `subdivisionScheme`
 pub const SUBDIVISION_SCHEME: &str = "subdivisionScheme";
-/// `interpolateBoundary`
 pub const INTERPOLATE_BOUNDARY: &str = "interpolateBoundary";
-/// `faceVaryingLinearInterpolation`
 pub const FACE_VARYING_LINEAR_INTERPOLATION: &str = "faceVaryingLinearInterpolation";
-/// `triangleSubdivisionRule`
 pub const TRIANGLE_SUBDIVISION_RULE: &str = "triangleSubdivisionRule";
-/// `holeIndices`
 pub const HOLE_INDICES: &str = "holeIndices";
-/// `creaseIndices`
 pub const CREASE_INDICES: &str = "creaseIndices";
-/// `creaseLengths`
 pub const CREASE_LENGTHS: &str = "creaseLengths";
-/// `creaseSharpnesses`
 pub const CREASE_SHARPNESSES: &str = "creaseSharpnesses";
-/// `cornerIndices`
 pub const CORNER_INDICES: &str = "cornerIndices";
-/// `cornerSharpnesses`
 pub const CORNER_SHARPNESSES: &str = "cornerSharpnesses";
-/// `normals`
 pub const NORMALS: &str = "normals";
-/// `velocities`
 pub const VELOCITIES: &str = "velocities";
-/// `accelerations`
 pub const ACCELERATIONS: &str = "accelerations";
-/// `doubleSided`
 pub const DOUBLE_SIDED: &str = "doubleSided";
-/// `purpose`
 pub const PURPOSE: &str = "purpose";
-/// `visibility`
 pub const VISIBILITY: &str = "visibility";
-/// `xformOpOrder`
 pub const XFORM_OP_ORDER: &str = "xformOpOrder";
-/// `elementType`
 pub const ELEMENT_TYPE: &str = "elementType";
-/// `familyName`
 pub const FAMILY_NAME: &str = "familyName";
-/// `indices`
 pub const INDICES: &str = "indices";
 
 /// Namespace of transform ops.
@@ -80,23 +56,14 @@ pub const FAMILY_TYPE_SUFFIX: &str = ":familyType";
 pub const MATERIAL_BINDING: &str = "material:binding";
 /// Namespace of material bindings by collection.
 pub const MATERIAL_BINDING_COLLECTION: &str = "material:binding:collection";
-/// `skel:skeleton`
 pub const SKEL_SKELETON: &str = "skel:skeleton";
-/// `skel:animationSource`
 pub const SKEL_ANIMATION_SOURCE: &str = "skel:animationSource";
-/// `skel:joints`
 pub const SKEL_JOINTS: &str = "skel:joints";
-/// `skel:skinningMethod`
 pub const SKEL_SKINNING_METHOD: &str = "skel:skinningMethod";
-/// `skel:blendShapes`
 pub const SKEL_BLEND_SHAPES: &str = "skel:blendShapes";
-/// `skel:blendShapeTargets`
 pub const SKEL_BLEND_SHAPE_TARGETS: &str = "skel:blendShapeTargets";
-/// `offsets` of a blend shape
 pub const OFFSETS: &str = "offsets";
-/// `normalOffsets` of a blend shape
 pub const NORMAL_OFFSETS: &str = "normalOffsets";
-/// `pointIndices` of a blend shape
 pub const POINT_INDICES: &str = "pointIndices";
 /// Namespace of a blend shape's inbetweens.
 pub const INBETWEENS: &str = "inbetweens:";
@@ -118,7 +85,7 @@ pub const PRODUCT_SPACE: &str = "tailor";
 /// Key in that dictionary of a product's role.
 pub const PRODUCT: &str = "product";
 
-/// Attributes that a product states anew, whatever the model says.
+/// Attributes that a product authors from its own mesh.
 pub const REWRITTEN: &[&str] = &[
     POINTS,
     FACE_VERTEX_COUNTS,
@@ -140,7 +107,7 @@ pub const REWRITTEN: &[&str] = &[
     SKEL_BLEND_SHAPE_TARGETS,
 ];
 
-/// Properties that a product takes as they are, besides transform ops, material bindings and constant primvars.
+/// Properties that are copied to products, besides transform ops, material bindings and constant primvars.
 pub const COPIED: &[&str] = &[
     VISIBILITY,
     XFORM_OP_ORDER,
@@ -151,7 +118,7 @@ pub const COPIED: &[&str] = &[
     SKEL_SKINNING_METHOD,
 ];
 
-/// Properties that a product cannot take, with the reason.
+/// Properties that are dropped with a warning, which gives the reason.
 pub const NOT_CARRIED: &[(&str, &str)] = &[
     (NORMALS, "its points are new ones; consumers compute normals, and subdivision surfaces ignore authored ones"),
     (VELOCITIES, "its points are new ones; the attribute stays on the model"),
@@ -159,14 +126,12 @@ pub const NOT_CARRIED: &[(&str, &str)] = &[
 ];
 
 /// A token of USD that stands for a value of this program.
-pub trait UsdToken: Copy + PartialEq + 'static {
+pub trait UsdToken: Copy + 'static {
     /// Every value with its token.
     const TOKENS: &'static [(&'static str, Self)];
 
     /// The token of the value.
-    fn token(self) -> &'static str {
-        Self::TOKENS.iter().find(|(_, v)| *v == self).map_or("", |(t, _)| t)
-    }
+    fn token(self) -> &'static str;
 
     /// The value of a token.
     fn from_token(token: &str) -> Option<Self> {
@@ -183,6 +148,9 @@ macro_rules! tokens {
     ($($type:ty { $($token:literal = $value:ident),* $(,)? })*) => { $(
         impl UsdToken for $type {
             const TOKENS: &'static [(&'static str, Self)] = &[$(($token, Self::$value)),*];
+            fn token(self) -> &'static str {
+                match self { $(Self::$value => $token),* }
+            }
         }
     )* };
 }

@@ -1,11 +1,12 @@
-//! A composed property in the form in which one layer can state it, so that it can be given back as it was.
+//! A composed property, copied so that one layer can author it again.
 
-use super::assets::{Place, settle};
+use super::assets::{Anchor, resolved};
 use openusd::sdf::{self, AbstractData, ChildrenKey, FieldKey, Path, TimeSampleMap, Value, ValueTypeName, Variability};
 use openusd::usd::{Attribute, Prim, SpecSite, Stage, TimeCode};
 use std::collections::BTreeSet;
+use std::io;
 
-/// Fields that are not metadata: what a record holds elsewhere, and what says how a property composes.
+/// Fields that are not metadata: a record holds them elsewhere.
 const NOT_METADATA: &[FieldKey] = &[
     FieldKey::TypeName,
     FieldKey::Variability,
@@ -21,52 +22,52 @@ const NOT_METADATA: &[FieldKey] = &[
 pub struct Record {
     /// Its name.
     pub name: String,
-    /// Whether it is uniform or varying.
+    /// Whether values may vary over time.
     pub variability: Variability,
     /// Whether no schema declares it.
     pub custom: bool,
-    /// Metadata in the order of its names.
+    /// Metadata, sorted by key.
     pub metadata: Vec<(String, Value)>,
-    /// What it holds.
+    /// Type and values, or targets.
     pub content: Content,
 }
 
-/// What a property holds.
+/// Type and values of an attribute, or targets of a relationship.
 #[derive(Clone, Debug)]
 #[expect(clippy::large_enum_variant, reason = "a model holds few, and nearly all are attributes")]
 pub enum Content {
     /// An attribute.
     Attribute {
-        /// The type as it was spelled.
+        /// The type as authored.
         type_name: ValueTypeName,
-        /// The value that does not vary over time.
+        /// The value without a time.
         default: Option<Value>,
         /// The values at times.
         samples: Option<TimeSampleMap>,
-        /// The attributes that it is connected to.
+        /// Connected attributes.
         connections: Vec<Path>,
     },
     /// A relationship.
     Relationship {
-        /// What it points at.
+        /// Paths of the targets.
         targets: Vec<Path>,
     },
 }
 
-/// How much of an attribute is taken.
+/// How much of an attribute is copied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Depth {
-    /// Values too.
+    /// Type, metadata and values.
     Whole,
-    /// Type and metadata alone.
+    /// Type and metadata.
     Declaration,
 }
 
 impl Record {
-    /// Takes the property `name` of `prim`; none when no layer states it.
+    /// Copies the property `name` of `prim`; none when no layer authors it.
     ///
     /// # Errors
-    /// A field that the file format's reader cannot read.
+    /// A field that cannot be read, a type that USD does not have.
     pub fn take(prim: &Prim, name: &str, depth: Depth) -> openusd::Result<Option<Self>> {
         match prim.prim_index().property_type(name)? {
             Some(sdf::SpecType::Attribute) => Self::take_attribute(&prim.attribute(name), depth).map(Some),
@@ -97,7 +98,9 @@ impl Record {
             custom: attribute.is_custom()?,
             metadata: metadata(stage, attribute.path(), &sites)?,
             content: Content::Attribute {
-                type_name: attribute.type_name()?.unwrap_or(ValueTypeName::TOKEN),
+                type_name: attribute
+                    .type_name()?
+                    .ok_or_else(|| openusd::Error::convert(io::Error::other("its type is not one of USD's")))?,
                 default,
                 samples,
                 connections: attribute.connections()?,
@@ -118,7 +121,7 @@ impl Record {
         self.metadata.iter().find(|(k, _)| k == key).map(|(_, v)| v)
     }
 
-    /// Whether it holds a value, at any time.
+    /// Whether it has a value at any time, a connection or a target.
     pub fn has_value(&self) -> bool {
         match &self.content {
             Content::Attribute { default, samples, connections, .. } => {
@@ -128,19 +131,19 @@ impl Record {
         }
     }
 
-    /// States the property on the prim `owner` of `data`, replacing what is there.
+    /// Authors the property on the prim `owner` of `data`.
     ///
     /// # Errors
     /// A path or type that the layer does not admit.
-    pub fn state(&self, data: &mut dyn AbstractData, owner: &Path, place: Place) -> openusd::Result<()> {
+    pub fn author(&self, data: &mut dyn AbstractData, owner: &Path, anchor: Anchor) -> openusd::Result<()> {
         let path = self.declare(data, owner)?;
         match &self.content {
             Content::Attribute { default, samples, connections, .. } => {
                 if let Some(value) = default {
-                    data.set_field(&path, FieldKey::Default.as_str(), place.anchor(value.clone()));
+                    data.set_field(&path, FieldKey::Default.as_str(), anchor.restated(value.clone()));
                 }
                 if let Some(samples) = samples {
-                    let samples = place.anchor(Value::TimeSamples(samples.clone()));
+                    let samples = anchor.restated(Value::TimeSamples(samples.clone()));
                     data.set_field(&path, FieldKey::TimeSamples.as_str(), samples);
                 }
                 set_paths(data, &path, FieldKey::ConnectionPaths, connections);
@@ -150,7 +153,7 @@ impl Record {
         Ok(())
     }
 
-    /// States type and metadata of the property, without a value.
+    /// Authors type and metadata of the property, without a value.
     ///
     /// # Errors
     /// A path or type that the layer does not admit.
@@ -171,7 +174,7 @@ impl Record {
     }
 }
 
-/// The composed metadata at `path`, in the order of its names.
+/// The composed metadata at `path`, sorted by key.
 ///
 /// # Errors
 /// A field that cannot be read.
@@ -198,7 +201,7 @@ pub fn is_children(key: &str) -> bool {
     [PrimChildren, PropertyChildren, VariantChildren, VariantSetChildren].iter().any(|k| k.as_str() == key)
 }
 
-/// The value that does not vary over time; a block is kept as such.
+/// The value without a time; a block is kept as such.
 fn default(attribute: &Attribute, sites: &[SpecSite]) -> openusd::Result<Option<Value>> {
     let stage = attribute.stage();
     let stated = sites.iter().any(|site| {
@@ -207,10 +210,10 @@ fn default(attribute: &Attribute, sites: &[SpecSite]) -> openusd::Result<Option<
     if !stated {
         return Ok(None);
     }
-    Ok(Some(attribute.get::<Value>()?.map_or(Value::ValueBlock, |v| settle(stage, sites, v))))
+    Ok(Some(attribute.get::<Value>()?.map_or(Value::ValueBlock, |v| resolved(v, stage, sites))))
 }
 
-/// The samples that answer for an attribute; those of value clips are read one by one.
+/// The time samples; those of value clips and of asset paths are resolved one by one.
 fn samples(attribute: &Attribute, sites: &[SpecSite]) -> openusd::Result<Option<TimeSampleMap>> {
     let raw = attribute.time_samples()?;
     let resolved_one_by_one = match &raw {
@@ -224,7 +227,7 @@ fn samples(attribute: &Attribute, sites: &[SpecSite]) -> openusd::Result<Option<
     let mut samples = TimeSampleMap::new();
     for time in attribute.time_sample_times()? {
         let value = query.get_at::<Value>(TimeCode::new(time))?.unwrap_or(Value::ValueBlock);
-        samples.push((time, settle(attribute.stage(), sites, value)));
+        samples.push((time, resolved(value, attribute.stage(), sites)));
     }
     Ok(Some(samples))
 }

@@ -6,157 +6,76 @@ use openusd::gf::f16;
 use openusd::sdf::{AssetPath, Role, TimeCode, Value, ValueKind, ValueTypeName};
 use openusd::tf::Token;
 
-/// Numbers in one value of an array, and the array, flat. Halves are widened, which is exact.
-pub fn flat(value: Value) -> Option<(usize, Values)> {
-    use Value as V;
-    Some(match value {
-        V::BoolVec(v) => (1, Values::Bool(v)),
-        V::UcharVec(v) => (1, Values::U8(v)),
-        V::IntVec(v) => (1, Values::I32(v)),
-        V::Vec2iVec(v) => (2, Values::I32(cast_slice(&v).to_vec())),
-        V::Vec3iVec(v) => (3, Values::I32(cast_slice(&v).to_vec())),
-        V::Vec4iVec(v) => (4, Values::I32(cast_slice(&v).to_vec())),
-        V::UintVec(v) => (1, Values::U32(v)),
-        V::Int64Vec(v) => (1, Values::I64(v)),
-        V::Uint64Vec(v) => (1, Values::U64(v)),
-        V::HalfVec(v) => (1, widened(&v)),
-        V::Vec2hVec(v) => (2, widened(&v)),
-        V::Vec3hVec(v) => (3, widened(&v)),
-        V::Vec4hVec(v) => (4, widened(&v)),
-        V::QuathVec(v) => (4, widened(&v)),
-        V::FloatVec(v) => (1, Values::F32(v)),
-        V::Vec2fVec(v) => (2, Values::F32(cast_slice(&v).to_vec())),
-        V::Vec3fVec(v) => (3, Values::F32(cast_slice(&v).to_vec())),
-        V::Vec4fVec(v) => (4, Values::F32(cast_slice(&v).to_vec())),
-        V::QuatfVec(v) => (4, Values::F32(cast_slice(&v).to_vec())),
-        V::DoubleVec(v) => (1, Values::F64(v)),
-        V::Vec2dVec(v) => (2, Values::F64(cast_slice(&v).to_vec())),
-        V::Vec3dVec(v) => (3, Values::F64(cast_slice(&v).to_vec())),
-        V::Vec4dVec(v) => (4, Values::F64(cast_slice(&v).to_vec())),
-        V::QuatdVec(v) => (4, Values::F64(cast_slice(&v).to_vec())),
-        V::Matrix2dVec(v) => (4, Values::F64(cast_slice(&v).to_vec())),
-        V::Matrix3dVec(v) => (9, Values::F64(cast_slice(&v).to_vec())),
-        V::Matrix4dVec(v) => (16, Values::F64(v.iter().flat_map(|m| m.0).collect())),
-        V::TimeCodeVec(v) => (1, Values::F64(v.iter().map(|t| t.0).collect())),
-        V::StringVec(v) => (1, Values::Text(v)),
-        V::TokenVec(v) => (1, Values::Text(v.iter().map(|t| t.as_str().to_owned()).collect())),
-        V::AssetPathVec(v) => (1, Values::Text(v.into_iter().map(AssetPath::into_string).collect())),
-        _ => return None,
-    })
+/// Defines [`flat`] and [`typed`] from one table of USD's array types: those whose vector is kept, those that are cast to
+/// their numbers (with how many a value has), and halves, which are widened. Widening is exact.
+macro_rules! arrays {
+    (
+        kept { $($kept:ident $kept_as:ident),* }
+        cast { $($cast:ident $cast_as:ident $width:literal),* }
+        half { $($half:ident $half_width:literal),* }
+    ) => {
+        /// Numbers in one value of an array, and the array, flat.
+        pub fn flat(value: Value) -> Option<(usize, Values)> {
+            Some(match value {
+                $(Value::$kept(v) => (1, Values::$kept_as(v)),)*
+                $(Value::$cast(v) => ($width, Values::$cast_as(cast_slice(&v).to_vec())),)*
+                $(Value::$half(v) => ($half_width, widened(&v)),)*
+                Value::TimeCodeVec(v) => (1, Values::F64(v.iter().map(|t| t.0).collect())),
+                Value::TokenVec(v) => (1, Values::Text(v.iter().map(|t| t.as_str().to_owned()).collect())),
+                Value::AssetPathVec(v) => (1, Values::Text(v.into_iter().map(AssetPath::into_string).collect())),
+                _ => return None,
+            })
+        }
+
+        /// Flat values as an array of USD's type `type_name`; none when the two do not fit.
+        pub fn typed(type_name: &ValueTypeName, values: &Values) -> Option<Value> {
+            use ValueKind as K;
+            Some(match (type_name.kind()?, values) {
+                $((K::$kept, Values::$kept_as(v)) => Value::$kept(v.clone()),)*
+                $((K::$cast, Values::$cast_as(v)) => Value::$cast(grouped(v)?),)*
+                $((K::$half, Values::F32(v)) => {
+                    Value::$half(grouped(&v.iter().map(|&x| f16::from_f32(x)).collect::<Vec<_>>())?)
+                })*
+                (K::TimeCodeVec, Values::F64(v)) => Value::TimeCodeVec(v.iter().map(|&t| TimeCode(t)).collect()),
+                (K::TokenVec, Values::Text(v)) => Value::TokenVec(v.iter().map(Token::from).collect()),
+                (K::AssetPathVec, Values::Text(v)) => Value::AssetPathVec(v.iter().map(AssetPath::new).collect()),
+                _ => return None,
+            })
+        }
+    };
+}
+
+arrays! {
+    kept {
+        BoolVec Bool, UcharVec U8, IntVec I32, UintVec U32, Int64Vec I64, Uint64Vec U64, FloatVec F32, DoubleVec F64,
+        StringVec Text
+    }
+    cast {
+        Vec2iVec I32 2, Vec3iVec I32 3, Vec4iVec I32 4,
+        Vec2fVec F32 2, Vec3fVec F32 3, Vec4fVec F32 4, QuatfVec F32 4,
+        Vec2dVec F64 2, Vec3dVec F64 3, Vec4dVec F64 4, QuatdVec F64 4,
+        Matrix2dVec F64 4, Matrix3dVec F64 9, Matrix4dVec F64 16
+    }
+    half { HalfVec 1, Vec2hVec 2, Vec3hVec 3, Vec4hVec 4, QuathVec 4 }
 }
 
 fn widened<T: Pod>(halves: &[T]) -> Values {
     Values::F32(cast_slice::<T, f16>(halves).iter().map(|h| h.to_f32()).collect())
 }
 
-/// Flat values as an array of USD's type `type_name`; none when the two do not fit.
-pub fn typed(type_name: &ValueTypeName, values: &Values) -> Option<Value> {
-    let kind = type_name.kind()?;
-    match values {
-        Values::F32(v) => floats(kind, v),
-        Values::F64(v) => doubles(kind, v),
-        Values::I32(v) => ints(kind, v),
-        Values::Text(v) => texts(kind, v),
-        Values::Bool(v) if kind == ValueKind::BoolVec => Some(Value::BoolVec(v.clone())),
-        Values::U8(v) if kind == ValueKind::UcharVec => Some(Value::UcharVec(v.clone())),
-        Values::U32(v) if kind == ValueKind::UintVec => Some(Value::UintVec(v.clone())),
-        Values::I64(v) if kind == ValueKind::Int64Vec => Some(Value::Int64Vec(v.clone())),
-        Values::U64(v) if kind == ValueKind::Uint64Vec => Some(Value::Uint64Vec(v.clone())),
-        _ => None,
-    }
-}
-
-/// The numbers as values of a type that is nothing but numbers; none when they do not fill whole values.
+/// The numbers as whole values; none when the last value is incomplete.
 fn grouped<N: Pod, T: Pod>(numbers: &[N]) -> Option<Vec<T>> {
     bytemuck::try_cast_slice(numbers).ok().map(<[T]>::to_vec)
 }
 
-fn floats(kind: ValueKind, v: &[f32]) -> Option<Value> {
-    use ValueKind as K;
-    Some(match kind {
-        K::FloatVec => Value::FloatVec(v.to_vec()),
-        K::Vec2fVec => Value::Vec2fVec(grouped(v)?),
-        K::Vec3fVec => Value::Vec3fVec(grouped(v)?),
-        K::Vec4fVec => Value::Vec4fVec(grouped(v)?),
-        K::QuatfVec => Value::QuatfVec(grouped(v)?),
-        _ => return halves(kind, &v.iter().map(|&x| f16::from_f32(x)).collect::<Vec<_>>()),
-    })
-}
-
-fn halves(kind: ValueKind, v: &[f16]) -> Option<Value> {
-    use ValueKind as K;
-    Some(match kind {
-        K::HalfVec => Value::HalfVec(v.to_vec()),
-        K::Vec2hVec => Value::Vec2hVec(grouped(v)?),
-        K::Vec3hVec => Value::Vec3hVec(grouped(v)?),
-        K::Vec4hVec => Value::Vec4hVec(grouped(v)?),
-        K::QuathVec => Value::QuathVec(grouped(v)?),
-        _ => return None,
-    })
-}
-
-fn doubles(kind: ValueKind, v: &[f64]) -> Option<Value> {
-    use ValueKind as K;
-    Some(match kind {
-        K::DoubleVec => Value::DoubleVec(v.to_vec()),
-        K::Vec2dVec => Value::Vec2dVec(grouped(v)?),
-        K::Vec3dVec => Value::Vec3dVec(grouped(v)?),
-        K::Vec4dVec => Value::Vec4dVec(grouped(v)?),
-        K::QuatdVec => Value::QuatdVec(grouped(v)?),
-        K::Matrix2dVec => Value::Matrix2dVec(grouped(v)?),
-        K::Matrix3dVec => Value::Matrix3dVec(grouped(v)?),
-        K::Matrix4dVec => Value::Matrix4dVec(grouped(v)?),
-        K::TimeCodeVec => Value::TimeCodeVec(v.iter().map(|&t| TimeCode(t)).collect()),
-        _ => return None,
-    })
-}
-
-fn ints(kind: ValueKind, v: &[i32]) -> Option<Value> {
-    use ValueKind as K;
-    Some(match kind {
-        K::IntVec => Value::IntVec(v.to_vec()),
-        K::Vec2iVec => Value::Vec2iVec(grouped(v)?),
-        K::Vec3iVec => Value::Vec3iVec(grouped(v)?),
-        K::Vec4iVec => Value::Vec4iVec(grouped(v)?),
-        _ => return None,
-    })
-}
-
-fn texts(kind: ValueKind, v: &[String]) -> Option<Value> {
-    use ValueKind as K;
-    Some(match kind {
-        K::StringVec => Value::StringVec(v.to_vec()),
-        K::TokenVec => Value::TokenVec(v.iter().map(Token::from).collect()),
-        K::AssetPathVec => Value::AssetPathVec(v.iter().map(AssetPath::new).collect()),
-        _ => return None,
-    })
-}
-
-/// How values of a type combine: normals and quaternions keep their length, other real numbers are summed, and the
-/// rest is taken as it is.
+/// How values of a type combine: quaternions and normals stay of unit length, other real numbers are summed, and
+/// everything else is copied.
 pub fn mixing(type_name: &ValueTypeName) -> Mixing {
-    use ValueKind as K;
+    let holds = |none: Values| typed(type_name, &none).is_some();
     match type_name.kind() {
-        Some(K::QuathVec | K::QuatfVec | K::QuatdVec) => Mixing::Rotation,
+        Some(ValueKind::QuathVec | ValueKind::QuatfVec | ValueKind::QuatdVec) => Mixing::Rotation,
         _ if type_name.role() == Some(Role::Normal) => Mixing::Direction,
-        Some(
-            K::HalfVec
-            | K::Vec2hVec
-            | K::Vec3hVec
-            | K::Vec4hVec
-            | K::FloatVec
-            | K::Vec2fVec
-            | K::Vec3fVec
-            | K::Vec4fVec
-            | K::DoubleVec
-            | K::Vec2dVec
-            | K::Vec3dVec
-            | K::Vec4dVec
-            | K::Matrix2dVec
-            | K::Matrix3dVec
-            | K::Matrix4dVec
-            | K::TimeCodeVec,
-        ) => Mixing::Linear,
+        _ if holds(Values::F32(Vec::new())) || holds(Values::F64(Vec::new())) => Mixing::Linear,
         _ => Mixing::Discrete,
     }
 }

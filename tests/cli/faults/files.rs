@@ -140,7 +140,7 @@ fn of_the_choice_of_a_mesh() {
                         .replace("(2, 2, 0)]", "(2, 2, 0)] }"),
                 );
             },
-            &["/Coat/model.points has values at 1 times and none besides", "--time 3"],
+            &["/Coat/model.points has values at 1 times and no default", "--time 3"],
         ),
         fault("build in.usda -o out/coat.usda --time nan", cloth, &["the time is not a number", "24.5"]),
         fault(

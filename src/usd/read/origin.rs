@@ -1,7 +1,7 @@
 //! Opening a stage, from a file or from memory.
 
-use super::UsdError;
 use crate::error::plain;
+use crate::usd::UsdError;
 use openusd::ar;
 use openusd::usd::Stage;
 use std::fs;
@@ -9,20 +9,20 @@ use std::io::{self, Cursor};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Where a stage is opened from.
+/// The file or bytes from which a stage is opened.
 #[derive(Clone, Debug)]
-pub struct Origin {
-    /// The file, or what `content` was composed from.
+pub struct StageOrigin {
+    /// The file, or the source of `content`.
     pub file: PathBuf,
-    /// A layer in memory, opened in the file's stead.
+    /// A layer in memory, opened instead of the file.
     pub content: Option<Arc<[u8]>>,
 }
 
-impl Origin {
+impl StageOrigin {
     /// Opens the stage.
     ///
     /// # Errors
-    /// A file that is not there, is no file, is empty or is not USD.
+    /// A file that is missing, a folder, empty or not USD.
     pub fn open(&self) -> Result<Stage, UsdError> {
         match &self.content {
             Some(content) => open_content(&self.file, content),
@@ -31,7 +31,7 @@ impl Origin {
     }
 }
 
-/// What the layer in memory is called. It names no file, so that nothing relative is found beside it.
+/// Identifier of the layer in memory. It names no file, so that relative paths in it lead nowhere.
 const IN_MEMORY: &str = "composed.usd";
 
 fn open_content(file: &Path, content: &Arc<[u8]>) -> Result<Stage, UsdError> {
@@ -47,7 +47,7 @@ fn open_content(file: &Path, content: &Arc<[u8]>) -> Result<Stage, UsdError> {
     })
 }
 
-/// Finds one layer in memory, and everything else where it is.
+/// Resolves one identifier to a layer in memory, and everything else to files.
 struct InMemory {
     content: Arc<[u8]>,
     files: ar::DefaultResolver,
@@ -97,7 +97,7 @@ fn open_file(file: &Path) -> Result<Stage, UsdError> {
     };
     Stage::open(path).map_err(|e| {
         let words = e.to_string();
-        // The text reader knows letters beyond ASCII in names of prims, but not of properties.
+        // The text reader admits letters beyond ASCII in names of prims only.
         let beyond_ascii = words.contains("Logos") && std::fs::read(file).is_ok_and(|b| !b.is_ascii());
         let words = words.trim_start_matches("error: ").trim_end();
         UsdError::new(format!("{shown} cannot be read as USD: {words}")).hint(if beyond_ascii {

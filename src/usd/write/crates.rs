@@ -1,18 +1,18 @@
-//! Crate files, with what the crate writer in use does wrong.
+//! Crate files, with workarounds for faults of the crate writer.
 
-use super::UsdError;
 use crate::error::{Warning, Warnings};
+use crate::usd::UsdError;
 use openusd::sdf::{AbstractData, Data, FormatError, Value};
 use openusd::usdc::CrateWriter;
 use std::io::{Cursor, Seek, SeekFrom, Write};
 
-/// Where a crate says its minor version.
+/// Position of the minor version in a crate.
 const MINOR_VERSION: u64 = 9;
 
-/// The version that readers before OpenUSD 24.11 know, which holds all values but those of [`needs_new_version`].
+/// The minor version for readers before OpenUSD 24.11. It has all values but those of [`needs_new_version`].
 const OLD_MINOR_VERSION: u8 = 8;
 
-/// Writes `data` as a crate, for readers as old as can be.
+/// Writes `data` as a crate of the oldest version that has its values.
 ///
 /// # Errors
 /// A value that a crate cannot hold, a failure of `out`.
@@ -39,8 +39,8 @@ pub fn encode(data: &Data) -> Result<Vec<u8>, UsdError> {
     Ok(out.into_inner())
 }
 
-/// Takes out the values that the crate writer would write wrong, which are single `half2`s, and reports them.
-pub fn take_out_unwritable(data: &mut Data, warnings: &mut Warnings) {
+/// Removes single `half2` values, which the crate writer writes wrongly, and reports them.
+pub fn remove_unwritable(data: &mut Data, warnings: &mut Warnings) {
     let is_half2 = |v: &Value| matches!(v, Value::Vec2h(_));
     for path in data.spec_paths() {
         let Some(spec) = data.spec_mut(&path) else { continue };

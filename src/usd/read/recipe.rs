@@ -1,10 +1,8 @@
-//! The recipe that the model's own attributes hold, as JSON.
+//! The recipe in the model's own properties, as JSON.
 
-use super::UsdError;
-use super::choose::unreadable;
-use super::geometry::{prim_name, subset_prims, value};
-use super::names;
-use super::values::text;
+use super::query::{OrUnreadable, prim_name, property_names, subset_prims, value};
+use crate::usd::values::text;
+use crate::usd::{UsdError, names};
 use openusd::sdf::{self, Value};
 use openusd::usd::{Prim, TimeCode};
 use serde_json::{Map, Value as Json, json};
@@ -15,9 +13,9 @@ use serde_json::{Map, Value as Json, json};
 /// A value that JSON cannot hold, a name that is both a value and a namespace, a target that is no subset of the mesh.
 pub fn read_recipe(prim: &Prim, time: Option<TimeCode>) -> Result<Map<String, Json>, UsdError> {
     let mut recipe = Map::new();
-    for name in prim.authored_property_names().map_err(|e| unreadable(prim, &e))? {
+    for name in property_names(prim)? {
         let Some(key) = name.strip_prefix(names::RECIPE) else { continue };
-        let kind = prim.prim_index().property_type(name.clone()).map_err(|e| unreadable(prim, &e))?;
+        let kind = prim.prim_index().property_type(name.as_str()).or_unreadable(prim.path())?;
         let value = match kind {
             Some(sdf::SpecType::Relationship) => Some(targets(prim, &name)?),
             _ => match value(prim, &name, time)? {
@@ -38,7 +36,7 @@ pub fn read_recipe(prim: &Prim, time: Option<TimeCode>) -> Result<Map<String, Js
     Ok(recipe)
 }
 
-/// Puts `value` where `key` (`a:b:c`) says; none when there is something else already.
+/// Inserts `value` at `key` (`a:b:c`); none when the place is taken.
 fn insert(into: &mut Map<String, Json>, key: &str, value: Json) -> Option<()> {
     let Some((space, rest)) = key.split_once(':') else {
         return into.insert(key.to_owned(), value).is_none().then_some(());
@@ -47,10 +45,10 @@ fn insert(into: &mut Map<String, Json>, key: &str, value: Json) -> Option<()> {
     insert(space.as_object_mut()?, rest, value)
 }
 
-/// Names of the subsets that a relationship points at.
+/// Names of the subsets that a relationship targets.
 fn targets(prim: &Prim, name: &str) -> Result<Json, UsdError> {
     let subsets = subset_prims(prim)?;
-    let targets = prim.relationship(name).targets().map_err(|e| unreadable(prim, &e))?;
+    let targets = prim.relationship(name).targets().or_unreadable(prim.path())?;
     let mut found = Vec::with_capacity(targets.len());
     for target in targets {
         let Some(subset) = subsets.iter().find(|s| *s.path() == target) else {
@@ -66,9 +64,9 @@ fn targets(prim: &Prim, name: &str) -> Result<Json, UsdError> {
     Ok(Json::Array(found))
 }
 
-/// A float as the shortest decimal that stands for it, which is what the user wrote.
+/// A float as its shortest decimal, which is what the user wrote.
 fn decimal(f: f32) -> Json {
-    f.to_string().parse::<f64>().map_or(Json::Null, |d| json!(d))
+    json!(f.to_string().parse::<f64>().expect("a float's own text is a number"))
 }
 
 fn to_json(value: &Value) -> Option<Json> {

@@ -1,62 +1,67 @@
 //! One product as prims and properties of a layer.
 
-use super::assets::Place;
-use super::model::{Model, Sibling, SubsetRecord};
-use super::names::{self, UsdToken};
-use super::record::{Content, Record};
-use super::values::typed;
-use super::write::{Product, ProductRole};
+use super::layer::{Product, ProductRole};
 use crate::error::{Warning, Warnings};
 use crate::garment::{Elements, Garment, Primvar, PrimvarRole, Values};
+use crate::usd::assets::Anchor;
+use crate::usd::names::{self, UsdToken};
+use crate::usd::read::{Model, Sibling, SubsetRecord};
+use crate::usd::record::{Content, Record};
+use crate::usd::values::typed;
 use glam::Vec3;
 use openusd::gf::Vec3f;
 use openusd::sdf::{self, AbstractData, FieldKey, Path, PrimSpec, Specifier, Value, ValueTypeName, Variability};
 use openusd::tf::Token;
-use std::collections::{BTreeSet, HashMap};
+use std::collections::HashMap;
 
-/// Writes products into a layer.
+/// Authors products in a layer.
 pub struct Author<'a> {
     /// The layer.
     pub data: &'a mut sdf::Data,
-    /// The model that they stand beside.
+    /// The model, whose siblings they are.
     pub model: &'a Model,
-    /// Where the layer will be read from.
-    pub place: Place<'a>,
+    /// The anchor of the layer's asset paths.
+    pub anchor: Anchor<'a>,
+    /// Whether the layer is over the stage, with the products that it has already.
+    pub is_overlay: bool,
 }
 
 impl Author<'_> {
-    /// States `product` beside the model.
+    /// Authors `product` as a sibling of the model.
     ///
     /// # Errors
     /// A name or type that the layer does not admit.
     pub fn product(&mut self, product: &Product, warnings: &mut Warnings) -> openusd::Result<()> {
-        let path = beside(&self.model.path, product.name)?;
+        let path = self.model.sibling_path(product.name)?;
         let model = self.model;
         PrimSpec::new(self.data, &path, Specifier::Def, names::MESH)?;
         self.data.set_field(&path, FieldKey::Documentation.as_str(), Value::String(doc(product.role, &model.path)));
         self.data.set_field(&path, names::CUSTOM_DATA, custom_data(product.role));
-        let before = model.siblings.get(product.name);
+        let before = model.siblings.get(product.name).filter(|_| self.is_overlay);
         self.schemas(&path, &model.applied, before.is_some());
         for record in &model.carried {
-            record.state(self.data, &path, self.place)?;
+            record.author(self.data, &path, self.anchor)?;
         }
         self.mesh(&path, product.role, product.mesh)?;
-        for primvar in product.mesh.primvars.iter().filter(|p| p.role == PrimvarRole::Primvar) {
+        let of_role = |role| product.mesh.primvars.iter().filter(move |p| p.role == role);
+        for primvar in of_role(PrimvarRole::Primvar) {
             self.primvar(&path, primvar, warnings)?;
         }
-        self.normals(&path, product.mesh)?;
+        for normals in of_role(PrimvarRole::Normals) {
+            self.normals(&path, normals, warnings)?;
+        }
         self.subsets(&path, product.mesh)?;
         self.shapes(&path, product.mesh)?;
         match before {
-            Some(before) => self.silence(&path, before),
+            Some(before) => self.block_earlier(&path, before),
             None => Ok(()),
         }
     }
 
-    /// States the model's own `purpose`.
+    /// Authors the model's own `purpose`.
     ///
     /// # Errors
-    /// A layer in which the model cannot be stated.
+    /// A layer that does not admit a spec for the model.
     pub fn model_purpose(&mut self, purpose: &str) -> openusd::Result<()> {
         let path = self.model.path.clone();
         PrimSpec::over(self.data, &path)?;
@@ -152,14 +157,11 @@ impl Author<'_> {
     fn primvar(&mut self, prim: &Path, primvar: &Primvar, warnings: &mut Warnings) -> openusd::Result<()> {
         let name = format!("{}{}", names::PRIMVARS, primvar.name);
         let type_name = ValueTypeName::from(primvar.type_name.as_str());
-        let Some(value) = typed(&type_name, &self.resolved(primvar)) else {
-            warnings.push(Warning::NotCarried {
-                what: format!("{prim}.{name}"),
-                why: format!("its values do not fit its type {}", primvar.type_name),
-            });
+        let Some(value) = typed(&type_name, &self.restated(primvar)) else {
+            warnings.push(misfit(prim, &name, primvar));
             return Ok(());
         };
-        let record = self.model.primvars.get(&primvar.name);
+        let record = self.model.declarations.primvars.get(&primvar.name);
         let path = self.declare(prim, &name, type_name, record)?;
         self.data.set_field(&path, FieldKey::Default.as_str(), value);
         let interpolation = Value::Token(Token::from(primvar.interpolation.token()));
@@ -174,7 +176,7 @@ impl Author<'_> {
             self.data.erase_field(&path, names::UNAUTHORED_VALUES_INDEX);
         }
         if let Some(indices) = &primvar.indices {
-            let record = self.model.primvars.get(&format!("{}{}", primvar.name, names::INDICES_SUFFIX));
+            let record = self.model.declarations.primvars.get(&format!("{}{}", primvar.name, names::INDICES_SUFFIX));
             let name = format!("{name}{}", names::INDICES_SUFFIX);
             let path = self.declare(prim, &name, ValueTypeName::INT_ARRAY, record)?;
             let indices = indices.iter().map(|&i| i as i32).collect();
@@ -183,12 +185,14 @@ impl Author<'_> {
         Ok(())
     }
 
-    /// The attribute `normals`.
-    fn normals(&mut self, prim: &Path, mesh: &Garment) -> openusd::Result<()> {
-        let Some(primvar) = mesh.primvars.iter().find(|p| p.role == PrimvarRole::Normals) else { return Ok(()) };
+    /// Authors the attribute `normals`, which has no indices.
+    fn normals(&mut self, prim: &Path, primvar: &Primvar, warnings: &mut Warnings) -> openusd::Result<()> {
         let type_name = ValueTypeName::from(primvar.type_name.as_str());
         let rows = (0..primvar.elements()).map(|i| primvar.row(i));
-        let Some(value) = typed(&type_name, &primvar.values.gather(primvar.width(), rows)) else { return Ok(()) };
+        let Some(value) = typed(&type_name, &primvar.values.gather(primvar.width(), rows)) else {
+            warnings.push(misfit(prim, names::NORMALS, primvar));
+            return Ok(());
+        };
         self.attribute(prim, names::NORMALS, type_name, Variability::Varying, value)?;
         let path = prim.append_property(names::NORMALS)?;
         let interpolation = Value::Token(Token::from(primvar.interpolation.token()));
@@ -196,7 +200,7 @@ impl Author<'_> {
         Ok(())
     }
 
-    /// Declares a property as the model does, or as a varying one that a schema knows.
+    /// Declares an attribute as the model does, or, without a record of the same type, as a varying one.
     fn declare(
         &mut self,
         prim: &Path,
@@ -214,15 +218,13 @@ impl Author<'_> {
         }
     }
 
-    /// The values of a primvar, with asset paths as this layer states them.
-    fn resolved(&self, primvar: &Primvar) -> Values {
+    /// The values of a primvar, with asset paths for this layer.
+    fn restated(&self, primvar: &Primvar) -> Values {
         match &primvar.values {
             Values::Text(texts) if primvar.type_name.starts_with("asset") => {
-                let stated = |text: &String| match self.model.assets.get(text) {
-                    Some(file) => self.place.path_to(file),
-                    None => text.clone(),
-                };
-                Values::Text(texts.iter().map(stated).collect())
+                let files = &self.model.declarations.assets;
+                let restated = |text: &String| files.get(text).map_or(text.clone(), |file| self.anchor.path_to(file));
+                Values::Text(texts.iter().map(restated).collect())
             }
             other => other.clone(),
         }
@@ -233,13 +235,13 @@ impl Author<'_> {
             let name = format!("{}{}{}", names::SUBSET_FAMILY, family.name, names::FAMILY_TYPE_SUFFIX);
             self.token(prim, &name, family.kind.token())?;
         }
-        for subset in &mesh.subsets {
+        for subset in mesh.subsets.iter() {
             let path = prim.append_path(subset.name.as_str())?;
             PrimSpec::new(self.data, &path, Specifier::Def, names::GEOM_SUBSET)?;
             let none = SubsetRecord::default();
             let record = self.model.subsets.get(&subset.name).unwrap_or(&none);
             for (key, value) in &record.metadata {
-                self.data.set_field(&path, key, self.place.anchor(value.clone()));
+                self.data.set_field(&path, key, self.anchor.restated(value.clone()));
             }
             self.schemas(&path, &record.applied, false);
             self.token(&path, names::ELEMENT_TYPE, subset.elements.kind())?;
@@ -248,7 +250,7 @@ impl Author<'_> {
             }
             self.ints(&path, names::INDICES, indices(&subset.elements))?;
             for record in &record.carried {
-                record.state(self.data, &path, self.place)?;
+                record.author(self.data, &path, self.anchor)?;
             }
             if let Some(sharpness) = subset.sharpness {
                 let (type_name, uniform) = (ValueTypeName::FLOAT, Variability::Uniform);
@@ -258,8 +260,8 @@ impl Author<'_> {
         Ok(())
     }
 
-    /// Blocks what an earlier product of this name holds and this one does not.
-    fn silence(&mut self, prim: &Path, before: &Sibling) -> openusd::Result<()> {
+    /// Blocks the properties and children of an earlier product of this name that this one does not have.
+    fn block_earlier(&mut self, prim: &Path, before: &Sibling) -> openusd::Result<()> {
         for record in &before.properties {
             if self.data.has_spec(&prim.append_property(record.name.as_str())?) {
                 continue;
@@ -274,8 +276,7 @@ impl Author<'_> {
                 }
             }
         }
-        let children: BTreeSet<_> = before.children.iter().collect();
-        for child in children {
+        for child in &before.children {
             let path = prim.append_path(child.as_str())?;
             if !self.data.has_spec(&path) {
                 PrimSpec::over(self.data, &path)?.set_active(false);
@@ -285,9 +286,10 @@ impl Author<'_> {
     }
 }
 
-/// The path of a prim called `name` beside `model`.
-pub fn beside(model: &Path, name: &str) -> Result<Path, sdf::PathParseError> {
-    model.parent().unwrap_or_else(Path::abs_root).append_path(name)
+/// The warning of a primvar whose values are not of its type.
+fn misfit(prim: &Path, name: &str, primvar: &Primvar) -> Warning {
+    let why = format!("its values do not fit its type {}", primvar.type_name);
+    Warning::NotCarried { what: format!("{prim}.{name}"), why }
 }
 
 fn doc(role: ProductRole, model: &Path) -> String {

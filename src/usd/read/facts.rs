@@ -1,20 +1,17 @@
-//! What `info` prints about the model and its surroundings.
+//! Facts about the model and its surroundings, which `info` prints.
 
-use super::UsdError;
-use super::choose::{prim_at, unreadable};
-use super::geometry::{subset_prims, value};
 use super::model::Model;
-use super::names;
-use super::primvars::{interpolation, primvar_names};
-use super::record::Content;
-use super::values::text;
+use super::query::{OrUnreadable, interpolation, prim_at, primvar_names, property_names, subset_prims, value};
 use crate::garment::Interpolation;
-use openusd::sdf::{self, Value};
+use crate::usd::record::Content;
+use crate::usd::values::text;
+use crate::usd::{UsdError, names};
+use openusd::sdf::Value;
 use openusd::usd::{Prim, TimeCode};
 use openusd::usda::TextWriter;
 use serde::Serialize;
 
-/// The model and its surroundings, for people.
+/// The model and its surroundings.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Facts {
@@ -87,12 +84,13 @@ pub struct Binding {
 /// # Errors
 /// A stage that cannot be queried.
 pub fn gather(prim: &Prim, model: &Model, time: Option<TimeCode>) -> Result<Facts, UsdError> {
+    // Without a time, an animated purpose or visibility has no value.
     let token = |name, fallback: &str| {
         let value = value(prim, name, time).ok().flatten();
         value.as_ref().and_then(text).unwrap_or(fallback).to_owned()
     };
     let stage = |key| model.stage_metadata.iter().find(|(k, _)| k == key).map(|(_, v)| v);
-    let schemas = prim.authored_api_schemas().map_err(|e| unreadable(prim, &e))?;
+    let schemas = prim.authored_api_schemas().or_unreadable(prim.path())?;
     Ok(Facts {
         file: model.origin.file.display().to_string(),
         prim: prim.path().as_str().to_owned(),
@@ -100,7 +98,7 @@ pub fn gather(prim: &Prim, model: &Model, time: Option<TimeCode>) -> Result<Fact
         meters_per_unit: stage("metersPerUnit").and_then(number).unwrap_or(0.01),
         purpose: token(names::PURPOSE, "default"),
         visibility: token(names::VISIBILITY, "inherited"),
-        transform: transform(model),
+        transform: transform(model)?,
         api_schemas: schemas.iter().map(|s| s.as_str().to_owned()).collect(),
         constant_primvars: constant_primvars(model),
         inherited_primvars: inherited(prim)?,
@@ -119,10 +117,10 @@ fn number(value: &Value) -> Option<f64> {
     }
 }
 
-fn transform(model: &Model) -> Vec<TransformOp> {
+fn transform(model: &Model) -> Result<Vec<TransformOp>, UsdError> {
     let record = |name: &str| model.carried.iter().find(|r| r.name == name);
     let order = record(names::XFORM_OP_ORDER).map(|r| &r.content);
-    let Some(Content::Attribute { default: Some(Value::TokenVec(order)), .. }) = order else { return Vec::new() };
+    let Some(Content::Attribute { default: Some(Value::TokenVec(order)), .. }) = order else { return Ok(Vec::new()) };
     order
         .iter()
         .map(|op| {
@@ -131,11 +129,8 @@ fn transform(model: &Model) -> Vec<TransformOp> {
                 Some(Content::Attribute { default, samples, .. }) => (default.as_ref(), samples.as_ref()),
                 _ => (None, None),
             };
-            TransformOp {
-                name: op.as_str().to_owned(),
-                value: default.and_then(|v| TextWriter::value_to_string(v).ok()).unwrap_or_default(),
-                samples: samples.map_or(0, Vec::len),
-            }
+            let value = default.map_or(Ok(String::new()), TextWriter::value_to_string).or_unreadable(&model.path)?;
+            Ok(TransformOp { name: op.as_str().to_owned(), value, samples: samples.map_or(0, Vec::len) })
         })
         .collect()
 }
@@ -151,15 +146,16 @@ fn inherited(prim: &Prim) -> Result<Vec<InheritedPrimvar>, UsdError> {
     for path in prim.path().strict_ancestors_below_root() {
         let ancestor = prim_at(prim.stage(), &path)?;
         for name in primvar_names(&ancestor)? {
-            let attribute = ancestor.attribute(format!("{}{name}", names::PRIMVARS));
-            let constant = interpolation(&ancestor, &name).is_ok_and(|i| i == Interpolation::Constant);
-            if !constant || hidden.contains(&name) || !attribute.has_authored_value().unwrap_or(false) {
+            let property = format!("{}{name}", names::PRIMVARS);
+            let attribute = ancestor.attribute(property.as_str());
+            let constant = interpolation(&ancestor, &property).is_ok_and(|i| i == Interpolation::Constant);
+            if !constant || hidden.contains(&name) || !attribute.has_authored_value().or_unreadable(&path)? {
                 continue;
             }
-            let type_name = attribute.type_name().ok().flatten();
+            let type_name = attribute.type_name().or_unreadable(attribute.path())?;
             found.push(InheritedPrimvar {
                 name: name.clone(),
-                type_name: type_name.map_or_else(String::new, |t| t.as_str().to_owned()),
+                type_name: type_name.map_or_else(|| "unknown".to_owned(), |t| t.as_str().to_owned()),
                 from: path.as_str().to_owned(),
             });
             hidden.push(name);
@@ -176,19 +172,12 @@ fn bindings(prim: &Prim) -> Result<Vec<Binding>, UsdError> {
     prims.extend(subset_prims(prim)?);
     let mut found = Vec::new();
     for bound in &prims {
-        for name in bound.authored_property_names().map_err(|e| unreadable(bound, &e))? {
-            if !name.starts_with(names::MATERIAL_BINDING) {
-                continue;
+        for relationship in property_names(bound)?.into_iter().filter(|n| n.starts_with(names::MATERIAL_BINDING)) {
+            let targets = bound.relationship(relationship.as_str()).targets().or_unreadable(bound.path())?;
+            if !targets.is_empty() {
+                let (prim, targets) = (bound.path().to_string(), targets.iter().map(ToString::to_string).collect());
+                found.push(Binding { prim, relationship, targets });
             }
-            let targets = bound.relationship(name.clone()).targets().map_err(|e| unreadable(bound, &e))?;
-            if targets.is_empty() {
-                continue;
-            }
-            found.push(Binding {
-                prim: bound.path().as_str().to_owned(),
-                relationship: name.as_str().to_owned(),
-                targets: targets.iter().map(sdf::Path::as_str).map(str::to_owned).collect(),
-            });
         }
     }
     Ok(found)

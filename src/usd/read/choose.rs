@@ -1,32 +1,28 @@
 //! Choosing the mesh to work on.
 
-use super::UsdError;
-use super::names;
-use super::read::ReadOptions;
-use super::values::text;
-use openusd::sdf::{self, Value};
+use super::ReadOptions;
+use super::query::{OrUnreadable, is_a, is_product, prim_at};
+use crate::usd::{UsdError, names};
+use openusd::sdf;
 use openusd::usd::{Prim, PrimPredicate, Stage};
 use std::path::Path;
 
-/// How many paths a message lists.
+/// Paths that a message lists.
 const LISTED: usize = 8;
 
-/// The mesh to work on: the one named, or the only one.
+/// The mesh that `options` name, or the only one of the stage.
 ///
 /// # Errors
-/// No mesh, several meshes, or a path that is not a mesh beside which another can be put.
+/// No mesh, several meshes, or a path that is not a mesh to which siblings can be added.
 pub fn choose_mesh(stage: &Stage, file: &Path, options: &ReadOptions) -> Result<Prim, UsdError> {
     let prim = match &options.prim {
         Some(path) => named_mesh(stage, file, path)?,
         None => only_mesh(stage, file)?,
     };
     let instance = prim.is_instance_proxy().and_then(|proxy| Ok(proxy || prim.is_in_prototype()?));
-    if instance.map_err(|e| unreadable(&prim, &e))? {
-        return Err(UsdError::new(format!(
-            "{} is inside an instance, so that nothing can be put beside it",
-            prim.path()
-        ))
-        .hint("open the file that the instance refers to, or set instanceable = false on the instance"));
+    if instance.or_unreadable(prim.path())? {
+        return Err(UsdError::new(format!("{} is inside an instance, which takes no new prims", prim.path()))
+            .hint("open the file that the instance refers to, or set instanceable = false on the instance"));
     }
     Ok(prim)
 }
@@ -37,21 +33,20 @@ fn named_mesh(stage: &Stage, file: &Path, path: &str) -> Result<Prim, UsdError> 
         return Err(UsdError::new(format!("prim {path:?} is not the path of a prim")).hint("it looks like /Coat/model"));
     };
     let prim = prim_at(stage, &parsed)?;
-    if !prim.is_valid().map_err(|e| unreadable(&prim, &e))? {
+    if !prim.is_valid().or_unreadable(&parsed)? {
         let found = all_meshes(stage, file)?;
         return Err(UsdError::new(format!("{} has no prim {path}", file.display())).hint(list(&found)));
     }
-    let type_name = prim.type_name().map_err(|e| unreadable(&prim, &e))?.unwrap_or_default();
-    if type_name.as_str() != names::MESH {
+    if !is_a(&prim, names::MESH)? {
         let mut found = all_meshes(stage, file)?;
         if found.iter().any(|p| p.has_prefix(prim.path())) {
             found.retain(|p| p.has_prefix(prim.path()));
         }
-        let kind = if type_name.is_empty() { "a prim without a type" } else { type_name.as_str() };
+        let type_name = prim.type_name().or_unreadable(&parsed)?.filter(|t| !t.is_empty());
+        let kind = type_name.as_ref().map_or("a prim without a type", |t| t.as_str());
         return Err(UsdError::new(format!("{path} is {kind}, not a Mesh")).hint(list(&found)));
     }
-    let usable = stage.prim_matches(prim.path(), PrimPredicate::DEFAULT).map_err(|e| unreadable(&prim, &e))?;
-    if !usable {
+    if !stage.prim_matches(&parsed, PrimPredicate::DEFAULT).or_unreadable(&parsed)? {
         return Err(UsdError::new(format!("{path} is inactive, undefined, or a class (an abstract prim)"))
             .hint("activate it, or name another mesh"));
     }
@@ -62,7 +57,7 @@ fn only_mesh(stage: &Stage, file: &Path) -> Result<Prim, UsdError> {
     let all = all_meshes(stage, file)?;
     let mut found = Vec::new();
     for path in &all {
-        if product_role(&prim_at(stage, path)?).is_none() {
+        if !is_product(&prim_at(stage, path)?)? {
             found.push(path.clone());
         }
     }
@@ -70,7 +65,7 @@ fn only_mesh(stage: &Stage, file: &Path) -> Result<Prim, UsdError> {
         [one] => prim_at(stage, one),
         [] if !all.is_empty() => {
             Err(UsdError::new(format!("{} holds no mesh but products of usd-tailor", file.display()))
-                .hint("name the garment's own file, or give one of them by --prim, or as \"prim\" in a .tailor file"))
+                .hint("open the file of the garment, or name a product by --prim or as \"prim\" in a .tailor file"))
         }
         [] => {
             let faults: Vec<_> = stage.composition_errors().iter().map(|e| format!("\n  {e}")).take(LISTED).collect();
@@ -84,15 +79,14 @@ fn only_mesh(stage: &Stage, file: &Path) -> Result<Prim, UsdError> {
     }
 }
 
-/// The paths of all active, defined meshes, inside instances too.
+/// The paths of all active, defined meshes, including those inside instances.
 fn all_meshes(stage: &Stage, file: &Path) -> Result<Vec<sdf::Path>, UsdError> {
     let fault = |e: openusd::Error| UsdError::new(format!("{} cannot be composed: {e}", file.display()));
     let mut paths = Vec::new();
     stage.traverse(PrimPredicate::DEFAULT_PROXIES, |path| paths.push(path.clone())).map_err(fault)?;
     let mut meshes = Vec::new();
     for path in paths {
-        let type_name = prim_at(stage, &path)?.type_name().map_err(fault)?;
-        if type_name.is_some_and(|t| t.as_str() == names::MESH) {
+        if is_a(&prim_at(stage, &path)?, names::MESH)? {
             meshes.push(path);
         }
     }
@@ -106,23 +100,4 @@ fn list(paths: &[sdf::Path]) -> String {
     let shown: Vec<_> = paths.iter().take(LISTED).map(sdf::Path::as_str).collect();
     let more = if paths.len() > LISTED { format!(" and {} more", paths.len() - LISTED) } else { String::new() };
     format!("{}{more}", shown.join(", "))
-}
-
-/// The role that a prim has as a product of this program.
-pub fn product_role(prim: &Prim) -> Option<String> {
-    let Ok(Some(Value::Dictionary(data))) = prim.custom_data() else { return None };
-    match data.get(names::PRODUCT_SPACE) {
-        Some(Value::Dictionary(ours)) => ours.get(names::PRODUCT).and_then(text).map(str::to_owned),
-        _ => None,
-    }
-}
-
-/// The prim at `path`.
-pub fn prim_at(stage: &Stage, path: &sdf::Path) -> Result<Prim, UsdError> {
-    stage.prim(path).map_err(|e| UsdError::new(e.to_string()))
-}
-
-/// A prim that cannot be read.
-pub fn unreadable(prim: &Prim, e: &dyn std::fmt::Display) -> UsdError {
-    UsdError::new(format!("{} cannot be read: {e}", prim.path()))
 }

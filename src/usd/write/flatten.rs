@@ -1,15 +1,14 @@
 //! The whole stage as one layer.
 
-use super::UsdError;
-use super::assets::{Place, settle};
-use super::choose::prim_at;
-use super::model::{COMPOSITION, Model};
-use super::record::{Content, Depth, Record, metadata};
 use crate::error::{Warning, Warnings};
+use crate::usd::UsdError;
+use crate::usd::assets::{Anchor, resolved};
+use crate::usd::read::{COMPOSITION, Model, prim_at};
+use crate::usd::record::{Content, Depth, Record, metadata};
 use openusd::sdf::{self, AbstractData, Data, FieldKey, Path, PrimSpec, SpecType, Specifier, Value};
 use openusd::usd::{Prim, PrimPredicate, SpecSite, Stage};
 
-/// Metadata of the root layer that says how it composes.
+/// Metadata of the root layer that describes its composition.
 const STACK: &[FieldKey] = &[
     FieldKey::SubLayers,
     FieldKey::SubLayerOffsets,
@@ -18,18 +17,18 @@ const STACK: &[FieldKey] = &[
     FieldKey::PrimOrder,
 ];
 
-/// The stage of `model` as one layer that stands alone, without the prims `left_out`. Instances become ordinary prims;
-/// what cannot be read is left out with a warning.
+/// The stage of `model` as one self-contained layer, without the prims `left_out`. Instances become ordinary prims.
+/// Properties that cannot be read become warnings.
 ///
 /// # Errors
-/// A stage that cannot be read any more.
-pub fn flattened(model: &Model, left_out: &[Path], place: Place, warnings: &mut Warnings) -> Result<Data, UsdError> {
+/// A stage that cannot be opened again.
+pub fn flattened(model: &Model, left_out: &[Path], anchor: Anchor, warnings: &mut Warnings) -> Result<Data, UsdError> {
     let fault = |e: openusd::Error| UsdError::new(format!("{} cannot be flattened: {e}", model.origin.file.display()));
     let stage = model.origin.open()?;
     let mut paths = Vec::new();
     stage.traverse(PrimPredicate::ALL, |path| paths.push(path.clone())).map_err(fault)?;
     paths.retain(|path| !left_out.iter().any(|left| path.has_prefix(left)));
-    let mut flat = Flat { data: Data::new(), place, warnings };
+    let mut flat = Flat { data: Data::new(), anchor, warnings };
     flat.root(&stage).map_err(fault)?;
     for path in paths {
         flat.prim(&prim_at(&stage, &path)?).map_err(fault)?;
@@ -39,7 +38,7 @@ pub fn flattened(model: &Model, left_out: &[Path], place: Place, warnings: &mut 
 
 struct Flat<'a> {
     data: Data,
-    place: Place<'a>,
+    anchor: Anchor<'a>,
     warnings: &'a mut Warnings,
 }
 
@@ -57,7 +56,7 @@ impl Flat<'_> {
     fn prim(&mut self, prim: &Prim) -> openusd::Result<()> {
         let path = prim.path();
         let specifier = prim.specifier()?.unwrap_or(Specifier::Over);
-        PrimSpec::new(&mut self.data, path, specifier, prim.type_name()?.unwrap_or_default().as_str())?;
+        PrimSpec::new(&mut self.data, path, specifier, prim.type_name()?.as_ref().map_or("", |t| t.as_str()))?;
         let sites = prim.prim_stack()?;
         let fields = metadata(prim.stage(), path, &sites)?;
         self.metadata(prim.stage(), path, &sites, fields, COMPOSITION);
@@ -70,7 +69,7 @@ impl Flat<'_> {
             match Record::take(prim, &name, Depth::Whole) {
                 Ok(Some(record)) => {
                     self.report_missing(path, &record);
-                    record.state(&mut self.data, path, self.place)?;
+                    record.author(&mut self.data, path, self.anchor)?;
                 }
                 Ok(None) => {}
                 Err(e) => self.not_carried(format!("{path}.{name}"), format!("it cannot be read: {e}")),
@@ -89,9 +88,9 @@ impl Flat<'_> {
     ) {
         for (key, value) in fields {
             if !left_out.iter().any(|k| k.as_str() == key) {
-                let value = settle(stage, sites, value);
+                let value = resolved(value, stage, sites);
                 self.report_unresolved(path, value.clone());
-                AbstractData::set_field(&mut self.data, path, &key, self.place.anchor(value));
+                AbstractData::set_field(&mut self.data, path, &key, self.anchor.restated(value));
             }
         }
     }
@@ -105,11 +104,11 @@ impl Flat<'_> {
         }
     }
 
-    /// Reports asset paths that lead nowhere, which cannot be stated anew.
+    /// Reports asset paths of missing files, which keep their text.
     fn report_unresolved(&mut self, path: &Path, value: Value) {
         value.map_asset_paths(&mut |asset| {
             if asset.resolved_path().is_none() && !asset.is_empty() {
-                let why = "it was not found; its path stays as it is".to_owned();
+                let why = "the file was not found; its path is kept unchanged".to_owned();
                 self.not_carried(format!("the file @{}@ of {path}", asset.asset_path()), why);
             }
             asset

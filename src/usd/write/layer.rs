@@ -1,23 +1,20 @@
-//! Products into layers, layers into files.
+//! Products into layers, and layers into files or bytes.
 
-use super::assets::Place;
-use super::crates::take_out_unwritable;
+use super::crates::remove_unwritable;
 use super::flatten::flattened;
 use super::long_arrays::encode_plainly;
-use super::model::Model;
-use super::product::{Author, beside};
-use super::read::Source;
-use super::save::Target;
-use super::{UsdError, on_large_stack};
+use super::product::Author;
+use super::save::{Format, OutputFile};
 use crate::error::Warnings;
 use crate::garment::Garment;
-use openusd::sdf::{self, AbstractData, LayerOffset, SpecType};
+use crate::usd::assets::Anchor;
+use crate::usd::read::{Model, OrUnreadable, Source};
+use crate::usd::{UsdError, on_large_stack};
+use openusd::sdf::{self, AbstractData, FieldKey, LayerOffset, SpecType, Value};
 use openusd::usda::TextWriter;
 use std::path::Path;
 
-pub use super::save::Format;
-
-/// What a product is for.
+/// The purpose of a product.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ProductRole {
     /// Cloth simulation: triangles, no subdivision, purpose `guide`.
@@ -66,7 +63,7 @@ pub struct Product<'a> {
 /// How products are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WriteOptions {
-    /// One self-contained layer instead of one that sublayers the input. A `.usdz` package always is.
+    /// Write one self-contained layer instead of one that sublayers the input. A `.usdz` package always is.
     pub flatten: bool,
     /// Overwrite a file that is there already.
     pub force: bool,
@@ -80,8 +77,8 @@ impl Default for WriteOptions {
     }
 }
 
-/// Writes `products` beside the model of `source` into the file `out`, whose name decides the format. The file is
-/// complete or is not there; the input and its layers are never written to.
+/// Writes `products` as siblings of the model of `source` into the file `out`, whose name decides the format. The file is
+/// written completely or not at all; the input and its layers are never written to.
 ///
 /// # Errors
 /// A name that is taken, a file that may not or cannot be written.
@@ -92,38 +89,34 @@ pub fn write(
     options: &WriteOptions,
     warnings: &mut Warnings,
 ) -> Result<(), UsdError> {
-    let target = Target::find(out, &source.model.layers, options.force)?;
+    let file = OutputFile::find(out, &source.model.layers, options.force)?;
     on_large_stack(|| {
-        if target.format == Format::Usdz {
-            let layout = Layout { flatten: true, place: Place::Anywhere, sublayer: None };
-            let data = compose(source, products, layout, options.model_guide, warnings)?;
-            return target.save_package(&data, warnings);
-        }
-        let layout = Layout { flatten: options.flatten, place: Place::Folder(&target.folder), sublayer: None };
-        let data = compose(source, products, layout, options.model_guide, warnings)?;
-        target.save(data, warnings)
+        let is_package = file.format == Format::Usdz;
+        let anchor = if is_package { Anchor::Root } else { Anchor::Folder(&file.folder) };
+        let frame = Frame { flatten: is_package || options.flatten, anchor, sublayer: None };
+        file.save(compose(source, products, frame, options.model_guide, warnings)?, warnings)
     })
 }
 
-/// Whether [`write()`] may write to `out`, before the work that leads there.
+/// Checks that [`write()`] may write to `out`.
 ///
 /// # Errors
-/// A format that is unknown, an output that is there already or is part of the input, a folder that is missing.
+/// An unknown format, an output that exists already or is part of the input, a missing folder.
 pub fn check_target(source: &Source, out: &Path, force: bool) -> Result<(), UsdError> {
-    Target::find(out, &source.model.layers, force).map(drop)
+    OutputFile::find(out, &source.model.layers, force).map(drop)
 }
 
-/// How a layer in memory states other files.
+/// The paths that a layer in memory has for other files.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Surroundings<'a> {
-    /// The folder that the layer is read from: asset paths are relative to it; absolute without one.
+    /// The folder that asset paths are relative to; without one they are absolute.
     pub folder: Option<&'a Path>,
-    /// The asset path of the source; that of its file when not given.
+    /// The asset path of the source; by default that of its file.
     pub source: Option<&'a str>,
 }
 
-/// The layer that [`write()`] would write, in memory: text (`Usda`) or crate (`Usdc`), which is quick to read and write but
-/// larger than a file.
+/// The layer that [`write()`] would write, in memory: text (`Usda`) or crate (`Usdc`). The crate is faster to write and read
+/// than that of a file, and larger.
 ///
 /// # Errors
 /// As [`write()`]; and `Usdz`, which is a package and no layer.
@@ -137,15 +130,15 @@ pub fn layer_bytes(
 ) -> Result<Vec<u8>, UsdError> {
     let folder = surroundings.folder.map(|f| f.canonicalize().unwrap_or_else(|_| f.to_path_buf()));
     on_large_stack(|| {
-        let place = folder.as_deref().map_or(Place::Anywhere, Place::Folder);
-        let layout = Layout { flatten: options.flatten, place, sublayer: surroundings.source };
-        let mut data = compose(source, products, layout, options.model_guide, warnings)?;
+        let anchor = folder.as_deref().map_or(Anchor::Root, Anchor::Folder);
+        let frame = Frame { flatten: options.flatten, anchor, sublayer: surroundings.source };
+        let mut data = compose(source, products, frame, options.model_guide, warnings)?;
         match format {
             Format::Usda => TextWriter::write_to_string(&data)
                 .map(String::into_bytes)
                 .map_err(|e| UsdError::new(format!("the layer cannot be written as text: {e}"))),
             Format::Usdc => {
-                take_out_unwritable(&mut data, warnings);
+                remove_unwritable(&mut data, warnings);
                 encode_plainly(&mut data)
             }
             Format::Usdz => Err(UsdError::new("a .usdz package is not a layer").hint("choose text or crate")),
@@ -153,12 +146,13 @@ pub fn layer_bytes(
     })
 }
 
-/// What a layer holds besides the products, and how it states files.
+/// The content of a layer besides its products.
 #[derive(Clone, Copy)]
-struct Layout<'a> {
+struct Frame<'a> {
+    /// Whether it is the whole stage; otherwise it sublayers the source.
     flatten: bool,
-    place: Place<'a>,
-    /// The source's asset path, where it is not that of its file.
+    anchor: Anchor<'a>,
+    /// The source's asset path, if it is not that of its file.
     sublayer: Option<&'a str>,
 }
 
@@ -166,26 +160,20 @@ struct Layout<'a> {
 fn compose(
     source: &Source,
     products: &[Product],
-    layout: Layout,
+    frame: Frame,
     model_guide: bool,
     warnings: &mut Warnings,
 ) -> Result<sdf::Data, UsdError> {
-    let Layout { flatten, place, .. } = layout;
     let model = &source.model;
     check_names(model, products)?;
     let fault = |e: openusd::Error| UsdError::new(format!("the layer cannot be composed: {e}"));
-    let mut data = if flatten {
-        let replaced = products.iter().filter_map(|p| beside(&model.path, p.name).ok()).collect::<Vec<_>>();
-        flattened(model, &replaced, place, warnings)?
+    let mut data = if frame.flatten {
+        let replaced = products.iter().map(|p| model.sibling_path(p.name)).collect::<Result<Vec<_>, _>>();
+        flattened(model, &replaced.map_err(|e| fault(e.into()))?, frame.anchor, warnings)?
     } else {
-        overlay(model, layout)?
+        overlay(model, frame)?
     };
-    // A flattened layer holds nothing of an earlier product any more.
-    let mut alone = model.clone();
-    if flatten {
-        alone.siblings.clear();
-    }
-    let mut author = Author { data: &mut data, model: &alone, place };
+    let mut author = Author { data: &mut data, model, anchor: frame.anchor, is_overlay: !frame.flatten };
     for product in products {
         author.product(product, warnings).map_err(fault)?;
     }
@@ -206,7 +194,7 @@ fn check_names(model: &Model, products: &[Product]) -> Result<(), UsdError> {
             || model.path.name() == Some(product.name)
             || products[..i].iter().any(|p| p.name == product.name);
         if taken {
-            let path = beside(&model.path, product.name).map_err(|e| UsdError::new(e.to_string()))?;
+            let path = model.sibling_path(product.name).or_unreadable(&model.path)?;
             return Err(UsdError::new(format!("{path} is taken by another prim"))
                 .hint(format!("rename that prim, or choose another name by {flag}")));
         }
@@ -214,33 +202,25 @@ fn check_names(model: &Model, products: &[Product]) -> Result<(), UsdError> {
     Ok(())
 }
 
-/// An empty layer over the input.
-fn overlay(model: &Model, layout: Layout) -> Result<sdf::Data, UsdError> {
+/// A layer over the input, without products.
+fn overlay(model: &Model, frame: Frame) -> Result<sdf::Data, UsdError> {
     let root = sdf::Path::abs_root();
     let mut data = sdf::Data::new();
     data.create_spec(root.clone(), SpecType::PseudoRoot);
-    let sublayer = match layout.sublayer {
-        Some(stated) => stated.to_owned(),
-        None => layout.place.path_to(&absolute(&model.origin.file)?),
+    let sublayer = match frame.sublayer {
+        Some(path) => path.to_owned(),
+        None => frame.anchor.path_to(&absolute(&model.origin.file)?),
     };
-    let mut holder = sdf::Layer::new_anonymous("overlay");
-    holder
-        .edit(|edit| {
-            edit.pseudo_root_mut()?.insert_sublayer(0, sublayer, LayerOffset::IDENTITY);
-            Ok(())
-        })
-        .map_err(|e| UsdError::new(e.to_string()))?;
-    for key in holder.data().list_fields(&root).unwrap_or_default() {
-        let value = holder.data().get_field(&root, &key).map_err(|e| UsdError::new(e.to_string()))?;
-        AbstractData::set_field(&mut data, &root, &key, value.into_owned());
-    }
+    let offsets = Value::LayerOffsetVec(vec![LayerOffset::IDENTITY]);
+    AbstractData::set_field(&mut data, &root, FieldKey::SubLayers.as_str(), Value::StringVec(vec![sublayer]));
+    AbstractData::set_field(&mut data, &root, FieldKey::SubLayerOffsets.as_str(), offsets);
     for (key, value) in &model.stage_metadata {
-        AbstractData::set_field(&mut data, &root, key, layout.place.anchor(value.clone()));
+        AbstractData::set_field(&mut data, &root, key, frame.anchor.restated(value.clone()));
     }
     Ok(data)
 }
 
-/// The input's own path without links in its folders; the file's name stays, though it may be a link.
+/// The input's path without links in its folders; the file itself may be a link.
 fn absolute(file: &Path) -> Result<String, UsdError> {
     let fault = || UsdError::new(format!("cannot find the folder of {}", file.display()));
     let folder = match file.parent() {

@@ -1,23 +1,23 @@
-//! Crates that live in memory for a moment, with long integer arrays as they are.
+//! Crates in memory with uncompressed integer arrays.
 //!
-//! The crate writer in use takes four fifths of its time to compress such arrays, and whoever reads the crate at once
-//! would only take them apart again. So the writer gets a short array in the place of each long one, and its crate is
-//! mended afterwards: the long arrays and a list of fields that points at them are put behind what is there. Nothing
-//! else moves. Source: OpenUSD, `pxr/usd/sdf/crateFile.h` (the file's layout).
+//! The crate writer spends four fifths of its time on compressing long arrays, which the reader of a crate in memory would
+//! decompress at once. So the writer gets a short stand-in for each long array. The long arrays are then appended to its
+//! crate, with a list of fields that points to them; nothing else moves. Source: OpenUSD, `pxr/usd/sdf/crateFile.h`
+//! (the layout of the file).
 
-use super::UsdError;
 use super::crates::encode;
+use crate::usd::UsdError;
 use openusd::sdf::{AbstractData, Data, Value};
 use std::collections::BTreeSet;
 use std::mem;
 
-/// Shorter arrays are left to the writer. It does not compress those of less than 16, and stand-ins are of 4.
+/// Length from which arrays are long. The writer compresses arrays of 16 numbers or more; stand-ins have 4.
 const LONG: usize = 256;
 
-/// What is wrong with a crate that cannot be mended, which is a fault of this program.
-const UNEXPECTED: &str = "the crate that was written is not as expected; please report it";
+/// The fault of a crate without the stand-ins, which is a fault of this program.
+const UNEXPECTED: &str = "the crate in memory has an unexpected layout; please report it";
 
-/// `data` as a crate. Its long arrays of `int` are taken out of it.
+/// `data` as a crate. Its long arrays of `int` are moved out of it.
 ///
 /// # Errors
 /// A value that a crate cannot hold.
@@ -30,7 +30,8 @@ pub fn encode_plainly(data: &mut Data) -> Result<Vec<u8>, UsdError> {
     put_back(bytes, &arrays, salt).ok_or_else(|| UsdError::new(UNEXPECTED))
 }
 
-/// The long arrays of `data`, and the first number of the short ones `[salt, index, 0, 0]` that stand in for them.
+/// Replaces the long arrays of `data` by stand-ins `[salt, index, 0, 0]`; returns the arrays and the salt, which no other
+/// array of four begins with.
 fn take_out(data: &mut Data) -> (Vec<Vec<i32>>, i32) {
     let paths = data.spec_paths();
     let mut taken = BTreeSet::new();
@@ -44,7 +45,7 @@ fn take_out(data: &mut Data) -> (Vec<Vec<i32>>, i32) {
             }
         }
     }
-    let salt = (0..).find(|n| !taken.contains(n)).unwrap_or_default();
+    let salt = (0..).find(|n| !taken.contains(n)).expect("fewer arrays than numbers");
     let mut arrays = Vec::with_capacity(long.len());
     for (path, key) in long {
         let stand_in = Value::IntVec(vec![salt, arrays.len() as i32, 0, 0]);
@@ -60,13 +61,13 @@ fn take_out(data: &mut Data) -> (Vec<Vec<i32>>, i32) {
 
 /// A section of a crate.
 struct Section {
-    /// Where its entry is in the table of contents.
+    /// Position of its entry in the table of contents.
     entry: usize,
     start: usize,
     size: usize,
 }
 
-/// The crate with the long arrays in the place of the short ones; none if it is not as it should be.
+/// The crate with the long arrays instead of the stand-ins; none if its layout is not as expected.
 fn put_back(mut bytes: Vec<u8>, arrays: &[Vec<i32>], salt: i32) -> Option<Vec<u8>> {
     let contents = usize::try_from(number(&bytes, 16)?).ok()?;
     let fields = find_section(&bytes, contents, b"FIELDS\0")?;
@@ -104,7 +105,7 @@ fn align(bytes: &mut Vec<u8>) {
     bytes.resize(bytes.len().next_multiple_of(8), 0);
 }
 
-/// Puts an array at the end: its length and its numbers. Where it is.
+/// Appends an array, its length and its numbers; returns its position.
 fn append(bytes: &mut Vec<u8>, array: &[i32]) -> u64 {
     align(bytes);
     let place = bytes.len() as u64;
@@ -113,18 +114,18 @@ fn append(bytes: &mut Vec<u8>, array: &[i32]) -> u64 {
     place
 }
 
-/// An array of `int` that is not compressed, as the upper 16 bits of a field's value say.
+/// The upper 16 bits of a field's value that is an uncompressed array of `int`.
 const PLAIN_INTS: u64 = 1 << 63 | 3 << 48;
-/// The part of a field's value that says where it is in the file.
+/// The bits of a field's value that are its position in the file.
 const PLACE: u64 = (1 << 48) - 1;
 
-/// The section of fields, with those that point at a short array pointing at the long one.
+/// The section of fields, with the positions of the long arrays instead of those of their stand-ins.
 fn pointed(bytes: &[u8], section: &[u8], places: &[u64], salt: i32) -> Option<Vec<u8>> {
     let count = usize::try_from(number(section, 0)?).ok()?;
-    // Behind the number of fields and their names.
+    // The number of fields and their names come first.
     let values = 16 + usize::try_from(number(section, 8)?).ok()?;
     let packed = section.get(values + 8..)?;
-    // A byte before the block says of how many more blocks there are.
+    // The byte before the block is the number of further blocks.
     let mut unpacked = lz4_flex::decompress(packed.get(1..)?, 8 * count).ok()?;
     let mut done = 0;
     for value in unpacked.chunks_exact_mut(8) {
@@ -145,7 +146,7 @@ fn pointed(bytes: &[u8], section: &[u8], places: &[u64], salt: i32) -> Option<Ve
     (done == places.len()).then_some(new)
 }
 
-/// The index of the long array for which the array at `place` stands, if it does.
+/// The index of the long array whose stand-in is at `place`; none where there is another array.
 fn stand_in(bytes: &[u8], place: usize, salt: i32) -> Option<usize> {
     let part = |at: usize| Some(i32::from_le_bytes(bytes.get(place + at..place + at + 4)?.try_into().ok()?));
     let found = number(bytes, place)? == 4 && part(8)? == salt;

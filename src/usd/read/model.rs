@@ -1,0 +1,284 @@
+//! The parts of the model and its surroundings that the writer needs.
+
+use super::origin::StageOrigin;
+use super::primvars::Declarations;
+use super::query::{OrUnreadable, interpolation, is_product, prim_at, prim_name, property_names, subset_prims};
+use crate::error::Warning;
+use crate::garment::Interpolation;
+use crate::usd::record::{Content, Depth, Record, is_children, metadata};
+use crate::usd::{UsdError, names};
+use openusd::sdf::{self, FieldKey, Value};
+use openusd::tf::Token;
+use openusd::usd::{Prim, Stage};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+/// The model and its surroundings, free of the stage.
+#[derive(Clone, Debug)]
+pub struct Model {
+    /// The model's path.
+    pub path: sdf::Path,
+    /// Properties that products copy.
+    pub carried: Vec<Record>,
+    /// Declarations of the properties that products author with new values.
+    pub declarations: Declarations,
+    /// Applied schemas that products have too.
+    pub applied: Vec<Token>,
+    /// The model's subsets.
+    pub subsets: BTreeMap<String, SubsetRecord>,
+    /// Names of the properties that no product has.
+    pub staying: Vec<String>,
+    /// The prims beside the model.
+    pub siblings: BTreeMap<String, Sibling>,
+    /// The file or bytes of the stage.
+    pub origin: StageOrigin,
+    /// The files of all layers in use.
+    pub layers: Vec<PathBuf>,
+    /// The stage's own metadata.
+    pub stage_metadata: Vec<(String, Value)>,
+}
+
+/// The properties of a subset that the product's subset of the same name copies.
+#[derive(Clone, Debug, Default)]
+pub struct SubsetRecord {
+    /// Metadata of the prim.
+    pub metadata: Vec<(String, Value)>,
+    /// Applied schemas.
+    pub applied: Vec<Token>,
+    /// Material bindings, and the sharpness of former creases.
+    pub carried: Vec<Record>,
+}
+
+/// A prim beside the model.
+#[derive(Clone, Debug)]
+pub struct Sibling {
+    /// Whether this program wrote it.
+    pub product: bool,
+    /// Declarations of what it holds, when this program wrote it.
+    pub properties: Vec<Record>,
+    /// Names of the prims below it, when this program wrote it.
+    pub children: Vec<String>,
+}
+
+/// Metadata of prims that describes their composition.
+pub const COMPOSITION: &[FieldKey] = &[
+    FieldKey::References,
+    FieldKey::Payload,
+    FieldKey::InheritPaths,
+    FieldKey::Specializes,
+    FieldKey::VariantSetNames,
+    FieldKey::VariantSelection,
+    FieldKey::Relocates,
+    FieldKey::Instanceable,
+    FieldKey::Clips,
+    FieldKey::ClipSets,
+    FieldKey::Specifier,
+    FieldKey::TypeName,
+    FieldKey::ApiSchemas,
+];
+
+/// Metadata of the root layer that belongs to the layer alone.
+const LAYER_METADATA: &[FieldKey] = &[
+    FieldKey::SubLayers,
+    FieldKey::SubLayerOffsets,
+    FieldKey::LayerRelocates,
+    FieldKey::PrimOrder,
+    FieldKey::Documentation,
+    FieldKey::Comment,
+    FieldKey::CustomLayerData,
+    FieldKey::Owner,
+    FieldKey::SessionOwner,
+    FieldKey::HasOwnedSubLayers,
+];
+
+/// How products treat a property of the model.
+enum Treatment {
+    /// Products author it from their mesh, or have no use for it.
+    Rewritten,
+    /// Products have a copy.
+    Copied,
+    /// It is dropped with a warning, which gives the reason.
+    Dropped(&'static str),
+    /// It stays on the model.
+    Stays,
+}
+
+impl Treatment {
+    fn of(prim: &Prim, name: &str) -> Self {
+        let is_in = |spaces: &[&str]| spaces.iter().any(|space| name.starts_with(space));
+        if names::REWRITTEN.contains(&name) || is_in(&[names::SUBSET_FAMILY, names::RECIPE]) {
+            return Self::Rewritten;
+        }
+        if let Some((_, why)) = names::NOT_CARRIED.iter().find(|(n, _)| *n == name) {
+            return Self::Dropped(why);
+        }
+        if name.starts_with(names::PRIMVARS) {
+            let primvar = name.strip_suffix(names::INDICES_SUFFIX).unwrap_or(name);
+            // An interpolation that USD does not know is an error of the mesh.
+            let constant = interpolation(prim, primvar).is_ok_and(|i| i == Interpolation::Constant);
+            return if constant { Self::Copied } else { Self::Rewritten };
+        }
+        let copied = names::COPIED.contains(&name) || is_in(&[names::XFORM_OP, names::MATERIAL_BINDING]);
+        if copied { Self::Copied } else { Self::Stays }
+    }
+}
+
+impl Model {
+    /// Copies what the writer needs of `prim`. `has_normals` tells whether products have its normals.
+    ///
+    /// # Errors
+    /// A stage that cannot be queried.
+    pub fn take(
+        prim: &Prim,
+        origin: StageOrigin,
+        declarations: Declarations,
+        has_normals: bool,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<Self, UsdError> {
+        let mut model = Self {
+            path: prim.path().clone(),
+            carried: Vec::new(),
+            declarations,
+            applied: applied(prim, &[names::MATERIAL_BINDING_API, names::SKEL_BINDING_API])?,
+            subsets: BTreeMap::new(),
+            staying: Vec::new(),
+            siblings: BTreeMap::new(),
+            origin,
+            layers: layer_files(prim.stage()),
+            stage_metadata: stage_metadata(prim.stage())?,
+        };
+        model.siblings = siblings(prim, &model)?;
+        for name in property_names(prim)? {
+            if !(has_normals && name == names::NORMALS) {
+                model.take_property(prim, &name, warnings);
+            }
+        }
+        for subset in subset_prims(prim)? {
+            model.subsets.insert(prim_name(&subset), subset_record(&subset, prim.path(), warnings)?);
+        }
+        Ok(model)
+    }
+
+    /// The path of a sibling of the model.
+    ///
+    /// # Errors
+    /// A name that no prim can have.
+    pub fn sibling_path(&self, name: &str) -> Result<sdf::Path, sdf::PathParseError> {
+        self.path.parent().expect("the path of a prim has a parent").append_path(name)
+    }
+
+    fn take_property(&mut self, prim: &Prim, name: &str, warnings: &mut Vec<Warning>) {
+        let mut not_carried = |why: String| {
+            warnings.push(Warning::NotCarried { what: format!("{}.{name}", prim.path()), why });
+        };
+        match Treatment::of(prim, name) {
+            Treatment::Rewritten => {}
+            Treatment::Stays => self.staying.push(name.to_owned()),
+            Treatment::Dropped(why) => {
+                let record = Record::take(prim, name, Depth::Whole);
+                if record.is_ok_and(|r| r.is_none_or(|r| !r.has_value())) {
+                    return;
+                }
+                not_carried(why.to_owned());
+            }
+            Treatment::Copied => match Record::take(prim, name, Depth::Whole) {
+                Ok(record) => match record.as_ref().and_then(|r| inward_collection(r, prim.path())) {
+                    Some(why) => not_carried(why),
+                    None => self.carried.extend(record),
+                },
+                Err(e) => not_carried(format!("it cannot be read: {e}")),
+            },
+        }
+    }
+}
+
+/// The reason to drop a material binding by a collection of the model itself.
+fn inward_collection(record: &Record, model: &sdf::Path) -> Option<String> {
+    let Content::Relationship { targets } = &record.content else { return None };
+    let inward = record.name.starts_with(names::MATERIAL_BINDING_COLLECTION)
+        && targets.iter().any(|t| t.is_property_path() && t.prim_path().has_prefix(model));
+    inward.then(|| "it binds by a collection of the model, which has no prim of a product".to_owned())
+}
+
+/// The applied schemas of a prim that are in `wanted`.
+fn applied(prim: &Prim, wanted: &[&str]) -> Result<Vec<Token>, UsdError> {
+    let mut all = prim.authored_api_schemas().or_unreadable(prim.path())?;
+    all.retain(|schema| wanted.contains(&schema.as_str()));
+    Ok(all)
+}
+
+fn subset_record(subset: &Prim, model: &sdf::Path, warnings: &mut Vec<Warning>) -> Result<SubsetRecord, UsdError> {
+    let path = subset.path();
+    let sites = subset.prim_stack().or_unreadable(path)?;
+    let mut fields = metadata(subset.stage(), path, &sites).or_unreadable(path)?;
+    fields.retain(|(key, _)| !COMPOSITION.iter().any(|k| k.as_str() == key));
+    let mut carried = Vec::new();
+    for name in property_names(subset)? {
+        if !name.starts_with(names::MATERIAL_BINDING) && name != names::SHARPNESS {
+            continue;
+        }
+        let Some(record) = Record::take(subset, &name, Depth::Whole).or_unreadable(path)? else { continue };
+        match inward_collection(&record, model) {
+            Some(why) => warnings.push(Warning::NotCarried { what: format!("{path}.{name}"), why }),
+            None => carried.push(record),
+        }
+    }
+    Ok(SubsetRecord { metadata: fields, applied: applied(subset, &[names::MATERIAL_BINDING_API])?, carried })
+}
+
+fn siblings(prim: &Prim, model: &Model) -> Result<BTreeMap<String, Sibling>, UsdError> {
+    let parent = prim.path().parent().expect("the path of a prim has a parent");
+    let mut found = BTreeMap::new();
+    for name in prim_at(prim.stage(), &parent)?.child_names().or_unreadable(&parent)? {
+        let path = model.sibling_path(name.as_str()).or_unreadable(&parent)?;
+        if path != *prim.path() {
+            found.insert(name.as_str().to_owned(), Sibling::take(&prim_at(prim.stage(), &path)?)?);
+        }
+    }
+    Ok(found)
+}
+
+impl Sibling {
+    fn take(prim: &Prim) -> Result<Self, UsdError> {
+        let mut sibling = Self { product: is_product(prim)?, properties: Vec::new(), children: Vec::new() };
+        if sibling.product {
+            for name in property_names(prim)? {
+                sibling.properties.extend(Record::take(prim, &name, Depth::Declaration).or_unreadable(prim.path())?);
+            }
+            let children = prim.child_names().or_unreadable(prim.path())?;
+            sibling.children = children.iter().map(ToString::to_string).collect();
+            sibling.children.sort();
+        }
+        Ok(sibling)
+    }
+}
+
+/// The files of all layers that composition has loaded, with the package for layers inside one.
+fn layer_files(stage: &Stage) -> Vec<PathBuf> {
+    let mut files: Vec<_> = stage
+        .layer_identifiers()
+        .iter()
+        .map(|id| {
+            let file = stage.layer(id).and_then(|layer| layer.resolved_path().map(str::to_owned));
+            let file = file.unwrap_or_else(|| id.clone());
+            PathBuf::from(file.split_once('[').map_or(file.as_str(), |(package, _)| package))
+        })
+        .collect();
+    files.sort();
+    files.dedup();
+    files
+}
+
+fn stage_metadata(stage: &Stage) -> Result<Vec<(String, Value)>, UsdError> {
+    let layer = stage.root_layer();
+    let root = sdf::Path::abs_root();
+    let mut keys = layer.data().list_fields(&root).unwrap_or_default();
+    keys.retain(|key| !is_children(key) && !LAYER_METADATA.iter().any(|k| k.as_str() == key));
+    keys.sort();
+    let mut fields = Vec::with_capacity(keys.len());
+    for key in keys {
+        let value = layer.data().get_field(&root, &key).or_unreadable(&root)?.into_owned();
+        fields.push((key, value));
+    }
+    Ok(fields)
+}

@@ -1,0 +1,150 @@
+//! Reading primvars and normals: values that vary over the mesh, and how their properties are declared.
+
+use super::query::{OrUnreadable, interpolation, primvar_names, value};
+use super::shapes::BlendShape;
+use crate::error::Warning;
+use crate::garment::{Interpolation, PrimvarInput, PrimvarRole};
+use crate::usd::UsdError;
+use crate::usd::assets::resolved;
+use crate::usd::names::{self, UsdToken};
+use crate::usd::record::{Depth, Record};
+use crate::usd::values::{flat, mixing, text};
+use openusd::sdf::Value;
+use openusd::usd::{Prim, TimeCode};
+use std::collections::BTreeMap;
+
+/// How the properties that vary over the model are declared, so that products can author them with new values.
+#[derive(Clone, Debug, Default)]
+pub struct Declarations {
+    /// Primvars and their indices, by name without `primvars:`.
+    pub primvars: BTreeMap<String, Record>,
+    /// Files of the asset paths in primvars, by the path as authored.
+    pub assets: BTreeMap<String, String>,
+    /// Blend shapes; their numbers are those of [`PrimvarRole::BlendShape`].
+    pub shapes: Vec<BlendShape>,
+}
+
+/// Reads the primvars that vary over the mesh. Those that cannot be carried become warnings.
+///
+/// # Errors
+/// An interpolation that USD does not have.
+pub fn read_primvars(
+    prim: &Prim,
+    time: Option<TimeCode>,
+    declarations: &mut Declarations,
+    warnings: &mut Vec<Warning>,
+) -> Result<Vec<PrimvarInput>, UsdError> {
+    let mut found = Vec::new();
+    for name in primvar_names(prim)? {
+        let interpolation = interpolation(prim, &format!("{}{name}", names::PRIMVARS))?;
+        if interpolation == Interpolation::Constant {
+            continue;
+        }
+        match read_primvar(prim, &name, interpolation, time, declarations) {
+            Ok(primvar) => found.extend(primvar),
+            Err(e) => warnings.push(Warning::NotCarried { what: format!("primvars:{name}"), why: in_a_line(&e) }),
+        }
+    }
+    Ok(found)
+}
+
+/// Reads the attribute `normals` of a polygonal mesh. None where a primvar replaces it, or where it does not have one
+/// readable normal for each element: it is then reported as dropped.
+///
+/// `elements` are the numbers of faces, points and corners.
+pub fn read_normals(prim: &Prim, time: Option<TimeCode>, elements: [usize; 3]) -> Option<PrimvarInput> {
+    let attribute = prim.attribute(names::NORMALS);
+    let primvar = prim.attribute(format!("{}{}", names::PRIMVARS, names::NORMALS));
+    if primvar.has_authored_value().unwrap_or(false) {
+        return None;
+    }
+    let value = value(prim, names::NORMALS, time).ok()??;
+    let field = attribute.get_metadata::<Value>(names::INTERPOLATION).ok()?;
+    let interpolation = field.as_ref().and_then(text).map_or(Some(Interpolation::Vertex), Interpolation::from_token)?;
+    let [faces, points, corners] = elements;
+    let count = match interpolation {
+        Interpolation::Constant => return None,
+        Interpolation::Uniform => faces,
+        Interpolation::Vertex | Interpolation::Varying => points,
+        Interpolation::FaceVarying => corners,
+    };
+    let type_name = attribute.type_name().ok()??;
+    let (components, values) = flat(value)?;
+    (components == 3 && values.len() == 3 * count).then(|| PrimvarInput {
+        name: names::NORMALS.to_owned(),
+        role: PrimvarRole::Normals,
+        type_name: type_name.as_str().to_owned(),
+        interpolation,
+        components,
+        element_size: 1,
+        mixing: mixing(&type_name),
+        values,
+        indices: None,
+    })
+}
+
+/// Reads one primvar, and adds its declaration. None when it has no value.
+fn read_primvar(
+    prim: &Prim,
+    name: &str,
+    interpolation: Interpolation,
+    time: Option<TimeCode>,
+    declarations: &mut Declarations,
+) -> Result<Option<PrimvarInput>, UsdError> {
+    let property = format!("{}{name}", names::PRIMVARS);
+    let Some(value) = value(prim, &property, time)? else { return Ok(None) };
+    let attribute = prim.attribute(property.as_str());
+    if let Value::AssetPathVec(_) = value {
+        let sites = attribute.property_stack().or_unreadable(attribute.path())?;
+        let assets = resolved(value.clone(), prim.stage(), &sites).try_as_asset_path_vec();
+        let files =
+            assets.iter().flatten().filter_map(|a| Some((a.as_str().to_owned(), a.resolved_path()?.to_owned())));
+        declarations.assets.extend(files);
+    }
+    let no_type = || UsdError::new("its type is not one of USD's");
+    let type_name = attribute.type_name().or_unreadable(attribute.path())?.ok_or_else(no_type)?;
+    let (components, values) =
+        flat(value).ok_or_else(|| UsdError::new(format!("values of type {type_name} cannot vary over a mesh")))?;
+    let primvar = PrimvarInput {
+        name: name.to_owned(),
+        role: PrimvarRole::Primvar,
+        type_name: type_name.as_str().to_owned(),
+        interpolation,
+        components,
+        element_size: element_size(prim, &property)?,
+        mixing: mixing(&type_name),
+        values,
+        indices: indices(prim, &property, time)?,
+    };
+    for name in [name.to_owned(), format!("{name}{}", names::INDICES_SUFFIX)] {
+        let record = Record::take(prim, &format!("{}{name}", names::PRIMVARS), Depth::Declaration);
+        let record = record.or_unreadable(attribute.path())?;
+        declarations.primvars.extend(record.map(|record| (name, record)));
+    }
+    Ok(Some(primvar))
+}
+
+fn element_size(prim: &Prim, property: &str) -> Result<i32, UsdError> {
+    let attribute = prim.attribute(property);
+    match attribute.get_metadata::<Value>(names::ELEMENT_SIZE).or_unreadable(attribute.path())? {
+        None => Ok(1),
+        Some(Value::Int(n)) => Ok(n),
+        Some(_) => Err(UsdError::new("its elementSize is not an int")),
+    }
+}
+
+fn indices(prim: &Prim, property: &str, time: Option<TimeCode>) -> Result<Option<Vec<i32>>, UsdError> {
+    match value(prim, &format!("{property}{}", names::INDICES_SUFFIX), time)? {
+        None => Ok(None),
+        Some(Value::IntVec(v)) => Ok(Some(v)),
+        Some(_) => Err(UsdError::new("its indices are not of type int[]")),
+    }
+}
+
+/// An error with its hint on one line, for a warning.
+fn in_a_line(e: &UsdError) -> String {
+    match &e.hint {
+        Some(hint) => format!("{}; {hint}", e.message),
+        None => e.message.clone(),
+    }
+}

@@ -1,0 +1,127 @@
+//! Questions to a composed stage. Errors name the prim or attribute.
+
+use crate::garment::Interpolation;
+use crate::usd::UsdError;
+use crate::usd::names::{self, UsdToken};
+use crate::usd::values::text;
+use openusd::sdf::{self, Value};
+use openusd::usd::{Prim, Stage, TimeCode};
+use std::fmt::Display;
+
+/// Turns a failure of the USD library into an error that names a path.
+pub trait OrUnreadable<T> {
+    /// The value, or the error that `path` cannot be read.
+    fn or_unreadable(self, path: &sdf::Path) -> Result<T, UsdError>;
+}
+
+impl<T, E: Display> OrUnreadable<T> for Result<T, E> {
+    fn or_unreadable(self, path: &sdf::Path) -> Result<T, UsdError> {
+        self.map_err(|e| UsdError::new(format!("{path} cannot be read: {e}")))
+    }
+}
+
+/// The prim at `path`.
+pub fn prim_at(stage: &Stage, path: &sdf::Path) -> Result<Prim, UsdError> {
+    stage.prim(path).or_unreadable(path)
+}
+
+/// Name of a prim.
+pub fn prim_name(prim: &Prim) -> String {
+    prim.path().name().expect("every prim but the pseudo-root has a name").to_owned()
+}
+
+/// Whether a prim is of the type `name`.
+pub fn is_a(prim: &Prim, name: &str) -> Result<bool, UsdError> {
+    Ok(prim.type_name().or_unreadable(prim.path())?.is_some_and(|t| t.as_str() == name))
+}
+
+/// Whether this program wrote the prim.
+pub fn is_product(prim: &Prim) -> Result<bool, UsdError> {
+    let Some(Value::Dictionary(data)) = prim.custom_data().or_unreadable(prim.path())? else { return Ok(false) };
+    let Some(Value::Dictionary(ours)) = data.get(names::PRODUCT_SPACE) else { return Ok(false) };
+    Ok(ours.get(names::PRODUCT).is_some_and(|role| text(role).is_some()))
+}
+
+/// Names of the properties that layers author.
+pub fn property_names(prim: &Prim) -> Result<Vec<String>, UsdError> {
+    let names = prim.authored_property_names().or_unreadable(prim.path())?;
+    Ok(names.iter().map(ToString::to_string).collect())
+}
+
+/// Names of the primvars of a prim, without `primvars:`.
+pub fn primvar_names(prim: &Prim) -> Result<Vec<String>, UsdError> {
+    let properties = property_names(prim)?;
+    let primvars = properties.iter().filter_map(|p| p.strip_prefix(names::PRIMVARS));
+    Ok(primvars.filter(|p| !p.is_empty() && !p.ends_with(names::INDICES_SUFFIX)).map(str::to_owned).collect())
+}
+
+/// The interpolation of the attribute `property`, with that of primvars as fallback.
+///
+/// # Errors
+/// A token that USD does not know.
+pub fn interpolation(prim: &Prim, property: &str) -> Result<Interpolation, UsdError> {
+    let attribute = prim.attribute(property);
+    let field = attribute.get_metadata::<Value>(names::INTERPOLATION).or_unreadable(attribute.path())?;
+    field.map_or(Ok(Interpolation::Constant), |field| known(&field, &format!("interpolation of {}", attribute.path())))
+}
+
+/// The value of a token; `place` names it.
+///
+/// # Errors
+/// A token that USD does not know.
+pub fn known<T: UsdToken>(token: &Value, place: &str) -> Result<T, UsdError> {
+    let shown = text(token).unwrap_or("not a token");
+    T::from_token(shown).ok_or_else(|| {
+        UsdError::new(format!("{place} is {shown:?}, which USD does not know"))
+            .hint(format!("use one of: {}", T::allowed()))
+    })
+}
+
+/// The value of an attribute at `time`, or its default; none where nothing is authored or the value is blocked.
+///
+/// # Errors
+/// A value that cannot be read, and, without a time, an attribute that has time samples only.
+pub fn value(prim: &Prim, name: &str, time: Option<TimeCode>) -> Result<Option<Value>, UsdError> {
+    let attribute = prim.attribute(name);
+    match attribute.get_at::<Value>(time).or_unreadable(attribute.path())? {
+        Some(value) if !value.is_value_block() => return Ok(Some(value)),
+        _ if time.is_some() => return Ok(None),
+        _ => {}
+    }
+    match attribute.time_sample_times().or_unreadable(attribute.path())?.as_slice() {
+        [] => Ok(None),
+        times @ [first, ..] => {
+            Err(UsdError::new(format!("{} has values at {} times and no default", attribute.path(), times.len())).hint(
+                format!("choose a time, for example --time {first}, or the argument time={first} of a .tailor file"),
+            ))
+        }
+    }
+}
+
+/// The text of a token or string attribute.
+///
+/// # Errors
+/// As [`value`], and a value of another type.
+pub fn text_value(prim: &Prim, name: &str, time: Option<TimeCode>) -> Result<Option<String>, UsdError> {
+    let Some(value) = value(prim, name, time)? else { return Ok(None) };
+    let text = text(&value).ok_or_else(|| {
+        UsdError::new(format!("{}.{name} is not a token", prim.path()))
+            .hint(format!("declare it as uniform token {name}"))
+    })?;
+    Ok(Some(text.to_owned()))
+}
+
+/// The active, defined subsets directly below a mesh.
+pub fn subset_prims(mesh: &Prim) -> Result<Vec<Prim>, UsdError> {
+    let mut found = Vec::new();
+    for child in mesh.children().or_unreadable(mesh.path())? {
+        let path = mesh.path();
+        if is_a(&child, names::GEOM_SUBSET)?
+            && child.is_active().or_unreadable(path)?
+            && child.is_defined().or_unreadable(path)?
+        {
+            found.push(child);
+        }
+    }
+    Ok(found)
+}

@@ -1,0 +1,13 @@
+//! Writing: products become prims of a layer, and the layer becomes a file or bytes in memory.
+
+mod crates;
+mod flatten;
+mod layer;
+mod long_arrays;
+mod package;
+mod product;
+mod save;
+mod shapes;
+
+pub use layer::{Product, ProductRole, Surroundings, WriteOptions, check_target, layer_bytes, write};
+pub use save::Format;

@@ -1,0 +1,103 @@
+//! Packages (`.usdz`): a crate and the files that it uses.
+
+use super::crates::{encode, remove_unwritable};
+use crate::error::{Warning, Warnings, plain};
+use crate::usd::UsdError;
+use crate::usd::assets::tiles;
+use openusd::sdf::{AbstractData, AssetPath, Data, Value};
+use openusd::usdz::{Archive, ArchiveError, ArchiveWriter};
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::{fs, io, mem};
+
+/// The layer `data`, whose asset paths are absolute, and all files that it uses, as a package. The layer is called `stem`.
+///
+/// # Errors
+/// A value that a crate cannot hold. A file that cannot be read becomes a warning.
+pub fn package(mut data: Data, stem: &str, warnings: &mut Warnings) -> Result<Vec<u8>, UsdError> {
+    let mut package = Package::default();
+    package.collect(&mut data, warnings);
+    remove_unwritable(&mut data, warnings);
+    let layer = encode(&data)?;
+    // Built in memory, as the archive's writer reports a full disk on standard error.
+    let mut whole = io::Cursor::new(Vec::with_capacity(layer.len()));
+    let mut archive = ArchiveWriter::new(&mut whole);
+    let fault = |e: ArchiveError| UsdError::new(format!("the package cannot be built: {e}"));
+    archive.add_layer(&format!("{stem}.usdc"), &layer).map_err(fault)?;
+    for (name, bytes) in &package.entries {
+        archive.add_layer(name, bytes).map_err(fault)?;
+    }
+    archive.finish().map_err(fault)?;
+    Ok(whole.into_inner())
+}
+
+/// The files of a package besides its layer.
+#[derive(Default)]
+struct Package {
+    /// Names and contents.
+    entries: Vec<(String, Vec<u8>)>,
+    /// Name of the entry of each file.
+    names: BTreeMap<String, String>,
+}
+
+impl Package {
+    /// Collects the files that `data` uses, and changes its asset paths to their entries.
+    fn collect(&mut self, data: &mut Data, warnings: &mut Warnings) {
+        for path in data.spec_paths() {
+            for (_, value) in data.spec_mut(&path).into_iter().flat_map(|spec| &mut spec.fields) {
+                let files = mem::replace(value, Value::ValueBlock);
+                *value = files.map_asset_paths(&mut |asset| self.packed(asset, warnings));
+            }
+        }
+    }
+
+    /// The path of a file's entry.
+    fn packed(&mut self, asset: AssetPath, warnings: &mut Warnings) -> AssetPath {
+        let file = asset.as_str();
+        if !Path::new(file).is_absolute() {
+            return asset;
+        }
+        match self.entry(file) {
+            Ok(name) => AssetPath::new(name),
+            Err(e) => {
+                warnings.push(Warning::NotCarried {
+                    what: format!("the file @{file}@"),
+                    why: format!("it cannot be packed: {e}"),
+                });
+                asset
+            }
+        }
+    }
+
+    /// The entry of a file, which is read once. The tiles of a texture share a folder.
+    fn entry(&mut self, file: &str) -> Result<String, String> {
+        if let Some(name) = self.names.get(file) {
+            return Ok(name.clone());
+        }
+        let folder = self.names.len().to_string();
+        let path = file.trim_end_matches(']');
+        let name = format!("{folder}/{}", path.rsplit_once(['/', '[']).map_or(path, |(_, last)| last));
+        let tiled = tiles(Path::new(file));
+        if tiled.is_empty() {
+            self.entries.push((name.clone(), bytes(file)?));
+        }
+        for tile in tiled {
+            let tile_name = tile.file_name().and_then(|n| n.to_str()).expect("tiles have UTF-8 names");
+            let content = fs::read(&tile).map_err(|e| plain(&e))?;
+            self.entries.push((format!("{folder}/{tile_name}"), content));
+        }
+        self.names.insert(file.to_owned(), name.clone());
+        Ok(name)
+    }
+}
+
+/// The content of a file, or of an entry of a package (`package[entry]`).
+fn bytes(file: &str) -> Result<Vec<u8>, String> {
+    match file.strip_suffix(']').and_then(|f| f.split_once('[')) {
+        None => fs::read(file).map_err(|e| plain(&e)),
+        Some((package, entry)) => {
+            let mut archive = Archive::open(package).map_err(|e| e.to_string())?;
+            Ok(archive.entry(entry).map_err(|e| e.to_string())?.as_ref().to_vec())
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! Files: their formats, the check that they may be written, and writing them completely or not at all.
+
+use super::crates::{remove_unwritable, write_crate};
+use super::package::package;
+use crate::error::{Warnings, plain};
+use crate::usd::UsdError;
+use openusd::sdf::{Data, FormatError};
+use openusd::usda::TextWriter;
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+/// How a layer is stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Text.
+    Usda,
+    /// Crate, the binary form (`.usdc`, `.usd`).
+    Usdc,
+    /// A package of a crate and the files that it uses.
+    Usdz,
+}
+
+impl Format {
+    /// The format of a file by the end of its name.
+    ///
+    /// # Errors
+    /// Another ending than `.usd`, `.usda`, `.usdc` and `.usdz`.
+    pub fn of(file: &Path) -> Result<Self, UsdError> {
+        let extension = file.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
+        match extension.as_str() {
+            "usda" => Ok(Self::Usda),
+            "usd" | "usdc" => Ok(Self::Usdc),
+            "usdz" => Ok(Self::Usdz),
+            _ => Err(UsdError::new(format!("{} does not end in .usd, .usda, .usdc or .usdz", file.display()))
+                .hint("the name of the output decides its format")),
+        }
+    }
+}
+
+/// A file that may be written.
+#[derive(Debug)]
+pub struct OutputFile {
+    /// The path as the user named it.
+    shown: String,
+    /// Its folder, without links.
+    pub folder: PathBuf,
+    /// Its path, without links.
+    file: PathBuf,
+    /// Its format.
+    pub format: Format,
+}
+
+impl OutputFile {
+    /// Checks that `out` may be written.
+    ///
+    /// # Errors
+    /// An unknown format, a missing folder, an existing file (unless `force`), and one of the files `layers` under any
+    /// name.
+    pub fn find(out: &Path, layers: &[PathBuf], force: bool) -> Result<Self, UsdError> {
+        let shown = out.display().to_string();
+        let format = Format::of(out)?;
+        // The target of a link is replaced, not the link.
+        let file = out.canonicalize().unwrap_or_else(|_| out.to_path_buf());
+        if let Ok(there) = fs::metadata(&file) {
+            if layers.iter().any(|layer| same_file(layer, &file)) {
+                return Err(UsdError::new(format!("{shown} is the input, or a layer that the input uses"))
+                    .hint("write to another file; the input is never changed"));
+            }
+            if !there.is_file() {
+                return Err(UsdError::new(format!("{shown} is not a file")).hint("choose another output"));
+            }
+            if !force {
+                return Err(UsdError::new(format!("{shown} exists already")).hint("overwrite it by --force"));
+            }
+        }
+        let folder = match file.parent() {
+            Some(parent) if !parent.as_os_str().is_empty() => parent,
+            _ => Path::new("."),
+        };
+        let folder = folder.canonicalize().ok().filter(|f| f.is_dir()).ok_or_else(|| {
+            UsdError::new(format!("cannot write {shown}: there is no folder {}", folder.display()))
+                .hint("create the folder first")
+        })?;
+        let file = folder.join(file.file_name().expect("a path with a known extension has a file name"));
+        Ok(Self { shown, folder, file, format })
+    }
+
+    /// Writes the layer `data`. A package gets all files that `data` uses; asset paths are then absolute.
+    ///
+    /// # Errors
+    /// A folder that cannot be written to, a full disk, a value that the format cannot hold.
+    pub fn save(&self, mut data: Data, warnings: &mut Warnings) -> Result<(), UsdError> {
+        match self.format {
+            Format::Usda => self.replace(|out| TextWriter::write(&data, out)),
+            Format::Usdc => {
+                remove_unwritable(&mut data, warnings);
+                self.replace(|out| write_crate(&data, out))
+            }
+            Format::Usdz => {
+                let stem = self.file.file_stem().and_then(|s| s.to_str()).unwrap_or("layer");
+                let bytes = package(data, stem, warnings)?;
+                self.replace(|out| Ok(out.write_all(&bytes)?))
+            }
+        }
+    }
+
+    /// Lets `fill` write a temporary file in the folder, and renames it to the output.
+    fn replace(&self, fill: impl FnOnce(&mut BufWriter<&File>) -> Result<(), FormatError>) -> Result<(), UsdError> {
+        let fault = |e: &io::Error| {
+            UsdError::new(format!("cannot write {}: {}", self.shown, plain(e)))
+                .hint("check the folder's permissions and the space on its disk")
+        };
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".usdtailor-").suffix(".tmp");
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            let mode = fs::metadata(&self.file).map_or(0o666, |m| m.permissions().mode() & 0o777);
+            builder.permissions(fs::Permissions::from_mode(mode));
+        }
+        let temporary = builder.tempfile_in(&self.folder).map_err(|e| fault(&e))?;
+        let mut out = BufWriter::with_capacity(1 << 20, temporary.as_file());
+        fill(&mut out).map_err(|e| match e {
+            FormatError::Io(e) => fault(&e),
+            other => UsdError::new(format!("cannot write {}: {other}", self.shown)),
+        })?;
+        out.flush().map_err(|e| fault(&e))?;
+        drop(out);
+        temporary.as_file().sync_all().map_err(|e| fault(&e))?;
+        temporary.persist(&self.file).map_err(|e| fault(&e.error))?;
+        Ok(())
+    }
+}
+
+/// Whether two paths are of the same file, through links of any kind.
+fn same_file(a: &Path, b: &Path) -> bool {
+    let (Ok(a), Ok(b)) = (a.canonicalize(), b.canonicalize()) else { return false };
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt;
+        if let (Ok(a), Ok(b)) = (fs::metadata(&a), fs::metadata(&b)) {
+            return a.dev() == b.dev() && a.ino() == b.ino();
+        }
+    }
+    a == b
+}
