@@ -13,7 +13,7 @@
 //! A stage is known by the content of its source and by the options that it reads, never by the name of a file.
 
 use crate::error::{Error, Warnings};
-use crate::garment::{Elements, Garment, Primvar, Shared, Subset, Values};
+use crate::garment::{Elements, Garment, Primvar, Subset, Values};
 pub use crate::memo::Made;
 use crate::memo::{Footprint, Memo};
 use crate::mesh::{Faces, IdVec, VertexId};
@@ -303,7 +303,7 @@ impl Footprint for Garment {
     }
 }
 
-impl Footprint for Shared<Vec<Subset>> {
+impl Footprint for Arc<Vec<Subset>> {
     fn footprint(&self) -> usize {
         self.iter().map(subset_bytes).sum()
     }

@@ -88,7 +88,7 @@ fn describe(out: &mut String, facts: &Facts, garment: &Garment, plan: &Plan, ver
     for p in &facts.inherited_primvars {
         let _ = writeln!(out, "  primvar  {} {} from {}", p.name, p.type_name, p.from);
     }
-    for s in &garment.subsets {
+    for s in garment.subsets.iter() {
         let family = if s.family.is_empty() { String::new() } else { format!(", family {}", s.family) };
         let _ = writeln!(out, "  subset   {} of {} {}s{family}", s.name, s.elements.len(), s.elements.kind());
     }

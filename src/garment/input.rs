@@ -1,9 +1,9 @@
-//! What a file said about a garment, before anything is checked.
+//! A garment as authored, before it is checked.
 
 use super::{Family, Interpolation, Mixing, Orientation, PrimvarRole, SubdivisionRules, Values};
 use glam::Vec3;
 
-/// A mesh as authored. Index arrays keep the file's signed integers, so that a fault can be named as the user wrote it.
+/// A mesh as authored. Index arrays keep the file's signed integers, which messages show.
 #[derive(Clone, Debug, Default)]
 pub struct GarmentInput {
     /// Path of the prim.
@@ -24,7 +24,7 @@ pub struct GarmentInput {
     pub crease_indices: Vec<i32>,
     /// `creaseLengths`
     pub crease_lengths: Vec<i32>,
-    /// `creaseSharpnesses`: one a crease, or one an edge
+    /// `creaseSharpnesses`: one for each crease, or one for each edge
     pub crease_sharpnesses: Vec<f32>,
     /// `cornerIndices`
     pub corner_indices: Vec<i32>,

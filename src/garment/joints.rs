@@ -1,4 +1,4 @@
-//! Skinning: joint influences are merged by joint, never averaged slot by slot.
+//! Skinning: joint influences are merged by joint, as slots of neighbours may hold different joints.
 
 use super::{Garment, Interpolation, Primvar, Values};
 use rayon::prelude::*;
@@ -11,12 +11,12 @@ pub const JOINT_WEIGHTS: &str = "skel:jointWeights";
 /// The influences of one element: joints, ascending, with their weights.
 pub type Influences = Vec<(i32, f32)>;
 
-/// Whether a primvar is one half of the influences, which are carried together.
+/// Whether a primvar holds the joints or the weights of the influences, which are carried together.
 pub fn is_influence(garment: &Garment, primvar: &Primvar) -> bool {
     [JOINT_INDICES, JOINT_WEIGHTS].contains(&primvar.name.as_str()) && pair(garment).is_some()
 }
 
-/// The two primvars of a mesh with influences per vertex.
+/// The joints and weights of a mesh with influences per vertex.
 pub fn pair(garment: &Garment) -> Option<(&Primvar, &Primvar)> {
     let indices = garment.primvar(JOINT_INDICES)?;
     let weights = garment.primvar(JOINT_WEIGHTS)?;
@@ -29,7 +29,9 @@ pub fn pair(garment: &Garment) -> Option<(&Primvar, &Primvar)> {
 
 /// The influences of each vertex.
 pub fn influences(indices: &Primvar, weights: &Primvar) -> Vec<Influences> {
-    let (Values::I32(joints), Values::F32(amounts)) = (&indices.values, &weights.values) else { return Vec::new() };
+    let (Values::I32(joints), Values::F32(amounts)) = (&indices.values, &weights.values) else {
+        unreachable!("`pair` gives integer joints and real weights")
+    };
     let width = indices.width();
     let of = |vertex: usize| {
         let (j, w) = (indices.row(vertex) * width, weights.row(vertex) * width);
@@ -55,7 +57,7 @@ pub fn blend<'a>(parts: impl Iterator<Item = (&'a Influences, f32)>) -> Influenc
     merge(parts.flat_map(|(influences, share)| influences.iter().map(move |&(j, w)| (j, w * share))))
 }
 
-/// The primvars again, from the influences of each element: the `elementSize` heaviest, scaled to the sum that all had.
+/// Joints and weights as primvars: the `elementSize` heaviest influences of each element, scaled to the sum of all.
 pub fn to_primvars(all: &[Influences], indices: &Primvar, weights: &Primvar) -> [Primvar; 2] {
     let width = indices.width();
     let pruned = all.par_iter().flat_map_iter(|influences| pruned(influences, width));
@@ -66,10 +68,10 @@ pub fn to_primvars(all: &[Influences], indices: &Primvar, weights: &Primvar) -> 
     ]
 }
 
-/// The `width` heaviest influences, scaled to the sum of all and filled up with nothing.
+/// The `width` heaviest influences, scaled to the sum of all and padded with zeros.
 fn pruned(influences: &Influences, width: usize) -> Influences {
     let mut kept = influences.clone();
-    // Heaviest first, of equals the lowest joint.
+    // Heaviest first; of equal weights, the lowest joint.
     kept.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
     kept.truncate(width);
     let sum: f32 = influences.iter().map(|i| i.1).sum();

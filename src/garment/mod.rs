@@ -1,35 +1,34 @@
-//! The input model, without any USD type: what a garment mesh is before and after it is checked.
+//! The garment mesh, without USD types.
 //!
-//! [`GarmentInput`] holds what a file said, [`check_garment`] turns it into a [`Garment`] or says what is wrong.
-//! Every product is a [`Garment`] again, so that one operator's output is the next one's input.
+//! [`check_garment`] turns a [`GarmentInput`], the mesh as authored, into a [`Garment`], or lists its faults. Products are
+//! [`Garment`]s too, so that the output of an operator is the input of the next.
 
 mod check;
 mod input;
 pub mod joints;
 mod primvar;
-mod shared;
 mod subset;
 
 pub use check::{GarmentError, Problem, check_garment};
 pub use input::{GarmentInput, PrimvarInput, SubsetInput};
 pub use primvar::{Interpolation, Mixing, Primvar, PrimvarRole, Values};
-pub use shared::Shared;
 pub use subset::{Elements, Family, FamilyType, Subset};
 
 use crate::mesh::{FaceId, Faces, IdVec, VertexId};
 use glam::Vec3;
+use std::sync::Arc;
 
-/// Which side of a face is its front, as `UsdGeomGprim.orientation`.
+/// The winding of faces seen from the front, as `UsdGeomGprim.orientation`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Orientation {
-    /// Counter-clockwise faces are seen from the front.
+    /// Counter-clockwise.
     #[default]
     RightHanded,
-    /// Clockwise faces are seen from the front.
+    /// Clockwise.
     LeftHanded,
 }
 
-/// The surface that a cage stands for, as `UsdGeomMesh.subdivisionScheme`.
+/// The limit surface of a cage, as `UsdGeomMesh.subdivisionScheme`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Scheme {
     /// Catmull-Clark, the default.
@@ -37,13 +36,13 @@ pub enum Scheme {
     CatmullClark,
     /// Loop; triangles only.
     Loop,
-    /// The faces themselves, split in quads.
+    /// The faces, split into quads.
     Bilinear,
     /// A polygonal mesh.
     None,
 }
 
-/// What happens at mesh borders, as `UsdGeomMesh.interpolateBoundary`.
+/// The rule at mesh borders, as `UsdGeomMesh.interpolateBoundary`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum BoundaryInterpolation {
     /// Faces at borders are holes.
@@ -55,7 +54,7 @@ pub enum BoundaryInterpolation {
     EdgeAndCorner,
 }
 
-/// Where face-varying values are kept linear, as `UsdGeomMesh.faceVaryingLinearInterpolation`.
+/// Where face-varying values are interpolated linearly, as `UsdGeomMesh.faceVaryingLinearInterpolation`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum FaceVaryingInterpolation {
     /// Smooth everywhere.
@@ -119,13 +118,13 @@ pub struct Corner {
 pub struct Garment {
     /// Name of the mesh in messages: its prim path.
     pub prim: String,
-    /// Positions, local space. [stage units]
+    /// Positions in local space. \[stage units\]
     pub points: IdVec<VertexId, Vec3>,
-    /// The faces as they were authored.
+    /// The faces as authored.
     pub faces: Faces,
-    /// Which side is the front.
+    /// The winding of the faces.
     pub orientation: Orientation,
-    /// How the surface follows from the cage.
+    /// The subdivision rules.
     pub rules: SubdivisionRules,
     /// Faces that are not drawn.
     pub holes: Vec<FaceId>,
@@ -133,10 +132,10 @@ pub struct Garment {
     pub creases: Vec<Crease>,
     /// Sharp vertices.
     pub corners: Vec<Corner>,
-    /// Primvars that vary over the mesh; constant ones are copied as they are by the writer.
-    pub primvars: Shared<Vec<Primvar>>,
+    /// Primvars that vary over the mesh; the writer copies constant ones. Copies of a garment share them.
+    pub primvars: Arc<Vec<Primvar>>,
     /// Named sets of faces, edges and points.
-    pub subsets: Shared<Vec<Subset>>,
+    pub subsets: Arc<Vec<Subset>>,
     /// Families of subsets with their rules.
     pub families: Vec<Family>,
 }

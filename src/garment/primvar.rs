@@ -1,6 +1,6 @@
 //! Values on the elements of a mesh (`UsdGeomPrimvar`).
 
-use crate::mesh::{CornerId, Csr, Faces, IdVec};
+use crate::mesh::{CornerId, Csr, Faces, IdVec, VertexId};
 use std::sync::Arc;
 
 /// The elements that carry a primvar's values.
@@ -18,16 +18,16 @@ pub enum Interpolation {
     FaceVarying,
 }
 
-/// How values are combined where several source elements meet in one.
+/// How the values of several source elements combine into one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Mixing {
     /// Weighted sums.
     Linear,
     /// Weighted sums, scaled to unit length again (normals).
     Direction,
-    /// Weighted sums of one hemisphere, scaled to unit length again (quaternions).
+    /// Weighted sums on one hemisphere, scaled to unit length again (quaternions).
     Rotation,
-    /// Never combined: the value of the heaviest source is taken.
+    /// The value of the heaviest source.
     Discrete,
 }
 
@@ -54,20 +54,23 @@ pub enum Values {
     Text(Vec<String>),
 }
 
+/// Evaluates an expression for the vector of any variant; with `Values`, its result becomes the same variant.
+macro_rules! each {
+    ($values:expr, $v:ident => $($wrap:ident)? ($e:expr)) => {
+        each!(@ $values, $v, $e, $($wrap)?; F32 F64 Bool U8 I32 U32 I64 U64 Text)
+    };
+    (@ $values:expr, $v:ident, $e:expr, Values; $($kind:ident)*) => {
+        match $values { $(Values::$kind($v) => Values::$kind($e)),* }
+    };
+    (@ $values:expr, $v:ident, $e:expr, ; $($kind:ident)*) => {
+        match $values { $(Values::$kind($v) => $e),* }
+    };
+}
+
 impl Values {
-    /// How many numbers or texts there are.
+    /// Number of numbers or texts.
     pub fn len(&self) -> usize {
-        match self {
-            Self::F32(v) => v.len(),
-            Self::F64(v) => v.len(),
-            Self::Bool(v) => v.len(),
-            Self::U8(v) => v.len(),
-            Self::I32(v) => v.len(),
-            Self::U32(v) => v.len(),
-            Self::I64(v) => v.len(),
-            Self::U64(v) => v.len(),
-            Self::Text(v) => v.len(),
-        }
+        each!(self, v => (v.len()))
     }
 
     /// Whether there is no value.
@@ -75,19 +78,13 @@ impl Values {
         self.len() == 0
     }
 
-    /// Whether two rows of `width` numbers are the same bit for bit.
+    /// Whether two rows of `width` numbers are equal bit for bit.
     pub fn same_rows(&self, width: usize, a: usize, b: usize) -> bool {
         let (a, b) = (a * width..(a + 1) * width, b * width..(b + 1) * width);
         match self {
             Self::F32(v) => v[a].iter().zip(&v[b]).all(|(x, y)| x.to_bits() == y.to_bits()),
             Self::F64(v) => v[a].iter().zip(&v[b]).all(|(x, y)| x.to_bits() == y.to_bits()),
-            Self::Bool(v) => v[a] == v[b],
-            Self::U8(v) => v[a] == v[b],
-            Self::I32(v) => v[a] == v[b],
-            Self::U32(v) => v[a] == v[b],
-            Self::I64(v) => v[a] == v[b],
-            Self::U64(v) => v[a] == v[b],
-            Self::Text(v) => v[a] == v[b],
+            others => each!(others, v => (v[a] == v[b])),
         }
     }
 
@@ -101,17 +98,7 @@ impl Values {
             rows.for_each(|r| out.extend_from_slice(&v[r * width..(r + 1) * width]));
             out
         }
-        match self {
-            Self::F32(v) => Self::F32(take(v, width, rows)),
-            Self::F64(v) => Self::F64(take(v, width, rows)),
-            Self::Bool(v) => Self::Bool(take(v, width, rows)),
-            Self::U8(v) => Self::U8(take(v, width, rows)),
-            Self::I32(v) => Self::I32(take(v, width, rows)),
-            Self::U32(v) => Self::U32(take(v, width, rows)),
-            Self::I64(v) => Self::I64(take(v, width, rows)),
-            Self::U64(v) => Self::U64(take(v, width, rows)),
-            Self::Text(v) => Self::Text(take(v, width, rows)),
-        }
+        each!(self, v => Values(take(v, width, rows)))
     }
 }
 
@@ -139,7 +126,7 @@ pub struct Primvar {
     pub name: String,
     /// The property that holds the values.
     pub role: PrimvarRole,
-    /// USD's name of the value type (`texCoord2f[]`); opaque here, the writer gives it back.
+    /// USD's name of the value type (`texCoord2f[]`), for the writer.
     pub type_name: String,
     /// The elements that carry the values.
     pub interpolation: Interpolation,
@@ -151,12 +138,12 @@ pub struct Primvar {
     pub mixing: Mixing,
     /// The values; rows of [`Primvar::width`] numbers.
     pub values: Values,
-    /// For each element the row that it takes; none when the rows are in element order. Copies share them.
+    /// The row of each element; none when the rows are in element order. Copies share them.
     pub indices: Option<Arc<Vec<u32>>>,
 }
 
 impl Primvar {
-    /// The same without values and indices.
+    /// A copy without values and indices.
     pub fn headed(&self) -> Self {
         let (name, role, type_name) = (self.name.clone(), self.role.clone(), self.type_name.clone());
         Self { name, role, type_name, values: Values::F32(Vec::new()), indices: None, ..*self }
@@ -182,10 +169,10 @@ impl Primvar {
         self.mixing != Mixing::Discrete && matches!(self.values, Values::F32(_) | Values::F64(_))
     }
 
-    /// For each corner the row that it takes, for a face-varying primvar.
+    /// The row of each corner of a face-varying primvar.
     ///
-    /// Indices say which corners share a value. Without indices, corners of one vertex share it where their rows are
-    /// the same bit for bit, so that a UV layout written flat keeps its shells.
+    /// Corners with equal indices share a value. Without indices, corners of one vertex share it where their rows are equal
+    /// bit for bit, so that the UV shells of an unindexed layout stay whole.
     pub fn corner_rows(&self, faces: &Faces, vertices: usize) -> IdVec<CornerId, u32> {
         if let Some(indices) = &self.indices {
             return indices.to_vec().into();
@@ -193,7 +180,7 @@ impl Primvar {
         let mut rows: IdVec<CornerId, u32> = (0..faces.corners().len() as u32).collect::<Vec<_>>().into();
         let at_vertex = Csr::group(vertices, faces.corners().enumerated().map(|(c, &v)| (v, c)), CornerId::new(0));
         let width = self.width();
-        for vertex in (0..vertices).map(crate::mesh::VertexId::new) {
+        for vertex in (0..vertices).map(VertexId::new) {
             let corners = at_vertex.row(vertex);
             for (i, &c) in corners.iter().enumerate() {
                 let same = |d: &&CornerId| self.values.same_rows(width, c.index(), d.index());
@@ -210,7 +197,7 @@ impl Primvar {
         self.indices.as_ref().map_or_else(|| self.rows(), |indices| indices.len())
     }
 
-    /// The row that element `element` takes.
+    /// The row of an element.
     #[inline]
     pub fn row(&self, element: usize) -> usize {
         self.indices.as_ref().map_or(element, |i| i[element] as usize)

@@ -23,7 +23,7 @@ impl Elements {
         }
     }
 
-    /// How many elements the set has.
+    /// Number of elements.
     pub fn len(&self) -> usize {
         match self {
             Self::Faces(f) => f.len(),
@@ -45,13 +45,13 @@ pub struct Subset {
     pub name: String,
     /// Its family; empty for none.
     pub family: String,
-    /// What is in it.
+    /// Its elements.
     pub elements: Elements,
-    /// The sharpness that its edges or points had as creases or corners, if that is what the set was made of.
+    /// The sharpness of its edges or points as creases or corners, if the set was built from those.
     pub sharpness: Option<f32>,
 }
 
-/// How the subsets of a family share the elements, as `subsetFamily:<name>:familyType`.
+/// The rule by which the subsets of a family share elements, as `subsetFamily:<name>:familyType`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FamilyType {
     /// Every element is in exactly one subset.

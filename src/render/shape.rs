@@ -118,7 +118,7 @@ impl Shape {
         let corners: Vec<VertexId> = kept_corners(parent, self).chain(self.corners.iter().copied()).collect();
         let mut frame = parent.frame(&self.derivation, &corners, &self.creases);
         self.apart.iter().for_each(|&(vertex, offset)| frame.points[vertex] += offset);
-        frame.subsets.extend(self.subsets.iter().cloned());
+        Arc::make_mut(&mut frame.subsets).extend(self.subsets.iter().cloned());
         frame
     }
 

@@ -20,7 +20,7 @@ use super::placing::Placing;
 use super::shape::{Formed, Origin, Shaped};
 use super::{Stack, check_size, first_cage};
 use crate::error::{Error, Warnings};
-use crate::garment::{Garment, Shared};
+use crate::garment::Garment;
 use crate::memo::{Footprint, Made};
 use crate::mesh::{Faces, IdVec, VertexId};
 use crate::parallel::Follower;
@@ -244,7 +244,7 @@ impl<'a, S: Stages> Plan<'a, S> {
             send(Step::Level(Arc::clone(&level)));
             let refinement = cage.refinement(level.topology.faces.clone(), &channels);
             let subsets = self.stages.get("subsets", &subsets_of(step), || Ok(refinement.subsets()))?;
-            let refined = || Ok(refinement.cage(Arc::clone(&level), Shared::clone(&subsets)));
+            let refined = || Ok(refinement.cage(Arc::clone(&level), Arc::clone(&subsets)));
             let refined = self.stages.get("level", &(&self.structure, step), refined)?;
             let next = || Ok(channels.refined(cage.level(), &level));
             channels = self.stages.get("channels", &channels_of(step), next)?;
@@ -254,7 +254,7 @@ impl<'a, S: Stages> Plan<'a, S> {
         let faces: Arc<Faces> = self.stages.get("refined faces", &(fingerprint, last), faces)?;
         let refinement = cage.refinement(Faces::clone(&faces), &channels);
         let subsets = self.stages.get("subsets", &subsets_of(last), || Ok(refinement.subsets()))?;
-        self.stages.get("attributes", &key, || Ok(refinement.garment(Shared::clone(&subsets))))
+        self.stages.get("attributes", &key, || Ok(refinement.garment(Arc::clone(&subsets))))
     }
 }
 

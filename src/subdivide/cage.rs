@@ -6,7 +6,7 @@ use super::connectivity::{Fingerprint, Hasher};
 use super::stencil::Stencils;
 use super::{INFINITE_SHARPNESS, Level, Numbering, refined_sharpness};
 use crate::garment::joints::{self, Influences};
-use crate::garment::{Corner, Crease, Elements, Garment, Primvar, Scheme, Shared, Subset};
+use crate::garment::{Corner, Crease, Elements, Garment, Primvar, Scheme, Subset};
 use crate::mesh::{CornerId, EdgeId, FaceId, Faces, IdVec, Topology, VertexId};
 use glam::Vec3;
 use std::collections::BTreeSet;
@@ -21,24 +21,24 @@ pub struct Refinement<'a> {
 
 impl Refinement<'_> {
     /// Its subsets. They are the same for each cage with the same connectivity and subsets.
-    pub fn subsets(&self) -> Shared<Vec<Subset>> {
+    pub fn subsets(&self) -> Arc<Vec<Subset>> {
         Carry::new(&self.cage.garment, self).subsets()
     }
 
     /// It as a cage with these subsets, whose level is `level`. Its points are zero.
-    pub fn cage(&self, level: Arc<Level>, subsets: Shared<Vec<Subset>>) -> Cage {
+    pub fn cage(&self, level: Arc<Level>, subsets: Arc<Vec<Subset>>) -> Cage {
         let (mut garment, influences) = self.carried(subsets);
         garment.points = IdVec::filled(Vec3::ZERO, level.topology.vertex_count());
         Cage { garment, level, influences }
     }
 
     /// Its garment with these subsets, without points, as the last step: that needs no more connectivity.
-    pub fn garment(&self, subsets: Shared<Vec<Subset>>) -> Garment {
+    pub fn garment(&self, subsets: Arc<Vec<Subset>>) -> Garment {
         let (garment, influences) = self.carried(subsets);
         Cage::completed(garment, influences.as_deref())
     }
 
-    fn carried(&self, subsets: Shared<Vec<Subset>>) -> (Garment, Option<Vec<Influences>>) {
+    fn carried(&self, subsets: Arc<Vec<Subset>>) -> (Garment, Option<Vec<Influences>>) {
         carry(&self.cage.garment, self.cage.influences.as_deref(), self, subsets)
     }
 
@@ -149,7 +149,7 @@ impl Cage {
     /// The fingerprint of its subsets.
     pub fn subsets_fingerprint(&self) -> Fingerprint {
         let mut hasher = Hasher::default();
-        for Subset { name, family, elements, sharpness } in &self.garment.subsets {
+        for Subset { name, family, elements, sharpness } in self.garment.subsets.iter() {
             hasher.add((name, family, elements.kind(), sharpness.map(f32::to_bits)));
             match elements {
                 Elements::Faces(faces) => hasher.add_all(faces),
@@ -189,13 +189,13 @@ impl Cage {
     }
 
     fn completed(mut garment: Garment, influences: Option<&[Influences]>) -> Garment {
-        garment.primvars.iter_mut().for_each(to_unit_length);
+        Arc::make_mut(&mut garment.primvars).iter_mut().for_each(to_unit_length);
         let carried = match (joints::pair(&garment), influences) {
             (Some((indices, weights)), Some(influences)) => joints::to_primvars(influences, indices, weights),
             _ => return garment,
         };
         for primvar in carried {
-            if let Some(slot) = garment.primvars.iter_mut().find(|p| p.name == primvar.name) {
+            if let Some(slot) = Arc::make_mut(&mut garment.primvars).iter_mut().find(|p| p.name == primvar.name) {
                 *slot = primvar;
             }
         }

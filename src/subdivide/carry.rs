@@ -3,7 +3,7 @@
 use super::stencil::Stencils;
 use crate::garment::joints::{self, Influences};
 use crate::garment::{
-    Corner, Crease, Elements, Family, FamilyType, Garment, Interpolation, Mixing, Primvar, Shared, Subset, Values,
+    Corner, Crease, Elements, Family, FamilyType, Garment, Interpolation, Mixing, Primvar, Subset, Values,
 };
 use crate::mesh::{CornerId, EdgeId, FaceId, Faces, IdVec, Topology, ValueId, VertexId};
 use crate::parallel::when_idle;
@@ -73,7 +73,7 @@ pub(super) fn carry<L: Lineage>(
     garment: &Garment,
     influences: Option<&[Influences]>,
     lineage: &L,
-    subsets: Shared<Vec<Subset>>,
+    subsets: Arc<Vec<Subset>>,
 ) -> (Garment, Option<Vec<Influences>>) {
     let carry = Carry::new(garment, lineage);
     let (primvars, influences) = carry.attributes(influences);
@@ -107,12 +107,12 @@ impl<'a, L: Lineage> Carry<'a, L> {
     }
 
     /// The child's subsets.
-    pub(super) fn subsets(&self) -> Shared<Vec<Subset>> {
-        self.garment.subsets.iter().map(|s| self.subset(s)).collect()
+    pub(super) fn subsets(&self) -> Arc<Vec<Subset>> {
+        self.garment.subsets.iter().map(|s| self.subset(s)).collect::<Vec<_>>().into()
     }
 
     /// The child without its primvars.
-    pub(super) fn frame(&self, points: IdVec<VertexId, Vec3>, subsets: Shared<Vec<Subset>>) -> Garment {
+    pub(super) fn frame(&self, points: IdVec<VertexId, Vec3>, subsets: Arc<Vec<Subset>>) -> Garment {
         let garment = self.garment;
         Garment {
             prim: garment.prim.clone(),

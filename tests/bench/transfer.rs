@@ -16,6 +16,7 @@ mod common;
 use common::Sample;
 use criterion::{BatchSize, BenchmarkId, SamplingMode, Throughput};
 use std::collections::BTreeSet;
+use std::sync::Arc;
 use tailor::error::Warnings;
 use tailor::garment::{Elements, Garment, Interpolation, Mixing, Primvar, PrimvarRole, Subset, Values};
 use tailor::mesh::{FaceId, Topology, VertexId};
@@ -72,11 +73,10 @@ fn dressed(sample: &Sample) -> Garment {
     let faces: Vec<FaceId> = garment.faces.ids().collect();
     for k in 0..FACE_SETS {
         let own = faces.iter().copied().filter(|f| block(f.index()) == k).collect();
-        garment.subsets.push(set(format!("faces{k}"), Elements::Faces(own)));
+        Arc::make_mut(&mut garment.subsets).push(set(format!("faces{k}"), Elements::Faces(own)));
     }
     for k in 0..EDGE_SETS {
-        garment
-            .subsets
+        Arc::make_mut(&mut garment.subsets)
             .push(set(format!("edges{k}"), Elements::Edges(borders(&sample.garment, |f| block(f.index()) == k))));
     }
     let corners = garment.faces.corners().len();
@@ -84,13 +84,23 @@ fn dressed(sample: &Sample) -> Garment {
     let of_corner = |corner: usize| block(sample.garment.faces.face_of(tailor::mesh::CornerId::new(corner)).index());
     // One layout in blocks, one in a piece.
     let blocks = (0..corners).flat_map(|c| [point(c).x + 10.0 * of_corner(c) as f32, point(c).y]);
-    garment.primvars.push(primvar("blocks", Interpolation::FaceVarying, 2, Values::F32(blocks.collect())));
+    Arc::make_mut(&mut garment.primvars).push(primvar(
+        "blocks",
+        Interpolation::FaceVarying,
+        2,
+        Values::F32(blocks.collect()),
+    ));
     let whole = (0..corners).flat_map(|c| [point(c).x, point(c).y]);
-    garment.primvars.push(primvar("whole", Interpolation::FaceVarying, 2, Values::F32(whole.collect())));
+    Arc::make_mut(&mut garment.primvars).push(primvar(
+        "whole",
+        Interpolation::FaceVarying,
+        2,
+        Values::F32(whole.collect()),
+    ));
     for k in 0..PRIMVARS {
         let (points, faces) = (garment.points.len(), garment.faces.len());
         let floats = |n: usize| Values::F32((0..n).map(|i| ((i * (k + 3)) % 101) as f32).collect());
-        garment.primvars.push(match k % 4 {
+        Arc::make_mut(&mut garment.primvars).push(match k % 4 {
             0 => primvar(&format!("vertex{k}"), Interpolation::Vertex, 3, floats(3 * points)),
             1 => primvar(&format!("varying{k}"), Interpolation::Varying, 1, floats(points)),
             2 => primvar(&format!("colour{k}"), Interpolation::Uniform, 3, floats(3 * faces)),

@@ -10,7 +10,7 @@ pub const WEIGHT_SUM: f64 = 1e-4;
 /// Subsets whose elements are not there, or there twice.
 pub fn subset_faults(mesh: &Garment, t: &Topology) -> Vec<String> {
     let mut faults = Vec::new();
-    for subset in &mesh.subsets {
+    for subset in mesh.subsets.iter() {
         let (sound, distinct) = match &subset.elements {
             Elements::Faces(f) => {
                 (f.iter().all(|f| f.index() < mesh.faces.len()), f.iter().collect::<BTreeSet<_>>().len())
@@ -70,7 +70,7 @@ fn numbers(values: &Values) -> Option<Vec<f64>> {
 /// Primvars that do not fit the mesh, leave the range of their source, or weights with another sum.
 pub fn primvar_faults(mesh: &Garment, source: &Garment) -> Vec<String> {
     let mut faults = Vec::new();
-    for p in &mesh.primvars {
+    for p in mesh.primvars.iter() {
         let elements = match p.interpolation {
             Interpolation::Constant => p.elements(),
             Interpolation::Uniform => mesh.faces.len(),

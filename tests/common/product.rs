@@ -250,7 +250,7 @@ impl Subject {
             let fits = crease.sharpnesses.len() + 1 == crease.vertices.len();
             self.expect(&format!("{which} creases"), steps && fits, || format!("{crease:?}"));
         }
-        for subset in &self.garment.subsets.clone() {
+        for subset in self.garment.subsets.clone().iter() {
             let kept = mesh.subset(&subset.name).is_some_and(|s| s.elements.kind() == subset.elements.kind());
             self.expect(&format!("{which} subsets"), kept, || format!("{} is lost", subset.name));
         }

@@ -24,7 +24,7 @@ pub fn refinement_faults(cage: &Garment, child: &Garment) -> Vec<String> {
     if let Some(face) = child.faces.ids().find(|&f| child.faces.valence(f) != valence) {
         faults.push(format!("{face:?} has {} corners", child.faces.valence(face)));
     }
-    for subset in &cage.subsets {
+    for subset in cage.subsets.iter() {
         let (Elements::Faces(from), Some(Elements::Faces(to))) =
             (&subset.elements, child.subset(&subset.name).map(|s| &s.elements))
         else {

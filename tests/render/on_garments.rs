@@ -7,6 +7,7 @@ use crate::garments::garments;
 use crate::recipes::{border_panels, rendered};
 use glam::Vec3;
 use std::collections::BTreeSet;
+use std::sync::Arc;
 use tailor::error::{Warning, Warnings};
 use tailor::garment::{Garment, Interpolation, Mixing, Primvar, PrimvarRole, Values, check_garment};
 use tailor::mesh::{FaceId, VertexId};
@@ -31,7 +32,7 @@ fn load() -> Vec<(String, Garment)> {
         let source = Source::open(&file, &ReadOptions::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
         let input = source.garment(&mut Warnings::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
         let mut garment = check_garment(input, &mut Warnings::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
-        garment.primvars.push(Primvar {
+        Arc::make_mut(&mut garment.primvars).push(Primvar {
             name: PARENT.into(),
             role: PrimvarRole::Primvar,
             type_name: "int[]".into(),
@@ -43,7 +44,7 @@ fn load() -> Vec<(String, Garment)> {
             indices: None,
         });
         let fronts = vertex_normals(&garment).iter().flat_map(|n| n.to_array()).collect();
-        garment.primvars.push(Primvar {
+        Arc::make_mut(&mut garment.primvars).push(Primvar {
             name: FRONT.into(),
             role: PrimvarRole::Primvar,
             type_name: "float3[]".into(),

@@ -137,7 +137,7 @@ fn edge_faults(mesh: &Garment, source: &Garment) -> Vec<String> {
     let Values::F32(rest) = &mesh.primvar("rest").expect("rest").values else { return Vec::new() };
     let at = |v: tailor::mesh::VertexId| Vec2::new(rest[2 * v.index()], rest[2 * v.index() + 1]);
     let mut faults = Vec::new();
-    for subset in &mesh.subsets {
+    for subset in mesh.subsets.iter() {
         let Elements::Edges(edges) = &subset.elements else { continue };
         let fits = |p: Vec2| match subset.name.as_str() {
             "row" => p.y == 3.0,

@@ -74,7 +74,7 @@ fn pieces(garment: &Garment) -> IdVec<FaceId, usize> {
 fn on_another_layer(built: &Built, coverage: &Coverage) -> usize {
     let piece = pieces(&built.garment);
     let mut wrong = 0;
-    for subset in &built.garment.subsets {
+    for subset in built.garment.subsets.iter() {
         let Elements::Faces(source) = &subset.elements else { continue };
         let own: BTreeSet<FaceId> = source.iter().copied().collect();
         let own_pieces: BTreeSet<usize> = source.iter().map(|&f| piece[f]).collect();
@@ -93,7 +93,7 @@ fn sets_between_chains_are_exact_on_every_garment() {
     for file in garments() {
         let built = garment(&file, &[]);
         let coverage = independent(&built);
-        for subset in &built.garment.subsets {
+        for subset in built.garment.subsets.iter() {
             let Elements::Faces(source) = &subset.elements else { continue };
             let own = coverage.overlap(source, &faces(&built.products.sim, &subset.name));
             assert!(own > 0.9999, "{file:?}: {} has {own} in common with its source", subset.name);
@@ -130,7 +130,7 @@ fn sets_without_chains_follow_their_borders() {
         let coverage = independent(&built);
         let whole: f64 = coverage.source_area.iter().sum();
         let (mut met, mut missed) = (0.0, Vec::new());
-        for subset in &built.garment.subsets {
+        for subset in built.garment.subsets.iter() {
             let Elements::Faces(source) = &subset.elements else { continue };
             let own = faces(&built.products.sim, &subset.name);
             let agreement = coverage.agreement(source, &own);
@@ -191,7 +191,7 @@ fn labels_are_the_best_that_whole_triangles_allow_and_small_sets_are_told() {
                     _ => [].iter(),
                 })
                 .collect();
-            for subset in &built.garment.subsets {
+            for subset in built.garment.subsets.iter() {
                 let Elements::Faces(source) = &subset.elements else { continue };
                 let set = faces(&built.products.sim, &subset.name);
                 let is_in: BTreeSet<FaceId> = set.iter().copied().collect();
@@ -231,7 +231,7 @@ fn what_differs_lies_within_an_edge_of_the_border() {
         let (coverage, product) = (independent(&built), built.product());
         let base = &product.baseline;
         let t = &base.topology;
-        for subset in &built.garment.subsets {
+        for subset in built.garment.subsets.iter() {
             let Elements::Faces(source) = &subset.elements else { continue };
             let own: BTreeSet<FaceId> = source.iter().copied().collect();
             let sides = |e| t.edge_corners.row(e).iter().map(|&c| own.contains(&base.source_face[t.faces.face_of(c)]));
@@ -283,7 +283,7 @@ fn a_partition_stays_one_and_overlapping_sets_are_counted_apart() {
         assert_eq!(faces(mesh, "all").len(), mesh.faces.len());
         assert!(!faces(mesh, "one").is_empty(), "a set of one face, larger than the triangles");
         let coverage = independent(&built);
-        for subset in &built.garment.subsets {
+        for subset in built.garment.subsets.iter() {
             let Elements::Faces(source) = &subset.elements else { continue };
             // At the longer length the set is of some three triangles, and most of those that meet it cross its border.
             let least = match (subset.name.as_str(), length) {

@@ -33,7 +33,7 @@ pub fn sound(input: &GarmentInput) -> Garment {
         holes: faces(&input.hole_indices),
         creases,
         corners: input.corner_indices.iter().zip(&input.corner_sharpnesses).map(corner).collect(),
-        primvars: input.primvars.iter().map(primvar).collect(),
+        primvars: input.primvars.iter().map(primvar).collect::<Vec<_>>().into(),
         subsets: input
             .subsets
             .iter()
@@ -47,7 +47,8 @@ pub fn sound(input: &GarmentInput) -> Garment {
                 },
                 sharpness: None,
             })
-            .collect(),
+            .collect::<Vec<_>>()
+            .into(),
         families: input.families.clone(),
     }
 }

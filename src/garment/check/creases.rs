@@ -1,18 +1,18 @@
 //! Creases and corners.
 
-use super::mesh::{Count, Indices, Mesh, Place, Repeat, repeats};
+use super::mesh::{Count, Entry, Indices, Mesh, Repeat, repeats};
 use super::problem::Problems;
 use crate::garment::{Corner, Crease, GarmentInput};
 use crate::mesh::VertexId;
 
-/// The sharpness that is infinite, as OpenSubdiv has it.
+/// Infinite sharpness, as in OpenSubdiv.
 const INFINITE_SHARPNESS: f32 = 10.0;
 
 /// The creases.
 pub(super) fn creases(input: &GarmentInput, mesh: &Mesh<'_>, problems: &mut Problems) -> Vec<Crease> {
     let sharpnesses = sharpnesses("creaseSharpnesses", &input.crease_sharpnesses, problems);
     let indices = Indices { attribute: "creaseIndices", kind: "point", count: mesh.points };
-    let vertices = indices.handles(&input.crease_indices, |i| Place("entry", i), problems);
+    let vertices = indices.handles(&input.crease_indices, |i| Entry("entry", i), problems);
     let Some(lengths) = lengths(input, problems) else { return Vec::new() };
     let Some(per_edge) = sharpness_per_edge(&lengths, sharpnesses.len(), problems) else { return Vec::new() };
 
@@ -28,7 +28,7 @@ pub(super) fn creases(input: &GarmentInput, mesh: &Mesh<'_>, problems: &mut Prob
     creases
 }
 
-/// The lengths of the creases, where they are right in themselves and fit the indices.
+/// The lengths of the creases, if they are valid and fit the indices.
 fn lengths(input: &GarmentInput, problems: &mut Problems) -> Option<Vec<usize>> {
     let before = problems.count();
     for (crease, &n) in input.crease_lengths.iter().enumerate().filter(|&(_, &n)| n < 2) {
@@ -49,7 +49,7 @@ fn lengths(input: &GarmentInput, problems: &mut Problems) -> Option<Vec<usize>> 
     Some(lengths)
 }
 
-/// Whether there is one sharpness for each edge rather than for each crease; none if neither.
+/// Whether there is a sharpness for each edge, or one for each crease; none if neither fits.
 fn sharpness_per_edge(lengths: &[usize], found: usize, problems: &mut Problems) -> Option<bool> {
     let creases = lengths.len();
     let edges = lengths.iter().map(|n| n - 1).sum::<usize>();
@@ -80,7 +80,7 @@ fn check_steps(crease: usize, path: &[Option<VertexId>], mesh: &Mesh<'_>, proble
     }
 }
 
-/// Sharpnesses, infinite ones as the number that stands for that.
+/// Sharpnesses, with infinity as [`INFINITE_SHARPNESS`].
 fn sharpnesses(attribute: &str, values: &[f32], problems: &mut Problems) -> Vec<f32> {
     for (i, &s) in values.iter().enumerate().filter(|&(_, &s)| s.is_nan() || s < 0.0) {
         let fault = format_args!("entry {i} is {s}, but a sharpness is zero or more");
@@ -93,7 +93,7 @@ fn sharpnesses(attribute: &str, values: &[f32], problems: &mut Problems) -> Vec<
 pub(super) fn corners(input: &GarmentInput, mesh: &Mesh<'_>, problems: &mut Problems) -> Vec<Corner> {
     let sharpnesses = sharpnesses("cornerSharpnesses", &input.corner_sharpnesses, problems);
     let indices = Indices { attribute: "cornerIndices", kind: "point", count: mesh.points };
-    let vertices: Vec<Option<VertexId>> = indices.handles(&input.corner_indices, |i| Place("entry", i), problems);
+    let vertices: Vec<Option<VertexId>> = indices.handles(&input.corner_indices, |i| Entry("entry", i), problems);
     check_twice(&vertices, problems);
     let (found, needed) = (sharpnesses.len(), vertices.len());
     if found != needed {

@@ -1,13 +1,13 @@
 //! Points, faces and holes.
 
-use super::mesh::{Count, Indices, Mesh, Place, corner_sum};
+use super::mesh::{Count, Entry, Indices, Mesh, corner_sum};
 use super::problem::Problems;
 use crate::garment::{GarmentInput, Scheme};
 use crate::mesh::{FaceId, Faces, VertexId};
 use glam::Vec3;
 use std::collections::HashSet;
 
-/// Checks that there are points and that all are finite; says whether.
+/// Checks that there are points and that all are finite; returns whether they are.
 pub(super) fn check_points(points: &[Vec3], problems: &mut Problems) -> bool {
     let before = problems.count();
     if points.is_empty() {
@@ -21,7 +21,7 @@ pub(super) fn check_points(points: &[Vec3], problems: &mut Problems) -> bool {
     problems.count() == before
 }
 
-/// The faces, where nothing is wrong with them.
+/// The faces, if they have no fault.
 pub(super) fn faces(input: &GarmentInput, problems: &mut Problems) -> Option<Faces> {
     let before = problems.count();
     let mesh = Mesh::new(input, None);
@@ -40,7 +40,7 @@ pub(super) fn faces(input: &GarmentInput, problems: &mut Problems) -> Option<Fac
     Some(Faces::mixed(input.face_vertex_counts.iter().map(|&n| n as usize), corners))
 }
 
-/// Checks that there are faces, that each has three corners or more, and that they take up all indices.
+/// Checks that there are faces, that each has three corners or more, and that their corners are all indices.
 fn check_counts(input: &GarmentInput, problems: &mut Problems) {
     const ATTRIBUTE: &str = "faceVertexCounts";
     let counts = &input.face_vertex_counts;
@@ -61,7 +61,7 @@ fn check_counts(input: &GarmentInput, problems: &mut Problems) {
     problems.add("faceVertexIndices", fault, remedy);
 }
 
-/// Checks that a Loop cage has triangles only; the other schemes take any face.
+/// Checks that a Loop cage has triangles only.
 pub(super) fn check_scheme(input: &GarmentInput, problems: &mut Problems) {
     if input.rules.scheme != Scheme::Loop {
         return;
@@ -77,7 +77,7 @@ pub(super) fn check_scheme(input: &GarmentInput, problems: &mut Problems) {
 
 /// Checks that no face has a vertex twice.
 fn check_repeats(counts: &[i32], corners: &[VertexId], points: usize, problems: &mut Problems) {
-    // The last corner at each vertex, plus one; it lies in the same face if it is not before that face's first.
+    // The last corner at each vertex, plus one. It is in the same face if that is past the face's start.
     let mut last = vec![0usize; points];
     let mut start = 0;
     for (face, &count) in counts.iter().enumerate() {
@@ -95,10 +95,10 @@ fn check_repeats(counts: &[i32], corners: &[VertexId], points: usize, problems: 
     }
 }
 
-/// The faces that are holes, each once, in the order in which they were authored.
+/// The faces that are holes, each once, in authored order.
 pub(super) fn holes(indices: &[i32], mesh: &Mesh<'_>, problems: &mut Problems) -> Vec<FaceId> {
     let kind = Indices { attribute: "holeIndices", kind: "face", count: mesh.faces };
-    let faces: Vec<Option<FaceId>> = kind.handles(indices, |i| Place("entry", i), problems);
+    let faces: Vec<Option<FaceId>> = kind.handles(indices, |i| Entry("entry", i), problems);
     let mut seen = HashSet::new();
     faces.into_iter().flatten().filter(|&face| seen.insert(face)).collect()
 }

@@ -1,11 +1,11 @@
-//! The elements that indices and lengths are held against, and how messages name them.
+//! The elements that indices and lengths must fit, and their names in messages.
 
 use super::Problems;
 use crate::garment::{GarmentInput, Interpolation};
 use crate::mesh::{EdgeId, Id, Topology, VertexId};
 use std::fmt;
 
-/// What is known of the mesh while its attributes are checked. A number is none where it is itself at fault.
+/// The element counts of the mesh while its attributes are checked. A count is none where it is itself at fault.
 #[derive(Clone, Copy)]
 pub(super) struct Mesh<'a> {
     /// `faceVertexCounts`, to name corners by their face.
@@ -21,7 +21,7 @@ pub(super) struct Mesh<'a> {
 }
 
 impl<'a> Mesh<'a> {
-    /// The numbers that `input` is consistent about.
+    /// The counts on which `input` is consistent.
     pub fn new(input: &'a GarmentInput, topology: Option<&'a Topology>) -> Self {
         let counts = &input.face_vertex_counts;
         let corners = input.face_vertex_indices.len();
@@ -35,7 +35,7 @@ impl<'a> Mesh<'a> {
         }
     }
 
-    /// How many elements carry a primvar's values; none where that is unknown, or not a matter of the mesh.
+    /// Number of elements that carry a primvar's values; none where it is unknown, or the primvar constant.
     pub fn elements(&self, interpolation: Interpolation) -> Option<usize> {
         match interpolation {
             Interpolation::Constant => None,
@@ -45,7 +45,7 @@ impl<'a> Mesh<'a> {
         }
     }
 
-    /// The edge between two vertices. The outer none is: it cannot be told, for the faces are at fault.
+    /// The edge between two vertices; the outer none means that the topology is unknown.
     pub fn edge(&self, [a, b]: [VertexId; 2]) -> Option<Option<EdgeId>> {
         self.topology.map(|t| t.find_edge(a, b))
     }
@@ -66,14 +66,14 @@ pub(super) fn corner_sum(counts: &[i32]) -> Option<usize> {
     counts.iter().map(|&n| usize::try_from(n).ok()).sum()
 }
 
-/// A corner as a message names it. Finds the face only when it is written, which few are.
+/// A corner as messages name it. Its face is searched only when it is printed.
 pub(super) struct CornerName<'a> {
     counts: &'a [i32],
     corner: usize,
 }
 
 impl CornerName<'_> {
-    /// The face and the corner in it; none where `faceVertexCounts` does not say.
+    /// The face, and the number of the corner in it; none where `faceVertexCounts` is at fault.
     fn in_face(&self) -> Option<(usize, usize)> {
         let mut start = 0;
         for (face, &count) in self.counts.iter().enumerate() {
@@ -96,7 +96,7 @@ impl fmt::Display for CornerName<'_> {
     }
 }
 
-/// The element of a primvar as a message names it.
+/// The element of a primvar as messages name it.
 pub(super) struct ElementName<'a> {
     mesh: Mesh<'a>,
     interpolation: Interpolation,
@@ -134,12 +134,12 @@ pub(super) struct Indices<'a> {
     pub attribute: &'a str,
     /// The kind of element: `point`, `face`, `value`.
     pub kind: &'static str,
-    /// How many there are; none where that is unknown.
+    /// Number of such elements; none where it is unknown.
     pub count: Option<usize>,
 }
 
 impl Indices<'_> {
-    /// The handles of `indices`, none for one that is out of range; `place` names an entry by its position.
+    /// The handles of `indices`, none for those out of range; `place` names an entry by its position.
     pub fn handles<I: Id, N: fmt::Display>(
         &self,
         indices: &[i32],
@@ -157,7 +157,7 @@ impl Indices<'_> {
         indices.iter().enumerate().map(handle).collect()
     }
 
-    /// Adds the problem of an index that names nothing.
+    /// Adds the problem of an index out of range.
     fn add_out_of_range(&self, place: &dyn fmt::Display, index: i32, count: usize, problems: &mut Problems) {
         let (attribute, kind) = (self.attribute, self.kind);
         let Some(last) = count.checked_sub(1) else {
@@ -169,22 +169,22 @@ impl Indices<'_> {
     }
 }
 
-/// A numbered part of an array as a message names it: "entry 4", "pair 2".
-pub(super) struct Place(pub &'static str, pub usize);
+/// A numbered part of an array as messages name it: "entry 4", "pair 2".
+pub(super) struct Entry(pub &'static str, pub usize);
 
-impl fmt::Display for Place {
+impl fmt::Display for Entry {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} {}", self.0, self.1)
     }
 }
 
-/// A key that is there again: its position, and that of the first.
+/// A repeated key: its position, and that of the first.
 pub(super) struct Repeat {
     pub first: usize,
     pub again: usize,
 }
 
-/// The keys that occurred before, in their order. Sorts, for that is faster than hashing and does not depend on a seed.
+/// The repeated keys, in their order. Sorting is faster than hashing here and has no seed.
 pub(super) fn repeats<K: Ord + Copy>(keys: impl Iterator<Item = (usize, K)>) -> Vec<Repeat> {
     let mut sorted: Vec<(K, usize)> = keys.map(|(position, key)| (key, position)).collect();
     sorted.sort_unstable();

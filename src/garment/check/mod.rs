@@ -1,8 +1,8 @@
-//! The door between what a file said and what geometry code may assume.
+//! The check of an input. After it, geometry code may assume clean indices, lengths and values.
 //!
-//! Each file here turns one part of a [`GarmentInput`] into its checked form and adds what is wrong to [`Problems`].
-//! A part that depends on a faulty one is left alone, so that one fault is named once; parts that do not are all
-//! looked at. Time is linear in the size of the mesh and its attributes, but for the sort that finds duplicate faces.
+//! Each file here turns one part of a [`GarmentInput`] into its checked form and adds its faults to [`Problems`]. Parts that
+//! depend on a faulty one are skipped, so that a fault is listed once; all others are checked. Time is linear in the size
+//! of the mesh and its attributes, except for the sort that finds duplicate faces.
 
 mod creases;
 mod faces;
@@ -24,13 +24,13 @@ use mesh::Mesh;
 use problem::Problems;
 use std::mem::take;
 
-/// Checks `input` and gives it the types that geometry code works with.
+/// Checks `input` and converts it to the types of geometry code.
 ///
-/// What is odd but can be worked with (edges of more than two faces, bow-tie vertices, faces that disagree in winding,
-/// unused points, duplicate and zero-area faces) is kept and added to `warnings`, also where other faults are errors.
+/// Non-manifold edges, bow-tie vertices, inconsistent winding, unused points, and duplicate and zero-area faces are kept and
+/// added to `warnings`, even where other faults are errors.
 ///
 /// # Errors
-/// Every independent fault of topology, indices, lengths and values that was found, in a fixed order.
+/// All independent faults of topology, indices, lengths and values, in a fixed order.
 pub fn check_garment(mut input: GarmentInput, warnings: &mut Warnings) -> Result<Garment, GarmentError> {
     let mut problems = Problems::default();
     let found = &mut problems;

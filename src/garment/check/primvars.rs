@@ -13,7 +13,7 @@ pub(super) fn primvars(inputs: Vec<PrimvarInput>, mesh: &Mesh<'_>, problems: &mu
     inputs.into_iter().filter_map(|input| primvar(input, mesh, problems)).collect()
 }
 
-/// Checks that no name is there twice.
+/// Checks that names are unique.
 fn check_names(inputs: &[PrimvarInput], problems: &mut Problems) {
     let mut seen = HashSet::new();
     for input in inputs.iter().filter(|input| !seen.insert(input.name.as_str())) {
@@ -77,7 +77,7 @@ fn carrier(interpolation: Interpolation) -> &'static str {
     }
 }
 
-/// `elementSize`, if there can be such.
+/// `elementSize`, if it is positive.
 fn element_size(input: &PrimvarInput, problems: &mut Problems) -> Option<usize> {
     let size = usize::try_from(input.element_size).ok().filter(|&n| n > 0);
     if size.is_none() {
@@ -87,7 +87,7 @@ fn element_size(input: &PrimvarInput, problems: &mut Problems) -> Option<usize> 
     size
 }
 
-/// The number of rows, if the values fill whole ones.
+/// The number of rows, if the values fill them.
 fn rows(input: &PrimvarInput, element_size: usize, problems: &mut Problems) -> Option<usize> {
     let (numbers, components) = (input.values.len(), input.components);
     if components == 0 || !numbers.is_multiple_of(components) {
@@ -105,7 +105,7 @@ fn rows(input: &PrimvarInput, element_size: usize, problems: &mut Problems) -> O
     Some(values / element_size)
 }
 
-/// Checks that real numbers are finite, for one that is not would spread over all that is interpolated from it.
+/// Checks that real numbers are finite, as interpolation would spread others.
 fn check_finite(input: &PrimvarInput, width: usize, mesh: &Mesh<'_>, problems: &mut Problems) {
     match &input.values {
         Values::F32(v) => check_each_finite(input, v, width, mesh, problems),
@@ -114,7 +114,7 @@ fn check_finite(input: &PrimvarInput, width: usize, mesh: &Mesh<'_>, problems: &
     }
 }
 
-/// Checks that every number in `values` is finite; names one a row.
+/// Checks that every number in `values` is finite; lists one for each row.
 fn check_each_finite<T>(input: &PrimvarInput, values: &[T], width: usize, mesh: &Mesh<'_>, problems: &mut Problems)
 where
     T: Copy + Into<f64>,

@@ -1,21 +1,21 @@
-//! What is wrong with an input, and how it is said.
+//! Faults of an input as messages.
 
 use std::fmt;
 
-/// Problems that are told; of a mesh that is broken throughout more would help nobody.
+/// Problems that are listed for a mesh; larger fills more than a screen.
 const MAX_PROBLEMS: usize = 20;
-/// Problems that are told of one attribute, so that a broken one does not hide the others.
+/// Problems that are listed for one attribute, so that a broken one does not hide the others.
 const MAX_PER_ATTRIBUTE: usize = 5;
 
 /// One fault of the input.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Problem {
-    /// The attribute that is at fault: a name such as `primvars:st:indices` for one of the mesh, `collar.indices` for
-    /// one of its subset `collar`, or a whole path.
+    /// The faulty attribute: `primvars:st:indices` for one of the mesh, `collar.indices` for one of its subset `collar`, or
+    /// a path.
     pub attribute: String,
-    /// What is wrong, with the element in the user's own numbers.
+    /// The fault, with the element in the user's own numbers.
     pub fault: String,
-    /// What the user can do.
+    /// The remedy.
     pub remedy: String,
 }
 
@@ -24,7 +24,7 @@ impl Problem {
     pub fn path(&self, prim: &str) -> String {
         match &self.attribute {
             path if path.starts_with('/') => path.clone(),
-            // No property name has a dot: one that does begins with the name of a child.
+            // Names of properties have no dot; this one begins with the name of a child.
             of_child if of_child.contains('.') => format!("{prim}/{of_child}"),
             name => format!("{prim}.{name}"),
         }
@@ -38,7 +38,7 @@ pub struct GarmentError {
     pub prim: String,
     /// The faults; at least one.
     pub problems: Vec<Problem>,
-    /// How many more there are, beyond those that are told.
+    /// Number of faults beyond those listed.
     pub more: usize,
 }
 
@@ -62,36 +62,36 @@ impl std::error::Error for GarmentError {}
 /// The problems of one mesh so far.
 #[derive(Debug, Default)]
 pub(super) struct Problems {
-    told: Vec<Problem>,
+    listed: Vec<Problem>,
     more: usize,
 }
 
 impl Problems {
-    /// Adds a problem of `attribute`; beyond the limits it is only counted, and nothing is formatted.
+    /// Adds a problem of `attribute`; beyond the limits it is counted without formatting it.
     pub fn add(&mut self, attribute: &str, fault: fmt::Arguments<'_>, remedy: fmt::Arguments<'_>) {
-        let of_attribute = self.told.iter().filter(|p| p.attribute == attribute).count();
-        if self.told.len() >= MAX_PROBLEMS || of_attribute >= MAX_PER_ATTRIBUTE {
+        let of_attribute = self.listed.iter().filter(|p| p.attribute == attribute).count();
+        if self.listed.len() >= MAX_PROBLEMS || of_attribute >= MAX_PER_ATTRIBUTE {
             self.more += 1;
             return;
         }
         let attribute = attribute.to_owned();
-        self.told.push(Problem { attribute, fault: fault.to_string(), remedy: remedy.to_string() });
+        self.listed.push(Problem { attribute, fault: fault.to_string(), remedy: remedy.to_string() });
     }
 
-    /// How many there are, told or not.
+    /// Number of problems, listed or not.
     pub fn count(&self) -> usize {
-        self.told.len() + self.more
+        self.listed.len() + self.more
     }
 
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
-        self.told.is_empty()
+        self.listed.is_empty()
     }
 
-    /// The error that tells them.
+    /// The error that lists them.
     pub fn into_error(self, prim: String) -> GarmentError {
         debug_assert!(!self.is_empty(), "an error needs a problem");
-        GarmentError { prim, problems: self.told, more: self.more }
+        GarmentError { prim, problems: self.listed, more: self.more }
     }
 }
 
@@ -127,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn a_broken_mesh_is_told_in_one_screen() {
+    fn the_faults_of_a_broken_mesh_fit_on_a_screen() {
         let mut problems = Problems::default();
         (0..100).for_each(|i| problem(&mut problems, &format!("primvars:p{i}"), i));
         let error = problems.into_error("/m".into());

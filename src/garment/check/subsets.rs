@@ -1,6 +1,6 @@
 //! Subsets of faces, edges and points, and the rules of their families.
 
-use super::mesh::{Count, Indices, Mesh, Place, Repeat, repeats};
+use super::mesh::{Count, Entry, Indices, Mesh, Repeat, repeats};
 use super::problem::Problems;
 use crate::garment::{Elements, Family, FamilyType, Subset, SubsetInput};
 use crate::mesh::{EdgeId, Id, VertexId};
@@ -38,7 +38,7 @@ pub(super) fn subsets(
     numbered.into_iter().map(|n| n.subset).collect()
 }
 
-/// One subset; none if its elements are of no kind that a mesh has.
+/// One subset; none if a mesh has no such elements.
 fn subset(input: SubsetInput, mesh: &Mesh<'_>, problems: &mut Problems) -> Option<Numbered> {
     let before = problems.count();
     let attribute = format!("{}.indices", input.name);
@@ -75,7 +75,7 @@ fn plain<I: Id>(
     indices: &[i32],
     problems: &mut Problems,
 ) -> (Vec<I>, Vec<usize>) {
-    let handles = Indices { attribute, kind, count }.handles::<I, _>(indices, |i| Place("entry", i), problems);
+    let handles = Indices { attribute, kind, count }.handles::<I, _>(indices, |i| Entry("entry", i), problems);
     let keys = handles.iter().enumerate().filter_map(|(i, h)| Some((i, (*h)?)));
     for Repeat { first, again } in repeats(keys) {
         let Some(element) = handles[again].map(I::index) else { continue };
@@ -101,7 +101,7 @@ fn edges(
         problems.add(attribute, fault, remedy);
     }
     let points = Indices { attribute, kind: "point", count: mesh.points };
-    let ends = points.handles(pairs.as_flattened(), |i| Place("pair", i / 2), problems);
+    let ends = points.handles(pairs.as_flattened(), |i| Entry("pair", i / 2), problems);
     let whole = ends.as_chunks::<2>().0.iter().enumerate();
     let edges: Vec<(usize, [VertexId; 2])> =
         whole.filter_map(|(pair, ends)| Some((pair, [ends[0]?, ends[1]?]))).collect();
@@ -110,7 +110,7 @@ fn edges(
     (edges.into_iter().map(|(_, ends)| ends).collect(), numbers)
 }
 
-/// Checks that no edge is there twice, in either direction.
+/// Checks that no edge is listed twice, in either direction.
 fn check_repeated_edges(attribute: &str, edges: &[(usize, [VertexId; 2])], problems: &mut Problems) {
     let undirected = edges.iter().enumerate().map(|(i, &(_, [a, b]))| (i, [a.min(b), a.max(b)]));
     for Repeat { first, again } in repeats(undirected) {
@@ -121,7 +121,7 @@ fn check_repeated_edges(attribute: &str, edges: &[(usize, [VertexId; 2])], probl
     }
 }
 
-/// The number of an edge in the mesh; none where it is not one, or that cannot be told.
+/// The number of an edge in the mesh; none where the mesh has no such edge, or its topology is unknown.
 fn edge_number(
     attribute: &str,
     pair: usize,
@@ -187,7 +187,7 @@ impl Members<'_> {
         }
     }
 
-    /// Checks that the subsets are of one element type; says whether.
+    /// Checks that the subsets have one element type; returns whether they do.
     fn check_one_kind(&self, problems: &mut Problems) -> bool {
         let before = problems.count();
         let (first, kind, family) = (&self.subsets[0].subset.name, self.kind(), self.family);
@@ -208,7 +208,7 @@ impl Members<'_> {
     /// Checks that no element is in two subsets.
     fn check_overlaps(&self, problems: &mut Problems) {
         let rule = if self.rule == FamilyType::Partition { "partition" } else { "nonOverlapping" };
-        // Only what is at fault is located in its subset again: position by position of all subsets in a row.
+        // A position counts the elements of all subsets in a row; only those of repeats are located.
         let repeats = repeats(self.numbered().flat_map(|(_, numbers)| numbers).copied().enumerate());
         for Repeat { first, again } in repeats {
             let (Some((first, _)), Some((subset, i))) = (self.locate(first), self.locate(again)) else { continue };
@@ -245,7 +245,7 @@ impl Members<'_> {
     }
 }
 
-/// How many elements of a kind the mesh has.
+/// Number of elements of a kind in the mesh.
 fn element_count(kind: &str, mesh: &Mesh<'_>) -> Option<usize> {
     match kind {
         "face" => mesh.faces,

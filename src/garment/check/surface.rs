@@ -1,14 +1,14 @@
-//! What is odd about a surface but can be worked with: found, counted and located for the user.
+//! Faults of a surface that are warnings: counted, with the first few elements.
 
 use crate::error::{EXAMPLES, Warning, Warnings};
 use crate::mesh::{CornerId, FaceId, Faces, Groups, IdVec, Topology, VertexId};
 use glam::{DVec3, Vec3};
 
-/// A face is without area when its area is this share of its longest edge's square or less: thinner than the rounding
-/// of its points. Larger values take slivers too.
+/// A face has no area when its area is this share of its longest edge's square or less: thinner than the rounding of its
+/// points. Larger counts slivers too.
 const NO_AREA: f64 = f32::EPSILON as f64;
 
-/// Adds a warning for each oddity of the surface; `points` are none where one of them is not finite.
+/// Adds a warning for each kind of fault; `points` are none where one of them is not finite.
 pub(super) fn warn(topology: &Topology, points: Option<&Vec<Vec3>>, warnings: &mut Warnings) {
     let faces = &topology.faces;
     let mut add = |warning: Option<Warning>| warning.into_iter().for_each(|w| warnings.push(w));
@@ -22,7 +22,7 @@ pub(super) fn warn(topology: &Topology, points: Option<&Vec<Vec3>>, warnings: &m
     add(counted(duplicates(faces), |count, examples| Warning::DuplicateFaces { count, examples }));
 }
 
-/// The warning of a number of items with the first few as examples; none where there is no item.
+/// The warning of the number of items and the first few; none without items.
 fn counted<T>(items: impl IntoIterator<Item = T>, warning: impl FnOnce(usize, Vec<T>) -> Warning) -> Option<Warning> {
     let mut items = items.into_iter();
     let examples: Vec<T> = items.by_ref().take(EXAMPLES).collect();
@@ -36,7 +36,7 @@ fn crowded_edges(topology: &Topology) -> impl Iterator<Item = [usize; 2]> {
     edges.map(|e| topology.edges[e].map(VertexId::index))
 }
 
-/// The edges whose two faces run along them in the same direction.
+/// The edges whose two faces have opposite winding.
 fn winding_edges(topology: &Topology) -> impl Iterator<Item = [usize; 2]> {
     let disagree =
         |corners: &[CornerId]| matches!(*corners, [a, b] if topology.faces.vertex(a) == topology.faces.vertex(b));
@@ -49,13 +49,13 @@ fn unused_points(topology: &Topology) -> impl Iterator<Item = usize> {
     (0..topology.vertex_count()).filter(|&v| topology.vertex_corners.row(VertexId::new(v)).is_empty())
 }
 
-/// The vertices with more than one fan: a fan is a set of faces that are connected through edges of two faces.
+/// The vertices with more than one fan, a set of faces connected through edges of two faces.
 fn bow_ties(topology: &Topology) -> impl Iterator<Item = usize> {
     let fans = fan_counts(topology);
     (0..topology.vertex_count()).filter(move |&v| fans[VertexId::new(v)] > 1)
 }
 
-/// The number of fans at each vertex: one for each corner, less one for each time that an edge joins two.
+/// The number of fans at each vertex: one for each corner, less one for each edge that joins two.
 fn fan_counts(topology: &Topology) -> IdVec<VertexId, usize> {
     let vertices = (0..topology.vertex_count()).map(VertexId::new);
     let mut fans: IdVec<VertexId, usize> = vertices.map(|v| topology.vertex_corners.row(v).len()).collect();
@@ -76,7 +76,7 @@ fn corner_at(faces: &Faces, corner: CornerId, end: VertexId) -> CornerId {
     if faces.vertex(corner) == end { corner } else { faces.next(corner) }
 }
 
-/// The faces whose area is zero but for rounding.
+/// The faces whose area is zero up to rounding.
 fn without_area(faces: &Faces, points: &[Vec3]) -> impl Iterator<Item = usize> {
     let point = |v: VertexId| points[v.index()].as_dvec3();
     let is_without = move |face: &FaceId| {
@@ -93,7 +93,7 @@ fn without_area(faces: &Faces, points: &[Vec3]) -> impl Iterator<Item = usize> {
     faces.ids().filter(is_without).map(FaceId::index)
 }
 
-/// Faces on the same vertices as an earlier one: that one and the face, ordered by the face.
+/// Faces with the vertices of an earlier face: the earlier one and the face, ordered by the face.
 fn duplicates(faces: &Faces) -> Vec<[usize; 2]> {
     let mut keys: Vec<(u64, FaceId)> = faces.ids().map(|f| (vertex_set_hash(faces.vertices_of(f)), f)).collect();
     keys.sort_unstable();
@@ -103,7 +103,7 @@ fn duplicates(faces: &Faces) -> Vec<[usize; 2]> {
     pairs.into_iter().map(|pair| pair.map(FaceId::index)).collect()
 }
 
-/// The duplicates in a few faces of equal hash.
+/// The duplicates among faces of equal hash.
 fn duplicates_among(faces: &Faces, run: &[(u64, FaceId)]) -> Vec<[FaceId; 2]> {
     let sorted = |&(_, face): &(u64, FaceId)| {
         let mut vertices = faces.vertices_of(face).to_vec();

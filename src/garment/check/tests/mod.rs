@@ -101,8 +101,8 @@ fn a_valid_garment_is_kept_as_it_was_authored() {
     assert_eq!(garment.creases, creases());
     let corner = |vertex, sharpness| Corner { vertex: VertexId::new(vertex), sharpness };
     assert_eq!(garment.corners, [corner(8, 10.0), corner(0, 4.0)]);
-    assert_eq!(garment.primvars, given.primvars.into_iter().map(unchecked).collect::<Vec<_>>());
-    assert_eq!(garment.subsets, checked_subsets());
+    assert_eq!(*garment.primvars, given.primvars.into_iter().map(unchecked).collect::<Vec<_>>());
+    assert_eq!(*garment.subsets, checked_subsets());
     assert_eq!(garment.families, given.families);
 }
 
