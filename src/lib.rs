@@ -5,7 +5,7 @@
 //!                                        → render  ┴→ transfer → usd::write
 //! ```
 //!
-//! Folders in data-flow order; each imports only those before it: [`mesh`] and [`spatial`] (no positions, no names),
+//! Folders in data-flow order; each imports only those before it: [`mesh`] (no positions, no names),
 //! [`garment`] (the checked input), [`subdivide`], [`sim`], [`render`], [`transfer`], [`report`] (figures), then
 //! [`usd`] and [`recipe`] (the two doors) and [`pipeline`], the stages that the command and every other user runs;
 //! [`session`] keeps their results in a [`memo`] for those who run them again and again, such as the OpenUSD plugin.
@@ -24,7 +24,6 @@ pub mod render;
 pub mod report;
 pub mod session;
 pub mod sim;
-pub mod spatial;
 pub mod subdivide;
 pub mod transfer;
 pub mod usd;

@@ -1,13 +1,13 @@
 //! Edge sets: exact where their edges are chains, else paths of edges along the curves that they are on the baseline.
 
 use super::curve::{Curve, Scratch};
-use super::hash::{IdMap, IdSet};
 use super::lay::Laid;
 use super::snap::{Surface, sorted};
 use crate::mesh::{ChainId, Topology, VertexId};
 use crate::sim::SimProduct;
 use crate::subdivide::Numbering;
 use rayon::prelude::*;
+use rustc_hash::{FxHashMap, FxHashSet};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Where edges of the garment are on the simulation mesh.
@@ -15,9 +15,9 @@ pub(super) struct Edges<'a> {
     pub surface: Surface<'a>,
     topology: &'a Topology,
     /// The edges of the cage's pieces on each edge of the garment, where the surface has a face.
-    pieces: IdMap<[VertexId; 2], Vec<[VertexId; 2]>>,
+    pieces: FxHashMap<[VertexId; 2], Vec<[VertexId; 2]>>,
     /// The vertices of the cage's pieces at each vertex of the garment.
-    copies: IdMap<VertexId, Vec<VertexId>>,
+    copies: FxHashMap<VertexId, Vec<VertexId>>,
 }
 
 /// An edge set on the simulation mesh.
@@ -113,12 +113,12 @@ impl<'a> Edges<'a> {
     /// On the simulation mesh, whose `topology` is at hand.
     pub fn new(product: &'a SimProduct, topology: &'a Topology) -> Self {
         let manifold = &product.baseline.manifold;
-        let mut pieces: IdMap<[VertexId; 2], Vec<[VertexId; 2]>> = IdMap::default();
+        let mut pieces: FxHashMap<[VertexId; 2], Vec<[VertexId; 2]>> = FxHashMap::default();
         for &[a, b] in manifold.refiner.level.topology.edges.iter() {
             let source = sorted(manifold.vertex_source[a], manifold.vertex_source[b]);
             pieces.entry(source).or_default().push([a, b]);
         }
-        let mut copies: IdMap<VertexId, Vec<VertexId>> = IdMap::default();
+        let mut copies: FxHashMap<VertexId, Vec<VertexId>> = FxHashMap::default();
         for (own, &source) in manifold.vertex_source.enumerated() {
             copies.entry(source).or_default().push(own);
         }
@@ -235,7 +235,7 @@ impl<'a> Edges<'a> {
     fn snap(&self, runs: &[Run], places: &Places) -> BTreeMap<VertexId, VertexId> {
         let ends: BTreeSet<VertexId> = runs.iter().filter(|r| !r.is_loop).flat_map(Run::ends).collect();
         let mut snapped = BTreeMap::new();
-        let mut taken: IdSet<VertexId> = IdSet::default();
+        let mut taken: FxHashSet<VertexId> = FxHashSet::default();
         // Ends on chains have no choice.
         for &end in &ends {
             let place = self.surface.on_chain(end).and_then(|at| places.of.get(&at));

@@ -2,9 +2,9 @@
 
 use super::curve::{Corridor, Found, Scratch};
 use super::edge::{Run, Runs};
-use super::hash::IdMap;
 use super::snap::{Surface, sorted};
 use crate::mesh::{Topology, VertexId};
+use rustc_hash::FxHashMap;
 
 /// How far from its curve a path may be, in target lengths: wider only where there is no narrower one.
 const REACHES: [f32; 4] = [1.0, 1.5, 2.5, 4.0];
@@ -26,9 +26,9 @@ pub(super) struct Laid<'a> {
     /// The vertices within the least reach of each, once they have been looked for.
     corridors: Vec<Option<Corridor>>,
     /// How many runs pass each vertex; the ends that are there are one more, unless it takes several of them.
-    passed: IdMap<VertexId, u32>,
+    passed: FxHashMap<VertexId, u32>,
     /// How many go along each edge whose ends are theirs.
-    direct: IdMap<[VertexId; 2], u32>,
+    direct: FxHashMap<[VertexId; 2], u32>,
     /// Runs without a path, or whose path meets another's elsewhere than at an end that both have.
     pub crowded: Vec<usize>,
 }
@@ -40,7 +40,7 @@ impl<'a> Laid<'a> {
         let (is_chained, is_free): (Vec<_>, Vec<_>) =
             runs.snapped.iter().partition(|(end, _)| surface.is_on_chain(**end));
         let of_chains = runs.on_chains.iter().flatten().chain(is_chained.into_iter().map(|(_, vertex)| vertex));
-        let mut passed: IdMap<VertexId, u32> = of_chains.map(|&v| (v, 1)).collect();
+        let mut passed: FxHashMap<VertexId, u32> = of_chains.map(|&v| (v, 1)).collect();
         is_free.into_iter().for_each(|(_, &vertex)| *passed.entry(vertex).or_default() += 1);
         let direct = runs.on_chains.iter().map(|&[a, b]| (sorted(a, b), 1)).collect();
         let found = runs.runs.iter().map(|_| None).collect();

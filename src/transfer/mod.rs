@@ -8,7 +8,6 @@ mod coverage;
 mod curve;
 mod edge;
 mod face;
-mod hash;
 mod lay;
 mod locate;
 mod normals;

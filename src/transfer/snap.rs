@@ -1,8 +1,8 @@
 //! The vertex of the simulation mesh nearest to a vertex of the cage, on the same chain or the same part of the surface.
 
-use super::hash::{IdMap, IdSet};
 use crate::mesh::{ChainId, Csr, FaceId, IdVec, Topology, VertexId};
 use crate::sim::SimProduct;
+use rustc_hash::{FxHashMap, FxHashSet};
 use std::collections::VecDeque;
 
 /// How far along its chain a vertex may be from a place on it, in target lengths. Longer finds the vertex that is nearest
@@ -17,9 +17,9 @@ pub(super) struct Surface<'a> {
     /// Which vertices are on chains.
     pub is_constrained: IdVec<VertexId, bool>,
     /// Where vertices of the cage lie on chains: the chain, and the place in its curve.
-    on_chain: IdMap<VertexId, (ChainId, usize)>,
+    on_chain: FxHashMap<VertexId, (ChainId, usize)>,
     /// The chain between two neighbouring vertices of the cage, and which of its cage edges that is.
-    pub chain_edge: IdMap<[VertexId; 2], (ChainId, usize)>,
+    pub chain_edge: FxHashMap<[VertexId; 2], (ChainId, usize)>,
 }
 
 impl<'a> Surface<'a> {
@@ -39,7 +39,7 @@ impl<'a> Surface<'a> {
         let in_face = Csr::group(faces, pairs.iter().copied(), VertexId::new(0));
         let mut is_constrained = IdVec::filled(false, product.points.len());
         product.chain_edges.iter().flatten().flatten().for_each(|&v| is_constrained[v] = true);
-        let (on_chain, chain_edge) = (IdMap::default(), IdMap::default());
+        let (on_chain, chain_edge) = (FxHashMap::default(), FxHashMap::default());
         let mut surface = Self { product, in_face, is_constrained, on_chain, chain_edge };
         for (id, chain) in product.baseline.chains.enumerated() {
             let step = chain.step();
@@ -145,7 +145,7 @@ impl<'a> Surface<'a> {
         let t = &base.topology;
         let point = base.points[vertex];
         let mut queue: VecDeque<FaceId> = t.faces_at(vertex).collect();
-        let mut seen: IdSet<FaceId> = queue.iter().copied().collect();
+        let mut seen: FxHashSet<FaceId> = queue.iter().copied().collect();
         let mut found: Vec<(f32, VertexId)> = Vec::new();
         let mut reach = f32::MAX;
         while let Some(face) = queue.pop_front() {

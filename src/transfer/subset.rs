@@ -5,10 +5,9 @@ use super::edge::{Carried, Edges};
 use super::{Net, SetCurve, Sites, face};
 use crate::error::{Warning, Warnings};
 use crate::garment::{Elements, Family, FamilyType, Garment, Subset};
-use crate::mesh::{FaceId, VertexId};
+use crate::mesh::{FaceId, IdVec, VertexId};
 use crate::sim::{Chain, SimOptions, SimProduct};
-use crate::spatial::PointGrid;
-use std::cell::LazyCell;
+use glam::Vec3;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Family of the subsets that say which edges were constraints.
@@ -68,13 +67,12 @@ pub(super) fn carry(
         shortest: carried.shortest,
     });
     let curves = curves.collect();
-    let grid = LazyCell::new(|| PointGrid::new(&product.points));
     let mut subsets: Vec<Subset> = Vec::with_capacity(sources.len() + 2);
     for (i, source) in sources.into_iter().enumerate() {
         let elements = match &source.elements {
             Elements::Faces(_) => Elements::Faces(face_sets[i].take().unwrap_or_default()),
             Elements::Edges(_) => Elements::Edges(told(&source, std::mem::take(&mut edge_sets[i]), &mut warnings)),
-            Elements::Points(points) => Elements::Points(nearest_points(points, garment, &edges, &grid)),
+            Elements::Points(points) => Elements::Points(nearest_points(points, garment, &edges)),
         };
         if matches!(elements, Elements::Faces(_)) && elements.is_empty() && !source.elements.is_empty() {
             warnings.push(Warning::NotCarried {
@@ -216,7 +214,7 @@ fn constraint_sets(garment: &Garment, product: &SimProduct, options: &SimOptions
 
 /// The nearest point of the simulation mesh to each point of a subset, on the same chain or part of the surface; to a
 /// point that is cut apart, one on each side.
-fn nearest_points(points: &[VertexId], garment: &Garment, edges: &Edges<'_>, grid: &PointGrid) -> Vec<VertexId> {
+fn nearest_points(points: &[VertexId], garment: &Garment, edges: &Edges<'_>) -> Vec<VertexId> {
     let product = edges.surface.product;
     let mut found: Vec<VertexId> = Vec::with_capacity(points.len());
     for point in points {
@@ -224,10 +222,32 @@ fn nearest_points(points: &[VertexId], garment: &Garment, edges: &Edges<'_>, gri
         found.extend(edges.vertices_of(*point).iter().filter_map(|&v| edges.surface.nearest(v, |_| true)));
         if found.len() == before {
             // Of no face, or of holes alone.
-            found.extend(grid.nearest(&product.points, garment.points[*point]));
+            found.extend(nearest(&product.points, garment.points[*point]));
         }
     }
     found.sort_unstable();
     found.dedup();
     found
+}
+
+/// The point nearest to a position, the lowest of equals; none if there are no points. Every point is tried: few positions
+/// need this.
+fn nearest(points: &IdVec<VertexId, Vec3>, position: Vec3) -> Option<VertexId> {
+    let off = |v: VertexId| points[v].distance_squared(position);
+    points.ids().min_by(|&a, &b| off(a).total_cmp(&off(b)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nearest_point_is_the_lowest_of_equals_and_far_positions_find_one() {
+        let points: IdVec<VertexId, Vec3> = [2.0, 1.0, -1.0, 1.0].map(|x| Vec3::new(x, 0.0, 0.0)).to_vec().into();
+        let found = |x, y, z| nearest(&points, Vec3::new(x, y, z)).map(VertexId::index);
+        assert_eq!(found(0.0, 0.0, 0.0), Some(1));
+        assert_eq!(found(1.5, 0.0, 0.0), Some(0));
+        assert_eq!(found(1e6, 1e6, -1e6), Some(0));
+        assert_eq!(nearest(&IdVec::new(), Vec3::ZERO), None);
+    }
 }

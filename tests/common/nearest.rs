@@ -1,4 +1,4 @@
-//! Nearest points among triangles and segments, by a tree of boxes; independent of the code under test.
+//! The nearest of some triangles, segments or points, by a tree of boxes; independent of the code under test.
 
 use glam::Vec3;
 use tailor::sim::closest_weights;
@@ -14,23 +14,25 @@ struct Node {
     count: u32,
 }
 
-/// A tree over triangles; a segment is a triangle whose last two corners are the same.
+/// A tree over triangles; a segment has its last two corners in one place, a point all three.
 pub struct Nearest {
-    triangles: Vec<[Vec3; 3]>,
+    /// Each with its number.
+    triangles: Vec<(usize, [Vec3; 3])>,
     nodes: Vec<Node>,
 }
 
 impl Nearest {
-    pub fn new(mut triangles: Vec<[Vec3; 3]>) -> Self {
+    pub fn new(triangles: Vec<[Vec3; 3]>) -> Self {
+        let mut triangles: Vec<_> = triangles.into_iter().enumerate().collect();
         let mut nodes = Vec::with_capacity(triangles.len());
         let count = triangles.len();
         build(&mut triangles, 0, count, &mut nodes);
         Self { triangles, nodes }
     }
 
-    /// Distance of a point from the nearest triangle.
-    pub fn distance(&self, p: Vec3) -> f32 {
-        let mut best = f32::MAX;
+    /// The nearest triangle, and its distance.
+    pub fn find(&self, p: Vec3) -> (usize, f32) {
+        let (mut found, mut best) = (0, f32::MAX);
         let mut stack = vec![0usize];
         while let Some(at) = stack.pop() {
             let Some(node) = self.nodes.get(at) else { continue };
@@ -38,9 +40,12 @@ impl Nearest {
                 continue;
             }
             if node.count > 0 {
-                for &[a, b, c] in &self.triangles[node.first as usize..][..node.count as usize] {
+                for &(number, [a, b, c]) in &self.triangles[node.first as usize..][..node.count as usize] {
                     let w = closest_weights(a, b, c, p);
-                    best = best.min(p.distance_squared(a * w.x + b * w.y + c * w.z));
+                    let distance = p.distance_squared(a * w.x + b * w.y + c * w.z);
+                    if distance < best {
+                        (found, best) = (number, distance);
+                    }
                 }
                 continue;
             }
@@ -49,13 +54,14 @@ impl Nearest {
             let order = if far(left) <= far(right) { [right, left] } else { [left, right] };
             stack.extend(order);
         }
-        best.sqrt()
+        (found, best.sqrt())
     }
 }
 
-fn build(triangles: &mut [[Vec3; 3]], start: usize, end: usize, nodes: &mut Vec<Node>) {
+fn build(triangles: &mut [(usize, [Vec3; 3])], start: usize, end: usize, nodes: &mut Vec<Node>) {
     let own = &mut triangles[start..end];
-    let (low, high) = own.iter().flatten().fold((Vec3::MAX, Vec3::MIN), |(low, high), &p| (low.min(p), high.max(p)));
+    let (low, high) =
+        own.iter().flat_map(|t| t.1).fold((Vec3::MAX, Vec3::MIN), |(low, high), p| (low.min(p), high.max(p)));
     let at = nodes.len();
     nodes.push(Node { low, high, first: start as u32, count: own.len() as u32 });
     if own.len() <= LEAF {
@@ -63,7 +69,7 @@ fn build(triangles: &mut [[Vec3; 3]], start: usize, end: usize, nodes: &mut Vec<
     }
     let axis = (high - low).max_position();
     let middle = own.len() / 2;
-    let key = |t: &[Vec3; 3]| t[0][axis] + t[1][axis] + t[2][axis];
+    let key = |(_, t): &(usize, [Vec3; 3])| t[0][axis] + t[1][axis] + t[2][axis];
     own.select_nth_unstable_by(middle, |a, b| key(a).total_cmp(&key(b)));
     build(triangles, start, start + middle, nodes);
     let second = nodes.len() as u32;

@@ -8,7 +8,6 @@ use std::fmt;
 use tailor::mesh::VertexId;
 use tailor::report::min_angle;
 use tailor::sim::SimProduct;
-use tailor::spatial::PointGrid;
 
 /// What a mesh is held to.
 pub struct Reference<'a> {
@@ -28,8 +27,8 @@ impl Reference<'_> {
         let surface: Vec<[Vec3; 3]> = base.topology.faces.ids().map(|f| base.triangle(f)).collect();
         let chains = base.chains.iter().filter(|c| !c.kind.ridge);
         let curves: Vec<Vec<Vec3>> = chains.map(|c| c.vertices.iter().map(|&v| base.points[v]).collect()).collect();
-        let grid = PointGrid::new(&base.points);
-        let target = |p: Vec3| grid.nearest(&base.points, p).map_or(1.0, |v| base.target[v]);
+        let vertices = Nearest::new(base.points.iter().map(|&p| [p; 3]).collect());
+        let target = |p: Vec3| base.target[VertexId::new(vertices.find(p).0)];
         work(&Reference { surface: &surface, curves: &curves, target: &target })
     }
 }
@@ -128,7 +127,7 @@ fn of_curves(edges: &Nearest, reference: &Reference<'_>) -> (f32, f32) {
         let length = f64::from(pair[0].distance(pair[1])) / STEPS as f64;
         for k in 0..STEPS {
             let p = pair[0].lerp(pair[1], (k as f32 + 0.5) / STEPS as f32);
-            let off = edges.distance(p) / (reference.target)(p);
+            let off = edges.find(p).1 / (reference.target)(p);
             most = most.max(off);
             whole += length;
             near += if off <= 0.02 { length } else { 0.0 };
@@ -143,5 +142,5 @@ fn farthest(from: &Nearest, triangles: &[[Vec3; 3]], target: &dyn Fn(Vec3) -> f3
         let side = |p: Vec3, q: Vec3| (0..STEPS).map(move |k| p.lerp(q, k as f32 / STEPS as f32));
         std::iter::once((a + b + c) / 3.0).chain(side(a, b)).chain(side(b, c)).chain(side(c, a))
     });
-    samples.map(|p| from.distance(p) / target(p)).fold(0.0, f32::max)
+    samples.map(|p| from.find(p).1 / target(p)).fold(0.0, f32::max)
 }

@@ -6,6 +6,8 @@ mod cloth;
 mod crossings;
 #[path = "../common/garments.rs"]
 mod garments;
+#[path = "../common/nearest.rs"]
+mod nearest;
 mod on_garments;
 mod operators;
 #[path = "../common/operators.rs"]

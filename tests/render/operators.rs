@@ -2,6 +2,7 @@
 
 use crate::cloth::{checked, faces_in, limit, path, sheet, torus, tube, with_faces};
 use crate::crossings::crossing_parents;
+use crate::nearest::Nearest;
 use crate::recipes::{rendered, stack};
 use crate::sheets::with_edges;
 use glam::Vec3;
@@ -10,7 +11,6 @@ use tailor::error::{Bare, Warning, Warnings};
 use tailor::garment::{Elements, Garment, GarmentInput, Orientation, Scheme};
 use tailor::mesh::{IdVec, Topology, VertexId};
 use tailor::render::{Afresh, render};
-use tailor::spatial::PointGrid;
 
 /// Heights are as asked to this share of the width or the amount.
 const EXACT: f32 = 0.02;
@@ -19,7 +19,7 @@ const EXACT: f32 = 0.02;
 struct Surface {
     points: IdVec<VertexId, Vec3>,
     normals: IdVec<VertexId, Vec3>,
-    grid: PointGrid,
+    tree: Nearest,
 }
 
 impl Surface {
@@ -33,13 +33,13 @@ impl Surface {
             normals[fine.faces.vertex(corner)] += normal;
         }
         normals.iter_mut().for_each(|n| *n = n.normalize());
-        let grid = PointGrid::new(&points);
-        Self { points, normals, grid }
+        let tree = Nearest::new(points.iter().map(|&p| [p; 3]).collect());
+        Self { points, normals, tree }
     }
 
     /// Height over the surface along its normal, with the surface's curve from the nearest point on left out.
     fn height(&self, place: Vec3) -> f32 {
-        let nearest = self.grid.nearest(&self.points, place).expect("points");
+        let nearest = VertexId::new(self.tree.find(place).0);
         (place - self.points[nearest]).dot(self.normals[nearest])
     }
 }

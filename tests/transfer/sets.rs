@@ -248,7 +248,7 @@ fn what_differs_lies_within_an_edge_of_the_border() {
                 }
                 let [a, b, c] = product.triangles[face.index()].map(|v| product.points[v]);
                 let edge = a.distance(b).max(b.distance(c)).max(c.distance(a));
-                let off = [a, b, c].map(|p| border.distance(p)).into_iter().fold(0.0, f32::max);
+                let off = [a, b, c].map(|p| border.find(p).1).into_iter().fold(0.0, f32::max);
                 assert!(
                     off <= edge,
                     "{file:?}: {face:?} of {} is {off} from its border, its edges are {edge}",
@@ -336,4 +336,21 @@ fn the_number_of_threads_changes_nothing() {
     let (one, four) = (at(1), at(4));
     assert_eq!(one.primvars, four.primvars);
     assert_eq!(one.subsets, four.subsets);
+}
+
+#[test]
+fn an_unused_point_far_away_is_at_the_nearest_vertex() {
+    let mut input = sheet(4, 4);
+    input.primvars.clear();
+    input.points.push(glam::Vec3::new(1e6, -1e6, 0.0));
+    let (name, element_type, family) = ("far".into(), "point".into(), String::new());
+    input.subsets.push(SubsetInput { name, element_type, family, indices: vec![25] });
+    let built = build(input, &["sim.uvSet=", "sim.maxEdgeLength=0.5"]);
+    let mesh = &built.products.sim;
+    let Some(Elements::Points(found)) = mesh.subset("far").map(|s| &s.elements) else { panic!("a set of points") };
+    let corner = mesh
+        .points
+        .ids()
+        .max_by(|&a, &b| (mesh.points[a].x - mesh.points[a].y).total_cmp(&(mesh.points[b].x - mesh.points[b].y)));
+    assert_eq!(found.as_slice(), [corner.expect("points")]);
 }
