@@ -13,6 +13,7 @@
 //! place that does.
 
 mod checks;
+mod contact;
 pub mod error;
 pub mod garment;
 pub mod memo;

@@ -1,7 +1,8 @@
 //! Where the front of the input is: it says of the faces of all cages after it whether they are turned over.
 
 use super::derivation::Derivation;
-use super::sound::{ALREADY_TURNED, Skin, twice_area};
+use super::repair::FLIPPED_BEFORE;
+use crate::contact::{RefinedFaces, twice_area};
 use crate::mesh::{FaceId, Faces, IdVec, VertexId};
 use crate::subdivide::{Cage, Lineage};
 use glam::Vec3;
@@ -29,9 +30,9 @@ impl Front {
         let normals = normals.iter().map(|sum| sum.normalize_or_zero()).collect();
         let all: Vec<FaceId> = garment.faces.ids().collect();
         let mut front = Self { normals, sides: IdVec::filled(1.0, all.len()) };
-        let skin = Skin::new(cage.level(), &garment.points, &all, None);
+        let refined = RefinedFaces::new(cage.level(), cage.level().vertex_rows(), &garment.points, &all, None);
         let directions = front.directions(&garment.faces);
-        for face in all.into_iter().filter(|&face| skin.is_turned(face, directions[face], ALREADY_TURNED)) {
+        for face in all.into_iter().filter(|&face| refined.is_flipped(face, directions[face], FLIPPED_BEFORE)) {
             front.sides[face] = 0.0;
         }
         front

@@ -1,6 +1,6 @@
 //! Where the points of a stage are, and how much room is left about them.
 
-use super::sound::{Gap, OPEN, Skin, order};
+use crate::contact::{Clearance as Gap, RefinedFaces, UNBOUNDED as OPEN, morton_order, smaller as least};
 use crate::garment::Orientation;
 use crate::mesh::{FaceId, IdVec, Topology, VertexId};
 use crate::subdivide::Cage;
@@ -32,8 +32,14 @@ impl Placed {
             let rooms = IdVec::filled(OPEN, points.len());
             return Self { points, rooms };
         }
-        let skin = Skin::new(cage.level(), &points, &order(&t.faces, &points), None);
-        let mut of_faces = skin.gaps(REACH * height);
+        let faces = RefinedFaces::new(
+            cage.level(),
+            cage.level().vertex_rows(),
+            &points,
+            &morton_order(&t.faces, &points),
+            None,
+        );
+        let mut of_faces = faces.clearances(REACH * height);
         if cage.garment().orientation == Orientation::LeftHanded {
             of_faces.iter_mut().for_each(|gap| gap.reverse());
         }
@@ -49,11 +55,6 @@ impl Placed {
     pub fn bytes(&self) -> usize {
         size_of_val(self.points.as_slice()) + size_of_val(self.rooms.as_slice())
     }
-}
-
-/// The smaller gap on each side.
-pub fn least(a: Gap, b: Gap) -> Gap {
-    [a[0].min(b[0]), a[1].min(b[1])]
 }
 
 /// The least gap of the faces at each vertex.

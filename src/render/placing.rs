@@ -2,10 +2,11 @@
 
 use super::derivation::Table;
 use super::placed::{Placed, Room};
+use super::repair::{Displaced, LEAST_SHARE, LookAhead, repair};
 use super::settle::{Raise, Settling, graded, unfolded};
 use super::shape::{Formed, Held, Operator, Role, Shape, Shaped};
-use super::sound::{Before, Kin, LEAST_SHARE, LookAhead, States, order, sound};
 use super::surface::Surface;
+use crate::contact::morton_order;
 use crate::error::Warnings;
 use crate::garment::Garment;
 use crate::mesh::{CornerId, Csr, FaceId, IdVec, VertexId};
@@ -68,7 +69,7 @@ impl Placing {
     pub fn new(formed: Formed) -> Self {
         let Shaped { shape, frame, origin, .. } = formed.shaped.as_ref();
         let (level, parent) = (formed.child.level(), formed.parent.level());
-        let (seen, order) = rayon::join(|| seen(shape, level, parent), || order(&frame.faces, &frame.points));
+        let (seen, order) = rayon::join(|| seen(shape, level, parent), || morton_order(&frame.faces, &frame.points));
         let pair = |held: &Held| match held.role {
             Role::Layer { over, .. } => Some([over, held.vertex]),
             _ => None,
@@ -126,26 +127,29 @@ impl Placing {
         let raised = || self.settling().raised(&ground.targets, &raises, &ground.placed.points);
         let least = || [&ground.linear, &ground.placed.points].map(|points| self.least_raised(&raises, points.clone()));
         let (raised, [linear, flat]) = rayon::join(raised, least);
-        let kin = Kin {
+        let displaced = Displaced {
             child: &self.formed.child,
             parent: self.formed.parent.level(),
             parent_points: &ground.parent,
             derivation: &self.shape().derivation,
-            pairs: &self.pairs,
+            copies: &self.pairs,
             marked: &self.marked,
             order: &self.order,
             front: &self.front,
-            moved: &self.moved,
+            displaced: &self.moved,
             near: &self.near(&asked, &ground.placed.rooms),
+            unfitted: &linear,
+            least: &flat,
+            full: &raised,
             ahead: is_last.then(|| self.look_ahead(&ground.placed.rooms)),
         };
-        let sound = sound(&kin, &States { linear: &linear, flat: &flat, raised: &raised });
-        placed.points = sound.points;
+        let repaired = repair(&displaced);
+        placed.points = repaired.points;
         let held = self.shape().held.iter().zip(&given);
-        let given: Vec<f32> = held.map(|(held, height)| height * sound.shares[held.vertex]).collect();
+        let given: Vec<f32> = held.map(|(held, height)| height * repaired.shares[held.vertex]).collect();
         let mut warnings = operator.reduced(self.shape(), &given);
-        if !sound.faults.is_empty() {
-            warnings.push(operator.unsound(self.shape(), &sound.faults));
+        if !repaired.faults.is_empty() {
+            warnings.push(operator.unsound(self.shape(), &repaired.faults));
         }
         (placed, warnings)
     }
@@ -179,7 +183,7 @@ impl Placing {
         };
         let close = (0..faces.len()).into_par_iter().map(is_close).collect::<Vec<_>>().into();
         let (level, points) = (origin.cage.level(), &origin.cage.garment().points);
-        LookAhead { before: Before { level, points, parent_faces: &origin.faces }, close }
+        LookAhead { input: level, input_points: points, input_faces: &origin.faces, close }
     }
 
     fn settling(&self) -> Settling<'_> {

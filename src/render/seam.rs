@@ -356,8 +356,8 @@ pub(super) fn is_supported(scheme: Scheme) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::UNBOUNDED as OPEN;
     use crate::mesh::Faces;
-    use crate::render::sound::OPEN;
     use crate::subdivide::Lineage;
     use glam::Vec3;
 

@@ -4,8 +4,8 @@
 
 use super::derivation::Derivation;
 use super::front::Front;
-use super::placed::{Room, least};
-use super::sound::OPEN;
+use super::placed::Room;
+use crate::contact::{UNBOUNDED as OPEN, smaller as least};
 use crate::error::{Error, Warning, Warnings};
 use crate::garment::{Garment, Subset};
 use crate::mesh::{FaceId, IdVec, VertexId};

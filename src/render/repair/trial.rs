@@ -1,0 +1,185 @@
+//! The cage under repair: its points, its refined faces, and which of its faces have a fault.
+
+use super::ahead::Ahead;
+use super::candidate::{Candidate, Fault, State, combined};
+use super::{Displaced, FLIPPED_BEFORE};
+use crate::contact::{RefinedFaces, each_once, twice_area, with_neighbours};
+use crate::mesh::{FaceId, IdVec, Topology, VertexId};
+use crate::subdivide::Lineage;
+use glam::Vec3;
+
+/// A cage under repair.
+pub struct Trial<'a> {
+    pub input: &'a Displaced<'a>,
+    pub faces: RefinedFaces<'a>,
+    /// The faces of the parent, as far as they were asked about.
+    parent_faces: RefinedFaces<'a>,
+    /// Directions that the faces are to face; zero where either is right.
+    pub directions: IdVec<FaceId, Vec3>,
+    /// Whether these are of the front of the input, where it is known.
+    uses_front: bool,
+    pub states: IdVec<VertexId, State>,
+    pub points: IdVec<VertexId, Vec3>,
+    /// The second refinement, once it is looked at.
+    pub ahead: Option<Ahead<'a>>,
+}
+
+impl<'a> Trial<'a> {
+    /// The cage with all heights. `normals` are those of the faces by the operator's weights alone.
+    pub fn new(input: &'a Displaced<'a>, normals: &'a IdVec<FaceId, Vec3>) -> Self {
+        let (level, rows) = (input.child.level(), input.child.vertex_rows());
+        let points = input.full.clone();
+        Self {
+            input,
+            faces: RefinedFaces::new(level, rows, &points, input.order, Some(normals)),
+            parent_faces: RefinedFaces::empty(input.parent),
+            directions: normals.clone(),
+            uses_front: false,
+            states: IdVec::filled(State::Full, points.len()),
+            points,
+            ahead: None,
+        }
+    }
+
+    pub fn topology(&self) -> &'a Topology {
+        &self.input.child.level().topology
+    }
+
+    /// Tests faces against the front of the input from now on, where it is known.
+    pub fn use_front(&mut self) {
+        self.uses_front = true;
+        let known = self.input.front.enumerated().filter(|(_, front)| **front != Vec3::ZERO);
+        known.for_each(|(face, &front)| self.directions[face] = front);
+    }
+
+    /// States in which the vertices of faults, and of what touches flipped faces, are displaced less. Vertices keep
+    /// together with their copies, and those on marked edges change for faults of their own faces only.
+    pub fn weakened(&self, faults: &[Fault], weaker: impl Fn(State) -> State) -> IdVec<VertexId, State> {
+        let t = self.topology();
+        let vertices_of = |face: FaceId| t.faces.vertices_of(face).iter().copied();
+        let around = with_neighbours(t, &flipped(faults)).into_iter().flat_map(vertices_of);
+        let around = around.filter(|&v| !self.input.marked[v]);
+        let mut states = self.states.clone();
+        for v in around.chain(faults.iter().flatten().copied().flat_map(vertices_of)) {
+            states[v] = weaker(self.states[v]);
+        }
+        for &[vertex, copy] in self.input.copies {
+            let weakest = states[vertex].max(states[copy]);
+            (states[vertex], states[copy]) = (weakest, weakest);
+        }
+        states
+    }
+
+    /// Displaces the vertices by new states; the faces with a moved child, ascending. None if no state is new.
+    pub fn displace(&mut self, states: IdVec<VertexId, State>) -> Option<Vec<FaceId>> {
+        if states == self.states {
+            return None;
+        }
+        let mut points = self.points.clone();
+        for v in states.ids().filter(|&v| states[v] != self.states[v]) {
+            points[v] = self.input.point(v, states[v]).unwrap_or(points[v]);
+        }
+        Some(self.move_to(states, points))
+    }
+
+    /// Moves the cage; the faces with a moved child, ascending.
+    pub fn move_to(&mut self, states: IdVec<VertexId, State>, points: IdVec<VertexId, Vec3>) -> Vec<FaceId> {
+        let vertices: Vec<VertexId> = points.ids().filter(|&v| points[v] != self.points[v]).collect();
+        (self.states, self.points) = (states, points);
+        let moved = self.faces.update(&self.points, &vertices);
+        if self.uses_front {
+            // Faces that the solver has moved may be folded within their plane.
+            self.faces.mark_overlapping(&moved);
+        }
+        if let Some(ahead) = &mut self.ahead {
+            ahead.update(&self.faces, &moved);
+        }
+        moved
+    }
+
+    /// The cage as it is, with its faults.
+    pub fn candidate(&self, faults: Vec<Fault>) -> Candidate {
+        Candidate { states: self.states.clone(), points: self.points.clone(), faults }
+    }
+
+    /// Moves the cage to the best candidate for each part. The last candidate is the cage as it is.
+    pub fn take_best(&mut self, mut candidates: Vec<Candidate>) -> Candidate {
+        if let (Some(best), Some(last)) = (combined(self.topology(), &candidates, self.input.copies), candidates.last())
+        {
+            let known = last.faults.clone();
+            let moved = self.move_to(best.states, best.points);
+            let faults = self.faults_after(&known, &moved);
+            candidates.push(self.candidate(faults));
+        }
+        let best = candidates.into_iter().min_by_key(Candidate::count).expect("one candidate at least");
+        self.move_to(best.states.clone(), best.points.clone());
+        best
+    }
+
+    /// All faults after some faces have moved, where some were known before.
+    pub fn faults_after(&mut self, known: &[Fault], moved: &[FaceId]) -> Vec<Fault> {
+        let is_moved = |face: &FaceId| moved.binary_search(face).is_ok();
+        let known_moved = known.iter().flatten().copied().filter(is_moved);
+        let active = each_once(self.doubtful(moved).into_iter().chain(known_moved).collect());
+        let is_inactive = |fault: &&Fault| fault.iter().all(|face| active.binary_search(face).is_err());
+        let mut faults: Vec<Fault> = known.iter().filter(is_inactive).copied().collect();
+        faults.extend(self.intersecting(&active));
+        faults.extend(self.flipped(&active).into_iter().map(|face| [face; 2]));
+        if let Some(ahead) = &self.ahead {
+            faults.extend(ahead.faults(&self.faces, moved));
+        }
+        faults
+    }
+
+    /// Those of some faces that may have a fault: another layer is near, or they are not smooth.
+    fn doubtful(&self, faces: &[FaceId]) -> Vec<FaceId> {
+        faces.iter().copied().filter(|&face| self.input.near[face] || !self.faces.is_smooth(face)).collect()
+    }
+
+    /// Flipped faces among some that may have a fault.
+    pub fn flipped_of(&mut self, faces: &[FaceId]) -> Vec<FaceId> {
+        let doubtful = self.doubtful(faces);
+        self.flipped(&doubtful)
+    }
+
+    /// Pairs of intersecting faces with an active one, but for those whose parents intersect.
+    fn intersecting(&mut self, active: &[FaceId]) -> Vec<Fault> {
+        let mut pairs = self.faces.intersecting_pairs(active);
+        self.add_parents(pairs.iter().flatten());
+        let parent = |face| self.input.derivation.parent_face(face);
+        pairs.retain(|&[f, g]| !self.parent_faces.intersect(parent(f), parent(g)));
+        pairs
+    }
+
+    /// Flipped faces, but for those whose parents are, unless the front of the input is known.
+    fn flipped(&mut self, active: &[FaceId]) -> Vec<FaceId> {
+        let mut flipped = self.faces.flipped(active, &self.directions);
+        self.add_parents(flipped.iter());
+        flipped.retain(|&face| {
+            let parent = self.input.derivation.parent_face(face);
+            let is_front_known = self.uses_front && self.input.front[face] != Vec3::ZERO;
+            is_front_known || !self.parent_faces.is_flipped(parent, self.parent_faces.normal(parent), FLIPPED_BEFORE)
+        });
+        flipped
+    }
+
+    fn add_parents<'f>(&mut self, faces: impl Iterator<Item = &'f FaceId>) {
+        let parents = faces.map(|&face| self.input.derivation.parent_face(face));
+        self.parent_faces.add(self.input.parent_points, parents);
+    }
+
+    /// Twice the area of a face by the operator's weights alone, along its direction.
+    pub fn wanted_area(&self, face: FaceId) -> Vec3 {
+        twice_area(self.topology().faces.vertices_of(face), self.input.unfitted).length() * self.directions[face]
+    }
+}
+
+/// The flipped faces among faults.
+pub fn flipped(faults: &[Fault]) -> Vec<FaceId> {
+    faults.iter().filter(|[f, g]| f == g).map(|fault| fault[0]).collect()
+}
+
+/// The faces of faults, each once, ascending.
+pub fn faces_of(faults: &[Fault]) -> Vec<FaceId> {
+    each_once(faults.iter().flatten().copied().collect())
+}
