@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Draw close-ups of the simulation mesh of a built stage, side by side: where a remesher has it hardest.
+"""Draw close-ups of the simulation mesh of a built stage, in a row: the regions that are hardest to remesh.
 
     closeups.py BUILT.usda -o closeups.png [--at NAME=X,Y,Z,RADIUS,AZ,EL ...]
 
-Without --at, the places of examples/coat.usda: collar, cuff, the meeting of four panels under the arm, lapel."""
+Without --at, they show examples/coat.usda: collar, cuff, lapel, and four panels that meet under the arm."""
 import argparse
 
 from PIL import Image, ImageDraw

@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
-"""Draw the meshes of a USD stage to a PNG, in software: numpy and Pillow, no GPU.
+"""Draw the meshes of a USD stage to a PNG, in software with numpy and Pillow.
 
     draw.py IN.usd -o out.png [--prim PATH ...] [--view front|back|left|right|top|iso|AZ,EL]
             [--focus x,y,z,radius] [--wire] [--edges] [--flat]
             [--color none|displayColor|subset[:FAMILY]|uv|primvar:NAME] [--size WxH]
     draw.py IN.usd -o out.png --pattern         the UV layout, in two dimensions
 
-Lines of the wireframe are the edges of the faces as authored: a quad shows no diagonal.  They
-are found per pixel, from the distance to the sides of the triangle seen there, which removes
-hidden lines without a second depth test.
+The wireframe shows the edges of the authored faces, so a quad has no diagonal.  Each pixel is
+shaded by its distance to the edges of the triangle visible there.  Hidden lines therefore need
+no second depth test.
 
-As a library: `load(path, prim_paths)` gives `Mesh` objects, `Camera.fit(...)` a camera, and
+As a library: `load(path, prim_paths)` returns `Mesh` objects, `Camera.fit(...)` a camera, and
 `render(meshes, camera, Style(...))` a PIL image.
 """
 import argparse
@@ -26,7 +26,7 @@ VIEWS = {"front": (0, 0), "back": (180, 0), "left": (90, 0), "right": (-90, 0),
 BACKGROUND = np.array([0.965, 0.965, 0.955])
 CLOTH = np.array([0.70, 0.74, 0.80])
 BORDER = np.array([0.80, 0.10, 0.10])
-# Ends of a scale from low to high for scalar primvars (dark blue, teal, yellow).
+# Colour scale of scalar primvars from low to high (dark blue, teal, green, yellow).
 RAMP = np.array([[0.16, 0.11, 0.40], [0.13, 0.42, 0.56], [0.20, 0.68, 0.48], [0.98, 0.90, 0.22]])
 
 
@@ -49,7 +49,7 @@ class Camera:
 
     @staticmethod
     def fit(meshes, view="front", size=(1200, 1200), focus=None, margin=1.05):
-        """A camera which holds all the meshes, or the ball x, y, z, radius of `focus`."""
+        """A camera that shows all meshes, or the ball `focus` of x, y, z and radius."""
         azimuth, elevation = VIEWS[view] if view in VIEWS else map(float, view.split(","))
         camera = Camera(azimuth, elevation, np.zeros(3), 1.0)
         if focus is not None:
@@ -65,7 +65,7 @@ class Camera:
 
 @dataclass
 class Style:
-    """How to draw: see the command line options of the same names."""
+    """Drawing options; see the command-line options of the same names."""
     size: tuple = (1200, 1200)
     color: str = "none"
     wire: bool = False
@@ -75,16 +75,16 @@ class Style:
     wire_strength: float = 0.62
     samples: int = 2
     background: np.ndarray = field(default_factory=lambda: BACKGROUND)
-    checker: float = 0.05       # side of a checker, in units of UV
+    checker: float = 0.05       # size of a checker, in UV units
 
 
 # ------------------------------------------------------------------------------- rasteriser
 
 def rasterise(screen, width, height, budget=3_000_000):
-    """Triangle seen at each pixel (-1: none) and its depth, of (T, 3, 3) screen triangles.
+    """The visible triangle at each pixel (-1: none) and its depth, from (T, 3, 3) screen triangles.
 
-    Triangles are taken in groups of like bounding boxes; each group tests all pixels of its
-    boxes at once.  Within a group fragments are written from far to near."""
+    Triangles with bounding boxes of similar size form groups.  All pixels of a group's boxes are
+    tested at once, and its fragments are written from far to near."""
     ids = np.full(height * width, -1, np.int32)
     depth = np.full(height * width, -np.inf)
     low = np.floor(screen[:, :, :2].min(1) - 0.5).astype(np.int64) + 0
@@ -174,17 +174,17 @@ def corner_colours(mesh, color):
 
 
 def edge_colours(mesh, style):
-    """Colour of each triangle side (T, 3, 3), and its width in pixels (0: no line)."""
+    """Colour (T, 3, 3) and line width in pixels (0: no line) of each triangle edge."""
     rgb = np.zeros(mesh.tris.shape + (3,)) + np.array([0.07, 0.08, 0.12])
     width = np.where(mesh.real & style.wire, style.line, 0.0)
     if style.edges:
         count = len(mesh.points)
         ends = np.stack([np.roll(mesh.tris, -1, 1), np.roll(mesh.tris, -2, 1)], 2)
         keys = ends.min(2) * count + ends.max(2)
-        marks = [(mesh.border(), BORDER)]
+        coloured = [(mesh.border(), BORDER)]
         sets = mesh.subsets("edge")
-        marks += [(i.reshape(-1, 2), c * 0.85) for (_, i), c in zip(sets, palette(len(sets)))]
-        for pairs, colour in marks:
+        coloured += [(i.reshape(-1, 2), c * 0.85) for (_, i), c in zip(sets, palette(len(sets)))]
+        for pairs, colour in coloured:
             wanted = pairs.min(1) * count + pairs.max(1)
             hit = np.isin(keys, wanted) & mesh.real
             rgb[hit] = colour
@@ -225,7 +225,7 @@ def render(meshes, camera, style=None):
     normal = np.einsum("nk,nkd->nd", bary, normals[t])
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-12)
     colour = np.einsum("nk,nkd->nd", bary, colours[t])
-    # Screen y runs down, so a triangle which faces the viewer has negative area here.
+    # Screen y points down, so triangles that face the viewer have negative area.
     behind = area > 0
     normal[behind] *= -1
     if uv is not None:
@@ -252,13 +252,13 @@ def _checker(uv, side):
     cell = np.floor(uv / side).astype(int)
     odd = (cell.sum(1) % 2).astype(bool)
     out = np.where(odd[:, None], [0.92, 0.90, 0.86], [0.36, 0.48, 0.66])
-    # Every fifth row in another tint, so that grain and scale can be read.
+    # Every fifth row has another tint, which shows grain and scale.
     out[(cell[:, 1] % 5 == 0) & ~odd] = [0.72, 0.38, 0.30]
     return out.astype(float)
 
 
 def _light(n):
-    """Key from above left, fill from the right, some from everywhere; n in camera axes."""
+    """Brightness of normals in camera axes: key light from above left, fill from the right, ambient."""
     key = np.clip(n @ _unit(-0.45, 0.65, 0.75), 0, 1)
     fill = np.clip(n @ _unit(0.9, 0.1, 0.5), 0, 1)
     return 0.34 + 0.62 * key + 0.16 * fill + 0.06 * n[:, 1]
@@ -269,7 +269,7 @@ def _unit(*v):
 
 
 def _occlusion(depth, ids, scale):
-    """Darkens what lies behind its neighbourhood on screen, such as the cloth under a flap."""
+    """Darkens pixels behind their screen neighbourhood, such as the cloth under a flap."""
     seen = ids >= 0
     z = np.where(seen, depth, depth[seen].min() if seen.any() else 0) / scale
     span = np.ptp(z) or 1.0
@@ -287,7 +287,7 @@ def _occlusion(depth, ids, scale):
 
 
 def _blur(array, radius):
-    """Two box passes each way; Pillow does not blur float images."""
+    """Blurs a float image, which Pillow cannot, by two box filters along each axis."""
     r = int(radius)
     for axis in (0, 1):
         for _ in range(2):
@@ -320,7 +320,7 @@ def _draw_lines(image, where, bary, area, abc, rgb, half, style):
 # ------------------------------------------------------------------------------- UV layout
 
 def draw_pattern(meshes, size=(1400, 1000), family="panels", name="st"):
-    """The faces in UV space, coloured by subset, with the names of the subsets."""
+    """Draws the faces in UV space, coloured and labelled by subset."""
     ss = 2
     image = Image.new("RGB", (size[0] * ss, size[1] * ss), tuple(int(c * 255) for c in BACKGROUND))
     pen = ImageDraw.Draw(image)
@@ -365,14 +365,14 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("stage")
     parser.add_argument("-o", "--output", required=True)
-    parser.add_argument("--prim", action="append", help="draw only what is at or below this path")
+    parser.add_argument("--prim", action="append", help="draw only this prim and its descendants")
     parser.add_argument("--view", default="front")
     parser.add_argument("--focus", help="x,y,z,radius")
     parser.add_argument("--wire", action="store_true")
-    parser.add_argument("--edges", action="store_true", help="mark borders and edge subsets")
+    parser.add_argument("--edges", action="store_true", help="highlight borders and edge subsets")
     parser.add_argument("--flat", action="store_true", help="one normal per face")
     parser.add_argument("--color", default="none")
-    parser.add_argument("--checker", type=float, default=0.05, help="side of a checker in UV")
+    parser.add_argument("--checker", type=float, default=0.05, help="size of a checker in UV units")
     parser.add_argument("--size", default="1200x1200")
     parser.add_argument("--pattern", action="store_true", help="draw the UV layout instead")
     parser.add_argument("--uv-set", default="st", help="the UV set for --pattern")

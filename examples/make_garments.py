@@ -2,9 +2,9 @@
 """Builds the example garments: tshirt.usda, trousers.usda and coat.usda, beside this file.
 
     make_garments.py            writes the three stages
-    make_garments.py --check    builds them again and checks what is committed
+    make_garments.py --check    checks the committed stages and compares them with a new build
 
-Needs usd-core and numpy.  The result does not depend on the time or on chance."""
+Needs usd-core and numpy.  The result is deterministic."""
 import argparse
 import re
 import sys
@@ -26,7 +26,7 @@ def write(name, folder):
 
 
 def same(a, b):
-    """Are two files equal, but for the last digit of numbers?  Libraries differ in those."""
+    """True if two files are equal up to the last digit of numbers, which depends on library versions."""
     number = re.compile(r"-?\d+\.?\d*(?:e-?\d+)?")
     a, b = a.read_text(), b.read_text()
     if a == b:

@@ -1,4 +1,4 @@
-"""The meshes of a USD stage as numpy arrays, triangulated, to draw them."""
+"""Reads the meshes of a USD stage as triangulated numpy arrays."""
 from dataclasses import dataclass
 
 import numpy as np
@@ -7,24 +7,24 @@ from pxr import Usd, UsdGeom
 
 @dataclass
 class Mesh:
-    """One UsdGeomMesh in world space, triangulated, with what is needed to draw it."""
+    """A UsdGeomMesh in world space, triangulated."""
     path: str
     points: np.ndarray          # (V, 3)
     counts: np.ndarray          # (F,)
     indices: np.ndarray         # (sum of counts,)
     prim: Usd.Prim = None
-    stage: Usd.Stage = None     # kept open for as long as the prim is read
+    stage: Usd.Stage = None     # keeps the prim valid
     tris: np.ndarray = None     # (T, 3) point of each corner
     corners: np.ndarray = None  # (T, 3) face-vertex of each corner
-    faces: np.ndarray = None    # (T,) face
-    real: np.ndarray = None     # (T, 3) is the side opposite to corner i an edge of the face
+    faces: np.ndarray = None    # (T,) face of each triangle
+    real: np.ndarray = None     # (T, 3) True if the side opposite to corner i is an edge of the face
 
     def __post_init__(self):
         self.starts = np.concatenate([[0], np.cumsum(self.counts)[:-1]]).astype(np.int64)
         self._triangulate()
 
     def _triangulate(self):
-        """Fans; a quad is cut along its shorter diagonal."""
+        """Splits faces into fans, and quads along their shorter diagonal."""
         faces, corners, real = [], [], []
         for n in np.unique(self.counts):
             f = np.nonzero(self.counts == n)[0]
@@ -47,20 +47,21 @@ class Mesh:
         self.tris = self.indices[self.corners]
 
     def edges(self):
-        """(F-corner) half edges as pairs: each face side from its corner to the next one."""
+        """The half-edge of each corner as a pair of points, from that corner to the next."""
         nxt = np.arange(len(self.indices)) + 1
         nxt[self.starts + self.counts - 1] = self.starts
         return np.stack([self.indices, self.indices[nxt]], axis=1)
 
     def border(self):
-        """Edges with a single face, as pairs of point indices."""
+        """The edges with one face, as pairs of point indices."""
         pairs = np.sort(self.edges(), axis=1)
         unique, uses = np.unique(pairs, axis=0, return_counts=True)
         return unique[uses == 1]
 
     def corner_normals(self, flat=False):
-        """Unit normals per triangle corner, weighted by area: of the face, or smoothed over the
-        faces about the point which turn away by less than 60 degrees, so that folds stay."""
+        """Unit normals of the triangle corners: face normals if `flat`, else area-weighted means.
+
+        A mean excludes faces that turn by 60 degrees or more from the corner's face, which keeps folds sharp."""
         p = self.points[self.tris]
         n = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
         face = np.zeros((len(self.counts), 3))
@@ -68,7 +69,7 @@ class Mesh:
         unit = face / np.maximum(np.linalg.norm(face, axis=1, keepdims=True), 1e-20)
         if flat:
             return np.repeat(unit[self.faces][:, None], 3, axis=1)
-        # All pairs of face corners at one point.
+        # a, b: all pairs of face corners at the same point.
         point = self.indices
         owner = np.repeat(np.arange(len(self.counts)), self.counts)
         order = np.argsort(point, kind="stable")
@@ -85,7 +86,7 @@ class Mesh:
         return out[self.corners]
 
     def subsets(self, element="face", family=None):
-        """(name, indices) of the GeomSubsets of an element type, in a family or any."""
+        """(name, indices) of the GeomSubsets with an element type, and with a family if given."""
         found = []
         for s in UsdGeom.Subset.GetAllGeomSubsets(UsdGeom.Imageable(self.prim)):
             if s.GetElementTypeAttr().Get() != element:
@@ -105,7 +106,7 @@ class Mesh:
         return values, index, pv.GetInterpolation()
 
     def primvar_at_corners(self, name):
-        """Values of a primvar at the corners of the triangles, (T, 3, ...), or None."""
+        """Values (T, 3, ...) of a primvar at the triangle corners, or None."""
         got = self.primvar(name)
         if got is None:
             return None
@@ -121,7 +122,7 @@ class Mesh:
 
 
 def load(path_or_stage, prim_paths=None):
-    """The meshes of a stage (or those at or below the given paths) in world space."""
+    """The meshes of a stage in world space, or those at and below the given paths."""
     stage = path_or_stage
     if not isinstance(stage, Usd.Stage):
         stage = Usd.Stage.Open(str(path_or_stage))

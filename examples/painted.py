@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Shows what becomes of colours: a checker of 1 cm through the UVs, a gradient of the points, a colour for every face.
+"""Shows the transfer of colours: a 1 cm checker by UVs, a gradient by points, and one colour for each face.
 
-    painted.py paint coat.usda painted.usda       the garment with a gradient and a colour for every face
+    painted.py paint coat.usda painted.usda       adds a gradient and face colours to the garment
     cargo usdtailor build painted.usda -o built.usda
-    painted.py draw built.usda [-o painted.png]   the three meshes side by side, one row for each kind of paint"""
+    painted.py draw built.usda [-o painted.png]   draws the three meshes in columns and the kinds of colour in rows"""
 import argparse
 import sys
 from pathlib import Path
@@ -15,14 +15,14 @@ from pxr import Gf, Sdf, Usd, UsdGeom, Vt
 import draw
 
 COLUMNS = (("model", "input"), ("sim", "simulation mesh"), ("render", "render mesh"))
-ROWS = (("uv", "checker of 1 cm through st"), ("primvar:gradient", "gradient, a value a point"),
-        ("primvar:patches", "a colour for every face"))
+ROWS = (("uv", "1 cm checker by st"), ("primvar:gradient", "gradient, one value per point"),
+        ("primvar:patches", "one colour per face"))
 CELL, MARGIN, LABEL = (470, 560), 16, 46      # pixels
 LOW, HIGH = np.array([0.13, 0.20, 0.52]), np.array([0.98, 0.72, 0.30])
 
 
 def paint(source, out):
-    """A layer over `source` whose model has a gradient and a colour for every face."""
+    """Writes a layer over `source` that adds a gradient and a colour for each face."""
     layer = Sdf.Layer.CreateNew(str(out))
     layer.subLayerPaths = [str(Path(source).resolve())]
     stage = Usd.Stage.Open(layer)
@@ -41,7 +41,7 @@ def paint(source, out):
     api.CreatePrimvar("gradient", kind, "vertex").Set(Vt.Vec3fArray([Gf.Vec3f(*map(float, c)) for c in gradient]))
     starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
     centres = np.add.reduceat(points[corners], starts) / counts[:, None]
-    # Bands two faces wide, so that neighbours differ.
+    # Patches two faces wide; neighbours differ in colour.
     band = (np.floor(centres[:, 1] / 8).astype(int) + np.floor(np.arctan2(centres[:, 0], centres[:, 2]) * 4).astype(int)) % 5
     patches = draw.palette(5)[band]
     api.CreatePrimvar("patches", kind, "uniform").Set(Vt.Vec3fArray([Gf.Vec3f(*map(float, c)) for c in patches]))

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Composes the picture of the README: what goes into the tailor, and the two meshes it makes.
+"""Draws the picture of the README: the input, the simulation mesh and the render mesh.
 
     picture.py BUILT.usda [-o coat.png] [--size 1800x820] [--view AZ,EL]
 
-BUILT is a stage with /NAME/model and, once built, /NAME/sim and /NAME/render.  What is missing
-leaves its column empty, with a message."""
+BUILT is a stage with /NAME/model, /NAME/sim and /NAME/render.  A missing mesh leaves its column
+empty and is reported."""
 import argparse
 import sys
 from pathlib import Path
@@ -47,7 +47,7 @@ def compose(stage, size, view, color):
     for k, (label, meshes) in enumerate(columns):
         middle = k * width + width // 2
         if meshes:
-            # Wires grow lighter as they grow denser.
+            # Dense wires are drawn lighter.
             dense = max(len(m.counts) for m in meshes) > 6000
             style = draw.Style(size=(width - MARGIN, height - MARGIN), color=color, wire=True,
                                line=0.75 if dense else 1.1,

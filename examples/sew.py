@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
-"""Sews the coat: seams and folded edges as schemas in a layer over examples/coat.usda, and a picture of them.
+"""Adds seams and folded edges to examples/coat.usda in a layer over it, and draws the result.
 
     sew.py author [-o examples/sewn/coat.usda]
     cargo usdtailor build examples/sewn/coat.usda -o cage.usda --set render.level=0
     cargo usdtailor build examples/sewn/coat.usda -o surface.usda --set render.level=3
     sew.py draw cage.usda surface.usda [-o examples/sewn.png]
 
-A seam is an applied `TailorSeamAPI:<name>` with the edge sets it follows, a folded edge a `TailorThicknessAPI:<name>` with
-face sets at a border. The schemas need not be registered: attributes are authored by name."""
+A seam is an applied `TailorSeamAPI:<name>` with the edge sets that it follows. A folded edge is a
+`TailorThicknessAPI:<name>` with face sets at a border. The schemas need not be registered, as attributes are
+authored by name."""
 import argparse
 import copy
 import os
@@ -24,13 +25,13 @@ import meshes
 HERE = Path(__file__).resolve().parent
 T = Sdf.ValueTypeNames
 
-# Centimetres. Grooves are cloth sewn right sides together and pressed open; what lies on the body is pressed onto it at
-# its outline; a stitched line is narrow and shallow.
+# In centimetres. Seams sewn right sides together and pressed open are grooves. Pockets are pressed onto the body along
+# their outlines. A stitched line is narrow and shallow.
 SEAMS = {
     "side": {"edges": ["side_seams"], "width": 0.7, "depth": 0.04, "normalOffset": -0.16},
     "shoulder": {"edges": ["shoulder_seams"], "width": 0.7, "depth": 0.04, "normalOffset": -0.16},
-    # Its allowance is pressed to one side. (Chains of both halves of a garment would lean the same way only if one of them
-    # were walked the other way: they need a seam each.)
+    # The allowance is pressed to one side. Asymmetry follows the direction of the edges, so a seam on both halves of a
+    # garment would need one instance for each half.
     "back": {"edges": ["centre_back"], "width": 0.7, "depth": 0.04, "normalOffset": -0.16, "asymmetry": 0.3},
     "sleeve": {"edges": ["sleeve_seams"], "width": 0.6, "depth": 0.04, "normalOffset": -0.14},
     "armhole": {"edges": ["armholes"], "width": 0.5, "depth": 0.06, "normalOffset": -0.14},
@@ -52,7 +53,7 @@ TYPES = {"width": T.Float, "depth": T.Float, "normalOffset": T.Float, "asymmetry
 # ------------------------------------------------------------------------------- sets that the coat lacks
 
 def turnup(mesh):
-    """The row of faces above the hem, as far as no facing lies behind it."""
+    """The row of faces above the hem, except where a facing lies behind it."""
     sets = dict(mesh.subsets("edge"))
     on = {name: np.isin(mesh.indices, sets[name]) for name in ("hem", "placket", "placket_stitch", "facing_edge")}
     corners = {name: np.add.reduceat(hit.astype(int), mesh.starts) for name, hit in on.items()}
@@ -61,7 +62,7 @@ def turnup(mesh):
 
 
 def outline(mesh, faces):
-    """The edges between some faces and the others."""
+    """The edges between `faces` and all other faces."""
     inside = np.zeros(len(mesh.counts), int)
     inside[faces] = 1
     pairs, which = np.unique(np.sort(mesh.edges(), axis=1), axis=0, return_inverse=True)
@@ -71,7 +72,7 @@ def outline(mesh, faces):
 
 
 def collar_facing(mesh):
-    """The collar without the faces at both ends of its fold, where it is no wider than a point and holds no second layer."""
+    """The collar without the faces at both ends of its fold, where it narrows to a point and fits no second layer."""
     fold, uses = np.unique(dict(mesh.subsets("edge"))["collar_fold"], return_counts=True)
     collar = dict(mesh.subsets("face"))["collar"]
     at_ends = np.add.reduceat(np.isin(mesh.indices, fold[uses == 1]).astype(int), mesh.starts)
@@ -79,7 +80,7 @@ def collar_facing(mesh):
 
 
 def darts(mesh):
-    """From the hip to the chest on both fronts, beside the pockets: paths that end in the surface at both ends."""
+    """Edges of a dart on each front, from hip to chest beside the pocket; both ends are inside the mesh."""
     waist = dict(mesh.subsets("edge"))["waist_line"].reshape(-1, 2)
     ends = np.unique(waist)
     front = ends[mesh.points[ends, 2] > 0]
@@ -92,7 +93,7 @@ def darts(mesh):
 
 
 def straight(mesh, at, direction, count):
-    """Edges from a point on, each the one that goes on most directly."""
+    """A path of `count` edges from a point, each the one that deviates least from the last direction."""
     edges, path = mesh.edges(), []
     for _ in range(count):
         ahead = np.unique(np.concatenate([edges[edges[:, 0] == at][:, 1], edges[edges[:, 1] == at][:, 0]]))
@@ -114,7 +115,7 @@ def subset(model, name, element, family, indices):
 
 
 def apply(model, schema, space, targets, instances):
-    """An instance of a schema for each of `instances`, with its sets as targets of a relationship."""
+    """Applies a schema once for each of `instances`, with its sets as targets of the relationship `targets`."""
     for name, options in instances.items():
         model.AddAppliedSchema(f"{schema}:{name}")
         prefix = f"tailor:{space}:{name}:"
@@ -126,7 +127,7 @@ def apply(model, schema, space, targets, instances):
 
 
 def author(source, out):
-    """A layer over `source` whose model has the seams and folded edges."""
+    """Writes a layer over `source` that adds the seams and folded edges to the model."""
     base = Usd.Stage.Open(str(source))
     path = base.GetDefaultPrim().GetPath().AppendChild("model")
     mesh = meshes.load(base, [path])[0]
@@ -142,7 +143,7 @@ def author(source, out):
     subset(model, "collar_facing", "face", "sets", collar_facing(mesh))
     folded = turnup(mesh)
     subset(model, "hem_turnup", "face", "sets", folded)
-    # As a constraint, so that the set is exact on the simulation mesh too.
+    # As a constraint, the border keeps the face set exact on the simulation mesh.
     subset(model, "turnup_edge", "edge", "edges", outline(mesh, folded))
     model.CreateRelationship("tailor:sim:constraints", False).AddTarget(path.AppendChild("turnup_edge"))
     subset(model, "darts", "edge", "edges", darts(mesh))
@@ -158,7 +159,7 @@ def author(source, out):
 WIDTH, GAP, LABEL = 1800, 8, 40     # pixels
 WHOLE, CLOSE, COLUMNS = (WIDTH // 2, 900), (WIDTH // 3, 500), 3
 INK, CUT = (25, 28, 38), (160, 30, 30)
-# What it shows, the ball in the middle (x, y, z, radius), azimuth and elevation, and a plane that it is cut by (point, normal).
+# Title, ball to show (x, y, z, radius), view (azimuth, elevation), and cutting plane (point, normal) or None.
 CLOSE_UPS = (
     ("seam: a dart, which ends in the surface", (11.3, 110.0, 14.0, 4.2), (20, 5), None),
     ("T junctions: shoulder, armhole, sleeve", (20.0, 144.5, -1.5, 6.0), (70, 40), None),
@@ -170,8 +171,9 @@ CLOSE_UPS = (
 
 
 def keep_cage_edges(surface, cage):
-    """Leaves of the wires of a refined mesh those that lie on edges of its cage: refinement keeps faces in the order of
-    the corners that they are at."""
+    """Limits the wires of a refined mesh to the edges of its cage.
+
+    Child faces have the order of the cage's corners, so an edge between two children of one face is no cage edge."""
     corners, fours = len(cage.indices), len(surface.counts) // len(cage.indices)
     if len(surface.counts) != corners * fours:
         raise SystemExit("the surface is no refinement of the cage: build both from the same layer")
@@ -187,38 +189,38 @@ def keep_cage_edges(surface, cage):
 
 
 def behind(mesh, plane):
-    """What of a mesh is behind a plane, and the line along which the plane cuts it, as pairs of points."""
+    """The triangles of a mesh behind a plane, and the plane's cut as pairs of points."""
     point, normal = np.array(plane)
     height = (mesh.points - point) @ normal
     at = height[mesh.tris]
     ends = []
-    crossed = (at.min(1) < 0) & (at.max(1) >= 0)
+    intersected = (at.min(1) < 0) & (at.max(1) >= 0)
     for a, b in ((0, 1), (1, 2), (2, 0)):
         share = at[:, a] / np.where(at[:, a] == at[:, b], 1, at[:, a] - at[:, b])
         p, q = mesh.points[mesh.tris[:, a]], mesh.points[mesh.tris[:, b]]
         ends.append(np.where(((at[:, a] < 0) != (at[:, b] < 0))[:, None], p + (q - p) * share[:, None], np.nan))
-    ends = np.stack(ends, 1)[crossed]
+    ends = np.stack(ends, 1)[intersected]
     cut = np.array([row[~np.isnan(row[:, 0])] for row in ends])
     kept = at.mean(1) < 0
     return replace(mesh, kept), cut
 
 
 def replace(mesh, kept):
-    """A copy of a mesh with some of its triangles."""
+    """A copy of a mesh with the triangles `kept`."""
     part = copy.copy(mesh)
     part.tris, part.corners, part.faces, part.real = (a[kept] for a in (mesh.tris, mesh.corners, mesh.faces, mesh.real))
     return part
 
 
 def near(mesh, camera):
-    """The triangles about what a camera shows: the others are not seen, and only take time."""
+    """The triangles near a camera's field of view; drawing only these saves time."""
     away = np.abs((mesh.points[mesh.tris].mean(1) - camera.centre) @ camera.axes()[:2].T).max(1)
     return replace(mesh, away < 2 * camera.radius)
 
 
 def close_up(surface, ball, view, plane):
     size = (CLOSE[0] - GAP, CLOSE[1] - GAP)
-    # Twice as large, since lines of Pillow are not smooth.
+    # Drawn at twice the size, as Pillow's lines are not smooth.
     camera, large = draw.Camera(*view, np.array(ball[:3]), ball[3]), np.array(size) * 2
     mesh, cut = near(surface, camera), np.zeros((0, 2, 3))
     if plane:
@@ -233,7 +235,7 @@ def close_up(surface, ball, view, plane):
 
 
 def compose(cage_stage, surface_stage):
-    """The input, the render mesh with the wires of its cage, and close-ups of that."""
+    """Draws the input, the render mesh with the wires of its cage, and close-ups of the latter."""
     def one(stage, child):
         return draw.load(stage, [stage.GetDefaultPrim().GetPath().AppendChild(child)])[0]
     model, cage, surface = one(cage_stage, "model"), one(cage_stage, "render"), one(surface_stage, "render")

@@ -1,76 +1,60 @@
-//! What options of all kinds are held to, by themselves and on a garment. Every fault names the option and the remedy.
+//! Checks that options of all kinds share. Every fault names the option and the remedy.
 
 use crate::error::Error;
 use crate::garment::{Garment, Interpolation, Primvar, Values};
 
-/// A value that makes no sense.
+/// Checks that a value is a length, or 0.
 ///
 /// # Errors
-/// Always.
-pub fn fault(key: &str, fault: &str, hint: &str) -> Result<(), Error> {
-    Err(Error::Recipe(format!("{key}: {fault}\n  hint: {hint}")))
-}
-
-/// Whether a value is a length, or 0.
-///
-/// # Errors
-/// Where it is not.
+/// A negative or infinite value.
 pub fn length(key: &str, length: f32) -> Result<(), Error> {
     if length.is_finite() && length >= 0.0 {
         return Ok(());
     }
-    fault(key, &format!("{length} is no length"), "give a positive number of stage units, or 0 for automatic")
+    let remedy = "give a positive number of stage units, or 0 for automatic";
+    Err(Error::recipe(key, format!("{length} is no length")).remedy(remedy))
 }
 
-/// Whether a value is a distance of either sign.
+/// Checks that a value is a distance of either sign.
 ///
 /// # Errors
-/// Where it is not.
+/// An infinite value.
 pub fn finite(key: &str, value: f32) -> Result<(), Error> {
     if value.is_finite() {
         return Ok(());
     }
-    fault(key, &format!("{value} is no distance"), "give a number of stage units")
+    Err(Error::recipe(key, format!("{value} is no distance")).remedy("give a number of stage units"))
 }
 
-/// Whether any subset of a kind is named.
+/// Checks that any subset of a kind is named.
 ///
 /// # Errors
-/// Where none is.
+/// An empty list.
 pub fn named(key: &str, names: &[String], kind: &str) -> Result<(), Error> {
-    if names.is_empty() {
-        return fault(
-            key,
-            &format!("it names no {kind} subset"),
-            &format!("name one of the {kind} subsets of the mesh"),
-        );
+    if !names.is_empty() {
+        return Ok(());
     }
-    Ok(())
+    let fault = Error::recipe(key, format!("it names no {kind} subset"));
+    Err(fault.remedy(format!("name one of the {kind} subsets of the mesh")))
 }
 
-/// Whether all of `names` are subsets of the garment whose elements are of a kind.
+/// Checks that all of `names` are subsets of the garment, with elements of one kind.
 ///
 /// # Errors
-/// One that is missing or of another kind.
+/// A name that is missing, or has other elements.
 pub fn subsets_are(garment: &Garment, key: &str, names: &[String], kind: &str) -> Result<(), Error> {
-    for name in names {
-        if garment.subset(name).is_none_or(|s| s.elements.kind() != kind) {
-            let fitting = garment.subsets.iter().filter(|s| s.elements.kind() == kind);
-            let fitting: Vec<&str> = fitting.map(|s| s.name.as_str()).collect();
-            return Err(Error::Recipe(format!(
-                "{}: {key} names \"{name}\", which is no {kind} subset of the mesh\n  hint: its {kind} subsets are: {}",
-                garment.prim,
-                fitting.join(", ")
-            )));
-        }
-    }
-    Ok(())
+    let fits = |name: &String| garment.subset(name).is_some_and(|s| s.elements.kind() == kind);
+    let Some(name) = names.iter().find(|name| !fits(name)) else { return Ok(()) };
+    let known = garment.subsets.iter().filter(|s| s.elements.kind() == kind);
+    let known: Vec<&str> = known.map(|s| s.name.as_str()).collect();
+    let fault = format!("{key} names \"{name}\", which is no {kind} subset of the mesh");
+    Err(Error::recipe(&garment.prim, fault).remedy(format!("its {kind} subsets are: {}", known.join(", "))))
 }
 
 /// The primvar that `key` names, which has to be a `kind`; none where the name is empty.
 ///
 /// # Errors
-/// One that is missing or of another kind.
+/// A primvar that is missing or of another kind.
 pub fn primvar<'a>(
     garment: &'a Garment,
     key: &str,
@@ -83,12 +67,10 @@ pub fn primvar<'a>(
         return Ok(found);
     }
     let names: Vec<&str> = garment.primvars.iter().filter(&fits).map(|p| p.name.as_str()).collect();
-    let hint =
+    let remedy =
         if names.is_empty() { "the mesh has none".to_owned() } else { format!("the mesh has: {}", names.join(", ")) };
-    Err(Error::Recipe(format!(
-        "{}: {key} names \"{name}\", which is no {kind} of the mesh\n  hint: {hint}",
-        garment.prim
-    )))
+    let fault = format!("{key} names \"{name}\", which is no {kind} of the mesh");
+    Err(Error::recipe(&garment.prim, fault).remedy(remedy))
 }
 
 /// The painted weights that `key` names; none where the name is empty.

@@ -1,39 +1,44 @@
-//! The command `usdtailor`: flags in, exit code out.
+//! The command `usdtailor`. It exits with 1 for an error in the user's input and with 2 for an internal error.
 
 mod cli;
 
 use clap::Parser;
-use std::io::{ErrorKind, Write};
+use std::io::{self, Write};
 use std::panic::AssertUnwindSafe;
 use std::process::ExitCode;
-use tailor::error::Error;
+use tailor::error::{Error, ErrorKind};
 
 fn main() -> ExitCode {
     let cli = match cli::Cli::try_parse() {
         Ok(cli) => cli,
         Err(e) => {
-            // Help and version are answers, anything else is the user's input.
+            // Clap reports help and version as errors, on standard output.
             let code = u8::from(e.use_stderr());
             return if e.print().is_ok() { ExitCode::from(code) } else { ExitCode::SUCCESS };
         }
     };
-    // A fault of ours must still end in one clear message and its own exit code.
+    // A panic becomes one message and the exit code of internal errors.
     std::panic::set_hook(Box::new(|_| {}));
     let result = std::panic::catch_unwind(AssertUnwindSafe(|| cli::run(&cli)))
-        .unwrap_or_else(|panic| Err(Error::Internal(panic_text(panic.as_ref()))));
+        .unwrap_or_else(|panic| Err(Error::internal(panic_text(panic.as_ref()))));
     match result {
         Ok(output) => print_all(&output.text, output.code),
         Err(error) => {
             let _ = writeln!(std::io::stderr(), "error: {error}");
-            ExitCode::from(error.exit_code())
+            ExitCode::from(exit_code(&error))
         }
     }
 }
 
+/// The exit code of an error: 2 for internal errors, else 1.
+fn exit_code(error: &Error) -> u8 {
+    if error.kind == ErrorKind::Internal { 2 } else { 1 }
+}
+
 fn print_all(text: &str, code: u8) -> ExitCode {
     match std::io::stdout().write_all(text.as_bytes()) {
-        // Whoever closed the pipe has read enough.
-        Err(e) if e.kind() != ErrorKind::BrokenPipe => ExitCode::from(2),
+        // A closed pipe is no failure: the reader has read enough.
+        Err(e) if e.kind() != io::ErrorKind::BrokenPipe => ExitCode::from(2),
         _ => ExitCode::from(code),
     }
 }

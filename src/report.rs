@@ -1,9 +1,11 @@
-//! The quality figures of a product, defined once for the summary, the JSON report, tests and benches.
+//! Quality figures of the simulation and render meshes.
+//!
+//! The summary, the JSON report, tests and benches all use these definitions. Shares are between 0 and 1.
 
 use crate::garment::{Elements, Garment};
 use crate::mesh::{CornerId, IdVec, Topology, VertexId};
 use crate::sim::SimProduct;
-use crate::transfer::Transferred;
+use crate::transfer::{SetCurve, Transferred};
 use glam::Vec3;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -22,9 +24,9 @@ pub struct SimFigures {
     pub min_angle_p1: f32,
     /// 5th percentile of the triangles' smallest angles. \[degrees\]
     pub min_angle_p5: f32,
-    /// Share of triangles with an angle under 20 degrees.
+    /// Share of triangles with an angle below 20 degrees.
     pub share_under20: f32,
-    /// Share of triangles with an angle under 30 degrees.
+    /// Share of triangles with an angle below 30 degrees.
     pub share_under30: f32,
     /// Share of interior vertices with six neighbours.
     pub valence6: f32,
@@ -34,25 +36,26 @@ pub struct SimFigures {
     pub length_error_mean: f32,
     /// Root mean square of length / target - 1 over the edges.
     pub length_error_rms: f32,
-    /// Share of edges between 4/5 and 4/3 of their target.
+    /// Share of edges between 4/5 and 4/3 of their target length (the split and collapse bounds of Botsch and Kobbelt
+    /// 2004).
     pub lengths_in_band: f32,
-    /// Share of interior edges whose opposite angles sum to more than π; constrained edges count.
+    /// Share of interior edges whose opposite angles sum to more than π, including constrained edges.
     pub non_delaunay: f32,
     /// Largest distance of the mesh from the baseline, as a share of the target length.
     pub distance_max: f32,
     /// Mean distance of the mesh from the baseline, as a share of the target length.
     pub distance_mean: f32,
-    /// Length of the constraint chains on the mesh as a share of that of their curves: the smallest of any chain.
+    /// Smallest ratio of a constraint chain's length on the mesh to that of its curve.
     pub chain_length_min: f32,
     /// Largest distance of a chain's curve from the edges that follow it, as a share of the target length.
     pub chain_distance_max: f32,
-    /// Triangles that lie the wrong way round in UV space for their shell.
+    /// Number of triangles that are flipped in UV space relative to their shell.
     pub uv_flips: usize,
-    /// For each face subset its area on the mesh and on the baseline. \[square stage units\]
+    /// Area of each face subset on the mesh and on the baseline.
     pub subset_areas: Vec<SubsetArea>,
-    /// For each edge subset its length on the mesh and on the baseline.
+    /// Length of each edge subset on the mesh and on the baseline.
     pub edge_sets: Vec<EdgeSet>,
-    /// Stray faces of face sets that were given to their neighbours, where `sim.cleanIslands` asks for that.
+    /// Number of stray faces that `sim.cleanIslands` merged into the face set around them.
     pub islands_cleaned: usize,
 }
 
@@ -62,14 +65,14 @@ pub struct SimFigures {
 pub struct EdgeSet {
     /// Name of the subset.
     pub name: String,
-    /// On the product. \[stage units\]
+    /// Length on the product. \[stage units\]
     pub length: f64,
-    /// On the baseline. \[stage units\]
+    /// Length on the baseline. \[stage units\]
     pub source_length: f64,
-    /// Largest distance between the two at a vertex, in local target lengths.
+    /// Largest distance of a vertex of the product's set from the baseline's, in local target lengths.
     pub farthest: f32,
-    /// The same as `length`, but that chains whose lengths differ from their sources' by more than a twentieth count
-    /// with the shortest path of edges within reach: what no choice of edges can go below. \[stage units\]
+    /// A lower bound of `length`. A chain that is off by more than a twentieth counts with the shortest path of nearby
+    /// edges instead. \[stage units\]
     pub shortest_length: f64,
 }
 
@@ -79,12 +82,12 @@ pub struct EdgeSet {
 pub struct SubsetArea {
     /// Name of the subset.
     pub name: String,
-    /// On the product.
+    /// Area on the product. \[square stage units\]
     pub area: f64,
-    /// On the baseline.
+    /// Area on the baseline. \[square stage units\]
     pub source_area: f64,
-    /// What the set and its source have in common, as a share of what is in either: 1 where they are the same. Both
-    /// are measured on the baseline, by the samples of the transfer.
+    /// Area of the intersection of the set and its source over that of their union; 1 if they are equal. Both are
+    /// measured on the baseline by the transfer samples.
     pub overlap: f64,
 }
 
@@ -127,16 +130,23 @@ impl RenderFigures {
 }
 
 impl SimFigures {
-    /// The figures of a simulation mesh, of what transfer made of it, and the areas of its subsets.
-    pub fn new(product: &SimProduct, transferred: &Transferred, subset_areas: Vec<SubsetArea>) -> Self {
-        let mesh = &transferred.mesh;
+    /// Measures a simulation mesh.
+    ///
+    /// `mesh` is the product with its attributes, and `curves` are the edge subsets on the baseline.
+    pub fn new(
+        product: &SimProduct,
+        mesh: &Garment,
+        curves: &[SetCurve],
+        subset_areas: Vec<SubsetArea>,
+        islands_cleaned: usize,
+    ) -> Self {
         let mut figures = Self {
             vertices: product.points.len(),
             faces: product.triangles.len(),
             uv_flips: uv_flips(product),
             subset_areas,
-            edge_sets: edge_sets(product, transferred),
-            islands_cleaned: transferred.islands,
+            edge_sets: edge_sets(product, mesh, curves),
+            islands_cleaned,
             chain_length_min: chain_length_min(product),
             chain_distance_max: product.gaps.iter().map(|gap| gap.distance).fold(0.0, f32::max),
             ..Self::default()
@@ -196,7 +206,8 @@ impl SimFigures {
         self.valence5to7 = share(interior.iter().filter(|&&n| (5..=7).contains(&n)).count(), interior.len());
     }
 
-    /// Distances of the centres of faces and edges, found from the corners' own places.
+    /// Samples the distance to the baseline at the centre and the edge midpoints of each triangle. Each search starts
+    /// at the baseline faces of the triangle's corners.
     fn set_distances(&mut self, product: &SimProduct) {
         let of_face = |(i, t): (usize, &[VertexId; 3])| {
             let [a, b, c] = t.map(|v| product.points[v]);
@@ -274,19 +285,19 @@ pub fn subset_areas(product: &SimProduct, transferred: &Transferred, garment: &G
     sets.collect()
 }
 
-fn edge_sets(product: &SimProduct, transferred: &Transferred) -> Vec<EdgeSet> {
-    let length = |name: &str| match transferred.mesh.subset(name).map(|s| &s.elements) {
+fn edge_sets(product: &SimProduct, mesh: &Garment, curves: &[SetCurve]) -> Vec<EdgeSet> {
+    let length = |name: &str| match mesh.subset(name).map(|s| &s.elements) {
         Some(Elements::Edges(edges)) => {
             edges.iter().map(|&[a, b]| f64::from(product.points[a].distance(product.points[b]))).sum()
         }
         _ => 0.0,
     };
-    let set = |c: &crate::transfer::SetCurve| EdgeSet {
+    let set = |c: &SetCurve| EdgeSet {
         name: c.name.clone(),
         length: length(&c.name),
         source_length: c.length,
         farthest: c.farthest,
         shortest_length: c.shortest,
     };
-    transferred.curves.iter().map(set).collect()
+    curves.iter().map(set).collect()
 }

@@ -1,12 +1,11 @@
-//! A session gives what the pipeline gives, makes each stage once, and stays within its memory.
+//! Builders repeat only what an edit changes and give what new ones give; sessions stay within their memory.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tailor::error::Warnings;
-use tailor::pipeline::{DEFAULT_MAX_FACES, Limits};
-use tailor::recipe::Document;
-use tailor::session::{Opened, Session};
+use tailor::session::{Document, Session};
 use tailor::usd::{Format, Product, ProductRole, ReadOptions, Source, Surroundings, WriteOptions, layer_bytes, write};
+use tailor::{Builder, Error, ErrorKind, Products, Progress, Recipe};
 
 const ROOM: usize = 1 << 30;
 
@@ -38,32 +37,40 @@ impl Example {
         session.layer(&self.document(arguments), &self.content, false, &mut warnings).expect("a layer")
     }
 
-    fn open(&self, session: &Session, document: &Document) -> Arc<Opened> {
-        session.open(&self.content, &document.source_file(), document.options()).expect("a garment")
+    fn source(&self) -> Source {
+        let document = self.document(&[]);
+        Source::from_layer(self.content.clone().into(), &document.source_file(), document.options()).expect("a garment")
+    }
+
+    fn builder(&self) -> Builder {
+        Builder::new(self.source().garment(&mut Warnings::default()).expect("a mesh")).expect("a good garment")
+    }
+
+    fn recipe(&self, arguments: &[(&str, &str)]) -> Recipe {
+        let layers = self.document(arguments).layers(&self.source(), &mut Warnings::default()).expect("a recipe");
+        layers.recipe().expect("a good recipe")
+    }
+
+    fn update(&self, builder: &mut Builder, arguments: &[(&str, &str)]) -> Products {
+        builder.update(&self.recipe(arguments)).expect("products")
     }
 }
 
-/// The same without a session.
+/// The layer that a new builder gives.
 fn straight(example: &Example, arguments: &[(&str, &str)]) -> Vec<u8> {
-    let document = example.document(arguments);
-    let content: Arc<[u8]> = example.content.clone().into();
-    let mut warnings = Warnings::default();
-    let source = Source::from_layer(content, &document.source_file(), document.options()).expect("a garment");
-    let layers = document.layers(&source, &mut warnings).expect("a recipe");
-    let input = source.garment(&mut warnings).expect("a mesh");
-    let prepared = tailor::pipeline::Prepared::new(input, &layers, &mut warnings).expect("a good garment");
-    let limits = Limits { max_faces: DEFAULT_MAX_FACES, progress: &|_| () };
-    let products = prepared.build(&limits, &mut warnings).expect("products");
+    let (document, source) = (example.document(arguments), example.source());
+    let products = example.update(&mut example.builder(), arguments);
     let meshes = [
         Product { name: "sim", role: ProductRole::Sim, mesh: &products.sim },
         Product { name: "render", role: ProductRole::Render, mesh: &products.render },
     ];
-    let surroundings = Surroundings { folder: document.folder(), source: Some(document.source()) };
-    layer_bytes(&source, &meshes, Format::Usdc, surroundings, &WriteOptions::default(), &mut warnings).expect("a layer")
+    let (surroundings, options) =
+        (Surroundings { folder: document.folder(), source: Some(document.source()) }, WriteOptions::default());
+    layer_bytes(&source, &meshes, Format::Usdc, surroundings, &options, &mut Warnings::default()).expect("a layer")
 }
 
 #[test]
-fn a_session_gives_what_the_pipeline_gives() {
+fn a_session_gives_what_a_new_builder_gives() {
     let (example, session) = (Example::new("tshirt.usda"), Session::new(ROOM, None).expect("threads"));
     for arguments in [&[][..], &[("render.level", "2")], &[("sim.maxEdgeLength", "6"), ("sim.seed", "3")], &[]] {
         assert!(example.layer(&session, arguments) == straight(&example, arguments), "{arguments:?}");
@@ -83,38 +90,46 @@ fn operators_give_the_same_after_other_edits() {
         ]
     };
     // From small to large, so that what is kept of the first was made for less.
-    for arguments in [of("0.1", "-0.1", ""), of("4", "-0.1", ""), of("4", "-0.3", ""), of("0.1", "-0.1", "side")] {
+    for arguments in [
+        of("0.1", "-0.1", ""),
+        of("4", "-0.1", ""),
+        of("4", "-0.3", ""),
+        of("0.1", "-0.1", "side"),
+        of("0.1", "-0.1", "all,side"),
+    ] {
         assert!(example.layer(&session, &arguments) == straight(&example, &arguments), "{arguments:?}");
     }
 }
 
 #[test]
 fn an_edit_repeats_only_what_depends_on_it() {
-    let (example, session) = (Example::new("tshirt.usda"), Session::new(ROOM, None).expect("threads"));
-    let products = |arguments: &[(&str, &str)]| {
-        let document = example.document(arguments);
-        let opened = example.open(&session, &document);
-        let layers = document.layers(&opened.source, &mut Warnings::default()).expect("a recipe");
-        let prepared = opened.checked.prepare(&layers).expect("a recipe that fits");
-        (session.sim(&opened, &prepared).expect("a mesh"), session.render(&opened, &prepared).expect("a mesh"))
+    let example = Example::new("tshirt.usda");
+    let mut builder = example.builder();
+    let mut update = |arguments: &[(&str, &str)]| {
+        let products = example.update(&mut builder, arguments);
+        let steps: Vec<&str> = products.timings.iter().map(|t| t.name).collect();
+        (products, steps)
     };
-    let (sim, render) = products(&[]);
-    let (other_sim, other_render) = products(&[("render.level", "2")]);
-    assert!(Arc::ptr_eq(&sim, &other_sim) && !Arc::ptr_eq(&render, &other_render));
-    let (other_sim, other_render) = products(&[("sim.maxEdgeLength", "6")]);
-    assert!(!Arc::ptr_eq(&sim, &other_sim) && Arc::ptr_eq(&render, &other_render));
+    let (first, _) = update(&[]);
+    let (other, _) = update(&[("render.level", "2")]);
+    assert!(Arc::ptr_eq(&first.sim, &other.sim) && !Arc::ptr_eq(&first.render, &other.render));
+    let (first, _) = update(&[]);
+    let (other, _) = update(&[("sim.maxEdgeLength", "6")]);
+    assert!(!Arc::ptr_eq(&first.sim, &other.sim) && Arc::ptr_eq(&first.render, &other.render));
     // Another option of transfer gives another mesh, on the same triangles.
-    let before = session.memory();
-    let (other_sim, _) = products(&[("sim.seed", "1")]);
-    assert!(!Arc::ptr_eq(&sim, &other_sim) && sim.value.faces == other_sim.value.faces);
-    let transferred = session.memory() - before;
-    let (_, _) = products(&[("sim.iterations", "1")]);
-    assert!(session.memory() - before > 2 * transferred, "a seed does not remesh, a round does");
+    let (first, _) = update(&[]);
+    let (other, steps) = update(&[("sim.seed", "1")]);
+    assert!(!Arc::ptr_eq(&first.sim, &other.sim) && first.sim.faces == other.sim.faces);
+    assert!(steps.contains(&"transfer") && !steps.contains(&"remesh"), "{steps:?}");
+    let (_, steps) = update(&[("sim.iterations", "1")]);
+    assert!(steps.contains(&"remesh"), "{steps:?}");
+    let (_, steps) = update(&[("sim.iterations", "1")]);
+    assert_eq!(steps, ["render"], "nothing is repeated");
 }
 
 #[test]
 fn other_widths_of_a_seam_have_the_same_faces() {
-    let (example, session) = (Example::new("tshirt.usda"), Session::new(ROOM, None).expect("threads"));
+    let example = Example::new("tshirt.usda");
     let of = |width: &'static str, edges: &'static str| {
         [
             ("seam.side.edges", edges),
@@ -124,24 +139,20 @@ fn other_widths_of_a_seam_have_the_same_faces() {
             ("render.level", "2"),
         ]
     };
-    let mesh = |arguments: &[(&str, &str)]| {
-        let document = example.document(arguments);
-        let opened = example.open(&session, &document);
-        let layers = document.layers(&opened.source, &mut Warnings::default()).expect("a recipe");
-        let prepared = opened.checked.prepare(&layers).expect("a recipe that fits");
-        session.render(&opened, &prepared).expect("a mesh")
-    };
+    let mut builder = example.builder();
+    let mut mesh = |arguments: &[(&str, &str)]| example.update(&mut builder, arguments).render;
     let (narrow, wide, other) = (of("0.4", "side_seams"), of("0.8", "side_seams"), of("0.4", "shoulder_seams"));
     let meshes = [&narrow, &wide, &other].map(|arguments| mesh(arguments));
-    let [first, again, others] = meshes.each_ref().map(|mesh| &mesh.value.faces);
+    let [first, again, others] = meshes.each_ref().map(|mesh| &mesh.faces);
     assert!(std::ptr::eq(first.corners(), again.corners()), "they were made once");
     assert!(first != others);
-    let [first, again, others] = meshes.each_ref().map(|mesh| mesh.value.subsets.as_slice());
+    let [first, again, others] = meshes.each_ref().map(|mesh| mesh.subsets.as_slice());
     assert!(std::ptr::eq(first, again) && !first.is_empty() && first != others);
-    let uv = meshes.each_ref().map(|mesh| mesh.value.primvars.iter().find(|p| p.name == "st").expect("UVs"));
+    let uv = meshes.each_ref().map(|mesh| mesh.primvars.iter().find(|p| p.name == "st").expect("UVs"));
     let [first, again, others] = uv.map(|uv| uv.indices.as_ref().expect("indices"));
     assert!(Arc::ptr_eq(first, again) && first != others);
     assert!(uv[0].values != uv[1].values, "what is at the corners is not the same");
+    let session = Session::new(ROOM, None).expect("threads");
     for arguments in [narrow, wide, other] {
         assert!(example.layer(&session, &arguments) == straight(&example, &arguments), "{arguments:?}");
     }
@@ -173,6 +184,9 @@ fn memory_is_bounded_and_a_small_session_still_works() {
         assert!(example.layer(&session, &arguments) == straight(&example, &arguments));
         assert!(session.memory() <= capacity);
     }
+    let large = Session::new(ROOM, None).expect("threads");
+    example.layer(&large, &[]);
+    assert!(large.memory() > 2 * example.content.len(), "what is kept counts");
 }
 
 #[test]
@@ -196,4 +210,16 @@ fn faults_come_back_each_time() {
             session.layer(&bad, b"PXR-USDC and no more", false, &mut Warnings::default()).expect_err("a fault");
         assert!(message.to_string().contains("tshirt.usda"), "{message}");
     }
+}
+
+#[test]
+fn a_build_is_cancelled_at_its_next_step_and_runs_again_later() {
+    let example = Example::new("tshirt.usda");
+    let progress = Progress::default();
+    let mut builder = example.builder().with_progress(progress.clone());
+    progress.cancel();
+    let stopped: Result<_, Error> = builder.update(&example.recipe(&[]));
+    assert_eq!(stopped.map(|_| ()).expect_err("cancelled").kind, ErrorKind::Cancelled);
+    let products = builder.update(&example.recipe(&[])).expect("products");
+    assert_eq!(products.sim.points.len(), example.update(&mut example.builder(), &[]).sim.points.len());
 }

@@ -5,11 +5,11 @@ mod golden;
 
 use golden::{Boundary, Case, FACE_VARYING_RULES, load};
 use std::path::Path;
-use tailor::garment::{
+use tailor::internals::garment::{
     BoundaryInterpolation, Corner, Crease, FaceVaryingInterpolation, Garment, Scheme, SubdivisionRules, TriangleRule,
 };
-use tailor::mesh::{CornerId, FaceId, Faces, VertexId};
-use tailor::subdivide::{Refiner, Stencils};
+use tailor::internals::mesh::{CornerId, FaceId, Faces, VertexId};
+use tailor::internals::subdivide::{Channel, ChannelChild, Level, Numbering, Stencils};
 
 /// Allowed difference, as a share of the bounding box.
 const TOLERANCE: f64 = 1e-6;
@@ -84,31 +84,33 @@ fn compare(case: &Case, rule: usize) -> (f64, String) {
         }
     };
 
-    let mut refiner = Refiner::new(&garment);
-    let rows = refiner.add_channel(&garment, |c| case.uv_indices[c.index()]);
+    let mut parent = Level::base(&garment);
+    let rules = garment.rules;
+    let (mut channel, rows) =
+        Channel::base(&parent, |c| case.uv_indices[c.index()], rules.face_varying, rules.boundary);
     let mut points: Vec<[f32; 3]> = case.points.clone();
     let mut varying = case.varying.clone();
     let mut uvs: Vec<[f32; 2]> = rows.iter().map(|&r| case.uvs[r as usize]).collect();
     let holes = match case.boundary {
-        Boundary::None if garment.rules.scheme != Scheme::Bilinear => refiner.level.border_holes(&garment),
+        Boundary::None if garment.rules.scheme != Scheme::Bilinear => parent.border_holes(&garment),
         _ => Vec::new(),
     };
     let mut base_face: Vec<FaceId> = garment.faces.ids().collect();
 
     for (depth, level) in case.levels.iter().enumerate() {
-        let derivation = refiner.derive();
-        points = derivation.vertex().apply(&points);
-        varying = derivation.varying().apply(&varying);
-        uvs = derivation.channels[0].apply(&uvs);
-        let faces = derivation.faces.clone();
-        let numbering = derivation.numbering();
-        base_face =
-            faces.ids().map(|f| base_face[numbering.parent_face(&refiner.level.topology.faces, f).index()]).collect();
-        let corner_values = derivation.channels[0].corner_values();
-        let child = derivation.into_child();
-        refiner = child;
+        let child = parent.refined();
+        points = parent.vertex_stencils().apply(&points);
+        varying = parent.varying_stencils().apply(&varying);
+        let refined_uvs = ChannelChild::new(&parent, &channel);
+        uvs = refined_uvs.apply(&uvs);
+        let faces = child.topology.faces.clone();
+        let numbering = Numbering::new(&parent);
+        base_face = faces.ids().map(|f| base_face[numbering.parent_face(&parent.topology.faces, f).index()]).collect();
+        let corner_values = refined_uvs.corner_values();
+        channel = refined_uvs.into_channel(&child);
+        parent = child;
 
-        let counts = [points.len(), refiner.level.topology.edges.len(), faces.len(), faces.corners().len()];
+        let counts = [points.len(), parent.topology.edges.len(), faces.len(), faces.corners().len()];
         assert_eq!(
             counts,
             [level.vertices, level.edges, level.faces, level.face_vertices],
@@ -122,8 +124,7 @@ fn compare(case: &Case, rule: usize) -> (f64, String) {
             let own = points[vertex].iter().chain(&varying[vertex]).copied().chain(value(c));
             sum.iter_mut().zip(own).for_each(|(s, v)| *s += f64::from(v));
         }
-        let sharpness: f64 =
-            refiner.level.topology.corner_edge.iter().map(|&e| f64::from(refiner.level.edge_sharpness[e])).sum();
+        let sharpness: f64 = parent.topology.corner_edge.iter().map(|&e| f64::from(parent.edge_sharpness[e])).sum();
         note((sharpness - level.sharpness_sum).abs() / faces.corners().len() as f64, &|| {
             format!("sharpness of level {}", depth + 1)
         });
@@ -148,11 +149,11 @@ fn compare(case: &Case, rule: usize) -> (f64, String) {
                 note(pairs(&points[vertex.index()], &corner.point), &|| format!("{} point", at()));
                 note(pairs(&varying[vertex.index()], &corner.varying), &|| format!("{} varying", at()));
                 note(pairs(&value(c), &corner.uvs[slot]), &|| format!("{} face-varying", at()));
-                let edge = refiner.level.topology.corner_edge[c];
-                note(pairs(&[refiner.level.edge_sharpness[edge]], &[corner.edge_sharpness]), &|| {
+                let edge = parent.topology.corner_edge[c];
+                note(pairs(&[parent.edge_sharpness[edge]], &[corner.edge_sharpness]), &|| {
                     format!("{} edge sharpness", at())
                 });
-                note(pairs(&[refiner.level.vertex_sharpness[vertex]], &[corner.vertex_sharpness]), &|| {
+                note(pairs(&[parent.vertex_sharpness[vertex]], &[corner.vertex_sharpness]), &|| {
                     format!("{} vertex sharpness", at())
                 });
             }

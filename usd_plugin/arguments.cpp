@@ -21,10 +21,10 @@ PXR_NAMESPACE_OPEN_SCOPE
 namespace {
 
 constexpr const char *AppliedSchemas = "apiSchemas";
-/// What is between the path of a layer and its arguments in an asset path.
+/// Separates a layer's path from its arguments in an asset path.
 constexpr std::string_view ArgumentsDelimiter = ":SDF_FORMAT_ARGS:";
 
-/// The applied schemas of the prim in all layers, as OpenUSD prints them.
+/// The prim's applied schemas in all layers, as OpenUSD prints them.
 std::string Schemas(const PcpDynamicFileFormatContext &context)
 {
     std::vector<VtValue> values;
@@ -37,19 +37,19 @@ std::string Schemas(const PcpDynamicFileFormatContext &context)
     return schemas;
 }
 
-/// The attributes that are composed, which differ from payload to payload by the names of instances.
+/// The attributes to compose. They depend on the instances that the payload names.
 rust::Vec<tailor::Field> Fields(const std::string &assetPath, const PcpDynamicFileFormatContext &context)
 {
     const size_t end = assetPath.find(ArgumentsDelimiter);
     const std::string arguments =
         end == std::string::npos ? std::string() : assetPath.substr(end + ArgumentsDelimiter.size());
-    // One that cannot be read names nothing here, and is reported when the payload is opened.
+    // An unreadable file names no instances; the error is reported when the payload is opened.
     const TailorRecipeText text(ArGetResolver().Resolve(assetPath.substr(0, end)));
     const std::string schemas = Schemas(context);
     return tailor::fields(text.GetBytes(), TailorStr(schemas), TailorStr(arguments));
 }
 
-/// The shortest text that reads as the same number again: a layer's identity is the text of its arguments.
+/// The shortest text that parses to the same number. The text is part of the layer's identity.
 template <class T>
 std::string Number(T number)
 {
@@ -67,7 +67,7 @@ bool AddNumber(const VtValue &value, std::optional<std::string> *text)
     return holds;
 }
 
-/// `[a, b]`, as OpenUSD prints arrays, as `a,b`.
+/// Converts `[a, b]`, OpenUSD's form of an array, to `a,b`.
 std::string List(const std::string &printed)
 {
     std::string list;
@@ -79,7 +79,7 @@ std::string List(const std::string &printed)
     return list;
 }
 
-/// Whether there is no value, or one that takes away weaker ones.
+/// True for an empty value and for a value block.
 bool IsNothing(const VtValue &value)
 {
     return value.IsEmpty() || value.GetTypeName() == "SdfValueBlock";
@@ -122,7 +122,7 @@ void TailorComposeArguments(
             (*arguments)[std::string(field.argument)] = *text;
         } else {
             TF_WARN(
-                "%s: %s is a %s, which no option is; it is left out", assetPath.c_str(), attribute.c_str(),
+                "%s: %s has type %s, which no option has; it is ignored", assetPath.c_str(), attribute.c_str(),
                 value.GetTypeName().c_str());
         }
     }

@@ -10,16 +10,16 @@ PXR_NAMESPACE_OPEN_SCOPE
 class PcpDynamicFileFormatContext;
 class TfToken;
 
-/// Adds an argument for each option that the prim with the payload, or a stronger opinion, has as an attribute. Its seams
-/// and thicknesses are those that the file, the prim's schemas or the arguments of `assetPath` name.
+/// Adds an argument for each option that is an attribute of the payload's prim. Seams and thicknesses are those named
+/// in the file, the prim's schemas or the arguments of `assetPath`.
 void TailorComposeArguments(
     const std::string &assetPath, const PcpDynamicFileFormatContext &context,
     SdfFileFormat::FileFormatArguments *arguments);
 
-/// Whether an attribute can be one of those.
+/// True if an attribute can be one of those.
 bool TailorIsArgument(const TfToken &attributeName);
 
-/// Whether a field of the prim names seams and thicknesses, so that others of its attributes are read when it changes.
+/// True if a field of the prim names seams and thicknesses, so that its change affects the attributes to read.
 bool TailorNamesInstances(const TfToken &field);
 
 PXR_NAMESPACE_CLOSE_SCOPE

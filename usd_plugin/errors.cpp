@@ -18,9 +18,9 @@ std::string TailorPostedErrors::Take() const
 {
     std::string text;
     for (const TfError &error : _mark) {
-        // Some end in line breaks.
-        const std::string &said = error.GetCommentary();
-        text += (text.empty() ? "" : "\n    ") + said.substr(0, said.find_last_not_of('\n') + 1);
+        // Some texts end in line breaks.
+        const std::string &message = error.GetCommentary();
+        text += (text.empty() ? "" : "\n    ") + message.substr(0, message.find_last_not_of('\n') + 1);
     }
     _mark.Clear();
     return text;

@@ -8,21 +8,21 @@
 
 PXR_NAMESPACE_OPEN_SCOPE
 
-/// What is wrong with a `.tailor` file; becomes one error of OpenUSD.
+/// An error in a `.tailor` file or its source; it is posted as one OpenUSD error.
 class TailorFault : public std::runtime_error {
 public:
-    /// `hint` is the remedy, or what OpenUSD said; it may be empty.
+    /// `hint` is the remedy or OpenUSD's message; it may be empty.
     TailorFault(const std::string &path, const std::string &message, const std::string &hint);
 };
 
-/// The errors that OpenUSD posts on this thread while this lives. They go no further: who reads a `.tailor` file shall
-/// get one error, with these inside.
+/// Captures the errors that OpenUSD posts on this thread during its lifetime. Their texts become part of the one error
+/// that a reader of a `.tailor` file gets.
 class TailorPostedErrors {
 public:
     TailorPostedErrors() = default;
     ~TailorPostedErrors();
 
-    /// Their texts, one a line, which are then forgotten.
+    /// Returns their texts, one per line, and clears them.
     std::string Take() const;
 
 private:

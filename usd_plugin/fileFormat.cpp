@@ -28,10 +28,10 @@ TF_REGISTRY_FUNCTION(TfType)
 
 namespace {
 
-/// One line for each read, where USDTAILOR_DEBUG asks for it.
+/// Prints one line of timings for each read, if USDTAILOR_DEBUG is 1.
 class DebugLine {
 public:
-    /// Milliseconds since the last call, or since the beginning.
+    /// Milliseconds since the last call or the construction.
     double Lap()
     {
         const Clock::time_point now = Clock::now();
@@ -61,7 +61,7 @@ void Fill(SdfLayer *layer, const rust::Vec<uint8_t> &bytes, const std::string &p
 {
     const TailorPostedErrors posted;
     const TailorMemoryFile file(bytes.data(), bytes.size());
-    // Detached: nothing of the layer may depend on the file, which is gone in a moment. All or nothing is replaced.
+    // Detached: the layer must not depend on the file, which is deleted next. The content is replaced as a whole.
     const auto usdc = SdfFileFormat::FindById(TfToken("usdc"));
     if (!usdc || !usdc->ReadDetached(layer, file.GetPath(), false)) {
         throw TailorFault(path, "internal error: the layer cannot be filled; please report it", posted.Take());
@@ -72,7 +72,7 @@ void ReadLayer(SdfLayer *layer, const std::string &path, bool metadataOnly)
 {
     DebugLine time;
     const rust::Box<tailor::Document> document = TailorReadDocument(path, layer->GetFileFormatArguments());
-    // A layer that holds something is being reloaded.
+    // A layer with content is being reloaded.
     const TailorFlattenedSource source(path, TailorGetSource(*document, path), !layer->IsEmpty());
     const double compose = time.Lap();
     const tailor::Generated generated = tailor::generate(*document, source.GetBytes(), metadataOnly);
@@ -105,7 +105,7 @@ bool TailorFileFormat::CanRead(const std::string &path) const
 
 bool TailorFileFormat::Read(SdfLayer *layer, const std::string &resolvedPath, bool metadataOnly) const
 {
-    // Nothing may leave: an exception would end the program in the middle of composition.
+    // An exception that leaves this function would end the host program during composition.
     try {
         ReadLayer(layer, resolvedPath, metadataOnly);
         return true;

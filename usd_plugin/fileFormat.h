@@ -9,16 +9,16 @@
 
 PXR_NAMESPACE_OPEN_SCOPE
 
-/// The file format `.tailor`: a recipe in JSON that opens as the layer which `usdtailor build` would write.
+/// The file format `.tailor`: a recipe in JSON that opens as the layer that `usdtailor build` writes.
 class TailorFileFormat final : public SdfFileFormat, public PcpDynamicFileFormatInterface {
 public:
     bool CanRead(const std::string &path) const override;
     bool Read(SdfLayer *layer, const std::string &resolvedPath, bool metadataOnly) const override;
 
-    /// The files that the layer is made from, so that a reload sees their edits.
+    /// The source files of the layer, so that a reload sees their edits.
     std::set<std::string> GetExternalAssetDependencies(const SdfLayer &layer) const override;
 
-    // The layer as text; without these two a layer exports as nothing.
+    // The layer as text. Without these two functions, the exported text is empty.
     bool WriteToString(const SdfLayer &layer, std::string *text, const std::string &comment) const override;
     bool WriteToStream(const SdfSpecHandle &spec, std::ostream &stream, size_t indent) const override;
 

@@ -1,9 +1,9 @@
-"""Time of one edit through a dynamic payload: from the attribute's new value until the recomposed points are read.
+"""Measures the latency of edits through a dynamic payload: from setting an attribute until the new points are read.
 
     PXR_PLUGINPATH_NAME=$PWD/target/usd_plugin target/venv/bin/python usd_plugin/latency.py [GARMENT LENGTH]
 
-LENGTH is an edge length that fits the garment. Where the garment's model has seams or thicknesses, one of each is edited too;
-without arguments it is examples/sewn/coat.usda. USDTAILOR_DEBUG=1 adds where the time goes.
+LENGTH is a target edge length that suits the garment. One seam and one thickness of the model are edited too, if
+present. The default garment is examples/sewn/coat.usda. USDTAILOR_DEBUG=1 prints the time of each stage.
 """
 
 import json
@@ -17,13 +17,13 @@ from pathlib import Path
 from pxr import Sdf, Usd
 
 SAMPLES = 9
-# What a seam's and a thickness's attribute is set to by turns, as shares of what it is.
+# Successive values of a seam's or thickness's attribute, as shares of its authored value.
 SHARES = (0.9, 0.8, 0.7)
 EDITED = {"TailorSeamAPI": ("seam", ("normalOffset", "width")), "TailorThicknessAPI": ("thickness", ("amount",))}
 
 
 def operators(stage):
-    """An attribute of the first seam and of the first thickness of the model, by name, each with its value."""
+    """The edited attributes of the model's first seam and first thickness: name and authored value."""
     found, left = {}, dict(EDITED)
     for prim in stage.Traverse():
         for schema, _, name in (applied.partition(":") for applied in prim.GetAppliedSchemas()):
@@ -34,8 +34,9 @@ def operators(stage):
 
 
 def garments(flat, names, folder):
-    """Copies that differ in a word, so that nothing of one is known when the next is opened; `names` are those of seams and
-    thicknesses that the payload shall follow."""
+    """Yields recipes of copies that differ in metadata, so that each is opened uncached.
+
+    `names` are the attributes of seams and thicknesses that the payload must follow."""
     instances = defaultdict(dict)
     for name in names:
         space, instance, _ = name.split(":")
@@ -49,7 +50,7 @@ def garments(flat, names, folder):
 
 
 def edit(prim, name, kind, value, product):
-    """Sets an attribute and reads a product; milliseconds."""
+    """The time to set an attribute and read a product. [milliseconds]"""
     start = time.perf_counter()
     prim.GetAttribute(name).Set(value) if prim.HasAttribute(name) else prim.CreateAttribute(name, kind).Set(value)
     assert prim.GetChild(product).GetAttribute("points").Get()
@@ -63,7 +64,7 @@ def measure(recipe, length, values, times):
     prim.GetPayloads().AddPayload(str(recipe))
     assert prim.GetChild("sim")
     times["open"].append((time.perf_counter() - start) * 1e3)
-    for name, level in (("0", 0), ("2", 2), ("1, made before", 1), ("2, made before", 2), ("1, made before", 1)):
+    for name, level in (("0", 0), ("2", 2), ("1, cached", 1), ("2, cached", 2), ("1, cached", 1)):
         times[f"render:level {name}"].append(edit(prim, "tailor:render:level", Sdf.ValueTypeNames.Int, level, "render"))
     for factor in (1.0, 1.01, 1.02):
         times["sim:maxEdgeLength"].append(

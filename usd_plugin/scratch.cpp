@@ -15,9 +15,9 @@ PXR_NAMESPACE_OPEN_SCOPE
 
 namespace {
 
-[[noreturn]] void Fail(const std::string &what)
+[[noreturn]] void Fail(const std::string &message)
 {
-    throw std::system_error(errno, std::generic_category(), what);
+    throw std::system_error(errno, std::generic_category(), message);
 }
 
 std::string TemporaryFolder()
@@ -35,7 +35,7 @@ std::string TemporaryFolder()
 TailorScratchFile::TailorScratchFile(const std::string &name) : _folder(TemporaryFolder() + "/usdtailor.XXXXXX")
 {
     if (!mkdtemp(_folder.data())) {
-        Fail("cannot make a temporary folder " + _folder);
+        Fail("cannot create a temporary folder " + _folder);
     }
     _path = _folder + "/" + name;
 }
@@ -73,7 +73,7 @@ TailorMemoryFile::TailorMemoryFile(const uint8_t *bytes, size_t size)
     : _file(memfd_create("usdtailor", MFD_CLOEXEC))
 {
     if (_file < 0) {
-        Fail("cannot make a file in memory");
+        Fail("cannot create a file in memory");
     }
     for (size_t done = 0; done < size;) {
         const ssize_t written = write(_file, bytes + done, size - done);

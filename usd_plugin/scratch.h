@@ -8,8 +8,7 @@
 
 PXR_NAMESPACE_OPEN_SCOPE
 
-/// The path of a file that is not there yet, in a folder of its own that nobody else can enter. Both are removed at the
-/// end.
+/// The path of a file to be written, in a private temporary folder. The destructor removes both.
 class TailorScratchFile {
 public:
     explicit TailorScratchFile(const std::string &name);
@@ -24,7 +23,7 @@ private:
     std::string _path;
 };
 
-/// Bytes that can be opened by a path, in memory where the system has such files.
+/// A file in memory with a path, holding a copy of some bytes.
 class TailorMemoryFile {
 public:
     TailorMemoryFile(const uint8_t *bytes, size_t size);
@@ -39,7 +38,7 @@ private:
     std::string _path;
 };
 
-/// The content of a file, mapped.
+/// The memory-mapped content of a file.
 class TailorMappedFile {
 public:
     explicit TailorMappedFile(const std::string &path);

@@ -22,7 +22,7 @@ rust::Vec<tailor::Argument> Arguments(const SdfFileFormat::FileFormatArguments &
 {
     rust::Vec<tailor::Argument> all;
     for (const auto &[key, value] : arguments) {
-        // This one is OpenUSD's own: which of several formats with one extension is meant.
+        // OpenUSD's own argument, which selects one of several formats with the same extension.
         if (key != "target") {
             all.push_back({rust::String(key), rust::String(value)});
         }
@@ -30,8 +30,7 @@ rust::Vec<tailor::Argument> Arguments(const SdfFileFormat::FileFormatArguments &
     return all;
 }
 
-/// The context of the stage that is composing, so that the source resolves as that stage would resolve it; else the
-/// context in which OpenUSD opens a stage by its path.
+/// The resolver context of the stage that is composing. Without one, the default context of the source.
 ArResolverContext Context(const std::string &source)
 {
     const ArResolver &resolver = ArGetResolver();
@@ -39,8 +38,8 @@ ArResolverContext Context(const std::string &source)
     return current.IsEmpty() ? resolver.CreateDefaultContextForAsset(source) : current;
 }
 
-/// A relative `source` beside a `.tailor` file in a package (`outer.usdz[inner.tailor]`), as a path of the package; empty
-/// for other files. The resolver alone would look beside the package.
+/// The package path of a relative `source` of a `.tailor` file in a package (`outer.usdz[inner.tailor]`); empty for
+/// other files. The resolver alone would search in the package's own folder.
 std::string InPackage(const std::string &source, const std::string &resolvedPath)
 {
     const size_t bracket = resolvedPath.rfind('[');
@@ -61,14 +60,14 @@ Flatten(const std::string &path, const std::string &source, const ArResolverCont
     const TailorPostedErrors posted;
     const UsdStageRefPtr stage = UsdStage::Open(source, context);
     const SdfLayerRefPtr flattened = stage ? stage->Flatten(false) : SdfLayerRefPtr();
-    const std::string said = posted.Take();
+    const std::string errors = posted.Take();
     if (!flattened) {
         throw TailorFault(
-            path, "its source " + source + " cannot be opened: " + said,
+            path, "its source " + source + " cannot be opened: " + errors,
             "\"source\" names a USD file that opens by itself, such as coat.usda");
     }
-    if (!said.empty()) {
-        TF_WARN("%s: its source %s does not compose fully: %s", path.c_str(), source.c_str(), said.c_str());
+    if (!errors.empty()) {
+        TF_WARN("%s: its source %s does not compose fully: %s", path.c_str(), source.c_str(), errors.c_str());
     }
     return flattened;
 }
@@ -83,7 +82,7 @@ bool TailorIsRecipe(const std::string &path)
 TailorRecipeText::TailorRecipeText(const ArResolvedPath &path)
     : _asset(ArGetResolver().OpenAsset(path)), _text(_asset ? _asset->GetBuffer() : nullptr)
 {
-    // A file without content has no buffer either, and is a matter for the reader.
+    // An empty file also has no buffer; the parser reports it.
     if (!_text && _asset && _asset->GetSize() > 0) {
         _asset.reset();
     }
@@ -99,7 +98,7 @@ TailorReadDocument(const std::string &resolvedPath, const SdfFileFormat::FileFor
 {
     const TailorRecipeText text{ArResolvedPath(resolvedPath)};
     if (!text.IsReadable()) {
-        throw TailorFault(resolvedPath, "the file cannot be read", "check that it is there and may be read");
+        throw TailorFault(resolvedPath, "the file cannot be read", "check its path and permissions");
     }
     const rust::Vec<tailor::Argument> all = Arguments(arguments);
     return tailor::read_document(TailorStr(resolvedPath), text.GetBytes(), {all.data(), all.size()});
@@ -125,7 +124,9 @@ TailorFlattenedSource::TailorFlattenedSource(const std::string &path, const std:
     const TailorPostedErrors posted;
     const TailorScratchFile file("source.usdc");
     if (!SdfFileFormat::FindById(TfToken("usdc"))->WriteToFile(*flattened, file.GetPath())) {
-        throw TailorFault(path, "the source cannot be handed over: " + posted.Take(), "TMPDIR names the folder");
+        throw TailorFault(
+            path, "the flattened source cannot be written: " + posted.Take(),
+            "check the space and permissions of the temporary folder (TMPDIR)");
     }
     _bytes.emplace(file.GetPath());
 }

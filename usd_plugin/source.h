@@ -14,16 +14,16 @@
 
 PXR_NAMESPACE_OPEN_SCOPE
 
-/// A text as Rust takes it, as long as it is there.
+/// A Rust view of a text, which must outlive it.
 inline rust::Str TailorStr(const std::string &text)
 {
     return rust::Str(text.data(), text.size());
 }
 
-/// Whether a path, with or without arguments, is that of a `.tailor` file.
+/// True for the path of a `.tailor` file, with or without arguments.
 bool TailorIsRecipe(const std::string &path);
 
-/// The text of a `.tailor` file through the resolver; empty where it cannot be read.
+/// The text of a `.tailor` file, read through the resolver; empty if it cannot be read.
 class TailorRecipeText {
 public:
     explicit TailorRecipeText(const ArResolvedPath &path);
@@ -36,7 +36,7 @@ private:
     std::shared_ptr<const char> _text;
 };
 
-/// Reads a `.tailor` file through the resolver; throws what is wrong with it.
+/// Reads a `.tailor` file through the resolver. Throws TailorFault or rust::Error.
 rust::Box<tailor::Document>
 TailorReadDocument(const std::string &resolvedPath, const SdfFileFormat::FileFormatArguments &arguments);
 
@@ -46,7 +46,7 @@ std::string TailorGetSource(const tailor::Document &document, const std::string 
 /// The source of a `.tailor` file, composed by OpenUSD and flattened into one crate.
 class TailorFlattenedSource {
 public:
-    /// `reload` takes its layers from disk again. Throws what is wrong with the source.
+    /// With `reload`, its layers are read from disk again. Throws TailorFault or std::exception.
     TailorFlattenedSource(const std::string &path, const std::string &source, bool reload);
 
     rust::Slice<const uint8_t> GetBytes() const { return {_bytes->data(), _bytes->size()}; }

@@ -15,8 +15,10 @@ PXR_NAMESPACE_OPEN_SCOPE
 
 namespace {
 
-/// For each `.tailor` file, what it was last made from. OpenUSD asks after each read, when the layers may be closed
-/// again, and before each reload. What has changed since shows in the times of these files.
+/// The source layers of each `.tailor` file at its last read.
+///
+/// OpenUSD asks for them after each read, when the layers may already be closed, and before each reload. It compares
+/// the files' modification times to find changes.
 class Memory {
 public:
     void Set(const std::string &path, const std::set<std::string> &identifiers)
@@ -54,7 +56,7 @@ std::string WithoutArguments(const std::string &identifier)
 TailorSourceLayers::TailorSourceLayers(const std::string &resolvedPath, const std::string &source, bool reload)
     : _path(resolvedPath), _reload(reload), _chain{resolvedPath}
 {
-    // What cannot be opened is for the stage to report, in its own words.
+    // The stage reports layers that cannot be opened.
     const TailorPostedErrors ignored;
     try {
         _Visit(source);
@@ -73,7 +75,7 @@ void TailorSourceLayers::_Visit(const std::string &identifier)
     const std::string path = WithoutArguments(identifier);
     const std::string resolved = ArGetResolver().Resolve(path).GetPathString();
     _CheckCycle(resolved);
-    // One that is missing is remembered too: it may appear.
+    // Missing files are remembered too, as they may appear later.
     if (!_identifiers.insert(path).second || resolved.empty()) {
         return;
     }
@@ -93,7 +95,7 @@ void TailorSourceLayers::_VisitRecipe(const std::string &resolvedPath)
     try {
         source = TailorGetSource(*TailorReadDocument(resolvedPath, {}), resolvedPath);
     } catch (const std::exception &) {
-        // It is reported when it is opened, and leads nowhere.
+        // The error is reported when the file is opened as a layer.
         return;
     }
     _Visit(source);
@@ -120,7 +122,7 @@ void TailorSourceLayers::_VisitLayer(const std::string &identifier)
 
 void TailorSourceLayers::_CheckExpression(const std::string &identifier, const std::string &expression) const
 {
-    // Its value depends on the stage, which cannot be opened before it is known that nothing leads back here.
+    // The value depends on the stage, which must not be opened before cycles are excluded.
     if (expression.find(".tailor") != std::string::npos) {
         throw TailorFault(
             _path, "its source may use the file itself: " + expression + " in " + identifier,

@@ -9,12 +9,13 @@
 
 PXR_NAMESPACE_OPEN_SCOPE
 
-/// The layers that a `.tailor` file is made from, found without opening any `.tailor` file as a layer: a source that
-/// uses the file again would wait for itself for ever.
+/// Finds the source layers of a `.tailor` file and detects cycles.
+///
+/// No `.tailor` file is opened as a layer for this: a source that uses the file itself would deadlock.
 class TailorSourceLayers {
 public:
-    /// Throws when the source leads back to `resolvedPath`. With `reload`, layers that are in memory and have no edits
-    /// of their own are taken from disk again, as is the reloaded layer itself.
+    /// Throws TailorFault if the source uses the file at `resolvedPath`. With `reload`, open layers without unsaved
+    /// edits are read from disk again.
     TailorSourceLayers(const std::string &resolvedPath, const std::string &source, bool reload);
 
 private:
@@ -27,16 +28,16 @@ private:
 
     std::string _path;
     bool _reload;
-    /// From the file to where the search is.
+    /// The path of the search from the file to the current layer.
     std::vector<std::string> _chain;
     /// Identifiers without arguments.
     std::set<std::string> _identifiers;
     std::set<std::string> _recipes;
-    /// Open as long as the source is being composed, so that none is read twice.
+    /// Keeps the layers open while the source is composed, so that none is read twice.
     std::vector<SdfLayerRefPtr> _layers;
 };
 
-/// The identifiers of those layers when the file was last read.
+/// The identifiers of the source layers when the file was last read.
 std::set<std::string> TailorGetRememberedLayers(const std::string &resolvedPath);
 
 PXR_NAMESPACE_CLOSE_SCOPE

@@ -1,5 +1,6 @@
-"""A garment of two faces through every part of the plugin: what `cargo xtask plugin` tries out before it hands a plugin
-over, and small enough for valgrind (see README.md)."""
+"""Runs every part of the plugin on a garment of two faces.
+
+`cargo xtask plugin` runs it before it installs a plugin. It is small enough for valgrind (see README.md)."""
 
 import tempfile
 from pathlib import Path
@@ -23,7 +24,7 @@ def Xform "Asset"
 
 
 def refused(work, cause):
-    """Whether there is one error, with a cause that was read from where OpenUSD keeps the texts of errors."""
+    """True if `work` raises exactly one error whose commentary contains `cause`."""
     try:
         work()
     except Tf.ErrorException as exception:

@@ -1,24 +1,32 @@
 //! `usdtailor build`.
 
-use super::report;
-use super::{Build, Opened, Output, text};
+use super::{Build, Output, report, text, usage};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use tailor::error::{Error, Warnings};
-use tailor::pipeline::{Limits, Products, Stage};
+use tailor::report::{RenderFigures, SimFigures};
 use tailor::usd::{Product, ProductRole, WriteOptions, check_target, write};
+use tailor::{Builder, Products, Progress, Timing};
 
-/// What one input gave.
+/// The quality figures of both products.
+pub struct Figures {
+    pub sim: SimFigures,
+    pub render: RenderFigures,
+}
+
+/// The result of one input.
 pub struct Built {
     pub input: PathBuf,
     pub output: PathBuf,
     pub products: Products,
+    pub figures: Figures,
+    pub timings: Vec<Timing>,
     pub warnings: Warnings,
 }
 
-/// Builds every input. Of several, one that fails does not keep the others from being built.
+/// Builds every input. With several inputs, a failed one is reported and the others are still built.
 pub fn run(build: &Build) -> Result<Output, Error> {
     let files = build.inputs.files()?;
     let outputs = outputs(build, &files)?;
@@ -31,12 +39,12 @@ pub fn run(build: &Build) -> Result<Output, Error> {
     for (input, output) in files.into_iter().zip(outputs) {
         match build_one(build, &input, output) {
             Ok(built) => {
-                text::print_warnings(&built.warnings, build.inputs.quiet, several.then_some(&input));
+                text::print_warnings(built.warnings.iter(), build.inputs.quiet, several.then_some(&input));
                 all.push(built);
             }
             Err(error) if several => {
                 text::print_error(&error, &input);
-                code = code.max(error.exit_code());
+                code = code.max(crate::exit_code(&error));
             }
             Err(error) => return Err(error),
         }
@@ -45,31 +53,26 @@ pub fn run(build: &Build) -> Result<Output, Error> {
         report::write(file, &all)?;
     }
     let summaries = all.iter().filter(|_| !build.inputs.quiet);
-    let text = summaries.map(|b| text::summary(&b.input, &b.output, &b.products, build.inputs.verbose)).collect();
+    let text = summaries.map(|b| text::summary(b, build.inputs.verbose)).collect();
     Ok(Output { text, code })
 }
 
-/// The output of each input: the file that was named, or one in the folder that was named.
+/// The output file of each input: `-o` itself, or a file in it if it is a folder.
 fn outputs(build: &Build, files: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
     let out = &build.output;
     if files.len() == 1 && !out.is_dir() {
         return Ok(vec![out.clone()]);
     }
     if !out.is_dir() {
-        return Err(Error::Usage(format!(
-            "-o {} is no folder, but there are {} inputs\n  hint: make the folder first, or build one input at a time",
-            out.display(),
-            files.len()
-        )));
+        return Err(usage(format!("-o {}", out.display()), format!("{} inputs need an existing folder", files.len()))
+            .remedy("create the folder first, or build one input at a time"));
     }
     let mut paths: Vec<PathBuf> = Vec::with_capacity(files.len());
     for file in files {
         let stem = file.file_stem().unwrap_or_default().to_string_lossy();
         let path = out.join(format!("{stem}_tailored.usda"));
         if paths.contains(&path) {
-            return Err(Error::Usage(format!(
-                "two inputs are called {stem}\n  hint: build them into folders of their own"
-            )));
+            return Err(usage("", format!("two inputs are named {stem}")).remedy("build them into separate folders"));
         }
         paths.push(path);
     }
@@ -78,34 +81,49 @@ fn outputs(build: &Build, files: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
 
 fn build_one(build: &Build, input: &Path, output: PathBuf) -> Result<Built, Error> {
     let bar = spinner(build.inputs.quiet);
-    let progress = |stage: &str| bar.set_message(format!("{}: {stage}", input.display()));
-    progress("read");
-    let start = Instant::now();
-    let mut opened = build.inputs.open(input)?;
-    check_target(&opened.source, &output, build.force)?;
-    let read = Stage { name: "read", seconds: start.elapsed().as_secs_f64() };
-    let start = Instant::now();
-    progress("check");
-    let prepared = opened.prepare()?;
-    let check = Stage { name: "check", seconds: start.elapsed().as_secs_f64() };
-    let Opened { source, mut warnings, .. } = opened;
-    let limits = Limits { max_faces: build.max_faces, progress: &progress };
-    let mut products = prepared.build(&limits, &mut warnings)?;
-    progress("write");
-    let start = Instant::now();
+    let (shown, spinner) = (input.display().to_string(), bar.clone());
+    let progress = Progress::new(move |step| spinner.set_message(format!("{shown}: {step}")));
+    let mut timings = Vec::new();
+    let opened = timed("read", &mut timings, || {
+        let opened = build.inputs.open(input)?;
+        check_target(&opened.source, &output, build.force)?;
+        Ok(opened)
+    })?;
+    let (builder, recipe) = timed("check", &mut timings, || {
+        let builder = Builder::new(opened.mesh.clone())?.with_progress(progress).with_max_faces(build.max_faces);
+        opened.recipe(builder)
+    })?;
+    let mut builder = builder;
+    let products = builder.update(&recipe)?;
+    timings.extend(products.timings.iter().cloned());
+    let figures = timed("figures", &mut timings, || {
+        Ok(Figures { sim: products.sim_figures(), render: products.render_figures() })
+    })?;
     let meshes = [
         Product { name: &build.sim_name, role: ProductRole::Sim, mesh: &products.sim },
         Product { name: &build.render_name, role: ProductRole::Render, mesh: &products.render },
     ];
     let options = WriteOptions { flatten: build.flatten, force: build.force, model_guide: !build.keep_model_purpose };
-    write(&source, &meshes, &output, &options, &mut warnings)?;
-    products.stages.push(Stage { name: "write", seconds: start.elapsed().as_secs_f64() });
-    products.stages.splice(0..0, [read, check]);
+    let mut warnings = opened.warnings;
+    warnings.extend(products.warnings.iter().cloned());
+    timed("write", &mut timings, || write(&opened.source, &meshes, &output, &options, &mut warnings))?;
     bar.finish_and_clear();
-    Ok(Built { input: input.to_path_buf(), output, products, warnings })
+    Ok(Built { input: input.to_path_buf(), output, products, figures, timings, warnings })
 }
 
-/// Progress, on a terminal only.
+/// Runs a step of the command and appends its time to `timings`.
+fn timed<T>(
+    name: &'static str,
+    timings: &mut Vec<Timing>,
+    work: impl FnOnce() -> Result<T, Error>,
+) -> Result<T, Error> {
+    let start = Instant::now();
+    let result = work();
+    timings.push(Timing { name, seconds: start.elapsed().as_secs_f64() });
+    result
+}
+
+/// A progress spinner; hidden unless standard error is a terminal.
 fn spinner(quiet: bool) -> ProgressBar {
     if quiet || !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();

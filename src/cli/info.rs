@@ -4,30 +4,33 @@ use super::{Inputs, Output, text};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use tailor::error::Error;
-use tailor::garment::{Garment, PrimvarRole};
-use tailor::pipeline::{Plan, mean_edge_length};
 use tailor::usd::Facts;
+use tailor::{Builder, Plan, PrimvarRole};
 
-/// Prints what each input holds and what `build` would make of it.
+/// Describes each input and the meshes that `build` would write for it.
 pub fn info(inputs: &Inputs) -> Result<Output, Error> {
     let mut out = String::new();
     each(inputs, |file, several| {
-        let mut opened = inputs.open(file)?;
-        let prepared = opened.prepare()?;
-        text::print_warnings(&opened.warnings, inputs.quiet, several.then_some(file));
-        describe(&mut out, opened.source.facts(), &prepared.garment, &prepared.plan()?, inputs.verbose);
+        let opened = inputs.open(file)?;
+        let (mut builder, recipe) = opened.recipe(Builder::new(opened.mesh.clone())?)?;
+        let warnings = opened.warnings.iter().chain(builder.warnings().iter());
+        text::print_warnings(warnings, inputs.quiet, several.then_some(file));
+        let plan = builder.plan(&recipe)?;
+        describe(&mut out, opened.source.facts(), &builder, &plan, inputs.verbose);
         Ok(())
     })
     .map(|code| Output { text: out, code })
 }
 
-/// Checks each input; all are checked, and one fault is enough for exit code 1.
+/// Checks all inputs. The exit code is that of the worst error.
 pub fn check(inputs: &Inputs) -> Result<Output, Error> {
     let mut out = String::new();
     each(inputs, |file, several| {
-        let mut opened = inputs.open(file)?;
-        opened.prepare()?;
-        text::print_warnings(&opened.warnings, inputs.quiet, several.then_some(file));
+        let opened = inputs.open(file)?;
+        let (builder, recipe) = opened.recipe(Builder::new(opened.mesh.clone())?)?;
+        builder.resolve(&recipe)?;
+        let warnings = opened.warnings.iter().chain(builder.warnings().iter());
+        text::print_warnings(warnings, inputs.quiet, several.then_some(file));
         if !inputs.quiet {
             let _ = writeln!(out, "{}: good", file.display());
         }
@@ -36,7 +39,8 @@ pub fn check(inputs: &Inputs) -> Result<Output, Error> {
     .map(|code| Output { text: out, code })
 }
 
-/// Runs `work` on each input; of several, one that fails is told and the others go on. The exit code.
+/// Runs `work` on each input and returns the exit code. With several inputs, a failed one is reported and the others
+/// still run.
 fn each(inputs: &Inputs, mut work: impl FnMut(&PathBuf, bool) -> Result<(), Error>) -> Result<u8, Error> {
     let files = inputs.files()?;
     let several = files.len() > 1;
@@ -45,7 +49,7 @@ fn each(inputs: &Inputs, mut work: impl FnMut(&PathBuf, bool) -> Result<(), Erro
         match work(&file, several) {
             Err(error) if several => {
                 text::print_error(&error, &file);
-                code = code.max(error.exit_code());
+                code = code.max(crate::exit_code(&error));
             }
             result => result?,
         }
@@ -53,7 +57,8 @@ fn each(inputs: &Inputs, mut work: impl FnMut(&PathBuf, bool) -> Result<(), Erro
     Ok(code)
 }
 
-fn describe(out: &mut String, facts: &Facts, garment: &Garment, plan: &Plan, verbose: bool) {
+fn describe(out: &mut String, facts: &Facts, builder: &Builder, plan: &Plan, verbose: bool) {
+    let garment = builder.garment();
     // Writing to a string cannot fail.
     let _ = writeln!(out, "{} {}", facts.file, facts.prim);
     let _ = writeln!(out, "  stage    {} up, {} metres a unit", facts.up_axis, facts.meters_per_unit);
@@ -62,7 +67,7 @@ fn describe(out: &mut String, facts: &Facts, garment: &Garment, plan: &Plan, ver
         "  mesh     {} points, {} faces, mean edge {:.4}; {}, {}",
         garment.points.len(),
         garment.faces.len(),
-        mean_edge_length(garment),
+        builder.mean_edge_length(),
         token(&garment.rules.scheme),
         token(&garment.orientation)
     );
@@ -113,7 +118,7 @@ fn describe(out: &mut String, facts: &Facts, garment: &Garment, plan: &Plan, ver
     }
 }
 
-/// The name of a variant as USD spells it.
+/// The USD token of an enum variant, such as `catmullClark`.
 fn token(variant: &impl std::fmt::Debug) -> String {
     let name = format!("{variant:?}");
     let mut letters = name.chars();

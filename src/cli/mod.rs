@@ -1,4 +1,4 @@
-//! Flags to typed options, and the three subcommands.
+//! The command line: flags as typed options, and the subcommands `build`, `info` and `check`.
 
 mod build;
 mod info;
@@ -7,10 +7,10 @@ mod text;
 
 use clap::{Args, Parser, Subcommand};
 use std::path::{Path, PathBuf};
-use tailor::error::{Error, Warnings};
-use tailor::pipeline::{DEFAULT_MAX_FACES, Prepared};
+use tailor::error::{Error, ErrorKind, Warnings};
 use tailor::recipe::{Layers, RecipeFile, is_recipe};
 use tailor::usd::{ReadOptions, Source};
+use tailor::{Builder, DEFAULT_MAX_FACES, GarmentInput, Recipe};
 
 /// One coarse garment mesh in, a simulation mesh and a render mesh out, in OpenUSD.
 #[derive(Parser)]
@@ -25,14 +25,14 @@ enum Command {
     /// Write a simulation mesh and a render mesh beside the garment
     #[command(after_help = tailor::recipe::help())]
     Build(Build),
-    /// Print what a garment holds and what `build` would make of it
+    /// Describe a garment and the meshes that `build` would write for it
     #[command(after_help = tailor::recipe::help())]
     Info(Inputs),
     /// Check garments; exit 1 if one has a problem
     Check(Inputs),
 }
 
-/// What is read, and how.
+/// The inputs and how to read them.
 #[derive(Args)]
 struct Inputs {
     /// Garments: .usd, .usda, .usdc or .usdz files, or .tailor files that name one as their source
@@ -50,16 +50,16 @@ struct Inputs {
     /// Override one option, such as sim.maxEdgeLength=2 [stage units] or render.level=2 [levels]; repeatable
     #[arg(long = "set", value_name = "KEY=VALUE", help_heading = "Recipe")]
     set: Vec<String>,
-    /// Say of each vertex of the simulation mesh which face it came from: --set sim.provenance=true
+    /// Store the source face of each vertex of the simulation mesh: --set sim.provenance=true
     #[arg(long, help_heading = "Recipe")]
     provenance: bool,
-    /// Threads [default: one for each core]
+    /// Number of threads [default: one for each core]
     #[arg(long, value_name = "N", help_heading = "Run", allow_negative_numbers = true)]
     threads: Option<usize>,
     /// Print only errors
     #[arg(short, long, help_heading = "Run", conflicts_with = "verbose")]
     quiet: bool,
-    /// Print more: the recipe that was used, and what stays on the model
+    /// Print more: the complete recipe, and the properties that stay on the model
     #[arg(short, long, help_heading = "Run")]
     verbose: bool,
 }
@@ -74,7 +74,7 @@ struct Build {
     /// Write one self-contained file instead of a layer over the input
     #[arg(long, help_heading = "Output")]
     flatten: bool,
-    /// Overwrite an output that exists; never the input
+    /// Overwrite an existing output; the input is never overwritten
     #[arg(long, help_heading = "Output")]
     force: bool,
     /// Write counts, quality figures, times and warnings as JSON
@@ -86,15 +86,15 @@ struct Build {
     /// Name of the render mesh
     #[arg(long, value_name = "NAME", default_value = "render", help_heading = "Output")]
     render_name: String,
-    /// Leave the model's purpose as it is, instead of "guide"
+    /// Keep the model's purpose instead of setting it to "guide"
     #[arg(long, help_heading = "Output")]
     keep_model_purpose: bool,
-    /// Largest simulation mesh [triangles]
+    /// Largest simulation mesh to build [triangles]
     #[arg(long, value_name = "N", default_value_t = DEFAULT_MAX_FACES, help_heading = "Run", allow_negative_numbers = true)]
     max_faces: usize,
 }
 
-/// What a subcommand prints on standard output, and its exit code.
+/// The standard output of a subcommand, and its exit code.
 pub struct Output {
     /// The text.
     pub text: String,
@@ -113,10 +113,10 @@ pub fn run(cli: &Cli) -> Result<Output, Error> {
     };
     if let Some(threads) = inputs.threads {
         if threads == 0 {
-            return Err(Error::Usage("--threads 0 is no number of threads\n  hint: give 1 or more".into()));
+            return Err(usage("--threads 0", "at least one thread is needed").remedy("give 1 or more"));
         }
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
-        pool.map_err(|e| Error::Internal(format!("cannot start {threads} threads: {e}")))?;
+        pool.map_err(|e| Error::internal(format!("cannot start {threads} threads: {e}")))?;
     }
     match &cli.command {
         Command::Build(build) => build::run(build),
@@ -128,15 +128,23 @@ pub fn run(cli: &Cli) -> Result<Output, Error> {
 /// An opened input with its recipe.
 struct Opened {
     source: Source,
+    mesh: GarmentInput,
     layers: Layers,
     warnings: Warnings,
 }
 
 impl Opened {
-    fn prepare(&mut self) -> Result<Prepared, Error> {
-        let input = self.source.garment(&mut self.warnings)?;
-        Prepared::new(input, &self.layers, &mut self.warnings)
+    /// Merges the recipe and checks it against the builder's garment; returns both.
+    fn recipe(&self, builder: Builder) -> Result<(Builder, Recipe), Error> {
+        let recipe = self.layers.recipe()?;
+        self.layers.check_uv_set(&recipe, builder.garment())?;
+        Ok((builder, recipe))
     }
+}
+
+/// An error in the command line.
+fn usage(place: impl std::fmt::Display, text: impl Into<String>) -> Error {
+    Error::new(ErrorKind::Usage, place, text)
 }
 
 impl Inputs {
@@ -145,7 +153,7 @@ impl Inputs {
         self.recipe.as_deref().map(RecipeFile::read).transpose()
     }
 
-    /// The files to work on: those of the command line, or the recipe's source.
+    /// The files of the command line, or else the recipe's source.
     fn files(&self) -> Result<Vec<PathBuf>, Error> {
         if !self.inputs.is_empty() {
             return Ok(self.inputs.clone());
@@ -154,9 +162,9 @@ impl Inputs {
             (Some(path), Some(file)) => file.source.map(|s| beside(path, &s)),
             _ => None,
         };
-        source.map(|s| vec![s]).ok_or_else(|| {
-            Error::Usage("no input\n  hint: name a USD file, or a recipe with a \"source\"; see --help".into())
-        })
+        source
+            .map(|s| vec![s])
+            .ok_or_else(|| usage("", "no input").remedy("name a USD file, or a recipe with a \"source\"; see --help"))
     }
 
     /// Opens an input: a USD file, or the source of a `.tailor` file.
@@ -166,7 +174,7 @@ impl Inputs {
             Some(own) => beside(input, own.required_source(input)?),
             None => input.to_path_buf(),
         };
-        // The weakest first.
+        // Weakest first.
         let recipes: Vec<RecipeFile> = own.into_iter().chain(self.recipe_file()?).collect();
         let prim = self.prim.clone().or_else(|| recipes.iter().rev().find_map(|r| r.prim.clone()));
         let source = Source::open(&file, &ReadOptions { prim, time: self.time })?;
@@ -180,11 +188,12 @@ impl Inputs {
         for assignment in &self.set {
             layers.add_override(assignment)?;
         }
-        Ok(Opened { source, layers, warnings })
+        let mesh = source.garment(&mut warnings)?;
+        Ok(Opened { source, mesh, layers, warnings })
     }
 }
 
-/// The file that the recipe at `path` names.
+/// The path of `source`, which the recipe at `path` names relative to itself.
 fn beside(path: &Path, source: &str) -> PathBuf {
     path.parent().unwrap_or(Path::new("")).join(source)
 }

@@ -1,7 +1,7 @@
-//! The report of a build as JSON.
+//! Writes the JSON report of a build.
 
 use super::build::Built;
-use super::text;
+use super::{text, usage};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fs;
@@ -9,14 +9,14 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use tailor::error::{Error, plain};
 
-/// Whether a report may be written to `file`, before the work that leads there.
+/// Checks that a report may be written to `file`, before the build starts.
 ///
 /// # Errors
-/// A name that does not end in `.json`, so that no garment, layer or recipe is taken for a report; a file that is
-/// there already, unless `force`; a folder, or one that is missing.
+/// A name that does not end in `.json`, which protects garments, layers and recipes; a file that exists, unless
+/// `force`; a folder; a missing parent folder.
 pub fn check_target(file: &Path, force: bool) -> Result<(), Error> {
     let shown = file.display();
-    let fault = |fault: &str, hint: &str| Err(Error::Usage(format!("{fault}\n  hint: {hint}")));
+    let fault = |fault: &str, remedy: &str| Err(usage("", fault).remedy(remedy));
     let there = fs::metadata(file).ok();
     if there.as_ref().is_some_and(fs::Metadata::is_dir) {
         return fault(&format!("cannot write report {shown}: it is a folder"), "name a file, such as report.json");
@@ -28,7 +28,7 @@ pub fn check_target(file: &Path, force: bool) -> Result<(), Error> {
         return fault(&format!("report {shown} does not end in .json"), "name a file such as report.json");
     }
     if there.is_some() && !force {
-        return fault(&format!("report {shown} exists already"), "overwrite it by --force");
+        return fault(&format!("report {shown} exists already"), "overwrite it with --force");
     }
     let folder = folder(file);
     if !folder.is_dir() {
@@ -38,22 +38,19 @@ pub fn check_target(file: &Path, force: bool) -> Result<(), Error> {
     Ok(())
 }
 
-/// Writes the report of all builds; the file is complete or is not there. A link is replaced, not followed, so that
-/// nothing else than the named file changes.
+/// Writes the report of all builds atomically: the file is complete or absent. A link is replaced, so its target does
+/// not change.
 ///
 /// # Errors
-/// A folder that cannot be written to, a full disk.
+/// A folder without write permission; a full disk.
 pub fn write(file: &Path, all: &[Built]) -> Result<(), Error> {
     let mut reports: Vec<Value> = all.iter().map(report).collect();
     let report = if reports.len() == 1 { reports.swap_remove(0) } else { json!({ "builds": reports }) };
-    let mut text = serde_json::to_string_pretty(&report).map_err(|e| Error::Internal(e.to_string()))?;
+    let mut text = serde_json::to_string_pretty(&report).map_err(|e| Error::internal(e.to_string()))?;
     text.push('\n');
     write_whole(file, &text).map_err(|e| {
-        Error::Usage(format!(
-            "cannot write report {}: {}\n  hint: check the folder's permissions and the space on its disk",
-            file.display(),
-            plain(&e)
-        ))
+        let fault = usage("", format!("cannot write report {}: {}", file.display(), plain(&e)));
+        fault.remedy("check the folder's permissions and the space on its disk").caused_by(e)
     })
 }
 
@@ -66,7 +63,7 @@ fn write_whole(file: &Path, text: &str) -> io::Result<()> {
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
-        // As any new file: temporary ones are their owner's alone.
+        // The permissions of any new file; temporary files are private to their owner.
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
     let mut temporary = builder.tempfile_in(folder(file))?;
@@ -74,7 +71,7 @@ fn write_whole(file: &Path, text: &str) -> io::Result<()> {
     temporary.persist(file).map(drop).map_err(|e| e.error)
 }
 
-/// Whether a path leads to something that is written to as it is: a terminal, a pipe, `/dev/null`.
+/// `true` for a terminal, a pipe, `/dev/null` and the like, which are written to in place.
 fn is_device(file: &Path) -> bool {
     fs::metadata(file).is_ok_and(|m| !m.is_file() && !m.is_dir())
 }
@@ -92,11 +89,11 @@ fn report(built: &Built) -> Value {
         "input": built.input.display().to_string(),
         "output": built.output.display().to_string(),
         "recipe": p.recipe,
-        "sim": p.sim_figures,
-        "remesh": p.remesh,
-        "render": p.render_figures,
-        "operatorFaces": text::made(p).into_iter().collect::<BTreeMap<_, _>>(),
-        "stages": p.stages,
+        "sim": built.figures.sim,
+        "remesh": p.remesh(),
+        "render": built.figures.render,
+        "operatorFaces": text::operator_sets(p).into_iter().collect::<BTreeMap<_, _>>(),
+        "stages": built.timings,
         "warnings": built.warnings.iter().map(text::warning_json).collect::<Vec<_>>(),
     })
 }

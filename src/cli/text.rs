@@ -1,45 +1,47 @@
-//! Figures and warnings as text.
+//! The summary of a build and its warnings as text.
 
+use super::build::Built;
 use serde_json::Value;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use tailor::error::{Error, Warning, Warnings};
-use tailor::pipeline::Products;
+use tailor::Products;
+use tailor::error::{Error, Warning};
 
-/// Writes warnings to standard error, with the name of the input where there are several.
-pub fn print_warnings(warnings: &Warnings, quiet: bool, input: Option<&PathBuf>) {
+/// Writes warnings to standard error, prefixed with `input` if given.
+pub fn print_warnings<'a>(warnings: impl IntoIterator<Item = &'a Warning>, quiet: bool, input: Option<&PathBuf>) {
     if quiet {
         return;
     }
     let label = input.map(|i| format!("{}: ", i.display())).unwrap_or_default();
-    for warning in warnings.iter() {
-        // Nobody to tell if standard error is closed.
+    for warning in warnings {
+        // A closed standard error is no failure.
         let _ = writeln!(std::io::stderr(), "warning: {label}{warning}");
     }
 }
 
-/// Writes the error of one of several inputs to standard error, with the input's name.
+/// Writes the error of one of several inputs to standard error, naming the input once.
 pub fn print_error(error: &Error, input: &Path) {
     let (text, input) = (error.to_string(), input.display().to_string());
     let label = if text.contains(&input) { String::new() } else { format!("{input}: ") };
     let _ = writeln!(std::io::stderr(), "error: {label}{text}");
 }
 
-/// A warning with its code, its data and its text.
+/// A warning as JSON: its code, data and text.
 pub fn warning_json(warning: &Warning) -> Value {
     let mut json = serde_json::to_value(warning).unwrap_or_default();
     json["message"] = Value::String(warning.to_string());
     json
 }
 
-/// The summary of a build; one screen.
-pub fn summary(input: &Path, output: &Path, products: &Products, verbose: bool) -> String {
-    let (s, r, recipe) = (&products.sim_figures, &products.render_figures, &products.recipe);
+/// The summary of a build, at most one screen.
+pub fn summary(built: &Built, verbose: bool) -> String {
+    let Built { products, figures, .. } = built;
+    let (s, r, recipe) = (&figures.sim, &figures.render, &products.recipe);
     let percent = |share: f32| f64::from(share) * 100.0;
     let mut t = String::new();
     // Writing to a string cannot fail.
-    let _ = writeln!(t, "{} -> {}", input.display(), output.display());
+    let _ = writeln!(t, "{} -> {}", built.input.display(), built.output.display());
     let _ = writeln!(t, "  sim     {} vertices, {} triangles", s.vertices, s.faces);
     let _ = writeln!(
         t,
@@ -81,19 +83,19 @@ pub fn summary(input: &Path, output: &Path, products: &Products, verbose: bool) 
         let _ = writeln!(t, "          {} operators: {}", operators.len(), operators.join(", "));
     }
     let _ = write!(t, "  time   ");
-    for stage in &products.stages {
+    for stage in &built.timings {
         let _ = write!(t, " {} {:.0} ms", stage.name, stage.seconds * 1e3);
     }
     let _ = writeln!(t);
     if verbose {
-        let m = &products.remesh;
+        let m = products.remesh();
         let _ = writeln!(
             t,
             "  rounds  {} with {} splits, {} collapses, {} flips",
             m.rounds, m.splits, m.collapses, m.flips
         );
-        for (name, faces) in made(products) {
-            let _ = writeln!(t, "  made    {name}: {faces} faces");
+        for (name, faces) in operator_sets(products) {
+            let _ = writeln!(t, "  new set {name}: {faces} faces");
         }
         for area in &s.subset_areas {
             let _ = writeln!(t, "  set     {}: area {:.3} of {:.3}", area.name, area.area, area.source_area);
@@ -103,8 +105,8 @@ pub fn summary(input: &Path, output: &Path, products: &Products, verbose: bool) 
     t
 }
 
-/// The face sets of what operators made, with their sizes; none unless `render.faceSets` asks for them.
-pub fn made(products: &Products) -> Vec<(String, usize)> {
+/// The face sets that operators add, with their sizes; empty without `render.faceSets`.
+pub fn operator_sets(products: &Products) -> Vec<(String, usize)> {
     let size = |name: &String| Some((name.clone(), products.render.subset(name)?.elements.len()));
     products.operator_sets.iter().filter_map(size).collect()
 }

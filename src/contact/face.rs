@@ -2,7 +2,7 @@
 
 use super::bvh::Aabb;
 use super::simd::{Aabbx4, Intervalx4, Mask, Vec3x4, WIDTH, bits};
-use super::{FACES_PER_TASK, ascending, evaluate};
+use super::{FACES_PER_TASK, evaluate, unique};
 use crate::mesh::{FaceId, IdVec, VertexId};
 use crate::subdivide::{Level, Numbering, VertexRows};
 use glam::{Vec3, Vec4};
@@ -67,7 +67,7 @@ pub struct Refinement<'a> {
     pub numbering: Numbering,
     pub points: IdVec<VertexId, Vec3>,
     /// Normals of the faces without displacement, zero where unknown. None if all are.
-    pub reference: Option<&'a IdVec<FaceId, Vec3>>,
+    pub rest_normals: Option<&'a IdVec<FaceId, Vec3>>,
 }
 
 impl Refinement<'_> {
@@ -82,7 +82,7 @@ impl Refinement<'_> {
         let normal = area.normalize_or_zero();
         let least_cosine = blocks().map(|block| block.normals.dot(normal).min_element()).fold(1.0, f32::min);
         let aabb = aabb(blocks());
-        let is_undisturbed = self.reference.is_some_and(|normals| normal.dot(normals[face]) >= UNDISTURBED);
+        let is_undisturbed = self.rest_normals.is_some_and(|normals| normal.dot(normals[face]) >= UNDISTURBED);
         let is_sliver = vertices.len() == 3 && first.is_sliver();
         let mut refined = RefinedFace {
             face,
@@ -140,7 +140,7 @@ impl Refinement<'_> {
         let (t, numbering) = (&self.level.topology, self.numbering);
         let at_corner = |c| [numbering.of_vertex(t.faces.vertex(c)), numbering.of_edge(t.corner_edge[c])];
         let of_face = |&f| t.faces.corners_of(f).flat_map(at_corner).chain([numbering.of_face(f)]);
-        let children = ascending(self.points.len(), faces.iter().flat_map(of_face));
+        let children = unique(self.points.len(), faces.iter().flat_map(of_face));
         let evaluated = |&child: &VertexId| evaluate(&self.rows, child, points);
         let moved: Vec<Vec3> = children.par_iter().with_min_len(FACES_PER_TASK).map(evaluated).collect();
         children.iter().zip(moved).for_each(|(&child, point)| self.points[child] = point);

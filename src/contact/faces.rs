@@ -2,7 +2,7 @@
 
 use super::bvh::Bvh;
 use super::face::{ChildId, RefinedFace, Refinement};
-use super::{FACES_PER_TASK, ascending, faces_at};
+use super::{FACES_PER_TASK, each_once, faces_at};
 use crate::mesh::{CornerId, FaceId, IdVec, VertexId};
 use crate::subdivide::{Level, Numbering, Stencils, VertexRows, carried_points};
 use glam::Vec3;
@@ -25,35 +25,43 @@ pub struct RefinedFaces<'a> {
 }
 
 impl<'a> RefinedFaces<'a> {
-    /// The faces of a level in an order, refined by `rows`, which are those of the level. `reference` are normals of the
-    /// faces without displacement, zero where unknown.
+    /// The faces of a level in an order, refined by `rows`, which are those of the level. `rest_normals` are those of
+    /// the faces without displacement, zero where unknown.
     pub fn new(
         level: &'a Level,
         rows: VertexRows<'a>,
         points: &IdVec<VertexId, Vec3>,
         order: &[FaceId],
-        reference: Option<&'a IdVec<FaceId, Vec3>>,
+        rest_normals: Option<&'a IdVec<FaceId, Vec3>>,
     ) -> Self {
-        let mut faces = Self::empty(level);
-        let points = carried_points(&rows, points);
-        faces.refinement = Refinement { rows, points, reference, ..faces.refinement };
+        let mut faces = Self::with(level, carried_points(&rows, points), rows, rest_normals);
         faces.extend(order);
         faces
     }
 
     /// No faces of a level yet. Only faces that are added may be asked about.
     pub fn empty(level: &'a Level) -> Self {
-        let (numbering, slots) = (Numbering::new(level), IdVec::filled(NONE, level.topology.faces.len()));
-        let points = IdVec::filled(Vec3::ZERO, numbering.vertices());
-        let refinement = Refinement { level, rows: level.vertex_rows(), numbering, points, reference: None };
+        Self::with(level, IdVec::filled(Vec3::ZERO, Numbering::new(level).vertices()), level.vertex_rows(), None)
+    }
+
+    fn with(
+        level: &'a Level,
+        points: IdVec<VertexId, Vec3>,
+        rows: VertexRows<'a>,
+        rest_normals: Option<&'a IdVec<FaceId, Vec3>>,
+    ) -> Self {
+        let slots = IdVec::filled(NONE, level.topology.faces.len());
+        let refinement = Refinement { level, rows, numbering: Numbering::new(level), points, rest_normals };
         Self { refinement, faces: Vec::new(), slots, tree: OnceLock::new() }
     }
 
     /// Adds those of some faces that are not here yet, with the cage's points.
     pub fn add(&mut self, points: &IdVec<VertexId, Vec3>, faces: impl Iterator<Item = FaceId>) {
-        let new = ascending(self.slots.len(), faces.filter(|&face| self.slots[face] == NONE));
-        self.refinement.update(points, &new);
-        self.extend(&new);
+        let new = each_once(faces.filter(|&face| self.slots[face] == NONE).collect());
+        if !new.is_empty() {
+            self.refinement.update(points, &new);
+            self.extend(&new);
+        }
     }
 
     fn extend(&mut self, faces: &[FaceId]) {

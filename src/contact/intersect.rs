@@ -1,15 +1,16 @@
 //! Which refined faces intersect.
 //!
-//! Pairs come from a tree of bounding boxes. Most are rejected by a few floating-point tests, the rest by exact tests of
-//! triangles. These are the tests of a pair, in their order:
+//! Pairs come from a tree of bounding boxes. Bounds on normals and planes between faces exclude most of them; triangles are
+//! tested in double precision. A pair needs no test of triangles in these cases:
 //!
-//! | pair | no test is needed where |
+//! | pair | excluded where |
 //! | --- | --- |
-//! | a face with itself | all its normals are on one side of a plane |
-//! | faces with a common vertex, both smooth, less than 60° between them | always |
-//! | other faces with a common vertex, less than 60°, neither may overlap the other | one is smooth, or all normals of both are on one side of a plane |
-//! | any faces with a common vertex | a plane through a common vertex separates the rest of them |
-//! | other faces | a plane across either normal, or across the line between their centres, separates them |
+//! | a face with itself | its normals are on one side of a plane |
+//! | two faces without a common vertex | a plane across either normal, or across the line between their centres, separates them |
+//! | two with a common vertex, within 60°, both smooth | always |
+//! | two with a common vertex, within 60°, neither may overlap | both are almost flat, or all normals are on one side of a plane |
+//! | any two with a common vertex | a plane across the line between their centres, or through an edge, separates them |
+//! | any two with a common vertex, on the next refinement | they are within 60°, or one may not overlap |
 //!
 //! References: Volino and Magnenat-Thalmann 1994, *Efficient self-collision detection on smoothly discretized surface
 //! animations using geometrical shape regularity* (a patch whose normals are all on one side of a plane has no
@@ -384,13 +385,13 @@ mod tests {
                 ..Garment::default()
             });
             let all = [0, 1].map(FaceId::new);
-            let reference = IdVec::filled(Vec3::Z, 2);
+            let rest_normals = IdVec::filled(Vec3::Z, 2);
             let faces = RefinedFaces::new(
                 cage.level(),
                 cage.level().vertex_rows(),
                 &cage.garment().points,
                 &all,
-                Some(&reference),
+                Some(&rest_normals),
             );
             let slivers = all.into_iter().filter(|&face| !faces.is_smooth(face)).collect::<Vec<_>>();
             (faces.intersecting_pairs(&slivers), slivers)

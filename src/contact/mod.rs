@@ -36,23 +36,24 @@ pub fn twice_area(vertices: &[VertexId], points: &IdVec<VertexId, Vec3>) -> Vec3
 
 /// The faces at some vertices, ascending.
 pub fn faces_at(t: &Topology, vertices: impl Iterator<Item = VertexId>) -> Vec<FaceId> {
-    ascending(t.faces.len(), vertices.flat_map(|v| t.faces_at(v)))
+    let mut faces = unique(t.faces.len(), vertices.flat_map(|v| t.faces_at(v)));
+    faces.sort_unstable();
+    faces
 }
 
 /// Some faces and those that share a vertex with them, ascending.
 pub fn with_neighbours(t: &Topology, faces: &[FaceId]) -> Vec<FaceId> {
     let vertices = faces.iter().flat_map(|&f| t.faces.vertices_of(f)).copied();
-    faces_at(t, ascending(t.vertex_count(), vertices).into_iter())
+    faces_at(t, unique(t.vertex_count(), vertices).into_iter())
 }
 
-/// Many of `count` elements in ascending order, each once.
-pub fn ascending<I: Id>(count: usize, elements: impl Iterator<Item = I>) -> Vec<I> {
-    let mut is_there = IdVec::filled(false, count);
-    elements.for_each(|element| is_there[element] = true);
-    is_there.enumerated().filter(|(_, is_there)| **is_there).map(|(element, _)| element).collect()
+/// Some of `count` elements, each once, in the order in which they first come.
+fn unique<I: Id>(count: usize, elements: impl Iterator<Item = I>) -> Vec<I> {
+    let mut is_known = IdVec::filled(false, count);
+    elements.filter(|&element| !std::mem::replace(&mut is_known[element], true)).collect()
 }
 
-/// A few elements in ascending order, each once.
+/// Elements in ascending order, each once.
 pub fn each_once<T: Ord>(mut all: Vec<T>) -> Vec<T> {
     all.sort_unstable();
     all.dedup();

@@ -45,7 +45,7 @@ pub struct PrimvarInput {
     pub name: String,
     /// The property that holds the values.
     pub role: PrimvarRole,
-    /// USD's name of the value type.
+    /// USD's name of the value type, such as `texCoord2f[]`. Only the writer reads it.
     pub type_name: String,
     /// `interpolation`
     pub interpolation: Interpolation,
@@ -61,15 +61,43 @@ pub struct PrimvarInput {
     pub indices: Option<Vec<i32>>,
 }
 
+impl PrimvarInput {
+    /// A UV set: `indices` name the row of `uvs` at each corner of the faces.
+    pub fn uvs(name: &str, uvs: &[[f32; 2]], indices: Vec<i32>) -> Self {
+        let values = Values::F32(uvs.as_flattened().to_vec());
+        let uvs = Self::new(name, "texCoord2f[]", Interpolation::FaceVarying, values);
+        Self { components: 2, indices: Some(indices), ..uvs }
+    }
+
+    /// Painted weights, one for each point.
+    pub fn weights(name: &str, weights: Vec<f32>) -> Self {
+        Self::new(name, "float[]", Interpolation::Vertex, Values::F32(weights))
+    }
+
+    fn new(name: &str, type_name: &str, interpolation: Interpolation, values: Values) -> Self {
+        Self {
+            name: name.into(),
+            role: PrimvarRole::Primvar,
+            type_name: type_name.into(),
+            interpolation,
+            components: 1,
+            element_size: 1,
+            mixing: Mixing::Linear,
+            values,
+            indices: None,
+        }
+    }
+}
+
 /// A GeomSubset as authored.
 #[derive(Clone, Debug)]
 pub struct SubsetInput {
     /// Name of the subset's prim.
     pub name: String,
-    /// `elementType`
+    /// `elementType`: `face`, `edge` or `point`.
     pub element_type: String,
     /// `familyName`; empty for none.
     pub family: String,
-    /// `indices`
+    /// `indices`: of faces or points, or pairs of the points of edges.
     pub indices: Vec<i32>,
 }

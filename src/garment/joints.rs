@@ -2,6 +2,7 @@
 
 use super::{Garment, Interpolation, Primvar, Values};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Names of the primvars that hold a mesh's influences (`UsdSkelBindingAPI`).
 pub const JOINT_INDICES: &str = "skel:jointIndices";
@@ -80,6 +81,24 @@ fn pruned(influences: &Influences, width: usize) -> Influences {
     kept.iter_mut().for_each(|i| i.1 *= scale);
     kept.resize(width, (0, 0.0));
     kept
+}
+
+impl Garment {
+    /// Makes the influences of the two primvars a list for each vertex, which operators and refinements blend.
+    pub fn unpack_influences(&mut self) {
+        self.influences = pair(self).map(|(indices, weights)| Arc::new(influences(indices, weights)));
+    }
+
+    /// Puts the influences back in their primvars.
+    pub fn pack_influences(&mut self) {
+        let Some(all) = self.influences.take() else { return };
+        let Some((indices, weights)) = pair(self) else { return };
+        for primvar in to_primvars(&all, indices, weights) {
+            if let Some(own) = Arc::make_mut(&mut self.primvars).iter_mut().find(|p| p.name == primvar.name) {
+                *own = primvar;
+            }
+        }
+    }
 }
 
 #[cfg(test)]

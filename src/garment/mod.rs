@@ -9,10 +9,11 @@ pub mod joints;
 mod primvar;
 mod subset;
 
-pub use check::{GarmentError, Problem, check_garment};
+pub use crate::mesh::Elements;
+pub use check::check_garment;
 pub use input::{GarmentInput, PrimvarInput, SubsetInput};
 pub use primvar::{Interpolation, Mixing, Primvar, PrimvarRole, Values};
-pub use subset::{Elements, Family, FamilyType, Subset};
+pub use subset::{Family, FamilyType, Subset};
 
 use crate::mesh::{FaceId, Faces, IdVec, VertexId};
 use glam::Vec3;
@@ -132,8 +133,11 @@ pub struct Garment {
     pub creases: Vec<Crease>,
     /// Sharp vertices.
     pub corners: Vec<Corner>,
-    /// Primvars that vary over the mesh; the writer copies constant ones. Copies of a garment share them.
+    /// Primvars that vary over the mesh; constant ones are copied as they are by the writer.
     pub primvars: Arc<Vec<Primvar>>,
+    /// The joint influences of each vertex while operators and refinements work on them. They are pruned to
+    /// `elementSize` once, at the end.
+    pub influences: Option<Arc<Vec<joints::Influences>>>,
     /// Named sets of faces, edges and points.
     pub subsets: Arc<Vec<Subset>>,
     /// Families of subsets with their rules.
@@ -149,5 +153,12 @@ impl Garment {
     /// The subset called `name`.
     pub fn subset(&self, name: &str) -> Option<&Subset> {
         self.subsets.iter().find(|s| s.name == name)
+    }
+
+    /// An estimate of its memory. \[bytes\]
+    pub fn bytes(&self) -> usize {
+        let subset = |s: &Subset| s.elements.len() * if matches!(s.elements, Elements::Edges(_)) { 8 } else { 4 };
+        let attributes = self.primvars.iter().map(Primvar::bytes).chain(self.subsets.iter().map(subset));
+        12 * self.points.len() + 4 * self.faces.corners().len() + attributes.sum::<usize>()
     }
 }

@@ -154,6 +154,17 @@ impl Primvar {
         self.name == "normals"
     }
 
+    /// An estimate of its memory. \[bytes\]
+    pub fn bytes(&self) -> usize {
+        let values = match &self.values {
+            Values::Bool(_) | Values::U8(_) => self.values.len(),
+            Values::F64(_) | Values::I64(_) | Values::U64(_) => 8 * self.values.len(),
+            Values::Text(texts) => texts.iter().map(|t| t.len() + size_of::<String>()).sum(),
+            Values::F32(_) | Values::I32(_) | Values::U32(_) => 4 * self.values.len(),
+        };
+        4 * self.indices.as_ref().map_or(0, |indices| indices.len()) + values
+    }
+
     /// Numbers in the row of one element.
     pub fn width(&self) -> usize {
         self.components * self.element_size

@@ -1,42 +1,6 @@
 //! Named sets of elements (`UsdGeomSubset`) and their families.
 
-use crate::mesh::{FaceId, VertexId};
-
-/// The elements of a subset.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Elements {
-    /// Faces.
-    Faces(Vec<FaceId>),
-    /// Edges, each by its two vertices, in the order in which they were authored.
-    Edges(Vec<[VertexId; 2]>),
-    /// Vertices.
-    Points(Vec<VertexId>),
-}
-
-impl Elements {
-    /// The value of `elementType`.
-    pub fn kind(&self) -> &'static str {
-        match self {
-            Self::Faces(_) => "face",
-            Self::Edges(_) => "edge",
-            Self::Points(_) => "point",
-        }
-    }
-
-    /// Number of elements.
-    pub fn len(&self) -> usize {
-        match self {
-            Self::Faces(f) => f.len(),
-            Self::Edges(e) => e.len(),
-            Self::Points(p) => p.len(),
-        }
-    }
-
-    /// Whether the set has no element.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-}
+use crate::mesh::Elements;
 
 /// A named set of elements.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,18 +1,21 @@
-//! Faces as lists of vertices.
+//! The faces of a mesh as loops of vertices.
+//!
+//! Corners of all faces form one array. Pure triangle and quad meshes store nothing else; their index arithmetic keeps
+//! the subdivision loops fast.
 
 use super::{CornerId, FaceId, IdVec, VertexId};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// The faces of a mesh, each a loop of corners; the corners of all faces are numbered in one sequence.
+/// The faces of a mesh, each a loop of corners. Corners are numbered face by face.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Faces {
-    /// Copies share them.
+    /// Shared between clones.
     corners: Arc<IdVec<CornerId, VertexId>>,
     layout: Layout,
 }
 
-/// How corners are grouped in faces.
+/// The grouping of corners into faces.
 #[derive(Clone, Debug, Default, PartialEq)]
 enum Layout {
     /// Every face has three corners; nothing is stored.
@@ -20,26 +23,26 @@ enum Layout {
     /// Every face has four corners; nothing is stored.
     #[default]
     Quads,
-    /// First corner of each face and one past the last, and the face of each corner.
+    /// Faces of any valence: the first corner of each face (and the end), and the face of each corner.
     Mixed { offsets: Vec<u32>, corner_face: IdVec<CornerId, FaceId> },
 }
 
 impl Faces {
-    /// Triangles.
+    /// Triangles from three corners each.
     pub fn triangles(corners: impl Into<IdVec<CornerId, VertexId>>) -> Self {
         let corners = corners.into();
         assert!(corners.len().is_multiple_of(3), "whole triangles");
         Self { corners: Arc::new(corners), layout: Layout::Triangles }
     }
 
-    /// Quads.
+    /// Quads from four corners each.
     pub fn quads(corners: impl Into<IdVec<CornerId, VertexId>>) -> Self {
         let corners = corners.into();
         assert!(corners.len().is_multiple_of(4), "whole quads");
         Self { corners: Arc::new(corners), layout: Layout::Quads }
     }
 
-    /// Faces of `counts` corners; the counts sum to the number of corners.
+    /// Faces of `counts` corners each. The counts must sum to the number of corners.
     pub fn mixed(counts: impl IntoIterator<Item = usize>, corners: impl Into<IdVec<CornerId, VertexId>>) -> Self {
         let corners = corners.into();
         let mut offsets = vec![0u32];
@@ -66,7 +69,7 @@ impl Faces {
         }
     }
 
-    /// Whether there is no face.
+    /// `true` if there is no face.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -76,7 +79,7 @@ impl Faces {
         (0..self.len()).map(FaceId::new)
     }
 
-    /// The corner count that all faces share, where there is one.
+    /// 3 for a triangle mesh, 4 for a quad mesh, `None` otherwise.
     pub fn regular_valence(&self) -> Option<usize> {
         match self.layout {
             Layout::Triangles => Some(3),
@@ -90,7 +93,7 @@ impl Faces {
         &self.corners
     }
 
-    /// Positions of the corners of a face in the sequence of all corners.
+    /// The corner indices of a face.
     #[inline(always)]
     pub fn range(&self, face: FaceId) -> Range<usize> {
         match &self.layout {
@@ -134,7 +137,7 @@ impl Faces {
         self.corners[corner]
     }
 
-    /// The corner `steps` further around the face; at most once around.
+    /// The corner `steps` further around the face; `steps` is at most the valence.
     #[inline(always)]
     pub fn ahead(&self, corner: CornerId, steps: usize) -> CornerId {
         let at = corner.index();

@@ -5,18 +5,18 @@ use std::marker::PhantomData;
 use std::num::NonZeroU32;
 use std::ops::{Deref, DerefMut, Index, IndexMut};
 
-/// A handle that is an index into the elements of one kind.
+/// A handle of one kind of element: its index as a distinct type.
 pub trait Id: Copy + Eq + Ord + std::hash::Hash + fmt::Debug + Send + Sync + 'static {
     /// The handle of element `index`; panics above `u32::MAX - 1`, which no mesh in memory reaches.
     fn new(index: usize) -> Self;
-    /// The position of the element in its array.
+    /// The index of the element.
     fn index(self) -> usize;
 }
 
 macro_rules! ids {
     ($($(#[$doc:meta])* $name:ident)*) => { $(
         $(#[$doc])*
-        // Stored inverted, so that `Option` of it takes four bytes.
+        // The bits are inverted so that index 0 is nonzero and `Option` takes four bytes.
         #[derive(Clone, Copy, PartialEq, Eq, Hash, bytemuck::NoUninit)]
         #[repr(transparent)]
         pub struct $name(NonZeroU32);
@@ -39,7 +39,7 @@ macro_rules! ids {
             pub fn new(index: usize) -> Self {
                 Id::new(index)
             }
-            /// The position of the element in its array.
+            /// The index of the element.
             #[inline]
             pub fn index(self) -> usize {
                 Id::index(self)
@@ -75,19 +75,19 @@ ids! {
     EdgeId
     /// A face.
     FaceId
-    /// A corner of a face, which is also the half-edge that leaves it towards the face's next corner.
+    /// A corner of a face, and the half-edge from it to the next corner.
     CornerId
-    /// A value of a face-varying primvar (one point of a UV layout).
+    /// A value of a face-varying primvar, such as a point of a UV layout.
     ValueId
     /// A chain of constrained edges.
     ChainId
-    /// What one sector of a vertex, between constrained edges, knows of its place.
+    /// A wedge: the corners of a vertex between two constrained edges.
     WedgeId
-    /// A constrained edge's part of its chain.
+    /// A span: the part of a chain that one constrained edge follows.
     SpanId
 }
 
-/// A vector whose index is a handle type.
+/// A vector indexed by one type of handle.
 #[derive(Clone, PartialEq, Eq)]
 pub struct IdVec<I, T> {
     items: Vec<T>,
@@ -100,7 +100,7 @@ impl<I: Id, T> IdVec<I, T> {
         Self { items: Vec::new(), id: PhantomData }
     }
 
-    /// An empty vector with room for `capacity` values.
+    /// An empty vector with capacity for `capacity` values.
     pub fn with_capacity(capacity: usize) -> Self {
         Vec::with_capacity(capacity).into()
     }
@@ -129,12 +129,12 @@ impl<I: Id, T> IdVec<I, T> {
         self.items.iter().enumerate().map(|(i, t)| (I::new(i), t))
     }
 
-    /// Whether `id` names an element of this vector.
+    /// `true` if `id` is in range.
     pub fn contains_id(&self, id: I) -> bool {
         id.index() < self.items.len()
     }
 
-    /// The plain vector.
+    /// The untyped vector.
     pub fn into_vec(self) -> Vec<T> {
         self.items
     }

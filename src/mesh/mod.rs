@@ -3,6 +3,7 @@
 mod check;
 mod compact;
 pub mod edit;
+mod elements;
 mod faces;
 mod groups;
 mod ids;
@@ -11,6 +12,7 @@ mod submesh;
 mod topology;
 
 pub use compact::Compact;
+pub use elements::Elements;
 pub use faces::Faces;
 pub use groups::Groups;
 pub use ids::{ChainId, CornerId, EdgeId, FaceId, Id, IdVec, SpanId, ValueId, VertexId, WedgeId};

@@ -1,9 +1,9 @@
-//! Faces with their edges and adjacency.
+//! The edges and adjacency of a polygon mesh, manifold or not.
 
 use super::{CornerId, EdgeId, FaceId, Faces, Id, IdVec, VertexId};
 use std::marker::PhantomData;
 
-/// For each element of one kind a list of elements of another, in compressed rows.
+/// One list of values for each element of a kind, in compressed sparse rows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Csr<K, V> {
     offsets: Vec<u32>,
@@ -12,13 +12,13 @@ pub struct Csr<K, V> {
 }
 
 impl<K: Id, V: Copy> Csr<K, V> {
-    /// Rows from their offsets (one more than there are rows) and their items.
+    /// Rows from their `offsets`, one more than there are rows, and all `items`.
     pub fn from_parts(offsets: Vec<u32>, items: Vec<V>) -> Self {
         assert_eq!(offsets.last().copied().unwrap_or(0) as usize, items.len(), "offsets end at the items' end");
         Self { offsets, items, key: PhantomData }
     }
 
-    /// Groups `items` by key, keeping their order within each row.
+    /// Groups `items` by key, stably. `filler` only initializes memory.
     pub fn group(rows: usize, items: impl Iterator<Item = (K, V)> + Clone, filler: V) -> Self {
         let mut offsets = vec![0u32; rows + 1];
         items.clone().for_each(|(k, _)| offsets[k.index() + 1] += 1);
@@ -39,12 +39,12 @@ impl<K: Id, V: Copy> Csr<K, V> {
         self.offsets.len() - 1
     }
 
-    /// Where each row begins, and one past the last.
+    /// The start of each row, then the end of the last.
     pub fn offsets(&self) -> &[u32] {
         &self.offsets
     }
 
-    /// The items of all rows, one after the other.
+    /// The items of all rows, in order.
     pub fn items(&self) -> &[V] {
         &self.items
     }
@@ -56,12 +56,12 @@ impl<K: Id, V: Copy> Csr<K, V> {
     }
 }
 
-/// The connectivity of a mesh of any faces. Edges may have any number of faces and vertices any number of fans.
+/// The connectivity of a polygon mesh. An edge may have any number of faces, and a vertex any number of fans.
 #[derive(Clone, Debug)]
 pub struct Topology {
     /// The faces.
     pub faces: Faces,
-    /// The edge that leaves each corner.
+    /// The edge of the half-edge that leaves each corner.
     pub corner_edge: IdVec<CornerId, EdgeId>,
     /// The vertices of each edge.
     pub edges: IdVec<EdgeId, [VertexId; 2]>,
@@ -85,12 +85,12 @@ impl Topology {
         Self { faces, corner_edge, edges, edge_corners, vertex_corners }
     }
 
-    /// Number of vertices, those without a face included.
+    /// Number of vertices, including those without a face.
     pub fn vertex_count(&self) -> usize {
         self.vertex_corners.rows()
     }
 
-    /// Whether an edge has one face only.
+    /// `true` if the edge has exactly one face.
     #[inline]
     pub fn is_border(&self, edge: EdgeId) -> bool {
         self.edge_corners.row(edge).len() == 1
@@ -101,7 +101,7 @@ impl Topology {
         if a.index() >= self.vertex_count() || b.index() >= self.vertex_count() {
             return None;
         }
-        // The edge is at both vertices; the one with fewer faces is searched.
+        // Search around the vertex with fewer faces.
         let (from, to) =
             if self.vertex_corners.row(a).len() <= self.vertex_corners.row(b).len() { (a, b) } else { (b, a) };
         let half_edges = self.vertex_corners.row(from).iter().flat_map(|&c| {
@@ -127,10 +127,12 @@ impl Topology {
     }
 }
 
-/// For each half-edge one that stands for its edge. Takes time in proportion to the corners, whatever meets where.
+/// The representative half-edge of each half-edge's edge.
+///
+/// Linear in the number of corners even at vertices of very high valence, and without hashing.
 fn edge_leaders(faces: &Faces, vertex_corners: &Csr<VertexId, CornerId>) -> IdVec<CornerId, CornerId> {
     let mut leader: IdVec<CornerId, CornerId> = faces.corners().ids().collect();
-    // For each vertex the last lower vertex that was found beside it, and the leader of the edge between them.
+    // For each vertex, the last lower neighbour visited and the leader of the edge to it.
     let mut found: IdVec<VertexId, Option<(VertexId, CornerId)>> = IdVec::filled(None, vertex_corners.rows());
     for low in found.ids() {
         for &corner in vertex_corners.row(low) {

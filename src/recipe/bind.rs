@@ -1,35 +1,48 @@
-//! What a recipe names, found on its garment.
+//! Resolves the names in a recipe (primvars and subsets) against a garment.
 
 use super::Recipe;
 use crate::checks::{primvar, subsets_are, weights};
 use crate::error::Error;
 use crate::garment::{Garment, Interpolation, Primvar, Values};
+use crate::sim::SimOptions;
 
-/// What the recipe names on the garment.
-pub struct Bound<'a> {
-    /// The primvar with the constraint UVs.
+/// The primvars that the options of the simulation mesh name.
+pub struct SimPrimvars<'a> {
+    /// The UV set whose shell borders are seams.
     pub uv_set: Option<&'a Primvar>,
     /// The painted density.
     pub density: Option<&'a Primvar>,
 }
 
-/// Finds what a recipe names on its garment. The default UV set may be missing; one that was asked for may not.
+/// Checks that a garment has all primvars and subsets that a recipe names.
 ///
 /// # Errors
-/// A primvar or subset that is missing or of another kind.
-pub fn bind<'a>(recipe: &Recipe, garment: &'a Garment, uv_set_was_given: bool) -> Result<Bound<'a>, Error> {
-    let sim = &recipe.sim;
+/// A primvar or subset that is missing or has another type.
+pub fn bind(recipe: &Recipe, garment: &Garment) -> Result<(), Error> {
+    bind_sim(&recipe.sim, garment)?;
+    subsets_are(garment, "sim.constraints", &recipe.sim.constraints, "edge")?;
+    recipe.operators().into_iter().try_for_each(|(name, options)| options.bind(&options.key_of(name), garment))
+}
+
+/// Finds the primvars that the options of the simulation mesh name. The default UV set may be absent.
+///
+/// # Errors
+/// A primvar that is missing or has another type.
+pub fn bind_sim<'a>(options: &SimOptions, garment: &'a Garment) -> Result<SimPrimvars<'a>, Error> {
+    let uv_set = match bind_uv_set(options, garment) {
+        Err(_) if options.uv_set == SimOptions::default().uv_set => None,
+        found => found?,
+    };
+    Ok(SimPrimvars { uv_set, density: weights(garment, "sim.density", &options.density)? })
+}
+
+/// Finds the UV set; `None` if the name is empty.
+///
+/// # Errors
+/// A primvar that is missing or has another type.
+pub fn bind_uv_set<'a>(options: &SimOptions, garment: &'a Garment) -> Result<Option<&'a Primvar>, Error> {
     let is_uv = |p: &&Primvar| {
         p.interpolation == Interpolation::FaceVarying && p.width() == 2 && matches!(p.values, Values::F32(_))
     };
-    let uv_set = match primvar(garment, "sim.uvSet", &sim.uv_set, "face-varying float2 primvar", is_uv) {
-        Err(_) if !uv_set_was_given => None,
-        found => found?,
-    };
-    let density = weights(garment, "sim.density", &sim.density)?;
-    subsets_are(garment, "sim.constraints", &sim.constraints, "edge")?;
-    for (name, options) in recipe.instances() {
-        options.bind(&options.key_of(name), garment)?;
-    }
-    Ok(Bound { uv_set, density })
+    primvar(garment, "sim.uvSet", &options.uv_set, "face-varying float2 primvar", is_uv)
 }

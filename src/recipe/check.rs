@@ -1,23 +1,27 @@
-//! Whether the values of a recipe make sense, before any garment is looked at.
+//! Range checks of a recipe's values.
 
 use super::Recipe;
-use crate::checks::{fault, length};
+use crate::checks::length;
 use crate::error::Error;
 
-/// Refinement quadruples the faces, so a level above this is a mistake. \[levels\]
+/// Highest subdivision level. Each level quadruples the faces, so a higher one is a mistake. \[levels\]
 const MAX_LEVEL: u32 = 6;
-/// Rounds above this change nothing any more. \[rounds\]
+/// Highest number of remeshing rounds; more rounds change nothing. \[rounds\]
 const MAX_ITERATIONS: u32 = 100;
-/// Samples above this settle nothing more, and their time grows with their number. \[samples a face\]
+/// Highest number of transfer samples; more samples cost time and resolve nothing more. \[samples per face\]
 const MAX_SAMPLES: u32 = 1024;
-/// Lengths that grow more slowly than this spread a fine region over the whole garment. \[factor\]
+/// Smallest grading. A smaller factor spreads a fine region over the whole garment. \[factor\]
 const LEAST_GRADING: f32 = 1.05;
 
 impl Recipe {
-    pub(super) fn check(&self) -> Result<(), Error> {
+    /// Checks the range of every value, without a garment.
+    ///
+    /// # Errors
+    /// A value out of its range.
+    pub fn check(&self) -> Result<(), Error> {
         self.check_sim()?;
         self.check_levels()?;
-        self.instances().into_iter().try_for_each(|(name, options)| options.check(&options.key_of(name)))
+        self.operators().into_iter().try_for_each(|(name, options)| options.check(&options.key_of(name)))
     }
 
     fn check_sim(&self) -> Result<(), Error> {
@@ -26,18 +30,18 @@ impl Recipe {
         length("sim.maxEdgeLength", max)?;
         if min > max && max > 0.0 {
             let more = format!("{min} is more than sim.maxEdgeLength, {max}");
-            return fault("sim.minEdgeLength", &more, "exchange the two");
+            return Err(Error::recipe("sim.minEdgeLength", more).remedy("swap the two values"));
         }
         let grading = self.sim.grading;
         if !(grading == 0.0 || grading.is_finite() && grading >= LEAST_GRADING) {
-            let slow = format!("{grading} is no factor by which lengths can grow");
-            let hint = format!("give {LEAST_GRADING} or more, or 0 to leave lengths as they are");
-            return fault("sim.grading", &slow, &hint);
+            let fault = format!("{grading} is out of range");
+            let hint = format!("give {LEAST_GRADING} or more, or 0 for no limit");
+            return Err(Error::recipe("sim.grading", fault).remedy(hint));
         }
         let angle = self.sim.corner_angle;
         if !(angle > 0.0 && angle <= 180.0) {
-            let none = format!("{angle} is no angle of a corner");
-            return fault("sim.cornerAngle", &none, "give more than 0, at most 180");
+            let fault = format!("{angle} is out of range");
+            return Err(Error::recipe("sim.cornerAngle", fault).remedy("give more than 0 and at most 180 degrees"));
         }
         Ok(())
     }
@@ -50,7 +54,7 @@ impl Recipe {
             ("sim.transferSamples", self.sim.transfer_samples, MAX_SAMPLES),
         ] {
             if value > most {
-                return fault(key, &format!("{value} is too much"), &format!("give at most {most}"));
+                return Err(Error::recipe(key, format!("{value} is too large")).remedy(format!("give at most {most}")));
             }
         }
         Ok(())

@@ -1,18 +1,20 @@
-//! Layers of a recipe: attributes, file, arguments and flags, the strongest last.
+//! Merges the sources of options: the model's attributes, `.tailor` files, layer arguments and `--set` flags.
 
-use super::instances::split;
-use super::{Recipe, all_keys, default_of, in_words, instance_defaults, kind_of};
-use crate::error::{Error, Warning, Warnings};
+use super::operators::split;
+use super::{Recipe, all_keys, bind_uv_set, default_of, in_words, kind_named, value_type};
+use crate::error::{Error, ErrorKind, Warning, Warnings};
+use crate::garment::Garment;
 use serde_json::{Map, Value};
+use serde_path_to_error::Segment;
 
-/// The layers of a recipe, the strongest added last.
+/// The merged options of several layers. A layer overrides those added before it, option by option.
 #[derive(Clone, Debug, Default)]
 pub struct Layers {
-    pub(super) merged: Map<String, Value>,
+    merged: Map<String, Value>,
 }
 
 impl Layers {
-    /// Adds the attributes of the model's prim; what is in none of the schemas is reported.
+    /// Adds the `tailor:` attributes of the model's prim; warns of those that are no options.
     pub fn add_attributes(&mut self, attributes: Map<String, Value>, warnings: &mut Warnings) {
         for (space, value) in attributes {
             match (space.as_str(), value) {
@@ -21,7 +23,7 @@ impl Layers {
                         self.add_known(&space, &key, value, &mut |name| warnings.push(not_understood(name)));
                     }
                 }
-                (kind, Value::Object(names)) if instance_defaults(kind).is_some() => {
+                (kind, Value::Object(names)) if kind_named(kind).is_some() => {
                     for (name, fields) in names {
                         self.add_instance(kind, &name, fields, &mut |name| warnings.push(not_understood(name)));
                     }
@@ -31,7 +33,7 @@ impl Layers {
         }
     }
 
-    /// Adds the fields of an instance; names in it that hold fields again are part of the instance's name.
+    /// Adds the fields of an instance. Nested names are part of the instance's name, as in `left:hip`.
     fn add_instance(&mut self, kind: &str, name: &str, fields: Value, unknown: &mut dyn FnMut(&str)) {
         let Value::Object(fields) = fields else {
             return unknown(&format!("tailor:{kind}:{name}"));
@@ -49,6 +51,11 @@ impl Layers {
             Some(_) => self.set(space, key, value),
             None => unknown(&format!("tailor:{space}:{}", key.replace('.', ":"))),
         }
+    }
+
+    /// All layers merged, as nested keys.
+    pub fn into_map(self) -> Map<String, Value> {
+        self.merged
     }
 
     /// Adds a layer of nested keys.
@@ -69,40 +76,40 @@ impl Layers {
         }
     }
 
-    /// Adds `key=value` as given on the command line, such as `sim.maxEdgeLength=2`.
+    /// Adds a `key=value` of the command line, such as `sim.maxEdgeLength=2`.
     ///
     /// # Errors
     /// A key that no option has, or a value of another type.
     pub fn add_override(&mut self, assignment: &str) -> Result<(), Error> {
         let (key, text) = assignment.split_once('=').ok_or_else(|| {
-            Error::Usage(format!("--set {assignment} has no value\n  hint: write --set sim.maxEdgeLength=2"))
+            let fault = Error::new(ErrorKind::Usage, format!("--set {assignment}"), "it has no value");
+            fault.remedy("write --set sim.maxEdgeLength=2")
         })?;
         self.add_text("--set", key.trim(), text.trim())
     }
 
-    /// Adds an option whose value is text, as given by `giver`, such as "--set".
+    /// Adds an option with its value as text. Errors name its `giver`, such as `--set`.
     ///
     /// # Errors
     /// A key that no option has, or a value of another type.
     pub fn add_text(&mut self, giver: &str, key: &str, text: &str) -> Result<(), Error> {
+        let fault = |text: String| Error::new(ErrorKind::Usage, format!("{giver} {key}"), text);
         let (space, field) = key.split_once('.').unwrap_or((key, ""));
         let Some(default) = default_of(space, field) else {
-            return Err(Error::Usage(format!("{giver} {key}: there is no such option\n  hint: {}", all_keys())));
+            return Err(fault("there is no such option".into()).remedy(all_keys()));
         };
         if let Some(("", _)) = split(space, field) {
-            let hint = format!("write {space}.<name>.{field}, such as {space}.a.{field}");
-            return Err(Error::Usage(format!("{giver} {key}: the {space} has no name\n  hint: {hint}")));
+            let remedy = format!("write {space}.<name>.{field}, such as {space}.a.{field}");
+            return Err(fault(format!("the {space} has no name")).remedy(remedy));
         }
-        let unfit = || {
-            let kind = kind_of(&default).recipe;
-            Error::Usage(format!("{giver} {key}: \"{text}\" is no {kind}\n  hint: its default is {default}"))
+        let its_default = format!("its default is {default}");
+        let Some(value) = parse_like(&default, text) else {
+            return Err(fault(format!("\"{text}\" is not {}", value_type(&default).recipe)).remedy(its_default));
         };
-        let value = parse_like(&default, text).ok_or_else(unfit)?;
         let mut alone = Self::default();
         alone.set(space, field, value.clone());
         if let Err(e) = serde_json::from_value::<Recipe>(Value::Object(alone.merged)) {
-            let fault = in_words(&e);
-            return Err(Error::Usage(format!("{giver} {key}: {fault}\n  hint: its default is {default}")));
+            return Err(fault(in_words(&e)).remedy(its_default));
         }
         self.set(space, field, value);
         Ok(())
@@ -126,54 +133,43 @@ impl Layers {
         }
     }
 
-    /// Whether any layer says something about an option.
-    pub fn says(&self, space: &str, key: &str) -> bool {
-        self.merged.get(space).is_some_and(|f| f.get(key).is_some())
+    /// Checks that a garment has the UV set, if a layer names one. An implied default may be absent.
+    ///
+    /// # Errors
+    /// A named UV set that the garment lacks.
+    pub fn check_uv_set(&self, recipe: &Recipe, garment: &Garment) -> Result<(), Error> {
+        match self.merged.get("sim").and_then(|sim| sim.get("uvSet")) {
+            Some(_) => bind_uv_set(&recipe.sim, garment).map(|_| ()),
+            None => Ok(()),
+        }
     }
 
-    /// The recipe, with defaults for what no layer says.
+    /// The merged recipe, completed with defaults.
     ///
     /// # Errors
     /// A value of another type or out of its range.
     pub fn recipe(&self) -> Result<Recipe, Error> {
-        let recipe: Recipe =
-            serde_json::from_value(Value::Object(self.merged.clone())).map_err(|e| self.mistyped(&e))?;
+        let merged = Value::Object(self.merged.clone());
+        let recipe: Recipe = serde_path_to_error::deserialize(merged).map_err(|e| mistyped(&e))?;
         recipe.check()?;
         Ok(recipe)
     }
-
-    /// The first option whose value is of another type. Only attributes can be: files and flags are checked as they
-    /// are read.
-    fn mistyped(&self, whole: &serde_json::Error) -> Error {
-        let fault = |path: &str, space: &str, key: &str, e: &serde_json::Error| {
-            let default = default_of(space, key).unwrap_or_default();
-            let (words, kind) = (in_words(e), kind_of(&default).usd);
-            Error::Recipe(format!("tailor:{path} of the model: {words}\n  hint: declare it as {kind}"))
-        };
-        for (space, fields) in &self.merged {
-            for (key, value) in fields.as_object().into_iter().flatten() {
-                let of_instance = value.as_object().filter(|_| instance_defaults(space).is_some());
-                for (field, value) in of_instance.into_iter().flatten() {
-                    let alone = serde_json::json!({ space: { key: { field: value } } });
-                    if let Err(e) = serde_json::from_value::<Recipe>(alone) {
-                        return fault(&format!("{space}:{key}:{field}"), space, &format!("{key}.{field}"), &e);
-                    }
-                }
-                let alone = serde_json::json!({ space: { key: value } });
-                if let Err(e) = serde_json::from_value::<Recipe>(alone) {
-                    return fault(&format!("{space}:{key}"), space, key, &e);
-                }
-            }
-        }
-        Error::Recipe(format!("tailor: attributes of the model: {}\n  hint: see the schemas", in_words(whole)))
-    }
 }
 
-fn not_understood(what: &str) -> Warning {
-    Warning::NotCarried { what: what.into(), why: "this version has no such option; it stays on the model".into() }
+/// The error for an option of a wrong type. It comes from an attribute, as files and flags are checked when they are read.
+fn mistyped(e: &serde_path_to_error::Error<serde_json::Error>) -> Error {
+    let key = |segment: &Segment| if let Segment::Map { key } = segment { Some(key.clone()) } else { None };
+    let keys: Vec<String> = e.path().iter().filter_map(key).collect();
+    let default = keys.split_first().and_then(|(space, rest)| default_of(space, &rest.join(".")));
+    let fault = Error::recipe(format!("tailor:{} of the model", keys.join(":")), in_words(e.inner()));
+    fault.remedy(format!("declare it as {}", value_type(&default.unwrap_or_default()).usd))
 }
 
-/// Text as a value of the same type as `like`; lists are separated by commas.
+fn not_understood(attribute: &str) -> Warning {
+    Warning::not_carried(attribute, "this version has no such option; it stays on the model")
+}
+
+/// Parses text as a value of the same type as `like`. Lists are separated by commas.
 fn parse_like(like: &Value, text: &str) -> Option<Value> {
     match like {
         Value::Bool(_) => text.parse::<bool>().ok().map(Value::Bool),
@@ -228,7 +224,7 @@ mod tests {
             ("render.level=-1", "whole number"),
             ("seam.placket.wide=1", "seam.<name>.width"),
             ("seam.width=1", "no name"),
-            ("seam.placket.width=wide", "is no number"),
+            ("seam.placket.width=wide", "is not a number"),
             ("thickness.hem.side=under", "`inner`"),
         ] {
             let message = layers.add_override(text).expect_err(text).to_string();

@@ -1,15 +1,19 @@
-//! The recipe: what the user asked for, from flags, a `.tailor` file, the model's attributes and the defaults.
+//! The recipe: all options of a build, and how they are read, merged and checked.
+//!
+//! Options come from the model's attributes, `.tailor` files and the command line ([`Layers`]). All use the same keys,
+//! such as `sim.maxEdgeLength`; an attribute has colons instead of dots and the prefix `tailor:`.
 
 mod bind;
 mod check;
 mod file;
-mod instances;
 mod layers;
+mod operators;
 
-pub use bind::{Bound, bind};
-pub use file::{Document, RecipeFile, is_recipe};
-pub use instances::{KINDS, instance_defaults};
+pub(crate) use bind::{bind, bind_sim, bind_uv_set};
+pub use file::{RecipeFile, is_recipe};
 pub use layers::Layers;
+pub use operators::KINDS;
+pub(crate) use operators::kind_named;
 
 use crate::render::{RenderOptions, SeamOptions, ThicknessOptions};
 use crate::sim::SimOptions;
@@ -18,39 +22,39 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-/// The options that each recipe has once: key, unit and meaning, in the order of the schemas.
+/// The options that a recipe has once, in schema order: key, unit and meaning.
 pub const KEYS: [(&str, &str, &str); 17] = [
-    ("sim.minEdgeLength", "stage units", "edge length where the density is 1; 0: half of maxEdgeLength"),
-    ("sim.maxEdgeLength", "stage units", "edge length where the density is 0; 0: half the mean edge of the input"),
+    ("sim.minEdgeLength", "stage units", "target edge length at density 1; 0: half of maxEdgeLength"),
+    ("sim.maxEdgeLength", "stage units", "target edge length at density 0; 0: half of the input's mean edge"),
     ("sim.density", "name", "painted float primvar, 1 fine to 0 coarse; empty: maxEdgeLength everywhere"),
-    ("sim.grading", "factor", "how many times longer than its neighbour an edge may be asked to be; 0: any"),
-    ("sim.baselineLevel", "levels", "refinements that give the surface which the mesh lies on"),
+    ("sim.grading", "factor", "largest ratio of neighbouring target lengths, 1.05 or more; 0: no limit"),
+    ("sim.baselineLevel", "levels", "subdivision level of the surface that the mesh approximates"),
     ("sim.iterations", "rounds", "rounds of split, collapse, flip and relax"),
     ("sim.uvSet", "name", "UV set whose shell borders are seams; empty: none"),
-    ("sim.constrainUvSeams", "true or false", "whether UV seams are edges of the mesh"),
-    ("sim.constraints", "names", "edge subsets that become edges of the mesh"),
-    ("sim.cornerAngle", "degrees", "a curve that turns more within one edge length keeps a corner there; 180: none"),
-    ("sim.transferSamples", "samples a face", "samples that face sets, colours and uniform primvars are counted by"),
-    ("sim.seed", "number", "seed of the samples"),
-    ("sim.cleanIslands", "true or false", "whether single stray faces of a face set go to their neighbours"),
-    ("sim.provenance", "true or false", "whether vertices say which face of the input they came from"),
-    ("render.level", "levels", "refinements of the render mesh"),
-    ("render.operators", "names", "operators in their order; empty: seams, then thicknesses"),
-    ("render.faceSets", "true or false", "whether operators leave face subsets of what they made"),
+    ("sim.constrainUvSeams", "true or false", "keep UV seams as edges of the mesh"),
+    ("sim.constraints", "names", "edge subsets to keep as edges of the mesh"),
+    ("sim.cornerAngle", "degrees", "keep a corner where a curve turns by more within one edge length; 180: none"),
+    ("sim.transferSamples", "samples per face", "samples to transfer face sets, colours and uniform primvars"),
+    ("sim.seed", "integer", "seed of the transfer samples"),
+    ("sim.cleanIslands", "true or false", "merge single stray faces of a face set into the set around them"),
+    ("sim.provenance", "true or false", "store the source face and coordinates of each vertex"),
+    ("render.level", "levels", "subdivision level of the render mesh"),
+    ("render.operators", "names", "operators in the order they run; empty: all seams, then all thicknesses"),
+    ("render.faceSets", "true or false", "add face subsets of the faces that each operator creates"),
 ];
 
 /// All options of a build.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase", default, deny_unknown_fields)]
 pub struct Recipe {
-    /// Of the simulation mesh.
+    /// Options of the simulation mesh.
     pub sim: SimOptions,
-    /// Of the render mesh.
+    /// Options of the render mesh.
     pub render: RenderOptions,
-    /// Of the seams, by name.
+    /// Options of each seam, by name.
     #[serde(rename = "seam", skip_serializing_if = "BTreeMap::is_empty")]
     pub seams: BTreeMap<String, SeamOptions>,
-    /// Of the thicknesses, by name.
+    /// Options of each thickness, by name.
     #[serde(rename = "thickness", skip_serializing_if = "BTreeMap::is_empty")]
     pub thicknesses: BTreeMap<String, ThicknessOptions>,
 }
@@ -60,15 +64,15 @@ pub fn defaults() -> Value {
     serde_json::to_value(Recipe::default()).unwrap_or_default()
 }
 
-/// The default of an option that is written `space.key`, or `kind.instance.field`.
+/// The default of the option `space.key`; for an operator, `key` is `instance.field`.
 fn default_of(space: &str, key: &str) -> Option<Value> {
-    match instances::split(space, key) {
-        Some((_, field)) => instance_defaults(space)?.get(field).cloned(),
+    match operators::split(space, key) {
+        Some((_, field)) => (kind_named(space)?.defaults)().get(field).cloned(),
         None => defaults().get(space)?.get(key).cloned(),
     }
 }
 
-/// The key of an option of instances, with a place for their name.
+/// The key of an operator's option with a placeholder for its name, such as `seam.<name>.width`.
 fn pattern(kind: &str, field: &str) -> String {
     format!("{kind}.<name>.{field}")
 }
@@ -79,7 +83,7 @@ fn all_keys() -> String {
     format!("the options are {}", keys.join(", "))
 }
 
-/// The options as lines of help: key, default, unit and meaning.
+/// All options as help text, one per line: key, default, meaning and unit.
 pub fn help() -> String {
     let mut text = "Options of the recipe, each with its default:\n".to_owned();
     let mut line = |key: &str, default: Option<Value>, meaning: &str, unit: &str| {
@@ -90,7 +94,7 @@ pub fn help() -> String {
         let (space, field) = key.split_once('.').unwrap_or((key, ""));
         line(key, default_of(space, field), meaning, unit);
     }
-    for kind in &KINDS {
+    for kind in KINDS.iter() {
         let defaults = (kind.defaults)();
         for key in kind.keys {
             line(&pattern(kind.name, key.field), defaults.get(key.field).cloned(), key.meaning, key.unit);
@@ -99,24 +103,26 @@ pub fn help() -> String {
     text
 }
 
-/// The type of an option, in a recipe, and in the schemas as an example of its declaration.
-struct Kind {
+/// The type of an option, as messages describe it.
+struct ValueType {
+    /// With its article.
     recipe: &'static str,
+    /// The declaration of the attribute, with an example.
     usd: &'static str,
 }
 
-fn kind_of(value: &Value) -> Kind {
+fn value_type(value: &Value) -> ValueType {
     let (recipe, usd) = match value {
         Value::Bool(_) => ("true or false", "bool, such as true"),
-        Value::Number(n) if n.is_f64() => ("number", "float, such as 2.5"),
-        Value::Number(_) => ("whole number", "int, such as 3 (0 or more)"),
-        Value::Array(_) => ("list", "rel, with subsets of the mesh as targets"),
-        _ => ("name", "token, such as \"st\""),
+        Value::Number(n) if n.is_f64() => ("a number", "float, such as 2.5"),
+        Value::Number(_) => ("a whole number", "int, such as 3 (0 or more)"),
+        Value::Array(_) => ("a list", "rel, with subsets of the mesh as targets"),
+        _ => ("a name", "token, such as \"st\""),
     };
-    Kind { recipe, usd }
+    ValueType { recipe, usd }
 }
 
-/// What serde found, without the names of our types.
+/// The message of a serde error, with Rust types replaced by words.
 fn in_words(e: &serde_json::Error) -> String {
     const WORDS: [(&str, &str); 5] = [
         ("expected f32", "expected a number"),

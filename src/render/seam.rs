@@ -1,4 +1,4 @@
-//! Seams: edge sets as grooves or ridges of a width.
+//! Seams: grooves or ridges along edge sets.
 //!
 //! ```text
 //!                 left            right                 height along the normal
@@ -7,84 +7,81 @@
 //!                                                       width; with a depth the flanks are further out
 //! ```
 //!
-//! Only the centre has a height, with a depth also the line beside it, and two lines follow to the width. All lines are
-//! as far from each other, so by the masks of Catmull-Clark the limits of the flank and of the width are where their
-//! lines are, and all that is outside the width is the surface as it was. Without the line that holds, the width would
-//! be drawn outwards by the faces beside it, by a third of it.
+//! The centre has a height, and with a depth also the line on the flank. The lines are evenly spaced up to a support
+//! loop (`hold`) outside the width. By the masks of Catmull-Clark, the limits of evenly spaced lines are on the lines,
+//! so the surface outside the width keeps its shape. Without the support loop, the neighbouring faces would widen the
+//! seam by a third.
 //!
-//! Seams that follow one another in the stack are one network: they cross, meet and share room as equals, whatever
-//! their order. Left is the left-hand side of one who walks the chain with the normals up; a chain runs as most of its
-//! edges were authored.
+//! Consecutive seams of the stack form one network: they intersect, meet and share clearance as equals. Left is the
+//! left-hand side of a walker along the chain with the normals up. The direction of a chain is that of most of its
+//! authored edges.
 
 mod chains;
 
-use super::REPORTED;
-use super::kind::{Context, Instance, Key, Options};
 use super::lines::{self, Lines, Narrowed, Request};
-use super::placed::Room;
-use super::shape::{Held, Operator, Role, Shape};
+use super::operator::{Control, Operator, OperatorInput, OperatorOutput, REPORTED, Role};
+use super::options::{Key, OperatorOptions};
 use crate::checks;
-use crate::error::{EXAMPLES, Error, Warning, Warnings};
-use crate::garment::{Elements, Garment, Scheme, Subset};
+use crate::error::{Code, Error, Warning, Warnings};
+use crate::garment::{Elements, Garment, Orientation, Subset};
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
-use crate::subdivide::Cage;
 use chains::Network;
 use serde::{Deserialize, Serialize};
 use std::any::Any;
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
-/// Lines of each side as shares of its width: on the flank, where the surface begins, and outside, to hold it there.
+/// Lines of each side as shares of its width: on the flank, at the width, and the support loop outside.
 const LINES: [f32; 3] = [0.5, 1.0, 1.5];
-/// The same with a line on the flank.
-const SWOLLEN_LINES: [f32; 4] = [1.0 / 3.0, 2.0 / 3.0, 1.0, 4.0 / 3.0];
-/// Width of a seam that says none, as a share of the mean edge.
+/// Lines of each side of seams with a depth: two lines on the flank.
+const DEPTH_LINES: [f32; 4] = [1.0 / 3.0, 2.0 / 3.0, 1.0, 4.0 / 3.0];
+/// Automatic width, as a share of the mean edge.
 const AUTOMATIC_WIDTH: f32 = 0.25;
-/// Least part of the width on one side, so that at full asymmetry both lines are apart and the steep flank is not turned
-/// over.
-const LEAST_SIDE: f32 = 0.05;
+/// Smallest share of the width on one side. At full asymmetry it separates the lines and keeps the steep flank from
+/// flipping.
+const MIN_SIDE_SHARE: f32 = 0.05;
 
 /// Options of a seam: the attributes of `TailorSeamAPI`, with the same names and defaults.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase", default, deny_unknown_fields)]
 pub struct SeamOptions {
-    /// Names of the edge subsets that it follows.
+    /// Names of the edge subsets of the seam.
     pub edges: Vec<String>,
-    /// From one side to the other; 0: a quarter of the input's mean edge. \[stage units\]
+    /// Width from side to side; 0: a quarter of the mean edge of the input. \[stage units\]
     pub width: f32,
-    /// How far the flanks swell along the normal over straight ones; larger is rounder. \[stage units\]
+    /// Height of the flanks over straight ones, along the normal: above 0 rounded, below 0 hollow. \[stage units\]
     pub depth: f32,
-    /// How far the centre is pushed along the normal; below 0 is a groove, above a ridge. \[stage units\]
+    /// Height of the centre along the normal: below 0 a groove, above 0 a ridge. \[stage units\]
     pub normal_offset: f32,
-    /// Part of the width on either side: -1 most on the left, 0 even, 1 most on the right; a twentieth stays on the other.
+    /// Distribution of the width: -1 left, 0 even, 1 right. At least a twentieth stays on each side.
     pub asymmetry: f32,
 }
 
 impl SeamOptions {
     /// Widths of the left and right side. \[stage units\]
-    fn sides(&self) -> [f32; 2] {
-        let left = (0.5 * (1.0 - self.asymmetry)).clamp(LEAST_SIDE, 1.0 - LEAST_SIDE);
+    fn side_widths(&self) -> [f32; 2] {
+        let left = (0.5 * (1.0 - self.asymmetry)).clamp(MIN_SIDE_SHARE, 1.0 - MIN_SIDE_SHARE);
         [self.width * left, self.width * (1.0 - left)]
     }
 }
 
-impl Options for SeamOptions {
-    const KIND: &'static str = "seam";
-    const KEYS: &'static [Key] = &[
-        Key { field: "edges", unit: "names", meaning: "edge subsets that the seam follows" },
-        Key { field: "width", unit: "stage units", meaning: "from side to side; 0: a quarter of the mean edge" },
-        Key { field: "depth", unit: "stage units", meaning: "how far the flanks swell over straight ones" },
-        Key {
-            field: "normalOffset",
-            unit: "stage units",
-            meaning: "height of the centre; below 0 a groove, above a ridge",
-        },
-        Key { field: "asymmetry", unit: "-1 to 1", meaning: "-1: all of the width on the left, 1: all on the right" },
-    ];
-}
-
-impl Instance for SeamOptions {
+impl OperatorOptions for SeamOptions {
     fn kind(&self) -> &'static str {
-        Self::KIND
+        "seam"
+    }
+
+    fn keys(&self) -> &'static [Key] {
+        &[
+            Key { field: "edges", unit: "names", meaning: "edge subsets of the seam" },
+            Key { field: "width", unit: "stage units", meaning: "from side to side; 0: a quarter of the mean edge" },
+            Key { field: "depth", unit: "stage units", meaning: "height of the flanks over straight ones" },
+            Key {
+                field: "normalOffset",
+                unit: "stage units",
+                meaning: "height of the centre; below 0 a groove, above a ridge",
+            },
+            Key { field: "asymmetry", unit: "-1 to 1", meaning: "-1: most of the width on the left, 1: on the right" },
+        ]
     }
 
     fn check(&self, key: &dyn Fn(&str) -> String) -> Result<(), Error> {
@@ -93,8 +90,8 @@ impl Instance for SeamOptions {
         checks::finite(&key("depth"), self.depth)?;
         checks::finite(&key("normalOffset"), self.normal_offset)?;
         if !(-1.0..=1.0).contains(&self.asymmetry) {
-            let value = format!("{} is not between -1 and 1", self.asymmetry);
-            return checks::fault(&key("asymmetry"), &value, "give -1 for all on the left, 1 for all on the right");
+            let fault = Error::recipe(key("asymmetry"), format!("{} is not between -1 and 1", self.asymmetry));
+            return Err(fault.remedy("give -1 for most of the width on the left, 1 for most on the right"));
         }
         Ok(())
     }
@@ -103,183 +100,181 @@ impl Instance for SeamOptions {
         checks::subsets_are(garment, &key("edges"), &self.edges, "edge")
     }
 
-    fn settle(&mut self, mean_edge: f32) {
+    fn resolve_lengths(&mut self, mean_edge: f32) {
         if self.width == 0.0 {
             self.width = AUTOMATIC_WIDTH * mean_edge;
         }
     }
 
-    /// Seams in a row are one operator.
-    fn stack(&self, name: &str, context: Context, operators: &mut Vec<Box<dyn Operator>>) {
-        let seam = (name.to_owned(), self.clone());
-        let last = operators.last_mut().and_then(|o| (o.as_mut() as &mut dyn Any).downcast_mut::<Seams>());
-        match last {
-            Some(seams) => seams.seams.push(seam),
-            None => operators.push(Box::new(Seams::new(vec![seam], context))),
-        }
+    fn operator(&self, name: &str) -> Arc<dyn Operator> {
+        Arc::new(Seams { seams: vec![(name.to_owned(), self.clone())] })
+    }
+
+    /// Consecutive seams are one operator.
+    fn joined(&self, name: &str, before: &dyn Operator) -> Option<Arc<dyn Operator>> {
+        let before = (before as &dyn Any).downcast_ref::<Seams>()?;
+        let seams = before.seams.iter().cloned().chain([(name.to_owned(), self.clone())]);
+        Some(Arc::new(Seams { seams: seams.collect() }))
     }
 }
 
-/// Seams that are made together.
-pub struct Seams {
+/// Consecutive seams of the stack, with their names.
+#[derive(Clone, Debug, PartialEq)]
+struct Seams {
     seams: Vec<(String, SeamOptions)>,
-    /// Points of the input, whose numbers are the user's.
-    own_points: usize,
-    names_sets: bool,
 }
 
 impl Seams {
-    /// Seams by name.
-    pub fn new(seams: Vec<(String, SeamOptions)>, context: Context) -> Self {
-        Self { seams, own_points: context.points, names_sets: context.names_sets }
-    }
-
-    /// Lines of each side as shares of its width. Seams with swollen flanks have one more.
+    /// Lines of each side as shares of its width. All seams have the same number.
     fn shares(&self) -> &'static [f32] {
-        if self.is_swollen() { &SWOLLEN_LINES } else { &LINES }
+        if self.has_depth() { &DEPTH_LINES } else { &LINES }
     }
 
-    /// The line of the width; those before it are on the flank.
+    /// Index of the line at the width. Lines before it are on the flank.
     fn width_line(&self) -> usize {
         self.shares().len() - 2
     }
 
-    fn is_swollen(&self) -> bool {
+    fn has_depth(&self) -> bool {
         self.seams.iter().any(|(_, options)| options.depth != 0.0)
     }
 
-    fn examples<T: Copy, U>(&self, of: &[T], points: impl Fn(T) -> Vec<VertexId>, name: impl Fn(T) -> U) -> Vec<U> {
-        let known = |&x: &T| points(x).iter().all(|v| v.index() < self.own_points);
-        of.iter().copied().filter(known).take(EXAMPLES).map(name).collect()
-    }
-
-    /// The edges of a seam on the cage, as they were authored.
-    fn edges(&self, cage: &Cage, options: &SeamOptions) -> Vec<[VertexId; 2]> {
-        let sets = options.edges.iter().filter_map(|name| cage.garment().subset(name));
+    /// The edges of a seam on the cage, in their authored direction.
+    fn edges(cage: &OperatorInput, options: &SeamOptions) -> Vec<[VertexId; 2]> {
+        let sets = options.edges.iter().filter_map(|name| cage.garment.subset(name));
         let edges = sets.filter_map(|set| if let Elements::Edges(edges) = &set.elements { Some(edges) } else { None });
         edges.flatten().copied().collect()
     }
 
-    /// How far a role is from the surface, and the seam that says so.
+    /// The height of a role, and the seam that defines it.
     fn height(&self, role: &Role) -> (f32, usize) {
         match role {
-            Role::Centre { instances, part } => {
-                // Where seams meet, the one that goes furthest decides.
-                let of = |&i: &usize| (part * self.seams[i].1.normal_offset, i);
-                let further = |a: (f32, usize), b: (f32, usize)| if b.0.abs() > a.0.abs() { b } else { a };
-                instances.iter().map(of).reduce(further).unwrap_or((0.0, 0))
+            Role::Centre { seams, share } => {
+                // Where seams meet, the largest height wins.
+                let of = |&i: &usize| (share * self.seams[i].1.normal_offset, i);
+                let larger = |a: (f32, usize), b: (f32, usize)| if b.0.abs() > a.0.abs() { b } else { a };
+                seams.iter().map(of).reduce(larger).unwrap_or((0.0, 0))
             }
-            Role::Line { line: 0, instance, part } if self.is_swollen() => {
-                let options = &self.seams[*instance].1;
-                (part * ((1.0 - self.shares()[0]) * options.normal_offset + options.depth), *instance)
+            Role::Line { line: 0, seam, share } if self.has_depth() => {
+                let options = &self.seams[*seam].1;
+                (share * ((1.0 - self.shares()[0]) * options.normal_offset + options.depth), *seam)
             }
             _ => (0.0, 0),
         }
     }
 
-    fn warn(&self, network: &Network, narrowed: &[Narrowed]) -> Warnings {
+    fn warn(&self, cage: &OperatorInput, network: &Network, narrowed: &[Narrowed]) -> Warnings {
         let mut warnings = Warnings::default();
-        for (instance, (name, _)) in self.seams.iter().enumerate() {
-            let shared: Vec<EdgeId> = network.shared.iter().filter(|s| s.1 == instance).map(|s| s.0).collect();
-            if !shared.is_empty() {
-                let ends = |e: EdgeId| network.ends(e).to_vec();
-                let examples = self.examples(&shared, ends, |e| network.ends(e).map(|v| v.index()));
-                warnings.push(Warning::SharedSeamEdges { seam: name.clone(), count: shared.len(), examples });
-            }
-            let lone: Vec<EdgeId> =
-                network.lone.iter().copied().filter(|&e| network.seam[e] == Some(instance)).collect();
-            if !lone.is_empty() {
-                let ends = |e: EdgeId| network.ends(e).to_vec();
-                let examples = self.examples(&lone, ends, |e| network.ends(e).map(|v| v.index()));
-                warnings.push(Warning::NoRoomToTaper { seam: name.clone(), count: lone.len(), examples });
-            }
-            let mut narrow: Vec<VertexId> = Vec::new();
-            let mut least = 1.0f32;
-            for n in narrowed.iter().filter(|n| network.seam[n.mark] == Some(instance)) {
-                narrow.push(n.vertex);
-                least = least.min(n.share);
-            }
-            narrow.sort_unstable();
-            narrow.dedup();
+        let is_input = |v: &VertexId| v.index() < cage.input_points;
+        for (number, (name, _)) in self.seams.iter().enumerate() {
+            let label = format!("seam.{name}");
+            let edges = |code: Code, edges: Vec<EdgeId>, problem: &str, remedy: &str| {
+                let ends = edges.iter().map(|&e| network.ends(e)).filter(|ends| ends.iter().all(is_input)).collect();
+                let warning = Warning::new(code, &label, format!("{} edges {problem}", edges.len()));
+                (!edges.is_empty()).then(|| warning.at(Elements::Edges(ends)).remedy(remedy))
+            };
+            let shared = network.shared.iter().filter(|s| s.1 == number).map(|s| s.0).collect();
+            let problem = "already belong to an earlier seam, which keeps them";
+            warnings.extend(edges(Code::SharedSeamEdges, shared, problem, "Remove them from one of the two edge sets"));
+            let lone = network.lone.iter().copied().filter(|&e| network.seam[e] == Some(number)).collect();
+            let problem = "are isolated inside the surface and get no seam: it would taper to nothing at both ends";
+            warnings.extend(edges(Code::NoRoomToTaper, lone, problem, "Add a connected edge to each"));
+            let here = || narrowed.iter().filter(|n| network.seam[n.mark] == Some(number));
+            let narrow: BTreeSet<VertexId> = here().map(|n| n.vertex).collect();
             if !narrow.is_empty() {
-                let examples = self.examples(&narrow, |v| vec![v], |v| v.index());
-                warnings.push(Warning::NarrowSeam { seam: name.clone(), count: narrow.len(), examples, least });
+                let least = here().map(|n| n.share).fold(1.0, f32::min);
+                let (count, left) = (narrow.len(), 100.0 * least);
+                let problem =
+                    format!("narrower than asked at {count} vertices, down to {left:.0} % of width and height");
+                let points = Elements::Points(narrow.into_iter().filter(is_input).collect());
+                let remedy = format!("Lower `{label}.width`, or lengthen the edges that lead away from it");
+                warnings.push(Warning::new(Code::NarrowSeam, label, problem).at(points).amount(least).remedy(remedy));
             }
         }
         warnings
     }
 
-    fn held(&self, t: &Topology, network: &Network, lines: &Lines) -> Vec<Held> {
+    fn controls(t: &Topology, network: &Network, lines: &Lines) -> Vec<Control> {
         let near = lines.near.enumerated().filter(|(_, near)| **near).map(|(v, _)| v);
-        let kept = near.map(|vertex| {
-            let instances = network.at(t, vertex);
-            if instances.is_empty() || network.tapers[vertex] {
-                return Held { vertex, role: Role::Surface };
+        let on_cage = near.map(|vertex| {
+            let seams = network.at(t, vertex);
+            if seams.is_empty() || network.tapers[vertex] {
+                return Control { vertex, role: Role::Surface };
             }
-            Held { vertex, role: Role::Centre { instances, part: lines.widths[vertex] } }
+            Control { vertex, role: Role::Centre { seams, share: lines.widths[vertex] } }
         });
-        let on_lines = lines.vertices.iter().map(|l| {
-            let instance = network.seam[l.mark].unwrap_or(0);
-            let part = l.part;
+        let on_lines = lines.vertices.iter().filter_map(|l| {
+            let seam = network.seam[l.mark]?;
+            let share = l.part;
             let role = match l.line {
-                Some(line) => Role::Line { line, instance, part },
-                None => Role::Centre { instances: vec![instance], part },
+                Some(line) => Role::Line { line, seam, share },
+                None => Role::Centre { seams: vec![seam], share },
             };
-            Held { vertex: l.vertex, role }
+            Some(Control { vertex: l.vertex, role })
         });
-        kept.chain(on_lines).collect()
+        on_cage.chain(on_lines).collect()
     }
 
     /// The faces within the width of each seam.
-    fn subsets(&self, cage: &Cage, network: &Network, lines: &Lines, warnings: &mut Warnings) -> Vec<Subset> {
-        if !self.names_sets {
+    fn subsets(&self, cage: &OperatorInput, network: &Network, lines: &Lines, warnings: &mut Warnings) -> Vec<Subset> {
+        if !cage.names_sets {
             return Vec::new();
         }
         let width = self.width_line();
-        let of = |(instance, (name, _)): (usize, &(String, SeamOptions))| {
-            let within = lines.strips.iter().filter(|s| s.line <= width && network.seam[s.mark] == Some(instance));
+        let of = |(number, (name, _)): (usize, &(String, SeamOptions))| {
+            let within = lines.strips.iter().filter(|s| s.line <= width && network.seam[s.mark] == Some(number));
             (format!("{name}_seam"), within.map(|s| s.face).collect())
         };
-        super::new_sets(cage.garment(), self.seams.iter().enumerate().map(of).collect(), warnings)
+        super::new_sets(cage.garment, self.seams.iter().enumerate().map(of).collect(), warnings)
     }
 
-    fn distances(&self, cage: &Cage, network: &Network) -> IdVec<CornerId, f32> {
-        let t = &cage.level().topology;
-        let is_left_handed = cage.garment().orientation == crate::garment::Orientation::LeftHanded;
+    /// The width of the seam beside each half-edge; 0 on other edges. \[stage units\]
+    fn distances(&self, cage: &OperatorInput, network: &Network) -> IdVec<CornerId, f32> {
+        let t = &cage.level.topology;
+        let is_left_handed = cage.garment.orientation == Orientation::LeftHanded;
         let distance = |corner: CornerId| {
             let edge = t.corner_edge[corner];
-            let Some(instance) = network.seam[edge] else { return 0.0 };
-            // A face is on the left of the half-edge that runs around it, seen from its front.
+            let Some(seam) = network.seam[edge] else { return 0.0 };
+            // A right-handed face is to the left of its half-edges.
             let is_left = (t.faces.vertex(corner) == network.start[edge]) != is_left_handed;
-            self.seams[instance].1.sides()[usize::from(!is_left)]
+            self.seams[seam].1.side_widths()[usize::from(!is_left)]
         };
         t.corner_edge.ids().map(distance).collect()
     }
 }
 
 impl Operator for Seams {
-    fn structure(&self) -> String {
-        let of = |(name, o): &(String, SeamOptions)| format!("{name:?} {:?} {} {}", o.edges, o.width, o.asymmetry);
-        let seams: Vec<String> = self.seams.iter().map(of).collect();
-        format!("seams {} {} {}", seams.join("; "), self.is_swollen(), self.names_sets)
+    fn label(&self) -> String {
+        let names: Vec<String> = self.seams.iter().map(|(name, _)| format!("seam.{name}")).collect();
+        names.join(", ")
+    }
+
+    fn is_same(&self, other: &dyn Operator) -> bool {
+        (other as &dyn Any).downcast_ref::<Self>() == Some(self)
+    }
+
+    /// Heights move points alone, except that any depth adds a line.
+    fn has_same_output(&self, other: &dyn Operator) -> bool {
+        let flat = |(name, o): &(String, SeamOptions)| {
+            (name.clone(), SeamOptions { depth: 0.0, normal_offset: 0.0, ..o.clone() })
+        };
+        (other as &dyn Any).downcast_ref::<Self>().is_some_and(|other| {
+            self.has_depth() == other.has_depth() && self.seams.iter().map(flat).eq(other.seams.iter().map(flat))
+        })
     }
 
     fn reach(&self, _: &Garment) -> f32 {
         self.seams.iter().map(|(_, o)| o.normal_offset.abs() + o.depth.abs()).fold(0.0, f32::max)
     }
 
-    fn options(&self) -> String {
-        format!("seams {:?}", self.seams)
-    }
-
-    fn shape(&self, cage: &Cage, _: &IdVec<VertexId, Room>) -> Result<Shape, Error> {
-        super::refuse_loop(cage, &format!("seam.{}", self.seams.first().map_or("", |s| &s.0)))?;
-        let edges = self.seams.iter().map(|(_, options)| self.edges(cage, options)).collect::<Vec<_>>();
-        let t = &cage.level().topology;
+    fn apply(&self, cage: &OperatorInput) -> Result<OperatorOutput, Error> {
+        super::refuse_loop(cage, &self.label())?;
+        let edges = self.seams.iter().map(|(_, options)| Self::edges(cage, options)).collect::<Vec<_>>();
+        let t = &cage.level.topology;
         let network = Network::new(t, &edges);
         let request = Request {
             topology: t,
-            points: &cage.garment().points,
+            points: &cage.garment.points,
             marked: network.seam.iter().map(Option::is_some).collect(),
             distance: self.distances(cage, &network),
             tapers: network.tapers.clone(),
@@ -288,81 +283,80 @@ impl Operator for Seams {
             kept_line: self.width_line(),
         };
         let lines = lines::insert(&request);
-        let held = self.held(t, &network, &lines);
-        let mut warnings = self.warn(&network, &lines.narrowed);
+        let controls = Self::controls(t, &network, &lines);
+        let mut warnings = self.warn(cage, &network, &lines.narrowed);
         let subsets = self.subsets(cage, &network, &lines, &mut warnings);
-        let (corners, creases, apart) = (Vec::new(), Vec::new(), Vec::new());
-        Ok(Shape { derivation: lines.builder.finish(), held, subsets, corners, creases, apart, warnings })
+        Ok(OperatorOutput { controls, subsets, warnings, ..OperatorOutput::new(lines.builder.finish(), cage) })
     }
 
-    fn heights(&self, shape: &Shape) -> Vec<f32> {
-        shape.held.iter().map(|held| self.height(&held.role).0).collect()
+    fn heights(&self, output: &OperatorOutput) -> Vec<f32> {
+        output.controls.iter().map(|control| self.height(&control.role).0).collect()
     }
 
-    fn unsound(&self, shape: &Shape, faces: &[FaceId]) -> Warning {
-        let of = seams_at(shape, faces);
-        let names: Vec<String> = of.iter().map(|&i| format!("seam.{}", self.seams[i].0)).collect();
-        let examples = super::examples(self.own_points, shape.sources(faces));
-        Warning::Unsound { operator: names.join(", "), count: faces.len(), examples }
+    fn intersections(&self, output: &OperatorOutput, faces: &[FaceId]) -> Warning {
+        let seams = seams_at(output, faces);
+        let label: Vec<String> = seams.iter().map(|&i| format!("seam.{}", self.seams[i].0)).collect();
+        super::operator::intersections(label.join(", "), output, faces)
     }
 
-    fn reduced(&self, shape: &Shape, given: &[f32]) -> Warnings {
+    fn reduced(&self, output: &OperatorOutput, given: &[f32]) -> Warnings {
         let mut warnings = Warnings::default();
         let mut shallow: Vec<(usize, VertexId, f32)> = Vec::new();
-        for (held, given) in shape.held.iter().zip(given) {
-            let (asked, instance) = self.height(&held.role);
-            if matches!(held.role, Role::Centre { .. }) && given.abs() < REPORTED * asked.abs() {
-                shallow.push((instance, held.vertex, given.abs() / asked.abs()));
+        for (control, given) in output.controls.iter().zip(given) {
+            let (asked, seam) = self.height(&control.role);
+            if matches!(control.role, Role::Centre { .. }) && given.abs() < REPORTED * asked.abs() {
+                shallow.push((seam, control.vertex, given.abs() / asked.abs()));
             }
         }
-        for (instance, (name, _)) in self.seams.iter().enumerate() {
-            let here = shallow.iter().filter(|s| s.0 == instance);
-            let vertices: Vec<VertexId> = here.clone().map(|s| s.1).collect();
-            if !vertices.is_empty() {
-                let examples = self.examples(&vertices, |v| vec![v], |v| v.index());
-                let (seam, least) = (name.clone(), here.map(|s| s.2).fold(1.0, f32::min));
-                warnings.push(Warning::ShallowSeam { seam, count: vertices.len(), examples, least });
+        for (number, (name, _)) in self.seams.iter().enumerate() {
+            let here = shallow.iter().filter(|s| s.0 == number);
+            let (count, least) = (here.clone().count(), here.clone().map(|s| s.2).fold(1.0, f32::min));
+            if count > 0 {
+                let problem = format!(
+                    "its normalOffset is reduced at {count} vertices, down to {:.0} %, to clear another layer",
+                    100.0 * least
+                );
+                let warning = Warning::new(Code::ShallowSeam, format!("seam.{name}"), problem);
+                let warning = warning.at(output.input_points(here.map(|s| s.1))).amount(least);
+                let remedy = format!("Lower `seam.{name}.normalOffset`, or run thicknesses after the seam");
+                warnings.push(warning.remedy(remedy));
             }
         }
         warnings
     }
 }
 
-/// The seams at some faces, or the next ones, by their places among the instances.
-fn seams_at(shape: &Shape, faces: &[FaceId]) -> BTreeSet<usize> {
-    let instances = |held: &Held| match &held.role {
-        Role::Centre { instances, .. } => instances.clone(),
-        Role::Line { instance, .. } => vec![*instance],
+/// Indices of the seams at some faces, or else of the nearest ones by a search over rings of faces.
+fn seams_at(output: &OperatorOutput, faces: &[FaceId]) -> BTreeSet<usize> {
+    let seams = |control: &Control| match &control.role {
+        Role::Centre { seams, .. } => seams.clone(),
+        Role::Line { seam, .. } => vec![*seam],
         _ => Vec::new(),
     };
-    let all = &shape.derivation.faces;
-    let mut there: BTreeSet<VertexId> = faces.iter().flat_map(|&f| all.vertices_of(f)).copied().collect();
+    let all = &output.derivation.faces;
+    let mut near: BTreeSet<VertexId> = faces.iter().flat_map(|&f| all.vertices_of(f)).copied().collect();
     loop {
-        let of: BTreeSet<usize> = shape.held.iter().filter(|h| there.contains(&h.vertex)).flat_map(instances).collect();
-        let touches = |f: &FaceId| all.vertices_of(*f).iter().any(|v| there.contains(v));
+        let found: BTreeSet<usize> =
+            output.controls.iter().filter(|c| near.contains(&c.vertex)).flat_map(seams).collect();
+        let touches = |f: &FaceId| all.vertices_of(*f).iter().any(|v| near.contains(v));
         let wider: BTreeSet<VertexId> = all.ids().filter(touches).flat_map(|f| all.vertices_of(f)).copied().collect();
-        if !of.is_empty() || wider.len() == there.len() {
-            return of;
+        if !found.is_empty() || wider.len() == near.len() {
+            return found;
         }
-        there = wider;
+        near = wider;
     }
-}
-
-/// Whether a scheme has faces that seams can be cut into.
-pub(super) fn is_supported(scheme: Scheme) -> bool {
-    scheme != Scheme::Loop
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::UNBOUNDED as OPEN;
+    use crate::contact::UNBOUNDED;
     use crate::mesh::Faces;
-    use crate::subdivide::Lineage;
+    use crate::subdivide::{Derivation, Level};
     use glam::Vec3;
 
     #[test]
-    fn faults_beside_a_seam_name_the_next_one() {
+    fn intersections_name_the_nearest_seam() {
         // A strip of quads with a seam across it near each end.
         let (length, at) = (12, |x: usize, y: usize| VertexId::new(2 * x + y));
         let quads = (0..length).flat_map(|x| [at(x, 0), at(x + 1, 0), at(x + 1, 1), at(x, 1)]);
@@ -382,18 +376,17 @@ mod tests {
         let seam = |name: &str| {
             (name.to_owned(), SeamOptions { edges: vec![name.to_owned()], width: 0.3, ..SeamOptions::default() })
         };
-        let points = garment.points.len();
-        let seams = Seams::new(vec![seam("first"), seam("second")], Context { points, names_sets: false });
-        let shape = seams.shape(&Cage::new(garment), &IdVec::filled(OPEN, points)).expect("a shape");
-        let name = |face: FaceId| match seams.unsound(&shape, &[face]) {
-            Warning::Unsound { operator, .. } => operator,
-            other => panic!("{other}"),
-        };
+        let seams = Seams { seams: vec![seam("first"), seam("second")] };
+        let (input_points, level) = (garment.points.len(), Level::base(&garment));
+        let clearance = &IdVec::filled(UNBOUNDED, input_points);
+        let cage = OperatorInput { garment: &garment, level: &level, clearance, input_points, names_sets: false };
+        let output = seams.apply(&cage).expect("an output");
+        let name = |face: FaceId| seams.intersections(&output, &[face]).place;
         let middle = |f: FaceId| {
-            let parents = shape.derivation.parent_face(f).index();
-            (parents as f32 + 0.5) / length as f32
+            let parent = output.derivation.parent_face(f).index();
+            (parent as f32 + 0.5) / length as f32
         };
-        for face in shape.derivation.faces.ids() {
+        for face in output.derivation.faces.ids() {
             if middle(face) < 0.4 {
                 assert_eq!(name(face), "seam.first");
             } else if middle(face) > 0.6 {

@@ -1,43 +1,46 @@
-//! Thickness: face sets beside a border, folded over into a second layer.
+//! Thickness: a second layer of face sets, folded over at the border of the mesh.
 //!
 //! ```text
-//!   outer   --o-------o---v           v  border, now the fold       o  line that holds the fold
+//!   outer   --o-------o---v           v  border, now the fold       o  support loop of the fold
 //!                         | hem       v' its copy
-//!   inner   --o'------o'--v'          the layers are amount × weight apart, and wound as one
-//!                                        closed surface: away from each other, on the outer side to each other
+//!   inner   --o'------o'--v'          the distance of the layers is amount × weight
 //! ```
+//!
+//! A support loop beside the border keeps the fold tight. The faces are then copied with reversed winding, and hem
+//! faces join each border edge to its copy. The winding is consistent across the hem. Faces without clearance are
+//! omitted (`cover`).
 
 mod cover;
 
-use super::REPORTED;
-use super::kind::{Context, Instance, Key, Options};
 use super::lines::{self, Lines, Request};
-use super::placed::Room;
-use super::shape::{Held, Operator, Role, Shape, is_lone_corner};
+use super::operator::{Control, Operator, OperatorInput, OperatorOutput, REPORTED, Role, is_lone_corner};
+use super::options::{Key, OperatorOptions};
 use crate::checks;
-use crate::error::{Bare, Error, Warning, Warnings};
+use crate::error::{Code, Error, Warning, Warnings};
 use crate::garment::{Elements, Garment, Orientation, Subset, Values};
 use crate::mesh::{CornerId, Csr, EdgeId, FaceId, IdVec, Topology, VertexId};
-use crate::subdivide::{Cage, Stencils};
+use crate::subdivide::{Level, Stencils};
 use cover::{Cover, layer_ends};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
+use std::any::Any;
+use std::sync::Arc;
 
-/// Distance of the line that holds the fold from it, as a share of the amount. Smaller makes the fold tighter.
-const HOLD: f32 = 1.0;
-/// Amount of a thickness that says none, as a share of the mean edge.
+/// Distance of the support loop from the fold, as a share of the amount. Smaller makes the fold tighter.
+const SUPPORT_DISTANCE: f32 = 1.0;
+/// Automatic amount, as a share of the mean edge.
 const AUTOMATIC_AMOUNT: f32 = 0.1;
-/// Least weight, so that the layers stay apart where it is painted 0.
-const LEAST_WEIGHT: f32 = 0.01;
+/// Smallest weight, which separates the layers where 0 is painted.
+const MIN_WEIGHT: f32 = 0.01;
 
-/// On which side of the surface the second layer is.
+/// The side of the surface on which the second layer is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub enum Side {
-    /// Behind it.
+    /// Behind the surface, against its normals.
     #[default]
     Inner,
-    /// Before it.
+    /// Before the surface, along its normals.
     Outer,
 }
 
@@ -45,36 +48,39 @@ pub enum Side {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase", default, deny_unknown_fields)]
 pub struct ThicknessOptions {
-    /// Names of the face subsets that get a second layer, as one piece.
+    /// Names of the face subsets that get a second layer in one piece.
     pub faces: Vec<String>,
-    /// Distance of the layers; 0: a tenth of the input's mean edge. \[stage units\]
+    /// Distance of the layers; 0: a tenth of the mean edge of the input. \[stage units\]
     pub amount: f32,
-    /// Painted float primvar that scales the amount; empty: 1 everywhere.
+    /// Name of a painted float primvar that scales the amount; empty: 1 everywhere.
     pub weights: String,
     /// The side of the second layer.
     pub side: Side,
-    /// Whether faces without a border get a second layer too.
+    /// True if faces without a border get a second layer too.
     pub closed: bool,
 }
 
-impl Options for ThicknessOptions {
-    const KIND: &'static str = "thickness";
-    const KEYS: &'static [Key] = &[
-        Key { field: "faces", unit: "names", meaning: "face subsets that are folded over at their border" },
-        Key { field: "amount", unit: "stage units", meaning: "distance of the layers; 0: a tenth of the mean edge" },
-        Key { field: "weights", unit: "name", meaning: "painted float primvar that scales the amount; empty: 1" },
-        Key { field: "side", unit: "inner or outer", meaning: "the side of the second layer" },
-        Key {
-            field: "closed",
-            unit: "true or false",
-            meaning: "whether faces without a border get a second layer too",
-        },
-    ];
-}
-
-impl Instance for ThicknessOptions {
+impl OperatorOptions for ThicknessOptions {
     fn kind(&self) -> &'static str {
-        Self::KIND
+        "thickness"
+    }
+
+    fn keys(&self) -> &'static [Key] {
+        &[
+            Key { field: "faces", unit: "names", meaning: "face subsets that get a second layer" },
+            Key {
+                field: "amount",
+                unit: "stage units",
+                meaning: "distance of the layers; 0: a tenth of the mean edge",
+            },
+            Key { field: "weights", unit: "name", meaning: "painted float primvar that scales the amount; empty: 1" },
+            Key { field: "side", unit: "inner or outer", meaning: "the side of the second layer" },
+            Key {
+                field: "closed",
+                unit: "true or false",
+                meaning: "whether faces without a border get a second layer too",
+            },
+        ]
     }
 
     fn check(&self, key: &dyn Fn(&str) -> String) -> Result<(), Error> {
@@ -87,41 +93,34 @@ impl Instance for ThicknessOptions {
         checks::weights(garment, &key("weights"), &self.weights).map(|_| ())
     }
 
-    fn settle(&mut self, mean_edge: f32) {
+    fn resolve_lengths(&mut self, mean_edge: f32) {
         if self.amount == 0.0 {
             self.amount = AUTOMATIC_AMOUNT * mean_edge;
         }
     }
 
-    fn stack(&self, name: &str, context: Context, operators: &mut Vec<Box<dyn Operator>>) {
-        operators.push(Box::new(Thickness::new(name.to_owned(), self.clone(), context)));
+    fn operator(&self, name: &str) -> Arc<dyn Operator> {
+        Arc::new(Thickness { name: name.to_owned(), options: self.clone() })
     }
 }
 
-/// One thickness.
-pub struct Thickness {
+/// The operator of a thickness.
+#[derive(Clone, Debug, PartialEq)]
+struct Thickness {
     name: String,
     options: ThicknessOptions,
-    /// Points of the input, whose numbers are the user's.
-    own_points: usize,
-    names_sets: bool,
 }
 
-/// The second layer while it is made.
+/// The second layer.
 struct Layer {
-    /// The copy of each vertex that has one.
+    /// The copy of each vertex, if any.
     copy: Vec<Option<VertexId>>,
     hem: Vec<FaceId>,
     inner: Vec<FaceId>,
 }
 
 impl Thickness {
-    /// A thickness by name.
-    pub fn new(name: String, options: ThicknessOptions, context: Context) -> Self {
-        Self { name, options, own_points: context.points, names_sets: context.names_sets }
-    }
-
-    /// The faces that are folded over.
+    /// True for faces of the named subsets.
     fn chosen(&self, garment: &Garment) -> IdVec<FaceId, bool> {
         let mut chosen = IdVec::filled(false, garment.faces.len());
         for subset in self.options.faces.iter().filter_map(|name| garment.subset(name)) {
@@ -132,31 +131,42 @@ impl Thickness {
         chosen
     }
 
-    /// What is said of faces that get no second layer.
-    fn warn(&self, cover: &Cover) -> Warnings {
+    /// Warnings of faces without a second layer.
+    fn warn(&self, cage: &OperatorInput, cover: &Cover) -> Warnings {
         let mut warnings = Warnings::default();
-        for (left, why) in [(&cover.turned, Bare::Turned), (&cover.tight, Bare::NoRoom), (&cover.cut_off, Bare::CutOff)]
-        {
-            if !left.faces.is_empty() {
-                let (count, examples) = (left.faces.len(), super::examples(self.own_points, left.at.iter().copied()));
-                warnings.push(Warning::BareFaces { thickness: self.name.clone(), count, examples, why });
+        let label = self.label();
+        let close = format!("Give those a second layer, or set `{label}.closed`");
+        for (omitted, problem, remedy) in [
+            (&cover.turned, "next to faces of opposite winding", "Give both the same winding"),
+            (
+                &cover.tight,
+                "that other cloth lies against",
+                "Move the cloth away, choose the other side, or remove the faces from its subsets",
+            ),
+            (&cover.cut_off, "that others without a second layer separate from the border", &close),
+        ] {
+            if !omitted.faces.is_empty() {
+                let problem = format!("no second layer on {} faces {problem}", omitted.faces.len());
+                let points = omitted.at.iter().copied().filter(|v| v.index() < cage.input_points).collect();
+                let warning = Warning::new(Code::BareFaces, &label, problem).at(Elements::Points(points));
+                warnings.push(warning.remedy(remedy));
             }
         }
         warnings
     }
 
     fn no_border(&self, garment: &Garment) -> Error {
-        let (prim, name, faces) = (&garment.prim, &self.name, self.options.faces.join(", "));
-        Error::Recipe(format!(
-            "{prim}: thickness.{name}.faces names {faces}, which is not next to a border of the mesh, so that there is \
-             nothing to fold over\n  hint: name a face subset at a border, or set thickness.{name}.closed"
-        ))
+        let (label, faces) = (self.label(), self.options.faces.join(", "));
+        let fault =
+            format!("{label}.faces names {faces}, which is not next to a border of the mesh and cannot be folded");
+        Error::recipe(&garment.prim, fault).remedy(format!("name a face subset at a border, or set {label}.closed"))
     }
 
     fn sign(&self) -> f32 {
         if self.options.side == Side::Outer { 1.0 } else { -1.0 }
     }
 
+    /// Copies the faces with reversed winding; the first corner stays first.
     fn copy_faces(&self, t: &Topology, chosen: &IdVec<FaceId, bool>, lines: &mut Lines) -> Layer {
         let mut layer = Layer { copy: vec![None; lines.builder.vertex_count()], hem: Vec::new(), inner: Vec::new() };
         for face in t.faces.ids().filter(|&f| chosen[f]) {
@@ -166,7 +176,6 @@ impl Thickness {
                 for &corner in &corners {
                     copied.push(copy_of(&mut layer.copy, corner, lines));
                 }
-                // The other way around, from the same corner on.
                 copied[1..].reverse();
                 layer.inner.push(lines.builder.face(face, &copied));
             }
@@ -174,7 +183,7 @@ impl Thickness {
         layer
     }
 
-    /// The strip between the border and its copy.
+    /// Adds the faces between the border and its copy.
     fn add_hem(&self, t: &Topology, border: &[CornerId], layer: &mut Layer, lines: &mut Lines) {
         for &half in border {
             let [a, b] = t.faces.half_edge(half);
@@ -183,7 +192,7 @@ impl Thickness {
         }
     }
 
-    /// Edges go on around the fold and back along the second layer.
+    /// Continues parent edges around the fold and back along the second layer, so that edge sets follow.
     fn add_edges(
         &self,
         t: &Topology,
@@ -199,81 +208,81 @@ impl Thickness {
             if !faces.any(|f| chosen[f]) {
                 continue;
             }
-            let ([a, b], inner) = (t.edges[edge], !t.is_border(edge));
-            if inner && folds[b] {
+            let ([a, b], is_interior) = (t.edges[edge], !t.is_border(edge));
+            if is_interior && folds[b] {
                 lines.builder.edge(edge, [b, copy(b)]);
             }
             for &[from, to] in children.row(edge).iter().rev() {
                 lines.builder.edge(edge, [copy(to), copy(from)]);
             }
-            if inner && folds[a] {
+            if is_interior && folds[a] {
                 lines.builder.edge(edge, [copy(a), a]);
             }
         }
     }
 
-    /// The painted weights in the limit, where the surface is.
-    fn weights(&self, cage: &Cage) -> Option<Vec<f32>> {
-        let painted = cage.garment().primvar(&self.options.weights)?;
+    /// The painted weights on the limit surface.
+    fn weights(&self, cage: &OperatorInput) -> Option<Vec<f32>> {
+        let painted = cage.garment.primvar(&self.options.weights)?;
         let Values::F32(values) = &painted.values else { return None };
-        let values: Vec<[f32; 1]> = (0..cage.garment().points.len()).map(|v| [values[painted.row(v)]]).collect();
-        Some((&cage.level().limit_rows()).apply(&values).into_iter().flatten().collect())
+        let values: Vec<[f32; 1]> = (0..cage.garment.points.len()).map(|v| [values[painted.row(v)]]).collect();
+        Some((&cage.level.limit_rows()).apply(&values).into_iter().flatten().collect())
     }
 
     fn weight(&self, weights: Option<&[f32]>, sources: &[(VertexId, f32)]) -> f32 {
         let weight = weights.map_or(1.0, |all| sources.iter().map(|&(v, w)| w * all[v.index()]).sum());
-        weight.max(LEAST_WEIGHT)
+        weight.max(MIN_WEIGHT)
     }
 
-    fn held(
+    fn controls(
         &self,
         weights: Option<&[f32]>,
         (folds, ends): (&IdVec<VertexId, bool>, &IdVec<VertexId, bool>),
         layer: &Layer,
         lines: &Lines,
-    ) -> Vec<Held> {
-        let near = lines.near.enumerated().filter(|(v, near)| **near || ends[*v]).map(|(v, _)| v);
+    ) -> Vec<Control> {
+        let on_cage = lines.near.enumerated().filter(|(v, near)| **near || ends[*v]).map(|(v, _)| v);
         let on_surface = |vertex: VertexId| {
             let is_fold = folds.contains_id(vertex) && folds[vertex];
-            Held { vertex, role: if is_fold { Role::Fold } else { Role::Surface } }
+            Control { vertex, role: if is_fold { Role::Fold } else { Role::Surface } }
         };
-        let mut held: Vec<Held> = near.map(on_surface).collect();
-        held.extend(lines.vertices.iter().map(|l| on_surface(l.vertex)));
+        let mut controls: Vec<Control> = on_cage.map(on_surface).collect();
+        controls.extend(lines.vertices.iter().map(|l| on_surface(l.vertex)));
         let copies = layer.copy.iter().enumerate().filter_map(|(v, copy)| Some((VertexId::new(v), (*copy)?)));
-        held.extend(copies.map(|(over, vertex)| {
+        controls.extend(copies.map(|(over, vertex)| {
             let weight = self.weight(weights, &lines.builder.sources(over));
-            Held { vertex, role: Role::Layer { over, weight, side: self.sign() } }
+            Control { vertex, role: Role::Layer { over, weight, side: self.sign() } }
         }));
-        held
+        controls
     }
 
-    /// Where the copies are until their surface is fitted.
-    fn apart(&self, cage: &Cage, held: &[Held], lines: &Lines) -> Vec<(VertexId, Vec3)> {
-        let normals = vertex_normals(cage);
-        let offset = |h: &Held| {
-            let Role::Layer { over, weight, .. } = h.role else { return None };
+    /// The provisional offsets of the copies.
+    fn offsets(&self, cage: &OperatorInput, controls: &[Control], lines: &Lines) -> Vec<(VertexId, Vec3)> {
+        let normals = vertex_normals(cage.garment);
+        let offset = |control: &Control| {
+            let Role::Layer { over, weight, .. } = control.role else { return None };
             let normal: Vec3 = lines.builder.sources(over).iter().map(|&(v, w)| w * normals[v]).sum();
-            Some((h.vertex, self.sign() * self.options.amount * weight * normal.normalize_or_zero()))
+            Some((control.vertex, self.sign() * self.options.amount * weight * normal.normalize_or_zero()))
         };
-        held.iter().filter_map(offset).collect()
+        controls.iter().filter_map(offset).collect()
     }
 
-    fn subsets(&self, garment: &Garment, layer: &Layer, warnings: &mut Warnings) -> Vec<Subset> {
-        if !self.names_sets {
+    fn subsets(&self, cage: &OperatorInput, layer: &Layer, warnings: &mut Warnings) -> Vec<Subset> {
+        if !cage.names_sets {
             return Vec::new();
         }
-        let set = |(end, faces): (&str, &Vec<FaceId>)| (format!("{}_{end}", self.name), faces.clone());
+        let set = |(suffix, faces): (&str, &Vec<FaceId>)| (format!("{}_{suffix}", self.name), faces.clone());
         let sets = [("hem", &layer.hem), ("inner", &layer.inner)].map(set);
-        super::new_sets(garment, sets.into(), warnings)
+        super::new_sets(cage.garment, sets.into(), warnings)
     }
 }
 
-/// The half-edges of chosen faces along the border of the mesh.
+/// The half-edges of the chosen faces along the border of the mesh.
 fn border<'a>(t: &'a Topology, chosen: &'a IdVec<FaceId, bool>) -> impl Iterator<Item = CornerId> + 'a {
     t.faces.corners().ids().filter(|&c| t.is_border(t.corner_edge[c]) && chosen[t.faces.face_of(c)])
 }
 
-/// The copy of a vertex, made when it is first asked for.
+/// The copy of a vertex, added on first use.
 fn copy_of(copies: &mut [Option<VertexId>], vertex: VertexId, lines: &mut Lines) -> VertexId {
     *copies[vertex.index()].get_or_insert_with(|| {
         let sources = lines.builder.sources(vertex);
@@ -281,33 +290,33 @@ fn copy_of(copies: &mut [Option<VertexId>], vertex: VertexId, lines: &mut Lines)
     })
 }
 
-/// What becomes sharp: the corners of single faces are corners of both layers with an edge between, and where the fold
-/// ends along a border the border turns aside.
+/// Infinitely sharp vertices and edges: sharp corners of single faces stay sharp on both layers, with a crease between
+/// them, and a fold that ends along a border has a corner there.
 fn sharpness(
-    cage: &Cage,
+    level: &Level,
     folds: &IdVec<VertexId, bool>,
     marked: &IdVec<EdgeId, bool>,
     layer: &Layer,
 ) -> (Vec<VertexId>, Vec<[VertexId; 2]>) {
-    let t = &cage.level().topology;
+    let t = &level.topology;
     let (mut corners, mut creases) = (Vec::new(), Vec::new());
     for vertex in folds.ids().filter(|&v| folds[v]) {
         let Some(copy) = layer.copy[vertex.index()] else { continue };
         let around = t.vertex_corners.row(vertex).iter().flat_map(|&c| [c, t.faces.prev(c)]);
-        let goes_on = around.map(|c| t.corner_edge[c]).any(|e| t.is_border(e) && !marked[e]);
-        if is_lone_corner(cage, vertex) {
+        let ends_here = around.map(|c| t.corner_edge[c]).any(|e| t.is_border(e) && !marked[e]);
+        if is_lone_corner(level, vertex) {
             corners.push(copy);
             creases.push([vertex, copy]);
-        } else if goes_on {
+        } else if ends_here {
             corners.extend([vertex, copy]);
         }
     }
     (corners, creases)
 }
 
-/// Normals of a cage, to the front.
-fn vertex_normals(cage: &Cage) -> IdVec<VertexId, Vec3> {
-    let (garment, faces) = (cage.garment(), &cage.level().topology.faces);
+/// Outer normals of a cage, weighted by the areas at its corners.
+fn vertex_normals(garment: &Garment) -> IdVec<VertexId, Vec3> {
+    let faces = &garment.faces;
     let sign = if garment.orientation == Orientation::LeftHanded { -1.0 } else { 1.0 };
     let mut normals = IdVec::filled(Vec3::ZERO, garment.points.len());
     for corner in faces.corners().ids() {
@@ -320,8 +329,12 @@ fn vertex_normals(cage: &Cage) -> IdVec<VertexId, Vec3> {
 }
 
 impl Operator for Thickness {
-    fn structure(&self) -> String {
-        format!("thickness {:?} {:?} {}", self.name, self.options, self.names_sets)
+    fn label(&self) -> String {
+        format!("thickness.{}", self.name)
+    }
+
+    fn is_same(&self, other: &dyn Operator) -> bool {
+        (other as &dyn Any).downcast_ref::<Self>() == Some(self)
     }
 
     fn reach(&self, garment: &Garment) -> f32 {
@@ -329,16 +342,12 @@ impl Operator for Thickness {
             Some(Values::F32(weights)) => weights.iter().copied().fold(0.0, f32::max),
             _ => 1.0,
         };
-        self.options.amount.abs() * most.max(LEAST_WEIGHT)
+        self.options.amount.abs() * most.max(MIN_WEIGHT)
     }
 
-    fn options(&self) -> String {
-        self.structure()
-    }
-
-    fn shape(&self, cage: &Cage, clearance: &IdVec<VertexId, Room>) -> Result<Shape, Error> {
-        super::refuse_loop(cage, &format!("thickness.{}", self.name))?;
-        let (garment, t) = (cage.garment(), &cage.level().topology);
+    fn apply(&self, cage: &OperatorInput) -> Result<OperatorOutput, Error> {
+        super::refuse_loop(cage, &self.label())?;
+        let (garment, t) = (cage.garment, &cage.level.topology);
         let chosen = self.chosen(garment);
         if !self.options.closed && border(t, &chosen).next().is_none() {
             return Err(self.no_border(garment));
@@ -346,9 +355,10 @@ impl Operator for Thickness {
         let weights = self.weights(cage);
         let weights = weights.as_deref();
         let side = usize::from(self.sign() > 0.0);
-        let room = |v: VertexId| clearance[v][side] / (self.options.amount * self.weight(weights, &[(v, 1.0)]));
-        let cover = Cover::new(t, &chosen, self.options.closed, room);
-        let mut warnings = self.warn(&cover);
+        let clearance =
+            |v: VertexId| cage.clearance[v][side] / (self.options.amount * self.weight(weights, &[(v, 1.0)]));
+        let cover = Cover::new(t, &chosen, self.options.closed, clearance);
+        let mut warnings = self.warn(cage, &cover);
         let chosen = cover.chosen;
         let border: Vec<CornerId> = border(t, &chosen).collect();
         let mut marked = IdVec::filled(false, t.edges.len());
@@ -361,43 +371,39 @@ impl Operator for Thickness {
             topology: t,
             points: &garment.points,
             marked,
-            distance: IdVec::filled(HOLD * self.options.amount, t.faces.corners().len()),
+            distance: IdVec::filled(SUPPORT_DISTANCE * self.options.amount, t.faces.corners().len()),
             tapers: IdVec::filled(false, t.vertex_count()),
             cuttable: chosen.clone(),
             shares: &[1.0],
             kept_line: 0,
         };
-        // The line that holds the fold may be nearer to it than asked without harm.
+        // A closer support loop is harmless, so `lines.narrowed` gives no warning.
         let mut lines = lines::insert(&request);
         let mut layer = self.copy_faces(t, &chosen, &mut lines);
         self.add_hem(t, &border, &mut layer, &mut lines);
         self.add_edges(t, &chosen, &folds, &layer, &mut lines);
-        let held = self.held(weights, (&folds, &layer_ends(t, &chosen)), &layer, &lines);
-        let apart = self.apart(cage, &held, &lines);
-        let subsets = self.subsets(garment, &layer, &mut warnings);
-        let (corners, creases) = sharpness(cage, &folds, &request.marked, &layer);
-        Ok(Shape { derivation: lines.builder.finish(), held, subsets, corners, creases, apart, warnings })
+        let controls = self.controls(weights, (&folds, &layer_ends(t, &chosen)), &layer, &lines);
+        let offsets = self.offsets(cage, &controls, &lines);
+        let subsets = self.subsets(cage, &layer, &mut warnings);
+        let (corners, creases) = sharpness(cage.level, &folds, &request.marked, &layer);
+        let output = OperatorOutput::new(lines.builder.finish(), cage);
+        Ok(OperatorOutput { controls, subsets, corners, creases, offsets, warnings, ..output })
     }
 
-    fn heights(&self, shape: &Shape) -> Vec<f32> {
-        let of = |held: &Held| match held.role {
+    fn heights(&self, output: &OperatorOutput) -> Vec<f32> {
+        let of = |control: &Control| match control.role {
             Role::Layer { weight, .. } => self.sign() * self.options.amount * weight,
             _ => 0.0,
         };
-        shape.held.iter().map(of).collect()
+        output.controls.iter().map(of).collect()
     }
 
-    fn unsound(&self, shape: &Shape, faces: &[FaceId]) -> Warning {
-        let examples = super::examples(self.own_points, shape.sources(faces));
-        Warning::Unsound { operator: format!("thickness.{}", self.name), count: faces.len(), examples }
-    }
-
-    fn reduced(&self, shape: &Shape, given: &[f32]) -> Warnings {
+    fn reduced(&self, output: &OperatorOutput, given: &[f32]) -> Warnings {
         let mut warnings = Warnings::default();
         let mut thin: Vec<VertexId> = Vec::new();
         let mut least = 1.0f32;
-        for (held, given) in shape.held.iter().zip(given) {
-            let Role::Layer { over, weight, .. } = held.role else { continue };
+        for (control, given) in output.controls.iter().zip(given) {
+            let Role::Layer { over, weight, .. } = control.role else { continue };
             let share = given.abs() / (self.options.amount * weight);
             if share < REPORTED {
                 thin.push(over);
@@ -405,8 +411,13 @@ impl Operator for Thickness {
             }
         }
         if !thin.is_empty() {
-            let examples = super::examples(self.own_points, thin.iter().copied());
-            warnings.push(Warning::ThinLayer { thickness: self.name.clone(), count: thin.len(), examples, least });
+            let (count, left) = (thin.len(), 100.0 * least);
+            let problem =
+                format!("thinner than asked at {count} vertices, down to {left:.0} %, to clear itself or other cloth");
+            let warning = Warning::new(Code::ThinLayer, self.label(), problem).at(output.input_points(thin));
+            warnings.push(
+                warning.amount(least).remedy(format!("Lower `{}.amount`, or paint lower weights there", self.label())),
+            );
         }
         warnings
     }

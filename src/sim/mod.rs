@@ -13,15 +13,22 @@ mod product;
 mod sim_mesh;
 mod surface;
 
-pub use baseline::facets::Facet;
-pub use baseline::project::Projection;
 pub use baseline::{Baseline, Location};
-pub use constraints::chain::{Chain, ChainKind};
+#[cfg(feature = "internals")]
+pub use baseline::{facets::Facet, project::Projection};
+pub use constraints::chain::Chain;
+#[cfg(feature = "internals")]
+pub use constraints::chain::ChainKind;
 pub use geometry::closest_weights;
 pub use options::SimOptions;
-pub use passes::drift::drift;
-pub use passes::remesh::{Pass, RemeshReport, remesh};
+pub use passes::remesh::RemeshReport;
+#[cfg(feature = "internals")]
+pub use passes::{
+    drift::drift,
+    remesh::{Pass, remesh},
+};
 pub use product::{CurveGap, SimProduct, simulate};
+#[cfg(feature = "internals")]
 pub use sim_mesh::{CurveSpan, SimMesh, UvLocation, VertexConstraint};
 pub use surface::lengths::Lengths;
 pub use surface::refine::holes;

@@ -39,6 +39,11 @@ pub struct SimOptions {
 }
 
 impl SimOptions {
+    /// The options that remeshing reads; those that transfer alone reads have one value.
+    pub(crate) fn without_transfer(&self) -> Self {
+        Self { transfer_samples: 0, seed: 0, clean_islands: false, provenance: false, ..self.clone() }
+    }
+
     /// The turn above which a curve has a corner. \[radians\]
     pub(crate) fn corner(&self) -> f32 {
         if self.corner_angle < 180.0 { self.corner_angle.to_radians() } else { f32::INFINITY }

@@ -1,38 +1,40 @@
-//! One level of a subdivision hierarchy: topology, sharpness, and the rule that holds at each vertex.
+//! One level of a subdivision hierarchy: topology, sharpness, and the rule of each vertex.
+//!
+//! Sharpness and rules follow OpenSubdiv (`vtr/level.cpp`, `sdc/crease.h`), including non-manifold edges and vertices.
 
 use super::split;
 use crate::garment::{BoundaryInterpolation, Garment, Scheme, TriangleRule};
 use crate::mesh::{CornerId, EdgeId, FaceId, Faces, IdVec, Topology, VertexId};
 use std::collections::BTreeSet;
 
-/// Sharpness from which on an edge or vertex stays sharp at every level (OpenSubdiv's `SHARPNESS_INFINITE`).
+/// Edges and vertices of this sharpness or more stay sharp at every level (OpenSubdiv's `SHARPNESS_INFINITE`).
 pub const INFINITE_SHARPNESS: f32 = 10.0;
 
-/// The sharpness that is left after one refinement (DeRose, Kass and Truong 1998, uniform creases).
+/// The sharpness after one refinement: one less, unless infinite (DeRose, Kass and Truong 1998, uniform creases).
 pub fn refined_sharpness(sharpness: f32) -> f32 {
     if sharpness >= INFINITE_SHARPNESS { INFINITE_SHARPNESS } else { (sharpness - 1.0).max(0.0) }
 }
 
-/// How many sharp edges meet at a vertex, and so which mask moves it.
+/// The mask of a vertex, selected by the number of sharp edges at it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rule {
     /// No sharp edge.
     Smooth,
-    /// One sharp edge; moved as a smooth vertex.
+    /// One sharp edge; the mask is the smooth one.
     Dart,
     /// Two sharp edges.
     Crease,
-    /// More, or the vertex itself is sharp.
+    /// Three or more sharp edges, or a sharp vertex.
     Corner,
 }
 
 impl Rule {
-    /// The rule at a vertex of a sharpness, among edges of the given sharpnesses.
+    /// The rule of a vertex from its own sharpness and that of its edges.
     pub fn new(vertex: f32, edges: impl IntoIterator<Item = f32>) -> Self {
         Self::of_count(vertex, edges.into_iter().filter(|&s| s > 0.0).count())
     }
 
-    /// The rule at a vertex of a sharpness, among a number of sharp edges.
+    /// The rule of a vertex from its own sharpness and its number of sharp edges.
     fn of_count(vertex: f32, sharp_edges: usize) -> Self {
         if vertex > 0.0 {
             return Self::Corner;
@@ -45,7 +47,7 @@ impl Rule {
         }
     }
 
-    /// Whether the vertex is moved by the smooth mask.
+    /// `true` for rules with the smooth mask.
     pub fn is_smooth(self) -> bool {
         matches!(self, Self::Smooth | Self::Dart)
     }
@@ -60,28 +62,29 @@ pub struct Spoke {
     pub far: CornerId,
 }
 
-/// A mesh with all that the masks depend on.
+/// A mesh and all other data that the masks depend on.
 #[derive(Clone, Debug)]
 pub struct Level {
     /// Connectivity.
     pub topology: Topology,
     /// The scheme; `None` refines as `Bilinear`.
     pub scheme: Scheme,
-    /// The weights for triangles.
+    /// The rule of smooth edges beside triangles.
     pub triangles: TriangleRule,
-    /// Whether the vertices of single faces are sharp.
+    /// `true` if border vertices of one face are sharp (`edgeAndCorner`).
     pub sharp_corners: bool,
-    /// Sharpness of each edge, borders and non-manifold edges infinite.
+    /// Sharpness of each edge; infinite on borders and non-manifold edges.
     pub edge_sharpness: IdVec<EdgeId, f32>,
     /// Sharpness of each vertex.
     pub vertex_sharpness: IdVec<VertexId, f32>,
-    /// The rule at each vertex.
+    /// The rule of each vertex.
     pub rules: IdVec<VertexId, Rule>,
 }
 
 impl Level {
-    /// The unrefined level of a garment, with borders and non-manifold elements sharpened as OpenSubdiv does. All that it
-    /// reads is in [`Level::fingerprint`].
+    /// The unrefined level of a garment. Borders and non-manifold elements are sharpened as in OpenSubdiv.
+    ///
+    /// Garments that [`same_level`] calls equal have equal levels.
     pub fn base(garment: &Garment) -> Self {
         let topology = Topology::new(garment.faces.clone(), garment.points.len());
         let sharp_corners = garment.rules.boundary == BoundaryInterpolation::EdgeAndCorner;
@@ -116,7 +119,7 @@ impl Level {
         level
     }
 
-    /// Makes corners of the border and non-manifold vertices infinitely sharp.
+    /// Makes border corners (under `edgeAndCorner`) and non-manifold vertices infinitely sharp.
     fn sharpen_vertices(&mut self) {
         let mut spokes = Vec::new();
         let borders = borders_at(&self.topology);
@@ -149,8 +152,9 @@ impl Level {
         }
     }
 
-    /// Some faces as a level of their own, and the vertices of this one that it has. Vertices all of whose faces are there
-    /// have the same rules; others do not move.
+    /// The level of a subset of the faces, with the vertex of `self` for each of its vertices.
+    ///
+    /// A vertex with all of its faces in the subset keeps its rule; any other becomes a corner.
     pub fn part(&self, faces: &[FaceId]) -> (Self, IdVec<VertexId, VertexId>) {
         let t = &self.topology;
         let mut new: IdVec<VertexId, Option<VertexId>> = IdVec::filled(None, t.vertex_count());
@@ -177,24 +181,25 @@ impl Level {
         (level, old)
     }
 
-    /// The level refined once.
+    /// The next finer level.
     #[must_use]
     pub fn refined(&self) -> Self {
         split::child_level(self, self.refined_faces())
     }
 
-    /// The faces of the level refined once.
+    /// The faces of the next finer level.
     pub fn refined_faces(&self) -> Faces {
         split::child_faces(self)
     }
 
-    /// The edges at a vertex, each once.
+    /// Writes each edge at a vertex to `out`, once.
     pub fn spokes(&self, vertex: VertexId, out: &mut Vec<Spoke>) {
         spokes(&self.topology, vertex, out);
     }
 
-    /// The faces that `interpolateBoundary = "none"` removes: those with a vertex on a border that is not creased. None
-    /// under another rule, and none of a bilinear or polygonal mesh.
+    /// The faces that `interpolateBoundary = "none"` removes: those with a vertex on an uncreased border.
+    ///
+    /// Empty under any other boundary rule and for bilinear or polygonal meshes.
     pub fn border_holes(&self, garment: &Garment) -> Vec<FaceId> {
         if garment.rules.boundary != BoundaryInterpolation::None
             || matches!(garment.rules.scheme, Scheme::Bilinear | Scheme::None)
@@ -213,14 +218,20 @@ impl Level {
     }
 }
 
-/// The edges at a vertex, once for each face that they have there.
+/// `true` if both garments have the same unrefined level.
+pub fn same_level(a: &Garment, b: &Garment) -> bool {
+    let rules = |g: &Garment| (g.rules.scheme, g.rules.boundary, g.rules.triangles, g.points.len());
+    rules(a) == rules(b) && a.faces == b.faces && a.creases == b.creases && a.corners == b.corners
+}
+
+/// The edges at a vertex, each as often as it has faces.
 #[inline]
 pub fn edges_at(topology: &Topology, vertex: VertexId) -> impl Iterator<Item = EdgeId> {
     let corners = topology.vertex_corners.row(vertex).iter();
     corners.flat_map(|&c| [topology.corner_edge[c], topology.corner_edge[topology.faces.prev(c)]])
 }
 
-/// Collects the edges at a vertex, each once, in the order of the corners.
+/// Writes each edge at a vertex to `out`, once, in the order of the corners.
 pub fn spokes(topology: &Topology, vertex: VertexId, out: &mut Vec<Spoke>) {
     out.clear();
     for &corner in topology.vertex_corners.row(vertex) {
@@ -235,7 +246,7 @@ pub fn spokes(topology: &Topology, vertex: VertexId, out: &mut Vec<Spoke>) {
     }
 }
 
-/// More than two faces, or two that traverse the edge in the same direction.
+/// `true` if the edge has more than two faces, or two that traverse it in the same direction.
 #[inline]
 pub fn is_non_manifold(topology: &Topology, edge: EdgeId) -> bool {
     match *topology.edge_corners.row(edge) {
@@ -245,7 +256,7 @@ pub fn is_non_manifold(topology: &Topology, edge: EdgeId) -> bool {
     }
 }
 
-/// A vertex of a non-manifold edge, or whose faces are not one fan.
+/// `true` for a vertex of a non-manifold edge and for a vertex with more than one fan of faces.
 pub fn is_non_manifold_vertex(topology: &Topology, vertex: VertexId) -> bool {
     if edges_at(topology, vertex).any(|e| is_non_manifold(topology, e)) {
         return true;
@@ -254,7 +265,7 @@ pub fn is_non_manifold_vertex(topology: &Topology, vertex: VertexId) -> bool {
     borders > 2 || fan_length(topology, vertex) != topology.vertex_corners.row(vertex).len()
 }
 
-/// The number of borders at each vertex; as many as can be where an edge is non-manifold.
+/// The number of border edges at each vertex; `u8::MAX` at vertices of non-manifold edges.
 fn borders_at(topology: &Topology) -> IdVec<VertexId, u8> {
     let mut borders = IdVec::filled(0u8, topology.vertex_count());
     for (edge, ends) in topology.edges.enumerated() {
@@ -268,7 +279,7 @@ fn borders_at(topology: &Topology) -> IdVec<VertexId, u8> {
     borders
 }
 
-/// Corners in the fan that begins at a border of the vertex, or at any corner where there is none.
+/// The number of corners in one fan of the vertex: that of a border edge if there is one, else any.
 fn fan_length(topology: &Topology, vertex: VertexId) -> usize {
     let corners = topology.vertex_corners.row(vertex);
     let Some(&first) =
@@ -286,7 +297,8 @@ fn fan_length(topology: &Topology, vertex: VertexId) -> usize {
     corners.len() + 1
 }
 
-/// Two opposite non-manifold edges with sheets of faces between them (OpenSubdiv's `testVertexNonManifoldCrease`).
+/// `true` if exactly two non-manifold edges meet at the vertex and all of its faces lie in sheets between them
+/// (OpenSubdiv's `testVertexNonManifoldCrease`).
 fn is_non_manifold_crease(topology: &Topology, vertex: VertexId, spokes: &[Spoke]) -> bool {
     let corners = topology.vertex_corners.row(vertex);
     let fins: Vec<EdgeId> = spokes.iter().map(|s| s.edge).filter(|&e| is_non_manifold(topology, e)).collect();

@@ -1,6 +1,9 @@
-//! Limit positions: where a cage's vertices are once it is refined for ever.
+//! Limit positions of a cage's vertices under Catmull-Clark, as weighted sums of its vertices.
 //!
-//! Reference: Halstead, Kass and DeRose 1993.
+//! Smooth vertices use the limit mask of Halstead, Kass and DeRose 1993. It holds where all faces at the vertex are
+//! quads; at other vertices it is applied to the first refinement. Semi-sharp vertices blend the limits of the corner,
+//! crease and smooth rules by sharpness, which is exact for zero and infinite sharpness only. Under the bilinear,
+//! polygonal and Loop schemes each vertex is its own limit.
 
 use super::{INFINITE_SHARPNESS, Level, Numbering, Rule, Spoke, Stencils, Table, VertexStencils};
 use crate::garment::{Scheme, TriangleRule};
@@ -8,7 +11,7 @@ use crate::mesh::VertexId;
 use rayon::prelude::*;
 
 impl Level {
-    /// Limit positions of the vertices, as weighted sums of them.
+    /// Limit position of each vertex, as a weighted sum of the level's vertices.
     pub fn limit_rows(&self) -> Table<VertexId> {
         let (refined, count) = (self.vertex_stencils(), self.topology.vertex_count());
         let vertices = (0..count).into_par_iter().map(VertexId::new);
@@ -17,10 +20,10 @@ impl Level {
     }
 }
 
-/// Rows that are summed source by source.
+/// Builds rows in which each source appears once.
 struct Rows<'a> {
     table: &'a mut Table<VertexId>,
-    /// Where the last row that has a vertex may have it, in this table or another.
+    /// For each vertex, the table entry that was last added for it. It may belong to an earlier row or table.
     last: &'a mut [u32],
 }
 
@@ -31,7 +34,7 @@ impl Rows<'_> {
     }
 }
 
-/// How much a sharpness still counts in the limit: exact where it is none or infinite, and near it between.
+/// Weight of a sharp rule in the limit: exact for zero and infinite sharpness, approximate between.
 fn lasting(sharpness: f32) -> f32 {
     if sharpness >= INFINITE_SHARPNESS { 1.0 } else { 1.0 - 0.5f32.powf(sharpness) }
 }
@@ -48,7 +51,7 @@ fn limit_row(level: &Level, refined: &VertexStencils, vertex: VertexId, rows: &m
     }
     let mut spokes: Vec<Spoke> = Vec::new();
     level.spokes(vertex, &mut spokes);
-    // What is sharper lasts longer: a corner of three edges becomes a crease of the two sharpest.
+    // A corner of three semi-sharp edges becomes a crease along the two sharpest.
     let mut sharp: Vec<&Spoke> = spokes.iter().filter(|s| level.edge_sharpness[s.edge] > 0.0).collect();
     sharp.sort_by(|a, b| level.edge_sharpness[b.edge].total_cmp(&level.edge_sharpness[a.edge]));
     let sharpness = |k: usize| sharp.get(k).map_or(0.0, |s| level.edge_sharpness[s.edge]);
@@ -63,7 +66,8 @@ fn limit_row(level: &Level, refined: &VertexStencils, vertex: VertexId, rows: &m
     }
 }
 
-/// The limit of a smooth vertex, through the first refinement where that has other masks than those of smooth edges.
+/// Emits the smooth limit mask of a vertex, times `scale`. Away from all-quad and smooth Catmull-Clark neighbourhoods
+/// it goes through the stencils of the first refinement.
 fn smooth_row(
     level: &Level,
     refined: &VertexStencils,
@@ -84,7 +88,8 @@ fn smooth_row(
         return;
     }
     if level.rules[vertex] == Rule::Smooth && level.triangles == TriangleRule::CatmullClark {
-        // The first refinement put into the limit: the vertex, the ends of its edges, and the centres of its faces.
+        // The limit mask applied to the masks of the first refinement: the vertex, its edges' ends and its faces'
+        // centres.
         sink(vertex, n * (n - 1.0) * unit);
         for &corner in corners {
             sink(t.faces.vertex(t.faces.next(corner)), 2.0 * unit);

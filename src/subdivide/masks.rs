@@ -1,18 +1,18 @@
-//! The subdivision masks, as weights on corners of the parent level.
+//! The subdivision masks of Catmull-Clark, Loop and bilinear subdivision, as weights of the parent level's corners.
 //!
-//! A corner stands for "the value at this vertex as this face sees it", so that one mask serves points (through the
-//! corner's vertex) and face-varying data (through the corner's value). Source: Catmull and Clark 1978; Loop 1987;
-//! DeRose, Kass and Truong 1998 for creases; the smooth triangle weights and the treatment of non-manifold elements are
-//! OpenSubdiv's (`sdc/catmarkScheme.h`, `sdc/loopScheme.h`).
+//! A corner names both a vertex and a face-varying value. One mask therefore serves points and face-varying primvars.
+//!
+//! Sources: Catmull and Clark 1978; Loop 1987; creases by DeRose, Kass and Truong 1998. Smooth triangle weights and
+//! non-manifold elements follow OpenSubdiv (`sdc/catmarkScheme.h`, `sdc/loopScheme.h`).
 
 use super::level::{Level, Rule, Spoke, refined_sharpness};
 use crate::garment::{Scheme, TriangleRule};
 use crate::mesh::{CornerId, EdgeId, FaceId, VertexId};
 
-/// Weight of each face centre of an edge beside a triangle under `TriangleRule::Smooth` (Niessner et al. 2012).
+/// Weight of a triangle's centre in the mask of its edges, under `TriangleRule::Smooth` (Niessner et al. 2012).
 const SMOOTH_TRIANGLE_WEIGHT: f32 = 0.470;
 
-/// The centre of a face.
+/// Emits the mask of a face's centre, times `scale`.
 #[inline(always)]
 pub fn face(level: &Level, face: FaceId, scale: f32, sink: &mut impl FnMut(CornerId, f32)) {
     let corners = level.topology.faces.corners_of(face);
@@ -20,7 +20,7 @@ pub fn face(level: &Level, face: FaceId, scale: f32, sink: &mut impl FnMut(Corne
     corners.for_each(|c| sink(c, weight));
 }
 
-/// The middle of an edge.
+/// Emits the mask of an edge's midpoint, times `scale`.
 #[inline(always)]
 pub fn middle(level: &Level, edge: EdgeId, scale: f32, sink: &mut impl FnMut(CornerId, f32)) {
     let first = level.topology.edge_corners.row(edge)[0];
@@ -28,7 +28,7 @@ pub fn middle(level: &Level, edge: EdgeId, scale: f32, sink: &mut impl FnMut(Cor
     sink(level.topology.faces.next(first), 0.5 * scale);
 }
 
-/// The vertex that splits an edge.
+/// Emits the mask of the child of an edge.
 #[inline(always)]
 pub fn edge(level: &Level, edge: EdgeId, sink: &mut impl FnMut(CornerId, f32)) {
     let sharp = match level.scheme {
@@ -65,7 +65,7 @@ fn smooth_edge(level: &Level, edge: EdgeId, scale: f32, sink: &mut impl FnMut(Co
     }
 }
 
-/// Weight of each face centre in the mask of a smooth edge.
+/// Weight of each face's centre in the mask of a smooth edge.
 fn smooth_edge_face_weight(level: &Level, halves: &[CornerId]) -> f32 {
     let faces = &level.topology.faces;
     if let (TriangleRule::Smooth, &[a, b]) = (level.triangles, halves) {
@@ -83,7 +83,7 @@ fn smooth_loop_edge(level: &Level, edge: EdgeId, scale: f32, sink: &mut impl FnM
     halves.iter().for_each(|&c| sink(level.topology.faces.prev(c), opposite));
 }
 
-/// The child of a vertex that has a face.
+/// Emits the mask of the child of a vertex, which must have a face.
 #[inline(always)]
 pub fn vertex(level: &Level, vertex: VertexId, sink: &mut impl FnMut(CornerId, f32)) {
     let own = level.topology.vertex_corners.row(vertex)[0];
@@ -98,10 +98,10 @@ pub fn vertex(level: &Level, vertex: VertexId, sink: &mut impl FnMut(CornerId, f
     }
 }
 
-/// A crease or corner, or one that the next level no longer has: then a blend by the sharpness that is left.
+/// The mask of a crease or corner. If the next level has another rule, both masks are blended by the remaining
+/// sharpness.
 ///
-/// The weights are returned, not passed to the caller's sink: only a sink that is never called out of line is kept in
-/// registers, and all other masks gain from that.
+/// The weights are returned rather than passed to the caller's sink. This keeps the sink inlined in all other masks.
 fn sharp_vertex(level: &Level, vertex: VertexId, own: CornerId) -> Vec<(CornerId, f32)> {
     let mut mask = Vec::with_capacity(4);
     let sink = &mut |corner, weight| mask.push((corner, weight));
@@ -127,7 +127,7 @@ fn sharp_vertex(level: &Level, vertex: VertexId, own: CornerId) -> Vec<(CornerId
     mask
 }
 
-/// A vertex with what is around it.
+/// A vertex and its edges.
 struct Ring<'a> {
     level: &'a Level,
     vertex: VertexId,
@@ -137,7 +137,7 @@ struct Ring<'a> {
 }
 
 impl Ring<'_> {
-    /// The mask of a rule, `scale` times; of a crease along the spokes that are sharp.
+    /// Emits the mask of `rule`, times `scale`. A crease runs along the spokes of positive `sharpness`.
     fn mask(&self, rule: Rule, sharpness: &dyn Fn(&Spoke) -> f32, scale: f32, sink: &mut impl FnMut(CornerId, f32)) {
         match rule {
             Rule::Smooth | Rule::Dart => smooth_vertex(self.level, self.vertex, scale, sink),
@@ -150,7 +150,8 @@ impl Ring<'_> {
     }
 }
 
-/// How much of the sharper mask remains while sharpness falls to zero within this level.
+/// Weight of the sharper mask in a level at which sharpness falls to zero: the mean of the fading sharpnesses. \[0 to
+/// 1\]
 pub fn fractional_weight(vertex: f32, edges: impl Iterator<Item = f32>) -> f32 {
     let fading = |s: &f32| *s > 0.0 && *s <= 1.0;
     let (sum, count) = std::iter::once(vertex)

@@ -1,40 +1,42 @@
-//! Catmull-Clark, Loop and bilinear subdivision as `UsdGeomMesh` defines them, as derivations.
+//! Catmull-Clark, Loop and bilinear subdivision as `UsdGeomMesh` defines them.
 //!
-//! A refinement does not move values itself: it yields a [`Derivation`] (the child's topology, stencils for every kind
-//! of value, the parent of each element), and values of any kind are carried by that. Conventions and weights are
-//! OpenSubdiv's; values agree with it to 1e-6 of the bounding box.
+//! A [`Level`] is a mesh with its sharpness and rules. A [`Refinement`] of it is a [`Derivation`]: the child's
+//! topology, the parent of each element, and stencils for each kind of value. The [`Carrier`] applies these to all
+//! attributes of a garment.
+//!
+//! Weights and numbering are those of OpenSubdiv, so meshes can be compared element by element. Points agree with it to
+//! 1e-6 of the bounding box (`tests/golden`).
 
-mod cage;
 mod carry;
-mod channels;
 mod connectivity;
 mod fvar;
 mod level;
 mod limit;
 mod masks;
+mod refinement;
 mod regular;
 mod split;
 mod stencil;
 
-pub use cage::Cage;
 pub use carry::{
-    Lineage, carried_points, mix_into, mix_rows, mixed_channel, scale_to_unit_length, taken, to_unit_length,
+    Carrier, Derivation, blend_into, blend_rows, blended_channel, carried_points, gathered, scale_to_unit_length,
+    to_unit_length,
 };
-pub use channels::Channels;
-pub use connectivity::{Connectivity, Fingerprint, VertexRows};
+pub use connectivity::{Connectivity, VertexRows};
 pub use fvar::{Channel, ChannelChild};
-pub use level::{INFINITE_SHARPNESS, Level, Rule, Spoke, refined_sharpness};
+pub use level::{INFINITE_SHARPNESS, Level, Rule, Spoke, refined_sharpness, same_level};
+pub use refinement::{Refinement, share_values_alike};
 pub use split::{Numbering, child_corner};
 pub use stencil::{Real, Stencils, Table};
 
 use crate::garment::{Garment, Scheme};
-use crate::mesh::{CornerId, EdgeId, FaceId, Faces, VertexId};
+use crate::mesh::{CornerId, EdgeId, FaceId, VertexId};
 use regular::Quads;
 
-/// Largest refined mesh: its corners are counted in 32 bits, and it takes some 200 bytes a face. \[faces\]
+/// Largest refined mesh. Corners have 32-bit indices, and a face takes about 200 bytes. \[faces\]
 pub const MAX_REFINED_FACES: usize = 100_000_000;
 
-/// Faces of a garment after `level` refinements.
+/// Number of faces of a garment after `level` refinements.
 pub fn refined_faces(garment: &Garment, level: u32) -> usize {
     let faces = &garment.faces;
     match level {
@@ -44,110 +46,38 @@ pub fn refined_faces(garment: &Garment, level: u32) -> usize {
     }
 }
 
-/// A level with its face-varying channels, ready to be refined.
-#[derive(Clone, Debug)]
-pub struct Refiner {
-    /// The level.
-    pub level: Level,
-    /// Its face-varying channels.
-    pub channels: Vec<Channel>,
-}
-
-impl Refiner {
-    /// The unrefined level of a garment, without channels.
-    pub fn new(garment: &Garment) -> Self {
-        Self { level: Level::base(garment), channels: Vec::new() }
-    }
-
-    /// Adds a channel whose corners take the rows `rows`; returns the row of each of its values.
-    pub fn add_channel(&mut self, garment: &Garment, rows: impl Fn(CornerId) -> usize) -> Vec<u32> {
-        let rules = garment.rules;
-        let (channel, rows) = Channel::base(&self.level, rows, rules.face_varying, rules.boundary);
-        self.channels.push(channel);
-        rows
-    }
-
-    /// The child corner of a corner, at the child of its vertex.
+impl Level {
+    /// The corner of the next level that a corner becomes, at the child of its vertex.
     pub fn child_of(&self, corner: CornerId) -> CornerId {
-        match self.level.scheme {
-            // Child j of a triangle holds corner j at place j.
+        match self.scheme {
+            // Child j of a triangle has corner j at position j.
             Scheme::Loop => CornerId::new(4 * corner.index()),
-            _ => child_corner(&self.level.topology.faces, corner, 0),
+            _ => child_corner(&self.topology.faces, corner, 0),
         }
     }
 
-    /// The corner at the centre of a corner's face, in the child of that corner; none under Loop, which has no such
-    /// vertex.
+    /// The corner of the next level at the centre of a corner's face; `None` under Loop, which has no vertex there.
     pub fn centre_of(&self, corner: CornerId) -> Option<CornerId> {
-        (self.level.scheme != Scheme::Loop).then(|| child_corner(&self.level.topology.faces, corner, 2))
+        (self.scheme != Scheme::Loop).then(|| child_corner(&self.topology.faces, corner, 2))
     }
 
-    /// The corner whose part of its face a child face is; the middle of a triangle under Loop counts to its first.
+    /// The corner that a face of the next level lies at. Under Loop, the middle triangle belongs to the first corner.
     pub fn corner_of_child(&self, child: FaceId) -> CornerId {
-        match self.level.scheme {
+        match self.scheme {
             Scheme::Loop if child.index() % 4 == 3 => CornerId::new(child.index() / 4 * 3),
             Scheme::Loop => CornerId::new(child.index() / 4 * 3 + child.index() % 4),
             _ => CornerId::new(child.index()),
         }
     }
 
-    /// The refinement of this level.
-    pub fn derive(&self) -> Derivation<'_> {
-        Derivation {
-            level: &self.level,
-            faces: split::child_faces(&self.level),
-            channels: self.channels.iter().map(|c| ChannelChild::new(&self.level, c)).collect(),
-        }
-    }
-}
-
-impl Level {
-    /// Child vertices from this level's, by the subdivision rules.
+    /// Stencils of the child vertices, by the subdivision rules.
     pub fn vertex_stencils(&self) -> VertexStencils<'_> {
         VertexStencils::new(self, false)
     }
 
-    /// Child vertices from this level's, linearly.
+    /// Stencils of the child vertices, by linear interpolation.
     pub fn varying_stencils(&self) -> VertexStencils<'_> {
         VertexStencils::new(self, true)
-    }
-}
-
-/// One refinement: what the child's elements are made of.
-pub struct Derivation<'a> {
-    level: &'a Level,
-    /// The child's faces.
-    pub faces: Faces,
-    /// Child values from parent values, for each face-varying channel.
-    pub channels: Vec<ChannelChild<'a>>,
-}
-
-impl<'a> Derivation<'a> {
-    /// The parent level.
-    pub fn parent(&self) -> &'a Level {
-        self.level
-    }
-
-    /// Where the children of the parent's elements are.
-    pub fn numbering(&self) -> Numbering {
-        Numbering::new(self.level)
-    }
-
-    /// Child vertices from parent vertices, by the subdivision rules.
-    pub fn vertex(&self) -> VertexStencils<'a> {
-        self.level.vertex_stencils()
-    }
-
-    /// Child vertices from parent vertices, linearly.
-    pub fn varying(&self) -> VertexStencils<'a> {
-        self.level.varying_stencils()
-    }
-
-    /// The refined level.
-    pub fn into_child(self) -> Refiner {
-        let level = split::child_level(self.level, self.faces);
-        let channels = self.channels.into_iter().map(|c| c.into_channel(&level)).collect();
-        Refiner { level, channels }
     }
 }
 
@@ -169,7 +99,7 @@ impl<'a> VertexStencils<'a> {
 }
 
 impl VertexStencils<'_> {
-    /// The row of a mesh of quads; whether it is one of the smooth ones.
+    /// Emits the row of an all-quad level; `false` without output if the row needs a sharp mask.
     #[inline(always)]
     fn regular_row(&self, quads: &Quads<VertexId>, row: usize, sink: &mut impl FnMut(VertexId, f32)) -> bool {
         if row >= self.own + self.faces {
@@ -213,5 +143,28 @@ impl Stencils for VertexStencils<'_> {
                 masks::vertex(self.level, vertex, &mut by_corner);
             }
         }
+    }
+}
+
+/// A garment with its level, for tests.
+#[cfg(test)]
+pub struct Cage {
+    garment: Garment,
+    level: Level,
+}
+
+#[cfg(test)]
+#[allow(missing_docs, reason = "tests alone use it")]
+impl Cage {
+    pub fn new(garment: Garment) -> Self {
+        Self { level: Level::base(&garment), garment }
+    }
+
+    pub fn garment(&self) -> &Garment {
+        &self.garment
+    }
+
+    pub fn level(&self) -> &Level {
+        &self.level
     }
 }

@@ -1,11 +1,13 @@
-//! The smooth masks of a mesh of quads, on what its corners have: the same weights as in `masks`, without the search for
-//! corners, as most of a refined mesh is of this kind.
+//! The smooth Catmull-Clark masks of an all-quad level, read directly from the values of each quad.
+//!
+//! The weights equal those of `masks`. Most rows of a refined mesh are of this kind, and this path skips
+//! the walk around each face.
 
 use super::level::Level;
 use crate::garment::Scheme;
 use crate::mesh::{CornerId, EdgeId, FaceId, Id, IdVec, VertexId};
 
-/// What the corners of each quad have.
+/// The values of each quad's corners: vertices or face-varying values.
 #[derive(Clone, Copy)]
 pub struct Quads<'a, T> {
     level: &'a Level,
@@ -13,26 +15,26 @@ pub struct Quads<'a, T> {
 }
 
 impl<'a, T: Id> Quads<'a, T> {
-    /// What the corners of a level have; none where it has other faces than quads, or other masks than Catmull-Clark's.
+    /// The quads of a level; `None` unless it is an all-quad Catmull-Clark level.
     pub fn new(level: &'a Level, corners: &'a IdVec<CornerId, T>) -> Option<Self> {
         let is_regular = level.scheme == Scheme::CatmullClark && level.topology.faces.regular_valence() == Some(4);
         is_regular.then(|| Self { level, quads: corners.as_slice().as_chunks().0 })
     }
 
-    /// The quad of a corner from that corner on.
+    /// The values of a corner's quad, starting at that corner.
     #[inline(always)]
     fn from(&self, corner: CornerId) -> [T; 4] {
         let (quad, k) = (&self.quads[corner.index() / 4], corner.index());
         [quad[k & 3], quad[(k + 1) & 3], quad[(k + 2) & 3], quad[(k + 3) & 3]]
     }
 
-    /// The centre of a face.
+    /// Emits the mask of a face's centre.
     #[inline(always)]
     pub fn face(&self, face: FaceId, sink: &mut impl FnMut(T, f32)) {
         self.quads[face.index()].iter().for_each(|&value| sink(value, 0.25));
     }
 
-    /// The vertex that splits an edge; whether the edge is smooth and has two faces.
+    /// Emits the mask of an edge's child; `false` without output if the edge is sharp or lacks two faces.
     #[inline(always)]
     pub fn edge(&self, edge: EdgeId, sink: &mut impl FnMut(T, f32)) -> bool {
         let &[a, b] = self.level.topology.edge_corners.row(edge) else { return false };
@@ -46,7 +48,7 @@ impl<'a, T: Id> Quads<'a, T> {
         true
     }
 
-    /// The child of a vertex; whether it is smooth.
+    /// Emits the mask of a vertex's child; `false` without output if the vertex is sharp or has no face.
     #[inline(always)]
     pub fn vertex(&self, vertex: VertexId, sink: &mut impl FnMut(T, f32)) -> bool {
         let corners = self.level.topology.vertex_corners.row(vertex);

@@ -1,22 +1,25 @@
-//! The topology of a refined level, from its parent by arithmetic.
+//! The topology of a refined level, computed from the parent's by index arithmetic.
 //!
-//! Child vertices come first from vertices, then from faces (not under Loop), then from edges; child faces follow
-//! their parent faces, corner by corner. This is OpenSubdiv's order, so its levels can be compared element by element.
+//! Children of vertices come first, then those of faces (except under Loop), then those of edges. Child faces follow
+//! the parent's face order, corner by corner. This is OpenSubdiv's numbering, so levels can be compared element by
+//! element.
+//!
+//! Quads need no search for shared edges: [`quad_topology`] computes each index directly. Loop levels use
+//! [`Topology::new`].
 
 use super::level::{Level, Rule, refined_sharpness};
 use crate::garment::Scheme;
 use crate::mesh::{CornerId, Csr, EdgeId, FaceId, Faces, IdVec, Topology, VertexId};
 use rayon::prelude::*;
 
-/// Corners that one task works on at least.
+/// Smallest number of corners for one parallel task.
 const CORNERS_PER_TASK: usize = 4096;
 
-/// Where the children of a parent's elements are.
+/// The indices of the children of a level's vertices, edges and faces.
 #[derive(Clone, Copy, Debug)]
 pub struct Numbering {
     vertices: usize,
     faces: usize,
-    corners: usize,
     edges: usize,
     triangles: bool,
 }
@@ -29,7 +32,6 @@ impl Numbering {
         Self {
             vertices: t.vertex_count(),
             faces: if triangles { 0 } else { t.faces.len() },
-            corners: t.faces.corners().len(),
             edges: t.edges.len(),
             triangles,
         }
@@ -40,30 +42,25 @@ impl Numbering {
         self.vertices + self.faces + self.edges
     }
 
-    /// Number of child faces.
-    pub fn child_faces(&self, parent_faces: usize) -> usize {
-        if self.triangles { parent_faces * 4 } else { self.corners }
-    }
-
     /// The child of a vertex.
     #[inline]
     pub fn of_vertex(&self, v: VertexId) -> VertexId {
         v
     }
 
-    /// The child at the centre of a face.
+    /// The child vertex at the centre of a face.
     #[inline]
     pub fn of_face(&self, f: FaceId) -> VertexId {
         VertexId::new(self.vertices + f.index())
     }
 
-    /// The child in the middle of an edge.
+    /// The child vertex of an edge.
     #[inline]
     pub fn of_edge(&self, e: EdgeId) -> VertexId {
         VertexId::new(self.vertices + self.faces + e.index())
     }
 
-    /// The children of a parent face.
+    /// The child faces of a face.
     #[inline]
     pub fn of_face_within(&self, parent: &Faces, face: FaceId) -> impl Iterator<Item = FaceId> + use<> {
         let children = if self.triangles { 4 * face.index()..4 * face.index() + 4 } else { parent.range(face) };
@@ -77,16 +74,18 @@ impl Numbering {
     }
 }
 
-/// The child corner of parent corner `c` at step `k`: its vertex, the middle of its edge, the face's centre, the middle
-/// of the edge before. Children of quads keep the parent's corner at the parent's place.
+/// Corner `k` of the child quad of parent corner `c`: 0 at its vertex, 1 at the middle of its edge, 2 at the face's
+/// centre, 3 at the middle of the previous edge.
+///
+/// The child of a quad stores its vertex at the same position as the parent; all other children store it first.
 #[inline(always)]
 pub fn child_corner(parent: &Faces, c: CornerId, k: usize) -> CornerId {
-    CornerId::new(4 * c.index() + ((turn(parent, c) + k) & 3))
+    CornerId::new(4 * c.index() + ((position_in_child(parent, c) + k) & 3))
 }
 
-/// The place at which the child quad of a corner has that corner.
+/// The position in the child quad of a corner at which that corner is stored.
 #[inline(always)]
-fn turn(parent: &Faces, c: CornerId) -> usize {
+fn position_in_child(parent: &Faces, c: CornerId) -> usize {
     match parent.regular_valence() {
         Some(4) => c.index() & 3,
         Some(_) => 0,
@@ -97,7 +96,8 @@ fn turn(parent: &Faces, c: CornerId) -> usize {
     }
 }
 
-/// What the corners of the child quads take: `own` at a corner, `middle` on the edge after it, and `centre` in a face.
+/// The values of all corners of the child quads: `own` at a parent corner, `middle` on the edge after it, `centre` in a
+/// face.
 pub fn child_quads_of<T: Copy + Send>(
     parent: &Faces,
     own: impl Fn(CornerId) -> T + Sync,
@@ -117,12 +117,12 @@ pub fn child_quads_of<T: Copy + Send>(
     faces.map(quads).collect::<Vec<[[T; 4]; 4]>>().into_flattened().into_flattened()
 }
 
-/// What the corners of the child quads take, where `around` gives it for the quad of a corner, from step 0 on.
+/// The values of all corners of the child quads. `around` gives those of one child, starting at its parent corner.
 fn child_corners<T: Copy + Send>(parent: &Faces, around: impl Fn(CornerId) -> [T; 4] + Sync) -> Vec<T> {
     let quad = |corner: usize| {
         let corner = CornerId::new(corner);
         let [a, b, c, d] = around(corner);
-        match turn(parent, corner) {
+        match position_in_child(parent, corner) {
             0 => [a, b, c, d],
             1 => [d, a, b, c],
             2 => [c, d, a, b],
@@ -161,7 +161,7 @@ fn child_triangles(parent: &Level) -> Faces {
     Faces::triangles(corners)
 }
 
-/// The refined level, whose faces are `faces`.
+/// The refined level, from its `faces`.
 pub fn child_level(parent: &Level, faces: Faces) -> Level {
     let topology = match parent.scheme {
         Scheme::Loop => Topology::new(faces, Numbering::new(parent).vertices()),
@@ -212,8 +212,10 @@ fn child_rules(
     rules
 }
 
-/// Adjacency of the child quads. Child edges come first from corners (middle of the corner's edge to the face's
-/// centre), then two from each edge, the first at its first vertex.
+/// The adjacency of the child quads.
+///
+/// Child edges of corners come first: from the middle of the corner's edge to the face's centre. Two child edges for
+/// each parent edge follow, the first at its first vertex.
 fn quad_topology(parent: &Level, faces: Faces) -> Topology {
     let t = &parent.topology;
     let numbering = Numbering::new(parent);

@@ -1,28 +1,27 @@
-//! Sparse linear maps from the values of one mesh to those of the next.
+//! Sparse linear maps from the values of one mesh to those of a finer mesh.
 
 use crate::mesh::Id;
-use crate::parallel::when_idle;
 use rayon::prelude::*;
 
-/// Rows that one task works on; small enough to balance, large enough to pay for the task.
+/// Rows that one task applies: few enough to balance the load, enough to outweigh the cost of a task.
 const ROWS_PER_TASK: usize = 4096;
-/// Rows of a table that one task makes, which is more work.
+/// Rows of a table that one task builds; building costs more than applying.
 const ROWS_PER_BLOCK: usize = 256;
 
-/// For each child value the parent values that it is a weighted sum of.
+/// One row for each child value: the parent values and weights whose sum it is.
 ///
-/// A row may be computed when it is asked for: the masks of a regular mesh cost less than reading them from a table.
+/// Implementations may compute rows on demand. For regular meshes this costs less than reading a table.
 pub trait Stencils: Sync {
-    /// What the parent values belong to.
+    /// The handle of a parent value.
     type Source: Id;
 
     /// Number of child values.
     fn rows(&self) -> usize;
 
-    /// Passes the sources and weights of a child value to `sink`; a source may come more than once.
+    /// Passes the sources and weights of a row to `sink`; a source may repeat.
     fn row(&self, row: usize, sink: &mut impl FnMut(Self::Source, f32));
 
-    /// Child values of `N` numbers each from parent values.
+    /// The child values, `N` numbers each, summed in single precision.
     fn apply<const N: usize>(&self, parents: &[[f32; N]]) -> Vec<[f32; N]> {
         let mut children = vec![[0.0f32; N]; self.rows()];
         children.par_chunks_mut(ROWS_PER_TASK).enumerate().for_each(|(task, children)| {
@@ -38,7 +37,8 @@ pub trait Stencils: Sync {
         children
     }
 
-    /// Child values of `width` numbers each, summed in double precision.
+    /// The child values, `width` numbers each, summed in double precision. `parents` holds `width` numbers for each
+    /// source.
     fn apply_rows<T: Real>(&self, parents: &[T], width: usize) -> Vec<T> {
         match width {
             0 => Vec::new(),
@@ -50,11 +50,11 @@ pub trait Stencils: Sync {
         }
     }
 
-    /// The same for few numbers, whose sums are kept in registers.
+    /// [`Stencils::apply_rows`] for a constant width, with sums in registers.
     fn apply_tuples<T: Real, const N: usize>(&self, parents: &[T]) -> Vec<T> {
         let (parents, _) = parents.as_chunks::<N>();
         let mut children = vec![T::from_f64(0.0); self.rows() * N];
-        when_idle(children.chunks_mut(ROWS_PER_TASK * N).enumerate(), |(task, children)| {
+        children.par_chunks_mut(ROWS_PER_TASK * N).enumerate().for_each(|(task, children)| {
             for (i, child) in children.as_chunks_mut::<N>().0.iter_mut().enumerate() {
                 let mut sum = [0.0f64; N];
                 self.row(task * ROWS_PER_TASK + i, &mut |source, weight| {
@@ -67,10 +67,10 @@ pub trait Stencils: Sync {
         children
     }
 
-    /// The same for many numbers.
+    /// [`Stencils::apply_rows`] for any width.
     fn apply_wide<T: Real>(&self, parents: &[T], width: usize) -> Vec<T> {
         let mut children = vec![T::from_f64(0.0); self.rows() * width];
-        when_idle(children.chunks_mut(ROWS_PER_TASK * width).enumerate(), |(task, children)| {
+        children.par_chunks_mut(ROWS_PER_TASK * width).enumerate().for_each(|(task, children)| {
             let mut sum = vec![0.0f64; width];
             for (i, child) in children.chunks_exact_mut(width).enumerate() {
                 sum.fill(0.0);
@@ -84,7 +84,7 @@ pub trait Stencils: Sync {
         children
     }
 
-    /// The sources of a row, each once, with their summed weights, in the order of their first appearance.
+    /// The distinct sources of a row with their total weights, in order of first appearance.
     fn merged(&self, row: usize) -> Vec<(Self::Source, f32)> {
         let mut merged: Vec<(Self::Source, f32)> = Vec::with_capacity(16);
         self.row(row, &mut |source, weight| match merged.iter_mut().find(|(s, _)| *s == source) {
@@ -94,21 +94,21 @@ pub trait Stencils: Sync {
         merged
     }
 
-    /// The source with the largest weight in a row, the lowest of equals; none in an empty row.
+    /// The source with the largest total weight in a row, the lowest of equals; `None` for an empty row.
     fn heaviest(&self, row: usize) -> Option<Self::Source> {
         let heavier = |a: &(Self::Source, f32), b: &(Self::Source, f32)| b.1 > a.1 || b.1 == a.1 && b.0 < a.0;
         self.merged(row).into_iter().reduce(|a, b| if heavier(&a, &b) { b } else { a }).map(|(s, _)| s)
     }
 }
 
-/// Weighted sums, one row for each child value.
+/// Stored stencil rows.
 #[derive(Clone, Debug)]
 pub struct Table<I> {
     offsets: Vec<u32>,
     entries: Vec<(I, f32)>,
 }
 
-/// A table of no rows.
+/// An empty table.
 impl<I> Default for Table<I> {
     fn default() -> Self {
         Self { offsets: vec![0], entries: Vec::new() }
@@ -122,28 +122,29 @@ impl<I: Copy> Table<I> {
         self.offsets.push(self.entries.len() as u32);
     }
 
-    /// A table with room for rows, and for sources of all of them.
+    /// An empty table with capacity for `rows` rows of `sources` sources in total.
     pub fn with_capacity(rows: usize, sources: usize) -> Self {
         let mut offsets = Vec::with_capacity(rows + 1);
         offsets.push(0);
         Self { offsets, entries: Vec::with_capacity(sources) }
     }
 
-    /// Adds a source to the row that the next [`Table::push`] ends.
+    /// Adds a source to the row that the next [`Table::push`] completes.
     pub fn extend_row(&mut self, source: I, weight: f32) {
         self.entries.push((source, weight));
     }
 
-    /// Adds to the weight of a source in the last row, and returns the place of its entry. `place` is where it may be.
-    pub fn add(&mut self, source: I, weight: f32, place: u32) -> u32
+    /// Adds to the weight of a source in the last row and returns the index of its entry. `entry` is a guess of that
+    /// index; a wrong guess appends a new entry.
+    pub fn add(&mut self, source: I, weight: f32, entry: u32) -> u32
     where
         I: PartialEq,
     {
         let start = self.offsets.len().checked_sub(2).map_or(0, |last| self.offsets[last]);
-        match self.entries.get_mut(place as usize) {
-            Some((known, sum)) if place >= start && *known == source => {
+        match self.entries.get_mut(entry as usize) {
+            Some((known, sum)) if entry >= start && *known == source => {
                 *sum += weight;
-                place
+                entry
             }
             _ => {
                 self.entries.push((source, weight));
@@ -156,8 +157,9 @@ impl<I: Copy> Table<I> {
         }
     }
 
-    /// A table that some tasks make, each some blocks of rows, where `add` adds those of an item. A task has one `scratch`,
-    /// which must not matter to what is added.
+    /// Builds a table in parallel: `add` appends the rows of one item.
+    ///
+    /// Tasks reuse a `scratch` value. Its state must not affect the rows, since the split into tasks varies.
     pub fn of<T: Send, S>(
         items: impl IndexedParallelIterator<Item = T>,
         scratch: impl Fn() -> S + Sync + Send,
@@ -174,7 +176,7 @@ impl<I: Copy> Table<I> {
         Self::joined(&items.chunks(ROWS_PER_BLOCK).map_init(scratch, of_block).collect::<Vec<_>>())
     }
 
-    /// The rows of tables one after the other.
+    /// The rows of all `tables`, in order.
     pub fn joined(tables: &[Self]) -> Self {
         let mut joined = Self::default();
         joined.entries.reserve(tables.iter().map(|table| table.entries.len()).sum());
@@ -192,7 +194,7 @@ impl<I: Copy> Table<I> {
         self.offsets.len() - 1
     }
 
-    /// Whether there is no row.
+    /// `true` if there is no row.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -216,11 +218,11 @@ impl<I: Id> Stencils for &Table<I> {
     }
 }
 
-/// A number that can be averaged.
+/// A floating-point number of either precision.
 pub trait Real: Copy + Send + Sync {
-    /// To double precision.
+    /// Converts to double precision.
     fn to_f64(self) -> f64;
-    /// From double precision.
+    /// Converts from double precision.
     fn from_f64(value: f64) -> Self;
 }
 

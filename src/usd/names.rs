@@ -10,9 +10,9 @@ pub const MESH: &str = "Mesh";
 pub const GEOM_SUBSET: &str = "GeomSubset";
 /// Type of the prims that hold blend shapes.
 pub const BLEND_SHAPE: &str = "BlendShape";
-/// The schema that gives material bindings their meaning.
+/// API schema of material bindings.
 pub const MATERIAL_BINDING_API: &str = "MaterialBindingAPI";
-/// The schema that gives skinning its meaning.
+/// API schema of skinning.
 pub const SKEL_BINDING_API: &str = "SkelBindingAPI";
 
 // Attributes and relationships of meshes, subsets and blend shapes.
@@ -46,11 +46,11 @@ pub const INDICES: &str = "indices";
 pub const XFORM_OP: &str = "xformOp:";
 /// Namespace of primvars.
 pub const PRIMVARS: &str = "primvars:";
-/// What follows the name of a primvar in the name of its indices.
+/// Suffix of the indices of a primvar.
 pub const INDICES_SUFFIX: &str = ":indices";
 /// Namespace of subset families.
 pub const SUBSET_FAMILY: &str = "subsetFamily:";
-/// What follows the name of a family in the name of its rule.
+/// Suffix of the rule of a family.
 pub const FAMILY_TYPE_SUFFIX: &str = ":familyType";
 /// Name and namespace of material bindings.
 pub const MATERIAL_BINDING: &str = "material:binding";
@@ -76,9 +76,9 @@ pub const RECIPE: &str = "tailor:";
 pub const INTERPOLATION: &str = "interpolation";
 /// Metadata: values in one element of a primvar.
 pub const ELEMENT_SIZE: &str = "elementSize";
-/// Metadata: the row of a primvar's values that stands for "no value".
+/// Metadata: the row of a primvar's values that means "no value".
 pub const UNAUTHORED_VALUES_INDEX: &str = "unauthoredValuesIndex";
-/// Metadata: the dictionary that marks our products.
+/// Metadata: the dictionary that identifies products.
 pub const CUSTOM_DATA: &str = "customData";
 /// Key in `customData` of what this program writes.
 pub const PRODUCT_SPACE: &str = "tailor";
@@ -125,7 +125,7 @@ pub const NOT_CARRIED: &[(&str, &str)] = &[
     (ACCELERATIONS, "its points are new ones; the attribute stays on the model"),
 ];
 
-/// A token of USD that stands for a value of this program.
+/// A type whose values are tokens in USD.
 pub trait UsdToken: Copy + 'static {
     /// Every value with its token.
     const TOKENS: &'static [(&'static str, Self)];

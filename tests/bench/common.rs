@@ -4,7 +4,7 @@ use criterion::Criterion;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use tailor::error::Warnings;
-use tailor::garment::{Garment, Interpolation, Primvar, check_garment};
+use tailor::internals::garment::{Garment, Interpolation, Primvar, check_garment};
 use tailor::usd::{ReadOptions, Source};
 
 /// The garments of this repository, and one of production size that is only measured where it has been downloaded.

@@ -23,13 +23,12 @@ mod prepared;
 #[path = "../common/quality.rs"]
 mod quality;
 
-use prepared::{baseline, of_file};
+use prepared::{Prepared, baseline, of_file};
 use quality::{Quality, Reference, measure, of_product};
 use rayon::ThreadPoolBuilder;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use tailor::pipeline::Prepared;
-use tailor::sim::{SimProduct, simulate};
+use tailor::internals::sim::{SimProduct, simulate};
 
 /// Runs of which the fastest counts.
 const RUNS: usize = 5;

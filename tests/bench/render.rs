@@ -1,5 +1,5 @@
 //! Time of the render mesh: seams on all UV seams, hems on all panels at a border, two refinements, all attributes; and
-//! of one edit of a seam through a session.
+//! of one edit of a seam.
 
 #![allow(clippy::print_stderr)]
 
@@ -11,10 +11,10 @@ use operators::{border_panels, rendered};
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
 use tailor::error::Warnings;
-use tailor::garment::{Garment, check_garment};
-use tailor::recipe::Document;
-use tailor::session::Session;
-use tailor::usd::{ReadOptions, Source, WriteOptions, write};
+use tailor::internals::garment::{Garment, check_garment};
+use tailor::recipe::Layers;
+use tailor::usd::{ReadOptions, Source};
+use tailor::{Builder, Recipe};
 
 /// Name, file and edge set of the garments; those that are not here are not measured.
 const GARMENTS: [(&str, &str, &str); 2] =
@@ -26,7 +26,7 @@ fn file(name: &str) -> PathBuf {
 
 /// Seams and hems of sizes that the garment's edges have room for.
 fn options(garment: &Garment, seams: &str) -> Vec<(String, String)> {
-    let size = tailor::pipeline::mean_edge_length(garment);
+    let size = tailor::internals::build::mean_edge_length(garment);
     let panels = border_panels(garment);
     let pairs = [
         ("seam.all.edges", seams.to_owned()),
@@ -39,12 +39,10 @@ fn options(garment: &Garment, seams: &str) -> Vec<(String, String)> {
     pairs.map(|(key, value)| (key.to_owned(), value)).to_vec()
 }
 
-fn composed(source: &Source) -> Vec<u8> {
-    let temporary = tempfile::tempdir().expect("a folder");
-    let flat = temporary.path().join("flat.usdc");
-    let options = WriteOptions { flatten: true, model_guide: false, ..WriteOptions::default() };
-    write(source, &[], &flat, &options, &mut Warnings::default()).expect("a flat layer");
-    std::fs::read(flat).expect("a flat layer")
+fn recipe(options: &[(String, String)]) -> Recipe {
+    let mut layers = Layers::default();
+    options.iter().for_each(|(key, value)| layers.add_text("bench", key, value).expect("an option"));
+    layers.recipe().expect("a recipe")
 }
 
 fn measure(c: &mut Criterion, name: &str, path: &Path, seams: &str) {
@@ -60,15 +58,11 @@ fn measure(c: &mut Criterion, name: &str, path: &Path, seams: &str) {
     group.bench_function("no operators", |b| {
         b.iter(|| black_box(rendered(&garment, &["render.level=2"])));
     });
-    let (session, content) = (Session::new(1 << 30, None).expect("threads"), composed(&source));
-    let edit = |key: &str, value: &str| {
-        let text = format!("{{\"source\": {:?}}}", path.file_name().unwrap_or_default().to_string_lossy());
-        let of = options.iter().map(|(k, v)| (k.as_str(), if k == key { value } else { v.as_str() }));
-        let document = Document::new(&path.with_extension("tailor"), &text, of).expect("a document");
-        let opened = session.open(&content, &document.source_file(), document.options()).expect("a garment");
-        let layers = document.layers(&opened.source, &mut Warnings::default()).expect("a recipe");
-        let prepared = opened.checked.prepare(&layers).expect("a recipe");
-        session.render(&opened, &prepared).expect("a mesh")
+    let mesh = source.garment(&mut Warnings::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
+    let mut builder = Builder::new(mesh).expect("a garment");
+    let mut edit = |key: &str, value: &str| {
+        let of = |(k, v): &(String, String)| (k.clone(), if k == key { value.to_owned() } else { v.clone() });
+        builder.update(&recipe(&options.iter().map(of).collect::<Vec<_>>())).expect("a mesh").render
     };
     edit("", "");
     // Each value is asked for once, as by somebody who drags a slider.

@@ -4,8 +4,7 @@ use criterion::Criterion;
 use std::hint::black_box;
 use std::path::Path;
 use tailor::error::Warnings;
-use tailor::recipe::Document;
-use tailor::session::Session;
+use tailor::session::{Document, Session};
 use tailor::usd::{ReadOptions, Source, WriteOptions, write};
 
 /// The coat as the plugin hands it over: composed, as crate bytes.
@@ -40,22 +39,6 @@ fn edits(c: &mut Criterion) {
     };
     group
         .bench_function("sim.maxEdgeLength", |b| b.iter(|| black_box(layer(&[("sim.maxEdgeLength", &next())], false))));
-    for level in ["1", "2"] {
-        group.bench_function(format!("render.level {level}"), |b| {
-            b.iter_batched(
-                || Session::new(1 << 30, None).expect("threads"),
-                |fresh| {
-                    let arguments = [("render.level", level)];
-                    let document = Document::new(&file, r#"{"source": "coat.usda"}"#, arguments).expect("a document");
-                    let opened = fresh.open(&content, &document.source_file(), document.options()).expect("a garment");
-                    let layers = document.layers(&opened.source, &mut Warnings::default()).expect("a recipe");
-                    let prepared = opened.checked.prepare(&layers).expect("a recipe");
-                    black_box(fresh.render(&opened, &prepared).expect("a mesh"));
-                },
-                criterion::BatchSize::PerIteration,
-            );
-        });
-    }
     group.finish();
 }
 

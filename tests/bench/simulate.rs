@@ -16,9 +16,9 @@ mod common;
 use common::Sample;
 use criterion::measurement::WallTime;
 use criterion::{BatchSize, BenchmarkGroup, BenchmarkId, SamplingMode, Throughput};
-use tailor::garment::Garment;
-use tailor::mesh::Topology;
-use tailor::sim::{Baseline, Lengths, Pass, SimMesh, SimOptions, simulate};
+use tailor::internals::garment::Garment;
+use tailor::internals::mesh::Topology;
+use tailor::internals::sim::{Baseline, Lengths, Pass, SimMesh, SimOptions, simulate};
 
 /// Target lengths, as parts of the cage's mean edge length.
 const PARTS: [f32; 3] = [1.0, 0.5, 0.25];
@@ -86,7 +86,7 @@ fn baseline(sample: &Sample, options: &SimOptions, part: f32) -> Baseline {
 
 fn mean_edge_length(garment: &Garment) -> f32 {
     let topology = Topology::new(garment.faces.clone(), garment.points.len());
-    let length = |[a, b]: [tailor::mesh::VertexId; 2]| garment.points[a].distance(garment.points[b]);
+    let length = |[a, b]: [tailor::internals::mesh::VertexId; 2]| garment.points[a].distance(garment.points[b]);
     let sum: f32 = topology.edges.iter().copied().map(length).sum();
     sum / topology.edges.len() as f32
 }

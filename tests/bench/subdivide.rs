@@ -18,9 +18,9 @@ use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, BenchmarkId, Throughput};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::hint::black_box;
-use tailor::garment::{Garment, Values};
-use tailor::mesh::{CornerId, Faces, IdVec};
-use tailor::subdivide::{Refiner, Stencils};
+use tailor::internals::garment::{Garment, Values};
+use tailor::internals::mesh::{CornerId, Faces, IdVec};
+use tailor::internals::subdivide::{Channel, ChannelChild, Level, Stencils};
 
 const LEVELS: [usize; 3] = [1, 2, 3];
 const THREADS: [usize; 2] = [1, 2];
@@ -77,18 +77,25 @@ impl<'a> Cage<'a> {
 
     /// Everything from the cage's faces on: `levels` times topology, points and UVs.
     fn refine(&self, levels: usize) -> Refined {
-        let mut refiner = Refiner::new(self.garment);
-        let rows = refiner.add_channel(self.garment, |c| self.uv_rows[c] as usize);
+        let mut level = Level::base(self.garment);
+        let rules = self.garment.rules;
+        let (mut channel, rows) =
+            Channel::base(&level, |c| self.uv_rows[c] as usize, rules.face_varying, rules.boundary);
         let mut points = self.points.clone();
         let mut uvs: Vec<[f32; 2]> = rows.iter().map(|&row| self.uvs[row as usize]).collect();
         for _ in 1..levels {
-            let derivation = refiner.derive();
-            points = derivation.vertex().apply(&points);
-            uvs = derivation.channels[0].apply(&uvs);
-            let child = derivation.into_child();
-            refiner = child;
+            let child = level.refined();
+            points = level.vertex_stencils().apply(&points);
+            let refined_uvs = ChannelChild::new(&level, &channel);
+            uvs = refined_uvs.apply(&uvs);
+            channel = refined_uvs.into_channel(&child);
+            level = child;
         }
-        let last = refiner.derive();
-        Refined { _points: last.vertex().apply(&points), _uvs: last.channels[0].apply(&uvs), faces: last.faces }
+        let refined_uvs = ChannelChild::new(&level, &channel);
+        Refined {
+            _points: level.vertex_stencils().apply(&points),
+            _uvs: refined_uvs.apply(&uvs),
+            faces: level.refined_faces(),
+        }
     }
 }

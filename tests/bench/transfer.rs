@@ -18,10 +18,10 @@ use criterion::{BatchSize, BenchmarkId, SamplingMode, Throughput};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 use tailor::error::Warnings;
-use tailor::garment::{Elements, Garment, Interpolation, Mixing, Primvar, PrimvarRole, Subset, Values};
-use tailor::mesh::{FaceId, Topology, VertexId};
-use tailor::sim::{Baseline, Lengths, SimOptions, SimProduct, simulate};
-use tailor::transfer::{Coverage, transfer};
+use tailor::internals::garment::{Elements, Garment, Interpolation, Mixing, Primvar, PrimvarRole, Subset, Values};
+use tailor::internals::mesh::{FaceId, Topology, VertexId};
+use tailor::internals::sim::{Baseline, Lengths, SimOptions, SimProduct, simulate};
+use tailor::internals::transfer::{Coverage, transfer};
 
 const FACE_SETS: usize = 20;
 const EDGE_SETS: usize = 10;
@@ -62,7 +62,7 @@ fn carried(garment: &Garment, product: &SimProduct, sample: &Sample) -> Garment 
 
 /// The baseline for half the mean edge length everywhere.
 fn baseline(garment: &Garment, sample: &Sample, options: &SimOptions) -> Baseline {
-    let length = 0.5 * tailor::pipeline::mean_edge_length(garment);
+    let length = 0.5 * tailor::internals::build::mean_edge_length(garment);
     Baseline::new(garment, options, Lengths { min: length, max: length, density: None }, Some(sample.uv_set()))
 }
 
@@ -81,7 +81,8 @@ fn dressed(sample: &Sample) -> Garment {
     }
     let corners = garment.faces.corners().len();
     let point = |corner: usize| sample.garment.points[sample.garment.faces.corners().as_slice()[corner]];
-    let of_corner = |corner: usize| block(sample.garment.faces.face_of(tailor::mesh::CornerId::new(corner)).index());
+    let of_corner =
+        |corner: usize| block(sample.garment.faces.face_of(tailor::internals::mesh::CornerId::new(corner)).index());
     // One layout in blocks, one in a piece.
     let blocks = (0..corners).flat_map(|c| [point(c).x + 10.0 * of_corner(c) as f32, point(c).y]);
     Arc::make_mut(&mut garment.primvars).push(primvar(

@@ -86,7 +86,7 @@ fn check_says_good_or_what_is_odd() {
     folder.file("odd.usda", cloth_and("uniform token subdivisionScheme = \"none\""));
     let run = folder.good("check odd.usda in.usda");
     assert_eq!(run.stdout, "odd.usda: good\nin.usda: good\n");
-    run.says(&["warning: odd.usda: subdivisionScheme is none"]);
+    run.says(&["warning: odd.usda: /Coat/model: subdivisionScheme is none"]);
 }
 
 #[test]

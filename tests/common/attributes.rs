@@ -1,8 +1,8 @@
 //! What products carry: subsets, families and primvars.
 
 use std::collections::BTreeSet;
-use tailor::garment::{Elements, FamilyType, Garment, Interpolation, Mixing, Subset, Values};
-use tailor::mesh::Topology;
+use tailor::internals::garment::{Elements, FamilyType, Garment, Interpolation, Mixing, Subset, Values};
+use tailor::internals::mesh::Topology;
 
 /// Joint weights sum to what they were but for this.
 pub const WEIGHT_SUM: f64 = 1e-4;

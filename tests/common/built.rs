@@ -1,18 +1,18 @@
 //! A garment built as the command builds it, with what tests of transfer look into.
 
+use super::prepared::{Prepared, baseline};
 use tailor::error::Warnings;
-use tailor::garment::{Garment, GarmentInput};
-use tailor::pipeline::{Limits, Prepared, Products};
-use tailor::recipe::{Layers, bind};
-use tailor::sim::{Baseline, Lengths, SimOptions, SimProduct, simulate};
-use tailor::transfer::{Transferred, transfer};
+use tailor::internals::garment::{Garment, Primvar};
+use tailor::internals::sim::{SimOptions, SimProduct, simulate};
+use tailor::internals::transfer::{Transferred, transfer};
+use tailor::recipe::Layers;
+use tailor::{Builder, GarmentInput, Products};
 
 /// A garment and its products.
 pub struct Built {
     pub garment: Garment,
     pub products: Products,
     pub warnings: Warnings,
-    prepared: Prepared,
 }
 
 /// Builds with options as on the command line.
@@ -24,31 +24,30 @@ pub fn build(input: GarmentInput, options: &[&str]) -> Built {
 
 /// Builds with a recipe.
 pub fn build_with(input: GarmentInput, layers: &Layers) -> Built {
-    let mut warnings = Warnings::default();
-    let prepared = Prepared::new(input, layers, &mut warnings).unwrap_or_else(|e| panic!("{e}"));
-    let limits = Limits { max_faces: 1_000_000, progress: &|_| () };
-    let products = prepared.build(&limits, &mut warnings).unwrap_or_else(|e| panic!("{e}"));
-    Built { garment: (*prepared.garment).clone(), products, warnings, prepared }
+    let mut builder = Builder::new(input).unwrap_or_else(|e| panic!("{e}")).with_max_faces(1_000_000);
+    let recipe = layers.recipe().unwrap_or_else(|e| panic!("{e}"));
+    let products = builder.update(&recipe).unwrap_or_else(|e| panic!("{e}"));
+    Built { garment: (**builder.garment()).clone(), warnings: products.warnings.clone(), products }
 }
 
 impl Built {
     /// The simulation mesh before transfer, made again.
     pub fn product(&self) -> SimProduct {
-        let sim = &self.prepared.recipe.sim;
-        let bound = bind(&self.prepared.recipe, &self.garment, false).unwrap_or_else(|e| panic!("{e}"));
-        let lengths = Lengths { min: sim.min_edge_length, max: sim.max_edge_length, density: bound.density };
-        let baseline = Baseline::new(&self.garment, sim, lengths, bound.uv_set);
-        simulate(baseline, sim.iterations, 4_000_000)
+        let prepared = Prepared { garment: self.garment.clone().into(), recipe: self.products.recipe.clone() };
+        simulate(baseline(&prepared, self.options().baseline_level), self.options().iterations, 4_000_000)
     }
 
     /// Transfer alone, made again with other options.
     pub fn transferred(&self, product: &SimProduct, options: &SimOptions) -> Transferred {
-        let bound = bind(&self.prepared.recipe, &self.garment, false).unwrap_or_else(|e| panic!("{e}"));
-        transfer(&self.garment, product, options, bound.uv_set, &mut Warnings::default())
+        transfer(&self.garment, product, options, self.uv_set(), &mut Warnings::default())
     }
 
     /// The options of the simulation mesh that were used.
     pub fn options(&self) -> &SimOptions {
-        &self.prepared.recipe.sim
+        &self.products.recipe.sim
+    }
+
+    fn uv_set(&self) -> Option<&Primvar> {
+        self.garment.primvar(&self.options().uv_set).filter(|primvar| primvar.width() == 2)
     }
 }

@@ -1,7 +1,7 @@
 //! The nearest of some triangles, segments or points, by a tree of boxes; independent of the code under test.
 
 use glam::Vec3;
-use tailor::sim::closest_weights;
+use tailor::internals::sim::closest_weights;
 
 /// Triangles below which a box is not divided further.
 const LEAF: usize = 4;

@@ -3,8 +3,8 @@
 use glam::Vec3;
 use std::fmt::Write as _;
 use std::path::Path;
-use tailor::mesh::VertexId;
-use tailor::sim::Baseline;
+use tailor::internals::mesh::VertexId;
+use tailor::internals::sim::Baseline;
 
 /// What another remesher made.
 pub struct Other {

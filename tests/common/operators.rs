@@ -1,24 +1,30 @@
 //! Stacks of operators as recipes make them, and what real garments have for them to work on.
 
+use std::sync::Arc;
+use tailor::Error;
 use tailor::error::Warnings;
-use tailor::garment::{Elements, Garment};
-use tailor::mesh::Topology;
+use tailor::internals::garment::{Elements, Garment};
+use tailor::internals::mesh::Topology;
+use tailor::internals::render::{RenderSteps, Stack};
 use tailor::recipe::Layers;
-use tailor::render::{Afresh, Stack, render};
 
 /// The stack of a recipe with options as on the command line.
-pub fn stack<T: AsRef<str>>(garment: &Garment, options: &[T]) -> Stack {
+pub fn stack<T: AsRef<str>>(options: &[T]) -> Stack {
     let mut layers = Layers::default();
     options.iter().for_each(|o| layers.add_override(o.as_ref()).unwrap_or_else(|e| panic!("{e}")));
     let recipe = layers.recipe().unwrap_or_else(|e| panic!("{e}"));
-    let made = Stack::new(garment.points.len(), &recipe.render, &recipe.instances());
-    made.unwrap_or_else(|e| panic!("{e}"))
+    Stack::new(&recipe.render, &recipe.operators()).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// The render mesh and what was said of it.
 pub fn rendered<T: AsRef<str>>(garment: &Garment, options: &[T]) -> (Garment, Warnings) {
-    let made = render(garment, &stack(garment, options), &Afresh).unwrap_or_else(|e| panic!("{e}"));
-    (made.mesh, made.warnings)
+    try_rendered(garment, options).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// The same, or the error.
+pub fn try_rendered<T: AsRef<str>>(garment: &Garment, options: &[T]) -> Result<(Garment, Warnings), Error> {
+    let made = RenderSteps::default().update(&Arc::new(garment.clone()), &stack(options))?;
+    Ok(((*made.mesh).clone(), made.warnings))
 }
 
 /// Panels with a border of the mesh among their edges, as a list of an option.

@@ -1,13 +1,30 @@
-//! Garments from files with their own recipes, and the surfaces that simulation meshes are made from.
+//! Garments with resolved recipes, and the surfaces that simulation meshes are made from.
 
 use std::path::Path;
+use std::sync::Arc;
 use tailor::error::Warnings;
-use tailor::pipeline::Prepared;
-use tailor::recipe::{Layers, bind};
-use tailor::sim::{Baseline, Lengths};
+use tailor::internals::garment::Garment;
+use tailor::internals::sim::{Baseline, SimOptions};
+use tailor::recipe::Layers;
 use tailor::usd::{ReadOptions, Source};
+use tailor::{Builder, Error, GarmentInput, Recipe};
+
+/// A checked garment, and its recipe with the lengths to use.
+pub struct Prepared {
+    pub garment: Arc<Garment>,
+    pub recipe: Recipe,
+}
+
+impl Prepared {
+    pub fn new(input: GarmentInput, layers: &Layers) -> Result<Self, Error> {
+        let builder = Builder::new(input)?;
+        let recipe = builder.resolve(&layers.recipe()?)?;
+        Ok(Self { garment: Arc::clone(builder.garment()), recipe })
+    }
+}
 
 /// A garment as its file says, and options as on the command line.
+#[allow(dead_code, reason = "not every test program reads files")]
 pub fn of_file<'a>(file: &Path, options: impl IntoIterator<Item = &'a str>) -> Prepared {
     let mut warnings = Warnings::default();
     let source = Source::open(file, &ReadOptions::default()).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
@@ -15,14 +32,11 @@ pub fn of_file<'a>(file: &Path, options: impl IntoIterator<Item = &'a str>) -> P
     let mut layers = Layers::default();
     layers.add_attributes(source.recipe().unwrap_or_default(), &mut warnings);
     options.into_iter().for_each(|o| layers.add_override(o).unwrap_or_else(|e| panic!("{e}")));
-    Prepared::new(input, &layers, &mut warnings).unwrap_or_else(|e| panic!("{}: {e}", file.display()))
+    Prepared::new(input, &layers).unwrap_or_else(|e| panic!("{}: {e}", file.display()))
 }
 
 /// The baseline after `level` refinements.
 pub fn baseline(prepared: &Prepared, level: u32) -> Baseline {
-    let bound = bind(&prepared.recipe, &prepared.garment, false).unwrap_or_else(|e| panic!("{e}"));
-    let mut sim = prepared.recipe.sim.clone();
-    sim.baseline_level = level;
-    let lengths = Lengths { min: sim.min_edge_length, max: sim.max_edge_length, density: bound.density };
-    Baseline::new(&prepared.garment, &sim, lengths, bound.uv_set)
+    let options = SimOptions { baseline_level: level, ..prepared.recipe.sim.clone() };
+    tailor::internals::build::baseline(&prepared.garment, &options).unwrap_or_else(|e| panic!("{e}"))
 }

@@ -11,13 +11,12 @@ use glam::{DVec3, Vec3};
 use refinement::refinement_faults;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
-use tailor::error::Warnings;
-use tailor::garment::{BoundaryInterpolation, Garment, GarmentInput, Interpolation, Values};
-use tailor::mesh::{ChainId, CornerId, EdgeId, Topology, VertexId};
-use tailor::pipeline::{Limits, Prepared, Products};
-use tailor::recipe::{Layers, bind};
-use tailor::render::{Afresh, RenderOptions, Stack, render};
-use tailor::sim::{Baseline, Lengths, SimProduct, simulate};
+use tailor::internals::garment::{BoundaryInterpolation, Garment, GarmentInput, Interpolation, Values};
+use tailor::internals::mesh::{ChainId, CornerId, EdgeId, Topology, VertexId};
+use tailor::internals::render::{RenderOptions, RenderSteps, Stack};
+use tailor::internals::sim::{SimProduct, simulate};
+use tailor::recipe::Layers;
+use tailor::{Builder, Products};
 
 /// Distance of a vertex from where its corner says it is, and from its chain's curve, as a share of the target length.
 const ON_SURFACE: f32 = 1e-3;
@@ -38,6 +37,9 @@ pub struct Bounds {
 /// Those of garments, whose edges are made to follow their folds.
 pub const GARMENT: Bounds = Bounds { distance: 0.5, chain: 0.02, area: 5e-6 };
 
+/// A bound that no garment here reaches.
+const MAX_FACES: usize = 1_000_000;
+
 /// A garment, its products, and all that was found wrong with them.
 pub struct Subject {
     name: String,
@@ -53,24 +55,13 @@ impl Subject {
     /// # Errors
     /// What the pipeline says.
     pub fn build(name: &str, input: GarmentInput, layers: &Layers) -> Result<Self, String> {
-        let mut warnings = Warnings::default();
-        let prepared = Prepared::new(input, layers, &mut warnings).map_err(|e| format!("{name}: {e}"))?;
-        let limits = Limits { max_faces: 1_000_000, progress: &|_| () };
-        let products = prepared.build(&limits, &mut warnings).map_err(|e| format!("{name}: {e}"))?;
-        let product = {
-            let bound = bind(&prepared.recipe, &prepared.garment, false).map_err(|e| format!("{name}: {e}"))?;
-            let sim = &prepared.recipe.sim;
-            let lengths = Lengths { min: sim.min_edge_length, max: sim.max_edge_length, density: bound.density };
-            let baseline = Baseline::new(&prepared.garment, sim, lengths, bound.uv_set);
-            simulate(baseline, sim.iterations, limits.max_faces * 4)
-        };
-        Ok(Self {
-            name: name.into(),
-            garment: Arc::unwrap_or_clone(prepared.garment),
-            products,
-            product,
-            faults: Vec::new(),
-        })
+        let said = |e: tailor::Error| format!("{name}: {e}");
+        let mut builder = Builder::new(input).map_err(said)?.with_max_faces(MAX_FACES);
+        let products = builder.update(&layers.recipe().map_err(said)?).map_err(said)?;
+        let sim = &products.recipe.sim;
+        let baseline = tailor::internals::build::baseline(builder.garment(), sim).map_err(said)?;
+        let product = simulate(baseline, sim.iterations, 4 * MAX_FACES);
+        Ok(Self { name: name.into(), garment: (**builder.garment()).clone(), products, product, faults: Vec::new() })
     }
 
     /// Checks both products.
@@ -160,7 +151,7 @@ impl Subject {
             }
         }
         off.into_iter().for_each(|fault| self.expect("on the baseline", false, || fault));
-        let farthest = self.products.sim_figures.distance_max;
+        let farthest = self.products.sim_figures().distance_max;
         self.expect("distance", farthest <= bounds.distance, || {
             format!("the mesh is {farthest} of the target length from the baseline")
         });
@@ -196,7 +187,7 @@ impl Subject {
     fn uvs_are_not_flipped(&mut self) {
         let base = &self.product.baseline;
         let flipped = base.topology.faces.ids().filter(|&f| base.uv_area(f) * base.facets[f].sense <= 0.0).count();
-        let (own, all) = (self.products.sim_figures.uv_flips, self.product.triangles.len());
+        let (own, all) = (self.products.sim_figures().uv_flips, self.product.triangles.len());
         if base.has_uvs && flipped == 0 {
             self.expect("UV flips", own == 0, || format!("{own} of {all} triangles"));
         }
@@ -261,14 +252,15 @@ impl Subject {
         let recipe = self.products.recipe.clone();
         let level = |level| {
             let options = RenderOptions { level, ..recipe.render.clone() };
-            let stack = Stack::new(self.garment.points.len(), &options, &recipe.instances());
-            let made = stack.and_then(|stack| render(&self.garment, &stack, &Afresh)).map(|made| made.mesh);
+            let stack = Stack::new(&options, &recipe.operators());
+            let garment = Arc::new(self.garment.clone());
+            let made = stack.and_then(|stack| RenderSteps::default().update(&garment, &stack)).map(|made| made.mesh);
             made.unwrap_or_else(|e| panic!("render level {level}: {e}"))
         };
         let levels = [0, 1, 2].map(level);
         let cage = &levels[0];
         let same = *cage.points == *self.garment.points && cage.faces.corners() == self.garment.faces.corners();
-        let plain = recipe.instances().is_empty();
+        let plain = recipe.operators().is_empty();
         self.expect("render level 0", same || !plain, || "it is not the garment as it is".into());
         let built = &self.products.render;
         let wanted = levels.get(self.products.recipe.render.level as usize);

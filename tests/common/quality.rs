@@ -5,9 +5,9 @@ use super::nearest::Nearest;
 use glam::Vec3;
 use std::collections::HashMap;
 use std::fmt;
-use tailor::mesh::VertexId;
+use tailor::internals::mesh::VertexId;
+use tailor::internals::sim::SimProduct;
 use tailor::report::min_angle;
-use tailor::sim::SimProduct;
 
 /// What a mesh is held to.
 pub struct Reference<'a> {

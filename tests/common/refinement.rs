@@ -3,8 +3,8 @@
 use super::{REFINED, agrees, fans};
 use glam::Vec3;
 use std::collections::BTreeSet;
-use tailor::garment::{BoundaryInterpolation, Elements, Garment, Scheme};
-use tailor::mesh::{CornerId, EdgeId, FaceId, Topology, VertexId};
+use tailor::internals::garment::{BoundaryInterpolation, Elements, Garment, Scheme};
+use tailor::internals::mesh::{CornerId, EdgeId, FaceId, Topology, VertexId};
 
 /// What is wrong with a refinement: counts, face points, edge-free smooth points, borders, subsets.
 pub fn refinement_faults(cage: &Garment, child: &Garment) -> Vec<String> {

@@ -1,7 +1,7 @@
 //! Grids, tubes and any faces as garments, made in code, with an attribute of each kind.
 
 use glam::Vec3;
-use tailor::garment::{
+use tailor::internals::garment::{
     Family, FamilyType, GarmentInput, Interpolation, Mixing, PrimvarInput, PrimvarRole, SubsetInput, Values,
 };
 

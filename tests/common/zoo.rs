@@ -2,7 +2,7 @@
 
 use crate::sheets::{grid, grid_faces, mesh, tube, with_edges, with_uvs};
 use glam::Vec3;
-use tailor::garment::{BoundaryInterpolation, GarmentInput, Orientation, Scheme, Values};
+use tailor::internals::garment::{BoundaryInterpolation, GarmentInput, Orientation, Scheme, Values};
 
 /// A whole grid.
 fn sheet(nx: usize, ny: usize) -> GarmentInput {

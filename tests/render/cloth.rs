@@ -4,9 +4,9 @@ use crate::sheets::{grid_faces, mesh, with_edges, with_uvs};
 use glam::Vec3;
 use std::collections::BTreeSet;
 use tailor::error::Warnings;
-use tailor::garment::{Elements, Garment, GarmentInput, SubsetInput, check_garment};
-use tailor::mesh::{FaceId, IdVec, VertexId};
-use tailor::subdivide::{Level, carried_points};
+use tailor::internals::garment::{Elements, Garment, GarmentInput, SubsetInput, check_garment};
+use tailor::internals::mesh::{FaceId, IdVec, VertexId};
+use tailor::internals::subdivide::{Level, carried_points};
 
 /// Adds a face subset.
 pub fn with_faces(mut input: GarmentInput, name: &str, faces: impl IntoIterator<Item = i32>) -> GarmentInput {

@@ -2,8 +2,8 @@
 
 use glam::{DVec3, IVec3, Vec3};
 use std::collections::{BTreeSet, HashMap};
-use tailor::garment::Garment;
-use tailor::mesh::{FaceId, VertexId};
+use tailor::internals::garment::Garment;
+use tailor::internals::mesh::{FaceId, VertexId};
 
 struct Triangle {
     face: FaceId,

@@ -8,10 +8,10 @@ use crate::recipes::{border_panels, rendered};
 use glam::Vec3;
 use std::collections::BTreeSet;
 use std::sync::Arc;
-use tailor::error::{Warning, Warnings};
-use tailor::garment::{Garment, Interpolation, Mixing, Primvar, PrimvarRole, Values, check_garment};
-use tailor::mesh::{FaceId, VertexId};
-use tailor::pipeline::mean_edge_length;
+use tailor::error::{Code, Warnings};
+use tailor::internals::build::mean_edge_length;
+use tailor::internals::garment::{Garment, Interpolation, Mixing, Primvar, PrimvarRole, Values, check_garment};
+use tailor::internals::mesh::{FaceId, VertexId};
 use tailor::usd::{ReadOptions, Source};
 
 /// Name of the primvar that says which face of the input each face is part of.
@@ -193,7 +193,7 @@ fn crossings(garment: &Garment, level: u32, multiple: f32) -> [Crossings; 3] {
         let after = crossing_parents(&mesh, &parents(&mesh));
         let new: Pairs = after.difference(&before).copied().collect();
         let apart = new.iter().copied().filter(|&pair| !is_beside(garment, pair, &before)).collect();
-        Crossings { new, apart, are_told: warnings.iter().any(|w| matches!(w, Warning::Unsound { .. })) }
+        Crossings { new, apart, are_told: warnings.iter().any(|w| w.code == Code::Intersections) }
     })
 }
 

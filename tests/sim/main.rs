@@ -16,11 +16,10 @@ mod quality;
 #[path = "../common/sheets.rs"]
 mod sheets;
 
-use tailor::error::Warnings;
-use tailor::garment::GarmentInput;
-use tailor::pipeline::Prepared;
+use prepared::Prepared;
+use tailor::internals::garment::GarmentInput;
+use tailor::internals::sim::Baseline;
 use tailor::recipe::Layers;
-use tailor::sim::Baseline;
 
 /// A bound that no mesh here reaches.
 const MAX_FACES: usize = 200_000;
@@ -29,7 +28,7 @@ const MAX_FACES: usize = 200_000;
 fn prepare(input: GarmentInput, options: &[&str]) -> Prepared {
     let mut layers = Layers::default();
     options.iter().for_each(|o| layers.add_override(o).unwrap_or_else(|e| panic!("{e}")));
-    Prepared::new(input, &layers, &mut Warnings::default()).unwrap_or_else(|e| panic!("{e}"))
+    Prepared::new(input, &layers).unwrap_or_else(|e| panic!("{e}"))
 }
 
 fn baseline(prepared: &Prepared) -> Baseline {

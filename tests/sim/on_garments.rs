@@ -5,7 +5,7 @@ use crate::prepared::of_file;
 use crate::quality::{Quality, Reference, of_product};
 use crate::{MAX_FACES, baseline};
 use rayon::prelude::*;
-use tailor::sim::simulate;
+use tailor::internals::sim::simulate;
 
 #[test]
 fn lie_on_their_surfaces_and_curves() {

@@ -2,10 +2,10 @@
 
 use crate::{MAX_FACES, baseline, prepare, sheets};
 use glam::Vec3;
-use tailor::error::{Warning, Warnings};
-use tailor::garment::{BoundaryInterpolation, GarmentInput};
-use tailor::pipeline::Limits;
-use tailor::sim::{SimProduct, simulate};
+use tailor::Builder;
+use tailor::error::{Code, Warning};
+use tailor::internals::garment::{BoundaryInterpolation, GarmentInput};
+use tailor::internals::sim::{SimProduct, simulate};
 
 /// A sheet whose density jumps from vertex to vertex.
 fn uneven() -> GarmentInput {
@@ -20,7 +20,7 @@ fn product(input: GarmentInput, options: &[&str]) -> SimProduct {
 /// The largest growth of target lengths along an edge of the baseline, per length.
 fn growth(product: &SimProduct) -> f32 {
     let base = &product.baseline;
-    let slope = |&[a, b]: &[tailor::mesh::VertexId; 2]| {
+    let slope = |&[a, b]: &[tailor::internals::mesh::VertexId; 2]| {
         (base.target[a] - base.target[b]).abs() / base.points[a].distance(base.points[b])
     };
     base.topology.edges.iter().map(slope).fold(0.0, f32::max)
@@ -68,6 +68,7 @@ fn curves_that_bend_within_an_edge_are_told() {
         let mut input = sheets::grid(7, 4, |x, y| y < 2 || x % 2 == 0);
         input.rules.boundary = BoundaryInterpolation::EdgeOnly;
         let angle = format!("sim.cornerAngle={angle}");
+        let again = input.clone();
         let prepared = prepare(input, &["sim.maxEdgeLength=1.1", "sim.baselineLevel=0", "sim.uvSet=", &angle]);
         let product = simulate(baseline(&prepared), prepared.recipe.sim.iterations, MAX_FACES);
         let base = &product.baseline;
@@ -82,11 +83,10 @@ fn curves_that_bend_within_an_edge_are_told() {
             farthest = farthest.max(own);
         }
         assert_eq!(farthest > 0.1, is_cut, "{farthest} with {angle}");
-        let mut warnings = Warnings::default();
-        let limits = Limits { max_faces: MAX_FACES, progress: &|_| () };
-        prepared.build(&limits, &mut warnings).unwrap_or_else(|e| panic!("{e}"));
+        let mut builder = Builder::new(again).unwrap_or_else(|e| panic!("{e}"));
+        let warnings = builder.update(&prepared.recipe).unwrap_or_else(|e| panic!("{e}")).warnings;
         let told = product.gaps.iter().map(|gap| gap.distance).fold(0.0, f32::max);
-        let is_told = |w: &Warning| matches!(w, Warning::CurvesCut { farthest: f, .. } if *f == told);
+        let is_told = |w: &Warning| w.code == Code::CurvesCut && w.amount == Some(told);
         assert_eq!(warnings.iter().any(is_told), is_cut, "{warnings:?}");
     }
 }

@@ -2,16 +2,16 @@
 //! after each.
 
 use crate::cases::few;
+use crate::prepared::Prepared;
 use crate::{MAX_FACES, baseline, prepare, sheets};
 use glam::Vec3;
 use proptest::prelude::*;
 use rayon::ThreadPoolBuilder;
 use std::collections::{BTreeMap, BTreeSet};
-use tailor::garment::GarmentInput;
-use tailor::mesh::edit::face;
-use tailor::mesh::{ChainId, CornerId, VertexId};
-use tailor::pipeline::Prepared;
-use tailor::sim::{Pass, SimMesh, VertexConstraint, drift, simulate};
+use tailor::internals::garment::GarmentInput;
+use tailor::internals::mesh::edit::face;
+use tailor::internals::mesh::{ChainId, CornerId, VertexId};
+use tailor::internals::sim::{Pass, SimMesh, VertexConstraint, drift, simulate};
 
 /// What a garment is made of.
 #[derive(Clone, Debug)]
@@ -171,7 +171,7 @@ fn covered(mesh: &SimMesh<'_>) -> BTreeMap<ChainId, f64> {
 /// Triangles that lie the wrong way round in UV space.
 fn flipped(mesh: &SimMesh<'_>) -> usize {
     let base = mesh.baseline;
-    let is_flipped = |f: &tailor::mesh::FaceId| {
+    let is_flipped = |f: &tailor::internals::mesh::FaceId| {
         let [a, b, c] = [0, 1, 2].map(|k| mesh.place(CornerId::new(3 * f.index() + k)));
         (b.uv - a.uv).perp_dot(c.uv - a.uv) * base.facets[a.location.face].sense <= 0.0
     };

@@ -5,8 +5,8 @@ use crate::garments::garments;
 use crate::sets::{FREE, edges, garment};
 use crate::{sheet, sheets};
 use std::collections::BTreeMap;
-use tailor::garment::Elements;
-use tailor::mesh::VertexId;
+use tailor::internals::garment::Elements;
+use tailor::internals::mesh::VertexId;
 
 /// The chains of an edge set: for each whether it is a loop, and its number of edges.
 fn chains(edges: &[[VertexId; 2]]) -> Vec<(bool, usize)> {
@@ -74,7 +74,8 @@ fn free_edge_sets_are_found_as_the_same_chains() {
             let own = chains(&edges(&built.products.sim, name));
             let found = (own.iter().filter(|c| !c.0).count(), own.iter().filter(|c| c.0).count());
             assert_eq!(found, (open, loops), "{name} at {length}: open chains and loops, {own:?}");
-            let figures = built.products.sim_figures.edge_sets.iter().find(|e| e.name == name).expect("figures");
+            let figures = built.products.sim_figures();
+            let figures = figures.edge_sets.iter().find(|e| e.name == name).expect("figures");
             assert!(figures.farthest <= 1.0, "{name} at {length} is {} targets away", figures.farthest);
         }
     }
@@ -84,7 +85,7 @@ fn free_edge_sets_are_found_as_the_same_chains() {
 fn free_edge_sets_of_garments_stay_by_their_curves() {
     for file in garments() {
         let built = garment(&file, &FREE);
-        for set in &built.products.sim_figures.edge_sets {
+        for set in &built.products.sim_figures().edge_sets {
             assert!(set.farthest <= 1.0, "{file:?}: {} is {} targets away", set.name, set.farthest);
             // A path of edges across a lattice of equilateral triangles is at most 2 / sqrt 3 of a straight line; where a
             // curve's is beyond the twentieth that is asked, hardly a shorter one is there.

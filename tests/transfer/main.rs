@@ -7,12 +7,14 @@ mod edges;
 mod garments;
 #[path = "../common/nearest.rs"]
 mod nearest;
+#[path = "../common/prepared.rs"]
+mod prepared;
 mod sets;
 #[path = "../common/sheets.rs"]
 mod sheets;
 mod values;
 
-use tailor::garment::GarmentInput;
+use tailor::internals::garment::GarmentInput;
 
 /// A grid without subsets.
 fn sheet(nx: usize, ny: usize) -> GarmentInput {

@@ -5,12 +5,12 @@ use crate::garments::garments;
 use crate::nearest::Nearest;
 use crate::sheet;
 use std::collections::BTreeSet;
-use tailor::error::{Warning, Warnings};
-use tailor::garment::{Elements, Family, FamilyType, Garment, GarmentInput, SubsetInput};
-use tailor::mesh::{EdgeId, FaceId, IdVec, Topology, VertexId};
+use tailor::error::{Code, Warnings};
+use tailor::internals::garment::{Elements, Family, FamilyType, Garment, GarmentInput, SubsetInput};
+use tailor::internals::mesh::{EdgeId, FaceId, IdVec, Topology, VertexId};
+use tailor::internals::sim::SimOptions;
+use tailor::internals::transfer::Coverage;
 use tailor::recipe::Layers;
-use tailor::sim::SimOptions;
-use tailor::transfer::Coverage;
 use tailor::usd::{ReadOptions, Source};
 
 /// Without UVs, so that no border of a set is a constraint.
@@ -183,14 +183,8 @@ fn labels_are_the_best_that_whole_triangles_allow_and_small_sets_are_told() {
                 }
             };
             let coverage = independent(&built);
-            let told: Vec<&String> = built
-                .warnings
-                .iter()
-                .flat_map(|w| match w {
-                    Warning::SetsBlurred { sets, .. } => sets.iter(),
-                    _ => [].iter(),
-                })
-                .collect();
+            let told: Vec<&String> =
+                built.warnings.iter().filter(|w| w.code == Code::SetsBlurred).flat_map(|w| &w.names).collect();
             for subset in built.garment.subsets.iter() {
                 let Elements::Faces(source) = &subset.elements else { continue };
                 let set = faces(&built.products.sim, &subset.name);

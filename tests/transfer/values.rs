@@ -6,12 +6,14 @@ use crate::sets::{FREE, garment};
 use crate::{sheet, sheets};
 use glam::{DMat3, DVec3};
 use std::collections::BTreeMap;
-use tailor::garment::joints::{self, Influences};
-use tailor::garment::{Garment, GarmentInput, Interpolation, Mixing, Primvar, PrimvarInput, PrimvarRole, Values};
-use tailor::mesh::{CornerId, FaceId, IdVec, Topology, VertexId};
-use tailor::sim::Location;
-use tailor::subdivide::Stencils;
-use tailor::transfer::{SOURCE_COORDS, SOURCE_FACE, corner_coordinates};
+use tailor::internals::garment::joints::{self, Influences};
+use tailor::internals::garment::{
+    Garment, GarmentInput, Interpolation, Mixing, Primvar, PrimvarInput, PrimvarRole, Values,
+};
+use tailor::internals::mesh::{CornerId, FaceId, IdVec, Topology, VertexId};
+use tailor::internals::sim::Location;
+use tailor::internals::subdivide::Stencils;
+use tailor::internals::transfer::{SOURCE_COORDS, SOURCE_FACE, corner_coordinates};
 
 fn primvar(name: &str, interpolation: Interpolation, components: usize, values: Values) -> PrimvarInput {
     let mixing = if matches!(values, Values::F32(_) | Values::F64(_)) { Mixing::Linear } else { Mixing::Discrete };
@@ -169,14 +171,14 @@ fn a_tube_that_is_one_shell_is_cut_once_along_itself() {
 }
 
 /// Influences of the garment's vertices at a location, merged by the weights of subdivision, one at a time.
-fn influences_at(built: &Built, product: &tailor::sim::SimProduct, at: &Location) -> BTreeMap<i32, f64> {
+fn influences_at(built: &Built, product: &tailor::internals::sim::SimProduct, at: &Location) -> BTreeMap<i32, f64> {
     let base = &product.baseline;
     let mut weights: BTreeMap<VertexId, f64> = BTreeMap::new();
     for (k, corner) in base.topology.faces.corners_of(at.face).enumerate() {
         *weights.entry(base.level_vertex[base.topology.faces.vertex(corner)]).or_default() += f64::from(at.weights[k]);
     }
     for parent in base.parents().collect::<Vec<_>>().into_iter().rev() {
-        let stencils = parent.level.vertex_stencils();
+        let stencils = parent.vertex_stencils();
         let mut coarse: BTreeMap<VertexId, f64> = BTreeMap::new();
         for (vertex, weight) in weights {
             stencils.row(vertex.index(), &mut |v, w| *coarse.entry(v).or_default() += weight * f64::from(w));
@@ -334,7 +336,7 @@ fn uniform_values_are_means_and_majorities() {
 /// Normals of a polygonal sheet, as the attribute that they are: those of its faces, or turned from them.
 fn with_normals(turn: f32) -> GarmentInput {
     let mut input = sheet(6, 6);
-    input.rules.scheme = tailor::garment::Scheme::None;
+    input.rules.scheme = tailor::internals::garment::Scheme::None;
     let product = build(input.clone(), &["sim.baselineLevel=0"]);
     let t = Topology::new(product.garment.faces.clone(), product.garment.points.len());
     let mut all = vec![glam::Vec3::ZERO; input.points.len()];

@@ -240,9 +240,9 @@ def test_the_second_layer_is_on_the_side_that_is_asked_for_and_looks_away(build,
 def test_a_seam_that_is_too_wide_is_narrowed_and_told(build, tmp_path):
     product = build(sewn(garment(tmp_path), placket={**PLACKET, "width": 5.0}))
     [warning] = [warning for warning in product.report["warnings"] if warning["code"] == "narrow-seam"]
-    assert warning["seam"] == "placket" and set(warning["examples"]) <= {2, 7, 12, 17}
-    assert 0 < warning["least"] < 0.5
-    assert "seam.placket is narrower than asked" in product.stderr
+    assert warning["place"] == "seam.placket" and set(warning["elements"]["points"]) <= {2, 7, 12, 17}
+    assert 0 < warning["amount"] < 0.5
+    assert f"warning: seam.placket: {warning['problem']}" in product.stderr
     assert set(product.render.counts) == {4}
 
 
@@ -273,7 +273,7 @@ def test_the_coat_is_sewn(coat):
     expected = {f"{name}_{end}" for schema, _, name in instances for end in ends[schema]}
     assert len(expected) == 17 and coat.report["operatorFaces"].keys() == expected
     assert all(len(coat.render.subsets[name].indices) == count > 0 for name, count in coat.report["operatorFaces"].items())
-    assert [(warning["code"], warning["seam"]) for warning in coat.report["warnings"]] == [("narrow-seam", "armhole"), ("narrow-seam", "neckline")]
+    assert [(warning["code"], warning["place"]) for warning in coat.report["warnings"]] == [("narrow-seam", "seam.armhole"), ("narrow-seam", "seam.neckline")]
 
 
 def test_the_coat_keeps_its_attributes(coat):

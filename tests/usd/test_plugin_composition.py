@@ -267,7 +267,7 @@ def test_a_bad_value_is_told_and_mended(stage, coat, capfd):
     capfd.readouterr()
     setting(prim, LEVEL, 99)
     said = capfd.readouterr().err
-    assert said.count("99 is too much") == 1, said
+    assert said.count("99 is too large") == 1, said
     assert "render.level" in said and "hint:" in said and str(coat) in said
     assert not mesh(prim)
     setting(prim, LEVEL, 2)

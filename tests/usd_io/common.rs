@@ -3,10 +3,10 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use tailor::error::Warnings;
-use tailor::garment::{Corner, Crease, Elements, Garment, GarmentInput, Primvar, Subset};
-use tailor::mesh::{FaceId, Faces, VertexId};
-use tailor::usd::{Product, ProductRole, ReadOptions, Source, UsdError, WriteOptions, write};
+use tailor::error::{Error, Warnings};
+use tailor::internals::garment::{Corner, Crease, Elements, Garment, GarmentInput, Primvar, Subset};
+use tailor::internals::mesh::{FaceId, Faces, VertexId};
+use tailor::usd::{Product, ProductRole, ReadOptions, Source, WriteOptions, write};
 
 /// The garment of an input that is known to be sound.
 pub fn sound(input: &GarmentInput) -> Garment {
@@ -25,6 +25,7 @@ pub fn sound(input: &GarmentInput) -> Garment {
     }
     let corner = |(v, s): (&i32, &f32)| Corner { vertex: vertex(v), sharpness: *s };
     Garment {
+        influences: None,
         prim: input.prim.clone(),
         points: input.points.clone().into(),
         faces: Faces::mixed(input.face_vertex_counts.iter().map(|&n| n as usize), corners),
@@ -53,7 +54,7 @@ pub fn sound(input: &GarmentInput) -> Garment {
     }
 }
 
-pub fn primvar(p: &tailor::garment::PrimvarInput) -> Primvar {
+pub fn primvar(p: &tailor::internals::garment::PrimvarInput) -> Primvar {
     Primvar {
         name: p.name.clone(),
         role: p.role.clone(),
@@ -110,20 +111,20 @@ pub fn coat(extra: &str) -> String {
     )
 }
 
-pub fn open(path: &Path) -> Result<Source, UsdError> {
+pub fn open(path: &Path) -> Result<Source, Error> {
     Source::open(path, &ReadOptions::default())
 }
 
-pub fn open_prim(path: &Path, prim: &str) -> Result<Source, UsdError> {
+pub fn open_prim(path: &Path, prim: &str) -> Result<Source, Error> {
     Source::open(path, &ReadOptions { prim: Some(prim.into()), time: None })
 }
 
-pub fn read(source: &Source) -> Result<GarmentInput, UsdError> {
+pub fn read(source: &Source) -> Result<GarmentInput, Error> {
     source.garment(&mut Warnings::default())
 }
 
 /// Writes the input itself as both products; the warnings.
-pub fn tailor(source: &Source, out: &Path, options: &WriteOptions) -> Result<Vec<String>, UsdError> {
+pub fn tailor(source: &Source, out: &Path, options: &WriteOptions) -> Result<Vec<String>, Error> {
     let mesh = sound(&read(source)?);
     let product = |name, role| Product { name, role, mesh: &mesh };
     let mut warnings = Warnings::default();
@@ -141,7 +142,7 @@ pub const FORCE: WriteOptions = WriteOptions { flatten: false, force: true, mode
 pub const FLATTEN: WriteOptions = WriteOptions { flatten: true, force: true, model_guide: true };
 
 #[track_caller]
-pub fn assert_fault<T>(result: Result<T, UsdError>, parts: &[&str]) {
+pub fn assert_fault<T>(result: Result<T, Error>, parts: &[&str]) {
     let text = result.err().expect("a fault").to_string();
     for part in parts {
         assert!(text.contains(part), "{part:?} in: {text}");

@@ -126,8 +126,8 @@ fn values_are_taken_at_the_time_asked_for() {
     let input = read(&Source::open(&file, &ReadOptions { prim: None, time: Some(2.5) }).unwrap()).unwrap();
     assert_eq!(input.points[5], Vec3::new(2.0, 1.0, 1.0));
     let values = |name: &str| input.primvars.iter().find(|p| p.name == name).unwrap().values.clone();
-    assert_eq!(values("w"), tailor::garment::Values::F32(vec![0.25; 6]));
-    assert_eq!(values("t"), tailor::garment::Values::Text(vec!["a".into(), "b".into()]));
+    assert_eq!(values("w"), tailor::internals::garment::Values::F32(vec![0.25; 6]));
+    assert_eq!(values("t"), tailor::internals::garment::Values::Text(vec!["a".into(), "b".into()]));
     let nan = ReadOptions { prim: None, time: Some(f64::NAN) };
     assert_fault(Source::open(&file, &nan), &["the time is not a number"]);
 }
@@ -208,7 +208,7 @@ fn variants_inherits_and_payloads_compose() {
     let input = read(&open(&file).unwrap()).unwrap();
     assert_eq!(input.prim, "/A/model");
     assert_eq!(input.primvars.iter().map(|p| p.name.as_str()).collect::<Vec<_>>(), ["a", "b"]);
-    assert_eq!(input.orientation, tailor::garment::Orientation::LeftHanded);
+    assert_eq!(input.orientation, tailor::internals::garment::Orientation::LeftHanded);
     assert_eq!(input.hole_indices, [1]);
 }
 

@@ -4,10 +4,8 @@ use crate::common::*;
 use std::fs;
 use std::path::Path;
 use tailor::error::Warnings;
-use tailor::garment::GarmentInput;
-use tailor::usd::{
-    Format, Product, ProductRole, ReadOptions, Source, Surroundings, UsdError, WriteOptions, layer_bytes, write,
-};
+use tailor::internals::garment::GarmentInput;
+use tailor::usd::{Format, Product, ProductRole, ReadOptions, Source, Surroundings, WriteOptions, layer_bytes, write};
 
 /// A coat with attributes of many kinds.
 fn rich() -> String {
@@ -59,7 +57,10 @@ fn products_come_back_as_they_went_in_every_format() {
         let mut sim = read(&open_prim(&at.at(name), "/Coat/sim").unwrap()).unwrap();
         assert_eq!(
             sim.rules,
-            tailor::garment::SubdivisionRules { scheme: tailor::garment::Scheme::None, ..Default::default() }
+            tailor::internals::garment::SubdivisionRules {
+                scheme: tailor::internals::garment::Scheme::None,
+                ..Default::default()
+            }
         );
         sim.rules = input.rules;
         same(&sim, &input);
@@ -222,7 +223,7 @@ fn names_that_are_taken_or_impossible_are_refused() {
     let body = coat("").replace("def Mesh", "def Scope \"render\" {}\n def Mesh");
     let source = open(&at.usda("coat.usda", &body)).unwrap();
     let mesh = sound(&read(&source).unwrap());
-    let attempt = |sim, render| -> Result<(), UsdError> {
+    let attempt = |sim, render| -> Result<(), tailor::Error> {
         let product = |name, role| Product { name, role, mesh: &mesh };
         let products = [product(sim, ProductRole::Sim), product(render, ProductRole::Render)];
         write(&source, &products, &at.at("o.usda"), &FORCE, &mut Warnings::default())

@@ -1,7 +1,8 @@
-//! The attributes of a prim that a dynamic payload reads.
+//! Lists the attributes of a prim that a dynamic payload reads.
 //!
-//! OpenUSD composes attributes whose names it is told. Those of seams and thicknesses hold the names of instances, which
-//! the `.tailor` file, the applied schemas of the prim and the arguments of the asset path tell.
+//! OpenUSD composes only attributes that are requested by name. Attributes of seams and thicknesses include the name of
+//! an instance. These names come from the `.tailor` file, the prim's applied schemas and the arguments of the asset
+//! path.
 
 use crate::ffi::Field;
 use std::collections::BTreeSet;
@@ -9,11 +10,13 @@ use std::path::Path;
 use std::str;
 use tailor::recipe::{KEYS, KINDS, RecipeFile};
 
-/// A kind of operator and the name of one of that kind.
+/// An operator: its kind and its name.
 type Instance = (&'static str, String);
 
-/// The attributes that a payload reads: those of the options that each recipe has once, and of the instances that the
-/// text of the `.tailor` file, applied schemas as OpenUSD prints them, and arguments (`key=value`, separated by `&`) name.
+/// The attributes that a payload reads: one for each option of `sim` and `render`, and those of all named instances.
+///
+/// `recipe` is the text of the `.tailor` file, `schemas` the applied schemas as OpenUSD prints them, and `arguments` a
+/// list of `key=value` separated by `&`.
 pub fn fields(recipe: &[u8], schemas: &str, arguments: &str) -> Vec<Field> {
     let instances: BTreeSet<Instance> =
         in_recipe(recipe).into_iter().chain(in_schemas(schemas)).chain(in_arguments(arguments)).collect();
@@ -24,7 +27,7 @@ pub fn fields(recipe: &[u8], schemas: &str, arguments: &str) -> Vec<Field> {
     KEYS.iter().map(|key| key.0.to_owned()).chain(of_instances).map(field).collect()
 }
 
-/// Whether an attribute can be one of those, whatever the names of the instances.
+/// `true` if an attribute is an option, for any name of an instance.
 pub fn is_field(attribute: &str) -> bool {
     let Some((space, rest)) = attribute.strip_prefix("tailor:").and_then(|a| a.split_once(':')) else { return false };
     KEYS.iter().any(|key| key.0.split_once('.') == Some((space, rest)))
@@ -42,7 +45,7 @@ fn kinds() -> impl Iterator<Item = &'static str> {
     KINDS.iter().map(|kind| kind.name)
 }
 
-/// A text that is no recipe names nothing: its fault is told when it is read.
+/// The instances that a `.tailor` file names. An invalid text names none; its error is reported when the layer is read.
 fn in_recipe(text: &[u8]) -> Vec<Instance> {
     let file = str::from_utf8(text).ok().and_then(|text| RecipeFile::parse(Path::new(""), text).ok());
     let layer = file.map(RecipeFile::into_layer).unwrap_or_default();
@@ -53,24 +56,24 @@ fn in_recipe(text: &[u8]) -> Vec<Instance> {
     kinds().flat_map(names).collect()
 }
 
-/// What OpenUSD prints before the items that a list operation takes out.
+/// OpenUSD's label of the items that a list operation deletes.
 const DELETED: &str = "Deleted Items: [";
 
-/// The instances of lists of applied schemas, a line for each layer, the strongest first: those that no stronger layer
-/// takes out again.
+/// The instances in lists of applied schemas, one line for each layer, strongest first. Deletions of stronger layers
+/// apply.
 fn in_schemas(text: &str) -> Vec<Instance> {
     let (mut found, mut deleted) = (Vec::new(), Vec::new());
     for list in text.lines() {
         let (before, rest) = list.split_once(DELETED).unwrap_or((list, ""));
-        let (gone, after) = rest.split_once(']').unwrap_or((rest, ""));
+        let (removed, after) = rest.split_once(']').unwrap_or((rest, ""));
         let named = in_words(before).into_iter().chain(in_words(after));
         found.extend(named.filter(|instance| !deleted.contains(instance)));
-        deleted.extend(in_words(gone));
+        deleted.extend(in_words(removed));
     }
     found
 }
 
-/// `TailorSeamAPI:placket` in a text that holds other words too.
+/// The instances in a printed list, such as `TailorSeamAPI:placket`, among other words.
 fn in_words(text: &str) -> Vec<Instance> {
     let words: Vec<&str> = text.split(|c: char| c.is_whitespace() || "[],".contains(c)).collect();
     let named = |kind: &'static str| {
@@ -81,7 +84,7 @@ fn in_words(text: &str) -> Vec<Instance> {
     kinds().flat_map(named).collect()
 }
 
-/// The multiple-apply schema of a kind, up to the name of the instance.
+/// The name of a kind's multiple-apply schema with its colon, such as `TailorSeamAPI:`.
 fn schema(kind: &str) -> String {
     let mut letters = kind.chars();
     let first: String = letters.next().into_iter().flat_map(char::to_uppercase).collect();

@@ -1,4 +1,4 @@
-//! From a recipe and a composed source to a layer, through the one [`Session`] of the process.
+//! Generates a layer from a recipe and a composed source, with one [`Session`] for the process.
 
 use crate::ffi::{Argument, Generated};
 use std::collections::HashSet;
@@ -6,34 +6,34 @@ use std::path::Path;
 use std::str;
 use std::sync::{LazyLock, Mutex, PoisonError};
 use tailor::error::{Error, Warnings};
-use tailor::recipe;
-use tailor::session::Session;
+use tailor::session::{self, Session};
 
-/// Memory for results, where `USDTAILOR_CACHE_MB` says nothing. \[megabytes\]
+/// Memory for cached results, unless `USDTAILOR_CACHE_MB` sets it. \[megabytes\]
 const CACHE: usize = 512;
 
-/// Texts of warnings that are remembered, so that each is told once and not with every edit.
-const MOST_TOLD: usize = 10_000;
+/// Number of remembered warnings, above which the memory is cleared.
+const MAX_REPORTED: usize = 10_000;
 
 static SESSION: LazyLock<Result<Session, String>> = LazyLock::new(|| {
     let megabytes = number("USDTAILOR_CACHE_MB").and_then(|n| usize::try_from(n).ok()).unwrap_or(CACHE);
     Session::new(megabytes.saturating_mul(1 << 20), threads()).map_err(|e| e.to_string())
 });
 
-static TOLD: LazyLock<Mutex<HashSet<String>>> = LazyLock::new(Mutex::default);
+/// The warnings reported so far, each with its file: an edit reports only new ones.
+static REPORTED: LazyLock<Mutex<HashSet<String>>> = LazyLock::new(Mutex::default);
 
-/// A `.tailor` file with the arguments it was opened with.
+/// A `.tailor` file and the arguments that it was opened with.
 #[derive(Debug)]
 pub struct Document {
     path: String,
-    document: recipe::Document,
+    document: session::Document,
 }
 
 impl Document {
     pub fn read(path: &str, text: &[u8], arguments: &[Argument]) -> Result<Self, String> {
-        let text = str::from_utf8(text).map_err(|_| "it is not text\n  hint: a recipe is JSON".to_owned())?;
+        let text = str::from_utf8(text).map_err(|_| "it is not UTF-8 text\n  hint: a recipe is JSON".to_owned())?;
         let arguments = arguments.iter().map(|a| (a.key.as_str(), a.value.as_str()));
-        let document = recipe::Document::new(Path::new(path), text, arguments).map_err(|e| e.to_string())?;
+        let document = session::Document::new(Path::new(path), text, arguments).map_err(|e| e.to_string())?;
         Ok(Self { path: path.into(), document })
     }
 
@@ -50,22 +50,21 @@ impl Document {
         let mut warnings = Warnings::default();
         let layer = session.layer(&self.document, flattened, metadata_only, &mut warnings);
         let layer = layer.map_err(|e: Error| e.to_string())?;
-        Ok(Generated { layer, warnings: self.untold(&warnings) })
+        Ok(Generated { layer, warnings: self.new_warnings(&warnings) })
     }
 
-    /// The warnings that were not told before of this file.
-    fn untold(&self, warnings: &Warnings) -> Vec<String> {
-        let mut told = TOLD.lock().unwrap_or_else(PoisonError::into_inner);
-        if told.len() > MOST_TOLD {
-            told.clear();
+    /// The warnings that have not been reported for this file before.
+    fn new_warnings(&self, warnings: &Warnings) -> Vec<String> {
+        let mut reported = REPORTED.lock().unwrap_or_else(PoisonError::into_inner);
+        if reported.len() > MAX_REPORTED {
+            reported.clear();
         }
         let texts = warnings.iter().map(ToString::to_string);
-        texts.filter(|text| told.insert(format!("{}\n{text}", self.path))).collect()
+        texts.filter(|text| reported.insert(format!("{}\n{text}", self.path))).collect()
     }
 }
 
-/// As many threads as OpenUSD takes by `PXR_WORK_THREAD_LIMIT`: all when it is not set or 0, and all but so many when
-/// it is negative.
+/// The number of threads by OpenUSD's `PXR_WORK_THREAD_LIMIT`: all if it is unset or 0, and all but `n` if it is `-n`.
 fn threads() -> Option<usize> {
     let all = std::thread::available_parallelism().map_or(1, usize::from);
     match number("PXR_WORK_THREAD_LIMIT")? {

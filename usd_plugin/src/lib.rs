@@ -1,8 +1,8 @@
-//! The OpenUSD file format `.tailor`: what a program that reads USD loads, so that a `.tailor` file opens as the layer
-//! which `usdtailor build` would write.
+//! The OpenUSD plugin for the file format `.tailor`. A `.tailor` file opens as the layer that `usdtailor build` writes.
 //!
-//! The C++ beside this crate is the file format as OpenUSD knows it: it finds the source, composes it and fills the
-//! layer. Everything else is decided here and in [`tailor`]. `cargo xtask plugin` builds both into one library.
+//! The C++ in this folder implements OpenUSD's file-format interface: it finds the source, composes it and fills the
+//! layer. This crate parses recipes and generates the layer with [`tailor`]. `cargo xtask plugin` builds both into one
+//! library.
 
 mod fields;
 mod generate;
@@ -20,38 +20,38 @@ mod ffi {
         value: String,
     }
 
-    /// An attribute that a dynamic payload reads, such as `tailor:sim:maxEdgeLength`, and the argument that it becomes.
+    /// An attribute that a dynamic payload reads, such as `tailor:sim:maxEdgeLength`, and its file-format argument.
     struct Field {
         attribute: String,
         argument: String,
     }
 
-    /// A layer as crate bytes, and what the user should know about it.
+    /// A layer as crate (`.usdc`) bytes, with new warnings.
     struct Generated {
         layer: Vec<u8>,
         warnings: Vec<String>,
     }
 
-    // C++ makes these vectors.
+    // C++ creates vectors of this type.
     impl Vec<Argument> {}
 
     extern "Rust" {
         type Document;
 
-        /// Reads a `.tailor` file (JSON) and the arguments it was opened with.
+        /// Parses the text of a `.tailor` file (JSON) and the arguments that it was opened with.
         fn read_document(path: &str, text: &[u8], arguments: &[Argument]) -> Result<Box<Document>>;
 
-        /// The source as the file names it (asset path, relative to the file).
+        /// The asset path of the source as written in the file, relative to it.
         fn source(self: &Document) -> &str;
 
-        /// The layer: what `usdtailor build` writes. `flattened` is the composed source as crate bytes.
+        /// Generates the layer that `usdtailor build` writes. `flattened` is the composed source as crate bytes.
         fn generate(document: &Document, flattened: &[u8], metadata_only: bool) -> Result<Generated>;
 
-        /// The attributes that a dynamic payload reads. The text of its `.tailor` file, the schemas of its prim as OpenUSD
-        /// prints them and its arguments name the seams and thicknesses among them.
+        /// The attributes that a dynamic payload reads. Names of seams and thicknesses come from the text of its
+        /// `.tailor` file, the schemas of its prim as OpenUSD prints them, and its arguments.
         fn fields(recipe: &[u8], schemas: &str, arguments: &str) -> Vec<Field>;
 
-        /// Whether an attribute can be one of those.
+        /// `true` if an attribute can be one of those.
         fn is_field(attribute: &str) -> bool;
     }
 }
@@ -60,7 +60,7 @@ fn read_document(path: &str, text: &[u8], arguments: &[Argument]) -> Result<Box<
     let read = || {
         let document = Document::read(path, text, arguments)?;
         if document.source().contains('\0') {
-            return Err("\"source\" has a character that no path has\n  hint: take \\u0000 out of it".to_owned());
+            return Err("\"source\" contains a null character\n  hint: remove \\u0000 from it".to_owned());
         }
         Ok(Box::new(document))
     };
@@ -72,7 +72,7 @@ fn generate(document: &Document, flattened: &[u8], metadata_only: bool) -> Resul
 }
 
 fn fields(recipe: &[u8], schemas: &str, arguments: &str) -> Vec<Field> {
-    // There is no way to report a fault from here; without fields, payloads are not dynamic.
+    // OpenUSD's interface has no way to report an error here. Without fields, payloads are not dynamic.
     guarded(|| Ok(fields::fields(recipe, schemas, arguments))).unwrap_or_default()
 }
 
@@ -80,9 +80,9 @@ fn is_field(attribute: &str) -> bool {
     guarded(|| Ok(fields::is_field(attribute))).unwrap_or_default()
 }
 
-/// Runs `work` so that a panic becomes an error: one that left this library would abort the program that loaded it.
+/// Turns a panic of `work` into an error. A panic that left this library would abort the host program.
 fn guarded<T>(work: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
-    // Nothing that `work` borrowed is used again after a panic, except documents, which do not change.
+    // Unwind-safe: after a panic only documents are used again, and they are immutable.
     catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| Err(internal(panic.as_ref())))
 }
 
@@ -91,7 +91,7 @@ fn internal(panic: &(dyn Any + Send)) -> String {
     format!("internal error: {}; please report it", text.unwrap_or("of unknown cause"))
 }
 
-/// A message that begins with the file it is about.
+/// Prefixes a message with its file, unless it already starts with it.
 fn named(path: &str, message: String) -> String {
     if message.starts_with(path) { message } else { format!("{path}: {message}") }
 }

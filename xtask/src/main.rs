@@ -1,5 +1,6 @@
-//! The project's own tasks, run as `cargo xtask <task>`. Nothing here is needed to build or use `usdtailor`.
+//! Development tasks, run as `cargo xtask <task>`. Building and using `usdtailor` needs none of them.
 
+mod api;
 mod golden;
 mod peers;
 mod plugin;
@@ -7,6 +8,7 @@ mod process;
 mod project;
 mod schemas;
 mod steps;
+mod text;
 mod venv;
 
 use std::process::ExitCode;
@@ -20,28 +22,29 @@ Tasks of this project.
 Usage: cargo xtask <TASK>
 
 Tasks:
-  test [STEP...] [-- ARGS...]  Run the named steps and those they need, or all of them (see below)
+  test [STEP...] [-- ARGS...]  Run the named steps and their prerequisites, or all steps (see below)
   schemas [--check]            Write schemas/generatedSchema.usda and plugInfo.json from schema.usda;
-                               --check only compares, and fails on a difference
+                               with --check, fail if they differ instead
+  api                          Write docs/api.txt, the public API that the step `docs` compares
   examples [ARGS...]           Write the garments in examples/ (examples/make_garments.py)
-  picture                      Build examples/coat.usda and examples/sewn/coat.usda and draw both, as examples/*.png
+  picture                      Build examples/coat.usda and examples/sewn/coat.usda and draw both to examples/*.png
   golden [ARGS...]             Write the OpenSubdiv reference data of the subdivision tests (needs cmake and C++)
   plugin [OPTIONS]             Build the OpenUSD plugin into target/usd_plugin (see below)
-  peers                        Compare remeshing with other remeshers, in time and quality
-  venv                         Make the Python environment target/venv that the other tasks use
+  peers                        Compare time and quality with other remeshers
+  venv                         Create the Python environment target/venv, which the other tasks use
 
 Options:
   -h, --help                   Print this help
 
 Options of plugin:
-  --python PYTHON              For the usd-core wheel of this interpreter (that of target/venv)
-  --sdk DIR                    For the OpenUSD SDK in DIR, with its headers (PXR_ROOT or OPENUSD_ROOT)
-  --out DIR                    Where to put it (target/usd_plugin)
+  --python PYTHON              Build for the usd-core wheel of this interpreter [default: that of target/venv]
+  --sdk DIR                    Build for the OpenUSD SDK in DIR [default: PXR_ROOT or OPENUSD_ROOT, if set]
+  --out DIR                    Folder of the plugin [default: target/usd_plugin]
 
-What follows -- goes to `cargo test` when the only step named is `rust`, to pytest when it is `python`:
+Arguments after -- go to `cargo test` with the single step `rust`, and to pytest with the single step `python`:
   cargo xtask test python -- -k schemas
 
-PYTHON names the interpreter that target/venv is made from (python3).
+The environment variable PYTHON names the interpreter for target/venv [default: python3].
 ";
 
 fn main() -> ExitCode {
@@ -72,13 +75,14 @@ fn run(args: &[String]) -> Outcome {
             [flag] if flag == "--check" => schemas::check(&project),
             _ => Err(unexpected(task, rest)),
         },
+        "api" if rest.is_empty() => steps::docs(&project).and_then(|()| api::write(&project)),
         "examples" => examples(&project, rest),
         "picture" if rest.is_empty() => picture(&project),
         "plugin" => plugin::run(&project, rest),
         "golden" => golden::run(&project, rest),
         "venv" if rest.is_empty() => venv::ensure(&project).map(|_| ()),
         "peers" if rest.is_empty() => peers::run(&project),
-        "picture" | "peers" | "venv" => Err(unexpected(task, rest)),
+        "api" | "picture" | "peers" | "venv" => Err(unexpected(task, rest)),
         _ => Err(Failure::new(format!("no task `{task}`")).hint("cargo xtask --help lists them")),
     }
 }
@@ -92,7 +96,7 @@ fn examples(project: &Project, args: &[String]) -> Outcome {
     process::run(project.command(python).arg("examples/make_garments.py").args(args))
 }
 
-/// Draws what a user gets: the stages are built by the release binary, into a folder of its own.
+/// Draws the pictures in `examples/` from stages that the release binary builds.
 fn picture(project: &Project) -> Outcome {
     let python = venv::ensure(project)?;
     steps::build(project)?;

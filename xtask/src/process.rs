@@ -1,12 +1,12 @@
-//! Running other programs, and what to say when one fails.
+//! Runs other programs and reports their failures.
 
 use std::fmt;
 use std::process::Command;
 
-/// What a task returns.
+/// The result of a task.
 pub type Outcome<T = ()> = Result<T, Failure>;
 
-/// Why a task stopped, and what to do about it.
+/// The reason that a task stopped, with a remedy.
 #[derive(Debug)]
 pub struct Failure {
     message: String,
@@ -23,7 +23,7 @@ impl Failure {
         self
     }
 
-    /// Says in which step it happened.
+    /// Adds the name of the failed step.
     pub fn within(mut self, step: &str) -> Self {
         self.message = format!("step `{step}` failed: {}", self.message);
         self
@@ -40,21 +40,21 @@ impl fmt::Display for Failure {
     }
 }
 
-/// Runs a program to its end, with our own output streams.
+/// Runs a program with inherited output streams.
 pub fn run(command: &mut Command) -> Outcome {
     let status = command.status().map_err(|error| cannot_start(command, &error))?;
     if status.success() { Ok(()) } else { Err(Failure::new(format!("`{}` ended with {status}", shown(command)))) }
 }
 
-/// Runs a program silently; its output is part of the message when it fails.
+/// Runs a program silently. On failure, its output is part of the message.
 pub fn run_quietly(command: &mut Command) -> Outcome {
     let output = command.output().map_err(|error| cannot_start(command, &error))?;
     if output.status.success() {
         return Ok(());
     }
-    let said = [output.stdout, output.stderr].concat();
-    let said = String::from_utf8_lossy(&said);
-    Err(Failure::new(format!("`{}` ended with {}\n{}", shown(command), output.status, said.trim_end())))
+    let printed = [output.stdout, output.stderr].concat();
+    let printed = String::from_utf8_lossy(&printed);
+    Err(Failure::new(format!("`{}` ended with {}\n{}", shown(command), output.status, printed.trim_end())))
 }
 
 fn cannot_start(command: &Command, error: &std::io::Error) -> Failure {

@@ -1,4 +1,4 @@
-//! Where things are.
+//! The folders and files of the project.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -7,25 +7,25 @@ use std::process::Command;
 
 use crate::process::{Failure, Outcome};
 
-/// The folders of this clone.
+/// The folders of this checkout.
 pub struct Project {
-    /// Where the workspace's `Cargo.toml` is.
+    /// The folder of the workspace's `Cargo.toml`.
     pub root: PathBuf,
-    /// Where cargo puts what it builds.
+    /// Cargo's target folder.
     pub target: PathBuf,
 }
 
 impl Project {
     pub fn find() -> Outcome<Self> {
-        // This program is <target>/<profile>/xtask, wherever the target folder was put.
+        // This program is <target>/<profile>/xtask.
         let program = std::env::current_exe()
-            .map_err(|error| Failure::new(format!("cannot tell where this program is: {error}")))?;
+            .map_err(|error| Failure::new(format!("cannot find the path of this program: {error}")))?;
         let target = program.ancestors().nth(2).unwrap_or(Path::new("target")).to_path_buf();
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new(".")).to_path_buf();
         Ok(Self { root, target })
     }
 
-    /// The program as users run it.
+    /// The path of the release binary.
     pub fn binary(&self) -> PathBuf {
         self.target.join("release").join(format!("usdtailor{}", std::env::consts::EXE_SUFFIX))
     }
@@ -45,7 +45,7 @@ impl Project {
                 .map_err(|error| Failure::new(format!("cannot empty {}: {error}", folder.display())))?;
         }
         fs::create_dir_all(&folder)
-            .map_err(|error| Failure::new(format!("cannot make {}: {error}", folder.display())))?;
+            .map_err(|error| Failure::new(format!("cannot create {}: {error}", folder.display())))?;
         Ok(folder)
     }
 

@@ -1,4 +1,4 @@
-//! `cargo xtask test`: the steps in their order, each with its name and its time.
+//! `cargo xtask test`: runs the test steps in order and prints the time of each.
 
 use std::fmt::Write as _;
 use std::process::Command;
@@ -6,27 +6,34 @@ use std::time::{Duration, Instant};
 
 use crate::process::{self, Failure, Outcome};
 use crate::project::Project;
-use crate::{plugin, schemas, venv};
+use crate::{api, plugin, schemas, venv};
 
 struct Step {
     name: &'static str,
     about: &'static str,
-    /// Steps whose products this one uses.
+    /// Steps that must run before this one.
     needs: &'static [&'static str],
     run: fn(&Project, &[String]) -> Outcome,
 }
 
-/// In the order of a full run: the quick ones that fail most often come first. Clippy and the docs share the metadata
-/// of the dependencies; tests and the binary cannot share, since users run the release profile and tests want assertions.
+/// All steps in the order of a full run. Quick steps that fail often come first.
+///
+/// Clippy and docs are adjacent, as they share the metadata of the dependencies. Tests and the binary use different
+/// profiles.
 const STEPS: [Step; 9] = [
     Step { name: "fmt", about: "cargo fmt --check", needs: &[], run: |project, _| fmt(project) },
     Step {
         name: "clippy",
-        about: "clippy on all targets, warnings denied",
+        about: "clippy on all targets and the bare library, warnings denied",
         needs: &[],
         run: |project, _| clippy(project),
     },
-    Step { name: "docs", about: "rustdoc, warnings denied", needs: &[], run: |project, _| docs(project) },
+    Step {
+        name: "docs",
+        about: "rustdoc, warnings denied, and the public API against docs/api.txt",
+        needs: &[],
+        run: |project, _| docs(project).and_then(|()| api::check(project)),
+    },
     Step { name: "rust", about: "cargo test --workspace", needs: &[], run: rust },
     Step { name: "build", about: "the release binary", needs: &[], run: |project, _| build(project) },
     Step {
@@ -55,7 +62,7 @@ const STEPS: [Step; 9] = [
     },
 ];
 
-/// The steps, as `--help` shows them.
+/// The help text of the steps.
 pub fn help() -> String {
     let mut text = "Steps of test:\n".to_owned();
     for step in &STEPS {
@@ -80,7 +87,7 @@ pub fn test(project: &Project, args: &[String]) -> Outcome {
     let outcome = selected(names)?.into_iter().try_for_each(|step| {
         eprintln!("\n== {}: {}", step.name, step.about);
         let start = Instant::now();
-        // Extra arguments are for the step that was named, not for what it needs.
+        // Extra arguments go to the named step only, not to its prerequisites.
         let extra = if names.iter().any(|name| name == step.name) { extra } else { &[] };
         let outcome = (step.run)(project, extra).map_err(|failure| failure.within(step.name));
         let time = start.elapsed();
@@ -105,7 +112,7 @@ fn print_table(times: &[(&str, Duration, &str)]) {
     eprintln!("{:<8} {:>10.1}", "total", total.as_secs_f64());
 }
 
-/// The named steps and what they need, in order; all when none is named.
+/// The named steps and their prerequisites, in order; all steps if none is named.
 fn selected(names: &[String]) -> Outcome<Vec<&'static Step>> {
     if let Some(unknown) = names.iter().find(|name| STEPS.iter().all(|step| step.name != **name)) {
         return Err(Failure::new(format!("no step `{unknown}`")).hint("cargo xtask --help lists them"));
@@ -115,7 +122,7 @@ fn selected(names: &[String]) -> Outcome<Vec<&'static Step>> {
     Ok(STEPS.iter().filter(|step| named(step) || needed(step.name)).collect())
 }
 
-/// A cargo command that accepts the toolchain although `openusd` declares a later one (see .cargo/config.toml).
+/// A cargo command that ignores the later toolchain declared by the crate `openusd` (see .cargo/config.toml).
 pub fn cargo(project: &Project, subcommand: &str) -> Command {
     let program = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = project.command(program);
@@ -126,14 +133,17 @@ pub fn cargo(project: &Project, subcommand: &str) -> Command {
 fn fmt(project: &Project) -> Outcome {
     let program = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     process::run(project.command(program).args(["fmt", "--all", "--check"]))
-        .map_err(|failure| failure.hint("cargo fmt --all formats the sources"))
+        .map_err(|failure| failure.hint("run cargo fmt --all"))
 }
 
 fn clippy(project: &Project) -> Outcome {
-    process::run(cargo(project, "clippy").args(["--workspace", "--all-targets", "--", "-D", "warnings"]))
+    process::run(cargo(project, "clippy").args(["--workspace", "--all-targets", "--", "-D", "warnings"]))?;
+    // The library alone, as other programs use it.
+    process::run(cargo(project, "clippy").args(["--lib", "--no-default-features", "--", "-D", "warnings"]))
 }
 
-fn docs(project: &Project) -> Outcome {
+/// Draws the pages of the crate in `target/doc`.
+pub fn docs(project: &Project) -> Outcome {
     process::run(cargo(project, "doc").args(["--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings"))
 }
 
@@ -141,18 +151,18 @@ fn rust(project: &Project, extra: &[String]) -> Outcome {
     process::run(cargo(project, "test").arg("--workspace").args(extra))
 }
 
-/// What is built in the release profile, always together: cargo gives a dependency the features that all packages of a
-/// command ask for, so that the plugin alone would compile most dependencies anew.
+/// The packages of every release build. Cargo unifies features over the packages of a command, so building the plugin
+/// alone would recompile most dependencies.
 pub const SHIPPED: [&str; 4] = ["--package", "tailor", "--package", "tailor-usd-plugin"];
 
-/// Builds the binary as users run it.
+/// Builds the release binary.
 pub fn build(project: &Project) -> Outcome {
     process::run(cargo(project, "build").arg("--release").args(SHIPPED).args(["--bin", "usdtailor"]))
 }
 
 fn python(project: &Project, extra: &[String]) -> Outcome {
     let python = venv::ensure(project)?;
-    // -rs names what was skipped, and why.
+    // -rs lists skipped tests with their reasons.
     let mut command = project.command(python);
     command.args(["-m", "pytest", "tests/usd", "-q", "-rs"]).args(extra);
     command.env("USDTAILOR", project.binary());

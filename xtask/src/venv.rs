@@ -1,4 +1,5 @@
-//! The Python environments of the tests: usd-core, numpy, pytest in `target/venv`, and older wheels beside it.
+//! Creates the Python environments of the tests: `target/venv` with usd-core, numpy and pytest, and one per older
+//! wheel.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,13 +9,13 @@ use crate::project::Project;
 
 const REQUIREMENTS: &str = "tests/usd/requirements.txt";
 
-/// Makes the environment, or brings it up to date when its requirements have changed; returns its interpreter.
+/// Creates `target/venv`, or recreates it if its requirements have changed, and returns its interpreter.
 pub fn ensure(project: &Project) -> Outcome<PathBuf> {
     let wanted = project.read(REQUIREMENTS)?;
     ensure_with(project, "venv", &wanted, &["--requirement", REQUIREMENTS])
 }
 
-/// As [`ensure`], for an environment with nothing but a version of usd-core.
+/// Like [`ensure`], for an environment with only one version of usd-core.
 pub fn ensure_wheel(project: &Project, version: &str) -> Outcome<PathBuf> {
     let wanted = format!("usd-core=={version}");
     ensure_with(project, &format!("venv-{version}"), &wanted, &["--only-binary", ":all:", &wanted])
@@ -23,7 +24,7 @@ pub fn ensure_wheel(project: &Project, version: &str) -> Outcome<PathBuf> {
 fn ensure_with(project: &Project, name: &str, wanted: &str, what: &[&str]) -> Outcome<PathBuf> {
     let folder = project.target.join(name);
     let python = interpreter(&folder);
-    // Written last, so that an interrupted installation is done again.
+    // Written last, so that an interrupted installation is repeated.
     let installed = folder.join("installed-requirements.txt");
     if python.exists() && fs::read_to_string(&installed).is_ok_and(|text| text == wanted) {
         return Ok(python);
@@ -39,9 +40,9 @@ fn ensure_with(project: &Project, name: &str, wanted: &str, what: &[&str]) -> Ou
 
 fn create(project: &Project, folder: &Path) -> Outcome {
     let base = std::env::var("PYTHON").unwrap_or_else(|_| "python3".into());
-    eprintln!("making {}", folder.display());
+    eprintln!("creating {}", folder.display());
     process::run(project.command(base).args(["-m", "venv", "--clear"]).arg(folder)).map_err(|failure| {
-        failure.hint("Python 3.10 or later with its venv module is needed (Debian and Ubuntu: apt install python3-venv); PYTHON names another interpreter")
+        failure.hint("install Python 3.10 or later with its venv module (Debian and Ubuntu: apt install python3-venv), or name an interpreter in PYTHON")
     })
 }
 

@@ -15,10 +15,8 @@ mod surface;
 #[cfg(test)]
 mod tests;
 
-pub use problem::{GarmentError, Problem};
-
 use super::{Garment, GarmentInput};
-use crate::error::Warnings;
+use crate::error::{Error, Warnings};
 use crate::mesh::Topology;
 use mesh::Mesh;
 use problem::Problems;
@@ -30,15 +28,15 @@ use std::mem::take;
 /// added to `warnings`, even where other faults are errors.
 ///
 /// # Errors
-/// All independent faults of topology, indices, lengths and values, in a fixed order.
-pub fn check_garment(mut input: GarmentInput, warnings: &mut Warnings) -> Result<Garment, GarmentError> {
+/// Every independent fault of topology, indices, lengths and values that was found, in a fixed order.
+pub fn check_garment(mut input: GarmentInput, warnings: &mut Warnings) -> Result<Garment, Error> {
     let mut problems = Problems::default();
     let found = &mut problems;
     let finite = faces::check_points(&input.points, found);
     let topology = faces::faces(&input, found).map(|faces| Topology::new(faces, input.points.len()));
     faces::check_scheme(&input, found);
     if let Some(topology) = &topology {
-        surface::warn(topology, finite.then_some(&input.points), warnings);
+        surface::warn(&input.prim, topology, finite.then_some(&input.points), warnings);
     }
 
     let (primvars, subsets) = (take(&mut input.primvars), take(&mut input.subsets));
@@ -60,9 +58,10 @@ pub fn check_garment(mut input: GarmentInput, warnings: &mut Warnings) -> Result
             creases,
             corners,
             primvars: primvars.into(),
+            influences: None,
             subsets: subsets.into(),
             families: input.families,
         }),
-        _ => Err(problems.into_error(input.prim)),
+        _ => Err(problems.into_error(&input.prim)),
     }
 }

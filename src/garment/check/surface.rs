@@ -1,58 +1,76 @@
 //! Faults of a surface that are warnings: counted, with the first few elements.
 
-use crate::error::{EXAMPLES, Warning, Warnings};
-use crate::mesh::{CornerId, FaceId, Faces, Groups, IdVec, Topology, VertexId};
+use crate::error::{Code, Warning, Warnings};
+use crate::mesh::{CornerId, Elements, FaceId, Faces, Groups, IdVec, Topology, VertexId};
 use glam::{DVec3, Vec3};
 
 /// A face has no area when its area is this share of its longest edge's square or less: thinner than the rounding of its
 /// points. Larger counts slivers too.
 const NO_AREA: f64 = f32::EPSILON as f64;
 
-/// Adds a warning for each kind of fault; `points` are none where one of them is not finite.
-pub(super) fn warn(topology: &Topology, points: Option<&Vec<Vec3>>, warnings: &mut Warnings) {
+/// Adds a warning for each oddity of the surface; `points` are none where one of them is not finite.
+pub(super) fn warn(prim: &str, topology: &Topology, points: Option<&Vec<Vec3>>, warnings: &mut Warnings) {
     let faces = &topology.faces;
-    let mut add = |warning: Option<Warning>| warning.into_iter().for_each(|w| warnings.push(w));
-    add(counted(crowded_edges(topology), |count, examples| Warning::NonManifoldEdges { count, examples }));
-    add(counted(bow_ties(topology), |count, examples| Warning::BowTieVertices { count, examples }));
-    add(counted(winding_edges(topology), |count, examples| Warning::WindingDisagreements { count, examples }));
-    add(counted(unused_points(topology), |count, examples| Warning::UnusedPoints { count, examples }));
-    if let Some(points) = points {
-        add(counted(without_area(faces, points), |count, examples| Warning::DegenerateFaces { count, examples }));
+    let cut = "The simulation mesh is cut apart there";
+    let flat = points.map_or_else(Vec::new, |points| without_area(faces, points).collect());
+    for (code, elements, problem, remedy) in [
+        (Code::NonManifoldEdges, Elements::Edges(crowded_edges(topology).collect()), "have more than two faces", cut),
+        (Code::BowTieVertices, Elements::Points(bow_ties(topology).collect()), "join fans of faces", cut),
+        (
+            Code::WindingDisagreements,
+            Elements::Edges(winding_edges(topology).collect()),
+            "are between faces of opposite winding",
+            "The simulation mesh is oriented alike, the render mesh keeps them",
+        ),
+        (
+            Code::UnusedPoints,
+            Elements::Points(unused_points(topology).collect()),
+            "have no face",
+            "The simulation mesh drops them, the render mesh keeps them",
+        ),
+        (
+            Code::DegenerateFaces,
+            Elements::Faces(flat),
+            "have no area",
+            "Both meshes keep them: delete them, or give them an area",
+        ),
+        (
+            Code::DuplicateFaces,
+            Elements::Faces(duplicates(faces).into_iter().map(|[_, duplicate]| duplicate).collect()),
+            "have the points of another face",
+            "Delete one of each two unless two layers are meant",
+        ),
+    ] {
+        if !elements.is_empty() {
+            let problem = format!("{} {}s {problem}", elements.len(), elements.kind());
+            warnings.push(Warning::new(code, prim, problem).at(elements).remedy(remedy));
+        }
     }
-    add(counted(duplicates(faces), |count, examples| Warning::DuplicateFaces { count, examples }));
-}
-
-/// The warning of the number of items and the first few; none without items.
-fn counted<T>(items: impl IntoIterator<Item = T>, warning: impl FnOnce(usize, Vec<T>) -> Warning) -> Option<Warning> {
-    let mut items = items.into_iter();
-    let examples: Vec<T> = items.by_ref().take(EXAMPLES).collect();
-    let count = examples.len() + items.count();
-    (count > 0).then(|| warning(count, examples))
 }
 
 /// The edges of more than two faces.
-fn crowded_edges(topology: &Topology) -> impl Iterator<Item = [usize; 2]> {
+fn crowded_edges(topology: &Topology) -> impl Iterator<Item = [VertexId; 2]> {
     let edges = topology.edges.ids().filter(|&e| topology.edge_corners.row(e).len() > 2);
-    edges.map(|e| topology.edges[e].map(VertexId::index))
+    edges.map(|e| topology.edges[e])
 }
 
-/// The edges whose two faces have opposite winding.
-fn winding_edges(topology: &Topology) -> impl Iterator<Item = [usize; 2]> {
+/// The edges whose two faces run along them in the same direction.
+fn winding_edges(topology: &Topology) -> impl Iterator<Item = [VertexId; 2]> {
     let disagree =
         |corners: &[CornerId]| matches!(*corners, [a, b] if topology.faces.vertex(a) == topology.faces.vertex(b));
     let edges = topology.edges.ids().filter(move |&e| disagree(topology.edge_corners.row(e)));
-    edges.map(|e| topology.edges[e].map(VertexId::index))
+    edges.map(|e| topology.edges[e])
 }
 
 /// The points that no face uses.
-fn unused_points(topology: &Topology) -> impl Iterator<Item = usize> {
-    (0..topology.vertex_count()).filter(|&v| topology.vertex_corners.row(VertexId::new(v)).is_empty())
+fn unused_points(topology: &Topology) -> impl Iterator<Item = VertexId> {
+    (0..topology.vertex_count()).map(VertexId::new).filter(|&v| topology.vertex_corners.row(v).is_empty())
 }
 
-/// The vertices with more than one fan, a set of faces connected through edges of two faces.
-fn bow_ties(topology: &Topology) -> impl Iterator<Item = usize> {
+/// The vertices with more than one fan: a fan is a set of faces that are connected through edges of two faces.
+fn bow_ties(topology: &Topology) -> impl Iterator<Item = VertexId> {
     let fans = fan_counts(topology);
-    (0..topology.vertex_count()).filter(move |&v| fans[VertexId::new(v)] > 1)
+    (0..topology.vertex_count()).map(VertexId::new).filter(move |&v| fans[v] > 1)
 }
 
 /// The number of fans at each vertex: one for each corner, less one for each edge that joins two.
@@ -76,8 +94,8 @@ fn corner_at(faces: &Faces, corner: CornerId, end: VertexId) -> CornerId {
     if faces.vertex(corner) == end { corner } else { faces.next(corner) }
 }
 
-/// The faces whose area is zero up to rounding.
-fn without_area(faces: &Faces, points: &[Vec3]) -> impl Iterator<Item = usize> {
+/// The faces whose area is zero but for rounding.
+fn without_area(faces: &Faces, points: &[Vec3]) -> impl Iterator<Item = FaceId> {
     let point = |v: VertexId| points[v.index()].as_dvec3();
     let is_without = move |face: &FaceId| {
         let vertices = faces.vertices_of(*face);
@@ -90,17 +108,17 @@ fn without_area(faces: &Faces, points: &[Vec3]) -> impl Iterator<Item = usize> {
         }
         doubled.length() <= 2.0 * NO_AREA * longest
     };
-    faces.ids().filter(is_without).map(FaceId::index)
+    faces.ids().filter(is_without)
 }
 
-/// Faces with the vertices of an earlier face: the earlier one and the face, ordered by the face.
-fn duplicates(faces: &Faces) -> Vec<[usize; 2]> {
+/// Faces on the same vertices as an earlier one: that one and the face, ordered by the face.
+fn duplicates(faces: &Faces) -> Vec<[FaceId; 2]> {
     let mut keys: Vec<(u64, FaceId)> = faces.ids().map(|f| (vertex_set_hash(faces.vertices_of(f)), f)).collect();
     keys.sort_unstable();
     let runs = keys.chunk_by(|a, b| a.0 == b.0).filter(|run| run.len() > 1);
     let mut pairs: Vec<_> = runs.flat_map(|run| duplicates_among(faces, run)).collect();
     pairs.sort_unstable_by_key(|pair| pair[1]);
-    pairs.into_iter().map(|pair| pair.map(FaceId::index)).collect()
+    pairs
 }
 
 /// The duplicates among faces of equal hash.

@@ -1,75 +1,76 @@
-//! The faces between ribs: strips beside marked edges, blocks at corners, and the core that is left of each face.
+//! The faces between ribs: strips beside marked edges, blocks at corners, and the core of each face.
 
 use super::ribs::{Path, Rib, Ribs};
 use super::{LineVertex, Lines, Request, StripFace};
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
-use crate::render::derivation::Builder;
+use crate::render::child::ChildBuilder;
 
-/// Where the last edge of a path that tapers is cut, as a part of its length.
-const HALFWAY: f32 = 0.5;
+/// Position of the cut on the last edge of a tapering path, as a share of its length.
+const TAPER_CUT: f32 = 0.5;
 
 /// A corner of the core of a face.
 #[derive(Clone, Copy)]
 struct CorePoint {
     vertex: VertexId,
-    /// The core is concave there: it is split from here.
+    /// True if the core is concave at the vertex: it is split from there.
     is_reflex: bool,
 }
 
-struct Weaver<'a, 'r> {
+/// Builds the child face by face.
+struct LineBuilder<'a, 'r> {
     request: &'r Request<'a>,
     ribs: &'r Ribs,
-    /// How wide the lines are at each vertex, as a share of what was asked.
+    /// Share of the requested distance at each vertex.
     widths: IdVec<VertexId, f32>,
-    builder: Builder<'a>,
-    /// The vertices of each rib, from the first line on.
+    builder: ChildBuilder<'a>,
+    /// Vertices of each rib, from the first line outwards.
     columns: Vec<Vec<VertexId>>,
-    /// The vertex that cuts a marked edge, where its path tapers.
+    /// The vertex that cuts the last edge of a tapering path.
     halfway: IdVec<EdgeId, Option<VertexId>>,
-    /// The vertices of the lines beside it in the face of each half-edge.
-    beside: IdVec<CornerId, Vec<VertexId>>,
+    /// For each half-edge of a cut edge, the line vertices beside the cut in its face.
+    beside_cut: IdVec<CornerId, Vec<VertexId>>,
     vertices: Vec<LineVertex>,
     strips: Vec<StripFace>,
 }
 
-/// The child of a request.
+/// Builds the child of a request.
 pub fn build<'a>(request: &Request<'a>, ribs: &Ribs) -> Lines<'a> {
     let mut widths = IdVec::filled(1.0f32, request.topology.vertex_count());
     ribs.narrowed.iter().for_each(|n| widths[n.vertex] = widths[n.vertex].min(n.share));
-    let mut weaver = Weaver {
+    let mut lines = LineBuilder {
         request,
         ribs,
         widths,
-        builder: Builder::new(request.topology),
+        builder: ChildBuilder::new(request.topology),
         columns: Vec::with_capacity(ribs.all.len()),
         halfway: IdVec::filled(None, request.topology.edges.len()),
-        beside: IdVec::filled(Vec::new(), request.topology.faces.corners().len()),
+        beside_cut: IdVec::filled(Vec::new(), request.topology.faces.corners().len()),
         vertices: Vec::new(),
         strips: Vec::new(),
     };
-    ribs.all.iter().for_each(|rib| weaver.add_column(rib));
+    ribs.all.iter().for_each(|rib| lines.add_column(rib));
     let t = request.topology;
-    t.edges.ids().for_each(|edge| weaver.cut_halfway(edge));
+    t.edges.ids().for_each(|edge| lines.cut_halfway(edge));
     let mut near = IdVec::filled(false, t.vertex_count());
     let mut first_child = Vec::with_capacity(t.faces.len() + 1);
     for face in t.faces.ids() {
-        first_child.push(weaver.builder.face_count());
-        if weaver.add_face(face) {
+        first_child.push(lines.builder.face_count());
+        if lines.add_face(face) {
             t.faces.vertices_of(face).iter().for_each(|&v| near[v] = true);
         }
     }
-    first_child.push(weaver.builder.face_count());
-    t.edges.ids().for_each(|edge| weaver.add_edge(edge));
-    let Weaver { builder, vertices, strips, widths, .. } = weaver;
+    first_child.push(lines.builder.face_count());
+    t.edges.ids().for_each(|edge| lines.add_edge(edge));
+    let LineBuilder { builder, vertices, strips, widths, .. } = lines;
     Lines { builder, vertices, strips, first_child, narrowed: ribs.narrowed.clone(), widths, near }
 }
 
-impl Weaver<'_, '_> {
+impl LineBuilder<'_, '_> {
     fn topology(&self) -> &Topology {
         self.request.topology
     }
 
-    /// The vertices of the lines on a rib.
+    /// Adds the vertices of the lines on a rib.
     fn add_column(&mut self, rib: &Rib) {
         let mut column = Vec::with_capacity(rib.steps.len());
         for (line, &step) in rib.steps.iter().enumerate() {
@@ -81,7 +82,7 @@ impl Weaver<'_, '_> {
         self.columns.push(column);
     }
 
-    /// Cuts a marked edge at one of whose ends lines taper, where they turn a corner at the other.
+    /// Cuts the last edge of a tapering path if lines turn a corner at its other end.
     fn cut_halfway(&mut self, edge: EdgeId) {
         let t = self.request.topology;
         let [a, b] = t.edges[edge];
@@ -90,8 +91,8 @@ impl Weaver<'_, '_> {
         if !is_last || t.vertex_corners.row(other).iter().all(|&c| self.ribs.within(c).is_none()) {
             return;
         }
-        let vertex = self.builder.vertex(&[(other, 1.0 - HALFWAY), (end, HALFWAY)]);
-        let part = (1.0 - HALFWAY) * self.widths[other];
+        let vertex = self.builder.vertex(&[(other, 1.0 - TAPER_CUT), (end, TAPER_CUT)]);
+        let part = (1.0 - TAPER_CUT) * self.widths[other];
         self.vertices.push(LineVertex { vertex, line: None, mark: edge, part });
         self.halfway[edge] = Some(vertex);
         for &corner in t.edge_corners.row(edge) {
@@ -101,48 +102,50 @@ impl Weaver<'_, '_> {
             for (line, &step) in rib.steps.iter().enumerate() {
                 let vertex = self.builder.vertex(&towards(weights(t, rib, step), end));
                 self.vertices.push(LineVertex { vertex, line: Some(line), mark: edge, part });
-                self.beside[corner].push(vertex);
+                self.beside_cut[corner].push(vertex);
             }
         }
     }
 
-    /// The vertices across the strip where the edge after a corner is cut.
+    /// The vertices across the strip at the cut of the edge after a corner, if it is cut.
     fn cut(&self, corner: CornerId) -> Option<Vec<VertexId>> {
         let vertex = self.halfway[self.topology().corner_edge[corner]]?;
-        Some(std::iter::once(vertex).chain(self.beside[corner].iter().copied()).collect())
+        Some(std::iter::once(vertex).chain(self.beside_cut[corner].iter().copied()).collect())
     }
 
-    /// The children of a face; whether there are new ones.
+    /// Adds the children of a face. True if the face was cut.
     fn add_face(&mut self, face: FaceId) -> bool {
         let t = self.request.topology;
         let mut core: Vec<CorePoint> = Vec::with_capacity(2 * t.faces.valence(face));
         let before = self.builder.face_count();
         for corner in t.faces.corners_of(face) {
-            self.core_at(corner, &mut core);
-            self.cuts_after(corner, &mut core);
+            self.add_core_corner(corner, &mut core);
+            self.add_core_edge(corner, &mut core);
         }
-        let cut = core.len() != t.faces.valence(face)
+        let is_cut = core.len() != t.faces.valence(face)
             || core.iter().zip(t.faces.vertices_of(face)).any(|(p, &v)| p.vertex != v);
-        if cut {
+        if is_cut {
             for corner in t.faces.corners_of(face) {
                 self.add_strip(face, corner);
                 self.add_block(face, corner);
             }
         }
         self.add_core(face, core);
-        cut || self.builder.face_count() > before + 1
+        is_cut || self.builder.face_count() > before + 1
     }
 
     fn is_marked(&self, corner: CornerId) -> bool {
         self.request.marked[self.topology().corner_edge[corner]]
     }
 
-    fn along(&self, edge_of: CornerId, vertex: VertexId) -> Option<usize> {
+    /// The rib from a vertex along the edge of a half-edge.
+    fn along(&self, half_edge: CornerId, vertex: VertexId) -> Option<usize> {
         let t = self.topology();
-        self.ribs.along(t, t.corner_edge[edge_of], vertex)
+        self.ribs.along(t, t.corner_edge[half_edge], vertex)
     }
 
-    /// The rib that bounds the strip beside a marked edge of a corner: the edge after it, or the one before.
+    /// The rib at a corner that bounds the strip beside a marked edge: the edge `after` the corner, or else the one
+    /// before.
     fn strip_rib(&self, corner: CornerId, after: bool) -> Option<usize> {
         if !self.ribs.active[corner] {
             return None;
@@ -155,7 +158,7 @@ impl Weaver<'_, '_> {
         }
     }
 
-    /// The vertices of a rib from the marked edge on; the same vertex everywhere where there is none.
+    /// The vertices of a rib from the marked edge outwards. Without a rib, the vertex of the corner is repeated.
     fn column(&self, corner: CornerId, rib: Option<usize>) -> Vec<VertexId> {
         let vertex = self.topology().faces.vertex(corner);
         match rib {
@@ -168,15 +171,15 @@ impl Weaver<'_, '_> {
         self.columns[rib].last().copied()
     }
 
-    /// What a corner gives to the core of its face.
-    fn core_at(&self, corner: CornerId, core: &mut Vec<CorePoint>) {
+    /// Adds the points of the core at a corner.
+    fn add_core_corner(&self, corner: CornerId, core: &mut Vec<CorePoint>) {
         let t = self.topology();
         let (vertex, prev) = (t.faces.vertex(corner), t.faces.prev(corner));
         let point = |vertex| CorePoint { vertex, is_reflex: false };
         let active = self.ribs.active[corner];
         match (self.is_marked(prev), self.is_marked(corner)) {
             (false, false) if active => {
-                let end = |edge_of| self.along(edge_of, vertex).and_then(|r| self.last(r));
+                let end = |half_edge| self.along(half_edge, vertex).and_then(|r| self.last(r));
                 let within = self.ribs.within(corner).and_then(|r| self.last(r));
                 core.extend(end(prev).map(point));
                 core.extend(within.map(|vertex| CorePoint { vertex, is_reflex: true }));
@@ -190,8 +193,9 @@ impl Weaver<'_, '_> {
         }
     }
 
-    /// Cuts of the edge after a corner by lines that do not enter this face, and of its line that is next to the core.
-    fn cuts_after(&self, corner: CornerId, core: &mut Vec<CorePoint>) {
+    /// Adds the points of the core along the edge after a corner: vertices of ribs of neighbouring faces, and the
+    /// outermost vertex across the cut of a tapering edge.
+    fn add_core_edge(&self, corner: CornerId, core: &mut Vec<CorePoint>) {
         let t = self.topology();
         let next = t.faces.next(corner);
         let cuts = |at: CornerId| {
@@ -205,20 +209,20 @@ impl Weaver<'_, '_> {
     }
 
     fn strip_face(&mut self, face: FaceId, corners: &[VertexId], line: usize, mark: EdgeId) {
-        // Where the lines come together, quads become triangles.
-        let mut kept: Vec<VertexId> = Vec::with_capacity(4);
+        // Quads become triangles where lines meet at a taper.
+        let mut distinct: Vec<VertexId> = Vec::with_capacity(4);
         for &v in corners {
-            if !kept.contains(&v) {
-                kept.push(v);
+            if !distinct.contains(&v) {
+                distinct.push(v);
             }
         }
-        if kept.len() >= 3 {
-            let face = self.builder.face(face, &kept);
+        if distinct.len() >= 3 {
+            let face = self.builder.face(face, &distinct);
             self.strips.push(StripFace { face, line, mark });
         }
     }
 
-    /// The strip beside the edge after a corner, if it is marked.
+    /// Adds the strip beside the edge after a corner if it is marked.
     fn add_strip(&mut self, face: FaceId, corner: CornerId) {
         if !self.is_marked(corner) {
             return;
@@ -236,7 +240,7 @@ impl Weaver<'_, '_> {
         }
     }
 
-    /// The block between two ribs of one corner.
+    /// Adds the block between the two ribs of a corner without marked edges.
     fn add_block(&mut self, face: FaceId, corner: CornerId) {
         let t = self.topology();
         let (vertex, prev) = (t.faces.vertex(corner), t.faces.prev(corner));
@@ -262,7 +266,7 @@ impl Weaver<'_, '_> {
         }
     }
 
-    /// What is left of a face, in quads where it can be: a quad is cut off at each concave corner.
+    /// Adds the core of a face. A core with an even number of corners is split into quads at its concave corners.
     fn add_core(&mut self, face: FaceId, mut core: Vec<CorePoint>) {
         while core.len() > 4
             && core.len().is_multiple_of(2)
@@ -278,7 +282,7 @@ impl Weaver<'_, '_> {
         self.builder.face(face, &corners);
     }
 
-    /// The children of an edge.
+    /// Adds the children of an edge.
     fn add_edge(&mut self, edge: EdgeId) {
         let t = self.topology();
         let [a, b] = t.edges[edge];
@@ -292,17 +296,17 @@ impl Weaver<'_, '_> {
     }
 }
 
-/// The sources of the place halfway from a place to a vertex.
-fn towards(mut place: Vec<(VertexId, f32)>, end: VertexId) -> Vec<(VertexId, f32)> {
-    place.iter_mut().for_each(|(_, weight)| *weight *= 1.0 - HALFWAY);
-    match place.iter_mut().find(|(vertex, _)| *vertex == end) {
-        Some((_, weight)) => *weight += HALFWAY,
-        None => place.push((end, HALFWAY)),
+/// The sources of the midpoint between a point and a vertex.
+fn towards(mut sources: Vec<(VertexId, f32)>, end: VertexId) -> Vec<(VertexId, f32)> {
+    sources.iter_mut().for_each(|(_, weight)| *weight *= 1.0 - TAPER_CUT);
+    match sources.iter_mut().find(|(vertex, _)| *vertex == end) {
+        Some((_, weight)) => *weight += TAPER_CUT,
+        None => sources.push((end, TAPER_CUT)),
     }
-    place
+    sources
 }
 
-/// The sources of a place on a rib.
+/// The sources of the point at a step of a rib.
 fn weights(t: &Topology, rib: &Rib, step: f32) -> Vec<(VertexId, f32)> {
     match rib.path {
         Path::Edge { to, part } => vec![(rib.vertex, 1.0 - part * step), (to, part * step)],

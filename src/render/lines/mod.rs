@@ -1,44 +1,46 @@
-//! Lines of edges beside marked edges: the topology that seams and hems share.
+//! Edge loops beside marked edges, for seams and hems: each face beside a marked edge is cut by lines parallel to it.
 //!
 //! ```text
-//!  |   |   |   |            The marked edges (=) stay as they are. From each of their vertices *ribs* lead away: along
-//!  o---o---o---o  hold      the unmarked edges there, or into the face where two marked edges meet in it (a mitre).
-//!  o---o---o---o  width     Lines join ribs at equal steps, and what is left of each face is its core.
+//!  |   |   |   |            The marked edges (=) keep their position. From each of their vertices *ribs* lead away:
+//!  o---o---o---o  support   along unmarked edges, or into a face where two of its marked edges meet (a mitre).
+//!  o---o---o---o  width     Lines connect the ribs at equal steps. The rest of each face is its core.
 //!  *===*===*===*  marked
-//!  o---o---o---o            Where several unmarked edges lie between two marked ones, as outside a bend, each face
-//!  o---o---o---o            between them gets a corner block of quads about one more rib.
+//!  o---o---o---o            Where several unmarked edges are between two marked ones, as outside a bend, each face
+//!  o---o---o---o            between them gets a corner block: quads on both sides of one more rib.
 //!  |   |   |   |
 //! ```
 //!
-//! A path that ends inside the surface tapers: its last vertex has no rib. Where lines turn a corner at the other end of
-//! its last edge, that is cut halfway, so that what narrows to triangles does not begin at the corner: Catmull-Clark rounds
-//! triangles and quads differently, and lines that lie closer than that would pass each other. A path that ends at a border
-//! runs off it.
+//! A path that ends inside the surface tapers: its last vertex has no rib. If the lines turn a corner at the other end
+//! of the last edge, the edge is cut halfway, so that the triangles of the taper begin away from the corner.
+//! Catmull-Clark rounds triangles and quads differently, and close lines would intersect there. A path that ends at a
+//! border runs off it.
+//!
+//! `ribs` computes the ribs and their steps from the clearance in each face; `faces` builds the faces between them.
 
 mod faces;
 mod ribs;
 
-use super::derivation::Builder;
+use super::child::ChildBuilder;
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
 use glam::Vec3;
 
-/// What lines to insert.
+/// A request for lines beside marked edges.
 pub struct Request<'a> {
     /// The parent's connectivity.
     pub topology: &'a Topology,
-    /// Where its vertices are.
+    /// The positions of its vertices.
     pub points: &'a IdVec<VertexId, Vec3>,
-    /// Edges that get lines.
+    /// True for edges that get lines.
     pub marked: IdVec<EdgeId, bool>,
-    /// For each half-edge of a marked edge, the distance that shares are of. \[stage units\]
+    /// For each half-edge of a marked edge, the distance that `shares` scale. \[stage units\]
     pub distance: IdVec<CornerId, f32>,
-    /// Vertices at which lines come together to nothing.
+    /// True for vertices where lines taper to nothing.
     pub tapers: IdVec<VertexId, bool>,
-    /// Faces that may be cut; others only get the cuts of edges that they share with those.
+    /// True for faces that may be cut. The others get vertices on shared edges alone.
     pub cuttable: IdVec<FaceId, bool>,
-    /// How far into the face the lines are, as shares of the distance, ascending.
+    /// Distances of the lines from the marked edge, as ascending shares of `distance`.
     pub shares: &'a [f32],
-    /// The last line that keeps its distance where room is short; at most one follows, which gives way first.
+    /// Index of the last line that keeps its distance in narrow faces. At most one line follows, which moves first.
     pub kept_line: usize,
 }
 
@@ -47,11 +49,11 @@ pub struct Request<'a> {
 pub struct LineVertex {
     /// The vertex.
     pub vertex: VertexId,
-    /// Number of its line, from 0 nearest to the marked edge; none: on the marked edge.
+    /// Index of its line, from 0 nearest to the marked edge; none on the marked edge itself.
     pub line: Option<usize>,
-    /// The marked edge that the line belongs to.
+    /// The marked edge of the line.
     pub mark: EdgeId,
-    /// How wide the lines are apart here, as a part of what was asked: less where they taper or have no room.
+    /// Share of the requested distance: below 1 at tapers and in narrow faces.
     pub part: f32,
 }
 
@@ -60,38 +62,38 @@ pub struct LineVertex {
 pub struct StripFace {
     /// The face.
     pub face: FaceId,
-    /// Number of the line on its outer side.
+    /// Index of the line on its outer side.
     pub line: usize,
-    /// The marked edge that the line belongs to.
+    /// The marked edge of the line.
     pub mark: EdgeId,
 }
 
-/// A place where the lines had to be nearer than asked.
+/// A vertex beside which lines are nearer than requested.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Narrowed {
-    /// The vertex of the marked edges there.
+    /// The vertex on the marked edge.
     pub vertex: VertexId,
     /// The marked edge.
     pub mark: EdgeId,
-    /// What is left of the distance, as a share.
+    /// Share of the requested distance.
     pub share: f32,
 }
 
 /// A mesh with lines.
 pub struct Lines<'a> {
-    /// The child so far.
-    pub builder: Builder<'a>,
-    /// Vertices of the lines, and those that cut marked edges.
+    /// The child, to which more elements can be added.
+    pub builder: ChildBuilder<'a>,
+    /// Vertices of the lines, and vertices that cut marked edges.
     pub vertices: Vec<LineVertex>,
-    /// Faces between them.
+    /// Faces between the lines.
     pub strips: Vec<StripFace>,
-    /// The child faces of each parent face begin here; one more than there are parents.
+    /// Index of the first child of each parent face, and of the end of the last.
     pub first_child: Vec<usize>,
-    /// Where there was less room than asked, at most one a rib.
+    /// Vertices with narrowed lines, at most one per rib.
     pub narrowed: Vec<Narrowed>,
-    /// How wide they are at each parent vertex, as a share of what was asked.
+    /// Share of the requested distance at each parent vertex.
     pub widths: IdVec<VertexId, f32>,
-    /// Parent vertices of faces that were cut.
+    /// True for parent vertices of cut faces.
     pub near: IdVec<VertexId, bool>,
 }
 

@@ -1,47 +1,51 @@
-//! Where the lines cross the mesh around the marked edges.
+//! The ribs of a request: paths away from the vertices of marked edges, and the steps of the lines along them.
+//!
+//! A rib along an edge is as long as the requested distance over the sine of its angle to the marked edge. A mitre ends
+//! where the outermost lines of two marked edges intersect. Both shrink to the space in their faces, so that ribs from
+//! opposite ends stay apart.
 
 use super::{Narrowed, Request};
 use crate::mesh::{CornerId, EdgeId, IdVec, Topology, VertexId};
-use crate::render::REPORTED;
+use crate::render::operator::REPORTED;
 use glam::Vec3;
 
-/// Part of an edge that lines from one end may take. Larger leaves less of the face beside a wide seam.
-const ROOM: f32 = 0.8;
-/// Part of an edge that lines from both its ends may take together.
-const SHARED_ROOM: f32 = 0.9;
-/// Part of the edges of a triangle that a mitre may take, so that three of them do not meet.
-const TRIANGLE_ROOM: f32 = 0.28;
-/// Part of the edges of a corner that a mitre may take together where lines taper at the ends of both, so that what is left
-/// of the face is not concave.
-const TAPERED_ROOM: f32 = 0.9;
-/// Part of a rib that the line at the full distance may take, so that the one that holds has room outside.
-const INNER_ROOM: f32 = 0.75;
-/// Least sine of the angle between a rib and a marked edge. Smaller makes longer ribs where a chain turns sharply.
-const LEAST_SINE: f32 = 0.34;
-/// Least length of an edge as a share of the distance that lines are asked for along it, so that shares stay finite.
-const SHORT: f32 = 1e-3;
+/// Share of an edge that lines from one end may use. A larger share leaves less of the face beside a wide seam.
+const MAX_EDGE_SHARE: f32 = 0.8;
+/// Share of an edge that lines from both ends may use together.
+const MAX_SHARED_SHARE: f32 = 0.9;
+/// Share of the edges of a triangle that a mitre may use, so that three mitres stay apart.
+const MAX_TRIANGLE_SHARE: f32 = 0.28;
+/// Sum of the shares of both edges that a mitre may use where lines taper at the far ends of both. It keeps the core
+/// convex.
+const MAX_TAPERED_SHARE: f32 = 0.9;
+/// Largest step of the kept line in a narrow face, which leaves space for the support loop outside.
+const MAX_KEPT_STEP: f32 = 0.75;
+/// Smallest assumed sine of the angle between a rib and a marked edge. A smaller one gives longer ribs at sharp turns.
+const MIN_SINE: f32 = 0.34;
+/// Smallest assumed length of an edge, as a share of the requested distance, so that shares stay finite.
+const MIN_LENGTH: f32 = 1e-3;
 
-/// Where a rib leads, with how far along each direction its end is.
+/// The path of a rib and its length.
 #[derive(Clone, Copy, Debug)]
 pub enum Path {
-    /// Along an unmarked edge, to this part of it.
+    /// Along an unmarked edge, over a share of its length.
     Edge { to: VertexId, part: f32 },
-    /// Into the face of a corner: parts of the edge after it and of the edge before.
+    /// Into the face of a corner: shares of the edge after it and of the edge before it.
     Face { corner: CornerId, after: f32, before: f32 },
-    /// Straight into the face of a corner where its edges are in line: part of the way to the other corners' mean.
+    /// Into the face of a corner with collinear edges: a share of the way to the mean of the other corners.
     Across { corner: CornerId, part: f32 },
 }
 
-/// The places of the lines at one vertex of marked edges.
+/// A rib: the positions of the lines at one vertex of marked edges.
 #[derive(Clone, Debug)]
 pub struct Rib {
-    /// Where it begins.
+    /// The vertex where it begins.
     pub vertex: VertexId,
-    /// Where it leads.
+    /// The path to its end.
     pub path: Path,
-    /// For each line how far along the path it is, as a share.
+    /// For each line, its share of the path.
     pub steps: Vec<f32>,
-    /// The marked edge that the lines belong to.
+    /// The marked edge of the lines.
     pub mark: EdgeId,
 }
 
@@ -49,18 +53,15 @@ pub struct Rib {
 pub struct Ribs {
     /// The ribs.
     pub all: Vec<Rib>,
-    /// The rib along an edge from its first and second vertex.
+    /// The ribs along each edge, from its first and second vertex.
     along: IdVec<EdgeId, [Option<u32>; 2]>,
-    /// The rib into the face of a corner.
+    /// The rib into the face of each corner.
     within: IdVec<CornerId, Option<u32>>,
-    /// Corners that lines pass.
+    /// True for corners that lines pass.
     pub active: IdVec<CornerId, bool>,
-    /// Ribs that are shorter than asked.
+    /// Ribs that are shorter than requested.
     pub narrowed: Vec<Narrowed>,
 }
-
-/// The length of a spoke's rib and the marked edge it belongs to.
-type Reach = (f32, EdgeId);
 
 impl Ribs {
     /// The ribs of a request.
@@ -94,7 +95,7 @@ impl Ribs {
         Some(self.all.len() as u32 - 1)
     }
 
-    /// Ribs along unmarked edges at active corners.
+    /// Adds ribs along the unmarked edges of active corners.
     fn add_spokes(&mut self, request: &Request) {
         let t = request.topology;
         let mut wanted = IdVec::filled([false; 2], t.edges.len());
@@ -110,8 +111,8 @@ impl Ribs {
             let length = request.points[vertices[0]].distance(request.points[vertices[1]]);
             let reach = [0, 1].map(|i| ends[i].then(|| spoke_reach(request, edge, vertices[i])).flatten());
             let asked = reach.map(|r| r.map_or(0.0, |(reach, _)| share_of(outer * reach, length)));
-            let room = if asked[0] > 0.0 && asked[1] > 0.0 { SHARED_ROOM } else { ROOM };
-            let scale = (room / (asked[0] + asked[1])).min(1.0);
+            let most = if asked[0] > 0.0 && asked[1] > 0.0 { MAX_SHARED_SHARE } else { MAX_EDGE_SHARE };
+            let scale = (most / (asked[0] + asked[1])).min(1.0);
             for i in [0, 1] {
                 let Some((_, mark)) = reach[i] else { continue };
                 let path = Path::Edge { to: vertices[1 - i], part: asked[i] * scale };
@@ -121,11 +122,11 @@ impl Ribs {
         }
     }
 
-    /// The places of the lines on a rib that was scaled to the room there is.
+    /// The steps of the lines on a rib that was scaled to the available space.
     fn steps(&mut self, request: &Request, vertex: VertexId, mark: EdgeId, scale: f32) -> Vec<f32> {
         let outer = request.shares.last().copied().unwrap_or(1.0);
         let width = request.shares[request.kept_line];
-        let most = if outer > width { INNER_ROOM } else { 1.0 };
+        let most = if outer > width { MAX_KEPT_STEP } else { 1.0 };
         let inner = (width / (outer * scale)).min(most);
         let kept = inner * outer * scale / width;
         if kept < REPORTED {
@@ -134,7 +135,7 @@ impl Ribs {
         request.shares.iter().map(|&s| if s > width { 1.0 } else { inner * s / width }).collect()
     }
 
-    /// Ribs into faces with two marked edges at a corner.
+    /// Adds ribs into faces with two marked edges at a corner.
     fn add_mitres(&mut self, request: &Request) {
         let t = request.topology;
         let marked = |c: CornerId| request.marked[t.corner_edge[c]];
@@ -149,15 +150,15 @@ impl Ribs {
         };
         for (&corner, &path) in corners.iter().zip(&paths) {
             let mark = t.corner_edge[corner];
-            let next_to = [parts(t.faces.next(corner))[1], parts(t.faces.prev(corner))[0]];
-            let (scale, path) = within_room(request, path, next_to);
+            let neighbours = [parts(t.faces.next(corner))[1], parts(t.faces.prev(corner))[0]];
+            let (scale, path) = clamped_mitre(request, path, neighbours);
             let vertex = t.faces.vertex(corner);
             let steps = self.steps(request, vertex, mark, scale);
             self.within[corner] = self.push(Rib { vertex, path, steps, mark });
         }
     }
 
-    /// Ribs between two spokes of one face. In a triangle they would make a face of no use.
+    /// Adds ribs between two spokes of one face, except in triangles, where the corner block is a single quad.
     fn add_diagonals(&mut self, request: &Request) {
         let t = request.topology;
         for corner in self.active.ids() {
@@ -179,21 +180,21 @@ impl Ribs {
     }
 }
 
-/// Corners in fans of faces that have a marked edge at their vertex, unless lines taper there.
+/// True for corners of cuttable fans of faces that begin at a marked edge of their vertex, unless lines taper there.
 fn active_corners(request: &Request) -> IdVec<CornerId, bool> {
     let t = request.topology;
     let mut active = IdVec::filled(false, t.faces.corners().len());
-    let may = |c: CornerId| request.cuttable[t.faces.face_of(c)] && !request.tapers[t.faces.vertex(c)];
+    let is_open = |c: CornerId| request.cuttable[t.faces.face_of(c)] && !request.tapers[t.faces.vertex(c)];
     for start in active.ids() {
         let prev = t.faces.prev(start);
         let marked = request.marked[t.corner_edge[start]] || request.marked[t.corner_edge[prev]];
-        if !marked || !may(start) {
+        if !marked || !is_open(start) {
             continue;
         }
         active[start] = true;
         for turn in [Turn::Left, Turn::Right] {
             let mut corner = start;
-            while let Some(next) = turn.across_unmarked(request, corner).filter(|&c| may(c) && !active[c]) {
+            while let Some(next) = turn.across_unmarked(request, corner).filter(|&c| is_open(c) && !active[c]) {
                 active[next] = true;
                 corner = next;
             }
@@ -212,7 +213,7 @@ enum Turn {
 }
 
 impl Turn {
-    /// The edge of a corner on this side, and the half-edge of its face along it.
+    /// The half-edge of a corner's face on this side.
     fn side(self, t: &Topology, corner: CornerId) -> CornerId {
         match self {
             Self::Left => t.faces.prev(corner),
@@ -220,7 +221,7 @@ impl Turn {
         }
     }
 
-    /// The next corner around the vertex, unless a marked edge is between.
+    /// The next corner around the vertex, unless a marked edge or border is between.
     fn across_unmarked(self, request: &Request, corner: CornerId) -> Option<CornerId> {
         let t = request.topology;
         let half = self.side(t, corner);
@@ -232,20 +233,20 @@ impl Turn {
             Self::Left => twin,
             Self::Right => t.faces.next(twin),
         };
-        // Neighbours that disagree in winding have the vertex at the other end.
+        // A neighbour of opposite winding has the vertex at the other end.
         (t.faces.vertex(next) == t.faces.vertex(corner)).then_some(next)
     }
 }
 
-/// How far a rib along `edge` from `vertex` leads until it is as far as asked from the marked edges next to it.
-fn spoke_reach(request: &Request, edge: EdgeId, vertex: VertexId) -> Option<Reach> {
+/// The length of the rib along `edge` from `vertex` that reaches the requested distance from the nearest marked edges,
+/// and one of these. Two equally near marked edges give the mean length.
+fn spoke_reach(request: &Request, edge: EdgeId, vertex: VertexId) -> Option<(f32, EdgeId)> {
     let t = request.topology;
     let mut nearest: [Option<(usize, CornerId)>; 2] = [None; 2];
     for &corner in t.vertex_corners.row(vertex) {
-        // The edge is the last of a corner on its left, and the first of one on its right.
         for (i, (turn, back)) in [(Turn::Left, Turn::Right), (Turn::Right, Turn::Left)].into_iter().enumerate() {
             if t.corner_edge[back.side(t, corner)] == edge {
-                let found = steps_to_mark(request, corner, turn);
+                let found = nearest_marked(request, corner, turn);
                 nearest[i] = [nearest[i], found].into_iter().flatten().min();
             }
         }
@@ -255,14 +256,14 @@ fn spoke_reach(request: &Request, edge: EdgeId, vertex: VertexId) -> Option<Reac
     let along = direction(request, edge, vertex);
     let reach = |half: CornerId| {
         let sine = along.cross(direction(request, t.corner_edge[half], vertex)).length();
-        request.distance[half] / sine.max(LEAST_SINE)
+        request.distance[half] / sine.max(MIN_SINE)
     };
     let mean = chosen.iter().map(|&half| reach(half)).sum::<f32>() / chosen.len() as f32;
     Some((mean, t.corner_edge[chosen[0]]))
 }
 
-/// Faces to pass until a marked edge, and its half-edge there.
-fn steps_to_mark(request: &Request, start: CornerId, turn: Turn) -> Option<(usize, CornerId)> {
+/// The number of faces from a corner to the next marked edge around the vertex, and the half-edge there.
+fn nearest_marked(request: &Request, start: CornerId, turn: Turn) -> Option<(usize, CornerId)> {
     let t = request.topology;
     let most = t.vertex_corners.row(t.faces.vertex(start)).len();
     let mut corner = start;
@@ -279,9 +280,9 @@ fn steps_to_mark(request: &Request, start: CornerId, turn: Turn) -> Option<(usiz
     None
 }
 
-/// A distance as a share of a length, which may be none.
+/// A distance as a share of a length, which may be zero.
 fn share_of(distance: f32, length: f32) -> f32 {
-    distance / length.max(SHORT * distance).max(f32::MIN_POSITIVE)
+    distance / length.max(MIN_LENGTH * distance).max(f32::MIN_POSITIVE)
 }
 
 fn direction(request: &Request, edge: EdgeId, from: VertexId) -> Vec3 {
@@ -290,30 +291,30 @@ fn direction(request: &Request, edge: EdgeId, from: VertexId) -> Vec3 {
     (request.points[to] - request.points[from]).normalize_or_zero()
 }
 
-/// The path of a mitre as far as there is room beside those of the next corner and of the one before, and the share of it
-/// that this is.
-fn within_room(request: &Request, path: Path, [ahead, behind]: [f32; 2]) -> (f32, Path) {
+/// The scale of a mitre that fits beside the mitres of the next corner and the previous one, and the scaled path.
+fn clamped_mitre(request: &Request, path: Path, [ahead, behind]: [f32; 2]) -> (f32, Path) {
     let t = request.topology;
     match path {
         Path::Face { corner, after, before } => {
             let is_triangle = t.faces.valence(t.faces.face_of(corner)) == 3;
             let tapers = |c: CornerId| request.tapers[t.faces.vertex(c)];
             let is_tapered = tapers(t.faces.next(corner)) && tapers(t.faces.prev(corner));
-            let shared = if is_triangle { 2.0 * TRIANGLE_ROOM } else { SHARED_ROOM };
-            let both = if is_tapered { TAPERED_ROOM } else { 2.0 * ROOM };
-            let rooms = [shared / (after + ahead), shared / (before + behind), ROOM / after, ROOM / before];
-            let scale = rooms.into_iter().fold(f32::min(1.0, both / (after + before)), f32::min);
+            let shared = if is_triangle { 2.0 * MAX_TRIANGLE_SHARE } else { MAX_SHARED_SHARE };
+            let both = if is_tapered { MAX_TAPERED_SHARE } else { 2.0 * MAX_EDGE_SHARE };
+            let scales =
+                [shared / (after + ahead), shared / (before + behind), MAX_EDGE_SHARE / after, MAX_EDGE_SHARE / before];
+            let scale = scales.into_iter().fold(f32::min(1.0, both / (after + before)), f32::min);
             (scale, Path::Face { corner, after: after * scale, before: before * scale })
         }
         Path::Across { corner, part } => {
-            let scale = (0.5 * ROOM / part).min(1.0);
+            let scale = (0.5 * MAX_EDGE_SHARE / part).min(1.0);
             (scale, Path::Across { corner, part: part * scale })
         }
         edge @ Path::Edge { .. } => (1.0, edge),
     }
 }
 
-/// Where the outermost lines beside the two marked edges of a corner meet.
+/// The path to the intersection of the outermost lines beside the two marked edges of a corner.
 fn mitre(request: &Request, corner: CornerId) -> Path {
     let t = request.topology;
     let outer = request.shares.last().copied().unwrap_or(1.0);
@@ -324,12 +325,12 @@ fn mitre(request: &Request, corner: CornerId) -> Path {
     let (d1, d2) = (next.normalize_or_zero(), back.normalize_or_zero());
     let [from_after, from_before] = [corner, prev].map(|half| outer * request.distance[half]);
     let sine = d1.cross(d2).length();
-    if d1.dot(d2) < 0.0 && sine < LEAST_SINE {
+    if d1.dot(d2) < 0.0 && sine < MIN_SINE {
         let others: Vec<Vec3> = t.faces.corners_of(t.faces.face_of(corner)).filter(|&c| c != corner).map(at).collect();
         let middle = others.iter().sum::<Vec3>() / others.len() as f32 - at(corner);
         let away = middle.reject_from_normalized((d1 - d2).normalize_or_zero()).length();
         return Path::Across { corner, part: share_of(0.5 * (from_after + from_before), away) };
     }
-    let sine = sine.max(LEAST_SINE);
+    let sine = sine.max(MIN_SINE);
     Path::Face { corner, after: share_of(from_before / sine, after), before: share_of(from_after / sine, before) }
 }

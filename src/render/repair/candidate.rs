@@ -51,10 +51,14 @@ impl Candidate {
     pub fn count(&self) -> Count {
         self.faults.iter().fold([0; 2], |sum, fault| add(sum, count(fault)))
     }
+}
 
-    fn differs(&self, other: &Self, v: VertexId) -> bool {
-        self.states[v] != other.states[v] || self.points[v] != other.points[v]
-    }
+/// The states of vertices and where they are.
+type Posed<'a> = (&'a IdVec<VertexId, State>, &'a IdVec<VertexId, Vec3>);
+
+/// Whether a vertex is displaced differently. States other than [`State::Moved`] have one point.
+pub fn differs((states, points): Posed, (other_states, other_points): Posed, v: VertexId) -> bool {
+    states[v] != other_states[v] || states[v] == State::Moved && points[v] != other_points[v]
 }
 
 fn count([f, g]: &Fault) -> Count {
@@ -69,7 +73,7 @@ fn add(a: Count, b: Count) -> Count {
 /// good everywhere. `copies` are vertices that belong to one part.
 pub fn combined(t: &Topology, candidates: &[Candidate], copies: &[[VertexId; 2]]) -> Option<Candidate> {
     let ([first, ..], Some(last)) = (candidates, candidates.last()) else { return None };
-    let differs = |v: VertexId| first.differs(last, v);
+    let differs = |v| differs((&first.states, &first.points), (&last.states, &last.points), v);
     let of_fault = |fault: &Fault| fault.map(|f| t.faces.vertices_of(f)).into_iter().flatten().copied();
     let mut parts: Groups<VertexId> = Groups::new(first.states.len());
     let mut join = |vertices: &mut dyn Iterator<Item = VertexId>| {

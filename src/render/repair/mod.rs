@@ -8,7 +8,7 @@ mod candidate;
 mod solver;
 mod trial;
 
-use super::derivation::Derivation;
+use super::child::OperatorDerivation;
 use crate::contact::{ChildId, Quad, RefinedFaces, evaluate, separating_axis, twice_area, with_neighbours};
 use crate::mesh::{FaceId, IdVec, VertexId};
 use crate::subdivide::{Connectivity, Level};
@@ -37,17 +37,17 @@ pub struct Displaced<'a> {
     /// The parent's points.
     pub parent_points: &'a IdVec<VertexId, Vec3>,
     /// The cage from the parent.
-    pub derivation: &'a Derivation,
+    pub derivation: &'a OperatorDerivation,
     /// Vertices with their copies, which keep together.
-    pub copies: &'a [[VertexId; 2]],
-    /// Vertices on marked edges.
-    pub marked: &'a IdVec<VertexId, bool>,
+    pub copy_pairs: &'a [[VertexId; 2]],
+    /// Vertices on seam edges.
+    pub on_seam: &'a IdVec<VertexId, bool>,
     /// The faces in an order in which neighbours in space are close.
-    pub order: &'a [FaceId],
-    /// The front of the input at each face, zero where either side may be.
-    pub front: &'a IdVec<FaceId, Vec3>,
-    /// Faces whose points are displaced, ascending.
-    pub displaced: &'a [FaceId],
+    pub face_order: &'a [FaceId],
+    /// The reference normal of each face, zero where both directions are accepted.
+    pub reference_normals: &'a IdVec<FaceId, Vec3>,
+    /// Faces with a displaced vertex, ascending.
+    pub controlled_faces: &'a [FaceId],
     /// Faces with another layer near. Others have faults only where they are not smooth.
     pub near: &'a IdVec<FaceId, bool>,
     /// Points by the operator's weights, with the least heights.
@@ -110,7 +110,7 @@ pub fn repair(input: &Displaced) -> Repaired {
     let reduced = reduce(&mut trial);
     let share = |&state: &State| LEAST_SHARE + (1.0 - LEAST_SHARE) * input.part(state);
     let shares = reduced.states.iter().map(share).collect();
-    let (facing, folded) = turn_to_front(&mut trial, reduced);
+    let (facing, folded) = turn_to_reference(&mut trial, reduced);
     let facing_ahead = reduce_ahead(&mut trial, facing);
     let best = separate(&mut trial, facing_ahead);
     let faults = remaining(&trial, best, folded);
@@ -119,13 +119,14 @@ pub fn repair(input: &Displaced) -> Repaired {
 
 /// Reduces heights at flipped faces. Most intersections are there too, and this needs no search for pairs.
 fn reduce_flipped(trial: &mut Trial) {
-    let flipped: Vec<Fault> = trial.flipped_of(trial.input.displaced).into_iter().map(|face| [face; 2]).collect();
+    let flipped: Vec<Fault> =
+        trial.flipped_of(trial.input.controlled_faces).into_iter().map(|face| [face; 2]).collect();
     trial.displace(trial.weakened(&flipped, State::weaker));
 }
 
 /// Reduces heights at faults step by step; the best state of each part.
 fn reduce(trial: &mut Trial) -> Candidate {
-    let faults = trial.faults_after(&[], trial.input.displaced);
+    let faults = trial.faults_after(&[], trial.input.controlled_faces);
     let mut candidates = vec![trial.candidate(faults)];
     // More steps find nearly nothing.
     for _ in 0..3 {
@@ -137,19 +138,19 @@ fn reduce(trial: &mut Trial) -> Candidate {
     trial.take_best(candidates)
 }
 
-/// Turns faces that are flipped against the front of the input by small moves; the best state of each part, and faces that
-/// face the front but are flipped against the operator's weights: they may be folded within their plane.
-fn turn_to_front(trial: &mut Trial, reduced: Candidate) -> (Candidate, Vec<FaceId>) {
-    let front = trial.input.front;
-    trial.use_front();
+/// Turns faces that are flipped against their reference normals by small moves; the best state of each part, and faces that
+/// agree with these but not with the operator's weights: they may be folded within their plane.
+fn turn_to_reference(trial: &mut Trial, reduced: Candidate) -> (Candidate, Vec<FaceId>) {
+    let front = trial.input.reference_normals;
+    trial.use_reference();
     let is_folded = |[f, g]: &Fault| f == g && front[*f] != Vec3::ZERO;
     let (folded, mut faults): (Vec<Fault>, Vec<Fault>) = reduced.faults.iter().partition(|fault| is_folded(fault));
-    let turned = trial.faces.flipped(trial.input.displaced, front);
+    let turned = trial.faces.flipped(trial.input.controlled_faces, front);
     faults.extend(turned.iter().map(|&face| [face; 2]));
     let reduced = Candidate { faults, ..reduced };
     let areas = turned.iter().flat_map(|&face| least_areas(&trial.faces, face, trial.wanted_area(face)));
     let constraints: Vec<Box<dyn Constraint>> = areas.collect();
-    (move_by(trial, reduced, &constraints, trial.input.copies), flipped(&folded))
+    (move_by(trial, reduced, &constraints, trial.input.copy_pairs), flipped(&folded))
 }
 
 /// Reduces heights, all the way at once, where faces intersect on the second refinement; the best state of each part. Each
@@ -174,6 +175,9 @@ fn reduce_ahead(trial: &mut Trial, mut facing: Candidate) -> Candidate {
 
 /// Separates faces that still intersect by small moves; the best state of each part.
 fn separate(trial: &mut Trial, reduced: Candidate) -> Candidate {
+    if reduced.faults.is_empty() {
+        return reduced;
+    }
     let around = with_neighbours(trial.topology(), &faces_of(&reduced.faults));
     let of_ahead = trial.ahead.as_ref().map(|ahead| ahead.separations(&trial.faces, &around));
     let mut constraints = of_ahead.unwrap_or_default();

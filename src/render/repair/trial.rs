@@ -1,11 +1,11 @@
 //! The cage under repair: its points, its refined faces, and which of its faces have a fault.
 
 use super::ahead::Ahead;
-use super::candidate::{Candidate, Fault, State, combined};
+use super::candidate::{Candidate, Fault, State, combined, differs};
 use super::{Displaced, FLIPPED_BEFORE};
 use crate::contact::{RefinedFaces, each_once, twice_area, with_neighbours};
 use crate::mesh::{FaceId, IdVec, Topology, VertexId};
-use crate::subdivide::Lineage;
+use crate::subdivide::Derivation;
 use glam::Vec3;
 
 /// A cage under repair.
@@ -14,10 +14,10 @@ pub struct Trial<'a> {
     pub faces: RefinedFaces<'a>,
     /// The faces of the parent, as far as they were asked about.
     parent_faces: RefinedFaces<'a>,
-    /// Directions that the faces are to face; zero where either is right.
+    /// The direction that each face should have; zero where both are accepted.
     pub directions: IdVec<FaceId, Vec3>,
-    /// Whether these are of the front of the input, where it is known.
-    uses_front: bool,
+    /// Whether these are the reference normals, where there is one.
+    uses_reference: bool,
     pub states: IdVec<VertexId, State>,
     pub points: IdVec<VertexId, Vec3>,
     /// The second refinement, once it is looked at.
@@ -31,10 +31,10 @@ impl<'a> Trial<'a> {
         let points = input.full.clone();
         Self {
             input,
-            faces: RefinedFaces::new(level, rows, &points, input.order, Some(normals)),
+            faces: RefinedFaces::new(level, rows, &points, input.face_order, Some(normals)),
             parent_faces: RefinedFaces::empty(input.parent),
             directions: normals.clone(),
-            uses_front: false,
+            uses_reference: false,
             states: IdVec::filled(State::Full, points.len()),
             points,
             ahead: None,
@@ -45,25 +45,25 @@ impl<'a> Trial<'a> {
         &self.input.child.level().topology
     }
 
-    /// Tests faces against the front of the input from now on, where it is known.
-    pub fn use_front(&mut self) {
-        self.uses_front = true;
-        let known = self.input.front.enumerated().filter(|(_, front)| **front != Vec3::ZERO);
+    /// Tests faces against their reference normals from now on, where there is one.
+    pub fn use_reference(&mut self) {
+        self.uses_reference = true;
+        let known = self.input.reference_normals.enumerated().filter(|(_, front)| **front != Vec3::ZERO);
         known.for_each(|(face, &front)| self.directions[face] = front);
     }
 
     /// States in which the vertices of faults, and of what touches flipped faces, are displaced less. Vertices keep
-    /// together with their copies, and those on marked edges change for faults of their own faces only.
+    /// together with their copies, and those on seams change for faults of their own faces only.
     pub fn weakened(&self, faults: &[Fault], weaker: impl Fn(State) -> State) -> IdVec<VertexId, State> {
         let t = self.topology();
         let vertices_of = |face: FaceId| t.faces.vertices_of(face).iter().copied();
         let around = with_neighbours(t, &flipped(faults)).into_iter().flat_map(vertices_of);
-        let around = around.filter(|&v| !self.input.marked[v]);
+        let around = around.filter(|&v| !self.input.on_seam[v]);
         let mut states = self.states.clone();
         for v in around.chain(faults.iter().flatten().copied().flat_map(vertices_of)) {
             states[v] = weaker(self.states[v]);
         }
-        for &[vertex, copy] in self.input.copies {
+        for &[vertex, copy] in self.input.copy_pairs {
             let weakest = states[vertex].max(states[copy]);
             (states[vertex], states[copy]) = (weakest, weakest);
         }
@@ -84,10 +84,12 @@ impl<'a> Trial<'a> {
 
     /// Moves the cage; the faces with a moved child, ascending.
     pub fn move_to(&mut self, states: IdVec<VertexId, State>, points: IdVec<VertexId, Vec3>) -> Vec<FaceId> {
-        let vertices: Vec<VertexId> = points.ids().filter(|&v| points[v] != self.points[v]).collect();
+        let (old, new) = ((&self.states, &self.points), (&states, &points));
+        let vertices: Vec<VertexId> =
+            points.ids().filter(|&v| differs(old, new, v) && points[v] != self.points[v]).collect();
         (self.states, self.points) = (states, points);
         let moved = self.faces.update(&self.points, &vertices);
-        if self.uses_front {
+        if self.uses_reference {
             // Faces that the solver has moved may be folded within their plane.
             self.faces.mark_overlapping(&moved);
         }
@@ -104,7 +106,8 @@ impl<'a> Trial<'a> {
 
     /// Moves the cage to the best candidate for each part. The last candidate is the cage as it is.
     pub fn take_best(&mut self, mut candidates: Vec<Candidate>) -> Candidate {
-        if let (Some(best), Some(last)) = (combined(self.topology(), &candidates, self.input.copies), candidates.last())
+        if let (Some(best), Some(last)) =
+            (combined(self.topology(), &candidates, self.input.copy_pairs), candidates.last())
         {
             let known = last.faults.clone();
             let moved = self.move_to(best.states, best.points);
@@ -151,14 +154,14 @@ impl<'a> Trial<'a> {
         pairs
     }
 
-    /// Flipped faces, but for those whose parents are, unless the front of the input is known.
+    /// Flipped faces, but for those without a reference normal whose parents are flipped too.
     fn flipped(&mut self, active: &[FaceId]) -> Vec<FaceId> {
         let mut flipped = self.faces.flipped(active, &self.directions);
         self.add_parents(flipped.iter());
         flipped.retain(|&face| {
             let parent = self.input.derivation.parent_face(face);
-            let is_front_known = self.uses_front && self.input.front[face] != Vec3::ZERO;
-            is_front_known || !self.parent_faces.is_flipped(parent, self.parent_faces.normal(parent), FLIPPED_BEFORE)
+            let has_reference = self.uses_reference && self.input.reference_normals[face] != Vec3::ZERO;
+            has_reference || !self.parent_faces.is_flipped(parent, self.parent_faces.normal(parent), FLIPPED_BEFORE)
         });
         flipped
     }

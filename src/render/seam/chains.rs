@@ -1,24 +1,27 @@
-//! The marked edges of seams as chains with a direction.
+//! The edges of seams as directed chains.
+//!
+//! A chain is a maximal path of edges of one seam through vertices where exactly two seam edges meet. Its direction
+//! gives a seam its left and right.
 
 use crate::mesh::{EdgeId, IdVec, Topology, VertexId};
 
-/// The marked edges of all seams.
+/// The edges of all seams.
 pub struct Network {
-    /// The seam of each marked edge.
+    /// The seam of each edge, if any.
     pub seam: IdVec<EdgeId, Option<usize>>,
-    /// The vertex at which each marked edge begins, in the direction of its chain.
+    /// The first vertex of each seam edge, in the direction of its chain.
     pub start: IdVec<EdgeId, VertexId>,
-    /// Ends inside the surface, where a seam narrows to nothing.
+    /// True for ends inside the surface, where a seam narrows to nothing.
     pub tapers: IdVec<VertexId, bool>,
-    /// Edges of an earlier seam that another seam has too, with the other.
+    /// Edges of an earlier seam that also belong to a later one, with the later seam.
     pub shared: Vec<(EdgeId, usize)>,
-    /// Chains of one edge with both ends inside, which cannot narrow on both.
+    /// Isolated edges with both ends inside the surface, which are too short to taper.
     pub lone: Vec<EdgeId>,
     ends: IdVec<EdgeId, [VertexId; 2]>,
 }
 
 impl Network {
-    /// The network of the edges of each seam, as they were authored.
+    /// The network of some seams, by the authored edges of each.
     pub fn new(t: &Topology, seams: &[Vec<[VertexId; 2]>]) -> Self {
         let mut network = Self {
             seam: IdVec::filled(None, t.edges.len()),
@@ -28,41 +31,41 @@ impl Network {
             lone: Vec::new(),
             ends: t.edges.clone(),
         };
-        for (instance, edges) in seams.iter().enumerate() {
+        for (seam, edges) in seams.iter().enumerate() {
             for &[a, b] in edges {
                 let Some(edge) = t.find_edge(a, b) else { continue };
                 match network.seam[edge] {
                     None => {
-                        network.seam[edge] = Some(instance);
+                        network.seam[edge] = Some(seam);
                         network.start[edge] = a;
                     }
-                    Some(first) if first != instance && !network.shared.contains(&(edge, instance)) => {
-                        network.shared.push((edge, instance));
+                    Some(first) if first != seam && !network.shared.contains(&(edge, seam)) => {
+                        network.shared.push((edge, seam));
                     }
                     Some(_) => {}
                 }
             }
         }
         network.set_tapers(t);
-        network.direct(t);
+        network.orient_chains(t);
         network
     }
 
-    /// The vertices of an edge.
+    /// The end vertices of an edge.
     pub fn ends(&self, edge: EdgeId) -> [VertexId; 2] {
         self.ends[edge]
     }
 
-    /// The seams that pass a vertex.
+    /// The seams at a vertex, ascending.
     pub fn at(&self, t: &Topology, vertex: VertexId) -> Vec<usize> {
-        let mut instances: Vec<usize> = self.marked_at(t, vertex).filter_map(|e| self.seam[e]).collect();
-        instances.sort_unstable();
-        instances.dedup();
-        instances
+        let mut seams: Vec<usize> = self.seam_edges_at(t, vertex).filter_map(|e| self.seam[e]).collect();
+        seams.sort_unstable();
+        seams.dedup();
+        seams
     }
 
-    /// The marked edges at a vertex, each once.
-    fn marked_at(&self, t: &Topology, vertex: VertexId) -> impl Iterator<Item = EdgeId> {
+    /// The seam edges at a vertex, each once.
+    fn seam_edges_at(&self, t: &Topology, vertex: VertexId) -> impl Iterator<Item = EdgeId> {
         let mut edges: Vec<EdgeId> = Vec::with_capacity(4);
         for &corner in t.vertex_corners.row(vertex) {
             for edge in [t.corner_edge[corner], t.corner_edge[t.faces.prev(corner)]] {
@@ -77,10 +80,10 @@ impl Network {
     fn set_tapers(&mut self, t: &Topology) {
         for edge in t.edges.ids().filter(|&e| self.seam[e].is_some()) {
             let ends = t.edges[edge].map(|vertex| {
-                let is_end = self.marked_at(t, vertex).count() == 1;
+                let is_end = self.seam_edges_at(t, vertex).count() == 1;
                 let corners = t.vertex_corners.row(vertex).iter();
                 let at_border = corners.flat_map(|&c| [c, t.faces.prev(c)]).any(|c| t.is_border(t.corner_edge[c]));
-                // Along a border a seam ends as inside the surface; across it, it runs off.
+                // A seam along a border tapers like one inside the surface. A seam across it runs off the border.
                 is_end && (!at_border || t.is_border(edge))
             });
             if ends == [true; 2] {
@@ -92,51 +95,51 @@ impl Network {
         }
     }
 
-    /// Turns the edges of each chain into the direction that most of them have, of two equal ones that of the first.
-    fn direct(&mut self, t: &Topology) {
-        let mut done = IdVec::filled(false, t.edges.len());
+    /// Gives all edges of a chain the authored direction of most of them; a tie goes to the first edge.
+    fn orient_chains(&mut self, t: &Topology) {
+        let mut visited = IdVec::filled(false, t.edges.len());
         for first in t.edges.ids() {
-            if self.seam[first].is_none() || done[first] {
+            if self.seam[first].is_none() || visited[first] {
                 continue;
             }
             let mut starts = vec![(first, self.start[first])];
-            done[first] = true;
+            visited[first] = true;
             let [a, b] = t.edges[first];
-            let from = self.start[first];
-            let to = if from == a { b } else { a };
-            self.walk(t, (first, to), true, &mut done, &mut starts);
-            self.walk(t, (first, from), false, &mut done, &mut starts);
-            let agree = starts.iter().filter(|(edge, start)| self.start[*edge] == *start).count();
-            let turned = 2 * agree < starts.len();
+            let tail = self.start[first];
+            let head = if tail == a { b } else { a };
+            self.walk(t, (first, head), true, &mut visited, &mut starts);
+            self.walk(t, (first, tail), false, &mut visited, &mut starts);
+            let agreeing = starts.iter().filter(|(edge, start)| self.start[*edge] == *start).count();
+            let is_reversed = 2 * agreeing < starts.len();
             for (edge, start) in starts {
                 let [a, b] = t.edges[edge];
-                self.start[edge] = if turned == (start == a) { b } else { a };
+                self.start[edge] = if is_reversed == (start == a) { b } else { a };
             }
         }
     }
 
-    /// Follows a chain from the end of an edge; `ahead` along its direction, else against it.
+    /// Follows a chain from the vertex `at` of an edge, forwards if `is_ahead` and else backwards.
     fn walk(
         &self,
         t: &Topology,
         (mut edge, mut at): (EdgeId, VertexId),
-        ahead: bool,
-        done: &mut IdVec<EdgeId, bool>,
+        is_ahead: bool,
+        visited: &mut IdVec<EdgeId, bool>,
         starts: &mut Vec<(EdgeId, VertexId)>,
     ) {
         loop {
-            let here: Vec<EdgeId> = self.marked_at(t, at).filter(|&e| self.seam[e] == self.seam[edge]).collect();
+            let here: Vec<EdgeId> = self.seam_edges_at(t, at).filter(|&e| self.seam[e] == self.seam[edge]).collect();
             let next = match *here.as_slice() {
                 [x, y] if x == edge => y,
                 [x, y] if y == edge => x,
                 _ => return,
             };
-            if std::mem::replace(&mut done[next], true) {
+            if std::mem::replace(&mut visited[next], true) {
                 return;
             }
             let [a, b] = t.edges[next];
             let far = if a == at { b } else { a };
-            starts.push((next, if ahead { at } else { far }));
+            starts.push((next, if is_ahead { at } else { far }));
             (edge, at) = (next, far);
         }
     }

@@ -1,55 +1,58 @@
-//! Which faces a second layer can cover.
+//! The faces that a second layer can cover.
+//!
+//! Three kinds of chosen faces are omitted: faces at edges between opposite windings, faces without clearance and their
+//! narrow surroundings, and faces that these separate from the border.
 
 use crate::mesh::{FaceId, Groups, IdVec, Topology, VertexId};
 use std::collections::BTreeSet;
 
-/// Room as a share of the layer's distance below which there is none: another part of the garment lies on the surface.
-const NONE: f32 = 0.02;
-/// The same below which faces next to such a place have none either. Smaller makes layers that end so near to the surface
-/// that they cross it; larger leaves out more of them.
-const NARROW: f32 = 0.6;
+/// Clearance, as a share of the layers' distance, below which other cloth lies on the surface.
+const MIN_CLEARANCE: f32 = 0.02;
+/// Clearance below which faces connected to such vertices are omitted too. A smaller value ends layers so close to the
+/// other cloth that they intersect it; a larger one omits more faces.
+const LOW_CLEARANCE: f32 = 0.6;
 
-/// The faces of a second layer, and those that cannot have one.
+/// The faces of a second layer, and the faces without one.
 pub struct Cover {
-    /// Whether each face has one.
+    /// True for faces with a second layer.
     pub chosen: IdVec<FaceId, bool>,
-    /// Faces beside some that look the other way, where the layer would have to pass through the surface.
-    pub turned: Left,
-    /// Faces that another part of the garment lies on, with those around as far as there is little room.
-    pub tight: Left,
-    /// Faces that the others cut off from the border, so that there is nothing to fold over.
-    pub cut_off: Left,
+    /// Faces next to faces of opposite winding, where the layer would have to pass through the surface.
+    pub turned: OmittedFaces,
+    /// Faces that other cloth lies against, and connected faces of low clearance.
+    pub tight: OmittedFaces,
+    /// Faces that the omitted ones separate from the border, which leaves no edge to fold over.
+    pub cut_off: OmittedFaces,
 }
 
-/// Faces that have no second layer.
+/// Faces without a second layer.
 #[derive(Default)]
-pub struct Left {
+pub struct OmittedFaces {
     /// The faces.
     pub faces: Vec<FaceId>,
-    /// Their vertices at which it cannot be.
+    /// Their vertices that cannot have a copy.
     pub at: BTreeSet<VertexId>,
 }
 
 impl Cover {
-    /// What of the chosen faces can be covered, where `room` is how far a layer may go at a vertex, as a share of how far
-    /// it is to go. Where it `is_closed`, a layer may be without a fold at a border.
-    pub fn new(t: &Topology, asked: &IdVec<FaceId, bool>, is_closed: bool, room: impl Fn(VertexId) -> f32) -> Self {
+    /// The cover of the faces `asked`. `clearance` is that of a vertex as a share of the layers' distance there. A
+    /// layer that is `closed` needs no border.
+    pub fn new(t: &Topology, asked: &IdVec<FaceId, bool>, closed: bool, clearance: impl Fn(VertexId) -> f32) -> Self {
         let mut chosen = asked.clone();
-        let turns = turning_over(t);
-        let turned = Left::taken(t, &mut chosen, |v| turns[v]);
-        let mut tight = Left::taken(t, &mut chosen, |v| room(v) < NONE);
+        let opposed = opposite_windings(t);
+        let turned = OmittedFaces::remove(t, &mut chosen, |v| opposed[v]);
+        let mut tight = OmittedFaces::remove(t, &mut chosen, |v| clearance(v) < MIN_CLEARANCE);
         let mut next = 0;
         while next < tight.faces.len() {
             for &v in t.faces.vertices_of(tight.faces[next]) {
-                if room(v) < NARROW && tight.at.insert(v) {
+                if clearance(v) < LOW_CLEARANCE && tight.at.insert(v) {
                     tight.faces.extend(t.faces_at(v).filter(|&f| std::mem::replace(&mut chosen[f], false)));
                 }
             }
             next += 1;
         }
-        let mut cut_off = Left::default();
-        if !is_closed && chosen != *asked {
-            let (before, after) = (at_border(t, asked), at_border(t, &chosen));
+        let mut cut_off = OmittedFaces::default();
+        if !closed && chosen != *asked {
+            let (before, after) = (reach_border(t, asked), reach_border(t, &chosen));
             cut_off.faces = chosen.ids().filter(|&f| chosen[f] && before[f] && !after[f]).collect();
             cut_off.at = cut_off.faces.iter().flat_map(|&f| t.faces.vertices_of(f)).copied().collect();
             cut_off.faces.iter().for_each(|&f| chosen[f] = false);
@@ -58,18 +61,18 @@ impl Cover {
     }
 }
 
-impl Left {
-    /// Takes the faces at some vertices out of the chosen ones.
-    fn taken(t: &Topology, chosen: &mut IdVec<FaceId, bool>, is_at: impl Fn(VertexId) -> bool) -> Self {
-        let bad = |f: FaceId| t.faces.vertices_of(f).iter().copied().filter(|&v| is_at(v));
-        let faces: Vec<FaceId> = chosen.ids().filter(|&f| chosen[f] && bad(f).next().is_some()).collect();
+impl OmittedFaces {
+    /// Removes the chosen faces with an obstructed vertex.
+    fn remove(t: &Topology, chosen: &mut IdVec<FaceId, bool>, is_obstructed: impl Fn(VertexId) -> bool) -> Self {
+        let obstructed = |f: FaceId| t.faces.vertices_of(f).iter().copied().filter(|&v| is_obstructed(v));
+        let faces: Vec<FaceId> = chosen.ids().filter(|&f| chosen[f] && obstructed(f).next().is_some()).collect();
         faces.iter().for_each(|&f| chosen[f] = false);
-        Self { at: faces.iter().flat_map(|&f| bad(f)).collect(), faces }
+        Self { at: faces.iter().flat_map(|&f| obstructed(f)).collect(), faces }
     }
 }
 
-/// The chosen faces that are joined to the border of the mesh, by others if not themselves.
-fn at_border(t: &Topology, chosen: &IdVec<FaceId, bool>) -> IdVec<FaceId, bool> {
+/// True for chosen faces that are connected to the border of the mesh through chosen faces.
+fn reach_border(t: &Topology, chosen: &IdVec<FaceId, bool>) -> IdVec<FaceId, bool> {
     let mut groups: Groups<FaceId> = Groups::new(chosen.len());
     let mut is_at_border = IdVec::filled(false, chosen.len());
     for edge in t.edges.ids() {
@@ -78,32 +81,31 @@ fn at_border(t: &Topology, chosen: &IdVec<FaceId, bool>) -> IdVec<FaceId, bool> 
         is_at_border[face] |= t.is_border(edge);
         faces.for_each(|other| _ = groups.join(face, other));
     }
-    let mut joined = IdVec::filled(false, chosen.len());
-    chosen.ids().filter(|&f| is_at_border[f]).for_each(|f| joined[groups.first(f)] = true);
-    chosen.ids().map(|f| joined[groups.first(f)]).collect()
+    let mut reaches = IdVec::filled(false, chosen.len());
+    chosen.ids().filter(|&f| is_at_border[f]).for_each(|f| reaches[groups.first(f)] = true);
+    chosen.ids().map(|f| reaches[groups.first(f)]).collect()
 }
 
-/// Vertices at which the second layer ends and the first goes on.
+/// True for vertices where the second layer ends and the first continues.
 pub fn layer_ends(t: &Topology, chosen: &IdVec<FaceId, bool>) -> IdVec<VertexId, bool> {
-    let mut sides = IdVec::filled([false; 2], t.vertex_count());
+    let mut touched = IdVec::filled([false; 2], t.vertex_count());
     for (face, chosen) in chosen.enumerated() {
-        t.faces.vertices_of(face).iter().for_each(|&v| sides[v][usize::from(*chosen)] = true);
+        t.faces.vertices_of(face).iter().for_each(|&v| touched[v][usize::from(*chosen)] = true);
     }
-    sides.iter().map(|&s| s == [true; 2]).collect()
+    touched.iter().map(|&both| both == [true; 2]).collect()
 }
 
-/// Vertices of edges whose two faces run along them in the same direction: the front of one goes on as the back of the
-/// other.
-fn turning_over(t: &Topology) -> IdVec<VertexId, bool> {
-    let mut turns = IdVec::filled(false, t.vertex_count());
+/// True for vertices of edges between two faces of opposite winding.
+fn opposite_windings(t: &Topology) -> IdVec<VertexId, bool> {
+    let mut opposed = IdVec::filled(false, t.vertex_count());
     for edge in t.edges.ids() {
         if let &[a, b] = t.edge_corners.row(edge)
             && t.faces.vertex(a) == t.faces.vertex(b)
         {
-            t.edges[edge].iter().for_each(|&v| turns[v] = true);
+            t.edges[edge].iter().for_each(|&v| opposed[v] = true);
         }
     }
-    turns
+    opposed
 }
 
 #[cfg(test)]
@@ -111,7 +113,7 @@ mod tests {
     use super::*;
     use crate::mesh::Faces;
 
-    /// A row of quads; vertices `2 i` and `2 i + 1` are at its places from one end to the other.
+    /// A row of quads; quad `i` is between the edges of vertices `2 i, 2 i + 1` and `2 i + 2, 2 i + 3`.
     fn row(count: usize) -> Topology {
         let quads = (0..count).flat_map(|i| [2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1]).map(VertexId::new);
         let corners: Vec<VertexId> = quads.collect();
@@ -123,11 +125,11 @@ mod tests {
     }
 
     #[test]
-    fn a_layer_ends_where_there_is_room_for_its_end() {
+    fn a_layer_ends_where_its_clearance_is_sufficient() {
         let (t, all) = (row(8), IdVec::filled(true, 8));
-        // None at one end, ever more to the other; little in the middle alone is no reason.
-        let rooms = [0.0, 0.3, 0.5, 0.9, 2.0, 0.3, 2.0, 2.0, 2.0];
-        let cover = Cover::new(&t, &all, false, |v| rooms[v.index() / 2]);
+        // No clearance at one end, more towards the other. A single low one in the middle is accepted.
+        let clearances = [0.0, 0.3, 0.5, 0.9, 2.0, 0.3, 2.0, 2.0, 2.0];
+        let cover = Cover::new(&t, &all, false, |v| clearances[v.index() / 2]);
         assert_eq!(numbers(&cover.tight.faces), [0, 1, 2]);
         assert_eq!(cover.tight.at.iter().map(|v| v.index()).collect::<Vec<_>>(), [0, 1, 2, 3, 4, 5]);
         assert!(cover.turned.faces.is_empty());
@@ -137,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn faces_that_were_not_chosen_are_not_counted() {
+    fn only_chosen_faces_are_counted() {
         let t = row(4);
         let chosen = [false, false, true, true].into_iter().collect();
         let cover = Cover::new(&t, &chosen, false, |_| 0.0);
@@ -146,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_cut_off_from_the_border_is_left_out_unless_it_may_be_closed() {
+    fn faces_cut_off_from_the_border_are_omitted_unless_closed() {
         let n = 6;
         let at = |x: usize, y: usize| (n + 1) * y + x;
         let quad = |i: usize| {
@@ -156,19 +158,19 @@ mod tests {
         let corners: Vec<VertexId> = (0..n * n).flat_map(quad).map(VertexId::new).collect();
         let t = Topology::new(Faces::quads(corners), (n + 1) * (n + 1));
         let is_border = |v: VertexId| [v.index() % (n + 1), v.index() / (n + 1)].iter().any(|&i| i == 0 || i == n);
-        let room = |v: VertexId| if is_border(v) { 0.0 } else { 2.0 };
+        let clearance = |v: VertexId| if is_border(v) { 0.0 } else { 2.0 };
         let all = IdVec::filled(true, n * n);
-        let left = |is_closed| {
-            let cover = Cover::new(&t, &all, is_closed, room);
-            [&cover.tight, &cover.cut_off].map(|left| (left.faces.len(), left.at.len()))
+        let counts = |is_closed| {
+            let cover = Cover::new(&t, &all, is_closed, clearance);
+            [&cover.tight, &cover.cut_off].map(|omitted| (omitted.faces.len(), omitted.at.len()))
         };
         let (rim, middle) = ((4 * (n - 1), 4 * n), ((n - 2) * (n - 2), (n - 1) * (n - 1)));
-        assert_eq!((left(false), left(true)), ([rim, middle], [rim, (0, 0)]));
-        // Nothing was taken from what has no border from the start.
+        assert_eq!((counts(false), counts(true)), ([rim, middle], [rim, (0, 0)]));
+        // Faces without a border from the start are kept.
         let middle: IdVec<FaceId, bool> = (0..n * n).map(|i| i == n + 1).collect();
-        let room = |v: VertexId| if v.index() == 0 { 0.0 } else { 2.0 };
+        let clearance = |v: VertexId| if v.index() == 0 { 0.0 } else { 2.0 };
         let both: IdVec<FaceId, bool> = (0..n * n).map(|i| i == 0 || i == n + 1).collect();
         assert!(Cover::new(&t, &middle, false, |_| 2.0).cut_off.faces.is_empty());
-        assert_eq!(Cover::new(&t, &both, false, room).chosen.iter().filter(|&&chosen| chosen).count(), 1);
+        assert_eq!(Cover::new(&t, &both, false, clearance).chosen.iter().filter(|&&chosen| chosen).count(), 1);
     }
 }

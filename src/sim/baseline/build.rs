@@ -13,7 +13,7 @@ use crate::sim::surface::lengths::{Lengths, grade};
 use crate::sim::surface::manifold::Manifold;
 use crate::sim::surface::refine::{Refined, holes};
 use crate::sim::surface::triangulation::{RefinedSurface, Triangulation};
-use crate::subdivide::{Level, Refiner};
+use crate::subdivide::Level;
 use glam::Vec3;
 
 /// Largest growth of lengths per length away from a chain that bends. Larger values spend fewer triangles near bends,
@@ -29,13 +29,14 @@ impl Baseline {
         let is_hole = holes(garment, &base);
         let mut manifold = Manifold::new(garment, &base);
         let uvs = uv_set.map(|uv| manifold.add_uv_channel(garment, uv)).unwrap_or_default();
-        let Refined { levels, points, uvs, cage_faces } = manifold.refine(garment, uvs, options.baseline_level);
-        let all_levels: Vec<&Refiner> = std::iter::once(&manifold.refiner).chain(&levels).collect();
+        let Refined { levels, points, uv_channel, uvs, cage_faces } =
+            manifold.refine(garment, uvs, options.baseline_level);
+        let all_levels: Vec<&Level> = std::iter::once(&manifold.level).chain(&levels).collect();
         let finest = all_levels[levels.len()];
         let source_face = &cage_faces[levels.len()];
-        let quads = Triangulation::new(&finest.level.topology, &points, |f| !is_hole[source_face[f]]);
-        let topology = Topology::new(Faces::triangles(quads.vertices(&finest.level.topology.faces)), points.len());
-        let uvs = quads.uvs(finest.channels.first(), &uvs);
+        let quads = Triangulation::new(&finest.topology, &points, |f| !is_hole[source_face[f]]);
+        let topology = Topology::new(Faces::triangles(quads.vertices(&finest.topology.faces)), points.len());
+        let uvs = quads.uvs(uv_channel.as_ref(), &uvs);
         let mut target = lengths.refined(garment, &manifold, &levels, points.len());
         let graded = grade_targets(&mut target, options, &topology, &points);
 
@@ -108,13 +109,13 @@ fn find_chains(
     garment: &Garment,
     options: &SimOptions,
     manifold: &Manifold,
-    levels: &[&Refiner],
+    levels: &[&Level],
     surface: &RefinedSurface<'_>,
     is_hole: &IdVec<FaceId, bool>,
 ) -> (IdVec<ChainId, Chain>, Vec<Vec<Vec<VertexId>>>) {
-    let is_seam = |e| manifold.refiner.channels.first().is_some_and(|c| c.is_cut(e));
+    let is_seam = |e| manifold.uv_channel.as_ref().is_some_and(|c| c.is_cut(e));
     let mut kinds = constrained_edges(garment, manifold, options, is_seam, is_hole);
-    add_ridges(&manifold.refiner.level.topology, levels, surface, &mut kinds);
+    add_ridges(&manifold.level.topology, levels, surface, &mut kinds);
     let paths = trace_paths(manifold, &kinds);
     let curves = refine_paths(paths.iter().map(|p| p.vertices.clone()).collect(), levels);
     let on_surface = paths.iter().zip(&curves[levels.len() - 1]);

@@ -10,7 +10,7 @@ use crate::mesh::{ChainId, CornerId, FaceId, IdVec, Topology, VertexId};
 use crate::sim::constraints::cage_edges::StartSpan;
 use crate::sim::constraints::chain::Chain;
 use crate::sim::surface::manifold::Manifold;
-use crate::subdivide::{Real, Refiner};
+use crate::subdivide::{Level, Real};
 use facets::Facet;
 use glam::{Vec2, Vec3};
 use std::collections::BTreeMap;
@@ -29,7 +29,7 @@ pub struct Baseline {
     /// The manifold cage and the garment's elements behind it.
     pub manifold: Manifold,
     /// The refined levels after the cage. The last one, or the cage if there is none, is triangulated.
-    pub levels: Vec<Refiner>,
+    pub levels: Vec<Level>,
     /// The vertex of the finest level behind each vertex. They differ where holes leave fans that only touch.
     pub level_vertex: IdVec<VertexId, VertexId>,
     /// Positions. \[stage units\]
@@ -68,7 +68,7 @@ pub struct Baseline {
 
 impl Baseline {
     /// The levels that are refined on the way to the triangles, from the cage on.
-    pub fn parents(&self) -> impl Iterator<Item = &Refiner> {
+    pub fn parents(&self) -> impl Iterator<Item = &Level> {
         self.manifold.parents(&self.levels)
     }
 
@@ -78,7 +78,7 @@ impl Baseline {
         let mut corner = self.level_corner[CornerId::new(face.index() * 3)];
         for parent in self.parents().collect::<Vec<_>>().into_iter().rev() {
             corner = parent.corner_of_child(level_face);
-            level_face = parent.level.topology.faces.face_of(corner);
+            level_face = parent.topology.faces.face_of(corner);
         }
         self.manifold.corner_source[corner]
     }

@@ -3,13 +3,13 @@
 use crate::mesh::{CornerId, FaceId, Faces, IdVec, VertexId};
 use crate::sim::surface::lengths::{Lengths, SPLIT_RATIO};
 use crate::sim::surface::triangulation::{RefinedSurface, Triangulation};
-use crate::subdivide::Refiner;
+use crate::subdivide::Level;
 use glam::Vec3;
 
 /// The level that remeshing starts from, and the surface it lies on.
 pub(crate) struct StartMesh<'a> {
     /// The levels from the cage on; the surface is the last one in triangles.
-    pub levels: &'a [&'a Refiner],
+    pub levels: &'a [&'a Level],
     /// The index of the start's level.
     pub level: usize,
     /// The triangulated surface.
@@ -20,7 +20,7 @@ impl StartMesh<'_> {
     /// The triangles of the level's faces that `keep` accepts, by corners of `finest`. A face whose diagonals are long enough
     /// to be split gets a vertex in its centre instead.
     pub fn triangles(&self, finest: &Triangulation, keep: impl Fn(FaceId) -> bool) -> Vec<[CornerId; 3]> {
-        let faces = &self.levels[self.levels.len() - 1].level.topology.faces;
+        let faces = &self.levels[self.levels.len() - 1].topology.faces;
         let mut own = IdVec::<CornerId, Option<CornerId>>::filled(None, faces.corners().len());
         for (triangle_corner, &c) in finest.corners.enumerated() {
             own[c].get_or_insert(triangle_corner);
@@ -32,14 +32,14 @@ impl StartMesh<'_> {
         };
         let level = self.levels[self.level];
         let at = |c: CornerId| triangle_corner(self.level, c);
-        let coarse = Triangulation::new(&level.level.topology, self.surface.points, keep);
+        let coarse = Triangulation::new(&level.topology, self.surface.points, keep);
         let mut triangles = Vec::with_capacity(2 * coarse.faces.len());
         let mut rest = coarse.corners.as_slice();
         for same in coarse.faces.chunk_by(|a, b| a == b) {
             let (fan, others) = rest.split_at(3 * same.len());
             rest = others;
             let rim: Vec<CornerId> = fan[..2].iter().chain(fan.iter().skip(2).step_by(3)).copied().collect();
-            let vertex = |c: CornerId| level.level.topology.faces.vertex(c);
+            let vertex = |c: CornerId| level.topology.faces.vertex(c);
             let is_long = rim[2..rim.len() - 1].iter().any(|&c| self.is_long(vertex(rim[0]), vertex(c)));
             let centre = level.centre_of(rim[0]).filter(|_| is_long && self.level + 1 < self.levels.len());
             let ring = centre.map(|centre| {
@@ -77,10 +77,10 @@ impl StartMesh<'_> {
 }
 
 /// The level whose mean edge is nearest to the mean target, as a ratio: remeshing from there takes the fewest edits.
-pub(crate) fn nearest_level(levels: &[&Refiner], points: &IdVec<VertexId, Vec3>, lengths: Lengths<'_>) -> usize {
+pub(crate) fn nearest_level(levels: &[&Level], points: &IdVec<VertexId, Vec3>, lengths: Lengths<'_>) -> usize {
     let target = f64::from((lengths.min * lengths.max).sqrt());
     let off = |level: &usize| {
-        let edges = &levels[*level].level.topology.edges;
+        let edges = &levels[*level].topology.edges;
         let sum: f64 = edges.iter().map(|&[a, b]| f64::from(points[a].distance(points[b]))).sum();
         (sum / edges.len().max(1) as f64 / target).ln().abs()
     };

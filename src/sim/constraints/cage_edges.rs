@@ -6,7 +6,7 @@ use crate::mesh::{ChainId, CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
 use crate::sim::options::SimOptions;
 use crate::sim::surface::manifold::Manifold;
 use crate::sim::surface::triangulation::RefinedSurface;
-use crate::subdivide::{INFINITE_SHARPNESS, Numbering, Refiner};
+use crate::subdivide::{INFINITE_SHARPNESS, Level, Numbering};
 use std::collections::BTreeMap;
 
 /// The part of a chain that an edge of the start mesh covers.
@@ -40,7 +40,7 @@ pub fn constrained_edges(
     is_seam: impl Fn(EdgeId) -> bool,
     is_hole: &IdVec<FaceId, bool>,
 ) -> BTreeMap<EdgeId, ChainKind> {
-    let t = &manifold.refiner.level.topology;
+    let t = &manifold.level.topology;
     let in_subsets = edge_subsets(garment, options);
     let kind_of = |(edge, &ends): (EdgeId, &[VertexId; 2])| {
         let solid = t.edge_corners.row(edge).iter().filter(|&&c| !is_hole[t.faces.face_of(c)]).count();
@@ -49,7 +49,7 @@ pub fn constrained_edges(
         let kind = ChainKind {
             border: solid == 1,
             seam: solid > 1 && is_seam(edge),
-            sharp: solid > 1 && manifold.refiner.level.edge_sharpness[edge] >= INFINITE_SHARPNESS,
+            sharp: solid > 1 && manifold.level.edge_sharpness[edge] >= INFINITE_SHARPNESS,
             ridge: false,
             subsets,
         };
@@ -79,7 +79,7 @@ fn edge_subsets(garment: &Garment, options: &SimOptions) -> BTreeMap<[VertexId; 
 /// A vertex is an anchor if one, or more than two, constrained edges meet there (Waggoner and de Goes 2022), if its two
 /// edges belong to different features, or if the surface has a corner there.
 pub fn trace_paths(manifold: &Manifold, kinds: &BTreeMap<EdgeId, ChainKind>) -> Vec<CagePath> {
-    let level = &manifold.refiner.level;
+    let level = &manifold.level;
     let t = &level.topology;
     let mut at: BTreeMap<VertexId, Vec<EdgeId>> = BTreeMap::new();
     for &edge in kinds.keys() {
@@ -116,12 +116,12 @@ pub fn trace_paths(manifold: &Manifold, kinds: &BTreeMap<EdgeId, ChainKind>) -> 
 }
 
 /// Vertices of each path on every level from the cage on: element `k` holds those of `levels[k]`.
-pub fn refine_paths(mut paths: Vec<Vec<VertexId>>, levels: &[&Refiner]) -> Vec<Vec<Vec<VertexId>>> {
+pub fn refine_paths(mut paths: Vec<Vec<VertexId>>, levels: &[&Level]) -> Vec<Vec<Vec<VertexId>>> {
     let mut all = vec![paths.clone()];
     for parent in &levels[..levels.len() - 1] {
-        let numbering = Numbering::new(&parent.level);
+        let numbering = Numbering::new(parent);
         let middle = |pair: &[VertexId]| {
-            let edge = parent.level.topology.find_edge(pair[0], pair[1]);
+            let edge = parent.topology.find_edge(pair[0], pair[1]);
             numbering.of_edge(edge.unwrap_or_else(|| unreachable!("a path runs along edges of its level")))
         };
         for path in &mut paths {

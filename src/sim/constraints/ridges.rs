@@ -7,7 +7,7 @@ use crate::mesh::edit::{next, prev};
 use crate::mesh::{CornerId, EdgeId, FaceId, Groups, IdVec, Topology, VertexId};
 use crate::sim::geometry::angle;
 use crate::sim::surface::triangulation::RefinedSurface;
-use crate::subdivide::Refiner;
+use crate::subdivide::Level;
 use glam::Vec3;
 use std::collections::BTreeMap;
 
@@ -38,7 +38,7 @@ struct Candidate {
 /// Adds the ridges among the unconstrained edges of the cage to `kinds`. The last of `levels` is the surface's.
 pub(crate) fn add_ridges(
     t: &Topology,
-    levels: &[&Refiner],
+    levels: &[&Level],
     surface: &RefinedSurface<'_>,
     kinds: &mut BTreeMap<EdgeId, ChainKind>,
 ) {
@@ -55,7 +55,7 @@ pub(crate) fn add_ridges(
 
 fn candidates(
     t: &Topology,
-    levels: &[&Refiner],
+    levels: &[&Level],
     surface: &RefinedSurface<'_>,
     kinds: &BTreeMap<EdgeId, ChainKind>,
 ) -> Vec<Candidate> {

@@ -68,6 +68,7 @@ impl RemeshReport {
 }
 
 /// A pass over a whole mesh as a round makes it, for tests and benches.
+#[cfg(feature = "internals")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pass {
     /// Split long edges.
@@ -86,6 +87,7 @@ pub enum Pass {
     InPatches(usize),
 }
 
+#[cfg(feature = "internals")]
 impl Pass {
     /// The passes of a round, in their order.
     pub const ROUND: [Self; 4] = [Self::Split, Self::Collapse, Self::Drift, Self::Relax];

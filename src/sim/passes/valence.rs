@@ -4,7 +4,6 @@ use crate::mesh::edit::{next, prev};
 use crate::mesh::{CornerId, IdVec, VertexId, WedgeId};
 use crate::sim::sim_mesh::{SimMesh, VertexConstraint};
 use rayon::prelude::*;
-use std::collections::BTreeSet;
 use std::f32::consts::FRAC_PI_3;
 
 /// Triangles in each wedge above the regular number: six at a free vertex, three on each side of a chain, and between the
@@ -82,11 +81,13 @@ fn angle(mesh: &SimMesh<'_>, corner: CornerId) -> f32 {
     (q - p).angle_between(r - p)
 }
 
+#[cfg(feature = "internals")]
 impl SimMesh<'_> {
     /// The sum over all wedges of their squared valence excess.
     pub fn irregularity(&self) -> i64 {
         let excess = ValenceExcess::new(self);
-        let wedges: BTreeSet<WedgeId> = self.topology.corners().map(|c| self.corner_wedge[c]).collect();
+        let wedges: std::collections::BTreeSet<WedgeId> =
+            self.topology.corners().map(|c| self.corner_wedge[c]).collect();
         wedges.into_iter().map(|wedge| i64::from(excess.0[wedge]).pow(2)).sum()
     }
 }

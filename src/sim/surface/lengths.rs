@@ -3,7 +3,7 @@
 use super::manifold::Manifold;
 use crate::garment::{Garment, Primvar, Values};
 use crate::mesh::{IdVec, Topology, VertexId};
-use crate::subdivide::Refiner;
+use crate::subdivide::Level;
 use glam::Vec3;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -43,7 +43,7 @@ impl Lengths<'_> {
         &self,
         garment: &Garment,
         manifold: &Manifold,
-        levels: &[Refiner],
+        levels: &[Level],
         vertices: usize,
     ) -> IdVec<VertexId, f32> {
         let Some((density, Values::F32(values))) = self.density.map(|d| (d, &d.values)) else {

@@ -6,12 +6,14 @@
 
 use crate::garment::Garment;
 use crate::mesh::{CornerId, EdgeId, FaceId, Faces, Groups, IdVec, Topology, VertexId};
-use crate::subdivide::{Level, Refiner};
+use crate::subdivide::{Channel, Level};
 
 /// The manifold cage and the garment's elements behind it.
 pub struct Manifold {
-    /// The cage with the channel of the constraint UVs, if there is a UV set.
-    pub refiner: Refiner,
+    /// The level of the cage.
+    pub level: Level,
+    /// The channel of the constraint UVs, if there is a UV set.
+    pub uv_channel: Option<Channel>,
     /// The garment's vertex behind each vertex.
     pub vertex_source: IdVec<VertexId, VertexId>,
     /// The garment's corner behind each corner.
@@ -44,9 +46,9 @@ impl Manifold {
                 source.unwrap_or_else(|| unreachable!("an edge of a piece is an edge of the cage"))
             })
             .collect();
-        let refiner = Refiner { level: like(level, topology, &vertex_source, &edge_source), channels: Vec::new() };
+        let level = like(level, topology, &vertex_source, &edge_source);
         debug_assert_eq!(garment.points.len(), t.vertex_count());
-        Self { refiner, vertex_source, corner_source }
+        Self { level, uv_channel: None, vertex_source, corner_source }
     }
 }
 

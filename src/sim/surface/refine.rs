@@ -3,16 +3,18 @@
 use super::manifold::Manifold;
 use crate::garment::{Garment, Interpolation, Primvar, Values};
 use crate::mesh::{FaceId, IdVec, VertexId};
-use crate::subdivide::{Level, Real, Refiner, Stencils, mix_rows};
+use crate::subdivide::{Channel, ChannelChild, Level, Numbering, Real, Stencils, blend_rows};
 use glam::Vec3;
 
 /// The refined levels of a cage, and positions on the last.
 pub(crate) struct Refined {
     /// The levels after the cage.
-    pub levels: Vec<Refiner>,
+    pub levels: Vec<Level>,
     /// Positions on the last level. \[stage units\]
     pub points: IdVec<VertexId, Vec3>,
-    /// The constraint UVs: values of the channel on the last level.
+    /// The channel of the constraint UVs on the last level.
+    pub uv_channel: Option<Channel>,
+    /// The values of that channel.
     pub uvs: Vec<[f32; 2]>,
     /// The cage's face behind each face, on every level from the cage on.
     pub cage_faces: Vec<IdVec<FaceId, FaceId>>,
@@ -23,47 +25,51 @@ impl Manifold {
     pub(crate) fn add_uv_channel(&mut self, garment: &Garment, uv: &Primvar) -> Vec<[f32; 2]> {
         let Values::F32(values) = &uv.values else { unreachable!("the garment check admits UV sets of floats only") };
         let rows = uv.corner_rows(&garment.faces, garment.points.len());
-        let rows = self.refiner.add_channel(garment, |c| rows[self.corner_source[c]] as usize);
+        let (rules, row) = (garment.rules, |c| rows[self.corner_source[c]] as usize);
+        let (channel, rows) = Channel::base(&self.level, row, rules.face_varying, rules.boundary);
+        self.uv_channel = Some(channel);
         rows.iter().map(|&r| [values[2 * r as usize], values[2 * r as usize + 1]]).collect()
     }
 
     /// Refines the cage `count` times; `uvs` are the values of its channel, if it has one.
     pub(crate) fn refine(&self, garment: &Garment, mut uvs: Vec<[f32; 2]>, count: u32) -> Refined {
         let mut points: Vec<[f32; 3]> = self.vertex_source.iter().map(|&v| garment.points[v].to_array()).collect();
-        let mut levels: Vec<Refiner> = Vec::new();
-        let mut cage_faces: Vec<IdVec<FaceId, FaceId>> = vec![self.refiner.level.topology.faces.ids().collect()];
+        let mut levels: Vec<Level> = Vec::new();
+        let mut uv_channel = self.uv_channel.clone();
+        let mut cage_faces: Vec<IdVec<FaceId, FaceId>> = vec![self.level.topology.faces.ids().collect()];
         for depth in 0..count as usize {
-            let parent = levels.last().unwrap_or(&self.refiner);
-            let derivation = parent.derive();
-            points = derivation.vertex().apply(&points);
-            if let Some(channel) = derivation.channels.first() {
-                uvs = channel.apply(&uvs);
+            let parent = levels.last().unwrap_or(&self.level);
+            let child = parent.refined();
+            points = parent.vertex_stencils().apply(&points);
+            if let Some(channel) = &mut uv_channel {
+                let refined = ChannelChild::new(parent, channel);
+                uvs = refined.apply(&uvs);
+                *channel = refined.into_channel(&child);
             }
-            let (numbering, parent_faces) = (derivation.numbering(), &parent.level.topology.faces);
+            let (numbering, parent_faces) = (Numbering::new(parent), &parent.topology.faces);
             let cage_face = |f| cage_faces[depth][numbering.parent_face(parent_faces, f)];
-            cage_faces.push(derivation.faces.ids().map(cage_face).collect());
-            let child = derivation.into_child();
+            cage_faces.push(child.topology.faces.ids().map(cage_face).collect());
             levels.push(child);
         }
-        Refined { levels, points: points.into_iter().map(Vec3::from).collect(), uvs, cage_faces }
+        Refined { levels, points: points.into_iter().map(Vec3::from).collect(), uv_channel, uvs, cage_faces }
     }
 
     /// The cage and all of `levels` but the last: those that are refined.
-    pub(crate) fn parents<'a>(&'a self, levels: &'a [Refiner]) -> impl Iterator<Item = &'a Refiner> {
-        std::iter::once(&self.refiner).chain(levels).take(levels.len())
+    pub(crate) fn parents<'a>(&'a self, levels: &'a [Level]) -> impl Iterator<Item = &'a Level> {
+        std::iter::once(&self.level).chain(levels).take(levels.len())
     }
 
     /// The rows of a vertex or varying primvar at the vertices of the last of `levels`. `values` are the primvar's.
-    pub(crate) fn refine_rows<T: Real>(&self, levels: &[Refiner], primvar: &Primvar, values: &[T]) -> Vec<T> {
+    pub(crate) fn refine_rows<T: Real>(&self, levels: &[Level], primvar: &Primvar, values: &[T]) -> Vec<T> {
         let width = primvar.width();
         let row = |v: &VertexId| values[primvar.row(v.index()) * width..][..width].iter().copied();
         let cage = self.vertex_source.iter().flat_map(row).collect();
         self.parents(levels).fold(cage, |rows: Vec<T>, parent| {
             let stencils = match primvar.interpolation {
-                Interpolation::Varying => parent.level.varying_stencils(),
-                _ => parent.level.vertex_stencils(),
+                Interpolation::Varying => parent.varying_stencils(),
+                _ => parent.vertex_stencils(),
             };
-            mix_rows(&stencils, &rows, primvar)
+            blend_rows(&stencils, &rows, primvar)
         })
     }
 }

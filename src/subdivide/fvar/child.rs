@@ -1,4 +1,6 @@
-//! The refinement of a face-varying channel: tags, masks and values of the child.
+//! Refines a face-varying channel: numbers the child values, tags them, and gives the mask of each.
+//!
+//! Source: OpenSubdiv, `vtr/fvarRefinement.cpp` and `far/primvarRefiner.h`.
 
 use super::{Channel, EdgeTag, Tag};
 use crate::garment::Scheme;
@@ -24,13 +26,13 @@ impl<'a> ChannelChild<'a> {
         Self::of(level, parent, Arc::new(ChildValues::new(parent, level)))
     }
 
-    /// The same, by values that are known.
+    /// The refinement of a channel whose child values are already numbered.
     pub fn of(level: &'a Level, parent: &'a Channel, values: Arc<ChildValues>) -> Self {
         let quads = if parent.is_linear(level) { None } else { Quads::new(level, &parent.corner_value) };
         Self { level, parent, quads, values }
     }
 
-    /// The row of a mesh of quads; whether it is one of the smooth ones.
+    /// Emits the row of an all-quad level; `false` without output if the row needs a sharp or face-varying mask.
     #[inline(always)]
     fn regular_row(&self, quads: &Quads<ValueId>, row: usize, sink: &mut impl FnMut(ValueId, f32)) -> bool {
         let (own, faces, t) = (self.parent.len(), self.values.faces, &self.level.topology);
@@ -52,12 +54,12 @@ impl<'a> ChannelChild<'a> {
         self.values.corner_values(self.parent, self.level, ValueId::new).into()
     }
 
-    /// The number of the value of each child corner.
+    /// The value index of each child corner.
     pub fn indices(&self) -> Vec<u32> {
         self.values.corner_values(self.parent, self.level, |value| value as u32)
     }
 
-    /// The child channel, over the child's topology.
+    /// The child channel on the child's topology.
     pub fn into_channel(self, child: &Level) -> Channel {
         let t = &self.level.topology;
         let numbering = Numbering::new(self.level);
@@ -122,7 +124,7 @@ impl Channel {
         tags
     }
 
-    /// Turns values whose sharp edges have faded into creases.
+    /// Tags semi-sharp values as creases once their sharp edges have faded.
     fn reclassify(&self, parent: &Level, tags: &mut IdVec<ValueId, Tag>) {
         let t = &parent.topology;
         let semi_values: Vec<ValueId> =
@@ -156,19 +158,19 @@ impl Channel {
         }
     }
 
-    /// The values of the corners at the vertex of a value.
+    /// The values of all corners at the vertex of `value`.
     fn siblings<'a>(&'a self, t: &'a Topology, value: ValueId) -> impl Iterator<Item = ValueId> + 'a {
         let vertex = t.faces.vertex(self.value_corner[value]);
         t.vertex_corners.row(vertex).iter().map(|&c| self.corner_value[c])
     }
 
-    /// The corners at the vertex of a value that have it.
+    /// The corners that share `value`.
     fn corners_of<'a>(&'a self, t: &'a Topology, value: ValueId) -> impl Iterator<Item = CornerId> + 'a {
         let vertex = t.faces.vertex(self.value_corner[value]);
         t.vertex_corners.row(vertex).iter().copied().filter(move |&c| self.corner_value[c] == value)
     }
 
-    /// The edges at the vertex of a value that lie within its region.
+    /// The edges at the vertex of `value` inside its region.
     fn inner_edges<'a>(&'a self, t: &'a Topology, value: ValueId) -> impl Iterator<Item = EdgeId> + 'a {
         self.corners_of(t, value).map(|c| t.corner_edge[c]).filter(|&e| !self.edges[e].cut && !t.is_border(e))
     }
@@ -177,7 +179,7 @@ impl Channel {
         self.edges[edge].cut || t.is_border(edge)
     }
 
-    /// The mask of the child of a value, which the next level tags as `child`.
+    /// Emits the mask of the child of `value`; `child` is the tag of that child.
     #[inline(always)]
     fn value_mask(&self, level: &Level, value: ValueId, child: Tag, sink: &mut impl FnMut(CornerId, f32)) {
         let own = self.value_corner[value];
@@ -200,7 +202,7 @@ impl Channel {
         }
     }
 
-    /// How much of the corner remains while a semi-sharp value becomes a crease.
+    /// Weight of the corner mask while a semi-sharp value becomes a crease. \[0 to 1\]
     fn fading_weight(&self, level: &Level, value: ValueId) -> f32 {
         let t = &level.topology;
         let of = match self.tags[value] {
@@ -215,7 +217,7 @@ impl Channel {
         )
     }
 
-    /// The next corners along the border of a value's region, on either side.
+    /// The neighbouring corners along the border of the value's region, in both directions.
     fn crease_ends(&self, t: &Topology, value: ValueId) -> impl Iterator<Item = CornerId> {
         let mut leaving = None;
         let mut arriving = None;
@@ -232,8 +234,10 @@ impl Channel {
     }
 }
 
-/// Which values a channel's refinement has: those of values first, then of faces, then of edges, one a side where they are
-/// cut.
+/// The numbering of a channel's child values.
+///
+/// Children of values come first, then those of faces, then those of edges. A cut edge has one child value per
+/// half-edge.
 pub struct ChildValues {
     own: usize,
     faces: usize,
@@ -245,7 +249,7 @@ pub struct ChildValues {
 }
 
 impl ChildValues {
-    /// The values of the refinement of a channel of `level`.
+    /// The child values of a channel of `level`.
     pub fn new(channel: &Channel, level: &Level) -> Self {
         let t = &level.topology;
         let mut halves = Vec::with_capacity(t.edges.len() + t.edges.len() / 8);
@@ -264,12 +268,12 @@ impl ChildValues {
         Self { own: channel.len(), faces, halves, first, tags }
     }
 
-    /// An estimate of the memory that they hold. \[bytes\]
+    /// Estimated memory. \[bytes\]
     pub fn bytes(&self) -> usize {
         size_of_val(self.halves.as_slice()) + size_of_val(self.first.as_slice()) + size_of_val(self.tags.as_slice())
     }
 
-    /// The value in the middle of an edge as the face of `half` sees it.
+    /// The child value in the middle of half-edge `half`, on its own side of a cut.
     #[inline(always)]
     fn middle(&self, channel: &Channel, t: &Topology, half: CornerId) -> usize {
         let edge = t.corner_edge[half];
@@ -280,7 +284,7 @@ impl ChildValues {
         self.own + self.faces + self.first[edge] as usize + side
     }
 
-    /// The value of each child corner, which `value` makes of its number.
+    /// The value of each child corner, converted from its index by `value`.
     fn corner_values<T: Copy + Send>(
         &self,
         channel: &Channel,
@@ -305,7 +309,7 @@ impl ChildValues {
     /// A child corner of each child value.
     fn value_corners(&self, channel: &Channel, level: &Level) -> IdVec<ValueId, CornerId> {
         let faces = &level.topology.faces;
-        // Child j of a triangle holds corner j at place j and the middle of its edge at the place after.
+        // Child j of a triangle has corner j at position j and the middle of its edge at the next position.
         let in_triangle = |c: CornerId, step: usize| {
             let (face, j) = (c.index() / 3, c.index() % 3);
             CornerId::new(12 * face + 3 * j + (j + step) % 3)

@@ -1,8 +1,8 @@
-//! Face-varying data: the regions of a channel, the rule at each value, and how both refine.
+//! The topology of face-varying data, such as UVs: regions, cut edges, and the refinement rule of each value.
 //!
-//! A *value* is what one or more corners of a vertex share. A vertex with one value and no cut edge follows the vertex
-//! masks; elsewhere the border of the region decides. The rules, mode by mode, are OpenSubdiv's (`vtr/fvarLevel.cpp`,
-//! `vtr/fvarRefinement.cpp`, `far/primvarRefiner.h`).
+//! A *value* is a row of the primvar that one or more corners of a vertex share. Faces joined by shared values form a
+//! *region*. A vertex with one value and no cut edge follows the vertex masks. Elsewhere the border of the region
+//! selects the mask, by `faceVaryingLinearInterpolation`. Source: OpenSubdiv, `vtr/fvarLevel.cpp`.
 
 mod child;
 
@@ -15,22 +15,23 @@ use crate::mesh::{CornerId, EdgeId, IdVec, Topology, ValueId, VertexId};
 /// The rule that refines a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Tag {
-    /// As the vertex.
+    /// The mask of the vertex.
     Match,
-    /// Kept.
+    /// The value stays.
     Corner,
-    /// Along the border of its region.
+    /// A crease along the border of the region.
     Crease,
-    /// Kept while semi-sharp edges within its own region, or that of the only other value, last; then a crease.
+    /// A corner while semi-sharp edges last, then a crease. A `dependent` value follows the sharp edges in the region
+    /// of the vertex's other value.
     Semi { dependent: bool },
 }
 
-/// How an edge splits a channel.
+/// The state of an edge in a channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct EdgeTag {
-    /// The values on its sides differ.
+    /// The values of its faces differ.
     cut: bool,
-    /// Its middle is linear and sharp from here on.
+    /// Its middle is linear and sharp at all finer levels.
     linear: bool,
 }
 
@@ -39,7 +40,7 @@ struct EdgeTag {
 pub struct Channel {
     /// The value of each corner.
     pub corner_value: IdVec<CornerId, ValueId>,
-    /// A corner of each value.
+    /// One corner of each value.
     pub value_corner: IdVec<ValueId, CornerId>,
     tags: IdVec<ValueId, Tag>,
     edges: IdVec<EdgeId, EdgeTag>,
@@ -47,7 +48,7 @@ pub struct Channel {
 }
 
 impl Channel {
-    /// The channel of `level` whose corners take `rows`, and the row of each value.
+    /// Builds the channel of `level` from the primvar row of each corner; also returns the row of each value.
     pub fn base(
         level: &Level,
         rows: impl Fn(CornerId) -> usize,
@@ -90,17 +91,17 @@ impl Channel {
         self.value_corner.len()
     }
 
-    /// Whether there is no value.
+    /// `true` if there is no value.
     pub fn is_empty(&self) -> bool {
         self.value_corner.is_empty()
     }
 
-    /// Whether the values on the two sides of an edge differ.
+    /// `true` if the values of the faces at an edge differ.
     pub fn is_cut(&self, edge: EdgeId) -> bool {
         self.edges[edge].cut
     }
 
-    /// An estimate of the memory that it holds. \[bytes\]
+    /// Estimated memory. \[bytes\]
     pub fn bytes(&self) -> usize {
         let values = size_of_val(self.value_corner.as_slice()) + size_of_val(self.tags.as_slice());
         size_of_val(self.corner_value.as_slice()) + values + size_of_val(self.edges.as_slice())
@@ -187,7 +188,7 @@ impl Channel {
         }
     }
 
-    /// What the faces of each value around a vertex look like.
+    /// Groups the faces around a vertex by value.
     fn spans(&self, level: &Level, vertex: VertexId, on_border: bool, non_manifold: bool) -> Vec<Span> {
         let t = &level.topology;
         let corners = t.vertex_corners.row(vertex);
@@ -204,7 +205,7 @@ impl Channel {
             if t.is_border(edge) {
                 continue;
             }
-            // Edges whose two faces at this vertex both have the value are inside the span.
+            // An edge is inside the span if both of its faces have the value at this vertex.
             let before = t.twin(corner).map(|twin| self.corner_value[t.faces.next(twin)]);
             if before != Some(value) {
                 span.begins += 1;
@@ -234,16 +235,17 @@ impl Channel {
 /// The faces around a vertex that share a value.
 struct Span {
     value: ValueId,
-    /// Faces.
+    /// Number of faces.
     size: usize,
     /// Edges at which the span begins.
     begins: usize,
-    /// Cut edges with the value on both sides at this vertex.
+    /// Cut edges inside the span: both faces have the value at this vertex, but not at the far end.
     slits: usize,
-    /// Infinitely sharp and semi-sharp edges inside the span.
+    /// Infinitely sharp edges inside the span.
     infinite: usize,
+    /// Semi-sharp edges inside the span.
     semi: usize,
-    /// Not one fan.
+    /// The faces form more than one fan.
     is_disjoint: bool,
 }
 

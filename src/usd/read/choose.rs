@@ -2,7 +2,8 @@
 
 use super::ReadOptions;
 use super::query::{OrUnreadable, is_a, is_product, prim_at};
-use crate::usd::{UsdError, names};
+use crate::error::Error;
+use crate::usd::names;
 use openusd::sdf;
 use openusd::usd::{Prim, PrimPredicate, Stage};
 use std::path::Path;
@@ -14,28 +15,28 @@ const LISTED: usize = 8;
 ///
 /// # Errors
 /// No mesh, several meshes, or a path that is not a mesh to which siblings can be added.
-pub fn choose_mesh(stage: &Stage, file: &Path, options: &ReadOptions) -> Result<Prim, UsdError> {
+pub fn choose_mesh(stage: &Stage, file: &Path, options: &ReadOptions) -> Result<Prim, Error> {
     let prim = match &options.prim {
         Some(path) => named_mesh(stage, file, path)?,
         None => only_mesh(stage, file)?,
     };
     let instance = prim.is_instance_proxy().and_then(|proxy| Ok(proxy || prim.is_in_prototype()?));
     if instance.or_unreadable(prim.path())? {
-        return Err(UsdError::new(format!("{} is inside an instance, which takes no new prims", prim.path()))
-            .hint("open the file that the instance refers to, or set instanceable = false on the instance"));
+        return Err(Error::usd(format!("{} is inside an instance, which takes no new prims", prim.path()))
+            .remedy("open the file that the instance refers to, or set instanceable = false on the instance"));
     }
     Ok(prim)
 }
 
-fn named_mesh(stage: &Stage, file: &Path, path: &str) -> Result<Prim, UsdError> {
+fn named_mesh(stage: &Stage, file: &Path, path: &str) -> Result<Prim, Error> {
     let parsed = sdf::Path::new(path).ok().filter(|p| p.is_abs() && p.is_prim_path() && !p.is_abs_root());
     let Some(parsed) = parsed else {
-        return Err(UsdError::new(format!("prim {path:?} is not the path of a prim")).hint("it looks like /Coat/model"));
+        return Err(Error::usd(format!("prim {path:?} is not the path of a prim")).remedy("it looks like /Coat/model"));
     };
     let prim = prim_at(stage, &parsed)?;
     if !prim.is_valid().or_unreadable(&parsed)? {
         let found = all_meshes(stage, file)?;
-        return Err(UsdError::new(format!("{} has no prim {path}", file.display())).hint(list(&found)));
+        return Err(Error::usd(format!("{} has no prim {path}", file.display())).remedy(list(&found)));
     }
     if !is_a(&prim, names::MESH)? {
         let mut found = all_meshes(stage, file)?;
@@ -44,16 +45,16 @@ fn named_mesh(stage: &Stage, file: &Path, path: &str) -> Result<Prim, UsdError> 
         }
         let type_name = prim.type_name().or_unreadable(&parsed)?.filter(|t| !t.is_empty());
         let kind = type_name.as_ref().map_or("a prim without a type", |t| t.as_str());
-        return Err(UsdError::new(format!("{path} is {kind}, not a Mesh")).hint(list(&found)));
+        return Err(Error::usd(format!("{path} is {kind}, not a Mesh")).remedy(list(&found)));
     }
     if !stage.prim_matches(&parsed, PrimPredicate::DEFAULT).or_unreadable(&parsed)? {
-        return Err(UsdError::new(format!("{path} is inactive, undefined, or a class (an abstract prim)"))
-            .hint("activate it, or name another mesh"));
+        return Err(Error::usd(format!("{path} is inactive, undefined, or a class (an abstract prim)"))
+            .remedy("activate it, or name another mesh"));
     }
     Ok(prim)
 }
 
-fn only_mesh(stage: &Stage, file: &Path) -> Result<Prim, UsdError> {
+fn only_mesh(stage: &Stage, file: &Path) -> Result<Prim, Error> {
     let all = all_meshes(stage, file)?;
     let mut found = Vec::new();
     for path in &all {
@@ -64,24 +65,24 @@ fn only_mesh(stage: &Stage, file: &Path) -> Result<Prim, UsdError> {
     match found.as_slice() {
         [one] => prim_at(stage, one),
         [] if !all.is_empty() => {
-            Err(UsdError::new(format!("{} holds no mesh but products of usd-tailor", file.display()))
-                .hint("open the file of the garment, or name a product by --prim or as \"prim\" in a .tailor file"))
+            Err(Error::usd(format!("{} holds no mesh but products of usd-tailor", file.display()))
+                .remedy("open the file of the garment, or name a product by --prim or as \"prim\" in a .tailor file"))
         }
         [] => {
             let faults: Vec<_> = stage.composition_errors().iter().map(|e| format!("\n  {e}")).take(LISTED).collect();
             let because =
                 if faults.is_empty() { String::new() } else { format!("; its composition fails:{}", faults.concat()) };
-            Err(UsdError::new(format!("{} holds no mesh{because}", file.display()))
-                .hint("a garment is an active prim of type Mesh"))
+            Err(Error::usd(format!("{} holds no mesh{because}", file.display()))
+                .remedy("a garment is an active prim of type Mesh"))
         }
-        several => Err(UsdError::new(format!("{} holds {} meshes", file.display(), several.len()))
-            .hint(format!("choose one by --prim, or as \"prim\" in a .tailor file: {}", list(several)))),
+        several => Err(Error::usd(format!("{} holds {} meshes", file.display(), several.len()))
+            .remedy(format!("choose one by --prim, or as \"prim\" in a .tailor file: {}", list(several)))),
     }
 }
 
 /// The paths of all active, defined meshes, including those inside instances.
-fn all_meshes(stage: &Stage, file: &Path) -> Result<Vec<sdf::Path>, UsdError> {
-    let fault = |e: openusd::Error| UsdError::new(format!("{} cannot be composed: {e}", file.display()));
+fn all_meshes(stage: &Stage, file: &Path) -> Result<Vec<sdf::Path>, Error> {
+    let fault = |e: openusd::Error| Error::usd(format!("{} cannot be composed: {e}", file.display()));
     let mut paths = Vec::new();
     stage.traverse(PrimPredicate::DEFAULT_PROXIES, |path| paths.push(path.clone())).map_err(fault)?;
     let mut meshes = Vec::new();

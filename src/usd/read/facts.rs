@@ -2,10 +2,11 @@
 
 use super::model::Model;
 use super::query::{OrUnreadable, interpolation, prim_at, primvar_names, property_names, subset_prims, value};
+use crate::error::Error;
 use crate::garment::Interpolation;
+use crate::usd::names;
 use crate::usd::record::Content;
 use crate::usd::values::text;
-use crate::usd::{UsdError, names};
 use openusd::sdf::Value;
 use openusd::usd::{Prim, TimeCode};
 use openusd::usda::TextWriter;
@@ -75,7 +76,7 @@ pub struct Binding {
     pub prim: String,
     /// The relationship: `material:binding`, with the purpose and collection where there are any.
     pub relationship: String,
-    /// What it points at.
+    /// Paths of the targets.
     pub targets: Vec<String>,
 }
 
@@ -83,7 +84,7 @@ pub struct Binding {
 ///
 /// # Errors
 /// A stage that cannot be queried.
-pub fn gather(prim: &Prim, model: &Model, time: Option<TimeCode>) -> Result<Facts, UsdError> {
+pub fn gather(prim: &Prim, model: &Model, time: Option<TimeCode>) -> Result<Facts, Error> {
     // Without a time, an animated purpose or visibility has no value.
     let token = |name, fallback: &str| {
         let value = value(prim, name, time).ok().flatten();
@@ -117,7 +118,7 @@ fn number(value: &Value) -> Option<f64> {
     }
 }
 
-fn transform(model: &Model) -> Result<Vec<TransformOp>, UsdError> {
+fn transform(model: &Model) -> Result<Vec<TransformOp>, Error> {
     let record = |name: &str| model.carried.iter().find(|r| r.name == name);
     let order = record(names::XFORM_OP_ORDER).map(|r| &r.content);
     let Some(Content::Attribute { default: Some(Value::TokenVec(order)), .. }) = order else { return Ok(Vec::new()) };
@@ -140,7 +141,7 @@ fn constant_primvars(model: &Model) -> Vec<String> {
     names.filter(|n| !n.ends_with(names::INDICES_SUFFIX)).map(str::to_owned).collect()
 }
 
-fn inherited(prim: &Prim) -> Result<Vec<InheritedPrimvar>, UsdError> {
+fn inherited(prim: &Prim) -> Result<Vec<InheritedPrimvar>, Error> {
     let mut hidden = primvar_names(prim)?;
     let mut found = Vec::new();
     for path in prim.path().strict_ancestors_below_root() {
@@ -164,7 +165,7 @@ fn inherited(prim: &Prim) -> Result<Vec<InheritedPrimvar>, UsdError> {
     Ok(found)
 }
 
-fn bindings(prim: &Prim) -> Result<Vec<Binding>, UsdError> {
+fn bindings(prim: &Prim) -> Result<Vec<Binding>, Error> {
     let mut prims = vec![prim.clone()];
     for path in prim.path().strict_ancestors_below_root() {
         prims.push(prim_at(prim.stage(), &path)?);

@@ -3,9 +3,8 @@
 use super::primvars::{Declarations, read_normals, read_primvars};
 use super::query::{OrUnreadable, known, prim_name, property_names, subset_prims, text_value, value};
 use super::shapes::read_shapes;
-use crate::error::Warning;
+use crate::error::{Error, Warning};
 use crate::garment::{Family, GarmentInput, Scheme, SubdivisionRules, SubsetInput};
-use crate::usd::UsdError;
 use crate::usd::names::{self, UsdToken};
 use glam::Vec3;
 use openusd::sdf::Value;
@@ -22,7 +21,7 @@ pub fn read_mesh(
     prim: &Prim,
     time: Option<TimeCode>,
     warnings: &mut Vec<Warning>,
-) -> Result<(GarmentInput, Declarations), UsdError> {
+) -> Result<(GarmentInput, Declarations), Error> {
     let ints = |name| required_or_empty(prim, name, time, false, int_array);
     let floats = |name| required_or_empty(prim, name, time, false, float_array);
     warn_of_animation(prim, time, warnings)?;
@@ -61,14 +60,14 @@ pub fn read_mesh(
 }
 
 /// Warns of animated points, as products are built at one time.
-fn warn_of_animation(prim: &Prim, time: Option<TimeCode>, warnings: &mut Vec<Warning>) -> Result<(), UsdError> {
+fn warn_of_animation(prim: &Prim, time: Option<TimeCode>, warnings: &mut Vec<Warning>) -> Result<(), Error> {
     let times = prim.attribute(names::POINTS).time_sample_times().or_unreadable(prim.path())?;
     if times.len() > 1 {
         let at = time.map_or_else(|| "the default time".to_owned(), |t| format!("time {}", t.value()));
-        warnings.push(Warning::NotCarried {
-            what: format!("the motion of {}.points over {} times", prim.path(), times.len()),
-            why: format!("both meshes are built at {at}; the motion stays on the model"),
-        });
+        warnings.push(Warning::not_carried(
+            format!("the motion of {}.points over {} times", prim.path(), times.len()),
+            format!("both meshes are built at {at}; the model keeps it"),
+        ));
     }
     Ok(())
 }
@@ -79,14 +78,14 @@ fn required_or_empty<T>(
     time: Option<TimeCode>,
     required: bool,
     convert: impl Fn(Value) -> Result<Vec<T>, &'static str>,
-) -> Result<Vec<T>, UsdError> {
+) -> Result<Vec<T>, Error> {
     match value(prim, name, time)? {
         Some(value) => convert(value).map_err(|expected| {
-            UsdError::new(format!("{}.{name} is not of type {expected}", prim.path()))
-                .hint(format!("declare it as {expected} {name}"))
+            Error::usd(format!("{}.{name} is not of type {expected}", prim.path()))
+                .remedy(format!("declare it as {expected} {name}"))
         }),
-        None if required => Err(UsdError::new(format!("{} has no {name}", prim.path()))
-            .hint("a mesh needs points, faceVertexCounts and faceVertexIndices")),
+        None if required => Err(Error::usd(format!("{} has no {name}", prim.path()))
+            .remedy("a mesh needs points, faceVertexCounts and faceVertexIndices")),
         None => Ok(Vec::new()),
     }
 }
@@ -113,22 +112,22 @@ fn point_array(value: Value) -> Result<Vec<Vec3>, &'static str> {
 }
 
 /// A token attribute, with the schema's fallback.
-fn token<T: UsdToken + Default>(prim: &Prim, name: &str, time: Option<TimeCode>) -> Result<T, UsdError> {
+fn token<T: UsdToken + Default>(prim: &Prim, name: &str, time: Option<TimeCode>) -> Result<T, Error> {
     match value(prim, name, time)? {
         None => Ok(T::default()),
         Some(value) => known(&value, &format!("{}.{name}", prim.path())),
     }
 }
 
-fn subsets(mesh: &Prim, time: Option<TimeCode>, warnings: &mut Vec<Warning>) -> Result<Vec<SubsetInput>, UsdError> {
+fn subsets(mesh: &Prim, time: Option<TimeCode>, warnings: &mut Vec<Warning>) -> Result<Vec<SubsetInput>, Error> {
     let mut found = Vec::new();
     for subset in subset_prims(mesh)? {
         let element_type = text_value(&subset, names::ELEMENT_TYPE, time)?.unwrap_or_else(|| "face".to_owned());
         if !ELEMENT_TYPES.contains(&element_type.as_str()) {
-            warnings.push(Warning::NotCarried {
-                what: format!("subset {}", subset.path()),
-                why: format!("a mesh has no elements of type {element_type:?}; the subset stays on the model"),
-            });
+            warnings.push(Warning::not_carried(
+                format!("subset {}", subset.path()),
+                format!("a mesh has no elements of type {element_type:?}; it stays on the model"),
+            ));
             continue;
         }
         found.push(SubsetInput {
@@ -141,7 +140,7 @@ fn subsets(mesh: &Prim, time: Option<TimeCode>, warnings: &mut Vec<Warning>) -> 
     Ok(found)
 }
 
-fn families(mesh: &Prim) -> Result<Vec<Family>, UsdError> {
+fn families(mesh: &Prim) -> Result<Vec<Family>, Error> {
     let mut found = Vec::new();
     for property in property_names(mesh)? {
         let family =

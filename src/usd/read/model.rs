@@ -3,10 +3,10 @@
 use super::origin::StageOrigin;
 use super::primvars::Declarations;
 use super::query::{OrUnreadable, interpolation, is_product, prim_at, prim_name, property_names, subset_prims};
-use crate::error::Warning;
+use crate::error::{Error, Warning};
 use crate::garment::Interpolation;
+use crate::usd::names;
 use crate::usd::record::{Content, Depth, Record, is_children, metadata};
-use crate::usd::{UsdError, names};
 use openusd::sdf::{self, FieldKey, Value};
 use openusd::tf::Token;
 use openusd::usd::{Prim, Stage};
@@ -28,7 +28,7 @@ pub struct Model {
     pub subsets: BTreeMap<String, SubsetRecord>,
     /// Names of the properties that no product has.
     pub staying: Vec<String>,
-    /// The prims beside the model.
+    /// The siblings of the model, by name.
     pub siblings: BTreeMap<String, Sibling>,
     /// The file or bytes of the stage.
     pub origin: StageOrigin,
@@ -49,7 +49,7 @@ pub struct SubsetRecord {
     pub carried: Vec<Record>,
 }
 
-/// A prim beside the model.
+/// A sibling of the model.
 #[derive(Clone, Debug)]
 pub struct Sibling {
     /// Whether this program wrote it.
@@ -134,7 +134,7 @@ impl Model {
         declarations: Declarations,
         has_normals: bool,
         warnings: &mut Vec<Warning>,
-    ) -> Result<Self, UsdError> {
+    ) -> Result<Self, Error> {
         let mut model = Self {
             path: prim.path().clone(),
             carried: Vec::new(),
@@ -169,7 +169,7 @@ impl Model {
 
     fn take_property(&mut self, prim: &Prim, name: &str, warnings: &mut Vec<Warning>) {
         let mut not_carried = |why: String| {
-            warnings.push(Warning::NotCarried { what: format!("{}.{name}", prim.path()), why });
+            warnings.push(Warning::not_carried(format!("{}.{name}", prim.path()), why));
         };
         match Treatment::of(prim, name) {
             Treatment::Rewritten => {}
@@ -201,13 +201,13 @@ fn inward_collection(record: &Record, model: &sdf::Path) -> Option<String> {
 }
 
 /// The applied schemas of a prim that are in `wanted`.
-fn applied(prim: &Prim, wanted: &[&str]) -> Result<Vec<Token>, UsdError> {
+fn applied(prim: &Prim, wanted: &[&str]) -> Result<Vec<Token>, Error> {
     let mut all = prim.authored_api_schemas().or_unreadable(prim.path())?;
     all.retain(|schema| wanted.contains(&schema.as_str()));
     Ok(all)
 }
 
-fn subset_record(subset: &Prim, model: &sdf::Path, warnings: &mut Vec<Warning>) -> Result<SubsetRecord, UsdError> {
+fn subset_record(subset: &Prim, model: &sdf::Path, warnings: &mut Vec<Warning>) -> Result<SubsetRecord, Error> {
     let path = subset.path();
     let sites = subset.prim_stack().or_unreadable(path)?;
     let mut fields = metadata(subset.stage(), path, &sites).or_unreadable(path)?;
@@ -219,14 +219,14 @@ fn subset_record(subset: &Prim, model: &sdf::Path, warnings: &mut Vec<Warning>) 
         }
         let Some(record) = Record::take(subset, &name, Depth::Whole).or_unreadable(path)? else { continue };
         match inward_collection(&record, model) {
-            Some(why) => warnings.push(Warning::NotCarried { what: format!("{path}.{name}"), why }),
+            Some(why) => warnings.push(Warning::not_carried(format!("{path}.{name}"), why)),
             None => carried.push(record),
         }
     }
     Ok(SubsetRecord { metadata: fields, applied: applied(subset, &[names::MATERIAL_BINDING_API])?, carried })
 }
 
-fn siblings(prim: &Prim, model: &Model) -> Result<BTreeMap<String, Sibling>, UsdError> {
+fn siblings(prim: &Prim, model: &Model) -> Result<BTreeMap<String, Sibling>, Error> {
     let parent = prim.path().parent().expect("the path of a prim has a parent");
     let mut found = BTreeMap::new();
     for name in prim_at(prim.stage(), &parent)?.child_names().or_unreadable(&parent)? {
@@ -239,7 +239,7 @@ fn siblings(prim: &Prim, model: &Model) -> Result<BTreeMap<String, Sibling>, Usd
 }
 
 impl Sibling {
-    fn take(prim: &Prim) -> Result<Self, UsdError> {
+    fn take(prim: &Prim) -> Result<Self, Error> {
         let mut sibling = Self { product: is_product(prim)?, properties: Vec::new(), children: Vec::new() };
         if sibling.product {
             for name in property_names(prim)? {
@@ -269,7 +269,7 @@ fn layer_files(stage: &Stage) -> Vec<PathBuf> {
     files
 }
 
-fn stage_metadata(stage: &Stage) -> Result<Vec<(String, Value)>, UsdError> {
+fn stage_metadata(stage: &Stage) -> Result<Vec<(String, Value)>, Error> {
     let layer = stage.root_layer();
     let root = sdf::Path::abs_root();
     let mut keys = layer.data().list_fields(&root).unwrap_or_default();

@@ -1,7 +1,6 @@
 //! Opening a stage, from a file or from memory.
 
-use crate::error::plain;
-use crate::usd::UsdError;
+use crate::error::{Error, plain};
 use openusd::ar;
 use openusd::usd::Stage;
 use std::fs;
@@ -23,7 +22,7 @@ impl StageOrigin {
     ///
     /// # Errors
     /// A file that is missing, a folder, empty or not USD.
-    pub fn open(&self) -> Result<Stage, UsdError> {
+    pub fn open(&self) -> Result<Stage, Error> {
         match &self.content {
             Some(content) => open_content(&self.file, content),
             None => open_file(&self.file),
@@ -31,19 +30,15 @@ impl StageOrigin {
     }
 }
 
-/// Identifier of the layer in memory. It names no file, so that relative paths in it lead nowhere.
+/// Identifier of the layer in memory. It names no file, so that relative paths are not resolved.
 const IN_MEMORY: &str = "composed.usd";
 
-fn open_content(file: &Path, content: &Arc<[u8]>) -> Result<Stage, UsdError> {
+fn open_content(file: &Path, content: &Arc<[u8]>) -> Result<Stage, Error> {
     let resolver = InMemory { content: Arc::clone(content), files: ar::DefaultResolver::new() };
     Stage::builder().resolver(resolver).open(IN_MEMORY).map_err(|e| {
         let words = e.to_string();
-        UsdError::new(format!(
-            "{} cannot be read once composed: {}",
-            file.display(),
-            words.trim_start_matches("error: ")
-        ))
-        .hint("flatten it with another program and name the result instead")
+        Error::usd(format!("{} cannot be read once composed: {}", file.display(), words.trim_start_matches("error: ")))
+            .remedy("flatten it with another program and name the result instead")
     })
 }
 
@@ -74,33 +69,33 @@ impl ar::Resolver for InMemory {
     }
 }
 
-fn open_file(file: &Path) -> Result<Stage, UsdError> {
+fn open_file(file: &Path) -> Result<Stage, Error> {
     let shown = file.display();
     let metadata = fs::metadata(file).map_err(|e| {
-        UsdError::new(format!("cannot read {shown}: {}", plain(&e))).hint("check the path, and who may read the file")
+        Error::usd(format!("cannot read {shown}: {}", plain(&e))).remedy("check the path, and who may read the file")
     })?;
     if !metadata.is_file() {
-        return Err(UsdError::new(format!("{shown} is a folder, not a USD file")).hint("name a file inside it"));
+        return Err(Error::usd(format!("{shown} is a folder, not a USD file")).remedy("name a file inside it"));
     }
     if metadata.len() == 0 {
-        return Err(UsdError::new(format!("{shown} is empty")).hint("export the garment again"));
+        return Err(Error::usd(format!("{shown} is empty")).remedy("export the garment again"));
     }
     let extension = file.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
     if !["usd", "usda", "usdc", "usdz"].contains(&extension.as_str()) {
-        return Err(UsdError::new(format!(
+        return Err(Error::usd(format!(
             "{shown} is not a USD file: its name does not end in .usd, .usda, .usdc or .usdz"
         ))
-        .hint("export the garment as USD"));
+        .remedy("export the garment as USD"));
     }
     let Some(path) = file.to_str() else {
-        return Err(UsdError::new(format!("cannot read {shown}: its name is not UTF-8")).hint("rename the file"));
+        return Err(Error::usd(format!("cannot read {shown}: its name is not UTF-8")).remedy("rename the file"));
     };
     Stage::open(path).map_err(|e| {
         let words = e.to_string();
         // The text reader admits letters beyond ASCII in names of prims only.
         let beyond_ascii = words.contains("Logos") && std::fs::read(file).is_ok_and(|b| !b.is_ascii());
         let words = words.trim_start_matches("error: ").trim_end();
-        UsdError::new(format!("{shown} cannot be read as USD: {words}")).hint(if beyond_ascii {
+        Error::usd(format!("{shown} cannot be read as USD: {words}")).remedy(if beyond_ascii {
             "property names with letters beyond ASCII are read from .usdc only; convert the file to .usdc"
         } else {
             "the file is damaged, or is another format under this name; export it again"

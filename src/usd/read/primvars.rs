@@ -2,9 +2,8 @@
 
 use super::query::{OrUnreadable, interpolation, primvar_names, value};
 use super::shapes::BlendShape;
-use crate::error::Warning;
+use crate::error::{Error, Warning};
 use crate::garment::{Interpolation, PrimvarInput, PrimvarRole};
-use crate::usd::UsdError;
 use crate::usd::assets::resolved;
 use crate::usd::names::{self, UsdToken};
 use crate::usd::record::{Depth, Record};
@@ -33,7 +32,7 @@ pub fn read_primvars(
     time: Option<TimeCode>,
     declarations: &mut Declarations,
     warnings: &mut Vec<Warning>,
-) -> Result<Vec<PrimvarInput>, UsdError> {
+) -> Result<Vec<PrimvarInput>, Error> {
     let mut found = Vec::new();
     for name in primvar_names(prim)? {
         let interpolation = interpolation(prim, &format!("{}{name}", names::PRIMVARS))?;
@@ -42,7 +41,7 @@ pub fn read_primvars(
         }
         match read_primvar(prim, &name, interpolation, time, declarations) {
             Ok(primvar) => found.extend(primvar),
-            Err(e) => warnings.push(Warning::NotCarried { what: format!("primvars:{name}"), why: in_a_line(&e) }),
+            Err(e) => warnings.push(Warning::not_carried(format!("primvars:{name}"), e.in_a_line())),
         }
     }
     Ok(found)
@@ -90,7 +89,7 @@ fn read_primvar(
     interpolation: Interpolation,
     time: Option<TimeCode>,
     declarations: &mut Declarations,
-) -> Result<Option<PrimvarInput>, UsdError> {
+) -> Result<Option<PrimvarInput>, Error> {
     let property = format!("{}{name}", names::PRIMVARS);
     let Some(value) = value(prim, &property, time)? else { return Ok(None) };
     let attribute = prim.attribute(property.as_str());
@@ -101,10 +100,10 @@ fn read_primvar(
             assets.iter().flatten().filter_map(|a| Some((a.as_str().to_owned(), a.resolved_path()?.to_owned())));
         declarations.assets.extend(files);
     }
-    let no_type = || UsdError::new("its type is not one of USD's");
+    let no_type = || Error::usd("its type is not one of USD's");
     let type_name = attribute.type_name().or_unreadable(attribute.path())?.ok_or_else(no_type)?;
     let (components, values) =
-        flat(value).ok_or_else(|| UsdError::new(format!("values of type {type_name} cannot vary over a mesh")))?;
+        flat(value).ok_or_else(|| Error::usd(format!("values of type {type_name} cannot vary over a mesh")))?;
     let primvar = PrimvarInput {
         name: name.to_owned(),
         role: PrimvarRole::Primvar,
@@ -124,27 +123,19 @@ fn read_primvar(
     Ok(Some(primvar))
 }
 
-fn element_size(prim: &Prim, property: &str) -> Result<i32, UsdError> {
+fn element_size(prim: &Prim, property: &str) -> Result<i32, Error> {
     let attribute = prim.attribute(property);
     match attribute.get_metadata::<Value>(names::ELEMENT_SIZE).or_unreadable(attribute.path())? {
         None => Ok(1),
         Some(Value::Int(n)) => Ok(n),
-        Some(_) => Err(UsdError::new("its elementSize is not an int")),
+        Some(_) => Err(Error::usd("its elementSize is not an int")),
     }
 }
 
-fn indices(prim: &Prim, property: &str, time: Option<TimeCode>) -> Result<Option<Vec<i32>>, UsdError> {
+fn indices(prim: &Prim, property: &str, time: Option<TimeCode>) -> Result<Option<Vec<i32>>, Error> {
     match value(prim, &format!("{property}{}", names::INDICES_SUFFIX), time)? {
         None => Ok(None),
         Some(Value::IntVec(v)) => Ok(Some(v)),
-        Some(_) => Err(UsdError::new("its indices are not of type int[]")),
-    }
-}
-
-/// An error with its hint on one line, for a warning.
-fn in_a_line(e: &UsdError) -> String {
-    match &e.hint {
-        Some(hint) => format!("{}; {hint}", e.message),
-        None => e.message.clone(),
+        Some(_) => Err(Error::usd("its indices are not of type int[]")),
     }
 }

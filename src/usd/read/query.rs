@@ -1,7 +1,7 @@
 //! Questions to a composed stage. Errors name the prim or attribute.
 
+use crate::error::Error;
 use crate::garment::Interpolation;
-use crate::usd::UsdError;
 use crate::usd::names::{self, UsdToken};
 use crate::usd::values::text;
 use openusd::sdf::{self, Value};
@@ -11,17 +11,17 @@ use std::fmt::Display;
 /// Turns a failure of the USD library into an error that names a path.
 pub trait OrUnreadable<T> {
     /// The value, or the error that `path` cannot be read.
-    fn or_unreadable(self, path: &sdf::Path) -> Result<T, UsdError>;
+    fn or_unreadable(self, path: &sdf::Path) -> Result<T, Error>;
 }
 
 impl<T, E: Display> OrUnreadable<T> for Result<T, E> {
-    fn or_unreadable(self, path: &sdf::Path) -> Result<T, UsdError> {
-        self.map_err(|e| UsdError::new(format!("{path} cannot be read: {e}")))
+    fn or_unreadable(self, path: &sdf::Path) -> Result<T, Error> {
+        self.map_err(|e| Error::usd(format!("{path} cannot be read: {e}")))
     }
 }
 
 /// The prim at `path`.
-pub fn prim_at(stage: &Stage, path: &sdf::Path) -> Result<Prim, UsdError> {
+pub fn prim_at(stage: &Stage, path: &sdf::Path) -> Result<Prim, Error> {
     stage.prim(path).or_unreadable(path)
 }
 
@@ -31,25 +31,25 @@ pub fn prim_name(prim: &Prim) -> String {
 }
 
 /// Whether a prim is of the type `name`.
-pub fn is_a(prim: &Prim, name: &str) -> Result<bool, UsdError> {
+pub fn is_a(prim: &Prim, name: &str) -> Result<bool, Error> {
     Ok(prim.type_name().or_unreadable(prim.path())?.is_some_and(|t| t.as_str() == name))
 }
 
 /// Whether this program wrote the prim.
-pub fn is_product(prim: &Prim) -> Result<bool, UsdError> {
+pub fn is_product(prim: &Prim) -> Result<bool, Error> {
     let Some(Value::Dictionary(data)) = prim.custom_data().or_unreadable(prim.path())? else { return Ok(false) };
     let Some(Value::Dictionary(ours)) = data.get(names::PRODUCT_SPACE) else { return Ok(false) };
     Ok(ours.get(names::PRODUCT).is_some_and(|role| text(role).is_some()))
 }
 
 /// Names of the properties that layers author.
-pub fn property_names(prim: &Prim) -> Result<Vec<String>, UsdError> {
+pub fn property_names(prim: &Prim) -> Result<Vec<String>, Error> {
     let names = prim.authored_property_names().or_unreadable(prim.path())?;
     Ok(names.iter().map(ToString::to_string).collect())
 }
 
 /// Names of the primvars of a prim, without `primvars:`.
-pub fn primvar_names(prim: &Prim) -> Result<Vec<String>, UsdError> {
+pub fn primvar_names(prim: &Prim) -> Result<Vec<String>, Error> {
     let properties = property_names(prim)?;
     let primvars = properties.iter().filter_map(|p| p.strip_prefix(names::PRIMVARS));
     Ok(primvars.filter(|p| !p.is_empty() && !p.ends_with(names::INDICES_SUFFIX)).map(str::to_owned).collect())
@@ -59,7 +59,7 @@ pub fn primvar_names(prim: &Prim) -> Result<Vec<String>, UsdError> {
 ///
 /// # Errors
 /// A token that USD does not know.
-pub fn interpolation(prim: &Prim, property: &str) -> Result<Interpolation, UsdError> {
+pub fn interpolation(prim: &Prim, property: &str) -> Result<Interpolation, Error> {
     let attribute = prim.attribute(property);
     let field = attribute.get_metadata::<Value>(names::INTERPOLATION).or_unreadable(attribute.path())?;
     field.map_or(Ok(Interpolation::Constant), |field| known(&field, &format!("interpolation of {}", attribute.path())))
@@ -69,11 +69,11 @@ pub fn interpolation(prim: &Prim, property: &str) -> Result<Interpolation, UsdEr
 ///
 /// # Errors
 /// A token that USD does not know.
-pub fn known<T: UsdToken>(token: &Value, place: &str) -> Result<T, UsdError> {
+pub fn known<T: UsdToken>(token: &Value, place: &str) -> Result<T, Error> {
     let shown = text(token).unwrap_or("not a token");
     T::from_token(shown).ok_or_else(|| {
-        UsdError::new(format!("{place} is {shown:?}, which USD does not know"))
-            .hint(format!("use one of: {}", T::allowed()))
+        Error::usd(format!("{place} is {shown:?}, which USD does not know"))
+            .remedy(format!("use one of: {}", T::allowed()))
     })
 }
 
@@ -81,7 +81,7 @@ pub fn known<T: UsdToken>(token: &Value, place: &str) -> Result<T, UsdError> {
 ///
 /// # Errors
 /// A value that cannot be read, and, without a time, an attribute that has time samples only.
-pub fn value(prim: &Prim, name: &str, time: Option<TimeCode>) -> Result<Option<Value>, UsdError> {
+pub fn value(prim: &Prim, name: &str, time: Option<TimeCode>) -> Result<Option<Value>, Error> {
     let attribute = prim.attribute(name);
     match attribute.get_at::<Value>(time).or_unreadable(attribute.path())? {
         Some(value) if !value.is_value_block() => return Ok(Some(value)),
@@ -91,7 +91,7 @@ pub fn value(prim: &Prim, name: &str, time: Option<TimeCode>) -> Result<Option<V
     match attribute.time_sample_times().or_unreadable(attribute.path())?.as_slice() {
         [] => Ok(None),
         times @ [first, ..] => {
-            Err(UsdError::new(format!("{} has values at {} times and no default", attribute.path(), times.len())).hint(
+            Err(Error::usd(format!("{} has values at {} times and no default", attribute.path(), times.len())).remedy(
                 format!("choose a time, for example --time {first}, or the argument time={first} of a .tailor file"),
             ))
         }
@@ -102,17 +102,17 @@ pub fn value(prim: &Prim, name: &str, time: Option<TimeCode>) -> Result<Option<V
 ///
 /// # Errors
 /// As [`value`], and a value of another type.
-pub fn text_value(prim: &Prim, name: &str, time: Option<TimeCode>) -> Result<Option<String>, UsdError> {
+pub fn text_value(prim: &Prim, name: &str, time: Option<TimeCode>) -> Result<Option<String>, Error> {
     let Some(value) = value(prim, name, time)? else { return Ok(None) };
     let text = text(&value).ok_or_else(|| {
-        UsdError::new(format!("{}.{name} is not a token", prim.path()))
-            .hint(format!("declare it as uniform token {name}"))
+        Error::usd(format!("{}.{name} is not a token", prim.path()))
+            .remedy(format!("declare it as uniform token {name}"))
     })?;
     Ok(Some(text.to_owned()))
 }
 
 /// The active, defined subsets directly below a mesh.
-pub fn subset_prims(mesh: &Prim) -> Result<Vec<Prim>, UsdError> {
+pub fn subset_prims(mesh: &Prim) -> Result<Vec<Prim>, Error> {
     let mut found = Vec::new();
     for child in mesh.children().or_unreadable(mesh.path())? {
         let path = mesh.path();

@@ -1,8 +1,9 @@
 //! The recipe in the model's own properties, as JSON.
 
 use super::query::{OrUnreadable, prim_name, property_names, subset_prims, value};
+use crate::error::Error;
+use crate::usd::names;
 use crate::usd::values::text;
-use crate::usd::{UsdError, names};
 use openusd::sdf::{self, Value};
 use openusd::usd::{Prim, TimeCode};
 use serde_json::{Map, Value as Json, json};
@@ -11,7 +12,7 @@ use serde_json::{Map, Value as Json, json};
 ///
 /// # Errors
 /// A value that JSON cannot hold, a name that is both a value and a namespace, a target that is no subset of the mesh.
-pub fn read_recipe(prim: &Prim, time: Option<TimeCode>) -> Result<Map<String, Json>, UsdError> {
+pub fn read_recipe(prim: &Prim, time: Option<TimeCode>) -> Result<Map<String, Json>, Error> {
     let mut recipe = Map::new();
     for name in property_names(prim)? {
         let Some(key) = name.strip_prefix(names::RECIPE) else { continue };
@@ -21,15 +22,15 @@ pub fn read_recipe(prim: &Prim, time: Option<TimeCode>) -> Result<Map<String, Js
             _ => match value(prim, &name, time)? {
                 None => None,
                 Some(value) => Some(to_json(&value).ok_or_else(|| {
-                    UsdError::new(format!("{}.{name} has a type that no recipe field has", prim.path()))
-                        .hint("recipe fields are bool, int, float, double, token or string, or arrays of them")
+                    Error::usd(format!("{}.{name} has a type that no recipe field has", prim.path()))
+                        .remedy("recipe fields are bool, int, float, double, token or string, or arrays of them")
                 })?),
             },
         };
         if let Some(value) = value {
             insert(&mut recipe, key, value).ok_or_else(|| {
-                UsdError::new(format!("{}.{name} is both a value and a namespace", prim.path()))
-                    .hint("remove one of the two")
+                Error::usd(format!("{}.{name} is both a value and a namespace", prim.path()))
+                    .remedy("remove one of the two")
             })?;
         }
     }
@@ -46,18 +47,18 @@ fn insert(into: &mut Map<String, Json>, key: &str, value: Json) -> Option<()> {
 }
 
 /// Names of the subsets that a relationship targets.
-fn targets(prim: &Prim, name: &str) -> Result<Json, UsdError> {
+fn targets(prim: &Prim, name: &str) -> Result<Json, Error> {
     let subsets = subset_prims(prim)?;
     let targets = prim.relationship(name).targets().or_unreadable(prim.path())?;
     let mut found = Vec::with_capacity(targets.len());
     for target in targets {
         let Some(subset) = subsets.iter().find(|s| *s.path() == target) else {
             let known: Vec<_> = subsets.iter().map(prim_name).collect();
-            return Err(UsdError::new(format!(
+            return Err(Error::usd(format!(
                 "{}.{name} targets {target}, which is no GeomSubset of the mesh",
                 prim.path()
             ))
-            .hint(format!("target one of its subsets: {}", known.join(", "))));
+            .remedy(format!("target one of its subsets: {}", known.join(", "))));
         };
         found.push(Json::String(prim_name(subset)));
     }

@@ -1,9 +1,8 @@
 //! Reading blend shapes (`UsdSkelBlendShape`) below the model or bound to it.
 
 use super::query::{OrUnreadable, is_a, prim_at, prim_name, property_names, value};
-use crate::error::Warning;
+use crate::error::{Error, Warning};
 use crate::garment::{Interpolation, Mixing, PrimvarInput, PrimvarRole, Values};
-use crate::usd::UsdError;
 use crate::usd::names;
 use crate::usd::record::{Depth, Record};
 use openusd::gf::Vec3f;
@@ -30,7 +29,7 @@ pub fn read_shapes(
     time: Option<TimeCode>,
     points: usize,
     warnings: &mut Vec<Warning>,
-) -> Result<(Vec<BlendShape>, Vec<PrimvarInput>), UsdError> {
+) -> Result<(Vec<BlendShape>, Vec<PrimvarInput>), Error> {
     let (mut found, mut primvars) = (Vec::new(), Vec::new());
     for (path, binding) in targets(prim, time, warnings)? {
         match read_shape(prim, &path, binding, found.len(), points) {
@@ -38,7 +37,7 @@ pub fn read_shapes(
                 found.push(shape);
                 primvars.extend(offsets);
             }
-            Err(e) => warnings.push(Warning::NotCarried { what: format!("blend shape {path}"), why: e.message }),
+            Err(e) => warnings.push(Warning::not_carried(format!("blend shape {path}"), e.in_a_line())),
         }
     }
     Ok((found, primvars))
@@ -49,7 +48,7 @@ fn targets(
     prim: &Prim,
     time: Option<TimeCode>,
     warnings: &mut Vec<Warning>,
-) -> Result<Vec<(Path, Option<String>)>, UsdError> {
+) -> Result<Vec<(Path, Option<String>)>, Error> {
     let bound = match value(prim, names::SKEL_BLEND_SHAPES, time) {
         Ok(Some(Value::TokenVec(tokens))) => tokens,
         _ => Vec::new(),
@@ -57,10 +56,10 @@ fn targets(
     let paths = prim.relationship(names::SKEL_BLEND_SHAPE_TARGETS).targets().or_unreadable(prim.path())?;
     let is_paired = bound.len() == paths.len();
     if !is_paired {
-        warnings.push(Warning::NotCarried {
-            what: format!("the binding of {}.{}", prim.path(), names::SKEL_BLEND_SHAPES),
-            why: format!("it names {} shapes, but there are {} targets", bound.len(), paths.len()),
-        });
+        warnings.push(Warning::not_carried(
+            format!("the binding of {}.{}", prim.path(), names::SKEL_BLEND_SHAPES),
+            format!("it names {} shapes, but there are {} targets", bound.len(), paths.len()),
+        ));
     }
     let name = |i: usize| is_paired.then(|| bound[i].as_str().to_owned());
     let mut all: Vec<(Path, Option<String>)> = paths.into_iter().enumerate().map(|(i, p)| (p, name(i))).collect();
@@ -80,15 +79,15 @@ fn read_shape(
     binding: Option<String>,
     number: usize,
     points: usize,
-) -> Result<(BlendShape, Vec<PrimvarInput>), UsdError> {
+) -> Result<(BlendShape, Vec<PrimvarInput>), Error> {
     let prim = prim_at(model.stage(), path)?;
     if !is_a(&prim, names::BLEND_SHAPE)? {
-        return Err(UsdError::new("there is no BlendShape prim"));
+        return Err(Error::usd("there is no BlendShape prim"));
     }
     let indices = match value(&prim, names::POINT_INDICES, None)? {
         Some(Value::IntVec(indices)) => Some(indices),
         None => None,
-        Some(_) => return Err(UsdError::new("its pointIndices are not of type int[]")),
+        Some(_) => return Err(Error::usd("its pointIndices are not of type int[]")),
     };
     let mut shape = BlendShape { name: prim_name(&prim), binding, properties: Vec::new() };
     let mut primvars = Vec::new();
@@ -99,10 +98,10 @@ fn read_shape(
         let offsets = match value(&prim, &name, None)? {
             Some(Value::Vec3fVec(offsets)) => offsets,
             None => continue,
-            Some(_) => return Err(UsdError::new(format!("its {name} are not three floats each"))),
+            Some(_) => return Err(Error::usd(format!("its {name} are not three floats each"))),
         };
         let values = dense(&offsets, indices.as_deref(), points);
-        let values = values.map_err(|why| UsdError::new(format!("its {name} {why}")))?;
+        let values = values.map_err(|why| Error::usd(format!("its {name} {why}")))?;
         shape.properties.extend(Record::take(&prim, &name, Depth::Declaration).or_unreadable(path)?);
         primvars.push(PrimvarInput {
             name: format!("{path}.{name}"),
@@ -122,7 +121,7 @@ fn read_shape(
 /// An offset for every point; zero for those without one.
 fn dense(offsets: &[Vec3f], indices: Option<&[i32]>, points: usize) -> Result<Vec<f32>, String> {
     let flat: &[f32] = bytemuck::cast_slice(offsets);
-    // An empty array stands for no offsets at all.
+    // An empty array means no offsets.
     let count = if flat.is_empty() { 0 } else { indices.map_or(points, <[i32]>::len) };
     if offsets.len() != count {
         return Err(format!("are {} for {count} points", offsets.len()));

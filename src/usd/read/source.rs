@@ -7,9 +7,9 @@ use super::model::Model;
 use super::origin::StageOrigin;
 use super::primvars::Declarations;
 use super::recipe::read_recipe;
-use crate::error::{Warning, Warnings};
+use crate::error::{Code, Error, Warning, Warnings};
 use crate::garment::{GarmentInput, PrimvarInput, PrimvarRole};
-use crate::usd::{UsdError, on_large_stack};
+use crate::usd::on_large_stack;
 use openusd::usd::TimeCode;
 use serde_json::{Map, Value as Json};
 use std::path::Path;
@@ -29,8 +29,8 @@ pub struct ReadOptions {
 #[derive(Clone, Debug)]
 pub struct Source {
     pub(in crate::usd) model: Model,
-    garment: Result<GarmentInput, UsdError>,
-    recipe: Result<Map<String, Json>, UsdError>,
+    garment: Result<GarmentInput, Error>,
+    recipe: Result<Map<String, Json>, Error>,
     facts: Facts,
     warnings: Vec<Warning>,
 }
@@ -41,27 +41,27 @@ impl Source {
     /// # Errors
     /// A file that is missing or is not USD, and a stage without exactly one mesh when none is named. Faults of the
     /// mesh's own attributes are reported where they matter: by [`Source::garment`] and [`Source::recipe`].
-    pub fn open(path: &Path, options: &ReadOptions) -> Result<Self, UsdError> {
+    pub fn open(path: &Path, options: &ReadOptions) -> Result<Self, Error> {
         Self::of(StageOrigin { file: path.to_path_buf(), content: None }, options)
     }
 
     /// As [`Source::open`], from `content`: a layer in memory (crate or text) to which another program flattened `file`.
-    /// Relative paths in it lead nowhere.
+    /// Relative paths in it are not resolved.
     ///
     /// # Errors
     /// As [`Source::open`].
-    pub fn from_layer(content: Arc<[u8]>, file: &Path, options: &ReadOptions) -> Result<Self, UsdError> {
+    pub fn from_layer(content: Arc<[u8]>, file: &Path, options: &ReadOptions) -> Result<Self, Error> {
         Self::of(StageOrigin { file: file.to_path_buf(), content: Some(content) }, options)
     }
 
-    fn of(origin: StageOrigin, options: &ReadOptions) -> Result<Self, UsdError> {
+    fn of(origin: StageOrigin, options: &ReadOptions) -> Result<Self, Error> {
         if options.time.is_some_and(|t| !t.is_finite()) {
-            return Err(UsdError::new("the time is not a number").hint("give a time code, such as 1 or 24.5"));
+            return Err(Error::usd("the time is not a number").remedy("give a time code, such as 1 or 24.5"));
         }
         on_large_stack(|| Self::take(origin, options))
     }
 
-    fn take(origin: StageOrigin, options: &ReadOptions) -> Result<Self, UsdError> {
+    fn take(origin: StageOrigin, options: &ReadOptions) -> Result<Self, Error> {
         let stage = origin.open()?;
         let prim = choose_mesh(&stage, &origin.file, options)?;
         let time = options.time.map(TimeCode::new);
@@ -76,7 +76,14 @@ impl Source {
         let facts = gather(&prim, &model, time)?;
         let recipe = read_recipe(&prim, time);
         let faults = stage.composition_errors();
-        warnings.splice(0..0, faults.iter().map(|e| Warning::Composition { fault: e.to_string() }));
+        warnings.splice(
+            0..0,
+            faults.iter().map(|e| {
+                let problem = format!("the stage does not compose fully: {e}");
+                Warning::new(Code::Composition, model.origin.file.display(), problem)
+                    .remedy("Mend the reference, or remove it")
+            }),
+        );
         Ok(Self { model, garment, recipe, facts, warnings })
     }
 
@@ -84,7 +91,7 @@ impl Source {
     ///
     /// # Errors
     /// An attribute that is needed and is missing, of the wrong type or unreadable.
-    pub fn garment(&self, warnings: &mut Warnings) -> Result<GarmentInput, UsdError> {
+    pub fn garment(&self, warnings: &mut Warnings) -> Result<GarmentInput, Error> {
         self.warnings.iter().for_each(|w| warnings.push(w.clone()));
         self.garment.clone()
     }
@@ -94,7 +101,7 @@ impl Source {
     ///
     /// # Errors
     /// A property of a type that no recipe field has, or whose target is not a subset of the mesh.
-    pub fn recipe(&self) -> Result<Map<String, Json>, UsdError> {
+    pub fn recipe(&self) -> Result<Map<String, Json>, Error> {
         self.recipe.clone()
     }
 

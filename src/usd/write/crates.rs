@@ -1,7 +1,6 @@
 //! Crate files, with workarounds for faults of the crate writer.
 
-use crate::error::{Warning, Warnings};
-use crate::usd::UsdError;
+use crate::error::{Error, Warning, Warnings};
 use openusd::sdf::{AbstractData, Data, FormatError, Value};
 use openusd::usdc::CrateWriter;
 use std::io::{Cursor, Seek, SeekFrom, Write};
@@ -33,9 +32,9 @@ pub fn write_crate<W: Write + Seek>(data: &Data, out: &mut W) -> Result<(), Form
 ///
 /// # Errors
 /// A value that a crate cannot hold.
-pub fn encode(data: &Data) -> Result<Vec<u8>, UsdError> {
+pub fn encode(data: &Data) -> Result<Vec<u8>, Error> {
     let mut out = Cursor::new(Vec::new());
-    write_crate(data, &mut out).map_err(|e| UsdError::new(format!("the layer cannot be written as a crate: {e}")))?;
+    write_crate(data, &mut out).map_err(|e| Error::usd(format!("the layer cannot be written as a crate: {e}")))?;
     Ok(out.into_inner())
 }
 
@@ -47,10 +46,10 @@ pub fn remove_unwritable(data: &mut Data, warnings: &mut Warnings) {
         spec.fields.retain(|(key, value)| {
             let unwritable = any(value, &is_half2);
             if unwritable {
-                warnings.push(Warning::NotCarried {
-                    what: format!("{key} of {path}"),
-                    why: "a single half2 cannot be written to a crate; write .usda instead".into(),
-                });
+                warnings.push(Warning::not_carried(
+                    format!("{key} of {path}"),
+                    "a single half2 cannot be written to a crate; write .usda instead",
+                ));
             }
             !unwritable
         });

@@ -1,7 +1,6 @@
 //! The whole stage as one layer.
 
-use crate::error::{Warning, Warnings};
-use crate::usd::UsdError;
+use crate::error::{Error, Warning, Warnings};
 use crate::usd::assets::{Anchor, resolved};
 use crate::usd::read::{COMPOSITION, Model, prim_at};
 use crate::usd::record::{Content, Depth, Record, metadata};
@@ -22,8 +21,8 @@ const STACK: &[FieldKey] = &[
 ///
 /// # Errors
 /// A stage that cannot be opened again.
-pub fn flattened(model: &Model, left_out: &[Path], anchor: Anchor, warnings: &mut Warnings) -> Result<Data, UsdError> {
-    let fault = |e: openusd::Error| UsdError::new(format!("{} cannot be flattened: {e}", model.origin.file.display()));
+pub fn flattened(model: &Model, left_out: &[Path], anchor: Anchor, warnings: &mut Warnings) -> Result<Data, Error> {
+    let fault = |e: openusd::Error| Error::usd(format!("{} cannot be flattened: {e}", model.origin.file.display()));
     let stage = model.origin.open()?;
     let mut paths = Vec::new();
     stage.traverse(PrimPredicate::ALL, |path| paths.push(path.clone())).map_err(fault)?;
@@ -116,6 +115,6 @@ impl Flat<'_> {
     }
 
     fn not_carried(&mut self, what: String, why: String) {
-        self.warnings.push(Warning::NotCarried { what, why });
+        self.warnings.push(Warning::not_carried(what, why));
     }
 }

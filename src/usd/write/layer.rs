@@ -5,11 +5,11 @@ use super::flatten::flattened;
 use super::long_arrays::encode_plainly;
 use super::product::Author;
 use super::save::{Format, OutputFile};
-use crate::error::Warnings;
+use crate::error::{Error, Warnings};
 use crate::garment::Garment;
 use crate::usd::assets::Anchor;
+use crate::usd::on_large_stack;
 use crate::usd::read::{Model, OrUnreadable, Source};
-use crate::usd::{UsdError, on_large_stack};
 use openusd::sdf::{self, AbstractData, FieldKey, LayerOffset, SpecType, Value};
 use openusd::usda::TextWriter;
 use std::path::Path;
@@ -49,12 +49,12 @@ impl ProductRole {
     }
 }
 
-/// A mesh to be written beside the model.
+/// A mesh to be written as a sibling of the model.
 #[derive(Clone, Copy, Debug)]
 pub struct Product<'a> {
     /// Name of its prim.
     pub name: &'a str,
-    /// What it is for.
+    /// Its purpose.
     pub role: ProductRole,
     /// The mesh.
     pub mesh: &'a Garment,
@@ -88,7 +88,7 @@ pub fn write(
     out: &Path,
     options: &WriteOptions,
     warnings: &mut Warnings,
-) -> Result<(), UsdError> {
+) -> Result<(), Error> {
     let file = OutputFile::find(out, &source.model.layers, options.force)?;
     on_large_stack(|| {
         let is_package = file.format == Format::Usdz;
@@ -102,7 +102,7 @@ pub fn write(
 ///
 /// # Errors
 /// An unknown format, an output that exists already or is part of the input, a missing folder.
-pub fn check_target(source: &Source, out: &Path, force: bool) -> Result<(), UsdError> {
+pub fn check_target(source: &Source, out: &Path, force: bool) -> Result<(), Error> {
     OutputFile::find(out, &source.model.layers, force).map(drop)
 }
 
@@ -127,7 +127,7 @@ pub fn layer_bytes(
     surroundings: Surroundings,
     options: &WriteOptions,
     warnings: &mut Warnings,
-) -> Result<Vec<u8>, UsdError> {
+) -> Result<Vec<u8>, Error> {
     let folder = surroundings.folder.map(|f| f.canonicalize().unwrap_or_else(|_| f.to_path_buf()));
     on_large_stack(|| {
         let anchor = folder.as_deref().map_or(Anchor::Root, Anchor::Folder);
@@ -136,12 +136,12 @@ pub fn layer_bytes(
         match format {
             Format::Usda => TextWriter::write_to_string(&data)
                 .map(String::into_bytes)
-                .map_err(|e| UsdError::new(format!("the layer cannot be written as text: {e}"))),
+                .map_err(|e| Error::usd(format!("the layer cannot be written as text: {e}"))),
             Format::Usdc => {
                 remove_unwritable(&mut data, warnings);
                 encode_plainly(&mut data)
             }
-            Format::Usdz => Err(UsdError::new("a .usdz package is not a layer").hint("choose text or crate")),
+            Format::Usdz => Err(Error::usd("a .usdz package is not a layer").remedy("choose text or crate")),
         }
     })
 }
@@ -163,10 +163,10 @@ fn compose(
     frame: Frame,
     model_guide: bool,
     warnings: &mut Warnings,
-) -> Result<sdf::Data, UsdError> {
+) -> Result<sdf::Data, Error> {
     let model = &source.model;
     check_names(model, products)?;
-    let fault = |e: openusd::Error| UsdError::new(format!("the layer cannot be composed: {e}"));
+    let fault = |e: openusd::Error| Error::usd(format!("the layer cannot be composed: {e}"));
     let mut data = if frame.flatten {
         let replaced = products.iter().map(|p| model.sibling_path(p.name)).collect::<Result<Vec<_>, _>>();
         flattened(model, &replaced.map_err(|e| fault(e.into()))?, frame.anchor, warnings)?
@@ -183,27 +183,27 @@ fn compose(
     Ok(data)
 }
 
-fn check_names(model: &Model, products: &[Product]) -> Result<(), UsdError> {
+fn check_names(model: &Model, products: &[Product]) -> Result<(), Error> {
     for (i, product) in products.iter().enumerate() {
         let flag = product.role.name_flag();
         if !sdf::Path::is_valid_identifier(product.name) {
-            return Err(UsdError::new(format!("{flag} {:?} is not a name that a prim can have", product.name))
-                .hint("use letters, digits and _, and no digit first"));
+            return Err(Error::usd(format!("{flag} {:?} is not a name that a prim can have", product.name))
+                .remedy("use letters, digits and _, and no digit first"));
         }
         let taken = model.siblings.get(product.name).is_some_and(|s| !s.product)
             || model.path.name() == Some(product.name)
             || products[..i].iter().any(|p| p.name == product.name);
         if taken {
             let path = model.sibling_path(product.name).or_unreadable(&model.path)?;
-            return Err(UsdError::new(format!("{path} is taken by another prim"))
-                .hint(format!("rename that prim, or choose another name by {flag}")));
+            return Err(Error::usd(format!("{path} is taken by another prim"))
+                .remedy(format!("rename that prim, or choose another name by {flag}")));
         }
     }
     Ok(())
 }
 
 /// A layer over the input, without products.
-fn overlay(model: &Model, frame: Frame) -> Result<sdf::Data, UsdError> {
+fn overlay(model: &Model, frame: Frame) -> Result<sdf::Data, Error> {
     let root = sdf::Path::abs_root();
     let mut data = sdf::Data::new();
     data.create_spec(root.clone(), SpecType::PseudoRoot);
@@ -221,8 +221,8 @@ fn overlay(model: &Model, frame: Frame) -> Result<sdf::Data, UsdError> {
 }
 
 /// The input's path without links in its folders; the file itself may be a link.
-fn absolute(file: &Path) -> Result<String, UsdError> {
-    let fault = || UsdError::new(format!("cannot find the folder of {}", file.display()));
+fn absolute(file: &Path) -> Result<String, Error> {
+    let fault = || Error::usd(format!("cannot find the folder of {}", file.display()));
     let folder = match file.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),

@@ -6,7 +6,7 @@
 //! (the layout of the file).
 
 use super::crates::encode;
-use crate::usd::UsdError;
+use crate::error::Error;
 use openusd::sdf::{AbstractData, Data, Value};
 use std::collections::BTreeSet;
 use std::mem;
@@ -21,13 +21,13 @@ const UNEXPECTED: &str = "the crate in memory has an unexpected layout; please r
 ///
 /// # Errors
 /// A value that a crate cannot hold.
-pub fn encode_plainly(data: &mut Data) -> Result<Vec<u8>, UsdError> {
+pub fn encode_plainly(data: &mut Data) -> Result<Vec<u8>, Error> {
     let (arrays, salt) = take_out(data);
     let bytes = encode(data)?;
     if arrays.is_empty() {
         return Ok(bytes);
     }
-    put_back(bytes, &arrays, salt).ok_or_else(|| UsdError::new(UNEXPECTED))
+    put_back(bytes, &arrays, salt).ok_or_else(|| Error::usd(UNEXPECTED))
 }
 
 /// Replaces the long arrays of `data` by stand-ins `[salt, index, 0, 0]`; returns the arrays and the salt, which no other

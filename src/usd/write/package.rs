@@ -1,8 +1,7 @@
 //! Packages (`.usdz`): a crate and the files that it uses.
 
 use super::crates::{encode, remove_unwritable};
-use crate::error::{Warning, Warnings, plain};
-use crate::usd::UsdError;
+use crate::error::{Error, Warning, Warnings, plain};
 use crate::usd::assets::tiles;
 use openusd::sdf::{AbstractData, AssetPath, Data, Value};
 use openusd::usdz::{Archive, ArchiveError, ArchiveWriter};
@@ -14,7 +13,7 @@ use std::{fs, io, mem};
 ///
 /// # Errors
 /// A value that a crate cannot hold. A file that cannot be read becomes a warning.
-pub fn package(mut data: Data, stem: &str, warnings: &mut Warnings) -> Result<Vec<u8>, UsdError> {
+pub fn package(mut data: Data, stem: &str, warnings: &mut Warnings) -> Result<Vec<u8>, Error> {
     let mut package = Package::default();
     package.collect(&mut data, warnings);
     remove_unwritable(&mut data, warnings);
@@ -22,7 +21,7 @@ pub fn package(mut data: Data, stem: &str, warnings: &mut Warnings) -> Result<Ve
     // Built in memory, as the archive's writer reports a full disk on standard error.
     let mut whole = io::Cursor::new(Vec::with_capacity(layer.len()));
     let mut archive = ArchiveWriter::new(&mut whole);
-    let fault = |e: ArchiveError| UsdError::new(format!("the package cannot be built: {e}"));
+    let fault = |e: ArchiveError| Error::usd(format!("the package cannot be built: {e}"));
     archive.add_layer(&format!("{stem}.usdc"), &layer).map_err(fault)?;
     for (name, bytes) in &package.entries {
         archive.add_layer(name, bytes).map_err(fault)?;
@@ -60,10 +59,7 @@ impl Package {
         match self.entry(file) {
             Ok(name) => AssetPath::new(name),
             Err(e) => {
-                warnings.push(Warning::NotCarried {
-                    what: format!("the file @{file}@"),
-                    why: format!("it cannot be packed: {e}"),
-                });
+                warnings.push(Warning::not_carried(format!("the file @{file}@"), format!("it cannot be packed: {e}")));
                 asset
             }
         }

@@ -289,7 +289,7 @@ impl Author<'_> {
 /// The warning of a primvar whose values are not of its type.
 fn misfit(prim: &Path, name: &str, primvar: &Primvar) -> Warning {
     let why = format!("its values do not fit its type {}", primvar.type_name);
-    Warning::NotCarried { what: format!("{prim}.{name}"), why }
+    Warning::not_carried(format!("{prim}.{name}"), why)
 }
 
 fn doc(role: ProductRole, model: &Path) -> String {

@@ -2,8 +2,7 @@
 
 use super::crates::{remove_unwritable, write_crate};
 use super::package::package;
-use crate::error::{Warnings, plain};
-use crate::usd::UsdError;
+use crate::error::{Error, Warnings, plain};
 use openusd::sdf::{Data, FormatError};
 use openusd::usda::TextWriter;
 use std::fs::{self, File};
@@ -26,14 +25,14 @@ impl Format {
     ///
     /// # Errors
     /// Another ending than `.usd`, `.usda`, `.usdc` and `.usdz`.
-    pub fn of(file: &Path) -> Result<Self, UsdError> {
+    pub fn of(file: &Path) -> Result<Self, Error> {
         let extension = file.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
         match extension.as_str() {
             "usda" => Ok(Self::Usda),
             "usd" | "usdc" => Ok(Self::Usdc),
             "usdz" => Ok(Self::Usdz),
-            _ => Err(UsdError::new(format!("{} does not end in .usd, .usda, .usdc or .usdz", file.display()))
-                .hint("the name of the output decides its format")),
+            _ => Err(Error::usd(format!("{} does not end in .usd, .usda, .usdc or .usdz", file.display()))
+                .remedy("the name of the output decides its format")),
         }
     }
 }
@@ -57,21 +56,21 @@ impl OutputFile {
     /// # Errors
     /// An unknown format, a missing folder, an existing file (unless `force`), and one of the files `layers` under any
     /// name.
-    pub fn find(out: &Path, layers: &[PathBuf], force: bool) -> Result<Self, UsdError> {
+    pub fn find(out: &Path, layers: &[PathBuf], force: bool) -> Result<Self, Error> {
         let shown = out.display().to_string();
         let format = Format::of(out)?;
         // The target of a link is replaced, not the link.
         let file = out.canonicalize().unwrap_or_else(|_| out.to_path_buf());
         if let Ok(there) = fs::metadata(&file) {
             if layers.iter().any(|layer| same_file(layer, &file)) {
-                return Err(UsdError::new(format!("{shown} is the input, or a layer that the input uses"))
-                    .hint("write to another file; the input is never changed"));
+                return Err(Error::usd(format!("{shown} is the input, or a layer that the input uses"))
+                    .remedy("write to another file; the input is never changed"));
             }
             if !there.is_file() {
-                return Err(UsdError::new(format!("{shown} is not a file")).hint("choose another output"));
+                return Err(Error::usd(format!("{shown} is not a file")).remedy("choose another output"));
             }
             if !force {
-                return Err(UsdError::new(format!("{shown} exists already")).hint("overwrite it by --force"));
+                return Err(Error::usd(format!("{shown} exists already")).remedy("use --force to overwrite it"));
             }
         }
         let folder = match file.parent() {
@@ -79,8 +78,8 @@ impl OutputFile {
             _ => Path::new("."),
         };
         let folder = folder.canonicalize().ok().filter(|f| f.is_dir()).ok_or_else(|| {
-            UsdError::new(format!("cannot write {shown}: there is no folder {}", folder.display()))
-                .hint("create the folder first")
+            Error::usd(format!("cannot write {shown}: there is no folder {}", folder.display()))
+                .remedy("create the folder first")
         })?;
         let file = folder.join(file.file_name().expect("a path with a known extension has a file name"));
         Ok(Self { shown, folder, file, format })
@@ -90,7 +89,7 @@ impl OutputFile {
     ///
     /// # Errors
     /// A folder that cannot be written to, a full disk, a value that the format cannot hold.
-    pub fn save(&self, mut data: Data, warnings: &mut Warnings) -> Result<(), UsdError> {
+    pub fn save(&self, mut data: Data, warnings: &mut Warnings) -> Result<(), Error> {
         match self.format {
             Format::Usda => self.replace(|out| TextWriter::write(&data, out)),
             Format::Usdc => {
@@ -106,10 +105,10 @@ impl OutputFile {
     }
 
     /// Lets `fill` write a temporary file in the folder, and renames it to the output.
-    fn replace(&self, fill: impl FnOnce(&mut BufWriter<&File>) -> Result<(), FormatError>) -> Result<(), UsdError> {
+    fn replace(&self, fill: impl FnOnce(&mut BufWriter<&File>) -> Result<(), FormatError>) -> Result<(), Error> {
         let fault = |e: &io::Error| {
-            UsdError::new(format!("cannot write {}: {}", self.shown, plain(e)))
-                .hint("check the folder's permissions and the space on its disk")
+            Error::usd(format!("cannot write {}: {}", self.shown, plain(e)))
+                .remedy("check the folder's permissions and the space on its disk")
         };
         let mut builder = tempfile::Builder::new();
         builder.prefix(".usdtailor-").suffix(".tmp");
@@ -123,7 +122,7 @@ impl OutputFile {
         let mut out = BufWriter::with_capacity(1 << 20, temporary.as_file());
         fill(&mut out).map_err(|e| match e {
             FormatError::Io(e) => fault(&e),
-            other => UsdError::new(format!("cannot write {}: {other}", self.shown)),
+            other => Error::usd(format!("cannot write {}: {other}", self.shown)),
         })?;
         out.flush().map_err(|e| fault(&e))?;
         drop(out);

@@ -25,14 +25,14 @@ fn attribute(statement: &'static str, says: &'static [&'static str]) -> Fault {
 #[test]
 fn of_the_file() {
     each_is_told(&[
-        fault(ARGS, |f| f.file("in.usda", CLOTH), &["cannot read recipe my.tailor: no such file", "check the path"]),
+        fault(ARGS, |f| f.file("in.usda", CLOTH), &["my.tailor: cannot read recipe: no such file", "check the path"]),
         fault(
             ARGS,
             |f| {
                 f.file("in.usda", CLOTH);
                 std::fs::create_dir(f.at("my.tailor")).expect("a folder");
             },
-            &["cannot read recipe my.tailor", "is a folder"],
+            &["my.tailor: cannot read recipe", "is a folder"],
         ),
         recipe("", &["my.tailor: ", "line 1 column 0", "JSON"]),
         recipe("{\"sim\": {\n  \"maxEdgeLength\": 2,\n}}", &["my.tailor: trailing comma at line 3 column 1"]),
@@ -104,7 +104,7 @@ fn of_the_models_attributes() {
             "rel tailor:sim:constraints = </Coat/model/left>",
             &["sim.constraints names \"left\", which is no edge subset"],
         ),
-        attribute("uniform int tailor:render:level = 9", &["render.level: 9 is too much"]),
+        attribute("uniform int tailor:render:level = 9", &["render.level: 9 is too large"]),
         attribute(
             "uniform int tailor:render:level = -1",
             &["tailor:render:level of the model: ", "expected a whole number"],

@@ -127,9 +127,9 @@ fn of_several_inputs() {
         fault(
             "build a.usda b.usda -o out/coat.usda",
             both,
-            &["-o out/coat.usda is no folder, but there are 2 inputs", "make the folder first"],
+            &["-o out/coat.usda: 2 inputs need an existing folder", "create the folder first"],
         ),
-        fault("build a.usda more/a.usda -o out", both, &["two inputs are called a", "folders of their own"]),
+        fault("build a.usda more/a.usda -o out", both, &["two inputs are named a", "separate folders"]),
     ]);
 }
 

@@ -1,4 +1,4 @@
-//! From a build of OpenUSD to a folder that it can load.
+//! Compiles the plugin for one build of OpenUSD and assembles its folder.
 
 use std::fs;
 use std::io::ErrorKind;
@@ -10,21 +10,22 @@ use crate::process::{self, Failure, Outcome};
 use crate::project::Project;
 use crate::steps;
 
-/// What cargo calls the library, and what it is called in the plugin's folder.
+/// The library's file name in cargo's target folder.
 const BUILT: &str = "libtailor_usd_plugin.so";
+/// The library's file name in the plugin's folder.
 const LIBRARY: &str = "libusdTailor.so";
 
-/// The resources of the schemas, which one folder shall bring along.
+/// The schema files that the plugin's folder includes.
 const SCHEMAS: [&str; 3] = ["generatedSchema.usda", "plugInfo.json", "schema.usda"];
 
-/// A build of OpenUSD, as the C++ compiler and the linker have to know it.
+/// Compiler and linker settings for one build of OpenUSD.
 pub struct Target {
     pub name: String,
     pub includes: Vec<PathBuf>,
     pub defines: Vec<String>,
     pub link: Vec<String>,
     pub cxx11_abi: bool,
-    /// Where generated files are.
+    /// The folder of generated files.
     pub folder: PathBuf,
 }
 
@@ -45,20 +46,20 @@ impl Target {
         })
     }
 
-    /// What the macro of the C++ library has to be, for the compiler's command line.
+    /// The compiler flag that selects the string ABI of libstdc++.
     pub fn abi_flag(&self) -> String {
         format!("-D_GLIBCXX_USE_CXX11_ABI={}", u8::from(self.cxx11_abi))
     }
 }
 
-/// The folder of what is generated for a build of OpenUSD.
+/// Creates the folder of generated files for a build of OpenUSD.
 pub fn generated(project: &Project, name: &str) -> Outcome<PathBuf> {
     let folder = project.target.join("usd_plugin-build").join(name);
     make(&folder)?;
     Ok(folder)
 }
 
-/// The configuration that the minimal headers include.
+/// The text of `tailorWheel.h`, the configuration that the minimal headers include.
 fn header(wheel: &Wheel, traits: &Traits) -> String {
     let (year, month) = numbers(&wheel.version).unwrap_or_default();
     format!(
@@ -83,7 +84,7 @@ pub fn compile(project: &Project, target: &Target) -> Outcome<PathBuf> {
     let mut cargo = steps::cargo(project, "build");
     cargo.args(["--release", "--lib"]).args(steps::SHIPPED).env("USDTAILOR_PLUGIN_BUILD", &settings);
     if !target.cxx11_abi {
-        // The crate `cxx` compiles C++ of its own. Not said where it is the default, so that builds share it.
+        // The crate `cxx` compiles C++ too. The default ABI needs no flag, so those builds share its objects.
         let flags = std::env::var("CXXFLAGS").unwrap_or_default();
         cargo.env("CXXFLAGS", format!("{flags} {}", target.abi_flag()).trim());
     }
@@ -100,14 +101,14 @@ fn settings_text(target: &Target) -> String {
     lines.join("\n") + "\n"
 }
 
-/// Makes the folder that `PXR_PLUGINPATH_NAME` can name: the library, what describes it, and the schemas.
-pub fn lay_out(project: &Project, built: &Path, out: &Path) -> Outcome {
+/// Assembles the folder for `PXR_PLUGINPATH_NAME`: the library, its `plugInfo.json` and the schemas.
+pub fn assemble(project: &Project, built: &Path, out: &Path) -> Outcome {
     let schemas = out.join("schemas");
     make(&schemas)?;
     for name in SCHEMAS {
         write(&schemas.join(name), &project.read(&format!("schemas/{name}"))?)?;
     }
-    // By renaming: a program that has the old library loaded keeps it.
+    // Renaming leaves the old library intact for programs that have loaded it.
     let (new, library) = (out.join(format!("{LIBRARY}.new")), out.join(LIBRARY));
     fs::copy(built, &new)
         .and_then(|_| fs::rename(&new, &library))
@@ -115,24 +116,24 @@ pub fn lay_out(project: &Project, built: &Path, out: &Path) -> Outcome {
     write(&out.join("plugInfo.json"), &project.read("usd_plugin/plugInfo.json")?)
 }
 
-/// The C++ compiler that the crates use.
+/// The C++ compiler, as the crate `cc` selects it.
 pub fn compiler() -> String {
     std::env::var("CXX").unwrap_or_else(|_| "c++".into())
 }
 
-/// Refuses to go on without a C++ compiler.
+/// Fails without a C++ compiler.
 pub fn check_compiler(project: &Project) -> Outcome {
     let mut command: Command = project.command(compiler());
     process::run_quietly(command.arg("--version")).map_err(|failure| {
-        failure.hint("a C++17 compiler is needed (Debian and Ubuntu: apt install g++); CXX names another")
+        failure.hint("install a C++17 compiler (Debian and Ubuntu: apt install g++), or name one in CXX")
     })
 }
 
 fn make(folder: &Path) -> Outcome {
-    fs::create_dir_all(folder).map_err(|error| Failure::new(format!("cannot make {}: {error}", folder.display())))
+    fs::create_dir_all(folder).map_err(|error| Failure::new(format!("cannot create {}: {error}", folder.display())))
 }
 
-/// Writes a file unless it is so already: cargo builds again what is newer.
+/// Writes a file only if its text changes, as cargo rebuilds for newer files.
 pub fn write(path: &Path, text: &str) -> Outcome {
     match fs::read_to_string(path) {
         Ok(present) if present == text => return Ok(()),

@@ -1,4 +1,4 @@
-//! What a shared library exports, needs and holds, as far as the check against a wheel reads it.
+//! Reads an ELF shared library: its symbols, dependencies, relocations and bytes, for the check against a wheel.
 
 use std::collections::HashMap;
 use std::fs;
@@ -11,14 +11,14 @@ use object::read::elf::{Dyn, FileHeader, Rela, SectionHeader, Sym};
 
 use crate::process::{Failure, Outcome};
 
-/// A symbol that others can use.
+/// An exported symbol.
 #[derive(Clone, Copy)]
 pub struct Export {
     pub address: u64,
     pub size: u64,
 }
 
-/// What the dynamic linker writes at an address.
+/// The value that the dynamic linker writes at an address.
 enum Relocation {
     /// The address of a symbol.
     Symbol(u32),
@@ -26,26 +26,26 @@ enum Relocation {
     Local(u64),
 }
 
-/// What stands in a slot of a virtual table.
+/// The content of a slot of a virtual table.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Slot {
-    /// The names of one function; constructors and functions with the same code have several.
+    /// All symbol names of one function. Constructors and merged identical functions have several.
     Functions(Vec<String>),
     Number(u64),
 }
 
 /// A shared library.
 pub struct Elf {
-    /// Name of its file.
+    /// File name.
     pub name: String,
-    /// Libraries that it needs.
+    /// File names of the libraries that it links to.
     pub needed: Vec<String>,
     exports: HashMap<String, Export>,
     undefined: Vec<String>,
     symbols: Vec<String>,
     names_at: HashMap<u64, Vec<String>>,
     relocations: HashMap<u64, Relocation>,
-    /// Addresses, and where their bytes are in the file.
+    /// Address ranges with the file offset of each.
     loaded: Vec<(Range<u64>, usize)>,
     bytes: Vec<u8>,
 }
@@ -132,7 +132,7 @@ impl Elf {
         self.undefined.iter().map(String::as_str)
     }
 
-    /// The bytes from an address on, up to `count`.
+    /// Up to `count` bytes from an address.
     pub fn at(&self, address: u64, count: usize) -> &[u8] {
         let found = self.loaded.iter().find(|(addresses, _)| addresses.contains(&address));
         found.map_or(&[], |(addresses, offset)| {
@@ -142,7 +142,7 @@ impl Elf {
         })
     }
 
-    /// The slots of an exported virtual table, from the functions on: without its offset and type.
+    /// The function slots of an exported virtual table, without the leading offset and type information.
     pub fn vtable(&self, name: &str) -> Option<Vec<Slot>> {
         let table = self.export(name)?;
         let slots = (table.address..table.address + table.size).step_by(8).skip(2);

@@ -1,12 +1,12 @@
-//! `cargo xtask plugin`: the file format `.tailor` for one build of OpenUSD, with the schemas, as one folder.
+//! `cargo xtask plugin`: builds the OpenUSD plugin for the file format `.tailor`, with the schemas, as one folder.
 //!
 //! ```text
 //! cargo xtask plugin [--python PYTHON | --sdk DIR] [--out DIR]
 //! cargo xtask plugin verify [--python PYTHON] [--headers DIR] [--define NAME]...
 //! ```
 //!
-//! The second only compares the minimal headers with a wheel. `--headers` names the generated header of another wheel,
-//! `--define` makes the headers wrong on purpose: the tests see that both are refused.
+//! `verify` only compares the minimal headers with a wheel. Two options provoke mismatches for the tests: `--headers`
+//! uses the generated header of another wheel, and `--define` changes a declaration.
 
 mod build;
 mod elf;
@@ -25,7 +25,7 @@ use wheel::Wheel;
 
 pub use tested::{build_tested, tested};
 
-/// What to build for, and where to.
+/// The options of the command line.
 #[derive(Debug, Default, PartialEq)]
 struct Options {
     python: Option<PathBuf>,
@@ -48,23 +48,25 @@ fn make(project: &Project, options: &Options) -> Outcome {
         return Err(Failure::new("--headers and --define are for `plugin verify`"));
     }
     let out = options.out.clone().unwrap_or_else(|| project.target.join("usd_plugin"));
-    // An interpreter that was named is meant, whatever the environment says.
+    // --python is stronger than the environment.
     let sdk = options.sdk.clone().or_else(|| sdk::from_environment().filter(|_| options.python.is_none()));
     match sdk {
         Some(root) => build_for_sdk(project, &root, &out)?,
         None => drop(build_for_wheel(project, &options.python(project)?, &out)?),
     }
-    eprintln!("made {}\nto use it: export PXR_PLUGINPATH_NAME={0}", out.display());
+    eprintln!("built {}\nto use it: export PXR_PLUGINPATH_NAME={0}", out.display());
     Ok(())
 }
 
 fn build_for_sdk(project: &Project, root: &Path, out: &Path) -> Outcome {
     if !cfg!(target_os = "linux") {
-        return Err(Failure::new("the plugin is built on Linux only so far").hint("usdtailor itself runs everywhere"));
+        return Err(
+            Failure::new("the plugin can be built on Linux only").hint("usdtailor itself runs on all platforms")
+        );
     }
     let target = Target::of_sdk(project, root)?;
     let library = build::compile(project, &target)?;
-    build::lay_out(project, &library, out)
+    build::assemble(project, &library, out)
 }
 
 /// Builds for the wheel of an interpreter and returns the wheel's version.
@@ -75,13 +77,13 @@ fn build_for_wheel(project: &Project, python: &Path, out: &Path) -> Outcome<Stri
     let library = build::compile(project, &target)?;
     verify::library(&wheel, &library)?;
     let trial = target.folder.join("trial");
-    build::lay_out(project, &library, &trial)?;
+    build::assemble(project, &library, &trial)?;
     try_out(project, &wheel, python, &trial)?;
-    build::lay_out(project, &library, out)?;
+    build::assemble(project, &library, out)?;
     Ok(wheel.version)
 }
 
-/// Runs the plugin once: some of what the headers declare shows in no library.
+/// Runs the plugin once, since some declarations of the headers cannot be compared with a library.
 fn try_out(project: &Project, wheel: &Wheel, python: &Path, plugin: &Path) -> Outcome {
     let mut command = project.command(python);
     command.arg("usd_plugin/trial.py").env("PXR_PLUGINPATH_NAME", plugin);
@@ -99,7 +101,7 @@ fn verify_only(project: &Project, options: &Options) -> Outcome {
         target.includes[1].clone_from(headers);
     }
     verify::headers(project, &wheel, &target, &options.defines)?;
-    eprintln!("usd-core {} is as the headers declare it", wheel.version);
+    eprintln!("usd-core {} matches the headers", wheel.version);
     Ok(())
 }
 
@@ -130,9 +132,9 @@ impl Options {
     }
 }
 
-/// Commands run in the project's root, whatever folder the user is in.
+/// An absolute path, as commands run in the project's root.
 fn absolute(path: &str) -> Outcome<PathBuf> {
-    std::path::absolute(path).map_err(|error| Failure::new(format!("{path} is no path: {error}")))
+    std::path::absolute(path).map_err(|error| Failure::new(format!("{path} is not a valid path: {error}")))
 }
 
 #[cfg(test)]

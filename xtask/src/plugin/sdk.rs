@@ -1,4 +1,4 @@
-//! An OpenUSD SDK: headers and libraries as build_usd.py installs them, or as Houdini brings them along.
+//! Finds the headers and libraries of an OpenUSD SDK, as installed by build_usd.py or included in Houdini.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -11,13 +11,13 @@ use crate::project::Project;
 const VARIABLES: [&str; 2] = ["PXR_ROOT", "OPENUSD_ROOT"];
 const INCLUDES: [&str; 2] = ["include", "toolkit/include"];
 const LIBRARIES: [&str; 3] = ["lib", "lib64", "dsolib"];
-/// What the names of the libraries begin with: build_usd.py, Houdini, neither.
+/// Prefixes of library names: those of build_usd.py, of Houdini, and none.
 const PREFIXES: [&str; 3] = ["usd_", "pxr_", ""];
 const MODULES: [&str; 6] = ["usd", "pcp", "sdf", "ar", "vt", "tf"];
-/// OpenUSD's macros ask for the name of the library that they are used in.
+/// The library name, which OpenUSD's macros need.
 const DEFINES: [&str; 3] =
     ["MFB_PACKAGE_NAME=usdTailor", "MFB_ALT_PACKAGE_NAME=usdTailor", "MFB_PACKAGE_MODULE=usdTailor"];
-/// The oldest version that the plugin was tried with, as PXR_VERSION.
+/// The oldest supported version, as PXR_VERSION.
 const OLDEST: u32 = 2408;
 
 /// The SDK that the environment names.
@@ -50,7 +50,7 @@ impl Target {
 
 fn missing(root: &Path, what: &str, where_it_is: &str) -> Failure {
     Failure::new(format!("{} has no OpenUSD {what}, such as {where_it_is}", root.display()))
-        .hint("--sdk, PXR_ROOT or OPENUSD_ROOT name the folder that OpenUSD was installed to (in Houdini, $HFS)")
+        .hint("set --sdk, PXR_ROOT or OPENUSD_ROOT to the folder where OpenUSD is installed (in Houdini, $HFS)")
 }
 
 fn version(include: &Path) -> Option<u32> {
@@ -58,7 +58,7 @@ fn version(include: &Path) -> Option<u32> {
     text.lines().find_map(|line| line.trim().strip_prefix("#define PXR_VERSION ")?.trim().parse().ok())
 }
 
-/// The folder of the libraries, and their names for the linker.
+/// The folder of the libraries, and their linker names.
 fn libraries(root: &Path) -> Option<(PathBuf, Vec<String>)> {
     let folders = LIBRARIES.iter().map(|name| root.join(name));
     folders.into_iter().find_map(|folder| {
@@ -74,7 +74,7 @@ fn file(folder: &Path, name: &str) -> PathBuf {
     folder.join(format!("lib{name}.so"))
 }
 
-/// Which kind of string the libraries were built with.
+/// `true` if the libraries use the C++11 string ABI.
 fn cxx11_abi(folder: &Path, names: &[String]) -> Outcome<bool> {
     let Some(tf) = names.last() else { return Ok(true) };
     Ok(Elf::read(&file(folder, tf))?.exports().any(|symbol| symbol.contains("7TfTokenC1ERKNSt7__cxx11")))
@@ -83,11 +83,11 @@ fn cxx11_abi(folder: &Path, names: &[String]) -> Outcome<bool> {
 fn link(folder: &Path, names: &[String]) -> Vec<String> {
     let mut link = vec![format!("-L{}", folder.display())];
     link.extend(names.iter().map(|name| format!("-l{name}")));
-    // The headers of OpenUSD use it inline.
+    // OpenUSD's headers use TBB inline.
     if file(folder, "tbb").is_file() {
         link.push("-ltbb".into());
     }
-    // What is missing shall be known now, not when the plugin is loaded.
+    // Report missing symbols at link time rather than when the plugin is loaded.
     link.push("-Wl,-z,defs".into());
     link
 }

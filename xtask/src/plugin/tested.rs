@@ -1,4 +1,4 @@
-//! The builds of OpenUSD that the tests load the plugin into.
+//! Builds the plugin for each OpenUSD version that the tests use.
 
 use std::fs;
 use std::path::PathBuf;
@@ -9,11 +9,13 @@ use crate::process::{Failure, Outcome};
 use crate::project::Project;
 use crate::venv;
 
-/// Wheels beside the one of `target/venv`: each of the ways in which wheels were built so far, the string ABI, the
-/// signature of `SetFactory`, one library or many. Those of one ABI are neighbours, as they share a build of `cxx`.
+/// Wheels tested besides that of `target/venv`.
+///
+/// They cover all known variants: the string ABI, the signature of `SetFactory`, and one library or many. Wheels of one
+/// ABI are adjacent, as they share a build of `cxx`.
 const OLDER: [&str; 3] = ["24.11", "25.5", "25.11"];
 
-/// Builds all of them; an older one that cannot be had is skipped, loudly.
+/// Builds the plugin for all tested wheels. An older wheel that cannot be installed is skipped with a message.
 pub fn build_tested(project: &Project) -> Outcome {
     let mut lines = Vec::new();
     if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
@@ -25,12 +27,12 @@ pub fn build_tested(project: &Project) -> Outcome {
         }
         lines.push(build(project, venv::ensure(project)?, "usd_plugin")?);
     } else {
-        eprintln!("SKIPPED: the plugin is NOT tested: wheels can be built against on x86-64 Linux only");
+        eprintln!("SKIPPED: the plugin is NOT tested: it can be built for wheels on x86-64 Linux only");
     }
     write(&list(project), &lines.join(";"))
 }
 
-/// What was built last, as the tests read it: `version=interpreter=folder`, separated by semicolons.
+/// The plugins built last, for the tests: `version=interpreter=folder`, separated by semicolons.
 pub fn tested(project: &Project) -> Outcome<String> {
     let path = list(project);
     fs::read_to_string(&path).map_err(|error| Failure::new(format!("cannot read {}: {error}", path.display())))

@@ -1,4 +1,4 @@
-//! An installed usd-core wheel: where its libraries are, and how they were built.
+//! Finds the libraries of an installed usd-core wheel, and how they were built.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,10 +8,10 @@ use super::elf::{Elf, Export};
 use crate::process::{Failure, Outcome};
 use crate::project::Project;
 
-/// The modules that the plugin uses; since 25.8 they are one library.
+/// The modules that the plugin uses. Since 25.8, the library `ms` holds all of them.
 const MODULES: [&str; 7] = ["ar", "ms", "pcp", "sdf", "tf", "usd", "vt"];
 
-/// The first version that the minimal headers were compared with; each version is compared when it is built for.
+/// The oldest version that the minimal headers support. Each build compares them with its own version.
 const OLDEST: (u32, u32) = (24, 8);
 
 const LOCATE: &str = "
@@ -23,19 +23,19 @@ print(wheel.locate_file('usd_core.libs').resolve())
 
 /// The libraries of a wheel.
 pub struct Wheel {
-    /// As pip says it, such as `26.11`.
+    /// The version in pip's form, such as `26.11`.
     pub version: String,
     pub folder: PathBuf,
     pub libraries: Vec<Elf>,
 }
 
-/// How a wheel was built, as far as a plugin has to be built alike.
+/// The build settings of a wheel that a plugin must share.
 pub struct Traits {
-    /// OpenUSD's namespace, which holds the version.
+    /// OpenUSD's internal namespace, which includes the version.
     pub namespace: String,
     /// `_GLIBCXX_USE_CXX11_ABI`.
     pub cxx11_abi: bool,
-    /// Whether `TfType::SetFactory` takes its pointer by value.
+    /// `true` if `TfType::SetFactory` takes its pointer by value.
     pub set_factory_by_value: bool,
 }
 
@@ -63,11 +63,11 @@ impl Wheel {
         self.libraries.iter().flat_map(Elf::exports)
     }
 
-    /// How it was built, from the names of what it exports.
+    /// The build settings, read from the exported symbols.
     pub fn traits(&self) -> Outcome<Traits> {
         let unknown = |what: &str| {
-            Failure::new(format!("usd-core {} is not as the wheels known so far: {what}", self.version))
-                .hint("please report it; building against its SDK with --sdk does not depend on it")
+            Failure::new(format!("usd-core {} differs from all known wheels: {what}", self.version))
+                .hint("please report it; meanwhile build against its SDK with --sdk")
         };
         let namespace = self.exports().find_map(namespace).ok_or_else(|| unknown("it has no internal namespace"))?;
         let set_factory = self.exports().find(|name| name.contains("6TfType10SetFactory"));
@@ -76,7 +76,7 @@ impl Wheel {
         let takes = |text: &str| self.exports().any(|name| name == format!("{tokens}{text}"));
         let cxx11_abi = takes("NSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEE");
         if !cxx11_abi && !takes("Ss") {
-            return Err(unknown("TfToken is made of another kind of string"));
+            return Err(unknown("TfToken has an unknown string type"));
         }
         Ok(Traits { namespace, cxx11_abi, set_factory_by_value: !set_factory.contains("EOSt10unique_ptr") })
     }
@@ -89,14 +89,14 @@ pub fn numbers(version: &str) -> Option<(u32, u32)> {
 }
 
 fn locate(command: &mut Command, python: &Path) -> Outcome<(String, PathBuf)> {
-    let output = command
-        .output()
-        .map_err(|error| Failure::new(format!("cannot run {}: {error}", python.display())).hint("--python names it"))?;
+    let output = command.output().map_err(|error| {
+        Failure::new(format!("cannot run {}: {error}", python.display())).hint("name an interpreter with --python")
+    })?;
     let text = String::from_utf8_lossy(&output.stdout);
     match text.lines().collect::<Vec<_>>()[..] {
         [version, folder] if Path::new(folder).is_dir() => Ok((version.to_owned(), folder.into())),
         [version, folder] => Err(Failure::new(format!("usd-core {version} has no libraries in {folder}"))
-            .hint("install the wheel with pip; other builds of OpenUSD have an SDK for --sdk")),
+            .hint("install the wheel with pip, or build against an SDK with --sdk")),
         _ => Err(Failure::new(format!("{} has no usd-core", python.display()))
             .hint("pip install usd-core there, or name another interpreter with --python")),
     }
@@ -116,7 +116,7 @@ fn libraries(folder: &Path) -> Outcome<Vec<Elf>> {
     paths.iter().map(|path| Elf::read(path)).collect()
 }
 
-/// Names carry a hash: `libusd_sdf-1a2b3c4d.so`.
+/// `true` for a library of [`MODULES`]; its file name has a hash, as in `libusd_sdf-1a2b3c4d.so`.
 fn wanted(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     MODULES.iter().any(|module| name.starts_with(&format!("libusd_{module}-")))

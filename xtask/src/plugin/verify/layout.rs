@@ -1,8 +1,10 @@
-//! Places of members, and sizes, from the machine code of what the wheel exports.
+//! Compares the size and member offsets of `SdfFileFormat`, read from the wheel's machine code.
+//!
+//! An accessor that returns a member holds its offset. A factory passes the size of its class to `operator new`.
 
 use super::{Check, Mismatch};
 
-/// The functions that return the members of `SdfFileFormat`, in the order of the probe's table.
+/// The accessors of `SdfFileFormat`'s members, in the order of the probe's table.
 const ACCESSORS: [&str; 7] = [
     "GetSchema",
     "GetFormatId",
@@ -13,7 +15,7 @@ const ACCESSORS: [&str; 7] = [
     "IsPrimaryFormatForExtensions",
 ];
 
-/// Formats without members of their own; not every version has them all.
+/// Formats without members of their own. Versions have different subsets of them.
 const FORMATS: [&str; 6] = [
     "UsdUsdcFileFormat",
     "SdfUsdcFileFormat",
@@ -41,7 +43,7 @@ impl Check<'_> {
         all
     }
 
-    /// The probe's table: the places of the members, then the size.
+    /// The probe's table: the offset of each member, then the size.
     fn declared(&self) -> [i32; ACCESSORS.len() + 1] {
         let bytes = self.probe.export("tailorProbeLayout").map_or(&[][..], |table| self.probe.at(table.address, 32));
         let mut numbers = bytes.chunks_exact(4).map(|number| number.try_into().map_or(-1, i32::from_le_bytes));
@@ -54,7 +56,7 @@ impl Check<'_> {
         offset_of_accessor(code)
     }
 
-    /// What the factories of formats ask of `operator new`; the smallest has nothing added.
+    /// The smallest size that a format's factory passes to `operator new`: that of a format without own members.
     fn size(&self) -> Option<i32> {
         let sizes = FORMATS.iter().filter_map(|format| {
             let factory = self.mangled(&format!("Sdf_FileFormatFactory<{format}>"));
@@ -72,7 +74,7 @@ fn mismatch(place: String, declared: String, found: String) -> Mismatch {
     Mismatch { class: "SdfFileFormat".into(), place, declared, found }
 }
 
-/// The offset in `lea`, `mov` or `movzx` from `this` (`rdi`), followed by `ret`.
+/// The offset from `this` (`rdi`) in a `lea`, `mov` or `movzx` that is followed by `ret`.
 fn offset_of_accessor(code: &[u8]) -> Option<i32> {
     const ENDBR64: &[u8] = &[0xf3, 0x0f, 0x1e, 0xfa];
     const RET: u8 = 0xc3;

@@ -1,8 +1,8 @@
-//! Names of member functions, as the Itanium C++ ABI mangles them.
+//! Parses mangled names of member functions (Itanium C++ ABI).
 
 use std::fmt;
 
-/// A member function without its class: what overrides have in common with what they override.
+/// A member function without its class, so that an override equals the function it overrides.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Member {
     Destructor,
@@ -19,7 +19,7 @@ impl fmt::Display for Member {
 }
 
 impl Member {
-    /// Takes a symbol such as `_ZNK<namespace>13SdfFileFormat9IsPackageEv` apart.
+    /// Parses a symbol such as `_ZNK<namespace>13SdfFileFormat9IsPackageEv`.
     pub fn parse(symbol: &str, namespace: &str) -> Option<Self> {
         let rest = symbol.strip_prefix("_ZN")?;
         let rest = rest.strip_prefix('K').unwrap_or(rest);
@@ -38,13 +38,13 @@ impl Member {
         if rest.starts_with('D') {
             return Some(Self::Destructor);
         }
-        // A function that returns a new-style string has a tag.
+        // The ABI tag of functions that return a C++11 string.
         let rest = rest.strip_prefix("B5cxx11").unwrap_or(rest);
         Some(Self::Function { name: last?.to_owned(), parameters: rest.strip_prefix('E')?.to_owned() })
     }
 }
 
-/// `9IsPackage…` as `IsPackage` and the rest.
+/// Splits `9IsPackage…` into `IsPackage` and the rest.
 fn identifier(text: &str) -> Option<(&str, &str)> {
     let digits = text.find(|c: char| !c.is_ascii_digit())?;
     let length: usize = text[..digits].parse().ok()?;

@@ -1,8 +1,8 @@
-//! Whether the minimal headers declare what a wheel holds: nothing is built against a wheel that differs.
+//! Checks that the minimal headers match the libraries of a wheel, before anything is built for it.
 //!
-//! A probe is compiled from the headers, and its tables are compared with those of the wheel's libraries. Not to be seen
-//! in libraries are the pure slots of `PcpDynamicFileFormatInterface`, the size of `VtValue` and the place of an error's
-//! text: they are tried out by running the plugin.
+//! A probe is compiled from the headers, and its tables are compared with those of the wheel. Libraries do not show the
+//! pure slots of `PcpDynamicFileFormatInterface`, the size of `VtValue` and the offset of an error's text. A trial run
+//! of the plugin tests these.
 
 mod layout;
 mod mangled;
@@ -17,7 +17,7 @@ use super::wheel::Wheel;
 use crate::process::{self, Failure, Outcome};
 use crate::project::Project;
 
-/// One thing that is not as declared.
+/// A difference between the headers and the wheel.
 #[derive(Debug, PartialEq)]
 pub struct Mismatch {
     class: String,
@@ -33,20 +33,20 @@ impl fmt::Display for Mismatch {
     }
 }
 
-/// A wheel, and what was compiled for it.
+/// A wheel and the probe that was compiled for it.
 struct Check<'a> {
     wheel: &'a Wheel,
     probe: &'a Elf,
     namespace: String,
 }
 
-/// Compares the headers with the wheel. `defines` are for the compiler, beside those of the target.
+/// Compares the headers with the wheel. `defines` are additional macros.
 pub fn headers(project: &Project, wheel: &Wheel, target: &Target, defines: &[String]) -> Outcome {
     let probe = compile_probe(project, target, defines)?;
     let namespace = wheel.traits()?.namespace;
     let check = Check { wheel, probe: &probe, namespace };
     let mut mismatches = check.namespaces();
-    // With another namespace nothing else has the same name.
+    // With a different namespace, no other symbol can match.
     if mismatches.is_empty() {
         mismatches = check.vtables();
         mismatches.extend(check.layout());
@@ -54,7 +54,7 @@ pub fn headers(project: &Project, wheel: &Wheel, target: &Target, defines: &[Str
     refuse(wheel, &mismatches)
 }
 
-/// Compares what the built plugin uses with what the wheel exports.
+/// Checks that the wheel exports all symbols that the built plugin uses, and that the plugin exports none.
 pub fn library(wheel: &Wheel, library: &Path) -> Outcome {
     let plugin = Elf::read(library)?;
     let mut mismatches = Vec::new();
@@ -82,7 +82,7 @@ fn refuse(wheel: &Wheel, mismatches: &[Mismatch]) -> Outcome {
         return Ok(());
     }
     let lines: Vec<String> = mismatches.iter().map(|mismatch| format!("\n  {mismatch}")).collect();
-    let message = format!("usd-core {} is not as usd_plugin/minimal declares it:{}", wheel.version, lines.concat());
+    let message = format!("usd-core {} does not match usd_plugin/minimal:{}", wheel.version, lines.concat());
     Err(Failure::new(message)
         .hint("please report it; until then, build against the SDK of this version with --sdk, or use another version"))
 }
@@ -101,7 +101,7 @@ fn compile_probe(project: &Project, target: &Target, defines: &[String]) -> Outc
 }
 
 impl Check<'_> {
-    /// Headers that were made for another version.
+    /// Reports headers that were generated for another version.
     fn namespaces(&self) -> Vec<Mismatch> {
         let mut declared = self.probe.exports().filter_map(super::wheel::namespace);
         let declared = declared.next().unwrap_or_default();
@@ -112,12 +112,12 @@ impl Check<'_> {
         vec![Mismatch { class: "all classes".into(), place: "namespace".into(), declared, found }]
     }
 
-    /// The namespace as a part of a symbol.
+    /// The namespace in mangled form.
     fn prefix(&self) -> String {
         format!("{}{}", self.namespace.len(), self.namespace)
     }
 
-    /// A class of the namespace, which may have one class as template argument, as a part of a symbol.
+    /// A class of the namespace in mangled form. It may have one class as its template argument.
     fn mangled(&self, class: &str) -> String {
         let identifier = |name: &str| format!("{}{name}", name.len());
         match class.trim_end_matches('>').split_once('<') {

@@ -1,32 +1,33 @@
-//! Virtual tables, slot by slot.
+//! Compares virtual tables slot by slot.
 
 use super::mangled::Member;
 use super::{Check, Mismatch};
 use crate::plugin::elf::Slot;
 
-/// A class of OpenUSD that has virtual functions which the plugin overrides or calls.
+/// A class of OpenUSD with virtual functions that the plugin overrides or calls.
 pub struct Class {
     name: &'static str,
-    /// The class below it in the probe.
+    /// The derived class in the probe.
     probe: &'static str,
-    /// Classes of the wheel below it, which name its pure virtual functions; not every version has them all.
-    below: &'static [&'static str],
+    /// Derived classes in the wheel, whose tables name the pure virtual functions. Versions have different subsets of
+    /// them.
+    derived: &'static [&'static str],
 }
 
 pub const CLASSES: [Class; 4] = [
     Class {
         name: "SdfFileFormat",
         probe: "TailorProbeFormat",
-        below: &["UsdUsdcFileFormat", "SdfUsdcFileFormat", "UsdUsdFileFormat", "SdfUsdFileFormat"],
+        derived: &["UsdUsdcFileFormat", "SdfUsdcFileFormat", "UsdUsdFileFormat", "SdfUsdFileFormat"],
     },
     Class {
         name: "Sdf_FileFormatFactoryBase",
         probe: "TailorProbeFactory",
-        below: &["Sdf_FileFormatFactory<UsdUsdcFileFormat>", "Sdf_FileFormatFactory<SdfUsdcFileFormat>"],
+        derived: &["Sdf_FileFormatFactory<UsdUsdcFileFormat>", "Sdf_FileFormatFactory<SdfUsdcFileFormat>"],
     },
-    // None of the wheel's classes is below it: its pure slots are tried out by running the plugin.
-    Class { name: "PcpDynamicFileFormatInterface", probe: "TailorProbeDynamic", below: &[] },
-    Class { name: "ArAsset", probe: "TailorProbeAsset", below: &["ArFilesystemAsset", "ArInMemoryAsset"] },
+    // The wheel has no derived class; the trial run tests the pure slots.
+    Class { name: "PcpDynamicFileFormatInterface", probe: "TailorProbeDynamic", derived: &[] },
+    Class { name: "ArAsset", probe: "TailorProbeAsset", derived: &["ArFilesystemAsset", "ArInMemoryAsset"] },
 ];
 
 impl Check<'_> {
@@ -47,19 +48,19 @@ impl Check<'_> {
         if declared.len() != found.len() {
             return missing("virtual table", format!("{} slots", declared.len()), &format!("{} slots", found.len()));
         }
-        let below: Vec<Vec<Slot>> = class.below.iter().filter_map(|name| self.wheel_vtable(name)).collect();
+        let derived: Vec<Vec<Slot>> = class.derived.iter().filter_map(|name| self.wheel_vtable(name)).collect();
         let slots = declared.iter().zip(&found).enumerate();
-        slots.filter_map(|(at, (declared, found))| self.slot(class, at, declared, found, &below)).collect()
+        slots.filter_map(|(at, (declared, found))| self.slot(class, at, declared, found, &derived)).collect()
     }
 
-    fn slot(&self, class: &Class, at: usize, declared: &Slot, found: &Slot, below: &[Vec<Slot>]) -> Option<Mismatch> {
+    fn slot(&self, class: &Class, at: usize, declared: &Slot, found: &Slot, derived: &[Vec<Slot>]) -> Option<Mismatch> {
         let declared = self.members(declared);
         let mut real = self.members(found);
         if real.is_empty() {
-            // Pure, or the destructor of an abstract class: the classes below have it.
-            real = below.iter().filter_map(|table| table.get(at)).flat_map(|slot| self.members(slot)).collect();
+            // A pure slot, or the destructor of an abstract class: derived classes name it.
+            real = derived.iter().filter_map(|table| table.get(at)).flat_map(|slot| self.members(slot)).collect();
         }
-        if real.is_empty() && class.below.is_empty() || declared.iter().any(|member| real.contains(member)) {
+        if real.is_empty() && class.derived.is_empty() || declared.iter().any(|member| real.contains(member)) {
             return None;
         }
         let shown = |members: &[Member]| members.first().map_or("unknown".to_owned(), ToString::to_string);

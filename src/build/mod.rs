@@ -1,0 +1,276 @@
+//! From a mesh and a recipe to the products. [`Builder`] is the one object that the command, the plugin and other programs
+//! run; it keeps the result of each step and repeats those whose input has changed.
+//!
+//! ```text
+//! mesh → check ┬→ remesh → transfer                 sim
+//!              └→ operators → refinements           render
+//! ```
+
+mod check;
+mod progress;
+mod sim;
+
+#[cfg(feature = "internals")]
+pub use check::mean_edge_length;
+pub use progress::{Progress, Timing};
+#[cfg(feature = "internals")]
+pub use sim::baseline;
+
+use crate::error::{Code, Error, Warning, Warnings};
+use crate::garment::{Garment, GarmentInput, Scheme, check_garment};
+use crate::recipe::{Recipe, bind};
+use crate::render::operator::Operator;
+use crate::render::{RenderSteps, Rendered, Stack};
+use crate::report::{RenderFigures, SimFigures};
+use crate::sim::RemeshReport;
+use progress::Clock;
+use serde::Serialize;
+use sim::{SimSteps, Simulated};
+use std::sync::Arc;
+
+/// Largest simulation mesh by default. \[triangles\]
+pub const DEFAULT_MAX_FACES: usize = 5_000_000;
+
+/// The products of a mesh.
+///
+/// # Errors
+/// Faults of the mesh or of the recipe, and products that would be too large.
+pub fn build(mesh: &GarmentInput, recipe: &Recipe) -> Result<Products, Error> {
+    Builder::new(mesh.clone())?.update(recipe)
+}
+
+/// Builds the products of one mesh, again and again with other recipes.
+///
+/// ```
+/// use std::sync::Arc;
+/// use tailor::{Builder, GarmentInput, Recipe, SeamOptions, SubsetInput};
+///
+/// # fn main() -> Result<(), tailor::Error> {
+/// # let mut mesh = GarmentInput::default();
+/// # mesh.points = (0..25).map(|i| glam::Vec3::new((i % 5) as f32, (i / 5) as f32, 0.0)).collect();
+/// # mesh.face_vertex_counts = vec![4; 16];
+/// # mesh.face_vertex_indices = (0..20).filter(|i| i % 5 < 4).flat_map(|i| [i, i + 1, i + 6, i + 5]).collect();
+/// // An edge set across a sheet of 4 by 4 quads, each edge a pair of points.
+/// mesh.subsets = vec![SubsetInput {
+///     name: "waist".into(),
+///     element_type: "edge".into(),
+///     family: String::new(),
+///     indices: vec![10, 11, 11, 12, 12, 13, 13, 14],
+/// }];
+/// let mut recipe = Recipe::default();
+/// recipe.seams.insert("waist".into(), SeamOptions { edges: vec!["waist".into()], ..SeamOptions::default() });
+/// let mut builder = Builder::new(mesh)?;
+/// let first = builder.update(&recipe)?;
+/// for step in 1..5 {
+///     // A drag of one slider: points of the render mesh move, and the simulation mesh stays the same.
+///     recipe.seams.get_mut("waist").expect("the seam").normal_offset = -0.01 * step as f32;
+///     let products = builder.update(&recipe)?;
+///     assert!(Arc::ptr_eq(&first.sim, &products.sim));
+///     assert_eq!(first.render.faces, products.render.faces);
+/// }
+/// # Ok(())
+/// # }
+/// ```
+pub struct Builder {
+    garment: Arc<Garment>,
+    mean_edge: f32,
+    warnings: Warnings,
+    sim: SimSteps,
+    render: RenderSteps,
+    own_operators: Vec<Arc<dyn Operator>>,
+    progress: Progress,
+    max_faces: usize,
+}
+
+/// The products of one update.
+#[derive(Clone)]
+#[non_exhaustive]
+pub struct Products {
+    /// The simulation mesh.
+    pub sim: Arc<Garment>,
+    /// The render mesh.
+    pub render: Arc<Garment>,
+    /// The recipe with the lengths that were used.
+    pub recipe: Recipe,
+    /// The operators of the render mesh, in their order.
+    pub operators: Vec<String>,
+    /// Names of the face sets that they made.
+    pub operator_sets: Vec<String>,
+    /// Warnings of the mesh and of both products.
+    pub warnings: Warnings,
+    /// Time of each step; one that was not repeated takes nearly none.
+    pub timings: Vec<Timing>,
+    simulated: Arc<Simulated>,
+}
+
+impl Products {
+    /// The quality figures of the simulation mesh.
+    pub fn sim_figures(&self) -> SimFigures {
+        self.simulated.figures()
+    }
+
+    /// The figures of the render mesh.
+    pub fn render_figures(&self) -> RenderFigures {
+        RenderFigures::new(&self.render)
+    }
+
+    /// The counts of the remesher.
+    pub fn remesh(&self) -> &RemeshReport {
+        &self.simulated.remeshed.product.report
+    }
+}
+
+/// The sizes of the products before they are built.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+#[non_exhaustive]
+pub struct Plan {
+    /// The recipe with the lengths that would be used.
+    pub recipe: Recipe,
+    /// Triangles that the target lengths ask for, all of them equilateral.
+    pub expected_faces: usize,
+    /// Constraint chains.
+    pub chains: usize,
+    /// Faces of the render mesh.
+    pub render_faces: usize,
+}
+
+impl Builder {
+    /// A builder for a mesh.
+    ///
+    /// # Errors
+    /// Faults of the mesh.
+    pub fn new(mesh: GarmentInput) -> Result<Self, Error> {
+        let mut warnings = Warnings::default();
+        let garment = check_garment(mesh, &mut warnings)?;
+        let mean_edge = check::mean_edge_length(&garment);
+        check::extent(&garment, mean_edge)?;
+        if garment.prim.rfind('/') == Some(0) {
+            let problem = "the model is a root prim, and so are the products: a reference to the file's default prim \
+                           leaves them out";
+            warnings.push(Warning::new(Code::RootMesh, &garment.prim, problem).remedy("Put the model below an Xform"));
+        }
+        if garment.rules.scheme == Scheme::None {
+            let problem = "subdivisionScheme is none: faces stay flat and are split in quads";
+            let warning = Warning::new(Code::PolygonalCage, &garment.prim, problem);
+            warnings.push(warning.remedy("Set it to catmullClark for a smooth surface"));
+        }
+        Ok(Self {
+            garment: Arc::new(garment),
+            mean_edge,
+            warnings,
+            sim: SimSteps::default(),
+            render: RenderSteps::default(),
+            own_operators: Vec::new(),
+            progress: Progress::default(),
+            max_faces: DEFAULT_MAX_FACES,
+        })
+    }
+
+    /// Sets the handle that hears of progress and can cancel a build.
+    #[must_use]
+    pub fn with_progress(self, progress: Progress) -> Self {
+        Self { progress, ..self }
+    }
+
+    /// Sets the size above which no simulation mesh is begun. \[triangles\]
+    #[must_use]
+    pub fn with_max_faces(self, max_faces: usize) -> Self {
+        Self { max_faces, ..self }
+    }
+
+    /// Adds warnings of whoever read the mesh, before its own.
+    #[must_use]
+    pub fn with_warnings(mut self, warnings: Warnings) -> Self {
+        let own = std::mem::replace(&mut self.warnings, warnings);
+        self.warnings.extend(own);
+        self
+    }
+
+    /// Sets the operators of one's own, which run in their order after those of the recipe. They replace those set before,
+    /// so an edit of an operator sets a new one; it is rebuilt unless [`Operator::is_same`] says that nothing changed.
+    pub fn set_operators(&mut self, operators: Vec<Arc<dyn Operator>>) {
+        self.own_operators = operators;
+    }
+
+    /// The checked mesh.
+    pub fn garment(&self) -> &Arc<Garment> {
+        &self.garment
+    }
+
+    /// Mean length of the mesh's edges. \[stage units\]
+    pub fn mean_edge_length(&self) -> f32 {
+        self.mean_edge
+    }
+
+    /// Warnings of the mesh alone.
+    pub fn warnings(&self) -> &Warnings {
+        &self.warnings
+    }
+
+    /// The recipe with automatic lengths replaced by multiples of the mean edge length.
+    ///
+    /// # Errors
+    /// Values out of their range, and names that the mesh lacks.
+    pub fn resolve(&self, recipe: &Recipe) -> Result<Recipe, Error> {
+        let mut recipe = recipe.clone();
+        recipe.check()?;
+        recipe.resolve_lengths(self.mean_edge);
+        bind(&recipe, &self.garment)?;
+        check::levels(&self.garment, &recipe)?;
+        Ok(recipe)
+    }
+
+    /// The products of a recipe. Steps whose input is the same as before are not repeated.
+    ///
+    /// # Errors
+    /// Faults of the recipe, products that would be too large, and cancellation. The results of earlier steps stay.
+    pub fn update(&mut self, recipe: &Recipe) -> Result<Products, Error> {
+        let recipe = self.resolve(recipe)?;
+        let mut clock = Clock::new(&self.progress);
+        let simulated = self.sim.update(&self.garment, &recipe.sim, self.max_faces, &mut clock)?;
+        let stack = self.stack(&recipe)?;
+        let (garment, steps) = (&self.garment, &mut self.render);
+        let Rendered { mesh, sets, warnings: of_render } = clock.run("render", || steps.update(garment, &stack))?;
+        let mut warnings = self.warnings.clone();
+        warnings.extend(simulated.remeshed.warnings.iter().chain(simulated.warnings.iter()).cloned());
+        warnings.extend(of_render);
+        Ok(Products {
+            sim: Arc::clone(&simulated.mesh),
+            render: mesh,
+            recipe,
+            operators: stack.names,
+            operator_sets: sets,
+            warnings,
+            timings: clock.timings,
+            simulated,
+        })
+    }
+
+    /// The sizes of the products of a recipe, by less work than the products take.
+    ///
+    /// # Errors
+    /// As [`Builder::update`].
+    pub fn plan(&mut self, recipe: &Recipe) -> Result<Plan, Error> {
+        let recipe = self.resolve(recipe)?;
+        let stack = self.stack(&recipe)?;
+        Ok(Plan {
+            expected_faces: sim::expected_faces(&self.garment, &recipe.sim)?,
+            chains: sim::baseline(&self.garment, &recipe.sim)?.chains.len(),
+            render_faces: self.render.face_count(&self.garment, &stack)?,
+            recipe,
+        })
+    }
+
+    fn stack(&self, recipe: &Recipe) -> Result<Stack, Error> {
+        let mut stack = Stack::new(&recipe.render, &recipe.operators())?;
+        stack.names.extend(self.own_operators.iter().map(|operator| operator.label()));
+        stack.operators.extend(self.own_operators.iter().cloned());
+        Ok(stack)
+    }
+
+    /// An estimate of the memory that the kept results hold. \[bytes\]
+    pub fn bytes(&self) -> usize {
+        self.garment.bytes() + self.sim.bytes() + self.render.bytes()
+    }
+}

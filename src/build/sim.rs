@@ -1,0 +1,160 @@
+//! The steps from a garment to its simulation mesh.
+
+use super::check::doubled_area;
+use super::progress::Clock;
+use crate::error::{Code, Error, Warning, Warnings};
+use crate::garment::{Elements, Garment};
+use crate::recipe::bind_sim;
+use crate::report::{SimFigures, SubsetArea, subset_areas};
+use crate::sim::{Baseline, CurveGap, Lengths, SimOptions, SimProduct, simulate};
+use crate::step::{Same, Step};
+use crate::transfer::{SetCurve, Transferred, transfer};
+use std::sync::Arc;
+
+/// Distance of a curve from the edges that follow it above which a warning is given. \[target lengths\]
+const CURVE_GAP: f32 = 0.1;
+/// Change of a face subset's area above which a warning is given. Chords of a curved border stay below it. \[share\]
+const AREA_CHANGE: f64 = 0.05;
+/// Triangles beyond the allowed number that constraints may add. \[factor\]
+const CONSTRAINT_ROOM: usize = 4;
+
+/// The steps from one garment to its simulation mesh.
+#[derive(Default)]
+pub struct SimSteps {
+    remeshed: Step<(SimOptions, usize), Arc<Remeshed>>,
+    simulated: Step<(Same<Remeshed>, SimOptions), Arc<Simulated>>,
+}
+
+/// A simulation mesh before the transfer of attributes.
+pub struct Remeshed {
+    pub product: SimProduct,
+    pub warnings: Warnings,
+}
+
+/// A simulation mesh with attributes.
+pub struct Simulated {
+    pub remeshed: Arc<Remeshed>,
+    pub mesh: Arc<Garment>,
+    pub warnings: Warnings,
+    curves: Vec<SetCurve>,
+    areas: Vec<SubsetArea>,
+    islands: usize,
+}
+
+impl Simulated {
+    /// The quality figures.
+    pub fn figures(&self) -> SimFigures {
+        SimFigures::new(&self.remeshed.product, &self.mesh, &self.curves, self.areas.clone(), self.islands)
+    }
+}
+
+impl SimSteps {
+    /// The simulation mesh of `garment`, which is the same in every call.
+    pub fn update(
+        &mut self,
+        garment: &Arc<Garment>,
+        options: &SimOptions,
+        max_faces: usize,
+        clock: &mut Clock<'_>,
+    ) -> Result<Arc<Simulated>, Error> {
+        let remeshed = self.remeshed.get((options.without_transfer(), max_faces), |(options, _)| {
+            remesh(garment, options, max_faces, clock).map(Arc::new)
+        })?;
+        self.simulated.get((Same::from(&remeshed), options.clone()), |_| {
+            clock.run("transfer", || simulated(garment, options, &remeshed)).map(Arc::new)
+        })
+    }
+
+    /// An estimate of the memory of the kept results. \[bytes\]
+    pub fn bytes(&self) -> usize {
+        /// A baseline triangle's share of levels, adjacency and stencils, as measured on garments of 10 to 100 thousand.
+        const BASELINE_TRIANGLE: usize = 400;
+        /// A triangle's share of points, corners and chains.
+        const TRIANGLE: usize = 150;
+        let remeshed = self.remeshed.last().map_or(0, |remeshed| {
+            let product = &remeshed.product;
+            BASELINE_TRIANGLE * product.baseline.source_face.len() + TRIANGLE * product.triangles.len()
+        });
+        remeshed + self.simulated.last().map_or(0, |simulated| simulated.mesh.bytes())
+    }
+}
+
+fn lengths<'a>(garment: &'a Garment, options: &SimOptions) -> Result<Lengths<'a>, Error> {
+    let density = bind_sim(options, garment)?.density;
+    Ok(Lengths { min: options.min_edge_length, max: options.max_edge_length, density })
+}
+
+/// The surface that the simulation mesh of a garment lies on.
+pub fn baseline(garment: &Garment, options: &SimOptions) -> Result<Baseline, Error> {
+    Ok(Baseline::new(garment, options, lengths(garment, options)?, bind_sim(options, garment)?.uv_set))
+}
+
+/// The triangles that the target lengths ask for, all of them equilateral.
+pub fn expected_faces(garment: &Garment, options: &SimOptions) -> Result<usize, Error> {
+    let lengths = lengths(garment, options)?;
+    let wanted = garment.faces.ids().map(|face| {
+        let vertices = garment.faces.vertices_of(face);
+        let sum: f64 = vertices.iter().map(|&v| f64::from(lengths.at(v))).sum();
+        let target = sum / vertices.len() as f64;
+        0.5 * doubled_area(garment, face) / (0.25 * 3f64.sqrt() * target * target)
+    });
+    // Saturates where the lengths are absurdly small.
+    Ok(wanted.sum::<f64>().ceil() as usize)
+}
+
+fn remesh(garment: &Garment, options: &SimOptions, max_faces: usize, clock: &mut Clock<'_>) -> Result<Remeshed, Error> {
+    let expected = expected_faces(garment, options)?;
+    if expected > max_faces {
+        let fault = format!("the target lengths ask for about {expected} triangles, more than {max_faces}");
+        let remedy = "raise sim.minEdgeLength or sim.maxEdgeLength, or --max-faces of the command";
+        return Err(Error::recipe(&garment.prim, fault).remedy(remedy));
+    }
+    let baseline = clock.run("baseline", || baseline(garment, options))?;
+    let limit = max_faces.saturating_mul(CONSTRAINT_ROOM);
+    let product = clock.run("remesh", || Ok(simulate(baseline, options.iterations, limit)))?;
+    let mut warnings = Warnings::default();
+    if product.triangles.len() >= limit {
+        let problem = format!("stopped at {} triangles, before its edges were short enough", product.triangles.len());
+        let warning = Warning::new(Code::FaceLimit, "simulation mesh", problem);
+        warnings.push(warning.remedy("Raise sim.minEdgeLength or sim.maxEdgeLength, or --max-faces"));
+    }
+    warnings.extend(curves_cut(&product));
+    Ok(Remeshed { product, warnings })
+}
+
+/// The warning of borders, seams and constraints that the mesh's edges leave.
+fn curves_cut(product: &SimProduct) -> Option<Warning> {
+    let given = product.gaps.iter().zip(product.baseline.chains.iter()).filter(|(_, chain)| !chain.kind.ridge);
+    let mut gaps: Vec<&CurveGap> = given.map(|(gap, _)| gap).filter(|gap| gap.distance > CURVE_GAP).collect();
+    gaps.sort_by(|a, b| b.distance.total_cmp(&a.distance).then(a.near.cmp(&b.near)));
+    let farthest = gaps.first()?.distance;
+    let problem = format!(
+        "{} borders, seams or constraints bend within an edge: they are up to {farthest:.2} edge lengths off",
+        gaps.len()
+    );
+    let near = Elements::Points(gaps.iter().map(|gap| gap.near).collect());
+    let warning = Warning::new(Code::CurvesCut, "simulation mesh", problem).at(near).amount(farthest);
+    Some(warning.remedy("Lower sim.maxEdgeLength, or sim.cornerAngle"))
+}
+
+fn simulated(garment: &Garment, options: &SimOptions, remeshed: &Arc<Remeshed>) -> Result<Simulated, Error> {
+    let uv_set = bind_sim(options, garment)?.uv_set;
+    let (product, mut warnings) = (&remeshed.product, Warnings::default());
+    let transferred = transfer(garment, product, options, uv_set, &mut warnings);
+    let areas = subset_areas(product, &transferred, garment);
+    warnings.extend(area_changed(&areas));
+    let Transferred { mesh, curves, islands, .. } = transferred;
+    Ok(Simulated { remeshed: Arc::clone(remeshed), mesh: Arc::new(mesh), warnings, curves, areas, islands })
+}
+
+/// The warning of face subsets that have another area than on the surface.
+fn area_changed(areas: &[SubsetArea]) -> Option<Warning> {
+    let change = |s: &&SubsetArea| (s.area - s.source_area).abs() / s.source_area;
+    let changed: Vec<&SubsetArea> = areas.iter().filter(|s| s.source_area > 0.0 && change(s) > AREA_CHANGE).collect();
+    let largest = changed.iter().map(change).reduce(f64::max)?;
+    let sets = changed.iter().map(|s| s.name.clone()).collect();
+    let problem = format!("their area on the simulation mesh differs by up to {:.0} %", 100.0 * largest);
+    let warning = Warning::of_sets(Code::AreaChanged, sets, problem);
+    let remedy = "Lower sim.maxEdgeLength, or name edge sets along folds in sim.constraints";
+    Some(warning.amount(largest as f32).remedy(remedy))
+}

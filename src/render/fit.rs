@@ -1,0 +1,229 @@
+//! Fits the controls of a cage so that their limit positions reach given targets.
+//!
+//! An exact fit solves a linear system and oscillates where lines are unevenly spaced. Progressive interpolation
+//! instead moves each control by the error of its limit, a few times (Richardson's iteration). It is exact where the
+//! error is even, as along a seam or layer, and it does not amplify errors that change from vertex to vertex.
+//!
+//! [`LimitFit::base`] fits the cage without heights, [`LimitFit::aligned`] fits the second layer to the first, and
+//! [`LimitFit::raised`] adds the heights. The heights of a layer have one sign, and limit masks are weighted means. So
+//! the limit of the layer stays on its side of the surface.
+//!
+//! Reference: Chen et al. 2008, Progressive Interpolation based on Catmull-Clark Subdivision Surfaces.
+
+use super::child::Table;
+use super::operator::{Control, Role};
+use crate::mesh::{EdgeId, IdVec, VertexId};
+use glam::Vec3;
+use rayon::prelude::*;
+
+/// Fitting steps without heights. More steps come nearer to the surface and oscillate more.
+const BASE_STEPS: usize = 2;
+/// Allowed growth of a height over its neighbour's, divided by one minus the cosine between their normals.
+const HEIGHT_GRADING: f32 = 0.5;
+/// Sweeps over all edges that grade the heights.
+const GRADING_SWEEPS: usize = 4;
+/// Share of an edge's length by which the moves of its ends may differ.
+const MAX_MOVE_DIFFERENCE: f32 = 0.5;
+/// Fitting steps of the heights.
+const HEIGHT_STEPS: usize = 4;
+/// Least weight of raised vertices that is assumed in a limit mask, so that steps stay bounded.
+const MIN_RAISED_WEIGHT: f32 = 0.4;
+/// Share of the tangential error that is corrected at the centre of a seam. A full correction bends the lines at turns.
+const CENTRE_TANGENTIAL: f32 = 0.7;
+/// Share by which a concave bend may shorten an edge on the second layer. A larger share brings the layer closer to
+/// self-intersection.
+const MAX_SHORTENING: f32 = 0.7;
+/// Range of a copy's height on the cage, as shares of its height on the limit surface.
+const COPY_HEIGHT_RANGE: [f32; 2] = [0.7, 2.0];
+
+/// The controls of a cage with their limit masks.
+pub struct LimitFit<'a> {
+    /// The controls.
+    pub controls: &'a [Control],
+    /// Limit masks of all vertices.
+    pub rows: &'a Table<VertexId>,
+    /// For each control, itself, or the original of a copy with another mask: the limits of both should coincide.
+    pub reference_control: &'a [usize],
+    /// The edges of the cage.
+    pub edges: &'a IdVec<EdgeId, [VertexId; 2]>,
+}
+
+/// The height of a control.
+#[derive(Clone, Copy, Debug)]
+pub struct Raise {
+    /// Direction of the height.
+    pub normal: Vec3,
+    /// Height on the limit surface, signed. \[stage units\]
+    pub height: f32,
+    /// True if the height was reduced: on the cage, a copy then stays within it.
+    pub is_least: bool,
+}
+
+impl LimitFit<'_> {
+    fn row(&self, control: usize) -> &[(VertexId, f32)] {
+        self.rows.at(self.controls[control].vertex.index())
+    }
+
+    fn limit(&self, control: usize, points: &IdVec<VertexId, Vec3>) -> Vec3 {
+        self.row(control).iter().map(|&(v, w)| w * points[v]).sum()
+    }
+
+    /// The cage without heights: the limits of the controls are near `targets` (position and normal).
+    pub fn base(&self, targets: &[(Vec3, Vec3)], linear: &IdVec<VertexId, Vec3>) -> IdVec<VertexId, Vec3> {
+        let mut points = linear.clone();
+        for _ in 0..BASE_STEPS {
+            let step = |i: usize, points: &_| {
+                let error = targets[i].0 - self.limit(i, points);
+                match self.controls[i].role {
+                    Role::Layer { .. } => Vec3::ZERO,
+                    Role::Fold => error,
+                    Role::Centre { .. } => {
+                        CENTRE_TANGENTIAL * error + (1.0 - CENTRE_TANGENTIAL) * error.dot(targets[i].1) * targets[i].1
+                    }
+                    _ => error.dot(targets[i].1) * targets[i].1,
+                }
+            };
+            self.move_by(step, &mut points);
+            self.move_copies_to_originals(&mut points);
+        }
+        self.limit_distortion(linear, &mut points);
+        self.move_copies_to_originals(&mut points);
+        points
+    }
+
+    fn move_copies_to_originals(&self, points: &mut IdVec<VertexId, Vec3>) {
+        for control in self.controls {
+            if let Role::Layer { over, .. } = control.role {
+                points[control.vertex] = points[over];
+            }
+        }
+    }
+
+    /// Scales down moves that differ too much from their neighbours', which would flip faces between close lines.
+    fn limit_distortion(&self, linear: &IdVec<VertexId, Vec3>, points: &mut IdVec<VertexId, Vec3>) {
+        let mut share = IdVec::filled(1.0f32, points.len());
+        for &[a, b] in self.edges.iter() {
+            let difference = ((points[a] - linear[a]) - (points[b] - linear[b])).length();
+            let most = MAX_MOVE_DIFFERENCE * linear[a].distance(linear[b]);
+            if difference > most && most > 0.0 {
+                [a, b].into_iter().for_each(|v| share[v] = share[v].min(most / difference));
+            }
+        }
+        for (vertex, &share) in share.enumerated().filter(|(_, s)| **s < 1.0) {
+            points[vertex] = linear[vertex].lerp(points[vertex], share);
+        }
+    }
+
+    /// Moves copies outwards so that their limits coincide with those of their reference controls.
+    pub fn aligned(&self, targets: &[(Vec3, Vec3)], mut points: IdVec<VertexId, Vec3>) -> IdVec<VertexId, Vec3> {
+        for _ in 0..BASE_STEPS {
+            let step = |i: usize, points: &_| match self.controls[i].role {
+                Role::Layer { side, .. } if self.reference_control[i] != i => {
+                    let error =
+                        (self.limit(self.reference_control[i], points) - self.limit(i, points)).dot(targets[i].1);
+                    // A move towards the first layer would intersect it between the vertices.
+                    (side * (side * error).max(0.0)) * targets[i].1
+                }
+                _ => Vec3::ZERO,
+            };
+            self.move_by(step, &mut points);
+        }
+        points
+    }
+
+    fn move_by(
+        &self,
+        step: impl Fn(usize, &IdVec<VertexId, Vec3>) -> Vec3 + Send + Sync,
+        points: &mut IdVec<VertexId, Vec3>,
+    ) {
+        let steps: Vec<Vec3> = (0..self.controls.len()).into_par_iter().map(|i| step(i, points)).collect();
+        self.controls.iter().zip(&steps).filter(|(_, s)| s.is_finite()).for_each(|(c, &s)| points[c.vertex] += s);
+    }
+
+    /// Raises the controls so that their limits are at their heights: over the targets, or for copies over their limits
+    /// in `base`.
+    pub fn raised(
+        &self,
+        targets: &[(Vec3, Vec3)],
+        raises: &[Raise],
+        base: &IdVec<VertexId, Vec3>,
+    ) -> IdVec<VertexId, Vec3> {
+        let raised: Vec<usize> = (0..raises.len()).filter(|&i| raises[i].height != 0.0).collect();
+        let mut is_raised = IdVec::filled(false, base.len());
+        raised.iter().for_each(|&i| is_raised[self.controls[i].vertex] = true);
+        let prepare = |&i: &usize| {
+            let origin = match self.controls[i].role {
+                Role::Layer { .. } => self.limit(i, base),
+                _ => targets[i].0,
+            };
+            let weight = self.row(i).iter().filter(|(v, _)| is_raised[*v]).map(|(_, w)| w).sum::<f32>();
+            (origin.dot(raises[i].normal) + raises[i].height, weight.max(MIN_RAISED_WEIGHT))
+        };
+        let wanted: Vec<(f32, f32)> = raised.par_iter().map(prepare).collect();
+        let mut lifts: Vec<f32> = raised.iter().map(|&i| raises[i].height).collect();
+        let mut points = base.clone();
+        for step in 0..=HEIGHT_STEPS {
+            for (&i, &lift) in raised.iter().zip(&lifts) {
+                points[self.controls[i].vertex] = base[self.controls[i].vertex] + lift * raises[i].normal;
+            }
+            if step < HEIGHT_STEPS {
+                let next = |((&i, &(wanted, weight)), &lift): ((&usize, &(f32, f32)), &f32)| {
+                    let error = wanted - self.limit(i, &points).dot(raises[i].normal);
+                    let next = lift + error / weight;
+                    if matches!(self.controls[i].role, Role::Layer { .. }) { raises[i].clamped(next) } else { next }
+                };
+                lifts = raised.par_iter().zip(&wanted).zip(&lifts).map(next).collect();
+            }
+        }
+        points
+    }
+}
+
+/// Lowers heights at the ends of edges that the second layer would shorten too far or flip, inside a concave bend.
+/// `targets` are positions and normals.
+pub fn unfolded(heights: &mut [f32], edges: &[[usize; 2]], targets: &[(Vec3, Vec3)]) {
+    for &[a, b] in edges {
+        let ((p, n), (q, m)) = (targets[a], targets[b]);
+        let turn = (m - n).dot(q - p);
+        let most = MAX_SHORTENING * p.distance_squared(q) / turn.abs();
+        for i in [a, b] {
+            if heights[i] * turn < 0.0 {
+                heights[i] = heights[i].abs().min(most).copysign(heights[i]);
+            }
+        }
+    }
+}
+
+/// Lowers heights that are much larger than their neighbours'. Where normals differ, the largest height dominates the
+/// mean and tilts the layer.
+pub fn graded(raises: &mut [Raise], edges: &[[usize; 2]]) {
+    for _ in 0..GRADING_SWEEPS {
+        let mut is_graded = true;
+        for &[a, b] in edges {
+            if raises[a].height == 0.0 || raises[b].height == 0.0 {
+                continue;
+            }
+            let turn = 1.0 - raises[a].normal.dot(raises[b].normal);
+            let most = 1.0 + HEIGHT_GRADING / turn.max(1e-3);
+            for (low, high) in [(a, b), (b, a)] {
+                let limit = most * raises[low].height.abs();
+                if raises[high].height.abs() > limit {
+                    raises[high].height = raises[high].height.signum() * limit;
+                    raises[high].is_least = true;
+                    is_graded = false;
+                }
+            }
+        }
+        if is_graded {
+            break;
+        }
+    }
+}
+
+impl Raise {
+    fn clamped(&self, lift: f32) -> f32 {
+        let [least, most] = if self.is_least { [COPY_HEIGHT_RANGE[0], 1.0] } else { COPY_HEIGHT_RANGE };
+        let (a, b) = (least * self.height, most * self.height);
+        if lift.is_finite() { lift.clamp(a.min(b), a.max(b)) } else { self.height }
+    }
+}

@@ -1,0 +1,74 @@
+//! Options of operators, for recipes, the command-line help and the USD plugin.
+
+use super::operator::Operator;
+use crate::error::Error;
+use crate::garment::Garment;
+use serde_json::Value;
+use std::sync::Arc;
+
+/// The description of an option, for the help and the schemas.
+#[derive(Clone, Copy, Debug)]
+pub struct Key {
+    /// Name of the option without its operator's kind and name.
+    pub field: &'static str,
+    /// Unit.
+    pub unit: &'static str,
+    /// Meaning, in a few words.
+    pub meaning: &'static str,
+}
+
+/// The options of one operator of a recipe.
+pub trait OperatorOptions {
+    /// The kind of operator, such as `seam`: the first part of its keys.
+    fn kind(&self) -> &'static str;
+
+    /// The descriptions of the options, in the order of the schema.
+    fn keys(&self) -> &'static [Key];
+
+    /// Checks the values without a garment; `key` gives the key of a field for messages.
+    ///
+    /// # Errors
+    /// A value out of its range.
+    fn check(&self, key: &dyn Fn(&str) -> String) -> Result<(), Error>;
+
+    /// Checks the names against a garment.
+    ///
+    /// # Errors
+    /// A subset or primvar that the garment lacks, or that has another type.
+    fn bind(&self, key: &dyn Fn(&str) -> String, garment: &Garment) -> Result<(), Error>;
+
+    /// Replaces automatic lengths by a share of `mean_edge`, the mean edge length of the garment. \[stage units\]
+    fn resolve_lengths(&mut self, mean_edge: f32);
+
+    /// The operator of these options, under a name.
+    fn operator(&self, name: &str) -> Arc<dyn Operator>;
+
+    /// A single operator that replaces `before`, the operator just before, and this one. By default they stay apart.
+    fn joined(&self, _name: &str, _before: &dyn Operator) -> Option<Arc<dyn Operator>> {
+        None
+    }
+}
+
+impl dyn OperatorOptions + '_ {
+    /// A function from fields to their keys, such as `seam.placket.width`, for the operator `name`.
+    pub fn key_of(&self, name: &str) -> impl Fn(&str) -> String {
+        let full_name = self.full_name(name);
+        move |field| format!("{full_name}.{field}")
+    }
+
+    /// The kind and name of an operator, such as `seam.placket`.
+    pub fn full_name(&self, name: &str) -> String {
+        format!("{}.{name}", self.kind())
+    }
+}
+
+/// A kind of operator.
+#[derive(Clone, Copy, Debug)]
+pub struct Kind {
+    /// Name of the kind: the first part of its keys.
+    pub name: &'static str,
+    /// Descriptions of its options.
+    pub keys: &'static [Key],
+    /// Default values of the options, as a JSON object.
+    pub defaults: fn() -> Value,
+}

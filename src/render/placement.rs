@@ -1,0 +1,267 @@
+//! Positions of the points of an operator's cage: the limit surface of the parent plus the operator's heights.
+//!
+//! [`Placement`] holds what depends on the cages alone. [`Placement::flat`] fits the new cage to the parent's limit
+//! surface without heights. [`Placement::raised`] limits the heights to the clearance, adds them, and repairs
+//! self-intersections and flipped faces. An edit of heights repeats only the last step.
+
+use super::child::Table;
+use super::fit::{LimitFit, Raise, graded, unfolded};
+use super::limit_surface::LimitSurface;
+use super::operator::{Control, DerivedCage, Operator, OperatorOutput, Role};
+use super::points::CagePoints;
+use super::repair::{Displaced, LEAST_SHARE, LookAhead, repair};
+use crate::contact::{Clearance, morton_order};
+use crate::error::Warnings;
+use crate::garment::Garment;
+use crate::mesh::{CornerId, Csr, FaceId, IdVec, VertexId};
+use crate::subdivide::{Connectivity, Derivation, Level, carried_points};
+use glam::Vec3;
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Share of the remaining clearance that an operator may use, so that later operators have some.
+const CLEARANCE_SHARE: f32 = 0.5;
+/// Share of the distance between two layers that is the clearance of later operators on each.
+const LAYER_GAP_SHARE: f32 = 0.8;
+/// Clearance, as a multiple of the height, below which a face is checked against other layers. The other layer may be
+/// raised too, and the fit moves both. A smaller range misses intersections; a larger one finds no more.
+const NEAR_HEIGHTS: f32 = 3.0;
+/// Clearance, as a share of a face's size, below which another layer may intersect it on the second refinement.
+const CLOSE_SIZE: f32 = 0.03;
+
+/// The inputs of positions apart from the parent's points and the heights.
+pub struct Placement {
+    cage: Arc<DerivedCage>,
+    child: Arc<Connectivity>,
+    parent: Arc<Connectivity>,
+    /// The reference normal of each face, zero where both directions are accepted.
+    reference_normals: IdVec<FaceId, Vec3>,
+    /// For each control, the parent's corners and weights of its position on the limit surface.
+    surface_corners: Table<CornerId>,
+    /// For each control, the control whose limit it shares without heights.
+    reference_control: Vec<usize>,
+    /// Vertices with their copies on the second layer.
+    copy_pairs: Vec<[VertexId; 2]>,
+    /// True for vertices on seam edges.
+    on_seam: IdVec<VertexId, bool>,
+    /// Edges of the second layer, as indices of controls.
+    layer_edges: Vec<[usize; 2]>,
+    /// Faces with a control, ascending.
+    controlled_faces: Vec<FaceId>,
+    /// All faces in an order that keeps neighbours close in memory.
+    face_order: Vec<FaceId>,
+}
+
+/// The points of a cage without heights, and the surface that heights are measured from.
+pub struct FlatPoints {
+    /// Position and normal of each control on the limit surface of the parent.
+    targets: Vec<(Vec3, Vec3)>,
+    /// Positions by linear interpolation of the parent's points, without a fit.
+    linear: IdVec<VertexId, Vec3>,
+    /// Fitted positions.
+    fitted: CagePoints,
+    parent_points: IdVec<VertexId, Vec3>,
+}
+
+impl Placement {
+    /// The placement of a cage with the connectivity `child` on that of its parent.
+    pub fn new(cage: Arc<DerivedCage>, child: Arc<Connectivity>, parent: Arc<Connectivity>) -> Self {
+        let DerivedCage { output, frame, ancestry } = cage.as_ref();
+        let level = child.level();
+        let (surface_corners, face_order) = rayon::join(
+            || surface_corners(output, level, parent.level()),
+            || morton_order(&frame.faces, &frame.points),
+        );
+        let pair = |control: &Control| match control.role {
+            Role::Layer { over, .. } => Some([over, control.vertex]),
+            _ => None,
+        };
+        let is_centre = |role: &Role| matches!(role, Role::Centre { .. });
+        Self {
+            reference_normals: ancestry.reference.directions(&frame.faces),
+            surface_corners,
+            reference_control: reference_controls(output, level),
+            copy_pairs: output.controls.iter().filter_map(pair).collect(),
+            on_seam: output.index(is_centre).iter().map(Option::is_some).collect(),
+            layer_edges: layer_edges(output, level),
+            controlled_faces: controlled_faces(output),
+            face_order,
+            cage,
+            child,
+            parent,
+        }
+    }
+
+    fn output(&self) -> &OperatorOutput {
+        &self.cage.output
+    }
+
+    /// The points of the new cage without heights.
+    pub fn flat(&self, parent: &CagePoints) -> FlatPoints {
+        let (level, orientation) = (self.parent.level(), self.cage.frame.orientation);
+        let surface = LimitSurface::new(level, orientation, self.parent.limits(), &parent.points);
+        let t = &level.topology;
+        let target = |i: usize| surface.at(t, self.surface_corners.at(i));
+        let targets: Vec<(Vec3, Vec3)> = (0..self.surface_corners.len()).into_par_iter().map(target).collect();
+        let linear = carried_points(&&self.output().derivation.vertices, &parent.points);
+        let fit = self.limit_fit();
+        let points = || fit.aligned(&targets, fit.base(&targets, &linear));
+        let others = || (fit.aligned(&targets, linear.clone()), self.output().carried_clearance(&parent.clearance));
+        let (points, (linear, clearance)) = rayon::join(points, others);
+        FlatPoints { targets, linear, fitted: CagePoints { points, clearance }, parent_points: parent.points.clone() }
+    }
+
+    /// The points of the new cage, and warnings of reduced heights and of remaining intersections. The points of the
+    /// last cage are checked on the second refinement too.
+    pub fn raised(&self, operator: &dyn Operator, base: &FlatPoints, is_last: bool) -> (CagePoints, Warnings) {
+        let mut asked = operator.heights(self.output());
+        unfolded(&mut asked, &self.layer_edges, &base.targets);
+        let mut cage = base.fitted.clone();
+        let mut given = self.within_clearance(&asked, &base.targets, &mut cage.clearance);
+        let raise = |i: usize| Raise { normal: base.targets[i].1, height: given[i], is_least: given[i] != asked[i] };
+        let mut raises: Vec<Raise> = (0..given.len()).map(raise).collect();
+        graded(&mut raises, &self.layer_edges);
+        given.iter_mut().zip(&raises).for_each(|(given, raise)| *given = raise.height);
+        let raised = || self.limit_fit().raised(&base.targets, &raises, &base.fitted.points);
+        let least = || [&base.linear, &base.fitted.points].map(|points| self.least_raised(&raises, points.clone()));
+        let (raised, [linear, flat]) = rayon::join(raised, least);
+        let displaced = Displaced {
+            child: &self.child,
+            parent: self.parent.level(),
+            parent_points: &base.parent_points,
+            derivation: &self.output().derivation,
+            copy_pairs: &self.copy_pairs,
+            on_seam: &self.on_seam,
+            face_order: &self.face_order,
+            reference_normals: &self.reference_normals,
+            controlled_faces: &self.controlled_faces,
+            near: &self.faces_near_other_layers(&asked, &base.fitted.clearance),
+            unfitted: &linear,
+            least: &flat,
+            full: &raised,
+            ahead: is_last.then(|| self.look_ahead(&base.fitted.clearance)),
+        };
+        let repaired = repair(&displaced);
+        cage.points = repaired.points;
+        let controls = self.output().controls.iter().zip(&given);
+        let given: Vec<f32> = controls.map(|(control, height)| height * repaired.shares[control.vertex]).collect();
+        let mut warnings = operator.reduced(self.output(), &given);
+        if !repaired.faults.is_empty() {
+            warnings.push(operator.intersections(self.output(), &repaired.faults));
+        }
+        (cage, warnings)
+    }
+
+    /// The points raised by the least share of their heights that repair leaves.
+    fn least_raised(&self, raises: &[Raise], mut points: IdVec<VertexId, Vec3>) -> IdVec<VertexId, Vec3> {
+        for (control, raise) in self.output().controls.iter().zip(raises) {
+            points[control.vertex] += LEAST_SHARE * raise.height * raise.normal;
+        }
+        points
+    }
+
+    /// True for faces with another layer near on the side to which they are raised.
+    fn faces_near_other_layers(&self, asked: &[f32], clearance: &IdVec<VertexId, Clearance>) -> IdVec<FaceId, bool> {
+        let mut is_near: IdVec<VertexId, bool> = IdVec::filled(false, clearance.len());
+        for (control, asked) in self.output().controls.iter().zip(asked) {
+            is_near[control.vertex] |=
+                clearance[control.vertex][usize::from(*asked > 0.0)] < NEAR_HEIGHTS * asked.abs();
+        }
+        let faces = &self.output().derivation.faces;
+        let is_near = |face: usize| faces.vertices_of(FaceId::new(face)).iter().any(|&v| is_near[v]);
+        (0..faces.len()).into_par_iter().map(is_near).collect::<Vec<_>>().into()
+    }
+
+    /// The faces to check on the second refinement. `clearance` is measured within the operators' reach only.
+    fn look_ahead(&self, clearance: &IdVec<VertexId, Clearance>) -> LookAhead<'_> {
+        let DerivedCage { frame: Garment { faces, points, .. }, ancestry, .. } = self.cage.as_ref();
+        let is_close = |face: usize| {
+            let vertices = faces.vertices_of(FaceId::new(face));
+            let size = vertices.iter().map(|&v| points[v].distance(points[vertices[0]])).fold(0.0, f32::max);
+            vertices.iter().any(|&v| clearance[v][0].min(clearance[v][1]) < CLOSE_SIZE * size)
+        };
+        let close = (0..faces.len()).into_par_iter().map(is_close).collect::<Vec<_>>().into();
+        let (level, points) = (ancestry.level.as_ref(), &ancestry.garment.points);
+        LookAhead { input: level, input_points: points, input_faces: &ancestry.faces, close }
+    }
+
+    fn limit_fit(&self) -> LimitFit<'_> {
+        let (controls, edges) = (&self.output().controls, &self.child.level().topology.edges);
+        LimitFit { controls, rows: self.child.limits(), reference_control: &self.reference_control, edges }
+    }
+
+    /// The heights within the clearance, which is reduced by them.
+    fn within_clearance(
+        &self,
+        asked: &[f32],
+        targets: &[(Vec3, Vec3)],
+        clearance: &mut IdVec<VertexId, Clearance>,
+    ) -> Vec<f32> {
+        let of = |((control, &asked), target): ((&Control, &f32), &(Vec3, Vec3))| {
+            // A surface that doubles back on itself has no normal there.
+            let asked = if target.1 == Vec3::ZERO { 0.0 } else { asked };
+            let origin = if let Role::Layer { over, .. } = control.role { over } else { control.vertex };
+            let (side, height) = (usize::from(asked > 0.0), asked.abs());
+            let given = height.min((CLEARANCE_SHARE * clearance[origin][side]).max(LEAST_SHARE * height));
+            match control.role {
+                Role::Layer { over, .. } => {
+                    // Both layers share the gap between them. The normal of the second one is reversed.
+                    let (between, rest) = (LAYER_GAP_SHARE * given, clearance[over][side] - given);
+                    clearance[control.vertex][side] = between;
+                    clearance[control.vertex][1 - side] = rest.max(0.0);
+                    clearance[over][side] = between;
+                }
+                _ => clearance[origin][side] -= given,
+            }
+            if asked < 0.0 { -given } else { given }
+        };
+        self.output().controls.iter().zip(asked).zip(targets).map(of).collect()
+    }
+}
+
+/// The edges between copies, as indices of their controls.
+fn layer_edges(output: &OperatorOutput, level: &Level) -> Vec<[usize; 2]> {
+    let index = output.index(|role| matches!(role, Role::Layer { .. }));
+    let of = |ends: &[VertexId; 2]| Some([index[ends[0]]?, index[ends[1]]?]);
+    level.topology.edges.iter().filter_map(of).collect()
+}
+
+/// Faces with a control, ascending.
+fn controlled_faces(output: &OperatorOutput) -> Vec<FaceId> {
+    let mut is_control = vec![false; output.derivation.vertices.len()];
+    output.controls.iter().for_each(|c| is_control[c.vertex.index()] = true);
+    let faces = &output.derivation.faces;
+    faces.ids().filter(|&f| faces.vertices_of(f).iter().any(|v| is_control[v.index()])).collect()
+}
+
+/// For each control, the control whose limit it shares without heights. It is the control itself, or the original of a
+/// copy with another valence or vertex rule, as at the free border of a layer: there the masks give different limits.
+fn reference_controls(output: &OperatorOutput, level: &Level) -> Vec<usize> {
+    let index = output.index(|_| true);
+    let mask = |v: VertexId| (level.topology.vertex_corners.row(v).len(), level.rules[v]);
+    let of = |(i, control): (usize, &Control)| match control.role {
+        Role::Layer { over, .. } if mask(over) != mask(control.vertex) => index[over].unwrap_or(i),
+        _ => i,
+    };
+    output.controls.iter().enumerate().map(of).collect()
+}
+
+/// For each control, the corners of the parent's faces around it, with weights that sum to one.
+fn surface_corners(output: &OperatorOutput, child: &Level, parent: &Level) -> Table<CornerId> {
+    let derivation = &output.derivation;
+    let vertex_corners: &Csr<VertexId, CornerId> = &child.topology.vertex_corners;
+    let corner = |face: FaceId, v: VertexId| {
+        parent.topology.faces.corners_of(face).find(|&c| parent.topology.faces.vertex(c) == v)
+    };
+    Table::of(output.controls.par_iter(), Vec::new, |table, faces: &mut Vec<FaceId>, control| {
+        let over = if let Role::Layer { over, .. } = control.role { over } else { control.vertex };
+        faces.clear();
+        faces.extend(vertex_corners.row(over).iter().map(|&c| derivation.parent_face(derivation.faces.face_of(c))));
+        faces.sort_unstable();
+        faces.dedup();
+        let share = 1.0 / faces.len().max(1) as f32;
+        let sources = derivation.vertices.at(over.index());
+        let pairs = faces.iter().flat_map(|&f| sources.iter().map(move |&(v, w)| (f, v, w)));
+        table.push(pairs.filter_map(|(f, v, w)| Some((corner(f, v)?, w * share))));
+    })
+}

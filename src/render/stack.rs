@@ -1,0 +1,497 @@
+//! The stack of operators, and the cached steps from a garment to its render mesh.
+//!
+//! ```text
+//! cage → operator → operator → … → refinement → …    connectivity and attributes
+//! points → points → points → …  → points → …          in parallel with the next step above
+//! ```
+//!
+//! Each [`Step`] caches its last result by its input. An edit of heights recomputes points alone. An edit of widths
+//! mostly gives the same faces, which keeps levels and refinements too.
+
+use super::operator::{Ancestry, DerivedCage, Operator, OperatorInput};
+use super::placement::{FlatPoints, Placement};
+use super::points::CagePoints;
+use super::reference::ReferenceNormals;
+use super::{OperatorOptions, RenderOptions, add_border_holes, check_size};
+use crate::error::{Code, Error, Warning, Warnings, names};
+use crate::garment::{Garment, Subset};
+use crate::mesh::{IdVec, VertexId};
+use crate::step::{Same, Step};
+use crate::subdivide::{
+    Carrier, Connectivity, Derivation, Level, Refinement, carried_points, refined_faces, same_level,
+    share_values_alike, to_unit_length,
+};
+use glam::Vec3;
+use std::sync::Arc;
+
+/// The operators of a render mesh in their order, and its subdivision level.
+#[derive(Clone)]
+pub struct Stack {
+    /// The operators.
+    pub operators: Vec<Arc<dyn Operator>>,
+    /// Kinds and names of the recipe's operators, such as `seam.placket`.
+    pub names: Vec<String>,
+    /// Refinements after the operators. \[levels\]
+    pub level: u32,
+    /// True if operators add face subsets of their new faces.
+    pub names_sets: bool,
+    /// Warnings of operators that `render.operators` omits.
+    pub warnings: Warnings,
+}
+
+impl Stack {
+    /// The stack of a recipe with the operators `all`, by name.
+    ///
+    /// # Errors
+    /// A name in `render.operators` that is unknown, ambiguous or repeated.
+    pub fn new(options: &RenderOptions, all: &[(&str, &dyn OperatorOptions)]) -> Result<Self, Error> {
+        let mut stack = Self {
+            operators: Vec::new(),
+            names: Vec::new(),
+            level: options.level,
+            names_sets: options.face_sets,
+            warnings: Warnings::default(),
+        };
+        for at in order(all, &options.operators, &mut stack.warnings)? {
+            let (name, options) = all[at];
+            match stack.operators.last().and_then(|last| options.joined(name, last.as_ref())) {
+                Some(joined) => *stack.operators.last_mut().expect("an operator was joined") = joined,
+                None => stack.operators.push(options.operator(name)),
+            }
+            stack.names.push(options.full_name(name));
+        }
+        Ok(stack)
+    }
+
+    /// The largest height of the operators, rounded up to a quarter power of two so that most edits keep it.
+    /// \[stage units\]
+    fn reach(&self, garment: &Garment) -> f32 {
+        let furthest = self.operators.iter().map(|o| o.reach(garment)).fold(0.0, f32::max);
+        if furthest > 0.0 { (0.25 * (4.0 * furthest.log2()).ceil()).exp2() } else { 0.0 }
+    }
+}
+
+/// Indices of the operators in the order of `wanted`; all of them if it is empty.
+fn order(
+    all: &[(&str, &dyn OperatorOptions)],
+    wanted: &[String],
+    warnings: &mut Warnings,
+) -> Result<Vec<usize>, Error> {
+    if wanted.is_empty() {
+        return Ok((0..all.len()).collect());
+    }
+    let full_name = |i: usize| all[i].1.full_name(all[i].0);
+    let fault = |name: &str, fault: &str| {
+        let known: Vec<String> = (0..all.len()).map(full_name).collect();
+        let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
+        let error = Error::recipe("render.operators", format!("it names \"{name}\", {fault}"));
+        Err(error.remedy(format!("the operators of the recipe are: {known}")))
+    };
+    let mut order: Vec<usize> = Vec::new();
+    for name in wanted {
+        let found: Vec<usize> = (0..all.len()).filter(|&i| is_name_of(all[i], name)).collect();
+        match found.as_slice() {
+            [] => return fault(name, "which is no operator of the recipe"),
+            [one] if order.contains(one) => return fault(name, "which it names twice"),
+            [one] => order.push(*one),
+            _ => return fault(name, "which several operators have; add its kind"),
+        }
+    }
+    let omitted: Vec<String> = (0..all.len()).filter(|i| !order.contains(i)).map(full_name).collect();
+    if !omitted.is_empty() {
+        let problem = format!("it leaves out operators, which do not run: {}", names(&omitted));
+        let warning = Warning::new(Code::OperatorsLeftOut, "render.operators", problem);
+        warnings.push(warning.remedy("Add them to it, or delete them from the recipe"));
+    }
+    Ok(order)
+}
+
+/// True if `text` is the name of an operator, with or without its kind.
+fn is_name_of((name, options): (&str, &dyn OperatorOptions), text: &str) -> bool {
+    text == name || text.split_once(['.', ':']).is_some_and(|(kind, rest)| kind == options.kind() && rest == name)
+}
+
+/// A render mesh.
+#[derive(Clone, Debug)]
+pub struct Rendered {
+    /// The mesh.
+    pub mesh: Arc<Garment>,
+    /// Names of the face sets of operators.
+    pub sets: Vec<String>,
+    /// Warnings of the operators.
+    pub warnings: Warnings,
+}
+
+/// An operator, compared by its output.
+struct SameOutput(Arc<dyn Operator>);
+
+impl PartialEq for SameOutput {
+    fn eq(&self, other: &Self) -> bool {
+        self.0.has_same_output(other.0.as_ref())
+    }
+}
+
+/// An operator, compared by all of its options.
+struct SameOperator(Arc<dyn Operator>);
+
+impl PartialEq for SameOperator {
+    fn eq(&self, other: &Self) -> bool {
+        self.0.is_same(other.0.as_ref())
+    }
+}
+
+/// A cage, compared by the inputs of its level.
+struct SameLevel(Arc<DerivedCage>);
+
+impl PartialEq for SameLevel {
+    fn eq(&self, other: &Self) -> bool {
+        same_level(&self.0.frame, &other.0.frame)
+    }
+}
+
+/// A cage with its level, compared by the inputs of its refinement.
+struct SameRefinement(Cage);
+
+impl PartialEq for SameRefinement {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0.level, &other.0.level) && share_values_alike(&self.0.garment, &other.0.garment)
+    }
+}
+
+/// A cage of the stack. Its points are without heights.
+#[derive(Clone)]
+struct Cage {
+    garment: Arc<Garment>,
+    level: Arc<Level>,
+}
+
+/// The output of an operator, and the cage with all attributes.
+#[derive(Clone)]
+struct OperatorCage {
+    derived: Arc<DerivedCage>,
+    cage: Cage,
+}
+
+/// The points of an operator's cage, the masks of its refinement, and warnings of reduced heights.
+#[derive(Clone)]
+struct Raised {
+    points: Arc<CagePoints>,
+    connectivity: Arc<Connectivity>,
+    warnings: Arc<Warnings>,
+}
+
+/// Steps to the cage of an operator.
+#[derive(Default)]
+struct CageSteps {
+    derived: Step<(SameOutput, Same<Garment>, bool), Arc<DerivedCage>>,
+    level: Step<SameLevel, Arc<Level>>,
+    garment: Step<Same<DerivedCage>, Arc<Garment>>,
+}
+
+impl CageSteps {
+    fn update(
+        &mut self,
+        operator: &Arc<dyn Operator>,
+        parent: &Cage,
+        context: &Context,
+    ) -> Result<OperatorCage, Error> {
+        let input = (SameOutput(Arc::clone(operator)), Same::from(&parent.garment), context.names_sets);
+        let derived = self.derived.get(input, |_| {
+            let input = OperatorInput {
+                garment: &parent.garment,
+                level: &parent.level,
+                clearance: &context.ancestry.clearance,
+                input_points: context.ancestry.garment.points.len(),
+                names_sets: context.names_sets,
+            };
+            DerivedCage::new(operator.as_ref(), &input, &context.ancestry).map(Arc::new)
+        })?;
+        let level = self.level.get(SameLevel(Arc::clone(&derived)), |_| Ok(Arc::new(Level::base(&derived.frame))))?;
+        let garment = self.garment.get(Same::from(&derived), |_| {
+            let carrier = Carrier::new(&parent.garment, &derived.output.derivation);
+            let (primvars, influences) = (carrier.primvars(), carrier.influences());
+            Ok(Arc::new(Garment { primvars, influences, ..derived.frame.clone() }))
+        })?;
+        Ok(OperatorCage { derived, cage: Cage { garment, level } })
+    }
+}
+
+/// Inputs of an operator besides its cage.
+struct Context {
+    ancestry: Ancestry,
+    names_sets: bool,
+}
+
+/// What the placement of a cage depends on: the cage, its connectivity and its parent's.
+type PlacementInput = (Same<DerivedCage>, Same<Connectivity>, Same<Connectivity>);
+/// What raised points depend on; the last says whether the cage is the last one.
+type RaisedInput = (SameOperator, Same<FlatPoints>, bool);
+
+/// Steps to the points of an operator's cage.
+#[derive(Default)]
+struct PointSteps {
+    connectivity: Step<Same<Level>, Arc<Connectivity>>,
+    placement: Step<PlacementInput, Arc<Placement>>,
+    flat: Step<(Same<Placement>, Same<CagePoints>), Arc<FlatPoints>>,
+    raised: Step<RaisedInput, (Arc<CagePoints>, Arc<Warnings>)>,
+}
+
+impl PointSteps {
+    fn update(
+        &mut self,
+        operator: &Arc<dyn Operator>,
+        child: &OperatorCage,
+        parent: (&Arc<Connectivity>, &Arc<CagePoints>),
+        is_last: bool,
+    ) -> Result<Raised, Error> {
+        let connectivity = connectivity(&mut self.connectivity, &child.cage.level)?;
+        let input = (Same::from(&child.derived), Same::from(&connectivity), Same::from(parent.0));
+        let placement = self.placement.get(input, |(derived, child, parent)| {
+            Ok(Arc::new(Placement::new(Arc::clone(&derived.0), Arc::clone(&child.0), Arc::clone(&parent.0))))
+        })?;
+        let input = (Same::from(&placement), Same::from(parent.1));
+        let flat = self.flat.get(input, |(placement, parent)| Ok(Arc::new(placement.flat(parent))))?;
+        let input = (SameOperator(Arc::clone(operator)), Same::from(&flat), is_last);
+        let (points, warnings) = self.raised.get(input, |_| {
+            let (points, warnings) = placement.raised(operator.as_ref(), &flat, is_last);
+            Ok((Arc::new(points), Arc::new(warnings)))
+        })?;
+        Ok(Raised { points, connectivity, warnings })
+    }
+}
+
+fn connectivity(
+    step: &mut Step<Same<Level>, Arc<Connectivity>>,
+    level: &Arc<Level>,
+) -> Result<Arc<Connectivity>, Error> {
+    step.get(Same::from(level), |level| Ok(Arc::new(Connectivity::new(Arc::clone(&level.0)))))
+}
+
+/// The subsets of a product.
+type Subsets = Arc<Vec<Subset>>;
+
+/// Steps of a refinement.
+#[derive(Default)]
+struct RefinementSteps {
+    of_cage: Step<SameRefinement, Arc<Refinement>>,
+    of_refinement: Step<Same<Refinement>, Arc<Refinement>>,
+    subsets: Step<(Same<Refinement>, Subsets), Subsets>,
+    attributes: Step<(Same<Refinement>, Same<Garment>, bool), Arc<Garment>>,
+}
+
+impl RefinementSteps {
+    /// The refinement after `last`, or the first of `cage`.
+    fn refinement(&mut self, cage: &Cage, last: Option<&Arc<Refinement>>) -> Result<Arc<Refinement>, Error> {
+        match last {
+            None => self.of_cage.get(SameRefinement(cage.clone()), |SameRefinement(cage)| {
+                Ok(Arc::new(Refinement::of_cage(Arc::clone(&cage.level), &cage.garment)))
+            }),
+            Some(last) => self.of_refinement.get(Same::from(last), |last| Ok(Arc::new(last.next()))),
+        }
+    }
+
+    /// The refined garment, without points.
+    fn attributes(&mut self, by: &Arc<Refinement>, of: &Arc<Garment>, is_last: bool) -> Result<Arc<Garment>, Error> {
+        let carrier = Carrier::new(of, by.as_ref());
+        let input = (Same::from(by), Arc::clone(&of.subsets));
+        let subsets = self.subsets.get(input, |_| Ok(carrier.subsets()))?;
+        self.attributes.get((Same::from(by), Same::from(of), is_last), |_| {
+            let (primvars, influences) = (carrier.primvars(), carrier.influences());
+            let garment = Garment { primvars, influences, ..carrier.frame(subsets) };
+            Ok(Arc::new(if is_last { finished(garment) } else { garment }))
+        })
+    }
+}
+
+/// The cached steps from a garment to its render mesh.
+#[derive(Default)]
+pub struct RenderSteps {
+    first: Step<(), Cage>,
+    first_points: Step<u32, Arc<CagePoints>>,
+    first_ancestry: Step<Same<CagePoints>, Ancestry>,
+    first_connectivity: Step<Same<Level>, Arc<Connectivity>>,
+    cages: Vec<CageSteps>,
+    points: Vec<PointSteps>,
+    refinements: Vec<RefinementSteps>,
+    mesh: Step<(Same<Garment>, Same<CagePoints>, u32), Arc<Garment>>,
+}
+
+/// Cages and points of all operators.
+struct Derived {
+    cages: Vec<OperatorCage>,
+    raised: Vec<Raised>,
+}
+
+/// The garment after all refinements without its points, and the refinements.
+type Refined = (Arc<Garment>, Vec<Arc<Refinement>>);
+
+impl RenderSteps {
+    /// The render mesh of `garment`, which must be the same in every call.
+    ///
+    /// A polygonal mesh (`subdivisionScheme = "none"`) is refined as if bilinear and stays polygonal.
+    ///
+    /// # Errors
+    /// Operators that do not fit the garment; a mesh that would be too large.
+    pub fn update(&mut self, garment: &Arc<Garment>, stack: &Stack) -> Result<Rendered, Error> {
+        if stack.level == 0 && stack.operators.is_empty() {
+            let mesh = Arc::clone(garment);
+            return Ok(Rendered { mesh, sets: Vec::new(), warnings: stack.warnings.clone() });
+        }
+        // Parallel loops start faster from a thread of the pool.
+        rayon::scope(|_| self.update_in_pool(garment, stack))
+    }
+
+    fn update_in_pool(&mut self, garment: &Arc<Garment>, stack: &Stack) -> Result<Rendered, Error> {
+        let reach = stack.reach(garment);
+        let first = self.first.get((), |()| Ok(Cage::first(garment)))?;
+        let points = || Ok(Arc::new(CagePoints::first(&first.garment, &first.level, reach)));
+        let points = self.first_points.get(reach.to_bits(), |_| points())?;
+        let (Derived { cages, raised }, (refined, refinements)) = self.operate(&first, &points, stack)?;
+        let points = raised.last().map_or(&points, |last| &last.points);
+        let mesh = self.mesh.get((Same::from(&refined), Same::from(points), stack.level), |_| {
+            let known = raised.last().map(|last| last.connectivity.as_ref());
+            let points = refined_points(&points.points, known, &refinements);
+            Ok(Arc::new(Garment { points, ..Garment::clone(&refined) }))
+        })?;
+        let mut warnings = stack.warnings.clone();
+        for (cage, raised) in cages.iter().zip(&raised) {
+            warnings.extend(cage.derived.output.warnings.iter().chain(raised.warnings.iter()).cloned());
+        }
+        let subsets = cages.iter().flat_map(|cage| &cage.derived.output.subsets);
+        Ok(Rendered { mesh, sets: subsets.map(|set| set.name.clone()).collect(), warnings })
+    }
+
+    /// Runs all operators and refines the attributes of the last cage. The points of a cage are computed in parallel
+    /// with the connectivity of the next operator, those of the last cage in parallel with the refinement.
+    fn operate(&mut self, first: &Cage, points: &Arc<CagePoints>, stack: &Stack) -> Result<(Derived, Refined), Error> {
+        let mut done = Derived { cages: Vec::new(), raised: Vec::new() };
+        let Self { cages, points: point_steps, refinements, .. } = self;
+        let count = stack.operators.len();
+        cages.resize_with(count, CageSteps::default);
+        point_steps.resize_with(count, PointSteps::default);
+        refinements.resize_with(stack.level as usize, RefinementSteps::default);
+        if count == 0 {
+            return Ok((done, refined(refinements, first, stack)?));
+        }
+        let ancestry = self.first_ancestry.get(Same::from(points), |points| Ok(first.ancestry(points)))?;
+        let mut context = Context { ancestry, names_sets: stack.names_sets };
+        let first_connectivity = connectivity(&mut self.first_connectivity, &first.level)?;
+        let mut raise = |done: &Derived| {
+            let Some((number, child)) = done.cages.iter().enumerate().next_back() else { return Ok(None) };
+            let parent = done.raised.last().map_or((&first_connectivity, points), |r| (&r.connectivity, &r.points));
+            let operator = &stack.operators[number];
+            point_steps[number].update(operator, child, parent, number + 1 == count).map(Some)
+        };
+        for (operator, steps) in stack.operators.iter().zip(cages) {
+            let parent = done.cages.last().map_or(first, |last| &last.cage);
+            let (raised, cage) = rayon::join(|| raise(&done), || steps.update(operator, parent, &context));
+            let cage = cage?;
+            context.ancestry = cage.derived.ancestry.clone();
+            done.raised.extend(raised?);
+            done.cages.push(cage);
+        }
+        let last = done.cages.last().map_or(first, |last| &last.cage);
+        check_size(&last.garment, stack.level)?;
+        let (raised, refined) = rayon::join(|| raise(&done), || refined(refinements, last, stack));
+        let refined = refined?;
+        done.raised.extend(raised?);
+        Ok((done, refined))
+    }
+
+    /// The number of faces of [`RenderSteps::update`], computed without points.
+    ///
+    /// # Errors
+    /// As [`RenderSteps::update`].
+    pub fn face_count(&mut self, garment: &Arc<Garment>, stack: &Stack) -> Result<usize, Error> {
+        let reach = stack.reach(garment);
+        let first = self.first.get((), |()| Ok(Cage::first(garment)))?;
+        self.cages.resize_with(stack.operators.len(), CageSteps::default);
+        let points = Arc::new(CagePoints::first(&first.garment, &first.level, reach));
+        let mut context = Context { ancestry: first.ancestry(&points), names_sets: stack.names_sets };
+        let mut cage = first;
+        for (operator, steps) in stack.operators.iter().zip(&mut self.cages) {
+            let next = steps.update(operator, &cage, &context)?;
+            context.ancestry = next.derived.ancestry.clone();
+            cage = next.cage;
+        }
+        Ok(refined_faces(&cage.garment, stack.level))
+    }
+}
+
+impl RenderSteps {
+    /// Memory per corner of a cage: level, masks, limits, parents, placement. Measured on garments of 10 to 100
+    /// thousand corners, as below. \[bytes\]
+    const CAGE_CORNER: usize = 300;
+    /// Memory per corner of a refined level. \[bytes\]
+    const LEVEL_CORNER: usize = 40;
+
+    /// An estimate of the memory of all cached steps. \[bytes\]
+    pub fn bytes(&self) -> usize {
+        let cages = self.cages.iter().filter_map(|steps| steps.garment.last());
+        let cages = cages.map(|garment| 2 * garment.bytes() + Self::CAGE_CORNER * garment.faces.corners().len());
+        let refinements = self.refinements.iter().map(|steps| {
+            let refinement = steps.of_cage.last().or(steps.of_refinement.last());
+            let corners = |r: &Arc<Refinement>| r.level().topology.faces.corners().len();
+            let refinement = refinement.map_or(0, |r| r.bytes() + Self::LEVEL_CORNER * corners(r));
+            refinement + steps.attributes.last().map_or(0, |garment| garment.bytes())
+        });
+        let mesh = self.mesh.last().map_or(0, |mesh| size_of_val(mesh.points.as_slice()));
+        self.first.last().map_or(0, |cage| cage.garment.bytes()) + cages.chain(refinements).sum::<usize>() + mesh
+    }
+}
+
+impl Cage {
+    /// The cage of a garment before all operators.
+    fn first(garment: &Garment) -> Self {
+        let level = Level::base(garment);
+        let mut garment = garment.clone();
+        add_border_holes(&mut garment, &level);
+        garment.unpack_influences();
+        Self { garment: Arc::new(garment), level: Arc::new(level) }
+    }
+
+    fn ancestry(&self, points: &CagePoints) -> Ancestry {
+        Ancestry {
+            clearance: Arc::new(points.clearance.clone()),
+            reference: Arc::new(ReferenceNormals::first(&self.garment, &self.level)),
+            garment: Arc::clone(&self.garment),
+            level: Arc::clone(&self.level),
+            faces: Arc::new(self.garment.faces.ids().collect()),
+        }
+    }
+}
+
+/// A cage after all refinements, without its points.
+fn refined(steps: &mut [RefinementSteps], cage: &Cage, stack: &Stack) -> Result<Refined, Error> {
+    if stack.level == 0 {
+        return Ok((Arc::new(finished(Garment::clone(&cage.garment))), Vec::new()));
+    }
+    let mut garment = Arc::clone(&cage.garment);
+    let mut refinements: Vec<Arc<Refinement>> = Vec::with_capacity(steps.len());
+    let last = steps.len() - 1;
+    for (number, steps) in steps.iter_mut().enumerate() {
+        let refinement = steps.refinement(cage, refinements.last())?;
+        garment = steps.attributes(&refinement, &garment, number == last)?;
+        refinements.push(refinement);
+    }
+    Ok((garment, refinements))
+}
+
+/// A garment as a product: directions have unit length, and joint influences are back in their primvars.
+fn finished(mut garment: Garment) -> Garment {
+    Arc::make_mut(&mut garment.primvars).iter_mut().for_each(to_unit_length);
+    garment.pack_influences();
+    garment
+}
+
+/// Points after all refinements. `known` holds the masks of the first refinement if an operator computed them.
+fn refined_points(
+    points: &IdVec<VertexId, Vec3>,
+    known: Option<&Connectivity>,
+    refinements: &[Arc<Refinement>],
+) -> IdVec<VertexId, Vec3> {
+    let Some((first, others)) = refinements.split_first() else { return points.clone() };
+    let rows = known.map_or_else(|| first.level().vertex_rows(), Connectivity::vertex_rows);
+    let points = carried_points(&rows, points);
+    others.iter().fold(points, |points, next| carried_points(&next.vertex(), &points))
+}

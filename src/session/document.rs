@@ -1,0 +1,132 @@
+//! A `.tailor` file opened as a USD layer, with its file-format arguments.
+
+use crate::error::{Error, ErrorKind, Warnings};
+use crate::recipe::{Layers, RecipeFile};
+use crate::usd::{ReadOptions, Source};
+use serde_json::{Map, Value};
+use std::path::{Path, PathBuf};
+
+/// A `.tailor` file and the file-format arguments that it was opened with.
+#[derive(Clone, Debug)]
+pub struct Document {
+    path: PathBuf,
+    source: String,
+    options: ReadOptions,
+    file: Map<String, Value>,
+    arguments: Layers,
+}
+
+/// Arguments that OpenUSD itself adds to any layer; they are ignored.
+const FOREIGN_ARGUMENTS: [&str; 1] = ["target"];
+
+impl Document {
+    /// Parses the text of the file at `path` and its arguments: `prim`, `time`, and options by their keys.
+    ///
+    /// # Errors
+    /// A text that is not a recipe or has no source; an unknown argument, or one with a value of another type.
+    pub fn new<'a>(
+        path: &Path,
+        text: &str,
+        arguments: impl IntoIterator<Item = (&'a str, &'a str)>,
+    ) -> Result<Self, Error> {
+        let file = RecipeFile::parse(path, text)?;
+        let source = file.required_source(path)?.to_owned();
+        let options = ReadOptions { prim: file.prim.clone(), time: None };
+        let (path, file) = (path.to_path_buf(), file.into_layer());
+        let mut document = Self { path, source, options, file, arguments: Layers::default() };
+        arguments.into_iter().try_for_each(|(key, text)| document.add_argument(key, text))?;
+        Ok(document)
+    }
+
+    fn add_argument(&mut self, key: &str, text: &str) -> Result<(), Error> {
+        match key {
+            "prim" => self.options.prim = Some(text.to_owned()),
+            "time" => {
+                let time = text.parse().map_err(|_| {
+                    let fault = Error::new(ErrorKind::Usage, "argument time", format!("\"{text}\" is not a number"));
+                    fault.remedy("give a time code, such as 24.5")
+                })?;
+                self.options.time = Some(time);
+            }
+            _ if FOREIGN_ARGUMENTS.contains(&key) => {}
+            _ => self.arguments.add_text("argument", key, text)?,
+        }
+        Ok(())
+    }
+
+    /// The source's path as written in the file.
+    pub fn source(&self) -> &str {
+        &self.source
+    }
+
+    /// The source's path, resolved relative to the file.
+    pub fn source_file(&self) -> PathBuf {
+        self.path.parent().unwrap_or(Path::new("")).join(&self.source)
+    }
+
+    /// The folder of the file; `None` inside a package.
+    pub fn folder(&self) -> Option<&Path> {
+        let packed = self.path.to_str().is_some_and(|path| path.ends_with(']'));
+        self.path.parent().filter(|_| !packed)
+    }
+
+    /// The prim and time to read from the source.
+    pub fn options(&self) -> &ReadOptions {
+        &self.options
+    }
+
+    /// The source's attributes, overridden by the file, overridden by the arguments.
+    ///
+    /// # Errors
+    /// `tailor:` attributes of the source that cannot be read.
+    pub fn layers(&self, source: &Source, warnings: &mut Warnings) -> Result<Layers, Error> {
+        let mut layers = Layers::default();
+        layers.add_attributes(source.recipe()?, warnings);
+        layers.add(self.file.clone());
+        layers.add(self.arguments.clone().into_map());
+        Ok(layers)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FILE: &str = r#"{"source": "coat.usda", "prim": "/Coat/model", "sim": {"iterations": 3}}"#;
+
+    fn document(text: &str, arguments: &[(&str, &str)]) -> Result<Document, Error> {
+        Document::new(Path::new("/a/coat.tailor"), text, arguments.iter().copied())
+    }
+
+    #[test]
+    fn arguments_are_stronger_than_the_file() {
+        let arguments = [("sim.iterations", "4"), ("prim", "/Coat/other"), ("time", "2.5"), ("target", "usd")];
+        let document = document(FILE, &arguments).expect("a good file");
+        assert_eq!(document.source_file(), Path::new("/a/coat.usda"));
+        assert_eq!(document.options(), &ReadOptions { prim: Some("/Coat/other".into()), time: Some(2.5) });
+        let mut layers = Layers::default();
+        layers.add(document.file);
+        layers.add(document.arguments.into_map());
+        assert_eq!(layers.recipe().expect("a good recipe").sim.iterations, 4);
+    }
+
+    #[test]
+    fn a_byte_order_mark_is_no_fault() {
+        assert!(document(&format!("\u{feff}{FILE}"), &[]).is_ok());
+    }
+
+    #[test]
+    fn faults_name_the_file_or_the_argument_and_the_remedy() {
+        for (text, argument, expected) in [
+            ("{}", ("time", "1"), "/a/coat.tailor: it names no source"),
+            (r#"{"source": "b.tailor"}"#, ("time", "1"), "a recipe too"),
+            (r#"{"source": "b.usda", "sims": {}}"#, ("time", "1"), "line 1 column"),
+            (FILE, ("time", "noon"), "argument time"),
+            (FILE, ("sim.maxEdge", "2"), "argument sim.maxEdge: there is no such option"),
+            (FILE, ("render.level", "two"), "argument render.level: \"two\" is not a whole number"),
+        ] {
+            let message = document(text, &[argument]).expect_err(text).to_string();
+            assert!(message.contains(expected) && message.contains("hint:"), "{message}");
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! Builds many sources in one process within a memory bound, for the OpenUSD plugin.
+//!
+//! A [`Session`] keeps a [`Builder`] for each recent source, so an edit recomputes only the steps that depend on it.
+
+mod document;
+
+pub use document::Document;
+
+use crate::build::{Builder, Products};
+use crate::error::{Error, Warnings};
+use crate::recipe::Layers;
+use crate::usd::{Format, Product, ProductRole, ReadOptions, Source, Surroundings, WriteOptions, layer_bytes};
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+/// A bounded cache of builders, which evicts the least recently used source first.
+///
+/// All methods are thread-safe. A source is read once, and its builds run one at a time.
+pub struct Session {
+    /// The most recently used source is last.
+    kept: Mutex<Vec<Kept>>,
+    /// Bound of the total memory. \[bytes\]
+    capacity: usize,
+    /// Threads of the builds, separate from the caller's.
+    pool: ThreadPool,
+}
+
+/// Identifies a source by its content and read options. The file is included because messages name it.
+#[derive(Clone, PartialEq)]
+struct Key {
+    content: Arc<[u8]>,
+    file: PathBuf,
+    options: ReadOptions,
+}
+
+/// A cached source.
+struct Kept {
+    key: Key,
+    /// `None` until the source is read.
+    opened: Arc<Mutex<Option<Opened>>>,
+    /// Estimated memory after the last use. \[bytes\]
+    bytes: usize,
+}
+
+struct Opened {
+    source: Arc<Source>,
+    builder: Builder,
+}
+
+impl Session {
+    /// A session that caches at most `capacity` bytes and builds on `threads` threads; `None` is one for each core.
+    ///
+    /// # Errors
+    /// Threads that cannot be started.
+    pub fn new(capacity: usize, threads: Option<usize>) -> Result<Self, Error> {
+        let pool = ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
+        let pool = pool.map_err(|e| Error::internal(format!("cannot start threads: {e}")))?;
+        Ok(Self { kept: Mutex::default(), capacity, pool })
+    }
+
+    /// Estimated memory of all cached results. \[bytes\]
+    pub fn memory(&self) -> usize {
+        lock(&self.kept).iter().map(|kept| kept.bytes).sum()
+    }
+
+    /// The layer of a `.tailor` file as crate (`.usdc`) bytes, equal to that of `usdtailor build`.
+    ///
+    /// `content` is the composed source. With `metadata_only`, the products are neither built nor written.
+    ///
+    /// # Errors
+    /// Errors in the source or the recipe.
+    pub fn layer(
+        &self,
+        document: &Document,
+        content: &[u8],
+        metadata_only: bool,
+        warnings: &mut Warnings,
+    ) -> Result<Vec<u8>, Error> {
+        let (file, options) = (document.source_file(), document.options().clone());
+        let key = Key { content: content.into(), file, options };
+        let slot = self.slot(&key);
+        let mut opened = lock(&slot);
+        let result = self.update(&mut opened, document, &key, metadata_only, warnings);
+        let bytes = opened.as_ref().map_or(0, |opened| 2 * key.content.len() + opened.builder.bytes());
+        drop(opened);
+        self.note(&key, bytes);
+        let (source, meshes) = result?;
+        let products: Vec<Product> = meshes
+            .iter()
+            .flat_map(|products| [(ProductRole::Sim, &products.sim), (ProductRole::Render, &products.render)])
+            .map(|(role, mesh)| Product { name: role.name(), role, mesh })
+            .collect();
+        let surroundings = Surroundings { folder: document.folder(), source: Some(document.source()) };
+        layer_bytes(&source, &products, Format::Usdc, surroundings, &WriteOptions::default(), warnings)
+    }
+
+    fn update(
+        &self,
+        opened: &mut Option<Opened>,
+        document: &Document,
+        key: &Key,
+        metadata_only: bool,
+        warnings: &mut Warnings,
+    ) -> Result<(Arc<Source>, Option<Products>), Error> {
+        let Opened { source, builder } = match opened {
+            Some(opened) => opened,
+            None => opened.insert(self.open(key)?),
+        };
+        let layers: Layers = document.layers(source, warnings)?;
+        let source = Arc::clone(source);
+        if metadata_only {
+            warnings.extend(builder.warnings().iter().cloned());
+            return Ok((source, None));
+        }
+        let recipe = layers.recipe()?;
+        layers.check_uv_set(&recipe, builder.garment())?;
+        let products = self.pool.install(|| builder.update(&recipe))?;
+        warnings.extend(products.warnings.iter().cloned());
+        Ok((source, Some(products)))
+    }
+
+    fn open(&self, key: &Key) -> Result<Opened, Error> {
+        let source = Source::from_layer(Arc::clone(&key.content), &key.file, &key.options)?;
+        let mut warnings = Warnings::default();
+        let mesh = source.garment(&mut warnings)?;
+        let builder = self.pool.install(|| Builder::new(mesh))?.with_warnings(warnings);
+        Ok(Opened { source: Arc::new(source), builder })
+    }
+
+    /// The cache entry of a source, now the most recently used.
+    fn slot(&self, key: &Key) -> Arc<Mutex<Option<Opened>>> {
+        let mut kept = lock(&self.kept);
+        let slot = match kept.iter().position(|k| k.key == *key) {
+            Some(at) => kept.remove(at),
+            None => Kept { key: key.clone(), opened: Arc::default(), bytes: 0 },
+        };
+        let opened = Arc::clone(&slot.opened);
+        kept.push(slot);
+        opened
+    }
+
+    /// Records the memory of a source and evicts the least recently used ones while the total exceeds the capacity.
+    ///
+    /// Zero bytes mean that the source could not be read; its entry is removed.
+    fn note(&self, key: &Key, bytes: usize) {
+        let mut kept = lock(&self.kept);
+        kept.iter_mut().filter(|k| k.key == *key).for_each(|k| k.bytes = bytes);
+        kept.retain(|k| bytes > 0 || k.key != *key);
+        let mut total: usize = kept.iter().map(|k| k.bytes).sum();
+        kept.retain(|k| {
+            let stays = total <= self.capacity;
+            total -= if stays { 0 } else { k.bytes };
+            stays
+        });
+    }
+}
+
+/// Locks a mutex even after a panic, as build steps keep a builder consistent at every point.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

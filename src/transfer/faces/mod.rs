@@ -1,0 +1,8 @@
+//! Attributes of faces, by the areas that faces of the two meshes have in common: the mean of numbers, the mode of
+//! other values, and the majority of sets.
+
+mod sets;
+mod uniform;
+
+pub(super) use sets::{FaceSets, carry_sets};
+pub(super) use uniform::carry_primvar;

@@ -1,0 +1,154 @@
+//! Subsets on the simulation mesh: the garment's, and those that name its creases, corners, borders and seams.
+
+mod named;
+mod warnings;
+
+use super::correspondence::Correspondence;
+use super::edges::{CarriedEdges, EdgeTransfer};
+use super::faces::{FaceSets, carry_sets};
+use crate::error::Warning;
+use crate::garment::{Elements, Family, FamilyType, Garment, Subset};
+use crate::mesh::{IdVec, Topology, VertexId};
+use crate::sim::{SimOptions, SimProduct};
+use glam::Vec3;
+
+/// The subsets of a simulation mesh.
+pub(super) struct CarriedSubsets {
+    pub subsets: Vec<Subset>,
+    pub families: Vec<Family>,
+    pub curves: Vec<SetCurve>,
+    /// Number of isolated faces that were moved to a neighbour's set.
+    pub islands: usize,
+}
+
+/// The curve of an edge subset on the baseline.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SetCurve {
+    /// Name of the subset.
+    pub name: String,
+    /// Its length. \[stage units\]
+    pub length: f64,
+    /// Largest distance from it of the subset on the simulation mesh, in local target lengths.
+    pub farthest: f32,
+    /// Length of the subset on the simulation mesh, with the shortest path within reach in place of each path that is
+    /// too long. \[stage units\]
+    pub shortest: f64,
+}
+
+/// The edge sets on the simulation mesh, which need no samples.
+pub(super) struct EdgeSets<'a> {
+    edges: EdgeTransfer<'a>,
+    /// The subsets of the garment, then those of its creases and corners.
+    sources: Vec<Subset>,
+    /// For each of the sources its edges; empty for faces and points.
+    carried: Vec<CarriedEdges>,
+}
+
+impl<'a> EdgeSets<'a> {
+    /// `topology` is that of the simulation mesh.
+    pub fn new(garment: &Garment, product: &'a SimProduct, topology: &'a Topology) -> Self {
+        let mut sources = garment.subsets.to_vec();
+        sources.extend(named::sharp_sets(garment));
+        let edges = EdgeTransfer::new(product, topology, garment.points.len());
+        let sets = sources.iter().map(|s| match &s.elements {
+            Elements::Edges(edges) => edges.as_slice(),
+            _ => &[],
+        });
+        let carried = edges.carry_all(&sets.collect::<Vec<_>>());
+        Self { edges, sources, carried }
+    }
+}
+
+/// The subsets and families of the simulation mesh.
+pub(super) fn carry_all(
+    garment: &Garment,
+    map: &Correspondence<'_>,
+    options: &SimOptions,
+    edge_sets: EdgeSets<'_>,
+) -> (CarriedSubsets, Vec<Warning>) {
+    let EdgeSets { edges, sources, carried } = edge_sets;
+    let FaceSets { sets: mut face_sets, islands } = carry_sets(garment, map, options.clean_islands);
+    let mut warnings = Vec::from_iter(warnings::of_small_sets(garment, &face_sets, map.coverage));
+    let (mut subsets, mut curves) = (Vec::with_capacity(sources.len() + 2), Vec::new());
+    for (i, (source, carried)) in sources.into_iter().zip(carried).enumerate() {
+        let elements = match &source.elements {
+            Elements::Faces(faces) => {
+                let set = std::mem::take(&mut face_sets[i]);
+                warnings.extend((set.is_empty() && !faces.is_empty()).then(|| warnings::of_lost_set(&source)));
+                Elements::Faces(set)
+            }
+            Elements::Edges(_) => {
+                warnings.extend(warnings::of_edges(&source, &carried));
+                let CarriedEdges { edges, source_length: length, farthest, shortest, .. } = carried;
+                curves.push(SetCurve { name: source.name.clone(), length, farthest, shortest });
+                Elements::Edges(edges)
+            }
+            Elements::Points(points) => Elements::Points(nearest_points(points, garment, &edges, map.product)),
+        };
+        subsets.push(Subset { elements, ..source });
+    }
+    subsets.extend(named::constraint_sets(garment, map.product, options));
+    let families = families(garment, &subsets);
+    (CarriedSubsets { subsets, families, curves, islands }, warnings)
+}
+
+/// The families of the garment, then those of our own subsets. A family of edges or points is unrestricted, because a
+/// partition of them leaves out the new ones.
+fn families(garment: &Garment, subsets: &[Subset]) -> Vec<Family> {
+    let carried = |family: &Family| {
+        let mut members = garment.subsets.iter().filter(|s| s.family == family.name);
+        let of_faces = members.all(|s| matches!(s.elements, Elements::Faces(_)));
+        Family { name: family.name.clone(), kind: if of_faces { family.kind } else { FamilyType::Unrestricted } }
+    };
+    let mut families: Vec<Family> = garment.families.iter().map(carried).collect();
+    for name in named::FAMILIES {
+        if subsets.iter().any(|s| s.family == name) && families.iter().all(|f| f.name != name) {
+            families.push(Family { name: name.into(), kind: FamilyType::Unrestricted });
+        }
+    }
+    families
+}
+
+/// The vertex of the simulation mesh nearest to each point of a subset, on the same chain or part of the surface. A
+/// point that is cut apart has one on each side.
+fn nearest_points(
+    points: &[VertexId],
+    garment: &Garment,
+    edges: &EdgeTransfer<'_>,
+    product: &SimProduct,
+) -> Vec<VertexId> {
+    let mut found: Vec<VertexId> = Vec::with_capacity(points.len());
+    for &point in points {
+        let before = found.len();
+        found.extend(edges.nearest_vertices(point));
+        if found.len() == before {
+            // The point has no face, or only holes.
+            found.extend(nearest(&product.points, garment.points[point]));
+        }
+    }
+    found.sort_unstable();
+    found.dedup();
+    found
+}
+
+/// The point nearest to a position, the lowest of equals. A search through all points suffices: only points without a
+/// face need it.
+fn nearest(points: &IdVec<VertexId, Vec3>, position: Vec3) -> Option<VertexId> {
+    let distance = |v: VertexId| points[v].distance_squared(position);
+    points.ids().min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nearest_point_is_the_lowest_of_equals_and_far_positions_find_one() {
+        let points: IdVec<VertexId, Vec3> = [2.0, 1.0, -1.0, 1.0].map(|x| Vec3::new(x, 0.0, 0.0)).to_vec().into();
+        let found = |x, y, z| nearest(&points, Vec3::new(x, y, z)).map(VertexId::index);
+        assert_eq!(found(0.0, 0.0, 0.0), Some(1));
+        assert_eq!(found(1.5, 0.0, 0.0), Some(0));
+        assert_eq!(found(1e6, 1e6, -1e6), Some(0));
+        assert_eq!(nearest(&IdVec::new(), Vec3::ZERO), None);
+    }
+}

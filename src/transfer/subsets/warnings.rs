@@ -1,0 +1,51 @@
+//! Warnings of subsets that the simulation mesh cannot hold.
+
+use crate::error::{Code, Warning};
+use crate::garment::{Elements, Garment, Subset};
+use crate::mesh::FaceId;
+use crate::transfer::coverage::Coverage;
+use crate::transfer::edges::CarriedEdges;
+
+/// Least agreement of a face set with its source that needs no warning.
+const AGREEMENT: f64 = 0.97;
+
+/// A warning of face sets that are too small for the triangles to follow.
+pub(super) fn of_small_sets(garment: &Garment, sets: &[Vec<FaceId>], coverage: &Coverage) -> Option<Warning> {
+    let agreement = |(subset, set): (&Subset, &Vec<FaceId>)| match &subset.elements {
+        // Empty sets have a warning of their own.
+        Elements::Faces(source) if !set.is_empty() => Some((subset.name.clone(), coverage.agreement(source, set))),
+        _ => None,
+    };
+    let found = garment.subsets.iter().zip(sets).filter_map(agreement);
+    let (sets, agreements): (Vec<String>, Vec<f64>) = found.filter(|(_, own)| *own < AGREEMENT).unzip();
+    let least = agreements.iter().copied().reduce(f64::min)?;
+    let problem = format!("they are about one triangle wide: only {:.0} % of their area is kept", 100.0 * least);
+    let warning = Warning::of_sets(Code::SetsBlurred, sets, problem);
+    Some(warning.amount(least as f32).remedy("Add their borders to sim.constraints, or lower sim.maxEdgeLength"))
+}
+
+/// A warning of a face set that is empty on the simulation mesh.
+pub(super) fn of_lost_set(source: &Subset) -> Warning {
+    Warning::not_carried(
+        format!("all faces of subset {} on the simulation mesh", source.name),
+        "the set covers most of no triangle; lower sim.maxEdgeLength",
+    )
+}
+
+/// Warnings of lost edges and merged chains of an edge set.
+pub(super) fn of_edges(source: &Subset, carried: &CarriedEdges) -> Vec<Warning> {
+    let CarriedEdges { lost, merged, .. } = carried;
+    let (name, all) = (&source.name, source.elements.len());
+    let lost = (*lost > 0).then(|| Warning::not_carried(
+        format!("{lost} of {all} edges of subset {name} on the simulation mesh"),
+        "they lie between holes, or no edges of the mesh are near them; name the subset in tailor:sim:constraints, or \
+              lower sim.maxEdgeLength",));
+    let merged = (*merged > 0).then(|| {
+        Warning::not_carried(
+            format!("{merged} chains of subset {name} as chains of their own on the simulation mesh"),
+            "the mesh has too few vertices to keep them apart from others of the set; name the subset in \
+              tailor:sim:constraints, or lower sim.maxEdgeLength",
+        )
+    });
+    lost.into_iter().chain(merged).collect()
+}
