@@ -1,11 +1,14 @@
 //! Builders repeat only what an edit changes and give what new ones give; sessions stay within their memory.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use tailor::error::Warnings;
+use tailor::glam::Vec3;
 use tailor::session::{Document, Session};
 use tailor::usd::{Format, Product, ProductRole, ReadOptions, Source, Surroundings, WriteOptions, layer_bytes, write};
-use tailor::{Builder, Error, ErrorKind, Products, Progress, Recipe};
+use tailor::{
+    Builder, Error, ErrorKind, GarmentInput, Products, Progress, Recipe, SeamOptions, SubsetInput, ThicknessOptions,
+};
 
 const ROOM: usize = 1 << 30;
 
@@ -99,6 +102,46 @@ fn operators_give_the_same_after_other_edits() {
     ] {
         assert!(example.layer(&session, &arguments) == straight(&example, &arguments), "{arguments:?}");
     }
+}
+
+/// Two sheets of four by four quads, one a hundredth of an edge over the other, with a seam across the lower one.
+fn sheets() -> GarmentInput {
+    let at = |i: usize, z: f32| Vec3::new((i % 5) as f32, (i / 5) as f32, z);
+    let first = (0..20).filter(|i| i % 5 < 4);
+    let quads = first.flat_map(|i| [i, i + 1, i + 6, i + 5]);
+    let set = |name: &str, element_type: &str, indices: Vec<i32>| SubsetInput {
+        name: name.into(),
+        element_type: element_type.into(),
+        family: String::new(),
+        indices,
+    };
+    let mut mesh = GarmentInput::default();
+    mesh.points = [0.0, 0.01].into_iter().flat_map(|z| (0..25).map(move |i| at(i, z))).collect();
+    mesh.face_vertex_counts = vec![4; 32];
+    mesh.face_vertex_indices = quads.clone().chain(quads.map(|v| v + 25)).collect();
+    let seam = vec![10, 11, 11, 12, 12, 13, 13, 14];
+    mesh.subsets = vec![set("across", "edge", seam), set("all", "face", (0..32).collect())];
+    mesh
+}
+
+#[test]
+fn what_is_kept_of_a_low_operator_is_no_clearance_for_a_high_one() {
+    let mut kept = Builder::new(sheets()).expect("a good mesh");
+    let mut faces = Vec::new();
+    for amount in [1e-3, 0.5, 1e-3] {
+        let mut recipe = Recipe::default();
+        let seam = SeamOptions { edges: vec!["across".into()], normal_offset: -1e-3, ..SeamOptions::default() };
+        let hem = ThicknessOptions { faces: vec!["all".into()], amount, ..ThicknessOptions::default() };
+        recipe.seams.insert("seam".into(), seam);
+        recipe.thicknesses.insert("hem".into(), hem);
+        let planned = kept.plan(&recipe).expect("sizes").render_faces;
+        let [edited, new] = [kept.update(&recipe), Builder::new(sheets()).and_then(|mut new| new.update(&recipe))]
+            .map(|products| products.expect("products").render);
+        assert!(edited.faces == new.faces && edited.points == new.points, "amount {amount}");
+        assert_eq!(planned, new.faces.len());
+        faces.push(new.faces.len());
+    }
+    assert!(faces[1] < faces[0] && faces[2] == faces[0], "a high layer has no room between the sheets: {faces:?}");
 }
 
 #[test]
@@ -222,4 +265,24 @@ fn a_build_is_cancelled_at_its_next_step_and_runs_again_later() {
     assert_eq!(stopped.map(|_| ()).expect_err("cancelled").kind, ErrorKind::Cancelled);
     let products = builder.update(&example.recipe(&[])).expect("products");
     assert_eq!(products.sim.points.len(), example.update(&mut example.builder(), &[]).sim.points.len());
+}
+
+#[test]
+fn a_cancel_during_the_last_step_ends_that_build_and_no_other() {
+    let example = Example::new("tshirt.usda");
+    let own: Arc<OnceLock<Progress>> = Arc::default();
+    let seen = Arc::clone(&own);
+    let progress = Progress::new(move |step| {
+        if step == "render" {
+            seen.get().into_iter().for_each(Progress::cancel);
+        }
+    });
+    let mut builder = example.builder().with_progress(progress.clone());
+    own.set(progress).expect("set once");
+    let stopped = builder.update(&example.recipe(&[])).map(|_| ()).expect_err("cancelled");
+    assert_eq!(stopped.kind, ErrorKind::Cancelled);
+    // Nothing cancels the plan or the next builder; the flag is not left set.
+    let mut builder = builder.with_progress(Progress::default());
+    assert!(builder.update(&example.recipe(&[])).is_ok());
+    assert!(own.get().is_some_and(|progress| format!("{progress:?}").contains("false")), "{own:?}");
 }

@@ -155,12 +155,13 @@ impl Builder {
             let warning = Warning::new(Code::PolygonalCage, &garment.prim, problem);
             warnings.push(warning.remedy("Set it to catmullClark for a smooth surface"));
         }
+        let garment = Arc::new(garment);
         Ok(Self {
-            garment: Arc::new(garment),
+            sim: SimSteps::new(Arc::clone(&garment)),
+            render: RenderSteps::new(Arc::clone(&garment)),
+            garment,
             mean_edge,
             warnings,
-            sim: SimSteps::default(),
-            render: RenderSteps::default(),
             own_operators: Vec::new(),
             progress: Progress::default(),
             max_faces: DEFAULT_MAX_FACES,
@@ -228,10 +229,10 @@ impl Builder {
     pub fn update(&mut self, recipe: &Recipe) -> Result<Products, Error> {
         let recipe = self.resolve(recipe)?;
         let mut clock = Clock::new(&self.progress);
-        let simulated = self.sim.update(&self.garment, &recipe.sim, self.max_faces, &mut clock)?;
+        let simulated = self.sim.update(&recipe.sim, self.max_faces, &mut clock)?;
         let stack = self.stack(&recipe)?;
-        let (garment, steps) = (&self.garment, &mut self.render);
-        let Rendered { mesh, sets, warnings: of_render } = clock.run("render", || steps.update(garment, &stack))?;
+        let Rendered { mesh, sets, warnings: of_render } = clock.run("render", || self.render.update(&stack))?;
+        clock.finish()?;
         let mut warnings = self.warnings.clone();
         warnings.extend(simulated.remeshed.warnings.iter().chain(simulated.warnings.iter()).cloned());
         warnings.extend(of_render);
@@ -257,7 +258,7 @@ impl Builder {
         Ok(Plan {
             expected_faces: sim::expected_faces(&self.garment, &recipe.sim)?,
             chains: sim::baseline(&self.garment, &recipe.sim)?.chains.len(),
-            render_faces: self.render.face_count(&self.garment, &stack)?,
+            render_faces: self.render.face_count(&stack)?,
             recipe,
         })
     }

@@ -22,16 +22,17 @@ impl Progress {
         Self { report: Some(Arc::new(report)), ..Self::default() }
     }
 
-    /// Ends the build at its next step, with an error of the kind [`ErrorKind::Cancelled`]. The next build runs again.
+    /// Ends the build before its next step or at its end, with an error of the kind [`ErrorKind::Cancelled`]. A build that
+    /// has not begun yet ends at once. The one after it runs again.
     pub fn cancel(&self) {
         self.is_cancelled.store(true, Ordering::Relaxed);
     }
 
-    fn begin(&self, step: &str) -> Result<(), Error> {
+    /// Fails, once, if the build was cancelled.
+    fn check(&self) -> Result<(), Error> {
         if self.is_cancelled.swap(false, Ordering::Relaxed) {
-            return Err(Error::new(ErrorKind::Cancelled, "", format!("cancelled before the step \"{step}\"")));
+            return Err(Error::new(ErrorKind::Cancelled, "", "the build was cancelled"));
         }
-        self.report.iter().for_each(|report| report(step));
         Ok(())
     }
 }
@@ -63,10 +64,16 @@ impl<'a> Clock<'a> {
     }
 
     pub fn run<T>(&mut self, name: &'static str, work: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
-        self.progress.begin(name)?;
+        self.progress.check()?;
+        self.progress.report.iter().for_each(|report| report(name));
         let start = Instant::now();
         let result = work();
         self.timings.push(Timing { name, seconds: start.elapsed().as_secs_f64() });
         result
+    }
+
+    /// Fails if the build was cancelled during its last step, so that the next one is not.
+    pub fn finish(&self) -> Result<(), Error> {
+        self.progress.check()
     }
 }

@@ -3,7 +3,7 @@
 use super::check::doubled_area;
 use super::progress::Clock;
 use crate::error::{Code, Error, Warning, Warnings};
-use crate::garment::{Elements, Garment};
+use crate::garment::{Elements, Garment, Primvar};
 use crate::recipe::bind_sim;
 use crate::report::{SimFigures, SubsetArea, subset_areas};
 use crate::sim::{Baseline, CurveGap, Lengths, SimOptions, SimProduct, simulate};
@@ -19,8 +19,8 @@ const AREA_CHANGE: f64 = 0.05;
 const CONSTRAINT_ROOM: usize = 4;
 
 /// The steps from one garment to its simulation mesh.
-#[derive(Default)]
 pub struct SimSteps {
+    garment: Arc<Garment>,
     remeshed: Step<(SimOptions, usize), Arc<Remeshed>>,
     simulated: Step<(Same<Remeshed>, SimOptions), Arc<Simulated>>,
 }
@@ -49,14 +49,19 @@ impl Simulated {
 }
 
 impl SimSteps {
-    /// The simulation mesh of `garment`, which is the same in every call.
+    /// The steps of a garment.
+    pub fn new(garment: Arc<Garment>) -> Self {
+        Self { garment, remeshed: Step::default(), simulated: Step::default() }
+    }
+
+    /// The simulation mesh.
     pub fn update(
         &mut self,
-        garment: &Arc<Garment>,
         options: &SimOptions,
         max_faces: usize,
         clock: &mut Clock<'_>,
     ) -> Result<Arc<Simulated>, Error> {
+        let garment = &self.garment;
         let remeshed = self.remeshed.get((options.without_transfer(), max_faces), |(options, _)| {
             remesh(garment, options, max_faces, clock).map(Arc::new)
         })?;
@@ -79,19 +84,19 @@ impl SimSteps {
     }
 }
 
-fn lengths<'a>(garment: &'a Garment, options: &SimOptions) -> Result<Lengths<'a>, Error> {
-    let density = bind_sim(options, garment)?.density;
-    Ok(Lengths { min: options.min_edge_length, max: options.max_edge_length, density })
+fn lengths<'a>(options: &SimOptions, density: Option<&'a Primvar>) -> Lengths<'a> {
+    Lengths { min: options.min_edge_length, max: options.max_edge_length, density }
 }
 
 /// The surface that the simulation mesh of a garment lies on.
 pub fn baseline(garment: &Garment, options: &SimOptions) -> Result<Baseline, Error> {
-    Ok(Baseline::new(garment, options, lengths(garment, options)?, bind_sim(options, garment)?.uv_set))
+    let bound = bind_sim(options, garment)?;
+    Ok(Baseline::new(garment, options, lengths(options, bound.density), bound.uv_set))
 }
 
 /// The triangles that the target lengths ask for, all of them equilateral.
 pub fn expected_faces(garment: &Garment, options: &SimOptions) -> Result<usize, Error> {
-    let lengths = lengths(garment, options)?;
+    let lengths = lengths(options, bind_sim(options, garment)?.density);
     let wanted = garment.faces.ids().map(|face| {
         let vertices = garment.faces.vertices_of(face);
         let sum: f64 = vertices.iter().map(|&v| f64::from(lengths.at(v))).sum();

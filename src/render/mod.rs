@@ -91,7 +91,7 @@ fn new_sets(garment: &Garment, wanted: Vec<(String, Vec<FaceId>)>, warnings: &mu
         let valid = if valid.starts_with(|c: char| c.is_ascii_digit()) { format!("_{valid}") } else { valid };
         let mut numbered = (1..).map(|n| if n == 1 { valid.clone() } else { format!("{valid}_{n}") });
         let is_free = |name: &String| garment.subset(name).is_none() && sets.iter().all(|set| set.name != *name);
-        let name = numbered.find(is_free).unwrap_or_default();
+        let name = numbered.find(is_free).expect("there are more numbers than subsets");
         if name != wanted {
             let problem = format!("operator face set `{wanted}` was renamed `{name}`: its name is taken or not valid");
             warnings.push(Warning::new(Code::SetRenamed, &name, problem).remedy("Rename the operator"));

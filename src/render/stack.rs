@@ -13,6 +13,7 @@ use super::placement::{FlatPoints, Placement};
 use super::points::CagePoints;
 use super::reference::ReferenceNormals;
 use super::{OperatorOptions, RenderOptions, add_border_holes, check_size};
+use crate::contact::Clearance;
 use crate::error::{Code, Error, Warning, Warnings, names};
 use crate::garment::{Garment, Subset};
 use crate::mesh::{IdVec, VertexId};
@@ -180,10 +181,14 @@ struct Raised {
     warnings: Arc<Warnings>,
 }
 
+/// What the output of an operator depends on: the operator, its parent, the clearance there, and whether sets are named.
+/// The rest of the ancestry follows from the parent.
+type OutputInput = (SameOutput, Same<Garment>, Same<IdVec<VertexId, Clearance>>, bool);
+
 /// Steps to the cage of an operator.
 #[derive(Default)]
 struct CageSteps {
-    derived: Step<(SameOutput, Same<Garment>, bool), Arc<DerivedCage>>,
+    derived: Step<OutputInput, Arc<DerivedCage>>,
     level: Step<SameLevel, Arc<Level>>,
     garment: Step<Same<DerivedCage>, Arc<Garment>>,
 }
@@ -195,8 +200,9 @@ impl CageSteps {
         parent: &Cage,
         context: &Context,
     ) -> Result<OperatorCage, Error> {
-        let input = (SameOutput(Arc::clone(operator)), Same::from(&parent.garment), context.names_sets);
-        let derived = self.derived.get(input, |_| {
+        let (operator, clearance) = (SameOutput(Arc::clone(operator)), Same::from(&context.ancestry.clearance));
+        let input = (operator, Same::from(&parent.garment), clearance, context.names_sets);
+        let derived = self.derived.get(input, |(operator, ..)| {
             let input = OperatorInput {
                 garment: &parent.garment,
                 level: &parent.level,
@@ -204,7 +210,7 @@ impl CageSteps {
                 input_points: context.ancestry.garment.points.len(),
                 names_sets: context.names_sets,
             };
-            DerivedCage::new(operator.as_ref(), &input, &context.ancestry).map(Arc::new)
+            DerivedCage::new(operator.0.as_ref(), &input, &context.ancestry).map(Arc::new)
         })?;
         let level = self.level.get(SameLevel(Arc::clone(&derived)), |_| Ok(Arc::new(Level::base(&derived.frame))))?;
         let garment = self.garment.get(Same::from(&derived), |_| {
@@ -304,9 +310,9 @@ impl RefinementSteps {
 }
 
 /// The cached steps from a garment to its render mesh.
-#[derive(Default)]
 pub struct RenderSteps {
-    first: Step<(), Cage>,
+    garment: Arc<Garment>,
+    first: Option<Cage>,
     first_points: Step<u32, Arc<CagePoints>>,
     first_ancestry: Step<Same<CagePoints>, Ancestry>,
     first_connectivity: Step<Same<Level>, Arc<Connectivity>>,
@@ -326,26 +332,38 @@ struct Derived {
 type Refined = (Arc<Garment>, Vec<Arc<Refinement>>);
 
 impl RenderSteps {
-    /// The render mesh of `garment`, which must be the same in every call.
+    /// The steps of a garment.
+    pub fn new(garment: Arc<Garment>) -> Self {
+        Self {
+            garment,
+            first: None,
+            first_points: Step::default(),
+            first_ancestry: Step::default(),
+            first_connectivity: Step::default(),
+            cages: Vec::new(),
+            points: Vec::new(),
+            refinements: Vec::new(),
+            mesh: Step::default(),
+        }
+    }
+
+    /// The render mesh.
     ///
     /// A polygonal mesh (`subdivisionScheme = "none"`) is refined as if bilinear and stays polygonal.
     ///
     /// # Errors
     /// Operators that do not fit the garment; a mesh that would be too large.
-    pub fn update(&mut self, garment: &Arc<Garment>, stack: &Stack) -> Result<Rendered, Error> {
+    pub fn update(&mut self, stack: &Stack) -> Result<Rendered, Error> {
         if stack.level == 0 && stack.operators.is_empty() {
-            let mesh = Arc::clone(garment);
+            let mesh = Arc::clone(&self.garment);
             return Ok(Rendered { mesh, sets: Vec::new(), warnings: stack.warnings.clone() });
         }
         // Parallel loops start faster from a thread of the pool.
-        rayon::scope(|_| self.update_in_pool(garment, stack))
+        rayon::scope(|_| self.update_in_pool(stack))
     }
 
-    fn update_in_pool(&mut self, garment: &Arc<Garment>, stack: &Stack) -> Result<Rendered, Error> {
-        let reach = stack.reach(garment);
-        let first = self.first.get((), |()| Ok(Cage::first(garment)))?;
-        let points = || Ok(Arc::new(CagePoints::first(&first.garment, &first.level, reach)));
-        let points = self.first_points.get(reach.to_bits(), |_| points())?;
+    fn update_in_pool(&mut self, stack: &Stack) -> Result<Rendered, Error> {
+        let (first, points) = self.first(stack)?;
         let (Derived { cages, raised }, (refined, refinements)) = self.operate(&first, &points, stack)?;
         let points = raised.last().map_or(&points, |last| &last.points);
         let mesh = self.mesh.get((Same::from(&refined), Same::from(points), stack.level), |_| {
@@ -359,6 +377,15 @@ impl RenderSteps {
         }
         let subsets = cages.iter().flat_map(|cage| &cage.derived.output.subsets);
         Ok(Rendered { mesh, sets: subsets.map(|set| set.name.clone()).collect(), warnings })
+    }
+
+    /// The cage before all operators, and its points with the clearance within the reach of the stack.
+    fn first(&mut self, stack: &Stack) -> Result<(Cage, Arc<CagePoints>), Error> {
+        let first = self.first.get_or_insert_with(|| Cage::first(&self.garment)).clone();
+        let reach = stack.reach(&self.garment);
+        let points = || Ok(Arc::new(CagePoints::first(&first.garment, &first.level, reach)));
+        let points = self.first_points.get(reach.to_bits(), |_| points())?;
+        Ok((first, points))
     }
 
     /// Runs all operators and refines the attributes of the last cage. The points of a cage are computed in parallel
@@ -402,13 +429,11 @@ impl RenderSteps {
     ///
     /// # Errors
     /// As [`RenderSteps::update`].
-    pub fn face_count(&mut self, garment: &Arc<Garment>, stack: &Stack) -> Result<usize, Error> {
-        let reach = stack.reach(garment);
-        let first = self.first.get((), |()| Ok(Cage::first(garment)))?;
+    pub fn face_count(&mut self, stack: &Stack) -> Result<usize, Error> {
+        let (mut cage, points) = self.first(stack)?;
         self.cages.resize_with(stack.operators.len(), CageSteps::default);
-        let points = Arc::new(CagePoints::first(&first.garment, &first.level, reach));
-        let mut context = Context { ancestry: first.ancestry(&points), names_sets: stack.names_sets };
-        let mut cage = first;
+        let ancestry = self.first_ancestry.get(Same::from(&points), |points| Ok(cage.ancestry(points)))?;
+        let mut context = Context { ancestry, names_sets: stack.names_sets };
         for (operator, steps) in stack.operators.iter().zip(&mut self.cages) {
             let next = steps.update(operator, &cage, &context)?;
             context.ancestry = next.derived.ancestry.clone();
@@ -436,7 +461,7 @@ impl RenderSteps {
             refinement + steps.attributes.last().map_or(0, |garment| garment.bytes())
         });
         let mesh = self.mesh.last().map_or(0, |mesh| size_of_val(mesh.points.as_slice()));
-        self.first.last().map_or(0, |cage| cage.garment.bytes()) + cages.chain(refinements).sum::<usize>() + mesh
+        self.first.as_ref().map_or(0, |cage| cage.garment.bytes()) + cages.chain(refinements).sum::<usize>() + mesh
     }
 }
 

@@ -23,7 +23,7 @@ pub fn rendered<T: AsRef<str>>(garment: &Garment, options: &[T]) -> (Garment, Wa
 
 /// The same, or the error.
 pub fn try_rendered<T: AsRef<str>>(garment: &Garment, options: &[T]) -> Result<(Garment, Warnings), Error> {
-    let made = RenderSteps::default().update(&Arc::new(garment.clone()), &stack(options))?;
+    let made = RenderSteps::new(Arc::new(garment.clone())).update(&stack(options))?;
     Ok(((*made.mesh).clone(), made.warnings))
 }
 

@@ -254,7 +254,8 @@ impl Subject {
             let options = RenderOptions { level, ..recipe.render.clone() };
             let stack = Stack::new(&options, &recipe.operators());
             let garment = Arc::new(self.garment.clone());
-            let made = stack.and_then(|stack| RenderSteps::default().update(&garment, &stack)).map(|made| made.mesh);
+            let made =
+                stack.and_then(|stack| RenderSteps::new(Arc::clone(&garment)).update(&stack)).map(|made| made.mesh);
             made.unwrap_or_else(|e| panic!("render level {level}: {e}"))
         };
         let levels = [0, 1, 2].map(level);
