@@ -165,6 +165,8 @@ pub enum Code {
     NarrowSeam,
     /// A seam is pushed less than its offset.
     ShallowSeam,
+    /// The heights of an operator are less than it asks.
+    ReducedHeight,
     /// Two seams have the same edges.
     SharedSeamEdges,
     /// A seam of a single edge cannot narrow to nothing at both ends.

@@ -1,7 +1,7 @@
 //! One coarse garment mesh in, a simulation mesh and a render mesh out.
 //!
 //! [`build()`] makes both from plain data. A [`Builder`] does so again and again, and repeats only what an edit changes.
-//! [`operator`] has what an operator of one's own needs. With the feature `usd` (on by default) [`usd`] reads the mesh from
+//! [`operator`] has the types for operators of your own. With the feature `usd` (on by default) [`usd`] reads the mesh from
 //! a stage and writes the products beside it.
 //!
 //! ```
@@ -70,7 +70,7 @@ pub use recipe::Recipe;
 pub use render::{RenderOptions, SeamOptions, Side, ThicknessOptions};
 pub use sim::SimOptions;
 
-/// Operators of one's own for the render mesh.
+/// Operators of your own for the render mesh.
 ///
 /// ```
 /// use std::sync::Arc;

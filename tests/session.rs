@@ -115,13 +115,14 @@ fn sheets() -> GarmentInput {
         family: String::new(),
         indices,
     };
-    let mut mesh = GarmentInput::default();
-    mesh.points = [0.0, 0.01].into_iter().flat_map(|z| (0..25).map(move |i| at(i, z))).collect();
-    mesh.face_vertex_counts = vec![4; 32];
-    mesh.face_vertex_indices = quads.clone().chain(quads.map(|v| v + 25)).collect();
     let seam = vec![10, 11, 11, 12, 12, 13, 13, 14];
-    mesh.subsets = vec![set("across", "edge", seam), set("all", "face", (0..32).collect())];
-    mesh
+    GarmentInput {
+        points: [0.0, 0.01].into_iter().flat_map(|z| (0..25).map(move |i| at(i, z))).collect(),
+        face_vertex_counts: vec![4; 32],
+        face_vertex_indices: quads.clone().chain(quads.map(|v| v + 25)).collect(),
+        subsets: vec![set("across", "edge", seam), set("all", "face", (0..32).collect())],
+        ..GarmentInput::default()
+    }
 }
 
 #[test]

@@ -188,8 +188,8 @@ impl Builder {
         self
     }
 
-    /// Sets the operators of one's own, which run in their order after those of the recipe. They replace those set before,
-    /// so an edit of an operator sets a new one; it is rebuilt unless [`Operator::is_same`] says that nothing changed.
+    /// Sets your own operators, which run in this order after the operators of the recipe. They replace the ones set before:
+    /// to edit an operator, set a new one. An operator that [`Operator::is_same`] as before is not run again.
     pub fn set_operators(&mut self, operators: Vec<Arc<dyn Operator>>) {
         self.own_operators = operators;
     }

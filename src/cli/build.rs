@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use tailor::error::{Error, Warnings};
 use tailor::report::{RenderFigures, SimFigures};
 use tailor::usd::{Product, ProductRole, WriteOptions, check_target, write};
-use tailor::{Builder, Products, Progress, Timing};
+use tailor::{Products, Progress, Timing};
 
 /// The quality figures of both products.
 pub struct Figures {
@@ -89,12 +89,8 @@ fn build_one(build: &Build, input: &Path, output: PathBuf) -> Result<Built, Erro
         check_target(&opened.source, &output, build.force)?;
         Ok(opened)
     })?;
-    let (builder, recipe) = timed("check", &mut timings, || {
-        let builder = Builder::new(opened.mesh.clone())?.with_progress(progress).with_max_faces(build.max_faces);
-        opened.recipe(builder)
-    })?;
-    let mut builder = builder;
-    let products = builder.update(&recipe)?;
+    let (source, builder, recipe) = timed("check", &mut timings, || opened.check())?;
+    let products = builder.with_progress(progress).with_max_faces(build.max_faces).update(&recipe)?;
     timings.extend(products.timings.iter().cloned());
     let figures = timed("figures", &mut timings, || {
         Ok(Figures { sim: products.sim_figures(), render: products.render_figures() })
@@ -104,9 +100,8 @@ fn build_one(build: &Build, input: &Path, output: PathBuf) -> Result<Built, Erro
         Product { name: &build.render_name, role: ProductRole::Render, mesh: &products.render },
     ];
     let options = WriteOptions { flatten: build.flatten, force: build.force, model_guide: !build.keep_model_purpose };
-    let mut warnings = opened.warnings;
-    warnings.extend(products.warnings.iter().cloned());
-    timed("write", &mut timings, || write(&opened.source, &meshes, &output, &options, &mut warnings))?;
+    let mut warnings = products.warnings.clone();
+    timed("write", &mut timings, || write(&source, &meshes, &output, &options, &mut warnings))?;
     bar.finish_and_clear();
     Ok(Built { input: input.to_path_buf(), output, products, figures, timings, warnings })
 }

@@ -11,12 +11,10 @@ use tailor::{Builder, Plan, PrimvarRole};
 pub fn info(inputs: &Inputs) -> Result<Output, Error> {
     let mut out = String::new();
     each(inputs, |file, several| {
-        let opened = inputs.open(file)?;
-        let (mut builder, recipe) = opened.recipe(Builder::new(opened.mesh.clone())?)?;
-        let warnings = opened.warnings.iter().chain(builder.warnings().iter());
-        text::print_warnings(warnings, inputs.quiet, several.then_some(file));
+        let (source, mut builder, recipe) = inputs.open(file)?.check()?;
+        text::print_warnings(builder.warnings().iter(), inputs.quiet, several.then_some(file));
         let plan = builder.plan(&recipe)?;
-        describe(&mut out, opened.source.facts(), &builder, &plan, inputs.verbose);
+        describe(&mut out, source.facts(), &builder, &plan, inputs.verbose);
         Ok(())
     })
     .map(|code| Output { text: out, code })
@@ -26,11 +24,9 @@ pub fn info(inputs: &Inputs) -> Result<Output, Error> {
 pub fn check(inputs: &Inputs) -> Result<Output, Error> {
     let mut out = String::new();
     each(inputs, |file, several| {
-        let opened = inputs.open(file)?;
-        let (builder, recipe) = opened.recipe(Builder::new(opened.mesh.clone())?)?;
+        let (_, builder, recipe) = inputs.open(file)?.check()?;
         builder.resolve(&recipe)?;
-        let warnings = opened.warnings.iter().chain(builder.warnings().iter());
-        text::print_warnings(warnings, inputs.quiet, several.then_some(file));
+        text::print_warnings(builder.warnings().iter(), inputs.quiet, several.then_some(file));
         if !inputs.quiet {
             let _ = writeln!(out, "{}: good", file.display());
         }

@@ -125,7 +125,7 @@ pub fn run(cli: &Cli) -> Result<Output, Error> {
     }
 }
 
-/// An opened input with its recipe.
+/// An opened input, before its mesh and its recipe are checked.
 struct Opened {
     source: Source,
     mesh: GarmentInput,
@@ -134,11 +134,11 @@ struct Opened {
 }
 
 impl Opened {
-    /// Merges the recipe and checks it against the builder's garment; returns both.
-    fn recipe(&self, builder: Builder) -> Result<(Builder, Recipe), Error> {
-        let recipe = self.layers.recipe()?;
-        self.layers.check_uv_set(&recipe, builder.garment())?;
-        Ok((builder, recipe))
+    /// Checks the mesh, and the recipe against it. The builder has the warnings of both.
+    fn check(self) -> Result<(Source, Builder, Recipe), Error> {
+        let builder = Builder::new(self.mesh)?.with_warnings(self.warnings);
+        let recipe = self.layers.recipe_for(builder.garment())?;
+        Ok((self.source, builder, recipe))
     }
 }
 

@@ -55,7 +55,7 @@ impl<'a> RefinedFaces<'a> {
         Self { refinement, faces: Vec::new(), slots, tree: OnceLock::new() }
     }
 
-    /// Adds those of some faces that are not here yet, with the cage's points.
+    /// Adds the faces among `faces` that are missing, with the points of the cage.
     pub fn add(&mut self, points: &IdVec<VertexId, Vec3>, faces: impl Iterator<Item = FaceId>) {
         let new = each_once(faces.filter(|&face| self.slots[face] == NONE).collect());
         if !new.is_empty() {
@@ -70,8 +70,8 @@ impl<'a> RefinedFaces<'a> {
         self.faces.par_extend(refined);
     }
 
-    /// Moves the faces to new points of the cage, of which those of some vertices have changed. Returns the faces that have
-    /// a child at a changed point, ascending.
+    /// Moves the faces to new points of the cage; `vertices` are those that changed. Returns the faces with a moved child,
+    /// ascending.
     pub fn update(&mut self, points: &IdVec<VertexId, Vec3>, vertices: &[VertexId]) -> Vec<FaceId> {
         let t = &self.refinement.level.topology;
         let at = faces_at(t, vertices.iter().copied());
@@ -93,7 +93,7 @@ impl<'a> RefinedFaces<'a> {
         moved
     }
 
-    /// Marks faces as such that may overlap a neighbour within their common plane, until they are updated.
+    /// Marks faces that may overlap a neighbour within a common plane. The next update of a face removes its mark.
     pub fn mark_overlapping(&mut self, faces: &[FaceId]) {
         for &face in faces {
             let face = &mut self.faces[self.slots[face] as usize];
@@ -139,7 +139,7 @@ impl<'a> RefinedFaces<'a> {
 
     #[inline]
     pub(super) fn vertices<'f>(&'f self, face: &'f RefinedFace) -> &'f [VertexId] {
-        // Those of most faces are at hand.
+        // A face stores its first four vertices.
         face.vertices.get(..face.valence).unwrap_or_else(|| self.level().topology.faces.vertices_of(face.face))
     }
 
@@ -158,7 +158,7 @@ impl<'a> RefinedFaces<'a> {
         [numbering.of_vertex(t.faces.vertex(corner)), edge_point(corner), numbering.of_face(face), edge_point(previous)]
     }
 
-    /// Those of some faces that have a child whose normal is opposed to the direction of the face.
+    /// The faces among `faces` with a child whose normal opposes the direction of its face.
     pub fn flipped(&self, faces: &[FaceId], directions: &IdVec<FaceId, Vec3>) -> Vec<FaceId> {
         let is_flipped = |&face: &FaceId| self.is_flipped(face, directions[face], FLIPPED);
         faces.par_iter().with_min_len(FACES_PER_TASK).copied().filter(is_flipped).collect()

@@ -133,15 +133,16 @@ impl Layers {
         }
     }
 
-    /// Checks that a garment has the UV set, if a layer names one. An implied default may be absent.
+    /// The merged recipe for a garment. A UV set that a layer names must be there; the default one may be absent.
     ///
     /// # Errors
-    /// A named UV set that the garment lacks.
-    pub fn check_uv_set(&self, recipe: &Recipe, garment: &Garment) -> Result<(), Error> {
-        match self.merged.get("sim").and_then(|sim| sim.get("uvSet")) {
-            Some(_) => bind_uv_set(&recipe.sim, garment).map(|_| ()),
-            None => Ok(()),
+    /// As [`Layers::recipe`]; a named UV set that the garment lacks.
+    pub fn recipe_for(&self, garment: &Garment) -> Result<Recipe, Error> {
+        let recipe = self.recipe()?;
+        if self.merged.get("sim").is_some_and(|sim| sim.get("uvSet").is_some()) {
+            bind_uv_set(&recipe.sim, garment)?;
         }
+        Ok(recipe)
     }
 
     /// The merged recipe, completed with defaults.

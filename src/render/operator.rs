@@ -56,7 +56,7 @@ pub trait Operator: Any + Send + Sync {
             let problem =
                 format!("its height is reduced to {:.0} % at {} vertices", 100.0 * least, reduced.clone().count());
             let points = output.input_points(reduced.map(|(control, _)| control.vertex));
-            warnings.push(Warning::new(Code::ShallowSeam, self.label(), problem).at(points).amount(least));
+            warnings.push(Warning::new(Code::ReducedHeight, self.label(), problem).at(points).amount(least));
         }
         warnings
     }
@@ -101,7 +101,7 @@ impl OperatorInput<'_> {
 pub enum Role {
     /// On the surface.
     Surface,
-    /// Raised by its height. Operators of one's own use this and [`Role::Surface`]; the others belong to seams and
+    /// Raised by its height. Operators outside this crate use this and [`Role::Surface`]; the others belong to seams and
     /// thicknesses.
     Raised,
     /// On a folded border, which keeps its position.

@@ -26,19 +26,18 @@ pub struct Session {
     pool: ThreadPool,
 }
 
-/// Identifies a source by its content and read options. The file is included because messages name it.
-#[derive(Clone, PartialEq)]
-struct Key {
+/// A source: its content and read options. The file is included because messages name it.
+struct Entry {
     content: Arc<[u8]>,
     file: PathBuf,
     options: ReadOptions,
+    /// `None` until the source is read.
+    opened: Mutex<Option<Opened>>,
 }
 
 /// A cached source.
 struct Kept {
-    key: Key,
-    /// `None` until the source is read.
-    opened: Arc<Mutex<Option<Opened>>>,
+    entry: Arc<Entry>,
     /// Estimated memory after the last use. \[bytes\]
     bytes: usize,
 }
@@ -77,14 +76,12 @@ impl Session {
         metadata_only: bool,
         warnings: &mut Warnings,
     ) -> Result<Vec<u8>, Error> {
-        let (file, options) = (document.source_file(), document.options().clone());
-        let key = Key { content: content.into(), file, options };
-        let slot = self.slot(&key);
-        let mut opened = lock(&slot);
-        let result = self.update(&mut opened, document, &key, metadata_only, warnings);
-        let bytes = opened.as_ref().map_or(0, |opened| 2 * key.content.len() + opened.builder.bytes());
+        let entry = self.entry(document, content);
+        let mut opened = lock(&entry.opened);
+        let result = self.update(&mut opened, document, &entry, metadata_only, warnings);
+        let bytes = opened.as_ref().map_or(0, |opened| 2 * content.len() + opened.builder.bytes());
         drop(opened);
-        self.note(&key, bytes);
+        self.note(&entry, bytes);
         let (source, meshes) = result?;
         let products: Vec<Product> = meshes
             .iter()
@@ -99,13 +96,13 @@ impl Session {
         &self,
         opened: &mut Option<Opened>,
         document: &Document,
-        key: &Key,
+        entry: &Entry,
         metadata_only: bool,
         warnings: &mut Warnings,
     ) -> Result<(Arc<Source>, Option<Products>), Error> {
         let Opened { source, builder } = match opened {
             Some(opened) => opened,
-            None => opened.insert(self.open(key)?),
+            None => opened.insert(self.open(entry)?),
         };
         let layers: Layers = document.layers(source, warnings)?;
         let source = Arc::clone(source);
@@ -113,40 +110,45 @@ impl Session {
             warnings.extend(builder.warnings().iter().cloned());
             return Ok((source, None));
         }
-        let recipe = layers.recipe()?;
-        layers.check_uv_set(&recipe, builder.garment())?;
+        let recipe = layers.recipe_for(builder.garment())?;
         let products = self.pool.install(|| builder.update(&recipe))?;
         warnings.extend(products.warnings.iter().cloned());
         Ok((source, Some(products)))
     }
 
-    fn open(&self, key: &Key) -> Result<Opened, Error> {
-        let source = Source::from_layer(Arc::clone(&key.content), &key.file, &key.options)?;
+    fn open(&self, entry: &Entry) -> Result<Opened, Error> {
+        let source = Source::from_layer(Arc::clone(&entry.content), &entry.file, &entry.options)?;
         let mut warnings = Warnings::default();
         let mesh = source.garment(&mut warnings)?;
         let builder = self.pool.install(|| Builder::new(mesh))?.with_warnings(warnings);
         Ok(Opened { source: Arc::new(source), builder })
     }
 
-    /// The cache entry of a source, now the most recently used.
-    fn slot(&self, key: &Key) -> Arc<Mutex<Option<Opened>>> {
+    /// The cache entry of a source, now the most recently used. The content is copied only for a new one.
+    fn entry(&self, document: &Document, content: &[u8]) -> Arc<Entry> {
+        let (file, options) = (document.source_file(), document.options());
+        let is_same = |e: &Entry| e.file == file && e.options == *options && *e.content == *content;
         let mut kept = lock(&self.kept);
-        let slot = match kept.iter().position(|k| k.key == *key) {
+        let found = match kept.iter().position(|k| is_same(&k.entry)) {
             Some(at) => kept.remove(at),
-            None => Kept { key: key.clone(), opened: Arc::default(), bytes: 0 },
+            None => {
+                let (content, options) = (content.into(), options.clone());
+                Kept { entry: Arc::new(Entry { content, file, options, opened: Mutex::default() }), bytes: 0 }
+            }
         };
-        let opened = Arc::clone(&slot.opened);
-        kept.push(slot);
-        opened
+        let entry = Arc::clone(&found.entry);
+        kept.push(found);
+        entry
     }
 
     /// Records the memory of a source and evicts the least recently used ones while the total exceeds the capacity.
     ///
     /// Zero bytes mean that the source could not be read; its entry is removed.
-    fn note(&self, key: &Key, bytes: usize) {
+    fn note(&self, entry: &Arc<Entry>, bytes: usize) {
         let mut kept = lock(&self.kept);
-        kept.iter_mut().filter(|k| k.key == *key).for_each(|k| k.bytes = bytes);
-        kept.retain(|k| bytes > 0 || k.key != *key);
+        let is_own = |k: &Kept| Arc::ptr_eq(&k.entry, entry);
+        kept.iter_mut().filter(|k| is_own(k)).for_each(|k| k.bytes = bytes);
+        kept.retain(|k| bytes > 0 || !is_own(k));
         let mut total: usize = kept.iter().map(|k| k.bytes).sum();
         kept.retain(|k| {
             let stays = total <= self.capacity;

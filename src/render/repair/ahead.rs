@@ -30,12 +30,14 @@ impl<'a> Ahead<'a> {
         self.proximity.update(faces, moved);
     }
 
-    /// Faces that intersect on the second refinement, with at least one of some; those that do in the input do not count.
+    /// Pairs of faces that intersect on the second refinement, at least one of them among `of`. Pairs that intersect in the
+    /// input are left out.
     pub fn faults(&self, faces: &RefinedFaces, of: &[FaceId]) -> Vec<Fault> {
         each_once(self.intersecting(faces, of).iter().map(faces_of).collect())
     }
 
-    /// That children are apart which intersect on the second refinement: across the axis that separates them on the first.
+    /// Constraints that separate children that intersect on the second refinement, along the axis that separates them on
+    /// the first.
     pub fn separations(&self, faces: &RefinedFaces, of: &[FaceId]) -> Vec<Box<dyn Constraint>> {
         let pairs = self.intersecting(faces, of);
         let part = RefinedPart::new(faces.level(), &pairs, |v| faces.points()[v]);

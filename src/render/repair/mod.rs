@@ -1,4 +1,5 @@
-//! Repair of a displaced cage: no two faces of its first refinement intersect, and no face is flipped, that did not before.
+//! Repair of a displaced cage: removes the intersections and flipped faces of its first refinement that its parent lacks.
+//! Faults that remain are returned.
 //!
 //! [`repair`] is the whole method, phase by phase; docs/repair.md describes it. [`contact`](crate::contact) finds the
 //! faults.
@@ -60,7 +61,7 @@ pub struct Displaced<'a> {
     pub ahead: Option<LookAhead<'a>>,
 }
 
-/// What the second refinement of a cage is tested against.
+/// The input garment, for the test on the second refinement.
 pub struct LookAhead<'a> {
     /// The cage before any operator, whose intersections are no new ones.
     pub input: &'a Level,
@@ -141,11 +142,11 @@ fn reduce(trial: &mut Trial) -> Candidate {
 /// Turns faces that are flipped against their reference normals by small moves; the best state of each part, and faces that
 /// agree with these but not with the operator's weights: they may be folded within their plane.
 fn turn_to_reference(trial: &mut Trial, reduced: Candidate) -> (Candidate, Vec<FaceId>) {
-    let front = trial.input.reference_normals;
+    let reference = trial.input.reference_normals;
     trial.use_reference();
-    let is_folded = |[f, g]: &Fault| f == g && front[*f] != Vec3::ZERO;
+    let is_folded = |[f, g]: &Fault| f == g && reference[*f] != Vec3::ZERO;
     let (folded, mut faults): (Vec<Fault>, Vec<Fault>) = reduced.faults.iter().partition(|fault| is_folded(fault));
-    let turned = trial.faces.flipped(trial.input.controlled_faces, front);
+    let turned = trial.faces.flipped(trial.input.controlled_faces, reference);
     faults.extend(turned.iter().map(|&face| [face; 2]));
     let reduced = Candidate { faults, ..reduced };
     let areas = turned.iter().flat_map(|&face| least_areas(&trial.faces, face, trial.wanted_area(face)));
@@ -185,8 +186,8 @@ fn separate(trial: &mut Trial, reduced: Candidate) -> Candidate {
     move_by(trial, reduced, &constraints, &[])
 }
 
-/// That the children of intersecting faces are apart, across the axis that separates them where the cage has the points
-/// `separated`.
+/// Constraints that separate the children of intersecting faces, along the axis that separates them in the cage with the
+/// points `separated`.
 fn separations(faces: &RefinedFaces, separated: &IdVec<VertexId, Vec3>, faults: &[Fault]) -> Vec<Box<dyn Constraint>> {
     let row = |vertex: VertexId| {
         let mut row = Row::new();

@@ -77,7 +77,8 @@ struct LeastArea {
     furthest: f32,
 }
 
-/// That all children of a face have an area. `area` is twice that of the face, as a vector to the side where they face.
+/// Constraints that give every child of a face a minimum area. `area` is twice the area of the face, as a vector along the
+/// normal that its children should have.
 pub fn least_areas(faces: &RefinedFaces, face: FaceId, area: Vec3) -> Vec<Box<dyn Constraint>> {
     let valence = faces.level().topology.faces.valence(face);
     let least = LEAST_AREA * area.length() / valence as f32;
@@ -119,8 +120,8 @@ struct Separation {
     gap: f32,
 }
 
-/// That two children of refined faces are on two sides of a plane, the first over it, except for common vertices, which
-/// are in it. `row` is a vertex of the refinement as a weighted sum of a cage's points; `gap` is a part of a child's size.
+/// Constraints that put two children on opposite sides of a plane, the first one above it. Common vertices lie in the
+/// plane. `row` gives a vertex of the refinement as a weighted sum of a cage's points; `gap` is a share of a child's size.
 pub fn separation(
     faces: &RefinedFaces,
     [over, under]: [ChildId; 2],

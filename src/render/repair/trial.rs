@@ -48,8 +48,8 @@ impl<'a> Trial<'a> {
     /// Tests faces against their reference normals from now on, where there is one.
     pub fn use_reference(&mut self) {
         self.uses_reference = true;
-        let known = self.input.reference_normals.enumerated().filter(|(_, front)| **front != Vec3::ZERO);
-        known.for_each(|(face, &front)| self.directions[face] = front);
+        let known = self.input.reference_normals.enumerated().filter(|(_, normal)| **normal != Vec3::ZERO);
+        known.for_each(|(face, &normal)| self.directions[face] = normal);
     }
 
     /// States in which the vertices of faults, and of what touches flipped faces, are displaced less. Vertices keep
@@ -134,7 +134,7 @@ impl<'a> Trial<'a> {
         faults
     }
 
-    /// Those of some faces that may have a fault: another layer is near, or they are not smooth.
+    /// The faces among `faces` that may have a fault: another layer is near them, or they are not smooth.
     fn doubtful(&self, faces: &[FaceId]) -> Vec<FaceId> {
         faces.iter().copied().filter(|&face| self.input.near[face] || !self.faces.is_smooth(face)).collect()
     }
