@@ -86,13 +86,6 @@ impl Error {
         Self::new(ErrorKind::Internal, "", text)
     }
 
-    /// The first fault and its cure in one line, for a warning.
-    #[cfg(feature = "usd")]
-    pub(crate) fn in_a_line(&self) -> String {
-        let Some(fault) = self.faults.first() else { return String::new() };
-        if fault.remedy.is_empty() { fault.text.clone() } else { format!("{}; {}", fault.text, fault.remedy) }
-    }
-
     /// Adds the cure of the last fault.
     #[must_use]
     pub fn remedy(mut self, remedy: impl Into<String>) -> Self {
@@ -220,6 +213,14 @@ impl Warning {
     /// An attribute, property or subset of the model that a product lacks.
     pub(crate) fn not_carried(place: impl fmt::Display, why: impl fmt::Display) -> Self {
         Self::new(Code::NotCarried, place, format!("not carried: {why}"))
+    }
+
+    /// An attribute, property or subset that is not carried because it cannot be read.
+    #[cfg(feature = "usd")]
+    pub(crate) fn unread(place: impl fmt::Display, error: &Error) -> Self {
+        let texts: Vec<&str> = error.faults.iter().map(|fault| fault.text.as_str()).collect();
+        let remedy = error.faults.iter().map(|fault| &fault.remedy).find(|remedy| !remedy.is_empty());
+        Self::not_carried(place, texts.join("; ")).remedy(remedy.cloned().unwrap_or_default())
     }
 
     /// A warning of face sets.

@@ -13,6 +13,7 @@ pub use crate::mesh::Elements;
 pub use check::check_garment;
 pub use input::{GarmentInput, PrimvarInput, SubsetInput};
 pub use primvar::{Interpolation, Mixing, Primvar, PrimvarRole, Values};
+pub(crate) use subset::free_name;
 pub use subset::{Family, FamilyType, Subset};
 
 use crate::mesh::{FaceId, Faces, IdVec, VertexId};

@@ -35,3 +35,13 @@ pub struct Family {
     /// Its rule.
     pub kind: FamilyType,
 }
+
+/// `base`, or the first of `base_2`, `base_3` and so on that is free.
+pub fn free_name(base: &str, is_taken: impl Fn(&str) -> bool) -> String {
+    let (mut name, mut number) = (base.to_owned(), 1);
+    while is_taken(&name) {
+        number += 1;
+        name = format!("{base}_{number}");
+    }
+    name
+}

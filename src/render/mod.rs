@@ -39,7 +39,7 @@ pub use stack::{RenderSteps, Rendered, Stack};
 pub use thickness::{Side, ThicknessOptions};
 
 use crate::error::{Code, Error, Warning, Warnings};
-use crate::garment::{BoundaryInterpolation, Elements, Garment, Scheme, Subset};
+use crate::garment::{BoundaryInterpolation, Elements, Garment, Scheme, Subset, free_name};
 use crate::mesh::FaceId;
 use crate::subdivide::{Level, MAX_REFINED_FACES, refined_faces};
 use operator::OperatorInput;
@@ -89,9 +89,7 @@ fn new_sets(garment: &Garment, wanted: Vec<(String, Vec<FaceId>)>, warnings: &mu
     for (wanted, faces) in wanted {
         let valid: String = wanted.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
         let valid = if valid.starts_with(|c: char| c.is_ascii_digit()) { format!("_{valid}") } else { valid };
-        let mut numbered = (1..).map(|n| if n == 1 { valid.clone() } else { format!("{valid}_{n}") });
-        let is_free = |name: &String| garment.subset(name).is_none() && sets.iter().all(|set| set.name != *name);
-        let name = numbered.find(is_free).expect("there are more numbers than subsets");
+        let name = free_name(&valid, |name| garment.subset(name).is_some() || sets.iter().any(|set| set.name == name));
         if name != wanted {
             let problem = format!("operator face set `{wanted}` was renamed `{name}`: its name is taken or not valid");
             warnings.push(Warning::new(Code::SetRenamed, &name, problem).remedy("Rename the operator"));

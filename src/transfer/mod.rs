@@ -9,7 +9,7 @@
 //! | point subsets, corners | the nearest vertex on the same chain or part of the surface (`edges`) |
 //! | normals of the garment's own faces | normals of the simulation mesh (`normals`) |
 //!
-//! Data flows one way: `topology` and `coverage` make the `correspondence`; the rooms of each kind of element read
+//! Data flows one way: `topology` and `coverage` make the `correspondence`; the folders of each kind of element read
 //! that; `primvars` and `subsets` choose between them.
 
 mod corners;

@@ -109,7 +109,8 @@ fn chains_that_a_coarse_mesh_cannot_keep_apart_are_told() {
     let input = sheets::with_edges(sheet(8, 8), "lines", &(1..8).flat_map(line).collect::<Vec<_>>());
     let told = |length: &str| {
         let built = build(input.clone(), &["sim.uvSet=", length]);
-        let is_told = built.warnings.iter().any(|w| w.to_string().contains("chains of subset lines"));
+        let is_told =
+            built.warnings.iter().any(|w| w.place == "subset lines" && w.problem.contains("chains meet others"));
         (is_told, chains(&edges(&built.products.sim, "lines")).len())
     };
     assert_eq!(told("sim.maxEdgeLength=0.5"), (false, 7));

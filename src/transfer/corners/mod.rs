@@ -8,7 +8,7 @@ mod shells;
 mod sources;
 
 use super::correspondence::Correspondence;
-use crate::error::Warning;
+use crate::error::{Code, Warning};
 use crate::garment::{Garment, Interpolation, Primvar, Values};
 use crate::mesh::{CornerId, FaceId, IdVec, Topology, VertexId};
 use crate::subdivide::{Real, gathered};
@@ -43,11 +43,11 @@ pub(super) fn carry(
 }
 
 fn cut_off_warning(count: usize, primvar: &Primvar) -> Warning {
-    Warning::not_carried(
-        format!("the shells of {count} triangles in primvars:{} on the simulation mesh", primvar.name),
-        "next to others of their side they would lie the wrong way round, so that they are cut off; make the cuts \
-         of the layout edges of the mesh, or lower sim.maxEdgeLength",
-    )
+    let problem = format!(
+        "the shells of {count} triangles of the simulation mesh are cut off, which would be flipped within them"
+    );
+    Warning::new(Code::NotCarried, format!("primvars:{}", primvar.name), problem)
+        .remedy("Add edge sets along the cuts of the layout to sim.constraints, or lower sim.maxEdgeLength")
 }
 
 fn constraint_uvs(primvar: &Primvar, map: &Correspondence<'_>) -> Primvar {

@@ -1,6 +1,6 @@
 //! Subsets that name creases and corners of the garment, and the constraints of the simulation mesh.
 
-use crate::garment::{Elements, Garment, Subset};
+use crate::garment::{Elements, Garment, Subset, free_name};
 use crate::mesh::VertexId;
 use crate::sim::{Chain, SimOptions, SimProduct};
 use crate::transfer::topology::edge_key;
@@ -53,14 +53,4 @@ fn constrained_edges(product: &SimProduct, is_in: impl Fn(&Chain) -> bool) -> Ve
     let mut seen = BTreeSet::new();
     let edges = chains.flat_map(|(id, _)| product.chain_edges[id].iter().copied());
     edges.filter(|&edge| seen.insert(edge_key(edge))).collect()
-}
-
-/// `base`, or the first of `base_2`, `base_3` and so on that is not taken.
-fn free_name(base: &str, is_taken: impl Fn(&str) -> bool) -> String {
-    let (mut name, mut number) = (base.to_owned(), 1);
-    while is_taken(&name) {
-        number += 1;
-        name = format!("{base}_{number}");
-    }
-    name
 }

@@ -26,26 +26,24 @@ pub(super) fn of_small_sets(garment: &Garment, sets: &[Vec<FaceId>], coverage: &
 
 /// A warning of a face set that is empty on the simulation mesh.
 pub(super) fn of_lost_set(source: &Subset) -> Warning {
-    Warning::not_carried(
-        format!("all faces of subset {} on the simulation mesh", source.name),
-        "the set covers most of no triangle; lower sim.maxEdgeLength",
-    )
+    let problem = "no face is in it on the simulation mesh: it covers most of no triangle";
+    of_subset(source, problem.into()).remedy("Lower sim.maxEdgeLength, or name its border in sim.constraints")
 }
 
 /// Warnings of lost edges and merged chains of an edge set.
 pub(super) fn of_edges(source: &Subset, carried: &CarriedEdges) -> Vec<Warning> {
     let CarriedEdges { lost, merged, .. } = carried;
-    let (name, all) = (&source.name, source.elements.len());
-    let lost = (*lost > 0).then(|| Warning::not_carried(
-        format!("{lost} of {all} edges of subset {name} on the simulation mesh"),
-        "they lie between holes, or no edges of the mesh are near them; name the subset in tailor:sim:constraints, or \
-              lower sim.maxEdgeLength",));
-    let merged = (*merged > 0).then(|| {
-        Warning::not_carried(
-            format!("{merged} chains of subset {name} as chains of their own on the simulation mesh"),
-            "the mesh has too few vertices to keep them apart from others of the set; name the subset in \
-              tailor:sim:constraints, or lower sim.maxEdgeLength",
-        )
+    let remedy = "Name the set in sim.constraints, or lower sim.maxEdgeLength";
+    let lost = (*lost > 0).then(|| {
+        let all = source.elements.len();
+        format!("{lost} of {all} edges are lost: they lie between holes, or no edges of the simulation mesh are near")
     });
-    lost.into_iter().chain(merged).collect()
+    let merged = (*merged > 0).then(|| {
+        format!("{merged} chains meet others of the set: the simulation mesh has too few vertices to keep them apart")
+    });
+    lost.into_iter().chain(merged).map(|problem| of_subset(source, problem).remedy(remedy)).collect()
+}
+
+fn of_subset(source: &Subset, problem: String) -> Warning {
+    Warning::new(Code::NotCarried, format!("subset {}", source.name), problem)
 }

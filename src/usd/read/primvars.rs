@@ -41,7 +41,7 @@ pub fn read_primvars(
         }
         match read_primvar(prim, &name, interpolation, time, declarations) {
             Ok(primvar) => found.extend(primvar),
-            Err(e) => warnings.push(Warning::not_carried(format!("primvars:{name}"), e.in_a_line())),
+            Err(e) => warnings.push(Warning::unread(format!("primvars:{name}"), &e)),
         }
     }
     Ok(found)

@@ -37,7 +37,7 @@ pub fn read_shapes(
                 found.push(shape);
                 primvars.extend(offsets);
             }
-            Err(e) => warnings.push(Warning::not_carried(format!("blend shape {path}"), e.in_a_line())),
+            Err(e) => warnings.push(Warning::unread(format!("blend shape {path}"), &e)),
         }
     }
     Ok((found, primvars))

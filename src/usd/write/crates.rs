@@ -46,10 +46,9 @@ pub fn remove_unwritable(data: &mut Data, warnings: &mut Warnings) {
         spec.fields.retain(|(key, value)| {
             let unwritable = any(value, &is_half2);
             if unwritable {
-                warnings.push(Warning::not_carried(
-                    format!("{key} of {path}"),
-                    "a single half2 cannot be written to a crate; write .usda instead",
-                ));
+                let why = "a single half2 cannot be written to a crate";
+                let warning = Warning::not_carried(format!("{key} of {path}"), why);
+                warnings.push(warning.remedy("Write .usda instead"));
             }
             !unwritable
         });

@@ -1,7 +1,7 @@
 //! Writing blend shapes.
 
 use super::product::Author;
-use crate::garment::{Garment, PrimvarRole, Values};
+use crate::garment::{Garment, PrimvarRole, Values, free_name};
 use crate::usd::names;
 use crate::usd::read::BlendShape;
 use crate::usd::record::Record;
@@ -19,8 +19,7 @@ impl Author<'_> {
         let mut taken: BTreeSet<String> = mesh.subsets.iter().map(|s| s.name.clone()).collect();
         let (mut tokens, mut targets) = (Vec::new(), Vec::new());
         for (number, shape) in self.model.declarations.shapes.iter().enumerate() {
-            let mut numbered = (1..).map(|n| if n == 1 { shape.name.clone() } else { format!("{}_{n}", shape.name) });
-            let name = numbered.find(|n| !taken.contains(n)).expect("there are more numbers than names");
+            let name = free_name(&shape.name, |name| taken.contains(name));
             let path = prim.append_path(name.as_str())?;
             taken.insert(name);
             self.shape(&path, number, shape, mesh)?;
