@@ -47,8 +47,8 @@ pub fn subsets_are(garment: &Garment, key: &str, names: &[String], kind: &str) -
     let Some(name) = names.iter().find(|name| !fits(name)) else { return Ok(()) };
     let known = garment.subsets.iter().filter(|s| s.elements.kind() == kind);
     let known: Vec<&str> = known.map(|s| s.name.as_str()).collect();
-    let fault = format!("{key} names \"{name}\", which is no {kind} subset of the mesh");
-    Err(Error::recipe(&garment.prim, fault).remedy(format!("its {kind} subsets are: {}", known.join(", "))))
+    let fault = format!("\"{name}\" is no {kind} subset of {}", garment.prim);
+    Err(Error::recipe(key, fault).remedy(format!("its {kind} subsets are: {}", known.join(", "))))
 }
 
 /// The primvar that `key` names, which has to be a `kind`; none where the name is empty.
@@ -69,8 +69,8 @@ pub fn primvar<'a>(
     let names: Vec<&str> = garment.primvars.iter().filter(&fits).map(|p| p.name.as_str()).collect();
     let remedy =
         if names.is_empty() { "the mesh has none".to_owned() } else { format!("the mesh has: {}", names.join(", ")) };
-    let fault = format!("{key} names \"{name}\", which is no {kind} of the mesh");
-    Err(Error::recipe(&garment.prim, fault).remedy(remedy))
+    let fault = format!("\"{name}\" is no {kind} of {}", garment.prim);
+    Err(Error::recipe(key, fault).remedy(remedy))
 }
 
 /// The painted weights that `key` names; none where the name is empty.

@@ -21,7 +21,7 @@ pub struct SimPrimvars<'a> {
 pub fn bind(recipe: &Recipe, garment: &Garment) -> Result<(), Error> {
     bind_sim(&recipe.sim, garment)?;
     subsets_are(garment, "sim.constraints", &recipe.sim.constraints, "edge")?;
-    recipe.operators().into_iter().try_for_each(|(name, options)| options.bind(&options.key_of(name), garment))
+    recipe.enabled().try_for_each(|(name, options)| options.bind(&options.key_of(name), garment))
 }
 
 /// Finds the primvars that the options of the simulation mesh name. The default UV set may be absent.

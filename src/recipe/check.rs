@@ -21,7 +21,7 @@ impl Recipe {
     pub fn check(&self) -> Result<(), Error> {
         self.check_sim()?;
         self.check_levels()?;
-        self.operators().into_iter().try_for_each(|(name, options)| options.check(&options.key_of(name)))
+        self.enabled().try_for_each(|(name, options)| options.check(&options.key_of(name)))
     }
 
     fn check_sim(&self) -> Result<(), Error> {

@@ -15,32 +15,117 @@ pub use layers::Layers;
 pub use operators::KINDS;
 pub(crate) use operators::kind_named;
 
-use crate::render::{RenderOptions, SeamOptions, ThicknessOptions};
+use crate::render::{Domain, Key, RenderOptions, SeamOptions, ThicknessOptions};
 use crate::sim::SimOptions;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-/// The options that a recipe has once, in schema order: key, unit and meaning.
-pub const KEYS: [(&str, &str, &str); 17] = [
-    ("sim.minEdgeLength", "stage units", "target edge length at density 1; 0: half of maxEdgeLength"),
-    ("sim.maxEdgeLength", "stage units", "target edge length at density 0; 0: half of the input's mean edge"),
-    ("sim.density", "name", "painted float primvar, 1 fine to 0 coarse; empty: maxEdgeLength everywhere"),
-    ("sim.grading", "factor", "largest ratio of neighbouring target lengths, 1.05 or more; 0: no limit"),
-    ("sim.baselineLevel", "levels", "subdivision level of the surface that the mesh approximates"),
-    ("sim.iterations", "rounds", "rounds of split, collapse, flip and relax"),
-    ("sim.uvSet", "name", "UV set whose shell borders are seams; empty: none"),
-    ("sim.constrainUvSeams", "true or false", "keep UV seams as edges of the mesh"),
-    ("sim.constraints", "names", "edge subsets to keep as edges of the mesh"),
-    ("sim.cornerAngle", "degrees", "keep a corner where a curve turns by more within one edge length; 180: none"),
-    ("sim.transferSamples", "samples per face", "samples to transfer face sets, colours and uniform primvars"),
-    ("sim.seed", "integer", "seed of the transfer samples"),
-    ("sim.cleanIslands", "true or false", "merge single stray faces of a face set into the set around them"),
-    ("sim.provenance", "true or false", "store the source face and coordinates of each vertex"),
-    ("render.level", "levels", "subdivision level of the render mesh"),
-    ("render.operators", "names", "operators in the order they run; empty: all seams, then all thicknesses"),
-    ("render.faceSets", "true or false", "add face subsets of the faces that each operator creates"),
+/// The options that a recipe has once, in schema order.
+pub const KEYS: [Key; 17] = [
+    Key {
+        key: "sim.minEdgeLength",
+        unit: "stage units",
+        domain: Domain::Length { least: 0.0, most: 2.0, automatic: 0.5 },
+        meaning: "target edge length at density 1; 0: half of maxEdgeLength",
+    },
+    Key {
+        key: "sim.maxEdgeLength",
+        unit: "stage units",
+        domain: Domain::Length { least: 0.0, most: 2.0, automatic: 0.5 },
+        meaning: "target edge length at density 0; 0: half of the input's mean edge",
+    },
+    Key {
+        key: "sim.density",
+        unit: "name",
+        domain: Domain::Weights,
+        meaning: "painted float primvar, 1 fine to 0 coarse; empty: maxEdgeLength everywhere",
+    },
+    Key {
+        key: "sim.grading",
+        unit: "factor",
+        domain: Domain::Number { least: 0.0, most: 4.0, step: 0.05 },
+        meaning: "largest ratio of neighbouring target lengths, 1.05 or more; 0: no limit",
+    },
+    Key {
+        key: "sim.baselineLevel",
+        unit: "levels",
+        domain: Domain::Whole { most: 4 },
+        meaning: "subdivision level of the surface that the mesh approximates",
+    },
+    Key {
+        key: "sim.iterations",
+        unit: "rounds",
+        domain: Domain::Whole { most: 10 },
+        meaning: "rounds of split, collapse, flip and relax",
+    },
+    Key {
+        key: "sim.uvSet",
+        unit: "name",
+        domain: Domain::UvSet,
+        meaning: "UV set whose shell borders are seams; empty: none",
+    },
+    Key {
+        key: "sim.constrainUvSeams",
+        unit: "true or false",
+        domain: Domain::Flag,
+        meaning: "keep UV seams as edges of the mesh",
+    },
+    Key {
+        key: "sim.constraints",
+        unit: "names",
+        domain: Domain::EdgeSets,
+        meaning: "edge subsets to keep as edges of the mesh",
+    },
+    Key {
+        key: "sim.cornerAngle",
+        unit: "degrees",
+        domain: Domain::Number { least: 5.0, most: 180.0, step: 5.0 },
+        meaning: "keep a corner where a curve turns by more within one edge length; 180: none",
+    },
+    Key {
+        key: "sim.transferSamples",
+        unit: "samples per face",
+        domain: Domain::Whole { most: 128 },
+        meaning: "samples to transfer face sets, colours and uniform primvars",
+    },
+    Key {
+        key: "sim.seed",
+        unit: "integer",
+        domain: Domain::Whole { most: 100 },
+        meaning: "seed of the transfer samples",
+    },
+    Key {
+        key: "sim.cleanIslands",
+        unit: "true or false",
+        domain: Domain::Flag,
+        meaning: "merge single stray faces of a face set into the set around them",
+    },
+    Key {
+        key: "sim.provenance",
+        unit: "true or false",
+        domain: Domain::Flag,
+        meaning: "store the source face and coordinates of each vertex",
+    },
+    Key {
+        key: "render.level",
+        unit: "levels",
+        domain: Domain::Whole { most: 3 },
+        meaning: "subdivision level of the render mesh",
+    },
+    Key {
+        key: "render.operators",
+        unit: "names",
+        domain: Domain::Operators,
+        meaning: "operators in the order they run; empty: all seams, then all thicknesses",
+    },
+    Key {
+        key: "render.faceSets",
+        unit: "true or false",
+        domain: Domain::Flag,
+        meaning: "add face subsets of the faces that each operator creates",
+    },
 ];
 
 /// All options of a build.
@@ -72,14 +157,20 @@ fn default_of(space: &str, key: &str) -> Option<Value> {
     }
 }
 
+/// The default of an option by its full key, such as `sim.maxEdgeLength`.
+pub(crate) fn default_at(key: &str) -> Option<Value> {
+    let (space, field) = key.split_once('.')?;
+    default_of(space, field)
+}
+
 /// The key of an operator's option with a placeholder for its name, such as `seam.<name>.width`.
 fn pattern(kind: &str, field: &str) -> String {
     format!("{kind}.<name>.{field}")
 }
 
 fn all_keys() -> String {
-    let of_instances = KINDS.iter().flat_map(|kind| kind.keys.iter().map(|key| pattern(kind.name, key.field)));
-    let keys: Vec<String> = KEYS.iter().map(|k| k.0.to_owned()).chain(of_instances).collect();
+    let of_instances = KINDS.iter().flat_map(|kind| kind.keys.iter().map(|key| pattern(kind.name, key.key)));
+    let keys: Vec<String> = KEYS.iter().map(|k| k.key.to_owned()).chain(of_instances).collect();
     format!("the options are {}", keys.join(", "))
 }
 
@@ -90,17 +181,24 @@ pub fn help() -> String {
         let default = default.unwrap_or_default().to_string();
         let _ = writeln!(text, "  {key:<21} {default:<6} {meaning} [{unit}]");
     };
-    for (key, unit, meaning) in KEYS {
-        let (space, field) = key.split_once('.').unwrap_or((key, ""));
-        line(key, default_of(space, field), meaning, unit);
+    for Key { key, unit, meaning, .. } in KEYS {
+        line(key, default_at(key), meaning, unit);
     }
     for kind in KINDS.iter() {
         let defaults = (kind.defaults)();
         for key in kind.keys {
-            line(&pattern(kind.name, key.field), defaults.get(key.field).cloned(), key.meaning, key.unit);
+            line(&pattern(kind.name, key.key), defaults.get(key.key).cloned(), key.meaning, key.unit);
         }
     }
     text
+}
+
+/// True if an attribute is an option, for any name of an operator.
+pub fn is_attribute(name: &str) -> bool {
+    let Some((space, rest)) = name.strip_prefix("tailor:").and_then(|a| a.split_once(':')) else { return false };
+    let is_of_kind = |field: &str| kind_named(space).is_some_and(|kind| kind.keys.iter().any(|key| key.key == field));
+    KEYS.iter().any(|key| key.key.split_once('.') == Some((space, rest)))
+        || rest.rsplit_once(':').is_some_and(|(_, field)| is_of_kind(field))
 }
 
 /// The type of an option, as messages describe it.
@@ -146,10 +244,6 @@ mod tests {
         let count: usize =
             defaults().as_object().into_iter().flatten().filter_map(|(_, f)| f.as_object()).map(Map::len).sum();
         assert_eq!(count, KEYS.len());
-        assert!(
-            KEYS.iter().all(|(key, _, _)| key
-                .split_once('.')
-                .is_some_and(|(space, field)| default_of(space, field).is_some()))
-        );
+        assert!(KEYS.iter().all(|key| default_at(key.key).is_some()));
     }
 }

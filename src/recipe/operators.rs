@@ -21,6 +21,11 @@ impl Recipe {
         seams.chain(thicknesses.map(|(name, options)| (name.as_str(), options as _))).collect()
     }
 
+    /// The operators that are not left out.
+    pub(crate) fn enabled(&self) -> impl Iterator<Item = (&str, &dyn OperatorOptions)> {
+        self.operators().into_iter().filter(|(_, options)| options.is_enabled())
+    }
+
     /// Replaces automatic lengths (0) by multiples of the garment's mean edge length. \[stage units\]
     pub(crate) fn resolve_lengths(&mut self, mean_edge: f32) {
         let sim = &mut self.sim;
@@ -54,7 +59,7 @@ mod tests {
     fn the_tables_of_operators_are_complete() {
         for kind in KINDS.iter() {
             let defaults = (kind.defaults)();
-            assert!(kind.keys.iter().all(|key| defaults.get(key.field).is_some()), "{kind:?}");
+            assert!(kind.keys.iter().all(|key| defaults.get(key.key).is_some()), "{kind:?}");
             assert_eq!(kind.keys.len(), defaults.as_object().map_or(0, serde_json::Map::len), "{kind:?}");
         }
         assert_eq!(split("seam", "placket.width"), Some(("placket", "width")));

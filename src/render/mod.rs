@@ -31,9 +31,7 @@ mod seam;
 mod stack;
 mod thickness;
 
-#[cfg(feature = "internals")]
-pub use options::Key;
-pub use options::{Kind, OperatorOptions};
+pub use options::{Domain, Key, Kind, OperatorOptions};
 pub use seam::SeamOptions;
 pub use stack::{RenderSteps, Rendered, Stack};
 pub use thickness::{Side, ThicknessOptions};

@@ -6,15 +6,59 @@ use crate::garment::Garment;
 use serde_json::Value;
 use std::sync::Arc;
 
-/// The description of an option, for the help and the schemas.
+/// The description of an option, for the help, the schemas and the preview.
 #[derive(Clone, Copy, Debug)]
 pub struct Key {
-    /// Name of the option without its operator's kind and name.
-    pub field: &'static str,
+    /// The key, such as `sim.maxEdgeLength`; for an operator the last part alone, such as `width`.
+    pub key: &'static str,
     /// Unit.
     pub unit: &'static str,
+    /// The values that it takes.
+    pub domain: Domain,
     /// Meaning, in a few words.
     pub meaning: &'static str,
+}
+
+/// The values of an option. Ranges are those of a slider; the recipe may hold values beyond them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Domain {
+    /// True or false.
+    Flag,
+    /// A number without a unit of length.
+    Number {
+        /// Start of the range.
+        least: f32,
+        /// End of the range.
+        most: f32,
+        /// A step that can be seen.
+        step: f32,
+    },
+    /// A whole number from 0.
+    Whole {
+        /// End of the range.
+        most: u32,
+    },
+    /// A length. \[mean edge lengths of the mesh\]
+    Length {
+        /// Start of the range.
+        least: f32,
+        /// End of the range.
+        most: f32,
+        /// The length that 0 stands for; 0 if it is no length.
+        automatic: f32,
+    },
+    /// One of several words.
+    Choice(&'static [&'static str]),
+    /// A UV set, or empty.
+    UvSet,
+    /// A painted float primvar, or empty.
+    Weights,
+    /// Edge subsets.
+    EdgeSets,
+    /// Face subsets.
+    FaceSets,
+    /// Operators of the recipe.
+    Operators,
 }
 
 /// The options of one operator of a recipe.
@@ -24,6 +68,9 @@ pub trait OperatorOptions {
 
     /// The descriptions of the options, in the order of the schema.
     fn keys(&self) -> &'static [Key];
+
+    /// False if the operator is left out. Its values are then not checked.
+    fn is_enabled(&self) -> bool;
 
     /// Checks the values without a garment; `key` gives the key of a field for messages.
     ///

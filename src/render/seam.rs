@@ -20,7 +20,7 @@ mod chains;
 
 use super::lines::{self, Lines, Narrowed, Request};
 use super::operator::{Control, Operator, OperatorInput, OperatorOutput, REPORTED, Role};
-use super::options::{Key, OperatorOptions};
+use super::options::{Domain, Key, OperatorOptions};
 use crate::checks;
 use crate::error::{Code, Error, Warning, Warnings};
 use crate::garment::{Elements, Garment, Orientation, Subset};
@@ -42,9 +42,11 @@ const AUTOMATIC_WIDTH: f32 = 0.25;
 const MIN_SIDE_SHARE: f32 = 0.05;
 
 /// Options of a seam: the attributes of `TailorSeamAPI`, with the same names and defaults.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase", default, deny_unknown_fields)]
 pub struct SeamOptions {
+    /// False to leave the seam out and keep its options.
+    pub enabled: bool,
     /// Names of the edge subsets of the seam.
     pub edges: Vec<String>,
     /// Width from side to side; 0: a quarter of the mean edge of the input. \[stage units\]
@@ -55,6 +57,12 @@ pub struct SeamOptions {
     pub normal_offset: f32,
     /// Distribution of the width: -1 left, 0 even, 1 right. At least a twentieth stays on each side.
     pub asymmetry: f32,
+}
+
+impl Default for SeamOptions {
+    fn default() -> Self {
+        Self { enabled: true, edges: Vec::new(), width: 0.0, depth: 0.0, normal_offset: 0.0, asymmetry: 0.0 }
+    }
 }
 
 impl SeamOptions {
@@ -72,16 +80,37 @@ impl OperatorOptions for SeamOptions {
 
     fn keys(&self) -> &'static [Key] {
         &[
-            Key { field: "edges", unit: "names", meaning: "edge subsets of the seam" },
-            Key { field: "width", unit: "stage units", meaning: "from side to side; 0: a quarter of the mean edge" },
-            Key { field: "depth", unit: "stage units", meaning: "height of the flanks over straight ones" },
+            Key { key: "enabled", unit: "true or false", domain: Domain::Flag, meaning: "whether the seam is made" },
+            Key { key: "edges", unit: "names", domain: Domain::EdgeSets, meaning: "edge subsets of the seam" },
             Key {
-                field: "normalOffset",
+                key: "width",
                 unit: "stage units",
+                domain: Domain::Length { least: 0.0, most: 1.0, automatic: AUTOMATIC_WIDTH },
+                meaning: "from side to side; 0: a quarter of the mean edge",
+            },
+            Key {
+                key: "depth",
+                unit: "stage units",
+                domain: Domain::Length { least: -0.2, most: 0.2, automatic: 0.0 },
+                meaning: "height of the flanks over straight ones",
+            },
+            Key {
+                key: "normalOffset",
+                unit: "stage units",
+                domain: Domain::Length { least: -0.2, most: 0.2, automatic: 0.0 },
                 meaning: "height of the centre; below 0 a groove, above a ridge",
             },
-            Key { field: "asymmetry", unit: "-1 to 1", meaning: "-1: most of the width on the left, 1: on the right" },
+            Key {
+                key: "asymmetry",
+                unit: "-1 to 1",
+                domain: Domain::Number { least: -1.0, most: 1.0, step: 0.05 },
+                meaning: "-1: most of the width on the left, 1: on the right",
+            },
         ]
+    }
+
+    fn is_enabled(&self) -> bool {
+        self.enabled
     }
 
     fn check(&self, key: &dyn Fn(&str) -> String) -> Result<(), Error> {

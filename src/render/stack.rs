@@ -40,6 +40,9 @@ impl Stack {
         };
         for at in order(all, &options.operators, &mut stack.warnings)? {
             let (name, options) = all[at];
+            if !options.is_enabled() {
+                continue;
+            }
             match stack.operators.last().and_then(|last| options.joined(name, last.as_ref())) {
                 Some(joined) => *stack.operators.last_mut().expect("an operator was joined") = joined,
                 None => stack.operators.push(options.operator(name)),
@@ -83,7 +86,8 @@ fn order(
             _ => return fault(name, "which several operators have; add its kind"),
         }
     }
-    let omitted: Vec<String> = (0..all.len()).filter(|i| !order.contains(i)).map(full_name).collect();
+    let omitted: Vec<String> =
+        (0..all.len()).filter(|i| all[*i].1.is_enabled() && !order.contains(i)).map(full_name).collect();
     if !omitted.is_empty() {
         let problem = format!("it leaves out operators, which do not run: {}", names(&omitted));
         let warning = Warning::new(Code::OperatorsLeftOut, "render.operators", problem);

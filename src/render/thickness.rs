@@ -14,7 +14,7 @@ mod cover;
 
 use super::lines::{self, Lines, Request};
 use super::operator::{Control, Operator, OperatorInput, OperatorOutput, REPORTED, Role, is_lone_corner};
-use super::options::{Key, OperatorOptions};
+use super::options::{Domain, Key, OperatorOptions};
 use crate::checks;
 use crate::error::{Code, Error, Warning, Warnings};
 use crate::garment::{Elements, Garment, Orientation, Subset, Values};
@@ -45,9 +45,11 @@ pub enum Side {
 }
 
 /// Options of a thickness: the attributes of `TailorThicknessAPI`, with the same names and defaults.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase", default, deny_unknown_fields)]
 pub struct ThicknessOptions {
+    /// False to leave the second layer out and keep its options.
+    pub enabled: bool,
     /// Names of the face subsets that get a second layer in one piece.
     pub faces: Vec<String>,
     /// Distance of the layers; 0: a tenth of the mean edge of the input. \[stage units\]
@@ -60,6 +62,13 @@ pub struct ThicknessOptions {
     pub closed: bool,
 }
 
+impl Default for ThicknessOptions {
+    fn default() -> Self {
+        let (faces, weights) = (Vec::new(), String::new());
+        Self { enabled: true, faces, amount: 0.0, weights, side: Side::Inner, closed: false }
+    }
+}
+
 impl OperatorOptions for ThicknessOptions {
     fn kind(&self) -> &'static str {
         "thickness"
@@ -67,20 +76,47 @@ impl OperatorOptions for ThicknessOptions {
 
     fn keys(&self) -> &'static [Key] {
         &[
-            Key { field: "faces", unit: "names", meaning: "face subsets that get a second layer" },
             Key {
-                field: "amount",
+                key: "enabled",
+                unit: "true or false",
+                domain: Domain::Flag,
+                meaning: "whether the second layer is made",
+            },
+            Key {
+                key: "faces",
+                unit: "names",
+                domain: Domain::FaceSets,
+                meaning: "face subsets that get a second layer",
+            },
+            Key {
+                key: "amount",
                 unit: "stage units",
+                domain: Domain::Length { least: 0.0, most: 0.4, automatic: AUTOMATIC_AMOUNT },
                 meaning: "distance of the layers; 0: a tenth of the mean edge",
             },
-            Key { field: "weights", unit: "name", meaning: "painted float primvar that scales the amount; empty: 1" },
-            Key { field: "side", unit: "inner or outer", meaning: "the side of the second layer" },
             Key {
-                field: "closed",
+                key: "weights",
+                unit: "name",
+                domain: Domain::Weights,
+                meaning: "painted float primvar that scales the amount; empty: 1",
+            },
+            Key {
+                key: "side",
+                unit: "inner or outer",
+                domain: Domain::Choice(&["inner", "outer"]),
+                meaning: "the side of the second layer",
+            },
+            Key {
+                key: "closed",
                 unit: "true or false",
+                domain: Domain::Flag,
                 meaning: "whether faces without a border get a second layer too",
             },
         ]
+    }
+
+    fn is_enabled(&self) -> bool {
+        self.enabled
     }
 
     fn check(&self, key: &dyn Fn(&str) -> String) -> Result<(), Error> {

@@ -14,7 +14,7 @@ pub fn with_cloth() -> Folder {
 /// Opens one mesh of a written file, as the library reads it.
 #[track_caller]
 fn mesh(folder: &Folder, file: &str, prim: &str) -> Source {
-    let options = ReadOptions { prim: Some(prim.into()), time: None };
+    let options = ReadOptions { prim: Some(prim.into()), ..ReadOptions::default() };
     Source::open(&folder.at(file), &options).unwrap_or_else(|e| panic!("{file} {prim}: {e}"))
 }
 

@@ -8,6 +8,7 @@ use crate::ffi::Field;
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::str;
+pub use tailor::recipe::is_attribute as is_field;
 use tailor::recipe::{KEYS, KINDS, RecipeFile};
 
 /// An operator: its kind and its name.
@@ -22,19 +23,9 @@ pub fn fields(recipe: &[u8], schemas: &str, arguments: &str) -> Vec<Field> {
         in_recipe(recipe).into_iter().chain(in_schemas(schemas)).chain(in_arguments(arguments)).collect();
     let of_instances = instances.iter().flat_map(|(kind, name)| {
         let of_kind = KINDS.iter().filter(move |known| known.name == *kind);
-        of_kind.flat_map(|known| known.keys).map(move |key| format!("{kind}.{name}.{}", key.field))
+        of_kind.flat_map(|known| known.keys).map(move |key| format!("{kind}.{name}.{}", key.key))
     });
-    KEYS.iter().map(|key| key.0.to_owned()).chain(of_instances).map(field).collect()
-}
-
-/// `true` if an attribute is an option, for any name of an instance.
-pub fn is_field(attribute: &str) -> bool {
-    let Some((space, rest)) = attribute.strip_prefix("tailor:").and_then(|a| a.split_once(':')) else { return false };
-    KEYS.iter().any(|key| key.0.split_once('.') == Some((space, rest)))
-        || rest.rsplit_once(':').is_some_and(|(_, field)| {
-            let of_kind = KINDS.iter().filter(|kind| kind.name == space);
-            of_kind.flat_map(|kind| kind.keys).any(|key| key.field == field)
-        })
+    KEYS.iter().map(|key| key.key.to_owned()).chain(of_instances).map(field).collect()
 }
 
 fn field(argument: String) -> Field {
@@ -126,7 +117,7 @@ mod tests {
         assert_eq!(all.len(), KEYS.len());
         for field in all {
             assert_eq!(field.attribute, format!("tailor:{}", field.argument.replace('.', ":")));
-            assert!(KEYS.iter().any(|key| key.0 == field.argument) && is_field(&field.attribute));
+            assert!(KEYS.iter().any(|key| key.key == field.argument) && is_field(&field.attribute));
         }
     }
 
