@@ -129,6 +129,31 @@ impl RenderFigures {
     }
 }
 
+/// The quality of each triangle of a simulation mesh.
+#[derive(Clone, Debug, Default)]
+pub struct TriangleQuality {
+    /// Smallest angle. \[degrees\]
+    pub angles: Vec<f32>,
+    /// Mean length of the edges. \[target lengths\]
+    pub lengths: Vec<f32>,
+}
+
+impl TriangleQuality {
+    /// Measures a simulation mesh.
+    pub fn new(product: &SimProduct) -> Self {
+        let of_points = |t: &[VertexId; 3]| t.map(|v| product.points[v]);
+        let length = |t: &[VertexId; 3]| {
+            let [a, b, c] = of_points(t);
+            let target: f32 = t.iter().map(|&v| product.target[v]).sum();
+            (a.distance(b) + b.distance(c) + c.distance(a)) / target
+        };
+        Self {
+            angles: product.triangles.iter().map(|t| min_angle(of_points(t))).collect(),
+            lengths: product.triangles.iter().map(length).collect(),
+        }
+    }
+}
+
 impl SimFigures {
     /// Measures a simulation mesh.
     ///

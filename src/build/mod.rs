@@ -21,7 +21,7 @@ use crate::garment::{Garment, GarmentInput, Scheme, check_garment};
 use crate::recipe::{Recipe, bind};
 use crate::render::operator::Operator;
 use crate::render::{RenderSteps, Rendered, Stack};
-use crate::report::{RenderFigures, SimFigures};
+use crate::report::{RenderFigures, SimFigures, TriangleQuality};
 use crate::sim::RemeshReport;
 use progress::Clock;
 use serde::Serialize;
@@ -118,6 +118,47 @@ impl Products {
     pub fn remesh(&self) -> &RemeshReport {
         &self.simulated.remeshed.product.report
     }
+}
+
+/// The simulation mesh of one update.
+#[derive(Clone)]
+#[non_exhaustive]
+pub struct SimUpdate {
+    /// The mesh.
+    pub mesh: Arc<Garment>,
+    /// Its warnings.
+    pub warnings: Warnings,
+    /// Time of each step that was repeated.
+    pub timings: Vec<Timing>,
+    simulated: Arc<Simulated>,
+}
+
+impl SimUpdate {
+    /// The quality figures.
+    pub fn figures(&self) -> SimFigures {
+        self.simulated.figures()
+    }
+
+    /// The smallest angle and the length of the edges of each triangle.
+    pub fn triangle_quality(&self) -> TriangleQuality {
+        TriangleQuality::new(&self.simulated.remeshed.product)
+    }
+}
+
+/// The render mesh of one update.
+#[derive(Clone)]
+#[non_exhaustive]
+pub struct RenderUpdate {
+    /// The mesh.
+    pub mesh: Arc<Garment>,
+    /// The operators, in their order.
+    pub operators: Vec<String>,
+    /// Names of the face sets that they made.
+    pub operator_sets: Vec<String>,
+    /// Its warnings.
+    pub warnings: Warnings,
+    /// Time of the step.
+    pub timings: Vec<Timing>,
 }
 
 /// The sizes of the products before they are built.
@@ -228,24 +269,58 @@ impl Builder {
     /// Faults of the recipe, products that would be too large, and cancellation. The results of earlier steps stay.
     pub fn update(&mut self, recipe: &Recipe) -> Result<Products, Error> {
         let recipe = self.resolve(recipe)?;
+        let sim = self.simulate(&recipe)?;
+        let render = self.render(&recipe)?;
+        let mut warnings = self.warnings.clone();
+        warnings.extend(sim.warnings);
+        warnings.extend(render.warnings);
+        Ok(Products {
+            sim: sim.mesh,
+            render: render.mesh,
+            recipe,
+            operators: render.operators,
+            operator_sets: render.operator_sets,
+            warnings,
+            timings: [sim.timings, render.timings].concat(),
+            simulated: sim.simulated,
+        })
+    }
+
+    /// The simulation mesh alone.
+    ///
+    /// # Errors
+    /// As [`Builder::update`].
+    pub fn update_sim(&mut self, recipe: &Recipe) -> Result<SimUpdate, Error> {
+        let recipe = self.resolve(recipe)?;
+        self.simulate(&recipe)
+    }
+
+    /// The render mesh alone.
+    ///
+    /// # Errors
+    /// As [`Builder::update`].
+    pub fn update_render(&mut self, recipe: &Recipe) -> Result<RenderUpdate, Error> {
+        let recipe = self.resolve(recipe)?;
+        self.render(&recipe)
+    }
+
+    /// The simulation mesh of a resolved recipe.
+    fn simulate(&mut self, recipe: &Recipe) -> Result<SimUpdate, Error> {
         let mut clock = Clock::new(&self.progress);
         let simulated = self.sim.update(&recipe.sim, self.max_faces, &mut clock)?;
-        let stack = self.stack(&recipe)?;
-        let Rendered { mesh, sets, warnings: of_render } = clock.run("render", || self.render.update(&stack))?;
         clock.finish()?;
-        let mut warnings = self.warnings.clone();
-        warnings.extend(simulated.remeshed.warnings.iter().chain(simulated.warnings.iter()).cloned());
-        warnings.extend(of_render);
-        Ok(Products {
-            sim: Arc::clone(&simulated.mesh),
-            render: mesh,
-            recipe,
-            operators: stack.names,
-            operator_sets: sets,
-            warnings,
-            timings: clock.timings,
-            simulated,
-        })
+        let mut warnings = simulated.remeshed.warnings.clone();
+        warnings.extend(simulated.warnings.iter().cloned());
+        Ok(SimUpdate { mesh: Arc::clone(&simulated.mesh), warnings, timings: clock.timings, simulated })
+    }
+
+    /// The render mesh of a resolved recipe.
+    fn render(&mut self, recipe: &Recipe) -> Result<RenderUpdate, Error> {
+        let mut clock = Clock::new(&self.progress);
+        let stack = self.stack(recipe)?;
+        let Rendered { mesh, sets, warnings } = clock.run("render", || self.render.update(&stack))?;
+        clock.finish()?;
+        Ok(RenderUpdate { mesh, operators: stack.names, operator_sets: sets, warnings, timings: clock.timings })
     }
 
     /// The sizes of the products of a recipe, by less work than the products take.
