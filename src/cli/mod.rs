@@ -2,15 +2,18 @@
 
 mod build;
 mod info;
+#[cfg(feature = "preview")]
+mod preview;
 mod report;
 mod text;
 
 use clap::{Args, Parser, Subcommand};
 use std::path::{Path, PathBuf};
-use tailor::error::{Error, ErrorKind, Warnings};
-use tailor::recipe::{Layers, RecipeFile, is_recipe};
-use tailor::usd::{ReadOptions, Source};
-use tailor::{Builder, DEFAULT_MAX_FACES, GarmentInput, Recipe};
+use tailor::DEFAULT_MAX_FACES;
+use tailor::error::{Error, ErrorKind};
+use tailor::recipe::RecipeFile;
+use tailor::session::{Input, Opened, beside, is_usd};
+use tailor::usd::ReadOptions;
 
 /// One coarse garment mesh in, a simulation mesh and a render mesh out, in OpenUSD.
 #[derive(Parser)]
@@ -28,6 +31,10 @@ enum Command {
     /// Describe a garment and the meshes that `build` would write for it
     #[command(after_help = tailor::recipe::help())]
     Info(Inputs),
+    /// Show a garment in the browser while its recipe is edited
+    #[cfg(feature = "preview")]
+    #[command(after_help = tailor::recipe::help())]
+    Preview(preview::Preview),
     /// Check garments; exit 1 if one has a problem
     Check(Inputs),
 }
@@ -44,7 +51,8 @@ struct Inputs {
     /// Time at which values are read [time codes] [default: the default time]
     #[arg(long, value_name = "TIME", help_heading = "Input", allow_negative_numbers = true)]
     time: Option<f64>,
-    /// A .tailor file (JSON) with options for all inputs; it may name the source and the prim
+    /// A .tailor file (JSON) with options for all inputs, which may name the source and the prim; or a USD layer that the
+    /// preview saved
     #[arg(long, value_name = "FILE", help_heading = "Recipe")]
     recipe: Option<PathBuf>,
     /// Override one option, such as sim.maxEdgeLength=2 [stage units] or render.level=2 [levels]; repeatable
@@ -110,6 +118,8 @@ pub fn run(cli: &Cli) -> Result<Output, Error> {
     let inputs = match &cli.command {
         Command::Build(build) => &build.inputs,
         Command::Info(inputs) | Command::Check(inputs) => inputs,
+        #[cfg(feature = "preview")]
+        Command::Preview(preview) => preview.inputs(),
     };
     if let Some(threads) = inputs.threads {
         if threads == 0 {
@@ -122,23 +132,8 @@ pub fn run(cli: &Cli) -> Result<Output, Error> {
         Command::Build(build) => build::run(build),
         Command::Info(inputs) => info::info(inputs),
         Command::Check(inputs) => info::check(inputs),
-    }
-}
-
-/// An opened input, before its mesh and its recipe are checked.
-struct Opened {
-    source: Source,
-    mesh: GarmentInput,
-    layers: Layers,
-    warnings: Warnings,
-}
-
-impl Opened {
-    /// Checks the mesh, and the recipe against it. The builder has the warnings of both.
-    fn check(self) -> Result<(Source, Builder, Recipe), Error> {
-        let builder = Builder::new(self.mesh)?.with_warnings(self.warnings);
-        let recipe = self.layers.recipe_for(builder.garment())?;
-        Ok((self.source, builder, recipe))
+        #[cfg(feature = "preview")]
+        Command::Preview(preview) => preview::run(preview),
     }
 }
 
@@ -148,18 +143,13 @@ fn usage(place: impl std::fmt::Display, text: impl Into<String>) -> Error {
 }
 
 impl Inputs {
-    /// The recipe file, if one was given.
-    fn recipe_file(&self) -> Result<Option<RecipeFile>, Error> {
-        self.recipe.as_deref().map(RecipeFile::read).transpose()
-    }
-
     /// The files of the command line, or else the recipe's source.
     fn files(&self) -> Result<Vec<PathBuf>, Error> {
         if !self.inputs.is_empty() {
             return Ok(self.inputs.clone());
         }
-        let source = match (&self.recipe, self.recipe_file()?) {
-            (Some(path), Some(file)) => file.source.map(|s| beside(path, &s)),
+        let source = match &self.recipe {
+            Some(path) if !is_usd(path) => RecipeFile::read(path)?.source.map(|s| beside(path, &s)),
             _ => None,
         };
         source
@@ -167,33 +157,19 @@ impl Inputs {
             .ok_or_else(|| usage("", "no input").remedy("name a USD file, or a recipe with a \"source\"; see --help"))
     }
 
-    /// Opens an input: a USD file, or the source of a `.tailor` file.
-    fn open(&self, input: &Path) -> Result<Opened, Error> {
-        let own = if is_recipe(input) { Some(RecipeFile::read(input)?) } else { None };
-        let file = match &own {
-            Some(own) => beside(input, own.required_source(input)?),
-            None => input.to_path_buf(),
-        };
-        // Weakest first.
-        let recipes: Vec<RecipeFile> = own.into_iter().chain(self.recipe_file()?).collect();
-        let prim = self.prim.clone().or_else(|| recipes.iter().rev().find_map(|r| r.prim.clone()));
-        let source = Source::open(&file, &ReadOptions { prim, time: self.time })?;
-        let mut warnings = Warnings::default();
-        let mut layers = Layers::default();
-        layers.add_attributes(source.recipe()?, &mut warnings);
-        recipes.into_iter().for_each(|recipe| layers.add(recipe.into_layer()));
-        if self.provenance {
-            layers.add_override("sim.provenance=true")?;
+    /// An input file with the options of the command line.
+    fn input(&self, file: &Path) -> Input {
+        let provenance = self.provenance.then(|| "sim.provenance=true".to_owned());
+        Input {
+            file: file.to_path_buf(),
+            read: ReadOptions { prim: self.prim.clone(), time: self.time, ..ReadOptions::default() },
+            recipe: self.recipe.clone(),
+            overrides: provenance.into_iter().chain(self.set.iter().cloned()).collect(),
         }
-        for assignment in &self.set {
-            layers.add_override(assignment)?;
-        }
-        let mesh = source.garment(&mut warnings)?;
-        Ok(Opened { source, mesh, layers, warnings })
     }
-}
 
-/// The path of `source`, which the recipe at `path` names relative to itself.
-fn beside(path: &Path, source: &str) -> PathBuf {
-    path.parent().unwrap_or(Path::new("")).join(source)
+    /// Opens an input.
+    fn open(&self, file: &Path) -> Result<Opened, Error> {
+        self.input(file).open()
+    }
 }

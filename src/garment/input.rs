@@ -4,7 +4,7 @@ use super::{Family, Interpolation, Mixing, Orientation, PrimvarRole, Subdivision
 use glam::Vec3;
 
 /// A mesh as authored. Index arrays keep the file's signed integers, which messages show.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct GarmentInput {
     /// Path of the prim.
     pub prim: String,
@@ -39,7 +39,7 @@ pub struct GarmentInput {
 }
 
 /// A primvar as authored.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct PrimvarInput {
     /// See [`Primvar::name`](super::Primvar::name).
     pub name: String,
@@ -90,7 +90,7 @@ impl PrimvarInput {
 }
 
 /// A GeomSubset as authored.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct SubsetInput {
     /// Name of the subset's prim.
     pub name: String,

@@ -31,7 +31,7 @@ impl Document {
     ) -> Result<Self, Error> {
         let file = RecipeFile::parse(path, text)?;
         let source = file.required_source(path)?.to_owned();
-        let options = ReadOptions { prim: file.prim.clone(), time: None };
+        let options = ReadOptions { prim: file.prim.clone(), ..ReadOptions::default() };
         let (path, file) = (path.to_path_buf(), file.into_layer());
         let mut document = Self { path, source, options, file, arguments: Layers::default() };
         arguments.into_iter().try_for_each(|(key, text)| document.add_argument(key, text))?;
@@ -103,7 +103,10 @@ mod tests {
         let arguments = [("sim.iterations", "4"), ("prim", "/Coat/other"), ("time", "2.5"), ("target", "usd")];
         let document = document(FILE, &arguments).expect("a good file");
         assert_eq!(document.source_file(), Path::new("/a/coat.usda"));
-        assert_eq!(document.options(), &ReadOptions { prim: Some("/Coat/other".into()), time: Some(2.5) });
+        assert_eq!(
+            document.options(),
+            &ReadOptions { prim: Some("/Coat/other".into()), time: Some(2.5), ..ReadOptions::default() }
+        );
         let mut layers = Layers::default();
         layers.add(document.file);
         layers.add(document.arguments.into_map());

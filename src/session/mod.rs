@@ -3,8 +3,10 @@
 //! A [`Session`] keeps a [`Builder`] for each recent source, so an edit recomputes only the steps that depend on it.
 
 mod document;
+mod input;
 
 pub use document::Document;
+pub use input::{Input, Opened, beside, is_usd};
 
 use crate::build::{Builder, Products};
 use crate::error::{Error, Warnings};
@@ -32,7 +34,7 @@ struct Entry {
     file: PathBuf,
     options: ReadOptions,
     /// `None` until the source is read.
-    opened: Mutex<Option<Opened>>,
+    opened: Mutex<Option<Read>>,
 }
 
 /// A cached source.
@@ -42,7 +44,8 @@ struct Kept {
     bytes: usize,
 }
 
-struct Opened {
+/// A source that was read.
+struct Read {
     source: Arc<Source>,
     builder: Builder,
 }
@@ -94,13 +97,13 @@ impl Session {
 
     fn update(
         &self,
-        opened: &mut Option<Opened>,
+        opened: &mut Option<Read>,
         document: &Document,
         entry: &Entry,
         metadata_only: bool,
         warnings: &mut Warnings,
     ) -> Result<(Arc<Source>, Option<Products>), Error> {
-        let Opened { source, builder } = match opened {
+        let Read { source, builder } = match opened {
             Some(opened) => opened,
             None => opened.insert(self.open(entry)?),
         };
@@ -116,12 +119,12 @@ impl Session {
         Ok((source, Some(products)))
     }
 
-    fn open(&self, entry: &Entry) -> Result<Opened, Error> {
+    fn open(&self, entry: &Entry) -> Result<Read, Error> {
         let source = Source::from_layer(Arc::clone(&entry.content), &entry.file, &entry.options)?;
         let mut warnings = Warnings::default();
         let mesh = source.garment(&mut warnings)?;
         let builder = self.pool.install(|| Builder::new(mesh))?.with_warnings(warnings);
-        Ok(Opened { source: Arc::new(source), builder })
+        Ok(Read { source: Arc::new(source), builder })
     }
 
     /// The cache entry of a source, now the most recently used. The content is copied only for a new one.

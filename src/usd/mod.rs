@@ -12,8 +12,11 @@ mod record;
 mod values;
 mod write;
 
-pub use read::{Binding, Facts, InheritedPrimvar, ReadOptions, Source, TransformOp};
+#[cfg(feature = "preview")]
+pub(crate) use assets::relative;
+pub use read::{Binding, Facts, InheritedPrimvar, ReadOptions, Selection, Source, TransformOp, VariantSet};
 pub use write::{Format, Product, ProductRole, Surroundings, WriteOptions, check_target, layer_bytes, write};
+pub use write::{OptionValue, RecipeOpinions, Replaced, recipe_text, write_recipe};
 
 use crate::error::Error;
 use std::thread;

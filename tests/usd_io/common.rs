@@ -116,7 +116,7 @@ pub fn open(path: &Path) -> Result<Source, Error> {
 }
 
 pub fn open_prim(path: &Path, prim: &str) -> Result<Source, Error> {
-    Source::open(path, &ReadOptions { prim: Some(prim.into()), time: None })
+    Source::open(path, &ReadOptions { prim: Some(prim.into()), ..ReadOptions::default() })
 }
 
 pub fn read(source: &Source) -> Result<GarmentInput, Error> {

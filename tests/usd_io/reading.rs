@@ -123,12 +123,13 @@ fn values_are_taken_at_the_time_asked_for() {
     let body = coat(moving).replace("point3f[] points = [(0,0,0),(1,0,0),(2,0,0),(0,1,0),(1,1,0),(2,1,0)]\n", "");
     let file = at.usda("coat.usda", &body);
     assert_fault(read(&open(&file).unwrap()), &["points has values at 2 times", "--time 0"]);
-    let input = read(&Source::open(&file, &ReadOptions { prim: None, time: Some(2.5) }).unwrap()).unwrap();
+    let input =
+        read(&Source::open(&file, &ReadOptions { time: Some(2.5), ..ReadOptions::default() }).unwrap()).unwrap();
     assert_eq!(input.points[5], Vec3::new(2.0, 1.0, 1.0));
     let values = |name: &str| input.primvars.iter().find(|p| p.name == name).unwrap().values.clone();
     assert_eq!(values("w"), tailor::internals::garment::Values::F32(vec![0.25; 6]));
     assert_eq!(values("t"), tailor::internals::garment::Values::Text(vec!["a".into(), "b".into()]));
-    let nan = ReadOptions { prim: None, time: Some(f64::NAN) };
+    let nan = ReadOptions { time: Some(f64::NAN), ..ReadOptions::default() };
     assert_fault(Source::open(&file, &nan), &["the time is not a number"]);
 }
 

@@ -2,6 +2,7 @@
 
 use super::model::Model;
 use super::query::{OrUnreadable, interpolation, prim_at, primvar_names, property_names, subset_prims, value};
+use super::variants::{VariantSet, variant_sets};
 use crate::error::Error;
 use crate::garment::Interpolation;
 use crate::usd::names;
@@ -42,6 +43,8 @@ pub struct Facts {
     pub staying: Vec<String>,
     /// Files of all layers in use.
     pub layers: Vec<String>,
+    /// Variant sets of the mesh and of its ancestors, outermost first.
+    pub variants: Vec<VariantSet>,
 }
 
 /// A transform op.
@@ -106,6 +109,7 @@ pub fn gather(prim: &Prim, model: &Model, time: Option<TimeCode>) -> Result<Fact
         bindings: bindings(prim)?,
         staying: model.staying.clone(),
         layers: model.layers.iter().map(|l| l.display().to_string()).collect(),
+        variants: variant_sets(prim)?,
     })
 }
 

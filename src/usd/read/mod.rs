@@ -12,9 +12,11 @@ mod query;
 mod recipe;
 mod shapes;
 mod source;
+mod variants;
 
 pub use facts::{Binding, Facts, InheritedPrimvar, TransformOp};
 pub use model::{COMPOSITION, Model, Sibling, SubsetRecord};
 pub use query::{OrUnreadable, prim_at};
 pub use shapes::BlendShape;
 pub use source::{ReadOptions, Source};
+pub use variants::{Selection, VariantSet, select};

@@ -3,6 +3,7 @@
 use super::origin::StageOrigin;
 use super::primvars::Declarations;
 use super::query::{OrUnreadable, interpolation, is_product, prim_at, prim_name, property_names, subset_prims};
+use super::variants::SESSION;
 use crate::error::{Error, Warning};
 use crate::garment::Interpolation;
 use crate::usd::names;
@@ -258,6 +259,7 @@ fn layer_files(stage: &Stage) -> Vec<PathBuf> {
     let mut files: Vec<_> = stage
         .layer_identifiers()
         .iter()
+        .filter(|id| *id != SESSION)
         .map(|id| {
             let file = stage.layer(id).and_then(|layer| layer.resolved_path().map(str::to_owned));
             let file = file.unwrap_or_else(|| id.clone());

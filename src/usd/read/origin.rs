@@ -1,5 +1,6 @@
 //! Opening a stage, from a file or from memory.
 
+use super::variants::{SESSION, Selection, session_layer};
 use crate::error::{Error, plain};
 use openusd::ar;
 use openusd::usd::Stage;
@@ -15,9 +16,16 @@ pub struct StageOrigin {
     pub file: PathBuf,
     /// A layer in memory, opened instead of the file.
     pub content: Option<Arc<[u8]>>,
+    /// Variants that are selected over those of the stage.
+    pub variants: Vec<Selection>,
 }
 
 impl StageOrigin {
+    /// A file, or `content` that was flattened from it.
+    pub fn new(file: &Path, content: Option<Arc<[u8]>>, variants: &[Selection]) -> Self {
+        Self { file: file.to_path_buf(), content, variants: variants.to_vec() }
+    }
+
     /// Opens the stage.
     ///
     /// # Errors
@@ -25,7 +33,7 @@ impl StageOrigin {
     pub fn open(&self) -> Result<Stage, Error> {
         match &self.content {
             Some(content) => open_content(&self.file, content),
-            None => open_file(&self.file),
+            None => open_file(&self.file, &self.variants),
         }
     }
 }
@@ -34,8 +42,7 @@ impl StageOrigin {
 const IN_MEMORY: &str = "composed.usd";
 
 fn open_content(file: &Path, content: &Arc<[u8]>) -> Result<Stage, Error> {
-    let resolver = InMemory { content: Arc::clone(content), files: ar::DefaultResolver::new() };
-    Stage::builder().resolver(resolver).open(IN_MEMORY).map_err(|e| {
+    Stage::builder().resolver(InMemory::new(IN_MEMORY, content)).open(IN_MEMORY).map_err(|e| {
         let words = e.to_string();
         Error::usd(format!("{} cannot be read once composed: {}", file.display(), words.trim_start_matches("error: ")))
             .remedy("flatten it with another program and name the result instead")
@@ -44,17 +51,32 @@ fn open_content(file: &Path, content: &Arc<[u8]>) -> Result<Stage, Error> {
 
 /// Resolves one identifier to a layer in memory, and everything else to files.
 struct InMemory {
+    identifier: &'static str,
     content: Arc<[u8]>,
     files: ar::DefaultResolver,
 }
 
+impl InMemory {
+    fn new(identifier: &'static str, content: &Arc<[u8]>) -> Self {
+        Self { identifier, content: Arc::clone(content), files: ar::DefaultResolver::new() }
+    }
+}
+
 impl ar::Resolver for InMemory {
     fn create_identifier(&self, asset_path: &str, anchor: Option<&ar::ResolvedPath>) -> String {
-        if asset_path == IN_MEMORY { IN_MEMORY.into() } else { self.files.create_identifier(asset_path, anchor) }
+        if asset_path == self.identifier {
+            self.identifier.into()
+        } else {
+            self.files.create_identifier(asset_path, anchor)
+        }
     }
 
     fn resolve(&self, asset_path: &str) -> Option<ar::ResolvedPath> {
-        if asset_path == IN_MEMORY { Some(ar::ResolvedPath::new(IN_MEMORY)) } else { self.files.resolve(asset_path) }
+        if asset_path == self.identifier {
+            Some(ar::ResolvedPath::new(self.identifier))
+        } else {
+            self.files.resolve(asset_path)
+        }
     }
 
     fn resolve_for_new_asset(&self, asset_path: &str) -> Option<ar::ResolvedPath> {
@@ -62,14 +84,14 @@ impl ar::Resolver for InMemory {
     }
 
     fn open_asset(&self, resolved_path: &ar::ResolvedPath) -> io::Result<Box<dyn ar::Asset>> {
-        if &**resolved_path == Path::new(IN_MEMORY) {
+        if &**resolved_path == Path::new(self.identifier) {
             return Ok(Box::new(Cursor::new(ar::AssetBuffer::from(Arc::clone(&self.content)))));
         }
         self.files.open_asset(resolved_path)
     }
 }
 
-fn open_file(file: &Path) -> Result<Stage, Error> {
+fn open_file(file: &Path, variants: &[Selection]) -> Result<Stage, Error> {
     let shown = file.display();
     let metadata = fs::metadata(file).map_err(|e| {
         Error::usd(format!("cannot read {shown}: {}", plain(&e))).remedy("check the path, and who may read the file")
@@ -90,7 +112,15 @@ fn open_file(file: &Path) -> Result<Stage, Error> {
     let Some(path) = file.to_str() else {
         return Err(Error::usd(format!("cannot read {shown}: its name is not UTF-8")).remedy("rename the file"));
     };
-    Stage::open(path).map_err(|e| {
+    let builder = Stage::builder();
+    let builder = match variants {
+        [] => builder,
+        variants => {
+            let text = session_layer(variants)?.into_bytes();
+            builder.resolver(InMemory::new(SESSION, &text.into())).session_layer(SESSION)
+        }
+    };
+    builder.open(path).map_err(|e| {
         let words = e.to_string();
         // The text reader admits letters beyond ASCII in names of prims only.
         let beyond_ascii = words.contains("Logos") && std::fs::read(file).is_ok_and(|b| !b.is_ascii());

@@ -7,6 +7,7 @@ use super::model::Model;
 use super::origin::StageOrigin;
 use super::primvars::Declarations;
 use super::recipe::read_recipe;
+use super::variants::Selection;
 use crate::error::{Code, Error, Warning, Warnings};
 use crate::garment::{GarmentInput, PrimvarInput, PrimvarRole};
 use crate::usd::on_large_stack;
@@ -22,6 +23,8 @@ pub struct ReadOptions {
     pub prim: Option<String>,
     /// Time at which values are read; by default values without a time are. \[time codes\]
     pub time: Option<f64>,
+    /// Variants to select in place of the stage's own selections.
+    pub variants: Vec<Selection>,
 }
 
 /// A mesh of a stage, with all that is needed to work on it and to write products. It holds no stage, so that threads can
@@ -42,7 +45,7 @@ impl Source {
     /// A file that is missing or is not USD, and a stage without exactly one mesh when none is named. Faults of the
     /// mesh's own attributes are reported where they matter: by [`Source::garment`] and [`Source::recipe`].
     pub fn open(path: &Path, options: &ReadOptions) -> Result<Self, Error> {
-        Self::of(StageOrigin { file: path.to_path_buf(), content: None }, options)
+        Self::of(StageOrigin::new(path, None, &options.variants), options)
     }
 
     /// As [`Source::open`], from `content`: a layer in memory (crate or text) to which another program flattened `file`.
@@ -51,7 +54,7 @@ impl Source {
     /// # Errors
     /// As [`Source::open`].
     pub fn from_layer(content: Arc<[u8]>, file: &Path, options: &ReadOptions) -> Result<Self, Error> {
-        Self::of(StageOrigin { file: file.to_path_buf(), content: Some(content) }, options)
+        Self::of(StageOrigin::new(file, Some(content), &options.variants), options)
     }
 
     fn of(origin: StageOrigin, options: &ReadOptions) -> Result<Self, Error> {

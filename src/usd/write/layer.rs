@@ -148,12 +148,13 @@ pub fn layer_bytes(
 
 /// The content of a layer besides its products.
 #[derive(Clone, Copy)]
-struct Frame<'a> {
+pub struct Frame<'a> {
     /// Whether it is the whole stage; otherwise it sublayers the source.
-    flatten: bool,
-    anchor: Anchor<'a>,
+    pub flatten: bool,
+    /// The anchor of its asset paths.
+    pub anchor: Anchor<'a>,
     /// The source's asset path, if it is not that of its file.
-    sublayer: Option<&'a str>,
+    pub sublayer: Option<&'a str>,
 }
 
 /// The layer with the products.
@@ -203,7 +204,7 @@ fn check_names(model: &Model, products: &[Product]) -> Result<(), Error> {
 }
 
 /// A layer over the input, without products.
-fn overlay(model: &Model, frame: Frame) -> Result<sdf::Data, Error> {
+pub fn overlay(model: &Model, frame: Frame) -> Result<sdf::Data, Error> {
     let root = sdf::Path::abs_root();
     let mut data = sdf::Data::new();
     data.create_spec(root.clone(), SpecType::PseudoRoot);

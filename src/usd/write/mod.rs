@@ -6,8 +6,10 @@ mod layer;
 mod long_arrays;
 mod package;
 mod product;
+mod recipe;
 mod save;
 mod shapes;
 
 pub use layer::{Product, ProductRole, Surroundings, WriteOptions, check_target, layer_bytes, write};
+pub use recipe::{OptionValue, RecipeOpinions, Replaced, recipe_text, write_recipe};
 pub use save::Format;

@@ -85,33 +85,61 @@ impl OutputFile {
         Ok(Self { shown, folder, file, format })
     }
 
+    /// True if there is a file already.
+    pub fn exists(&self) -> bool {
+        self.file.exists()
+    }
+
+    /// Its path, without links.
+    pub fn path(&self) -> &Path {
+        &self.file
+    }
+
     /// Writes the layer `data`. A package gets all files that `data` uses; asset paths are then absolute.
     ///
     /// # Errors
     /// A folder that cannot be written to, a full disk, a value that the format cannot hold.
-    pub fn save(&self, mut data: Data, warnings: &mut Warnings) -> Result<(), Error> {
+    pub fn save(&self, data: Data, warnings: &mut Warnings) -> Result<(), Error> {
+        self.save_verified(data, warnings, |_| Ok(()))
+    }
+
+    /// As [`OutputFile::save`]; `verify` sees the finished file under a temporary name before it gets its own.
+    ///
+    /// # Errors
+    /// As [`OutputFile::save`], and those of `verify`. Nothing is written then.
+    pub fn save_verified(
+        &self,
+        mut data: Data,
+        warnings: &mut Warnings,
+        verify: impl FnOnce(&Path) -> Result<(), Error>,
+    ) -> Result<(), Error> {
         match self.format {
-            Format::Usda => self.replace(|out| TextWriter::write(&data, out)),
+            Format::Usda => self.replace(|out| TextWriter::write(&data, out), verify),
             Format::Usdc => {
                 remove_unwritable(&mut data, warnings);
-                self.replace(|out| write_crate(&data, out))
+                self.replace(|out| write_crate(&data, out), verify)
             }
             Format::Usdz => {
                 let stem = self.file.file_stem().and_then(|s| s.to_str()).unwrap_or("layer");
                 let bytes = package(data, stem, warnings)?;
-                self.replace(|out| Ok(out.write_all(&bytes)?))
+                self.replace(|out| Ok(out.write_all(&bytes)?), verify)
             }
         }
     }
 
-    /// Lets `fill` write a temporary file in the folder, and renames it to the output.
-    fn replace(&self, fill: impl FnOnce(&mut BufWriter<&File>) -> Result<(), FormatError>) -> Result<(), Error> {
+    /// Lets `fill` write a temporary file in the folder and `verify` look at it, and renames it to the output.
+    fn replace(
+        &self,
+        fill: impl FnOnce(&mut BufWriter<&File>) -> Result<(), FormatError>,
+        verify: impl FnOnce(&Path) -> Result<(), Error>,
+    ) -> Result<(), Error> {
         let fault = |e: &io::Error| {
             Error::usd(format!("cannot write {}: {}", self.shown, plain(e)))
                 .remedy("check the folder's permissions and the space on its disk")
         };
+        let suffix = format!(".{}", self.file.extension().and_then(|e| e.to_str()).unwrap_or("tmp"));
         let mut builder = tempfile::Builder::new();
-        builder.prefix(".usdtailor-").suffix(".tmp");
+        builder.prefix(".usdtailor-").suffix(&suffix);
         #[cfg(unix)]
         {
             use std::os::unix::fs::PermissionsExt;
@@ -127,6 +155,7 @@ impl OutputFile {
         out.flush().map_err(|e| fault(&e))?;
         drop(out);
         temporary.as_file().sync_all().map_err(|e| fault(&e))?;
+        verify(temporary.path())?;
         temporary.persist(&self.file).map_err(|e| fault(&e.error))?;
         Ok(())
     }

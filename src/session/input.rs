@@ -1,0 +1,107 @@
+//! A garment on disk with the recipes that are given for it, for the command and the preview.
+
+use crate::build::Builder;
+use crate::error::{Error, Warnings};
+use crate::garment::GarmentInput;
+use crate::recipe::{Layers, Recipe, RecipeFile, is_recipe};
+use crate::usd::{ReadOptions, Source};
+use serde_json::{Map, Value};
+use std::path::{Path, PathBuf};
+
+/// A garment and the options for it.
+#[derive(Clone, Debug, Default)]
+pub struct Input {
+    /// A USD file, or a `.tailor` file that names one as its source.
+    pub file: PathBuf,
+    /// What to read of the stage. A prim here overrides that of the recipes.
+    pub read: ReadOptions,
+    /// A `.tailor` file, or a USD layer with `tailor:` attributes on the same prim.
+    pub recipe: Option<PathBuf>,
+    /// Options as `key=value`, stronger than all others.
+    pub overrides: Vec<String>,
+}
+
+/// An opened input, before its mesh and its recipe are checked.
+#[derive(Clone, Debug)]
+pub struct Opened {
+    /// The stage.
+    pub source: Source,
+    /// The mesh as authored.
+    pub mesh: GarmentInput,
+    /// The options that the stage itself holds.
+    pub authored: Layers,
+    /// The options of the recipes and overrides.
+    pub given: Layers,
+    /// Warnings of the stage and of its options.
+    pub warnings: Warnings,
+}
+
+impl Opened {
+    /// All options merged.
+    pub fn layers(&self) -> Layers {
+        let mut layers = self.authored.clone();
+        layers.add(self.given.clone().into_map());
+        layers
+    }
+
+    /// Checks the mesh, and the recipe against it. The builder has the warnings of both.
+    ///
+    /// # Errors
+    /// Faults of the mesh or of the recipe.
+    pub fn check(self) -> Result<(Source, Builder, Recipe), Error> {
+        let layers = self.layers();
+        let builder = Builder::new(self.mesh)?.with_warnings(self.warnings);
+        let recipe = layers.recipe_for(builder.garment())?;
+        Ok((self.source, builder, recipe))
+    }
+}
+
+impl Input {
+    /// Opens the stage and reads the recipes.
+    ///
+    /// # Errors
+    /// A file that cannot be read; a recipe with faults.
+    pub fn open(&self) -> Result<Opened, Error> {
+        let own = if is_recipe(&self.file) { Some(RecipeFile::read(&self.file)?) } else { None };
+        let file = match &own {
+            Some(own) => beside(&self.file, own.required_source(&self.file)?),
+            None => self.file.clone(),
+        };
+        let (given, layer) = match &self.recipe {
+            Some(path) if is_usd(path) => (None, Some(path)),
+            Some(path) => (Some(RecipeFile::read(path)?), None),
+            None => (None, None),
+        };
+        // Weakest first.
+        let recipes: Vec<RecipeFile> = own.into_iter().chain(given).collect();
+        let named = recipes.iter().rev().find_map(|r| r.prim.clone());
+        let read = ReadOptions { prim: self.read.prim.clone().or(named), ..self.read.clone() };
+        let source = Source::open(&file, &read)?;
+        let mut warnings = Warnings::default();
+        let (mut authored, mut given) = (Layers::default(), Layers::default());
+        authored.add_attributes(source.recipe()?, &mut warnings);
+        recipes.into_iter().for_each(|recipe| given.add(recipe.into_layer()));
+        if let Some(layer) = layer {
+            given.add_attributes(attributes_of(layer, source.prim())?, &mut warnings);
+        }
+        self.overrides.iter().try_for_each(|assignment| given.add_override(assignment))?;
+        let mesh = source.garment(&mut warnings)?;
+        Ok(Opened { source, mesh, authored, given, warnings })
+    }
+}
+
+/// The options on the prim of a stage.
+fn attributes_of(layer: &Path, prim: &str) -> Result<Map<String, Value>, Error> {
+    Source::open(layer, &ReadOptions { prim: Some(prim.to_owned()), ..ReadOptions::default() })?.recipe()
+}
+
+/// True if the file is USD by its name.
+pub fn is_usd(path: &Path) -> bool {
+    let known = |e: &std::ffi::OsStr| ["usd", "usda", "usdc", "usdz"].iter().any(|usd| e.eq_ignore_ascii_case(usd));
+    path.extension().is_some_and(known)
+}
+
+/// The path of `source`, which the recipe at `path` names relative to itself.
+pub fn beside(path: &Path, source: &str) -> PathBuf {
+    path.parent().unwrap_or(Path::new("")).join(source)
+}

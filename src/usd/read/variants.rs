@@ -1,0 +1,102 @@
+//! Variant sets of the model and of the prims above it, and layers that select variants.
+
+use super::query::{OrUnreadable, prim_at};
+use crate::error::Error;
+use openusd::sdf::{self, AbstractData, ChildrenKey, Data, FieldKey, PrimSpec, SpecType, Value};
+use openusd::usd::{Prim, SpecSite};
+use openusd::usda::TextWriter;
+use serde::Serialize;
+use std::collections::HashMap;
+
+/// A variant of a variant set.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Selection {
+    /// Path of the prim with the variant set.
+    pub prim: String,
+    /// Name of the variant set.
+    pub set: String,
+    /// Name of the variant.
+    pub choice: String,
+}
+
+/// A variant set and its selection.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct VariantSet {
+    /// The variant that is selected.
+    pub selected: Selection,
+    /// Names of all variants.
+    pub choices: Vec<String>,
+}
+
+/// Identifier of the session layer that selects variants.
+pub const SESSION: &str = "usdtailor-session.usda";
+
+/// The variant sets of `prim` and of its ancestors, outermost first.
+///
+/// # Errors
+/// A stage that cannot be queried.
+pub fn variant_sets(prim: &Prim) -> Result<Vec<VariantSet>, Error> {
+    let mut paths: Vec<sdf::Path> = prim.path().strict_ancestors_below_root().collect();
+    paths.reverse();
+    paths.push(prim.path().clone());
+    let mut found = Vec::new();
+    for path in &paths {
+        let prim = prim_at(prim.stage(), path)?;
+        let mut selections = prim.variant_sets().get_all_variant_selections().or_unreadable(path)?;
+        selections.sort();
+        let sites = prim.prim_stack().or_unreadable(path)?;
+        for (set, choice) in selections {
+            let mut choices: Vec<String> = sites.iter().flat_map(|site| choices_at(&prim, site, &set)).collect();
+            choices.sort();
+            choices.dedup();
+            found.push(VariantSet { selected: Selection { prim: path.as_str().into(), set, choice }, choices });
+        }
+    }
+    Ok(found)
+}
+
+/// Names of the variants of a set that one layer holds.
+fn choices_at(prim: &Prim, site: &SpecSite, set: &str) -> Vec<String> {
+    let Some(layer) = prim.stage().layer(&site.layer) else { return Vec::new() };
+    let Ok(path) = site.path.append_variant_selection(set, "") else { return Vec::new() };
+    match layer.data().try_field(&path, ChildrenKey::VariantChildren.as_str()) {
+        Ok(Some(value)) => match value.as_ref() {
+            Value::TokenVec(names) => names.iter().map(|name| name.as_str().to_owned()).collect(),
+            _ => Vec::new(),
+        },
+        _ => Vec::new(),
+    }
+}
+
+/// Authors selections in a layer, beside those that it has.
+///
+/// # Errors
+/// A path that is no prim.
+pub fn select(data: &mut Data, selections: &[Selection]) -> openusd::Result<()> {
+    for selection in selections {
+        let path = sdf::Path::new(&selection.prim)?;
+        PrimSpec::over(data, &path)?;
+        let key = FieldKey::VariantSelection.as_str();
+        let mut all = match AbstractData::try_field(data, &path, key)?.as_deref() {
+            Some(Value::VariantSelectionMap(all)) => all.clone(),
+            _ => HashMap::new(),
+        };
+        all.insert(selection.set.clone(), selection.choice.clone());
+        AbstractData::set_field(data, &path, key, Value::VariantSelectionMap(all));
+    }
+    Ok(())
+}
+
+/// The text of a layer that selects variants.
+///
+/// # Errors
+/// A path that is no prim.
+pub fn session_layer(selections: &[Selection]) -> Result<String, Error> {
+    let fault = |e: openusd::Error| Error::usd(format!("the variants cannot be selected: {e}"));
+    let mut data = Data::new();
+    data.create_spec(sdf::Path::abs_root(), SpecType::PseudoRoot);
+    select(&mut data, selections).map_err(fault)?;
+    TextWriter::write_to_string(&data).map_err(|e| Error::usd(format!("the variants cannot be selected: {e}")))
+}

@@ -1,0 +1,280 @@
+//! A recipe as opinions on the model, in a layer over the stage.
+
+use super::layer::{Frame, overlay};
+use super::save::{Format, OutputFile};
+use crate::error::{Error, Warnings};
+use crate::usd::assets::Anchor;
+use crate::usd::on_large_stack;
+use crate::usd::read::{Model, ReadOptions, Selection, Source, select};
+use openusd::sdf::{self, AbstractData, ChildrenKey, Data, FieldKey, SpecType, Value, ValueTypeName, Variability};
+use openusd::tf::Token;
+use openusd::usda::TextWriter;
+use std::path::Path;
+
+/// The value of an option as a property.
+#[derive(Clone, Debug, PartialEq)]
+pub enum OptionValue {
+    /// `bool`.
+    Bool(bool),
+    /// `float`.
+    Float(f32),
+    /// `int`.
+    Int(i32),
+    /// `token`.
+    Token(String),
+    /// `token[]`.
+    Tokens(Vec<String>),
+    /// A relationship to subsets of the model.
+    Subsets(Vec<String>),
+}
+
+/// Opinions on the model.
+#[derive(Clone, Debug, Default)]
+pub struct RecipeOpinions {
+    /// Names and values of properties, such as `tailor:render:level`.
+    pub properties: Vec<(String, OptionValue)>,
+    /// API schemas to apply, such as `TailorSeamAPI:side`.
+    pub schemas: Vec<String>,
+    /// Variants to select.
+    pub variants: Vec<Selection>,
+}
+
+/// What an existing layer holds of an earlier recipe.
+pub struct Replaced {
+    /// True for properties that are options.
+    pub is_option: fn(&str) -> bool,
+    /// True for API schemas of options.
+    pub is_schema: fn(&str) -> bool,
+}
+
+/// The text of a new layer with the opinions, as [`write_recipe`] writes it to `out`.
+///
+/// # Errors
+/// A folder that does not exist; names that USD does not admit.
+pub fn recipe_text(source: &Source, opinions: &RecipeOpinions, out: &Path) -> Result<String, Error> {
+    let file = OutputFile::find(out, &source.model.layers, true)?;
+    on_large_stack(|| {
+        let data = new_layer(&source.model, opinions, &file)?;
+        TextWriter::write_to_string(&data).map_err(|e| Error::usd(format!("the layer cannot be written as text: {e}")))
+    })
+}
+
+/// Writes the opinions to the layer `out`: a new one that sublayers the garment, or an existing one, which keeps
+/// everything else. `verify` may refuse the finished layer, which it gets under a temporary name in the same folder; then
+/// nothing is written.
+///
+/// # Errors
+/// A layer of the garment itself; an existing layer that cannot be written back as it was; a refusal of `verify`.
+pub fn write_recipe(
+    source: &Source,
+    opinions: &RecipeOpinions,
+    out: &Path,
+    force: bool,
+    replaced: &Replaced,
+    verify: impl FnOnce(&Path) -> Result<(), Error> + Send,
+) -> Result<(), Error> {
+    let file = OutputFile::find(out, &source.model.layers, force)?;
+    if file.format == Format::Usdz {
+        return Err(Error::usd(format!("{} is a package, which holds no recipe", out.display()))
+            .remedy("save to a .usda, .usdc or .usd file"));
+    }
+    on_large_stack(|| {
+        let data = match file.exists() {
+            false => new_layer(&source.model, opinions, &file)?,
+            true => edited(&source.model, opinions, &file, replaced)?,
+        };
+        file.save_verified(data.clone(), &mut Warnings::default(), |temporary| {
+            same_content(&data, temporary, out)?;
+            verify(temporary)
+        })
+    })
+}
+
+fn fault(e: impl std::fmt::Display) -> Error {
+    Error::usd(format!("the layer cannot be composed: {e}"))
+}
+
+fn new_layer(model: &Model, opinions: &RecipeOpinions, file: &OutputFile) -> Result<Data, Error> {
+    let frame = Frame { flatten: false, anchor: Anchor::Folder(&file.folder), sublayer: None };
+    let mut data = overlay(model, frame)?;
+    author(&mut data, model, opinions).map_err(fault)?;
+    Ok(data)
+}
+
+/// An existing layer with the opinions in place of the earlier ones.
+fn edited(model: &Model, opinions: &RecipeOpinions, file: &OutputFile, replaced: &Replaced) -> Result<Data, Error> {
+    let path = file.path().to_string_lossy();
+    let mut layer = sdf::Layer::open(path.as_ref())
+        .map_err(|e| Error::usd(format!("{path} cannot be read as a USD layer: {e}")).remedy("save to a new file"))?;
+    if let Some(what) = cannot_be_rewritten(layer.data()) {
+        return Err(Error::usd(format!("{path} holds {what}, which cannot be written back unchanged"))
+            .remedy("save to a new file, and sublayer it there"));
+    }
+    let earlier = earlier(layer.data(), &model.path, replaced.is_option);
+    layer.edit(|edit| earlier.iter().try_for_each(|property| edit.remove_spec(property).map(drop))).map_err(fault)?;
+    let mut data = Data::from_abstract(layer.data()).map_err(fault)?;
+    complete_specifiers(&mut data);
+    keep_schemas(&mut data, &model.path, |schema| !(replaced.is_schema)(schema));
+    if !is_over(model, file) {
+        append_sublayer(&mut data, model, file)?;
+    }
+    author(&mut data, model, opinions).map_err(fault)?;
+    Ok(data)
+}
+
+/// Properties of the model in a layer that hold options.
+fn earlier(data: &dyn AbstractData, model: &sdf::Path, is_option: fn(&str) -> bool) -> Vec<sdf::Path> {
+    let Ok(Some(names)) = data.try_field(model, ChildrenKey::PropertyChildren.as_str()) else { return Vec::new() };
+    let Value::TokenVec(names) = names.as_ref() else { return Vec::new() };
+    let options = names.iter().filter(|name| is_option(name.as_str()));
+    options.filter_map(|name| model.append_property(name.as_str()).ok()).collect()
+}
+
+/// The content that the USD library is known to write wrongly.
+fn cannot_be_rewritten(data: &dyn AbstractData) -> Option<String> {
+    data.spec_paths().into_iter().find_map(|path| {
+        let has = |key: FieldKey| data.has_field(&path, key.as_str());
+        let is_uniform = has(FieldKey::Variability);
+        let nested = path.as_str().matches('{').count() > 1;
+        let what = match () {
+            () if has(FieldKey::InheritPaths) => "an inherit arc",
+            () if has(FieldKey::ConnectionPaths) && is_uniform => "a connected uniform attribute",
+            () if nested => "a variant set inside a variant",
+            () => return None,
+        };
+        Some(format!("{what} at {path}"))
+    })
+}
+
+/// The crate reader leaves out the specifier of prims that are only opinions.
+fn complete_specifiers(data: &mut Data) {
+    let is_bare = |data: &Data, path: &sdf::Path| {
+        data.spec_type(path) == Some(SpecType::Prim) && !data.has_field(path, FieldKey::Specifier.as_str())
+    };
+    let bare: Vec<sdf::Path> = data.spec_paths().into_iter().filter(|path| is_bare(data, path)).collect();
+    for path in bare {
+        let over = Value::Specifier(sdf::Specifier::Over);
+        AbstractData::set_field(data, &path, FieldKey::Specifier.as_str(), over);
+    }
+}
+
+fn applied(data: &Data, prim: &sdf::Path) -> sdf::TokenListOp {
+    match data.try_field(prim, FieldKey::ApiSchemas.as_str()) {
+        Ok(Some(value)) => match value.as_ref() {
+            Value::TokenListOp(list) => list.clone(),
+            _ => sdf::TokenListOp::default(),
+        },
+        _ => sdf::TokenListOp::default(),
+    }
+}
+
+fn keep_schemas(data: &mut Data, prim: &sdf::Path, keeps: impl Fn(&str) -> bool) {
+    let mut list = applied(data, prim);
+    let items = [&mut list.explicit_items, &mut list.added_items, &mut list.prepended_items, &mut list.appended_items];
+    items.into_iter().for_each(|items| items.retain(|schema| keeps(schema.as_str())));
+    if data.has_field(prim, FieldKey::ApiSchemas.as_str()) {
+        AbstractData::set_field(data, prim, FieldKey::ApiSchemas.as_str(), list.into());
+    }
+}
+
+/// True if the stage of an existing layer has the garment's file among its layers.
+fn is_over(model: &Model, file: &OutputFile) -> bool {
+    let options = ReadOptions { prim: Some(model.path.as_str().to_owned()), ..ReadOptions::default() };
+    let Ok(garment) = model.origin.file.canonicalize() else { return false };
+    let is_garment = |layer: &std::path::PathBuf| layer.canonicalize().is_ok_and(|layer| layer == garment);
+    Source::open(file.path(), &options).is_ok_and(|stage| stage.model.layers.iter().any(is_garment))
+}
+
+fn append_sublayer(data: &mut Data, model: &Model, file: &OutputFile) -> Result<(), Error> {
+    let root = sdf::Path::abs_root();
+    let frame = Frame { flatten: false, anchor: Anchor::Folder(&file.folder), sublayer: None };
+    let garment = overlay(model, frame)?;
+    let mut join = |key: FieldKey, joined: fn(Value, Value) -> Value| -> Result<(), Error> {
+        let own = data.try_field(&root, key.as_str()).map_err(fault)?.map(std::borrow::Cow::into_owned);
+        let added = garment.try_field(&root, key.as_str()).map_err(fault)?.map(std::borrow::Cow::into_owned);
+        let value = match (own, added) {
+            (Some(own), Some(added)) => joined(own, added),
+            (own, added) => match own.or(added) {
+                Some(value) => value,
+                None => return Ok(()),
+            },
+        };
+        AbstractData::set_field(data, &root, key.as_str(), value);
+        Ok(())
+    };
+    join(FieldKey::SubLayers, |own, added| match (own, added) {
+        (Value::StringVec(own), Value::StringVec(added)) => Value::StringVec([own, added].concat()),
+        (own, _) => own,
+    })?;
+    join(FieldKey::SubLayerOffsets, |own, added| match (own, added) {
+        (Value::LayerOffsetVec(own), Value::LayerOffsetVec(added)) => Value::LayerOffsetVec([own, added].concat()),
+        (own, _) => own,
+    })
+}
+
+fn author(data: &mut Data, model: &Model, opinions: &RecipeOpinions) -> openusd::Result<()> {
+    select(data, &opinions.variants)?;
+    sdf::PrimSpec::over(data, &model.path)?;
+    let mut list = applied(data, &model.path);
+    let ours = opinions.schemas.iter().map(|schema| Token::from(schema.as_str()));
+    if list.explicit {
+        list.explicit_items.extend(ours);
+    } else {
+        list.prepended_items.extend(ours);
+    }
+    if !opinions.schemas.is_empty() {
+        AbstractData::set_field(data, &model.path, FieldKey::ApiSchemas.as_str(), list.into());
+    }
+    for (name, value) in &opinions.properties {
+        property(data, &model.path, name, value)?;
+    }
+    Ok(())
+}
+
+fn property(data: &mut Data, prim: &sdf::Path, name: &str, value: &OptionValue) -> openusd::Result<()> {
+    let path = prim.append_property(name)?;
+    let (type_name, value) = match value {
+        OptionValue::Bool(v) => (ValueTypeName::BOOL, Value::Bool(*v)),
+        OptionValue::Float(v) => (ValueTypeName::FLOAT, Value::Float(*v)),
+        OptionValue::Int(v) => (ValueTypeName::INT, Value::Int(*v)),
+        OptionValue::Token(v) => (ValueTypeName::TOKEN, Value::Token(Token::from(v.as_str()))),
+        OptionValue::Tokens(v) => {
+            let tokens = v.iter().map(|v| Token::from(v.as_str())).collect();
+            (ValueTypeName::TOKEN_ARRAY, Value::TokenVec(tokens))
+        }
+        OptionValue::Subsets(names) => {
+            let targets: Result<Vec<_>, _> = names.iter().map(|name| prim.append_path(name.as_str())).collect();
+            let targets = Value::PathListOp(sdf::PathListOp::explicit(targets?));
+            sdf::RelationshipSpec::new(data, &path, Variability::Uniform, false)?;
+            AbstractData::set_field(data, &path, FieldKey::TargetPaths.as_str(), targets);
+            return Ok(());
+        }
+    };
+    sdf::AttributeSpec::new(data, &path, type_name, Variability::Uniform, false)?;
+    AbstractData::set_field(data, &path, FieldKey::Default.as_str(), value);
+    Ok(())
+}
+
+/// Checks that a written layer reads back as `data`.
+fn same_content(data: &Data, written: &Path, out: &Path) -> Result<(), Error> {
+    let layer = sdf::Layer::open(written.to_string_lossy()).map_err(fault)?;
+    let differs = |path: &sdf::Path| {
+        let fields = data.list_fields(path).unwrap_or_default();
+        let differs = |key: &String| {
+            let (own, read) = (data.try_field(path, key), layer.data().try_field(path, key));
+            !matches!((own, read), (Ok(own), Ok(read)) if own == read) && !is_implied(data, path, key)
+        };
+        !layer.data().has_spec(path) || fields.iter().any(differs)
+    };
+    match data.spec_paths().iter().find(|path| differs(path)) {
+        Some(path) => Err(Error::usd(format!("{path} in {} cannot be written back unchanged", out.display()))
+            .remedy("save to a new file, and sublayer it there")),
+        None => Ok(()),
+    }
+}
+
+/// True for a specifier that crate files leave out.
+fn is_implied(data: &Data, path: &sdf::Path, key: &str) -> bool {
+    key == FieldKey::Specifier.as_str()
+        && matches!(data.try_field(path, key), Ok(Some(v)) if *v == Value::Specifier(sdf::Specifier::Over))
+}
