@@ -45,6 +45,8 @@ mod contact;
 pub mod error;
 mod garment;
 mod mesh;
+#[cfg(feature = "preview")]
+pub mod preview;
 pub mod recipe;
 mod render;
 pub mod report;
@@ -57,7 +59,7 @@ mod transfer;
 #[cfg(feature = "usd")]
 pub mod usd;
 
-pub use build::{Builder, DEFAULT_MAX_FACES, Plan, Products, Progress, Timing, build};
+pub use build::{Builder, DEFAULT_MAX_FACES, Plan, Products, Progress, RenderUpdate, SimUpdate, Timing, build};
 pub use error::{Error, ErrorKind, Warning};
 pub use garment::{
     BoundaryInterpolation, Corner, Crease, FaceVaryingInterpolation, Family, FamilyType, Garment, GarmentInput,

@@ -1,0 +1,44 @@
+//! `usdtailor preview`.
+
+use super::{Inputs, Output, usage};
+use clap::Args;
+use std::io::Write;
+use tailor::error::Error;
+
+#[derive(Args)]
+pub struct Preview {
+    #[command(flatten)]
+    inputs: Inputs,
+    /// Port of the page on 127.0.0.1 [default: any that is free]
+    #[arg(long, value_name = "PORT", default_value_t = 0, hide_default_value = true, help_heading = "Preview")]
+    port: u16,
+    /// Print the address and open no browser
+    #[arg(long, help_heading = "Preview")]
+    no_open: bool,
+}
+
+impl Preview {
+    /// The inputs.
+    pub fn inputs(&self) -> &Inputs {
+        &self.inputs
+    }
+}
+
+/// Serves the preview until Ctrl-C.
+pub fn run(preview: &Preview) -> Result<Output, Error> {
+    let files = preview.inputs.files()?;
+    let [file] = files.as_slice() else {
+        return Err(usage("", format!("{} inputs, and the preview shows one", files.len())).remedy("name one garment"));
+    };
+    let shown = file.display().to_string();
+    let ready = |address: &str| {
+        // The address is also the way in where no browser opens.
+        let _ = writeln!(std::io::stdout(), "preview of {shown}: {address}\nCtrl-C ends it");
+        let _ = std::io::stdout().flush();
+        if !preview.no_open && open::that_detached(address).is_err() {
+            let _ = writeln!(std::io::stderr(), "warning: no browser could be opened. Open the address in one");
+        }
+    };
+    tailor::preview::serve(preview.inputs.input(file), preview.port, preview.inputs.threads, ready)?;
+    Ok(Output { text: String::new(), code: 0 })
+}

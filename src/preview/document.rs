@@ -1,0 +1,165 @@
+//! The options that were changed in the preview, with undo and redo.
+
+use serde_json::{Map, Value};
+use std::collections::VecDeque;
+
+/// A sparse recipe, as nested keys.
+pub type Options = Map<String, Value>;
+
+/// Steps of undo that are kept.
+const HISTORY: usize = 200;
+
+/// The edits of all pages over the options of the garment.
+#[derive(Debug, Default)]
+pub struct Document {
+    edits: Options,
+    past: VecDeque<Options>,
+    future: Vec<Options>,
+    /// The gesture of the last step. Edits of one gesture, such as one drag, are one step.
+    gesture: String,
+    saved: Options,
+    /// True while the state before the last step is shown.
+    pub comparing: bool,
+}
+
+impl Document {
+    /// A document that begins with the options of a recipe file.
+    pub fn new(edits: Options) -> Self {
+        Self { saved: edits.clone(), edits, ..Self::default() }
+    }
+
+    /// Replaces the edits.
+    pub fn edit(&mut self, edits: Options, gesture: String) {
+        if edits == self.edits {
+            return;
+        }
+        let before = std::mem::replace(&mut self.edits, edits);
+        self.future.clear();
+        if gesture.is_empty() || gesture != self.gesture {
+            self.past.push_back(before);
+            if self.past.len() > HISTORY {
+                self.past.pop_front();
+            }
+        }
+        self.gesture = gesture;
+    }
+
+    /// Goes back a step.
+    pub fn undo(&mut self) {
+        if let Some(before) = self.past.pop_back() {
+            self.future.push(std::mem::replace(&mut self.edits, before));
+            self.gesture.clear();
+        }
+    }
+
+    /// Goes forward a step.
+    pub fn redo(&mut self) {
+        if let Some(after) = self.future.pop() {
+            self.past.push_back(std::mem::replace(&mut self.edits, after));
+            self.gesture.clear();
+        }
+    }
+
+    /// The edits.
+    pub fn edits(&self) -> &Options {
+        &self.edits
+    }
+
+    /// The edits that are shown: those before the last step while comparing.
+    pub fn shown(&self) -> &Options {
+        self.past.back().filter(|_| self.comparing).unwrap_or(&self.edits)
+    }
+
+    /// True if there is a step to go back.
+    pub fn can_undo(&self) -> bool {
+        !self.past.is_empty()
+    }
+
+    /// True if there is a step to go forward.
+    pub fn can_redo(&self) -> bool {
+        !self.future.is_empty()
+    }
+
+    /// True if the edits are not in a file.
+    pub fn is_unsaved(&self) -> bool {
+        self.edits != self.saved
+    }
+
+    /// Notes that `edits` are in a file.
+    pub fn note_saved(&mut self, edits: Options) {
+        self.saved = edits;
+    }
+}
+
+/// The options of `layer` that differ from those of `weaker`.
+pub fn changed(layer: &Options, weaker: &Options) -> Options {
+    let mut out = Options::new();
+    for (key, value) in layer {
+        match (value, weaker.get(key)) {
+            (Value::Object(fields), Some(Value::Object(weaker))) => {
+                let rest = changed(fields, weaker);
+                if !rest.is_empty() {
+                    out.insert(key.clone(), Value::Object(rest));
+                }
+            }
+            (value, weaker) if Some(value) != weaker => {
+                out.insert(key.clone(), value.clone());
+            }
+            _ => {}
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    fn level(level: u32) -> Options {
+        json!({"render": {"level": level}}).as_object().cloned().unwrap_or_default()
+    }
+
+    #[test]
+    fn a_gesture_is_one_step() {
+        let mut document = Document::new(level(0));
+        document.edit(level(1), "drag 1".into());
+        document.edit(level(2), "drag 1".into());
+        document.edit(level(3), "drag 2".into());
+        document.undo();
+        assert_eq!(document.edits(), &level(2));
+        document.undo();
+        assert_eq!((document.edits(), document.can_undo()), (&level(0), false));
+        document.redo();
+        assert_eq!(document.edits(), &level(2));
+        document.edit(level(5), "drag 2".into());
+        assert!(!document.can_redo(), "an edit ends what could be redone");
+        document.undo();
+        assert_eq!(document.edits(), &level(2), "a gesture does not go on after an undo");
+    }
+
+    #[test]
+    fn the_state_before_is_shown_while_comparing() {
+        let mut document = Document::new(level(0));
+        document.comparing = true;
+        assert_eq!(document.shown(), &level(0));
+        document.edit(level(1), String::new());
+        assert_eq!((document.shown(), document.edits()), (&level(0), &level(1)));
+    }
+
+    #[test]
+    fn the_past_is_bounded() {
+        let mut document = Document::default();
+        (0..5000).for_each(|i| document.edit(level(i), String::new()));
+        (0..5000).for_each(|_| document.undo());
+        assert_eq!(document.edits(), &level(5000 - 1 - HISTORY as u32));
+    }
+
+    #[test]
+    fn options_that_a_weaker_layer_has_are_no_change() {
+        let layer = json!({"sim": {"iterations": 3, "seed": 1}, "seam": {"a": {"width": 1.0}}});
+        let weaker = json!({"sim": {"iterations": 3}, "seam": {"a": {"width": 1.0, "depth": 2.0}}});
+        let [layer, weaker] = [layer, weaker].map(|v| v.as_object().cloned().unwrap_or_default());
+        assert_eq!(Value::Object(changed(&layer, &weaker)), json!({"sim": {"seed": 1}}));
+    }
+}

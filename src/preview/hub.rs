@@ -1,0 +1,372 @@
+//! The state that all pages share, and the two threads that build.
+//!
+//! A change of the document gives a new revision. Each thread builds the newest one and skips those between; the two
+//! products do not wait for one another. Results that are the same as before keep their `Arc`, by which pages know that
+//! they have them.
+
+use super::document::{Document, Options};
+use super::messages::{Message, Origin, PlainFault, Role};
+use super::stage::Stage;
+use crate::build::{Builder, Progress};
+use crate::error::{Error, Warnings};
+use crate::garment::Garment;
+use crate::recipe::Recipe;
+use crate::report::{RenderFigures, TriangleQuality};
+use crate::session::Input;
+use crate::usd::Selection;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use serde_json::{Map, Value};
+use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::thread;
+use std::time::Instant;
+use tokio::sync::watch;
+
+/// A mesh that pages may show.
+pub struct Shown {
+    /// The mesh.
+    pub mesh: Arc<Garment>,
+    /// The first revision that gave it.
+    pub revision: u64,
+    /// Time to build it. \[milliseconds\]
+    pub build: f64,
+    /// The UV set of the recipe.
+    pub uv_set: String,
+    /// Quality of its triangles, once measured.
+    pub quality: OnceLock<Arc<TriangleQuality>>,
+    /// Figures and warnings for the page, once measured.
+    pub message: OnceLock<Arc<str>>,
+}
+
+/// What a page sees of the state at one moment.
+#[derive(Clone)]
+pub struct Snapshot {
+    /// The garment.
+    pub stage: Arc<Stage>,
+    /// The document; the page adds its own serial.
+    pub state: Arc<State>,
+    /// Faults by origin.
+    pub faults: Arc<BTreeMap<Origin, Vec<PlainFault>>>,
+    /// Steps that are being worked on.
+    pub progress: BTreeMap<Role, String>,
+    /// The meshes.
+    pub shown: BTreeMap<Role, Arc<Shown>>,
+}
+
+/// The document as pages show it.
+pub struct State {
+    pub revision: u64,
+    pub edits: Options,
+    can_undo: bool,
+    can_redo: bool,
+    unsaved: bool,
+    comparing: bool,
+}
+
+impl State {
+    fn new(document: &Document, revision: u64) -> Self {
+        Self {
+            revision,
+            edits: document.edits().clone(),
+            can_undo: document.can_undo(),
+            can_redo: document.can_redo(),
+            unsaved: document.is_unsaved(),
+            comparing: document.comparing,
+        }
+    }
+
+    /// The message for a page whose last edit was `serial`.
+    pub fn message(&self, upstream: &Options, serial: u64) -> String {
+        Message::State {
+            revision: self.revision,
+            serial,
+            upstream,
+            edits: &self.edits,
+            can_undo: self.can_undo,
+            can_redo: self.can_redo,
+            unsaved: self.unsaved,
+            comparing: self.comparing,
+        }
+        .to_text()
+    }
+}
+
+/// A recipe to build.
+#[derive(Clone)]
+struct Job {
+    revision: u64,
+    stage: Arc<Stage>,
+    recipe: Arc<Recipe>,
+}
+
+struct Shared {
+    input: Input,
+    document: Document,
+    snapshot: Snapshot,
+    job: Option<Job>,
+}
+
+/// The state that all pages share.
+pub struct Hub {
+    shared: Mutex<Shared>,
+    work: Condvar,
+    changed: watch::Sender<()>,
+}
+
+impl Hub {
+    /// Shows a garment.
+    pub fn new(input: Input, stage: Stage) -> Arc<Self> {
+        let document = Document::new(stage.given.clone());
+        let snapshot = Snapshot {
+            state: Arc::new(State::new(&document, 0)),
+            stage: Arc::new(stage),
+            faults: Arc::default(),
+            progress: BTreeMap::new(),
+            shown: BTreeMap::new(),
+        };
+        let shared = Shared { input, document, snapshot, job: None };
+        let hub = Arc::new(Self { shared: Mutex::new(shared), work: Condvar::new(), changed: watch::Sender::new(()) });
+        hub.change(Shared::show_model);
+        hub
+    }
+
+    /// Starts the threads that build, each with `threads` threads of its own so that neither waits for the other.
+    ///
+    /// # Errors
+    /// Threads that cannot be started.
+    pub fn start(self: &Arc<Self>, threads: Option<usize>) -> Result<(), Error> {
+        let fault = |e: &dyn std::fmt::Display| Error::internal(format!("cannot start threads: {e}"));
+        for role in [Role::Render, Role::Sim] {
+            let pool = ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build().map_err(|e| fault(&e))?;
+            let hub = Arc::clone(self);
+            let name = format!("{role:?}").to_lowercase();
+            thread::Builder::new().name(name).spawn(move || hub.work(role, &pool)).map_err(|e| fault(&e))?;
+        }
+        Ok(())
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Shared> {
+        // No change of the state can panic half-way.
+        self.shared.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Wakes up at each change.
+    pub fn subscribe(&self) -> watch::Receiver<()> {
+        self.changed.subscribe()
+    }
+
+    /// The state.
+    pub fn snapshot(&self) -> Snapshot {
+        self.lock().snapshot.clone()
+    }
+
+    /// Changes the document, and builds what follows from it.
+    pub fn edit(&self, edit: impl FnOnce(&mut Document)) {
+        self.change(|shared| {
+            edit(&mut shared.document);
+            shared.refresh();
+        });
+    }
+
+    fn change(&self, change: impl FnOnce(&mut Shared)) {
+        change(&mut self.lock());
+        self.work.notify_all();
+        self.changed.send_replace(());
+    }
+
+    /// Selects a variant of the garment and reads it again.
+    pub fn select(&self, variant: Selection) {
+        let mut input = self.lock().input.clone();
+        input.read.variants.retain(|v| (&v.prim, &v.set) != (&variant.prim, &variant.set));
+        input.read.variants.push(variant);
+        input.read.variants.sort();
+        self.read(input);
+    }
+
+    /// Reads the files again. The document stays; after a fault the last garment stays too.
+    pub fn reload(&self) {
+        let input = self.lock().input.clone();
+        self.read(input);
+    }
+
+    fn read(&self, input: Input) {
+        let opened = Stage::open(&input);
+        self.change(|shared| match opened {
+            Ok(stage) => {
+                shared.input = input;
+                shared.snapshot.stage = Arc::new(stage);
+                shared.set_faults(Origin::File, Vec::new());
+                shared.show_model();
+            }
+            Err(error) => shared.set_faults(Origin::File, plain(&error)),
+        });
+    }
+
+    /// The variants that were selected here.
+    pub fn variants(&self) -> Vec<Selection> {
+        self.lock().input.read.variants.clone()
+    }
+
+    /// Waits for a job after the revision `done`.
+    fn next_job(&self, done: u64) -> Job {
+        let mut shared = self.lock();
+        loop {
+            match &shared.job {
+                Some(job) if job.revision > done => return job.clone(),
+                _ => shared = self.work.wait(shared).unwrap_or_else(PoisonError::into_inner),
+            }
+        }
+    }
+
+    /// Builds one product for ever.
+    fn work(self: &Arc<Self>, role: Role, pool: &ThreadPool) {
+        let (mut done, mut known) = (0, None);
+        loop {
+            let job = self.next_job(done);
+            done = job.revision;
+            let result = catch_unwind(AssertUnwindSafe(|| pool.install(|| self.build(role, &job, &mut known))));
+            let result = result.unwrap_or_else(|_| {
+                known = None;
+                Err(Error::internal("the build ended unexpectedly"))
+            });
+            let (origin, faults) = match (role, result) {
+                (Role::Sim, result) => (Origin::Sim, result),
+                (_, result) => (Origin::Render, result),
+            };
+            self.change(|shared| {
+                shared.snapshot.progress.remove(&role);
+                shared.set_faults(origin, faults.err().as_ref().map_or(Vec::new(), plain));
+            });
+        }
+    }
+
+    fn build(self: &Arc<Self>, role: Role, job: &Job, known: &mut Option<(Arc<Stage>, Builder)>) -> Result<(), Error> {
+        let start = Instant::now();
+        let is_known = known.as_ref().is_some_and(|(stage, _)| Arc::ptr_eq(stage, &job.stage));
+        let (_, builder) = match known {
+            Some(known) if is_known => known,
+            known => {
+                let hub = Arc::clone(self);
+                let progress = Progress::new(move |step| {
+                    hub.change(|shared| drop(shared.snapshot.progress.insert(role, step.to_owned())));
+                });
+                let builder = Builder::new(job.stage.mesh.clone())?.with_progress(progress);
+                known.insert((Arc::clone(&job.stage), builder))
+            }
+        };
+        let recipe = builder.resolve(&job.recipe)?;
+        if role == Role::Sim {
+            let update = builder.update_sim(&recipe)?;
+            let shown = self.show(role, job, &update.mesh, start);
+            if shown.message.get().is_none() {
+                let _ = shown.quality.set(Arc::new(update.triangle_quality()));
+                let figures = serde_json::to_value(update.figures()).unwrap_or_default();
+                let _ = shown.message.set(product(role, job, figures, &update.warnings, &[], &recipe));
+            }
+        } else {
+            let update = builder.update_render(&recipe)?;
+            let shown = self.show(role, job, &update.mesh, start);
+            let figures = serde_json::to_value(RenderFigures::new(&update.mesh)).unwrap_or_default();
+            let _ = shown.message.set(product(role, job, figures, &update.warnings, &update.operators, &recipe));
+        }
+        Ok(())
+    }
+
+    /// Shows a mesh, unless it is shown already.
+    fn show(&self, role: Role, job: &Job, mesh: &Arc<Garment>, start: Instant) -> Arc<Shown> {
+        let shown = Shown {
+            mesh: Arc::clone(mesh),
+            revision: job.revision,
+            build: start.elapsed().as_secs_f64() * 1e3,
+            uv_set: job.recipe.sim.uv_set.clone(),
+            quality: OnceLock::new(),
+            message: OnceLock::new(),
+        };
+        let mut result = Arc::new(shown);
+        self.change(|shared| {
+            let last = shared.snapshot.shown.get(&role);
+            match last.filter(|last| Arc::ptr_eq(&last.mesh, mesh) && last.uv_set == result.uv_set) {
+                Some(last) if role == Role::Sim => result = Arc::clone(last),
+                _ => drop(shared.snapshot.shown.insert(role, Arc::clone(&result))),
+            }
+        });
+        result
+    }
+}
+
+impl Shared {
+    /// A new revision, and its job if the recipe has no fault.
+    fn refresh(&mut self) {
+        let revision = self.snapshot.state.revision + 1;
+        self.snapshot.state = Arc::new(State::new(&self.document, revision));
+        let stage = &self.snapshot.stage;
+        let recipe = stage.recipe(self.document.shown());
+        let checked = recipe.and_then(|recipe| stage.checks.resolve(&recipe).map(|_| recipe));
+        let faults = match checked {
+            Ok(recipe) => {
+                self.job = Some(Job { revision, stage: Arc::clone(stage), recipe: Arc::new(recipe) });
+                Vec::new()
+            }
+            Err(error) => plain(&error),
+        };
+        self.set_faults(Origin::Recipe, faults);
+    }
+
+    /// Shows the garment's cage and builds its products.
+    fn show_model(&mut self) {
+        self.refresh();
+        let shown = Shown {
+            mesh: Arc::clone(self.snapshot.stage.checks.garment()),
+            revision: self.snapshot.state.revision,
+            build: 0.0,
+            uv_set: String::new(),
+            quality: OnceLock::new(),
+            message: OnceLock::new(),
+        };
+        self.snapshot.shown.insert(Role::Model, Arc::new(shown));
+    }
+
+    fn set_faults(&mut self, origin: Origin, faults: Vec<PlainFault>) {
+        if self.snapshot.faults.get(&origin) != Some(&faults) {
+            Arc::make_mut(&mut self.snapshot.faults).insert(origin, faults);
+        }
+    }
+}
+
+fn plain(error: &Error) -> Vec<PlainFault> {
+    error.faults.iter().map(PlainFault::from).collect()
+}
+
+/// Figures and warnings of a product.
+fn product(
+    role: Role,
+    job: &Job,
+    figures: Value,
+    warnings: &Warnings,
+    operators: &[String],
+    recipe: &Recipe,
+) -> Arc<str> {
+    let warnings: Vec<_> = warnings.iter().cloned().collect();
+    let lengths = lengths(&job.recipe, recipe);
+    Message::Product { role, revision: job.revision, figures, warnings: &warnings, operators, lengths }.to_text().into()
+}
+
+/// The lengths that replace 0, by key.
+fn lengths(asked: &Recipe, used: &Recipe) -> Map<String, Value> {
+    let [asked, used] = [asked, used].map(|recipe| flat("", &serde_json::to_value(recipe).unwrap_or_default()));
+    used.into_iter().filter(|(key, value)| asked.get(key) != Some(value)).collect()
+}
+
+fn flat(prefix: &str, value: &Value) -> Map<String, Value> {
+    let Value::Object(fields) = value else { return Map::new() };
+    let mut out = Map::new();
+    for (key, value) in fields {
+        let key = if prefix.is_empty() { key.clone() } else { format!("{prefix}.{key}") };
+        match value {
+            Value::Object(_) => out.extend(flat(&key, value)),
+            value => drop(out.insert(key, value.clone())),
+        }
+    }
+    out
+}

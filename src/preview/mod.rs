@@ -1,0 +1,42 @@
+//! The live preview: a page in the browser that shows a garment while its recipe is edited.
+//!
+//! ```text
+//! page ── edits ──▶ socket ──▶ hub ── jobs ──▶ two threads, each with a Builder
+//! page ◀── frames ── frame ◀── snapshots ──┘
+//! ```
+//!
+//! `hub` holds the state that all pages share: the garment ([`stage`]), the edits with undo ([`document`]), and the last
+//! meshes. A page has one `socket`, which sends what changed since the last message. `save` writes the edits as a USD
+//! layer or a `.tailor` file, `watch` reads the stage again when a file changes. `server` serves the embedded `page` on
+//! 127.0.0.1, below a secret path.
+
+mod document;
+mod frame;
+mod hub;
+mod messages;
+mod page;
+mod save;
+mod server;
+mod socket;
+mod stage;
+#[cfg(test)]
+mod tests;
+mod watch;
+
+use crate::error::Error;
+use crate::session::Input;
+use hub::Hub;
+use stage::Stage;
+
+/// Serves the preview of a garment until the process is interrupted. `ready` gets its address.
+///
+/// # Errors
+/// A garment that cannot be opened, a port that is in use, a program that was built without the page.
+pub fn serve(input: Input, port: u16, threads: Option<usize>, ready: impl FnOnce(&str)) -> Result<(), Error> {
+    page::check()?;
+    let stage = Stage::open(&input)?;
+    let hub = Hub::new(input, stage);
+    hub.start(threads)?;
+    let _watcher = watch::follow(&hub)?;
+    server::run(&hub, port, ready)
+}

@@ -1,0 +1,42 @@
+//! The page, which `cargo xtask page` bundles and `build.rs` embeds.
+
+use crate::error::{Error, ErrorKind};
+
+/// A file of the page.
+pub struct File {
+    /// Its name in the address.
+    pub name: &'static str,
+    /// Its media type.
+    pub media_type: &'static str,
+    /// Its content.
+    pub content: &'static [u8],
+}
+
+macro_rules! file {
+    ($name:literal, $media_type:literal) => {
+        File {
+            name: $name,
+            media_type: $media_type,
+            content: include_bytes!(concat!(env!("OUT_DIR"), "/page/", $name)),
+        }
+    };
+}
+
+/// All files. They are empty in a program that was built without the page.
+pub static FILES: [File; 3] = [
+    file!("index.html", "text/html; charset=utf-8"),
+    file!("page.js", "text/javascript; charset=utf-8"),
+    file!("page.css", "text/css; charset=utf-8"),
+];
+
+/// Checks that the page is there.
+///
+/// # Errors
+/// A program that was built without it.
+pub fn check() -> Result<(), Error> {
+    if FILES.iter().all(|file| !file.content.is_empty()) {
+        return Ok(());
+    }
+    Err(Error::new(ErrorKind::Usage, "preview", "this program was built without the page")
+        .remedy("run `cargo xtask page`, which needs Node.js with npm, and build the program again"))
+}

@@ -1,0 +1,82 @@
+// Banners above the view, toasts, and words for screen readers.
+
+import type { Fault } from "../protocol";
+import { useSelect, useStore } from "./hooks";
+import { Icon } from "./icons";
+import { Words } from "./Words";
+
+export function Banners() {
+  const connection = useSelect((state) => state.connection);
+  const file = useSelect(({ faults }) => faults.file);
+  const { elsewhere } = useSelect(({ placed }) => placed);
+  const viewFault = useSelect((state) => state.viewFault);
+  return (
+    <div class="banners" role="alert">
+      {connection === "lost" && (
+        <p class="banner is-lost">
+          <Icon name="warning" />
+          <span>The command has ended; the page reconnects when it is started again.</span>
+        </p>
+      )}
+      {viewFault && (
+        <p class="banner">
+          <Icon name="error" />
+          <span>
+            <b>The 3D view cannot start.</b> {viewFault}
+          </span>
+        </p>
+      )}
+      {file.map((fault) => (
+        <Banner fault={fault} end="The last good garment stays." />
+      ))}
+      {elsewhere.map((fault) => (
+        <Banner fault={fault} end="" />
+      ))}
+    </div>
+  );
+}
+
+function Banner({ fault, end }: { fault: Fault; end: string }) {
+  return (
+    <p class="banner">
+      <Icon name="error" />
+      <span>
+        <b>{fault.place}</b> <Words text={fault.text} />{" "}
+        <span class="remedy">
+          <Words text={fault.remedy} /> {end}
+        </span>
+      </span>
+    </p>
+  );
+}
+
+export function Toasts() {
+  const store = useStore();
+  const toasts = useSelect((state) => state.toasts);
+  const spoken = useSelect((state) => state.spoken);
+  return (
+    <>
+      <div class="toasts" role="status" aria-live="polite">
+        {toasts.map(({ id, text, code, action }) => (
+          <div class="toast" key={id}>
+            <div>
+              <p>{text}</p>
+              {code && <code>{code}</code>}
+            </div>
+            {action && (
+              <button type="button" class="button is-small" onClick={() => (store.dismiss(id), action.act())}>
+                {action.label}
+              </button>
+            )}
+            <button type="button" class="icon-button is-small" aria-label="Dismiss" onClick={() => store.dismiss(id)}>
+              <Icon name="close" />
+            </button>
+          </div>
+        ))}
+      </div>
+      <div class="hidden" aria-live="assertive">
+        {spoken}
+      </div>
+    </>
+  );
+}

@@ -1,0 +1,82 @@
+// What the view offers to the rest of the page. `view/index.ts` implements it.
+
+import type { MeshFrame, Role, Warning } from "../protocol";
+
+export type Layout = "side" | "over";
+/** The colour of faces. `values` is a painted primvar or a quality figure, as heat. */
+export type Shading = "cloth" | "faceSets" | "checker" | "values";
+
+export interface ViewOptions {
+  /** Meshes that are drawn, in this order. */
+  roles: Role[];
+  /** In columns beside one another, or all in one place. */
+  layout: Layout;
+  shading: Shading;
+  /** Edges of the mesh. */
+  wires: boolean;
+  /** Edge sets and seams, each in its colour. */
+  edgeSets: boolean;
+  /** The UV panels, flat, in place of the mesh in space. */
+  flat: boolean;
+  theme: "light" | "dark";
+}
+
+/** A set under the pointer. */
+export interface PickedSet {
+  name: string;
+  kind: "face" | "edge" | "point";
+}
+
+/** What is under the pointer. */
+export interface Picked {
+  role: Role;
+  /** Face of the mesh, also where refinement for display made more of it. */
+  face: number;
+  /** The nearest edge of that face as a pair of points, if the pointer is within a few pixels of it. */
+  edge: [number, number] | null;
+  /** Sets of the edge, if there is one, then sets of the face. */
+  sets: PickedSet[];
+  /** Place on the canvas. [CSS pixels] */
+  x: number;
+  y: number;
+}
+
+export interface ViewEvents {
+  /** The pointer rests on something else than before; null is nothing. */
+  hover(picked: Picked | null): void;
+  /** A click that is no drag. */
+  click(picked: Picked | null): void;
+  /** A frame was drawn with new buffers: their role and revision, and the time to make and upload them. [ms] */
+  drawn(role: Role, revision: number, upload: number): void;
+}
+
+/** Numbers for tests and for the figures panel. */
+export interface ViewStats {
+  points: number;
+  faces: number;
+  /** Sum of all coordinates, which changes when points move. */
+  checksum: number;
+}
+
+export interface View {
+  /** Replaces or updates a mesh. The camera frames the first one. */
+  update(frame: MeshFrame): void;
+  /** Forgets a mesh that is no longer sent. */
+  remove(role: Role): void;
+  setOptions(options: ViewOptions): void;
+  /** Up axis of the stage; the camera stands upright on it. */
+  setUp(axis: "Y" | "Z"): void;
+  /** Moves the camera so that the marked or highlighted elements, or else everything, fill the view. */
+  frame(): void;
+  /** Highlights sets by name on all meshes; an empty list ends it. */
+  highlight(sets: string[]): void;
+  /** Marks elements of the model (visible through cloth), also when the model is not drawn, and flies there; null ends it. */
+  mark(elements: Warning["elements"] | null): void;
+  /** The colour of a set, as CSS, so that the panel shows the same. */
+  colourOf(set: string): string;
+  /** The picture as PNG at the device's resolution. */
+  screenshot(): Promise<Blob>;
+  stats(role: Role): ViewStats | null;
+  /** Place of a point of a mesh on the canvas, or null if it is not drawn or off the canvas. For tests. [CSS pixels] */
+  project(role: Role, point: number): { x: number; y: number } | null;
+}

@@ -1,0 +1,75 @@
+// The colours of the view. Those of sets are equally light, and neighbours in the list differ in hue.
+
+export type Rgb = readonly [number, number, number];
+export type Theme = "light" | "dark";
+
+/** Of highlighted sets, of marks. [sRGB] */
+export const ACCENT: Rgb = [0.13, 0.75, 1];
+export const MARK: Rgb = [1, 0.55, 0.1];
+
+/** What the shaders take of a theme. [sRGB] */
+export interface Look {
+  top: Rgb;
+  bottom: Rgb;
+  /** Outline of the UV square, and the ground. */
+  line: Rgb;
+}
+
+export const LOOKS: Record<Theme, Look> = {
+  light: { top: [0.985, 0.985, 0.98], bottom: [0.875, 0.885, 0.895], line: [0.4, 0.43, 0.47] },
+  dark: { top: [0.165, 0.175, 0.19], bottom: [0.085, 0.09, 0.1], line: [0.55, 0.6, 0.66] },
+};
+
+/** Wires of a mesh that lies over another. [sRGB] */
+export const OVERLAYS: Record<string, Rgb> = {
+  model: [0.85, 0.32, 0.08],
+  sim: [0.0, 0.33, 0.42],
+  render: [0.36, 0.22, 0.62],
+};
+
+const GOLDEN_ANGLE = 137.508;
+
+/** Numbers of sets in the order in which their names were first seen, for the whole life of the page. */
+const numbers = new Map<string, number>();
+
+export function setNumber(name: string): number {
+  const known = numbers.get(name);
+  if (known !== undefined) return known;
+  numbers.set(name, numbers.size);
+  return numbers.size - 1;
+}
+
+/** The colour of a set. [sRGB] */
+export function setColour(name: string): Rgb {
+  const number = setNumber(name);
+  const light = [0.72, 0.66, 0.78][number % 3];
+  return oklch(light, number % 2 ? 0.115 : 0.14, 25 + number * GOLDEN_ANGLE);
+}
+
+export function css(colour: Rgb): string {
+  return `#${colour.map((value) => bytes(value).toString(16).padStart(2, "0")).join("")}`;
+}
+
+/** A channel as an integer from 0 to 255. */
+export function bytes(channel: number): number {
+  return Math.round(255 * Math.min(1, Math.max(0, channel)));
+}
+
+function oklch(lightness: number, chroma: number, degrees: number): Rgb {
+  const hue = (degrees * Math.PI) / 180;
+  const a = chroma * Math.cos(hue);
+  const b = chroma * Math.sin(hue);
+  const l = (lightness + 0.3963377774 * a + 0.2158037573 * b) ** 3;
+  const m = (lightness - 0.1055613458 * a - 0.0638541728 * b) ** 3;
+  const s = (lightness - 0.0894841775 * a - 1.291485548 * b) ** 3;
+  return [
+    encode(4.0767416621 * l - 3.3077115913 * m + 0.2309699292 * s),
+    encode(-1.2684380046 * l + 2.6097574011 * m - 0.3413193965 * s),
+    encode(-0.0041960863 * l - 0.7034186147 * m + 1.707614701 * s),
+  ];
+}
+
+function encode(linear: number): number {
+  const value = Math.min(1, Math.max(0, linear));
+  return value <= 0.0031308 ? 12.92 * value : 1.055 * value ** (1 / 2.4) - 0.055;
+}

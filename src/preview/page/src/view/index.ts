@@ -1,0 +1,294 @@
+// The view of the meshes: takes frames and options, draws when something changed, and tells what is under the pointer.
+
+import { Vector3 } from "three";
+import type { MeshFrame, Role, Warning } from "../protocol";
+import type { View, ViewEvents, ViewOptions, ViewStats } from "./api";
+import { poseOfAll, poseOfMarks, poseOfSets } from "./aims";
+import type { Sight } from "./aims";
+import { Cloth } from "./cloth";
+import { css, setColour } from "./colours";
+import { Hover } from "./hover";
+import { listen } from "./input";
+import type { Place } from "./input";
+import { columnAt, columns, sameColumns } from "./layout";
+import type { Column } from "./layout";
+import type { Pose } from "./motion";
+import { checksum } from "./points";
+import { describe, onFace, Picker, toCanvas, toDevice } from "./picking";
+import type { Spot } from "./picking";
+import { FlatRig, SpaceRig, THREE_QUARTER } from "./rig";
+import type { Rig } from "./rig";
+import { placeGlow, placeMarks, shapesOf } from "./shapes";
+import { Stage } from "./stage";
+import { Uploads } from "./uploads";
+
+/** Turn of the camera for a drag. [radians / CSS pixel] */
+const TURN = 0.0075;
+
+export function createView(canvas: HTMLCanvasElement, options: ViewOptions, events: ViewEvents): View {
+  return new CanvasView(canvas, options, events);
+}
+
+class CanvasView implements View {
+  readonly #stage: Stage;
+  readonly #picker: Picker;
+  readonly #hover: Hover;
+  readonly #space = new SpaceRig();
+  readonly #flat = new FlatRig();
+  #highlighted: ReadonlySet<string> = new Set();
+  /** Edge sets under the pointer. */
+  #hot: string[] = [];
+  #marked: Warning["elements"] | null = null;
+  /** Rigs that the artist has not moved, which frame the garment again when the view changes. */
+  readonly #untouched = new Set<Rig>([this.#space, this.#flat]);
+  readonly #framed = new Set<Rig>();
+  /** A frame of animation is on its way. */
+  #awaited = 0;
+  readonly #uploads = new Uploads();
+
+  constructor(
+    private readonly canvas: HTMLCanvasElement,
+    private options: ViewOptions,
+    private readonly events: ViewEvents,
+  ) {
+    this.#stage = new Stage(canvas);
+    this.#stage.setOptions(options);
+    this.#picker = new Picker(this.#stage.renderer);
+    this.#hover = new Hover(this.#picker, (at) => this.#spotAt(at), events.hover, (sets) => this.#warm(sets));
+    new ResizeObserver(() => this.#resized()).observe(canvas);
+    canvas.addEventListener("webglcontextrestored", () => this.#invalidate());
+    listen(canvas, {
+      orbit: (dx, dy) => (this.options.flat ? this.#pan(dx, dy) : this.#orbit(dx, dy)),
+      pan: (dx, dy) => this.#pan(dx, dy),
+      zoom: (factor, at) => this.#zoom(factor, at),
+      click: (at) => this.#click(at),
+      rest: (at) => this.#hover.moveTo(at),
+    });
+    this.#invalidate();
+  }
+
+  update(frame: MeshFrame): void {
+    const start = performance.now();
+    const { role, replaces, revision } = frame.header;
+    const known = this.#stage.cloths.get(role);
+    if (replaces) this.#replace(role, frame);
+    else if (known) known.update(frame);
+    else return;
+    this.#placeMarkers();
+    this.#stage.measure(this.options.roles);
+    if (!known) this.#frameUntouched();
+    this.#uploads.add(role, revision, performance.now() - start);
+    this.#hover.forget();
+    this.#invalidate();
+  }
+
+  remove(role: Role): void {
+    this.#stage.take(role);
+    this.#uploads.forget(role);
+    this.#placeMarkers();
+    this.#hover.forget();
+    this.#invalidate();
+  }
+
+  setOptions(options: ViewOptions): void {
+    const before = this.options;
+    this.options = options;
+    this.#stage.setOptions(options);
+    this.#stage.measure(options.roles);
+    this.#placeMarkers();
+    if (!sameColumns(before, options)) this.#frameUntouched();
+    this.#hover.forget();
+    this.#invalidate();
+  }
+
+  setUp(axis: "Y" | "Z"): void {
+    this.#space.setUp(axis);
+    this.#frameUntouched();
+    this.#invalidate();
+  }
+
+  frame(): void {
+    const part = poseOfMarks(this.#sight, this.#marked) ?? poseOfSets(this.#sight, this.#highlighted);
+    if (part) this.#untouched.delete(this.#rig);
+    this.#fly(part ?? poseOfAll(this.#sight));
+  }
+
+  highlight(sets: string[]): void {
+    if (sets.length === this.#highlighted.size && sets.every((name) => this.#highlighted.has(name))) return;
+    this.#highlighted = new Set(sets);
+    for (const cloth of this.#stage.cloths.values()) cloth.highlight(this.#highlighted);
+    this.#placeMarkers();
+    this.#invalidate();
+  }
+
+  mark(elements: Warning["elements"] | null): void {
+    this.#marked = elements;
+    this.#placeMarkers();
+    const pose = poseOfMarks(this.#sight, this.#marked);
+    if (pose) this.#untouched.delete(this.#rig);
+    this.#fly(pose);
+  }
+
+  colourOf(set: string): string {
+    return css(setColour(set));
+  }
+
+  screenshot(): Promise<Blob> {
+    this.#draw();
+    return new Promise((resolve, reject) => {
+      this.canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error("The picture could not be encoded."))));
+    });
+  }
+
+  stats(role: Role): ViewStats | null {
+    const cloth = this.#stage.cloths.get(role);
+    return cloth ? { points: cloth.pointCount, faces: cloth.faceCount, checksum: checksum(cloth.points) } : null;
+  }
+
+  project(role: Role, point: number): { x: number; y: number } | null {
+    const cloth = this.#stage.cloths.get(role);
+    const column = this.#columns.find(({ roles }) => roles.includes(role));
+    if (!cloth || !column || point >= cloth.pointCount) return null;
+    const shapes = shapesOf(cloth, { points: [point] }, this.options.flat);
+    if (shapes.points.length === 0) return null;
+    this.#rig.place(this.#aspect);
+    const device = new Vector3().fromArray(shapes.points).project(this.#rig.camera);
+    const inside = Math.max(Math.abs(device.x), Math.abs(device.y), Math.abs(device.z)) <= 1;
+    return inside ? toCanvas(device, column) : null;
+  }
+
+  get #rig(): Rig {
+    return this.options.flat ? this.#flat : this.#space;
+  }
+
+  get #columns(): Column[] {
+    return columns(this.options, this.#stage.width, this.#stage.height);
+  }
+
+  get #aspect(): number {
+    const { width, height } = this.#columns[0];
+    return width / height;
+  }
+
+  /** Meshes that are drawn, with the solid one last. */
+  get #shown(): Cloth[] {
+    return this.options.roles.map((role) => this.#stage.cloths.get(role)).filter((cloth) => cloth !== undefined);
+  }
+
+  get #sight(): Sight {
+    return {
+      rig: this.#rig,
+      space: this.#space,
+      aspect: this.#aspect,
+      flat: this.options.flat,
+      shown: this.#shown,
+      model: this.#stage.cloths.get("model"),
+    };
+  }
+
+  #replace(role: Role, frame: MeshFrame): void {
+    const cloth = new Cloth(frame, this.#stage.paintOf(role));
+    cloth.highlight(this.#highlighted);
+    this.#thicken(cloth);
+    this.#stage.put(role, cloth);
+  }
+
+  #invalidate(): void {
+    this.#awaited ||= requestAnimationFrame((now) => this.#tick(now));
+  }
+
+  #tick(now: number): void {
+    this.#awaited = 0;
+    const more = this.#rig.motion.step(now);
+    this.#draw();
+    if (more) this.#invalidate();
+    else this.#hover.look();
+  }
+
+  #draw(): void {
+    this.#stage.resize();
+    const start = performance.now();
+    this.#stage.draw(this.#columns, this.#rig, this.#space);
+    this.#uploads.tell(this.events.drawn, performance.now() - start);
+  }
+
+  /** At once, as a canvas of a new size is empty until it is drawn. */
+  #resized(): void {
+    if (!this.#stage.resize()) return;
+    this.#frameUntouched();
+    this.#draw();
+  }
+
+  #fly(pose: Pose | null): void {
+    if (pose) this.#rig.motion.fly(pose);
+    this.#invalidate();
+  }
+
+  #moved(move: (rig: Rig) => void): void {
+    this.#untouched.delete(this.#rig);
+    move(this.#rig);
+    this.#hover.forget();
+    this.#invalidate();
+  }
+
+  #orbit(dx: number, dy: number): void {
+    this.#moved(() => this.#space.orbit(dx * TURN, dy * TURN));
+  }
+
+  #pan(dx: number, dy: number): void {
+    const { height } = this.#stage;
+    this.#moved((rig) => rig.pan(dx / height, dy / height, this.#aspect));
+  }
+
+  #zoom(factor: number, at: Place): void {
+    const spot = this.#spotAt(at);
+    const face = spot ? this.#hover.faceAt(spot) : -1;
+    const column = columnAt(this.#columns, at.x) ?? this.#columns[0];
+    const surface = spot && face >= 0 ? onFace(spot, face) : null;
+    const about = surface ?? this.#rig.onTargetPlane(toDevice(at, column), this.#aspect);
+    this.#moved((rig) => rig.zoom(factor, about));
+  }
+
+  #click(at: Place): void {
+    const spot = this.#spotAt(at);
+    const face = spot ? this.#picker.face(spot) : -1;
+    this.events.click(spot && face >= 0 ? describe(spot, face) : null);
+  }
+
+  /** The mesh that is picked at a place: the solid one of the column. */
+  #spotAt(at: Place): Spot | null {
+    const column = columnAt(this.#columns, at.x);
+    const role = column?.roles.filter((name) => this.#stage.cloths.has(name)).at(-1);
+    const cloth = role && this.#stage.cloths.get(role);
+    const { flat } = this.options;
+    if (!column || !cloth || (flat && !cloth.hasUvs)) return null;
+    this.#rig.place(column.width / column.height);
+    return { role, cloth, column, camera: this.#rig.camera, at, flat };
+  }
+
+  /** Thickens the edge set under the pointer. */
+  #warm(sets: string[]): void {
+    this.#hot = sets;
+    for (const cloth of this.#stage.cloths.values()) this.#thicken(cloth);
+    this.#invalidate();
+  }
+
+  #thicken(cloth: Cloth): void {
+    cloth.setHot(this.options.edgeSets ? this.#hot : []);
+  }
+
+  #frameUntouched(): void {
+    const rig = this.#rig;
+    if (!this.#untouched.has(rig) && this.#framed.has(rig)) return;
+    const pose = poseOfAll(this.#sight, THREE_QUARTER);
+    if (!pose) return;
+    rig.motion.jump(pose);
+    this.#framed.add(rig);
+  }
+
+  #placeMarkers(): void {
+    const { marks, glow, cloths } = this.#stage;
+    placeMarks(marks, cloths.get("model"), this.#marked, this.options.flat);
+    placeGlow(glow, this.#shown, this.#highlighted, this.options.flat);
+  }
+}

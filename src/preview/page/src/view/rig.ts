@@ -1,0 +1,229 @@
+// A camera with its pose: in space it orbits a target; in the flat view it looks down on the UV plane.
+
+import { Matrix4, OrthographicCamera, PerspectiveCamera, Vector2, Vector3 } from "three";
+import { Motion } from "./motion";
+import type { Pose } from "./motion";
+
+/** Half of the angle that the shorter side of the view spans. */
+const HALF_ANGLE = (14 * Math.PI) / 180;
+/** Part of the view that is filled. */
+const FILL = 0.86;
+const MOST_TILT = Math.PI / 2 - 0.001;
+
+export type Axis = "Y" | "Z";
+
+/** What the camera should show: positions as x, y, z with a stride. */
+export interface Cloud {
+  values: ArrayLike<number>;
+  stride: number;
+}
+
+export abstract class Rig {
+  readonly motion: Motion;
+  abstract readonly camera: PerspectiveCamera | OrthographicCamera;
+  /** Sphere around all that is drawn. */
+  protected centre = new Vector3();
+  protected radius = 1;
+
+  constructor(pose: Pose) {
+    this.motion = new Motion(pose);
+  }
+
+  setBounds(centre: Vector3, radius: number): void {
+    this.centre.copy(centre);
+    this.radius = Math.max(radius, 1e-6);
+  }
+
+  /** Sets the camera to the pose for a view of these proportions. */
+  abstract place(aspect: number): void;
+  /** The pose that shows these points, seen from the same side or with a turn and a tilt. */
+  abstract fit(clouds: Cloud[], aspect: number, direction?: [number, number]): Pose | null;
+
+  /** The sphere as six points, so that small things are shown with what is around them. */
+  fitSphere(centre: Vector3, radius: number, aspect: number, direction?: [number, number]): Pose | null {
+    const offsets = [radius, 0, 0, -radius, 0, 0, 0, radius, 0, 0, -radius, 0, 0, 0, radius, 0, 0, -radius];
+    const middle = centre.toArray();
+    return this.fit([{ values: offsets.map((offset, at) => middle[at % 3] + offset), stride: 3 }], aspect, direction);
+  }
+
+  /** Drags the target plane by a part of the view's height. */
+  pan(dx: number, dy: number, aspect: number): void {
+    const pose: Pose = [...this.motion.goal];
+    const { right, up } = this.axes(pose[4], pose[5]);
+    const height = 2 * this.halfHeight(pose[3], aspect);
+    const by = right.multiplyScalar(-dx * height).add(up.multiplyScalar(dy * height));
+    this.motion.follow([pose[0] + by.x, pose[1] + by.y, pose[2] + by.z, pose[3], pose[4], pose[5]]);
+  }
+
+  /** Scales the pose about a fixed place. */
+  zoom(factor: number, about: Vector3): void {
+    const [x, y, z, size, turn, tilt] = this.motion.goal;
+    const next = Math.min(Math.log(40 * this.radius), Math.max(Math.log(this.radius / 2000), size + Math.log(factor)));
+    const scale = Math.exp(next - size);
+    this.motion.follow([
+      about.x + scale * (x - about.x),
+      about.y + scale * (y - about.y),
+      about.z + scale * (z - about.z),
+      next,
+      turn,
+      tilt,
+    ]);
+  }
+
+  /** The place on the plane through the target, from normalised device coordinates. */
+  onTargetPlane(pointer: Vector2, aspect: number): Vector3 {
+    const [x, y, z, size, turn, tilt] = this.motion.goal;
+    const { right, up } = this.axes(turn, tilt);
+    const half = this.halfHeight(size, aspect);
+    return new Vector3(x, y, z).addScaledVector(right, pointer.x * half * aspect).addScaledVector(up, pointer.y * half);
+  }
+
+  protected abstract halfHeight(size: number, aspect: number): number;
+  protected abstract axes(turn: number, tilt: number): { right: Vector3; up: Vector3; back: Vector3 };
+}
+
+export class SpaceRig extends Rig {
+  readonly camera = new PerspectiveCamera();
+  #axis: Axis = "Y";
+
+  constructor() {
+    super([0, 0, 0, 1, ...THREE_QUARTER]);
+  }
+
+  setUp(axis: Axis): void {
+    this.#axis = axis;
+  }
+
+  get up(): Vector3 {
+    return this.#turned(new Vector3(0, 1, 0));
+  }
+
+  place(aspect: number): void {
+    const [x, y, z, size, turn, tilt] = this.motion.pose;
+    const distance = Math.exp(size);
+    const { right, up, back } = this.axes(turn, tilt);
+    const { camera } = this;
+    camera.position.set(x, y, z).addScaledVector(back, distance);
+    camera.quaternion.setFromRotationMatrix(new Matrix4().makeBasis(right, up, back));
+    camera.fov = (2 * Math.atan(halfTangent(aspect)) * 180) / Math.PI;
+    camera.aspect = aspect;
+    const depth = camera.position.clone().sub(this.centre).dot(back);
+    camera.far = Math.max(depth + 1.6 * this.radius, distance * 0.1);
+    camera.near = Math.max(depth - 1.6 * this.radius, Math.min(distance, this.radius) * 0.02);
+    camera.updateProjectionMatrix();
+    camera.updateMatrixWorld();
+  }
+
+  /** Exact: for each side of the view, the point that lies farthest out decides. */
+  fit(clouds: Cloud[], aspect: number, direction?: [number, number]): Pose | null {
+    const [turn, tilt] = direction ?? [this.motion.goal[4], this.motion.goal[5]];
+    const { right, up, back } = this.axes(turn, tilt);
+    const ty = halfTangent(aspect) * FILL;
+    const tx = ty * aspect;
+    let [left, rightmost, low, high] = [-Infinity, -Infinity, -Infinity, -Infinity];
+    let [deepest, nearest] = [Infinity, -Infinity];
+    for (const { values, stride } of clouds) {
+      for (let at = 0; at + 2 < values.length; at += stride) {
+        const [px, py, pz] = [values[at], values[at + 1], values[at + 2]];
+        const x = px * right.x + py * right.y + pz * right.z;
+        const y = px * up.x + py * up.y + pz * up.z;
+        const z = px * back.x + py * back.y + pz * back.z;
+        rightmost = Math.max(rightmost, x + z * tx);
+        left = Math.max(left, -x + z * tx);
+        high = Math.max(high, y + z * ty);
+        low = Math.max(low, -y + z * ty);
+        nearest = Math.max(nearest, z);
+        deepest = Math.min(deepest, z);
+      }
+    }
+    if (nearest < deepest) return null;
+    const eye = Math.max((rightmost + left) / (2 * tx), (high + low) / (2 * ty));
+    const middle = (nearest + deepest) / 2;
+    const target = right.multiplyScalar((rightmost - left) / 2).add(up.multiplyScalar((high - low) / 2));
+    target.addScaledVector(back, middle);
+    return [target.x, target.y, target.z, Math.log(Math.max(eye - middle, 1e-6)), turn, tilt];
+  }
+
+  orbit(dx: number, dy: number): void {
+    const [x, y, z, size, turn, tilt] = this.motion.goal;
+    const next = Math.min(MOST_TILT, Math.max(-MOST_TILT, tilt + dy));
+    this.motion.follow([x, y, z, size, turn - dx, next]);
+  }
+
+  /** The turn and the tilt that look against a direction. */
+  directionTo(out: Vector3): [number, number] {
+    const v = this.#axis === "Y" ? out : new Vector3(out.x, out.z, -out.y);
+    return [Math.atan2(v.x, v.z), Math.max(-1.2, Math.min(1.2, Math.asin(Math.max(-1, Math.min(1, v.y)))))];
+  }
+
+  backOf(pose: Readonly<Pose>): Vector3 {
+    return this.axes(pose[4], pose[5]).back;
+  }
+
+  protected halfHeight(size: number, aspect: number): number {
+    return Math.exp(size) * halfTangent(aspect);
+  }
+
+  protected axes(turn: number, tilt: number): { right: Vector3; up: Vector3; back: Vector3 } {
+    const [st, ct, sp, cp] = [Math.sin(turn), Math.cos(turn), Math.sin(tilt), Math.cos(tilt)];
+    return {
+      right: this.#turned(new Vector3(ct, 0, -st)),
+      up: this.#turned(new Vector3(-st * sp, cp, -ct * sp)),
+      back: this.#turned(new Vector3(st * cp, sp, ct * cp)),
+    };
+  }
+
+  /** From Y up to the axis of the stage; the front of a garment looks along +Z, or -Y if Z is up. */
+  #turned(v: Vector3): Vector3 {
+    return this.#axis === "Y" ? v : v.set(v.x, -v.z, v.y);
+  }
+}
+
+export class FlatRig extends Rig {
+  readonly camera = new OrthographicCamera();
+
+  constructor() {
+    super([0.5, 0.5, 0, Math.log(0.6), 0, 0]);
+  }
+
+  place(aspect: number): void {
+    const [x, y, , size] = this.motion.pose;
+    const half = this.halfHeight(size, aspect);
+    const { camera } = this;
+    Object.assign(camera, { left: -half * aspect, right: half * aspect, top: half, bottom: -half, near: 0, far: 20 });
+    camera.position.set(x, y, 10);
+    camera.updateProjectionMatrix();
+    camera.updateMatrixWorld();
+  }
+
+  fit(clouds: Cloud[], aspect: number): Pose | null {
+    let [left, right, low, high] = [Infinity, -Infinity, Infinity, -Infinity];
+    for (const { values, stride } of clouds) {
+      for (let at = 0; at + 1 < values.length; at += stride) {
+        left = Math.min(left, values[at]);
+        right = Math.max(right, values[at]);
+        low = Math.min(low, values[at + 1]);
+        high = Math.max(high, values[at + 1]);
+      }
+    }
+    if (right < left) return null;
+    const half = Math.max((right - left) / aspect, high - low, 1e-6) / 2 / FILL;
+    return [(left + right) / 2, (low + high) / 2, 0, Math.log(half * Math.min(1, aspect)), 0, 0];
+  }
+
+  protected halfHeight(size: number, aspect: number): number {
+    return Math.exp(size) / Math.min(1, aspect);
+  }
+
+  protected axes(): { right: Vector3; up: Vector3; back: Vector3 } {
+    return { right: new Vector3(1, 0, 0), up: new Vector3(0, 1, 0), back: new Vector3(0, 0, 1) };
+  }
+}
+
+/** Turn and tilt of the first view. */
+export const THREE_QUARTER: [number, number] = [0.44, 0.13];
+
+/** A narrow view shows the same breadth. */
+function halfTangent(aspect: number): number {
+  return Math.tan(HALF_ANGLE) / Math.min(1, aspect);
+}

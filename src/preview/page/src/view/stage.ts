@@ -1,0 +1,164 @@
+// Draws the meshes into their columns.
+
+import { Group, Vector2, Vector3, WebGLRenderer } from "three";
+import type { IUniform } from "three";
+import type { Role } from "../protocol";
+import type { Shading, ViewOptions } from "./api";
+import { Backdrop } from "./backdrop";
+import type { Cloth } from "./cloth";
+import { ACCENT, MARK } from "./colours";
+import type { Column } from "./layout";
+import { Marks } from "./marks";
+import { Paint } from "./paint";
+import type { Box } from "./points";
+import type { Rig, SpaceRig } from "./rig";
+
+const SHADINGS: Record<Shading, number> = { cloth: 0, faceSets: 1, checker: 2, values: 3 };
+
+/** Part of the garment's radius within which hollows darken. */
+const CAVITY = 0.02;
+/** Part of the radius by which wires over another mesh are nearer, so that they are seen where they lie just inside. */
+const BIAS = 0.0055;
+const MOST_RATIO = 2;
+
+export class Stage {
+  readonly renderer: WebGLRenderer;
+  readonly cloths = new Map<Role, Cloth>();
+  readonly marks = new Marks(MARK, 4);
+  readonly glow = new Marks(ACCENT, 4);
+  readonly uniforms = {
+    uFlat: { value: false },
+    uWires: { value: false },
+    uEdgeSets: { value: false },
+    uShading: { value: 0 },
+    uPixel: { value: 1 },
+    uView: { value: new Vector2(1, 1) },
+    uSize: { value: 1 },
+    uBias: { value: 0 },
+    uUp: { value: new Vector3(0, 1, 0) },
+    uAccent: { value: new Vector3(...ACCENT) },
+  } satisfies Record<string, IUniform>;
+  width = 1;
+  height = 1;
+  readonly centre = new Vector3();
+  radius = 1;
+  readonly #paints = new Map<Role, Paint>();
+  readonly #world = new Group();
+  readonly #backdrop = new Backdrop();
+  readonly #half = new Vector3(1, 1, 1);
+
+  constructor(private readonly canvas: HTMLCanvasElement) {
+    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: false, powerPreference: "high-performance" });
+    this.renderer.autoClear = false;
+    this.renderer.info.autoReset = true;
+    const { ground, square } = this.#backdrop;
+    this.#world.add(ground, square, this.marks.object, this.glow.object);
+    this.resize();
+  }
+
+  paintOf(role: Role): Paint {
+    const paint = this.#paints.get(role) ?? new Paint(role, this.uniforms);
+    this.#paints.set(role, paint);
+    return paint;
+  }
+
+  /** Takes the size of the canvas on the page. Returns whether it is another. */
+  resize(): boolean {
+    const { clientWidth, clientHeight } = this.canvas;
+    const ratio = Math.min(MOST_RATIO, devicePixelRatio);
+    const same = clientWidth === this.width && clientHeight === this.height && ratio === this.renderer.getPixelRatio();
+    if (same || clientWidth === 0 || clientHeight === 0) return false;
+    this.width = clientWidth;
+    this.height = clientHeight;
+    this.renderer.setPixelRatio(ratio);
+    this.renderer.setSize(clientWidth, clientHeight, false);
+    this.uniforms.uPixel.value = ratio;
+    return true;
+  }
+
+  put(role: Role, cloth: Cloth): void {
+    this.take(role);
+    this.cloths.set(role, cloth);
+    this.#world.add(cloth.object);
+  }
+
+  take(role: Role): void {
+    const cloth = this.cloths.get(role);
+    if (!cloth) return;
+    this.#world.remove(cloth.object);
+    cloth.dispose();
+    this.cloths.delete(role);
+  }
+
+  setOptions(options: ViewOptions): void {
+    this.uniforms.uFlat.value = options.flat;
+    this.uniforms.uWires.value = options.wires;
+    this.uniforms.uEdgeSets.value = options.edgeSets;
+    this.uniforms.uShading.value = SHADINGS[options.shading];
+    this.#backdrop.setTheme(options.theme);
+  }
+
+  /** Takes the bounds of these meshes. */
+  measure(roles: Role[]): void {
+    const boxes = roles.map((role) => this.cloths.get(role)?.box).filter((box): box is Box => box !== undefined);
+    if (boxes.length === 0) return;
+    const least = new Vector3().setScalar(Infinity);
+    const most = new Vector3().setScalar(-Infinity);
+    for (const box of boxes) {
+      least.min(new Vector3(...box.least));
+      most.max(new Vector3(...box.most));
+    }
+    this.centre.addVectors(least, most).multiplyScalar(0.5);
+    this.#half.subVectors(most, least).multiplyScalar(0.5);
+    this.radius = Math.max(this.#half.length(), 1e-6);
+    this.uniforms.uSize.value = CAVITY * this.radius;
+    this.uniforms.uBias.value = BIAS * this.radius;
+  }
+
+  draw(columns: Column[], rig: Rig, space: SpaceRig): void {
+    const { renderer } = this;
+    const flat = this.uniforms.uFlat.value;
+    this.#backdrop.setGround(this.centre, this.#half, space.up);
+    this.#backdrop.ground.visible = !flat;
+    this.#backdrop.square.visible = flat;
+    renderer.setScissorTest(false);
+    renderer.setViewport(0, 0, this.width, this.height);
+    renderer.clear();
+    renderer.render(this.#backdrop.sky, rig.camera);
+    renderer.setScissorTest(true);
+    for (const column of columns) this.#drawColumn(column, rig, space);
+    renderer.setScissorTest(false);
+  }
+
+  #drawColumn(column: Column, rig: Rig, space: SpaceRig): void {
+    const { renderer } = this;
+    const { x, width, height } = column;
+    renderer.setViewport(x, 0, width, height);
+    renderer.setScissor(x, 0, width, height);
+    rig.setBounds(this.centre, this.radius);
+    rig.place(width / height);
+    this.uniforms.uUp.value.copy(space.up).transformDirection(rig.camera.matrixWorldInverse);
+    this.#show(column.roles);
+    const ratio = renderer.getPixelRatio();
+    this.uniforms.uView.value.set(width * ratio, height * ratio);
+    this.marks.setView(width * ratio, height * ratio, ratio);
+    this.glow.setView(width * ratio, height * ratio, ratio);
+    renderer.render(this.#world, rig.camera);
+  }
+
+  /** The last mesh is solid; those before it lie over it as wires. */
+  #show(roles: Role[]): void {
+    const flat = this.uniforms.uFlat.value;
+    const drawn = roles.filter((role) => this.cloths.has(role));
+    for (const [role, cloth] of this.cloths) {
+      const order = drawn.indexOf(role);
+      const last = order === drawn.length - 1;
+      cloth.object.visible = order >= 0 && (!flat || cloth.hasUvs);
+      cloth.solid.material = last ? cloth.paint.solid : cloth.paint.overlay;
+      cloth.solid.renderOrder = last ? 0 : 1 + order;
+      cloth.lines.setOver(!last);
+      // The lines of the mesh above say more, and two of one colour would be mistaken for one another.
+      cloth.lines.setVisible(!last || drawn.length < 2);
+    }
+  }
+}

@@ -1,0 +1,257 @@
+//! Saves the edits: as a USD layer over the garment, or as a `.tailor` file.
+//!
+//! A file gets its name only after it was opened like any input and found to give the garment and the recipe that are on
+//! screen, so that `usdtailor build` gives the same meshes.
+
+use super::document::Options;
+use super::hub::Hub;
+use super::messages::{PlainFault, SaveAnswer};
+use super::stage::Stage;
+use crate::error::{Error, ErrorKind, plain};
+use crate::recipe::{KEYS, default_at, is_attribute, is_recipe, kind_named};
+use crate::render::{Domain, Key};
+use crate::session::{Input, is_usd};
+use crate::usd::{OptionValue, ReadOptions, RecipeOpinions, Replaced, Selection, recipe_text, relative, write_recipe};
+use serde_json::{Map, Value};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// What is saved.
+struct Content {
+    stage: Arc<Stage>,
+    edits: Options,
+    variants: Vec<Selection>,
+}
+
+/// What a save to `path` would write.
+pub fn plan(hub: &Hub, path: &str) -> SaveAnswer {
+    let content = Content::of(hub);
+    let file = PathBuf::from(path);
+    answer(path, "planned", content.text(&file), content.note(&file))
+}
+
+/// Saves to `path`; an existing file only with `overwrite`.
+pub fn save(hub: &Hub, path: &str, overwrite: bool) -> SaveAnswer {
+    let content = Content::of(hub);
+    let file = PathBuf::from(path);
+    let text = content.text(&file);
+    let note = content.note(&file);
+    let result = content.write(&file, overwrite);
+    if result.is_ok() {
+        hub.edit(|document| document.note_saved(content.edits.clone()));
+        return answer(path, "saved", text, String::new());
+    }
+    let shown = text.clone().unwrap_or_default();
+    SaveAnswer { text: shown, ..answer(path, "saved", result.and(text), note) }
+}
+
+fn answer(path: &str, status: &'static str, text: Result<String, Error>, note: String) -> SaveAnswer {
+    let answer = SaveAnswer { path: path.into(), exists: Path::new(path).exists(), note, ..SaveAnswer::default() };
+    match text {
+        Ok(text) => SaveAnswer { status, text, ..answer },
+        Err(error) => {
+            let fault = error.faults.first().map(PlainFault::from);
+            SaveAnswer { status: "refused", fault, ..answer }
+        }
+    }
+}
+
+impl Content {
+    fn of(hub: &Hub) -> Self {
+        let now = hub.snapshot();
+        Self { stage: now.stage, edits: now.state.edits.clone(), variants: hub.variants() }
+    }
+
+    fn text(&self, file: &Path) -> Result<String, Error> {
+        if is_recipe(file) {
+            return self.recipe_file(file);
+        }
+        recipe_text(&self.stage.source, &self.opinions(), file)
+    }
+
+    fn note(&self, file: &Path) -> String {
+        if !file.exists() {
+            String::new()
+        } else if is_recipe(file) {
+            "The file exists. All of it will be replaced.".into()
+        } else {
+            "The layer exists. Its options of this garment will be replaced by these; everything else in it stays."
+                .into()
+        }
+    }
+
+    fn write(&self, file: &Path, overwrite: bool) -> Result<(), Error> {
+        // A recipe with a fault cannot be built from any file.
+        self.stage.recipe(&self.edits).and_then(|recipe| self.stage.checks.resolve(&recipe))?;
+        if is_recipe(file) {
+            return self.write_recipe_file(file, overwrite);
+        }
+        if !is_usd(file) {
+            return Err(Error::new(
+                ErrorKind::Usage,
+                file.display(),
+                "the name does not end in .usda, .usdc, .usd or .tailor",
+            )
+            .remedy("the name of the file decides its format"));
+        }
+        let replaced = Replaced { is_option: is_attribute, is_schema };
+        write_recipe(&self.stage.source, &self.opinions(), file, overwrite, &replaced, |written| self.verify(written))
+    }
+
+    /// The text of a `.tailor` file.
+    fn recipe_file(&self, file: &Path) -> Result<String, Error> {
+        let fault = |text: &str| Error::new(ErrorKind::Usage, file.display(), text);
+        if !self.variants.is_empty() {
+            return Err(fault("a .tailor file holds no variants, and variants were selected here")
+                .remedy("save a USD layer, which holds them"));
+        }
+        let garment = self.stage.source.file();
+        let source = match (folder_of(file).canonicalize(), garment.canonicalize()) {
+            (Ok(folder), Ok(garment)) => relative(&folder, &garment).unwrap_or_else(|| garment.display().to_string()),
+            _ => return Err(fault("its folder does not exist").remedy("create the folder first")),
+        };
+        let mut text = Map::new();
+        text.insert("source".into(), Value::String(source));
+        text.insert("prim".into(), Value::String(self.stage.source.prim().into()));
+        text.extend(self.edits.clone());
+        let text = serde_json::to_string_pretty(&Value::Object(text));
+        text.map(|text| text + "\n").map_err(|e| Error::internal(e.to_string()))
+    }
+
+    fn write_recipe_file(&self, file: &Path, overwrite: bool) -> Result<(), Error> {
+        let text = self.recipe_file(file)?;
+        if file.exists() && !overwrite {
+            return Err(Error::new(ErrorKind::Usage, file.display(), "the file exists already")
+                .remedy("choose overwrite, or another name"));
+        }
+        let fault = |e: std::io::Error| {
+            Error::new(ErrorKind::Usage, file.display(), format!("cannot be written: {}", plain(&e))).caused_by(e)
+        };
+        let mut temporary = tempfile::Builder::new()
+            .prefix(".usdtailor-")
+            .suffix(".tailor")
+            .tempfile_in(folder_of(file))
+            .map_err(fault)?;
+        temporary.write_all(text.as_bytes()).map_err(fault)?;
+        self.verify(temporary.path())?;
+        temporary.persist(file).map(drop).map_err(|e| fault(e.error))
+    }
+
+    /// Checks that a written file gives the garment and the recipe that are on screen.
+    fn verify(&self, written: &Path) -> Result<(), Error> {
+        let prim = Some(self.stage.source.prim().to_owned());
+        let read = ReadOptions { prim, ..ReadOptions::default() };
+        let opened = Input { file: written.to_path_buf(), read, ..Input::default() }.open()?;
+        let fault = |text: &str| {
+            Error::new(ErrorKind::Usd, "", format!("{text}, so nothing was written")).remedy("save to a new file")
+        };
+        if opened.mesh != self.stage.mesh {
+            return Err(fault("the file would give another garment than the one on screen"));
+        }
+        let saved = opened.layers().recipe_for(self.stage.checks.garment())?;
+        if saved != self.stage.recipe(&self.edits)? {
+            return Err(fault("other layers of the file would change the recipe"));
+        }
+        Ok(())
+    }
+
+    fn opinions(&self) -> RecipeOpinions {
+        let mut opinions = RecipeOpinions { variants: self.variants.clone(), ..RecipeOpinions::default() };
+        for (space, fields) in &self.edits {
+            let Value::Object(fields) = fields else { continue };
+            if kind_named(space).is_none() {
+                opinions.schemas.push(schema(space, None));
+                opinions.properties.extend(properties(space, fields));
+                continue;
+            }
+            for (name, fields) in fields {
+                let Value::Object(fields) = fields else { continue };
+                opinions.schemas.push(schema(space, Some(name)));
+                opinions.properties.extend(properties(&format!("{space}.{name}"), fields));
+            }
+        }
+        opinions
+    }
+}
+
+fn folder_of(file: &Path) -> &Path {
+    file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// The API schema of options, such as `TailorSeamAPI:side`.
+fn schema(space: &str, name: Option<&str>) -> String {
+    let mut letters = space.chars();
+    let title: String = letters.next().map(|c| c.to_ascii_uppercase()).into_iter().chain(letters).collect();
+    let name = name.map_or(String::new(), |name| format!(":{name}"));
+    format!("Tailor{title}API{name}")
+}
+
+fn is_schema(text: &str) -> bool {
+    let class = text.split(':').next().unwrap_or(text);
+    ["sim", "render", "seam", "thickness"].iter().any(|space| class == schema(space, None))
+}
+
+/// The properties of options below a key, such as `seam.side`.
+fn properties(prefix: &str, fields: &Map<String, Value>) -> Vec<(String, OptionValue)> {
+    let known = |(field, value): (&String, &Value)| {
+        let key = format!("{prefix}.{field}");
+        Some((format!("tailor:{}", key.replace('.', ":")), typed(domain_of(&key)?, &default_at(&key)?, value)?))
+    };
+    fields.iter().filter_map(known).collect()
+}
+
+fn domain_of(key: &str) -> Option<Domain> {
+    let (space, rest) = key.split_once('.')?;
+    let field = rest.rsplit_once('.').map_or(rest, |(_, field)| field);
+    let find = |keys: &[Key], name: &str| keys.iter().find(|key| key.key == name).map(|key| key.domain);
+    match kind_named(space) {
+        Some(kind) => find(kind.keys, field),
+        None => find(&KEYS, key),
+    }
+}
+
+fn typed(domain: Domain, default: &Value, value: &Value) -> Option<OptionValue> {
+    let names = || {
+        let names = value.as_array()?.iter().map(|name| name.as_str().map(str::to_owned));
+        names.collect::<Option<Vec<_>>>()
+    };
+    Some(match domain {
+        Domain::EdgeSets | Domain::FaceSets => OptionValue::Subsets(names()?),
+        Domain::Operators => OptionValue::Tokens(names()?),
+        _ => match default {
+            Value::Bool(_) => OptionValue::Bool(value.as_bool()?),
+            Value::Number(n) if n.is_f64() => OptionValue::Float(value.as_f64()? as f32),
+            Value::Number(_) => OptionValue::Int(value.as_i64()?.try_into().ok()?),
+            _ => OptionValue::Token(value.as_str()?.to_owned()),
+        },
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recipe::KINDS;
+
+    #[test]
+    fn every_option_has_a_property() {
+        for key in KEYS {
+            let default = default_at(key.key).expect("a default");
+            assert!(typed(key.domain, &default, &default).is_some(), "{}", key.key);
+        }
+        for kind in KINDS.iter() {
+            for key in kind.keys {
+                let full = format!("{}.a:b.{}", kind.name, key.key);
+                let default = default_at(&full).expect("a default");
+                assert_eq!(domain_of(&full), Some(key.domain));
+                assert!(typed(key.domain, &default, &default).is_some(), "{full}");
+            }
+        }
+    }
+
+    #[test]
+    fn schemas_are_those_of_the_options() {
+        assert_eq!(schema("seam", Some("left:hip")), "TailorSeamAPI:left:hip");
+        assert!(is_schema("TailorSimAPI") && is_schema("TailorThicknessAPI:hem") && !is_schema("MaterialBindingAPI"));
+    }
+}

@@ -1,0 +1,141 @@
+//! The connection of one page: its requests, and what it has been sent.
+
+use super::frame::{Sent, frame};
+use super::hub::{Hub, Snapshot, State};
+use super::messages::{Message, Origin, PlainFault, Request, Role, View};
+use super::save;
+use super::stage::Stage;
+use crate::usd::Selection;
+use axum::extract::ws::{self, WebSocket};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use tokio::task::block_in_place;
+
+/// Serves a page until it goes.
+pub async fn run(mut socket: WebSocket, hub: Arc<Hub>) {
+    let mut changes = hub.subscribe();
+    let mut client = Client::default();
+    loop {
+        let answers = tokio::select! {
+            message = socket.recv() => match message {
+                Some(Ok(ws::Message::Text(text))) => block_in_place(|| client.request(&text, &hub)),
+                Some(Ok(_)) => Vec::new(),
+                Some(Err(_)) | None => return,
+            },
+            change = changes.changed() => match change {
+                Ok(()) => Vec::new(),
+                Err(_) => return,
+            },
+        };
+        changes.mark_unchanged();
+        let news = block_in_place(|| client.news(&hub.snapshot()));
+        for message in answers.into_iter().chain(news) {
+            if socket.send(message).await.is_err() {
+                return;
+            }
+        }
+    }
+}
+
+fn text(text: impl Into<ws::Utf8Bytes>) -> ws::Message {
+    ws::Message::Text(text.into())
+}
+
+/// What a page asked for and what it has.
+#[derive(Default)]
+struct Client {
+    serial: u64,
+    view: View,
+    stage: Option<Arc<Stage>>,
+    state: Option<(Arc<State>, u64)>,
+    faults: BTreeMap<Origin, Vec<PlainFault>>,
+    progress: BTreeMap<Role, String>,
+    meshes: BTreeMap<Role, Option<Sent>>,
+    products: BTreeMap<Role, Arc<str>>,
+}
+
+impl Client {
+    /// Does what a page asks for.
+    fn request(&mut self, message: &str, hub: &Hub) -> Vec<ws::Message> {
+        // A page of this program sends nothing else.
+        let Ok(request) = serde_json::from_str::<Request>(message) else { return Vec::new() };
+        match request {
+            Request::Edit { serial, gesture, edits } => {
+                self.serial = serial;
+                hub.edit(|document| document.edit(edits, gesture));
+            }
+            Request::Undo => hub.edit(|document| document.undo()),
+            Request::Redo => hub.edit(|document| document.redo()),
+            Request::Compare { on } => hub.edit(|document| document.comparing = on),
+            Request::Variant { prim, set, choice } => hub.select(Selection { prim, set, choice }),
+            Request::View(view) => {
+                self.meshes.retain(|role, _| view.roles.contains(role));
+                self.view = view;
+            }
+            Request::Reload => hub.reload(),
+            Request::Plan { path } => return vec![text(Message::Save(save::plan(hub, &path)).to_text())],
+            Request::Save { path, overwrite } => {
+                return vec![text(Message::Save(save::save(hub, &path, overwrite)).to_text())];
+            }
+        }
+        Vec::new()
+    }
+
+    /// What has changed since the last time.
+    fn news(&mut self, now: &Snapshot) -> Vec<ws::Message> {
+        let mut news = Vec::new();
+        if !self.stage.as_ref().is_some_and(|stage| Arc::ptr_eq(stage, &now.stage)) {
+            self.stage = Some(Arc::clone(&now.stage));
+            self.state = None;
+            news.push(text(now.stage.message.clone()));
+        }
+        let is_known = |(state, serial): &(Arc<State>, u64)| Arc::ptr_eq(state, &now.state) && *serial == self.serial;
+        if !self.state.as_ref().is_some_and(is_known) {
+            self.state = Some((Arc::clone(&now.state), self.serial));
+            news.push(text(now.state.message(&now.stage.upstream, self.serial)));
+        }
+        for (&origin, faults) in now.faults.iter() {
+            if self.faults.get(&origin).map_or(&[][..], Vec::as_slice) != faults {
+                self.faults.insert(origin, faults.clone());
+                news.push(text(Message::Faults { origin, faults }.to_text()));
+            }
+        }
+        self.progress(now, &mut news);
+        self.meshes(now, &mut news);
+        for (&role, shown) in &now.shown {
+            let Some(message) = shown.message.get() else { continue };
+            if !self.products.get(&role).is_some_and(|sent| Arc::ptr_eq(sent, message)) {
+                self.products.insert(role, Arc::clone(message));
+                news.push(text(&**message));
+            }
+        }
+        news
+    }
+
+    fn progress(&mut self, now: &Snapshot, news: &mut Vec<ws::Message>) {
+        if self.progress == now.progress {
+            return;
+        }
+        for role in [Role::Render, Role::Sim] {
+            let step = now.progress.get(&role);
+            if self.progress.get(&role) != step {
+                news.push(text(Message::Progress { role, step: step.map(String::as_str) }.to_text()));
+            }
+        }
+        self.progress = now.progress.clone();
+    }
+
+    fn meshes(&mut self, now: &Snapshot, news: &mut Vec<ws::Message>) {
+        for (&role, shown) in now.shown.iter().filter(|(role, _)| self.view.roles.contains(role)) {
+            match frame(role, shown, &self.view, self.meshes.entry(role).or_default()) {
+                Ok(Some(bytes)) => news.push(ws::Message::Binary(bytes.into())),
+                Ok(None) => {}
+                Err(error) => {
+                    let faults: Vec<PlainFault> = error.faults.iter().map(PlainFault::from).collect();
+                    let origin = if role == Role::Sim { Origin::Sim } else { Origin::Render };
+                    news.push(text(Message::Faults { origin, faults: &faults }.to_text()));
+                }
+            }
+        }
+    }
+}

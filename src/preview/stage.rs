@@ -1,0 +1,167 @@
+//! The garment that is shown, and what the page is told of it.
+
+use super::document::{Options, changed};
+use crate::build::Builder;
+use crate::error::Error;
+use crate::garment::{GarmentInput, Interpolation, PrimvarRole, Values};
+use crate::recipe::{KEYS, KINDS, Layers, Recipe, default_at};
+use crate::render::{Domain, Key, Kind};
+use crate::session::{Input, Opened, is_usd};
+use crate::usd::Source;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+/// A stage that was read.
+pub struct Stage {
+    /// The stage.
+    pub source: Source,
+    /// The mesh as authored.
+    pub mesh: GarmentInput,
+    /// A builder that checks recipes and makes nothing.
+    pub checks: Builder,
+    /// The options that the stage holds.
+    pub upstream: Options,
+    /// The options of the recipe files, where they differ.
+    pub given: Options,
+    /// The message that describes the garment.
+    pub message: String,
+}
+
+impl Stage {
+    /// Reads the stage and checks its mesh.
+    ///
+    /// # Errors
+    /// A file that cannot be read, faults of the mesh.
+    pub fn open(input: &Input) -> Result<Self, Error> {
+        let Opened { source, mesh, authored, given, warnings } = input.open()?;
+        let checks = Builder::new(mesh.clone())?.with_warnings(warnings);
+        let upstream = authored.into_map();
+        let given = changed(&given.into_map(), &upstream);
+        let message = message(&source, &checks, input);
+        Ok(Self { source, mesh, checks, upstream, given, message })
+    }
+
+    /// The recipe of the stage with `edits`, with the lengths that replace 0.
+    ///
+    /// # Errors
+    /// Faults of the recipe.
+    pub fn recipe(&self, edits: &Options) -> Result<Recipe, Error> {
+        let mut layers = Layers::default();
+        layers.add(self.upstream.clone());
+        layers.add(edits.clone());
+        layers.recipe_for(self.checks.garment())
+    }
+
+    /// Files of the stage.
+    pub fn files(&self) -> impl Iterator<Item = PathBuf> + '_ {
+        self.source.facts().layers.iter().map(PathBuf::from)
+    }
+}
+
+fn message(source: &Source, checks: &Builder, input: &Input) -> String {
+    let (facts, garment) = (source.facts(), checks.garment());
+    let mean_edge = checks.mean_edge_length();
+    let sets = garment.subsets.iter().map(
+        |set| json!({"name": set.name, "kind": set.elements.kind(), "family": set.family, "count": set.elements.len()}),
+    );
+    let primvars = garment.primvars.iter().filter(|p| p.role == PrimvarRole::Primvar).map(|p| {
+        json!({
+            "name": p.name, "type": p.type_name, "interpolation": interpolation(p.interpolation), "width": p.width(),
+            "isFloat": matches!(p.values, Values::F32(_)),
+        })
+    });
+    let variants = facts.variants.iter().map(|v| {
+        let selected = &v.selected;
+        json!({"prim": selected.prim, "set": selected.set, "choices": v.choices, "selected": selected.choice})
+    });
+    let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let (layer, recipe) = suggested(source.file(), input);
+    json!({
+        "type": "garment",
+        "version": env!("CARGO_PKG_VERSION"),
+        "file": name(source.file()),
+        "prim": facts.prim,
+        "upAxis": facts.up_axis,
+        "metersPerUnit": facts.meters_per_unit,
+        "points": garment.points.len(),
+        "faces": garment.faces.len(),
+        "meanEdge": decimal(mean_edge),
+        "sets": sets.collect::<Vec<_>>(),
+        "primvars": primvars.collect::<Vec<_>>(),
+        "variants": variants.collect::<Vec<_>>(),
+        "options": KEYS.iter().map(|key| option(key, default_at(key.key), mean_edge)).collect::<Vec<_>>(),
+        "kinds": KINDS.iter().map(|k| kind(k, mean_edge)).collect::<Vec<_>>(),
+        "suggested": {"layer": layer, "recipe": recipe},
+        "warnings": checks.warnings().iter().collect::<Vec<_>>(),
+    })
+    .to_string()
+}
+
+fn interpolation(interpolation: Interpolation) -> &'static str {
+    match interpolation {
+        Interpolation::Constant => "constant",
+        Interpolation::Uniform => "uniform",
+        Interpolation::Varying => "varying",
+        Interpolation::Vertex => "vertex",
+        Interpolation::FaceVarying => "faceVarying",
+    }
+}
+
+/// Files to save to: those of the input where it has one, else new ones beside the garment.
+fn suggested(garment: &Path, input: &Input) -> (String, String) {
+    let stem = garment.file_stem().unwrap_or_default().to_string_lossy();
+    let beside = |name: String| garment.with_file_name(name).display().to_string();
+    let (mut layer, mut recipe) = (beside(format!("{stem}_look.usda")), beside(format!("{stem}.tailor")));
+    match &input.recipe {
+        Some(path) if is_usd(path) => layer = path.display().to_string(),
+        Some(path) => recipe = path.display().to_string(),
+        None if !is_usd(&input.file) => recipe = input.file.display().to_string(),
+        None => {}
+    }
+    (layer, recipe)
+}
+
+fn kind(kind: &Kind, mean_edge: f32) -> Value {
+    let defaults = (kind.defaults)();
+    let is_sets = |key: &&Key| matches!(key.domain, Domain::EdgeSets | Domain::FaceSets);
+    let sets = kind.keys.iter().find(is_sets).map(|key| json!({"field": key.key, "of": domain(key.domain, 0.0)["of"]}));
+    let options = kind.keys.iter().map(|key| option(key, defaults.get(key.key).cloned(), mean_edge));
+    json!({"name": kind.name, "sets": sets, "options": options.collect::<Vec<_>>()})
+}
+
+fn option(key: &Key, default: Option<Value>, mean_edge: f32) -> Value {
+    json!({
+        "key": key.key, "unit": key.unit, "meaning": key.meaning, "default": default,
+        "domain": domain(key.domain, mean_edge),
+    })
+}
+
+/// A number as its shortest decimal, which is the one in the code.
+fn decimal(number: f32) -> f64 {
+    number.to_string().parse().unwrap_or(f64::from(number))
+}
+
+/// A length that suits the end of a slider.
+fn rounded(length: f32) -> f64 {
+    format!("{length:.1e}").parse().unwrap_or(f64::from(length))
+}
+
+fn domain(domain: Domain, mean_edge: f32) -> Value {
+    match domain {
+        Domain::Flag => json!({"type": "flag"}),
+        Domain::Number { least, most, step } => {
+            json!({"type": "number", "least": decimal(least), "most": decimal(most), "step": decimal(step)})
+        }
+        Domain::Whole { most } => json!({"type": "whole", "least": 0, "most": most}),
+        Domain::Length { least, most, automatic } => json!({
+            "type": "length", "least": rounded(least * mean_edge), "most": rounded(most * mean_edge),
+            "auto": (automatic > 0.0).then(|| decimal(automatic * mean_edge)),
+        }),
+        Domain::Choice(values) => json!({"type": "choice", "values": values}),
+        Domain::UvSet => json!({"type": "name", "of": "uvSet"}),
+        Domain::Weights => json!({"type": "name", "of": "weights"}),
+        Domain::EdgeSets => json!({"type": "names", "of": "edgeSet"}),
+        Domain::FaceSets => json!({"type": "names", "of": "faceSet"}),
+        Domain::Operators => json!({"type": "names", "of": "operator"}),
+    }
+}

@@ -1,0 +1,164 @@
+//! Saving: what is written, what is kept, and what is refused.
+
+use super::*;
+use crate::preview::save::{plan, save};
+
+/// Edits with an option of every type.
+fn edits() -> Options {
+    options(json!({
+        "sim": {"maxEdgeLength": 3.1, "iterations": 2, "constraints": ["placket"], "cleanIslands": true},
+        "render": {"level": 0, "operators": ["seam.side", "thickness.hem"]},
+        "seam": {"side": {"edges": ["side_seams"], "normalOffset": -0.1, "asymmetry": 0.25}},
+        "thickness": {"hem": {"faces": ["cuff_left"], "side": "outer", "enabled": false}},
+    }))
+}
+
+fn edited(file: &Path) -> Arc<Hub> {
+    let hub = idle(file);
+    hub.edit(|document| document.edit(edits(), String::new()));
+    hub
+}
+
+/// The recipe of a saved file.
+fn recipe(file: &Path) -> crate::Recipe {
+    let opened = input(file).open().expect("a good file");
+    opened.check().expect("a good recipe").2
+}
+
+fn asked(hub: &Hub) -> crate::Recipe {
+    let now = hub.snapshot();
+    now.stage.recipe(&now.state.edits).expect("a good recipe")
+}
+
+#[test]
+fn a_new_file_of_each_format_gives_the_recipe_on_screen() {
+    let folder = TempDir::new().expect("a folder");
+    let hub = edited(&example("coat.usda"));
+    for name in ["a.usda", "a.usdc", "a.usd", "a.tailor"] {
+        let file = folder.path().join(name);
+        let planned = plan(&hub, &file.display().to_string());
+        assert_eq!((planned.status, planned.exists), ("planned", false), "{:?}", planned.fault);
+        assert!(!file.exists());
+        let answer = save(&hub, &file.display().to_string(), false);
+        assert_eq!((answer.status, answer.text), ("saved", planned.text.clone()), "{:?}", answer.fault);
+        assert_eq!(recipe(&file), asked(&hub), "{name}");
+        if name == "a.usda" {
+            assert_eq!(fs::read_to_string(&file).expect("the file"), planned.text);
+            assert!(planned.text.contains("TailorSeamAPI:side") && planned.text.contains("coat.usda@"));
+        }
+    }
+}
+
+#[test]
+fn an_existing_layer_keeps_what_else_it_holds_and_loses_earlier_options() {
+    let folder = TempDir::new().expect("a folder");
+    let file = folder.path().join("look.usda");
+    let coat = example("coat.usda").display().to_string();
+    let text = format!(
+        "#usda 1.0\n(\n    customLayerData = {{ string note = \"kept\" }}\n    subLayers = [@{coat}@]\n)\n\
+         def Scope \"lights\" {{ float power = 3 }}\n\
+         over \"Coat\" {{\n    over \"model\" (\n        prepend apiSchemas = [\"TailorSeamAPI:old\", \"MyAPI\"]\n    )\n    {{\n        \
+         uniform float tailor:seam:old:width = 2\n        custom string owner = \"me\"\n        \
+         uniform float tailor:later:option = 4\n    }}\n}}\n"
+    );
+    fs::write(&file, text).expect("a file");
+    let hub = edited(&example("coat.usda"));
+    let path = file.display().to_string();
+    assert_eq!(save(&hub, &path, false).status, "refused", "it exists");
+    let answer = save(&hub, &path, true);
+    assert_eq!(answer.status, "saved", "{:?}", answer.fault);
+    let after = fs::read_to_string(&file).expect("the file");
+    for kept in ["note = \"kept\"", "\"lights\"", "power = 3", "owner = \"me\"", "tailor:later:option = 4", "\"MyAPI\""]
+    {
+        assert!(after.contains(kept), "{kept} is lost:\n{after}");
+    }
+    assert!(!after.contains("old"), "{after}");
+    assert_eq!(recipe(&file), asked(&hub));
+    // A second save replaces the first.
+    hub.edit(|document| document.edit(options(json!({"render": {"level": 0}})), String::new()));
+    assert_eq!(save(&hub, &path, true).status, "saved");
+    assert_eq!(recipe(&file), asked(&hub));
+}
+
+#[test]
+fn a_crate_layer_keeps_its_overs() {
+    let folder = TempDir::new().expect("a folder");
+    let file = folder.path().join("look.usdc").display().to_string();
+    let hub = edited(&example("coat.usda"));
+    assert_eq!(save(&hub, &file, false).status, "saved");
+    assert_eq!(save(&hub, &file, true).status, "saved");
+    // An over that becomes a def would hide the type of the mesh.
+    assert_eq!(recipe(Path::new(&file)), asked(&hub));
+}
+
+#[test]
+fn the_garment_and_its_layers_are_never_written() {
+    let folder = TempDir::new().expect("a folder");
+    let file = folder.path().join("over.usda");
+    let coat = folder.path().join("coat.usda");
+    fs::copy(example("coat.usda"), &coat).expect("a copy");
+    fs::write(&file, "#usda 1.0\n(\n    subLayers = [@./coat.usda@]\n)\n").expect("a file");
+    let hub = edited(&file);
+    for target in [&file, &coat] {
+        let before = fs::read(target).expect("the file");
+        let answer = save(&hub, &target.display().to_string(), true);
+        assert_eq!(answer.status, "refused");
+        assert!(answer.fault.is_some_and(|fault| fault.text.contains("input")));
+        assert_eq!(fs::read(target).expect("the file"), before);
+    }
+}
+
+#[test]
+fn what_cannot_be_written_back_is_refused_and_stays() {
+    let folder = TempDir::new().expect("a folder");
+    let coat = example("coat.usda").display().to_string();
+    let hub = edited(&example("coat.usda"));
+    for (name, body) in [
+        ("inherit.usda", "class \"_c\" {}\nover \"Coat\" (prepend inherits = </_c>) {}\n"),
+        (
+            "stronger.usda",
+            "over \"Coat\" { over \"model\" { int[] faceVertexCounts = [3]\n int[] faceVertexIndices = [0, 1, 2] } }\n",
+        ),
+        ("broken.usda", "over {"),
+    ] {
+        let file = folder.path().join(name);
+        let text = format!("#usda 1.0\n(\n    subLayers = [@{coat}@]\n)\n{body}");
+        fs::write(&file, &text).expect("a file");
+        let answer = save(&hub, &file.display().to_string(), true);
+        assert_eq!(answer.status, "refused", "{name}");
+        assert_eq!(fs::read_to_string(&file).expect("the file"), text, "{name}");
+        assert_eq!(
+            fs::read_dir(folder.path())
+                .expect("the folder")
+                .filter(|e| { e.as_ref().is_ok_and(|e| e.file_name().to_string_lossy().starts_with(".usdtailor")) })
+                .count(),
+            0
+        );
+    }
+}
+
+#[test]
+fn a_selected_variant_is_saved_in_a_layer_and_refused_in_a_recipe_file() {
+    let folder = TempDir::new().expect("a folder");
+    let file = folder.path().join("a.usda");
+    fs::write(&file, sheet(3, "fold")).expect("a file");
+    let hub = idle(&file);
+    hub.select(Selection { prim: "/A".into(), set: "size".into(), choice: "two".into() });
+    let look = folder.path().join("look.usda");
+    assert_eq!(save(&hub, &look.display().to_string(), false).status, "saved");
+    assert_eq!(recipe(&look).render.level, 2);
+    let answer = save(&hub, &folder.path().join("a.tailor").display().to_string(), false);
+    assert!(answer.fault.is_some_and(|fault| fault.text.contains("variants")));
+}
+
+#[test]
+fn a_layer_that_was_saved_is_the_start_of_the_next_session() {
+    let folder = TempDir::new().expect("a folder");
+    let look = folder.path().join("look.usda");
+    let hub = edited(&example("coat.usda"));
+    assert_eq!(save(&hub, &look.display().to_string(), false).status, "saved");
+    let again = Input { recipe: Some(look), ..input(&example("coat.usda")) };
+    let stage = Stage::open(&again).expect("a good garment");
+    assert_eq!(stage.recipe(&stage.given).expect("a good recipe"), asked(&hub));
+    assert_eq!(stage.given, edits());
+}
