@@ -1,7 +1,10 @@
 //! Development tasks, run as `cargo xtask <task>`. Building and using `usdtailor` needs none of them.
 
 mod api;
+mod browser;
 mod golden;
+mod node;
+mod page;
 mod peers;
 mod plugin;
 mod process;
@@ -25,6 +28,7 @@ Tasks:
   test [STEP...] [-- ARGS...]  Run the named steps and their prerequisites, or all steps (see below)
   schemas [--check]            Write schemas/generatedSchema.usda and plugInfo.json from schema.usda;
                                with --check, fail if they differ instead
+  page                         Bundle the page of `usdtailor preview`, which the next build of the program embeds
   api                          Write docs/api.txt, the public API that the step `docs` compares
   examples [ARGS...]           Write the garments in examples/ (examples/make_garments.py)
   picture                      Build examples/coat.usda and examples/sewn/coat.usda and draw both to examples/*.png
@@ -41,10 +45,12 @@ Options of plugin:
   --sdk DIR                    Build for the OpenUSD SDK in DIR [default: PXR_ROOT or OPENUSD_ROOT, if set]
   --out DIR                    Folder of the plugin [default: target/usd_plugin]
 
-Arguments after -- go to `cargo test` with the single step `rust`, and to pytest with the single step `python`:
+Arguments after -- go to `cargo test` with the single step `rust`, to pytest with the single step `python`, and to
+`node --test` with the single step `browser`:
   cargo xtask test python -- -k schemas
 
-The environment variable PYTHON names the interpreter for target/venv [default: python3].
+The environment variable PYTHON names the interpreter for target/venv [default: python3], CHROMIUM the browser
+[default: one on the path, else one is installed].
 ";
 
 fn main() -> ExitCode {
@@ -77,12 +83,13 @@ fn run(args: &[String]) -> Outcome {
         },
         "api" if rest.is_empty() => steps::docs(&project).and_then(|()| api::write(&project)),
         "examples" => examples(&project, rest),
+        "page" if rest.is_empty() => page::build(&project),
         "picture" if rest.is_empty() => picture(&project),
         "plugin" => plugin::run(&project, rest),
         "golden" => golden::run(&project, rest),
         "venv" if rest.is_empty() => venv::ensure(&project).map(|_| ()),
         "peers" if rest.is_empty() => peers::run(&project),
-        "api" | "picture" | "peers" | "venv" => Err(unexpected(task, rest)),
+        "api" | "page" | "picture" | "peers" | "venv" => Err(unexpected(task, rest)),
         _ => Err(Failure::new(format!("no task `{task}`")).hint("cargo xtask --help lists them")),
     }
 }

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use crate::process::{self, Failure, Outcome};
 use crate::project::Project;
-use crate::{api, plugin, schemas, venv};
+use crate::{api, browser, page, plugin, schemas, venv};
 
 struct Step {
     name: &'static str,
@@ -20,7 +20,14 @@ struct Step {
 ///
 /// Clippy and docs are adjacent, as they share the metadata of the dependencies. Tests and the binary use different
 /// profiles.
-const STEPS: [Step; 9] = [
+const STEPS: [Step; 11] = [
+    // Before all that compiles the program, which embeds the page.
+    Step {
+        name: "page",
+        about: "the page of the preview: types and bundle",
+        needs: &[],
+        run: |project, _| page::build(project),
+    },
     Step { name: "fmt", about: "cargo fmt --check", needs: &[], run: |project, _| fmt(project) },
     Step {
         name: "clippy",
@@ -57,10 +64,19 @@ const STEPS: [Step; 9] = [
     Step {
         name: "python",
         about: "pytest tests/usd, with the release binary and the plugins",
-        needs: &["build", "venv", "plugin"],
+        needs: &["page", "build", "venv", "plugin"],
         run: python,
     },
+    Step {
+        name: "browser",
+        about: "the preview in Chromium, with the release binary",
+        needs: &["page", "build"],
+        run: browser::test,
+    },
 ];
+
+/// Steps that take arguments after `--`.
+const TAKE_ARGUMENTS: [&str; 3] = ["rust", "python", "browser"];
 
 /// The help text of the steps.
 pub fn help() -> String {
@@ -80,8 +96,8 @@ pub fn test(project: &Project, args: &[String]) -> Outcome {
         Some(at) => (&args[..at], &args[at + 1..]),
         None => (args, &[][..]),
     };
-    if !extra.is_empty() && !matches!(names, [name] if name == "rust" || name == "python") {
-        return Err(Failure::new("arguments after -- need one step, `rust` or `python`"));
+    if !extra.is_empty() && !matches!(names, [name] if TAKE_ARGUMENTS.contains(&name.as_str())) {
+        return Err(Failure::new("arguments after -- need one step, `rust`, `python` or `browser`"));
     }
     let mut times = Vec::new();
     let outcome = selected(names)?.into_iter().try_for_each(|step| {
@@ -183,7 +199,7 @@ mod tests {
 
     #[test]
     fn a_step_brings_what_it_needs_and_keeps_the_order() {
-        assert_eq!(names(&["python"]), ["build", "venv", "plugin", "python"]);
+        assert_eq!(names(&["python"]), ["page", "build", "venv", "plugin", "python"]);
         assert_eq!(names(&["rust", "fmt"]), ["fmt", "rust"]);
         assert_eq!(names(&[]).len(), STEPS.len());
     }

@@ -17,8 +17,12 @@ pub fn ensure(project: &Project) -> Outcome<PathBuf> {
 
 /// Like [`ensure`], for an environment with only one version of usd-core.
 pub fn ensure_wheel(project: &Project, version: &str) -> Outcome<PathBuf> {
-    let wanted = format!("usd-core=={version}");
-    ensure_with(project, &format!("venv-{version}"), &wanted, &["--only-binary", ":all:", &wanted])
+    ensure_package(project, &format!("venv-{version}"), &format!("usd-core=={version}"))
+}
+
+/// Like [`ensure`], for an environment `name` with only one package.
+pub fn ensure_package(project: &Project, name: &str, package: &str) -> Outcome<PathBuf> {
+    ensure_with(project, name, package, &["--only-binary", ":all:", package])
 }
 
 fn ensure_with(project: &Project, name: &str, wanted: &str, what: &[&str]) -> Outcome<PathBuf> {
