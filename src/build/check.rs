@@ -45,8 +45,8 @@ pub fn levels(garment: &Garment, recipe: &Recipe) -> Result<(), Error> {
     for (key, level) in [("sim.baselineLevel", recipe.sim.baseline_level), ("render.level", recipe.render.level)] {
         let faces = refined_faces(garment, level);
         if faces > MAX_REFINED_FACES && level > 0 {
-            let fault = format!("{key} {level} makes {faces} faces, more than {MAX_REFINED_FACES}");
-            return Err(Error::recipe(&garment.prim, fault).remedy("lower the level"));
+            let fault = format!("level {level} makes {faces} faces, more than {MAX_REFINED_FACES}");
+            return Err(Error::recipe(key, fault).remedy("lower the level"));
         }
     }
     Ok(())

@@ -112,7 +112,7 @@ fn remesh(garment: &Garment, options: &SimOptions, max_faces: usize, clock: &mut
     if expected > max_faces {
         let fault = format!("the target lengths ask for about {expected} triangles, more than {max_faces}");
         let remedy = "raise sim.minEdgeLength or sim.maxEdgeLength, or --max-faces of the command";
-        return Err(Error::recipe(&garment.prim, fault).remedy(remedy));
+        return Err(Error::recipe("sim.maxEdgeLength", fault).remedy(remedy));
     }
     let baseline = clock.run("baseline", || baseline(garment, options))?;
     let limit = max_faces.saturating_mul(CONSTRAINT_ROOM);

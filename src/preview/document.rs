@@ -30,6 +30,7 @@ impl Document {
 
     /// Replaces the edits.
     pub fn edit(&mut self, edits: Options, gesture: String) {
+        self.comparing = false;
         if edits == self.edits {
             return;
         }
@@ -144,6 +145,8 @@ mod tests {
         document.comparing = true;
         assert_eq!(document.shown(), &level(0));
         document.edit(level(1), String::new());
+        assert_eq!(document.shown(), &level(1), "an edit ends the comparison");
+        document.comparing = true;
         assert_eq!((document.shown(), document.edits()), (&level(0), &level(1)));
     }
 

@@ -13,7 +13,7 @@ use crate::garment::Garment;
 use crate::recipe::Recipe;
 use crate::report::{RenderFigures, TriangleQuality};
 use crate::session::Input;
-use crate::usd::Selection;
+use crate::usd::{ReadOptions, Selection};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
@@ -203,9 +203,9 @@ impl Hub {
         });
     }
 
-    /// The variants that were selected here.
-    pub fn variants(&self) -> Vec<Selection> {
-        self.lock().input.read.variants.clone()
+    /// What is read of the stage.
+    pub fn read_options(&self) -> ReadOptions {
+        self.lock().input.read.clone()
     }
 
     /// Waits for a job after the revision `done`.

@@ -25,6 +25,7 @@ mod watch;
 
 use crate::error::Error;
 use crate::session::Input;
+use crate::usd::garment_below;
 use hub::Hub;
 use stage::Stage;
 
@@ -34,9 +35,18 @@ use stage::Stage;
 /// A garment that cannot be opened, a port that is in use, a program that was built without the page.
 pub fn serve(input: Input, port: u16, threads: Option<usize>, ready: impl FnOnce(&str)) -> Result<(), Error> {
     page::check()?;
+    let input = continued(input);
     let stage = Stage::open(&input)?;
     let hub = Hub::new(input, stage);
     hub.start(threads)?;
     let _watcher = watch::follow(&hub)?;
     server::run(&hub, port, ready)
+}
+
+/// A layer that was saved here is a recipe for the garment below it, so that it can be saved again.
+fn continued(input: Input) -> Input {
+    match garment_below(&input.file) {
+        Some(file) if input.recipe.is_none() => Input { recipe: Some(input.file), file, ..input },
+        _ => input,
+    }
 }

@@ -11,7 +11,7 @@ use crate::error::{Error, ErrorKind, plain};
 use crate::recipe::{KEYS, default_at, is_attribute, is_recipe, kind_named};
 use crate::render::{Domain, Key};
 use crate::session::{Input, is_usd};
-use crate::usd::{OptionValue, ReadOptions, RecipeOpinions, Replaced, Selection, recipe_text, relative, write_recipe};
+use crate::usd::{OptionValue, ReadOptions, RecipeOpinions, Replaced, recipe_text, relative, write_recipe};
 use serde_json::{Map, Value};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -21,7 +21,7 @@ use std::sync::Arc;
 struct Content {
     stage: Arc<Stage>,
     edits: Options,
-    variants: Vec<Selection>,
+    read: ReadOptions,
 }
 
 /// What a save to `path` would write.
@@ -60,7 +60,7 @@ fn answer(path: &str, status: &'static str, text: Result<String, Error>, note: S
 impl Content {
     fn of(hub: &Hub) -> Self {
         let now = hub.snapshot();
-        Self { stage: now.stage, edits: now.state.edits.clone(), variants: hub.variants() }
+        Self { stage: now.stage, edits: now.state.edits.clone(), read: hub.read_options() }
     }
 
     fn text(&self, file: &Path) -> Result<String, Error> {
@@ -102,7 +102,7 @@ impl Content {
     /// The text of a `.tailor` file.
     fn recipe_file(&self, file: &Path) -> Result<String, Error> {
         let fault = |text: &str| Error::new(ErrorKind::Usage, file.display(), text);
-        if !self.variants.is_empty() {
+        if !self.read.variants.is_empty() {
             return Err(fault("a .tailor file holds no variants, and variants were selected here")
                 .remedy("save a USD layer, which holds them"));
         }
@@ -141,7 +141,7 @@ impl Content {
     /// Checks that a written file gives the garment and the recipe that are on screen.
     fn verify(&self, written: &Path) -> Result<(), Error> {
         let prim = Some(self.stage.source.prim().to_owned());
-        let read = ReadOptions { prim, ..ReadOptions::default() };
+        let read = ReadOptions { prim, time: self.read.time, variants: Vec::new() };
         let opened = Input { file: written.to_path_buf(), read, ..Input::default() }.open()?;
         let fault = |text: &str| {
             Error::new(ErrorKind::Usd, "", format!("{text}, so nothing was written")).remedy("save to a new file")
@@ -157,7 +157,7 @@ impl Content {
     }
 
     fn opinions(&self) -> RecipeOpinions {
-        let mut opinions = RecipeOpinions { variants: self.variants.clone(), ..RecipeOpinions::default() };
+        let mut opinions = RecipeOpinions { variants: self.read.variants.clone(), ..RecipeOpinions::default() };
         for (space, fields) in &self.edits {
             let Value::Object(fields) = fields else { continue };
             if kind_named(space).is_none() {

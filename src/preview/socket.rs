@@ -13,27 +13,11 @@ use tokio::task::block_in_place;
 
 /// Serves a page until it goes.
 pub async fn run(mut socket: WebSocket, hub: Arc<Hub>) {
-    let mut changes = hub.subscribe();
     let mut client = Client::default();
-    loop {
-        let answers = tokio::select! {
-            message = socket.recv() => match message {
-                Some(Ok(ws::Message::Text(text))) => block_in_place(|| client.request(&text, &hub)),
-                Some(Ok(_)) => Vec::new(),
-                Some(Err(_)) | None => return,
-            },
-            change = changes.changed() => match change {
-                Ok(()) => Vec::new(),
-                Err(_) => return,
-            },
-        };
-        changes.mark_unchanged();
-        let news = block_in_place(|| client.news(&hub.snapshot()));
-        for message in answers.into_iter().chain(news) {
-            if socket.send(message).await.is_err() {
-                return;
-            }
-        }
+    client.serve(&mut socket, &hub).await;
+    if client.comparing {
+        // Nobody is left to end it.
+        hub.edit(|document| document.comparing = false);
     }
 }
 
@@ -46,6 +30,7 @@ fn text(text: impl Into<ws::Utf8Bytes>) -> ws::Message {
 struct Client {
     serial: u64,
     view: View,
+    comparing: bool,
     stage: Option<Arc<Stage>>,
     state: Option<(Arc<State>, u64)>,
     faults: BTreeMap<Origin, Vec<PlainFault>>,
@@ -55,6 +40,30 @@ struct Client {
 }
 
 impl Client {
+    async fn serve(&mut self, socket: &mut WebSocket, hub: &Hub) {
+        let mut changes = hub.subscribe();
+        loop {
+            let answers = tokio::select! {
+                message = socket.recv() => match message {
+                    Some(Ok(ws::Message::Text(text))) => block_in_place(|| self.request(&text, hub)),
+                    Some(Ok(_)) => Vec::new(),
+                    Some(Err(_)) | None => return,
+                },
+                change = changes.changed() => match change {
+                    Ok(()) => Vec::new(),
+                    Err(_) => return,
+                },
+            };
+            changes.mark_unchanged();
+            let news = block_in_place(|| self.news(&hub.snapshot()));
+            for message in answers.into_iter().chain(news) {
+                if socket.send(message).await.is_err() {
+                    return;
+                }
+            }
+        }
+    }
+
     /// Does what a page asks for.
     fn request(&mut self, message: &str, hub: &Hub) -> Vec<ws::Message> {
         // A page of this program sends nothing else.
@@ -66,7 +75,10 @@ impl Client {
             }
             Request::Undo => hub.edit(|document| document.undo()),
             Request::Redo => hub.edit(|document| document.redo()),
-            Request::Compare { on } => hub.edit(|document| document.comparing = on),
+            Request::Compare { on } => {
+                self.comparing = on;
+                hub.edit(|document| document.comparing = on);
+            }
             Request::Variant { prim, set, choice } => hub.select(Selection { prim, set, choice }),
             Request::View(view) => {
                 self.meshes.retain(|role, _| view.roles.contains(role));

@@ -89,7 +89,7 @@ fn message(source: &Source, checks: &Builder, input: &Input) -> String {
         "sets": sets.collect::<Vec<_>>(),
         "primvars": primvars.collect::<Vec<_>>(),
         "variants": variants.collect::<Vec<_>>(),
-        "options": KEYS.iter().map(|key| option(key, default_at(key.key), mean_edge)).collect::<Vec<_>>(),
+        "options": KEYS.iter().map(|key| option(key, default_at(key.key).as_ref(), mean_edge)).collect::<Vec<_>>(),
         "kinds": KINDS.iter().map(|k| kind(k, mean_edge)).collect::<Vec<_>>(),
         "suggested": {"layer": layer, "recipe": recipe},
         "warnings": checks.warnings().iter().collect::<Vec<_>>(),
@@ -125,11 +125,11 @@ fn kind(kind: &Kind, mean_edge: f32) -> Value {
     let defaults = (kind.defaults)();
     let is_sets = |key: &&Key| matches!(key.domain, Domain::EdgeSets | Domain::FaceSets);
     let sets = kind.keys.iter().find(is_sets).map(|key| json!({"field": key.key, "of": domain(key.domain, 0.0)["of"]}));
-    let options = kind.keys.iter().map(|key| option(key, defaults.get(key.key).cloned(), mean_edge));
+    let options = kind.keys.iter().map(|key| option(key, defaults.get(key.key), mean_edge));
     json!({"name": kind.name, "sets": sets, "options": options.collect::<Vec<_>>()})
 }
 
-fn option(key: &Key, default: Option<Value>, mean_edge: f32) -> Value {
+fn option(key: &Key, default: Option<&Value>, mean_edge: f32) -> Value {
     json!({
         "key": key.key, "unit": key.unit, "meaning": key.meaning, "default": default,
         "domain": domain(key.domain, mean_edge),

@@ -67,8 +67,8 @@ fn check_size(cage: &Garment, level: u32) -> Result<(), Error> {
     if faces <= MAX_REFINED_FACES || level == 0 {
         return Ok(());
     }
-    let fault = format!("render.level {level} makes {faces} faces with its operators, more than {MAX_REFINED_FACES}");
-    Err(Error::recipe(&cage.prim, fault).remedy("lower the level"))
+    let fault = format!("level {level} makes {faces} faces with the operators, more than {MAX_REFINED_FACES}");
+    Err(Error::recipe("render.level", fault).remedy("lower the level"))
 }
 
 /// Notes the faces that `interpolateBoundary = "none"` removes, which are fewer with each refinement.
@@ -102,6 +102,7 @@ fn refuse_loop(cage: &OperatorInput, operator: &str) -> Result<(), Error> {
     if cage.garment.rules.scheme != Scheme::Loop {
         return Ok(());
     }
-    let fault = format!("{operator} makes quads, which a mesh with subdivisionScheme \"loop\" cannot have");
-    Err(Error::recipe(&cage.garment.prim, fault).remedy("set the scheme to catmullClark, or remove the operator"))
+    let prim = &cage.garment.prim;
+    let fault = format!("it makes quads, which {prim} with subdivisionScheme \"loop\" cannot have");
+    Err(Error::recipe(operator, fault).remedy("set the scheme to catmullClark, or remove the operator"))
 }

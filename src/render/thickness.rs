@@ -193,9 +193,9 @@ impl Thickness {
 
     fn no_border(&self, garment: &Garment) -> Error {
         let (label, faces) = (self.label(), self.options.faces.join(", "));
-        let fault =
-            format!("{label}.faces names {faces}, which is not next to a border of the mesh and cannot be folded");
-        Error::recipe(&garment.prim, fault).remedy(format!("name a face subset at a border, or set {label}.closed"))
+        let fault = format!("{faces} is not next to a border of {}, and cannot be folded", garment.prim);
+        Error::recipe(format!("{label}.faces"), fault)
+            .remedy(format!("name a face subset at a border, or set {label}.closed"))
     }
 
     fn sign(&self) -> f32 {

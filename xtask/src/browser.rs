@@ -16,16 +16,27 @@ const CARRIER: &str = "@sparticuz/chromium@153.0.0";
 
 /// Runs the tests with the release binary.
 pub fn test(project: &Project, extra: &[String]) -> Outcome {
+    let mut command = node_with_browser(project)?;
+    command.args(["--test", "--test-concurrency=1", "--test-timeout=180000"]).args(extra);
+    process::run(&mut command)
+}
+
+/// Draws the pictures of `docs/preview`.
+pub fn pictures(project: &Project) -> Outcome {
+    let mut command = node_with_browser(project)?;
+    process::run(command.arg("pictures.mjs").arg(project.root.join("docs/preview")))
+}
+
+/// Node.js in a copy of the tests, with what they need.
+fn node_with_browser(project: &Project) -> Outcome<Command> {
     let tests = project.target.join("page-tests");
     crate::page::replace(&project.root.join(TESTS), &tests)?;
     node::install(project, &tests)?;
-    let browser = chromium(project)?;
     let mut command = node::command(project, "node", &tests)?;
-    command.args(["--test", "--test-concurrency=1", "--test-timeout=180000"]).args(extra);
     command.env("USDTAILOR", project.binary());
     command.env("USDTAILOR_ROOT", &project.root);
-    command.env("CHROMIUM", browser);
-    process::run(&mut command)
+    command.env("CHROMIUM", chromium(project)?);
+    Ok(command)
 }
 
 fn chromium(project: &Project) -> Outcome<PathBuf> {

@@ -31,7 +31,8 @@ Tasks:
   page                         Bundle the page of `usdtailor preview`, which the next build of the program embeds
   api                          Write docs/api.txt, the public API that the step `docs` compares
   examples [ARGS...]           Write the garments in examples/ (examples/make_garments.py)
-  picture                      Build examples/coat.usda and examples/sewn/coat.usda and draw both to examples/*.png
+  picture                      Draw examples/coat.usda and examples/sewn/coat.usda to examples/*.png, and the preview to
+                               docs/preview/*.jpg
   golden [ARGS...]             Write the OpenSubdiv reference data of the subdivision tests (needs cmake and C++)
   plugin [OPTIONS]             Build the OpenUSD plugin into target/usd_plugin (see below)
   peers                        Compare time and quality with other remeshers
@@ -106,6 +107,7 @@ fn examples(project: &Project, args: &[String]) -> Outcome {
 /// Draws the pictures in `examples/` from stages that the release binary builds.
 fn picture(project: &Project) -> Outcome {
     let python = venv::ensure(project)?;
+    page::build(project)?;
     steps::build(project)?;
     let folder = project.scratch("picture")?;
     let built = |source: &str, name: &str, options: &[&str]| {
@@ -123,5 +125,6 @@ fn picture(project: &Project) -> Outcome {
         command
     };
     process::run(script("picture.py").arg(&coat).args(["-o", "examples/coat.png"]))?;
-    process::run(script("sew.py").arg("draw").args([cage?, surface?]).args(["-o", "examples/sewn.png"]))
+    process::run(script("sew.py").arg("draw").args([cage?, surface?]).args(["-o", "examples/sewn.png"]))?;
+    browser::pictures(project)
 }

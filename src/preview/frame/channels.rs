@@ -1,7 +1,7 @@
 //! Values of the corners, points and faces of a mesh as the page draws them.
 
 use crate::garment::{Garment, Interpolation, Primvar, Values};
-use crate::mesh::{CornerId, Topology, VertexId};
+use crate::mesh::{CornerId, IdVec, VertexId};
 use crate::report::TriangleQuality;
 
 /// Names of the quality figures that are drawn as values.
@@ -65,17 +65,51 @@ fn painted(mesh: &Garment, primvar: &Primvar) -> Option<Channel> {
 
 /// Inner edges at which the corners of the two faces have other values of a UV set.
 pub fn uv_seams(mesh: &Garment, primvar: &Primvar) -> Vec<[VertexId; 2]> {
-    let topology = Topology::new(mesh.faces.clone(), mesh.points.len());
     let Values::F32(values) = &primvar.values else { return Vec::new() };
     let uv = |corner: CornerId| row(primvar, values, corner.index(), 2);
-    let faces = &topology.faces;
-    // The corners of a half-edge at its two ends, by vertex.
+    let faces = &mesh.faces;
+    // Only a few vertices have several values; edges between the others need no look.
+    let mut first: IdVec<VertexId, Option<CornerId>> = IdVec::filled(None, mesh.points.len());
+    let mut is_cut: IdVec<VertexId, bool> = IdVec::filled(false, mesh.points.len());
+    for (corner, &vertex) in faces.corners().enumerated() {
+        match first[vertex] {
+            None => first[vertex] = Some(corner),
+            Some(known) => is_cut[vertex] |= uv(known) != uv(corner),
+        }
+    }
+    let halves = faces.ids().flat_map(|face| faces.corners_of(face));
+    let near = halves.filter(|&half| faces.half_edge(half).iter().any(|&end| is_cut[end]));
+    let mut near: Vec<([VertexId; 2], CornerId)> = near.map(|half| (undirected(faces.half_edge(half)), half)).collect();
+    near.sort_unstable();
     let at = |half: CornerId, vertex: VertexId| if faces.vertex(half) == vertex { half } else { faces.next(half) };
-    let is_cut = |&[first, second]: &[CornerId; 2], ends: [VertexId; 2]| {
-        ends.iter().any(|&end| uv(at(first, end)) != uv(at(second, end)))
-    };
-    let edges = topology.edges.enumerated().filter(|&(edge, &ends)| {
-        <&[CornerId; 2]>::try_from(topology.edge_corners.row(edge)).is_ok_and(|pair| is_cut(pair, ends))
-    });
-    edges.map(|(_, &ends)| ends).collect()
+    let differ = |pair: &&[([VertexId; 2], CornerId)]| matches!(pair, [(ends, a), (_, b)] if ends.iter().any(|&end| uv(at(*a, end)) != uv(at(*b, end))));
+    near.chunk_by(|a, b| a.0 == b.0).filter(differ).map(|pair| pair[0].0).collect()
+}
+
+fn undirected([a, b]: [VertexId; 2]) -> [VertexId; 2] {
+    [a.min(b), a.max(b)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::Warnings;
+    use crate::garment::{GarmentInput, PrimvarInput, check_garment};
+
+    #[test]
+    fn edges_between_two_shells_are_seams_and_borders_are_not() {
+        let corners = vec![0, 1, 5, 4, 1, 2, 6, 5, 2, 3, 7, 6];
+        let uv = |(i, point): (usize, &i32)| [(point % 4) as f32 + if i < 4 { 9.0 } else { 0.0 }, (point / 4) as f32];
+        let uvs: Vec<[f32; 2]> = corners.iter().enumerate().map(uv).collect();
+        let mesh = GarmentInput {
+            points: (0..8).map(|i| glam::Vec3::new((i % 4) as f32, (i / 4) as f32, 0.0)).collect(),
+            face_vertex_counts: vec![4; 3],
+            face_vertex_indices: corners,
+            primvars: vec![PrimvarInput::uvs("st", &uvs, (0..12).collect())],
+            ..GarmentInput::default()
+        };
+        let garment = check_garment(mesh, &mut Warnings::default()).expect("a good mesh");
+        let seams = uv_seams(&garment, uv_set(&garment, "st").expect("a UV set"));
+        assert_eq!(seams, [[VertexId::new(1), VertexId::new(5)]]);
+    }
 }

@@ -11,6 +11,7 @@ use crate::garment::{Elements, Garment, Orientation, Primvar, Subset};
 use crate::preview::hub::Shown;
 use crate::preview::messages::{Role, View};
 use crate::report::TriangleQuality;
+use crate::subdivide::refined_faces;
 use channels::{UV_SEAMS, channel, uv_seams, uv_set, uvs};
 use serde_json::{Map, Value, json};
 use smooth::Drawn;
@@ -33,7 +34,7 @@ pub struct Sent {
 pub fn frame(role: Role, shown: &Arc<Shown>, view: &View, sent: &mut Option<Sent>) -> Result<Option<Vec<u8>>, Error> {
     let start = Instant::now();
     // Triangles have no subdivision surface.
-    let smooth = if role == Role::Sim { 0 } else { view.smooth.min(MOST_SMOOTH) };
+    let smooth = if role == Role::Sim { 0 } else { most_smooth(&shown.mesh, view.smooth) };
     let same_mesh = |s: &&Sent| Arc::ptr_eq(&s.shown.mesh, &shown.mesh) && s.smooth == smooth;
     let drawn = match sent.as_ref().filter(same_mesh) {
         Some(sent) => sent.drawn.clone(),
@@ -47,6 +48,14 @@ pub fn frame(role: Role, shown: &Arc<Shown>, view: &View, sent: &mut Option<Sent
 
 /// Refinements for display at most. \[levels\]
 const MOST_SMOOTH: u32 = 2;
+/// Largest mesh that is refined for display. Browsers draw larger ones slowly. \[faces\]
+const MOST_FACES: usize = 500_000;
+
+/// The refinements for display that the size of a mesh allows, at most `wanted`. \[levels\]
+fn most_smooth(mesh: &Garment, wanted: u32) -> u32 {
+    let fits = |level: &u32| *level == 0 || refined_faces(mesh, *level) <= MOST_FACES;
+    (0..=wanted.min(MOST_SMOOTH)).rev().find(fits).unwrap_or(0)
+}
 
 struct Update<'a> {
     last: Option<&'a Sent>,

@@ -35,7 +35,7 @@ fn building(file: &Path) -> Arc<Hub> {
     hub
 }
 
-fn options(value: serde_json::Value) -> Options {
+fn options(value: &serde_json::Value) -> Options {
     value.as_object().cloned().expect("an object")
 }
 
@@ -84,7 +84,7 @@ fn the_newest_edit_is_built_and_the_other_product_stays() {
     let hub = building(&example("tshirt.usda"));
     let first = when(&hub, |now| now.shown.len() == 3 && now.progress.is_empty());
     for level in [0, 2, 1, 2, 0] {
-        hub.edit(|document| document.edit(options(json!({"render": {"level": level}})), String::new()));
+        hub.edit(|document| document.edit(options(&json!({"render": {"level": level}})), String::new()));
     }
     let faces = hub.snapshot().stage.checks.garment().faces.len();
     let last = when(&hub, |now| now.shown[&Role::Render].mesh.faces.len() == faces);
@@ -95,7 +95,7 @@ fn the_newest_edit_is_built_and_the_other_product_stays() {
 fn a_fault_keeps_the_last_good_mesh_and_names_the_option() {
     let hub = building(&example("tshirt.usda"));
     let good = when(&hub, |now| now.shown.contains_key(&Role::Render));
-    hub.edit(|document| document.edit(options(json!({"render": {"level": 9}})), String::new()));
+    hub.edit(|document| document.edit(options(&json!({"render": {"level": 9}})), String::new()));
     let bad = when(&hub, |now| faults(now, Origin::Recipe) > 0);
     assert!(bad.faults[&Origin::Recipe][0].place.contains("render.level"), "{:?}", bad.faults);
     assert!(Arc::ptr_eq(&good.shown[&Role::Render].mesh, &bad.shown[&Role::Render].mesh));
@@ -109,7 +109,7 @@ fn a_file_that_breaks_is_told_and_a_mended_one_keeps_the_edits() {
     let file = folder.path().join("a.usda");
     fs::write(&file, sheet(3, "fold")).expect("a file");
     let hub = idle(&file);
-    hub.edit(|document| document.edit(options(json!({"render": {"level": 0}})), String::new()));
+    hub.edit(|document| document.edit(options(&json!({"render": {"level": 0}})), String::new()));
     fs::write(&file, "#usda 1.0\ndef Mesh \"A\" {").expect("a file");
     hub.reload();
     let broken = hub.snapshot();
@@ -118,7 +118,7 @@ fn a_file_that_breaks_is_told_and_a_mended_one_keeps_the_edits() {
     hub.reload();
     let mended = hub.snapshot();
     assert_eq!((faults(&mended, Origin::File), mended.shown[&Role::Model].mesh.faces.len()), (0, 16));
-    assert_eq!(mended.state.edits, options(json!({"render": {"level": 0}})));
+    assert_eq!(mended.state.edits, options(&json!({"render": {"level": 0}})));
 }
 
 #[test]
@@ -132,5 +132,5 @@ fn a_variant_is_selected_over_the_stage() {
     hub.select(Selection { prim: "/A".into(), set: "size".into(), choice: "two".into() });
     let now = hub.snapshot();
     assert_eq!(now.stage.source.facts().variants[0].selected.choice, "two");
-    assert_eq!(now.stage.upstream, options(json!({"render": {"level": 2}})));
+    assert_eq!(now.stage.upstream, options(&json!({"render": {"level": 2}})));
 }

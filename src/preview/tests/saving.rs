@@ -1,11 +1,12 @@
 //! Saving: what is written, what is kept, and what is refused.
 
 use super::*;
+use crate::preview::continued;
 use crate::preview::save::{plan, save};
 
 /// Edits with an option of every type.
 fn edits() -> Options {
-    options(json!({
+    options(&json!({
         "sim": {"maxEdgeLength": 3.1, "iterations": 2, "constraints": ["placket"], "cleanIslands": true},
         "render": {"level": 0, "operators": ["seam.side", "thickness.hem"]},
         "seam": {"side": {"edges": ["side_seams"], "normalOffset": -0.1, "asymmetry": 0.25}},
@@ -44,7 +45,9 @@ fn a_new_file_of_each_format_gives_the_recipe_on_screen() {
         assert_eq!(recipe(&file), asked(&hub), "{name}");
         if name == "a.usda" {
             assert_eq!(fs::read_to_string(&file).expect("the file"), planned.text);
-            assert!(planned.text.contains("TailorSeamAPI:side") && planned.text.contains("coat.usda@"));
+            for part in ["TailorSeamAPI:side", "coat.usda@", "maxEdgeLength = 3.1\n", "normalOffset = -0.1\n"] {
+                assert!(planned.text.contains(part), "{part}:\n{}", planned.text);
+            }
         }
     }
 }
@@ -75,7 +78,7 @@ fn an_existing_layer_keeps_what_else_it_holds_and_loses_earlier_options() {
     assert!(!after.contains("old"), "{after}");
     assert_eq!(recipe(&file), asked(&hub));
     // A second save replaces the first.
-    hub.edit(|document| document.edit(options(json!({"render": {"level": 0}})), String::new()));
+    hub.edit(|document| document.edit(options(&json!({"render": {"level": 0}})), String::new()));
     assert_eq!(save(&hub, &path, true).status, "saved");
     assert_eq!(recipe(&file), asked(&hub));
 }
@@ -157,8 +160,22 @@ fn a_layer_that_was_saved_is_the_start_of_the_next_session() {
     let look = folder.path().join("look.usda");
     let hub = edited(&example("coat.usda"));
     assert_eq!(save(&hub, &look.display().to_string(), false).status, "saved");
-    let again = Input { recipe: Some(look), ..input(&example("coat.usda")) };
+    let again = continued(input(&look));
+    assert_eq!(again.file.canonicalize().ok(), example("coat.usda").canonicalize().ok());
+    assert_eq!(again.recipe, Some(look));
     let stage = Stage::open(&again).expect("a good garment");
     assert_eq!(stage.recipe(&stage.given).expect("a good recipe"), asked(&hub));
     assert_eq!(stage.given, edits());
+}
+
+#[test]
+fn a_layer_of_somebody_else_is_a_garment_and_not_a_recipe() {
+    let folder = TempDir::new().expect("a folder");
+    let file = folder.path().join("look.usda");
+    let coat = example("coat.usda").display().to_string();
+    fs::write(&file, format!("#usda 1.0\n(\n    subLayers = [@{coat}@]\n)\nover \"Coat\" {{}}\n")).expect("a file");
+    for garment in [file, example("coat.usda"), example("sewn/coat.usda")] {
+        let again = continued(input(&garment));
+        assert_eq!((again.file, again.recipe), (garment, None));
+    }
 }

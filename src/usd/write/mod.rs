@@ -11,5 +11,5 @@ mod save;
 mod shapes;
 
 pub use layer::{Product, ProductRole, Surroundings, WriteOptions, check_target, layer_bytes, write};
-pub use recipe::{OptionValue, RecipeOpinions, Replaced, recipe_text, write_recipe};
+pub use recipe::{OptionValue, RecipeOpinions, Replaced, garment_below, recipe_text, write_recipe};
 pub use save::Format;

@@ -4,12 +4,16 @@ use super::layer::{Frame, overlay};
 use super::save::{Format, OutputFile};
 use crate::error::{Error, Warnings};
 use crate::usd::assets::Anchor;
-use crate::usd::on_large_stack;
 use crate::usd::read::{Model, ReadOptions, Selection, Source, select};
+use crate::usd::{names, on_large_stack};
 use openusd::sdf::{self, AbstractData, ChildrenKey, Data, FieldKey, SpecType, Value, ValueTypeName, Variability};
 use openusd::tf::Token;
 use openusd::usda::TextWriter;
-use std::path::Path;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+/// Key in `customLayerData` by which layers of this program are known.
+const RECIPE: &str = "recipe";
 
 /// The value of an option as a property.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,7 +59,8 @@ pub fn recipe_text(source: &Source, opinions: &RecipeOpinions, out: &Path) -> Re
     let file = OutputFile::find(out, &source.model.layers, true)?;
     on_large_stack(|| {
         let data = new_layer(&source.model, opinions, &file)?;
-        TextWriter::write_to_string(&data).map_err(|e| Error::usd(format!("the layer cannot be written as text: {e}")))
+        TextWriter::write_to_string(&with_short_floats(data))
+            .map_err(|e| Error::usd(format!("the layer cannot be written as text: {e}")))
     })
 }
 
@@ -83,11 +88,41 @@ pub fn write_recipe(
             false => new_layer(&source.model, opinions, &file)?,
             true => edited(&source.model, opinions, &file, replaced)?,
         };
-        file.save_verified(data.clone(), &mut Warnings::default(), |temporary| {
+        let written = if file.format == Format::Usda { with_short_floats(data.clone()) } else { data.clone() };
+        file.save_verified(written, &mut Warnings::default(), |temporary| {
             same_content(&data, temporary, out)?;
             verify(temporary)
         })
     })
+}
+
+/// The garment's file, if a layer is a new one of [`write_recipe`] and still holds nothing but opinions.
+pub fn garment_below(layer: &Path) -> Option<PathBuf> {
+    let path = layer.to_str()?.to_owned();
+    let below = on_large_stack(|| Ok(sdf::Layer::open(path).ok().and_then(|layer| only_sublayer(layer.data()))));
+    Some(layer.parent()?.join(below.ok()??))
+}
+
+/// The only sublayer of a marked layer in which all prims are overs.
+fn only_sublayer(data: &dyn AbstractData) -> Option<String> {
+    let root = sdf::Path::abs_root();
+    let mark = data.try_field(&root, FieldKey::CustomLayerData.as_str()).ok()??;
+    let Value::Dictionary(mark) = mark.as_ref() else { return None };
+    let Some(Value::Dictionary(mark)) = mark.get(names::PRODUCT_SPACE) else { return None };
+    if mark.get(RECIPE) != Some(&Value::Bool(true)) {
+        return None;
+    }
+    let value = data.try_field(&root, FieldKey::SubLayers.as_str()).ok()??;
+    let Value::StringVec(sublayers) = value.as_ref() else { return None };
+    let defines = |path: &sdf::Path| {
+        let specifier = data.try_field(path, FieldKey::Specifier.as_str()).ok().flatten();
+        specifier.is_some_and(|specifier| *specifier != Value::Specifier(sdf::Specifier::Over))
+    };
+    let is_over = !data.spec_paths().iter().any(defines);
+    match sublayers.as_slice() {
+        [one] if is_over => Some(one.clone()),
+        _ => None,
+    }
 }
 
 fn fault(e: impl std::fmt::Display) -> Error {
@@ -97,6 +132,9 @@ fn fault(e: impl std::fmt::Display) -> Error {
 fn new_layer(model: &Model, opinions: &RecipeOpinions, file: &OutputFile) -> Result<Data, Error> {
     let frame = Frame { flatten: false, anchor: Anchor::Folder(&file.folder), sublayer: None };
     let mut data = overlay(model, frame)?;
+    let mark = Value::Dictionary(HashMap::from([(RECIPE.to_owned(), Value::Bool(true))]));
+    let mark = Value::Dictionary(HashMap::from([(names::PRODUCT_SPACE.to_owned(), mark)]));
+    AbstractData::set_field(&mut data, &sdf::Path::abs_root(), FieldKey::CustomLayerData.as_str(), mark);
     author(&mut data, model, opinions).map_err(fault)?;
     Ok(data)
 }
@@ -253,6 +291,19 @@ fn property(data: &mut Data, prim: &sdf::Path, name: &str, value: &OptionValue) 
     sdf::AttributeSpec::new(data, &path, type_name, Variability::Uniform, false)?;
     AbstractData::set_field(data, &path, FieldKey::Default.as_str(), value);
     Ok(())
+}
+
+/// Floats as the doubles of their shortest decimals, which is how the text writer prints them. They read back the same.
+fn with_short_floats(mut data: Data) -> Data {
+    let key = FieldKey::Default.as_str();
+    for path in data.spec_paths() {
+        let Ok(Some(value)) = data.try_field(&path, key) else { continue };
+        if let Value::Float(float) = *value.as_ref() {
+            let decimal = float.to_string().parse().unwrap_or(f64::from(float));
+            AbstractData::set_field(&mut data, &path, key, Value::Double(decimal));
+        }
+    }
+    data
 }
 
 /// Checks that a written layer reads back as `data`.

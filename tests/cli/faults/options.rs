@@ -94,7 +94,7 @@ fn of_overrides() {
         ),
         of(
             "build in.usda -o out/coat.usda --set sim.maxEdgeLength=0.01 --max-faces 1000",
-            &["/Coat/model: the target lengths ask for about", "more than 1000", "--max-faces"],
+            &["sim.maxEdgeLength: the target lengths ask for about", "more than 1000", "--max-faces"],
         ),
         of(
             "build in.usda -o out/coat.usda --set sim.maxEdgeLength=1e-30",

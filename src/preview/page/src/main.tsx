@@ -1,5 +1,5 @@
 import { render } from "preact";
-import "../style.css";
+import "./style.css";
 import { App } from "./panel/App";
 import { installKeys } from "./panel/keys";
 import type { Timing } from "./panel/stopwatch";

@@ -88,7 +88,7 @@ export class Store {
   /** A message that acts on the document, after the edits that come before it. */
   command(message: PageMessage): void {
     this.#queue.flush();
-    this.stopwatch.command(this.gestures.input);
+    this.stopwatch.command();
     this.send(message);
   }
 
@@ -262,9 +262,9 @@ export class Store {
     // Frames that were on their way while the mesh was hidden.
     if (!isWanted || (!replaces && !this.#held.has(role))) return;
     this.#held.add(role);
-    this.stopwatch.received(frame);
     // A quality figure is of one mesh, so that the others have no values.
     if (values) this.update({ heat: values });
     this.view?.update(frame);
+    this.stopwatch.replaced(frame);
   }
 }

@@ -61,7 +61,7 @@ export function MenuButton({ label, hint, class: name, disabled, empty, items, c
 }
 
 /** Items from which on a menu has a field to find one. */
-const MANY = 10;
+const MANY = 7;
 
 interface MenuListProps {
   label: string;

@@ -84,7 +84,11 @@ export function NumberField({ label, describedBy, invalid, value, unit, step, cl
     setDraft(null);
   };
   const keys = (event: TargetedKeyboardEvent<HTMLInputElement>) => {
-    if (event.key === "Enter") commit();
+    if (event.key === "Enter") {
+      commit();
+      // The keys of the view would else go into the field.
+      event.currentTarget.blur();
+    }
     if (event.key === "Escape" && draft !== null) {
       event.stopPropagation();
       setDraft(null);

@@ -1,4 +1,4 @@
-// Sends edits, at most one a frame, and knows which answers of the server are older than what was sent.
+// Sends edits, at most one in the time of a frame, and knows which answers of the server are older than what was sent.
 
 import type { Options, PageMessage } from "../protocol";
 
@@ -9,24 +9,31 @@ interface Pending {
   input: number;
 }
 
+/** Shortest time between two messages. A picture that is slow to draw does not hold them back. [ms] */
+const PAUSE = 16;
+
 export class EditQueue {
   #serial = 0;
   #pending: Pending | null = null;
   #inputs = new Map<number, number>();
+  #sent = -Infinity;
 
   constructor(private readonly send: (message: PageMessage) => void) {}
 
   push(edits: Options, gesture: string, input: number): void {
     // The last state of one gesture must not vanish in the next one, since undo goes back to it.
     if (this.#pending && this.#pending.gesture !== gesture) this.flush();
-    if (!this.#pending) requestAnimationFrame(() => this.flush());
+    const wait = this.#sent + PAUSE - performance.now();
+    if (!this.#pending && wait > 0) setTimeout(() => this.flush(), wait);
     this.#pending = { edits, gesture, input };
+    if (wait <= 0) this.flush();
   }
 
   flush(): void {
     if (!this.#pending) return;
     const { edits, gesture, input } = this.#pending;
     this.#pending = null;
+    this.#sent = performance.now();
     this.#serial += 1;
     this.#inputs.set(this.#serial, input);
     this.#inputs.delete(this.#serial - 200);

@@ -13,6 +13,8 @@ export const KEYS: [string, string][] = [
   ["1 2 3", "Show or hide model, simulation mesh, render mesh"],
   ["Alt ↑ ↓", "Move the focused card in the stack"],
   ["Shift ↑ ↓", "Ten steps at a time on a slider or in a number field"],
+  ["Drag", "Turn the view; with the right button or Shift, pan"],
+  ["Wheel", "Zoom to the pointer"],
   ["Esc", "End a mark, close what is open"],
   ["?", "This list"],
 ];

@@ -12,6 +12,8 @@ export interface Timing {
   encode: number;
   transfer: number;
   upload: number;
+  /** From the input event until the buffers were replaced, if it is known. */
+  replaced: number | null;
   /** From the input event if it is known, else the sum of the parts. */
   total: number;
 }
@@ -23,11 +25,13 @@ export class Stopwatch {
   #edited = new Map<number, number>();
   #revision = -1;
   #command: number | null = null;
-  #frames = new Map<Role, MeshFrame>();
+  /** Revisions that were counted. A later frame of one comes from the view, not from an edit. */
+  #counted = new Map<Role, number>();
+  #frames = new Map<Role, { frame: MeshFrame; replaced: number }>();
 
   /** An undo or another message without a serial was sent. */
-  command(input: number): void {
-    this.#command = input;
+  command(): void {
+    this.#command = performance.timeOrigin + performance.now();
   }
 
   /** A revision of the document is there; `input` is the time of the last edit of this page in it. */
@@ -40,21 +44,25 @@ export class Stopwatch {
     this.#edited.delete(revision - KEPT);
   }
 
-  received(frame: MeshFrame): void {
-    this.#frames.set(frame.header.role, frame);
+  /** The view took a frame. */
+  replaced(frame: MeshFrame): void {
+    this.#frames.set(frame.header.role, { frame, replaced: performance.timeOrigin + performance.now() });
   }
 
   /** Null if the frame is not known or was counted before. */
   drawn(role: Role, revision: number, upload: number): Timing | null {
-    const frame = this.#frames.get(role);
-    if (!frame || frame.header.revision !== revision) return null;
+    const known = this.#frames.get(role);
+    if (!known || known.frame.header.revision !== revision) return null;
+    const { frame } = known;
     this.#frames.delete(role);
     const { build, encode, sent } = frame.header.times;
     const transfer = Math.max(0, frame.received - sent);
-    const edited = this.#edited.get(revision) ?? null;
+    const edited = this.#counted.get(role) === revision ? null : (this.#edited.get(revision) ?? null);
+    this.#counted.set(role, revision);
     const now = performance.timeOrigin + performance.now();
     const total = edited === null ? build + encode + transfer + upload : now - edited;
-    const timing = { role, revision, edited, build, encode, transfer, upload, total };
+    const replaced = edited === null ? null : known.replaced - edited;
+    const timing = { role, revision, edited, build, encode, transfer, upload, replaced, total };
     this.timing.push(timing);
     if (this.timing.length > KEPT) this.timing.shift();
     return timing;

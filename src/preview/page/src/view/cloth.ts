@@ -197,8 +197,14 @@ export class Cloth {
 
   #addAttributes(): void {
     const { corners, faces } = this.triangles;
-    this.#geometry.setAttribute("aPoint", integers(corners.map((corner) => this.faces.corners[corner]), 1));
-    this.#geometry.setAttribute("aFace", integers(corners.map((_, at) => faces[(at / 3) | 0]), 1));
+    const points = new Uint32Array(corners.length);
+    const owners = new Uint32Array(corners.length);
+    for (let at = 0; at < corners.length; at++) {
+      points[at] = this.faces.corners[corners[at]];
+      owners[at] = faces[(at / 3) | 0];
+    }
+    this.#geometry.setAttribute("aPoint", integers(points, 1));
+    this.#geometry.setAttribute("aFace", integers(owners, 1));
     this.#geometry.setAttribute("aEdges", integers(new Uint8Array(4 * corners.length), 4));
     this.#geometry.setDrawRange(0, corners.length);
     // It is not there to be computed, as positions are in a texture.

@@ -3,6 +3,9 @@
 import type { Role } from "../protocol";
 import type { ViewOptions } from "./api";
 
+/** The tool rail lies over the right side of the canvas. [CSS pixels] */
+const RAIL = 56;
+
 /** A part of the canvas over its full height, with the meshes in it; the last is solid. [CSS pixels] */
 export interface Column {
   x: number;
@@ -15,7 +18,7 @@ export function columns(options: ViewOptions, width: number, height: number): Co
   const { roles } = options;
   const together = options.layout === "over" && !options.flat;
   if (together || roles.length < 2) return [{ x: 0, width, height, roles }];
-  const each = width / roles.length;
+  const each = (width - RAIL) / roles.length;
   return roles.map((role, index) => ({ x: index * each, width: each, height, roles: [role] }));
 }
 

@@ -8,6 +8,8 @@ import type { Pose } from "./motion";
 const HALF_ANGLE = (14 * Math.PI) / 180;
 /** Part of the view that is filled. */
 const FILL = 0.86;
+/** The same above the middle, where the tool bar is. */
+const FILL_TOP = 0.76;
 const MOST_TILT = Math.PI / 2 - 0.001;
 
 export type Axis = "Y" | "Z";
@@ -118,8 +120,9 @@ export class SpaceRig extends Rig {
   fit(clouds: Cloud[], aspect: number, direction?: [number, number]): Pose | null {
     const [turn, tilt] = direction ?? [this.motion.goal[4], this.motion.goal[5]];
     const { right, up, back } = this.axes(turn, tilt);
-    const ty = halfTangent(aspect) * FILL;
-    const tx = ty * aspect;
+    const below = halfTangent(aspect) * FILL;
+    const above = halfTangent(aspect) * FILL_TOP;
+    const tx = below * aspect;
     let [left, rightmost, low, high] = [-Infinity, -Infinity, -Infinity, -Infinity];
     let [deepest, nearest] = [Infinity, -Infinity];
     for (const { values, stride } of clouds) {
@@ -130,16 +133,18 @@ export class SpaceRig extends Rig {
         const z = px * back.x + py * back.y + pz * back.z;
         rightmost = Math.max(rightmost, x + z * tx);
         left = Math.max(left, -x + z * tx);
-        high = Math.max(high, y + z * ty);
-        low = Math.max(low, -y + z * ty);
+        high = Math.max(high, y + z * above);
+        low = Math.max(low, -y + z * below);
         nearest = Math.max(nearest, z);
         deepest = Math.min(deepest, z);
       }
     }
     if (nearest < deepest) return null;
-    const eye = Math.max((rightmost + left) / (2 * tx), (high + low) / (2 * ty));
+    const eye = Math.max((rightmost + left) / (2 * tx), (high + low) / (above + below));
     const middle = (nearest + deepest) / 2;
-    const target = right.multiplyScalar((rightmost - left) / 2).add(up.multiplyScalar((high - low) / 2));
+    // Halfway between the heights at which the highest and the lowest point are at their ends of the view.
+    const height = (high - eye * above + (eye * below - low)) / 2;
+    const target = right.multiplyScalar((rightmost - left) / 2).add(up.multiplyScalar(height));
     target.addScaledVector(back, middle);
     return [target.x, target.y, target.z, Math.log(Math.max(eye - middle, 1e-6)), turn, tilt];
   }
@@ -207,8 +212,9 @@ export class FlatRig extends Rig {
       }
     }
     if (right < left) return null;
-    const half = Math.max((right - left) / aspect, high - low, 1e-6) / 2 / FILL;
-    return [(left + right) / 2, (low + high) / 2, 0, Math.log(half * Math.min(1, aspect)), 0, 0];
+    const half = Math.max((right - left) / aspect / (2 * FILL), (high - low) / (FILL + FILL_TOP), 1e-6);
+    const height = (high - half * FILL_TOP + (low + half * FILL)) / 2;
+    return [(left + right) / 2, height, 0, Math.log(half * Math.min(1, aspect)), 0, 0];
   }
 
   protected halfHeight(size: number, aspect: number): number {

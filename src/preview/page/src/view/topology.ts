@@ -56,18 +56,27 @@ export function triangulate(faces: Faces, points: Float32Array, holes: Uint32Arr
 
 /** True if the diagonal from the second to the fourth corner is better: the other one folds the quad, or is longer. */
 function cutsSecondDiagonal(points: Float32Array, corners: Uint32Array, first: number): boolean {
-  const [a, b, c, d] = [0, 1, 2, 3].map((step) => 4 * corners[first + step]);
+  const a = 4 * corners[first];
+  const b = 4 * corners[first + 1];
+  const c = 4 * corners[first + 2];
+  const d = 4 * corners[first + 3];
   const firstFolds = turnsOver(points, a, b, c, d);
   const secondFolds = turnsOver(points, b, c, d, a);
   if (firstFolds !== secondFolds) return firstFolds;
   return square(points, b, d) < square(points, a, c);
 }
 
-/** Whether triangles abc and acd look away from one another. */
+/** Whether triangles abc and acd look away from one another: their normals are crosses with the edge ac. */
 function turnsOver(p: Float32Array, a: number, b: number, c: number, d: number): boolean {
-  const [ex, ey, ez] = [p[c] - p[a], p[c + 1] - p[a + 1], p[c + 2] - p[a + 2]];
-  const [bx, by, bz] = [p[b] - p[a], p[b + 1] - p[a + 1], p[b + 2] - p[a + 2]];
-  const [dx, dy, dz] = [p[d] - p[a], p[d + 1] - p[a + 1], p[d + 2] - p[a + 2]];
+  const ex = p[c] - p[a];
+  const ey = p[c + 1] - p[a + 1];
+  const ez = p[c + 2] - p[a + 2];
+  const bx = p[b] - p[a];
+  const by = p[b + 1] - p[a + 1];
+  const bz = p[b + 2] - p[a + 2];
+  const dx = p[d] - p[a];
+  const dy = p[d + 1] - p[a + 1];
+  const dz = p[d + 2] - p[a + 2];
   const x = (by * ez - bz * ey) * (ey * dz - ez * dy);
   const y = (bz * ex - bx * ez) * (ez * dx - ex * dz);
   const z = (bx * ey - by * ex) * (ex * dy - ey * dx);
