@@ -5,7 +5,7 @@
 //! page ◀── frames ── frame ◀── snapshots ──┘
 //! ```
 //!
-//! `hub` holds the state that all pages share: the garment ([`stage`]), the edits with undo ([`document`]), and the last
+//! `hub` holds the state that all pages share: the garment (`stage`), the edits with undo (`document`), and the last
 //! meshes. A page has one `socket`, which sends what changed since the last message. `save` writes the edits as a USD
 //! layer or a `.tailor` file, `watch` reads the stage again when a file changes. `server` serves the embedded `page` on
 //! 127.0.0.1, below a secret path.

@@ -15,7 +15,9 @@ pub use layers::Layers;
 pub use operators::KINDS;
 pub(crate) use operators::kind_named;
 
-use crate::render::{Domain, Key, RenderOptions, SeamOptions, ThicknessOptions};
+pub use crate::render::{Domain, Key, Kind};
+
+use crate::render::{RenderOptions, SeamOptions, ThicknessOptions};
 use crate::sim::SimOptions;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;

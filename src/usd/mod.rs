@@ -16,7 +16,8 @@ mod write;
 pub(crate) use assets::relative;
 pub use read::{Binding, Facts, InheritedPrimvar, ReadOptions, Selection, Source, TransformOp, VariantSet};
 pub use write::{Format, Product, ProductRole, Surroundings, WriteOptions, check_target, layer_bytes, write};
-pub use write::{OptionValue, RecipeOpinions, Replaced, garment_below, recipe_text, write_recipe};
+#[cfg(feature = "preview")]
+pub(crate) use write::{OptionValue, RecipeOpinions, Replaced, garment_below, recipe_text, write_recipe};
 
 use crate::error::Error;
 use std::thread;

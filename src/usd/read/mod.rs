@@ -19,4 +19,6 @@ pub use model::{COMPOSITION, Model, Sibling, SubsetRecord};
 pub use query::{OrUnreadable, prim_at};
 pub use shapes::BlendShape;
 pub use source::{ReadOptions, Source};
-pub use variants::{Selection, VariantSet, select};
+#[cfg(feature = "preview")]
+pub use variants::select;
+pub use variants::{Selection, VariantSet};

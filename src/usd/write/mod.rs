@@ -6,10 +6,12 @@ mod layer;
 mod long_arrays;
 mod package;
 mod product;
+#[cfg(feature = "preview")]
 mod recipe;
 mod save;
 mod shapes;
 
 pub use layer::{Product, ProductRole, Surroundings, WriteOptions, check_target, layer_bytes, write};
+#[cfg(feature = "preview")]
 pub use recipe::{OptionValue, RecipeOpinions, Replaced, garment_below, recipe_text, write_recipe};
 pub use save::Format;

@@ -86,11 +86,13 @@ impl OutputFile {
     }
 
     /// True if there is a file already.
+    #[cfg(feature = "preview")]
     pub fn exists(&self) -> bool {
         self.file.exists()
     }
 
     /// Its path, without links.
+    #[cfg(feature = "preview")]
     pub fn path(&self) -> &Path {
         &self.file
     }
