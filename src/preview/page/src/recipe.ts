@@ -103,10 +103,6 @@ export function merged(upstream: Options, edits: Options): Options {
   };
 }
 
-export function isEmpty(options: Options): boolean {
-  return Object.keys(pruned(options)).length === 0;
-}
-
 /** The order without a list: all seams by name, then all thicknesses by name. */
 function defaultOrder(options: Options): Operator[] {
   const kinds: KindName[] = ["seam", "thickness"];

@@ -10,7 +10,7 @@ import { initialState, warningsOf, type State, type Toast } from "./panel/state"
 import { Stopwatch } from "./panel/stopwatch";
 import type { GarmentMessage, MeshFrame, Options, PageMessage, ProductMessage, ProgressMessage } from "./protocol";
 import type { Role, ServerMessage, StateMessage, Value, Warning } from "./protocol";
-import { isEmpty, merged, placeFaults, setsOf, stack, withoutValue, withValue } from "./recipe";
+import { merged, placeFaults, setsOf, stack, withoutValue, withValue } from "./recipe";
 import { createView } from "./view/index";
 import type { Picked, View } from "./view/api";
 
@@ -24,8 +24,6 @@ export class Store {
   #connection: Connection | null = null;
   /** Roles whose mesh the view has, so that an update of another one has nothing to update. */
   readonly #held = new Set<Role>();
-  /** Edits that were not in a file when the connection ended. */
-  #lostEdits: Options | null = null;
   #toastCount = 0;
 
   subscribe(listener: () => void): () => void {
@@ -191,8 +189,6 @@ export class Store {
 
   #disconnected(): void {
     if (this.state.connection !== "open") return;
-    const { edits, unsaved } = this.state.document;
-    this.#lostEdits = unsaved && !isEmpty(edits) ? edits : null;
     this.update({ connection: "lost", progress: {} });
   }
 
@@ -227,16 +223,6 @@ export class Store {
     const current = this.state.document;
     const edits = this.#queue.isBehind(serial) ? current.edits : state.edits;
     this.update({ document: { ...state, edits, merged: merged(state.upstream, edits) } });
-    this.#offerLostEdits(edits);
-  }
-
-  /** A command that was started again knows nothing of edits that were in no file. */
-  #offerLostEdits(edits: Options): void {
-    const lost = this.#lostEdits;
-    this.#lostEdits = null;
-    if (!lost || !isEmpty(edits)) return;
-    const act = () => this.edit(lost);
-    this.toast({ text: "Your edits from before the restart are still here.", action: { label: "Restore them", act } });
   }
 
   #product(product: ProductMessage): void {

@@ -2,6 +2,7 @@
 
 import type { Fault } from "../protocol";
 import { useSelect, useStore } from "./hooks";
+import { copyText } from "./clipboard";
 import { Icon } from "./icons";
 import { Words } from "./Words";
 
@@ -12,12 +13,7 @@ export function Banners() {
   const viewFault = useSelect((state) => state.viewFault);
   return (
     <div class="banners" role="alert">
-      {connection === "lost" && (
-        <p class="banner is-lost">
-          <Icon name="warning" />
-          <span>The command has ended; the page reconnects when it is started again.</span>
-        </p>
-      )}
+      {connection === "lost" && <Lost />}
       {viewFault && (
         <p class="banner">
           <Icon name="error" />
@@ -33,6 +29,24 @@ export function Banners() {
         <Banner fault={fault} end="" />
       ))}
     </div>
+  );
+}
+
+/** A command that is started again has another address, so that this page cannot go on with it. */
+function Lost() {
+  const store = useStore();
+  const { edits, unsaved } = useSelect((state) => state.document);
+  const copy = () => copyText(store, JSON.stringify(edits, null, 2));
+  return (
+    <p class="banner is-lost">
+      <Icon name="warning" />
+      <span>The connection is lost. If the command has ended, start it again and open the address that it prints.</span>
+      {unsaved && (
+        <button type="button" class="button is-small" title="As the text of a .tailor file, for --recipe" onClick={copy}>
+          Copy the unsaved edits
+        </button>
+      )}
+    </p>
   );
 }
 

@@ -3,6 +3,7 @@
 import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import type { SaveMessage } from "../protocol";
 import type { Store } from "../store";
+import { copyText } from "./clipboard";
 import { Segments } from "./controls";
 import { useLive, useSelect, useStore } from "./hooks";
 import { Faults } from "./OptionRow";
@@ -114,12 +115,8 @@ function verb(plan: SaveMessage | null, format: Format, isSure: boolean): string
 
 function saved(store: Store, path: string): void {
   const command = `usdtailor build ${quoted(path)} -o ${quoted(path.replace(/\.[^./\\]*$/, "") + "_tailored.usda")}`;
-  const copy = () =>
-    navigator.clipboard.writeText(command).then(
-      () => store.toast({ text: "Copied" }),
-      () => store.toast({ text: "The browser does not let the page copy; select the command instead." }),
-    );
-  store.toast({ text: `Saved ${path}`, code: command, action: { label: "Copy command", act: copy } });
+  const act = () => void copyText(store, command);
+  store.toast({ text: `Saved ${path}`, code: command, action: { label: "Copy command", act } });
 }
 
 function quoted(path: string): string {

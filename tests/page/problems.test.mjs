@@ -1,0 +1,98 @@
+// Warnings and errors are shown where they are.
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { assertClean, show } from "./support/browser.mjs";
+import { sewnShirt } from "./support/garments.mjs";
+import { differing } from "./support/png.mjs";
+import { example } from "./support/server.mjs";
+
+test("a warning that is clicked marks its place, and Escape ends the mark", async (t) => {
+  const preview = await show(t, example("sewn/coat.usda"));
+  const { page } = preview;
+  const before = await preview.picture();
+  const count = Number(/\d+/.exec(await page.getByTestId("warning-count").textContent()));
+  assert.ok(count > 0, "the coat has warnings");
+  await page.getByTestId("warning-count").click();
+  const warnings = page.locator("button.warning");
+  assert.equal(await warnings.count(), count);
+  for (let i = 0; i < count; i++)
+    assert.ok((await warnings.nth(i).innerText()).length > 40, "the problem and its cure");
+
+  const withPlace = page.locator('button.warning[title^="Show where"]').first();
+  await withPlace.click();
+  assert.equal(await withPlace.getAttribute("aria-pressed"), "true");
+  const marked = await preview.picture();
+  assert.ok(before.height !== marked.height || differing(before, marked) > 0.02, "the camera flies there");
+  await page.keyboard.press("Escape");
+  assert.equal(await withPlace.getAttribute("aria-pressed"), "false");
+  const ended = await preview.picture();
+  const share = differing(marked, ended);
+  assert.ok(share > 0.0002 && share < 0.5, `only the marks go: ${share}`);
+
+  await withPlace.click();
+  await withPlace.click();
+  assert.equal(await preview.state(({ marked }) => marked), null, "a second click ends it too");
+  assertClean(preview);
+});
+
+test("an option out of range is told beside it, and the last good mesh stays", async (t) => {
+  const preview = await show(t, sewnShirt(t));
+  const before = await preview.meshes();
+  await preview.set("render.level", 9);
+  const row = preview.row("render.level");
+  const fault = row.getByRole("alert");
+  await fault.waitFor();
+  assert.match(await fault.innerText(), /\w+ .+/s);
+  assert.equal(await preview.field("render.level").getAttribute("aria-invalid"), "true");
+  const notes = await preview.field("render.level").getAttribute("aria-describedby");
+  assert.ok(await row.locator(`[id="${notes}"] .fault`).isVisible(), "the field is described by its fault");
+  await preview.quiet();
+  assert.deepEqual(await preview.meshes(), before);
+
+  // An option that is good changes its mesh only when all of the recipe is.
+  await preview.page.keyboard.press("Control+z");
+  await fault.waitFor({ state: "detached" });
+  assert.equal(await preview.field("render.level").getAttribute("aria-invalid"), "false");
+  await preview.after("render", () => preview.set("render.level", 0));
+  assertClean(preview);
+});
+
+test("a seam without edges is an error in its card until it has some", async (t) => {
+  const preview = await show(t, sewnShirt(t));
+  const { page } = preview;
+  const before = await preview.meshes();
+  await preview.openCard("seam.side");
+  const row = preview.row("seam.side.edges");
+  await row.getByRole("button", { name: "Remove side_seams" }).click();
+  await row.getByRole("alert").waitFor();
+  assert.equal(await row.getByRole("group", { name: "Edges" }).getAttribute("aria-invalid"), "true");
+  assert.match(await preview.card("seam.side").getAttribute("class"), /has-fault/);
+  await preview.quiet();
+  assert.deepEqual(await preview.meshes(), before);
+  await row.getByRole("button", { name: "Add to Edges" }).click();
+  const menu = page.getByRole("menuitem", { name: "chest_line" });
+  await preview.after("render", () => menu.click());
+  assert.equal(await page.locator(".fault, .banner").count(), 0);
+  assert.doesNotMatch(await preview.card("seam.side").getAttribute("class"), /has-fault/);
+  assertClean(preview);
+});
+
+test("a field does not take what is no number", async (t) => {
+  const preview = await show(t, sewnShirt(t));
+  const field = preview.field("render.level");
+  await field.fill("much");
+  assert.equal(await field.getAttribute("aria-invalid"), "true");
+  await field.press("Enter");
+  assert.equal(await field.inputValue(), "1");
+  await field.fill("77");
+  await preview.after("render", () => field.press("Enter"));
+  const { most } = await preview.state(
+    ({ garment }) => garment.options.find(({ key }) => key === "render.level").domain,
+  );
+  assert.equal(await field.inputValue(), String(most), "the nearest value that may be");
+  await field.fill("0");
+  await field.press("Escape");
+  assert.equal(await field.inputValue(), String(most));
+  assertClean(preview);
+});

@@ -1,0 +1,103 @@
+// Options are changed by hand, and the meshes follow.
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { assertClean, show } from "./support/browser.mjs";
+import { sewnShirt } from "./support/garments.mjs";
+
+const OFFSET = "seam.side.normalOffset";
+
+async function shirt(t) {
+  const preview = await show(t, sewnShirt(t));
+  await preview.openCard("seam.side");
+  return preview;
+}
+
+const offsetOf = ({ merged }) => merged.seam.side.normalOffset;
+
+test("a dragged slider moves the points of the render mesh alone, as one step of undo", async (t) => {
+  const preview = await shirt(t);
+  const before = await preview.meshes();
+  const dragged = await preview.after("render", () => preview.drag(OFFSET, -0.2));
+  assert.notEqual(dragged.render.checksum, before.render.checksum);
+  assert.equal(dragged.render.faces, before.render.faces);
+  assert.deepEqual([dragged.sim, dragged.model], [before.sim, before.model]);
+  const { canUndo, edits, unsaved } = await preview.document();
+  assert.ok(canUndo && unsaved && edits.seam.side.normalOffset < -0.3);
+  const sent = await preview.evaluate(() => observed.sent.filter(({ type }) => type === "edit"));
+  assert.ok(sent.length > 2, "the mesh follows the hand");
+  assert.equal(new Set(sent.map(({ gesture }) => gesture)).size, 1);
+
+  const undone = await preview.after("render", () => preview.page.keyboard.press("Control+z"));
+  assert.deepEqual(undone, before);
+  assert.equal((await preview.document()).canUndo, false, "one drag is one step");
+  const redone = await preview.after("render", () => preview.page.keyboard.press("Control+Shift+Z"));
+  assert.deepEqual(redone, dragged);
+  assertClean(preview);
+});
+
+test("arrow keys on a slider step, ten at a time with shift", async (t) => {
+  const preview = await shirt(t);
+  const before = await preview.meshes();
+  const slider = preview.slider(OFFSET);
+  const step = Number(await slider.getAttribute("step"));
+  await slider.focus();
+  const near = (a, b) => Math.abs(a - b) < step / 1000;
+  const stepped = await preview.after("render", () => preview.page.keyboard.press("ArrowRight"));
+  const one = offsetOf(await preview.document());
+  assert.ok(one > -0.3 && one <= -0.3 + step * 1.001, `${one}`);
+  await preview.after("render", () => preview.page.keyboard.press("Shift+ArrowRight"));
+  const eleven = offsetOf(await preview.document());
+  assert.ok(near(eleven - one, 10 * step), `${eleven} after ${one}`);
+  assert.equal(stepped.render.faces, before.render.faces);
+  assert.deepEqual(stepped.sim, before.sim);
+});
+
+test("two drags are two steps", async (t) => {
+  const preview = await shirt(t);
+  const before = await preview.meshes();
+  const first = await preview.after("render", () => preview.drag(OFFSET, -0.1, 3));
+  await preview.after("render", () => preview.drag(OFFSET, -0.1, 3));
+  assert.deepEqual(await preview.after("render", () => preview.page.keyboard.press("Control+z")), first);
+  assert.deepEqual(await preview.after("render", () => preview.page.keyboard.press("Control+z")), before);
+  assert.equal((await preview.document()).canUndo, false);
+});
+
+test("an option of the simulation mesh leaves the render mesh as it is", async (t) => {
+  const preview = await show(t, sewnShirt(t));
+  const before = await preview.meshes();
+  const after = await preview.after("sim", () => preview.drag("sim.maxEdgeLength", 0.2, 3));
+  assert.ok(after.sim.faces < before.sim.faces, "longer edges are fewer");
+  assert.deepEqual([after.render, after.model], [before.render, before.model]);
+  assertClean(preview);
+});
+
+test("an edited option goes back to the garment's value", async (t) => {
+  const preview = await shirt(t);
+  const before = await preview.meshes();
+  const reset = preview.row(OFFSET).getByLabel("Reset Normal offset");
+  assert.ok(await reset.isDisabled());
+  await preview.after("render", async () => {
+    await preview.field(OFFSET).fill("-0.55");
+    await preview.page.keyboard.press("Enter");
+  });
+  assert.equal(offsetOf(await preview.document()), -0.55);
+  assert.deepEqual(await preview.after("render", () => reset.click()), before);
+  assert.deepEqual((await preview.document()).edits, {});
+  assert.ok(await reset.isDisabled());
+});
+
+test("the state before is shown while C is held, and the edit returns", async (t) => {
+  const preview = await shirt(t);
+  const before = await preview.meshes();
+  const after = await preview.after("render", () => preview.drag(OFFSET, -0.2, 3));
+  const held = await preview.after("render", () => preview.page.keyboard.down("c"));
+  assert.deepEqual(held, before);
+  assert.ok(await preview.page.getByText("Before the last change").isVisible());
+  const { comparing, edits } = await preview.document();
+  assert.ok(comparing && edits.seam.side.normalOffset < -0.3, "the edits stay");
+  const released = await preview.after("render", () => preview.page.keyboard.up("c"));
+  assert.deepEqual(released, after);
+  assert.equal((await preview.document()).canRedo, false);
+  await preview.page.getByText("Before the last change").waitFor({ state: "detached" });
+});

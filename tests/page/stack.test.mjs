@@ -1,0 +1,129 @@
+// Seams and folds are made, changed and removed.
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { assertClean, SCREEN, show } from "./support/browser.mjs";
+import { sewnShirt } from "./support/garments.mjs";
+import { example } from "./support/server.mjs";
+
+/** The place in the window of an edge of a set that a click there finds. */
+async function placeOf(preview, role, set) {
+  const places = await preview.evaluate(
+    ([role, name]) => {
+      const { sets, numbers } = observed.elements[role];
+      const { offset, length } = sets.find((set) => set.name === name);
+      const box = document.querySelector("canvas").getBoundingClientRect();
+      const found = [];
+      for (let i = offset; i < offset + length; i += 2) {
+        const ends = [numbers[i], numbers[i + 1]].map((point) => preview.view.project(role, point));
+        if (ends.includes(null)) continue;
+        const [a, b] = ends;
+        // Long edges are seen from the front.
+        const way = Math.hypot(a.x - b.x, a.y - b.y);
+        found.push({ x: box.x + (a.x + b.x) / 2, y: box.y + (a.y + b.y) / 2, way });
+      }
+      return found.sort((a, b) => b.way - a.way).slice(0, 12);
+    },
+    [role, set],
+  );
+  for (const { x, y } of places) {
+    await preview.page.mouse.move(x - 1, y);
+    await preview.page.mouse.move(x, y);
+    const isFound = (set) => preview.store.state.hovered?.sets.some(({ name }) => name === set);
+    const found = preview.when(isFound, set, 1500).then(
+      () => true,
+      () => false,
+    );
+    if (await found) return { x, y };
+  }
+  assert.fail(`no edge of ${set} is found on the ${role}`);
+}
+
+test("an edge that is clicked on the model becomes a seam", async (t) => {
+  const preview = await show(t, example("tshirt.usda"), { viewport: SCREEN });
+  const { x, y } = await placeOf(preview, "model", "chest_line");
+  assert.ok(await preview.page.locator(".hover-label", { hasText: "chest_line" }).isVisible());
+  await preview.page.mouse.click(x, y);
+  const popover = preview.page.getByRole("dialog", { name: "What was clicked" });
+  const row = popover.locator(".pick-row", { hasText: "chest_line" });
+  const before = await preview.meshes();
+  const after = await preview.after("render", () => row.getByRole("button", { name: "New seam" }).click());
+  await popover.waitFor({ state: "detached" });
+  assert.deepEqual(await preview.cards(), ["seam.chest_line"]);
+  await preview.card("seam.chest_line").locator(".card-body").waitFor();
+  assert.ok(after.render.faces > before.render.faces, "a seam has faces");
+  assert.deepEqual([after.sim, after.model], [before.sim, before.model]);
+  assert.deepEqual(await preview.state(({ products }) => products.render.operators), ["seam.chest_line"]);
+
+  await preview.page.mouse.click(x, y);
+  await row.getByRole("button", { name: "Go to seam chest_line" }).waitFor();
+  await preview.page.keyboard.press("Escape");
+  await popover.waitFor({ state: "detached" });
+  assertClean(preview);
+});
+
+test("a fold comes from the menu, and a copy has a name of its own", async (t) => {
+  const preview = await show(t, example("tshirt.usda"));
+  const before = await preview.meshes();
+  await preview.page.getByRole("button", { name: "New fold" }).click();
+  await preview.page.getByLabel("Find in New fold").fill("pock");
+  const folded = await preview.after("render", () => preview.page.keyboard.press("Enter"));
+  assert.deepEqual(await preview.cards(), ["thickness.pocket"]);
+  assert.ok(folded.render.faces > before.render.faces);
+
+  await preview.pickOf("thickness.pocket", "Duplicate");
+  await preview.card("thickness.pocket_2").waitFor();
+  const { edits } = await preview.document();
+  assert.deepEqual(edits.thickness.pocket_2, edits.thickness.pocket);
+  await preview.quiet();
+  await preview.pickOf("thickness.pocket_2", "Delete");
+  await preview.card("thickness.pocket_2").waitFor({ state: "detached" });
+  await preview.quiet();
+  assert.deepEqual((await preview.meshes()).render, folded.render);
+  assertClean(preview);
+});
+
+test("a seam is renamed, turned off and on, and deleted", async (t) => {
+  const preview = await show(t, example("tshirt.usda"));
+  const before = await preview.meshes();
+  await preview.page.getByRole("button", { name: "New seam" }).click();
+  const sewn = await preview.after("render", () => preview.page.getByRole("menuitem", { name: "armholes" }).click());
+
+  await preview.pickOf("seam.armholes", "Rename");
+  const field = preview.page.getByLabel("Name of armholes");
+  await field.fill("2nd one");
+  assert.equal(await field.getAttribute("aria-invalid"), "true");
+  await field.fill("sleeve");
+  await field.press("Enter");
+  await preview.card("seam.sleeve").waitFor();
+  await preview.quiet();
+  assert.deepEqual(await preview.cards(), ["seam.sleeve"]);
+  assert.deepEqual(await preview.state(({ products }) => products.render.operators), ["seam.sleeve"]);
+  assert.deepEqual((await preview.meshes()).render, sewn.render, "a name moves nothing");
+
+  const onOff = preview.card("seam.sleeve").getByRole("switch", { name: "sleeve on" });
+  assert.deepEqual((await preview.after("render", () => onOff.click())).render, before.render);
+  assert.match(await preview.card("seam.sleeve").getAttribute("aria-label"), /off$/);
+  assert.deepEqual((await preview.after("render", () => onOff.click())).render, sewn.render);
+  const deleted = await preview.after("render", () => preview.pickOf("seam.sleeve", "Delete"));
+  assert.deepEqual(deleted, before);
+  assert.deepEqual([await preview.cards(), (await preview.document()).edits], [[], {}]);
+  assertClean(preview);
+});
+
+test("an operator of the garment is turned off in place of deleted, and keeps its name", async (t) => {
+  const preview = await show(t, sewnShirt(t));
+  assert.deepEqual(await preview.cards(), ["seam.shoulder", "seam.side", "thickness.neck"]);
+  await preview.card("seam.side").getByRole("button", { name: "More of side" }).click();
+  const rename = preview.page.getByRole("menuitem", { name: "Rename" });
+  assert.equal(await rename.getAttribute("aria-disabled"), "true");
+  await preview.page.keyboard.press("Escape");
+  const before = await preview.meshes();
+  const after = await preview.after("render", () => preview.pickOf("seam.side", "Delete"));
+  assert.ok(after.render.faces < before.render.faces);
+  assert.deepEqual((await preview.document()).edits, { seam: { side: { enabled: false } } });
+  assert.equal((await preview.cards()).length, 3);
+  assert.equal(await preview.card("seam.side").getByRole("switch", { name: "side on" }).isChecked(), false);
+  await preview.page.getByText("“side” is authored in the garment; turned off").waitFor();
+  assertClean(preview);
+});

@@ -1,0 +1,71 @@
+// A browser for the tests of one file, and pages that note all that goes wrong in them.
+
+import assert from "node:assert/strict";
+import { after } from "node:test";
+import { chromium } from "playwright-core";
+import { observe } from "./observe.mjs";
+import { Preview } from "./preview.mjs";
+import { Server } from "./server.mjs";
+
+const FLAGS = [
+  "--use-angle=swiftshader",
+  "--enable-unsafe-swiftshader",
+  "--ignore-gpu-blocklist",
+  "--disable-quic",
+  "--no-first-run",
+  "--disable-background-networking",
+  "--disable-component-update",
+  "--disable-sync",
+];
+
+/** Drawing is slow without a GPU, so that windows are small where their size does not matter. */
+const SMALL = { width: 720, height: 480 };
+/** The smallest screen that the page is laid out for. */
+export const SCREEN = { width: 1280, height: 720 };
+
+let browser = null;
+
+async function launched() {
+  browser ??= chromium.launch({
+    executablePath: process.env.CHROMIUM,
+    chromiumSandbox: process.getuid?.() !== 0,
+    args: FLAGS,
+  });
+  return browser;
+}
+
+after(async () => (await browser)?.close());
+
+/** Opens the page of a server in a context of its own, and waits until all meshes are drawn. */
+export async function open(owner, server, { ready = true, ...options } = {}) {
+  const context = await (await launched()).newContext({ viewport: SMALL, ...options });
+  owner.after(() => context.close());
+  await context.addInitScript(observe);
+  const page = await context.newPage();
+  page.setDefaultTimeout(10_000);
+  const preview = new Preview(page, server);
+  await page.goto(server.address);
+  if (ready) await preview.isDrawn();
+  return preview;
+}
+
+/** A page of Playwright at an address, which is not that of the preview. */
+export async function blank(owner, address) {
+  const context = await (await launched()).newContext();
+  owner.after(() => context.close());
+  const page = await context.newPage();
+  await page.goto(address);
+  return page;
+}
+
+/** A server for a garment with one page. */
+export async function show(owner, garment, { args = [], ...options } = {}) {
+  return open(owner, await Server.start(owner, garment, ...args), options);
+}
+
+/** Nothing was thrown here or in the server, no error was logged, and no request went elsewhere. */
+export function assertClean({ problems, origins, server }) {
+  assert.deepEqual(problems, []);
+  assert.doesNotMatch(server.errors, /panicked/);
+  assert.deepEqual([...origins], [new URL(server.address).origin], "requests stay at the server");
+}
