@@ -1,4 +1,4 @@
-//! Messages between the server and the page, as `page/src/protocol.ts` declares them.
+//! Messages between the server and the page, as `page/src/server/protocol.ts` declares them.
 
 use crate::error::{Fault, Warning};
 use serde::{Deserialize, Serialize};

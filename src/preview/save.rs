@@ -121,10 +121,6 @@ impl Content {
 
     fn write_recipe_file(&self, file: &Path, overwrite: bool) -> Result<(), Error> {
         let text = self.recipe_file(file)?;
-        if file.exists() && !overwrite {
-            return Err(Error::new(ErrorKind::Usage, file.display(), "the file exists already")
-                .remedy("choose overwrite, or another name"));
-        }
         let fault = |e: std::io::Error| {
             Error::new(ErrorKind::Usage, file.display(), format!("cannot be written: {}", plain(&e))).caused_by(e)
         };
@@ -135,7 +131,15 @@ impl Content {
             .map_err(fault)?;
         temporary.write_all(text.as_bytes()).map_err(fault)?;
         self.verify(temporary.path())?;
-        temporary.persist(file).map(drop).map_err(|e| fault(e.error))
+        // A file that came up in the meantime is not lost either.
+        let kept = if overwrite { temporary.persist(file) } else { temporary.persist_noclobber(file) };
+        kept.map(drop).map_err(|e| match e.error.kind() {
+            std::io::ErrorKind::AlreadyExists => {
+                Error::new(ErrorKind::Usage, file.display(), "the file exists already")
+                    .remedy("choose overwrite, or another name")
+            }
+            _ => fault(e.error),
+        })
     }
 
     /// Checks that a written file gives the garment and the recipe that are on screen.

@@ -1,4 +1,4 @@
-//! Meshes as binary frames: a length, a JSON header and blocks of numbers (`page/src/protocol.ts` describes them).
+//! Meshes as binary frames: a length, a JSON header and blocks of numbers (`page/src/server/protocol.ts` describes them).
 //!
 //! A frame holds what is new since the last one of the same page. After an edit that moves points alone it is 12 bytes
 //! a point.

@@ -43,6 +43,7 @@ fn a_new_file_of_each_format_gives_the_recipe_on_screen() {
         let answer = save(&hub, &file.display().to_string(), false);
         assert_eq!((answer.status, answer.text), ("saved", planned.text.clone()), "{:?}", answer.fault);
         assert_eq!(recipe(&file), asked(&hub), "{name}");
+        assert_eq!(save(&hub, &file.display().to_string(), false).status, "refused", "{name} exists");
         if name == "a.usda" {
             assert_eq!(fs::read_to_string(&file).expect("the file"), planned.text);
             for part in ["TailorSeamAPI:side", "coat.usda@", "maxEdgeLength = 3.1\n", "normalOffset = -0.1\n"] {

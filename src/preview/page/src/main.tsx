@@ -1,9 +1,9 @@
 import { render } from "preact";
 import "./style.css";
 import { App } from "./panel/App";
-import { installKeys } from "./panel/keys";
-import type { Timing } from "./panel/stopwatch";
-import { Store } from "./store";
+import { installKeys } from "./state/keys";
+import type { Timing } from "./state/stopwatch";
+import { Store } from "./state/store";
 import type { View } from "./view/api";
 
 declare global {

@@ -1,12 +1,12 @@
 import { useLayoutEffect } from "preact/hooks";
-import type { Store } from "../store";
-import { StoreContext, useSelect } from "./hooks";
-import { KeysDialog } from "./KeysDialog";
+import type { Store } from "../state/store";
+import { StoreContext, useSelect } from "./controls/hooks";
+import { KeysDialog } from "./dialogs/KeysDialog";
 import { Banners, Toasts } from "./Notices";
-import { Recipe } from "./Recipe";
-import { SaveDialog } from "./SaveDialog";
-import { Stage } from "./Stage";
-import { Strip } from "./Strip";
+import { Recipe } from "./recipe/Recipe";
+import { SaveDialog } from "./dialogs/SaveDialog";
+import { Stage } from "./stage/Stage";
+import { Strip } from "./strip/Strip";
 import { TopBar } from "./TopBar";
 
 export function App({ store }: { store: Store }) {

@@ -1,10 +1,10 @@
 // Banners above the view, toasts, and words for screen readers.
 
-import type { Fault } from "../protocol";
-import { useSelect, useStore } from "./hooks";
-import { copyText } from "./clipboard";
-import { Icon } from "./icons";
-import { Words } from "./Words";
+import type { Fault } from "../server/protocol";
+import { useSelect, useStore } from "./controls/hooks";
+import { copyText } from "./dialogs/clipboard";
+import { Icon } from "./controls/icons";
+import { Words } from "./controls/Words";
 
 export function Banners() {
   const connection = useSelect((state) => state.connection);

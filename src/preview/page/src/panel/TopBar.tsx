@@ -1,8 +1,8 @@
 import { useRef } from "preact/hooks";
-import type { VariantSet } from "../protocol";
-import { IconButton, Select } from "./controls";
-import { useLive, useSelect, useStore } from "./hooks";
-import { Icon } from "./icons";
+import type { VariantSet } from "../server/protocol";
+import { IconButton, Select } from "./controls/controls";
+import { useLive, useSelect, useStore } from "./controls/hooks";
+import { Icon } from "./controls/icons";
 
 export function TopBar() {
   const store = useStore();

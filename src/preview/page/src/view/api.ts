@@ -1,6 +1,6 @@
 // What the view offers to the rest of the page. `view/index.ts` implements it.
 
-import type { MeshFrame, Role, Warning } from "../protocol";
+import type { MeshFrame, PickedSet, Role, Warning } from "../server/protocol";
 
 export type Layout = "side" | "over";
 /** The colour of faces. `values` is a painted primvar or a quality figure, as heat. */
@@ -19,12 +19,6 @@ export interface ViewOptions {
   /** The UV panels, flat, in place of the mesh in space. */
   flat: boolean;
   theme: "light" | "dark";
-}
-
-/** A set under the pointer. */
-export interface PickedSet {
-  name: string;
-  kind: "face" | "edge" | "point";
 }
 
 /** What is under the pointer. */

@@ -1,24 +1,24 @@
 // The view of the meshes: takes frames and options, draws when something changed, and tells what is under the pointer.
 
 import { Vector3 } from "three";
-import type { MeshFrame, Role, Warning } from "../protocol";
+import type { MeshFrame, Role, Warning } from "../server/protocol";
 import type { View, ViewEvents, ViewOptions, ViewStats } from "./api";
-import { poseOfAll, poseOfMarks, poseOfSets } from "./aims";
-import type { Sight } from "./aims";
-import { Cloth } from "./cloth";
-import { css, setColour } from "./colours";
+import { poseOfAll, poseOfMarks, poseOfSets } from "./camera/aims";
+import type { Sight } from "./camera/aims";
+import { Cloth } from "./mesh/cloth";
+import { css, setColour } from "./shade/colours";
 import { Hover } from "./hover";
 import { listen } from "./input";
 import type { Place } from "./input";
 import { columnAt, columns, sameColumns } from "./layout";
 import type { Column } from "./layout";
-import type { Pose } from "./motion";
-import { checksum } from "./points";
+import type { Pose } from "./camera/motion";
+import { checksum } from "./mesh/points";
 import { describe, onFace, Picker, toCanvas, toDevice } from "./picking";
 import type { Spot } from "./picking";
-import { FlatRig, SpaceRig, THREE_QUARTER } from "./rig";
-import type { Rig } from "./rig";
-import { placeGlow, placeMarks, shapesOf } from "./shapes";
+import { FlatRig, SpaceRig, THREE_QUARTER } from "./camera/rig";
+import type { Rig } from "./camera/rig";
+import { placeGlow, placeMarks, shapesOf } from "./mesh/shapes";
 import { Stage } from "./stage";
 import { Uploads } from "./uploads";
 

@@ -1,6 +1,6 @@
 // Where the meshes are on the canvas: columns from left to right.
 
-import type { Role } from "../protocol";
+import type { Role } from "../server/protocol";
 import type { ViewOptions } from "./api";
 
 /** The tool rail lies over the right side of the canvas. [CSS pixels] */

@@ -2,13 +2,13 @@
 
 import { Plane, Raycaster, Vector2, Vector3, WebGLRenderTarget } from "three";
 import type { Camera, WebGLRenderer } from "three";
-import type { Role } from "../protocol";
+import type { Role } from "../server/protocol";
 import type { Picked } from "./api";
-import type { Cloth } from "./cloth";
+import type { Cloth } from "./mesh/cloth";
 import type { Place } from "./input";
 import type { Column } from "./layout";
-import { ownerOf } from "./shapes";
-import { nextCorner } from "./topology";
+import { ownerOf } from "./mesh/shapes";
+import { nextCorner } from "./mesh/topology";
 
 /** How near the pointer is to an edge that is picked. [CSS pixels] */
 const REACH = 8;

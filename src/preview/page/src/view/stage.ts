@@ -2,16 +2,16 @@
 
 import { Group, Vector2, Vector3, WebGLRenderer } from "three";
 import type { IUniform } from "three";
-import type { Role } from "../protocol";
+import type { Role } from "../server/protocol";
 import type { Shading, ViewOptions } from "./api";
-import { Backdrop } from "./backdrop";
-import type { Cloth } from "./cloth";
-import { ACCENT, MARK } from "./colours";
+import { Backdrop } from "./shade/backdrop";
+import type { Cloth } from "./mesh/cloth";
+import { ACCENT, MARK } from "./shade/colours";
 import type { Column } from "./layout";
-import { Marks } from "./marks";
-import { Paint } from "./paint";
-import type { Box } from "./points";
-import type { Rig, SpaceRig } from "./rig";
+import { Marks } from "./mesh/marks";
+import { Paint } from "./shade/paint";
+import type { Box } from "./mesh/points";
+import type { Rig, SpaceRig } from "./camera/rig";
 
 const SHADINGS: Record<Shading, number> = { cloth: 0, faceSets: 1, checker: 2, values: 3 };
 

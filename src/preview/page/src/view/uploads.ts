@@ -1,6 +1,6 @@
 // The time that new buffers take, from a frame's arrival to the picture that shows them.
 
-import type { Role } from "../protocol";
+import type { Role } from "../server/protocol";
 import type { ViewEvents } from "./api";
 
 export class Uploads {

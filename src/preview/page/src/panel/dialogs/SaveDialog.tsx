@@ -1,0 +1,124 @@
+// Saves the edits as a USD layer or a `.tailor` file, after a look at what would be written.
+
+import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
+import type { SaveMessage } from "../../server/protocol";
+import type { Store } from "../../state/store";
+import { copyText } from "./clipboard";
+import { Segments } from "../controls/controls";
+import { useLive, useSelect, useStore } from "../controls/hooks";
+import { Faults } from "../recipe/OptionRow";
+
+type Format = "layer" | "recipe";
+
+/** Pause in typing after which the plan is asked for. [ms] */
+const PAUSE = 200;
+
+export function SaveDialog() {
+  const isOpen = useSelect(({ dialog }) => dialog === "save");
+  const suggested = useSelect(({ garment }) => garment?.suggested);
+  return isOpen && suggested ? <Dialog suggested={suggested} /> : null;
+}
+
+function Dialog({ suggested }: { suggested: { layer: string; recipe: string } }) {
+  const store = useStore();
+  const isLive = useLive();
+  const dialog = useRef<HTMLDialogElement>(null);
+  const [path, setPath] = useState(suggested.layer);
+  const [isSure, setSure] = useState(false);
+  const answer = useSelect((state) => state.save);
+  const format: Format = path.endsWith(".tailor") ? "recipe" : "layer";
+  const plan = answer?.path === path ? answer : null;
+
+  useLayoutEffect(() => dialog.current?.showModal(), []);
+  useEffect(() => {
+    setSure(false);
+    if (path.trim() === "") return;
+    const timer = setTimeout(() => store.command({ type: "plan", path }), PAUSE);
+    return () => clearTimeout(timer);
+  }, [path]);
+  useEffect(() => {
+    if (plan?.status !== "saved") return;
+    saved(store, plan.path);
+    store.update({ dialog: null, save: null });
+  }, [plan]);
+
+  const save = () => {
+    if (plan?.exists && !isSure) return setSure(true);
+    store.command({ type: "save", path, overwrite: plan?.exists ?? false });
+  };
+  return (
+    <dialog
+      class="dialog save"
+      ref={dialog}
+      aria-labelledby="save-title"
+      onClose={() => store.update({ dialog: null })}
+    >
+      <form
+        onSubmit={(event) => {
+          event.preventDefault();
+          save();
+        }}
+      >
+        <h2 id="save-title">Save the edits</h2>
+        <Segments
+          label="Format"
+          value={format}
+          choices={[
+            { value: "layer", label: "USD layer", hint: "A layer over the garment, for any program that reads USD" },
+            { value: "recipe", label: ".tailor file", hint: "JSON with the options, for usdtailor and its plugin" },
+          ]}
+          change={(format) => setPath(suggested[format])}
+        />
+        <label class="field">
+          Path
+          <input
+            type="text"
+            value={path}
+            spellcheck={false}
+            autocomplete="off"
+            aria-invalid={plan?.fault != null}
+            aria-describedby="save-fault save-note"
+            onInput={({ currentTarget }) => setPath(currentTarget.value)}
+          />
+        </label>
+        <p id="save-fault" class="save-fault" aria-live="polite">
+          {plan?.fault && <Faults faults={[plan.fault]} />}
+        </p>
+        <div class="field">
+          <span>{plan?.exists ? "The file exists. It would then hold:" : "What would be written"}</span>
+          <pre class={plan ? "" : "is-waiting"} tabIndex={0} aria-label="What would be written">
+            {plan?.text || (plan ? "" : "…")}
+          </pre>
+        </div>
+        <p id="save-note" class="save-note">
+          {plan?.note}
+        </p>
+        <footer>
+          <button type="button" class="button" onClick={() => dialog.current?.close()}>
+            Cancel
+          </button>
+          <button type="submit" class={`button is-main ${isSure ? "is-danger" : ""}`} disabled={!isLive || !plan}>
+            {verb(plan, format, isSure)}
+          </button>
+        </footer>
+      </form>
+    </dialog>
+  );
+}
+
+/** A layer keeps what else is in it, a `.tailor` file is replaced. */
+function verb(plan: SaveMessage | null, format: Format, isSure: boolean): string {
+  if (!plan?.exists) return "Save";
+  const word = format === "layer" ? "Update" : "Overwrite";
+  return isSure ? `${word}: click again` : word;
+}
+
+function saved(store: Store, path: string): void {
+  const command = `usdtailor build ${quoted(path)} -o ${quoted(path.replace(/\.[^./\\]*$/, "") + "_tailored.usda")}`;
+  const act = () => void copyText(store, command);
+  store.toast({ text: `Saved ${path}`, code: command, action: { label: "Copy command", act } });
+}
+
+function quoted(path: string): string {
+  return /^[\w@%+=:,./-]+$/.test(path) ? path : `'${path.replaceAll("'", `'\\''`)}'`;
+}

@@ -1,0 +1,77 @@
+// Edge or face sets as chips, with a menu of those that may be added.
+
+import type { SetInfo } from "../../server/protocol";
+import { useSelect, useStore } from "../controls/hooks";
+import { Icon } from "../controls/icons";
+import { MenuButton, type MenuItem } from "../controls/Menu";
+
+const NONE: SetInfo[] = [];
+
+export function useSets(of: "edgeSet" | "faceSet"): SetInfo[] {
+  const sets = useSelect(({ garment }) => garment?.sets) ?? NONE;
+  return sets.filter(({ kind }) => kind === (of === "edgeSet" ? "edge" : "face"));
+}
+
+/** The colour that a set has in the view. */
+export function Swatch({ set }: { set: string | undefined }) {
+  const store = useStore();
+  // Colours may be new with a mesh or another theme.
+  useSelect(({ drawn }) => drawn);
+  useSelect(({ settings }) => settings.theme);
+  return <i class="chip" style={{ background: (set && store.view?.colourOf(set)) || "var(--line-strong)" }} />;
+}
+
+interface SetChipsProps {
+  label: string;
+  describedBy: string;
+  invalid: boolean;
+  of: "edgeSet" | "faceSet";
+  names: string[];
+  change(names: string[]): void;
+}
+
+export function SetChips({ label, describedBy, invalid, of, names, change }: SetChipsProps) {
+  const store = useStore();
+  const sets = useSets(of);
+  const items = (): MenuItem[] =>
+    sets
+      .filter(({ name }) => !names.includes(name))
+      .map(({ name, count, kind }) => ({
+        label: name,
+        detail: `${count} ${kind}s`,
+        chip: store.view?.colourOf(name),
+        pick: () => change([...names, name]),
+        hover: (on) => store.highlight(on ? [name] : null),
+      }));
+  return (
+    <span class="chips" role="group" aria-label={label} aria-describedby={describedBy} aria-invalid={invalid}>
+      {names.map((name) => (
+        <span
+          key={name}
+          class={`set-chip ${sets.some((set) => set.name === name) ? "" : "is-missing"}`}
+          title={sets.some((set) => set.name === name) ? name : `${name} is not in the garment`}
+          onPointerEnter={() => store.highlight([name])}
+          onPointerLeave={() => store.highlight(null)}
+        >
+          <Swatch set={name} />
+          <span class="set-chip-name">{name}</span>
+          <button
+            type="button"
+            aria-label={`Remove ${name}`}
+            title={`Remove ${name}`}
+            onClick={() => {
+              store.highlight(null);
+              change(names.filter((each) => each !== name));
+            }}
+          >
+            <Icon name="close" />
+          </button>
+        </span>
+      ))}
+      <MenuButton label={`Add to ${label}`} class="add-chip" items={items} empty="All sets are in">
+        <Icon name="plus" />
+        {names.length === 0 && "Add"}
+      </MenuButton>
+    </span>
+  );
+}

@@ -1,0 +1,91 @@
+// Seams and folded edges as cards, in the order in which they run.
+
+import { useRef } from "preact/hooks";
+import type { GarmentMessage, Kind, SetInfo } from "../../server/protocol";
+import { setsOf, stack, type Stacked } from "../../state/recipe";
+import { Card } from "./Card";
+import { useDrag } from "./drag";
+import { useSelect, useStore } from "../controls/hooks";
+import { Icon } from "../controls/icons";
+import { MenuButton, type MenuItem } from "../controls/Menu";
+import { addOperator, moveOperator } from "../../state/operators";
+import type { State } from "../../state/state";
+
+export const KIND_NAMES: Record<Kind["name"], string> = { seam: "seam", thickness: "fold" };
+
+export function Stack() {
+  const store = useStore();
+  const merged = useSelect(({ document }) => document.merged);
+  const kinds = useSelect(({ garment }) => garment?.kinds) ?? [];
+  const list = useRef<HTMLDivElement>(null);
+  const operators = stack(merged);
+  const drag = useDrag(list, (full, to) => moveOperator(store, full, to));
+  if (operators.length === 0) {
+    return <p class="empty">No seams and no folds yet. Take an edge or a face set, or click on the garment.</p>;
+  }
+  return (
+    <div class="cards" role="list" aria-label="Operators in the order in which they run" ref={list}>
+      {operators.map((operator, place) => {
+        const kind = kinds.find(({ name }) => name === operator.kind);
+        if (!kind) return null;
+        const props = { operator, kind, place, count: operators.length };
+        return <Card key={operator.full} {...props} handle={drag.handle(operator.full)} drag={drag.style(place)} />;
+      })}
+    </div>
+  );
+}
+
+export function NewOperator() {
+  const store = useStore();
+  const kinds = useSelect(({ garment }) => garment?.kinds) ?? [];
+  return (
+    <div class="new-operator">
+      {kinds.map((kind) => (
+        <MenuButton
+          key={kind.name}
+          label={`New ${KIND_NAMES[kind.name]}`}
+          hint={`A ${KIND_NAMES[kind.name]} along ${kind.sets.of === "edgeSet" ? "an edge set" : "the border of a face set"}`}
+          class="button"
+          items={() => choices(kind, store.state).map((set) => item(kind, set))}
+          empty={`The garment has no ${kind.sets.of === "edgeSet" ? "edge" : "face"} sets`}
+        >
+          <Icon name={kind.name} />
+          New {KIND_NAMES[kind.name]}
+        </MenuButton>
+      ))}
+    </div>
+  );
+
+  function item(kind: Kind, { name, count, kind: elements, section }: SetInfo & { section: string }): MenuItem {
+    return {
+      label: name,
+      detail: `${count} ${elements}s`,
+      chip: store.view?.colourOf(name),
+      section,
+      pick: () => addOperator(store, kind, name),
+      hover: (on) => store.highlight(on ? [name] : null),
+    };
+  }
+}
+
+/** Sets that no operator of the kind uses come first. */
+function choices(kind: Kind, { garment, document }: State): (SetInfo & { section: string })[] {
+  const used = usedSets(
+    garment,
+    stack(document.merged).filter((each) => each.kind === kind.name),
+    document.merged,
+  );
+  const fitting = (garment?.sets ?? []).filter((set) => set.kind === (kind.sets.of === "edgeSet" ? "edge" : "face"));
+  return [
+    ...fitting.filter(({ name }) => !used.has(name)).map((set) => ({ ...set, section: "Not in use" })),
+    ...fitting.filter(({ name }) => used.has(name)).map((set) => ({ ...set, section: "In use" })),
+  ];
+}
+
+function usedSets(
+  garment: GarmentMessage | null,
+  operators: Stacked[],
+  merged: State["document"]["merged"],
+): Set<string> {
+  return new Set(operators.flatMap((operator) => setsOf(merged, operator, garment?.kinds ?? [])));
+}

@@ -1,0 +1,109 @@
+// The 3D view and what floats over it.
+
+import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
+import { setsOf, stack } from "../../state/recipe";
+import { useSelect, useStore } from "../controls/hooks";
+import { Legend } from "./Legend";
+import { PickPopover } from "./PickPopover";
+import { ROLE_NAMES, ROLES } from "../../state/settings";
+import { Swatch } from "../recipe/SetChips";
+import { SideBar, ToolBar } from "./ToolBar";
+
+export function Stage() {
+  const store = useStore();
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const comparing = useSelect(({ document }) => document.comparing);
+  useLayoutEffect(() => {
+    if (canvas.current) store.start(canvas.current);
+  }, [store]);
+  return (
+    <main class="stage" aria-label="Garment">
+      <canvas
+        ref={canvas}
+        tabIndex={0}
+        aria-label="The garment in 3D"
+        onPointerLeave={() => store.update({ hovered: null })}
+      />
+      <FirstLoad />
+      <Progress />
+      <ToolBar />
+      <SideBar />
+      <Legend />
+      <HoverLabel />
+      <PickPopover />
+      {comparing && <p class="comparing">Before the last change</p>}
+    </main>
+  );
+}
+
+/** Shorter work needs no bar, which would flicker. [ms] */
+const PATIENCE = 300;
+
+function Progress() {
+  const progress = useSelect((state) => state.progress);
+  const [, render] = useState(0);
+  const active = ROLES.flatMap((role) => {
+    const work = progress[role];
+    return work ? [{ ...work, role }] : [];
+  });
+  const first = Math.min(...active.map(({ since }) => since));
+  useEffect(() => {
+    if (active.length === 0) return;
+    const timer = setTimeout(() => render((n) => n + 1), Math.max(0, first + PATIENCE - performance.now()));
+    return () => clearTimeout(timer);
+  }, [first]);
+  const late = active.filter(({ since }) => performance.now() - since >= PATIENCE - 1);
+  if (late.length === 0) return null;
+  return (
+    <div class="progress" role="progressbar" aria-label="Working">
+      <i />
+      <span>
+        {late
+          .map(({ role, step }) => `${role === "model" ? ROLE_NAMES[role] : `${ROLE_NAMES[role]} mesh`}: ${step}`)
+          .join(" · ")}
+      </span>
+    </div>
+  );
+}
+
+function FirstLoad() {
+  const isDrawn = useSelect(({ drawn }) => drawn > 0);
+  const fault = useSelect(({ viewFault }) => viewFault);
+  const file = useSelect(({ garment }) => garment?.file);
+  if (isDrawn || fault) return null;
+  return (
+    <div class="first-load" role="status">
+      <svg viewBox="0 0 220 90" width="220" height="90" aria-hidden="true">
+        <path class="cloth-edge" d="M6 52C40 20 72 78 108 46s70-32 106-6" />
+        <path class="thread" pathLength={100} d="M6 64C40 32 72 90 108 58s70-32 106-6" />
+      </svg>
+      <p>{file ? `Laying out ${file}` : "Waiting for the garment"}</p>
+    </div>
+  );
+}
+
+/** Names the sets under the pointer. Face sets are everywhere, so only those of a fold are named. */
+function HoverLabel() {
+  const hovered = useSelect((state) => state.hovered);
+  const clicked = useSelect((state) => state.clicked);
+  const garment = useSelect((state) => state.garment);
+  const merged = useSelect(({ document }) => document.merged);
+  if (!hovered || clicked || !garment) return null;
+  const operators = stack(merged).map((each) => ({ ...each, sets: setsOf(merged, each, garment.kinds) }));
+  const labels = hovered.sets.flatMap(({ name, kind }) => {
+    const users = operators.filter(({ sets }) => sets.includes(name)).map(({ full }) => full);
+    return kind === "edge" || users.length > 0 ? [{ name, users }] : [];
+  });
+  if (labels.length === 0) return null;
+  return (
+    <div class="hover-label" style={{ left: `${hovered.x + 14}px`, top: `${hovered.y + 16}px` }} aria-hidden="true">
+      {labels.map(({ name, users }) => (
+        <span key={name}>
+          <Swatch set={name} />
+          {name}
+          {users.length > 0 && <em>{users.join(", ")}</em>}
+        </span>
+      ))}
+    </div>
+  );
+}

@@ -1,0 +1,132 @@
+// Bars over the view: which meshes, how they are shaded, and what is drawn over them.
+
+import type { Shading } from "../../view/api";
+import { IconButton, Segments, Select, Toggle } from "../controls/controls";
+import { useSelect, useStore } from "../controls/hooks";
+import { toggleRole } from "../../state/keys";
+import { paintedChoices, QUALITIES, ROLE_NAMES, ROLES } from "../../state/settings";
+
+const SHADINGS: { value: Shading; label: string; hint: string }[] = [
+  { value: "cloth", label: "Cloth", hint: "Plain cloth" },
+  { value: "faceSets", label: "Face sets", hint: "A colour for each face set" },
+  { value: "checker", label: "UV checker", hint: "A checker in the UV set" },
+  { value: "values", label: "Heat", hint: "A painted primvar or a quality figure, as colour" },
+];
+
+export function ToolBar() {
+  const store = useStore();
+  const settings = useSelect((state) => state.settings);
+  return (
+    <div class="tool-bar" role="toolbar" aria-label="Meshes and shading">
+      <span class="roles" role="group" aria-label="Meshes">
+        {ROLES.map((role, i) => (
+          <button
+            type="button"
+            key={role}
+            class="role"
+            aria-pressed={settings.roles.includes(role)}
+            title={`Show or hide (${i + 1})`}
+            onClick={() => toggleRole(store, i)}
+          >
+            {ROLE_NAMES[role]}
+          </button>
+        ))}
+      </span>
+      <Segments
+        label="Layout"
+        value={settings.layout}
+        choices={[
+          { value: "side", label: "Side by side", icon: "side" },
+          { value: "over", label: "Over one another", icon: "over" },
+        ]}
+        change={(layout) => store.settings({ layout })}
+      />
+      <Segments
+        label="Shading"
+        value={settings.shading}
+        choices={SHADINGS}
+        change={(shading) => store.settings({ shading })}
+      />
+      {settings.shading === "values" && <HeatSelect />}
+    </div>
+  );
+}
+
+function HeatSelect() {
+  const store = useStore();
+  const garment = useSelect((state) => state.garment);
+  const values = useSelect(({ settings }) => settings.values);
+  const options = (choices: { name: string; label: string }[]) =>
+    choices.map(({ name, label }) => ({ value: name, label }));
+  return (
+    <Select
+      label="Heat of"
+      value={values ?? ""}
+      groups={[
+        { label: "Painted", choices: options(paintedChoices(garment)) },
+        { label: "Simulation mesh", choices: options(QUALITIES) },
+      ]}
+      change={(values) => store.settings({ values })}
+    />
+  );
+}
+
+export function SideBar() {
+  const store = useStore();
+  const { wires, edgeSets, flat, smooth } = useSelect((state) => state.settings);
+  return (
+    <div class="side-bar" role="toolbar" aria-orientation="vertical" aria-label="Drawing">
+      <Toggle
+        label="Wires"
+        icon="wires"
+        hint="Edges of the mesh (W)"
+        on={wires}
+        change={(wires) => store.settings({ wires })}
+      />
+      <Toggle
+        label="Edge sets"
+        icon="edgeSets"
+        hint="Edge sets and seams, each in its colour"
+        on={edgeSets}
+        change={(edgeSets) => store.settings({ edgeSets })}
+      />
+      <Toggle
+        label="Flat panels"
+        icon="flat"
+        hint="The UV panels, flat"
+        on={flat}
+        change={(flat) => store.settings({ flat })}
+      />
+      <hr />
+      <Segments
+        label="Display smoothing"
+        value={smooth}
+        choices={[0, 1, 2].map((level) => ({
+          value: level,
+          label: String(level),
+          hint: `Subdivide ${level === 0 ? "not at all" : level === 1 ? "once" : "twice"} for display only`,
+        }))}
+        change={(smooth) => store.settings({ smooth })}
+      />
+      <hr />
+      <IconButton
+        label="Frame"
+        icon="frame"
+        hint="Frame what is marked, or everything (F)"
+        act={() => store.view?.frame()}
+      />
+      <IconButton label="Screenshot" icon="camera" hint="Save the picture as PNG" act={screenshot} />
+    </div>
+  );
+
+  async function screenshot(): Promise<void> {
+    const blob = await store.view?.screenshot();
+    if (!blob) return;
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(blob);
+    link.download = `${(store.state.garment?.file ?? "garment").replace(/\.[^.]*$/, "")}.png`;
+    link.click();
+    // The download starts after this turn of the event loop.
+    setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
+  }
+}

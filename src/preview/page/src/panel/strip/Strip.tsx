@@ -1,0 +1,187 @@
+// The strip below the view: figures of both meshes, times, warnings.
+
+import type { ProductMessage } from "../../server/protocol";
+import { IconButton } from "../controls/controls";
+import { useSelect, useStore } from "../controls/hooks";
+import { Icon } from "../controls/icons";
+import { count, degrees, milliseconds, percent } from "../controls/numbers";
+import { ROLE_NAMES } from "../../state/settings";
+import { warningsOf } from "../../state/state";
+import type { Timing } from "../../state/stopwatch";
+import { Warnings } from "./Warnings";
+
+export function Strip() {
+  const store = useStore();
+  const isOpen = useSelect(({ settings }) => settings.figures);
+  const roles = useSelect(({ settings }) => settings.roles);
+  const products = useSelect((state) => state.products);
+  const lastEdit = useSelect((state) => state.lastEdit);
+  const garment = useSelect((state) => state.garment);
+  const warnings = warningsOf({ garment, products });
+  const toggle = () => store.settings({ figures: !isOpen });
+  return (
+    <section class={`strip ${isOpen ? "is-open" : ""}`} aria-label="Figures and warnings">
+      <div class="strip-bar">
+        <Brief
+          name="Simulation"
+          isShown={roles.includes("sim")}
+          product={products.sim}
+          figures={simBrief(products.sim)}
+        />
+        <Brief name="Render" isShown={roles.includes("render")} product={products.render} figures={[]} />
+        <span class="strip-space" />
+        {lastEdit && (
+          <span class="brief" title="From your last edit until it was drawn">
+            Edit <b data-testid="last-edit">{milliseconds(lastEdit.total)}</b>
+          </span>
+        )}
+        <WarningCount count={warnings.length} isOpen={isOpen} toggle={toggle} />
+        <IconButton label={isOpen ? "Hide figures" : "Show figures"} icon={isOpen ? "down" : "up"} act={toggle} />
+      </div>
+      {isOpen && (
+        <div class="strip-body">
+          <SimFigures product={products.sim} />
+          <RenderFigures product={products.render} />
+          <Times timing={lastEdit} />
+          <Warnings warnings={warnings} />
+        </div>
+      )}
+    </section>
+  );
+}
+
+function WarningCount({ count, isOpen, toggle }: { count: number; isOpen: boolean; toggle(): void }) {
+  const words = count === 0 ? "No warnings" : count === 1 ? "1 warning" : `${count} warnings`;
+  return (
+    <button
+      type="button"
+      class={`warning-count ${count > 0 ? "has-some" : ""}`}
+      aria-expanded={isOpen}
+      title="Show the list"
+      onClick={toggle}
+    >
+      <Icon name={count > 0 ? "warning" : "check"} />
+      <span data-testid="warning-count">{words}</span>
+    </button>
+  );
+}
+
+interface BriefProps {
+  name: string;
+  isShown: boolean;
+  product: ProductMessage | undefined;
+  figures: [string, string][];
+}
+
+function Brief({ name, isShown, product, figures }: BriefProps) {
+  const hint = isShown ? undefined : "Hidden: these are the figures of its last build";
+  return (
+    <span class={`brief ${isShown ? "" : "is-hidden"}`} title={hint}>
+      {name}
+      {product ? (
+        <>
+          <b>{count(product.figures.vertices)}</b> points <b>{count(product.figures.faces)}</b> faces
+          {figures.map(([term, figure]) => (
+            <span class="brief-more" key={term}>
+              {term} <b>{figure}</b>
+            </span>
+          ))}
+        </>
+      ) : (
+        <span>–</span>
+      )}
+    </span>
+  );
+}
+
+function simBrief(product: ProductMessage | undefined): [string, string][] {
+  const figures = product?.figures ?? {};
+  return [
+    ["smallest angle", degrees(figures.minAngle)],
+    ["under 30°", percent(figures.shareUnder30)],
+    ["length error", percent(figures.lengthErrorRms)],
+  ];
+}
+
+function SimFigures({ product }: { product: ProductMessage | undefined }) {
+  const figures = product?.figures ?? {};
+  return (
+    <Figures
+      title={`${ROLE_NAMES.sim} mesh`}
+      rows={[
+        ["Points", count(figures.vertices)],
+        ["Triangles", count(figures.faces)],
+        ["Smallest angle", degrees(figures.minAngle)],
+        ["Triangles under 30°", percent(figures.shareUnder30)],
+        ["Length error (RMS)", percent(figures.lengthErrorRms)],
+      ]}
+    />
+  );
+}
+
+function RenderFigures({ product }: { product: ProductMessage | undefined }) {
+  const figures = product?.figures ?? {};
+  return (
+    <Figures
+      title={`${ROLE_NAMES.render} mesh`}
+      rows={[
+        ["Points", count(figures.vertices)],
+        ["Faces", count(figures.faces)],
+        ["Quads", percent(figures.quads)],
+        ["Operators that ran", product ? String(product.operators.length) : "–"],
+      ]}
+    />
+  );
+}
+
+function Figures({ title, rows }: { title: string; rows: [string, string][] }) {
+  return (
+    <div class="figures">
+      <h3>{title}</h3>
+      <dl>
+        {rows.map(([term, figure]) => (
+          <div key={term}>
+            <dt>{term}</dt>
+            <dd>{figure}</dd>
+          </div>
+        ))}
+      </dl>
+    </div>
+  );
+}
+
+const PARTS = ["build", "encode", "transfer", "upload"] as const;
+
+/** The parts of the last edit's time. What is in none of them is waiting, such as for the next frame. */
+function Times({ timing }: { timing: Timing | null }) {
+  if (!timing) return <Figures title="Last edit" rows={PARTS.map((part) => [part, "–"])} />;
+  const known = PARTS.reduce((sum, part) => sum + timing[part], 0);
+  return (
+    <div class="figures">
+      <h3>
+        Last edit <span>{ROLE_NAMES[timing.role].toLowerCase()}</span>
+      </h3>
+      <div class="times-bar" aria-hidden="true">
+        {PARTS.map((part) => (
+          <i key={part} class={`is-${part}`} style={{ flexGrow: timing[part] }} />
+        ))}
+        <i style={{ flexGrow: Math.max(0, timing.total - known) }} />
+      </div>
+      <dl>
+        {PARTS.map((part) => (
+          <div key={part}>
+            <dt>
+              <i class={`time-dot is-${part}`} />
+              {part[0].toUpperCase() + part.slice(1)}
+            </dt>
+            <dd>{milliseconds(timing[part])}</dd>
+          </div>
+        ))}
+        <div class="is-total">
+          <dt>Until drawn</dt>
+          <dd>{milliseconds(timing.total)}</dd>
+        </div>
+      </dl>
+    </div>
+  );
+}

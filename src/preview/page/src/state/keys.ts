@@ -1,0 +1,89 @@
+// Keys of the whole page.
+
+import type { Store } from "./store";
+import { ROLES } from "./settings";
+
+export const KEYS: [string, string][] = [
+  ["Ctrl Z", "Undo"],
+  ["Ctrl Shift Z", "Redo, also Ctrl Y"],
+  ["C", "Hold to see the garment before the last change"],
+  ["Ctrl S", "Save"],
+  ["F", "Frame what is marked, or everything"],
+  ["W", "Edges of the mesh"],
+  ["1 2 3", "Show or hide model, simulation mesh, render mesh"],
+  ["Alt ↑ ↓", "Move the focused card in the stack"],
+  ["Shift ↑ ↓", "Ten steps at a time on a slider or in a number field"],
+  ["Drag", "Turn the view; with the right button or Shift, pan"],
+  ["Wheel", "Zoom to the pointer"],
+  ["Esc", "End a mark, close what is open"],
+  ["?", "This list"],
+];
+
+export function installKeys(store: Store): void {
+  addEventListener("keydown", (event) => {
+    if (document.querySelector("dialog[open]")) return;
+    if (event.ctrlKey || event.metaKey) withControl(store, event);
+    else if (!event.altKey && !isTyping(event.target)) plain(store, event);
+  });
+  const endCompare = () => isComparing && compare(store, false);
+  addEventListener("keyup", ({ key }) => key.toLowerCase() === "c" && endCompare());
+  addEventListener("blur", endCompare);
+}
+
+function withControl(store: Store, event: KeyboardEvent): void {
+  const key = event.key.toLowerCase();
+  if (key === "s") {
+    event.preventDefault();
+    if (store.state.connection === "open" && store.state.garment) store.update({ dialog: "save", save: null });
+    return;
+  }
+  const isRedo = key === "y" || (key === "z" && event.shiftKey);
+  if ((key !== "z" && key !== "y") || keepsUndo(event.target)) return;
+  event.preventDefault();
+  const { canUndo, canRedo } = store.state.document;
+  if (isRedo ? canRedo : canUndo) store.command({ type: isRedo ? "redo" : "undo" });
+}
+
+function plain(store: Store, event: KeyboardEvent): void {
+  const { settings, document } = store.state;
+  const key = event.key.toLowerCase();
+  if (key === "f") store.view?.frame();
+  if (key === "w") store.settings({ wires: !settings.wires });
+  if (key === "?") store.update({ dialog: "keys" });
+  if (key === "c" && !event.repeat && document.canUndo) compare(store, true);
+  if (key === "escape") escape(store);
+  if ("123".includes(key) && key.length === 1) toggleRole(store, Number(key) - 1);
+}
+
+function escape(store: Store): void {
+  if (store.state.clicked) store.update({ clicked: null });
+  else store.mark(null);
+}
+
+let isComparing = false;
+
+function compare(store: Store, on: boolean): void {
+  isComparing = on;
+  store.command({ type: "compare", on });
+}
+
+/** Shows or hides a mesh; the last one stays. */
+export function toggleRole(store: Store, index: number): void {
+  const role = ROLES[index];
+  const { roles } = store.state.settings;
+  const next = ROLES.filter((each) => (each === role ? !roles.includes(each) : roles.includes(each)));
+  if (next.length > 0) store.settings({ roles: next });
+}
+
+const NO_TEXT = ["range", "checkbox", "radio", "button"];
+
+function isTyping(target: EventTarget | null): boolean {
+  if (target instanceof HTMLInputElement) return !NO_TEXT.includes(target.type);
+  return target instanceof HTMLTextAreaElement || target instanceof HTMLSelectElement;
+}
+
+/** A field with text that is not taken yet has an undo of its own. */
+function keepsUndo(target: EventTarget | null): boolean {
+  const isText = isTyping(target) && !(target instanceof HTMLSelectElement);
+  return isText && target instanceof HTMLElement && target.dataset.clean === undefined;
+}

@@ -1,0 +1,106 @@
+// Changes of the stack: operators that are added, copied, renamed, moved, removed.
+
+import type { Fields, Kind, Options } from "../server/protocol";
+import { fullName, isEnabled, listOf, merged, operatorAt, stack, uniqueName } from "./recipe";
+import { withOperator, withOrder, withValue, ORDER, type Operator } from "./recipe";
+import type { Store } from "./store";
+
+/** Depth of a new seam as a share of the mean edge: little, and still to be seen. */
+const GROOVE = -0.05;
+
+export function addOperator(store: Store, kind: Kind, set: string): void {
+  const { document, garment } = store.state;
+  const name = uniqueName(document.merged, kind.name, set);
+  const fields: Fields = { [kind.sets.field]: [set] };
+  if (kind.name === "seam") fields.normalOffset = Number((GROOVE * (garment?.meanEdge ?? 1)).toPrecision(2));
+  insert(store, { kind: kind.name, name }, fields, null);
+}
+
+export function duplicateOperator(store: Store, operator: Operator): void {
+  const { document } = store.state;
+  const name = uniqueName(document.merged, operator.kind, operator.name);
+  insert(store, { kind: operator.kind, name }, { ...operatorAt(document.merged, operator) }, fullName(operator));
+}
+
+function insert(store: Store, operator: Operator, fields: Fields, after: string | null): void {
+  const { edits, upstream } = store.state.document;
+  const list = listOf(store.state.document.merged);
+  const full = fullName(operator);
+  let changed = withOperator(edits, operator, fields);
+  if (list.length > 0) changed = withOrder(changed, upstream, inserted(list, full, after));
+  store.edit(changed);
+  reveal(store, full);
+}
+
+function inserted(list: string[], full: string, after: string | null): string[] {
+  const at = after === null ? -1 : list.indexOf(after);
+  return at < 0 ? [...list, full] : [...list.slice(0, at + 1), full, ...list.slice(at + 1)];
+}
+
+export function isUpstream(store: Store, operator: Operator): boolean {
+  return operatorAt(store.state.document.upstream, operator) !== undefined;
+}
+
+/** Removes an operator that was added here, and turns one of the garment off, since its layer is not ours. */
+export function deleteOperator(store: Store, operator: Operator): void {
+  if (isUpstream(store, operator)) {
+    setEnabled(store, operator, false);
+    store.toast({ text: `“${operator.name}” is authored in the garment; turned off` });
+    return;
+  }
+  const { edits } = store.state.document;
+  const full = fullName(operator);
+  store.edit(withListed(withOperator(edits, operator, undefined), (list) => list.filter((each) => each !== full)));
+  store.highlight(null);
+}
+
+export function renameOperator(store: Store, operator: Operator, name: string): void {
+  const { edits } = store.state.document;
+  const [before, after] = [fullName(operator), fullName({ kind: operator.kind, name })];
+  const moved = withOperator(
+    withOperator(edits, operator, undefined),
+    { kind: operator.kind, name },
+    {
+      ...operatorAt(edits, operator),
+    },
+  );
+  store.edit(withListed(moved, (list) => list.map((each) => (each === before ? after : each))));
+  if (store.state.open.has(before)) store.openCard(after, true);
+  store.openCard(before, false);
+}
+
+/** The edits with another list of operators, if they have one. */
+function withListed(edits: Options, change: (list: string[]) => string[]): Options {
+  const list = edits.render?.operators;
+  return Array.isArray(list) ? withValue(edits, ORDER, change(list)) : edits;
+}
+
+export function setEnabled(store: Store, operator: Operator, on: boolean): void {
+  store.set(`${fullName(operator)}.enabled`, on);
+}
+
+export function toggleEnabled(store: Store, operator: Operator): void {
+  setEnabled(store, operator, !isEnabled(store.state.document.merged, operator));
+}
+
+/** Moves an operator to a place of the stack, from 0. */
+export function moveOperator(store: Store, full: string, to: number): void {
+  const { edits, upstream } = store.state.document;
+  const order = stack(merged(upstream, edits)).map((each) => each.full);
+  const from = order.indexOf(full);
+  if (from < 0 || to < 0 || to >= order.length || from === to) return;
+  const others = order.filter((each) => each !== full);
+  const moved = [...others.slice(0, to), full, ...others.slice(to)];
+  store.edit(withOrder(edits, upstream, moved));
+  store.update({ spoken: `${full} is now ${to + 1} of ${order.length}` });
+}
+
+/** Opens a card and brings it into sight. */
+export function reveal(store: Store, full: string): void {
+  store.openCard(full, true);
+  requestAnimationFrame(() => {
+    const card = document.querySelector<HTMLElement>(`[data-card="${CSS.escape(full)}"]`);
+    card?.scrollIntoView({ block: "nearest", behavior: "smooth" });
+    card?.focus({ preventScroll: true });
+  });
+}

@@ -1,0 +1,256 @@
+// The state of the page and all that changes it. Components read the state and call methods; the server's messages and
+// the view's events come in here too.
+
+import { Connection } from "../server/connection";
+import { EditQueue } from "./editQueue";
+import { Gestures } from "./gesture";
+import { onSystemTheme, paintedChoices, QUALITIES, ROLES, saveSettings, viewOptions } from "./settings";
+import type { Settings } from "./settings";
+import { initialState, warningsOf, type State, type Toast } from "./state";
+import { Stopwatch } from "./stopwatch";
+import type { GarmentMessage, MeshFrame, Options, PageMessage, ProductMessage, ProgressMessage } from "../server/protocol";
+import type { Role, ServerMessage, StateMessage, Value, Warning } from "../server/protocol";
+import { merged, placeFaults, setsOf, stack, withoutValue, withValue } from "./recipe";
+import { createView } from "../view/index";
+import type { Picked, View } from "../view/api";
+
+export class Store {
+  state = initialState();
+  view: View | null = null;
+  readonly gestures = new Gestures();
+  readonly stopwatch = new Stopwatch();
+  readonly #listeners = new Set<() => void>();
+  readonly #queue = new EditQueue((message) => this.send(message));
+  #connection: Connection | null = null;
+  /** Roles whose mesh the view has, so that an update of another one has nothing to update. */
+  readonly #held = new Set<Role>();
+  #toastCount = 0;
+
+  subscribe(listener: () => void): () => void {
+    this.#listeners.add(listener);
+    return () => this.#listeners.delete(listener);
+  }
+
+  update(change: Partial<State>): void {
+    this.state = { ...this.state, ...change };
+    if (change.faults || change.document || change.garment) {
+      const { faults, garment, document } = this.state;
+      this.state.placed = placeFaults([...faults.recipe, ...faults.sim, ...faults.render], garment, document.merged);
+    }
+    for (const listener of this.#listeners) listener();
+  }
+
+  /** Draws on the canvas and connects to the server. */
+  start(canvas: HTMLCanvasElement): void {
+    onSystemTheme((theme) => this.#show({ theme }));
+    try {
+      this.view = createView(canvas, viewOptions(this.state.settings), {
+        hover: (hovered) => this.#hover(hovered),
+        click: (clicked) => this.update({ clicked }),
+        drawn: (role, revision, upload) => this.#drawn(role, revision, upload),
+      });
+    } catch (error) {
+      this.update({ viewFault: error instanceof Error ? error.message : String(error) });
+    }
+    this.#connection = new Connection({
+      message: (message) => this.#receive(message),
+      mesh: (frame) => this.#mesh(frame),
+      connected: (is) => (is ? this.#connected() : this.#disconnected()),
+    });
+  }
+
+  send(message: PageMessage): void {
+    this.#connection?.send(message);
+  }
+
+  // ---- Edits
+
+  /** Replaces the edits. Changes of a drag or a run of key presses are one gesture, others are one each. */
+  edit(edits: Options, how: "step" | "continuous" = "step"): void {
+    const gesture = how === "step" ? this.gestures.next() : this.gestures.current;
+    this.#queue.push(edits, gesture, this.gestures.input);
+    const { document } = this.state;
+    const whole = merged(document.upstream, edits);
+    this.update({ document: { ...document, edits, merged: whole, unsaved: true, canUndo: true, canRedo: false } });
+  }
+
+  set(key: string, value: Value, how: "step" | "continuous" = "step"): void {
+    this.edit(withValue(this.state.document.edits, key, value), how);
+  }
+
+  reset(key: string): void {
+    const { edits, upstream } = this.state.document;
+    this.edit(withoutValue(edits, key, upstream));
+  }
+
+  /** A message that acts on the document, after the edits that come before it. */
+  command(message: PageMessage): void {
+    this.#queue.flush();
+    this.stopwatch.command();
+    this.send(message);
+  }
+
+  // ---- What is shown
+
+  settings(changed: Partial<Settings>): void {
+    saveSettings(changed);
+    this.#show(changed);
+  }
+
+  #show(changed: Partial<Settings>): void {
+    const before = this.#wanted();
+    const settings = this.#withHeat({ ...this.state.settings, ...changed });
+    this.update({ settings, ...(settings.shading === "values" ? {} : { heat: null }) });
+    const dropped = [...this.#held].filter((role) => role !== "model" && !settings.roles.includes(role));
+    for (const role of dropped) this.#drop(role);
+    this.view?.setOptions(viewOptions(settings));
+    const wanted = this.#wanted();
+    if (JSON.stringify(before) !== JSON.stringify(wanted)) this.send(wanted);
+  }
+
+  /** Heat needs something to show. */
+  #withHeat(settings: Settings): Settings {
+    const names = [...paintedChoices(this.state.garment), ...QUALITIES].map(({ name }) => name);
+    const isKnown = settings.values !== null && names.includes(settings.values);
+    return settings.shading !== "values" || isKnown ? settings : { ...settings, values: names[0] };
+  }
+
+  #drop(role: Role): void {
+    this.#held.delete(role);
+    this.view?.remove(role);
+  }
+
+  /** The model is always needed, for marks and picking. */
+  #wanted(): PageMessage {
+    const { roles, smooth, shading, flat, values } = this.state.settings;
+    return {
+      type: "view",
+      roles: ROLES.filter((role) => role === "model" || roles.includes(role)),
+      smooth,
+      uv: shading === "checker" || flat,
+      values: shading === "values" ? values : null,
+    };
+  }
+
+  /** Highlights sets, or else those of the marked warning. */
+  highlight(sets: string[] | null): void {
+    this.view?.highlight(sets ?? this.state.marked?.names ?? []);
+  }
+
+  /** Marks the elements of a warning and flies there; null ends it. */
+  mark(warning: Warning | null): void {
+    this.update({ marked: warning });
+    const hasElements = warning && Object.values(warning.elements).some((list) => list.length > 0);
+    this.view?.mark(hasElements ? warning.elements : null);
+    this.highlight(null);
+  }
+
+  openCard(full: string, isOpen: boolean): void {
+    const open = new Set(this.state.open);
+    if (isOpen) open.add(full);
+    else open.delete(full);
+    this.update({ open });
+  }
+
+  toast(toast: Omit<Toast, "id">): void {
+    const id = ++this.#toastCount;
+    this.update({ toasts: [...this.state.toasts, { ...toast, id }] });
+    setTimeout(() => this.dismiss(id), toast.action ? 20_000 : 7_000);
+  }
+
+  dismiss(id: number): void {
+    this.update({ toasts: this.state.toasts.filter((toast) => toast.id !== id) });
+  }
+
+  // ---- The view's events
+
+  /** Edges are thin, so that a highlight under the pointer does not flicker as one of faces would. */
+  #hover(hovered: Picked | null): void {
+    this.update({ hovered });
+    const { document, garment } = this.state;
+    const used = stack(document.merged).flatMap((each) => setsOf(document.merged, each, garment?.kinds ?? []));
+    const edges = (hovered?.sets ?? []).filter(({ kind, name }) => kind === "edge" && used.includes(name));
+    this.highlight(edges.length > 0 ? edges.map(({ name }) => name) : null);
+  }
+
+  #drawn(role: Role, revision: number, upload: number): void {
+    const timing = this.stopwatch.drawn(role, revision, upload);
+    const isEdit = timing?.edited !== null;
+    this.update({ drawn: this.state.drawn + 1, ...(timing && isEdit ? { lastEdit: timing } : {}) });
+  }
+
+  // ---- The server's messages
+
+  #connected(): void {
+    this.#queue.reset();
+    this.update({ connection: "open" });
+    this.send(this.#wanted());
+  }
+
+  #disconnected(): void {
+    if (this.state.connection !== "open") return;
+    this.update({ connection: "lost", progress: {} });
+  }
+
+  #receive(message: ServerMessage): void {
+    switch (message.type) {
+      case "garment":
+        return this.#garment(message);
+      case "state":
+        return this.#document(message);
+      case "faults":
+        return this.update({ faults: { ...this.state.faults, [message.origin]: message.faults } });
+      case "product":
+        return this.#product(message);
+      case "progress":
+        return this.#progress(message);
+      case "save":
+        return this.update({ save: message });
+    }
+  }
+
+  #garment(garment: GarmentMessage): void {
+    this.update({ garment });
+    this.view?.setUp(garment.upAxis);
+    document.title = `${garment.file} · usdtailor`;
+    // What heat shows may be gone.
+    this.#show({});
+  }
+
+  #document(message: StateMessage): void {
+    const { serial, type: _, ...state } = message;
+    this.stopwatch.revision(message.revision, this.#queue.inputOf(serial));
+    const current = this.state.document;
+    const edits = this.#queue.isBehind(serial) ? current.edits : state.edits;
+    this.update({ document: { ...state, edits, merged: merged(state.upstream, edits) } });
+  }
+
+  #product(product: ProductMessage): void {
+    const { marked } = this.state;
+    const products = { ...this.state.products, [product.role]: product };
+    this.update({ products });
+    const all = warningsOf({ garment: this.state.garment, products });
+    const same = all.find(({ code, place }) => code === marked?.code && place === marked.place);
+    if (same && marked) this.update({ marked: same });
+    else if (marked) this.mark(null);
+  }
+
+  #progress({ role, step }: ProgressMessage): void {
+    const progress = { ...this.state.progress };
+    if (step === null) delete progress[role];
+    else progress[role] = { step, since: progress[role]?.since ?? performance.now() };
+    this.update({ progress });
+  }
+
+  #mesh(frame: MeshFrame): void {
+    const { role, replaces, values } = frame.header;
+    const isWanted = role === "model" || this.state.settings.roles.includes(role);
+    // Frames that were on their way while the mesh was hidden.
+    if (!isWanted || (!replaces && !this.#held.has(role))) return;
+    this.#held.add(role);
+    // A quality figure is of one mesh, so that the others have no values.
+    if (values) this.update({ heat: values });
+    this.view?.update(frame);
+    this.stopwatch.replaced(frame);
+  }
+}

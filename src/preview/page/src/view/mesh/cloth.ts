@@ -1,0 +1,245 @@
+// A mesh on the graphics card. Triangles are static and point into textures, so that a frame with new positions sends
+// those only.
+
+import { BufferAttribute, BufferGeometry, Group, Mesh, Sphere, UnsignedByteType, Vector2 } from "three";
+import type { DataTexture, RawShaderMaterial } from "three";
+import type { MeshFrame } from "../../server/protocol";
+import { computeNormals } from "./normals";
+import type { Paint } from "../shade/paint";
+import { copyPoints } from "./points";
+import type { Box } from "./points";
+import { BORDER, CLASSES, HIDDEN } from "../shade/classes";
+import { edgeClasses, fillFaces, Membership, palette, readSets } from "./sets";
+import { SetLines } from "./setLines";
+import type { ElementSet } from "./sets";
+import { byteTexture, floatTexture, integers, texture } from "./textures";
+import { Edges, startsOf, triangulate } from "./topology";
+import type { Faces, Triangles } from "./topology";
+
+/** One topology of one role. */
+export class Cloth {
+  /** The triangles and the lines of sets. */
+  readonly object = new Group();
+  readonly solid: Mesh<BufferGeometry, RawShaderMaterial>;
+  readonly lines: SetLines;
+  readonly edges: Edges;
+  readonly pointCount: number;
+  /** x, y, z and an unused number of each point. */
+  readonly points: Float32Array;
+  readonly normals: Float32Array;
+  readonly faces: Faces;
+  /** -1 if faces run the other way round, so that normals point inwards. */
+  readonly handed: 1 | -1;
+  readonly triangles: Triangles;
+  box: Box = { least: [0, 0, 0], most: [0, 0, 0] };
+  /** u, v of each corner, or empty. */
+  uvs: Float32Array = new Float32Array(0);
+  sets: ElementSet[] = [];
+  membership: Membership;
+  #highlighted: ReadonlySet<string> = new Set();
+  readonly #pointTexture: DataTexture;
+  readonly #normalTexture: DataTexture;
+  readonly #faceTexture: DataTexture;
+  readonly #palette: DataTexture;
+  readonly #geometry = new BufferGeometry();
+
+  constructor(
+    frame: MeshFrame,
+    readonly paint: Paint,
+  ) {
+    const points = frame.f32("points") ?? new Float32Array(0);
+    this.handed = frame.header.leftHanded ? -1 : 1;
+    this.pointCount = points.length / 3;
+    this.faces = {
+      starts: startsOf(frame.u32("faceCounts") ?? new Uint32Array(0)),
+      corners: (frame.u32("facePoints") ?? new Uint32Array(0)).slice(),
+      shown: frame.u8("edges")?.slice() ?? null,
+      owner: frame.u32("faceOf")?.slice() ?? null,
+    };
+    this.#pointTexture = floatTexture(this.pointCount);
+    this.#normalTexture = floatTexture(this.pointCount);
+    this.#faceTexture = byteTexture(this.faceCount);
+    this.#palette = texture(new Uint8Array(4 * CLASSES), CLASSES, UnsignedByteType);
+    this.points = (this.#pointTexture.image.data as Float32Array).subarray(0, 4 * this.pointCount);
+    this.normals = (this.#normalTexture.image.data as Float32Array).subarray(0, 4 * this.pointCount);
+    this.edges = new Edges(this.faces, this.pointCount);
+    this.membership = new Membership([], this.edges);
+    this.#setPoints(points);
+    this.triangles = triangulate(this.faces, this.points, frame.u32("holes"));
+    this.#bind();
+    this.#addAttributes();
+    this.solid = new Mesh(this.#geometry, this.paint.solid);
+    this.solid.frustumCulled = false;
+    this.lines = new SetLines(this.paint);
+    this.object.add(this.solid, this.lines.mesh);
+    this.#setRest(frame);
+    if (!frame.header.sets) this.#paintSets();
+  }
+
+  get faceCount(): number {
+    return this.faces.starts.length - 1;
+  }
+
+  get hasUvs(): boolean {
+    return this.uvs.length > 0;
+  }
+
+  /** Takes the blocks of a frame that keeps the faces. */
+  update(frame: MeshFrame): void {
+    const points = frame.f32("points");
+    if (points && points.length === 3 * this.pointCount) this.#setPoints(points);
+    this.#setRest(frame);
+  }
+
+  highlight(names: ReadonlySet<string>): void {
+    const had = this.sets.some((set) => this.#highlighted.has(set.name));
+    const has = this.sets.some((set) => names.has(set.name));
+    this.#highlighted = names;
+    if (had || has) this.#paintSets();
+  }
+
+  /** Thickens the first of these edge sets that the mesh has. */
+  setHot(names: string[]): void {
+    const set = this.sets.find(({ name, kind }) => kind === "edge" && name === names[0]);
+    this.paint.uniforms.uHot.value = set ? set.edgeClass : -1;
+  }
+
+  dispose(): void {
+    this.#geometry.dispose();
+    this.lines.dispose();
+    for (const map of [this.#pointTexture, this.#normalTexture, this.#faceTexture, this.#palette]) map.dispose();
+  }
+
+  #setPoints(points: Float32Array): void {
+    this.box = copyPoints(points, this.points);
+    computeNormals(this.points, this.faces, this.normals);
+    this.#pointTexture.needsUpdate = true;
+    this.#normalTexture.needsUpdate = true;
+  }
+
+  /** All but the points and the faces. */
+  #setRest(frame: MeshFrame): void {
+    const { header } = frame;
+    const uvs = frame.f32("uvs");
+    if (uvs) this.#setUvs(uvs);
+    if (uvs && !header.sets) this.#paintSets();
+    if (header.sets) {
+      this.sets = readSets(header.sets, frame.u32("elements"));
+      this.membership = new Membership(this.sets, this.edges);
+      (this.#palette.image.data as Uint8Array).set(palette(this.sets));
+      this.#palette.needsUpdate = true;
+      this.#paintSets();
+    }
+    const values = frame.f32("values");
+    if (header.values && values) this.#setValues(values, header.values.of, header.values.least, header.values.most);
+    if (header.values === null) this.#geometry.deleteAttribute("aValue");
+    this.paint.uniforms.uHasValues.value = this.#geometry.hasAttribute("aValue");
+  }
+
+  #setUvs(uvs: Float32Array): void {
+    this.uvs = uvs.length === 2 * this.faces.corners.length ? uvs.slice() : new Float32Array(0);
+    this.paint.uniforms.uHasUv.value = this.hasUvs;
+    this.paint.uniforms.uSquares.value = squares(this.uvs);
+    if (!this.hasUvs) return;
+    const array = this.#attribute("aUv", 2);
+    const { corners } = this.triangles;
+    for (let at = 0; at < corners.length; at++) {
+      array[2 * at] = this.uvs[2 * corners[at]];
+      array[2 * at + 1] = this.uvs[2 * corners[at] + 1];
+    }
+  }
+
+  #setValues(values: Float32Array, of: "point" | "corner" | "face", least: number, most: number): void {
+    const array = this.#attribute("aValue", 1);
+    const { corners, faces } = this.triangles;
+    for (let at = 0; at < corners.length; at++) {
+      const corner = corners[at];
+      const index = { point: this.faces.corners[corner], corner, face: faces[(at / 3) | 0] }[of];
+      array[at] = values[index];
+    }
+    (this.paint.uniforms.uRange.value as Vector2).set(least, most);
+  }
+
+  #paintSets(): void {
+    fillFaces(this.#faceTexture.image.data as Uint8Array, this.sets, this.#highlighted);
+    this.#faceTexture.needsUpdate = true;
+    const classes = edgeClasses(this.edges, this.sets, this.#highlighted);
+    const attribute = this.#geometry.getAttribute("aEdges") as BufferAttribute;
+    this.#fillEdges(attribute.array as Uint8Array, classes);
+    attribute.needsUpdate = true;
+    this.lines.set(this, classes);
+  }
+
+  /** Classes of the edges of each triangle: first to second corner, second to third, third to first. */
+  #fillEdges(array: Uint8Array, classes: Uint8Array): void {
+    const { corners, faces } = this.triangles;
+    const { starts, shown } = this.faces;
+    const classAt = (face: number, from: number, to: number): number => {
+      const next = from + 1 < starts[face + 1] ? from + 1 : starts[face];
+      if (to !== next || (shown && !shown[from])) return HIDDEN;
+      const edge = this.edges.ofCorner[from];
+      return classes[edge] | (this.edges.uses[edge] === 1 ? BORDER : 0);
+    };
+    for (let triangle = 0; triangle < faces.length; triangle++) {
+      const face = faces[triangle];
+      const a = corners[3 * triangle];
+      const b = corners[3 * triangle + 1];
+      const c = corners[3 * triangle + 2];
+      const ab = classAt(face, a, b);
+      const bc = classAt(face, b, c);
+      const ca = classAt(face, c, a);
+      for (let at = 12 * triangle; at < 12 * triangle + 12; at += 4) {
+        array[at] = ab;
+        array[at + 1] = bc;
+        array[at + 2] = ca;
+      }
+    }
+  }
+
+  #addAttributes(): void {
+    const { corners, faces } = this.triangles;
+    const points = new Uint32Array(corners.length);
+    const owners = new Uint32Array(corners.length);
+    for (let at = 0; at < corners.length; at++) {
+      points[at] = this.faces.corners[corners[at]];
+      owners[at] = faces[(at / 3) | 0];
+    }
+    this.#geometry.setAttribute("aPoint", integers(points, 1));
+    this.#geometry.setAttribute("aFace", integers(owners, 1));
+    this.#geometry.setAttribute("aEdges", integers(new Uint8Array(4 * corners.length), 4));
+    this.#geometry.setDrawRange(0, corners.length);
+    // It is not there to be computed, as positions are in a texture.
+    this.#geometry.boundingSphere = new Sphere();
+  }
+
+  /** The array of a float attribute, which is made when first needed. */
+  #attribute(name: string, size: number): Float32Array {
+    const known = this.#geometry.getAttribute(name) as BufferAttribute | undefined;
+    const attribute = known ?? new BufferAttribute(new Float32Array(size * this.triangles.corners.length), size);
+    if (!known) this.#geometry.setAttribute(name, attribute);
+    attribute.needsUpdate = true;
+    return attribute.array as Float32Array;
+  }
+
+  /** The materials of the role draw this mesh from now on. */
+  #bind(): void {
+    const { uniforms } = this.paint;
+    uniforms.uPoints.value = this.#pointTexture;
+    uniforms.uNormals.value = this.#normalTexture;
+    uniforms.uFaces.value = this.#faceTexture;
+    uniforms.uPalette.value = this.#palette;
+    uniforms.uHanded.value = this.handed;
+    uniforms.uHasUv.value = false;
+  }
+}
+
+/** Squares of the checker along one unit: 32 over the range of the UVs, as a power of two. */
+function squares(uvs: Float32Array): number {
+  let least = Infinity;
+  let most = -Infinity;
+  for (const value of uvs) {
+    if (value < least) least = value;
+    if (value > most) most = value;
+  }
+  return most > least ? 2 ** Math.round(Math.log2(32 / (most - least))) : 32;
+}

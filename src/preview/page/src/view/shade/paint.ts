@@ -1,0 +1,83 @@
+// The materials of one role. They outlive its meshes, as a program is compiled anew when its last material goes.
+
+import {
+  CustomBlending,
+  DoubleSide,
+  GLSL3,
+  OneFactor,
+  RawShaderMaterial,
+  Vector2,
+  Vector3,
+  ZeroFactor,
+} from "three";
+import type { IUniform } from "three";
+import type { Role } from "../../server/protocol";
+import { CLOTH_FRAGMENT, CLOTH_VERTEX } from "./clothShader";
+import { OVERLAYS } from "./colours";
+import { SET_LINE_FRAGMENT, SET_LINE_VERTEX } from "./setLineShader";
+
+export class Paint {
+  /** What the mesh sets, and what all meshes share. */
+  readonly uniforms: Record<string, IUniform>;
+  readonly solid: RawShaderMaterial;
+  /** Wires over another mesh. */
+  readonly overlay: RawShaderMaterial;
+  /** Numbers of faces in place of colours. */
+  readonly pick: RawShaderMaterial;
+  readonly lines: RawShaderMaterial;
+
+  constructor(role: Role, shared: Record<string, IUniform>) {
+    this.uniforms = { ...shared, ...ownUniforms(role) };
+    const level = { ...this.uniforms, uOverlay: { value: false }, uBias: { value: 0 } };
+    const over = { ...this.uniforms, uOverlay: { value: true } };
+    this.solid = cloth({ uniforms: level });
+    this.overlay = cloth({ uniforms: over, transparent: true, depthWrite: false });
+    this.pick = cloth({ uniforms: level, defines: { PICK: true } });
+    this.lines = lines(this.uniforms);
+  }
+}
+
+function ownUniforms(role: Role): Record<string, IUniform> {
+  return {
+    uPoints: { value: null },
+    uNormals: { value: null },
+    uFaces: { value: null },
+    uPalette: { value: null },
+    uHasUv: { value: false },
+    uHasValues: { value: false },
+    uSquares: { value: 32 },
+    uRange: { value: new Vector2(0, 1) },
+    uHanded: { value: 1 },
+    uHot: { value: -1 },
+    uOver: { value: false },
+    uWireColour: { value: new Vector3(...OVERLAYS[role]) },
+  };
+}
+
+function cloth(parameters: ConstructorParameters<typeof RawShaderMaterial>[0]): RawShaderMaterial {
+  return new RawShaderMaterial({
+    vertexShader: CLOTH_VERTEX,
+    fragmentShader: CLOTH_FRAGMENT,
+    glslVersion: GLSL3,
+    side: DoubleSide,
+    forceSinglePass: true,
+    ...parameters,
+  });
+}
+
+function lines(uniforms: Record<string, IUniform>): RawShaderMaterial {
+  return new RawShaderMaterial({
+    vertexShader: SET_LINE_VERTEX,
+    fragmentShader: SET_LINE_FRAGMENT,
+    glslVersion: GLSL3,
+    side: DoubleSide,
+    alphaToCoverage: true,
+    // Alpha says how much of the pixel is covered; the canvas stays opaque.
+    blending: CustomBlending,
+    blendSrc: OneFactor,
+    blendDst: ZeroFactor,
+    blendSrcAlpha: OneFactor,
+    blendDstAlpha: OneFactor,
+    uniforms,
+  });
+}
