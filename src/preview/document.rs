@@ -1,5 +1,6 @@
 //! The options that were changed in the preview, with undo and redo.
 
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::collections::VecDeque;
 
@@ -8,6 +9,16 @@ pub type Options = Map<String, Value>;
 
 /// Steps of undo that are kept.
 const HISTORY: usize = 200;
+
+/// A state that is shown in place of the edits, for comparison.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub enum Before {
+    /// Before the last step.
+    Step,
+    /// As it was last saved, or else opened.
+    Saved,
+}
 
 /// The edits of all pages over the options of the garment.
 #[derive(Debug, Default)]
@@ -18,8 +29,8 @@ pub struct Document {
     /// The gesture of the last step. Edits of one gesture, such as one drag, are one step.
     gesture: String,
     saved: Options,
-    /// True while the state before the last step is shown.
-    pub comparing: bool,
+    /// The state that is shown in place of the edits.
+    pub comparing: Option<Before>,
 }
 
 impl Document {
@@ -30,7 +41,7 @@ impl Document {
 
     /// Replaces the edits.
     pub fn edit(&mut self, edits: Options, gesture: String) {
-        self.comparing = false;
+        self.comparing = None;
         if edits == self.edits {
             return;
         }
@@ -66,9 +77,13 @@ impl Document {
         &self.edits
     }
 
-    /// The edits that are shown: those before the last step while comparing.
+    /// The edits that are shown: earlier ones while comparing.
     pub fn shown(&self) -> &Options {
-        self.past.back().filter(|_| self.comparing).unwrap_or(&self.edits)
+        match self.comparing {
+            None => &self.edits,
+            Some(Before::Step) => self.past.back().unwrap_or(&self.edits),
+            Some(Before::Saved) => &self.saved,
+        }
     }
 
     /// True if there is a step to go back.
@@ -140,14 +155,16 @@ mod tests {
     }
 
     #[test]
-    fn the_state_before_is_shown_while_comparing() {
+    fn an_earlier_state_is_shown_while_comparing() {
         let mut document = Document::new(level(0));
-        document.comparing = true;
-        assert_eq!(document.shown(), &level(0));
         document.edit(level(1), String::new());
-        assert_eq!(document.shown(), &level(1), "an edit ends the comparison");
-        document.comparing = true;
-        assert_eq!((document.shown(), document.edits()), (&level(0), &level(1)));
+        document.edit(level(2), String::new());
+        for (before, shown) in [(Before::Step, level(1)), (Before::Saved, level(0))] {
+            document.comparing = Some(before);
+            assert_eq!((document.shown(), document.edits()), (&shown, &level(2)));
+        }
+        document.edit(level(3), String::new());
+        assert_eq!(document.shown(), &level(3), "an edit ends the comparison");
     }
 
     #[test]

@@ -4,7 +4,7 @@
 //! products do not wait for one another. Results that are the same as before keep their `Arc`, by which pages know that
 //! they have them.
 
-use super::document::{Document, Options};
+use super::document::{Before, Document, Options};
 use super::messages::{Message, Origin, PlainFault, Role};
 use super::stage::Stage;
 use crate::build::{Builder, Progress};
@@ -61,7 +61,7 @@ pub struct State {
     can_undo: bool,
     can_redo: bool,
     unsaved: bool,
-    comparing: bool,
+    comparing: Option<Before>,
 }
 
 impl State {

@@ -1,5 +1,6 @@
 //! Messages between the server and the page, as `page/src/server/protocol.ts` declares them.
 
+use super::document::Before;
 use crate::error::{Fault, Warning};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -36,7 +37,7 @@ pub enum Request {
     Edit { serial: u64, gesture: String, edits: Map<String, Value> },
     Undo,
     Redo,
-    Compare { on: bool },
+    Compare { with: Option<Before> },
     Variant { prim: String, set: String, choice: String },
     View(View),
     Reload,
@@ -97,7 +98,7 @@ pub enum Message<'a> {
         can_undo: bool,
         can_redo: bool,
         unsaved: bool,
-        comparing: bool,
+        comparing: Option<Before>,
     },
     Faults {
         origin: Origin,

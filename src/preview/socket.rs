@@ -17,7 +17,7 @@ pub async fn run(mut socket: WebSocket, hub: Arc<Hub>) {
     client.serve(&mut socket, &hub).await;
     if client.comparing {
         // Nobody is left to end it.
-        hub.edit(|document| document.comparing = false);
+        hub.edit(|document| document.comparing = None);
     }
 }
 
@@ -75,9 +75,9 @@ impl Client {
             }
             Request::Undo => hub.edit(|document| document.undo()),
             Request::Redo => hub.edit(|document| document.redo()),
-            Request::Compare { on } => {
-                self.comparing = on;
-                hub.edit(|document| document.comparing = on);
+            Request::Compare { with } => {
+                self.comparing = with.is_some();
+                hub.edit(|document| document.comparing = with);
             }
             Request::Variant { prim, set, choice } => hub.select(Selection { prim, set, choice }),
             Request::View(view) => {

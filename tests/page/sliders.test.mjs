@@ -87,6 +87,19 @@ test("an edited option goes back to the garment's value", async (t) => {
   assert.ok(await reset.isDisabled());
 });
 
+test("the state as it was opened is shown while Shift and C are held", async (t) => {
+  const preview = await shirt(t);
+  const before = await preview.meshes();
+  await preview.after("render", () => preview.drag(OFFSET, -0.2, 3));
+  const after = await preview.after("render", () => preview.drag(OFFSET, -0.1, 3));
+  const { keyboard } = preview.page;
+  await keyboard.down("Shift");
+  assert.deepEqual(await preview.after("render", () => keyboard.down("C")), before);
+  assert.ok(await preview.page.getByText("As it was saved or opened").isVisible());
+  assert.deepEqual(await preview.after("render", () => keyboard.up("C")), after);
+  await keyboard.up("Shift");
+});
+
 test("the state before is shown while C is held, and the edit returns", async (t) => {
   const preview = await shirt(t);
   const before = await preview.meshes();

@@ -442,6 +442,23 @@ fn operators_run_as_they_are_named() {
     assert_eq!(stack(&base).operators.len(), 2);
 }
 
+/// An operator that is not enabled leaves no trace and no warning, whatever its other options and the order say.
+#[test]
+fn an_operator_that_is_not_enabled_is_as_if_it_were_not_there() {
+    let garment = checked(with_edges(sheet(8), "line", &path(&[36, 37, 38, 39, 40])));
+    let seam = ["seam.s.edges=line", "seam.s.normalOffset=-0.05"];
+    let (with, warnings_with) = rendered(&garment, &seam);
+    let (without, _) = rendered(&garment, &[&seam[..], &["seam.s.enabled=false"]].concat());
+    let (plain, _) = rendered(&garment, &["render.level=1"]);
+    assert!(with.faces != plain.faces && without.faces == plain.faces && without.points == plain.points);
+    let missing = ["thickness.t.faces=none", "thickness.t.enabled=false", "render.operators=t,s"];
+    let (same, warnings) = rendered(&garment, &[&seam[..], &missing].concat());
+    assert!(same.points == with.points && warnings == warnings_with, "{warnings:?}");
+    let off = ["seam.s.enabled=false", "thickness.t.faces=half", "render.operators=t"];
+    let (_, warnings) = rendered(&garment, &[&seam[..], &off].concat());
+    assert!(warnings.iter().all(|w| w.code != Code::OperatorsLeftOut), "{warnings:?}");
+}
+
 #[test]
 fn the_zoo_survives_every_operator() {
     for (name, input) in crate::zoo::all().into_iter().filter(|(_, i)| i.rules.scheme != Scheme::Loop) {

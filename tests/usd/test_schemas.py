@@ -33,9 +33,11 @@ SEAM = {
     "tailor:seam:x:depth": ("float", 0.0),
     "tailor:seam:x:normalOffset": ("float", 0.0),
     "tailor:seam:x:asymmetry": ("float", 0.0),
+    "tailor:seam:x:enabled": ("bool", True),
 }
 THICKNESS = {
     "tailor:thickness:x:amount": ("float", 0.0),
+    "tailor:thickness:x:enabled": ("bool", True),
     "tailor:thickness:x:weights": ("token", ""),
     "tailor:thickness:x:side": ("token", "inner"),
     "tailor:thickness:x:closed": ("bool", False),

@@ -28,7 +28,7 @@ let browser = null;
 async function launched() {
   browser ??= chromium.launch({
     executablePath: process.env.CHROMIUM,
-    chromiumSandbox: process.getuid?.() !== 0,
+    chromiumSandbox: false,
     args: FLAGS,
   });
   return browser;

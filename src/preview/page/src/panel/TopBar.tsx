@@ -89,15 +89,15 @@ function Variant({ variants, disabled }: { variants: VariantSet; disabled: boole
   );
 }
 
-/** Shows the state before the last step while it is held. */
+/** Shows an earlier state while it is held. */
 function Compare({ disabled }: { disabled: boolean }) {
   const store = useStore();
-  const isOn = useSelect(({ document }) => document.comparing);
+  const isOn = useSelect(({ document }) => document.comparing !== null);
   const held = useRef(false);
-  const hold = (on: boolean) => {
+  const hold = (on: boolean, earlier: "step" | "saved" = "step") => {
     if (held.current === on) return;
     held.current = on;
-    store.command({ type: "compare", on });
+    store.command({ type: "compare", with: on ? earlier : null });
   };
   return (
     <button
@@ -105,9 +105,9 @@ function Compare({ disabled }: { disabled: boolean }) {
       class="icon-button"
       aria-label="Compare"
       aria-pressed={isOn}
-      title="Hold to see the garment before the last change (hold C)"
+      title="Hold to see the garment before the last change (hold C), or with Shift as it was saved or opened"
       disabled={disabled}
-      onPointerDown={() => hold(true)}
+      onPointerDown={({ shiftKey }) => hold(true, shiftKey ? "saved" : "step")}
       onPointerUp={() => hold(false)}
       onPointerLeave={() => hold(false)}
       onKeyDown={({ key }) => (key === " " || key === "Enter") && hold(true)}

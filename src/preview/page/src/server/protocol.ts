@@ -122,8 +122,8 @@ export interface StateMessage {
   canRedo: boolean;
   /** True if the edits are not in a file. */
   unsaved: boolean;
-  /** True while `compare` shows the state before. */
-  comparing: boolean;
+  /** The earlier state that `compare` shows in place of the edits. */
+  comparing: "step" | "saved" | null;
 }
 
 /** Faults of the current document or of the file on disk. The last good meshes stay. Empty when all is well. */
@@ -194,8 +194,8 @@ export type PageMessage =
   | { type: "edit"; serial: number; gesture: string; edits: Options }
   | { type: "undo" }
   | { type: "redo" }
-  /** Shows the state before the last step while `on`. */
-  | { type: "compare"; on: boolean }
+  /** Shows the state before the last step, or as it was last saved or else opened; null ends it. */
+  | { type: "compare"; with: "step" | "saved" | null }
   /** Reads the files again. They are followed, but some network file systems do not tell of changes. */
   | { type: "reload" }
   | { type: "variant"; prim: string; set: string; choice: string }

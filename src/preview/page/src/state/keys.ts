@@ -7,6 +7,7 @@ export const KEYS: [string, string][] = [
   ["Ctrl Z", "Undo"],
   ["Ctrl Shift Z", "Redo, also Ctrl Y"],
   ["C", "Hold to see the garment before the last change"],
+  ["Shift C", "Hold to see it as it was saved, or else opened"],
   ["Ctrl S", "Save"],
   ["F", "Frame what is marked, or everything"],
   ["W", "Edges of the mesh"],
@@ -25,7 +26,7 @@ export function installKeys(store: Store): void {
     if (event.ctrlKey || event.metaKey) withControl(store, event);
     else if (!event.altKey && !isTyping(event.target)) plain(store, event);
   });
-  const endCompare = () => isComparing && compare(store, false);
+  const endCompare = () => isComparing && compare(store, null);
   addEventListener("keyup", ({ key }) => key.toLowerCase() === "c" && endCompare());
   addEventListener("blur", endCompare);
 }
@@ -50,7 +51,8 @@ function plain(store: Store, event: KeyboardEvent): void {
   if (key === "f") store.view?.frame();
   if (key === "w") store.settings({ wires: !settings.wires });
   if (key === "?") store.update({ dialog: "keys" });
-  if (key === "c" && !event.repeat && document.canUndo) compare(store, true);
+  const earlier = event.shiftKey ? "saved" : "step";
+  if (key === "c" && !event.repeat && document.canUndo) compare(store, earlier);
   if (key === "escape") escape(store);
   if ("123".includes(key) && key.length === 1) toggleRole(store, Number(key) - 1);
 }
@@ -62,9 +64,9 @@ function escape(store: Store): void {
 
 let isComparing = false;
 
-function compare(store: Store, on: boolean): void {
-  isComparing = on;
-  store.command({ type: "compare", on });
+function compare(store: Store, state: "step" | "saved" | null): void {
+  isComparing = state !== null;
+  store.command({ type: "compare", with: state });
 }
 
 /** Shows or hides a mesh; the last one stays. */

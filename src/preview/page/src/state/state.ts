@@ -55,7 +55,7 @@ const EMPTY: Document = {
   canUndo: false,
   canRedo: false,
   unsaved: false,
-  comparing: false,
+  comparing: null,
   merged: merged({}, {}),
 };
 

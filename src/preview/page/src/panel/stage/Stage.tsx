@@ -31,7 +31,9 @@ export function Stage() {
       <Legend />
       <HoverLabel />
       <PickPopover />
-      {comparing && <p class="comparing">Before the last change</p>}
+      {comparing && (
+        <p class="comparing">{comparing === "step" ? "Before the last change" : "As it was saved or opened"}</p>
+      )}
     </main>
   );
 }
