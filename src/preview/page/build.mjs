@@ -13,7 +13,7 @@ const context = await esbuild.context({
   target: "es2022",
   jsx: "automatic",
   jsxImportSource: "preact",
-  legalComments: "linked",
+  legalComments: "eof",
   outdir: out,
 });
 if (process.argv.includes("--watch")) {
