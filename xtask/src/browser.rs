@@ -27,6 +27,11 @@ pub fn pictures(project: &Project) -> Outcome {
     process::run(command.arg("pictures.mjs").arg(project.root.join("docs/preview")))
 }
 
+/// Prints times of edits and the memory of the server. Any argument leaves the memory out.
+pub fn figures(project: &Project, args: &[String]) -> Outcome {
+    process::run(node_with_browser(project)?.arg("figures.mjs").args(args))
+}
+
 /// Node.js in a copy of the tests, with what they need.
 fn node_with_browser(project: &Project) -> Outcome<Command> {
     let tests = project.target.join("page-tests");

@@ -35,6 +35,7 @@ Tasks:
                                docs/preview/*.jpg
   golden [ARGS...]             Write the OpenSubdiv reference data of the subdivision tests (needs cmake and C++)
   plugin [OPTIONS]             Build the OpenUSD plugin into target/usd_plugin (see below)
+  preview-bench [--quick]      Time edits in the preview, and its memory over 10,000 edits unless --quick is given
   peers                        Compare time and quality with other remeshers
   venv                         Create the Python environment target/venv, which the other tasks use
 
@@ -85,6 +86,9 @@ fn run(args: &[String]) -> Outcome {
         "api" if rest.is_empty() => steps::docs(&project).and_then(|()| api::write(&project)),
         "examples" => examples(&project, rest),
         "page" if rest.is_empty() => page::build(&project),
+        "preview-bench" => {
+            page::build(&project).and_then(|()| steps::build(&project)).and_then(|()| browser::figures(&project, rest))
+        }
         "picture" if rest.is_empty() => picture(&project),
         "plugin" => plugin::run(&project, rest),
         "golden" => golden::run(&project, rest),
