@@ -209,6 +209,21 @@ impl Builder {
         })
     }
 
+    /// A builder of the same checked mesh, without results and operators of its own.
+    #[must_use]
+    pub fn sibling(&self) -> Self {
+        Self {
+            sim: SimSteps::new(Arc::clone(&self.garment)),
+            render: RenderSteps::new(Arc::clone(&self.garment)),
+            garment: Arc::clone(&self.garment),
+            mean_edge: self.mean_edge,
+            warnings: self.warnings.clone(),
+            own_operators: Vec::new(),
+            progress: Progress::default(),
+            max_faces: self.max_faces,
+        }
+    }
+
     /// Sets the handle that hears of progress and can cancel a build.
     #[must_use]
     pub fn with_progress(self, progress: Progress) -> Self {

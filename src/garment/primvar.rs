@@ -1,10 +1,12 @@
 //! Values on the elements of a mesh (`UsdGeomPrimvar`).
 
 use crate::mesh::{CornerId, Csr, Faces, IdVec, VertexId};
+use serde::Serialize;
 use std::sync::Arc;
 
 /// The elements that carry a primvar's values.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "camelCase")]
 pub enum Interpolation {
     /// One value for the mesh.
     Constant,

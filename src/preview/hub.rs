@@ -31,15 +31,15 @@ pub struct Shown {
     pub revision: u64,
     /// Time to build it. \[milliseconds\]
     pub build: f64,
-    /// The UV set of the recipe.
-    pub uv_set: String,
+    /// The recipe that it was built from.
+    pub recipe: Arc<Recipe>,
     /// Quality of its triangles, once measured.
     pub quality: OnceLock<Arc<TriangleQuality>>,
     /// Figures and warnings for the page, once measured.
     pub message: OnceLock<Arc<str>>,
 }
 
-/// What a page sees of the state at one moment.
+/// The state at one moment, as a page sees it.
 #[derive(Clone)]
 pub struct Snapshot {
     /// The garment.
@@ -110,6 +110,8 @@ struct Shared {
 /// The state that all pages share.
 pub struct Hub {
     shared: Mutex<Shared>,
+    /// Held while the stage is read, so that a slow read does not end after a newer one.
+    reading: Mutex<()>,
     work: Condvar,
     changed: watch::Sender<()>,
 }
@@ -126,7 +128,8 @@ impl Hub {
             shown: BTreeMap::new(),
         };
         let shared = Shared { input, document, snapshot, job: None };
-        let hub = Arc::new(Self { shared: Mutex::new(shared), work: Condvar::new(), changed: watch::Sender::new(()) });
+        let (shared, reading, changed) = (Mutex::new(shared), Mutex::default(), watch::Sender::new(()));
+        let hub = Arc::new(Self { shared, reading, work: Condvar::new(), changed });
         hub.change(Shared::show_model);
         hub
     }
@@ -177,20 +180,22 @@ impl Hub {
 
     /// Selects a variant of the garment and reads it again.
     pub fn select(&self, variant: Selection) {
-        let mut input = self.lock().input.clone();
-        input.read.variants.retain(|v| (&v.prim, &v.set) != (&variant.prim, &variant.set));
-        input.read.variants.push(variant);
-        input.read.variants.sort();
-        self.read(input);
+        self.read(|ReadOptions { variants, .. }| {
+            variants.retain(|v| (&v.prim, &v.set) != (&variant.prim, &variant.set));
+            variants.push(variant);
+            variants.sort();
+        });
     }
 
     /// Reads the files again. The document stays; after a fault the last garment stays too.
     pub fn reload(&self) {
-        let input = self.lock().input.clone();
-        self.read(input);
+        self.read(|_| ());
     }
 
-    fn read(&self, input: Input) {
+    fn read(&self, change: impl FnOnce(&mut ReadOptions)) {
+        let _reading = self.reading.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut input = self.lock().input.clone();
+        change(&mut input.read);
         let opened = Stage::open(&input);
         self.change(|shared| match opened {
             Ok(stage) => {
@@ -203,7 +208,7 @@ impl Hub {
         });
     }
 
-    /// What is read of the stage.
+    /// The prim, time and variants that are read.
     pub fn read_options(&self) -> ReadOptions {
         self.lock().input.read.clone()
     }
@@ -251,7 +256,7 @@ impl Hub {
                 let progress = Progress::new(move |step| {
                     hub.change(|shared| drop(shared.snapshot.progress.insert(role, step.to_owned())));
                 });
-                let builder = Builder::new(job.stage.mesh.clone())?.with_progress(progress);
+                let builder = job.stage.checks.sibling().with_progress(progress);
                 known.insert((Arc::clone(&job.stage), builder))
             }
         };
@@ -267,8 +272,10 @@ impl Hub {
         } else {
             let update = builder.update_render(&recipe)?;
             let shown = self.show(role, job, &update.mesh, start);
-            let figures = serde_json::to_value(RenderFigures::new(&update.mesh)).unwrap_or_default();
-            let _ = shown.message.set(product(role, job, figures, &update.warnings, &update.operators, &recipe));
+            if shown.message.get().is_none() {
+                let figures = serde_json::to_value(RenderFigures::new(&update.mesh)).unwrap_or_default();
+                let _ = shown.message.set(product(role, job, figures, &update.warnings, &update.operators, &recipe));
+            }
         }
         Ok(())
     }
@@ -279,16 +286,16 @@ impl Hub {
             mesh: Arc::clone(mesh),
             revision: job.revision,
             build: start.elapsed().as_secs_f64() * 1e3,
-            uv_set: job.recipe.sim.uv_set.clone(),
+            recipe: Arc::clone(&job.recipe),
             quality: OnceLock::new(),
             message: OnceLock::new(),
         };
         let mut result = Arc::new(shown);
         self.change(|shared| {
             let last = shared.snapshot.shown.get(&role);
-            match last.filter(|last| Arc::ptr_eq(&last.mesh, mesh) && last.uv_set == result.uv_set) {
-                Some(last) if role == Role::Sim => result = Arc::clone(last),
-                _ => drop(shared.snapshot.shown.insert(role, Arc::clone(&result))),
+            match last.filter(|last| Arc::ptr_eq(&last.mesh, mesh) && is_same_part(role, &last.recipe, &job.recipe)) {
+                Some(last) => result = Arc::clone(last),
+                None => drop(shared.snapshot.shown.insert(role, Arc::clone(&result))),
             }
         });
         result
@@ -320,7 +327,7 @@ impl Shared {
             mesh: Arc::clone(self.snapshot.stage.checks.garment()),
             revision: self.snapshot.state.revision,
             build: 0.0,
-            uv_set: String::new(),
+            recipe: Arc::default(),
             quality: OnceLock::new(),
             message: OnceLock::new(),
         };
@@ -331,6 +338,14 @@ impl Shared {
         if self.snapshot.faults.get(&origin) != Some(&faults) {
             Arc::make_mut(&mut self.snapshot.faults).insert(origin, faults);
         }
+    }
+}
+
+/// True if recipes agree in all that is told of a product.
+fn is_same_part(role: Role, a: &Recipe, b: &Recipe) -> bool {
+    match role {
+        Role::Sim => a.sim == b.sim,
+        _ => Recipe { sim: b.sim.clone(), ..a.clone() } == *b && a.sim.uv_set == b.sim.uv_set,
     }
 }
 
@@ -348,7 +363,8 @@ fn product(
     recipe: &Recipe,
 ) -> Arc<str> {
     let warnings: Vec<_> = warnings.iter().cloned().collect();
-    let lengths = lengths(&job.recipe, recipe);
+    let mut lengths = lengths(&job.recipe, recipe);
+    lengths.retain(|key, _| key.starts_with("sim.") == (role == Role::Sim));
     Message::Product { role, revision: job.revision, figures, warnings: &warnings, operators, lengths }.to_text().into()
 }
 

@@ -17,7 +17,7 @@ pub enum Role {
     Sim,
 }
 
-/// What a page draws.
+/// The meshes and attributes that a page draws.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 pub struct View {
     /// The meshes.

@@ -24,8 +24,8 @@ mod tests;
 mod watch;
 
 use crate::error::Error;
-use crate::session::Input;
-use crate::usd::garment_below;
+use crate::session::{Input, is_usd};
+use crate::usd::{garment_below, selections};
 use hub::Hub;
 use stage::Stage;
 
@@ -43,10 +43,15 @@ pub fn serve(input: Input, port: u16, threads: Option<usize>, ready: impl FnOnce
     server::run(&hub, port, ready)
 }
 
-/// A layer that was saved here is a recipe for the garment below it, so that it can be saved again.
+/// A layer that was saved here is a recipe for the garment below it, so that it can be saved again. Variants that a recipe
+/// layer selects are selected.
 fn continued(input: Input) -> Input {
-    match garment_below(&input.file) {
+    let mut input = match garment_below(&input.file) {
         Some(file) if input.recipe.is_none() => Input { recipe: Some(input.file), file, ..input },
         _ => input,
+    };
+    if let Some(recipe) = input.recipe.as_deref().filter(|recipe| is_usd(recipe)) {
+        input.read.variants = selections(recipe);
     }
+    input
 }

@@ -10,7 +10,7 @@ use super::stage::Stage;
 use crate::error::{Error, ErrorKind, plain};
 use crate::recipe::{KEYS, default_at, is_attribute, is_recipe, kind_named};
 use crate::render::{Domain, Key};
-use crate::session::{Input, is_usd};
+use crate::session::Input;
 use crate::usd::{OptionValue, ReadOptions, RecipeOpinions, Replaced, recipe_text, relative, write_recipe};
 use serde_json::{Map, Value};
 use std::io::Write;
@@ -76,8 +76,10 @@ impl Content {
         } else if is_recipe(file) {
             "The file exists. All of it will be replaced.".into()
         } else {
-            "The layer exists. Its options of this garment will be replaced by these; everything else in it stays."
-                .into()
+            let lost = if has_comments(file) { "; but for comments in its text, which will be lost" } else { "" };
+            format!(
+                "The layer exists. Its options of this garment will be replaced by these; everything else in it stays{lost}."
+            )
         }
     }
 
@@ -86,14 +88,6 @@ impl Content {
         self.stage.recipe(&self.edits).and_then(|recipe| self.stage.checks.resolve(&recipe))?;
         if is_recipe(file) {
             return self.write_recipe_file(file, overwrite);
-        }
-        if !is_usd(file) {
-            return Err(Error::new(
-                ErrorKind::Usage,
-                file.display(),
-                "the name does not end in .usda, .usdc, .usd or .tailor",
-            )
-            .remedy("the name of the file decides its format"));
         }
         let replaced = Replaced { is_option: is_attribute, is_schema };
         write_recipe(&self.stage.source, &self.opinions(), file, overwrite, &replaced, |written| self.verify(written))
@@ -177,6 +171,12 @@ impl Content {
         }
         opinions
     }
+}
+
+/// True for a text layer with lines of comment.
+fn has_comments(file: &Path) -> bool {
+    let text = std::fs::read_to_string(file).unwrap_or_default();
+    text.starts_with("#usda") && text.lines().skip(1).any(|line| line.trim_start().starts_with('#'))
 }
 
 fn folder_of(file: &Path) -> &Path {

@@ -3,11 +3,11 @@
 use super::document::{Options, changed};
 use crate::build::Builder;
 use crate::error::Error;
-use crate::garment::{GarmentInput, Interpolation, PrimvarRole, Values};
+use crate::garment::{GarmentInput, PrimvarRole, Values};
 use crate::recipe::{KEYS, KINDS, Layers, Recipe, default_at};
 use crate::render::{Domain, Key, Kind};
 use crate::session::{Input, Opened, is_usd};
-use crate::usd::Source;
+use crate::usd::{Source, decimal};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -66,7 +66,7 @@ fn message(source: &Source, checks: &Builder, input: &Input) -> String {
     );
     let primvars = garment.primvars.iter().filter(|p| p.role == PrimvarRole::Primvar).map(|p| {
         json!({
-            "name": p.name, "type": p.type_name, "interpolation": interpolation(p.interpolation), "width": p.width(),
+            "name": p.name, "type": p.type_name, "interpolation": p.interpolation, "width": p.width(),
             "isFloat": matches!(p.values, Values::F32(_)),
         })
     });
@@ -97,16 +97,6 @@ fn message(source: &Source, checks: &Builder, input: &Input) -> String {
     .to_string()
 }
 
-fn interpolation(interpolation: Interpolation) -> &'static str {
-    match interpolation {
-        Interpolation::Constant => "constant",
-        Interpolation::Uniform => "uniform",
-        Interpolation::Varying => "varying",
-        Interpolation::Vertex => "vertex",
-        Interpolation::FaceVarying => "faceVarying",
-    }
-}
-
 /// Files to save to: those of the input where it has one, else new ones beside the garment.
 fn suggested(garment: &Path, input: &Input) -> (String, String) {
     let stem = garment.file_stem().unwrap_or_default().to_string_lossy();
@@ -134,11 +124,6 @@ fn option(key: &Key, default: Option<&Value>, mean_edge: f32) -> Value {
         "key": key.key, "unit": key.unit, "meaning": key.meaning, "default": default,
         "domain": domain(key.domain, mean_edge),
     })
-}
-
-/// A number as its shortest decimal, which is the one in the code.
-fn decimal(number: f32) -> f64 {
-    number.to_string().parse().unwrap_or(f64::from(number))
 }
 
 /// A length that suits the end of a slider.

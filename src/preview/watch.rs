@@ -51,8 +51,10 @@ struct Followed {
 
 impl Followed {
     fn update(&mut self, hub: &Hub) {
-        let absolute = |file: PathBuf| file.canonicalize().unwrap_or(file);
-        self.files.extend(hub.snapshot().stage.files().map(absolute));
+        for file in hub.snapshot().stage.files() {
+            // A link may be pointed at another version of its file.
+            self.files.extend([std::path::absolute(&file).ok(), file.canonicalize().ok()].into_iter().flatten());
+        }
         let folders: BTreeSet<PathBuf> =
             self.files.iter().filter_map(|file| file.parent().map(Path::to_owned)).collect();
         let mut watcher = self.watcher.lock().unwrap_or_else(PoisonError::into_inner);

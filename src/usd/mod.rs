@@ -15,9 +15,11 @@ mod write;
 #[cfg(feature = "preview")]
 pub(crate) use assets::relative;
 pub use read::{Binding, Facts, InheritedPrimvar, ReadOptions, Selection, Source, TransformOp, VariantSet};
+#[cfg(feature = "preview")]
+pub(crate) use values::decimal;
 pub use write::{Format, Product, ProductRole, Surroundings, WriteOptions, check_target, layer_bytes, write};
 #[cfg(feature = "preview")]
-pub(crate) use write::{OptionValue, RecipeOpinions, Replaced, garment_below, recipe_text, write_recipe};
+pub(crate) use write::{OptionValue, RecipeOpinions, Replaced, garment_below, recipe_text, selections, write_recipe};
 
 use crate::error::Error;
 use std::thread;

@@ -89,6 +89,11 @@ pub fn text(value: &Value) -> Option<&str> {
     }
 }
 
+/// A float as its shortest decimal, which is what the user wrote.
+pub fn decimal(float: f32) -> f64 {
+    float.to_string().parse().unwrap_or(f64::from(float))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -18,7 +18,7 @@ use smooth::Drawn;
 use std::sync::Arc;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
-/// What one page has of a mesh.
+/// The version of a mesh that one page has.
 pub struct Sent {
     shown: Arc<Shown>,
     drawn: Drawn,
@@ -68,10 +68,10 @@ impl Sent {
     }
 
     fn uvs(&self) -> Option<&Primvar> {
-        uv_set(self.mesh(), &self.shown.uv_set)
+        uv_set(self.mesh(), &self.shown.recipe.sim.uv_set)
     }
 
-    /// What drawn values are made from.
+    /// The sources of drawn values, to compare them.
     fn source(&self, name: &str) -> (Option<*const TriangleQuality>, Option<&Primvar>) {
         (self.shown.quality.get().map(Arc::as_ptr), self.mesh().primvar(name))
     }

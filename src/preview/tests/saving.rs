@@ -68,6 +68,9 @@ fn an_existing_layer_keeps_what_else_it_holds_and_loses_earlier_options() {
     fs::write(&file, text).expect("a file");
     let hub = edited(&example("coat.usda"));
     let path = file.display().to_string();
+    assert!(!plan(&hub, &path).note.contains("comments"));
+    fs::write(&file, fs::read_to_string(&file).expect("the file") + "# to be checked\n").expect("a file");
+    assert!(plan(&hub, &path).note.contains("comments"), "what is lost is told before");
     assert_eq!(save(&hub, &path, false).status, "refused", "it exists");
     let answer = save(&hub, &path, true);
     assert_eq!(answer.status, "saved", "{:?}", answer.fault);
@@ -151,6 +154,14 @@ fn a_selected_variant_is_saved_in_a_layer_and_refused_in_a_recipe_file() {
     let look = folder.path().join("look.usda");
     assert_eq!(save(&hub, &look.display().to_string(), false).status, "saved");
     assert_eq!(recipe(&look).render.level, 2);
+    // The next session begins with the variant, and can save it again.
+    let again = continued(input(&look));
+    let next = Hub::new(again.clone(), Stage::open(&again).expect("a good garment"));
+    assert_eq!(next.snapshot().stage.source.facts().variants[0].selected.choice, "two");
+    next.edit(|document| document.edit(options(&json!({"sim": {"iterations": 2}})), String::new()));
+    let answer = save(&next, &look.display().to_string(), true);
+    assert_eq!(answer.status, "saved", "{:?}", answer.fault);
+    assert_eq!((recipe(&look).render.level, recipe(&look).sim.iterations), (2, 2));
     let answer = save(&hub, &folder.path().join("a.tailor").display().to_string(), false);
     assert!(answer.fault.is_some_and(|fault| fault.text.contains("variants")));
 }

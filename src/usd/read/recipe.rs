@@ -3,7 +3,7 @@
 use super::query::{OrUnreadable, prim_name, property_names, subset_prims, value};
 use crate::error::Error;
 use crate::usd::names;
-use crate::usd::values::text;
+use crate::usd::values::{decimal, text};
 use openusd::sdf::{self, Value};
 use openusd::usd::{Prim, TimeCode};
 use serde_json::{Map, Value as Json, json};
@@ -65,11 +65,6 @@ fn targets(prim: &Prim, name: &str) -> Result<Json, Error> {
     Ok(Json::Array(found))
 }
 
-/// A float as its shortest decimal, which is what the user wrote.
-fn decimal(f: f32) -> Json {
-    json!(f.to_string().parse::<f64>().expect("a float's own text is a number"))
-}
-
 fn to_json(value: &Value) -> Option<Json> {
     Some(match value {
         Value::Bool(v) => json!(v),
@@ -78,12 +73,12 @@ fn to_json(value: &Value) -> Option<Json> {
         Value::Int64(v) => json!(v),
         Value::Uint64(v) => json!(v),
         Value::Uchar(v) => json!(v),
-        Value::Half(v) => decimal(v.to_f32()),
-        Value::Float(v) => decimal(*v),
+        Value::Half(v) => json!(decimal(v.to_f32())),
+        Value::Float(v) => json!(decimal(*v)),
         Value::Double(v) => json!(v),
         Value::IntVec(v) => json!(v),
         Value::DoubleVec(v) => json!(v),
-        Value::FloatVec(v) => v.iter().map(|f| decimal(*f)).collect(),
+        Value::FloatVec(v) => v.iter().map(|f| json!(decimal(*f))).collect(),
         Value::StringVec(v) => json!(v),
         Value::TokenVec(v) => v.iter().map(|t| t.as_str()).collect(),
         other => json!(text(other)?),

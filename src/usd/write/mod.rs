@@ -13,5 +13,5 @@ mod shapes;
 
 pub use layer::{Product, ProductRole, Surroundings, WriteOptions, check_target, layer_bytes, write};
 #[cfg(feature = "preview")]
-pub use recipe::{OptionValue, RecipeOpinions, Replaced, garment_below, recipe_text, write_recipe};
+pub use recipe::{OptionValue, RecipeOpinions, Replaced, garment_below, recipe_text, selections, write_recipe};
 pub use save::Format;

@@ -5,6 +5,7 @@ use super::save::{Format, OutputFile};
 use crate::error::{Error, Warnings};
 use crate::usd::assets::Anchor;
 use crate::usd::read::{Model, ReadOptions, Selection, Source, select};
+use crate::usd::values::decimal;
 use crate::usd::{names, on_large_stack};
 use openusd::sdf::{self, AbstractData, ChildrenKey, Data, FieldKey, SpecType, Value, ValueTypeName, Variability};
 use openusd::tf::Token;
@@ -123,6 +124,29 @@ fn only_sublayer(data: &dyn AbstractData) -> Option<String> {
         [one] if is_over => Some(one.clone()),
         _ => None,
     }
+}
+
+/// The variants that a layer selects.
+pub fn selections(layer: &Path) -> Vec<Selection> {
+    let Some(path) = layer.to_str().map(str::to_owned) else { return Vec::new() };
+    on_large_stack(|| Ok(sdf::Layer::open(path).map(|layer| selected(layer.data())).unwrap_or_default()))
+        .unwrap_or_default()
+}
+
+fn selected(data: &dyn AbstractData) -> Vec<Selection> {
+    let mut found = Vec::new();
+    for path in data.spec_paths() {
+        let Ok(Some(value)) = data.try_field(&path, FieldKey::VariantSelection.as_str()) else { continue };
+        let Value::VariantSelectionMap(all) = value.as_ref() else { continue };
+        let prim = path.as_str();
+        found.extend(all.iter().map(|(set, choice)| Selection {
+            prim: prim.into(),
+            set: set.clone(),
+            choice: choice.clone(),
+        }));
+    }
+    found.sort();
+    found
 }
 
 fn fault(e: impl std::fmt::Display) -> Error {
@@ -299,8 +323,7 @@ fn with_short_floats(mut data: Data) -> Data {
     for path in data.spec_paths() {
         let Ok(Some(value)) = data.try_field(&path, key) else { continue };
         if let Value::Float(float) = *value.as_ref() {
-            let decimal = float.to_string().parse().unwrap_or(f64::from(float));
-            AbstractData::set_field(&mut data, &path, key, Value::Double(decimal));
+            AbstractData::set_field(&mut data, &path, key, Value::Double(decimal(float)));
         }
     }
     data

@@ -1,4 +1,4 @@
-// What the hand does at the moment: changes of one drag or of one run of arrow keys share a gesture.
+// Gestures: changes of one drag, or of one run of arrow keys, share one.
 
 /** Longest pause in a run of key presses. [ms] */
 const PAUSE = 500;

@@ -213,7 +213,7 @@ export class Store {
     this.update({ garment });
     this.view?.setUp(garment.upAxis);
     document.title = `${garment.file} · usdtailor`;
-    // What heat shows may be gone.
+    // The garment may no longer have the primvar that heat shows.
     this.#show({});
   }
 

@@ -1,4 +1,4 @@
-// What the view offers to the rest of the page. `view/index.ts` implements it.
+// The interface of the view. `view/index.ts` implements it.
 
 import type { MeshFrame, PickedSet, Role, Warning } from "../server/protocol";
 
