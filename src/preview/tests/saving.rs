@@ -88,6 +88,23 @@ fn an_existing_layer_keeps_what_else_it_holds_and_loses_earlier_options() {
 }
 
 #[test]
+fn an_existing_layer_gets_the_garment_as_its_weakest_sublayer() {
+    let folder = TempDir::new().expect("a folder");
+    fs::write(folder.path().join("lights.usda"), "#usda 1.0\ndef Scope \"lights\" {}\n").expect("a file");
+    let hub = edited(&example("coat.usda"));
+    for (name, sublayers) in [("plain.usda", ""), ("shot.usda", "(\n    subLayers = [@./lights.usda@]\n)\n")] {
+        let file = folder.path().join(name);
+        fs::write(&file, format!("#usda 1.0\n{sublayers}def Scope \"shot\" {{}}\n")).expect("a file");
+        let answer = save(&hub, &file.display().to_string(), true);
+        assert_eq!(answer.status, "saved", "{:?}", answer.fault);
+        assert_eq!(recipe(&file), asked(&hub));
+        let text = fs::read_to_string(&file).expect("the file");
+        let at = |part: &str| text.find(part);
+        assert!(at("shot").is_some() && at("coat.usda@").is_some() && at("lights.usda@") < at("coat.usda@"), "{text}");
+    }
+}
+
+#[test]
 fn a_crate_layer_keeps_its_overs() {
     let folder = TempDir::new().expect("a folder");
     let file = folder.path().join("look.usdc").display().to_string();

@@ -7,9 +7,11 @@ use crate::usd::assets::Anchor;
 use crate::usd::read::{Model, ReadOptions, Selection, Source, select};
 use crate::usd::values::decimal;
 use crate::usd::{names, on_large_stack};
-use openusd::sdf::{self, AbstractData, ChildrenKey, Data, FieldKey, SpecType, Value, ValueTypeName, Variability};
+use openusd::sdf::{self, AbstractData, ChildrenKey, Data, FieldKey, LayerOffset, SpecType};
+use openusd::sdf::{Value, ValueTypeName, Variability};
 use openusd::tf::Token;
 use openusd::usda::TextWriter;
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
@@ -153,9 +155,13 @@ fn fault(e: impl std::fmt::Display) -> Error {
     Error::usd(format!("the layer cannot be composed: {e}"))
 }
 
+/// A layer over the garment, without opinions.
+fn over_garment(model: &Model, file: &OutputFile) -> Result<Data, Error> {
+    overlay(model, Frame { flatten: false, anchor: Anchor::Folder(&file.folder), sublayer: None })
+}
+
 fn new_layer(model: &Model, opinions: &RecipeOpinions, file: &OutputFile) -> Result<Data, Error> {
-    let frame = Frame { flatten: false, anchor: Anchor::Folder(&file.folder), sublayer: None };
-    let mut data = overlay(model, frame)?;
+    let mut data = over_garment(model, file)?;
     let mark = Value::Dictionary(HashMap::from([(RECIPE.to_owned(), Value::Bool(true))]));
     let mark = Value::Dictionary(HashMap::from([(names::PRODUCT_SPACE.to_owned(), mark)]));
     AbstractData::set_field(&mut data, &sdf::Path::abs_root(), FieldKey::CustomLayerData.as_str(), mark);
@@ -243,35 +249,29 @@ fn keep_schemas(data: &mut Data, prim: &sdf::Path, keeps: impl Fn(&str) -> bool)
 fn is_over(model: &Model, file: &OutputFile) -> bool {
     let options = ReadOptions { prim: Some(model.path.as_str().to_owned()), ..ReadOptions::default() };
     let Ok(garment) = model.origin.file.canonicalize() else { return false };
-    let is_garment = |layer: &std::path::PathBuf| layer.canonicalize().is_ok_and(|layer| layer == garment);
+    let is_garment = |layer: &PathBuf| layer.canonicalize().is_ok_and(|layer| layer == garment);
     Source::open(file.path(), &options).is_ok_and(|stage| stage.model.layers.iter().any(is_garment))
 }
 
+/// Adds the garment as the weakest sublayer.
 fn append_sublayer(data: &mut Data, model: &Model, file: &OutputFile) -> Result<(), Error> {
     let root = sdf::Path::abs_root();
-    let frame = Frame { flatten: false, anchor: Anchor::Folder(&file.folder), sublayer: None };
-    let garment = overlay(model, frame)?;
-    let mut join = |key: FieldKey, joined: fn(Value, Value) -> Value| -> Result<(), Error> {
-        let own = data.try_field(&root, key.as_str()).map_err(fault)?.map(std::borrow::Cow::into_owned);
-        let added = garment.try_field(&root, key.as_str()).map_err(fault)?.map(std::borrow::Cow::into_owned);
-        let value = match (own, added) {
-            (Some(own), Some(added)) => joined(own, added),
-            (own, added) => match own.or(added) {
-                Some(value) => value,
-                None => return Ok(()),
-            },
-        };
-        AbstractData::set_field(data, &root, key.as_str(), value);
-        Ok(())
+    let field = |data: &Data, key: FieldKey| data.try_field(&root, key.as_str()).ok().flatten().map(Cow::into_owned);
+    let sublayers_of = |data: &Data| match field(data, FieldKey::SubLayers) {
+        Some(Value::StringVec(sublayers)) => sublayers,
+        _ => Vec::new(),
     };
-    join(FieldKey::SubLayers, |own, added| match (own, added) {
-        (Value::StringVec(own), Value::StringVec(added)) => Value::StringVec([own, added].concat()),
-        (own, _) => own,
-    })?;
-    join(FieldKey::SubLayerOffsets, |own, added| match (own, added) {
-        (Value::LayerOffsetVec(own), Value::LayerOffsetVec(added)) => Value::LayerOffsetVec([own, added].concat()),
-        (own, _) => own,
-    })
+    let mut offsets = match field(data, FieldKey::SubLayerOffsets) {
+        Some(Value::LayerOffsetVec(offsets)) => offsets,
+        _ => Vec::new(),
+    };
+    let own = sublayers_of(data);
+    offsets.resize(own.len(), LayerOffset::IDENTITY);
+    let sublayers = [own, sublayers_of(&over_garment(model, file)?)].concat();
+    offsets.resize(sublayers.len(), LayerOffset::IDENTITY);
+    AbstractData::set_field(data, &root, FieldKey::SubLayers.as_str(), Value::StringVec(sublayers));
+    AbstractData::set_field(data, &root, FieldKey::SubLayerOffsets.as_str(), Value::LayerOffsetVec(offsets));
+    Ok(())
 }
 
 fn author(data: &mut Data, model: &Model, opinions: &RecipeOpinions) -> openusd::Result<()> {

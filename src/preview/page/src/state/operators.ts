@@ -1,7 +1,7 @@
 // Changes of the stack: operators that are added, copied, renamed, moved, removed.
 
 import type { Fields, Kind, Options } from "../server/protocol";
-import { fullName, isEnabled, listOf, merged, operatorAt, stack, uniqueName } from "./recipe";
+import { fullName, listOf, merged, operatorAt, stack, uniqueName } from "./recipe";
 import { withOperator, withOrder, withValue, ORDER, type Operator } from "./recipe";
 import type { Store } from "./store";
 
@@ -77,10 +77,6 @@ function withListed(edits: Options, change: (list: string[]) => string[]): Optio
 
 export function setEnabled(store: Store, operator: Operator, on: boolean): void {
   store.set(`${fullName(operator)}.enabled`, on);
-}
-
-export function toggleEnabled(store: Store, operator: Operator): void {
-  setEnabled(store, operator, !isEnabled(store.state.document.merged, operator));
 }
 
 /** Moves an operator to a place of the stack, from 0. */
