@@ -56,6 +56,11 @@ function styleOf(drag: Drag | null, place: number): ReturnType<Dragging["style"]
   return { class: "makes-room", style: { transform: `translateY(${way}px)` } };
 }
 
+/** How far the pointer is in the zone that it moves towards. A card may be grabbed in a zone, which scrolls nothing yet. */
+function beyond({ top, bottom }: DOMRect, pointer: number, start: number): number {
+  return pointer < start ? Math.min(0, pointer - top - EDGE) : Math.max(0, pointer - Math.max(start, bottom - EDGE));
+}
+
 /** Follows the pointer until it is released; returns what ends it early. */
 function follow(
   list: HTMLElement,
@@ -82,7 +87,7 @@ function follow(
   };
   const scroll = () => {
     const box = scroller?.getBoundingClientRect();
-    const over = box ? Math.min(0, pointer - box.top - EDGE) + Math.max(0, pointer - box.bottom + EDGE) : 0;
+    const over = box ? beyond(box, pointer, event.clientY) : 0;
     if (scroller && over !== 0) {
       scroller.scrollTop += over / 4;
       move();
