@@ -1,13 +1,18 @@
 //! A garment as authored, before it is checked.
 
-use super::{Family, Interpolation, Mixing, Orientation, PrimvarRole, SubdivisionRules, Values};
+use super::{Family, Interpolation, Mixing, Orientation, PrimvarRole, SubdivisionRules, Units, Values};
 use glam::Vec3;
+use std::collections::BTreeMap;
 
 /// A mesh as authored. Index arrays keep the file's signed integers, which messages show.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GarmentInput {
     /// Path of the prim.
     pub prim: String,
+    /// The size of its unit of length.
+    pub units: Units,
+    /// The constant primvar `<name>Scale` of each UV set: the length of one UV unit, in units of the mesh.
+    pub uv_scales: BTreeMap<String, f32>,
     /// `points`
     pub points: Vec<Vec3>,
     /// `faceVertexCounts`

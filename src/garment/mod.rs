@@ -8,6 +8,7 @@ mod input;
 pub mod joints;
 mod primvar;
 mod subset;
+mod units;
 
 pub use crate::mesh::Elements;
 pub use check::check_garment;
@@ -15,9 +16,11 @@ pub use input::{GarmentInput, PrimvarInput, SubsetInput};
 pub use primvar::{Interpolation, Mixing, Primvar, PrimvarRole, Values};
 pub(crate) use subset::free_name;
 pub use subset::{Family, FamilyType, Subset};
+pub use units::Units;
 
 use crate::mesh::{FaceId, Faces, IdVec, VertexId};
 use glam::Vec3;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// The winding of faces seen from the front, as `UsdGeomGprim.orientation`.
@@ -124,6 +127,10 @@ pub struct Garment {
     pub points: IdVec<VertexId, Vec3>,
     /// The faces as authored.
     pub faces: Faces,
+    /// The size of its unit of length.
+    pub units: Units,
+    /// The length of one unit of UV sets that say so, in units of the mesh.
+    pub uv_scales: BTreeMap<String, f32>,
     /// The winding of the faces.
     pub orientation: Orientation,
     /// The subdivision rules.

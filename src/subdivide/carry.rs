@@ -107,6 +107,8 @@ impl<'a, D: Derivation> Carrier<'a, D> {
         Garment {
             prim: garment.prim.clone(),
             points: IdVec::new(),
+            units: garment.units,
+            uv_scales: garment.uv_scales.clone(),
             orientation: garment.orientation,
             rules: garment.rules,
             holes: self.faces(&garment.holes),

@@ -25,9 +25,9 @@ mod subsets;
 mod topology;
 mod vertices;
 
-pub use coverage::Coverage;
 #[cfg(feature = "internals")]
 pub use coverage::CoveredArea;
+pub use coverage::{Coverage, Places};
 #[cfg(feature = "internals")]
 pub use provenance::{SOURCE_COORDS, SOURCE_FACE, corner_coordinates};
 pub use subsets::SetCurve;
@@ -77,6 +77,8 @@ pub fn transfer(
         prim: garment.prim.clone(),
         points: product.points.clone(),
         faces: mesh.topology.faces.clone(),
+        units: garment.units,
+        uv_scales: garment.uv_scales.clone(),
         orientation: garment.orientation,
         rules: SubdivisionRules { scheme: Scheme::None, ..SubdivisionRules::default() },
         holes: Vec::new(),

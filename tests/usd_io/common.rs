@@ -25,6 +25,8 @@ pub fn sound(input: &GarmentInput) -> Garment {
     }
     let corner = |(v, s): (&i32, &f32)| Corner { vertex: vertex(v), sharpness: *s };
     Garment {
+        units: tailor::Units::default(),
+        uv_scales: std::collections::BTreeMap::default(),
         influences: None,
         prim: input.prim.clone(),
         points: input.points.clone().into(),
@@ -126,7 +128,7 @@ pub fn read(source: &Source) -> Result<GarmentInput, Error> {
 /// Writes the input itself as both products; the warnings.
 pub fn tailor(source: &Source, out: &Path, options: &WriteOptions) -> Result<Vec<String>, Error> {
     let mesh = sound(&read(source)?);
-    let product = |name, role| Product { name, role, mesh: &mesh };
+    let product = |name, role| Product::new(name, role, &mesh);
     let mut warnings = Warnings::default();
     write(
         source,

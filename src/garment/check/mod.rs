@@ -52,6 +52,8 @@ pub fn check_garment(mut input: GarmentInput, warnings: &mut Warnings) -> Result
             prim: input.prim,
             points: input.points.into(),
             faces: topology.faces,
+            units: input.units,
+            uv_scales: input.uv_scales,
             orientation: input.orientation,
             rules: input.rules,
             holes,

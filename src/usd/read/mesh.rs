@@ -3,6 +3,7 @@
 use super::primvars::{Declarations, read_normals, read_primvars};
 use super::query::{OrUnreadable, known, prim_name, property_names, subset_prims, text_value, value};
 use super::shapes::read_shapes;
+use super::space::{units, uv_scales};
 use crate::error::{Error, Warning};
 use crate::garment::{Family, GarmentInput, Scheme, SubdivisionRules, SubsetInput};
 use crate::usd::names::{self, UsdToken};
@@ -28,6 +29,8 @@ pub fn read_mesh(
     let mut declarations = Declarations::default();
     let mut mesh = GarmentInput {
         prim: prim.path().as_str().to_owned(),
+        units: units(prim, time)?,
+        uv_scales: uv_scales(prim, time)?,
         points: required_or_empty(prim, names::POINTS, time, true, point_array)?,
         face_vertex_counts: required_or_empty(prim, names::FACE_VERTEX_COUNTS, time, true, int_array)?,
         face_vertex_indices: required_or_empty(prim, names::FACE_VERTEX_INDICES, time, true, int_array)?,

@@ -12,13 +12,16 @@ mod query;
 mod recipe;
 mod shapes;
 mod source;
+mod space;
 mod variants;
 
 pub use facts::{Binding, Facts, InheritedPrimvar, TransformOp};
-pub use model::{COMPOSITION, Model, Sibling, SubsetRecord};
-pub use query::{OrUnreadable, prim_at};
+pub use model::{COMPOSITION, Model, Sibling, SubsetRecord, layer_files, stage_metadata};
+pub use origin::StageOrigin;
+pub use query::{OrUnreadable, is_a, prim_at, property_names, value};
 pub use shapes::BlendShape;
 pub use source::{ReadOptions, Source};
+pub use space::world_of;
 #[cfg(feature = "preview")]
 pub use variants::select;
 pub use variants::{Selection, VariantSet};

@@ -3,6 +3,7 @@
 use super::origin::StageOrigin;
 use super::primvars::Declarations;
 use super::query::{OrUnreadable, interpolation, is_product, prim_at, prim_name, property_names, subset_prims};
+use super::space::{Transforms, transforms};
 use super::variants::SESSION;
 use crate::error::{Error, Warning};
 use crate::garment::Interpolation;
@@ -10,7 +11,7 @@ use crate::usd::names;
 use crate::usd::record::{Content, Depth, Record, is_children, metadata};
 use openusd::sdf::{self, FieldKey, Value};
 use openusd::tf::Token;
-use openusd::usd::{Prim, Stage};
+use openusd::usd::{Prim, Stage, TimeCode};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -35,6 +36,8 @@ pub struct Model {
     pub origin: StageOrigin,
     /// The files of all layers in use.
     pub layers: Vec<PathBuf>,
+    /// Its transforms.
+    pub transforms: Transforms,
     /// The stage's own metadata.
     pub stage_metadata: Vec<(String, Value)>,
 }
@@ -131,6 +134,7 @@ impl Model {
     /// A stage that cannot be queried.
     pub fn take(
         prim: &Prim,
+        time: Option<TimeCode>,
         origin: StageOrigin,
         declarations: Declarations,
         has_normals: bool,
@@ -146,6 +150,7 @@ impl Model {
             siblings: BTreeMap::new(),
             origin,
             layers: layer_files(prim.stage()),
+            transforms: transforms(prim, time)?,
             stage_metadata: stage_metadata(prim.stage())?,
         };
         model.siblings = siblings(prim, &model)?;
@@ -255,7 +260,7 @@ impl Sibling {
 }
 
 /// The files of all layers that composition has loaded, with the package for layers inside one.
-fn layer_files(stage: &Stage) -> Vec<PathBuf> {
+pub fn layer_files(stage: &Stage) -> Vec<PathBuf> {
     let mut files: Vec<_> = stage
         .layer_identifiers()
         .iter()
@@ -271,7 +276,11 @@ fn layer_files(stage: &Stage) -> Vec<PathBuf> {
     files
 }
 
-fn stage_metadata(stage: &Stage) -> Result<Vec<(String, Value)>, Error> {
+/// The metadata of a stage that is not of its layer alone.
+///
+/// # Errors
+/// A layer that cannot be read.
+pub fn stage_metadata(stage: &Stage) -> Result<Vec<(String, Value)>, Error> {
     let layer = stage.root_layer();
     let root = sdf::Path::abs_root();
     let mut keys = layer.data().list_fields(&root).unwrap_or_default();

@@ -1,0 +1,7 @@
+//! The space of a mesh: its transform and its units.
+
+mod units;
+mod xform;
+
+pub use units::{units, uv_scales};
+pub use xform::{Transforms, transforms, world_of};

@@ -1,0 +1,44 @@
+//! The size of the unit of a mesh.
+
+use super::xform::transforms;
+use crate::error::Error;
+use crate::garment::Units;
+use crate::usd::names;
+use crate::usd::read::query::{OrUnreadable, primvar_names, value};
+use openusd::sdf::{self, Value};
+use openusd::usd::{Prim, TimeCode};
+use std::collections::BTreeMap;
+
+/// The units of the mesh `prim` at `time`.
+///
+/// # Errors
+/// A transform that cannot be read.
+pub fn units(prim: &Prim, time: Option<TimeCode>) -> Result<Units, Error> {
+    let stage = prim.stage();
+    let root = sdf::Path::abs_root();
+    let meters: Option<Value> = stage.field(&root, "metersPerUnit").or_unreadable(&root)?;
+    let meters_per_unit = match meters {
+        Some(Value::Double(meters)) if meters > 0.0 && meters.is_finite() => meters,
+        _ => Units::default().meters_per_unit,
+    };
+    let scale = transforms(prim, time)?.to_world.determinant().abs().cbrt();
+    let usable = scale.is_finite() && scale > 0.0;
+    Ok(Units { meters_per_unit, scale: if usable { scale } else { 1.0 } })
+}
+
+/// The constant primvars `<name>Scale` of a mesh, by `<name>`.
+///
+/// # Errors
+/// A primvar that cannot be read.
+pub fn uv_scales(prim: &Prim, time: Option<TimeCode>) -> Result<BTreeMap<String, f32>, Error> {
+    let mut scales = BTreeMap::new();
+    for primvar in primvar_names(prim)? {
+        let Some(name) = primvar.strip_suffix("Scale") else { continue };
+        match value(prim, &format!("{}{primvar}", names::PRIMVARS), time) {
+            Ok(Some(Value::Float(scale))) => scales.insert(name.to_owned(), scale),
+            Ok(Some(Value::Double(scale))) => scales.insert(name.to_owned(), scale as f32),
+            _ => continue,
+        };
+    }
+    Ok(scales)
+}

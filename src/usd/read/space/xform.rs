@@ -1,0 +1,180 @@
+//! Transforms of prims, from their ops.
+
+use crate::error::Error;
+use crate::usd::read::origin::StageOrigin;
+use crate::usd::read::query::{OrUnreadable, prim_at, value};
+use crate::usd::{names, on_large_stack};
+use glam::{DMat4, DQuat, DVec3};
+use openusd::sdf::{Path, Value};
+use openusd::usd::{Prim, TimeCode};
+
+/// Resets the transform of ancestors, as an entry of `xformOpOrder`.
+const RESET: &str = "!resetXformStack!";
+/// Prefix of inverted entries of `xformOpOrder`.
+const INVERT: &str = "!invert!";
+
+/// The transforms of a prim.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transforms {
+    /// From its own space to that of its parent.
+    pub to_parent: DMat4,
+    /// From its own space to the stage's.
+    pub to_world: DMat4,
+}
+
+/// The transforms of `prim` at `time`. Animated ops without a default count as the identity when no time is given.
+///
+/// # Errors
+/// A stage that cannot be queried.
+pub fn transforms(prim: &Prim, time: Option<TimeCode>) -> Result<Transforms, Error> {
+    let (own, mut is_reset) = local(prim, time);
+    let mut above = DMat4::IDENTITY;
+    for path in ancestors(prim) {
+        if is_reset {
+            break;
+        }
+        let (matrix, resets) = local(&prim_at(prim.stage(), &path)?, time);
+        above = matrix * above;
+        is_reset = resets;
+    }
+    let parent = match local(prim, time).1 {
+        true => parent_to_world(prim, time)?,
+        false => above,
+    };
+    Ok(Transforms { to_parent: parent.inverse() * above * own, to_world: above * own })
+}
+
+/// The path of the prim at `target` in a stage, and its transform to the stage's space.
+///
+/// # Errors
+/// A prim that the stage lacks.
+pub fn world_of(origin: &StageOrigin, target: &str) -> Result<(Path, DMat4), Error> {
+    let fault = |text: &str| Error::recipe("cloth.pinTarget", format!("{target} {text}"));
+    let path = Path::new(target).map_err(|_| fault("is no prim path").remedy("write it as /Body/hips"))?;
+    on_large_stack(|| {
+        let stage = origin.open()?;
+        let prim = prim_at(&stage, &path)?;
+        if !prim.is_valid().or_unreadable(&path)? {
+            return Err(
+                fault("is no prim of the stage").remedy("name a prim that the garment's file or its layers have")
+            );
+        }
+        Ok((path.clone(), transforms(&prim, None)?.to_world))
+    })
+}
+
+fn parent_to_world(prim: &Prim, time: Option<TimeCode>) -> Result<DMat4, Error> {
+    match ancestors(prim).first() {
+        Some(parent) => Ok(transforms(&prim_at(prim.stage(), parent)?, time)?.to_world),
+        None => Ok(DMat4::IDENTITY),
+    }
+}
+
+/// The ancestors of a prim, the nearest first.
+fn ancestors(prim: &Prim) -> Vec<Path> {
+    let mut paths: Vec<Path> = prim.path().strict_ancestors_below_root().collect();
+    paths.sort_by_key(|path| std::cmp::Reverse(path.as_str().len()));
+    paths
+}
+
+/// The transform of a prim's own ops, and whether it resets that of its ancestors.
+fn local(prim: &Prim, time: Option<TimeCode>) -> (DMat4, bool) {
+    let type_name = prim.type_name().ok().flatten();
+    if type_name.is_none_or(|name| name.is_empty() || name.as_str() == "Scope") {
+        // USD takes no ops of prims without a place in space.
+        return (DMat4::IDENTITY, false);
+    }
+    let Ok(Some(Value::TokenVec(order))) = value(prim, names::XFORM_OP_ORDER, time) else {
+        return (DMat4::IDENTITY, false);
+    };
+    let mut matrix = DMat4::IDENTITY;
+    let mut is_reset = false;
+    for op in &order {
+        if op.as_str() == RESET {
+            (matrix, is_reset) = (DMat4::IDENTITY, true);
+            continue;
+        }
+        let (name, inverted) = op.as_str().strip_prefix(INVERT).map_or((op.as_str(), false), |name| (name, true));
+        let by = value(prim, name, time).ok().flatten().and_then(|value| op_matrix(name, &value));
+        let by = by.unwrap_or(DMat4::IDENTITY);
+        matrix *= if inverted { by.inverse() } else { by };
+    }
+    (matrix, is_reset)
+}
+
+/// The matrix of an op such as `xformOp:rotateXYZ:pivot`; `None` for a type that its values cannot have.
+fn op_matrix(name: &str, value: &Value) -> Option<DMat4> {
+    let kind = name.strip_prefix(names::XFORM_OP)?.split(':').next()?;
+    let axis = |angle: f64, axis: DVec3| DMat4::from_axis_angle(axis, angle.to_radians());
+    Some(match kind {
+        "translate" => DMat4::from_translation(vector(value)?),
+        "scale" => DMat4::from_scale(vector(value)?),
+        "rotateX" => axis(number(value)?, DVec3::X),
+        "rotateY" => axis(number(value)?, DVec3::Y),
+        "rotateZ" => axis(number(value)?, DVec3::Z),
+        "orient" => DMat4::from_quat(quaternion(value)?),
+        "transform" => match value {
+            // USD multiplies rows, so that its rows are columns here.
+            Value::Matrix4d(m) => DMat4::from_cols_array(&m.0),
+            _ => return None,
+        },
+        _ => {
+            let order = kind.strip_prefix("rotate").filter(|order| order.len() == 3)?;
+            let angles = vector(value)?;
+            // The first axis of the name is applied first.
+            order.chars().try_fold(DMat4::IDENTITY, |matrix, letter| {
+                Some(
+                    match letter {
+                        'X' => axis(angles.x, DVec3::X),
+                        'Y' => axis(angles.y, DVec3::Y),
+                        'Z' => axis(angles.z, DVec3::Z),
+                        _ => return None,
+                    } * matrix,
+                )
+            })?
+        }
+    })
+}
+
+fn number(value: &Value) -> Option<f64> {
+    match value {
+        Value::Double(x) => Some(*x),
+        Value::Float(x) => Some(f64::from(*x)),
+        Value::Half(x) => Some(f64::from(x.to_f32())),
+        _ => None,
+    }
+}
+
+fn vector(value: &Value) -> Option<DVec3> {
+    match value {
+        Value::Vec3d(v) => Some(DVec3::new(v.x, v.y, v.z)),
+        Value::Vec3f(v) => Some(DVec3::new(v.x.into(), v.y.into(), v.z.into())),
+        Value::Vec3h(v) => Some(DVec3::new(v.x.to_f32().into(), v.y.to_f32().into(), v.z.to_f32().into())),
+        _ => None,
+    }
+}
+
+fn quaternion(value: &Value) -> Option<DQuat> {
+    let [w, x, y, z] = match value {
+        Value::Quatd(q) => [q.w, q.x, q.y, q.z],
+        Value::Quatf(q) => [q.w, q.x, q.y, q.z].map(f64::from),
+        Value::Quath(q) => [q.w, q.x, q.y, q.z].map(|v| f64::from(v.to_f32())),
+        _ => return None,
+    };
+    Some(DQuat::from_xyzw(x, y, z, w).normalize())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ops_move_points_as_usd_does() {
+        let angles = Value::Vec3d([90.0, 0.0, 90.0].into());
+        let turned = op_matrix("xformOp:rotateXYZ:pivot", &angles).expect("a rotation");
+        // About x first: y goes to z, which the turn about z leaves.
+        assert!(turned.transform_point3(DVec3::Y).distance(DVec3::Z) < 1e-12);
+        assert!(turned.transform_point3(DVec3::X).distance(DVec3::Y) < 1e-12);
+        assert_eq!(op_matrix("xformOp:translate", &Value::Double(1.0)), None);
+    }
+}
