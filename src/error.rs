@@ -176,6 +176,12 @@ pub enum Code {
     OperatorsLeftOut,
     /// A reference to the asset cannot reach the products.
     RootMesh,
+    /// No vertex of the simulation mesh is in a set that is held.
+    NothingPinned,
+    /// UV shells are no patterns of the mesh.
+    NoPattern,
+    /// A dialect of physics takes one value where the cloth has several.
+    MeanFabric,
     /// The stage does not compose fully.
     Composition,
 }

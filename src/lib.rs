@@ -36,12 +36,15 @@
 //!
 //! Modules in data-flow order; each imports only those before it: `error` and `mesh` (connectivity without positions),
 //! `garment` (the checked mesh with its attributes), `subdivide`, `contact` (distances and intersections), `sim`, `render`, `transfer`, `report` (figures), `recipe`
-//! (all options), `build` (the steps and their results), then the doors `usd` and `session`. `docs/architecture.md` draws
+//! (all options), `cloth` (fabrics, pins, the shape at rest), `binding` and [`drive`] (the render mesh follows a simulation), `build` (the steps and their results), then the doors `usd` and `session`. `docs/architecture.md` draws
 //! them.
 
+mod binding;
 mod build;
 mod checks;
+mod cloth;
 mod contact;
+pub mod drive;
 pub mod error;
 mod garment;
 mod mesh;
@@ -59,12 +62,14 @@ mod transfer;
 #[cfg(feature = "usd")]
 pub mod usd;
 
+pub use binding::Binding;
 pub use build::{Builder, DEFAULT_MAX_FACES, Plan, Products, Progress, RenderUpdate, SimUpdate, Timing, build};
+pub use cloth::{Cloth, ClothFigures, ClothOptions, Fabric, FabricOptions, Rest, RestFigures, RestShape};
 pub use error::{Error, ErrorKind, Warning};
 pub use garment::{
     BoundaryInterpolation, Corner, Crease, FaceVaryingInterpolation, Family, FamilyType, Garment, GarmentInput,
     Interpolation, Mixing, Orientation, Primvar, PrimvarInput, PrimvarRole, Scheme, SubdivisionRules, Subset,
-    SubsetInput, TriangleRule, Values,
+    SubsetInput, TriangleRule, Units, Values,
 };
 pub use glam;
 pub use mesh::{CornerId, Csr, EdgeId, Elements, FaceId, Faces, IdVec, Topology, VertexId};

@@ -10,6 +10,9 @@ use glam::Vec3;
 use rayon::prelude::*;
 use serde::Serialize;
 
+/// Share of its target below which an edge costs a solver its time step.
+const SHORT: f32 = 0.2;
+
 /// Figures of a simulation mesh.
 #[derive(Clone, Debug, Default, Serialize)]
 #[serde(rename_all = "camelCase")]
@@ -39,6 +42,10 @@ pub struct SimFigures {
     /// Share of edges between 4/5 and 4/3 of their target length (the split and collapse bounds of Botsch and Kobbelt
     /// 2004).
     pub lengths_in_band: f32,
+    /// Length of the shortest edge, as a share of its target.
+    pub shortest_edge: f32,
+    /// The edges that are shorter than a fifth of their target, shortest first, as vertices of the simulation mesh.
+    pub short_edges: Vec<[usize; 2]>,
     /// Share of interior edges whose opposite angles sum to more than π, including constrained edges.
     pub non_delaunay: f32,
     /// Largest distance of the mesh from the baseline, as a share of the target length.
@@ -220,6 +227,15 @@ impl SimFigures {
         let mean = |f: &dyn Fn(f32) -> f32| {
             (errors.iter().map(|&e| f64::from(f(e))).sum::<f64>() / errors.len().max(1) as f64) as f32
         };
+        let mut short: Vec<(f32, [usize; 2])> = errors
+            .iter()
+            .zip(t.edges.iter())
+            .filter(|(e, _)| **e + 1.0 < SHORT)
+            .map(|(e, ends)| (*e, ends.map(|v| v.index())))
+            .collect();
+        short.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        self.shortest_edge = 1.0 + errors.iter().copied().fold(f32::INFINITY, f32::min);
+        self.short_edges = short.into_iter().map(|(_, ends)| ends).collect();
         self.length_error_mean = mean(&f32::abs);
         self.length_error_rms = mean(&|e| e * e).sqrt();
         let in_band = errors.iter().filter(|&&e| (0.8..=4.0 / 3.0).contains(&(e + 1.0))).count();

@@ -28,6 +28,10 @@ fn expected(value: &Value) -> Vec<(&'static str, String)> {
         Value::Number(n) if n.is_f64() => vec![("float", format!("{}", n.as_f64().unwrap_or_default()))],
         Value::Number(n) => vec![("int", n.to_string())],
         Value::String(s) => vec![("token", format!("\"{s}\""))],
+        Value::Array(words) if !words.is_empty() => {
+            let words: Vec<String> = words.iter().map(ToString::to_string).collect();
+            vec![("token[]", format!("[{}]", words.join(", ")))]
+        }
         // A list of names is a relationship where the names are prims, else tokens.
         _ => vec![("rel", String::new()), ("token[]", "[]".into())],
     }

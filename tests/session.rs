@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 use tailor::error::Warnings;
 use tailor::glam::Vec3;
-use tailor::session::{Document, Session};
-use tailor::usd::{Format, Product, ProductRole, ReadOptions, Source, Surroundings, WriteOptions, layer_bytes, write};
+use tailor::session::{Document, Session, written};
+use tailor::usd::{Format, ReadOptions, Source, Surroundings, WriteOptions, layer_bytes, write};
 use tailor::{
     Builder, Error, ErrorKind, GarmentInput, Products, Progress, Recipe, SeamOptions, SubsetInput, ThicknessOptions,
 };
@@ -63,10 +63,7 @@ impl Example {
 fn straight(example: &Example, arguments: &[(&str, &str)]) -> Vec<u8> {
     let (document, source) = (example.document(arguments), example.source());
     let products = example.update(&mut example.builder(), arguments);
-    let meshes = [
-        Product { name: "sim", role: ProductRole::Sim, mesh: &products.sim },
-        Product { name: "render", role: ProductRole::Render, mesh: &products.render },
-    ];
+    let meshes = written(&products, ["sim", "render"]);
     let (surroundings, options) =
         (Surroundings { folder: document.folder(), source: Some(document.source()) }, WriteOptions::default());
     layer_bytes(&source, &meshes, Format::Usdc, surroundings, &options, &mut Warnings::default()).expect("a layer")

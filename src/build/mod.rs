@@ -7,6 +7,7 @@
 //! ```
 
 mod check;
+mod cloth;
 mod progress;
 mod sim;
 
@@ -16,6 +17,8 @@ pub use progress::{Progress, Timing};
 #[cfg(feature = "internals")]
 pub use sim::baseline;
 
+use crate::binding::Binding;
+use crate::cloth::{Cloth, ClothFigures};
 use crate::error::{Code, Error, Warning, Warnings};
 use crate::garment::{Garment, GarmentInput, Scheme, check_garment};
 use crate::recipe::{Recipe, bind};
@@ -23,6 +26,7 @@ use crate::render::operator::Operator;
 use crate::render::{RenderSteps, Rendered, Stack};
 use crate::report::{RenderFigures, SimFigures, TriangleQuality};
 use crate::sim::RemeshReport;
+use cloth::ClothSteps;
 use progress::Clock;
 use serde::Serialize;
 use sim::{SimSteps, Simulated};
@@ -77,6 +81,7 @@ pub struct Builder {
     warnings: Warnings,
     sim: SimSteps,
     render: RenderSteps,
+    cloth: ClothSteps,
     own_operators: Vec<Arc<dyn Operator>>,
     progress: Progress,
     max_faces: usize,
@@ -90,6 +95,12 @@ pub struct Products {
     pub sim: Arc<Garment>,
     /// The render mesh.
     pub render: Arc<Garment>,
+    /// The simulation mesh as cloth; none where `cloth.physics` is empty.
+    pub cloth: Option<Arc<Cloth>>,
+    /// The places of the render mesh's points on the simulation mesh.
+    pub binding: Arc<Binding>,
+    /// The places of the garment's own points on the simulation mesh.
+    pub cage_binding: Arc<Binding>,
     /// The recipe with the lengths that were used.
     pub recipe: Recipe,
     /// The operators of the render mesh, in their order.
@@ -112,6 +123,11 @@ impl Products {
     /// The figures of the render mesh.
     pub fn render_figures(&self) -> RenderFigures {
         RenderFigures::new(&self.render)
+    }
+
+    /// The figures of the cloth.
+    pub fn cloth_figures(&self) -> Option<ClothFigures> {
+        self.cloth.as_ref().map(|cloth| cloth.figures(&self.sim))
     }
 
     /// The counts of the remesher.
@@ -200,6 +216,7 @@ impl Builder {
         Ok(Self {
             sim: SimSteps::new(Arc::clone(&garment)),
             render: RenderSteps::new(Arc::clone(&garment)),
+            cloth: ClothSteps::new(Arc::clone(&garment)),
             garment,
             mean_edge,
             warnings,
@@ -218,6 +235,7 @@ impl Builder {
             garment: Arc::clone(&self.garment),
             mean_edge: self.mean_edge,
             warnings: self.warnings.clone(),
+            cloth: ClothSteps::new(Arc::clone(&self.garment)),
             own_operators: Vec::new(),
             progress: Progress::default(),
             max_faces: self.max_faces,
@@ -286,17 +304,29 @@ impl Builder {
         let recipe = self.resolve(recipe)?;
         let sim = self.simulate(&recipe)?;
         let render = self.render(&recipe)?;
+        let stack = self.stack(&recipe)?;
+        let mut clock = Clock::new(&self.progress);
+        let cloth = self.cloth.cloth(&recipe, &sim.simulated, &mut clock)?;
+        let origins = || self.render.origins(&stack);
+        let binding = self.cloth.binding(&sim.simulated, &render.mesh, origins, &mut clock)?;
+        let cage_binding = self.cloth.cage_binding(&sim.simulated, || self.render.cage_origins())?;
+        clock.finish()?;
         let mut warnings = self.warnings.clone();
         warnings.extend(sim.warnings);
         warnings.extend(render.warnings);
+        let (cloth, of_cloth) = cloth.unzip();
+        warnings.extend(of_cloth.unwrap_or_default());
         Ok(Products {
             sim: sim.mesh,
             render: render.mesh,
+            cloth,
+            binding,
+            cage_binding,
             recipe,
             operators: render.operators,
             operator_sets: render.operator_sets,
             warnings,
-            timings: [sim.timings, render.timings].concat(),
+            timings: [sim.timings, render.timings, clock.timings].concat(),
             simulated: sim.simulated,
         })
     }

@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use tailor::error::{Error, Warnings};
 use tailor::report::{RenderFigures, SimFigures};
-use tailor::usd::{Product, ProductRole, WriteOptions, check_target, write};
+use tailor::session::written;
+use tailor::usd::{WriteOptions, check_target, write};
 use tailor::{Products, Progress, Timing};
 
 /// The quality figures of both products.
@@ -95,10 +96,7 @@ fn build_one(build: &Build, input: &Path, output: PathBuf) -> Result<Built, Erro
     let figures = timed("figures", &mut timings, || {
         Ok(Figures { sim: products.sim_figures(), render: products.render_figures() })
     })?;
-    let meshes = [
-        Product { name: &build.sim_name, role: ProductRole::Sim, mesh: &products.sim },
-        Product { name: &build.render_name, role: ProductRole::Render, mesh: &products.render },
-    ];
+    let meshes = written(&products, [&build.sim_name, &build.render_name]);
     let options = WriteOptions { flatten: build.flatten, force: build.force, model_guide: !build.keep_model_purpose };
     let mut warnings = products.warnings.clone();
     timed("write", &mut timings, || write(&source, &meshes, &output, &options, &mut warnings))?;

@@ -1,6 +1,7 @@
 //! The command line: flags as typed options, and the subcommands `build`, `info` and `check`.
 
 mod build;
+mod drive;
 mod info;
 #[cfg(feature = "preview")]
 mod preview;
@@ -28,6 +29,8 @@ enum Command {
     /// Write a simulation mesh and a render mesh beside the garment
     #[command(after_help = tailor::recipe::help())]
     Build(Build),
+    /// Move the render mesh of a garment with a simulated cache
+    Drive(drive::Drive),
     /// Describe a garment and the meshes that `build` would write for it
     #[command(after_help = tailor::recipe::help())]
     Info(Inputs),
@@ -58,6 +61,9 @@ struct Inputs {
     /// Override one option, such as sim.maxEdgeLength=2 [stage units] or render.level=2 [levels]; repeatable
     #[arg(long = "set", value_name = "KEY=VALUE", help_heading = "Recipe")]
     set: Vec<String>,
+    /// Dialects of USD physics to write, of aousd, omni and chaos; or none: --set cloth.physics=... [default: aousd]
+    #[arg(long, value_name = "NAMES", help_heading = "Recipe")]
+    physics: Option<String>,
     /// Store the source face of each vertex of the simulation mesh: --set sim.provenance=true
     #[arg(long, help_heading = "Recipe")]
     provenance: bool,
@@ -115,13 +121,14 @@ pub struct Output {
 /// # Errors
 /// Faults of the input, the recipe or the output.
 pub fn run(cli: &Cli) -> Result<Output, Error> {
-    let inputs = match &cli.command {
-        Command::Build(build) => &build.inputs,
-        Command::Info(inputs) | Command::Check(inputs) => inputs,
+    let threads = match &cli.command {
+        Command::Build(build) => build.inputs.threads,
+        Command::Drive(drive) => drive.threads,
+        Command::Info(inputs) | Command::Check(inputs) => inputs.threads,
         #[cfg(feature = "preview")]
-        Command::Preview(preview) => preview.inputs(),
+        Command::Preview(preview) => preview.inputs().threads,
     };
-    if let Some(threads) = inputs.threads {
+    if let Some(threads) = threads {
         if threads == 0 {
             return Err(usage("--threads 0", "at least one thread is needed").remedy("give 1 or more"));
         }
@@ -130,6 +137,7 @@ pub fn run(cli: &Cli) -> Result<Output, Error> {
     }
     match &cli.command {
         Command::Build(build) => build::run(build),
+        Command::Drive(drive) => drive::run(drive),
         Command::Info(inputs) => info::info(inputs),
         Command::Check(inputs) => info::check(inputs),
         #[cfg(feature = "preview")]
@@ -160,11 +168,13 @@ impl Inputs {
     /// An input file with the options of the command line.
     fn input(&self, file: &Path) -> Input {
         let provenance = self.provenance.then(|| "sim.provenance=true".to_owned());
+        let physics = self.physics.as_deref().map(|names| if names == "none" { "" } else { names });
+        let physics = physics.map(|names| format!("cloth.physics={names}"));
         Input {
             file: file.to_path_buf(),
             read: ReadOptions { prim: self.prim.clone(), time: self.time, ..ReadOptions::default() },
             recipe: self.recipe.clone(),
-            overrides: provenance.into_iter().chain(self.set.iter().cloned()).collect(),
+            overrides: provenance.into_iter().chain(physics).chain(self.set.iter().cloned()).collect(),
         }
     }
 

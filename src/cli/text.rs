@@ -5,8 +5,11 @@ use serde_json::Value;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use tailor::Products;
 use tailor::error::{Error, Warning};
+use tailor::{ClothFigures, Products, Timing};
+
+/// Longest line of a summary. \[characters\]
+const WIDTH: usize = 100;
 
 /// Writes warnings to standard error, prefixed with `input` if given.
 pub fn print_warnings<'a>(warnings: impl IntoIterator<Item = &'a Warning>, quiet: bool, input: Option<&PathBuf>) {
@@ -82,11 +85,10 @@ pub fn summary(built: &Built, verbose: bool) -> String {
     if !operators.is_empty() {
         let _ = writeln!(t, "          {} operators: {}", operators.len(), operators.join(", "));
     }
-    let _ = write!(t, "  time   ");
-    for stage in &built.timings {
-        let _ = write!(t, " {} {:.0} ms", stage.name, stage.seconds * 1e3);
+    if let Some(figures) = products.cloth_figures() {
+        t += &cloth(&figures, s.short_edges.len());
     }
-    let _ = writeln!(t);
+    t += &times(&built.timings);
     if verbose {
         let m = products.remesh();
         let _ = writeln!(
@@ -101,6 +103,53 @@ pub fn summary(built: &Built, verbose: bool) -> String {
             let _ = writeln!(t, "  set     {}: area {:.3} of {:.3}", area.name, area.area, area.source_area);
         }
         let _ = writeln!(t, "  recipe  {}", serde_json::to_string(recipe).unwrap_or_default());
+    }
+    t
+}
+
+/// The line about times, broken where it is long.
+fn times(stages: &[Timing]) -> String {
+    let mut t = "  time   ".to_owned();
+    let mut width = t.len();
+    for stage in stages {
+        let one = format!(" {} {:.0} ms", stage.name, stage.seconds * 1e3);
+        if width + one.len() > WIDTH {
+            t += "\n         ";
+            width = 9;
+        }
+        width += one.len();
+        t += &one;
+    }
+    t.push('\n');
+    t
+}
+
+/// The lines about the cloth; `short` edges of it are short.
+fn cloth(figures: &ClothFigures, short: usize) -> String {
+    let mut t = String::new();
+    let grams = 1e3 * figures.mass;
+    let _ = write!(t, "  cloth   {}: {grams:.0} g, {:.3} m2", figures.fabrics.join(", "), figures.area);
+    for (count, what) in [(figures.pinned, "pinned vertices"), (figures.attached, "attached pieces")] {
+        if count > 0 {
+            let _ = write!(t, ", {count} {what}");
+        }
+    }
+    let (edge, step) = (1e3 * figures.shortest_edge, 1e6 * figures.critical_time_step);
+    let _ = write!(t, "\n          shortest edge {edge:.2} mm");
+    if short > 0 {
+        let _ = write!(t, " ({short} are under a fifth of their target)");
+    }
+    let _ = writeln!(t, "; time step of an explicit solver under {step:.1} µs");
+    match &figures.rest {
+        None => t += "          rests as modelled\n",
+        Some(rest) => {
+            let percent = 100.0 * rest.stretch_rms;
+            let _ = write!(t, "          rests as {} flat panels, stretched by {percent:.2} % (RMS)", rest.panels);
+            let _ = match rest.modelled {
+                0 => writeln!(t),
+                shells => writeln!(t, "; {shells} shells as modelled"),
+            };
+        }
     }
     t
 }

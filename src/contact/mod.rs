@@ -15,7 +15,7 @@ mod proximity;
 mod simd;
 
 pub use axis::{Quad, separating_axis};
-pub use bvh::morton_order;
+pub use bvh::{Aabb, Bvh, morton_order};
 pub use clearance::{Clearance, UNBOUNDED, smaller};
 pub use face::ChildId;
 pub use faces::{RefinedFaces, evaluate};

@@ -193,7 +193,7 @@ fn schema(space: &str, name: Option<&str>) -> String {
 
 fn is_schema(text: &str) -> bool {
     let class = text.split(':').next().unwrap_or(text);
-    ["sim", "render", "seam", "thickness"].iter().any(|space| class == schema(space, None))
+    ["sim", "render", "cloth", "seam", "thickness", "fabric"].iter().any(|space| class == schema(space, None))
 }
 
 /// The properties of options below a key, such as `seam.side`.
@@ -221,8 +221,8 @@ fn typed(domain: Domain, default: &Value, value: &Value) -> Option<OptionValue> 
         names.collect::<Option<Vec<_>>>()
     };
     Some(match domain {
-        Domain::EdgeSets | Domain::FaceSets => OptionValue::Subsets(names()?),
-        Domain::Operators => OptionValue::Tokens(names()?),
+        Domain::EdgeSets | Domain::LineSets | Domain::FaceSets => OptionValue::Subsets(names()?),
+        Domain::Operators | Domain::Words(_) => OptionValue::Tokens(names()?),
         _ => match default {
             Value::Bool(_) => OptionValue::Bool(value.as_bool()?),
             Value::Number(n) if n.is_f64() => OptionValue::Float(value.as_f64()? as f32),

@@ -89,8 +89,9 @@ fn message(source: &Source, checks: &Builder, input: &Input) -> String {
         "sets": sets.collect::<Vec<_>>(),
         "primvars": primvars.collect::<Vec<_>>(),
         "variants": variants.collect::<Vec<_>>(),
-        "options": KEYS.iter().map(|key| option(key, default_at(key.key).as_ref(), mean_edge)).collect::<Vec<_>>(),
-        "kinds": KINDS.iter().map(|k| kind(k, mean_edge)).collect::<Vec<_>>(),
+        // Cloth changes neither mesh.
+        "options": KEYS.iter().filter(|key| !key.key.starts_with("cloth.")).map(|key| option(key, default_at(key.key).as_ref(), mean_edge)).collect::<Vec<_>>(),
+        "kinds": KINDS.iter().filter(|k| k.is_operator).map(|k| kind(k, mean_edge)).collect::<Vec<_>>(),
         "suggested": {"layer": layer, "recipe": recipe},
         "warnings": checks.warnings().iter().collect::<Vec<_>>(),
     })
@@ -148,5 +149,7 @@ fn domain(domain: Domain, mean_edge: f32) -> Value {
         Domain::EdgeSets => json!({"type": "names", "of": "edgeSet"}),
         Domain::FaceSets => json!({"type": "names", "of": "faceSet"}),
         Domain::Operators => json!({"type": "names", "of": "operator"}),
+        // Options of cloth are not on the page.
+        Domain::Words(_) | Domain::Text | Domain::LineSets => Value::Null,
     }
 }

@@ -21,6 +21,10 @@ pub struct SimPrimvars<'a> {
 pub fn bind(recipe: &Recipe, garment: &Garment) -> Result<(), Error> {
     bind_sim(&recipe.sim, garment)?;
     subsets_are(garment, "sim.constraints", &recipe.sim.constraints, "edge")?;
+    recipe.cloth.bind(garment)?;
+    for (name, fabric) in &recipe.fabrics {
+        subsets_are(garment, &format!("fabric.{name}.faces"), &fabric.faces, "face")?;
+    }
     recipe.enabled().try_for_each(|(name, options)| options.bind(&options.key_of(name), garment))
 }
 

@@ -21,6 +21,8 @@ impl Recipe {
     pub fn check(&self) -> Result<(), Error> {
         self.check_sim()?;
         self.check_levels()?;
+        self.cloth.check()?;
+        self.fabrics.iter().try_for_each(|(name, options)| options.check(name))?;
         self.enabled().try_for_each(|(name, options)| options.check(&options.key_of(name)))
     }
 

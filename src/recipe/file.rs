@@ -1,6 +1,7 @@
 //! Reads `.tailor` files: recipes as JSON.
 
 use super::in_words;
+use crate::cloth::{ClothOptions, FabricOptions};
 use crate::error::{Error, plain};
 use crate::render::{RenderOptions, SeamOptions, ThicknessOptions};
 use crate::sim::SimOptions;
@@ -19,6 +20,7 @@ pub struct RecipeFile {
     pub prim: Option<String>,
     sim: Map<String, Value>,
     render: Map<String, Value>,
+    cloth: Map<String, Value>,
     #[serde(flatten)]
     instances: Map<String, Value>,
 }
@@ -73,6 +75,7 @@ impl RecipeFile {
         let mut layer = Map::new();
         layer.insert("sim".into(), Value::Object(self.sim));
         layer.insert("render".into(), Value::Object(self.render));
+        layer.insert("cloth".into(), Value::Object(self.cloth));
         layer.extend(self.instances);
         layer
     }
@@ -90,10 +93,14 @@ struct Form {
     _sim: SimOptions,
     #[serde(rename = "render")]
     _render: RenderOptions,
+    #[serde(rename = "cloth")]
+    _cloth: ClothOptions,
     #[serde(rename = "seam")]
     _seam: BTreeMap<String, SeamOptions>,
     #[serde(rename = "thickness")]
     _thickness: BTreeMap<String, ThicknessOptions>,
+    #[serde(rename = "fabric")]
+    _fabric: BTreeMap<String, FabricOptions>,
 }
 
 /// `true` if the extension of `path` is `.tailor`.

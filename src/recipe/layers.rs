@@ -18,7 +18,7 @@ impl Layers {
     pub fn add_attributes(&mut self, attributes: Map<String, Value>, warnings: &mut Warnings) {
         for (space, value) in attributes {
             match (space.as_str(), value) {
-                ("sim" | "render", Value::Object(fields)) => {
+                ("sim" | "render" | "cloth", Value::Object(fields)) => {
                     for (key, value) in fields {
                         self.add_known(&space, &key, value, &mut |name| warnings.push(not_understood(name)));
                     }

@@ -17,6 +17,7 @@ pub(crate) use operators::kind_named;
 
 pub use crate::render::{Domain, Key, Kind};
 
+use crate::cloth::{ClothOptions, DIALECTS, FabricOptions};
 use crate::render::{RenderOptions, SeamOptions, ThicknessOptions};
 use crate::sim::SimOptions;
 use serde::{Deserialize, Serialize};
@@ -25,7 +26,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 /// The options that a recipe has once, in schema order.
-pub const KEYS: [Key; 17] = [
+pub const KEYS: [Key; 26] = [
     Key {
         key: "sim.minEdgeLength",
         unit: "stage units",
@@ -128,6 +129,55 @@ pub const KEYS: [Key; 17] = [
         domain: Domain::Flag,
         meaning: "add face subsets of the faces that each operator creates",
     },
+    Key {
+        key: "cloth.physics",
+        unit: "names",
+        domain: Domain::Words(DIALECTS),
+        meaning: "dialects of USD physics to write: aousd, omni, chaos; empty: none",
+    },
+    Key {
+        key: "cloth.fabric",
+        unit: "name",
+        domain: Domain::Text,
+        meaning: "cotton, denim, wool, silk, leather or jersey, or the name of a fabric of the recipe",
+    },
+    Key {
+        key: "cloth.warp",
+        unit: "name",
+        domain: Domain::Choice(&["u", "v"]),
+        meaning: "axis of the UV panels that the warp follows",
+    },
+    Key {
+        key: "cloth.rest",
+        unit: "name",
+        domain: Domain::Choice(&["auto", "mesh", "panels"]),
+        meaning: "shape without strain: the UV panels, or the mesh; auto: panels where they are patterns",
+    },
+    Key { key: "cloth.pins", unit: "names", domain: Domain::LineSets, meaning: "point and edge subsets that are held" },
+    Key {
+        key: "cloth.pinTarget",
+        unit: "prim path",
+        domain: Domain::Text,
+        meaning: "prim that holds the pins; empty: the world",
+    },
+    Key {
+        key: "cloth.attach",
+        unit: "true or false",
+        domain: Domain::Flag,
+        meaning: "attach loose pieces, such as pockets, to the cloth below them",
+    },
+    Key {
+        key: "cloth.panels",
+        unit: "true or false",
+        domain: Domain::Flag,
+        meaning: "write the flat panels of the shape at rest as a mesh of their own",
+    },
+    Key {
+        key: "cloth.scene",
+        unit: "true or false",
+        domain: Domain::Flag,
+        meaning: "write a PhysicsScene with gravity",
+    },
 ];
 
 /// All options of a build.
@@ -138,12 +188,17 @@ pub struct Recipe {
     pub sim: SimOptions,
     /// Options of the render mesh.
     pub render: RenderOptions,
+    /// Options of the cloth.
+    pub cloth: ClothOptions,
     /// Options of each seam, by name.
     #[serde(rename = "seam", skip_serializing_if = "BTreeMap::is_empty")]
     pub seams: BTreeMap<String, SeamOptions>,
     /// Options of each thickness, by name.
     #[serde(rename = "thickness", skip_serializing_if = "BTreeMap::is_empty")]
     pub thicknesses: BTreeMap<String, ThicknessOptions>,
+    /// Options of each fabric, by name.
+    #[serde(rename = "fabric", skip_serializing_if = "BTreeMap::is_empty")]
+    pub fabrics: BTreeMap<String, FabricOptions>,
 }
 
 /// The default recipe, as nested keys.

@@ -1,16 +1,18 @@
-//! Options of operators, which a recipe has once for each instance, such as `seam.<name>.width`.
+//! Options that a recipe has once for each instance, such as `seam.<name>.width`.
 
 use super::Recipe;
+use crate::cloth::FabricOptions;
 use crate::render::{Kind, OperatorOptions, SeamOptions, ThicknessOptions};
 use serde::Serialize;
 use std::sync::LazyLock;
 
-/// The kinds of operators, in the default order of execution.
-pub static KINDS: LazyLock<[Kind; 2]> = LazyLock::new(|| [kind::<SeamOptions>(), kind::<ThicknessOptions>()]);
+/// The kinds of options that have instances: operators in the default order of execution, and fabrics.
+pub static KINDS: LazyLock<[Kind; 3]> =
+    LazyLock::new(|| [kind::<SeamOptions>(), kind::<ThicknessOptions>(), FabricOptions::kind()]);
 
 fn kind<O: OperatorOptions + Default + Serialize>() -> Kind {
     let (options, defaults) = (O::default(), || serde_json::to_value(O::default()).unwrap_or_default());
-    Kind { name: options.kind(), keys: options.keys(), defaults }
+    Kind { name: options.kind(), keys: options.keys(), defaults, is_operator: true }
 }
 
 impl Recipe {

@@ -33,7 +33,7 @@ mod thickness;
 
 pub use options::{Domain, Key, Kind, OperatorOptions};
 pub use seam::SeamOptions;
-pub use stack::{RenderSteps, Rendered, Stack};
+pub use stack::{Origins, RenderSteps, Rendered, Stack};
 pub use thickness::{Side, ThicknessOptions};
 
 use crate::error::{Code, Error, Warning, Warnings};

@@ -49,12 +49,18 @@ pub enum Domain {
     },
     /// One of several words.
     Choice(&'static [&'static str]),
+    /// Some of several words.
+    Words(&'static [&'static str]),
+    /// Free text.
+    Text,
     /// A UV set, or empty.
     UvSet,
     /// A painted float primvar, or empty.
     Weights,
     /// Edge subsets.
     EdgeSets,
+    /// Edge and point subsets.
+    LineSets,
     /// Face subsets.
     FaceSets,
     /// Operators of the recipe.
@@ -118,4 +124,6 @@ pub struct Kind {
     pub keys: &'static [Key],
     /// Default values of the options, as a JSON object.
     pub defaults: fn() -> Value,
+    /// True if its instances are operators of the render mesh.
+    pub is_operator: bool,
 }

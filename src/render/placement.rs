@@ -4,7 +4,7 @@
 //! surface without heights. [`Placement::raised`] limits the heights to the clearance, adds them, and repairs
 //! self-intersections and flipped faces. An edit of heights repeats only the last step.
 
-use super::child::Table;
+use super::child::{OperatorDerivation, Table};
 use super::fit::{LimitFit, Raise, graded, unfolded};
 use super::limit_surface::LimitSurface;
 use super::operator::{Control, DerivedCage, Operator, OperatorOutput, Role};
@@ -63,6 +63,13 @@ pub struct FlatPoints {
     parent_points: IdVec<VertexId, Vec3>,
 }
 
+impl FlatPoints {
+    /// The fitted points.
+    pub fn fitted(&self) -> &CagePoints {
+        &self.fitted
+    }
+}
+
 impl Placement {
     /// The placement of a cage with the connectivity `child` on that of its parent.
     pub fn new(cage: Arc<DerivedCage>, child: Arc<Connectivity>, parent: Arc<Connectivity>) -> Self {
@@ -90,6 +97,16 @@ impl Placement {
             child,
             parent,
         }
+    }
+
+    /// Vertices with their copies on the second layer.
+    pub fn copy_pairs(&self) -> &[[VertexId; 2]] {
+        &self.copy_pairs
+    }
+
+    /// The derivation of the cage from its parent.
+    pub fn derivation(&self) -> &OperatorDerivation {
+        &self.output().derivation
     }
 
     fn output(&self) -> &OperatorOutput {

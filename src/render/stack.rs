@@ -2,7 +2,7 @@
 
 mod steps;
 
-pub use steps::{RenderSteps, Rendered};
+pub use steps::{Origins, RenderSteps, Rendered};
 
 use super::operator::Operator;
 use super::{OperatorOptions, RenderOptions};

@@ -86,13 +86,10 @@ impl Session {
         drop(opened);
         self.note(&entry, bytes);
         let (source, meshes) = result?;
-        let products: Vec<Product> = meshes
-            .iter()
-            .flat_map(|products| [(ProductRole::Sim, &products.sim), (ProductRole::Render, &products.render)])
-            .map(|(role, mesh)| Product { name: role.name(), role, mesh })
-            .collect();
+        let products = meshes.as_ref().map(|products| written(products, ["sim", "render"]));
+        let products = products.as_ref().map_or(&[][..], |products| products.as_slice());
         let surroundings = Surroundings { folder: document.folder(), source: Some(document.source()) };
-        layer_bytes(&source, &products, Format::Usdc, surroundings, &WriteOptions::default(), warnings)
+        layer_bytes(&source, products, Format::Usdc, surroundings, &WriteOptions::default(), warnings)
     }
 
     fn update(
@@ -159,6 +156,23 @@ impl Session {
             stays
         });
     }
+}
+
+/// The products of an update as [`write`](crate::usd::write) takes them, under the names of their prims.
+pub fn written<'a>(products: &'a Products, [sim, render]: [&'a str; 2]) -> [Product<'a>; 2] {
+    let cloth = products.cloth.as_deref();
+    [
+        Product {
+            cloth,
+            cage_binding: Some(&products.cage_binding),
+            ..Product::new(sim, ProductRole::Sim, &products.sim)
+        },
+        Product {
+            cloth,
+            binding: Some(&products.binding),
+            ..Product::new(render, ProductRole::Render, &products.render)
+        },
+    ]
 }
 
 /// Locks a mutex even after a panic, as build steps keep a builder consistent at every point.

@@ -9,12 +9,14 @@ mod assets;
 mod names;
 mod read;
 mod record;
+mod shot;
 mod values;
 mod write;
 
 #[cfg(feature = "preview")]
 pub(crate) use assets::relative;
 pub use read::{Binding, Facts, InheritedPrimvar, ReadOptions, Selection, Source, TransformOp, VariantSet};
+pub use shot::{DriveOptions, Driven, drive};
 #[cfg(feature = "preview")]
 pub(crate) use values::decimal;
 pub use write::{Format, Product, ProductRole, Surroundings, WriteOptions, check_target, layer_bytes, write};

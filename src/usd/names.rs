@@ -54,6 +54,8 @@ pub const SUBSET_FAMILY: &str = "subsetFamily:";
 pub const FAMILY_TYPE_SUFFIX: &str = ":familyType";
 /// Name and namespace of material bindings.
 pub const MATERIAL_BINDING: &str = "material:binding";
+/// The binding of a physics material.
+pub const PHYSICS_MATERIAL: &str = "material:binding:physics";
 /// Namespace of material bindings by collection.
 pub const MATERIAL_BINDING_COLLECTION: &str = "material:binding:collection";
 pub const SKEL_SKELETON: &str = "skel:skeleton";
@@ -69,6 +71,16 @@ pub const POINT_INDICES: &str = "pointIndices";
 pub const INBETWEENS: &str = "inbetweens:";
 /// The sharpness that the edges or points of a subset had as creases or corners.
 pub const SHARPNESS: &str = "tailor:sharpness";
+/// Vertices of the simulation mesh that hold loose pieces.
+pub const ATTACH_POINTS: &str = "tailor:attach:points";
+/// The triangles that they are attached to.
+pub const ATTACH_FACES: &str = "tailor:attach:faces";
+/// Their coordinates on these triangles.
+pub const ATTACH_COORDS: &str = "tailor:attach:coords";
+/// On the render mesh: the triangle of the simulation mesh of each point, the coordinates there, and the simulation mesh.
+pub const BINDING: [&str; 3] = ["primvars:tailor:bindFace", "primvars:tailor:bindCoords", "tailor:bindTarget"];
+/// On the simulation mesh: the same of each point of the model, and the model.
+pub const MODEL_BINDING: [&str; 3] = ["tailor:model:bindFace", "tailor:model:bindCoords", "tailor:model:source"];
 /// Namespace of the recipe.
 pub const RECIPE: &str = "tailor:";
 

@@ -100,12 +100,16 @@ fn the_report_has_counts_figures_times_and_warnings() {
     assert_eq!(report["recipe"]["sim"]["iterations"], 5);
     assert_eq!(report["render"]["faces"], 16);
     assert_eq!(report["render"]["quads"], 1.0);
+    assert!(report["cloth"]["mass"].as_f64().is_some_and(|mass| mass > 0.0), "{report:#}");
     for figure in ["vertices", "faces", "minAngle", "lengthErrorRms", "distanceMax", "chainLengthMin", "uvFlips"] {
         assert!(report["sim"][figure].is_number(), "sim.{figure} in {report:#}");
     }
     let names: Vec<&str> =
         report["stages"].as_array().expect("stages").iter().filter_map(|s| s["name"].as_str()).collect();
-    assert_eq!(names, ["read", "check", "baseline", "remesh", "transfer", "render", "figures", "write"]);
+    assert_eq!(
+        names,
+        ["read", "check", "baseline", "remesh", "transfer", "render", "cloth", "binding", "figures", "write"]
+    );
     let warnings = report["warnings"].as_array().expect("warnings");
     assert!(warnings.iter().any(|w| w["code"] == "polygonal-cage"), "{report:#}");
     for warning in warnings {

@@ -124,7 +124,7 @@ fn a_layer_in_memory_is_the_layer_in_the_file() {
     let at = Stages::new();
     let source = open(&at.usda("coat.usda", &rich())).unwrap();
     let mesh = sound(&read(&source).unwrap());
-    let products = [Product { name: "sim", role: ProductRole::Sim, mesh: &mesh }];
+    let products = [Product::new("sim", ProductRole::Sim, &mesh)];
     let nowhere = Surroundings::default();
     let here = Surroundings { folder: Some(at.0.path()), ..nowhere };
     for (format, name) in [(Format::Usda, "o.usda"), (Format::Usdc, "o.usdc")] {
@@ -159,7 +159,7 @@ fn a_source_in_memory_is_the_source_in_the_file() {
     assert_eq!(memory.recipe().unwrap(), flat.recipe().unwrap());
     assert_eq!(memory.prim(), flat.prim());
     let mesh = sound(&read(&flat).unwrap());
-    let products = [Product { name: "sim", role: ProductRole::Sim, mesh: &mesh }];
+    let products = [Product::new("sim", ProductRole::Sim, &mesh)];
     let here = Surroundings { folder: Some(at.0.path()), source: None };
     let text = |source: &Source, flatten: bool| {
         let options = WriteOptions { flatten, ..FORCE };
@@ -224,7 +224,7 @@ fn names_that_are_taken_or_impossible_are_refused() {
     let source = open(&at.usda("coat.usda", &body)).unwrap();
     let mesh = sound(&read(&source).unwrap());
     let attempt = |sim, render| -> Result<(), tailor::Error> {
-        let product = |name, role| Product { name, role, mesh: &mesh };
+        let product = |name, role| Product::new(name, role, &mesh);
         let products = [product(sim, ProductRole::Sim), product(render, ProductRole::Render)];
         write(&source, &products, &at.at("o.usda"), &FORCE, &mut Warnings::default())
     };

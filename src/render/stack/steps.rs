@@ -8,6 +8,10 @@
 //! Each [`Step`] caches its last result by its input. An edit of heights recomputes points alone. An edit of widths
 //! mostly gives the same faces, which keeps levels and refinements too.
 
+mod origins;
+
+pub use origins::Origins;
+
 use super::Stack;
 use crate::contact::Clearance;
 use crate::error::{Error, Warnings};
@@ -200,6 +204,11 @@ struct RefinementSteps {
 }
 
 impl RefinementSteps {
+    /// The last refinement.
+    fn last(&self) -> Option<Arc<Refinement>> {
+        self.of_cage.last().or(self.of_refinement.last()).cloned()
+    }
+
     /// The refinement after `last`, or the first of `cage`.
     fn refinement(&mut self, cage: &Cage, last: Option<&Arc<Refinement>>) -> Result<Arc<Refinement>, Error> {
         match last {

@@ -120,6 +120,17 @@ impl<'a> Locator<'a> {
         }
     }
 
+    /// The triangle of the simulation mesh over the point of a triangle of the baseline with `weights`, and the weights of
+    /// its own corners there; none in a region without triangles of the simulation mesh.
+    pub fn place(&self, face: FaceId, weights: Vec3) -> Option<(FaceId, Vec3)> {
+        let triangle = self.triangle(face)?;
+        let [a, b, c] = triangle.corners;
+        let point = a * weights.x + b * weights.y + c * weights.z;
+        let found = self.walk(&triangle, point);
+        let [a, b, c] = corners(self.product, triangle.is_flat, found);
+        Some((found, closest_weights(a, b, c, point.into())))
+    }
+
     fn walk(&self, triangle: &SampledTriangle, point: Vec3A) -> FaceId {
         let (mut face, mut before) = (triangle.last, None);
         for _ in 0..MAX_STEPS {

@@ -3,8 +3,11 @@
 use super::crates::remove_unwritable;
 use super::flatten::flattened;
 use super::long_arrays::encode_plainly;
+use super::physics::{PANELS, SCOPE};
 use super::product::Author;
 use super::save::{Format, OutputFile};
+use crate::binding::Binding;
+use crate::cloth::Cloth;
 use crate::error::{Error, Warnings};
 use crate::garment::Garment;
 use crate::usd::assets::Anchor;
@@ -58,6 +61,19 @@ pub struct Product<'a> {
     pub role: ProductRole,
     /// The mesh.
     pub mesh: &'a Garment,
+    /// The simulation mesh as cloth; none for no physics.
+    pub cloth: Option<&'a Cloth>,
+    /// The places of the render mesh's points on the simulation mesh.
+    pub binding: Option<&'a Binding>,
+    /// The places of the model's points on this simulation mesh.
+    pub cage_binding: Option<&'a Binding>,
+}
+
+impl<'a> Product<'a> {
+    /// A mesh without physics.
+    pub fn new(name: &'a str, role: ProductRole, mesh: &'a Garment) -> Self {
+        Self { name, role, mesh, cloth: None, binding: None, cage_binding: None }
+    }
 }
 
 /// How products are written.
@@ -178,6 +194,8 @@ fn compose(
     for product in products {
         author.product(product, warnings).map_err(fault)?;
     }
+    author.bindings(products).map_err(fault)?;
+    author.physics(products, warnings)?;
     if model_guide {
         author.model_purpose(ProductRole::Sim.purpose()).map_err(fault)?;
     }
@@ -185,6 +203,16 @@ fn compose(
 }
 
 fn check_names(model: &Model, products: &[Product]) -> Result<(), Error> {
+    let cloth = products.iter().find_map(|product| product.cloth);
+    let written = [(SCOPE, cloth.is_some()), (PANELS, cloth.is_some_and(|cloth| cloth.panels))];
+    for (name, _) in written.into_iter().filter(|(_, is_written)| *is_written) {
+        let is_ours = model.siblings.get(name).is_none_or(|sibling| sibling.product);
+        if !is_ours || model.path.name() == Some(name) || products.iter().any(|product| product.name == name) {
+            let path = model.sibling_path(name).or_unreadable(&model.path)?;
+            return Err(Error::usd(format!("{path} is taken by another prim, and cloth is written there"))
+                .remedy("rename that prim, or write no physics by --physics none"));
+        }
+    }
     for (i, product) in products.iter().enumerate() {
         let flag = product.role.name_flag();
         if !sdf::Path::is_valid_identifier(product.name) {
@@ -222,7 +250,7 @@ pub fn overlay(model: &Model, frame: Frame) -> Result<sdf::Data, Error> {
 }
 
 /// The input's path without links in its folders; the file itself may be a link.
-fn absolute(file: &Path) -> Result<String, Error> {
+pub fn absolute(file: &Path) -> Result<String, Error> {
     let fault = || Error::usd(format!("cannot find the folder of {}", file.display()));
     let folder = match file.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,

@@ -5,13 +5,16 @@ mod flatten;
 mod layer;
 mod long_arrays;
 mod package;
+mod physics;
 mod product;
 #[cfg(feature = "preview")]
 mod recipe;
 mod save;
 mod shapes;
 
+pub use crates::write_crate;
 pub use layer::{Product, ProductRole, Surroundings, WriteOptions, check_target, layer_bytes, write};
+pub use product::extent;
 #[cfg(feature = "preview")]
 pub use recipe::{OptionValue, RecipeOpinions, Replaced, garment_below, recipe_text, selections, write_recipe};
-pub use save::Format;
+pub use save::{Format, OutputFile};

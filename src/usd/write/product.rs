@@ -1,8 +1,9 @@
 //! One product as prims and properties of a layer.
 
 use super::layer::{Product, ProductRole};
+use crate::binding::Binding;
 use crate::error::{Warning, Warnings};
-use crate::garment::{Elements, Garment, Primvar, PrimvarRole, Values};
+use crate::garment::{Elements, Garment, Interpolation, Primvar, PrimvarRole, Values};
 use crate::usd::assets::Anchor;
 use crate::usd::names::{self, UsdToken};
 use crate::usd::read::{Model, Sibling, SubsetRecord};
@@ -36,7 +37,7 @@ impl Author<'_> {
         let model = self.model;
         PrimSpec::new(self.data, &path, Specifier::Def, names::MESH)?;
         self.data.set_field(&path, FieldKey::Documentation.as_str(), Value::String(doc(product.role, &model.path)));
-        self.data.set_field(&path, names::CUSTOM_DATA, custom_data(product.role));
+        self.data.set_field(&path, names::CUSTOM_DATA, custom_data(product.role.name()));
         let before = model.siblings.get(product.name).filter(|_| self.is_overlay);
         self.schemas(&path, &model.applied, before.is_some());
         for record in &model.carried {
@@ -56,6 +57,53 @@ impl Author<'_> {
             Some(before) => self.block_earlier(&path, before),
             None => Ok(()),
         }
+    }
+
+    /// Authors where the points of the render mesh and of the model are bound.
+    ///
+    /// # Errors
+    /// A name or type that the layer does not admit.
+    pub fn bindings(&mut self, products: &[Product]) -> openusd::Result<()> {
+        let Some(sim) = products.iter().find(|product| product.role == ProductRole::Sim) else { return Ok(()) };
+        let target = self.model.sibling_path(sim.name)?;
+        for (product, binding) in products.iter().filter_map(|product| Some((product, product.binding?))) {
+            self.binding(&self.model.sibling_path(product.name)?, binding, &target)?;
+        }
+        match sim.cage_binding {
+            Some(binding) => {
+                let model = self.model.path.clone();
+                self.places(&target, names::MODEL_BINDING, binding)?;
+                self.target(&target, names::MODEL_BINDING[2], &model)
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn binding(&mut self, prim: &Path, binding: &Binding, target: &Path) -> openusd::Result<()> {
+        self.places(prim, names::BINDING, binding)?;
+        for name in &names::BINDING[..2] {
+            let vertex = Value::Token(Token::from(Interpolation::Vertex.token()));
+            self.data.set_field(&prim.append_property(*name)?, names::INTERPOLATION, vertex);
+        }
+        self.target(prim, names::BINDING[2], target)
+    }
+
+    /// Faces and coordinates of a binding, by the first two names.
+    fn places(&mut self, prim: &Path, names: [&str; 3], binding: &Binding) -> openusd::Result<()> {
+        self.ints(prim, names[0], binding.faces.iter().map(|face| *face as i32).collect())?;
+        let coords: &[Vec3f] = bytemuck::cast_slice(&binding.coords);
+        let (type_name, value) = (ValueTypeName::FLOAT3_ARRAY, Value::Vec3fVec(coords.to_vec()));
+        self.attribute(prim, names[1], type_name, Variability::Varying, value)
+    }
+
+    /// Authors a relationship to one prim.
+    pub(super) fn target(&mut self, prim: &Path, name: &str, target: &Path) -> openusd::Result<()> {
+        let path = prim.append_property(name)?;
+        if !self.data.has_spec(&path) {
+            sdf::RelationshipSpec::new(self.data, &path, Variability::Uniform, false)?;
+        }
+        self.data.set_field(&path, FieldKey::TargetPaths.as_str(), sdf::PathListOp::explicit([target.clone()]).into());
+        Ok(())
     }
 
     /// Authors the model's own `purpose`.
@@ -84,7 +132,7 @@ impl Author<'_> {
         Ok(())
     }
 
-    fn token(&mut self, prim: &Path, name: &str, token: &str) -> openusd::Result<()> {
+    pub(super) fn token(&mut self, prim: &Path, name: &str, token: &str) -> openusd::Result<()> {
         self.attribute(prim, name, ValueTypeName::TOKEN, Variability::Uniform, Value::Token(Token::from(token)))
     }
 
@@ -92,7 +140,7 @@ impl Author<'_> {
         self.attribute(prim, name, ValueTypeName::INT_ARRAY, Variability::Varying, Value::IntVec(values))
     }
 
-    fn floats(&mut self, prim: &Path, name: &str, values: Vec<f32>) -> openusd::Result<()> {
+    pub(super) fn floats(&mut self, prim: &Path, name: &str, values: Vec<f32>) -> openusd::Result<()> {
         self.attribute(prim, name, ValueTypeName::FLOAT_ARRAY, Variability::Varying, Value::FloatVec(values))
     }
 
@@ -300,12 +348,14 @@ fn doc(role: ProductRole, model: &Path) -> String {
     format!("{what} made by usd-tailor from <{model}>.")
 }
 
-fn custom_data(role: ProductRole) -> Value {
-    let ours = HashMap::from([(names::PRODUCT.to_owned(), Value::String(role.name().to_owned()))]);
+/// The mark by which this program knows what it wrote.
+pub(super) fn custom_data(role: &str) -> Value {
+    let ours = HashMap::from([(names::PRODUCT.to_owned(), Value::String(role.to_owned()))]);
     Value::Dictionary(HashMap::from([(names::PRODUCT_SPACE.to_owned(), Value::Dictionary(ours))]))
 }
 
-fn extent(points: &[Vec3]) -> Vec<Vec3f> {
+/// The bounding box of some points.
+pub fn extent(points: &[Vec3]) -> Vec<Vec3f> {
     let Some(&first) = points.first() else { return vec![Vec3f::default(); 2] };
     let (low, high) = points.iter().fold((first, first), |(low, high), p| (low.min(*p), high.max(*p)));
     vec![low.to_array().into(), high.to_array().into()]

@@ -1,13 +1,16 @@
 //! Files: their formats, the check that they may be written, and writing them completely or not at all.
 
 use super::crates::{remove_unwritable, write_crate};
+use super::layer::absolute;
 use super::package::package;
 use crate::error::{Error, Warnings, plain};
+use crate::usd::assets::Anchor;
 use openusd::sdf::{Data, FormatError};
 use openusd::usda::TextWriter;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
 
 /// How a layer is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -135,10 +138,23 @@ impl OutputFile {
         fill: impl FnOnce(&mut BufWriter<&File>) -> Result<(), FormatError>,
         verify: impl FnOnce(&Path) -> Result<(), Error>,
     ) -> Result<(), Error> {
-        let fault = |e: &io::Error| {
-            Error::usd(format!("cannot write {}: {}", self.shown, plain(e)))
-                .remedy("check the folder's permissions and the space on its disk")
-        };
+        let temporary = self.temporary()?;
+        let mut out = BufWriter::with_capacity(1 << 20, temporary.as_file());
+        fill(&mut out).map_err(|e| match e {
+            FormatError::Io(e) => self.fault(&e),
+            other => Error::usd(format!("cannot write {}: {other}", self.shown)),
+        })?;
+        out.flush().map_err(|e| self.fault(&e))?;
+        drop(out);
+        verify(temporary.path())?;
+        self.keep(temporary)
+    }
+
+    /// A temporary file beside the output, with its permissions.
+    ///
+    /// # Errors
+    /// A folder that cannot be written to.
+    pub fn temporary(&self) -> Result<NamedTempFile, Error> {
         let suffix = format!(".{}", self.file.extension().and_then(|e| e.to_str()).unwrap_or("tmp"));
         let mut builder = tempfile::Builder::new();
         builder.prefix(".usdtailor-").suffix(&suffix);
@@ -148,18 +164,36 @@ impl OutputFile {
             let mode = fs::metadata(&self.file).map_or(0o666, |m| m.permissions().mode() & 0o777);
             builder.permissions(fs::Permissions::from_mode(mode));
         }
-        let temporary = builder.tempfile_in(&self.folder).map_err(|e| fault(&e))?;
-        let mut out = BufWriter::with_capacity(1 << 20, temporary.as_file());
-        fill(&mut out).map_err(|e| match e {
-            FormatError::Io(e) => fault(&e),
-            other => Error::usd(format!("cannot write {}: {other}", self.shown)),
-        })?;
-        out.flush().map_err(|e| fault(&e))?;
-        drop(out);
-        temporary.as_file().sync_all().map_err(|e| fault(&e))?;
-        verify(temporary.path())?;
-        temporary.persist(&self.file).map_err(|e| fault(&e.error))?;
+        builder.tempfile_in(&self.folder).map_err(|e| self.fault(&e))
+    }
+
+    /// Gives a complete temporary file the name of the output.
+    ///
+    /// # Errors
+    /// A full disk.
+    pub fn keep(&self, temporary: NamedTempFile) -> Result<(), Error> {
+        temporary.as_file().sync_all().map_err(|e| self.fault(&e))?;
+        temporary.persist(&self.file).map_err(|e| self.fault(&e.error))?;
         Ok(())
+    }
+
+    /// The error of a write that failed.
+    pub fn fault(&self, e: &io::Error) -> Error {
+        Error::usd(format!("cannot write {}: {}", self.shown, plain(e)))
+            .remedy("check the folder's permissions and the space on its disk")
+    }
+
+    /// The name of the file without its ending.
+    pub fn stem(&self) -> String {
+        self.file.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+    }
+
+    /// The asset path of another file, relative to the output's folder.
+    ///
+    /// # Errors
+    /// A path without a folder, or that is no text.
+    pub fn path_to(&self, other: &Path) -> Result<String, Error> {
+        Ok(Anchor::Folder(&self.folder).path_to(&absolute(other)?))
     }
 }
 

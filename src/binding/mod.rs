@@ -1,0 +1,71 @@
+//! The binding of the render mesh to the simulation mesh: a place on a triangle for each vertex.
+//!
+//! A vertex's place is that of its origin on the garment, found on the same panel, layer and side. All layers of a hem share the
+//! place of the surface that they were made from, so that they move together. The nearest triangle would be that of a wrong layer
+//! wherever cloth lies on cloth.
+
+use crate::contact::twice_area;
+use crate::garment::Garment;
+use crate::mesh::{FaceId, IdVec, VertexId};
+use crate::render::Origins;
+use crate::sim::{SimProduct, closest_weights};
+use crate::transfer::Places;
+use glam::Vec3;
+use rayon::prelude::*;
+
+/// The places of the render mesh's vertices on the simulation mesh.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Binding {
+    /// The triangle of each vertex.
+    pub faces: Vec<u32>,
+    /// The weights of the triangle's first and second corner, and the height over it along the mean of the vertex normals.
+    /// \[-, -, stage units\]
+    pub coords: Vec<Vec3>,
+}
+
+impl Binding {
+    /// Binds the points of `render` to the simulation mesh `sim`, made of `product`. The garment has `source_faces` faces.
+    pub fn new(product: &SimProduct, source_faces: usize, sim: &Garment, render: &Garment, origins: &Origins) -> Self {
+        let places = Places::new(product, source_faces);
+        let origin = |i: usize| {
+            let vertex = VertexId::new(i);
+            (origins.points[vertex], origins.faces.row(vertex))
+        };
+        let found = places.find(render.points.len(), origin);
+        let normals = vertex_normals(sim);
+        let place = |(i, found): (usize, &Option<(FaceId, Vec3)>)| {
+            let (origin, point) = (origins.points[VertexId::new(i)], render.points[VertexId::new(i)]);
+            let (face, weights) = found.unwrap_or_else(|| nearest(sim, origin));
+            let corners = [0, 1, 2].map(|k| sim.faces.vertices_of(face)[k]);
+            let mean = |values: &IdVec<VertexId, Vec3>| -> Vec3 {
+                corners.iter().zip(weights.to_array()).map(|(&v, w)| w * values[v]).sum()
+            };
+            let height = (point - mean(&sim.points)).dot(mean(&normals).normalize_or_zero());
+            (face.index() as u32, Vec3::new(weights.x, weights.y, height))
+        };
+        let (faces, coords) = found.par_iter().enumerate().map(place).unzip();
+        Self { faces, coords }
+    }
+}
+
+/// The sum of the normals of the faces around each vertex, by area.
+fn vertex_normals(mesh: &Garment) -> IdVec<VertexId, Vec3> {
+    let mut normals = IdVec::filled(Vec3::ZERO, mesh.points.len());
+    for face in mesh.faces.ids() {
+        let vertices = mesh.faces.vertices_of(face);
+        let normal = twice_area(vertices, &mesh.points);
+        vertices.iter().for_each(|&v| normals[v] += normal);
+    }
+    normals
+}
+
+/// The nearest triangle of all, for vertices on a part of the garment that the simulation mesh lacks.
+fn nearest(mesh: &Garment, point: Vec3) -> (FaceId, Vec3) {
+    let place = |face: FaceId| {
+        let [a, b, c] = [0, 1, 2].map(|k| mesh.points[mesh.faces.vertices_of(face)[k]]);
+        let weights = closest_weights(a, b, c, point);
+        ((a * weights.x + b * weights.y + c * weights.z).distance_squared(point), face, weights)
+    };
+    let nearest = mesh.faces.ids().map(place).min_by(|a, b| a.0.total_cmp(&b.0));
+    nearest.map_or((FaceId::new(0), Vec3::X), |(_, face, weights)| (face, weights))
+}

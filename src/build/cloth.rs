@@ -1,0 +1,81 @@
+//! The steps from both meshes to cloth and binding.
+
+use super::progress::Clock;
+use super::sim::Simulated;
+use crate::binding::Binding;
+use crate::cloth::{Cloth, ClothOptions, FabricOptions};
+use crate::error::{Error, Warnings};
+use crate::garment::Garment;
+use crate::recipe::Recipe;
+use crate::render::Origins;
+use crate::step::{Same, Step};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// The simulation mesh, its UV set, and the options of cloth and fabrics.
+type ClothInput = (Same<Simulated>, String, ClothOptions, BTreeMap<String, FabricOptions>);
+
+/// The steps of one garment.
+pub struct ClothSteps {
+    garment: Arc<Garment>,
+    cloth: Step<ClothInput, (Arc<Cloth>, Warnings)>,
+    binding: Step<(Same<Simulated>, Same<Garment>), Arc<Binding>>,
+    cage_binding: Step<Same<Simulated>, Arc<Binding>>,
+}
+
+impl ClothSteps {
+    /// The steps of a garment.
+    pub fn new(garment: Arc<Garment>) -> Self {
+        Self { garment, cloth: Step::default(), binding: Step::default(), cage_binding: Step::default() }
+    }
+
+    /// The cloth of a resolved recipe, with its warnings; none without physics.
+    pub fn cloth(
+        &mut self,
+        recipe: &Recipe,
+        simulated: &Arc<Simulated>,
+        clock: &mut Clock<'_>,
+    ) -> Result<Option<(Arc<Cloth>, Warnings)>, Error> {
+        if recipe.cloth.physics.is_empty() {
+            return Ok(None);
+        }
+        let garment = &self.garment;
+        let input = (Same::from(simulated), recipe.sim.uv_set.clone(), recipe.cloth.clone(), recipe.fabrics.clone());
+        let cloth = self.cloth.get(input, |(simulated, uv_set, options, fabrics)| {
+            let product = &simulated.remeshed.product;
+            let cloth = || Cloth::new(options, fabrics, garment, product, &simulated.mesh, uv_set);
+            clock.run("cloth", cloth).map(|(cloth, warnings)| (Arc::new(cloth), warnings))
+        })?;
+        Ok(Some(cloth))
+    }
+
+    /// The binding of a render mesh, whose `origins` are computed if they are needed.
+    pub fn binding(
+        &mut self,
+        simulated: &Arc<Simulated>,
+        render: &Arc<Garment>,
+        origins: impl FnOnce() -> Result<Origins, Error>,
+        clock: &mut Clock<'_>,
+    ) -> Result<Arc<Binding>, Error> {
+        let source_faces = self.garment.faces.len();
+        self.binding.get((Same::from(simulated), Same::from(render)), |(simulated, render)| {
+            clock.run("binding", || {
+                let product = &simulated.remeshed.product;
+                Ok(Arc::new(Binding::new(product, source_faces, &simulated.mesh, render, &origins()?)))
+            })
+        })
+    }
+
+    /// The binding of the garment's own points, whose `origins` are computed if they are needed.
+    pub fn cage_binding(
+        &mut self,
+        simulated: &Arc<Simulated>,
+        origins: impl FnOnce() -> Result<Origins, Error>,
+    ) -> Result<Arc<Binding>, Error> {
+        let garment = &self.garment;
+        self.cage_binding.get(Same::from(simulated), |simulated| {
+            let (product, faces) = (&simulated.remeshed.product, garment.faces.len());
+            Ok(Arc::new(Binding::new(product, faces, &simulated.mesh, garment, &origins()?)))
+        })
+    }
+}

@@ -1,0 +1,96 @@
+//! `usdtailor drive`.
+
+use super::{Output, usage};
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::io::IsTerminal;
+use std::path::PathBuf;
+use std::time::Instant;
+use tailor::error::Error;
+use tailor::usd::{DriveOptions, drive};
+
+#[derive(Args)]
+pub struct Drive {
+    /// A garment that `usdtailor build` wrote, or a stage that has it
+    #[arg(value_name = "RENDER")]
+    render: PathBuf,
+    /// The simulated cache: a USD file with the points of the simulation mesh over time, or .npz or .npy with an array of
+    /// shape (frames, points, 3)
+    #[arg(long, value_name = "FILE")]
+    cache: PathBuf,
+    /// The shot: a layer over RENDER with the moved points (.usdc, .usd or .usda)
+    #[arg(short, long, value_name = "OUT")]
+    output: PathBuf,
+    /// Path of the mesh to drive [default: the only render mesh]
+    #[arg(long, value_name = "PATH")]
+    prim: Option<String>,
+    /// Path of the mesh in the cache [default: that of the simulation mesh, or the only one]
+    #[arg(long, value_name = "PATH")]
+    cache_prim: Option<String>,
+    /// Drive the garment's own mesh too
+    #[arg(long)]
+    model: bool,
+    /// Write a file for each frame, in the folder OUT.clips, which OUT has as value clips
+    #[arg(long)]
+    clips: bool,
+    /// Accept gaps between the frames of the cache
+    #[arg(long)]
+    gaps: bool,
+    /// Overwrite an existing output
+    #[arg(long)]
+    force: bool,
+    /// Number of threads [default: one for each core]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub threads: Option<usize>,
+    /// Print only errors
+    #[arg(short, long)]
+    quiet: bool,
+}
+
+/// Drives a garment.
+pub fn run(args: &Drive) -> Result<Output, Error> {
+    if args.output.as_os_str().is_empty() {
+        return Err(usage("-o", "no output").remedy("name the shot, such as -o shot.usdc"));
+    }
+    let options = DriveOptions {
+        render: args.render.clone(),
+        cache: args.cache.clone(),
+        output: args.output.clone(),
+        prim: args.prim.clone(),
+        cache_prim: args.cache_prim.clone(),
+        model: args.model,
+        clips: args.clips,
+        gaps: args.gaps,
+        force: args.force,
+    };
+    let bar = bar(args.quiet);
+    let start = Instant::now();
+    let driven = drive(&options, &|done, all| {
+        bar.set_length(all as u64);
+        bar.set_position(done as u64);
+    })?;
+    bar.finish_and_clear();
+    if args.quiet {
+        return Ok(Output { text: String::new(), code: 0 });
+    }
+    let seconds = start.elapsed().as_secs_f64();
+    let [first, last] = driven.times;
+    let text = format!(
+        "{} -> {}\n  {} frames, {first} to {last}, of {} points; {:.1} frames a second\n",
+        args.cache.display(),
+        args.output.display(),
+        driven.frames,
+        driven.points,
+        driven.frames as f64 / seconds
+    );
+    Ok(Output { text, code: 0 })
+}
+
+/// A progress bar; hidden unless standard error is a terminal.
+fn bar(quiet: bool) -> ProgressBar {
+    if quiet || !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} frames, {eta} left");
+    ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}

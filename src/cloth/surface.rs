@@ -1,0 +1,105 @@
+//! The triangles of the simulation mesh with their pieces and UV shells, and queries of distance.
+
+use crate::contact::{Aabb, Bvh};
+use crate::garment::Garment;
+use crate::mesh::{CornerId, FaceId, Groups, Topology, VertexId};
+use crate::sim::{SimProduct, closest_weights};
+use glam::{Vec3, Vec3A};
+
+/// A simulation mesh for queries.
+pub struct Surface<'a> {
+    pub mesh: &'a Garment,
+    pub topology: Topology,
+    /// The connected piece of each triangle, numbered by its first triangle.
+    pub pieces: Vec<u32>,
+    /// The UV shell of each triangle, numbered by its first triangle.
+    pub shells: Vec<u32>,
+    tree: Bvh,
+}
+
+/// A point of a triangle near a query.
+#[derive(Clone, Copy, Debug)]
+pub struct Near {
+    pub face: FaceId,
+    /// Weights of its corners.
+    pub weights: Vec3,
+    pub distance: f32,
+}
+
+/// The area of a triangle.
+pub fn area([a, b, c]: [Vec3; 3]) -> f64 {
+    0.5 * f64::from((b - a).cross(c - a).length())
+}
+
+impl<'a> Surface<'a> {
+    pub fn new(product: &SimProduct, mesh: &'a Garment) -> Self {
+        let topology = Topology::new(mesh.faces.clone(), mesh.points.len());
+        let corners = |face: usize| [0, 1, 2].map(|k| mesh.points[mesh.faces.vertices_of(FaceId::new(face))[k]]);
+        let tree = Bvh::new(mesh.faces.len(), |face| {
+            let [a, b, c] = corners(face).map(Vec3A::from);
+            Aabb { low: a.min(b).min(c), high: a.max(b).max(c) }
+        });
+        let same_uvs = |a: CornerId, b: CornerId| product.places[a].uv == product.places[b].uv;
+        let faces = &mesh.faces;
+        let joined =
+            |corner: CornerId, twin: CornerId| same_uvs(corner, faces.next(twin)) && same_uvs(faces.next(corner), twin);
+        let pieces = groups(&topology, |_, _| true);
+        let shells = groups(&topology, joined);
+        Self { mesh, topology, pieces, shells, tree }
+    }
+
+    pub fn triangle(&self, face: FaceId) -> [Vec3; 3] {
+        [0, 1, 2].map(|k| self.mesh.points[self.mesh.faces.vertices_of(face)[k]])
+    }
+
+    pub fn triangles(&self) -> impl Iterator<Item = [Vec3; 3]> + '_ {
+        self.mesh.faces.ids().map(|face| self.triangle(face))
+    }
+
+    /// The outer normal at a vertex.
+    pub fn normal(&self, vertex: VertexId) -> Vec3 {
+        let of = |face| {
+            let [a, b, c] = self.triangle(face);
+            (b - a).cross(c - a)
+        };
+        self.topology.faces_at(vertex).map(of).sum::<Vec3>().normalize_or_zero()
+    }
+
+    /// The closest points of the triangles within `reach` of `point` that `wanted` admits, in the order of the triangles.
+    pub fn near(&self, point: Vec3, reach: f32, wanted: impl Fn(FaceId) -> bool) -> Vec<Near> {
+        let at = Vec3A::from(point);
+        let mut found = Vec::new();
+        self.tree.visit(&Aabb { low: at, high: at }.expanded(reach), &mut |face| {
+            let face = FaceId::new(face);
+            if wanted(face) {
+                let [a, b, c] = self.triangle(face);
+                let weights = closest_weights(a, b, c, point);
+                let distance = (a * weights.x + b * weights.y + c * weights.z).distance(point);
+                if distance <= reach {
+                    found.push(Near { face, weights, distance });
+                }
+            }
+        });
+        found.sort_by_key(|near| near.face);
+        found
+    }
+}
+
+/// Groups of triangles across edges that `joins` admits, each numbered by its first triangle.
+fn groups(topology: &Topology, joins: impl Fn(CornerId, CornerId) -> bool) -> Vec<u32> {
+    let count = topology.faces.len();
+    let mut groups = Groups::<FaceId>::new(count);
+    for corner in topology.faces.corners().ids() {
+        if let Some(twin) = topology.twin(corner).filter(|&twin| corner < twin && joins(corner, twin)) {
+            groups.join(topology.faces.face_of(corner), topology.faces.face_of(twin));
+        }
+    }
+    let mut numbers = vec![0; count];
+    let mut next = 0;
+    for face in (0..count).map(FaceId::new) {
+        let first = groups.first(face);
+        numbers[face.index()] = if first == face { next } else { numbers[first.index()] };
+        next += u32::from(first == face);
+    }
+    numbers
+}

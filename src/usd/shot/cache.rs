@@ -1,0 +1,245 @@
+//! Caches of moved points.
+
+use super::DriveOptions;
+use super::bound::Bound;
+use super::crate_samples::CrateSamples;
+use super::numpy::NumpyFrames;
+use crate::error::{Error, ErrorKind};
+use crate::usd::names;
+use crate::usd::read::{OrUnreadable, StageOrigin, is_a, prim_at, stage_metadata, value};
+use glam::Vec3;
+use openusd::sdf::{Path, Value};
+use openusd::usd::{Prim, PrimPredicate, Stage, TimeCode};
+use std::path::{Path as FilePath, PathBuf};
+
+/// The simulation mesh at one time.
+pub struct Frame {
+    /// \[time codes\]
+    pub time: f64,
+    pub points: Vec<Vec3>,
+    /// \[units per second\]
+    pub velocities: Option<Vec<Vec3>>,
+}
+
+/// The points of a mesh over time, read one frame at a time, in order.
+pub struct Cache {
+    file: PathBuf,
+    times: Vec<f64>,
+    /// Frames and time codes per second, where the cache states them.
+    rate: [Option<f64>; 2],
+    points: usize,
+    frames: Frames,
+}
+
+/// Where the frames are.
+enum Frames {
+    /// A crate, of which frames are read alone.
+    Crate { points: CrateSamples, velocities: Option<CrateSamples> },
+    /// Any other stage.
+    Stage { stage: Box<Stage>, prim: Path, has_velocities: bool },
+    /// A NumPy array.
+    Numpy(NumpyFrames),
+}
+
+impl Cache {
+    /// Opens the cache of the options for the simulation mesh of `bound`.
+    ///
+    /// # Errors
+    /// A file that is no cache; a mesh with other triangles.
+    pub fn open(options: &DriveOptions, bound: &Bound) -> Result<Self, Error> {
+        let file = &options.cache;
+        let extension = file.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
+        let opened = match extension.as_str() {
+            "npz" | "npy" => {
+                let frames = NumpyFrames::open(file)?;
+                let (times, points) = (frames.times().to_vec(), frames.points());
+                Self { file: file.clone(), times, rate: [None; 2], points, frames: Frames::Numpy(frames) }
+            }
+            "usd" | "usda" | "usdc" | "usdz" => Self::of_stage(options, bound)?,
+            _ => {
+                let fault = Error::usd(format!("{} is no cache that can be read", file.display()));
+                return Err(fault.remedy("give a USD file, .npz or .npy; convert an Alembic with usdcat"));
+            }
+        };
+        if opened.times.is_empty() {
+            return Err(opened.fault("it has no frames").remedy("cache the points of the simulation mesh over time"));
+        }
+        if opened.points != bound.sim_points {
+            let text = format!("it has {} points, and {} has {}", opened.points, bound.sim_path, bound.sim_points);
+            return Err(opened.fault(&text).remedy("simulate this garment again, or drive the one that was simulated"));
+        }
+        Ok(opened)
+    }
+
+    fn fault(&self, text: &str) -> Error {
+        Error::new(ErrorKind::Usd, self.file.display(), text)
+    }
+
+    /// The times of the frames, ascending. \[time codes\]
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
+    /// Frames and time codes per second, where the cache states them.
+    pub fn rate(&self) -> [Option<f64>; 2] {
+        self.rate
+    }
+
+    /// Refuses times that do not ascend, and gaps between frames unless they are accepted.
+    ///
+    /// # Errors
+    /// As said.
+    pub fn check_times(&self, gaps: bool) -> Result<(), Error> {
+        let steps: Vec<f64> = self.times.windows(2).map(|t| t[1] - t[0]).collect();
+        if let Some(i) = steps.iter().position(|step| step.is_nan() || *step <= 0.0) {
+            return Err(self
+                .fault(&format!("its times do not ascend after {}", self.times[i]))
+                .remedy("sort its frames"));
+        }
+        let mut sorted = steps.clone();
+        sorted.sort_by(f64::total_cmp);
+        let Some(&usual) = sorted.get(sorted.len() / 2) else { return Ok(()) };
+        let missing = |step: &f64| *step > 1.5 * usual;
+        let Some(i) = steps.iter().position(missing).filter(|_| !gaps) else { return Ok(()) };
+        let count = steps.iter().filter(|step| missing(step)).count();
+        let text = format!(
+            "frames are missing between {} and {}, and at {count} places in all",
+            self.times[i],
+            self.times[i + 1]
+        );
+        Err(self.fault(&text).remedy("cache them again, or accept gaps with --gaps"))
+    }
+
+    /// Reads frame `i`; frames are read in order.
+    ///
+    /// # Errors
+    /// A frame without a value, with another number of points, or with points that are not finite.
+    pub fn read(&mut self, i: usize) -> Result<Frame, Error> {
+        let time = self.times[i];
+        let (points, velocities) = match &mut self.frames {
+            Frames::Crate { points, velocities } => {
+                (points.read(i)?, velocities.as_mut().map(|v| v.read(i)).transpose()?)
+            }
+            Frames::Numpy(frames) => (frames.read(i)?, None),
+            Frames::Stage { stage, prim, has_velocities } => {
+                let prim = prim_at(stage, prim)?;
+                let at = Some(TimeCode::new(time));
+                let points = vectors(&prim, names::POINTS, at)?;
+                let velocities = has_velocities.then(|| vectors(&prim, names::VELOCITIES, at)).transpose()?;
+                (points, velocities)
+            }
+        };
+        let fault = |text: String| Err(self.fault(&text).remedy("cache this frame again"));
+        if points.len() != self.points {
+            return fault(format!("frame {time} has {} points instead of {}", points.len(), self.points));
+        }
+        if let Some(v) = points.iter().position(|p| !p.is_finite()) {
+            return fault(format!("point {v} of frame {time} is not finite"));
+        }
+        let velocities = velocities.filter(|v| v.len() == points.len() && v.iter().all(|v| v.is_finite()));
+        Ok(Frame { time, points, velocities })
+    }
+
+    fn of_stage(options: &DriveOptions, bound: &Bound) -> Result<Self, Error> {
+        let file = &options.cache;
+        let stage = StageOrigin::new(file, None, &[]).open()?;
+        let path = choose(&stage, options, bound)?;
+        let prim = prim_at(&stage, &path)?;
+        check_triangles(&prim, file, bound)?;
+        let metadata = stage_metadata(&stage)?;
+        let number = |key: &str| metadata.iter().find(|(k, _)| k == key).and_then(|(_, value)| double(value));
+        let rate = [number("framesPerSecond"), number("timeCodesPerSecond")];
+        if let Some(points) = CrateSamples::open(file, &path, names::POINTS) {
+            let velocities = CrateSamples::open(file, &path, names::VELOCITIES).filter(|v| v.times() == points.times());
+            let times = points.times().to_vec();
+            let count = points.first_len()?;
+            let frames = Frames::Crate { points, velocities };
+            return Ok(Self { file: file.clone(), times, rate, points: count, frames });
+        }
+        let times = prim.attribute(names::POINTS).time_sample_times().or_unreadable(&path)?;
+        let velocities = prim.attribute(names::VELOCITIES).time_sample_times().or_unreadable(&path)?;
+        let points = match times.first() {
+            Some(first) => vectors(&prim, names::POINTS, Some(TimeCode::new(*first)))?.len(),
+            None => 0,
+        };
+        let has_velocities = !times.is_empty() && velocities == times;
+        let frames = Frames::Stage { stage: Box::new(stage), prim: path, has_velocities };
+        Ok(Self { file: file.clone(), times, rate, points, frames })
+    }
+}
+
+fn double(value: &Value) -> Option<f64> {
+    match value {
+        Value::Double(x) => Some(*x),
+        Value::Float(x) => Some(f64::from(*x)),
+        _ => None,
+    }
+}
+
+fn vectors(prim: &Prim, name: &str, time: Option<TimeCode>) -> Result<Vec<Vec3>, Error> {
+    match value(prim, name, time)? {
+        Some(Value::Vec3fVec(values)) => Ok(bytemuck::cast_slice(&values).to_vec()),
+        Some(Value::Vec3dVec(values)) => {
+            Ok(values.iter().map(|v| Vec3::new(v.x as f32, v.y as f32, v.z as f32)).collect())
+        }
+        _ => {
+            let at = time.map_or(String::new(), |time| format!(" at time {}", time.value()));
+            Err(Error::usd(format!("{}.{name} has no value{at}", prim.path())).remedy("cache this frame again"))
+        }
+    }
+}
+
+/// The mesh of the cache: the one that is named, that at the path of the simulation mesh, or the only one with its points.
+fn choose(stage: &Stage, options: &DriveOptions, bound: &Bound) -> Result<Path, Error> {
+    let file = options.cache.display();
+    let mut meshes = Vec::new();
+    let mut paths = Vec::new();
+    stage.traverse(PrimPredicate::DEFAULT, |path| paths.push(path.clone())).or_unreadable(&Path::abs_root())?;
+    for path in paths {
+        let prim = prim_at(stage, &path)?;
+        if is_a(&prim, names::MESH)? && prim.attribute(names::POINTS).num_time_samples().or_unreadable(&path)? > 0 {
+            meshes.push(path);
+        }
+    }
+    // An over without a type, as a layer over the garment has it, is a mesh only below the garment.
+    let own = prim_at(stage, &bound.sim_path)?;
+    let is_over = own.attribute(names::POINTS).num_time_samples().is_ok_and(|n| n > 0);
+    if is_over && !meshes.contains(&bound.sim_path) {
+        meshes.push(bound.sim_path.clone());
+    }
+    let listed = || meshes.iter().map(Path::as_str).collect::<Vec<_>>().join(", ");
+    if let Some(wanted) = &options.cache_prim {
+        let found = meshes.iter().find(|path| path.as_str() == wanted);
+        return found.cloned().ok_or_else(|| {
+            Error::usd(format!("{wanted} of {file} has no points over time"))
+                .remedy(format!("the meshes with points over time are: {}", listed()))
+        });
+    }
+    if meshes.contains(&bound.sim_path) {
+        return Ok(bound.sim_path.clone());
+    }
+    match meshes.as_slice() {
+        [one] => Ok(one.clone()),
+        [] => Err(Error::usd(format!("{file} has no mesh with points over time"))
+            .remedy("cache the points of the simulation mesh over time")),
+        _ => Err(Error::usd(format!("{file} has {} meshes with points over time", meshes.len()))
+            .remedy(format!("choose one by --cache-prim: {}", listed()))),
+    }
+}
+
+/// Refuses a mesh with other triangles. A cache without faces has points alone.
+fn check_triangles(prim: &Prim, file: &FilePath, bound: &Bound) -> Result<(), Error> {
+    let first = prim.attribute(names::FACE_VERTEX_INDICES).time_sample_times().or_unreadable(prim.path())?;
+    let time = first.first().map(|time| TimeCode::new(*time));
+    let Some(Value::IntVec(corners)) = value(prim, names::FACE_VERTEX_INDICES, time)? else { return Ok(()) };
+    let own = bound.triangles.as_flattened();
+    if corners.len() == own.len() && corners.iter().zip(own).all(|(a, b)| *a == *b as i32) {
+        return Ok(());
+    }
+    let text = match corners.len() == own.len() {
+        true => "has its triangles in another order".to_owned(),
+        false => format!("has {} corners of faces instead of {}", corners.len(), own.len()),
+    };
+    Err(Error::new(ErrorKind::Usd, file.display(), format!("{} {text} than {}", prim.path(), bound.sim_path))
+        .remedy("cache the simulation mesh as it was written"))
+}

@@ -1,0 +1,143 @@
+//! Shots: a cache of the simulation mesh moves the render mesh, frame by frame.
+//!
+//! `bound` reads both meshes at bind from a built garment, `cache` the moved points from USD or NumPy files, and `stream` writes
+//! the frames. A few frames are in memory at a time, however long the cache is.
+
+mod bound;
+mod cache;
+mod clips;
+mod crate_samples;
+mod numpy;
+mod stream;
+
+use crate::drive::Driver;
+use crate::error::{Error, ErrorKind};
+use crate::usd::on_large_stack;
+use bound::Bound;
+use cache::{Cache, Frame};
+use glam::Vec3;
+use rayon::prelude::*;
+use std::path::{Path, PathBuf};
+use stream::ShotWriter;
+
+/// Frames that are in memory at a time, for each thread.
+const FRAMES_PER_THREAD: usize = 2;
+/// Ratio of the median edge length of the first frame to that at bind beyond which the points are of another mesh.
+const MOST_STRETCH: f64 = 2.0;
+
+/// What is driven, by what, and where it is written.
+#[derive(Clone, Debug, Default)]
+pub struct DriveOptions {
+    /// A garment that this program built.
+    pub render: PathBuf,
+    /// The cache: a USD file with time-sampled points, `.npz` or `.npy`.
+    pub cache: PathBuf,
+    /// The shot.
+    pub output: PathBuf,
+    /// Path of the mesh to drive; by default the only one that is bound.
+    pub prim: Option<String>,
+    /// Path of the mesh in the cache; by default that of the simulation mesh, or the only one with its points.
+    pub cache_prim: Option<String>,
+    /// Drive the garment's own mesh too.
+    pub model: bool,
+    /// Write a file for each frame, and a layer that has them as value clips.
+    pub clips: bool,
+    /// Accept a cache with gaps between its frames.
+    pub gaps: bool,
+    /// Overwrite files that are there already.
+    pub force: bool,
+}
+
+/// What was driven.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Driven {
+    /// Frames.
+    pub frames: usize,
+    /// Points of all driven meshes.
+    pub points: usize,
+    /// First and last time. \[time codes\]
+    pub times: [f64; 2],
+}
+
+/// Drives the meshes of a built garment by a cache and writes the shot. `progress` hears the number of frames that are done, and of
+/// all.
+///
+/// # Errors
+/// Files that cannot be read or written; a mesh that is not bound; a cache of another mesh, with gaps or points that are not
+/// finite. Nothing is written then.
+pub fn drive(options: &DriveOptions, progress: &(dyn Fn(usize, usize) + Sync)) -> Result<Driven, Error> {
+    on_large_stack(|| {
+        let bound = Bound::read(options)?;
+        let mut cache = Cache::open(options, &bound)?;
+        cache.check_times(options.gaps)?;
+        let mut writer = ShotWriter::new(options, &bound, cache.times(), cache.rate())?;
+        let frames = cache.times().len();
+        let chunk = FRAMES_PER_THREAD * rayon::current_num_threads();
+        let mut done = 0;
+        while done < frames {
+            let read: Vec<Frame> =
+                (done..frames.min(done + chunk)).map(|i| cache.read(i)).collect::<Result<_, Error>>()?;
+            if done == 0 {
+                check_first(&bound, &read[0], &options.cache)?;
+            }
+            let moved: Vec<Vec<Moved>> = read.par_iter().map(|frame| bound.moved(frame)).collect();
+            for (frame, meshes) in read.iter().zip(&moved) {
+                writer.write(frame.time, meshes)?;
+                done += 1;
+                progress(done, frames);
+            }
+        }
+        writer.finish()?;
+        let points = bound.meshes.iter().map(|mesh| mesh.points.len()).sum();
+        Ok(Driven { frames, points, times: [cache.times()[0], cache.times()[frames - 1]] })
+    })
+}
+
+/// A driven mesh at one time.
+struct Moved {
+    points: Vec<Vec3>,
+    normals: Option<Vec<Vec3>>,
+    velocities: Option<Vec<Vec3>>,
+}
+
+impl Bound {
+    /// The meshes at a frame.
+    fn moved(&self, frame: &Frame) -> Vec<Moved> {
+        let velocities = |driver: &Driver| {
+            let velocities = frame.velocities.as_ref()?;
+            // The points are a smooth function of those of the cache; its derivative is a difference of near ones.
+            let shifted = |by: f32| -> Vec<Vec3> {
+                driver.points(&frame.points.iter().zip(velocities).map(|(p, v)| *p + by * *v).collect::<Vec<_>>())
+            };
+            let step = self.velocity_step(velocities);
+            let (before, after) = (shifted(-step), shifted(step));
+            Some(after.iter().zip(&before).map(|(a, b)| (*a - *b) / (2.0 * step)).collect())
+        };
+        let moved = |mesh: &bound::BoundMesh| {
+            let normals = mesh.normals.as_ref().map(|n| mesh.driver.directions(&frame.points, &n.values, &n.points));
+            Moved { points: mesh.driver.points(&frame.points), normals, velocities: velocities(&mesh.driver) }
+        };
+        self.meshes.iter().map(moved).collect()
+    }
+
+    /// A time in which no point moves by more than a small share of the mesh. \[seconds\]
+    fn velocity_step(&self, velocities: &[Vec3]) -> f32 {
+        let fastest = velocities.iter().map(|v| v.length()).fold(0.0, f32::max);
+        if fastest > 0.0 { 0.01 * self.edge_length as f32 / fastest } else { 1.0 }
+    }
+}
+
+/// Refuses a first frame whose edges have other lengths than at bind: its points are in another order.
+fn check_first(bound: &Bound, frame: &Frame, file: &Path) -> Result<(), Error> {
+    let length = bound.median_edge(&frame.points);
+    let ratio = length / bound.edge_length;
+    if ratio.is_finite() && (1.0 / MOST_STRETCH..=MOST_STRETCH).contains(&ratio) {
+        return Ok(());
+    }
+    let text = format!(
+        "the median edge of {} is {length:.3} in the first frame and {:.3} at bind: its points are in another order or unit",
+        bound.sim_path, bound.edge_length
+    );
+    Err(Error::new(ErrorKind::Usd, file.display(), text)
+        .remedy("cache the points of the simulation mesh as it was written"))
+}

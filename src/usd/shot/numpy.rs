@@ -1,0 +1,205 @@
+//! Points in NumPy files: an array of shape (frames, points, 3), alone (`.npy`) or in an archive (`.npz`).
+//!
+//! In an archive it is called `points`, or is the only array of that shape. An array `times` has the times of the frames; they are
+//! numbered from 1 without it. Source: NumPy enhancement proposal 1, *A Simple File Format for NumPy Arrays*.
+
+use crate::error::{Error, ErrorKind, plain};
+use flate2::read::DeflateDecoder;
+use glam::Vec3;
+use std::fs::File;
+use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+use zip::{CompressionMethod, ZipArchive};
+
+/// Longest header of an array that is read. \[bytes\]
+const MAX_HEADER: usize = 1 << 16;
+
+/// The type of the numbers of an array.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Number {
+    F32,
+    F64,
+}
+
+/// The header of an array.
+#[derive(Debug, PartialEq)]
+struct Header {
+    number: Number,
+    shape: Vec<usize>,
+}
+
+/// Frames of points.
+pub struct NumpyFrames {
+    path: PathBuf,
+    times: Vec<f64>,
+    points: usize,
+    number: Number,
+    data: Box<dyn Read + Send>,
+    next: usize,
+}
+
+impl NumpyFrames {
+    /// Opens `.npy` or `.npz`.
+    ///
+    /// # Errors
+    /// A file that is neither, or has no array of points.
+    pub fn open(path: &Path) -> Result<Self, Error> {
+        let fault = |text: String| {
+            Error::new(ErrorKind::Usd, path.display(), text)
+                .remedy("save it as numpy.savez(file, points=array of shape (frames, points, 3))")
+        };
+        let unread = |e: io::Error| fault(format!("cannot be read: {}", plain(&e)));
+        let is_archive = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("npz"));
+        let (header, data, times) = match is_archive {
+            true => archived(path).map_err(unread)?.ok_or_else(|| fault("it has no array of points".into()))?,
+            false => {
+                let mut data: Box<dyn Read + Send> = Box::new(BufReader::new(File::open(path).map_err(unread)?));
+                (header(&mut data).map_err(unread)?, data, None)
+            }
+        };
+        let [frames, points, 3] = header.shape[..] else {
+            return Err(fault(format!("its array has the shape {:?}", header.shape)));
+        };
+        let times = times.unwrap_or_else(|| (1..=frames).map(|frame| frame as f64).collect());
+        if times.len() != frames {
+            return Err(fault(format!("it has {} times and {frames} frames", times.len())));
+        }
+        Ok(Self { path: path.to_path_buf(), times, points, number: header.number, data, next: 0 })
+    }
+
+    /// The times of the frames.
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
+    /// The number of points.
+    pub fn points(&self) -> usize {
+        self.points
+    }
+
+    /// Frame `i`; frames are read in order.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or was cut.
+    pub fn read(&mut self, i: usize) -> Result<Vec<Vec3>, Error> {
+        let fault = |e: io::Error| {
+            let text = format!("frame {} cannot be read: {}", i + 1, plain(&e));
+            Error::new(ErrorKind::Usd, self.path.display(), text).remedy("save it again")
+        };
+        if i != self.next {
+            return Err(Error::internal("NumPy frames are read in order"));
+        }
+        self.next += 1;
+        vectors(&mut self.data, self.points, self.number).map_err(fault)
+    }
+}
+
+/// The array of points of an archive with its header, and the times.
+type Archived = (Header, Box<dyn Read + Send>, Option<Vec<f64>>);
+
+fn archived(path: &Path) -> io::Result<Option<Archived>> {
+    let mut archive = ZipArchive::new(BufReader::new(File::open(path)?)).map_err(io::Error::other)?;
+    let (mut points, mut times) = (None, None);
+    for i in 0..archive.len() {
+        let entry = archive.by_index_raw(i).map_err(io::Error::other)?;
+        let name = entry.name().map_err(io::Error::other)?.trim_end_matches(".npy").to_owned();
+        let (start, size, method) = (entry.data_start(), entry.compressed_size(), entry.compression());
+        drop(entry);
+        let Some(start) = start else { continue };
+        let mut file = File::open(path)?;
+        file.seek(SeekFrom::Start(start))?;
+        let packed = BufReader::new(file.take(size));
+        let mut data: Box<dyn Read + Send> = match method {
+            CompressionMethod::Stored => Box::new(packed),
+            CompressionMethod::Deflated => Box::new(DeflateDecoder::new(packed)),
+            _ => continue,
+        };
+        let Ok(header) = header(&mut data) else { continue };
+        match header.shape[..] {
+            [_, _, 3] if name == "points" || points.is_none() => points = Some((header, data)),
+            [count] if name == "times" => times = Some(numbers(&mut data, count, header.number)?),
+            _ => {}
+        }
+    }
+    Ok(points.map(|(header, data)| (header, data, times)))
+}
+
+/// Reads the header of an array.
+fn header(data: &mut impl Read) -> io::Result<Header> {
+    let invalid = |text: &str| io::Error::new(io::ErrorKind::InvalidData, text.to_owned());
+    let mut start = [0; 8];
+    data.read_exact(&mut start)?;
+    if &start[..6] != b"\x93NUMPY" {
+        return Err(invalid("it is no NumPy array"));
+    }
+    let mut size = vec![0; if start[6] == 1 { 2 } else { 4 }];
+    data.read_exact(&mut size)?;
+    let size = size.iter().rev().fold(0usize, |n, byte| n << 8 | usize::from(*byte));
+    if size > MAX_HEADER {
+        return Err(invalid("its header is too long"));
+    }
+    let mut text = vec![0; size];
+    data.read_exact(&mut text)?;
+    parsed(&String::from_utf8_lossy(&text)).ok_or_else(|| invalid("it is no array of float32 or float64 in C order"))
+}
+
+/// The header in the text of a Python dictionary such as `{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3), }`.
+fn parsed(text: &str) -> Option<Header> {
+    let after = |key: &str| text.split_once(&format!("'{key}':")).map(|(_, rest)| rest.trim_start());
+    let number = match after("descr")?.split('\'').nth(1)? {
+        "<f4" => Number::F32,
+        "<f8" => Number::F64,
+        _ => return None,
+    };
+    if !after("fortran_order")?.starts_with("False") {
+        return None;
+    }
+    let shape = after("shape")?.strip_prefix('(')?.split_once(')')?.0;
+    let sizes = shape.split(',').map(str::trim).filter(|size| !size.is_empty());
+    Some(Header { number, shape: sizes.map(|size| size.parse().ok()).collect::<Option<_>>()? })
+}
+
+fn numbers(data: &mut impl Read, count: usize, number: Number) -> io::Result<Vec<f64>> {
+    let size = if number == Number::F32 { 4 } else { 8 };
+    let mut all = Vec::new();
+    // Bounded by the data and not by the count that a header claims.
+    let wanted = (count as u64).saturating_mul(size);
+    if data.take(wanted).read_to_end(&mut all)? as u64 != wanted {
+        return Err(io::Error::from(io::ErrorKind::UnexpectedEof));
+    }
+    Ok(match number {
+        Number::F32 => all.chunks_exact(4).map(|b| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]]))).collect(),
+        Number::F64 => {
+            all.chunks_exact(8).map(|b| f64::from_le_bytes([b[0], b[1], b[2], b[3], b[4], b[5], b[6], b[7]])).collect()
+        }
+    })
+}
+
+fn vectors(data: &mut impl Read, count: usize, number: Number) -> io::Result<Vec<Vec3>> {
+    let all = numbers(data, 3 * count, number)?;
+    Ok(all.chunks_exact(3).map(|p| Vec3::new(p[0] as f32, p[1] as f32, p[2] as f32)).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn headers_of_arrays_are_understood() {
+        let text = "{'descr': '<f4', 'fortran_order': False, 'shape': (24, 5950, 3), }   \n";
+        assert_eq!(parsed(text), Some(Header { number: Number::F32, shape: vec![24, 5950, 3] }));
+        assert_eq!(parsed(&text.replace("(24, 5950, 3)", "(7,)")).map(|h| h.shape), Some(vec![7]));
+        for bad in ["<i4", ">f4"] {
+            assert_eq!(parsed(&text.replace("<f4", bad)), None);
+        }
+        assert_eq!(parsed(&text.replace("False", "True")), None);
+    }
+
+    #[test]
+    fn a_short_file_is_an_error() {
+        let data = [0u8; 20];
+        assert!(vectors(&mut &data[..], 2, Number::F32).is_err());
+        assert!(numbers(&mut &data[..], usize::MAX, Number::F64).is_err());
+        assert_eq!(vectors(&mut &data[..], 1, Number::F32).expect("a point"), [Vec3::ZERO]);
+    }
+}

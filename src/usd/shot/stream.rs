@@ -1,0 +1,327 @@
+//! Writes a shot: a layer over the garment with moved points, frame by frame.
+//!
+//! The crate writer takes all values of a layer at once. So the points go into the file first, behind the room for its header; the
+//! writer continues after them, with a short stand-in for each array, and the places of the stand-ins are then replaced by those of
+//! the arrays. Source: OpenUSD, `pxr/usd/sdf/crateFile.h` (the layout of the file).
+
+use super::bound::Bound;
+use super::clips::Clips;
+use super::{DriveOptions, Moved};
+use crate::error::{Error, Warnings};
+use crate::usd::names;
+use crate::usd::write::{Format, OutputFile, write_crate};
+use glam::Vec3;
+use openusd::gf::Vec3f;
+use openusd::sdf::{self, AbstractData, Data, FieldKey, LayerOffset, Path, PrimSpec, SpecType, Value};
+use openusd::sdf::{ValueTypeName, Variability};
+use std::fs::File;
+use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
+use tempfile::NamedTempFile;
+
+/// Size of the header of a crate.
+const HEADER: u64 = 88;
+/// The upper 16 bits of a value that is a `float3` array, not compressed.
+const ARRAY: u64 = 1 << 63 | 24 << 48;
+/// First number of a stand-in.
+const SALT: f32 = 1.234_567e-30;
+
+/// The attributes of driven meshes that vary over time.
+pub const ATTRIBUTES: [&str; 3] = [names::POINTS, names::NORMALS, names::VELOCITIES];
+
+/// Writes the frames of a shot.
+pub struct ShotWriter {
+    file: OutputFile,
+    layer: Data,
+    paths: Vec<Path>,
+    /// Time samples of each attribute of each mesh, as the place of their arrays in `out`.
+    samples: Vec<[Vec<(f64, Place)>; 3]>,
+    extents: Vec<sdf::TimeSampleMap>,
+    out: Frames,
+}
+
+/// Where the frames go.
+enum Frames {
+    /// Into the shot itself.
+    Stream { out: BufWriter<NamedTempFile>, position: u64 },
+    /// Into memory, for text.
+    Memory(Vec<Vec<Vec3f>>),
+    /// Into a file each.
+    Clips(Clips),
+}
+
+/// The place of an array: a position in a file, or an index.
+type Place = u64;
+
+impl ShotWriter {
+    /// A writer of the shot of some options.
+    ///
+    /// # Errors
+    /// An output that may not be written.
+    pub fn new(options: &DriveOptions, bound: &Bound, times: &[f64], rate: [Option<f64>; 2]) -> Result<Self, Error> {
+        let mut inputs = bound.layers.clone();
+        inputs.push(options.cache.clone());
+        let file = OutputFile::find(&options.output, &inputs, options.force)?;
+        let layer = layer(options, bound, &file, times, rate)?;
+        let fault = |e: io::Error| file.fault(&e);
+        let out = match file.format {
+            _ if options.clips => Frames::Clips(Clips::new(&file, times, options.force)?),
+            Format::Usdz => {
+                return Err(Error::usd(format!("{} is a package, which takes no shot", options.output.display()))
+                    .remedy("write .usdc, and package it with usdzip"));
+            }
+            Format::Usda => Frames::Memory(Vec::new()),
+            Format::Usdc => {
+                let mut out = BufWriter::with_capacity(1 << 20, file.temporary()?);
+                out.write_all(&[0; HEADER as usize]).map_err(fault)?;
+                Frames::Stream { out, position: HEADER }
+            }
+        };
+        let paths: Vec<Path> = bound.meshes.iter().map(|mesh| mesh.path.clone()).collect();
+        let samples = paths.iter().map(|_| [const { Vec::new() }; 3]).collect();
+        let extents = paths.iter().map(|_| sdf::TimeSampleMap::new()).collect();
+        let mut writer = Self { file, layer, paths, samples, extents, out };
+        for mesh in &bound.meshes {
+            PrimSpec::over(&mut writer.layer, &mesh.path).map_err(|e| unwritable(&e))?;
+            if mesh.is_skinned {
+                unbind(&mut writer.layer, &mesh.path).map_err(|e| unwritable(&e))?;
+            }
+        }
+        Ok(writer)
+    }
+
+    /// Writes the meshes at `time`; times ascend.
+    ///
+    /// # Errors
+    /// A full disk.
+    pub fn write(&mut self, time: f64, meshes: &[Moved]) -> Result<(), Error> {
+        if let Frames::Clips(clips) = &mut self.out {
+            return clips.write(time, &self.paths, meshes);
+        }
+        for (mesh, moved) in meshes.iter().enumerate() {
+            self.extents[mesh].push((time, extent(&moved.points)));
+            for (kind, values) in moved.arrays().into_iter().enumerate() {
+                if let Some(values) = values {
+                    let place = self.array(values)?;
+                    self.samples[mesh][kind].push((time, place));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn array(&mut self, values: &[Vec3]) -> Result<Place, Error> {
+        match &mut self.out {
+            Frames::Stream { out, position } => {
+                let place = *position;
+                let bytes: &[u8] = bytemuck::cast_slice(values);
+                let padding = bytes.len().next_multiple_of(8) - bytes.len();
+                let written = out
+                    .write_all(&(values.len() as u64).to_le_bytes())
+                    .and_then(|()| out.write_all(bytes))
+                    .and_then(|()| out.write_all(&[0; 8][..padding]));
+                written.map_err(|e| self.file.fault(&e))?;
+                *position += 8 + (bytes.len() + padding) as u64;
+                Ok(place)
+            }
+            Frames::Memory(arrays) => {
+                let values: &[Vec3f] = bytemuck::cast_slice(values);
+                arrays.push(values.to_vec());
+                Ok(arrays.len() as u64 - 1)
+            }
+            Frames::Clips(_) => Ok(0),
+        }
+    }
+
+    /// Completes the shot and gives it its name.
+    ///
+    /// # Errors
+    /// A full disk.
+    pub fn finish(mut self) -> Result<(), Error> {
+        match std::mem::replace(&mut self.out, Frames::Memory(Vec::new())) {
+            Frames::Memory(mut arrays) => {
+                self.author(|place| Value::Vec3fVec(std::mem::take(&mut arrays[place as usize])))?;
+                self.file.save(self.layer, &mut Warnings::default())
+            }
+            Frames::Clips(clips) => {
+                clips.author(&mut self.layer, &self.paths)?;
+                self.file.save(self.layer, &mut Warnings::default())
+            }
+            Frames::Stream { out, position } => {
+                let mut places = Vec::new();
+                self.author(|place| {
+                    places.push(place);
+                    stand_in(places.len() - 1)
+                })?;
+                let temporary = out.into_inner().map_err(|e| self.file.fault(e.error()))?;
+                append_structure(temporary.as_file(), position, &self.layer, &places)
+                    .map_err(|e| self.file.fault(&e))?;
+                self.file.keep(temporary)
+            }
+        }
+    }
+
+    /// Authors the time samples, each by the value of its place.
+    fn author(&mut self, mut value: impl FnMut(Place) -> Value) -> Result<(), Error> {
+        for (mesh, path) in self.paths.iter().enumerate() {
+            for (kind, name) in ATTRIBUTES.iter().enumerate() {
+                let samples = std::mem::take(&mut self.samples[mesh][kind]);
+                if !samples.is_empty() {
+                    let samples = samples.into_iter().map(|(time, place)| (time, value(place))).collect();
+                    sampled(&mut self.layer, path, name, samples).map_err(|e| unwritable(&e))?;
+                }
+            }
+            let extents = std::mem::take(&mut self.extents[mesh]);
+            sampled(&mut self.layer, path, names::EXTENT, extents).map_err(|e| unwritable(&e))?;
+        }
+        Ok(())
+    }
+}
+
+impl Moved {
+    /// The values of [`ATTRIBUTES`].
+    pub fn arrays(&self) -> [Option<&[Vec3]>; 3] {
+        [Some(self.points.as_slice()), self.normals.as_deref(), self.velocities.as_deref()]
+    }
+}
+
+/// The error of a shot that the USD library does not write.
+pub fn unwritable(e: &impl std::fmt::Display) -> Error {
+    Error::usd(format!("the shot cannot be written: {e}"))
+}
+
+/// Unbinds a mesh from its skeleton, which would move the points of the cache again: an explicit list without a target.
+fn unbind(layer: &mut Data, prim: &Path) -> openusd::Result<()> {
+    let path = prim.append_property(names::SKEL_SKELETON)?;
+    sdf::RelationshipSpec::new(layer, &path, Variability::Varying, false)?;
+    layer.set_field(&path, FieldKey::TargetPaths.as_str(), sdf::PathListOp::explicit([]).into());
+    Ok(())
+}
+
+/// The type of an attribute of a driven mesh.
+pub fn type_of(name: &str) -> ValueTypeName {
+    match name {
+        names::POINTS => ValueTypeName::POINT3F_ARRAY,
+        names::NORMALS => ValueTypeName::NORMAL3F_ARRAY,
+        names::VELOCITIES => ValueTypeName::VECTOR3F_ARRAY,
+        _ => ValueTypeName::FLOAT3_ARRAY,
+    }
+}
+
+/// Authors the samples of an attribute.
+pub fn sampled(layer: &mut Data, prim: &Path, name: &str, samples: sdf::TimeSampleMap) -> openusd::Result<()> {
+    let path = prim.append_property(name)?;
+    sdf::AttributeSpec::new(layer, &path, type_of(name), Variability::Varying, false)?;
+    layer.set_field(&path, FieldKey::TimeSamples.as_str(), Value::TimeSamples(samples));
+    Ok(())
+}
+
+/// The bounding box of some points.
+pub fn extent(points: &[Vec3]) -> Value {
+    Value::Vec3fVec(crate::usd::write::extent(points))
+}
+
+/// The shot without its samples: a layer over the garment with its metadata and the range of times.
+fn layer(
+    options: &DriveOptions,
+    bound: &Bound,
+    file: &OutputFile,
+    times: &[f64],
+    [frames, codes]: [Option<f64>; 2],
+) -> Result<Data, Error> {
+    let root = Path::abs_root();
+    let mut data = Data::new();
+    data.create_spec(root.clone(), SpecType::PseudoRoot);
+    let garment = file.path_to(&options.render)?;
+    AbstractData::set_field(&mut data, &root, FieldKey::SubLayers.as_str(), Value::StringVec(vec![garment]));
+    let offsets = Value::LayerOffsetVec(vec![LayerOffset::IDENTITY]);
+    AbstractData::set_field(&mut data, &root, FieldKey::SubLayerOffsets.as_str(), offsets);
+    for (key, value) in &bound.metadata {
+        AbstractData::set_field(&mut data, &root, key, value.clone());
+    }
+    let known = [("framesPerSecond", frames), ("timeCodesPerSecond", codes)];
+    let range = [("startTimeCode", times.first()), ("endTimeCode", times.last())];
+    let range = range.into_iter().filter_map(|(key, time)| Some((key, *time?)));
+    for (key, number) in known.into_iter().filter_map(|(key, number)| Some((key, number?))).chain(range) {
+        AbstractData::set_field(&mut data, &root, key, Value::Double(number));
+    }
+    Ok(data)
+}
+
+/// The stand-in of an array.
+fn stand_in(index: usize) -> Value {
+    let [low, high] = [index & 0xffff, index >> 16].map(|part| part as f32);
+    Value::Vec3fVec(vec![[SALT, low, high].into()])
+}
+
+/// Writes the layer after the arrays, which end at `position`, and points it to them.
+fn append_structure(file: &File, position: u64, layer: &Data, places: &[u64]) -> io::Result<()> {
+    let mut out = AfterArrays { file, arrays_end: position, is_begun: false };
+    let mut buffered = Vec::new();
+    out.rewind()?;
+    write_crate(layer, &mut out).map_err(io::Error::other)?;
+    // All but the header and the arrays is short.
+    let mut file = file;
+    file.seek(SeekFrom::Start(position))?;
+    file.read_to_end(&mut buffered)?;
+    let replaced = point_to(&mut buffered, position, places);
+    if replaced != places.len() {
+        return Err(io::Error::other("the crate has an unexpected layout; please report it"));
+    }
+    file.seek(SeekFrom::Start(position))?;
+    file.write_all(&buffered)
+}
+
+/// Replaces the values that point to stand-ins by values that point to arrays. Returns their number.
+fn point_to(bytes: &mut [u8], start: u64, places: &[u64]) -> usize {
+    let number = |bytes: &[u8], at: usize| Some(u64::from_le_bytes(bytes.get(at..at + 8)?.try_into().ok()?));
+    let part = |bytes: &[u8], at: usize| Some(f32::from_le_bytes(bytes.get(at..at + 4)?.try_into().ok()?));
+    let stand_in = |bytes: &[u8], value: u64| {
+        let at = usize::try_from((value & !(0xffff << 48)).checked_sub(start)?).ok()?;
+        let is_one = number(bytes, at)? == 1 && part(bytes, at + 8)?.to_bits() == SALT.to_bits();
+        is_one.then_some(part(bytes, at + 12)? as usize | (part(bytes, at + 16)? as usize) << 16)
+    };
+    let mut replaced = 0;
+    let mut at = 0;
+    while let Some(value) = number(bytes, at) {
+        let index = if value >> 48 == ARRAY >> 48 { stand_in(bytes, value) } else { None };
+        match index.and_then(|index| places.get(index)) {
+            Some(place) => {
+                bytes[at..at + 8].copy_from_slice(&(ARRAY | place).to_le_bytes());
+                replaced += 1;
+                at += 8;
+            }
+            None => at += 1,
+        }
+    }
+    replaced
+}
+
+/// A file that the crate writer continues after the arrays: behind the header comes their end.
+struct AfterArrays<'a> {
+    file: &'a File,
+    arrays_end: u64,
+    is_begun: bool,
+}
+
+impl Write for AfterArrays<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+impl Seek for AfterArrays<'_> {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        // The writer keeps room for the header by seeking behind it, first of all.
+        match to {
+            SeekFrom::Start(behind) if behind > 0 && !self.is_begun => {
+                self.is_begun = true;
+                self.file.seek(SeekFrom::Start(self.arrays_end))
+            }
+            to => self.file.seek(to),
+        }
+    }
+}
