@@ -69,9 +69,10 @@ def test_output_sublayers_the_input_by_a_relative_path(product):
 
 
 def test_output_holds_only_the_two_meshes_and_the_purpose(product):
-    """Ancestors are overs without opinions, the model has its purpose, all else belongs to the two new prims."""
+    """Ancestors are overs, the model has its purpose, all else belongs to the two meshes and their physics."""
     layer, model = product.stage.GetRootLayer(), product.model_path
-    ours = {model.ReplaceName("sim"), model.ReplaceName("render")}
+    meshes = {model.ReplaceName("sim"), model.ReplaceName("render")}
+    ours = meshes | {model.ReplaceName("physics")}
     for path, spec in specs(layer).items():
         if path == Sdf.Path.absoluteRootPath or any(path.HasPrefix(root) for root in ours):
             continue
@@ -82,7 +83,7 @@ def test_output_holds_only_the_two_meshes_and_the_purpose(product):
         else:
             assert path.GetPrimPath() == model, f"{path} is copied from the input"
             assert path.name == "purpose", f"{path} is copied from the input"
-    for root in ours:
+    for root in meshes:
         assert layer.GetPrimAtPath(root).specifier == Sdf.SpecifierDef
         assert layer.GetPrimAtPath(root).typeName == "Mesh"
 
@@ -92,7 +93,10 @@ def test_everything_of_the_input_is_still_there(product):
         there = product.stage.GetPrimAtPath(prim.GetPath())
         assert there, f"{prim.GetPath()} is gone"
         assert there.GetTypeName() == prim.GetTypeName()
-        assert there.GetPrimTypeInfo().GetAppliedAPISchemas() == prim.GetPrimTypeInfo().GetAppliedAPISchemas()
+        schemas = list(there.GetPrimTypeInfo().GetAppliedAPISchemas())
+        if prim.GetPath() == product.model_path.GetParentPath():
+            schemas.remove("PhysicsDeformableBodyAPI")
+        assert schemas == list(prim.GetPrimTypeInfo().GetAppliedAPISchemas())
         for attribute in prim.GetAuthoredAttributes():
             if attribute.GetName() != "purpose":
                 assert there.GetAttribute(attribute.GetName()).Get() == attribute.Get(), attribute.GetPath()

@@ -1,0 +1,245 @@
+"""`usdtailor drive`: the render mesh follows a cache of the simulation mesh."""
+
+import numpy as np
+import pytest
+from conftest import EXAMPLES, run
+from pxr import Usd, UsdGeom, UsdSkel, Vt
+
+COAT = EXAMPLES / "sewn/coat.usda"
+FRAMES = 7
+
+
+def points(prim, time=None):
+    return np.array(prim.GetAttribute("points").Get(Usd.TimeCode.Default() if time is None else time), float)
+
+
+def bend(p, amount):
+    """A twist about the vertical axis that grows with height, and a shift."""
+    turn = amount * 0.01 * (p[:, 1] - p[:, 1].min())
+    cos, sin = np.cos(turn), np.sin(turn)
+    return np.stack([cos * p[:, 0] - sin * p[:, 2], p[:, 1] + 3 * amount, sin * p[:, 0] + cos * p[:, 2]], axis=1)
+
+
+@pytest.fixture(scope="module")
+def coat(built):
+    return built(COAT, suffix=".usdc")
+
+
+def moved(coat):
+    rest = points(coat.prim("sim"))
+    return np.stack([bend(rest, frame / (FRAMES - 1)) for frame in range(FRAMES)])
+
+
+def write_cache(path, coat, frames, times=None, path_of_mesh=None, velocities=None, triangles=None):
+    stage = Usd.Stage.CreateNew(str(path))
+    stage.SetTimeCodesPerSecond(25)
+    sim = coat.prim("sim")
+    mesh = UsdGeom.Mesh.Define(stage, path_of_mesh or sim.GetPath())
+    for name in ("faceVertexCounts", "faceVertexIndices"):
+        mesh.GetPrim().GetAttribute(name).Set(sim.GetAttribute(name).Get())
+    if triangles is not None:
+        mesh.GetFaceVertexIndicesAttr().Set(Vt.IntArray.FromNumpy(triangles.astype(np.int32).ravel()))
+    for i, frame in enumerate(frames):
+        time = i + 1 if times is None else times[i]
+        mesh.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(frame.astype(np.float32)), time)
+        if velocities is not None:
+            mesh.GetVelocitiesAttr().Set(Vt.Vec3fArray.FromNumpy(velocities[i].astype(np.float32)), time)
+    stage.GetRootLayer().Save()
+    return path
+
+
+def drive(usdtailor, coat, cache, out, *args):
+    return run(usdtailor, "drive", coat.path, "--cache", cache, "-o", out, *args)
+
+
+@pytest.fixture(scope="module")
+def cache(coat, tmp_path_factory):
+    return write_cache(tmp_path_factory.mktemp("cache") / "cache.usdc", coat, moved(coat))
+
+
+@pytest.fixture(scope="module")
+def shot(usdtailor, coat, cache, tmp_path_factory):
+    out = tmp_path_factory.mktemp("shot") / "shot.usdc"
+    done = drive(usdtailor, coat, cache, out, "--model")
+    assert done.returncode == 0, done.stderr
+    return Usd.Stage.Open(str(out))
+
+
+def test_at_bind_the_driven_mesh_is_the_render_mesh(coat, shot):
+    for name in ("render", "model"):
+        prim = shot.GetPrimAtPath(coat.prim(name).GetPath())
+        rest = points(prim)
+        size = np.linalg.norm(np.ptp(rest, axis=0))
+        assert np.abs(points(prim, 1) - rest).max() <= 1e-6 * size
+        assert prim.GetAttribute("points").GetNumTimeSamples() == FRAMES
+
+
+def test_the_driven_mesh_follows_a_smooth_motion(coat, shot):
+    for name in ("render", "model"):
+        prim = shot.GetPrimAtPath(coat.prim(name).GetPath())
+        rest = points(prim)
+        apart = np.linalg.norm(points(prim, FRAMES) - bend(rest + 0.0, 1.0), axis=1)
+        # The lowest point of both meshes differs a little, which turns them by as much.
+        assert np.percentile(apart, 99) < 1.0 and np.linalg.norm(points(prim, FRAMES) - rest, axis=1).max() > 20
+
+
+def test_extent_and_times_are_those_of_the_cache(coat, shot):
+    prim = shot.GetPrimAtPath(coat.prim("render").GetPath())
+    for frame in (1, FRAMES):
+        low, high = np.array(prim.GetAttribute("extent").Get(frame))
+        assert np.allclose([low, high], [points(prim, frame).min(0), points(prim, frame).max(0)], atol=1e-4)
+    assert (shot.GetStartTimeCode(), shot.GetEndTimeCode(), shot.GetTimeCodesPerSecond()) == (1, FRAMES, 25)
+    assert shot.GetDefaultPrim().GetName() == "Coat" and UsdGeom.GetStageMetersPerUnit(shot) == 0.01
+
+
+def test_hems_keep_their_thickness(built, usdtailor, coat, cache, tmp_path):
+    named = built(COAT, "--set", "render.faceSets=true", suffix=".usdc")
+    out = tmp_path / "shot.usdc"
+    assert drive(usdtailor, named, cache, out).returncode == 0
+    stage = Usd.Stage.Open(str(out))
+    prim = stage.GetPrimAtPath(named.prim("render").GetPath())
+    faces = np.array(prim.GetAttribute("faceVertexIndices").Get()).reshape(-1, 4)
+    inner = {s.GetName(): np.array(s.GetAttribute("indices").Get()) for s in prim.GetChildren() if s.GetName().endswith("_inner")}
+    rest, last = points(prim), points(prim, FRAMES)
+    bound, coords = (np.array(prim.GetAttribute(f"primvars:tailor:{name}").Get()) for name in ("bindFace", "bindCoords"))
+    for name, indices in inner.items():
+        copies = np.unique(faces[indices])
+        others = np.unique(np.delete(faces, indices, axis=0))
+        copies = np.setdiff1d(copies, others)
+        # The other layer of a copy is at the same place of the simulation mesh.
+        apart = np.abs(coords[copies, None, :2] - coords[None, others, :2]).max(axis=2)
+        apart[bound[copies, None] != bound[None, others]] = np.inf
+        nearest, is_pair = others[apart.argmin(axis=1)], apart.min(axis=1) < 0.02
+        assert is_pair.mean() > 0.3, name
+        before, after = (np.linalg.norm(p[copies] - p[nearest], axis=1)[is_pair] for p in (rest, last))
+        assert np.mean(np.abs(after / before - 1) < 0.1) >= 0.98, name
+
+
+@pytest.mark.parametrize("kind", ["usda", "clips", "npz", "npy", "packed npz", "other path"])
+def test_all_forms_of_caches_and_shots_give_the_same_points(usdtailor, coat, cache, shot, tmp_path, kind):
+    args, out, source = [], tmp_path / "shot.usdc", cache
+    frames = moved(coat)
+    if kind == "usda":
+        out = tmp_path / "shot.usda"
+    elif kind == "clips":
+        args = ["--clips"]
+    elif kind == "npy":
+        source = tmp_path / "cache.npy"
+        np.save(source, frames.astype(np.float32))
+    elif kind == "npz":
+        source = tmp_path / "cache.npz"
+        np.savez(source, points=frames, times=np.arange(1, FRAMES + 1.0))
+    elif kind == "packed npz":
+        source = tmp_path / "cache.npz"
+        np.savez_compressed(source, anything=frames.astype(np.float32))
+    else:
+        source = write_cache(tmp_path / "cache.usda", coat, frames, path_of_mesh="/root/cloth_0")
+    done = drive(usdtailor, coat, source, out, *args)
+    assert done.returncode == 0, done.stderr
+    path = coat.prim("render").GetPath()
+    stage = Usd.Stage.Open(str(out))
+    driven, expected = stage.GetPrimAtPath(path), shot.GetPrimAtPath(path)
+    assert driven.GetAttribute("points").GetTimeSamples() == expected.GetAttribute("points").GetTimeSamples()
+    for frame in (1, 4, FRAMES):
+        # Text has as many digits as a float needs; NumPy's doubles are rounded once more.
+        assert np.abs(points(driven, frame) - points(expected, frame)).max() < 1e-4
+        assert np.allclose(driven.GetAttribute("extent").Get(frame), expected.GetAttribute("extent").Get(frame), atol=1e-4)
+
+
+def test_results_are_the_same_at_every_thread_count(usdtailor, coat, cache, tmp_path):
+    files = []
+    for threads in (1, 2, 5):
+        files.append(tmp_path / f"shot_{threads}.usdc")
+        assert drive(usdtailor, coat, cache, files[-1], "--threads", threads).returncode == 0
+    assert len({file.read_bytes() for file in files}) == 1
+
+
+def test_velocities_follow(usdtailor, coat, tmp_path):
+    frames = moved(coat)
+    velocities = np.gradient(frames, 1 / 25, axis=0)
+    source = write_cache(tmp_path / "cache.usdc", coat, frames, velocities=velocities)
+    out = tmp_path / "shot.usdc"
+    assert drive(usdtailor, coat, source, out).returncode == 0
+    stage = Usd.Stage.Open(str(out))
+    prim = stage.GetPrimAtPath(coat.prim("render").GetPath())
+    driven = np.stack([points(prim, frame) for frame in (3, 4, 5)])
+    measured = (driven[2] - driven[0]) / (2 / 25)
+    authored = np.array(prim.GetAttribute("velocities").Get(4))
+    assert np.linalg.norm(authored - measured, axis=1).max() < 0.02 * np.linalg.norm(measured, axis=1).max()
+
+
+@pytest.mark.parametrize(
+    "fault, words",
+    [
+        ("fewer points", "points"),
+        ("more points", "points"),
+        ("other triangles", "another order"),
+        ("reordered points", "another order"),
+        ("gap", "frames are missing between 3"),
+        ("not finite", "not finite"),
+        ("one frame short", "points instead of"),
+        ("no samples", "no mesh with points over time"),
+        ("no cache", "no-such-file"),
+        ("a picture", "can be read"),
+        ("not bound", "not bound"),
+    ],
+)
+def test_faults_are_told_and_nothing_is_written(usdtailor, coat, tmp_path, fault, words):
+    frames, more, source, out = moved(coat), {}, tmp_path / "cache.usdc", tmp_path / "shot.usdc"
+    order = np.random.default_rng(1).permutation(frames.shape[1])
+    args = []
+    if fault == "fewer points":
+        frames = frames[:, :-5]
+    elif fault == "more points":
+        frames = np.concatenate([frames, frames[:, :3]], axis=1)
+    elif fault == "other triangles":
+        more["triangles"] = np.roll(np.array(coat.prim("sim").GetAttribute("faceVertexIndices").Get()).reshape(-1, 3), 1, axis=0)
+    elif fault == "gap":
+        more["times"] = [1, 2, 3, 6, 7, 8, 9]
+    elif fault == "not finite":
+        frames[5, 17] = np.nan
+    elif fault == "no samples":
+        frames = frames[:0]
+    if fault == "reordered points":
+        source = tmp_path / "cache.npz"
+        np.savez(source, points=frames[:, order])
+    elif fault == "no cache":
+        source = tmp_path / "no-such-file.usdc"
+    elif fault == "a picture":
+        source = tmp_path / "cache.png"
+        source.write_bytes(b"\x89PNG")
+    else:
+        frames = list(frames)
+        if fault == "one frame short":
+            frames[4] = frames[4][:-1]
+        write_cache(source, coat, frames, **more)
+    if fault == "not bound":
+        args = ["--prim", "/Coat/sim"]
+    done = drive(usdtailor, coat, source, out, *args)
+    assert done.returncode != 0 and words in done.stderr and "hint" in done.stderr, done.stderr
+    assert not out.exists() and not list(tmp_path.glob(".usdtailor-*"))
+    if fault == "gap":
+        assert drive(usdtailor, coat, source, out, "--gaps").returncode == 0
+
+
+def test_inputs_are_never_overwritten(usdtailor, coat, cache):
+    for target in (coat.path, cache):
+        before = target.read_bytes()
+        assert drive(usdtailor, coat, cache, target, "--force").returncode != 0
+        assert target.read_bytes() == before
+
+
+def test_what_a_cache_moves_is_not_skinned_again(coat, shot):
+    for name in ("render", "model"):
+        prim = coat.prim(name) if name == "render" else coat.source_stage.GetPrimAtPath("/Coat/model")
+        assert UsdSkel.BindingAPI(prim).GetSkeletonRel().GetTargets(), "the garment itself is skinned"
+        driven = shot.GetPrimAtPath(prim.GetPath())
+        assert driven.HasAPI(UsdSkel.BindingAPI) and not UsdSkel.BindingAPI(driven).GetInheritedSkeleton()
+
+
+def test_a_garment_is_built_again_over_its_output(build, coat):
+    again = build(coat.path, "--prim", "/Coat/model", suffix=".usdc", stem="again")
+    assert not any("bindFace" in warning for warning in again.warnings)
+    sim, render = (again.stage.GetPrimAtPath(f"/Coat/{name}") for name in ("sim", "render"))
+    assert not sim.GetAttribute("primvars:tailor:bindFace")
+    assert len(render.GetAttribute("primvars:tailor:bindFace").Get()) == len(points(render))
