@@ -121,13 +121,14 @@ class Mesh:
         return values[pick]
 
 
-def load(path_or_stage, prim_paths=None):
-    """The meshes of a stage in world space, or those at and below the given paths."""
+def load(path_or_stage, prim_paths=None, time=None):
+    """The meshes of a stage in world space, or those at and below the given paths, without a time or at one."""
     stage = path_or_stage
     if not isinstance(stage, Usd.Stage):
         stage = Usd.Stage.Open(str(path_or_stage))
     roots = [stage.GetPrimAtPath(p) for p in prim_paths] if prim_paths else [stage.GetPseudoRoot()]
-    cache = UsdGeom.XformCache()
+    at = Usd.TimeCode.Default() if time is None else Usd.TimeCode(time)
+    cache = UsdGeom.XformCache(at)
     out = []
     for root in roots:
         if not root:
@@ -136,7 +137,7 @@ def load(path_or_stage, prim_paths=None):
             if not prim.IsA(UsdGeom.Mesh):
                 continue
             mesh = UsdGeom.Mesh(prim)
-            points = np.array(mesh.GetPointsAttr().Get() or [], float).reshape(-1, 3)
+            points = np.array(mesh.GetPointsAttr().Get(at) or [], float).reshape(-1, 3)
             counts = np.array(mesh.GetFaceVertexCountsAttr().Get() or [], np.int64)
             if not len(points) or not len(counts):
                 continue

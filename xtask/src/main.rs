@@ -47,8 +47,8 @@ Options of plugin:
   --sdk DIR                    Build for the OpenUSD SDK in DIR [default: PXR_ROOT or OPENUSD_ROOT, if set]
   --out DIR                    Folder of the plugin [default: target/usd_plugin]
 
-Arguments after -- go to `cargo test` with the single step `rust`, to pytest with the single step `python`, and to
-`node --test` with the single step `browser`:
+Arguments after -- go to `cargo test` with the single step `rust`, to pytest with the single steps `python` and `newton`,
+and to `node --test` with the single step `browser`:
   cargo xtask test python -- -k schemas
 
 The environment variable PYTHON names the interpreter for target/venv [default: python3], CHROMIUM the browser

@@ -20,7 +20,7 @@ struct Step {
 ///
 /// Clippy and docs are adjacent, as they share the metadata of the dependencies. Tests and the binary use different
 /// profiles.
-const STEPS: [Step; 11] = [
+const STEPS: [Step; 12] = [
     // Before all that compiles the program, which embeds the page.
     Step {
         name: "page",
@@ -68,6 +68,12 @@ const STEPS: [Step; 11] = [
         run: python,
     },
     Step {
+        name: "newton",
+        about: "cloth in the solver Newton, in an environment of its own",
+        needs: &["page", "build"],
+        run: newton,
+    },
+    Step {
         name: "browser",
         about: "the preview in Chromium, with the release binary",
         needs: &["page", "build"],
@@ -76,7 +82,7 @@ const STEPS: [Step; 11] = [
 ];
 
 /// Steps that take arguments after `--`.
-const TAKE_ARGUMENTS: [&str; 3] = ["rust", "python", "browser"];
+const TAKE_ARGUMENTS: [&str; 4] = ["rust", "python", "newton", "browser"];
 
 /// The help text of the steps.
 pub fn help() -> String {
@@ -97,7 +103,7 @@ pub fn test(project: &Project, args: &[String]) -> Outcome {
         None => (args, &[][..]),
     };
     if !extra.is_empty() && !matches!(names, [name] if TAKE_ARGUMENTS.contains(&name.as_str())) {
-        return Err(Failure::new("arguments after -- need one step, `rust`, `python` or `browser`"));
+        return Err(Failure::new("arguments after -- need one step, `rust`, `python`, `newton` or `browser`"));
     }
     let mut times = Vec::new();
     let outcome = selected(names)?.into_iter().try_for_each(|step| {
@@ -185,6 +191,21 @@ fn python(project: &Project, extra: &[String]) -> Outcome {
     command.env("USDTAILOR_PLUGIN", project.target.join("usd_plugin"));
     command.env("USDTAILOR_PLUGINS", plugin::tested(project)?);
     command.env("USDTAILOR_XTASK", std::env::current_exe().unwrap_or_default());
+    process::run(&mut command)
+}
+
+/// The tests with Newton. They are skipped where pip cannot get it: it has wheels for few platforms.
+fn newton(project: &Project, extra: &[String]) -> Outcome {
+    let python = match venv::ensure_newton(project) {
+        Ok(python) => python,
+        Err(failure) => {
+            eprintln!("SKIPPED: Newton cannot be installed here, so cloth is NOT tested in a solver: {failure}");
+            return Ok(());
+        }
+    };
+    let mut command = project.command(python);
+    command.args(["-m", "pytest", "tests/newton", "-q", "-rs"]).args(extra);
+    command.env("USDTAILOR", project.binary());
     process::run(&mut command)
 }
 

@@ -8,11 +8,18 @@ use crate::process::{self, Failure, Outcome};
 use crate::project::Project;
 
 const REQUIREMENTS: &str = "tests/usd/requirements.txt";
+const NEWTON: &str = "tests/newton/requirements.txt";
 
 /// Creates `target/venv`, or recreates it if its requirements have changed, and returns its interpreter.
 pub fn ensure(project: &Project) -> Outcome<PathBuf> {
     let wanted = project.read(REQUIREMENTS)?;
     ensure_with(project, "venv", &wanted, &["--requirement", REQUIREMENTS])
+}
+
+/// Like [`ensure`], for the solver that the tests of cloth run.
+pub fn ensure_newton(project: &Project) -> Outcome<PathBuf> {
+    let wanted = project.read(NEWTON)?;
+    ensure_with(project, "venv-newton", &wanted, &["--requirement", NEWTON])
 }
 
 /// Like [`ensure`], for an environment with only one version of usd-core.
