@@ -1,5 +1,8 @@
 """`usdtailor drive`: the render mesh follows a cache of the simulation mesh."""
 
+import os
+import subprocess
+
 import numpy as np
 import pytest
 from conftest import EXAMPLES, run
@@ -152,6 +155,19 @@ def test_results_are_the_same_at_every_thread_count(usdtailor, coat, cache, tmp_
         files.append(tmp_path / f"shot_{threads}.usdc")
         assert drive(usdtailor, coat, cache, files[-1], "--threads", threads).returncode == 0
     assert len({file.read_bytes() for file in files}) == 1
+
+
+@pytest.mark.skipif(not hasattr(os, "wait4"), reason="the memory of a process can be asked for on Unix alone")
+def test_memory_does_not_grow_with_the_number_of_frames(usdtailor, coat, tmp_path):
+    def memory(frames):
+        source = write_cache(tmp_path / f"{frames}.usdc", coat, np.repeat(moved(coat)[:1], frames, axis=0))
+        command = [usdtailor, "drive", coat.path, "--cache", source, "-o", tmp_path / f"shot_{frames}.usdc", "--quiet"]
+        process = subprocess.Popen([str(word) for word in command])
+        _, status, used = os.wait4(process.pid, 0)
+        assert status == 0
+        return used.ru_maxrss
+
+    assert memory(400) < 1.2 * memory(40)
 
 
 def test_velocities_follow(usdtailor, coat, tmp_path):

@@ -2,13 +2,13 @@
 
 use super::DriveOptions;
 use super::bound::Bound;
-use super::crate_samples::CrateSamples;
+use super::crate_samples::{CrateSamples, CrateStage};
 use super::numpy::NumpyFrames;
 use crate::error::{Error, ErrorKind};
 use crate::usd::names;
 use crate::usd::read::{OrUnreadable, StageOrigin, is_a, prim_at, stage_metadata, value};
 use glam::Vec3;
-use openusd::sdf::{Path, Value};
+use openusd::sdf::{FieldKey, Path, Value};
 use openusd::usd::{Prim, PrimPredicate, Stage, TimeCode};
 use std::path::{Path as FilePath, PathBuf};
 
@@ -141,21 +141,19 @@ impl Cache {
     }
 
     fn of_stage(options: &DriveOptions, bound: &Bound) -> Result<Self, Error> {
+        if let Some(cache) = CrateStage::open(&options.cache).and_then(|layer| Self::of_crate(layer, options, bound)) {
+            return cache;
+        }
         let file = &options.cache;
         let stage = StageOrigin::new(file, None, &[]).open()?;
-        let path = choose(&stage, options, bound)?;
+        let path = chosen(&sampled_meshes(&stage, bound)?, options, bound)?;
         let prim = prim_at(&stage, &path)?;
-        check_triangles(&prim, file, bound)?;
+        let first = prim.attribute(names::FACE_VERTEX_INDICES).time_sample_times().or_unreadable(&path)?;
+        let time = first.first().map(|time| TimeCode::new(*time));
+        check_triangles(value(&prim, names::FACE_VERTEX_INDICES, time)?, &path, file, bound)?;
         let metadata = stage_metadata(&stage)?;
         let number = |key: &str| metadata.iter().find(|(k, _)| k == key).and_then(|(_, value)| double(value));
         let rate = [number("framesPerSecond"), number("timeCodesPerSecond")];
-        if let Some(points) = CrateSamples::open(file, &path, names::POINTS) {
-            let velocities = CrateSamples::open(file, &path, names::VELOCITIES).filter(|v| v.times() == points.times());
-            let times = points.times().to_vec();
-            let count = points.first_len()?;
-            let frames = Frames::Crate { points, velocities };
-            return Ok(Self { file: file.clone(), times, rate, points: count, frames });
-        }
         let times = prim.attribute(names::POINTS).time_sample_times().or_unreadable(&path)?;
         let velocities = prim.attribute(names::VELOCITIES).time_sample_times().or_unreadable(&path)?;
         let points = match times.first() {
@@ -165,6 +163,30 @@ impl Cache {
         let has_velocities = !times.is_empty() && velocities == times;
         let frames = Frames::Stage { stage: Box::new(stage), prim: path, has_velocities };
         Ok(Self { file: file.clone(), times, rate, points, frames })
+    }
+
+    /// A cache in one crate, whose frames are read from the file one by one; `None` if they cannot be.
+    fn of_crate(mut layer: CrateStage, options: &DriveOptions, bound: &Bound) -> Option<Result<Self, Error>> {
+        let path = match chosen(&layer.sampled(names::POINTS), options, bound) {
+            Ok(path) => path,
+            Err(e) => return Some(Err(e)),
+        };
+        let points = layer.samples(&path, names::POINTS)?;
+        let velocities = layer.samples(&path, names::VELOCITIES).filter(|v| v.times() == points.times());
+        let indices = path.append_property(names::FACE_VERTEX_INDICES).ok()?;
+        let corners = layer.read(&indices, FieldKey::Default.as_str());
+        if let Err(e) = check_triangles(corners, &path, &options.cache, bound) {
+            return Some(Err(e));
+        }
+        let root = Path::abs_root();
+        let rate = ["framesPerSecond", "timeCodesPerSecond"].map(|key| double(&layer.read(&root, key)?));
+        let count = match points.first_len() {
+            Ok(count) => count,
+            Err(e) => return Some(Err(e)),
+        };
+        let times = points.times().to_vec();
+        let frames = Frames::Crate { points, velocities };
+        Some(Ok(Self { file: options.cache.clone(), times, rate, points: count, frames }))
     }
 }
 
@@ -189,9 +211,8 @@ fn vectors(prim: &Prim, name: &str, time: Option<TimeCode>) -> Result<Vec<Vec3>,
     }
 }
 
-/// The mesh of the cache: the one that is named, that at the path of the simulation mesh, or the only one with its points.
-fn choose(stage: &Stage, options: &DriveOptions, bound: &Bound) -> Result<Path, Error> {
-    let file = options.cache.display();
+/// The meshes of a stage with points over time.
+fn sampled_meshes(stage: &Stage, bound: &Bound) -> Result<Vec<Path>, Error> {
     let mut meshes = Vec::new();
     let mut paths = Vec::new();
     stage.traverse(PrimPredicate::DEFAULT, |path| paths.push(path.clone())).or_unreadable(&Path::abs_root())?;
@@ -207,6 +228,12 @@ fn choose(stage: &Stage, options: &DriveOptions, bound: &Bound) -> Result<Path, 
     if is_over && !meshes.contains(&bound.sim_path) {
         meshes.push(bound.sim_path.clone());
     }
+    Ok(meshes)
+}
+
+/// The mesh of the cache: the one that is named, that at the path of the simulation mesh, or the only one.
+fn chosen(meshes: &[Path], options: &DriveOptions, bound: &Bound) -> Result<Path, Error> {
+    let file = options.cache.display();
     let listed = || meshes.iter().map(Path::as_str).collect::<Vec<_>>().join(", ");
     if let Some(wanted) = &options.cache_prim {
         let found = meshes.iter().find(|path| path.as_str() == wanted);
@@ -218,7 +245,7 @@ fn choose(stage: &Stage, options: &DriveOptions, bound: &Bound) -> Result<Path, 
     if meshes.contains(&bound.sim_path) {
         return Ok(bound.sim_path.clone());
     }
-    match meshes.as_slice() {
+    match meshes {
         [one] => Ok(one.clone()),
         [] => Err(Error::usd(format!("{file} has no mesh with points over time"))
             .remedy("cache the points of the simulation mesh over time")),
@@ -228,10 +255,8 @@ fn choose(stage: &Stage, options: &DriveOptions, bound: &Bound) -> Result<Path, 
 }
 
 /// Refuses a mesh with other triangles. A cache without faces has points alone.
-fn check_triangles(prim: &Prim, file: &FilePath, bound: &Bound) -> Result<(), Error> {
-    let first = prim.attribute(names::FACE_VERTEX_INDICES).time_sample_times().or_unreadable(prim.path())?;
-    let time = first.first().map(|time| TimeCode::new(*time));
-    let Some(Value::IntVec(corners)) = value(prim, names::FACE_VERTEX_INDICES, time)? else { return Ok(()) };
+fn check_triangles(corners: Option<Value>, prim: &Path, file: &FilePath, bound: &Bound) -> Result<(), Error> {
+    let Some(Value::IntVec(corners)) = corners else { return Ok(()) };
     let own = bound.triangles.as_flattened();
     if corners.len() == own.len() && corners.iter().zip(own).all(|(a, b)| *a == *b as i32) {
         return Ok(());
@@ -240,6 +265,6 @@ fn check_triangles(prim: &Prim, file: &FilePath, bound: &Bound) -> Result<(), Er
         true => "has its triangles in another order".to_owned(),
         false => format!("has {} corners of faces instead of {}", corners.len(), own.len()),
     };
-    Err(Error::new(ErrorKind::Usd, file.display(), format!("{} {text} than {}", prim.path(), bound.sim_path))
+    Err(Error::new(ErrorKind::Usd, file.display(), format!("{prim} {text} than {}", bound.sim_path))
         .remedy("cache the simulation mesh as it was written"))
 }

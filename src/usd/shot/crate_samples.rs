@@ -5,7 +5,7 @@
 
 use crate::error::{Error, ErrorKind, plain};
 use glam::Vec3;
-use openusd::sdf::{FieldKey, Path};
+use openusd::sdf::{FieldKey, Path, Value};
 use openusd::usdc::CrateFile;
 use std::fs::File;
 use std::io::{self, Read as _, Seek as _, SeekFrom};
@@ -24,6 +24,81 @@ const DOUBLE_VECTOR: u64 = 48;
 /// Size of the header of a crate.
 const HEADER: usize = 88;
 
+/// Fields by which a layer brings in others: what it holds is then not all.
+const ARCS: [&str; 8] =
+    ["subLayers", "references", "payload", "inheritPaths", "specializes", "variantSetNames", "clips", "relocates"];
+
+/// A crate that is a whole stage, of which values are read one by one.
+pub struct CrateStage {
+    path: PathBuf,
+    file: File,
+    tables: CrateFile,
+}
+
+impl CrateStage {
+    /// Opens a crate; `None` for other files, and for layers that bring in others.
+    pub fn open(path: &FilePath) -> Option<Self> {
+        let mut file = File::open(path).ok()?;
+        let tables = tables(&mut file, &[]).ok()?;
+        let is_arc = |name: Option<&String>| name.is_none_or(|name| ARCS.contains(&name.as_str()));
+        let is_whole = !tables.fields.iter().any(|field| is_arc(tables.tokens.get(field.token_index)));
+        is_whole.then_some(Self { path: path.to_path_buf(), file, tables })
+    }
+
+    /// The prims with time samples of the property `name`.
+    pub fn sampled(&self, name: &str) -> Vec<Path> {
+        let specs = self.tables.specs.iter();
+        let has_samples = |fields: usize| self.field(fields, FieldKey::TimeSamples.as_str()).is_some();
+        let sampled = specs.filter(|spec| has_samples(spec.fieldset_index));
+        let paths = sampled.filter_map(|spec| self.tables.paths.get(spec.path_index));
+        let of_name = |path: &Path| {
+            let prim = path.prim_path();
+            (prim.append_property(name).ok().as_ref() == Some(path)).then_some(prim)
+        };
+        paths.filter_map(of_name).collect()
+    }
+
+    /// The samples of the property `name` of `prim`; `None` where it has none of type `float3[]`.
+    pub fn samples(&self, prim: &Path, name: &str) -> Option<CrateSamples> {
+        let field = self.value(&prim.append_property(name).ok()?, FieldKey::TimeSamples.as_str())?;
+        let rep = self.tables.fields[field].value_rep;
+        let mut file = File::open(&self.path).ok()?;
+        let (times, places) = samples(&mut file, rep.payload()).ok()??;
+        Some(CrateSamples { path: self.path.clone(), file, times, places })
+    }
+
+    /// The value of a field that is a whole number or an array of them, or a double.
+    pub fn read(&mut self, path: &Path, key: &str) -> Option<Value> {
+        let rep = self.tables.fields[self.value(path, key)?].value_rep;
+        if rep.is_inlined() {
+            return self.tables.value(rep).ok();
+        }
+        let place = rep.payload();
+        let length = match (rep.is_array(), rep.is_compressed()) {
+            (false, _) => 8,
+            // The number of values and the size of the packed ones come first.
+            (true, true) => 16 + number_at(&mut &self.file, place + 8).ok()?,
+            (true, false) => 8 + number_at(&mut &self.file, place).ok()?.checked_mul(4)?,
+        };
+        let with_value = tables(&mut self.file, &[(place, length)]).ok()?;
+        with_value.value(rep).ok()
+    }
+
+    /// The index of the field `key` of the spec at `path`.
+    fn value(&self, path: &Path, key: &str) -> Option<usize> {
+        let index = self.tables.paths.iter().position(|own| own == path)?;
+        let spec = self.tables.specs.iter().find(|spec| spec.path_index == index)?;
+        self.field(spec.fieldset_index, key)
+    }
+
+    /// The index of the field `key` in a set of fields.
+    fn field(&self, fieldset: usize, key: &str) -> Option<usize> {
+        let mut fields = self.tables.fieldsets.get(fieldset..)?.iter().map_while(|field| *field);
+        let name = |field: usize| self.tables.tokens.get(self.tables.fields.get(field)?.token_index);
+        fields.find(|&field| name(field).is_some_and(|name| name == key))
+    }
+}
+
 /// The samples of an attribute of type `float3[]`.
 pub struct CrateSamples {
     path: PathBuf,
@@ -33,23 +108,6 @@ pub struct CrateSamples {
 }
 
 impl CrateSamples {
-    /// The samples of the property `name` of `prim` in the layer `path` itself; `None` where it has none that can be read alone.
-    pub fn open(path: &FilePath, prim: &Path, name: &str) -> Option<Self> {
-        let mut file = File::open(path).ok()?;
-        let tables = tables(&mut file).ok()?;
-        let property = prim.append_property(name).ok()?;
-        let index = tables.paths.iter().position(|path| *path == property)?;
-        let spec = tables.specs.iter().find(|spec| spec.path_index == index)?;
-        let fields = tables.fieldsets.get(spec.fieldset_index..)?.iter().map_while(|field| *field);
-        let rep = fields
-            .filter_map(|field| tables.fields.get(field))
-            .find(|field| tables.tokens.get(field.token_index).is_some_and(|t| t == FieldKey::TimeSamples.as_str()))?
-            .value_rep
-            .0;
-        let (times, places) = samples(&mut file, rep & PLACE).ok()??;
-        Some(Self { path: path.to_path_buf(), file, times, places })
-    }
-
     /// The times of the samples.
     pub fn times(&self) -> &[f64] {
         &self.times
@@ -79,8 +137,8 @@ impl CrateSamples {
     }
 }
 
-/// The tables of a crate, without its values.
-fn tables(file: &mut File) -> io::Result<CrateFile> {
+/// The tables of a crate, and of its values those in some ranges, by start and length.
+fn tables(file: &mut File, values: &[(u64, u64)]) -> io::Result<CrateFile> {
     let invalid = || io::Error::from(io::ErrorKind::InvalidData);
     let size = usize::try_from(file.metadata()?.len()).map_err(|_| invalid())?;
     if size < HEADER {
@@ -104,6 +162,10 @@ fn tables(file: &mut File) -> io::Result<CrateFile> {
     for entry in (0..count).map(|i| contents + 8 + 32 * i) {
         let (start, length) = number(&bytes, entry + 16).zip(number(&bytes, entry + 24)).ok_or_else(invalid)?;
         fill(&mut bytes, start, length)?;
+    }
+    for &(start, length) in values {
+        let (start, length) = (usize::try_from(start), usize::try_from(length));
+        fill(&mut bytes, start.map_err(|_| invalid())?, length.map_err(|_| invalid())?)?;
     }
     CrateFile::open(bytes).map_err(|_| invalid())
 }
