@@ -18,15 +18,16 @@ type ClothInput = (Same<Simulated>, String, ClothOptions, BTreeMap<String, Fabri
 /// The steps of one garment.
 pub struct ClothSteps {
     garment: Arc<Garment>,
+    mean_edge: f32,
     cloth: Step<ClothInput, (Arc<Cloth>, Warnings)>,
     binding: Step<(Same<Simulated>, Same<Garment>), Arc<Binding>>,
     cage_binding: Step<Same<Simulated>, Arc<Binding>>,
 }
 
 impl ClothSteps {
-    /// The steps of a garment.
-    pub fn new(garment: Arc<Garment>) -> Self {
-        Self { garment, cloth: Step::default(), binding: Step::default(), cage_binding: Step::default() }
+    /// The steps of a garment with its mean edge length.
+    pub fn new(garment: Arc<Garment>, mean_edge: f32) -> Self {
+        Self { garment, mean_edge, cloth: Step::default(), binding: Step::default(), cage_binding: Step::default() }
     }
 
     /// The cloth of a resolved recipe, with its warnings; none without physics.
@@ -39,11 +40,11 @@ impl ClothSteps {
         if recipe.cloth.physics.is_empty() {
             return Ok(None);
         }
-        let garment = &self.garment;
+        let (garment, mean_edge) = (&self.garment, self.mean_edge);
         let input = (Same::from(simulated), recipe.sim.uv_set.clone(), recipe.cloth.clone(), recipe.fabrics.clone());
         let cloth = self.cloth.get(input, |(simulated, uv_set, options, fabrics)| {
             let product = &simulated.remeshed.product;
-            let cloth = || Cloth::new(options, fabrics, garment, product, &simulated.mesh, uv_set);
+            let cloth = || Cloth::new(options, fabrics, garment, product, &simulated.mesh, uv_set, mean_edge);
             clock.run("cloth", cloth).map(|(cloth, warnings)| (Arc::new(cloth), warnings))
         })?;
         Ok(Some(cloth))

@@ -216,7 +216,7 @@ impl Builder {
         Ok(Self {
             sim: SimSteps::new(Arc::clone(&garment)),
             render: RenderSteps::new(Arc::clone(&garment)),
-            cloth: ClothSteps::new(Arc::clone(&garment)),
+            cloth: ClothSteps::new(Arc::clone(&garment), mean_edge),
             garment,
             mean_edge,
             warnings,
@@ -235,7 +235,7 @@ impl Builder {
             garment: Arc::clone(&self.garment),
             mean_edge: self.mean_edge,
             warnings: self.warnings.clone(),
-            cloth: ClothSteps::new(Arc::clone(&self.garment)),
+            cloth: ClothSteps::new(Arc::clone(&self.garment), self.mean_edge),
             own_operators: Vec::new(),
             progress: Progress::default(),
             max_faces: self.max_faces,

@@ -93,7 +93,7 @@ pub struct ClothFigures {
 }
 
 impl Cloth {
-    /// The cloth of the simulation mesh `mesh`, made from `product` and the garment.
+    /// The cloth of the simulation mesh `mesh`, made from `product` and the garment, whose edges have the length `mean_edge`.
     ///
     /// # Errors
     /// A fabric that is not known; `cloth.rest = panels` where the UV panels are no patterns.
@@ -104,6 +104,7 @@ impl Cloth {
         product: &SimProduct,
         mesh: &Garment,
         uv_set: &str,
+        mean_edge: f32,
     ) -> Result<(Self, Warnings), Error> {
         let mut warnings = Warnings::default();
         let (fabrics, fabric_of) = assigned(options, fabrics, mesh)?;
@@ -114,7 +115,7 @@ impl Cloth {
         let mean = Fabric::mean(areas.iter().enumerate().map(|(face, &area)| (fabric(face), area)));
         let masses = areas.iter().enumerate().map(|(face, area)| area * f64::from(fabric(face).density)).collect();
         let thickness = |face: FaceId| (f64::from(fabric(face.index()).thickness) / meters) as f32;
-        let attachments = if options.attach { pieces::attachments(&surface, product) } else { Vec::new() };
+        let attachments = if options.attach { pieces::attachments(&surface, mean_edge) } else { Vec::new() };
         let (rest, of_rest) = rest::rest(options.rest, garment, product, &surface, uv_set)?;
         warnings.extend(of_rest);
         let cloth = Self {

@@ -2,15 +2,12 @@
 
 use super::surface::{Near, Surface, area};
 use crate::mesh::{FaceId, VertexId};
-use crate::sim::SimProduct;
 use glam::Vec3;
 
 /// Largest area of a loose piece, as a share of the piece that it lies on. Larger ones are garments of their own.
 const LOOSE_AREA: f64 = 0.25;
 /// Share of a piece's seam that has to have cloth below it.
 const COVERED: f64 = 0.6;
-/// Distance up to which cloth lies below a piece. \[target edge lengths\]
-const REACH: f32 = 2.0;
 
 /// A loose piece, attached to the cloth below it.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,8 +20,8 @@ pub struct Attachment {
     pub coords: Vec<Vec3>,
 }
 
-/// The loose pieces of a mesh. A piece lies on the larger one that is nearest along its normals.
-pub fn attachments(surface: &Surface<'_>, product: &SimProduct) -> Vec<Attachment> {
+/// The loose pieces of a mesh. A piece lies on the larger one that is nearest along its normals, within `reach`. \[stage units\]
+pub fn attachments(surface: &Surface<'_>, reach: f32) -> Vec<Attachment> {
     let count = surface.pieces.iter().max().map_or(0, |last| *last as usize + 1);
     let mut areas = vec![0.0; count];
     for (triangle, &piece) in surface.triangles().zip(&surface.pieces) {
@@ -44,7 +41,7 @@ pub fn attachments(surface: &Surface<'_>, product: &SimProduct) -> Vec<Attachmen
             held[piece].push(vertex);
         }
     }
-    held.iter().enumerate().filter_map(|(piece, points)| attachment(surface, product, &areas, piece, points)).collect()
+    held.iter().enumerate().filter_map(|(piece, points)| attachment(surface, reach, &areas, piece, points)).collect()
 }
 
 /// Whether each vertex is on a border.
@@ -60,7 +57,7 @@ fn borders(surface: &Surface<'_>) -> Vec<bool> {
 
 fn attachment(
     surface: &Surface<'_>,
-    product: &SimProduct,
+    reach: f32,
     areas: &[f64],
     piece: usize,
     points: &[VertexId],
@@ -69,7 +66,7 @@ fn attachment(
     let mut attachment = Attachment { points: Vec::new(), faces: Vec::new(), coords: Vec::new() };
     for &vertex in points {
         let (point, normal) = (surface.mesh.points[vertex], surface.normal(vertex));
-        let near = surface.near(point, REACH * product.target[vertex], is_below);
+        let near = surface.near(point, reach, is_below);
         let Some(below) =
             near.iter().min_by(|a, b| cost(surface, point, normal, a).total_cmp(&cost(surface, point, normal, b)))
         else {

@@ -12,8 +12,10 @@ use faer::sparse::linalg::solvers::Llt;
 use faer::sparse::{SparseColMat, Triplet};
 use glam::DVec2;
 
-/// Local and global steps.
+/// Most local and global steps.
 const STEPS: usize = 150;
+/// Motion of every point in a step at which the steps end. \[mean edge lengths\]
+const STILL: f64 = 1e-3;
 /// Weight of a seam edge, where that of a triangle's edge is about 1.
 const SEAM_WEIGHT: f64 = 20.0;
 /// Least weight of a triangle's edge, which keeps the system positive.
@@ -48,11 +50,21 @@ pub fn flatten(panel: &Panel) -> Vec<DVec2> {
     // A system that cannot be factored leaves the points as they are, which the figures then tell.
     if let Some(system) = system(panel, &weights) {
         let mut pulls = vec![DVec2::ZERO; panel.seams.len()];
+        let edge =
+            panel.edges.iter().flatten().map(|e| e.length()).sum::<f64>() / (3 * panel.edges.len()).max(1) as f64;
         for _ in 0..STEPS {
             let wanted = wanted_seams(panel, &points, &mut pulls);
             let right = right_side(panel, &weights, &points, &wanted);
             let solved = system.solve(&right);
-            points.iter_mut().enumerate().for_each(|(i, p)| *p = DVec2::new(solved[(i, 0)], solved[(i, 1)]));
+            let mut motion: f64 = 0.0;
+            for (i, point) in points.iter_mut().enumerate() {
+                let next = DVec2::new(solved[(i, 0)], solved[(i, 1)]);
+                motion = motion.max(next.distance_squared(*point));
+                *point = next;
+            }
+            if motion.sqrt() <= STILL * edge {
+                break;
+            }
         }
     }
     fit_seams(panel, &mut points);
