@@ -1,5 +1,6 @@
 //! Asset paths: the file that a layer refers to, and the path by which another layer refers to it.
 
+use crate::error::Error;
 use openusd::sdf::{AssetPath, Value};
 use openusd::usd::{SpecSite, Stage};
 use std::path::{Component, Path, PathBuf};
@@ -111,6 +112,21 @@ pub fn tiles(pattern: &Path) -> Vec<PathBuf> {
         .collect();
     files.sort();
     files
+}
+
+/// A path without links in its folders; the file itself may be a link.
+///
+/// # Errors
+/// A path without a folder that exists, or that is no text.
+pub fn absolute(file: &Path) -> Result<String, Error> {
+    let fault = || Error::usd(format!("cannot find the folder of {}", file.display()));
+    let folder = match file.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    let folder = folder.canonicalize().map_err(|_| fault())?;
+    let path = folder.join(file.file_name().ok_or_else(fault)?);
+    path.to_str().map(str::to_owned).ok_or_else(fault)
 }
 
 #[cfg(test)]

@@ -5,76 +5,15 @@ use super::flatten::flattened;
 use super::long_arrays::encode_plainly;
 use super::physics::{PANELS, SCOPE};
 use super::product::Author;
+use super::role::{Product, ProductRole};
 use super::save::{Format, OutputFile};
-use crate::binding::Binding;
-use crate::cloth::Cloth;
 use crate::error::{Error, Warnings};
-use crate::garment::Garment;
-use crate::usd::assets::Anchor;
+use crate::usd::assets::{Anchor, absolute};
 use crate::usd::on_large_stack;
 use crate::usd::read::{Model, OrUnreadable, Source};
 use openusd::sdf::{self, AbstractData, FieldKey, LayerOffset, SpecType, Value};
 use openusd::usda::TextWriter;
 use std::path::Path;
-
-/// The purpose of a product.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ProductRole {
-    /// Cloth simulation: triangles, no subdivision, purpose `guide`.
-    Sim,
-    /// Rendering: a subdivision cage, purpose `default`.
-    Render,
-}
-
-impl ProductRole {
-    /// Its name in `customData`, and that of its prim unless another is chosen.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Sim => "sim",
-            Self::Render => "render",
-        }
-    }
-
-    /// Its `purpose`.
-    pub fn purpose(self) -> &'static str {
-        match self {
-            Self::Sim => "guide",
-            Self::Render => "default",
-        }
-    }
-
-    /// The flag that names it.
-    fn name_flag(self) -> &'static str {
-        match self {
-            Self::Sim => "--sim-name",
-            Self::Render => "--render-name",
-        }
-    }
-}
-
-/// A mesh to be written as a sibling of the model.
-#[derive(Clone, Copy, Debug)]
-pub struct Product<'a> {
-    /// Name of its prim.
-    pub name: &'a str,
-    /// Its purpose.
-    pub role: ProductRole,
-    /// The mesh.
-    pub mesh: &'a Garment,
-    /// The simulation mesh as cloth; none for no physics.
-    pub cloth: Option<&'a Cloth>,
-    /// The places of the render mesh's points on the simulation mesh.
-    pub binding: Option<&'a Binding>,
-    /// The places of the model's points on this simulation mesh.
-    pub cage_binding: Option<&'a Binding>,
-}
-
-impl<'a> Product<'a> {
-    /// A mesh without physics.
-    pub fn new(name: &'a str, role: ProductRole, mesh: &'a Garment) -> Self {
-        Self { name, role, mesh, cloth: None, binding: None, cage_binding: None }
-    }
-}
 
 /// How products are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -247,16 +186,4 @@ pub fn overlay(model: &Model, frame: Frame) -> Result<sdf::Data, Error> {
         AbstractData::set_field(&mut data, &root, key, frame.anchor.restated(value.clone()));
     }
     Ok(data)
-}
-
-/// The input's path without links in its folders; the file itself may be a link.
-pub fn absolute(file: &Path) -> Result<String, Error> {
-    let fault = || Error::usd(format!("cannot find the folder of {}", file.display()));
-    let folder = match file.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    let folder = folder.canonicalize().map_err(|_| fault())?;
-    let path = folder.join(file.file_name().ok_or_else(fault)?);
-    path.to_str().map(str::to_owned).ok_or_else(fault)
 }

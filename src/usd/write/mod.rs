@@ -9,12 +9,14 @@ mod physics;
 mod product;
 #[cfg(feature = "preview")]
 mod recipe;
+mod role;
 mod save;
 mod shapes;
 
 pub use crates::write_crate;
-pub use layer::{Product, ProductRole, Surroundings, WriteOptions, check_target, layer_bytes, write};
+pub use layer::{Surroundings, WriteOptions, check_target, layer_bytes, write};
 pub use product::extent;
 #[cfg(feature = "preview")]
 pub use recipe::{OptionValue, RecipeOpinions, Replaced, garment_below, recipe_text, selections, write_recipe};
+pub use role::{Product, ProductRole};
 pub use save::{Format, OutputFile};

@@ -1,6 +1,6 @@
 //! One product as prims and properties of a layer.
 
-use super::layer::{Product, ProductRole};
+use super::role::{Product, ProductRole};
 use crate::binding::Binding;
 use crate::error::{Warning, Warnings};
 use crate::garment::{Elements, Garment, Interpolation, Primvar, PrimvarRole, Values};

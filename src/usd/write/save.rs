@@ -1,10 +1,9 @@
 //! Files: their formats, the check that they may be written, and writing them completely or not at all.
 
 use super::crates::{remove_unwritable, write_crate};
-use super::layer::absolute;
 use super::package::package;
 use crate::error::{Error, Warnings, plain};
-use crate::usd::assets::Anchor;
+use crate::usd::assets::{Anchor, absolute};
 use openusd::sdf::{Data, FormatError};
 use openusd::usda::TextWriter;
 use std::fs::{self, File};

@@ -19,8 +19,8 @@ mod attach;
 mod chaos;
 mod dialect;
 
-use super::layer::{Product, ProductRole};
 use super::product::Author;
+use super::role::{Product, ProductRole};
 use crate::binding::Binding;
 use crate::cloth::{Cloth, Fabric};
 use crate::error::{Code, Error, Warning, Warnings};

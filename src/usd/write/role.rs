@@ -1,0 +1,64 @@
+//! The meshes that are written, and their purposes.
+
+use crate::binding::Binding;
+use crate::cloth::Cloth;
+use crate::garment::Garment;
+
+/// The purpose of a product.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ProductRole {
+    /// Cloth simulation: triangles, no subdivision, purpose `guide`.
+    Sim,
+    /// Rendering: a subdivision cage, purpose `default`.
+    Render,
+}
+
+impl ProductRole {
+    /// Its name in `customData`, and that of its prim unless another is chosen.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Sim => "sim",
+            Self::Render => "render",
+        }
+    }
+
+    /// Its `purpose`.
+    pub fn purpose(self) -> &'static str {
+        match self {
+            Self::Sim => "guide",
+            Self::Render => "default",
+        }
+    }
+
+    /// The flag that names it.
+    pub fn name_flag(self) -> &'static str {
+        match self {
+            Self::Sim => "--sim-name",
+            Self::Render => "--render-name",
+        }
+    }
+}
+
+/// A mesh to be written as a sibling of the model.
+#[derive(Clone, Copy, Debug)]
+pub struct Product<'a> {
+    /// Name of its prim.
+    pub name: &'a str,
+    /// Its purpose.
+    pub role: ProductRole,
+    /// The mesh.
+    pub mesh: &'a Garment,
+    /// The simulation mesh as cloth; none for no physics.
+    pub cloth: Option<&'a Cloth>,
+    /// The places of the render mesh's points on the simulation mesh.
+    pub binding: Option<&'a Binding>,
+    /// The places of the model's points on this simulation mesh.
+    pub cage_binding: Option<&'a Binding>,
+}
+
+impl<'a> Product<'a> {
+    /// A mesh without physics.
+    pub fn new(name: &'a str, role: ProductRole, mesh: &'a Garment) -> Self {
+        Self { name, role, mesh, cloth: None, binding: None, cage_binding: None }
+    }
+}
