@@ -123,7 +123,7 @@ mod tests {
 
     #[test]
     fn instances_are_named_by_file_schemas_and_arguments() {
-        let file = r#"{"source": "a.usda", "seam": {"placket": {}}, "thickness": {"hem": {"amount": 1}}}"#;
+        let file = r#"{"source": "a.usda", "seam": {"placket": {}}, "thickness": {"hem": {"amount": 1}}, "fabric": {"rib": {}}}"#;
         let found = attributes(file, "", "");
         assert_eq!(found.len(), KINDS.iter().map(|kind| kind.keys.len()).sum::<usize>());
         assert!(found.contains(&"tailor:seam:placket:normalOffset".to_owned()));
