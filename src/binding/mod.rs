@@ -46,6 +46,11 @@ impl Binding {
         let (faces, coords) = found.par_iter().enumerate().map(place).unzip();
         Self { faces, coords }
     }
+
+    /// Its memory. \[bytes\]
+    pub(crate) fn bytes(&self) -> usize {
+        16 * self.faces.len()
+    }
 }
 
 /// The sum of the normals of the faces around each vertex, by area.

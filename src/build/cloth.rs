@@ -79,4 +79,11 @@ impl ClothSteps {
             Ok(Arc::new(Binding::new(product, faces, &simulated.mesh, garment, &origins()?)))
         })
     }
+
+    /// An estimate of the memory of the kept results. \[bytes\]
+    pub fn bytes(&self) -> usize {
+        let cloth = self.cloth.last().map_or(0, |(cloth, _)| cloth.bytes());
+        let bindings = [self.binding.last(), self.cage_binding.last()];
+        cloth + bindings.into_iter().flatten().map(|binding| binding.bytes()).sum::<usize>()
+    }
 }

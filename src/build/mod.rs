@@ -392,6 +392,6 @@ impl Builder {
 
     /// An estimate of the memory that the kept results hold. \[bytes\]
     pub fn bytes(&self) -> usize {
-        self.garment.bytes() + self.sim.bytes() + self.render.bytes()
+        self.garment.bytes() + self.sim.bytes() + self.render.bytes() + self.cloth.bytes()
     }
 }

@@ -9,12 +9,13 @@ use tailor::error::{Error, Warnings};
 use tailor::report::{RenderFigures, SimFigures};
 use tailor::session::written;
 use tailor::usd::{WriteOptions, check_target, write};
-use tailor::{Products, Progress, Timing};
+use tailor::{ClothFigures, Products, Progress, Timing};
 
-/// The quality figures of both products.
+/// The figures of the products.
 pub struct Figures {
     pub sim: SimFigures,
     pub render: RenderFigures,
+    pub cloth: Option<ClothFigures>,
 }
 
 /// The result of one input.
@@ -94,7 +95,7 @@ fn build_one(build: &Build, input: &Path, output: PathBuf) -> Result<Built, Erro
     let products = builder.with_progress(progress).with_max_faces(build.max_faces).update(&recipe)?;
     timings.extend(products.timings.iter().cloned());
     let figures = timed("figures", &mut timings, || {
-        Ok(Figures { sim: products.sim_figures(), render: products.render_figures() })
+        Ok(Figures { sim: products.sim_figures(), render: products.render_figures(), cloth: products.cloth_figures() })
     })?;
     let meshes = written(&products, [&build.sim_name, &build.render_name]);
     let options = WriteOptions { flatten: build.flatten, force: build.force, model_guide: !build.keep_model_purpose };

@@ -92,7 +92,7 @@ fn report(built: &Built) -> Value {
         "sim": built.figures.sim,
         "remesh": p.remesh(),
         "render": built.figures.render,
-        "cloth": p.cloth_figures(),
+        "cloth": built.figures.cloth,
         "operatorFaces": text::operator_sets(p).into_iter().collect::<BTreeMap<_, _>>(),
         "stages": built.timings,
         "warnings": built.warnings.iter().map(text::warning_json).collect::<Vec<_>>(),

@@ -85,8 +85,8 @@ pub fn summary(built: &Built, verbose: bool) -> String {
     if !operators.is_empty() {
         let _ = writeln!(t, "          {} operators: {}", operators.len(), operators.join(", "));
     }
-    if let Some(figures) = products.cloth_figures() {
-        t += &cloth(&figures, s.short_edges.len());
+    if let Some(figures) = &built.figures.cloth {
+        t += &cloth(figures, s.short_edges.len());
     }
     t += &times(&built.timings);
     if verbose {

@@ -11,8 +11,9 @@ mod rest;
 mod surface;
 
 pub use fabric::{FABRICS, Fabric};
-pub use options::{ClothOptions, DIALECTS, FabricOptions, RestShape};
+pub use options::{ClothOptions, DIALECTS, FabricOptions, PATTERN, RestShape};
 pub use pieces::Attachment;
+use rest::CageStretch;
 pub use rest::{Rest, RestFigures};
 
 use crate::error::{Code, Error, Warning, Warnings};
@@ -56,7 +57,7 @@ pub struct Cloth {
     pub doubled: Vec<[FaceId; 2]>,
     /// The shape at rest; none: that of the mesh.
     pub rest: Option<Rest>,
-    /// The length of one unit of the UVs. \[stage units\]
+    /// The length of one unit of the UVs; 1 without them. \[stage units\]
     pub uv_length: f32,
     /// The UV shell of each triangle.
     pub shells: Vec<u32>,
@@ -116,7 +117,8 @@ impl Cloth {
         let masses = areas.iter().enumerate().map(|(face, area)| area * f64::from(fabric(face).density)).collect();
         let thickness = |face: FaceId| (f64::from(fabric(face.index()).thickness) / meters) as f32;
         let attachments = if options.attach { pieces::attachments(&surface, mean_edge) } else { Vec::new() };
-        let (rest, of_rest) = rest::rest(options.rest, garment, product, &surface, uv_set)?;
+        let cage = CageStretch::new(garment, uv_set);
+        let (rest, of_rest) = rest::rest(options.rest, garment, product, &surface, cage.as_ref(), uv_set)?;
         warnings.extend(of_rest);
         let cloth = Self {
             physics: options.physics.clone(),
@@ -128,7 +130,7 @@ impl Cloth {
             doubled: doubled::doubled(&surface, thickness),
             attachments,
             rest,
-            uv_length: rest::uv_length(garment, uv_set),
+            uv_length: cage.map_or(1.0, |cage| cage.scale as f32),
             shells: surface.shells.clone(),
             panels: options.panels,
             scene: options.scene,
@@ -164,6 +166,14 @@ impl Cloth {
             figures.critical_time_step = figures.critical_time_step.min(2.0 * area / longest / speed);
         }
         figures
+    }
+
+    /// An estimate of its memory. \[bytes\]
+    pub(crate) fn bytes(&self) -> usize {
+        /// A triangle's fabric, mass, UV shell, and place at rest.
+        const TRIANGLE: usize = 4 + 8 + 4 + 13;
+        let rest = self.rest.as_ref().map_or(0, |rest| 12 * rest.points.len());
+        TRIANGLE * self.masses.len() + rest + 8 * self.doubled.len()
     }
 
     /// The warning of pin sets that no vertex of the simulation mesh is in.

@@ -2,12 +2,15 @@
 
 use super::fabric::{FABRICS, Fabric};
 use crate::error::Error;
-use crate::garment::Garment;
+use crate::garment::{Garment, Subset};
 use crate::render::{Domain, Key, Kind};
 use serde::{Deserialize, Serialize};
 
 /// The dialects of USD physics that can be written.
 pub const DIALECTS: &[&str] = &["aousd", "omni", "chaos"];
+
+/// The family of the face subsets that the dialect `chaos` gets, and the start of their names.
+pub const PATTERN: &str = "pattern";
 
 /// The shape of cloth without strain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -82,8 +85,16 @@ impl ClothOptions {
     /// Checks the names against a garment.
     ///
     /// # Errors
-    /// A subset that the garment lacks, or of faces.
+    /// A subset that the garment lacks, or of faces; subsets that the dialect `chaos` would replace.
     pub(crate) fn bind(&self, garment: &Garment) -> Result<(), Error> {
+        let is_taken = |set: &&Subset| set.family == PATTERN || set.name.starts_with(&format!("{PATTERN}_"));
+        let taken = garment.subsets.iter().find(is_taken).filter(|_| self.physics.iter().any(|name| name == "chaos"));
+        if let Some(set) = taken {
+            let fault =
+                format!("chaos writes panels as subsets {PATTERN}_0, {PATTERN}_1, ... of a family \"{PATTERN}\"");
+            let fault = format!("{fault}, and {} has the subset {} there", garment.prim, set.name);
+            return Err(Error::recipe("cloth.physics", fault).remedy("rename the subset and its family"));
+        }
         let fits = |name: &&String| garment.subset(name).is_some_and(|set| set.elements.kind() != "face");
         let Some(name) = self.pins.iter().find(|name| !fits(name)) else { return Ok(()) };
         let known = garment.subsets.iter().filter(|set| set.elements.kind() != "face");

@@ -2,7 +2,7 @@
 
 use crate::contact::{Aabb, Bvh};
 use crate::garment::Garment;
-use crate::mesh::{CornerId, FaceId, Groups, Topology, VertexId};
+use crate::mesh::{CornerId, FaceId, Faces, Groups, Topology, VertexId};
 use crate::sim::{SimProduct, closest_weights};
 use glam::{Vec3, Vec3A};
 
@@ -39,12 +39,8 @@ impl<'a> Surface<'a> {
             let [a, b, c] = corners(face).map(Vec3A::from);
             Aabb { low: a.min(b).min(c), high: a.max(b).max(c) }
         });
-        let same_uvs = |a: CornerId, b: CornerId| product.places[a].uv == product.places[b].uv;
-        let faces = &mesh.faces;
-        let joined =
-            |corner: CornerId, twin: CornerId| same_uvs(corner, faces.next(twin)) && same_uvs(faces.next(corner), twin);
         let pieces = groups(&topology, |_, _| true);
-        let shells = groups(&topology, joined);
+        let shells = groups(&topology, |corner, twin| shares_uvs(product, &mesh.faces, corner, twin));
         Self { mesh, topology, pieces, shells, tree }
     }
 
@@ -83,6 +79,12 @@ impl<'a> Surface<'a> {
         found.sort_by_key(|near| near.face);
         found
     }
+}
+
+/// Whether two half-edges of one edge have the same UVs, so that it is no seam.
+pub fn shares_uvs(product: &SimProduct, faces: &Faces, corner: CornerId, twin: CornerId) -> bool {
+    let uv = |c: CornerId| product.places[c].uv;
+    uv(corner) == uv(faces.next(twin)) && uv(faces.next(corner)) == uv(twin)
 }
 
 /// Groups of triangles across edges that `joins` admits, each numbered by its first triangle.

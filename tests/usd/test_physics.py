@@ -131,6 +131,27 @@ def test_wrong_options_are_told_and_nothing_is_written(usdtailor, tmp_path, opti
     assert not out.exists()
 
 
+def test_a_fabric_takes_the_place_of_no_other_prim(build):
+    for name in ("pins", "scene", "anchor"):
+        args = ["--set", f"cloth.fabric={name}", "--set", f"fabric.{name}.preset=wool", "--set", "cloth.pins=neck_seam"]
+        product = build(TSHIRT, "--set", "cloth.scene=true", *args, stem=name)
+        types = {child.GetName(): child.GetTypeName() for child in physics(product).GetChildren()}
+        assert types["fabric"] == "Material" and types["pins"] == "PhysicsAttachment"
+        assert (types["scene"], types["anchor"]) == ("PhysicsScene", "Xform")
+        material = product.prim("sim").GetRelationship("material:binding:physics").GetTargets()
+        assert material == [physics(product, "fabric").GetPath()]
+
+
+def test_panels_of_chaos_replace_no_subset(usdtailor, tmp_path):
+    def finish(mesh):
+        UsdGeom.Subset.CreateGeomSubset(mesh, "pattern_0", "face", [0, 1], "clo")
+
+    source, out = sources.write(tmp_path / "sheet.usda", finish=finish), tmp_path / "out.usda"
+    done = run(usdtailor, "build", source, "-o", out, "--physics", "aousd,chaos")
+    assert done.returncode != 0 and "pattern_0" in done.stderr and "hint" in done.stderr and not out.exists()
+    assert run(usdtailor, "build", source, "-o", out).returncode == 0
+
+
 def test_fabrics_of_face_sets_have_their_own_mass_and_thickness(build):
     args = ["--set", "fabric.rib.faces=neckband", "--set", "fabric.rib.preset=wool", "--set", "fabric.rib.density=0.5"]
     product = build(TSHIRT, "--set", "cloth.fabric=jersey", *args)
@@ -186,6 +207,32 @@ def test_panels_rest_flat_with_equal_seams(built, garment):
     np.minimum.at(low, edge, lengths)
     np.maximum.at(high, edge, lengths)
     assert (high / low).max() < 1.001
+
+
+def test_a_seam_of_a_panel_and_a_shell_as_modelled_rests_flat(build, tmp_path):
+    stage = Usd.Stage.CreateNew(str(tmp_path / "stretched.usda"))
+    stage.GetRootLayer().subLayerPaths.append(str(TSHIRT))
+    mesh = stage.GetPrimAtPath("/Tshirt/model")
+    uvs = UsdGeom.PrimvarsAPI(mesh).GetPrimvar("st")
+    st, indices = np.array(uvs.Get()), np.array(uvs.GetIndices())
+    corners = np.repeat(np.arange(len(value(mesh, "faceVertexCounts"))), value(mesh, "faceVertexCounts"))
+    band = np.unique(indices[np.isin(corners, value(mesh.GetChild("neckband"), "indices"))])
+    st[band, 0] *= 1.6
+    uvs.Set(st.astype(np.float32))
+    stage.GetRootLayer().Save()
+    product = build(tmp_path / "stretched.usda")
+    rest, sim = product.report["cloth"]["rest"], product.prim("sim")
+    assert (rest["panels"], rest["modelled"]) == (5, 1)
+    triangles = np.array(value(sim, "faceVertexIndices")).reshape(-1, 3)
+    points, t = np.array(value(sim, "physics:restShapePoints")), np.array(value(sim, "physics:restTriVertexIndices"))
+    is_flat = (points[t][:, :, 2] == 0).all(axis=1)
+    edges = {}
+    for face, triangle in enumerate(triangles):
+        for k in range(3):
+            edges.setdefault(frozenset((triangle[k], triangle[(k + 1) % 3])), []).append(face)
+    mixed = {tuple(sorted(faces)) for faces in edges.values() if len(faces) == 2 and is_flat[faces].sum() == 1}
+    assert mixed and {tuple(sorted(pair)) for pair in value(sim, "physics:restAdjTriPairs")} == mixed
+    assert not np.any(value(sim, "physics:restBendAngles"))
 
 
 def test_rest_on_the_mesh_is_the_mesh(built):

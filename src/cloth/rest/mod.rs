@@ -12,17 +12,18 @@ mod flatten;
 mod stretch;
 
 use super::options::RestShape;
-use super::surface::{Surface, area};
+use super::surface::{Surface, area, shares_uvs};
 use crate::error::{Code, Error, Warning};
 use crate::garment::{Elements, Garment};
-use crate::mesh::{CornerId, FaceId, IdVec};
+use crate::mesh::{CornerId, FaceId};
 use crate::sim::SimProduct;
 use flatten::{Panel, Seam, flatten};
 use glam::{DMat2, DVec2, Vec3};
 use rayon::prelude::*;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
-use stretch::{CageStretch, root_mean_square, target_edges};
+pub use stretch::CageStretch;
+use stretch::{root_mean_square, target_edges};
 
 /// Root mean square of the cage's stretch against its UVs up to which a shell is a pattern.
 const PATTERN_STRETCH: f64 = 0.06;
@@ -37,6 +38,9 @@ pub struct Rest {
     pub triangles: Vec<[u32; 3]>,
     /// Whether each triangle is on a flat panel.
     pub is_flat: Vec<bool>,
+    /// Adjacent triangles of which one alone is on a flat panel. No angle between their places has a meaning; their edge rests
+    /// flat, as all seams of panels do.
+    pub flat_seams: Vec<[FaceId; 2]>,
     /// Its figures.
     pub figures: RestFigures,
 }
@@ -59,12 +63,7 @@ pub struct RestFigures {
     pub seam_difference: f64,
 }
 
-/// The length of one UV unit; 1 without UVs. \[stage units\]
-pub fn uv_length(garment: &Garment, uv_set: &str) -> f32 {
-    CageStretch::new(garment, uv_set).map_or(1.0, |cage| cage.scale as f32)
-}
-
-/// The shape at rest; none for that of the mesh. The warning names shells that are no patterns.
+/// The shape at rest; none for that of the mesh. `cage` is the stretch of the garment against `uv_set`, if it has that. The warning names shells that are no patterns.
 ///
 /// # Errors
 /// `panels` without UVs, or with shells that are no patterns.
@@ -73,17 +72,18 @@ pub fn rest(
     garment: &Garment,
     product: &SimProduct,
     surface: &Surface<'_>,
+    cage: Option<&CageStretch>,
     uv_set: &str,
 ) -> Result<(Option<Rest>, Option<Warning>), Error> {
-    let cage = (wanted != RestShape::Mesh).then(|| CageStretch::new(garment, uv_set)).flatten();
-    let Some(cage) = cage else {
-        if wanted == RestShape::Panels {
+    let cage = match (wanted, cage) {
+        (RestShape::Mesh, _) | (RestShape::Auto, None) => return Ok((None, None)),
+        (RestShape::Panels, None) => {
             let fault = format!("{} has no UV set \"{uv_set}\"", garment.prim);
             return Err(Error::recipe("cloth.rest", fault).remedy("name its UV set in sim.uvSet, or rest on the mesh"));
         }
-        return Ok((None, None));
+        (_, Some(cage)) => cage,
     };
-    let mut shells = Shells::new(product, surface, &cage);
+    let mut shells = Shells::new(product, surface, cage);
     let free = shells.solved(&BTreeMap::new());
     shells.note_stretch(&free);
     let others = shells.not_patterns();
@@ -110,6 +110,16 @@ impl Rest {
         let [from, to] = [0, 1].map(|k| self.points[triangle[(corner.index() + k) % 3] as usize]);
         f64::from(from.distance(to))
     }
+}
+
+/// A triangle of a flat panel against its wanted shape.
+struct FlatTriangle {
+    face: usize,
+    /// Symmetric.
+    stretch: DMat2,
+    is_flipped: bool,
+    /// The area of the wanted shape.
+    area: f64,
 }
 
 /// The UV shells of a simulation mesh, and the wanted shape of each triangle.
@@ -183,7 +193,9 @@ impl<'a> Shells<'a> {
         let topology = &self.surface.topology;
         let mut lengths = BTreeMap::new();
         for corner in topology.faces.corners().ids() {
-            let Some(twin) = topology.twin(corner).filter(|&twin| corner < twin && !self.shares_uvs(corner, twin))
+            let Some(twin) = topology
+                .twin(corner)
+                .filter(|&twin| corner < twin && !shares_uvs(self.product, &topology.faces, corner, twin))
             else {
                 continue;
             };
@@ -202,30 +214,28 @@ impl<'a> Shells<'a> {
         lengths
     }
 
-    fn shares_uvs(&self, corner: CornerId, twin: CornerId) -> bool {
-        let faces = &self.surface.topology.faces;
-        let uv = |c: CornerId| self.product.places[c].uv;
-        uv(corner) == uv(faces.next(twin)) && uv(faces.next(corner)) == uv(twin)
-    }
-
     /// Notes the stretch of free panels where it is more than the cage's: such a shell does not lie flat.
     fn note_stretch(&mut self, free: &Rest) {
         let mut parts = vec![Vec::new(); self.stretch.len()];
-        for (face, part) in self.stretches(free) {
-            let (stretch, area) = part;
-            let symmetric = stretch::root(stretch.transpose() * stretch);
-            parts[self.surface.shells[face] as usize].push((symmetric, area));
+        for flat in self.stretches(free) {
+            parts[self.surface.shells[flat.face] as usize].push((flat.stretch, flat.area));
         }
         let solved = parts.iter().map(|parts| root_mean_square(parts));
         self.stretch.iter_mut().zip(solved).for_each(|(own, solved)| *own = own.max(solved));
     }
 
-    /// The stretch of each flat triangle against its wanted shape, with its area.
-    fn stretches(&self, rest: &Rest) -> impl Iterator<Item = (usize, (DMat2, f64))> {
+    /// The flat triangles against their wanted shapes.
+    fn stretches(&self, rest: &Rest) -> impl Iterator<Item = FlatTriangle> {
         (0..rest.triangles.len()).filter(|&face| rest.is_flat[face]).map(|face| {
             let [a, b, c] = rest.triangles[face].map(|v| rest.points[v as usize].truncate().as_dvec2());
             let target = DMat2::from_cols(self.edges[face][0], -self.edges[face][2]);
-            (face, (DMat2::from_cols(b - a, c - a) * target.inverse(), 0.5 * target.determinant()))
+            let map = DMat2::from_cols(b - a, c - a) * target.inverse();
+            FlatTriangle {
+                face,
+                stretch: stretch::root(map.transpose() * map),
+                is_flipped: map.determinant() <= 0.0,
+                area: 0.5 * target.determinant(),
+            }
         })
     }
 
@@ -234,7 +244,18 @@ impl<'a> Shells<'a> {
         let seams = self.seams(free);
         let mut rest = self.solved(&seams);
         rest.figures = self.figures(&rest, &seams);
+        rest.flat_seams = self.flat_seams(&rest);
         rest
+    }
+
+    fn flat_seams(&self, rest: &Rest) -> Vec<[FaceId; 2]> {
+        let topology = &self.surface.topology;
+        let faces = |corner: CornerId| {
+            let twin = topology.twin(corner).filter(|&twin| corner < twin)?;
+            Some([corner, twin].map(|c| topology.faces.face_of(c)))
+        };
+        let pairs = topology.faces.corners().ids().filter_map(faces);
+        pairs.filter(|[a, b]| rest.is_flat[a.index()] != rest.is_flat[b.index()]).collect()
     }
 
     fn solved(&self, seams: &BTreeMap<CornerId, f64>) -> Rest {
@@ -253,6 +274,7 @@ impl<'a> Shells<'a> {
             points: Vec::new(),
             triangles: vec![[0; 3]; self.surface.shells.len()],
             is_flat: self.surface.shells.iter().map(|&shell| self.is_pattern(shell as usize)).collect(),
+            flat_seams: Vec::new(),
             figures: RestFigures::default(),
         };
         for (faces, (triangles, points)) in faces_of.iter().zip(solved) {
@@ -306,12 +328,11 @@ impl<'a> Shells<'a> {
         let mut figures =
             RestFigures { panels, modelled: self.stretch.len() - panels, stretch_max: 1.0, ..RestFigures::default() };
         let mut parts = Vec::new();
-        for (_, (stretch, area)) in self.stretches(rest) {
-            figures.flipped += usize::from(stretch.determinant() <= 0.0);
-            let symmetric = stretch::root(stretch.transpose() * stretch);
-            let [least, most] = stretch::eigenvalues(symmetric);
+        for flat in self.stretches(rest) {
+            figures.flipped += usize::from(flat.is_flipped);
+            let [least, most] = stretch::eigenvalues(flat.stretch);
             figures.stretch_max = figures.stretch_max.max(most).max(1.0 / least);
-            parts.push((symmetric, area));
+            parts.push((flat.stretch, flat.area));
         }
         figures.stretch_rms = root_mean_square(&parts);
         let difference = |(&corner, common): (&CornerId, &f64)| (rest.length(corner) - common).abs() / common;
@@ -320,6 +341,3 @@ impl<'a> Shells<'a> {
         figures
     }
 }
-
-/// The stretch of each face of a garment, for tests of other modules.
-pub(super) type FaceStretch = IdVec<FaceId, DMat2>;

@@ -1,8 +1,7 @@
 //! The stretch of a mesh against its UVs, as symmetric matrices in the axes of the UVs.
 
-use super::FaceStretch;
 use crate::garment::{Garment, Interpolation, Primvar, Values};
-use crate::mesh::{CornerId, FaceId};
+use crate::mesh::{CornerId, FaceId, IdVec};
 use glam::{DMat2, DVec2, DVec3, Vec3};
 
 /// Least stretch that is undone; a face whose UVs are flat the other way rests as modelled.
@@ -15,7 +14,7 @@ pub struct CageStretch {
     /// Length of one UV unit. \[stage units\]
     pub scale: f64,
     /// The stretch of each face; the identity where it has none.
-    pub of_face: FaceStretch,
+    pub of_face: IdVec<FaceId, DMat2>,
 }
 
 impl CageStretch {

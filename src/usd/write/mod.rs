@@ -15,6 +15,7 @@ mod shapes;
 
 pub use crates::write_crate;
 pub use layer::{Surroundings, WriteOptions, check_target, layer_bytes, write};
+pub use physics::pose_points;
 pub use product::extent;
 #[cfg(feature = "preview")]
 pub use recipe::{OptionValue, RecipeOpinions, Replaced, garment_below, recipe_text, selections, write_recipe};

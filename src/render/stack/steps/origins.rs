@@ -28,7 +28,7 @@ impl RenderSteps {
     /// The origins of the garment's own vertices.
     ///
     /// # Errors
-    /// Those of a step.
+    /// A mesh whose refinement would be too large.
     pub fn cage_origins(&mut self) -> Result<Origins, Error> {
         let first = self.first.get_or_insert_with(|| Cage::first(&self.garment)).clone();
         let connectivity = connectivity(&mut self.first_connectivity, &first.level)?;

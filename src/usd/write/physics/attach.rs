@@ -31,8 +31,7 @@ impl Author<'_> {
         let path = self.attachment(physics, dialect, "pins", 0, pins)?;
         self.target(&path, &format!("{}src1", dialect.space), &target)?;
         let positions: &[Vec3f] = bytemuck::cast_slice(&positions);
-        let (name, value) = (dialect.attachment.positions, Value::Vec3fVec(positions.to_vec()));
-        let kind = if dialect.name == "omni" { ValueTypeName::POINT3F_ARRAY } else { ValueTypeName::VECTOR3F_ARRAY };
+        let ((name, kind), value) = (dialect.attachment.positions.clone(), Value::Vec3fVec(positions.to_vec()));
         self.attribute(&path, &format!("{}{name}", dialect.space), kind, Variability::Varying, value)
     }
 

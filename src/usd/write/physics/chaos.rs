@@ -2,6 +2,7 @@
 //! fabric for each.
 
 use super::Physics;
+use crate::cloth::PATTERN;
 use crate::mesh::FaceId;
 use crate::usd::names;
 use crate::usd::write::product::Author;
@@ -9,8 +10,6 @@ use openusd::sdf::{Path, PrimSpec, Specifier, Value, ValueTypeName, Variability}
 
 /// Schemas of the prim above both meshes.
 pub const BODY: [&str; 1] = ["ClothRootAPI"];
-/// Family of the panels.
-const PATTERN: &str = "pattern";
 
 impl Author<'_> {
     /// Authors the panels of both meshes.

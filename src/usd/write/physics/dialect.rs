@@ -4,6 +4,8 @@
 //! - `omni`: `OmniPhysics` and `PhysxSchema` of Omniverse (PyPI: physx-usd-schemas).
 //! - `chaos` has other concepts, which `chaos.rs` writes.
 
+use openusd::sdf::ValueTypeName;
+
 /// The names of a dialect with a deformable body, a simulation mesh and a material.
 pub struct Dialect {
     /// Its name in `cloth.physics`.
@@ -44,16 +46,23 @@ pub struct Attachments {
     pub kinds: Option<[&'static str; 2]>,
     /// Indices of vertices.
     pub vertices: &'static str,
-    /// Positions in the frame of a transform.
-    pub positions: &'static str,
+    /// Positions in the frame of a transform, and their type.
+    pub positions: (&'static str, ValueTypeName),
     /// Indices of triangles.
     pub triangles: &'static str,
     /// Coordinates on triangles.
     pub coords: &'static str,
 }
 
+impl Dialect {
+    /// The attribute of a mesh's points in the bind pose.
+    pub fn pose_points(&self) -> String {
+        format!("{}points", self.pose.1)
+    }
+}
+
 /// The dialects.
-pub const DIALECTS: [Dialect; 2] = [
+pub static DIALECTS: [Dialect; 2] = [
     Dialect {
         name: "aousd",
         space: "physics:",
@@ -70,7 +79,7 @@ pub const DIALECTS: [Dialect; 2] = [
             types: ["PhysicsAttachment", "PhysicsAttachment"],
             kinds: Some(["xform", "face"]),
             vertices: "indices0",
-            positions: "coords1",
+            positions: ("coords1", ValueTypeName::VECTOR3F_ARRAY),
             triangles: "indices1",
             coords: "coords1",
         },
@@ -97,7 +106,7 @@ pub const DIALECTS: [Dialect; 2] = [
             types: ["OmniPhysicsVtxXformAttachment", "OmniPhysicsVtxTriAttachment"],
             kinds: None,
             vertices: "vtxIndicesSrc0",
-            positions: "localPositionsSrc1",
+            positions: ("localPositionsSrc1", ValueTypeName::POINT3F_ARRAY),
             triangles: "triIndicesSrc1",
             coords: "triCoordsSrc1",
         },

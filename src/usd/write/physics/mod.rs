@@ -22,14 +22,15 @@ mod dialect;
 use super::product::Author;
 use super::role::{Product, ProductRole};
 use crate::binding::Binding;
-use crate::cloth::{Cloth, Fabric};
+use crate::cloth::{Cloth, FABRICS, Fabric};
 use crate::error::{Code, Error, Warning, Warnings};
 use crate::garment::Garment;
+use crate::mesh::FaceId;
 use crate::usd::names;
 use crate::usd::read::world_of;
 use dialect::{DIALECTS, Dialect};
 use glam::{DMat4, Vec3};
-use openusd::gf::{Vec3f, Vec3i};
+use openusd::gf::{Vec2i, Vec3f, Vec3i};
 use openusd::sdf::{self, AbstractData, FieldKey, Path, PrimSpec, Specifier, Value, ValueTypeName, Variability};
 use openusd::tf::Token;
 
@@ -42,7 +43,12 @@ const POISSON: f32 = 0.3;
 /// Standard gravity. \[m/s²\]
 const GRAVITY: f64 = 9.81;
 
-/// What the physics of one garment is written for.
+/// The attributes of a mesh's points in the bind pose, in each dialect.
+pub fn pose_points() -> impl Iterator<Item = String> {
+    DIALECTS.iter().map(Dialect::pose_points)
+}
+
+/// The cloth of one garment, with its meshes and the prims that get its physics.
 struct Physics<'a> {
     cloth: &'a Cloth,
     sim: &'a Garment,
@@ -206,6 +212,9 @@ impl Author<'_> {
         let name = format!("{}{}", dialect.space, dialect.rest_triangles);
         self.attribute(path, &name, ValueTypeName::INT3_ARRAY, Variability::Varying, Value::Vec3iVec(triangles))?;
         self.token(path, &format!("{}restBendAnglesDefault", dialect.space), dialect.rest_angles)?;
+        if let Some(rest) = rest {
+            self.flat_seams(path, dialect, &rest.flat_seams)?;
+        }
         if !dialect.thickness_on_material {
             self.elements(physics, "thicknesses", |fabric| f64::from(fabric.thickness) / physics.meters)?;
             if cloth.fabrics.len() > 1 {
@@ -214,6 +223,17 @@ impl Author<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Rest angles of 0 at the edges between pairs of triangles.
+    fn flat_seams(&mut self, sim: &Path, dialect: &Dialect, pairs: &[[FaceId; 2]]) -> openusd::Result<()> {
+        if pairs.is_empty() {
+            return Ok(());
+        }
+        let indices = pairs.iter().map(|pair| Vec2i::from(pair.map(|face| face.index() as i32))).collect();
+        let name = format!("{}restAdjTriPairs", dialect.space);
+        self.attribute(sim, &name, ValueTypeName::INT2_ARRAY, Variability::Varying, Value::Vec2iVec(indices))?;
+        self.floats(sim, &format!("{}restBendAngles", dialect.space), vec![0.0; pairs.len()])
     }
 
     /// A value of the fabric of each triangle; one where all have the same.
@@ -231,7 +251,7 @@ impl Author<'_> {
     fn pose(&mut self, prim: &Path, mesh: &Garment, dialect: &Dialect, purposes: &[&str]) -> openusd::Result<()> {
         let (schema, space) = dialect.pose;
         self.apply(prim, &[schema])?;
-        self.points(prim, &format!("{space}points"), mesh.points.as_slice())?;
+        self.points(prim, &dialect.pose_points(), mesh.points.as_slice())?;
         let purposes = Value::TokenVec(purposes.iter().map(|purpose| Token::from(*purpose)).collect());
         self.attribute(prim, &format!("{space}purposes"), ValueTypeName::TOKEN_ARRAY, Variability::Uniform, purposes)
     }
@@ -255,7 +275,7 @@ impl Author<'_> {
         if !DIALECTS.iter().any(|dialect| physics.has(dialect.name)) {
             return Ok(());
         }
-        let path = self.prim(physics, &physics.material_name(), "Material")?;
+        let path = self.prim(physics, physics.material_name(), "Material")?;
         let (fabric, meters) = (physics.cloth.mean, physics.meters);
         for dialect in DIALECTS.iter().filter(|dialect| physics.has(dialect.name)) {
             self.apply(&path, dialect.material)?;
@@ -331,11 +351,11 @@ impl Physics<'_> {
         corners.chunks_exact(3).map(|t| [t[0], t[1], t[2]].map(|v| v.index() as u32)).collect()
     }
 
-    /// The name of the material: that of its only fabric.
-    fn material_name(&self) -> String {
+    /// The name of the material: that of its only fabric, if it is a preset. Any other may be that of a prim beside it.
+    fn material_name(&self) -> &str {
         match self.cloth.fabrics.as_slice() {
-            [one] if Path::is_valid_identifier(&one.name) => one.name.clone(),
-            _ => "fabric".to_owned(),
+            [one] if FABRICS.contains(&one.name.as_str()) => &one.name,
+            _ => "fabric",
         }
     }
 
