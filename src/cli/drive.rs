@@ -1,6 +1,6 @@
 //! `usdtailor drive`.
 
-use super::{Output, usage};
+use super::Output;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
@@ -49,9 +49,6 @@ pub struct Drive {
 
 /// Drives a garment.
 pub fn run(args: &Drive) -> Result<Output, Error> {
-    if args.output.as_os_str().is_empty() {
-        return Err(usage("-o", "no output").remedy("name the shot, such as -o shot.usdc"));
-    }
     let options = DriveOptions {
         render: args.render.clone(),
         cache: args.cache.clone(),

@@ -89,6 +89,17 @@ pub fn text(value: &Value) -> Option<&str> {
     }
 }
 
+/// A single number of any type that a double holds exactly.
+pub fn number(value: &Value) -> Option<f64> {
+    match value {
+        Value::Double(x) => Some(*x),
+        Value::Float(x) => Some(f64::from(*x)),
+        Value::Half(x) => Some(f64::from(x.to_f32())),
+        Value::Int(x) => Some(f64::from(*x)),
+        _ => None,
+    }
+}
+
 /// A float as its shortest decimal, which is what the user wrote.
 pub fn decimal(float: f32) -> f64 {
     float.to_string().parse().unwrap_or(f64::from(float))

@@ -136,7 +136,7 @@ def test_all_forms_of_caches_and_shots_give_the_same_points(usdtailor, coat, cac
         source = tmp_path / "cache.npz"
         np.savez_compressed(source, anything=frames.astype(np.float32))
     else:
-        source = write_cache(tmp_path / "cache.usda", coat, frames, path_of_mesh="/root/cloth_0")
+        source = write_cache(tmp_path / "cache.usda", coat, frames, path_of_mesh="/World/cloth_0")
     done = drive(usdtailor, coat, source, out, *args)
     assert done.returncode == 0, done.stderr
     path = coat.prim("render").GetPath()
@@ -194,6 +194,9 @@ def test_velocities_follow(usdtailor, coat, tmp_path):
         ("gap", "frames are missing between 3"),
         ("not finite", "not finite"),
         ("one frame short", "points instead of"),
+        ("velocities not finite", "the velocities of frame 4 are not finite"),
+        ("shape beyond the file", "is cut"),
+        ("clips in a package", "is a package"),
         ("no samples", "no mesh with points over time"),
         ("no cache", "no-such-file"),
         ("a picture", "can be read"),
@@ -214,11 +217,20 @@ def test_faults_are_told_and_nothing_is_written(usdtailor, coat, tmp_path, fault
         more["times"] = [1, 2, 3, 6, 7, 8, 9]
     elif fault == "not finite":
         frames[5, 17] = np.nan
+    elif fault == "velocities not finite":
+        more["velocities"] = np.zeros_like(frames)
+        more["velocities"][3, 2] = np.inf
     elif fault == "no samples":
         frames = frames[:0]
+    elif fault == "clips in a package":
+        args, out = ["--clips"], tmp_path / "shot.usdz"
     if fault == "reordered points":
         source = tmp_path / "cache.npz"
         np.savez(source, points=frames[:, order])
+    elif fault == "shape beyond the file":
+        source = tmp_path / "cache.npy"
+        np.save(source, frames[:1].astype(np.float32))
+        source.write_bytes(source.read_bytes().replace(b"(1, ", b"(1000000000000, ").replace(b" " * 12 + b"\n", b"\n"))
     elif fault == "no cache":
         source = tmp_path / "no-such-file.usdc"
     elif fault == "a picture":
@@ -236,6 +248,32 @@ def test_faults_are_told_and_nothing_is_written(usdtailor, coat, tmp_path, fault
     assert not out.exists() and not list(tmp_path.glob(".usdtailor-*"))
     if fault == "gap":
         assert drive(usdtailor, coat, source, out, "--gaps").returncode == 0
+
+
+@pytest.mark.parametrize("interpolation, count", [("faceVarying", None), ("constant", 1), ("vertex", 5)])
+def test_authored_normals_follow_and_none_is_left_behind(usdtailor, coat, cache, tmp_path, interpolation, count):
+    dressed, out, path = tmp_path / "dressed.usda", tmp_path / "shot.usdc", coat.prim("render").GetPath()
+    stage = Usd.Stage.CreateNew(str(dressed))
+    stage.GetRootLayer().subLayerPaths.append(str(coat.path))
+    mesh = UsdGeom.Mesh.Get(stage, path)
+    mesh.GetSubdivisionSchemeAttr().Set("none")
+    mesh.CreateNormalsAttr().Set(Vt.Vec3fArray(count or len(mesh.GetFaceVertexIndicesAttr().Get()), (0, 0, 1)))
+    mesh.SetNormalsInterpolation(interpolation)
+    stage.GetRootLayer().Save()
+    done = run(usdtailor, "drive", dressed, "--cache", cache, "-o", out)
+    if interpolation == "vertex":
+        assert done.returncode != 0 and not out.exists()
+        assert "5 normals of /Coat/render do not fit" in done.stderr and "hint" in done.stderr
+        return
+    assert done.returncode == 0, done.stderr
+    driven = Usd.Stage.Open(str(out))
+    normals = driven.GetPrimAtPath(path).GetAttribute("normals")
+    if interpolation == "constant":
+        assert not normals.GetNumTimeSamples(), "one normal for all points does not turn"
+        return
+    first, last = (np.array(normals.Get(frame)) for frame in (1, FRAMES))
+    assert np.allclose(first, (0, 0, 1), atol=1e-5)
+    assert np.abs(np.linalg.norm(last, axis=1) - 1).max() < 1e-4 and np.abs(last - first).max() > 0.2
 
 
 def test_inputs_are_never_overwritten(usdtailor, coat, cache):

@@ -7,7 +7,7 @@ use crate::error::Error;
 use crate::garment::Interpolation;
 use crate::usd::names;
 use crate::usd::record::Content;
-use crate::usd::values::text;
+use crate::usd::values::{number, text};
 use openusd::sdf::Value;
 use openusd::usd::{Prim, TimeCode};
 use openusd::usda::TextWriter;
@@ -111,15 +111,6 @@ pub fn gather(prim: &Prim, model: &Model, time: Option<TimeCode>) -> Result<Fact
         layers: model.layers.iter().map(|l| l.display().to_string()).collect(),
         variants: variant_sets(prim)?,
     })
-}
-
-fn number(value: &Value) -> Option<f64> {
-    match value {
-        Value::Double(d) => Some(*d),
-        Value::Float(f) => Some(f64::from(*f)),
-        Value::Int(i) => Some(f64::from(*i)),
-        _ => None,
-    }
 }
 
 fn transform(model: &Model) -> Result<Vec<TransformOp>, Error> {

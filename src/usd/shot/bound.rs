@@ -4,11 +4,13 @@ use super::DriveOptions;
 use crate::drive::{BindPose, Driver};
 use crate::error::Error;
 use crate::usd::names;
-use crate::usd::read::{OrUnreadable, StageOrigin, is_a, prim_at, property_names, value};
+use crate::usd::read::{OrUnreadable, StageOrigin, is_a, layer_files, prim_at, property_names, stage_metadata, value};
+use crate::usd::write::pose_points;
 use glam::Vec3;
 use openusd::sdf::{Path, Value};
 use openusd::tf::Token;
 use openusd::usd::{Prim, PrimPredicate, Stage};
+use std::path::PathBuf;
 
 /// A simulation mesh and what is bound to it.
 pub struct Bound {
@@ -25,7 +27,7 @@ pub struct Bound {
     /// The stage's metadata.
     pub metadata: Vec<(String, Value)>,
     /// The files of its layers.
-    pub layers: Vec<std::path::PathBuf>,
+    pub layers: Vec<PathBuf>,
 }
 
 /// A mesh that is bound.
@@ -95,8 +97,8 @@ impl Bound {
             triangles,
             edge_length: 0.0,
             meshes,
-            metadata: crate::usd::read::stage_metadata(&stage)?,
-            layers: crate::usd::read::layer_files(&stage),
+            metadata: stage_metadata(&stage)?,
+            layers: layer_files(&stage),
         };
         bound.edge_length = bound.median_edge(&sim_points);
         Ok(bound)
@@ -133,7 +135,7 @@ fn bound_meshes(stage: &Stage) -> Result<Vec<(Path, Path)>, Error> {
 
 /// The points of a mesh at bind: its bind pose, else its points without a time.
 fn points_at_bind(prim: &Prim) -> Result<Vec<Vec3>, Error> {
-    let pose = value(prim, "physics:deformablePose:default:points", None).ok().flatten();
+    let pose = pose_points().find_map(|name| value(prim, &name, None).ok().flatten());
     let points = match pose {
         Some(pose) => Some(pose),
         None => value(prim, names::POINTS, None)?,
@@ -187,7 +189,7 @@ impl BoundMesh {
     }
 }
 
-/// The authored normals of a mesh that is no subdivision surface.
+/// The authored normals of a mesh that is no subdivision surface; none where one normal is for all points.
 fn normals(prim: &Prim, points: usize) -> Result<Option<BoundNormals>, Error> {
     let scheme = value(prim, names::SUBDIVISION_SCHEME, None)?;
     let Some(Value::Vec3fVec(values)) = value(prim, names::NORMALS, None)? else { return Ok(None) };
@@ -196,20 +198,27 @@ fn normals(prim: &Prim, points: usize) -> Result<Option<BoundNormals>, Error> {
     }
     let attribute = prim.attribute(names::NORMALS);
     let interpolation = attribute.get_metadata::<Token>(names::INTERPOLATION).or_unreadable(prim.path())?;
-    let corners = ints(prim, names::FACE_VERTEX_INDICES)?;
+    let corners = || ints(prim, names::FACE_VERTEX_INDICES);
     let of = match interpolation.as_ref().map(Token::as_str) {
-        Some("faceVarying") => corners,
-        Some("uniform") => {
-            let first = |(sum, _): &mut (usize, ()), n: &i32| {
-                let at = *sum;
-                *sum += *n as usize;
-                Some(corners.get(at).copied().unwrap_or(0))
-            };
-            ints(prim, names::FACE_VERTEX_COUNTS)?.iter().scan((0, ()), first).collect()
-        }
+        Some("constant") => return Ok(None),
+        Some("faceVarying") => corners()?,
+        Some("uniform") => first_corners(&corners()?, &ints(prim, names::FACE_VERTEX_COUNTS)?),
         _ => (0..points as i32).collect(),
     };
-    let values: Vec<Vec3> = bytemuck::cast_slice(&values).to_vec();
-    let fits = of.len() == values.len() && of.iter().all(|v| (0..points as i32).contains(v));
-    Ok(fits.then(|| BoundNormals { values, points: of.iter().map(|v| *v as u32).collect() }))
+    if of.len() != values.len() || !of.iter().all(|v| (0..points as i32).contains(v)) {
+        let text = format!("{} normals of {} do not fit its {points} points and its faces", values.len(), prim.path());
+        return Err(Error::usd(text).remedy("mend its normals or their interpolation, or block them"));
+    }
+    let values = bytemuck::cast_slice(&values).to_vec();
+    Ok(Some(BoundNormals { values, points: of.iter().map(|v| *v as u32).collect() }))
+}
+
+/// The first vertex of each face.
+fn first_corners(corners: &[i32], counts: &[i32]) -> Vec<i32> {
+    let starts = counts.iter().scan(0, |next, n| {
+        let start = *next;
+        *next += usize::try_from(*n).unwrap_or(0);
+        Some(start)
+    });
+    starts.filter_map(|start| corners.get(start)).copied().collect()
 }

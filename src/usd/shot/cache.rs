@@ -7,10 +7,14 @@ use super::numpy::NumpyFrames;
 use crate::error::{Error, ErrorKind};
 use crate::usd::names;
 use crate::usd::read::{OrUnreadable, StageOrigin, is_a, prim_at, stage_metadata, value};
+use crate::usd::values::number;
 use glam::Vec3;
 use openusd::sdf::{FieldKey, Path, Value};
 use openusd::usd::{Prim, PrimPredicate, Stage, TimeCode};
 use std::path::{Path as FilePath, PathBuf};
+
+/// The metadata of a cache that a shot has too: frames and time codes per second.
+pub const RATE: [&str; 2] = ["framesPerSecond", "timeCodesPerSecond"];
 
 /// The simulation mesh at one time.
 pub struct Frame {
@@ -25,7 +29,7 @@ pub struct Frame {
 pub struct Cache {
     file: PathBuf,
     times: Vec<f64>,
-    /// Frames and time codes per second, where the cache states them.
+    /// The values of [`RATE`], where the cache states them.
     rate: [Option<f64>; 2],
     points: usize,
     frames: Frames,
@@ -80,7 +84,7 @@ impl Cache {
         &self.times
     }
 
-    /// Frames and time codes per second, where the cache states them.
+    /// The values of [`RATE`], where the cache states them.
     pub fn rate(&self) -> [Option<f64>; 2] {
         self.rate
     }
@@ -88,7 +92,7 @@ impl Cache {
     /// Refuses times that do not ascend, and gaps between frames unless they are accepted.
     ///
     /// # Errors
-    /// As said.
+    /// Such times, with the first place.
     pub fn check_times(&self, gaps: bool) -> Result<(), Error> {
         let steps: Vec<f64> = self.times.windows(2).map(|t| t[1] - t[0]).collect();
         if let Some(i) = steps.iter().position(|step| step.is_nan() || *step <= 0.0) {
@@ -113,7 +117,7 @@ impl Cache {
     /// Reads frame `i`; frames are read in order.
     ///
     /// # Errors
-    /// A frame without a value, with another number of points, or with points that are not finite.
+    /// A frame without a value, or with points or velocities of another number or that are not finite.
     pub fn read(&mut self, i: usize) -> Result<Frame, Error> {
         let time = self.times[i];
         let (points, velocities) = match &mut self.frames {
@@ -129,15 +133,23 @@ impl Cache {
                 (points, velocities)
             }
         };
-        let fault = |text: String| Err(self.fault(&text).remedy("cache this frame again"));
-        if points.len() != self.points {
-            return fault(format!("frame {time} has {} points instead of {}", points.len(), self.points));
+        self.check_values(time, "points", &points)?;
+        if let Some(velocities) = &velocities {
+            self.check_values(time, "velocities", velocities)?;
         }
-        if let Some(v) = points.iter().position(|p| !p.is_finite()) {
-            return fault(format!("point {v} of frame {time} is not finite"));
-        }
-        let velocities = velocities.filter(|v| v.len() == points.len() && v.iter().all(|v| v.is_finite()));
         Ok(Frame { time, points, velocities })
+    }
+
+    /// Refuses values of a frame that are not one for each point, or not finite.
+    fn check_values(&self, time: f64, name: &str, values: &[Vec3]) -> Result<(), Error> {
+        let fault = |text: String| Err(self.fault(&text).remedy("cache this frame again"));
+        if values.len() != self.points {
+            return fault(format!("frame {time} has {} {name} instead of {}", values.len(), self.points));
+        }
+        match values.iter().position(|value| !value.is_finite()) {
+            Some(v) => fault(format!("the {name} of frame {time} are not finite at point {v}")),
+            None => Ok(()),
+        }
     }
 
     fn of_stage(options: &DriveOptions, bound: &Bound) -> Result<Self, Error> {
@@ -152,8 +164,7 @@ impl Cache {
         let time = first.first().map(|time| TimeCode::new(*time));
         check_triangles(value(&prim, names::FACE_VERTEX_INDICES, time)?, &path, file, bound)?;
         let metadata = stage_metadata(&stage)?;
-        let number = |key: &str| metadata.iter().find(|(k, _)| k == key).and_then(|(_, value)| double(value));
-        let rate = [number("framesPerSecond"), number("timeCodesPerSecond")];
+        let rate = RATE.map(|key| metadata.iter().find(|(k, _)| k == key).and_then(|(_, value)| number(value)));
         let times = prim.attribute(names::POINTS).time_sample_times().or_unreadable(&path)?;
         let velocities = prim.attribute(names::VELOCITIES).time_sample_times().or_unreadable(&path)?;
         let points = match times.first() {
@@ -179,7 +190,7 @@ impl Cache {
             return Some(Err(e));
         }
         let root = Path::abs_root();
-        let rate = ["framesPerSecond", "timeCodesPerSecond"].map(|key| double(&layer.read(&root, key)?));
+        let rate = RATE.map(|key| number(&layer.read(&root, key)?));
         let count = match points.first_len() {
             Ok(count) => count,
             Err(e) => return Some(Err(e)),
@@ -187,14 +198,6 @@ impl Cache {
         let times = points.times().to_vec();
         let frames = Frames::Crate { points, velocities };
         Some(Ok(Self { file: options.cache.clone(), times, rate, points: count, frames }))
-    }
-}
-
-fn double(value: &Value) -> Option<f64> {
-    match value {
-        Value::Double(x) => Some(*x),
-        Value::Float(x) => Some(f64::from(*x)),
-        _ => None,
     }
 }
 

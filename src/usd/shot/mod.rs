@@ -25,7 +25,7 @@ const FRAMES_PER_THREAD: usize = 2;
 /// Ratio of the median edge length of the first frame to that at bind beyond which the points are of another mesh.
 const MOST_STRETCH: f64 = 2.0;
 
-/// What is driven, by what, and where it is written.
+/// A garment, the cache that drives it, and the shot.
 #[derive(Clone, Debug, Default)]
 pub struct DriveOptions {
     /// A garment that this program built.
@@ -48,7 +48,7 @@ pub struct DriveOptions {
     pub force: bool,
 }
 
-/// What was driven.
+/// The sizes of a shot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Driven {
     /// Frames.

@@ -13,6 +13,8 @@ use zip::{CompressionMethod, ZipArchive};
 
 /// Longest header of an array that is read. \[bytes\]
 const MAX_HEADER: usize = 1 << 16;
+/// Most bytes that one packed byte stands for (RFC 1951: 258 for two bits).
+const MAX_PACKING: u64 = 1032;
 
 /// The type of the numbers of an array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,11 +23,28 @@ enum Number {
     F64,
 }
 
+impl Number {
+    fn size(self) -> usize {
+        match self {
+            Self::F32 => 4,
+            Self::F64 => 8,
+        }
+    }
+}
+
 /// The header of an array.
 #[derive(Debug, PartialEq)]
 struct Header {
     number: Number,
     shape: Vec<usize>,
+}
+
+impl Header {
+    /// Whether an array of this shape has a value, and all of them fit into `bytes`.
+    fn fits(&self, bytes: u64) -> bool {
+        let size = self.shape.iter().try_fold(self.number.size(), |size, &n| size.checked_mul(n));
+        size.is_some_and(|size| size > 0 && size as u64 <= bytes)
+    }
 }
 
 /// Frames of points.
@@ -53,8 +72,10 @@ impl NumpyFrames {
         let (header, data, times) = match is_archive {
             true => archived(path).map_err(unread)?.ok_or_else(|| fault("it has no array of points".into()))?,
             false => {
-                let mut data: Box<dyn Read + Send> = Box::new(BufReader::new(File::open(path).map_err(unread)?));
-                (header(&mut data).map_err(unread)?, data, None)
+                let file = File::open(path).map_err(unread)?;
+                let size = file.metadata().map_err(unread)?.len();
+                let mut data: Box<dyn Read + Send> = Box::new(BufReader::new(file));
+                (header(&mut data, size).map_err(unread)?, data, None)
             }
         };
         let [frames, points, 3] = header.shape[..] else {
@@ -109,12 +130,12 @@ fn archived(path: &Path) -> io::Result<Option<Archived>> {
         let mut file = File::open(path)?;
         file.seek(SeekFrom::Start(start))?;
         let packed = BufReader::new(file.take(size));
-        let mut data: Box<dyn Read + Send> = match method {
-            CompressionMethod::Stored => Box::new(packed),
-            CompressionMethod::Deflated => Box::new(DeflateDecoder::new(packed)),
+        let (mut data, size): (Box<dyn Read + Send>, u64) = match method {
+            CompressionMethod::Stored => (Box::new(packed), size),
+            CompressionMethod::Deflated => (Box::new(DeflateDecoder::new(packed)), size.saturating_mul(MAX_PACKING)),
             _ => continue,
         };
-        let Ok(header) = header(&mut data) else { continue };
+        let Ok(header) = header(&mut data, size) else { continue };
         match header.shape[..] {
             [_, _, 3] if name == "points" || points.is_none() => points = Some((header, data)),
             [count] if name == "times" => times = Some(numbers(&mut data, count, header.number)?),
@@ -124,8 +145,8 @@ fn archived(path: &Path) -> io::Result<Option<Archived>> {
     Ok(points.map(|(header, data)| (header, data, times)))
 }
 
-/// Reads the header of an array.
-fn header(data: &mut impl Read) -> io::Result<Header> {
+/// Reads the header of an array that is at most `bytes` long.
+fn header(data: &mut impl Read, bytes: u64) -> io::Result<Header> {
     let invalid = |text: &str| io::Error::new(io::ErrorKind::InvalidData, text.to_owned());
     let mut start = [0; 8];
     data.read_exact(&mut start)?;
@@ -140,7 +161,9 @@ fn header(data: &mut impl Read) -> io::Result<Header> {
     }
     let mut text = vec![0; size];
     data.read_exact(&mut text)?;
-    parsed(&String::from_utf8_lossy(&text)).ok_or_else(|| invalid("it is no array of float32 or float64 in C order"))
+    let header = parsed(&String::from_utf8_lossy(&text));
+    let header = header.ok_or_else(|| invalid("it is no array of float32 or float64 in C order"))?;
+    if header.fits(bytes) { Ok(header) } else { Err(invalid("it has no value, or is cut")) }
 }
 
 /// The header in the text of a Python dictionary such as `{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3), }`.
@@ -160,10 +183,9 @@ fn parsed(text: &str) -> Option<Header> {
 }
 
 fn numbers(data: &mut impl Read, count: usize, number: Number) -> io::Result<Vec<f64>> {
-    let size = if number == Number::F32 { 4 } else { 8 };
     let mut all = Vec::new();
     // Bounded by the data and not by the count that a header claims.
-    let wanted = (count as u64).saturating_mul(size);
+    let wanted = (count as u64).saturating_mul(number.size() as u64);
     if data.take(wanted).read_to_end(&mut all)? as u64 != wanted {
         return Err(io::Error::from(io::ErrorKind::UnexpectedEof));
     }
@@ -193,6 +215,14 @@ mod tests {
             assert_eq!(parsed(&text.replace("<f4", bad)), None);
         }
         assert_eq!(parsed(&text.replace("False", "True")), None);
+    }
+
+    #[test]
+    fn a_shape_beyond_its_file_is_refused() {
+        let of = |shape: &[usize]| Header { number: Number::F64, shape: shape.to_vec() };
+        assert!(of(&[2, 5, 3]).fits(240) && !of(&[2, 5, 3]).fits(239));
+        assert!(!of(&[usize::MAX, 2, 3]).fits(u64::MAX));
+        assert!(!of(&[usize::MAX, 0, 3]).fits(u64::MAX), "frames without points are no frames");
     }
 
     #[test]

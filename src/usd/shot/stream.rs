@@ -5,6 +5,7 @@
 //! the arrays. Source: OpenUSD, `pxr/usd/sdf/crateFile.h` (the layout of the file).
 
 use super::bound::Bound;
+use super::cache::RATE;
 use super::clips::Clips;
 use super::{DriveOptions, Moved};
 use crate::error::{Error, Warnings};
@@ -61,16 +62,16 @@ impl ShotWriter {
         let mut inputs = bound.layers.clone();
         inputs.push(options.cache.clone());
         let file = OutputFile::find(&options.output, &inputs, options.force)?;
+        if file.format == Format::Usdz {
+            return Err(Error::usd(format!("{} is a package, which takes no shot", options.output.display()))
+                .remedy("write .usdc, and package it with usdzip"));
+        }
         let layer = layer(options, bound, &file, times, rate)?;
         let fault = |e: io::Error| file.fault(&e);
         let out = match file.format {
             _ if options.clips => Frames::Clips(Clips::new(&file, times, options.force)?),
-            Format::Usdz => {
-                return Err(Error::usd(format!("{} is a package, which takes no shot", options.output.display()))
-                    .remedy("write .usdc, and package it with usdzip"));
-            }
             Format::Usda => Frames::Memory(Vec::new()),
-            Format::Usdc => {
+            _ => {
                 let mut out = BufWriter::with_capacity(1 << 20, file.temporary()?);
                 out.write_all(&[0; HEADER as usize]).map_err(fault)?;
                 Frames::Stream { out, position: HEADER }
@@ -226,7 +227,7 @@ fn layer(
     bound: &Bound,
     file: &OutputFile,
     times: &[f64],
-    [frames, codes]: [Option<f64>; 2],
+    rate: [Option<f64>; 2],
 ) -> Result<Data, Error> {
     let root = Path::abs_root();
     let mut data = Data::new();
@@ -238,11 +239,11 @@ fn layer(
     for (key, value) in &bound.metadata {
         AbstractData::set_field(&mut data, &root, key, value.clone());
     }
-    let known = [("framesPerSecond", frames), ("timeCodesPerSecond", codes)];
-    let range = [("startTimeCode", times.first()), ("endTimeCode", times.last())];
-    let range = range.into_iter().filter_map(|(key, time)| Some((key, *time?)));
-    for (key, number) in known.into_iter().filter_map(|(key, number)| Some((key, number?))).chain(range) {
-        AbstractData::set_field(&mut data, &root, key, Value::Double(number));
+    let range = [("startTimeCode", times.first().copied()), ("endTimeCode", times.last().copied())];
+    for (key, number) in RATE.into_iter().zip(rate).chain(range) {
+        if let Some(number) = number {
+            AbstractData::set_field(&mut data, &root, key, Value::Double(number));
+        }
     }
     Ok(data)
 }

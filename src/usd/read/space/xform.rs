@@ -3,6 +3,7 @@
 use crate::error::Error;
 use crate::usd::read::origin::StageOrigin;
 use crate::usd::read::query::{OrUnreadable, prim_at, value};
+use crate::usd::values::number;
 use crate::usd::{names, on_large_stack};
 use glam::{DMat4, DQuat, DVec3};
 use openusd::sdf::{Path, Value};
@@ -27,21 +28,17 @@ pub struct Transforms {
 /// # Errors
 /// A stage that cannot be queried.
 pub fn transforms(prim: &Prim, time: Option<TimeCode>) -> Result<Transforms, Error> {
-    let (own, mut is_reset) = local(prim, time);
-    let mut above = DMat4::IDENTITY;
-    for path in ancestors(prim) {
-        if is_reset {
-            break;
-        }
-        let (matrix, resets) = local(&prim_at(prim.stage(), &path)?, time);
-        above = matrix * above;
-        is_reset = resets;
+    let ancestors: Vec<Path> = prim.path().strict_ancestors_below_root().collect();
+    let mut parent = DMat4::IDENTITY;
+    for path in ancestors.iter().rev() {
+        let (own, is_reset) = local(&prim_at(prim.stage(), path)?, time);
+        parent = if is_reset { own } else { parent * own };
     }
-    let parent = match local(prim, time).1 {
-        true => parent_to_world(prim, time)?,
-        false => above,
-    };
-    Ok(Transforms { to_parent: parent.inverse() * above * own, to_world: above * own })
+    let (own, is_reset) = local(prim, time);
+    Ok(match is_reset {
+        true => Transforms { to_parent: parent.inverse() * own, to_world: own },
+        false => Transforms { to_parent: own, to_world: parent * own },
+    })
 }
 
 /// The path of the prim at `target` in a stage, and its transform to the stage's space.
@@ -61,20 +58,6 @@ pub fn world_of(origin: &StageOrigin, target: &str) -> Result<(Path, DMat4), Err
         }
         Ok((path.clone(), transforms(&prim, None)?.to_world))
     })
-}
-
-fn parent_to_world(prim: &Prim, time: Option<TimeCode>) -> Result<DMat4, Error> {
-    match ancestors(prim).first() {
-        Some(parent) => Ok(transforms(&prim_at(prim.stage(), parent)?, time)?.to_world),
-        None => Ok(DMat4::IDENTITY),
-    }
-}
-
-/// The ancestors of a prim, the nearest first.
-fn ancestors(prim: &Prim) -> Vec<Path> {
-    let mut paths: Vec<Path> = prim.path().strict_ancestors_below_root().collect();
-    paths.sort_by_key(|path| std::cmp::Reverse(path.as_str().len()));
-    paths
 }
 
 /// The transform of a prim's own ops, and whether it resets that of its ancestors.
@@ -134,15 +117,6 @@ fn op_matrix(name: &str, value: &Value) -> Option<DMat4> {
             })?
         }
     })
-}
-
-fn number(value: &Value) -> Option<f64> {
-    match value {
-        Value::Double(x) => Some(*x),
-        Value::Float(x) => Some(f64::from(*x)),
-        Value::Half(x) => Some(f64::from(x.to_f32())),
-        _ => None,
-    }
 }
 
 fn vector(value: &Value) -> Option<DVec3> {
