@@ -9,9 +9,6 @@ use serde::{Deserialize, Serialize};
 /// The dialects of USD physics that can be written.
 pub const DIALECTS: &[&str] = &["aousd", "omni", "chaos"];
 
-/// The family of the face subsets that the dialect `chaos` gets, and the start of their names.
-pub const PATTERN: &str = "pattern";
-
 /// The shape of cloth without strain.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
@@ -66,6 +63,9 @@ impl Default for ClothOptions {
 }
 
 impl ClothOptions {
+    /// The family of the face subsets that the dialect `chaos` gets, and the start of their names.
+    pub(crate) const PATTERN: &str = "pattern";
+
     /// Checks the values without a garment.
     ///
     /// # Errors
@@ -87,11 +87,12 @@ impl ClothOptions {
     /// # Errors
     /// A subset that the garment lacks, or of faces; subsets that the dialect `chaos` would replace.
     pub(crate) fn bind(&self, garment: &Garment) -> Result<(), Error> {
-        let is_taken = |set: &&Subset| set.family == PATTERN || set.name.starts_with(&format!("{PATTERN}_"));
+        let pattern = Self::PATTERN;
+        let is_taken = |set: &&Subset| set.family == pattern || set.name.starts_with(&format!("{pattern}_"));
         let taken = garment.subsets.iter().find(is_taken).filter(|_| self.physics.iter().any(|name| name == "chaos"));
         if let Some(set) = taken {
             let fault =
-                format!("chaos writes panels as subsets {PATTERN}_0, {PATTERN}_1, ... of a family \"{PATTERN}\"");
+                format!("chaos writes panels as subsets {pattern}_0, {pattern}_1, ... of a family \"{pattern}\"");
             let fault = format!("{fault}, and {} has the subset {} there", garment.prim, set.name);
             return Err(Error::recipe("cloth.physics", fault).remedy("rename the subset and its family"));
         }

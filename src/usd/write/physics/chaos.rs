@@ -2,12 +2,14 @@
 //! fabric for each.
 
 use super::Physics;
-use crate::cloth::PATTERN;
+use crate::cloth::ClothOptions;
 use crate::mesh::FaceId;
 use crate::usd::names;
 use crate::usd::write::product::Author;
 use openusd::sdf::{Path, PrimSpec, Specifier, Value, ValueTypeName, Variability};
 
+/// Family of the panels.
+const PATTERN: &str = ClothOptions::PATTERN;
 /// Schemas of the prim above both meshes.
 pub const BODY: [&str; 1] = ["ClothRootAPI"];
 
