@@ -83,6 +83,10 @@ pub const BINDING: [&str; 3] = ["primvars:tailor:bindFace", "primvars:tailor:bin
 pub const MODEL_BINDING: [&str; 3] = ["tailor:model:bindFace", "tailor:model:bindCoords", "tailor:model:source"];
 /// Namespace of the recipe.
 pub const RECIPE: &str = "tailor:";
+/// What a product has in that namespace, which is no option when the product is itself the model of a build.
+pub const PRODUCED: &[&str] = &["tailor:model:", "tailor:attach:", "tailor:bindTarget"];
+/// Primvars that say where the points of a product are, and nothing of another mesh.
+pub const PRODUCED_PRIMVARS: &str = "tailor:bind";
 
 /// Metadata: the elements that a primvar lives on.
 pub const INTERPOLATION: &str = "interpolation";

@@ -44,6 +44,23 @@ def test_sharpness_survives_a_round_trip(build, tmp_path, suffix):
         assert len(mesh.subsets["tailorCreases"].indices) > 0, name
 
 
+@pytest.mark.parametrize("product", ["sim", "render"])
+def test_a_product_that_is_built_again_is_bound_anew(build, tmp_path, product):
+    """Where the points of a product are, and what holds its pieces, is no recipe and no primvar of another mesh."""
+    first = build(write(tmp_path / "in.usda"), "--flatten")
+    path = str(first.model_path.ReplaceName(product))
+    names = ("--prim", path, "--sim-name", "sim2", "--render-name", "render2")
+    second = build(first.path, *names, "--flatten", stem="second")
+    render = second.stage.GetPrimAtPath(first.model_path.ReplaceName("render2"))
+    sim = second.stage.GetPrimAtPath(first.model_path.ReplaceName("sim2"))
+    assert render.GetRelationship("tailor:bindTarget").GetTargets() == [sim.GetPath()]
+    faces = render.GetAttribute("primvars:tailor:bindFace").Get()
+    triangles = len(sim.GetAttribute("faceVertexCounts").Get())
+    assert 0 <= min(faces) and triangles // 2 < max(faces) < triangles
+    assert not sim.HasAttribute("primvars:tailor:bindFace")
+    assert sim.GetRelationship("tailor:model:source").GetTargets() == [first.model_path.ReplaceName(product)]
+
+
 def add_shapes(mesh):
     """Two bound shapes, one of some points with an inbetween, and one that is not bound."""
     stage, path = mesh.GetPrim().GetStage(), mesh.GetPath()

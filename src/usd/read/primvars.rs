@@ -35,6 +35,9 @@ pub fn read_primvars(
 ) -> Result<Vec<PrimvarInput>, Error> {
     let mut found = Vec::new();
     for name in primvar_names(prim)? {
+        if name.starts_with(names::PRODUCED_PRIMVARS) {
+            continue;
+        }
         let interpolation = interpolation(prim, &format!("{}{name}", names::PRIMVARS))?;
         if interpolation == Interpolation::Constant {
             continue;

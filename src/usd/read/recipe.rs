@@ -16,6 +16,9 @@ pub fn read_recipe(prim: &Prim, time: Option<TimeCode>) -> Result<Map<String, Js
     let mut recipe = Map::new();
     for name in property_names(prim)? {
         let Some(key) = name.strip_prefix(names::RECIPE) else { continue };
+        if names::PRODUCED.iter().any(|produced| name.starts_with(produced)) {
+            continue;
+        }
         let kind = prim.prim_index().property_type(name.as_str()).or_unreadable(prim.path())?;
         let value = match kind {
             Some(sdf::SpecType::Relationship) => Some(targets(prim, &name)?),
