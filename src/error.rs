@@ -180,6 +180,8 @@ pub enum Code {
     NothingPinned,
     /// UV shells are no patterns of the mesh.
     NoPattern,
+    /// There are no panels to write.
+    NoPanels,
     /// A dialect of physics takes one value where the cloth has several.
     MeanFabric,
     /// The stage does not compose fully.

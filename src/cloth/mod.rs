@@ -138,6 +138,7 @@ impl Cloth {
             fabric_of,
         };
         warnings.extend(cloth.no_pins(options));
+        warnings.extend(cloth.no_panels());
         Ok((cloth, warnings))
     }
 
@@ -174,6 +175,15 @@ impl Cloth {
         const TRIANGLE: usize = 4 + 8 + 4 + 13;
         let rest = self.rest.as_ref().map_or(0, |rest| 12 * rest.points.len());
         TRIANGLE * self.masses.len() + rest + 8 * self.doubled.len()
+    }
+
+    /// The warning of panels that are to be written where none is flat.
+    fn no_panels(&self) -> Option<Warning> {
+        let problem = "the cloth rests as modelled, so there are no panels to write";
+        (self.panels && self.rest.is_none()).then(|| {
+            Warning::new(Code::NoPanels, "cloth.panels", problem)
+                .remedy("Lay the UVs out as a sewing pattern, and set cloth.rest to auto")
+        })
     }
 
     /// The warning of pin sets that no vertex of the simulation mesh is in.

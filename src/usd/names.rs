@@ -81,12 +81,15 @@ pub const ATTACH_COORDS: &str = "tailor:attach:coords";
 pub const BINDING: [&str; 3] = ["primvars:tailor:bindFace", "primvars:tailor:bindCoords", "tailor:bindTarget"];
 /// On the simulation mesh: the same of each point of the model, and the model.
 pub const MODEL_BINDING: [&str; 3] = ["tailor:model:bindFace", "tailor:model:bindCoords", "tailor:model:source"];
-/// Namespace of the recipe.
+/// Namespace of the recipe. A product has the bindings and attachments above in it.
 pub const RECIPE: &str = "tailor:";
-/// What a product has in that namespace, which is no option when the product is itself the model of a build.
-pub const PRODUCED: &[&str] = &["tailor:model:", "tailor:attach:", "tailor:bindTarget"];
-/// Primvars that say where the points of a product are, and nothing of another mesh.
-pub const PRODUCED_PRIMVARS: &str = "tailor:bind";
+
+/// Whether a build wrote this property on a product. A build of that product writes it anew: it is neither an option nor a
+/// primvar of the model.
+pub fn is_produced(property: &str) -> bool {
+    let written = [ATTACH_POINTS, ATTACH_FACES, ATTACH_COORDS].into_iter().chain(BINDING).chain(MODEL_BINDING);
+    written.into_iter().any(|name| name == property)
+}
 
 /// Metadata: the elements that a primvar lives on.
 pub const INTERPOLATION: &str = "interpolation";

@@ -235,6 +235,12 @@ def test_a_seam_of_a_panel_and_a_shell_as_modelled_rests_flat(build, tmp_path):
     assert not np.any(value(sim, "physics:restBendAngles"))
 
 
+def test_panels_that_cannot_be_written_are_told(build):
+    product = build(TSHIRT, "--set", "cloth.rest=mesh", "--set", "cloth.panels=true")
+    assert not product.prim("panels")
+    assert [w["place"] for w in product.report["warnings"] if w["code"] == "no-panels"] == ["cloth.panels"]
+
+
 def test_rest_on_the_mesh_is_the_mesh(built):
     sim = built(TSHIRT, "--set", "cloth.rest=mesh").prim("sim")
     assert value(sim, "physics:restShapePoints") == value(sim, "points")

@@ -63,7 +63,8 @@ pub struct RestFigures {
     pub seam_difference: f64,
 }
 
-/// The shape at rest; none for that of the mesh. `cage` is the stretch of the garment against `uv_set`, if it has that. The warning names shells that are no patterns.
+/// The shape at rest; none for that of the mesh. `cage` is the stretch of the garment against `uv_set`, if it has that. The
+/// warning names shells that are no patterns.
 ///
 /// # Errors
 /// `panels` without UVs, or with shells that are no patterns.

@@ -35,11 +35,9 @@ pub fn read_primvars(
 ) -> Result<Vec<PrimvarInput>, Error> {
     let mut found = Vec::new();
     for name in primvar_names(prim)? {
-        if name.starts_with(names::PRODUCED_PRIMVARS) {
-            continue;
-        }
-        let interpolation = interpolation(prim, &format!("{}{name}", names::PRIMVARS))?;
-        if interpolation == Interpolation::Constant {
+        let property = format!("{}{name}", names::PRIMVARS);
+        let interpolation = interpolation(prim, &property)?;
+        if interpolation == Interpolation::Constant || names::is_produced(&property) {
             continue;
         }
         match read_primvar(prim, &name, interpolation, time, declarations) {

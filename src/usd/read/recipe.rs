@@ -15,10 +15,7 @@ use serde_json::{Map, Value as Json, json};
 pub fn read_recipe(prim: &Prim, time: Option<TimeCode>) -> Result<Map<String, Json>, Error> {
     let mut recipe = Map::new();
     for name in property_names(prim)? {
-        let Some(key) = name.strip_prefix(names::RECIPE) else { continue };
-        if names::PRODUCED.iter().any(|produced| name.starts_with(produced)) {
-            continue;
-        }
+        let Some(key) = name.strip_prefix(names::RECIPE).filter(|_| !names::is_produced(&name)) else { continue };
         let kind = prim.prim_index().property_type(name.as_str()).or_unreadable(prim.path())?;
         let value = match kind {
             Some(sdf::SpecType::Relationship) => Some(targets(prim, &name)?),
