@@ -8,11 +8,13 @@
 
 mod check;
 mod cloth;
+mod memory;
 mod progress;
 mod sim;
 
 #[cfg(feature = "internals")]
 pub use check::mean_edge_length;
+pub use memory::MemoryEstimate;
 pub use progress::{Progress, Timing};
 #[cfg(feature = "internals")]
 pub use sim::baseline;
@@ -85,6 +87,7 @@ pub struct Builder {
     own_operators: Vec<Arc<dyn Operator>>,
     progress: Progress,
     max_faces: usize,
+    max_memory: usize,
 }
 
 /// The products of one update.
@@ -223,6 +226,7 @@ impl Builder {
             own_operators: Vec::new(),
             progress: Progress::default(),
             max_faces: DEFAULT_MAX_FACES,
+            max_memory: usize::MAX,
         })
     }
 
@@ -239,6 +243,7 @@ impl Builder {
             own_operators: Vec::new(),
             progress: Progress::default(),
             max_faces: self.max_faces,
+            max_memory: self.max_memory,
         }
     }
 
@@ -252,6 +257,12 @@ impl Builder {
     #[must_use]
     pub fn with_max_faces(self, max_faces: usize) -> Self {
         Self { max_faces, ..self }
+    }
+
+    /// Sets the memory above which no build is begun; none by default. \[bytes\]
+    #[must_use]
+    pub fn with_max_memory(self, max_memory: usize) -> Self {
+        Self { max_memory, ..self }
     }
 
     /// Adds warnings of whoever read the mesh, before its own.
@@ -296,12 +307,22 @@ impl Builder {
         Ok(recipe)
     }
 
+    /// An estimate of the memory that [`Builder::update`] would take at once, within a factor of two where the garment has
+    /// 10,000 faces or more.
+    ///
+    /// # Errors
+    /// As [`Builder::resolve`].
+    pub fn estimate(&self, recipe: &Recipe) -> Result<MemoryEstimate, Error> {
+        MemoryEstimate::new(&self.garment, &self.resolve(recipe)?)
+    }
+
     /// The products of a recipe. Steps whose input is the same as before are not repeated.
     ///
     /// # Errors
     /// Faults of the recipe, products that would be too large, and cancellation. The results of earlier steps stay.
     pub fn update(&mut self, recipe: &Recipe) -> Result<Products, Error> {
         let recipe = self.resolve(recipe)?;
+        MemoryEstimate::new(&self.garment, &recipe)?.check(self.max_memory)?;
         let sim = self.simulate(&recipe)?;
         let render = self.render(&recipe)?;
         let stack = self.stack(&recipe)?;

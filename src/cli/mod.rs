@@ -1,14 +1,17 @@
 //! The command line: flags as typed options, and the subcommands `build`, `info` and `check`.
 
+mod batch;
 mod build;
 mod drive;
 mod info;
+mod memory;
 #[cfg(feature = "preview")]
 mod preview;
 mod report;
 mod text;
 
 use clap::{Args, Parser, Subcommand};
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use tailor::DEFAULT_MAX_FACES;
 use tailor::error::{Error, ErrorKind};
@@ -91,6 +94,9 @@ struct Build {
     /// Overwrite an existing output; the input is never overwritten
     #[arg(long, help_heading = "Output")]
     force: bool,
+    /// Leave outputs that were made of the same files with the same options and version
+    #[arg(long, help_heading = "Output")]
+    skip_fresh: bool,
     /// Write counts, quality figures, times and warnings as JSON
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     report: Option<PathBuf>,
@@ -106,6 +112,12 @@ struct Build {
     /// Largest simulation mesh to build [triangles]
     #[arg(long, value_name = "N", default_value_t = DEFAULT_MAX_FACES, help_heading = "Run", allow_negative_numbers = true)]
     max_faces: usize,
+    /// Memory that the builds may take, such as 8G or 500M [default: three quarters of what the machine leaves]
+    #[arg(long, value_name = "SIZE", value_parser = memory::parse, help_heading = "Run")]
+    max_memory: Option<u64>,
+    /// Inputs that are built side by side [default: one for each thread]
+    #[arg(long, value_name = "N", help_heading = "Run")]
+    jobs: Option<NonZeroUsize>,
 }
 
 /// The standard output of a subcommand, and its exit code.

@@ -1,6 +1,6 @@
 //! Writes the JSON report of a build.
 
-use super::build::Built;
+use super::build::{Built, Outcome, Task};
 use super::{text, usage};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -43,8 +43,8 @@ pub fn check_target(file: &Path, force: bool) -> Result<(), Error> {
 ///
 /// # Errors
 /// A folder without write permission; a full disk.
-pub fn write(file: &Path, all: &[Built]) -> Result<(), Error> {
-    let mut reports: Vec<Value> = all.iter().map(report).collect();
+pub fn write(file: &Path, tasks: &[Task], outcomes: &[Outcome]) -> Result<(), Error> {
+    let mut reports: Vec<Value> = tasks.iter().zip(outcomes).map(|(task, outcome)| report(task, outcome)).collect();
     let report = if reports.len() == 1 { reports.swap_remove(0) } else { json!({ "builds": reports }) };
     let mut text = serde_json::to_string_pretty(&report).map_err(|e| Error::internal(e.to_string()))?;
     text.push('\n');
@@ -83,18 +83,43 @@ fn folder(file: &Path) -> PathBuf {
     }
 }
 
-fn report(built: &Built) -> Value {
-    let p = &built.products;
+fn report(task: &Task, outcome: &Outcome) -> Value {
+    match outcome {
+        Outcome::Built(summary) => summary.report.clone(),
+        Outcome::Fresh => head(task, "fresh"),
+        Outcome::Failed(error) => {
+            let faults =
+                error.faults.iter().map(|f| json!({ "place": f.place, "problem": f.text, "remedy": f.remedy }));
+            let mut report = head(task, "failed");
+            report["error"] = json!({ "message": error.to_string(), "faults": faults.collect::<Vec<_>>() });
+            report
+        }
+    }
+}
+
+fn head(task: &Task, status: &str) -> Value {
     json!({
-        "input": built.input.display().to_string(),
-        "output": built.output.display().to_string(),
+        "input": task.input.display().to_string(),
+        "output": task.output.display().to_string(),
+        "status": status,
+    })
+}
+
+/// The report of an output that was written.
+pub fn built(task: &Task, built: &Built) -> Value {
+    let p = &built.products;
+    let mut report = json!({
         "recipe": p.recipe,
-        "sim": built.figures.sim,
+        "sim": built.sim,
         "remesh": p.remesh(),
-        "render": built.figures.render,
-        "cloth": built.figures.cloth,
+        "render": built.render,
+        "cloth": built.cloth,
         "operatorFaces": text::operator_sets(p).into_iter().collect::<BTreeMap<_, _>>(),
         "stages": built.timings,
         "warnings": built.warnings.iter().map(text::warning_json).collect::<Vec<_>>(),
-    })
+    });
+    if let (Value::Object(report), Value::Object(head)) = (&mut report, head(task, "built")) {
+        report.extend(head);
+    }
+    report
 }

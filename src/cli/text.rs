@@ -1,6 +1,6 @@
 //! The summary of a build and its warnings as text.
 
-use super::build::Built;
+use super::build::{Built, Outcome, Task};
 use serde_json::Value;
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -37,14 +37,53 @@ pub fn warning_json(warning: &Warning) -> Value {
     json
 }
 
+/// What became of the inputs: the summary of one, or a table of several.
+pub fn outcomes(tasks: &[Task], outcomes: &[Outcome], verbose: bool) -> String {
+    let summaries =
+        outcomes.iter().filter_map(|o| if let Outcome::Built(s) = o { Some(s.text.as_str()) } else { None });
+    match (tasks, outcomes) {
+        ([task], [Outcome::Fresh]) => format!("{}: fresh\n", task.output.display()),
+        ([_], _) => summaries.collect(),
+        _ => {
+            let mut t: String = summaries.filter(|_| verbose).collect();
+            t += &table(tasks, outcomes);
+            t
+        }
+    }
+}
+
+/// A line for each input, and their numbers.
+fn table(tasks: &[Task], outcomes: &[Outcome]) -> String {
+    let names: Vec<String> = tasks.iter().map(|task| task.input.display().to_string()).collect();
+    let width = names.iter().map(|name| name.chars().count()).max().unwrap_or(0);
+    let mut t = format!("{:width$}  result  {:>9}  {:>9}  {:>8}\n", "input", "triangles", "faces", "seconds");
+    let mut counts = [0; 3];
+    for (name, outcome) in names.iter().zip(outcomes) {
+        let (at, row) = match outcome {
+            Outcome::Built(s) => {
+                let [sim, render] = s.faces;
+                (0, format!("built   {sim:>9}  {render:>9}  {:>8.2}", s.seconds))
+            }
+            Outcome::Fresh => (1, "fresh".to_owned()),
+            Outcome::Failed(_) => (2, "failed".to_owned()),
+        };
+        counts[at] += 1;
+        // Writing to a string cannot fail.
+        let _ = writeln!(t, "{name:width$}  {row}");
+    }
+    let [built, fresh, failed] = counts;
+    let _ = writeln!(t, "{} inputs: {built} built, {fresh} fresh, {failed} failed", tasks.len());
+    t
+}
+
 /// The summary of a build, at most one screen.
-pub fn summary(built: &Built, verbose: bool) -> String {
-    let Built { products, figures, .. } = built;
-    let (s, r, recipe) = (&figures.sim, &figures.render, &products.recipe);
+pub fn summary(task: &Task, built: &Built, verbose: bool) -> String {
+    let products = &built.products;
+    let (s, r, recipe) = (&built.sim, &built.render, &products.recipe);
     let percent = |share: f32| f64::from(share) * 100.0;
     let mut t = String::new();
     // Writing to a string cannot fail.
-    let _ = writeln!(t, "{} -> {}", built.input.display(), built.output.display());
+    let _ = writeln!(t, "{} -> {}", task.input.display(), task.output.display());
     let _ = writeln!(t, "  sim     {} vertices, {} triangles", s.vertices, s.faces);
     let _ = writeln!(
         t,
@@ -85,7 +124,7 @@ pub fn summary(built: &Built, verbose: bool) -> String {
     if !operators.is_empty() {
         let _ = writeln!(t, "          {} operators: {}", operators.len(), operators.join(", "));
     }
-    if let Some(figures) = &built.figures.cloth {
+    if let Some(figures) = &built.cloth {
         t += &cloth(figures, s.short_edges.len());
     }
     t += &times(&built.timings);

@@ -6,6 +6,7 @@
 //! `write` imports from `read`, and both from `names`, `values`, `assets` and `record`.
 
 mod assets;
+mod build_record;
 mod names;
 mod read;
 mod record;
@@ -15,6 +16,7 @@ mod write;
 
 #[cfg(feature = "preview")]
 pub(crate) use assets::relative;
+pub use build_record::BuildRecord;
 pub use read::{Binding, Facts, InheritedPrimvar, ReadOptions, Selection, Source, TransformOp, VariantSet};
 pub use shot::{DriveOptions, Driven, drive};
 #[cfg(feature = "preview")]

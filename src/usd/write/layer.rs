@@ -9,14 +9,14 @@ use super::role::{Product, ProductRole};
 use super::save::{Format, OutputFile};
 use crate::error::{Error, Warnings};
 use crate::usd::assets::{Anchor, absolute};
-use crate::usd::on_large_stack;
 use crate::usd::read::{Model, OrUnreadable, Source};
+use crate::usd::{BuildRecord, on_large_stack};
 use openusd::sdf::{self, AbstractData, FieldKey, LayerOffset, SpecType, Value};
 use openusd::usda::TextWriter;
 use std::path::Path;
 
 /// How products are written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WriteOptions {
     /// Write one self-contained layer instead of one that sublayers the input. A `.usdz` package always is.
     pub flatten: bool,
@@ -24,11 +24,13 @@ pub struct WriteOptions {
     pub force: bool,
     /// Give the model the purpose `guide`, so that a viewer does not draw it on top of the render mesh.
     pub model_guide: bool,
+    /// What the products were made of, written into the layer's own data.
+    pub record: Option<BuildRecord>,
 }
 
 impl Default for WriteOptions {
     fn default() -> Self {
-        Self { flatten: false, force: false, model_guide: true }
+        Self { flatten: false, force: false, model_guide: true, record: None }
     }
 }
 
@@ -49,7 +51,7 @@ pub fn write(
         let is_package = file.format == Format::Usdz;
         let anchor = if is_package { Anchor::Root } else { Anchor::Folder(&file.folder) };
         let frame = Frame { flatten: is_package || options.flatten, anchor, sublayer: None };
-        file.save(compose(source, products, frame, options.model_guide, warnings)?, warnings)
+        file.save(compose(source, products, frame, options, warnings)?, warnings)
     })
 }
 
@@ -87,7 +89,7 @@ pub fn layer_bytes(
     on_large_stack(|| {
         let anchor = folder.as_deref().map_or(Anchor::Root, Anchor::Folder);
         let frame = Frame { flatten: options.flatten, anchor, sublayer: surroundings.source };
-        let mut data = compose(source, products, frame, options.model_guide, warnings)?;
+        let mut data = compose(source, products, frame, options, warnings)?;
         match format {
             Format::Usda => TextWriter::write_to_string(&data)
                 .map(String::into_bytes)
@@ -117,7 +119,7 @@ fn compose(
     source: &Source,
     products: &[Product],
     frame: Frame,
-    model_guide: bool,
+    options: &WriteOptions,
     warnings: &mut Warnings,
 ) -> Result<sdf::Data, Error> {
     let model = &source.model;
@@ -135,8 +137,11 @@ fn compose(
     }
     author.bindings(products).map_err(fault)?;
     author.physics(products, warnings)?;
-    if model_guide {
+    if options.model_guide {
         author.model_purpose(ProductRole::Sim.purpose()).map_err(fault)?;
+    }
+    if let Some(record) = &options.record {
+        record.author(&mut data)?;
     }
     Ok(data)
 }

@@ -1,0 +1,77 @@
+//! How much memory a build needs, from sizes that are known before it.
+
+use super::sim::{expected_faces, surface_level};
+use crate::error::Error;
+use crate::garment::Garment;
+use crate::recipe::Recipe;
+use crate::subdivide::refined_faces;
+use serde::Serialize;
+
+/// Memory of a baseline face: levels, adjacency, stencils, and the search trees over it. Measured, as are the others, on
+/// garments of 1,000 to 1,000,000 faces. \[bytes\]
+const BASELINE_FACE: usize = 600;
+/// Memory of a triangle of the simulation mesh, while it is remeshed and while its attributes are transferred. \[bytes\]
+const TRIANGLE: usize = 700;
+/// Memory of a face of the render mesh. \[bytes\]
+const RENDER_FACE: usize = 400;
+/// Copies of an attribute that a step holds at once: its input, its result and its form in the layer.
+const COPIES: usize = 3;
+
+/// An estimate of the most memory that a build holds at once, by what holds it. \[bytes\]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "camelCase")]
+#[non_exhaustive]
+pub struct MemoryEstimate {
+    /// The garment refined by `sim.baselineLevel`.
+    pub baseline: usize,
+    /// The simulation mesh.
+    pub sim: usize,
+    /// The render mesh.
+    pub render: usize,
+}
+
+impl MemoryEstimate {
+    /// The estimate for a resolved recipe.
+    pub(super) fn new(garment: &Garment, recipe: &Recipe) -> Result<Self, Error> {
+        let faces = garment.faces.len().max(1);
+        let attributes = COPIES * garment.bytes() / faces;
+        let baseline = refined_faces(garment, surface_level(garment, &recipe.sim)?);
+        let expected = expected_faces(garment, &recipe.sim)?;
+        let render = refined_faces(garment, recipe.render.level);
+        Ok(Self {
+            baseline: baseline.saturating_mul(BASELINE_FACE),
+            sim: expected.saturating_mul(TRIANGLE + attributes),
+            render: render.saturating_mul(RENDER_FACE + attributes),
+        })
+    }
+
+    /// All of it.
+    pub fn bytes(&self) -> usize {
+        self.baseline.saturating_add(self.sim).saturating_add(self.render)
+    }
+
+    /// Refuses a build that needs more than `limit`.
+    pub(super) fn check(&self, limit: usize) -> Result<(), Error> {
+        if self.bytes() <= limit {
+            return Ok(());
+        }
+        let parts = [
+            (self.baseline, "sim.baselineLevel", "lower it"),
+            (self.sim, "sim.maxEdgeLength", "raise it, and sim.minEdgeLength"),
+            (self.render, "render.level", "lower it"),
+        ];
+        let largest = parts.into_iter().max_by_key(|(bytes, ..)| *bytes);
+        let (bytes, key, remedy) = largest.unwrap_or(parts[0]);
+        let fault = format!(
+            "the build needs about {} of memory, {} of it for this, and may take {}",
+            gigabytes(self.bytes()),
+            gigabytes(bytes),
+            gigabytes(limit)
+        );
+        Err(Error::recipe(key, fault).remedy(format!("{remedy}, or allow more memory (--max-memory of the command)")))
+    }
+}
+
+fn gigabytes(bytes: usize) -> String {
+    format!("{:.2} GB", bytes as f64 / 1e9)
+}

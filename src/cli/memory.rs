@@ -1,0 +1,105 @@
+//! How much memory a run may take: what it is told to, or a share of what the machine leaves.
+
+use std::fs;
+use std::path::Path;
+
+/// Part of the memory that is left for a run by default.
+const SHARE: (u64, u64) = (3, 4);
+
+/// The bytes that a text such as `8G`, `8GiB` or `500MB` stands for.
+///
+/// # Errors
+/// Text of another form.
+pub fn parse(text: &str) -> Result<u64, String> {
+    let at = text.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(text.len());
+    let (number, unit) = text.split_at(at);
+    let unit = match unit.trim().to_ascii_lowercase().as_str() {
+        "" | "b" => 1.0,
+        "k" | "kib" => 1024.0,
+        "m" | "mib" => 1024f64.powi(2),
+        "g" | "gib" => 1024f64.powi(3),
+        "t" | "tib" => 1024f64.powi(4),
+        "kb" => 1e3,
+        "mb" => 1e6,
+        "gb" => 1e9,
+        "tb" => 1e12,
+        other => return Err(format!("{other:?} is no unit of memory; give a size such as 8G or 500M")),
+    };
+    let number: f64 = number.parse().map_err(|_| "give a size such as 8G or 500M".to_owned())?;
+    let bytes = number * unit;
+    if bytes >= 1.0 { Ok(bytes as u64) } else { Err("give at least 1 byte".into()) }
+}
+
+/// The bytes that a run may take: `given`, or three quarters of what the machine, the control groups of this process and
+/// its limit of address space leave. Without a limit where none of them can be read.
+pub fn limit(given: Option<u64>) -> usize {
+    let limit = given.or_else(|| left().map(|left| left / SHARE.1 * SHARE.0));
+    limit.map_or(usize::MAX, |limit| usize::try_from(limit).unwrap_or(usize::MAX))
+}
+
+fn left() -> Option<u64> {
+    [machine(), control_groups(), address_space()].into_iter().flatten().min()
+}
+
+/// What the kernel can give without swapping.
+fn machine() -> Option<u64> {
+    let info = fs::read_to_string("/proc/meminfo").ok()?;
+    let line = info.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    Some(line.split_whitespace().next()?.parse::<u64>().ok()?.saturating_mul(1024))
+}
+
+/// The least that the control group of this process, or one above it, leaves.
+fn control_groups() -> Option<u64> {
+    let groups = fs::read_to_string("/proc/self/cgroup").ok()?;
+    let left = |folder: &Path, [limit, used]: [&str; 2]| {
+        let number = |name| fs::read_to_string(folder.join(name)).ok()?.trim().parse::<u64>().ok();
+        Some(number(limit)?.saturating_sub(number(used)?))
+    };
+    let of_group = |line: &str| {
+        let (_, line) = line.split_once(':')?;
+        let (controllers, path) = line.split_once(':')?;
+        let (root, files) = match controllers {
+            "" => ("/sys/fs/cgroup", ["memory.max", "memory.current"]),
+            c if c.split(',').any(|c| c == "memory") => {
+                ("/sys/fs/cgroup/memory", ["memory.limit_in_bytes", "memory.usage_in_bytes"])
+            }
+            _ => return None,
+        };
+        let group = Path::new(path.trim_start_matches('/'));
+        group.ancestors().filter_map(|group| left(&Path::new(root).join(group), files)).min()
+    };
+    groups.lines().filter_map(of_group).min()
+}
+
+/// What `ulimit -v` leaves.
+fn address_space() -> Option<u64> {
+    let limits = fs::read_to_string("/proc/self/limits").ok()?;
+    let line = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
+    let limit: u64 = line.split_whitespace().next()?.parse().ok()?;
+    let pages = fs::read_to_string("/proc/self/statm").ok()?;
+    let used: u64 = pages.split_whitespace().next()?.parse().ok()?;
+    /// The least that a page has on systems in use. \[bytes\]
+    const PAGE: u64 = 4096;
+    Some(limit.saturating_sub(used * PAGE))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_read_with_their_units() {
+        for (text, bytes) in [("1024", 1024), ("8G", 8 << 30), ("1.5 MiB", 3 << 19), ("2gb", 2_000_000_000)] {
+            assert_eq!(parse(text), Ok(bytes), "{text}");
+        }
+        for text in ["", "G", "8X", "-1G", "0", "1..2G"] {
+            assert!(parse(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_size_that_was_given_is_the_limit() {
+        assert_eq!(limit(Some(1 << 20)), 1 << 20);
+        assert!(limit(None) > 1 << 20);
+    }
+}

@@ -1,0 +1,197 @@
+//! What an output was made of: `build` writes it into the layer, so that a later run can tell whether the output is fresh.
+
+use super::assets::{Anchor, absolute};
+use super::read::{OrUnreadable, Source, VariantSet};
+use super::{names, on_large_stack};
+use crate::error::{Error, plain};
+use openusd::sdf::{self, AbstractData, FieldKey, Value};
+use std::borrow::Cow;
+use std::collections::{BTreeMap, HashMap};
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+/// Key of the record in the dictionary of this program in `customLayerData`.
+const KEY: &str = "build";
+/// This program.
+const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// What an output was made of.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct BuildRecord {
+    /// Version of the program that wrote the output.
+    version: String,
+    /// What was asked for: equal for builds with the same options.
+    request: String,
+    /// Path of the mesh.
+    prim: String,
+    /// The selected variants, as `prim{set=choice}`.
+    variants: Vec<String>,
+    /// Hash of the content of each file, by its path from the output's folder. Empty for a file that was written to while
+    /// it was read.
+    files: BTreeMap<String, String>,
+}
+
+impl BuildRecord {
+    /// The record of an output in `out` that is made of `source` and the files `recipes`, none of which was read before
+    /// `started`. `request` tells the options of the build; equal options are the same text.
+    ///
+    /// # Errors
+    /// A file that cannot be read any more.
+    pub fn new(
+        source: &Source,
+        recipes: &[PathBuf],
+        request: String,
+        out: &Path,
+        started: SystemTime,
+    ) -> Result<Self, Error> {
+        let folder = folder(out)?;
+        let mut files = BTreeMap::new();
+        for file in source.model.layers.iter().chain(recipes) {
+            let changed = file.metadata().and_then(|m| m.modified()).is_ok_and(|time| time >= started);
+            let hash = if changed { String::new() } else { hash(file)? };
+            files.insert(Anchor::Folder(&folder).path_to(&absolute(file)?), hash);
+        }
+        let prim = source.prim().to_owned();
+        Ok(Self { version: VERSION.into(), request, prim, variants: selections(&source.facts().variants), files })
+    }
+
+    /// The record in the layer `out`; none in a layer without one, or that cannot be opened.
+    pub fn of(out: &Path) -> Option<Self> {
+        let path = out.to_str()?.to_owned();
+        on_large_stack(|| {
+            let layer = sdf::Layer::open(path).map_err(|e| Error::usd(e.to_string()))?;
+            let data = layer.data().try_field(&sdf::Path::abs_root(), FieldKey::CustomLayerData.as_str());
+            Ok(data.ok().flatten().and_then(|data| Self::in_layer_data(data.as_ref())))
+        })
+        .ok()?
+    }
+
+    /// The path of `file` in the record of `out`.
+    ///
+    /// # Errors
+    /// A folder that does not exist.
+    pub fn path_of(file: &Path, out: &Path) -> Result<String, Error> {
+        Ok(Anchor::Folder(&folder(out)?).path_to(&absolute(file)?))
+    }
+
+    /// The options of the build.
+    pub fn request(&self) -> &str {
+        &self.request
+    }
+
+    /// Why the output `out` with this record is stale, in words; empty if a build with the same options would write it
+    /// again.
+    ///
+    /// # Errors
+    /// A folder that is gone.
+    pub fn changes(&self, out: &Path) -> Result<Vec<String>, Error> {
+        let folder = folder(out)?;
+        let mut changes = Vec::new();
+        if self.version != VERSION {
+            changes.push(format!("usdtailor {} made it, and this is {VERSION}", self.version));
+        }
+        for (path, recorded) in &self.files {
+            match hash(&folder.join(path)) {
+                Err(_) => changes.push(format!("{path} cannot be read any more")),
+                Ok(hash) if hash != *recorded => changes.push(format!("{path} has changed")),
+                Ok(_) => {}
+            }
+        }
+        Ok(changes)
+    }
+
+    /// The variants that are selected now and were not when the output was made; `source` is the mesh as the output shows
+    /// it.
+    pub fn variant_changes(&self, source: &Source) -> Vec<String> {
+        let now = selections(&source.facts().variants);
+        let other = now.into_iter().filter(|selection| !self.variants.contains(selection));
+        other.map(|selection| format!("it is not made for {selection}")).collect()
+    }
+
+    /// Path of the mesh.
+    pub fn prim(&self) -> &str {
+        &self.prim
+    }
+
+    /// Adds the record to a layer's own data.
+    pub(super) fn author(&self, data: &mut sdf::Data) -> Result<(), Error> {
+        let root = sdf::Path::abs_root();
+        let known = data.try_field(&root, FieldKey::CustomLayerData.as_str()).or_unreadable(&root)?;
+        let mut layer_data = match known.map(Cow::into_owned) {
+            Some(Value::Dictionary(known)) => known,
+            _ => HashMap::new(),
+        };
+        let mut ours = match layer_data.remove(names::PRODUCT_SPACE) {
+            Some(Value::Dictionary(ours)) => ours,
+            _ => HashMap::new(),
+        };
+        ours.insert(KEY.into(), Value::Dictionary(self.dictionary()));
+        layer_data.insert(names::PRODUCT_SPACE.into(), Value::Dictionary(ours));
+        AbstractData::set_field(data, &root, FieldKey::CustomLayerData.as_str(), Value::Dictionary(layer_data));
+        Ok(())
+    }
+
+    fn dictionary(&self) -> HashMap<String, Value> {
+        let texts = |texts: Vec<String>| Value::StringVec(texts);
+        HashMap::from([
+            ("version".into(), Value::String(self.version.clone())),
+            ("request".into(), Value::String(self.request.clone())),
+            ("prim".into(), Value::String(self.prim.clone())),
+            ("variants".into(), texts(self.variants.clone())),
+            ("files".into(), texts(self.files.keys().cloned().collect())),
+            ("hashes".into(), texts(self.files.values().cloned().collect())),
+        ])
+    }
+
+    fn in_layer_data(data: &Value) -> Option<Self> {
+        let Value::Dictionary(data) = data else { return None };
+        let Value::Dictionary(ours) = data.get(names::PRODUCT_SPACE)? else { return None };
+        let Value::Dictionary(record) = ours.get(KEY)? else { return None };
+        let text = |key: &str| match record.get(key) {
+            Some(Value::String(text)) => Some(text.clone()),
+            _ => None,
+        };
+        let texts = |key: &str| match record.get(key) {
+            Some(Value::StringVec(texts)) => Some(texts.clone()),
+            _ => None,
+        };
+        let (files, hashes) = (texts("files")?, texts("hashes")?);
+        (files.len() == hashes.len()).then_some(())?;
+        Some(Self {
+            version: text("version")?,
+            request: text("request")?,
+            prim: text("prim")?,
+            variants: texts("variants")?,
+            files: files.into_iter().zip(hashes).collect(),
+        })
+    }
+}
+
+fn selections(sets: &[VariantSet]) -> Vec<String> {
+    let selected = sets.iter().map(|set| &set.selected);
+    selected.map(|s| format!("{}{{{}={}}}", s.prim, s.set, s.choice)).collect()
+}
+
+/// The folder of an output, without links.
+fn folder(out: &Path) -> Result<PathBuf, Error> {
+    let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    folder.canonicalize().map_err(|e| {
+        let fault = Error::usd(format!("there is no folder {}: {}", folder.display(), plain(&e)));
+        fault.remedy("create the folder first")
+    })
+}
+
+/// The hash of a file's content.
+fn hash(file: &Path) -> Result<String, Error> {
+    let fault = |e: std::io::Error| {
+        let fault = Error::usd(format!("cannot read {}: {}", file.display(), plain(&e)));
+        fault.remedy("check the path, and who may read the file")
+    };
+    if !file.metadata().map_err(fault)?.is_file() {
+        return Err(Error::usd(format!("{} is not a file", file.display())).remedy("name a USD file"));
+    }
+    let mut hasher = blake3::Hasher::new();
+    hasher.update_reader(File::open(file).map_err(fault)?).map_err(fault)?;
+    Ok(hasher.finalize().to_hex().to_string())
+}

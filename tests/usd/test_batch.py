@@ -1,0 +1,215 @@
+"""Many garments in one run: bad ones among them, a run that was cut off, and outputs that are fresh."""
+
+import json
+import os
+import signal
+import subprocess
+import time
+
+import pytest
+from conftest import EXAMPLES
+from conftest import run as run_program
+from pxr import Sdf, Usd
+
+GARMENT = """#usda 1.0
+(
+    defaultPrim = "G"
+    metersPerUnit = 0.01
+)
+def Xform "G"
+{{
+    def Mesh "model"
+    {{
+        point3f[] points = [{points}]
+        int[] faceVertexCounts = [{counts}]
+        int[] faceVertexIndices = [{indices}]
+    }}
+}}
+"""
+
+
+def sheet(width, height, side=6):
+    """The text of a sheet of quads."""
+    points = [(x * width / side, y * height / side, 0) for y in range(side + 1) for x in range(side + 1)]
+    corner = [y * (side + 1) + x for y in range(side) for x in range(side)]
+    indices = [i for c in corner for i in (c, c + 1, c + side + 2, c + side + 1)]
+    text = lambda values: ", ".join(map(str, values))  # noqa: E731
+    return GARMENT.format(points=text(points), counts=text([4] * len(corner)), indices=text(indices))
+
+
+@pytest.fixture
+def run(usdtailor):
+    """`run(...)` runs `usdtailor build`, whatever its exit code."""
+    return lambda *arguments: run_program(usdtailor, "build", *arguments)
+
+
+def garments(folder, count, bad=()):
+    files = []
+    for i in range(count):
+        file = folder / f"g{i:03}.usda"
+        text = sheet(10 + i % 7, 20 + i % 5)
+        file.write_text(text if i not in bad else text.replace("(0.0, 0.0, 0)", "(nan, 0, 0)"))
+        files.append(file)
+    return files
+
+
+def stored(folder):
+    return {file.name: file.read_bytes() for file in folder.iterdir()}
+
+
+def test_a_bad_garment_does_not_stop_the_others_and_is_in_the_report(run, tmp_path):
+    files = garments(tmp_path, 12, bad=(3, 7))
+    out = tmp_path / "out"
+    out.mkdir()
+    result = run(*files, "-o", out, "--report", tmp_path / "report.json", "--jobs", 3)
+    assert result.returncode == 1
+    builds = json.loads((tmp_path / "report.json").read_text())["builds"]
+    assert [build["input"] for build in builds] == [str(file) for file in files]
+    failed = [build for build in builds if build["status"] == "failed"]
+    assert [build["input"] for build in failed] == [str(files[3]), str(files[7])]
+    assert all("points" in build["error"]["message"] and build["error"]["faults"] for build in failed)
+    assert len(list(out.iterdir())) == 10
+    assert "12 inputs: 10 built, 0 fresh, 2 failed" in result.stdout
+    assert str(files[3]) in result.stderr and str(files[7]) in result.stderr
+
+
+def test_the_number_of_jobs_does_not_change_a_byte(run, tmp_path):
+    files = garments(tmp_path, 6)
+    for jobs in (1, 4):
+        (tmp_path / f"out{jobs}").mkdir()
+        assert run(*files, "-o", tmp_path / f"out{jobs}", "--jobs", jobs).returncode == 0
+    one, four = (stored(tmp_path / f"out{jobs}") for jobs in (1, 4))
+    assert {name: text.replace(b"out1", b"out4") for name, text in one.items()} == four
+
+
+def test_fresh_outputs_are_left_and_stale_ones_are_built(run, tmp_path):
+    files = garments(tmp_path, 4)
+    out = tmp_path / "out"
+    out.mkdir()
+    assert run(*files, "-o", out).returncode == 0
+    times = {file.name: file.stat().st_mtime_ns for file in out.iterdir()}
+    files[2].write_text(sheet(3, 5))
+    result = run(*files, "-o", out, "--skip-fresh", "--force")
+    assert "1 built, 3 fresh" in result.stdout
+    now = {file.name: file.stat().st_mtime_ns for file in out.iterdir()}
+    assert [name for name in now if now[name] != times[name]] == ["g002_tailored.usda"]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        pytest.param(["--set", "sim.maxEdgeLength=1.1"], id="option"),
+        pytest.param(["--flatten"], id="flatten"),
+        pytest.param(["--sim-name", "cloth"], id="name"),
+        pytest.param(["--keep-model-purpose"], id="purpose"),
+        pytest.param(["--physics", "none"], id="physics"),
+        pytest.param(["--time", "3"], id="time"),
+    ],
+)
+def test_another_option_makes_an_output_stale(run, tmp_path, change):
+    file = garments(tmp_path, 1)[0]
+    out = tmp_path / "out.usda"
+    assert run(file, "-o", out).returncode == 0
+    assert "fresh" in run(file, "-o", out, "--skip-fresh", "--force").stdout
+    assert "fresh" not in run(file, "-o", out, "--skip-fresh", "--force", *change).stdout
+    assert "fresh" in run(file, "-o", out, "--skip-fresh", "--force", *change).stdout
+
+
+def test_a_recipe_and_a_layer_below_make_an_output_stale(run, tmp_path):
+    below = garments(tmp_path, 1)[0]
+    file = tmp_path / "over.usda"
+    file.write_text('#usda 1.0\n(\n    defaultPrim = "G"\n    subLayers = [@./g000.usda@]\n)\n')
+    recipe = tmp_path / "r.tailor"
+    recipe.write_text('{"render": {"level": 1}}')
+    out = tmp_path / "out.usda"
+    arguments = (file, "-o", out, "--skip-fresh", "--force", "--recipe", recipe)
+    run(*arguments)
+    assert "fresh" in run(*arguments).stdout
+    recipe.write_text('{"render": {"level": 0}}')
+    assert "fresh" not in run(*arguments).stdout
+    assert "fresh" in run(*arguments).stdout
+    below.write_text(sheet(2, 2))
+    assert "fresh" not in run(*arguments).stdout
+    assert "fresh" in run(*arguments).stdout
+
+
+def test_an_output_is_fresh_after_its_folder_moved(run, tmp_path):
+    (tmp_path / "a").mkdir()
+    file = garments(tmp_path / "a", 1)[0]
+    assert run(file, "-o", tmp_path / "a" / "out.usda").returncode == 0
+    (tmp_path / "a").rename(tmp_path / "b")
+    moved = tmp_path / "b" / file.name
+    assert "fresh" in run(moved, "-o", tmp_path / "b" / "out.usda", "--skip-fresh").stdout
+
+
+def test_the_record_is_in_the_layers_own_data(run, tmp_path):
+    out = tmp_path / "coat.usda"
+    assert run(EXAMPLES / "coat.usda", "-o", out).returncode == 0
+    record = Sdf.Layer.FindOrOpen(str(out)).customLayerData["tailor"]["build"]
+    assert record["prim"] == "/Coat/model" and record["version"]
+    assert [name.rsplit("/")[-1] for name in record["files"]] == ["coat.usda"]
+    assert all(len(digest) == 64 for digest in record["hashes"])
+
+
+def test_a_run_that_was_killed_goes_on_where_it_was(run, usdtailor, tmp_path):
+    bad = {11, 50, 99, 150, 199}
+    files = garments(tmp_path, 200, bad)
+    out = tmp_path / "out"
+    out.mkdir()
+    arguments = [*files, "-o", out, "--skip-fresh", "--force"]
+    child = subprocess.Popen([str(usdtailor), "build", *map(str, arguments)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    while len(list(out.glob("g*.usda"))) < 60 and child.poll() is None:
+        time.sleep(0.01)
+    child.send_signal(signal.SIGKILL)
+    assert child.wait() == -signal.SIGKILL, "it ended before it was killed"
+    done = len(list(out.glob("g*.usda")))
+    assert 60 <= done < 195
+    result = run(*arguments, "--report", tmp_path / "report.json")
+    assert result.returncode == 1
+    builds = json.loads((tmp_path / "report.json").read_text())["builds"]
+    states = [build["status"] for build in builds]
+    assert states.count("fresh") == done and states.count("built") == 195 - done
+    assert {i for i, state in enumerate(states) if state == "failed"} == bad
+    assert len(list(out.glob("g*.usda"))) == 195
+    for file in out.glob("g*.usda"):
+        assert Usd.Stage.Open(str(file)).GetPrimAtPath("/G/sim")
+
+
+def test_garments_that_need_more_than_the_memory_are_built_one_at_a_time(run, tmp_path):
+    files = garments(tmp_path, 4)
+    out = tmp_path / "out"
+    out.mkdir()
+    refused = run(*files, "-o", out, "--max-memory", "1K")
+    assert refused.returncode == 1 and not list(out.iterdir())
+    assert refused.stderr.count("--max-memory") == 4
+    assert run(*files, "-o", out, "--max-memory", "50M", "--jobs", 4).returncode == 0
+
+
+@pytest.mark.parametrize("option", ["sim.baselineLevel=6", "render.level=6", "sim.maxEdgeLength=0.002"])
+def test_a_build_beyond_the_memory_is_refused_before_work(run, tmp_path, option):
+    arguments = ["--set", option, *(["--set", "sim.minEdgeLength=0.002"] if "Edge" in option else [])]
+    start = time.monotonic()
+    result = run(
+        EXAMPLES / "coat.usda", "-o", tmp_path / "out.usdc", "--max-memory", "500M", "--max-faces", 10**9, *arguments
+    )
+    assert result.returncode == 1 and time.monotonic() - start < 10
+    assert option.split("=")[0] in result.stderr and "--max-memory" in result.stderr and "GB" in result.stderr
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.skipif(not hasattr(os, "wait4"), reason="no peak memory of a child on this system")
+@pytest.mark.parametrize("options", [("render.level=4",), ("sim.baselineLevel=4",), ("render.level=3", "sim.baselineLevel=3")])
+def test_the_estimate_is_within_a_factor_of_two(usdtailor, tmp_path, options):
+    """A limit of half the peak memory is refused, and one of twice is not."""
+    arguments = [EXAMPLES / "coat.usda", *(text for option in options for text in ("--set", option))]
+
+    def peak(*more):
+        command = [str(usdtailor), "build", *map(str, arguments), "-o", str(tmp_path / "out.usdc"), "--force", *map(str, more)]
+        child = os.posix_spawn(command[0], command, os.environ)
+        _, status, usage = os.wait4(child, 0)
+        return status, usage.ru_maxrss * 1024
+
+    status, most = peak("--quiet")
+    assert status == 0
+    assert peak("--max-memory", most // 2)[0] != 0
+    assert peak("--max-memory", most * 2)[0] == 0
