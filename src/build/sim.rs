@@ -6,7 +6,7 @@ use crate::error::{Code, Error, Warning, Warnings};
 use crate::garment::{Elements, Garment, Primvar};
 use crate::recipe::bind_sim;
 use crate::report::{SimFigures, SubsetArea, subset_areas};
-use crate::sim::{Baseline, CurveGap, Lengths, SimOptions, SimProduct, simulate};
+use crate::sim::{Baseline, CurveGap, Lengths, SimOptions, SimProduct, baseline_level, simulate};
 use crate::step::{Same, Step};
 use crate::transfer::{SetCurve, Transferred, transfer};
 use std::sync::Arc;
@@ -92,6 +92,11 @@ fn lengths<'a>(options: &SimOptions, density: Option<&'a Primvar>) -> Lengths<'a
 pub fn baseline(garment: &Garment, options: &SimOptions) -> Result<Baseline, Error> {
     let bound = bind_sim(options, garment)?;
     Ok(Baseline::new(garment, options, lengths(options, bound.density), bound.uv_set))
+}
+
+/// The refinements that give that surface.
+pub fn surface_level(garment: &Garment, options: &SimOptions) -> Result<u32, Error> {
+    Ok(baseline_level(garment, options, lengths(options, bind_sim(options, garment)?.density)))
 }
 
 /// The triangles that the target lengths ask for, all of them equilateral.

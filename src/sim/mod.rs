@@ -13,7 +13,7 @@ mod product;
 mod sim_mesh;
 mod surface;
 
-pub use baseline::{Baseline, Location};
+pub use baseline::{Baseline, Location, baseline_level};
 #[cfg(feature = "internals")]
 pub use baseline::{facets::Facet, project::Projection};
 pub use constraints::chain::Chain;

@@ -2,6 +2,7 @@
 
 use super::Baseline;
 use super::facets::facets;
+use super::level::baseline_level;
 use super::start::{StartMesh, nearest_level};
 use crate::garment::{Garment, Primvar};
 use crate::mesh::{ChainId, CornerId, FaceId, Faces, Groups, IdVec, Topology, VertexId};
@@ -30,7 +31,7 @@ impl Baseline {
         let mut manifold = Manifold::new(garment, &base);
         let uvs = uv_set.map(|uv| manifold.add_uv_channel(garment, uv)).unwrap_or_default();
         let Refined { levels, points, uv_channel, uvs, cage_faces } =
-            manifold.refine(garment, uvs, options.baseline_level);
+            manifold.refine(garment, uvs, baseline_level(garment, options, lengths));
         let all_levels: Vec<&Level> = std::iter::once(&manifold.level).chain(&levels).collect();
         let finest = all_levels[levels.len()];
         let source_face = &cage_faces[levels.len()];
@@ -78,7 +79,7 @@ impl Baseline {
 
     /// Spaces vertices along the chains, and shortens the lengths of vertices near those that bend.
     fn space_chains(&mut self, options: &SimOptions) {
-        let step = 1 << options.baseline_level;
+        let step = 1 << self.levels.len();
         for chain in self.chains.iter_mut() {
             chain.space(&self.points, &self.target, step, options.corner());
         }

@@ -2,8 +2,11 @@
 
 mod build;
 pub mod facets;
+mod level;
 pub mod project;
 mod start;
+
+pub use level::baseline_level;
 
 use crate::garment::Primvar;
 use crate::mesh::{ChainId, CornerId, FaceId, IdVec, Topology, VertexId};
