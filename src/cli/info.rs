@@ -3,8 +3,8 @@
 use super::{Inputs, Output, text};
 use std::fmt::Write as _;
 use std::path::PathBuf;
-use tailor::error::Error;
-use tailor::usd::Facts;
+use tailor::error::{Error, ErrorKind};
+use tailor::usd::{Facts, Source};
 use tailor::{Builder, Plan, PrimvarRole};
 
 /// Describes each input and the meshes that `build` would write for it.
@@ -24,15 +24,31 @@ pub fn info(inputs: &Inputs) -> Result<Output, Error> {
 pub fn check(inputs: &Inputs) -> Result<Output, Error> {
     let mut out = String::new();
     each(inputs, |file, several| {
-        let (_, builder, recipe) = inputs.open(file)?.check()?;
+        let (source, builder, recipe) = inputs.open(file)?.check()?;
         builder.resolve(&recipe)?;
         text::print_warnings(builder.warnings().iter(), inputs.quiet, several.then_some(file));
+        let is_fresh = fresh(&source)?;
         if !inputs.quiet {
-            let _ = writeln!(out, "{}: good", file.display());
+            let _ = writeln!(out, "{}: good{}", file.display(), if is_fresh { ", and fresh" } else { "" });
         }
         Ok(())
     })
     .map(|code| Output { text: out, code })
+}
+
+/// Whether the stage has products of this program, which are what a build would make again.
+fn fresh(source: &Source) -> Result<bool, Error> {
+    for (layer, record) in source.records() {
+        let mut changes = record.changes(layer)?;
+        if record.prim() == source.prim() {
+            changes.extend(record.variant_changes(source));
+        }
+        if !changes.is_empty() {
+            let fault = Error::new(ErrorKind::Usd, layer.display(), format!("stale: {}", changes.join("; ")));
+            return Err(fault.remedy("build it again, with --force"));
+        }
+    }
+    Ok(!source.records().is_empty())
 }
 
 /// Runs `work` on each input and returns the exit code. With several inputs, a failed one is reported and the others

@@ -5,6 +5,7 @@ use super::read::{OrUnreadable, Source, VariantSet};
 use super::{names, on_large_stack};
 use crate::error::{Error, plain};
 use openusd::sdf::{self, AbstractData, FieldKey, Value};
+use openusd::usd::Stage;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
 use std::fs::File;
@@ -65,6 +66,16 @@ impl BuildRecord {
             Ok(data.ok().flatten().and_then(|data| Self::in_layer_data(data.as_ref())))
         })
         .ok()?
+    }
+
+    /// The layers of a stage that have a record.
+    pub(super) fn in_layers(stage: &Stage) -> Vec<(PathBuf, Self)> {
+        let of_layer = |id: &String| {
+            let layer = stage.layer(id)?;
+            let data = layer.data().try_field(&sdf::Path::abs_root(), FieldKey::CustomLayerData.as_str()).ok()??;
+            Some((PathBuf::from(layer.resolved_path()?), Self::in_layer_data(data.as_ref())?))
+        };
+        stage.layer_identifiers().iter().filter_map(of_layer).collect()
     }
 
     /// The path of `file` in the record of `out`.

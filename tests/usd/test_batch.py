@@ -213,3 +213,47 @@ def test_the_estimate_is_within_a_factor_of_two(usdtailor, tmp_path, options):
     assert status == 0
     assert peak("--max-memory", most // 2)[0] != 0
     assert peak("--max-memory", most * 2)[0] == 0
+
+
+VARIANTS = """#usda 1.0
+(
+    defaultPrim = "G"
+)
+def Xform "G" (
+    variants = { string size = "S" }
+    prepend variantSets = "size"
+)
+{
+    variantSet "size" = {
+        "S" ( prepend references = @./g000.usda@ ) {
+        }
+        "L" ( prepend references = @./g001.usda@ ) {
+        }
+    }
+}
+"""
+
+
+def test_check_tells_fresh_from_stale_and_why(usdtailor, tmp_path):
+    def check(file):
+        return run_program(usdtailor, "check", file)
+
+    file = garments(tmp_path, 1)[0]
+    out = tmp_path / "out.usda"
+    assert run_program(usdtailor, "build", file, "-o", out).returncode == 0
+    assert check(out).stdout.endswith("good, and fresh\n")
+    assert check(file).stdout.endswith("good\n")
+    file.write_text(sheet(2, 9))
+    stale = check(out)
+    assert stale.returncode == 1 and "stale" in stale.stderr and "g000.usda has changed" in stale.stderr
+
+
+def test_products_of_another_variant_are_stale(usdtailor, tmp_path):
+    garments(tmp_path, 2)
+    source, out, shot = (tmp_path / name for name in ("sizes.usda", "out.usda", "shot.usda"))
+    source.write_text(VARIANTS)
+    assert run_program(usdtailor, "build", source, "-o", out).returncode == 0
+    shot.write_text('#usda 1.0\n(\n    defaultPrim = "G"\n    subLayers = [@./out.usda@]\n)\nover "G" (\n    variants = { string size = "L" }\n)\n{\n}\n')
+    assert run_program(usdtailor, "check", out).stdout.endswith("good, and fresh\n")
+    stale = run_program(usdtailor, "check", shot)
+    assert stale.returncode == 1 and "/G{size=L}" in stale.stderr

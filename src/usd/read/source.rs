@@ -10,10 +10,10 @@ use super::recipe::read_recipe;
 use super::variants::Selection;
 use crate::error::{Code, Error, Warning, Warnings};
 use crate::garment::{GarmentInput, PrimvarInput, PrimvarRole};
-use crate::usd::on_large_stack;
+use crate::usd::{BuildRecord, on_large_stack};
 use openusd::usd::TimeCode;
 use serde_json::{Map, Value as Json};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// The mesh and the time that are read.
@@ -36,6 +36,7 @@ pub struct Source {
     recipe: Result<Map<String, Json>, Error>,
     facts: Facts,
     warnings: Vec<Warning>,
+    records: Vec<(PathBuf, BuildRecord)>,
 }
 
 impl Source {
@@ -87,7 +88,8 @@ impl Source {
                     .remedy("Mend the reference, or remove it")
             }),
         );
-        Ok(Self { model, garment, recipe, facts, warnings })
+        let records = BuildRecord::in_layers(&stage);
+        Ok(Self { model, garment, recipe, facts, warnings, records })
     }
 
     /// The mesh as authored. Attributes that are dropped and arcs that fail to compose become warnings.
@@ -111,6 +113,11 @@ impl Source {
     /// Facts about the model and its surroundings.
     pub fn facts(&self) -> &Facts {
         &self.facts
+    }
+
+    /// The layers in use that this program built, and what they were made of.
+    pub fn records(&self) -> &[(PathBuf, BuildRecord)] {
+        &self.records
     }
 
     /// The file that was opened, as named.
