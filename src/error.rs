@@ -178,6 +178,12 @@ pub enum Code {
     RootMesh,
     /// No vertex of the simulation mesh is in a set that is held.
     NothingPinned,
+    /// The mesh has no UV set with seams, or several without a known name.
+    NoUvSet,
+    /// Nearly every edge is a UV seam.
+    UvConfetti,
+    /// Triangles of the simulation mesh are turned over in the UVs.
+    UvFlips,
     /// UV shells are no patterns of the mesh.
     NoPattern,
     /// There are no panels to write.

@@ -175,7 +175,7 @@ impl SimFigures {
         let mut figures = Self {
             vertices: product.points.len(),
             faces: product.triangles.len(),
-            uv_flips: uv_flips(product),
+            uv_flips: uv_flips(product).len(),
             subset_areas,
             edge_sets: edge_sets(product, mesh, curves),
             islands_cleaned,
@@ -286,16 +286,17 @@ pub fn min_angle([a, b, c]: [Vec3; 3]) -> f32 {
     angle(b - a, c - a).min(angle(c - b, a - b)).min(angle(a - c, b - c)).to_degrees()
 }
 
-fn uv_flips(product: &SimProduct) -> usize {
+/// The triangles that are turned over, or have no area, in the UVs.
+pub fn uv_flips(product: &SimProduct) -> Vec<usize> {
     if !product.baseline.has_uvs {
-        return 0;
+        return Vec::new();
     }
     let flipped = |i: &usize| {
         let [a, b, c] = [0, 1, 2].map(|k| product.places[CornerId::new(3 * i + k)]);
         let area = (b.uv - a.uv).perp_dot(c.uv - a.uv);
         area * product.baseline.facets[a.location.face].sense <= 0.0
     };
-    (0..product.triangles.len()).filter(flipped).count()
+    (0..product.triangles.len()).filter(flipped).collect()
 }
 
 fn chain_length_min(product: &SimProduct) -> f32 {

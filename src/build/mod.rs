@@ -23,7 +23,7 @@ use crate::binding::Binding;
 use crate::cloth::{Cloth, ClothFigures};
 use crate::error::{Code, Error, Warning, Warnings};
 use crate::garment::{Garment, GarmentInput, Scheme, check_garment};
-use crate::recipe::{Recipe, bind};
+use crate::recipe::{Recipe, bind, resolve_uv_set};
 use crate::render::operator::Operator;
 use crate::render::{RenderSteps, Rendered, Stack};
 use crate::report::{RenderFigures, SimFigures, TriangleQuality};
@@ -299,12 +299,18 @@ impl Builder {
     /// # Errors
     /// Values out of their range, and names that the mesh lacks.
     pub fn resolve(&self, recipe: &Recipe) -> Result<Recipe, Error> {
+        Ok(self.resolved(recipe)?.0)
+    }
+
+    /// The resolved recipe, with warnings of what it could not find.
+    fn resolved(&self, recipe: &Recipe) -> Result<(Recipe, Option<Warning>), Error> {
         let mut recipe = recipe.clone();
         recipe.check()?;
         recipe.resolve_lengths(self.mean_edge);
+        let warning = resolve_uv_set(&mut recipe.sim, &self.garment);
         bind(&recipe, &self.garment)?;
         check::levels(&self.garment, &recipe)?;
-        Ok(recipe)
+        Ok((recipe, warning))
     }
 
     /// An estimate of the memory that [`Builder::update`] would take at once, within a factor of two where the garment has
@@ -321,7 +327,7 @@ impl Builder {
     /// # Errors
     /// Faults of the recipe, products that would be too large, and cancellation. The results of earlier steps stay.
     pub fn update(&mut self, recipe: &Recipe) -> Result<Products, Error> {
-        let recipe = self.resolve(recipe)?;
+        let (recipe, warning) = self.resolved(recipe)?;
         MemoryEstimate::new(&self.garment, &recipe)?.check(self.max_memory)?;
         let sim = self.simulate(&recipe)?;
         let render = self.render(&recipe)?;
@@ -333,6 +339,7 @@ impl Builder {
         let cage_binding = self.cloth.cage_binding(&sim.simulated, || self.render.cage_origins())?;
         clock.finish()?;
         let mut warnings = self.warnings.clone();
+        warnings.extend(warning);
         warnings.extend(sim.warnings);
         warnings.extend(render.warnings);
         let (cloth, of_cloth) = cloth.unzip();
@@ -357,8 +364,10 @@ impl Builder {
     /// # Errors
     /// As [`Builder::update`].
     pub fn update_sim(&mut self, recipe: &Recipe) -> Result<SimUpdate, Error> {
-        let recipe = self.resolve(recipe)?;
-        self.simulate(&recipe)
+        let (recipe, warning) = self.resolved(recipe)?;
+        let mut update = self.simulate(&recipe)?;
+        update.warnings.extend(warning);
+        Ok(update)
     }
 
     /// The render mesh alone.

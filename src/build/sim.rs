@@ -4,8 +4,9 @@ use super::check::doubled_area;
 use super::progress::Clock;
 use crate::error::{Code, Error, Warning, Warnings};
 use crate::garment::{Elements, Garment, Primvar};
+use crate::mesh::CornerId;
 use crate::recipe::bind_sim;
-use crate::report::{SimFigures, SubsetArea, subset_areas};
+use crate::report::{SimFigures, SubsetArea, subset_areas, uv_flips};
 use crate::sim::{Baseline, CurveGap, Lengths, SimOptions, SimProduct, baseline_level, simulate};
 use crate::step::{Same, Step};
 use crate::transfer::{SetCurve, Transferred, transfer};
@@ -120,9 +121,11 @@ fn remesh(garment: &Garment, options: &SimOptions, max_faces: usize, clock: &mut
         return Err(Error::recipe("sim.maxEdgeLength", fault).remedy(remedy));
     }
     let baseline = clock.run("baseline", || baseline(garment, options))?;
+    let confetti = uv_confetti(&baseline, options);
     let limit = max_faces.saturating_mul(CONSTRAINT_ROOM);
     let product = clock.run("remesh", || Ok(simulate(baseline, options.iterations, limit)))?;
     let mut warnings = Warnings::default();
+    warnings.extend(confetti);
     if product.triangles.len() >= limit {
         let problem = format!("stopped at {} triangles, before its edges were short enough", product.triangles.len());
         let warning = Warning::new(Code::FaceLimit, "simulation mesh", problem);
@@ -130,6 +133,20 @@ fn remesh(garment: &Garment, options: &SimOptions, max_faces: usize, clock: &mut
     }
     warnings.extend(curves_cut(&product));
     Ok(Remeshed { product, warnings })
+}
+
+/// The warning of UVs that are cut at nearly every edge, as scanned and automatically unwrapped garments have them.
+fn uv_confetti(baseline: &Baseline, options: &SimOptions) -> Option<Warning> {
+    let topology = &baseline.manifold.level.topology;
+    let channel = baseline.manifold.uv_channel.as_ref().filter(|_| options.constrain_uv_seams)?;
+    let inner = || topology.edges.ids().filter(|&e| !topology.is_border(e));
+    let cut = inner().filter(|&e| channel.is_cut(e)).count();
+    if 2 * cut <= inner().count() {
+        return None;
+    }
+    let problem = format!("{cut} of {} edges are UV seams, and the mesh has to follow them", inner().count());
+    let warning = Warning::new(Code::UvConfetti, format!("UV set {}", options.uv_set), problem);
+    Some(warning.remedy("Unwrap the garment in panels, or set sim.constrainUvSeams to false"))
 }
 
 /// The warning of borders, seams and constraints that the mesh's edges leave.
@@ -153,8 +170,23 @@ fn simulated(garment: &Garment, options: &SimOptions, remeshed: &Arc<Remeshed>) 
     let transferred = transfer(garment, product, options, uv_set, &mut warnings);
     let areas = subset_areas(product, &transferred, garment);
     warnings.extend(area_changed(&areas));
+    warnings.extend(uvs_flipped(product));
     let Transferred { mesh, curves, islands, .. } = transferred;
     Ok(Simulated { remeshed: Arc::clone(remeshed), mesh: Arc::new(mesh), warnings, curves, areas, islands })
+}
+
+/// The warning of triangles that are turned over in the UVs.
+fn uvs_flipped(product: &SimProduct) -> Option<Warning> {
+    let flipped = uv_flips(product);
+    if flipped.is_empty() {
+        return None;
+    }
+    let source =
+        |&triangle: &usize| product.baseline.source_face[product.places[CornerId::new(3 * triangle)].location.face];
+    let near = Elements::Faces(flipped.iter().map(source).collect());
+    let problem = format!("{} triangles are turned over in the UVs", flipped.len());
+    let warning = Warning::new(Code::UvFlips, "simulation mesh", problem);
+    Some(warning.at(near).remedy("Mend the UVs there, or lower sim.maxEdgeLength"))
 }
 
 /// The warning of face subsets that have another area than on the surface.

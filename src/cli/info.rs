@@ -1,11 +1,11 @@
 //! `usdtailor info` and `usdtailor check`.
 
-use super::{Inputs, Output, text};
+use super::{Inputs, Output, memory, text};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use tailor::error::{Error, ErrorKind};
 use tailor::usd::{Facts, Source};
-use tailor::{Builder, Plan, PrimvarRole};
+use tailor::{Builder, Garment, Plan, PrimvarRole, Recipe};
 
 /// Describes each input and the meshes that `build` would write for it.
 pub fn info(inputs: &Inputs) -> Result<Output, Error> {
@@ -20,13 +20,13 @@ pub fn info(inputs: &Inputs) -> Result<Output, Error> {
     .map(|code| Output { text: out, code })
 }
 
-/// Checks all inputs. The exit code is that of the worst error.
+/// Checks all inputs by what a build does, so that it finds what a build would. The exit code is that of the worst error.
 pub fn check(inputs: &Inputs) -> Result<Output, Error> {
     let mut out = String::new();
     each(inputs, |file, several| {
         let (source, builder, recipe) = inputs.open(file)?.check()?;
-        builder.resolve(&recipe)?;
-        text::print_warnings(builder.warnings().iter(), inputs.quiet, several.then_some(file));
+        let products = builder.with_max_memory(memory::limit(None)).update(&recipe)?;
+        text::print_warnings(products.warnings.iter(), inputs.quiet, several.then_some(file));
         let is_fresh = fresh(&source)?;
         if !inputs.quiet {
             let _ = writeln!(out, "{}: good{}", file.display(), if is_fresh { ", and fresh" } else { "" });
@@ -125,8 +125,23 @@ fn describe(out: &mut String, facts: &Facts, builder: &Builder, plan: &Plan, ver
         plan.expected_faces, sim.min_edge_length, sim.max_edge_length, plan.chains
     );
     let _ = writeln!(out, "  render   {} faces at level {}", plan.render_faces, plan.recipe.render.level);
+    operators(out, garment, &plan.recipe);
     if verbose {
         let _ = writeln!(out, "  recipe   {}", serde_json::to_string(&plan.recipe).unwrap_or_default());
+    }
+}
+
+/// The operators of a recipe, with the sets that they work on.
+fn operators(out: &mut String, garment: &Garment, recipe: &Recipe) {
+    let seams = recipe.seams.iter().map(|(name, o)| ("seam    ", name, &o.edges, o.enabled));
+    let folds = recipe.thicknesses.iter().map(|(name, o)| ("fold    ", name, &o.faces, o.enabled));
+    for (kind, name, sets, enabled) in seams.chain(folds) {
+        let sized = sets
+            .iter()
+            .filter_map(|set| garment.subset(set))
+            .map(|set| format!("{} ({} {}s)", set.name, set.elements.len(), set.elements.kind()));
+        let left_out = if enabled { "" } else { ", left out" };
+        let _ = writeln!(out, "  {kind} {name}: {}{left_out}", sized.collect::<Vec<_>>().join(", "));
     }
 }
 

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use tailor::error::{Error, Warning};
-use tailor::{ClothFigures, Products, Timing};
+use tailor::{ClothFigures, Products, SimOptions, Timing};
 
 /// Longest line of a summary. \[characters\]
 const WIDTH: usize = 100;
@@ -107,6 +107,9 @@ pub fn summary(task: &Task, built: &Built, verbose: bool) -> String {
         percent(s.non_delaunay),
         s.uv_flips
     );
+    if !recipe.sim.uv_set.is_empty() && recipe.sim.uv_set != SimOptions::default().uv_set {
+        let _ = writeln!(t, "          seams of the UV set {}", recipe.sim.uv_set);
+    }
     let _ = writeln!(
         t,
         "          distance to the surface at most {:.2}, on average {:.3} of the target length",

@@ -45,8 +45,12 @@ pub fn bind_sim<'a>(options: &SimOptions, garment: &'a Garment) -> Result<SimPri
 /// # Errors
 /// A primvar that is missing or has another type.
 pub fn bind_uv_set<'a>(options: &SimOptions, garment: &'a Garment) -> Result<Option<&'a Primvar>, Error> {
-    let is_uv = |p: &&Primvar| {
-        p.interpolation == Interpolation::FaceVarying && p.width() == 2 && matches!(p.values, Values::F32(_))
-    };
-    primvar(garment, "sim.uvSet", &options.uv_set, "face-varying float2 primvar", is_uv)
+    primvar(garment, "sim.uvSet", &options.uv_set, "face-varying float2 primvar", is_uv_set)
+}
+
+/// Whether a primvar can be a UV set with seams.
+pub fn is_uv_set(primvar: &&Primvar) -> bool {
+    primvar.interpolation == Interpolation::FaceVarying
+        && primvar.width() == 2
+        && matches!(primvar.values, Values::F32(_))
 }

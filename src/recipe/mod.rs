@@ -8,12 +8,14 @@ mod check;
 mod file;
 mod layers;
 mod operators;
+mod uv_set;
 
 pub(crate) use bind::{bind, bind_sim, bind_uv_set};
 pub use file::{RecipeFile, is_recipe};
 pub use layers::Layers;
 pub use operators::KINDS;
 pub(crate) use operators::kind_named;
+pub(crate) use uv_set::resolve_uv_set;
 
 pub use crate::render::{Domain, Key, Kind};
 
