@@ -101,6 +101,8 @@ pub const UNAUTHORED_VALUES_INDEX: &str = "unauthoredValuesIndex";
 pub const CUSTOM_DATA: &str = "customData";
 /// Key in `customData` of what this program writes.
 pub const PRODUCT_SPACE: &str = "tailor";
+/// Key, in that dictionary, of the name of the model that a product was made from.
+pub const PRODUCT_OF: &str = "model";
 /// Key in that dictionary of a product's role.
 pub const PRODUCT: &str = "product";
 

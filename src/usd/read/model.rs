@@ -2,7 +2,7 @@
 
 use super::origin::StageOrigin;
 use super::primvars::Declarations;
-use super::query::{OrUnreadable, interpolation, is_product, prim_at, prim_name, property_names, subset_prims};
+use super::query::{OrUnreadable, interpolation, prim_at, prim_name, product_of, property_names, subset_prims};
 use super::space::{Transforms, transforms};
 use super::variants::SESSION;
 use crate::error::{Error, Warning};
@@ -56,8 +56,10 @@ pub struct SubsetRecord {
 /// A sibling of the model.
 #[derive(Clone, Debug)]
 pub struct Sibling {
-    /// Whether this program wrote it.
+    /// Whether this program made it from the model.
     pub product: bool,
+    /// The name of another model from which this program made it.
+    pub of_other: Option<String>,
     /// Declarations of what it holds, when this program wrote it.
     pub properties: Vec<Record>,
     /// Names of the prims below it, when this program wrote it.
@@ -238,15 +240,22 @@ fn siblings(prim: &Prim, model: &Model) -> Result<BTreeMap<String, Sibling>, Err
     for name in prim_at(prim.stage(), &parent)?.child_names().or_unreadable(&parent)? {
         let path = model.sibling_path(name.as_str()).or_unreadable(&parent)?;
         if path != *prim.path() {
-            found.insert(name.as_str().to_owned(), Sibling::take(&prim_at(prim.stage(), &path)?)?);
+            found.insert(name.as_str().to_owned(), Sibling::take(&prim_at(prim.stage(), &path)?, &prim_name(prim))?);
         }
     }
     Ok(found)
 }
 
 impl Sibling {
-    fn take(prim: &Prim) -> Result<Self, Error> {
-        let mut sibling = Self { product: is_product(prim)?, properties: Vec::new(), children: Vec::new() };
+    fn take(prim: &Prim, model: &str) -> Result<Self, Error> {
+        let source = product_of(prim)?;
+        let is_own = |source: &String| source.is_empty() || source == model;
+        let mut sibling = Self {
+            product: source.as_ref().is_some_and(is_own),
+            of_other: source.filter(|source| !is_own(source)),
+            properties: Vec::new(),
+            children: Vec::new(),
+        };
         if sibling.product {
             for name in property_names(prim)? {
                 sibling.properties.extend(Record::take(prim, &name, Depth::Declaration).or_unreadable(prim.path())?);

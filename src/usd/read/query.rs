@@ -37,9 +37,17 @@ pub fn is_a(prim: &Prim, name: &str) -> Result<bool, Error> {
 
 /// Whether this program wrote the prim.
 pub fn is_product(prim: &Prim) -> Result<bool, Error> {
-    let Some(Value::Dictionary(data)) = prim.custom_data().or_unreadable(prim.path())? else { return Ok(false) };
-    let Some(Value::Dictionary(ours)) = data.get(names::PRODUCT_SPACE) else { return Ok(false) };
-    Ok(ours.get(names::PRODUCT).is_some_and(|role| text(role).is_some()))
+    Ok(product_of(prim)?.is_some())
+}
+
+/// The name of the model from which this program made the prim, empty where it is not recorded; none for other prims.
+pub fn product_of(prim: &Prim) -> Result<Option<String>, Error> {
+    let Some(Value::Dictionary(data)) = prim.custom_data().or_unreadable(prim.path())? else { return Ok(None) };
+    let Some(Value::Dictionary(ours)) = data.get(names::PRODUCT_SPACE) else { return Ok(None) };
+    if ours.get(names::PRODUCT).is_none_or(|role| text(role).is_none()) {
+        return Ok(None);
+    }
+    Ok(Some(ours.get(names::PRODUCT_OF).and_then(text).unwrap_or_default().to_owned()))
 }
 
 /// Names of the properties that layers author.

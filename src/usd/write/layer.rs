@@ -3,7 +3,7 @@
 use super::crates::remove_unwritable;
 use super::flatten::flattened;
 use super::long_arrays::encode_plainly;
-use super::physics::{PANELS, SCOPE};
+use super::physics::{PANELS, SCOPE, beside};
 use super::product::Author;
 use super::role::{Product, ProductRole};
 use super::save::{Format, OutputFile};
@@ -147,9 +147,15 @@ fn compose(
 }
 
 fn check_names(model: &Model, products: &[Product]) -> Result<(), Error> {
-    let cloth = products.iter().find_map(|product| product.cloth);
-    let written = [(SCOPE, cloth.is_some()), (PANELS, cloth.is_some_and(|cloth| cloth.panels))];
-    for (name, _) in written.into_iter().filter(|(_, is_written)| *is_written) {
+    let sim = products.iter().find(|product| product.role == ProductRole::Sim);
+    let cloth = sim.and_then(|sim| Some((sim.name, sim.cloth?)));
+    let written = cloth.into_iter().flat_map(|(sim, cloth)| {
+        let panels = cloth.panels.then(|| beside(PANELS, sim));
+        std::iter::once(beside(SCOPE, sim)).chain(panels)
+    });
+    for name in written {
+        let name = name.as_str();
+        refuse_other(model, name)?;
         let is_ours = model.siblings.get(name).is_none_or(|sibling| sibling.product);
         if !is_ours || model.path.name() == Some(name) || products.iter().any(|product| product.name == name) {
             let path = model.sibling_path(name).or_unreadable(&model.path)?;
@@ -163,6 +169,7 @@ fn check_names(model: &Model, products: &[Product]) -> Result<(), Error> {
             return Err(Error::usd(format!("{flag} {:?} is not a name that a prim can have", product.name))
                 .remedy("use letters, digits and _, and no digit first"));
         }
+        refuse_other(model, product.name)?;
         let taken = model.siblings.get(product.name).is_some_and(|s| !s.product)
             || model.path.name() == Some(product.name)
             || products[..i].iter().any(|p| p.name == product.name);
@@ -173,6 +180,16 @@ fn check_names(model: &Model, products: &[Product]) -> Result<(), Error> {
         }
     }
     Ok(())
+}
+
+/// Refuses a name that the product of another model has.
+fn refuse_other(model: &Model, name: &str) -> Result<(), Error> {
+    let Some(other) = model.siblings.get(name).and_then(|sibling| sibling.of_other.as_deref()) else { return Ok(()) };
+    let [path, other] = [name, other].map(|name| model.sibling_path(name).or_unreadable(&model.path));
+    let own = model.path.name().unwrap_or_default();
+    let fault = Error::usd(format!("{} was made from {}, which it would hide", path?, other?));
+    Err(fault
+        .remedy(format!("give each garment names of its own, such as --sim-name {own}_sim --render-name {own}_render")))
 }
 
 /// A layer over the input, without products.

@@ -37,7 +37,7 @@ impl Author<'_> {
         let model = self.model;
         PrimSpec::new(self.data, &path, Specifier::Def, names::MESH)?;
         self.data.set_field(&path, FieldKey::Documentation.as_str(), Value::String(doc(product.role, &model.path)));
-        self.data.set_field(&path, names::CUSTOM_DATA, custom_data(product.role.name()));
+        self.data.set_field(&path, names::CUSTOM_DATA, self.mark(product.role.name()));
         let before = model.siblings.get(product.name).filter(|_| self.is_overlay);
         self.schemas(&path, &model.applied, before.is_some());
         for record in &model.carried {
@@ -348,10 +348,16 @@ fn doc(role: ProductRole, model: &Path) -> String {
     format!("{what} made by usd-tailor from <{model}>.")
 }
 
-/// The mark by which this program knows what it wrote.
-pub(super) fn custom_data(role: &str) -> Value {
-    let ours = HashMap::from([(names::PRODUCT.to_owned(), Value::String(role.to_owned()))]);
-    Value::Dictionary(HashMap::from([(names::PRODUCT_SPACE.to_owned(), Value::Dictionary(ours))]))
+impl Author<'_> {
+    /// The mark by which this program knows what it wrote, and for which model.
+    pub(super) fn mark(&self, role: &str) -> Value {
+        let model = self.model.path.name().unwrap_or_default();
+        let ours = HashMap::from([
+            (names::PRODUCT.to_owned(), Value::String(role.to_owned())),
+            (names::PRODUCT_OF.to_owned(), Value::String(model.to_owned())),
+        ]);
+        Value::Dictionary(HashMap::from([(names::PRODUCT_SPACE.to_owned(), Value::Dictionary(ours))]))
+    }
 }
 
 /// The bounding box of some points.

@@ -43,6 +43,12 @@ const POISSON: f32 = 0.3;
 /// Standard gravity. \[m/s²\]
 const GRAVITY: f64 = 9.81;
 
+/// The name of a prim of the cloth: `name` itself, or of its own for a simulation mesh of another name than `sim`, so that
+/// several garments can be beside each other.
+pub fn beside(name: &str, sim: &str) -> String {
+    if sim == ProductRole::Sim.name() { name.to_owned() } else { format!("{sim}_{name}") }
+}
+
 /// The attributes of a mesh's points in the bind pose, in each dialect.
 pub fn pose_points() -> impl Iterator<Item = String> {
     DIALECTS.iter().map(Dialect::pose_points)
@@ -57,6 +63,7 @@ struct Physics<'a> {
     render: Option<(Path, &'a Garment)>,
     binding: Option<&'a Binding>,
     scope: Path,
+    panels: Path,
     /// Metres in a unit of the stage.
     meters: f64,
 }
@@ -71,7 +78,7 @@ impl Author<'_> {
         let path = |name: &str| self.model.sibling_path(name).map_err(|e| fault(e.into()));
         let sim = products.iter().find(|product| product.role == ProductRole::Sim);
         let Some((product, cloth)) = sim.and_then(|product| Some((product, product.cloth?))) else {
-            return self.remove_physics().map_err(fault);
+            return self.remove_physics(products).map_err(fault);
         };
         let render = products.iter().find(|product| product.role == ProductRole::Render);
         let physics = Physics {
@@ -80,7 +87,8 @@ impl Author<'_> {
             sim_path: path(product.name)?,
             render: render.map(|render| Ok::<_, Error>((path(render.name)?, render.mesh))).transpose()?,
             binding: render.and_then(|render| render.binding),
-            scope: path(SCOPE)?,
+            scope: path(&beside(SCOPE, product.name))?,
+            panels: path(&beside(PANELS, product.name))?,
             meters: product.mesh.units.meters_per_unit,
         };
         if cloth.fabrics.len() > 1 {
@@ -128,8 +136,10 @@ impl Author<'_> {
     /// A scope that later builds know as a product.
     fn scope(&mut self, path: &Path) -> openusd::Result<()> {
         PrimSpec::new(self.data, path, Specifier::Def, "Scope")?;
-        self.data.set_field(path, names::CUSTOM_DATA, super::product::custom_data(SCOPE));
-        if let Some(before) = self.model.siblings.get(SCOPE).filter(|_| self.is_overlay) {
+        let mark = self.mark(SCOPE);
+        self.data.set_field(path, names::CUSTOM_DATA, mark);
+        let name = path.name().unwrap_or(SCOPE);
+        if let Some(before) = self.model.siblings.get(name).filter(|_| self.is_overlay) {
             for child in &before.children {
                 PrimSpec::over(self.data, &path.append_path(child.as_str())?)?.set_active(false);
             }
@@ -142,28 +152,35 @@ impl Author<'_> {
         let path = physics.scope.append_path(name)?;
         self.data.erase_field(&path, FieldKey::Active.as_str());
         PrimSpec::new(self.data, &path, Specifier::Def, type_name)?;
-        if self.model.siblings.contains_key(SCOPE) && self.is_overlay {
+        let scope = physics.scope.name().unwrap_or(SCOPE);
+        if self.model.siblings.contains_key(scope) && self.is_overlay {
             self.data.set_field(&path, FieldKey::Active.as_str(), Value::Bool(true));
         }
         Ok(path)
     }
 
-    /// Deactivates what an earlier build wrote.
-    fn remove_physics(&mut self) -> openusd::Result<()> {
-        let is_ours = self.model.siblings.get(SCOPE).is_some_and(|sibling| sibling.product);
-        if !is_ours || !self.is_overlay {
+    /// Deactivates what an earlier build wrote beside `products`.
+    fn remove_physics(&mut self, products: &[Product]) -> openusd::Result<()> {
+        if !self.has_built_physics() {
             return Ok(());
         }
-        self.deactivate(SCOPE)?;
-        self.deactivate(PANELS)?;
+        for product in products {
+            self.deactivate(&beside(SCOPE, product.name))?;
+            self.deactivate(&beside(PANELS, product.name))?;
+        }
         self.remove_bodies(|_| false)
+    }
+
+    /// Whether an earlier build wrote physics over the same model into the input.
+    fn has_built_physics(&self) -> bool {
+        let is_scope = |name: &str| name == SCOPE || name.ends_with("_physics");
+        self.is_overlay && self.model.siblings.iter().any(|(name, sibling)| is_scope(name) && sibling.product)
     }
 
     /// Removes the schemas that an earlier build gave to the prim above both meshes, but for dialects that are `kept`.
     fn remove_bodies(&mut self, kept: impl Fn(&str) -> bool) -> openusd::Result<()> {
-        let is_ours = self.model.siblings.get(SCOPE).is_some_and(|sibling| sibling.product);
         let root = self.model.path.parent().filter(|root| *root != Path::abs_root());
-        let Some(root) = root.filter(|_| is_ours && self.is_overlay) else { return Ok(()) };
+        let Some(root) = root.filter(|_| self.has_built_physics()) else { return Ok(()) };
         PrimSpec::over(self.data, &root)?;
         let of_dialects = DIALECTS.iter().filter(|dialect| !kept(dialect.name)).flat_map(|dialect| dialect.body);
         let all = of_dialects.chain(chaos::BODY.iter().filter(|_| !kept("chaos")));
@@ -306,11 +323,12 @@ impl Author<'_> {
     /// The shape at rest as a mesh beside the simulation mesh, if that is asked for and there is one.
     fn panels(&mut self, physics: &Physics<'_>) -> openusd::Result<()> {
         let Some(rest) = physics.cloth.rest.as_ref().filter(|_| physics.cloth.panels) else {
-            return self.deactivate(PANELS);
+            return self.deactivate(physics.panels.name().unwrap_or(PANELS));
         };
-        let path = self.model.sibling_path(PANELS)?;
+        let path = physics.panels.clone();
         PrimSpec::new(self.data, &path, Specifier::Def, names::MESH)?;
-        self.data.set_field(&path, names::CUSTOM_DATA, super::product::custom_data(PANELS));
+        let mark = self.mark(PANELS);
+        self.data.set_field(&path, names::CUSTOM_DATA, mark);
         self.data.set_field(&path, FieldKey::Active.as_str(), Value::Bool(true));
         self.points(&path, names::POINTS, &rest.points)?;
         let corners = rest.triangles.as_flattened().iter().map(|v| *v as i32).collect();
