@@ -4,14 +4,15 @@
 //! place of the surface that they were made from, so that they move together. The nearest triangle would be that of a wrong layer
 //! wherever cloth lies on cloth.
 
-use crate::contact::twice_area;
+use crate::contact::{Aabb, NearestSearch, twice_area};
 use crate::garment::Garment;
 use crate::mesh::{FaceId, IdVec, VertexId};
 use crate::render::Origins;
 use crate::sim::{SimProduct, closest_weights};
 use crate::transfer::Places;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
+use std::sync::LazyLock;
 
 /// The places of the render mesh's vertices on the simulation mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -33,9 +34,10 @@ impl Binding {
         };
         let found = places.find(render.points.len(), origin);
         let normals = vertex_normals(sim);
+        let triangles = LazyLock::new(|| NearestTriangle::new(sim));
         let place = |(i, found): (usize, &Option<(FaceId, Vec3)>)| {
             let (origin, point) = (origins.points[VertexId::new(i)], render.points[VertexId::new(i)]);
-            let (face, weights) = found.unwrap_or_else(|| nearest(sim, origin));
+            let (face, weights) = found.unwrap_or_else(|| triangles.to(origin));
             let corners = [0, 1, 2].map(|k| sim.faces.vertices_of(face)[k]);
             let mean = |values: &IdVec<VertexId, Vec3>| -> Vec3 {
                 corners.iter().zip(weights.to_array()).map(|(&v, w)| w * values[v]).sum()
@@ -65,12 +67,33 @@ fn vertex_normals(mesh: &Garment) -> IdVec<VertexId, Vec3> {
 }
 
 /// The nearest triangle of all, for vertices on a part of the garment that the simulation mesh lacks.
-fn nearest(mesh: &Garment, point: Vec3) -> (FaceId, Vec3) {
-    let place = |face: FaceId| {
-        let [a, b, c] = [0, 1, 2].map(|k| mesh.points[mesh.faces.vertices_of(face)[k]]);
+struct NearestTriangle<'a> {
+    mesh: &'a Garment,
+    search: NearestSearch,
+}
+
+impl<'a> NearestTriangle<'a> {
+    fn new(mesh: &'a Garment) -> Self {
+        let aabb = |face: FaceId| {
+            let points = mesh.faces.vertices_of(face).iter().map(|&v| mesh.points[v].into());
+            points.fold(Aabb::EMPTY, |b, p| b.merged(&Aabb { low: p, high: p }))
+        };
+        let boxes: Vec<Aabb> = mesh.faces.ids().map(aabb).collect();
+        Self { mesh, search: NearestSearch::new(&boxes) }
+    }
+
+    /// The triangle nearest to a point, and the weights of its corners at the nearest point.
+    fn to(&self, point: Vec3) -> (FaceId, Vec3) {
+        let squared = |face: usize, from: DVec3| self.nearest_of(FaceId::new(face), from.as_vec3()).0;
+        let found = self.search.nearest(point, squared).map(FaceId::new);
+        found.map_or((FaceId::new(0), Vec3::X), |face| (face, self.nearest_of(face, point).1))
+    }
+
+    /// The squared distance of a triangle from a point, and the weights of its corners at the nearest point.
+    fn nearest_of(&self, face: FaceId, point: Vec3) -> (f64, Vec3) {
+        let [a, b, c] = [0, 1, 2].map(|k| self.mesh.points[self.mesh.faces.vertices_of(face)[k]]);
         let weights = closest_weights(a, b, c, point);
-        ((a * weights.x + b * weights.y + c * weights.z).distance_squared(point), face, weights)
-    };
-    let nearest = mesh.faces.ids().map(place).min_by(|a, b| a.0.total_cmp(&b.0));
-    nearest.map_or((FaceId::new(0), Vec3::X), |(_, face, weights)| (face, weights))
+        let nearest = a * weights.x + b * weights.y + c * weights.z;
+        (f64::from(nearest.distance_squared(point)), weights)
+    }
 }

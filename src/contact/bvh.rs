@@ -57,16 +57,20 @@ pub fn morton_order(faces: &Faces, points: &IdVec<VertexId, Vec3>) -> Vec<FaceId
         vertices.iter().map(|&v| Vec3A::from(points[v])).sum::<Vec3A>() / vertices.len() as f32
     };
     let centres: Vec<Vec3A> = (0..faces.len()).into_par_iter().map(|face| centre(FaceId::new(face))).collect();
+    morton_sorted(&centres).into_iter().map(FaceId::new).collect()
+}
+
+/// The indices of points, sorted by their Morton codes.
+pub(super) fn morton_sorted(centres: &[Vec3A]) -> Vec<usize> {
     let all = centres.iter().fold(Aabb::EMPTY, |b, &p| b.merged(&Aabb { low: p, high: p }));
     let scale = ((1u32 << MORTON_BITS) - 1) as f32 / all.longest_side().max(f32::MIN_POSITIVE);
     let code = |&p: &Vec3A| {
         let cell = ((p - all.low) * scale).as_uvec3();
         spread(cell.x) | spread(cell.y) << 1 | spread(cell.z) << 2
     };
-    let mut keys: Vec<(u32, FaceId)> =
-        centres.par_iter().map(code).enumerate().map(|(face, code)| (code, FaceId::new(face))).collect();
+    let mut keys: Vec<(u32, usize)> = centres.par_iter().map(code).enumerate().map(|(i, code)| (code, i)).collect();
     keys.par_sort_unstable();
-    keys.into_iter().map(|(_, face)| face).collect()
+    keys.into_iter().map(|(_, i)| i).collect()
 }
 
 /// A hierarchy of boxes. Box `i` is element `i % 4` of leaf node `i / 4`.
@@ -83,6 +87,16 @@ impl Bvh {
             levels.push(nodes(below.len(), |node| below[node].whole()));
         }
         Self { levels }
+    }
+
+    /// The box of all.
+    pub(super) fn bounds(&self) -> Aabb {
+        self.levels[self.levels.len() - 1][0].whole()
+    }
+
+    /// The box of a node by its height: leaves have height 1.
+    pub(super) fn box_of(&self, height: usize, node: usize) -> Aabb {
+        self.levels[height - 1][node].whole()
     }
 
     /// Updates the hierarchy to boxes that have changed, in ascending order.

@@ -10,6 +10,7 @@ mod clearance;
 mod face;
 mod faces;
 mod intersect;
+mod nearest;
 mod part;
 mod proximity;
 mod simd;
@@ -19,6 +20,7 @@ pub use bvh::{Aabb, Bvh, morton_order};
 pub use clearance::{Clearance, UNBOUNDED, smaller};
 pub use face::ChildId;
 pub use faces::{RefinedFaces, evaluate};
+pub use nearest::NearestSearch;
 pub use part::RefinedPart;
 pub use proximity::Proximity;
 

@@ -6,11 +6,13 @@ mod warnings;
 use super::correspondence::Correspondence;
 use super::edges::{CarriedEdges, EdgeTransfer};
 use super::faces::{FaceSets, carry_sets};
+use crate::contact::NearestSearch;
 use crate::error::Warning;
 use crate::garment::{Elements, Family, FamilyType, Garment, Subset};
 use crate::mesh::{IdVec, Topology, VertexId};
 use crate::sim::{SimOptions, SimProduct};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
+use std::sync::LazyLock;
 
 /// The subsets of a simulation mesh.
 pub(super) struct CarriedSubsets {
@@ -69,6 +71,7 @@ pub(super) fn carry_all(
     let EdgeSets { edges, sources, carried } = edge_sets;
     let FaceSets { sets: mut face_sets, islands } = carry_sets(garment, map, options.clean_islands);
     let mut warnings = Vec::from_iter(warnings::of_small_sets(garment, &face_sets, map.coverage));
+    let nearest = LazyLock::new(|| NearestPoint::new(&map.product.points));
     let (mut subsets, mut curves) = (Vec::with_capacity(sources.len() + 2), Vec::new());
     for (i, (source, carried)) in sources.into_iter().zip(carried).enumerate() {
         let elements = match &source.elements {
@@ -83,7 +86,7 @@ pub(super) fn carry_all(
                 curves.push(SetCurve { name: source.name.clone(), length, farthest, shortest });
                 Elements::Edges(edges)
             }
-            Elements::Points(points) => Elements::Points(nearest_points(points, garment, &edges, map.product)),
+            Elements::Points(points) => Elements::Points(nearest_points(points, garment, &edges, &nearest)),
         };
         subsets.push(Subset { elements, ..source });
     }
@@ -115,7 +118,7 @@ fn nearest_points(
     points: &[VertexId],
     garment: &Garment,
     edges: &EdgeTransfer<'_>,
-    product: &SimProduct,
+    nearest: &NearestPoint<'_>,
 ) -> Vec<VertexId> {
     let mut found: Vec<VertexId> = Vec::with_capacity(points.len());
     for &point in points {
@@ -123,7 +126,7 @@ fn nearest_points(
         found.extend(edges.nearest_vertices(point));
         if found.len() == before {
             // The point has no face, or only holes.
-            found.extend(nearest(&product.points, garment.points[point]));
+            found.extend(nearest.to(garment.points[point]));
         }
     }
     found.sort_unstable();
@@ -131,24 +134,20 @@ fn nearest_points(
     found
 }
 
-/// The point nearest to a position, the lowest of equals. A search through all points suffices: only points without a
-/// face need it.
-fn nearest(points: &IdVec<VertexId, Vec3>, position: Vec3) -> Option<VertexId> {
-    let distance = |v: VertexId| points[v].distance_squared(position);
-    points.ids().min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
+/// The nearest point of all, for points without a face.
+struct NearestPoint<'a> {
+    points: &'a IdVec<VertexId, Vec3>,
+    search: NearestSearch,
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+impl<'a> NearestPoint<'a> {
+    fn new(points: &'a IdVec<VertexId, Vec3>) -> Self {
+        Self { points, search: NearestSearch::of_points(points.as_slice()) }
+    }
 
-    #[test]
-    fn the_nearest_point_is_the_lowest_of_equals_and_far_positions_find_one() {
-        let points: IdVec<VertexId, Vec3> = [2.0, 1.0, -1.0, 1.0].map(|x| Vec3::new(x, 0.0, 0.0)).to_vec().into();
-        let found = |x, y, z| nearest(&points, Vec3::new(x, y, z)).map(VertexId::index);
-        assert_eq!(found(0.0, 0.0, 0.0), Some(1));
-        assert_eq!(found(1.5, 0.0, 0.0), Some(0));
-        assert_eq!(found(1e6, 1e6, -1e6), Some(0));
-        assert_eq!(nearest(&IdVec::new(), Vec3::ZERO), None);
+    /// The point nearest to a position, the lowest of equals.
+    fn to(&self, position: Vec3) -> Option<VertexId> {
+        let squared = |i, from: DVec3| self.points[VertexId::new(i)].as_dvec3().distance_squared(from);
+        self.search.nearest(position, squared).map(VertexId::new)
     }
 }
