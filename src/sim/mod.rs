@@ -16,6 +16,7 @@ mod surface;
 pub use baseline::{Baseline, Location, baseline_level};
 #[cfg(feature = "internals")]
 pub use baseline::{facets::Facet, project::Projection};
+pub(crate) use constraints::cage_edges::half_edge;
 pub use constraints::chain::Chain;
 #[cfg(feature = "internals")]
 pub use constraints::chain::ChainKind;

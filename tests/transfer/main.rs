@@ -13,6 +13,7 @@ mod sets;
 #[path = "../common/sheets.rs"]
 mod sheets;
 mod values;
+mod work;
 
 use tailor::internals::garment::GarmentInput;
 

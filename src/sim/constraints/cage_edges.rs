@@ -164,7 +164,12 @@ impl CagePath {
 
 /// The half-edge from one vertex to another.
 pub(crate) fn half_edge(t: &Topology, from: VertexId, to: VertexId) -> Option<CornerId> {
-    t.vertex_corners.row(from).iter().copied().find(|&c| t.faces.vertex(t.faces.next(c)) == to)
+    // Search around the vertex with fewer faces.
+    let (own, others) = (t.vertex_corners.row(from), t.vertex_corners.row(to));
+    if own.len() <= others.len() {
+        return own.iter().copied().find(|&c| t.faces.vertex(t.faces.next(c)) == to);
+    }
+    others.iter().map(|&c| t.faces.prev(c)).find(|&c| t.faces.vertex(c) == from)
 }
 
 /// The spans of a level's edges on each chain, by their vertices. `curves` are the chains' vertices on that level.

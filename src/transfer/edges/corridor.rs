@@ -4,8 +4,14 @@ use super::guide::Guide;
 use super::polyline::PolylinePoint;
 use super::vertex_locator::VertexLocator;
 use crate::mesh::{CornerId, FaceId, Id, IdVec, VertexId};
+use crate::sim::half_edge;
 use glam::Vec3;
 use std::collections::VecDeque;
+
+/// Triangles of the baseline that the search for a corridor visits at most, and those besides for each segment of the curve.
+/// Targets much longer than the edges of the baseline would have each corridor hold all of it.
+const MAX_VISITED: usize = 4096;
+const MAX_VISITED_PER_SEGMENT: usize = 64;
 
 /// The part of the simulation mesh beside a curve; vertices go by their index in it.
 pub(super) struct Corridor {
@@ -13,6 +19,8 @@ pub(super) struct Corridor {
     pub length: f32,
     /// Whether the curve is closed.
     pub is_closed: bool,
+    /// Number of triangles of the baseline that the search for it visited.
+    pub visited: usize,
     /// Ascending by vertex.
     pub vertices: Vec<CorridorVertex>,
     /// Offset of each vertex's edges, and one past the last.
@@ -48,7 +56,7 @@ impl Corridor {
             nearest,
             off: nearest.distance / product.target[vertex],
         };
-        let near = scratch.vertices_beside(locator, guide, reach);
+        let (near, visited) = scratch.vertices_beside(locator, guide, reach);
         let mut vertices: Vec<CorridorVertex> = near.into_iter().map(vertex).collect();
         vertices.sort_unstable_by_key(|v| v.vertex);
         vertices.iter().enumerate().for_each(|(i, v)| scratch.vertices.set(v.vertex, i as u32));
@@ -72,7 +80,7 @@ impl Corridor {
             }
             offsets.push(edges.len());
         }
-        Self { length: guide.curve.length, is_closed: guide.curve.is_closed, vertices, offsets, edges }
+        Self { length: guide.curve.length, is_closed: guide.curve.is_closed, visited, vertices, offsets, edges }
     }
 
     /// The index of a vertex.
@@ -131,25 +139,31 @@ impl CorridorScratch {
     }
 
     /// Marks the triangles of the baseline within `reach` target lengths of a curve, by a search from its edges.
-    /// Returns the vertices of the simulation mesh in these triangles within that distance.
+    /// Returns the vertices of the simulation mesh in these triangles within that distance, and the number of visited
+    /// triangles. Those that are farther from the curve by edges come later, and are left out beyond the bound.
     fn vertices_beside(
         &mut self,
         locator: &VertexLocator<'_>,
         guide: &Guide,
         reach: f32,
-    ) -> Vec<(VertexId, PolylinePoint)> {
+    ) -> (Vec<(VertexId, PolylinePoint)>, usize) {
         let product = locator.product;
         let base = &product.baseline;
         let t = &base.topology;
         self.faces.epoch += 1;
         self.vertices.epoch += 1;
-        let half_edge = |a, b| t.vertex_corners.row(a).iter().find(|&&c| t.faces.vertex(t.faces.next(c)) == b);
         for (segment, pair) in guide.vertices.windows(2).enumerate() {
-            let halves = [half_edge(pair[0], pair[1]), half_edge(pair[1], pair[0])].into_iter().flatten();
-            halves.for_each(|&c| self.enqueue(t.faces.face_of(c), segment));
+            let halves = [half_edge(t, pair[0], pair[1]), half_edge(t, pair[1], pair[0])].into_iter().flatten();
+            halves.for_each(|c| self.enqueue(t.faces.face_of(c), segment));
         }
         let mut found: Vec<(VertexId, PolylinePoint)> = Vec::new();
+        let (mut visited, most) = (0, MAX_VISITED + MAX_VISITED_PER_SEGMENT * guide.vertices.len());
         while let Some((face, start)) = self.queue.pop_front() {
+            visited += 1;
+            if visited > most {
+                self.queue.clear();
+                break;
+            }
             let corners = base.triangle(face);
             let centroid = corners.iter().sum::<Vec3>() / 3.0;
             let radius = corners.iter().map(|p| p.distance(centroid)).fold(0.0, f32::max);
@@ -175,6 +189,6 @@ impl CorridorScratch {
             let twins = t.faces.corners_of(face).filter_map(|c| base.open_twin(c));
             twins.for_each(|twin| self.enqueue(t.faces.face_of(twin), of_face.segment));
         }
-        found
+        (found, visited)
     }
 }

@@ -2,7 +2,9 @@
 
 mod chains;
 mod corridor;
+mod end_changes;
 mod guide;
+mod occupancy;
 mod path;
 mod path_set;
 mod polyline;
@@ -43,12 +45,19 @@ pub(super) struct CarriedEdges {
     pub source_length: f64,
     /// Largest distance of a vertex from its curve, in local target lengths.
     pub farthest: f32,
+    /// Triangles and vertices that the searches for its paths visited.
+    #[cfg(feature = "internals")]
+    pub visited: usize,
     /// Length of its edges, with the shortest path in place of each that is too long. \[stage units\]
     pub shortest: f64,
 }
 
 impl CarriedEdges {
     fn add_paths(&mut self, paths: PathSet<'_>) {
+        #[cfg(feature = "internals")]
+        {
+            self.visited = paths.visited();
+        }
         self.merged = paths.conflicting.iter().filter(|&&i| paths.found[i].is_some()).count();
         for (guide, found) in paths.guides.iter().zip(paths.found) {
             match found {

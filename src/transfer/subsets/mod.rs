@@ -32,9 +32,25 @@ pub struct SetCurve {
     pub length: f64,
     /// Largest distance from it of the subset on the simulation mesh, in local target lengths.
     pub farthest: f32,
+    /// Triangles and vertices that the searches for its edges visited.
+    #[cfg(feature = "internals")]
+    pub visited: usize,
     /// Length of the subset on the simulation mesh, with the shortest path within reach in place of each path that is
     /// too long. \[stage units\]
     pub shortest: f64,
+}
+
+impl SetCurve {
+    fn new(source: &Subset, carried: &CarriedEdges) -> Self {
+        Self {
+            name: source.name.clone(),
+            length: carried.source_length,
+            farthest: carried.farthest,
+            #[cfg(feature = "internals")]
+            visited: carried.visited,
+            shortest: carried.shortest,
+        }
+    }
 }
 
 /// The edge sets on the simulation mesh, which need no samples.
@@ -82,9 +98,8 @@ pub(super) fn carry_all(
             }
             Elements::Edges(_) => {
                 warnings.extend(warnings::of_edges(&source, &carried));
-                let CarriedEdges { edges, source_length: length, farthest, shortest, .. } = carried;
-                curves.push(SetCurve { name: source.name.clone(), length, farthest, shortest });
-                Elements::Edges(edges)
+                curves.push(SetCurve::new(&source, &carried));
+                Elements::Edges(carried.edges)
             }
             Elements::Points(points) => Elements::Points(nearest_points(points, garment, &edges, &nearest)),
         };
