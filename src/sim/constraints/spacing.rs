@@ -4,6 +4,7 @@ use super::chain::{Chain, CurvePoint, fraction, segment_of};
 use crate::mesh::{IdVec, VertexId};
 use crate::sim::geometry::angle;
 use glam::Vec3;
+use std::collections::BTreeSet;
 
 /// Corners are at least this far from each other and from the ends, as a share of the target length. Smaller values make
 /// shorter edges in small details, larger ones let chords cut those off.
@@ -23,6 +24,10 @@ const SHORTEST_BETWEEN_RIDGE_CORNERS: f32 = 0.35;
 /// Corners nearer than this share of the target length shorten nothing: triangles between them are thin at any length, and
 /// shorter edges make more of them.
 const CLOSEST: f32 = 0.2;
+
+/// Segments of a curve that a turn is summed over on each side at most. Targets much longer than the edges of the baseline would
+/// have each turn take the whole curve.
+const MAX_SEGMENTS: usize = 512;
 
 /// Largest change of edge length per length along the curve, so that neighbouring edges are similar.
 const GRADING: f32 = 0.3;
@@ -136,7 +141,10 @@ impl Chain {
         let mut sum = turns[vertex];
         for forward in [true, false] {
             let (mut i, mut passed) = (vertex, 0.0);
-            while passed < length {
+            for _ in 0..MAX_SEGMENTS {
+                if passed >= length {
+                    break;
+                }
                 let to = match (forward, self.is_loop) {
                     (true, _) if i < n => i + 1,
                     (false, _) if i > 0 => i - 1,
@@ -166,21 +174,21 @@ impl Chain {
             .filter(|&(turn, _)| turn > corner)
             .collect();
         found.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-        let mut pins: Vec<usize> = if self.is_loop { Vec::new() } else { vec![0, n] };
-        let ends = pins.len();
+        let mut pins: BTreeSet<usize> = if self.is_loop { BTreeSet::new() } else { [0, n].into() };
         for (_, i) in found {
-            let apart = |&pin: &usize| {
+            let is_apart = |&pin: &usize| {
                 let d = (self.along[i] - self.along[pin]).abs();
                 let d = if self.is_loop { d.min(self.length() - d) } else { d };
                 d >= CORNER_DISTANCE * targets[i]
             };
-            if pins.iter().all(apart) {
-                pins.push(i);
+            // The nearest on both sides, around a loop too.
+            let before = pins.range(..i).next_back().or(pins.last());
+            let after = pins.range(i..).next().or(pins.first());
+            if before.into_iter().chain(after).all(is_apart) {
+                pins.insert(i);
             }
         }
-        pins.drain(..ends);
-        pins.sort_unstable();
-        pins
+        pins.into_iter().filter(|&pin| self.is_loop || (1..n).contains(&pin)).collect()
     }
 
     /// Number of edges that the curve asks for up to arc length `s`, as a real number.
