@@ -40,6 +40,11 @@ impl Recipe {
             let hint = format!("give {LEAST_GRADING} or more, or 0 for no limit");
             return Err(Error::recipe("sim.grading", fault).remedy(hint));
         }
+        let shell = self.sim.smallest_shell;
+        if !(shell >= 0.0 && shell.is_finite()) {
+            let fault = format!("{shell} is out of range");
+            return Err(Error::recipe("sim.smallestShell", fault).remedy("give 0 or more target triangles"));
+        }
         let angle = self.sim.corner_angle;
         if !(angle > 0.0 && angle <= 180.0) {
             let fault = format!("{angle} is out of range");

@@ -28,7 +28,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 /// The options that a recipe has once, in schema order.
-pub const KEYS: [Key; 26] = [
+pub const KEYS: [Key; 27] = [
     Key {
         key: "sim.minEdgeLength",
         unit: "stage units",
@@ -76,6 +76,12 @@ pub const KEYS: [Key; 26] = [
         unit: "true or false",
         domain: Domain::Flag,
         meaning: "keep UV seams as edges of the mesh",
+    },
+    Key {
+        key: "sim.smallestShell",
+        unit: "target triangles",
+        domain: Domain::Number { least: 0.0, most: 16.0, step: 0.5 },
+        meaning: "smaller UV shells do not constrain the mesh, and UVs beside them are approximate; 0: all do",
     },
     Key {
         key: "sim.constraints",

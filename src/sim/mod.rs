@@ -10,6 +10,7 @@ mod geometry;
 mod options;
 mod passes;
 mod product;
+mod shell_uvs;
 mod sim_mesh;
 mod surface;
 

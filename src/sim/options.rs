@@ -24,6 +24,10 @@ pub struct SimOptions {
     pub uv_set: String,
     /// Whether the borders of UV shells are edges of the mesh.
     pub constrain_uv_seams: bool,
+    /// UV shells smaller than so many equilateral triangles of target length constrain nothing: their borders are no edges of
+    /// the mesh unless they are borders of the mesh, creases or in `constraints`, and UVs beside them are approximate.
+    /// \[target triangles\] 0: all shells do.
+    pub smallest_shell: f32,
     /// Edge subsets that become edges of the mesh.
     pub constraints: Vec<String>,
     /// A seam, border or constraint that turns by more than this within one edge length has a corner there, which stays.
@@ -62,6 +66,7 @@ impl Default for SimOptions {
             iterations: 5,
             uv_set: "st".into(),
             constrain_uv_seams: true,
+            smallest_shell: 4.0,
             constraints: Vec::new(),
             corner_angle: 50.0,
             transfer_samples: 32,

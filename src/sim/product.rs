@@ -4,6 +4,7 @@ use super::baseline::Baseline;
 use super::constraints::chain::Chain;
 use super::geometry::distance_to_segment;
 use super::passes::remesh::{RemeshReport, remesh};
+use super::shell_uvs::separate_shells;
 use super::sim_mesh::{SimMesh, UvLocation};
 use crate::mesh::{ChainId, Compact, CornerId, IdVec, VertexId};
 use glam::Vec3;
@@ -56,7 +57,8 @@ pub fn simulate(baseline: Baseline, iterations: u32, max_faces: usize) -> SimPro
     let report = remesh(&mut mesh, iterations, max_faces);
     let Compact { triangles, old_vertex, old_corner } = mesh.topology.compact();
     let points: IdVec<VertexId, Vec3> = old_vertex.iter().map(|&v| mesh.points[v]).collect();
-    let places: IdVec<CornerId, UvLocation> = old_corner.iter().map(|&c| mesh.place(c)).collect();
+    let mut places: IdVec<CornerId, UvLocation> = old_corner.iter().map(|&c| mesh.place(c)).collect();
+    separate_shells(&baseline, &points, &triangles, &mut places);
     let edges = chain_edges(&mesh, &old_vertex);
     let gaps = edges.enumerated().map(|(id, edges)| curve_gap(&baseline, &baseline.chains[id], edges, &points));
     let arcs = |edges: &Vec<ChainEdge>| edges.iter().map(|e| [e.start, e.start + e.length]).collect();

@@ -15,6 +15,8 @@ mod prepared;
 mod quality;
 #[path = "../common/sheets.rs"]
 mod sheets;
+mod shells;
+mod work;
 
 use prepared::Prepared;
 use tailor::internals::garment::GarmentInput;

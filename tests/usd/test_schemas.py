@@ -17,6 +17,7 @@ SIM = {
     "tailor:sim:iterations": ("int", 5),
     "tailor:sim:uvSet": ("token", "st"),
     "tailor:sim:constrainUvSeams": ("bool", True),
+    "tailor:sim:smallestShell": ("float", 4.0),
     "tailor:sim:cornerAngle": ("float", 50.0),
     "tailor:sim:transferSamples": ("int", 32),
     "tailor:sim:seed": ("int", 0),

@@ -13,6 +13,7 @@ use crate::sim::options::SimOptions;
 use crate::sim::surface::lengths::{Lengths, grade};
 use crate::sim::surface::manifold::Manifold;
 use crate::sim::surface::refine::{Refined, holes};
+use crate::sim::surface::small_shells::SmallShells;
 use crate::sim::surface::triangulation::{RefinedSurface, Triangulation};
 use crate::subdivide::Level;
 use glam::Vec3;
@@ -41,8 +42,9 @@ impl Baseline {
         let mut target = lengths.refined(garment, &manifold, &levels, points.len());
         let graded = grade_targets(&mut target, options, &topology, &points);
 
+        let small_shells = small_shells(garment, options, lengths, &manifold);
         let surface = RefinedSurface { topology: &topology, points: &points, target: &target, uvs: &uvs };
-        let (chains, curves) = find_chains(garment, options, &manifold, &all_levels, &surface, &is_hole);
+        let (chains, curves) = find_chains(garment, options, &manifold, &small_shells, &all_levels, &surface, &is_hole);
         let level = nearest_level(&all_levels, &points, lengths);
         let start = StartMesh { levels: &all_levels, level, surface };
         let start = start.triangles(&quads, |f| !is_hole[cage_faces[level][f]]);
@@ -54,6 +56,7 @@ impl Baseline {
         let barrier = barrier(&topology, &chains);
         let mut baseline = Self {
             facets: facets(&topology, &points, &barrier, uv_set.map(|_| &uvs)),
+            small_shells,
             holds_uvs: uv_set.is_some() && options.constrain_uv_seams,
             source_face: quads.faces.iter().map(|&f| source_face[f]).collect(),
             level_face: quads.faces,
@@ -73,8 +76,18 @@ impl Baseline {
             start,
             start_spans,
         };
+        baseline.release_small_shells();
         baseline.space_chains(options);
         baseline
+    }
+
+    /// Lets triangles flip in UV where they reach a small shell.
+    fn release_small_shells(&mut self) {
+        for (facet, &source) in self.facets.iter_mut().zip(self.source_face.iter()) {
+            if self.small_shells.holds(source) {
+                facet.sense = 0.0;
+            }
+        }
     }
 
     /// Spaces vertices along the chains, and shortens the lengths of vertices near those that bend.
@@ -87,6 +100,16 @@ impl Baseline {
         let on_chains = self.chains.iter().flat_map(|c| c.vertices.iter().copied().zip(c.lengths.iter().copied()));
         let shorter = on_chains.filter(|&(v, length)| length < self.target[v]);
         grade(&mut self.sizing, shorter, GROWTH, &self.topology, &self.points);
+    }
+}
+
+/// The UV shells whose borders constrain nothing.
+fn small_shells(garment: &Garment, options: &SimOptions, lengths: Lengths<'_>, manifold: &Manifold) -> SmallShells {
+    match &manifold.uv_channel {
+        Some(channel) if options.constrain_uv_seams && options.smallest_shell > 0.0 => {
+            SmallShells::new(garment, manifold, channel, lengths, options.smallest_shell)
+        }
+        _ => SmallShells::default(),
     }
 }
 
@@ -110,12 +133,13 @@ fn find_chains(
     garment: &Garment,
     options: &SimOptions,
     manifold: &Manifold,
+    small_shells: &SmallShells,
     levels: &[&Level],
     surface: &RefinedSurface<'_>,
     is_hole: &IdVec<FaceId, bool>,
 ) -> (IdVec<ChainId, Chain>, Vec<Vec<Vec<VertexId>>>) {
     let is_seam = |e| manifold.uv_channel.as_ref().is_some_and(|c| c.is_cut(e));
-    let mut kinds = constrained_edges(garment, manifold, options, is_seam, is_hole);
+    let mut kinds = constrained_edges(garment, manifold, options, is_seam, small_shells, is_hole);
     add_ridges(&manifold.level.topology, levels, surface, &mut kinds);
     let paths = trace_paths(manifold, &kinds);
     let curves = refine_paths(paths.iter().map(|p| p.vertices.clone()).collect(), levels);

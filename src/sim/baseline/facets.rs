@@ -16,7 +16,7 @@ pub struct Facet {
     pub open_twin: [Option<CornerId>; 3],
     /// Unit normal; zero where there is no area.
     pub normal: Vec3,
-    /// +1 or -1: the orientation of the triangle's shell in UV space.
+    /// +1 or -1: the orientation of the triangle's shell in UV space; 0 on a small shell, whose border is no constraint.
     pub sense: f32,
 }
 

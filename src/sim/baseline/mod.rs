@@ -13,6 +13,7 @@ use crate::mesh::{ChainId, CornerId, FaceId, IdVec, Topology, VertexId};
 use crate::sim::constraints::cage_edges::StartSpan;
 use crate::sim::constraints::chain::Chain;
 use crate::sim::surface::manifold::Manifold;
+use crate::sim::surface::small_shells::SmallShells;
 use crate::subdivide::{Level, Real};
 use facets::Facet;
 use glam::{Vec2, Vec3};
@@ -53,6 +54,8 @@ pub struct Baseline {
     pub barrier: IdVec<CornerId, bool>,
     /// The triangles as projections read them.
     pub facets: IdVec<FaceId, Facet>,
+    /// UV shells whose borders constrain nothing.
+    pub small_shells: SmallShells,
     /// Whether UVs are one to one over each piece between chains, so that remeshing can keep triangles from flipping there.
     pub holds_uvs: bool,
     /// Target edge length at each vertex. \[stage units\]

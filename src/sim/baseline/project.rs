@@ -108,6 +108,16 @@ impl Baseline {
         self.walk(start, point, |half| self.topology.twin(half).filter(|_| !barrier[half]))
     }
 
+    /// The closest point that a walk reaches over triangles that `is_wanted` admits.
+    pub(crate) fn closest_among(
+        &self,
+        start: FaceId,
+        point: Vec3,
+        is_wanted: impl Fn(FaceId) -> bool + Copy,
+    ) -> Projection {
+        self.walk(start, point, |half| self.open_twin(half).filter(|&twin| is_wanted(edit::face(twin))))
+    }
+
     /// Steps to the nearest of the adjacent triangles while that is nearer; `cross` leads over a half-edge.
     #[inline]
     fn walk(&self, start: FaceId, point: Vec3, cross: impl Fn(CornerId) -> Option<CornerId> + Copy) -> Projection {
@@ -129,11 +139,14 @@ impl Baseline {
         best
     }
 
-    /// The location of a UV point in the shell of triangle `start`, by a straight walk; none where a barrier or a fold of
-    /// the UV layout blocks it.
+    /// The location of a UV point in the shell of triangle `start`, by a straight walk; none where a barrier, a fold of the
+    /// UV layout or a small shell blocks it.
     pub fn locate_uv(&self, start: FaceId, uv: Vec2) -> Option<Location> {
         let mut face = start;
         for _ in 0..MAX_STEPS {
+            if self.facets[face].sense == 0.0 {
+                return None;
+            }
             let [a, b, c] = self.triangle_uvs(face);
             let area = (b - a).perp_dot(c - a);
             let weights =

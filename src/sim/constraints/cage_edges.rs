@@ -5,6 +5,7 @@ use crate::garment::{Elements, Garment};
 use crate::mesh::{ChainId, CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
 use crate::sim::options::SimOptions;
 use crate::sim::surface::manifold::Manifold;
+use crate::sim::surface::small_shells::SmallShells;
 use crate::sim::surface::triangulation::RefinedSurface;
 use crate::subdivide::{INFINITE_SHARPNESS, Level, Numbering};
 use std::collections::BTreeMap;
@@ -38,6 +39,7 @@ pub fn constrained_edges(
     manifold: &Manifold,
     options: &SimOptions,
     is_seam: impl Fn(EdgeId) -> bool,
+    small_shells: &SmallShells,
     is_hole: &IdVec<FaceId, bool>,
 ) -> BTreeMap<EdgeId, ChainKind> {
     let t = &manifold.level.topology;
@@ -53,7 +55,8 @@ pub fn constrained_edges(
             ridge: false,
             subsets,
         };
-        let is_constrained = kind.border || kind.sharp || is_chosen || kind.seam && options.constrain_uv_seams;
+        let holds_seam = kind.seam && options.constrain_uv_seams && !small_shells.is_released(edge);
+        let is_constrained = kind.border || kind.sharp || is_chosen || holds_seam;
         (solid > 0 && is_constrained).then_some((edge, kind))
     };
     t.edges.enumerated().filter_map(kind_of).collect()

@@ -54,6 +54,8 @@ pub struct RemeshReport {
     pub ridges: usize,
     /// Corners of chains that were kept as vertices.
     pub corners: usize,
+    /// UV shells too small for triangles of the target length, whose borders are no constraints.
+    pub small_shells: usize,
     /// Vertices of the surface whose target length grading shortened.
     pub graded: usize,
 }
@@ -63,7 +65,8 @@ impl RemeshReport {
     fn new(baseline: &Baseline) -> Self {
         let ridges = baseline.chains.iter().filter(|c| c.kind.ridge).count();
         let corners = baseline.chains.iter().map(|c| c.pins.len()).sum();
-        Self { ridges, corners, graded: baseline.graded, ..Self::default() }
+        let small_shells = baseline.small_shells.count();
+        Self { ridges, corners, small_shells, graded: baseline.graded, ..Self::default() }
     }
 }
 

@@ -35,7 +35,9 @@ impl SimMesh<'_> {
     pub(crate) fn defect(&self, [(a, pa), (b, pb), (c, pc)]: [TriangleCorner<'_>; 3]) -> Defect {
         if self.baseline.holds_uvs {
             let (u, v) = (pb.place.uv - pa.place.uv, pc.place.uv - pa.place.uv);
-            if u.perp_dot(v) * pa.sense <= 0.0 {
+            // A triangle that reaches a small shell has UVs of two shells.
+            let is_on_one = pa.sense * pb.sense * pc.sense != 0.0;
+            if u.perp_dot(v) * pa.sense <= 0.0 && is_on_one {
                 return Defect::Flipped;
             }
         }

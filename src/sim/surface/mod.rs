@@ -3,4 +3,5 @@
 pub mod lengths;
 pub mod manifold;
 pub mod refine;
+pub mod small_shells;
 pub mod triangulation;

@@ -60,6 +60,7 @@ fn of_overrides() {
         ),
         of("check in.usda --set sim.grading=1", &["sim.grading: 1 is out of range", "1.05 or more, or 0"]),
         of("check in.usda --set sim.grading=nan", &["sim.grading"]),
+        of("check in.usda --set sim.smallestShell=-1", &["sim.smallestShell: -1 is out of range", "0 or more"]),
         of("check in.usda --set sim.cornerAngle=0", &["sim.cornerAngle: 0 is out of range", "at most 180"]),
         of("check in.usda --set sim.cornerAngle=181", &["sim.cornerAngle: 181 is out of range"]),
         of("check in.usda --set sim.minEdgeLength=-0.5", &["sim.minEdgeLength: -0.5 is no length"]),
