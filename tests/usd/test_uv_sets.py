@@ -17,6 +17,7 @@ def renamed(tmp_path, names, interpolation=None):
     values = primvars.GetPrimvar("st").ComputeFlattened()
     primvars.RemovePrimvar("st")
     mesh.GetPrim().RemoveProperty("primvars:st:indices")
+    mesh.GetPrim().RemoveProperty("tailor:sim:uvSet")
     for name in names:
         kind = interpolation or UsdGeom.Tokens.faceVarying
         size = len(values) if kind == UsdGeom.Tokens.faceVarying else len(mesh.GetPointsAttr().Get())
