@@ -1,6 +1,6 @@
 //! Checks that options of all kinds share. Every fault names the option and the remedy.
 
-use crate::error::Error;
+use crate::error::{Error, ErrorCode};
 use crate::garment::{Garment, Interpolation, Primvar, Values};
 
 /// Checks that a value is a length, or 0.
@@ -34,7 +34,7 @@ pub fn named(key: &str, names: &[String], kind: &str) -> Result<(), Error> {
     if !names.is_empty() {
         return Ok(());
     }
-    let fault = Error::recipe(key, format!("it names no {kind} subset"));
+    let fault = Error::recipe(key, format!("it names no {kind} subset")).code(ErrorCode::UnknownSubset);
     Err(fault.remedy(format!("name one of the {kind} subsets of the mesh")))
 }
 
@@ -48,7 +48,9 @@ pub fn subsets_are(garment: &Garment, key: &str, names: &[String], kind: &str) -
     let known = garment.subsets.iter().filter(|s| s.elements.kind() == kind);
     let known: Vec<&str> = known.map(|s| s.name.as_str()).collect();
     let fault = format!("\"{name}\" is no {kind} subset of {}", garment.prim);
-    Err(Error::recipe(key, fault).remedy(format!("its {kind} subsets are: {}", known.join(", "))))
+    Err(Error::recipe(key, fault)
+        .code(ErrorCode::UnknownSubset)
+        .remedy(format!("its {kind} subsets are: {}", known.join(", "))))
 }
 
 /// The primvar that `key` names, which has to be a `kind`; none where the name is empty.
@@ -70,7 +72,7 @@ pub fn primvar<'a>(
     let remedy =
         if names.is_empty() { "the mesh has none".to_owned() } else { format!("the mesh has: {}", names.join(", ")) };
     let fault = format!("\"{name}\" is no {kind} of {}", garment.prim);
-    Err(Error::recipe(key, fault).remedy(remedy))
+    Err(Error::recipe(key, fault).code(ErrorCode::UnknownPrimvar).remedy(remedy))
 }
 
 /// The painted weights that `key` names; none where the name is empty.

@@ -2,6 +2,10 @@
 //!
 //! Whoever finds a fault writes its words; this file only holds and prints them.
 
+mod code;
+
+pub use code::ErrorCode;
+
 use crate::mesh::Elements;
 use serde::Serialize;
 use std::fmt;
@@ -30,8 +34,10 @@ pub enum ErrorKind {
 }
 
 /// One fault, in words for the person at the terminal.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Fault {
+    /// Its kind, for programs and for `usdtailor explain`.
+    pub code: ErrorCode,
     /// The prim, attribute, option or file; empty where the text names it.
     pub place: String,
     /// The problem.
@@ -66,7 +72,8 @@ pub struct Error {
 impl Error {
     /// An error of one fault, without a remedy.
     pub fn new(kind: ErrorKind, place: impl fmt::Display, text: impl Into<String>) -> Self {
-        let fault = Fault { place: place.to_string(), text: text.into(), remedy: String::new() };
+        let code = ErrorCode::of_kind(kind);
+        let fault = Fault { code, place: place.to_string(), text: text.into(), remedy: String::new() };
         Self { kind, faults: vec![fault], more: 0, source: None }
     }
 
@@ -91,6 +98,15 @@ impl Error {
     pub fn remedy(mut self, remedy: impl Into<String>) -> Self {
         if let Some(fault) = self.faults.last_mut() {
             fault.remedy = remedy.into();
+        }
+        self
+    }
+
+    /// Sets the code of the last fault, which is otherwise that of the error's kind.
+    #[must_use]
+    pub fn code(mut self, code: ErrorCode) -> Self {
+        if let Some(fault) = self.faults.last_mut() {
+            fault.code = code;
         }
         self
     }
@@ -192,6 +208,12 @@ pub enum Code {
     MeanFabric,
     /// The stage does not compose fully.
     Composition,
+}
+
+impl fmt::Display for Code {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.serialize(f)
+    }
 }
 
 /// A problem that does not stop the work.

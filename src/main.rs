@@ -24,7 +24,7 @@ fn main() -> ExitCode {
     match result {
         Ok(output) => print_all(&output.text, output.code),
         Err(error) => {
-            let _ = writeln!(std::io::stderr(), "error: {error}");
+            cli::print_error(&error);
             ExitCode::from(exit_code(&error))
         }
     }

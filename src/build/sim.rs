@@ -2,7 +2,7 @@
 
 use super::check::doubled_area;
 use super::progress::Clock;
-use crate::error::{Code, Error, Warning, Warnings};
+use crate::error::{Code, Error, ErrorCode, Warning, Warnings};
 use crate::garment::{Elements, Garment, Primvar};
 use crate::mesh::CornerId;
 use crate::recipe::bind_sim;
@@ -118,7 +118,7 @@ fn remesh(garment: &Garment, options: &SimOptions, max_faces: usize, clock: &mut
     if expected > max_faces {
         let fault = format!("the target lengths ask for about {expected} triangles, more than {max_faces}");
         let remedy = "raise sim.minEdgeLength or sim.maxEdgeLength, or --max-faces of the command";
-        return Err(Error::recipe("sim.maxEdgeLength", fault).remedy(remedy));
+        return Err(Error::recipe("sim.maxEdgeLength", fault).code(ErrorCode::TooLarge).remedy(remedy));
     }
     let baseline = clock.run("baseline", || baseline(garment, options))?;
     let confetti = uv_confetti(&baseline, options);

@@ -60,7 +60,7 @@ fn each(inputs: &Inputs, mut work: impl FnMut(&PathBuf, bool) -> Result<(), Erro
     for file in files {
         match work(&file, several) {
             Err(error) if several => {
-                text::print_error(&error, &file);
+                text::print_error(&error, Some(&file));
                 code = code.max(crate::exit_code(&error));
             }
             result => result?,

@@ -1,8 +1,9 @@
-//! The command line: flags as typed options, and the subcommands `build`, `info` and `check`.
+//! The command line: flags as typed options, and the subcommands.
 
 mod batch;
 mod build;
 mod drive;
+mod explain;
 mod info;
 mod memory;
 #[cfg(feature = "preview")]
@@ -14,7 +15,7 @@ use clap::{Args, Parser, Subcommand};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use tailor::DEFAULT_MAX_FACES;
-use tailor::error::{Error, ErrorKind};
+use tailor::error::{Error, ErrorCode, ErrorKind};
 use tailor::recipe::RecipeFile;
 use tailor::session::{Input, Opened, beside, is_usd};
 use tailor::usd::ReadOptions;
@@ -43,6 +44,8 @@ enum Command {
     Preview(preview::Preview),
     /// Check garments; exit 1 if one has a problem
     Check(Inputs),
+    /// Explain a code of an error or warning, or list all codes
+    Explain(explain::Explain),
 }
 
 /// The inputs and how to read them.
@@ -137,6 +140,7 @@ pub fn run(cli: &Cli) -> Result<Output, Error> {
         Command::Build(build) => build.inputs.threads,
         Command::Drive(drive) => drive.threads,
         Command::Info(inputs) | Command::Check(inputs) => inputs.threads,
+        Command::Explain(_) => None,
         #[cfg(feature = "preview")]
         Command::Preview(preview) => preview.inputs().threads,
     };
@@ -152,9 +156,15 @@ pub fn run(cli: &Cli) -> Result<Output, Error> {
         Command::Drive(drive) => drive::run(drive),
         Command::Info(inputs) => info::info(inputs),
         Command::Check(inputs) => info::check(inputs),
+        Command::Explain(explain) => explain::run(explain),
         #[cfg(feature = "preview")]
         Command::Preview(preview) => preview::run(preview),
     }
+}
+
+/// Writes an error to standard error.
+pub fn print_error(error: &Error) {
+    text::print_error(error, None);
 }
 
 /// An error in the command line.
@@ -172,9 +182,11 @@ impl Inputs {
             Some(path) if !is_usd(path) => RecipeFile::read(path)?.source.map(|s| beside(path, &s)),
             _ => None,
         };
-        source
-            .map(|s| vec![s])
-            .ok_or_else(|| usage("", "no input").remedy("name a USD file, or a recipe with a \"source\"; see --help"))
+        source.map(|s| vec![s]).ok_or_else(|| {
+            usage("", "no input")
+                .code(ErrorCode::NoInput)
+                .remedy("name a USD file, or a recipe with a \"source\"; see --help")
+        })
     }
 
     /// An input file with the options of the command line.

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use tailor::error::{Error, plain};
+use tailor::error::{Error, ErrorCode, plain};
 
 /// Checks that a report may be written to `file`, before the build starts.
 ///
@@ -16,7 +16,7 @@ use tailor::error::{Error, plain};
 /// `force`; a folder; a missing parent folder.
 pub fn check_target(file: &Path, force: bool) -> Result<(), Error> {
     let shown = file.display();
-    let fault = |fault: &str, remedy: &str| Err(usage("", fault).remedy(remedy));
+    let fault = |fault: &str, remedy: &str| Err(usage("", fault).code(ErrorCode::OutputPath).remedy(remedy));
     let there = fs::metadata(file).ok();
     if there.as_ref().is_some_and(fs::Metadata::is_dir) {
         return fault(&format!("cannot write report {shown}: it is a folder"), "name a file, such as report.json");
@@ -28,7 +28,8 @@ pub fn check_target(file: &Path, force: bool) -> Result<(), Error> {
         return fault(&format!("report {shown} does not end in .json"), "name a file such as report.json");
     }
     if there.is_some() && !force {
-        return fault(&format!("report {shown} exists already"), "overwrite it with --force");
+        let exists = usage("", format!("report {shown} exists already")).code(ErrorCode::OutputExists);
+        return Err(exists.remedy("overwrite it with --force"));
     }
     let folder = folder(file);
     if !folder.is_dir() {
@@ -50,7 +51,10 @@ pub fn write(file: &Path, tasks: &[Task], outcomes: &[Outcome]) -> Result<(), Er
     text.push('\n');
     write_whole(file, &text).map_err(|e| {
         let fault = usage("", format!("cannot write report {}: {}", file.display(), plain(&e)));
-        fault.remedy("check the folder's permissions and the space on its disk").caused_by(e)
+        fault
+            .code(ErrorCode::WriteFailed)
+            .remedy("check the folder's permissions and the space on its disk")
+            .caused_by(e)
     })
 }
 

@@ -5,7 +5,7 @@ use serde_json::Value;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use tailor::error::{Error, Warning};
+use tailor::error::{Error, ErrorKind, Warning};
 use tailor::{ClothFigures, Products, SimOptions, Timing};
 
 /// Longest line of a summary. \[characters\]
@@ -19,15 +19,28 @@ pub fn print_warnings<'a>(warnings: impl IntoIterator<Item = &'a Warning>, quiet
     let label = input.map(|i| format!("{}: ", i.display())).unwrap_or_default();
     for warning in warnings {
         // A closed standard error is no failure.
-        let _ = writeln!(std::io::stderr(), "warning: {label}{warning}");
+        let _ = writeln!(std::io::stderr(), "warning[{}]: {label}{warning}", warning.code);
     }
 }
 
-/// Writes the error of one of several inputs to standard error, naming the input once.
-pub fn print_error(error: &Error, input: &Path) {
-    let (text, input) = (error.to_string(), input.display().to_string());
-    let label = if text.contains(&input) { String::new() } else { format!("{input}: ") };
-    let _ = writeln!(std::io::stderr(), "error: {label}{text}");
+/// Writes each fault of an error to standard error, with its code. The error of one of several inputs names the input.
+pub fn print_error(error: &Error, input: Option<&Path>) {
+    let input = input.map(|input| input.display().to_string());
+    let label = |text: &str| match &input {
+        Some(input) if !text.contains(input) => format!("{input}: "),
+        _ => String::new(),
+    };
+    let mut out = std::io::stderr();
+    if let (ErrorKind::Internal, Some(fault)) = (error.kind, error.faults.first()) {
+        let _ = writeln!(out, "error[{}]: {}{error}", fault.code, label(&error.to_string()));
+        return;
+    }
+    for fault in &error.faults {
+        let _ = writeln!(out, "error[{}]: {}{fault}", fault.code, label(&fault.to_string()));
+    }
+    if error.more > 0 {
+        let _ = writeln!(out, "and {} more", error.more);
+    }
 }
 
 /// A warning as JSON: its code, data and text.

@@ -1,7 +1,7 @@
 //! Options of the cloth that a solver simulates.
 
 use super::fabric::{FABRICS, Fabric};
-use crate::error::Error;
+use crate::error::{Error, ErrorCode};
 use crate::garment::{Garment, Subset};
 use crate::render::{Domain, Key, Kind};
 use serde::{Deserialize, Serialize};
@@ -77,7 +77,9 @@ impl ClothOptions {
         one_of("cloth.warp", &self.warp, &["u", "v"])?;
         if !self.pin_target.is_empty() && !self.pin_target.starts_with('/') {
             let fault = format!("\"{}\" is no absolute prim path", self.pin_target);
-            return Err(Error::recipe("cloth.pinTarget", fault).remedy("write it as /Body/hips, or leave it empty"));
+            return Err(Error::recipe("cloth.pinTarget", fault)
+                .code(ErrorCode::PinTarget)
+                .remedy("write it as /Body/hips, or leave it empty"));
         }
         Ok(())
     }
@@ -94,14 +96,18 @@ impl ClothOptions {
             let fault =
                 format!("chaos writes panels as subsets {pattern}_0, {pattern}_1, ... of a family \"{pattern}\"");
             let fault = format!("{fault}, and {} has the subset {} there", garment.prim, set.name);
-            return Err(Error::recipe("cloth.physics", fault).remedy("rename the subset and its family"));
+            return Err(Error::recipe("cloth.physics", fault)
+                .code(ErrorCode::NameTaken)
+                .remedy("rename the subset and its family"));
         }
         let fits = |name: &&String| garment.subset(name).is_some_and(|set| set.elements.kind() != "face");
         let Some(name) = self.pins.iter().find(|name| !fits(name)) else { return Ok(()) };
         let known = garment.subsets.iter().filter(|set| set.elements.kind() != "face");
         let known: Vec<&str> = known.map(|set| set.name.as_str()).collect();
         let fault = format!("\"{name}\" is no edge or point subset of {}", garment.prim);
-        Err(Error::recipe("cloth.pins", fault).remedy(format!("its edge and point subsets are: {}", known.join(", "))))
+        Err(Error::recipe("cloth.pins", fault)
+            .code(ErrorCode::UnknownSubset)
+            .remedy(format!("its edge and point subsets are: {}", known.join(", "))))
     }
 }
 

@@ -26,7 +26,7 @@
 
 mod frames;
 
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorCode, ErrorKind};
 use frames::BindFrames;
 use glam::{Quat, Vec3};
 use rayon::prelude::*;
@@ -76,7 +76,9 @@ impl Driver {
     /// # Errors
     /// Numbers of points, triangles and places that do not fit.
     pub fn new(pose: &BindPose<'_>) -> Result<Self, Error> {
-        let fault = |text: String| Error::new(ErrorKind::Mesh, "binding", text).remedy("build the garment again");
+        let fault = |text: String| {
+            Error::new(ErrorKind::Mesh, "binding", text).code(ErrorCode::StaleBinding).remedy("build the garment again")
+        };
         let (count, points) = (pose.points.len(), pose.sim_points.len());
         if pose.faces.len() != count || pose.coords.len() != count {
             let (faces, coords) = (pose.faces.len(), pose.coords.len());

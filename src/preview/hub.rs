@@ -5,10 +5,10 @@
 //! they have them.
 
 use super::document::{Before, Document, Options};
-use super::messages::{Message, Origin, PlainFault, Role};
+use super::messages::{Message, Origin, Role};
 use super::stage::Stage;
 use crate::build::{Builder, Progress};
-use crate::error::{Error, Warnings};
+use crate::error::{Error, Fault, Warnings};
 use crate::garment::Garment;
 use crate::recipe::Recipe;
 use crate::report::{RenderFigures, TriangleQuality};
@@ -47,7 +47,7 @@ pub struct Snapshot {
     /// The document; the page adds its own serial.
     pub state: Arc<State>,
     /// Faults by origin.
-    pub faults: Arc<BTreeMap<Origin, Vec<PlainFault>>>,
+    pub faults: Arc<BTreeMap<Origin, Vec<Fault>>>,
     /// Steps that are being worked on.
     pub progress: BTreeMap<Role, String>,
     /// The meshes.
@@ -204,7 +204,7 @@ impl Hub {
                 shared.set_faults(Origin::File, Vec::new());
                 shared.show_model();
             }
-            Err(error) => shared.set_faults(Origin::File, plain(&error)),
+            Err(error) => shared.set_faults(Origin::File, error.faults),
         });
     }
 
@@ -241,7 +241,7 @@ impl Hub {
             };
             self.change(|shared| {
                 shared.snapshot.progress.remove(&role);
-                shared.set_faults(origin, faults.err().as_ref().map_or(Vec::new(), plain));
+                shared.set_faults(origin, faults.err().map_or(Vec::new(), |error| error.faults));
             });
         }
     }
@@ -315,7 +315,7 @@ impl Shared {
                 self.job = Some(Job { revision, stage: Arc::clone(stage), recipe: Arc::new(recipe) });
                 Vec::new()
             }
-            Err(error) => plain(&error),
+            Err(error) => error.faults,
         };
         self.set_faults(Origin::Recipe, faults);
     }
@@ -334,7 +334,7 @@ impl Shared {
         self.snapshot.shown.insert(Role::Model, Arc::new(shown));
     }
 
-    fn set_faults(&mut self, origin: Origin, faults: Vec<PlainFault>) {
+    fn set_faults(&mut self, origin: Origin, faults: Vec<Fault>) {
         if self.snapshot.faults.get(&origin) != Some(&faults) {
             Arc::make_mut(&mut self.snapshot.faults).insert(origin, faults);
         }
@@ -347,10 +347,6 @@ fn is_same_part(role: Role, a: &Recipe, b: &Recipe) -> bool {
         Role::Sim => a.sim == b.sim,
         _ => Recipe { sim: b.sim.clone(), ..a.clone() } == *b && a.sim.uv_set == b.sim.uv_set,
     }
-}
-
-fn plain(error: &Error) -> Vec<PlainFault> {
-    error.faults.iter().map(PlainFault::from).collect()
 }
 
 /// Figures and warnings of a product.

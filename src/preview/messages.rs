@@ -59,20 +59,6 @@ pub enum Origin {
     Render,
 }
 
-/// A fault, as [`Fault`].
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct PlainFault {
-    pub place: String,
-    pub text: String,
-    pub remedy: String,
-}
-
-impl From<&Fault> for PlainFault {
-    fn from(fault: &Fault) -> Self {
-        Self { place: fault.place.clone(), text: fault.text.clone(), remedy: fault.remedy.clone() }
-    }
-}
-
 /// The answer to `plan` and `save`.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct SaveAnswer {
@@ -82,7 +68,7 @@ pub struct SaveAnswer {
     pub exists: bool,
     pub text: String,
     pub note: String,
-    pub fault: Option<PlainFault>,
+    pub fault: Option<Fault>,
 }
 
 /// A text message to the page.
@@ -102,7 +88,7 @@ pub enum Message<'a> {
     },
     Faults {
         origin: Origin,
-        faults: &'a [PlainFault],
+        faults: &'a [Fault],
     },
     Product {
         role: Role,

@@ -1,6 +1,6 @@
 //! The page, which `cargo xtask page` bundles and `build.rs` embeds.
 
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorCode, ErrorKind};
 
 /// A file of the page.
 pub struct File {
@@ -38,5 +38,6 @@ pub fn check() -> Result<(), Error> {
         return Ok(());
     }
     Err(Error::new(ErrorKind::Usage, "preview", "this program was built without the page")
+        .code(ErrorCode::PreviewServer)
         .remedy("run `cargo xtask page`, which needs Node.js with npm, and build the program again"))
 }

@@ -5,9 +5,9 @@
 
 use super::document::Options;
 use super::hub::Hub;
-use super::messages::{PlainFault, SaveAnswer};
+use super::messages::SaveAnswer;
 use super::stage::Stage;
-use crate::error::{Error, ErrorKind, plain};
+use crate::error::{Error, ErrorCode, ErrorKind, plain};
 use crate::recipe::{KEYS, default_at, is_attribute, is_recipe, kind_named};
 use crate::render::{Domain, Key};
 use crate::session::Input;
@@ -51,7 +51,7 @@ fn answer(path: &str, status: &'static str, text: Result<String, Error>, note: S
     match text {
         Ok(text) => SaveAnswer { status, text, ..answer },
         Err(error) => {
-            let fault = error.faults.first().map(PlainFault::from);
+            let fault = error.faults.into_iter().next();
             SaveAnswer { status: "refused", fault, ..answer }
         }
     }
@@ -95,7 +95,7 @@ impl Content {
 
     /// The text of a `.tailor` file.
     fn recipe_file(&self, file: &Path) -> Result<String, Error> {
-        let fault = |text: &str| Error::new(ErrorKind::Usage, file.display(), text);
+        let fault = |text: &str| Error::new(ErrorKind::Usage, file.display(), text).code(ErrorCode::OutputPath);
         if !self.read.variants.is_empty() {
             return Err(fault("a .tailor file holds no variants, and variants were selected here")
                 .remedy("save a USD layer, which holds them"));
@@ -116,7 +116,9 @@ impl Content {
     fn write_recipe_file(&self, file: &Path, overwrite: bool) -> Result<(), Error> {
         let text = self.recipe_file(file)?;
         let fault = |e: std::io::Error| {
-            Error::new(ErrorKind::Usage, file.display(), format!("cannot be written: {}", plain(&e))).caused_by(e)
+            Error::new(ErrorKind::Usage, file.display(), format!("cannot be written: {}", plain(&e)))
+                .code(ErrorCode::WriteFailed)
+                .caused_by(e)
         };
         let mut temporary = tempfile::Builder::new()
             .prefix(".usdtailor-")
@@ -130,6 +132,7 @@ impl Content {
         kept.map(drop).map_err(|e| match e.error.kind() {
             std::io::ErrorKind::AlreadyExists => {
                 Error::new(ErrorKind::Usage, file.display(), "the file exists already")
+                    .code(ErrorCode::OutputExists)
                     .remedy("choose overwrite, or another name")
             }
             _ => fault(e.error),
@@ -142,7 +145,9 @@ impl Content {
         let read = ReadOptions { prim, time: self.read.time, variants: Vec::new() };
         let opened = Input { file: written.to_path_buf(), read, ..Input::default() }.open()?;
         let fault = |text: &str| {
-            Error::new(ErrorKind::Usd, "", format!("{text}, so nothing was written")).remedy("save to a new file")
+            Error::new(ErrorKind::Usd, "", format!("{text}, so nothing was written"))
+                .code(ErrorCode::NotWrittenBack)
+                .remedy("save to a new file")
         };
         if opened.mesh != self.stage.mesh {
             return Err(fault("the file would give another garment than the one on screen"));

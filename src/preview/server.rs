@@ -5,7 +5,7 @@
 
 use super::hub::Hub;
 use super::{page, socket};
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorCode, ErrorKind};
 use axum::Router;
 use axum::extract::ws::WebSocketUpgrade;
 use axum::extract::{Request, State};
@@ -69,6 +69,7 @@ pub fn run(hub: &Arc<Hub>, port: u16, ready: impl FnOnce(&str)) -> Result<(), Er
     runtime.block_on(async {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).await.map_err(|e| {
             Error::new(ErrorKind::Usage, format!("--port {port}"), format!("cannot be opened: {e}"))
+                .code(ErrorCode::PreviewServer)
                 .remedy("choose another port, or 0 for any that is free")
                 .caused_by(e)
         })?;

@@ -2,9 +2,10 @@
 
 use super::frame::{Sent, frame};
 use super::hub::{Hub, Snapshot, State};
-use super::messages::{Message, Origin, PlainFault, Request, Role, View};
+use super::messages::{Message, Origin, Request, Role, View};
 use super::save;
 use super::stage::Stage;
+use crate::error::Fault;
 use crate::usd::Selection;
 use axum::extract::ws::{self, WebSocket};
 use std::collections::BTreeMap;
@@ -33,7 +34,7 @@ struct Client {
     comparing: bool,
     stage: Option<Arc<Stage>>,
     state: Option<(Arc<State>, u64)>,
-    faults: BTreeMap<Origin, Vec<PlainFault>>,
+    faults: BTreeMap<Origin, Vec<Fault>>,
     progress: BTreeMap<Role, String>,
     meshes: BTreeMap<Role, Option<Sent>>,
     products: BTreeMap<Role, Arc<str>>,
@@ -143,7 +144,7 @@ impl Client {
                 Ok(Some(bytes)) => news.push(ws::Message::Binary(bytes.into())),
                 Ok(None) => {}
                 Err(error) => {
-                    let faults: Vec<PlainFault> = error.faults.iter().map(PlainFault::from).collect();
+                    let faults = error.faults.clone();
                     let origin = if role == Role::Sim { Origin::Sim } else { Origin::Render };
                     news.push(text(Message::Faults { origin, faults: &faults }.to_text()));
                 }

@@ -2,7 +2,7 @@
 
 use super::in_words;
 use crate::cloth::{ClothOptions, FabricOptions};
-use crate::error::{Error, plain};
+use crate::error::{Error, ErrorCode, plain};
 use crate::render::{RenderOptions, SeamOptions, ThicknessOptions};
 use crate::sim::SimOptions;
 use serde::Deserialize;
@@ -33,6 +33,7 @@ impl RecipeFile {
     pub fn read(path: &Path) -> Result<Self, Error> {
         let text = std::fs::read_to_string(path).map_err(|e| {
             Error::recipe(path.display(), format!("cannot read recipe: {}", plain(&e)))
+                .code(ErrorCode::RecipeFile)
                 .remedy("check the path")
                 .caused_by(e)
         })?;
@@ -45,7 +46,7 @@ impl RecipeFile {
     /// A text that is not a recipe, with line and column.
     pub fn parse(path: &Path, text: &str) -> Result<Self, Error> {
         let fault = |e: serde_json::Error| {
-            let fault = Error::recipe(path.display(), in_words(&e));
+            let fault = Error::recipe(path.display(), in_words(&e)).code(ErrorCode::RecipeFile);
             fault.remedy("a recipe is JSON, such as {\"sim\": {\"maxEdgeLength\": 2}}").caused_by(e)
         };
         // Some editors write a byte order mark.
@@ -60,7 +61,9 @@ impl RecipeFile {
     /// # Errors
     /// A missing source, or one that is itself a recipe.
     pub fn required_source(&self, path: &Path) -> Result<&str, Error> {
-        let fault = |fault: &str, remedy: &str| Err(Error::recipe(path.display(), fault).remedy(remedy));
+        let fault = |fault: &str, remedy: &str| {
+            Err(Error::recipe(path.display(), fault).code(ErrorCode::RecipeFile).remedy(remedy))
+        };
         match self.source.as_deref() {
             None | Some("") => fault("it names no source", "add \"source\": \"coat.usda\", relative to the file"),
             Some(source) if is_recipe(Path::new(source)) => {

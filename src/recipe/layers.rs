@@ -2,7 +2,7 @@
 
 use super::operators::split;
 use super::{Recipe, all_keys, bind_uv_set, default_of, in_words, kind_named, value_type};
-use crate::error::{Error, ErrorKind, Warning, Warnings};
+use crate::error::{Error, ErrorCode, ErrorKind, Warning, Warnings};
 use crate::garment::Garment;
 use serde_json::{Map, Value};
 use serde_path_to_error::Segment;
@@ -82,7 +82,8 @@ impl Layers {
     /// A key that no option has, or a value of another type.
     pub fn add_override(&mut self, assignment: &str) -> Result<(), Error> {
         let (key, text) = assignment.split_once('=').ok_or_else(|| {
-            let fault = Error::new(ErrorKind::Usage, format!("--set {assignment}"), "it has no value");
+            let fault = Error::new(ErrorKind::Usage, format!("--set {assignment}"), "it has no value")
+                .code(ErrorCode::OptionValue);
             fault.remedy("write --set sim.maxEdgeLength=2")
         })?;
         self.add_text("--set", key.trim(), text.trim())
@@ -93,14 +94,15 @@ impl Layers {
     /// # Errors
     /// A key that no option has, or a value of another type.
     pub fn add_text(&mut self, giver: &str, key: &str, text: &str) -> Result<(), Error> {
-        let fault = |text: String| Error::new(ErrorKind::Usage, format!("{giver} {key}"), text);
+        let fault =
+            |text: String| Error::new(ErrorKind::Usage, format!("{giver} {key}"), text).code(ErrorCode::OptionValue);
         let (space, field) = key.split_once('.').unwrap_or((key, ""));
         let Some(default) = default_of(space, field) else {
-            return Err(fault("there is no such option".into()).remedy(all_keys()));
+            return Err(fault("there is no such option".into()).code(ErrorCode::UnknownOption).remedy(all_keys()));
         };
         if let Some(("", _)) = split(space, field) {
             let remedy = format!("write {space}.<name>.{field}, such as {space}.a.{field}");
-            return Err(fault(format!("the {space} has no name")).remedy(remedy));
+            return Err(fault(format!("the {space} has no name")).code(ErrorCode::UnknownOption).remedy(remedy));
         }
         let its_default = format!("its default is {default}");
         let Some(value) = parse_like(&default, text) else {
@@ -162,7 +164,8 @@ fn mistyped(e: &serde_path_to_error::Error<serde_json::Error>) -> Error {
     let key = |segment: &Segment| if let Segment::Map { key } = segment { Some(key.clone()) } else { None };
     let keys: Vec<String> = e.path().iter().filter_map(key).collect();
     let default = keys.split_first().and_then(|(space, rest)| default_of(space, &rest.join(".")));
-    let fault = Error::recipe(format!("tailor:{} of the model", keys.join(":")), in_words(e.inner()));
+    let fault = Error::recipe(format!("tailor:{} of the model", keys.join(":")), in_words(e.inner()))
+        .code(ErrorCode::RecipeAttribute);
     fault.remedy(format!("declare it as {}", value_type(&default.unwrap_or_default()).usd))
 }
 

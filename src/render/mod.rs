@@ -36,7 +36,7 @@ pub use seam::SeamOptions;
 pub use stack::{Origins, RenderSteps, Rendered, Stack};
 pub use thickness::{Side, ThicknessOptions};
 
-use crate::error::{Code, Error, Warning, Warnings};
+use crate::error::{Code, Error, ErrorCode, Warning, Warnings};
 use crate::garment::{BoundaryInterpolation, Elements, Garment, Scheme, Subset, free_name};
 use crate::mesh::FaceId;
 use crate::subdivide::{Level, MAX_REFINED_FACES, refined_faces};
@@ -68,7 +68,7 @@ fn check_size(cage: &Garment, level: u32) -> Result<(), Error> {
         return Ok(());
     }
     let fault = format!("level {level} makes {faces} faces with the operators, more than {MAX_REFINED_FACES}");
-    Err(Error::recipe("render.level", fault).remedy("lower the level"))
+    Err(Error::recipe("render.level", fault).code(ErrorCode::TooLarge).remedy("lower the level"))
 }
 
 /// Notes the faces that `interpolateBoundary = "none"` removes, which are fewer with each refinement.
@@ -104,5 +104,7 @@ fn refuse_loop(cage: &OperatorInput, operator: &str) -> Result<(), Error> {
     }
     let prim = &cage.garment.prim;
     let fault = format!("it makes quads, which {prim} with subdivisionScheme \"loop\" cannot have");
-    Err(Error::recipe(operator, fault).remedy("set the scheme to catmullClark, or remove the operator"))
+    Err(Error::recipe(operator, fault)
+        .code(ErrorCode::LoopOperators)
+        .remedy("set the scheme to catmullClark, or remove the operator"))
 }

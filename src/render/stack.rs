@@ -6,7 +6,7 @@ pub use steps::{Origins, RenderSteps, Rendered};
 
 use super::operator::Operator;
 use super::{OperatorOptions, RenderOptions};
-use crate::error::{Code, Error, Warning, Warnings, names};
+use crate::error::{Code, Error, ErrorCode, Warning, Warnings, names};
 use crate::garment::Garment;
 use std::sync::Arc;
 
@@ -73,7 +73,8 @@ fn order(
     let fault = |name: &str, fault: &str| {
         let known: Vec<String> = (0..all.len()).map(full_name).collect();
         let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
-        let error = Error::recipe("render.operators", format!("it names \"{name}\", {fault}"));
+        let error =
+            Error::recipe("render.operators", format!("it names \"{name}\", {fault}")).code(ErrorCode::UnknownOperator);
         Err(error.remedy(format!("the operators of the recipe are: {known}")))
     };
     let mut order: Vec<usize> = Vec::new();

@@ -16,7 +16,7 @@ use super::lines::{self, Lines, Request};
 use super::operator::{Control, Operator, OperatorInput, OperatorOutput, REPORTED, Role, is_lone_corner};
 use super::options::{Domain, Key, OperatorOptions};
 use crate::checks;
-use crate::error::{Code, Error, Warning, Warnings};
+use crate::error::{Code, Error, ErrorCode, Warning, Warnings};
 use crate::garment::{Elements, Garment, Orientation, Subset, Values};
 use crate::mesh::{CornerId, Csr, EdgeId, FaceId, IdVec, Topology, VertexId};
 use crate::subdivide::{Level, Stencils};
@@ -195,6 +195,7 @@ impl Thickness {
         let (label, faces) = (self.label(), self.options.faces.join(", "));
         let fault = format!("{faces} is not next to a border of {}, and cannot be folded", garment.prim);
         Error::recipe(format!("{label}.faces"), fault)
+            .code(ErrorCode::NoBorder)
             .remedy(format!("name a face subset at a border, or set {label}.closed"))
     }
 

@@ -1,6 +1,6 @@
 //! A `.tailor` file opened as a USD layer, with its file-format arguments.
 
-use crate::error::{Error, ErrorKind, Warnings};
+use crate::error::{Error, ErrorCode, ErrorKind, Warnings};
 use crate::recipe::{Layers, RecipeFile};
 use crate::usd::{ReadOptions, Source};
 use serde_json::{Map, Value};
@@ -43,7 +43,8 @@ impl Document {
             "prim" => self.options.prim = Some(text.to_owned()),
             "time" => {
                 let time = text.parse().map_err(|_| {
-                    let fault = Error::new(ErrorKind::Usage, "argument time", format!("\"{text}\" is not a number"));
+                    let fault = Error::new(ErrorKind::Usage, "argument time", format!("\"{text}\" is not a number"))
+                        .code(ErrorCode::OptionValue);
                     fault.remedy("give a time code, such as 24.5")
                 })?;
                 self.options.time = Some(time);

@@ -1,6 +1,6 @@
 //! Asset paths: the file that a layer refers to, and the path by which another layer refers to it.
 
-use crate::error::Error;
+use crate::error::{Error, ErrorCode};
 use openusd::sdf::{AssetPath, Value};
 use openusd::usd::{SpecSite, Stage};
 use std::path::{Component, Path, PathBuf};
@@ -119,7 +119,7 @@ pub fn tiles(pattern: &Path) -> Vec<PathBuf> {
 /// # Errors
 /// A path without a folder that exists, or that is no text.
 pub fn absolute(file: &Path) -> Result<String, Error> {
-    let fault = || Error::usd(format!("cannot find the folder of {}", file.display()));
+    let fault = || Error::usd(format!("cannot find the folder of {}", file.display())).code(ErrorCode::OutputPath);
     let folder = match file.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),

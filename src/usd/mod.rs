@@ -43,7 +43,7 @@ fn on_large_stack<T: Send>(work: impl FnOnce() -> Result<T, Error> + Send) -> Re
             Ok(Ok(result)) => result,
             Ok(Err(_)) => Err(Error::usd("the USD library failed on this stage")
                 .remedy("export the file again from the program that wrote it, and please report the failure")),
-            Err(e) => Err(Error::usd(format!("cannot start a thread: {e}"))),
+            Err(e) => Err(Error::internal(format!("cannot start a thread: {e}"))),
         }
     })
 }

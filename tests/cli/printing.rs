@@ -19,7 +19,7 @@ fn a_build_is_told_on_one_screen() {
     ]);
     assert!(run.stdout.lines().count() <= 24, "{run}");
     assert!(run.stdout.lines().all(|l| l.chars().count() <= 120), "{run}");
-    assert!(run.stderr.lines().all(|l| l.starts_with("warning: ")), "{run}");
+    assert!(run.stderr.lines().all(|l| l.starts_with("warning[")), "{run}");
     let more = folder.good("build in.usda -o out/coat.usda --force -v");
     more.prints(&["rounds ", "set     left: area", "recipe  {\"sim\":"]);
 }
@@ -35,7 +35,7 @@ fn quiet_prints_nothing() {
         assert_eq!((run.stdout.as_str(), run.stderr.as_str()), ("", ""), "{run}");
     }
     // But a fault is told.
-    folder.run("build in.usda -o out/coat.usda -q").says(&["error: out/coat.usda exists already"]);
+    folder.run("build in.usda -o out/coat.usda -q").says(&["error[output-exists]: out/coat.usda exists already"]);
 }
 
 #[test]
@@ -86,7 +86,7 @@ fn check_says_good_or_what_is_odd() {
     folder.file("odd.usda", cloth_and("uniform token subdivisionScheme = \"none\""));
     let run = folder.good("check odd.usda in.usda");
     assert_eq!(run.stdout, "odd.usda: good\nin.usda: good\n");
-    run.says(&["warning: odd.usda: /Coat/model: subdivisionScheme is none"]);
+    run.says(&["warning[polygonal-cage]: odd.usda: /Coat/model: subdivisionScheme is none"]);
 }
 
 #[test]
@@ -113,11 +113,27 @@ fn the_report_has_counts_figures_times_and_warnings() {
     let warnings = report["warnings"].as_array().expect("warnings");
     assert!(warnings.iter().any(|w| w["code"] == "polygonal-cage"), "{report:#}");
     for warning in warnings {
-        run.says(&[&format!("warning: {}", warning["message"].as_str().expect("a message"))]);
+        run.says(&[&format!(
+            "warning[{}]: {}",
+            warning["code"].as_str().expect("a code"),
+            warning["message"].as_str().expect("a message")
+        )]);
     }
     folder.good("build in.usda odd.usda -o out --report out/both.json");
     let both: Value = serde_json::from_slice(&folder.read("out/both.json")).expect("JSON");
     assert_eq!(both["builds"].as_array().map(Vec::len), Some(2));
+}
+
+#[test]
+fn codes_are_explained() {
+    let folder = with_cloth();
+    let all = folder.good("explain");
+    all.prints(&["no-mesh", "polygonal-cage", "The stage holds no mesh to build from."]);
+    assert!(all.stdout.lines().all(|line| line.len() <= 120), "{all}");
+    folder.good("explain output-exists").prints(&["output-exists\n", "Cause: ", "Remedy: ", "--force"]);
+    let unknown = folder.run("explain output-exsits");
+    assert_eq!(unknown.code, Some(1), "{unknown}");
+    unknown.says(&["error[command-line]: there is no code", "did you mean output-exists?"]);
 }
 
 #[test]

@@ -57,7 +57,7 @@ fn a_recipe_may_name_the_source_and_the_prim() {
 fn an_attribute_of_no_schema_is_told_and_stays() {
     let folder = Folder::new();
     folder.file("in.usda", cloth_and("uniform float tailor:sim:stretch = 2"));
-    folder.good("build in.usda -o out/coat.usda").says(&["warning: tailor:sim:stretch: not carried"]);
+    folder.good("build in.usda -o out/coat.usda").says(&["warning[not-carried]: tailor:sim:stretch: not carried"]);
 }
 
 #[test]

@@ -13,7 +13,7 @@ mod stretch;
 
 use super::options::RestShape;
 use super::surface::{Surface, area, shares_uvs};
-use crate::error::{Code, Error, Warning};
+use crate::error::{Code, Error, ErrorCode, Warning};
 use crate::garment::{Elements, Garment};
 use crate::mesh::{CornerId, FaceId};
 use crate::sim::SimProduct;
@@ -80,7 +80,9 @@ pub fn rest(
         (RestShape::Mesh, _) | (RestShape::Auto, None) => return Ok((None, None)),
         (RestShape::Panels, None) => {
             let fault = format!("{} has no UV set \"{uv_set}\"", garment.prim);
-            return Err(Error::recipe("cloth.rest", fault).remedy("name its UV set in sim.uvSet, or rest on the mesh"));
+            return Err(Error::recipe("cloth.rest", fault)
+                .code(ErrorCode::UnusablePanels)
+                .remedy("name its UV set in sim.uvSet, or rest on the mesh"));
         }
         (_, Some(cage)) => cage,
     };
@@ -89,7 +91,9 @@ pub fn rest(
     shells.note_stretch(&free);
     let others = shells.not_patterns();
     if !others.is_empty() && wanted == RestShape::Panels {
-        return Err(Error::recipe("cloth.rest", shells.fault(&others)).remedy("use auto, or mend the UVs"));
+        return Err(Error::recipe("cloth.rest", shells.fault(&others))
+            .code(ErrorCode::UnusablePanels)
+            .remedy("use auto, or mend the UVs"));
     }
     let warning = (!others.is_empty()).then(|| {
         let problem = format!("{}; they rest as modelled", shells.fault(&others));

@@ -2,6 +2,7 @@
 
 use super::mesh::{Count, Entry, Indices, Mesh, Repeat, repeats};
 use super::problem::Problems;
+use crate::error::ErrorCode;
 use crate::garment::{Corner, Crease, GarmentInput};
 use crate::mesh::VertexId;
 
@@ -33,7 +34,12 @@ fn lengths(input: &GarmentInput, problems: &mut Problems) -> Option<Vec<usize>> 
     let before = problems.count();
     for (crease, &n) in input.crease_lengths.iter().enumerate().filter(|&(_, &n)| n < 2) {
         let fault = format_args!("crease {crease} has a length of {n}, but a crease has two points or more");
-        problems.add("creaseLengths", fault, format_args!("remove the crease, or add the other end of its edge"));
+        problems.add(
+            ErrorCode::CreaseData,
+            "creaseLengths",
+            fault,
+            format_args!("remove the crease, or add the other end of its edge"),
+        );
     }
     if problems.count() > before {
         return None;
@@ -43,7 +49,7 @@ fn lengths(input: &GarmentInput, problems: &mut Problems) -> Option<Vec<usize>> 
     if sum != found {
         let fault = format_args!("holds {}, but creaseLengths adds up to {sum}", Count(found, "index"));
         let remedy = format_args!("list the points of every crease, or correct creaseLengths");
-        problems.add("creaseIndices", fault, remedy);
+        problems.add(ErrorCode::CreaseData, "creaseIndices", fault, remedy);
         return None;
     }
     Some(lengths)
@@ -63,7 +69,7 @@ fn sharpness_per_edge(lengths: &[usize], found: usize, problems: &mut Problems) 
         Count(edges, "edge")
     );
     let remedy = format_args!("give one sharpness for each crease ({creases}) or one for each edge ({edges})");
-    problems.add("creaseSharpnesses", fault, remedy);
+    problems.add(ErrorCode::CreaseData, "creaseSharpnesses", fault, remedy);
     None
 }
 
@@ -75,7 +81,7 @@ fn check_steps(crease: usize, path: &[Option<VertexId>], mesh: &Mesh<'_>, proble
             let (a, b) = (a.index(), b.index());
             let fault = format_args!("step {step} of crease {crease}, point {a} to {b}, is not an edge of the mesh");
             let remedy = format_args!("list the points that the crease passes in between, or end it at point {a}");
-            problems.add("creaseIndices", fault, remedy);
+            problems.add(ErrorCode::CreaseData, "creaseIndices", fault, remedy);
         }
     }
 }
@@ -84,7 +90,12 @@ fn check_steps(crease: usize, path: &[Option<VertexId>], mesh: &Mesh<'_>, proble
 fn sharpnesses(attribute: &str, values: &[f32], problems: &mut Problems) -> Vec<f32> {
     for (i, &s) in values.iter().enumerate().filter(|&(_, &s)| s.is_nan() || s < 0.0) {
         let fault = format_args!("entry {i} is {s}, but a sharpness is zero or more");
-        problems.add(attribute, fault, format_args!("use 0 for smooth, 10 for infinitely sharp"));
+        problems.add(
+            ErrorCode::CreaseData,
+            attribute,
+            fault,
+            format_args!("use 0 for smooth, 10 for infinitely sharp"),
+        );
     }
     values.iter().map(|&s| if s == f32::INFINITY { INFINITE_SHARPNESS } else { s }).collect()
 }
@@ -99,7 +110,7 @@ pub(super) fn corners(input: &GarmentInput, mesh: &Mesh<'_>, problems: &mut Prob
     if found != needed {
         let fault = format_args!("holds {}, but cornerIndices holds {needed}", Count(found, "number"));
         let remedy = format_args!("give one sharpness for each corner ({needed})");
-        problems.add("cornerSharpnesses", fault, remedy);
+        problems.add(ErrorCode::CreaseData, "cornerSharpnesses", fault, remedy);
     }
     let corners = vertices.into_iter().zip(sharpnesses);
     corners.filter_map(|(vertex, sharpness)| Some(Corner { vertex: vertex?, sharpness })).collect()
@@ -112,6 +123,6 @@ fn check_twice(vertices: &[Option<VertexId>], problems: &mut Problems) {
         let Some(vertex) = vertices[again] else { continue };
         let fault = format_args!("entry {again} names point {} again, after entry {first}", vertex.index());
         let remedy = format_args!("keep one of the two, and its sharpness");
-        problems.add("cornerIndices", fault, remedy);
+        problems.add(ErrorCode::CreaseData, "cornerIndices", fault, remedy);
     }
 }

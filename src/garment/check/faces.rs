@@ -2,6 +2,7 @@
 
 use super::mesh::{Count, Entry, Indices, Mesh, corner_sum};
 use super::problem::Problems;
+use crate::error::ErrorCode;
 use crate::garment::{GarmentInput, Scheme};
 use crate::mesh::{FaceId, Faces, VertexId};
 use glam::Vec3;
@@ -12,11 +13,16 @@ pub(super) fn check_points(points: &[Vec3], problems: &mut Problems) -> bool {
     let before = problems.count();
     if points.is_empty() {
         let fault = format_args!("the mesh has no points");
-        problems.add("points", fault, format_args!("author the points, or name another mesh with --prim"));
+        problems.add(
+            ErrorCode::EmptyMesh,
+            "points",
+            fault,
+            format_args!("author the points, or name another mesh with --prim"),
+        );
     }
     for (i, p) in points.iter().enumerate().filter(|(_, p)| !p.is_finite()) {
         let fault = format_args!("point {i} is ({}, {}, {}), which is not finite", p.x, p.y, p.z);
-        problems.add("points", fault, format_args!("give the point a finite position"));
+        problems.add(ErrorCode::NotFinite, "points", fault, format_args!("give the point a finite position"));
     }
     problems.count() == before
 }
@@ -46,11 +52,16 @@ fn check_counts(input: &GarmentInput, problems: &mut Problems) {
     let counts = &input.face_vertex_counts;
     if counts.is_empty() {
         let remedy = format_args!("author the faces, or name another mesh with --prim");
-        return problems.add(ATTRIBUTE, format_args!("the mesh has no faces"), remedy);
+        return problems.add(ErrorCode::EmptyMesh, ATTRIBUTE, format_args!("the mesh has no faces"), remedy);
     }
     for (face, &n) in counts.iter().enumerate().filter(|&(_, &n)| n < 3) {
         let corners = format_args!("face {face} has a count of {n}, but a face has three corners or more");
-        problems.add(ATTRIBUTE, corners, format_args!("remove the face, or give it its missing corners"));
+        problems.add(
+            ErrorCode::FaceCorners,
+            ATTRIBUTE,
+            corners,
+            format_args!("remove the face, or give it its missing corners"),
+        );
     }
     let found = input.face_vertex_indices.len();
     let Some(sum) = corner_sum(counts).filter(|&sum| sum != found) else { return };
@@ -58,7 +69,7 @@ fn check_counts(input: &GarmentInput, problems: &mut Problems) {
     let (verb, excess) = if found < sum { ("add the", sum - found) } else { ("remove the", found - sum) };
     let which = if found < sum { "missing" } else { "surplus" };
     let remedy = format_args!("{verb} {which} {}, or correct faceVertexCounts", Count(excess, "index"));
-    problems.add("faceVertexIndices", fault, remedy);
+    problems.add(ErrorCode::FaceCorners, "faceVertexIndices", fault, remedy);
 }
 
 /// Checks that a Loop cage has triangles only.
@@ -72,7 +83,7 @@ pub(super) fn check_scheme(input: &GarmentInput, problems: &mut Problems) {
     let fault =
         format_args!("loop takes triangles only, but face {face} has {n} corners ({} in all)", Count(all, "face"));
     let remedy = format_args!("triangulate the mesh, or set subdivisionScheme to catmullClark");
-    problems.add("subdivisionScheme", fault, remedy);
+    problems.add(ErrorCode::LoopFaces, "subdivisionScheme", fault, remedy);
 }
 
 /// Checks that no face has a vertex twice.
@@ -88,7 +99,7 @@ fn check_repeats(counts: &[i32], corners: &[VertexId], points: usize, problems: 
                 let (point, first, second) = (vertex.index(), seen - 1 - start, corner - start);
                 let fault = format_args!("face {face} has point {point} twice, at corners {first} and {second}");
                 let remedy = format_args!("remove one of the two corners, or split the face");
-                problems.add("faceVertexIndices", fault, remedy);
+                problems.add(ErrorCode::FaceCorners, "faceVertexIndices", fault, remedy);
             }
         }
         start = end;

@@ -1,6 +1,7 @@
 //! The elements that indices and lengths must fit, and their names in messages.
 
 use super::Problems;
+use crate::error::ErrorCode;
 use crate::garment::{GarmentInput, Interpolation};
 use crate::mesh::{EdgeId, Id, Topology, VertexId};
 use std::fmt;
@@ -162,10 +163,20 @@ impl Indices<'_> {
         let (attribute, kind) = (self.attribute, self.kind);
         let Some(last) = count.checked_sub(1) else {
             let fault = format_args!("{place} names {kind} {index}, but there are no {kind}s");
-            return problems.add(attribute, fault, format_args!("add the {kind}s, or remove the indices"));
+            return problems.add(
+                ErrorCode::IndexOutOfRange,
+                attribute,
+                fault,
+                format_args!("add the {kind}s, or remove the indices"),
+            );
         };
         let fault = format_args!("{place} names {kind} {index}, but there are {}, 0 to {last}", Count(count, kind));
-        problems.add(attribute, fault, format_args!("use an index from 0 to {last}, or add the missing {kind}s"));
+        problems.add(
+            ErrorCode::IndexOutOfRange,
+            attribute,
+            fault,
+            format_args!("use an index from 0 to {last}, or add the missing {kind}s"),
+        );
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::mesh::{Count, Indices, Mesh};
 use super::problem::Problems;
+use crate::error::ErrorCode;
 use crate::garment::{Interpolation, Primvar, PrimvarInput, PrimvarRole, Values};
 use crate::mesh::ValueId;
 use std::collections::HashSet;
@@ -18,7 +19,12 @@ fn check_names(inputs: &[PrimvarInput], problems: &mut Problems) {
     let mut seen = HashSet::new();
     for input in inputs.iter().filter(|input| !seen.insert(input.name.as_str())) {
         let remedy = format_args!("rename or remove one of the two");
-        problems.add(&attribute(input), format_args!("there are two primvars of this name"), remedy);
+        problems.add(
+            ErrorCode::DuplicatePrimvar,
+            &attribute(input),
+            format_args!("there are two primvars of this name"),
+            remedy,
+        );
     }
 }
 
@@ -82,7 +88,12 @@ fn element_size(input: &PrimvarInput, problems: &mut Problems) -> Option<usize> 
     let size = usize::try_from(input.element_size).ok().filter(|&n| n > 0);
     if size.is_none() {
         let fault = format_args!("elementSize is {}, but an element has one value or more", input.element_size);
-        problems.add(&attribute(input), fault, format_args!("set elementSize to the number of values in an element"));
+        problems.add(
+            ErrorCode::ValueCount,
+            &attribute(input),
+            fault,
+            format_args!("set elementSize to the number of values in an element"),
+        );
     }
     size
 }
@@ -92,14 +103,19 @@ fn rows(input: &PrimvarInput, element_size: usize, problems: &mut Problems) -> O
     let (numbers, components) = (input.values.len(), input.components);
     if components == 0 || !numbers.is_multiple_of(components) {
         let fault = format_args!("{numbers} numbers do not make whole values of {components} ({})", input.type_name);
-        problems.add(&attribute(input), fault, format_args!("author the values again with their full type"));
+        problems.add(
+            ErrorCode::ValueCount,
+            &attribute(input),
+            fault,
+            format_args!("author the values again with their full type"),
+        );
         return None;
     }
     let values = numbers / components;
     if !values.is_multiple_of(element_size) {
         let fault = format_args!("holds {}, no multiple of elementSize {element_size}", Count(values, "value"));
         let remedy = format_args!("give {element_size} values for each element, or correct elementSize");
-        problems.add(&attribute(input), fault, remedy);
+        problems.add(ErrorCode::ValueCount, &attribute(input), fault, remedy);
         return None;
     }
     Some(values / element_size)
@@ -124,7 +140,7 @@ where
         let interpolation = if input.indices.is_some() { Interpolation::Constant } else { input.interpolation };
         let place = mesh.element(interpolation, row);
         let fault = format_args!("{place} holds {number}, which is not finite");
-        problems.add(&attribute(input), fault, format_args!("replace it by a finite number"));
+        problems.add(ErrorCode::NotFinite, &attribute(input), fault, format_args!("replace it by a finite number"));
     }
 }
 
@@ -140,9 +156,19 @@ fn check_rows(input: &PrimvarInput, rows: usize, element_size: usize, mesh: &Mes
     let attribute = attribute(input);
     match fitting(rows, mesh) {
         Some(other) => {
-            problems.add(&attribute, fault, format_args!("give {needed} values, or set interpolation to {other}"));
+            problems.add(
+                ErrorCode::ValueCount,
+                &attribute,
+                fault,
+                format_args!("give {needed} values, or set interpolation to {other}"),
+            );
         }
-        None => problems.add(&attribute, fault, format_args!("give {needed} values, or correct the interpolation")),
+        None => problems.add(
+            ErrorCode::ValueCount,
+            &attribute,
+            fault,
+            format_args!("give {needed} values, or correct the interpolation"),
+        ),
     }
 }
 
@@ -166,7 +192,12 @@ fn row_indices(
         let (token, carrier) = (token(interpolation), carrier(interpolation));
         let found = Count(indices.len(), "index");
         let fault = format_args!("holds {found}, but {token} interpolation needs {elements}, one for each {carrier}");
-        problems.add(&attribute, fault, format_args!("give {elements} indices, or correct the interpolation"));
+        problems.add(
+            ErrorCode::ValueCount,
+            &attribute,
+            fault,
+            format_args!("give {elements} indices, or correct the interpolation"),
+        );
     }
     let values = Indices { attribute: &attribute, kind: "value", count: Some(rows) };
     let handles: Vec<Option<ValueId>> = values.handles(indices, |e| mesh.element(interpolation, e), problems);

@@ -1,6 +1,6 @@
 //! Faults of an input as messages.
 
-use crate::error::{Error, ErrorKind, Fault};
+use crate::error::{Error, ErrorCode, ErrorKind, Fault};
 use std::fmt;
 
 /// Problems that are listed for a mesh; larger fills more than a screen.
@@ -18,13 +18,14 @@ pub(super) struct Problems {
 
 impl Problems {
     /// Adds a fault of `attribute`; beyond the limits it is only counted, and nothing is formatted.
-    pub fn add(&mut self, attribute: &str, fault: fmt::Arguments<'_>, remedy: fmt::Arguments<'_>) {
+    pub fn add(&mut self, code: ErrorCode, attribute: &str, fault: fmt::Arguments<'_>, remedy: fmt::Arguments<'_>) {
         let of_attribute = self.listed.iter().filter(|p| p.place == attribute).count();
         if self.listed.len() >= MAX_PROBLEMS || of_attribute >= MAX_PER_ATTRIBUTE {
             self.more += 1;
             return;
         }
-        self.listed.push(Fault { place: attribute.to_owned(), text: fault.to_string(), remedy: remedy.to_string() });
+        let (place, text, remedy) = (attribute.to_owned(), fault.to_string(), remedy.to_string());
+        self.listed.push(Fault { code, place, text, remedy });
     }
 
     /// Number of faults, listed or not.
@@ -58,7 +59,7 @@ mod tests {
     use super::*;
 
     fn problem(problems: &mut Problems, attribute: &str, i: usize) {
-        problems.add(attribute, format_args!("fault {i}"), format_args!("remedy {i}"));
+        problems.add(ErrorCode::EmptyMesh, attribute, format_args!("fault {i}"), format_args!("remedy {i}"));
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use super::mesh::{Count, Entry, Indices, Mesh, Repeat, repeats};
 use super::problem::Problems;
+use crate::error::ErrorCode;
 use crate::garment::{Elements, Family, FamilyType, Subset, SubsetInput};
 use crate::mesh::{EdgeId, Id, VertexId};
 use std::collections::{HashMap, HashSet};
@@ -58,7 +59,7 @@ fn subset(input: SubsetInput, mesh: &Mesh<'_>, problems: &mut Problems) -> Optio
         other => {
             let fault = format_args!("\"{other}\" is no element of a mesh");
             let remedy = format_args!("set elementType to face, edge or point");
-            problems.add(&format!("{}.elementType", input.name), fault, remedy);
+            problems.add(ErrorCode::ElementList, &format!("{}.elementType", input.name), fault, remedy);
             return None;
         }
     };
@@ -80,7 +81,7 @@ fn plain<I: Id>(
     for Repeat { first, again } in repeats(keys) {
         let Some(element) = handles[again].map(I::index) else { continue };
         let fault = format_args!("entry {again} names {kind} {element} again, after entry {first}");
-        problems.add(attribute, fault, format_args!("remove one of the two entries"));
+        problems.add(ErrorCode::ElementList, attribute, fault, format_args!("remove one of the two entries"));
     }
     let numbers = handles.iter().flatten().map(|h| h.index()).collect();
     (handles.into_iter().flatten().collect(), numbers)
@@ -98,7 +99,7 @@ fn edges(
         let fault = format_args!("holds {}, which do not pair up", Count(indices.len(), "index"));
         let remedy =
             format_args!("give the two end points of each edge: add the missing one, or remove the last index");
-        problems.add(attribute, fault, remedy);
+        problems.add(ErrorCode::ElementList, attribute, fault, remedy);
     }
     let points = Indices { attribute, kind: "point", count: mesh.points };
     let ends = points.handles(pairs.as_flattened(), |i| Entry("pair", i / 2), problems);
@@ -117,7 +118,7 @@ fn check_repeated_edges(attribute: &str, edges: &[(usize, [VertexId; 2])], probl
         let ((first, _), (pair, ends)) = (edges[first], edges[again]);
         let [a, b] = ends.map(VertexId::index);
         let fault = format_args!("pair {pair}, points {a} and {b}, is the edge of pair {first} again");
-        problems.add(attribute, fault, format_args!("remove one of the two pairs"));
+        problems.add(ErrorCode::ElementList, attribute, fault, format_args!("remove one of the two pairs"));
     }
 }
 
@@ -132,14 +133,14 @@ fn edge_number(
     let [a, b] = ends.map(VertexId::index);
     if a == b {
         let fault = format_args!("pair {pair} joins point {a} to itself");
-        problems.add(attribute, fault, format_args!("remove the pair"));
+        problems.add(ErrorCode::ElementList, attribute, fault, format_args!("remove the pair"));
         return None;
     }
     let edge = mesh.edge(ends)?;
     if edge.is_none() {
         let fault = format_args!("pair {pair}, points {a} and {b}, is not an edge of the mesh");
         let remedy = format_args!("remove the pair, or replace it by one pair for each edge on the way");
-        problems.add(attribute, fault, remedy);
+        problems.add(ErrorCode::ElementList, attribute, fault, remedy);
     }
     edge.map(EdgeId::index)
 }
@@ -195,7 +196,12 @@ impl Members<'_> {
             let own = other.elements.kind();
             let fault = format_args!("is {own}, but subset {first} of the same family \"{family}\" is {kind}");
             let attribute = format!("{}.elementType", other.name);
-            problems.add(&attribute, fault, format_args!("give the subset a familyName of its own"));
+            problems.add(
+                ErrorCode::SubsetFamily,
+                &attribute,
+                fault,
+                format_args!("give the subset a familyName of its own"),
+            );
         }
         problems.count() == before
     }
@@ -215,7 +221,7 @@ impl Members<'_> {
             let (name, first) = (authored_name(&subset.elements, i), &first.name);
             let fault = format_args!("{name} is in subset {first} too, but the family \"{}\" is {rule}", self.family);
             let remedy = format_args!("remove it from one of the two, or set the family type to unrestricted");
-            problems.add(&format!("{}.indices", subset.name), fault, remedy);
+            problems.add(ErrorCode::SubsetFamily, &format!("{}.indices", subset.name), fault, remedy);
         }
     }
 
@@ -241,7 +247,7 @@ impl Members<'_> {
         let name = element_name(kind, first, mesh);
         let fault = format_args!("{name} is in no subset of this partition ({} in all)", Count(all, kind));
         let remedy = format_args!("add what is missing to a subset, or set the family type to nonOverlapping");
-        problems.add(&format!("subsetFamily:{}:familyType", self.family), fault, remedy);
+        problems.add(ErrorCode::SubsetFamily, &format!("subsetFamily:{}:familyType", self.family), fault, remedy);
     }
 }
 

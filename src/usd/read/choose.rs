@@ -2,7 +2,7 @@
 
 use super::ReadOptions;
 use super::query::{OrUnreadable, is_a, is_product, prim_at};
-use crate::error::Error;
+use crate::error::{Error, ErrorCode};
 use crate::usd::names;
 use openusd::sdf;
 use openusd::usd::{Prim, PrimPredicate, Stage};
@@ -23,6 +23,7 @@ pub fn choose_mesh(stage: &Stage, file: &Path, options: &ReadOptions) -> Result<
     let instance = prim.is_instance_proxy().and_then(|proxy| Ok(proxy || prim.is_in_prototype()?));
     if instance.or_unreadable(prim.path())? {
         return Err(Error::usd(format!("{} is inside an instance, which takes no new prims", prim.path()))
+            .code(ErrorCode::InsideInstance)
             .remedy("open the file that the instance refers to, or set instanceable = false on the instance"));
     }
     Ok(prim)
@@ -31,12 +32,16 @@ pub fn choose_mesh(stage: &Stage, file: &Path, options: &ReadOptions) -> Result<
 fn named_mesh(stage: &Stage, file: &Path, path: &str) -> Result<Prim, Error> {
     let parsed = sdf::Path::new(path).ok().filter(|p| p.is_abs() && p.is_prim_path() && !p.is_abs_root());
     let Some(parsed) = parsed else {
-        return Err(Error::usd(format!("prim {path:?} is not the path of a prim")).remedy("it looks like /Coat/model"));
+        return Err(Error::usd(format!("prim {path:?} is not the path of a prim"))
+            .code(ErrorCode::WrongPrim)
+            .remedy("it looks like /Coat/model"));
     };
     let prim = prim_at(stage, &parsed)?;
     if !prim.is_valid().or_unreadable(&parsed)? {
         let found = all_meshes(stage, file)?;
-        return Err(Error::usd(format!("{} has no prim {path}", file.display())).remedy(list(&found)));
+        return Err(Error::usd(format!("{} has no prim {path}", file.display()))
+            .code(ErrorCode::WrongPrim)
+            .remedy(list(&found)));
     }
     if !is_a(&prim, names::MESH)? {
         let mut found = all_meshes(stage, file)?;
@@ -45,10 +50,13 @@ fn named_mesh(stage: &Stage, file: &Path, path: &str) -> Result<Prim, Error> {
         }
         let type_name = prim.type_name().or_unreadable(&parsed)?.filter(|t| !t.is_empty());
         let kind = type_name.as_ref().map_or("a prim without a type", |t| t.as_str());
-        return Err(Error::usd(format!("{path} is {kind}, not a Mesh")).remedy(list(&found)));
+        return Err(Error::usd(format!("{path} is {kind}, not a Mesh"))
+            .code(ErrorCode::WrongPrim)
+            .remedy(list(&found)));
     }
     if !stage.prim_matches(&parsed, PrimPredicate::DEFAULT).or_unreadable(&parsed)? {
         return Err(Error::usd(format!("{path} is inactive, undefined, or a class (an abstract prim)"))
+            .code(ErrorCode::WrongPrim)
             .remedy("activate it, or name another mesh"));
     }
     Ok(prim)
@@ -66,6 +74,7 @@ fn only_mesh(stage: &Stage, file: &Path) -> Result<Prim, Error> {
         [one] => prim_at(stage, one),
         [] if !all.is_empty() => {
             Err(Error::usd(format!("{} holds no mesh but products of usd-tailor", file.display()))
+                .code(ErrorCode::NoMesh)
                 .remedy("open the file of the garment, or name a product by --prim or as \"prim\" in a .tailor file"))
         }
         [] => {
@@ -73,16 +82,20 @@ fn only_mesh(stage: &Stage, file: &Path) -> Result<Prim, Error> {
             let because =
                 if faults.is_empty() { String::new() } else { format!("; its composition fails:{}", faults.concat()) };
             Err(Error::usd(format!("{} holds no mesh{because}", file.display()))
+                .code(ErrorCode::NoMesh)
                 .remedy("a garment is an active prim of type Mesh"))
         }
         several => Err(Error::usd(format!("{} holds {} meshes", file.display(), several.len()))
+            .code(ErrorCode::SeveralMeshes)
             .remedy(format!("choose one by --prim, or as \"prim\" in a .tailor file: {}", list(several)))),
     }
 }
 
 /// The paths of all active, defined meshes, including those inside instances.
 fn all_meshes(stage: &Stage, file: &Path) -> Result<Vec<sdf::Path>, Error> {
-    let fault = |e: openusd::Error| Error::usd(format!("{} cannot be composed: {e}", file.display()));
+    let fault = |e: openusd::Error| {
+        Error::usd(format!("{} cannot be composed: {e}", file.display())).code(ErrorCode::CompositionFailed)
+    };
     let mut paths = Vec::new();
     stage.traverse(PrimPredicate::DEFAULT_PROXIES, |path| paths.push(path.clone())).map_err(fault)?;
     let mut meshes = Vec::new();

@@ -4,7 +4,7 @@ use super::primvars::{Declarations, read_normals, read_primvars};
 use super::query::{OrUnreadable, known, prim_name, property_names, subset_prims, text_value, value};
 use super::shapes::read_shapes;
 use super::space::{units, uv_scales};
-use crate::error::{Error, Warning};
+use crate::error::{Error, ErrorCode, Warning};
 use crate::garment::{Family, GarmentInput, Scheme, SubdivisionRules, SubsetInput};
 use crate::usd::names::{self, UsdToken};
 use glam::Vec3;
@@ -85,9 +85,11 @@ fn required_or_empty<T>(
     match value(prim, name, time)? {
         Some(value) => convert(value).map_err(|expected| {
             Error::usd(format!("{}.{name} is not of type {expected}", prim.path()))
+                .code(ErrorCode::AttributeType)
                 .remedy(format!("declare it as {expected} {name}"))
         }),
         None if required => Err(Error::usd(format!("{} has no {name}", prim.path()))
+            .code(ErrorCode::AttributeType)
             .remedy("a mesh needs points, faceVertexCounts and faceVertexIndices")),
         None => Ok(Vec::new()),
     }

@@ -1,7 +1,7 @@
 //! Opening a stage, from a file or from memory.
 
 use super::variants::{SESSION, Selection, session_layer};
-use crate::error::{Error, plain};
+use crate::error::{Error, ErrorCode, plain};
 use openusd::ar;
 use openusd::usd::Stage;
 use std::fs;
@@ -45,6 +45,7 @@ fn open_content(file: &Path, content: &Arc<[u8]>) -> Result<Stage, Error> {
     Stage::builder().resolver(InMemory::new(IN_MEMORY, content)).open(IN_MEMORY).map_err(|e| {
         let words = e.to_string();
         Error::usd(format!("{} cannot be read once composed: {}", file.display(), words.trim_start_matches("error: ")))
+            .code(ErrorCode::CompositionFailed)
             .remedy("flatten it with another program and name the result instead")
     })
 }
@@ -94,23 +95,32 @@ impl ar::Resolver for InMemory {
 fn open_file(file: &Path, variants: &[Selection]) -> Result<Stage, Error> {
     let shown = file.display();
     let metadata = fs::metadata(file).map_err(|e| {
-        Error::usd(format!("cannot read {shown}: {}", plain(&e))).remedy("check the path, and who may read the file")
+        Error::usd(format!("cannot read {shown}: {}", plain(&e)))
+            .code(ErrorCode::UnreadableFile)
+            .remedy("check the path, and who may read the file")
     })?;
     if !metadata.is_file() {
-        return Err(Error::usd(format!("{shown} is a folder, not a USD file")).remedy("name a file inside it"));
+        return Err(Error::usd(format!("{shown} is a folder, not a USD file"))
+            .code(ErrorCode::UnreadableFile)
+            .remedy("name a file inside it"));
     }
     if metadata.len() == 0 {
-        return Err(Error::usd(format!("{shown} is empty")).remedy("export the garment again"));
+        return Err(Error::usd(format!("{shown} is empty"))
+            .code(ErrorCode::UnreadableFile)
+            .remedy("export the garment again"));
     }
     let extension = file.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
     if !["usd", "usda", "usdc", "usdz"].contains(&extension.as_str()) {
         return Err(Error::usd(format!(
             "{shown} is not a USD file: its name does not end in .usd, .usda, .usdc or .usdz"
         ))
+        .code(ErrorCode::UnreadableFile)
         .remedy("export the garment as USD"));
     }
     let Some(path) = file.to_str() else {
-        return Err(Error::usd(format!("cannot read {shown}: its name is not UTF-8")).remedy("rename the file"));
+        return Err(Error::usd(format!("cannot read {shown}: its name is not UTF-8"))
+            .code(ErrorCode::UnreadableFile)
+            .remedy("rename the file"));
     };
     let builder = Stage::builder();
     let builder = match variants {

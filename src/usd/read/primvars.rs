@@ -2,7 +2,7 @@
 
 use super::query::{OrUnreadable, interpolation, primvar_names, value};
 use super::shapes::BlendShape;
-use crate::error::{Error, Warning};
+use crate::error::{Error, ErrorCode, Warning};
 use crate::garment::{Interpolation, PrimvarInput, PrimvarRole};
 use crate::usd::assets::resolved;
 use crate::usd::names::{self, UsdToken};
@@ -101,10 +101,11 @@ fn read_primvar(
             assets.iter().flatten().filter_map(|a| Some((a.as_str().to_owned(), a.resolved_path()?.to_owned())));
         declarations.assets.extend(files);
     }
-    let no_type = || Error::usd("its type is not one of USD's");
+    let no_type = || Error::usd("its type is not one of USD's").code(ErrorCode::AttributeType);
     let type_name = attribute.type_name().or_unreadable(attribute.path())?.ok_or_else(no_type)?;
-    let (components, values) =
-        flat(value).ok_or_else(|| Error::usd(format!("values of type {type_name} cannot vary over a mesh")))?;
+    let (components, values) = flat(value).ok_or_else(|| {
+        Error::usd(format!("values of type {type_name} cannot vary over a mesh")).code(ErrorCode::AttributeType)
+    })?;
     let primvar = PrimvarInput {
         name: name.to_owned(),
         role: PrimvarRole::Primvar,
@@ -129,7 +130,7 @@ fn element_size(prim: &Prim, property: &str) -> Result<i32, Error> {
     match attribute.get_metadata::<Value>(names::ELEMENT_SIZE).or_unreadable(attribute.path())? {
         None => Ok(1),
         Some(Value::Int(n)) => Ok(n),
-        Some(_) => Err(Error::usd("its elementSize is not an int")),
+        Some(_) => Err(Error::usd("its elementSize is not an int").code(ErrorCode::AttributeType)),
     }
 }
 
@@ -137,6 +138,6 @@ fn indices(prim: &Prim, property: &str, time: Option<TimeCode>) -> Result<Option
     match value(prim, &format!("{property}{}", names::INDICES_SUFFIX), time)? {
         None => Ok(None),
         Some(Value::IntVec(v)) => Ok(Some(v)),
-        Some(_) => Err(Error::usd("its indices are not of type int[]")),
+        Some(_) => Err(Error::usd("its indices are not of type int[]").code(ErrorCode::AttributeType)),
     }
 }

@@ -1,6 +1,6 @@
 //! Questions to a composed stage. Errors name the prim or attribute.
 
-use crate::error::Error;
+use crate::error::{Error, ErrorCode};
 use crate::garment::Interpolation;
 use crate::usd::names::{self, UsdToken};
 use crate::usd::values::text;
@@ -81,6 +81,7 @@ pub fn known<T: UsdToken>(token: &Value, place: &str) -> Result<T, Error> {
     let shown = text(token).unwrap_or("not a token");
     T::from_token(shown).ok_or_else(|| {
         Error::usd(format!("{place} is {shown:?}, which USD does not know"))
+            .code(ErrorCode::UnknownToken)
             .remedy(format!("use one of: {}", T::allowed()))
     })
 }
@@ -99,9 +100,11 @@ pub fn value(prim: &Prim, name: &str, time: Option<TimeCode>) -> Result<Option<V
     match attribute.time_sample_times().or_unreadable(attribute.path())?.as_slice() {
         [] => Ok(None),
         times @ [first, ..] => {
-            Err(Error::usd(format!("{} has values at {} times and no default", attribute.path(), times.len())).remedy(
-                format!("choose a time, for example --time {first}, or the argument time={first} of a .tailor file"),
-            ))
+            Err(Error::usd(format!("{} has values at {} times and no default", attribute.path(), times.len()))
+                .code(ErrorCode::NoDefaultValue)
+                .remedy(format!(
+                    "choose a time, for example --time {first}, or the argument time={first} of a .tailor file"
+                )))
         }
     }
 }
@@ -114,6 +117,7 @@ pub fn text_value(prim: &Prim, name: &str, time: Option<TimeCode>) -> Result<Opt
     let Some(value) = value(prim, name, time)? else { return Ok(None) };
     let text = text(&value).ok_or_else(|| {
         Error::usd(format!("{}.{name} is not a token", prim.path()))
+            .code(ErrorCode::AttributeType)
             .remedy(format!("declare it as uniform token {name}"))
     })?;
     Ok(Some(text.to_owned()))

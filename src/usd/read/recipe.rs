@@ -1,7 +1,7 @@
 //! The recipe in the model's own properties, as JSON.
 
 use super::query::{OrUnreadable, prim_name, property_names, subset_prims, value};
-use crate::error::Error;
+use crate::error::{Error, ErrorCode};
 use crate::usd::names;
 use crate::usd::values::{decimal, text};
 use openusd::sdf::{self, Value};
@@ -23,6 +23,7 @@ pub fn read_recipe(prim: &Prim, time: Option<TimeCode>) -> Result<Map<String, Js
                 None => None,
                 Some(value) => Some(to_json(&value).ok_or_else(|| {
                     Error::usd(format!("{}.{name} has a type that no recipe field has", prim.path()))
+                        .code(ErrorCode::RecipeAttribute)
                         .remedy("recipe fields are bool, int, float, double, token or string, or arrays of them")
                 })?),
             },
@@ -30,6 +31,7 @@ pub fn read_recipe(prim: &Prim, time: Option<TimeCode>) -> Result<Map<String, Js
         if let Some(value) = value {
             insert(&mut recipe, key, value).ok_or_else(|| {
                 Error::usd(format!("{}.{name} is both a value and a namespace", prim.path()))
+                    .code(ErrorCode::RecipeAttribute)
                     .remedy("remove one of the two")
             })?;
         }
@@ -58,6 +60,7 @@ fn targets(prim: &Prim, name: &str) -> Result<Json, Error> {
                 "{}.{name} targets {target}, which is no GeomSubset of the mesh",
                 prim.path()
             ))
+            .code(ErrorCode::RecipeAttribute)
             .remedy(format!("target one of its subsets: {}", known.join(", "))));
         };
         found.push(Json::String(prim_name(subset)));

@@ -1,7 +1,7 @@
 //! Variant sets of the model and of the prims above it, and layers that select variants.
 
 use super::query::{OrUnreadable, prim_at};
-use crate::error::Error;
+use crate::error::{Error, ErrorCode};
 use openusd::sdf::{self, AbstractData, ChildrenKey, Data, FieldKey, PrimSpec, SpecType, Value};
 use openusd::usd::{Prim, SpecSite};
 use openusd::usda::TextWriter;
@@ -94,9 +94,12 @@ pub fn select(data: &mut Data, selections: &[Selection]) -> openusd::Result<()> 
 /// # Errors
 /// A path that is no prim.
 pub fn session_layer(selections: &[Selection]) -> Result<String, Error> {
-    let fault = |e: openusd::Error| Error::usd(format!("the variants cannot be selected: {e}"));
+    let fault = |e: openusd::Error| {
+        Error::usd(format!("the variants cannot be selected: {e}")).code(ErrorCode::CompositionFailed)
+    };
     let mut data = Data::new();
     data.create_spec(sdf::Path::abs_root(), SpecType::PseudoRoot);
     select(&mut data, selections).map_err(fault)?;
-    TextWriter::write_to_string(&data).map_err(|e| Error::usd(format!("the variants cannot be selected: {e}")))
+    TextWriter::write_to_string(&data)
+        .map_err(|e| Error::usd(format!("the variants cannot be selected: {e}")).code(ErrorCode::CompositionFailed))
 }

@@ -2,7 +2,7 @@
 
 use super::DriveOptions;
 use crate::drive::{BindPose, Driver};
-use crate::error::Error;
+use crate::error::{Error, ErrorCode};
 use crate::usd::names;
 use crate::usd::read::{OrUnreadable, StageOrigin, is_a, layer_files, prim_at, property_names, stage_metadata, value};
 use crate::usd::write::pose_points;
@@ -62,16 +62,19 @@ impl Bound {
         let chosen = match &options.prim {
             Some(wanted) => all.iter().find(|(path, _)| path.as_str() == wanted).ok_or_else(|| {
                 Error::usd(format!("{wanted} of {file} is not bound to a simulation mesh"))
+                    .code(ErrorCode::NotBound)
                     .remedy(format!("the bound meshes are: {}", listed()))
             })?,
             None => match all.as_slice() {
                 [one] => one,
                 [] => {
                     return Err(Error::usd(format!("{file} has no mesh that is bound to a simulation mesh"))
+                        .code(ErrorCode::NotBound)
                         .remedy("build it with `usdtailor build` of this version"));
                 }
                 _ => {
                     return Err(Error::usd(format!("{file} has {} bound meshes", all.len()))
+                        .code(ErrorCode::SeveralMeshes)
                         .remedy(format!("choose one by --prim: {}", listed())));
                 }
             },
@@ -86,6 +89,7 @@ impl Bound {
             let model = sim.relationship(source).targets().or_unreadable(&chosen.1)?;
             let Some(model) = model.first() else {
                 return Err(Error::usd(format!("{} of {file} has no {source}", chosen.1))
+                    .code(ErrorCode::StaleBinding)
                     .remedy("leave out --model, or build the garment again"));
             };
             let model = prim_at(&stage, model)?;
@@ -142,14 +146,18 @@ fn points_at_bind(prim: &Prim) -> Result<Vec<Vec3>, Error> {
     };
     match points {
         Some(Value::Vec3fVec(points)) => Ok(bytemuck::cast_slice(&points).to_vec()),
-        _ => Err(Error::usd(format!("{} has no points without a time", prim.path())).remedy("build the garment again")),
+        _ => Err(Error::usd(format!("{} has no points without a time", prim.path()))
+            .code(ErrorCode::StaleBinding)
+            .remedy("build the garment again")),
     }
 }
 
 fn ints(prim: &Prim, name: &str) -> Result<Vec<i32>, Error> {
     match value(prim, name, None)? {
         Some(Value::IntVec(values)) => Ok(values),
-        _ => Err(Error::usd(format!("{}.{name} is missing", prim.path())).remedy("build the garment again")),
+        _ => Err(Error::usd(format!("{}.{name} is missing", prim.path()))
+            .code(ErrorCode::StaleBinding)
+            .remedy("build the garment again")),
     }
 }
 
@@ -157,7 +165,9 @@ fn triangles(sim: &Prim) -> Result<Vec<[u32; 3]>, Error> {
     let counts = ints(sim, names::FACE_VERTEX_COUNTS)?;
     let corners = ints(sim, names::FACE_VERTEX_INDICES)?;
     if counts.iter().any(|n| *n != 3) || corners.len() != 3 * counts.len() || corners.iter().any(|v| *v < 0) {
-        return Err(Error::usd(format!("{} is no triangle mesh", sim.path())).remedy("build the garment again"));
+        return Err(Error::usd(format!("{} is no triangle mesh", sim.path()))
+            .code(ErrorCode::StaleBinding)
+            .remedy("build the garment again"));
     }
     Ok(corners.chunks_exact(3).map(|t| [t[0], t[1], t[2]].map(|v| v as u32)).collect())
 }
@@ -176,9 +186,9 @@ impl BoundMesh {
         let coords: Vec<Vec3> = match value(holder, coords, None)? {
             Some(Value::Vec3fVec(coords)) => bytemuck::cast_slice(&coords).to_vec(),
             _ => {
-                return Err(
-                    Error::usd(format!("{}.{coords} is missing", holder.path())).remedy("build the garment again")
-                );
+                return Err(Error::usd(format!("{}.{coords} is missing", holder.path()))
+                    .code(ErrorCode::StaleBinding)
+                    .remedy("build the garment again"));
             }
         };
         let pose = BindPose { sim_points, triangles, points: &points, faces: &faces, coords: &coords };
@@ -207,7 +217,9 @@ fn normals(prim: &Prim, points: usize) -> Result<Option<BoundNormals>, Error> {
     };
     if of.len() != values.len() || !of.iter().all(|v| (0..points as i32).contains(v)) {
         let text = format!("{} normals of {} do not fit its {points} points and its faces", values.len(), prim.path());
-        return Err(Error::usd(text).remedy("mend its normals or their interpolation, or block them"));
+        return Err(Error::usd(text)
+            .code(ErrorCode::AttributeType)
+            .remedy("mend its normals or their interpolation, or block them"));
     }
     let values = bytemuck::cast_slice(&values).to_vec();
     Ok(Some(BoundNormals { values, points: of.iter().map(|v| *v as u32).collect() }))

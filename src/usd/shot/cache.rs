@@ -4,7 +4,7 @@ use super::DriveOptions;
 use super::bound::Bound;
 use super::crate_samples::{CrateSamples, CrateStage};
 use super::numpy::NumpyFrames;
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorCode, ErrorKind};
 use crate::usd::names;
 use crate::usd::read::{OrUnreadable, StageOrigin, is_a, prim_at, stage_metadata, value};
 use crate::usd::values::number;
@@ -61,22 +61,29 @@ impl Cache {
             }
             "usd" | "usda" | "usdc" | "usdz" => Self::of_stage(options, bound)?,
             _ => {
-                let fault = Error::usd(format!("{} is no cache that can be read", file.display()));
+                let fault =
+                    Error::usd(format!("{} is no cache that can be read", file.display())).code(ErrorCode::CacheFile);
                 return Err(fault.remedy("give a USD file, .npz or .npy; convert an Alembic with usdcat"));
             }
         };
         if opened.times.is_empty() {
-            return Err(opened.fault("it has no frames").remedy("cache the points of the simulation mesh over time"));
+            return Err(opened
+                .fault("it has no frames")
+                .code(ErrorCode::CacheFrames)
+                .remedy("cache the points of the simulation mesh over time"));
         }
         if opened.points != bound.sim_points {
             let text = format!("it has {} points, and {} has {}", opened.points, bound.sim_path, bound.sim_points);
-            return Err(opened.fault(&text).remedy("simulate this garment again, or drive the one that was simulated"));
+            return Err(opened
+                .fault(&text)
+                .code(ErrorCode::CacheMismatch)
+                .remedy("simulate this garment again, or drive the one that was simulated"));
         }
         Ok(opened)
     }
 
     fn fault(&self, text: &str) -> Error {
-        Error::new(ErrorKind::Usd, self.file.display(), text)
+        Error::new(ErrorKind::Usd, self.file.display(), text).code(ErrorCode::CacheFile)
     }
 
     /// The times of the frames, ascending. \[time codes\]
@@ -98,6 +105,7 @@ impl Cache {
         if let Some(i) = steps.iter().position(|step| step.is_nan() || *step <= 0.0) {
             return Err(self
                 .fault(&format!("its times do not ascend after {}", self.times[i]))
+                .code(ErrorCode::CacheFrames)
                 .remedy("sort its frames"));
         }
         let mut sorted = steps.clone();
@@ -111,7 +119,7 @@ impl Cache {
             self.times[i],
             self.times[i + 1]
         );
-        Err(self.fault(&text).remedy("cache them again, or accept gaps with --gaps"))
+        Err(self.fault(&text).code(ErrorCode::CacheFrames).remedy("cache them again, or accept gaps with --gaps"))
     }
 
     /// Reads frame `i`; frames are read in order.
@@ -142,7 +150,7 @@ impl Cache {
 
     /// Refuses values of a frame that are not one for each point, or not finite.
     fn check_values(&self, time: f64, name: &str, values: &[Vec3]) -> Result<(), Error> {
-        let fault = |text: String| Err(self.fault(&text).remedy("cache this frame again"));
+        let fault = |text: String| Err(self.fault(&text).code(ErrorCode::CacheFrames).remedy("cache this frame again"));
         if values.len() != self.points {
             return fault(format!("frame {time} has {} {name} instead of {}", values.len(), self.points));
         }
@@ -209,7 +217,9 @@ fn vectors(prim: &Prim, name: &str, time: Option<TimeCode>) -> Result<Vec<Vec3>,
         }
         _ => {
             let at = time.map_or(String::new(), |time| format!(" at time {}", time.value()));
-            Err(Error::usd(format!("{}.{name} has no value{at}", prim.path())).remedy("cache this frame again"))
+            Err(Error::usd(format!("{}.{name} has no value{at}", prim.path()))
+                .code(ErrorCode::CacheFrames)
+                .remedy("cache this frame again"))
         }
     }
 }
@@ -242,6 +252,7 @@ fn chosen(meshes: &[Path], options: &DriveOptions, bound: &Bound) -> Result<Path
         let found = meshes.iter().find(|path| path.as_str() == wanted);
         return found.cloned().ok_or_else(|| {
             Error::usd(format!("{wanted} of {file} has no points over time"))
+                .code(ErrorCode::CacheMismatch)
                 .remedy(format!("the meshes with points over time are: {}", listed()))
         });
     }
@@ -251,8 +262,10 @@ fn chosen(meshes: &[Path], options: &DriveOptions, bound: &Bound) -> Result<Path
     match meshes {
         [one] => Ok(one.clone()),
         [] => Err(Error::usd(format!("{file} has no mesh with points over time"))
+            .code(ErrorCode::CacheMismatch)
             .remedy("cache the points of the simulation mesh over time")),
         _ => Err(Error::usd(format!("{file} has {} meshes with points over time", meshes.len()))
+            .code(ErrorCode::CacheMismatch)
             .remedy(format!("choose one by --cache-prim: {}", listed()))),
     }
 }
@@ -269,5 +282,6 @@ fn check_triangles(corners: Option<Value>, prim: &Path, file: &FilePath, bound: 
         false => format!("has {} corners of faces instead of {}", corners.len(), own.len()),
     };
     Err(Error::new(ErrorKind::Usd, file.display(), format!("{prim} {text} than {}", bound.sim_path))
+        .code(ErrorCode::CacheMismatch)
         .remedy("cache the simulation mesh as it was written"))
 }

@@ -2,7 +2,7 @@
 
 use super::Moved;
 use super::stream::{ATTRIBUTES, extent, sampled, type_of, unwritable};
-use crate::error::{Error, Warnings, plain};
+use crate::error::{Error, ErrorCode, Warnings, plain};
 use crate::usd::names;
 use crate::usd::write::OutputFile;
 use openusd::gf::Vec2d;
@@ -40,9 +40,9 @@ impl Clips {
         let name = format!("{}.{FOLDER}", file.stem());
         let folder = file.folder.join(&name);
         if folder.exists() && !force {
-            return Err(
-                Error::usd(format!("{} exists already", folder.display())).remedy("use --force to overwrite it")
-            );
+            return Err(Error::usd(format!("{} exists already", folder.display()))
+                .code(ErrorCode::OutputExists)
+                .remedy("use --force to overwrite it"));
         }
         let temporary =
             tempfile::Builder::new().prefix(".usdtailor-").tempdir_in(&file.folder).map_err(|e| file.fault(&e))?;
@@ -102,6 +102,7 @@ impl Clips {
     fn rename(self) -> Result<(), Error> {
         let fault = |e: io::Error| {
             Error::usd(format!("cannot write {}: {}", self.folder.display(), plain(&e)))
+                .code(ErrorCode::WriteFailed)
                 .remedy("check the folder's permissions")
         };
         if self.folder.exists() {

@@ -11,7 +11,7 @@ mod numpy;
 mod stream;
 
 use crate::drive::Driver;
-use crate::error::{Error, ErrorKind};
+use crate::error::{Error, ErrorCode, ErrorKind};
 use crate::usd::on_large_stack;
 use bound::Bound;
 use cache::{Cache, Frame};
@@ -139,5 +139,6 @@ fn check_first(bound: &Bound, frame: &Frame, file: &Path) -> Result<(), Error> {
         bound.sim_path, bound.edge_length
     );
     Err(Error::new(ErrorKind::Usd, file.display(), text)
+        .code(ErrorCode::CacheMismatch)
         .remedy("cache the points of the simulation mesh as it was written"))
 }

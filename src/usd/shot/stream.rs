@@ -8,7 +8,7 @@ use super::bound::Bound;
 use super::cache::RATE;
 use super::clips::Clips;
 use super::{DriveOptions, Moved};
-use crate::error::{Error, Warnings};
+use crate::error::{Error, ErrorCode, Warnings};
 use crate::usd::names;
 use crate::usd::write::{Format, OutputFile, write_crate};
 use glam::Vec3;
@@ -64,6 +64,7 @@ impl ShotWriter {
         let file = OutputFile::find(&options.output, &inputs, options.force)?;
         if file.format == Format::Usdz {
             return Err(Error::usd(format!("{} is a package, which takes no shot", options.output.display()))
+                .code(ErrorCode::OutputPath)
                 .remedy("write .usdc, and package it with usdzip"));
         }
         let layer = layer(options, bound, &file, times, rate)?;
@@ -187,7 +188,7 @@ impl Moved {
 
 /// The error of a shot that the USD library does not write.
 pub fn unwritable(e: &impl std::fmt::Display) -> Error {
-    Error::usd(format!("the shot cannot be written: {e}"))
+    Error::usd(format!("the shot cannot be written: {e}")).code(ErrorCode::WriteFailed)
 }
 
 /// Unbinds a mesh from its skeleton, which would move the points of the cache again: an explicit list without a target.

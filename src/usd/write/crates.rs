@@ -1,6 +1,6 @@
 //! Crate files, with workarounds for faults of the crate writer.
 
-use crate::error::{Error, Warning, Warnings};
+use crate::error::{Error, ErrorCode, Warning, Warnings};
 use openusd::sdf::{AbstractData, Data, FormatError, Value};
 use openusd::usdc::CrateWriter;
 use std::io::{Cursor, Seek, SeekFrom, Write};
@@ -34,7 +34,8 @@ pub fn write_crate<W: Write + Seek>(data: &Data, out: &mut W) -> Result<(), Form
 /// A value that a crate cannot hold.
 pub fn encode(data: &Data) -> Result<Vec<u8>, Error> {
     let mut out = Cursor::new(Vec::new());
-    write_crate(data, &mut out).map_err(|e| Error::usd(format!("the layer cannot be written as a crate: {e}")))?;
+    write_crate(data, &mut out)
+        .map_err(|e| Error::usd(format!("the layer cannot be written as a crate: {e}")).code(ErrorCode::WriteFailed))?;
     Ok(out.into_inner())
 }
 

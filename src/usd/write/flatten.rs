@@ -1,6 +1,6 @@
 //! The whole stage as one layer.
 
-use crate::error::{Error, Warning, Warnings};
+use crate::error::{Error, ErrorCode, Warning, Warnings};
 use crate::usd::assets::{Anchor, resolved};
 use crate::usd::read::{COMPOSITION, Model, prim_at};
 use crate::usd::record::{Content, Depth, Record, metadata};
@@ -22,7 +22,10 @@ const STACK: &[FieldKey] = &[
 /// # Errors
 /// A stage that cannot be opened again.
 pub fn flattened(model: &Model, left_out: &[Path], anchor: Anchor, warnings: &mut Warnings) -> Result<Data, Error> {
-    let fault = |e: openusd::Error| Error::usd(format!("{} cannot be flattened: {e}", model.origin.file.display()));
+    let fault = |e: openusd::Error| {
+        Error::usd(format!("{} cannot be flattened: {e}", model.origin.file.display()))
+            .code(ErrorCode::CompositionFailed)
+    };
     let stage = model.origin.open()?;
     let mut paths = Vec::new();
     stage.traverse(PrimPredicate::ALL, |path| paths.push(path.clone())).map_err(fault)?;

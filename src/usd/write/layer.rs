@@ -7,7 +7,7 @@ use super::physics::{PANELS, SCOPE, beside};
 use super::product::Author;
 use super::role::{Product, ProductRole};
 use super::save::{Format, OutputFile};
-use crate::error::{Error, Warnings};
+use crate::error::{Error, ErrorCode, Warnings};
 use crate::usd::assets::{Anchor, absolute};
 use crate::usd::read::{Model, OrUnreadable, Source};
 use crate::usd::{BuildRecord, on_large_stack};
@@ -91,14 +91,16 @@ pub fn layer_bytes(
         let frame = Frame { flatten: options.flatten, anchor, sublayer: surroundings.source };
         let mut data = compose(source, products, frame, options, warnings)?;
         match format {
-            Format::Usda => TextWriter::write_to_string(&data)
-                .map(String::into_bytes)
-                .map_err(|e| Error::usd(format!("the layer cannot be written as text: {e}"))),
+            Format::Usda => TextWriter::write_to_string(&data).map(String::into_bytes).map_err(|e| {
+                Error::usd(format!("the layer cannot be written as text: {e}")).code(ErrorCode::WriteFailed)
+            }),
             Format::Usdc => {
                 remove_unwritable(&mut data, warnings);
                 encode_plainly(&mut data)
             }
-            Format::Usdz => Err(Error::usd("a .usdz package is not a layer").remedy("choose text or crate")),
+            Format::Usdz => Err(Error::usd("a .usdz package is not a layer")
+                .code(ErrorCode::OutputPath)
+                .remedy("choose text or crate")),
         }
     })
 }
@@ -124,7 +126,8 @@ fn compose(
 ) -> Result<sdf::Data, Error> {
     let model = &source.model;
     check_names(model, products)?;
-    let fault = |e: openusd::Error| Error::usd(format!("the layer cannot be composed: {e}"));
+    let fault =
+        |e: openusd::Error| Error::usd(format!("the layer cannot be composed: {e}")).code(ErrorCode::CompositionFailed);
     let mut data = if frame.flatten {
         let replaced = products.iter().map(|p| model.sibling_path(p.name)).collect::<Result<Vec<_>, _>>();
         flattened(model, &replaced.map_err(|e| fault(e.into()))?, frame.anchor, warnings)?
@@ -160,6 +163,7 @@ fn check_names(model: &Model, products: &[Product]) -> Result<(), Error> {
         if !is_ours || model.path.name() == Some(name) || products.iter().any(|product| product.name == name) {
             let path = model.sibling_path(name).or_unreadable(&model.path)?;
             return Err(Error::usd(format!("{path} is taken by another prim, and cloth is written there"))
+                .code(ErrorCode::NameTaken)
                 .remedy("rename that prim, or write no physics by --physics none"));
         }
     }
@@ -167,6 +171,7 @@ fn check_names(model: &Model, products: &[Product]) -> Result<(), Error> {
         let flag = product.role.name_flag();
         if !sdf::Path::is_valid_identifier(product.name) {
             return Err(Error::usd(format!("{flag} {:?} is not a name that a prim can have", product.name))
+                .code(ErrorCode::NameTaken)
                 .remedy("use letters, digits and _, and no digit first"));
         }
         refuse_other(model, product.name)?;
@@ -176,6 +181,7 @@ fn check_names(model: &Model, products: &[Product]) -> Result<(), Error> {
         if taken {
             let path = model.sibling_path(product.name).or_unreadable(&model.path)?;
             return Err(Error::usd(format!("{path} is taken by another prim"))
+                .code(ErrorCode::NameTaken)
                 .remedy(format!("rename that prim, or choose another name by {flag}")));
         }
     }

@@ -1,7 +1,7 @@
 //! Packages (`.usdz`): a crate and the files that it uses.
 
 use super::crates::{encode, remove_unwritable};
-use crate::error::{Error, Warning, Warnings, plain};
+use crate::error::{Error, ErrorCode, Warning, Warnings, plain};
 use crate::usd::assets::tiles;
 use openusd::sdf::{AbstractData, AssetPath, Data, Value};
 use openusd::usdz::{Archive, ArchiveError, ArchiveWriter};
@@ -21,7 +21,7 @@ pub fn package(mut data: Data, stem: &str, warnings: &mut Warnings) -> Result<Ve
     // Built in memory, as the archive's writer reports a full disk on standard error.
     let mut whole = io::Cursor::new(Vec::with_capacity(layer.len()));
     let mut archive = ArchiveWriter::new(&mut whole);
-    let fault = |e: ArchiveError| Error::usd(format!("the package cannot be built: {e}"));
+    let fault = |e: ArchiveError| Error::usd(format!("the package cannot be built: {e}")).code(ErrorCode::WriteFailed);
     archive.add_layer(&format!("{stem}.usdc"), &layer).map_err(fault)?;
     for (name, bytes) in &package.entries {
         archive.add_layer(name, bytes).map_err(fault)?;

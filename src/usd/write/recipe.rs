@@ -2,7 +2,7 @@
 
 use super::layer::{Frame, overlay};
 use super::save::{Format, OutputFile};
-use crate::error::{Error, Warnings};
+use crate::error::{Error, ErrorCode, Warnings};
 use crate::usd::assets::Anchor;
 use crate::usd::read::{Model, ReadOptions, Selection, Source, select};
 use crate::usd::values::decimal;
@@ -63,7 +63,7 @@ pub fn recipe_text(source: &Source, opinions: &RecipeOpinions, out: &Path) -> Re
     on_large_stack(|| {
         let data = new_layer(&source.model, opinions, &file)?;
         TextWriter::write_to_string(&with_short_floats(data))
-            .map_err(|e| Error::usd(format!("the layer cannot be written as text: {e}")))
+            .map_err(|e| Error::usd(format!("the layer cannot be written as text: {e}")).code(ErrorCode::WriteFailed))
     })
 }
 
@@ -84,6 +84,7 @@ pub fn write_recipe(
     let file = OutputFile::find(out, &source.model.layers, force)?;
     if file.format == Format::Usdz {
         return Err(Error::usd(format!("{} is a package, which holds no recipe", out.display()))
+            .code(ErrorCode::OutputPath)
             .remedy("save to a .usda, .usdc or .usd file"));
     }
     on_large_stack(|| {
@@ -152,7 +153,7 @@ fn selected(data: &dyn AbstractData) -> Vec<Selection> {
 }
 
 fn fault(e: impl std::fmt::Display) -> Error {
-    Error::usd(format!("the layer cannot be composed: {e}"))
+    Error::usd(format!("the layer cannot be composed: {e}")).code(ErrorCode::CompositionFailed)
 }
 
 /// A layer over the garment, without opinions.
@@ -172,10 +173,14 @@ fn new_layer(model: &Model, opinions: &RecipeOpinions, file: &OutputFile) -> Res
 /// An existing layer with the opinions in place of the earlier ones.
 fn edited(model: &Model, opinions: &RecipeOpinions, file: &OutputFile, replaced: &Replaced) -> Result<Data, Error> {
     let path = file.path().to_string_lossy();
-    let mut layer = sdf::Layer::open(path.as_ref())
-        .map_err(|e| Error::usd(format!("{path} cannot be read as a USD layer: {e}")).remedy("save to a new file"))?;
+    let mut layer = sdf::Layer::open(path.as_ref()).map_err(|e| {
+        Error::usd(format!("{path} cannot be read as a USD layer: {e}"))
+            .code(ErrorCode::NotWrittenBack)
+            .remedy("save to a new file")
+    })?;
     if let Some(what) = cannot_be_rewritten(layer.data()) {
         return Err(Error::usd(format!("{path} holds {what}, which cannot be written back unchanged"))
+            .code(ErrorCode::NotWrittenBack)
             .remedy("save to a new file, and sublayer it there"));
     }
     let earlier = earlier(layer.data(), &model.path, replaced.is_option);
@@ -342,6 +347,7 @@ fn same_content(data: &Data, written: &Path, out: &Path) -> Result<(), Error> {
     };
     match data.spec_paths().iter().find(|path| differs(path)) {
         Some(path) => Err(Error::usd(format!("{path} in {} cannot be written back unchanged", out.display()))
+            .code(ErrorCode::NotWrittenBack)
             .remedy("save to a new file, and sublayer it there")),
         None => Ok(()),
     }

@@ -2,7 +2,7 @@
 
 use super::crates::{remove_unwritable, write_crate};
 use super::package::package;
-use crate::error::{Error, Warnings, plain};
+use crate::error::{Error, ErrorCode, Warnings, plain};
 use crate::usd::assets::{Anchor, absolute};
 use openusd::sdf::{Data, FormatError};
 use openusd::usda::TextWriter;
@@ -34,6 +34,7 @@ impl Format {
             "usd" | "usdc" => Ok(Self::Usdc),
             "usdz" => Ok(Self::Usdz),
             _ => Err(Error::usd(format!("{} does not end in .usd, .usda, .usdc or .usdz", file.display()))
+                .code(ErrorCode::OutputPath)
                 .remedy("the name of the output decides its format")),
         }
     }
@@ -66,13 +67,18 @@ impl OutputFile {
         if let Ok(there) = fs::metadata(&file) {
             if layers.iter().any(|layer| same_file(layer, &file)) {
                 return Err(Error::usd(format!("{shown} is the input, or a layer that the input uses"))
+                    .code(ErrorCode::OutputIsInput)
                     .remedy("write to another file; the input is never changed"));
             }
             if !there.is_file() {
-                return Err(Error::usd(format!("{shown} is not a file")).remedy("choose another output"));
+                return Err(Error::usd(format!("{shown} is not a file"))
+                    .code(ErrorCode::OutputPath)
+                    .remedy("choose another output"));
             }
             if !force {
-                return Err(Error::usd(format!("{shown} exists already")).remedy("use --force to overwrite it"));
+                return Err(Error::usd(format!("{shown} exists already"))
+                    .code(ErrorCode::OutputExists)
+                    .remedy("use --force to overwrite it"));
             }
         }
         let folder = match file.parent() {
@@ -81,6 +87,7 @@ impl OutputFile {
         };
         let folder = folder.canonicalize().ok().filter(|f| f.is_dir()).ok_or_else(|| {
             Error::usd(format!("cannot write {shown}: there is no folder {}", folder.display()))
+                .code(ErrorCode::OutputPath)
                 .remedy("create the folder first")
         })?;
         let file = folder.join(file.file_name().expect("a path with a known extension has a file name"));
@@ -141,7 +148,7 @@ impl OutputFile {
         let mut out = BufWriter::with_capacity(1 << 20, temporary.as_file());
         fill(&mut out).map_err(|e| match e {
             FormatError::Io(e) => self.fault(&e),
-            other => Error::usd(format!("cannot write {}: {other}", self.shown)),
+            other => Error::usd(format!("cannot write {}: {other}", self.shown)).code(ErrorCode::WriteFailed),
         })?;
         out.flush().map_err(|e| self.fault(&e))?;
         drop(out);
@@ -179,6 +186,7 @@ impl OutputFile {
     /// The error of a write that failed.
     pub fn fault(&self, e: &io::Error) -> Error {
         Error::usd(format!("cannot write {}: {}", self.shown, plain(e)))
+            .code(ErrorCode::WriteFailed)
             .remedy("check the folder's permissions and the space on its disk")
     }
 

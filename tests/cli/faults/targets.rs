@@ -181,11 +181,11 @@ fn of_one_input_among_several() {
     folder.file("c.usda", CLOTH);
     let run = folder.run("build a.usda b.usda c.usda -o out --report out/report.json");
     assert_eq!(run.code, Some(1), "{run}");
-    run.says(&["error: b.usda: /Coat/model.holeIndices", "hint: "]);
+    run.says(&["error[index-out-of-range]: b.usda: /Coat/model.holeIndices", "hint: "]);
     run.prints(&["a.usda -> out/a_tailored.usda", "c.usda -> out/c_tailored.usda"]);
     assert_eq!(folder.written(), ["a_tailored.usda", "c_tailored.usda", "report.json"]);
     let run = folder.run("check a.usda b.usda c.usda");
     assert_eq!(run.code, Some(1), "{run}");
-    run.says(&["error: b.usda: /Coat/model.holeIndices"]);
+    run.says(&["error[index-out-of-range]: b.usda: /Coat/model.holeIndices"]);
     run.prints(&["a.usda: good", "c.usda: good"]);
 }

@@ -23,7 +23,7 @@ use super::product::Author;
 use super::role::{Product, ProductRole};
 use crate::binding::Binding;
 use crate::cloth::{Cloth, FABRICS, Fabric};
-use crate::error::{Code, Error, Warning, Warnings};
+use crate::error::{Code, Error, ErrorCode, Warning, Warnings};
 use crate::garment::Garment;
 use crate::mesh::FaceId;
 use crate::usd::names;
@@ -74,7 +74,8 @@ impl Author<'_> {
     /// # Errors
     /// A prim to pin to that the stage lacks; a name or type that the layer does not admit.
     pub fn physics(&mut self, products: &[Product], warnings: &mut Warnings) -> Result<(), Error> {
-        let fault = |e: openusd::Error| Error::usd(format!("the physics cannot be written: {e}"));
+        let fault =
+            |e: openusd::Error| Error::usd(format!("the physics cannot be written: {e}")).code(ErrorCode::WriteFailed);
         let path = |name: &str| self.model.sibling_path(name).map_err(|e| fault(e.into()));
         let sim = products.iter().find(|product| product.role == ProductRole::Sim);
         let Some((product, cloth)) = sim.and_then(|product| Some((product, product.cloth?))) else {

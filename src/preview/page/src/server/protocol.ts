@@ -16,8 +16,9 @@ export interface Options {
   thickness?: Record<string, Fields>;
 }
 
-/** A place that names the option (such as `seam.side.width`), prim or file; the problem; the cure. */
+/** Its kind; a place that names the option (such as `seam.side.width`), prim or file; the problem; the cure. */
 export interface Fault {
+  code: string;
   place: string;
   text: string;
   remedy: string;
