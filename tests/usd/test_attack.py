@@ -1,0 +1,24 @@
+"""Damaged files and absurd options end in a build or an error, and in nothing else. `attack.py` says how to run more."""
+
+import subprocess
+import sys
+
+import attack
+from tailor_file import needs_plugin
+
+
+def test_no_input_makes_the_command_fail_badly(usdtailor):
+    ends, failures = attack.attack(usdtailor.resolve(), 200, 1)
+    assert not failures, "\n".join(f"seed {seed}: {end}: {command}\n  {fault}" for seed, end, command, fault in failures)
+    # The attack is of use only while some cases get through and some do not.
+    assert ends["exit 0"] > 20, ends
+
+
+@needs_plugin
+def test_no_recipe_makes_the_plugin_crash():
+    command = [sys.executable, attack.__file__, "--plugin", "--runs", "60", "--seed", "1"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
+    assert done.returncode == 0, f"exit {done.returncode} after the seeds {done.stdout[-80:].split()}\n{done.stderr[-2000:]}"
+    assert "internal error" not in done.stderr, done.stderr
+    opened = int(done.stdout.splitlines()[-1].removesuffix(" opened"))
+    assert 5 < opened, "some recipes open"
