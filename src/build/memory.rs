@@ -1,7 +1,7 @@
 //! How much memory a build needs, from sizes that are known before it.
 
 use super::sim::{expected_faces, surface_level};
-use crate::error::Error;
+use crate::error::{Error, ErrorCode};
 use crate::garment::Garment;
 use crate::recipe::Recipe;
 use crate::subdivide::refined_faces;
@@ -68,7 +68,9 @@ impl MemoryEstimate {
             gigabytes(bytes),
             gigabytes(limit)
         );
-        Err(Error::recipe(key, fault).remedy(format!("{remedy}, or allow more memory (--max-memory of the command)")))
+        Err(Error::recipe(key, fault)
+            .code(ErrorCode::TooLarge)
+            .remedy(format!("{remedy}, or allow more memory (--max-memory of the command)")))
     }
 }
 

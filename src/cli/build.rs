@@ -116,7 +116,7 @@ fn tell(build: &Build, task: &Task, outcome: &Outcome, several: bool) {
             let input = several.then_some(&task.input);
             text::print_warnings(summary.warnings.iter(), build.inputs.quiet, input);
         }
-        Outcome::Failed(error) if several => text::print_error(error, &task.input),
+        Outcome::Failed(error) if several => text::print_error(error, Some(&task.input)),
         Outcome::Failed(_) | Outcome::Fresh => {}
     }
 }

@@ -3,7 +3,7 @@
 use super::{Inputs, Output, memory, text};
 use std::fmt::Write as _;
 use std::path::PathBuf;
-use tailor::error::{Error, ErrorKind};
+use tailor::error::{Error, ErrorCode, ErrorKind};
 use tailor::usd::{Facts, Source};
 use tailor::{Builder, Garment, Plan, PrimvarRole, Recipe};
 
@@ -45,7 +45,7 @@ fn fresh(source: &Source) -> Result<bool, Error> {
         }
         if !changes.is_empty() {
             let fault = Error::new(ErrorKind::Usd, layer.display(), format!("stale: {}", changes.join("; ")));
-            return Err(fault.remedy("build it again, with --force"));
+            return Err(fault.code(ErrorCode::StaleOutput).remedy("build it again, with --force"));
         }
     }
     Ok(!source.records().is_empty())

@@ -92,8 +92,10 @@ fn report(task: &Task, outcome: &Outcome) -> Value {
         Outcome::Built(summary) => summary.report.clone(),
         Outcome::Fresh => head(task, "fresh"),
         Outcome::Failed(error) => {
-            let faults =
-                error.faults.iter().map(|f| json!({ "place": f.place, "problem": f.text, "remedy": f.remedy }));
+            let faults = error
+                .faults
+                .iter()
+                .map(|f| json!({ "code": f.code, "place": f.place, "problem": f.text, "remedy": f.remedy }));
             let mut report = head(task, "failed");
             report["error"] = json!({ "message": error.to_string(), "faults": faults.collect::<Vec<_>>() });
             report

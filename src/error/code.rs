@@ -31,6 +31,8 @@ pub enum ErrorCode {
     WriteFailed,
     /// A layer cannot be written back unchanged.
     NotWrittenBack,
+    /// The output is not what a build would make of the files as they are now.
+    StaleOutput,
     /// The name of a product is taken, or is no name.
     NameTaken,
     /// The stage holds no mesh to build from.

@@ -193,7 +193,8 @@ fn refuse_other(model: &Model, name: &str) -> Result<(), Error> {
     let Some(other) = model.siblings.get(name).and_then(|sibling| sibling.of_other.as_deref()) else { return Ok(()) };
     let [path, other] = [name, other].map(|name| model.sibling_path(name).or_unreadable(&model.path));
     let own = model.path.name().unwrap_or_default();
-    let fault = Error::usd(format!("{} was made from {}, which it would hide", path?, other?));
+    let fault =
+        Error::usd(format!("{} was made from {}, which it would hide", path?, other?)).code(ErrorCode::NameTaken);
     Err(fault
         .remedy(format!("give each garment names of its own, such as --sim-name {own}_sim --render-name {own}_render")))
 }
