@@ -11,18 +11,19 @@ mod preview;
 mod report;
 mod text;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, CommandFactory, Parser, Subcommand};
+use clap_complete::Shell;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use tailor::DEFAULT_MAX_FACES;
-use tailor::error::{Error, ErrorCode, ErrorKind};
+use tailor::error::{Error, ErrorCode, ErrorKind, plain};
 use tailor::recipe::RecipeFile;
 use tailor::session::{Input, Opened, beside, is_usd};
 use tailor::usd::ReadOptions;
 
 /// One coarse garment mesh in, a simulation mesh and a render mesh out, in OpenUSD.
 #[derive(Parser)]
-#[command(name = "usdtailor", version, disable_help_subcommand = true, max_term_width = 100)]
+#[command(name = "usdtailor", version, max_term_width = 100)]
 pub struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -46,6 +47,17 @@ enum Command {
     Check(Inputs),
     /// Explain a code of an error or warning, or list all codes
     Explain(explain::Explain),
+    /// Print completions for a shell, such as: usdtailor completions zsh > _usdtailor
+    Completions {
+        /// The shell
+        shell: Shell,
+    },
+    /// Write a man page for each subcommand into a folder
+    Man {
+        /// An existing folder, such as ~/.local/share/man/man1
+        #[arg(value_name = "FOLDER")]
+        folder: PathBuf,
+    },
 }
 
 /// The inputs and how to read them.
@@ -140,7 +152,7 @@ pub fn run(cli: &Cli) -> Result<Output, Error> {
         Command::Build(build) => build.inputs.threads,
         Command::Drive(drive) => drive.threads,
         Command::Info(inputs) | Command::Check(inputs) => inputs.threads,
-        Command::Explain(_) => None,
+        Command::Explain(_) | Command::Completions { .. } | Command::Man { .. } => None,
         #[cfg(feature = "preview")]
         Command::Preview(preview) => preview.inputs().threads,
     };
@@ -157,9 +169,25 @@ pub fn run(cli: &Cli) -> Result<Output, Error> {
         Command::Info(inputs) => info::info(inputs),
         Command::Check(inputs) => info::check(inputs),
         Command::Explain(explain) => explain::run(explain),
+        Command::Completions { shell } => Ok(completions(*shell)),
+        Command::Man { folder } => man(folder),
         #[cfg(feature = "preview")]
         Command::Preview(preview) => preview::run(preview),
     }
+}
+
+fn completions(shell: Shell) -> Output {
+    let mut text = Vec::new();
+    clap_complete::generate(shell, &mut Cli::command(), "usdtailor", &mut text);
+    Output { text: String::from_utf8_lossy(&text).into_owned(), code: 0 }
+}
+
+fn man(folder: &Path) -> Result<Output, Error> {
+    clap_mangen::generate_to(Cli::command(), folder).map_err(|e| {
+        let fault = usage(folder.display(), format!("cannot write man pages: {}", plain(&e)));
+        fault.code(ErrorCode::WriteFailed).remedy("name an existing folder that you may write to")
+    })?;
+    Ok(Output { text: String::new(), code: 0 })
 }
 
 /// Writes an error to standard error.
