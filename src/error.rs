@@ -160,10 +160,14 @@ pub enum Code {
     DuplicateFaces,
     /// A product lacks an attribute of the model.
     NotCarried,
+    /// The garment is so far from the origin that points of the products are rounded.
+    FarFromOrigin,
     /// The mesh has no subdivision surface.
     PolygonalCage,
     /// The simulation mesh has reached the limit of its size.
     FaceLimit,
+    /// UVs are folded or degenerate, and the simulation mesh ignores them there.
+    FoldedUvs,
     /// Edges of the simulation mesh leave a border, seam or constraint.
     CurvesCut,
     /// A face subset has another area on the simulation mesh.

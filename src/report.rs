@@ -56,7 +56,7 @@ pub struct SimFigures {
     pub chain_length_min: f32,
     /// Largest distance of a chain's curve from the edges that follow it, as a share of the target length.
     pub chain_distance_max: f32,
-    /// Number of triangles that are flipped in UV space relative to their shell.
+    /// Number of triangles that are flipped in UV space relative to their shell, where the garment's UVs are not folded.
     pub uv_flips: usize,
     /// Area of each face subset on the mesh and on the baseline.
     pub subset_areas: Vec<SubsetArea>,
@@ -295,7 +295,7 @@ pub fn uv_flips(product: &SimProduct) -> Vec<usize> {
         let [a, b, c] = [0, 1, 2].map(|k| product.places[CornerId::new(3 * i + k)]);
         let area = (b.uv - a.uv).perp_dot(c.uv - a.uv);
         let senses = [a, b, c].map(|place| product.baseline.facets[place.location.face].sense);
-        // UVs beside small shells are approximate.
+        // Where the layout is free, UVs are approximate.
         area * senses[0] <= 0.0 && senses.iter().all(|&sense| sense != 0.0)
     };
     (0..product.triangles.len()).filter(flipped).collect()

@@ -4,7 +4,7 @@ use super::check::doubled_area;
 use super::progress::Clock;
 use crate::error::{Code, Error, ErrorCode, Warning, Warnings};
 use crate::garment::{Elements, Garment, Primvar};
-use crate::mesh::CornerId;
+use crate::mesh::{CornerId, FaceId};
 use crate::recipe::bind_sim;
 use crate::report::{SimFigures, SubsetArea, subset_areas, uv_flips};
 use crate::sim::{Baseline, CurveGap, Lengths, SimOptions, SimProduct, baseline_level, simulate};
@@ -16,8 +16,12 @@ use std::sync::Arc;
 const CURVE_GAP: f32 = 0.1;
 /// Change of a face subset's area above which a warning is given. Chords of a curved border stay below it. \[share\]
 const AREA_CHANGE: f64 = 0.05;
-/// Triangles beyond the allowed number that constraints may add. \[factor\]
-const CONSTRAINT_ROOM: usize = 4;
+/// The shortest target length: single precision has few digits for shorter edges. \[diagonals of the garment's box\]
+const SHORTEST: f32 = 1e-5;
+/// Triangles that a mesh may have beyond those that its target lengths ask for. Garments have up to 1.1. \[factor\]
+const ROOM: f64 = 1.5;
+/// Triangles that each edge of a chain may add to them: those around one of its ends.
+const CHAIN_ROOM: f64 = 6.0;
 
 /// The steps from one garment to its simulation mesh.
 pub struct SimSteps {
@@ -113,6 +117,12 @@ pub fn expected_faces(garment: &Garment, options: &SimOptions) -> Result<usize, 
     Ok(wanted.sum::<f64>().ceil() as usize)
 }
 
+/// The number of triangles that no simulation mesh on a baseline should exceed: whatever asks for more is a fault.
+fn most_faces(baseline: &Baseline) -> usize {
+    // Saturates where the lengths are absurdly small.
+    (ROOM * baseline.expected_faces() + CHAIN_ROOM * baseline.chain_edges()).ceil() as usize
+}
+
 fn remesh(garment: &Garment, options: &SimOptions, max_faces: usize, clock: &mut Clock<'_>) -> Result<Remeshed, Error> {
     let expected = expected_faces(garment, options)?;
     if expected > max_faces {
@@ -120,13 +130,20 @@ fn remesh(garment: &Garment, options: &SimOptions, max_faces: usize, clock: &mut
         let remedy = "raise sim.minEdgeLength or sim.maxEdgeLength, or --max-faces of the command";
         return Err(Error::recipe("sim.maxEdgeLength", fault).code(ErrorCode::TooLarge).remedy(remedy));
     }
+    let least = SHORTEST * garment.size();
+    if options.min_edge_length < least {
+        let fault =
+            format!("{} is too short for {}, whose points have seven digits", options.min_edge_length, garment.prim);
+        return Err(Error::recipe("sim.minEdgeLength", fault).remedy(format!("give {least} stage units or more")));
+    }
     let baseline = clock.run("baseline", || baseline(garment, options))?;
     let confetti = uv_confetti(&baseline, options);
-    let limit = max_faces.saturating_mul(CONSTRAINT_ROOM);
+    let limit = max_faces.min(most_faces(&baseline));
     let product = clock.run("remesh", || Ok(simulate(baseline, options.iterations, limit)))?;
     let mut warnings = Warnings::default();
     warnings.extend(confetti);
-    if product.triangles.len() >= limit {
+    warnings.extend(folded_uvs(garment, options, &product.baseline));
+    if product.report.full {
         let problem = format!("stopped at {} triangles, before its edges were short enough", product.triangles.len());
         let warning = Warning::new(Code::FaceLimit, "simulation mesh", problem);
         warnings.push(warning.remedy("Raise sim.minEdgeLength or sim.maxEdgeLength, or --max-faces"));
@@ -147,6 +164,18 @@ fn uv_confetti(baseline: &Baseline, options: &SimOptions) -> Option<Warning> {
     let problem = format!("{cut} of {} edges are UV seams, and the mesh has to follow them", inner().count());
     let warning = Warning::new(Code::UvConfetti, format!("UV set {}", options.uv_set), problem);
     Some(warning.remedy("Unwrap the garment in panels, or set sim.constrainUvSeams to false"))
+}
+
+/// The warning of faces whose UVs no triangle can follow.
+fn folded_uvs(garment: &Garment, options: &SimOptions, baseline: &Baseline) -> Option<Warning> {
+    let mut faces: Vec<FaceId> = baseline.folded.iter().map(|&f| baseline.source_face[f]).collect();
+    faces.sort_unstable();
+    faces.dedup();
+    let place = format!("{}.primvars:{}", garment.prim, options.uv_set);
+    let problem =
+        format!("UVs are folded or have no area in {} faces; the simulation mesh ignores them there", faces.len());
+    let warning = Warning::new(Code::FoldedUvs, place, problem).at(Elements::Faces(faces));
+    (!baseline.folded.is_empty()).then(|| warning.remedy("Correct the UVs, or name another UV set in sim.uvSet"))
 }
 
 /// The warning of borders, seams and constraints that the mesh's edges leave.

@@ -163,6 +163,19 @@ impl Garment {
         self.subsets.iter().find(|s| s.name == name)
     }
 
+    /// The least and the largest coordinates of the points that faces use. \[stage units\]
+    pub fn bounds(&self) -> [Vec3; 2] {
+        let points = self.faces.corners().iter().map(|&v| self.points[v]);
+        let box_of = |[low, high]: [Vec3; 2], p: Vec3| [low.min(p), high.max(p)];
+        points.map(|p| [p, p]).reduce(|all, [p, _]| box_of(all, p)).unwrap_or_default()
+    }
+
+    /// The diagonal of [`Self::bounds`]. \[stage units\]
+    pub fn size(&self) -> f32 {
+        let [low, high] = self.bounds().map(|p| p.as_dvec3());
+        low.distance(high) as f32
+    }
+
     /// An estimate of its memory. \[bytes\]
     pub fn bytes(&self) -> usize {
         let subset = |s: &Subset| s.elements.len() * if matches!(s.elements, Elements::Edges(_)) { 8 } else { 4 };

@@ -1,7 +1,7 @@
 //! The steps from a garment to its baseline.
 
 use super::Baseline;
-use super::facets::facets;
+use super::facets::{facets, free_folds};
 use super::level::baseline_level;
 use super::start::{StartMesh, nearest_level};
 use crate::garment::{Garment, Primvar};
@@ -54,10 +54,14 @@ impl Baseline {
         let (topology, level_vertex) = separate_fans(topology, is_hole.contains(&true));
         let points: IdVec<VertexId, Vec3> = level_vertex.iter().map(|&v| points[v]).collect();
         let barrier = barrier(&topology, &chains);
+        let holds_uvs = uv_set.is_some() && options.constrain_uv_seams;
+        let mut facets = facets(&topology, &points, &barrier, uv_set.map(|_| &uvs));
+        let folded = if holds_uvs { free_folds(&topology, &uvs, &mut facets) } else { Vec::new() };
         let mut baseline = Self {
-            facets: facets(&topology, &points, &barrier, uv_set.map(|_| &uvs)),
+            facets,
             small_shells,
-            holds_uvs: uv_set.is_some() && options.constrain_uv_seams,
+            holds_uvs,
+            folded,
             source_face: quads.faces.iter().map(|&f| source_face[f]).collect(),
             level_face: quads.faces,
             level_corner: quads.corners,

@@ -16,7 +16,7 @@ pub struct Facet {
     pub open_twin: [Option<CornerId>; 3],
     /// Unit normal; zero where there is no area.
     pub normal: Vec3,
-    /// +1 or -1: the orientation of the triangle's shell in UV space; 0 on a small shell, whose border is no constraint.
+    /// +1 or -1: the orientation of the triangle's shell in UV space; 0 where the layout is free, on folds and small shells.
     pub sense: f32,
 }
 
@@ -53,6 +53,17 @@ fn shells(t: &Topology, uvs: &IdVec<CornerId, Vec2>) -> Groups<FaceId> {
         }
     }
     shells
+}
+
+/// Frees the layout where UVs are folded or degenerate: no triangle could be upright there, so remeshing that asks for it
+/// would neither collapse nor stop to split. Returns the folded triangles; those around them on the same shell are free too.
+pub(crate) fn free_folds(t: &Topology, uvs: &IdVec<CornerId, Vec2>, facets: &mut IdVec<FaceId, Facet>) -> Vec<FaceId> {
+    let folded: Vec<FaceId> = facets.ids().filter(|&f| uv_area(uvs, f) * facets[f].sense <= 0.0).collect();
+    for corner in folded.iter().flat_map(|&f| t.faces.corners_of(f)) {
+        let around = t.vertex_corners.row(t.faces.vertex(corner)).iter();
+        around.filter(|&&c| uvs[c] == uvs[corner]).for_each(|&c| facets[edit::face(c)].sense = 0.0);
+    }
+    folded
 }
 
 fn uv_area(uvs: &IdVec<CornerId, Vec2>, face: FaceId) -> f32 {

@@ -56,6 +56,8 @@ pub struct Baseline {
     pub facets: IdVec<FaceId, Facet>,
     /// UV shells whose borders constrain nothing.
     pub small_shells: SmallShells,
+    /// The triangles whose UVs are folded or degenerate, where [`Self::holds_uvs`].
+    pub folded: Vec<FaceId>,
     /// Whether UVs are one to one over each piece between chains, so that remeshing can keep triangles from flipping there.
     pub holds_uvs: bool,
     /// Target edge length at each vertex. \[stage units\]
@@ -76,6 +78,21 @@ impl Baseline {
     /// The levels that are refined on the way to the triangles, from the cage on.
     pub fn parents(&self) -> impl Iterator<Item = &Level> {
         self.manifold.parents(&self.levels)
+    }
+
+    /// The triangles that the lengths near chains ask for, all of them equilateral.
+    pub fn expected_faces(&self) -> f64 {
+        let wanted = self.topology.faces.ids().map(|f| {
+            let sum: f64 = self.topology.faces.vertices_of(f).iter().map(|&v| f64::from(self.sizing[v])).sum();
+            let target = sum / 3.0;
+            0.5 * self.normal(f).as_dvec3().length() / (0.25 * 3f64.sqrt() * target * target)
+        });
+        wanted.sum()
+    }
+
+    /// The edges that the chains ask for, each between two of its corners or ends at least one.
+    pub fn chain_edges(&self) -> f64 {
+        self.chains.iter().map(|c| f64::from(c.spaced[c.spaced.len() - 1]) + (c.pins.len() + 1) as f64).sum()
     }
 
     /// The garment's corner whose part of its face a triangle lies in.

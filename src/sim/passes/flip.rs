@@ -68,7 +68,11 @@ fn gain(mesh: &SimMesh<'_>, excess: &ValenceExcess, half: CornerId, regularity: 
         return -1.0;
     }
     let ((s1, c1), (s2, c2)) = (opposite_angle(c, a, b), opposite_angle(d, a, b));
-    let size = ((s1 * s1 + c1 * c1) * (s2 * s2 + c2 * c2)).sqrt().max(f32::MIN_POSITIVE);
+    let (one, two) = (s1 * s1 + c1 * c1, s2 * s2 + c2 * c2);
+    let product = one * two;
+    // The eighth power of a length is no number of single precision where edges are very long or very short.
+    let size = if product.is_normal() { product.sqrt() } else { one.sqrt() * two.sqrt() };
+    let size = size.max(f32::MIN_POSITIVE);
     // The sine of the sum is negative where that exceeds π.
     -(s1 * c2 + c1 * s2) / size - regularity * change as f32
 }

@@ -44,6 +44,8 @@ pub struct RemeshReport {
     pub rounds: u32,
     /// Whether the last round neither split, collapsed nor flipped anything.
     pub converged: bool,
+    /// Whether the last round had no room for more splits in the largest number of triangles.
+    pub full: bool,
     /// Edges split in all rounds.
     pub splits: usize,
     /// Edges collapsed in all rounds.
@@ -114,7 +116,9 @@ impl Pass {
                 0
             }
             Self::Follow => follow_curves(mesh),
-            Self::InPatches(size) => edit_in_patches(mesh, size, usize::MAX).map_or(0, |(a, b)| a + b),
+            Self::InPatches(size) => {
+                edit_in_patches(mesh, size, usize::MAX).map_or(0, |edits| edits.splits + edits.collapses)
+            }
         }
     }
 }
@@ -125,7 +129,8 @@ pub fn remesh(mesh: &mut SimMesh<'_>, rounds: u32, max_faces: usize) -> RemeshRe
     let mut scratch = Vec::new();
     for round in 1..=rounds {
         let in_patches = if round == 1 && rounds > 1 { edit_in_patches(mesh, PATCH_SIZE, max_faces) } else { None };
-        let (splits, collapses) = in_patches.unwrap_or_else(|| split_and_collapse(mesh, RATIOS, max_faces));
+        let Edits { splits, collapses, full } =
+            in_patches.unwrap_or_else(|| split_and_collapse(mesh, RATIOS, max_faces));
         if round == rounds {
             report.splits += split_far_edges(mesh, max_faces);
         }
@@ -136,6 +141,7 @@ pub fn remesh(mesh: &mut SimMesh<'_>, rounds: u32, max_faces: usize) -> RemeshRe
             relax_and_project(mesh, SWEEPS, &mut scratch);
         }
         report.rounds = round;
+        report.full = full;
         report.splits += splits;
         report.collapses += collapses;
         report.flips += flips;
@@ -158,25 +164,40 @@ pub fn remesh(mesh: &mut SimMesh<'_>, rounds: u32, max_faces: usize) -> RemeshRe
     report
 }
 
-/// Splits and collapses; returns the numbers of edits.
-fn split_and_collapse(mesh: &mut SimMesh<'_>, [longest, shortest]: [f32; 2], max_faces: usize) -> (usize, usize) {
-    let deficit = |mesh: &SimMesh<'_>, half: CornerId| length_deficit(mesh, half, shortest);
-    let (long, mut short) = keyed_by_both(mesh, |mesh, half| length_excess(mesh, half, longest), deficit);
-    let old = mesh.topology.vertex_slots();
-    let splits = split_long_edges(mesh, long, longest, max_faces);
-    let new = (old..mesh.topology.vertex_slots()).map(VertexId::new);
-    short.extend(keyed_around(mesh, new, &deficit));
-    (splits, collapse_short_edges(mesh, short, shortest))
+/// What one round of splits and collapses did.
+#[derive(Clone, Copy, Default)]
+struct Edits {
+    splits: usize,
+    collapses: usize,
+    /// Whether there was no room for the two triangles of one more split.
+    full: bool,
 }
 
-/// Splits and collapses inside patches of about `size` triangles, Delaunay first. None if the mesh has no such patches.
-fn edit_in_patches(mesh: &mut SimMesh<'_>, size: usize, max_faces: usize) -> Option<(usize, usize)> {
-    let faces = mesh.topology.face_count();
-    let room = max_faces.saturating_sub(faces) as f64 / faces.max(1) as f64;
-    let edits = in_patches(mesh, size, |patch| {
-        let own = patch.topology.face_count();
+/// Splits and collapses.
+fn split_and_collapse(mesh: &mut SimMesh<'_>, [longest, shortest]: [f32; 2], max_faces: usize) -> Edits {
+    let deficit = |mesh: &SimMesh<'_>, half: CornerId| length_deficit(mesh, half, shortest);
+    let (long, mut short) = keyed_by_both(mesh, |mesh, half| length_excess(mesh, half, longest), deficit);
+    let (old, wants_room) = (mesh.topology.vertex_slots(), !long.is_empty());
+    let splits = split_long_edges(mesh, long, longest, max_faces);
+    let full = wants_room && mesh.topology.face_count() + 2 > max_faces;
+    let new = (old..mesh.topology.vertex_slots()).map(VertexId::new);
+    short.extend(keyed_around(mesh, new, &deficit));
+    Edits { splits, collapses: collapse_short_edges(mesh, short, shortest), full }
+}
+
+/// Splits and collapses inside patches of about `size` triangles, Delaunay first. None, with the mesh unchanged, if the patches
+/// cannot be joined or exceed `max_faces`.
+fn edit_in_patches(mesh: &mut SimMesh<'_>, size: usize, max_faces: usize) -> Option<Edits> {
+    // Collapses follow, so that splits alone may make more.
+    let most = max_faces.saturating_mul(2);
+    let edits = in_patches(mesh, size, max_faces, |patch| {
         flip_edges(patch, 0.0);
-        split_and_collapse(patch, FIRST_RATIOS, own.saturating_add((room * own as f64) as usize))
+        split_and_collapse(patch, FIRST_RATIOS, most)
     })?;
-    Some(edits.into_iter().fold((0, 0), |sum, one| (sum.0 + one.0, sum.1 + one.1)))
+    let add = |sum: Edits, one: Edits| Edits {
+        splits: sum.splits + one.splits,
+        collapses: sum.collapses + one.collapses,
+        full: sum.full || one.full,
+    };
+    Some(edits.into_iter().fold(Edits::default(), add))
 }

@@ -26,17 +26,18 @@ const GOOD_ANGLE_COSINE: f32 = 0.882_95;
 /// Samples of the distance between a curve and its chord.
 const SAMPLES: u8 = 8;
 
-/// Splits `long` edges and those that follow, until none is longer than `ratio` times its target or the mesh has
-/// `max_faces` triangles. Returns the number of splits.
+/// Splits `long` edges and those that follow, until none is longer than `ratio` times its target or there is
+/// no room for more in `max_faces` triangles. Returns the number of splits.
 pub(crate) fn split_long_edges(mesh: &mut SimMesh<'_>, long: Vec<QueuedEdge>, ratio: f32, max_faces: usize) -> usize {
     let mut faces = mesh.topology.face_count();
     let key = |mesh: &SimMesh<'_>, half: CornerId| length_excess(mesh, half, ratio);
     edit_in_order(mesh, long, key, |mesh, half| {
-        if faces >= max_faces || !mesh.topology.may_split(half) || mesh.is_patch_border(half) {
+        let more = 1 + usize::from(mesh.topology.twin(half).is_some());
+        if faces + more > max_faces || !mesh.topology.may_split(half) || mesh.is_patch_border(half) {
             return None;
         }
         let vertex = mesh.split(half)?;
-        faces += 1 + usize::from(mesh.topology.twin(half).is_some());
+        faces += more;
         Some(vertex)
     })
 }

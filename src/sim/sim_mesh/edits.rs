@@ -112,7 +112,10 @@ impl SimMesh<'_> {
             Some((self.baseline.position(found), self.wedge_at(found)))
         };
         let is_safe = |m: &(Vec3, Wedge)| self.split_is_safe(half, m.0, &m.1);
-        Some((best.position, self.wedge_at(best.location))).filter(is_safe).or_else(|| by_uv().filter(is_safe))
+        // Where UVs are stretched their midpoint may be far away. Halves longer than the edge would be split without end.
+        let is_near = |m: &(Vec3, Wedge)| [a, b].iter().all(|end| end.distance_squared(m.0) < a.distance_squared(b));
+        let closest = Some((best.position, self.wedge_at(best.location))).filter(is_safe);
+        closest.or_else(|| by_uv().filter(|m| is_near(m) && is_safe(m)))
     }
 
     /// Whether splitting a free edge flips no triangle that was not flipped before.

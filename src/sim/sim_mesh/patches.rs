@@ -33,10 +33,11 @@ struct Patches {
 }
 
 /// Runs `work` on patches of about `size` triangles. Returns its results; none, with the mesh unchanged, if the patches
-/// cannot be joined again.
+/// cannot be joined again or have more than `max_faces` triangles together.
 pub(crate) fn in_patches<'a, T: Send>(
     mesh: &mut SimMesh<'a>,
     size: usize,
+    max_faces: usize,
     work: impl Fn(&mut SimMesh<'a>) -> T + Sync,
 ) -> Option<Vec<T>> {
     let patches = Patches::new(&mesh.topology, size);
@@ -48,6 +49,9 @@ pub(crate) fn in_patches<'a, T: Send>(
         (patch, old.iter().map(|v| names.get(v.index()).copied().flatten()).collect(), result)
     });
     let done: Vec<(SimMesh<'a>, Names, T)> = done.collect();
+    if done.iter().map(|(patch, ..)| patch.topology.face_count()).sum::<usize>() > max_faces {
+        return None;
+    }
     let parts: Vec<(&EditMesh, &Names)> = done.iter().map(|(patch, names, _)| (&patch.topology, names)).collect();
     let joined = join_meshes(&parts, mesh.topology.vertex_slots())?;
     let patches: Vec<&SimMesh<'a>> = done.iter().map(|(patch, ..)| patch).collect();

@@ -25,7 +25,7 @@ pub(crate) struct Wedge {
     pub place: UvLocation,
     /// Unit normal of the surface.
     pub normal: Vec3,
-    /// +1 or -1: the orientation of the shell in UV space; 0 on a small shell, whose border is no constraint.
+    /// +1 or -1: the orientation of the shell in UV space; 0 where the layout is free, on folds and small shells.
     pub sense: f32,
 }
 
