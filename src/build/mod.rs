@@ -8,30 +8,29 @@
 
 mod check;
 mod cloth;
+mod frame;
 mod memory;
+mod products;
 mod progress;
 mod sim;
 
 #[cfg(feature = "internals")]
 pub use check::mean_edge_length;
 pub use memory::MemoryEstimate;
+pub use products::{Plan, Products, RenderUpdate, SimUpdate};
 pub use progress::{Progress, Timing};
 #[cfg(feature = "internals")]
 pub use sim::baseline;
 
-use crate::binding::Binding;
-use crate::cloth::{Cloth, ClothFigures};
 use crate::error::{Code, Error, Warning, Warnings};
 use crate::garment::{Garment, GarmentInput, Scheme, check_garment};
 use crate::recipe::{Recipe, bind, resolve_uv_set};
 use crate::render::operator::Operator;
 use crate::render::{RenderSteps, Rendered, Stack};
-use crate::report::{RenderFigures, SimFigures, TriangleQuality};
-use crate::sim::RemeshReport;
 use cloth::ClothSteps;
+use frame::Frame;
 use progress::Clock;
-use serde::Serialize;
-use sim::{SimSteps, Simulated};
+use sim::SimSteps;
 use std::sync::Arc;
 
 /// Largest simulation mesh by default. \[triangles\]
@@ -79,6 +78,7 @@ pub fn build(mesh: &GarmentInput, recipe: &Recipe) -> Result<Products, Error> {
 /// ```
 pub struct Builder {
     garment: Arc<Garment>,
+    frame: Frame,
     mean_edge: f32,
     warnings: Warnings,
     sim: SimSteps,
@@ -88,111 +88,6 @@ pub struct Builder {
     progress: Progress,
     max_faces: usize,
     max_memory: usize,
-}
-
-/// The products of one update.
-#[derive(Clone)]
-#[non_exhaustive]
-pub struct Products {
-    /// The simulation mesh.
-    pub sim: Arc<Garment>,
-    /// The render mesh.
-    pub render: Arc<Garment>,
-    /// The simulation mesh as cloth; none where `cloth.physics` is empty.
-    pub cloth: Option<Arc<Cloth>>,
-    /// The places of the render mesh's points on the simulation mesh.
-    pub binding: Arc<Binding>,
-    /// The places of the garment's own points on the simulation mesh.
-    pub cage_binding: Arc<Binding>,
-    /// The recipe with the lengths that were used.
-    pub recipe: Recipe,
-    /// The operators of the render mesh, in their order.
-    pub operators: Vec<String>,
-    /// Names of the face sets that they made.
-    pub operator_sets: Vec<String>,
-    /// Warnings of the mesh and of both products.
-    pub warnings: Warnings,
-    /// Time of each step; one that was not repeated takes nearly none.
-    pub timings: Vec<Timing>,
-    simulated: Arc<Simulated>,
-}
-
-impl Products {
-    /// The quality figures of the simulation mesh.
-    pub fn sim_figures(&self) -> SimFigures {
-        self.simulated.figures()
-    }
-
-    /// The figures of the render mesh.
-    pub fn render_figures(&self) -> RenderFigures {
-        RenderFigures::new(&self.render)
-    }
-
-    /// The figures of the cloth.
-    pub fn cloth_figures(&self) -> Option<ClothFigures> {
-        self.cloth.as_ref().map(|cloth| cloth.figures(&self.sim))
-    }
-
-    /// The counts of the remesher.
-    pub fn remesh(&self) -> &RemeshReport {
-        &self.simulated.remeshed.product.report
-    }
-}
-
-/// The simulation mesh of one update.
-#[derive(Clone)]
-#[non_exhaustive]
-pub struct SimUpdate {
-    /// The mesh.
-    pub mesh: Arc<Garment>,
-    /// Its warnings.
-    pub warnings: Warnings,
-    /// Time of each step that was repeated.
-    pub timings: Vec<Timing>,
-    simulated: Arc<Simulated>,
-}
-
-impl SimUpdate {
-    /// The quality figures.
-    pub fn figures(&self) -> SimFigures {
-        self.simulated.figures()
-    }
-
-    /// The smallest angle and the length of the edges of each triangle.
-    pub fn triangle_quality(&self) -> TriangleQuality {
-        TriangleQuality::new(&self.simulated.remeshed.product)
-    }
-}
-
-/// The render mesh of one update.
-#[derive(Clone)]
-#[non_exhaustive]
-pub struct RenderUpdate {
-    /// The mesh.
-    pub mesh: Arc<Garment>,
-    /// The operators, in their order.
-    pub operators: Vec<String>,
-    /// Names of the face sets that they made.
-    pub operator_sets: Vec<String>,
-    /// Its warnings.
-    pub warnings: Warnings,
-    /// Time of the step.
-    pub timings: Vec<Timing>,
-}
-
-/// The sizes of the products before they are built.
-#[derive(Clone, Debug, Serialize)]
-#[serde(rename_all = "camelCase")]
-#[non_exhaustive]
-pub struct Plan {
-    /// The recipe with the lengths that would be used.
-    pub recipe: Recipe,
-    /// Triangles that the target lengths ask for, all of them equilateral.
-    pub expected_faces: usize,
-    /// Constraint chains.
-    pub chains: usize,
-    /// Faces of the render mesh.
-    pub render_faces: usize,
 }
 
 impl Builder {
@@ -215,36 +110,35 @@ impl Builder {
             let warning = Warning::new(Code::PolygonalCage, &garment.prim, problem);
             warnings.push(warning.remedy("Set it to catmullClark for a smooth surface"));
         }
-        let garment = Arc::new(garment);
-        Ok(Self {
-            sim: SimSteps::new(Arc::clone(&garment)),
-            render: RenderSteps::new(Arc::clone(&garment)),
-            cloth: ClothSteps::new(Arc::clone(&garment), mean_edge),
+        let frame = Frame::of(&garment);
+        warnings.extend(frame.check(&garment, mean_edge)?);
+        Ok(Self::in_frame(frame, Arc::new(garment), mean_edge, warnings))
+    }
+
+    /// A builder without results and operators of its own. All steps work on the garment in its frame.
+    fn in_frame(frame: Frame, garment: Arc<Garment>, mean_edge: f32, warnings: Warnings) -> Self {
+        let local = frame.enter(&garment);
+        Self {
+            sim: SimSteps::new(Arc::clone(&local)),
+            render: RenderSteps::new(Arc::clone(&local)),
+            cloth: ClothSteps::new(local, mean_edge),
             garment,
+            frame,
             mean_edge,
             warnings,
             own_operators: Vec::new(),
             progress: Progress::default(),
             max_faces: DEFAULT_MAX_FACES,
             max_memory: usize::MAX,
-        })
+        }
     }
 
     /// A builder of the same checked mesh, without results and operators of its own.
     #[must_use]
     pub fn sibling(&self) -> Self {
-        Self {
-            sim: SimSteps::new(Arc::clone(&self.garment)),
-            render: RenderSteps::new(Arc::clone(&self.garment)),
-            garment: Arc::clone(&self.garment),
-            mean_edge: self.mean_edge,
-            warnings: self.warnings.clone(),
-            cloth: ClothSteps::new(Arc::clone(&self.garment), self.mean_edge),
-            own_operators: Vec::new(),
-            progress: Progress::default(),
-            max_faces: self.max_faces,
-            max_memory: self.max_memory,
-        }
+        let (garment, warnings) = (Arc::clone(&self.garment), self.warnings.clone());
+        let sibling = Self::in_frame(self.frame.sibling(), garment, self.mean_edge, warnings);
+        sibling.with_max_faces(self.max_faces).with_max_memory(self.max_memory)
     }
 
     /// Sets the handle that hears of progress and can cancel a build.
@@ -274,7 +168,8 @@ impl Builder {
     }
 
     /// Sets your own operators, which run in this order after the operators of the recipe. They replace the ones set before:
-    /// to edit an operator, set a new one. An operator that [`Operator::is_same`] as before is not run again.
+    /// to edit an operator, set a new one. An operator that [`Operator::is_same`] as before is not run again. A mesh farther
+    /// from the origin than eight of its sizes is moved near it before they run, and their result is moved back.
     pub fn set_operators(&mut self, operators: Vec<Arc<dyn Operator>>) {
         self.own_operators = operators;
     }
@@ -345,9 +240,9 @@ impl Builder {
         let (cloth, of_cloth) = cloth.unzip();
         warnings.extend(of_cloth.unwrap_or_default());
         Ok(Products {
-            sim: sim.mesh,
-            render: render.mesh,
-            cloth,
+            sim: self.frame.sim(&sim.mesh)?,
+            render: self.frame.render(&render.mesh)?,
+            cloth: cloth.map(|cloth| self.frame.cloth(&cloth)).transpose()?,
             binding,
             cage_binding,
             recipe,
@@ -367,7 +262,7 @@ impl Builder {
         let (recipe, warning) = self.resolved(recipe)?;
         let mut update = self.simulate(&recipe)?;
         update.warnings.extend(warning);
-        Ok(update)
+        Ok(SimUpdate { mesh: self.frame.sim(&update.mesh)?, ..update })
     }
 
     /// The render mesh alone.
@@ -376,10 +271,11 @@ impl Builder {
     /// As [`Builder::update`].
     pub fn update_render(&mut self, recipe: &Recipe) -> Result<RenderUpdate, Error> {
         let recipe = self.resolve(recipe)?;
-        self.render(&recipe)
+        let update = self.render(&recipe)?;
+        Ok(RenderUpdate { mesh: self.frame.render(&update.mesh)?, ..update })
     }
 
-    /// The simulation mesh of a resolved recipe.
+    /// The simulation mesh of a resolved recipe, in the frame.
     fn simulate(&mut self, recipe: &Recipe) -> Result<SimUpdate, Error> {
         let mut clock = Clock::new(&self.progress);
         let simulated = self.sim.update(&recipe.sim, self.max_faces, &mut clock)?;
@@ -389,7 +285,7 @@ impl Builder {
         Ok(SimUpdate { mesh: Arc::clone(&simulated.mesh), warnings, timings: clock.timings, simulated })
     }
 
-    /// The render mesh of a resolved recipe.
+    /// The render mesh of a resolved recipe, in the frame.
     fn render(&mut self, recipe: &Recipe) -> Result<RenderUpdate, Error> {
         let mut clock = Clock::new(&self.progress);
         let stack = self.stack(recipe)?;
@@ -405,9 +301,10 @@ impl Builder {
     pub fn plan(&mut self, recipe: &Recipe) -> Result<Plan, Error> {
         let recipe = self.resolve(recipe)?;
         let stack = self.stack(&recipe)?;
+        let garment = self.frame.enter(&self.garment);
         Ok(Plan {
-            expected_faces: sim::expected_faces(&self.garment, &recipe.sim)?,
-            chains: sim::baseline(&self.garment, &recipe.sim)?.chains.len(),
+            expected_faces: sim::expected_faces(&garment, &recipe.sim)?,
+            chains: sim::baseline(&garment, &recipe.sim)?.chains.len(),
             render_faces: self.render.face_count(&stack)?,
             recipe,
         })
@@ -422,6 +319,6 @@ impl Builder {
 
     /// An estimate of the memory that the kept results hold. \[bytes\]
     pub fn bytes(&self) -> usize {
-        self.garment.bytes() + self.sim.bytes() + self.render.bytes() + self.cloth.bytes()
+        self.garment.bytes() + self.sim.bytes() + self.render.bytes() + self.cloth.bytes() + self.frame.bytes()
     }
 }

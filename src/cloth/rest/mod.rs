@@ -109,6 +109,17 @@ pub fn rest(
 }
 
 impl Rest {
+    /// Its points if the mesh is moved: flat panels stay in their plane.
+    pub(crate) fn moved(&self, by: Vec3) -> Vec<Vec3> {
+        let mut points = self.points.clone();
+        let modelled = self.triangles.iter().zip(&self.is_flat).filter(|(_, is_flat)| !**is_flat);
+        let mut moving: Vec<u32> = modelled.flat_map(|(triangle, _)| *triangle).collect();
+        moving.sort_unstable();
+        moving.dedup();
+        moving.into_iter().for_each(|i| points[i as usize] += by);
+        points
+    }
+
     /// The length of the half-edge at a corner of the simulation mesh.
     fn length(&self, corner: CornerId) -> f64 {
         let triangle = self.triangles[corner.index() / 3];

@@ -33,11 +33,10 @@ impl SimMesh<'_> {
     /// The defect of a triangle with these corners.
     #[inline(always)]
     pub(crate) fn defect(&self, [(a, pa), (b, pb), (c, pc)]: [TriangleCorner<'_>; 3]) -> Defect {
+        // Where the layout is free at a corner, it is folded, or the triangle has UVs of two shells.
         if self.baseline.holds_uvs && pa.sense * pb.sense * pc.sense != 0.0 {
             let (u, v) = (pb.place.uv - pa.place.uv, pc.place.uv - pa.place.uv);
-            // A triangle that reaches a small shell has UVs of two shells.
-            let is_on_one = pa.sense * pb.sense * pc.sense != 0.0;
-            if u.perp_dot(v) * pa.sense <= 0.0 && is_on_one {
+            if u.perp_dot(v) * pa.sense <= 0.0 {
                 return Defect::Flipped;
             }
         }

@@ -1,0 +1,113 @@
+//! The frame of a build. Single precision has few digits left far from the origin, so a garment there is built near it, and
+//! its products are moved back.
+
+use crate::cloth::{Cloth, Rest};
+use crate::error::{Code, Error, ErrorKind, Warning};
+use crate::garment::Garment;
+use crate::step::{Same, Step};
+use glam::Vec3;
+use std::sync::Arc;
+
+/// A garment is moved along the axes on which it lies farther from the origin than this many of its own sizes. Nearer ones
+/// lose at most four bits. From 2 on a move and the way back are exact for its own points. \[factor\]
+const FAR: f32 = 8.0;
+/// Share of the mean edge length by which the points of products may be rounded before a warning is given.
+const ROUNDED: f32 = 0.01;
+
+/// The frame of one garment, and its products in the garment's own space.
+#[derive(Default)]
+pub struct Frame {
+    /// The origin of the frame in the garment's space. \[stage units\]
+    origin: Vec3,
+    sim: Step<Same<Garment>, Arc<Garment>>,
+    render: Step<Same<Garment>, Arc<Garment>>,
+    cloth: Step<Same<Cloth>, Arc<Cloth>>,
+}
+
+impl Frame {
+    /// The frame of a garment: its own space, unless it is far from the origin.
+    pub fn of(garment: &Garment) -> Self {
+        let [low, high] = garment.bounds();
+        let (centre, far) = (low.midpoint(high), FAR * garment.size());
+        let origin = Vec3::select(centre.abs().cmpgt(Vec3::splat(far)), centre, Vec3::ZERO);
+        Self { origin, ..Self::default() }
+    }
+
+    /// The same frame without products.
+    pub fn sibling(&self) -> Self {
+        Self { origin: self.origin, ..Self::default() }
+    }
+
+    /// The spacing of numbers at its origin. \[stage units\]
+    fn resolution(&self) -> f32 {
+        self.origin.abs().max_element() * f32::EPSILON
+    }
+
+    /// The warning of a garment so far away that the points of its products are rounded.
+    ///
+    /// # Errors
+    /// A garment whose edges are shorter than the spacing of numbers there.
+    pub fn check(&self, garment: &Garment, mean_edge: f32) -> Result<Option<Warning>, Error> {
+        let (place, step) = (format!("{}.points", garment.prim), self.resolution());
+        let far = self.origin.abs().max_element();
+        let remedy = "Move the points to the origin, and put the offset into the transform of the prim";
+        if step > mean_edge {
+            let fault = format!(
+                "the mesh is {far:e} units from the origin, where points are {step} apart: more than its mean edge \
+                 length, {mean_edge}"
+            );
+            return Err(Error::new(ErrorKind::Mesh, place, fault).remedy(remedy));
+        }
+        let problem =
+            format!("the mesh is {far:e} units from the origin: points of the products are rounded to {step}");
+        let warning = Warning::new(Code::FarFromOrigin, place, problem).amount(step / mean_edge).remedy(remedy);
+        Ok((step > ROUNDED * mean_edge).then_some(warning))
+    }
+
+    /// A garment in this frame.
+    pub fn enter(&self, garment: &Arc<Garment>) -> Arc<Garment> {
+        if self.origin == Vec3::ZERO { Arc::clone(garment) } else { Arc::new(moved(garment, -self.origin)) }
+    }
+
+    /// A simulation mesh in the garment's space.
+    pub fn sim(&mut self, mesh: &Arc<Garment>) -> Result<Arc<Garment>, Error> {
+        back(&mut self.sim, self.origin, mesh, moved)
+    }
+
+    /// A render mesh in the garment's space.
+    pub fn render(&mut self, mesh: &Arc<Garment>) -> Result<Arc<Garment>, Error> {
+        back(&mut self.render, self.origin, mesh, moved)
+    }
+
+    /// A cloth in the garment's space.
+    pub fn cloth(&mut self, cloth: &Arc<Cloth>) -> Result<Arc<Cloth>, Error> {
+        back(&mut self.cloth, self.origin, cloth, |cloth, by| Cloth {
+            rest: cloth.rest.as_ref().map(|rest| Rest { points: rest.moved(by), ..rest.clone() }),
+            ..cloth.clone()
+        })
+    }
+
+    /// An estimate of the memory of the moved products. \[bytes\]
+    pub fn bytes(&self) -> usize {
+        let meshes = [self.sim.last(), self.render.last()].into_iter().flatten();
+        meshes.map(|mesh| mesh.bytes()).sum::<usize>() + self.cloth.last().map_or(0, |cloth| cloth.bytes())
+    }
+}
+
+/// A product moved to `origin`; itself if that is zero.
+fn back<T>(
+    step: &mut Step<Same<T>, Arc<T>>,
+    origin: Vec3,
+    product: &Arc<T>,
+    moved: impl FnOnce(&T, Vec3) -> T,
+) -> Result<Arc<T>, Error> {
+    if origin == Vec3::ZERO {
+        return Ok(Arc::clone(product));
+    }
+    step.get(Same::from(product), |product| Ok(Arc::new(moved(product, origin))))
+}
+
+/// A mesh with its points moved. Primvars, normals among them, are no places in its space.
+fn moved(mesh: &Garment, by: Vec3) -> Garment {
+    Garment { points: mesh.points.iter().map(|&p| p + by).collect(), ..mesh.clone() }
+}

@@ -1,0 +1,118 @@
+//! The results of a build.
+
+use super::progress::Timing;
+use super::sim::Simulated;
+use crate::binding::Binding;
+use crate::cloth::{Cloth, ClothFigures};
+use crate::error::Warnings;
+use crate::garment::Garment;
+use crate::recipe::Recipe;
+use crate::report::{RenderFigures, SimFigures, TriangleQuality};
+use crate::sim::RemeshReport;
+use serde::Serialize;
+use std::sync::Arc;
+
+/// The products of one update.
+#[derive(Clone)]
+#[non_exhaustive]
+pub struct Products {
+    /// The simulation mesh.
+    pub sim: Arc<Garment>,
+    /// The render mesh.
+    pub render: Arc<Garment>,
+    /// The simulation mesh as cloth; none where `cloth.physics` is empty.
+    pub cloth: Option<Arc<Cloth>>,
+    /// The places of the render mesh's points on the simulation mesh.
+    pub binding: Arc<Binding>,
+    /// The places of the garment's own points on the simulation mesh.
+    pub cage_binding: Arc<Binding>,
+    /// The recipe with the lengths that were used.
+    pub recipe: Recipe,
+    /// The operators of the render mesh, in their order.
+    pub operators: Vec<String>,
+    /// Names of the face sets that they made.
+    pub operator_sets: Vec<String>,
+    /// Warnings of the mesh and of both products.
+    pub warnings: Warnings,
+    /// Time of each step; one that was not repeated takes nearly none.
+    pub timings: Vec<Timing>,
+    pub(super) simulated: Arc<Simulated>,
+}
+
+impl Products {
+    /// The quality figures of the simulation mesh.
+    pub fn sim_figures(&self) -> SimFigures {
+        self.simulated.figures()
+    }
+
+    /// The figures of the render mesh.
+    pub fn render_figures(&self) -> RenderFigures {
+        RenderFigures::new(&self.render)
+    }
+
+    /// The figures of the cloth.
+    pub fn cloth_figures(&self) -> Option<ClothFigures> {
+        self.cloth.as_ref().map(|cloth| cloth.figures(&self.simulated.mesh))
+    }
+
+    /// The counts of the remesher.
+    pub fn remesh(&self) -> &RemeshReport {
+        &self.simulated.remeshed.product.report
+    }
+}
+
+/// The simulation mesh of one update.
+#[derive(Clone)]
+#[non_exhaustive]
+pub struct SimUpdate {
+    /// The mesh.
+    pub mesh: Arc<Garment>,
+    /// Its warnings.
+    pub warnings: Warnings,
+    /// Time of each step that was repeated.
+    pub timings: Vec<Timing>,
+    pub(super) simulated: Arc<Simulated>,
+}
+
+impl SimUpdate {
+    /// The quality figures.
+    pub fn figures(&self) -> SimFigures {
+        self.simulated.figures()
+    }
+
+    /// The smallest angle and the length of the edges of each triangle.
+    pub fn triangle_quality(&self) -> TriangleQuality {
+        TriangleQuality::new(&self.simulated.remeshed.product)
+    }
+}
+
+/// The render mesh of one update.
+#[derive(Clone)]
+#[non_exhaustive]
+pub struct RenderUpdate {
+    /// The mesh.
+    pub mesh: Arc<Garment>,
+    /// The operators, in their order.
+    pub operators: Vec<String>,
+    /// Names of the face sets that they made.
+    pub operator_sets: Vec<String>,
+    /// Its warnings.
+    pub warnings: Warnings,
+    /// Time of the step.
+    pub timings: Vec<Timing>,
+}
+
+/// The sizes of the products before they are built.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+#[non_exhaustive]
+pub struct Plan {
+    /// The recipe with the lengths that would be used.
+    pub recipe: Recipe,
+    /// Triangles that the target lengths ask for, all of them equilateral.
+    pub expected_faces: usize,
+    /// Constraint chains.
+    pub chains: usize,
+    /// Faces of the render mesh.
+    pub render_faces: usize,
+}
