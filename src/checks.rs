@@ -3,6 +3,9 @@
 use crate::error::{Error, ErrorCode};
 use crate::garment::{Garment, Interpolation, Primvar, Values};
 
+/// The largest length of an operator or a cloth. \[diagonals of the garment's box\]
+const LARGEST: f32 = 0.5;
+
 /// Checks that a value is a length, or 0.
 ///
 /// # Errors
@@ -24,6 +27,31 @@ pub fn finite(key: &str, value: f32) -> Result<(), Error> {
         return Ok(());
     }
     Err(Error::recipe(key, format!("{value} is no distance")).remedy("give a number of stage units"))
+}
+
+/// Checks that a length or height fits a garment: operators look for other cloth as far as it reaches.
+///
+/// # Errors
+/// A value larger than half of the garment, with its range.
+pub fn within_size(key: &str, value: f32, garment: &Garment) -> Result<(), Error> {
+    within(key, value, LARGEST * garment.size(), "stage units", &garment.prim)
+}
+
+/// Checks that a length in metres fits a garment.
+///
+/// # Errors
+/// As [`within_size`].
+pub fn within_size_in_meters(key: &str, value: f32, garment: &Garment) -> Result<(), Error> {
+    let most = f64::from(LARGEST * garment.size()) * garment.units.meters();
+    within(key, value, most as f32, "metres", &garment.prim)
+}
+
+fn within(key: &str, value: f32, most: f32, unit: &str, prim: &str) -> Result<(), Error> {
+    if value.abs() <= most {
+        return Ok(());
+    }
+    let fault = format!("{value} is more than half of the size of {prim}");
+    Err(Error::recipe(key, fault).remedy(format!("give at most {most} {unit}, above or below 0")))
 }
 
 /// Checks that any subset of a kind is named.

@@ -1,7 +1,7 @@
 //! Resolves the names in a recipe (primvars and subsets) against a garment.
 
 use super::Recipe;
-use crate::checks::{primvar, subsets_are, weights};
+use crate::checks::{primvar, subsets_are, weights, within_size_in_meters};
 use crate::error::Error;
 use crate::garment::{Garment, Interpolation, Primvar, Values};
 use crate::sim::SimOptions;
@@ -24,6 +24,7 @@ pub fn bind(recipe: &Recipe, garment: &Garment) -> Result<(), Error> {
     recipe.cloth.bind(garment)?;
     for (name, fabric) in &recipe.fabrics {
         subsets_are(garment, &format!("fabric.{name}.faces"), &fabric.faces, "face")?;
+        within_size_in_meters(&format!("fabric.{name}.thickness"), fabric.thickness, garment)?;
     }
     recipe.enabled().try_for_each(|(name, options)| options.bind(&options.key_of(name), garment))
 }

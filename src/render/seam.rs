@@ -126,6 +126,9 @@ impl OperatorOptions for SeamOptions {
     }
 
     fn bind(&self, key: &dyn Fn(&str) -> String, garment: &Garment) -> Result<(), Error> {
+        for (field, value) in [("width", self.width), ("depth", self.depth), ("normalOffset", self.normal_offset)] {
+            checks::within_size(&key(field), value, garment)?;
+        }
         checks::subsets_are(garment, &key("edges"), &self.edges, "edge")
     }
 

@@ -125,6 +125,7 @@ impl OperatorOptions for ThicknessOptions {
     }
 
     fn bind(&self, key: &dyn Fn(&str) -> String, garment: &Garment) -> Result<(), Error> {
+        checks::within_size(&key("amount"), self.amount, garment)?;
         checks::subsets_are(garment, &key("faces"), &self.faces, "face")?;
         checks::weights(garment, &key("weights"), &self.weights).map(|_| ())
     }
