@@ -1,5 +1,6 @@
 //! The simulation mesh: its passes and its options, on small sheets and on garments.
 
+mod bounds;
 #[path = "../common/cases.rs"]
 mod cases;
 #[path = "../common/garments.rs"]

@@ -98,6 +98,26 @@ fn of_overrides() {
             &["sim.maxEdgeLength: the target lengths ask for about", "more than 1000", "--max-faces"],
         ),
         of(
+            "build in.usda -o out/coat.usda --set seam.s.edges=placket --set seam.s.depth=-1e9",
+            &["seam.s.depth: -1000000000 is more than half of the size of /Coat/model", "give at most 1.4"],
+        ),
+        of(
+            "check in.usda --set seam.s.edges=placket --set seam.s.normalOffset=1000",
+            &["seam.s.normalOffset: 1000 is more than half of the size"],
+        ),
+        of(
+            "check in.usda --set seam.s.edges=placket --set seam.s.width=2",
+            &["seam.s.width: 2 is more than half of the size"],
+        ),
+        of(
+            "build in.usda -o out/coat.usda --set thickness.t.faces=left --set thickness.t.amount=3",
+            &["thickness.t.amount: 3 is more than half of the size", "give at most 1.4"],
+        ),
+        of(
+            "build in.usda -o out/coat.usda --set fabric.felt.thickness=1",
+            &["fabric.felt.thickness: 1 is more than half of the size", "give at most 0.014", "metres"],
+        ),
+        of(
             "build in.usda -o out/coat.usda --set sim.maxEdgeLength=1e-30",
             &["the target lengths ask for about", "raise sim."],
         ),
