@@ -126,6 +126,10 @@ impl Case {
         if !self.constraints.is_empty() {
             options.push("sim.constraints=line".into());
         }
+        if self.level == 0 {
+            // Else the shells of small shapes are not held.
+            options.push("sim.smallestShell=0".into());
+        }
         prepare(self.input(), &options.iter().map(String::as_str).collect::<Vec<_>>())
     }
 }
@@ -173,7 +177,9 @@ fn flipped(mesh: &SimMesh<'_>) -> usize {
     let base = mesh.baseline;
     let is_flipped = |f: &tailor::internals::mesh::FaceId| {
         let [a, b, c] = [0, 1, 2].map(|k| mesh.place(CornerId::new(3 * f.index() + k)));
-        (b.uv - a.uv).perp_dot(c.uv - a.uv) * base.facets[a.location.face].sense <= 0.0
+        let senses = [a, b, c].map(|place| base.facets[place.location.face].sense);
+        // Beside small shells UVs are approximate.
+        (b.uv - a.uv).perp_dot(c.uv - a.uv) * senses[0] <= 0.0 && senses.iter().all(|&sense| sense != 0.0)
     };
     if base.holds_uvs { mesh.topology.faces().filter(is_flipped).count() } else { 0 }
 }

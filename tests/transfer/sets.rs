@@ -91,7 +91,7 @@ fn on_another_layer(built: &Built, coverage: &Coverage) -> usize {
 #[test]
 fn sets_between_chains_are_exact_on_every_garment() {
     for file in garments() {
-        let built = garment(&file, &[]);
+        let built = garment(&file, &["sim.smallestShell=0"]);
         let coverage = independent(&built);
         for subset in built.garment.subsets.iter() {
             let Elements::Faces(source) = &subset.elements else { continue };
