@@ -46,6 +46,7 @@ mod cloth;
 mod contact;
 pub mod drive;
 pub mod error;
+mod files;
 mod garment;
 mod mesh;
 #[cfg(feature = "preview")]

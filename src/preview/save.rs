@@ -8,10 +8,13 @@ use super::hub::Hub;
 use super::messages::SaveAnswer;
 use super::stage::Stage;
 use crate::error::{Error, ErrorCode, ErrorKind, plain};
+use crate::files;
 use crate::recipe::{KEYS, default_at, is_attribute, is_recipe, kind_named};
 use crate::render::{Domain, Key};
 use crate::session::Input;
-use crate::usd::{OptionValue, ReadOptions, RecipeOpinions, Replaced, recipe_text, relative, write_recipe};
+use crate::usd::{
+    OptionValue, PREFIX, ReadOptions, RecipeOpinions, Replaced, Unfinished, recipe_text, relative, write_recipe,
+};
 use serde_json::{Map, Value};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -120,22 +123,19 @@ impl Content {
                 .code(ErrorCode::WriteFailed)
                 .caused_by(e)
         };
-        let mut temporary = tempfile::Builder::new()
-            .prefix(".usdtailor-")
-            .suffix(".tailor")
-            .tempfile_in(folder_of(file))
-            .map_err(fault)?;
+        let mut temporary =
+            Unfinished::new(|| tempfile::Builder::new().prefix(PREFIX).suffix(".tailor").tempfile_in(folder_of(file)))
+                .map_err(fault)?;
         temporary.write_all(text.as_bytes()).map_err(fault)?;
         self.verify(temporary.path())?;
         // A file that came up in the meantime is not lost either.
-        let kept = if overwrite { temporary.persist(file) } else { temporary.persist_noclobber(file) };
-        kept.map(drop).map_err(|e| match e.error.kind() {
+        temporary.persist(file, overwrite).map_err(|e| match e.kind() {
             std::io::ErrorKind::AlreadyExists => {
                 Error::new(ErrorKind::Usage, file.display(), "the file exists already")
                     .code(ErrorCode::OutputExists)
                     .remedy("choose overwrite, or another name")
             }
-            _ => fault(e.error),
+            _ => fault(e),
         })
     }
 
@@ -180,7 +180,7 @@ impl Content {
 
 /// True for a text layer with lines of comment.
 fn has_comments(file: &Path) -> bool {
-    let text = std::fs::read_to_string(file).unwrap_or_default();
+    let text = files::text(file).unwrap_or_default();
     text.starts_with("#usda") && text.lines().skip(1).any(|line| line.trim_start().starts_with('#'))
 }
 

@@ -12,6 +12,8 @@ const MAX_ITERATIONS: u32 = 100;
 const MAX_SAMPLES: u32 = 1024;
 /// Smallest grading. A smaller factor spreads a fine region over the whole garment. \[factor\]
 const LEAST_GRADING: f32 = 1.05;
+/// Highest number of operators, and of fabrics. Each operator is a pass over the mesh, and garments have dozens.
+const MAX_NAMES: usize = 1000;
 
 impl Recipe {
     /// Checks the range of every value, without a garment.
@@ -21,6 +23,7 @@ impl Recipe {
     pub fn check(&self) -> Result<(), Error> {
         self.check_sim()?;
         self.check_levels()?;
+        self.check_counts()?;
         self.cloth.check()?;
         self.fabrics.iter().try_for_each(|(name, options)| options.check(name))?;
         self.enabled().try_for_each(|(name, options)| options.check(&options.key_of(name)))
@@ -49,6 +52,21 @@ impl Recipe {
         if !(angle > 0.0 && angle <= 180.0) {
             let fault = format!("{angle} is out of range");
             return Err(Error::recipe("sim.cornerAngle", fault).remedy("give more than 0 and at most 180 degrees"));
+        }
+        Ok(())
+    }
+
+    fn check_counts(&self) -> Result<(), Error> {
+        for (key, count) in [
+            ("seam", self.seams.len()),
+            ("thickness", self.thicknesses.len()),
+            ("fabric", self.fabrics.len()),
+            ("render.operators", self.render.operators.len()),
+        ] {
+            if count > MAX_NAMES {
+                let fault = format!("there are {count}, and at most {MAX_NAMES} are built");
+                return Err(Error::recipe(key, fault).remedy("let one seam follow several edge subsets"));
+            }
         }
         Ok(())
     }

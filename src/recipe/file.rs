@@ -3,11 +3,15 @@
 use super::in_words;
 use crate::cloth::{ClothOptions, FabricOptions};
 use crate::error::{Error, ErrorCode, plain};
+use crate::files;
 use crate::render::{RenderOptions, SeamOptions, ThicknessOptions};
 use crate::sim::SimOptions;
-use serde::Deserialize;
+use serde::de::{Error as _, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer};
 use serde_json::{Map, Value};
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
+use std::fmt;
+use std::marker::PhantomData;
 use std::path::Path;
 
 /// The content of a `.tailor` file.
@@ -31,7 +35,7 @@ impl RecipeFile {
     /// # Errors
     /// A file that cannot be read, or is not a recipe, with line and column.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let text = std::fs::read_to_string(path).map_err(|e| {
+        let text = files::text(path).map_err(|e| {
             Error::recipe(path.display(), format!("cannot read recipe: {}", plain(&e)))
                 .code(ErrorCode::RecipeFile)
                 .remedy("check the path")
@@ -99,14 +103,65 @@ struct Form {
     #[serde(rename = "cloth")]
     _cloth: ClothOptions,
     #[serde(rename = "seam")]
-    _seam: BTreeMap<String, SeamOptions>,
+    _seam: Named<SeamOptions>,
     #[serde(rename = "thickness")]
-    _thickness: BTreeMap<String, ThicknessOptions>,
+    _thickness: Named<ThicknessOptions>,
     #[serde(rename = "fabric")]
-    _fabric: BTreeMap<String, FabricOptions>,
+    _fabric: Named<FabricOptions>,
+}
+
+/// Options by name. A name that is given twice is an error, as the first options under it would be lost.
+struct Named<T>(PhantomData<T>);
+
+impl<T> Default for Named<T> {
+    fn default() -> Self {
+        Self(PhantomData)
+    }
+}
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Named<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_map(Self::default())
+    }
+}
+
+impl<'de, T: Deserialize<'de>> Visitor<'de> for Named<T> {
+    type Value = Self;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a map")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self, A::Error> {
+        let mut names = BTreeSet::new();
+        while let Some(name) = map.next_key::<String>()? {
+            if names.contains(&name) {
+                return Err(A::Error::custom(format!("the name `{name}` is given twice")));
+            }
+            names.insert(name);
+            map.next_value::<T>()?;
+        }
+        Ok(self)
+    }
 }
 
 /// `true` if the extension of `path` is `.tailor`.
 pub fn is_recipe(path: &Path) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case("tailor"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_is_given_once() {
+        for kind in ["seam", "thickness", "fabric"] {
+            let text = format!("{{\"{kind}\": {{\n\"a\": {{}}, \"b\": {{}},\n \"a\": {{}}}}}}");
+            let fault = RecipeFile::parse(Path::new("my.tailor"), &text).expect_err(kind).to_string();
+            assert!(fault.contains("the name `a` is given twice at line 3"), "{fault}");
+            let text = text.replacen("\"a\"", "\"c\"", 1);
+            assert!(RecipeFile::parse(Path::new("my.tailor"), &text).is_ok(), "{kind}");
+        }
+    }
 }

@@ -11,7 +11,7 @@ const UDIM: &str = "<UDIM>";
 /// The anchor of the asset paths of a layer.
 #[derive(Clone, Copy, Debug)]
 pub enum Anchor<'a> {
-    /// The folder of the layer (canonical): paths are relative to it.
+    /// The folder of the layer, as OpenUSD knows it: paths are relative to it.
     Folder(&'a Path),
     /// None, as the folder is unknown or will change: paths are absolute.
     Root,
@@ -79,17 +79,22 @@ fn anchored(folder: &Path, path: &str) -> Option<String> {
     if !explicit && !tiles() {
         return None;
     }
-    let mut file = PathBuf::new();
-    for component in folder.join(path).components() {
+    normalized(&folder.join(path)).to_str().map(str::to_owned)
+}
+
+/// A path without `.` and `..`, which are taken out of its text. Links are not looked at.
+///
+/// Source: OpenUSD, `TfNormPath`.
+pub fn normalized(path: &Path) -> PathBuf {
+    let mut plain = PathBuf::new();
+    for component in path.components() {
         match component {
             Component::CurDir => {}
-            Component::ParentDir => {
-                file.pop();
-            }
-            other => file.push(other),
+            Component::ParentDir => _ = plain.pop(),
+            other => plain.push(other),
         }
     }
-    file.to_str().map(str::to_owned)
+    plain
 }
 
 /// The tiles of a path with `<UDIM>`, sorted; their names are UTF-8.
@@ -97,36 +102,95 @@ pub fn tiles(pattern: &Path) -> Vec<PathBuf> {
     let Some((before, after)) = pattern.file_name().and_then(|n| n.to_str()).and_then(|n| n.split_once(UDIM)) else {
         return Vec::new();
     };
-    let is_tile = |name: &str| {
-        name.strip_prefix(before)
-            .and_then(|rest| rest.strip_suffix(after))
-            .is_some_and(|n| n.len() == 4 && n.bytes().all(|b| b.is_ascii_digit()))
-    };
+    numbered(pattern, before, after, |number| number.len() == 4 && number.bytes().all(|b| b.is_ascii_digit()))
+}
+
+/// The files of a pattern of value clips, in which `#` stands for the digits of a frame, sorted.
+pub fn frames(pattern: &Path) -> Vec<PathBuf> {
+    let name = pattern.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+    let (Some(first), Some(last)) = (name.find('#'), name.rfind('#')) else { return Vec::new() };
+    let is_frame =
+        |number: &str| !number.is_empty() && number.bytes().all(|b| b.is_ascii_digit() || b == b'.' || b == b'-');
+    numbered(pattern, &name[..first], &name[last + 1..], is_frame)
+}
+
+/// The files beside `pattern` of which `is_number` accepts the part of the name between `before` and `after`.
+fn numbered(pattern: &Path, before: &str, after: &str, is_number: impl Fn(&str) -> bool) -> Vec<PathBuf> {
+    let is_one =
+        |name: &str| name.strip_prefix(before).and_then(|rest| rest.strip_suffix(after)).is_some_and(&is_number);
     let entries = pattern.parent().and_then(|folder| folder.read_dir().ok());
     let mut files: Vec<_> = entries
         .into_iter()
         .flatten()
         .flatten()
-        .filter(|entry| entry.file_name().to_str().is_some_and(is_tile))
+        .filter(|entry| entry.file_name().to_str().is_some_and(is_one))
         .map(|entry| entry.path())
         .collect();
     files.sort();
     files
 }
 
-/// A path without links in its folders; the file itself may be a link.
+/// The absolute path by which OpenUSD knows the file that is named `file`: links are kept, and `..` is taken out of the text.
+/// Where that gives another folder than the system's, as after a link to a folder, the path of the folder is without links.
 ///
 /// # Errors
 /// A path without a folder that exists, or that is no text.
-pub fn absolute(file: &Path) -> Result<String, Error> {
+pub fn as_named(file: &Path) -> Result<String, Error> {
     let fault = || Error::usd(format!("cannot find the folder of {}", file.display())).code(ErrorCode::OutputPath);
-    let folder = match file.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    let folder = folder.canonicalize().map_err(|_| fault())?;
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let real = folder.canonicalize().map_err(|_| fault())?;
+    let named = std::path::absolute(folder).map(|folder| normalized(&folder)).map_err(|_| fault())?;
+    let folder = if named.canonicalize().is_ok_and(|named| named == real) { named } else { real };
     let path = folder.join(file.file_name().ok_or_else(fault)?);
     path.to_str().map(str::to_owned).ok_or_else(fault)
+}
+
+/// What a path has that no asset path can be read back with: control characters, or `@@@`, which ends one.
+pub fn unwritable(path: &str) -> Option<&'static str> {
+    match () {
+        () if path.contains(char::is_control) => Some("a control character, such as a tab or the end of a line,"),
+        () if path.contains("@@@") => Some("@@@"),
+        () => None,
+    }
+}
+
+/// An asset path, unless OpenUSD could not read it back.
+///
+/// # Errors
+/// A path that is [`unwritable`].
+pub fn writable(path: String) -> Result<String, Error> {
+    let Some(what) = unwritable(&path) else { return Ok(path) };
+    Err(Error::usd(format!("{path:?} has {what} in its name, which a USD file cannot refer to"))
+        .remedy("rename the file or its folder"))
+}
+
+/// A file, whatever the path by which it is named.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum Identity {
+    /// The numbers of the device and of the file on it.
+    #[cfg(unix)]
+    Number(u64, u64),
+    /// The path without links.
+    #[cfg(not(unix))]
+    Path(PathBuf),
+}
+
+impl Identity {
+    /// The file at a path; none without one.
+    pub fn of(path: &Path) -> Option<Self> {
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::MetadataExt;
+            path.metadata().ok().map(|file| Self::Number(file.dev(), file.ino()))
+        }
+        #[cfg(not(unix))]
+        path.canonicalize().ok().map(Self::Path)
+    }
+}
+
+/// Whether two paths are of the same file, through links of any kind.
+pub fn same_file(a: &Path, b: &Path) -> bool {
+    Identity::of(a).is_some_and(|a| Identity::of(b) == Some(a))
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! What an output was made of: `build` writes it into the layer, so that a later run can tell whether the output is fresh.
 
-use super::assets::{Anchor, absolute};
+use super::assets::{Anchor, as_named};
 use super::read::{OrUnreadable, Source, VariantSet};
 use super::{names, on_large_stack};
 use crate::error::{Error, plain};
@@ -51,7 +51,7 @@ impl BuildRecord {
         for file in source.model.layers.iter().chain(recipes) {
             let changed = file.metadata().and_then(|m| m.modified()).is_ok_and(|time| time >= started);
             let hash = if changed { String::new() } else { hash(file)? };
-            files.insert(Anchor::Folder(&folder).path_to(&absolute(file)?), hash);
+            files.insert(Anchor::Folder(&folder).path_to(&as_named(file)?), hash);
         }
         let prim = source.prim().to_owned();
         Ok(Self { version: VERSION.into(), request, prim, variants: selections(&source.facts().variants), files })
@@ -83,7 +83,7 @@ impl BuildRecord {
     /// # Errors
     /// A folder that does not exist.
     pub fn path_of(file: &Path, out: &Path) -> Result<String, Error> {
-        Ok(Anchor::Folder(&folder(out)?).path_to(&absolute(file)?))
+        Ok(Anchor::Folder(&folder(out)?).path_to(&as_named(file)?))
     }
 
     /// The options of the build.

@@ -17,13 +17,18 @@ mod write;
 #[cfg(feature = "preview")]
 pub(crate) use assets::relative;
 pub use build_record::BuildRecord;
-pub use read::{Binding, Facts, InheritedPrimvar, ReadOptions, Selection, Source, TransformOp, VariantSet};
+pub use read::{Binding, Facts, InheritedPrimvar, ReadOptions, Selection, Source, TransformOp, VariantSet, first_used};
 pub use shot::{DriveOptions, Driven, drive};
 #[cfg(feature = "preview")]
 pub(crate) use values::decimal;
-pub use write::{Format, Product, ProductRole, Surroundings, WriteOptions, check_target, layer_bytes, write};
+pub use write::{
+    Format, Product, ProductRole, Surroundings, WriteOptions, Written, check_target, layer_bytes, remove_unfinished,
+    write, write_whole,
+};
 #[cfg(feature = "preview")]
-pub(crate) use write::{OptionValue, RecipeOpinions, Replaced, garment_below, recipe_text, selections, write_recipe};
+pub(crate) use write::{
+    OptionValue, PREFIX, RecipeOpinions, Replaced, Unfinished, garment_below, recipe_text, selections, write_recipe,
+};
 
 use crate::error::Error;
 use std::thread;

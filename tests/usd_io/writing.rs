@@ -189,7 +189,7 @@ fn what_must_not_be_written_is_not() {
     let attempt = |name: &str, options| tailor(&source, &at.at(name), &options);
     for name in ["coat.usda", "part.usda", "hard.usda", "soft.usda", "../x/coat.usda"] {
         let path = if name.starts_with("..") { at.at("./coat.usda") } else { at.at(name) };
-        assert_fault(tailor(&source, &path, &FORCE), &["is the input, or a layer that the input uses"]);
+        assert_fault(tailor(&source, &path, &FORCE), &["is the input, or a file that the input uses"]);
     }
     assert_fault(attempt("there.usda", WriteOptions::default()), &["there.usda exists already", "--force"]);
     assert_fault(attempt("folder.usda", FORCE), &["is not a file"]);
@@ -226,7 +226,7 @@ fn names_that_are_taken_or_impossible_are_refused() {
     let attempt = |sim, render| -> Result<(), tailor::Error> {
         let product = |name, role| Product::new(name, role, &mesh);
         let products = [product(sim, ProductRole::Sim), product(render, ProductRole::Render)];
-        write(&source, &products, &at.at("o.usda"), &FORCE, &mut Warnings::default())
+        write(&source, &products, &at.at("o.usda"), &FORCE, &mut Warnings::default()).map(drop)
     };
     assert_fault(attempt("sim", "render"), &["/Coat/render is taken", "--render-name"]);
     assert_fault(attempt("model", "r"), &["/Coat/model is taken", "--sim-name"]);

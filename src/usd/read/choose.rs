@@ -1,6 +1,7 @@
 //! Choosing the mesh to work on.
 
 use super::ReadOptions;
+use super::diagnostics::in_words;
 use super::query::{OrUnreadable, is_a, is_product, prim_at};
 use crate::error::{Error, ErrorCode};
 use crate::usd::names;
@@ -10,6 +11,12 @@ use std::path::Path;
 
 /// Paths that a message lists.
 const LISTED: usize = 8;
+/// Letters of a path of many levels that a message shows.
+const SHOWN: usize = 60;
+/// Levels of prims. The USD library takes time that grows with the square of them.
+const MAX_DEPTH: usize = 256;
+/// Prims of a stage that is searched or flattened. Sets of a film have some ten thousand, without instances.
+const MAX_PRIMS: usize = 100_000;
 
 /// The mesh that `options` name, or the only one of the stage.
 ///
@@ -36,6 +43,7 @@ fn named_mesh(stage: &Stage, file: &Path, path: &str) -> Result<Prim, Error> {
             .code(ErrorCode::WrongPrim)
             .remedy("it looks like /Coat/model"));
     };
+    check_depth(&parsed, file)?;
     let prim = prim_at(stage, &parsed)?;
     if !prim.is_valid().or_unreadable(&parsed)? {
         let found = all_meshes(stage, file)?;
@@ -78,7 +86,8 @@ fn only_mesh(stage: &Stage, file: &Path) -> Result<Prim, Error> {
                 .remedy("open the file of the garment, or name a product by --prim or as \"prim\" in a .tailor file"))
         }
         [] => {
-            let faults: Vec<_> = stage.composition_errors().iter().map(|e| format!("\n  {e}")).take(LISTED).collect();
+            let faults: Vec<_> =
+                stage.composition_errors().iter().map(|e| format!("\n  {}", in_words(e))).take(LISTED).collect();
             let because =
                 if faults.is_empty() { String::new() } else { format!("; its composition fails:{}", faults.concat()) };
             Err(Error::usd(format!("{} holds no mesh{because}", file.display()))
@@ -93,18 +102,60 @@ fn only_mesh(stage: &Stage, file: &Path) -> Result<Prim, Error> {
 
 /// The paths of all active, defined meshes, including those inside instances.
 fn all_meshes(stage: &Stage, file: &Path) -> Result<Vec<sdf::Path>, Error> {
-    let fault = |e: openusd::Error| {
-        Error::usd(format!("{} cannot be composed: {e}", file.display())).code(ErrorCode::CompositionFailed)
-    };
-    let mut paths = Vec::new();
-    stage.traverse(PrimPredicate::DEFAULT_PROXIES, |path| paths.push(path.clone())).map_err(fault)?;
     let mut meshes = Vec::new();
-    for path in paths {
+    for path in all_prims(stage, file, PrimPredicate::DEFAULT, true)? {
         if is_a(&prim_at(stage, &path)?, names::MESH)? {
             meshes.push(path);
         }
     }
     Ok(meshes)
+}
+
+/// The paths of all prims that match, parents before children. Prims below others that do not match are left out; so are those
+/// inside instances, unless `in_instances`.
+///
+/// # Errors
+/// A stage that cannot be composed, and one of too many prims or levels: references multiply prims, so that a small file
+/// may hold any number of them.
+pub fn all_prims(
+    stage: &Stage,
+    file: &Path,
+    predicate: PrimPredicate,
+    in_instances: bool,
+) -> Result<Vec<sdf::Path>, Error> {
+    let fault = |e: openusd::Error| Error::usd(format!("{} cannot be composed: {e}", file.display()));
+    let (mut found, mut open) = (Vec::new(), vec![sdf::Path::abs_root()]);
+    while let Some(path) = open.pop() {
+        let prim = prim_at(stage, &path)?;
+        if !path.is_abs_root() {
+            if !stage.prim_matches(&path, predicate).map_err(fault)? {
+                continue;
+            }
+            check_depth(&path, file)?;
+            found.push(path.clone());
+            if !in_instances && prim.is_instance().map_err(fault)? {
+                continue;
+            }
+        }
+        let children = prim.child_names().map_err(fault)?;
+        if found.len() + open.len() + children.len() > MAX_PRIMS {
+            return Err(Error::usd(format!("{} holds more than {MAX_PRIMS} prims", file.display()))
+                .remedy("open the file of the garment alone, or name its mesh by --prim"));
+        }
+        open.extend(children.iter().rev().filter_map(|name| path.append_path(name.as_str()).ok()));
+    }
+    Ok(found)
+}
+
+/// Refuses prims of too many levels.
+fn check_depth(path: &sdf::Path, file: &Path) -> Result<(), Error> {
+    let depth = path.as_str().matches('/').count();
+    if depth > MAX_DEPTH {
+        let start: String = path.as_str().chars().take(SHOWN).collect();
+        return Err(Error::usd(format!("{} has prims at more than {MAX_DEPTH} levels, at {start}...", file.display()))
+            .remedy("open a file in which the garment is nearer to the root"));
+    }
+    Ok(())
 }
 
 fn list(paths: &[sdf::Path]) -> String {

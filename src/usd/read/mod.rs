@@ -3,6 +3,7 @@
 //! [`Source`] is the result. Only [`StageOrigin`](origin::StageOrigin) opens stages; `query` asks them and names the prim in errors.
 
 mod choose;
+mod diagnostics;
 mod facts;
 mod mesh;
 mod model;
@@ -15,9 +16,10 @@ mod source;
 mod space;
 mod variants;
 
+pub use choose::all_prims;
 pub use facts::{Binding, Facts, InheritedPrimvar, TransformOp};
 pub use model::{COMPOSITION, Model, Sibling, SubsetRecord, layer_files, stage_metadata};
-pub use origin::StageOrigin;
+pub use origin::{Files, StageOrigin, first_used};
 pub use query::{OrUnreadable, is_a, prim_at, property_names, value};
 pub use shapes::BlendShape;
 pub use source::{ReadOptions, Source};

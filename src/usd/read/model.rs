@@ -1,19 +1,20 @@
 //! The parts of the model and its surroundings that the writer needs.
 
-use super::origin::StageOrigin;
+use super::origin::{StageOrigin, first_used, package_file};
 use super::primvars::Declarations;
 use super::query::{OrUnreadable, interpolation, prim_at, prim_name, product_of, property_names, subset_prims};
 use super::space::{Transforms, transforms};
 use super::variants::SESSION;
 use crate::error::{Error, Warning};
 use crate::garment::Interpolation;
+use crate::usd::assets::same_file;
 use crate::usd::names;
 use crate::usd::record::{Content, Depth, Record, is_children, metadata};
 use openusd::sdf::{self, FieldKey, Value};
 use openusd::tf::Token;
 use openusd::usd::{Prim, Stage, TimeCode};
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The model and its surroundings, free of the stage.
 #[derive(Clone, Debug)]
@@ -167,6 +168,15 @@ impl Model {
         Ok(model)
     }
 
+    /// Whether the stage uses a file, under any selection of variants.
+    ///
+    /// # Errors
+    /// A stage of too many layers.
+    pub fn uses(&self, file: &Path) -> Result<bool, Error> {
+        let is_layer = self.layers.iter().any(|layer| same_file(layer, file));
+        Ok(is_layer || first_used(&self.origin.file, &[file.to_path_buf()])?.is_some())
+    }
+
     /// The path of a sibling of the model.
     ///
     /// # Errors
@@ -277,7 +287,7 @@ pub fn layer_files(stage: &Stage) -> Vec<PathBuf> {
         .map(|id| {
             let file = stage.layer(id).and_then(|layer| layer.resolved_path().map(str::to_owned));
             let file = file.unwrap_or_else(|| id.clone());
-            PathBuf::from(file.split_once('[').map_or(file.as_str(), |(package, _)| package))
+            package_file(Path::new(&file))
         })
         .collect();
     files.sort();

@@ -4,13 +4,15 @@ use super::DriveOptions;
 use crate::drive::{BindPose, Driver};
 use crate::error::{Error, ErrorCode};
 use crate::usd::names;
-use crate::usd::read::{OrUnreadable, StageOrigin, is_a, layer_files, prim_at, property_names, stage_metadata, value};
+use crate::usd::read::{
+    OrUnreadable, StageOrigin, all_prims, is_a, layer_files, prim_at, property_names, stage_metadata, value,
+};
 use crate::usd::write::pose_points;
 use glam::Vec3;
 use openusd::sdf::{Path, Value};
 use openusd::tf::Token;
 use openusd::usd::{Prim, PrimPredicate, Stage};
-use std::path::PathBuf;
+use std::path::{Path as FilePath, PathBuf};
 
 /// A simulation mesh and what is bound to it.
 pub struct Bound {
@@ -56,7 +58,7 @@ impl Bound {
     pub fn read(options: &DriveOptions) -> Result<Self, Error> {
         let origin = StageOrigin::new(&options.render, None, &[]);
         let stage = origin.open()?;
-        let all = bound_meshes(&stage)?;
+        let all = bound_meshes(&stage, &options.render)?;
         let file = options.render.display();
         let listed = || all.iter().map(|(path, _)| path.as_str()).collect::<Vec<_>>().join(", ");
         let chosen = match &options.prim {
@@ -121,12 +123,9 @@ impl Bound {
 }
 
 /// The bound meshes of a stage, each with the simulation mesh.
-fn bound_meshes(stage: &Stage) -> Result<Vec<(Path, Path)>, Error> {
-    let mut paths = Vec::new();
-    let root = Path::abs_root();
-    stage.traverse(PrimPredicate::DEFAULT, |path| paths.push(path.clone())).or_unreadable(&root)?;
+fn bound_meshes(stage: &Stage, file: &FilePath) -> Result<Vec<(Path, Path)>, Error> {
     let mut found = Vec::new();
-    for path in paths {
+    for path in all_prims(stage, file, PrimPredicate::DEFAULT, false)? {
         let prim = prim_at(stage, &path)?;
         if !is_a(&prim, names::MESH)? || !property_names(&prim)?.iter().any(|name| name == names::BINDING[2]) {
             continue;

@@ -6,7 +6,7 @@ use super::crate_samples::{CrateSamples, CrateStage};
 use super::numpy::NumpyFrames;
 use crate::error::{Error, ErrorCode, ErrorKind};
 use crate::usd::names;
-use crate::usd::read::{OrUnreadable, StageOrigin, is_a, prim_at, stage_metadata, value};
+use crate::usd::read::{OrUnreadable, StageOrigin, all_prims, is_a, prim_at, stage_metadata, value};
 use crate::usd::values::number;
 use glam::Vec3;
 use openusd::sdf::{FieldKey, Path, Value};
@@ -166,7 +166,7 @@ impl Cache {
         }
         let file = &options.cache;
         let stage = StageOrigin::new(file, None, &[]).open()?;
-        let path = chosen(&sampled_meshes(&stage, bound)?, options, bound)?;
+        let path = chosen(&sampled_meshes(&stage, file, bound)?, options, bound)?;
         let prim = prim_at(&stage, &path)?;
         let first = prim.attribute(names::FACE_VERTEX_INDICES).time_sample_times().or_unreadable(&path)?;
         let time = first.first().map(|time| TimeCode::new(*time));
@@ -225,11 +225,9 @@ fn vectors(prim: &Prim, name: &str, time: Option<TimeCode>) -> Result<Vec<Vec3>,
 }
 
 /// The meshes of a stage with points over time.
-fn sampled_meshes(stage: &Stage, bound: &Bound) -> Result<Vec<Path>, Error> {
+fn sampled_meshes(stage: &Stage, file: &FilePath, bound: &Bound) -> Result<Vec<Path>, Error> {
     let mut meshes = Vec::new();
-    let mut paths = Vec::new();
-    stage.traverse(PrimPredicate::DEFAULT, |path| paths.push(path.clone())).or_unreadable(&Path::abs_root())?;
-    for path in paths {
+    for path in all_prims(stage, file, PrimPredicate::DEFAULT, false)? {
         let prim = prim_at(stage, &path)?;
         if is_a(&prim, names::MESH)? && prim.attribute(names::POINTS).num_time_samples().or_unreadable(&path)? > 0 {
             meshes.push(path);

@@ -4,6 +4,7 @@
 //! buffer whose other pages are never touched, and tells where the samples are. Source: OpenUSD, `pxr/usd/sdf/crateFile.h`.
 
 use crate::error::{Error, ErrorCode, ErrorKind, plain};
+use crate::files;
 use glam::Vec3;
 use openusd::sdf::{FieldKey, Path, Value};
 use openusd::usdc::CrateFile;
@@ -38,7 +39,7 @@ pub struct CrateStage {
 impl CrateStage {
     /// Opens a crate; `None` for other files, and for layers that bring in others.
     pub fn open(path: &FilePath) -> Option<Self> {
-        let mut file = File::open(path).ok()?;
+        let mut file = files::open(path).ok()?;
         let tables = tables(&mut file, &[]).ok()?;
         let is_arc = |name: Option<&String>| name.is_none_or(|name| ARCS.contains(&name.as_str()));
         let is_whole = !tables.fields.iter().any(|field| is_arc(tables.tokens.get(field.token_index)));
@@ -62,7 +63,7 @@ impl CrateStage {
     pub fn samples(&self, prim: &Path, name: &str) -> Option<CrateSamples> {
         let field = self.value(&prim.append_property(name).ok()?, FieldKey::TimeSamples.as_str())?;
         let rep = self.tables.fields[field].value_rep;
-        let mut file = File::open(&self.path).ok()?;
+        let mut file = files::open(&self.path).ok()?;
         let (times, places) = samples(&mut file, rep.payload()).ok()??;
         Some(CrateSamples { path: self.path.clone(), file, times, places })
     }

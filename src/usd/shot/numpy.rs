@@ -4,9 +4,9 @@
 //! numbered from 1 without it. Source: NumPy enhancement proposal 1, *A Simple File Format for NumPy Arrays*.
 
 use crate::error::{Error, ErrorCode, ErrorKind, plain};
+use crate::files;
 use flate2::read::DeflateDecoder;
 use glam::Vec3;
-use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use zip::{CompressionMethod, ZipArchive};
@@ -73,7 +73,7 @@ impl NumpyFrames {
         let (header, data, times) = match is_archive {
             true => archived(path).map_err(unread)?.ok_or_else(|| fault("it has no array of points".into()))?,
             false => {
-                let file = File::open(path).map_err(unread)?;
+                let file = files::open(path).map_err(unread)?;
                 let size = file.metadata().map_err(unread)?.len();
                 let mut data: Box<dyn Read + Send> = Box::new(BufReader::new(file));
                 (header(&mut data, size).map_err(unread)?, data, None)
@@ -120,7 +120,7 @@ impl NumpyFrames {
 type Archived = (Header, Box<dyn Read + Send>, Option<Vec<f64>>);
 
 fn archived(path: &Path) -> io::Result<Option<Archived>> {
-    let mut archive = ZipArchive::new(BufReader::new(File::open(path)?)).map_err(io::Error::other)?;
+    let mut archive = ZipArchive::new(BufReader::new(files::open(path)?)).map_err(io::Error::other)?;
     let (mut points, mut times) = (None, None);
     for i in 0..archive.len() {
         let entry = archive.by_index_raw(i).map_err(io::Error::other)?;
@@ -128,7 +128,7 @@ fn archived(path: &Path) -> io::Result<Option<Archived>> {
         let (start, size, method) = (entry.data_start(), entry.compressed_size(), entry.compression());
         drop(entry);
         let Some(start) = start else { continue };
-        let mut file = File::open(path)?;
+        let mut file = files::open(path)?;
         file.seek(SeekFrom::Start(start))?;
         let packed = BufReader::new(file.take(size));
         let (mut data, size): (Box<dyn Read + Send>, u64) = match method {

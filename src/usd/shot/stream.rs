@@ -9,14 +9,17 @@ use super::cache::RATE;
 use super::clips::Clips;
 use super::{DriveOptions, Moved};
 use crate::error::{Error, ErrorCode, Warnings};
+use crate::usd::assets::same_file;
 use crate::usd::names;
-use crate::usd::write::{Format, OutputFile, write_crate};
+use crate::usd::read::first_used;
+use crate::usd::write::{Format, OutputFile, Unfinished, write_crate};
 use glam::Vec3;
 use openusd::gf::Vec3f;
 use openusd::sdf::{self, AbstractData, Data, FieldKey, LayerOffset, Path, PrimSpec, SpecType, Value};
 use openusd::sdf::{ValueTypeName, Variability};
 use std::fs::File;
 use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
+use std::path::{Path as FilePath, PathBuf};
 use tempfile::NamedTempFile;
 
 /// Size of the header of a crate.
@@ -43,7 +46,7 @@ pub struct ShotWriter {
 /// Where the frames go.
 enum Frames {
     /// Into the shot itself.
-    Stream { out: BufWriter<NamedTempFile>, position: u64 },
+    Stream { out: BufWriter<Unfinished<NamedTempFile>>, position: u64 },
     /// Into memory, for text.
     Memory(Vec<Vec<Vec3f>>),
     /// Into a file each.
@@ -59,9 +62,8 @@ impl ShotWriter {
     /// # Errors
     /// An output that may not be written.
     pub fn new(options: &DriveOptions, bound: &Bound, times: &[f64], rate: [Option<f64>; 2]) -> Result<Self, Error> {
-        let mut inputs = bound.layers.clone();
-        inputs.push(options.cache.clone());
-        let file = OutputFile::find(&options.output, &inputs, options.force)?;
+        let is_used = |file: &FilePath| Ok(used(options, bound, &[file.to_path_buf()])?.is_some());
+        let file = OutputFile::find(&options.output, is_used, options.force)?;
         if file.format == Format::Usdz {
             return Err(Error::usd(format!("{} is a package, which takes no shot", options.output.display()))
                 .code(ErrorCode::OutputPath)
@@ -70,7 +72,10 @@ impl ShotWriter {
         let layer = layer(options, bound, &file, times, rate)?;
         let fault = |e: io::Error| file.fault(&e);
         let out = match file.format {
-            _ if options.clips => Frames::Clips(Clips::new(&file, times, options.force)?),
+            _ if options.clips => {
+                let is_used = |files: &[PathBuf]| used(options, bound, files);
+                Frames::Clips(Clips::new(&file, times, options.force, is_used)?)
+            }
             Format::Usda => Frames::Memory(Vec::new()),
             _ => {
                 let mut out = BufWriter::with_capacity(1 << 20, file.temporary()?);
@@ -142,11 +147,11 @@ impl ShotWriter {
         match std::mem::replace(&mut self.out, Frames::Memory(Vec::new())) {
             Frames::Memory(mut arrays) => {
                 self.author(|place| Value::Vec3fVec(std::mem::take(&mut arrays[place as usize])))?;
-                self.file.save(self.layer, &mut Warnings::default())
+                self.file.save(self.layer, &mut Warnings::default()).map(drop)
             }
             Frames::Clips(clips) => {
                 clips.author(&mut self.layer, &self.paths)?;
-                self.file.save(self.layer, &mut Warnings::default())
+                self.file.save(self.layer, &mut Warnings::default()).map(drop)
             }
             Frames::Stream { out, position } => {
                 let mut places = Vec::new();
@@ -184,6 +189,15 @@ impl Moved {
     pub fn arrays(&self) -> [Option<&[Vec3]>; 3] {
         [Some(self.points.as_slice()), self.normals.as_deref(), self.velocities.as_deref()]
     }
+}
+
+/// The first of some files that the garment or the cache uses.
+fn used(options: &DriveOptions, bound: &Bound, files: &[PathBuf]) -> Result<Option<usize>, Error> {
+    let is_layer = |file: &PathBuf| bound.layers.iter().any(|layer| same_file(layer, file));
+    if let Some(layer) = files.iter().position(is_layer) {
+        return Ok(Some(layer));
+    }
+    Ok(first_used(&options.render, files)?.or(first_used(&options.cache, files)?))
 }
 
 /// The error of a shot that the USD library does not write.

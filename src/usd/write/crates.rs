@@ -71,7 +71,7 @@ fn needs_new_version(value: &Value) -> bool {
 }
 
 /// Whether `test` holds for the value or one inside it.
-fn any(value: &Value, test: &impl Fn(&Value) -> bool) -> bool {
+pub fn any(value: &Value, test: &impl Fn(&Value) -> bool) -> bool {
     let inside = match value {
         Value::Dictionary(entries) | Value::UnregisteredDictionary(entries) => entries.values().any(|v| any(v, test)),
         Value::TimeSamples(samples) => samples.iter().any(|(_, v)| any(v, test)),

@@ -1,8 +1,9 @@
 //! The whole stage as one layer.
 
+use super::crates::any;
 use crate::error::{Error, ErrorCode, Warning, Warnings};
-use crate::usd::assets::{Anchor, resolved};
-use crate::usd::read::{COMPOSITION, Model, prim_at};
+use crate::usd::assets::{Anchor, resolved, unwritable};
+use crate::usd::read::{COMPOSITION, Model, all_prims, prim_at};
 use crate::usd::record::{Content, Depth, Record, metadata};
 use openusd::sdf::{self, AbstractData, Data, FieldKey, Path, PrimSpec, SpecType, Specifier, Value};
 use openusd::usd::{Prim, PrimPredicate, SpecSite, Stage};
@@ -27,15 +28,33 @@ pub fn flattened(model: &Model, left_out: &[Path], anchor: Anchor, warnings: &mu
             .code(ErrorCode::CompositionFailed)
     };
     let stage = model.origin.open()?;
-    let mut paths = Vec::new();
-    stage.traverse(PrimPredicate::ALL, |path| paths.push(path.clone())).map_err(fault)?;
+    let mut paths = all_prims(&stage, &model.origin.file, PrimPredicate::ALL, true)?;
     paths.retain(|path| !left_out.iter().any(|left| path.has_prefix(left)));
     let mut flat = Flat { data: Data::new(), anchor, warnings };
     flat.root(&stage).map_err(fault)?;
     for path in paths {
         flat.prim(&prim_at(&stage, &path)?).map_err(fault)?;
     }
+    check_paths(&flat.data)?;
     Ok(flat.data)
+}
+
+/// Refuses files whose paths cannot be read back.
+fn check_paths(data: &Data) -> Result<(), Error> {
+    let is_bad = |value: &Value| match value {
+        Value::AssetPath(path) => unwritable(path.as_str()).is_some(),
+        Value::AssetPathVec(paths) => paths.iter().any(|path| unwritable(path.as_str()).is_some()),
+        _ => false,
+    };
+    for (path, spec) in data.iter() {
+        if let Some((key, _)) = spec.fields.iter().find(|(_, value)| any(value, &is_bad)) {
+            let text = format!(
+                "{key} of {path} names a file with a control character or @@@ in its path, which a USD file cannot refer to"
+            );
+            return Err(Error::usd(text).remedy("rename the file or its folder"));
+        }
+    }
+    Ok(())
 }
 
 struct Flat<'a> {

@@ -8,12 +8,12 @@ use super::product::Author;
 use super::role::{Product, ProductRole};
 use super::save::{Format, OutputFile};
 use crate::error::{Error, ErrorCode, Warnings};
-use crate::usd::assets::{Anchor, absolute};
+use crate::usd::assets::{Anchor, as_named, writable};
 use crate::usd::read::{Model, OrUnreadable, Source};
 use crate::usd::{BuildRecord, on_large_stack};
 use openusd::sdf::{self, AbstractData, FieldKey, LayerOffset, SpecType, Value};
 use openusd::usda::TextWriter;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// How products are written.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -34,6 +34,13 @@ impl Default for WriteOptions {
     }
 }
 
+/// A layer or package that was written.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Written {
+    /// The files that a package has a copy of, sorted; entries of other packages as `package[entry]`.
+    pub packed: Vec<PathBuf>,
+}
+
 /// Writes `products` as siblings of the model of `source` into the file `out`, whose name decides the format. The file is
 /// written completely or not at all; the input and its layers are never written to.
 ///
@@ -45,13 +52,14 @@ pub fn write(
     out: &Path,
     options: &WriteOptions,
     warnings: &mut Warnings,
-) -> Result<(), Error> {
-    let file = OutputFile::find(out, &source.model.layers, options.force)?;
+) -> Result<Written, Error> {
+    let file = OutputFile::find(out, |file| source.model.uses(file), options.force)?;
     on_large_stack(|| {
         let is_package = file.format == Format::Usdz;
         let anchor = if is_package { Anchor::Root } else { Anchor::Folder(&file.folder) };
         let frame = Frame { flatten: is_package || options.flatten, anchor, sublayer: None };
-        file.save(compose(source, products, frame, options, warnings)?, warnings)
+        let packed = file.save(compose(source, products, frame, options, warnings)?, warnings)?;
+        Ok(Written { packed })
     })
 }
 
@@ -60,7 +68,7 @@ pub fn write(
 /// # Errors
 /// An unknown format, an output that exists already or is part of the input, a missing folder.
 pub fn check_target(source: &Source, out: &Path, force: bool) -> Result<(), Error> {
-    OutputFile::find(out, &source.model.layers, force).map(drop)
+    OutputFile::find(out, |file| source.model.uses(file), force).map(drop)
 }
 
 /// The paths that a layer in memory has for other files.
@@ -206,7 +214,7 @@ pub fn overlay(model: &Model, frame: Frame) -> Result<sdf::Data, Error> {
     data.create_spec(root.clone(), SpecType::PseudoRoot);
     let sublayer = match frame.sublayer {
         Some(path) => path.to_owned(),
-        None => frame.anchor.path_to(&absolute(&model.origin.file)?),
+        None => writable(frame.anchor.path_to(&as_named(&model.origin.file)?))?,
     };
     let offsets = Value::LayerOffsetVec(vec![LayerOffset::IDENTITY]);
     AbstractData::set_field(&mut data, &root, FieldKey::SubLayers.as_str(), Value::StringVec(vec![sublayer]));

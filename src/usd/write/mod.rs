@@ -12,12 +12,14 @@ mod recipe;
 mod role;
 mod save;
 mod shapes;
+mod unfinished;
 
 pub use crates::write_crate;
-pub use layer::{Surroundings, WriteOptions, check_target, layer_bytes, write};
+pub use layer::{Surroundings, WriteOptions, Written, check_target, layer_bytes, write};
 pub use physics::pose_points;
 pub use product::extent;
 #[cfg(feature = "preview")]
 pub use recipe::{OptionValue, RecipeOpinions, Replaced, garment_below, recipe_text, selections, write_recipe};
 pub use role::{Product, ProductRole};
 pub use save::{Format, OutputFile};
+pub use unfinished::{PREFIX, Unfinished, remove_unfinished, write_whole};

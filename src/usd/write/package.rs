@@ -2,18 +2,34 @@
 
 use super::crates::{encode, remove_unwritable};
 use crate::error::{Error, ErrorCode, Warning, Warnings, plain};
+use crate::files;
 use crate::usd::assets::tiles;
 use openusd::sdf::{AbstractData, AssetPath, Data, Value};
 use openusd::usdz::{Archive, ArchiveError, ArchiveWriter};
 use std::collections::BTreeMap;
-use std::path::Path;
-use std::{fs, io, mem};
+use std::path::{Path, PathBuf};
+use std::{io, mem};
 
-/// The layer `data`, whose asset paths are absolute, and all files that it uses, as a package. The layer is called `stem`.
+/// Endings of the files that a package takes: layers, images, sound, volumes, materials and light profiles. An asset path may
+/// name any file of the machine, and others have no use in a stage.
+const PACKED: &[&str] = &[
+    "usd", "usda", "usdc", "usdz", "png", "jpg", "jpeg", "jfif", "exr", "avif", "hdr", "tif", "tiff", "tx", "tex",
+    "rat", "ptx", "ptex", "tga", "bmp", "gif", "webp", "dds", "ktx", "ktx2", "psd", "dpx", "m4a", "mp3", "wav", "vdb",
+    "mtlx", "osl", "oso", "sbsar", "ies",
+];
+
+/// A package, and the files of which it has a copy.
+pub struct Packed {
+    pub bytes: Vec<u8>,
+    /// Sorted; entries of other packages as `package[entry]`.
+    pub files: Vec<PathBuf>,
+}
+
+/// The layer `data`, whose asset paths are absolute, and the files that it uses, as a package. The layer is called `stem`.
 ///
 /// # Errors
-/// A value that a crate cannot hold. A file that cannot be read becomes a warning.
-pub fn package(mut data: Data, stem: &str, warnings: &mut Warnings) -> Result<Vec<u8>, Error> {
+/// A value that a crate cannot hold. A file that cannot be read, or is of no kind that stages use, becomes a warning.
+pub fn package(mut data: Data, stem: &str, warnings: &mut Warnings) -> Result<Packed, Error> {
     let mut package = Package::default();
     package.collect(&mut data, warnings);
     remove_unwritable(&mut data, warnings);
@@ -27,7 +43,8 @@ pub fn package(mut data: Data, stem: &str, warnings: &mut Warnings) -> Result<Ve
         archive.add_layer(name, bytes).map_err(fault)?;
     }
     archive.finish().map_err(fault)?;
-    Ok(whole.into_inner())
+    package.files.sort();
+    Ok(Packed { bytes: whole.into_inner(), files: package.files })
 }
 
 /// The files of a package besides its layer.
@@ -35,6 +52,8 @@ pub fn package(mut data: Data, stem: &str, warnings: &mut Warnings) -> Result<Ve
 struct Package {
     /// Names and contents.
     entries: Vec<(String, Vec<u8>)>,
+    /// The files of the entries.
+    files: Vec<PathBuf>,
     /// Name of the entry of each file.
     names: BTreeMap<String, String>,
 }
@@ -72,15 +91,21 @@ impl Package {
         }
         let folder = self.names.len().to_string();
         let path = file.trim_end_matches(']');
+        let ending = path.rsplit_once('.').map_or("", |(_, ending)| ending);
+        if !PACKED.iter().any(|packed| packed.eq_ignore_ascii_case(ending)) {
+            return Err("its name does not end as that of a layer, an image, a sound, a volume or a material".into());
+        }
         let name = format!("{folder}/{}", path.rsplit_once(['/', '[']).map_or(path, |(_, last)| last));
         let tiled = tiles(Path::new(file));
         if tiled.is_empty() {
             self.entries.push((name.clone(), bytes(file)?));
+            self.files.push(PathBuf::from(file));
         }
         for tile in tiled {
             let tile_name = tile.file_name().and_then(|n| n.to_str()).expect("tiles have UTF-8 names");
-            let content = fs::read(&tile).map_err(|e| plain(&e))?;
+            let content = files::read(&tile).map_err(|e| plain(&e))?;
             self.entries.push((format!("{folder}/{tile_name}"), content));
+            self.files.push(tile);
         }
         self.names.insert(file.to_owned(), name.clone());
         Ok(name)
@@ -90,8 +115,9 @@ impl Package {
 /// The content of a file, or of an entry of a package (`package[entry]`).
 fn bytes(file: &str) -> Result<Vec<u8>, String> {
     match file.strip_suffix(']').and_then(|f| f.split_once('[')) {
-        None => fs::read(file).map_err(|e| plain(&e)),
+        None => files::read(Path::new(file)).map_err(|e| plain(&e)),
         Some((package, entry)) => {
+            files::require_file(Path::new(package)).map_err(|e| plain(&e))?;
             let mut archive = Archive::open(package).map_err(|e| e.to_string())?;
             Ok(archive.entry(entry).map_err(|e| e.to_string())?.as_ref().to_vec())
         }

@@ -4,7 +4,7 @@ use super::layer::{Frame, overlay};
 use super::save::{Format, OutputFile};
 use crate::error::{Error, ErrorCode, Warnings};
 use crate::usd::assets::Anchor;
-use crate::usd::read::{Model, ReadOptions, Selection, Source, select};
+use crate::usd::read::{Files, Model, ReadOptions, Selection, Source, select};
 use crate::usd::values::decimal;
 use crate::usd::{names, on_large_stack};
 use openusd::sdf::{self, AbstractData, ChildrenKey, Data, FieldKey, LayerOffset, SpecType};
@@ -59,7 +59,7 @@ pub struct Replaced {
 /// # Errors
 /// A folder that does not exist; names that USD does not admit.
 pub fn recipe_text(source: &Source, opinions: &RecipeOpinions, out: &Path) -> Result<String, Error> {
-    let file = OutputFile::find(out, &source.model.layers, true)?;
+    let file = OutputFile::find(out, |file| source.model.uses(file), true)?;
     on_large_stack(|| {
         let data = new_layer(&source.model, opinions, &file)?;
         TextWriter::write_to_string(&with_short_floats(data))
@@ -81,7 +81,7 @@ pub fn write_recipe(
     replaced: &Replaced,
     verify: impl FnOnce(&Path) -> Result<(), Error> + Send,
 ) -> Result<(), Error> {
-    let file = OutputFile::find(out, &source.model.layers, force)?;
+    let file = OutputFile::find(out, |file| source.model.uses(file), force)?;
     if file.format == Format::Usdz {
         return Err(Error::usd(format!("{} is a package, which holds no recipe", out.display()))
             .code(ErrorCode::OutputPath)
@@ -97,13 +97,16 @@ pub fn write_recipe(
             same_content(&data, temporary, out)?;
             verify(temporary)
         })
+        .map(drop)
     })
 }
 
 /// The garment's file, if a layer is a new one of [`write_recipe`] and still holds nothing but opinions.
 pub fn garment_below(layer: &Path) -> Option<PathBuf> {
     let path = layer.to_str()?.to_owned();
-    let below = on_large_stack(|| Ok(sdf::Layer::open(path).ok().and_then(|layer| only_sublayer(layer.data()))));
+    let below = on_large_stack(|| {
+        Ok(sdf::Layer::open_with(Files::default(), path).ok().and_then(|layer| only_sublayer(layer.data())))
+    });
     Some(layer.parent()?.join(below.ok()??))
 }
 
@@ -132,8 +135,10 @@ fn only_sublayer(data: &dyn AbstractData) -> Option<String> {
 /// The variants that a layer selects.
 pub fn selections(layer: &Path) -> Vec<Selection> {
     let Some(path) = layer.to_str().map(str::to_owned) else { return Vec::new() };
-    on_large_stack(|| Ok(sdf::Layer::open(path).map(|layer| selected(layer.data())).unwrap_or_default()))
-        .unwrap_or_default()
+    on_large_stack(|| {
+        Ok(sdf::Layer::open_with(Files::default(), path).map(|layer| selected(layer.data())).unwrap_or_default())
+    })
+    .unwrap_or_default()
 }
 
 fn selected(data: &dyn AbstractData) -> Vec<Selection> {
@@ -173,11 +178,9 @@ fn new_layer(model: &Model, opinions: &RecipeOpinions, file: &OutputFile) -> Res
 /// An existing layer with the opinions in place of the earlier ones.
 fn edited(model: &Model, opinions: &RecipeOpinions, file: &OutputFile, replaced: &Replaced) -> Result<Data, Error> {
     let path = file.path().to_string_lossy();
-    let mut layer = sdf::Layer::open(path.as_ref()).map_err(|e| {
-        Error::usd(format!("{path} cannot be read as a USD layer: {e}"))
-            .code(ErrorCode::NotWrittenBack)
-            .remedy("save to a new file")
-    })?;
+    let mut layer = sdf::Layer::open_with(Files::default(), path.as_ref())
+        .map_err(|e| Error::usd(format!("{path} cannot be read as a USD layer: {e}"))
+            .code(ErrorCode::NotWrittenBack).remedy("save to a new file"))?;
     if let Some(what) = cannot_be_rewritten(layer.data()) {
         return Err(Error::usd(format!("{path} holds {what}, which cannot be written back unchanged"))
             .code(ErrorCode::NotWrittenBack)
@@ -336,7 +339,7 @@ fn with_short_floats(mut data: Data) -> Data {
 
 /// Checks that a written layer reads back as `data`.
 fn same_content(data: &Data, written: &Path, out: &Path) -> Result<(), Error> {
-    let layer = sdf::Layer::open(written.to_string_lossy()).map_err(fault)?;
+    let layer = sdf::Layer::open_with(Files::default(), written.to_string_lossy()).map_err(fault)?;
     let differs = |path: &sdf::Path| {
         let fields = data.list_fields(path).unwrap_or_default();
         let differs = |key: &String| {

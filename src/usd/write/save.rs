@@ -2,8 +2,9 @@
 
 use super::crates::{remove_unwritable, write_crate};
 use super::package::package;
+use super::unfinished::{PREFIX, Unfinished};
 use crate::error::{Error, ErrorCode, Warnings, plain};
-use crate::usd::assets::{Anchor, absolute};
+use crate::usd::assets::{Anchor, as_named, writable};
 use openusd::sdf::{Data, FormatError};
 use openusd::usda::TextWriter;
 use std::fs::{self, File};
@@ -45,53 +46,54 @@ impl Format {
 pub struct OutputFile {
     /// The path as the user named it.
     shown: String,
-    /// Its folder, without links.
+    /// Its folder as OpenUSD knows it, to which asset paths are relative.
     pub folder: PathBuf,
     /// Its path, without links.
     file: PathBuf,
+    /// Its name without the ending, as the user named it.
+    stem: String,
+    /// Whether a file that is there already is replaced.
+    force: bool,
     /// Its format.
     pub format: Format,
 }
 
 impl OutputFile {
-    /// Checks that `out` may be written.
+    /// Checks that `out` may be written. `is_used` tells whether an existing file is an input.
     ///
     /// # Errors
-    /// An unknown format, a missing folder, an existing file (unless `force`), and one of the files `layers` under any
-    /// name.
-    pub fn find(out: &Path, layers: &[PathBuf], force: bool) -> Result<Self, Error> {
+    /// An unknown format, a missing folder, a link to no file, an existing file (unless `force`), and one that is used.
+    pub fn find(out: &Path, is_used: impl Fn(&Path) -> Result<bool, Error>, force: bool) -> Result<Self, Error> {
         let shown = out.display().to_string();
         let format = Format::of(out)?;
+        let fault =
+            |code: ErrorCode, text: &str, remedy: &str| Err(Error::usd(format!("{shown} {text}")).code(code).remedy(remedy));
         // The target of a link is replaced, not the link.
         let file = out.canonicalize().unwrap_or_else(|_| out.to_path_buf());
         if let Ok(there) = fs::metadata(&file) {
-            if layers.iter().any(|layer| same_file(layer, &file)) {
-                return Err(Error::usd(format!("{shown} is the input, or a layer that the input uses"))
-                    .code(ErrorCode::OutputIsInput)
-                    .remedy("write to another file; the input is never changed"));
+            if is_used(&file)? {
+                let remedy = "write to another file; the input is never changed";
+                return fault(ErrorCode::OutputIsInput, "is the input, or a file that the input uses", remedy);
             }
             if !there.is_file() {
-                return Err(Error::usd(format!("{shown} is not a file"))
-                    .code(ErrorCode::OutputPath)
-                    .remedy("choose another output"));
+                return fault(ErrorCode::OutputPath, "is not a file", "choose another output");
             }
             if !force {
-                return Err(Error::usd(format!("{shown} exists already"))
-                    .code(ErrorCode::OutputExists)
-                    .remedy("use --force to overwrite it"));
+                return Err(exists_already(&shown));
             }
+        } else if out.is_symlink() {
+            let remedy = "remove the link, or name the file itself";
+            return fault(ErrorCode::OutputPath, "is a link to a file that does not exist", remedy);
         }
-        let folder = match file.parent() {
-            Some(parent) if !parent.as_os_str().is_empty() => parent,
-            _ => Path::new("."),
-        };
-        let folder = folder.canonicalize().ok().filter(|f| f.is_dir()).ok_or_else(|| {
-            Error::usd(format!("cannot write {shown}: there is no folder {}", folder.display()))
+        let real_folder = folder_of(&file).canonicalize().ok().filter(|f| f.is_dir()).ok_or_else(|| {
+            Error::usd(format!("cannot write {shown}: there is no folder {}", folder_of(&file).display()))
                 .code(ErrorCode::OutputPath)
                 .remedy("create the folder first")
         })?;
-        let file = folder.join(file.file_name().expect("a path with a known extension has a file name"));
-        Ok(Self { shown, folder, file, format })
+        let named = PathBuf::from(as_named(out)?);
+        let file = real_folder.join(file.file_name().expect("a path with a known extension has a file name"));
+        let stem = named.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        Ok(Self { shown, folder: folder_of(&named).to_path_buf(), file, stem, force, format })
     }
 
     /// True if there is a file already.
@@ -106,11 +108,11 @@ impl OutputFile {
         &self.file
     }
 
-    /// Writes the layer `data`. A package gets all files that `data` uses; asset paths are then absolute.
+    /// Writes the layer `data`. A package gets the files that `data` uses, which are returned; asset paths are then absolute.
     ///
     /// # Errors
     /// A folder that cannot be written to, a full disk, a value that the format cannot hold.
-    pub fn save(&self, data: Data, warnings: &mut Warnings) -> Result<(), Error> {
+    pub fn save(&self, data: Data, warnings: &mut Warnings) -> Result<Vec<PathBuf>, Error> {
         self.save_verified(data, warnings, |_| Ok(()))
     }
 
@@ -123,19 +125,21 @@ impl OutputFile {
         mut data: Data,
         warnings: &mut Warnings,
         verify: impl FnOnce(&Path) -> Result<(), Error>,
-    ) -> Result<(), Error> {
+    ) -> Result<Vec<PathBuf>, Error> {
+        let mut packed = Vec::new();
         match self.format {
-            Format::Usda => self.replace(|out| TextWriter::write(&data, out), verify),
+            Format::Usda => self.replace(|out| TextWriter::write(&data, out), verify)?,
             Format::Usdc => {
                 remove_unwritable(&mut data, warnings);
-                self.replace(|out| write_crate(&data, out), verify)
+                self.replace(|out| write_crate(&data, out), verify)?;
             }
             Format::Usdz => {
-                let stem = self.file.file_stem().and_then(|s| s.to_str()).unwrap_or("layer");
-                let bytes = package(data, stem, warnings)?;
-                self.replace(|out| Ok(out.write_all(&bytes)?), verify)
+                let package = package(data, &self.stem, warnings)?;
+                self.replace(|out| Ok(out.write_all(&package.bytes)?), verify)?;
+                packed = package.files;
             }
         }
+        Ok(packed)
     }
 
     /// Lets `fill` write a temporary file in the folder and `verify` look at it, and renames it to the output.
@@ -160,27 +164,28 @@ impl OutputFile {
     ///
     /// # Errors
     /// A folder that cannot be written to.
-    pub fn temporary(&self) -> Result<NamedTempFile, Error> {
+    pub fn temporary(&self) -> Result<Unfinished<NamedTempFile>, Error> {
         let suffix = format!(".{}", self.file.extension().and_then(|e| e.to_str()).unwrap_or("tmp"));
         let mut builder = tempfile::Builder::new();
-        builder.prefix(".usdtailor-").suffix(&suffix);
+        builder.prefix(PREFIX).suffix(&suffix);
         #[cfg(unix)]
         {
             use std::os::unix::fs::PermissionsExt;
             let mode = fs::metadata(&self.file).map_or(0o666, |m| m.permissions().mode() & 0o777);
             builder.permissions(fs::Permissions::from_mode(mode));
         }
-        builder.tempfile_in(&self.folder).map_err(|e| self.fault(&e))
+        Unfinished::new(|| builder.tempfile_in(folder_of(&self.file))).map_err(|e| self.fault(&e))
     }
 
     /// Gives a complete temporary file the name of the output.
     ///
     /// # Errors
-    /// A full disk.
-    pub fn keep(&self, temporary: NamedTempFile) -> Result<(), Error> {
-        temporary.as_file().sync_all().map_err(|e| self.fault(&e))?;
-        temporary.persist(&self.file).map_err(|e| self.fault(&e.error))?;
-        Ok(())
+    /// A full disk; a file that another program has written there in the meantime, unless it may be replaced.
+    pub fn keep(&self, temporary: Unfinished<NamedTempFile>) -> Result<(), Error> {
+        temporary.persist(&self.file, self.force).map_err(|e| match e.kind() {
+            io::ErrorKind::AlreadyExists => exists_already(&self.shown),
+            _ => self.fault(&e),
+        })
     }
 
     /// The error of a write that failed.
@@ -191,8 +196,8 @@ impl OutputFile {
     }
 
     /// The name of the file without its ending.
-    pub fn stem(&self) -> String {
-        self.file.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+    pub fn stem(&self) -> &str {
+        &self.stem
     }
 
     /// The asset path of another file, relative to the output's folder.
@@ -200,19 +205,16 @@ impl OutputFile {
     /// # Errors
     /// A path without a folder, or that is no text.
     pub fn path_to(&self, other: &Path) -> Result<String, Error> {
-        Ok(Anchor::Folder(&self.folder).path_to(&absolute(other)?))
+        writable(Anchor::Folder(&self.folder).path_to(&as_named(other)?))
     }
 }
 
-/// Whether two paths are of the same file, through links of any kind.
-fn same_file(a: &Path, b: &Path) -> bool {
-    let (Ok(a), Ok(b)) = (a.canonicalize(), b.canonicalize()) else { return false };
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::MetadataExt;
-        if let (Ok(a), Ok(b)) = (fs::metadata(&a), fs::metadata(&b)) {
-            return a.dev() == b.dev() && a.ino() == b.ino();
-        }
-    }
-    a == b
+fn exists_already(shown: &str) -> Error {
+    Error::usd(format!("{shown} exists already"))
+        .code(ErrorCode::OutputExists)
+        .remedy("use --force to overwrite it")
+}
+
+fn folder_of(file: &Path) -> &Path {
+    file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }

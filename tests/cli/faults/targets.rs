@@ -55,7 +55,7 @@ fn of_an_output_that_the_input_uses() {
         f.file("top.usda", "#usda 1.0\n(\n subLayers = [@in.usda@]\n)\n");
     };
     each_is_told(&[
-        fault("build top.usda -o in.usda --force", layered, &["in.usda is the input, or a layer that the input uses"]),
+        fault("build top.usda -o in.usda --force", layered, &["in.usda is the input, or a file that the input uses"]),
         fault("build top.usda -o top.usda --force", layered, &["top.usda is the input"]),
     ]);
 }

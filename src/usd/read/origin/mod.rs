@@ -1,7 +1,15 @@
 //! Opening a stage, from a file or from memory.
 
+mod reach;
+mod resolver;
+
+pub use reach::first_used;
+pub use resolver::{Files, package_file};
+
 use super::variants::{SESSION, Selection, session_layer};
 use crate::error::{Error, ErrorCode, plain};
+use crate::files::{read, require_file};
+use crate::usd::assets::as_named;
 use openusd::ar;
 use openusd::usd::Stage;
 use std::fs;
@@ -54,12 +62,12 @@ fn open_content(file: &Path, content: &Arc<[u8]>) -> Result<Stage, Error> {
 struct InMemory {
     identifier: &'static str,
     content: Arc<[u8]>,
-    files: ar::DefaultResolver,
+    files: Files,
 }
 
 impl InMemory {
     fn new(identifier: &'static str, content: &Arc<[u8]>) -> Self {
-        Self { identifier, content: Arc::clone(content), files: ar::DefaultResolver::new() }
+        Self { identifier, content: Arc::clone(content), files: Files::default() }
     }
 }
 
@@ -94,20 +102,17 @@ impl ar::Resolver for InMemory {
 
 fn open_file(file: &Path, variants: &[Selection]) -> Result<Stage, Error> {
     let shown = file.display();
-    let metadata = fs::metadata(file).map_err(|e| {
+    let unreadable = |e: io::Error| {
         Error::usd(format!("cannot read {shown}: {}", plain(&e)))
             .code(ErrorCode::UnreadableFile)
             .remedy("check the path, and who may read the file")
-    })?;
-    if !metadata.is_file() {
-        return Err(Error::usd(format!("{shown} is a folder, not a USD file"))
-            .code(ErrorCode::UnreadableFile)
-            .remedy("name a file inside it"));
+    };
+    if file.is_dir() {
+        return Err(Error::usd(format!("{shown} is a folder, not a USD file")).code(ErrorCode::UnreadableFile).remedy("name a file inside it"));
     }
-    if metadata.len() == 0 {
-        return Err(Error::usd(format!("{shown} is empty"))
-            .code(ErrorCode::UnreadableFile)
-            .remedy("export the garment again"));
+    require_file(file).map_err(unreadable)?;
+    if fs::metadata(file).map_err(unreadable)?.len() == 0 {
+        return Err(Error::usd(format!("{shown} is empty")).code(ErrorCode::UnreadableFile).remedy("export the garment again"));
     }
     let extension = file.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
     if !["usd", "usda", "usdc", "usdz"].contains(&extension.as_str()) {
@@ -117,23 +122,23 @@ fn open_file(file: &Path, variants: &[Selection]) -> Result<Stage, Error> {
         .code(ErrorCode::UnreadableFile)
         .remedy("export the garment as USD"));
     }
-    let Some(path) = file.to_str() else {
-        return Err(Error::usd(format!("cannot read {shown}: its name is not UTF-8"))
-            .code(ErrorCode::UnreadableFile)
-            .remedy("rename the file"));
-    };
+    if file.to_str().is_none() {
+        return Err(Error::usd(format!("cannot read {shown}: its name is not UTF-8")).code(ErrorCode::UnreadableFile).remedy("rename the file"));
+    }
+    // The file that the system finds, whatever the text of its path would be without links.
+    let path = as_named(file)?;
     let builder = Stage::builder();
     let builder = match variants {
-        [] => builder,
+        [] => builder.resolver(Files::default()),
         variants => {
             let text = session_layer(variants)?.into_bytes();
             builder.resolver(InMemory::new(SESSION, &text.into())).session_layer(SESSION)
         }
     };
-    builder.open(path).map_err(|e| {
+    builder.open(&path).map_err(|e| {
         let words = e.to_string();
         // The text reader admits letters beyond ASCII in names of prims only.
-        let beyond_ascii = words.contains("Logos") && std::fs::read(file).is_ok_and(|b| !b.is_ascii());
+        let beyond_ascii = words.contains("Logos") && read(file).is_ok_and(|b| !b.is_ascii());
         let words = words.trim_start_matches("error: ").trim_end();
         Error::usd(format!("{shown} cannot be read as USD: {words}")).remedy(if beyond_ascii {
             "property names with letters beyond ASCII are read from .usdc only; convert the file to .usdc"
