@@ -212,6 +212,8 @@ pub enum Code {
     MeanFabric,
     /// The stage does not compose fully.
     Composition,
+    /// Fewer threads are started than asked for.
+    ThreadsCapped,
 }
 
 impl fmt::Display for Code {

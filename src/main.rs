@@ -6,15 +6,15 @@ use clap::Parser;
 use std::io::{self, Write};
 use std::panic::AssertUnwindSafe;
 use std::process::ExitCode;
-use tailor::error::{Error, ErrorKind};
+use tailor::error::{Error, ErrorKind, plain};
 
 fn main() -> ExitCode {
     let cli = match cli::Cli::try_parse() {
         Ok(cli) => cli,
         Err(e) => {
-            // Clap reports help and version as errors, on standard output.
+            // Clap reports help and version as errors, for standard output.
             let code = u8::from(e.use_stderr());
-            return if e.print().is_ok() { ExitCode::from(code) } else { ExitCode::SUCCESS };
+            return printed(e.print(), code);
         }
     };
     // A panic becomes one message and the exit code of internal errors.
@@ -35,10 +35,19 @@ fn exit_code(error: &Error) -> u8 {
     if error.kind == ErrorKind::Internal { 2 } else { 1 }
 }
 
+/// Prints the output.
 fn print_all(text: &str, code: u8) -> ExitCode {
-    match std::io::stdout().write_all(text.as_bytes()) {
-        // A closed pipe is no failure: the reader has read enough.
-        Err(e) if e.kind() != io::ErrorKind::BrokenPipe => ExitCode::from(2),
+    let mut out = io::stdout();
+    printed(out.write_all(text.as_bytes()).and_then(|()| out.flush()), code)
+}
+
+/// The exit code after printing. A closed pipe is no failure: the reader has read enough.
+fn printed(result: io::Result<()>, code: u8) -> ExitCode {
+    match result {
+        Err(e) if e.kind() != io::ErrorKind::BrokenPipe => {
+            let _ = writeln!(io::stderr(), "error: cannot write to standard output: {}", plain(&e));
+            ExitCode::from(code.max(1))
+        }
         _ => ExitCode::from(code),
     }
 }

@@ -1,7 +1,7 @@
 //! `usdtailor build`.
 
 use super::batch::{Budget, run_all};
-use super::{Build, Output, memory, report, text, usage};
+use super::{Build, Output, memory, protect, report, text, usage};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 use std::io::IsTerminal;
@@ -47,6 +47,8 @@ pub struct Built {
     pub sim: SimFigures,
     pub render: RenderFigures,
     pub cloth: Option<ClothFigures>,
+    /// Files of which the output, a package, has a copy.
+    pub packed: Vec<PathBuf>,
     pub timings: Vec<Timing>,
     pub warnings: Warnings,
 }
@@ -54,6 +56,7 @@ pub struct Built {
 /// Builds every input. With several inputs, a failed one is reported and the others are still built.
 pub fn run(build: &Build) -> Result<Output, Error> {
     let tasks = tasks(build)?;
+    protect::check(build, &tasks)?;
     if let Some(file) = &build.report {
         report::check_target(file, build.force)?;
     }
@@ -73,7 +76,7 @@ pub fn run(build: &Build) -> Result<Output, Error> {
     );
     bar.finish_and_clear();
     if let Some(file) = &build.report {
-        report::write(file, &tasks, &outcomes)?;
+        report::write(file, &tasks, &outcomes, build.force)?;
     }
     if tasks.len() == 1
         && let Some(Outcome::Failed(error)) = outcomes.pop_if(|outcome| matches!(outcome, Outcome::Failed(_)))
@@ -168,8 +171,8 @@ fn built(build: &Build, task: &Task, budget: &Budget, bar: &ProgressBar) -> Resu
         record: Some(record),
     };
     let mut warnings = products.warnings.clone();
-    timed("write", &mut timings, || write(&source, &meshes, output, &options, &mut warnings))?;
-    Ok(Built { products, sim, render, cloth, timings, warnings })
+    let packed = timed("write", &mut timings, || write(&source, &meshes, output, &options, &mut warnings))?.packed;
+    Ok(Built { packed, products, sim, render, cloth, timings, warnings })
 }
 
 /// True if the output was made by this program of these files with these options.

@@ -44,7 +44,7 @@ pub struct Drive {
     pub threads: Option<usize>,
     /// Print only errors
     #[arg(short, long)]
-    quiet: bool,
+    pub quiet: bool,
 }
 
 /// Drives a garment.

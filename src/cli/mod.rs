@@ -5,11 +5,14 @@ mod build;
 mod drive;
 mod explain;
 mod info;
+mod interrupt;
 mod memory;
 #[cfg(feature = "preview")]
 mod preview;
+mod protect;
 mod report;
 mod text;
+mod threads;
 
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
@@ -148,18 +151,17 @@ pub struct Output {
 /// # Errors
 /// Faults of the input, the recipe or the output.
 pub fn run(cli: &Cli) -> Result<Output, Error> {
-    let threads = match &cli.command {
-        Command::Build(build) => build.inputs.threads,
-        Command::Drive(drive) => drive.threads,
-        Command::Info(inputs) | Command::Check(inputs) => inputs.threads,
-        Command::Explain(_) | Command::Completions { .. } | Command::Man { .. } => None,
+    let (threads, quiet, serves) = match &cli.command {
+        Command::Build(build) => (build.inputs.threads, build.inputs.quiet, false),
+        Command::Drive(drive) => (drive.threads, drive.quiet, false),
+        Command::Info(inputs) | Command::Check(inputs) => (inputs.threads, inputs.quiet, false),
+        Command::Explain(_) | Command::Completions { .. } | Command::Man { .. } => (None, false, false),
         #[cfg(feature = "preview")]
-        Command::Preview(preview) => preview.inputs().threads,
+        Command::Preview(preview) => (preview.inputs().threads, preview.inputs().quiet, true),
     };
+    interrupt::tidy_up(serves).map_err(|e| Error::internal(format!("cannot wait for signals: {e}")))?;
+    let threads = threads::capped(threads, quiet)?;
     if let Some(threads) = threads {
-        if threads == 0 {
-            return Err(usage("--threads 0", "at least one thread is needed").remedy("give 1 or more"));
-        }
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
         pool.map_err(|e| Error::internal(format!("cannot start {threads} threads: {e}")))?;
     }
@@ -172,7 +174,7 @@ pub fn run(cli: &Cli) -> Result<Output, Error> {
         Command::Completions { shell } => Ok(completions(*shell)),
         Command::Man { folder } => man(folder),
         #[cfg(feature = "preview")]
-        Command::Preview(preview) => preview::run(preview),
+        Command::Preview(preview) => preview::run(preview, threads),
     }
 }
 

@@ -24,8 +24,8 @@ impl Preview {
     }
 }
 
-/// Serves the preview until Ctrl-C.
-pub fn run(preview: &Preview) -> Result<Output, Error> {
+/// Serves the preview until Ctrl-C, each of its two builds with `threads` threads.
+pub fn run(preview: &Preview, threads: Option<usize>) -> Result<Output, Error> {
     let files = preview.inputs.files()?;
     let [file] = files.as_slice() else {
         return Err(usage("", format!("{} inputs, and the preview shows one", files.len())).remedy("name one garment"));
@@ -39,6 +39,8 @@ pub fn run(preview: &Preview) -> Result<Output, Error> {
             let _ = writeln!(std::io::stderr(), "warning: no browser could be opened. Open the address in one");
         }
     };
-    tailor::preview::serve(preview.inputs.input(file), preview.port, preview.inputs.threads, ready)?;
+    tailor::preview::serve(preview.inputs.input(file), preview.port, threads, ready)?;
+    // A page may be saving yet.
+    tailor::usd::remove_unfinished();
     Ok(Output { text: String::new(), code: 0 })
 }

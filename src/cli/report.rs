@@ -5,9 +5,10 @@ use super::{text, usage};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fs;
-use std::io::{self, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 use tailor::error::{Error, ErrorCode, plain};
+use tailor::usd::write_whole;
 
 /// Checks that a report may be written to `file`, before the build starts.
 ///
@@ -28,8 +29,7 @@ pub fn check_target(file: &Path, force: bool) -> Result<(), Error> {
         return fault(&format!("report {shown} does not end in .json"), "name a file such as report.json");
     }
     if there.is_some() && !force {
-        let exists = usage("", format!("report {shown} exists already")).code(ErrorCode::OutputExists);
-        return Err(exists.remedy("overwrite it with --force"));
+        return Err(exists_already(file));
     }
     let folder = folder(file);
     if !folder.is_dir() {
@@ -43,13 +43,17 @@ pub fn check_target(file: &Path, force: bool) -> Result<(), Error> {
 /// not change.
 ///
 /// # Errors
-/// A folder without write permission; a full disk.
-pub fn write(file: &Path, tasks: &[Task], outcomes: &[Outcome]) -> Result<(), Error> {
+/// A folder without write permission; a full disk; without `force`, a file that came up in the meantime.
+pub fn write(file: &Path, tasks: &[Task], outcomes: &[Outcome], force: bool) -> Result<(), Error> {
     let mut reports: Vec<Value> = tasks.iter().zip(outcomes).map(|(task, outcome)| report(task, outcome)).collect();
     let report = if reports.len() == 1 { reports.swap_remove(0) } else { json!({ "builds": reports }) };
     let mut text = serde_json::to_string_pretty(&report).map_err(|e| Error::internal(e.to_string()))?;
     text.push('\n');
-    write_whole(file, &text).map_err(|e| {
+    let written = if is_device(file) { fs::write(file, text) } else { write_whole(file, text.as_bytes(), force) };
+    written.map_err(|e| {
+        if e.kind() == io::ErrorKind::AlreadyExists {
+            return exists_already(file);
+        }
         let fault = usage("", format!("cannot write report {}: {}", file.display(), plain(&e)));
         fault
             .code(ErrorCode::WriteFailed)
@@ -58,21 +62,10 @@ pub fn write(file: &Path, tasks: &[Task], outcomes: &[Outcome]) -> Result<(), Er
     })
 }
 
-fn write_whole(file: &Path, text: &str) -> io::Result<()> {
-    if is_device(file) {
-        return fs::write(file, text);
-    }
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".usdtailor-").suffix(".tmp");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // The permissions of any new file; temporary files are private to their owner.
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
-    let mut temporary = builder.tempfile_in(folder(file))?;
-    temporary.write_all(text.as_bytes())?;
-    temporary.persist(file).map(drop).map_err(|e| e.error)
+fn exists_already(file: &Path) -> Error {
+    usage("", format!("report {} exists already", file.display()))
+        .code(ErrorCode::OutputExists)
+        .remedy("overwrite it with --force")
 }
 
 /// `true` for a terminal, a pipe, `/dev/null` and the like, which are written to in place.
@@ -115,6 +108,7 @@ fn head(task: &Task, status: &str) -> Value {
 pub fn built(task: &Task, built: &Built) -> Value {
     let p = &built.products;
     let mut report = json!({
+        "packed": built.packed,
         "recipe": p.recipe,
         "sim": built.sim,
         "remesh": p.remesh(),

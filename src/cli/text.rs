@@ -157,6 +157,9 @@ pub fn summary(task: &Task, built: &Built, verbose: bool) -> String {
         for area in &s.subset_areas {
             let _ = writeln!(t, "  set     {}: area {:.3} of {:.3}", area.name, area.area, area.source_area);
         }
+        for file in &built.packed {
+            let _ = writeln!(t, "  packed  {}", file.display());
+        }
         let _ = writeln!(t, "  recipe  {}", serde_json::to_string(recipe).unwrap_or_default());
     }
     t
