@@ -1,108 +1,399 @@
-"""Bounds of the simulation mesh: a bad UV costs little, and a garment's place, scale and axes change nothing."""
+"""Files are safe: nothing is left behind, nothing that is used is overwritten, and nothing is read or built without a bound."""
 
-import numpy as np
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+
+import numpy
 import pytest
-from conftest import EXAMPLES
-from mesh import find_model
-from pxr import Gf, Usd, UsdGeom, Vt
+from conftest import run
+from pxr import Sdf, Usd, UsdGeom
+from sources import add_subset, sheet, write
 
-SOURCE = EXAMPLES / "tshirt.usda"
-# Share of the triangles by which rounding may change a mesh.
-ROUNDING = 0.02
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="links, pipes and signals are those of Unix")
+
+LARGE = ("--set", "render.level=6", "--set", "cloth.physics=", "--set", "sim.maxEdgeLength=2")
 
 
-def changed(folder, change, name="changed"):
-    """A copy of the garment after `change` has been called with its mesh."""
-    stage = Usd.Stage.CreateInMemory()
-    stage.GetRootLayer().TransferContent(Usd.Stage.Open(str(SOURCE)).Flatten())
-    change(UsdGeom.Mesh(find_model(stage)))
-    path = folder / f"{name}.usdc"
-    stage.Export(str(path))
+def refused(usdtailor, *args, says=(), seconds=60):
+    """Runs the program, which must refuse in words and in time."""
+    done = subprocess.run([usdtailor, *map(str, args)], capture_output=True, text=True, check=False, timeout=seconds)
+    assert done.returncode == 1, (args, done.returncode, done.stdout, done.stderr)
+    for words in says:
+        assert words in done.stderr, done.stderr
+    return done
+
+
+def good(usdtailor, *args):
+    done = run(usdtailor, *args)
+    assert done.returncode == 0, (args, done.stderr)
+    return done
+
+
+def meshes(path):
+    stage = Usd.Stage.Open(str(path))
+    return sorted(prim.GetName() for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh) and UsdGeom.Mesh(prim).GetPointsAttr().Get())
+
+
+def sim_points(path):
+    stage = Usd.Stage.Open(str(path))
+    return numpy.array(UsdGeom.Mesh(stage.GetPrimAtPath("/Coat/sim")).GetPointsAttr().Get())
+
+
+def mounted(path, text):
+    """Writes a layer with some prims."""
+    path.write_text(f'#usda 1.0\n(\n    defaultPrim = "Coat"\n)\n{text}\n')
     return path
 
 
-def of_points(function):
-    """A change of the points by a function of an array, in double precision."""
 
-    def change(mesh):
-        points = function(np.array(mesh.GetPointsAttr().Get(), float)).astype(np.float32)
-        mesh.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(points))
-        mesh.GetExtentAttr().Set(UsdGeom.PointBased.ComputeExtent(mesh.GetPointsAttr().Get()))
-
-    return change
-
-
-def bad_uv(index, value):
-    def change(mesh):
-        primvar = UsdGeom.PrimvarsAPI(mesh).GetPrimvar("st")
-        values = list(primvar.Get())
-        values[index] = Gf.Vec2f(*value)
-        primvar.GetAttr().Set(Vt.Vec2fArray(values))
-
-    return change
+def started_write(usdtailor, folder, *args, before=None):
+    """Starts a build and waits until a temporary file is there."""
+    source = write(folder / "in.usda", shape=lambda: sheet(24, 24))
+    process = subprocess.Popen([usdtailor, "build", source, *LARGE, *args], stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL, preexec_fn=before)
+    end = time.monotonic() + 120
+    while time.monotonic() < end and process.poll() is None:
+        if any(path.name.startswith(".usdtailor-") for path in folder.iterdir()):
+            return process
+        time.sleep(0.002)
+    pytest.fail(f"no temporary file was seen before the end: {process.poll()}")
 
 
-@pytest.fixture(scope="module")
-def own(built):
-    return built(SOURCE)
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT", "SIGUSR1"])
+def test_a_signal_leaves_no_temporary_file(usdtailor, tmp_path, name):
+    number = getattr(signal, name)
+    process = started_write(usdtailor, tmp_path, "-o", tmp_path / "out.usda", "--flatten")
+    process.send_signal(number)
+    assert process.wait(60) == 128 + number
+    assert [path.name for path in tmp_path.iterdir()] == ["in.usda"]
 
 
-def folded(product):
-    return [warning for warning in product.report["warnings"] if warning["code"] == "folded-uvs"]
+def test_an_ignored_signal_stays_ignored(usdtailor, tmp_path):
+    process = started_write(usdtailor, tmp_path, "-o", tmp_path / "out.usda", "--flatten", before=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
+    process.send_signal(signal.SIGHUP)
+    assert process.wait(300) == 0
+    assert meshes(tmp_path / "out.usda") == ["model", "render", "sim"]
 
 
-@pytest.mark.parametrize("value", [(0, 0), (12, 0.3), (-64, 64)])
-@pytest.mark.parametrize("index", [40, 333])
-def test_a_bad_uv_costs_a_few_triangles_and_is_told(build, own, tmp_path, index, value):
-    product = build(changed(tmp_path, bad_uv(index, value)), "--physics", "none")
-    count = len(own.sim.counts)
-    assert abs(len(product.sim.counts) - count) <= ROUNDING * count
-    corners = np.array(UsdGeom.PrimvarsAPI(product.source.prim).GetPrimvar("st").GetIndices())
-    at = np.repeat(np.arange(len(product.source.counts)), product.source.counts)[corners == index]
-    (warning,) = folded(product)
-    assert "primvars:st" in warning["place"] and warning["remedy"]
-    assert set(at) & set(warning["elements"]["faces"]), "it names a face of the bad UV"
-    assert not folded(own)
+def test_a_signal_leaves_no_folder_of_clips(usdtailor, tmp_path):
+    source = write(tmp_path / "in.usda")
+    garment = tmp_path / "built.usda"
+    good(usdtailor, "build", source, "-o", garment)
+    points = sim_points(garment)
+    numpy.save(tmp_path / "cache.npy", numpy.repeat(points[None], 3000, axis=0))
+    process = subprocess.Popen([usdtailor, "drive", garment, "--cache", tmp_path / "cache.npy", "-o", tmp_path / "shot.usda", "--clips", "-q"])
+    while process.poll() is None and not any(path.name.startswith(".usdtailor-") for path in tmp_path.iterdir()):
+        time.sleep(0.002)
+    process.send_signal(signal.SIGTERM)
+    assert process.wait(60) == 143
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["built.usda", "cache.npy", "in.usda"]
 
 
-@pytest.mark.parametrize("offset", [(1e6, 0, 0), (-1e6, 1e6, 1e6), (1e7, 0, 0)])
-def test_a_garment_far_away_has_the_same_mesh(build, tmp_path, offset):
-    # Points that are exact there, so that all garments have the same shape.
-    spacing = np.spacing(np.float32(np.abs(offset).max()))
-    near = changed(tmp_path, of_points(lambda p: np.round(p / spacing) * spacing), "near")
-    far = changed(tmp_path, of_points(lambda p: np.round(p / spacing) * spacing + offset), "far")
-    near, far = build(near, stem="near_built"), build(far, stem="far_built")
-    for name in ("sim", "render"):
-        assert (near.mesh(name).indices == far.mesh(name).indices).all()
-        assert np.abs(far.mesh(name).points - offset - near.mesh(name).points).max() <= spacing
-    assert any(warning["code"] == "far-from-origin" for warning in far.report["warnings"])
+# Links.
 
 
-@pytest.mark.parametrize("scale", [1e-4, 1e5])
-def test_a_garment_of_any_scale_has_the_same_mesh(build, own, tmp_path, scale):
-    product = build(changed(tmp_path, of_points(lambda p: p * scale)))
-    count = len(own.sim.counts)
-    assert abs(len(product.sim.counts) - count) <= ROUNDING * count
-    assert (product.render.indices == own.render.indices).all()
-    assert product.render.points / scale == pytest.approx(own.render.points, abs=1e-4 * np.ptp(own.render.points))
+def test_an_output_through_a_link_composes_by_its_given_path(usdtailor, tmp_path):
+    source = write(tmp_path / "in.usda")
+    (tmp_path / "far" / "deep").mkdir(parents=True)
+    target = tmp_path / "far" / "deep" / "real.usda"
+    target.write_text("#usda 1.0\n")
+    link = tmp_path / "link.usda"
+    link.symlink_to(target)
+    good(usdtailor, "build", source, "-o", link, "--force")
+    assert link.is_symlink() and target.stat().st_size > 100, "the target is replaced, and the link stays"
+    assert meshes(link) == ["model", "render", "sim"]
+    good(usdtailor, "info", link, "--prim", "/Coat/model")
 
 
-def left_handed(mesh):
-    mesh.GetOrientationAttr().Set("leftHanded")
+def test_an_output_in_a_linked_folder_composes_by_its_given_path(usdtailor, tmp_path):
+    source = write(tmp_path / "in.usda")
+    (tmp_path / "far" / "deep").mkdir(parents=True)
+    (tmp_path / "near").symlink_to(tmp_path / "far" / "deep")
+    good(usdtailor, "build", source, "-o", tmp_path / "near" / "out.usda")
+    assert meshes(tmp_path / "near" / "out.usda") == ["model", "render", "sim"]
+    good(usdtailor, "info", tmp_path / "near" / "out.usda", "--prim", "/Coat/model")
 
 
-def z_up(mesh):
-    UsdGeom.SetStageUpAxis(mesh.GetPrim().GetStage(), UsdGeom.Tokens.z)
+def test_a_dangling_link_is_refused(usdtailor, tmp_path):
+    source = write(tmp_path / "in.usda")
+    link = tmp_path / "link.usda"
+    link.symlink_to(tmp_path / "gone.usda")
+    for force in ([], ["--force"]):
+        refused(usdtailor, "build", source, "-o", link, *force, says=["link.usda is a link to a file that does not exist", "hint: "])
+    assert link.is_symlink() and not link.exists()
 
 
-@pytest.mark.parametrize("change", [left_handed, z_up])
-def test_handedness_and_up_axis_change_no_mesh(build, own, tmp_path, change):
-    product = build(changed(tmp_path, change))
-    assert (product.sim.indices == own.sim.indices).all() and (product.sim.points == own.sim.points).all()
+# Inputs.
+
+USED = "is the input, or a file that the input uses"
 
 
-@pytest.mark.parametrize("function", [lambda p: p * [-1, 1, 1], lambda p: p[:, [0, 2, 1]] * [1, -1, 1]])
-def test_a_mirrored_or_turned_garment_has_a_mesh_as_good(build, own, tmp_path, function):
-    product = build(changed(tmp_path, of_points(function)))
-    count = len(own.sim.counts)
-    assert abs(len(product.sim.counts) - count) <= ROUNDING * count
+def used_files(folder):
+    """A garment that uses a file by every means, and these files."""
+    write(folder / "base.usda")
+    unselected = write(folder / "unselected.usda")
+    for name in ("payload.usda", "nested.usda", "clip.003.usda"):
+        (folder / name).write_text('#usda 1.0\ndef "Other" {}\n')
+    mounted(folder / "wide.usda", 'def "Coat" (\n    references = @./nested.usda@</Other>\n)\n{\n}')
+    for name in ("cloth.png", "tile.1001.png", "note.txt"):
+        (folder / name).write_text("precious")
+    text = """
+def Xform "Coat" (
+    variants = { string fit = "slim" }
+    prepend variantSets = "fit"
+    references = @./base.usda@</Coat>
+    clips = { dictionary default = { string templateAssetPath = "./clip.###.usda"  string primPath = "/Coat" } }
+    customData = { asset note = @./note.txt@ }
+)
+{
+    asset look = @./cloth.png@
+    asset tiles = @./tile.<UDIM>.png@
+    variantSet "fit" = {
+        "slim" { }
+        "wide" ( references = @./wide.usda@</Coat> payload = @./payload.usda@</Other> ) { over "x" ( references = @./unselected.usda@</Coat> ) {} }
+    }
+}
+"""
+    top = mounted(folder / "top.usda", text)
+    layers = [folder / name for name in ("base.usda", "wide.usda", "nested.usda", "payload.usda", "clip.003.usda")]
+    return top, [top, *layers, unselected], [folder / name for name in ("cloth.png", "tile.1001.png", "note.txt")]
+
+
+def test_a_file_that_the_stage_names_is_never_overwritten(usdtailor, tmp_path):
+    top, layers, assets = used_files(tmp_path)
+    before = {path: path.read_bytes() for path in layers + assets}
+    for layer in layers:
+        refused(usdtailor, "build", top, "-o", layer, "--force", says=[USED])
+    for asset in assets:
+        link = tmp_path / f"{asset.name}.usda"
+        os.link(asset, link)
+        refused(usdtailor, "build", top, "-o", link, "--force", says=[USED])
+        report = tmp_path / f"{asset.name}.json"
+        os.link(asset, report)
+        refused(usdtailor, "build", top, "-o", tmp_path / "out.usda", "--report", report, "--force", says=[USED])
+    assert {path: path.read_bytes() for path in before} == before
+    assert not (tmp_path / "out.usda").exists()
+    free = tmp_path / "free.usda"
+    free.write_text("#usda 1.0\n")
+    good(usdtailor, "build", top, "-o", free, "--force")
+
+
+def test_a_recipe_is_never_overwritten(usdtailor, tmp_path):
+    source = write(tmp_path / "in.usda")
+    recipe = tmp_path / "r.json"
+    recipe.write_text('{"sim": {"iterations": 3}}')
+    refused(usdtailor, "build", source, "-o", tmp_path / "out.usda", "--recipe", recipe, "--report", recipe, "--force", says=[USED])
+    link = tmp_path / "link.usda"
+    os.link(recipe, link)
+    refused(usdtailor, "build", source, "-o", link, "--recipe", recipe, "--force", says=[USED])
+    assert recipe.read_text() == '{"sim": {"iterations": 3}}'
+    assert not (tmp_path / "out.usda").exists()
+
+
+def test_an_output_is_no_input_of_another_garment(usdtailor, tmp_path):
+    (tmp_path / "out").mkdir()
+    write(tmp_path / "a.usda")
+    base = write(tmp_path / "out" / "a_tailored.usda")
+    before = base.read_bytes()
+    mounted(tmp_path / "b.usda", 'def "Coat" (\n    references = @./out/a_tailored.usda@</Coat>\n)\n{\n}')
+    refused(usdtailor, "build", tmp_path / "a.usda", tmp_path / "b.usda", "-o", tmp_path / "out", "--force", says=[USED])
+    assert base.read_bytes() == before
+
+
+def test_a_shot_replaces_no_input_and_no_other_folder(usdtailor, tmp_path):
+    garment = tmp_path / "built.usda"
+    good(usdtailor, "build", write(tmp_path / "in.usda"), "-o", garment)
+    points = sim_points(garment)
+    clips = tmp_path / "shot.clips"
+    clips.mkdir()
+    cache = clips / "frame.00000.usdc"
+    stage = Usd.Stage.CreateNew(str(cache))
+    mesh = UsdGeom.Mesh.Define(stage, "/Coat/sim")
+    for frame in (1, 2):
+        mesh.CreatePointsAttr().Set(points, frame)
+    stage.Save()
+    drive = ("drive", garment, "-o", tmp_path / "shot.usda", "--clips", "--force", "--cache")
+    refused(usdtailor, *drive, cache, says=["holds", "which is an input"])
+    moved = cache.rename(tmp_path / "cache.usdc")
+    (clips / "notes.txt").write_text("precious")
+    refused(usdtailor, *drive, moved, says=["shot.clips is no folder of clips, or holds more than clips"])
+    (clips / "notes.txt").unlink()
+    good(usdtailor, *drive, moved)
+    good(usdtailor, *drive, moved)
+
+
+def test_of_two_runs_on_one_output_one_succeeds(usdtailor, tmp_path):
+    source = write(tmp_path / "in.usda", shape=lambda: sheet(12, 12))
+    args = [usdtailor, "build", source, "-o", tmp_path / "out.usda", "--report", tmp_path / "out.json"]
+    for _ in range(3):
+        processes = [subprocess.Popen(args, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True) for _ in range(3)]
+        words = [process.communicate(timeout=300)[1] for process in processes]
+        codes = sorted(process.returncode for process in processes)
+        assert codes == [0, 1, 1], words
+        assert sum("exists already" in text for text in words) == 2, words
+        (tmp_path / "out.usda").unlink()
+        (tmp_path / "out.json").unlink()
+
+
+# Threads.
+
+
+def test_threads_are_capped(usdtailor, tmp_path):
+    source = write(tmp_path / "in.usda")
+    start = time.monotonic()
+    for number in (1000, 100_000, 10**15):
+        done = good(usdtailor, "check", source, "--threads", number)
+        assert re.search(rf"warning: --threads {number}: \d+ threads are started, 4 for each of \d+ cores", done.stderr), done.stderr
+    assert time.monotonic() - start < 30
+    assert "warning" not in good(usdtailor, "check", source, "--threads", 2).stderr
+    assert good(usdtailor, "check", source, "--threads", 1000, "-q").stderr == ""
+
+
+# Names.
+
+
+@pytest.mark.parametrize("name", ["a\nb.usda", "a\tb.usda", "a\x01b.usda", "a\x7fb.usda", "a@@@b.usda"])
+def test_a_name_that_no_layer_can_refer_to_is_refused(usdtailor, tmp_path, name):
+    source = write(tmp_path / "in.usda").rename(tmp_path / name)
+    refused(usdtailor, "build", source, "-o", tmp_path / "out.usda", says=["in its name", "rename the file or its folder"])
+    assert not (tmp_path / "out.usda").exists()
+    good(usdtailor, "build", source, "-o", tmp_path / "flat.usda", "--flatten")
+    assert meshes(tmp_path / "flat.usda") == ["model", "render", "sim"]
+
+
+@pytest.mark.parametrize("name", ["a b.usda", "a@b.usda", "a@@b.usda", "a'b\"c.usda", "a[1].usda", "ä.usda", "a#b%20.usda", "-a.usda", "a$HOME`b`.usda"])
+@pytest.mark.parametrize("suffix", [".usda", ".usdc"])
+def test_any_other_name_composes(usdtailor, tmp_path, name, suffix):
+    source = write(tmp_path / "in.usda").rename(tmp_path / name)
+    good(usdtailor, "build", source, "-o", tmp_path / f"out{suffix}")
+    assert meshes(tmp_path / f"out{suffix}") == ["model", "render", "sim"]
+
+
+# Files that are no files.
+
+
+@pytest.fixture
+def pipe(tmp_path):
+    path = tmp_path / "pipe"
+    os.mkfifo(path)
+    return path
+
+
+@pytest.mark.parametrize("kind", ["pipe", "zero"])
+def test_only_regular_files_are_read(usdtailor, tmp_path, pipe, kind):
+    device = pipe if kind == "pipe" else "/dev/zero"
+    links = {suffix: tmp_path / f"no{suffix}" for suffix in (".usda", ".usdc", ".usdz", ".tailor", ".npy", ".npz", ".png")}
+    for link in links.values():
+        link.symlink_to(device)
+    source = write(tmp_path / "in.usda")
+    out = tmp_path / "out.usda"
+    for suffix in (".usda", ".usdc", ".usdz", ".tailor"):
+        refused(usdtailor, "build", links[suffix], "-o", out, says=["not a regular file"], seconds=20)
+    for suffix in (".usda", ".tailor"):
+        refused(usdtailor, "build", source, "-o", out, "--recipe", links[suffix], says=["not a regular file"], seconds=20)
+    good(usdtailor, "build", source, "-o", out)
+    for suffix in (".usda", ".usdc", ".usdz", ".npy", ".npz"):
+        refused(usdtailor, "drive", out, "--cache", links[suffix], "-o", tmp_path / "shot.usdc", says=["not a regular file"], seconds=20)
+    for arc in ("references = @./no.usdc@</A>", "payload = @./no.usda@</A>", "references = @./no.usdz@</A>"):
+        top = mounted(tmp_path / "top.usda", f'def "Coat" ({arc})\n{{\n}}\ndef "Other" (references = @./in.usda@</Coat>)\n{{\n asset look = @./no.usdz[a.png]@\n}}')
+        done = subprocess.run([usdtailor, "build", top, "-o", tmp_path / "o.usda", "--force"], capture_output=True, text=True, timeout=20)
+        assert done.returncode == 0 and "does not compose fully" in done.stderr, done.stderr
+    textured = write(tmp_path / "textured.usda", finish=lambda mesh: mesh.GetPrim().CreateAttribute("look", Sdf.ValueTypeNames.Asset).Set("./no.png"))
+    done = subprocess.run([usdtailor, "build", textured, "-o", tmp_path / "o.usdz"], capture_output=True, text=True, timeout=20)
+    assert done.returncode == 0 and "cannot be packed: it is a pipe or a device" in done.stderr, done.stderr
+
+
+def test_a_package_takes_only_files_of_stages_and_lists_them(usdtailor, tmp_path):
+    (tmp_path / "id_rsa").write_text("secret words")
+    (tmp_path / "cloth.png").write_text("a picture")
+
+    def finish(mesh):
+        for name, path in {"key": "./id_rsa", "host": "/etc/hostname", "look": "./cloth.png"}.items():
+            mesh.GetPrim().CreateAttribute(name, Sdf.ValueTypeNames.Asset).Set(path)
+
+    source = write(tmp_path / "in.usda", finish=finish)
+    done = good(usdtailor, "build", source, "-o", tmp_path / "o.usdz", "-v", "--report", tmp_path / "o.json")
+    assert f"packed  {tmp_path / 'cloth.png'}\n" in done.stdout
+    assert done.stdout.count("packed") == 1
+    assert "id_rsa" in done.stderr and "cannot be packed" in done.stderr
+    content = (tmp_path / "o.usdz").read_bytes()
+    assert b"a picture" in content and b"secret words" not in content
+    assert json.loads((tmp_path / "o.json").read_text())["packed"] == [str(tmp_path / "cloth.png")]
+
+
+# Bounds.
+
+
+def chain(folder, length):
+    """Layers that each reference the next one, down to the garment."""
+    below = write(folder / "in.usda")
+    for i in range(length):
+        below = mounted(folder / f"c{i}.usda", f'def "Coat" (\n    references = @./{below.name}@</Coat>\n)\n{{\n}}')
+    return below
+
+
+def test_a_long_chain_of_references_composes_or_is_told(usdtailor, tmp_path):
+    good(usdtailor, "check", chain(tmp_path, 60))
+    done = refused(usdtailor, "check", chain(tmp_path, 110), says=["references are nested too deeply at /Coat"])
+    assert "cycle" not in done.stderr
+
+
+def test_a_cycle_is_called_one(usdtailor, tmp_path):
+    write(tmp_path / "in.usda")
+    mounted(tmp_path / "a.usda", 'def "Coat" (\n    references = [@./b.usda@</Coat>, @./in.usda@</Coat>]\n)\n{\n}')
+    mounted(tmp_path / "b.usda", 'def "Coat" (\n    references = @./a.usda@</Coat>\n)\n{\n}')
+    done = run(usdtailor, "check", tmp_path / "a.usda")
+    assert "composition arc cycle at /Coat" in done.stderr
+
+
+@pytest.mark.parametrize("levels, words", [(300, "prims at more than 256 levels"), (5000, "more than 1000 levels of braces"), (100_000, "more than 1000 levels of braces")])
+def test_many_levels_are_refused(usdtailor, tmp_path, levels, words):
+    deep = tmp_path / "deep.usda"
+    deep.write_text("#usda 1.0\n" + "".join(f'def "p{i}" {{\n' for i in range(levels)) + "}\n" * levels)
+    refused(usdtailor, "check", deep, says=[words], seconds=60)
+
+
+def test_many_levels_of_a_crate_are_refused(usdtailor, tmp_path):
+    layer = Sdf.Layer.CreateNew(str(tmp_path / "deep.usdc"))
+    for prefix in Sdf.Path("/p" * 2000).GetPrefixes():
+        Sdf.CreatePrimInLayer(layer, prefix).specifier = Sdf.SpecifierDef
+    layer.Save()
+    refused(usdtailor, "check", tmp_path / "deep.usdc", says=["prims at more than 256 levels"], seconds=60)
+
+
+def test_prims_that_references_multiply_are_refused(usdtailor, tmp_path):
+    write(tmp_path / "in.usda")
+    text = 'def "L0" (references = @./in.usda@</Coat>)\n{\n}\n'
+    for i in range(1, 19):
+        text += f'def "L{i}"\n{{\n    def "a" (references = </L{i - 1}>) {{}}\n    def "b" (references = </L{i - 1}>) {{}}\n}}\n'
+    mounted(tmp_path / "many.usda", text)
+    refused(usdtailor, "check", tmp_path / "many.usda", says=["holds more than 100000 prims"], seconds=300)
+
+
+def test_names_of_a_recipe_are_given_once(usdtailor, tmp_path):
+    source = write(tmp_path / "in.usda", finish=lambda mesh: add_subset(mesh, name="hem", indices=[0, 1]))
+    recipe = tmp_path / "r.tailor"
+    recipe.write_text('{"thickness": {"hem": {"faces": ["hem"], "amount": 0.1},\n "hem": {"amount": 0.2}}}')
+    refused(usdtailor, "check", source, "--recipe", recipe, says=["the name `hem` is given twice at line 2"])
+
+
+def test_many_seams_are_refused(usdtailor, tmp_path):
+    source = write(tmp_path / "in.usda")
+    recipe = tmp_path / "r.tailor"
+    recipe.write_text(json.dumps({"seam": {f"s{i}": {"edges": ["e"]} for i in range(100_000)}}))
+    refused(usdtailor, "check", source, "--recipe", recipe, says=["seam: there are 100000"], seconds=30)
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="the system has no full device")
+@pytest.mark.parametrize("command", ["build", "info", "--help"])
+def test_a_full_standard_output_is_told(usdtailor, tmp_path, command):
+    source = write(tmp_path / "in.usda")
+    args = {"build": ["build", source, "-o", tmp_path / "out.usda"], "info": ["info", source], "--help": ["--help"]}[command]
+    with open("/dev/full", "w") as full:
+        done = subprocess.run([usdtailor, *args], stdout=full, stderr=subprocess.PIPE, text=True, check=False, timeout=60)
+    assert done.returncode == 1
+    assert "cannot write to standard output: the disk is full" in done.stderr

@@ -56,7 +56,11 @@ impl Clips {
         }
         let earlier = contents(&folder);
         if !earlier.iter().all(|path| path.file_name().and_then(|name| name.to_str()).is_some_and(is_clip)) {
-            return fault(ErrorCode::OutputPath, "is no folder of clips, or holds more than clips", "move it away, or write to another file");
+            return fault(
+                ErrorCode::OutputPath,
+                "is no folder of clips, or holds more than clips",
+                "move it away, or write to another file",
+            );
         }
         if let Some(i) = used(&earlier)? {
             let text = format!("holds {}, which is an input", earlier[i].display());

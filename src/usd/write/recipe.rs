@@ -178,9 +178,11 @@ fn new_layer(model: &Model, opinions: &RecipeOpinions, file: &OutputFile) -> Res
 /// An existing layer with the opinions in place of the earlier ones.
 fn edited(model: &Model, opinions: &RecipeOpinions, file: &OutputFile, replaced: &Replaced) -> Result<Data, Error> {
     let path = file.path().to_string_lossy();
-    let mut layer = sdf::Layer::open_with(Files::default(), path.as_ref())
-        .map_err(|e| Error::usd(format!("{path} cannot be read as a USD layer: {e}"))
-            .code(ErrorCode::NotWrittenBack).remedy("save to a new file"))?;
+    let mut layer = sdf::Layer::open_with(Files::default(), path.as_ref()).map_err(|e| {
+        Error::usd(format!("{path} cannot be read as a USD layer: {e}"))
+            .code(ErrorCode::NotWrittenBack)
+            .remedy("save to a new file")
+    })?;
     if let Some(what) = cannot_be_rewritten(layer.data()) {
         return Err(Error::usd(format!("{path} holds {what}, which cannot be written back unchanged"))
             .code(ErrorCode::NotWrittenBack)

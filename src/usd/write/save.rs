@@ -66,8 +66,9 @@ impl OutputFile {
     pub fn find(out: &Path, is_used: impl Fn(&Path) -> Result<bool, Error>, force: bool) -> Result<Self, Error> {
         let shown = out.display().to_string();
         let format = Format::of(out)?;
-        let fault =
-            |code: ErrorCode, text: &str, remedy: &str| Err(Error::usd(format!("{shown} {text}")).code(code).remedy(remedy));
+        let fault = |code: ErrorCode, text: &str, remedy: &str| {
+            Err(Error::usd(format!("{shown} {text}")).code(code).remedy(remedy))
+        };
         // The target of a link is replaced, not the link.
         let file = out.canonicalize().unwrap_or_else(|_| out.to_path_buf());
         if let Ok(there) = fs::metadata(&file) {
@@ -210,9 +211,7 @@ impl OutputFile {
 }
 
 fn exists_already(shown: &str) -> Error {
-    Error::usd(format!("{shown} exists already"))
-        .code(ErrorCode::OutputExists)
-        .remedy("use --force to overwrite it")
+    Error::usd(format!("{shown} exists already")).code(ErrorCode::OutputExists).remedy("use --force to overwrite it")
 }
 
 fn folder_of(file: &Path) -> &Path {

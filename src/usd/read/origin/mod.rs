@@ -108,11 +108,15 @@ fn open_file(file: &Path, variants: &[Selection]) -> Result<Stage, Error> {
             .remedy("check the path, and who may read the file")
     };
     if file.is_dir() {
-        return Err(Error::usd(format!("{shown} is a folder, not a USD file")).code(ErrorCode::UnreadableFile).remedy("name a file inside it"));
+        return Err(Error::usd(format!("{shown} is a folder, not a USD file"))
+            .code(ErrorCode::UnreadableFile)
+            .remedy("name a file inside it"));
     }
     require_file(file).map_err(unreadable)?;
     if fs::metadata(file).map_err(unreadable)?.len() == 0 {
-        return Err(Error::usd(format!("{shown} is empty")).code(ErrorCode::UnreadableFile).remedy("export the garment again"));
+        return Err(Error::usd(format!("{shown} is empty"))
+            .code(ErrorCode::UnreadableFile)
+            .remedy("export the garment again"));
     }
     let extension = file.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
     if !["usd", "usda", "usdc", "usdz"].contains(&extension.as_str()) {
@@ -123,7 +127,9 @@ fn open_file(file: &Path, variants: &[Selection]) -> Result<Stage, Error> {
         .remedy("export the garment as USD"));
     }
     if file.to_str().is_none() {
-        return Err(Error::usd(format!("cannot read {shown}: its name is not UTF-8")).code(ErrorCode::UnreadableFile).remedy("rename the file"));
+        return Err(Error::usd(format!("cannot read {shown}: its name is not UTF-8"))
+            .code(ErrorCode::UnreadableFile)
+            .remedy("rename the file"));
     }
     // The file that the system finds, whatever the text of its path would be without links.
     let path = as_named(file)?;
