@@ -200,6 +200,8 @@ pub enum Code {
     NothingPinned,
     /// The mesh has no UV set with seams, or several without a known name.
     NoUvSet,
+    /// UV shells are too small for the triangles of the simulation mesh.
+    SmallShells,
     /// Nearly every edge is a UV seam.
     UvConfetti,
     /// Triangles of the simulation mesh are turned over in the UVs.

@@ -142,6 +142,7 @@ fn remesh(garment: &Garment, options: &SimOptions, max_faces: usize, clock: &mut
     let product = clock.run("remesh", || Ok(simulate(baseline, options.iterations, limit)))?;
     let mut warnings = Warnings::default();
     warnings.extend(confetti);
+    warnings.extend(small_shells(garment, options, &product.baseline));
     warnings.extend(folded_uvs(garment, options, &product.baseline));
     if product.report.full {
         let problem = format!("stopped at {} triangles, before its edges were short enough", product.triangles.len());
@@ -150,6 +151,26 @@ fn remesh(garment: &Garment, options: &SimOptions, max_faces: usize, clock: &mut
     }
     warnings.extend(curves_cut(&product));
     Ok(Remeshed { product, warnings })
+}
+
+/// The warning of UV shells whose seams the mesh does not follow.
+fn small_shells(garment: &Garment, options: &SimOptions, baseline: &Baseline) -> Option<Warning> {
+    let shells = &baseline.small_shells;
+    if shells.is_empty() {
+        return None;
+    }
+    let mut faces: Vec<FaceId> = baseline.source_face.iter().copied().filter(|&face| shells.holds(face)).collect();
+    faces.sort_unstable();
+    faces.dedup();
+    let problem = format!(
+        "{} UV shells are smaller than {} target triangles: their seams are not followed, and UVs there are approximate \
+         or of a shell beside them",
+        shells.count(),
+        options.smallest_shell
+    );
+    let place = format!("{}.primvars:{}", garment.prim, options.uv_set);
+    let warning = Warning::new(Code::SmallShells, place, problem).at(Elements::Faces(faces));
+    Some(warning.remedy("Set sim.smallestShell to 0 to follow them all, or lower sim.maxEdgeLength"))
 }
 
 /// The warning of UVs that are cut at nearly every edge, as scanned and automatically unwrapped garments have them.
