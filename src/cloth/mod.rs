@@ -115,7 +115,9 @@ impl Cloth {
         let fabric = |face: usize| fabrics[fabric_of[face] as usize].fabric;
         let mean = Fabric::mean(areas.iter().enumerate().map(|(face, &area)| (fabric(face), area)));
         let masses = areas.iter().enumerate().map(|(face, area)| area * f64::from(fabric(face).density)).collect();
-        let thickness = |face: FaceId| (f64::from(fabric(face.index()).thickness) / meters) as f32;
+        // Cloth thicker than half of its faces, as in a stage of the wrong unit, would be near all other cloth.
+        let thickness =
+            |face: FaceId| ((f64::from(fabric(face.index()).thickness) / meters) as f32).min(0.5 * mean_edge);
         let attachments = if options.attach { pieces::attachments(&surface, mean_edge) } else { Vec::new() };
         let cage = CageStretch::new(garment, uv_set);
         let (rest, of_rest) = rest::rest(options.rest, garment, product, &surface, cage.as_ref(), uv_set)?;
