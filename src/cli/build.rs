@@ -56,10 +56,10 @@ pub struct Built {
 /// Builds every input. With several inputs, a failed one is reported and the others are still built.
 pub fn run(build: &Build) -> Result<Output, Error> {
     let tasks = tasks(build)?;
-    protect::check(build, &tasks)?;
     if let Some(file) = &build.report {
         report::check_target(file, build.force)?;
     }
+    protect::check(build, &tasks)?;
     let budget = Budget::new(memory::limit(build.max_memory));
     let jobs = build.jobs.map_or_else(rayon::current_num_threads, usize::from).min(tasks.len());
     let bar = bar(build.inputs.quiet, tasks.len());
