@@ -205,28 +205,44 @@ def test_uv_triangles_are_not_flipped(product):
     assert len(flipped) == 0, f"{len(flipped)} triangles, first {flipped[0]}"
 
 
-def test_uv_shells_are_those_of_the_source(product):
+@pytest.fixture
+def all_shells(garment, built):
+    """A build in which UV shells of any size constrain the mesh."""
+    return built(garment, "--set", "sim.smallestShell=0")
+
+
+def test_shells_that_do_not_constrain_are_told(product, all_shells):
+    told = [warning for warning in product.report["warnings"] if warning["code"] == "small-shells"]
+    count = product.report["remesh"]["smallShells"]
+    assert len(told) == (count > 0) and all_shells.report["remesh"]["smallShells"] == 0
+    if told:
+        assert told[0]["elements"]["faces"] and f"{count} UV shells" in told[0]["problem"]
+    else:
+        assert np.array_equal(product.sim.points, all_shells.sim.points)
+
+
+def test_uv_shells_are_those_of_the_source(all_shells):
     """As many as before, as many of them mirrored, and of the same areas."""
-    name = uv_set(product)
-    (_, before, areas_before), (_, after, areas_after) = shell_signs(product.source, name), shell_signs(product.sim, name)
-    if is_manifold(product.source):
+    name = uv_set(all_shells)
+    (_, before, areas_before), (_, after, areas_after) = shell_signs(all_shells.source, name), shell_signs(all_shells.sim, name)
+    if is_manifold(all_shells.source):
         assert sorted(after) == sorted(before)
         assert np.allclose(np.sort(areas_after), np.sort(areas_before), rtol=0.1, atol=0.002 * areas_before.sum())
     else:
         assert areas_after.sum() == pytest.approx(areas_before.sum(), rel=0.05)
 
 
-def test_uv_cuts_are_where_the_source_has_them(product, baseline):
-    name = uv_set(product)
-    cuts = product.source.uv_cuts(name)
+def test_uv_cuts_are_where_the_source_has_them(all_shells, baseline):
+    name = uv_set(all_shells)
+    cuts = all_shells.source.uv_cuts(name)
     segments = baseline.curve(np.flatnonzero(cuts))
-    edges = product.sim.cage.edges[product.sim.uv_cuts(name)]
+    edges = all_shells.sim.cage.edges[all_shells.sim.uv_cuts(name)]
     assert (len(edges) > 0) == (len(segments) > 0)
     if len(edges) == 0:
         return
-    assert distance_to_segments(product.sim.points[np.unique(edges)], segments).max() <= ON_CURVE * baseline.size
-    if is_manifold(product.source):
-        assert length(product.sim.points[edges]) == pytest.approx(length(segments), rel=CURVE_LENGTH)
+    assert distance_to_segments(all_shells.sim.points[np.unique(edges)], segments).max() <= ON_CURVE * baseline.size
+    if is_manifold(all_shells.source):
+        assert length(all_shells.sim.points[edges]) == pytest.approx(length(segments), rel=CURVE_LENGTH)
 
 
 def test_vertex_primvars_stay_in_range(product):
@@ -288,9 +304,9 @@ def test_face_subsets_keep_their_share_of_the_area(product, baseline):
         assert abs(actual - expected) <= max(SET_AREA * expected, min(grain, 0.5 * expected)), f"{name}: {actual:.4f}, was {expected:.4f}"
 
 
-def test_edge_subsets_on_chains_keep_their_curves(product, baseline):
+def test_edge_subsets_on_chains_keep_their_curves(all_shells, baseline):
     """Sets of borders and UV seams are constraints, so they are carried exactly."""
-    source, name = product.source, recipe(product.source.prim, "sim.uvSet", "st")
+    source, name = all_shells.source, recipe(all_shells.source.prim, "sim.uvSet", "st")
     chains = (source.cage.edge_faces == 1) | (source.uv_cuts(name) if name in source.primvars else False)
     for name, subset in source.subsets.items():
         if subset.element_type != "edge" or len(subset.indices) == 0:
@@ -298,10 +314,10 @@ def test_edge_subsets_on_chains_keep_their_curves(product, baseline):
         edges = source.cage.edge_ids(subset.pairs)
         if not chains[edges].all() or not is_manifold(source):
             continue
-        assert name in product.sim.subsets, f"{name} is gone; warnings: {product.warnings}"
-        segments, pairs = baseline.curve(edges), product.sim.subsets[name].pairs
-        assert distance_to_segments(product.sim.points[np.unique(pairs)], segments).max() <= ON_CURVE * baseline.size, name
-        assert length(product.sim.points[pairs]) == pytest.approx(length(segments), rel=CURVE_LENGTH), name
+        assert name in all_shells.sim.subsets, f"{name} is gone; warnings: {all_shells.warnings}"
+        segments, pairs = baseline.curve(edges), all_shells.sim.subsets[name].pairs
+        assert distance_to_segments(all_shells.sim.points[np.unique(pairs)], segments).max() <= ON_CURVE * baseline.size, name
+        assert length(all_shells.sim.points[pairs]) == pytest.approx(length(segments), rel=CURVE_LENGTH), name
 
 
 def test_materials_are_bound_as_before(product):
