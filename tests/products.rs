@@ -25,9 +25,10 @@ use tailor::usd::{ReadOptions, Source};
 /// Those of tiny meshes, whose targets may be longer than their features.
 const TINY: Bounds = Bounds { distance: 0.5, chain: 0.5, ..GARMENT };
 
-/// The layers of a recipe given as on the command line.
+/// The layers of a recipe given as on the command line, with all UV shells as constraints, however small, as the checks of UVs ask for.
 fn layers(overrides: &[String]) -> Layers {
     let mut layers = Layers::default();
+    layers.add_override("sim.smallestShell=0").expect("an option");
     overrides.iter().for_each(|o| layers.add_override(o).unwrap_or_else(|e| panic!("{e}")));
     layers
 }
@@ -58,7 +59,7 @@ fn of_garments() {
         let source = Source::open(&file, &ReadOptions::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
         let mut warnings = Warnings::default();
         let input = source.garment(&mut warnings).unwrap_or_else(|e| panic!("{name}: {e}"));
-        let mut layers = Layers::default();
+        let mut layers = layers(&[]);
         layers.add_attributes(source.recipe().unwrap_or_else(|e| panic!("{name}: {e}")), &mut warnings);
         // Those without a recipe get lengths near those of their faces, at which chains are cut unevenly, more so where a
         // corner of a small detail keeps a vertex.

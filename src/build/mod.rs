@@ -223,6 +223,7 @@ impl Builder {
     /// Faults of the recipe, products that would be too large, and cancellation. The results of earlier steps stay.
     pub fn update(&mut self, recipe: &Recipe) -> Result<Products, Error> {
         let (recipe, warning) = self.resolved(recipe)?;
+        sim::check_size(&self.garment, &recipe.sim, self.max_faces)?;
         MemoryEstimate::new(&self.garment, &recipe)?.check(self.max_memory)?;
         let sim = self.simulate(&recipe)?;
         let render = self.render(&recipe)?;

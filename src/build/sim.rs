@@ -22,6 +22,8 @@ const SHORTEST: f32 = 1e-5;
 const ROOM: f64 = 1.5;
 /// Triangles that each edge of a chain may add to them: those around one of its ends.
 const CHAIN_ROOM: f64 = 6.0;
+/// A mesh of so few triangles needs no such bound: a form that is small beside the target length has more than it asks for.
+const FEW_FACES: usize = 1000;
 
 /// The steps from one garment to its simulation mesh.
 pub struct SimSteps {
@@ -120,16 +122,23 @@ pub fn expected_faces(garment: &Garment, options: &SimOptions) -> Result<usize, 
 /// The number of triangles that no simulation mesh on a baseline should exceed: whatever asks for more is a fault.
 fn most_faces(baseline: &Baseline) -> usize {
     // Saturates where the lengths are absurdly small.
-    (ROOM * baseline.expected_faces() + CHAIN_ROOM * baseline.chain_edges()).ceil() as usize
+    let most = (ROOM * baseline.expected_faces() + CHAIN_ROOM * baseline.chain_edges()).ceil() as usize;
+    most.max(FEW_FACES)
+}
+
+/// Refuses lengths that ask for too many triangles.
+pub fn check_size(garment: &Garment, options: &SimOptions, max_faces: usize) -> Result<(), Error> {
+    let expected = expected_faces(garment, options)?;
+    if expected <= max_faces {
+        return Ok(());
+    }
+    let fault = format!("the target lengths ask for about {expected} triangles, more than {max_faces}");
+    let remedy = "raise sim.minEdgeLength or sim.maxEdgeLength, or --max-faces of the command";
+    Err(Error::recipe("sim.maxEdgeLength", fault).code(ErrorCode::TooLarge).remedy(remedy))
 }
 
 fn remesh(garment: &Garment, options: &SimOptions, max_faces: usize, clock: &mut Clock<'_>) -> Result<Remeshed, Error> {
-    let expected = expected_faces(garment, options)?;
-    if expected > max_faces {
-        let fault = format!("the target lengths ask for about {expected} triangles, more than {max_faces}");
-        let remedy = "raise sim.minEdgeLength or sim.maxEdgeLength, or --max-faces of the command";
-        return Err(Error::recipe("sim.maxEdgeLength", fault).code(ErrorCode::TooLarge).remedy(remedy));
-    }
+    check_size(garment, options, max_faces)?;
     let least = SHORTEST * garment.size();
     if options.min_edge_length < least {
         let fault =

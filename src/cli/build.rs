@@ -1,7 +1,8 @@
 //! `usdtailor build`.
 
 use super::batch::{Budget, run_all};
-use super::{Build, Output, memory, protect, report, text, usage};
+use super::process::memory;
+use super::{Build, Output, protect, report, text, usage};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 use std::io::IsTerminal;

@@ -1,6 +1,7 @@
 //! `usdtailor info` and `usdtailor check`.
 
-use super::{Inputs, Output, memory, text};
+use super::process::memory;
+use super::{Inputs, Output, text};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use tailor::error::{Error, ErrorCode, ErrorKind};

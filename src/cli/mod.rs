@@ -5,17 +5,16 @@ mod build;
 mod drive;
 mod explain;
 mod info;
-mod interrupt;
-mod memory;
 #[cfg(feature = "preview")]
 mod preview;
+mod process;
 mod protect;
 mod report;
 mod text;
-mod threads;
 
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
+use process::{interrupt, memory, threads};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use tailor::DEFAULT_MAX_FACES;

@@ -1,6 +1,6 @@
 //! The number of threads.
 
-use super::{text, usage};
+use crate::cli::{text, usage};
 use std::thread::available_parallelism;
 use tailor::error::{Code, Error, Warning};
 
