@@ -37,7 +37,7 @@ LAYER_CHECKS = """
 
 def check(product, *, level=1, sim=True):
     """The checks of the other files on one product."""
-    given = {"product": product, "refined": test_render.Refined(product, level), "name": "render"}
+    given = {"product": product, "all_shells": product, "refined": test_render.Refined(product, level), "name": "render"}
     checks = [function for name, function in vars(test_render).items() if name.startswith("test_")]
     checks += [getattr(test_output_layer, name) for name in LAYER_CHECKS]
     checks += [test_accounting.test_render_mesh_carries_every_primvar_and_subset, test_accounting.test_primvar_lengths_match_their_interpolation]
