@@ -59,8 +59,14 @@ def contents(stage):
             if relationship.IsAuthored():
                 found[relationship.GetPath()] = {"targets": relationship.GetTargets(), **metadata(relationship)}
     root = stage.GetPseudoRoot()
-    found[root.GetPath()] = metadata(root)
+    found[root.GetPath()] = without_record(metadata(root))
     return found
+
+
+def without_record(fields):
+    """Metadata of a stage without the record of what the command made the file of; a layer in memory has none."""
+    data = {key: value for key, value in fields.pop("customLayerData", {}).items() if key != "tailor"}
+    return {**fields, "customLayerData": data} if data else fields
 
 
 def metadata(thing):
