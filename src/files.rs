@@ -21,6 +21,12 @@ pub fn require_file(path: &Path) -> io::Result<()> {
     }
 }
 
+/// The folder of a file: `.` for a name alone.
+#[cfg(feature = "usd")]
+pub fn folder_of(file: &Path) -> &Path {
+    file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
 /// Opens a regular file.
 ///
 /// # Errors

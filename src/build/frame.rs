@@ -33,7 +33,7 @@ impl Frame {
         Self { origin, ..Self::default() }
     }
 
-    /// The same frame without products.
+    /// The frame of the same garment, which keeps no product yet.
     pub fn sibling(&self) -> Self {
         Self { origin: self.origin, ..Self::default() }
     }

@@ -22,7 +22,7 @@ const COPIES: usize = 3;
 #[serde(rename_all = "camelCase")]
 #[non_exhaustive]
 pub struct MemoryEstimate {
-    /// The garment refined by `sim.baselineLevel`.
+    /// The refined garment that the simulation mesh lies on.
     pub baseline: usize,
     /// The simulation mesh.
     pub sim: usize,
@@ -35,14 +35,19 @@ impl MemoryEstimate {
     pub(super) fn new(garment: &Garment, recipe: &Recipe) -> Result<Self, Error> {
         let faces = garment.faces.len().max(1);
         let attributes = COPIES * garment.bytes() / faces;
-        let baseline = refined_faces(garment, surface_level(garment, &recipe.sim)?);
         let expected = expected_faces(garment, &recipe.sim)?;
         let render = refined_faces(garment, recipe.render.level);
         Ok(Self {
-            baseline: baseline.saturating_mul(BASELINE_FACE),
             sim: expected.saturating_mul(TRIANGLE + attributes),
             render: render.saturating_mul(RENDER_FACE + attributes),
+            ..Self::surface(garment, recipe)?
         })
+    }
+
+    /// The estimate for that surface alone.
+    pub(super) fn surface(garment: &Garment, recipe: &Recipe) -> Result<Self, Error> {
+        let faces = refined_faces(garment, surface_level(garment, &recipe.sim)?);
+        Ok(Self { baseline: faces.saturating_mul(BASELINE_FACE), sim: 0, render: 0 })
     }
 
     /// All of it.

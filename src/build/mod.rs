@@ -261,6 +261,7 @@ impl Builder {
     /// As [`Builder::update`].
     pub fn update_sim(&mut self, recipe: &Recipe) -> Result<SimUpdate, Error> {
         let (recipe, warning) = self.resolved(recipe)?;
+        sim::check_size(&self.garment, &recipe.sim, self.max_faces)?;
         let mut update = self.simulate(&recipe)?;
         update.warnings.extend(warning);
         Ok(SimUpdate { mesh: self.frame.sim(&update.mesh)?, ..update })
@@ -301,6 +302,7 @@ impl Builder {
     /// As [`Builder::update`].
     pub fn plan(&mut self, recipe: &Recipe) -> Result<Plan, Error> {
         let recipe = self.resolve(recipe)?;
+        MemoryEstimate::surface(&self.garment, &recipe)?.check(self.max_memory)?;
         let stack = self.stack(&recipe)?;
         let garment = self.frame.enter(&self.garment);
         Ok(Plan {

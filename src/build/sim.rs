@@ -138,7 +138,6 @@ pub fn check_size(garment: &Garment, options: &SimOptions, max_faces: usize) -> 
 }
 
 fn remesh(garment: &Garment, options: &SimOptions, max_faces: usize, clock: &mut Clock<'_>) -> Result<Remeshed, Error> {
-    check_size(garment, options, max_faces)?;
     let least = SHORTEST * garment.size();
     if options.min_edge_length < least {
         let fault =
@@ -187,7 +186,7 @@ fn uv_confetti(baseline: &Baseline, options: &SimOptions) -> Option<Warning> {
     let topology = &baseline.manifold.level.topology;
     let channel = baseline.manifold.uv_channel.as_ref().filter(|_| options.constrain_uv_seams)?;
     let inner = || topology.edges.ids().filter(|&e| !topology.is_border(e));
-    let cut = inner().filter(|&e| channel.is_cut(e)).count();
+    let cut = inner().filter(|&e| channel.is_cut(e) && !baseline.small_shells.is_released(e)).count();
     if 2 * cut <= inner().count() {
         return None;
     }

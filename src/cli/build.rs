@@ -20,7 +20,7 @@ pub struct Task {
     pub output: PathBuf,
 }
 
-/// What became of an input. The meshes themselves are gone.
+/// The result of one input. It holds no mesh, so that a run of many inputs does not keep them all.
 pub enum Outcome {
     /// Its output was written.
     Built(Box<Summary>),
@@ -30,11 +30,9 @@ pub enum Outcome {
     Failed(Error),
 }
 
-/// What is told of a build.
+/// The report of a build, as text and as JSON.
 pub struct Summary {
-    /// As text.
     pub text: String,
-    /// As JSON.
     pub report: Value,
     pub warnings: Warnings,
     /// Faces of the two meshes.
@@ -61,7 +59,7 @@ pub fn run(build: &Build) -> Result<Output, Error> {
         report::check_target(file, build.force)?;
     }
     protect::check(build, &tasks)?;
-    let budget = Budget::new(memory::limit(build.max_memory));
+    let budget = Budget::new(memory::limit(build.limits.max_memory));
     let jobs = build.jobs.map_or_else(rayon::current_num_threads, usize::from).min(tasks.len());
     let bar = bar(build.inputs.quiet, tasks.len());
     let mut outcomes = Vec::with_capacity(tasks.len());
@@ -158,7 +156,7 @@ fn built(build: &Build, task: &Task, budget: &Budget, bar: &ProgressBar) -> Resu
     let _reserved = budget.reserve(builder.estimate(&recipe)?.bytes());
     let record = BuildRecord::new(&source, &recipes(build, input), request(build, task)?, output, started)?;
     let products = builder.update(&recipe)?;
-    // What the builder keeps for another update is not needed any more.
+    // The builder keeps the result of each step for another update, and there is none.
     drop(builder);
     timings.extend(products.timings.iter().cloned());
     let (sim, render, cloth) = timed("figures", &mut timings, || {

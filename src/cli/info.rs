@@ -1,7 +1,7 @@
 //! `usdtailor info` and `usdtailor check`.
 
 use super::process::memory;
-use super::{Inputs, Output, text};
+use super::{Examined, Inputs, Output, text};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use tailor::error::{Error, ErrorCode, ErrorKind};
@@ -9,10 +9,11 @@ use tailor::usd::{Facts, Source};
 use tailor::{Builder, Garment, Plan, PrimvarRole, Recipe};
 
 /// Describes each input and the meshes that `build` would write for it.
-pub fn info(inputs: &Inputs) -> Result<Output, Error> {
-    let mut out = String::new();
+pub fn info(Examined { inputs, limits }: &Examined) -> Result<Output, Error> {
+    let (mut out, limit) = (String::new(), memory::limit(limits.max_memory));
     each(inputs, |file, several| {
-        let (source, mut builder, recipe) = inputs.open(file)?.check()?;
+        let (source, builder, recipe) = inputs.open(file)?.check()?;
+        let mut builder = builder.with_max_memory(limit);
         text::print_warnings(builder.warnings().iter(), inputs.quiet, several.then_some(file));
         let plan = builder.plan(&recipe)?;
         describe(&mut out, source.facts(), &builder, &plan, inputs.verbose);
@@ -22,11 +23,11 @@ pub fn info(inputs: &Inputs) -> Result<Output, Error> {
 }
 
 /// Checks all inputs by what a build does, so that it finds what a build would. The exit code is that of the worst error.
-pub fn check(inputs: &Inputs) -> Result<Output, Error> {
-    let mut out = String::new();
+pub fn check(Examined { inputs, limits }: &Examined) -> Result<Output, Error> {
+    let (mut out, limit) = (String::new(), memory::limit(limits.max_memory));
     each(inputs, |file, several| {
         let (source, builder, recipe) = inputs.open(file)?.check()?;
-        let products = builder.with_max_memory(memory::limit(None)).update(&recipe)?;
+        let products = builder.with_max_memory(limit).update(&recipe)?;
         text::print_warnings(products.warnings.iter(), inputs.quiet, several.then_some(file));
         let is_fresh = fresh(&source)?;
         if !inputs.quiet {

@@ -40,13 +40,13 @@ enum Command {
     Drive(drive::Drive),
     /// Describe a garment and the meshes that `build` would write for it
     #[command(after_help = tailor::recipe::help())]
-    Info(Inputs),
+    Info(Examined),
     /// Show a garment in the browser while its recipe is edited
     #[cfg(feature = "preview")]
     #[command(after_help = tailor::recipe::help())]
     Preview(preview::Preview),
     /// Check garments; exit 1 if one has a problem
-    Check(Inputs),
+    Check(Examined),
     /// Explain a code of an error or warning, or list all codes
     Explain(explain::Explain),
     /// Print completions for a shell, such as: usdtailor completions zsh > _usdtailor
@@ -129,12 +129,26 @@ struct Build {
     /// Largest simulation mesh to build [triangles]
     #[arg(long, value_name = "N", default_value_t = DEFAULT_MAX_FACES, help_heading = "Run", allow_negative_numbers = true)]
     max_faces: usize,
-    /// Memory that the builds may take, such as 8G or 500M [default: three quarters of what the machine leaves]
-    #[arg(long, value_name = "SIZE", value_parser = memory::parse, help_heading = "Run")]
-    max_memory: Option<u64>,
+    #[command(flatten)]
+    limits: Limits,
     /// Inputs that are built side by side [default: one for each thread]
     #[arg(long, value_name = "N", help_heading = "Run")]
     jobs: Option<NonZeroUsize>,
+}
+
+#[derive(Args)]
+struct Examined {
+    #[command(flatten)]
+    inputs: Inputs,
+    #[command(flatten)]
+    limits: Limits,
+}
+
+#[derive(Args)]
+struct Limits {
+    /// Memory that the run may take, such as 8G or 500M [default: three quarters of what the machine leaves]
+    #[arg(long, value_name = "SIZE", value_parser = memory::parse, help_heading = "Run")]
+    max_memory: Option<u64>,
 }
 
 /// The standard output of a subcommand, and its exit code.
@@ -153,7 +167,7 @@ pub fn run(cli: &Cli) -> Result<Output, Error> {
     let (threads, quiet, serves) = match &cli.command {
         Command::Build(build) => (build.inputs.threads, build.inputs.quiet, false),
         Command::Drive(drive) => (drive.threads, drive.quiet, false),
-        Command::Info(inputs) | Command::Check(inputs) => (inputs.threads, inputs.quiet, false),
+        Command::Info(args) | Command::Check(args) => (args.inputs.threads, args.inputs.quiet, false),
         Command::Explain(_) | Command::Completions { .. } | Command::Man { .. } => (None, false, false),
         #[cfg(feature = "preview")]
         Command::Preview(preview) => (preview.inputs().threads, preview.inputs().quiet, true),
@@ -167,8 +181,8 @@ pub fn run(cli: &Cli) -> Result<Output, Error> {
     match &cli.command {
         Command::Build(build) => build::run(build),
         Command::Drive(drive) => drive::run(drive),
-        Command::Info(inputs) => info::info(inputs),
-        Command::Check(inputs) => info::check(inputs),
+        Command::Info(args) => info::info(args),
+        Command::Check(args) => info::check(args),
         Command::Explain(explain) => explain::run(explain),
         Command::Completions { shell } => Ok(completions(*shell)),
         Command::Man { folder } => man(folder),

@@ -97,7 +97,7 @@ pub enum ErrorCode {
     PinTarget,
     /// No mesh is bound to a simulation mesh.
     NotBound,
-    /// What a build wrote is incomplete or has been edited.
+    /// A product of an earlier build is incomplete or was edited.
     StaleBinding,
     /// A cache cannot be read.
     CacheFile,

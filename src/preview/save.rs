@@ -8,7 +8,7 @@ use super::hub::Hub;
 use super::messages::SaveAnswer;
 use super::stage::Stage;
 use crate::error::{Error, ErrorCode, ErrorKind, plain};
-use crate::files;
+use crate::files::{self, folder_of};
 use crate::recipe::{KEYS, default_at, is_attribute, is_recipe, kind_named};
 use crate::render::{Domain, Key};
 use crate::session::Input;
@@ -182,10 +182,6 @@ impl Content {
 fn has_comments(file: &Path) -> bool {
     let text = files::text(file).unwrap_or_default();
     text.starts_with("#usda") && text.lines().skip(1).any(|line| line.trim_start().starts_with('#'))
-}
-
-fn folder_of(file: &Path) -> &Path {
-    file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 /// The API schema of options, such as `TailorSeamAPI:side`.

@@ -1,6 +1,7 @@
 //! Asset paths: the file that a layer refers to, and the path by which another layer refers to it.
 
 use crate::error::{Error, ErrorCode};
+use crate::files::folder_of;
 use openusd::sdf::{AssetPath, Value};
 use openusd::usd::{SpecSite, Stage};
 use std::path::{Component, Path, PathBuf};
@@ -137,7 +138,7 @@ fn numbered(pattern: &Path, before: &str, after: &str, is_number: impl Fn(&str) 
 /// A path without a folder that exists, or that is no text.
 pub fn as_named(file: &Path) -> Result<String, Error> {
     let fault = || Error::usd(format!("cannot find the folder of {}", file.display())).code(ErrorCode::OutputPath);
-    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = folder_of(file);
     let real = folder.canonicalize().map_err(|_| fault())?;
     let named = std::path::absolute(folder).map(|folder| normalized(&folder)).map_err(|_| fault())?;
     let folder = if named.canonicalize().is_ok_and(|named| named == real) { named } else { real };

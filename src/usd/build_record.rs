@@ -1,14 +1,14 @@
 //! What an output was made of: `build` writes it into the layer, so that a later run can tell whether the output is fresh.
 
 use super::assets::{Anchor, as_named};
-use super::read::{OrUnreadable, Source, VariantSet};
+use super::read::{Files, OrUnreadable, Source, VariantSet};
 use super::{names, on_large_stack};
 use crate::error::{Error, plain};
+use crate::files::{self, folder_of};
 use openusd::sdf::{self, AbstractData, FieldKey, Value};
 use openusd::usd::Stage;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
-use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
@@ -61,9 +61,8 @@ impl BuildRecord {
     pub fn of(out: &Path) -> Option<Self> {
         let path = out.to_str()?.to_owned();
         on_large_stack(|| {
-            let layer = sdf::Layer::open(path).map_err(|e| Error::usd(e.to_string()))?;
-            let data = layer.data().try_field(&sdf::Path::abs_root(), FieldKey::CustomLayerData.as_str());
-            Ok(data.ok().flatten().and_then(|data| Self::in_layer_data(data.as_ref())))
+            let layer = sdf::Layer::open_with(Files::default(), path).map_err(|e| Error::usd(e.to_string()))?;
+            Ok(Self::in_layer(&layer))
         })
         .ok()?
     }
@@ -72,8 +71,7 @@ impl BuildRecord {
     pub(super) fn in_layers(stage: &Stage) -> Vec<(PathBuf, Self)> {
         let of_layer = |id: &String| {
             let layer = stage.layer(id)?;
-            let data = layer.data().try_field(&sdf::Path::abs_root(), FieldKey::CustomLayerData.as_str()).ok()??;
-            Some((PathBuf::from(layer.resolved_path()?), Self::in_layer_data(data.as_ref())?))
+            Some((PathBuf::from(layer.resolved_path()?), Self::in_layer(&layer)?))
         };
         stage.layer_identifiers().iter().filter_map(of_layer).collect()
     }
@@ -155,8 +153,9 @@ impl BuildRecord {
         ])
     }
 
-    fn in_layer_data(data: &Value) -> Option<Self> {
-        let Value::Dictionary(data) = data else { return None };
+    fn in_layer(layer: &sdf::Layer) -> Option<Self> {
+        let data = layer.data().try_field(&sdf::Path::abs_root(), FieldKey::CustomLayerData.as_str()).ok()??;
+        let Value::Dictionary(data) = data.as_ref() else { return None };
         let Value::Dictionary(ours) = data.get(names::PRODUCT_SPACE)? else { return None };
         let Value::Dictionary(record) = ours.get(KEY)? else { return None };
         let text = |key: &str| match record.get(key) {
@@ -186,7 +185,7 @@ fn selections(sets: &[VariantSet]) -> Vec<String> {
 
 /// The folder of an output, without links.
 fn folder(out: &Path) -> Result<PathBuf, Error> {
-    let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = folder_of(out);
     folder.canonicalize().map_err(|e| {
         let fault = Error::usd(format!("there is no folder {}: {}", folder.display(), plain(&e)));
         fault.remedy("create the folder first")
@@ -199,10 +198,7 @@ fn hash(file: &Path) -> Result<String, Error> {
         let fault = Error::usd(format!("cannot read {}: {}", file.display(), plain(&e)));
         fault.remedy("check the path, and who may read the file")
     };
-    if !file.metadata().map_err(fault)?.is_file() {
-        return Err(Error::usd(format!("{} is not a file", file.display())).remedy("name a USD file"));
-    }
     let mut hasher = blake3::Hasher::new();
-    hasher.update_reader(File::open(file).map_err(fault)?).map_err(fault)?;
+    hasher.update_reader(files::open(file).map_err(fault)?).map_err(fault)?;
     Ok(hasher.finalize().to_hex().to_string())
 }

@@ -13,7 +13,7 @@ import pytest
 from conftest import EXAMPLES
 from test_batch import garments
 
-FARM = EXAMPLES / "farm"
+FARM = EXAMPLES / "batch"
 TEMPLATE = FARM / "tailor.openjd.yaml"
 
 
@@ -68,7 +68,7 @@ def slow(usdtailor, tmp_path):
 def test_dask_survives_a_lost_worker(slow, tmp_path):
     files = garments(tmp_path, 40, bad=(5,))
     out, summary = tmp_path / "out", tmp_path / "summary.json"
-    command = [sys.executable, str(FARM / "dask_farm.py"), *map(str, files), "-o", str(out), "--workers", "2"]
+    command = [sys.executable, str(FARM / "dask_batch.py"), *map(str, files), "-o", str(out), "--workers", "2"]
     command += ["--chunk", "4", "--program", str(slow), "--summary", str(summary), "--", "--set", "render.level=0"]
     farm = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     lost = threading.Event()

@@ -27,7 +27,7 @@ def test_a_garment_does_not_hide_the_products_of_another(usdtailor, suit, tmp_pa
     assert run(usdtailor, "build", suit, "-o", first, "--prim", "/Suit/shirt").returncode == 0
     refused = run(usdtailor, "build", first, "-o", both, "--prim", "/Suit/belt")
     assert refused.returncode == 1 and not both.exists()
-    assert "was made from /Suit/shirt" in refused.stderr
+    assert "/Suit/sim was made from /Suit/shirt" in refused.stderr
     assert "--sim-name belt_sim --render-name belt_render" in refused.stderr
     names = ("--sim-name", "belt_sim", "--render-name", "belt_render")
     assert run(usdtailor, "build", first, "-o", both, "--prim", "/Suit/belt", *names).returncode == 0

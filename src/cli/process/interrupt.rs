@@ -10,7 +10,7 @@ pub fn tidy_up(serves: bool) -> std::io::Result<()> {
     use signal_hook::consts::{SIGALRM, SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ};
     use signal_hook::iterator::Signals;
 
-    // Those of terminals and people, and those of batch systems before they end a job.
+    // Terminals and people send the first ones, batch systems the others before they end a job.
     let all = [SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGALRM, SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ];
     let is_left = |signal: i32| serves && [SIGINT, SIGTERM].contains(&signal);
     let mut signals = Signals::new(all.into_iter().filter(|signal| !is_left(*signal) && !is_ignored(*signal)))?;

@@ -41,14 +41,14 @@ fn left() -> Option<u64> {
     [machine(), control_groups(), address_space()].into_iter().flatten().min()
 }
 
-/// What the kernel can give without swapping.
+/// The memory that the kernel gives without swapping. \[bytes\]
 fn machine() -> Option<u64> {
     let info = fs::read_to_string("/proc/meminfo").ok()?;
     let line = info.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
     Some(line.split_whitespace().next()?.parse::<u64>().ok()?.saturating_mul(1024))
 }
 
-/// The least that the control group of this process, or one above it, leaves.
+/// The memory that is left in the control group of this process, and in those above it: the least. \[bytes\]
 fn control_groups() -> Option<u64> {
     let groups = fs::read_to_string("/proc/self/cgroup").ok()?;
     let left = |folder: &Path, [limit, used]: [&str; 2]| {
@@ -71,7 +71,7 @@ fn control_groups() -> Option<u64> {
     groups.lines().filter_map(of_group).min()
 }
 
-/// What `ulimit -v` leaves.
+/// The address space that is left below `ulimit -v`. \[bytes\]
 fn address_space() -> Option<u64> {
     let limits = fs::read_to_string("/proc/self/limits").ok()?;
     let line = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;

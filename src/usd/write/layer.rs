@@ -158,6 +158,7 @@ fn compose(
 }
 
 fn check_names(model: &Model, products: &[Product]) -> Result<(), Error> {
+    products.iter().try_for_each(|product| refuse_other(model, product.name))?;
     let sim = products.iter().find(|product| product.role == ProductRole::Sim);
     let cloth = sim.and_then(|sim| Some((sim.name, sim.cloth?)));
     let written = cloth.into_iter().flat_map(|(sim, cloth)| {
@@ -182,7 +183,6 @@ fn check_names(model: &Model, products: &[Product]) -> Result<(), Error> {
                 .code(ErrorCode::NameTaken)
                 .remedy("use letters, digits and _, and no digit first"));
         }
-        refuse_other(model, product.name)?;
         let taken = model.siblings.get(product.name).is_some_and(|s| !s.product)
             || model.path.name() == Some(product.name)
             || products[..i].iter().any(|p| p.name == product.name);

@@ -4,6 +4,7 @@ use super::crates::{remove_unwritable, write_crate};
 use super::package::package;
 use super::unfinished::{PREFIX, Unfinished};
 use crate::error::{Error, ErrorCode, Warnings, plain};
+use crate::files::folder_of;
 use crate::usd::assets::{Anchor, as_named, writable};
 use openusd::sdf::{Data, FormatError};
 use openusd::usda::TextWriter;
@@ -212,8 +213,4 @@ impl OutputFile {
 
 fn exists_already(shown: &str) -> Error {
     Error::usd(format!("{shown} exists already")).code(ErrorCode::OutputExists).remedy("use --force to overwrite it")
-}
-
-fn folder_of(file: &Path) -> &Path {
-    file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }

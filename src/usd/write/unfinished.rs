@@ -3,6 +3,7 @@
 //! A program that a signal ends drops nothing, so that temporary files would stay. All that exist are therefore on a list
 //! of the process, by which [`remove_unfinished`] removes them.
 
+use crate::files::folder_of;
 use std::fs;
 use std::io::{self, Write};
 use std::ops::{Deref, DerefMut};
@@ -101,7 +102,7 @@ impl Unfinished<NamedTempFile> {
 /// # Errors
 /// A folder that cannot be written to, a full disk; `AlreadyExists` without `replace`.
 pub fn write_whole(file: &Path, bytes: &[u8], replace: bool) -> io::Result<()> {
-    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = folder_of(file);
     let mut builder = Builder::new();
     builder.prefix(PREFIX).suffix(".tmp");
     #[cfg(unix)]

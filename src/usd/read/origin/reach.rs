@@ -4,8 +4,9 @@ use super::resolver::{Files, package_file};
 use crate::error::Error;
 use crate::usd::assets::{Identity, as_named, frames, normalized, tiles};
 use crate::usd::on_large_stack;
+use crate::usd::values::text;
 use openusd::ar::{ResolvedPath, Resolver};
-use openusd::sdf::{FieldKey, Layer, Value};
+use openusd::sdf::{self, AbstractData, FieldKey, Layer, Value};
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
@@ -13,6 +14,8 @@ use std::path::{Path, PathBuf};
 const MAX_LAYERS: usize = 10_000;
 /// The entry of a clip set that is a pattern of file names.
 const TEMPLATE: &str = "templateAssetPath";
+/// The fields with the values of an attribute.
+const VALUES: [&str; 2] = ["default", "timeSamples"];
 /// What separates the arguments of a layer from its path.
 const ARGUMENTS: &str = ":SDF_FORMAT_ARGS:";
 
@@ -45,6 +48,14 @@ pub fn first_used(stage: &Path, targets: &[PathBuf]) -> Result<Option<usize>, Er
     })
 }
 
+/// Whether the values of an attribute name files. Those of others are not read, as points are most of a layer.
+fn holds_files(data: &dyn AbstractData, path: &sdf::Path) -> bool {
+    match data.try_field(path, FieldKey::TypeName.as_str()) {
+        Ok(Some(type_name)) => text(&type_name).is_none_or(|name| name.starts_with("asset")),
+        _ => true,
+    }
+}
+
 /// The files that were found so far.
 struct Reach {
     files: Files,
@@ -64,7 +75,11 @@ impl Reach {
         let anchor = ResolvedPath::new(layer.resolved_path().unwrap_or(identifier));
         let data = layer.data();
         for path in data.spec_paths() {
+            let holds_files = holds_files(data, &path);
             for field in data.list_fields(&path).unwrap_or_default() {
+                if !holds_files && VALUES.contains(&field.as_str()) {
+                    continue;
+                }
                 if let Ok(Some(value)) = data.try_field(&path, &field) {
                     self.value(&field, &value, &anchor);
                 }

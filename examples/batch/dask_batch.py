@@ -1,8 +1,8 @@
 """Builds many garments on a Dask cluster, or on the cores of this machine.
 
     pip install "dask[distributed]"
-    python dask_farm.py garments/*.usd -o out
-    python dask_farm.py garments/*.usd -o out --scheduler tcp://farm:8786 -- --set render.level=2
+    python dask_batch.py garments/*.usd -o out
+    python dask_batch.py garments/*.usd -o out --scheduler tcp://scheduler:8786 -- --set render.level=2
 
 Each task builds a chunk of garments by one run of usdtailor. A task whose worker is lost runs again on another, and leaves
 what was built already; a run that is started again does so too. What follows -- goes to `usdtailor build`. Workers have to
