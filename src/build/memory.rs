@@ -7,8 +7,8 @@ use crate::recipe::Recipe;
 use crate::subdivide::refined_faces;
 use serde::Serialize;
 
-/// Memory of a baseline face: levels, adjacency, stencils, and the search trees over it. Measured, as are the others, on
-/// garments of 1,000 to 1,000,000 faces. \[bytes\]
+/// Memory of a baseline face: levels, adjacency, stencils, and the search trees over it. All three are
+/// from peaks of whole builds of tubes of 10,000 to 1,000,000 quads (`tests/bench/scale.py`), rounded up. \[bytes\]
 const BASELINE_FACE: usize = 600;
 /// Memory of a triangle of the simulation mesh, while it is remeshed and while its attributes are transferred. \[bytes\]
 const TRIANGLE: usize = 700;

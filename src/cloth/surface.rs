@@ -1,6 +1,6 @@
 //! The triangles of the simulation mesh with their pieces and UV shells, and queries of distance.
 
-use crate::contact::{Aabb, Bvh};
+use crate::contact::{Aabb, Bvh, morton_order};
 use crate::garment::Garment;
 use crate::mesh::{CornerId, FaceId, Faces, Groups, Topology, VertexId};
 use crate::sim::{SimProduct, closest_weights};
@@ -14,6 +14,8 @@ pub struct Surface<'a> {
     pub pieces: Vec<u32>,
     /// The UV shell of each triangle, numbered by its first triangle.
     pub shells: Vec<u32>,
+    /// The triangles in the order of the tree, whose neighbours are near each other in space.
+    order: Vec<FaceId>,
     tree: Bvh,
 }
 
@@ -34,14 +36,15 @@ pub fn area([a, b, c]: [Vec3; 3]) -> f64 {
 impl<'a> Surface<'a> {
     pub fn new(product: &SimProduct, mesh: &'a Garment) -> Self {
         let topology = Topology::new(mesh.faces.clone(), mesh.points.len());
-        let corners = |face: usize| [0, 1, 2].map(|k| mesh.points[mesh.faces.vertices_of(FaceId::new(face))[k]]);
-        let tree = Bvh::new(mesh.faces.len(), |face| {
-            let [a, b, c] = corners(face).map(Vec3A::from);
+        let order = morton_order(&mesh.faces, &mesh.points);
+        let tree = Bvh::new(order.len(), |place| {
+            let corners = mesh.faces.vertices_of(order[place]);
+            let [a, b, c] = [0, 1, 2].map(|k| Vec3A::from(mesh.points[corners[k]]));
             Aabb { low: a.min(b).min(c), high: a.max(b).max(c) }
         });
         let pieces = groups(&topology, |_, _| true);
         let shells = groups(&topology, |corner, twin| shares_uvs(product, &mesh.faces, corner, twin));
-        Self { mesh, topology, pieces, shells, tree }
+        Self { mesh, topology, pieces, shells, order, tree }
     }
 
     pub fn triangle(&self, face: FaceId) -> [Vec3; 3] {
@@ -65,8 +68,8 @@ impl<'a> Surface<'a> {
     pub fn near(&self, point: Vec3, reach: f32, wanted: impl Fn(FaceId) -> bool) -> Vec<Near> {
         let at = Vec3A::from(point);
         let mut found = Vec::new();
-        self.tree.visit(&Aabb { low: at, high: at }.expanded(reach), &mut |face| {
-            let face = FaceId::new(face);
+        self.tree.visit(&Aabb { low: at, high: at }.expanded(reach), &mut |place| {
+            let face = self.order[place];
             if wanted(face) {
                 let [a, b, c] = self.triangle(face);
                 let weights = closest_weights(a, b, c, point);

@@ -6,9 +6,8 @@ use crate::sim::surface::lengths::Lengths;
 
 /// Faces from which a garment is dense: refining it further than its target lengths need takes most of the time and memory.
 const DENSE: usize = 50_000;
-/// Length of an edge that is short enough for the surface. \[target lengths\] Garments at the default length and level
-/// have it.
-const SHORT: f32 = 0.5;
+/// Length of an edge that is short enough for the surface. \[target lengths\]
+const SHORT: f32 = 0.75;
 /// Part of the edges that have to be short.
 const MOST: f64 = 0.99;
 
