@@ -14,7 +14,7 @@ pub fn length(key: &str, length: f32) -> Result<(), Error> {
     if length.is_finite() && length >= 0.0 {
         return Ok(());
     }
-    let remedy = "give a positive number of stage units, or 0 for automatic";
+    let remedy = "give a positive number of mesh units, a length such as 8mm, or 0 for automatic";
     Err(Error::recipe(key, format!("{length} is no length")).remedy(remedy))
 }
 
@@ -26,7 +26,7 @@ pub fn finite(key: &str, value: f32) -> Result<(), Error> {
     if value.is_finite() {
         return Ok(());
     }
-    Err(Error::recipe(key, format!("{value} is no distance")).remedy("give a number of stage units"))
+    Err(Error::recipe(key, format!("{value} is no distance")).remedy("give a number of mesh units"))
 }
 
 /// Checks that a length or height fits a garment: operators look for other cloth as far as it reaches.
@@ -34,7 +34,7 @@ pub fn finite(key: &str, value: f32) -> Result<(), Error> {
 /// # Errors
 /// A value larger than half of the garment, with its range.
 pub fn within_size(key: &str, value: f32, garment: &Garment) -> Result<(), Error> {
-    within(key, value, LARGEST * garment.size(), "stage units", &garment.prim)
+    within(key, value, LARGEST * garment.size(), "mesh units", &garment.prim)
 }
 
 /// Checks that a length in metres fits a garment.
@@ -75,10 +75,38 @@ pub fn subsets_are(garment: &Garment, key: &str, names: &[String], kind: &str) -
     let Some(name) = names.iter().find(|name| !fits(name)) else { return Ok(()) };
     let known = garment.subsets.iter().filter(|s| s.elements.kind() == kind);
     let known: Vec<&str> = known.map(|s| s.name.as_str()).collect();
-    let fault = format!("\"{name}\" is no {kind} subset of {}", garment.prim);
-    Err(Error::recipe(key, fault)
-        .code(ErrorCode::UnknownSubset)
-        .remedy(format!("its {kind} subsets are: {}", known.join(", "))))
+    let (fault, remedy) = match garment.subset(name) {
+        Some(other) => {
+            let other = other.elements.kind();
+            let place =
+                of_kind(other).map(|option| format!("; a set of {other}s goes to {option}")).unwrap_or_default();
+            (format!("\"{name}\" is a subset of {other}s of {}, not of {kind}s", garment.prim), place)
+        }
+        None => (format!("\"{name}\" is no {kind} subset of {}", garment.prim), String::new()),
+    };
+    let remedy = format!("{}its {kind} subsets are: {}{remedy}", did_you_mean(name, &known), known.join(", "));
+    Err(Error::recipe(key, fault).code(ErrorCode::UnknownSubset).remedy(remedy))
+}
+
+/// The option that takes subsets of a kind.
+fn of_kind(kind: &str) -> Option<&'static str> {
+    match kind {
+        "face" => Some("thickness.<name>.faces"),
+        "edge" => Some("seam.<name>.edges"),
+        "point" => Some("cloth.pins"),
+        _ => None,
+    }
+}
+
+/// Words that are this much alike are taken for slips. \[Jaro-Winkler similarity\]
+const ALIKE: f64 = 0.85;
+
+/// The start of a remedy that names the known word that is most like `word`; empty where none is.
+pub fn did_you_mean(word: &str, known: &[impl AsRef<str>]) -> String {
+    let likeness = |name: &str| strsim::jaro_winkler(&word.to_lowercase(), &name.to_lowercase());
+    let rated = known.iter().map(|name| (likeness(name.as_ref()), name.as_ref()));
+    let best = rated.filter(|(rate, _)| *rate >= ALIKE).max_by(|a, b| a.0.total_cmp(&b.0));
+    best.map(|(_, name)| format!("did you mean {name}? ")).unwrap_or_default()
 }
 
 /// The primvar that `key` names, which has to be a `kind`; none where the name is empty.
@@ -97,8 +125,11 @@ pub fn primvar<'a>(
         return Ok(found);
     }
     let names: Vec<&str> = garment.primvars.iter().filter(&fits).map(|p| p.name.as_str()).collect();
-    let remedy =
-        if names.is_empty() { "the mesh has none".to_owned() } else { format!("the mesh has: {}", names.join(", ")) };
+    let remedy = if names.is_empty() {
+        "the mesh has none".to_owned()
+    } else {
+        format!("{}the mesh has: {}", did_you_mean(name, &names), names.join(", "))
+    };
     let fault = format!("\"{name}\" is no {kind} of {}", garment.prim);
     Err(Error::recipe(key, fault).code(ErrorCode::UnknownPrimvar).remedy(remedy))
 }

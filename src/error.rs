@@ -128,7 +128,7 @@ impl fmt::Display for Error {
             write!(f, "{line}{fault}")?;
         }
         match (self.kind, self.more) {
-            (ErrorKind::Internal, _) => f.write_str("; please report it"),
+            (ErrorKind::Internal, _) => f.write_str("; please report it with the input"),
             (_, 0) => Ok(()),
             (_, more) => write!(f, "\nand {more} more"),
         }
@@ -214,6 +214,8 @@ pub enum Code {
     MeanFabric,
     /// The stage does not compose fully.
     Composition,
+    /// An option of a payload cannot be one, and is left out.
+    IgnoredOption,
     /// Fewer threads are started than asked for.
     ThreadsCapped,
 }

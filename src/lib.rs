@@ -69,6 +69,7 @@ pub use build::{
 };
 pub use cloth::{Cloth, ClothFigures, ClothOptions, Fabric, FabricOptions, Rest, RestFigures, RestShape};
 pub use error::{Error, ErrorKind, Warning};
+pub use garment::units;
 pub use garment::{
     BoundaryInterpolation, Corner, Crease, FaceVaryingInterpolation, Family, FamilyType, Garment, GarmentInput,
     Interpolation, Mixing, Orientation, Primvar, PrimvarInput, PrimvarRole, Scheme, SubdivisionRules, Subset,

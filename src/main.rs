@@ -1,24 +1,36 @@
-//! The command `usdtailor`. It exits with 1 for an error in the user's input and with 2 for an internal error.
+//! The command `usdtailor`. It exits with 1 for bad input, with 2 for a wrong command line, and with 70 for a fault of its own.
 
 mod cli;
 
 use clap::Parser;
 use std::io::{self, Write};
-use std::panic::AssertUnwindSafe;
+use std::panic::{AssertUnwindSafe, PanicHookInfo};
 use std::process::ExitCode;
-use tailor::error::{Error, ErrorKind, plain};
+use std::sync::OnceLock;
+use tailor::error::{Error, ErrorCode, ErrorKind, plain};
+
+/// The exit code for a wrong command line.
+const USAGE: u8 = 2;
+/// The exit code for a fault of the program: `EX_SOFTWARE` of `sysexits.h`.
+const INTERNAL: u8 = 70;
+
+/// Codes of a wrong command line. Others of the kind are about files that it names.
+const ARGUMENTS: [ErrorCode; 4] =
+    [ErrorCode::CommandLine, ErrorCode::NoInput, ErrorCode::OptionValue, ErrorCode::UnknownOption];
+
+/// Where the first panic was, as file and line.
+static PANIC_PLACE: OnceLock<String> = OnceLock::new();
 
 fn main() -> ExitCode {
     let cli = match cli::Cli::try_parse() {
         Ok(cli) => cli,
         Err(e) => {
             // Clap reports help and version as errors, for standard output.
-            let code = u8::from(e.use_stderr());
-            return printed(e.print(), code);
+            return printed(e.print(), if e.use_stderr() { USAGE } else { 0 });
         }
     };
     // A panic becomes one message and the exit code of internal errors.
-    std::panic::set_hook(Box::new(|_| {}));
+    std::panic::set_hook(Box::new(note_place));
     let result = std::panic::catch_unwind(AssertUnwindSafe(|| cli::run(&cli)))
         .unwrap_or_else(|panic| Err(Error::internal(panic_text(panic.as_ref()))));
     match result {
@@ -30,9 +42,19 @@ fn main() -> ExitCode {
     }
 }
 
-/// The exit code of an error: 2 for internal errors, else 1.
+/// The exit code of an error.
 fn exit_code(error: &Error) -> u8 {
-    if error.kind == ErrorKind::Internal { 2 } else { 1 }
+    match error.kind {
+        ErrorKind::Internal => INTERNAL,
+        ErrorKind::Usage if error.faults.iter().any(|fault| ARGUMENTS.contains(&fault.code)) => USAGE,
+        _ => 1,
+    }
+}
+
+fn note_place(panic: &PanicHookInfo<'_>) {
+    if let Some(place) = panic.location() {
+        let _ = PANIC_PLACE.set(format!("{}:{}", place.file(), place.line()));
+    }
 }
 
 /// Prints the output.
@@ -53,6 +75,7 @@ fn printed(result: io::Result<()>, code: u8) -> ExitCode {
 }
 
 fn panic_text(panic: &(dyn std::any::Any + Send)) -> String {
-    let text = panic.downcast_ref::<String>().cloned();
-    text.or_else(|| panic.downcast_ref::<&str>().map(|s| (*s).to_owned())).unwrap_or_else(|| "no message".into())
+    let text = panic.downcast_ref::<String>().map(String::as_str).or_else(|| panic.downcast_ref::<&str>().copied());
+    let place = PANIC_PLACE.get().map(|place| format!(" at {place}")).unwrap_or_default();
+    format!("{}{place}", text.unwrap_or("no message"))
 }

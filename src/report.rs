@@ -72,14 +72,14 @@ pub struct SimFigures {
 pub struct EdgeSet {
     /// Name of the subset.
     pub name: String,
-    /// Length on the product. \[stage units\]
+    /// Length on the product. \[mesh units\]
     pub length: f64,
-    /// Length on the baseline. \[stage units\]
+    /// Length on the baseline. \[mesh units\]
     pub source_length: f64,
     /// Largest distance of a vertex of the product's set from the baseline's, in local target lengths.
     pub farthest: f32,
     /// A lower bound of `length`. A chain that is off by more than a twentieth counts with the shortest path of nearby
-    /// edges instead. \[stage units\]
+    /// edges instead. \[mesh units\]
     pub shortest_length: f64,
 }
 
@@ -89,9 +89,9 @@ pub struct EdgeSet {
 pub struct SubsetArea {
     /// Name of the subset.
     pub name: String,
-    /// Area on the product. \[square stage units\]
+    /// Area on the product. \[square mesh units\]
     pub area: f64,
-    /// Area on the baseline. \[square stage units\]
+    /// Area on the baseline. \[square mesh units\]
     pub source_area: f64,
     /// Area of the intersection of the set and its source over that of their union; 1 if they are equal. Both are
     /// measured on the baseline by the transfer samples.

@@ -20,7 +20,7 @@ pub struct Binding {
     /// The triangle of each vertex.
     pub faces: Vec<u32>,
     /// The weights of the triangle's first and second corner, and the height over it along the mean of the vertex normals.
-    /// \[-, -, stage units\]
+    /// \[-, -, mesh units\]
     pub coords: Vec<Vec3>,
 }
 

@@ -9,7 +9,7 @@ use crate::subdivide::{Level, MAX_REFINED_FACES, refined_faces};
 use glam::DVec3;
 use std::ops::RangeInclusive;
 
-/// Mean edge lengths whose squares, and ratios of squares, stay within 32 bits. \[stage units\]
+/// Mean edge lengths whose squares, and ratios of squares, stay within 32 bits. \[mesh units\]
 const USABLE_LENGTHS: RangeInclusive<f32> = 1e-8..=1e8;
 
 /// Checks that the mesh is a surface to work on: faces that are drawn, with an area, in numbers that can be squared.
@@ -61,7 +61,7 @@ pub fn doubled_area(garment: &Garment, face: FaceId) -> f64 {
     fan.sum::<DVec3>().length()
 }
 
-/// Mean length of a garment's edges. \[stage units\]
+/// Mean length of a garment's edges. \[mesh units\]
 pub fn mean_edge_length(garment: &Garment) -> f32 {
     let t = Topology::new(garment.faces.clone(), garment.points.len());
     let length = |&[a, b]: &[VertexId; 2]| f64::from(garment.points[a].distance(garment.points[b]));

@@ -17,7 +17,7 @@ const ROUNDED: f32 = 0.01;
 /// The frame of one garment, and its products in the garment's own space.
 #[derive(Default)]
 pub struct Frame {
-    /// The origin of the frame in the garment's space. \[stage units\]
+    /// The origin of the frame in the garment's space. \[mesh units\]
     origin: Vec3,
     sim: Step<Same<Garment>, Arc<Garment>>,
     render: Step<Same<Garment>, Arc<Garment>>,
@@ -38,7 +38,7 @@ impl Frame {
         Self { origin: self.origin, ..Self::default() }
     }
 
-    /// The spacing of numbers at its origin. \[stage units\]
+    /// The spacing of numbers at its origin. \[mesh units\]
     fn resolution(&self) -> f32 {
         self.origin.abs().max_element() * f32::EPSILON
     }

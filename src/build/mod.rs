@@ -179,7 +179,7 @@ impl Builder {
         &self.garment
     }
 
-    /// Mean length of the mesh's edges. \[stage units\]
+    /// Mean length of the mesh's edges. \[mesh units\]
     pub fn mean_edge_length(&self) -> f32 {
         self.mean_edge
     }

@@ -142,7 +142,7 @@ fn remesh(garment: &Garment, options: &SimOptions, max_faces: usize, clock: &mut
     if options.min_edge_length < least {
         let fault =
             format!("{} is too short for {}, whose points have seven digits", options.min_edge_length, garment.prim);
-        return Err(Error::recipe("sim.minEdgeLength", fault).remedy(format!("give {least} stage units or more")));
+        return Err(Error::recipe("sim.minEdgeLength", fault).remedy(format!("give {least} mesh units or more")));
     }
     let baseline = clock.run("baseline", || baseline(garment, options))?;
     let confetti = uv_confetti(&baseline, options);

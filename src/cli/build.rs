@@ -14,6 +14,9 @@ use tailor::session::{is_usd, written};
 use tailor::usd::{BuildRecord, WriteOptions, check_target, write};
 use tailor::{ClothFigures, Products, Progress, Timing};
 
+/// The name of a report that is printed.
+const STDOUT: &str = "-";
+
 /// An input and its output.
 pub struct Task {
     pub input: PathBuf,
@@ -26,6 +29,8 @@ pub enum Outcome {
     Built(Box<Summary>),
     /// Its output was fresh and stays.
     Fresh,
+    /// Its output would be written; the text says what it would hold.
+    Planned(String),
     /// Its output was not written.
     Failed(Error),
 }
@@ -55,7 +60,8 @@ pub struct Built {
 /// Builds every input. With several inputs, a failed one is reported and the others are still built.
 pub fn run(build: &Build) -> Result<Output, Error> {
     let tasks = tasks(build)?;
-    if let Some(file) = &build.report {
+    let report_file = build.report.as_deref().filter(|file| *file != Path::new(STDOUT));
+    if let Some(file) = report_file {
         report::check_target(file, build.force)?;
     }
     protect::check(build, &tasks)?;
@@ -74,8 +80,9 @@ pub fn run(build: &Build) -> Result<Output, Error> {
         },
     );
     bar.finish_and_clear();
-    if let Some(file) = &build.report {
-        report::write(file, &tasks, &outcomes, build.force)?;
+    let report = report::text(&tasks, &outcomes)?;
+    if let Some(file) = report_file {
+        report::write(file, &report, build.force)?;
     }
     if tasks.len() == 1
         && let Some(Outcome::Failed(error)) = outcomes.pop_if(|outcome| matches!(outcome, Outcome::Failed(_)))
@@ -84,7 +91,11 @@ pub fn run(build: &Build) -> Result<Output, Error> {
     }
     let failed = outcomes.iter().filter_map(|outcome| if let Outcome::Failed(e) = outcome { Some(e) } else { None });
     let code = failed.map(crate::exit_code).max().unwrap_or(0);
-    let text = if build.inputs.quiet { String::new() } else { text::outcomes(&tasks, &outcomes, build.inputs.verbose) };
+    let text = match &build.report {
+        Some(_) if report_file.is_none() => report,
+        _ if build.inputs.quiet => String::new(),
+        _ => text::outcomes(&tasks, &outcomes, build.inputs.verbose),
+    };
     Ok(Output { text, code })
 }
 
@@ -119,13 +130,16 @@ fn tell(build: &Build, task: &Task, outcome: &Outcome, several: bool) {
             text::print_warnings(summary.warnings.iter(), build.inputs.quiet, input);
         }
         Outcome::Failed(error) if several => text::print_error(error, Some(&task.input)),
-        Outcome::Failed(_) | Outcome::Fresh => {}
+        Outcome::Failed(_) | Outcome::Fresh | Outcome::Planned(_) => {}
     }
 }
 
 fn build_one(build: &Build, task: &Task, budget: &Budget, bar: &ProgressBar) -> Outcome {
     if build.skip_fresh && is_fresh(build, task) {
         return Outcome::Fresh;
+    }
+    if build.dry_run {
+        return planned(build, task, budget).map_or_else(Outcome::Failed, Outcome::Planned);
     }
     let start = Instant::now();
     match built(build, task, budget, bar) {
@@ -138,6 +152,24 @@ fn build_one(build: &Build, task: &Task, budget: &Budget, bar: &ProgressBar) -> 
         })),
         Err(error) => Outcome::Failed(error),
     }
+}
+
+/// What a build would write, found by less work than it takes.
+fn planned(build: &Build, task: &Task, budget: &Budget) -> Result<String, Error> {
+    let Task { input, output } = task;
+    let opened = build.inputs.open(input)?;
+    check_target(&opened.source, output, build.force)?;
+    let (_, builder, recipe) = opened.check()?;
+    let plan = builder.with_max_memory(budget.limit()).plan(&recipe)?;
+    Ok(format!(
+        "{} -> {}: would write about {} triangles to {} and {} faces to {}\n",
+        input.display(),
+        output.display(),
+        plan.expected_faces,
+        build.sim_name,
+        plan.render_faces,
+        build.render_name
+    ))
 }
 
 fn built(build: &Build, task: &Task, budget: &Budget, bar: &ProgressBar) -> Result<Built, Error> {

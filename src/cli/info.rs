@@ -1,41 +1,45 @@
 //! `usdtailor info` and `usdtailor check`.
 
+mod json;
+
 use super::process::memory;
-use super::{Examined, Inputs, Output, text};
+use super::{Examined, Output, report, text};
+use serde_json::{Value, json};
 use std::fmt::Write as _;
-use std::path::PathBuf;
-use tailor::error::{Error, ErrorCode, ErrorKind};
+use std::path::Path;
+use tailor::error::{Error, ErrorCode, ErrorKind, Warnings};
+use tailor::units::in_words;
 use tailor::usd::{Facts, Source};
 use tailor::{Builder, Garment, Plan, PrimvarRole, Recipe};
 
 /// Describes each input and the meshes that `build` would write for it.
-pub fn info(Examined { inputs, limits }: &Examined) -> Result<Output, Error> {
-    let (mut out, limit) = (String::new(), memory::limit(limits.max_memory));
-    each(inputs, |file, several| {
-        let (source, builder, recipe) = inputs.open(file)?.check()?;
+pub fn info(args: &Examined) -> Result<Output, Error> {
+    let limit = memory::limit(args.limits.max_memory);
+    each(args, |file, found| {
+        let (source, builder, recipe) = args.inputs.open(file)?.check()?;
         let mut builder = builder.with_max_memory(limit);
-        text::print_warnings(builder.warnings().iter(), inputs.quiet, several.then_some(file));
+        found.warnings = builder.warnings().clone();
         let plan = builder.plan(&recipe)?;
-        describe(&mut out, source.facts(), &builder, &plan, inputs.verbose);
+        describe(&mut found.text, source.facts(), &builder, &plan, args.inputs.verbose);
+        found.json = json::garment(source.facts(), &builder, &plan);
         Ok(())
     })
-    .map(|code| Output { text: out, code })
 }
 
 /// Checks all inputs by what a build does, so that it finds what a build would. The exit code is that of the worst error.
-pub fn check(Examined { inputs, limits }: &Examined) -> Result<Output, Error> {
-    let (mut out, limit) = (String::new(), memory::limit(limits.max_memory));
-    each(inputs, |file, several| {
-        let (source, builder, recipe) = inputs.open(file)?.check()?;
+pub fn check(args: &Examined) -> Result<Output, Error> {
+    let limit = memory::limit(args.limits.max_memory);
+    each(args, |file, found| {
+        let (source, builder, recipe) = args.inputs.open(file)?.check()?;
         let products = builder.with_max_memory(limit).update(&recipe)?;
-        text::print_warnings(products.warnings.iter(), inputs.quiet, several.then_some(file));
+        found.warnings = products.warnings.clone();
         let is_fresh = fresh(&source)?;
-        if !inputs.quiet {
-            let _ = writeln!(out, "{}: good{}", file.display(), if is_fresh { ", and fresh" } else { "" });
+        if !args.inputs.quiet {
+            let _ = writeln!(found.text, "{}: good{}", file.display(), if is_fresh { ", and fresh" } else { "" });
         }
+        found.json = json!({ "fresh": is_fresh });
         Ok(())
     })
-    .map(|code| Output { text: out, code })
 }
 
 /// Whether the stage has products of this program, which are what a build would make again.
@@ -53,22 +57,38 @@ fn fresh(source: &Source) -> Result<bool, Error> {
     Ok(!source.records().is_empty())
 }
 
-/// Runs `work` on each input and returns the exit code. With several inputs, a failed one is reported and the others
-/// still run.
-fn each(inputs: &Inputs, mut work: impl FnMut(&PathBuf, bool) -> Result<(), Error>) -> Result<u8, Error> {
+/// What is found out about an input.
+#[derive(Default)]
+struct Found {
+    warnings: Warnings,
+    text: String,
+    json: Value,
+}
+
+/// Runs `work` on each input. With several inputs, a failed one is reported and the others still run.
+fn each(args: &Examined, mut work: impl FnMut(&Path, &mut Found) -> Result<(), Error>) -> Result<Output, Error> {
+    let inputs = &args.inputs;
     let files = inputs.files()?;
     let several = files.len() > 1;
-    let mut code = 0;
+    let (mut text, mut entries, mut code) = (String::new(), Vec::new(), 0);
     for file in files {
-        match work(&file, several) {
-            Err(error) if several => {
-                text::print_error(&error, Some(&file));
-                code = code.max(crate::exit_code(&error));
-            }
+        let mut found = Found::default();
+        let result = work(&file, &mut found);
+        text::print_warnings(found.warnings.iter(), inputs.quiet || args.json, several.then_some(&file));
+        if let Err(error) = &result {
+            code = code.max(crate::exit_code(error));
+        }
+        entries.push(json::entry(&file, found.json, &found.warnings, result.as_ref().err()));
+        match result {
+            Err(error) if several || args.json => text::print_error(&error, several.then_some(&file)),
             result => result?,
         }
+        text += &found.text;
     }
-    Ok(code)
+    if args.json {
+        text = report::pretty(&json!({ "inputs": entries }))?;
+    }
+    Ok(Output { text, code })
 }
 
 fn describe(out: &mut String, facts: &Facts, builder: &Builder, plan: &Plan, verbose: bool) {
@@ -78,10 +98,11 @@ fn describe(out: &mut String, facts: &Facts, builder: &Builder, plan: &Plan, ver
     let _ = writeln!(out, "  stage    {} up, {} metres a unit", facts.up_axis, facts.meters_per_unit);
     let _ = writeln!(
         out,
-        "  mesh     {} points, {} faces, mean edge {:.4}; {}, {}",
+        "  mesh     {} points, {} faces, mean edge {:.4} ({}); {}, {}",
         garment.points.len(),
         garment.faces.len(),
         builder.mean_edge_length(),
+        in_words(f64::from(builder.mean_edge_length()) * garment.units.meters()),
         token(&garment.rules.scheme),
         token(&garment.orientation)
     );
@@ -120,11 +141,12 @@ fn describe(out: &mut String, facts: &Facts, builder: &Builder, plan: &Plan, ver
     for property in facts.staying.iter().filter(|_| verbose) {
         let _ = writeln!(out, "  stays    {property}");
     }
-    let sim = &plan.recipe.sim;
     let _ = writeln!(
         out,
-        "  sim      about {} triangles at lengths {} to {}, {} constraint chains",
-        plan.expected_faces, sim.min_edge_length, sim.max_edge_length, plan.chains
+        "  sim      about {} triangles at length {}, {} constraint chains",
+        plan.expected_faces,
+        text::target_length(&plan.recipe, garment.units),
+        plan.chains
     );
     let _ = writeln!(out, "  render   {} faces at level {}", plan.render_faces, plan.recipe.render.level);
     operators(out, garment, &plan.recipe);

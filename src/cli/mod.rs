@@ -12,7 +12,7 @@ mod protect;
 mod report;
 mod text;
 
-use clap::{Args, CommandFactory, Parser, Subcommand};
+use clap::{Args, ColorChoice, CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 use process::{interrupt, memory, threads};
 use std::num::NonZeroUsize;
@@ -29,6 +29,9 @@ use tailor::usd::ReadOptions;
 pub struct Cli {
     #[command(subcommand)]
     command: Command,
+    /// Colours of messages; NO_COLOR is respected
+    #[arg(long, value_name = "WHEN", value_enum, default_value_t = ColorChoice::Auto, global = true, help_heading = "Run")]
+    color: ColorChoice,
 }
 
 #[derive(Subcommand)]
@@ -78,7 +81,7 @@ struct Inputs {
     /// preview saved
     #[arg(long, value_name = "FILE", help_heading = "Recipe")]
     recipe: Option<PathBuf>,
-    /// Override one option, such as sim.maxEdgeLength=2 [stage units] or render.level=2 [levels]; repeatable
+    /// Override one option, such as sim.maxEdgeLength=2 [mesh units] or render.level=2 [levels]; repeatable
     #[arg(long = "set", value_name = "KEY=VALUE", help_heading = "Recipe")]
     set: Vec<String>,
     /// Dialects of USD physics to write, of aousd, omni and chaos; or none: --set cloth.physics=... [default: aousd]
@@ -114,9 +117,12 @@ struct Build {
     /// Leave outputs that were made of the same files with the same options and version
     #[arg(long, help_heading = "Output")]
     skip_fresh: bool,
-    /// Write counts, quality figures, times and warnings as JSON
+    /// Write counts, quality figures, times and warnings as JSON; - prints them instead of the summary
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     report: Option<PathBuf>,
+    /// Say what would be written, and write nothing
+    #[arg(long, help_heading = "Output", conflicts_with_all = ["report", "skip_fresh"])]
+    dry_run: bool,
     /// Name of the simulation mesh
     #[arg(long, value_name = "NAME", default_value = "sim", help_heading = "Output")]
     sim_name: String,
@@ -142,6 +148,9 @@ struct Examined {
     inputs: Inputs,
     #[command(flatten)]
     limits: Limits,
+    /// Print one JSON object instead of text
+    #[arg(long, help_heading = "Output")]
+    json: bool,
 }
 
 #[derive(Args)]
@@ -164,6 +173,7 @@ pub struct Output {
 /// # Errors
 /// Faults of the input, the recipe or the output.
 pub fn run(cli: &Cli) -> Result<Output, Error> {
+    text::set_colors(cli.color);
     let (threads, quiet, serves) = match &cli.command {
         Command::Build(build) => (build.inputs.threads, build.inputs.quiet, false),
         Command::Drive(drive) => (drive.threads, drive.quiet, false),

@@ -1,7 +1,8 @@
 //! Writes the JSON report of a build.
 
 use super::build::{Built, Outcome, Task};
-use super::{text, usage};
+use super::text::{operator_sets, warning_json};
+use super::usage;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fs;
@@ -39,16 +40,29 @@ pub fn check_target(file: &Path, force: bool) -> Result<(), Error> {
     Ok(())
 }
 
-/// Writes the report of all builds atomically: the file is complete or absent. A link is replaced, so its target does
-/// not change.
+/// The report of all builds.
+///
+/// # Errors
+/// None in practice: every value has a form in JSON.
+pub fn text(tasks: &[Task], outcomes: &[Outcome]) -> Result<String, Error> {
+    let mut reports: Vec<Value> = tasks.iter().zip(outcomes).map(|(task, outcome)| report(task, outcome)).collect();
+    pretty(&if reports.len() == 1 { reports.swap_remove(0) } else { json!({ "builds": reports }) })
+}
+
+/// JSON with a line for each value.
+///
+/// # Errors
+/// As [`text`].
+pub fn pretty(json: &Value) -> Result<String, Error> {
+    let text = serde_json::to_string_pretty(json).map_err(|e| Error::internal(e.to_string()))?;
+    Ok(text + "\n")
+}
+
+/// Writes a report atomically: the file is complete or absent. A link is replaced, so its target does not change.
 ///
 /// # Errors
 /// A folder without write permission; a full disk; without `force`, a file that came up in the meantime.
-pub fn write(file: &Path, tasks: &[Task], outcomes: &[Outcome], force: bool) -> Result<(), Error> {
-    let mut reports: Vec<Value> = tasks.iter().zip(outcomes).map(|(task, outcome)| report(task, outcome)).collect();
-    let report = if reports.len() == 1 { reports.swap_remove(0) } else { json!({ "builds": reports }) };
-    let mut text = serde_json::to_string_pretty(&report).map_err(|e| Error::internal(e.to_string()))?;
-    text.push('\n');
+pub fn write(file: &Path, text: &str, force: bool) -> Result<(), Error> {
     let written = if is_device(file) { fs::write(file, text) } else { write_whole(file, text.as_bytes(), force) };
     written.map_err(|e| {
         if e.kind() == io::ErrorKind::AlreadyExists {
@@ -84,16 +98,20 @@ fn report(task: &Task, outcome: &Outcome) -> Value {
     match outcome {
         Outcome::Built(summary) => summary.report.clone(),
         Outcome::Fresh => head(task, "fresh"),
+        Outcome::Planned(_) => head(task, "planned"),
         Outcome::Failed(error) => {
-            let faults = error
-                .faults
-                .iter()
-                .map(|f| json!({ "code": f.code, "place": f.place, "problem": f.text, "remedy": f.remedy }));
             let mut report = head(task, "failed");
-            report["error"] = json!({ "message": error.to_string(), "faults": faults.collect::<Vec<_>>() });
+            report["error"] = error_json(error);
             report
         }
     }
+}
+
+/// An error: its message, and its faults apart.
+pub fn error_json(error: &Error) -> Value {
+    let faults =
+        error.faults.iter().map(|f| json!({ "code": f.code, "place": f.place, "problem": f.text, "remedy": f.remedy }));
+    json!({ "message": error.to_string(), "faults": faults.collect::<Vec<_>>() })
 }
 
 fn head(task: &Task, status: &str) -> Value {
@@ -114,9 +132,9 @@ pub fn built(task: &Task, built: &Built) -> Value {
         "remesh": p.remesh(),
         "render": built.render,
         "cloth": built.cloth,
-        "operatorFaces": text::operator_sets(p).into_iter().collect::<BTreeMap<_, _>>(),
+        "operatorFaces": operator_sets(p).into_iter().collect::<BTreeMap<_, _>>(),
         "stages": built.timings,
-        "warnings": built.warnings.iter().map(text::warning_json).collect::<Vec<_>>(),
+        "warnings": built.warnings.iter().map(warning_json).collect::<Vec<_>>(),
     });
     if let (Value::Object(report), Value::Object(head)) = (&mut report, head(task, "built")) {
         report.extend(head);

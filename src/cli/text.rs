@@ -1,15 +1,33 @@
 //! The summary of a build and its warnings as text.
 
 use super::build::{Built, Outcome, Task};
+use clap::builder::styling::AnsiColor;
 use serde_json::Value;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use tailor::error::{Error, ErrorKind, Warning};
-use tailor::{ClothFigures, Products, SimOptions, Timing};
+use tailor::error::{Error, ErrorCode, ErrorKind, Warning};
+use tailor::units::in_words;
+use tailor::{ClothFigures, Products, Recipe, SimOptions, Timing, Units};
 
 /// Longest line of a summary. \[characters\]
 const WIDTH: usize = 100;
+
+/// Sets whether messages are coloured: by default where standard error is a terminal and `NO_COLOR` is not set.
+pub fn set_colors(choice: clap::ColorChoice) {
+    let choice = match choice {
+        clap::ColorChoice::Auto => anstream::ColorChoice::Auto,
+        clap::ColorChoice::Always => anstream::ColorChoice::Always,
+        clap::ColorChoice::Never => anstream::ColorChoice::Never,
+    };
+    choice.write_global();
+}
+
+/// A text in bold colour; the stream removes the codes where they are not wanted.
+fn painted(color: AnsiColor, text: &str) -> String {
+    let style = color.on_default().bold();
+    format!("{style}{text}{style:#}")
+}
 
 /// Writes warnings to standard error, prefixed with `input` if given.
 pub fn print_warnings<'a>(warnings: impl IntoIterator<Item = &'a Warning>, quiet: bool, input: Option<&PathBuf>) {
@@ -18,8 +36,9 @@ pub fn print_warnings<'a>(warnings: impl IntoIterator<Item = &'a Warning>, quiet
     }
     let label = input.map(|i| format!("{}: ", i.display())).unwrap_or_default();
     for warning in warnings {
+        let mark = painted(AnsiColor::Yellow, &format!("warning[{}]", warning.code));
         // A closed standard error is no failure.
-        let _ = writeln!(std::io::stderr(), "warning[{}]: {label}{warning}", warning.code);
+        let _ = writeln!(anstream::stderr(), "{mark}: {label}{warning}");
     }
 }
 
@@ -30,13 +49,14 @@ pub fn print_error(error: &Error, input: Option<&Path>) {
         Some(input) if !text.contains(input) => format!("{input}: "),
         _ => String::new(),
     };
-    let mut out = std::io::stderr();
+    let mut out = anstream::stderr();
+    let mark = |code: ErrorCode| painted(AnsiColor::Red, &format!("error[{code}]"));
     if let (ErrorKind::Internal, Some(fault)) = (error.kind, error.faults.first()) {
-        let _ = writeln!(out, "error[{}]: {}{error}", fault.code, label(&error.to_string()));
+        let _ = writeln!(out, "{}: {}{error}", mark(fault.code), label(&error.to_string()));
         return;
     }
     for fault in &error.faults {
-        let _ = writeln!(out, "error[{}]: {}{fault}", fault.code, label(&fault.to_string()));
+        let _ = writeln!(out, "{}: {}{fault}", mark(fault.code), label(&fault.to_string()));
     }
     if error.more > 0 {
         let _ = writeln!(out, "and {} more", error.more);
@@ -55,6 +75,7 @@ pub fn outcomes(tasks: &[Task], outcomes: &[Outcome], verbose: bool) -> String {
     let summaries =
         outcomes.iter().filter_map(|o| if let Outcome::Built(s) = o { Some(s.text.as_str()) } else { None });
     match (tasks, outcomes) {
+        _ if outcomes.iter().any(|outcome| planned(outcome).is_some()) => outcomes.iter().filter_map(planned).collect(),
         ([task], [Outcome::Fresh]) => format!("{}: fresh\n", task.output.display()),
         ([_], _) => summaries.collect(),
         _ => {
@@ -63,6 +84,10 @@ pub fn outcomes(tasks: &[Task], outcomes: &[Outcome], verbose: bool) -> String {
             t
         }
     }
+}
+
+fn planned(outcome: &Outcome) -> Option<&str> {
+    if let Outcome::Planned(text) = outcome { Some(text) } else { None }
 }
 
 /// A line for each input, and their numbers.
@@ -79,6 +104,7 @@ fn table(tasks: &[Task], outcomes: &[Outcome]) -> String {
             }
             Outcome::Fresh => (1, "fresh".to_owned()),
             Outcome::Failed(_) => (2, "failed".to_owned()),
+            Outcome::Planned(_) => continue,
         };
         counts[at] += 1;
         // Writing to a string cannot fail.
@@ -100,9 +126,8 @@ pub fn summary(task: &Task, built: &Built, verbose: bool) -> String {
     let _ = writeln!(t, "  sim     {} vertices, {} triangles", s.vertices, s.faces);
     let _ = writeln!(
         t,
-        "          target length {:.4} to {:.4} stage units, off by {:.1} % (RMS), {:.1} % of edges within 4/5 to 4/3",
-        recipe.sim.min_edge_length,
-        recipe.sim.max_edge_length,
+        "          target length {}, off by {:.1} % (RMS), {:.1} % of edges within 4/5 to 4/3",
+        target_length(recipe, products.sim.units),
         percent(s.length_error_rms),
         percent(s.lengths_in_band)
     );
@@ -163,6 +188,16 @@ pub fn summary(task: &Task, built: &Built, verbose: bool) -> String {
         let _ = writeln!(t, "  recipe  {}", serde_json::to_string(recipe).unwrap_or_default());
     }
     t
+}
+
+/// The target lengths in mesh units and in the world.
+pub fn target_length(recipe: &Recipe, units: Units) -> String {
+    let (min, max) = (recipe.sim.min_edge_length, recipe.sim.max_edge_length);
+    let in_world = |length: f32| in_words(f64::from(length) * units.meters());
+    if min == max {
+        return format!("{max:.4} mesh units ({})", in_world(max));
+    }
+    format!("{min:.4} to {max:.4} mesh units ({} to {})", in_world(min), in_world(max))
 }
 
 /// The line about times, broken where it is long.

@@ -57,7 +57,7 @@ pub struct Cloth {
     pub doubled: Vec<[FaceId; 2]>,
     /// The shape at rest; none: that of the mesh.
     pub rest: Option<Rest>,
-    /// The length of one unit of the UVs; 1 without them. \[stage units\]
+    /// The length of one unit of the UVs; 1 without them. \[mesh units\]
     pub uv_length: f32,
     /// The UV shell of each triangle.
     pub shells: Vec<u32>,

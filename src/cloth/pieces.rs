@@ -16,11 +16,11 @@ pub struct Attachment {
     pub points: Vec<VertexId>,
     /// The triangle that holds each.
     pub faces: Vec<FaceId>,
-    /// Where on that triangle: weights of its first and second corner, and the height over it. \[-, -, stage units\]
+    /// Where on that triangle: weights of its first and second corner, and the height over it. \[-, -, mesh units\]
     pub coords: Vec<Vec3>,
 }
 
-/// The loose pieces of a mesh. A piece lies on the larger one that is nearest along its normals, within `reach`. \[stage units\]
+/// The loose pieces of a mesh. A piece lies on the larger one that is nearest along its normals, within `reach`. \[mesh units\]
 pub fn attachments(surface: &Surface<'_>, reach: f32) -> Vec<Attachment> {
     let count = surface.pieces.iter().max().map_or(0, |last| *last as usize + 1);
     let mut areas = vec![0.0; count];

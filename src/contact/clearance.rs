@@ -17,7 +17,7 @@ const EDGE_ON: f32 = 1e-2;
 /// Part of a triangle's area by which a point may be outside it.
 const ROUNDING: f32 = 1e-6;
 
-/// Distance to the next layer against and along the normal. \[stage units\]
+/// Distance to the next layer against and along the normal. \[mesh units\]
 pub type Clearance = [f32; 2];
 
 /// No layer is near.

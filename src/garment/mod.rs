@@ -8,7 +8,7 @@ mod input;
 pub mod joints;
 mod primvar;
 mod subset;
-mod units;
+pub mod units;
 
 pub use crate::mesh::Elements;
 pub use check::check_garment;
@@ -123,7 +123,7 @@ pub struct Corner {
 pub struct Garment {
     /// Name of the mesh in messages: its prim path.
     pub prim: String,
-    /// Positions in local space. \[stage units\]
+    /// Positions in local space. \[mesh units\]
     pub points: IdVec<VertexId, Vec3>,
     /// The faces as authored.
     pub faces: Faces,
@@ -163,14 +163,14 @@ impl Garment {
         self.subsets.iter().find(|s| s.name == name)
     }
 
-    /// The least and the largest coordinates of the points that faces use. \[stage units\]
+    /// The least and the largest coordinates of the points that faces use. \[mesh units\]
     pub fn bounds(&self) -> [Vec3; 2] {
         let points = self.faces.corners().iter().map(|&v| self.points[v]);
         let box_of = |[low, high]: [Vec3; 2], p: Vec3| [low.min(p), high.max(p)];
         points.map(|p| [p, p]).reduce(|all, [p, _]| box_of(all, p)).unwrap_or_default()
     }
 
-    /// The diagonal of [`Self::bounds`]. \[stage units\]
+    /// The diagonal of [`Self::bounds`]. \[mesh units\]
     pub fn size(&self) -> f32 {
         let [low, high] = self.bounds().map(|p| p.as_dvec3());
         low.distance(high) as f32

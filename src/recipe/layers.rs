@@ -1,9 +1,11 @@
 //! Merges the sources of options: the model's attributes, `.tailor` files, layer arguments and `--set` flags.
 
 use super::operators::split;
-use super::{Recipe, all_keys, bind_uv_set, default_of, in_words, kind_named, value_type};
+use super::{Domain, KEYS, Key, Recipe, all_keys, bind_uv_set, default_of, in_words, kind_named, value_type};
+use crate::checks::did_you_mean;
 use crate::error::{Error, ErrorCode, ErrorKind, Warning, Warnings};
-use crate::garment::Garment;
+use crate::garment::units::meters_of;
+use crate::garment::{Garment, Units};
 use serde_json::{Map, Value};
 use serde_path_to_error::Segment;
 
@@ -53,6 +55,25 @@ impl Layers {
         }
     }
 
+    /// Whether no option is given.
+    pub fn is_empty(&self) -> bool {
+        self.merged.values().all(|fields| fields.as_object().is_none_or(Map::is_empty))
+    }
+
+    /// Takes an option out by its key, such as `sim.maxEdgeLength`. Returns whether it was there.
+    pub fn remove(&mut self, key: &str) -> bool {
+        let key = dotted(key.strip_suffix(" of the model").unwrap_or(key));
+        let Some((space, key)) = key.split_once('.') else { return false };
+        let Some(fields) = self.merged.get_mut(space).and_then(Value::as_object_mut) else { return false };
+        let Some((name, field)) = split(space, key) else { return fields.remove(key).is_some() };
+        let Some(of_instance) = fields.get_mut(name).and_then(Value::as_object_mut) else { return false };
+        let was_there = of_instance.remove(field).is_some();
+        if of_instance.is_empty() {
+            fields.remove(name);
+        }
+        was_there
+    }
+
     /// All layers merged, as nested keys.
     pub fn into_map(self) -> Map<String, Value> {
         self.merged
@@ -96,16 +117,20 @@ impl Layers {
     pub fn add_text(&mut self, giver: &str, key: &str, text: &str) -> Result<(), Error> {
         let fault =
             |text: String| Error::new(ErrorKind::Usage, format!("{giver} {key}"), text).code(ErrorCode::OptionValue);
-        let (space, field) = key.split_once('.').unwrap_or((key, ""));
+        let dotted = dotted(key);
+        let (space, field) = dotted.split_once('.').unwrap_or((&dotted, ""));
         let Some(default) = default_of(space, field) else {
-            return Err(fault("there is no such option".into()).code(ErrorCode::UnknownOption).remedy(all_keys()));
+            let keys = all_keys();
+            let remedy = format!("{}the options are {}", likely(&dotted, &keys), keys.join(", "));
+            return Err(fault("there is no such option".into()).code(ErrorCode::UnknownOption).remedy(remedy));
         };
         if let Some(("", _)) = split(space, field) {
             let remedy = format!("write {space}.<name>.{field}, such as {space}.a.{field}");
             return Err(fault(format!("the {space} has no name")).code(ErrorCode::UnknownOption).remedy(remedy));
         }
         let its_default = format!("its default is {default}");
-        let Some(value) = parse_like(&default, text) else {
+        let with_unit = || (is_length(space, field) && meters_of(text).is_some()).then(|| Value::String(text.into()));
+        let Some(value) = parse_like(&default, text).or_else(with_unit) else {
             return Err(fault(format!("\"{text}\" is not {}", value_type(&default).recipe)).remedy(its_default));
         };
         let mut alone = Self::default();
@@ -132,6 +157,22 @@ impl Layers {
         };
         if let Some(fields) = fields {
             fields.insert(key.into(), value);
+        }
+    }
+
+    /// Replaces lengths that have a unit of their own, such as `8mm`, by mesh units.
+    pub fn convert_lengths(&mut self, units: Units) {
+        for (space, fields) in &mut self.merged {
+            let Value::Object(fields) = fields else { continue };
+            for (name, value) in fields {
+                match value {
+                    Value::Object(of_instance) => {
+                        let of_instance = of_instance.iter_mut();
+                        of_instance.for_each(|(field, value)| convert(space, &format!("{name}.{field}"), value, units));
+                    }
+                    value => convert(space, name, value, units),
+                }
+            }
         }
     }
 
@@ -170,7 +211,63 @@ fn mistyped(e: &serde_path_to_error::Error<serde_json::Error>) -> Error {
 }
 
 fn not_understood(attribute: &str) -> Warning {
-    Warning::not_carried(attribute, "this version has no such option; it stays on the model")
+    let likely = likely(&dotted(attribute), &all_keys()).replace('.', ":");
+    let warning = Warning::not_carried(attribute, "this version has no such option; it stays on the model");
+    if likely.is_empty() {
+        warning
+    } else {
+        warning.remedy(likely.trim_end().replace("did you mean ", "Did you mean tailor:"))
+    }
+}
+
+/// The key of an option that is written as its attribute is, such as `tailor:sim:maxEdgeLength`. Names of operators may
+/// have colons.
+fn dotted(key: &str) -> String {
+    let key = key.strip_prefix("tailor:").unwrap_or(key);
+    if key.contains('.') {
+        return key.to_owned();
+    }
+    match (key.split_once(':'), key.rsplit_once(':')) {
+        (Some((space, rest)), Some((_, field))) if kind_named(space).is_some() => {
+            let name = rest.strip_suffix(field).unwrap_or(rest).trim_end_matches(':');
+            if name.is_empty() { format!("{space}.{field}") } else { format!("{space}.{name}.{field}") }
+        }
+        (Some((space, rest)), _) => format!("{space}.{rest}"),
+        _ => key.to_owned(),
+    }
+}
+
+/// The start of a remedy that names the option most like `key`, under the name of an operator that `key` has.
+fn likely(key: &str, keys: &[String]) -> String {
+    let (space, field) = key.split_once('.').unwrap_or((key, ""));
+    match split(space, field) {
+        Some((name, field)) => {
+            let of_kind = |key: &String| key.starts_with(space).then(|| key.replace("<name>", name));
+            did_you_mean(&format!("{space}.{name}.{field}"), &keys.iter().filter_map(of_kind).collect::<Vec<_>>())
+        }
+        None => did_you_mean(key, keys),
+    }
+}
+
+/// Whether an option is a length.
+fn is_length(space: &str, key: &str) -> bool {
+    let is_one = |key: &Key| matches!(key.domain, Domain::Length { .. });
+    match split(space, key) {
+        Some((_, field)) => kind_named(space).is_some_and(|kind| kind.keys.iter().any(|k| k.key == field && is_one(k))),
+        None => KEYS.iter().any(|k| k.key.split_once('.') == Some((space, key)) && is_one(k)),
+    }
+}
+
+/// Replaces the value of an option by mesh units if it is a length with a unit of its own.
+fn convert(space: &str, key: &str, value: &mut Value, units: Units) {
+    if let Some(meters) = value.as_str().and_then(meters_of).filter(|_| is_length(space, key)) {
+        *value = decimal(meters / units.meters());
+    }
+}
+
+/// A number in single precision, with no more digits than it has.
+fn decimal(value: f64) -> Value {
+    (value as f32).to_string().parse().ok().and_then(serde_json::Number::from_f64).map_or(Value::Null, Value::Number)
 }
 
 /// Parses text as a value of the same type as `like`. Lists are separated by commas.

@@ -31,13 +31,13 @@ use std::fmt::Write as _;
 pub const KEYS: [Key; 27] = [
     Key {
         key: "sim.minEdgeLength",
-        unit: "stage units",
+        unit: "mesh units",
         domain: Domain::Length { least: 0.0, most: 2.0, automatic: 0.5 },
         meaning: "target edge length at density 1; 0: half of maxEdgeLength",
     },
     Key {
         key: "sim.maxEdgeLength",
-        unit: "stage units",
+        unit: "mesh units",
         domain: Domain::Length { least: 0.0, most: 2.0, automatic: 0.5 },
         meaning: "target edge length at density 0; 0: half of the input's mean edge",
     },
@@ -233,10 +233,9 @@ fn pattern(kind: &str, field: &str) -> String {
     format!("{kind}.<name>.{field}")
 }
 
-fn all_keys() -> String {
+fn all_keys() -> Vec<String> {
     let of_instances = KINDS.iter().flat_map(|kind| kind.keys.iter().map(|key| pattern(kind.name, key.key)));
-    let keys: Vec<String> = KEYS.iter().map(|k| k.key.to_owned()).chain(of_instances).collect();
-    format!("the options are {}", keys.join(", "))
+    KEYS.iter().map(|k| k.key.to_owned()).chain(of_instances).collect()
 }
 
 /// All options as help text, one per line: key, default, meaning and unit.

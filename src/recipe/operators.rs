@@ -28,7 +28,7 @@ impl Recipe {
         self.operators().into_iter().filter(|(_, options)| options.is_enabled())
     }
 
-    /// Replaces automatic lengths (0) by multiples of the garment's mean edge length. \[stage units\]
+    /// Replaces automatic lengths (0) by multiples of the garment's mean edge length. \[mesh units\]
     pub(crate) fn resolve_lengths(&mut self, mean_edge: f32) {
         let sim = &mut self.sim;
         if sim.max_edge_length <= 0.0 {

@@ -53,7 +53,7 @@ pub struct LimitFit<'a> {
 pub struct Raise {
     /// Direction of the height.
     pub normal: Vec3,
-    /// Height on the limit surface, signed. \[stage units\]
+    /// Height on the limit surface, signed. \[mesh units\]
     pub height: f32,
     /// True if the height was reduced: on the cage, a copy then stays within it.
     pub is_least: bool,

@@ -22,7 +22,7 @@ pub trait Operator: Any + Send + Sync {
     /// Kind and name for messages, such as `seam.placket`.
     fn label(&self) -> String;
 
-    /// The largest height over the surface of a garment, on either side. \[stage units\]
+    /// The largest height over the surface of a garment, on either side. \[mesh units\]
     fn reach(&self, garment: &Garment) -> f32;
 
     /// The new connectivity and its controls.
@@ -31,7 +31,7 @@ pub trait Operator: Any + Send + Sync {
     /// Options that do not fit the cage.
     fn apply(&self, cage: &OperatorInput) -> Result<OperatorOutput, Error>;
 
-    /// The height of each control over the parent's surface, along its normal. \[stage units\]
+    /// The height of each control over the parent's surface, along its normal. \[mesh units\]
     fn heights(&self, output: &OperatorOutput) -> Vec<f32>;
 
     /// True if `other` gives the same output and heights. By default, only the operator itself.
@@ -154,7 +154,7 @@ pub struct OperatorOutput {
     pub corners: Vec<VertexId>,
     /// Edges that become infinitely sharp.
     pub creases: Vec<[VertexId; 2]>,
-    /// Provisional offsets of copies from their originals, so that later operators can measure edges. \[stage units\]
+    /// Provisional offsets of copies from their originals, so that later operators can measure edges. \[mesh units\]
     pub offsets: Vec<(VertexId, Vec3)>,
     /// Number of points of the input garment.
     pub input_points: usize,

@@ -90,7 +90,7 @@ pub trait OperatorOptions {
     /// A subset or primvar that the garment lacks, or that has another type.
     fn bind(&self, key: &dyn Fn(&str) -> String, garment: &Garment) -> Result<(), Error>;
 
-    /// Replaces automatic lengths by a share of `mean_edge`, the mean edge length of the garment. \[stage units\]
+    /// Replaces automatic lengths by a share of `mean_edge`, the mean edge length of the garment. \[mesh units\]
     fn resolve_lengths(&mut self, mean_edge: f32);
 
     /// The operator of these options, under a name.

@@ -17,14 +17,14 @@ const GAP_RANGE: f32 = 4.5;
 /// The points of a cage.
 #[derive(Clone, Debug)]
 pub struct CagePoints {
-    /// Positions. \[stage units\]
+    /// Positions. \[mesh units\]
     pub points: IdVec<VertexId, Vec3>,
     /// The clearance that is left beside each point.
     pub clearance: IdVec<VertexId, Clearance>,
 }
 
 impl CagePoints {
-    /// The points of a garment. `height` is the largest height of its operators. \[stage units\]
+    /// The points of a garment. `height` is the largest height of its operators. \[mesh units\]
     pub fn first(garment: &Garment, level: &Level, height: f32) -> Self {
         let points = garment.points.clone();
         let t = &level.topology;

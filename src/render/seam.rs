@@ -23,6 +23,7 @@ use super::operator::{Control, Operator, OperatorInput, OperatorOutput, REPORTED
 use super::options::{Domain, Key, OperatorOptions};
 use crate::checks;
 use crate::error::{Code, Error, Warning, Warnings};
+use crate::garment::units::deserialize_length;
 use crate::garment::{Elements, Garment, Orientation, Subset};
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
 use chains::Network;
@@ -49,11 +50,14 @@ pub struct SeamOptions {
     pub enabled: bool,
     /// Names of the edge subsets of the seam.
     pub edges: Vec<String>,
-    /// Width from side to side; 0: a quarter of the mean edge of the input. \[stage units\]
+    /// Width from side to side; 0: a quarter of the mean edge of the input. \[mesh units\]
+    #[serde(deserialize_with = "deserialize_length")]
     pub width: f32,
-    /// Height of the flanks over straight ones, along the normal: above 0 rounded, below 0 hollow. \[stage units\]
+    /// Height of the flanks over straight ones, along the normal: above 0 rounded, below 0 hollow. \[mesh units\]
+    #[serde(deserialize_with = "deserialize_length")]
     pub depth: f32,
-    /// Height of the centre along the normal: below 0 a groove, above 0 a ridge. \[stage units\]
+    /// Height of the centre along the normal: below 0 a groove, above 0 a ridge. \[mesh units\]
+    #[serde(deserialize_with = "deserialize_length")]
     pub normal_offset: f32,
     /// Distribution of the width: -1 left, 0 even, 1 right. At least a twentieth stays on each side.
     pub asymmetry: f32,
@@ -66,7 +70,7 @@ impl Default for SeamOptions {
 }
 
 impl SeamOptions {
-    /// Widths of the left and right side. \[stage units\]
+    /// Widths of the left and right side. \[mesh units\]
     fn side_widths(&self) -> [f32; 2] {
         let left = (0.5 * (1.0 - self.asymmetry)).clamp(MIN_SIDE_SHARE, 1.0 - MIN_SIDE_SHARE);
         [self.width * left, self.width * (1.0 - left)]
@@ -84,19 +88,19 @@ impl OperatorOptions for SeamOptions {
             Key { key: "edges", unit: "names", domain: Domain::EdgeSets, meaning: "edge subsets of the seam" },
             Key {
                 key: "width",
-                unit: "stage units",
+                unit: "mesh units",
                 domain: Domain::Length { least: 0.0, most: 1.0, automatic: AUTOMATIC_WIDTH },
                 meaning: "from side to side; 0: a quarter of the mean edge",
             },
             Key {
                 key: "depth",
-                unit: "stage units",
+                unit: "mesh units",
                 domain: Domain::Length { least: -0.2, most: 0.2, automatic: 0.0 },
                 meaning: "height of the flanks over straight ones",
             },
             Key {
                 key: "normalOffset",
-                unit: "stage units",
+                unit: "mesh units",
                 domain: Domain::Length { least: -0.2, most: 0.2, automatic: 0.0 },
                 meaning: "height of the centre; below 0 a groove, above a ridge",
             },
@@ -260,7 +264,7 @@ impl Seams {
         super::new_sets(cage.garment, self.seams.iter().enumerate().map(of).collect(), warnings)
     }
 
-    /// The width of the seam beside each half-edge; 0 on other edges. \[stage units\]
+    /// The width of the seam beside each half-edge; 0 on other edges. \[mesh units\]
     fn distances(&self, cage: &OperatorInput, network: &Network) -> IdVec<CornerId, f32> {
         let t = &cage.level.topology;
         let is_left_handed = cage.garment.orientation == Orientation::LeftHanded;

@@ -6,6 +6,7 @@ pub use steps::{Origins, RenderSteps, Rendered};
 
 use super::operator::Operator;
 use super::{OperatorOptions, RenderOptions};
+use crate::checks::did_you_mean;
 use crate::error::{Code, Error, ErrorCode, Warning, Warnings, names};
 use crate::garment::Garment;
 use std::sync::Arc;
@@ -53,7 +54,7 @@ impl Stack {
     }
 
     /// The largest height of the operators, rounded up to a quarter power of two so that most edits keep it.
-    /// \[stage units\]
+    /// \[mesh units\]
     fn reach(&self, garment: &Garment) -> f32 {
         let furthest = self.operators.iter().map(|o| o.reach(garment)).fold(0.0, f32::max);
         if furthest > 0.0 { (0.25 * (4.0 * furthest.log2()).ceil()).exp2() } else { 0.0 }
@@ -72,10 +73,11 @@ fn order(
     let full_name = |i: usize| all[i].1.full_name(all[i].0);
     let fault = |name: &str, fault: &str| {
         let known: Vec<String> = (0..all.len()).map(full_name).collect();
+        let likely = did_you_mean(name, &known);
         let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
         let error =
             Error::recipe("render.operators", format!("it names \"{name}\", {fault}")).code(ErrorCode::UnknownOperator);
-        Err(error.remedy(format!("the operators of the recipe are: {known}")))
+        Err(error.remedy(format!("{likely}the operators of the recipe are: {known}")))
     };
     let mut order: Vec<usize> = Vec::new();
     for name in wanted {

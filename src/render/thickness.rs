@@ -17,6 +17,7 @@ use super::operator::{Control, Operator, OperatorInput, OperatorOutput, REPORTED
 use super::options::{Domain, Key, OperatorOptions};
 use crate::checks;
 use crate::error::{Code, Error, ErrorCode, Warning, Warnings};
+use crate::garment::units::deserialize_length;
 use crate::garment::{Elements, Garment, Orientation, Subset, Values};
 use crate::mesh::{CornerId, Csr, EdgeId, FaceId, IdVec, Topology, VertexId};
 use crate::subdivide::{Level, Stencils};
@@ -52,7 +53,8 @@ pub struct ThicknessOptions {
     pub enabled: bool,
     /// Names of the face subsets that get a second layer in one piece.
     pub faces: Vec<String>,
-    /// Distance of the layers; 0: a tenth of the mean edge of the input. \[stage units\]
+    /// Distance of the layers; 0: a tenth of the mean edge of the input. \[mesh units\]
+    #[serde(deserialize_with = "deserialize_length")]
     pub amount: f32,
     /// Name of a painted float primvar that scales the amount; empty: 1 everywhere.
     pub weights: String,
@@ -90,7 +92,7 @@ impl OperatorOptions for ThicknessOptions {
             },
             Key {
                 key: "amount",
-                unit: "stage units",
+                unit: "mesh units",
                 domain: Domain::Length { least: 0.0, most: 0.4, automatic: AUTOMATIC_AMOUNT },
                 meaning: "distance of the layers; 0: a tenth of the mean edge",
             },

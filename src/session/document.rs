@@ -1,6 +1,6 @@
 //! A `.tailor` file opened as a USD layer, with its file-format arguments.
 
-use crate::error::{Error, ErrorCode, ErrorKind, Warnings};
+use crate::error::{Code, Error, ErrorCode, ErrorKind, Warning, Warnings};
 use crate::recipe::{Layers, RecipeFile};
 use crate::usd::{ReadOptions, Source};
 use serde_json::{Map, Value};
@@ -14,6 +14,8 @@ pub struct Document {
     options: ReadOptions,
     file: Map<String, Value>,
     arguments: Layers,
+    /// Warnings of arguments that are no options with a value of their type.
+    ignored: Warnings,
 }
 
 /// Arguments that OpenUSD itself adds to any layer; they are ignored.
@@ -23,7 +25,8 @@ impl Document {
     /// Parses the text of the file at `path` and its arguments: `prim`, `time`, and options by their keys.
     ///
     /// # Errors
-    /// A text that is not a recipe or has no source; an unknown argument, or one with a value of another type.
+    /// A text that is not a recipe or has no source; a time that is no number. An option that cannot be one is left out with a
+    /// warning: the garment stays while its user mends the value.
     pub fn new<'a>(
         path: &Path,
         text: &str,
@@ -33,7 +36,8 @@ impl Document {
         let source = file.required_source(path)?.to_owned();
         let options = ReadOptions { prim: file.prim.clone(), ..ReadOptions::default() };
         let (path, file) = (path.to_path_buf(), file.into_layer());
-        let mut document = Self { path, source, options, file, arguments: Layers::default() };
+        let mut document =
+            Self { path, source, options, file, arguments: Layers::default(), ignored: Warnings::default() };
         arguments.into_iter().try_for_each(|(key, text)| document.add_argument(key, text))?;
         Ok(document)
     }
@@ -50,7 +54,10 @@ impl Document {
                 self.options.time = Some(time);
             }
             _ if FOREIGN_ARGUMENTS.contains(&key) => {}
-            _ => self.arguments.add_text("argument", key, text)?,
+            _ => {
+                let added = self.arguments.add_text("argument", key, text);
+                self.ignored.extend(added.err().map(|error| ignored(&error)));
+            }
         }
         Ok(())
     }
@@ -76,7 +83,13 @@ impl Document {
         &self.options
     }
 
-    /// The source's attributes, overridden by the file, overridden by the arguments.
+    /// The options of the arguments, which are stronger than all others. Warns of those that are left out.
+    pub fn arguments(&self, warnings: &mut Warnings) -> Layers {
+        warnings.extend(self.ignored.iter().cloned());
+        self.arguments.clone()
+    }
+
+    /// The source's attributes, overridden by the file.
     ///
     /// # Errors
     /// `tailor:` attributes of the source that cannot be read.
@@ -84,9 +97,16 @@ impl Document {
         let mut layers = Layers::default();
         layers.add_attributes(source.recipe()?, warnings);
         layers.add(self.file.clone());
-        layers.add(self.arguments.clone().into_map());
         Ok(layers)
     }
+}
+
+/// The warning of an argument that is left out for an error.
+pub fn ignored(error: &Error) -> Warning {
+    let (place, remedy) = error.faults.first().map(|f| (f.place.clone(), f.remedy.clone())).unwrap_or_default();
+    let faults: Vec<&str> = error.faults.iter().map(|fault| fault.text.as_str()).collect();
+    let problem = format!("left out, as {}", faults.join("; "));
+    Warning::new(Code::IgnoredOption, place, problem).remedy(remedy)
 }
 
 #[cfg(test)]
@@ -126,11 +146,24 @@ mod tests {
             (r#"{"source": "b.tailor"}"#, ("time", "1"), "a recipe too"),
             (r#"{"source": "b.usda", "sims": {}}"#, ("time", "1"), "line 1 column"),
             (FILE, ("time", "noon"), "argument time"),
-            (FILE, ("sim.maxEdge", "2"), "argument sim.maxEdge: there is no such option"),
-            (FILE, ("render.level", "two"), "argument render.level: \"two\" is not a whole number"),
         ] {
             let message = document(text, &[argument]).expect_err(text).to_string();
             assert!(message.contains(expected) && message.contains("hint:"), "{message}");
+        }
+    }
+
+    #[test]
+    fn an_argument_that_is_no_option_is_left_out_with_a_warning() {
+        for (key, text, expected) in [
+            ("sim.maxEdge", "2", "argument sim.maxEdge: left out, as there is no such option. did you mean"),
+            ("render.level", "two", "argument render.level: left out, as \"two\" is not a whole number"),
+        ] {
+            let document = document(FILE, &[(key, text), ("sim.iterations", "4")]).expect("a good file");
+            let mut warnings = Warnings::default();
+            let arguments = document.arguments(&mut warnings);
+            let texts: Vec<String> = warnings.iter().map(ToString::to_string).collect();
+            assert!(texts.len() == 1 && texts[0].starts_with(expected), "{texts:?}");
+            assert_eq!(arguments.recipe().expect("a good recipe").sim.iterations, 4);
         }
     }
 }

@@ -9,9 +9,10 @@ pub use document::Document;
 pub use input::{Input, Opened, beside, is_usd};
 
 use crate::build::{Builder, Products};
-use crate::error::{Error, Warnings};
+use crate::error::{Error, ErrorKind, Warnings};
 use crate::recipe::Layers;
 use crate::usd::{Format, Product, ProductRole, ReadOptions, Source, Surroundings, WriteOptions, layer_bytes};
+use document::ignored;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -104,14 +105,13 @@ impl Session {
             Some(opened) => opened,
             None => opened.insert(self.open(entry)?),
         };
-        let layers: Layers = document.layers(source, warnings)?;
+        let (layers, arguments) = (document.layers(source, warnings)?, document.arguments(warnings));
         let source = Arc::clone(source);
         if metadata_only {
             warnings.extend(builder.warnings().iter().cloned());
             return Ok((source, None));
         }
-        let recipe = layers.recipe_for(builder.garment())?;
-        let products = self.pool.install(|| builder.update(&recipe))?;
+        let products = self.pool.install(|| products(builder, &layers, arguments, warnings))?;
         warnings.extend(products.warnings.iter().cloned());
         Ok((source, Some(products)))
     }
@@ -155,6 +155,32 @@ impl Session {
             total -= if stays { 0 } else { k.bytes };
             stays
         });
+    }
+}
+
+/// The products of the options in `layers` and of stronger `arguments`. An argument that no recipe can have is left out with a
+/// warning, so that the garment stays while its user mends the value.
+fn products(
+    builder: &mut Builder,
+    layers: &Layers,
+    mut arguments: Layers,
+    warnings: &mut Warnings,
+) -> Result<Products, Error> {
+    loop {
+        let mut all = layers.clone();
+        all.add(arguments.clone().into_map());
+        all.convert_lengths(builder.garment().units);
+        let result = all.recipe_for(builder.garment()).and_then(|recipe| builder.update(&recipe));
+        match result {
+            Err(error) if error.kind == ErrorKind::Recipe && !arguments.is_empty() => {
+                warnings.push(ignored(&error));
+                // An error of another option may still come from them.
+                if !error.faults.iter().any(|fault| arguments.remove(&fault.place)) {
+                    arguments = Layers::default();
+                }
+            }
+            result => return result,
+        }
     }
 }
 

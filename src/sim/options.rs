@@ -1,15 +1,18 @@
 //! Options of the simulation mesh.
 
+use crate::garment::units::deserialize_length;
 use serde::{Deserialize, Serialize};
 
 /// Options of the simulation mesh: the attributes of `TailorSimAPI`, with the same names and defaults.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase", default, deny_unknown_fields)]
 pub struct SimOptions {
-    /// Target edge length where the density is 1. \[stage units\] 0: half of `maxEdgeLength`, or all of it where no
+    /// Target edge length where the density is 1. \[mesh units\] 0: half of `maxEdgeLength`, or all of it where no
     /// density is named.
+    #[serde(deserialize_with = "deserialize_length")]
     pub min_edge_length: f32,
-    /// Target edge length where the density is 0. \[stage units\] 0: half the mean edge length of the input.
+    /// Target edge length where the density is 0. \[mesh units\] 0: half the mean edge length of the input.
+    #[serde(deserialize_with = "deserialize_length")]
     pub max_edge_length: f32,
     /// Name of the painted vertex primvar, 1 = `minEdgeLength`, 0 = `maxEdgeLength`; empty: `maxEdgeLength` everywhere.
     pub density: String,

@@ -13,17 +13,17 @@ use glam::Vec3;
 pub struct SimProduct {
     /// The surface that it lies on.
     pub baseline: Baseline,
-    /// Positions. \[stage units\]
+    /// Positions. \[mesh units\]
     pub points: IdVec<VertexId, Vec3>,
     /// The triangles.
     pub triangles: Vec<[VertexId; 3]>,
-    /// Target edge length at each vertex. \[stage units\]
+    /// Target edge length at each vertex. \[mesh units\]
     pub target: IdVec<VertexId, f32>,
     /// Location of each corner on the baseline, with the constraint UVs.
     pub places: IdVec<CornerId, UvLocation>,
     /// The edges on each chain, in order and direction of the chain.
     pub chain_edges: IdVec<ChainId, Vec<[VertexId; 2]>>,
-    /// Arc length of the chain at the ends of each of those edges. \[stage units\]
+    /// Arc length of the chain at the ends of each of those edges. \[mesh units\]
     pub chain_arcs: IdVec<ChainId, Vec<[f32; 2]>>,
     /// The largest gap between each chain's curve and those edges.
     pub gaps: IdVec<ChainId, CurveGap>,
@@ -43,9 +43,9 @@ pub struct CurveGap {
 /// An edge of the finished mesh on a chain.
 #[derive(Clone, Copy)]
 struct ChainEdge {
-    /// Arc length at its start. \[stage units\]
+    /// Arc length at its start. \[mesh units\]
     start: f32,
-    /// Its extent along the curve. \[stage units\]
+    /// Its extent along the curve. \[mesh units\]
     length: f32,
     /// Its vertices in the chain's direction.
     ends: [VertexId; 2],
@@ -96,7 +96,7 @@ fn chain_edges(mesh: &SimMesh<'_>, old_vertex: &IdVec<VertexId, VertexId>) -> Id
     on_chain
 }
 
-/// Target edge length at each vertex, at the location of its first corner. \[stage units\]
+/// Target edge length at each vertex, at the location of its first corner. \[mesh units\]
 fn targets(
     baseline: &Baseline,
     triangles: &[[VertexId; 3]],

@@ -58,7 +58,7 @@ pub fn blended_channel<S: Stencils<Source = ValueId>>(
     Primvar { values: blend_values(stencils, source, primvar), indices: Some(indices), ..primvar.headed() }
 }
 
-/// The child points. \[stage units\]
+/// The child points. \[mesh units\]
 pub fn carried_points<S: Stencils<Source = VertexId>>(
     stencils: &S,
     points: &IdVec<VertexId, Vec3>,

@@ -46,22 +46,22 @@ impl<'a> Correspondence<'a> {
         [0, 1, 2].map(|k| self.product.places[CornerId::new(3 * face.index() + k)].location)
     }
 
-    /// The positions of a face's corners. \[stage units\]
+    /// The positions of a face's corners. \[mesh units\]
     pub fn triangle(&self, face: FaceId) -> [Vec3; 3] {
         self.product.triangles[face.index()].map(|v| self.product.points[v])
     }
 
-    /// \[stage units\]
+    /// \[mesh units\]
     pub fn centroid(&self, face: FaceId) -> Vec3 {
         self.triangle(face).iter().sum::<Vec3>() / 3.0
     }
 
-    /// The position of a corner. \[stage units\]
+    /// The position of a corner. \[mesh units\]
     pub fn position(&self, corner: CornerId) -> Vec3 {
         self.product.points[self.mesh.topology.faces.vertex(corner)]
     }
 
-    /// The square of a half-edge's length. \[square stage units\]
+    /// The square of a half-edge's length. \[square mesh units\]
     pub fn length_squared(&self, half: CornerId) -> f32 {
         self.position(half).distance_squared(self.position(self.mesh.topology.faces.next(half)))
     }

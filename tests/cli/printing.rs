@@ -147,7 +147,7 @@ fn help_is_grouped_and_gives_units() {
         "Recipe:",
         "Output:",
         "Run:",
-        "[stage units]",
+        "[mesh units]",
         "[time codes]",
         "[triangles]",
         "sim.maxEdgeLength",

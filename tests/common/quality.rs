@@ -15,7 +15,7 @@ pub struct Reference<'a> {
     pub surface: &'a [[Vec3; 3]],
     /// Constrained curves: borders, seams and chosen edges.
     pub curves: &'a [Vec<Vec3>],
-    /// Target length at a point. \[stage units\]
+    /// Target length at a point. \[mesh units\]
     pub target: &'a dyn Fn(Vec3) -> f32,
 }
 

@@ -32,7 +32,7 @@ const PATTERN_STRETCH: f64 = 0.06;
 /// UVs are; other shells lie where they are modelled. Shells share no point.
 #[derive(Clone, Debug)]
 pub struct Rest {
-    /// Points. \[stage units\]
+    /// Points. \[mesh units\]
     pub points: Vec<Vec3>,
     /// The points of each triangle.
     pub triangles: Vec<[u32; 3]>,
@@ -142,7 +142,7 @@ struct FlatTriangle {
 struct Shells<'a> {
     product: &'a SimProduct,
     surface: &'a Surface<'a>,
-    /// Length of one UV unit. \[stage units\]
+    /// Length of one UV unit. \[mesh units\]
     scale: f64,
     /// Root mean square of the cage's stretch in each shell.
     stretch: Vec<f64>,

@@ -11,7 +11,7 @@ const MOST_STRETCH: f64 = 5.0;
 
 /// The stretch of a cage.
 pub struct CageStretch {
-    /// Length of one UV unit. \[stage units\]
+    /// Length of one UV unit. \[mesh units\]
     pub scale: f64,
     /// The stretch of each face; the identity where it has none.
     pub of_face: IdVec<FaceId, DMat2>,

@@ -32,7 +32,7 @@ pub struct Request<'a> {
     pub points: &'a IdVec<VertexId, Vec3>,
     /// True for edges that get lines.
     pub marked: IdVec<EdgeId, bool>,
-    /// For each half-edge of a marked edge, the distance that `shares` scale. \[stage units\]
+    /// For each half-edge of a marked edge, the distance that `shares` scale. \[mesh units\]
     pub distance: IdVec<CornerId, f32>,
     /// True for vertices where lines taper to nothing.
     pub tapers: IdVec<VertexId, bool>,

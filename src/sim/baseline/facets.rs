@@ -10,7 +10,7 @@ use rayon::prelude::*;
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub struct Facet {
-    /// Positions of the corners. \[stage units\]
+    /// Positions of the corners. \[mesh units\]
     pub points: [Vec3; 3],
     /// The opposite half-edges where a projection may cross; none on chains and at borders.
     pub open_twin: [Option<CornerId>; 3],

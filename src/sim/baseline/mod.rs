@@ -36,7 +36,7 @@ pub struct Baseline {
     pub levels: Vec<Level>,
     /// The vertex of the finest level behind each vertex. They differ where holes leave fans that only touch.
     pub level_vertex: IdVec<VertexId, VertexId>,
-    /// Positions. \[stage units\]
+    /// Positions. \[mesh units\]
     pub points: IdVec<VertexId, Vec3>,
     /// The triangles and their adjacency.
     pub topology: Topology,
@@ -60,11 +60,11 @@ pub struct Baseline {
     pub folded: Vec<FaceId>,
     /// Whether UVs are one to one over each piece between chains, so that remeshing can keep triangles from flipping there.
     pub holds_uvs: bool,
-    /// Target edge length at each vertex. \[stage units\]
+    /// Target edge length at each vertex. \[mesh units\]
     pub target: IdVec<VertexId, f32>,
     /// Number of vertices whose target grading shortened.
     pub graded: usize,
-    /// Target edge length at each vertex, shortened near chains that bend. \[stage units\]
+    /// Target edge length at each vertex, shortened near chains that bend. \[mesh units\]
     pub sizing: IdVec<VertexId, f32>,
     /// The constraint chains.
     pub chains: IdVec<ChainId, Chain>,

@@ -70,13 +70,13 @@ impl Baseline {
         Self::mix(at.weights, self.triangle_uvs(at.face))
     }
 
-    /// Target edge length at a location. \[stage units\]
+    /// Target edge length at a location. \[mesh units\]
     pub fn target_at(&self, at: Location) -> f32 {
         let [a, b, c] = self.vertices(at.face);
         Self::mix(at.weights, [self.target[a], self.target[b], self.target[c]])
     }
 
-    /// Target length at a location, shortened near chains that bend. \[stage units\]
+    /// Target length at a location, shortened near chains that bend. \[mesh units\]
     #[inline]
     pub fn sizing_at(&self, at: Location) -> f32 {
         let [a, b, c] = self.vertices(at.face);

@@ -17,9 +17,9 @@ pub struct StartSpan {
     pub chain: ChainId,
     /// The vertex at `from`.
     pub first: VertexId,
-    /// Arc length at the first vertex. \[stage units\]
+    /// Arc length at the first vertex. \[mesh units\]
     pub from: f32,
-    /// Arc length at the other. \[stage units\]
+    /// Arc length at the other. \[mesh units\]
     pub to: f32,
 }
 

@@ -29,7 +29,7 @@ pub struct Chain {
     pub cage: Vec<VertexId>,
     /// Vertices of the baseline along the curve; a loop repeats its first at the end.
     pub vertices: Vec<VertexId>,
-    /// Arc length of the curve up to each vertex. \[stage units\]
+    /// Arc length of the curve up to each vertex. \[mesh units\]
     pub along: Vec<f32>,
     /// The baseline's half-edge on the left of each segment; none where there is no face.
     pub left: Vec<Option<CornerId>>,
@@ -40,7 +40,7 @@ pub struct Chain {
     pub normals: Vec<[Vec3; 2]>,
     /// Corners: indices into `vertices` of those that stay where they are although no chain ends there.
     pub pins: Vec<usize>,
-    /// Target edge length at each vertex, shortened where the curve bends. \[stage units\]
+    /// Target edge length at each vertex, shortened where the curve bends. \[mesh units\]
     pub lengths: Vec<f32>,
     /// Number of edges that the curve asks for up to each vertex, as a real number.
     pub spaced: Vec<f32>,
@@ -56,7 +56,7 @@ pub struct CurvePoint {
 }
 
 impl Chain {
-    /// Length of the curve. \[stage units\]
+    /// Length of the curve. \[mesh units\]
     pub fn length(&self) -> f32 {
         self.along[self.along.len() - 1]
     }

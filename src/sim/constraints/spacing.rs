@@ -113,7 +113,7 @@ impl Chain {
         }
     }
 
-    /// Target edge length at a point of the curve. \[stage units\]
+    /// Target edge length at a point of the curve. \[mesh units\]
     pub(crate) fn length_at(&self, at: CurvePoint) -> f32 {
         let (a, b) = (self.lengths[at.segment], self.lengths[at.segment + 1]);
         a + (b - a) * at.t
@@ -207,7 +207,7 @@ impl Chain {
         self.spaced[self.spaced.len() - 1]
     }
 
-    /// The arc length at which the curve asks for `count` edges; the inverse of [`Self::count_to`]. \[stage units\]
+    /// The arc length at which the curve asks for `count` edges; the inverse of [`Self::count_to`]. \[mesh units\]
     pub fn at_count(&self, count: f32) -> f32 {
         let all = self.edge_count();
         let turn = if self.is_loop && all > 0.0 { (count / all).floor() } else { 0.0 };

@@ -25,7 +25,7 @@ pub(crate) fn collapse_short_edges(mesh: &mut SimMesh<'_>, short: Vec<QueuedEdge
     edit_in_order(mesh, short, |mesh, half| length_deficit(mesh, half, ratio), try_collapse)
 }
 
-/// The length that an edge which should be collapsed lacks of its target. \[stage units\]
+/// The length that an edge which should be collapsed lacks of its target. \[mesh units\]
 pub(crate) fn length_deficit(mesh: &SimMesh<'_>, half: CornerId, ratio: f32) -> Option<f32> {
     mesh.is_outside(half, ratio, false).then(|| (1.0 - mesh.relative_length(half)) * mesh.target_of(half))
 }

@@ -15,7 +15,7 @@ const STRAIGHT: f32 = 1.0;
 /// Largest share of a chain's edge that its end slides at once, so that two ends never pass each other.
 const LONGEST_SLIDE: f32 = 0.4;
 
-/// The signed arc length by which a chain's vertex should slide. \[stage units\]
+/// The signed arc length by which a chain's vertex should slide. \[mesh units\]
 pub(crate) fn even_slide(mesh: &SimMesh<'_>, vertex: VertexId) -> Option<f32> {
     let near = mesh.curve_neighbours(vertex)?;
     let half_way = 0.5 * (near.before.count() + near.after.count());

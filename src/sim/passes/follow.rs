@@ -28,9 +28,9 @@ const PASSES: usize = 2;
 /// The chords at a vertex of a chain.
 struct Chords {
     chain: ChainId,
-    /// Arc lengths of the neighbour before, the vertex and the neighbour after. \[stage units\]
+    /// Arc lengths of the neighbour before, the vertex and the neighbour after. \[mesh units\]
     along: [f32; 3],
-    /// Positions of the neighbours. \[stage units\]
+    /// Positions of the neighbours. \[mesh units\]
     ends: [Vec3; 2],
 }
 

@@ -42,7 +42,7 @@ pub(crate) fn split_long_edges(mesh: &mut SimMesh<'_>, long: Vec<QueuedEdge>, ra
     })
 }
 
-/// The length over its target of an edge that should be split (Waggoner and de Goes 2022). \[stage units\]
+/// The length over its target of an edge that should be split (Waggoner and de Goes 2022). \[mesh units\]
 pub(crate) fn length_excess(mesh: &SimMesh<'_>, half: CornerId, ratio: f32) -> Option<f32> {
     mesh.is_outside(half, ratio, true).then(|| (mesh.relative_length(half) - 1.0) * mesh.target_of(half))
 }

@@ -72,7 +72,7 @@ impl SimMesh<'_> {
         self.push_vertex(self.position_on(chain, at), VertexConstraint::OnCurve(span.chain), chain.length_at(at))
     }
 
-    /// The arc length in the middle of a span, as the chain counts edges. \[stage units\]
+    /// The arc length in the middle of a span, as the chain counts edges. \[mesh units\]
     pub(crate) fn middle_of_span(&self, span: CurveSpan) -> f32 {
         let s = self.chain(span.chain).at_count(0.5 * (span.counts[0] + span.counts[1]));
         s.clamp(span.from.min(span.to), span.from.max(span.to))

@@ -33,9 +33,9 @@ pub struct SimMesh<'a> {
     pub baseline: &'a Baseline,
     /// Connectivity.
     pub topology: EditMesh,
-    /// Positions. \[stage units\]
+    /// Positions. \[mesh units\]
     pub points: IdVec<VertexId, Vec3>,
-    /// Target edge length at each vertex, shortened on chains that bend. \[stage units\]
+    /// Target edge length at each vertex, shortened on chains that bend. \[mesh units\]
     pub target: IdVec<VertexId, f32>,
     /// The freedom of each vertex.
     pub constraint: IdVec<VertexId, VertexConstraint>,
@@ -57,19 +57,19 @@ impl<'a> SimMesh<'a> {
         &self.baseline.chains[id]
     }
 
-    /// Positions of a half-edge's ends. \[stage units\]
+    /// Positions of a half-edge's ends. \[mesh units\]
     #[inline]
     pub fn end_points(&self, half: CornerId) -> [Vec3; 2] {
         self.topology.ends(half).map(|v| self.points[v])
     }
 
-    /// Target length of the edge between two vertices. \[stage units\]
+    /// Target length of the edge between two vertices. \[mesh units\]
     #[inline]
     pub fn target_between(&self, a: VertexId, b: VertexId) -> f32 {
         0.5 * (self.target[a] + self.target[b])
     }
 
-    /// Target length of an edge. \[stage units\]
+    /// Target length of an edge. \[mesh units\]
     #[inline]
     pub(crate) fn target_of(&self, half: CornerId) -> f32 {
         self.target_between(self.topology.vertex(half), self.topology.target(half))
@@ -139,20 +139,20 @@ impl<'a> SimMesh<'a> {
         self.set_span(half, DirectedSpan::new(id, span.forward));
     }
 
-    /// Position of a point of a chain's curve. \[stage units\]
+    /// Position of a point of a chain's curve. \[mesh units\]
     #[inline]
     fn position_on(&self, curve: &Chain, at: CurvePoint) -> Vec3 {
         let (a, b) = (curve.vertices[at.segment], curve.vertices[at.segment + 1]);
         self.baseline.points[a].lerp(self.baseline.points[b], at.t)
     }
 
-    /// Position at arc length `s` of a chain's curve. \[stage units\]
+    /// Position at arc length `s` of a chain's curve. \[mesh units\]
     pub fn on_curve(&self, chain: ChainId, s: f32) -> Vec3 {
         let curve = self.chain(chain);
         self.position_on(curve, curve.at(s))
     }
 
-    /// Distances of a curve from a chord at ascending arc lengths from about `from` on. \[stage units\]
+    /// Distances of a curve from a chord at ascending arc lengths from about `from` on. \[mesh units\]
     pub(crate) fn chord_distances(
         &self,
         curve: &Chain,

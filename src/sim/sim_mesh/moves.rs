@@ -8,9 +8,9 @@ use glam::Vec3;
 /// The place that a vertex should move to.
 #[derive(Clone, Copy)]
 pub(crate) enum Destination {
-    /// The point of the surface near a position. \[stage units\]
+    /// The point of the surface near a position. \[mesh units\]
     Near(Vec3),
-    /// The point of its chain at a signed arc length from it. \[stage units\]
+    /// The point of its chain at a signed arc length from it. \[mesh units\]
     Along(f32),
 }
 
@@ -30,7 +30,7 @@ struct Slide {
     /// The constrained half-edges along the chain and against it.
     ahead: CornerId,
     back: CornerId,
-    /// The signed arc length. \[stage units\]
+    /// The signed arc length. \[mesh units\]
     by: f32,
     /// The number of edges that the chain asks for over that length.
     by_count: f32,

@@ -21,9 +21,9 @@ pub enum VertexConstraint {
 pub struct CurveSpan {
     /// The chain.
     pub chain: ChainId,
-    /// Arc length at the half-edge's start. Loops may count beyond their length. \[stage units\]
+    /// Arc length at the half-edge's start. Loops may count beyond their length. \[mesh units\]
     pub from: f32,
-    /// Arc length at its end. \[stage units\]
+    /// Arc length at its end. \[mesh units\]
     pub to: f32,
     /// Number of edges that the chain asks for up to `from` and up to `to`.
     pub counts: [f32; 2],
@@ -94,12 +94,12 @@ pub(crate) struct CurveNeighbours {
 }
 
 impl CurveNeighbours {
-    /// Arc length at the vertex. \[stage units\]
+    /// Arc length at the vertex. \[mesh units\]
     pub fn arc_length(&self) -> f32 {
         self.before.to
     }
 
-    /// Lengths of the curve behind the vertex and ahead of it. \[stage units\]
+    /// Lengths of the curve behind the vertex and ahead of it. \[mesh units\]
     pub fn lengths(&self) -> [f32; 2] {
         [self.before.to - self.before.from, self.after.to - self.after.from]
     }

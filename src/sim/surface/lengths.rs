@@ -16,9 +16,9 @@ pub const SPLIT_RATIO: f32 = 1.25;
 /// Target edge lengths over the garment.
 #[derive(Clone, Copy, Debug)]
 pub struct Lengths<'a> {
-    /// Where the density is 1. \[stage units\]
+    /// Where the density is 1. \[mesh units\]
     pub min: f32,
-    /// Where the density is 0. \[stage units\]
+    /// Where the density is 0. \[mesh units\]
     pub max: f32,
     /// The density, on the garment's vertices.
     pub density: Option<&'a Primvar>,
@@ -30,7 +30,7 @@ impl Lengths<'_> {
         self.max + (self.min - self.max) * density.clamp(0.0, 1.0)
     }
 
-    /// The target length at a vertex of the garment. \[stage units\]
+    /// The target length at a vertex of the garment. \[mesh units\]
     pub fn at(&self, vertex: VertexId) -> f32 {
         match self.density.map(|d| (d, &d.values)) {
             Some((density, Values::F32(values))) => self.of(values[density.row(vertex.index())]),
@@ -38,7 +38,7 @@ impl Lengths<'_> {
         }
     }
 
-    /// Target edge length at each of the `vertices` vertices of the finest level. \[stage units\]
+    /// Target edge length at each of the `vertices` vertices of the finest level. \[mesh units\]
     pub(crate) fn refined(
         &self,
         garment: &Garment,

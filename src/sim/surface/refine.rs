@@ -10,7 +10,7 @@ use glam::Vec3;
 pub(crate) struct Refined {
     /// The levels after the cage.
     pub levels: Vec<Level>,
-    /// Positions on the last level. \[stage units\]
+    /// Positions on the last level. \[mesh units\]
     pub points: IdVec<VertexId, Vec3>,
     /// The channel of the constraint UVs on the last level.
     pub uv_channel: Option<Channel>,

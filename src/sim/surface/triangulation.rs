@@ -34,9 +34,9 @@ fn diagonals(faces: &Faces, face: FaceId, apex: usize) -> impl Iterator<Item = [
 pub(crate) struct RefinedSurface<'a> {
     /// The triangles.
     pub topology: &'a Topology,
-    /// Positions. \[stage units\]
+    /// Positions. \[mesh units\]
     pub points: &'a IdVec<VertexId, Vec3>,
-    /// Target edge lengths. \[stage units\]
+    /// Target edge lengths. \[mesh units\]
     pub target: &'a IdVec<VertexId, f32>,
     /// Constraint UVs.
     pub uvs: &'a IdVec<CornerId, Vec2>,

@@ -64,7 +64,7 @@ impl<'a> Places<'a> {
 pub struct CoveredArea {
     /// The other face: the garment's for a face of the simulation mesh, and the reverse.
     pub face: FaceId,
-    /// Area on the baseline, by the samples in it. \[square stage units\]
+    /// Area on the baseline, by the samples in it. \[square mesh units\]
     pub area: f32,
 }
 
@@ -74,7 +74,7 @@ pub struct Coverage {
     pub sources: Csr<FaceId, CoveredArea>,
     /// For each face of the garment those of the simulation mesh, ascending.
     pub faces: Csr<FaceId, CoveredArea>,
-    /// Area on the baseline of each face of the garment. \[square stage units\]
+    /// Area on the baseline of each face of the garment. \[square mesh units\]
     pub source_area: IdVec<FaceId, f64>,
     /// Number of samples.
     pub samples: u64,
@@ -114,7 +114,7 @@ impl Coverage {
     }
 
     /// Area inside both a set of the garment's faces and a set of faces of the simulation mesh, area of the first, and
-    /// area of the second. \[square stage units\]
+    /// area of the second. \[square mesh units\]
     fn common(&self, source: &[FaceId], set: &[FaceId]) -> [f64; 3] {
         let mut is_in = IdVec::<FaceId, bool>::filled(false, self.faces.rows());
         source.iter().for_each(|&f| is_in[f] = true);

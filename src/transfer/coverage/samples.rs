@@ -44,9 +44,9 @@ impl AreaTally {
 pub(super) struct SamplePlan {
     /// The number of the first sample of each triangle, and one past its last.
     numbers: IdVec<FaceId, [u64; 2]>,
-    /// The area of each triangle. \[square stage units\]
+    /// The area of each triangle. \[square mesh units\]
     pub area: IdVec<FaceId, f32>,
-    /// The area that one sample of each triangle stands for. \[square stage units\]
+    /// The area that one sample of each triangle stands for. \[square mesh units\]
     sample_area: IdVec<FaceId, f32>,
     /// Start of the sequence.
     shift: [u64; 2],

@@ -15,7 +15,7 @@ const MAX_VISITED_PER_SEGMENT: usize = 64;
 
 /// The part of the simulation mesh beside a curve; vertices go by their index in it.
 pub(super) struct Corridor {
-    /// Length of the curve. \[stage units\]
+    /// Length of the curve. \[mesh units\]
     pub length: f32,
     /// Whether the curve is closed.
     pub is_closed: bool,
@@ -43,7 +43,7 @@ pub(super) struct CorridorEdge {
     pub to: u32,
     /// Squared mean distance of its ends from the curve, in target lengths.
     pub off: f32,
-    /// \[stage units\]
+    /// \[mesh units\]
     pub length: f64,
 }
 

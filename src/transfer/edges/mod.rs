@@ -41,14 +41,14 @@ pub(super) struct CarriedEdges {
     pub lost: usize,
     /// Number of paths that meet others because the mesh has too few vertices.
     pub merged: usize,
-    /// Length of the source's curves on the baseline. \[stage units\]
+    /// Length of the source's curves on the baseline. \[mesh units\]
     pub source_length: f64,
     /// Largest distance of a vertex from its curve, in local target lengths.
     pub farthest: f32,
     /// Triangles and vertices that the searches for its paths visited.
     #[cfg(feature = "internals")]
     pub visited: usize,
-    /// Length of its edges, with the shortest path in place of each that is too long. \[stage units\]
+    /// Length of its edges, with the shortest path in place of each that is too long. \[mesh units\]
     pub shortest: f64,
 }
 
@@ -161,7 +161,7 @@ impl<'a> EdgeTransfer<'a> {
     }
 }
 
-/// \[stage units\]
+/// \[mesh units\]
 fn length(edges: impl Iterator<Item = [VertexId; 2]>, points: &IdVec<VertexId, Vec3>) -> f64 {
     edges.map(|[a, b]| f64::from(points[a].distance(points[b]))).sum()
 }

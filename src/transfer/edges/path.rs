@@ -38,7 +38,7 @@ pub(super) struct EdgePath {
     /// Largest distance of a vertex from the curve, in local target lengths.
     pub farthest: f32,
     /// Its length, or that of the shortest path between its ends if its own differs from the curve's by more than the
-    /// slack. \[stage units\]
+    /// slack. \[mesh units\]
     pub shortest: f64,
 }
 
@@ -108,18 +108,18 @@ impl Corridor {
         paths
     }
 
-    /// Difference in length from the curve beyond the slack. \[stage units\]
+    /// Difference in length from the curve beyond the slack. \[mesh units\]
     fn length_error(&self, length: f64) -> f64 {
         let wanted = f64::from(self.length);
         ((length - wanted).abs() - LENGTH_SLACK * wanted).max(0.0)
     }
 
-    /// \[stage units\]
+    /// \[mesh units\]
     fn least_gain(&self) -> f64 {
         LENGTH_GAIN * f64::from(self.length)
     }
 
-    /// \[stage units\]
+    /// \[mesh units\]
     fn edge_length(&self, a: usize, b: usize) -> f64 {
         let edge = self.edges_of(a).iter().find(|e| e.to as usize == b);
         edge.expect("consecutive vertices of a path share an edge").length

@@ -9,7 +9,7 @@ const LOOK_AHEAD: usize = 3;
 /// A path on the baseline.
 pub(super) struct Polyline {
     segments: Vec<Segment>,
-    /// \[stage units\]
+    /// \[mesh units\]
     pub length: f32,
     pub is_closed: bool,
 }
@@ -19,7 +19,7 @@ struct Segment {
     step: Vec3,
     /// Reciprocal of the squared length.
     inverse: f32,
-    /// Length of the polyline before it, and its own. \[stage units\]
+    /// Length of the polyline before it, and its own. \[mesh units\]
     along: f32,
     length: f32,
 }
@@ -28,9 +28,9 @@ struct Segment {
 #[derive(Clone, Copy)]
 pub(super) struct PolylinePoint {
     pub segment: usize,
-    /// Arc length. \[stage units\]
+    /// Arc length. \[mesh units\]
     pub s: f32,
-    /// \[stage units\]
+    /// \[mesh units\]
     pub distance: f32,
 }
 

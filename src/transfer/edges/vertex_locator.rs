@@ -39,9 +39,9 @@ pub(super) struct VertexLocator<'a> {
 
 /// The vertices of the simulation mesh along a chain.
 struct AlongChain {
-    /// Each with its arc length, ascending. A loop repeats its first vertex at the end. \[stage units\]
+    /// Each with its arc length, ascending. A loop repeats its first vertex at the end. \[mesh units\]
     vertices: Vec<(f32, VertexId)>,
-    /// The longest arc between a cage vertex and its vertex. \[stage units\]
+    /// The longest arc between a cage vertex and its vertex. \[mesh units\]
     reach: f32,
 }
 

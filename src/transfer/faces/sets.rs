@@ -100,9 +100,9 @@ fn clean_islands(labels: &mut Labels, map: &Correspondence<'_>) -> usize {
 struct LabelledSource<'a> {
     map: &'a Correspondence<'a>,
     labels: Labels,
-    /// Area of each set. \[square stage units\]
+    /// Area of each set. \[square mesh units\]
     area: Vec<f64>,
-    /// Area outside of all sets. \[square stage units\]
+    /// Area outside of all sets. \[square mesh units\]
     unlabelled_area: f64,
 }
 

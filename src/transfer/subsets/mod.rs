@@ -28,7 +28,7 @@ pub(super) struct CarriedSubsets {
 pub struct SetCurve {
     /// Name of the subset.
     pub name: String,
-    /// Its length. \[stage units\]
+    /// Its length. \[mesh units\]
     pub length: f64,
     /// Largest distance from it of the subset on the simulation mesh, in local target lengths.
     pub farthest: f32,
@@ -36,7 +36,7 @@ pub struct SetCurve {
     #[cfg(feature = "internals")]
     pub visited: usize,
     /// Length of the subset on the simulation mesh, with the shortest path within reach in place of each path that is
-    /// too long. \[stage units\]
+    /// too long. \[mesh units\]
     pub shortest: f64,
 }
 

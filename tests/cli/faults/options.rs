@@ -52,7 +52,7 @@ fn of_overrides() {
         ),
         of(
             "build in.usda -o out/coat.usda --set sim.maxEdgeLength=1e300",
-            &["sim.maxEdgeLength: inf is no length", "positive number of stage units"],
+            &["sim.maxEdgeLength: inf is no length", "positive number of mesh units"],
         ),
         of(
             "build in.usda -o out/coat.usda --set sim.maxEdgeLength=-1",

@@ -23,7 +23,7 @@ pub const TARGETS: [Target; 4] = [("recipe", recipe), ("document", document), ("
 
 /// Bound of the simulation mesh, so that a case takes no more than seconds. \[triangles\]
 const MAX_FACES: usize = 20_000;
-/// Points of larger size may overflow in single precision. \[stage units\]
+/// Points of larger size may overflow in single precision. \[mesh units\]
 const SANE: f32 = 1e15;
 
 /// The text of a `.tailor` file.

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 /// The origin of each vertex of a render mesh on the limit surface of its garment.
 pub struct Origins {
-    /// The position without the heights of operators. All layers of a hem have that of the first. \[stage units\]
+    /// The position without the heights of operators. All layers of a hem have that of the first. \[mesh units\]
     pub points: IdVec<VertexId, Vec3>,
     /// Faces of the garment around each vertex, ascending.
     pub faces: Csr<VertexId, FaceId>,

@@ -68,5 +68,5 @@ const UNITS: Record<string, string> = {
 
 /** A short form of an option's unit, which may be empty. */
 export function unitOf(unit: string, garment: GarmentMessage | null): string {
-  return unit.includes("stage unit") ? lengthUnit(garment) : (UNITS[unit] ?? "");
+  return unit.includes("mesh unit") ? lengthUnit(garment) : (UNITS[unit] ?? "");
 }

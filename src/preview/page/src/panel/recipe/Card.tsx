@@ -156,7 +156,7 @@ export function Card({ operator, kind, place, count, handle, drag }: CardProps) 
 function Summary({ operator }: { operator: Stacked }) {
   const fields = useSelect(({ document }) => operatorAt(document.merged, operator));
   const garment = useSelect((state) => state.garment);
-  return <>{fields && summary(operator, fields, unitOf("stage units", garment))}</>;
+  return <>{fields && summary(operator, fields, unitOf("mesh units", garment))}</>;
 }
 
 function summary({ kind }: Stacked, fields: Fields, unit: string): string {
