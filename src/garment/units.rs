@@ -50,7 +50,7 @@ impl Visitor<'_> for Length {
     }
 
     fn visit_str<E: Error>(self, v: &str) -> Result<f32, E> {
-        if meters_of(v).is_some() { Ok(f32::NAN) } else { Err(E::invalid_value(Unexpected::Str(v), &self)) }
+        if meters_of(v).is_some() { Ok(f32::NAN) } else { Err(E::invalid_type(Unexpected::Str(v), &self)) }
     }
 }
 

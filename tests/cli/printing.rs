@@ -56,7 +56,7 @@ fn info_tells_what_there_is_and_what_would_be_done() {
         "subset   left of 2 faces, family panels",
         "subset   placket of 2 edges, family seams",
         "subset   pins of 2 points",
-        "triangles at lengths 0.5 to 0.5",
+        "triangles at length 0.5000 mesh units (5.00 mm)",
         "constraint chains",
         "render   64 faces at level 2",
     ]);
@@ -133,7 +133,7 @@ fn codes_are_explained() {
     assert!(all.stdout.lines().all(|line| line.len() <= 120), "{all}");
     folder.good("explain output-exists").prints(&["output-exists\n", "Cause: ", "Remedy: ", "--force"]);
     let unknown = folder.run("explain output-exsits");
-    assert_eq!(unknown.code, Some(1), "{unknown}");
+    assert_eq!(unknown.code, Some(2), "{unknown}");
     unknown.says(&["error[command-line]: there is no code", "did you mean output-exists?"]);
 }
 
@@ -153,10 +153,10 @@ fn help_is_grouped_and_gives_units() {
         "sim.maxEdgeLength",
     ]);
     assert!(run.stderr.is_empty(), "{run}");
-    folder.good("--help").prints(&["build", "info", "check", "Usage: usdtailor <COMMAND>"]);
+    folder.good("--help").prints(&["build", "info", "check", "Usage: usdtailor [OPTIONS] <COMMAND>"]);
     let bare = folder.run("");
-    assert_eq!((bare.code, bare.stdout.as_str()), (Some(1), ""), "{bare}");
-    bare.says(&["build", "info", "check", "Usage: usdtailor <COMMAND>"]);
+    assert_eq!((bare.code, bare.stdout.as_str()), (Some(2), ""), "{bare}");
+    bare.says(&["build", "info", "check", "Usage: usdtailor [OPTIONS] <COMMAND>"]);
     assert!(folder.good("--version").stdout.starts_with("usdtailor "));
 }
 

@@ -89,18 +89,24 @@ FAULTS = {
     "broken mesh": (broken_mesh, "", ["/Coat/model.faceVertexIndices", "99"]),
     "taken name": (a_prim_in_the_way, "", ["/Coat/sim is taken"]),
     "missing density": (text_of('{"source": "coat.usda", "sim": {"density": "paint"}}'), "", ["paint"]),
-    "missing UV set": (no_uv, "sim.uvSet=map1", ["map1"]),
     "missing constraint": (text_of('{"source": "coat.usda", "sim": {"constraints": ["hem"]}}'), "", ["hem"]),
-    "unknown argument": (None, "sim.maxEdge=1", ["argument sim.maxEdge"]),
-    "argument of another type": (None, "render.level=two", ["render.level", "two"]),
     "time that is none": (None, "time=noon", ["time", "noon"]),
     "time without end": (None, "time=inf", ["time"]),
-    "lengths the wrong way round": (None, "sim.minEdgeLength=3&sim.maxEdgeLength=2", ["sim.minEdgeLength"]),
-    "far too fine": (None, "sim.maxEdgeLength=0.0001", ["triangles", "sim.maxEdgeLength"]),
-    "far too many samples": (None, "sim.transferSamples=1000000000", ["sim.transferSamples", "at most"]),
-    "far too many levels": (None, "render.level=99", ["render.level"]),
     "itself": (itself, "", ["uses the file itself", "coat.usda -> "]),
     "itself by a long way": (itself_by_a_long_way, "", ["uses the file itself", "one.usda", "other.tailor", "other.usda"]),
+}
+
+
+# Values of options that no recipe can have: attribute of the payload's prim, type, value, what must be said.
+BAD_VALUES = {
+    "missing UV set": ("sim:uvSet", "Token", "map1", ["map1"]),
+    "value of another type": ("render:level", "Token", "two", ["render.level", "two"]),
+    "lengths the wrong way round": ("sim:minEdgeLength", "Float", 1e3, ["sim.minEdgeLength"]),
+    "far too fine": ("sim:maxEdgeLength", "Float", 0.0001, ["triangles", "sim.maxEdgeLength"]),
+    "far too many samples": ("sim:transferSamples", "Int", 1000000000, ["sim.transferSamples", "at most"]),
+    "far too many levels": ("render:level", "Int", 99, ["render.level"]),
+    "a negative length": ("sim:maxEdgeLength", "Float", -1.0, ["sim.maxEdgeLength"]),
+    "missing set": ("sim:constraints", "TokenArray", ["hem"], ["hem"]),
 }
 
 
@@ -126,6 +132,58 @@ def test_one_error_names_file_cause_and_remedy(folder, name):
     assert all(words in found[0] for words in said), found
     assert "\n  hint: " in found[0] or "internal" not in found[0], found
     assert not [layer for layer in Sdf.Layer.GetLoadedLayers() if layer and layer.realPath == path], "nothing half-filled stays open"
+
+
+@pytest.mark.parametrize("name", BAD_VALUES)
+def test_a_bad_value_keeps_the_garment_and_is_told(folder, name):
+    """The content stays as the recipe without the value makes it, and follows when the value is corrected."""
+    attribute, kind, value, said = BAD_VALUES[name]
+    printed = script(
+        """
+import os, sys, json
+os.dup2(1, 2)
+from pxr import Sdf, Usd, UsdGeom
+path, attribute, kind, value = sys.argv[1:]
+stage = Usd.Stage.CreateInMemory()
+prim = stage.DefinePrim("/Coat")
+assert prim.GetPayloads().AddPayload(path)
+
+def points(name):
+    return list(UsdGeom.Mesh(stage.GetPrimAtPath(f"/Coat/{name}")).GetPointsAttr().Get())
+
+rounds = prim.CreateAttribute("tailor:sim:iterations", Sdf.ValueTypeNames.Int)
+rounds.Set(2)
+before = points("sim"), points("render")
+assert before[0] and before[1]
+bad = prim.CreateAttribute("tailor:" + attribute, getattr(Sdf.ValueTypeNames, kind))
+bad.Set(json.loads(value))
+assert (points("sim"), points("render")) == before, "changed by a value that no recipe can have"
+rounds.Set(1)
+assert points("render") == before[1], "gone with the next edit"
+bad.Clear()
+rounds.Set(2)
+assert (points("sim"), points("render")) == before, "not mended"
+""",
+        folder / "coat.tailor",
+        attribute,
+        kind,
+        json.dumps(value),
+    )
+    assert all(words in printed for words in said), printed
+    assert "left out" in printed
+
+
+def test_an_argument_that_is_no_option_is_told(folder):
+    printed = script(
+        """
+import os, sys
+os.dup2(1, 2)
+from pxr import Sdf
+assert Sdf.Layer.FindOrOpen(sys.argv[1] + ":SDF_FORMAT_ARGS:sim.maxEdge=1").GetPrimAtPath("/Coat/sim")
+""",
+        folder / "coat.tailor",
+    )
+    assert "argument sim.maxEdge" in printed and "sim.maxEdgeLength" in printed, printed
 
 
 def test_a_fault_that_is_mended_is_gone(folder):

@@ -53,8 +53,18 @@ fn check(run: &Run, says: &[&str]) {
 fn complaint(run: &Run, says: &[&str]) -> Option<String> {
     let said = &run.stderr;
     let mut wrong = Vec::new();
-    if run.code != Some(1) {
-        wrong.push("the exit code is not 1".to_owned());
+    // The command line has an exit code of its own, whoever reads it.
+    let starts = [
+        "error: ",
+        "error[command-line]",
+        "error[no-input]",
+        "error[unknown-option]: --set",
+        "error[option-value]: --set",
+    ];
+    let is_usage = starts.iter().any(|start| said.starts_with(start));
+    let code = if is_usage { 2 } else { 1 };
+    if run.code != Some(code) {
+        wrong.push(format!("the exit code is not {code}"));
     }
     if !run.stdout.is_empty() {
         wrong.push("standard output is for results".into());

@@ -91,7 +91,7 @@ fn of_overrides() {
         ),
         of(
             "build in.usda -o out/coat.usda --set sim.constraints=left",
-            &["sim.constraints: \"left\" is no edge subset of"],
+            &["sim.constraints: \"left\" is a subset of faces of"],
         ),
         of(
             "build in.usda -o out/coat.usda --set sim.maxEdgeLength=0.01 --max-faces 1000",

@@ -96,7 +96,7 @@ fn of_the_models_attributes() {
         ),
         attribute(
             "rel tailor:sim:constraints = </Coat/model/left>",
-            &["sim.constraints: \"left\" is no edge subset of"],
+            &["sim.constraints: \"left\" is a subset of faces of"],
         ),
         attribute("uniform int tailor:render:level = 9", &["render.level: 9 is too large"]),
         attribute(
