@@ -3,13 +3,16 @@
 mod api;
 mod browser;
 mod golden;
+mod links;
 mod node;
 mod page;
 mod peers;
 mod plugin;
 mod process;
 mod project;
+mod recipe;
 mod schemas;
+mod site;
 mod steps;
 mod text;
 mod venv;
@@ -30,6 +33,8 @@ Tasks:
                                with --check, fail if they differ instead
   page                         Bundle the page of `usdtailor preview`, which the next build of the program embeds
   api                          Write docs/api.txt, the public API that the step `docs` compares
+  recipe                       Write the tables of docs/recipe.md, which the step `site` compares
+  site                         Check the documents, and draw them as a site in target/site
   examples [ARGS...]           Write the garments in examples/ (examples/make_garments.py)
   picture                      Draw examples/coat.usda and examples/sewn/coat.usda to examples/*.png, and the preview to
                                docs/preview/*.jpg
@@ -84,23 +89,28 @@ fn run(args: &[String]) -> Outcome {
             _ => Err(unexpected(task, rest)),
         },
         "api" if rest.is_empty() => steps::docs(&project).and_then(|()| api::write(&project)),
+        "recipe" if rest.is_empty() => built(&project).and_then(|()| recipe::write(&project)),
+        "site" if rest.is_empty() => built(&project).and_then(|()| site::build(&project)),
         "examples" => examples(&project, rest),
         "page" if rest.is_empty() => page::build(&project),
-        "preview-bench" => {
-            page::build(&project).and_then(|()| steps::build(&project)).and_then(|()| browser::figures(&project, rest))
-        }
+        "preview-bench" => built(&project).and_then(|()| browser::figures(&project, rest)),
         "picture" if rest.is_empty() => picture(&project),
         "plugin" => plugin::run(&project, rest),
         "golden" => golden::run(&project, rest),
         "venv" if rest.is_empty() => venv::ensure(&project).map(|_| ()),
         "peers" if rest.is_empty() => peers::run(&project),
-        "api" | "page" | "picture" | "peers" | "venv" => Err(unexpected(task, rest)),
+        "api" | "page" | "picture" | "peers" | "recipe" | "site" | "venv" => Err(unexpected(task, rest)),
         _ => Err(Failure::new(format!("no task `{task}`")).hint("cargo xtask --help lists them")),
     }
 }
 
 fn unexpected(task: &str, args: &[String]) -> Failure {
     Failure::new(format!("`{task}` does not take `{}`", args.join(" "))).hint("cargo xtask --help lists the tasks")
+}
+
+/// Builds the release binary with its page.
+fn built(project: &Project) -> Outcome {
+    page::build(project).and_then(|()| steps::build(project))
 }
 
 fn examples(project: &Project, args: &[String]) -> Outcome {
@@ -111,17 +121,16 @@ fn examples(project: &Project, args: &[String]) -> Outcome {
 /// Draws the pictures in `examples/` from stages that the release binary builds.
 fn picture(project: &Project) -> Outcome {
     let python = venv::ensure(project)?;
-    page::build(project)?;
-    steps::build(project)?;
+    built(project)?;
     let folder = project.scratch("picture")?;
-    let built = |source: &str, name: &str, options: &[&str]| {
+    let output_of = |source: &str, name: &str, options: &[&str]| {
         let path = folder.join(name);
         let mut command = project.command(project.binary());
         process::run(command.args(["build", source, "-o"]).arg(&path).args(options)).map(|()| path)
     };
-    let coat = built("examples/coat.usda", "coat.usda", &[])?;
+    let coat = output_of("examples/coat.usda", "coat.usda", &[])?;
     let [cage, surface] = ["0", "3"].map(|level| {
-        built("examples/sewn/coat.usda", &format!("sewn{level}.usda"), &["--set", &format!("render.level={level}")])
+        output_of("examples/sewn/coat.usda", &format!("sewn{level}.usda"), &["--set", &format!("render.level={level}")])
     });
     let script = |name: &str| {
         let mut command = project.command(&python);

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use crate::process::{self, Failure, Outcome};
 use crate::project::Project;
-use crate::{api, browser, page, plugin, schemas, venv};
+use crate::{api, browser, page, plugin, schemas, site, venv};
 
 struct Step {
     name: &'static str,
@@ -20,7 +20,7 @@ struct Step {
 ///
 /// Clippy and docs are adjacent, as they share the metadata of the dependencies. Tests and the binary use different
 /// profiles.
-const STEPS: [Step; 12] = [
+const STEPS: [Step; 13] = [
     // Before all that compiles the program, which embeds the page.
     Step {
         name: "page",
@@ -43,6 +43,12 @@ const STEPS: [Step; 12] = [
     },
     Step { name: "rust", about: "cargo test --workspace", needs: &[], run: rust },
     Step { name: "build", about: "the release binary", needs: &[], run: |project, _| build(project) },
+    Step {
+        name: "site",
+        about: "the documents: options against the program, links, and the site",
+        needs: &["page", "build"],
+        run: |project, _| site::build(project),
+    },
     Step {
         name: "venv",
         about: "the Python environment target/venv",

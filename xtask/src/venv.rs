@@ -8,6 +8,7 @@ use crate::process::{self, Failure, Outcome};
 use crate::project::Project;
 
 const REQUIREMENTS: &str = "tests/usd/requirements.txt";
+const SITE: &str = "xtask/site/requirements.txt";
 const NEWTON: &str = "tests/newton/requirements.txt";
 
 /// Creates `target/venv`, or recreates it if its requirements have changed, and returns its interpreter.
@@ -20,6 +21,12 @@ pub fn ensure(project: &Project) -> Outcome<PathBuf> {
 pub fn ensure_newton(project: &Project) -> Outcome<PathBuf> {
     let wanted = project.read(NEWTON)?;
     ensure_with(project, "venv-newton", &wanted, &["--requirement", NEWTON])
+}
+
+/// Like [`ensure`], for the program that draws the documents.
+pub fn ensure_site(project: &Project) -> Outcome<PathBuf> {
+    let wanted = project.read(SITE)?;
+    ensure_with(project, "venv-site", &wanted, &["--requirement", SITE])
 }
 
 /// Like [`ensure`], for an environment with only one version of usd-core.

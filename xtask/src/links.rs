@@ -1,0 +1,95 @@
+//! Checks the links of the documents: each names a file of the project, and a heading of it.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::process::{Failure, Outcome};
+use crate::project::Project;
+
+/// Documents outside `docs/`.
+const DOCUMENTS: [&str; 4] = ["README.md", "SECURITY.md", "CHANGELOG.md", "examples/README.md"];
+
+/// Fails with all links that lead nowhere.
+pub fn check(project: &Project) -> Outcome {
+    let pages = fs::read_dir(project.root.join("docs"))
+        .map_err(|error| Failure::new(format!("cannot list docs: {error}")))?
+        .filter_map(|entry| Some(Path::new("docs").join(entry.ok()?.file_name())))
+        .filter(|path| path.extension().is_some_and(|extension| extension == "md"));
+    let mut documents: Vec<PathBuf> = DOCUMENTS.iter().map(PathBuf::from).chain(pages).collect();
+    documents.sort();
+    let mut broken = Vec::new();
+    for document in documents {
+        let text = project.read(&document.to_string_lossy())?;
+        for link in links(&text) {
+            if let Some(fault) = fault(project, &document, &text, &link) {
+                broken.push(format!("{}: {link}: {fault}", document.display()));
+            }
+        }
+    }
+    if broken.is_empty() { Ok(()) } else { Err(Failure::new(format!("broken links\n{}", broken.join("\n")))) }
+}
+
+/// The reason that a link of a document leads nowhere.
+fn fault(project: &Project, document: &Path, text: &str, link: &str) -> Option<String> {
+    let (path, anchor) = link.split_once('#').map_or((link, None), |(path, anchor)| (path, Some(anchor)));
+    let file = document.parent().unwrap_or(Path::new("")).join(path);
+    let full = project.root.join(&file);
+    if !path.is_empty() && !full.exists() {
+        return Some("no such file".to_owned());
+    }
+    let anchor = anchor?;
+    let headings = if path.is_empty() { anchors(text) } else { anchors(&fs::read_to_string(full).ok()?) };
+    if headings.contains(anchor) { None } else { Some("no such heading".to_owned()) }
+}
+
+/// The targets of a text's links to files. Fenced blocks and code spans are left out.
+fn links(text: &str) -> Vec<String> {
+    let plain: String =
+        prose(text).map(|line| line.split('`').step_by(2).collect::<Vec<_>>().join("`") + "\n").collect();
+    let targets = plain.split("](").skip(1).filter_map(|rest| Some(rest.split_once(')')?.0));
+    targets.filter(|target| !target.contains("://") && !target.starts_with("mailto:")).map(str::to_owned).collect()
+}
+
+/// The anchors that GitHub and MkDocs give the headings of a text.
+fn anchors(text: &str) -> BTreeSet<String> {
+    prose(text).filter(|line| line.starts_with('#')).map(|line| slug(line.trim_start_matches('#').trim())).collect()
+}
+
+fn slug(heading: &str) -> String {
+    let kept = heading.to_lowercase();
+    kept.chars()
+        .filter(|c| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_'))
+        .map(|c| if c == ' ' { '-' } else { c })
+        .collect()
+}
+
+/// The lines outside fenced blocks.
+fn prose(text: &str) -> impl Iterator<Item = &str> {
+    let mut fenced = false;
+    text.lines().filter(move |line| {
+        let is_fence = line.trim_start().starts_with("```");
+        fenced ^= is_fence;
+        !fenced && !is_fence
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn links_are_those_of_the_prose() {
+        let text =
+            "see [a](b.md#c) and [`code`](d.rs), not `[x](y)`\n```\n[p](q)\n```\n![i](i.png) [w](https://w.org)\n";
+        assert_eq!(links(text), ["b.md#c", "d.rs", "i.png"]);
+    }
+
+    #[test]
+    fn headings_have_the_anchors_of_github() {
+        assert_eq!(slug("A `.tailor` file"), "a-tailor-file");
+        assert!(
+            anchors("# One Two\n```\n# no\n```\n").contains("one-two") && !anchors("```\n# no\n```\n").contains("no")
+        );
+    }
+}

@@ -1,0 +1,17 @@
+//! The documents as a site, with MkDocs Material.
+
+use crate::process::{self, Outcome};
+use crate::project::Project;
+use crate::{links, recipe, venv};
+
+/// Checks tables and links of the documents, and draws them in `target/site`. A warning of MkDocs is a failure.
+pub fn build(project: &Project) -> Outcome {
+    recipe::check(project)?;
+    links::check(project)?;
+    let python = venv::ensure_site(project)?;
+    let mut command = project.command(python);
+    // Material for MkDocs prints an advertisement otherwise.
+    command.env("NO_MKDOCS_2_WARNING", "1");
+    command.args(["-m", "mkdocs", "build", "--quiet", "--strict", "-f", "xtask/site/mkdocs.yml", "--site-dir"]);
+    process::run(command.arg(project.target.join("site")))
+}
