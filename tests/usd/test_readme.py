@@ -1,0 +1,55 @@
+"""The tutorial of the README runs as it is printed."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from conftest import EXAMPLES, ROOT
+from pxr import Usd
+
+SECTION = "Five minutes"
+LINES = 150
+
+
+def tutorial():
+    """The `sh` blocks of the tutorial, as one script."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    section = re.search(rf"^## {SECTION}\n(.*?)^## ", text, re.M | re.S).group(1)
+    return "\n".join(re.findall(r"^```sh\n(.*?)^```$", section, re.M | re.S))
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="the tutorial is for a POSIX shell: it is NOT tested")
+def test_the_tutorial_runs_as_printed(usdtailor, tmp_path):
+    script = tutorial()
+    for command in ("info", "check", "build", "explain"):
+        assert f"usdtailor {command} " in script
+    shutil.copytree(EXAMPLES, tmp_path / "examples", ignore=shutil.ignore_patterns("*.png", "__pycache__"))
+    programs = tmp_path / "programs"
+    programs.mkdir()
+    (programs / "usdtailor").symlink_to(Path(usdtailor).absolute())
+    # The interpreter is not resolved, so that it finds the packages of its environment.
+    (programs / "python").write_text(f'#!/bin/sh\nexec "{sys.executable}" "$@"\n')
+    (programs / "python").chmod(0o755)
+    path = os.pathsep.join([str(programs), os.environ["PATH"]])
+    done = subprocess.run(
+        ["bash", "-euo", "pipefail", "-c", script], cwd=tmp_path, env={**os.environ, "PATH": path},
+        capture_output=True, text=True, check=False, timeout=300,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    # The one warning that the text speaks of.
+    assert re.findall(r"warning\[([\w-]+)\]", done.stderr) == ["shallow-seam"]
+
+    stage = Usd.Stage.Open(str(tmp_path / "shirt.usdc"))
+    assert all(stage.GetPrimAtPath(f"/Tshirt/{name}") for name in ("model", "sim", "render"))
+    assert "2 operators: seam.side, thickness.neck_hem" in done.stdout
+    assert (tmp_path / "shirt.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_readme_is_an_entry_and_names_both_commands():
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert len(text.splitlines()) < LINES
+    assert "cargo usdtailor build examples/" in text and "cargo xtask test" in text
