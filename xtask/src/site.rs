@@ -10,8 +10,8 @@ pub fn build(project: &Project) -> Outcome {
     links::check(project)?;
     let python = venv::ensure_site(project)?;
     let mut command = project.command(python);
-    // Material for MkDocs prints an advertisement otherwise.
+    // Not --quiet, which hides warnings from --strict. Material for MkDocs prints an advertisement otherwise.
     command.env("NO_MKDOCS_2_WARNING", "1");
-    command.args(["-m", "mkdocs", "build", "--quiet", "--strict", "-f", "xtask/site/mkdocs.yml", "--site-dir"]);
+    command.args(["-m", "mkdocs", "build", "--strict", "-f", "xtask/site/mkdocs.yml", "--site-dir"]);
     process::run(command.arg(project.target.join("site")))
 }
