@@ -121,7 +121,7 @@ mod tests {
     fn an_option_may_span_lines() {
         let rows = parsed(HELP);
         assert_eq!(rows.len(), 2);
-        assert_eq!((rows[0].meaning.as_str(), rows[0].unit.as_str()), ("a long text", "stage units"));
+        assert_eq!((rows[0].meaning.as_str(), rows[0].unit.as_str()), ("a long text", "mesh units"));
         assert_eq!((rows[1].key.as_str(), rows[1].default.as_str()), ("b.names", "[]"));
     }
 

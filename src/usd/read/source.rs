@@ -9,7 +9,7 @@ use super::origin::StageOrigin;
 use super::primvars::Declarations;
 use super::recipe::read_recipe;
 use super::variants::Selection;
-use crate::error::{Code, Error, ErrorCode, Warning, Warnings};
+use crate::error::{Code, Error, ErrorCode, ErrorKind, Warning, Warnings};
 use crate::garment::{GarmentInput, PrimvarInput, PrimvarRole};
 use crate::usd::{BuildRecord, on_large_stack};
 use openusd::usd::TimeCode;
@@ -61,7 +61,7 @@ impl Source {
 
     fn of(origin: StageOrigin, options: &ReadOptions) -> Result<Self, Error> {
         if options.time.is_some_and(|t| !t.is_finite()) {
-            return Err(Error::usd("the time is not a number")
+            return Err(Error::new(ErrorKind::Usage, "", "the time is not a number")
                 .code(ErrorCode::CommandLine)
                 .remedy("give a time code, such as 1 or 24.5"));
         }
