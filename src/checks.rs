@@ -98,14 +98,12 @@ fn of_kind(kind: &str) -> Option<&'static str> {
     }
 }
 
-/// Words that are this much alike are taken for slips. \[Jaro-Winkler similarity\]
-const ALIKE: f64 = 0.85;
-
-/// The start of a remedy that names the known word that is most like `word`; empty where none is.
+/// The start of a remedy that names the known word nearest to `word`; empty where a third of the letters or more differ.
 pub fn did_you_mean(word: &str, known: &[impl AsRef<str>]) -> String {
-    let likeness = |name: &str| strsim::jaro_winkler(&word.to_lowercase(), &name.to_lowercase());
-    let rated = known.iter().map(|name| (likeness(name.as_ref()), name.as_ref()));
-    let best = rated.filter(|(rate, _)| *rate >= ALIKE).max_by(|a, b| a.0.total_cmp(&b.0));
+    let letters = word.chars().count();
+    let distance = |name: &str| strsim::damerau_levenshtein(&word.to_lowercase(), &name.to_lowercase());
+    let near = known.iter().map(|name| (distance(name.as_ref()), name.as_ref()));
+    let best = near.filter(|(distance, _)| *distance <= (letters / 3).max(1) && *distance < letters).min();
     best.map(|(_, name)| format!("did you mean {name}? ")).unwrap_or_default()
 }
 
