@@ -216,6 +216,10 @@ pub enum Code {
     Composition,
     /// An option of a payload cannot be one, and is left out.
     IgnoredOption,
+    /// A prim has options that belong on a mesh below it.
+    MisplacedOptions,
+    /// A schema is applied, and the sets that it needs are not named.
+    SchemaWithoutSets,
     /// Fewer threads are started than asked for.
     ThreadsCapped,
 }

@@ -3,7 +3,7 @@
 use super::operators::split;
 use super::{Domain, KEYS, Key, Recipe, all_keys, bind_uv_set, default_of, in_words, kind_named, value_type};
 use crate::checks::did_you_mean;
-use crate::error::{Error, ErrorCode, ErrorKind, Warning, Warnings};
+use crate::error::{Code, Error, ErrorCode, ErrorKind, Warning, Warnings};
 use crate::garment::units::meters_of;
 use crate::garment::{Garment, Units};
 use serde_json::{Map, Value};
@@ -52,6 +52,22 @@ impl Layers {
         match default_of(space, key) {
             Some(_) => self.set(space, key, value),
             None => unknown(&format!("tailor:{space}:{}", key.replace('.', ":"))),
+        }
+    }
+
+    /// Warns of applied schemas of operators for which no layer names a set, such as `TailorSeamAPI:side`.
+    pub fn check_schemas(&self, prim: &str, schemas: &[String], warnings: &mut Warnings) {
+        for (kind, schema, sets) in [("seam", "TailorSeamAPI:", "edges"), ("thickness", "TailorThicknessAPI:", "faces")]
+        {
+            for name in schemas.iter().filter_map(|applied| applied.strip_prefix(schema)) {
+                let named =
+                    self.merged.get(kind).and_then(|names| names.get(name)).and_then(|of_name| of_name.get(sets));
+                if named.is_none() {
+                    let problem = format!("{schema}{name} is applied, and tailor:{kind}:{name}:{sets} names no set");
+                    let remedy = format!("Target the {sets} with tailor:{kind}:{name}:{sets}, or remove the schema");
+                    warnings.push(Warning::new(Code::SchemaWithoutSets, prim, problem).remedy(remedy));
+                }
+            }
         }
     }
 

@@ -86,6 +86,9 @@ impl Input {
         }
         self.overrides.iter().try_for_each(|assignment| given.add_override(assignment))?;
         let mesh = source.garment(&mut warnings)?;
+        let mut all = authored.clone();
+        all.add(given.clone().into_map());
+        all.check_schemas(source.prim(), &source.facts().api_schemas, &mut warnings);
         [&mut authored, &mut given].into_iter().for_each(|layers| layers.convert_lengths(mesh.units));
         Ok(Opened { source, mesh, authored, given, warnings })
     }

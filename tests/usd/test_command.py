@@ -6,7 +6,7 @@ import re
 import pytest
 import sources
 from conftest import EXAMPLES, ROOT, run
-from pxr import Usd, UsdGeom
+from pxr import Sdf, Usd, UsdGeom
 
 SHIRT = EXAMPLES / "tshirt.usda"
 COAT = EXAMPLES / "coat.usda"
@@ -164,3 +164,41 @@ def test_colours_are_for_those_who_want_them(usdtailor, tmp_path):
     assert "\x1b[" not in plain and "\x1b[" in coloured
     assert re.sub(r"\x1b\[[0-9;]*m", "", coloured) == plain
     assert ROOT.is_dir()
+
+
+def test_options_above_the_only_mesh_are_taken(build, tmp_path):
+    """Whoever puts them on the asset means the mesh in it; those of the mesh itself are stronger."""
+
+    def above(mesh):
+        root = mesh.GetPrim().GetParent()
+        root.CreateAttribute("tailor:render:level", Sdf.ValueTypeNames.Int).Set(2)
+        root.CreateAttribute("tailor:sim:iterations", Sdf.ValueTypeNames.Int).Set(2)
+        root.CreateRelationship("tailor:sim:constraints").SetTargets([mesh.GetPath().AppendChild("waist")])
+        UsdGeom.Subset.CreateGeomSubset(mesh, "waist", UsdGeom.Tokens.edge, [0, 1])
+        mesh.GetPrim().CreateAttribute("tailor:sim:iterations", Sdf.ValueTypeNames.Int).Set(1)
+
+    path = tmp_path / "above.usda"
+    sources.write(path, finish=above)
+    recipe = build(path).report["recipe"]
+    assert recipe["render"]["level"] == 2 and recipe["sim"]["iterations"] == 1
+    assert recipe["sim"]["constraints"] == ["waist"]
+
+
+def test_options_above_several_meshes_are_told(usdtailor, tmp_path):
+    def above(mesh):
+        stage = mesh.GetPrim().GetStage()
+        sources.define(stage, "/Coat/other", sources.sheet())
+        mesh.GetPrim().GetParent().CreateAttribute("tailor:render:level", Sdf.ValueTypeNames.Int).Set(2)
+
+    path = tmp_path / "above.usda"
+    sources.write(path, finish=above)
+    done = run(usdtailor, "check", path, "--prim", "/Coat/model")
+    assert done.returncode == 0
+    assert "warning[misplaced-options]: /Coat" in done.stderr and "/Coat/model" in done.stderr, done.stderr
+
+
+def test_a_schema_without_sets_is_told(usdtailor, tmp_path):
+    path = tmp_path / "schema.usda"
+    sources.write(path, finish=lambda mesh: mesh.GetPrim().AddAppliedSchema("TailorSeamAPI:side"))
+    done = run(usdtailor, "check", path)
+    assert "warning[schema-without-sets]" in done.stderr and "tailor:seam:side:edges" in done.stderr, done.stderr

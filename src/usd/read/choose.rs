@@ -101,7 +101,7 @@ fn only_mesh(stage: &Stage, file: &Path) -> Result<Prim, Error> {
 }
 
 /// The paths of all active, defined meshes, including those inside instances.
-fn all_meshes(stage: &Stage, file: &Path) -> Result<Vec<sdf::Path>, Error> {
+pub fn all_meshes(stage: &Stage, file: &Path) -> Result<Vec<sdf::Path>, Error> {
     let mut meshes = Vec::new();
     for path in all_prims(stage, file, PrimPredicate::DEFAULT, true)? {
         if is_a(&prim_at(stage, &path)?, names::MESH)? {
