@@ -115,9 +115,13 @@ impl Cloth {
         let fabric = |face: usize| fabrics[fabric_of[face] as usize].fabric;
         let mean = Fabric::mean(areas.iter().enumerate().map(|(face, &area)| (fabric(face), area)));
         let masses = areas.iter().enumerate().map(|(face, area)| area * f64::from(fabric(face).density)).collect();
-        // Cloth thicker than half of its faces, as in a stage of the wrong unit, would be near all other cloth.
-        let thickness =
-            |face: FaceId| ((f64::from(fabric(face.index()).thickness) / meters) as f32).min(0.5 * mean_edge);
+        // Cloth thicker than half of a triangle, as in a stage of the wrong unit, would be near most other cloth, and the pairs
+        // more than memory holds.
+        let thickness = |face: FaceId| {
+            let [a, b, c] = surface.triangle(face);
+            let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+            ((f64::from(fabric(face.index()).thickness) / meters) as f32).min(0.5 * longest)
+        };
         let attachments = if options.attach { pieces::attachments(&surface, mean_edge) } else { Vec::new() };
         let cage = CageStretch::new(garment, uv_set);
         let (rest, of_rest) = rest::rest(options.rest, garment, product, &surface, cage.as_ref(), uv_set)?;
