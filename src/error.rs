@@ -220,6 +220,8 @@ pub enum Code {
     MisplacedOptions,
     /// A schema is applied, and the sets that it needs are not named.
     SchemaWithoutSets,
+    /// Borders of two meshes lie along each other and are not sewn.
+    UnsewnBorders,
     /// Fewer threads are started than asked for.
     ThreadsCapped,
 }

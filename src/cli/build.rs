@@ -11,8 +11,8 @@ use std::time::{Duration, Instant, SystemTime};
 use tailor::error::{Error, Warnings};
 use tailor::report::{RenderFigures, SimFigures};
 use tailor::session::{is_usd, written};
-use tailor::usd::{BuildRecord, WriteOptions, check_target, write};
-use tailor::{ClothFigures, Products, Progress, Timing};
+use tailor::usd::{BuildRecord, Source, Tailored, WriteOptions, check_target, product_names, write_all};
+use tailor::{Builder, ClothFigures, Products, Progress, Recipe, Timing};
 
 /// The name of a report that is printed.
 const STDOUT: &str = "-";
@@ -45,8 +45,14 @@ pub struct Summary {
     pub seconds: f64,
 }
 
-/// The products of one input, with their figures.
+/// The products of one garment of an input, with their figures.
 pub struct Built {
+    /// Path of the garment in messages.
+    pub prim: String,
+    /// Whether the input has no other garment.
+    pub is_one: bool,
+    /// Names of the two products.
+    pub names: [String; 2],
     pub products: Products,
     pub sim: SimFigures,
     pub render: RenderFigures,
@@ -143,11 +149,17 @@ fn build_one(build: &Build, task: &Task, budget: &Budget, bar: &ProgressBar) -> 
     }
     let start = Instant::now();
     match built(build, task, budget, bar) {
-        Ok(built) => Outcome::Built(Box::new(Summary {
-            text: text::summary(task, &built, build.inputs.verbose),
-            report: report::built(task, &built),
-            faces: [built.sim.faces, built.render.faces],
-            warnings: built.warnings,
+        Ok(garments) => Outcome::Built(Box::new(Summary {
+            text: garments.iter().map(|built| text::summary(task, built, build.inputs.verbose)).collect(),
+            report: report::built(task, &garments),
+            faces: [
+                garments.iter().map(|built| built.sim.faces).sum(),
+                garments.iter().map(|built| built.render.faces).sum(),
+            ],
+            warnings: garments.into_iter().fold(Warnings::default(), |mut all, built| {
+                all.extend(built.warnings);
+                all
+            }),
             seconds: start.elapsed().as_secs_f64(),
         })),
         Err(error) => Outcome::Failed(error),
@@ -158,52 +170,103 @@ fn build_one(build: &Build, task: &Task, budget: &Budget, bar: &ProgressBar) -> 
 fn planned(build: &Build, task: &Task, budget: &Budget) -> Result<String, Error> {
     let Task { input, output } = task;
     let opened = build.inputs.open(input)?;
-    check_target(&opened.source, output, build.force)?;
-    let (_, builder, recipe) = opened.check()?;
-    let plan = builder.with_max_memory(budget.limit()).plan(&recipe)?;
-    Ok(format!(
-        "{} -> {}: would write about {} triangles to {} and {} faces to {}\n",
-        input.display(),
-        output.display(),
-        plan.expected_faces,
-        build.sim_name,
-        plan.render_faces,
-        build.render_name
-    ))
+    check_target(&opened[0].source, output, build.force)?;
+    let names = [build.sim_name.as_str(), &build.render_name];
+    let names = product_names(&opened.iter().map(|garment| garment.source.clone()).collect::<Vec<_>>(), names);
+    let mut text = format!("{} -> {}: would write", input.display(), output.display());
+    for (garment, [sim, render]) in opened.into_iter().zip(names) {
+        let (_, builder, recipe) = garment.check()?;
+        let plan = builder.with_max_memory(budget.limit()).plan(&recipe)?;
+        text += &format!(" about {} triangles to {sim}, {} faces to {render};", plan.expected_faces, plan.render_faces);
+    }
+    Ok(text.trim_end_matches(';').to_owned() + "\n")
 }
 
-fn built(build: &Build, task: &Task, budget: &Budget, bar: &ProgressBar) -> Result<Built, Error> {
+fn built(build: &Build, task: &Task, budget: &Budget, bar: &ProgressBar) -> Result<Vec<Built>, Error> {
     let Task { input, output } = task;
-    let (shown, spinner) = (input.display().to_string(), bar.clone());
-    let progress = Progress::new(move |step| spinner.set_message(format!("{shown}: {step}")));
     let started = SystemTime::now();
     let mut timings = Vec::new();
     let opened = timed("read", &mut timings, || {
         let opened = build.inputs.open(input)?;
-        check_target(&opened.source, output, build.force)?;
+        check_target(&opened[0].source, output, build.force)?;
         Ok(opened)
     })?;
-    let (source, builder, recipe) = timed("check", &mut timings, || opened.check())?;
-    let mut builder = builder.with_progress(progress).with_max_faces(build.max_faces).with_max_memory(budget.limit());
-    let _reserved = budget.reserve(builder.estimate(&recipe)?.bytes());
-    let record = BuildRecord::new(&source, &recipes(build, input), request(build, task)?, output, started)?;
-    let products = builder.update(&recipe)?;
-    // The builder keeps the result of each step for another update, and there is none.
+    let mut sources = Vec::with_capacity(opened.len());
+    let mut checked = Vec::with_capacity(opened.len());
+    timed("check", &mut timings, || {
+        for garment in opened {
+            let (source, builder, recipe) = garment.check()?;
+            sources.push(source);
+            checked.push((limited(builder, build, task, budget, bar), recipe));
+        }
+        Ok(())
+    })?;
+    let bytes = checked.iter().map(|(builder, recipe)| Ok(builder.estimate(recipe)?.bytes()));
+    let _reserved = budget.reserve(bytes.sum::<Result<usize, Error>>()?);
+    let record = BuildRecord::new(&sources, &recipes(build, input), request(build, task)?, output, started)?;
+    let mut garments = Vec::with_capacity(sources.len());
+    let names = product_names(&sources, [&build.sim_name, &build.render_name]);
+    for ((builder, recipe), names) in checked.into_iter().zip(names) {
+        garments.push(garment(builder, &recipe, names, std::mem::take(&mut timings))?);
+        garments.iter_mut().for_each(|built| built.is_one = sources.len() == 1);
+    }
+    write(build, output, record, &sources, &mut garments)?;
+    Ok(garments)
+}
+
+/// A builder with the limits of the command, which shows its steps.
+fn limited(builder: Builder, build: &Build, task: &Task, budget: &Budget, bar: &ProgressBar) -> Builder {
+    let (shown, spinner) = (task.input.display().to_string(), bar.clone());
+    let progress = Progress::new(move |step| spinner.set_message(format!("{shown}: {step}")));
+    builder.with_progress(progress).with_max_faces(build.max_faces).with_max_memory(budget.limit())
+}
+
+/// Builds one garment. The builder keeps the result of each step for another update, and there is none.
+fn garment(
+    mut builder: Builder,
+    recipe: &Recipe,
+    names: [String; 2],
+    mut timings: Vec<Timing>,
+) -> Result<Built, Error> {
+    let prim = builder.garment().prim.clone();
+    let products = builder.update(recipe)?;
     drop(builder);
     timings.extend(products.timings.iter().cloned());
     let (sim, render, cloth) = timed("figures", &mut timings, || {
         Ok((products.sim_figures(), products.render_figures(), products.cloth_figures()))
     })?;
-    let meshes = written(&products, [&build.sim_name, &build.render_name]);
+    let warnings = products.warnings.clone();
+    Ok(Built { prim, is_one: true, names, packed: Vec::new(), products, sim, render, cloth, timings, warnings })
+}
+
+/// Writes the products of all garments. The last one gets the time of it, and its warnings.
+fn write(
+    build: &Build,
+    output: &Path,
+    record: BuildRecord,
+    sources: &[Source],
+    garments: &mut [Built],
+) -> Result<(), Error> {
     let options = WriteOptions {
         flatten: build.flatten,
         force: build.force,
         model_guide: !build.keep_model_purpose,
         record: Some(record),
     };
-    let mut warnings = products.warnings.clone();
-    let packed = timed("write", &mut timings, || write(&source, &meshes, output, &options, &mut warnings))?.packed;
-    Ok(Built { packed, products, sim, render, cloth, timings, warnings })
+    let (mut timings, mut warnings) = (Vec::new(), Warnings::default());
+    let packed = timed("write", &mut timings, || {
+        let meshes: Vec<_> =
+            garments.iter().map(|built| written(&built.products, built.names.each_ref().map(String::as_str))).collect();
+        let all: Vec<_> = sources.iter().zip(&meshes).map(|(source, products)| Tailored { source, products }).collect();
+        write_all(&all, output, &options, &mut warnings)
+    })?
+    .packed;
+    if let Some(last) = garments.last_mut() {
+        last.timings.extend(timings);
+        last.warnings.extend(warnings);
+        last.packed = packed;
+    }
+    Ok(())
 }
 
 /// True if the output was made by this program of these files with these options.
@@ -218,7 +281,8 @@ fn is_fresh(build: &Build, task: &Task) -> bool {
 fn request(build: &Build, task: &Task) -> Result<String, Error> {
     let inputs = &build.inputs;
     let path = |file: &Path| BuildRecord::path_of(file, &task.output);
-    let request = json!({
+    let several = &inputs.several;
+    let mut request = json!({
         "input": path(&task.input)?,
         "recipe": inputs.recipe.as_deref().map(path).transpose()?,
         "prim": inputs.prim,
@@ -229,6 +293,9 @@ fn request(build: &Build, task: &Task) -> Result<String, Error> {
         "keepModelPurpose": build.keep_model_purpose,
         "maxFaces": build.max_faces,
     });
+    if several.all || !several.exclude.is_empty() || several.sew_tolerance.is_some() {
+        request["several"] = json!([several.all, several.exclude, several.sew_tolerance]);
+    }
     Ok(request.to_string())
 }
 

@@ -16,12 +16,17 @@ use tailor::{Builder, Garment, Plan, PrimvarRole, Recipe};
 pub fn info(args: &Examined) -> Result<Output, Error> {
     let limit = memory::limit(args.limits.max_memory);
     each(args, |file, found| {
-        let (source, builder, recipe) = args.inputs.open(file)?.check()?;
-        let mut builder = builder.with_max_memory(limit);
-        found.warnings = builder.warnings().clone();
-        let plan = builder.plan(&recipe)?;
-        describe(&mut found.text, source.facts(), &builder, &plan, args.inputs.verbose);
-        found.json = json::garment(source.facts(), &builder, &plan);
+        let mut garments = Vec::new();
+        for garment in args.inputs.open(file)? {
+            let (source, builder, recipe) = garment.check()?;
+            let mut builder = builder.with_max_memory(limit);
+            found.warnings.extend(builder.warnings().iter().cloned());
+            let plan = builder.plan(&recipe)?;
+            describe(&mut found.text, source.facts(), &builder, &plan, args.inputs.verbose);
+            panels(&mut found.text, &source);
+            garments.push(json::garment(source.facts(), &builder, &plan));
+        }
+        found.json = if garments.len() == 1 { garments.remove(0) } else { json!({ "garments": garments }) };
         Ok(())
     })
 }
@@ -30,10 +35,13 @@ pub fn info(args: &Examined) -> Result<Output, Error> {
 pub fn check(args: &Examined) -> Result<Output, Error> {
     let limit = memory::limit(args.limits.max_memory);
     each(args, |file, found| {
-        let (source, builder, recipe) = args.inputs.open(file)?.check()?;
-        let products = builder.with_max_memory(limit).update(&recipe)?;
-        found.warnings = products.warnings.clone();
-        let is_fresh = fresh(&source)?;
+        let mut is_fresh = true;
+        for garment in args.inputs.open(file)? {
+            let (source, builder, recipe) = garment.check()?;
+            let products = builder.with_max_memory(limit).update(&recipe)?;
+            found.warnings.extend(products.warnings.iter().cloned());
+            is_fresh &= fresh(&source)?;
+        }
         if !args.inputs.quiet {
             let _ = writeln!(found.text, "{}: good{}", file.display(), if is_fresh { ", and fresh" } else { "" });
         }
@@ -152,6 +160,24 @@ fn describe(out: &mut String, facts: &Facts, builder: &Builder, plan: &Plan, ver
     operators(out, garment, &plan.recipe);
     if verbose {
         let _ = writeln!(out, "  recipe   {}", serde_json::to_string(&plan.recipe).unwrap_or_default());
+    }
+}
+
+/// The panels of a garment and the seams between them; nothing for a garment of one mesh.
+fn panels(out: &mut String, source: &Source) {
+    if source.seams().is_empty() {
+        return;
+    }
+    for panel in source.panels() {
+        let _ = writeln!(out, "  panel    {panel}");
+    }
+    for seam in source.seams() {
+        let [a, b] = &seam.panels;
+        let _ = writeln!(
+            out,
+            "  sewn     {a} to {b}: {} border edges, at most {:.2e} stage units apart",
+            seam.edges, seam.gap
+        );
     }
 }
 

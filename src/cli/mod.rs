@@ -71,9 +71,11 @@ struct Inputs {
     /// Garments: .usd, .usda, .usdc or .usdz files, or .tailor files that name one as their source
     #[arg(value_name = "IN")]
     inputs: Vec<PathBuf>,
-    /// Path of the mesh, such as /Coat/model [default: the only mesh]
+    /// Path of the mesh, such as /Coat/model, or of a prim with several meshes [default: the only mesh]
     #[arg(long, value_name = "PATH", help_heading = "Input")]
     prim: Option<String>,
+    #[command(flatten)]
+    several: Several,
     /// Time at which values are read [time codes] [default: the default time]
     #[arg(long, value_name = "TIME", help_heading = "Input", allow_negative_numbers = true)]
     time: Option<f64>,
@@ -99,6 +101,20 @@ struct Inputs {
     /// Print more: the complete recipe, and the properties that stay on the model
     #[arg(short, long, help_heading = "Run")]
     verbose: bool,
+}
+
+/// Which of several meshes are garments, and how they are sewn.
+#[derive(Args)]
+struct Several {
+    /// All meshes of the file, or below --prim: those whose borders coincide are sewn into one garment
+    #[arg(long, help_heading = "Input")]
+    all: bool,
+    /// Leave out prims of this name or path and all below them, and take all other meshes; * stands for any letters; repeatable
+    #[arg(long, value_name = "PATTERN", help_heading = "Input")]
+    exclude: Vec<String>,
+    /// Distance at which borders are sewn [share of the mean edge length] [default: 0.001]
+    #[arg(long, value_name = "SHARE", help_heading = "Input", allow_negative_numbers = true)]
+    sew_tolerance: Option<f64>,
 }
 
 #[derive(Args)]
@@ -249,14 +265,21 @@ impl Inputs {
         let physics = physics.map(|names| format!("cloth.physics={names}"));
         Input {
             file: file.to_path_buf(),
-            read: ReadOptions { prim: self.prim.clone(), time: self.time, ..ReadOptions::default() },
+            read: ReadOptions {
+                prim: self.prim.clone(),
+                time: self.time,
+                all: self.several.all,
+                exclude: self.several.exclude.clone(),
+                sew_tolerance: self.several.sew_tolerance,
+                ..ReadOptions::default()
+            },
             recipe: self.recipe.clone(),
             overrides: provenance.into_iter().chain(physics).chain(self.set.iter().cloned()).collect(),
         }
     }
 
-    /// Opens an input.
-    fn open(&self, file: &Path) -> Result<Opened, Error> {
-        self.input(file).open()
+    /// Opens the garments of an input, of which there is at least one.
+    fn open(&self, file: &Path) -> Result<Vec<Opened>, Error> {
+        self.input(file).open_all()
     }
 }

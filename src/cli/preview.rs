@@ -30,6 +30,9 @@ pub fn run(preview: &Preview, threads: Option<usize>) -> Result<Output, Error> {
     let [file] = files.as_slice() else {
         return Err(usage("", format!("{} inputs, and the preview shows one", files.len())).remedy("name one garment"));
     };
+    if preview.inputs.several.all || !preview.inputs.several.exclude.is_empty() {
+        return Err(usage("", "the preview shows one mesh").remedy("name it by --prim, without --all and --exclude"));
+    }
     let shown = file.display().to_string();
     let ready = |address: &str| {
         // The address is also the way in where no browser opens.

@@ -122,8 +122,25 @@ fn head(task: &Task, status: &str) -> Value {
     })
 }
 
-/// The report of an output that was written.
-pub fn built(task: &Task, built: &Built) -> Value {
+/// The report of an output that was written: of its garment, or of each of its garments.
+pub fn built(task: &Task, garments: &[Built]) -> Value {
+    match garments {
+        [one] => garment(task, one),
+        several => {
+            let mut report = head(task, "built");
+            let garments = several.iter().map(|built| {
+                let mut report = garment(task, built);
+                report["prim"] = json!(built.prim);
+                report["names"] = json!(built.names);
+                report
+            });
+            report["garments"] = garments.collect();
+            report
+        }
+    }
+}
+
+fn garment(task: &Task, built: &Built) -> Value {
     let p = &built.products;
     let mut report = json!({
         "packed": built.packed,

@@ -122,7 +122,8 @@ pub fn summary(task: &Task, built: &Built, verbose: bool) -> String {
     let percent = |share: f32| f64::from(share) * 100.0;
     let mut t = String::new();
     // Writing to a string cannot fail.
-    let _ = writeln!(t, "{} -> {}", task.input.display(), task.output.display());
+    let prim = if built.is_one { String::new() } else { format!(" {}", built.prim) };
+    let _ = writeln!(t, "{}{prim} -> {}", task.input.display(), task.output.display());
     let _ = writeln!(t, "  sim     {} vertices, {} triangles", s.vertices, s.faces);
     let _ = writeln!(
         t,

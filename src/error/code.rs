@@ -41,6 +41,8 @@ pub enum ErrorCode {
     SeveralMeshes,
     /// The prim that is named is no mesh to build from.
     WrongPrim,
+    /// Panels that are sewn together contradict each other.
+    PanelsDiffer,
     /// The mesh is inside an instance.
     InsideInstance,
     /// An attribute has values at times only.

@@ -7,6 +7,8 @@ mod check;
 mod input;
 pub mod joints;
 mod primvar;
+#[cfg(feature = "usd")]
+pub mod sew;
 mod subset;
 pub mod units;
 

@@ -142,7 +142,7 @@ impl Content {
     /// Checks that a written file gives the garment and the recipe that are on screen.
     fn verify(&self, written: &Path) -> Result<(), Error> {
         let prim = Some(self.stage.source.prim().to_owned());
-        let read = ReadOptions { prim, time: self.read.time, variants: Vec::new() };
+        let read = ReadOptions { prim, time: self.read.time, ..ReadOptions::default() };
         let opened = Input { file: written.to_path_buf(), read, ..Input::default() }.open()?;
         let fault = |text: &str| {
             Error::new(ErrorKind::Usd, "", format!("{text}, so nothing was written"))

@@ -62,27 +62,46 @@ impl Input {
     /// # Errors
     /// A file that cannot be read; a recipe with faults.
     pub fn open(&self) -> Result<Opened, Error> {
+        let recipes = self.recipes()?;
+        let source = Source::open(&recipes.file, &recipes.read)?;
+        self.opened(source, &recipes)
+    }
+
+    /// Opens all garments of the stage that [`Input::read`] chooses, see [`Source::open_all`]. The recipes and overrides are
+    /// options of each of them.
+    ///
+    /// # Errors
+    /// As [`Input::open`], for any of the garments.
+    pub fn open_all(&self) -> Result<Vec<Opened>, Error> {
+        let recipes = self.recipes()?;
+        let sources = Source::open_all(&recipes.file, &recipes.read)?;
+        sources.into_iter().map(|source| self.opened(source, &recipes)).collect()
+    }
+
+    /// Reads the recipe files, and finds the stage.
+    fn recipes(&self) -> Result<Recipes, Error> {
         let own = if is_recipe(&self.file) { Some(RecipeFile::read(&self.file)?) } else { None };
         let file = match &own {
             Some(own) => beside(&self.file, own.required_source(&self.file)?),
             None => self.file.clone(),
         };
-        let (given, layer) = match &self.recipe {
-            Some(path) if is_usd(path) => (None, Some(path)),
-            Some(path) => (Some(RecipeFile::read(path)?), None),
-            None => (None, None),
+        let given = match &self.recipe {
+            Some(path) if !is_usd(path) => Some(RecipeFile::read(path)?),
+            _ => None,
         };
-        // Weakest first.
-        let recipes: Vec<RecipeFile> = own.into_iter().chain(given).collect();
-        let named = recipes.iter().rev().find_map(|r| r.prim.clone());
+        let files: Vec<RecipeFile> = own.into_iter().chain(given).collect();
+        let named = files.iter().rev().find_map(|r| r.prim.clone());
         let read = ReadOptions { prim: self.read.prim.clone().or(named), ..self.read.clone() };
-        let source = Source::open(&file, &read)?;
+        Ok(Recipes { file, read, files })
+    }
+
+    fn opened(&self, source: Source, recipes: &Recipes) -> Result<Opened, Error> {
         let mut warnings = Warnings::default();
         let (mut authored, mut given) = (Layers::default(), Layers::default());
         authored.add_attributes(source.recipe()?, &mut warnings);
-        recipes.into_iter().for_each(|recipe| given.add(recipe.into_layer()));
-        if let Some(layer) = layer {
-            given.add_attributes(attributes_of(layer, source.prim())?, &mut warnings);
+        recipes.files.iter().for_each(|recipe| given.add(recipe.clone().into_layer()));
+        if let Some(layer) = self.recipe.as_deref().filter(|path| is_usd(path)) {
+            given.add_attributes(attributes_of(layer, &source)?, &mut warnings);
         }
         self.overrides.iter().try_for_each(|assignment| given.add_override(assignment))?;
         let mesh = source.garment(&mut warnings)?;
@@ -94,9 +113,21 @@ impl Input {
     }
 }
 
+/// The recipe files of an input, weakest first, and the stage that they and the input name.
+struct Recipes {
+    file: PathBuf,
+    read: ReadOptions,
+    files: Vec<RecipeFile>,
+}
+
 /// The options on the prim of a stage.
-fn attributes_of(layer: &Path, prim: &str) -> Result<Map<String, Value>, Error> {
-    Source::open(layer, &ReadOptions { prim: Some(prim.to_owned()), ..ReadOptions::default() })?.recipe()
+fn attributes_of(layer: &Path, source: &Source) -> Result<Map<String, Value>, Error> {
+    if source.panels().count() > 1 {
+        let fault = format!("{} has options of single meshes, and panels are sewn together", layer.display());
+        return Err(Error::recipe("--recipe", fault)
+            .remedy("give the options in a .tailor file, or build over the layer, which has the meshes"));
+    }
+    Source::open(layer, &ReadOptions { prim: Some(source.prim().to_owned()), ..ReadOptions::default() })?.recipe()
 }
 
 /// True if the file is USD by its name.

@@ -8,7 +8,7 @@ use crate::files::{self, folder_of};
 use openusd::sdf::{self, AbstractData, FieldKey, Value};
 use openusd::usd::Stage;
 use std::borrow::Cow;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
@@ -34,13 +34,13 @@ pub struct BuildRecord {
 }
 
 impl BuildRecord {
-    /// The record of an output in `out` that is made of `source` and the files `recipes`, none of which was read before
-    /// `started`. `request` tells the options of the build; equal options are the same text.
+    /// The record of an output in `out` that is made of `sources`, garments of one stage, and the files `recipes`, none of which
+    /// was read before `started`. `request` tells the options of the build; equal options are the same text.
     ///
     /// # Errors
     /// A file that cannot be read any more.
     pub fn new(
-        source: &Source,
+        sources: &[Source],
         recipes: &[PathBuf],
         request: String,
         out: &Path,
@@ -48,13 +48,18 @@ impl BuildRecord {
     ) -> Result<Self, Error> {
         let folder = folder(out)?;
         let mut files = BTreeMap::new();
-        for file in source.model.layers.iter().chain(recipes) {
+        let layers = sources.first().map_or(&[][..], |source| &source.model.layers);
+        for file in layers.iter().chain(recipes) {
             let changed = file.metadata().and_then(|m| m.modified()).is_ok_and(|time| time >= started);
             let hash = if changed { String::new() } else { hash(file)? };
             files.insert(Anchor::Folder(&folder).path_to(&as_named(file)?), hash);
         }
-        let prim = source.prim().to_owned();
-        Ok(Self { version: VERSION.into(), request, prim, variants: selections(&source.facts().variants), files })
+        let prim = sources.first().map(|source| source.prim().to_owned()).unwrap_or_default();
+        let mut variants: Vec<String> =
+            sources.iter().flat_map(|source| selections(&source.facts().variants)).collect();
+        let mut seen = BTreeSet::new();
+        variants.retain(|variant| seen.insert(variant.clone()));
+        Ok(Self { version: VERSION.into(), request, prim, variants, files })
     }
 
     /// The record in the layer `out`; none in a layer without one, or that cannot be opened.

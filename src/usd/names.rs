@@ -103,6 +103,8 @@ pub const CUSTOM_DATA: &str = "customData";
 pub const PRODUCT_SPACE: &str = "tailor";
 /// Key, in that dictionary, of the name of the model that a product was made from.
 pub const PRODUCT_OF: &str = "model";
+/// Key, in that dictionary, of the paths of all panels that a product was made from, where there are several.
+pub const PRODUCT_PANELS: &str = "panels";
 /// Key in that dictionary of a product's role.
 pub const PRODUCT: &str = "product";
 

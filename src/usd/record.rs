@@ -18,7 +18,7 @@ const NOT_METADATA: &[FieldKey] = &[
 ];
 
 /// A property as composed.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Record {
     /// Its name.
     pub name: String,
@@ -33,7 +33,7 @@ pub struct Record {
 }
 
 /// Type and values of an attribute, or targets of a relationship.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 #[expect(clippy::large_enum_variant, reason = "a model holds few, and nearly all are attributes")]
 pub enum Content {
     /// An attribute.

@@ -27,13 +27,19 @@ pub fn choose_mesh(stage: &Stage, file: &Path, options: &ReadOptions) -> Result<
         Some(path) => named_mesh(stage, file, path)?,
         None => only_mesh(stage, file)?,
     };
+    check_instance(&prim)?;
+    Ok(prim)
+}
+
+/// Refuses a mesh inside an instance.
+pub fn check_instance(prim: &Prim) -> Result<(), Error> {
     let instance = prim.is_instance_proxy().and_then(|proxy| Ok(proxy || prim.is_in_prototype()?));
     if instance.or_unreadable(prim.path())? {
         return Err(Error::usd(format!("{} is inside an instance, which takes no new prims", prim.path()))
             .code(ErrorCode::InsideInstance)
             .remedy("open the file that the instance refers to, or set instanceable = false on the instance"));
     }
-    Ok(prim)
+    Ok(())
 }
 
 fn named_mesh(stage: &Stage, file: &Path, path: &str) -> Result<Prim, Error> {
@@ -158,7 +164,7 @@ fn check_depth(path: &sdf::Path, file: &Path) -> Result<(), Error> {
     Ok(())
 }
 
-fn list(paths: &[sdf::Path]) -> String {
+pub fn list(paths: &[sdf::Path]) -> String {
     if paths.is_empty() {
         return "it holds no mesh".into();
     }

@@ -11,6 +11,7 @@ mod origin;
 mod primvars;
 mod query;
 mod recipe;
+mod several;
 mod shapes;
 mod source;
 mod space;
@@ -21,8 +22,9 @@ pub use facts::{Binding, Facts, InheritedPrimvar, TransformOp};
 pub use model::{COMPOSITION, Model, Sibling, SubsetRecord, layer_files, stage_metadata};
 pub use origin::{Files, StageOrigin, first_used};
 pub use query::{OrUnreadable, is_a, prim_at, property_names, value};
+pub use several::product_names;
 pub use shapes::BlendShape;
-pub use source::{ReadOptions, Source};
+pub use source::{PanelSeam, ReadOptions, Source};
 pub use space::world_of;
 #[cfg(feature = "preview")]
 pub use variants::select;

@@ -19,8 +19,12 @@ use std::path::{Path, PathBuf};
 /// The model and its surroundings, free of the stage.
 #[derive(Clone, Debug)]
 pub struct Model {
-    /// The model's path.
+    /// The model's path; that of the first of several panels.
     pub path: sdf::Path,
+    /// The meshes that it consists of: itself, or the panels that are sewn together.
+    pub panels: Vec<sdf::Path>,
+    /// The prim below which products go.
+    pub parent: sdf::Path,
     /// Properties that products copy.
     pub carried: Vec<Record>,
     /// Declarations of the properties that products author with new values.
@@ -145,6 +149,8 @@ impl Model {
     ) -> Result<Self, Error> {
         let mut model = Self {
             path: prim.path().clone(),
+            panels: vec![prim.path().clone()],
+            parent: prim.path().parent().expect("the path of a prim has a parent"),
             carried: Vec::new(),
             declarations,
             applied: applied(prim, &[names::MATERIAL_BINDING_API, names::SKEL_BINDING_API])?,
@@ -156,7 +162,7 @@ impl Model {
             transforms: transforms(prim, time)?,
             stage_metadata: stage_metadata(prim.stage())?,
         };
-        model.siblings = siblings(prim, &model)?;
+        model.siblings = siblings(prim.stage(), &model)?;
         for name in property_names(prim)? {
             if !(has_normals && name == names::NORMALS) {
                 model.take_property(prim, &name, warnings);
@@ -182,7 +188,18 @@ impl Model {
     /// # Errors
     /// A name that no prim can have.
     pub fn sibling_path(&self, name: &str) -> Result<sdf::Path, sdf::PathParseError> {
-        self.path.parent().expect("the path of a prim has a parent").append_path(name)
+        self.parent.append_path(name)
+    }
+
+    /// Its name below the parent of its products, by which they know it. Panels have that of the first of them.
+    pub fn name(&self) -> String {
+        let path = self.path.as_str();
+        path.strip_prefix(self.parent.as_str()).unwrap_or(path).trim_start_matches('/').to_owned()
+    }
+
+    /// Whether one of its meshes has this name below the parent of its products.
+    pub fn has_panel(&self, name: &str) -> bool {
+        self.sibling_path(name).is_ok_and(|path| self.panels.contains(&path))
     }
 
     fn take_property(&mut self, prim: &Prim, name: &str, warnings: &mut Vec<Warning>) {
@@ -244,13 +261,14 @@ fn subset_record(subset: &Prim, model: &sdf::Path, warnings: &mut Vec<Warning>) 
     Ok(SubsetRecord { metadata: fields, applied: applied(subset, &[names::MATERIAL_BINDING_API])?, carried })
 }
 
-fn siblings(prim: &Prim, model: &Model) -> Result<BTreeMap<String, Sibling>, Error> {
-    let parent = prim.path().parent().expect("the path of a prim has a parent");
+/// The prims beside a model.
+pub fn siblings(stage: &Stage, model: &Model) -> Result<BTreeMap<String, Sibling>, Error> {
+    let (parent, own) = (&model.parent, model.name());
     let mut found = BTreeMap::new();
-    for name in prim_at(prim.stage(), &parent)?.child_names().or_unreadable(&parent)? {
-        let path = model.sibling_path(name.as_str()).or_unreadable(&parent)?;
-        if path != *prim.path() {
-            found.insert(name.as_str().to_owned(), Sibling::take(&prim_at(prim.stage(), &path)?, &prim_name(prim))?);
+    for name in prim_at(stage, parent)?.child_names().or_unreadable(parent)? {
+        let path = model.sibling_path(name.as_str()).or_unreadable(parent)?;
+        if !model.panels.contains(&path) {
+            found.insert(name.as_str().to_owned(), Sibling::take(&prim_at(stage, &path)?, &own)?);
         }
     }
     Ok(found)

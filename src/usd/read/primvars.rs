@@ -84,7 +84,7 @@ pub fn read_normals(prim: &Prim, time: Option<TimeCode>, elements: [usize; 3]) -
 }
 
 /// Reads one primvar, and adds its declaration. None when it has no value.
-fn read_primvar(
+pub fn read_primvar(
     prim: &Prim,
     name: &str,
     interpolation: Interpolation,

@@ -50,6 +50,20 @@ pub fn product_of(prim: &Prim) -> Result<Option<String>, Error> {
     Ok(Some(ours.get(names::PRODUCT_OF).and_then(text).unwrap_or_default().to_owned()))
 }
 
+/// The paths of the meshes from which this program made the prim; empty for other prims.
+pub fn made_from(prim: &Prim) -> Result<Vec<sdf::Path>, Error> {
+    let Some(model) = product_of(prim)? else { return Ok(Vec::new()) };
+    let data = prim.custom_data().or_unreadable(prim.path())?;
+    if let Some(Value::Dictionary(data)) = data
+        && let Some(Value::Dictionary(ours)) = data.get(names::PRODUCT_SPACE)
+        && let Some(Value::StringVec(panels)) = ours.get(names::PRODUCT_PANELS)
+    {
+        return Ok(panels.iter().filter_map(|path| sdf::Path::new(path.as_str()).ok()).collect());
+    }
+    let beside = prim.path().parent().and_then(|parent| parent.append_path(model.as_str()).ok());
+    Ok(beside.into_iter().collect())
+}
+
 /// Names of the properties that layers author.
 pub fn property_names(prim: &Prim) -> Result<Vec<String>, Error> {
     let names = prim.authored_property_names().or_unreadable(prim.path())?;

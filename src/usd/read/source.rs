@@ -12,7 +12,7 @@ use super::variants::Selection;
 use crate::error::{Code, Error, ErrorCode, ErrorKind, Warning, Warnings};
 use crate::garment::{GarmentInput, PrimvarInput, PrimvarRole};
 use crate::usd::{BuildRecord, on_large_stack};
-use openusd::usd::TimeCode;
+use openusd::usd::{Prim, Stage, TimeCode};
 use serde_json::{Map, Value as Json};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -26,6 +26,24 @@ pub struct ReadOptions {
     pub time: Option<f64>,
     /// Variants to select in place of the stage's own selections.
     pub variants: Vec<Selection>,
+    /// Read all meshes of the stage, or all below `prim`, where [`Source::open_all`] may. It does so without this, too, for a
+    /// `prim` with several meshes below it.
+    pub all: bool,
+    /// Prims that are left out then, with all below them: names or paths, in which `*` stands for any letters.
+    pub exclude: Vec<String>,
+    /// Distance at which borders of different meshes are sewn; 0.001 by default. \[share of the mean edge length\]
+    pub sew_tolerance: Option<f64>,
+}
+
+/// A seam between two panels of a garment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PanelSeam {
+    /// Paths of the panels.
+    pub panels: [String; 2],
+    /// How many border edges match.
+    pub edges: usize,
+    /// The largest distance of two points that are sewn. \[stage units\]
+    pub gap: f64,
 }
 
 /// A mesh of a stage, with all that is needed to work on it and to write products. It holds no stage, so that threads can
@@ -33,11 +51,12 @@ pub struct ReadOptions {
 #[derive(Clone, Debug)]
 pub struct Source {
     pub(in crate::usd) model: Model,
-    garment: Result<GarmentInput, Error>,
-    recipe: Result<Map<String, Json>, Error>,
-    facts: Facts,
-    warnings: Vec<Warning>,
-    records: Vec<(PathBuf, BuildRecord)>,
+    pub(super) garment: Result<GarmentInput, Error>,
+    pub(super) recipe: Result<Map<String, Json>, Error>,
+    pub(super) facts: Facts,
+    pub(super) warnings: Vec<Warning>,
+    pub(super) records: Vec<(PathBuf, BuildRecord)>,
+    pub(super) seams: Vec<PanelSeam>,
 }
 
 impl Source {
@@ -70,18 +89,32 @@ impl Source {
 
     fn take(origin: StageOrigin, options: &ReadOptions) -> Result<Self, Error> {
         let stage = origin.open()?;
-        let prim = choose_mesh(&stage, &origin.file, options)?;
-        let time = options.time.map(TimeCode::new);
+        Self::of_stage(&stage, origin, options)
+    }
+
+    /// Reads the one mesh of a stage that `options` choose.
+    pub(super) fn of_stage(stage: &Stage, origin: StageOrigin, options: &ReadOptions) -> Result<Self, Error> {
+        let prim = choose_mesh(stage, &origin.file, options)?;
+        Self::of_mesh(stage, &prim, origin, options.time.map(TimeCode::new))
+    }
+
+    /// Reads one mesh of a stage.
+    pub(super) fn of_mesh(
+        stage: &Stage,
+        prim: &Prim,
+        origin: StageOrigin,
+        time: Option<TimeCode>,
+    ) -> Result<Self, Error> {
         let mut warnings = Vec::new();
-        let (garment, declarations) = match read_mesh(&prim, time, &mut warnings) {
+        let (garment, declarations) = match read_mesh(prim, time, &mut warnings) {
             Ok((garment, declarations)) => (Ok(garment), declarations),
             Err(e) => (Err(e), Declarations::default()),
         };
         let is_normals = |p: &PrimvarInput| p.role == PrimvarRole::Normals;
         let has_normals = garment.as_ref().is_ok_and(|g: &GarmentInput| g.primvars.iter().any(is_normals));
-        let model = Model::take(&prim, time, origin, declarations, has_normals, &mut warnings)?;
-        let facts = gather(&prim, &model, time)?;
-        let recipe = read_recipe(&stage, &model.origin.file, &prim, time, &mut warnings);
+        let model = Model::take(prim, time, origin, declarations, has_normals, &mut warnings)?;
+        let facts = gather(prim, &model, time)?;
+        let recipe = read_recipe(stage, &model.origin.file, prim, time, &mut warnings);
         let faults = stage.composition_errors();
         warnings.splice(
             0..0,
@@ -91,8 +124,8 @@ impl Source {
                     .remedy("Mend the reference, or remove it")
             }),
         );
-        let records = BuildRecord::in_layers(&stage);
-        Ok(Self { model, garment, recipe, facts, warnings, records })
+        let records = BuildRecord::in_layers(stage);
+        Ok(Self { model, garment, recipe, facts, warnings, records, seams: Vec::new() })
     }
 
     /// The mesh as authored. Attributes that are dropped and arcs that fail to compose become warnings.
@@ -128,8 +161,18 @@ impl Source {
         &self.model.origin.file
     }
 
-    /// Path of the mesh.
+    /// Path of the mesh; of the first of several panels.
     pub fn prim(&self) -> &str {
         self.model.path.as_str()
+    }
+
+    /// Paths of the meshes that are sewn together, or of the one mesh.
+    pub fn panels(&self) -> impl Iterator<Item = &str> {
+        self.model.panels.iter().map(|panel| panel.as_str())
+    }
+
+    /// The seams between its panels.
+    pub fn seams(&self) -> &[PanelSeam] {
+        &self.seams
     }
 }

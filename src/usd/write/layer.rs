@@ -53,12 +53,35 @@ pub fn write(
     options: &WriteOptions,
     warnings: &mut Warnings,
 ) -> Result<Written, Error> {
-    let file = OutputFile::find(out, |file| source.model.uses(file), options.force)?;
+    write_all(&[Tailored { source, products }], out, options, warnings)
+}
+
+/// A garment with its products.
+#[derive(Clone, Copy, Debug)]
+pub struct Tailored<'a> {
+    /// The garment.
+    pub source: &'a Source,
+    /// Its products.
+    pub products: &'a [Product<'a>],
+}
+
+/// As [`write()`], the products of several garments of one stage, at least one.
+///
+/// # Errors
+/// As [`write()`].
+pub fn write_all(
+    garments: &[Tailored],
+    out: &Path,
+    options: &WriteOptions,
+    warnings: &mut Warnings,
+) -> Result<Written, Error> {
+    let first = garments.first().ok_or_else(|| Error::internal("there is no garment to write"))?;
+    let file = OutputFile::find(out, |file| first.source.model.uses(file), options.force)?;
     on_large_stack(|| {
         let is_package = file.format == Format::Usdz;
         let anchor = if is_package { Anchor::Root } else { Anchor::Folder(&file.folder) };
         let frame = Frame { flatten: is_package || options.flatten, anchor, sublayer: None };
-        let packed = file.save(compose(source, products, frame, options, warnings)?, warnings)?;
+        let packed = file.save(compose(garments, frame, options, warnings)?, warnings)?;
         Ok(Written { packed })
     })
 }
@@ -97,7 +120,7 @@ pub fn layer_bytes(
     on_large_stack(|| {
         let anchor = folder.as_deref().map_or(Anchor::Root, Anchor::Folder);
         let frame = Frame { flatten: options.flatten, anchor, sublayer: surroundings.source };
-        let mut data = compose(source, products, frame, options, warnings)?;
+        let mut data = compose(&[Tailored { source, products }], frame, options, warnings)?;
         match format {
             Format::Usda => TextWriter::write_to_string(&data).map(String::into_bytes).map_err(|e| {
                 Error::usd(format!("the layer cannot be written as text: {e}")).code(ErrorCode::WriteFailed)
@@ -124,32 +147,37 @@ pub struct Frame<'a> {
     pub sublayer: Option<&'a str>,
 }
 
-/// The layer with the products.
+/// The layer with the products of all garments, which are of one stage.
 fn compose(
-    source: &Source,
-    products: &[Product],
+    garments: &[Tailored],
     frame: Frame,
     options: &WriteOptions,
     warnings: &mut Warnings,
 ) -> Result<sdf::Data, Error> {
-    let model = &source.model;
-    check_names(model, products)?;
     let fault =
         |e: openusd::Error| Error::usd(format!("the layer cannot be composed: {e}")).code(ErrorCode::CompositionFailed);
-    let mut data = if frame.flatten {
-        let replaced = products.iter().map(|p| model.sibling_path(p.name)).collect::<Result<Vec<_>, _>>();
-        flattened(model, &replaced.map_err(|e| fault(e.into()))?, frame.anchor, warnings)?
-    } else {
-        overlay(model, frame)?
-    };
-    let mut author = Author { data: &mut data, model, anchor: frame.anchor, is_overlay: !frame.flatten };
-    for product in products {
-        author.product(product, warnings).map_err(fault)?;
+    let mut replaced = Vec::new();
+    for Tailored { source, products } in garments {
+        check_names(&source.model, products)?;
+        let paths = products.iter().map(|p| source.model.sibling_path(p.name)).collect::<Result<Vec<_>, _>>();
+        replaced.extend(paths.map_err(|e| fault(e.into()))?);
     }
-    author.bindings(products).map_err(fault)?;
-    author.physics(products, warnings)?;
-    if options.model_guide {
-        author.model_purpose(ProductRole::Sim.purpose()).map_err(fault)?;
+    let stage = &garments[0].source.model;
+    let mut data = match frame.flatten {
+        true => flattened(stage, &replaced, frame.anchor, warnings)?,
+        false => overlay(stage, frame)?,
+    };
+    for Tailored { source, products } in garments {
+        let (model, anchor) = (&source.model, frame.anchor);
+        let mut author = Author { data: &mut data, model, anchor, is_overlay: !frame.flatten };
+        for product in *products {
+            author.product(product, warnings).map_err(fault)?;
+        }
+        author.bindings(products).map_err(fault)?;
+        author.physics(products, warnings)?;
+        if options.model_guide {
+            author.model_purpose(ProductRole::Sim.purpose()).map_err(fault)?;
+        }
     }
     if let Some(record) = &options.record {
         record.author(&mut data)?;
@@ -169,7 +197,7 @@ fn check_names(model: &Model, products: &[Product]) -> Result<(), Error> {
         let name = name.as_str();
         refuse_other(model, name)?;
         let is_ours = model.siblings.get(name).is_none_or(|sibling| sibling.product);
-        if !is_ours || model.path.name() == Some(name) || products.iter().any(|product| product.name == name) {
+        if !is_ours || model.has_panel(name) || products.iter().any(|product| product.name == name) {
             let path = model.sibling_path(name).or_unreadable(&model.path)?;
             return Err(Error::usd(format!("{path} is taken by another prim, and cloth is written there"))
                 .code(ErrorCode::NameTaken)
@@ -184,7 +212,7 @@ fn check_names(model: &Model, products: &[Product]) -> Result<(), Error> {
                 .remedy("use letters, digits and _, and no digit first"));
         }
         let taken = model.siblings.get(product.name).is_some_and(|s| !s.product)
-            || model.path.name() == Some(product.name)
+            || model.has_panel(product.name)
             || products[..i].iter().any(|p| p.name == product.name);
         if taken {
             let path = model.sibling_path(product.name).or_unreadable(&model.path)?;
@@ -200,7 +228,7 @@ fn check_names(model: &Model, products: &[Product]) -> Result<(), Error> {
 fn refuse_other(model: &Model, name: &str) -> Result<(), Error> {
     let Some(other) = model.siblings.get(name).and_then(|sibling| sibling.of_other.as_deref()) else { return Ok(()) };
     let [path, other] = [name, other].map(|name| model.sibling_path(name).or_unreadable(&model.path));
-    let own = model.path.name().unwrap_or_default();
+    let own = model.name().replace('/', "_");
     let fault =
         Error::usd(format!("{} was made from {}, which it would hide", path?, other?)).code(ErrorCode::NameTaken);
     Err(fault

@@ -15,7 +15,7 @@ mod shapes;
 mod unfinished;
 
 pub use crates::write_crate;
-pub use layer::{Surroundings, WriteOptions, Written, check_target, layer_bytes, write};
+pub use layer::{Surroundings, Tailored, WriteOptions, Written, check_target, layer_bytes, write, write_all};
 pub use physics::pose_points;
 pub use product::extent;
 #[cfg(feature = "preview")]

@@ -36,7 +36,7 @@ impl Author<'_> {
         let path = self.model.sibling_path(product.name)?;
         let model = self.model;
         PrimSpec::new(self.data, &path, Specifier::Def, names::MESH)?;
-        self.data.set_field(&path, FieldKey::Documentation.as_str(), Value::String(doc(product.role, &model.path)));
+        self.data.set_field(&path, FieldKey::Documentation.as_str(), Value::String(doc(product.role, &model.panels)));
         self.data.set_field(&path, names::CUSTOM_DATA, self.mark(product.role.name()));
         let before = model.siblings.get(product.name).filter(|_| self.is_overlay);
         self.schemas(&path, &model.applied, before.is_some());
@@ -69,7 +69,8 @@ impl Author<'_> {
         for (product, binding) in products.iter().filter_map(|product| Some((product, product.binding?))) {
             self.binding(&self.model.sibling_path(product.name)?, binding, &target)?;
         }
-        match sim.cage_binding {
+        // Panels that are sewn together have their points in one cage, which is no prim.
+        match sim.cage_binding.filter(|_| self.model.panels.len() == 1) {
             Some(binding) => {
                 let model = self.model.path.clone();
                 self.places(&target, names::MODEL_BINDING, binding)?;
@@ -106,14 +107,16 @@ impl Author<'_> {
         Ok(())
     }
 
-    /// Authors the model's own `purpose`.
+    /// Authors the `purpose` of the model itself, or of all its panels.
     ///
     /// # Errors
     /// A layer that does not admit a spec for the model.
     pub fn model_purpose(&mut self, purpose: &str) -> openusd::Result<()> {
-        let path = self.model.path.clone();
-        PrimSpec::over(self.data, &path)?;
-        self.token(&path, names::PURPOSE, purpose)
+        for path in &self.model.panels {
+            PrimSpec::over(self.data, path)?;
+            self.token(path, names::PURPOSE, purpose)?;
+        }
+        Ok(())
     }
 
     pub(super) fn attribute(
@@ -340,22 +343,27 @@ fn misfit(prim: &Path, name: &str, primvar: &Primvar) -> Warning {
     Warning::not_carried(format!("{prim}.{name}"), why)
 }
 
-fn doc(role: ProductRole, model: &Path) -> String {
+fn doc(role: ProductRole, panels: &[Path]) -> String {
     let what = match role {
         ProductRole::Sim => "Simulation mesh",
         ProductRole::Render => "Render mesh",
     };
-    format!("{what} made by usd-tailor from <{model}>.")
+    let panels: Vec<String> = panels.iter().map(|panel| format!("<{panel}>")).collect();
+    format!("{what} made by usd-tailor from {}.", panels.join(", "))
 }
 
 impl Author<'_> {
     /// The mark by which this program knows what it wrote, and for which model.
     pub(super) fn mark(&self, role: &str) -> Value {
-        let model = self.model.path.name().unwrap_or_default();
-        let ours = HashMap::from([
+        let model = self.model;
+        let mut ours = HashMap::from([
             (names::PRODUCT.to_owned(), Value::String(role.to_owned())),
-            (names::PRODUCT_OF.to_owned(), Value::String(model.to_owned())),
+            (names::PRODUCT_OF.to_owned(), Value::String(model.name())),
         ]);
+        if model.panels.len() > 1 {
+            let panels = model.panels.iter().map(ToString::to_string).collect();
+            ours.insert(names::PRODUCT_PANELS.to_owned(), Value::StringVec(panels));
+        }
         Value::Dictionary(HashMap::from([(names::PRODUCT_SPACE.to_owned(), Value::Dictionary(ours))]))
     }
 }

@@ -16,7 +16,7 @@ pub const BODY: [&str; 1] = ["ClothRootAPI"];
 impl Author<'_> {
     /// Authors the panels of both meshes.
     pub(super) fn chaos(&mut self, physics: &Physics<'_>) -> openusd::Result<()> {
-        let root = self.model.path.parent().filter(|root| *root != Path::abs_root());
+        let root = Some(self.model.parent.clone()).filter(|root| *root != Path::abs_root());
         self.apply(root.as_ref().unwrap_or(&physics.sim_path), &BODY)?;
         self.apply(&physics.sim_path, &["SimMeshDataAPI"])?;
         let scale = physics.uv_centimetres();

@@ -180,7 +180,7 @@ impl Author<'_> {
 
     /// Removes the schemas that an earlier build gave to the prim above both meshes, but for dialects that are `kept`.
     fn remove_bodies(&mut self, kept: impl Fn(&str) -> bool) -> openusd::Result<()> {
-        let root = self.model.path.parent().filter(|root| *root != Path::abs_root());
+        let root = Some(self.model.parent.clone()).filter(|root| *root != Path::abs_root());
         let Some(root) = root.filter(|_| self.has_built_physics()) else { return Ok(()) };
         PrimSpec::over(self.data, &root)?;
         let of_dialects = DIALECTS.iter().filter(|dialect| !kept(dialect.name)).flat_map(|dialect| dialect.body);
@@ -213,7 +213,7 @@ impl Author<'_> {
     }
 
     fn body(&mut self, physics: &Physics<'_>, dialect: &Dialect) -> openusd::Result<()> {
-        let root = self.model.path.parent().filter(|root| *root != Path::abs_root());
+        let root = Some(self.model.parent.clone()).filter(|root| *root != Path::abs_root());
         self.apply(root.as_ref().unwrap_or(&physics.sim_path), dialect.body)
     }
 

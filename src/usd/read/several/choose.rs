@@ -1,0 +1,161 @@
+//! Choosing the meshes that are garments.
+
+use crate::error::{Error, ErrorCode};
+use crate::usd::names;
+use crate::usd::read::choose::{all_meshes, all_prims, check_instance, list};
+use crate::usd::read::query::{OrUnreadable, is_a, is_product, made_from, prim_at, value};
+use crate::usd::read::source::ReadOptions;
+use crate::usd::values::text;
+use openusd::sdf::Path;
+use openusd::usd::{PrimPredicate, Stage};
+use std::collections::HashSet;
+use std::path::Path as FilePath;
+
+/// Meshes that are read together. More are hardly one costume.
+const MAX_MESHES: usize = 2000;
+
+/// The meshes that are garments, in namespace order; none where `options` name one mesh, or a prim that holds no more than one.
+///
+/// # Errors
+/// No mesh or too many, a mesh inside an instance, and a pattern that matches no prim.
+pub fn meshes(stage: &Stage, file: &FilePath, options: &ReadOptions) -> Result<Option<Vec<Path>>, Error> {
+    let root = match &options.prim {
+        None => Path::abs_root(),
+        Some(prim) => match Path::new(prim.as_str()).ok().filter(|p| p.is_abs() && p.is_prim_path()) {
+            Some(path) if holds_meshes(stage, &path)? => path,
+            _ => return Ok(None),
+        },
+    };
+    let below: Vec<Path> = all_meshes(stage, file)?.into_iter().filter(|path| path.has_prefix(&root)).collect();
+    let is_asked = options.all || !options.exclude.is_empty();
+    if below.is_empty() || (below.len() == 1 && !is_asked) {
+        return Ok(None);
+    }
+    check_patterns(stage, file, &options.exclude)?;
+    let models = models(stage, file)?;
+    let mut found = Vec::new();
+    for path in &below {
+        let is_left_out = options.exclude.iter().any(|pattern| excludes(pattern, path));
+        if !is_left_out && (models.contains(path) || !is_other(stage, path)?) {
+            check_instance(&prim_at(stage, path)?)?;
+            found.push(path.clone());
+        }
+    }
+    match found.len() {
+        0 => Err(Error::usd(format!("{} holds no mesh that is a garment", file.display()))
+            .code(ErrorCode::NoMesh)
+            .remedy(format!(
+                "products, prims of purpose guide or proxy, and what --exclude names are none; its meshes are: {}",
+                list(&below)
+            ))),
+        1..=MAX_MESHES => Ok(Some(found)),
+        count => Err(Error::usd(format!("{} holds {count} meshes, more than {MAX_MESHES}", file.display()))
+            .code(ErrorCode::SeveralMeshes)
+            .remedy("name the prim of one garment by --prim, or leave meshes out by --exclude")),
+    }
+}
+
+/// Whether a prim of the stage is not a mesh itself.
+fn holds_meshes(stage: &Stage, path: &Path) -> Result<bool, Error> {
+    let prim = prim_at(stage, path)?;
+    Ok(prim.is_valid().or_unreadable(path)? && !is_a(&prim, names::MESH)?)
+}
+
+/// The meshes from which products of the stage were made. A build gives them the purpose `guide`.
+fn models(stage: &Stage, file: &FilePath) -> Result<HashSet<Path>, Error> {
+    let mut found = HashSet::new();
+    for path in all_prims(stage, file, PrimPredicate::DEFAULT, false)? {
+        found.extend(made_from(&prim_at(stage, &path)?)?);
+    }
+    Ok(found)
+}
+
+/// Whether a mesh, by itself or a prim above it, is a product or is for something else than rendering.
+fn is_other(stage: &Stage, path: &Path) -> Result<bool, Error> {
+    for path in with_ancestors(path) {
+        let prim = prim_at(stage, &path)?;
+        let purpose = value(&prim, names::PURPOSE, None).ok().flatten();
+        let purpose = purpose.as_ref().and_then(text).unwrap_or_default();
+        if matches!(purpose, "guide" | "proxy") || is_product(&prim)? {
+            return Ok(true);
+        }
+    }
+    Ok(false)
+}
+
+fn with_ancestors(path: &Path) -> impl Iterator<Item = Path> {
+    std::iter::once(path.clone()).chain(path.strict_ancestors_below_root())
+}
+
+/// Whether a pattern matches the path or the name of a prim, or of one above it.
+fn excludes(pattern: &str, path: &Path) -> bool {
+    with_ancestors(path).any(|path| matches(pattern, path.as_str()) || path.name().is_some_and(|n| matches(pattern, n)))
+}
+
+/// Refuses patterns that no prim has, which are mistyped.
+fn check_patterns(stage: &Stage, file: &FilePath, patterns: &[String]) -> Result<(), Error> {
+    if patterns.is_empty() {
+        return Ok(());
+    }
+    let meshes = all_meshes(stage, file)?;
+    for pattern in patterns {
+        if !meshes.iter().any(|path| excludes(pattern, path)) {
+            return Err(Error::usd(format!("--exclude {pattern} matches no mesh of {}", file.display()))
+                .code(ErrorCode::WrongPrim)
+                .remedy(list(&meshes)));
+        }
+    }
+    Ok(())
+}
+
+/// Whether a pattern, in which `*` stands for any letters, matches a text. Time is at most the product of their lengths.
+fn matches(pattern: &str, text: &str) -> bool {
+    let (pattern, text) = (pattern.as_bytes(), text.as_bytes());
+    let (mut p, mut t, mut star) = (0, 0, None);
+    while t < text.len() {
+        if pattern.get(p) == Some(&b'*') {
+            star = Some((p, t));
+            p += 1;
+        } else if pattern.get(p) == Some(&text[t]) {
+            (p, t) = (p + 1, t + 1);
+        } else if let Some((at, from)) = star {
+            star = Some((at, from + 1));
+            (p, t) = (at + 1, from + 1);
+        } else {
+            return false;
+        }
+    }
+    pattern[p..].iter().all(|&c| c == b'*')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stars_stand_for_any_letters() {
+        for (pattern, text, expected) in [
+            ("body", "body", true),
+            ("body", "body2", false),
+            ("body*", "body_low", true),
+            ("*_low", "body_low", true),
+            ("/Char/*/eye*", "/Char/head/eye_left", true),
+            ("b*d*y", "buddy", true),
+            ("b*d*x", "buddy", false),
+            ("*", "", true),
+            ("", "a", false),
+        ] {
+            assert_eq!(matches(pattern, text), expected, "{pattern} {text}");
+        }
+    }
+
+    #[test]
+    fn a_prim_is_left_out_with_all_below_it() {
+        let path = Path::new("/Char/body/skin").expect("a path");
+        for (pattern, expected) in
+            [("body", true), ("/Char/body", true), ("/Char/bod", false), ("skin", true), ("Body", false)]
+        {
+            assert_eq!(excludes(pattern, &path), expected, "{pattern}");
+        }
+    }
+}

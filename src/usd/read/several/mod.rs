@@ -1,0 +1,107 @@
+//! Several meshes of a stage as garments: panels that are sewn together, and meshes of their own.
+
+mod choose;
+mod model;
+mod recipe;
+
+use super::origin::StageOrigin;
+use super::query::prim_at;
+use super::source::{ReadOptions, Source};
+use crate::error::{Code, Error, ErrorCode, Warning};
+use crate::garment::sew::{MAX_TOLERANCE, Seams, TOLERANCE, Unsewn, find_seams};
+use crate::garment::{GarmentInput, check_garment, free_name};
+use crate::mesh::{Elements, VertexId};
+use crate::usd::on_large_stack;
+use glam::DMat4;
+use openusd::usd::TimeCode;
+use std::collections::HashSet;
+use std::path::Path;
+
+impl Source {
+    /// Opens all garments of a stage: those below `options.prim` if that has several meshes below it, all if `options.all`, or else
+    /// the one mesh that [`Source::open`] reads. Meshes whose borders coincide are sewn into one garment. Garments are in the
+    /// order of their first meshes; there is at least one.
+    ///
+    /// # Errors
+    /// As [`Source::open`], for any of the meshes; panels that cannot be one mesh.
+    pub fn open_all(path: &Path, options: &ReadOptions) -> Result<Vec<Self>, Error> {
+        let may_be_several = options.all || options.prim.is_some() || !options.exclude.is_empty();
+        if !may_be_several || options.time.is_some_and(|t| !t.is_finite()) {
+            return Ok(vec![Self::open(path, options)?]);
+        }
+        let origin = StageOrigin::new(path, None, &options.variants);
+        on_large_stack(|| open(origin, options))
+    }
+}
+
+fn open(origin: StageOrigin, options: &ReadOptions) -> Result<Vec<Source>, Error> {
+    let tolerance = options.sew_tolerance.unwrap_or(TOLERANCE);
+    if !(0.0..=MAX_TOLERANCE).contains(&tolerance) {
+        let fault = Error::usd(format!("--sew-tolerance {tolerance} is not from 0 to {MAX_TOLERANCE}"));
+        return Err(fault.code(ErrorCode::CommandLine).remedy("give a share of the mean edge length, such as 0.001"));
+    }
+    let stage = origin.open()?;
+    let Some(paths) = choose::meshes(&stage, &origin.file, options)? else {
+        return Ok(vec![Source::of_stage(&stage, origin, options)?]);
+    };
+    let time = options.time.map(TimeCode::new);
+    let mut sources = Vec::with_capacity(paths.len());
+    for path in &paths {
+        sources.push(Source::of_mesh(&stage, &prim_at(&stage, path)?, origin.clone(), time)?);
+    }
+    let seams = match paths.len() {
+        1 => Seams { garments: vec![vec![0]], ..Seams::default() },
+        _ => seams(&sources, tolerance)?,
+    };
+    for unsewn in &seams.unsewn {
+        let warning = unsewn_borders(unsewn, &sources, tolerance);
+        sources[unsewn.panels[0]].warnings.push(warning);
+    }
+    let garments = seams.garments.iter();
+    garments.map(|panels| model::sewn(&stage, &sources, panels, &seams, time)).collect()
+}
+
+/// What is sewn to what, in the space of the stage.
+fn seams(sources: &[Source], tolerance: f64) -> Result<Seams, Error> {
+    let mut meshes: Vec<(&GarmentInput, DMat4)> = Vec::with_capacity(sources.len());
+    for source in sources {
+        let mesh = source.garment.as_ref().map_err(Clone::clone)?;
+        // Faults name the elements of the mesh itself, so each is checked before it is part of another.
+        check_garment(mesh.clone(), &mut crate::error::Warnings::default())?;
+        meshes.push((mesh, source.model.transforms.to_world));
+    }
+    find_seams(&meshes, tolerance)
+}
+
+fn unsewn_borders(unsewn: &Unsewn, sources: &[Source], tolerance: f64) -> Warning {
+    let [a, b] = unsewn.panels.map(|panel| sources[panel].prim());
+    let [x, y, z] = unsewn.place;
+    let problem = format!(
+        "their borders lie along each other near ({x:.3}, {y:.3}, {z:.3}) and are not sewn there: {} edges of the one and {} of \
+         the other have no counterpart within {tolerance} of the mean edge length",
+        unsewn.edges[0].len(),
+        unsewn.edges[1].len()
+    );
+    let edges = unsewn.edges[0].iter().map(|edge| edge.map(VertexId::new)).collect();
+    Warning::new(Code::UnsewnBorders, format!("{a}, {b}"), problem)
+        .at(Elements::Edges(edges))
+        .remedy("Give both borders the same points, or raise --sew-tolerance")
+}
+
+/// The names of the two products of each garment: those given, or, where several garments are beside each other, names with
+/// that of the garment before them.
+pub fn product_names<'a>(sources: impl IntoIterator<Item = &'a Source>, given: [&str; 2]) -> Vec<[String; 2]> {
+    let sources: Vec<&Source> = sources.into_iter().collect();
+    let mut taken = HashSet::new();
+    let names = sources.iter().map(|source| {
+        let parent = &source.model.parent;
+        if sources.iter().filter(|other| other.model.parent == *parent).count() == 1 {
+            return given.map(str::to_owned);
+        }
+        let name = source.model.name().replace('/', "_");
+        let name = free_name(&name, |name| taken.contains(&(parent, name.to_owned())));
+        taken.insert((parent, name.clone()));
+        given.map(|product| format!("{name}_{product}"))
+    });
+    names.collect()
+}
