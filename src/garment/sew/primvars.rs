@@ -22,7 +22,7 @@ pub fn merge_primvars(prim: &str, panels: &[Panel], points: &Points, warnings: &
     for (name, role) in keys {
         match shared(name, role, panels) {
             Ok((interpolation, primvars)) => {
-                merged.push(join(prim, interpolation, &primvars, panels, points, warnings))
+                merged.push(join(prim, interpolation, &primvars, panels, points, warnings));
             }
             Err(why) => {
                 let remedy = "Give all panels the same primvar, with one type and interpolation";

@@ -19,7 +19,7 @@ pub fn merge_subsets(panels: &[Panel], points: &Points) -> Result<Vec<SubsetInpu
                 None => merged.push((i, SubsetInput { indices, ..subset.clone() })),
                 Some((with, known)) => {
                     check_same(known, subset, [&panels[*with], panel])?;
-                    add(known, indices);
+                    add(known, &indices);
                 }
             }
         }
@@ -52,7 +52,7 @@ fn check_same(known: &SubsetInput, subset: &SubsetInput, panels: [&Panel; 2]) ->
 }
 
 /// Adds elements to a subset of the garment, but for those on a seam that it has already.
-fn add(known: &mut SubsetInput, indices: Vec<i32>) {
+fn add(known: &mut SubsetInput, indices: &[i32]) {
     let size = if known.element_type == "edge" { 2 } else { 1 };
     let key = |element: &[i32]| {
         let mut key = element.to_vec();

@@ -1,0 +1,430 @@
+"""Several meshes of one file: panels that are sewn together, garments of their own, and what is no garment."""
+
+import json
+
+import numpy as np
+import pytest
+from conftest import run
+from mesh import border_loops, read_mesh
+from pxr import Gf, Sdf, Usd, UsdGeom
+from sources import add_primvar, add_subset, bind, define
+
+# A shirt of two panels that meet at the sides and shoulders, and are open at neck, arms and hem.
+WIDTH, HEIGHT, ARM, NECK = 12, 10, 6, 2
+PLACES = {"front": Gf.Matrix4d().SetTranslate((3, 0, -2)), "back": Gf.Matrix4d().SetRotate(Gf.Rotation((0, 1, 0), 90))}
+
+
+def panel(side, rows=HEIGHT):
+    """Points, counts and indices of the front (1) or the back (-1) in the space of the shirt."""
+    columns, steps = np.meshgrid(np.arange(WIDTH + 1), np.linspace(0, HEIGHT, rows + 1))
+    x, y = columns.ravel() - WIDTH / 2, steps.ravel()
+    depth = 0.3 + 0.08 * (WIDTH / 2 - abs(x)) * (1.3 - y / HEIGHT)
+    is_sewn = ((abs(x) == WIDTH / 2) & (y <= ARM)) | ((y == HEIGHT) & (abs(x) >= NECK))
+    points = np.stack([x, y, side * np.where(is_sewn, 0, depth)], axis=1)
+    corner = (np.arange(rows)[:, None] * (WIDTH + 1) + np.arange(WIDTH)).ravel()
+    quads = np.stack([corner, corner + 1, corner + WIDTH + 2, corner + WIDTH + 1], axis=1)
+    quads = quads if side > 0 else quads[:, ::-1]
+    return points, np.full(len(quads), 4), quads.ravel()
+
+
+def add_panel(stage, name, side, rows=HEIGHT, matrix=None, parent="/Suit"):
+    """A panel with UVs and weights; its points are moved so that the matrix brings them back."""
+    matrix = matrix or PLACES[name]
+    points, counts, indices = panel(side, rows)
+    local = np.array([matrix.GetInverse().Transform(Gf.Vec3d(*map(float, point))) for point in points])
+    mesh = define(stage, f"{parent}/{name}", (local, counts, indices))
+    UsdGeom.Xformable(mesh).AddTransformOp().Set(matrix)
+    st = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar("st", Sdf.ValueTypeNames.TexCoord2fArray, "faceVarying")
+    st.Set([Gf.Vec2f(*map(float, point[:2])) for point in points])
+    st.SetIndices(indices.tolist())
+    weights = (points[:, 1] / HEIGHT).astype(float).tolist()
+    add_primvar(mesh, name="weight", type_name="float", interpolation="vertex", values=weights)
+    return mesh
+
+
+@pytest.fixture
+def suit(tmp_path):
+    """`suit(finish)` writes a shirt of two panels; `finish` gets the stage and both meshes."""
+
+    def suit(finish=None, name="suit.usda", **options):
+        path = tmp_path / name
+        stage = Usd.Stage.CreateNew(str(path))
+        UsdGeom.SetStageMetersPerUnit(stage, 0.01)
+        panels = [add_panel(stage, "front", 1), add_panel(stage, "back", -1, **options)]
+        stage.SetDefaultPrim(stage.GetPrimAtPath("/Suit"))
+        if finish:
+            finish(stage, *panels)
+        stage.Save()
+        return path
+
+    return suit
+
+
+@pytest.fixture
+def whole(tmp_path):
+    """The same shirt as one mesh, with the sets that sewing makes."""
+    (front, counts, indices), (back, _, turned) = panel(1), panel(-1)
+    known = {tuple(point): i for i, point in enumerate(front)}
+    number = []
+    points = list(front)
+    for point in back:
+        at = known.get(tuple(point + 0.0), len(points))
+        number.append(at)
+        if at == len(points):
+            points.append(point)
+    faces = np.concatenate([indices, np.array(number)[turned]])
+    path = tmp_path / "whole.usda"
+    stage = Usd.Stage.CreateNew(str(path))
+    UsdGeom.SetStageMetersPerUnit(stage, 0.01)
+    mesh = define(stage, "/Suit/shirt", (np.array(points), np.concatenate([counts, counts]), faces))
+    st = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar("st", Sdf.ValueTypeNames.TexCoord2fArray, "faceVarying")
+    st.Set([Gf.Vec2f(*map(float, point[:2])) for point in [*front, *back]])
+    st.SetIndices(np.concatenate([indices, turned + len(front)]).tolist())
+    weights = [float(point[1]) / HEIGHT for point in points]
+    add_primvar(mesh, name="weight", type_name="float", interpolation="vertex", values=weights)
+    half = len(counts)
+    add_subset(mesh, name="front", indices=range(half), family="")
+    add_subset(mesh, name="back", indices=range(half, 2 * half), family="")
+    sets = [{tuple(sorted(pair)) for quad in faces[part].reshape(-1, 4) for pair in zip(quad, np.roll(quad, -1))} for part in (slice(0, 4 * half), slice(4 * half, None))]
+    add_subset(mesh, name="sewn", element="edge", indices=[int(p) for pair in sorted(sets[0] & sets[1]) for p in pair], family="")
+    stage.Save()
+    return path
+
+
+def meshes(path, *names, parent="/Suit"):
+    stage = Usd.Stage.Open(str(path))
+    return [read_mesh(stage.GetPrimAtPath(f"{parent}/{name}")) for name in names]
+
+
+def built(usdtailor, source, out, *args):
+    done = run(usdtailor, "build", source, "-o", out, *args)
+    assert done.returncode == 0, done.stderr
+    return done.stderr
+
+
+def refused(usdtailor, source, out, *args):
+    done = run(usdtailor, "build", source, "-o", out, *args)
+    assert done.returncode == 1 and not out.exists(), done.stdout
+    return done.stderr
+
+
+def seam_edges():
+    """How many border edges the two panels share."""
+    return 2 * ARM + 2 * (WIDTH // 2 - NECK)
+
+
+@pytest.mark.parametrize("args", [("--all",), ("--prim", "/Suit")], ids=["all", "prim"])
+def test_panels_are_sewn_as_if_they_were_one_mesh(usdtailor, suit, whole, tmp_path, args):
+    out, one = tmp_path / "out.usda", tmp_path / "one.usda"
+    built(usdtailor, suit(), out, *args)
+    built(usdtailor, whole, one, "--set", "sim.constraints=sewn")
+    for name in ("sim", "render"):
+        (mesh,), (expected,) = meshes(out, name), meshes(one, name)
+        assert abs(mesh.face_areas.sum() / expected.face_areas.sum() - 1) < 1e-3
+        # Neck, hem and two arms; a seam that is open would join them or add to them.
+        assert border_loops(mesh.cage) == border_loops(expected.cage) == 4
+        assert (mesh.cage.edge_faces <= 2).all()
+        for side in ("front", "back"):
+            area, wanted = (m.face_areas[m.subsets[side].indices].sum() for m in (mesh, expected))
+            assert abs(area / wanted - 1) < 0.01, (name, side)
+        sewn = {tuple(sorted(pair)) for pair in mesh.subsets["sewn"].pairs.tolist()}
+        inner = {tuple(sorted(edge)) for edge, count in zip(mesh.cage.edges.tolist(), mesh.cage.edge_faces) if count == 2}
+        assert sewn and sewn <= inner
+        # Each panel keeps its own UVs and both have the weights along the seam.
+        assert len(np.unique(mesh.uv_shells())) == 2
+        weights = mesh.primvars["weight"].flat[:, 0]
+        assert np.allclose(weights, mesh.points[:, 1] / HEIGHT, atol=0.02)
+    (render,), (expected,) = meshes(out, "render"), meshes(one, "render")
+    assert np.array_equal(render.indices, expected.indices)
+    assert np.allclose(render.points, expected.points, atol=1e-5)
+
+
+def test_seams_are_edges_of_the_simulation_mesh_unless_the_recipe_says_otherwise(usdtailor, tmp_path):
+    """Two flat sheets side by side, where nothing but the seam keeps edges on it."""
+    path, out = tmp_path / "sheets.usda", tmp_path / "out.usda"
+    stage = Usd.Stage.CreateNew(str(path))
+    for name, first in (("left", -5), ("right", 0)):
+        columns, rows = np.meshgrid(np.arange(6) + first, np.arange(6))
+        points = np.stack([columns.ravel(), rows.ravel(), np.zeros(36)], axis=1).astype(float)
+        corner = (np.arange(5)[:, None] * 6 + np.arange(5)).ravel()
+        define(stage, f"/Suit/{name}", (points, np.full(25, 4), np.stack([corner, corner + 1, corner + 7, corner + 6], axis=1).ravel()))
+    stage.Save()
+
+    def crossing(*args):
+        """Triangles on both sides of the seam."""
+        built(usdtailor, path, out, "--all", "--force", "--set", "sim.maxEdgeLength=0.7", *args)
+        (mesh,) = meshes(out, "sim")
+        x = mesh.points[mesh.indices][:, 0].reshape(-1, 3)
+        return ((x.min(axis=1) < -1e-3) & (x.max(axis=1) > 1e-3)).sum()
+
+    assert crossing() == 0
+    assert crossing("--set", "sim.constraints=") > 3
+
+
+def turn(mesh):
+    """Turns the winding of the faces of a panel."""
+    indices = np.array(mesh.GetFaceVertexIndicesAttr().Get()).reshape(-1, 4)[:, ::-1].ravel().tolist()
+    mesh.GetFaceVertexIndicesAttr().Set(indices)
+    UsdGeom.PrimvarsAPI(mesh).GetPrimvar("st").SetIndices(indices)
+
+
+def mirrored(stage, front, back):
+    turn(back)
+
+
+def left_handed(stage, front, back):
+    turn(back)
+    back.CreateOrientationAttr("leftHanded")
+
+
+@pytest.mark.parametrize("finish, matrix", [(mirrored, Gf.Matrix4d().SetScale((1, 1, -1))), (left_handed, None)])
+def test_panels_of_another_handedness_are_turned(usdtailor, suit, tmp_path, finish, matrix):
+    """A mirror and a left-handed panel turn the winding; the shirt is that of panels that agree."""
+    source, out, plain = suit(finish, name="other.usda", matrix=matrix), tmp_path / "out.usda", tmp_path / "plain.usda"
+    assert "winding" not in built(usdtailor, source, out, "--all")
+    built(usdtailor, suit(), plain, "--all")
+    for name in ("sim", "render"):
+        (mesh,), (expected,) = meshes(out, name), meshes(plain, name)
+        assert border_loops(mesh.cage) == 4
+        assert mesh.face_areas.sum() == pytest.approx(expected.face_areas.sum(), rel=1e-3)
+        uv, wanted = (np.sign(m.uv_areas()[m.subsets["back"].indices]) for m in (mesh, expected))
+        assert len({*uv, *wanted}) == 1
+
+
+def add_belt(stage, *_):
+    points = np.array([[x, y, z] for y in (3, 4) for x, z in ((-9, -4), (9, -4), (9, 4), (-9, 4))], float)
+    quads = np.array([[i, (i + 1) % 4, 4 + (i + 1) % 4, 4 + i] for i in range(4)])
+    define(stage, "/Suit/belt", (points, np.full(4, 4), quads.ravel()))
+
+
+def test_a_belt_is_a_garment_of_its_own(usdtailor, suit, tmp_path):
+    source, out, report = suit(add_belt), tmp_path / "out.usda", tmp_path / "report.json"
+    built(usdtailor, source, out, "--all", "--report", report)
+    stage = Usd.Stage.Open(str(out))
+    names = {prim.GetName() for prim in stage.GetPrimAtPath("/Suit").GetChildren() if prim.IsA(UsdGeom.Mesh)}
+    assert names == {"front", "back", "belt", "front_sim", "front_render", "belt_sim", "belt_render"}
+    assert stage.GetPrimAtPath("/Suit/front_sim_physics") and stage.GetPrimAtPath("/Suit/belt_sim_physics")
+    for name in ("front", "back", "belt"):
+        assert stage.GetPrimAtPath(f"/Suit/{name}").GetAttribute("purpose").Get() == "guide"
+    garments = json.loads(report.read_text())["garments"]
+    assert [garment["prim"] for garment in garments] == ["/Suit/front+back", "/Suit/belt"]
+    assert [garment["names"] for garment in garments] == [["front_sim", "front_render"], ["belt_sim", "belt_render"]]
+    # The belt is what a build of it alone makes.
+    alone = tmp_path / "alone.usda"
+    built(usdtailor, source, alone, "--prim", "/Suit/belt")
+    for product in ("sim", "render"):
+        (mesh,), (expected,) = meshes(out, f"belt_{product}"), meshes(alone, product)
+        assert np.array_equal(mesh.points, expected.points) and np.array_equal(mesh.indices, expected.indices)
+
+
+def add_body(stage, *_):
+    points = np.array([[x, y, z] for y in (0, 9) for x, z in ((-2, -1), (2, -1), (2, 1), (-2, 1))], float)
+    quads = np.array([[i, (i + 1) % 4, 4 + (i + 1) % 4, 4 + i] for i in range(4)])
+    for path, purpose in (("/Suit/body/skin", None), ("/Suit/bounds", "proxy"), ("/Suit/rig", "guide")):
+        mesh = define(stage, path, (points, np.full(4, 4), quads.ravel()))
+        if purpose:
+            mesh.CreatePurposeAttr(purpose)
+
+
+@pytest.mark.parametrize("pattern", ["body", "/Suit/body", "/Suit/b*/skin", "sk*"])
+def test_what_is_no_garment_is_left_alone(usdtailor, suit, tmp_path, pattern):
+    source, out = suit(add_body), tmp_path / "out.usda"
+    built(usdtailor, source, out, "--exclude", pattern)
+    stage = Usd.Stage.Open(str(out))
+    names = {prim.GetName() for prim in stage.GetPrimAtPath("/Suit").GetChildren()}
+    assert names == {"front", "back", "body", "bounds", "rig", "sim", "render", "physics"}
+    assert stage.GetPrimAtPath("/Suit/body/skin").GetAttribute("purpose").Get() == "default"
+
+
+def test_a_pattern_that_matches_nothing_is_refused(usdtailor, suit, tmp_path):
+    words = refused(usdtailor, suit(), tmp_path / "out.usda", "--all", "--exclude", "bodi")
+    assert "bodi matches no mesh" in words and "/Suit/front" in words
+
+
+def test_borders_that_are_split_otherwise_are_not_sewn(usdtailor, suit, tmp_path):
+    out, report = tmp_path / "out.usda", tmp_path / "report.json"
+    words = built(usdtailor, suit(rows=HEIGHT * 2 - 5), out, "--all", "--set", "sim.maxEdgeLength=1", "--report", report)
+    assert "warning[unsewn-borders]: /Suit/front, /Suit/back" in words and "--sew-tolerance" in words
+    # The shoulders have the same points on both panels, the sides have not.
+    done = run(usdtailor, "info", "--all", tmp_path / "suit.usda")
+    assert f"sewn     /Suit/front to /Suit/back: {2 * (WIDTH // 2 - NECK)} border edges" in done.stdout
+    (warning,) = (w for w in json.loads(report.read_text())["warnings"] if w["code"] == "unsewn-borders")
+    assert len(warning["elements"]["edges"]) == 2 * ARM
+
+
+def test_panels_that_touch_nowhere_are_garments_of_their_own(usdtailor, suit, tmp_path):
+    def apart(stage, front, back):
+        UsdGeom.Xformable(back).ClearXformOpOrder()
+        UsdGeom.Xformable(back).AddTranslateOp().Set((0, 100, 0))
+
+    words = built(usdtailor, suit(apart), tmp_path / "out.usda", "--all")
+    assert "unsewn" not in words
+    stage = Usd.Stage.Open(str(tmp_path / "out.usda"))
+    assert stage.GetPrimAtPath("/Suit/front_sim") and stage.GetPrimAtPath("/Suit/back_sim")
+
+
+def shifted(by):
+    def finish(stage, front, back):
+        matrix = Gf.Matrix4d(PLACES["back"])
+        matrix.SetTranslateOnly((0, by, 0))
+        op = UsdGeom.Xformable(back).GetOrderedXformOps()[0]
+        op.Set(matrix)
+
+    return finish
+
+
+def test_the_tolerance_is_a_share_of_the_mean_edge(usdtailor, suit):
+    source = suit(shifted(0.05))
+    assert "sewn     /Suit" not in run(usdtailor, "info", "--all", source).stdout
+    wide = run(usdtailor, "info", "--all", source, "--sew-tolerance", "0.1").stdout
+    assert f"{seam_edges()} border edges, at most 5.00e-2 stage units apart" in wide
+    bad = run(usdtailor, "info", "--all", source, "--sew-tolerance", "2")
+    assert bad.returncode == 1 and "--sew-tolerance 2" in bad.stderr
+
+
+def options(**values):
+    def finish(stage, front, back):
+        for name, mesh in (("front", front), ("back", back)):
+            for key, (kind, value) in values.get(name, {}).items():
+                mesh.GetPrim().CreateAttribute(key, kind).Set(value)
+
+    return finish
+
+
+def test_options_of_panels_are_those_of_the_garment(usdtailor, suit, tmp_path):
+    length, level = ("tailor:sim:maxEdgeLength", Sdf.ValueTypeNames.Float), ("tailor:render:level", Sdf.ValueTypeNames.Int)
+    source = suit(options(front={length[0]: (length[1], 1.5)}, back={level[0]: (level[1], 2)}))
+    report = tmp_path / "report.json"
+    built(usdtailor, source, tmp_path / "out.usda", "--all", "--report", report)
+    recipe = json.loads(report.read_text())["recipe"]
+    assert (recipe["sim"]["maxEdgeLength"], recipe["render"]["level"], recipe["sim"]["constraints"]) == (1.5, 2, ["sewn"])
+    both = suit(options(front={length[0]: (length[1], 1.5)}, back={length[0]: (length[1], 2.5)}), name="both.usda")
+    words = refused(usdtailor, both, tmp_path / "both_out.usda", "--all")
+    assert "error[panels-differ]: /Suit/front, /Suit/back" in words and "tailor:sim:maxEdgeLength is 1.5 on one and 2.5" in words
+
+
+def test_sets_of_one_name_are_one_and_their_options_join(usdtailor, suit, tmp_path):
+    def finish(stage, front, back):
+        for mesh, own in ((front, "pocket"), (back, "yoke")):
+            add_subset(mesh, name="hem", indices=range(WIDTH), family="")
+            add_subset(mesh, name=own, indices=[2 * WIDTH + 3, 2 * WIDTH + 4], family="")
+            fabric = mesh.GetPrim().CreateRelationship("tailor:fabric:trim:faces")
+            fabric.SetTargets([mesh.GetPath().AppendChild("hem"), mesh.GetPath().AppendChild(own)])
+
+    report = tmp_path / "report.json"
+    built(usdtailor, suit(finish), tmp_path / "out.usda", "--all", "--report", report)
+    assert json.loads(report.read_text())["recipe"]["fabric"]["trim"]["faces"] == ["hem", "pocket", "yoke"]
+    (render,) = meshes(tmp_path / "out.usda", "render")
+    assert len(render.subsets["hem"].indices) == 4 * 2 * WIDTH
+
+    def unlike(stage, front, back):
+        add_subset(front, name="hem", indices=range(WIDTH))
+        add_subset(back, name="hem", indices=[0, 1], element="edge")
+
+    words = refused(usdtailor, suit(unlike, name="unlike.usda"), tmp_path / "unlike_out.usda", "--all")
+    assert "panels-differ" in words and "/Suit/front, /Suit/back" in words and "subset hem" in words
+
+
+def test_schemes_that_differ_are_refused(usdtailor, suit, tmp_path):
+    words = refused(usdtailor, suit(lambda stage, front, back: back.CreateSubdivisionSchemeAttr("bilinear")), tmp_path / "out.usda", "--all")
+    assert "/Suit/front, /Suit/back" in words and "subdivisionScheme is CatmullClark on one and Bilinear" in words
+
+
+def test_primvars_of_some_panels_are_told_and_constant_ones_are_kept(usdtailor, suit, tmp_path):
+    def finish(stage, front, back):
+        add_primvar(front, name="dirt", type_name="float", interpolation="vertex")
+        for mesh, colour in ((front, (1, 0, 0)), (back, (0, 0, 1))):
+            mesh.CreateDisplayColorAttr([colour])
+            add_primvar(mesh, name="lot", type_name="int", interpolation="constant", values=[7])
+
+    words = built(usdtailor, suit(finish), tmp_path / "out.usda", "--all")
+    assert "primvars:dirt" in words and "`/Suit/back`" in words
+    for mesh in meshes(tmp_path / "out.usda", "sim", "render"):
+        assert "dirt" not in mesh.primvars
+        colour = mesh.primvars["displayColor"]
+        assert colour.interpolation == "uniform"
+        assert np.allclose(colour.flat[mesh.subsets["front"].indices], [1, 0, 0])
+        assert np.allclose(colour.flat[mesh.subsets["back"].indices], [0, 0, 1])
+        assert mesh.primvars["lot"].interpolation == "constant" and list(mesh.primvars["lot"].values) == [7]
+
+
+def test_weights_that_disagree_at_a_seam_get_their_mean(usdtailor, suit, tmp_path):
+    def finish(stage, front, back):
+        for mesh, weight in ((front, 0.0), (back, 1.0)):
+            count = len(mesh.GetPointsAttr().Get())
+            add_primvar(mesh, name="side", type_name="float", interpolation="varying", values=[weight] * count)
+
+    words = built(usdtailor, suit(finish), tmp_path / "out.usda", "--all", "--set", "render.level=0")
+    assert "primvars:side" in words and "mean" in words
+    (render,) = meshes(tmp_path / "out.usda", "render")
+    side, on_seam = render.primvars["side"].flat[:, 0], np.unique(render.subsets["sewn"].pairs)
+    assert np.allclose(side[on_seam], 0.5)
+    assert set(np.delete(side, on_seam)) == {0.0, 1.0}
+
+
+def test_materials_of_panels_are_those_of_their_face_sets(usdtailor, suit, tmp_path):
+    def finish(stage, front, back):
+        bind(front.GetPrim(), "wool")
+        bind(back.GetPrim(), "silk")
+
+    built(usdtailor, suit(finish), tmp_path / "out.usda", "--all")
+    for mesh in meshes(tmp_path / "out.usda", "render"):
+        for side, material in (("front", "wool"), ("back", "silk")):
+            subset = mesh.subsets[side]
+            assert (subset.family, subset.material) == ("materialBind", f"/Suit/materials/{material}")
+
+
+def test_an_output_is_fresh_until_its_input_changes(usdtailor, suit, tmp_path):
+    source, out = suit(add_belt), tmp_path / "out.usda"
+    built(usdtailor, source, out, "--all")
+    fresh = run(usdtailor, "check", "--all", out)
+    assert fresh.returncode == 0 and "good, and fresh" in fresh.stdout, fresh.stderr
+    again = run(usdtailor, "build", source, "-o", out, "--all", "--skip-fresh", "--force")
+    assert "fresh" in again.stdout
+    other = run(usdtailor, "build", source, "-o", out, "--all", "--skip-fresh", "--force", "--sew-tolerance", "0.002")
+    assert "triangles" in other.stdout and "triangles" not in again.stdout
+    stage = Usd.Stage.Open(str(source))
+    UsdGeom.Mesh(stage.GetPrimAtPath("/Suit/back")).CreateDisplayColorAttr([(0, 1, 0)])
+    stage.Save()
+    stale = run(usdtailor, "check", "--all", out)
+    assert stale.returncode == 1 and "suit.usda has changed" in stale.stderr
+
+
+def test_products_are_built_again_over_their_own(usdtailor, suit, tmp_path):
+    first, again = tmp_path / "first.usda", tmp_path / "again.usda"
+    built(usdtailor, suit(add_belt), first, "--all")
+    built(usdtailor, first, again, "--all")
+    names = ("front_sim", "front_render", "belt_sim", "belt_render")
+    for one, two in zip(meshes(first, *names), meshes(again, *names)):
+        assert np.array_equal(one.points, two.points) and set(one.subsets) == set(two.subsets)
+
+
+def test_panels_below_prims_of_their_own_have_products_at_the_common_parent(usdtailor, tmp_path):
+    path, out = tmp_path / "deep.usda", tmp_path / "out.usda"
+    stage = Usd.Stage.CreateNew(str(path))
+    for name, side in (("front", 1), ("back", -1)):
+        add_panel(stage, name, side, parent=f"/Suit/{name}_group")
+    UsdGeom.Xformable(stage.GetPrimAtPath("/Suit")).AddTranslateOp().Set((0, 50, 0))
+    stage.Save()
+    built(usdtailor, path, out, "--all")
+    (sim,) = meshes(out, "sim")
+    assert sim.points[:, 1].min() == pytest.approx(0, abs=1e-3)
+    assert border_loops(sim.cage) == 4
+
+
+def test_threads_do_not_change_the_output(usdtailor, suit, tmp_path):
+    source = suit(add_belt)
+    texts = []
+    for threads in (1, 2):
+        folder = tmp_path / str(threads)
+        folder.mkdir()
+        built(usdtailor, source, folder / "out.usda", "--all", "--threads", threads)
+        texts.append((folder / "out.usda").read_bytes())
+    assert texts[0] == texts[1]
+
+
+def test_info_tells_what_is_sewn_to_what(usdtailor, suit):
+    text = run(usdtailor, "info", "--prim", "/Suit", suit(add_belt)).stdout
+    assert "/Suit/front+back" in text and "/Suit/belt" in text
+    assert "panel    /Suit/front\n" in text and "panel    /Suit/back\n" in text
+    assert f"sewn     /Suit/front to /Suit/back: {seam_edges()} border edges" in text
