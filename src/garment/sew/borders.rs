@@ -4,7 +4,7 @@ use crate::garment::GarmentInput;
 use glam::{DMat4, DVec3};
 
 /// Border edges near one edge that are looked at. A garment has a handful; copies of a mesh on each other have more.
-const CROWD: usize = 256;
+const CROWD: usize = 4096;
 
 /// An edge of one face.
 #[derive(Clone, Copy, Debug)]

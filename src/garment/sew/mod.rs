@@ -9,6 +9,9 @@ mod primvars;
 mod subsets;
 mod unsewn;
 
+#[cfg(test)]
+mod tests;
+
 pub use merge::{Panel, Sewn, merge, place};
 pub use unsewn::Unsewn;
 

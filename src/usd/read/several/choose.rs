@@ -70,17 +70,21 @@ fn models(stage: &Stage, file: &FilePath) -> Result<HashSet<Path>, Error> {
     Ok(found)
 }
 
-/// Whether a mesh, by itself or a prim above it, is a product or is for something else than rendering.
+/// Whether a mesh is a product, or below one, or is for something else than rendering. A prim without a purpose has that of the
+/// prim above it.
 fn is_other(stage: &Stage, path: &Path) -> Result<bool, Error> {
+    let mut purpose: Option<String> = None;
     for path in with_ancestors(path) {
         let prim = prim_at(stage, &path)?;
-        let purpose = value(&prim, names::PURPOSE, None).ok().flatten();
-        let purpose = purpose.as_ref().and_then(text).unwrap_or_default();
-        if matches!(purpose, "guide" | "proxy") || is_product(&prim)? {
+        if is_product(&prim)? {
             return Ok(true);
         }
+        if purpose.is_none() {
+            let own = value(&prim, names::PURPOSE, None).ok().flatten();
+            purpose = own.as_ref().and_then(text).map(str::to_owned);
+        }
     }
-    Ok(false)
+    Ok(matches!(purpose.as_deref(), Some("guide" | "proxy")))
 }
 
 fn with_ancestors(path: &Path) -> impl Iterator<Item = Path> {

@@ -84,6 +84,9 @@ pub fn sewn(
     facts.prim = sewn.mesh.prim.clone();
     facts.transform = Vec::new();
     facts.staying = model.staying.clone();
+    facts
+        .constant_primvars
+        .retain(|name| model.carried.iter().any(|r| r.name.strip_prefix(names::PRIMVARS) == Some(name)));
     facts.bindings = union(panels.iter().map(|panel| &panel.facts.bindings));
     facts.api_schemas = union(panels.iter().map(|panel| &panel.facts.api_schemas));
     facts.variants = union(panels.iter().map(|panel| &panel.facts.variants));
@@ -128,7 +131,11 @@ fn check_skinning(panels: &[&Source], to_space: &[DMat4]) -> Result<(), Error> {
         panel.model.carried.iter().filter(is_of_skin).cloned().collect()
     };
     let skins: Vec<Vec<Record>> = panels.iter().map(of_skin).collect();
-    if skins.iter().all(Vec::is_empty) {
+    let has_joints = |panel: &&Source| {
+        let mesh = panel.garment.as_ref();
+        mesh.is_ok_and(|mesh| mesh.primvars.iter().any(|p| p.name.starts_with(SKINNING[0])))
+    };
+    if skins.iter().all(Vec::is_empty) && !panels.iter().any(has_joints) {
         return Ok(());
     }
     let odd = skins.iter().position(|skin| *skin != skins[0]);
@@ -250,6 +257,8 @@ fn move_materials(panels: &[&Source], model: &mut Model, sewn: &mut Sewn) {
         let name = if rest.len() == own.indices.len() {
             sewn.mesh.subsets[at].family = MATERIALS.to_owned();
             own.name
+        } else if rest.is_empty() {
+            continue;
         } else {
             let is_taken = |name: &str| sewn.mesh.subsets.iter().any(|subset| subset.name == name);
             let name = crate::garment::free_name(&format!("{set}_material"), is_taken);

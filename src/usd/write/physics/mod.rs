@@ -185,9 +185,15 @@ impl Author<'_> {
         PrimSpec::over(self.data, &root)?;
         let of_dialects = DIALECTS.iter().filter(|dialect| !kept(dialect.name)).flat_map(|dialect| dialect.body);
         let all = of_dialects.chain(chaos::BODY.iter().filter(|_| !kept("chaos")));
-        let deleted_items: Vec<Token> = all.map(|name| Token::from(*name)).collect();
-        let list = sdf::TokenListOp { deleted_items, ..Default::default() };
-        self.data.set_field(&root, FieldKey::ApiSchemas.as_str(), list.into());
+        let deleted: Vec<Token> = all.map(|name| Token::from(*name)).collect();
+        let key = FieldKey::ApiSchemas.as_str();
+        // Another garment of this layer may have given schemas to the same prim. They win over what is deleted.
+        let mut list = match self.data.try_field(&root, key)?.map(std::borrow::Cow::into_owned) {
+            Some(Value::TokenListOp(list)) => list,
+            _ => sdf::TokenListOp::default(),
+        };
+        list.deleted_items.extend(deleted);
+        self.data.set_field(&root, key, list.into());
         Ok(())
     }
 
