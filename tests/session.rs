@@ -50,7 +50,9 @@ impl Example {
     }
 
     fn recipe(&self, arguments: &[(&str, &str)]) -> Recipe {
-        let layers = self.document(arguments).layers(&self.source(), &mut Warnings::default()).expect("a recipe");
+        let (document, mut warnings) = (self.document(arguments), Warnings::default());
+        let mut layers = document.layers(&self.source(), &mut warnings).expect("a recipe");
+        layers.add(document.arguments(&mut warnings).into_map());
         layers.recipe().expect("a good recipe")
     }
 
@@ -243,9 +245,10 @@ fn metadata_needs_no_products() {
 fn faults_come_back_each_time() {
     let (example, session) = (Example::new("tshirt.usda"), Session::new(ROOM, None).expect("threads"));
     for _ in 0..2 {
-        let bad = example.document(&[("sim.density", "nowhere")]);
-        let message = session.layer(&bad, &example.content, false, &mut Warnings::default()).expect_err("a fault");
-        assert!(message.to_string().contains("nowhere"), "{message}");
+        let (bad, mut warnings) = (example.document(&[("sim.density", "nowhere")]), Warnings::default());
+        let layer = session.layer(&bad, &example.content, false, &mut warnings).expect("a layer without the value");
+        assert_eq!(layer, straight(&example, &[]));
+        assert!(warnings.iter().any(|warning| warning.to_string().contains("nowhere")), "the fault is told");
         let bad = example.document(&[]);
         let message =
             session.layer(&bad, b"PXR-USDC and no more", false, &mut Warnings::default()).expect_err("a fault");

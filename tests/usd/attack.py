@@ -192,7 +192,7 @@ def run(program, case):
         return "time-out", f"takes more than {SECONDS} s of the processor"
     if code < 0:
         return f"signal {-code}", said[-300:]
-    if code not in (0, 1) or "panicked" in said or "internal error" in said:
+    if code not in (0, 1, 2) or "panicked" in said or "internal error" in said:
         return f"exit {code}", said[-300:]
     faults = left_behind(case, before, code)
     if code == 0 and case.args[0] in ("build", "drive"):
