@@ -57,6 +57,6 @@ with tempfile.TemporaryDirectory() as folder:
     assert layer.Reload(force=True)
     assert layer.ExportToString()
     assert Sdf.Layer.OpenAsAnonymous(str(recipe), metadataOnly=True).defaultPrim == "Asset"
-    assert refused(lambda: Sdf.Layer.FindOrOpen(str(recipe), {"sim.nothing": "1"}), "no such option")
+    assert refused(lambda: Sdf.Layer.FindOrOpen(str(recipe), {"time": "noon"}), "not a number")
     assert refused(lambda: Sdf.Layer.FindOrOpen(str(broken)), "broken.usda:2")
     assert refused(lambda: Sdf.Layer.FindOrOpen(str(cycle)), "uses the file itself")
