@@ -101,7 +101,7 @@ FAULTS = {
 BAD_VALUES = {
     "missing UV set": ("sim:uvSet", "Token", "map1", ["map1"]),
     "value of another type": ("render:level", "Token", "two", ["render.level", "two"]),
-    "lengths the wrong way round": ("sim:minEdgeLength", "Float", 1e3, ["sim.minEdgeLength"]),
+    "a number out of range": ("sim:grading", "Float", 1.01, ["sim.grading"]),
     "far too fine": ("sim:maxEdgeLength", "Float", 0.0001, ["triangles", "sim.maxEdgeLength"]),
     "far too many samples": ("sim:transferSamples", "Int", 1000000000, ["sim.transferSamples", "at most"]),
     "far too many levels": ("render:level", "Int", 99, ["render.level"]),
@@ -179,7 +179,8 @@ def test_an_argument_that_is_no_option_is_told(folder):
 import os, sys
 os.dup2(1, 2)
 from pxr import Sdf
-assert Sdf.Layer.FindOrOpen(sys.argv[1] + ":SDF_FORMAT_ARGS:sim.maxEdge=1").GetPrimAtPath("/Coat/sim")
+layer = Sdf.Layer.FindOrOpen(sys.argv[1] + ":SDF_FORMAT_ARGS:sim.maxEdge=1")
+assert layer.GetPrimAtPath("/Coat/sim")
 """,
         folder / "coat.tailor",
     )
