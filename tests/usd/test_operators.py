@@ -194,7 +194,7 @@ def test_what_the_order_does_not_name_is_told(build, usdtailor, tmp_path):
     "instances, words",
     [
         ({"seam": {**PLACKET, "edges": ["nothing"]}}, ["tailor:seam:seam:edges", "/Coat/model/nothing", "fold"]),
-        ({"seam": {**PLACKET, "edges": ["low"]}}, ["seam.seam.edges", '"low"', "no edge subset", "fold"]),
+        ({"seam": {**PLACKET, "edges": ["low"]}}, ["seam.seam.edges", '"low"', "a subset of faces", "thickness.<name>.faces", "fold"]),
         ({"seam": {**PLACKET, "edges": []}}, ["seam.seam.edges", "names no edge subset"]),
         ({"hem": {**HEM, "faces": ["nothing"]}}, ["tailor:thickness:hem:faces", "/Coat/model/nothing", "low"]),
         ({"hem": {**HEM, "faces": ["inside"]}}, ["thickness.hem.faces", "inside", "not next to a border", "closed"]),
