@@ -98,13 +98,18 @@ fn of_kind(kind: &str) -> Option<&'static str> {
     }
 }
 
-/// The start of a remedy that names the known word nearest to `word`; empty where a third of the letters or more differ.
-pub fn did_you_mean(word: &str, known: &[impl AsRef<str>]) -> String {
+/// The known word that is nearest to `word`; none where more than a third of its letters differ.
+pub fn nearest<'a>(word: &str, known: &'a [impl AsRef<str>]) -> Option<&'a str> {
     let letters = word.chars().count();
     let distance = |name: &str| strsim::damerau_levenshtein(&word.to_lowercase(), &name.to_lowercase());
     let near = known.iter().map(|name| (distance(name.as_ref()), name.as_ref()));
-    let best = near.filter(|(distance, _)| *distance <= (letters / 3).max(1) && *distance < letters).min();
-    best.map(|(_, name)| format!("did you mean {name}? ")).unwrap_or_default()
+    let near = near.filter(|(distance, _)| *distance <= (letters / 3).max(1) && *distance < letters);
+    near.min().map(|(_, name)| name)
+}
+
+/// The start of a remedy that names the nearest known word, if there is one.
+pub fn did_you_mean(word: &str, known: &[impl AsRef<str>]) -> String {
+    nearest(word, known).map(|name| format!("did you mean {name}? ")).unwrap_or_default()
 }
 
 /// The primvar that `key` names, which has to be a `kind`; none where the name is empty.

@@ -216,8 +216,6 @@ pub enum Code {
     Composition,
     /// An option of a payload cannot be one, and is left out.
     IgnoredOption,
-    /// A prim has options that belong on a mesh below it.
-    MisplacedOptions,
     /// A schema is applied, and the sets that it needs are not named.
     SchemaWithoutSets,
     /// Borders of two meshes lie along each other and are not sewn.

@@ -67,6 +67,9 @@ pub struct Built {
 pub fn run(build: &Build) -> Result<Output, Error> {
     let tasks = tasks(build)?;
     let report_file = build.report.as_deref().filter(|file| *file != Path::new(STDOUT));
+    let prints_report = build.report.is_some() && report_file.is_none();
+    // The caller prints the error of a lone input, unless there is a report to print as well.
+    let is_lone = tasks.len() == 1 && !prints_report;
     if let Some(file) = report_file {
         report::check_target(file, build.force)?;
     }
@@ -80,7 +83,7 @@ pub fn run(build: &Build) -> Result<Output, Error> {
         jobs,
         |task| build_one(build, task, &budget, &bar),
         |task, outcome| {
-            bar.suspend(|| tell(build, task, &outcome, tasks.len() > 1));
+            bar.suspend(|| tell(build, &outcome, (tasks.len() > 1).then_some(&task.input), is_lone));
             bar.inc(1);
             outcomes.push(outcome);
         },
@@ -90,17 +93,17 @@ pub fn run(build: &Build) -> Result<Output, Error> {
     if let Some(file) = report_file {
         report::write(file, &report, build.force)?;
     }
-    if tasks.len() == 1
-        && let Some(Outcome::Failed(error)) = outcomes.pop_if(|outcome| matches!(outcome, Outcome::Failed(_)))
-    {
+    if is_lone && let Some(Outcome::Failed(error)) = outcomes.pop_if(|outcome| matches!(outcome, Outcome::Failed(_))) {
         return Err(error);
     }
     let failed = outcomes.iter().filter_map(|outcome| if let Outcome::Failed(e) = outcome { Some(e) } else { None });
     let code = failed.map(crate::exit_code).max().unwrap_or(0);
-    let text = match &build.report {
-        Some(_) if report_file.is_none() => report,
-        _ if build.inputs.quiet => String::new(),
-        _ => text::outcomes(&tasks, &outcomes, build.inputs.verbose),
+    let text = if prints_report {
+        report
+    } else if build.inputs.quiet {
+        String::new()
+    } else {
+        text::outcomes(&tasks, &outcomes, build.inputs.verbose)
     };
     Ok(Output { text, code })
 }
@@ -128,14 +131,11 @@ fn tasks(build: &Build) -> Result<Vec<Task>, Error> {
     files.into_iter().map(task).collect()
 }
 
-/// Prints the warnings of an input, and its error where it is one of several.
-fn tell(build: &Build, task: &Task, outcome: &Outcome, several: bool) {
+/// Prints the warnings and the error of an input, which `label` names where it is one of several.
+fn tell(build: &Build, outcome: &Outcome, label: Option<&PathBuf>, is_lone: bool) {
     match outcome {
-        Outcome::Built(summary) => {
-            let input = several.then_some(&task.input);
-            text::print_warnings(summary.warnings.iter(), build.inputs.quiet, input);
-        }
-        Outcome::Failed(error) if several => text::print_error(error, Some(&task.input)),
+        Outcome::Built(summary) => text::print_warnings(summary.warnings.iter(), build.inputs.quiet, label),
+        Outcome::Failed(error) if !is_lone => text::print_error(error, label.map(PathBuf::as_path)),
         Outcome::Failed(_) | Outcome::Fresh | Outcome::Planned(_) => {}
     }
 }
@@ -166,13 +166,13 @@ fn build_one(build: &Build, task: &Task, budget: &Budget, bar: &ProgressBar) -> 
     }
 }
 
-/// What a build would write, found by less work than it takes.
+/// The sizes and names of the products, as [`Builder::plan`] finds them.
 fn planned(build: &Build, task: &Task, budget: &Budget) -> Result<String, Error> {
     let Task { input, output } = task;
     let opened = build.inputs.open(input)?;
     check_target(&opened[0].source, output, build.force)?;
-    let names = [build.sim_name.as_str(), &build.render_name];
-    let names = product_names(&opened.iter().map(|garment| garment.source.clone()).collect::<Vec<_>>(), names);
+    let sources = opened.iter().map(|garment| &garment.source);
+    let names = product_names(sources, [&build.sim_name, &build.render_name]);
     let mut text = format!("{} -> {}: would write", input.display(), output.display());
     for (garment, [sim, render]) in opened.into_iter().zip(names) {
         let (_, builder, recipe) = garment.check()?;

@@ -65,7 +65,7 @@ fn fresh(source: &Source) -> Result<bool, Error> {
     Ok(!source.records().is_empty())
 }
 
-/// What is found out about an input.
+/// The findings about an input.
 #[derive(Default)]
 struct Found {
     warnings: Warnings,

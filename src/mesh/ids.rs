@@ -13,6 +13,16 @@ pub trait Id: Copy + Eq + Ord + std::hash::Hash + fmt::Debug + Send + Sync + 'st
     fn index(self) -> usize;
 }
 
+/// A plain number is its own handle.
+impl Id for usize {
+    fn new(index: usize) -> Self {
+        index
+    }
+    fn index(self) -> usize {
+        self
+    }
+}
+
 macro_rules! ids {
     ($($(#[$doc:meta])* $name:ident)*) => { $(
         $(#[$doc])*

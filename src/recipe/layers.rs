@@ -2,7 +2,7 @@
 
 use super::operators::split;
 use super::{Domain, KEYS, Key, Recipe, all_keys, bind_uv_set, default_of, in_words, kind_named, value_type};
-use crate::checks::did_you_mean;
+use crate::checks::nearest;
 use crate::error::{Code, Error, ErrorCode, ErrorKind, Warning, Warnings};
 use crate::garment::units::meters_of;
 use crate::garment::{Garment, Units};
@@ -78,7 +78,6 @@ impl Layers {
 
     /// Takes an option out by its key, such as `sim.maxEdgeLength`. Returns whether it was there.
     pub fn remove(&mut self, key: &str) -> bool {
-        let key = dotted(key.strip_suffix(" of the model").unwrap_or(key));
         let Some((space, key)) = key.split_once('.') else { return false };
         let Some(fields) = self.merged.get_mut(space).and_then(Value::as_object_mut) else { return false };
         let Some((name, field)) = split(space, key) else { return fields.remove(key).is_some() };
@@ -136,8 +135,8 @@ impl Layers {
         let dotted = dotted(key);
         let (space, field) = dotted.split_once('.').unwrap_or((&dotted, ""));
         let Some(default) = default_of(space, field) else {
-            let keys = all_keys();
-            let remedy = format!("{}the options are {}", likely(&dotted, &keys), keys.join(", "));
+            let likely = nearest_key(&dotted).map(|key| format!("did you mean {key}? ")).unwrap_or_default();
+            let remedy = format!("{likely}the options are {}", all_keys().join(", "));
             return Err(fault("there is no such option".into()).code(ErrorCode::UnknownOption).remedy(remedy));
         };
         if let Some(("", _)) = split(space, field) {
@@ -227,12 +226,10 @@ fn mistyped(e: &serde_path_to_error::Error<serde_json::Error>) -> Error {
 }
 
 fn not_understood(attribute: &str) -> Warning {
-    let likely = likely(&dotted(attribute), &all_keys()).replace('.', ":");
     let warning = Warning::not_carried(attribute, "this version has no such option; it stays on the model");
-    if likely.is_empty() {
-        warning
-    } else {
-        warning.remedy(likely.trim_end().replace("did you mean ", "Did you mean tailor:"))
+    match nearest_key(&dotted(attribute)) {
+        Some(key) => warning.remedy(format!("Did you mean tailor:{}?", key.replace('.', ":"))),
+        None => warning,
     }
 }
 
@@ -253,16 +250,12 @@ fn dotted(key: &str) -> String {
     }
 }
 
-/// The start of a remedy that names the option most like `key`, under the name of an operator that `key` has.
-fn likely(key: &str, keys: &[String]) -> String {
+/// The option whose key is most like `key`, under the name of an operator that `key` has.
+fn nearest_key(key: &str) -> Option<String> {
     let (space, field) = key.split_once('.').unwrap_or((key, ""));
-    match split(space, field) {
-        Some((name, field)) => {
-            let of_kind = |key: &String| key.starts_with(space).then(|| key.replace("<name>", name));
-            did_you_mean(&format!("{space}.{name}.{field}"), &keys.iter().filter_map(of_kind).collect::<Vec<_>>())
-        }
-        None => did_you_mean(key, keys),
-    }
+    let name = split(space, field).map_or("", |(name, _)| name);
+    let keys: Vec<String> = all_keys().iter().map(|key| key.replace("<name>", name)).collect();
+    nearest(key, &keys).map(str::to_owned)
 }
 
 /// Whether an option is a length.

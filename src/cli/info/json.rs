@@ -1,4 +1,4 @@
-//! What `info` and `check` find out, as JSON.
+//! The findings of `info` and `check` as JSON.
 
 use super::super::{report, text};
 use super::token;

@@ -1,10 +1,10 @@
 //! Panels as one mesh.
 
-use super::Sets;
 use super::primvars::merge_primvars;
 use super::subsets::{merge_families, merge_subsets};
 use crate::error::{Error, ErrorCode, ErrorKind, Warnings};
 use crate::garment::{GarmentInput, Interpolation, Orientation, PrimvarInput, SubsetInput, Units, Values, free_name};
+use crate::mesh::Groups;
 use glam::{DMat3, DMat4, DVec3, Vec3};
 use std::collections::BTreeMap;
 
@@ -185,14 +185,17 @@ fn weld(panels: &[Panel], welds: &[[(usize, usize); 2]]) -> Points {
             Some(first)
         })
         .collect();
-    let mut sets = Sets::new(panels.iter().map(|panel| panel.mesh.points.len()).sum());
+    let all: usize = panels.iter().map(|panel| panel.mesh.points.len()).sum();
+    let mut sets = Groups::new(all);
     for [a, b] in welds.iter().map(|pair| pair.map(|(panel, point)| firsts[panel] + point)) {
         sets.join(a, b);
     }
-    let (mut of_panel, mut sources, mut numbers) = (Vec::new(), Vec::<Vec<(usize, usize)>>::new(), BTreeMap::new());
+    let mut numbers = vec![None; all];
+    let (mut of_panel, mut sources) = (Vec::new(), Vec::<Vec<(usize, usize)>>::new());
     for (panel, Panel { mesh, .. }) in panels.iter().enumerate() {
         let number = |point: usize| {
-            let number = *numbers.entry(sets.first(firsts[panel] + point)).or_insert(sources.len());
+            let first = sets.first(firsts[panel] + point);
+            let number = *numbers[first].get_or_insert(sources.len());
             if number == sources.len() {
                 sources.push(Vec::new());
             }

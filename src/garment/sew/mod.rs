@@ -17,6 +17,7 @@ pub use unsewn::Unsewn;
 
 use super::GarmentInput;
 use crate::error::{Error, ErrorCode, ErrorKind};
+use crate::mesh::Groups;
 use borders::{Border, matches};
 use glam::DMat4;
 use std::collections::BTreeMap;
@@ -37,7 +38,7 @@ pub struct Seam {
     pub gap: f64,
 }
 
-/// What is sewn to what.
+/// The seams between meshes, and the garments that they make.
 #[derive(Clone, Debug, Default)]
 pub struct Seams {
     /// The seams, by their meshes.
@@ -88,33 +89,13 @@ pub fn find_seams(meshes: &[(&GarmentInput, DMat4)], tolerance: f64) -> Result<S
 
 /// The meshes that seams connect, by the first of each.
 fn garments(count: usize, seams: &[Seam]) -> Vec<Vec<usize>> {
-    let mut sets = Sets::new(count);
-    seams.iter().for_each(|seam| sets.join(seam.panels[0], seam.panels[1]));
+    let mut sets = Groups::new(count);
+    for &Seam { panels: [a, b], .. } in seams {
+        sets.join(a, b);
+    }
     let mut found = BTreeMap::<usize, Vec<usize>>::new();
     for mesh in 0..count {
         found.entry(sets.first(mesh)).or_default().push(mesh);
     }
     found.into_values().collect()
-}
-
-/// Disjoint sets of numbers, each known by its least.
-struct Sets(Vec<usize>);
-
-impl Sets {
-    fn new(count: usize) -> Self {
-        Self((0..count).collect())
-    }
-
-    fn first(&mut self, mut x: usize) -> usize {
-        while self.0[x] != x {
-            self.0[x] = self.0[self.0[x]];
-            x = self.0[x];
-        }
-        x
-    }
-
-    fn join(&mut self, a: usize, b: usize) {
-        let (a, b) = (self.first(a), self.first(b));
-        self.0[a.max(b)] = a.min(b);
-    }
 }

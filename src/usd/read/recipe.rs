@@ -1,41 +1,22 @@
 //! The recipe in the model's own properties, as JSON.
 
-use super::choose::all_meshes;
-use super::query::{OrUnreadable, is_product, prim_at, prim_name, property_names, subset_prims, value};
-use crate::error::{Code, Error, ErrorCode, Warning};
+use super::query::{OrUnreadable, is_a, prim_at, prim_name, property_names, subset_prims, value};
+use crate::error::{Error, ErrorCode};
 use crate::usd::names;
 use crate::usd::values::{decimal, text};
 use openusd::sdf::{self, Value};
-use openusd::usd::{Prim, Stage, TimeCode};
+use openusd::usd::{Prim, TimeCode};
 use serde_json::{Map, Value as Json, json};
-use std::path::Path;
 
-/// The options of a mesh: its own, and weaker ones of the prims that it is in, where it is the only mesh there. Options above
-/// several meshes are left out with a warning.
+/// The options of a mesh: its own, and weaker ones of the prims that it is in, the nearest first.
 ///
 /// # Errors
 /// As [`options_of`].
-pub fn read_recipe(
-    stage: &Stage,
-    file: &Path,
-    mesh: &Prim,
-    time: Option<TimeCode>,
-    warnings: &mut Vec<Warning>,
-) -> Result<Map<String, Json>, Error> {
+pub fn read_recipe(mesh: &Prim, time: Option<TimeCode>) -> Result<Map<String, Json>, Error> {
     let mut recipe = options_of(mesh, mesh, time)?;
     let mut place = mesh.path().parent();
     while let Some(path) = place.filter(|path| !path.is_abs_root()) {
-        let above = prim_at(stage, &path)?;
-        if property_names(&above)?.iter().any(|name| option_key(name).is_some()) {
-            if is_only_mesh(stage, file, mesh, &path)? {
-                add_weaker(&mut recipe, options_of(&above, mesh, time)?);
-            } else {
-                let problem = "its options are not used: it holds several meshes";
-                let remedy =
-                    format!("Move its tailor: properties to the mesh that they are for, such as {}", mesh.path());
-                warnings.push(Warning::new(Code::MisplacedOptions, &path, problem).remedy(remedy));
-            }
-        }
+        add_weaker(&mut recipe, options_of(&prim_at(mesh.stage(), &path)?, mesh, time)?);
         place = path.parent();
     }
     Ok(recipe)
@@ -52,21 +33,6 @@ fn add_weaker(options: &mut Map<String, Json>, weaker: Map<String, Json>) {
     }
 }
 
-/// Whether a mesh is the only one below `path` that is no product.
-fn is_only_mesh(stage: &Stage, file: &Path, mesh: &Prim, path: &sdf::Path) -> Result<bool, Error> {
-    for other in all_meshes(stage, file)?.into_iter().filter(|other| other.has_prefix(path) && other != mesh.path()) {
-        if !is_product(&prim_at(stage, &other)?)? {
-            return Ok(false);
-        }
-    }
-    Ok(true)
-}
-
-/// The key of an option by its property's name, such as `sim:maxEdgeLength`; none for other properties.
-fn option_key(name: &str) -> Option<&str> {
-    name.strip_prefix(names::RECIPE).filter(|_| !names::is_produced(name))
-}
-
 /// Every property of `prim` in the namespace `tailor:`, as nested objects.
 ///
 /// # Errors
@@ -74,10 +40,10 @@ fn option_key(name: &str) -> Option<&str> {
 fn options_of(prim: &Prim, mesh: &Prim, time: Option<TimeCode>) -> Result<Map<String, Json>, Error> {
     let mut recipe = Map::new();
     for name in property_names(prim)? {
-        let Some(key) = option_key(&name) else { continue };
+        let Some(key) = name.strip_prefix(names::RECIPE).filter(|_| !names::is_produced(&name)) else { continue };
         let kind = prim.prim_index().property_type(name.as_str()).or_unreadable(prim.path())?;
         let value = match kind {
-            Some(sdf::SpecType::Relationship) => Some(targets(prim, mesh, &name)?),
+            Some(sdf::SpecType::Relationship) => targets(prim, mesh, &name)?,
             _ => match value(prim, &name, time)? {
                 None => None,
                 Some(value) => Some(to_json(&value).ok_or_else(|| {
@@ -107,13 +73,19 @@ fn insert(into: &mut Map<String, Json>, key: &str, value: Json) -> Option<()> {
     insert(space.as_object_mut()?, rest, value)
 }
 
-/// Names of the subsets that a relationship targets.
-fn targets(prim: &Prim, mesh: &Prim, name: &str) -> Result<Json, Error> {
+/// Names of the subsets that a relationship targets. A prim above several meshes may target subsets of each: those of others are
+/// left out, and where all are, the mesh has no such option.
+fn targets(prim: &Prim, mesh: &Prim, name: &str) -> Result<Option<Json>, Error> {
     let subsets = subset_prims(mesh)?;
     let targets = prim.relationship(name).targets().or_unreadable(prim.path())?;
     let mut found = Vec::with_capacity(targets.len());
+    let mut is_of_others = false;
     for target in targets {
-        let Some(subset) = subsets.iter().find(|s| *s.path() == target) else {
+        if let Some(subset) = subsets.iter().find(|s| *s.path() == target) {
+            found.push(Json::String(prim_name(subset)));
+        } else if prim.path() != mesh.path() && is_a(&prim_at(mesh.stage(), &target)?, names::GEOM_SUBSET)? {
+            is_of_others = true;
+        } else {
             let known: Vec<_> = subsets.iter().map(prim_name).collect();
             return Err(Error::usd(format!(
                 "{}.{name} targets {target}, which is no GeomSubset of the mesh",
@@ -121,10 +93,9 @@ fn targets(prim: &Prim, mesh: &Prim, name: &str) -> Result<Json, Error> {
             ))
             .code(ErrorCode::RecipeAttribute)
             .remedy(format!("target one of its subsets: {}", known.join(", "))));
-        };
-        found.push(Json::String(prim_name(subset)));
+        }
     }
-    Ok(Json::Array(found))
+    Ok((!found.is_empty() || !is_of_others).then_some(Json::Array(found)))
 }
 
 fn to_json(value: &Value) -> Option<Json> {

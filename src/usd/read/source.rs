@@ -114,7 +114,7 @@ impl Source {
         let has_normals = garment.as_ref().is_ok_and(|g: &GarmentInput| g.primvars.iter().any(is_normals));
         let model = Model::take(prim, time, origin, declarations, has_normals, &mut warnings)?;
         let facts = gather(prim, &model, time)?;
-        let recipe = read_recipe(stage, &model.origin.file, prim, time, &mut warnings);
+        let recipe = read_recipe(prim, time);
         let faults = stage.composition_errors();
         warnings.splice(
             0..0,

@@ -7,7 +7,7 @@ mod recipe;
 use super::origin::StageOrigin;
 use super::query::prim_at;
 use super::source::{ReadOptions, Source};
-use crate::error::{Code, Error, ErrorCode, Warning};
+use crate::error::{Code, Error, ErrorCode, ErrorKind, Warning};
 use crate::garment::sew::{MAX_TOLERANCE, Seams, TOLERANCE, Unsewn, find_seams};
 use crate::garment::{GarmentInput, check_garment, free_name};
 use crate::mesh::{Elements, VertexId};
@@ -37,7 +37,8 @@ impl Source {
 fn open(origin: StageOrigin, options: &ReadOptions) -> Result<Vec<Source>, Error> {
     let tolerance = options.sew_tolerance.unwrap_or(TOLERANCE);
     if !(0.0..=MAX_TOLERANCE).contains(&tolerance) {
-        let fault = Error::usd(format!("--sew-tolerance {tolerance} is not from 0 to {MAX_TOLERANCE}"));
+        let fault =
+            Error::new(ErrorKind::Usage, "", format!("--sew-tolerance {tolerance} is not from 0 to {MAX_TOLERANCE}"));
         return Err(fault.code(ErrorCode::CommandLine).remedy("give a share of the mean edge length, such as 0.001"));
     }
     let stage = origin.open()?;
@@ -61,7 +62,7 @@ fn open(origin: StageOrigin, options: &ReadOptions) -> Result<Vec<Source>, Error
     garments.map(|panels| model::sewn(&stage, &sources, panels, &seams, time)).collect()
 }
 
-/// What is sewn to what, in the space of the stage.
+/// The seams between the meshes, in the space of the stage.
 fn seams(sources: &[Source], tolerance: f64) -> Result<Seams, Error> {
     let mut meshes: Vec<(&GarmentInput, DMat4)> = Vec::with_capacity(sources.len());
     for source in sources {

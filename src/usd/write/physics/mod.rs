@@ -186,14 +186,10 @@ impl Author<'_> {
         let of_dialects = DIALECTS.iter().filter(|dialect| !kept(dialect.name)).flat_map(|dialect| dialect.body);
         let all = of_dialects.chain(chaos::BODY.iter().filter(|_| !kept("chaos")));
         let deleted: Vec<Token> = all.map(|name| Token::from(*name)).collect();
-        let key = FieldKey::ApiSchemas.as_str();
         // Another garment of this layer may have given schemas to the same prim. They win over what is deleted.
-        let mut list = match self.data.try_field(&root, key)?.map(std::borrow::Cow::into_owned) {
-            Some(Value::TokenListOp(list)) => list,
-            _ => sdf::TokenListOp::default(),
-        };
+        let mut list = self.schema_list(&root)?;
         list.deleted_items.extend(deleted);
-        self.data.set_field(&root, key, list.into());
+        self.data.set_field(&root, FieldKey::ApiSchemas.as_str(), list.into());
         Ok(())
     }
 
@@ -202,20 +198,20 @@ impl Author<'_> {
         if !self.data.has_spec(prim) {
             PrimSpec::over(self.data, prim)?;
         }
-        let key = FieldKey::ApiSchemas.as_str();
-        let before = self.data.try_field(prim, key)?.map(std::borrow::Cow::into_owned);
-        let mut list = match before {
-            Some(Value::TokenListOp(list)) => list,
-            _ => sdf::TokenListOp::default(),
-        };
+        let mut list = self.schema_list(prim)?;
         let items = if list.explicit { &mut list.explicit_items } else { &mut list.prepended_items };
         for schema in schemas.iter().map(|name| Token::from(*name)) {
             if !items.contains(&schema) {
                 items.push(schema);
             }
         }
-        self.data.set_field(prim, key, list.into());
+        self.data.set_field(prim, FieldKey::ApiSchemas.as_str(), list.into());
         Ok(())
+    }
+
+    fn schema_list(&self, prim: &Path) -> openusd::Result<sdf::TokenListOp> {
+        let list = self.data.try_field(prim, FieldKey::ApiSchemas.as_str())?;
+        Ok(list.and_then(|list| list.into_owned().try_as_token_list_op()).unwrap_or_default())
     }
 
     fn body(&mut self, physics: &Physics<'_>, dialect: &Dialect) -> openusd::Result<()> {
