@@ -84,7 +84,8 @@ pub fn subsets_are(garment: &Garment, key: &str, names: &[String], kind: &str) -
         }
         None => (format!("\"{name}\" is no {kind} subset of {}", garment.prim), String::new()),
     };
-    let remedy = format!("{}its {kind} subsets are: {}{remedy}", did_you_mean(name, &known), known.join(", "));
+    let known_sets = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
+    let remedy = format!("{}its {kind} subsets are: {known_sets}{remedy}", did_you_mean(name, &known));
     Err(Error::recipe(key, fault).code(ErrorCode::UnknownSubset).remedy(remedy))
 }
 

@@ -49,8 +49,6 @@ pub struct Summary {
 pub struct Built {
     /// Path of the garment in messages.
     pub prim: String,
-    /// Whether the input has no other garment.
-    pub is_one: bool,
     /// Names of the two products.
     pub names: [String; 2],
     pub products: Products,
@@ -150,7 +148,7 @@ fn build_one(build: &Build, task: &Task, budget: &Budget, bar: &ProgressBar) -> 
     let start = Instant::now();
     match built(build, task, budget, bar) {
         Ok(garments) => Outcome::Built(Box::new(Summary {
-            text: garments.iter().map(|built| text::summary(task, built, build.inputs.verbose)).collect(),
+            text: text::summaries(task, &garments, build.inputs.verbose),
             report: report::built(task, &garments),
             faces: [
                 garments.iter().map(|built| built.sim.faces).sum(),
@@ -208,7 +206,6 @@ fn built(build: &Build, task: &Task, budget: &Budget, bar: &ProgressBar) -> Resu
     let names = product_names(&sources, [&build.sim_name, &build.render_name]);
     for ((builder, recipe), names) in checked.into_iter().zip(names) {
         garments.push(garment(builder, &recipe, names, std::mem::take(&mut timings))?);
-        garments.iter_mut().for_each(|built| built.is_one = sources.len() == 1);
     }
     write(build, output, record, &sources, &mut garments)?;
     Ok(garments)
@@ -236,7 +233,7 @@ fn garment(
         Ok((products.sim_figures(), products.render_figures(), products.cloth_figures()))
     })?;
     let warnings = products.warnings.clone();
-    Ok(Built { prim, is_one: true, names, packed: Vec::new(), products, sim, render, cloth, timings, warnings })
+    Ok(Built { prim, names, packed: Vec::new(), products, sim, render, cloth, timings, warnings })
 }
 
 /// Writes the products of all garments. The last one gets the time of it, and its warnings.

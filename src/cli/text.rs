@@ -115,15 +115,20 @@ fn table(tasks: &[Task], outcomes: &[Outcome]) -> String {
     t
 }
 
-/// The summary of a build, at most one screen.
-pub fn summary(task: &Task, built: &Built, verbose: bool) -> String {
+/// The summary of each garment of an input, at most one screen. Several are told apart by their paths.
+pub fn summaries(task: &Task, garments: &[Built], verbose: bool) -> String {
+    let input = task.input.display();
+    let name = |built: &Built| if garments.len() > 1 { format!("{input} {}", built.prim) } else { input.to_string() };
+    let all = garments.iter().map(|b| format!("{} -> {}\n{}", name(b), task.output.display(), summary(b, verbose)));
+    all.collect()
+}
+
+fn summary(built: &Built, verbose: bool) -> String {
     let products = &built.products;
     let (s, r, recipe) = (&built.sim, &built.render, &products.recipe);
     let percent = |share: f32| f64::from(share) * 100.0;
     let mut t = String::new();
     // Writing to a string cannot fail.
-    let prim = if built.is_one { String::new() } else { format!(" {}", built.prim) };
-    let _ = writeln!(t, "{}{prim} -> {}", task.input.display(), task.output.display());
     let _ = writeln!(t, "  sim     {} vertices, {} triangles", s.vertices, s.faces);
     let _ = writeln!(
         t,
