@@ -115,7 +115,7 @@ mod tests {
     use super::*;
 
     const HELP: &str = "Usage\n\nOptions of the recipe, each with its default:\n  \
-                        a.length 0.5    a long\n  text [stage\n  units]\n  b.names  []     edge subsets [names]\n";
+                        a.length 0.5    a long\n  text [mesh\n  units]\n  b.names  []     edge subsets [names]\n";
 
     #[test]
     fn an_option_may_span_lines() {
