@@ -76,17 +76,17 @@ impl Layers {
         self.merged.values().all(|fields| fields.as_object().is_none_or(Map::is_empty))
     }
 
-    /// Takes an option out by its key, such as `sim.maxEdgeLength`. Returns whether it was there.
+    /// Takes an option out by its key, such as `sim.maxEdgeLength`. An operator that lacks the option is taken out whole. Returns
+    /// whether anything was there.
     pub fn remove(&mut self, key: &str) -> bool {
         let Some((space, key)) = key.split_once('.') else { return false };
         let Some(fields) = self.merged.get_mut(space).and_then(Value::as_object_mut) else { return false };
         let Some((name, field)) = split(space, key) else { return fields.remove(key).is_some() };
         let Some(of_instance) = fields.get_mut(name).and_then(Value::as_object_mut) else { return false };
-        let was_there = of_instance.remove(field).is_some();
-        if of_instance.is_empty() {
+        if of_instance.remove(field).is_none() || of_instance.is_empty() {
             fields.remove(name);
         }
-        was_there
+        true
     }
 
     /// All layers merged, as nested keys.

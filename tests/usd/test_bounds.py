@@ -53,7 +53,7 @@ def mounted(path, text):
 
 def started_write(usdtailor, folder, *args, before=None):
     """Starts a build and waits until a temporary file is there."""
-    source = write(folder / "in.usda", shape=lambda: sheet(24, 24))
+    source = write(folder / "in.usda", shape=lambda: sheet(40, 40))
     process = subprocess.Popen([usdtailor, "build", source, *LARGE, *args], stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL, preexec_fn=before)
     end = time.monotonic() + 120
     while time.monotonic() < end and process.poll() is None:
