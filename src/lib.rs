@@ -42,6 +42,10 @@
 mod binding;
 mod build;
 mod checks;
+/// The program `usdtailor`, for its launchers.
+#[cfg(feature = "cli")]
+#[doc(hidden)]
+pub mod cli;
 mod cloth;
 mod contact;
 pub mod drive;

@@ -10,9 +10,9 @@
 #include <pxr/usd/ar/resolver.h>
 #include <pxr/usd/pcp/dynamicFileFormatContext.h>
 
-#include <charconv>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -49,12 +49,20 @@ rust::Vec<tailor::Field> Fields(const std::string &assetPath, const PcpDynamicFi
     return tailor::fields(text.GetBytes(), TailorStr(schemas), TailorStr(arguments));
 }
 
-/// The shortest text that parses to the same number. The text is part of the layer's identity.
 template <class T>
 std::string Number(T number)
 {
-    char text[64];
-    return std::string(text, std::to_chars(text, text + sizeof(text), number).ptr);
+    return std::to_string(number);
+}
+
+std::string Number(float number)
+{
+    return std::string(tailor::float_text(number));
+}
+
+std::string Number(double number)
+{
+    return std::string(tailor::double_text(number));
 }
 
 template <class T>

@@ -1,6 +1,6 @@
 //! Compiles the C++ of the file format and links it into the library, when `cargo xtask plugin` asks for it.
 //!
-//! Without it (`cargo test`, `cargo clippy`, `cargo doc`) nothing is compiled: the Rust side needs no OpenUSD.
+//! With the feature `core` only the C++ side of the bridge is written. Without either (`cargo test`, `cargo clippy`, `cargo doc`) nothing is compiled: the Rust side needs no OpenUSD.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -16,6 +16,11 @@ const SOURCES: [&str; 6] =
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");
     println!("cargo:rerun-if-env-changed={BUILD}");
+    if env::var_os("CARGO_FEATURE_CORE").is_some() {
+        // The C++ that calls the core; `cargo xtask wheel` compiles it for each version of OpenUSD.
+        drop(cxx_build::bridge("src/lib.rs"));
+        return;
+    }
     let Some(file) = env::var_os(BUILD).map(PathBuf::from) else { return };
     println!("cargo:rerun-if-changed={}", file.display());
     let text = fs::read_to_string(&file).unwrap_or_else(|e| panic!("{BUILD} names {}: {e}", file.display()));

@@ -2,13 +2,10 @@
 
 #include <cerrno>
 #include <cstdlib>
-#include <filesystem>
-#include <stdexcept>
 #include <system_error>
 
 #include <fcntl.h>
 #include <sys/mman.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 PXR_NAMESPACE_OPEN_SCOPE
@@ -22,12 +19,8 @@ namespace {
 
 std::string TemporaryFolder()
 {
-    std::error_code fault;
-    const std::string folder = std::filesystem::temp_directory_path(fault).string();
-    if (fault) {
-        throw std::runtime_error("TMPDIR names no folder: " + fault.message());
-    }
-    return folder;
+    const char *named = std::getenv("TMPDIR");
+    return named && *named ? named : "/tmp";
 }
 
 } // namespace
@@ -42,16 +35,16 @@ TailorScratchFile::TailorScratchFile(const std::string &name) : _folder(Temporar
 
 TailorScratchFile::~TailorScratchFile()
 {
-    std::error_code ignored;
-    std::filesystem::remove_all(_folder, ignored);
+    unlink(_path.c_str());
+    rmdir(_folder.c_str());
 }
 
 TailorMappedFile::TailorMappedFile(const std::string &path) : _bytes(MAP_FAILED), _size(0)
 {
     const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-    struct stat status;
-    if (file >= 0 && fstat(file, &status) == 0) {
-        _size = static_cast<size_t>(status.st_size);
+    const off_t size = file >= 0 ? lseek(file, 0, SEEK_END) : -1;
+    if (size >= 0) {
+        _size = static_cast<size_t>(size);
         _bytes = mmap(nullptr, _size, PROT_READ, MAP_PRIVATE, file, 0);
     }
     const int error = errno;

@@ -4,6 +4,7 @@
 #include "sourceLayers.h"
 
 #include <pxr/base/tf/diagnostic.h>
+#include <pxr/base/tf/pathUtils.h>
 #include <pxr/base/tf/token.h>
 #include <pxr/usd/ar/asset.h>
 #include <pxr/usd/ar/resolver.h>
@@ -11,8 +12,6 @@
 #include <pxr/usd/ar/resolverContextBinder.h>
 #include <pxr/usd/sdf/layer.h>
 #include <pxr/usd/usd/stage.h>
-
-#include <filesystem>
 
 PXR_NAMESPACE_OPEN_SCOPE
 
@@ -43,14 +42,13 @@ ArResolverContext Context(const std::string &source)
 std::string InPackage(const std::string &source, const std::string &resolvedPath)
 {
     const size_t bracket = resolvedPath.rfind('[');
-    const std::filesystem::path relative(source);
-    if (bracket == std::string::npos || resolvedPath.back() != ']' || relative.is_absolute() ||
+    if (bracket == std::string::npos || resolvedPath.back() != ']' || !TfIsRelativePath(source) ||
         source.find(':') != std::string::npos) {
         return std::string();
     }
     const size_t end = resolvedPath.find(']', bracket);
-    const std::filesystem::path inner(resolvedPath.substr(bracket + 1, end - bracket - 1));
-    const std::string entry = (inner.parent_path() / relative).lexically_normal().generic_string();
+    const std::string inner = resolvedPath.substr(bracket + 1, end - bracket - 1);
+    const std::string entry = TfNormPath(TfGetPathName(inner) + source);
     return resolvedPath.substr(0, bracket + 1) + entry + resolvedPath.substr(end);
 }
 

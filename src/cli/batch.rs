@@ -1,12 +1,12 @@
 //! Several builds side by side, within a bound of memory.
 
 use super::build::{Outcome, Task};
+use crate::error::Error;
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError, mpsc};
 use std::thread;
-use tailor::error::Error;
 
 /// Runs `work` on every task, on `jobs` threads, and hands the outcomes to `take` in the order of the tasks. The work of
 /// one task spreads over the threads of the process; a task whose work panics has failed, and the others go on.
@@ -25,8 +25,9 @@ pub fn run_all(
                 loop {
                     let at = next.fetch_add(1, Ordering::Relaxed);
                     let Some(task) = tasks.get(at) else { break };
-                    let outcome = catch_unwind(AssertUnwindSafe(|| work(task)))
-                        .unwrap_or_else(|panic| Outcome::Failed(Error::internal(crate::panic_text(panic.as_ref()))));
+                    let outcome = catch_unwind(AssertUnwindSafe(|| work(task))).unwrap_or_else(|panic| {
+                        Outcome::Failed(Error::internal(super::program::panic_text(panic.as_ref())))
+                    });
                     if sender.send((at, outcome)).is_err() {
                         break;
                     }

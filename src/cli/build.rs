@@ -3,16 +3,16 @@
 use super::batch::{Budget, run_all};
 use super::process::memory;
 use super::{Build, Output, protect, report, text, usage};
+use crate::error::{Error, Warnings};
+use crate::report::{RenderFigures, SimFigures};
+use crate::session::{is_usd, written};
+use crate::usd::{BuildRecord, Source, Tailored, WriteOptions, check_target, product_names, write_all};
+use crate::{Builder, ClothFigures, Products, Progress, Recipe, Timing};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
-use tailor::error::{Error, Warnings};
-use tailor::report::{RenderFigures, SimFigures};
-use tailor::session::{is_usd, written};
-use tailor::usd::{BuildRecord, Source, Tailored, WriteOptions, check_target, product_names, write_all};
-use tailor::{Builder, ClothFigures, Products, Progress, Recipe, Timing};
 
 /// The name of a report that is printed.
 const STDOUT: &str = "-";
@@ -95,7 +95,7 @@ pub fn run(build: &Build) -> Result<Output, Error> {
         return Err(error);
     }
     let failed = outcomes.iter().filter_map(|outcome| if let Outcome::Failed(e) = outcome { Some(e) } else { None });
-    let code = failed.map(crate::exit_code).max().unwrap_or(0);
+    let code = failed.map(super::program::exit_code).max().unwrap_or(0);
     let text = if prints_report {
         report
     } else if build.inputs.quiet {

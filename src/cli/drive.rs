@@ -1,13 +1,13 @@
 //! `usdtailor drive`.
 
 use super::Output;
+use crate::error::Error;
+use crate::usd::{DriveOptions, drive};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::time::Instant;
-use tailor::error::Error;
-use tailor::usd::{DriveOptions, drive};
 
 #[derive(Args)]
 pub struct Drive {

@@ -1,9 +1,9 @@
 //! `usdtailor explain`.
 
 use super::{Output, usage};
+use crate::error::Error;
 use clap::Args;
 use std::fmt::Write as _;
-use tailor::error::Error;
 
 /// The page with a section for each code.
 const PAGE: &str = include_str!("../../docs/diagnostics.md");

@@ -4,13 +4,13 @@ mod json;
 
 use super::process::memory;
 use super::{Examined, Output, report, text};
+use crate::error::{Error, ErrorCode, ErrorKind, Warnings};
+use crate::units::in_words;
+use crate::usd::{Facts, Source};
+use crate::{Builder, Garment, Plan, PrimvarRole, Recipe};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::Path;
-use tailor::error::{Error, ErrorCode, ErrorKind, Warnings};
-use tailor::units::in_words;
-use tailor::usd::{Facts, Source};
-use tailor::{Builder, Garment, Plan, PrimvarRole, Recipe};
 
 /// Describes each input and the meshes that `build` would write for it.
 pub fn info(args: &Examined) -> Result<Output, Error> {
@@ -84,7 +84,7 @@ fn each(args: &Examined, mut work: impl FnMut(&Path, &mut Found) -> Result<(), E
         let result = work(&file, &mut found);
         text::print_warnings(found.warnings.iter(), inputs.quiet || args.json, several.then_some(&file));
         if let Err(error) = &result {
-            code = code.max(crate::exit_code(error));
+            code = code.max(super::program::exit_code(error));
         }
         entries.push(json::entry(&file, found.json, &found.warnings, result.as_ref().err()));
         match result {

@@ -8,25 +8,28 @@ mod info;
 #[cfg(feature = "preview")]
 mod preview;
 mod process;
+mod program;
 mod protect;
 mod report;
 mod text;
 
+pub use program::main;
+
+use crate::DEFAULT_MAX_FACES;
+use crate::error::{Error, ErrorCode, ErrorKind, plain};
+use crate::recipe::RecipeFile;
+use crate::session::{Input, Opened, beside, is_usd};
+use crate::usd::ReadOptions;
 use clap::{Args, ColorChoice, CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
 use process::{interrupt, memory, threads};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
-use tailor::DEFAULT_MAX_FACES;
-use tailor::error::{Error, ErrorCode, ErrorKind, plain};
-use tailor::recipe::RecipeFile;
-use tailor::session::{Input, Opened, beside, is_usd};
-use tailor::usd::ReadOptions;
 
 /// One coarse garment mesh in, a simulation mesh and a render mesh out, in OpenUSD.
 #[derive(Parser)]
 #[command(name = "usdtailor", version, max_term_width = 100)]
-pub struct Cli {
+struct Cli {
     #[command(subcommand)]
     command: Command,
     /// Colours of messages; NO_COLOR is respected
@@ -37,16 +40,16 @@ pub struct Cli {
 #[derive(Subcommand)]
 enum Command {
     /// Write a simulation mesh and a render mesh beside the garment
-    #[command(after_help = tailor::recipe::help())]
+    #[command(after_help = crate::recipe::help())]
     Build(Build),
     /// Move the render mesh of a garment with a simulated cache
     Drive(drive::Drive),
     /// Describe a garment and the meshes that `build` would write for it
-    #[command(after_help = tailor::recipe::help())]
+    #[command(after_help = crate::recipe::help())]
     Info(Examined),
     /// Show a garment in the browser while its recipe is edited
     #[cfg(feature = "preview")]
-    #[command(after_help = tailor::recipe::help())]
+    #[command(after_help = crate::recipe::help())]
     Preview(preview::Preview),
     /// Check garments; exit 1 if one has a problem
     Check(Examined),
@@ -177,18 +180,18 @@ struct Limits {
 }
 
 /// The standard output of a subcommand, and its exit code.
-pub struct Output {
+struct Output {
     /// The text.
-    pub text: String,
+    text: String,
     /// The exit code.
-    pub code: u8,
+    code: u8,
 }
 
 /// Runs the subcommand.
 ///
 /// # Errors
 /// Faults of the input, the recipe or the output.
-pub fn run(cli: &Cli) -> Result<Output, Error> {
+fn run(cli: &Cli) -> Result<Output, Error> {
     text::set_colors(cli.color);
     let (threads, quiet, serves) = match &cli.command {
         Command::Build(build) => (build.inputs.threads, build.inputs.quiet, false),
@@ -232,7 +235,7 @@ fn man(folder: &Path) -> Result<Output, Error> {
 }
 
 /// Writes an error to standard error.
-pub fn print_error(error: &Error) {
+fn print_error(error: &Error) {
     text::print_error(error, None);
 }
 

@@ -1,9 +1,9 @@
 //! `usdtailor preview`.
 
 use super::{Inputs, Output, usage};
+use crate::error::Error;
 use clap::Args;
 use std::io::Write;
-use tailor::error::Error;
 
 #[derive(Args)]
 pub struct Preview {
@@ -42,8 +42,8 @@ pub fn run(preview: &Preview, threads: Option<usize>) -> Result<Output, Error> {
             let _ = writeln!(std::io::stderr(), "warning: no browser could be opened. Open the address in one");
         }
     };
-    tailor::preview::serve(preview.inputs.input(file), preview.port, threads, ready)?;
+    crate::preview::serve(preview.inputs.input(file), preview.port, threads, ready)?;
     // A page may be saving yet.
-    tailor::usd::remove_unfinished();
+    crate::usd::remove_unfinished();
     Ok(Output { text: String::new(), code: 0 })
 }

@@ -2,11 +2,11 @@
 
 use super::build::Task;
 use super::{Build, usage};
+use crate::error::{Error, ErrorCode};
+use crate::recipe::{RecipeFile, is_recipe};
+use crate::session::beside;
+use crate::usd::first_used;
 use std::path::{Path, PathBuf};
-use tailor::error::{Error, ErrorCode};
-use tailor::recipe::{RecipeFile, is_recipe};
-use tailor::session::beside;
-use tailor::usd::first_used;
 
 /// Refuses outputs and a report that are recipes of this build, or files that one of its garments uses. The file that a garment
 /// is written to is checked against the garment itself when it is opened.

@@ -3,13 +3,13 @@
 use super::build::{Built, Outcome, Task};
 use super::text::{operator_sets, warning_json};
 use super::usage;
+use crate::error::{Error, ErrorCode, plain};
+use crate::usd::write_whole;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
-use tailor::error::{Error, ErrorCode, plain};
-use tailor::usd::write_whole;
 
 /// Checks that a report may be written to `file`, before the build starts.
 ///

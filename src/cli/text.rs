@@ -1,14 +1,14 @@
 //! The summary of a build and its warnings as text.
 
 use super::build::{Built, Outcome, Task};
+use crate::error::{Error, ErrorCode, ErrorKind, Warning};
+use crate::units::in_words;
+use crate::{ClothFigures, Products, Recipe, SimOptions, Timing, Units};
 use clap::builder::styling::AnsiColor;
 use serde_json::Value;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use tailor::error::{Error, ErrorCode, ErrorKind, Warning};
-use tailor::units::in_words;
-use tailor::{ClothFigures, Products, Recipe, SimOptions, Timing, Units};
 
 /// Longest line of a summary. \[characters\]
 const WIDTH: usize = 100;

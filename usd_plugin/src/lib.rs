@@ -53,7 +53,20 @@ mod ffi {
 
         /// `true` if an attribute can be one of those.
         fn is_field(attribute: &str) -> bool;
+
+        /// The shortest text that parses to the same number. The text is part of a layer's identity.
+        fn float_text(number: f32) -> String;
+
+        /// The shortest text that parses to the same number.
+        fn double_text(number: f64) -> String;
     }
+}
+
+/// The command `usdtailor`, for the launcher of the Python package. It returns the exit code.
+#[cfg(feature = "core")]
+#[unsafe(no_mangle)]
+pub extern "C" fn usdtailor_main() -> std::ffi::c_int {
+    tailor::cli::main().into()
 }
 
 fn read_document(path: &str, text: &[u8], arguments: &[Argument]) -> Result<Box<Document>, String> {
@@ -78,6 +91,14 @@ fn fields(recipe: &[u8], schemas: &str, arguments: &str) -> Vec<Field> {
 
 fn is_field(attribute: &str) -> bool {
     guarded(|| Ok(fields::is_field(attribute))).unwrap_or_default()
+}
+
+fn float_text(number: f32) -> String {
+    number.to_string()
+}
+
+fn double_text(number: f64) -> String {
+    number.to_string()
 }
 
 /// Turns a panic of `work` into an error. A panic that left this library would abort the host program.

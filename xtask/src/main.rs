@@ -5,6 +5,7 @@ mod browser;
 mod golden;
 mod links;
 mod node;
+mod package;
 mod page;
 mod peers;
 mod plugin;
@@ -40,6 +41,8 @@ Tasks:
                                docs/preview/*.jpg
   golden [ARGS...]             Write the OpenSubdiv reference data of the subdivision tests (needs cmake and C++)
   plugin [OPTIONS]             Build the OpenUSD plugin into target/usd_plugin (see below)
+  wheel [--tested]             Build the Python package into target/wheels, for all versions of usd-core or those that the
+                               tests use
   preview-bench [--quick]      Time edits in the preview, and its memory over 10,000 edits unless --quick is given
   peers                        Compare time and quality with other remeshers
   venv                         Create the Python environment target/venv, which the other tasks use
@@ -96,6 +99,7 @@ fn run(args: &[String]) -> Outcome {
         "preview-bench" => built(&project).and_then(|()| browser::figures(&project, rest)),
         "picture" if rest.is_empty() => picture(&project),
         "plugin" => plugin::run(&project, rest),
+        "wheel" => package::run(&project, rest),
         "golden" => golden::run(&project, rest),
         "venv" if rest.is_empty() => venv::ensure(&project).map(|_| ()),
         "peers" if rest.is_empty() => peers::run(&project),

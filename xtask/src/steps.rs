@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use crate::process::{self, Failure, Outcome};
 use crate::project::Project;
-use crate::{api, browser, page, plugin, schemas, site, venv};
+use crate::{api, browser, package, page, plugin, schemas, site, venv};
 
 struct Step {
     name: &'static str,
@@ -20,7 +20,7 @@ struct Step {
 ///
 /// Clippy and docs are adjacent, as they share the metadata of the dependencies. Tests and the binary use different
 /// profiles.
-const STEPS: [Step; 13] = [
+const STEPS: [Step; 14] = [
     // Before all that compiles the program, which embeds the page.
     Step {
         name: "page",
@@ -74,6 +74,12 @@ const STEPS: [Step; 13] = [
         run: python,
     },
     Step {
+        name: "package",
+        about: "the Python package in environments of its own, and the README's tutorial with it",
+        needs: &["page", "venv", "plugin"],
+        run: package::test,
+    },
+    Step {
         name: "newton",
         about: "cloth in the solver Newton, in an environment of its own",
         needs: &["page", "build"],
@@ -88,7 +94,7 @@ const STEPS: [Step; 13] = [
 ];
 
 /// Steps that take arguments after `--`.
-const TAKE_ARGUMENTS: [&str; 4] = ["rust", "python", "newton", "browser"];
+const TAKE_ARGUMENTS: [&str; 5] = ["rust", "python", "package", "newton", "browser"];
 
 /// The help text of the steps.
 pub fn help() -> String {
@@ -109,7 +115,9 @@ pub fn test(project: &Project, args: &[String]) -> Outcome {
         None => (args, &[][..]),
     };
     if !extra.is_empty() && !matches!(names, [name] if TAKE_ARGUMENTS.contains(&name.as_str())) {
-        return Err(Failure::new("arguments after -- need one step, `rust`, `python`, `newton` or `browser`"));
+        return Err(Failure::new(
+            "arguments after -- need one step, `rust`, `python`, `package`, `newton` or `browser`",
+        ));
     }
     let mut times = Vec::new();
     let outcome = selected(names)?.into_iter().try_for_each(|step| {

@@ -9,6 +9,7 @@ use crate::project::Project;
 
 const REQUIREMENTS: &str = "tests/usd/requirements.txt";
 const SITE: &str = "xtask/site/requirements.txt";
+const PACKAGING: &str = "python/requirements.txt";
 const NEWTON: &str = "tests/newton/requirements.txt";
 
 /// Creates `target/venv`, or recreates it if its requirements have changed, and returns its interpreter.
@@ -27,6 +28,22 @@ pub fn ensure_newton(project: &Project) -> Outcome<PathBuf> {
 pub fn ensure_site(project: &Project) -> Outcome<PathBuf> {
     let wanted = project.read(SITE)?;
     ensure_with(project, "venv-site", &wanted, &["--requirement", SITE])
+}
+
+/// Like [`ensure`], for the programs that make the Python package.
+pub fn ensure_packaging(project: &Project) -> Outcome<PathBuf> {
+    let wanted = project.read(PACKAGING)?;
+    ensure_with(project, "venv-packaging", &wanted, &["--requirement", PACKAGING])
+}
+
+/// A new environment with the Python package, and what its tests need.
+pub fn with_package(project: &Project, wheel: &Path) -> Outcome<PathBuf> {
+    let folder = project.target.join("venv-package");
+    create(project, &folder)?;
+    let python = interpreter(&folder);
+    let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--requirement", REQUIREMENTS];
+    process::run(project.command(&python).args(pip).arg(wheel))?;
+    Ok(python)
 }
 
 /// Like [`ensure`], for an environment with only one version of usd-core.
@@ -57,6 +74,11 @@ fn ensure_with(project: &Project, name: &str, wanted: &str, what: &[&str]) -> Ou
 }
 
 fn create(project: &Project, folder: &Path) -> Outcome {
+    if folder.is_symlink() {
+        return Err(
+            Failure::new(format!("{} is a link, and would be emptied", folder.display())).hint("remove the link")
+        );
+    }
     let base = std::env::var("PYTHON").unwrap_or_else(|_| "python3".into());
     eprintln!("creating {}", folder.display());
     process::run(project.command(base).args(["-m", "venv", "--clear"]).arg(folder)).map_err(|failure| {

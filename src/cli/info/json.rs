@@ -2,11 +2,11 @@
 
 use super::super::{report, text};
 use super::token;
+use crate::error::{Error, Warnings};
+use crate::usd::Facts;
+use crate::{Builder, Garment, Plan, PrimvarRole};
 use serde_json::{Value, json};
 use std::path::Path;
-use tailor::error::{Error, Warnings};
-use tailor::usd::Facts;
-use tailor::{Builder, Garment, Plan, PrimvarRole};
 
 /// The entry of an input: what was `found`, its warnings, and its error if it has one.
 pub fn entry(file: &Path, found: Value, warnings: &Warnings, error: Option<&Error>) -> Value {

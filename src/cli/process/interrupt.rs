@@ -16,7 +16,7 @@ pub fn tidy_up(serves: bool) -> std::io::Result<()> {
     let mut signals = Signals::new(all.into_iter().filter(|signal| !is_left(*signal) && !is_ignored(*signal)))?;
     let wait = move || {
         if let Some(signal) = signals.forever().next() {
-            tailor::usd::remove_unfinished();
+            crate::usd::remove_unfinished();
             std::process::exit(128 + signal);
         }
     };

@@ -1,8 +1,8 @@
 //! The number of threads.
 
 use crate::cli::{text, usage};
+use crate::error::{Code, Error, Warning};
 use std::thread::available_parallelism;
-use tailor::error::{Code, Error, Warning};
 
 /// Most threads for each core. More are slower to start than any work is to share.
 const PER_CORE: usize = 4;

@@ -92,6 +92,39 @@ pub fn compile(project: &Project, target: &Target) -> Outcome<PathBuf> {
     Ok(project.target.join("release").join(BUILT))
 }
 
+/// The C++ sources of the plugin, and what only a package of several versions needs.
+const SOURCES: [&str; 7] =
+    ["arguments.cpp", "errors.cpp", "fileFormat.cpp", "floor.cpp", "scratch.cpp", "source.cpp", "sourceLayers.cpp"];
+
+/// Compiles only the C++ of the plugin, against the `core` that has the Rust code, and returns its path.
+///
+/// The C++ side of `cxx` is compiled in, as its string ABI is that of the wheel.
+pub fn compile_shim(project: &Project, target: &Target, core: &Path) -> Outcome<PathBuf> {
+    let shim = target.folder.join(LIBRARY);
+    let bridge = project.target.join("cxxbridge");
+    let header = bridge.join("rust/cxx.h");
+    let runtime = fs::canonicalize(&header)
+        .map_err(|error| Failure::new(format!("cannot read {}: {error}", header.display())))?
+        .with_file_name("../src/cxx.cc");
+    let mut compiler = project.command(compiler());
+    compiler.args(["-std=c++17", "-shared", "-fPIC", "-O2", "-fvisibility=hidden", "-fvisibility-inlines-hidden"]);
+    compiler.args(["-Wall", "-Wextra", "-Werror", "-Wno-deprecated"]).arg(target.abi_flag());
+    target.includes.iter().for_each(|folder| {
+        compiler.arg("-isystem").arg(folder);
+    });
+    compiler.arg("-I").arg(&bridge);
+    compiler.args(SOURCES.map(|source| format!("usd_plugin/{source}")));
+    compiler.arg(bridge.join("tailor-usd-plugin/src/lib.rs.cc")).arg(runtime).arg("-o").arg(&shim).arg(core);
+    compiler.args(&target.link);
+    // OpenUSD finds the format by its registration: the plugin exports nothing.
+    let exports = target.folder.join("exports.txt");
+    write(&exports, "{ local: *; };\n")?;
+    compiler.arg(format!("-Wl,--version-script={}", exports.display()));
+    compiler.args(["-Wl,-rpath,$ORIGIN/../../_native", "-Wl,-Bsymbolic,-z,defs,--strip-all"]);
+    process::run_quietly(&mut compiler)?;
+    Ok(shim)
+}
+
 fn settings_text(target: &Target) -> String {
     let mut lines: Vec<String> = Vec::new();
     lines.extend(target.includes.iter().map(|folder| format!("include={}", folder.display())));

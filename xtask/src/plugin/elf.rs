@@ -40,6 +40,7 @@ pub struct Elf {
     pub name: String,
     /// File names of the libraries that it links to.
     pub needed: Vec<String>,
+    versions: Vec<String>,
     exports: HashMap<String, Export>,
     undefined: Vec<String>,
     symbols: Vec<String>,
@@ -59,6 +60,7 @@ impl Elf {
         let mut elf = Self {
             name: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
             needed: Vec::new(),
+            versions: Vec::new(),
             exports: HashMap::new(),
             undefined: Vec::new(),
             symbols: Vec::new(),
@@ -98,6 +100,14 @@ impl Elf {
                     self.relocations.insert(relocation.r_offset(endian), target);
                 }
             }
+            if let Some((mut libraries, link)) = section.gnu_verneed(endian, data)? {
+                let strings = sections.strings(endian, data, link)?;
+                while let Some((_, mut versions)) = libraries.next()? {
+                    while let Some(version) = versions.next()? {
+                        self.versions.push(String::from_utf8_lossy(version.name(endian, strings)?).into_owned());
+                    }
+                }
+            }
             if let Some((entries, link)) = section.dynamic(endian, data)? {
                 let strings = sections.strings(endian, data, link)?;
                 for entry in entries.iter().filter(|entry| entry.tag32(endian) == Some(elf::DT_NEEDED)) {
@@ -130,6 +140,11 @@ impl Elf {
 
     pub fn undefined(&self) -> impl Iterator<Item = &str> {
         self.undefined.iter().map(String::as_str)
+    }
+
+    /// The versions of symbols that it needs, such as `GLIBC_2.28`.
+    pub fn versions(&self) -> impl Iterator<Item = &str> {
+        self.versions.iter().map(String::as_str)
     }
 
     /// Up to `count` bytes from an address.

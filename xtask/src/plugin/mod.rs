@@ -9,7 +9,7 @@
 //! uses the generated header of another wheel, and `--define` changes a declaration.
 
 mod build;
-mod elf;
+pub mod elf;
 mod sdk;
 mod tested;
 mod verify;
@@ -23,7 +23,7 @@ use crate::venv;
 use build::Target;
 use wheel::Wheel;
 
-pub use tested::{build_tested, tested};
+pub use tested::{OLDER, build_tested, tested};
 
 /// The options of the command line.
 #[derive(Debug, Default, PartialEq)]
@@ -81,6 +81,20 @@ fn build_for_wheel(project: &Project, python: &Path, out: &Path) -> Outcome<Stri
     try_out(project, &wheel, python, &trial)?;
     build::assemble(project, &library, out)?;
     Ok(wheel.version)
+}
+
+/// Builds the C++ of the plugin for the wheel of an interpreter, against a core, into a folder named by its version.
+pub fn build_shim(project: &Project, python: &Path, core: &Path, folder: &Path) -> Outcome {
+    build::check_compiler(project)?;
+    let wheel = Wheel::find(project, python)?;
+    let target = Target::of_wheel(project, &wheel)?;
+    verify::headers(project, &wheel, &target, &[])?;
+    let library = build::compile_shim(project, &target, core)?;
+    verify::library(&wheel, &library)?;
+    let (year, month) = wheel::numbers(&wheel.version).unwrap_or_default();
+    let out = folder.join(format!("{year}.{month}"));
+    build::assemble(project, &library, &out)?;
+    try_out(project, &wheel, python, &out)
 }
 
 /// Runs the plugin once, since some declarations of the headers cannot be compared with a library.

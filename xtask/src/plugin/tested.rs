@@ -13,7 +13,7 @@ use crate::venv;
 ///
 /// They cover all known variants: the string ABI, the signature of `SetFactory`, and one library or many. Wheels of one
 /// ABI are adjacent, as they share a build of `cxx`.
-const OLDER: [&str; 3] = ["24.11", "25.5", "25.11"];
+pub const OLDER: [&str; 3] = ["24.11", "25.5", "25.11"];
 
 /// Builds the plugin for all tested wheels. An older wheel that cannot be installed is skipped with a message.
 pub fn build_tested(project: &Project) -> Outcome {

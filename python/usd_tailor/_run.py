@@ -1,0 +1,184 @@
+"""The command as functions."""
+
+import json
+import os
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Union
+
+from ._command import run
+
+if TYPE_CHECKING:
+    from pxr import Sdf, Usd
+
+Source = Union[str, "os.PathLike[str]", "Usd.Stage"]
+Value = Union[str, int, float, bool, Sequence[str]]
+
+# What the record of a build says of its sources; those of a stage are gone when the build ends.
+_RECORD = "tailor"
+
+
+@dataclass(frozen=True)
+class Built:
+    """What a build made."""
+
+    layer: "Sdf.Layer"
+    """The simulation mesh and the render mesh, and what changes on the model. Of a file, the output itself, over its source; of a
+    stage, an anonymous layer to sublayer into it."""
+    report: dict[str, Any]
+    """Counts, quality figures, times, the complete recipe and warnings, as ``usdtailor build --report`` writes them."""
+
+
+def build(
+    source: Source,
+    output: "str | os.PathLike[str] | None" = None,
+    *,
+    recipe: "str | os.PathLike[str] | None" = None,
+    options: "Mapping[str, Value] | None" = None,
+    prim: "str | None" = None,
+    time: "float | None" = None,
+    all: bool = False,
+    flatten: bool = False,
+    force: bool = False,
+) -> Built:
+    """Makes a simulation mesh and a render mesh of a garment.
+
+    Args:
+        source: A USD or ``.tailor`` file, with an ``output``; or an open stage, as it is now, edits included.
+        output: The file to write, for a file. ``force`` overwrites it.
+        recipe: A ``.tailor`` file with options.
+        options: Options by their keys, such as ``{"sim.maxEdgeLength": "8mm", "render.level": 2}``.
+        prim: Path of the mesh, if there are several.
+        time: Time at which values are read. [time codes]
+        all: All meshes; panels whose borders coincide are sewn.
+        flatten: Write one self-contained file.
+
+    Raises:
+        TailorError: The garment, an option or the output is refused. Nothing is written then.
+    """
+    arguments = _arguments(recipe, options, prim, time, all)
+    if not _is_stage(source):
+        if output is None:
+            raise TypeError("a build of a file needs an output; a build of an open stage returns a layer instead")
+        arguments += [name for name, given in (("--flatten", flatten), ("--force", force)) if given]
+        report = _report(os.fspath(source), os.fspath(output), arguments)
+        from pxr import Sdf
+
+        return Built(_opened(Sdf.Layer.FindOrOpen(os.fspath(output)), force), report)
+    if output is not None or flatten or force:
+        raise TypeError("a build of an open stage returns a layer; write it with its Export()")
+    with tempfile.TemporaryDirectory(prefix="usdtailor-") as folder:
+        written = Path(folder, "built.usdc")
+        report = _report(_flattened(source, folder), str(written), arguments)
+        return Built(_detached(written), report)
+
+
+def info(source: Source, **arguments: Any) -> dict[str, Any]:
+    """What garments hold, and the meshes that :func:`build` would make: the JSON of ``usdtailor info``.
+
+    It takes ``recipe``, ``options``, ``prim``, ``time`` and ``all`` as :func:`build` does.
+
+    Raises:
+        TailorError: A garment or an option is refused.
+    """
+    return _examined("info", source, **arguments)
+
+
+def check(source: Source, **arguments: Any) -> dict[str, Any]:
+    """What a build would warn of or refuse, or whether an output is fresh: the JSON of ``usdtailor check``.
+
+    Faults of the garment are in the result (``inputs[0]["error"]``), and not raised. It takes the arguments of :func:`info`.
+    """
+    return _examined("check", source, **arguments)
+
+
+def drive(
+    garment: "str | os.PathLike[str]",
+    cache: "str | os.PathLike[str]",
+    output: "str | os.PathLike[str]",
+    *,
+    clips: bool = False,
+    model: bool = False,
+    force: bool = False,
+) -> "Sdf.Layer":
+    """Moves the render mesh of a built garment with a simulated cache, as ``usdtailor drive`` does, and opens the output.
+
+    Args:
+        garment: The output of :func:`build`.
+        cache: The simulation mesh with time samples of its points, or a ``.npz`` of points.
+        output: The file to write. ``force`` overwrites it.
+        clips: Write value clips, for long caches.
+        model: Move the model too.
+    """
+    flags = [name for name, given in (("--clips", clips), ("--model", model), ("--force", force)) if given]
+    run(["drive", os.fspath(garment), "--cache", os.fspath(cache), "-o", os.fspath(output), "--quiet", *flags])
+    from pxr import Sdf
+
+    return _opened(Sdf.Layer.FindOrOpen(os.fspath(output)), force)
+
+
+def _report(source: str, output: str, arguments: list[str]) -> dict[str, Any]:
+    report: dict[str, Any] = json.loads(run(["build", source, "-o", output, "--report", "-", "--quiet", *arguments]))
+    return report
+
+
+def _examined(command: str, source: Source, **arguments: Any) -> dict[str, Any]:
+    with tempfile.TemporaryDirectory(prefix="usdtailor-") as folder:
+        path = _flattened(source, folder) if _is_stage(source) else os.fspath(source)
+        found: dict[str, Any] = json.loads(run([command, path, "--json", "--quiet", *_arguments(**arguments)], examines=command == "check"))
+        return found
+
+
+def _arguments(
+    recipe: "str | os.PathLike[str] | None" = None,
+    options: "Mapping[str, Value] | None" = None,
+    prim: "str | None" = None,
+    time: "float | None" = None,
+    all: bool = False,
+) -> list[str]:
+    arguments = [] if recipe is None else ["--recipe", os.fspath(recipe)]
+    arguments += [] if prim is None else ["--prim", str(prim)]
+    arguments += [] if time is None else ["--time", str(time)]
+    arguments += ["--all"] if all else []
+    for key, value in (options or {}).items():
+        arguments += ["--set", f"{key}={_text(value)}"]
+    return arguments
+
+
+def _text(value: Value) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    return value if isinstance(value, str) else ",".join(map(str, value)) if isinstance(value, Sequence) else str(value)
+
+
+def _is_stage(source: Source) -> bool:
+    return not isinstance(source, (str, os.PathLike))
+
+
+def _flattened(stage: "Usd.Stage", folder: str) -> str:
+    """The stage as one file. Its asset paths become absolute."""
+    path = str(Path(folder, "stage.usdc"))
+    stage.Flatten(addSourceFileComment=False).Export(path)
+    return path
+
+
+def _opened(layer: "Sdf.Layer", written_again: bool) -> "Sdf.Layer":
+    """A layer that may have been open before the command wrote it."""
+    if written_again:
+        layer.Reload(force=True)
+    return layer
+
+
+def _detached(written: Path) -> "Sdf.Layer":
+    """The content of a file as an anonymous layer, without the file's source and the record of it."""
+    from pxr import Sdf
+
+    layer = Sdf.Layer.CreateAnonymous("tailored.usdc")
+    layer.TransferContent(Sdf.Layer.OpenAsAnonymous(str(written)))
+    layer.subLayerPaths.clear()
+    data = dict(layer.customLayerData)
+    data.pop(_RECORD, None)
+    layer.customLayerData = data
+    return layer

@@ -1,0 +1,112 @@
+//! `cargo xtask wheel`: the Python package, with the command and the OpenUSD plugins of several versions of usd-core.
+//!
+//! ```text
+//! usd_tailor/_native/usdtailor                   the command: a launcher
+//! usd_tailor/_native/libusdtailor_core.so        all of the Rust code, once
+//! usd_tailor/plugin/26.11/libusdTailor.so        the C++ of the plugin, once for each version of usd-core
+//! ```
+//!
+//! The C++ calls the Rust code through the functions of `cxx`, which the core exports. On macOS and Windows the package has the
+//! command alone, as the plugin is for Linux.
+
+mod native;
+mod tests;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::page;
+use crate::plugin;
+use crate::process::{self, Failure, Outcome};
+use crate::project::Project;
+use crate::steps;
+use crate::venv;
+
+pub use tests::test;
+
+/// The versions of usd-core that a released package has plugins for.
+const RELEASES: [&str; 9] = ["24.8", "24.11", "25.2.post1", "25.5.1", "25.8", "25.11", "26.3", "26.5", "26.8"];
+
+/// The name of the platform, for pip: glibc 2.28 is that of RHEL 8, macOS 11 that of the first arm64.
+const PLATFORM: Option<&str> = if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
+    Some("manylinux_2_28_x86_64")
+} else if cfg!(all(target_os = "macos", target_arch = "aarch64")) {
+    Some("macosx_11_0_arm64")
+} else if cfg!(all(target_os = "windows", target_arch = "x86_64")) {
+    Some("win_amd64")
+} else {
+    None
+};
+
+/// Makes the package for all releases, or with `--tested` for those that the tests use, and returns its path.
+pub fn run(project: &Project, args: &[String]) -> Outcome {
+    let versions: &[&str] = match args {
+        [] => &RELEASES,
+        [flag] if flag == "--tested" => &plugin::OLDER,
+        _ => return Err(Failure::new("`wheel` takes only --tested").hint("cargo xtask --help")),
+    };
+    page::build(project)?;
+    let wheel = make(project, versions)?;
+    eprintln!("built {}", wheel.display());
+    Ok(())
+}
+
+/// Makes the package for some versions of usd-core, besides that of `target/venv`.
+fn make(project: &Project, versions: &[&str]) -> Outcome<PathBuf> {
+    let platform = PLATFORM.ok_or_else(|| {
+        Failure::new("the package is made on x86-64 Linux and Windows and on arm64 macOS only")
+            .hint("build the command from source: cargo usdtailor --help")
+    })?;
+    let tools = venv::ensure_packaging(project)?;
+    let staged = stage(project)?;
+    let package = staged.join("usd_tailor");
+    if cfg!(target_os = "linux") {
+        let core = native::core(project, &tools, &package.join("_native"))?;
+        plugins(project, versions, &core, &package.join("plugin"))?;
+        native::check_floor(&package)?;
+    } else {
+        steps::build(project)?;
+        let program = project.binary();
+        page::replace(&program, &package.join("_native").join(program.file_name().unwrap_or_default()))?;
+    }
+    pack(project, &tools, &staged, platform)
+}
+
+fn plugins(project: &Project, versions: &[&str], core: &Path, folder: &Path) -> Outcome {
+    let older = versions.iter().map(|version| venv::ensure_wheel(project, version));
+    let pythons = older.chain([venv::ensure(project)]).collect::<Outcome<Vec<_>>>()?;
+    pythons.iter().try_for_each(|python| plugin::build_shim(project, python, core, folder))
+}
+
+/// Copies what the package consists of beside the native files, into an empty folder.
+fn stage(project: &Project) -> Outcome<PathBuf> {
+    let staged = project.scratch("wheel")?;
+    for name in ["pyproject.toml", "hatch_build.py", "usd_tailor"] {
+        page::replace(&project.root.join("python").join(name), &staged.join(name))?;
+    }
+    for name in ["Cargo.toml", "README.md", "LICENSE-APACHE", "LICENSE-MIT"] {
+        page::replace(&project.root.join(name), &staged.join(name))?;
+    }
+    let cached = staged.join("usd_tailor/__pycache__");
+    if cached.exists() {
+        fs::remove_dir_all(&cached).map_err(|error| Failure::new(format!("cannot empty the package: {error}")))?;
+    }
+    Ok(staged)
+}
+
+fn pack(project: &Project, tools: &Path, staged: &Path, platform: &str) -> Outcome<PathBuf> {
+    let out = project.scratch("wheels")?;
+    let mut command = project.command(tools);
+    command.args(["-m", "hatchling", "build", "-t", "wheel", "-d"]).arg(&out);
+    process::run_quietly(command.current_dir(staged).env("USDTAILOR_PLATFORM", platform))?;
+    let mut files =
+        fs::read_dir(&out).map_err(|error| Failure::new(format!("cannot read {}: {error}", out.display())))?;
+    let built =
+        files.find_map(|file| Some(file.ok()?.path())).ok_or_else(|| Failure::new("hatchling wrote no wheel"))?;
+    let name = built.file_name().unwrap_or_default();
+    let wheels = project.target.join("wheels");
+    fs::create_dir_all(&wheels)
+        .and_then(|()| fs::copy(&built, wheels.join(name)))
+        .map_err(|error| Failure::new(format!("cannot copy {}: {error}", built.display())))?;
+    Ok(wheels.join(name))
+}
