@@ -2,11 +2,12 @@
 
 use super::batch::{Budget, run_all};
 use super::process::memory;
+use super::variants::{self, Opening};
 use super::{Build, Output, protect, report, text, usage};
 use crate::error::{Error, Warnings};
 use crate::report::{RenderFigures, SimFigures};
 use crate::session::{is_usd, written};
-use crate::usd::{BuildRecord, Source, Tailored, WriteOptions, check_target, product_names, write_all};
+use crate::usd::{BuildRecord, Selection, Source, Tailored, WriteOptions, check_target, product_names, write_all};
 use crate::{Builder, ClothFigures, Products, Progress, Recipe, Timing};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
@@ -49,6 +50,8 @@ pub struct Summary {
 pub struct Built {
     /// Path of the garment in messages.
     pub prim: String,
+    /// The variant that it was read with, and whose part its products are.
+    pub variant: Option<Selection>,
     /// Names of the two products.
     pub names: [String; 2],
     pub products: Products,
@@ -167,15 +170,18 @@ fn build_one(build: &Build, task: &Task, budget: &Budget, bar: &ProgressBar) -> 
 /// The sizes and names of the products, as [`Builder::plan`] finds them.
 fn planned(build: &Build, task: &Task, budget: &Budget) -> Result<String, Error> {
     let Task { input, output } = task;
-    let opened = build.inputs.open(input)?;
-    check_target(&opened[0].source, output, build.force)?;
-    let sources = opened.iter().map(|garment| &garment.source);
-    let names = product_names(sources, [&build.sim_name, &build.render_name]);
     let mut text = format!("{} -> {}: would write", input.display(), output.display());
-    for (garment, [sim, render]) in opened.into_iter().zip(names) {
-        let (_, builder, recipe) = garment.check()?;
-        let plan = builder.with_max_memory(budget.limit()).plan(&recipe)?;
-        text += &format!(" about {} triangles to {sim}, {} faces to {render};", plan.expected_faces, plan.render_faces);
+    for Opening { variant, garments } in variants::open(build, input)? {
+        check_target(&garments[0].source, output, build.force)?;
+        let sources = garments.iter().map(|garment| &garment.source);
+        let names = product_names(sources, [&build.sim_name, &build.render_name]);
+        for (garment, [sim, render]) in garments.into_iter().zip(names) {
+            let (_, builder, recipe) = garment.check()?;
+            let plan = builder.with_max_memory(budget.limit()).plan(&recipe)?;
+            let [triangles, faces] = [plan.expected_faces, plan.render_faces];
+            let within = variant.as_ref().map(|variant| format!(" in {}", variant.choice)).unwrap_or_default();
+            text += &format!(" about {triangles} triangles to {sim}, {faces} faces to {render}{within};");
+        }
     }
     Ok(text.trim_end_matches(';').to_owned() + "\n")
 }
@@ -184,28 +190,30 @@ fn built(build: &Build, task: &Task, budget: &Budget, bar: &ProgressBar) -> Resu
     let Task { input, output } = task;
     let started = SystemTime::now();
     let mut timings = Vec::new();
-    let opened = timed("read", &mut timings, || {
-        let opened = build.inputs.open(input)?;
-        check_target(&opened[0].source, output, build.force)?;
-        Ok(opened)
+    let openings = timed("read", &mut timings, || {
+        let openings = variants::open(build, input)?;
+        check_target(&openings[0].garments[0].source, output, build.force)?;
+        Ok(openings)
     })?;
-    let mut sources = Vec::with_capacity(opened.len());
-    let mut checked = Vec::with_capacity(opened.len());
+    let (mut sources, mut checked) = (Vec::new(), Vec::new());
     timed("check", &mut timings, || {
-        for garment in opened {
-            let (source, builder, recipe) = garment.check()?;
-            sources.push(source);
-            checked.push((limited(builder, build, task, budget, bar), recipe));
+        for Opening { variant, garments } in openings {
+            let opened = garments.iter().map(|garment| &garment.source);
+            let names = product_names(opened, [&build.sim_name, &build.render_name]);
+            for (garment, names) in garments.into_iter().zip(names) {
+                let (source, builder, recipe) = garment.check()?;
+                sources.push(source);
+                checked.push((limited(builder, build, task, budget, bar), recipe, names, variant.clone()));
+            }
         }
         Ok(())
     })?;
-    let bytes = checked.iter().map(|(builder, recipe)| Ok(builder.estimate(recipe)?.bytes()));
+    let bytes = checked.iter().map(|(builder, recipe, ..)| Ok(builder.estimate(recipe)?.bytes()));
     let _reserved = budget.reserve(bytes.sum::<Result<usize, Error>>()?);
     let record = BuildRecord::new(&sources, &recipes(build, input), request(build, task)?, output, started)?;
     let mut garments = Vec::with_capacity(sources.len());
-    let names = product_names(&sources, [&build.sim_name, &build.render_name]);
-    for ((builder, recipe), names) in checked.into_iter().zip(names) {
-        garments.push(garment(builder, &recipe, names, std::mem::take(&mut timings))?);
+    for (builder, recipe, names, variant) in checked {
+        garments.push(Built { variant, ..garment(builder, &recipe, names, std::mem::take(&mut timings))? });
     }
     write(build, output, record, &sources, &mut garments)?;
     Ok(garments)
@@ -233,7 +241,7 @@ fn garment(
         Ok((products.sim_figures(), products.render_figures(), products.cloth_figures()))
     })?;
     let warnings = products.warnings.clone();
-    Ok(Built { prim, names, packed: Vec::new(), products, sim, render, cloth, timings, warnings })
+    Ok(Built { prim, variant: None, names, packed: Vec::new(), products, sim, render, cloth, timings, warnings })
 }
 
 /// Writes the products of all garments. The last one gets the time of it, and its warnings.
@@ -254,7 +262,10 @@ fn write(
     let packed = timed("write", &mut timings, || {
         let meshes: Vec<_> =
             garments.iter().map(|built| written(&built.products, built.names.each_ref().map(String::as_str))).collect();
-        let all: Vec<_> = sources.iter().zip(&meshes).map(|(source, products)| Tailored { source, products }).collect();
+        let variants = garments.iter().map(|built| built.variant.as_ref());
+        let all: Vec<_> = (sources.iter().zip(&meshes).zip(variants))
+            .map(|((source, products), variant)| Tailored { source, products, variant })
+            .collect();
         write_all(&all, output, &options, &mut warnings)
     })?
     .packed;
@@ -290,6 +301,9 @@ fn request(build: &Build, task: &Task) -> Result<String, Error> {
         "keepModelPurpose": build.keep_model_purpose,
         "maxFaces": build.max_faces,
     });
+    if let Some(set) = &build.variants {
+        request["variants"] = json!(set);
+    }
     if several.all || !several.exclude.is_empty() || several.sew_tolerance.is_some() {
         request["several"] = json!([several.all, several.exclude, several.sew_tolerance]);
     }

@@ -12,6 +12,7 @@ mod program;
 mod protect;
 mod report;
 mod text;
+mod variants;
 
 pub use program::main;
 
@@ -130,6 +131,9 @@ struct Build {
     /// Write one self-contained file instead of a layer over the input
     #[arg(long, help_heading = "Output")]
     flatten: bool,
+    /// Build for each variant of this set, and write the products inside the variants
+    #[arg(long, value_name = "SET", help_heading = "Output", conflicts_with = "flatten")]
+    variants: Option<String>,
     /// Overwrite an existing output; the input is never overwritten
     #[arg(long, help_heading = "Output")]
     force: bool,

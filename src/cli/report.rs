@@ -132,6 +132,9 @@ pub fn built(task: &Task, garments: &[Built]) -> Value {
                 let mut report = garment(task, built);
                 report["prim"] = json!(built.prim);
                 report["names"] = json!(built.names);
+                if let Some(variant) = &built.variant {
+                    report["variant"] = json!(variant);
+                }
                 report
             });
             report["garments"] = garments.collect();

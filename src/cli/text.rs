@@ -118,7 +118,11 @@ fn table(tasks: &[Task], outcomes: &[Outcome]) -> String {
 /// The summary of each garment of an input, at most one screen. Several are told apart by their paths.
 pub fn summaries(task: &Task, garments: &[Built], verbose: bool) -> String {
     let input = task.input.display();
-    let name = |built: &Built| if garments.len() > 1 { format!("{input} {}", built.prim) } else { input.to_string() };
+    let name = |built: &Built| match &built.variant {
+        Some(variant) => format!("{input} {} {}={}", built.prim, variant.set, variant.choice),
+        None if garments.len() > 1 => format!("{input} {}", built.prim),
+        None => input.to_string(),
+    };
     let all = garments.iter().map(|b| format!("{} -> {}\n{}", name(b), task.output.display(), summary(b, verbose)));
     all.collect()
 }

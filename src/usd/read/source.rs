@@ -146,6 +146,11 @@ impl Source {
         self.recipe.clone()
     }
 
+    /// Whether products of the mesh are beside it.
+    pub fn has_products(&self) -> bool {
+        self.model.siblings.values().any(|sibling| sibling.product)
+    }
+
     /// Facts about the model and its surroundings.
     pub fn facts(&self) -> &Facts {
         &self.facts

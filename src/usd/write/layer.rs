@@ -7,9 +7,10 @@ use super::physics::{PANELS, SCOPE, beside};
 use super::product::Author;
 use super::role::{Product, ProductRole};
 use super::save::{Format, OutputFile};
+use super::variant::move_into_variant;
 use crate::error::{Error, ErrorCode, Warnings};
 use crate::usd::assets::{Anchor, as_named, writable};
-use crate::usd::read::{Model, OrUnreadable, Source};
+use crate::usd::read::{Model, OrUnreadable, Selection, Source};
 use crate::usd::{BuildRecord, on_large_stack};
 use openusd::sdf::{self, AbstractData, FieldKey, LayerOffset, SpecType, Value};
 use openusd::usda::TextWriter;
@@ -53,7 +54,7 @@ pub fn write(
     options: &WriteOptions,
     warnings: &mut Warnings,
 ) -> Result<Written, Error> {
-    write_all(&[Tailored { source, products }], out, options, warnings)
+    write_all(&[Tailored { source, products, variant: None }], out, options, warnings)
 }
 
 /// A garment with its products.
@@ -63,6 +64,8 @@ pub struct Tailored<'a> {
     pub source: &'a Source,
     /// Its products.
     pub products: &'a [Product<'a>],
+    /// The variant that they are for and become a part of. The garment was read with it.
+    pub variant: Option<&'a Selection>,
 }
 
 /// As [`write()`], the products of several garments of one stage, at least one.
@@ -120,7 +123,7 @@ pub fn layer_bytes(
     on_large_stack(|| {
         let anchor = folder.as_deref().map_or(Anchor::Root, Anchor::Folder);
         let frame = Frame { flatten: options.flatten, anchor, sublayer: surroundings.source };
-        let mut data = compose(&[Tailored { source, products }], frame, options, warnings)?;
+        let mut data = compose(&[Tailored { source, products, variant: None }], frame, options, warnings)?;
         match format {
             Format::Usda => TextWriter::write_to_string(&data).map(String::into_bytes).map_err(|e| {
                 Error::usd(format!("the layer cannot be written as text: {e}")).code(ErrorCode::WriteFailed)
@@ -154,28 +157,35 @@ fn compose(
     options: &WriteOptions,
     warnings: &mut Warnings,
 ) -> Result<sdf::Data, Error> {
-    let fault =
-        |e: openusd::Error| Error::usd(format!("the layer cannot be composed: {e}")).code(ErrorCode::CompositionFailed);
     let mut replaced = Vec::new();
-    for Tailored { source, products } in garments {
+    for Tailored { source, products, .. } in garments {
         check_names(&source.model, products)?;
         let paths = products.iter().map(|p| source.model.sibling_path(p.name)).collect::<Result<Vec<_>, _>>();
         replaced.extend(paths.map_err(|e| fault(e.into()))?);
+    }
+    if frame.flatten && garments.iter().any(|garment| garment.variant.is_some()) {
+        return Err(Error::usd("a flattened stage or package has no variants")
+            .code(ErrorCode::OutputPath)
+            .remedy("write .usd, .usda or .usdc, over the input"));
     }
     let stage = &garments[0].source.model;
     let mut data = match frame.flatten {
         true => flattened(stage, &replaced, frame.anchor, warnings)?,
         false => overlay(stage, frame)?,
     };
-    for Tailored { source, products } in garments {
-        let (model, anchor) = (&source.model, frame.anchor);
-        let mut author = Author { data: &mut data, model, anchor, is_overlay: !frame.flatten };
-        for product in *products {
-            author.product(product, warnings).map_err(fault)?;
+    for garment in garments {
+        match garment.variant {
+            None => author(&mut data, garment, frame, warnings)?,
+            Some(variant) => {
+                let mut part = overlay(&garment.source.model, frame)?;
+                author(&mut part, garment, frame, warnings)?;
+                move_into_variant(&mut data, &part, variant).map_err(fault)?;
+            }
         }
-        author.bindings(products).map_err(fault)?;
-        author.physics(products, warnings)?;
         if options.model_guide {
+            // Outside of variants, where it is stronger than what the input says.
+            let model = &garment.source.model;
+            let mut author = Author { data: &mut data, model, anchor: frame.anchor, is_overlay: !frame.flatten };
             author.model_purpose(ProductRole::Sim.purpose()).map_err(fault)?;
         }
     }
@@ -183,6 +193,21 @@ fn compose(
         record.author(&mut data)?;
     }
     Ok(data)
+}
+
+fn fault(error: openusd::Error) -> Error {
+    Error::usd(format!("the layer cannot be composed: {error}")).code(ErrorCode::CompositionFailed)
+}
+
+/// Authors the products of a garment.
+fn author(data: &mut sdf::Data, garment: &Tailored, frame: Frame, warnings: &mut Warnings) -> Result<(), Error> {
+    let Tailored { source, products, .. } = garment;
+    let mut author = Author { data, model: &source.model, anchor: frame.anchor, is_overlay: !frame.flatten };
+    for product in *products {
+        author.product(product, warnings).map_err(fault)?;
+    }
+    author.bindings(products).map_err(fault)?;
+    author.physics(products, warnings)
 }
 
 fn check_names(model: &Model, products: &[Product]) -> Result<(), Error> {

@@ -13,6 +13,7 @@ mod role;
 mod save;
 mod shapes;
 mod unfinished;
+mod variant;
 
 pub use crates::write_crate;
 pub use layer::{Surroundings, Tailored, WriteOptions, Written, check_target, layer_bytes, write, write_all};

@@ -1,0 +1,74 @@
+//! `--variants`: a garment for each variant of a set, in one output.
+
+use super::{Build, usage};
+use crate::checks::did_you_mean;
+use crate::error::{Error, ErrorCode};
+use crate::session::Opened;
+use crate::usd::Selection;
+use std::path::Path;
+
+/// The garments of an input, and the variant that they were read with.
+pub struct Opening {
+    pub variant: Option<Selection>,
+    pub garments: Vec<Opened>,
+}
+
+/// Opens the garments of an input: as they are selected, or once for each variant of the set that `--variants` names.
+pub fn open(build: &Build, file: &Path) -> Result<Vec<Opening>, Error> {
+    let input = build.inputs.input(file);
+    let Some(set) = &build.variants else {
+        return Ok(vec![Opening { variant: None, garments: input.open_all()? }]);
+    };
+    if build.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("usdz")) {
+        return Err(usage(
+            format!("-o {}", build.output.display()),
+            "a package is flattened, and has no variants then",
+        )
+        .code(ErrorCode::OutputPath)
+        .remedy("write .usda or .usdc with --variants"));
+    }
+    let selected = input.open_all()?;
+    let choices = choices(set, &selected)?;
+    let open_one = |variant: Selection| {
+        let mut input = input.clone();
+        input.read.variants.push(variant.clone());
+        let garments = input.open_all()?;
+        garments.iter().try_for_each(|garment| refuse_products(garment, &variant))?;
+        Ok(Opening { variant: Some(variant), garments })
+    };
+    choices.into_iter().map(open_one).collect()
+}
+
+/// Each variant of a set on a prim that has all garments below it.
+fn choices(set: &str, garments: &[Opened]) -> Result<Vec<Selection>, Error> {
+    let sets = garments.first().map_or(&[][..], |garment| &garment.source.facts().variants);
+    let prim = garments.first().map(|garment| garment.source.prim()).unwrap_or_default();
+    let known: Vec<&str> = sets.iter().map(|set| set.selected.set.as_str()).collect();
+    let fault = |text: String| usage(format!("--variants {set}"), text).code(ErrorCode::CommandLine);
+    let Some(found) = sets.iter().find(|known| known.selected.set == set) else {
+        let remedy = match known[..] {
+            [] => "build without --variants".to_owned(),
+            _ => format!("{}the variant sets are: {}", did_you_mean(set, &known), known.join(", ")),
+        };
+        return Err(fault(format!("{prim} and the prims above it have no variant set of this name")).remedy(remedy));
+    };
+    let owner = &found.selected.prim;
+    let is_above = |garment: &Opened| garment.source.prim().starts_with(&format!("{owner}/"));
+    if !garments.iter().all(is_above) {
+        return Err(fault(format!("the variant set is on {owner}, and the meshes are written beside it"))
+            .remedy("move the variant set to the prim above, such as the asset's root"));
+    }
+    let choice = |choice: &String| Selection { choice: choice.clone(), ..found.selected.clone() };
+    Ok(found.choices.iter().map(choice).collect())
+}
+
+/// Products that the input has outside of the variant would hide those inside it.
+fn refuse_products(garment: &Opened, variant: &Selection) -> Result<(), Error> {
+    if !garment.source.has_products() {
+        return Ok(());
+    }
+    let text = format!("{} has products already, which would hide those of {}", garment.source.prim(), variant.choice);
+    Err(usage(format!("--variants {}", variant.set), text)
+        .code(ErrorCode::NameTaken)
+        .remedy("name the garment that they were made from as the input"))
+}

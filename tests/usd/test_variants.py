@@ -1,0 +1,132 @@
+"""`--variants`: products inside each variant of a set, in one output."""
+
+import json
+
+import numpy
+import pytest
+from conftest import run
+from pxr import Sdf, Usd, UsdGeom
+from sources import sheet, write
+
+SIZES = {"S": 1.0, "M": 1.3, "L": 1.7}
+
+
+@pytest.fixture
+def sized(tmp_path):
+    """A garment in three sizes: the points are inside the variants, and the large one has a finer render mesh."""
+    path = write(tmp_path / "sized.usda", shape=lambda: sheet(8, 6))
+    stage = Usd.Stage.Open(str(path))
+    model = next(prim for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh))
+    points = numpy.array(UsdGeom.Mesh(model).GetPointsAttr().Get())
+    model.RemoveProperty("points")
+    sizes = model.GetParent().GetVariantSets().AddVariantSet("size")
+    for name, scale in SIZES.items():
+        sizes.AddVariant(name)
+        sizes.SetVariantSelection(name)
+        with sizes.GetVariantEditContext():
+            UsdGeom.Mesh(model).CreatePointsAttr().Set(points * scale)
+            if name == "L":
+                model.CreateAttribute("tailor:render:level", Sdf.ValueTypeNames.Int).Set(2)
+    sizes.SetVariantSelection("M")
+    stage.Save()
+    return path
+
+
+def selected(path, name):
+    """The output with a variant selected in a layer over it, as a shot does."""
+    stage = Usd.Stage.Open(str(path))
+    stage.SetEditTarget(stage.GetSessionLayer())
+    root = stage.GetDefaultPrim()
+    assert root.GetVariantSets().GetVariantSet("size").SetVariantSelection(name)
+    return stage, root.GetPath()
+
+
+def mesh(stage, path):
+    found = UsdGeom.Mesh(stage.GetPrimAtPath(path))
+    return numpy.array(found.GetPointsAttr().Get()), list(found.GetFaceVertexCountsAttr().Get())
+
+
+def test_each_variant_shows_what_a_build_of_it_alone_shows(usdtailor, sized, tmp_path):
+    out = tmp_path / "out.usda"
+    done = run(usdtailor, "build", sized, "-o", out, "--variants", "size")
+    assert done.returncode == 0, done.stderr
+    assert all(f"size={name}" in done.stdout for name in SIZES)
+    for name in SIZES:
+        alone = tmp_path / f"{name}.usda"
+        shot = tmp_path / f"shot_{name}.usda"
+        stage, root = selected(sized, name)
+        stage.Flatten().Export(str(shot))
+        assert run(usdtailor, "build", shot, "-o", alone).returncode == 0
+        stage, root = selected(out, name)
+        expected = Usd.Stage.Open(str(alone))
+        for product in ("sim", "render"):
+            found, wanted = (mesh(of, root.AppendChild(product)) for of in (stage, expected))
+            assert found[1] == wanted[1] and numpy.array_equal(found[0], wanted[0]), (name, product)
+            properties, others = ({p.GetName() for p in of.GetPrimAtPath(root.AppendChild(product)).GetAuthoredProperties()} for of in (stage, expected))
+            assert properties == others
+            children = [{c.GetName() for c in of.GetPrimAtPath(root.AppendChild(product)).GetChildren()} for of in (stage, expected)]
+            assert children[0] == children[1]
+        model = next(prim for prim in stage.Traverse() if prim.GetName() not in ("sim", "render") and prim.IsA(UsdGeom.Mesh))
+        assert UsdGeom.Mesh(model).GetPurposeAttr().Get() == "guide"
+        for prim in Usd.PrimRange(stage.GetPrimAtPath(root)):
+            for relationship in prim.GetRelationships():
+                assert all(stage.GetObjectAtPath(target) for target in relationship.GetTargets()), relationship
+
+
+def test_the_output_stays_a_layer_over_the_input_and_is_fresh_in_each_variant(usdtailor, sized, tmp_path):
+    out = tmp_path / "out.usdc"
+    assert run(usdtailor, "build", sized, "-o", out, "--variants", "size").returncode == 0
+    layer = Sdf.Layer.FindOrOpen(str(out))
+    assert layer.subLayerPaths == ["./sized.usda"] or list(layer.subLayerPaths) == ["sized.usda"]
+    root = Usd.Stage.Open(str(out)).GetDefaultPrim().GetPath()
+    assert set(layer.GetPrimAtPath(root).variantSets["size"].variants.keys()) == set(SIZES)
+    for name in SIZES:
+        shot = tmp_path / f"{name}.usda"
+        shot.write_text(f'#usda 1.0\n(\n    defaultPrim = "{root.name}"\n    subLayers = [@./out.usdc@]\n)\nover "{root.name}" (\n    variants = {{ string size = "{name}" }}\n)\n{{\n}}\n')
+        checked = run(usdtailor, "check", shot)
+        assert "stale" not in checked.stdout + checked.stderr, checked.stdout + checked.stderr
+    again = run(usdtailor, "build", sized, "-o", out, "--variants", "size", "--skip-fresh", "--force")
+    assert "fresh" in again.stdout
+    other = run(usdtailor, "build", sized, "-o", out, "--skip-fresh", "--force")
+    assert other.returncode == 0 and "fresh" not in other.stdout
+
+
+def test_the_report_has_each_variant(usdtailor, sized, tmp_path):
+    done = run(usdtailor, "build", sized, "-o", tmp_path / "out.usda", "--variants", "size", "--report", "-")
+    garments = json.loads(done.stdout)["garments"]
+    assert [garment["variant"]["choice"] for garment in garments] == sorted(SIZES)
+    assert garments[0]["recipe"]["render"]["level"] == 2, "options inside a variant are its own"
+    planned = run(usdtailor, "build", sized, "-o", tmp_path / "other.usda", "--variants", "size", "--dry-run")
+    assert all(f" in {name}" in planned.stdout for name in SIZES) and not (tmp_path / "other.usda").exists()
+
+
+def test_a_wrong_set_is_refused_with_those_that_there_are(usdtailor, sized, tmp_path):
+    out = tmp_path / "out.usda"
+    refused = run(usdtailor, "build", sized, "-o", out, "--variants", "sise")
+    assert refused.returncode == 2 and not out.exists()
+    assert "did you mean size?" in refused.stderr
+
+
+def test_a_package_with_variants_is_refused(usdtailor, sized, tmp_path):
+    refused = run(usdtailor, "build", sized, "-o", tmp_path / "out.usdz", "--variants", "size")
+    assert refused.returncode and "no variants" in refused.stderr and not (tmp_path / "out.usdz").exists()
+
+
+def test_a_set_on_the_model_itself_is_refused(usdtailor, tmp_path):
+    path = write(tmp_path / "in.usda")
+    stage = Usd.Stage.Open(str(path))
+    model = next(prim for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh))
+    fits = model.GetVariantSets().AddVariantSet("fit")
+    fits.AddVariant("slim")
+    fits.SetVariantSelection("slim")
+    stage.Save()
+    refused = run(usdtailor, "build", path, "-o", tmp_path / "out.usda", "--variants", "fit")
+    assert refused.returncode == 2 and "beside it" in refused.stderr
+
+
+def test_products_outside_of_variants_are_not_hidden_in(usdtailor, sized, tmp_path):
+    plain = tmp_path / "plain.usda"
+    assert run(usdtailor, "build", sized, "-o", plain).returncode == 0
+    refused = run(usdtailor, "build", plain, "-o", tmp_path / "out.usda", "--variants", "size")
+    assert refused.returncode == 1 or refused.returncode == 2
+    assert "has products already" in refused.stderr and not (tmp_path / "out.usda").exists()
