@@ -130,3 +130,23 @@ def test_products_outside_of_variants_are_not_hidden_in(usdtailor, sized, tmp_pa
     refused = run(usdtailor, "build", plain, "-o", tmp_path / "out.usda", "--variants", "size")
     assert refused.returncode == 1 or refused.returncode == 2
     assert "has products already" in refused.stderr and not (tmp_path / "out.usda").exists()
+
+
+@pytest.mark.parametrize("selection", ["none", ""], ids=["empty", "unselected"])
+@pytest.mark.parametrize("options", [(), ("--prim", "/Asset/model")], ids=["any", "named"])
+def test_an_empty_variant_is_named_as_the_cause(usdtailor, tmp_path, selection, options):
+    path = tmp_path / "in.usda"
+    stage = Usd.Stage.CreateNew(str(path))
+    root = stage.DefinePrim("/Asset", "Xform")
+    stage.SetDefaultPrim(root)
+    fits = root.GetVariantSets().AddVariantSet("fit")
+    for name in ("none", "slim"):
+        fits.AddVariant(name)
+    fits.SetVariantSelection("slim")
+    with fits.GetVariantEditContext():
+        UsdGeom.Mesh.Define(stage, "/Asset/model")
+    fits.SetVariantSelection(selection)
+    stage.Save()
+    refused = run(usdtailor, "build", path, "-o", tmp_path / "out.usda", *options)
+    said = "/Asset has fit=none, of none, slim" if selection else "/Asset has no selection of fit, of none, slim"
+    assert refused.returncode == 1 and said in refused.stderr, refused.stderr

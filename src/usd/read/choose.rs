@@ -1,8 +1,8 @@
 //! Choosing the mesh to work on.
 
-use super::ReadOptions;
 use super::diagnostics::in_words;
 use super::query::{OrUnreadable, is_a, is_product, prim_at};
+use super::{ReadOptions, variants};
 use crate::error::{Error, ErrorCode};
 use crate::usd::names;
 use openusd::sdf;
@@ -53,9 +53,11 @@ fn named_mesh(stage: &Stage, file: &Path, path: &str) -> Result<Prim, Error> {
     let prim = prim_at(stage, &parsed)?;
     if !prim.is_valid().or_unreadable(&parsed)? {
         let found = all_meshes(stage, file)?;
+        let variants = variants_in_words(stage, file)?;
+        let remedy = [list(&found)].into_iter().chain(variants).collect::<Vec<_>>().join("; ");
         return Err(Error::usd(format!("{} has no prim {path}", file.display()))
             .code(ErrorCode::WrongPrim)
-            .remedy(list(&found)));
+            .remedy(remedy));
     }
     if !is_a(&prim, names::MESH)? {
         let mut found = all_meshes(stage, file)?;
@@ -96,14 +98,30 @@ fn only_mesh(stage: &Stage, file: &Path) -> Result<Prim, Error> {
                 stage.composition_errors().iter().map(|e| format!("\n  {}", in_words(e))).take(LISTED).collect();
             let because =
                 if faults.is_empty() { String::new() } else { format!("; its composition fails:{}", faults.concat()) };
+            let variants = variants_in_words(stage, file)?;
+            let elsewhere = if variants.is_empty() {
+                String::new()
+            } else {
+                format!("; it may be in a variant that is not selected: {}", variants.join("; "))
+            };
             Err(Error::usd(format!("{} holds no mesh{because}", file.display()))
                 .code(ErrorCode::NoMesh)
-                .remedy("a garment is an active prim of type Mesh"))
+                .remedy(format!("a garment is an active prim of type Mesh{elsewhere}")))
         }
         several => Err(Error::usd(format!("{} holds {} meshes", file.display(), several.len()))
             .code(ErrorCode::SeveralMeshes)
             .remedy(format!("choose one by --prim, or as \"prim\" in a .tailor file: {}", list(several)))),
     }
+}
+
+/// The variant sets of a stage, as a message lists them.
+fn variants_in_words(stage: &Stage, file: &Path) -> Result<Vec<String>, Error> {
+    let mut all = Vec::new();
+    for path in all_prims(stage, file, PrimPredicate::DEFAULT, false)? {
+        all.extend(variants::in_words(&prim_at(stage, &path)?)?);
+    }
+    all.truncate(LISTED);
+    Ok(all)
 }
 
 /// The paths of all active, defined meshes, including those inside instances.

@@ -6,7 +6,7 @@ use openusd::sdf::{self, AbstractData, ChildrenKey, Data, FieldKey, PrimSpec, Sp
 use openusd::usd::{Prim, SpecSite};
 use openusd::usda::TextWriter;
 use serde::Serialize;
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 /// A variant of a variant set.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -57,11 +57,39 @@ pub fn variant_sets(prim: &Prim) -> Result<Vec<VariantSet>, Error> {
     Ok(found)
 }
 
+/// The variant sets of `prim` with what is selected, for a message: `/Coat has size=S, of L, M, S`.
+///
+/// # Errors
+/// A stage that cannot be queried.
+pub fn in_words(prim: &Prim) -> Result<Vec<String>, Error> {
+    let path = prim.path();
+    let selected: HashMap<String, String> =
+        prim.variant_sets().get_all_variant_selections().or_unreadable(path)?.into_iter().collect();
+    let sites = prim.prim_stack().or_unreadable(path)?;
+    let names = sites.iter().flat_map(|site| children_at(prim, site, &site.path, ChildrenKey::VariantSetChildren));
+    let sets: BTreeSet<String> = names.collect();
+    let words = |set: String| {
+        let choices: BTreeSet<String> = sites.iter().flat_map(|site| choices_at(prim, site, &set)).collect();
+        let of = choices.into_iter().collect::<Vec<_>>().join(", ");
+        match selected.get(&set) {
+            Some(choice) => format!("{path} has {set}={choice}, of {of}"),
+            None => format!("{path} has no selection of {set}, of {of}"),
+        }
+    };
+    Ok(sets.into_iter().map(words).collect())
+}
+
 /// Names of the variants of a set that one layer holds.
 fn choices_at(prim: &Prim, site: &SpecSite, set: &str) -> Vec<String> {
+    match site.path.append_variant_selection(set, "") {
+        Ok(path) => children_at(prim, site, &path, ChildrenKey::VariantChildren),
+        Err(_) => Vec::new(),
+    }
+}
+
+fn children_at(prim: &Prim, site: &SpecSite, path: &sdf::Path, key: ChildrenKey) -> Vec<String> {
     let Some(layer) = prim.stage().layer(&site.layer) else { return Vec::new() };
-    let Ok(path) = site.path.append_variant_selection(set, "") else { return Vec::new() };
-    match layer.data().try_field(&path, ChildrenKey::VariantChildren.as_str()) {
+    match layer.data().try_field(path, key.as_str()) {
         Ok(Some(value)) => match value.as_ref() {
             Value::TokenVec(names) => names.iter().map(|name| name.as_str().to_owned()).collect(),
             _ => Vec::new(),

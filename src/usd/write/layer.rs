@@ -195,6 +195,7 @@ fn compose(
     Ok(data)
 }
 
+#[expect(clippy::needless_pass_by_value, reason = "it is given to map_err")]
 fn fault(error: openusd::Error) -> Error {
     Error::usd(format!("the layer cannot be composed: {error}")).code(ErrorCode::CompositionFailed)
 }
