@@ -50,8 +50,16 @@ def test_the_rust_code_is_there_once_and_the_package_is_small():
     assert large == ["usd_tailor/_native/libusdtailor_core.so"]
     versions = {Path(name).parts[2] for name in sizes if name.endswith("libusdTailor.so")}
     assert versions == set(PYTHONS)
+    assert {f"usd_tailor/plugin/{version}/libusdTailorFormat.so" for version in PYTHONS} <= set(sizes)
     assert WHEEL.name.endswith("-py3-none-manylinux_2_28_x86_64.whl")
     assert "usd_tailor/py.typed" in sizes
+
+
+def test_no_library_is_for_one_version_of_python():
+    """The libraries of usd-core have names of their own in the wheel of each version of Python."""
+    for library in (SITE / "usd_tailor").rglob("*.so"):
+        needed = subprocess.run(["readelf", "-d", library], capture_output=True, text=True, check=True).stdout
+        assert "libusd_" not in needed and "libpython" not in needed, library
 
 
 def test_the_metadata_names_the_version_of_the_program():

@@ -3,7 +3,8 @@
 //! ```text
 //! usd_tailor/_native/usdtailor                   the command: a launcher
 //! usd_tailor/_native/libusdtailor_core.so        all of the Rust code, once
-//! usd_tailor/plugin/26.11/libusdTailor.so        the C++ of the plugin, once for each version of usd-core
+//! usd_tailor/plugin/26.11/libusdTailor.so        finds the libraries of OpenUSD, and loads the format
+//! usd_tailor/plugin/26.11/libusdTailorFormat.so  the C++ of the plugin, once for each version of usd-core
 //! ```
 //!
 //! The C++ calls the Rust code through the functions of `cxx`, which the core exports. On macOS and Windows the package has the
@@ -61,8 +62,11 @@ fn make(project: &Project, versions: &[&str]) -> Outcome<PathBuf> {
     let staged = stage(project)?;
     let package = staged.join("usd_tailor");
     if cfg!(target_os = "linux") {
-        let core = native::core(project, &tools, &package.join("_native"))?;
-        plugins(project, versions, &core, &package.join("plugin"))?;
+        let linker = native::linker(project, &tools)?;
+        let core = native::core(project, &linker, &package.join("_native"))?;
+        for python in pythons(project, versions)? {
+            plugin::build_for_package(project, &python, &core, &linker, &package.join("plugin"))?;
+        }
         native::check_floor(&package)?;
     } else {
         steps::build(project)?;
@@ -72,10 +76,10 @@ fn make(project: &Project, versions: &[&str]) -> Outcome<PathBuf> {
     pack(project, &tools, &staged, platform)
 }
 
-fn plugins(project: &Project, versions: &[&str], core: &Path, folder: &Path) -> Outcome {
+/// Interpreters with the usd-core of each version, and that of `target/venv`.
+fn pythons(project: &Project, versions: &[&str]) -> Outcome<Vec<PathBuf>> {
     let older = versions.iter().map(|version| venv::ensure_wheel(project, version));
-    let pythons = older.chain([venv::ensure(project)]).collect::<Outcome<Vec<_>>>()?;
-    pythons.iter().try_for_each(|python| plugin::build_shim(project, python, core, folder))
+    older.chain([venv::ensure(project)]).collect()
 }
 
 /// Copies what the package consists of beside the native files, into an empty folder.

@@ -18,11 +18,10 @@ const TARGET: &str = "x86_64-linux-gnu.2.28";
 const FLOOR: [(&str, [u32; 3]); 3] = [("GLIBC_", [2, 28, 0]), ("GLIBCXX_", [3, 4, 24]), ("CXXABI_", [1, 3, 11])];
 
 /// Builds the core and its launcher into a folder, and returns the path of the core.
-pub fn core(project: &Project, tools: &Path, folder: &Path) -> Outcome<PathBuf> {
+pub fn core(project: &Project, linker: &Path, folder: &Path) -> Outcome<PathBuf> {
     fs::create_dir_all(folder).map_err(|error| Failure::new(format!("cannot create {}: {error}", folder.display())))?;
-    let linker = linker(project, tools)?;
     let no_streams = linker.with_file_name("no_streams.o");
-    let mut compiler: Command = project.command(&linker);
+    let mut compiler: Command = project.command(linker);
     process::run_quietly(compiler.args(["-c", "-fPIC", "usd_plugin/no_streams.c", "-o"]).arg(&no_streams))?;
     let mut cargo = steps::cargo(project, "rustc");
     cargo.args([
@@ -50,8 +49,8 @@ pub fn core(project: &Project, tools: &Path, folder: &Path) -> Outcome<PathBuf> 
     Ok(core)
 }
 
-/// A script that links for the oldest glibc. Rust's `-C linker` takes one path and no arguments.
-fn linker(project: &Project, tools: &Path) -> Outcome<PathBuf> {
+/// A script that compiles and links for the oldest glibc. Rust's `-C linker` takes one path and no arguments.
+pub fn linker(project: &Project, tools: &Path) -> Outcome<PathBuf> {
     let folder = project.scratch("zig")?;
     let script = folder.join("cc");
     let zigbuild = tools.with_file_name("cargo-zigbuild");

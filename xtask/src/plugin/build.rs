@@ -15,6 +15,9 @@ const BUILT: &str = "libtailor_usd_plugin.so";
 /// The library's file name in the plugin's folder.
 const LIBRARY: &str = "libusdTailor.so";
 
+/// The file name of the C++ of the plugin in the folder of a package.
+const FORMAT: &str = "libusdTailorFormat.so";
+
 /// The schema files that the plugin's folder includes.
 const SCHEMAS: [&str; 3] = ["generatedSchema.usda", "plugInfo.json", "schema.usda"];
 
@@ -98,14 +101,18 @@ const SOURCES: [&str; 7] =
 
 /// Compiles only the C++ of the plugin, against the `core` that has the Rust code, and returns its path.
 ///
-/// The C++ side of `cxx` is compiled in, as its string ABI is that of the wheel.
-pub fn compile_shim(project: &Project, target: &Target, core: &Path) -> Outcome<PathBuf> {
-    let shim = target.folder.join(LIBRARY);
+/// It names no library of OpenUSD, as the names differ between the wheels of one version; [`compile_loader`] finds them. The C++
+/// side of `cxx` is compiled in, as its string ABI is that of the wheel.
+pub fn compile_format(project: &Project, target: &Target, core: &Path) -> Outcome<PathBuf> {
+    let format = target.folder.join(FORMAT);
     let bridge = project.target.join("cxxbridge");
     let header = bridge.join("rust/cxx.h");
     let runtime = fs::canonicalize(&header)
         .map_err(|error| Failure::new(format!("cannot read {}: {error}", header.display())))?
         .with_file_name("../src/cxx.cc");
+    // OpenUSD finds the format by its registration: the library exports nothing.
+    let exports = target.folder.join("exports.txt");
+    write(&exports, "{ local: *; };\n")?;
     let mut compiler = project.command(compiler());
     compiler.args(["-std=c++17", "-shared", "-fPIC", "-O2", "-fvisibility=hidden", "-fvisibility-inlines-hidden"]);
     compiler.args(["-Wall", "-Wextra", "-Werror", "-Wno-deprecated"]).arg(target.abi_flag());
@@ -114,15 +121,18 @@ pub fn compile_shim(project: &Project, target: &Target, core: &Path) -> Outcome<
     });
     compiler.arg("-I").arg(&bridge);
     compiler.args(SOURCES.map(|source| format!("usd_plugin/{source}")));
-    compiler.arg(bridge.join("tailor-usd-plugin/src/lib.rs.cc")).arg(runtime).arg("-o").arg(&shim).arg(core);
-    compiler.args(&target.link);
-    // OpenUSD finds the format by its registration: the plugin exports nothing.
-    let exports = target.folder.join("exports.txt");
-    write(&exports, "{ local: *; };\n")?;
+    compiler.arg(bridge.join("tailor-usd-plugin/src/lib.rs.cc")).arg(runtime).arg("-o").arg(&format).arg(core);
     compiler.arg(format!("-Wl,--version-script={}", exports.display()));
-    compiler.args(["-Wl,-rpath,$ORIGIN/../../_native", "-Wl,-Bsymbolic,-z,defs,--strip-all"]);
+    compiler.args(["-Wl,-rpath,$ORIGIN/../../_native", "-Wl,-Bsymbolic,-z,now,--strip-all"]);
     process::run_quietly(&mut compiler)?;
-    Ok(shim)
+    Ok(format)
+}
+
+/// Compiles the library that OpenUSD loads in place of the format, with its `compiler`, into the plugin's folder.
+pub fn compile_loader(project: &Project, compiler: &Path, out: &Path) -> Outcome {
+    let mut compiler = project.command(compiler);
+    compiler.args(["-shared", "-fPIC", "-O2", "-Wall", "-Wextra", "-Werror", "-fvisibility=hidden", "-s"]);
+    process::run_quietly(compiler.args(["usd_plugin/loader.c", "-o"]).arg(out.join(LIBRARY)))
 }
 
 fn settings_text(target: &Target) -> String {
@@ -136,13 +146,23 @@ fn settings_text(target: &Target) -> String {
 
 /// Assembles the folder for `PXR_PLUGINPATH_NAME`: the library, its `plugInfo.json` and the schemas.
 pub fn assemble(project: &Project, built: &Path, out: &Path) -> Outcome {
+    assemble_as(project, built, out, LIBRARY)
+}
+
+/// As [`assemble`], for a package: OpenUSD loads a loader, and that the library.
+pub fn assemble_with_loader(project: &Project, built: &Path, out: &Path, compiler: &Path) -> Outcome {
+    assemble_as(project, built, out, FORMAT)?;
+    compile_loader(project, compiler, out)
+}
+
+fn assemble_as(project: &Project, built: &Path, out: &Path, name: &str) -> Outcome {
     let schemas = out.join("schemas");
     make(&schemas)?;
     for name in SCHEMAS {
         write(&schemas.join(name), &project.read(&format!("schemas/{name}"))?)?;
     }
     // Renaming leaves the old library intact for programs that have loaded it.
-    let (new, library) = (out.join(format!("{LIBRARY}.new")), out.join(LIBRARY));
+    let (new, library) = (out.join(format!("{name}.new")), out.join(name));
     fs::copy(built, &new)
         .and_then(|_| fs::rename(&new, &library))
         .map_err(|error| Failure::new(format!("cannot copy {} to {}: {error}", built.display(), library.display())))?;

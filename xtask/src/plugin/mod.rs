@@ -83,17 +83,18 @@ fn build_for_wheel(project: &Project, python: &Path, out: &Path) -> Outcome<Stri
     Ok(wheel.version)
 }
 
-/// Builds the C++ of the plugin for the wheel of an interpreter, against a core, into a folder named by its version.
-pub fn build_shim(project: &Project, python: &Path, core: &Path, folder: &Path) -> Outcome {
+/// Builds the C++ of the plugin for the wheel of an interpreter, against a core, into a folder named by its version. `linker`
+/// compiles its loader.
+pub fn build_for_package(project: &Project, python: &Path, core: &Path, linker: &Path, folder: &Path) -> Outcome {
     build::check_compiler(project)?;
     let wheel = Wheel::find(project, python)?;
     let target = Target::of_wheel(project, &wheel)?;
     verify::headers(project, &wheel, &target, &[])?;
-    let library = build::compile_shim(project, &target, core)?;
-    verify::library(&wheel, &library)?;
+    let format = build::compile_format(project, &target, core)?;
+    verify::library(&wheel, &format)?;
     let (year, month) = wheel::numbers(&wheel.version).unwrap_or_default();
     let out = folder.join(format!("{year}.{month}"));
-    build::assemble(project, &library, &out)?;
+    build::assemble_with_loader(project, &format, &out, linker)?;
     try_out(project, &wheel, python, &out)
 }
 
