@@ -5,6 +5,8 @@ use crate::garment::{Garment, Interpolation, Primvar, Values};
 
 /// The largest length of an operator or a cloth. \[diagonals of the garment's box\]
 const LARGEST: f32 = 0.5;
+/// The longest target length. \[sizes of the garment\]
+const LONGEST: f32 = 1000.0;
 
 /// Checks that a value is a length, or 0.
 ///
@@ -35,6 +37,19 @@ pub fn finite(key: &str, value: f32) -> Result<(), Error> {
 /// A value larger than half of the garment, with its range.
 pub fn within_size(key: &str, value: f32, garment: &Garment) -> Result<(), Error> {
     within(key, value, LARGEST * garment.size(), "mesh units", &garment.prim)
+}
+
+/// Checks that a target length fits a garment. Longer ones make no coarser mesh, and numbers end somewhere.
+///
+/// # Errors
+/// A value larger than [`LONGEST`] garments, with its range.
+pub fn target_fits(key: &str, value: f32, garment: &Garment) -> Result<(), Error> {
+    let most = LONGEST * garment.size();
+    if value <= most {
+        return Ok(());
+    }
+    let fault = format!("{value} is more than {LONGEST} times the size of {}", garment.prim);
+    Err(Error::recipe(key, fault).remedy(format!("give at most {most} mesh units; 0 is automatic")))
 }
 
 /// Checks that a length in metres fits a garment.

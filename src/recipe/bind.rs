@@ -1,7 +1,7 @@
 //! Resolves the names in a recipe (primvars and subsets) against a garment.
 
 use super::Recipe;
-use crate::checks::{primvar, subsets_are, weights, within_size_in_meters};
+use crate::checks::{primvar, subsets_are, target_fits, weights, within_size_in_meters};
 use crate::error::Error;
 use crate::garment::{Garment, Interpolation, Primvar, Values};
 use crate::sim::SimOptions;
@@ -20,6 +20,8 @@ pub struct SimPrimvars<'a> {
 /// A primvar or subset that is missing or has another type.
 pub fn bind(recipe: &Recipe, garment: &Garment) -> Result<(), Error> {
     bind_sim(&recipe.sim, garment)?;
+    target_fits("sim.maxEdgeLength", recipe.sim.max_edge_length, garment)?;
+    target_fits("sim.minEdgeLength", recipe.sim.min_edge_length, garment)?;
     subsets_are(garment, "sim.constraints", &recipe.sim.constraints, "edge")?;
     recipe.cloth.bind(garment)?;
     for (name, fabric) in &recipe.fabrics {

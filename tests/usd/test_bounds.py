@@ -93,6 +93,14 @@ def test_a_signal_leaves_no_folder_of_clips(usdtailor, tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["built.usda", "cache.npy", "in.usda"]
 
 
+@pytest.mark.parametrize("option", ["sim.maxEdgeLength=1e30", "sim.maxEdgeLength=1e30 sim.minEdgeLength=1e29"])
+def test_a_target_length_without_bound_is_refused_with_its_range(usdtailor, tmp_path, option):
+    source = write(tmp_path / "in.usda")
+    sets = [word for one in option.split() for word in ("--set", one)]
+    refused = run(usdtailor, "build", source, "-o", tmp_path / "out.usda", *sets)
+    assert refused.returncode in (1, 2) and "times the size" in refused.stderr and "give at most" in refused.stderr, refused.stderr
+
+
 # Links.
 
 
