@@ -4,16 +4,19 @@ use crate::process::{self, Failure, Outcome};
 use crate::project::Project;
 
 /// What the peers are installed from, in an environment of their own.
-const PACKAGES: [&str; 4] = ["numpy", "pymeshlab", "gpytoolbox", "meshlib"];
+const PACKAGES: [&str; 6] = ["numpy", "pymeshlab", "gpytoolbox", "meshlib", "scipy", "matplotlib"];
 
-/// Exports the garments, lets the peers remesh them, and prints the table.
+/// Close-ups of our mesh, of stitched lattices and of PyMeshLab's.
+const PICTURE: &str = "docs/looks/lattice.png";
+
+/// Exports the garments, lets the peers remesh them, and prints the tables: quality, and valence along constraints.
 pub fn run(project: &Project) -> Outcome {
     let folder = project.scratch("peers")?;
-    bench(project, "--export", &folder)?;
+    bench(project, "quality", "--export", &folder)?;
     let environment = project.target.join("peers-venv");
     let programs = environment.join(if cfg!(windows) { "Scripts" } else { "bin" });
     let python = programs.join(if cfg!(windows) { "python.exe" } else { "python" });
-    if !environment.join("installed").exists() {
+    if !std::fs::read_to_string(environment.join("installed")).is_ok_and(|text| text == PACKAGES.join("\n")) {
         let base = std::env::var("PYTHON").unwrap_or_else(|_| "python3".into());
         process::run(project.command(base).args(["-m", "venv", "--clear"]).arg(&environment))?;
         process::run(project.command(&python).args(["-m", "pip", "install", "--quiet"]).args(PACKAGES))?;
@@ -21,11 +24,14 @@ pub fn run(project: &Project) -> Outcome {
             .map_err(|error| Failure::new(format!("cannot write in {}: {error}", environment.display())))?;
     }
     process::run(project.command(&python).arg("tests/bench/peers.py").arg(&folder))?;
-    bench(project, "--measure", &folder)
+    bench(project, "quality", "--measure", &folder)?;
+    bench(project, "lattice", "--export", &folder)?;
+    let picture = project.root.join(PICTURE);
+    process::run(project.command(&python).arg("tests/bench/lattice.py").arg(&folder).arg(picture))
 }
 
-fn bench(project: &Project, flag: &str, folder: &std::path::Path) -> Outcome {
+fn bench(project: &Project, name: &str, flag: &str, folder: &std::path::Path) -> Outcome {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let bench = ["bench", "--ignore-rust-version", "--package", "tailor", "--bench", "quality", "--"];
+    let bench = ["bench", "--ignore-rust-version", "--package", "tailor", "--bench", name, "--"];
     process::run(project.command(cargo).args(bench).arg(flag).arg(folder))
 }

@@ -1,0 +1,127 @@
+#!/usr/bin/env python3
+"""Our meshes, stitched lattices and PyMeshLab's side by side, as figure 1 of Waggoner and de Goes 2022, for `cargo xtask peers`.
+
+    lattice.py DIR [PICTURE]
+
+DIR has NAME.obj by `--bench quality -- --export DIR` (the surface, its length and its constraints) and NAME.ours.obj and
+NAME.lattice.obj by `--bench lattice -- --export DIR`. PyMeshLab remeshes the surface at a length that gives as many vertices as
+ours. *Irregular* is the share of inner vertices within three edges of a constraint that have not six neighbours, *far* that of
+the others; angles are the smallest of each triangle, in degrees."""
+import sys
+from pathlib import Path
+
+import numpy as np
+from peers import pymeshlab, read
+from scipy.spatial import cKDTree
+
+NEAR = 3  # edges
+# A vertex is on a constraint if it is as near to it. [target lengths]
+ON = 0.05
+PICTURED = "coat"
+
+
+def at_count(surface, wanted):
+    """PyMeshLab's mesh at the length that gives about `wanted` vertices."""
+    length, points, faces, lines = surface
+    for _ in range(4):
+        _, found, triangles = pymeshlab(length, points, faces, lines)
+        if abs(len(found) / wanted - 1) < 0.01:
+            break
+        length *= np.sqrt(len(found) / wanted)
+    return found, triangles
+
+
+def samples(surface):
+    """Points along the constraints, closer together than `ON`."""
+    length, points, _, lines = surface
+    steps = np.linspace(0, 1, 41)[:, None, None]
+    ends = points[lines]
+    return (ends[:, 0] * (1 - steps) + ends[:, 1] * steps).reshape(-1, 3), length
+
+
+def neighbours(count, triangles):
+    edges = np.unique(np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)), axis=0, return_counts=True)
+    near = [[] for _ in range(count)]
+    for a, b in edges[0]:
+        near[a].append(b)
+        near[b].append(a)
+    return near, np.unique(edges[0][edges[1] != 2])
+
+
+def smallest_angles(points, triangles):
+    corners = points[triangles]
+    ahead, back = np.roll(corners, -1, 1) - corners, np.roll(corners, 1, 1) - corners
+    cosines = (ahead * back).sum(2) / np.maximum(np.linalg.norm(ahead, axis=2) * np.linalg.norm(back, axis=2), 1e-30)
+    return np.degrees(np.arccos(np.clip(cosines, -1, 1))).min(1)
+
+
+def irregular(points, triangles, tree, length):
+    """The irregular inner vertices near constraints and far from them, and the numbers of all of both."""
+    near, border = neighbours(len(points), triangles)
+    on = tree.query(points)[0] < ON * length
+    on[border] = True
+    rings, front = np.where(on, 0, NEAR + 1), np.flatnonzero(on)
+    for ring in range(1, NEAR + 1):
+        front = [w for v in front for w in near[v] if rings[w] > ring]
+        rings[front] = ring
+    inner = np.array([rings[v] > 0 and len(near[v]) > 0 for v in range(len(points))])
+    odd = inner & (np.array([len(n) for n in near]) != 6)
+    sides = (rings <= NEAR, rings > NEAR)
+    return [np.flatnonzero(odd & side) for side in sides], [(inner & side).sum() for side in sides]
+
+
+def draw(meshes, tree, length, path):
+    """A close-up of each mesh around the constraint point that has most of them about it."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot as plt
+    from PIL import Image
+    from matplotlib.collections import PolyCollection
+
+    (ours, triangles) = meshes["ours"]
+    middle = ours[(np.abs(ours[:, 0] - np.median(ours[:, 0])) + np.abs(ours[:, 1] - np.quantile(ours[:, 1], 0.62)) - 0.1 * ours[:, 2]).argmin()]
+    figure, axes = plt.subplots(1, len(meshes), figsize=(5 * len(meshes), 5.4))
+    for axis, (name, (points, triangles)) in zip(axes, meshes.items()):
+        centres = points[triangles].mean(1)
+        normals = np.cross(points[triangles[:, 1]] - points[triangles[:, 0]], points[triangles[:, 2]] - points[triangles[:, 0]])
+        kept = (np.abs(centres - middle).max(1) < 11 * length) & (normals[:, 2] > 0)
+        order = np.argsort(centres[kept][:, 2])
+        shown = triangles[kept][order]
+        axis.add_collection(PolyCollection(points[shown][:, :, :2], facecolor="#eef1f5", edgecolor="#3b4654", linewidth=0.6))
+        visible = np.unique(shown)
+        on = visible[tree.query(points[visible])[0] < ON * length]
+        axis.scatter(*points[on, :2].T, s=7, color="#2166ac", zorder=3, label="on a constraint")
+        (close, _), _ = irregular(points, triangles, tree, length)
+        odd = np.intersect1d(close, visible)
+        axis.scatter(*points[odd, :2].T, s=22, color="#d6604d", zorder=4, label="irregular, within 3 edges")
+        axis.set(xlim=(middle[0] - 9 * length, middle[0] + 9 * length), ylim=(middle[1] - 9 * length, middle[1] + 9 * length), aspect="equal", xticks=[], yticks=[], title=f"{name}: {len(odd)} irregular here")
+    axes[0].legend(loc="lower left", fontsize=8)
+    figure.tight_layout()
+    figure.savefig(path, dpi=110)
+    with Image.open(path) as picture:
+        picture.convert("RGB").quantize(64).save(path, optimize=True)
+
+
+def main():
+    folder = Path(sys.argv[1])
+    print(f"{'garment':24} {'mesh':10} {'vertices':>8} {'irregular':>10} {'far':>7} {'p1':>6} {'p5':>6} {'<30 %':>7}")
+    for file in sorted(folder.glob("*.ours.obj")):
+        name = file.name.split(".")[0]
+        surface = read(folder / f"{name}.obj")
+        along, length = samples(surface)
+        tree = cKDTree(along)
+        meshes = {kind: read(folder / f"{name}.{kind}.obj")[1:3] for kind in ("ours", "lattice")}
+        meshes["pymeshlab"] = at_count(surface, len(np.unique(meshes["ours"][1])))
+        for kind, (points, triangles) in meshes.items():
+            (near, far), (all_near, all_far) = irregular(points, triangles, tree, length)
+            angles = smallest_angles(points, triangles)
+            shares = [100 * len(part) / max(1, all_of) for part, all_of in ((near, all_near), (far, all_far))]
+            p1, p5 = np.percentile(angles, [1, 5])
+            print(f"{name:24} {kind:10} {len(np.unique(triangles)):8} {shares[0]:9.1f}% {shares[1]:6.1f}% {p1:6.1f} {p5:6.1f} {100 * (angles < 30).mean():7.2f}", flush=True)
+        if name == PICTURED and len(sys.argv) > 2:
+            draw(meshes, tree, length, sys.argv[2])
+
+
+if __name__ == "__main__":
+    main()
