@@ -200,7 +200,9 @@ fn python(project: &Project, extra: &[String]) -> Outcome {
     let python = venv::ensure(project)?;
     // -rs lists skipped tests with their reasons.
     let mut command = project.command(python);
-    command.args(["-m", "pytest", "tests/usd", "-q", "-rs", "-n", "auto", "--dist", "loadfile"]).args(extra);
+    command
+        .args(["-m", "pytest", "tests/usd", "-q", "-rs", "-n", "auto", "--maxprocesses", "8", "--dist", "loadfile"])
+        .args(extra);
     command.env("USDTAILOR", project.binary());
     command.env("USDTAILOR_PLUGIN", project.target.join("usd_plugin"));
     command.env("USDTAILOR_PLUGINS", plugin::tested(project)?);
