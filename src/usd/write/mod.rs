@@ -12,7 +12,6 @@ mod recipe;
 mod role;
 mod save;
 mod shapes;
-mod unfinished;
 mod variant;
 
 pub use crates::write_crate;
@@ -22,5 +21,4 @@ pub use product::extent;
 #[cfg(feature = "preview")]
 pub use recipe::{OptionValue, RecipeOpinions, Replaced, garment_below, recipe_text, selections, write_recipe};
 pub use role::{Product, ProductRole};
-pub use save::{Format, OutputFile};
-pub use unfinished::{PREFIX, Unfinished, remove_unfinished, write_whole};
+pub use save::{Format, OutputFile, PREFIX, Unfinished, remove_unfinished, write_whole};

@@ -1,8 +1,11 @@
 //! Files: their formats, the check that they may be written, and writing them completely or not at all.
 
+mod unfinished;
+
+pub use unfinished::{PREFIX, Unfinished, remove_unfinished, write_whole};
+
 use super::crates::{remove_unwritable, write_crate};
 use super::package::package;
-use super::unfinished::{PREFIX, Unfinished};
 use crate::error::{Error, ErrorCode, Warnings, plain};
 use crate::files::folder_of;
 use crate::usd::assets::{Anchor, as_named, writable};
