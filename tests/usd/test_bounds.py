@@ -236,15 +236,18 @@ def test_a_shot_replaces_no_input_and_no_other_folder(usdtailor, tmp_path):
 
 def test_of_two_runs_on_one_output_one_succeeds(usdtailor, tmp_path):
     source = write(tmp_path / "in.usda", shape=lambda: sheet(12, 12))
-    args = [usdtailor, "build", source, "-o", tmp_path / "out.usda", "--report", tmp_path / "out.json"]
+    args = [usdtailor, "build", source, "-o", tmp_path / "out.usda", "--report"]
+    # A report each: one that loses writes its report too.
+    reports = [tmp_path / f"report_{i}.json" for i in range(3)]
     for _ in range(3):
-        processes = [subprocess.Popen(args, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True) for _ in range(3)]
+        processes = [subprocess.Popen([*args, report], stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True) for report in reports]
         words = [process.communicate(timeout=300)[1] for process in processes]
         codes = sorted(process.returncode for process in processes)
         assert codes == [0, 1, 1], words
         assert sum("exists already" in text for text in words) == 2, words
         (tmp_path / "out.usda").unlink()
-        (tmp_path / "out.json").unlink()
+        for report in reports:
+            report.unlink()
 
 
 # Threads.
