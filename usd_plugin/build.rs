@@ -1,6 +1,7 @@
 //! Compiles the C++ of the file format and links it into the library, when `cargo xtask plugin` asks for it.
 //!
-//! With the feature `core` only the C++ side of the bridge is written. Without either (`cargo test`, `cargo clippy`, `cargo doc`) nothing is compiled: the Rust side needs no OpenUSD.
+//! With the feature `core` only the C++ side of the bridge is written. Without either (`cargo test`, `cargo clippy`,
+//! `cargo doc`) nothing is compiled: the Rust side needs no OpenUSD.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -19,6 +20,8 @@ fn main() {
     if env::var_os("CARGO_FEATURE_CORE").is_some() {
         // The C++ that calls the core; `cargo xtask wheel` compiles it for each version of OpenUSD.
         drop(cxx_build::bridge("src/lib.rs"));
+        // It links an object that is made of this.
+        println!("cargo:rerun-if-changed=no_streams.c");
         return;
     }
     let Some(file) = env::var_os(BUILD).map(PathBuf::from) else { return };

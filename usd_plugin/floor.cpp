@@ -1,5 +1,5 @@
-// What a newer compiler's C++ library refers to and the oldest supported one lacks, for the Python package: its libraries run
-// with glibc 2.28 and the C++ library of GCC 8.
+// Two symbols for the Python package. Newer compilers refer to them; glibc 2.28 and the C++ library of GCC 8, with which the
+// package runs, lack them.
 
 #include <new>
 

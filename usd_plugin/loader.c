@@ -57,10 +57,12 @@ __attribute__((constructor)) static void load(void)
             make_visible(folder, modules[i]);
         }
     }
-    if (!dladdr((void *)load, &self) || strlen(self.dli_fname) >= PATH_MAX) {
+    const char *name = dladdr((void *)load, &self) ? strrchr(self.dli_fname, '/') : NULL;
+    if (!name || strlen(self.dli_fname) >= PATH_MAX) {
+        fprintf(stderr, "usd-tailor: the folder of the plugin cannot be found\n");
         return;
     }
-    snprintf(path, sizeof path, "%.*s" FORMAT, (int)(strrchr(self.dli_fname, '/') + 1 - self.dli_fname), self.dli_fname);
+    snprintf(path, sizeof path, "%.*s" FORMAT, (int)(name + 1 - self.dli_fname), self.dli_fname);
     if (!dlopen(path, RTLD_NOW)) {
         fprintf(stderr, "usd-tailor: the file format .tailor cannot be loaded: %s\n", dlerror());
     }

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 Source = Union[str, "os.PathLike[str]", "Usd.Stage"]
 Value = Union[str, int, float, bool, Sequence[str]]
 
-# What the record of a build says of its sources; those of a stage are gone when the build ends.
+# The key of the build's record. It names the source, which for a stage is a temporary file.
 _RECORD = "tailor"
 
 

@@ -73,7 +73,7 @@ fn printed(result: io::Result<()>, code: u8) -> u8 {
     }
 }
 
-/// What a panic says, and where it was.
+/// The message of a panic, with its file and line.
 pub fn panic_text(panic: &(dyn std::any::Any + Send)) -> String {
     let text = panic.downcast_ref::<String>().map(String::as_str).or_else(|| panic.downcast_ref::<&str>().copied());
     let place = PANIC_PLACE.get().map(|place| format!(" at {place}")).unwrap_or_default();

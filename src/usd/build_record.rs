@@ -48,8 +48,9 @@ impl BuildRecord {
     ) -> Result<Self, Error> {
         let folder = folder(out)?;
         let mut files = BTreeMap::new();
-        let layers = sources.first().map_or(&[][..], |source| &source.model.layers);
-        for file in layers.iter().chain(recipes) {
+        // Garments of one stage use the same layers, those of other variants use others.
+        let layers: BTreeSet<&PathBuf> = sources.iter().flat_map(|source| &source.model.layers).collect();
+        for file in layers.into_iter().chain(recipes) {
             let changed = file.metadata().and_then(|m| m.modified()).is_ok_and(|time| time >= started);
             let hash = if changed { String::new() } else { hash(file)? };
             files.insert(Anchor::Folder(&folder).path_to(&as_named(file)?), hash);

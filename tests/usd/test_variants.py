@@ -150,3 +150,50 @@ def test_an_empty_variant_is_named_as_the_cause(usdtailor, tmp_path, selection, 
     refused = run(usdtailor, "build", path, "-o", tmp_path / "out.usda", *options)
     said = "/Asset has fit=none, of none, slim" if selection else "/Asset has no selection of fit, of none, slim"
     assert refused.returncode == 1 and said in refused.stderr, refused.stderr
+
+
+def test_garments_of_one_variant_do_not_replace_each_other(usdtailor, tmp_path):
+    """Two meshes below one prim, with `--all`: both have their products in each variant."""
+    path = tmp_path / "suit.usda"
+    stage = Usd.Stage.CreateNew(str(path))
+    root = stage.DefinePrim("/Suit", "Xform")
+    stage.SetDefaultPrim(root)
+    points, counts, corners = sheet(6, 4)
+    for x, name in enumerate(("shirt", "belt")):
+        model = UsdGeom.Mesh.Define(stage, f"/Suit/{name}")
+        model.GetFaceVertexCountsAttr().Set(counts)
+        model.GetFaceVertexIndicesAttr().Set(corners)
+        model.GetPointsAttr().Set([(p[0] + 100 * x, p[1], p[2]) for p in points])
+    sizes = root.GetVariantSets().AddVariantSet("size")
+    for name in ("S", "L"):
+        sizes.AddVariant(name)
+    sizes.SetVariantSelection("S")
+    stage.Save()
+    plain, out = tmp_path / "plain.usda", tmp_path / "out.usda"
+    assert run(usdtailor, "build", path, "-o", plain, "--all").returncode == 0
+    done = run(usdtailor, "build", path, "-o", out, "--all", "--variants", "size")
+    assert done.returncode == 0, done.stderr
+    expected = Usd.Stage.Open(str(plain))
+    names = {prim.GetPath() for prim in Usd.PrimRange(expected.GetPrimAtPath("/Suit"))}
+    for name in ("S", "L"):
+        found, _ = selected(out, name)
+        assert {prim.GetPath() for prim in Usd.PrimRange(found.GetPrimAtPath("/Suit"))} == names
+
+
+def test_a_file_of_any_variant_makes_the_output_stale(usdtailor, sized, tmp_path):
+    part = tmp_path / "large.usda"
+    stage = Usd.Stage.Open(str(sized))
+    root = stage.GetDefaultPrim()
+    part.write_text(f'#usda 1.0\ndef Xform "{root.GetName()}" {{\n    custom int note = 1\n}}\n')
+    sizes = root.GetVariantSets().GetVariantSet("size")
+    sizes.SetVariantSelection("S")
+    with sizes.GetVariantEditContext():
+        root.GetReferences().AddReference("./large.usda", root.GetPath())
+    sizes.SetVariantSelection("M")
+    stage.Save()
+    args = ("build", sized, "-o", tmp_path / "out.usda", "--variants", "size", "--force", "--skip-fresh")
+    assert run(usdtailor, *args).returncode == 0
+    assert "fresh" in run(usdtailor, *args).stdout
+    part.write_text(part.read_text().replace("note = 1", "note = 2"))
+    done = run(usdtailor, *args)
+    assert done.returncode == 0 and "fresh" not in done.stdout, done.stdout

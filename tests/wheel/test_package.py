@@ -131,7 +131,7 @@ def test_a_build_of_a_stage_takes_its_edits_and_returns_a_layer_for_it():
     sim, low = points(stage, "/Tshirt/sim"), moved.min(axis=0)
     assert abs(sim.min(axis=0) - low).max() < 2, "it is where the edited model is"
     assert model.GetPurposeAttr().Get() == "guide"
-    # What the layer has of the model are opinions, and no copy.
+    # The layer has opinions on the model, and no copy of it.
     assert built.layer.GetPrimAtPath("/Tshirt/model").specifier == Sdf.SpecifierOver
 
 

@@ -173,21 +173,21 @@ fn compose(
         true => flattened(stage, &replaced, frame.anchor, warnings)?,
         false => overlay(stage, frame)?,
     };
-    for garment in garments {
-        match garment.variant {
-            None => author(&mut data, garment, frame, warnings)?,
+    for of_variant in garments.chunk_by(|a, b| a.variant == b.variant) {
+        match of_variant[0].variant {
+            None => of_variant.iter().try_for_each(|garment| author(&mut data, garment, frame, warnings))?,
             Some(variant) => {
-                let mut part = overlay(&garment.source.model, frame)?;
-                author(&mut part, garment, frame, warnings)?;
+                let mut part = overlay(stage, frame)?;
+                of_variant.iter().try_for_each(|garment| author(&mut part, garment, frame, warnings))?;
                 move_into_variant(&mut data, &part, variant).map_err(fault)?;
             }
         }
-        if options.model_guide {
-            // Outside of variants, where it is stronger than what the input says.
-            let model = &garment.source.model;
-            let mut author = Author { data: &mut data, model, anchor: frame.anchor, is_overlay: !frame.flatten };
-            author.model_purpose(ProductRole::Sim.purpose()).map_err(fault)?;
-        }
+    }
+    for garment in garments.iter().filter(|_| options.model_guide) {
+        // Outside of variants, where it is stronger than what the input says.
+        let model = &garment.source.model;
+        let mut author = Author { data: &mut data, model, anchor: frame.anchor, is_overlay: !frame.flatten };
+        author.model_purpose(ProductRole::Sim.purpose()).map_err(fault)?;
     }
     if let Some(record) = &options.record {
         record.author(&mut data)?;

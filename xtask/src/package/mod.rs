@@ -11,7 +11,6 @@
 //! command alone, as the plugin is for Linux.
 
 mod native;
-mod tests;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -22,8 +21,6 @@ use crate::process::{self, Failure, Outcome};
 use crate::project::Project;
 use crate::steps;
 use crate::venv;
-
-pub use tests::test;
 
 /// The versions of usd-core that a released package has plugins for.
 const RELEASES: [&str; 9] = ["24.8", "24.11", "25.2.post1", "25.5.1", "25.8", "25.11", "26.3", "26.5", "26.8"];
@@ -50,6 +47,22 @@ pub fn run(project: &Project, args: &[String]) -> Outcome {
     let wheel = make(project, versions)?;
     eprintln!("built {}", wheel.display());
     Ok(())
+}
+
+/// The test step `package`: makes the package, installs it in an environment that has nothing else of this project, and runs its
+/// tests and the README's tutorial there.
+pub fn test(project: &Project, extra: &[String]) -> Outcome {
+    if !cfg!(all(target_os = "linux", target_arch = "x86_64")) {
+        eprintln!("SKIPPED: the Python package is NOT tested: it is made on x86-64 Linux only");
+        return Ok(());
+    }
+    let wheel = make(project, &plugin::OLDER)?;
+    let python = venv::with_package(project, &wheel)?;
+    let mut command = project.command(&python);
+    command.args(["-m", "pytest", "tests/wheel", "tests/usd/test_readme.py", "-q", "-rs", "-p", "no:cacheprovider"]);
+    command.env("USDTAILOR_WHEEL", &wheel).env("USDTAILOR_PLUGINS", plugin::tested(project)?);
+    command.env("USDTAILOR", python.with_file_name("usdtailor")).args(extra);
+    process::run(&mut command)
 }
 
 /// Makes the package for some versions of usd-core, besides that of `target/venv`.

@@ -95,10 +95,6 @@ pub fn compile(project: &Project, target: &Target) -> Outcome<PathBuf> {
     Ok(project.target.join("release").join(BUILT))
 }
 
-/// The C++ sources of the plugin, and what only a package of several versions needs.
-const SOURCES: [&str; 7] =
-    ["arguments.cpp", "errors.cpp", "fileFormat.cpp", "floor.cpp", "scratch.cpp", "source.cpp", "sourceLayers.cpp"];
-
 /// Compiles only the C++ of the plugin, against the `core` that has the Rust code, and returns its path.
 ///
 /// It names no library of OpenUSD, as the names differ between the wheels of one version; [`compile_loader`] finds them. The C++
@@ -120,12 +116,22 @@ pub fn compile_format(project: &Project, target: &Target, core: &Path) -> Outcom
         compiler.arg("-isystem").arg(folder);
     });
     compiler.arg("-I").arg(&bridge);
-    compiler.args(SOURCES.map(|source| format!("usd_plugin/{source}")));
+    compiler.args(cpp_files(&project.root.join("usd_plugin"))?);
     compiler.arg(bridge.join("tailor-usd-plugin/src/lib.rs.cc")).arg(runtime).arg("-o").arg(&format).arg(core);
     compiler.arg(format!("-Wl,--version-script={}", exports.display()));
     compiler.args(["-Wl,-rpath,$ORIGIN/../../_native", "-Wl,-Bsymbolic,-z,now,--strip-all"]);
     process::run_quietly(&mut compiler)?;
     Ok(format)
+}
+
+/// All C++ files of a folder: those of the plugin, and what only a package of several versions needs.
+fn cpp_files(folder: &Path) -> Outcome<Vec<PathBuf>> {
+    let entries =
+        fs::read_dir(folder).map_err(|error| Failure::new(format!("cannot read {}: {error}", folder.display())))?;
+    let paths = entries.filter_map(|entry| Some(entry.ok()?.path()));
+    let mut files: Vec<PathBuf> = paths.filter(|path| path.extension().is_some_and(|e| e == "cpp")).collect();
+    files.sort();
+    Ok(files)
 }
 
 /// Compiles the library that OpenUSD loads in place of the format, with its `compiler`, into the plugin's folder.
