@@ -24,7 +24,7 @@ def Xform "Asset"
 
 
 # How OpenUSD 24.8 says `broken.usda:2`.
-OLD_PLACE = "on line 2"
+OLD_PLACE = "on line 2 in file"
 
 
 def refused(work, *causes):
@@ -42,7 +42,7 @@ with tempfile.TemporaryDirectory() as folder:
     Path(folder, "quads.usda").write_text(QUADS)
     recipe.write_text('{"source": "quads.usda"}')
     broken.write_text('{"source": "broken.usda"}')
-    Path(folder, "broken.usda:2", OLD_PLACE).write_text("#usda 1.0\ndef Mesh { oops }\n")
+    Path(folder, "broken.usda").write_text("#usda 1.0\ndef Mesh { oops }\n")
     cycle.write_text('{"source": "cycle.usda"}')
     Path(folder, "cycle.usda").write_text("#usda 1.0\n(\nsubLayers = [@cycle.tailor@]\n)\n")
 
@@ -62,5 +62,5 @@ with tempfile.TemporaryDirectory() as folder:
     assert layer.ExportToString()
     assert Sdf.Layer.OpenAsAnonymous(str(recipe), metadataOnly=True).defaultPrim == "Asset"
     assert refused(lambda: Sdf.Layer.FindOrOpen(str(recipe), {"time": "noon"}), "not a number")
-    assert refused(lambda: Sdf.Layer.FindOrOpen(str(broken)), "broken.usda")
+    assert refused(lambda: Sdf.Layer.FindOrOpen(str(broken)), "broken.usda:2", OLD_PLACE)
     assert refused(lambda: Sdf.Layer.FindOrOpen(str(cycle)), "uses the file itself")
