@@ -66,19 +66,23 @@ impl EditMesh {
     }
 
     fn pair(&mut self) {
-        // The first half-edge between two vertices is in a short list at the lower one.
+        // The first half-edge between two vertices is in a list at the one with fewer corners: the other may be a pole of all.
+        // On a planar graph these lists have a linear sum (Chiba and Nishizeki 1985, *Arboricity and Subgraph Listing*).
+        let mut corners = IdVec::<VertexId, u32>::filled(0, self.vertex_corner.len());
+        self.corner_vertex.iter().for_each(|&v| corners[v] += 1);
         let mut first = IdVec::<VertexId, Option<CornerId>>::filled(None, self.vertex_corner.len());
         let mut after = IdVec::<CornerId, Option<CornerId>>::filled(None, self.corner_vertex.len());
         // Edges of more than two half-edges, or of two in the same direction.
         let mut crowded = BTreeSet::new();
         for half in self.corner_vertex.ids() {
             let (a, b) = (self.corner_vertex[half], self.corner_vertex[next(half)]);
-            let mut at = first[a.min(b)];
-            while let Some(c) = at.filter(|&c| self.vertex(c).max(self.target(c)) != a.max(b)) {
+            let [list, other] = if (corners[a], a) < (corners[b], b) { [a, b] } else { [b, a] };
+            let mut at = first[list];
+            while let Some(c) = at.filter(|&c| self.vertex(c) != other && self.target(c) != other) {
                 at = after[c];
             }
             match at {
-                None => after[half] = first[a.min(b)].replace(half),
+                None => after[half] = first[list].replace(half),
                 Some(c) if self.twin[c].is_none() && !crowded.contains(&c) && self.corner_vertex[c] != a => {
                     self.pair_up(c, half);
                 }

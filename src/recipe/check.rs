@@ -48,10 +48,11 @@ impl Recipe {
             let fault = format!("{shell} is out of range");
             return Err(Error::recipe("sim.smallestShell", fault).remedy("give 0 or more target triangles"));
         }
-        let angle = self.sim.corner_angle;
-        if !(angle > 0.0 && angle <= 180.0) {
-            let fault = format!("{angle} is out of range");
-            return Err(Error::recipe("sim.cornerAngle", fault).remedy("give more than 0 and at most 180 degrees"));
+        for (key, angle) in [("sim.cornerAngle", self.sim.corner_angle), ("sim.ridgeAngle", self.sim.ridge_angle)] {
+            if !(angle > 0.0 && angle <= 180.0) {
+                let fault = format!("{angle} is out of range");
+                return Err(Error::recipe(key, fault).remedy("give more than 0 and at most 180 degrees"));
+            }
         }
         Ok(())
     }

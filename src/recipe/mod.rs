@@ -28,7 +28,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 /// The options that a recipe has once, in schema order.
-pub const KEYS: [Key; 27] = [
+pub const KEYS: [Key; 28] = [
     Key {
         key: "sim.minEdgeLength",
         unit: "mesh units",
@@ -94,6 +94,12 @@ pub const KEYS: [Key; 27] = [
         unit: "degrees",
         domain: Domain::Number { least: 5.0, most: 180.0, step: 5.0 },
         meaning: "keep a corner where a curve turns by more within one edge length; 180: none",
+    },
+    Key {
+        key: "sim.ridgeAngle",
+        unit: "degrees",
+        domain: Domain::Number { least: 30.0, most: 180.0, step: 5.0 },
+        meaning: "keep a fold that turns by more within one target length as a line of edges; 180: none",
     },
     Key {
         key: "sim.transferSamples",

@@ -36,6 +36,8 @@ pub struct SimOptions {
     /// A seam, border or constraint that turns by more than this within one edge length has a corner there, which stays.
     /// \[degrees\] 180: none has.
     pub corner_angle: f32,
+    /// A fold that turns by more than this within one target length becomes a chain of edges. \[degrees\] 180: none does.
+    pub ridge_angle: f32,
     /// Samples for each expected face when sets and colours are transferred. \[samples\]
     pub transfer_samples: u32,
     /// Seed of the samples.
@@ -50,6 +52,11 @@ impl SimOptions {
     /// The options that remeshing reads; those that transfer alone reads have one value.
     pub(crate) fn without_transfer(&self) -> Self {
         Self { transfer_samples: 0, seed: 0, clean_islands: false, provenance: false, ..self.clone() }
+    }
+
+    /// The turn above which a fold is a ridge. \[radians\]
+    pub(crate) fn ridge(&self) -> f32 {
+        if self.ridge_angle < 180.0 { self.ridge_angle.to_radians() } else { f32::INFINITY }
     }
 
     /// The turn above which a curve has a corner. \[radians\]
@@ -72,6 +79,7 @@ impl Default for SimOptions {
             smallest_shell: 4.0,
             constraints: Vec::new(),
             corner_angle: 50.0,
+            ridge_angle: 90.0,
             transfer_samples: 32,
             seed: 0,
             clean_islands: false,

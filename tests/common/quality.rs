@@ -6,7 +6,7 @@ use glam::Vec3;
 use std::collections::HashMap;
 use std::fmt;
 use tailor::internals::mesh::VertexId;
-use tailor::internals::sim::SimProduct;
+use tailor::internals::sim::{ChainKind, SimProduct};
 use tailor::report::min_angle;
 
 /// What a mesh is held to.
@@ -25,7 +25,7 @@ impl Reference<'_> {
     pub fn of<T>(product: &SimProduct, work: impl FnOnce(&Reference<'_>) -> T) -> T {
         let base = &product.baseline;
         let surface: Vec<[Vec3; 3]> = base.topology.faces.ids().map(|f| base.triangle(f)).collect();
-        let chains = base.chains.iter().filter(|c| !c.kind.ridge);
+        let chains = base.chains.iter().filter(|c| c.kind != ChainKind::RIDGE);
         let curves: Vec<Vec<Vec3>> = chains.map(|c| c.vertices.iter().map(|&v| base.points[v]).collect()).collect();
         let vertices = Nearest::new(base.points.iter().map(|&p| [p; 3]).collect());
         let target = |p: Vec3| base.target[VertexId::new(vertices.find(p).0)];

@@ -16,6 +16,7 @@ mod prepared;
 mod quality;
 #[path = "../common/sheets.rs"]
 mod sheets;
+mod rims;
 mod shells;
 mod work;
 

@@ -8,7 +8,7 @@ use crate::garment::{Garment, Primvar};
 use crate::mesh::{ChainId, CornerId, FaceId, Faces, Groups, IdVec, Topology, VertexId};
 use crate::sim::constraints::cage_edges::{constrained_edges, refine_paths, start_spans, trace_paths};
 use crate::sim::constraints::chain::Chain;
-use crate::sim::constraints::ridges::add_ridges;
+use crate::sim::constraints::ridges::{FoldedSurface, NarrowStrip};
 use crate::sim::options::SimOptions;
 use crate::sim::surface::lengths::{Lengths, grade};
 use crate::sim::surface::manifold::Manifold;
@@ -44,11 +44,12 @@ impl Baseline {
 
         let small_shells = small_shells(garment, options, lengths, &manifold);
         let surface = RefinedSurface { topology: &topology, points: &points, target: &target, uvs: &uvs };
-        let (chains, curves) = find_chains(garment, options, &manifold, &small_shells, &all_levels, &surface, &is_hole);
-        let level = nearest_level(&all_levels, &points, lengths);
+        let FoundChains { chains, traced, curves, narrow } =
+            find_chains(garment, options, &manifold, &small_shells, &all_levels, &surface, &is_hole);
+        let level = nearest_level(&all_levels, &points, lengths).max(traced);
         let start = StartMesh { levels: &all_levels, level, surface };
         let start = start.triangles(&quads, |f| !is_hole[cage_faces[level][f]]);
-        let start_spans = start_spans(&chains, &curves[level]);
+        let start_spans = start_spans(&chains, &curves[level - traced]);
 
         // Chains and the start refer to the vertices of the level; from here on, fans that only touch are separate.
         let (topology, level_vertex) = separate_fans(topology, is_hole.contains(&true));
@@ -68,6 +69,8 @@ impl Baseline {
             target: level_vertex.iter().map(|&v| target[v]).collect(),
             sizing: IdVec::new(),
             graded,
+            narrow,
+            traced,
             has_uvs: uv_set.is_some(),
             uvs,
             manifold,
@@ -96,7 +99,7 @@ impl Baseline {
 
     /// Spaces vertices along the chains, and shortens the lengths of vertices near those that bend.
     fn space_chains(&mut self, options: &SimOptions) {
-        let step = 1 << self.levels.len();
+        let step = 1 << (self.levels.len() - self.traced);
         for chain in self.chains.iter_mut() {
             chain.space(&self.points, &self.target, step, options.corner());
         }
@@ -132,7 +135,16 @@ fn grade_targets(
     grade(target, all, options.grading - 1.0, topology, points)
 }
 
-/// The chains on the surface, and their vertices on every level from the cage on.
+/// The chains on the surface.
+struct FoundChains {
+    chains: IdVec<ChainId, Chain>,
+    /// The index of the level whose edges they follow: the cage, or its first refinement.
+    traced: usize,
+    /// Their vertices on that level and all finer ones.
+    curves: Vec<Vec<Vec<VertexId>>>,
+    narrow: Vec<NarrowStrip>,
+}
+
 fn find_chains(
     garment: &Garment,
     options: &SimOptions,
@@ -141,15 +153,20 @@ fn find_chains(
     levels: &[&Level],
     surface: &RefinedSurface<'_>,
     is_hole: &IdVec<FaceId, bool>,
-) -> (IdVec<ChainId, Chain>, Vec<Vec<Vec<VertexId>>>) {
+) -> FoundChains {
     let is_seam = |e| manifold.uv_channel.as_ref().is_some_and(|c| c.is_cut(e));
     let mut kinds = constrained_edges(garment, manifold, options, is_seam, small_shells, is_hole);
-    add_ridges(&manifold.level.topology, levels, surface, &mut kinds);
-    let paths = trace_paths(manifold, &kinds);
-    let curves = refine_paths(paths.iter().map(|p| p.vertices.clone()).collect(), levels);
-    let on_surface = paths.iter().zip(&curves[levels.len() - 1]);
-    let chains = on_surface.map(|(path, curve)| path.on_surface(curve, manifold, surface)).collect();
-    (chains, curves)
+    let rims = FoldedSurface { levels, surface: *surface, sharp: options.ridge() }.add_ridges(&mut kinds);
+    let refined = levels.get(1).and_then(|child| rims.refined_kinds(&kinds, [levels[0], child]));
+    let (traced, source) = match &refined {
+        Some(_) => (1, manifold.child_source()),
+        None => (0, manifold.vertex_source.clone()),
+    };
+    let paths = trace_paths(levels[traced], refined.as_ref().unwrap_or(&kinds));
+    let curves = refine_paths(paths.iter().map(|p| p.vertices.clone()).collect(), &levels[traced..]);
+    let on_surface = paths.iter().zip(&curves[levels.len() - 1 - traced]);
+    let chains = on_surface.map(|(path, curve)| path.on_surface(curve, &source, surface)).collect();
+    FoundChains { chains, traced, curves, narrow: rims.narrow }
 }
 
 /// Half-edges on chains and at borders.

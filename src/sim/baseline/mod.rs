@@ -12,6 +12,7 @@ use crate::garment::Primvar;
 use crate::mesh::{ChainId, CornerId, FaceId, IdVec, Topology, VertexId};
 use crate::sim::constraints::cage_edges::StartSpan;
 use crate::sim::constraints::chain::Chain;
+use crate::sim::constraints::ridges::NarrowStrip;
 use crate::sim::surface::manifold::Manifold;
 use crate::sim::surface::small_shells::SmallShells;
 use crate::subdivide::{Level, Real};
@@ -64,10 +65,14 @@ pub struct Baseline {
     pub target: IdVec<VertexId, f32>,
     /// Number of vertices whose target grading shortened.
     pub graded: usize,
+    /// Folds that are too near to a chain to be one.
+    pub narrow: Vec<NarrowStrip>,
     /// Target edge length at each vertex, shortened near chains that bend. \[mesh units\]
     pub sizing: IdVec<VertexId, f32>,
     /// The constraint chains.
     pub chains: IdVec<ChainId, Chain>,
+    /// The index of the level whose edges the chains follow: the cage, or its first refinement.
+    pub traced: usize,
     /// The triangles that remeshing starts from, by corners of the baseline.
     pub start: Vec<[CornerId; 3]>,
     /// Parts of chains that the start's constrained edges cover, by their vertices.

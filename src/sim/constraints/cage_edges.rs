@@ -29,7 +29,7 @@ pub struct CagePath {
     pub kind: ChainKind,
     /// Whether it closes without an anchor.
     pub is_loop: bool,
-    /// Vertices of the manifold cage.
+    /// Vertices of the level that it was traced on.
     pub vertices: Vec<VertexId>,
 }
 
@@ -81,8 +81,7 @@ fn edge_subsets(garment: &Garment, options: &SimOptions) -> BTreeMap<[VertexId; 
 ///
 /// A vertex is an anchor if one, or more than two, constrained edges meet there (Waggoner and de Goes 2022), if its two
 /// edges belong to different features, or if the surface has a corner there.
-pub fn trace_paths(manifold: &Manifold, kinds: &BTreeMap<EdgeId, ChainKind>) -> Vec<CagePath> {
-    let level = &manifold.level;
+pub fn trace_paths(level: &Level, kinds: &BTreeMap<EdgeId, ChainKind>) -> Vec<CagePath> {
     let t = &level.topology;
     let mut at: BTreeMap<VertexId, Vec<EdgeId>> = BTreeMap::new();
     for &edge in kinds.keys() {
@@ -118,7 +117,7 @@ pub fn trace_paths(manifold: &Manifold, kinds: &BTreeMap<EdgeId, ChainKind>) -> 
     paths
 }
 
-/// Vertices of each path on every level from the cage on: element `k` holds those of `levels[k]`.
+/// Vertices of each path on every level from the first of `levels` on: element `k` holds those of `levels[k]`.
 pub fn refine_paths(mut paths: Vec<Vec<VertexId>>, levels: &[&Level]) -> Vec<Vec<Vec<VertexId>>> {
     let mut all = vec![paths.clone()];
     for parent in &levels[..levels.len() - 1] {
@@ -137,8 +136,14 @@ pub fn refine_paths(mut paths: Vec<Vec<VertexId>>, levels: &[&Level]) -> Vec<Vec
 }
 
 impl CagePath {
-    /// The chain of this path on the surface, where its vertices are `curve`. Corners and lengths are not set yet.
-    pub(crate) fn on_surface(&self, curve: &[VertexId], manifold: &Manifold, surface: &RefinedSurface<'_>) -> Chain {
+    /// The chain of this path on the surface, where its vertices are `curve`; `source` has the garment's vertex of each of its
+    /// own. Corners and lengths are not set yet.
+    pub(crate) fn on_surface(
+        &self,
+        curve: &[VertexId],
+        source: &IdVec<VertexId, VertexId>,
+        surface: &RefinedSurface<'_>,
+    ) -> Chain {
         let half_edges = |from: usize| -> Vec<Option<CornerId>> {
             curve.windows(2).map(|p| half_edge(surface.topology, p[from], p[1 - from])).collect()
         };
@@ -150,7 +155,7 @@ impl CagePath {
         let mut chain = Chain {
             kind: self.kind.clone(),
             is_loop: self.is_loop,
-            cage: self.vertices.iter().map(|&v| manifold.vertex_source[v]).collect(),
+            cage: self.vertices.iter().map(|&v| source[v]).collect(),
             vertices: curve.to_vec(),
             along: std::iter::once(0.0).chain(curve.windows(2).map(advance)).collect(),
             left: half_edges(0),

@@ -12,10 +12,15 @@ pub struct ChainKind {
     pub seam: bool,
     /// An infinitely sharp edge inside the mesh: the surface has a fold there at every level.
     pub sharp: bool,
-    /// A fold that is sharper than the target length can follow.
+    /// A fold that is sharper than the target length can follow, or beside one that is too near to be a chain itself.
     pub ridge: bool,
     /// Indices into the garment's subsets: the edge subsets that hold the edge.
     pub subsets: Vec<usize>,
+}
+
+impl ChainKind {
+    /// Nothing but a ridge.
+    pub const RIDGE: Self = Self { border: false, seam: false, sharp: false, ridge: true, subsets: Vec::new() };
 }
 
 /// A path or loop of constrained edges, with its curve on the baseline.
@@ -25,7 +30,8 @@ pub struct Chain {
     pub kind: ChainKind,
     /// Whether it closes without an anchor.
     pub is_loop: bool,
-    /// The garment's vertices along the cage; a loop repeats its first at the end.
+    /// The garment's vertices along the chain; a loop repeats its first at the end. Where chains follow edges of the first
+    /// refinement, a new vertex has the garment's vertex that its edge or face has first.
     pub cage: Vec<VertexId>,
     /// Vertices of the baseline along the curve; a loop repeats its first at the end.
     pub vertices: Vec<VertexId>,
@@ -61,7 +67,7 @@ impl Chain {
         self.along[self.along.len() - 1]
     }
 
-    /// Segments of the curve for each edge of the cage.
+    /// Segments of the curve for each edge of the cage, or of the first refinement.
     pub fn step(&self) -> usize {
         (self.vertices.len() - 1) / (self.cage.len() - 1)
     }

@@ -1,6 +1,8 @@
 //! Constrained edges of the garment, joined into chains, which are curves on the surface.
 
+mod bend;
 pub mod cage_edges;
 pub mod chain;
+mod fold_lines;
 pub mod ridges;
 pub mod spacing;

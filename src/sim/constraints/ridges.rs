@@ -1,179 +1,268 @@
 //! Ridges: folds of the surface that are sharper than the target length can follow. Edges across such a fold cut it off and
 //! leave it jagged, so the edges of the cage along it become chains.
+//!
+//! A rim has two folds, or many, with a strip between them that may be thinner than triangles. Lines of folds are therefore
+//! chosen as wholes, the sharpest first, and none beside another chain: what lies between is drawn to that chain along its
+//! whole length. Between two such folds the surface is highest in the middle of the strip, so the ridge is there.
 
-use super::cage_edges::{half_edge, refine_paths};
-use super::chain::{Chain, ChainKind};
-use crate::mesh::edit::{next, prev};
-use crate::mesh::{CornerId, EdgeId, FaceId, Groups, IdVec, Topology, VertexId};
+use super::cage_edges::refine_paths;
+use super::chain::ChainKind;
+use super::fold_lines::{Folds, lines};
+use crate::garment::Scheme;
+use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
 use crate::sim::geometry::angle;
 use crate::sim::surface::triangulation::RefinedSurface;
-use crate::subdivide::Level;
+use crate::subdivide::{Level, Numbering};
 use glam::Vec3;
 use std::collections::BTreeMap;
 
-/// A ridge is where the normal turns by more than this over one target length. Smaller values make more chains, which
-/// constrain the triangles beside them; larger ones let chords cut off more of a fold. \[radians\]
-const SHARP: f32 = 1.6;
-/// A ridge continues where the normal still turns by this. \[radians\]
-const BLUNT: f32 = 1.2;
+/// The ends of a ridge turn by at least this share of the angle that makes one. Smaller values make longer ridges.
+const ENDS: f32 = 0.75;
+/// The inside of a ridge turns by at least this share.
+const INSIDE: f32 = 0.5;
 /// Least total length of a ridge's sharp edges, as a multiple of the target length.
 const LEAST_LENGTH: f32 = 2.0;
-/// Parallel edges of the cage nearer than this multiple of the target length compete; the sharper one is the ridge.
-const APART: f32 = 1.0;
-/// Least dihedral of a candidate edge: folds are sharper on the cage than on the refined surface. \[radians\]
+/// Two parallel chains are at least this multiple of the target length apart: triangles between nearer ones are thin.
+const APART: f32 = 0.4;
+/// Least dihedral of a fold's edge: folds are sharper on the cage than on the refined surface. \[radians\]
 const LEAST_DIHEDRAL: f32 = 0.3;
-/// Most triangles of a walk away from an edge.
+/// Most faces of a walk across parallel edges.
 const MAX_STEPS: usize = 64;
 
-/// An edge of the cage that may be part of a ridge.
-struct Candidate {
+/// An edge of the cage across which the surface bends.
+pub(super) struct Fold {
+    pub edge: EdgeId,
+    /// The turn of the normal within one target length. \[radians\]
+    pub bend: f32,
+    /// In target lengths.
+    pub length: f32,
+}
+
+/// A chain beside a fold that is too near to it to be a chain itself.
+#[derive(Clone, Copy)]
+struct Neighbour {
     edge: EdgeId,
-    /// The turn of the normal across it. \[radians\]
-    bend: f32,
-    middle: Vec3,
-    length: f32,
-    target: f32,
+    /// \[target lengths\]
+    distance: f32,
 }
 
-/// Adds the ridges among the unconstrained edges of the cage to `kinds`. The last of `levels` is the surface's.
-pub(crate) fn add_ridges(
-    t: &Topology,
-    levels: &[&Level],
-    surface: &RefinedSurface<'_>,
-    kinds: &mut BTreeMap<EdgeId, ChainKind>,
-) {
-    let candidates = candidates(t, levels, surface, kinds);
-    let bend_of: BTreeMap<EdgeId, &Candidate> = candidates.iter().map(|c| (c.edge, c)).collect();
-    let kept: Vec<&Candidate> = candidates.iter().filter(|c| is_sharpest(t, c, &bend_of)).collect();
-    for piece in pieces(t, &kept) {
-        let sharp: f32 = piece.iter().filter(|c| c.bend > SHARP).map(|c| c.length / c.target).sum();
-        if sharp >= LEAST_LENGTH {
-            kinds.extend(piece.iter().map(|c| (c.edge, ChainKind { ridge: true, ..ChainKind::default() })));
+/// A fold that is too near to a chain to be one itself.
+#[derive(Clone, Debug)]
+pub struct NarrowStrip {
+    /// An end of it, a vertex of the manifold cage.
+    pub end: VertexId,
+    /// Its edges of the cage.
+    pub edges: usize,
+    /// The largest distance to the chain, which bounds how far the surface moves. \[target lengths\]
+    pub width: f32,
+}
+
+/// A quad of the cage whose middle line is on a ridge.
+#[derive(Clone, Copy)]
+struct Crest {
+    face: FaceId,
+    /// The two edges that the line crosses.
+    rungs: [EdgeId; 2],
+}
+
+/// A part of a ridge.
+enum Part<'a> {
+    Edges(&'a [EdgeId]),
+    Crest(Vec<Crest>),
+}
+
+/// What ridges have beside edges of the cage.
+#[derive(Default)]
+pub(crate) struct Rims {
+    crests: Vec<Crest>,
+    /// The folds that are too near to chains to be some.
+    pub narrow: Vec<NarrowStrip>,
+}
+
+impl Rims {
+    /// The kinds of constrained edges on the first refinement, from those of the cage; none if the cage has all ridges.
+    pub fn refined_kinds(
+        &self,
+        kinds: &BTreeMap<EdgeId, ChainKind>,
+        [cage, child]: [&Level; 2],
+    ) -> Option<BTreeMap<EdgeId, ChainKind>> {
+        if self.crests.is_empty() {
+            return None;
+        }
+        let numbering = Numbering::new(cage);
+        let find = |a, b| child.topology.find_edge(a, b);
+        let halves = |edge: EdgeId| cage.topology.edges[edge].map(|v| find(v, numbering.of_edge(edge)));
+        let mut refined: BTreeMap<EdgeId, ChainKind> = BTreeMap::new();
+        for (&edge, kind) in kinds {
+            refined.extend(halves(edge).into_iter().flatten().map(|half| (half, kind.clone())));
+        }
+        for crest in &self.crests {
+            let halves = crest.rungs.map(|rung| find(numbering.of_edge(rung), numbering.of_face(crest.face)));
+            refined.extend(halves.into_iter().flatten().map(|half| (half, ChainKind::RIDGE)));
+        }
+        Some(refined)
+    }
+}
+
+/// The cage, its refinements and its surface. The last of `levels` is the surface's.
+#[derive(Clone, Copy)]
+pub(crate) struct FoldedSurface<'a> {
+    pub levels: &'a [&'a Level],
+    pub surface: RefinedSurface<'a>,
+    /// The turn within one target length that makes a ridge. \[radians\]
+    pub sharp: f32,
+}
+
+impl<'a> FoldedSurface<'a> {
+    fn cage(&self) -> &'a Topology {
+        &self.levels[0].topology
+    }
+
+    /// Adds the ridges among the unconstrained edges of the cage to `kinds`.
+    pub fn add_ridges(&self, kinds: &mut BTreeMap<EdgeId, ChainKind>) -> Rims {
+        let folds = self.folds(kinds);
+        let mut narrow = BTreeMap::new();
+        kinds.keys().for_each(|&edge| self.leave_narrow(edge, &folds, &mut narrow));
+        let mut found = lines(self.cage(), self.surface.points, &folds);
+        found.sort_by(|a, b| b.strength.total_cmp(&a.strength).then_with(|| a.edges.cmp(&b.edges)));
+        let mut rims = Rims::default();
+        for line in &found {
+            let runs: Vec<&[EdgeId]> = line.runs(|edge| !narrow.contains_key(&edge)).collect();
+            for ridge in runs.into_iter().filter_map(|run| self.ridge(run, &folds)) {
+                for part in self.parts(ridge, &folds, &narrow) {
+                    match part {
+                        Part::Edges(edges) => kinds.extend(edges.iter().map(|&edge| (edge, ChainKind::RIDGE))),
+                        Part::Crest(faces) => rims.crests.extend(faces),
+                    }
+                }
+                ridge.iter().for_each(|&edge| self.leave_narrow(edge, &folds, &mut narrow));
+            }
+        }
+        for line in &found {
+            for lost in line.runs(|edge| narrow.contains_key(&edge)).filter_map(|run| self.ridge(run, &folds)) {
+                let neighbours = lost.iter().map(|edge| narrow[edge]);
+                neighbours.clone().filter_map(|n| kinds.get_mut(&n.edge).map(|kind| kind.ridge = true)).count();
+                let width = neighbours.map(|n| n.distance).fold(0.0, f32::max);
+                rims.narrow.push(NarrowStrip { end: self.cage().edges[lost[0]][0], edges: lost.len(), width });
+            }
+        }
+        rims
+    }
+
+    /// The parts of a ridge that run along its edges, and those that run along the middle of a strip beside them.
+    fn parts<'e>(&self, ridge: &'e [EdgeId], folds: &Folds, narrow: &BTreeMap<EdgeId, Neighbour>) -> Vec<Part<'e>> {
+        let strips: Vec<Option<Crest>> = ridge.iter().map(|&edge| self.crest(edge, folds, narrow)).collect();
+        let are_joined = |a: &Option<Crest>, b: &Option<Crest>| match (a, b) {
+            (Some(a), Some(b)) => a.rungs.iter().any(|rung| b.rungs.contains(rung)),
+            (a, b) => a.is_none() && b.is_none(),
+        };
+        let mut first = 0;
+        let parts = strips.chunk_by(are_joined).map(|strip| {
+            let edges = &ridge[first..first + strip.len()];
+            first += strip.len();
+            let length: f32 = edges.iter().map(|edge| folds[edge].length).sum();
+            match strip.iter().copied().collect::<Option<Vec<Crest>>>() {
+                Some(faces) if length >= LEAST_LENGTH => Part::Crest(faces),
+                _ => Part::Edges(edges),
+            }
+        });
+        parts.collect()
+    }
+
+    /// The quad beside an edge of a ridge whose opposite edge is a fold as well, too near to be a chain, if there is one side
+    /// with such a quad.
+    fn crest(&self, edge: EdgeId, folds: &Folds, narrow: &BTreeMap<EdgeId, Neighbour>) -> Option<Crest> {
+        let t = self.cage();
+        if self.levels.len() == 1 || self.levels[0].scheme == Scheme::Loop {
+            return None;
+        }
+        let is_strip = |&corner: &CornerId| {
+            let other = self.opposite(corner).map(|c| t.corner_edge[c]);
+            other.is_some_and(|other| {
+                let is_fold = folds.get(&other).is_some_and(|fold| fold.bend > ENDS * self.sharp);
+                is_fold && !narrow.contains_key(&other) && self.distance(edge, other) < APART
+            })
+        };
+        let mut strips = t.edge_corners.row(edge).iter().copied().filter(is_strip);
+        let corner = strips.next().filter(|_| strips.next().is_none())?;
+        let rungs = [t.faces.next(corner), t.faces.prev(corner)].map(|c| t.corner_edge[c]);
+        Some(Crest { face: t.faces.face_of(corner), rungs })
+    }
+
+    /// The opposite corner of a quad.
+    fn opposite(&self, corner: CornerId) -> Option<CornerId> {
+        let faces = &self.cage().faces;
+        (faces.valence(faces.face_of(corner)) == 4).then(|| faces.next(faces.next(corner)))
+    }
+
+    /// The distance between the middles of two edges. \[target lengths\]
+    fn distance(&self, a: EdgeId, b: EdgeId) -> f32 {
+        self.middle(a).distance(self.middle(b)) / self.target(b)
+    }
+
+    /// The part of a line that is a ridge, without its blunt ends, if there is one.
+    fn ridge<'e>(&self, run: &'e [EdgeId], folds: &Folds) -> Option<&'e [EdgeId]> {
+        let is_end = |edge: &EdgeId| folds[edge].bend > ENDS * self.sharp;
+        let (first, last) = (run.iter().position(is_end)?, run.iter().rposition(is_end)?);
+        let sharp = run[first..=last].iter().map(|edge| &folds[edge]).filter(|fold| fold.bend > self.sharp);
+        (sharp.map(|fold| fold.length).sum::<f32>() >= LEAST_LENGTH).then(|| &run[first..=last])
+    }
+
+    /// The unconstrained edges of the cage across which the surface bends.
+    fn folds(&self, kinds: &BTreeMap<EdgeId, ChainKind>) -> Folds {
+        let (t, at) = (self.cage(), |v: VertexId| self.surface.points[v]);
+        let normal = |face: FaceId| {
+            let vertices = t.faces.vertices_of(face);
+            let origin = at(vertices[0]);
+            let fan = vertices.windows(2).map(|p| (at(p[0]) - origin).cross(at(p[1]) - origin));
+            fan.sum::<Vec3>().normalize_or_zero()
+        };
+        let normals: IdVec<FaceId, Vec3> = t.faces.ids().map(normal).collect();
+        let is_bent = |&edge: &EdgeId| match *t.edge_corners.row(edge) {
+            [a, b] => {
+                let (m, n) = (normals[t.faces.face_of(a)], normals[t.faces.face_of(b)]);
+                !kinds.contains_key(&edge) && angle(m, n) > LEAST_DIHEDRAL
+            }
+            _ => false,
+        };
+        let edges: Vec<EdgeId> = t.edges.ids().filter(is_bent).collect();
+        let curves = refine_paths(edges.iter().map(|&e| t.edges[e].to_vec()).collect(), self.levels);
+        let measured = edges.iter().zip(&curves[self.levels.len() - 1]).filter_map(|(&edge, curve)| {
+            let steps = curve.windows(2);
+            let bend = steps.clone().map(|p| self.surface.bend(p[0], p[1])).sum::<f32>() / steps.len() as f32;
+            let length = steps.map(|p| at(p[0]).distance(at(p[1]))).sum::<f32>() / self.target(edge);
+            (bend > INSIDE * self.sharp).then_some((edge, Fold { edge, bend, length }))
+        });
+        measured.collect()
+    }
+
+    fn target(&self, edge: EdgeId) -> f32 {
+        self.cage().edges[edge].map(|v| self.surface.target[v]).into_iter().sum::<f32>() / 2.0
+    }
+
+    fn middle(&self, edge: EdgeId) -> Vec3 {
+        let [a, b] = self.cage().edges[edge].map(|v| self.surface.points[v]);
+        a.midpoint(b)
+    }
+
+    /// Marks the folds that are parallel to an edge, over quads on both sides, and too near to be chains beside it, with their
+    /// distances. \[target lengths\]
+    fn leave_narrow(&self, edge: EdgeId, folds: &Folds, narrow: &mut BTreeMap<EdgeId, Neighbour>) {
+        let t = self.cage();
+        for &corner in t.edge_corners.row(edge) {
+            let (mut half, mut own, mut passed) = (Some(corner), edge, 0.0);
+            for _ in 0..MAX_STEPS {
+                let Some(opposite) = half.and_then(|half| self.opposite(half)) else { break };
+                let other = t.corner_edge[opposite];
+                passed += self.distance(own, other);
+                if passed >= APART || other == edge {
+                    break;
+                }
+                if folds.contains_key(&other) {
+                    narrow.entry(other).or_insert(Neighbour { edge, distance: passed });
+                }
+                (half, own) = (t.twin(opposite), other);
+            }
         }
     }
-}
-
-fn candidates(
-    t: &Topology,
-    levels: &[&Level],
-    surface: &RefinedSurface<'_>,
-    kinds: &BTreeMap<EdgeId, ChainKind>,
-) -> Vec<Candidate> {
-    let at = |v: VertexId| surface.points[v];
-    let normal = |face: FaceId| {
-        let vertices = t.faces.vertices_of(face);
-        let origin = at(vertices[0]);
-        let fan = vertices.windows(2).map(|p| (at(p[0]) - origin).cross(at(p[1]) - origin));
-        fan.sum::<Vec3>().normalize_or_zero()
-    };
-    let normals: IdVec<FaceId, Vec3> = t.faces.ids().map(normal).collect();
-    let is_bent = |&edge: &EdgeId| match *t.edge_corners.row(edge) {
-        [a, b] => {
-            let (m, n) = (normals[t.faces.face_of(a)], normals[t.faces.face_of(b)]);
-            !kinds.contains_key(&edge) && angle(m, n) > LEAST_DIHEDRAL
-        }
-        _ => false,
-    };
-    let edges: Vec<EdgeId> = t.edges.ids().filter(is_bent).collect();
-    let curves = refine_paths(edges.iter().map(|&e| t.edges[e].to_vec()).collect(), levels);
-    let measured = edges.iter().zip(&curves[levels.len() - 1]).filter_map(|(&edge, curve)| {
-        let steps = curve.windows(2);
-        let n = steps.len() as f32;
-        let bend = steps.clone().map(|p| surface.bend(p[0], p[1])).sum::<f32>() / n;
-        let length = steps.map(|p| at(p[0]).distance(at(p[1]))).sum();
-        let middle = curve[curve.len() / 2];
-        (bend > BLUNT).then(|| Candidate { edge, bend, middle: at(middle), length, target: surface.target[middle] })
-    });
-    measured.collect()
-}
-
-/// Whether the edge bends more than all parallel ones nearby; of equals the first counts.
-fn is_sharpest(t: &Topology, own: &Candidate, all: &BTreeMap<EdgeId, &Candidate>) -> bool {
-    t.edge_corners.row(own.edge).iter().all(|&corner| {
-        let face = t.faces.face_of(corner);
-        if t.faces.valence(face) != 4 {
-            return true;
-        }
-        let opposite = t.corner_edge[t.faces.next(t.faces.next(corner))];
-        all.get(&opposite).is_none_or(|other| {
-            let near = own.middle.distance(other.middle) < APART * own.target;
-            let sharper = (other.bend, std::cmp::Reverse(other.edge)) > (own.bend, std::cmp::Reverse(own.edge));
-            !(near && sharper)
-        })
-    })
-}
-
-/// Groups of edges that are connected at their ends.
-fn pieces<'a>(t: &Topology, edges: &[&'a Candidate]) -> Vec<Vec<&'a Candidate>> {
-    let mut groups = Groups::<VertexId>::new(t.vertex_count());
-    for candidate in edges {
-        let [a, b] = t.edges[candidate.edge];
-        groups.join(a, b);
-    }
-    let mut pieces = BTreeMap::<VertexId, Vec<&Candidate>>::new();
-    for &candidate in edges {
-        pieces.entry(groups.first(t.edges[candidate.edge][0])).or_default().push(candidate);
-    }
-    pieces.into_values().collect()
-}
-
-impl RefinedSurface<'_> {
-    /// Finds the normals on both sides of a chain: at the chain itself, but half a target length away from a ridge.
-    pub(crate) fn set_normals(&self, chain: &mut Chain) {
-        let part = if chain.kind.ridge { 0.5 } else { 0.0 };
-        let reach = |v: VertexId| part * self.target[v];
-        let beyond = |half: Option<CornerId>, v| half.map_or(Vec3::ZERO, |h| self.normal_beyond(h, reach(v)));
-        let sides = chain.left.iter().zip(&chain.right).zip(&chain.vertices);
-        chain.normals = sides.map(|((&left, &right), &v)| [beyond(left, v), beyond(right, v)]).collect();
-    }
-
-    /// The angle between the normals half a target length to the left and to the right of an edge. \[radians\]
-    fn bend(&self, a: VertexId, b: VertexId) -> f32 {
-        let half = |a, b| half_edge(self.topology, a, b);
-        let (Some(left), Some(right)) = (half(a, b), half(b, a)) else { return 0.0 };
-        let reach = 0.25 * (self.target[a] + self.target[b]);
-        angle(self.normal_beyond(left, reach), self.normal_beyond(right, reach))
-    }
-
-    /// The normal at a distance from the middle of a half-edge, by a straight walk away from it over the surface.
-    fn normal_beyond(&self, half: CornerId, reach: f32) -> Vec3 {
-        let at = |c: CornerId| self.points[self.topology.faces.vertex(c)];
-        let mut from = at(half).midpoint(at(next(half)));
-        let mut half = half;
-        let mut normal = self.normal(half);
-        let mut way = normal.cross(at(next(half)) - at(half)).normalize_or_zero();
-        let mut left = reach;
-        for _ in 0..MAX_STEPS {
-            let Some((side, passed)) = [next(half), prev(half)]
-                .into_iter()
-                .filter_map(|c| Some((c, crossing(from, way, normal, at(c), at(next(c)))?)))
-                .min_by(|a, b| a.1.total_cmp(&b.1))
-            else {
-                break;
-            };
-            let twin = self.topology.twin(side);
-            let (Some(twin), true) = (twin, passed < left) else { break };
-            left -= passed;
-            from += way * passed;
-            let along = (at(next(side)) - at(side)).normalize_or_zero();
-            // Unfolds the direction into the next triangle.
-            let (own, across) = (way.dot(along), way.dot(along.cross(normal)));
-            normal = self.normal(twin);
-            way = along * own + along.cross(normal) * across;
-            half = twin;
-        }
-        normal
-    }
-
-    fn normal(&self, half: CornerId) -> Vec3 {
-        let [a, b, c] = [half, next(half), prev(half)].map(|c| self.points[self.topology.faces.vertex(c)]);
-        (b - a).cross(c - a).normalize_or_zero()
-    }
-}
-
-/// How far along `way` a line in a triangle's plane leaves it through the side from `a` to `b`, counter-clockwise.
-fn crossing(from: Vec3, way: Vec3, normal: Vec3, a: Vec3, b: Vec3) -> Option<f32> {
-    let outward = (b - a).cross(normal);
-    let speed = way.dot(outward);
-    (speed > 0.0).then(|| ((a - from).dot(outward) / speed).max(0.0))
 }

@@ -4,9 +4,9 @@
 //! with their neighbours are reversed. Edges and vertices keep their sharpness, so the pieces refine to the same points as
 //! the garment.
 
-use crate::garment::Garment;
+use crate::garment::{Garment, Scheme};
 use crate::mesh::{CornerId, EdgeId, FaceId, Faces, Groups, IdVec, Topology, VertexId};
-use crate::subdivide::{Channel, Level};
+use crate::subdivide::{Channel, Level, Numbering};
 
 /// The manifold cage and the garment's elements behind it.
 pub struct Manifold {
@@ -49,6 +49,24 @@ impl Manifold {
         let level = like(level, topology, &vertex_source, &edge_source);
         debug_assert_eq!(garment.points.len(), t.vertex_count());
         Self { level, uv_channel: None, vertex_source, corner_source }
+    }
+}
+
+impl Manifold {
+    /// The garment's vertex behind each vertex of the first refinement: for a new one, the first of its edge or face.
+    pub fn child_source(&self) -> IdVec<VertexId, VertexId> {
+        let (t, numbering) = (&self.level.topology, Numbering::new(&self.level));
+        let mut source = self.vertex_source.clone();
+        source.resize(numbering.vertices(), VertexId::new(0));
+        for (edge, ends) in t.edges.enumerated() {
+            source[numbering.of_edge(edge)] = self.vertex_source[ends[0]];
+        }
+        if self.level.scheme != Scheme::Loop {
+            for face in t.faces.ids() {
+                source[numbering.of_face(face)] = self.vertex_source[t.faces.vertices_of(face)[0]];
+            }
+        }
+        source
     }
 }
 

@@ -125,8 +125,8 @@ impl<'a> EdgeTransfer<'a> {
             let mut is_there = false;
             for &[a, b] in self.cage_edges.get(&edge_key(edge)).into_iter().flatten() {
                 let path = refined_path(baseline, &[a, b]);
-                if let Some((chain, k)) = self.locator.edge_on_chain([a, b]) {
-                    on_chains.entry(chain).or_default().insert(k);
+                if let Some(parts) = self.locator.edge_on_chains(&path) {
+                    parts.into_iter().for_each(|(chain, k)| _ = on_chains.entry(chain).or_default().insert(k));
                 } else if baseline.topology.find_edge(path[0], path[1]).is_some() {
                     free.entry(a).or_default().push(b);
                     free.entry(b).or_default().push(a);

@@ -27,9 +27,9 @@ pub(super) struct VertexLocator<'a> {
     pub in_face: Csr<FaceId, VertexId>,
     /// Which vertices are on chains.
     pub is_constrained: IdVec<VertexId, bool>,
-    /// The chain of each cage vertex on one, and the vertex's index along the chain's cage.
+    /// The chain of each vertex of the traced level on one, and the vertex's index along the chain.
     on_chain: FxHashMap<VertexId, (ChainId, usize)>,
-    /// The chain of each cage edge on one, and the edge's index along the chain's cage.
+    /// The chain of each edge of the traced level on one, and the edge's index along the chain.
     chain_edge: FxHashMap<[VertexId; 2], (ChainId, usize)>,
     /// The vertices along each chain.
     along: IdVec<ChainId, AlongChain>,
@@ -75,7 +75,7 @@ impl<'a> VertexLocator<'a> {
         product.chain_edges.iter().flatten().flatten().for_each(|&v| is_constrained[v] = true);
         let (mut on_chain, mut chain_edge) = (FxHashMap::default(), FxHashMap::default());
         for (id, chain) in product.baseline.chains.enumerated() {
-            // Vertices of the cage keep their numbers on every level.
+            // Vertices of a level keep their numbers on all finer ones.
             let cage: Vec<VertexId> = chain.vertices.iter().step_by(chain.step().max(1)).copied().collect();
             for (k, &vertex) in cage.iter().enumerate() {
                 on_chain.entry(vertex).or_insert((id, k));
@@ -94,9 +94,11 @@ impl<'a> VertexLocator<'a> {
         self.on_chain.get(&vertex).copied()
     }
 
-    /// The chain that a cage edge is on, and its index along the chain's cage.
-    pub fn edge_on_chain(&self, edge: [VertexId; 2]) -> Option<(ChainId, usize)> {
-        self.chain_edge.get(&edge_key(edge)).copied()
+    /// The chains that a cage edge is on, whose vertices on the baseline are `path`, and the indices along them: one chain and
+    /// index, or one for each half.
+    pub fn edge_on_chains(&self, path: &[VertexId]) -> Option<Vec<(ChainId, usize)>> {
+        let ends: Vec<VertexId> = path.iter().step_by((path.len() - 1) >> self.product.baseline.traced).copied().collect();
+        ends.windows(2).map(|pair| self.chain_edge.get(&edge_key([pair[0], pair[1]])).copied()).collect()
     }
 
     /// Distinct vertices for the cage vertices `wanted` of a chain, as far as it has enough: each by its index along
