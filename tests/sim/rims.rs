@@ -112,6 +112,8 @@ fn dump(name: &str, product: &SimProduct) {
     t += "}\n}\n";
     std::fs::create_dir_all("/tmp/rim/d").unwrap();
     std::fs::write(format!("/tmp/rim/d/{name}.usda"), t).unwrap();
+    let bad = angles(product).iter().enumerate().filter(|a| *a.1 > 60.0).map(|a| a.0.to_string()).collect::<Vec<_>>();
+    std::fs::write(format!("/tmp/rim/d/{name}.bad"), bad.join(" ")).unwrap();
 }
 
 fn shown(name: &str, product: &SimProduct) {

@@ -14,7 +14,7 @@ use crate::sim::geometry::angle;
 use crate::sim::surface::triangulation::RefinedSurface;
 use crate::subdivide::{Level, Numbering};
 use glam::Vec3;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The ends of a ridge turn by at least this share of the angle that makes one. Smaller values make longer ridges.
 const ENDS: f32 = 0.75;
@@ -24,6 +24,9 @@ const INSIDE: f32 = 0.5;
 const LEAST_LENGTH: f32 = 2.0;
 /// Two parallel chains are at least this multiple of the target length apart: triangles between nearer ones are thin.
 const APART: f32 = 0.4;
+/// A ridge is at least this multiple of the target length from any other chain. What is nearer to a border or a seam is drawn
+/// to it, and facets of the fold stay.
+const APART_FROM_CHAINS: f32 = 0.15;
 /// Least dihedral of a fold's edge: folds are sharper on the cage than on the refined surface. \[radians\]
 const LEAST_DIHEDRAL: f32 = 0.3;
 /// Most faces of a walk across parallel edges.
@@ -100,7 +103,24 @@ impl Rims {
             let halves = crest.rungs.map(|rung| find(numbering.of_edge(rung), numbering.of_face(crest.face)));
             refined.extend(halves.into_iter().flatten().map(|half| (half, ChainKind::RIDGE)));
         }
+        let ends = self.ends_on_ridges(&cage.topology, kinds);
+        let halves = ends.filter_map(|(rung, v)| find(v, numbering.of_edge(rung)));
+        refined.extend(halves.map(|half| (half, ChainKind::RIDGE)));
         Some(refined)
+    }
+
+    /// The rungs at the ends of crests, with those of their own ends at which a ridge goes on.
+    fn ends_on_ridges<'a>(
+        &'a self,
+        t: &'a Topology,
+        kinds: &BTreeMap<EdgeId, ChainKind>,
+    ) -> impl Iterator<Item = (EdgeId, VertexId)> + 'a {
+        let ridges = kinds.iter().filter(|(_, kind)| kind.ridge);
+        let on_ridge: BTreeSet<VertexId> = ridges.flat_map(|(&edge, _)| t.edges[edge]).collect();
+        let mut crests_at = BTreeMap::<EdgeId, usize>::new();
+        self.crests.iter().flat_map(|crest| crest.rungs).for_each(|rung| *crests_at.entry(rung).or_default() += 1);
+        let last = crests_at.into_iter().filter(|&(_, count)| count == 1).map(|(rung, _)| rung);
+        last.flat_map(move |rung| t.edges[rung].map(|v| (rung, v))).filter(move |(_, v)| on_ridge.contains(v))
     }
 }
 
@@ -122,7 +142,7 @@ impl<'a> FoldedSurface<'a> {
     pub fn add_ridges(&self, kinds: &mut BTreeMap<EdgeId, ChainKind>) -> Rims {
         let folds = self.folds(kinds);
         let mut narrow = BTreeMap::new();
-        kinds.keys().for_each(|&edge| self.leave_narrow(edge, &folds, &mut narrow));
+        kinds.keys().for_each(|&edge| self.leave_narrow(edge, APART_FROM_CHAINS, &folds, &mut narrow));
         let mut found = lines(self.cage(), self.surface.points, &folds);
         found.sort_by(|a, b| b.strength.total_cmp(&a.strength).then_with(|| a.edges.cmp(&b.edges)));
         let mut rims = Rims::default();
@@ -135,7 +155,7 @@ impl<'a> FoldedSurface<'a> {
                         Part::Crest(faces) => rims.crests.extend(faces),
                     }
                 }
-                ridge.iter().for_each(|&edge| self.leave_narrow(edge, &folds, &mut narrow));
+                ridge.iter().for_each(|&edge| self.leave_narrow(edge, APART, &folds, &mut narrow));
             }
         }
         for line in &found {
@@ -245,9 +265,8 @@ impl<'a> FoldedSurface<'a> {
         a.midpoint(b)
     }
 
-    /// Marks the folds that are parallel to an edge, over quads on both sides, and too near to be chains beside it, with their
-    /// distances. \[target lengths\]
-    fn leave_narrow(&self, edge: EdgeId, folds: &Folds, narrow: &mut BTreeMap<EdgeId, Neighbour>) {
+    /// Marks the folds that are parallel to an edge, over quads on both sides, and less than `apart` target lengths from it.
+    fn leave_narrow(&self, edge: EdgeId, apart: f32, folds: &Folds, narrow: &mut BTreeMap<EdgeId, Neighbour>) {
         let t = self.cage();
         for &corner in t.edge_corners.row(edge) {
             let (mut half, mut own, mut passed) = (Some(corner), edge, 0.0);
@@ -255,7 +274,7 @@ impl<'a> FoldedSurface<'a> {
                 let Some(opposite) = half.and_then(|half| self.opposite(half)) else { break };
                 let other = t.corner_edge[opposite];
                 passed += self.distance(own, other);
-                if passed >= APART || other == edge {
+                if passed >= apart || other == edge {
                     break;
                 }
                 if folds.contains_key(&other) {
