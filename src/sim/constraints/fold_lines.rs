@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 pub(super) type Folds = BTreeMap<EdgeId, Fold>;
 
 /// Least cosine between two edges of which one continues the other.
-const STRAIGHT: f32 = 0.3;
+const STRAIGHT: f32 = 0.5;
 
 /// A line of folds, each of which continues the one before.
 pub(super) struct FoldLine {
@@ -38,7 +38,7 @@ impl FoldLine {
     }
 }
 
-/// All lines. At a vertex, an edge continues the straightest one with which it has no face in common.
+/// All lines. At a vertex, two edges continue each other if each is the straightest continuation of the other.
 pub(super) fn lines(t: &Topology, points: &IdVec<VertexId, Vec3>, folds: &Folds) -> Vec<FoldLine> {
     let mut at = BTreeMap::<VertexId, Vec<EdgeId>>::new();
     folds.keys().for_each(|&edge| t.edges[edge].iter().for_each(|&v| at.entry(v).or_default().push(edge)));
@@ -46,12 +46,8 @@ pub(super) fn lines(t: &Topology, points: &IdVec<VertexId, Vec3>, folds: &Folds)
         let [a, b] = t.edges[edge].map(|v| points[v]);
         if t.edges[edge][0] == from { (b - a).normalize_or_zero() } else { (a - b).normalize_or_zero() }
     };
-    let have_common_face = |a: EdgeId, b: EdgeId| {
-        let faces = |edge| t.edge_corners.row(edge).iter().map(|&c| t.faces.face_of(c));
-        faces(a).any(|face| faces(b).any(|other| other == face))
-    };
     let straightest = |edge: EdgeId, v: VertexId| {
-        let others = at[&v].iter().copied().filter(|&other| other != edge && !have_common_face(edge, other));
+        let others = at[&v].iter().copied().filter(|&other| other != edge);
         let straight = others.map(|other| (-away(edge, v).dot(away(other, v)), other)).filter(|s| s.0 > STRAIGHT);
         straight.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1))).map(|(_, other)| other)
     };
