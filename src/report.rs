@@ -2,6 +2,10 @@
 //!
 //! The summary, the JSON report, tests and benches all use these definitions. Shares are between 0 and 1.
 
+mod folds;
+
+pub use folds::{NarrowFold, facing};
+
 use crate::garment::{Elements, Garment};
 use crate::mesh::{CornerId, IdVec, Topology, VertexId};
 use crate::sim::SimProduct;
@@ -58,6 +62,12 @@ pub struct SimFigures {
     pub chain_distance_max: f32,
     /// Number of triangles that are flipped in UV space relative to their shell, where the garment's UVs are not folded.
     pub uv_flips: usize,
+    /// Number of triangles that face away from the surface that they lie on.
+    pub facing_away: usize,
+    /// Share of triangles at more than 60 degrees to the surface that they lie on.
+    pub share_steep: f32,
+    /// Folds that are too near to a border, a seam or another fold to have edges of their own.
+    pub narrow_folds: Vec<NarrowFold>,
     /// Area of each face subset on the mesh and on the baseline.
     pub subset_areas: Vec<SubsetArea>,
     /// Length of each edge subset on the mesh and on the baseline.
@@ -186,7 +196,16 @@ impl SimFigures {
         figures.set_angles(product);
         figures.set_edges(product, mesh);
         figures.set_distances(product);
+        figures.set_folds(product);
         figures
+    }
+
+    fn set_folds(&mut self, product: &SimProduct) {
+        let angles = facing(product);
+        let beyond = |most: f32| angles.iter().filter(|&&angle| angle > most).count();
+        self.facing_away = beyond(90.0);
+        self.share_steep = share(beyond(folds::STEEP), angles.len());
+        self.narrow_folds = folds::narrow_folds(product);
     }
 
     fn set_angles(&mut self, product: &SimProduct) {

@@ -2,6 +2,7 @@
 
 use super::build::{Built, Outcome, Task};
 use crate::error::{Error, ErrorCode, ErrorKind, Warning};
+use crate::report::SimFigures;
 use crate::units::in_words;
 use crate::{ClothFigures, Products, Recipe, SimOptions, Timing, Units};
 use clap::builder::styling::AnsiColor;
@@ -163,6 +164,7 @@ fn summary(built: &Built, verbose: bool) -> String {
         "          distance to the surface at most {:.2}, on average {:.3} of the target length",
         s.distance_max, s.distance_mean
     );
+    t += &folds(s);
     let _ = writeln!(
         t,
         "  render  {} vertices, {} faces, {:.1} % quads, level {}",
@@ -198,6 +200,22 @@ fn summary(built: &Built, verbose: bool) -> String {
         let _ = writeln!(t, "  recipe  {}", serde_json::to_string(recipe).unwrap_or_default());
     }
     t
+}
+
+/// The line about folds that have no edges of their own and triangles that face away from the surface, if there are some.
+fn folds(s: &SimFigures) -> String {
+    let mut parts = Vec::new();
+    if !s.narrow_folds.is_empty() {
+        let width = s.narrow_folds.iter().map(|fold| fold.width).fold(0.0, f32::max);
+        let count = s.narrow_folds.len();
+        parts.push(format!(
+            "narrow folds drawn to edges beside them: {count}, over at most {width:.2} of the target length"
+        ));
+    }
+    if s.facing_away > 0 {
+        parts.push(format!("triangles that face away from the surface: {}", s.facing_away));
+    }
+    if parts.is_empty() { String::new() } else { format!("          {}\n", parts.join("; ")) }
 }
 
 /// The target lengths in mesh units and in the world.

@@ -21,6 +21,7 @@ pub(crate) use constraints::cage_edges::half_edge;
 pub use constraints::chain::Chain;
 #[cfg(feature = "internals")]
 pub use constraints::chain::ChainKind;
+pub use constraints::ridges::NarrowStrip;
 pub use geometry::closest_weights;
 pub use options::SimOptions;
 pub use passes::remesh::RemeshReport;

@@ -14,9 +14,9 @@ mod passes;
 mod prepared;
 #[path = "../common/quality.rs"]
 mod quality;
+mod rims;
 #[path = "../common/sheets.rs"]
 mod sheets;
-mod rims;
 mod shells;
 mod work;
 

@@ -2,44 +2,25 @@
 
 use crate::garments::garments;
 use crate::prepared::of_file;
+use crate::quality::{Reference, of_product};
 use crate::sheets::{mesh, with_uvs};
 use crate::{MAX_FACES, baseline, prepare};
-use glam::Vec3;
+use rayon::prelude::*;
 use tailor::internals::garment::GarmentInput;
-use tailor::internals::mesh::CornerId;
-use tailor::internals::sim::{Baseline, SimProduct, simulate};
+use tailor::internals::sim::{ChainKind, SimProduct, simulate};
+use tailor::report::facing;
 
 /// The target length of the made garments, in whose units they are made. \[mesh units\]
 const LENGTH: &str = "sim.maxEdgeLength=1";
 
-/// How the triangles of a mesh face the surface that they lie on.
-#[derive(Debug, Default)]
-struct Facing {
-    /// Triangles beyond 90 degrees.
-    against: usize,
-    /// Triangles beyond 60 degrees.
-    steep: usize,
-    triangles: usize,
-}
-
-/// The angle between each triangle and the surface at the point nearest to its centre, from its own corners. \[degrees\]
-fn angles(product: &SimProduct) -> Vec<f32> {
-    let base = &product.baseline;
-    let of = |(i, t): (usize, &[tailor::internals::mesh::VertexId; 3])| {
-        let [a, b, c] = t.map(|v| product.points[v]);
-        let centre = (a + b + c) / 3.0;
-        let near = (0..3).map(|k| base.closest(product.places[CornerId::new(3 * i + k)].location.face, centre));
-        let near = near.min_by(|p, q| p.distance_squared.total_cmp(&q.distance_squared)).unwrap();
-        let normal = (b - a).cross(c - a).normalize_or_zero();
-        normal.dot(base.normal(near.location.face).normalize_or_zero()).clamp(-1.0, 1.0).acos().to_degrees()
-    };
-    product.triangles.iter().enumerate().map(of).collect()
-}
-
-fn facing(product: &SimProduct) -> Facing {
-    let angles = angles(product);
-    let beyond = |most: f32| angles.iter().filter(|&&a| a > most).count();
-    Facing { against: beyond(90.0), steep: beyond(60.0), triangles: angles.len() }
+/// Shares of a mesh's triangles that may be more than 90 and more than 60 degrees from the surface that they lie on.
+fn assert_faces_surface(product: &SimProduct, name: &str, [against, steep]: [f32; 2]) {
+    let angles = facing(product);
+    for (most, allowed) in [(90.0, against), (60.0, steep)] {
+        let beyond = angles.iter().filter(|&&angle| angle > most).count();
+        let share = beyond as f32 / angles.len() as f32;
+        assert!(share <= allowed, "{name}: {beyond} of {} triangles are beyond {most} degrees", angles.len());
+    }
 }
 
 fn product(input: GarmentInput, options: &[&str]) -> SimProduct {
@@ -70,7 +51,10 @@ fn revolved(profile: &[[f32; 2]], around: usize) -> GarmentInput {
 /// A tube with a hem that is turned to its inside, whose layers are `gap` target lengths apart.
 fn hem(gap: f32) -> GarmentInput {
     let inner = 6.0 - gap;
-    revolved(&[[inner, 3.0], [inner, 1.5], [inner, 0.0], [6.0, 0.0], [6.0, 1.5], [6.0, 3.0], [6.0, 6.0], [6.0, 9.0]], 24)
+    revolved(
+        &[[inner, 3.0], [inner, 1.5], [inner, 0.0], [6.0, 0.0], [6.0, 1.5], [6.0, 3.0], [6.0, 6.0], [6.0, 9.0]],
+        24,
+    )
 }
 
 /// A tube that ends in a thin round bead, as piping does.
@@ -89,55 +73,68 @@ fn collar(gap: f32) -> GarmentInput {
     let mut input = revolved(&profile, 24);
     // All faces but those of a quarter.
     let keep = |face: usize| face % 24 < 18;
-    let kept: Vec<[i32; 4]> = input.face_vertex_indices.chunks_exact(4).enumerate().filter(|(f, _)| keep(*f))
-        .map(|(_, q)| [q[3], q[2], q[1], q[0]]).collect();
+    let kept: Vec<[i32; 4]> = input
+        .face_vertex_indices
+        .chunks_exact(4)
+        .enumerate()
+        .filter(|(f, _)| keep(*f))
+        .map(|(_, q)| [q[3], q[2], q[1], q[0]])
+        .collect();
     input = mesh(input.points.iter().map(|p| p.to_array()), &kept.iter().map(|q| q.as_slice()).collect::<Vec<_>>());
     with_uvs(input, |_, v| [(v % 24) as f32, (v / 24) as f32])
 }
 
-fn dump(name: &str, product: &SimProduct) {
-    use std::fmt::Write;
-    let mut t = String::from("#usda 1.0\n(\n defaultPrim = \"g\"\n)\ndef Xform \"g\" {\n def Mesh \"sim\" {\n");
-    let points: Vec<String> = product.points.iter().map(|p| format!("({},{},{})", p.x, p.z, -p.y)).collect();
-    let _ = writeln!(t, "point3f[] points = [{}]", points.join(","));
-    let tri: Vec<String> = product.triangles.iter().flatten().map(|v| v.index().to_string()).collect();
-    let _ = writeln!(t, "int[] faceVertexCounts = [{}]", vec!["3"; product.triangles.len()].join(","));
-    let _ = writeln!(t, "int[] faceVertexIndices = [{}]\nuniform token subdivisionScheme = \"none\"", tri.join(","));
-    for (kind, want) in [("ridges", true), ("others", false)] {
-        let e: Vec<String> = product.chain_edges.enumerated().filter(|(c, _)| product.baseline.chains[*c].kind.ridge == want)
-            .flat_map(|(_, e)| e.iter().map(|[a, b]| format!("({},{})", a.index(), b.index()))).collect();
-        let _ = writeln!(t, "def GeomSubset \"{kind}\" {{ uniform token elementType = \"edge\"\nint[] indices = [{}]\n}}",
-            e.join(",").replace(['(', ')'], ""));
-    }
-    t += "}\n}\n";
-    std::fs::create_dir_all("/tmp/rim/d").unwrap();
-    std::fs::write(format!("/tmp/rim/d/{name}.usda"), t).unwrap();
-    let bad = angles(product).iter().enumerate().filter(|a| *a.1 > 60.0).map(|a| a.0.to_string()).collect::<Vec<_>>();
-    std::fs::write(format!("/tmp/rim/d/{name}.bad"), bad.join(" ")).unwrap();
-}
+/// Distances between the layers of rims. \[target lengths\]
+const GAPS: [f32; 7] = [0.05, 0.1, 0.2, 0.35, 0.5, 0.7, 1.0];
 
-fn shown(name: &str, product: &SimProduct) {
-    let q = crate::quality::Reference::of(product, |r| crate::quality::of_product(product, r));
-    let ridges: usize = product.baseline.chains.iter().filter(|c| c.kind.ridge).map(|c| c.cage.len() - 1).sum();
-    println!("{name:>22} {q} {:?} ridge edges {ridges} {:?}", facing(product), product.baseline.narrow.iter().map(|n| (n.edges, n.width)).collect::<Vec<_>>());
-    dump(name, product);
+#[test]
+fn triangles_face_the_surface_beside_rims() {
+    let made: [(&str, fn(f32) -> GarmentInput); 3] = [("hem", hem), ("collar", collar), ("piping", piping)];
+    for (name, make) in made {
+        for gap in GAPS {
+            // Beside the border inside a bead, facets of the bead are as small as triangles can be.
+            let steep = if name == "piping" { 0.03 } else { 0.001 };
+            assert_faces_surface(&product(make(gap), &[LENGTH]), &format!("{name} {gap}"), [0.0, steep]);
+        }
+    }
 }
 
 #[test]
-fn show() {
-    println!("{:22} {}", "", crate::quality::Quality::HEAD);
-    for gap in [0.05, 0.1, 0.2, 0.35, 0.5, 0.7, 1.0] {
-        shown(&format!("hem-{gap}"), &product(hem(gap), &[LENGTH]));
-    }
-    for gap in [0.05, 0.1, 0.2, 0.35, 0.5, 0.7, 1.0] {
-        shown(&format!("collar-{gap}"), &product(collar(gap), &[LENGTH]));
-    }
-    for gap in [0.05, 0.1, 0.2, 0.35, 0.5, 0.7, 1.0] {
-        shown(&format!("piping-{gap}"), &product(piping(gap), &[LENGTH]));
-    }
-    for file in garments() {
+fn triangles_of_garments_face_the_surface() {
+    garments().into_par_iter().for_each(|file| {
         let prepared = of_file(&file, []);
         let product = simulate(baseline(&prepared), prepared.recipe.sim.iterations, MAX_FACES);
-        shown(&file.file_stem().unwrap().to_string_lossy(), &product);
+        assert_faces_surface(&product, &file.display().to_string(), [0.000_15, 0.001]);
+    });
+}
+
+#[test]
+fn rims_are_lines_along_their_ridges() {
+    for (name, make) in [("hem", hem as fn(f32) -> GarmentInput), ("collar", collar)] {
+        for gap in GAPS.into_iter().filter(|&gap| gap <= 0.35) {
+            let product = product(make(gap), &[LENGTH]);
+            // The surface is highest along the rim's middle; no point of it is far from the mesh.
+            let quality = Reference::of(&product, |reference| of_product(&product, reference));
+            assert!(quality.from_surface <= 0.1, "{name} {gap}: {}", quality.from_surface);
+            let ridges: Vec<_> =
+                product.baseline.chains.enumerated().filter(|(_, c)| c.kind == ChainKind::RIDGE).collect();
+            assert!(!ridges.is_empty(), "{name} {gap}");
+            for (id, chain) in ridges {
+                assert!(product.gaps[id].distance <= 0.05, "{name} {gap}: {}", product.gaps[id].distance);
+                let on_mesh: f32 =
+                    product.chain_edges[id].iter().map(|&[a, b]| product.points[a].distance(product.points[b])).sum();
+                assert!(on_mesh >= 0.97 * chain.length(), "{name} {gap}: {on_mesh} of {}", chain.length());
+            }
+        }
     }
+}
+
+#[test]
+fn folds_follow_the_option() {
+    let ridges = |angle: &str| {
+        let product = product(hem(0.2), &[LENGTH, angle]);
+        product.baseline.chains.iter().filter(|c| c.kind.ridge).count()
+    };
+    assert!(ridges("sim.ridgeAngle=90") > 0);
+    assert_eq!(ridges("sim.ridgeAngle=180"), 0);
 }

@@ -99,9 +99,9 @@ impl Baseline {
 
     /// Spaces vertices along the chains, and shortens the lengths of vertices near those that bend.
     fn space_chains(&mut self, options: &SimOptions) {
-        let step = 1 << (self.levels.len() - self.traced);
+        let cage = self.manifold.level.topology.vertex_count();
         for chain in self.chains.iter_mut() {
-            chain.space(&self.points, &self.target, step, options.corner());
+            chain.space(&self.points, &self.target, cage, options.corner());
         }
         self.sizing = self.target.clone();
         let on_chains = self.chains.iter().flat_map(|c| c.vertices.iter().copied().zip(c.lengths.iter().copied()));

@@ -23,7 +23,7 @@ const INSIDE: f32 = 0.5;
 /// Least total length of a ridge's sharp edges, as a multiple of the target length.
 const LEAST_LENGTH: f32 = 2.0;
 /// Two parallel chains are at least this multiple of the target length apart: triangles between nearer ones are thin.
-const APART: f32 = 0.4;
+const APART: f32 = 0.5;
 /// A ridge is at least this multiple of the target length from any other chain. What is nearer to a border or a seam is drawn
 /// to it, and facets of the fold stay.
 const APART_FROM_CHAINS: f32 = 0.15;
@@ -32,9 +32,8 @@ const LEAST_DIHEDRAL: f32 = 0.3;
 /// Most faces of a walk across parallel edges.
 const MAX_STEPS: usize = 64;
 
-/// An edge of the cage across which the surface bends.
+/// How the surface bends across an edge of the cage.
 pub(super) struct Fold {
-    pub edge: EdgeId,
     /// The turn of the normal within one target length. \[radians\]
     pub bend: f32,
     /// In target lengths.
@@ -251,7 +250,7 @@ impl<'a> FoldedSurface<'a> {
             let steps = curve.windows(2);
             let bend = steps.clone().map(|p| self.surface.bend(p[0], p[1])).sum::<f32>() / steps.len() as f32;
             let length = steps.map(|p| at(p[0]).distance(at(p[1]))).sum::<f32>() / self.target(edge);
-            (bend > INSIDE * self.sharp).then_some((edge, Fold { edge, bend, length }))
+            (bend > INSIDE * self.sharp).then_some((edge, Fold { bend, length }))
         });
         measured.collect()
     }

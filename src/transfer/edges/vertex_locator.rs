@@ -97,7 +97,8 @@ impl<'a> VertexLocator<'a> {
     /// The chains that a cage edge is on, whose vertices on the baseline are `path`, and the indices along them: one chain and
     /// index, or one for each half.
     pub fn edge_on_chains(&self, path: &[VertexId]) -> Option<Vec<(ChainId, usize)>> {
-        let ends: Vec<VertexId> = path.iter().step_by((path.len() - 1) >> self.product.baseline.traced).copied().collect();
+        let ends: Vec<VertexId> =
+            path.iter().step_by((path.len() - 1) >> self.product.baseline.traced).copied().collect();
         ends.windows(2).map(|pair| self.chain_edge.get(&edge_key([pair[0], pair[1]])).copied()).collect()
     }
 
