@@ -2,8 +2,10 @@
 //!
 //! The summary, the JSON report, tests and benches all use these definitions. Shares are between 0 and 1.
 
+mod costs;
 mod folds;
 
+pub use costs::ConstraintCost;
 pub use folds::{NarrowFold, facing};
 
 use crate::garment::{Elements, Garment};
@@ -68,6 +70,8 @@ pub struct SimFigures {
     pub share_steep: f32,
     /// Folds that are too near to a border, a seam or another fold to have edges of their own.
     pub narrow_folds: Vec<NarrowFold>,
+    /// The constraints by the thin triangles beside them.
+    pub constraint_costs: Vec<ConstraintCost>,
     /// Area of each face subset on the mesh and on the baseline.
     pub subset_areas: Vec<SubsetArea>,
     /// Length of each edge subset on the mesh and on the baseline.
@@ -189,6 +193,7 @@ impl SimFigures {
             subset_areas,
             edge_sets: edge_sets(product, mesh, curves),
             islands_cleaned,
+            constraint_costs: costs::constraint_costs(product, mesh),
             chain_length_min: chain_length_min(product),
             chain_distance_max: product.gaps.iter().map(|gap| gap.distance).fold(0.0, f32::max),
             ..Self::default()

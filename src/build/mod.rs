@@ -9,6 +9,7 @@
 mod check;
 mod cloth;
 mod frame;
+mod marks;
 mod memory;
 mod products;
 mod progress;
@@ -139,6 +140,19 @@ impl Builder {
         let (garment, warnings) = (Arc::clone(&self.garment), self.warnings.clone());
         let sibling = Self::in_frame(self.frame.sibling(), garment, self.mean_edge, warnings);
         sibling.with_max_faces(self.max_faces).with_max_memory(self.max_memory)
+    }
+
+    /// The render mesh of `products` with the elements that their warnings name as sets, one for each code: `mark_folded_uvs`.
+    /// None if they name none.
+    ///
+    /// # Errors
+    /// As [`Builder::update_render`].
+    pub fn marked(&self, products: &Products) -> Result<Option<Arc<Garment>>, Error> {
+        let Some(garment) = marks::marked(&self.garment, &products.warnings) else { return Ok(None) };
+        let warnings = Warnings::default();
+        let mut marked = Self::in_frame(self.frame.sibling(), Arc::new(garment), self.mean_edge, warnings);
+        marked.own_operators.clone_from(&self.own_operators);
+        Ok(Some(marked.update_render(&products.recipe)?.mesh))
     }
 
     /// Sets the handle that hears of progress and can cancel a build.

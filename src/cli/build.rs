@@ -213,7 +213,8 @@ fn built(build: &Build, task: &Task, budget: &Budget, bar: &ProgressBar) -> Resu
     let record = BuildRecord::new(&sources, &recipes(build, input), request(build, task)?, output, started)?;
     let mut garments = Vec::with_capacity(sources.len());
     for (builder, recipe, names, variant) in checked {
-        garments.push(Built { variant, ..garment(builder, &recipe, names, std::mem::take(&mut timings))? });
+        let timings = std::mem::take(&mut timings);
+        garments.push(Built { variant, ..garment(builder, &recipe, build.mark, names, timings)? });
     }
     write(build, output, record, &sources, &mut garments)?;
     Ok(garments)
@@ -230,11 +231,15 @@ fn limited(builder: Builder, build: &Build, task: &Task, budget: &Budget, bar: &
 fn garment(
     mut builder: Builder,
     recipe: &Recipe,
+    marks: bool,
     names: [String; 2],
     mut timings: Vec<Timing>,
 ) -> Result<Built, Error> {
     let prim = builder.garment().prim.clone();
-    let products = builder.update(recipe)?;
+    let mut products = builder.update(recipe)?;
+    if let Some(marked) = if marks { builder.marked(&products)? } else { None } {
+        products.render = marked;
+    }
     drop(builder);
     timings.extend(products.timings.iter().cloned());
     let (sim, render, cloth) = timed("figures", &mut timings, || {
@@ -301,6 +306,9 @@ fn request(build: &Build, task: &Task) -> Result<String, Error> {
         "keepModelPurpose": build.keep_model_purpose,
         "maxFaces": build.max_faces,
     });
+    if build.mark {
+        request["mark"] = json!(true);
+    }
     if let Some(set) = &build.variants {
         request["variants"] = json!(set);
     }

@@ -143,6 +143,9 @@ struct Build {
     /// Write counts, quality figures, times and warnings as JSON; - prints them instead of the summary
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     report: Option<PathBuf>,
+    /// Give the render mesh a set of the elements that each kind of warning names, such as mark_folded_uvs
+    #[arg(long, help_heading = "Output")]
+    mark: bool,
     /// Say what would be written, and write nothing
     #[arg(long, help_heading = "Output", conflicts_with_all = ["report", "skip_fresh"])]
     dry_run: bool,

@@ -191,6 +191,13 @@ fn summary(built: &Built, verbose: bool) -> String {
         for (name, faces) in operator_sets(products) {
             let _ = writeln!(t, "  new set {name}: {faces} faces");
         }
+        for cost in &s.constraint_costs {
+            let _ = writeln!(
+                t,
+                "  beside  {}: {} of {} triangles have an angle under 30 degrees",
+                cost.constraint, cost.thin, cost.triangles
+            );
+        }
         for area in &s.subset_areas {
             let _ = writeln!(t, "  set     {}: area {:.3} of {:.3}", area.name, area.area, area.source_area);
         }

@@ -42,6 +42,16 @@ impl Elements {
         self.len() == 0
     }
 
+    /// Adds the elements of another set of the same kind that are not there yet, and sorts all.
+    pub(crate) fn merge(&mut self, other: &Self) {
+        match (self, other) {
+            (Self::Faces(own), Self::Faces(other)) => merge(own, other),
+            (Self::Edges(own), Self::Edges(other)) => merge(own, other),
+            (Self::Points(own), Self::Points(other)) => merge(own, other),
+            _ => {}
+        }
+    }
+
     /// The first `most` elements as text, such as `edges 3-7, 7-9, …`.
     pub(crate) fn in_words(&self, most: usize) -> String {
         let mut words: Vec<String> = match self {
@@ -57,6 +67,12 @@ impl Elements {
         let plural = if self.len() == 1 { "" } else { "s" };
         format!("{}{plural} {}", self.kind(), words.join(", "))
     }
+}
+
+fn merge<T: Copy + Ord>(own: &mut Vec<T>, other: &[T]) {
+    own.extend(other);
+    own.sort_unstable();
+    own.dedup();
 }
 
 fn indices<I: Id, S: Serializer>(ids: &[I], serializer: S) -> Result<S::Ok, S::Error> {

@@ -18,9 +18,7 @@ pub use baseline::{Baseline, Location, baseline_level};
 #[cfg(feature = "internals")]
 pub use baseline::{facets::Facet, project::Projection};
 pub(crate) use constraints::cage_edges::half_edge;
-pub use constraints::chain::Chain;
-#[cfg(feature = "internals")]
-pub use constraints::chain::ChainKind;
+pub use constraints::chain::{Chain, ChainKind};
 pub use constraints::ridges::NarrowStrip;
 pub use geometry::closest_weights;
 pub use options::SimOptions;

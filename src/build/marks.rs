@@ -1,0 +1,29 @@
+//! Sets of the places that warnings name, on the render mesh.
+
+use crate::error::Warnings;
+use crate::garment::{Garment, Subset, free_name};
+use crate::mesh::Elements;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// The garment with a set for each kind of elements of each code of warning: `mark_folded_uvs`. None if no warning names
+/// elements.
+pub fn marked(garment: &Garment, warnings: &Warnings) -> Option<Garment> {
+    let mut marks = BTreeMap::<(String, &str), Elements>::new();
+    for warning in warnings.iter().filter(|warning| !warning.elements.is_empty()) {
+        let name = format!("mark_{}", warning.code.to_string().replace('-', "_"));
+        match marks.entry((name, warning.elements.kind())) {
+            std::collections::btree_map::Entry::Vacant(free) => _ = free.insert(warning.elements.clone()),
+            std::collections::btree_map::Entry::Occupied(mut own) => own.get_mut().merge(&warning.elements),
+        }
+    }
+    if marks.is_empty() {
+        return None;
+    }
+    let mut subsets = garment.subsets.to_vec();
+    for ((name, _), elements) in marks {
+        let name = free_name(&name, |name| subsets.iter().any(|set| set.name == name));
+        subsets.push(Subset { name, family: String::new(), elements, sharpness: None });
+    }
+    Some(Garment { subsets: Arc::new(subsets), ..garment.clone() })
+}
