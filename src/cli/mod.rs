@@ -113,7 +113,8 @@ struct Several {
     /// All meshes of the file, or below --prim: those whose borders coincide are sewn into one garment
     #[arg(long, help_heading = "Input")]
     all: bool,
-    /// Leave out prims of this name or path and all below them, and take all other meshes; * stands for any letters; repeatable
+    /// Leave out prims of this name or path and all below them, and take all other meshes; * stands for any letters, and
+    /// /Suit.collection:props for the members of a collection; repeatable
     #[arg(long, value_name = "PATTERN", help_heading = "Input")]
     exclude: Vec<String>,
     /// Distance at which borders are sewn [share of the mean edge length] [default: 0.001]

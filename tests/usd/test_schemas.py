@@ -19,6 +19,7 @@ SIM = {
     "tailor:sim:constrainUvSeams": ("bool", True),
     "tailor:sim:smallestShell": ("float", 4.0),
     "tailor:sim:cornerAngle": ("float", 50.0),
+    "tailor:sim:ridgeAngle": ("float", 90.0),
     "tailor:sim:transferSamples": ("int", 32),
     "tailor:sim:seed": ("int", 0),
     "tailor:sim:cleanIslands": ("bool", False),

@@ -236,6 +236,43 @@ def test_what_is_no_garment_is_left_alone(usdtailor, suit, tmp_path, pattern):
     assert stage.GetPrimAtPath("/Suit/body/skin").GetAttribute("purpose").Get() == "default"
 
 
+@pytest.mark.parametrize("rule", ["expandPrims", "explicitOnly"])
+def test_the_members_of_a_collection_are_left_alone(usdtailor, suit, tmp_path, rule):
+    def finish(stage, *panels):
+        add_body(stage, *panels)
+        props = Usd.CollectionAPI.Apply(stage.GetPrimAtPath("/Suit"), "props")
+        others = Usd.CollectionAPI.Apply(stage.GetPrimAtPath("/Suit"), "others")
+        skin = Usd.CollectionAPI.Apply(stage.GetPrimAtPath("/Suit/body"), "skin")
+        skin.CreateExpansionRuleAttr(rule)
+        skin.IncludePath("/Suit/body/skin" if rule == "explicitOnly" else "/Suit/body")
+        for outer, inner in ((others, skin), (props, others)):
+            outer.CreateIncludesRel().AddTarget(inner.GetCollectionPath())
+
+    source, out = suit(finish), tmp_path / "out.usda"
+    built(usdtailor, source, out, "--exclude", "/Suit.collection:props")
+    names = {prim.GetName() for prim in Usd.Stage.Open(str(out)).GetPrimAtPath("/Suit").GetChildren()}
+    assert names == {"front", "back", "body", "bounds", "rig", "sim", "render", "physics"}
+
+
+def test_an_excluded_member_of_a_collection_is_no_member(usdtailor, suit, tmp_path):
+    def finish(stage, *panels):
+        all_but = Usd.CollectionAPI.Apply(stage.GetPrimAtPath("/Suit"), "allBut")
+        all_but.IncludePath("/Suit")
+        all_but.ExcludePath("/Suit/front")
+
+    out = tmp_path / "out.usda"
+    built(usdtailor, suit(finish), out, "--exclude", "/Suit.collection:allBut")
+    stage = Usd.Stage.Open(str(out))
+    count = len(UsdGeom.Mesh(stage.GetPrimAtPath("/Suit/front")).GetFaceVertexCountsAttr().Get())
+    assert len(UsdGeom.Mesh(stage.GetPrimAtPath("/Suit/render")).GetFaceVertexCountsAttr().Get()) == 4 * count
+
+
+@pytest.mark.parametrize("name", ["/Suit.collection:prop", "/Suit/x.collection:props", "x.collection:props", "/Suit.collection:"])
+def test_a_collection_that_is_not_there_is_refused(usdtailor, suit, tmp_path, name):
+    words = refused(usdtailor, suit(), tmp_path / "out.usda", "--all", "--exclude", name)
+    assert name in words
+
+
 def test_a_pattern_that_matches_nothing_is_refused(usdtailor, suit, tmp_path):
     words = refused(usdtailor, suit(), tmp_path / "out.usda", "--all", "--exclude", "bodi")
     assert "bodi matches no mesh" in words and "/Suit/front" in words

@@ -1,5 +1,6 @@
 //! Choosing the meshes that are garments.
 
+use super::exclude::{Excluded, with_ancestors};
 use crate::error::{Error, ErrorCode};
 use crate::usd::names;
 use crate::usd::read::choose::{all_meshes, all_prims, check_instance, list};
@@ -31,12 +32,11 @@ pub fn meshes(stage: &Stage, file: &FilePath, options: &ReadOptions) -> Result<O
     if below.is_empty() || (below.len() == 1 && !is_asked) {
         return Ok(None);
     }
-    check_patterns(stage, file, &options.exclude)?;
+    let excluded = Excluded::new(stage, file, &options.exclude)?;
     let models = models(stage, file)?;
     let mut found = Vec::new();
     for path in &below {
-        let is_left_out = options.exclude.iter().any(|pattern| excludes(pattern, path));
-        if !is_left_out && (models.contains(path) || !is_other(stage, path)?) {
+        if !excluded.holds(path) && (models.contains(path) || !is_other(stage, path)?) {
             check_instance(&prim_at(stage, path)?)?;
             found.push(path.clone());
         }
@@ -85,81 +85,4 @@ fn is_other(stage: &Stage, path: &Path) -> Result<bool, Error> {
         }
     }
     Ok(matches!(purpose.as_deref(), Some("guide" | "proxy")))
-}
-
-fn with_ancestors(path: &Path) -> impl Iterator<Item = Path> {
-    std::iter::once(path.clone()).chain(path.strict_ancestors_below_root())
-}
-
-/// Whether a pattern matches the path or the name of a prim, or of one above it.
-fn excludes(pattern: &str, path: &Path) -> bool {
-    with_ancestors(path).any(|path| matches(pattern, path.as_str()) || path.name().is_some_and(|n| matches(pattern, n)))
-}
-
-/// Refuses patterns that no prim has, which are mistyped.
-fn check_patterns(stage: &Stage, file: &FilePath, patterns: &[String]) -> Result<(), Error> {
-    if patterns.is_empty() {
-        return Ok(());
-    }
-    let meshes = all_meshes(stage, file)?;
-    for pattern in patterns {
-        if !meshes.iter().any(|path| excludes(pattern, path)) {
-            return Err(Error::usd(format!("--exclude {pattern} matches no mesh of {}", file.display()))
-                .code(ErrorCode::WrongPrim)
-                .remedy(list(&meshes)));
-        }
-    }
-    Ok(())
-}
-
-/// Whether a pattern, in which `*` stands for any letters, matches a text. Time is at most the product of their lengths.
-fn matches(pattern: &str, text: &str) -> bool {
-    let (pattern, text) = (pattern.as_bytes(), text.as_bytes());
-    let (mut p, mut t, mut star) = (0, 0, None);
-    while t < text.len() {
-        if pattern.get(p) == Some(&b'*') {
-            star = Some((p, t));
-            p += 1;
-        } else if pattern.get(p) == Some(&text[t]) {
-            (p, t) = (p + 1, t + 1);
-        } else if let Some((at, from)) = star {
-            star = Some((at, from + 1));
-            (p, t) = (at + 1, from + 1);
-        } else {
-            return false;
-        }
-    }
-    pattern[p..].iter().all(|&c| c == b'*')
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn stars_stand_for_any_letters() {
-        for (pattern, text, expected) in [
-            ("body", "body", true),
-            ("body", "body2", false),
-            ("body*", "body_low", true),
-            ("*_low", "body_low", true),
-            ("/Char/*/eye*", "/Char/head/eye_left", true),
-            ("b*d*y", "buddy", true),
-            ("b*d*x", "buddy", false),
-            ("*", "", true),
-            ("", "a", false),
-        ] {
-            assert_eq!(matches(pattern, text), expected, "{pattern} {text}");
-        }
-    }
-
-    #[test]
-    fn a_prim_is_left_out_with_all_below_it() {
-        let path = Path::new("/Char/body/skin").expect("a path");
-        for (pattern, expected) in
-            [("body", true), ("/Char/body", true), ("/Char/bod", false), ("skin", true), ("Body", false)]
-        {
-            assert_eq!(excludes(pattern, &path), expected, "{pattern}");
-        }
-    }
 }

@@ -1,6 +1,7 @@
 //! Several meshes of a stage as garments: panels that are sewn together, and meshes of their own.
 
 mod choose;
+mod exclude;
 mod model;
 mod recipe;
 

@@ -1,0 +1,177 @@
+//! Meshes that are left out: by name, path or pattern, or by a collection of the stage (`UsdCollectionAPI`).
+
+use crate::error::{Error, ErrorCode};
+use crate::usd::read::choose::{all_meshes, list};
+use crate::usd::read::query::{OrUnreadable, prim_at, text_value};
+use openusd::sdf::Path;
+use openusd::usd::Stage;
+use std::path::Path as FilePath;
+
+/// What is between the prim of a collection and its name, as in `/Suit.collection:props`.
+const COLLECTION: &str = ".collection:";
+/// Collections that one may hold, and these in turn.
+const MAX_COLLECTIONS: usize = 100;
+
+/// What `--exclude` names.
+pub struct Excluded<'a> {
+    patterns: Vec<&'a str>,
+    collections: Vec<Collection>,
+}
+
+/// The prims of a collection and, unless it is explicit, those below them.
+struct Collection {
+    includes: Vec<Path>,
+    excludes: Vec<Path>,
+    is_explicit: bool,
+}
+
+impl<'a> Excluded<'a> {
+    /// Reads the collections among the names.
+    ///
+    /// # Errors
+    /// A collection that is not there, and names that no mesh has, which are mistyped.
+    pub fn new(stage: &Stage, file: &FilePath, names: &'a [String]) -> Result<Self, Error> {
+        let mut excluded = Self { patterns: Vec::new(), collections: Vec::new() };
+        if names.is_empty() {
+            return Ok(excluded);
+        }
+        let meshes = all_meshes(stage, file)?;
+        for name in names {
+            let is_used = if name.contains(COLLECTION) {
+                let collections = Collection::with_nested(stage, name)?;
+                let is_used = meshes.iter().any(|path| collections.iter().any(|one| one.holds(path)));
+                excluded.collections.extend(collections);
+                is_used
+            } else {
+                excluded.patterns.push(name);
+                meshes.iter().any(|path| excludes(name, path))
+            };
+            if !is_used {
+                return Err(Error::usd(format!("--exclude {name} matches no mesh of {}", file.display()))
+                    .code(ErrorCode::WrongPrim)
+                    .remedy(list(&meshes)));
+            }
+        }
+        Ok(excluded)
+    }
+
+    /// Whether a mesh is left out.
+    pub fn holds(&self, path: &Path) -> bool {
+        self.patterns.iter().any(|pattern| excludes(pattern, path))
+            || self.collections.iter().any(|collection| collection.holds(path))
+    }
+}
+
+impl Collection {
+    /// A collection and those that it includes.
+    fn with_nested(stage: &Stage, name: &str) -> Result<Vec<Self>, Error> {
+        let (mut names, mut found) = (vec![name.to_owned()], Vec::new());
+        while let Some(name) = names.get(found.len()).cloned() {
+            let (collection, nested) = Self::read(stage, &name)?;
+            found.push(collection);
+            names.extend(nested.into_iter().filter(|name| !names.contains(name)).collect::<Vec<_>>());
+            if names.len() > MAX_COLLECTIONS {
+                return Err(Error::usd(format!("{name} holds more than {MAX_COLLECTIONS} collections"))
+                    .code(ErrorCode::WrongPrim)
+                    .remedy("name the prims by --exclude"));
+            }
+        }
+        Ok(found)
+    }
+
+    /// A collection, and the names of those that it includes.
+    fn read(stage: &Stage, name: &str) -> Result<(Self, Vec<String>), Error> {
+        let missing = || {
+            Error::usd(format!("--exclude {name}: there is no such collection"))
+                .code(ErrorCode::WrongPrim)
+                .remedy("a collection is named as /Suit.collection:props; see the includes of the prim")
+        };
+        let (prim, own) = name.split_once(COLLECTION).ok_or_else(missing)?;
+        let path = Path::new(prim).ok().filter(|path| path.is_abs() && path.is_prim_path()).ok_or_else(missing)?;
+        let prim = prim_at(stage, &path)?;
+        let targets = |kind: &str| {
+            let relationship = prim.relationship(format!("collection:{own}:{kind}").as_str());
+            relationship.targets().or_unreadable(&path)
+        };
+        let rule = text_value(&prim, &format!("collection:{own}:expansionRule"), None)?;
+        let (collections, includes): (Vec<Path>, Vec<Path>) =
+            targets("includes")?.into_iter().partition(|target| target.as_str().contains(COLLECTION));
+        if includes.is_empty() && collections.is_empty() {
+            return Err(missing());
+        }
+        let is_explicit = rule.as_deref() == Some("explicitOnly");
+        let collection = Self { includes, excludes: targets("excludes")?, is_explicit };
+        Ok((collection, collections.iter().map(|path| path.as_str().to_owned()).collect()))
+    }
+
+    /// Whether a prim is a member: the nearest of its ancestors that is included or excluded decides.
+    fn holds(&self, path: &Path) -> bool {
+        if self.is_explicit {
+            return self.includes.contains(path);
+        }
+        let decisive = with_ancestors(path).find(|p| self.includes.contains(p) || self.excludes.contains(p));
+        decisive.is_some_and(|path| !self.excludes.contains(&path))
+    }
+}
+
+/// A path and those above it, up to the root prim.
+pub fn with_ancestors(path: &Path) -> impl Iterator<Item = Path> {
+    std::iter::once(path.clone()).chain(path.strict_ancestors_below_root())
+}
+
+/// Whether a pattern matches the path or the name of a prim, or of one above it.
+fn excludes(pattern: &str, path: &Path) -> bool {
+    with_ancestors(path).any(|path| matches(pattern, path.as_str()) || path.name().is_some_and(|n| matches(pattern, n)))
+}
+
+/// Whether a pattern, in which `*` stands for any letters, matches a text. Time is at most the product of their lengths.
+fn matches(pattern: &str, text: &str) -> bool {
+    let (pattern, text) = (pattern.as_bytes(), text.as_bytes());
+    let (mut p, mut t, mut star) = (0, 0, None);
+    while t < text.len() {
+        if pattern.get(p) == Some(&b'*') {
+            star = Some((p, t));
+            p += 1;
+        } else if pattern.get(p) == Some(&text[t]) {
+            (p, t) = (p + 1, t + 1);
+        } else if let Some((at, from)) = star {
+            star = Some((at, from + 1));
+            (p, t) = (at + 1, from + 1);
+        } else {
+            return false;
+        }
+    }
+    pattern[p..].iter().all(|&c| c == b'*')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stars_stand_for_any_letters() {
+        for (pattern, text, expected) in [
+            ("body", "body", true),
+            ("body", "body2", false),
+            ("body*", "body_low", true),
+            ("*_low", "body_low", true),
+            ("/Char/*/eye*", "/Char/head/eye_left", true),
+            ("b*d*y", "buddy", true),
+            ("b*d*x", "buddy", false),
+            ("*", "", true),
+            ("", "a", false),
+        ] {
+            assert_eq!(matches(pattern, text), expected, "{pattern} {text}");
+        }
+    }
+
+    #[test]
+    fn a_prim_is_left_out_with_all_below_it() {
+        let path = Path::new("/Char/body/skin").expect("a path");
+        for (pattern, expected) in
+            [("body", true), ("/Char/body", true), ("/Char/bod", false), ("skin", true), ("Body", false)]
+        {
+            assert_eq!(excludes(pattern, &path), expected, "{pattern}");
+        }
+    }
+}
