@@ -250,7 +250,8 @@ def test_the_members_of_a_collection_are_left_alone(usdtailor, suit, tmp_path, r
 
     source, out = suit(finish), tmp_path / "out.usda"
     built(usdtailor, source, out, "--exclude", "/Suit.collection:props")
-    names = {prim.GetName() for prim in Usd.Stage.Open(str(out)).GetPrimAtPath("/Suit").GetChildren()}
+    stage = Usd.Stage.Open(str(out))
+    names = {prim.GetName() for prim in stage.GetPrimAtPath("/Suit").GetChildren()}
     assert names == {"front", "back", "body", "bounds", "rig", "sim", "render", "physics"}
 
 
