@@ -158,14 +158,31 @@ impl<'a> FoldedSurface<'a> {
             }
         }
         for line in &found {
-            for lost in line.runs(|edge| narrow.contains_key(&edge)).filter_map(|run| self.ridge(run, &folds)) {
-                let neighbours = lost.iter().map(|edge| narrow[edge]);
-                neighbours.clone().filter_map(|n| kinds.get_mut(&n.edge).map(|kind| kind.ridge = true)).count();
-                let width = neighbours.map(|n| n.distance).fold(0.0, f32::max);
-                rims.narrow.push(NarrowStrip { end: self.cage().edges[lost[0]][0], edges: lost.len(), width });
-            }
+            let lost = line.runs(|edge| narrow.contains_key(&edge)).filter_map(|run| self.ridge(run, &folds));
+            rims.narrow.extend(lost.map(|edges| self.narrow_strip(edges, &narrow, kinds)));
         }
         rims
+    }
+
+    /// The strip between a fold that is no chain and the chains beside it, which become ridges too.
+    fn narrow_strip(
+        &self,
+        edges: &[EdgeId],
+        narrow: &BTreeMap<EdgeId, Neighbour>,
+        kinds: &mut BTreeMap<EdgeId, ChainKind>,
+    ) -> NarrowStrip {
+        let mut width = 0.0f32;
+        for Neighbour { edge, distance } in edges.iter().map(|edge| narrow[edge]) {
+            match kinds.get_mut(&edge) {
+                Some(kind) => {
+                    kind.ridge = true;
+                    width = width.max(distance);
+                }
+                // The ridge is in the middle of the strip.
+                None => width = width.max(0.5 * distance),
+            }
+        }
+        NarrowStrip { end: self.cage().edges[edges[0]][0], edges: edges.len(), width }
     }
 
     /// The parts of a ridge that run along its edges, and those that run along the middle of a strip beside them.
