@@ -17,6 +17,7 @@ use crate::sim::surface::small_shells::SmallShells;
 use crate::sim::surface::triangulation::{RefinedSurface, Triangulation};
 use crate::subdivide::Level;
 use glam::Vec3;
+use std::collections::BTreeSet;
 
 /// Largest growth of lengths per length away from a chain that bends. Larger values spend fewer triangles near bends,
 /// smaller ones make them more even.
@@ -100,8 +101,11 @@ impl Baseline {
     /// Spaces vertices along the chains, and shortens the lengths of vertices near those that bend.
     fn space_chains(&mut self, options: &SimOptions) {
         let cage = self.manifold.level.topology.vertex_count();
+        let narrow: BTreeSet<VertexId> = self.narrow.iter().flat_map(|strip| strip.vertices.iter().copied()).collect();
+        // What is smooth on the cage has no corner on its refinements, and what is drawn to a chain beside has none of its own.
+        let may_be_corner = |v: VertexId| v.index() < cage && !narrow.contains(&v);
         for chain in self.chains.iter_mut() {
-            chain.space(&self.points, &self.target, cage, options.corner());
+            chain.space(&self.points, &self.target, &may_be_corner, options.corner());
         }
         self.sizing = self.target.clone();
         let on_chains = self.chains.iter().flat_map(|c| c.vertices.iter().copied().zip(c.lengths.iter().copied()));

@@ -51,9 +51,9 @@ struct Neighbour {
 /// A fold that is too near to a chain to be one itself.
 #[derive(Clone, Debug)]
 pub struct NarrowStrip {
-    /// An end of it, a vertex of the manifold cage.
-    pub end: VertexId,
-    /// Its edges of the cage.
+    /// Its vertices of the manifold cage. Chains across the strip have no corner there.
+    pub vertices: BTreeSet<VertexId>,
+    /// The number of its edges of the cage.
     pub edges: usize,
     /// The largest distance to the chain, which bounds how far the surface moves. \[target lengths\]
     pub width: f32,
@@ -182,7 +182,8 @@ impl<'a> FoldedSurface<'a> {
                 None => width = width.max(0.5 * distance),
             }
         }
-        NarrowStrip { end: self.cage().edges[edges[0]][0], edges: edges.len(), width }
+        let vertices = edges.iter().flat_map(|&edge| self.cage().edges[edge]).collect();
+        NarrowStrip { vertices, edges: edges.len(), width }
     }
 
     /// The parts of a ridge that run along its edges, and those that run along the middle of a strip beside them.

@@ -33,19 +33,19 @@ const MAX_SEGMENTS: usize = 512;
 const GRADING: f32 = 0.3;
 
 impl Chain {
-    /// Finds the corners of the curve and the lengths of edges that follow it. Only the `cage`
-    /// first vertices, those of the cage, may be corners; `target` is the target length at each vertex of the baseline; a curve that turns by more than `corner`
-    /// within one target length has a corner. \[radians\]
+    /// Finds the corners of the curve and the lengths of edges that follow it. `target` is the target length
+    /// at each vertex of the baseline; a curve that turns by more than `corner` within one target length has a corner at the
+    /// vertex there, if that may be one. \[radians\]
     pub(crate) fn space(
         &mut self,
         points: &IdVec<VertexId, Vec3>,
         target: &IdVec<VertexId, f32>,
-        cage: usize,
+        may_be_corner: impl Fn(VertexId) -> bool,
         corner: f32,
     ) {
         let turns = self.turns(points);
         let targets: Vec<f32> = self.vertices.iter().map(|&v| target[v]).collect();
-        self.pins = self.corners(&turns, &targets, cage, corner);
+        self.pins = self.corners(&turns, &targets, may_be_corner, corner);
         let mut smooth = turns;
         self.pins.iter().for_each(|&pin| smooth[pin] = 0.0);
         self.lengths = (0..self.vertices.len())
@@ -165,11 +165,17 @@ impl Chain {
     }
 
     /// Indices of the cage's vertices at which the curve has a corner. Of two that are too close the sharper stays.
-    fn corners(&self, turns: &[f32], targets: &[f32], cage: usize, corner: f32) -> Vec<usize> {
+    fn corners(
+        &self,
+        turns: &[f32],
+        targets: &[f32],
+        may_be_corner: impl Fn(VertexId) -> bool,
+        corner: f32,
+    ) -> Vec<usize> {
         let n = self.vertices.len() - 1;
         let inside = if self.is_loop { 0..n } else { 1..n };
         let mut found: Vec<(f32, usize)> = inside
-            .filter(|&i| self.vertices[i].index() < cage)
+            .filter(|&i| may_be_corner(self.vertices[i]))
             .map(|i| (self.turn_around(turns, i, 0.5 * targets[i]), i))
             .filter(|&(turn, _)| turn > corner)
             .collect();
