@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 from PIL import Image, ImageDraw
-from pxr import Usd, UsdGeom, Vt
+from pxr import Sdf, Usd, UsdGeom, Vt
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "examples"))
 import draw  # noqa: E402
@@ -59,7 +59,7 @@ def button():
 MADE = {
     "hem, 0.1 lengths": (hem(0.1), (5.5, 0.5, 0, 2), "80,-25"),
     "hem, 0.5 lengths": (hem(0.5), (5.5, 0.5, 0, 2), "80,-25"),
-    "collar, 0.2 lengths": (collar(0.2), (5.5, 2.8, 0, 2.2), "60,35"),
+    "collar, 0.2 lengths": (collar(0.2), (6, 2.6, 0, 2.2), "80,35"),
     "button": (button(), (0, 0.1, 0, 1.4), "30,50"),
 }
 REAL = {
@@ -78,6 +78,14 @@ def write(path, shape):
     mesh.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(np.array(points, np.float32)))
     mesh.CreateFaceVertexCountsAttr(counts)
     mesh.CreateFaceVertexIndicesAttr(indices)
+    # UVs that are cut along one line.
+    firsts = np.cumsum([0, *counts[:-1]])
+    uvs = [(column + AROUND * (column == 0 and AROUND - 1 in columns), v // AROUND)
+           for first, count in zip(firsts, counts)
+           for columns in [[w % AROUND for w in indices[first:first + count]]]
+           for v, column in zip(indices[first:first + count], columns)]
+    st = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar("st", Sdf.ValueTypeNames.TexCoord2fArray, UsdGeom.Tokens.faceVarying)
+    st.Set(Vt.Vec2fArray.FromNumpy(np.array(uvs, np.float32)))
     stage.Save()
 
 

@@ -45,7 +45,7 @@ impl Baseline {
 
         let small_shells = small_shells(garment, options, lengths, &manifold);
         let surface = RefinedSurface { topology: &topology, points: &points, target: &target, uvs: &uvs };
-        let FoundChains { chains, traced, curves, narrow } =
+        let FoundChains { chains, traced, curves, drawn, narrow } =
             find_chains(garment, options, &manifold, &small_shells, &all_levels, &surface, &is_hole);
         let level = nearest_level(&all_levels, &points, lengths).max(traced);
         let start = StartMesh { levels: &all_levels, level, surface };
@@ -85,7 +85,7 @@ impl Baseline {
             start_spans,
         };
         baseline.release_small_shells();
-        baseline.space_chains(options);
+        baseline.space_chains(options, &drawn);
         baseline
     }
 
@@ -99,11 +99,10 @@ impl Baseline {
     }
 
     /// Spaces vertices along the chains, and shortens the lengths of vertices near those that bend.
-    fn space_chains(&mut self, options: &SimOptions) {
+    fn space_chains(&mut self, options: &SimOptions, drawn: &BTreeSet<VertexId>) {
         let cage = self.manifold.level.topology.vertex_count();
-        let narrow: BTreeSet<VertexId> = self.narrow.iter().flat_map(|strip| strip.vertices.iter().copied()).collect();
-        // What is smooth on the cage has no corner on its refinements, and what is drawn to a chain beside has none of its own.
-        let may_be_corner = |v: VertexId| v.index() < cage && !narrow.contains(&v);
+        // What is smooth on the cage has no corner on its refinements.
+        let may_be_corner = |v: VertexId| v.index() < cage && !drawn.contains(&v);
         for chain in self.chains.iter_mut() {
             chain.space(&self.points, &self.target, &may_be_corner, options.corner());
         }
@@ -146,6 +145,8 @@ struct FoundChains {
     traced: usize,
     /// Their vertices on that level and all finer ones.
     curves: Vec<Vec<Vec<VertexId>>>,
+    /// Vertices of the cage beside ridges, at which no chain has a corner.
+    drawn: BTreeSet<VertexId>,
     narrow: Vec<NarrowStrip>,
 }
 
@@ -170,7 +171,7 @@ fn find_chains(
     let curves = refine_paths(paths.iter().map(|p| p.vertices.clone()).collect(), &levels[traced..]);
     let on_surface = paths.iter().zip(&curves[levels.len() - 1 - traced]);
     let chains = on_surface.map(|(path, curve)| path.on_surface(curve, &source, surface)).collect();
-    FoundChains { chains, traced, curves, narrow: rims.narrow }
+    FoundChains { chains, traced, curves, drawn: rims.drawn(&levels[0].topology), narrow: rims.narrow }
 }
 
 /// Half-edges on chains and at borders.

@@ -51,7 +51,7 @@ struct Neighbour {
 /// A fold that is too near to a chain to be one itself.
 #[derive(Clone, Debug)]
 pub struct NarrowStrip {
-    /// Its vertices of the manifold cage. Chains across the strip have no corner there.
+    /// Its vertices of the manifold cage.
     pub vertices: BTreeSet<VertexId>,
     /// The number of its edges of the cage.
     pub edges: usize,
@@ -82,6 +82,12 @@ pub(crate) struct Rims {
 }
 
 impl Rims {
+    /// The vertices of the cage that are drawn to a ridge beside them. No chain has a corner there.
+    pub fn drawn(&self, t: &Topology) -> BTreeSet<VertexId> {
+        let crests = self.crests.iter().flat_map(|crest| t.faces.vertices_of(crest.face));
+        crests.chain(self.narrow.iter().flat_map(|strip| &strip.vertices)).copied().collect()
+    }
+
     /// The kinds of constrained edges on the first refinement, from those of the cage; none if the cage has all ridges.
     pub fn refined_kinds(
         &self,
