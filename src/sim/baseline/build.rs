@@ -104,7 +104,7 @@ impl Baseline {
         // What is smooth on the cage has no corner on its refinements.
         let may_be_corner = |v: VertexId| v.index() < cage && !drawn.contains(&v);
         for chain in self.chains.iter_mut() {
-            chain.space(&self.points, &self.target, &may_be_corner, options.corner());
+            chain.space(&self.points, &self.target, may_be_corner, options.corner());
         }
         self.sizing = self.target.clone();
         let on_chains = self.chains.iter().flat_map(|c| c.vertices.iter().copied().zip(c.lengths.iter().copied()));
