@@ -182,8 +182,6 @@ pub enum Code {
     ReducedHeight,
     /// Two seams have the same edges.
     SharedSeamEdges,
-    /// A seam of a single edge cannot narrow to nothing at both ends.
-    NoRoomToTaper,
     /// A second layer is nearer than its amount.
     ThinLayer,
     /// Faces have no second layer.

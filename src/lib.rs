@@ -161,7 +161,7 @@ pub use sim::SimOptions;
 /// ```
 pub mod operator {
     pub use crate::render::child::{ChildBuilder, OperatorDerivation, Table};
-    pub use crate::render::operator::{Control, Operator, OperatorInput, OperatorOutput, Role};
+    pub use crate::render::operator::{Closing, Control, Operator, OperatorInput, OperatorOutput, Role, Strand};
 }
 
 /// The parts of the engine, for this project's own tests and benches. They change without notice.

@@ -55,7 +55,7 @@ pub struct Raise {
     pub normal: Vec3,
     /// Height on the limit surface, signed. \[mesh units\]
     pub height: f32,
-    /// True if the height was reduced: on the cage, a copy then stays within it.
+    /// True if the height was reduced, or the layer closes beside it: on the cage, a copy then stays within it.
     pub is_least: bool,
 }
 
@@ -74,10 +74,13 @@ impl LimitFit<'_> {
         for _ in 0..BASE_STEPS {
             let step = |i: usize, points: &_| {
                 let error = targets[i].0 - self.limit(i, points);
-                match self.controls[i].role {
+                match &self.controls[i].role {
                     Role::Layer { .. } => Vec3::ZERO,
                     Role::Fold => error,
-                    Role::Centre { .. } => {
+                    Role::FoldCut { ends: [a, b] } => {
+                        error.reject_from_normalized((linear[*b] - linear[*a]).normalize_or(targets[i].1))
+                    }
+                    role if role.is_centre() => {
                         CENTRE_TANGENTIAL * error + (1.0 - CENTRE_TANGENTIAL) * error.dot(targets[i].1) * targets[i].1
                     }
                     _ => error.dot(targets[i].1) * targets[i].1,

@@ -25,6 +25,12 @@ pub trait Operator: Any + Send + Sync {
     /// The largest height over the surface of a garment, on either side. \[mesh units\]
     fn reach(&self, garment: &Garment) -> f32;
 
+    /// Names of the face subsets that it folds over at the border. Faces that bend too far there are halved before
+    /// operators run. By default none.
+    fn folded_sets(&self) -> Vec<String> {
+        Vec::new()
+    }
+
     /// The new connectivity and its controls.
     ///
     /// # Errors
@@ -106,6 +112,11 @@ pub enum Role {
     Raised,
     /// On a folded border, which keeps its position.
     Fold,
+    /// Between two vertices of a folded border, along which it may slide.
+    FoldCut {
+        /// The two vertices.
+        ends: [VertexId; 2],
+    },
     /// On an edge of a seam.
     Centre {
         /// Indices of the seams at the vertex.
@@ -122,6 +133,15 @@ pub enum Role {
         /// Share of the height: 1, less near an end or where the seam is narrowed.
         share: f32,
     },
+    /// Where lines of two edges of seams cross, at a junction.
+    Crossing {
+        /// The line of the seam that goes through.
+        through: Strand,
+        /// The line of the seam that ends against it.
+        other: Strand,
+        /// Share of the height: 1, less near an end or where the seam is narrowed.
+        share: f32,
+    },
     /// On the second layer.
     Layer {
         /// Original of the copied vertex.
@@ -130,7 +150,40 @@ pub enum Role {
         weight: f32,
         /// 1 on the outer side of the surface, -1 on the inner side.
         side: f32,
+        /// Whether the layer is near the end of a fold.
+        closing: Closing,
     },
+}
+
+/// Where a second layer closes at the end of a fold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Closing {
+    /// Away from ends.
+    Open,
+    /// Beside an end: the layer rises no faster than its cage.
+    Beside,
+    /// On the surface: its neighbours may be much higher.
+    Closed,
+}
+
+/// A line of a seam.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Strand {
+    /// Index of the seam.
+    pub seam: usize,
+    /// Index of the line, from 0 nearest to the edge; none on the edge itself.
+    pub line: Option<usize>,
+}
+
+impl Role {
+    /// True on the edges of a seam.
+    pub fn is_centre(&self) -> bool {
+        match self {
+            Self::Centre { .. } => true,
+            Self::Crossing { through, other, .. } => through.line.is_none() || other.line.is_none(),
+            _ => false,
+        }
+    }
 }
 
 /// A vertex with a controlled limit position.

@@ -7,7 +7,7 @@
 use super::child::{OperatorDerivation, Table};
 use super::fit::{LimitFit, Raise, graded, unfolded};
 use super::limit_surface::LimitSurface;
-use super::operator::{Control, DerivedCage, Operator, OperatorOutput, Role};
+use super::operator::{Closing, Control, DerivedCage, Operator, OperatorOutput, Role};
 use super::points::CagePoints;
 use super::repair::{Displaced, LEAST_SHARE, LookAhead, repair};
 use crate::contact::{Clearance, morton_order};
@@ -83,13 +83,12 @@ impl Placement {
             Role::Layer { over, .. } => Some([over, control.vertex]),
             _ => None,
         };
-        let is_centre = |role: &Role| matches!(role, Role::Centre { .. });
         Self {
             reference_normals: ancestry.reference.directions(&frame.faces),
             surface_corners,
             reference_control: reference_controls(output, level),
             copy_pairs: output.controls.iter().filter_map(pair).collect(),
-            on_seam: output.index(is_centre).iter().map(Option::is_some).collect(),
+            on_seam: output.index(Role::is_centre).iter().map(Option::is_some).collect(),
             layer_edges: layer_edges(output, level),
             controlled_faces: controlled_faces(output),
             face_order,
@@ -135,7 +134,10 @@ impl Placement {
         unfolded(&mut asked, &self.layer_edges, &base.targets);
         let mut cage = base.fitted.clone();
         let mut given = self.within_clearance(&asked, &base.targets, &mut cage.clearance);
-        let raise = |i: usize| Raise { normal: base.targets[i].1, height: given[i], is_least: given[i] != asked[i] };
+        let controls = &self.output().controls;
+        let is_beside = |i: usize| matches!(controls[i].role, Role::Layer { closing: Closing::Beside, .. });
+        let is_least = |i: usize| given[i] != asked[i] || is_beside(i);
+        let raise = |i: usize| Raise { normal: base.targets[i].1, height: given[i], is_least: is_least(i) };
         let mut raises: Vec<Raise> = (0..given.len()).map(raise).collect();
         graded(&mut raises, &self.layer_edges);
         given.iter_mut().zip(&raises).for_each(|(given, raise)| *given = raise.height);
@@ -236,9 +238,9 @@ impl Placement {
     }
 }
 
-/// The edges between copies, as indices of their controls.
+/// The edges between copies, as indices of their controls, without those of closed ends.
 fn layer_edges(output: &OperatorOutput, level: &Level) -> Vec<[usize; 2]> {
-    let index = output.index(|role| matches!(role, Role::Layer { .. }));
+    let index = output.index(|role| matches!(role, Role::Layer { closing: Closing::Open | Closing::Beside, .. }));
     let of = |ends: &[VertexId; 2]| Some([index[ends[0]]?, index[ends[1]]?]);
     level.topology.edges.iter().filter_map(of).collect()
 }

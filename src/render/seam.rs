@@ -17,11 +17,13 @@
 //! authored edges.
 
 mod chains;
+mod heights;
 
-use super::lines::{self, Lines, Narrowed, Request};
-use super::operator::{Control, Operator, OperatorInput, OperatorOutput, REPORTED, Role};
+use super::lines::{self, LineVertex, Lines, Narrowed, Request};
+use super::operator::{Control, Operator, OperatorInput, OperatorOutput, REPORTED, Role, Strand};
 use super::options::{Domain, Key, OperatorOptions};
 use crate::checks;
+use crate::contact::UNBOUNDED;
 use crate::error::{Code, Error, Warning, Warnings};
 use crate::garment::units::deserialize_length;
 use crate::garment::{Elements, Garment, Orientation, Subset};
@@ -32,10 +34,6 @@ use std::any::Any;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// Lines of each side as shares of its width: on the flank, at the width, and the support loop outside.
-const LINES: [f32; 3] = [0.5, 1.0, 1.5];
-/// Lines of each side of seams with a depth: two lines on the flank.
-const DEPTH_LINES: [f32; 4] = [1.0 / 3.0, 2.0 / 3.0, 1.0, 4.0 / 3.0];
 /// Automatic width, as a share of the mean edge.
 const AUTOMATIC_WIDTH: f32 = 0.25;
 /// Smallest share of the width on one side. At full asymmetry it separates the lines and keeps the steep flank from
@@ -161,42 +159,11 @@ struct Seams {
 }
 
 impl Seams {
-    /// Lines of each side as shares of its width. All seams have the same number.
-    fn shares(&self) -> &'static [f32] {
-        if self.has_depth() { &DEPTH_LINES } else { &LINES }
-    }
-
-    /// Index of the line at the width. Lines before it are on the flank.
-    fn width_line(&self) -> usize {
-        self.shares().len() - 2
-    }
-
-    fn has_depth(&self) -> bool {
-        self.seams.iter().any(|(_, options)| options.depth != 0.0)
-    }
-
     /// The edges of a seam on the cage, in their authored direction.
     fn edges(cage: &OperatorInput, options: &SeamOptions) -> Vec<[VertexId; 2]> {
         let sets = options.edges.iter().filter_map(|name| cage.garment.subset(name));
         let edges = sets.filter_map(|set| if let Elements::Edges(edges) = &set.elements { Some(edges) } else { None });
         edges.flatten().copied().collect()
-    }
-
-    /// The height of a role, and the seam that defines it.
-    fn height(&self, role: &Role) -> (f32, usize) {
-        match role {
-            Role::Centre { seams, share } => {
-                // Where seams meet, the largest height wins.
-                let of = |&i: &usize| (share * self.seams[i].1.normal_offset, i);
-                let larger = |a: (f32, usize), b: (f32, usize)| if b.0.abs() > a.0.abs() { b } else { a };
-                seams.iter().map(of).reduce(larger).unwrap_or((0.0, 0))
-            }
-            Role::Line { line: 0, seam, share } if self.has_depth() => {
-                let options = &self.seams[*seam].1;
-                (share * ((1.0 - self.shares()[0]) * options.normal_offset + options.depth), *seam)
-            }
-            _ => (0.0, 0),
-        }
     }
 
     fn warn(&self, cage: &OperatorInput, network: &Network, narrowed: &[Narrowed]) -> Warnings {
@@ -212,9 +179,6 @@ impl Seams {
             let shared = network.shared.iter().filter(|s| s.1 == number).map(|s| s.0).collect();
             let problem = "already belong to an earlier seam, which keeps them";
             warnings.extend(edges(Code::SharedSeamEdges, shared, problem, "Remove them from one of the two edge sets"));
-            let lone = network.lone.iter().copied().filter(|&e| network.seam[e] == Some(number)).collect();
-            let problem = "are isolated inside the surface and get no seam: it would taper to nothing at both ends";
-            warnings.extend(edges(Code::NoRoomToTaper, lone, problem, "Add a connected edge to each"));
             let here = || narrowed.iter().filter(|n| network.seam[n.mark] == Some(number));
             let narrow: BTreeSet<VertexId> = here().map(|n| n.vertex).collect();
             if !narrow.is_empty() {
@@ -239,16 +203,27 @@ impl Seams {
             }
             Control { vertex, role: Role::Centre { seams, share: lines.widths[vertex] } }
         });
-        let on_lines = lines.vertices.iter().filter_map(|l| {
-            let seam = network.seam[l.mark]?;
-            let share = l.part;
-            let role = match l.line {
-                Some(line) => Role::Line { line, seam, share },
-                None => Role::Centre { seams: vec![seam], share },
-            };
-            Some(Control { vertex: l.vertex, role })
+        let on_lines = lines.vertices.iter().filter_map(|line| {
+            let role = Self::line_role(t, network, line)?;
+            Some(Control { vertex: line.vertex, role })
         });
         on_cage.chain(on_lines).collect()
+    }
+
+    fn line_role(t: &Topology, network: &Network, vertex: &LineVertex) -> Option<Role> {
+        let (seam, share) = (network.seam[vertex.mark]?, vertex.part);
+        let own = Strand { seam, line: vertex.line };
+        let Some(crossing) = vertex.crossing else {
+            return Some(match vertex.line {
+                Some(line) => Role::Line { line, seam, share },
+                None => Role::Centre { seams: vec![seam], share },
+            });
+        };
+        let other = Strand { seam: network.seam[crossing.mark]?, line: Some(crossing.line) };
+        let first = network.junction_of(t, vertex.mark, crossing.mark).and_then(|seams| seams.first().copied());
+        let (through, other) =
+            if seam != other.seam && first == Some(other.seam) { (other, own) } else { (own, other) };
+        Some(Role::Crossing { through, other, share })
     }
 
     /// The faces within the width of each seam.
@@ -262,6 +237,12 @@ impl Seams {
             (format!("{name}_seam"), within.map(|s| s.face).collect())
         };
         super::new_sets(cage.garment, self.seams.iter().enumerate().map(of).collect(), warnings)
+    }
+
+    /// The length of a taper at the end of an edge; 0 beside other cloth, where steep tapers might reach it. \[mesh units\]
+    fn taper_length(&self, cage: &OperatorInput, network: &Network, edge: EdgeId) -> f32 {
+        let is_free = network.ends(edge).iter().all(|&v| cage.clearance[v] == UNBOUNDED);
+        network.seam[edge].filter(|_| is_free).map_or(0.0, |seam| self.seams[seam].1.width)
     }
 
     /// The width of the seam beside each half-edge; 0 on other edges. \[mesh units\]
@@ -314,9 +295,12 @@ impl Operator for Seams {
             marked: network.seam.iter().map(Option::is_some).collect(),
             distance: self.distances(cage, &network),
             tapers: network.tapers.clone(),
+            ends: IdVec::filled(false, t.vertex_count()),
+            taper_length: t.edges.ids().map(|edge| self.taper_length(cage, &network, edge)).collect(),
             cuttable: IdVec::filled(true, t.faces.len()),
             shares: self.shares(),
             kept_line: self.width_line(),
+            is_even: true,
         };
         let lines = lines::insert(&request);
         let controls = Self::controls(t, &network, &lines);
@@ -340,7 +324,7 @@ impl Operator for Seams {
         let mut shallow: Vec<(usize, VertexId, f32)> = Vec::new();
         for (control, given) in output.controls.iter().zip(given) {
             let (asked, seam) = self.height(&control.role);
-            if matches!(control.role, Role::Centre { .. }) && given.abs() < REPORTED * asked.abs() {
+            if control.role.is_centre() && given.abs() < REPORTED * asked.abs() {
                 shallow.push((seam, control.vertex, given.abs() / asked.abs()));
             }
         }
@@ -367,6 +351,7 @@ fn seams_at(output: &OperatorOutput, faces: &[FaceId]) -> BTreeSet<usize> {
     let seams = |control: &Control| match &control.role {
         Role::Centre { seams, .. } => seams.clone(),
         Role::Line { seam, .. } => vec![*seam],
+        Role::Crossing { through, other, .. } => vec![through.seam, other.seam],
         _ => Vec::new(),
     };
     let all = &output.derivation.faces;
@@ -386,7 +371,6 @@ fn seams_at(output: &OperatorOutput, faces: &[FaceId]) -> BTreeSet<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::UNBOUNDED;
     use crate::mesh::Faces;
     use crate::subdivide::{Derivation, Level};
     use glam::Vec3;

@@ -11,24 +11,37 @@
 //! omitted (`cover`).
 
 mod cover;
+mod ends;
+mod halving;
+mod layer;
 
-use super::lines::{self, Lines, Request};
-use super::operator::{Control, Operator, OperatorInput, OperatorOutput, REPORTED, Role, is_lone_corner};
+use super::lines::{self, LineVertex, Lines, Request};
+use super::operator::{Closing, Control, Operator, OperatorInput, OperatorOutput, REPORTED, Role, is_lone_corner};
 use super::options::{Domain, Key, OperatorOptions};
 use crate::checks;
 use crate::error::{Code, Error, ErrorCode, Warning, Warnings};
 use crate::garment::units::deserialize_length;
 use crate::garment::{Elements, Garment, Orientation, Subset, Values};
-use crate::mesh::{CornerId, Csr, EdgeId, FaceId, IdVec, Topology, VertexId};
+use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
 use crate::subdivide::{Level, Stencils};
 use cover::{Cover, layer_ends};
+use ends::Ends;
 use glam::Vec3;
+pub use halving::halving;
+use layer::Layer;
 use serde::{Deserialize, Serialize};
 use std::any::Any;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// Distance of the support loop from the fold, as a share of the amount. Smaller makes the fold tighter.
 const SUPPORT_DISTANCE: f32 = 1.0;
+/// Length over which the height of a fold goes to nothing at its end, as a multiple of the amount.
+const TAPER_LENGTH: f32 = 1.5;
+/// Length over which the second layer closes beside the end of a fold, as a multiple of the amount.
+const CLOSED_LENGTH: f32 = 3.0;
+/// Weight of the second layer where it is closed. Smaller closes it more; the surfaces may then intersect where they bend.
+const CLOSED_WEIGHT: f32 = 0.07;
 /// Automatic amount, as a share of the mean edge.
 const AUTOMATIC_AMOUNT: f32 = 0.1;
 /// Smallest weight, which separates the layers where 0 is painted.
@@ -150,14 +163,6 @@ struct Thickness {
     options: ThicknessOptions,
 }
 
-/// The second layer.
-struct Layer {
-    /// The copy of each vertex, if any.
-    copy: Vec<Option<VertexId>>,
-    hem: Vec<FaceId>,
-    inner: Vec<FaceId>,
-}
-
 impl Thickness {
     /// True for faces of the named subsets.
     fn chosen(&self, garment: &Garment) -> IdVec<FaceId, bool> {
@@ -206,61 +211,6 @@ impl Thickness {
         if self.options.side == Side::Outer { 1.0 } else { -1.0 }
     }
 
-    /// Copies the faces with reversed winding; the first corner stays first.
-    fn copy_faces(&self, t: &Topology, chosen: &IdVec<FaceId, bool>, lines: &mut Lines) -> Layer {
-        let mut layer = Layer { copy: vec![None; lines.builder.vertex_count()], hem: Vec::new(), inner: Vec::new() };
-        for face in t.faces.ids().filter(|&f| chosen[f]) {
-            for child in lines.first_child[face.index()]..lines.first_child[face.index() + 1] {
-                let corners = lines.builder.corners_of(child);
-                let mut copied: Vec<VertexId> = Vec::with_capacity(corners.len());
-                for &corner in &corners {
-                    copied.push(copy_of(&mut layer.copy, corner, lines));
-                }
-                copied[1..].reverse();
-                layer.inner.push(lines.builder.face(face, &copied));
-            }
-        }
-        layer
-    }
-
-    /// Adds the faces between the border and its copy.
-    fn add_hem(&self, t: &Topology, border: &[CornerId], layer: &mut Layer, lines: &mut Lines) {
-        for &half in border {
-            let [a, b] = t.faces.half_edge(half);
-            let [copy_a, copy_b] = [a, b].map(|v| copy_of(&mut layer.copy, v, lines));
-            layer.hem.push(lines.builder.face(t.faces.face_of(half), &[b, a, copy_a, copy_b]));
-        }
-    }
-
-    /// Continues parent edges around the fold and back along the second layer, so that edge sets follow.
-    fn add_edges(
-        &self,
-        t: &Topology,
-        chosen: &IdVec<FaceId, bool>,
-        folds: &IdVec<VertexId, bool>,
-        layer: &Layer,
-        lines: &mut Lines,
-    ) {
-        let children: Csr<EdgeId, [VertexId; 2]> = lines.builder.edges();
-        let copy = |v: VertexId| layer.copy[v.index()].unwrap_or(v);
-        for edge in t.edges.ids() {
-            let mut faces = t.edge_corners.row(edge).iter().map(|&c| t.faces.face_of(c));
-            if !faces.any(|f| chosen[f]) {
-                continue;
-            }
-            let ([a, b], is_interior) = (t.edges[edge], !t.is_border(edge));
-            if is_interior && folds[b] {
-                lines.builder.edge(edge, [b, copy(b)]);
-            }
-            for &[from, to] in children.row(edge).iter().rev() {
-                lines.builder.edge(edge, [copy(to), copy(from)]);
-            }
-            if is_interior && folds[a] {
-                lines.builder.edge(edge, [copy(a), a]);
-            }
-        }
-    }
-
     /// The painted weights on the limit surface.
     fn weights(&self, cage: &OperatorInput) -> Option<Vec<f32>> {
         let painted = cage.garment.primvar(&self.options.weights)?;
@@ -276,22 +226,35 @@ impl Thickness {
 
     fn controls(
         &self,
+        t: &Topology,
         weights: Option<&[f32]>,
-        (folds, ends): (&IdVec<VertexId, bool>, &IdVec<VertexId, bool>),
+        (folds, layer_ends, ends): (&IdVec<VertexId, bool>, &IdVec<VertexId, bool>, &Ends),
         layer: &Layer,
         lines: &Lines,
     ) -> Vec<Control> {
-        let on_cage = lines.near.enumerated().filter(|(v, near)| **near || ends[*v]).map(|(v, _)| v);
-        let on_surface = |vertex: VertexId| {
-            let is_fold = folds.contains_id(vertex) && folds[vertex];
-            Control { vertex, role: if is_fold { Role::Fold } else { Role::Surface } }
+        let on_cage = lines.near.enumerated().filter(|(v, near)| **near || layer_ends[*v]).map(|(v, _)| v);
+        let on_surface = |vertex: VertexId, is_fold: bool| Control {
+            vertex,
+            role: if is_fold { Role::Fold } else { Role::Surface },
         };
-        let mut controls: Vec<Control> = on_cage.map(on_surface).collect();
-        controls.extend(lines.vertices.iter().map(|l| on_surface(l.vertex)));
+        let mut controls: Vec<Control> = on_cage.map(|v| on_surface(v, folds[v])).collect();
+        controls.extend(lines.vertices.iter().map(|l| match l.line {
+            Some(_) => on_surface(l.vertex, false),
+            None => Control { vertex: l.vertex, role: Role::FoldCut { ends: t.edges[l.mark] } },
+        }));
+        let ends_of = |l: &&LineVertex| t.edges[l.mark].iter().any(|&v| ends.joined[v]);
+        let beside: BTreeSet<VertexId> = lines.vertices.iter().filter(ends_of).map(|l| l.vertex).collect();
         let copies = layer.copy.iter().enumerate().filter_map(|(v, copy)| Some((VertexId::new(v), (*copy)?)));
-        controls.extend(copies.map(|(over, vertex)| {
-            let weight = self.weight(weights, &lines.builder.sources(over));
-            Control { vertex, role: Role::Layer { over, weight, side: self.sign() } }
+        controls.extend(copies.filter(|(over, copy)| over != copy).map(|(over, vertex)| {
+            let sources = lines.builder.sources(over);
+            let is_closed = sources.iter().all(|(v, _)| ends.closed[*v]);
+            let closing = match (is_closed, beside.contains(&over)) {
+                (true, _) => Closing::Closed,
+                (_, true) => Closing::Beside,
+                _ => Closing::Open,
+            };
+            let weight = if is_closed { CLOSED_WEIGHT } else { self.weight(weights, &sources) };
+            Control { vertex, role: Role::Layer { over, weight, side: self.sign(), closing } }
         }));
         controls
     }
@@ -320,14 +283,6 @@ impl Thickness {
 /// The half-edges of the chosen faces along the border of the mesh.
 fn border<'a>(t: &'a Topology, chosen: &'a IdVec<FaceId, bool>) -> impl Iterator<Item = CornerId> + 'a {
     t.faces.corners().ids().filter(|&c| t.is_border(t.corner_edge[c]) && chosen[t.faces.face_of(c)])
-}
-
-/// The copy of a vertex, added on first use.
-fn copy_of(copies: &mut [Option<VertexId>], vertex: VertexId, lines: &mut Lines) -> VertexId {
-    *copies[vertex.index()].get_or_insert_with(|| {
-        let sources = lines.builder.sources(vertex);
-        lines.builder.vertex(&sources)
-    })
 }
 
 /// Infinitely sharp vertices and edges: sharp corners of single faces stay sharp on both layers, with a crease between
@@ -385,11 +340,15 @@ impl Operator for Thickness {
         self.options.amount.abs() * most.max(MIN_WEIGHT)
     }
 
+    fn folded_sets(&self) -> Vec<String> {
+        self.options.faces.clone()
+    }
+
     fn apply(&self, cage: &OperatorInput) -> Result<OperatorOutput, Error> {
         super::refuse_loop(cage, &self.label())?;
         let (garment, t) = (cage.garment, &cage.level.topology);
-        let chosen = self.chosen(garment);
-        if !self.options.closed && border(t, &chosen).next().is_none() {
+        let asked = self.chosen(garment);
+        if !self.options.closed && border(t, &asked).next().is_none() {
             return Err(self.no_border(garment));
         }
         let weights = self.weights(cage);
@@ -397,7 +356,7 @@ impl Operator for Thickness {
         let side = usize::from(self.sign() > 0.0);
         let clearance =
             |v: VertexId| cage.clearance[v][side] / (self.options.amount * self.weight(weights, &[(v, 1.0)]));
-        let cover = Cover::new(t, &chosen, self.options.closed, clearance);
+        let cover = Cover::new(t, &asked, self.options.closed, clearance);
         let mut warnings = self.warn(cage, &cover);
         let chosen = cover.chosen;
         let border: Vec<CornerId> = border(t, &chosen).collect();
@@ -407,25 +366,30 @@ impl Operator for Thickness {
             marked[t.corner_edge[half]] = true;
             t.faces.half_edge(half).iter().for_each(|&v| folds[v] = true);
         }
+        let ends = Ends::new(t, &garment.points, [&asked, &chosen], &marked, CLOSED_LENGTH * self.options.amount);
         let request = Request {
             topology: t,
             points: &garment.points,
             marked,
             distance: IdVec::filled(SUPPORT_DISTANCE * self.options.amount, t.faces.corners().len()),
             tapers: IdVec::filled(false, t.vertex_count()),
+            ends: ends.joined.clone(),
+            taper_length: IdVec::filled(TAPER_LENGTH * self.options.amount, t.edges.len()),
             cuttable: chosen.clone(),
             shares: &[1.0],
             kept_line: 0,
+            is_even: false,
         };
         // A closer support loop is harmless, so `lines.narrowed` gives no warning.
         let mut lines = lines::insert(&request);
-        let mut layer = self.copy_faces(t, &chosen, &mut lines);
-        self.add_hem(t, &border, &mut layer, &mut lines);
-        self.add_edges(t, &chosen, &folds, &layer, &mut lines);
-        let controls = self.controls(weights, (&folds, &layer_ends(t, &chosen)), &layer, &lines);
+        let mut layer = Layer::new(t, &chosen, &ends, &mut lines);
+        layer.add_hem(t, &border, &mut lines);
+        layer.add_edges(t, &chosen, &folds, &mut lines);
+        let controls = self.controls(t, weights, (&folds, &layer_ends(t, &chosen), &ends), &layer, &lines);
         let offsets = self.offsets(cage, &controls, &lines);
         let subsets = self.subsets(cage, &layer, &mut warnings);
-        let (corners, creases) = sharpness(cage.level, &folds, &request.marked, &layer);
+        let (mut corners, creases) = sharpness(cage.level, &folds, &request.marked, &layer);
+        corners.extend(ends.corners.iter().filter_map(|v| layer.copy[v.index()]));
         let output = OperatorOutput::new(lines.builder.finish(), cage);
         Ok(OperatorOutput { controls, subsets, corners, creases, offsets, warnings, ..output })
     }

@@ -4,6 +4,7 @@
 mod attributes;
 mod cloth;
 mod crossings;
+mod ends;
 #[path = "../common/garments.rs"]
 mod garments;
 #[path = "../common/nearest.rs"]

@@ -15,16 +15,22 @@ use tailor::internals::mesh::{IdVec, Topology, VertexId};
 const EXACT: f32 = 0.02;
 
 /// The limit surface of a garment as a dense cloud of points with normals.
-struct Surface {
+pub struct Surface {
     points: IdVec<VertexId, Vec3>,
     normals: IdVec<VertexId, Vec3>,
     tree: Nearest,
 }
 
 impl Surface {
-    fn new(garment: &Garment) -> Self {
-        let (fine, _) = rendered(garment, &["render.level=4"]);
-        let points = limit(&fine);
+    /// The surface of a garment with options.
+    pub fn new<T: AsRef<str>>(garment: &Garment, options: &[T]) -> Self {
+        let (fine, _) = rendered(garment, options);
+        Self::of(&limit(&fine), &fine)
+    }
+
+    /// The surface of a fine mesh at some points.
+    pub fn of(points: &IdVec<VertexId, Vec3>, fine: &Garment) -> Self {
+        let points = points.clone();
         let mut normals = IdVec::filled(Vec3::ZERO, points.len());
         for corner in fine.faces.corners().ids() {
             let at = |c| points[fine.faces.vertex(c)];
@@ -37,13 +43,13 @@ impl Surface {
     }
 
     /// Height over the surface along its normal, with the surface's curve from the nearest point on left out.
-    fn height(&self, place: Vec3) -> f32 {
+    pub fn height(&self, place: Vec3) -> f32 {
         let nearest = VertexId::new(self.tree.find(place).0);
         (place - self.points[nearest]).dot(self.normals[nearest])
     }
 }
 
-fn vertices_of(mesh: &Garment, name: &str) -> BTreeSet<VertexId> {
+pub fn vertices_of(mesh: &Garment, name: &str) -> BTreeSet<VertexId> {
     match &mesh.subset(name).unwrap_or_else(|| panic!("{name} is there")).elements {
         Elements::Edges(edges) => edges.iter().flatten().copied().collect(),
         Elements::Faces(faces) => faces.iter().flat_map(|&f| mesh.faces.vertices_of(f)).copied().collect(),
@@ -60,7 +66,7 @@ fn shapes() -> Vec<(&'static str, GarmentInput)> {
 fn the_centre_line_is_at_the_offset() {
     for (name, input) in shapes() {
         let garment = checked(input);
-        let surface = Surface::new(&garment);
+        let surface = Surface::new(&garment, &["render.level=4"]);
         for (offset, more) in [
             (-0.06, "seam.s.depth=0"),
             (0.08, "seam.s.depth=0"),
@@ -155,7 +161,7 @@ fn the_layers_are_the_amount_apart() {
     for (name, input) in shapes() {
         let garment = checked(input);
         let faces = if name == "plane" { "half" } else { "all" };
-        let surface = Surface::new(&garment);
+        let surface = Surface::new(&garment, &["render.level=4"]);
         for (side, sign) in [("inner", -1.0), ("outer", 1.0)] {
             let (faces, side) = (format!("thickness.t.faces={faces}"), format!("thickness.t.side={side}"));
             let options = [
@@ -173,8 +179,10 @@ fn the_layers_are_the_amount_apart() {
             let inner = vertices_of(&mesh, "t_inner");
             let height = |v: &VertexId| surface.height(places[*v]);
             let off = |v: &&VertexId| (height(v) - sign * 0.15).abs();
-            // Beside the hem the layers turn into each other.
-            let near_hem = |v: &VertexId| hem.iter().any(|&h| places[h].distance(places[*v]) < 1.0);
+            // Beside the hem the layers turn into each other; beside its ends on the plane the second one is closed.
+            let is_closed = |p: Vec3| name == "plane" && p.x > 1.9 && (p.y - 4.0).abs() > 0.9;
+            let near_hem =
+                |v: &VertexId| is_closed(places[*v]) || hem.iter().any(|&h| places[h].distance(places[*v]) < 1.0);
             let away: Vec<&VertexId> = inner.iter().filter(|v| !near_hem(v)).collect();
             assert!(away.len() > 100, "{name}");
             let worst = away.iter().map(off).fold(0.0, f32::max);
@@ -200,12 +208,15 @@ fn painted_weights_scale_the_layer_and_tuck_it_in() {
     };
     let painted = limit(&Garment { points: painted.iter().map(|&w| Vec3::splat(w)).collect(), ..mesh.clone() });
     let hem = vertices_of(&mesh, "t_hem");
-    for &v in vertices_of(&mesh, "t_inner").difference(&hem) {
+    // At the end of the half, the layer is closed beside the two ends of its fold.
+    let is_closed = |p: Vec3| p.x > 3.9 && (p.y - 4.0).abs() > 2.9;
+    for &v in vertices_of(&mesh, "t_inner").difference(&hem).filter(|v| !is_closed(places[**v])) {
         let (depth, weight) = (-places[v].z, painted[v].x);
         // Vertices of the line that holds the fold lie between those of the input, where weights are linear.
         assert!((depth - 0.2 * weight).abs() < 0.03, "{depth} at weight {weight}");
     }
-    let depths: Vec<f32> = vertices_of(&mesh, "t_inner").iter().map(|&v| -places[v].z).collect();
+    let inner = vertices_of(&mesh, "t_inner");
+    let depths: Vec<f32> = inner.iter().filter(|v| !is_closed(places[**v])).map(|&v| -places[v].z).collect();
     assert!(depths.iter().all(|&d| d > 0.0015 && d < 0.2), "{depths:?}");
 }
 
@@ -291,8 +302,6 @@ fn networks_are_sound_and_flat_ones_stay_flat() {
                 narrow || width < 0.5 || !name.starts_with("neighbours"),
                 "{name}: nothing is said of too little room"
             );
-            let lone = warnings.iter().any(|w| w.code == Code::NoRoomToTaper);
-            assert_eq!(lone, name.starts_with("single"), "{name}: {warnings:?}");
         }
     }
 }

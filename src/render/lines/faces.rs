@@ -1,12 +1,13 @@
 //! The faces between ribs: strips beside marked edges, blocks at corners, and the core of each face.
 
-use super::ribs::{Path, Rib, Ribs};
-use super::{LineVertex, Lines, Request, StripFace};
+use super::cuts::{Cut, Cuts};
+use super::paths::Widths;
+use super::points::{Sources, between, ghost, grid_point, weights};
+use super::ribs::{Rib, Ribs};
+use super::{Crossing, LineVertex, Lines, Request, StripFace};
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
 use crate::render::child::ChildBuilder;
-
-/// Position of the cut on the last edge of a tapering path, as a share of its length.
-const TAPER_CUT: f32 = 0.5;
+use std::collections::BTreeMap;
 
 /// A corner of the core of a face.
 #[derive(Clone, Copy)]
@@ -14,43 +15,54 @@ struct CorePoint {
     vertex: VertexId,
     /// True if the core is concave at the vertex: it is split from there.
     is_reflex: bool,
+    /// True at the outermost line where a taper begins: a triangle to its end is split off.
+    is_taper: bool,
+}
+
+impl CorePoint {
+    fn new(vertex: VertexId) -> Self {
+        Self { vertex, is_reflex: false, is_taper: false }
+    }
 }
 
 /// Builds the child face by face.
 struct LineBuilder<'a, 'r> {
     request: &'r Request<'a>,
     ribs: &'r Ribs,
+    cuts: &'r Cuts,
     /// Share of the requested distance at each vertex.
-    widths: IdVec<VertexId, f32>,
+    widths: &'r Widths,
     builder: ChildBuilder<'a>,
     /// Vertices of each rib, from the first line outwards.
     columns: Vec<Vec<VertexId>>,
-    /// The vertex that cuts the last edge of a tapering path.
-    halfway: IdVec<EdgeId, Option<VertexId>>,
-    /// For each half-edge of a cut edge, the line vertices beside the cut in its face.
-    beside_cut: IdVec<CornerId, Vec<VertexId>>,
+    /// The vertices of each block, line by line along the edge after its corner.
+    grids: BTreeMap<CornerId, Vec<VertexId>>,
+    /// The vertex of each cut of an edge.
+    cut_vertices: BTreeMap<EdgeId, Vec<VertexId>>,
+    /// For each half-edge of a cut edge and each of its cuts, the vertices of the lines beside the cut.
+    beside_cuts: BTreeMap<(CornerId, usize), Vec<VertexId>>,
     vertices: Vec<LineVertex>,
     strips: Vec<StripFace>,
 }
 
 /// Builds the child of a request.
-pub fn build<'a>(request: &Request<'a>, ribs: &Ribs) -> Lines<'a> {
-    let mut widths = IdVec::filled(1.0f32, request.topology.vertex_count());
-    ribs.narrowed.iter().for_each(|n| widths[n.vertex] = widths[n.vertex].min(n.share));
+pub fn build<'a>(request: &Request<'a>, ribs: &Ribs, cuts: &Cuts, widths: &Widths) -> Lines<'a> {
     let mut lines = LineBuilder {
         request,
         ribs,
+        cuts,
         widths,
         builder: ChildBuilder::new(request.topology),
         columns: Vec::with_capacity(ribs.all.len()),
-        halfway: IdVec::filled(None, request.topology.edges.len()),
-        beside_cut: IdVec::filled(Vec::new(), request.topology.faces.corners().len()),
+        grids: BTreeMap::new(),
+        cut_vertices: BTreeMap::new(),
+        beside_cuts: BTreeMap::new(),
         vertices: Vec::new(),
         strips: Vec::new(),
     };
-    ribs.all.iter().for_each(|rib| lines.add_column(rib));
     let t = request.topology;
-    t.edges.ids().for_each(|edge| lines.cut_halfway(edge));
+    ribs.all.iter().enumerate().for_each(|(number, rib)| lines.add_column(number, rib));
+    cuts.edges().for_each(|edge| lines.cut(edge));
     let mut near = IdVec::filled(false, t.vertex_count());
     let mut first_child = Vec::with_capacity(t.faces.len() + 1);
     for face in t.faces.ids() {
@@ -61,8 +73,8 @@ pub fn build<'a>(request: &Request<'a>, ribs: &Ribs) -> Lines<'a> {
     }
     first_child.push(lines.builder.face_count());
     t.edges.ids().for_each(|edge| lines.add_edge(edge));
-    let LineBuilder { builder, vertices, strips, widths, .. } = lines;
-    Lines { builder, vertices, strips, first_child, narrowed: ribs.narrowed.clone(), widths, near }
+    let LineBuilder { builder, vertices, strips, .. } = lines;
+    Lines { builder, vertices, strips, first_child, near, narrowed: Vec::new(), widths: widths.parts.clone() }
 }
 
 impl LineBuilder<'_, '_> {
@@ -70,47 +82,125 @@ impl LineBuilder<'_, '_> {
         self.request.topology
     }
 
-    /// Adds the vertices of the lines on a rib.
-    fn add_column(&mut self, rib: &Rib) {
+    fn line_count(&self) -> usize {
+        self.request.shares.len()
+    }
+
+    /// Adds the vertices of the lines on a rib, or of the block that replaces it.
+    fn add_column(&mut self, number: usize, rib: &Rib) {
+        if let Some(corner) = rib.corner().filter(|&c| self.cuts.block(c).is_some()) {
+            return self.add_grid(corner, number);
+        }
         let mut column = Vec::with_capacity(rib.steps.len());
         for (line, &step) in rib.steps.iter().enumerate() {
-            let sources = weights(self.request.topology, rib, step);
-            let vertex = self.builder.vertex(&sources);
-            self.vertices.push(LineVertex { vertex, line: Some(line), mark: rib.mark, part: self.widths[rib.vertex] });
+            let vertex = self.builder.vertex(&weights(self.request.topology, rib, step));
+            let part = self.widths.parts[rib.vertex];
+            self.vertices.push(LineVertex { vertex, line: Some(line), mark: rib.mark, part, crossing: None });
             column.push(vertex);
         }
         self.columns.push(column);
     }
 
-    /// Cuts the last edge of a tapering path if lines turn a corner at its other end.
-    fn cut_halfway(&mut self, edge: EdgeId) {
+    /// Adds the vertices of a block. Those on its diagonal are the column of the mitre.
+    fn add_grid(&mut self, corner: CornerId, number: usize) {
+        let t = self.request.topology;
+        let Some([after, before]) = self.cuts.block(corner) else { return };
+        let part = self.widths.parts[self.ribs.all[number].vertex];
+        let (along, across) = (t.corner_edge[corner], t.corner_edge[t.faces.prev(corner)]);
+        let mut grid = Vec::with_capacity(after.len() * before.len());
+        for (i, &x) in after.iter().enumerate() {
+            for (j, &y) in before.iter().enumerate() {
+                let vertex = self.builder.vertex(&grid_point(t, corner, x, y));
+                let crossing = Some(Crossing { line: i, mark: across });
+                self.vertices.push(LineVertex { vertex, line: Some(j), mark: along, part, crossing });
+                grid.push(vertex);
+            }
+        }
+        let n = self.line_count();
+        self.columns.push((0..n).map(|i| grid[i * n + i]).collect());
+        self.grids.insert(corner, grid);
+    }
+
+    /// Cuts a marked edge and the strips beside it.
+    fn cut(&mut self, edge: EdgeId) {
         let t = self.request.topology;
         let [a, b] = t.edges[edge];
-        let (end, other) = if self.request.tapers[a] { (a, b) } else { (b, a) };
-        let is_last = self.request.marked[edge] && self.request.tapers[end] && !self.request.tapers[other];
-        if !is_last || t.vertex_corners.row(other).iter().all(|&c| self.ribs.within(c).is_none()) {
-            return;
-        }
-        let vertex = self.builder.vertex(&[(other, 1.0 - TAPER_CUT), (end, TAPER_CUT)]);
-        let part = (1.0 - TAPER_CUT) * self.widths[other];
-        self.vertices.push(LineVertex { vertex, line: None, mark: edge, part });
-        self.halfway[edge] = Some(vertex);
-        for &corner in t.edge_corners.row(edge) {
-            let is_tail = t.faces.vertex(corner) == other;
-            let at = if is_tail { corner } else { t.faces.next(corner) };
-            let Some(rib) = self.strip_rib(at, is_tail).map(|rib| &self.ribs.all[rib]) else { continue };
-            for (line, &step) in rib.steps.iter().enumerate() {
-                let vertex = self.builder.vertex(&towards(weights(t, rib, step), end));
-                self.vertices.push(LineVertex { vertex, line: Some(line), mark: edge, part });
-                self.beside_cut[corner].push(vertex);
+        for (number, cut) in self.cuts.of(edge).iter().enumerate() {
+            let vertex = self.builder.vertex(&[(a, 1.0 - cut.at), (b, cut.at)]);
+            let crossing = cut.block.map(|block| Crossing { line: block.line, mark: block.mark });
+            self.vertices.push(LineVertex { vertex, line: None, mark: edge, part: cut.share, crossing });
+            self.cut_vertices.entry(edge).or_default().push(vertex);
+            for &half in t.edge_corners.row(edge) {
+                let beside = self.beside_cut(half, cut, crossing);
+                self.beside_cuts.insert((half, number), beside);
             }
         }
     }
 
-    /// The vertices across the strip at the cut of the edge after a corner, if it is cut.
-    fn cut(&self, corner: CornerId) -> Option<Vec<VertexId>> {
-        let vertex = self.halfway[self.topology().corner_edge[corner]]?;
-        Some(std::iter::once(vertex).chain(self.beside_cut[corner].iter().copied()).collect())
+    /// The vertices of the lines beside a cut, in the face of a half-edge.
+    fn beside_cut(&mut self, half: CornerId, cut: &Cut, crossing: Option<Crossing>) -> Vec<VertexId> {
+        let (t, n) = (self.request.topology, self.line_count());
+        if let Some((corner, line)) = self.grid_of(half, cut) {
+            let is_tail = corner == half;
+            return (0..n).map(|i| self.grids[&corner][if is_tail { line * n + i } else { i * n + line }]).collect();
+        }
+        let edge = t.corner_edge[half];
+        let is_forward = t.faces.vertex(half) == t.edges[edge][0];
+        let at = if is_forward { cut.at } else { 1.0 - cut.at };
+        let Some([tail, head]) = self.ends(half, if cut.is_halfway { 0.0 } else { cut.share }) else {
+            return Vec::new();
+        };
+        let mut beside = Vec::with_capacity(n);
+        for line in 0..n {
+            let vertex = self.builder.vertex(&between(&tail[line], &head[line], at));
+            self.vertices.push(LineVertex { vertex, line: Some(line), mark: edge, part: cut.share, crossing });
+            beside.push(vertex);
+        }
+        beside
+    }
+
+    /// The sources of the lines at both ends of the strip beside a half-edge, if its face may be cut.
+    fn ends(&self, half: CornerId, share: f32) -> Option<[Vec<Sources>; 2]> {
+        let t = self.request.topology;
+        if !self.request.cuttable[t.faces.face_of(half)] {
+            return None;
+        }
+        let end = |corner: CornerId, is_tail: bool| match self.strip_rib(corner, is_tail) {
+            Some(rib) => {
+                let rib = &self.ribs.all[rib];
+                rib.steps.iter().map(|&step| weights(t, rib, step)).collect()
+            }
+            None => ghost(self.request, self.ribs, (corner, half), share),
+        };
+        Some([end(half, true), end(t.faces.next(half), false)])
+    }
+
+    /// The corner of the block on a half-edge that has a cut, with the line of the cut.
+    fn grid_of(&self, half: CornerId, cut: &Cut) -> Option<(CornerId, usize)> {
+        let t = self.request.topology;
+        let block = cut.block?;
+        let corner = if t.faces.vertex(half) == block.vertex { half } else { t.faces.next(half) };
+        self.grids.contains_key(&corner).then_some((corner, block.line))
+    }
+
+    /// The vertices across the strip beside a half-edge at each of its cuts, in its direction. Inside a block there are
+    /// none but at its last line.
+    fn across_cuts(&self, half: CornerId) -> Vec<(&Cut, Vec<VertexId>)> {
+        let t = self.request.topology;
+        let edge = t.corner_edge[half];
+        let mut all: Vec<(&Cut, Vec<VertexId>)> = Vec::new();
+        for (number, cut) in self.cuts.of(edge).iter().enumerate() {
+            if self.grid_of(half, cut).is_some_and(|(_, line)| line + 1 < self.line_count()) {
+                continue;
+            }
+            let on_edge = self.cut_vertices[&edge][number];
+            let beside = &self.beside_cuts[&(half, number)];
+            all.push((cut, std::iter::once(on_edge).chain(beside.iter().copied()).collect()));
+        }
+        if t.faces.vertex(half) != t.edges[edge][0] {
+            all.reverse();
+        }
+        all
     }
 
     /// Adds the children of a face. True if the face was cut.
@@ -127,6 +217,7 @@ impl LineBuilder<'_, '_> {
         if is_cut {
             for corner in t.faces.corners_of(face) {
                 self.add_strip(face, corner);
+                self.add_grid_faces(face, corner);
                 self.add_block(face, corner);
             }
         }
@@ -175,14 +266,14 @@ impl LineBuilder<'_, '_> {
     fn add_core_corner(&self, corner: CornerId, core: &mut Vec<CorePoint>) {
         let t = self.topology();
         let (vertex, prev) = (t.faces.vertex(corner), t.faces.prev(corner));
-        let point = |vertex| CorePoint { vertex, is_reflex: false };
+        let point = CorePoint::new;
         let active = self.ribs.active[corner];
         match (self.is_marked(prev), self.is_marked(corner)) {
             (false, false) if active => {
                 let end = |half_edge| self.along(half_edge, vertex).and_then(|r| self.last(r));
                 let within = self.ribs.within(corner).and_then(|r| self.last(r));
                 core.extend(end(prev).map(point));
-                core.extend(within.map(|vertex| CorePoint { vertex, is_reflex: true }));
+                core.extend(within.map(|vertex| CorePoint { is_reflex: true, ..point(vertex) }));
                 core.extend(end(corner).map(point));
             }
             (_, after) if active => {
@@ -202,9 +293,15 @@ impl LineBuilder<'_, '_> {
             let rib = self.along(corner, t.faces.vertex(at)).filter(|_| !self.ribs.active[at]);
             rib.map_or(&[][..], |r| &self.columns[r])
         };
-        let point = |&vertex: &VertexId| CorePoint { vertex, is_reflex: false };
+        let point = |&vertex: &VertexId| CorePoint::new(vertex);
         core.extend(cuts(corner).iter().map(point));
-        core.extend(self.cut(corner).iter().filter_map(|across| across.last()).map(point));
+        // The outermost vertex of a block is a corner of the core already.
+        let ends = [corner, next].map(|c| self.grids.get(&c).and_then(|grid| grid.last().copied()));
+        for (cut, across) in self.across_cuts(corner) {
+            let outermost = across.last().copied().filter(|v| !ends.contains(&Some(*v)));
+            let is_taper = cut.block.is_none() && !cut.is_halfway && across.len() > 1;
+            core.extend(outermost.map(|vertex| CorePoint { is_taper, ..CorePoint::new(vertex) }));
+        }
         core.extend(cuts(next).iter().rev().map(point));
     }
 
@@ -231,13 +328,49 @@ impl LineBuilder<'_, '_> {
         let tail = self.column(corner, self.strip_rib(corner, true));
         let head = self.column(next, self.strip_rib(next, false));
         let mark = self.topology().corner_edge[corner];
-        let columns: Vec<Vec<VertexId>> = [Some(tail), self.cut(corner), Some(head)].into_iter().flatten().collect();
+        // A strip begins and ends at blocks, where they are.
+        let mut columns: Vec<_> = self.across_cuts(corner).into_iter().map(|(_, across)| across).collect();
+        if !self.grids.contains_key(&corner) {
+            columns.insert(0, tail);
+        }
+        if !self.grids.contains_key(&next) {
+            columns.push(head);
+        }
         for line in 0..self.request.shares.len() {
             for pair in columns.windows(2) {
                 let [tail, head] = [&pair[0], &pair[1]];
                 self.strip_face(face, &[tail[line], head[line], head[line + 1], tail[line + 1]], line, mark);
             }
         }
+    }
+
+    /// Adds the faces of the block at a corner of two marked edges of a junction.
+    fn add_grid_faces(&mut self, face: FaceId, corner: CornerId) {
+        let (t, n) = (self.request.topology, self.line_count());
+        let Some(grid) = self.grids.get(&corner).cloned() else { return };
+        let prev = t.faces.prev(corner);
+        let on = |half: CornerId| self.junction_cuts(t.corner_edge[half], t.faces.vertex(corner));
+        let (after, before) = (on(corner), on(prev));
+        let at = |i: usize, j: usize| match (i, j) {
+            (0, 0) => t.faces.vertex(corner),
+            (_, 0) => after[i - 1],
+            (0, _) => before[j - 1],
+            _ => grid[(i - 1) * n + j - 1],
+        };
+        for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+            let mark = t.corner_edge[if j <= i { corner } else { prev }];
+            self.strip_face(face, &[at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)], i.min(j), mark);
+        }
+    }
+
+    /// The vertices of a block's lines on a marked edge, from the junction on.
+    fn junction_cuts(&self, edge: EdgeId, vertex: VertexId) -> Vec<VertexId> {
+        let mut cuts: Vec<(usize, VertexId)> = Vec::new();
+        for (cut, &on_edge) in self.cuts.of(edge).iter().zip(&self.cut_vertices[&edge]) {
+            cuts.extend(cut.block.filter(|block| block.vertex == vertex).map(|block| (block.line, on_edge)));
+        }
+        cuts.sort_unstable();
+        cuts.into_iter().map(|(_, vertex)| vertex).collect()
     }
 
     /// Adds the block between the two ribs of a corner without marked edges.
@@ -266,8 +399,31 @@ impl LineBuilder<'_, '_> {
         }
     }
 
+    /// Splits off the triangles between tapers and the edges beside them, without which the core would be concave.
+    fn add_taper_triangles(&mut self, face: FaceId, core: &mut Vec<CorePoint>) {
+        while core.len() > 3
+            && let Some(at) = core.iter().position(|p| p.is_taper)
+        {
+            core.rotate_left(at);
+            core[0].is_taper = false;
+            let last = core.len() - 1;
+            if self.is_taper_end(core[1].vertex) {
+                self.builder.face(face, &[core[0].vertex, core[1].vertex, core[2].vertex]);
+                core.remove(1);
+            } else if self.is_taper_end(core[last].vertex) {
+                self.builder.face(face, &[core[0].vertex, core[last - 1].vertex, core[last].vertex]);
+                core.remove(last);
+            }
+        }
+    }
+
+    fn is_taper_end(&self, vertex: VertexId) -> bool {
+        vertex.index() < self.topology().vertex_count() && self.request.tapers[vertex]
+    }
+
     /// Adds the core of a face. A core with an even number of corners is split into quads at its concave corners.
     fn add_core(&mut self, face: FaceId, mut core: Vec<CorePoint>) {
+        self.add_taper_triangles(face, &mut core);
         while core.len() > 4
             && core.len().is_multiple_of(2)
             && let Some(at) = core.iter().position(|p| p.is_reflex)
@@ -289,49 +445,9 @@ impl LineBuilder<'_, '_> {
         let column = |v| self.ribs.along(t, edge, v).map_or(&[][..], |r| &self.columns[r]);
         let mut path = vec![a];
         path.extend(column(a));
-        path.extend(self.halfway[edge]);
+        path.extend(self.cut_vertices.get(&edge).into_iter().flatten());
         path.extend(column(b).iter().rev());
         path.push(b);
         path.windows(2).for_each(|step| self.builder.edge(edge, [step[0], step[1]]));
-    }
-}
-
-/// The sources of the midpoint between a point and a vertex.
-fn towards(mut sources: Vec<(VertexId, f32)>, end: VertexId) -> Vec<(VertexId, f32)> {
-    sources.iter_mut().for_each(|(_, weight)| *weight *= 1.0 - TAPER_CUT);
-    match sources.iter_mut().find(|(vertex, _)| *vertex == end) {
-        Some((_, weight)) => *weight += TAPER_CUT,
-        None => sources.push((end, TAPER_CUT)),
-    }
-    sources
-}
-
-/// The sources of the point at a step of a rib.
-fn weights(t: &Topology, rib: &Rib, step: f32) -> Vec<(VertexId, f32)> {
-    match rib.path {
-        Path::Edge { to, part } => vec![(rib.vertex, 1.0 - part * step), (to, part * step)],
-        Path::Across { corner, part } => {
-            let part = part * step;
-            let face = t.faces.face_of(corner);
-            let others = 1.0 / (t.faces.valence(face) - 1) as f32;
-            let weight = |c| if c == corner { 1.0 - part } else { part * others };
-            t.faces.corners_of(face).map(|c| (t.faces.vertex(c), weight(c))).collect()
-        }
-        Path::Face { corner, after, before } => {
-            let (x, y) = (after * step, before * step);
-            let (next, prev) = (t.faces.next(corner), t.faces.prev(corner));
-            let at = |c| t.faces.vertex(c);
-            if t.faces.valence(t.faces.face_of(corner)) == 4 {
-                let opposite = t.faces.next(next);
-                let own = (1.0 - x) * (1.0 - y);
-                return vec![
-                    (at(corner), own),
-                    (at(next), x * (1.0 - y)),
-                    (at(opposite), x * y),
-                    (at(prev), (1.0 - x) * y),
-                ];
-            }
-            vec![(at(corner), 1.0 - x - y), (at(next), x), (at(prev), y)]
-        }
     }
 }

@@ -10,19 +10,25 @@
 //!  |   |   |   |
 //! ```
 //!
-//! A path that ends inside the surface tapers: its last vertex has no rib. If the lines turn a corner at the other end
-//! of the last edge, the edge is cut halfway, so that the triangles of the taper begin away from the corner.
-//! Catmull-Clark rounds triangles and quads differently, and close lines would intersect there. A path that ends at a
-//! border runs off it.
+//! A path that ends inside the surface tapers: its last vertex has no rib, and its last edge is cut where the taper
+//! begins. A path that ends at a border runs off it. Where paths meet, the lines of each cross those of the others.
 //!
-//! `ribs` computes the ribs and their steps from the clearance in each face; `faces` builds the faces between them.
+//! `paths` computes the share of the distance at each vertex, `ribs` the ribs and their steps in each face, `cuts` the
+//! cuts of marked edges, `points` the weights of the new vertices; `faces` builds the faces between them.
 
+mod cuts;
 mod faces;
+mod paths;
+mod points;
 mod ribs;
 
 use super::child::ChildBuilder;
+use super::operator::REPORTED;
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
+use cuts::Cuts;
 use glam::Vec3;
+use paths::Widths;
+use ribs::Ribs;
 
 /// A request for lines beside marked edges.
 pub struct Request<'a> {
@@ -36,12 +42,18 @@ pub struct Request<'a> {
     pub distance: IdVec<CornerId, f32>,
     /// True for vertices where lines taper to nothing.
     pub tapers: IdVec<VertexId, bool>,
+    /// True for ends of paths whose last edge is cut as for a taper, though its lines keep their distance.
+    pub ends: IdVec<VertexId, bool>,
+    /// For each marked edge, the length of a taper at its end; 0 for all of the edge. \[mesh units\]
+    pub taper_length: IdVec<EdgeId, f32>,
     /// True for faces that may be cut. The others get vertices on shared edges alone.
     pub cuttable: IdVec<FaceId, bool>,
     /// Distances of the lines from the marked edge, as ascending shares of `distance`.
     pub shares: &'a [f32],
     /// Index of the last line that keeps its distance in narrow faces. At most one line follows, which moves first.
     pub kept_line: usize,
+    /// True if a narrow face also narrows the lines beside its neighbours, so that their width changes evenly.
+    pub is_even: bool,
 }
 
 /// A new vertex.
@@ -55,6 +67,17 @@ pub struct LineVertex {
     pub mark: EdgeId,
     /// Share of the requested distance: below 1 at tapers and in narrow faces.
     pub part: f32,
+    /// The line of another marked edge that crosses here, at a junction.
+    pub crossing: Option<Crossing>,
+}
+
+/// A line that crosses another one.
+#[derive(Clone, Copy, Debug)]
+pub struct Crossing {
+    /// Index of the line.
+    pub line: usize,
+    /// Its marked edge.
+    pub mark: EdgeId,
 }
 
 /// A face between lines.
@@ -89,7 +112,7 @@ pub struct Lines<'a> {
     pub strips: Vec<StripFace>,
     /// Index of the first child of each parent face, and of the end of the last.
     pub first_child: Vec<usize>,
-    /// Vertices with narrowed lines, at most one per rib.
+    /// The ends of marked edges with narrowed lines.
     pub narrowed: Vec<Narrowed>,
     /// Share of the requested distance at each parent vertex.
     pub widths: IdVec<VertexId, f32>,
@@ -99,6 +122,23 @@ pub struct Lines<'a> {
 
 /// Inserts lines.
 pub fn insert<'a>(request: &Request<'a>) -> Lines<'a> {
-    let ribs = ribs::Ribs::new(request);
-    faces::build(request, &ribs)
+    let mut widths = Widths::tapered(request);
+    let mut ribs = Ribs::new(request, &widths.shares);
+    let mut room = ribs.room.clone();
+    if request.is_even && room.iter().any(|&room| room < 1.0) {
+        let eased = widths.ease(request, &room);
+        ribs = Ribs::new(request, &widths.shares);
+        room = eased.iter().zip(ribs.room.iter()).map(|(eased, room)| eased * room).collect();
+    }
+    widths.parts = widths.shares.iter().zip(ribs.room.iter()).map(|(share, room)| share * room).collect();
+    let cuts = Cuts::new(request, &ribs, &widths);
+    Lines { narrowed: narrow_ends(request, &room), ..faces::build(request, &ribs, &cuts, &widths) }
+}
+
+/// The ends of marked edges with less room than is worth a report.
+fn narrow_ends(request: &Request, room: &IdVec<VertexId, f32>) -> Vec<Narrowed> {
+    let marked = request.marked.ids().filter(|&edge| request.marked[edge]);
+    let ends = marked.flat_map(|mark| request.topology.edges[mark].map(|vertex| (vertex, mark)));
+    let narrowed = ends.map(|(vertex, mark)| Narrowed { vertex, mark, share: room[vertex] });
+    narrowed.filter(|n| n.share < REPORTED && !request.tapers[n.vertex]).collect()
 }

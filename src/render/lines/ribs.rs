@@ -4,8 +4,8 @@
 //! where the outermost lines of two marked edges intersect. Both shrink to the space in their faces, so that ribs from
 //! opposite ends stay apart.
 
-use super::{Narrowed, Request};
-use crate::mesh::{CornerId, EdgeId, IdVec, Topology, VertexId};
+use super::Request;
+use crate::mesh::{CornerId, Csr, EdgeId, IdVec, Topology, VertexId};
 use crate::render::operator::REPORTED;
 use glam::Vec3;
 
@@ -49,6 +49,16 @@ pub struct Rib {
     pub mark: EdgeId,
 }
 
+impl Rib {
+    /// The corner into whose face it leads.
+    pub fn corner(&self) -> Option<CornerId> {
+        match self.path {
+            Path::Edge { .. } => None,
+            Path::Face { corner, .. } | Path::Across { corner, .. } => Some(corner),
+        }
+    }
+}
+
 /// All ribs of a request.
 pub struct Ribs {
     /// The ribs.
@@ -57,27 +67,37 @@ pub struct Ribs {
     along: IdVec<EdgeId, [Option<u32>; 2]>,
     /// The rib into the face of each corner.
     within: IdVec<CornerId, Option<u32>>,
+    /// The ribs from each vertex.
+    of_vertices: Csr<VertexId, u32>,
     /// True for corners that lines pass.
     pub active: IdVec<CornerId, bool>,
-    /// Ribs that are shorter than requested.
-    pub narrowed: Vec<Narrowed>,
+    /// For each vertex, the share of the distance of its lines that its faces leave room for.
+    pub room: IdVec<VertexId, f32>,
 }
 
 impl Ribs {
-    /// The ribs of a request.
-    pub fn new(request: &Request) -> Self {
+    /// The ribs of a request. `shares` are those of the requested distance at each vertex.
+    pub fn new(request: &Request, shares: &IdVec<VertexId, f32>) -> Self {
         let t = request.topology;
         let mut ribs = Self {
             all: Vec::new(),
             along: IdVec::filled([None; 2], t.edges.len()),
             within: IdVec::filled(None, t.faces.corners().len()),
+            of_vertices: Csr::group(t.vertex_count(), std::iter::empty(), 0),
             active: active_corners(request),
-            narrowed: Vec::new(),
+            room: IdVec::filled(1.0, t.vertex_count()),
         };
-        ribs.add_spokes(request);
-        ribs.add_mitres(request);
+        ribs.add_spokes(request, shares);
+        ribs.add_mitres(request, shares);
         ribs.add_diagonals(request);
+        let numbered = ribs.all.iter().enumerate().map(|(number, rib)| (rib.vertex, number as u32));
+        ribs.of_vertices = Csr::group(t.vertex_count(), numbered, 0);
         ribs
+    }
+
+    /// The ribs from a vertex.
+    pub fn from(&self, vertex: VertexId) -> impl Iterator<Item = &Rib> {
+        self.of_vertices.row(vertex).iter().map(|&rib| &self.all[rib as usize])
     }
 
     /// The rib along `edge` from `vertex`.
@@ -96,7 +116,7 @@ impl Ribs {
     }
 
     /// Adds ribs along the unmarked edges of active corners.
-    fn add_spokes(&mut self, request: &Request) {
+    fn add_spokes(&mut self, request: &Request, shares: &IdVec<VertexId, f32>) {
         let t = request.topology;
         let mut wanted = IdVec::filled([false; 2], t.edges.len());
         for corner in self.active.ids().filter(|&c| self.active[c]) {
@@ -110,38 +130,39 @@ impl Ribs {
             let vertices = t.edges[edge];
             let length = request.points[vertices[0]].distance(request.points[vertices[1]]);
             let reach = [0, 1].map(|i| ends[i].then(|| spoke_reach(request, edge, vertices[i])).flatten());
-            let asked = reach.map(|r| r.map_or(0.0, |(reach, _)| share_of(outer * reach, length)));
+            let asked = [0, 1]
+                .map(|i| reach[i].map_or(0.0, |(reach, _)| share_of(outer * shares[vertices[i]] * reach, length)));
             let most = if asked[0] > 0.0 && asked[1] > 0.0 { MAX_SHARED_SHARE } else { MAX_EDGE_SHARE };
             let scale = (most / (asked[0] + asked[1])).min(1.0);
             for i in [0, 1] {
                 let Some((_, mark)) = reach[i] else { continue };
                 let path = Path::Edge { to: vertices[1 - i], part: asked[i] * scale };
-                let steps = self.steps(request, vertices[i], mark, scale);
+                let steps = self.steps(request, vertices[i], scale);
                 self.along[edge][i] = self.push(Rib { vertex: vertices[i], path, steps, mark });
             }
         }
     }
 
     /// The steps of the lines on a rib that was scaled to the available space.
-    fn steps(&mut self, request: &Request, vertex: VertexId, mark: EdgeId, scale: f32) -> Vec<f32> {
+    fn steps(&mut self, request: &Request, vertex: VertexId, scale: f32) -> Vec<f32> {
         let outer = request.shares.last().copied().unwrap_or(1.0);
         let width = request.shares[request.kept_line];
         let most = if outer > width { MAX_KEPT_STEP } else { 1.0 };
         let inner = (width / (outer * scale)).min(most);
         let kept = inner * outer * scale / width;
         if kept < REPORTED {
-            self.narrowed.push(Narrowed { vertex, mark, share: kept });
+            self.room[vertex] = self.room[vertex].min(kept);
         }
         request.shares.iter().map(|&s| if s > width { 1.0 } else { inner * s / width }).collect()
     }
 
     /// Adds ribs into faces with two marked edges at a corner.
-    fn add_mitres(&mut self, request: &Request) {
+    fn add_mitres(&mut self, request: &Request, shares: &IdVec<VertexId, f32>) {
         let t = request.topology;
         let marked = |c: CornerId| request.marked[t.corner_edge[c]];
         let is_mitre = |c: &CornerId| marked(*c) && marked(t.faces.prev(*c));
         let corners: Vec<CornerId> = self.active.ids().filter(|&c| self.active[c]).filter(is_mitre).collect();
-        let paths: Vec<Path> = corners.iter().map(|&c| mitre(request, c)).collect();
+        let paths: Vec<Path> = corners.iter().map(|&c| mitre(request, c, shares[t.faces.vertex(c)])).collect();
         let parts = |c: CornerId| {
             corners.binary_search(&c).ok().map_or([0.0; 2], |at| match paths[at] {
                 Path::Face { after, before, .. } => [after, before],
@@ -153,7 +174,7 @@ impl Ribs {
             let neighbours = [parts(t.faces.next(corner))[1], parts(t.faces.prev(corner))[0]];
             let (scale, path) = clamped_mitre(request, path, neighbours);
             let vertex = t.faces.vertex(corner);
-            let steps = self.steps(request, vertex, mark, scale);
+            let steps = self.steps(request, vertex, scale);
             self.within[corner] = self.push(Rib { vertex, path, steps, mark });
         }
     }
@@ -262,6 +283,32 @@ fn spoke_reach(request: &Request, edge: EdgeId, vertex: VertexId) -> Option<(f32
     Some((mean, t.corner_edge[chosen[0]]))
 }
 
+/// The sine of the angle at `vertex` between the edges of two half-edges.
+pub fn sine(request: &Request, vertex: VertexId, [a, b]: [CornerId; 2]) -> f32 {
+    let [a, b] = [a, b].map(|half| direction(request, request.topology.corner_edge[half], vertex));
+    a.cross(b).length()
+}
+
+/// The part of the unmarked edge of `side` that a rib at `vertex` would take, where lines beside the half-edge `half` taper.
+pub fn ghost_part(
+    request: &Request,
+    ribs: &Ribs,
+    (vertex, side, half): (VertexId, CornerId, CornerId),
+    share: f32,
+) -> f32 {
+    let t = request.topology;
+    let edge = t.corner_edge[side];
+    let [a, b] = t.edges[edge];
+    let outer = share * request.shares.last().copied().unwrap_or(1.0);
+    let sine = sine(request, vertex, [side, half]);
+    let asked =
+        share_of(outer * request.distance[half] / sine.max(MIN_SINE), request.points[a].distance(request.points[b]));
+    let other = if a == vertex { b } else { a };
+    let path = ribs.along(t, edge, other).map(|rib| ribs.all[rib].path);
+    let taken = if let Some(Path::Edge { part, .. }) = path { part } else { 0.0 };
+    asked.min(MAX_EDGE_SHARE).min((MAX_SHARED_SHARE - taken).max(0.0))
+}
+
 /// The number of faces from a corner to the next marked edge around the vertex, and the half-edge there.
 fn nearest_marked(request: &Request, start: CornerId, turn: Turn) -> Option<(usize, CornerId)> {
     let t = request.topology;
@@ -314,10 +361,11 @@ fn clamped_mitre(request: &Request, path: Path, [ahead, behind]: [f32; 2]) -> (f
     }
 }
 
-/// The path to the intersection of the outermost lines beside the two marked edges of a corner.
-fn mitre(request: &Request, corner: CornerId) -> Path {
+/// The path to the intersection of the outermost lines beside the two marked edges of a corner, at a share of their
+/// distance.
+fn mitre(request: &Request, corner: CornerId, share: f32) -> Path {
     let t = request.topology;
-    let outer = request.shares.last().copied().unwrap_or(1.0);
+    let outer = share * request.shares.last().copied().unwrap_or(1.0);
     let prev = t.faces.prev(corner);
     let at = |c: CornerId| request.points[t.faces.vertex(c)];
     let (next, back) = (at(t.faces.next(corner)) - at(corner), at(prev) - at(corner));

@@ -15,8 +15,6 @@ pub struct Network {
     pub tapers: IdVec<VertexId, bool>,
     /// Edges of an earlier seam that also belong to a later one, with the later seam.
     pub shared: Vec<(EdgeId, usize)>,
-    /// Isolated edges with both ends inside the surface, which are too short to taper.
-    pub lone: Vec<EdgeId>,
     ends: IdVec<EdgeId, [VertexId; 2]>,
 }
 
@@ -28,7 +26,6 @@ impl Network {
             start: t.edges.iter().map(|e| e[0]).collect(),
             tapers: IdVec::filled(false, t.vertex_count()),
             shared: Vec::new(),
-            lone: Vec::new(),
             ends: t.edges.clone(),
         };
         for (seam, edges) in seams.iter().enumerate() {
@@ -56,12 +53,20 @@ impl Network {
         self.ends[edge]
     }
 
-    /// The seams at a vertex, ascending.
+    /// The seams at a vertex: those that go through before those that end there, then ascending.
     pub fn at(&self, t: &Topology, vertex: VertexId) -> Vec<usize> {
-        let mut seams: Vec<usize> = self.seam_edges_at(t, vertex).filter_map(|e| self.seam[e]).collect();
+        let all: Vec<usize> = self.seam_edges_at(t, vertex).filter_map(|e| self.seam[e]).collect();
+        let mut seams = all.clone();
         seams.sort_unstable();
         seams.dedup();
+        seams.sort_by_key(|seam| all.iter().filter(|other| *other == seam).count() < 2);
         seams
+    }
+
+    /// The seams at the vertex that two edges share, in the order of [`Network::at`].
+    pub fn junction_of(&self, t: &Topology, edge: EdgeId, other: EdgeId) -> Option<Vec<usize>> {
+        let vertex = t.edges[edge].into_iter().find(|v| t.edges[other].contains(v))?;
+        Some(self.at(t, vertex))
     }
 
     /// The seam edges at a vertex, each once.
@@ -86,9 +91,6 @@ impl Network {
                 // A seam along a border tapers like one inside the surface. A seam across it runs off the border.
                 is_end && (!at_border || t.is_border(edge))
             });
-            if ends == [true; 2] {
-                self.lone.push(edge);
-            }
             for (vertex, tapers) in t.edges[edge].into_iter().zip(ends) {
                 self.tapers[vertex] |= tapers;
             }

@@ -21,6 +21,7 @@ use crate::render::operator::{Ancestry, DerivedCage, Operator, OperatorInput};
 use crate::render::placement::{FlatPoints, Placement};
 use crate::render::points::CagePoints;
 use crate::render::reference::ReferenceNormals;
+use crate::render::thickness::halving;
 use crate::render::{add_border_holes, check_size};
 use crate::step::{Same, Step};
 use crate::subdivide::{
@@ -282,7 +283,21 @@ impl RenderSteps {
             return Ok(Rendered { mesh, sets: Vec::new(), warnings: stack.warnings.clone() });
         }
         // Parallel loops start faster from a thread of the pool.
-        rayon::scope(|_| self.update_in_pool(stack))
+        let stack = self.with_halving(stack);
+        rayon::scope(|_| self.update_in_pool(&stack))
+    }
+
+    /// The stack, after an operator that halves faces at its folds if some bend too far.
+    fn with_halving(&mut self, stack: &Stack) -> Stack {
+        let folds = stack.operators.iter().filter(|operator| !operator.folded_sets().is_empty());
+        let amount = folds.clone().map(|fold| fold.reach(&self.garment)).fold(0.0, f32::max);
+        let folded: Vec<String> = folds.flat_map(|fold| fold.folded_sets()).collect();
+        let mut stack = stack.clone();
+        if !folded.is_empty() {
+            let first = self.first.get_or_insert_with(|| Cage::first(&self.garment));
+            stack.operators.splice(0..0, halving(&first.garment, &first.level, folded, amount));
+        }
+        stack
     }
 
     fn update_in_pool(&mut self, stack: &Stack) -> Result<Rendered, Error> {
@@ -353,6 +368,7 @@ impl RenderSteps {
     /// # Errors
     /// As [`RenderSteps::update`].
     pub fn face_count(&mut self, stack: &Stack) -> Result<usize, Error> {
+        let stack = &self.with_halving(stack);
         let (mut cage, points) = self.first(stack)?;
         self.cages.resize_with(stack.operators.len(), CageSteps::default);
         let ancestry = self.first_ancestry.get(Same::from(&points), |points| Ok(cage.ancestry(points)))?;

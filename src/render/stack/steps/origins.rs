@@ -42,6 +42,7 @@ impl RenderSteps {
     /// # Errors
     /// As [`RenderSteps::update`].
     pub fn origins(&mut self, stack: &Stack) -> Result<Origins, Error> {
+        let stack = &self.with_halving(stack);
         let (first, mut cage_points) = self.first(stack)?;
         let mut last = connectivity(&mut self.first_connectivity, &first.level)?;
         let mut copies: Vec<[VertexId; 2]> = Vec::new();

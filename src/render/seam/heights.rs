@@ -1,0 +1,78 @@
+//! The heights of seams: their profile across, and what becomes of it where seams meet.
+//!
+//! At a junction, the ridge of the seam that *goes through* keeps its height and width, and others end against it. A seam
+//! with two edges there goes through before one that ends there, and an earlier one before a later one. Grooves meet at
+//! their depths.
+
+use super::Seams;
+use crate::render::operator::{Role, Strand};
+
+/// Lines of each side as shares of its width: on the flank, at the width, and the support loop outside.
+const LINES: [f32; 3] = [0.5, 1.0, 1.5];
+/// Lines of each side of seams with a depth: two lines on the flank.
+const DEPTH_LINES: [f32; 4] = [1.0 / 3.0, 2.0 / 3.0, 1.0, 4.0 / 3.0];
+
+impl Seams {
+    /// Lines of each side as shares of its width. All seams have the same number.
+    pub fn shares(&self) -> &'static [f32] {
+        if self.has_depth() { &DEPTH_LINES } else { &LINES }
+    }
+
+    /// Index of the line at the width. Lines before it are on the flank.
+    pub fn width_line(&self) -> usize {
+        self.shares().len() - 2
+    }
+
+    /// True if a seam has a depth.
+    pub fn has_depth(&self) -> bool {
+        self.seams.iter().any(|(_, options)| options.depth != 0.0)
+    }
+
+    /// The height of a role, and the seam that defines it.
+    pub fn height(&self, role: &Role) -> (f32, usize) {
+        let line = |seam: usize, line: Option<usize>| (self.profile(Strand { seam, line }), seam);
+        let (share, (height, seam)) = match role {
+            Role::Centre { seams, share } => {
+                let heights = seams.iter().map(|&seam| line(seam, None));
+                (share, heights.reduce(junction).unwrap_or((0.0, 0)))
+            }
+            Role::Line { line: number, seam, share } => (share, line(*seam, Some(*number))),
+            Role::Crossing { through, other, share } => (share, self.crossing(*through, *other)),
+            _ => return (0.0, 0),
+        };
+        (share * height, seam)
+    }
+
+    /// The height of a seam's line over the surface.
+    fn profile(&self, Strand { seam, line }: Strand) -> f32 {
+        let options = &self.seams[seam].1;
+        match line {
+            None => options.normal_offset,
+            Some(0) if self.has_depth() => (1.0 - self.shares()[0]) * options.normal_offset + options.depth,
+            _ => 0.0,
+        }
+    }
+
+    /// The height where a line of one seam crosses that of another which goes through.
+    fn crossing(&self, through: Strand, other: Strand) -> (f32, usize) {
+        let [offset, other_offset] = [through, other].map(|strand| self.seams[strand.seam].1.normal_offset);
+        let (own, its) = ((self.profile(through), through.seam), (self.profile(other), other.seam));
+        if offset < 0.0 && other_offset < 0.0 {
+            return if its.0 < own.0 { its } else { own };
+        }
+        let is_within = through.line.is_none_or(|line| line < self.width_line());
+        if offset == 0.0 || !is_within {
+            return its;
+        }
+        // Within its width a ridge takes up another one, up to its own height.
+        let its = (its.0.min(offset), its.1);
+        if through.line.is_some() && its.0 > own.0.max(0.0) { its } else { own }
+    }
+}
+
+/// The height where the edges of seams meet: the depth of the deeper of two grooves, or else the height of the seam that
+/// goes through.
+fn junction(through: (f32, usize), other: (f32, usize)) -> (f32, usize) {
+    let are_grooves = through.0 < 0.0 && other.0 < through.0;
+    if through.0 == 0.0 || are_grooves { other } else { through }
+}
