@@ -109,8 +109,9 @@ impl Rims {
             refined.extend(halves.into_iter().flatten().map(|half| (half, ChainKind::RIDGE)));
         }
         let ends = self.ends_on_ridges(&cage.topology, kinds);
-        let halves = ends.filter_map(|(rung, v)| find(v, numbering.of_edge(rung)));
-        refined.extend(halves.map(|half| (half, ChainKind::RIDGE)));
+        for half in ends.filter_map(|(rung, v)| find(v, numbering.of_edge(rung))) {
+            refined.entry(half).or_insert(ChainKind::RIDGE).ridge = true;
+        }
         Some(refined)
     }
 
