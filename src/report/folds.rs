@@ -12,7 +12,7 @@ pub(super) const STEEP: f32 = 60.0;
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct NarrowFold {
-    /// The first of the garment's vertices along it.
+    /// One of the garment's vertices along it.
     pub vertex: usize,
     /// The number of the garment's edges along it.
     pub edges: usize,
@@ -22,11 +22,12 @@ pub struct NarrowFold {
 
 pub(super) fn narrow_folds(product: &SimProduct) -> Vec<NarrowFold> {
     let baseline = &product.baseline;
-    let of = |strip: &NarrowStrip| {
-        let sources = strip.vertices.iter().map(|&v| baseline.manifold.vertex_source[v].index());
-        Some(NarrowFold { vertex: sources.min()?, edges: strip.edges, width: strip.width })
+    let of = |strip: &NarrowStrip| NarrowFold {
+        vertex: baseline.manifold.vertex_source[strip.vertex].index(),
+        edges: strip.edges,
+        width: strip.width,
     };
-    baseline.narrow.iter().filter_map(of).collect()
+    baseline.narrow.iter().map(of).collect()
 }
 
 /// The angle between each triangle and the surface that it lies on, at the point nearest to its centre. \[degrees\]

@@ -171,7 +171,7 @@ fn find_chains(
     let curves = refine_paths(paths.iter().map(|p| p.vertices.clone()).collect(), &levels[traced..]);
     let on_surface = paths.iter().zip(&curves[levels.len() - 1 - traced]);
     let chains = on_surface.map(|(path, curve)| path.on_surface(curve, &source, surface)).collect();
-    FoundChains { chains, traced, curves, drawn: rims.drawn(&levels[0].topology), narrow: rims.narrow }
+    FoundChains { chains, traced, curves, drawn: rims.drawn, narrow: rims.narrow }
 }
 
 /// Half-edges on chains and at borders.

@@ -51,8 +51,8 @@ struct Neighbour {
 /// A fold that is too near to a chain to be one itself.
 #[derive(Clone, Debug)]
 pub struct NarrowStrip {
-    /// Its vertices of the manifold cage.
-    pub vertices: BTreeSet<VertexId>,
+    /// A vertex of the manifold cage on it.
+    pub vertex: VertexId,
     /// The number of its edges of the cage.
     pub edges: usize,
     /// The largest distance to the chain, which bounds how far the surface moves. \[target lengths\]
@@ -79,15 +79,11 @@ pub(crate) struct Rims {
     crests: Vec<Crest>,
     /// The folds that are too near to chains to be some.
     pub narrow: Vec<NarrowStrip>,
+    /// The vertices of the cage that are drawn to a chain beside them. No chain has a corner there.
+    pub drawn: BTreeSet<VertexId>,
 }
 
 impl Rims {
-    /// The vertices of the cage that are drawn to a ridge beside them. No chain has a corner there.
-    pub fn drawn(&self, t: &Topology) -> BTreeSet<VertexId> {
-        let crests = self.crests.iter().flat_map(|crest| t.faces.vertices_of(crest.face));
-        crests.chain(self.narrow.iter().flat_map(|strip| &strip.vertices)).copied().collect()
-    }
-
     /// The kinds of constrained edges on the first refinement, from those of the cage; none if the cage has all ridges.
     pub fn refined_kinds(
         &self,
@@ -168,6 +164,9 @@ impl<'a> FoldedSurface<'a> {
             let lost = line.runs(|edge| narrow.contains_key(&edge)).filter_map(|run| self.ridge(run, &folds));
             rims.narrow.extend(lost.map(|edges| self.narrow_strip(edges, &narrow, kinds)));
         }
+        let t = self.cage();
+        rims.drawn = narrow.keys().flat_map(|&edge| t.edges[edge]).collect();
+        rims.drawn.extend(rims.crests.iter().flat_map(|crest| t.faces.vertices_of(crest.face)));
         rims
     }
 
@@ -189,8 +188,7 @@ impl<'a> FoldedSurface<'a> {
                 None => width = width.max(0.5 * distance),
             }
         }
-        let vertices = edges.iter().flat_map(|&edge| self.cage().edges[edge]).collect();
-        NarrowStrip { vertices, edges: edges.len(), width }
+        NarrowStrip { vertex: self.cage().edges[edges[0]][0], edges: edges.len(), width }
     }
 
     /// The parts of a ridge that run along its edges, and those that run along the middle of a strip beside them.
