@@ -51,7 +51,7 @@ def mounted(path, text):
 
 
 
-def started_write(usdtailor, folder, *args, before=None, quads=40):
+def started_write(usdtailor, folder, *args, before=None, quads=48):
     """Starts a build and waits until a temporary file is there."""
     source = write(folder / "in.usda", shape=lambda: sheet(quads, quads))
     process = subprocess.Popen([usdtailor, "build", source, *LARGE, *args], stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL, preexec_fn=before)

@@ -16,7 +16,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Largest share of an edge that a block takes. Where a face is smaller or a corner sharper, the lines of the junction
 /// meet in mitres alone: the faces of blocks would be slivers.
-const MAX_BLOCK_SHARE: f32 = 0.4;
+const MAX_BLOCK_SHARE: f32 = 0.33;
 /// Largest share of the edge beside the end of a taper that its lines take. Where faces are smaller, the whole last edge
 /// tapers.
 const MAX_TAPER_SIDE: f32 = 0.5;

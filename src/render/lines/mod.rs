@@ -124,7 +124,8 @@ pub struct Lines<'a> {
 pub fn insert<'a>(request: &Request<'a>) -> Lines<'a> {
     let mut widths = Widths::tapered(request);
     let mut ribs = Ribs::new(request, &widths.shares);
-    let mut room = ribs.room.clone();
+    let own_room = ribs.room.clone();
+    let mut room = own_room.clone();
     if request.is_even && room.iter().any(|&room| room < 1.0) {
         let eased = widths.ease(request, &room);
         ribs = Ribs::new(request, &widths.shares);
@@ -132,13 +133,13 @@ pub fn insert<'a>(request: &Request<'a>) -> Lines<'a> {
     }
     widths.parts = widths.shares.iter().zip(ribs.room.iter()).map(|(share, room)| share * room).collect();
     let cuts = Cuts::new(request, &ribs, &widths);
-    Lines { narrowed: narrow_ends(request, &room), ..faces::build(request, &ribs, &cuts, &widths) }
+    Lines { narrowed: narrow_ends(request, &own_room, &room), ..faces::build(request, &ribs, &cuts, &widths) }
 }
 
-/// The ends of marked edges with less room than is worth a report.
-fn narrow_ends(request: &Request, room: &IdVec<VertexId, f32>) -> Vec<Narrowed> {
+/// The ends of marked edges with less room of their own than is worth a report, and what is left of the width there.
+fn narrow_ends(request: &Request, own_room: &IdVec<VertexId, f32>, room: &IdVec<VertexId, f32>) -> Vec<Narrowed> {
     let marked = request.marked.ids().filter(|&edge| request.marked[edge]);
     let ends = marked.flat_map(|mark| request.topology.edges[mark].map(|vertex| (vertex, mark)));
     let narrowed = ends.map(|(vertex, mark)| Narrowed { vertex, mark, share: room[vertex] });
-    narrowed.filter(|n| n.share < REPORTED && !request.tapers[n.vertex]).collect()
+    narrowed.filter(|n| own_room[n.vertex] < REPORTED && !request.tapers[n.vertex]).collect()
 }
