@@ -117,7 +117,7 @@ def hem(kink, seam=None, bend=1.2):
     return garment, options, (*(lift + [0, 0.2, 0]), 1.0)
 
 
-def seams(garment, focus, width=0.5, **lines):
+def seams(garment, focus, width=0.42, **lines):
     options = []
     for name, (height, *places) in lines.items():
         garment.line(name, *places)
