@@ -3,17 +3,16 @@
 //! The summary, the JSON report, tests and benches all use these definitions. Shares are between 0 and 1.
 
 mod costs;
-mod folds;
+mod surface;
 
 pub use costs::ConstraintCost;
-pub use folds::{NarrowFold, facing};
+pub use surface::{NarrowFold, facing};
 
 use crate::garment::{Elements, Garment};
 use crate::mesh::{CornerId, IdVec, Topology, VertexId};
 use crate::sim::SimProduct;
 use crate::transfer::{SetCurve, Transferred};
 use glam::Vec3;
-use rayon::prelude::*;
 use serde::Serialize;
 
 /// Share of its target below which an edge costs a solver its time step.
@@ -200,17 +199,8 @@ impl SimFigures {
         };
         figures.set_angles(product);
         figures.set_edges(product, mesh);
-        figures.set_distances(product);
-        figures.set_folds(product);
+        figures.set_surface(product);
         figures
-    }
-
-    fn set_folds(&mut self, product: &SimProduct) {
-        let angles = facing(product);
-        let beyond = |most: f32| angles.iter().filter(|&&angle| angle > most).count();
-        self.facing_away = beyond(90.0);
-        self.share_steep = share(beyond(folds::STEEP), angles.len());
-        self.narrow_folds = folds::narrow_folds(product);
     }
 
     fn set_angles(&mut self, product: &SimProduct) {
@@ -271,24 +261,16 @@ impl SimFigures {
         self.valence5to7 = share(interior.iter().filter(|&&n| (5..=7).contains(&n)).count(), interior.len());
     }
 
-    /// Samples the distance to the baseline at the centre and the edge midpoints of each triangle. Each search starts
-    /// at the baseline faces of the triangle's corners.
-    fn set_distances(&mut self, product: &SimProduct) {
-        let of_face = |(i, t): (usize, &[VertexId; 3])| {
-            let [a, b, c] = t.map(|v| product.points[v]);
-            let target = t.iter().map(|&v| product.target[v]).sum::<f32>() / 3.0;
-            let places = [0, 1, 2].map(|k| product.places[CornerId::new(3 * i + k)]);
-            let samples = [(a + b + c) / 3.0, a.midpoint(b), b.midpoint(c), c.midpoint(a)];
-            samples.map(|p| {
-                let nearest =
-                    places.iter().map(|place| product.baseline.closest(place.location.face, p).distance_squared);
-                nearest.fold(f32::MAX, f32::min).sqrt() / target
-            })
-        };
-        let distances: Vec<[f32; 4]> = product.triangles.par_iter().enumerate().map(of_face).collect();
-        let all = || distances.iter().flatten();
-        self.distance_max = all().copied().fold(0.0, f32::max);
-        self.distance_mean = (all().map(|&d| f64::from(d)).sum::<f64>() / (4 * distances.len()).max(1) as f64) as f32;
+    /// Samples the distance to the baseline at the centre and the edge midpoints of each triangle, and its angle to it.
+    fn set_surface(&mut self, product: &SimProduct) {
+        let triangles = surface::on_surface(product);
+        let all = || triangles.iter().flat_map(|triangle| triangle.distances);
+        let beyond = |most: f32| triangles.iter().filter(|triangle| triangle.angle > most).count();
+        self.distance_max = all().fold(0.0, f32::max);
+        self.distance_mean = (all().map(f64::from).sum::<f64>() / (4 * triangles.len()).max(1) as f64) as f32;
+        self.facing_away = beyond(90.0);
+        self.share_steep = share(beyond(surface::STEEP), triangles.len());
+        self.narrow_folds = surface::narrow_folds(product);
     }
 }
 

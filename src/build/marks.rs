@@ -12,10 +12,8 @@ pub fn marked(garment: &Garment, warnings: &Warnings) -> Option<Garment> {
     let mut marks = BTreeMap::<(String, &str), Elements>::new();
     for warning in warnings.iter().filter(|warning| !warning.elements.is_empty()) {
         let name = format!("mark_{}", warning.code.to_string().replace('-', "_"));
-        match marks.entry((name, warning.elements.kind())) {
-            std::collections::btree_map::Entry::Vacant(free) => _ = free.insert(warning.elements.clone()),
-            std::collections::btree_map::Entry::Occupied(mut own) => own.get_mut().merge(&warning.elements),
-        }
+        let known = marks.entry((name, warning.elements.kind()));
+        known.and_modify(|known| known.merge(&warning.elements)).or_insert_with(|| warning.elements.clone());
     }
     if marks.is_empty() {
         return None;

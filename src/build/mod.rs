@@ -149,8 +149,7 @@ impl Builder {
     /// As [`Builder::update_render`].
     pub fn marked(&self, products: &Products) -> Result<Option<Arc<Garment>>, Error> {
         let Some(garment) = marks::marked(&self.garment, &products.warnings) else { return Ok(None) };
-        let warnings = Warnings::default();
-        let mut marked = Self::in_frame(self.frame.sibling(), Arc::new(garment), self.mean_edge, warnings);
+        let mut marked = Self::in_frame(self.frame.sibling(), Arc::new(garment), self.mean_edge, Warnings::default());
         marked.own_operators.clone_from(&self.own_operators);
         Ok(Some(marked.update_render(&products.recipe)?.mesh))
     }

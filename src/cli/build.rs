@@ -237,10 +237,11 @@ fn garment(
 ) -> Result<Built, Error> {
     let prim = builder.garment().prim.clone();
     let mut products = builder.update(recipe)?;
-    if let Some(marked) = if marks { builder.marked(&products)? } else { None } {
+    let marker = marks.then(|| builder.sibling());
+    drop(builder);
+    if let Some(marked) = marker.map(|marker| marker.marked(&products)).transpose()?.flatten() {
         products.render = marked;
     }
-    drop(builder);
     timings.extend(products.timings.iter().cloned());
     let (sim, render, cloth) = timed("figures", &mut timings, || {
         Ok((products.sim_figures(), products.render_figures(), products.cloth_figures()))

@@ -1,4 +1,4 @@
-//! What constraints cost: the thin triangles beside them.
+//! The cost of constraints: the thin triangles beside them.
 
 use super::min_angle;
 use crate::garment::Garment;
@@ -31,8 +31,11 @@ pub(super) fn constraint_costs(product: &SimProduct, mesh: &Garment) -> Vec<Cons
     }
     let mut costs = BTreeMap::<&str, [usize; 2]>::new();
     for t in &product.triangles {
-        let is_thin = min_angle(t.map(|v| product.points[v])) < THIN;
         let beside: BTreeSet<&str> = t.iter().filter_map(|v| at.get(v)).flatten().copied().collect();
+        if beside.is_empty() {
+            continue;
+        }
+        let is_thin = min_angle(t.map(|v| product.points[v])) < THIN;
         for name in beside {
             let [thin, all] = costs.entry(name).or_default();
             *thin += usize::from(is_thin);
@@ -46,7 +49,7 @@ pub(super) fn constraint_costs(product: &SimProduct, mesh: &Garment) -> Vec<Cons
     costs
 }
 
-/// What makes a chain one. Only a chain that is nothing else is one for its edge sets.
+/// The constraints of a chain. Its edge sets count where it has no other one: without them, the others would hold it.
 fn names<'a>(kind: &ChainKind, mesh: &'a Garment) -> Vec<&'a str> {
     let kinds = [(kind.border, "borders"), (kind.seam, "uvSeams"), (kind.sharp, "creases"), (kind.ridge, "folds")];
     let names: Vec<&str> = kinds.into_iter().filter(|(is, _)| *is).map(|(_, name)| name).collect();

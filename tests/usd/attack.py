@@ -29,7 +29,7 @@ MOST_BYTES = 1 << 20
 NUMBERS = ["0", "-1", "nan", "inf", "-inf", "1e30", "-1e30", "1e-30", "2147483647", "-2147483648", "99999999999999999999", "0.5", "3"]
 TOKENS = ["none", "catmullClark", "loop", "face", "edge", "point", "vertex", "uniform", "faceVarying", "constant", "", "x y", "../x", "\\n", "é"]
 OPTIONS = {
-    "number": ["sim.minEdgeLength", "sim.maxEdgeLength", "sim.grading", "sim.cornerAngle", "seam.a.width", "seam.a.normalOffset", "seam.a.depth",
+    "number": ["sim.minEdgeLength", "sim.maxEdgeLength", "sim.grading", "sim.cornerAngle", "sim.ridgeAngle", "seam.a.width", "seam.a.normalOffset", "seam.a.depth",
                "seam.a.asymmetry", "thickness.a.amount", "fabric.a.density", "fabric.a.thickness", "fabric.a.shear"],
     "count": ["sim.baselineLevel", "sim.iterations", "sim.transferSamples", "sim.seed", "render.level"],
     "name": ["sim.density", "sim.uvSet", "sim.constraints", "seam.a.edges", "thickness.a.faces", "thickness.a.weights", "cloth.fabric", "cloth.rest",

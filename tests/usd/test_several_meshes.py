@@ -268,6 +268,26 @@ def test_an_excluded_member_of_a_collection_is_no_member(usdtailor, suit, tmp_pa
     assert len(UsdGeom.Mesh(stage.GetPrimAtPath("/Suit/render")).GetFaceVertexCountsAttr().Get()) == 4 * count
 
 
+@pytest.mark.parametrize("is_outer", [True, False])
+def test_an_exclude_is_stronger_than_a_collection_that_is_included(usdtailor, suit, tmp_path, is_outer):
+    """As `ComputeIncludedPaths` has it: the includes of a collection inside another do not bring back what that excludes."""
+    def finish(stage, *panels):
+        add_body(stage, *panels)
+        inner, outer = (Usd.CollectionAPI.Apply(stage.GetPrimAtPath("/Suit"), name) for name in ("inner", "outer"))
+        for path in ("/Suit/front", "/Suit/body"):
+            inner.IncludePath(path)
+        outer.CreateIncludesRel().AddTarget(inner.GetCollectionPath())
+        (outer if is_outer else inner).CreateExcludesRel().AddTarget("/Suit/front")
+        paths = Usd.CollectionAPI.ComputeIncludedPaths(outer.ComputeMembershipQuery(), stage)
+        assert "/Suit/front" not in paths and "/Suit/body/skin" in paths
+
+    out = tmp_path / "out.usda"
+    built(usdtailor, suit(finish), out, "--exclude", "/Suit.collection:outer")
+    stage = Usd.Stage.Open(str(out))
+    assert stage.GetPrimAtPath("/Suit/sim"), "both panels are sewn"
+    assert stage.GetPrimAtPath("/Suit/body/skin").GetAttribute("purpose").Get() == "default"
+
+
 @pytest.mark.parametrize("name", ["/Suit.collection:prop", "/Suit/x.collection:props", "x.collection:props", "/Suit.collection:"])
 def test_a_collection_that_is_not_there_is_refused(usdtailor, suit, tmp_path, name):
     words = refused(usdtailor, suit(), tmp_path / "out.usda", "--all", "--exclude", name)

@@ -2,7 +2,7 @@
 
 use super::cuts::{Cut, Cuts};
 use super::paths::Widths;
-use super::points::{Sources, between, ghost, grid_point, weights};
+use super::points::{Sources, between, ghost, weights};
 use super::ribs::{Rib, Ribs};
 use super::{Crossing, LineVertex, Lines, Request, StripFace};
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
@@ -26,22 +26,22 @@ impl CorePoint {
 }
 
 /// Builds the child face by face.
-struct LineBuilder<'a, 'r> {
-    request: &'r Request<'a>,
-    ribs: &'r Ribs,
-    cuts: &'r Cuts,
+pub(super) struct LineBuilder<'a, 'r> {
+    pub(super) request: &'r Request<'a>,
+    pub(super) ribs: &'r Ribs,
+    pub(super) cuts: &'r Cuts,
     /// Share of the requested distance at each vertex.
-    widths: &'r Widths,
-    builder: ChildBuilder<'a>,
+    pub(super) widths: &'r Widths,
+    pub(super) builder: ChildBuilder<'a>,
     /// Vertices of each rib, from the first line outwards.
-    columns: Vec<Vec<VertexId>>,
+    pub(super) columns: Vec<Vec<VertexId>>,
     /// The vertices of each block, line by line along the edge after its corner.
-    grids: BTreeMap<CornerId, Vec<VertexId>>,
+    pub(super) grids: BTreeMap<CornerId, Vec<VertexId>>,
     /// The vertex of each cut of an edge.
-    cut_vertices: BTreeMap<EdgeId, Vec<VertexId>>,
+    pub(super) cut_vertices: BTreeMap<EdgeId, Vec<VertexId>>,
     /// For each half-edge of a cut edge and each of its cuts, the vertices of the lines beside the cut.
     beside_cuts: BTreeMap<(CornerId, usize), Vec<VertexId>>,
-    vertices: Vec<LineVertex>,
+    pub(super) vertices: Vec<LineVertex>,
     strips: Vec<StripFace>,
 }
 
@@ -78,11 +78,11 @@ pub fn build<'a>(request: &Request<'a>, ribs: &Ribs, cuts: &Cuts, widths: &Width
 }
 
 impl LineBuilder<'_, '_> {
-    fn topology(&self) -> &Topology {
+    pub(super) fn topology(&self) -> &Topology {
         self.request.topology
     }
 
-    fn line_count(&self) -> usize {
+    pub(super) fn line_count(&self) -> usize {
         self.request.shares.len()
     }
 
@@ -99,26 +99,6 @@ impl LineBuilder<'_, '_> {
             column.push(vertex);
         }
         self.columns.push(column);
-    }
-
-    /// Adds the vertices of a block. Those on its diagonal are the column of the mitre.
-    fn add_grid(&mut self, corner: CornerId, number: usize) {
-        let t = self.request.topology;
-        let Some([after, before]) = self.cuts.block(corner) else { return };
-        let part = self.widths.parts[self.ribs.all[number].vertex];
-        let (along, across) = (t.corner_edge[corner], t.corner_edge[t.faces.prev(corner)]);
-        let mut grid = Vec::with_capacity(after.len() * before.len());
-        for (i, &x) in after.iter().enumerate() {
-            for (j, &y) in before.iter().enumerate() {
-                let vertex = self.builder.vertex(&grid_point(t, corner, x, y));
-                let crossing = Some(Crossing { line: i, mark: across });
-                self.vertices.push(LineVertex { vertex, line: Some(j), mark: along, part, crossing });
-                grid.push(vertex);
-            }
-        }
-        let n = self.line_count();
-        self.columns.push((0..n).map(|i| grid[i * n + i]).collect());
-        self.grids.insert(corner, grid);
     }
 
     /// Cuts a marked edge and the strips beside it.
@@ -173,14 +153,6 @@ impl LineBuilder<'_, '_> {
             None => ghost(self.request, self.ribs, (corner, half), share),
         };
         Some([end(half, true), end(t.faces.next(half), false)])
-    }
-
-    /// The corner of the block on a half-edge that has a cut, with the line of the cut.
-    fn grid_of(&self, half: CornerId, cut: &Cut) -> Option<(CornerId, usize)> {
-        let t = self.request.topology;
-        let block = cut.block?;
-        let corner = if t.faces.vertex(half) == block.vertex { half } else { t.faces.next(half) };
-        self.grids.contains_key(&corner).then_some((corner, block.line))
     }
 
     /// The vertices across the strip beside a half-edge at each of its cuts, in its direction. Inside a block there are
@@ -305,7 +277,7 @@ impl LineBuilder<'_, '_> {
         core.extend(cuts(next).iter().rev().map(point));
     }
 
-    fn strip_face(&mut self, face: FaceId, corners: &[VertexId], line: usize, mark: EdgeId) {
+    pub(super) fn strip_face(&mut self, face: FaceId, corners: &[VertexId], line: usize, mark: EdgeId) {
         // Quads become triangles where lines meet at a taper.
         let mut distinct: Vec<VertexId> = Vec::with_capacity(4);
         for &v in corners {
@@ -342,35 +314,6 @@ impl LineBuilder<'_, '_> {
                 self.strip_face(face, &[tail[line], head[line], head[line + 1], tail[line + 1]], line, mark);
             }
         }
-    }
-
-    /// Adds the faces of the block at a corner of two marked edges of a junction.
-    fn add_grid_faces(&mut self, face: FaceId, corner: CornerId) {
-        let (t, n) = (self.request.topology, self.line_count());
-        let Some(grid) = self.grids.get(&corner).cloned() else { return };
-        let prev = t.faces.prev(corner);
-        let on = |half: CornerId| self.junction_cuts(t.corner_edge[half], t.faces.vertex(corner));
-        let (after, before) = (on(corner), on(prev));
-        let at = |i: usize, j: usize| match (i, j) {
-            (0, 0) => t.faces.vertex(corner),
-            (_, 0) => after[i - 1],
-            (0, _) => before[j - 1],
-            _ => grid[(i - 1) * n + j - 1],
-        };
-        for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
-            let mark = t.corner_edge[if j <= i { corner } else { prev }];
-            self.strip_face(face, &[at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)], i.min(j), mark);
-        }
-    }
-
-    /// The vertices of a block's lines on a marked edge, from the junction on.
-    fn junction_cuts(&self, edge: EdgeId, vertex: VertexId) -> Vec<VertexId> {
-        let mut cuts: Vec<(usize, VertexId)> = Vec::new();
-        for (cut, &on_edge) in self.cuts.of(edge).iter().zip(&self.cut_vertices[&edge]) {
-            cuts.extend(cut.block.filter(|block| block.vertex == vertex).map(|block| (block.line, on_edge)));
-        }
-        cuts.sort_unstable();
-        cuts.into_iter().map(|(_, vertex)| vertex).collect()
     }
 
     /// Adds the block between the two ribs of a corner without marked edges.

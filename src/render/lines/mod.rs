@@ -14,8 +14,10 @@
 //! begins. A path that ends at a border runs off it. Where paths meet, the lines of each cross those of the others.
 //!
 //! `paths` computes the share of the distance at each vertex, `ribs` the ribs and their steps in each face, `cuts` the
-//! cuts of marked edges, `points` the weights of the new vertices; `faces` builds the faces between them.
+//! cuts of marked edges, `points` the weights of the new vertices; `faces` builds the faces between them, and `blocks` those of
+//! junctions.
 
+mod blocks;
 mod cuts;
 mod faces;
 mod paths;

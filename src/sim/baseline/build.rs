@@ -101,7 +101,7 @@ impl Baseline {
     /// Spaces vertices along the chains, and shortens the lengths of vertices near those that bend.
     fn space_chains(&mut self, options: &SimOptions, drawn: &BTreeSet<VertexId>) {
         let cage = self.manifold.level.topology.vertex_count();
-        // What is smooth on the cage has no corner on its refinements.
+        // A refinement has new corners nowhere.
         let may_be_corner = |v: VertexId| v.index() < cage && !drawn.contains(&v);
         for chain in self.chains.iter_mut() {
             chain.space(&self.points, &self.target, may_be_corner, options.corner());

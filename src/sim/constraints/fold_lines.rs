@@ -11,6 +11,9 @@ pub(super) type Folds = BTreeMap<EdgeId, Fold>;
 /// Least cosine between two edges of which one continues the other.
 const STRAIGHT: f32 = 0.5;
 
+/// Most folds at a vertex that lines pass. Of more, as at a pole of pleats, each ends there.
+const MOST_FOLDS: usize = 16;
+
 /// A line of folds, each of which continues the one before.
 pub(super) struct FoldLine {
     /// Its edges, in order. A loop begins where it bends least.
@@ -47,7 +50,8 @@ pub(super) fn lines(t: &Topology, points: &IdVec<VertexId, Vec3>, folds: &Folds)
         if t.edges[edge][0] == from { (b - a).normalize_or_zero() } else { (a - b).normalize_or_zero() }
     };
     let straightest = |edge: EdgeId, v: VertexId| {
-        let others = at[&v].iter().copied().filter(|&other| other != edge);
+        let all = &at[&v][..];
+        let others = all.iter().copied().filter(|&other| other != edge && all.len() <= MOST_FOLDS);
         let straight = others.map(|other| (-away(edge, v).dot(away(other, v)), other)).filter(|s| s.0 > STRAIGHT);
         straight.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1))).map(|(_, other)| other)
     };

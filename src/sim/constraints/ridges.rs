@@ -73,7 +73,7 @@ enum Part<'a> {
     Crest(Vec<Crest>),
 }
 
-/// What ridges have beside edges of the cage.
+/// The parts of ridges that are no edges of the cage, and the folds that are no ridges.
 #[derive(Default)]
 pub(crate) struct Rims {
     crests: Vec<Crest>,

@@ -63,6 +63,8 @@ fn of_overrides() {
         of("check in.usda --set sim.smallestShell=-1", &["sim.smallestShell: -1 is out of range", "0 or more"]),
         of("check in.usda --set sim.cornerAngle=0", &["sim.cornerAngle: 0 is out of range", "at most 180"]),
         of("check in.usda --set sim.cornerAngle=181", &["sim.cornerAngle: 181 is out of range"]),
+        of("check in.usda --set sim.ridgeAngle=0", &["sim.ridgeAngle: 0 is out of range", "at most 180"]),
+        of("check in.usda --set sim.ridgeAngle=181", &["sim.ridgeAngle: 181 is out of range"]),
         of("check in.usda --set sim.minEdgeLength=-0.5", &["sim.minEdgeLength: -0.5 is no length"]),
         of(
             "build in.usda -o out/coat.usda --set sim.minEdgeLength=2 --set sim.maxEdgeLength=1",

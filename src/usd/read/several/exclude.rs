@@ -5,24 +5,36 @@ use crate::usd::read::choose::{all_meshes, list};
 use crate::usd::read::query::{OrUnreadable, prim_at, text_value};
 use openusd::sdf::Path;
 use openusd::usd::Stage;
+use std::collections::HashMap;
 use std::path::Path as FilePath;
 
-/// What is between the prim of a collection and its name, as in `/Suit.collection:props`.
+/// The text between the prim of a collection and its name, as in `/Suit.collection:props`.
 const COLLECTION: &str = ".collection:";
 /// Collections that one may hold, and these in turn.
 const MAX_COLLECTIONS: usize = 100;
 
-/// What `--exclude` names.
+/// The meshes that `--exclude` leaves out.
 pub struct Excluded<'a> {
     patterns: Vec<&'a str>,
     collections: Vec<Collection>,
 }
 
-/// The prims of a collection and, unless it is explicit, those below them.
+/// The paths that decide about members, as `UsdCollectionAPI` resolves them: a collection takes over the paths of those that
+/// it includes, and its own includes and excludes are stronger.
+#[derive(Default)]
 struct Collection {
-    includes: Vec<Path>,
-    excludes: Vec<Path>,
-    is_explicit: bool,
+    members: HashMap<Path, Membership>,
+}
+
+/// The rule of a path of a collection.
+#[derive(Clone, Copy, PartialEq)]
+enum Membership {
+    /// The prim, and all below it.
+    Expanded,
+    /// The prim alone.
+    Explicit,
+    /// Neither the prim nor those below it.
+    Excluded,
 }
 
 impl<'a> Excluded<'a> {
@@ -38,9 +50,10 @@ impl<'a> Excluded<'a> {
         let meshes = all_meshes(stage, file)?;
         for name in names {
             let is_used = if name.contains(COLLECTION) {
-                let collections = Collection::with_nested(stage, name)?;
-                let is_used = meshes.iter().any(|path| collections.iter().any(|one| one.holds(path)));
-                excluded.collections.extend(collections);
+                let mut collection = Collection::default();
+                collection.add(stage, name, &mut Vec::new())?;
+                let is_used = meshes.iter().any(|path| collection.holds(path));
+                excluded.collections.push(collection);
                 is_used
             } else {
                 excluded.patterns.push(name);
@@ -63,28 +76,24 @@ impl<'a> Excluded<'a> {
 }
 
 impl Collection {
-    /// A collection and those that it includes.
-    fn with_nested(stage: &Stage, name: &str) -> Result<Vec<Self>, Error> {
-        let (mut names, mut found) = (vec![name.to_owned()], Vec::new());
-        while let Some(name) = names.get(found.len()).cloned() {
-            let (collection, nested) = Self::read(stage, &name)?;
-            found.push(collection);
-            names.extend(nested.into_iter().filter(|name| !names.contains(name)).collect::<Vec<_>>());
-            if names.len() > MAX_COLLECTIONS {
-                return Err(Error::usd(format!("{name} holds more than {MAX_COLLECTIONS} collections"))
-                    .code(ErrorCode::WrongPrim)
-                    .remedy("name the prims by --exclude"));
-            }
+    /// Adds the members of the collection `name`, those of collections that it includes first. `read` has the names of the
+    /// collections that were read.
+    fn add(&mut self, stage: &Stage, name: &str, read: &mut Vec<String>) -> Result<(), Error> {
+        if read.iter().any(|known| known == name) {
+            return Ok(());
         }
-        Ok(found)
-    }
-
-    /// A collection, and the names of those that it includes.
-    fn read(stage: &Stage, name: &str) -> Result<(Self, Vec<String>), Error> {
-        let missing = || {
-            Error::usd(format!("--exclude {name}: there is no such collection"))
+        read.push(name.to_owned());
+        if read.len() > MAX_COLLECTIONS {
+            return Err(Error::usd(format!("{} holds more than {MAX_COLLECTIONS} collections", read[0]))
                 .code(ErrorCode::WrongPrim)
-                .remedy("a collection is named as /Suit.collection:props; see the includes of the prim")
+                .remedy("name the prims by --exclude"));
+        }
+        let missing = || {
+            Error::usd(format!("--exclude {name}: there is no such collection, or it includes nothing by path"))
+                .code(ErrorCode::WrongPrim)
+                .remedy(
+                    "a collection is named as /Suit.collection:props, and has a relationship collection:props:includes",
+                )
         };
         let (prim, own) = name.split_once(COLLECTION).ok_or_else(missing)?;
         let path = Path::new(prim).ok().filter(|path| path.is_abs() && path.is_prim_path()).ok_or_else(missing)?;
@@ -93,24 +102,31 @@ impl Collection {
             let relationship = prim.relationship(format!("collection:{own}:{kind}").as_str());
             relationship.targets().or_unreadable(&path)
         };
-        let rule = text_value(&prim, &format!("collection:{own}:expansionRule"), None)?;
-        let (collections, includes): (Vec<Path>, Vec<Path>) =
-            targets("includes")?.into_iter().partition(|target| target.as_str().contains(COLLECTION));
-        if includes.is_empty() && collections.is_empty() {
+        let rule = match text_value(&prim, &format!("collection:{own}:expansionRule"), None)?.as_deref() {
+            Some("explicitOnly") => Membership::Explicit,
+            _ => Membership::Expanded,
+        };
+        let includes = targets("includes")?;
+        if includes.is_empty() {
             return Err(missing());
         }
-        let is_explicit = rule.as_deref() == Some("explicitOnly");
-        let collection = Self { includes, excludes: targets("excludes")?, is_explicit };
-        Ok((collection, collections.iter().map(|path| path.as_str().to_owned()).collect()))
+        let (collections, prims): (Vec<Path>, Vec<Path>) =
+            includes.into_iter().partition(|target| target.as_str().contains(COLLECTION));
+        for collection in collections {
+            self.add(stage, collection.as_str(), read)?;
+        }
+        self.members.extend(prims.into_iter().map(|prim| (prim, rule)));
+        self.members.extend(targets("excludes")?.into_iter().map(|prim| (prim, Membership::Excluded)));
+        Ok(())
     }
 
-    /// Whether a prim is a member: the nearest of its ancestors that is included or excluded decides.
+    /// Whether a prim is a member: its own rule decides, or that of the nearest prim above it that has one.
     fn holds(&self, path: &Path) -> bool {
-        if self.is_explicit {
-            return self.includes.contains(path);
+        let mut rules = with_ancestors(path).map(|path| self.members.get(&path));
+        match rules.next().flatten() {
+            Some(own) => *own != Membership::Excluded,
+            None => rules.flatten().next() == Some(&Membership::Expanded),
         }
-        let decisive = with_ancestors(path).find(|p| self.includes.contains(p) || self.excludes.contains(p));
-        decisive.is_some_and(|path| !self.excludes.contains(&path))
     }
 }
 

@@ -1,0 +1,71 @@
+//! How a simulation mesh lies on its surface, and which folds of it have no edges.
+
+use crate::mesh::{CornerId, VertexId};
+use crate::sim::{NarrowStrip, SimProduct};
+use glam::Vec3;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// The angle from which a triangle counts as steep. \[degrees\]
+pub(super) const STEEP: f32 = 60.0;
+
+/// A fold that is too near to a border, a seam or another fold to have edges of its own.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct NarrowFold {
+    /// One of the garment's vertices along it.
+    pub vertex: usize,
+    /// The number of the garment's edges along it.
+    pub edges: usize,
+    /// The largest distance to the edges beside it, a bound of how far the surface moves. \[target lengths\]
+    pub width: f32,
+}
+
+pub(super) fn narrow_folds(product: &SimProduct) -> Vec<NarrowFold> {
+    let baseline = &product.baseline;
+    let of = |strip: &NarrowStrip| NarrowFold {
+        vertex: baseline.manifold.vertex_source[strip.vertex].index(),
+        edges: strip.edges,
+        width: strip.width,
+    };
+    baseline.narrow.iter().map(of).collect()
+}
+
+/// A triangle against the surface that it lies on.
+pub(super) struct OnSurface {
+    /// Distances of the centre and of the middles of the edges. \[target lengths\]
+    pub distances: [f32; 4],
+    /// The angle to the surface at the point nearest to the centre. \[degrees\]
+    pub angle: f32,
+}
+
+/// Measures each triangle. Each search starts at the baseline faces of the triangle's corners.
+pub(super) fn on_surface(product: &SimProduct) -> Vec<OnSurface> {
+    let baseline = &product.baseline;
+    let of =
+        |(i, t): (usize, &[VertexId; 3])| {
+            let [a, b, c] = t.map(|v| product.points[v]);
+            let target = t.iter().map(|&v| product.target[v]).sum::<f32>() / 3.0;
+            let starts = [0, 1, 2].map(|k| product.places[CornerId::new(3 * i + k)].location.face);
+            let nearest =
+                |point: Vec3| {
+                    let [near, others @ ..] = starts.map(|face| baseline.closest(face, point));
+                    others.into_iter().fold(near, |near, other| {
+                        if other.distance_squared < near.distance_squared { other } else { near }
+                    })
+                };
+            let near = [(a + b + c) / 3.0, a.midpoint(b), b.midpoint(c), c.midpoint(a)].map(nearest);
+            let surface = baseline.normal(near[0].location.face).normalize_or_zero();
+            let cosine = (b - a).cross(c - a).normalize_or_zero().dot(surface);
+            OnSurface {
+                distances: near.map(|near| near.distance_squared.sqrt() / target),
+                angle: cosine.clamp(-1.0, 1.0).acos().to_degrees(),
+            }
+        };
+    product.triangles.par_iter().enumerate().map(of).collect()
+}
+
+/// The angle between each triangle and the surface that it lies on, at the point nearest to its centre. \[degrees\]
+pub fn facing(product: &SimProduct) -> Vec<f32> {
+    on_surface(product).into_iter().map(|triangle| triangle.angle).collect()
+}
