@@ -69,7 +69,8 @@ pub mod usd;
 
 pub use binding::Binding;
 pub use build::{
-    Builder, DEFAULT_MAX_FACES, MemoryEstimate, Plan, Products, Progress, RenderUpdate, SimUpdate, Timing, build,
+    Builder, DEFAULT_MAX_FACES, MemoryEstimate, Plan, Products, Progress, RenderPanel, RenderUpdate, SimUpdate, Timing,
+    build,
 };
 pub use cloth::{Cloth, ClothFigures, ClothOptions, Fabric, FabricOptions, Rest, RestFigures, RestShape};
 pub use error::{Error, ErrorKind, Warning};

@@ -5,7 +5,7 @@ use std::sync::{Arc, OnceLock};
 use tailor::error::Warnings;
 use tailor::glam::Vec3;
 use tailor::session::{Document, Session, written};
-use tailor::usd::{Format, ReadOptions, Source, Surroundings, WriteOptions, layer_bytes, write};
+use tailor::usd::{Format, ProductNames, ReadOptions, Source, Surroundings, WriteOptions, layer_bytes, write};
 use tailor::{
     Builder, Error, ErrorKind, GarmentInput, Products, Progress, Recipe, SeamOptions, SubsetInput, ThicknessOptions,
 };
@@ -65,7 +65,8 @@ impl Example {
 fn straight(example: &Example, arguments: &[(&str, &str)]) -> Vec<u8> {
     let (document, source) = (example.document(arguments), example.source());
     let products = example.update(&mut example.builder(), arguments);
-    let meshes = written(&products, ["sim", "render"]);
+    let names = ProductNames::new("sim", "render");
+    let meshes = written(&products, &[], &names);
     let (surroundings, options) =
         (Surroundings { folder: document.folder(), source: Some(document.source()) }, WriteOptions::default());
     layer_bytes(&source, &meshes, Format::Usdc, surroundings, &options, &mut Warnings::default()).expect("a layer")

@@ -49,6 +49,15 @@ impl Binding {
         Self { faces, coords }
     }
 
+    /// The places of some of the vertices, in their order.
+    pub fn of_points(&self, vertices: &[VertexId]) -> Self {
+        let at = |v: &VertexId| v.index();
+        Self {
+            faces: vertices.iter().map(|v| self.faces[at(v)]).collect(),
+            coords: vertices.iter().map(|v| self.coords[at(v)]).collect(),
+        }
+    }
+
     /// Its memory. \[bytes\]
     pub(crate) fn bytes(&self) -> usize {
         16 * self.faces.len()

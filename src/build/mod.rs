@@ -18,7 +18,7 @@ mod sim;
 #[cfg(feature = "internals")]
 pub use check::mean_edge_length;
 pub use memory::MemoryEstimate;
-pub use products::{Plan, Products, RenderUpdate, SimUpdate};
+pub use products::{Plan, Products, RenderPanel, RenderUpdate, SimUpdate};
 pub use progress::{Progress, Timing};
 #[cfg(feature = "internals")]
 pub use sim::baseline;

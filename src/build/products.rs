@@ -6,6 +6,7 @@ use crate::binding::Binding;
 use crate::cloth::{Cloth, ClothFigures};
 use crate::error::Warnings;
 use crate::garment::Garment;
+use crate::garment::parts::split;
 use crate::recipe::Recipe;
 use crate::report::{RenderFigures, SimFigures, TriangleQuality};
 use crate::sim::RemeshReport;
@@ -45,6 +46,12 @@ impl Products {
         self.simulated.figures()
     }
 
+    /// The render mesh in parts, one for each of the face sets `panels`, which have all its faces between them.
+    pub fn render_panels(&self, panels: &[String]) -> Vec<RenderPanel> {
+        let parts = split(&self.render, panels).into_iter();
+        parts.map(|part| RenderPanel { binding: self.binding.of_points(&part.vertices), mesh: part.mesh }).collect()
+    }
+
     /// The figures of the render mesh.
     pub fn render_figures(&self) -> RenderFigures {
         RenderFigures::new(&self.render)
@@ -59,6 +66,16 @@ impl Products {
     pub fn remesh(&self) -> &RemeshReport {
         &self.simulated.remeshed.product.report
     }
+}
+
+/// The part of a render mesh that one panel has.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct RenderPanel {
+    /// The part as a mesh.
+    pub mesh: Garment,
+    /// The places of its points on the simulation mesh.
+    pub binding: Binding,
 }
 
 /// The simulation mesh of one update.

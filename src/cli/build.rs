@@ -7,8 +7,10 @@ use super::{Build, Output, protect, report, text, usage};
 use crate::error::{Error, Warnings};
 use crate::report::{RenderFigures, SimFigures};
 use crate::session::{is_usd, written};
-use crate::usd::{BuildRecord, Selection, Source, Tailored, WriteOptions, check_target, product_names, write_all};
-use crate::{Builder, ClothFigures, Products, Progress, Recipe, Timing};
+use crate::usd::{
+    BuildRecord, ProductNames, Selection, Source, Tailored, WriteOptions, check_target, product_names, write_all,
+};
+use crate::{Builder, ClothFigures, Products, Progress, Recipe, RenderPanel, Timing};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 use std::io::IsTerminal;
@@ -52,9 +54,10 @@ pub struct Built {
     pub prim: String,
     /// The variant that it was read with, and whose part its products are.
     pub variant: Option<Selection>,
-    /// Names of the two products.
-    pub names: [String; 2],
+    pub names: ProductNames,
     pub products: Products,
+    /// The parts of the render mesh that are written in its place; none for the whole.
+    pub panels: Vec<RenderPanel>,
     pub sim: SimFigures,
     pub render: RenderFigures,
     pub cloth: Option<ClothFigures>,
@@ -174,13 +177,17 @@ fn planned(build: &Build, task: &Task, budget: &Budget) -> Result<String, Error>
     for Opening { variant, garments } in variants::open(build, input)? {
         check_target(&garments[0].source, output, build.force)?;
         let sources = garments.iter().map(|garment| &garment.source);
-        let names = product_names(sources, [&build.sim_name, &build.render_name]);
-        for (garment, [sim, render]) in garments.into_iter().zip(names) {
+        let names = named(build, sources);
+        for (garment, names) in garments.into_iter().zip(names) {
             let (_, builder, recipe) = garment.check()?;
             let plan = builder.with_max_memory(budget.limit()).plan(&recipe)?;
             let [triangles, faces] = [plan.expected_faces, plan.render_faces];
             let within = variant.as_ref().map(|variant| format!(" in {}", variant.choice)).unwrap_or_default();
-            text += &format!(" about {triangles} triangles to {sim}, {faces} faces to {render}{within};");
+            text += &format!(
+                " about {triangles} triangles to {}, {faces} faces to {}{within};",
+                names.sim,
+                names.render.join(" and ")
+            );
         }
     }
     Ok(text.trim_end_matches(';').to_owned() + "\n")
@@ -199,7 +206,7 @@ fn built(build: &Build, task: &Task, budget: &Budget, bar: &ProgressBar) -> Resu
     timed("check", &mut timings, || {
         for Opening { variant, garments } in openings {
             let opened = garments.iter().map(|garment| &garment.source);
-            let names = product_names(opened, [&build.sim_name, &build.render_name]);
+            let names = named(build, opened);
             for (garment, names) in garments.into_iter().zip(names) {
                 let (source, builder, recipe) = garment.check()?;
                 sources.push(source);
@@ -214,10 +221,19 @@ fn built(build: &Build, task: &Task, budget: &Budget, bar: &ProgressBar) -> Resu
     let mut garments = Vec::with_capacity(sources.len());
     for (builder, recipe, names, variant) in checked {
         let timings = std::mem::take(&mut timings);
-        garments.push(Built { variant, ..garment(builder, &recipe, build.mark, names, timings)? });
+        let mut built = garment(builder, &recipe, build.mark, names, timings)?;
+        if build.render_per_panel {
+            built.panels = built.products.render_panels(sources[garments.len()].panel_sets());
+        }
+        garments.push(Built { variant, ..built });
     }
     write(build, output, record, &sources, &mut garments)?;
     Ok(garments)
+}
+
+/// The names of the products of the garments of one stage.
+fn named<'a>(build: &Build, sources: impl IntoIterator<Item = &'a Source>) -> Vec<ProductNames> {
+    product_names(sources, [&build.sim_name, &build.render_name], build.render_per_panel)
 }
 
 /// A builder with the limits of the command, which shows its steps.
@@ -232,7 +248,7 @@ fn garment(
     mut builder: Builder,
     recipe: &Recipe,
     marks: bool,
-    names: [String; 2],
+    names: ProductNames,
     mut timings: Vec<Timing>,
 ) -> Result<Built, Error> {
     let prim = builder.garment().prim.clone();
@@ -247,7 +263,8 @@ fn garment(
         Ok((products.sim_figures(), products.render_figures(), products.cloth_figures()))
     })?;
     let warnings = products.warnings.clone();
-    Ok(Built { prim, variant: None, names, packed: Vec::new(), products, sim, render, cloth, timings, warnings })
+    let (panels, packed) = (Vec::new(), Vec::new());
+    Ok(Built { prim, variant: None, names, panels, packed, products, sim, render, cloth, timings, warnings })
 }
 
 /// Writes the products of all garments. The last one gets the time of it, and its warnings.
@@ -267,7 +284,7 @@ fn write(
     let (mut timings, mut warnings) = (Vec::new(), Warnings::default());
     let packed = timed("write", &mut timings, || {
         let meshes: Vec<_> =
-            garments.iter().map(|built| written(&built.products, built.names.each_ref().map(String::as_str))).collect();
+            garments.iter().map(|built| written(&built.products, &built.panels, &built.names)).collect();
         let variants = garments.iter().map(|built| built.variant.as_ref());
         let all: Vec<_> = (sources.iter().zip(&meshes).zip(variants))
             .map(|((source, products), variant)| Tailored { source, products, variant })
@@ -307,6 +324,9 @@ fn request(build: &Build, task: &Task) -> Result<String, Error> {
         "keepModelPurpose": build.keep_model_purpose,
         "maxFaces": build.max_faces,
     });
+    if build.render_per_panel {
+        request["renderPerPanel"] = json!(true);
+    }
     if build.mark {
         request["mark"] = json!(true);
     }

@@ -21,13 +21,14 @@ pub struct Drive {
     /// The shot: a layer over RENDER with the moved points (.usdc, .usd or .usda)
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
-    /// Path of the mesh to drive [default: the only render mesh]
+    /// Path of the render mesh to drive, or of a simulation mesh for all that are bound to it [default: the only simulation
+    /// mesh]
     #[arg(long, value_name = "PATH")]
     prim: Option<String>,
     /// Path of the mesh in the cache [default: that of the simulation mesh, or the only one]
     #[arg(long, value_name = "PATH")]
     cache_prim: Option<String>,
-    /// Drive the garment's own mesh too
+    /// Drive the garment's own mesh too, or the panels of which it is sewn
     #[arg(long)]
     model: bool,
     /// Write a file for each frame, in the folder OUT.clips, which OUT has as value clips

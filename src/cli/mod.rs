@@ -144,6 +144,9 @@ struct Build {
     /// Write counts, quality figures, times and warnings as JSON; - prints them instead of the summary
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     report: Option<PathBuf>,
+    /// Write a render mesh for each of the panels that are sewn together, named after it
+    #[arg(long, help_heading = "Output")]
+    render_per_panel: bool,
     /// Give the render mesh a set of the elements that each kind of warning names, such as mark_folded_uvs
     #[arg(long, help_heading = "Output")]
     mark: bool,

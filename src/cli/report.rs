@@ -131,7 +131,7 @@ pub fn built(task: &Task, garments: &[Built]) -> Value {
             let garments = several.iter().map(|built| {
                 let mut report = garment(task, built);
                 report["prim"] = json!(built.prim);
-                report["names"] = json!(built.names);
+                report["names"] = built.names.all().collect();
                 if let Some(variant) = &built.variant {
                     report["variant"] = json!(variant);
                 }
@@ -156,6 +156,10 @@ fn garment(task: &Task, built: &Built) -> Value {
         "stages": built.timings,
         "warnings": built.warnings.iter().map(warning_json).collect::<Vec<_>>(),
     });
+    let panels = built.names.render.iter().zip(&built.panels).map(
+        |(name, panel)| json!({ "name": name, "vertices": panel.mesh.points.len(), "faces": panel.mesh.faces.len() }),
+    );
+    report["renderPanels"] = panels.collect();
     if let (Value::Object(report), Value::Object(head)) = (&mut report, head(task, "built")) {
         report.extend(head);
     }

@@ -173,6 +173,10 @@ fn summary(built: &Built, verbose: bool) -> String {
         percent(r.quads),
         recipe.render.level
     );
+    for (name, panel) in built.names.render.iter().zip(&built.panels) {
+        let (vertices, faces) = (panel.mesh.points.len(), panel.mesh.faces.len());
+        let _ = writeln!(t, "          {name}: {vertices} vertices, {faces} faces");
+    }
     let operators = &products.operators;
     if !operators.is_empty() {
         let _ = writeln!(t, "          {} operators: {}", operators.len(), operators.join(", "));

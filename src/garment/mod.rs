@@ -6,6 +6,7 @@
 mod check;
 mod input;
 pub mod joints;
+pub mod parts;
 mod primvar;
 #[cfg(feature = "usd")]
 pub mod sew;

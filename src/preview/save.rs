@@ -70,7 +70,18 @@ impl Content {
         if is_recipe(file) {
             return self.recipe_file(file);
         }
+        self.refuse_sewn(file)?;
         recipe_text(&self.stage.source, &self.opinions(), file)
+    }
+
+    /// Options in a layer are of one mesh.
+    fn refuse_sewn(&self, file: &Path) -> Result<(), Error> {
+        if !self.stage.source.is_sewn() {
+            return Ok(());
+        }
+        let text = "a layer has the options of single meshes, and panels are sewn together here";
+        let fault = Error::new(ErrorKind::Usage, file.display(), text).code(ErrorCode::OutputPath);
+        Err(fault.remedy("save a .tailor file"))
     }
 
     fn note(&self, file: &Path) -> String {
@@ -92,6 +103,7 @@ impl Content {
         if is_recipe(file) {
             return self.write_recipe_file(file, overwrite);
         }
+        self.refuse_sewn(file)?;
         let replaced = Replaced { is_option: is_attribute, is_schema };
         write_recipe(&self.stage.source, &self.opinions(), file, overwrite, &replaced, |written| self.verify(written))
     }
@@ -110,7 +122,7 @@ impl Content {
         };
         let mut text = Map::new();
         text.insert("source".into(), Value::String(source));
-        text.insert("prim".into(), Value::String(self.stage.source.prim().into()));
+        text.insert("prim".into(), Value::String(self.stage.source.whole().into()));
         text.extend(self.edits.clone());
         let text = serde_json::to_string_pretty(&Value::Object(text));
         text.map(|text| text + "\n").map_err(|e| Error::internal(e.to_string()))
@@ -141,9 +153,9 @@ impl Content {
 
     /// Checks that a written file gives the garment and the recipe that are on screen.
     fn verify(&self, written: &Path) -> Result<(), Error> {
-        let prim = Some(self.stage.source.prim().to_owned());
+        let prim = Some(self.stage.source.whole().to_owned());
         let read = ReadOptions { prim, time: self.read.time, ..ReadOptions::default() };
-        let opened = Input { file: written.to_path_buf(), read, ..Input::default() }.open()?;
+        let opened = Input { file: written.to_path_buf(), read, ..Input::default() }.open_one()?;
         let fault = |text: &str| {
             Error::new(ErrorKind::Usd, "", format!("{text}, so nothing was written"))
                 .code(ErrorCode::NotWrittenBack)

@@ -33,7 +33,7 @@ impl Stage {
     /// # Errors
     /// A file that cannot be read, faults of the mesh.
     pub fn open(input: &Input) -> Result<Self, Error> {
-        let Opened { source, mesh, authored, given, warnings } = input.open()?;
+        let Opened { source, mesh, authored, given, warnings } = input.open_one()?;
         let checks = Builder::new(mesh.clone())?.with_warnings(warnings);
         let upstream = authored.into_map();
         let given = changed(&given.into_map(), &upstream);
@@ -75,7 +75,7 @@ fn message(source: &Source, checks: &Builder, input: &Input) -> String {
         json!({"prim": selected.prim, "set": selected.set, "choices": v.choices, "selected": selected.choice})
     });
     let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let (layer, recipe) = suggested(source.file(), input);
+    let (layer, recipe) = suggested(source, input);
     json!({
         "type": "garment",
         "version": env!("CARGO_PKG_VERSION"),
@@ -98,8 +98,10 @@ fn message(source: &Source, checks: &Builder, input: &Input) -> String {
     .to_string()
 }
 
-/// Files to save to: those of the input where it has one, else new ones beside the garment.
-fn suggested(garment: &Path, input: &Input) -> (String, String) {
+/// Files to save to: those of the input where it has one, else new ones beside the garment. Panels that are sewn together have no
+/// layer.
+fn suggested(source: &Source, input: &Input) -> (Option<String>, String) {
+    let garment = source.file();
     let stem = garment.file_stem().unwrap_or_default().to_string_lossy();
     let beside = |name: String| garment.with_file_name(name).display().to_string();
     let (mut layer, mut recipe) = (beside(format!("{stem}_look.usda")), beside(format!("{stem}.tailor")));
@@ -109,7 +111,7 @@ fn suggested(garment: &Path, input: &Input) -> (String, String) {
         None if !is_usd(&input.file) => recipe = input.file.display().to_string(),
         None => {}
     }
-    (layer, recipe)
+    ((!source.is_sewn()).then_some(layer), recipe)
 }
 
 fn kind(kind: &Kind, mean_edge: f32) -> Value {

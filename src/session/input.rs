@@ -57,13 +57,13 @@ impl Opened {
 }
 
 impl Input {
-    /// Opens the stage and reads the recipes.
+    /// Opens the one garment of the stage that [`Input::read`] chooses: a mesh, or panels that are sewn together.
     ///
     /// # Errors
-    /// A file that cannot be read; a recipe with faults.
-    pub fn open(&self) -> Result<Opened, Error> {
+    /// A file that cannot be read; a recipe with faults; several garments.
+    pub fn open_one(&self) -> Result<Opened, Error> {
         let recipes = self.recipes()?;
-        let source = Source::open(&recipes.file, &recipes.read)?;
+        let source = Source::only(Source::open_all(&recipes.file, &recipes.read)?)?;
         self.opened(source, &recipes)
     }
 
@@ -71,7 +71,7 @@ impl Input {
     /// options of each of them.
     ///
     /// # Errors
-    /// As [`Input::open`], for any of the garments.
+    /// A file that cannot be read; a recipe with faults; for any of the garments.
     pub fn open_all(&self) -> Result<Vec<Opened>, Error> {
         let recipes = self.recipes()?;
         let sources = Source::open_all(&recipes.file, &recipes.read)?;
@@ -122,7 +122,7 @@ struct Recipes {
 
 /// The options on the prim of a stage.
 fn attributes_of(layer: &Path, source: &Source) -> Result<Map<String, Value>, Error> {
-    if source.panels().count() > 1 {
+    if source.is_sewn() {
         let fault = format!("{} has options of single meshes, and panels are sewn together", layer.display());
         return Err(Error::recipe("--recipe", fault)
             .remedy("give the options in a .tailor file, or build over the layer, which has the meshes"));

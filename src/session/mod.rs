@@ -8,10 +8,12 @@ mod input;
 pub use document::Document;
 pub use input::{Input, Opened, beside, is_usd};
 
-use crate::build::{Builder, Products};
+use crate::build::{Builder, Products, RenderPanel};
 use crate::error::{Error, ErrorKind, Warnings};
 use crate::recipe::Layers;
-use crate::usd::{Format, Product, ProductRole, ReadOptions, Source, Surroundings, WriteOptions, layer_bytes};
+use crate::usd::{
+    Format, Product, ProductNames, ProductRole, ReadOptions, Source, Surroundings, WriteOptions, layer_bytes,
+};
 use document::ignored;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::path::PathBuf;
@@ -87,10 +89,10 @@ impl Session {
         drop(opened);
         self.note(&entry, bytes);
         let (source, meshes) = result?;
-        let products = meshes.as_ref().map(|products| written(products, ["sim", "render"]));
-        let products = products.as_ref().map_or(&[][..], |products| products.as_slice());
+        let names = ProductNames::new("sim", "render");
+        let products = meshes.as_ref().map_or_else(Vec::new, |products| written(products, &[], &names));
         let surroundings = Surroundings { folder: document.folder(), source: Some(document.source()) };
-        layer_bytes(&source, products, Format::Usdc, surroundings, &WriteOptions::default(), warnings)
+        layer_bytes(&source, &products, Format::Usdc, surroundings, &WriteOptions::default(), warnings)
     }
 
     fn update(
@@ -184,21 +186,29 @@ fn products(
     }
 }
 
-/// The products of an update as [`write`](crate::usd::write) takes them, under the names of their prims.
-pub fn written<'a>(products: &'a Products, [sim, render]: [&'a str; 2]) -> [Product<'a>; 2] {
+/// The products of an update as [`write`](crate::usd::write) takes them, under the names of their prims: with the parts of the
+/// render mesh in its place, if there are some.
+pub fn written<'a>(products: &'a Products, panels: &'a [RenderPanel], names: &'a ProductNames) -> Vec<Product<'a>> {
     let cloth = products.cloth.as_deref();
-    [
-        Product {
-            cloth,
-            cage_binding: Some(&products.cage_binding),
-            ..Product::new(sim, ProductRole::Sim, &products.sim)
-        },
-        Product {
-            cloth,
-            binding: Some(&products.binding),
-            ..Product::new(render, ProductRole::Render, &products.render)
-        },
-    ]
+    let sim = Product::new(&names.sim, ProductRole::Sim, &products.sim);
+    let render = |name, mesh, binding| Product {
+        cloth,
+        binding: Some(binding),
+        ..Product::new(name, ProductRole::Render, mesh)
+    };
+    let mut all = vec![Product { cloth, cage_binding: Some(&products.cage_binding), ..sim }];
+    if panels.is_empty() {
+        let name = names.render.iter();
+        all.extend(name.map(|name| render(name, &products.render, &products.binding)));
+    }
+    let parts = panels.iter().zip(&names.render).enumerate();
+    all.extend(
+        parts.map(|(number, (panel, name))| Product {
+            panel: Some(number),
+            ..render(name, &panel.mesh, &panel.binding)
+        }),
+    );
+    all
 }
 
 /// Locks a mutex even after a panic, as build steps keep a builder consistent at every point.

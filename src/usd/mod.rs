@@ -18,8 +18,8 @@ mod write;
 pub(crate) use assets::relative;
 pub use build_record::BuildRecord;
 pub use read::{
-    Binding, Facts, InheritedPrimvar, PanelSeam, ReadOptions, Selection, Source, TransformOp, VariantSet, first_used,
-    product_names,
+    Binding, Facts, InheritedPrimvar, PanelSeam, ProductNames, ReadOptions, Selection, Source, TransformOp, VariantSet,
+    first_used, product_names,
 };
 pub use shot::{DriveOptions, Driven, drive};
 #[cfg(feature = "preview")]

@@ -242,7 +242,7 @@ def test_faults_are_told_and_nothing_is_written(usdtailor, coat, tmp_path, fault
             frames[4] = frames[4][:-1]
         write_cache(source, coat, frames, **more)
     if fault == "not bound":
-        args = ["--prim", "/Coat/sim"]
+        args = ["--prim", "/Coat/body"]
     done = drive(usdtailor, coat, source, out, *args)
     assert done.returncode != 0 and words in done.stderr and "hint" in done.stderr, done.stderr
     assert not out.exists() and not list(tmp_path.glob(".usdtailor-*"))

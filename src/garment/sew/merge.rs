@@ -24,6 +24,8 @@ pub struct Sewn {
     pub mesh: GarmentInput,
     /// The face set of each panel.
     pub panels: Vec<String>,
+    /// The point of the mesh behind each point of each panel.
+    pub points: Vec<Vec<usize>>,
     /// The edge set of the seams between them.
     pub seams: String,
 }
@@ -113,7 +115,7 @@ pub fn merge(
     let sets: Vec<String> = sets.collect();
     let seams = seam_edges(&panels, &points);
     let seams = set(&mut mesh.subsets, "sewn", "edge", seams);
-    Ok(Sewn { mesh, panels: sets, seams })
+    Ok(Sewn { mesh, panels: sets, points: points.of_panel, seams })
 }
 
 /// Adds a set with this name, or a free one like it.

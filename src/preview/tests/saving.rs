@@ -3,6 +3,7 @@
 use super::*;
 use crate::preview::continued;
 use crate::preview::save::{plan, save};
+use crate::usd::ReadOptions;
 
 /// Edits with an option of every type.
 fn edits() -> Options {
@@ -22,7 +23,7 @@ fn edited(file: &Path) -> Arc<Hub> {
 
 /// The recipe of a saved file.
 fn recipe(file: &Path) -> crate::Recipe {
-    let opened = input(file).open().expect("a good file");
+    let opened = input(file).open_one().expect("a good file");
     opened.check().expect("a good recipe").2
 }
 
@@ -207,4 +208,38 @@ fn a_layer_of_somebody_else_is_a_garment_and_not_a_recipe() {
         let again = continued(input(&garment));
         assert_eq!((again.file, again.recipe), (garment, None));
     }
+}
+
+/// Two quads that share an edge, each a mesh of its own, and a belt beside them.
+const PANELS: &str = "#usda 1.0\ndef Xform \"Suit\"\n{\n    def Mesh \"front\"\n    {\n        int[] faceVertexCounts = [4]\n        \
+    int[] faceVertexIndices = [0, 1, 2, 3]\n        point3f[] points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]\n    }\n    \
+    def Mesh \"back\"\n    {\n        int[] faceVertexCounts = [4]\n        int[] faceVertexIndices = [0, 1, 2, 3]\n        \
+    point3f[] points = [(1, 0, 0), (2, 0, 0), (2, 1, 0), (1, 1, 0)]\n    }\n}\ndef Mesh \"belt\"\n{\n    int[] faceVertexCounts = [4]\n    \
+    int[] faceVertexIndices = [0, 1, 2, 3]\n    point3f[] points = [(0, 0, 5), (1, 0, 5), (1, 1, 5), (0, 1, 5)]\n}\n";
+
+#[test]
+fn sewn_panels_are_shown_as_one_and_saved_in_a_recipe_file() {
+    let folder = TempDir::new().expect("a folder");
+    let [file, saved, look] = ["suit.usda", "suit.tailor", "look.usda"].map(|name| folder.path().join(name));
+    fs::write(&file, PANELS).expect("a file");
+    let below = ReadOptions { prim: Some("/Suit".into()), ..ReadOptions::default() };
+    let input = Input { file: file.clone(), read: below, ..Input::default() };
+    let hub = Hub::new(input.clone(), Stage::open(&input).expect("a good garment"));
+    let stage = hub.snapshot().stage;
+    assert_eq!((stage.mesh.face_vertex_counts.len(), stage.mesh.points.len()), (2, 6));
+    assert!(
+        stage.message.contains("\"layer\":null") && stage.message.contains("/Suit/back+front"),
+        "{}",
+        stage.message
+    );
+    let seam = json!({"render": {"level": 1}, "seam": {"middle": {"edges": ["sewn"], "width": 0.1}}});
+    hub.edit(|document| document.edit(options(&seam), String::new()));
+    let refused = save(&hub, &look.display().to_string(), false);
+    assert!(refused.fault.is_some_and(|fault| fault.remedy.contains(".tailor")) && !look.exists());
+    let answer = save(&hub, &saved.display().to_string(), false);
+    assert_eq!(answer.status, "saved", "{:?}", answer.fault);
+    assert_eq!(recipe(&saved), asked(&hub));
+    let all = ReadOptions { all: true, ..ReadOptions::default() };
+    let error = Stage::open(&Input { file, read: all, ..Input::default() }).err().expect("two garments").to_string();
+    assert!(error.contains("2 garments") && error.contains("/Suit, /belt"), "{error}");
 }

@@ -22,10 +22,10 @@ pub use facts::{Binding, Facts, InheritedPrimvar, TransformOp};
 pub use model::{COMPOSITION, Model, Sibling, SubsetRecord, layer_files, stage_metadata};
 pub use origin::{Files, StageOrigin, first_used};
 pub use query::{OrUnreadable, is_a, prim_at, property_names, value};
-pub use several::product_names;
+pub use several::{ProductNames, product_names};
 pub use shapes::BlendShape;
 pub use source::{PanelSeam, ReadOptions, Source};
-pub use space::world_of;
+pub use space::{transforms, world_of};
 #[cfg(feature = "preview")]
 pub use variants::select;
 pub use variants::{Selection, VariantSet};

@@ -23,6 +23,8 @@ pub struct Model {
     pub path: sdf::Path,
     /// The meshes that it consists of: itself, or the panels that are sewn together.
     pub panels: Vec<sdf::Path>,
+    /// How the panels are one; nothing for a lone mesh.
+    pub sewing: Sewing,
     /// The prim below which products go.
     pub parent: sdf::Path,
     /// Properties that products copy.
@@ -45,6 +47,15 @@ pub struct Model {
     pub transforms: Transforms,
     /// The stage's own metadata.
     pub stage_metadata: Vec<(String, Value)>,
+}
+
+/// Panels in the mesh to which they are sewn.
+#[derive(Clone, Debug, Default)]
+pub struct Sewing {
+    /// The face set of each panel.
+    pub sets: Vec<String>,
+    /// The point of the sewn mesh behind each point of each panel.
+    pub points: Vec<Vec<usize>>,
 }
 
 /// The properties of a subset that the product's subset of the same name copies.
@@ -150,6 +161,7 @@ impl Model {
         let mut model = Self {
             path: prim.path().clone(),
             panels: vec![prim.path().clone()],
+            sewing: Sewing::default(),
             parent: prim.path().parent().expect("the path of a prim has a parent"),
             carried: Vec::new(),
             declarations,

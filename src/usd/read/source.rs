@@ -15,7 +15,6 @@ use crate::usd::{BuildRecord, on_large_stack};
 use openusd::usd::{Prim, Stage, TimeCode};
 use serde_json::{Map, Value as Json};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 /// The mesh and the time that are read.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -69,16 +68,8 @@ impl Source {
         Self::of(StageOrigin::new(path, None, &options.variants), options)
     }
 
-    /// As [`Source::open`], from `content`: a layer in memory (crate or text) to which another program flattened `file`.
-    /// Relative paths in it are not resolved.
-    ///
-    /// # Errors
-    /// As [`Source::open`].
-    pub fn from_layer(content: Arc<[u8]>, file: &Path, options: &ReadOptions) -> Result<Self, Error> {
-        Self::of(StageOrigin::new(file, Some(content), &options.variants), options)
-    }
-
-    fn of(origin: StageOrigin, options: &ReadOptions) -> Result<Self, Error> {
+    /// As [`Source::open`], of any stage.
+    pub(super) fn of(origin: StageOrigin, options: &ReadOptions) -> Result<Self, Error> {
         if options.time.is_some_and(|t| !t.is_finite()) {
             return Err(Error::new(ErrorKind::Usage, "", "the time is not a number")
                 .code(ErrorCode::CommandLine)
@@ -171,9 +162,25 @@ impl Source {
         self.model.path.as_str()
     }
 
+    /// Whether it consists of panels that are sewn together.
+    pub fn is_sewn(&self) -> bool {
+        self.model.panels.len() > 1
+    }
+
+    /// Path of the mesh, or of the prim that has all panels below it.
+    pub fn whole(&self) -> &str {
+        let path = if self.is_sewn() { &self.model.parent } else { &self.model.path };
+        path.as_str()
+    }
+
     /// Paths of the meshes that are sewn together, or of the one mesh.
     pub fn panels(&self) -> impl Iterator<Item = &str> {
         self.model.panels.iter().map(|panel| panel.as_str())
+    }
+
+    /// The face sets that its panels become; none for a lone mesh.
+    pub fn panel_sets(&self) -> &[String] {
+        &self.model.sewing.sets
     }
 
     /// The seams between its panels.

@@ -1,6 +1,7 @@
 //! A built garment at bind: the simulation mesh, and the meshes that are bound to it.
 
 use super::DriveOptions;
+use super::space::Space;
 use crate::drive::{BindPose, Driver};
 use crate::error::{Error, ErrorCode};
 use crate::usd::names;
@@ -37,13 +38,15 @@ pub struct BoundMesh {
     pub path: Path,
     /// Whether a skeleton would move it again.
     pub is_skinned: bool,
-    /// Points at bind.
-    pub points: Vec<Vec3>,
+    /// Number of its points.
+    pub points: usize,
     pub normals: Option<BoundNormals>,
+    /// Its space, if it is not that of the simulation mesh.
+    pub space: Option<Space>,
     pub driver: Driver,
 }
 
-/// Authored normals.
+/// Authored normals, in the space of the simulation mesh.
 pub struct BoundNormals {
     pub values: Vec<Vec3>,
     /// The point of each normal.
@@ -59,46 +62,22 @@ impl Bound {
         let origin = StageOrigin::new(&options.render, None, &[]);
         let stage = origin.open()?;
         let all = bound_meshes(&stage, &options.render)?;
-        let file = options.render.display();
-        let listed = || all.iter().map(|(path, _)| path.as_str()).collect::<Vec<_>>().join(", ");
-        let chosen = match &options.prim {
-            Some(wanted) => all.iter().find(|(path, _)| path.as_str() == wanted).ok_or_else(|| {
-                Error::usd(format!("{wanted} of {file} is not bound to a simulation mesh"))
-                    .code(ErrorCode::NotBound)
-                    .remedy(format!("the bound meshes are: {}", listed()))
-            })?,
-            None => match all.as_slice() {
-                [one] => one,
-                [] => {
-                    return Err(Error::usd(format!("{file} has no mesh that is bound to a simulation mesh"))
-                        .code(ErrorCode::NotBound)
-                        .remedy("build it with `usdtailor build` of this version"));
-                }
-                _ => {
-                    return Err(Error::usd(format!("{file} has {} bound meshes", all.len()))
-                        .code(ErrorCode::SeveralMeshes)
-                        .remedy(format!("choose one by --prim: {}", listed())));
-                }
-            },
-        };
-        let sim = prim_at(&stage, &chosen.1)?;
+        let chosen = chosen(&all, options)?;
+        let sim = prim_at(&stage, &chosen[0].1)?;
         let sim_points = points_at_bind(&sim)?;
         let triangles = triangles(&sim)?;
-        let render = prim_at(&stage, &chosen.0)?;
-        let mut meshes = vec![BoundMesh::read(&render, &render, names::BINDING, &sim_points, &triangles)?];
+        let bind = Bind { sim: &sim, points: &sim_points, triangles: &triangles };
+        let mut meshes = Vec::with_capacity(chosen.len());
+        for (path, _) in &chosen {
+            let prim = prim_at(&stage, path)?;
+            let places = Places::read(&prim, names::BINDING)?;
+            meshes.push(BoundMesh::read(&prim, points_at_bind(&prim)?, places, &bind)?);
+        }
         if options.model {
-            let [.., source] = names::MODEL_BINDING;
-            let model = sim.relationship(source).targets().or_unreadable(&chosen.1)?;
-            let Some(model) = model.first() else {
-                return Err(Error::usd(format!("{} of {file} has no {source}", chosen.1))
-                    .code(ErrorCode::StaleBinding)
-                    .remedy("leave out --model, or build the garment again"));
-            };
-            let model = prim_at(&stage, model)?;
-            meshes.push(BoundMesh::read(&model, &sim, names::MODEL_BINDING, &sim_points, &triangles)?);
+            meshes.extend(models(&stage, options, &bind)?);
         }
         let mut bound = Self {
-            sim_path: chosen.1.clone(),
+            sim_path: sim.path().clone(),
             sim_points: sim_points.len(),
             triangles,
             edge_length: 0.0,
@@ -134,6 +113,101 @@ fn bound_meshes(stage: &Stage, file: &FilePath) -> Result<Vec<(Path, Path)>, Err
         found.extend(targets.into_iter().next().map(|target| (path, target)));
     }
     Ok(found)
+}
+
+/// The bound meshes that are to be driven, each with the simulation mesh, which is the same for all. There is at least one.
+fn chosen(all: &[(Path, Path)], options: &DriveOptions) -> Result<Vec<(Path, Path)>, Error> {
+    let file = options.render.display();
+    let listed = |paths: &[&Path]| paths.iter().map(|path| path.as_str()).collect::<Vec<_>>().join(", ");
+    let mut sims: Vec<&Path> = Vec::new();
+    for (_, sim) in all {
+        if !sims.contains(&sim) {
+            sims.push(sim);
+        }
+    }
+    let of_sim = |sim: &Path| all.iter().filter(|(_, own)| own == sim).cloned().collect();
+    if let Some(wanted) = &options.prim {
+        if let Some(sim) = sims.iter().find(|sim| sim.as_str() == wanted) {
+            return Ok(of_sim(sim));
+        }
+        let found = all.iter().find(|(path, _)| path.as_str() == wanted);
+        return found.map(|pair| vec![pair.clone()]).ok_or_else(|| {
+            let bound: Vec<&Path> = all.iter().map(|(path, _)| path).collect();
+            Error::usd(format!("{wanted} of {file} is not bound to a simulation mesh"))
+                .code(ErrorCode::NotBound)
+                .remedy(format!("the bound meshes are: {}", listed(&bound)))
+        });
+    }
+    match sims.as_slice() {
+        [one] => Ok(of_sim(one)),
+        [] => Err(Error::usd(format!("{file} has no mesh that is bound to a simulation mesh"))
+            .code(ErrorCode::NotBound)
+            .remedy("build it with `usdtailor build` of this version")),
+        _ => Err(Error::usd(format!("{file} has {} simulation meshes, each with bound meshes", sims.len()))
+            .code(ErrorCode::SeveralMeshes)
+            .remedy(format!("choose one by --prim: {}", listed(&sims)))),
+    }
+}
+
+/// The garment's own meshes: one, or the panels that are sewn together, whose places are one after another.
+fn models(stage: &Stage, options: &DriveOptions, bind: &Bind) -> Result<Vec<BoundMesh>, Error> {
+    let [.., source] = names::MODEL_BINDING;
+    let (sim, file) = (bind.sim.path(), options.render.display());
+    let stale = |text: String, remedy: &str| Err(Error::usd(text).code(ErrorCode::StaleBinding).remedy(remedy));
+    let paths = bind.sim.relationship(source).targets().or_unreadable(sim)?;
+    if paths.is_empty() {
+        let text = format!("{sim} of {file} has no {source}");
+        return stale(text, "leave out --model, or build the garment again");
+    }
+    let mut panels = Vec::with_capacity(paths.len());
+    for path in &paths {
+        let prim = prim_at(stage, path)?;
+        let points = points_at_bind(&prim)?;
+        panels.push((prim, points));
+    }
+    let mut places = Places::read(bind.sim, names::MODEL_BINDING)?;
+    let count: usize = panels.iter().map(|(_, points)| points.len()).sum();
+    if count != places.faces.len() || count != places.coords.len() {
+        let text = format!("{sim} of {file} has places for {} points of its model, not {count}", places.faces.len());
+        return stale(text, "build the garment again");
+    }
+    let mut meshes = Vec::with_capacity(panels.len());
+    for (prim, points) in panels {
+        let own = places.take(points.len());
+        meshes.push(BoundMesh::read(&prim, points, own, bind)?);
+    }
+    Ok(meshes)
+}
+
+/// The simulation mesh at bind.
+struct Bind<'a> {
+    sim: &'a Prim,
+    points: &'a [Vec3],
+    triangles: &'a [[u32; 3]],
+}
+
+/// The places of points on the simulation mesh.
+struct Places {
+    faces: Vec<u32>,
+    coords: Vec<Vec3>,
+}
+
+impl Places {
+    /// Reads them from `holder`, by the first two of `names`.
+    fn read(holder: &Prim, [faces, coords, _]: [&str; 3]) -> Result<Self, Error> {
+        let faces = ints(holder, faces)?.iter().map(|face| *face as u32).collect();
+        match value(holder, coords, None)? {
+            Some(Value::Vec3fVec(coords)) => Ok(Self { faces, coords: bytemuck::cast_slice(&coords).to_vec() }),
+            _ => Err(Error::usd(format!("{}.{coords} is missing", holder.path()))
+                .code(ErrorCode::StaleBinding)
+                .remedy("build the garment again")),
+        }
+    }
+
+    /// Takes the first `count` of them.
+    fn take(&mut self, count: usize) -> Self {
+        Self { faces: self.faces.drain(..count).collect(), coords: self.coords.drain(..count).collect() }
+    }
 }
 
 /// The points of a mesh at bind: its bind pose, else its points without a time.
@@ -172,29 +246,24 @@ fn triangles(sim: &Prim) -> Result<Vec<[u32; 3]>, Error> {
 }
 
 impl BoundMesh {
-    /// Reads a mesh whose places `holder` has, by the first two of `names`.
-    fn read(
-        prim: &Prim,
-        holder: &Prim,
-        [faces, coords, _]: [&str; 3],
-        sim_points: &[Vec3],
-        triangles: &[[u32; 3]],
-    ) -> Result<Self, Error> {
-        let points = points_at_bind(prim)?;
-        let faces: Vec<u32> = ints(holder, faces)?.iter().map(|face| *face as u32).collect();
-        let coords: Vec<Vec3> = match value(holder, coords, None)? {
-            Some(Value::Vec3fVec(coords)) => bytemuck::cast_slice(&coords).to_vec(),
-            _ => {
-                return Err(Error::usd(format!("{}.{coords} is missing", holder.path()))
-                    .code(ErrorCode::StaleBinding)
-                    .remedy("build the garment again"));
-            }
-        };
-        let pose = BindPose { sim_points, triangles, points: &points, faces: &faces, coords: &coords };
-        let driver = Driver::new(&pose)?;
+    /// Reads a mesh with these points at bind and places on the simulation mesh.
+    fn read(prim: &Prim, points: Vec<Vec3>, places: Places, bind: &Bind) -> Result<Self, Error> {
+        let space = Space::between(prim, bind.sim)?;
+        let in_sim = space.as_ref().map(|space| space.points_to_sim(&points));
+        let driver = Driver::new(&BindPose {
+            sim_points: bind.points,
+            triangles: bind.triangles,
+            points: in_sim.as_ref().unwrap_or(&points),
+            faces: &places.faces,
+            coords: &places.coords,
+        })?;
         let schemas = prim.authored_api_schemas().or_unreadable(prim.path())?;
         let is_skinned = schemas.iter().any(|schema| schema.as_str() == names::SKEL_BINDING_API);
-        Ok(Self { path: prim.path().clone(), is_skinned, normals: normals(prim, points.len())?, points, driver })
+        let mut normals = normals(prim, points.len())?;
+        if let (Some(space), Some(normals)) = (&space, &mut normals) {
+            space.normals_to_sim(&mut normals.values);
+        }
+        Ok(Self { path: prim.path().clone(), is_skinned, normals, points: points.len(), space, driver })
     }
 }
 

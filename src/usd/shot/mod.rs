@@ -8,6 +8,7 @@ mod cache;
 mod clips;
 mod crate_samples;
 mod numpy;
+mod space;
 mod stream;
 
 use crate::drive::Driver;
@@ -17,6 +18,7 @@ use bound::Bound;
 use cache::{Cache, Frame};
 use glam::Vec3;
 use rayon::prelude::*;
+use space::Space;
 use std::path::{Path, PathBuf};
 use stream::ShotWriter;
 
@@ -34,11 +36,11 @@ pub struct DriveOptions {
     pub cache: PathBuf,
     /// The shot.
     pub output: PathBuf,
-    /// Path of the mesh to drive; by default the only one that is bound.
+    /// Path of the mesh to drive, or of a simulation mesh for all that are bound to it; by default the only simulation mesh.
     pub prim: Option<String>,
     /// Path of the mesh in the cache; by default that of the simulation mesh, or the only one with its points.
     pub cache_prim: Option<String>,
-    /// Drive the garment's own mesh too.
+    /// Drive the garment's own mesh too, or the panels of which it is sewn.
     pub model: bool,
     /// Write a file for each frame, and a layer that has them as value clips.
     pub clips: bool,
@@ -88,7 +90,7 @@ pub fn drive(options: &DriveOptions, progress: &(dyn Fn(usize, usize) + Sync)) -
             }
         }
         writer.finish()?;
-        let points = bound.meshes.iter().map(|mesh| mesh.points.len()).sum();
+        let points = bound.meshes.iter().map(|mesh| mesh.points).sum();
         Ok(Driven { frames, points, times: [cache.times()[0], cache.times()[frames - 1]] })
     })
 }
@@ -98,6 +100,15 @@ struct Moved {
     points: Vec<Vec3>,
     normals: Option<Vec<Vec3>>,
     velocities: Option<Vec<Vec3>>,
+}
+
+impl Moved {
+    /// Takes the mesh from the space of the simulation mesh to its own.
+    fn take_from_sim(&mut self, space: &Space) {
+        space.points_from_sim(&mut self.points);
+        self.normals.iter_mut().for_each(|normals| space.normals_from_sim(normals));
+        self.velocities.iter_mut().for_each(|velocities| space.velocities_from_sim(velocities));
+    }
 }
 
 impl Bound {
@@ -115,7 +126,12 @@ impl Bound {
         };
         let moved = |mesh: &bound::BoundMesh| {
             let normals = mesh.normals.as_ref().map(|n| mesh.driver.directions(&frame.points, &n.values, &n.points));
-            Moved { points: mesh.driver.points(&frame.points), normals, velocities: velocities(&mesh.driver) }
+            let velocities = velocities(&mesh.driver);
+            let mut moved = Moved { points: mesh.driver.points(&frame.points), normals, velocities };
+            if let Some(space) = &mesh.space {
+                moved.take_from_sim(space);
+            }
+            moved
         };
         self.meshes.iter().map(moved).collect()
     }

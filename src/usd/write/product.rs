@@ -4,6 +4,7 @@ use super::role::{Product, ProductRole};
 use crate::binding::Binding;
 use crate::error::{Warning, Warnings};
 use crate::garment::{Elements, Garment, Interpolation, Primvar, PrimvarRole, Values};
+use crate::mesh::VertexId;
 use crate::usd::assets::Anchor;
 use crate::usd::names::{self, UsdToken};
 use crate::usd::read::{Model, Sibling, SubsetRecord};
@@ -36,7 +37,7 @@ impl Author<'_> {
         let path = self.model.sibling_path(product.name)?;
         let model = self.model;
         PrimSpec::new(self.data, &path, Specifier::Def, names::MESH)?;
-        self.data.set_field(&path, FieldKey::Documentation.as_str(), Value::String(doc(product.role, &model.panels)));
+        self.data.set_field(&path, FieldKey::Documentation.as_str(), Value::String(doc(product, &model.panels)));
         self.data.set_field(&path, names::CUSTOM_DATA, self.mark(product.role.name()));
         let before = model.siblings.get(product.name).filter(|_| self.is_overlay);
         self.schemas(&path, &model.applied, before.is_some());
@@ -69,15 +70,16 @@ impl Author<'_> {
         for (product, binding) in products.iter().filter_map(|product| Some((product, product.binding?))) {
             self.binding(&self.model.sibling_path(product.name)?, binding, &target)?;
         }
-        // Panels that are sewn together have their points in one cage, which is no prim.
-        match sim.cage_binding.filter(|_| self.model.panels.len() == 1) {
-            Some(binding) => {
-                let model = self.model.path.clone();
-                self.places(&target, names::MODEL_BINDING, binding)?;
-                self.target(&target, names::MODEL_BINDING[2], &model)
-            }
-            None => Ok(()),
+        let Some(binding) = sim.cage_binding else { return Ok(()) };
+        let model = self.model;
+        let [.., source] = names::MODEL_BINDING;
+        // The points of sewn panels are those of the cage to which they are sewn, panel by panel.
+        let points: Vec<VertexId> = model.sewing.points.iter().flatten().map(|&point| VertexId::new(point)).collect();
+        match model.panels.len() {
+            1 => self.places(&target, names::MODEL_BINDING, binding)?,
+            _ => self.places(&target, names::MODEL_BINDING, &binding.of_points(&points))?,
         }
+        self.targets(&target, source, &model.panels)
     }
 
     fn binding(&mut self, prim: &Path, binding: &Binding, target: &Path) -> openusd::Result<()> {
@@ -99,11 +101,20 @@ impl Author<'_> {
 
     /// Authors a relationship to one prim.
     pub(super) fn target(&mut self, prim: &Path, name: &str, target: &Path) -> openusd::Result<()> {
+        self.targets(prim, name, std::slice::from_ref(target))
+    }
+
+    /// Authors a relationship to some prims.
+    fn targets(&mut self, prim: &Path, name: &str, targets: &[Path]) -> openusd::Result<()> {
         let path = prim.append_property(name)?;
         if !self.data.has_spec(&path) {
             sdf::RelationshipSpec::new(self.data, &path, Variability::Uniform, false)?;
         }
-        self.data.set_field(&path, FieldKey::TargetPaths.as_str(), sdf::PathListOp::explicit([target.clone()]).into());
+        self.data.set_field(
+            &path,
+            FieldKey::TargetPaths.as_str(),
+            sdf::PathListOp::explicit(targets.iter().cloned()).into(),
+        );
         Ok(())
     }
 
@@ -343,8 +354,9 @@ fn misfit(prim: &Path, name: &str, primvar: &Primvar) -> Warning {
     Warning::not_carried(format!("{prim}.{name}"), why)
 }
 
-fn doc(role: ProductRole, panels: &[Path]) -> String {
-    let what = match role {
+fn doc(product: &Product, panels: &[Path]) -> String {
+    let panels = product.panel.and_then(|panel| panels.get(panel..=panel)).unwrap_or(panels);
+    let what = match product.role {
         ProductRole::Sim => "Simulation mesh",
         ProductRole::Render => "Render mesh",
     };

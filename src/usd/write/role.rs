@@ -44,6 +44,8 @@ impl ProductRole {
 pub struct Product<'a> {
     /// Name of its prim.
     pub name: &'a str,
+    /// The panel whose part it is, by number; none for the product of all.
+    pub panel: Option<usize>,
     /// Its purpose.
     pub role: ProductRole,
     /// The mesh.
@@ -59,6 +61,6 @@ pub struct Product<'a> {
 impl<'a> Product<'a> {
     /// A mesh without physics.
     pub fn new(name: &'a str, role: ProductRole, mesh: &'a Garment) -> Self {
-        Self { name, role, mesh, cloth: None, binding: None, cage_binding: None }
+        Self { name, panel: None, role, mesh, cloth: None, binding: None, cage_binding: None }
     }
 }

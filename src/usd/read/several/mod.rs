@@ -3,20 +3,23 @@
 mod choose;
 mod exclude;
 mod model;
+mod product_names;
 mod recipe;
+
+pub use product_names::{ProductNames, product_names};
 
 use super::origin::StageOrigin;
 use super::query::prim_at;
 use super::source::{ReadOptions, Source};
 use crate::error::{Code, Error, ErrorCode, ErrorKind, Warning};
 use crate::garment::sew::{MAX_TOLERANCE, Seams, TOLERANCE, Unsewn, find_seams};
-use crate::garment::{GarmentInput, check_garment, free_name};
+use crate::garment::{GarmentInput, check_garment};
 use crate::mesh::{Elements, VertexId};
 use crate::usd::on_large_stack;
 use glam::DMat4;
 use openusd::usd::TimeCode;
-use std::collections::HashSet;
 use std::path::Path;
+use std::sync::Arc;
 
 impl Source {
     /// Opens all garments of a stage: those below `options.prim` if that has several meshes below it, all if `options.all`, or else
@@ -26,12 +29,41 @@ impl Source {
     /// # Errors
     /// As [`Source::open`], for any of the meshes; panels that cannot be one mesh.
     pub fn open_all(path: &Path, options: &ReadOptions) -> Result<Vec<Self>, Error> {
+        Self::all_of(StageOrigin::new(path, None, &options.variants), options)
+    }
+
+    fn all_of(origin: StageOrigin, options: &ReadOptions) -> Result<Vec<Self>, Error> {
         let may_be_several = options.all || options.prim.is_some() || !options.exclude.is_empty();
         if !may_be_several || options.time.is_some_and(|t| !t.is_finite()) {
-            return Ok(vec![Self::open(path, options)?]);
+            return Ok(vec![Self::of(origin, options)?]);
         }
-        let origin = StageOrigin::new(path, None, &options.variants);
         on_large_stack(|| open(origin, options))
+    }
+
+    /// As [`Source::open_all`] for one garment, from `content`: a layer in memory (crate or text) to which another program
+    /// flattened `file`. Relative paths in it are not resolved.
+    ///
+    /// # Errors
+    /// As [`Source::open_all`]; several garments.
+    pub fn from_layer(content: Arc<[u8]>, file: &Path, options: &ReadOptions) -> Result<Self, Error> {
+        Self::only(Self::all_of(StageOrigin::new(file, Some(content), &options.variants), options)?)
+    }
+
+    /// The one of several garments that there is.
+    ///
+    /// # Errors
+    /// Several of them.
+    pub fn only(mut garments: Vec<Self>) -> Result<Self, Error> {
+        match garments.pop() {
+            Some(one) if garments.is_empty() => Ok(one),
+            last => {
+                let names: Vec<&str> = garments.iter().chain(&last).map(Self::whole).collect();
+                let file = garments.first().map(|garment| garment.file().display().to_string()).unwrap_or_default();
+                Err(Error::usd(format!("{file} has {} garments, and one is wanted", names.len()))
+                    .code(ErrorCode::SeveralMeshes)
+                    .remedy(format!("name one by --prim, or leave others out by --exclude: {}", names.join(", "))))
+            }
+        }
     }
 }
 
@@ -88,22 +120,4 @@ fn unsewn_borders(unsewn: &Unsewn, sources: &[Source], tolerance: f64) -> Warnin
     Warning::new(Code::UnsewnBorders, format!("{a}, {b}"), problem)
         .at(Elements::Edges(edges))
         .remedy("Give both borders the same points, or raise --sew-tolerance")
-}
-
-/// The names of the two products of each garment: those given, or, where several garments are beside each other, names with
-/// that of the garment before them.
-pub fn product_names<'a>(sources: impl IntoIterator<Item = &'a Source>, given: [&str; 2]) -> Vec<[String; 2]> {
-    let sources: Vec<&Source> = sources.into_iter().collect();
-    let mut taken = HashSet::new();
-    let names = sources.iter().map(|source| {
-        let parent = &source.model.parent;
-        if sources.iter().filter(|other| other.model.parent == *parent).count() == 1 {
-            return given.map(str::to_owned);
-        }
-        let name = source.model.name().replace('/', "_");
-        let name = free_name(&name, |name| taken.contains(&(parent, name.to_owned())));
-        taken.insert((parent, name.clone()));
-        given.map(|product| format!("{name}_{product}"))
-    });
-    names.collect()
 }

@@ -5,7 +5,7 @@ use crate::error::{Error, ErrorCode, Warning, Warnings};
 use crate::garment::sew::{Panel, Seams, Sewn, merge, place};
 use crate::garment::{Interpolation, Units};
 use crate::usd::names;
-use crate::usd::read::model::{Model, SubsetRecord, siblings};
+use crate::usd::read::model::{Model, Sewing, SubsetRecord, siblings};
 use crate::usd::read::primvars::{Declarations, read_primvar};
 use crate::usd::read::query::prim_at;
 use crate::usd::read::source::{PanelSeam, Source};
@@ -69,6 +69,7 @@ pub fn sewn(
     let mut notes = Warnings::default();
     let mut sewn = merge(name(&model), units, meshes, &welds(members, seams), &mut notes)?;
     warnings.extend(notes);
+    model.sewing = Sewing { sets: sewn.panels.clone(), points: std::mem::take(&mut sewn.points) };
     model.siblings = siblings(stage, &model)?;
     model.subsets = subset_records(&panels)?;
     move_materials(&panels, &mut model, &mut sewn);

@@ -1,7 +1,7 @@
 //! Chaos Cloth of Unreal Engine, which also reads what CLO and Marvelous Designer export: a mesh with panels as face subsets, and a
 //! fabric for each.
 
-use super::Physics;
+use super::{BoundRender, Physics};
 use crate::cloth::ClothOptions;
 use crate::mesh::FaceId;
 use crate::usd::names;
@@ -32,7 +32,7 @@ impl Author<'_> {
             self.apply(&path, &["SimPatternAPI", "CloFabricAPI"])?;
             self.fabric(physics, &path, faces)?;
         }
-        self.render_patterns(physics, count)
+        physics.renders.iter().try_for_each(|render| self.render_patterns(physics, render, count))
     }
 
     /// A panel as a face subset.
@@ -74,8 +74,14 @@ impl Author<'_> {
     }
 
     /// The panels of the render mesh: those of the triangles that most of each face's points are bound to.
-    fn render_patterns(&mut self, physics: &Physics<'_>, count: usize) -> openusd::Result<()> {
-        let (Some((render, mesh)), Some(binding)) = (&physics.render, physics.binding) else { return Ok(()) };
+    fn render_patterns(
+        &mut self,
+        physics: &Physics<'_>,
+        render: &BoundRender<'_>,
+        count: usize,
+    ) -> openusd::Result<()> {
+        let BoundRender { path: render, mesh, binding: Some(binding) } = render else { return Ok(()) };
+        let is_part = physics.renders.len() > 1;
         let shell = |face: FaceId| {
             let mut shells: Vec<u32> = mesh
                 .faces
@@ -90,7 +96,7 @@ impl Author<'_> {
         let mut faces: Vec<Vec<usize>> = vec![Vec::new(); count];
         mesh.faces.ids().for_each(|face| faces[shell(face) as usize].push(face.index()));
         self.token(render, &family_type(), "partition")?;
-        for (number, faces) in faces.iter().enumerate() {
+        for (number, faces) in faces.iter().enumerate().filter(|(_, faces)| !is_part || !faces.is_empty()) {
             let path = self.pattern(render, number, faces)?;
             self.apply(&path, &["RenderPatternAPI"])?;
             let sim = physics.sim_path.append_path(format!("{PATTERN}_{number}").as_str())?;

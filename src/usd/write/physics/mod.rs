@@ -59,13 +59,19 @@ struct Physics<'a> {
     cloth: &'a Cloth,
     sim: &'a Garment,
     sim_path: Path,
-    /// The render mesh, if there is one.
-    render: Option<(Path, &'a Garment)>,
-    binding: Option<&'a Binding>,
+    /// The render mesh, or those of the panels.
+    renders: Vec<BoundRender<'a>>,
     scope: Path,
     panels: Path,
     /// Metres in a unit of the stage.
     meters: f64,
+}
+
+/// A render mesh and the places of its points.
+struct BoundRender<'a> {
+    path: Path,
+    mesh: &'a Garment,
+    binding: Option<&'a Binding>,
 }
 
 impl Author<'_> {
@@ -81,13 +87,15 @@ impl Author<'_> {
         let Some((product, cloth)) = sim.and_then(|product| Some((product, product.cloth?))) else {
             return self.remove_physics(products).map_err(fault);
         };
-        let render = products.iter().find(|product| product.role == ProductRole::Render);
+        let renders = products.iter().filter(|product| product.role == ProductRole::Render);
+        let renders = renders.map(|render| {
+            Ok::<_, Error>(BoundRender { path: path(render.name)?, mesh: render.mesh, binding: render.binding })
+        });
         let physics = Physics {
             cloth,
             sim: product.mesh,
             sim_path: path(product.name)?,
-            render: render.map(|render| Ok::<_, Error>((path(render.name)?, render.mesh))).transpose()?,
-            binding: render.and_then(|render| render.binding),
+            renders: renders.collect::<Result<_, _>>()?,
             scope: path(&beside(SCOPE, product.name))?,
             panels: path(&beside(PANELS, product.name))?,
             meters: product.mesh.units.meters_per_unit,
@@ -119,8 +127,8 @@ impl Author<'_> {
             self.body(physics, dialect)?;
             self.sim_mesh(physics, dialect)?;
             self.pose(&physics.sim_path, physics.sim, dialect, dialect.sim_purposes)?;
-            if let Some((path, mesh)) = &physics.render {
-                self.pose(path, mesh, dialect, &["bindPose"])?;
+            for render in &physics.renders {
+                self.pose(&render.path, render.mesh, dialect, &["bindPose"])?;
             }
             self.pins(physics, dialect, held)?;
             self.pieces(physics, dialect)?;

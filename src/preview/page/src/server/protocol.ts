@@ -103,7 +103,8 @@ export interface GarmentMessage {
   options: Option[];
   kinds: Kind[];
   /** Where `save` suggests to write. */
-  suggested: { layer: string; recipe: string };
+  /** Files to save to. Panels that are sewn together have no layer: their options are of no prim. */
+  suggested: { layer: string | null; recipe: string };
   /** Warnings of the stage and of its mesh; those of the products are in their own messages. */
   warnings: Warning[];
 }

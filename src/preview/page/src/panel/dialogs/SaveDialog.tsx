@@ -1,7 +1,7 @@
 // Saves the edits as a USD layer or a `.tailor` file, after a look at what would be written.
 
 import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
-import type { SaveMessage } from "../../server/protocol";
+import type { GarmentMessage, SaveMessage } from "../../server/protocol";
 import type { Store } from "../../state/store";
 import { copyText } from "./clipboard";
 import { Segments } from "../controls/controls";
@@ -19,11 +19,12 @@ export function SaveDialog() {
   return isOpen && suggested ? <Dialog suggested={suggested} /> : null;
 }
 
-function Dialog({ suggested }: { suggested: { layer: string; recipe: string } }) {
+function Dialog({ suggested }: { suggested: GarmentMessage["suggested"] }) {
   const store = useStore();
   const isLive = useLive();
   const dialog = useRef<HTMLDialogElement>(null);
-  const [path, setPath] = useState(suggested.layer);
+  const { layer, recipe } = suggested;
+  const [path, setPath] = useState(layer ?? recipe);
   const [isSure, setSure] = useState(false);
   const answer = useSelect((state) => state.save);
   const format: Format = path.endsWith(".tailor") ? "recipe" : "layer";
@@ -60,15 +61,17 @@ function Dialog({ suggested }: { suggested: { layer: string; recipe: string } })
         }}
       >
         <h2 id="save-title">Save the edits</h2>
-        <Segments
-          label="Format"
-          value={format}
-          choices={[
-            { value: "layer", label: "USD layer", hint: "A layer over the garment, for any program that reads USD" },
-            { value: "recipe", label: ".tailor file", hint: "JSON with the options, for usdtailor and its plugin" },
-          ]}
-          change={(format) => setPath(suggested[format])}
-        />
+        {layer !== null && (
+          <Segments
+            label="Format"
+            value={format}
+            choices={[
+              { value: "layer", label: "USD layer", hint: "A layer over the garment, for any program that reads USD" },
+              { value: "recipe", label: ".tailor file", hint: "JSON with the options, for usdtailor and its plugin" },
+            ]}
+            change={(format) => setPath(format === "layer" ? layer : recipe)}
+          />
+        )}
         <label class="field">
           Path
           <input

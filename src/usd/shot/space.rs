@@ -1,0 +1,64 @@
+//! The space of a driven mesh in that of the simulation mesh.
+
+use crate::error::{Error, ErrorCode};
+use crate::usd::read::transforms;
+use glam::{DMat3, DMat4, Vec3};
+use openusd::usd::Prim;
+
+/// The transform from a mesh to the simulation mesh.
+#[derive(Clone, Copy, Debug)]
+pub struct Space {
+    to_sim: DMat4,
+    from_sim: DMat4,
+}
+
+impl Space {
+    /// The space of `mesh`; none if it is that of `sim`.
+    ///
+    /// # Errors
+    /// A transform that flattens one of them.
+    pub fn between(mesh: &Prim, sim: &Prim) -> Result<Option<Self>, Error> {
+        let [own, of_sim] = [transforms(mesh, None)?.to_world, transforms(sim, None)?.to_world];
+        if own == of_sim {
+            return Ok(None);
+        }
+        let to_sim = of_sim.inverse() * own;
+        let from_sim = to_sim.inverse();
+        if !to_sim.is_finite() || !from_sim.is_finite() {
+            let text = format!("{} has a transform to {} that flattens it", mesh.path(), sim.path());
+            return Err(Error::usd(text).code(ErrorCode::StaleBinding).remedy("give it scales that are not 0"));
+        }
+        Ok(Some(Self { to_sim, from_sim }))
+    }
+
+    /// Points of the mesh in the space of the simulation mesh.
+    pub fn points_to_sim(&self, points: &[Vec3]) -> Vec<Vec3> {
+        points.iter().map(|p| self.to_sim.transform_point3(p.as_dvec3()).as_vec3()).collect()
+    }
+
+    /// Takes points back to the space of the mesh.
+    pub fn points_from_sim(&self, points: &mut [Vec3]) {
+        points.iter_mut().for_each(|p| *p = self.from_sim.transform_point3(p.as_dvec3()).as_vec3());
+    }
+
+    /// Takes velocities back to the space of the mesh.
+    pub fn velocities_from_sim(&self, velocities: &mut [Vec3]) {
+        velocities.iter_mut().for_each(|v| *v = self.from_sim.transform_vector3(v.as_dvec3()).as_vec3());
+    }
+
+    /// Takes normals of the mesh to the space of the simulation mesh.
+    pub fn normals_to_sim(&self, normals: &mut [Vec3]) {
+        turn(normals, &self.from_sim);
+    }
+
+    /// Takes normals back to the space of the mesh.
+    pub fn normals_from_sim(&self, normals: &mut [Vec3]) {
+        turn(normals, &self.to_sim);
+    }
+}
+
+/// Takes normals to the space from which `back` leads.
+fn turn(normals: &mut [Vec3], back: &DMat4) {
+    let transposed = DMat3::from_mat4(*back).transpose();
+    normals.iter_mut().for_each(|n| *n = (transposed * n.as_dvec3()).normalize_or_zero().as_vec3());
+}
