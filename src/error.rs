@@ -214,6 +214,8 @@ pub enum Code {
     Composition,
     /// An option of a payload cannot be one, and is left out.
     IgnoredOption,
+    /// An option is where nothing reads it.
+    MisplacedOption,
     /// A schema is applied, and the sets that it needs are not named.
     SchemaWithoutSets,
     /// Borders of two meshes lie along each other and are not sewn.

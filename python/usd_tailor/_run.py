@@ -3,7 +3,7 @@
 import json
 import os
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Union
@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 Source = Union[str, "os.PathLike[str]", "Usd.Stage"]
 Value = Union[str, int, float, bool, Sequence[str]]
+Options = Mapping[str, Union[Value, "Options"]]
+"""Options by their keys, ``{"sim.maxEdgeLength": 2}``, or nested as in a recipe, ``{"sim": {"maxEdgeLength": 2}}``."""
 
 # The key of the build's record. It names the source, which for a stage is a temporary file.
 _RECORD = "tailor"
@@ -36,7 +38,7 @@ def build(
     output: "str | os.PathLike[str] | None" = None,
     *,
     recipe: "str | os.PathLike[str] | None" = None,
-    options: "Mapping[str, Value] | None" = None,
+    options: "Options | None" = None,
     prim: "str | None" = None,
     time: "float | None" = None,
     all: bool = False,
@@ -49,7 +51,8 @@ def build(
         source: A USD or ``.tailor`` file, with an ``output``; or an open stage, as it is now, edits included.
         output: The file to write, for a file. ``force`` overwrites it.
         recipe: A ``.tailor`` file with options.
-        options: Options by their keys, such as ``{"sim.maxEdgeLength": "8mm", "render.level": 2}``.
+        options: Options by their keys, such as ``{"sim.maxEdgeLength": "8mm", "render.level": 2}``, or nested as in a
+            ``.tailor`` file: ``{"sim": {"maxEdgeLength": "8mm"}, "seam": {"side": {"width": 0.6}}}``.
         prim: Path of the mesh, if there are several.
         time: Time at which values are read. [time codes]
         all: All meshes; panels whose borders coincide are sewn.
@@ -133,7 +136,7 @@ def _examined(command: str, source: Source, **arguments: Any) -> dict[str, Any]:
 
 def _arguments(
     recipe: "str | os.PathLike[str] | None" = None,
-    options: "Mapping[str, Value] | None" = None,
+    options: "Options | None" = None,
     prim: "str | None" = None,
     time: "float | None" = None,
     all: bool = False,
@@ -142,9 +145,18 @@ def _arguments(
     arguments += [] if prim is None else ["--prim", str(prim)]
     arguments += [] if time is None else ["--time", str(time)]
     arguments += ["--all"] if all else []
-    for key, value in (options or {}).items():
+    for key, value in _flat(options or {}):
         arguments += ["--set", f"{key}={_text(value)}"]
     return arguments
+
+
+def _flat(options: Options, above: str = "") -> "Iterator[tuple[str, Value]]":
+    """The options by their full keys."""
+    for key, value in options.items():
+        if isinstance(value, Mapping):
+            yield from _flat(value, f"{above}{key}.")
+        else:
+            yield above + key, value
 
 
 def _text(value: Value) -> str:

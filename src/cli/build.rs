@@ -1,6 +1,7 @@
 //! `usdtailor build`.
 
 use super::batch::{Budget, run_all};
+use super::process::folders::MadeFolders;
 use super::process::memory;
 use super::variants::{self, Opening};
 use super::{Build, Output, protect, report, text, usage};
@@ -8,7 +9,8 @@ use crate::error::{Error, Warnings};
 use crate::report::{RenderFigures, SimFigures};
 use crate::session::{is_usd, written};
 use crate::usd::{
-    BuildRecord, ProductNames, Selection, Source, Tailored, WriteOptions, check_target, product_names, write_all,
+    BuildRecord, Format, ProductNames, Selection, Source, Tailored, WriteOptions, check_target, product_names,
+    rehearse_all, write_all,
 };
 use crate::{Builder, ClothFigures, Products, Progress, Recipe, RenderPanel, Timing};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -33,7 +35,7 @@ pub enum Outcome {
     /// Its output was fresh and stays.
     Fresh,
     /// Its output would be written; the text says what it would hold.
-    Planned(String),
+    Planned { text: String, warnings: Warnings },
     /// Its output was not written.
     Failed(Error),
 }
@@ -70,6 +72,8 @@ pub struct Built {
 /// Builds every input. With several inputs, a failed one is reported and the others are still built.
 pub fn run(build: &Build) -> Result<Output, Error> {
     let tasks = tasks(build)?;
+    // Kept to the end, when it goes again if nothing is in it.
+    let _made = if is_folder(build, tasks.len()) { Some(MadeFolders::new(&build.output)?) } else { None };
     let report_file = build.report.as_deref().filter(|file| *file != Path::new(STDOUT));
     let prints_report = build.report.is_some() && report_file.is_none();
     // The caller prints the error of a lone input, unless there is a report to print as well.
@@ -116,12 +120,12 @@ pub fn run(build: &Build) -> Result<Output, Error> {
 fn tasks(build: &Build) -> Result<Vec<Task>, Error> {
     let files = build.inputs.files()?;
     let out = &build.output;
-    if files.len() == 1 && !out.is_dir() {
+    if !is_folder(build, files.len()) {
         return Ok(files.into_iter().map(|input| Task { input, output: out.clone() }).collect());
     }
-    if !out.is_dir() {
-        return Err(usage(format!("-o {}", out.display()), format!("{} inputs need an existing folder", files.len()))
-            .remedy("create the folder first, or build one input at a time"));
+    if !out.is_dir() && (out.exists() || Format::of(out).is_ok()) {
+        return Err(usage(format!("-o {}", out.display()), format!("{} inputs need a folder", files.len()))
+            .remedy("name a folder, which is made where it is missing, or build one input at a time"));
     }
     let mut known = std::collections::HashSet::new();
     let task = |input: PathBuf| {
@@ -135,12 +139,19 @@ fn tasks(build: &Build) -> Result<Vec<Task>, Error> {
     files.into_iter().map(task).collect()
 }
 
+/// Whether the output is a folder for the outputs of so many inputs.
+fn is_folder(build: &Build, inputs: usize) -> bool {
+    let out = &build.output;
+    inputs > 1 || out.is_dir() || out.to_string_lossy().ends_with(std::path::is_separator)
+}
+
 /// Prints the warnings and the error of an input, which `label` names where it is one of several.
 fn tell(build: &Build, outcome: &Outcome, label: Option<&PathBuf>, is_lone: bool) {
     match outcome {
         Outcome::Built(summary) => text::print_warnings(summary.warnings.iter(), build.inputs.quiet, label),
         Outcome::Failed(error) if !is_lone => text::print_error(error, label.map(PathBuf::as_path)),
-        Outcome::Failed(_) | Outcome::Fresh | Outcome::Planned(_) => {}
+        Outcome::Planned { warnings, .. } => text::print_warnings(warnings.iter(), build.inputs.quiet, label),
+        Outcome::Failed(_) | Outcome::Fresh => {}
     }
 }
 
@@ -148,11 +159,9 @@ fn build_one(build: &Build, task: &Task, budget: &Budget, bar: &ProgressBar) -> 
     if build.skip_fresh && is_fresh(build, task) {
         return Outcome::Fresh;
     }
-    if build.dry_run {
-        return planned(build, task, budget).map_or_else(Outcome::Failed, Outcome::Planned);
-    }
     let start = Instant::now();
     match built(build, task, budget, bar) {
+        Ok(garments) if build.dry_run => planned(task, garments),
         Ok(garments) => Outcome::Built(Box::new(Summary {
             text: text::summaries(task, &garments, build.inputs.verbose),
             report: report::built(task, &garments),
@@ -160,37 +169,29 @@ fn build_one(build: &Build, task: &Task, budget: &Budget, bar: &ProgressBar) -> 
                 garments.iter().map(|built| built.sim.faces).sum(),
                 garments.iter().map(|built| built.render.faces).sum(),
             ],
-            warnings: garments.into_iter().fold(Warnings::default(), |mut all, built| {
-                all.extend(built.warnings);
-                all
-            }),
+            warnings: warnings(garments),
             seconds: start.elapsed().as_secs_f64(),
         })),
         Err(error) => Outcome::Failed(error),
     }
 }
 
-/// The sizes and names of the products, as [`Builder::plan`] finds them.
-fn planned(build: &Build, task: &Task, budget: &Budget) -> Result<String, Error> {
-    let Task { input, output } = task;
-    let mut text = format!("{} -> {}: would write", input.display(), output.display());
-    for Opening { variant, garments } in variants::open(build, input)? {
-        check_target(&garments[0].source, output, build.force)?;
-        let sources = garments.iter().map(|garment| &garment.source);
-        let names = named(build, sources);
-        for (garment, names) in garments.into_iter().zip(names) {
-            let (_, builder, recipe) = garment.check()?;
-            let plan = builder.with_max_memory(budget.limit()).plan(&recipe)?;
-            let [triangles, faces] = [plan.expected_faces, plan.render_faces];
-            let within = variant.as_ref().map(|variant| format!(" in {}", variant.choice)).unwrap_or_default();
-            text += &format!(
-                " about {triangles} triangles to {}, {faces} faces to {}{within};",
-                names.sim,
-                names.render.join(" and ")
-            );
-        }
+fn warnings(garments: Vec<Built>) -> Warnings {
+    garments.into_iter().fold(Warnings::default(), |mut all, built| {
+        all.extend(built.warnings);
+        all
+    })
+}
+
+/// What would have been written.
+fn planned(task: &Task, garments: Vec<Built>) -> Outcome {
+    let mut text = format!("{} -> {}: would write", task.input.display(), task.output.display());
+    for Built { sim, render, names, variant, .. } in &garments {
+        let within = variant.as_ref().map(|variant| format!(" in {}", variant.choice)).unwrap_or_default();
+        let ([triangles, faces], renders) = ([sim.faces, render.faces], names.render.join(" and "));
+        text += &format!(" {triangles} triangles to {}, {faces} faces to {renders}{within};", names.sim);
     }
-    Ok(text.trim_end_matches(';').to_owned() + "\n")
+    Outcome::Planned { text: text.trim_end_matches(';').to_owned() + "\n", warnings: warnings(garments) }
 }
 
 fn built(build: &Build, task: &Task, budget: &Budget, bar: &ProgressBar) -> Result<Vec<Built>, Error> {
@@ -267,7 +268,7 @@ fn garment(
     Ok(Built { prim, variant: None, names, panels, packed, products, sim, render, cloth, timings, warnings })
 }
 
-/// Writes the products of all garments. The last one gets the time of it, and its warnings.
+/// Writes the products of all garments, or only goes through it. The last one gets the time of it, and its warnings.
 fn write(
     build: &Build,
     output: &Path,
@@ -289,7 +290,8 @@ fn write(
         let all: Vec<_> = (sources.iter().zip(&meshes).zip(variants))
             .map(|((source, products), variant)| Tailored { source, products, variant })
             .collect();
-        write_all(&all, output, &options, &mut warnings)
+        let write = if build.dry_run { rehearse_all } else { write_all };
+        write(&all, output, &options, &mut warnings)
     })?
     .packed;
     if let Some(last) = garments.last_mut() {

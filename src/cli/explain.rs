@@ -1,6 +1,7 @@
 //! `usdtailor explain`.
 
 use super::{Output, usage};
+use crate::checks::did_you_mean;
 use crate::error::Error;
 use clap::Args;
 use std::fmt::Write as _;
@@ -37,10 +38,10 @@ fn explained(code: &str) -> Result<String, Error> {
     if let Some(Section { code, text }) = found {
         return Ok(format!("{code}\n\n{text}\n"));
     }
-    let nearest =
-        sections().min_by_key(|section| strsim::levenshtein(section.code, wanted)).map_or("", |section| section.code);
+    let codes: Vec<&str> = sections().map(|section| section.code).collect();
+    let likely = did_you_mean(wanted, &codes);
     let fault = usage("", format!("there is no code \"{code}\""));
-    Err(fault.remedy(format!("did you mean {nearest}? `usdtailor explain` lists all codes")))
+    Err(fault.remedy(format!("{likely}`usdtailor explain` lists all codes")))
 }
 
 /// All codes, each with the first sentence of its section.
@@ -120,8 +121,12 @@ mod tests {
     }
 
     #[test]
-    fn an_unknown_code_suggests_the_nearest() {
-        let message = explained("no-mseh").expect_err("unknown").to_string();
-        assert!(message.contains("did you mean no-mesh?"), "{message}");
+    fn an_unknown_code_suggests_a_near_one_alone() {
+        let message = |code| explained(code).expect_err("unknown").to_string();
+        assert!(message("no-mseh").contains("did you mean no-mesh?"), "{}", message("no-mseh"));
+        for far in ["foo", "x", "", "garment"] {
+            let message = message(far);
+            assert!(!message.contains("did you mean") && message.contains("lists all codes"), "{message}");
+        }
     }
 }

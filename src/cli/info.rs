@@ -1,13 +1,17 @@
 //! `usdtailor info` and `usdtailor check`.
 
+mod facing;
 mod json;
+mod recorded;
 
 use super::process::memory;
-use super::{Examined, Output, report, text};
+use super::variants::Opening;
+use super::{Examined, Output, report, text, variants};
 use crate::error::{Error, ErrorCode, ErrorKind, Warnings};
 use crate::units::in_words;
-use crate::usd::{Facts, Source};
+use crate::usd::{Facts, Selection, Source, misplaced_options};
 use crate::{Builder, Garment, Plan, PrimvarRole, Recipe};
+use recorded::Recorded;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::Path;
@@ -17,18 +21,46 @@ pub fn info(args: &Examined) -> Result<Output, Error> {
     let limit = memory::limit(args.limits.max_memory);
     each(args, |file, found| {
         let mut garments = Vec::new();
-        for garment in args.inputs.open(file)? {
-            let (source, builder, recipe) = garment.check()?;
-            let mut builder = builder.with_max_memory(limit);
-            found.warnings.extend(builder.warnings().iter().cloned());
-            let plan = builder.plan(&recipe)?;
-            describe(&mut found.text, source.facts(), &builder, &plan, args.inputs.verbose);
-            panels(&mut found.text, &source);
-            garments.push(json::garment(source.facts(), &builder, &plan));
+        let made = Recorded::of(&args.inputs, file);
+        for Opening { variant, garments: opened } in open(args, file, made.as_ref())? {
+            for garment in opened {
+                let (source, builder, recipe) = garment.check()?;
+                let mut builder = limited(builder, made.as_ref(), limit);
+                found.warnings.extend(builder.warnings().iter().cloned());
+                let plan = builder.plan(&recipe)?;
+                title(&mut found.text, source.facts(), variant.as_ref());
+                if let Some(made) = &made {
+                    let _ = writeln!(found.text, "  made     {}", made.in_words(file)?);
+                }
+                describe(&mut found.text, source.facts(), &builder, &plan, args.inputs.verbose);
+                panels(&mut found.text, &source);
+                garments.push(json::garment(source.facts(), variant.as_ref(), &builder, &plan));
+            }
         }
         found.json = if garments.len() == 1 { garments.remove(0) } else { json!({ "garments": garments }) };
+        if let Some(made) = &made {
+            found.json["made"] = made.json();
+        }
         Ok(())
     })
+}
+
+/// Opens the garments of a file; those of an output as they were built.
+fn open(args: &Examined, file: &Path, made: Option<&Recorded>) -> Result<Vec<Opening>, Error> {
+    match made.map(|made| (made, made.variants())) {
+        None => Ok(vec![Opening { variant: None, garments: args.inputs.open(file)? }]),
+        Some((made, Some(set))) => variants::each(set, &made.input),
+        Some((made, None)) => Ok(vec![Opening { variant: None, garments: made.input.open_all()? }]),
+    }
+}
+
+/// A builder with the limits of the command and of the build that made the file.
+fn limited(builder: Builder, made: Option<&Recorded>, memory: usize) -> Builder {
+    let builder = builder.with_max_memory(memory);
+    match made {
+        Some(made) => builder.with_max_faces(made.max_faces()),
+        None => builder,
+    }
 }
 
 /// Checks all inputs by what a build does, so that it finds what a build would. The exit code is that of the worst error.
@@ -36,9 +68,10 @@ pub fn check(args: &Examined) -> Result<Output, Error> {
     let limit = memory::limit(args.limits.max_memory);
     each(args, |file, found| {
         let mut is_fresh = true;
-        for garment in args.inputs.open(file)? {
+        let made = Recorded::of(&args.inputs, file);
+        for garment in open(args, file, made.as_ref())?.into_iter().flat_map(|opening| opening.garments) {
             let (source, builder, recipe) = garment.check()?;
-            let products = builder.with_max_memory(limit).update(&recipe)?;
+            let products = limited(builder, made.as_ref(), limit).update(&recipe)?;
             found.warnings.extend(products.warnings.iter().cloned());
             is_fresh &= fresh(&source)?;
         }
@@ -81,6 +114,8 @@ fn each(args: &Examined, mut work: impl FnMut(&Path, &mut Found) -> Result<(), E
     let (mut text, mut entries, mut code) = (String::new(), Vec::new(), 0);
     for file in files {
         let mut found = Found::default();
+        // A file that cannot be searched is told by the work.
+        found.warnings.extend(misplaced_options(&file).unwrap_or_default());
         let result = work(&file, &mut found);
         text::print_warnings(found.warnings.iter(), inputs.quiet || args.json, several.then_some(&file));
         if let Err(error) = &result {
@@ -99,10 +134,14 @@ fn each(args: &Examined, mut work: impl FnMut(&Path, &mut Found) -> Result<(), E
     Ok(Output { text, code })
 }
 
+/// The line that names a garment. Writing to a string cannot fail.
+fn title(out: &mut String, facts: &Facts, variant: Option<&Selection>) {
+    let variant = variant.map(|variant| format!(" {}={}", variant.set, variant.choice)).unwrap_or_default();
+    let _ = writeln!(out, "{} {}{variant}", facts.file, facts.prim);
+}
+
 fn describe(out: &mut String, facts: &Facts, builder: &Builder, plan: &Plan, verbose: bool) {
     let garment = builder.garment();
-    // Writing to a string cannot fail.
-    let _ = writeln!(out, "{} {}", facts.file, facts.prim);
     let _ = writeln!(out, "  stage    {} up, {} metres a unit", facts.up_axis, facts.meters_per_unit);
     let _ = writeln!(
         out,
@@ -114,6 +153,7 @@ fn describe(out: &mut String, facts: &Facts, builder: &Builder, plan: &Plan, ver
         token(&garment.rules.scheme),
         token(&garment.orientation)
     );
+    let _ = writeln!(out, "  normals  {}", facing::in_words(garment));
     let _ = writeln!(
         out,
         "  sharp    {} creases, {} corners, {} holes",

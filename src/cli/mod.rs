@@ -3,6 +3,7 @@
 mod batch;
 mod build;
 mod drive;
+mod example;
 mod explain;
 mod info;
 #[cfg(feature = "preview")]
@@ -54,6 +55,8 @@ enum Command {
     Preview(preview::Preview),
     /// Check garments; exit 1 if one has a problem
     Check(Examined),
+    /// Write an example garment to work on, or list all
+    Example(example::Example),
     /// Explain a code of an error or warning, or list all codes
     Explain(explain::Explain),
     /// Print completions for a shell, such as: usdtailor completions zsh > _usdtailor
@@ -75,7 +78,7 @@ struct Inputs {
     /// Garments: .usd, .usda, .usdc or .usdz files, or .tailor files that name one as their source
     #[arg(value_name = "IN")]
     inputs: Vec<PathBuf>,
-    /// Path of the mesh, such as /Coat/model, or of a prim with several meshes [default: the only mesh]
+    /// Path of the mesh, such as /Coat/model, or of a prim that has one or several below it [default: the only mesh]
     #[arg(long, value_name = "PATH", help_heading = "Input")]
     prim: Option<String>,
     #[command(flatten)]
@@ -126,7 +129,8 @@ struct Several {
 struct Build {
     #[command(flatten)]
     inputs: Inputs,
-    /// Output file (.usd, .usda, .usdc, or .usdz, which is always self-contained), or a folder for several inputs
+    /// Output file (.usd, .usda, .usdc, or .usdz, which is always self-contained), or a folder for several inputs, which is made
+    /// where it is missing
     #[arg(short, long, value_name = "OUT", help_heading = "Output")]
     output: PathBuf,
     /// Write one self-contained file instead of a layer over the input
@@ -208,7 +212,9 @@ fn run(cli: &Cli) -> Result<Output, Error> {
         Command::Build(build) => (build.inputs.threads, build.inputs.quiet, false),
         Command::Drive(drive) => (drive.threads, drive.quiet, false),
         Command::Info(args) | Command::Check(args) => (args.inputs.threads, args.inputs.quiet, false),
-        Command::Explain(_) | Command::Completions { .. } | Command::Man { .. } => (None, false, false),
+        Command::Example(_) | Command::Explain(_) | Command::Completions { .. } | Command::Man { .. } => {
+            (None, false, false)
+        }
         #[cfg(feature = "preview")]
         Command::Preview(preview) => (preview.inputs().threads, preview.inputs().quiet, true),
     };
@@ -223,6 +229,7 @@ fn run(cli: &Cli) -> Result<Output, Error> {
         Command::Drive(drive) => drive::run(drive),
         Command::Info(args) => info::info(args),
         Command::Check(args) => info::check(args),
+        Command::Example(example) => example::run(example),
         Command::Explain(explain) => explain::run(explain),
         Command::Completions { shell } => Ok(completions(*shell)),
         Command::Man { folder } => man(folder),
@@ -287,6 +294,7 @@ impl Inputs {
                 sew_tolerance: self.several.sew_tolerance,
                 ..ReadOptions::default()
             },
+            base: None,
             recipe: self.recipe.clone(),
             overrides: provenance.into_iter().chain(physics).chain(self.set.iter().cloned()).collect(),
         }

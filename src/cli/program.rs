@@ -5,6 +5,7 @@ use crate::error::{Error, ErrorCode, ErrorKind, plain};
 use clap::Parser;
 use std::io::{self, Write};
 use std::panic::{AssertUnwindSafe, PanicHookInfo};
+use std::path::Path;
 use std::sync::OnceLock;
 
 /// The exit code for a wrong command line.
@@ -52,8 +53,16 @@ pub fn exit_code(error: &Error) -> u8 {
 
 fn note_place(panic: &PanicHookInfo<'_>) {
     if let Some(place) = panic.location() {
-        let _ = PANIC_PLACE.set(format!("{}:{}", place.file(), place.line()));
+        let _ = PANIC_PLACE.set(format!("{}:{}", shortened(place.file()), place.line()));
     }
+}
+
+/// A source file without the folders of the machine that compiled it: `openusd-0.8.0/src/usd/prim.rs`.
+fn shortened(file: &str) -> String {
+    let parts: Vec<&str> = file.split(['/', '\\']).collect();
+    let is_relative = Path::new(file).is_relative() && !file.contains(':');
+    let start = parts.iter().rposition(|part| *part == "src").map_or(parts.len() - 1, |src| src.saturating_sub(1));
+    parts[if is_relative { 0 } else { start }..].join("/")
 }
 
 /// Prints the output.
@@ -78,4 +87,25 @@ pub fn panic_text(panic: &(dyn std::any::Any + Send)) -> String {
     let text = panic.downcast_ref::<String>().map(String::as_str).or_else(|| panic.downcast_ref::<&str>().copied());
     let place = PANIC_PLACE.get().map(|place| format!(" at {place}")).unwrap_or_default();
     format!("{}{place}", text.unwrap_or("no message"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_have_no_folder_of_the_build_machine() {
+        for (file, expected) in [
+            ("src/cli/build.rs", "src/cli/build.rs"),
+            (
+                "/root/.cargo/registry/src/index.crates.io-19/openusd-0.8.0/src/usd/prim.rs",
+                "openusd-0.8.0/src/usd/prim.rs",
+            ),
+            ("/rustc/48cc71ee/library/core/src/option.rs", "core/src/option.rs"),
+            ("C:\\Users\\me\\faer-0.24.4\\src\\lib.rs", "faer-0.24.4/src/lib.rs"),
+            ("/home/me/build.rs", "build.rs"),
+        ] {
+            assert_eq!(shortened(file), expected);
+        }
+    }
 }

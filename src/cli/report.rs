@@ -98,7 +98,7 @@ fn report(task: &Task, outcome: &Outcome) -> Value {
     match outcome {
         Outcome::Built(summary) => summary.report.clone(),
         Outcome::Fresh => head(task, "fresh"),
-        Outcome::Planned(_) => head(task, "planned"),
+        Outcome::Planned { .. } => head(task, "planned"),
         Outcome::Failed(error) => {
             let mut report = head(task, "failed");
             report["error"] = error_json(error);

@@ -88,7 +88,7 @@ pub fn outcomes(tasks: &[Task], outcomes: &[Outcome], verbose: bool) -> String {
 }
 
 fn planned(outcome: &Outcome) -> Option<&str> {
-    if let Outcome::Planned(text) = outcome { Some(text) } else { None }
+    if let Outcome::Planned { text, .. } = outcome { Some(text) } else { None }
 }
 
 /// A line for each input, and their numbers.
@@ -105,7 +105,7 @@ fn table(tasks: &[Task], outcomes: &[Outcome]) -> String {
             }
             Outcome::Fresh => (1, "fresh".to_owned()),
             Outcome::Failed(_) => (2, "failed".to_owned()),
-            Outcome::Planned(_) => continue,
+            Outcome::Planned { .. } => continue,
         };
         counts[at] += 1;
         // Writing to a string cannot fail.

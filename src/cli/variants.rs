@@ -3,7 +3,7 @@
 use super::{Build, usage};
 use crate::checks::did_you_mean;
 use crate::error::{Error, ErrorCode};
-use crate::session::Opened;
+use crate::session::{Input, Opened};
 use crate::usd::Selection;
 use std::path::Path;
 
@@ -27,16 +27,24 @@ pub fn open(build: &Build, file: &Path) -> Result<Vec<Opening>, Error> {
         .code(ErrorCode::OutputPath)
         .remedy("write .usda or .usdc with --variants"));
     }
+    let openings = each(set, &input)?;
+    for Opening { variant, garments } in &openings {
+        if let Some(variant) = variant {
+            garments.iter().try_for_each(|garment| refuse_products(garment, variant))?;
+        }
+    }
+    Ok(openings)
+}
+
+/// Opens the garments of an input once for each variant of a set.
+pub fn each(set: &str, input: &Input) -> Result<Vec<Opening>, Error> {
     let selected = input.open_all()?;
-    let choices = choices(set, &selected)?;
     let open_one = |variant: Selection| {
         let mut input = input.clone();
         input.read.variants.push(variant.clone());
-        let garments = input.open_all()?;
-        garments.iter().try_for_each(|garment| refuse_products(garment, &variant))?;
-        Ok(Opening { variant: Some(variant), garments })
+        Ok(Opening { garments: input.open_all()?, variant: Some(variant) })
     };
-    choices.into_iter().map(open_one).collect()
+    choices(set, &selected)?.into_iter().map(open_one).collect()
 }
 
 /// Each variant of a set on a prim that has all garments below it.

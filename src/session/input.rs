@@ -15,6 +15,8 @@ pub struct Input {
     pub file: PathBuf,
     /// What to read of the stage. A prim here overrides that of the recipes.
     pub read: ReadOptions,
+    /// A `.tailor` file whose options are weaker than those of `recipe`: that of which `file` was built.
+    pub base: Option<PathBuf>,
     /// A `.tailor` file, or a USD layer with `tailor:` attributes on the same prim.
     pub recipe: Option<PathBuf>,
     /// Options as `key=value`, stronger than all others.
@@ -85,11 +87,12 @@ impl Input {
             Some(own) => beside(&self.file, own.required_source(&self.file)?),
             None => self.file.clone(),
         };
+        let base = self.base.as_deref().map(RecipeFile::read).transpose()?;
         let given = match &self.recipe {
             Some(path) if !is_usd(path) => Some(RecipeFile::read(path)?),
             _ => None,
         };
-        let files: Vec<RecipeFile> = own.into_iter().chain(given).collect();
+        let files: Vec<RecipeFile> = own.into_iter().chain(base).chain(given).collect();
         let named = files.iter().rev().find_map(|r| r.prim.clone());
         let read = ReadOptions { prim: self.read.prim.clone().or(named), ..self.read.clone() };
         Ok(Recipes { file, read, files })

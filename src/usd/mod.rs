@@ -19,14 +19,14 @@ pub(crate) use assets::relative;
 pub use build_record::BuildRecord;
 pub use read::{
     Binding, Facts, InheritedPrimvar, PanelSeam, ProductNames, ReadOptions, Selection, Source, TransformOp, VariantSet,
-    first_used, product_names,
+    first_used, misplaced_options, product_names,
 };
 pub use shot::{DriveOptions, Driven, drive};
 #[cfg(feature = "preview")]
 pub(crate) use values::decimal;
 pub use write::{
     Format, Product, ProductRole, Surroundings, Tailored, WriteOptions, Written, check_target, layer_bytes,
-    remove_unfinished, write, write_all, write_whole,
+    rehearse_all, remove_unfinished, write, write_all, write_whole,
 };
 #[cfg(feature = "preview")]
 pub(crate) use write::{

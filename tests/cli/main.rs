@@ -2,10 +2,13 @@
 
 mod bytes;
 mod cloth;
+mod examples;
 mod faults;
 mod folder;
 #[path = "../common/garments.rs"]
 mod garments;
 mod outputs;
+mod payloads;
 mod printing;
 mod recipes;
+mod recorded;

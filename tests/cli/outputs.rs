@@ -66,6 +66,87 @@ fn several_inputs_go_into_a_folder() {
 }
 
 #[test]
+fn a_folder_of_outputs_is_made() {
+    let folder = with_cloth();
+    folder.file("b.usda", CLOTH);
+    folder.good("build in.usda b.usda -o out/new/er --report out/new/er/report.json");
+    assert!(folder.at("out/new/er/in_tailored.usda").is_file() && folder.at("out/new/er/report.json").is_file());
+    folder.good("build in.usda -o out/one/");
+    assert!(folder.at("out/one/in_tailored.usda").is_file(), "a path that ends as a folder is one");
+}
+
+#[test]
+fn a_run_that_writes_nothing_leaves_no_folder() {
+    let folder = with_cloth();
+    folder.file("bad.usda", "#usda 1.0\n");
+    folder.file("worse.usda", "#usda 1.0\n");
+    let before = folder.snapshot();
+    for args in [
+        "build bad.usda worse.usda -o out/new/er",
+        "build in.usda bad.usda -o out/new/er --dry-run",
+        "build in.usda bad.usda -o out/new/er --report in.usda",
+        "build bad.usda -o new/",
+    ] {
+        let run = folder.run(args);
+        assert_eq!(run.code, Some(1), "{run}");
+        assert_eq!(folder.snapshot(), before, "something was written by {run}");
+    }
+}
+
+/// A dry run refuses and tells what the build would.
+#[test]
+fn a_dry_run_says_what_the_build_would_say() {
+    let folder = with_cloth();
+    folder.file("there.usda", "precious");
+    folder.file("my.tailor", "{}");
+    folder.file("taken.usda", CLOTH.replacen("    def Mesh", "    def Scope \"sim\" {}\n    def Mesh", 1));
+    let before = folder.snapshot();
+    let narrow = "--set seam.s.edges=placket --set seam.s.width=1.35";
+    for args in [
+        "in.usda -o there.usda".to_owned(),
+        "in.usda -o in.usda --force".to_owned(),
+        "in.usda -o gone/coat.usda".to_owned(),
+        "in.usda -o out/coat.obj".to_owned(),
+        "in.usda -o out/coat.usda --sim-name 1st".to_owned(),
+        "in.usda -o out/coat.usda --sim-name model".to_owned(),
+        "in.usda -o out/coat.usda --sim-name both --render-name both".to_owned(),
+        "in.usda --recipe my.tailor -o my.tailor --force".to_owned(),
+        "taken.usda -o out/coat.usda".to_owned(),
+        "in.usda -o out/coat.usda --set seam.s.edges=hem".to_owned(),
+        "in.usda -o out/coat.usda --set sim.maxEdgeLength=0.01 --max-faces 1000".to_owned(),
+        format!("in.usda -o out/coat.usda {narrow}"),
+        format!("in.usda -o out/coat.usdz {narrow}"),
+    ] {
+        let dry = folder.run(&format!("build {args} --dry-run"));
+        assert_eq!(folder.snapshot(), before, "something was written by {dry}");
+        let run = folder.run(&format!("build {args}"));
+        assert_eq!((dry.code, &dry.stderr), (run.code, &run.stderr), "{dry}\n{run}");
+        if run.code == Some(0) {
+            dry.says(&["warning[narrow-seam]"]);
+            dry.prints(&["would write", "triangles to sim", "faces to render"]);
+            std::fs::remove_dir_all(folder.at("out"))
+                .and_then(|()| std::fs::create_dir(folder.at("out")))
+                .expect("a folder");
+        }
+    }
+}
+
+#[test]
+fn a_prim_above_the_only_mesh_names_it() {
+    let folder = Folder::new();
+    let (other, cloth) = ("def Xform \"Other\" (references = </Coat>) {}", "def Xform \"Coat\"");
+    folder.file("in.usda", CLOTH.replacen(cloth, &format!("{other}\n\n{cloth}"), 1));
+    folder.good("build in.usda -o out/coat.usda --prim /Coat");
+    mesh(&folder, "out/coat.usda", "/Coat/sim");
+    folder.good("info in.usda --prim /Other").prints(&["/Other/model"]);
+    assert_eq!(mesh(&folder, "in.usda", "/Other").prim(), "/Other/model");
+    // Products beside it are no garments.
+    assert_eq!(mesh(&folder, "out/coat.usda", "/Coat").prim(), "/Coat/model");
+    folder.file("my.tailor", "{\"source\": \"in.usda\", \"prim\": \"/Coat\"}");
+    folder.good("check my.tailor");
+}
+
+#[test]
 fn an_output_is_replaced_by_force_only() {
     let folder = with_cloth();
     folder.good("build in.usda -o out/coat.usda");

@@ -135,6 +135,39 @@ fn codes_are_explained() {
     let unknown = folder.run("explain output-exsits");
     assert_eq!(unknown.code, Some(2), "{unknown}");
     unknown.says(&["error[command-line]: there is no code", "did you mean output-exists?"]);
+    let far = folder.run("explain foo");
+    far.says(&["there is no code \"foo\"", "`usdtailor explain` lists all codes"]);
+    assert!(!far.stderr.contains("did you mean"), "{far}");
+}
+
+/// A tube with its normals outward, as it is and with the winding turned.
+#[test]
+fn info_tells_which_way_normals_point() {
+    let folder = with_cloth();
+    let (mut points, mut corners) = (Vec::new(), Vec::new());
+    for i in 0..8 {
+        let (sin, cos) = (f64::from(i) * std::f64::consts::FRAC_PI_4).sin_cos();
+        points.extend([format!("({cos:.6}, 0, {sin:.6})"), format!("({cos:.6}, 3, {sin:.6})")]);
+        let next = (i + 1) % 8;
+        corners.extend([2 * i, 2 * i + 1, 2 * next + 1, 2 * next].map(|v| v.to_string()));
+    }
+    let tube = |more: &str| {
+        format!(
+            "#usda 1.0\ndef Mesh \"tube\" {{\n point3f[] points = [{}]\n int[] faceVertexCounts = [{}]\n int[] faceVertexIndices = \
+             [{}]\n {more}\n}}\n",
+            points.join(", "),
+            ["4"; 8].join(", "),
+            corners.join(", ")
+        )
+    };
+    folder.file("out.usda", tube(""));
+    folder.file("in.usda", tube("uniform token orientation = \"leftHanded\""));
+    folder.good("info out.usda").prints(&["  normals  point outward\n"]);
+    folder.good("info in.usda").prints(&["  normals  point inward"]);
+    folder.file("flat.usda", cloth_and("").replace("0.25)", "0)"));
+    folder.good("info flat.usda").prints(&["  normals  point neither outward nor inward"]);
+    let found: Value = serde_json::from_str(&folder.good("info in.usda --json").stdout).expect("JSON");
+    assert_eq!(found["inputs"][0]["mesh"]["normals"], "inward");
 }
 
 #[test]

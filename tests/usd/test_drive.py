@@ -250,6 +250,34 @@ def test_faults_are_told_and_nothing_is_written(usdtailor, coat, tmp_path, fault
         assert drive(usdtailor, coat, source, out, "--gaps").returncode == 0
 
 
+@pytest.mark.parametrize("kind", [np.int64, np.int32, np.uint16, np.int8, np.float32])
+def test_times_are_whole_numbers_or_not(usdtailor, coat, tmp_path, kind):
+    frames, out = moved(coat)[:3], tmp_path / "shot.usdc"
+    np.savez(tmp_path / "cache.npz", points=frames, times=np.array([101, 102, 103]).astype(kind))
+    done = drive(usdtailor, coat, tmp_path / "cache.npz", out)
+    assert done.returncode == 0, done.stderr
+    stage = Usd.Stage.Open(str(out))
+    driven = stage.GetPrimAtPath(coat.prim("render").GetPath())
+    assert driven.GetAttribute("points").GetTimeSamples() == [101, 102, 103]
+
+
+@pytest.mark.parametrize("times", [["1", "2", "3"], [[1, 2, 3]], [1, 2], np.array([1, 2, 3], dtype=">i4")])
+def test_times_that_cannot_be_read_are_told(usdtailor, coat, tmp_path, times):
+    np.savez(tmp_path / "cache.npz", points=moved(coat)[:3], times=np.array(times))
+    done = drive(usdtailor, coat, tmp_path / "cache.npz", tmp_path / "shot.usdc")
+    assert done.returncode == 1 and "times" in done.stderr and "hint" in done.stderr, done.stderr
+    assert not (tmp_path / "shot.usdc").exists()
+
+
+@pytest.mark.parametrize("times", [[1, 2, 9], [1, 8, 9], [1, 2, 3, 9]])
+def test_a_gap_among_few_frames_is_told(usdtailor, coat, tmp_path, times):
+    source, out = tmp_path / "cache.npz", tmp_path / "shot.usdc"
+    np.savez(source, points=moved(coat)[: len(times)], times=times)
+    done = drive(usdtailor, coat, source, out)
+    assert done.returncode == 1 and "frames are missing between" in done.stderr, done.stderr
+    assert drive(usdtailor, coat, source, out, "--gaps").returncode == 0
+
+
 @pytest.mark.parametrize("interpolation, count", [("faceVarying", None), ("constant", 1), ("vertex", 5)])
 def test_authored_normals_follow_and_none_is_left_behind(usdtailor, coat, cache, tmp_path, interpolation, count):
     dressed, out, path = tmp_path / "dressed.usda", tmp_path / "shot.usdc", coat.prim("render").GetPath()

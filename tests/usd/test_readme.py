@@ -2,7 +2,6 @@
 
 import os
 import re
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -25,9 +24,11 @@ def tutorial():
 @pytest.mark.skipif(sys.platform == "win32", reason="the tutorial is for a POSIX shell: it is NOT tested")
 def test_the_tutorial_runs_as_printed(usdtailor, tmp_path):
     script = tutorial()
-    for command in ("info", "check", "build", "explain"):
+    for command in ("example", "info", "check", "build", "explain"):
         assert f"usdtailor {command} " in script
-    shutil.copytree(EXAMPLES, tmp_path / "examples", ignore=shutil.ignore_patterns("*.png", "__pycache__"))
+    # An empty folder: the tutorial needs no clone.
+    work = tmp_path / "work"
+    work.mkdir()
     programs = tmp_path / "programs"
     programs.mkdir()
     (programs / "usdtailor").symlink_to(Path(usdtailor).absolute())
@@ -36,17 +37,23 @@ def test_the_tutorial_runs_as_printed(usdtailor, tmp_path):
     (programs / "python").chmod(0o755)
     path = os.pathsep.join([str(programs), os.environ["PATH"]])
     done = subprocess.run(
-        ["bash", "-euo", "pipefail", "-c", script], cwd=tmp_path, env={**os.environ, "PATH": path},
+        ["bash", "-euo", "pipefail", "-c", script], cwd=work, env={**os.environ, "PATH": path},
         capture_output=True, text=True, check=False, timeout=300,
     )
     assert done.returncode == 0, done.stdout + done.stderr
     # The one warning that the text speaks of.
     assert re.findall(r"warning\[([\w-]+)\]", done.stderr) == ["shallow-seam"]
 
-    stage = Usd.Stage.Open(str(tmp_path / "shirt.usdc"))
+    stage = Usd.Stage.Open(str(work / "shirt.usdc"))
     assert all(stage.GetPrimAtPath(f"/Tshirt/{name}") for name in ("model", "sim", "render"))
     assert "2 operators: seam.side, thickness.neck_hem" in done.stdout
-    assert (tmp_path / "shirt.png").read_bytes().startswith(b"\x89PNG")
+    assert (work / "shirt.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_recipe_of_the_readme_is_that_of_the_example():
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    [recipe] = re.findall(r"^```json\n(.*?)^```$", text, re.M | re.S)
+    assert recipe == (EXAMPLES / "tshirt.tailor").read_text(encoding="utf-8")
 
 
 def test_the_readme_is_an_entry_and_names_both_commands():

@@ -6,6 +6,7 @@
 import importlib.metadata
 import json
 import os
+import re
 import subprocess
 import sys
 import zipfile
@@ -67,6 +68,12 @@ def test_the_metadata_names_the_version_of_the_program():
     assert bare(COMMAND, "--version").stdout == f"usdtailor {version}\n" == f"usdtailor {usd_tailor.__version__}\n"
 
 
+def test_the_metadata_has_no_relative_links():
+    text = importlib.metadata.metadata("usd-tailor").get_payload()
+    links = re.findall(r"\]\(([^)]*)\)", text)
+    assert "usdtailor" in text and not [link for link in links if "://" not in link], links
+
+
 # The command.
 
 
@@ -103,6 +110,13 @@ def test_a_build_of_a_file_writes_what_the_command_writes(tmp_path):
     assert made.layer.realPath == str(tmp_path / "python.usda")
     assert made.report["recipe"]["render"]["level"] == 2
     assert made.report["recipe"]["sim"]["maxEdgeLength"] == pytest.approx(3)
+
+
+def test_options_may_be_nested_as_in_a_recipe(tmp_path):
+    nested = {"sim": {"maxEdgeLength": "3cm", "constraints": ["hem_stitch"]}, "seam": {"side": {"edges": ["side_seams"], "width": 0.6}}, "render.level": 2}
+    recipe = usd_tailor.build(EXAMPLES / "tshirt.usda", tmp_path / "nested.usda", options=nested).report["recipe"]
+    assert recipe["sim"]["maxEdgeLength"] == pytest.approx(3) and recipe["sim"]["constraints"] == ["hem_stitch"]
+    assert recipe["seam"]["side"]["width"] == pytest.approx(0.6) and recipe["render"]["level"] == 2
 
 
 def test_a_file_is_written_again_only_by_force_and_the_layer_follows(tmp_path):

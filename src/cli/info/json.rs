@@ -3,7 +3,7 @@
 use super::super::{report, text};
 use super::token;
 use crate::error::{Error, Warnings};
-use crate::usd::Facts;
+use crate::usd::{Facts, Selection};
 use crate::{Builder, Garment, Plan, PrimvarRole};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -24,9 +24,9 @@ pub fn entry(file: &Path, found: Value, warnings: &Warnings, error: Option<&Erro
 }
 
 /// A garment and the meshes that a build would write for it.
-pub fn garment(facts: &Facts, builder: &Builder, plan: &Plan) -> Value {
+pub fn garment(facts: &Facts, variant: Option<&Selection>, builder: &Builder, plan: &Plan) -> Value {
     let garment = builder.garment();
-    json!({
+    let mut described = json!({
         "facts": facts,
         "mesh": {
             "points": garment.points.len(),
@@ -35,6 +35,7 @@ pub fn garment(facts: &Facts, builder: &Builder, plan: &Plan) -> Value {
             "metersPerUnit": garment.units.meters(),
             "scheme": token(&garment.rules.scheme),
             "orientation": token(&garment.orientation),
+            "normals": super::facing::facing(garment),
             "creases": garment.creases.len(),
             "corners": garment.corners.len(),
             "holes": garment.holes.len(),
@@ -44,7 +45,11 @@ pub fn garment(facts: &Facts, builder: &Builder, plan: &Plan) -> Value {
         "sim": { "triangles": plan.expected_faces, "chains": plan.chains },
         "render": { "faces": plan.render_faces },
         "recipe": plan.recipe,
-    })
+    });
+    if let Some(variant) = variant {
+        described["variant"] = json!(variant);
+    }
+    described
 }
 
 fn primvars(garment: &Garment) -> Vec<Value> {

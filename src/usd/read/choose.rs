@@ -1,6 +1,6 @@
 //! Choosing the mesh to work on.
 
-use super::diagnostics::in_words;
+use super::diagnostics::{in_words, recipe_of};
 use super::query::{OrUnreadable, is_a, is_product, prim_at};
 use super::{ReadOptions, variants};
 use crate::error::{Error, ErrorCode};
@@ -18,7 +18,7 @@ const MAX_DEPTH: usize = 256;
 /// Prims of a stage that is searched or flattened. Sets of a film have some ten thousand, without instances.
 const MAX_PRIMS: usize = 100_000;
 
-/// The mesh that `options` name, or the only one of the stage.
+/// The mesh that `options` name, the only one below the prim that they name, or the only one of the stage.
 ///
 /// # Errors
 /// No mesh, several meshes, or a path that is not a mesh to which siblings can be added.
@@ -63,6 +63,9 @@ fn named_mesh(stage: &Stage, file: &Path, path: &str) -> Result<Prim, Error> {
         let mut found = all_meshes(stage, file)?;
         if found.iter().any(|p| p.has_prefix(prim.path())) {
             found.retain(|p| p.has_prefix(prim.path()));
+            if let [one] = without_products(stage, &found)?.as_slice() {
+                return prim_at(stage, one);
+            }
         }
         let type_name = prim.type_name().or_unreadable(&parsed)?.filter(|t| !t.is_empty());
         let kind = type_name.as_ref().map_or("a prim without a type", |t| t.as_str());
@@ -78,15 +81,20 @@ fn named_mesh(stage: &Stage, file: &Path, path: &str) -> Result<Prim, Error> {
     Ok(prim)
 }
 
-fn only_mesh(stage: &Stage, file: &Path) -> Result<Prim, Error> {
-    let all = all_meshes(stage, file)?;
+/// The meshes that this program did not write.
+fn without_products(stage: &Stage, meshes: &[sdf::Path]) -> Result<Vec<sdf::Path>, Error> {
     let mut found = Vec::new();
-    for path in &all {
+    for path in meshes {
         if !is_product(&prim_at(stage, path)?)? {
             found.push(path.clone());
         }
     }
-    match found.as_slice() {
+    Ok(found)
+}
+
+fn only_mesh(stage: &Stage, file: &Path) -> Result<Prim, Error> {
+    let all = all_meshes(stage, file)?;
+    match without_products(stage, &all)?.as_slice() {
         [one] => prim_at(stage, one),
         [] if !all.is_empty() => {
             Err(Error::usd(format!("{} holds no mesh but products of usd-tailor", file.display()))
@@ -94,8 +102,8 @@ fn only_mesh(stage: &Stage, file: &Path) -> Result<Prim, Error> {
                 .remedy("open the file of the garment, or name a product by --prim or as \"prim\" in a .tailor file"))
         }
         [] => {
-            let faults: Vec<_> =
-                stage.composition_errors().iter().map(|e| format!("\n  {}", in_words(e))).take(LISTED).collect();
+            let all = stage.composition_errors();
+            let faults: Vec<_> = all.iter().map(|e| format!("\n  {}", in_words(e))).take(LISTED).collect();
             let because =
                 if faults.is_empty() { String::new() } else { format!("; its composition fails:{}", faults.concat()) };
             let variants = variants_in_words(stage, file)?;
@@ -104,9 +112,11 @@ fn only_mesh(stage: &Stage, file: &Path) -> Result<Prim, Error> {
             } else {
                 format!("; it may be in a variant that is not selected: {}", variants.join("; "))
             };
-            Err(Error::usd(format!("{} holds no mesh{because}", file.display()))
-                .code(ErrorCode::NoMesh)
-                .remedy(format!("a garment is an active prim of type Mesh{elsewhere}")))
+            let wanted = match all.iter().find_map(recipe_of) {
+                Some((_, recipe)) => format!("name {recipe} itself as the input"),
+                None => format!("a garment is an active prim of type Mesh{elsewhere}"),
+            };
+            Err(Error::usd(format!("{} holds no mesh{because}", file.display())).code(ErrorCode::NoMesh).remedy(wanted))
         }
         several => Err(Error::usd(format!("{} holds {} meshes", file.display(), several.len()))
             .code(ErrorCode::SeveralMeshes)

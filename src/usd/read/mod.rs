@@ -18,6 +18,7 @@ mod space;
 mod variants;
 
 pub use choose::all_prims;
+pub use diagnostics::misplaced_options;
 pub use facts::{Binding, Facts, InheritedPrimvar, TransformOp};
 pub use model::{COMPOSITION, Model, Sibling, SubsetRecord, layer_files, stage_metadata};
 pub use origin::{Files, StageOrigin, first_used};

@@ -1,7 +1,7 @@
 //! An opened garment.
 
 use super::choose::choose_mesh;
-use super::diagnostics::in_words;
+use super::diagnostics::{in_words, remedy};
 use super::facts::{Facts, gather};
 use super::mesh::read_mesh;
 use super::model::Model;
@@ -111,8 +111,7 @@ impl Source {
             0..0,
             faults.iter().map(|e| {
                 let problem = format!("the stage does not compose fully: {}", in_words(e));
-                Warning::new(Code::Composition, model.origin.file.display(), problem)
-                    .remedy("Mend the reference, or remove it")
+                Warning::new(Code::Composition, model.origin.file.display(), problem).remedy(remedy(e))
             }),
         );
         let records = BuildRecord::in_layers(stage);

@@ -110,7 +110,8 @@ impl Cache {
         }
         let mut sorted = steps.clone();
         sorted.sort_by(f64::total_cmp);
-        let Some(&usual) = sorted.get(sorted.len() / 2) else { return Ok(()) };
+        // The lower one of two in the middle, so that a gap among three frames is one.
+        let Some(&usual) = sorted.get(sorted.len().saturating_sub(1) / 2) else { return Ok(()) };
         let missing = |step: &f64| *step > 1.5 * usual;
         let Some(i) = steps.iter().position(missing).filter(|_| !gaps) else { return Ok(()) };
         let count = steps.iter().filter(|step| missing(step)).count();

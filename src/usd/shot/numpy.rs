@@ -1,7 +1,7 @@
 //! Points in NumPy files: an array of shape (frames, points, 3), alone (`.npy`) or in an archive (`.npz`).
 //!
-//! In an archive it is called `points`, or is the only array of that shape. An array `times` has the times of the frames; they are
-//! numbered from 1 without it. Source: NumPy enhancement proposal 1, *A Simple File Format for NumPy Arrays*.
+//! In an archive it is called `points`, or is the only array of that shape. An array `times` has the times of the frames, as floats or
+//! integers; they are numbered from 1 without it. Source: NumPy enhancement proposal 1, *A Simple File Format for NumPy Arrays*.
 
 use crate::error::{Error, ErrorCode, ErrorKind, plain};
 use crate::files;
@@ -21,13 +21,50 @@ const MAX_PACKING: u64 = 1032;
 enum Number {
     F32,
     F64,
+    /// An integer of so many bytes.
+    Int(usize),
+    /// One without a sign.
+    Uint(usize),
 }
 
 impl Number {
+    /// The type of a `descr`.
+    fn of(descr: &str) -> Option<Self> {
+        let (kind, size) = (descr.get(..2)?, descr.get(2..)?.parse().ok()?);
+        match (kind, size) {
+            ("<f", 4) => Some(Self::F32),
+            ("<f", 8) => Some(Self::F64),
+            ("<i", 2 | 4 | 8) | ("|i", 1) => Some(Self::Int(size)),
+            ("<u", 2 | 4 | 8) | ("|u", 1) => Some(Self::Uint(size)),
+            _ => None,
+        }
+    }
+
     fn size(self) -> usize {
         match self {
             Self::F32 => 4,
             Self::F64 => 8,
+            Self::Int(size) | Self::Uint(size) => size,
+        }
+    }
+
+    fn is_float(self) -> bool {
+        matches!(self, Self::F32 | Self::F64)
+    }
+
+    /// The number in so many little-endian bytes as its size.
+    fn value(self, bytes: &[u8]) -> f64 {
+        let mut wide = [0; 8];
+        wide[..bytes.len()].copy_from_slice(bytes);
+        let unsigned = u64::from_le_bytes(wide);
+        match self {
+            Self::F32 => f64::from(f32::from_bits(unsigned as u32)),
+            Self::F64 => f64::from_bits(unsigned),
+            Self::Uint(_) => unsigned as f64,
+            Self::Int(size) => {
+                let unused = 64 - 8 * size as u32;
+                (((unsigned << unused) as i64) >> unused) as f64
+            }
         }
     }
 }
@@ -82,6 +119,9 @@ impl NumpyFrames {
         let [frames, points, 3] = header.shape[..] else {
             return Err(fault(format!("its array has the shape {:?}", header.shape)));
         };
+        if !header.number.is_float() {
+            return Err(fault("its points are integers".into()));
+        }
         let times = times.unwrap_or_else(|| (1..=frames).map(|frame| frame as f64).collect());
         if times.len() != frames {
             return Err(fault(format!("it has {} times and {frames} frames", times.len())));
@@ -136,10 +176,19 @@ fn archived(path: &Path) -> io::Result<Option<Archived>> {
             CompressionMethod::Deflated => (Box::new(DeflateDecoder::new(packed)), size.saturating_mul(MAX_PACKING)),
             _ => continue,
         };
-        let Ok(header) = header(&mut data, size) else { continue };
+        let header = match header(&mut data, size) {
+            Err(e) if name == "times" => return Err(io::Error::other(format!("its times: {}", plain(&e)))),
+            Err(_) => continue,
+            Ok(header) => header,
+        };
         match header.shape[..] {
-            [_, _, 3] if name == "points" || points.is_none() => points = Some((header, data)),
             [count] if name == "times" => times = Some(numbers(&mut data, count, header.number)?),
+            _ if name == "times" => {
+                return Err(io::Error::other(format!("its times have the shape {:?}", header.shape)));
+            }
+            [_, _, 3] if header.number.is_float() && (name == "points" || points.is_none()) => {
+                points = Some((header, data));
+            }
             _ => {}
         }
     }
@@ -163,18 +212,14 @@ fn header(data: &mut impl Read, bytes: u64) -> io::Result<Header> {
     let mut text = vec![0; size];
     data.read_exact(&mut text)?;
     let header = parsed(&String::from_utf8_lossy(&text));
-    let header = header.ok_or_else(|| invalid("it is no array of float32 or float64 in C order"))?;
+    let header = header.ok_or_else(|| invalid("it is no array of floats or integers in C order"))?;
     if header.fits(bytes) { Ok(header) } else { Err(invalid("it has no value, or is cut")) }
 }
 
 /// The header in the text of a Python dictionary such as `{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3), }`.
 fn parsed(text: &str) -> Option<Header> {
     let after = |key: &str| text.split_once(&format!("'{key}':")).map(|(_, rest)| rest.trim_start());
-    let number = match after("descr")?.split('\'').nth(1)? {
-        "<f4" => Number::F32,
-        "<f8" => Number::F64,
-        _ => return None,
-    };
+    let number = Number::of(after("descr")?.split('\'').nth(1)?)?;
     if !after("fortran_order")?.starts_with("False") {
         return None;
     }
@@ -190,12 +235,7 @@ fn numbers(data: &mut impl Read, count: usize, number: Number) -> io::Result<Vec
     if data.take(wanted).read_to_end(&mut all)? as u64 != wanted {
         return Err(io::Error::from(io::ErrorKind::UnexpectedEof));
     }
-    Ok(match number {
-        Number::F32 => all.chunks_exact(4).map(|b| f64::from(f32::from_le_bytes([b[0], b[1], b[2], b[3]]))).collect(),
-        Number::F64 => {
-            all.chunks_exact(8).map(|b| f64::from_le_bytes([b[0], b[1], b[2], b[3], b[4], b[5], b[6], b[7]])).collect()
-        }
-    })
+    Ok(all.chunks_exact(number.size()).map(|bytes| number.value(bytes)).collect())
 }
 
 fn vectors(data: &mut impl Read, count: usize, number: Number) -> io::Result<Vec<Vec3>> {
@@ -212,10 +252,24 @@ mod tests {
         let text = "{'descr': '<f4', 'fortran_order': False, 'shape': (24, 5950, 3), }   \n";
         assert_eq!(parsed(text), Some(Header { number: Number::F32, shape: vec![24, 5950, 3] }));
         assert_eq!(parsed(&text.replace("(24, 5950, 3)", "(7,)")).map(|h| h.shape), Some(vec![7]));
-        for bad in ["<i4", ">f4"] {
+        for bad in [">i4", ">f4", "<f2", "|b1", "|O", "<c8"] {
             assert_eq!(parsed(&text.replace("<f4", bad)), None);
         }
         assert_eq!(parsed(&text.replace("False", "True")), None);
+    }
+
+    #[test]
+    fn integers_are_numbers() {
+        let all = |descr: &str, bytes: &[u8]| {
+            let number = Number::of(descr).expect("a known type");
+            numbers(&mut &bytes[..], bytes.len() / number.size(), number).expect("whole numbers")
+        };
+        for (descr, size) in [("|i1", 1), ("<i2", 2), ("<i4", 4), ("<i8", 8)] {
+            let bytes: Vec<u8> = [-3_i64, 0, 100].iter().flat_map(|n| n.to_le_bytes()[..size].to_vec()).collect();
+            assert_eq!(all(descr, &bytes), [-3.0, 0.0, 100.0], "{descr}");
+        }
+        assert_eq!(all("|u1", &[1, 255]), [1.0, 255.0]);
+        assert_eq!(all("<u4", &[255; 4]), [f64::from(u32::MAX)]);
     }
 
     #[test]

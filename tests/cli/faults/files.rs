@@ -122,7 +122,11 @@ fn of_the_choice_of_a_mesh() {
             cloth,
             &["in.usda has no prim /Coat/hat", "/Coat/model"],
         ),
-        fault("build in.usda -o out/coat.usda --prim /Coat", cloth, &["/Coat is Xform, not a Mesh", "/Coat/model"]),
+        fault(
+            "build in.usda -o out/coat.usda --prim /Rail",
+            |f| f.file("in.usda", CLOTH.replacen("def Xform", "def Xform \"Rail\" {}\n\ndef Xform", 1)),
+            &["/Rail is Xform, not a Mesh", "/Coat/model"],
+        ),
         fault(
             "build in.usda -o out/coat.usda --prim Coat//model",
             cloth,

@@ -127,7 +127,7 @@ fn of_several_inputs() {
         fault(
             "build a.usda b.usda -o out/coat.usda",
             both,
-            &["-o out/coat.usda: 2 inputs need an existing folder", "create the folder first"],
+            &["-o out/coat.usda: 2 inputs need a folder", "name a folder"],
         ),
         fault("build a.usda more/a.usda -o out", both, &["two inputs are named a", "separate folders"]),
     ]);

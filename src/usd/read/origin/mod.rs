@@ -3,7 +3,7 @@
 mod reach;
 mod resolver;
 
-pub use reach::first_used;
+pub use reach::{first_used, without_arguments};
 pub use resolver::{Files, package_file};
 
 use super::variants::{SESSION, Selection, session_layer};

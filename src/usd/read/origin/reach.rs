@@ -19,6 +19,11 @@ const VALUES: [&str; 2] = ["default", "timeSamples"];
 /// What separates the arguments of a layer from its path.
 const ARGUMENTS: &str = ":SDF_FORMAT_ARGS:";
 
+/// An asset path without the arguments of its file format.
+pub fn without_arguments(asset_path: &str) -> &str {
+    asset_path.split(ARGUMENTS).next().unwrap_or_default()
+}
+
 /// The first of `targets` that the stage in the file `stage` uses: itself, and all that its layers name, in all variants, and
 /// the layers of these in turn. Targets that do not exist are not used.
 ///
@@ -109,7 +114,7 @@ impl Reach {
 
     /// A file that a layer names, or the tiles of one.
     fn name(&mut self, name: &str, anchor: Option<&ResolvedPath>) {
-        let name = name.split(ARGUMENTS).next().unwrap_or_default();
+        let name = without_arguments(name);
         if name.is_empty() {
             return;
         }

@@ -147,6 +147,29 @@ impl OutputFile {
         Ok(packed)
     }
 
+    /// Does what [`OutputFile::save`] does, without a file.
+    ///
+    /// # Errors
+    /// A value that the format cannot hold, a file that cannot be packed.
+    pub fn rehearse(&self, mut data: Data, warnings: &mut Warnings) -> Result<Vec<PathBuf>, Error> {
+        match self.format {
+            Format::Usda => {
+                TextWriter::write(&data, &mut io::sink()).map_err(|e| self.unfit(&e))?;
+                Ok(Vec::new())
+            }
+            Format::Usdc => {
+                remove_unwritable(&mut data, warnings);
+                Ok(Vec::new())
+            }
+            Format::Usdz => Ok(package(data, &self.stem, warnings)?.files),
+        }
+    }
+
+    /// The error of a value that the format cannot hold.
+    fn unfit(&self, e: &FormatError) -> Error {
+        Error::usd(format!("cannot write {}: {e}", self.shown)).code(ErrorCode::WriteFailed)
+    }
+
     /// Lets `fill` write a temporary file in the folder and `verify` look at it, and renames it to the output.
     fn replace(
         &self,
@@ -157,7 +180,7 @@ impl OutputFile {
         let mut out = BufWriter::with_capacity(1 << 20, temporary.as_file());
         fill(&mut out).map_err(|e| match e {
             FormatError::Io(e) => self.fault(&e),
-            other => Error::usd(format!("cannot write {}: {other}", self.shown)).code(ErrorCode::WriteFailed),
+            other => self.unfit(&other),
         })?;
         out.flush().map_err(|e| self.fault(&e))?;
         drop(out);

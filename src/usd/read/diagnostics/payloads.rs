@@ -1,0 +1,95 @@
+//! Options below payloads of `.tailor` files, which nothing reads.
+
+use crate::error::{Code, Error, Warning};
+use crate::usd::read::choose::all_prims;
+use crate::usd::read::origin::{StageOrigin, without_arguments};
+use crate::usd::read::query::{OrUnreadable, prim_at, property_names};
+use crate::usd::{names, on_large_stack};
+use openusd::sdf::{self, FieldKey, PayloadListOp, Value};
+use openusd::usd::{Prim, PrimPredicate};
+use std::path::Path;
+
+/// The options of operators and fabrics, with the schema that makes a payload follow them.
+const NAMED: [(&str, &str); 3] =
+    [("seam", "TailorSeamAPI"), ("thickness", "TailorThicknessAPI"), ("fabric", "TailorFabricAPI")];
+
+/// A prim with a payload of a `.tailor` file.
+struct Holder {
+    path: sdf::Path,
+    recipe: String,
+}
+
+/// A warning for each option on a prim below one with a `.tailor` payload. OpenUSD shows the file format of a payload only the prim that
+/// has it, so the option belongs there.
+///
+/// # Errors
+/// A stage that cannot be opened or searched.
+pub fn misplaced_options(file: &Path) -> Result<Vec<Warning>, Error> {
+    on_large_stack(|| {
+        let stage = StageOrigin::new(file, None, &[]).open()?;
+        let (mut found, mut holder) = (Vec::new(), None::<Holder>);
+        // The prims that a payload defines are overs here, as this program composes no `.tailor` file.
+        for path in all_prims(&stage, file, PrimPredicate::ALL, false)? {
+            let prim = prim_at(&stage, &path)?;
+            if let Some(recipe) = recipe_of(&prim)? {
+                holder = Some(Holder { path, recipe });
+            } else if let Some(holder) = holder.as_ref().filter(|holder| path.has_prefix(&holder.path)) {
+                found.extend(options(&prim)?.iter().map(|option| holder.misplaced(&prim, option)));
+            } else {
+                holder = None;
+            }
+        }
+        Ok(found)
+    })
+}
+
+impl Holder {
+    fn misplaced(&self, prim: &Prim, option: &str) -> Warning {
+        let Self { path, recipe } = self;
+        let problem = format!("not read: it is below {path}, whose payload is {recipe}");
+        let mut remedy = format!("Author it on {path}");
+        if prim.prim_index().property_type(option).is_ok_and(|kind| kind == Some(sdf::SpecType::Relationship)) {
+            remedy += " as token[] with the names of the sets";
+        }
+        let named = option.strip_prefix(names::RECIPE).and_then(|key| key.split_once(':'));
+        if let Some((kind, key)) = named
+            && let Some((_, schema)) = NAMED.iter().find(|(known, _)| *known == kind)
+            && let Some((name, _)) = key.rsplit_once(':')
+        {
+            remedy += &format!(", with the schema {schema}:{name}");
+        }
+        Warning::new(Code::MisplacedOption, format!("{}.{option}", prim.path()), problem).remedy(remedy)
+    }
+}
+
+/// The options that are authored on a prim.
+fn options(prim: &Prim) -> Result<Vec<String>, Error> {
+    let mut names = property_names(prim)?;
+    names.retain(|name| name.starts_with(names::RECIPE) && name != names::SHARPNESS && !names::is_produced(name));
+    Ok(names)
+}
+
+/// The `.tailor` file that a prim has as a payload in one of its layers.
+fn recipe_of(prim: &Prim) -> Result<Option<String>, Error> {
+    for site in prim.prim_stack().or_unreadable(prim.path())? {
+        let Some(layer) = prim.stage().layer(&site.layer) else { continue };
+        let payload = layer.data().try_field(&site.path, FieldKey::Payload.as_str()).or_unreadable(prim.path())?;
+        let files = match payload.as_deref() {
+            Some(Value::PayloadListOp(all)) => added(all),
+            Some(Value::Payload(one)) => vec![one.asset_path.as_str()],
+            _ => Vec::new(),
+        };
+        let mut files = files.into_iter().map(without_arguments);
+        let is_recipe = |file: &&str| Path::new(file).extension().is_some_and(|e| e.eq_ignore_ascii_case("tailor"));
+        if let Some(recipe) = files.find(is_recipe) {
+            return Ok(Some(recipe.to_owned()));
+        }
+    }
+    Ok(None)
+}
+
+/// The files of the payloads that a list adds.
+fn added(all: &PayloadListOp) -> Vec<&str> {
+    let lists = [&all.explicit_items, &all.added_items, &all.prepended_items, &all.appended_items];
+    lists.into_iter().flatten().map(|payload| payload.asset_path.as_str()).collect()
+}
