@@ -5,7 +5,7 @@ use super::process::folders::MadeFolders;
 use super::process::memory;
 use super::variants::{self, Opening};
 use super::{Build, Output, protect, report, text, usage};
-use crate::error::{Error, Warnings};
+use crate::error::{Error, ErrorCode, Warnings};
 use crate::report::{RenderFigures, SimFigures};
 use crate::session::{is_usd, written};
 use crate::usd::{
@@ -38,6 +38,14 @@ pub enum Outcome {
     Planned { text: String, warnings: Warnings },
     /// Its output was not written.
     Failed(Error),
+}
+
+impl Outcome {
+    /// Whether the output was there already.
+    fn lost(&self) -> bool {
+        let Self::Failed(error) = self else { return false };
+        error.faults.iter().any(|fault| fault.code == ErrorCode::OutputExists)
+    }
 }
 
 /// The report of a build, as text and as JSON.
@@ -98,7 +106,8 @@ pub fn run(build: &Build) -> Result<Output, Error> {
     );
     bar.finish_and_clear();
     let report = report::text(&tasks, &outcomes)?;
-    if let Some(file) = report_file {
+    // Where nothing was written as all outputs were there, the report is that of the run which wrote them.
+    if let Some(file) = report_file.filter(|_| !outcomes.iter().all(Outcome::lost)) {
         report::write(file, &report, build.force)?;
     }
     if is_lone && let Some(Outcome::Failed(error)) = outcomes.pop_if(|outcome| matches!(outcome, Outcome::Failed(_))) {

@@ -4,6 +4,9 @@ use super::surface::Surface;
 use crate::mesh::{FaceId, VertexId};
 use rayon::prelude::*;
 
+/// Triangles near one vertex that are paired with its own. More are a crowd in one place, whose pairs no memory holds.
+const MOST_NEAR: usize = 256;
+
 /// Pairs of triangles that share no vertex, of which one has a vertex nearer to the other than the thickness, sorted.
 pub fn doubled(surface: &Surface<'_>, thickness: impl Fn(FaceId) -> f32 + Sync) -> Vec<[FaceId; 2]> {
     let faces = &surface.mesh.faces;
@@ -15,7 +18,7 @@ pub fn doubled(surface: &Surface<'_>, thickness: impl Fn(FaceId) -> f32 + Sync) 
             let corners = faces.vertices_of(face);
             around.iter().any(|&near| faces.vertices_of(near).iter().any(|v| corners.contains(v)))
         };
-        let near = surface.near(surface.mesh.points[vertex], reach, |face| !touches(face));
+        let near = surface.near(surface.mesh.points[vertex], reach, MOST_NEAR, |face| !touches(face));
         let pairs = near.into_iter().flat_map(|near| around.iter().map(move |&face| [face, near.face]));
         pairs.map(|[a, b]| [a.min(b), a.max(b)]).collect::<Vec<_>>()
     };

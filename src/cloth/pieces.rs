@@ -6,6 +6,8 @@ use glam::Vec3;
 
 /// Largest area of a loose piece, as a share of the piece that it lies on. Larger ones are garments of their own.
 const LOOSE_AREA: f64 = 0.25;
+/// Triangles near a point of a piece that are looked at. More are a crowd in one place.
+const MOST_BELOW: usize = 1 << 14;
 /// Share of a piece's seam that has to have cloth below it.
 const COVERED: f64 = 0.6;
 
@@ -66,7 +68,7 @@ fn attachment(
     let mut attachment = Attachment { points: Vec::new(), faces: Vec::new(), coords: Vec::new() };
     for &vertex in points {
         let (point, normal) = (surface.mesh.points[vertex], surface.normal(vertex));
-        let near = surface.near(point, reach, is_below);
+        let near = surface.near(point, reach, MOST_BELOW, is_below);
         let Some(below) =
             near.iter().min_by(|a, b| cost(surface, point, normal, a).total_cmp(&cost(surface, point, normal, b)))
         else {

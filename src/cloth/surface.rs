@@ -6,6 +6,9 @@ use crate::mesh::{CornerId, FaceId, Faces, Groups, Topology, VertexId};
 use crate::sim::{SimProduct, closest_weights};
 use glam::{Vec3, Vec3A};
 
+/// Triangles that a query looks at, for each that it may find.
+const VISITED: usize = 16;
+
 /// A simulation mesh for queries.
 pub struct Surface<'a> {
     pub mesh: &'a Garment,
@@ -64,12 +67,14 @@ impl<'a> Surface<'a> {
         self.topology.faces_at(vertex).map(of).sum::<Vec3>().normalize_or_zero()
     }
 
-    /// The closest points of the triangles within `reach` of `point` that `wanted` admits, in the order of the triangles.
-    pub fn near(&self, point: Vec3, reach: f32, wanted: impl Fn(FaceId) -> bool) -> Vec<Near> {
+    /// The closest points of the triangles within `reach` of `point` that `wanted` admits, in the order of the triangles. In a
+    /// crowd they are `most` of them, or fewer.
+    pub fn near(&self, point: Vec3, reach: f32, most: usize, wanted: impl Fn(FaceId) -> bool) -> Vec<Near> {
         let at = Vec3A::from(point);
-        let mut found = Vec::new();
-        self.tree.visit(&Aabb { low: at, high: at }.expanded(reach), &mut |place| {
+        let (mut found, mut visited) = (Vec::new(), 0);
+        self.tree.visit_while(&Aabb { low: at, high: at }.expanded(reach), &mut |place| {
             let face = self.order[place];
+            visited += 1;
             if wanted(face) {
                 let [a, b, c] = self.triangle(face);
                 let weights = closest_weights(a, b, c, point);
@@ -78,6 +83,7 @@ impl<'a> Surface<'a> {
                     found.push(Near { face, weights, distance });
                 }
             }
+            found.len() < most && visited < VISITED * most
         });
         found.sort_by_key(|near| near.face);
         found

@@ -1,16 +1,16 @@
 //! A bounding volume hierarchy, four boxes to a node, over boxes in Morton order.
 
-use super::simd::{Aabbx4, Mask, WIDTH, bits};
+use super::simd::{Aabbx4, WIDTH, bits};
 use crate::mesh::{FaceId, Faces, IdVec, VertexId};
 use glam::{Vec3, Vec3A};
 use rayon::prelude::*;
 
-/// Leaf nodes that one task searches.
-const NODES_PER_TASK: usize = 16;
 /// Nodes that one task builds at least.
 const NODES_BUILT_PER_TASK: usize = 256;
 /// Bits of each coordinate in a Morton code.
 const MORTON_BITS: u32 = 10;
+/// Points in one cell of these codes that keep the order of their indices.
+const MOST_IN_CELL: usize = 64;
 
 /// An axis-aligned bounding box.
 #[derive(Clone, Copy, Debug)]
@@ -62,15 +62,30 @@ pub fn morton_order(faces: &Faces, points: &IdVec<VertexId, Vec3>) -> Vec<FaceId
 
 /// The indices of points, sorted by their Morton codes.
 pub(super) fn morton_sorted(centres: &[Vec3A]) -> Vec<usize> {
-    let all = centres.iter().fold(Aabb::EMPTY, |b, &p| b.merged(&Aabb { low: p, high: p }));
+    let mut order: Vec<usize> = (0..centres.len()).collect();
+    sort_by_morton(&mut order, centres);
+    order
+}
+
+/// Sorts indices of points by their Morton codes, and those of a cell that holds many by codes of their own.
+fn sort_by_morton(indices: &mut [usize], centres: &[Vec3A]) {
+    let all = indices.iter().map(|&i| centres[i]).fold(Aabb::EMPTY, |b, p| b.merged(&Aabb { low: p, high: p }));
     let scale = ((1u32 << MORTON_BITS) - 1) as f32 / all.longest_side().max(f32::MIN_POSITIVE);
-    let code = |&p: &Vec3A| {
-        let cell = ((p - all.low) * scale).as_uvec3();
-        spread(cell.x) | spread(cell.y) << 1 | spread(cell.z) << 2
+    let code = |&i: &usize| {
+        let cell = ((centres[i] - all.low) * scale).as_uvec3();
+        (spread(cell.x) | spread(cell.y) << 1 | spread(cell.z) << 2, i)
     };
-    let mut keys: Vec<(u32, usize)> = centres.par_iter().map(code).enumerate().map(|(i, code)| (code, i)).collect();
+    let mut keys: Vec<(u32, usize)> = indices.par_iter().map(code).collect();
     keys.par_sort_unstable();
-    keys.into_iter().map(|(_, i)| i).collect()
+    indices.iter_mut().zip(&keys).for_each(|(index, key)| *index = key.1);
+    let mut rest = indices;
+    for cell in keys.chunk_by(|a, b| a.0 == b.0) {
+        let (of_cell, after) = rest.split_at_mut(cell.len());
+        if of_cell.len() > MOST_IN_CELL && of_cell.len() < keys.len() {
+            sort_by_morton(of_cell, centres);
+        }
+        rest = after;
+    }
 }
 
 /// A hierarchy of boxes. Box `i` is element `i % 4` of leaf node `i / 4`.
@@ -112,58 +127,31 @@ impl Bvh {
         }
     }
 
-    /// The pairs `[i, j]`, `i <= j`, of boxes that intersect, that pass a test, and of which at least one is active.
-    pub fn pairs(&self, active: &[usize], test: impl Fn(usize, usize) -> bool + Sync) -> Vec<[usize; 2]> {
-        let leaves = &self.levels[0];
-        let mut is_active: Vec<Mask> = vec![0; leaves.len()];
-        active.iter().for_each(|&i| is_active[i / WIDTH] |= 1 << (i % WIDTH));
-        let of_leaf = |found: &mut Vec<[usize; 2]>, a: usize| {
-            let of_a = &leaves[a];
-            let all = bits(is_active[a]).fold(Aabb::EMPTY, |all, i| all.merged(&of_a.at(i)));
-            self.visit_leaves(&all, &mut |b| {
-                for i in bits(is_active[a]) {
-                    // A pair of active boxes is found from the first of them.
-                    let found_before = is_active[b] & before(WIDTH * a + i, b);
-                    let near = leaves[b].intersecting(&Aabbx4::splat(&of_a.at(i))) & !found_before;
-                    let pairs = bits(near).map(|j| [WIDTH * a + i, WIDTH * b + j]);
-                    found.extend(pairs.filter(|&[i, j]| test(i, j)).map(|[i, j]| [i.min(j), i.max(j)]));
-                }
-            });
-        };
-        let of_task = |leaves: &[usize]| {
-            let mut found = Vec::new();
-            leaves.iter().for_each(|&leaf| of_leaf(&mut found, leaf));
-            found
-        };
-        let searched: Vec<usize> = (0..leaves.len()).filter(|&leaf| is_active[leaf] != 0).collect();
-        searched.par_chunks(NODES_PER_TASK).flat_map_iter(of_task).collect()
+    /// The leaf nodes.
+    pub(super) fn leaves(&self) -> &[Aabbx4] {
+        &self.levels[0]
     }
 
-    /// Passes each box that intersects `aabb` to `sink`.
-    pub fn visit(&self, aabb: &Aabb, sink: &mut impl FnMut(usize)) {
+    /// Passes boxes that intersect `aabb` to `sink` as long as it returns true; whether it always did.
+    pub fn visit_while(&self, aabb: &Aabb, sink: &mut impl FnMut(usize) -> bool) -> bool {
         let query = Aabbx4::splat(aabb);
         self.visit_leaves(aabb, &mut |leaf| {
-            bits(self.levels[0][leaf].intersecting(&query)).for_each(|i| sink(WIDTH * leaf + i));
-        });
+            bits(self.levels[0][leaf].intersecting(&query)).all(|i| sink(WIDTH * leaf + i))
+        })
     }
 
-    fn visit_leaves(&self, aabb: &Aabb, sink: &mut impl FnMut(usize)) {
-        self.visit_below(self.levels.len() - 1, 0, &Aabbx4::splat(aabb), sink);
+    /// Passes the leaf nodes that intersect `aabb` to `sink` as long as it returns true; whether it always did.
+    pub(super) fn visit_leaves(&self, aabb: &Aabb, sink: &mut impl FnMut(usize) -> bool) -> bool {
+        self.visit_below(self.levels.len() - 1, 0, &Aabbx4::splat(aabb), sink)
     }
 
-    fn visit_below(&self, level: usize, node: usize, query: &Aabbx4, sink: &mut impl FnMut(usize)) {
+    fn visit_below(&self, level: usize, node: usize, query: &Aabbx4, sink: &mut impl FnMut(usize) -> bool) -> bool {
         if level == 0 {
             return sink(node);
         }
-        for i in bits(self.levels[level][node].intersecting(query)) {
-            self.visit_below(level - 1, WIDTH * node + i, query, sink);
-        }
+        bits(self.levels[level][node].intersecting(query))
+            .all(|i| self.visit_below(level - 1, WIDTH * node + i, query, sink))
     }
-}
-
-/// The elements of a leaf that come before box `i`.
-fn before(i: usize, leaf: usize) -> Mask {
-    (1 << i.saturating_sub(WIDTH * leaf).min(WIDTH)) - 1
 }
 
 /// The nodes over `count` boxes, at least one.
@@ -187,6 +175,7 @@ fn spread(x: u32) -> u32 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::pairs::Pairs;
     use super::*;
 
     fn intersect(a: &Aabb, b: &Aabb) -> bool {
@@ -199,12 +188,23 @@ mod tests {
     }
 
     #[test]
+    fn a_point_far_away_does_not_mix_up_the_others() {
+        let mut points: Vec<Vec3A> = (0..900).map(|i| Vec3A::new((i * 7 % 30) as f32, (i / 30) as f32, 0.0)).collect();
+        let sorted = morton_sorted(&points);
+        points.push(Vec3A::splat(1e6));
+        assert_eq!(morton_sorted(&points)[..900], sorted);
+    }
+
+    #[test]
     fn all_that_intersect_are_found() {
         let boxes = scattered(101);
         let tree = Bvh::new(boxes.len(), |i| boxes[i]);
         for b in &boxes {
             let mut found = Vec::new();
-            tree.visit(b, &mut |i| found.push(i));
+            tree.visit_while(b, &mut |i| {
+                found.push(i);
+                true
+            });
             found.sort_unstable();
             assert!(found.into_iter().eq((0..boxes.len()).filter(|&i| intersect(&boxes[i], b))));
         }
@@ -214,8 +214,9 @@ mod tests {
         let is_active = |i: usize| i % 4 == 1;
         let is_wanted = |i: usize, j: usize| (i + j).is_multiple_of(2);
         let active: Vec<usize> = (0..boxes.len()).filter(|&i| is_active(i)).collect();
-        let mut found = tree.pairs(&active, is_wanted);
+        let Pairs { mut found, crowded } = tree.pairs(&active, is_wanted, |_, _| true);
         found.sort_unstable();
+        assert!(crowded.is_empty());
         let all = (0..boxes.len()).flat_map(|i| (i..boxes.len()).map(move |j| [i, j]));
         let expected =
             |&[i, j]: &[usize; 2]| is_wanted(i, j) && (is_active(i) || is_active(j)) && intersect(&boxes[i], &boxes[j]);

@@ -1,6 +1,6 @@
 //! How far it is from each face of a cage to the next layer.
 
-use super::bvh::Aabb;
+use super::bvh::{Aabb, Bvh};
 use super::face::{self, ChildBlock, RefinedFace};
 use super::faces::RefinedFaces;
 use super::simd::bits;
@@ -14,6 +14,10 @@ const FOLDED: f32 = -0.3;
 const COMMON: f32 = 1e-3;
 /// Cosine between a triangle's normal and the direction below which it is seen edge on, and has no height.
 const EDGE_ON: f32 = 1e-2;
+/// Faces over and under a face after which it is crowded where it has no clearance on either side.
+const MOST_OVER: usize = 256;
+/// Share of the reach that is no clearance.
+const NO_CLEARANCE: f32 = 0.01;
 /// Part of a triangle's area by which a point may be outside it.
 const ROUNDING: f32 = 1e-6;
 
@@ -57,14 +61,16 @@ impl<'a> View<'a> {
 }
 
 impl RefinedFaces<'_> {
-    /// The clearance of each face, as far as it is within `reach`.
+    /// The clearance of each face, as far as it is within `reach`. A face in a crowd has none.
     pub fn clearances(&self, reach: f32) -> IdVec<FaceId, Clearance> {
+        let tree = Bvh::new(self.faces.len(), |slot| self.faces[slot].aabb);
         let of = |face: &RefinedFace| {
-            let (mut clearance, view, mut blocks) = (UNBOUNDED, View::new(face), Vec::new());
-            self.tree().visit(&face.aabb.expanded(reach), &mut |other| {
-                self.narrow(&view, &self.faces[other], reach, &mut blocks, &mut clearance);
+            let (mut clearance, view, mut blocks, mut over) = (UNBOUNDED, View::new(face), Vec::new(), 0);
+            let is_known = tree.visit_while(&face.aabb.expanded(reach), &mut |other| {
+                over += usize::from(self.narrow(&view, &self.faces[other], reach, &mut blocks, &mut clearance));
+                over <= MOST_OVER || clearance[0].max(clearance[1]) > NO_CLEARANCE * reach
             });
-            clearance
+            if is_known { clearance } else { [0.0; 2] }
         };
         let found: Vec<Clearance> = self.faces.par_iter().map(of).collect();
         let mut clearances = IdVec::filled(UNBOUNDED, found.len());
@@ -72,7 +78,8 @@ impl RefinedFaces<'_> {
         clearances
     }
 
-    /// Narrows the clearance of a face to what another leaves of it. `blocks` is scratch memory.
+    /// Narrows the clearance of a face to what another leaves of it; whether it may be over or under the face. `blocks` is
+    /// scratch memory.
     fn narrow(
         &self,
         view: &View,
@@ -80,13 +87,13 @@ impl RefinedFaces<'_> {
         reach: f32,
         blocks: &mut Vec<ChildBlock>,
         clearance: &mut Clearance,
-    ) {
+    ) -> bool {
         if view.face.face == other.face || view.is_beside(&other.aabb) {
-            return;
+            return false;
         }
         let touch = self.touch(view.face, other);
         if touch && view.axes[2].dot(other.normal) > FOLDED {
-            return;
+            return false;
         }
         blocks.clear();
         blocks.extend(other.blocks().map(|block| block.in_frame(&view.axes)));
@@ -95,7 +102,7 @@ impl RefinedFaces<'_> {
         let is_far =
             its.low.z - own.high.z > clearance[1].min(reach) || own.low.z - its.high.z > clearance[0].min(reach);
         if is_far || (0..2).any(|i| its.high[i] <= own.low[i] || its.low[i] >= own.high[i]) {
-            return;
+            return true;
         }
         let least = if touch { COMMON * view.face.aabb.longest_side() } else { 0.0 };
         let mut take = |height: f32| {
@@ -107,6 +114,7 @@ impl RefinedFaces<'_> {
         // From the points of each face to the other one, as either may have the finer ones.
         heights_over(&view.points.iter().copied(), blocks, &mut take);
         heights_over(&face::points(blocks.iter()), &view.blocks, &mut |height| take(-height));
+        true
     }
 }
 
@@ -133,4 +141,37 @@ fn height_over(p: Vec3, [a, b, c, d]: [Vec3; 4]) -> Option<f32> {
         let inside = parts.iter().all(|&part| part >= -ROUNDING);
         inside.then(|| parts[0] * a.z + parts[1] * b.z + parts[2] * c.z - p.z)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::morton_order;
+    use crate::garment::Garment;
+    use crate::mesh::{Faces, VertexId};
+    use crate::subdivide::Cage;
+
+    /// `count` parallel quads, this far from each other.
+    fn stack(count: usize, gap: f32) -> IdVec<FaceId, Clearance> {
+        let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let points = (0..count).flat_map(|i| corners.map(|[x, y]| Vec3::new(x, y, gap * i as f32)));
+        let cage = Cage::new(Garment {
+            points: points.collect(),
+            faces: Faces::quads((0..4 * count).map(VertexId::new).collect::<Vec<_>>()),
+            ..Garment::default()
+        });
+        let points = &cage.garment().points;
+        let order = morton_order(&cage.garment().faces, points);
+        RefinedFaces::new(cage.level(), cage.level().vertex_rows(), points, &order, None).clearances(1.0)
+    }
+
+    #[test]
+    fn a_face_in_a_crowd_has_no_clearance_and_one_in_a_stack_has_the_gap() {
+        let clearances = stack(1000, 1e-5);
+        assert!(clearances.iter().all(|of| of[0].min(of[1]) < 1e-4));
+        assert!(clearances.iter().filter(|of| **of == [0.0; 2]).count() > 500);
+        let clearances = stack(1000, 0.02);
+        let inner = &clearances.as_slice()[1..999];
+        assert!(inner.iter().flatten().all(|gap| (gap - 0.02).abs() < 1e-4));
+    }
 }

@@ -148,6 +148,11 @@ impl Refinement<'_> {
 }
 
 impl RefinedFace {
+    /// The box of a face that others may cross: that of no point if all of the face is one point.
+    pub fn crossable(&self) -> Aabb {
+        if self.aabb.low == self.aabb.high { Aabb::EMPTY } else { self.aabb }
+    }
+
     /// The children.
     #[inline]
     pub fn blocks(&self) -> impl Iterator<Item = &ChildBlock> + Clone {

@@ -21,6 +21,7 @@ pub struct RefinedFaces<'a> {
     pub(super) faces: Vec<RefinedFace>,
     /// Where each face is in `faces`.
     slots: IdVec<FaceId, u32>,
+    /// The boxes that others may cross.
     tree: OnceLock<Bvh>,
 }
 
@@ -88,7 +89,7 @@ impl<'a> RefinedFaces<'a> {
             }
         });
         if let Some(tree) = tree.get_mut() {
-            tree.refit(&slots, |slot| faces[slot].aabb);
+            tree.refit(&slots, |slot| faces[slot].crossable());
         }
         moved
     }
@@ -117,7 +118,7 @@ impl<'a> RefinedFaces<'a> {
     }
 
     pub(super) fn tree(&self) -> &Bvh {
-        self.tree.get_or_init(|| Bvh::new(self.faces.len(), |slot| self.faces[slot].aabb))
+        self.tree.get_or_init(|| Bvh::new(self.faces.len(), |slot| self.faces[slot].crossable()))
     }
 
     #[inline]

@@ -19,6 +19,7 @@
 use super::bvh::Aabb;
 use super::face::{ChildBlock, ChildId, RefinedFace, SMOOTH};
 use super::faces::RefinedFaces;
+use super::pairs::Pairs;
 use super::simd::{ALL, Aabbx4, Intervalx4, Mask, Vec3x4, WIDTH, bits};
 use crate::mesh::FaceId;
 use glam::{DVec3, Vec3, Vec4};
@@ -90,10 +91,14 @@ pub(super) struct Child {
 }
 
 impl RefinedFaces<'_> {
-    /// Pairs of faces that intersect, or a face twice that intersects itself, of which at least one is active.
+    /// Pairs of faces that intersect, or a face twice that intersects itself, of which at least one is active. An active face
+    /// in a crowd that is too close to be tested counts as one that intersects itself.
     pub fn intersecting_pairs(&self, active: &[FaceId]) -> Vec<[FaceId; 2]> {
-        let pairs = self.tree().pairs(&self.slots_of(active), |a, b| self.do_intersect(&self.faces[a], &self.faces[b]));
-        pairs.into_iter().map(|pair| pair.map(|slot| self.faces[slot].face)).collect()
+        let of = |slot: usize| &self.faces[slot];
+        let may = |a, b| self.may_cross(of(a), of(b));
+        let Pairs { found, crowded } = self.tree().pairs(&self.slots_of(active), may, |a, b| self.cross(of(a), of(b)));
+        let all = found.into_iter().chain(crowded.into_iter().map(|slot| [slot; 2]));
+        all.map(|pair| pair.map(|slot| self.faces[slot].face)).collect()
     }
 
     /// Whether the children of two faces intersect, or of one.
@@ -102,14 +107,22 @@ impl RefinedFaces<'_> {
     }
 
     fn do_intersect(&self, a: &RefinedFace, b: &RefinedFace) -> bool {
-        // Independent of their order in memory.
-        let (f, g) = if a.face <= b.face { (a, b) } else { (b, a) };
-        let may = if f.face != g.face && self.touch(f, g) {
-            !are_smooth(f, g) && self.may_touching_intersect(f, g)
-        } else {
-            self.may_intersect(f, g, &Motion::NONE)
-        };
-        may && find_near_children(f, g, &Motion::NONE, &mut |a, b| self.triangles_intersect(a, b))
+        self.may_cross(a, b) && self.cross(a, b)
+    }
+
+    /// Whether no bound excludes that two faces intersect, or one itself.
+    fn may_cross(&self, a: &RefinedFace, b: &RefinedFace) -> bool {
+        let (f, g) = in_order(a, b);
+        if f.face != g.face && self.touch(f, g) {
+            return !are_smooth(f, g) && self.may_touching_intersect(f, g);
+        }
+        self.may_intersect(f, g, &Motion::NONE)
+    }
+
+    /// Whether triangles of two faces, or of one, intersect.
+    fn cross(&self, a: &RefinedFace, b: &RefinedFace) -> bool {
+        let (f, g) = in_order(a, b);
+        find_near_children(f, g, &Motion::NONE, &mut |a, b| self.triangles_intersect(a, b))
     }
 
     /// Whether faces without a common vertex may intersect, or a face itself, where the first moves.
@@ -213,6 +226,11 @@ impl Child {
         let is_odd = self.valence == 4 && self.id.1 % 2 == 1;
         if is_odd { [[1, 2, 3], [1, 3, 0]] } else { [[0, 1, 2], [0, 2, 3]] }
     }
+}
+
+/// Two faces in an order that is independent of their order in memory.
+fn in_order<'a>(a: &'a RefinedFace, b: &'a RefinedFace) -> (&'a RefinedFace, &'a RefinedFace) {
+    if a.face <= b.face { (a, b) } else { (b, a) }
 }
 
 /// Whether both faces are smooth, with less than 60° between them.

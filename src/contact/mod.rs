@@ -11,6 +11,7 @@ mod face;
 mod faces;
 mod intersect;
 mod nearest;
+mod pairs;
 mod part;
 mod proximity;
 mod simd;
@@ -22,7 +23,7 @@ pub use face::ChildId;
 pub use faces::{RefinedFaces, evaluate};
 pub use nearest::NearestSearch;
 pub use part::RefinedPart;
-pub use proximity::Proximity;
+pub use proximity::{NextContacts, Proximity};
 
 use crate::mesh::{FaceId, Id, IdVec, Topology, VertexId};
 use glam::Vec3;

@@ -4,6 +4,7 @@ use super::bvh::Bvh;
 use super::face::{ChildId, RefinedFace};
 use super::faces::RefinedFaces;
 use super::intersect::{Motion, are_within_sharp, find_near_children};
+use super::pairs::Pairs;
 use super::simd::bits;
 use crate::mesh::FaceId;
 use glam::Vec3;
@@ -11,6 +12,14 @@ use rayon::prelude::*;
 
 /// Part of its size that any point of a face may move. Larger finds more pairs that do not intersect.
 const SLACK: f32 = 1e-4;
+
+/// What may intersect on the next refinement.
+pub struct NextContacts {
+    /// Pairs of children.
+    pub pairs: Vec<[ChildId; 2]>,
+    /// Active faces in a crowd that is too close to be tested.
+    pub crowded: Vec<FaceId>,
+}
 
 /// How far the next refinement may move faces, and their bounds with that.
 pub struct Proximity {
@@ -22,7 +31,7 @@ impl Proximity {
     /// The proximity of all faces.
     pub fn new(faces: &RefinedFaces) -> Self {
         let motions: Vec<Motion> = faces.faces.par_iter().map(next_motion).collect();
-        let tree = Bvh::new(motions.len(), |slot| motions[slot].swept(&faces.faces[slot].aabb));
+        let tree = Bvh::new(motions.len(), |slot| motions[slot].swept(&faces.faces[slot].crossable()));
         Self { motions, tree }
     }
 
@@ -30,11 +39,11 @@ impl Proximity {
     pub fn update(&mut self, faces: &RefinedFaces, moved: &[FaceId]) {
         let slots = faces.slots_of(moved);
         slots.iter().for_each(|&slot| self.motions[slot] = next_motion(&faces.faces[slot]));
-        self.tree.refit(&slots, |slot| self.motions[slot].swept(&faces.faces[slot].aabb));
+        self.tree.refit(&slots, |slot| self.motions[slot].swept(&faces.faces[slot].crossable()));
     }
 
-    /// Pairs of children that may intersect on the next refinement, of which at least one is of an active face.
-    pub fn pairs(&self, faces: &RefinedFaces, active: &[FaceId]) -> Vec<[ChildId; 2]> {
+    /// Pairs of children that may intersect on the next refinement, of which at least one is of an active face, and crowds.
+    pub fn contacts(&self, faces: &RefinedFaces, active: &[FaceId]) -> NextContacts {
         // Layers move together: only the difference of their motions counts.
         let motion = |a: usize, b: usize| self.motions[a].relative_to(&self.motions[b]);
         let may_intersect = |a: usize, b: usize| {
@@ -55,8 +64,11 @@ impl Proximity {
             found.sort_unstable();
             found
         };
-        let near = self.tree.pairs(&faces.slots_of(active), may_intersect);
-        near.par_iter().flat_map_iter(near_children).collect()
+        let Pairs { found, crowded } = self.tree.pairs(&faces.slots_of(active), may_intersect, |_, _| true);
+        NextContacts {
+            pairs: found.par_iter().flat_map_iter(near_children).collect(),
+            crowded: crowded.into_iter().map(|slot| faces.faces[slot].face).collect(),
+        }
     }
 }
 
@@ -74,4 +86,64 @@ fn next_motion(face: &RefinedFace) -> Motion {
     }
     let next = ((faces + 2.0 * edges) / valence + (valence - 3.0) * centre) / valence;
     Motion { by: next - centre, slack: SLACK * face.aabb.longest_side() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::morton_order;
+    use crate::garment::Garment;
+    use crate::mesh::{Faces, VertexId};
+    use crate::subdivide::Cage;
+    use std::collections::HashSet;
+
+    /// A sheet of 40 x 40 quads, the first 20 columns of which are crumpled into a ball of this size.
+    fn crumpled(size: f32) -> Cage {
+        let n = 40;
+        let random = |i: usize, axis: usize| {
+            ((3 * i + axis + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 40) as f32 / (1 << 24) as f32
+        };
+        let point = |i: usize| {
+            let [x, y] = [i % (n + 1), i / (n + 1)];
+            let ball = Vec3::from([0, 1, 2].map(|axis| size * random(i, axis)));
+            if x <= n / 2 { ball } else { Vec3::new(x as f32, y as f32, 0.0) }
+        };
+        let first = (0..n * (n + 1)).filter(|i| i % (n + 1) < n);
+        let corners = first.flat_map(|i| [i, i + 1, i + n + 2, i + n + 1]).map(VertexId::new);
+        Cage::new(Garment {
+            points: (0..(n + 1) * (n + 1)).map(point).collect(),
+            faces: Faces::quads(corners.collect::<Vec<_>>()),
+            ..Garment::default()
+        })
+    }
+
+    #[test]
+    fn no_face_of_a_crowd_passes_for_one_that_is_free() {
+        for size in [1e-4, 1e-2, 1.0] {
+            let cage = crumpled(size);
+            let points = &cage.garment().points;
+            let order = morton_order(&cage.garment().faces, points);
+            let faces = RefinedFaces::new(cage.level(), cage.level().vertex_rows(), points, &order, None);
+            let in_ball = |face: &&FaceId| {
+                faces.level().topology.faces.vertices_of(**face).iter().all(|&v| points[v].max_element() <= size)
+            };
+            let all: Vec<FaceId> = cage.garment().faces.ids().collect();
+            let ball: Vec<FaceId> = all.iter().filter(in_ball).copied().collect();
+            assert_eq!(ball.len(), 20 * 40);
+            let told: HashSet<FaceId> = faces.intersecting_pairs(&all).into_iter().flatten().collect();
+            assert!(ball.iter().all(|face| told.contains(face)), "{size}");
+            let NextContacts { pairs, crowded } = Proximity::new(&faces).contacts(&faces, &all);
+            let near: HashSet<FaceId> = pairs.iter().flatten().map(|(face, _)| *face).chain(crowded).collect();
+            assert!(ball.iter().all(|face| near.contains(face)), "{size}");
+        }
+    }
+
+    #[test]
+    fn faces_in_one_point_cross_none() {
+        let cage = crumpled(0.0);
+        let points = &cage.garment().points;
+        let all: Vec<FaceId> = cage.garment().faces.ids().collect();
+        let faces = RefinedFaces::new(cage.level(), cage.level().vertex_rows(), points, &all, None);
+        assert_eq!(faces.intersecting_pairs(&all), [[FaceId::new(0); 2]; 0]);
+    }
 }

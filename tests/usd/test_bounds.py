@@ -237,18 +237,25 @@ def test_a_shot_replaces_no_input_and_no_other_folder(usdtailor, tmp_path):
 
 def test_of_two_runs_on_one_output_one_succeeds(usdtailor, tmp_path):
     source = write(tmp_path / "in.usda", shape=lambda: sheet(12, 12))
-    args = [usdtailor, "build", source, "-o", tmp_path / "out.usda", "--report"]
-    # A report each: one that loses writes its report too.
-    reports = [tmp_path / f"report_{i}.json" for i in range(3)]
+    # With one report for all: it is that of the one that succeeds.
+    report = tmp_path / "report.json"
+    args = [usdtailor, "build", source, "-o", tmp_path / "out.usda", "--report", report]
     for _ in range(3):
-        processes = [subprocess.Popen([*args, report], stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True) for report in reports]
+        processes = [subprocess.Popen(args, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True) for _ in range(3)]
         words = [process.communicate(timeout=300)[1] for process in processes]
         codes = sorted(process.returncode for process in processes)
         assert codes == [0, 1, 1], words
         assert sum("exists already" in text for text in words) == 2, words
+        assert "sim" in json.loads(report.read_text()), "a report of meshes"
         (tmp_path / "out.usda").unlink()
-        for report in reports:
-            report.unlink()
+        report.unlink()
+
+
+def test_a_run_that_loses_its_output_leaves_no_report(usdtailor, tmp_path):
+    source, out = write(tmp_path / "in.usda"), tmp_path / "out.usda"
+    out.write_text("#usda 1.0\n")
+    refused(usdtailor, "build", source, "-o", out, "--report", tmp_path / "report.json", says=["out.usda exists already"])
+    assert not (tmp_path / "report.json").exists()
 
 
 # Threads.
@@ -384,6 +391,66 @@ def test_prims_that_references_multiply_are_refused(usdtailor, tmp_path):
         text += f'def "L{i}"\n{{\n    def "a" (references = </L{i - 1}>) {{}}\n    def "b" (references = </L{i - 1}>) {{}}\n}}\n'
     mounted(tmp_path / "many.usda", text)
     refused(usdtailor, "check", tmp_path / "many.usda", says=["holds more than 100000 prims"], seconds=300)
+
+
+def garment_below(folder, text):
+    """The garment beside prims that refer to it, which no text names `Coat`."""
+    write(folder / "in.usda")
+    return mounted(folder / "many.usda", text + 'def "Coat" (references = @./in.usda@</Coat>)\n{\n}')
+
+
+def levels(count, arc, prim="{}{}", start="def"):
+    """Levels of two prims, each of which has an arc to both of the level below."""
+    text = "".join(f'{start} "{prim.format(name, 0)}" {{}}\n' for name in "ab")
+    for i in range(1, count):
+        targets = ", ".join(f"</{prim.format(name, i - 1)}>" for name in "ab")
+        text += "".join(f'{start} "{prim.format(name, i)}" ({arc} = [{targets}]) {{}}\n' for name in "ab")
+    return text
+
+
+@pytest.mark.parametrize("arc", ["references", "payload", "inherits", "specializes", "prepend references"])
+def test_arcs_that_multiply_within_a_prim_are_refused(usdtailor, tmp_path, arc):
+    top = garment_below(tmp_path, levels(18, arc))
+    start = time.monotonic()
+    done = refused(usdtailor, "check", top, says=["error[composition-failed]", "has more than 2000 references", "many.usda", "hint: "], seconds=30)
+    assert re.search(r"/[ab]\d+ in ", done.stderr), done.stderr
+    assert time.monotonic() - start < 5
+
+
+@pytest.mark.parametrize("kind", ["files", "sublayers", "crate", "children", "variants"])
+def test_arcs_that_multiply_are_refused_wherever_they_are(usdtailor, tmp_path, kind):
+    if kind == "files":
+        for i in range(18):
+            below = ", ".join(f"@./{name}{i - 1}.usda@</P>" for name in "ab")
+            for name in "ab":
+                (tmp_path / f"{name}{i}.usda").write_text(f'#usda 1.0\ndef "P" {f"(references = [{below}])" if i else ""} {{}}\n')
+        top = garment_below(tmp_path, 'def "P" (references = @./a17.usda@</P>) {}\n')
+    elif kind == "sublayers":
+        (tmp_path / "below.usda").write_text("#usda 1.0\n" + levels(18, "references", start="over"))
+        top = garment_below(tmp_path, "")
+        top.write_text(top.read_text().replace("(", "(\n    subLayers = [@./below.usda@]", 1))
+    elif kind == "crate":
+        top = garment_below(tmp_path, levels(18, "references"))
+        Sdf.Layer.FindOrOpen(str(top)).Export(str(tmp_path / "many.usdc"))
+        top = tmp_path / "many.usdc"
+    elif kind == "children":
+        # The prims that the arcs lead to are below others with arcs.
+        text = levels(9, "references") + "".join(f'def "u{i}" (references = </a8>) {{ def "x" {{}} }}\n' for i in range(5))
+        top = garment_below(tmp_path, text + f'def "All" (references = [{", ".join(f"</u{i}/x>" for i in range(5))}]) {{}}\n')
+    else:
+        variant = '(variants = { string v = "one" }  prepend variantSets = "v") { variantSet "v" = { "one" (references = [</a16>, </b16>]) {} } }'
+        top = garment_below(tmp_path, levels(17, "references") + f'def "All" {variant}\n')
+    refused(usdtailor, "check", top, says=["has more than 2000 references"], seconds=30)
+
+
+def test_many_plain_references_build(usdtailor, tmp_path):
+    listed = ", ".join(f"</p{i}>" for i in range(1000))
+    top = garment_below(tmp_path, "".join(f'def "p{i}" {{}}\n' for i in range(1000)) + f'def "All" (references = [{listed}]) {{}}\n')
+    good(usdtailor, "check", top)
+    # Of variants, one is taken.
+    variants = "".join(f'"v{i}" (references = [{listed}]) {{}}\n' for i in range(4))
+    text = "".join(f'def "p{i}" {{}}\n' for i in range(1000)) + f'def "All" (variants = {{ string v = "v1" }}  prepend variantSets = "v") {{ variantSet "v" = {{ {variants} }} }}\n'
+    good(usdtailor, "check", garment_below(tmp_path, text))
 
 
 def test_names_of_a_recipe_are_given_once(usdtailor, tmp_path):

@@ -6,7 +6,9 @@
 use super::candidate::Fault;
 use super::solver::{Constraint, Row, add_row, separation};
 use super::{GAP, LookAhead};
-use crate::contact::{ChildId, Proximity, Quad, RefinedFaces, RefinedPart, each_once, evaluate, separating_axis};
+use crate::contact::{
+    ChildId, NextContacts, Proximity, Quad, RefinedFaces, RefinedPart, each_once, evaluate, separating_axis,
+};
 use crate::mesh::{FaceId, VertexId};
 use crate::subdivide::Stencils;
 use rayon::prelude::*;
@@ -31,15 +33,17 @@ impl<'a> Ahead<'a> {
     }
 
     /// Pairs of faces that intersect on the second refinement, at least one of them among `of`. Pairs that intersect in the
-    /// input are left out.
+    /// input are left out. A face among `of` in a crowd that is too close to be tested counts as one that intersects itself.
     pub fn faults(&self, faces: &RefinedFaces, of: &[FaceId]) -> Vec<Fault> {
-        each_once(self.intersecting(faces, of).iter().map(faces_of).collect())
+        let near = self.near(faces, of);
+        let found = self.intersecting(faces, &near.pairs);
+        each_once(found.iter().map(faces_of).chain(near.crowded.iter().map(|&face| [face; 2])).collect())
     }
 
     /// Constraints that separate children that intersect on the second refinement, along the axis that separates them on
     /// the first.
     pub fn separations(&self, faces: &RefinedFaces, of: &[FaceId]) -> Vec<Box<dyn Constraint>> {
-        let pairs = self.intersecting(faces, of);
+        let pairs = self.intersecting(faces, &self.near(faces, of).pairs);
         let part = RefinedPart::new(faces.level(), &pairs, |v| faces.points()[v]);
         let refined = part.refined();
         let row = |vertex: VertexId| {
@@ -58,11 +62,15 @@ impl<'a> Ahead<'a> {
         pairs.iter().flat_map(of_pair).collect()
     }
 
-    /// Pairs of children whose own children intersect.
-    fn intersecting(&self, faces: &RefinedFaces, of: &[FaceId]) -> Vec<[ChildId; 2]> {
+    /// What of some faces may intersect on the second refinement.
+    fn near(&self, faces: &RefinedFaces, of: &[FaceId]) -> NextContacts {
         let is_doubtful = |face: &FaceId| self.input.close[*face] || !faces.is_smooth(*face);
         let doubtful: Vec<FaceId> = of.iter().copied().filter(is_doubtful).collect();
-        let near = self.proximity.pairs(faces, &doubtful);
+        self.proximity.contacts(faces, &doubtful)
+    }
+
+    /// The pairs among `near` whose own children intersect.
+    fn intersecting(&self, faces: &RefinedFaces, near: &[[ChildId; 2]]) -> Vec<[ChildId; 2]> {
         let of_task = |near: &[[ChildId; 2]]| {
             let part = RefinedPart::new(faces.level(), near, |v| faces.points()[v]);
             let mut found = part.intersecting(&part.refined(), near);
@@ -157,7 +165,7 @@ mod tests {
         let low = ridge(LOW);
         assert_eq!(ahead(&low, &low.garment().points, LOW).0, [[both[0]; 2]; 0]);
         let faces = refined(&low, &low.garment().points);
-        assert!(Proximity::new(&faces).pairs(&faces, &all(&low)).is_empty());
+        assert!(Proximity::new(&faces).contacts(&faces, &all(&low)).pairs.is_empty());
     }
 
     #[test]

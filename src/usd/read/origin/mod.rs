@@ -1,5 +1,6 @@
 //! Opening a stage, from a file or from memory.
 
+mod arcs;
 mod reach;
 mod resolver;
 
@@ -133,6 +134,7 @@ fn open_file(file: &Path, variants: &[Selection]) -> Result<Stage, Error> {
     }
     // The file that the system finds, whatever the text of its path would be without links.
     let path = as_named(file)?;
+    arcs::check_arcs(&path)?;
     let builder = Stage::builder();
     let builder = match variants {
         [] => builder.resolver(Files::default()),

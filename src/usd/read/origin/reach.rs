@@ -1,6 +1,6 @@
 //! The files that a stage uses under any selection of variants, so that none of them is written over.
 
-use super::resolver::{Files, package_file};
+use super::resolver::{ARGUMENTS, Files, package_file};
 use crate::error::Error;
 use crate::usd::assets::{Identity, as_named, frames, normalized, tiles};
 use crate::usd::on_large_stack;
@@ -16,8 +16,6 @@ const MAX_LAYERS: usize = 10_000;
 const TEMPLATE: &str = "templateAssetPath";
 /// The fields with the values of an attribute.
 const VALUES: [&str; 2] = ["default", "timeSamples"];
-/// What separates the arguments of a layer from its path.
-const ARGUMENTS: &str = ":SDF_FORMAT_ARGS:";
 
 /// An asset path without the arguments of its file format.
 pub fn without_arguments(asset_path: &str) -> &str {
