@@ -234,6 +234,48 @@ fn grooves_meet_at_their_depth() {
     }
 }
 
+#[test]
+fn a_seam_that_ends_at_another_leaves_the_far_side_as_it_was() {
+    // A T on a sheet that is bent along the seam which goes through.
+    let mut input = sheet(8);
+    for p in &mut input.points {
+        let a = 1.2 * (p.x / 8.0 - 0.5);
+        *p = Vec3::new(8.0 / 1.2 * a.sin(), p.y, 8.0 / 1.2 * a.cos());
+    }
+    let column: Vec<i32> = (4..=8).map(|y| 9 * y + 4).collect();
+    let input = with_edges(with_edges(input, "a", &path(&(36..=44).collect::<Vec<_>>())), "b", &path(&column));
+    let garment = checked(input);
+    for [a, b] in [[0.1f32, 0.1], [0.08, 0.16]] {
+        let offsets = [format!("seam.a.normalOffset={a}"), format!("seam.b.normalOffset={b}")];
+        let common = ["seam.a.edges=a", "seam.b.edges=b", "seam.a.width=0.4", "seam.b.width=0.4", "render.level=4"];
+        let options: Vec<&str> = common.into_iter().chain(offsets.iter().map(String::as_str)).collect();
+        let (mesh, warnings) = rendered(&garment, &options);
+        assert!(warnings.is_empty(), "{warnings:?}");
+        // What the seam adds to the other one there.
+        let (alone, _) = rendered(&garment, &[&options[..], &["render.operators=a"]].concat());
+        let (places, alone) = (limit(&mesh), Surface::of(&limit(&alone), &alone));
+        let far = places.iter().filter(|p| (3.0..3.9).contains(&p.y) && p.x.abs() < 1.0);
+        let far = far.map(|&p| alone.height(p).abs() / a).fold(0.0, f32::max);
+        assert!(far < 0.04, "{a}, {b}: {far} of the height on the far side");
+    }
+}
+
+#[test]
+fn a_seam_reaches_its_height_beside_another_without_a_step() {
+    for [a, b] in [[0.08f32, 0.16], [0.1, -0.1]] {
+        let common = ["seam.a.edges=a", "seam.b.edges=b", "seam.a.width=0.4", "seam.b.width=0.4", "render.level=5"];
+        let offsets = [format!("seam.a.normalOffset={a}"), format!("seam.b.normalOffset={b}")];
+        let options: Vec<&str> = common.into_iter().chain(offsets.iter().map(String::as_str)).collect();
+        let (mesh, _) = rendered(&crossed(4), &options);
+        let mut along: Vec<Vec3> = line(&mesh, "b").into_iter().filter(|p| (4.0..4.6).contains(&p.y)).collect();
+        along.sort_by(|p, q| p.y.total_cmp(&q.y));
+        let steepest = along.windows(2).map(|w| ((w[1].z - w[0].z) / (w[1].y - w[0].y)).abs()).fold(0.0, f32::max);
+        // The mean over the half width and the support loop.
+        let ratio = steepest / ((b - a).abs() / 0.3);
+        assert!(ratio < 3.5, "{a}, {b}: {ratio} of the mean slope");
+    }
+}
+
 /// A surface of revolution about z of `n` by 8 quads, with a seam around it and a hem at its end.
 fn revolved(n: i32) -> Garment {
     let faces: Vec<[i32; 4]> = (0..8 * n)
