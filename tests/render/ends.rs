@@ -102,7 +102,7 @@ fn cuff(n: i32) -> Garment {
 
 #[test]
 fn a_cuff_of_few_faces_has_no_fins() {
-    for n in [4, 5, 6, 8] {
+    for n in [3, 4, 5, 6, 8] {
         let garment = cuff(n);
         let options = ["thickness.h.faces=hem", "thickness.h.amount=0.12", "render.level=3", "render.faceSets=true"];
         let (mesh, warnings) = rendered(&garment, &options);
