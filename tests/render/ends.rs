@@ -277,6 +277,76 @@ fn a_seam_reaches_its_height_beside_another_without_a_step() {
     }
 }
 
+/// Height over the surface of the vertices of the second layer near a place, and how far the border there is off it.
+fn beside_end(mesh: &Garment, surface: &Surface, end: Vec3) -> (f32, f32) {
+    let places = limit(mesh);
+    let inner = &vertices_of(mesh, "h_inner") | &vertices_of(mesh, "h_hem");
+    let near = |v: &&VertexId| places[**v].distance(end) < 1.6 * AMOUNT;
+    let deepest = inner.iter().filter(near).map(|&v| surface.height(places[v]).abs()).fold(0.0, f32::max);
+    let near = |v: &&VertexId| places[**v].distance(end) < 3.0 * AMOUNT;
+    let off = border(mesh).iter().filter(near).map(|&v| surface.height(places[v]).abs()).fold(0.0, f32::max);
+    (deepest / AMOUNT, off / AMOUNT)
+}
+
+#[test]
+fn a_hem_ends_square_where_its_end_is_marked() {
+    let marked = |is_crease: bool, bend: f32| {
+        let mut input = crate::cloth::sheet(8);
+        if bend > 0.0 {
+            for p in &mut input.points {
+                let a = bend * (p.x / 8.0 - 0.5);
+                *p = Vec3::new(8.0 / bend * a.sin(), p.y, 8.0 / bend * a.cos());
+            }
+        }
+        let mut input = with_faces(input, "hem", 0..4);
+        if is_crease {
+            (input.crease_indices, input.crease_lengths, input.crease_sharpnesses) = (vec![4, 13], vec![2], vec![2.0]);
+        } else {
+            input = with_edges(input, "end", &path(&[4, 13]));
+        }
+        checked(input)
+    };
+    for (is_crease, bend) in [(false, 0.0), (true, 0.0), (false, 1.2), (true, 1.2)] {
+        let garment = marked(is_crease, bend);
+        let amount = format!("thickness.h.amount={AMOUNT}");
+        let options = ["thickness.h.faces=hem", &amount, "render.faceSets=true", "render.level=3"];
+        let (mesh, warnings) = rendered(&garment, &options);
+        assert!(warnings.is_empty(), "{warnings:?}");
+        let surface = Surface::new(&garment, &["render.level=3"]);
+        let end = limit(&rendered(&garment, &["render.level=3"]).0)[VertexId::new(4)];
+        let (deepest, off) = beside_end(&mesh, &surface, end);
+        // The fold has its height up to the end, and a wall closes it.
+        assert!((0.85..1.15).contains(&deepest), "crease {is_crease}, bend {bend}: {deepest} of the amount at the end");
+        assert!(off < 0.15, "crease {is_crease}, bend {bend}: the border is {off} of the amount off the surface");
+        let (coarse, _) = rendered(&garment, &[&options[..3], &["render.level=1"]].concat());
+        let own: Vec<usize> = (0..coarse.faces.len()).collect();
+        assert!(crossing_parents(&coarse, &own).is_empty(), "crease {is_crease}, bend {bend}");
+    }
+}
+
+#[test]
+fn a_hem_that_other_cloth_cuts_short_closes() {
+    // A patch lies behind the border from x = 4.6 on.
+    let mut input = sheet(8);
+    let first = input.points.len() as i32;
+    input.points.extend([4.6, 8.0].into_iter().flat_map(|x| [0.1, 0.9].map(|y| Vec3::new(x, y, -0.0005))));
+    input.face_vertex_counts.push(4);
+    input.face_vertex_indices.extend([first, first + 2, first + 3, first + 1]);
+    input.primvars.clear();
+    input.subsets.clear();
+    let garment = checked(with_faces(input, "hem", 0..8));
+    let amount = format!("thickness.h.amount={AMOUNT}");
+    let options = ["thickness.h.faces=hem", &amount, "render.faceSets=true", "render.level=3"];
+    let (mesh, warnings) = rendered(&garment, &options);
+    assert!(warnings.iter().any(|w| w.code == Code::BareFaces), "{warnings:?}");
+    let surface = Surface::new(&garment, &["render.level=3"]);
+    let places = limit(&mesh);
+    let hem = vertices_of(&mesh, "h_hem");
+    let end = hem.iter().map(|&v| places[v]).fold(Vec3::ZERO, |end, p| if p.x > end.x { p } else { end });
+    let (_, off) = beside_end(&mesh, &surface, end);
+    assert!(end.x > 1.5 && off < 0.15, "at {end} the border is {off} of the amount off the surface");
+}
+
 /// A surface of revolution about z of `n` by 8 quads, with a seam around it and a hem at its end.
 fn revolved(n: i32) -> Garment {
     let faces: Vec<[i32; 4]> = (0..8 * n)
