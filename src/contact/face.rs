@@ -14,6 +14,8 @@ pub const SMOOTH: f32 = 0.9;
 const UNDISTURBED: f32 = 0.5;
 /// Cosine of a corner's angle above which a triangle is a sliver.
 const SLIVER: f32 = 0.9;
+/// Area of a corner of a child, as a share of the child's, by which the corner may turn inwards: rounding.
+const REFLEX: f32 = 1e-4;
 
 /// A child of a face: the face, and the number of its corner at which the child is.
 pub type ChildId = (FaceId, usize);
@@ -34,6 +36,8 @@ pub struct ChildBlock {
     pub previous_edge_points: Vec3x4,
     /// Unit normals, zero without area.
     pub normals: Vec3x4,
+    /// Whether all children are convex.
+    pub is_convex: bool,
 }
 
 /// A face with its children.
@@ -53,10 +57,13 @@ pub struct RefinedFace {
     pub first: ChildBlock,
     /// The children after the first four.
     others: Box<[ChildBlock]>,
-    /// Almost flat, near its normal without displacement, and no sliver.
+    /// Almost flat, near its normal without displacement, no sliver, and with convex children.
     pub is_smooth: bool,
-    /// Whether it may overlap a neighbour within their common plane: a sliver, or a face moved within its plane.
+    /// Whether it may overlap a neighbour within their common plane: a sliver, a face moved within its plane, or one with a
+    /// child that is not convex.
     pub may_overlap: bool,
+    /// Whether all children are convex.
+    pub is_convex: bool,
 }
 
 /// The first refinement of a cage.
@@ -84,6 +91,7 @@ impl Refinement<'_> {
         let aabb = aabb(blocks());
         let is_undisturbed = self.rest_normals.is_some_and(|normals| normal.dot(normals[face]) >= UNDISTURBED);
         let is_sliver = vertices.len() == 3 && first.is_sliver();
+        let is_convex = blocks().all(|block| block.is_convex);
         let mut refined = RefinedFace {
             face,
             valence: vertices.len(),
@@ -92,8 +100,9 @@ impl Refinement<'_> {
             least_cosine,
             extent: (0.0, 0.0),
             aabb,
-            is_smooth: is_undisturbed && least_cosine >= SMOOTH && !is_sliver,
-            may_overlap: is_sliver,
+            is_smooth: is_undisturbed && least_cosine >= SMOOTH && !is_sliver && is_convex,
+            may_overlap: is_sliver || !is_convex,
+            is_convex,
             first,
             others,
         };
@@ -128,10 +137,12 @@ impl Refinement<'_> {
                 Vec3x4::new(std::array::from_fn(previous))
             },
             normals: Vec3x4::default(),
+            is_convex: true,
         };
         let areas = (Vec3x4::splat(block.face_point) - block.vertex_points)
             .cross(&(block.previous_edge_points - block.edge_points));
         block.normals = areas.normalize_or_zero();
+        block.is_convex = block.has_convex_corners(&areas);
         (block, (0..count).map(|i| areas.at(i)).sum())
     }
 
@@ -184,6 +195,20 @@ impl RefinedFace {
 }
 
 impl ChildBlock {
+    /// Whether no corner of a child turns inwards. `areas` are twice those of the children.
+    fn has_convex_corners(&self, areas: &Vec3x4) -> bool {
+        let (vertex, edge, previous) = (self.vertex_points, self.edge_points, self.previous_edge_points);
+        let face = Vec3x4::splat(self.face_point);
+        let least = areas.dots(&self.normals) * -REFLEX;
+        let is_convex = |corner: &Vec3x4, next: &Vec3x4, before: &Vec3x4| {
+            (*next - *corner).cross(&(*before - *corner)).dots(&self.normals).cmpge(least).all()
+        };
+        is_convex(&vertex, &edge, &previous)
+            && is_convex(&edge, &face, &vertex)
+            && is_convex(&face, &previous, &edge)
+            && is_convex(&previous, &vertex, &face)
+    }
+
     /// Whether the triangle whose children these are is a sliver.
     fn is_sliver(&self) -> bool {
         let [a, b, c] = [0, 1, 2].map(|i| self.vertex_points.at(i));

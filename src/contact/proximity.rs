@@ -3,7 +3,7 @@
 use super::bvh::Bvh;
 use super::face::{ChildId, RefinedFace};
 use super::faces::RefinedFaces;
-use super::intersect::{Motion, are_within_sharp, find_near_children};
+use super::intersect::{Motion, are_opposed, are_within_sharp, find_near_children};
 use super::pairs::Pairs;
 use super::simd::bits;
 use crate::mesh::FaceId;
@@ -49,7 +49,8 @@ impl Proximity {
         let may_intersect = |a: usize, b: usize| {
             let (f, g) = (&faces.faces[a], &faces.faces[b]);
             if a != b && faces.touch(f, g) {
-                let are_doubtful = f.may_overlap && g.may_overlap && !are_within_sharp(f, g);
+                // Neighbours move together, but for the layers that a fold joins where it ends.
+                let are_doubtful = f.may_overlap && g.may_overlap && !are_within_sharp(f, g) || are_opposed(f, g);
                 are_doubtful && faces.may_touching_intersect(f, g)
             } else {
                 faces.may_intersect(f, g, &motion(a, b))

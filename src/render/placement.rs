@@ -185,6 +185,10 @@ impl Placement {
         for (control, asked) in self.output().controls.iter().zip(asked) {
             is_near[control.vertex] |=
                 clearance[control.vertex][usize::from(*asked > 0.0)] < NEAR_HEIGHTS * asked.abs();
+            // Where a layer closes, its own surface is near.
+            if let Role::Layer { over, closing: Closing::Beside | Closing::Closed, .. } = control.role {
+                (is_near[control.vertex], is_near[over]) = (true, true);
+            }
         }
         let faces = &self.output().derivation.faces;
         let is_near = |face: usize| faces.vertices_of(FaceId::new(face)).iter().any(|&v| is_near[v]);

@@ -25,7 +25,7 @@ use crate::garment::{Elements, Garment, Orientation, Subset, Values};
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
 use crate::subdivide::{Level, Stencils};
 use cover::{Cover, layer_ends};
-use ends::Ends;
+use ends::{Ends, square_edges};
 use glam::Vec3;
 pub use halving::halving;
 use layer::Layer;
@@ -256,6 +256,11 @@ impl Thickness {
             let weight = if is_closed { CLOSED_WEIGHT } else { self.weight(weights, &sources) };
             Control { vertex, role: Role::Layer { over, weight, side: self.sign(), closing } }
         }));
+        // After the copies that they are below, which take the clearance.
+        controls.extend(layer.feet.iter().map(|&[over, vertex]| {
+            let (weight, closing) = (CLOSED_WEIGHT, Closing::Closed);
+            Control { vertex, role: Role::Layer { over, weight, side: self.sign(), closing } }
+        }));
         controls
     }
 
@@ -366,7 +371,9 @@ impl Operator for Thickness {
             marked[t.corner_edge[half]] = true;
             t.faces.half_edge(half).iter().for_each(|&v| folds[v] = true);
         }
-        let ends = Ends::new(t, &garment.points, [&asked, &chosen], &marked, CLOSED_LENGTH * self.options.amount);
+        let square = square_edges(garment, cage.level, &chosen);
+        let length = CLOSED_LENGTH * self.options.amount;
+        let ends = Ends::new(t, &garment.points, &chosen, [&marked, &square], length);
         let request = Request {
             topology: t,
             points: &garment.points,
@@ -384,11 +391,13 @@ impl Operator for Thickness {
         let mut lines = lines::insert(&request);
         let mut layer = Layer::new(t, &chosen, &ends, &mut lines);
         layer.add_hem(t, &border, &mut lines);
+        layer.add_walls(t, &chosen, &ends, &mut lines);
         layer.add_edges(t, &chosen, &folds, &mut lines);
         let controls = self.controls(t, weights, (&folds, &layer_ends(t, &chosen), &ends), &layer, &lines);
         let offsets = self.offsets(cage, &controls, &lines);
         let subsets = self.subsets(cage, &layer, &mut warnings);
-        let (mut corners, creases) = sharpness(cage.level, &folds, &request.marked, &layer);
+        let (mut corners, mut creases) = sharpness(cage.level, &folds, &request.marked, &layer);
+        creases.extend_from_slice(&layer.wall_edges);
         corners.extend(ends.corners.iter().filter_map(|v| layer.copy[v.index()]));
         let output = OperatorOutput::new(lines.builder.finish(), cage);
         Ok(OperatorOutput { controls, subsets, corners, creases, offsets, warnings, ..output })

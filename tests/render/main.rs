@@ -2,6 +2,7 @@
 
 #[path = "../common/attributes.rs"]
 mod attributes;
+mod bends;
 mod cloth;
 mod crossings;
 mod ends;

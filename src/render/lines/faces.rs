@@ -130,13 +130,21 @@ impl LineBuilder<'_, '_> {
         let Some([tail, head]) = self.ends(half, if cut.is_halfway { 0.0 } else { cut.share }) else {
             return Vec::new();
         };
-        let mut beside = Vec::with_capacity(n);
-        for line in 0..n {
+        let kept = if self.ends_within(half, cut) { n - 1 } else { n };
+        let mut beside = Vec::with_capacity(kept);
+        for line in 0..kept {
             let vertex = self.builder.vertex(&between(&tail[line], &head[line], at));
             self.vertices.push(LineVertex { vertex, line: Some(line), mark: edge, part: cut.share, crossing });
             beside.push(vertex);
         }
         beside
+    }
+
+    /// Whether a line of a seam that ends at a junction stops before the outermost line on the other side of the seam that
+    /// goes through: an inner line would lead on into the face there and crease it.
+    fn ends_within(&self, half: CornerId, cut: &Cut) -> bool {
+        let is_inner = cut.block.is_some_and(|block| block.line + 1 < self.line_count());
+        is_inner && self.grid_of(half, cut).is_none()
     }
 
     /// The sources of the lines at both ends of the strip beside a half-edge, if its face may be cut.
@@ -270,7 +278,7 @@ impl LineBuilder<'_, '_> {
         // The outermost vertex of a block is a corner of the core already.
         let ends = [corner, next].map(|c| self.grids.get(&c).and_then(|grid| grid.last().copied()));
         for (cut, across) in self.across_cuts(corner) {
-            let outermost = across.last().copied().filter(|v| !ends.contains(&Some(*v)));
+            let outermost = across.get(self.line_count()).copied().filter(|v| !ends.contains(&Some(*v)));
             let is_taper = cut.block.is_none() && !cut.is_halfway && across.len() > 1;
             core.extend(outermost.map(|vertex| CorePoint { is_taper, ..CorePoint::new(vertex) }));
         }
@@ -308,10 +316,17 @@ impl LineBuilder<'_, '_> {
         if !self.grids.contains_key(&next) {
             columns.push(head);
         }
-        for line in 0..self.request.shares.len() {
-            for pair in columns.windows(2) {
-                let [tail, head] = [&pair[0], &pair[1]];
-                self.strip_face(face, &[tail[line], head[line], head[line + 1], tail[line + 1]], line, mark);
+        for line in 0..self.line_count() {
+            let mut rest = columns.as_slice();
+            while let [tail, others @ ..] = rest
+                && let Some(next) = others.iter().position(|column| column.len() > line + 1)
+            {
+                // Lines that end before this one lead to its face.
+                let (ending, head) = (others[..next].iter().filter_map(|column| column.get(line)), &others[next]);
+                let inner = std::iter::once(&tail[line]).chain(ending).copied();
+                let corners: Vec<VertexId> = inner.chain([head[line], head[line + 1], tail[line + 1]]).collect();
+                self.strip_face(face, &corners, line, mark);
+                rest = &others[next..];
             }
         }
     }

@@ -60,13 +60,18 @@ impl Seams {
         if offset < 0.0 && other_offset < 0.0 {
             return if its.0 < own.0 { its } else { own };
         }
-        let is_within = through.line.is_none_or(|line| line < self.width_line());
-        if offset == 0.0 || !is_within {
+        if offset == 0.0 {
             return its;
         }
         // Within its width a ridge takes up another one, up to its own height.
-        let its = (its.0.min(offset), its.1);
-        if through.line.is_some() && its.0 > own.0.max(0.0) { its } else { own }
+        let taken = (its.0.min(offset), its.1);
+        let within = if through.line.is_some() && taken.0 > own.0.max(0.0) { taken } else { own };
+        match through.line {
+            Some(line) if line > self.width_line() => its,
+            // Between, the other one is halfway: it would be a step if it rose from one line to the next.
+            Some(line) if line == self.width_line() => (0.5 * (within.0 + its.0), its.1),
+            _ => within,
+        }
     }
 }
 

@@ -287,7 +287,7 @@ impl RenderSteps {
         rayon::scope(|_| self.update_in_pool(&stack))
     }
 
-    /// The stack, after an operator that halves faces at its folds if some bend too far.
+    /// The stack, after operators that halve faces at its folds if some bend too far.
     fn with_halving(&mut self, stack: &Stack) -> Stack {
         let folds = stack.operators.iter().filter(|operator| !operator.folded_sets().is_empty());
         let amount = folds.clone().map(|fold| fold.reach(&self.garment)).fold(0.0, f32::max);
@@ -295,7 +295,7 @@ impl RenderSteps {
         let mut stack = stack.clone();
         if !folded.is_empty() {
             let first = self.first.get_or_insert_with(|| Cage::first(&self.garment));
-            stack.operators.splice(0..0, halving(&first.garment, &first.level, folded, amount));
+            stack.operators.splice(0..0, halving(&first.garment, &first.level, &folded, amount));
         }
         stack
     }

@@ -6,8 +6,13 @@
 //!     |  |        inside the surface, and lies on it up to
 //!   --o--w         the next corner w of its faces, or over three times the amount.
 //! ```
+//!
+//! Where a crease or an edge set marks the edges from v on, the end is *square*: the fold keeps its height up to v, and a
+//! wall along these edges closes the layer.
 
+use crate::garment::{Elements, Garment};
 use crate::mesh::{Csr, EdgeId, FaceId, IdVec, Topology, VertexId};
+use crate::subdivide::Level;
 use glam::Vec3;
 
 /// Where a fold and its second layer end.
@@ -18,38 +23,80 @@ pub struct Ends {
     pub closed: IdVec<VertexId, bool>,
     /// Corners of the second layer, where it stops lying on the surface.
     pub corners: Vec<VertexId>,
+    /// True for square ends of the fold.
+    pub square: IdVec<VertexId, bool>,
+    /// The edges with a wall, from square ends on.
+    pub walls: Vec<EdgeId>,
 }
 
 impl Ends {
     fn none(t: &Topology) -> Self {
         let none = IdVec::filled(false, t.vertex_count());
-        Self { joined: none.clone(), closed: none, corners: Vec::new() }
+        Self { joined: none.clone(), closed: none.clone(), corners: Vec::new(), square: none, walls: Vec::new() }
     }
 
-    /// The ends of the layer behind the faces `chosen` of those `asked` for, with a fold along the edges `marked`.
+    /// The ends of the layer behind the faces `chosen`, with a fold along the edges `marked`. Ends along `square` edges are
+    /// square.
     ///
-    /// The layer is closed over `length` at least, from each end of the fold on. \[mesh units\]
+    /// The layer is closed over `length` at least, from each other end of the fold on. \[mesh units\]
     pub fn new(
         t: &Topology,
         points: &IdVec<VertexId, Vec3>,
-        [asked, chosen]: [&IdVec<FaceId, bool>; 2],
-        marked: &IdVec<EdgeId, bool>,
+        chosen: &IdVec<FaceId, bool>,
+        [marked, square]: [&IdVec<EdgeId, bool>; 2],
         length: f32,
     ) -> Self {
         let mut ends = Self::none(t);
-        // A layer that other cloth cuts short stays open there: it has no room to turn.
-        let is_asked = |e: EdgeId| t.edge_corners.row(e).iter().any(|&c| asked[t.faces.face_of(c)]);
-        let (folds, open) = (touched(t, |e| marked[e]), touched(t, |e| t.is_border(e) && !is_asked(e)));
+        let (folds, open) = (touched(t, |e| marked[e]), touched(t, |e| t.is_border(e) && !marked[e]));
         ends.joined = folds.iter().zip(open.iter()).map(|(fold, open)| *fold && *open).collect();
         let layer_ends = edges_at(t, |edge| !t.is_border(edge) && is_layer_end(t, chosen, edge));
         let joined: Vec<VertexId> = ends.joined.ids().filter(|&v| ends.joined[v]).collect();
+        for &end in &joined {
+            if let &[edge] = layer_ends.row(end)
+                && square[edge]
+            {
+                (ends.joined[end], ends.square[end]) = (false, true);
+            }
+        }
         for end in joined {
             for &edge in layer_ends.row(end) {
-                ends.close(t, points, (chosen, &layer_ends), (end, edge), length);
+                if ends.square[end] {
+                    ends.wall(t, (chosen, &layer_ends), square, (end, edge));
+                } else {
+                    ends.close(t, points, (chosen, &layer_ends), (end, edge), length);
+                }
             }
         }
         ends.separate(t, chosen);
+        ends.walls.sort_unstable();
+        ends.walls.dedup();
         ends
+    }
+
+    /// Adds the wall from a square end of the fold to the next corner of the layer, or as far as the edges are `square`.
+    fn wall(
+        &mut self,
+        t: &Topology,
+        (chosen, layer_ends): (&IdVec<FaceId, bool>, &Csr<VertexId, EdgeId>),
+        square: &IdVec<EdgeId, bool>,
+        (mut at, mut edge): (VertexId, EdgeId),
+    ) {
+        let start = at;
+        loop {
+            self.walls.push(edge);
+            let [a, b] = t.edges[edge];
+            at = if a == at { b } else { a };
+            if at == start || self.square[at] {
+                return;
+            }
+            if t.faces_at(at).filter(|&f| chosen[f]).count() == 1 {
+                return self.corners.push(at);
+            }
+            match *layer_ends.row(at) {
+                [x, y] if square[if x == edge { y } else { x }] => edge = if x == edge { y } else { x },
+                _ => return,
+            }
+        }
     }
 
     /// Closes the layer along its end, from the end of a fold to the next corner, or over a length.
@@ -93,6 +140,21 @@ impl Ends {
             .collect();
         both.into_iter().flatten().for_each(|v| self.joined[v] = false);
     }
+}
+
+/// True for edges along which a hem ends square: creases, and edges of sets that do not lead on beyond the layer. A set that
+/// does is a seam that runs into the end.
+pub fn square_edges(garment: &Garment, level: &Level, chosen: &IdVec<FaceId, bool>) -> IdVec<EdgeId, bool> {
+    let t = &level.topology;
+    let mut square: IdVec<EdgeId, bool> = level.edge_sharpness.iter().map(|&sharpness| sharpness > 0.0).collect();
+    let at_layer = touched(t, |edge| t.edge_corners.row(edge).iter().any(|&c| chosen[t.faces.face_of(c)]));
+    for set in garment.subsets.iter() {
+        let Elements::Edges(edges) = &set.elements else { continue };
+        if edges.iter().flatten().all(|&v| at_layer[v]) {
+            edges.iter().filter_map(|&[a, b]| t.find_edge(a, b)).for_each(|edge| square[edge] = true);
+        }
+    }
+    square
 }
 
 /// True for edges between a face with a second layer and one without.

@@ -6,6 +6,8 @@
 //!   |           |    ->    |     |     |     are halved, from the border on through the strip of quads as far as it
 //!   =============          ======.======     bends. The last halved edge leaves a pentagon behind it.
 //! ```
+//!
+//! A face of a cuff of three spans a third of a turn: a second operator halves the halves of its edges.
 
 use super::border;
 use crate::contact::twice_area;
@@ -23,61 +25,72 @@ const MAX_TURN: f32 = 0.8;
 /// Least length of an edge that is halved, as a multiple of the amount of the fold: smaller bends are within the fold.
 const LEAST_LENGTH: f32 = 4.0;
 
-/// Halves bent faces at folds.
+/// Halves edges, and the faces between them.
 #[derive(Clone, Debug, PartialEq)]
 struct Halving {
-    /// Names of the face subsets that are folded.
-    faces: Vec<String>,
-    /// Least length of an edge that is halved. \[mesh units\]
-    least_length: f32,
+    /// The ends of the edges.
+    edges: Vec<[VertexId; 2]>,
 }
 
-/// The operator that halves bent faces of the named subsets at the border of a garment, if there are any. `amount` is the
-/// largest thickness of the folds. \[mesh units\]
-pub fn halving(garment: &Garment, level: &Level, faces: Vec<String>, amount: f32) -> Option<Arc<dyn Operator>> {
-    let halving = Halving { faces, least_length: LEAST_LENGTH * amount };
-    let is_needed = !halving.bent(garment, &level.topology).is_empty();
-    is_needed.then(|| Arc::new(halving) as Arc<dyn Operator>)
+/// The operators that halve bent faces of the named subsets at the border of a garment. `amount` is the largest thickness
+/// of the folds. \[mesh units\]
+pub fn halving(garment: &Garment, level: &Level, faces: &[String], amount: f32) -> Vec<Arc<dyn Operator>> {
+    let t = &level.topology;
+    let turns = edge_turns(garment, t, &bent(garment, t, faces, LEAST_LENGTH * amount));
+    let (mut halved, mut again) = (Vec::new(), Vec::new());
+    for edge in t.edges.ids().filter(|&edge| turns[edge] > 0.0) {
+        let [a, b] = t.edges[edge];
+        let middle = VertexId::new(t.vertex_count() + halved.len());
+        halved.push([a, b]);
+        if turns[edge] > 2.0 * MAX_TURN {
+            again.extend([[a, middle], [middle, b]]);
+        }
+    }
+    let operator = |edges: Vec<[VertexId; 2]>| Arc::new(Halving { edges }) as Arc<dyn Operator>;
+    [halved, again].into_iter().filter(|edges| !edges.is_empty()).map(operator).collect()
 }
 
-impl Halving {
-    /// The half-edges of folds, and of the border beside their ends, at quads that bend along them; none without ends.
-    fn bent(&self, garment: &Garment, t: &Topology) -> Vec<CornerId> {
-        let mut folded = IdVec::filled(false, t.faces.len());
-        for subset in self.faces.iter().filter_map(|name| garment.subset(name)) {
-            if let Elements::Faces(faces) = &subset.elements {
-                faces.iter().for_each(|&face| folded[face] = true);
-            }
+/// The half-edges of folds, and of the border beside their ends, at quads that bend along them; none without ends. Edges
+/// up to `least_length` are left out.
+fn bent(garment: &Garment, t: &Topology, faces: &[String], least_length: f32) -> Vec<CornerId> {
+    let mut folded = IdVec::filled(false, t.faces.len());
+    for subset in faces.iter().filter_map(|name| garment.subset(name)) {
+        if let Elements::Faces(faces) = &subset.elements {
+            faces.iter().for_each(|&face| folded[face] = true);
         }
-        let mut near = folded.clone();
-        let vertices = folded.ids().filter(|&face| folded[face]).flat_map(|face| t.faces.vertices_of(face));
-        vertices.flat_map(|&v| t.faces_at(v)).for_each(|face| near[face] = true);
-        if border(t, &near).count() == border(t, &folded).count() {
-            return Vec::new();
-        }
-        let length = |half: CornerId| {
-            let [a, b] = t.faces.half_edge(half);
-            garment.points[a].distance(garment.points[b])
-        };
-        let is_bent = |&half: &CornerId| length(half) > self.least_length && turn_along(garment, t, half) > MAX_TURN;
-        border(t, &near).filter(is_bent).collect()
     }
+    let mut near = folded.clone();
+    let vertices = folded.ids().filter(|&face| folded[face]).flat_map(|face| t.faces.vertices_of(face));
+    vertices.flat_map(|&v| t.faces_at(v)).for_each(|face| near[face] = true);
+    if border(t, &near).count() == border(t, &folded).count() {
+        return Vec::new();
+    }
+    let length = |half: CornerId| {
+        let [a, b] = t.faces.half_edge(half);
+        garment.points[a].distance(garment.points[b])
+    };
+    let is_bent = |&half: &CornerId| length(half) > least_length && turn_along(garment, t, half) > MAX_TURN;
+    border(t, &near).filter(is_bent).collect()
+}
 
-    /// The edges to halve.
-    fn edges(&self, garment: &Garment, t: &Topology) -> IdVec<EdgeId, bool> {
-        let mut halved = IdVec::filled(false, t.edges.len());
-        for mut half in self.bent(garment, t) {
-            while !std::mem::replace(&mut halved[t.corner_edge[half]], true) {
-                let opposite = t.faces.next(t.faces.next(half));
-                let Some(next) = t.twin(opposite).filter(|&next| turn_along(garment, t, next) > MAX_TURN) else {
-                    halved[t.corner_edge[opposite]] = true;
-                    break;
-                };
-                half = next;
-            }
+/// The turn for which each edge is halved: the largest of the strips of quads that lead there from `bent` half-edges; 0
+/// for others. \[radians\]
+fn edge_turns(garment: &Garment, t: &Topology, bent: &[CornerId]) -> IdVec<EdgeId, f32> {
+    let mut turns = IdVec::filled(0.0f32, t.edges.len());
+    for &first in bent {
+        let (mut half, turn) = (first, turn_along(garment, t, first));
+        while turns[t.corner_edge[half]] < turn {
+            turns[t.corner_edge[half]] = turn;
+            let opposite = t.faces.next(t.faces.next(half));
+            let Some(next) = t.twin(opposite).filter(|&next| turn_along(garment, t, next) > MAX_TURN) else {
+                let last = &mut turns[t.corner_edge[opposite]];
+                *last = last.max(turn);
+                break;
+            };
+            half = next;
         }
-        halved
     }
+    turns
 }
 
 /// The turn of the surface across a quad along a half-edge: the smaller angle to its two neighbours there, so that a
@@ -110,7 +123,8 @@ impl Operator for Halving {
 
     fn apply(&self, cage: &OperatorInput) -> Result<OperatorOutput, Error> {
         let t = cage.topology();
-        let halved = self.edges(cage.garment, t);
+        let mut halved = IdVec::filled(false, t.edges.len());
+        self.edges.iter().filter_map(|&[a, b]| t.find_edge(a, b)).for_each(|edge| halved[edge] = true);
         let mut builder = ChildBuilder::new(t);
         let mut middle: IdVec<EdgeId, Option<VertexId>> = IdVec::filled(None, t.edges.len());
         for (edge, &[a, b]) in t.edges.enumerated() {

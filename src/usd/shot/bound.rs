@@ -71,7 +71,7 @@ impl Bound {
         for (path, _) in &chosen {
             let prim = prim_at(&stage, path)?;
             let places = Places::read(&prim, names::BINDING)?;
-            meshes.push(BoundMesh::read(&prim, points_at_bind(&prim)?, places, &bind)?);
+            meshes.push(BoundMesh::read(&prim, &points_at_bind(&prim)?, &places, &bind)?);
         }
         if options.model {
             meshes.extend(models(&stage, options, &bind)?);
@@ -174,7 +174,7 @@ fn models(stage: &Stage, options: &DriveOptions, bind: &Bind) -> Result<Vec<Boun
     let mut meshes = Vec::with_capacity(panels.len());
     for (prim, points) in panels {
         let own = places.take(points.len());
-        meshes.push(BoundMesh::read(&prim, points, own, bind)?);
+        meshes.push(BoundMesh::read(&prim, &points, &own, bind)?);
     }
     Ok(meshes)
 }
@@ -247,13 +247,13 @@ fn triangles(sim: &Prim) -> Result<Vec<[u32; 3]>, Error> {
 
 impl BoundMesh {
     /// Reads a mesh with these points at bind and places on the simulation mesh.
-    fn read(prim: &Prim, points: Vec<Vec3>, places: Places, bind: &Bind) -> Result<Self, Error> {
+    fn read(prim: &Prim, points: &[Vec3], places: &Places, bind: &Bind) -> Result<Self, Error> {
         let space = Space::between(prim, bind.sim)?;
-        let in_sim = space.as_ref().map(|space| space.points_to_sim(&points));
+        let in_sim = space.as_ref().map(|space| space.points_to_sim(points));
         let driver = Driver::new(&BindPose {
             sim_points: bind.points,
             triangles: bind.triangles,
-            points: in_sim.as_ref().unwrap_or(&points),
+            points: in_sim.as_deref().unwrap_or(points),
             faces: &places.faces,
             coords: &places.coords,
         })?;

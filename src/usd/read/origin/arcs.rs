@@ -34,7 +34,7 @@ pub fn check_arcs(file: &str) -> Result<(), Error> {
         let Some(of_stack) = arcs.stacks.get(stack) else { break };
         let authored: Vec<sdf::Path> = of_stack.authored.keys().cloned().collect();
         for path in authored {
-            if arcs.count((stack, path.clone())) > MOST_ARCS {
+            if arcs.count(&(stack, path.clone())) > MOST_ARCS {
                 return Err(too_many(&arcs.stacks[stack].file, &path));
             }
         }
@@ -88,7 +88,7 @@ struct Arcs {
 
 impl Arcs {
     /// The number of arcs of a prim.
-    fn count(&mut self, site: Site) -> usize {
+    fn count(&mut self, site: &Site) -> usize {
         let (mut open, mut begun) = (vec![site.clone()], HashSet::new());
         while let Some(site) = open.last().cloned() {
             if self.counts.contains_key(&site) || self.followed > MOST_FOLLOWED {
@@ -111,7 +111,7 @@ impl Arcs {
             self.counts.insert(site, largest(of_variants));
             open.pop();
         }
-        self.counts.get(&site).copied().unwrap_or(0)
+        self.counts.get(site).copied().unwrap_or(0)
     }
 
     /// Where the arcs of a prim and of those above it lead.
