@@ -249,7 +249,8 @@ mod tests {
         let half = |n: usize| move |i: usize, p: Vec3A| if i % (n + 1) <= n / 2 { Vec3A::ONE } else { p };
         let jittered = |n: usize| move |i: usize, p: Vec3A| half(n)(i, p) + 1e-4 * random(i);
         let crumpled = |n: usize| move |i: usize, _: Vec3A| 1e-3 * n as f32 * random(i);
-        let cases: [(&str, &dyn Fn(usize) -> Vec<Aabb>); 5] = [
+        type Sheet<'a> = &'a dyn Fn(usize) -> Vec<Aabb>;
+        let cases: [(&str, Sheet); 5] = [
             ("flat", &|n| sheet(n, |_, p| p)),
             ("coincident", &|n| sheet(n, |_, _| Vec3A::ONE)),
             ("half in one point", &|n| sheet(n, half(n))),

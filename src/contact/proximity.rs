@@ -145,6 +145,6 @@ mod tests {
         let points = &cage.garment().points;
         let all: Vec<FaceId> = cage.garment().faces.ids().collect();
         let faces = RefinedFaces::new(cage.level(), cage.level().vertex_rows(), points, &all, None);
-        assert_eq!(faces.intersecting_pairs(&all), [[FaceId::new(0); 2]; 0]);
+        assert!(faces.intersecting_pairs(&all).is_empty());
     }
 }
