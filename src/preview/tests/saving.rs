@@ -228,7 +228,7 @@ fn sewn_panels_are_shown_as_one_and_saved_in_a_recipe_file() {
     let stage = hub.snapshot().stage;
     assert_eq!((stage.mesh.face_vertex_counts.len(), stage.mesh.points.len()), (2, 6));
     assert!(
-        stage.message.contains("\"layer\":null") && stage.message.contains("/Suit/back+front"),
+        stage.message.contains("\"layer\":null") && stage.message.contains("/Suit/front+back"),
         "{}",
         stage.message
     );
