@@ -24,10 +24,6 @@ const HEIGHT_GRADING: f32 = 0.5;
 const GRADING_SWEEPS: usize = 4;
 /// Share of an edge's length by which the moves of its ends may differ.
 const MAX_MOVE_DIFFERENCE: f32 = 0.5;
-/// Sweeps over all edges that draw moves together. A seam has seven lines or nine.
-const DISTORTION_SWEEPS: usize = 60;
-/// Ratio to the largest difference of moves above which they are drawn together.
-const DISTORTION_TOLERANCE: f32 = 1.05;
 /// Fitting steps of the heights.
 const HEIGHT_STEPS: usize = 4;
 /// Least weight of raised vertices that is assumed in a limit mask, so that steps stay bounded.
@@ -106,34 +102,18 @@ impl LimitFit<'_> {
         }
     }
 
-    /// Draws moves together that differ too much from their neighbours', which would flip faces between close lines. Close
-    /// lines so move by a common amount: lines that are limited by themselves would leave a welt.
+    /// Scales down moves that differ too much from their neighbours', which would flip faces between close lines.
     fn limit_distortion(&self, linear: &IdVec<VertexId, Vec3>, points: &mut IdVec<VertexId, Vec3>) {
-        let mut moves: IdVec<VertexId, Vec3> = points.iter().zip(linear.iter()).map(|(p, l)| p - l).collect();
-        let mut drawn: IdVec<VertexId, (Vec3, f32)> = IdVec::filled((Vec3::ZERO, 0.0), points.len());
-        for _ in 0..DISTORTION_SWEEPS {
-            let mut changed = Vec::new();
-            for &[a, b] in self.edges.iter() {
-                let (difference, most) = (moves[b] - moves[a], MAX_MOVE_DIFFERENCE * linear[a].distance(linear[b]));
-                let length = difference.length();
-                if most == 0.0 || !length.is_finite() || length <= DISTORTION_TOLERANCE * most {
-                    continue;
-                }
-                let excess = 0.5 * (1.0 - most / length) * difference;
-                for (vertex, excess) in [(a, excess), (b, -excess)] {
-                    drawn[vertex].0 += excess;
-                    drawn[vertex].1 += 1.0;
-                    changed.push(vertex);
-                }
+        let mut share = IdVec::filled(1.0f32, points.len());
+        for &[a, b] in self.edges.iter() {
+            let difference = ((points[a] - linear[a]) - (points[b] - linear[b])).length();
+            let most = MAX_MOVE_DIFFERENCE * linear[a].distance(linear[b]);
+            if difference > most && most > 0.0 {
+                [a, b].into_iter().for_each(|v| share[v] = share[v].min(most / difference));
             }
-            if changed.is_empty() {
-                break;
-            }
-            for vertex in changed {
-                let (sum, count) = std::mem::replace(&mut drawn[vertex], (Vec3::ZERO, 0.0));
-                moves[vertex] += sum / count.max(1.0);
-                points[vertex] = linear[vertex] + moves[vertex];
-            }
+        }
+        for (vertex, &share) in share.enumerated().filter(|(_, s)| **s < 1.0) {
+            points[vertex] = linear[vertex].lerp(points[vertex], share);
         }
     }
 

@@ -2,7 +2,6 @@
 
 #[path = "../common/attributes.rs"]
 mod attributes;
-mod bends;
 mod cloth;
 mod crossings;
 mod ends;
