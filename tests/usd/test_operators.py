@@ -275,7 +275,7 @@ def test_the_coat_is_sewn(coat):
     assert len(expected) == 17 and coat.report["operatorFaces"].keys() == expected
     assert all(len(coat.render.subsets[name].indices) == count > 0 for name, count in coat.report["operatorFaces"].items())
     assert [(warning["code"], warning["place"]) for warning in coat.report["warnings"]] == [
-        ("narrow-seam", "seam.armhole"), ("narrow-seam", "seam.neckline"), ("narrow-seam", "seam.side"), ("thin-layer", "thickness.hem")]
+        ("narrow-seam", "seam.armhole"), ("narrow-seam", "seam.neckline"), ("narrow-seam", "seam.side")]
 
 
 def test_the_coat_keeps_its_attributes(coat):
