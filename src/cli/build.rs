@@ -1,20 +1,26 @@
 //! `usdtailor build`.
 
-use super::batch::{Budget, run_all};
+mod batch;
+mod protect;
+mod request;
+
+pub use request::Request;
+
 use super::process::folders::MadeFolders;
 use super::process::memory;
 use super::variants::{self, Opening};
-use super::{Build, Output, protect, report, text, usage};
+use super::{Build, Output, report, text, usage};
 use crate::error::{Error, ErrorCode, Warnings};
 use crate::report::{RenderFigures, SimFigures};
 use crate::session::{is_usd, written};
 use crate::usd::{
     BuildRecord, Format, ProductNames, Selection, Source, Tailored, WriteOptions, check_target, product_names,
-    rehearse_all, write_all,
+    write_all,
 };
 use crate::{Builder, ClothFigures, Products, Progress, Recipe, RenderPanel, Timing};
+use batch::{Budget, run_all};
 use indicatif::{ProgressBar, ProgressStyle};
-use serde_json::{Value, json};
+use serde_json::Value;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
@@ -34,7 +40,7 @@ pub enum Outcome {
     Built(Box<Summary>),
     /// Its output was fresh and stays.
     Fresh,
-    /// Its output would be written; the text says what it would hold.
+    /// Its output would be written in other than a dry run; the text says what it would hold.
     Planned { text: String, warnings: Warnings },
     /// Its output was not written.
     Failed(Error),
@@ -192,7 +198,7 @@ fn warnings(garments: Vec<Built>) -> Warnings {
     })
 }
 
-/// What would have been written.
+/// The outcome of a dry run.
 fn planned(task: &Task, garments: Vec<Built>) -> Outcome {
     let mut text = format!("{} -> {}: would write", task.input.display(), task.output.display());
     for Built { sim, render, names, variant, .. } in &garments {
@@ -227,7 +233,7 @@ fn built(build: &Build, task: &Task, budget: &Budget, bar: &ProgressBar) -> Resu
     })?;
     let bytes = checked.iter().map(|(builder, recipe, ..)| Ok(builder.estimate(recipe)?.bytes()));
     let _reserved = budget.reserve(bytes.sum::<Result<usize, Error>>()?);
-    let record = BuildRecord::new(&sources, &recipes(build, input), request(build, task)?, output, started)?;
+    let record = BuildRecord::new(&sources, &recipes(build, input), Request::of(build, task)?.text(), output, started)?;
     let mut garments = Vec::with_capacity(sources.len());
     for (builder, recipe, names, variant) in checked {
         let timings = std::mem::take(&mut timings);
@@ -277,7 +283,7 @@ fn garment(
     Ok(Built { prim, variant: None, names, panels, packed, products, sim, render, cloth, timings, warnings })
 }
 
-/// Writes the products of all garments, or only goes through it. The last one gets the time of it, and its warnings.
+/// Writes the products of all garments, or rehearses it. The last one gets the time of it, and its warnings.
 fn write(
     build: &Build,
     output: &Path,
@@ -289,6 +295,7 @@ fn write(
         flatten: build.flatten,
         force: build.force,
         model_guide: !build.keep_model_purpose,
+        dry_run: build.dry_run,
         record: Some(record),
     };
     let (mut timings, mut warnings) = (Vec::new(), Warnings::default());
@@ -299,8 +306,7 @@ fn write(
         let all: Vec<_> = (sources.iter().zip(&meshes).zip(variants))
             .map(|((source, products), variant)| Tailored { source, products, variant })
             .collect();
-        let write = if build.dry_run { rehearse_all } else { write_all };
-        write(&all, output, &options, &mut warnings)
+        write_all(&all, output, &options, &mut warnings)
     })?
     .packed;
     if let Some(last) = garments.last_mut() {
@@ -314,40 +320,9 @@ fn write(
 /// True if the output was made by this program of these files with these options.
 fn is_fresh(build: &Build, task: &Task) -> bool {
     BuildRecord::of(&task.output).is_some_and(|record| {
-        request(build, task).is_ok_and(|request| request == record.request())
+        Request::of(build, task).is_ok_and(|request| request.text() == record.request())
             && record.changes(&task.output).is_ok_and(|changes| changes.is_empty())
     })
-}
-
-/// The options of a build that shape its output, as text. The record knows the files by what they hold, too.
-fn request(build: &Build, task: &Task) -> Result<String, Error> {
-    let inputs = &build.inputs;
-    let path = |file: &Path| BuildRecord::path_of(file, &task.output);
-    let several = &inputs.several;
-    let mut request = json!({
-        "input": path(&task.input)?,
-        "recipe": inputs.recipe.as_deref().map(path).transpose()?,
-        "prim": inputs.prim,
-        "time": inputs.time,
-        "set": inputs.input(&task.input).overrides,
-        "flatten": build.flatten,
-        "names": [build.sim_name, build.render_name],
-        "keepModelPurpose": build.keep_model_purpose,
-        "maxFaces": build.max_faces,
-    });
-    if build.render_per_panel {
-        request["renderPerPanel"] = json!(true);
-    }
-    if build.mark {
-        request["mark"] = json!(true);
-    }
-    if let Some(set) = &build.variants {
-        request["variants"] = json!(set);
-    }
-    if several.all || !several.exclude.is_empty() || several.sew_tolerance.is_some() {
-        request["several"] = json!([several.all, several.exclude, several.sew_tolerance]);
-    }
-    Ok(request.to_string())
 }
 
 /// The files of an input that are no layers of its stage.

@@ -1,6 +1,5 @@
 //! The command line: flags as typed options, and the subcommands.
 
-mod batch;
 mod build;
 mod drive;
 mod example;
@@ -10,7 +9,6 @@ mod info;
 mod preview;
 mod process;
 mod program;
-mod protect;
 mod report;
 mod text;
 mod variants;

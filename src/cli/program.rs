@@ -98,7 +98,7 @@ mod tests {
         for (file, expected) in [
             ("src/cli/build.rs", "src/cli/build.rs"),
             (
-                "/root/.cargo/registry/src/index.crates.io-19/openusd-0.8.0/src/usd/prim.rs",
+                "/home/me/.cargo/registry/src/index.crates.io-19/openusd-0.8.0/src/usd/prim.rs",
                 "openusd-0.8.0/src/usd/prim.rs",
             ),
             ("/rustc/48cc71ee/library/core/src/option.rs", "core/src/option.rs"),

@@ -1,6 +1,6 @@
 //! How far it is from each face of a cage to the next layer.
 
-use super::bvh::{Aabb, Bvh};
+use super::bvh::Aabb;
 use super::face::{self, ChildBlock, RefinedFace};
 use super::faces::RefinedFaces;
 use super::simd::bits;
@@ -63,10 +63,9 @@ impl<'a> View<'a> {
 impl RefinedFaces<'_> {
     /// The clearance of each face, as far as it is within `reach`. A face in a crowd has none.
     pub fn clearances(&self, reach: f32) -> IdVec<FaceId, Clearance> {
-        let tree = Bvh::new(self.faces.len(), |slot| self.faces[slot].aabb);
         let of = |face: &RefinedFace| {
             let (mut clearance, view, mut blocks, mut over) = (UNBOUNDED, View::new(face), Vec::new(), 0);
-            let is_known = tree.visit_while(&face.aabb.expanded(reach), &mut |other| {
+            let is_known = self.tree().visit_while(&face.aabb.expanded(reach), &mut |other| {
                 over += usize::from(self.narrow(&view, &self.faces[other], reach, &mut blocks, &mut clearance));
                 over <= MOST_OVER || clearance[0].max(clearance[1]) > NO_CLEARANCE * reach
             });

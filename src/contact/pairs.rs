@@ -13,7 +13,7 @@ const NODES_PER_TASK: usize = 16;
 const BOXES_PER_TASK: usize = 256;
 /// Boxes that a box which is not crowded meets at most. Neighbours at a pole meet each other, and few of them are near.
 const MOST_MET: usize = 4096;
-/// Those of them that are near it by the cheap test.
+/// Boxes that a box which is not crowded is near, by the cheap test, at most.
 const MOST_NEAR: usize = 256;
 
 /// Pairs of boxes.
@@ -115,7 +115,7 @@ impl<N: Fn(usize, usize) -> bool + Sync, T: Fn(usize, usize) -> bool + Sync> Sea
         let of_task = |others: &[usize]| {
             let mut pairs = Pairs::default();
             for &i in others {
-                // Those after an active box were found from it.
+                // An active box has found the boxes after it already.
                 let is_new = |&j: &usize| !self.is_active(i) || j < i;
                 match self.near_among(&tree, &crowded, i, is_new) {
                     Some(near) => {
@@ -145,7 +145,8 @@ impl<N: Fn(usize, usize) -> bool + Sync, T: Fn(usize, usize) -> bool + Sync> Sea
         Bvh::new(boxes.len(), |k| self.aabb(boxes[k]))
     }
 
-    /// Those of `boxes`, in a hierarchy, that a box is near and that are asked for; none if it is crowded.
+    /// The boxes of `boxes` that box `i` is near, of those that `is_asked` admits; none if box `i` is crowded. `tree` is the
+    /// hierarchy of `boxes`.
     fn near_among(
         &self,
         tree: &Bvh,

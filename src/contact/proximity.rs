@@ -13,7 +13,7 @@ use rayon::prelude::*;
 /// Part of its size that any point of a face may move. Larger finds more pairs that do not intersect.
 const SLACK: f32 = 1e-4;
 
-/// What may intersect on the next refinement.
+/// The contacts that are possible on the next refinement.
 pub struct NextContacts {
     /// Pairs of children.
     pub pairs: Vec<[ChildId; 2]>,

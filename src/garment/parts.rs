@@ -133,7 +133,7 @@ impl<'a> Cut<'a> {
         }
     }
 
-    /// What the part has of a subset; none for nothing of it.
+    /// The elements of a subset that are in the part; none where all of them are elsewhere.
     fn subset(&self, set: &Subset) -> Option<Subset> {
         let elements = match &set.elements {
             Elements::Faces(faces) => Elements::Faces(faces.iter().filter_map(|&face| self.new_face[face]).collect()),

@@ -191,24 +191,16 @@ fn products(
 pub fn written<'a>(products: &'a Products, panels: &'a [RenderPanel], names: &'a ProductNames) -> Vec<Product<'a>> {
     let cloth = products.cloth.as_deref();
     let sim = Product::new(&names.sim, ProductRole::Sim, &products.sim);
-    let render = |name, mesh, binding| Product {
-        cloth,
-        binding: Some(binding),
-        ..Product::new(name, ProductRole::Render, mesh)
+    let sim = Product { cloth, cage_binding: Some(&products.cage_binding), ..sim };
+    let meshes: Vec<_> = match panels {
+        [] => vec![(None, &*products.render, &*products.binding)],
+        panels => panels.iter().enumerate().map(|(i, panel)| (Some(i), &panel.mesh, &panel.binding)).collect(),
     };
-    let mut all = vec![Product { cloth, cage_binding: Some(&products.cage_binding), ..sim }];
-    if panels.is_empty() {
-        let name = names.render.iter();
-        all.extend(name.map(|name| render(name, &products.render, &products.binding)));
-    }
-    let parts = panels.iter().zip(&names.render).enumerate();
-    all.extend(
-        parts.map(|(number, (panel, name))| Product {
-            panel: Some(number),
-            ..render(name, &panel.mesh, &panel.binding)
-        }),
-    );
-    all
+    let renders = names.render.iter().zip(meshes).map(|(name, (panel, mesh, binding))| {
+        let render = Product::new(name, ProductRole::Render, mesh);
+        Product { panel, cloth, binding: Some(binding), ..render }
+    });
+    std::iter::once(sim).chain(renders).collect()
 }
 
 /// Locks a mutex even after a panic, as build steps keep a builder consistent at every point.

@@ -26,7 +26,7 @@ pub use shot::{DriveOptions, Driven, drive};
 pub(crate) use values::decimal;
 pub use write::{
     Format, Product, ProductRole, Surroundings, Tailored, WriteOptions, Written, check_target, layer_bytes,
-    rehearse_all, remove_unfinished, write, write_all, write_whole,
+    remove_unfinished, write, write_all, write_whole,
 };
 #[cfg(feature = "preview")]
 pub(crate) use write::{

@@ -40,6 +40,12 @@ def add_panel(stage, name, side, rows=HEIGHT, matrix=None, parent="/Suit"):
     return mesh
 
 
+def add_belt(stage, *_):
+    points = np.array([[x, y, z] for y in (3, 4) for x, z in ((-9, -4), (9, -4), (9, 4), (-9, 4))], float)
+    quads = np.array([[i, (i + 1) % 4, 4 + (i + 1) % 4, 4 + i] for i in range(4)])
+    define(stage, "/Suit/belt", (points, np.full(4, 4), quads.ravel()))
+
+
 @pytest.fixture
 def suit(tmp_path):
     """`suit(finish)` writes a shirt of two panels; `finish` gets the stage and both meshes."""

@@ -5,11 +5,10 @@ import json
 import numpy as np
 import pytest
 from conftest import run
-from panels import ARM, HEIGHT, WIDTH, built, meshes, suit
+from panels import ARM, HEIGHT, WIDTH, add_belt, built, meshes, suit
 from pxr import Gf, Sdf, Usd, UsdGeom, Vt
 from sources import add_subset
 from tailor_file import holder, needs_plugin, recipe
-from test_several_meshes import add_belt
 
 SIDES = ("front", "back")
 PARTS = tuple(f"render_{side}" for side in SIDES)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from conftest import run
 from mesh import border_loops
-from panels import ARM, HEIGHT, NECK, PLACES, WIDTH, add_panel, built, meshes, panel, refused, seam_edges, suit, whole
+from panels import ARM, HEIGHT, NECK, PLACES, WIDTH, add_belt, add_panel, built, meshes, panel, refused, seam_edges, suit, whole
 from pxr import Gf, Sdf, Usd, UsdGeom
 from sources import add_primvar, add_subset, bind, define
 
@@ -87,12 +87,6 @@ def test_panels_of_another_handedness_are_turned(usdtailor, suit, tmp_path, fini
         assert mesh.face_areas.sum() == pytest.approx(expected.face_areas.sum(), rel=1e-3)
         uv, wanted = (np.sign(m.uv_areas()[m.subsets["back"].indices]) for m in (mesh, expected))
         assert len({*uv, *wanted}) == 1
-
-
-def add_belt(stage, *_):
-    points = np.array([[x, y, z] for y in (3, 4) for x, z in ((-9, -4), (9, -4), (9, 4), (-9, 4))], float)
-    quads = np.array([[i, (i + 1) % 4, 4 + (i + 1) % 4, 4 + i] for i in range(4)])
-    define(stage, "/Suit/belt", (points, np.full(4, 4), quads.ravel()))
 
 
 def test_a_belt_is_a_garment_of_its_own(usdtailor, suit, tmp_path):

@@ -140,8 +140,10 @@ pub fn tailor(source: &Source, out: &Path, options: &WriteOptions) -> Result<Vec
     Ok(warnings.iter().map(ToString::to_string).collect())
 }
 
-pub const FORCE: WriteOptions = WriteOptions { flatten: false, force: true, model_guide: true, record: None };
-pub const FLATTEN: WriteOptions = WriteOptions { flatten: true, force: true, model_guide: true, record: None };
+pub const FORCE: WriteOptions =
+    WriteOptions { flatten: false, force: true, model_guide: true, dry_run: false, record: None };
+pub const FLATTEN: WriteOptions =
+    WriteOptions { flatten: true, force: true, model_guide: true, dry_run: false, record: None };
 
 #[track_caller]
 pub fn assert_fault<T>(result: Result<T, Error>, parts: &[&str]) {

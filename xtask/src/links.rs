@@ -48,7 +48,35 @@ fn links(text: &str) -> Vec<String> {
     let plain: String =
         prose(text).map(|line| line.split('`').step_by(2).collect::<Vec<_>>().join("`") + "\n").collect();
     let targets = plain.split("](").skip(1).filter_map(|rest| Some(rest.split_once(')')?.0));
-    targets.filter(|target| !target.contains("://") && !target.starts_with("mailto:")).map(str::to_owned).collect()
+    targets.filter(|target| is_file(target)).map(str::to_owned).collect()
+}
+
+/// Whether the target of a link is a file, or a heading of one.
+fn is_file(target: &str) -> bool {
+    !target.contains("://") && !target.starts_with("mailto:")
+}
+
+/// A text in Markdown whose links to files are their words alone, and whose pictures of files are left out: a package has no files
+/// beside its README.
+pub fn without_files(text: &str) -> String {
+    let (mut kept, mut rest) = (String::new(), text);
+    while let Some(middle) = rest.find("](") {
+        let start = rest[..middle].rfind('[');
+        let end = rest[middle..].find(')').map(|end| middle + end + 1);
+        let (Some(start), Some(end)) = (start, end) else { break };
+        let target = &rest[middle + 2..end - 1];
+        let is_picture = rest[..start].ends_with('!');
+        if !is_file(target) {
+            kept += &rest[..end];
+        } else if is_picture {
+            kept += &rest[..start - 1];
+        } else {
+            kept += &rest[..start];
+            kept += &rest[start + 1..middle];
+        }
+        rest = &rest[end..];
+    }
+    kept + rest
 }
 
 /// The anchors that GitHub and MkDocs give the headings of a text.
@@ -91,5 +119,13 @@ mod tests {
         assert!(
             anchors("# One Two\n```\n# no\n```\n").contains("one-two") && !anchors("```\n# no\n```\n").contains("no")
         );
+    }
+
+    #[test]
+    fn links_to_files_become_words() {
+        let text =
+            "See [the docs](docs/a.md#b) and [USD](https://openusd.org), `a[0]`.\n\n![A coat](coat.png)\nEnd [x].";
+        let expected = "See the docs and [USD](https://openusd.org), `a[0]`.\n\n\nEnd [x].";
+        assert_eq!(without_files(text), expected);
     }
 }

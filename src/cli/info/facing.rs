@@ -35,7 +35,7 @@ pub fn facing(garment: &Garment) -> &'static str {
     }
 }
 
-/// The same in words.
+/// The facing of a garment as a sentence about its normals.
 pub fn in_words(garment: &Garment) -> &'static str {
     match facing(garment) {
         "neither" => "point neither outward nor inward: the surface is nearly flat, or bends both ways",

@@ -1,11 +1,11 @@
 //! The build that made an output, as the output records it: `info` and `check` speak of that build.
 
 use super::super::Inputs;
+use super::super::build::Request;
 use crate::DEFAULT_MAX_FACES;
 use crate::error::Error;
 use crate::session::{Input, beside, is_usd};
 use crate::usd::BuildRecord;
-use serde::Deserialize;
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -15,21 +15,6 @@ pub struct Recorded {
     pub input: Input,
     request: Request,
     record: BuildRecord,
-}
-
-/// The options of a build as its record has them.
-#[derive(Default, Deserialize)]
-#[serde(rename_all = "camelCase", default)]
-struct Request {
-    input: String,
-    recipe: Option<String>,
-    prim: Option<String>,
-    time: Option<f64>,
-    set: Vec<String>,
-    max_faces: Option<usize>,
-    variants: Option<String>,
-    render_per_panel: bool,
-    several: (bool, Vec<String>, Option<f64>),
 }
 
 impl Recorded {
@@ -44,13 +29,12 @@ impl Recorded {
         // A recipe that is gone makes the output stale, which `check` tells.
         let there = |name: &String| Some(beside(file, name)).filter(|recipe| recipe.exists());
         let mut input = inputs.input(file);
-        let (all, exclude, sew_tolerance) = &request.several;
         let read = &mut input.read;
         read.prim = read.prim.take().or_else(|| request.prim.clone());
         read.time = read.time.or(request.time);
-        read.all |= all;
-        read.exclude.extend(exclude.iter().filter(|_| inputs.several.exclude.is_empty()).cloned());
-        read.sew_tolerance = read.sew_tolerance.or(*sew_tolerance);
+        read.all |= request.all;
+        read.exclude.extend(request.exclude.iter().filter(|_| inputs.several.exclude.is_empty()).cloned());
+        read.sew_tolerance = read.sew_tolerance.or(request.sew_tolerance);
         input.base = there(&request.input).filter(|source| !is_usd(source));
         input.recipe = input.recipe.take().or_else(|| request.recipe.as_ref().and_then(there));
         input.overrides = request.set.iter().cloned().chain(input.overrides).collect();
@@ -77,23 +61,5 @@ impl Recorded {
     /// The options.
     pub fn json(&self) -> Value {
         serde_json::from_str(self.record.request()).unwrap_or_else(|_| json!({}))
-    }
-}
-
-impl Request {
-    fn in_words(&self) -> String {
-        let (all, exclude, sew_tolerance) = &self.several;
-        let one = |flag: &str, value: Option<String>| value.map(|value| format!("--{flag} {value}"));
-        let mut words = vec![self.input.clone()];
-        words.extend(one("recipe", self.recipe.clone()));
-        words.extend(one("prim", self.prim.clone()));
-        words.extend(one("time", self.time.map(|time| time.to_string())));
-        words.extend(all.then(|| "--all".to_owned()));
-        words.extend(exclude.iter().map(|pattern| format!("--exclude {pattern}")));
-        words.extend(one("sew-tolerance", sew_tolerance.map(|share| share.to_string())));
-        words.extend(one("variants", self.variants.clone()));
-        words.extend(self.render_per_panel.then(|| "--render-per-panel".to_owned()));
-        words.extend(self.set.iter().map(|option| format!("--set {option}")));
-        words.join(" ")
     }
 }

@@ -62,7 +62,7 @@ impl<'a> Ahead<'a> {
         pairs.iter().flat_map(of_pair).collect()
     }
 
-    /// What of some faces may intersect on the second refinement.
+    /// The contacts of some faces that are possible on the second refinement.
     fn near(&self, faces: &RefinedFaces, of: &[FaceId]) -> NextContacts {
         let is_doubtful = |face: &FaceId| self.input.close[*face] || !faces.is_smooth(*face);
         let doubtful: Vec<FaceId> = of.iter().copied().filter(is_doubtful).collect();

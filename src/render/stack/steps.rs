@@ -9,13 +9,14 @@
 //! mostly gives the same faces, which keeps levels and refinements too.
 
 mod origins;
+mod refinement;
 
 pub use origins::Origins;
 
 use super::Stack;
 use crate::contact::Clearance;
 use crate::error::{Error, Warnings};
-use crate::garment::{Garment, Subset};
+use crate::garment::Garment;
 use crate::mesh::{IdVec, VertexId};
 use crate::render::operator::{Ancestry, DerivedCage, Operator, OperatorInput};
 use crate::render::placement::{FlatPoints, Placement};
@@ -24,11 +25,8 @@ use crate::render::reference::ReferenceNormals;
 use crate::render::thickness::halving;
 use crate::render::{add_border_holes, check_size};
 use crate::step::{Same, Step};
-use crate::subdivide::{
-    Carrier, Connectivity, Derivation, Level, Refinement, carried_points, refined_faces, same_level,
-    share_values_alike, to_unit_length,
-};
-use glam::Vec3;
+use crate::subdivide::{Carrier, Connectivity, Level, refined_faces, same_level};
+use refinement::{Refined, RefinementSteps, refined, refined_points};
 use std::sync::Arc;
 
 /// A render mesh.
@@ -66,15 +64,6 @@ struct SameLevel(Arc<DerivedCage>);
 impl PartialEq for SameLevel {
     fn eq(&self, other: &Self) -> bool {
         same_level(&self.0.frame, &other.0.frame)
-    }
-}
-
-/// A cage with its level, compared by the inputs of its refinement.
-struct SameRefinement(Cage);
-
-impl PartialEq for SameRefinement {
-    fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.0.level, &other.0.level) && share_values_alike(&self.0.garment, &other.0.garment)
     }
 }
 
@@ -192,47 +181,6 @@ fn connectivity(
     step.get(Same::from(level), |level| Ok(Arc::new(Connectivity::new(Arc::clone(&level.0)))))
 }
 
-/// The subsets of a product.
-type Subsets = Arc<Vec<Subset>>;
-
-/// Steps of a refinement.
-#[derive(Default)]
-struct RefinementSteps {
-    of_cage: Step<SameRefinement, Arc<Refinement>>,
-    of_refinement: Step<Same<Refinement>, Arc<Refinement>>,
-    subsets: Step<(Same<Refinement>, Subsets), Subsets>,
-    attributes: Step<(Same<Refinement>, Same<Garment>, bool), Arc<Garment>>,
-}
-
-impl RefinementSteps {
-    /// The last refinement.
-    fn last(&self) -> Option<Arc<Refinement>> {
-        self.of_cage.last().or(self.of_refinement.last()).cloned()
-    }
-
-    /// The refinement after `last`, or the first of `cage`.
-    fn refinement(&mut self, cage: &Cage, last: Option<&Arc<Refinement>>) -> Result<Arc<Refinement>, Error> {
-        match last {
-            None => self.of_cage.get(SameRefinement(cage.clone()), |SameRefinement(cage)| {
-                Ok(Arc::new(Refinement::of_cage(Arc::clone(&cage.level), &cage.garment)))
-            }),
-            Some(last) => self.of_refinement.get(Same::from(last), |last| Ok(Arc::new(last.next()))),
-        }
-    }
-
-    /// The refined garment, without points.
-    fn attributes(&mut self, by: &Arc<Refinement>, of: &Arc<Garment>, is_last: bool) -> Result<Arc<Garment>, Error> {
-        let carrier = Carrier::new(of, by.as_ref());
-        let input = (Same::from(by), Arc::clone(&of.subsets));
-        let subsets = self.subsets.get(input, |_| Ok(carrier.subsets()))?;
-        self.attributes.get((Same::from(by), Same::from(of), is_last), |_| {
-            let (primvars, influences) = (carrier.primvars(), carrier.influences());
-            let garment = Garment { primvars, influences, ..carrier.frame(subsets) };
-            Ok(Arc::new(if is_last { finished(garment) } else { garment }))
-        })
-    }
-}
-
 /// The cached steps from a garment to its render mesh.
 pub struct RenderSteps {
     garment: Arc<Garment>,
@@ -251,9 +199,6 @@ struct Derived {
     cages: Vec<OperatorCage>,
     raised: Vec<Raised>,
 }
-
-/// The garment after all refinements without its points, and the refinements.
-type Refined = (Arc<Garment>, Vec<Arc<Refinement>>);
 
 impl RenderSteps {
     /// The steps of a garment.
@@ -384,21 +329,14 @@ impl RenderSteps {
 
 impl RenderSteps {
     /// Memory per corner of a cage: level, masks, limits, parents, placement. Measured on garments of 10 to 100
-    /// thousand corners, as below. \[bytes\]
+    /// thousand corners. \[bytes\]
     const CAGE_CORNER: usize = 300;
-    /// Memory per corner of a refined level. \[bytes\]
-    const LEVEL_CORNER: usize = 40;
 
     /// An estimate of the memory of all cached steps. \[bytes\]
     pub fn bytes(&self) -> usize {
         let cages = self.cages.iter().filter_map(|steps| steps.garment.last());
         let cages = cages.map(|garment| 2 * garment.bytes() + Self::CAGE_CORNER * garment.faces.corners().len());
-        let refinements = self.refinements.iter().map(|steps| {
-            let refinement = steps.of_cage.last().or(steps.of_refinement.last());
-            let corners = |r: &Arc<Refinement>| r.level().topology.faces.corners().len();
-            let refinement = refinement.map_or(0, |r| r.bytes() + Self::LEVEL_CORNER * corners(r));
-            refinement + steps.attributes.last().map_or(0, |garment| garment.bytes())
-        });
+        let refinements = self.refinements.iter().map(RefinementSteps::bytes);
         let mesh = self.mesh.last().map_or(0, |mesh| size_of_val(mesh.points.as_slice()));
         self.first.as_ref().map_or(0, |cage| cage.garment.bytes()) + cages.chain(refinements).sum::<usize>() + mesh
     }
@@ -423,39 +361,4 @@ impl Cage {
             faces: Arc::new(self.garment.faces.ids().collect()),
         }
     }
-}
-
-/// A cage after all refinements, without its points.
-fn refined(steps: &mut [RefinementSteps], cage: &Cage, stack: &Stack) -> Result<Refined, Error> {
-    if stack.level == 0 {
-        return Ok((Arc::new(finished(Garment::clone(&cage.garment))), Vec::new()));
-    }
-    let mut garment = Arc::clone(&cage.garment);
-    let mut refinements: Vec<Arc<Refinement>> = Vec::with_capacity(steps.len());
-    let last = steps.len() - 1;
-    for (number, steps) in steps.iter_mut().enumerate() {
-        let refinement = steps.refinement(cage, refinements.last())?;
-        garment = steps.attributes(&refinement, &garment, number == last)?;
-        refinements.push(refinement);
-    }
-    Ok((garment, refinements))
-}
-
-/// A garment as a product: directions have unit length, and joint influences are back in their primvars.
-fn finished(mut garment: Garment) -> Garment {
-    Arc::make_mut(&mut garment.primvars).iter_mut().for_each(to_unit_length);
-    garment.pack_influences();
-    garment
-}
-
-/// Points after all refinements. `known` holds the masks of the first refinement if an operator computed them.
-fn refined_points(
-    points: &IdVec<VertexId, Vec3>,
-    known: Option<&Connectivity>,
-    refinements: &[Arc<Refinement>],
-) -> IdVec<VertexId, Vec3> {
-    let Some((first, others)) = refinements.split_first() else { return points.clone() };
-    let rows = known.map_or_else(|| first.level().vertex_rows(), Connectivity::vertex_rows);
-    let points = carried_points(&rows, points);
-    others.iter().fold(points, |points, next| carried_points(&next.vertex(), &points))
 }

@@ -186,6 +186,11 @@ impl Model {
         Ok(model)
     }
 
+    /// Whether it consists of panels that are sewn together.
+    pub fn is_sewn(&self) -> bool {
+        self.panels.len() > 1
+    }
+
     /// Whether the stage uses a file, under any selection of variants.
     ///
     /// # Errors

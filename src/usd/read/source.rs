@@ -163,7 +163,7 @@ impl Source {
 
     /// Whether it consists of panels that are sewn together.
     pub fn is_sewn(&self) -> bool {
-        self.model.panels.len() > 1
+        self.model.is_sewn()
     }
 
     /// Path of the mesh, or of the prim that has all panels below it.

@@ -51,22 +51,18 @@ impl Number {
     fn is_float(self) -> bool {
         matches!(self, Self::F32 | Self::F64)
     }
+}
 
-    /// The number in so many little-endian bytes as its size.
-    fn value(self, bytes: &[u8]) -> f64 {
-        let mut wide = [0; 8];
-        wide[..bytes.len()].copy_from_slice(bytes);
-        let unsigned = u64::from_le_bytes(wide);
-        match self {
-            Self::F32 => f64::from(f32::from_bits(unsigned as u32)),
-            Self::F64 => f64::from_bits(unsigned),
-            Self::Uint(_) => unsigned as f64,
-            Self::Int(size) => {
-                let unused = 64 - 8 * size as u32;
-                (((unsigned << unused) as i64) >> unused) as f64
-            }
-        }
+/// An integer in at most eight little-endian bytes.
+fn integer(bytes: &[u8], is_signed: bool) -> f64 {
+    let mut wide = [0; 8];
+    wide[..bytes.len()].copy_from_slice(bytes);
+    let unsigned = u64::from_le_bytes(wide);
+    if !is_signed {
+        return unsigned as f64;
     }
+    let unused = 64 - 8 * bytes.len() as u32;
+    (((unsigned << unused) as i64) >> unused) as f64
 }
 
 /// The header of an array.
@@ -235,7 +231,12 @@ fn numbers(data: &mut impl Read, count: usize, number: Number) -> io::Result<Vec
     if data.take(wanted).read_to_end(&mut all)? as u64 != wanted {
         return Err(io::Error::from(io::ErrorKind::UnexpectedEof));
     }
-    Ok(all.chunks_exact(number.size()).map(|bytes| number.value(bytes)).collect())
+    Ok(match number {
+        Number::F32 => all.as_chunks().0.iter().map(|b| f64::from(f32::from_le_bytes(*b))).collect(),
+        Number::F64 => all.as_chunks().0.iter().map(|b| f64::from_le_bytes(*b)).collect(),
+        Number::Int(size) => all.chunks_exact(size).map(|b| integer(b, true)).collect(),
+        Number::Uint(size) => all.chunks_exact(size).map(|b| integer(b, false)).collect(),
+    })
 }
 
 fn vectors(data: &mut impl Read, count: usize, number: Number) -> io::Result<Vec<Vec3>> {

@@ -25,13 +25,15 @@ pub struct WriteOptions {
     pub force: bool,
     /// Give the model the purpose `guide`, so that a viewer does not draw it on top of the render mesh.
     pub model_guide: bool,
+    /// Write no file, and find the errors and warnings of a write, but for a full disk and missing permissions.
+    pub dry_run: bool,
     /// What the products were made of, written into the layer's own data.
     pub record: Option<BuildRecord>,
 }
 
 impl Default for WriteOptions {
     fn default() -> Self {
-        Self { flatten: false, force: false, model_guide: true, record: None }
+        Self { flatten: false, force: false, model_guide: true, dry_run: false, record: None }
     }
 }
 
@@ -78,37 +80,14 @@ pub fn write_all(
     options: &WriteOptions,
     warnings: &mut Warnings,
 ) -> Result<Written, Error> {
-    on_file(garments, out, options, warnings, OutputFile::save)
-}
-
-/// As [`write_all()`], but no file is written: it finds the errors and the warnings of a write.
-///
-/// # Errors
-/// As [`write()`], but for a folder that cannot be written to and a full disk.
-pub fn rehearse_all(
-    garments: &[Tailored],
-    out: &Path,
-    options: &WriteOptions,
-    warnings: &mut Warnings,
-) -> Result<Written, Error> {
-    on_file(garments, out, options, warnings, OutputFile::rehearse)
-}
-
-/// Composes the layer of a file for `save`, which returns the files that a package has a copy of.
-fn on_file(
-    garments: &[Tailored],
-    out: &Path,
-    options: &WriteOptions,
-    warnings: &mut Warnings,
-    save: fn(&OutputFile, sdf::Data, &mut Warnings) -> Result<Vec<PathBuf>, Error>,
-) -> Result<Written, Error> {
     let first = garments.first().ok_or_else(|| Error::internal("there is no garment to write"))?;
     let file = OutputFile::find(out, |file| first.source.model.uses(file), options.force)?;
     on_large_stack(|| {
         let is_package = file.format == Format::Usdz;
         let anchor = if is_package { Anchor::Root } else { Anchor::Folder(&file.folder) };
         let frame = Frame { flatten: is_package || options.flatten, anchor, sublayer: None };
-        let packed = save(&file, compose(garments, frame, options, warnings)?, warnings)?;
+        let data = compose(garments, frame, options, warnings)?;
+        let packed = if options.dry_run { file.rehearse(data, warnings)? } else { file.save(data, warnings)? };
         Ok(Written { packed })
     })
 }

@@ -15,9 +15,7 @@ mod shapes;
 mod variant;
 
 pub use crates::write_crate;
-pub use layer::{
-    Surroundings, Tailored, WriteOptions, Written, check_target, layer_bytes, rehearse_all, write, write_all,
-};
+pub use layer::{Surroundings, Tailored, WriteOptions, Written, check_target, layer_bytes, write, write_all};
 pub use physics::pose_points;
 pub use product::extent;
 #[cfg(feature = "preview")]

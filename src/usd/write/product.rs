@@ -73,11 +73,13 @@ impl Author<'_> {
         let Some(binding) = sim.cage_binding else { return Ok(()) };
         let model = self.model;
         let [.., source] = names::MODEL_BINDING;
-        // The points of sewn panels are those of the cage to which they are sewn, panel by panel.
-        let points: Vec<VertexId> = model.sewing.points.iter().flatten().map(|&point| VertexId::new(point)).collect();
-        match model.panels.len() {
-            1 => self.places(&target, names::MODEL_BINDING, binding)?,
-            _ => self.places(&target, names::MODEL_BINDING, &binding.of_points(&points))?,
+        if model.is_sewn() {
+            // Their points are those of the cage to which they are sewn, panel by panel.
+            let points = model.sewing.points.iter().flatten();
+            let points: Vec<VertexId> = points.map(|&point| VertexId::new(point)).collect();
+            self.places(&target, names::MODEL_BINDING, &binding.of_points(&points))?;
+        } else {
+            self.places(&target, names::MODEL_BINDING, binding)?;
         }
         self.targets(&target, source, &model.panels)
     }
@@ -372,7 +374,7 @@ impl Author<'_> {
             (names::PRODUCT.to_owned(), Value::String(role.to_owned())),
             (names::PRODUCT_OF.to_owned(), Value::String(model.name())),
         ]);
-        if model.panels.len() > 1 {
+        if model.is_sewn() {
             let panels = model.panels.iter().map(ToString::to_string).collect();
             ours.insert(names::PRODUCT_PANELS.to_owned(), Value::StringVec(panels));
         }

@@ -15,6 +15,7 @@ mod native;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::links;
 use crate::page;
 use crate::plugin;
 use crate::process::{self, Failure, Outcome};
@@ -104,7 +105,7 @@ fn stage(project: &Project) -> Outcome<PathBuf> {
     for name in ["Cargo.toml", "LICENSE-APACHE", "LICENSE-MIT"] {
         page::replace(&project.root.join(name), &staged.join(name))?;
     }
-    let readme = without_relative_links(&project.read("README.md")?);
+    let readme = links::without_files(&project.read("README.md")?);
     fs::write(staged.join("README.md"), readme)
         .map_err(|error| Failure::new(format!("cannot write the README of the package: {error}")))?;
     let cached = staged.join("usd_tailor/__pycache__");
@@ -112,29 +113,6 @@ fn stage(project: &Project) -> Outcome<PathBuf> {
         fs::remove_dir_all(&cached).map_err(|error| Failure::new(format!("cannot empty the package: {error}")))?;
     }
     Ok(staged)
-}
-
-/// A text in Markdown whose links to files are their words alone, and whose pictures of files are left out: a package has no files
-/// beside its README.
-fn without_relative_links(text: &str) -> String {
-    let (mut kept, mut rest) = (String::new(), text);
-    while let Some(middle) = rest.find("](") {
-        let start = rest[..middle].rfind('[');
-        let end = rest[middle..].find(')').map(|end| middle + end + 1);
-        let (Some(start), Some(end)) = (start, end) else { break };
-        let target = &rest[middle + 2..end - 1];
-        let is_picture = rest[..start].ends_with('!');
-        match target.contains("://") {
-            true => kept += &rest[..end],
-            false if is_picture => kept += &rest[..start - 1],
-            false => {
-                kept += &rest[..start];
-                kept += &rest[start + 1..middle];
-            }
-        }
-        rest = &rest[end..];
-    }
-    kept + rest
 }
 
 fn pack(project: &Project, tools: &Path, staged: &Path, platform: &str) -> Outcome<PathBuf> {
@@ -152,17 +130,4 @@ fn pack(project: &Project, tools: &Path, staged: &Path, platform: &str) -> Outco
         .and_then(|()| fs::copy(&built, wheels.join(name)))
         .map_err(|error| Failure::new(format!("cannot copy {}: {error}", built.display())))?;
     Ok(wheels.join(name))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn links_to_files_become_words() {
-        let text =
-            "See [the docs](docs/a.md#b) and [USD](https://openusd.org), `a[0]`.\n\n![A coat](coat.png)\nEnd [x].";
-        let expected = "See the docs and [USD](https://openusd.org), `a[0]`.\n\n\nEnd [x].";
-        assert_eq!(without_relative_links(text), expected);
-    }
 }

@@ -1,7 +1,7 @@
 //! Inputs are never written over, whatever the path of an output.
 
-use super::build::Task;
-use super::{Build, usage};
+use super::Task;
+use crate::cli::{Build, usage};
 use crate::error::{Error, ErrorCode};
 use crate::recipe::{RecipeFile, is_recipe};
 use crate::session::beside;

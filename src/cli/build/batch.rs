@@ -1,6 +1,6 @@
 //! Several builds side by side, within a bound of memory.
 
-use super::build::{Outcome, Task};
+use super::{Outcome, Task};
 use crate::error::Error;
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -26,7 +26,7 @@ pub fn run_all(
                     let at = next.fetch_add(1, Ordering::Relaxed);
                     let Some(task) = tasks.get(at) else { break };
                     let outcome = catch_unwind(AssertUnwindSafe(|| work(task))).unwrap_or_else(|panic| {
-                        Outcome::Failed(Error::internal(super::program::panic_text(panic.as_ref())))
+                        Outcome::Failed(Error::internal(crate::cli::program::panic_text(panic.as_ref())))
                     });
                     if sender.send((at, outcome)).is_err() {
                         break;

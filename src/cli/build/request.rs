@@ -1,0 +1,81 @@
+//! The options of a build that shape its output, as its record has them.
+
+use super::super::Build;
+use super::Task;
+use crate::error::Error;
+use crate::usd::BuildRecord;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// What was asked of a build. The record knows the files by what they hold, too.
+#[derive(Default, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase", default)]
+pub struct Request {
+    /// Path of the input from the folder of the output.
+    pub input: String,
+    /// Path of the file of `--recipe` from there.
+    pub recipe: Option<String>,
+    pub prim: Option<String>,
+    pub time: Option<f64>,
+    pub set: Vec<String>,
+    flatten: bool,
+    names: [String; 2],
+    keep_model_purpose: bool,
+    pub max_faces: Option<usize>,
+    render_per_panel: bool,
+    mark: bool,
+    pub variants: Option<String>,
+    pub all: bool,
+    pub exclude: Vec<String>,
+    pub sew_tolerance: Option<f64>,
+}
+
+impl Request {
+    /// What is asked of a build for one of its outputs.
+    ///
+    /// # Errors
+    /// A path that has no form as text.
+    pub fn of(build: &Build, task: &Task) -> Result<Self, Error> {
+        let inputs = &build.inputs;
+        let path = |file: &Path| BuildRecord::path_of(file, &task.output);
+        Ok(Self {
+            input: path(&task.input)?,
+            recipe: inputs.recipe.as_deref().map(path).transpose()?,
+            prim: inputs.prim.clone(),
+            time: inputs.time,
+            set: inputs.input(&task.input).overrides,
+            flatten: build.flatten,
+            names: [build.sim_name.clone(), build.render_name.clone()],
+            keep_model_purpose: build.keep_model_purpose,
+            max_faces: Some(build.max_faces),
+            render_per_panel: build.render_per_panel,
+            mark: build.mark,
+            variants: build.variants.clone(),
+            all: inputs.several.all,
+            exclude: inputs.several.exclude.clone(),
+            sew_tolerance: inputs.several.sew_tolerance,
+        })
+    }
+
+    /// As text, equal for equal requests.
+    pub fn text(&self) -> String {
+        serde_json::to_string(self).unwrap_or_default()
+    }
+
+    /// The input and the options as on the command line.
+    pub fn in_words(&self) -> String {
+        let one = |flag: &str, value: Option<String>| value.map(|value| format!("--{flag} {value}"));
+        let flag = |flag: &str, is_set: bool| is_set.then(|| format!("--{flag}"));
+        let mut words = vec![self.input.clone()];
+        words.extend(one("recipe", self.recipe.clone()));
+        words.extend(one("prim", self.prim.clone()));
+        words.extend(one("time", self.time.map(|time| time.to_string())));
+        words.extend(flag("all", self.all));
+        words.extend(self.exclude.iter().map(|pattern| format!("--exclude {pattern}")));
+        words.extend(one("sew-tolerance", self.sew_tolerance.map(|share| share.to_string())));
+        words.extend(one("variants", self.variants.clone()));
+        words.extend(flag("render-per-panel", self.render_per_panel));
+        words.extend(self.set.iter().map(|option| format!("--set {option}")));
+        words.join(" ")
+    }
+}

@@ -1,0 +1,26 @@
+"""Runs of the program that are refused or good."""
+
+import subprocess
+
+from conftest import run
+
+
+def refused(usdtailor, *args, says=(), seconds=60):
+    """Runs the program, which must refuse in words and in time."""
+    done = subprocess.run([usdtailor, *map(str, args)], capture_output=True, text=True, check=False, timeout=seconds)
+    assert done.returncode == 1, (args, done.returncode, done.stdout, done.stderr)
+    for words in says:
+        assert words in done.stderr, done.stderr
+    return done
+
+
+def good(usdtailor, *args):
+    done = run(usdtailor, *args)
+    assert done.returncode == 0, (args, done.stderr)
+    return done
+
+
+def mounted(path, text):
+    """Writes a layer with some prims."""
+    path.write_text(f'#usda 1.0\n(\n    defaultPrim = "Coat"\n)\n{text}\n')
+    return path
