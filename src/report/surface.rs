@@ -42,26 +42,19 @@ pub(super) struct OnSurface {
 /// Measures each triangle. Each search starts at the baseline faces of the triangle's corners.
 pub(super) fn on_surface(product: &SimProduct) -> Vec<OnSurface> {
     let baseline = &product.baseline;
-    let of =
-        |(i, t): (usize, &[VertexId; 3])| {
-            let [a, b, c] = t.map(|v| product.points[v]);
-            let target = t.iter().map(|&v| product.target[v]).sum::<f32>() / 3.0;
-            let starts = [0, 1, 2].map(|k| product.places[CornerId::new(3 * i + k)].location.face);
-            let nearest =
-                |point: Vec3| {
-                    let [near, others @ ..] = starts.map(|face| baseline.closest(face, point));
-                    others.into_iter().fold(near, |near, other| {
-                        if other.distance_squared < near.distance_squared { other } else { near }
-                    })
-                };
-            let near = [(a + b + c) / 3.0, a.midpoint(b), b.midpoint(c), c.midpoint(a)].map(nearest);
-            let surface = baseline.normal(near[0].location.face).normalize_or_zero();
-            let cosine = (b - a).cross(c - a).normalize_or_zero().dot(surface);
-            OnSurface {
-                distances: near.map(|near| near.distance_squared.sqrt() / target),
-                angle: cosine.clamp(-1.0, 1.0).acos().to_degrees(),
-            }
-        };
+    let of = |(i, t): (usize, &[VertexId; 3])| {
+        let [a, b, c] = t.map(|v| product.points[v]);
+        let target = t.iter().map(|&v| product.target[v]).sum::<f32>() / 3.0;
+        let starts = [0, 1, 2].map(|k| product.places[CornerId::new(3 * i + k)].location.face);
+        let middles = [(a + b + c) / 3.0, a.midpoint(b), b.midpoint(c), c.midpoint(a)];
+        let near = middles.map(|point| baseline.closest_from(starts, point));
+        let surface = baseline.normal(near[0].location.face).normalize_or_zero();
+        let cosine = (b - a).cross(c - a).normalize_or_zero().dot(surface);
+        OnSurface {
+            distances: near.map(|near| near.distance_squared.sqrt() / target),
+            angle: cosine.clamp(-1.0, 1.0).acos().to_degrees(),
+        }
+    };
     product.triangles.par_iter().enumerate().map(of).collect()
 }
 

@@ -103,6 +103,17 @@ impl Baseline {
         self.walk(start, point, |half| self.open_twin(half))
     }
 
+    /// The closest of the points that walks from the triangles of three corners reach.
+    pub fn closest_from(&self, starts: [FaceId; 3], point: Vec3) -> Projection {
+        let [near, others @ ..] = starts.map(|face| self.closest(face, point));
+        others.into_iter().fold(
+            near,
+            |near, other| {
+                if other.distance_squared < near.distance_squared { other } else { near }
+            },
+        )
+    }
+
     /// The closest point that a walk reaches without crossing the half-edges of `barrier`.
     pub fn closest_within(&self, start: FaceId, point: Vec3, barrier: &IdVec<CornerId, bool>) -> Projection {
         self.walk(start, point, |half| self.topology.twin(half).filter(|_| !barrier[half]))

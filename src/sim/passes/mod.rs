@@ -3,9 +3,8 @@
 mod collapse;
 pub mod drift;
 mod even;
+mod finish;
 mod flip;
-mod follow;
-mod polish;
 mod queue;
 mod relax;
 pub mod remesh;

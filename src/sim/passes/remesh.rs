@@ -4,9 +4,8 @@
 //! de Goes, *Revamping the Cloth Tailoring Pipeline at Pixar* (SIGGRAPH Talks 2022).
 
 use super::collapse::{COLLAPSE_RATIO, FIRST_COLLAPSE_RATIO, collapse_short_edges, length_deficit};
+use super::finish::finish;
 use super::flip::{flip_and_drift, flip_edges};
-use super::follow::follow_curves;
-use super::polish::open_thin_triangles;
 use super::queue::{keyed_around, keyed_by_both};
 use super::relax::relax_and_project;
 use super::split::{FIRST_SPLIT_RATIO, length_excess, split_far_edges, split_long_edges};
@@ -115,7 +114,7 @@ impl Pass {
                 relax_and_project(mesh, SWEEPS, &mut Vec::new());
                 0
             }
-            Self::Follow => follow_curves(mesh),
+            Self::Follow => super::finish::follow_curves(mesh),
             Self::InPatches(size) => {
                 edit_in_patches(mesh, size, usize::MAX).map_or(0, |edits| edits.splits + edits.collapses)
             }
@@ -158,8 +157,7 @@ pub fn remesh(mesh: &mut SimMesh<'_>, rounds: u32, max_faces: usize) -> RemeshRe
     }
     flip_edges(mesh, LAST_REGULARITY);
     if rounds > 0 {
-        open_thin_triangles(mesh);
-        follow_curves(mesh);
+        finish(mesh);
     }
     report
 }

@@ -55,7 +55,7 @@ impl FanAngles {
 }
 
 /// Moves vertices of thin triangles, in the order of their ids, so that the result is the same for any number of threads.
-pub(crate) fn open_thin_triangles(mesh: &mut SimMesh<'_>) {
+pub(super) fn open_thin_triangles(mesh: &mut SimMesh<'_>) {
     let mut waiting = thin_vertices(mesh);
     for _ in 0..ROUNDS {
         waiting.retain(|&v| improve(mesh, v));
@@ -66,7 +66,7 @@ pub(crate) fn open_thin_triangles(mesh: &mut SimMesh<'_>) {
 }
 
 /// Vertices that moved and those around them: all others would find the same again.
-pub(crate) fn with_rings(mesh: &SimMesh<'_>, moved: &[VertexId]) -> Vec<VertexId> {
+pub(super) fn with_rings(mesh: &SimMesh<'_>, moved: &[VertexId]) -> Vec<VertexId> {
     let mut near: Vec<VertexId> =
         moved.iter().flat_map(|&v| mesh.topology.ring(v)).chain(moved.iter().copied()).collect();
     near.sort_unstable();
@@ -90,7 +90,7 @@ fn thin_vertices(mesh: &SimMesh<'_>) -> Vec<VertexId> {
 }
 
 /// The angles of all triangles around a vertex, if it lay at `own`.
-pub(crate) fn fan_angles(mesh: &SimMesh<'_>, vertex: VertexId, own: Vec3) -> FanAngles {
+pub(super) fn fan_angles(mesh: &SimMesh<'_>, vertex: VertexId, own: Vec3) -> FanAngles {
     let at = |v: VertexId| mesh.points[v];
     mesh.topology.fan(vertex).fold(FanAngles { cost: 0.0, worst: 0.0 }, |sum, c| {
         let cosine = smallest_angle_cosine([own, at(mesh.topology.target(c)), at(mesh.topology.vertex(prev(c)))]);
@@ -112,7 +112,7 @@ fn improve(mesh: &mut SimMesh<'_>, vertex: VertexId) -> bool {
 }
 
 /// Moves a vertex if the result is wanted, makes no triangle worse and reverses no edge of a chain. Returns whether it moved.
-pub(crate) fn try_move(
+pub(super) fn try_move(
     mesh: &mut SimMesh<'_>,
     vertex: VertexId,
     goal: Destination,

@@ -2,8 +2,8 @@
 //! are even; how far a chord cuts off a bend depends on its ends.
 
 use super::polish::{FanAngles, THIN_COSINE, fan_angles, try_move, with_rings};
-use super::split::FAR;
 use crate::mesh::{ChainId, VertexId};
+use crate::sim::passes::split::FAR;
 use crate::sim::sim_mesh::{CurveSpan, Destination, SimMesh, VertexConstraint};
 use glam::Vec3;
 use rayon::prelude::*;

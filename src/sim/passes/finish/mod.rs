@@ -1,0 +1,16 @@
+//! What follows the rounds: moves and flips at the few places that need them.
+
+mod follow;
+mod polish;
+mod turn;
+
+pub(crate) use follow::follow_curves;
+
+use crate::sim::sim_mesh::SimMesh;
+
+/// Improves the places that averages leave behind.
+pub(crate) fn finish(mesh: &mut SimMesh<'_>) {
+    polish::open_thin_triangles(mesh);
+    follow_curves(mesh);
+    turn::turn_to_surface(mesh);
+}
