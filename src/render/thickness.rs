@@ -19,6 +19,7 @@ use super::lines::{self, LineVertex, Lines, Request};
 use super::operator::{Closing, Control, Operator, OperatorInput, OperatorOutput, REPORTED, Role, is_lone_corner};
 use super::options::{Domain, Key, OperatorOptions};
 use crate::checks;
+use crate::contact::NearestSearch;
 use crate::error::{Code, Error, ErrorCode, Warning, Warnings};
 use crate::garment::units::deserialize_length;
 use crate::garment::{Elements, Garment, Orientation, Subset, Values};
@@ -224,9 +225,21 @@ impl Thickness {
         weight.max(MIN_WEIGHT)
     }
 
+    /// The share of the amount near the ends of folds, at a point that is the average of some vertices. A fold whose edges
+    /// are longer has a line there instead; one that a seam runs into has shorter edges.
+    fn tapers(&self, points: &IdVec<VertexId, Vec3>, ends: &Ends) -> impl Fn(&[(VertexId, f32)]) -> f32 {
+        let at: Vec<Vec3> = ends.joined.ids().filter(|&v| ends.joined[v]).map(|v| points[v]).collect();
+        let (search, length) = (NearestSearch::of_points(&at), TAPER_LENGTH * self.options.amount);
+        move |sources| {
+            let point: Vec3 = sources.iter().map(|&(v, w)| w * points[v]).sum();
+            let nearest = search.nearest(point, |end, point| at[end].as_dvec3().distance_squared(point));
+            nearest.map_or(1.0, |end| (at[end].distance(point) / length).min(1.0))
+        }
+    }
+
     fn controls(
         &self,
-        t: &Topology,
+        (t, points): (&Topology, &IdVec<VertexId, Vec3>),
         weights: Option<&[f32]>,
         (folds, layer_ends, ends): (&IdVec<VertexId, bool>, &IdVec<VertexId, bool>, &Ends),
         layer: &Layer,
@@ -245,6 +258,7 @@ impl Thickness {
         let ends_of = |l: &&LineVertex| t.edges[l.mark].iter().any(|&v| ends.joined[v]);
         let beside: BTreeSet<VertexId> = lines.vertices.iter().filter(ends_of).map(|l| l.vertex).collect();
         let copies = layer.copy.iter().enumerate().filter_map(|(v, copy)| Some((VertexId::new(v), (*copy)?)));
+        let tapers = self.tapers(points, ends);
         controls.extend(copies.filter(|(over, copy)| over != copy).map(|(over, vertex)| {
             let sources = lines.builder.sources(over);
             let is_closed = sources.iter().all(|(v, _)| ends.closed[*v]);
@@ -253,7 +267,8 @@ impl Thickness {
                 (_, true) => Closing::Beside,
                 _ => Closing::Open,
             };
-            let weight = if is_closed { CLOSED_WEIGHT } else { self.weight(weights, &sources) };
+            let open = || (tapers(&sources) * self.weight(weights, &sources)).max(MIN_WEIGHT);
+            let weight = if is_closed { CLOSED_WEIGHT } else { open() };
             Control { vertex, role: Role::Layer { over, weight, side: self.sign(), closing } }
         }));
         // After the copies that they are below, which take the clearance.
@@ -393,7 +408,8 @@ impl Operator for Thickness {
         layer.add_hem(t, &border, &mut lines);
         layer.add_walls(t, &chosen, &ends, &mut lines);
         layer.add_edges(t, &chosen, &folds, &mut lines);
-        let controls = self.controls(t, weights, (&folds, &layer_ends(t, &chosen), &ends), &layer, &lines);
+        let controls =
+            self.controls((t, &garment.points), weights, (&folds, &layer_ends(t, &chosen), &ends), &layer, &lines);
         let offsets = self.offsets(cage, &controls, &lines);
         let subsets = self.subsets(cage, &layer, &mut warnings);
         let (mut corners, mut creases) = sharpness(cage.level, &folds, &request.marked, &layer);

@@ -2,7 +2,6 @@
 
 use crate::mesh::{CornerId, VertexId};
 use crate::sim::{NarrowStrip, SimProduct};
-use glam::Vec3;
 use rayon::prelude::*;
 use serde::Serialize;
 
