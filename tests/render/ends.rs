@@ -227,6 +227,31 @@ fn the_seam_that_goes_through_stays_at_its_height() {
 }
 
 #[test]
+fn seams_too_wide_for_their_crossing_narrow_there() {
+    for (width, height) in [(0.5f32, 0.1f32), (0.6, 0.1), (0.6, -0.1)] {
+        let of = |seam: &str| {
+            [
+                format!("seam.{seam}.edges={seam}"),
+                format!("seam.{seam}.width={width}"),
+                format!("seam.{seam}.normalOffset={height}"),
+            ]
+        };
+        let options = [&of("a")[..], &of("b"), &["render.level=4".to_owned()]].concat();
+        let (mesh, warnings) = rendered(&crossed(0), &options);
+        assert!(warnings.is_empty(), "{warnings:?}");
+        // The crests go through, a little lower.
+        for p in line(&mesh, "a").into_iter().chain(line(&mesh, "b")) {
+            assert!((0.65..1.05).contains(&(p.z / height)), "width {width}: {p}");
+        }
+        // No star: the surface between them is as flat as elsewhere.
+        let between = |d: f32| (0.6 * width..1.0).contains(&(d - 4.0).abs());
+        for p in limit(&mesh).iter().filter(|p| between(p.x) && between(p.y)) {
+            assert!(p.z.abs() < 0.12 * height.abs(), "width {width}: {p} is raised");
+        }
+    }
+}
+
+#[test]
 fn grooves_meet_at_their_depth() {
     for from in [0, 4] {
         let options = ["seam.a.edges=a", "seam.b.edges=b", "seam.a.width=0.4", "seam.b.width=0.4", "render.level=4"];

@@ -189,17 +189,10 @@ fn is_long_and_full(ribs: &Ribs, vertex: VertexId) -> bool {
 /// Corners of two marked edges at junctions with room for blocks.
 fn block_corners(request: &Request, ribs: &Ribs) -> Vec<CornerId> {
     let t = request.topology;
-    let mut marks: IdVec<VertexId, u32> = IdVec::filled(0, t.vertex_count());
-    let marked = request.marked.ids().filter(|&e| request.marked[e]);
-    marked.for_each(|edge| t.edges[edge].iter().for_each(|&v| marks[v] += 1));
-    let is_mitre = |&c: &CornerId| {
-        let edges = [t.corner_edge[c], t.corner_edge[t.faces.prev(c)]];
-        marks[t.faces.vertex(c)] >= 3 && edges.iter().all(|&e| request.marked[e])
+    let mut mitres = junction_corners(request);
+    let is_narrow = |c: &CornerId| {
+        mitre_part(ribs, *c).is_some_and(|part| part > MAX_BLOCK_SHARE) || is_crowded(request, ribs, t.faces.vertex(*c))
     };
-    let mut mitres: Vec<CornerId> = t.faces.corners().ids().filter(is_mitre).collect();
-    let path = |c: CornerId| ribs.within(c).map(|rib| ribs.all[rib].path);
-    let is_narrow = |&c: &CornerId| matches!(path(c), Some(Path::Face { after, before, .. }) if after.max(before) > MAX_BLOCK_SHARE);
-    let is_narrow = |c: &CornerId| is_narrow(c) || is_crowded(request, ribs, t.faces.vertex(*c));
     let mut crowded: BTreeSet<VertexId> = mitres.iter().filter(|c| is_narrow(c)).map(|&c| t.faces.vertex(c)).collect();
     // So is the junction at the other end of a taper without room.
     for edge in request.marked.ids().filter(|&edge| request.marked[edge]) {
@@ -210,8 +203,46 @@ fn block_corners(request: &Request, ribs: &Ribs) -> Vec<CornerId> {
             }
         }
     }
-    mitres.retain(|&c| !crowded.contains(&t.faces.vertex(c)) && matches!(path(c), Some(Path::Face { .. })));
+    mitres.retain(|&c| !crowded.contains(&t.faces.vertex(c)) && mitre_part(ribs, c).is_some());
     mitres
+}
+
+/// Corners of two marked edges at vertices of three or more.
+fn junction_corners(request: &Request) -> Vec<CornerId> {
+    let t = request.topology;
+    let mut marks: IdVec<VertexId, u32> = IdVec::filled(0, t.vertex_count());
+    let marked = request.marked.ids().filter(|&e| request.marked[e]);
+    marked.for_each(|edge| t.edges[edge].iter().for_each(|&v| marks[v] += 1));
+    let is_mitre = |&c: &CornerId| {
+        let edges = [t.corner_edge[c], t.corner_edge[t.faces.prev(c)]];
+        marks[t.faces.vertex(c)] >= 3 && edges.iter().all(|&e| request.marked[e])
+    };
+    t.faces.corners().ids().filter(is_mitre).collect()
+}
+
+/// The larger share of an edge that the mitre at a corner takes.
+fn mitre_part(ribs: &Ribs, corner: CornerId) -> Option<f32> {
+    match ribs.within(corner).map(|rib| ribs.all[rib].path)? {
+        Path::Face { after, before, .. } => Some(after.max(before)),
+        _ => None,
+    }
+}
+
+/// Lowers the room at junctions to that of a block, where that is `least` of the distance.
+pub fn leave_room_for_blocks(request: &Request, ribs: &Ribs, least: f32, room: &mut IdVec<VertexId, f32>) {
+    let mut needed: BTreeMap<VertexId, f32> = BTreeMap::new();
+    for corner in junction_corners(request) {
+        let part = mitre_part(ribs, corner).unwrap_or(f32::INFINITY);
+        let most = needed.entry(request.topology.faces.vertex(corner)).or_insert(0.0);
+        *most = most.max(part);
+    }
+    for (vertex, part) in needed {
+        // A little less, as lines are not scaled exactly.
+        let own = 0.99 * room[vertex] * MAX_BLOCK_SHARE / part;
+        if part > MAX_BLOCK_SHARE && own >= least && !is_crowded(request, ribs, vertex) {
+            room[vertex] = own;
+        }
+    }
 }
 
 /// The positions along each marked edge of a junction: the nearer ones of the blocks on its two sides.

@@ -29,7 +29,7 @@ use super::operator::REPORTED;
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
 use cuts::Cuts;
 use glam::Vec3;
-use paths::Widths;
+use paths::{LEAST_EASED, Widths};
 use ribs::Ribs;
 
 /// A request for lines beside marked edges.
@@ -128,6 +128,9 @@ pub fn insert<'a>(request: &Request<'a>) -> Lines<'a> {
     let mut ribs = Ribs::new(request, &widths.shares);
     let own_room = ribs.room.clone();
     let mut room = own_room.clone();
+    if request.is_even {
+        cuts::leave_room_for_blocks(request, &ribs, LEAST_EASED, &mut room);
+    }
     if request.is_even && room.iter().any(|&room| room < 1.0) {
         let eased = widths.ease(request, &room);
         ribs = Ribs::new(request, &widths.shares);

@@ -1,4 +1,4 @@
-//! Turn: triangles that face away from the surface under their middle get the other diagonal, or a vertex moves.
+//! Turn: where a triangle faces away from the surface under its middle, an edge flips or a vertex moves.
 //!
 //! All other passes compare a triangle with the surface at its corners. In a tight fold these face several ways, and the
 //! triangle may face away from all that lies between them.
@@ -23,37 +23,47 @@ const SLIDES: [f32; 6] = [-0.2, 0.2, -0.4, 0.4, -0.7, 0.7];
 /// threads.
 pub(super) fn turn_to_surface(mesh: &mut SimMesh<'_>) {
     let faces = (0..mesh.topology.face_slots()).into_par_iter().map(FaceId::new);
-    let away: Vec<FaceId> = faces.filter(|&f| faces_away(mesh, CornerId::new(3 * f.index()))).collect();
-    for f in away {
-        turn(mesh, f);
-    }
+    let away: Vec<FaceId> = faces.filter(|&f| is_away(mesh, f)).collect();
+    away.into_iter().for_each(|f| turn(mesh, f));
     mesh.debug_check();
 }
 
 /// Whether a corner's triangle faces away from the surface nearest to its middle.
 fn faces_away(mesh: &SimMesh<'_>, corner: CornerId) -> bool {
-    if !mesh.topology.is_alive(corner) || mesh.alignment(mesh.corners(corner)) > SURELY_FACING {
+    let corners = mesh.corners(corner);
+    if mesh.alignment(corners) > SURELY_FACING {
         return false;
     }
-    let [(a, p), (b, q), (c, r)] = mesh.corners(corner);
+    let [(a, p), (b, q), (c, r)] = corners;
     let near = mesh.baseline.closest_from([p, q, r].map(|wedge| wedge.place.location.face), (a + b + c) / 3.0);
     (b - a).cross(c - a).dot(mesh.baseline.normal(near.location.face)) < 0.0
 }
 
+/// Whether a triangle is there still and faces away.
+fn is_away(mesh: &SimMesh<'_>, f: FaceId) -> bool {
+    let first = CornerId::new(3 * f.index());
+    mesh.topology.is_alive(first) && faces_away(mesh, first)
+}
+
 /// The first edit that helps at a triangle that faces away.
 fn turn(mesh: &mut SimMesh<'_>, f: FaceId) {
-    if faces_away(mesh, CornerId::new(3 * f.index())) && !corners(f).any(|half| flip(mesh, half)) {
-        let _ = corners(f).any(|c| shift(mesh, mesh.topology.vertex(c)));
+    if is_away(mesh, f) {
+        let _ = corners(f).any(|half| flip(mesh, half)) || corners(f).any(|c| shift(mesh, mesh.topology.vertex(c)));
     }
 }
 
-/// How bad the triangles of some corners are: how many face away, and the worst defect.
-fn fault(mesh: &SimMesh<'_>, at: &[CornerId]) -> (usize, Defect) {
-    let away = at.iter().filter(|&&c| faces_away(mesh, c)).count();
-    (away, at.iter().map(|&c| mesh.face_defect(c)).max().unwrap_or(Defect::Good))
+/// How bad the triangles of some corners are: how many face away or have a defect, and the worst defect.
+type Fault = (usize, Defect);
+
+fn fault(mesh: &SimMesh<'_>, at: &[CornerId]) -> Fault {
+    at.iter().fold((0, Defect::Good), |(count, worst), &corner| {
+        let defect = mesh.face_defect(corner);
+        let is_bad = defect > Defect::Good || faces_away(mesh, corner);
+        (count + usize::from(is_bad), worst.max(defect))
+    })
 }
 
-fn is_better(now: (usize, Defect), before: (usize, Defect)) -> bool {
+fn is_better(now: Fault, before: Fault) -> bool {
     now.0 < before.0 && now.1 <= before.1
 }
 
