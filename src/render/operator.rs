@@ -162,7 +162,7 @@ pub enum Closing {
     Open,
     /// Beside an end: the layer rises no faster than its cage.
     Beside,
-    /// On the surface: its neighbours may be much higher.
+    /// On the surface, or where the fold tapers towards it: its neighbours may be much higher.
     Closed,
 }
 

@@ -301,6 +301,7 @@ impl Operator for Seams {
             shares: self.shares(),
             kept_line: self.width_line(),
             is_even: true,
+            is_open: cage.clearance.iter().map(|gap| *gap == UNBOUNDED).collect(),
         };
         let lines = lines::insert(&request);
         let controls = Self::controls(t, &network, &lines);

@@ -39,6 +39,8 @@ use std::sync::Arc;
 const SUPPORT_DISTANCE: f32 = 1.0;
 /// Length over which the height of a fold goes to nothing at its end, as a multiple of the amount.
 const TAPER_LENGTH: f32 = 1.5;
+/// Share of the height below which a place of the fold belongs to its taper, and holds none of its neighbours down.
+const TAPERED: f32 = 0.9;
 /// Length over which the second layer closes beside the end of a fold, as a multiple of the amount.
 const CLOSED_LENGTH: f32 = 3.0;
 /// Weight of the second layer where it is closed. Smaller closes it more; the surfaces may then intersect where they bend.
@@ -262,12 +264,13 @@ impl Thickness {
         controls.extend(copies.filter(|(over, copy)| over != copy).map(|(over, vertex)| {
             let sources = lines.builder.sources(over);
             let is_closed = sources.iter().all(|(v, _)| ends.closed[*v]);
-            let closing = match (is_closed, beside.contains(&over)) {
+            let taper = if sources.iter().all(|(v, _)| folds[*v]) { tapers(&sources) } else { 1.0 };
+            let closing = match (is_closed || taper < TAPERED, beside.contains(&over)) {
                 (true, _) => Closing::Closed,
                 (_, true) => Closing::Beside,
                 _ => Closing::Open,
             };
-            let open = || (tapers(&sources) * self.weight(weights, &sources)).max(MIN_WEIGHT);
+            let open = || (taper * self.weight(weights, &sources)).max(MIN_WEIGHT);
             let weight = if is_closed { CLOSED_WEIGHT } else { open() };
             Control { vertex, role: Role::Layer { over, weight, side: self.sign(), closing } }
         }));
@@ -401,6 +404,7 @@ impl Operator for Thickness {
             shares: &[1.0],
             kept_line: 0,
             is_even: false,
+            is_open: IdVec::filled(false, t.vertex_count()),
         };
         // A closer support loop is harmless, so `lines.narrowed` gives no warning.
         let mut lines = lines::insert(&request);

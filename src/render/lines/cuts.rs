@@ -228,7 +228,8 @@ fn mitre_part(ribs: &Ribs, corner: CornerId) -> Option<f32> {
     }
 }
 
-/// Lowers the room at junctions to that of a block, where that is `least` of the distance.
+/// Lowers the room at junctions to that of a block, where that is `least` of the distance. Beside another layer, the faces of
+/// a block would take the room that both share.
 pub fn leave_room_for_blocks(request: &Request, ribs: &Ribs, least: f32, room: &mut IdVec<VertexId, f32>) {
     let mut needed: BTreeMap<VertexId, f32> = BTreeMap::new();
     for corner in junction_corners(request) {
@@ -239,7 +240,8 @@ pub fn leave_room_for_blocks(request: &Request, ribs: &Ribs, least: f32, room: &
     for (vertex, part) in needed {
         // A little less, as lines are not scaled exactly.
         let own = 0.99 * room[vertex] * MAX_BLOCK_SHARE / part;
-        if part > MAX_BLOCK_SHARE && own >= least && !is_crowded(request, ribs, vertex) {
+        let is_free = request.is_open[vertex] && !is_crowded(request, ribs, vertex);
+        if part > MAX_BLOCK_SHARE && own >= least && is_free {
             room[vertex] = own;
         }
     }

@@ -56,6 +56,8 @@ pub struct Request<'a> {
     pub kept_line: usize,
     /// True if a narrow face also narrows the lines beside its neighbours, so that their width changes evenly.
     pub is_even: bool,
+    /// True for vertices with no other layer near, where lines are narrowed for the grid of a junction.
+    pub is_open: IdVec<VertexId, bool>,
 }
 
 /// A new vertex.
