@@ -106,12 +106,8 @@ impl Baseline {
     /// The closest of the points that walks from the triangles of three corners reach.
     pub fn closest_from(&self, starts: [FaceId; 3], point: Vec3) -> Projection {
         let [near, others @ ..] = starts.map(|face| self.closest(face, point));
-        others.into_iter().fold(
-            near,
-            |near, other| {
-                if other.distance_squared < near.distance_squared { other } else { near }
-            },
-        )
+        let nearer = |a: Projection, b: Projection| if b.distance_squared < a.distance_squared { b } else { a };
+        others.into_iter().fold(near, nearer)
     }
 
     /// The closest point that a walk reaches without crossing the half-edges of `barrier`.

@@ -12,6 +12,10 @@ use std::f32::consts::TAU;
 
 /// Least cosine to the surface at each corner from which a triangle is not measured: it faces all the surface around it.
 const SURELY_FACING: f32 = 0.5;
+/// Triangles at which vertices may move, so that time is bounded. Where more face away, the surface itself is crumpled.
+const MOST_MOVED: usize = 256;
+/// Triangles around a vertex that may move, for the same reason.
+const MOST_AROUND: usize = 24;
 /// Directions in which a free vertex may move.
 const DIRECTIONS: usize = 8;
 /// Lengths of its moves, as shares of the target length.
@@ -24,7 +28,10 @@ const SLIDES: [f32; 6] = [-0.2, 0.2, -0.4, 0.4, -0.7, 0.7];
 pub(super) fn turn_to_surface(mesh: &mut SimMesh<'_>) {
     let faces = (0..mesh.topology.face_slots()).into_par_iter().map(FaceId::new);
     let away: Vec<FaceId> = faces.filter(|&f| is_away(mesh, f)).collect();
-    away.into_iter().for_each(|f| turn(mesh, f));
+    let remaining: Vec<FaceId> = away.into_iter().filter(|&f| !flip_at(mesh, f)).collect();
+    for f in remaining.into_iter().take(MOST_MOVED) {
+        shift_at(mesh, f);
+    }
     mesh.debug_check();
 }
 
@@ -45,10 +52,15 @@ fn is_away(mesh: &SimMesh<'_>, f: FaceId) -> bool {
     mesh.topology.is_alive(first) && faces_away(mesh, first)
 }
 
-/// The first edit that helps at a triangle that faces away.
-fn turn(mesh: &mut SimMesh<'_>, f: FaceId) {
+/// Flips an edge of a triangle that faces away. Returns whether it does so no more.
+fn flip_at(mesh: &mut SimMesh<'_>, f: FaceId) -> bool {
+    !is_away(mesh, f) || corners(f).any(|half| flip(mesh, half))
+}
+
+/// Moves a vertex of a triangle that faces away.
+fn shift_at(mesh: &mut SimMesh<'_>, f: FaceId) {
     if is_away(mesh, f) {
-        let _ = corners(f).any(|half| flip(mesh, half)) || corners(f).any(|c| shift(mesh, mesh.topology.vertex(c)));
+        let _ = corners(f).any(|c| shift(mesh, mesh.topology.vertex(c)));
     }
 }
 
@@ -83,7 +95,10 @@ fn flip(mesh: &mut SimMesh<'_>, half: CornerId) -> bool {
 
 /// Moves a vertex by the shortest way after which fewer triangles face away.
 fn shift(mesh: &mut SimMesh<'_>, vertex: VertexId) -> bool {
-    let fan: Vec<CornerId> = mesh.topology.fan(vertex).collect();
+    let fan: Vec<CornerId> = mesh.topology.fan(vertex).take(MOST_AROUND + 1).collect();
+    if fan.len() > MOST_AROUND {
+        return false;
+    }
     let before = fault(mesh, &fan);
     destinations(mesh, vertex).into_iter().any(|goal| {
         let Some(mut there) = mesh.find_move(vertex, goal, 1.0) else { return false };
