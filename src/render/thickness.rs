@@ -19,7 +19,6 @@ use super::lines::{self, LineVertex, Lines, Request};
 use super::operator::{Closing, Control, Operator, OperatorInput, OperatorOutput, REPORTED, Role, is_lone_corner};
 use super::options::{Domain, Key, OperatorOptions};
 use crate::checks;
-use crate::contact::NearestSearch;
 use crate::error::{Code, Error, ErrorCode, Warning, Warnings};
 use crate::garment::units::deserialize_length;
 use crate::garment::{Elements, Garment, Orientation, Subset, Values};
@@ -227,18 +226,6 @@ impl Thickness {
         weight.max(MIN_WEIGHT)
     }
 
-    /// The share of the amount near the ends of folds, at a point that is the average of some vertices. A fold whose edges
-    /// are longer has a line there instead; one that a seam runs into has shorter edges.
-    fn tapers(&self, points: &IdVec<VertexId, Vec3>, ends: &Ends) -> impl Fn(&[(VertexId, f32)]) -> f32 {
-        let at: Vec<Vec3> = ends.joined.ids().filter(|&v| ends.joined[v]).map(|v| points[v]).collect();
-        let (search, length) = (NearestSearch::of_points(&at), TAPER_LENGTH * self.options.amount);
-        move |sources| {
-            let point: Vec3 = sources.iter().map(|&(v, w)| w * points[v]).sum();
-            let nearest = search.nearest(point, |end, point| at[end].as_dvec3().distance_squared(point));
-            nearest.map_or(1.0, |end| (at[end].distance(point) / length).min(1.0))
-        }
-    }
-
     fn controls(
         &self,
         (t, points): (&Topology, &IdVec<VertexId, Vec3>),
@@ -260,7 +247,7 @@ impl Thickness {
         let ends_of = |l: &&LineVertex| t.edges[l.mark].iter().any(|&v| ends.joined[v]);
         let beside: BTreeSet<VertexId> = lines.vertices.iter().filter(ends_of).map(|l| l.vertex).collect();
         let copies = layer.copy.iter().enumerate().filter_map(|(v, copy)| Some((VertexId::new(v), (*copy)?)));
-        let tapers = self.tapers(points, ends);
+        let tapers = ends.tapers(points, TAPER_LENGTH * self.options.amount);
         controls.extend(copies.filter(|(over, copy)| over != copy).map(|(over, vertex)| {
             let sources = lines.builder.sources(over);
             let is_closed = sources.iter().all(|(v, _)| ends.closed[*v]);

@@ -7,7 +7,7 @@ use crate::usd::BuildRecord;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// What was asked of a build. The record knows the files by what they hold, too.
+/// The options that shape an output. The record identifies the input files by their contents as well.
 #[derive(Default, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase", default)]
 pub struct Request {
@@ -31,7 +31,7 @@ pub struct Request {
 }
 
 impl Request {
-    /// What is asked of a build for one of its outputs.
+    /// The options of one task of a build.
     ///
     /// # Errors
     /// A path that has no form as text.

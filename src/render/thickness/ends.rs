@@ -10,6 +10,7 @@
 //! Where a crease or an edge set marks the edges from v on, the end is *square*: the fold keeps its height up to v, and a
 //! wall along these edges closes the layer.
 
+use crate::contact::NearestSearch;
 use crate::garment::{Elements, Garment};
 use crate::mesh::{Csr, EdgeId, FaceId, IdVec, Topology, VertexId};
 use crate::subdivide::Level;
@@ -71,6 +72,19 @@ impl Ends {
         ends.walls.sort_unstable();
         ends.walls.dedup();
         ends
+    }
+
+    /// The share of the amount at a point that is the average of some vertices: less than 1 within `length` of a joined end.
+    ///
+    /// A fold whose edges are longer has a line there instead; one that a seam runs into has shorter edges.
+    pub fn tapers(&self, points: &IdVec<VertexId, Vec3>, length: f32) -> impl Fn(&[(VertexId, f32)]) -> f32 {
+        let at: Vec<Vec3> = self.joined.ids().filter(|&v| self.joined[v]).map(|v| points[v]).collect();
+        let search = NearestSearch::of_points(&at);
+        move |sources| {
+            let point: Vec3 = sources.iter().map(|&(v, w)| w * points[v]).sum();
+            let nearest = search.nearest(point, |end, point| at[end].as_dvec3().distance_squared(point));
+            nearest.map_or(1.0, |end| (at[end].distance(point) / length).min(1.0))
+        }
     }
 
     /// Adds the wall from a square end of the fold to the next corner of the layer, or as far as the edges are `square`.

@@ -1,4 +1,4 @@
-//! What follows the rounds: moves and flips at the few places that need them.
+//! The last passes, after the rounds: they move vertices and flip edges at thin triangles, beside chains and in tight folds.
 
 mod follow;
 mod polish;
