@@ -102,7 +102,7 @@ mod tests {
                 "openusd-0.8.0/src/usd/prim.rs",
             ),
             ("/rustc/48cc71ee/library/core/src/option.rs", "core/src/option.rs"),
-            ("C:\\Users\\me\\faer-0.24.4\\src\\lib.rs", "faer-0.24.4/src/lib.rs"),
+            ("C:\\Users\\me\\glam-0.30.4\\src\\lib.rs", "glam-0.30.4/src/lib.rs"),
             ("/home/me/build.rs", "build.rs"),
         ] {
             assert_eq!(shortened(file), expected);

@@ -37,7 +37,7 @@ pub fn garments() -> Vec<Sample> {
 }
 
 fn load(name: &'static str, file: &str) -> Option<Sample> {
-    let path: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
+    let path: PathBuf = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join(file);
     if !path.exists() {
         eprintln!("NOTE: {name} is not measured, as {} is not there", path.display());
         return None;

@@ -21,7 +21,7 @@ const GARMENTS: [(&str, &str, &str); 2] =
     [("coat", "examples/coat.usda", "side_seams"), ("worksuit", "../shared/garments/male_worksuit01.usdc", "uvSeams")];
 
 fn file(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join(name)
 }
 
 /// Seams and hems of sizes that the garment's edges have room for.

@@ -9,7 +9,7 @@ use tailor::usd::{ReadOptions, Source, WriteOptions, write};
 
 /// The coat as the plugin hands it over: composed, as crate bytes.
 fn composed() -> Vec<u8> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("examples");
     let source = Source::open(&folder.join("coat.usda"), &ReadOptions::default()).expect("the coat");
     let temporary = tempfile::tempdir().expect("a folder");
     let flat = temporary.path().join("flat.usdc");
@@ -21,7 +21,7 @@ fn composed() -> Vec<u8> {
 fn edits(c: &mut Criterion) {
     let content = composed();
     let session = Session::new(1 << 30, None).expect("threads");
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/coat.tailor");
+    let file = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("examples/coat.tailor");
     let layer = |arguments: &[(&str, &str)], metadata_only: bool| {
         let document =
             Document::new(&file, r#"{"source": "coat.usda"}"#, arguments.iter().copied()).expect("a document");

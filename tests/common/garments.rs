@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 
 /// Every example and every shared garment; says so where the latter are absent.
 pub fn garments() -> Vec<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    // Tests and benches are in different packages of this repository.
+    let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let root = package.ancestors().find(|folder| folder.join("examples").is_dir()).unwrap_or(package);
     let mut all = stages(&root.join("examples"));
     assert!(all.len() >= 3, "the examples are in the repository");
     let shared = stages(&root.join("../shared/garments"));

@@ -3,12 +3,9 @@
 //! Written against the input and the products alone, apart from the baseline, the surface that a simulation mesh is
 //! held to.
 
-mod attributes;
-mod refinement;
-
-use attributes::{family_faults, primvar_faults, subset_faults};
+use super::attributes::{family_faults, primvar_faults, subset_faults};
+use super::refinement::refinement_faults;
 use glam::{DVec3, Vec3};
-use refinement::refinement_faults;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use tailor::internals::garment::{BoundaryInterpolation, Garment, GarmentInput, Interpolation, Values};
@@ -21,7 +18,7 @@ use tailor::{Builder, Products};
 /// Distance of a vertex from where its corner says it is, and from its chain's curve, as a share of the target length.
 const ON_SURFACE: f32 = 1e-3;
 /// Refined positions agree with the independent rules to this share of the bounding box.
-const REFINED: f32 = 1e-5;
+pub const REFINED: f32 = 1e-5;
 
 /// What may differ between subjects.
 #[derive(Clone, Copy, Debug)]
@@ -284,7 +281,7 @@ fn area(p: &[DVec3]) -> f64 {
 }
 
 /// Whether an edge has one face, or two that agree in winding.
-fn agrees(t: &Topology, edge: EdgeId) -> bool {
+pub fn agrees(t: &Topology, edge: EdgeId) -> bool {
     match *t.edge_corners.row(edge) {
         [_] => true,
         [a, b] => t.faces.vertex(a) != t.faces.vertex(b),
@@ -303,7 +300,7 @@ fn has_flat_faces(g: &Garment) -> bool {
 }
 
 /// For each vertex the number of groups of corners that are joined through edges of two faces; none without corners.
-fn fans(t: &Topology) -> BTreeMap<VertexId, usize> {
+pub fn fans(t: &Topology) -> BTreeMap<VertexId, usize> {
     let mut fans = BTreeMap::new();
     for vertex in (0..t.vertex_count()).map(VertexId::new) {
         let corners = t.vertex_corners.row(vertex);

@@ -1,6 +1,6 @@
 //! Refinements against independent rules: counts, children of subsets, and points where no sharpness takes part.
 
-use super::{REFINED, agrees, fans};
+use super::product::{REFINED, agrees, fans};
 use glam::Vec3;
 use std::collections::BTreeSet;
 use tailor::internals::garment::{BoundaryInterpolation, Elements, Garment, Scheme};

@@ -1,6 +1,6 @@
 //! Tiny garments, one trouble each, made in code.
 
-use crate::sheets::{grid, grid_faces, mesh, tube, with_edges, with_uvs};
+use super::sheets::{grid, grid_faces, mesh, tube, with_edges, with_uvs};
 use glam::Vec3;
 use tailor::internals::garment::{BoundaryInterpolation, GarmentInput, Orientation, Scheme, Values};
 

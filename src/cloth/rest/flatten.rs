@@ -6,10 +6,7 @@
 //! multipliers (Boyd, Parikh, Chu, Peleato and Eckstein 2011). A last pass moves the ends of seam edges alone until their
 //! lengths are right (Müller, Heidelberger, Hennix and Ratcliff 2007, *Position Based Dynamics*).
 
-use faer::Mat;
-use faer::linalg::solvers::Solve as _;
-use faer::sparse::linalg::solvers::Llt;
-use faer::sparse::{SparseColMat, Triplet};
+use super::cholesky::Cholesky;
 use glam::DVec2;
 
 /// Most local and global steps.
@@ -57,8 +54,7 @@ pub fn flatten(panel: &Panel) -> Vec<DVec2> {
             let right = right_side(panel, &weights, &points, &wanted);
             let solved = system.solve(&right);
             let mut motion: f64 = 0.0;
-            for (i, point) in points.iter_mut().enumerate() {
-                let next = DVec2::new(solved[(i, 0)], solved[(i, 1)]);
+            for (point, next) in points.iter_mut().zip(solved) {
                 motion = motion.max(next.distance_squared(*point));
                 *point = next;
             }
@@ -80,22 +76,14 @@ fn cotangents(edges: &[DVec2; 3]) -> [f64; 3] {
     })
 }
 
-fn system(panel: &Panel, weights: &[[f64; 3]]) -> Option<Llt<usize, f64>> {
-    let count = panel.points.len();
-    let mut entries = Vec::with_capacity(12 * panel.triangles.len());
-    let mut spring = |i: usize, j: usize, w: f64| {
-        for (row, column, value) in [(i, i, w), (j, j, w), (i, j, -w), (j, i, -w)] {
-            entries.push(Triplet::new(row, column, value));
-        }
+fn system(panel: &Panel, weights: &[[f64; 3]]) -> Option<Cholesky> {
+    let of_triangle = |(triangle, weights): (&[usize; 3], &[f64; 3])| {
+        [0, 1, 2].map(|k| (triangle[k], triangle[(k + 1) % 3], weights[k]))
     };
-    for (triangle, weights) in panel.triangles.iter().zip(weights) {
-        (0..3).for_each(|k| spring(triangle[k], triangle[(k + 1) % 3], weights[k]));
-    }
-    panel.seams.iter().for_each(|seam| spring(seam.ends[0], seam.ends[1], SEAM_WEIGHT));
+    let sides = panel.triangles.iter().zip(weights).flat_map(of_triangle);
+    let seams = panel.seams.iter().map(|seam| (seam.ends[0], seam.ends[1], SEAM_WEIGHT));
     // One point is held, since lengths say nothing of the place.
-    entries.push(Triplet::new(0, 0, 1.0));
-    let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(count, count, &entries).ok()?;
-    matrix.sp_cholesky(faer::Side::Lower).ok()
+    Cholesky::new(&panel.points, &sides.chain(seams).collect::<Vec<_>>())
 }
 
 /// Vectors that the seam edges are drawn to. `pulls` sums what they still miss, so that in the end they miss nothing.
@@ -109,7 +97,7 @@ fn wanted_seams(panel: &Panel, points: &[DVec2], pulls: &mut [DVec2]) -> Vec<DVe
     panel.seams.iter().zip(pulls).map(wanted).collect()
 }
 
-fn right_side(panel: &Panel, weights: &[[f64; 3]], points: &[DVec2], wanted: &[DVec2]) -> Mat<f64> {
+fn right_side(panel: &Panel, weights: &[[f64; 3]], points: &[DVec2], wanted: &[DVec2]) -> Vec<DVec2> {
     let mut right = vec![DVec2::ZERO; points.len()];
     let mut spring = |i: usize, j: usize, edge: DVec2| {
         right[i] -= edge;
@@ -130,7 +118,7 @@ fn right_side(panel: &Panel, weights: &[[f64; 3]], points: &[DVec2], wanted: &[D
         spring(seam.ends[0], seam.ends[1], SEAM_WEIGHT * edge);
     }
     right[0] += panel.points[0];
-    Mat::from_fn(points.len(), 2, |i, k| if k == 0 { right[i].x } else { right[i].y })
+    right
 }
 
 /// Moves the ends of seam edges until their lengths are right.

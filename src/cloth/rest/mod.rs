@@ -8,6 +8,7 @@
 //! The idea of tailoring on flat panels is that of Edna Design, the predecessor of the pipeline of Waggoner and de Goes, *Revamping
 //! the Cloth Tailoring Pipeline at Pixar* (SIGGRAPH Talks 2022).
 
+mod cholesky;
 mod flatten;
 mod stretch;
 
