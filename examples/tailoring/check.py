@@ -273,10 +273,13 @@ def crossings(points, tris):
     p = points[tris]
     low, high = p.min(1), p.max(1)
     found = []
+    # Along x, boxes that meet begin no farther before a box than the longest box is long.
+    order = np.argsort(low[:, 0], kind="stable")
+    first = np.searchsorted(low[order, 0], low[:, 0] - (high - low)[:, 0].max())
+    last = np.searchsorted(low[order, 0], high[:, 0], "right")
     for i in range(len(tris)):
-        near = np.nonzero((low[:, 0] <= high[i, 0]) & (high[:, 0] >= low[i, 0])
-                          & (low[:, 1] <= high[i, 1]) & (high[:, 1] >= low[i, 1])
-                          & (low[:, 2] <= high[i, 2]) & (high[:, 2] >= low[i, 2]))[0]
+        near = np.sort(order[first[i]:last[i]])
+        near = near[((low[near] <= high[i]) & (high[near] >= low[i])).all(1)]
         near = near[~np.isin(tris[near], tris[i]).any(1)]
         if not len(near):
             continue

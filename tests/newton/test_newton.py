@@ -15,7 +15,7 @@ from pxr import Usd, UsdGeom, Vt  # noqa: E402
 
 wp.config.quiet = True
 ROOT = Path(__file__).resolve().parents[2]
-USDTAILOR = Path(os.environ.get("USDTAILOR", ROOT / "target/release/usdtailor"))
+USDTAILOR = Path(os.environ.get("USDTAILOR", ROOT / "target/debug/usdtailor"))
 DENSITY = {"cotton": 0.14, "denim": 0.36}
 
 

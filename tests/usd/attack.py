@@ -319,7 +319,7 @@ def main():
         return 0
     if args.plugin:
         return attack_plugin(args.runs, args.seed)
-    program = os.environ.get("USDTAILOR", str(ROOT / "target" / "release" / "usdtailor"))
+    program = os.environ.get("USDTAILOR", str(ROOT / "target" / "debug" / "usdtailor"))
     ends, failures = attack(Path(program).resolve(), args.runs, args.seed, args.keep)
     for end, count in sorted(ends.items()):
         print(f"{count:6}  {end}")

@@ -1,11 +1,14 @@
 """Fixtures of the USD tests: the program, the garments, and what the one makes of the other."""
 
+import contextlib
+import hashlib
 import os
+import shutil
 import subprocess
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -22,6 +25,10 @@ import json  # noqa: E402
 import pytest  # noqa: E402
 from mesh import find_model, read_mesh  # noqa: E402
 from pxr import Usd  # noqa: E402
+
+# Whether long tests run too: `cargo xtask test --all`.
+ALL = bool(os.environ.get("TAILOR_TEST_ALL"))
+long_test = pytest.mark.skipif(not ALL, reason="a long test: NOT run without `cargo xtask test --all`")
 
 EXAMPLES = ROOT / "examples"
 SHARED = ROOT.parent / "shared" / "garments"
@@ -88,14 +95,17 @@ class Product:
         return [f"{warning['code']}: {warning['message']}" for warning in self.report["warnings"]]
 
 
+def program():
+    name = "usdtailor.exe" if sys.platform == "win32" else "usdtailor"
+    return Path(os.environ.get("USDTAILOR", ROOT / "target" / "debug" / name))
+
+
 @pytest.fixture(scope="session")
 def usdtailor():
     """The program, as users run it."""
-    name = "usdtailor.exe" if sys.platform == "win32" else "usdtailor"
-    path = Path(os.environ.get("USDTAILOR", ROOT / "target" / "release" / name))
-    if not path.exists():
-        pytest.fail(f"no program at {path}: run `cargo xtask test build`, or set USDTAILOR", pytrace=False)
-    return path
+    if not program().exists():
+        pytest.fail(f"no program at {program()}: run `cargo xtask test build`, or set USDTAILOR", pytrace=False)
+    return program()
 
 
 def run(usdtailor, *args):
@@ -103,17 +113,23 @@ def run(usdtailor, *args):
     return subprocess.run([usdtailor, *map(str, args)], capture_output=True, text=True, check=False, timeout=600)
 
 
-def make(usdtailor, source, folder, *args, suffix=".usda", stem="built"):
-    """Builds `source` into `folder` and opens both stages; fails with the program's own words."""
-    path, report = folder / f"{stem}{suffix}", folder / f"{stem}{suffix}.json"
-    done = run(usdtailor, "build", source, "-o", path, "--report", report, *args)
+def write(usdtailor, source, path, *args):
+    """Builds `source` to `path` with a report beside it, and returns standard error; fails with the program's own words."""
+    done = run(usdtailor, "build", source, "-o", path, "--report", f"{path}.json", *args)
     assert done.returncode == 0, f"usdtailor build {source} {' '.join(map(str, args))}\nexit {done.returncode}\n{done.stderr}"
+    return done.stderr
 
-    def again(*more):
-        return make(usdtailor, source, folder, *args, *more, suffix=suffix, stem=f"{stem}_again")
 
+def opened(source, path, stderr, again):
     stages = (Usd.Stage.Open(str(source)), Usd.Stage.Open(str(path)))
-    return Product(Path(source), path, *stages, json.loads(report.read_text()), done.stderr, again)
+    return Product(Path(source), path, *stages, json.loads(Path(f"{path}.json").read_text()), stderr, again)
+
+
+def make(usdtailor, source, folder, *args, suffix=".usda", stem="built"):
+    """Builds `source` into `folder` and opens both stages."""
+    path = folder / f"{stem}{suffix}"
+    stderr = write(usdtailor, source, path, *args)
+    return opened(source, path, stderr, lambda *more: make(usdtailor, source, folder, *args, *more, suffix=suffix, stem=f"{stem}_again"))
 
 
 @pytest.fixture
@@ -126,17 +142,61 @@ def build(usdtailor, tmp_path):
     return build
 
 
-@pytest.fixture(scope="session")
-def built(usdtailor, tmp_path_factory):
-    """As `build`, for results that tests share: each combination is built once and must not be changed."""
-    cache = {}
+def digest(*parts):
+    return hashlib.sha256(b"\0".join(part if isinstance(part, bytes) else str(part).encode() for part in parts)).hexdigest()[:20]
 
-    def built(source, *args, **options):
-        key = (source, args, tuple(options.items()))
-        if key not in cache:
-            folder = tmp_path_factory.mktemp(Path(source).stem)
-            cache[key] = make(usdtailor, source, folder, *args, **options)
-        return cache[key]
+
+@cache
+def content(path):
+    """A hash of a file, or of the stages in a folder."""
+    files = [path] if path.is_file() else sorted(path.rglob("*.usd[ac]"))
+    return digest(*(part for file in files for part in (file.name, file.read_bytes())))
+
+
+def kept():
+    """Where the results of this program are, for all workers and for later runs."""
+    return program().resolve().parents[1] / "built" / content(program())
+
+
+def pytest_configure(config):
+    # Results of other programs are of no more use. Workers have an input; the process that starts them has none.
+    if not hasattr(config, "workerinput") and program().exists():
+        for folder in kept().parent.glob("*"):
+            if folder != kept():
+                shutil.rmtree(folder)
+
+
+@contextlib.contextmanager
+def only_worker(path):
+    """Makes other workers wait that would write the same result."""
+    with open(path, "w") as file:
+        if sys.platform != "win32":
+            import fcntl
+
+            fcntl.flock(file, fcntl.LOCK_EX)
+        yield
+
+
+@pytest.fixture(scope="session")
+def built(usdtailor):
+    """As `build`, for results of the garments here that tests share: each combination is built once and must not be changed."""
+    products = {}
+
+    def made(source, args, suffix):
+        folder = kept() / digest(source, content(Path(source).parent), suffix, *args)
+        path, words = folder / f"built{suffix}", folder / "stderr.txt"
+        folder.mkdir(parents=True, exist_ok=True)
+        with only_worker(folder / "lock"):
+            # Written last, so that an interrupted build is repeated.
+            if not words.exists():
+                words.write_text(write(usdtailor, source, path, *args))
+        return opened(source, path, words.read_text(), lambda *more: built(source, *args, *more, suffix=suffix))
+
+    def built(source, *args, suffix=".usda"):
+        key = (source, args, suffix)
+        if key not in products:
+            products[key] = made(*key)
+        return products[key]
 
     return built
 

@@ -30,7 +30,7 @@ def sim_points(path):
     return numpy.array(UsdGeom.Mesh(stage.GetPrimAtPath("/Coat/sim")).GetPointsAttr().Get())
 
 
-def started_write(usdtailor, folder, *args, before=None, quads=40):
+def started_write(usdtailor, folder, *args, before=None, quads=20):
     """Starts a build and waits until a temporary file is there."""
     source = write(folder / "in.usda", shape=lambda: sheet(quads, quads))
     process = subprocess.Popen([usdtailor, "build", source, *LARGE, *args], stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL, preexec_fn=before)
@@ -53,7 +53,7 @@ def test_a_signal_leaves_no_temporary_file(usdtailor, tmp_path, name):
 
 
 def test_an_ignored_signal_stays_ignored(usdtailor, tmp_path):
-    process = started_write(usdtailor, tmp_path, "-o", tmp_path / "out.usda", "--flatten", before=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN), quads=24)
+    process = started_write(usdtailor, tmp_path, "-o", tmp_path / "out.usda", "--flatten", before=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN), quads=12)
     process.send_signal(signal.SIGHUP)
     assert process.wait(300) == 0
     assert meshes(tmp_path / "out.usda") == ["model", "render", "sim"]

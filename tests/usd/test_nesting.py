@@ -4,7 +4,7 @@ import re
 import time
 
 import pytest
-from conftest import run
+from conftest import long_test, run
 from pxr import Sdf
 from runs import good, mounted, refused
 from sources import write
@@ -47,6 +47,7 @@ def test_many_levels_of_a_crate_are_refused(usdtailor, tmp_path):
     refused(usdtailor, "check", tmp_path / "deep.usdc", says=["prims at more than 256 levels"], seconds=60)
 
 
+@long_test
 def test_prims_that_references_multiply_are_refused(usdtailor, tmp_path):
     write(tmp_path / "in.usda")
     text = 'def "L0" (references = @./in.usda@</Coat>)\n{\n}\n'
