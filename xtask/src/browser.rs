@@ -2,88 +2,114 @@
 //! installs, or that a package of npm carries.
 
 use std::env;
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use crate::apt;
+use crate::cargo::Profile;
 use crate::node;
+use crate::page::replace;
 use crate::process::{self, Failure, Outcome};
 use crate::project::Project;
+use crate::test::Run;
 
 const TESTS: &str = "tests/page";
 const NAMES: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "chrome"];
 /// Carries a headless Chromium for Linux.
 const CARRIER: &str = "@sparticuz/chromium@153.0.0";
 
-/// Runs the tests with the release binary.
-pub fn test(project: &Project, extra: &[String]) -> Outcome {
-    let mut command = node_with_browser(project)?;
-    command.args(["--test", "--test-concurrency=1", "--test-timeout=180000"]).args(extra);
+/// Tests that run with `--all` alone.
+const LONG: [&str; 6] =
+    ["haste.test.mjs", "keyboard.test.mjs", "order.test.mjs", "tabs.test.mjs", "variants.test.mjs", "views.test.mjs"];
+
+/// Runs the tests.
+pub fn test(run: &Run<'_>) -> Outcome {
+    let mut command = node_with_browser(run.project, Profile::Tested)?;
+    command.args(["--test", "--test-concurrency=1", "--test-timeout=180000"]).args(run.extra);
+    // Files that are named after -- replace these.
+    if !run.extra.iter().any(|word| word.ends_with(".mjs")) {
+        command.args(files(run.project, run.all)?);
+    }
     process::run(&mut command)
+}
+
+/// The names of the test files.
+fn files(project: &Project, all: bool) -> Outcome<Vec<String>> {
+    let mut names = entries(&project.root.join(TESTS))?;
+    names.retain(|name| name.ends_with(".test.mjs") && (all || !LONG.contains(&name.as_str())));
+    Ok(names)
+}
+
+/// Installs what the tests need.
+pub fn prepare(project: &Project) -> Outcome {
+    node_with_browser(project, Profile::Tested).map(drop)
 }
 
 /// Draws the pictures of `docs/preview`.
 pub fn pictures(project: &Project) -> Outcome {
-    let mut command = node_with_browser(project)?;
+    let mut command = node_with_browser(project, Profile::Release)?;
     process::run(command.arg("pictures.mjs").arg(project.root.join("docs/preview")))
 }
 
 /// Prints times of edits and the memory of the server. Any argument leaves the memory out.
 pub fn figures(project: &Project, args: &[String]) -> Outcome {
-    process::run(node_with_browser(project)?.arg("figures.mjs").args(args))
+    process::run(node_with_browser(project, Profile::Release)?.arg("figures.mjs").args(args))
 }
 
 /// Node.js in a copy of the tests, with what they need.
-fn node_with_browser(project: &Project) -> Outcome<Command> {
+fn node_with_browser(project: &Project, profile: Profile) -> Outcome<Command> {
     let tests = project.target.join("page-tests");
-    crate::page::replace(&project.root.join(TESTS), &tests)?;
+    renew(&project.root.join(TESTS), &tests)?;
     node::install(project, &tests)?;
     let mut command = node::command(project, "node", &tests)?;
-    command.env("USDTAILOR", project.binary());
+    command.env("USDTAILOR", profile.program(project));
     command.env("USDTAILOR_ROOT", &project.root);
     command.env("CHROMIUM", chromium(project)?);
     Ok(command)
+}
+
+/// Replaces all that a copy of a folder holds, but the packages that npm has installed there.
+fn renew(from: &Path, to: &Path) -> Outcome {
+    let fault = |error| Failure::new(format!("cannot write {}: {error}", to.display()));
+    fs::create_dir_all(to).map_err(fault)?;
+    for name in entries(to)?.into_iter().filter(|name| name != "node_modules") {
+        let old = to.join(name);
+        if old.is_dir() { fs::remove_dir_all(old) } else { fs::remove_file(old) }.map_err(fault)?;
+    }
+    entries(from)?.iter().try_for_each(|name| replace(&from.join(name), &to.join(name)))
+}
+
+/// The names in a folder, in order.
+fn entries(folder: &Path) -> Outcome<Vec<String>> {
+    let fault = |error| Failure::new(format!("cannot read {}: {error}", folder.display()));
+    let mut names = Vec::new();
+    for entry in fs::read_dir(folder).map_err(fault)? {
+        names.push(entry.map_err(fault)?.file_name().to_string_lossy().into_owned());
+    }
+    names.sort();
+    Ok(names)
 }
 
 fn chromium(project: &Project) -> Outcome<PathBuf> {
     if let Some(named) = env::var_os("CHROMIUM") {
         return Ok(named.into());
     }
-    if let Some(found) = on_path() {
+    if let Some(found) = apt::on_path(&NAMES) {
         return Ok(found);
     }
-    if install_by_apt()
-        && let Some(found) = on_path()
+    if apt::install(project, "chromium")
+        && let Some(found) = apt::on_path(&NAMES)
     {
         return Ok(found);
     }
     carried(project).map_err(|failure| failure.hint("install Chromium, or name one in CHROMIUM"))
 }
 
-fn on_path() -> Option<PathBuf> {
-    let folders: Vec<PathBuf> = env::split_paths(&env::var_os("PATH")?).collect();
-    NAMES.iter().flat_map(|name| folders.iter().map(move |folder| folder.join(name))).find(|path| path.is_file())
-}
-
-/// True if Debian's package manager is here, may be used, and has installed Chromium.
-fn install_by_apt() -> bool {
-    let is_root = Command::new("id").arg("-u").output().is_ok_and(|output| output.stdout.trim_ascii() == b"0");
-    let runs = |arguments: &[&str]| {
-        let mut command = Command::new("apt-get");
-        command.args(arguments).env("DEBIAN_FRONTEND", "noninteractive");
-        process::run_quietly(&mut command).is_ok()
-    };
-    if !is_root {
-        return false;
-    }
-    eprintln!("installing chromium");
-    let arguments = ["install", "--yes", "--no-install-recommends", "chromium"];
-    runs(&arguments) || (runs(&["update"]) && runs(&arguments))
-}
-
 /// The Chromium of a package of npm, unpacked below the target folder.
 fn carried(project: &Project) -> Outcome<PathBuf> {
     let folder = project.target.join("chromium");
-    std::fs::create_dir_all(&folder)
+    fs::create_dir_all(&folder)
         .map_err(|error| Failure::new(format!("cannot create {}: {error}", folder.display())))?;
     let install = ["install", "--no-audit", "--no-fund", "--no-save", CARRIER];
     process::run_quietly(node::command(project, "npm", &folder)?.args(install))?;

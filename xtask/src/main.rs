@@ -1,7 +1,9 @@
 //! Development tasks, run as `cargo xtask <task>`. Building and using `usdtailor` needs none of them.
 
 mod api;
+mod apt;
 mod browser;
+mod cargo;
 mod golden;
 mod links;
 mod node;
@@ -11,15 +13,18 @@ mod peers;
 mod plugin;
 mod process;
 mod project;
+mod python;
 mod recipe;
 mod schemas;
 mod site;
-mod steps;
+mod speed;
+mod test;
 mod text;
 mod venv;
 
 use std::process::ExitCode;
 
+use cargo::Profile;
 use process::{Failure, Outcome};
 use project::Project;
 
@@ -29,12 +34,14 @@ Tasks of this project.
 Usage: cargo xtask <TASK>
 
 Tasks:
-  test [STEP...] [-- ARGS...]  Run the named steps and their prerequisites, or all steps (see below)
+  test [OPTIONS] [STEP...] [-- ARGS...]
+                               Run the named steps and their prerequisites, or all steps (see below)
   schemas [--check]            Write schemas/generatedSchema.usda and plugInfo.json from schema.usda;
                                with --check, fail if they differ instead
   page                         Bundle the page of `usdtailor preview`, which the next build of the program embeds
   api                          Write docs/api.txt, the public API that the step `docs` compares
   recipe                       Write the tables of docs/recipe.md, which the step `site` compares
+  speed                        Count the instructions of two builds, which the step `speed` compares
   site                         Check the documents, and draw them as a site in target/site
   examples [ARGS...]           Write the garments in examples/ (examples/make_garments.py)
   picture                      Draw examples/coat.usda and examples/sewn/coat.usda to examples/*.png, and the preview to
@@ -49,6 +56,11 @@ Tasks:
 
 Options:
   -h, --help                   Print this help
+
+Options of test:
+  --all                        Run the long tests too: all wheels of usd-core, long attacks and fuzz replays, all files of
+                               browser tests, clippy on the benches
+  --alone                      Run the named steps without their prerequisites
 
 Options of plugin:
   --python PYTHON              Build for the usd-core wheel of this interpreter [default: that of target/venv]
@@ -80,30 +92,31 @@ fn run(args: &[String]) -> Outcome {
         None => return Err(Failure::new("no task given").hint("cargo xtask --help lists them")),
     };
     if matches!(task, "-h" | "--help" | "help") || rest.first().is_some_and(|arg| arg == "-h" || arg == "--help") {
-        print!("{HELP}\n{}", steps::help());
+        print!("{HELP}\n{}", test::help());
         return Ok(());
     }
     let project = Project::find()?;
     match task {
-        "test" => steps::test(&project, rest),
+        "test" => test::test(&project, rest),
         "schemas" => match rest {
             [] => schemas::write(&project),
             [flag] if flag == "--check" => schemas::check(&project),
             _ => Err(unexpected(task, rest)),
         },
-        "api" if rest.is_empty() => steps::docs(&project).and_then(|()| api::write(&project)),
-        "recipe" if rest.is_empty() => built(&project).and_then(|()| recipe::write(&project)),
-        "site" if rest.is_empty() => built(&project).and_then(|()| site::build(&project)),
+        "api" if rest.is_empty() => cargo::docs(&project, false).and_then(|()| api::write(&project)),
+        "recipe" if rest.is_empty() => built(&project, Profile::Tested).and_then(|()| recipe::write(&project)),
+        "site" if rest.is_empty() => built(&project, Profile::Tested).and_then(|()| site::build(&project)),
+        "speed" if rest.is_empty() => built(&project, Profile::Tested).and_then(|()| speed::write(&project)),
         "examples" => examples(&project, rest),
         "page" if rest.is_empty() => page::build(&project),
-        "preview-bench" => built(&project).and_then(|()| browser::figures(&project, rest)),
+        "preview-bench" => built(&project, Profile::Release).and_then(|()| browser::figures(&project, rest)),
         "picture" if rest.is_empty() => picture(&project),
         "plugin" => plugin::run(&project, rest),
         "wheel" => package::run(&project, rest),
         "golden" => golden::run(&project, rest),
         "venv" if rest.is_empty() => venv::ensure(&project).map(|_| ()),
         "peers" if rest.is_empty() => peers::run(&project),
-        "api" | "page" | "picture" | "peers" | "recipe" | "site" | "venv" => Err(unexpected(task, rest)),
+        "api" | "page" | "picture" | "peers" | "recipe" | "site" | "speed" | "venv" => Err(unexpected(task, rest)),
         _ => Err(Failure::new(format!("no task `{task}`")).hint("cargo xtask --help lists them")),
     }
 }
@@ -112,9 +125,9 @@ fn unexpected(task: &str, args: &[String]) -> Failure {
     Failure::new(format!("`{task}` does not take `{}`", args.join(" "))).hint("cargo xtask --help lists the tasks")
 }
 
-/// Builds the release binary with its page.
-fn built(project: &Project) -> Outcome {
-    page::build(project).and_then(|()| steps::build(project))
+/// Builds the program with its page.
+fn built(project: &Project, profile: Profile) -> Outcome {
+    page::build(project).and_then(|()| cargo::build(project, profile))
 }
 
 fn examples(project: &Project, args: &[String]) -> Outcome {
@@ -122,14 +135,14 @@ fn examples(project: &Project, args: &[String]) -> Outcome {
     process::run(project.command(python).arg("examples/make_garments.py").args(args))
 }
 
-/// Draws the pictures in `examples/` from stages that the release binary builds.
+/// Draws the pictures in `examples/` from stages that the program builds.
 fn picture(project: &Project) -> Outcome {
     let python = venv::ensure(project)?;
-    built(project)?;
+    built(project, Profile::Release)?;
     let folder = project.scratch("picture")?;
     let output_of = |source: &str, name: &str, options: &[&str]| {
         let path = folder.join(name);
-        let mut command = project.command(project.binary());
+        let mut command = project.command(Profile::Release.program(project));
         process::run(command.args(["build", source, "-o"]).arg(&path).args(options)).map(|()| path)
     };
     let coat = output_of("examples/coat.usda", "coat.usda", &[])?;

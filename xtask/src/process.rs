@@ -1,6 +1,8 @@
 //! Runs other programs and reports their failures.
 
 use std::fmt;
+use std::io::{self, Read};
+use std::path::PathBuf;
 use std::process::Command;
 
 /// The result of a task.
@@ -55,6 +57,28 @@ pub fn run_quietly(command: &mut Command) -> Outcome {
     let printed = [output.stdout, output.stderr].concat();
     let printed = String::from_utf8_lossy(&printed);
     Err(Failure::new(format!("`{}` ended with {}\n{}", shown(command), output.status, printed.trim_end())))
+}
+
+/// Runs a program, and returns how it ended with all that it printed, in order.
+pub fn run_and_keep(command: &mut Command) -> Outcome<(Outcome, String)> {
+    let fault = |error: &io::Error| Failure::new(format!("cannot read the output of a program: {error}"));
+    let (mut reader, writer) = io::pipe().map_err(|error| fault(&error))?;
+    let second = writer.try_clone().map_err(|error| fault(&error))?;
+    let spawned = command.stdout(writer).stderr(second).spawn();
+    let mut child = spawned.map_err(|error| cannot_start(command, &error))?;
+    // The command holds the writing end, and reading ends when all of those are closed.
+    command.stdout(std::process::Stdio::null()).stderr(std::process::Stdio::null());
+    let mut printed = Vec::new();
+    reader.read_to_end(&mut printed).map_err(|error| fault(&error))?;
+    let status = child.wait().map_err(|error| cannot_start(command, &error))?;
+    let outcome =
+        if status.success() { Ok(()) } else { Err(Failure::new(format!("`{}` ended with {status}", shown(command)))) };
+    Ok((outcome, String::from_utf8_lossy(&printed).into_owned()))
+}
+
+/// The path of the running program.
+pub fn this_program() -> Outcome<PathBuf> {
+    std::env::current_exe().map_err(|error| Failure::new(format!("cannot find the path of this program: {error}")))
 }
 
 fn cannot_start(command: &Command, error: &std::io::Error) -> Failure {

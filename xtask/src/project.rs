@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::process::{Failure, Outcome};
+use crate::process::{Failure, Outcome, this_program};
 
 /// The folders of this checkout.
 pub struct Project {
@@ -18,16 +18,10 @@ pub struct Project {
 impl Project {
     pub fn find() -> Outcome<Self> {
         // This program is <target>/<profile>/xtask.
-        let program = std::env::current_exe()
-            .map_err(|error| Failure::new(format!("cannot find the path of this program: {error}")))?;
+        let program = this_program()?;
         let target = program.ancestors().nth(2).unwrap_or(Path::new("target")).to_path_buf();
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new(".")).to_path_buf();
         Ok(Self { root, target })
-    }
-
-    /// The path of the release binary.
-    pub fn binary(&self) -> PathBuf {
-        self.target.join("release").join(format!("usdtailor{}", std::env::consts::EXE_SUFFIX))
     }
 
     /// A command that runs in the workspace's root.

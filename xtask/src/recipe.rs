@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::fs;
 
+use crate::cargo::Profile;
 use crate::process::{Failure, Outcome};
 use crate::project::Project;
 use crate::text::first_difference;
@@ -26,7 +27,7 @@ struct Row {
     unit: String,
 }
 
-/// Writes the tables into [`FILE`]. The release binary is built already.
+/// Writes the tables into [`FILE`]. The program of tests is built already.
 pub fn write(project: &Project) -> Outcome {
     let page = filled(&project.read(FILE)?, &rows(project)?)?;
     let path = project.root.join(FILE);
@@ -35,7 +36,7 @@ pub fn write(project: &Project) -> Outcome {
     Ok(())
 }
 
-/// Compares the tables of [`FILE`] with the help of the release binary.
+/// Compares the tables of [`FILE`] with the help of the program of tests.
 pub fn check(project: &Project) -> Outcome {
     let page = project.read(FILE)?;
     match first_difference(&page, &filled(&page, &rows(project)?)?) {
@@ -46,11 +47,12 @@ pub fn check(project: &Project) -> Outcome {
 }
 
 fn rows(project: &Project) -> Outcome<Vec<Row>> {
+    let program = Profile::Tested.program(project);
     let output = project
-        .command(project.binary())
+        .command(&program)
         .args(["help", "build"])
         .output()
-        .map_err(|error| Failure::new(format!("cannot run {}: {error}", project.binary().display())))?;
+        .map_err(|error| Failure::new(format!("cannot run {}: {error}", program.display())))?;
     let rows = parsed(&String::from_utf8_lossy(&output.stdout));
     if rows.is_empty() { Err(Failure::new("`usdtailor help build` lists no options")) } else { Ok(rows) }
 }

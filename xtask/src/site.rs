@@ -4,6 +4,11 @@ use crate::process::{self, Outcome};
 use crate::project::Project;
 use crate::{links, recipe, venv};
 
+/// Makes the environment of [`build`].
+pub fn prepare(project: &Project) -> Outcome {
+    venv::ensure_site(project).map(drop)
+}
+
 /// Checks tables and links of the documents, and draws them in `target/site`. A warning of MkDocs is a failure.
 pub fn build(project: &Project) -> Outcome {
     recipe::check(project)?;

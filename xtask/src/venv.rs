@@ -1,8 +1,9 @@
 //! Creates the Python environments of the tests: `target/venv` with usd-core, numpy and pytest, and one per older
-//! wheel.
+//! wheel. One environment has pip and installs into all others, as making pip itself takes longer than most installations.
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use crate::process::{self, Failure, Outcome};
 use crate::project::Project;
@@ -11,6 +12,7 @@ const REQUIREMENTS: &str = "tests/usd/requirements.txt";
 const SITE: &str = "xtask/site/requirements.txt";
 const PACKAGING: &str = "python/requirements.txt";
 const NEWTON: &str = "tests/newton/requirements.txt";
+const PACKAGE: &str = "tests/wheel/requirements.txt";
 
 /// Creates `target/venv`, or recreates it if its requirements have changed, and returns its interpreter.
 pub fn ensure(project: &Project) -> Outcome<PathBuf> {
@@ -30,19 +32,27 @@ pub fn ensure_site(project: &Project) -> Outcome<PathBuf> {
     ensure_with(project, "venv-site", &wanted, &["--requirement", SITE])
 }
 
-/// Like [`ensure`], for the programs that make the Python package.
-pub fn ensure_packaging(project: &Project) -> Outcome<PathBuf> {
+/// Like [`ensure`], for the programs that make the Python package: all of them, or that which packs it.
+pub fn ensure_packaging(project: &Project, links: bool) -> Outcome<PathBuf> {
     let wanted = project.read(PACKAGING)?;
-    ensure_with(project, "venv-packaging", &wanted, &["--requirement", PACKAGING])
+    if links {
+        return ensure_with(project, "venv-packaging", &wanted, &["--requirement", PACKAGING]);
+    }
+    let packer = wanted.lines().find(|line| line.starts_with("hatchling"));
+    let packer = packer.ok_or_else(|| Failure::new(format!("{PACKAGING} names no hatchling")))?;
+    ensure_package(project, "venv-packing", packer)
 }
 
-/// A new environment with the Python package, and what its tests need.
+/// Like [`ensure`], for the tests of the Python package.
+pub fn ensure_package_tests(project: &Project) -> Outcome<PathBuf> {
+    let wanted = project.read(PACKAGE)?;
+    ensure_with(project, "venv-package", &wanted, &["--requirement", PACKAGE])
+}
+
+/// The environment of [`ensure_package_tests`], with the Python package.
 pub fn with_package(project: &Project, wheel: &Path) -> Outcome<PathBuf> {
-    let folder = project.target.join("venv-package");
-    create(project, &folder)?;
-    let python = interpreter(&folder);
-    let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--requirement", REQUIREMENTS];
-    process::run(project.command(&python).args(pip).arg(wheel))?;
+    let python = ensure_package_tests(project)?;
+    process::run(pip(project, &python)?.args(["--no-index", "--no-deps", "--force-reinstall"]).arg(wheel))?;
     Ok(python)
 }
 
@@ -64,16 +74,29 @@ fn ensure_with(project: &Project, name: &str, wanted: &str, what: &[&str]) -> Ou
     if python.exists() && fs::read_to_string(&installed).is_ok_and(|text| text == wanted) {
         return Ok(python);
     }
-    create(project, &folder)?;
+    create(project, &folder, &["--without-pip"])?;
     eprintln!("installing {}", what.last().unwrap_or(&name));
-    let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
-    process::run(project.command(&python).args(pip).args(what))?;
+    process::run(pip(project, &python)?.args(what))?;
     fs::write(&installed, wanted)
         .map_err(|error| Failure::new(format!("cannot write {}: {error}", installed.display())))?;
     Ok(python)
 }
 
-fn create(project: &Project, folder: &Path) -> Outcome {
+/// A command that installs into the environment of an interpreter.
+fn pip(project: &Project, python: &Path) -> Outcome<Command> {
+    let folder = project.target.join("venv-pip");
+    let own = interpreter(&folder);
+    // Made last of that environment.
+    if !folder.join("bin/pip").exists() && !folder.join("Scripts/pip.exe").exists() {
+        create(project, &folder, &[])?;
+    }
+    let mut command = project.command(own);
+    command.args(["-m", "pip", "--python"]).arg(python);
+    command.args(["install", "--quiet", "--disable-pip-version-check"]);
+    Ok(command)
+}
+
+fn create(project: &Project, folder: &Path, options: &[&str]) -> Outcome {
     if folder.is_symlink() {
         return Err(
             Failure::new(format!("{} is a link, and would be emptied", folder.display())).hint("remove the link")
@@ -81,7 +104,7 @@ fn create(project: &Project, folder: &Path) -> Outcome {
     }
     let base = std::env::var("PYTHON").unwrap_or_else(|_| "python3".into());
     eprintln!("creating {}", folder.display());
-    process::run(project.command(base).args(["-m", "venv", "--clear"]).arg(folder)).map_err(|failure| {
+    process::run(project.command(base).args(["-m", "venv", "--clear"]).args(options).arg(folder)).map_err(|failure| {
         failure.hint("install Python 3.10 or later with its venv module (Debian and Ubuntu: apt install python3-venv), or name an interpreter in PYTHON")
     })
 }

@@ -15,13 +15,15 @@ mod native;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::cargo::{self, Profile};
 use crate::links;
 use crate::page;
 use crate::plugin;
 use crate::process::{self, Failure, Outcome};
 use crate::project::Project;
-use crate::steps;
+use crate::test::Run;
 use crate::venv;
+use native::System;
 
 /// The versions of usd-core that a released package has plugins for.
 const RELEASES: [&str; 9] = ["24.8", "24.11", "25.2.post1", "25.5.1", "25.8", "25.11", "26.3", "26.5", "26.8"];
@@ -45,46 +47,55 @@ pub fn run(project: &Project, args: &[String]) -> Outcome {
         _ => return Err(Failure::new("`wheel` takes only --tested").hint("cargo xtask --help")),
     };
     page::build(project)?;
-    let wheel = make(project, versions)?;
+    let wheel = make(project, Profile::Release, System::Oldest, versions)?;
     eprintln!("built {}", wheel.display());
     Ok(())
 }
 
 /// The test step `package`: makes the package, installs it in an environment that has nothing else of this project, and runs its
 /// tests and the README's tutorial there.
-pub fn test(project: &Project, extra: &[String]) -> Outcome {
+pub fn test(run: &Run<'_>) -> Outcome {
+    let project = run.project;
     if !cfg!(all(target_os = "linux", target_arch = "x86_64")) {
         eprintln!("SKIPPED: the Python package is NOT tested: it is made on x86-64 Linux only");
         return Ok(());
     }
-    let wheel = make(project, &plugin::OLDER)?;
+    let wheel = make(project, Profile::Tested, System::of_test(run.all), plugin::older(run.all))?;
     let python = venv::with_package(project, &wheel)?;
     let mut command = project.command(&python);
     command.args(["-m", "pytest", "tests/wheel", "tests/usd/test_readme.py", "-q", "-rs", "-p", "no:cacheprovider"]);
     command.env("USDTAILOR_WHEEL", &wheel).env("USDTAILOR_PLUGINS", plugin::tested(project)?);
-    command.env("USDTAILOR", python.with_file_name("usdtailor")).args(extra);
+    command.env("USDTAILOR", python.with_file_name("usdtailor")).args(run.extra);
     process::run(&mut command)
 }
 
+/// Makes the environments of the step `package`.
+pub fn prepare(run: &Run<'_>) -> Outcome {
+    venv::ensure_packaging(run.project, System::of_test(run.all) == System::Oldest)?;
+    venv::ensure_package_tests(run.project).map(drop)
+}
+
 /// Makes the package for some versions of usd-core, besides that of `target/venv`.
-fn make(project: &Project, versions: &[&str]) -> Outcome<PathBuf> {
+fn make(project: &Project, profile: Profile, system: System, versions: &[&str]) -> Outcome<PathBuf> {
     let platform = PLATFORM.ok_or_else(|| {
         Failure::new("the package is made on x86-64 Linux and Windows and on arm64 macOS only")
             .hint("build the command from source: cargo usdtailor --help")
     })?;
-    let tools = venv::ensure_packaging(project)?;
+    let tools = venv::ensure_packaging(project, system == System::Oldest)?;
     let staged = stage(project)?;
     let package = staged.join("usd_tailor");
     if cfg!(target_os = "linux") {
-        let linker = native::linker(project, &tools)?;
-        let core = native::core(project, &linker, &package.join("_native"))?;
+        let linker = native::linker(project, system, &tools)?;
+        let core = native::core(project, profile, &linker, &package.join("_native"))?;
         for python in pythons(project, versions)? {
             plugin::build_for_package(project, &python, &core, &linker, &package.join("plugin"))?;
         }
-        native::check_floor(&package)?;
+        if system == System::Oldest {
+            native::check_floor(&package)?;
+        }
     } else {
-        steps::build(project)?;
-        let program = project.binary();
+        cargo::build(project, profile)?;
+        let program = profile.program(project);
         page::replace(&program, &package.join("_native").join(program.file_name().unwrap_or_default()))?;
     }
     pack(project, &tools, &staged, platform)

@@ -1,15 +1,15 @@
 //! The native files of the package that do not depend on a version of OpenUSD: the core and the launcher.
 //!
-//! Zig links them, for the oldest glibc of the package's platform. The Rust code is that of the release build.
+//! Zig links them for the oldest glibc of the package's platform. The Rust code is compiled once for them and the program.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use crate::cargo::{self, Profile};
 use crate::plugin::elf::Elf;
 use crate::process::{self, Failure, Outcome};
 use crate::project::Project;
-use crate::steps;
 
 const CORE: &str = "libusdtailor_core.so";
 const TARGET: &str = "x86_64-linux-gnu.2.28";
@@ -18,28 +18,19 @@ const TARGET: &str = "x86_64-linux-gnu.2.28";
 const FLOOR: [(&str, [u32; 3]); 3] = [("GLIBC_", [2, 28, 0]), ("GLIBCXX_", [3, 4, 24]), ("CXXABI_", [1, 3, 11])];
 
 /// Builds the core and its launcher into a folder, and returns the path of the core.
-pub fn core(project: &Project, linker: &Path, folder: &Path) -> Outcome<PathBuf> {
+pub fn core(project: &Project, profile: Profile, linker: &Path, folder: &Path) -> Outcome<PathBuf> {
     fs::create_dir_all(folder).map_err(|error| Failure::new(format!("cannot create {}: {error}", folder.display())))?;
     let no_streams = linker.with_file_name("no_streams.o");
     let mut compiler: Command = project.command(linker);
     process::run_quietly(compiler.args(["-c", "-fPIC", "usd_plugin/no_streams.c", "-o"]).arg(&no_streams))?;
-    let mut cargo = steps::cargo(project, "rustc");
-    cargo.args([
-        "--release",
-        "--package",
-        "tailor-usd-plugin",
-        "--lib",
-        "--crate-type",
-        "cdylib",
-        "--features",
-        "core",
-        "--",
-    ]);
+    let mut cargo = cargo::cargo(project, "rustc");
+    cargo.args(["--package", "tailor-usd-plugin", "--lib", "--crate-type", "cdylib", "--features", "core"]);
+    cargo.args(profile.flags()).arg("--");
     cargo.arg("-C").arg(format!("linker={}", linker.display()));
     cargo.arg("-C").arg(format!("link-arg={}", no_streams.display()));
     process::run(cargo.args(["-C", "strip=symbols", "-C", &format!("link-arg=-Wl,-soname,{CORE}")]))?;
     let core = folder.join(CORE);
-    let built = project.target.join("release/libtailor_usd_plugin.so");
+    let built = profile.built(project, "libtailor_usd_plugin.so");
     fs::copy(&built, &core).map_err(|error| Failure::new(format!("cannot copy {}: {error}", built.display())))?;
 
     let mut compiler = project.command(linker);
@@ -49,15 +40,36 @@ pub fn core(project: &Project, linker: &Path, folder: &Path) -> Outcome<PathBuf>
     Ok(core)
 }
 
-/// A script that compiles and links for the oldest glibc. Rust's `-C linker` takes one path and no arguments.
-pub fn linker(project: &Project, tools: &Path) -> Outcome<PathBuf> {
-    let folder = project.scratch("zig")?;
+/// The system that the files of a package are linked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum System {
+    /// This one, in a tenth of the time: for tests.
+    This,
+    /// The oldest of the package's platform.
+    Oldest,
+}
+
+impl System {
+    /// That of the test step, with all tests or without.
+    pub fn of_test(all: bool) -> Self {
+        if all { Self::Oldest } else { Self::This }
+    }
+}
+
+/// A script that compiles and links. Rust's `-C linker` takes one path and no arguments.
+pub fn linker(project: &Project, system: System, tools: &Path) -> Outcome<PathBuf> {
+    let folder = project.scratch("linker")?;
     let script = folder.join("cc");
     let zigbuild = tools.with_file_name("cargo-zigbuild");
-    let (python, zigbuild) = (tools.display(), zigbuild.display());
-    let text = format!(
-        "#!/bin/sh\nCARGO_ZIGBUILD_PYTHON_PATH='{python}' exec '{zigbuild}' zig cc -- -target {TARGET} \"$@\"\n"
-    );
+    let command = match system {
+        System::This => "exec cc".to_owned(),
+        System::Oldest => format!(
+            "CARGO_ZIGBUILD_PYTHON_PATH='{}' exec '{}' zig cc -- -target {TARGET}",
+            tools.display(),
+            zigbuild.display()
+        ),
+    };
+    let text = format!("#!/bin/sh\n{command} \"$@\"\n");
     let write = || {
         fs::write(&script, text)?;
         #[cfg(unix)]

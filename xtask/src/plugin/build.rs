@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use super::wheel::{Traits, Wheel, numbers};
+use crate::cargo::{self, Profile};
 use crate::process::{self, Failure, Outcome};
 use crate::project::Project;
-use crate::steps;
 
 /// The library's file name in cargo's target folder.
 const BUILT: &str = "libtailor_usd_plugin.so";
@@ -81,18 +81,18 @@ fn header(wheel: &Wheel, traits: &Traits) -> String {
 }
 
 /// Builds the library and returns its path.
-pub fn compile(project: &Project, target: &Target) -> Outcome<PathBuf> {
+pub fn compile(project: &Project, profile: Profile, target: &Target) -> Outcome<PathBuf> {
     let settings = target.folder.join("build.txt");
     write(&settings, &settings_text(target))?;
-    let mut cargo = steps::cargo(project, "build");
-    cargo.args(["--release", "--lib"]).args(steps::SHIPPED).env("USDTAILOR_PLUGIN_BUILD", &settings);
+    let mut cargo = cargo::cargo(project, "build");
+    cargo.args(profile.flags()).arg("--lib").args(cargo::SHIPPED).env("USDTAILOR_PLUGIN_BUILD", &settings);
     if !target.cxx11_abi {
         // The crate `cxx` compiles C++ too. The default ABI needs no flag, so those builds share its objects.
         let flags = std::env::var("CXXFLAGS").unwrap_or_default();
         cargo.env("CXXFLAGS", format!("{flags} {}", target.abi_flag()).trim());
     }
     process::run(&mut cargo).map_err(|failure| failure.hint(format!("the plugin was built for {}", target.name)))?;
-    Ok(project.target.join("release").join(BUILT))
+    Ok(profile.built(project, BUILT))
 }
 
 /// Compiles only the C++ of the plugin, against the `core` that has the Rust code, and returns its path.

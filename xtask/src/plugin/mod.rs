@@ -17,13 +17,14 @@ mod wheel;
 
 use std::path::{Path, PathBuf};
 
+use crate::cargo::Profile;
 use crate::process::{self, Failure, Outcome};
 use crate::project::Project;
 use crate::venv;
 use build::Target;
 use wheel::Wheel;
 
-pub use tested::{OLDER, build_tested, tested};
+pub use tested::{OLDER, OLDEST, build_tested, older, tested};
 
 /// The options of the command line.
 #[derive(Debug, Default, PartialEq)]
@@ -52,7 +53,7 @@ fn make(project: &Project, options: &Options) -> Outcome {
     let sdk = options.sdk.clone().or_else(|| sdk::from_environment().filter(|_| options.python.is_none()));
     match sdk {
         Some(root) => build_for_sdk(project, &root, &out)?,
-        None => drop(build_for_wheel(project, &options.python(project)?, &out)?),
+        None => drop(build_for_wheel(project, Profile::Release, &options.python(project)?, &out)?),
     }
     eprintln!("built {}\nto use it: export PXR_PLUGINPATH_NAME={0}", out.display());
     Ok(())
@@ -65,16 +66,16 @@ fn build_for_sdk(project: &Project, root: &Path, out: &Path) -> Outcome {
         );
     }
     let target = Target::of_sdk(project, root)?;
-    let library = build::compile(project, &target)?;
+    let library = build::compile(project, Profile::Release, &target)?;
     build::assemble(project, &library, out)
 }
 
 /// Builds for the wheel of an interpreter and returns the wheel's version.
-fn build_for_wheel(project: &Project, python: &Path, out: &Path) -> Outcome<String> {
+fn build_for_wheel(project: &Project, profile: Profile, python: &Path, out: &Path) -> Outcome<String> {
     let wheel = Wheel::find(project, python)?;
     let target = Target::of_wheel(project, &wheel)?;
     verify::headers(project, &wheel, &target, &[])?;
-    let library = build::compile(project, &target)?;
+    let library = build::compile(project, profile, &target)?;
     verify::library(&wheel, &library)?;
     let trial = target.folder.join("trial");
     build::assemble(project, &library, &trial)?;

@@ -1,0 +1,103 @@
+//! What cargo does: builds, checks and tests of the Rust code.
+
+use std::path::PathBuf;
+use std::process::Command;
+
+use crate::process::{self, Outcome};
+use crate::project::Project;
+use crate::test::Run;
+
+/// How the program and the plugin are compiled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Profile {
+    /// As tests are: optimised, with assertions, and without a second compilation of anything.
+    Tested,
+    /// As users get them.
+    Release,
+}
+
+impl Profile {
+    /// The folder of the profile below the target folder.
+    fn folder(self) -> &'static str {
+        match self {
+            Self::Tested => "debug",
+            Self::Release => "release",
+        }
+    }
+
+    /// Flags of cargo. Tests use the feature `internals`, and a library without it would be another one.
+    pub fn flags(self) -> &'static [&'static str] {
+        match self {
+            Self::Tested => &["--features", "tailor/internals"],
+            Self::Release => &["--release"],
+        }
+    }
+
+    /// The program `usdtailor`.
+    pub fn program(self, project: &Project) -> PathBuf {
+        self.built(project, &format!("usdtailor{}", std::env::consts::EXE_SUFFIX))
+    }
+
+    /// A file that cargo builds.
+    pub fn built(self, project: &Project, name: &str) -> PathBuf {
+        project.target.join(self.folder()).join(name)
+    }
+}
+
+/// The packages of every build. Cargo unifies features over the packages of a command, so building the plugin alone would
+/// recompile most dependencies.
+pub const SHIPPED: [&str; 4] = ["--package", "tailor", "--package", "tailor-usd-plugin"];
+
+/// The packages that a test run checks and tests. The benches, with dependencies of their own, are for `--all`.
+fn tested_packages(all: bool) -> &'static [&'static str] {
+    if all { &["--workspace"] } else { &["--workspace", "--exclude", "tailor-bench"] }
+}
+
+/// A cargo command that ignores the later toolchain declared by the crate `openusd` (see .cargo/config.toml).
+pub fn cargo(project: &Project, subcommand: &str) -> Command {
+    let mut command = bare(project);
+    command.args([subcommand, "--ignore-rust-version"]);
+    command
+}
+
+fn bare(project: &Project) -> Command {
+    project.command(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
+}
+
+/// Checks the format of the code.
+pub fn fmt(run: &Run<'_>) -> Outcome {
+    process::run(bare(run.project).args(["fmt", "--all", "--check"]))
+        .map_err(|failure| failure.hint("run cargo fmt --all"))
+}
+
+/// Clippy on all targets. The library alone, as other programs use it, is compiled but not read again.
+pub fn clippy(run: &Run<'_>) -> Outcome {
+    let mut command = cargo(run.project, "clippy");
+    process::run(command.args(tested_packages(run.all)).args(["--all-targets", "--", "-D", "warnings"]))?;
+    let mut command = cargo(run.project, "rustc");
+    process::run(command.args(["--profile", "check", "--lib", "--no-default-features", "--", "-D", "warnings"]))
+}
+
+/// Draws the pages of the crates in `target/doc`; with `all` those of the plugin too, for which the library is checked again.
+pub fn docs(project: &Project, all: bool) -> Outcome {
+    let mut command = cargo(project, "doc");
+    command.args(["--no-deps", "--package", "tailor", "--package", "xtask"]);
+    command.args(all.then_some("--package=tailor-usd-plugin"));
+    process::run(command.env("RUSTDOCFLAGS", "-D warnings"))
+}
+
+/// Compiles all tests, and the program that they run.
+pub fn compile(run: &Run<'_>) -> Outcome {
+    process::run(cargo(run.project, "test").args(tested_packages(false)).arg("--no-run"))
+}
+
+/// Runs the Rust tests.
+pub fn test(run: &Run<'_>) -> Outcome {
+    let mut command = cargo(run.project, "test");
+    process::run(command.args(tested_packages(false)).args(run.extra).envs(run.variables()))
+}
+
+/// Builds the program.
+pub fn build(project: &Project, profile: Profile) -> Outcome {
+    process::run(cargo(project, "build").args(profile.flags()).args(SHIPPED).args(["--bin", "usdtailor"]))
+}
