@@ -1,6 +1,6 @@
 //! The bodies of the fuzz targets: each takes any bytes, and panics if the library does what it must not.
 //!
-//! `tests/fuzz/targets` runs them with cargo-fuzz, `tests/fuzz_replay.rs` with a stored corpus and a seeded generator.
+//! `tests/fuzz/targets` runs them with cargo-fuzz, `tests/stages/fuzz_replay.rs` with a stored corpus and a seeded generator.
 
 mod choices;
 mod meshes;
