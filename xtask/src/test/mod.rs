@@ -137,7 +137,7 @@ const STEPS: [Step; 16] = [
         run: package::test,
         ..BESIDE
     },
-    Step { name: "rust", about: "cargo test --workspace", needs: &["page", "build"], run: cargo::test, ..MAIN },
+    Step { name: "rust", about: "the Rust tests", needs: &["page", "build"], run: cargo::test, ..MAIN },
     Step {
         name: "python",
         about: "pytest tests/usd, with the program and the plugins",
