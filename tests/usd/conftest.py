@@ -155,11 +155,12 @@ def content(path):
 
 def kept():
     """Where the results of this program are, for all workers and for later runs."""
-    return program().resolve().parents[1] / "built" / content(program())
+    # In a folder of its own for each program, as the command and that of the package take turns.
+    return ROOT / "target" / "built" / digest(program().resolve()) / content(program())
 
 
 def pytest_configure(config):
-    # Results of other programs are of no more use. Workers have an input; the process that starts them has none.
+    # Results of what the program was before are of no more use. Workers have an input; the process that starts them has none.
     if not hasattr(config, "workerinput") and program().exists():
         for folder in kept().parent.glob("*"):
             if folder != kept():

@@ -43,7 +43,7 @@ pub fn core(project: &Project, profile: Profile, linker: &Path, folder: &Path) -
 /// The system that the files of a package are linked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum System {
-    /// This one, in a tenth of the time: for tests.
+    /// This one, with its own compiler: for tests.
     This,
     /// The oldest of the package's platform.
     Oldest,
