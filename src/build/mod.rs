@@ -304,9 +304,16 @@ impl Builder {
     fn render(&mut self, recipe: &Recipe) -> Result<RenderUpdate, Error> {
         let mut clock = Clock::new(&self.progress);
         let stack = self.stack(recipe)?;
-        let Rendered { mesh, sets, warnings } = clock.run("render", || self.render.update(&stack))?;
+        let Rendered { mesh, sets, warnings, seam_level } = clock.run("render", || self.render.update(&stack))?;
         clock.finish()?;
-        Ok(RenderUpdate { mesh, operators: stack.names, operator_sets: sets, warnings, timings: clock.timings })
+        Ok(RenderUpdate {
+            mesh,
+            operators: stack.names,
+            operator_sets: sets,
+            seam_level,
+            warnings,
+            timings: clock.timings,
+        })
     }
 
     /// The sizes of the products of a recipe, by less work than the products take.
@@ -322,6 +329,7 @@ impl Builder {
             expected_faces: sim::expected_faces(&garment, &recipe.sim)?,
             chains: sim::baseline(&garment, &recipe.sim)?.chains.len(),
             render_faces: self.render.face_count(&stack)?,
+            seam_level: self.render.seam_level(&stack)?,
             recipe,
         })
     }

@@ -113,6 +113,8 @@ pub struct RenderUpdate {
     pub operators: Vec<String>,
     /// Names of the face sets that they made.
     pub operator_sets: Vec<String>,
+    /// Refinements before the first seam. \[levels\]
+    pub seam_level: u32,
     /// Its warnings.
     pub warnings: Warnings,
     /// Time of the step.
@@ -132,4 +134,6 @@ pub struct Plan {
     pub chains: usize,
     /// Faces of the render mesh.
     pub render_faces: usize,
+    /// Refinements before the first seam. \[levels\]
+    pub seam_level: u32,
 }

@@ -196,7 +196,8 @@ fn describe(out: &mut String, facts: &Facts, builder: &Builder, plan: &Plan, ver
         text::target_length(&plan.recipe, garment.units),
         plan.chains
     );
-    let _ = writeln!(out, "  render   {} faces at level {}", plan.render_faces, plan.recipe.render.level);
+    let seams = if plan.seam_level > 0 { format!(", seams after level {}", plan.seam_level) } else { String::new() };
+    let _ = writeln!(out, "  render   {} faces at level {}{seams}", plan.render_faces, plan.recipe.render.level);
     operators(out, garment, &plan.recipe);
     if verbose {
         let _ = writeln!(out, "  recipe   {}", serde_json::to_string(&plan.recipe).unwrap_or_default());

@@ -274,6 +274,8 @@ impl Hub {
             let shown = self.show(role, job, &update.mesh, start);
             if shown.message.get().is_none() {
                 let figures = serde_json::to_value(RenderFigures::new(&update.mesh)).unwrap_or_default();
+                let mut recipe = recipe;
+                recipe.render.seam_level = update.seam_level;
                 let _ = shown.message.set(product(role, job, figures, &update.warnings, &update.operators, &recipe));
             }
         }
@@ -364,7 +366,7 @@ fn product(
     Message::Product { role, revision: job.revision, figures, warnings: &warnings, operators, lengths }.to_text().into()
 }
 
-/// The lengths that replace 0, by key.
+/// The lengths and levels that replace 0, by key.
 fn lengths(asked: &Recipe, used: &Recipe) -> Map<String, Value> {
     let [asked, used] = [asked, used].map(|recipe| flat("", &serde_json::to_value(recipe).unwrap_or_default()));
     used.into_iter().filter(|(key, value)| asked.get(key) != Some(value)).collect()

@@ -76,6 +76,7 @@ impl Recipe {
         for (key, value, most) in [
             ("sim.baselineLevel", self.sim.baseline_level, MAX_LEVEL),
             ("render.level", self.render.level, MAX_LEVEL),
+            ("render.seamLevel", self.render.seam_level, MAX_LEVEL),
             ("sim.iterations", self.sim.iterations, MAX_ITERATIONS),
             ("sim.transferSamples", self.sim.transfer_samples, MAX_SAMPLES),
         ] {

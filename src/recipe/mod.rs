@@ -28,7 +28,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 /// The options that a recipe has once, in schema order.
-pub const KEYS: [Key; 28] = [
+pub const KEYS: [Key; 29] = [
     Key {
         key: "sim.minEdgeLength",
         unit: "mesh units",
@@ -132,10 +132,16 @@ pub const KEYS: [Key; 28] = [
         meaning: "subdivision level of the render mesh",
     },
     Key {
+        key: "render.seamLevel",
+        unit: "levels",
+        domain: Domain::Whole { most: 3 },
+        meaning: "refinements before the first seam; 0: as many as leave its lines room",
+    },
+    Key {
         key: "render.operators",
         unit: "names",
         domain: Domain::Operators,
-        meaning: "operators in the order they run; empty: all seams, then all thicknesses",
+        meaning: "operators in the order they run; empty: all thicknesses, then all seams",
     },
     Key {
         key: "render.faceSets",

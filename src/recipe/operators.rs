@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 
 /// The kinds of options that have instances: operators in the default order of execution, and fabrics.
 pub static KINDS: LazyLock<[Kind; 3]> =
-    LazyLock::new(|| [kind::<SeamOptions>(), kind::<ThicknessOptions>(), FabricOptions::kind()]);
+    LazyLock::new(|| [kind::<ThicknessOptions>(), kind::<SeamOptions>(), FabricOptions::kind()]);
 
 fn kind<O: OperatorOptions + Default + Serialize>() -> Kind {
     let (options, defaults) = (O::default(), || serde_json::to_value(O::default()).unwrap_or_default());
@@ -19,8 +19,8 @@ impl Recipe {
     /// The options of all operators by name, in the order of [`KINDS`].
     pub fn operators(&self) -> Vec<(&str, &dyn OperatorOptions)> {
         let seams = self.seams.iter().map(|(name, options)| (name.as_str(), options as &dyn OperatorOptions));
-        let thicknesses = self.thicknesses.iter();
-        seams.chain(thicknesses.map(|(name, options)| (name.as_str(), options as _))).collect()
+        let thicknesses = self.thicknesses.iter().map(|(name, options)| (name.as_str(), options as _));
+        thicknesses.chain(seams).collect()
     }
 
     /// The operators that are not left out.

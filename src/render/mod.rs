@@ -1,10 +1,11 @@
-//! The render mesh: the cage through a stack of operators, then refined.
+//! The render mesh: the cage through a stack of operators and refinements.
 //!
 //! An operator gives a new connectivity with the parents of every element ([`child`]), and heights over the limit surface
-//! of its parent. `placement` finds the points: `limit_surface` gives positions and normals, `fit` moves the cage until its
-//! limit is there, `points` holds heights within the clearance to other layers, and `repair` lowers heights where faces
-//! would intersect or flip against the `reference` normals of the input. Attributes follow the derivation by the code that
-//! refinement uses. Seams and hems share the insertion of `lines` beside marked edges. `stack` runs all of it.
+//! of its parent. `placement` finds the points: they are moved until their limit is on the limit surface of the parent, and
+//! raised. `points` holds heights within the clearance to other layers, and `repair` lowers heights where faces would
+//! intersect or flip against the `reference` normals of the first cage. Attributes
+//! follow the derivation by the code that refinement uses. Seams and hems share the insertion of `lines` beside marked
+//! edges. `stack` runs all of it: folds on the cage, then seams on the refined cage.
 //!
 //! # A new operator
 //!
@@ -18,8 +19,6 @@
 //!    `recipe/operators.rs` its kind, its options and its automatic lengths. `lib.rs` exports the options.
 
 pub mod child;
-mod fit;
-mod limit_surface;
 mod lines;
 pub mod operator;
 mod options;
@@ -49,7 +48,9 @@ use serde::{Deserialize, Serialize};
 pub struct RenderOptions {
     /// Refinements of the cage. \[levels\]
     pub level: u32,
-    /// Names of the operators in the order in which they run; empty: seams, then thickness.
+    /// Refinements before the first seam; 0: as many as leave its lines room. \[levels\]
+    pub seam_level: u32,
+    /// Names of the operators in the order in which they run; empty: thicknesses, then seams.
     pub operators: Vec<String>,
     /// Whether each operator leaves face subsets of what it made: `<name>_seam`, `<name>_hem`, `<name>_inner`.
     pub face_sets: bool,
@@ -57,7 +58,7 @@ pub struct RenderOptions {
 
 impl Default for RenderOptions {
     fn default() -> Self {
-        Self { level: 1, operators: Vec::new(), face_sets: false }
+        Self { level: 2, seam_level: 0, operators: Vec::new(), face_sets: false }
     }
 }
 

@@ -31,6 +31,12 @@ pub trait Operator: Any + Send + Sync {
         Vec::new()
     }
 
+    /// The refinements of a garment after which its faces still have room for the operator, which then runs on the
+    /// refined cage, as all operators after it do. None for operators of the coarse cage, as by default. \[levels\]
+    fn levels_with_room(&self, _: &Garment, _: &Topology) -> Option<u32> {
+        None
+    }
+
     /// The new connectivity and its controls.
     ///
     /// # Errors
@@ -89,13 +95,31 @@ pub struct OperatorInput<'a> {
     pub(crate) level: &'a Level,
     /// Clearance that the garment leaves beside each vertex, measured within the operators' reach.
     pub(crate) clearance: &'a IdVec<VertexId, Clearance>,
-    /// Number of points of the input garment. They keep their indices, so messages may name them.
-    pub input_points: usize,
+    /// The vertex of the input garment at or beside each vertex that is no operator's, for messages.
+    pub inputs: &'a Arc<IdVec<VertexId, VertexId>>,
     /// True if operators add face subsets of their new faces.
     pub names_sets: bool,
 }
 
+/// The points of the input garment at some vertices, each once, without those at vertices of operators.
+fn input_points(inputs: &IdVec<VertexId, VertexId>, vertices: impl IntoIterator<Item = VertexId>) -> Elements {
+    let known = vertices.into_iter().filter(|v| v.index() < inputs.len());
+    Elements::Points(known.map(|v| inputs[v]).collect::<BTreeSet<_>>().into_iter().collect())
+}
+
 impl OperatorInput<'_> {
+    /// The points of the input garment at some vertices, as elements of a warning.
+    pub fn input_points(&self, vertices: impl IntoIterator<Item = VertexId>) -> Elements {
+        input_points(self.inputs, vertices)
+    }
+
+    /// The edges of the input garment at some edges, as elements of a warning.
+    pub(super) fn input_edges(&self, edges: impl IntoIterator<Item = [VertexId; 2]>) -> Elements {
+        let known = edges.into_iter().filter(|ends| ends.iter().all(|v| v.index() < self.inputs.len()));
+        let inputs = known.map(|ends| ends.map(|v| self.inputs[v])).filter(|[a, b]| a != b);
+        Elements::Edges(inputs.collect::<BTreeSet<_>>().into_iter().collect())
+    }
+
     /// The connectivity of the cage.
     pub fn topology(&self) -> &Topology {
         &self.level.topology
@@ -107,16 +131,11 @@ impl OperatorInput<'_> {
 pub enum Role {
     /// On the surface.
     Surface,
-    /// Raised by its height. Operators outside this crate use this and [`Role::Surface`]; the others belong to seams and
+    /// On the surface, at its place: a border or the border of a set leads there.
+    Kept,
+    /// Raised by its height. Operators outside this crate use this, [`Role::Surface`] and [`Role::Kept`]; the others belong to seams and
     /// thicknesses.
     Raised,
-    /// On a folded border, which keeps its position.
-    Fold,
-    /// Between two vertices of a folded border, along which it may slide.
-    FoldCut {
-        /// The two vertices.
-        ends: [VertexId; 2],
-    },
     /// On an edge of a seam.
     Centre {
         /// Indices of the seams at the vertex.
@@ -209,8 +228,8 @@ pub struct OperatorOutput {
     pub creases: Vec<[VertexId; 2]>,
     /// Provisional offsets of copies from their originals, so that later operators can measure edges. \[mesh units\]
     pub offsets: Vec<(VertexId, Vec3)>,
-    /// Number of points of the input garment.
-    pub input_points: usize,
+    /// The vertex of the input garment at or beside each vertex that is no operator's, for messages.
+    pub inputs: Arc<IdVec<VertexId, VertexId>>,
     /// Warnings of elements that were narrowed or omitted.
     pub warnings: Warnings,
 }
@@ -225,7 +244,7 @@ impl OperatorOutput {
             corners: Vec::new(),
             creases: Vec::new(),
             offsets: Vec::new(),
-            input_points: cage.input_points,
+            inputs: Arc::clone(cage.inputs),
             warnings: Warnings::default(),
         }
     }
@@ -271,9 +290,9 @@ impl OperatorOutput {
         vertices.flat_map(|v| self.derivation.vertices.at(v.index()).iter().map(|s| s.0)).collect()
     }
 
-    /// The points of the input garment among some vertices, as elements of a warning.
+    /// The points of the input garment at some vertices, as elements of a warning.
     pub fn input_points(&self, vertices: impl IntoIterator<Item = VertexId>) -> Elements {
-        Elements::Points(vertices.into_iter().filter(|v| v.index() < self.input_points).collect())
+        input_points(&self.inputs, vertices)
     }
 }
 

@@ -4,23 +4,30 @@
 //! surface without heights. [`Placement::raised`] limits the heights to the clearance, adds them, and repairs
 //! self-intersections and flipped faces. An edit of heights repeats only the last step.
 
+mod fit;
+mod normals;
+mod patches;
+
 use super::child::{OperatorDerivation, Table};
-use super::fit::{LimitFit, Raise, graded, unfolded};
-use super::limit_surface::LimitSurface;
 use super::operator::{Closing, Control, DerivedCage, Operator, OperatorOutput, Role};
 use super::points::CagePoints;
 use super::repair::{Displaced, LEAST_SHARE, LookAhead, repair};
-use crate::contact::{Clearance, morton_order};
+use crate::contact::{Clearance, each_once, morton_order};
 use crate::error::Warnings;
 use crate::garment::Garment;
-use crate::mesh::{CornerId, Csr, FaceId, IdVec, VertexId};
-use crate::subdivide::{Connectivity, Derivation, Level, carried_points};
+use crate::mesh::{CornerId, Csr, EdgeId, FaceId, IdVec, VertexId};
+use crate::subdivide::{Connectivity, Derivation, Level, carried_points, edges_at};
+use fit::{LimitFit, Raise, graded, unfolded};
 use glam::Vec3;
+use normals::OuterNormals;
+use patches::{Patches, Place};
 use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Share of the remaining clearance that an operator may use, so that later operators have some.
 const CLEARANCE_SHARE: f32 = 0.5;
+/// Share of its shortest edge by which the fit may move a vertex along the surface.
+const MAX_SLIDE: f32 = 0.4;
 /// Share of the distance between two layers that is the clearance of later operators on each.
 const LAYER_GAP_SHARE: f32 = 0.8;
 /// Clearance, as a multiple of the height, below which a face is checked against other layers. The other layer may be
@@ -38,6 +45,10 @@ pub struct Placement {
     reference_normals: IdVec<FaceId, Vec3>,
     /// For each control, the parent's corners and weights of its position on the limit surface.
     surface_corners: Table<CornerId>,
+    /// For each control, where it, or the original of a copy, is on the parent.
+    places: Vec<Option<Place>>,
+    /// The parent's faces in which they are, ascending.
+    placed_faces: Vec<FaceId>,
     /// For each control, the control whose limit it shares without heights.
     reference_control: Vec<usize>,
     /// Vertices with their copies on the second layer.
@@ -58,6 +69,8 @@ pub struct FlatPoints {
     targets: Vec<(Vec3, Vec3)>,
     /// Positions by linear interpolation of the parent's points, without a fit.
     linear: IdVec<VertexId, Vec3>,
+    /// Positions fitted along normals alone.
+    upright: IdVec<VertexId, Vec3>,
     /// Fitted positions.
     fitted: CagePoints,
     parent_points: IdVec<VertexId, Vec3>,
@@ -83,7 +96,11 @@ impl Placement {
             Role::Layer { over, .. } => Some([over, control.vertex]),
             _ => None,
         };
+        let places = places(output, level, parent.level());
+        let placed = places.iter().flatten().map(|place| place.face(&parent.level().topology));
         Self {
+            placed_faces: each_once(placed.collect()),
+            places,
             reference_normals: ancestry.reference.directions(&frame.faces),
             surface_corners,
             reference_control: reference_controls(output, level),
@@ -115,16 +132,24 @@ impl Placement {
     /// The points of the new cage without heights.
     pub fn flat(&self, parent: &CagePoints) -> FlatPoints {
         let (level, orientation) = (self.parent.level(), self.cage.frame.orientation);
-        let surface = LimitSurface::new(level, orientation, self.parent.limits(), &parent.points);
-        let t = &level.topology;
-        let target = |i: usize| surface.at(t, self.surface_corners.at(i));
-        let targets: Vec<(Vec3, Vec3)> = (0..self.surface_corners.len()).into_par_iter().map(target).collect();
+        let normals = OuterNormals::new(level, orientation, self.parent.limits(), &parent.points);
+        let patches = Patches::new(level, &parent.points, &self.placed_faces);
         let linear = carried_points(&&self.output().derivation.vertices, &parent.points);
+        let target = |i: usize| {
+            let point = self.places[i].and_then(|place| patches.at(place));
+            let point = point.unwrap_or(linear[self.output().controls[i].vertex]);
+            (point, normals.normal(self.surface_corners.at(i)))
+        };
+        let targets: Vec<(Vec3, Vec3)> = (0..self.surface_corners.len()).into_par_iter().map(target).collect();
         let fit = self.limit_fit();
-        let points = || fit.aligned(&targets, fit.base(&targets, &linear));
+        let normal = |i: usize| targets[i].1;
+        let fitted = |room: &[f32]| fit.aligned(&targets, fit.base(&patches, normal, room, &linear));
+        let room = self.room_along(&linear);
+        let fits = || rayon::join(|| fitted(&room), || fitted(&vec![0.0; room.len()]));
         let others = || (fit.aligned(&targets, linear.clone()), self.output().carried_clearance(&parent.clearance));
-        let (points, (linear, clearance)) = rayon::join(points, others);
-        FlatPoints { targets, linear, fitted: CagePoints { points, clearance }, parent_points: parent.points.clone() }
+        let ((points, upright), (linear, clearance)) = rayon::join(fits, others);
+        let fitted = CagePoints { points, clearance };
+        FlatPoints { targets, linear, upright, fitted, parent_points: parent.points.clone() }
     }
 
     /// The points of the new cage, and warnings of reduced heights and of remaining intersections. The points of the
@@ -133,7 +158,7 @@ impl Placement {
         let mut asked = operator.heights(self.output());
         unfolded(&mut asked, &self.layer_edges, &base.targets);
         let mut cage = base.fitted.clone();
-        let mut given = self.within_clearance(&asked, &base.targets, &mut cage.clearance);
+        let mut given = self.within_clearance(&asked, &base.targets, &mut cage.clearance, is_last);
         let controls = &self.output().controls;
         let is_beside = |i: usize| matches!(controls[i].role, Role::Layer { closing: Closing::Beside, .. });
         let is_least = |i: usize| given[i] != asked[i] || is_beside(i);
@@ -141,9 +166,10 @@ impl Placement {
         let mut raises: Vec<Raise> = (0..given.len()).map(raise).collect();
         graded(&mut raises, &self.layer_edges);
         given.iter_mut().zip(&raises).for_each(|(given, raise)| *given = raise.height);
-        let raised = || self.limit_fit().raised(&base.targets, &raises, &base.fitted.points);
-        let least = || [&base.linear, &base.fitted.points].map(|points| self.least_raised(&raises, points.clone()));
-        let (raised, [linear, flat]) = rayon::join(raised, least);
+        let raised = || self.limit_fit().raised(&raises, &base.fitted.points);
+        let unraised = [&base.linear, &base.upright, &base.fitted.points];
+        let least = || unraised.map(|points| self.least_raised(&raises, points.clone()));
+        let (raised, [linear, upright, flat]) = rayon::join(raised, least);
         let displaced = Displaced {
             child: &self.child,
             parent: self.parent.level(),
@@ -156,6 +182,7 @@ impl Placement {
             controlled_faces: &self.controlled_faces,
             near: &self.faces_near_other_layers(&asked, &base.fitted.clearance),
             unfitted: &linear,
+            upright: &upright,
             least: &flat,
             full: &raised,
             ahead: is_last.then(|| self.look_ahead(&base.fitted.clearance)),
@@ -208,9 +235,18 @@ impl Placement {
         LookAhead { input: level, input_points: points, input_faces: &ancestry.faces, close }
     }
 
+    /// How far each control may go along the surface.
+    fn room_along(&self, linear: &IdVec<VertexId, Vec3>) -> Vec<f32> {
+        let t = &self.child.level().topology;
+        let length = |edge: EdgeId| linear[t.edges[edge][0]].distance(linear[t.edges[edge][1]]);
+        let room = |control: &Control| edges_at(t, control.vertex).map(length).fold(f32::INFINITY, f32::min);
+        let slide = |control: &Control| if control.role == Role::Surface { 0.0 } else { MAX_SLIDE * room(control) };
+        self.output().controls.par_iter().map(slide).collect()
+    }
+
     fn limit_fit(&self) -> LimitFit<'_> {
-        let (controls, edges) = (&self.output().controls, &self.child.level().topology.edges);
-        LimitFit { controls, rows: self.child.limits(), reference_control: &self.reference_control, edges }
+        let (controls, places, rows) = (&self.output().controls, &self.places, self.child.limits());
+        LimitFit { controls, places, rows, reference_control: &self.reference_control }
     }
 
     /// The heights within the clearance, which is reduced by them.
@@ -219,13 +255,17 @@ impl Placement {
         asked: &[f32],
         targets: &[(Vec3, Vec3)],
         clearance: &mut IdVec<VertexId, Clearance>,
+        is_last: bool,
     ) -> Vec<f32> {
         let of = |((control, &asked), target): ((&Control, &f32), &(Vec3, Vec3))| {
             // A surface that doubles back on itself has no normal there.
             let asked = if target.1 == Vec3::ZERO { 0.0 } else { asked };
             let origin = if let Role::Layer { over, .. } = control.role { over } else { control.vertex };
             let (side, height) = (usize::from(asked > 0.0), asked.abs());
-            let given = height.min((CLEARANCE_SHARE * clearance[origin][side]).max(LEAST_SHARE * height));
+            // The last operator may use all but what a layer and its original need between them.
+            let is_layer = matches!(control.role, Role::Layer { .. });
+            let share = if is_last && !is_layer { 1.0 } else { CLEARANCE_SHARE };
+            let given = height.min((share * clearance[origin][side]).max(LEAST_SHARE * height));
             match control.role {
                 Role::Layer { over, .. } => {
                     // Both layers share the gap between them. The normal of the second one is reversed.
@@ -267,6 +307,18 @@ fn reference_controls(output: &OperatorOutput, level: &Level) -> Vec<usize> {
         _ => i,
     };
     output.controls.iter().enumerate().map(of).collect()
+}
+
+/// For each control, where it, or the original of a copy, is on the parent.
+fn places(output: &OperatorOutput, child: &Level, parent: &Level) -> Vec<Option<Place>> {
+    let (derivation, faces) = (&output.derivation, &child.topology.faces);
+    let place = |control: &Control| {
+        let over = if let Role::Layer { over, .. } = control.role { over } else { control.vertex };
+        let corners = child.topology.vertex_corners.row(over).iter();
+        let parents = corners.map(|&c| derivation.parent_face(faces.face_of(c)));
+        Place::new(&parent.topology, parents.min()?, derivation.vertices.at(over.index()))
+    };
+    output.controls.par_iter().map(place).collect()
 }
 
 /// For each control, the corners of the parent's faces around it, with weights that sum to one.

@@ -1,16 +1,15 @@
 //! Seams: grooves or ridges along edge sets.
 //!
 //! ```text
-//!                 left            right                 height along the normal
-//!  hold | width | flank | centre | flank | width | hold
-//!    o------o-------o-------*-------o-------o------o    * = normalOffset, which a cubic B-spline brings to 0 at the
-//!                                                       width; with a depth the flanks are further out
+//!                     left                           height along the normal
+//!  hold | width | flank | flank | centre | flank …
+//!    o------o-------o-------o-------*-------o------  * = normalOffset, straight to 0 at the width; the first line
+//!                                                    of the flank is higher by the depth
 //! ```
 //!
-//! The centre has a height, and with a depth also the line on the flank. The lines are evenly spaced up to a support
-//! loop (`hold`) outside the width. By the masks of Catmull-Clark, the limits of evenly spaced lines are on the lines,
-//! so the surface outside the width keeps its shape. Without the support loop, the neighbouring faces would widen the
-//! seam by a third.
+//! The centre has a height, and so has the first line beside it. The lines are evenly spaced up to a support loop (`hold`)
+//! outside the width. By the masks of Catmull-Clark, the limits of evenly spaced lines are on the lines, so the surface
+//! outside the width keeps its shape. Every seam has the same lines, so an edit of one moves nothing of the others.
 //!
 //! Consecutive seams of the stack form one network: they intersect, meet and share clearance as equals. Left is the
 //! left-hand side of a walker along the chain with the normals up. The direction of a chain is that of most of its
@@ -18,12 +17,12 @@
 
 mod chains;
 mod heights;
+mod room;
 
 use super::lines::{self, LineVertex, Lines, Narrowed, Request};
 use super::operator::{Control, Operator, OperatorInput, OperatorOutput, REPORTED, Role, Strand};
 use super::options::{Domain, Key, OperatorOptions};
 use crate::checks;
-use crate::contact::UNBOUNDED;
 use crate::error::{Code, Error, Warning, Warnings};
 use crate::garment::units::deserialize_length;
 use crate::garment::{Elements, Garment, Orientation, Subset};
@@ -160,21 +159,20 @@ struct Seams {
 
 impl Seams {
     /// The edges of a seam on the cage, in their authored direction.
-    fn edges(cage: &OperatorInput, options: &SeamOptions) -> Vec<[VertexId; 2]> {
-        let sets = options.edges.iter().filter_map(|name| cage.garment.subset(name));
+    fn edges(garment: &Garment, options: &SeamOptions) -> Vec<[VertexId; 2]> {
+        let sets = options.edges.iter().filter_map(|name| garment.subset(name));
         let edges = sets.filter_map(|set| if let Elements::Edges(edges) = &set.elements { Some(edges) } else { None });
         edges.flatten().copied().collect()
     }
 
     fn warn(&self, cage: &OperatorInput, network: &Network, narrowed: &[Narrowed]) -> Warnings {
         let mut warnings = Warnings::default();
-        let is_input = |v: &VertexId| v.index() < cage.input_points;
         for (number, (name, _)) in self.seams.iter().enumerate() {
             let label = format!("seam.{name}");
             let edges = |code: Code, edges: Vec<EdgeId>, problem: &str, remedy: &str| {
-                let ends = edges.iter().map(|&e| network.ends(e)).filter(|ends| ends.iter().all(is_input)).collect();
-                let warning = Warning::new(code, &label, format!("{} edges {problem}", edges.len()));
-                (!edges.is_empty()).then(|| warning.at(Elements::Edges(ends)).remedy(remedy))
+                let ends = cage.input_edges(edges.iter().map(|&e| network.ends(e)));
+                let warning = Warning::new(code, &label, format!("{} edges {problem}", ends.len()));
+                (!edges.is_empty()).then(|| warning.at(ends).remedy(remedy))
             };
             let shared = network.shared.iter().filter(|s| s.1 == number).map(|s| s.0).collect();
             let problem = "already belong to an earlier seam, which keeps them";
@@ -186,7 +184,7 @@ impl Seams {
                 let (count, left) = (narrow.len(), 100.0 * least);
                 let problem =
                     format!("narrower than asked at {count} vertices, down to {left:.0} % of width and height");
-                let points = Elements::Points(narrow.into_iter().filter(is_input).collect());
+                let points = cage.input_points(narrow);
                 let remedy = format!("Lower `{label}.width`, or lengthen the edges that lead away from it");
                 warnings.push(Warning::new(Code::NarrowSeam, label, problem).at(points).amount(least).remedy(remedy));
             }
@@ -195,13 +193,14 @@ impl Seams {
     }
 
     fn controls(t: &Topology, network: &Network, lines: &Lines) -> Vec<Control> {
-        let near = lines.near.enumerated().filter(|(_, near)| **near).map(|(v, _)| v);
-        let on_cage = near.map(|vertex| {
+        // One ring more than the faces that are cut: its limit depends on the points that the fit moves.
+        let near = |v: &VertexId| t.faces_at(*v).any(|f| t.faces.vertices_of(f).iter().any(|&v| lines.near[v]));
+        let on_cage = lines.near.ids().filter(near).map(|vertex| {
             let seams = network.at(t, vertex);
-            if seams.is_empty() || network.tapers[vertex] {
-                return Control { vertex, role: Role::Surface };
+            if seams.is_empty() {
+                return Control { vertex, role: Role::Kept };
             }
-            Control { vertex, role: Role::Centre { seams, share: lines.widths[vertex] } }
+            Control { vertex, role: Role::Centre { seams, share: lines.heights[vertex] } }
         });
         let on_lines = lines.vertices.iter().filter_map(|line| {
             let role = Self::line_role(t, network, line)?;
@@ -211,7 +210,7 @@ impl Seams {
     }
 
     fn line_role(t: &Topology, network: &Network, vertex: &LineVertex) -> Option<Role> {
-        let (seam, share) = (network.seam[vertex.mark]?, vertex.part);
+        let (seam, share) = (network.seam[vertex.mark]?, vertex.height);
         let own = Strand { seam, line: vertex.line };
         let Some(crossing) = vertex.crossing else {
             return Some(match vertex.line {
@@ -231,18 +230,12 @@ impl Seams {
         if !cage.names_sets {
             return Vec::new();
         }
-        let width = self.width_line();
+        let width = Self::width_line();
         let of = |(number, (name, _)): (usize, &(String, SeamOptions))| {
             let within = lines.strips.iter().filter(|s| s.line <= width && network.seam[s.mark] == Some(number));
             (format!("{name}_seam"), within.map(|s| s.face).collect())
         };
         super::new_sets(cage.garment, self.seams.iter().enumerate().map(of).collect(), warnings)
-    }
-
-    /// The length of a taper at the end of an edge; 0 beside other cloth, where steep tapers might reach it. \[mesh units\]
-    fn taper_length(&self, cage: &OperatorInput, network: &Network, edge: EdgeId) -> f32 {
-        let is_free = network.ends(edge).iter().all(|&v| cage.clearance[v] == UNBOUNDED);
-        network.seam[edge].filter(|_| is_free).map_or(0.0, |seam| self.seams[seam].1.width)
     }
 
     /// The width of the seam beside each half-edge; 0 on other edges. \[mesh units\]
@@ -270,23 +263,26 @@ impl Operator for Seams {
         (other as &dyn Any).downcast_ref::<Self>() == Some(self)
     }
 
-    /// Heights move points alone, except that any depth adds a line.
+    /// Heights move points alone.
     fn has_same_output(&self, other: &dyn Operator) -> bool {
         let flat = |(name, o): &(String, SeamOptions)| {
             (name.clone(), SeamOptions { depth: 0.0, normal_offset: 0.0, ..o.clone() })
         };
-        (other as &dyn Any).downcast_ref::<Self>().is_some_and(|other| {
-            self.has_depth() == other.has_depth() && self.seams.iter().map(flat).eq(other.seams.iter().map(flat))
-        })
+        let other = (other as &dyn Any).downcast_ref::<Self>();
+        other.is_some_and(|other| self.seams.iter().map(flat).eq(other.seams.iter().map(flat)))
     }
 
     fn reach(&self, _: &Garment) -> f32 {
         self.seams.iter().map(|(_, o)| o.normal_offset.abs() + o.depth.abs()).fold(0.0, f32::max)
     }
 
+    fn levels_with_room(&self, garment: &Garment, t: &Topology) -> Option<u32> {
+        self.seams.iter().map(|(_, options)| room::levels(garment, t, options)).min()
+    }
+
     fn apply(&self, cage: &OperatorInput) -> Result<OperatorOutput, Error> {
         super::refuse_loop(cage, &self.label())?;
-        let edges = self.seams.iter().map(|(_, options)| Self::edges(cage, options)).collect::<Vec<_>>();
+        let edges = self.seams.iter().map(|(_, options)| Self::edges(cage.garment, options)).collect::<Vec<_>>();
         let t = &cage.level.topology;
         let network = Network::new(t, &edges);
         let request = Request {
@@ -296,12 +292,11 @@ impl Operator for Seams {
             distance: self.distances(cage, &network),
             tapers: network.tapers.clone(),
             ends: IdVec::filled(false, t.vertex_count()),
-            taper_length: t.edges.ids().map(|edge| self.taper_length(cage, &network, edge)).collect(),
+            taper_length: network.seam.iter().map(|seam| seam.map_or(0.0, |seam| self.seams[seam].1.width)).collect(),
             cuttable: IdVec::filled(true, t.faces.len()),
-            shares: self.shares(),
-            kept_line: self.width_line(),
+            shares: Self::shares(),
+            kept_line: Self::width_line(),
             is_even: true,
-            is_open: cage.clearance.iter().map(|gap| *gap == UNBOUNDED).collect(),
         };
         let lines = lines::insert(&request);
         let controls = Self::controls(t, &network, &lines);
@@ -372,6 +367,7 @@ fn seams_at(output: &OperatorOutput, faces: &[FaceId]) -> BTreeSet<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::UNBOUNDED;
     use crate::mesh::Faces;
     use crate::subdivide::{Derivation, Level};
     use glam::Vec3;
@@ -398,9 +394,9 @@ mod tests {
             (name.to_owned(), SeamOptions { edges: vec![name.to_owned()], width: 0.3, ..SeamOptions::default() })
         };
         let seams = Seams { seams: vec![seam("first"), seam("second")] };
-        let (input_points, level) = (garment.points.len(), Level::base(&garment));
-        let clearance = &IdVec::filled(UNBOUNDED, input_points);
-        let cage = OperatorInput { garment: &garment, level: &level, clearance, input_points, names_sets: false };
+        let (inputs, level) = (Arc::new(garment.points.ids().collect::<IdVec<_, _>>()), Level::base(&garment));
+        let clearance = &IdVec::filled(UNBOUNDED, inputs.len());
+        let cage = OperatorInput { garment: &garment, level: &level, clearance, inputs: &inputs, names_sets: false };
         let output = seams.apply(&cage).expect("an output");
         let name = |face: FaceId| seams.intersections(&output, &[face]).place;
         let middle = |f: FaceId| {

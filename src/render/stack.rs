@@ -1,15 +1,27 @@
 //! The stack of operators that a recipe asks for.
 
+mod stage;
 mod steps;
 
-pub use steps::{Origins, RenderSteps, Rendered};
+pub use stage::Origins;
+pub use steps::{RenderSteps, Rendered};
 
 use super::operator::Operator;
 use super::{OperatorOptions, RenderOptions};
 use crate::checks::did_you_mean;
 use crate::error::{Code, Error, ErrorCode, Warning, Warnings, names};
 use crate::garment::Garment;
+use crate::mesh::Topology;
 use std::sync::Arc;
+
+/// Operators in their order, and the refinements after them.
+#[derive(Clone)]
+struct Stage {
+    operators: Vec<Arc<dyn Operator>>,
+    /// \[levels\]
+    level: u32,
+    names_sets: bool,
+}
 
 /// The operators of a render mesh in their order, and its subdivision level.
 #[derive(Clone)]
@@ -18,8 +30,10 @@ pub struct Stack {
     pub operators: Vec<Arc<dyn Operator>>,
     /// Kinds and names of the recipe's operators, such as `seam.placket`.
     pub names: Vec<String>,
-    /// Refinements after the operators. \[levels\]
+    /// Refinements of the cage. \[levels\]
     pub level: u32,
+    /// Refinements before the first seam; 0: as many as leave its lines room. \[levels\]
+    pub seam_level: u32,
     /// True if operators add face subsets of their new faces.
     pub names_sets: bool,
     /// Warnings of operators that `render.operators` omits.
@@ -36,6 +50,7 @@ impl Stack {
             operators: Vec::new(),
             names: Vec::new(),
             level: options.level,
+            seam_level: options.seam_level,
             names_sets: options.face_sets,
             warnings: Warnings::default(),
         };
@@ -53,6 +68,30 @@ impl Stack {
         Ok(stack)
     }
 
+    /// The refinements before the first seam, for a garment with its connectivity. \[levels\]
+    fn seam_level(&self, garment: &Garment, t: &Topology) -> u32 {
+        let rooms = self.operators.iter().filter_map(|operator| operator.levels_with_room(garment, t));
+        let Some(room) = rooms.min() else { return 0 };
+        if self.seam_level > 0 { self.seam_level.min(self.level) } else { room.min(self.level.saturating_sub(1)) }
+    }
+
+    /// What is before and after the refinements that come before the first seam; one stage where there are none.
+    fn stages(&self, garment: &Garment, t: &Topology) -> Vec<Stage> {
+        let before = self.seam_level(garment, t);
+        let is_refined = |operator: &Arc<dyn Operator>| operator.levels_with_room(garment, t).is_some();
+        let first = self.operators.iter().position(is_refined).filter(|_| before > 0);
+        let stage = |operators: &[Arc<dyn Operator>], level: u32| Stage {
+            operators: operators.to_vec(),
+            level,
+            names_sets: self.names_sets,
+        };
+        let Some(first) = first else { return vec![stage(&self.operators, self.level)] };
+        let (folds, seams) = self.operators.split_at(first);
+        vec![stage(folds, before), stage(seams, self.level - before)]
+    }
+}
+
+impl Stage {
     /// The largest height of the operators, rounded up to a quarter power of two so that most edits keep it.
     /// \[mesh units\]
     fn reach(&self, garment: &Garment) -> f32 {

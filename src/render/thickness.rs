@@ -193,8 +193,8 @@ impl Thickness {
         ] {
             if !omitted.faces.is_empty() {
                 let problem = format!("no second layer on {} faces {problem}", omitted.faces.len());
-                let points = omitted.at.iter().copied().filter(|v| v.index() < cage.input_points).collect();
-                let warning = Warning::new(Code::BareFaces, &label, problem).at(Elements::Points(points));
+                let warning =
+                    Warning::new(Code::BareFaces, &label, problem).at(cage.input_points(omitted.at.iter().copied()));
                 warnings.push(warning.remedy(remedy));
             }
         }
@@ -237,12 +237,12 @@ impl Thickness {
         let on_cage = lines.near.enumerated().filter(|(v, near)| **near || layer_ends[*v]).map(|(v, _)| v);
         let on_surface = |vertex: VertexId, is_fold: bool| Control {
             vertex,
-            role: if is_fold { Role::Fold } else { Role::Surface },
+            role: if is_fold { Role::Kept } else { Role::Surface },
         };
         let mut controls: Vec<Control> = on_cage.map(|v| on_surface(v, folds[v])).collect();
         controls.extend(lines.vertices.iter().map(|l| match l.line {
             Some(_) => on_surface(l.vertex, false),
-            None => Control { vertex: l.vertex, role: Role::FoldCut { ends: t.edges[l.mark] } },
+            None => Control { vertex: l.vertex, role: Role::Kept },
         }));
         let ends_of = |l: &&LineVertex| t.edges[l.mark].iter().any(|&v| ends.joined[v]);
         let beside: BTreeSet<VertexId> = lines.vertices.iter().filter(ends_of).map(|l| l.vertex).collect();
@@ -391,7 +391,6 @@ impl Operator for Thickness {
             shares: &[1.0],
             kept_line: 0,
             is_even: false,
-            is_open: IdVec::filled(false, t.vertex_count()),
         };
         // A closer support loop is harmless, so `lines.narrowed` gives no warning.
         let mut lines = lines::insert(&request);

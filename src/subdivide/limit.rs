@@ -1,23 +1,59 @@
 //! Limit positions of a cage's vertices under Catmull-Clark, as weighted sums of its vertices.
 //!
 //! Smooth vertices use the limit mask of Halstead, Kass and DeRose 1993. It holds where all faces at the vertex are
-//! quads; at other vertices it is applied to the first refinement. Semi-sharp vertices blend the limits of the corner,
-//! crease and smooth rules by sharpness, which is exact for zero and infinite sharpness only. Under the bilinear,
-//! polygonal and Loop schemes each vertex is its own limit.
+//! quads; at other vertices it is applied to the first refinement. Semi-sharp vertices have the limits of the refinement at
+//! which they are sharp no more. Under the bilinear, polygonal and Loop schemes each vertex is its own limit.
 
-use super::{INFINITE_SHARPNESS, Level, Numbering, Rule, Spoke, Stencils, Table, VertexStencils};
+use super::{INFINITE_SHARPNESS, Level, Numbering, Rule, Spoke, Stencils, Table, VertexStencils, edges_at};
 use crate::garment::{Scheme, TriangleRule};
-use crate::mesh::VertexId;
+use crate::mesh::{FaceId, VertexId};
 use rayon::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
 
 impl Level {
     /// Limit position of each vertex, as a weighted sum of the level's vertices.
     pub fn limit_rows(&self) -> Table<VertexId> {
         let (refined, count) = (self.vertex_stencils(), self.topology.vertex_count());
-        let vertices = (0..count).into_par_iter().map(VertexId::new);
+        let all: Vec<VertexId> = (0..count).map(VertexId::new).collect();
+        let finite: Vec<VertexId> = all.iter().copied().filter(|&v| is_semi_sharp(self, v)).collect();
+        let known = semi_sharp_rows(self, &finite);
         let last = || vec![0; count];
-        Table::of(vertices, last, |table, last, v| limit_row(self, &refined, v, &mut Rows { table, last }))
+        Table::of(all.into_par_iter(), last, |table, last, v| match finite.binary_search(&v) {
+            Ok(at) => table.push(known[at].iter().copied()),
+            Err(_) => limit_row(self, &refined, v, &mut Rows { table, last }),
+        })
     }
+}
+
+/// A position as a weighted sum of vertices.
+type Row = Vec<(VertexId, f32)>;
+
+/// True for vertices whose rule is another one after some refinements.
+fn is_semi_sharp(level: &Level, vertex: VertexId) -> bool {
+    let is_finite = |sharpness: f32| sharpness > 0.0 && sharpness < INFINITE_SHARPNESS;
+    let is_linear = matches!(level.scheme, Scheme::Bilinear | Scheme::None | Scheme::Loop);
+    let is_crease = || edges_at(&level.topology, vertex).any(|edge| is_finite(level.edge_sharpness[edge]));
+    !is_linear && (is_finite(level.vertex_sharpness[vertex]) || is_crease())
+}
+
+/// The limits of some vertices by those of their children, which are less sharp.
+fn semi_sharp_rows(level: &Level, vertices: &[VertexId]) -> Vec<Row> {
+    if vertices.is_empty() {
+        return Vec::new();
+    }
+    let faces: BTreeSet<FaceId> = vertices.iter().flat_map(|&v| level.topology.faces_at(v)).collect();
+    let (part, whole) = level.part(&faces.into_iter().collect::<Vec<_>>());
+    let (child, stencils) = (part.refined(), part.vertex_stencils());
+    let own: BTreeMap<VertexId, VertexId> = whole.enumerated().map(|(own, &v)| (v, own)).collect();
+    let limits = child.limit_rows();
+    let row = |v: &VertexId| {
+        let mut sum: BTreeMap<VertexId, f32> = BTreeMap::new();
+        for &(source, weight) in limits.at(own[v].index()) {
+            stencils.row(source.index(), &mut |v, share| *sum.entry(whole[v]).or_default() += weight * share);
+        }
+        sum.into_iter().collect()
+    };
+    vertices.iter().map(row).collect()
 }
 
 /// Builds rows in which each source appears once.
@@ -34,11 +70,6 @@ impl Rows<'_> {
     }
 }
 
-/// Weight of a sharp rule in the limit: exact for zero and infinite sharpness, approximate between.
-fn lasting(sharpness: f32) -> f32 {
-    if sharpness >= INFINITE_SHARPNESS { 1.0 } else { 1.0 - 0.5f32.powf(sharpness) }
-}
-
 fn limit_row(level: &Level, refined: &VertexStencils, vertex: VertexId, rows: &mut Rows) {
     let linear = matches!(level.scheme, Scheme::Bilinear | Scheme::None | Scheme::Loop);
     if linear || level.topology.vertex_corners.row(vertex).is_empty() {
@@ -51,18 +82,15 @@ fn limit_row(level: &Level, refined: &VertexStencils, vertex: VertexId, rows: &m
     }
     let mut spokes: Vec<Spoke> = Vec::new();
     level.spokes(vertex, &mut spokes);
-    // A corner of three semi-sharp edges becomes a crease along the two sharpest.
-    let mut sharp: Vec<&Spoke> = spokes.iter().filter(|s| level.edge_sharpness[s.edge] > 0.0).collect();
-    sharp.sort_by(|a, b| level.edge_sharpness[b.edge].total_cmp(&level.edge_sharpness[a.edge]));
-    let sharpness = |k: usize| sharp.get(k).map_or(0.0, |s| level.edge_sharpness[s.edge]);
-    let kept = lasting(level.vertex_sharpness[vertex].max(sharpness(2)));
-    let creased = (1.0 - kept) * lasting(sharpness(1));
-    sink(vertex, kept + creased * 2.0 / 3.0);
-    let ends = sharp.iter().take(if creased > 0.0 { 2 } else { 0 });
-    ends.for_each(|s| sink(level.topology.faces.vertex(s.far), creased / 6.0));
-    let smooth = 1.0 - kept - creased;
-    if smooth > 1e-6 {
-        smooth_row(level, refined, vertex, smooth, &mut sink);
+    let sharp: Vec<&Spoke> = spokes.iter().filter(|s| level.edge_sharpness[s.edge] > 0.0).collect();
+    match *sharp {
+        _ if level.vertex_sharpness[vertex] > 0.0 => sink(vertex, 1.0),
+        [] | [_] => smooth_row(level, refined, vertex, 1.0, &mut sink),
+        [a, b] => {
+            sink(vertex, 2.0 / 3.0);
+            [a, b].into_iter().for_each(|s| sink(level.topology.faces.vertex(s.far), 1.0 / 6.0));
+        }
+        _ => sink(vertex, 1.0),
     }
 }
 

@@ -11,14 +11,14 @@ impl LineBuilder<'_, '_> {
     pub(super) fn add_grid(&mut self, corner: CornerId, number: usize) {
         let t = self.request.topology;
         let Some([after, before]) = self.cuts.block(corner) else { return };
-        let part = self.widths.parts[self.ribs.all[number].vertex];
+        let height = self.widths.heights[self.ribs.all[number].vertex];
         let (along, across) = (t.corner_edge[corner], t.corner_edge[t.faces.prev(corner)]);
         let mut grid = Vec::with_capacity(after.len() * before.len());
         for (i, &x) in after.iter().enumerate() {
             for (j, &y) in before.iter().enumerate() {
                 let vertex = self.builder.vertex(&grid_point(t, corner, x, y));
                 let crossing = Some(Crossing { line: i, mark: across });
-                self.vertices.push(LineVertex { vertex, line: Some(j), mark: along, part, crossing });
+                self.vertices.push(LineVertex { vertex, line: Some(j), mark: along, height, crossing });
                 grid.push(vertex);
             }
         }

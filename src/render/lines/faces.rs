@@ -2,7 +2,7 @@
 
 use super::cuts::{Cut, Cuts};
 use super::paths::Widths;
-use super::points::{Sources, between, ghost, weights};
+use super::points::{Sources, between, weights};
 use super::ribs::{Rib, Ribs};
 use super::{Crossing, LineVertex, Lines, Request, StripFace};
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
@@ -15,13 +15,11 @@ struct CorePoint {
     vertex: VertexId,
     /// True if the core is concave at the vertex: it is split from there.
     is_reflex: bool,
-    /// True at the outermost line where a taper begins: a triangle to its end is split off.
-    is_taper: bool,
 }
 
 impl CorePoint {
     fn new(vertex: VertexId) -> Self {
-        Self { vertex, is_reflex: false, is_taper: false }
+        Self { vertex, is_reflex: false }
     }
 }
 
@@ -74,7 +72,7 @@ pub fn build<'a>(request: &Request<'a>, ribs: &Ribs, cuts: &Cuts, widths: &Width
     first_child.push(lines.builder.face_count());
     t.edges.ids().for_each(|edge| lines.add_edge(edge));
     let LineBuilder { builder, vertices, strips, .. } = lines;
-    Lines { builder, vertices, strips, first_child, near, narrowed: Vec::new(), widths: widths.parts.clone() }
+    Lines { builder, vertices, strips, first_child, near, narrowed: Vec::new(), heights: widths.heights.clone() }
 }
 
 impl LineBuilder<'_, '_> {
@@ -94,8 +92,8 @@ impl LineBuilder<'_, '_> {
         let mut column = Vec::with_capacity(rib.steps.len());
         for (line, &step) in rib.steps.iter().enumerate() {
             let vertex = self.builder.vertex(&weights(self.request.topology, rib, step));
-            let part = self.widths.parts[rib.vertex];
-            self.vertices.push(LineVertex { vertex, line: Some(line), mark: rib.mark, part, crossing: None });
+            let height = self.widths.heights[rib.vertex];
+            self.vertices.push(LineVertex { vertex, line: Some(line), mark: rib.mark, height, crossing: None });
             column.push(vertex);
         }
         self.columns.push(column);
@@ -108,17 +106,17 @@ impl LineBuilder<'_, '_> {
         for (number, cut) in self.cuts.of(edge).iter().enumerate() {
             let vertex = self.builder.vertex(&[(a, 1.0 - cut.at), (b, cut.at)]);
             let crossing = cut.block.map(|block| Crossing { line: block.line, mark: block.mark });
-            self.vertices.push(LineVertex { vertex, line: None, mark: edge, part: cut.share, crossing });
+            self.vertices.push(LineVertex { vertex, line: None, mark: edge, height: cut.height, crossing });
             self.cut_vertices.entry(edge).or_default().push(vertex);
             for &half in t.edge_corners.row(edge) {
-                let beside = self.beside_cut(half, cut, crossing);
+                let beside = self.beside_cut(half, cut);
                 self.beside_cuts.insert((half, number), beside);
             }
         }
     }
 
     /// The vertices of the lines beside a cut, in the face of a half-edge.
-    fn beside_cut(&mut self, half: CornerId, cut: &Cut, crossing: Option<Crossing>) -> Vec<VertexId> {
+    fn beside_cut(&mut self, half: CornerId, cut: &Cut) -> Vec<VertexId> {
         let (t, n) = (self.request.topology, self.line_count());
         if let Some((corner, line)) = self.grid_of(half, cut) {
             let is_tail = corner == half;
@@ -127,14 +125,13 @@ impl LineBuilder<'_, '_> {
         let edge = t.corner_edge[half];
         let is_forward = t.faces.vertex(half) == t.edges[edge][0];
         let at = if is_forward { cut.at } else { 1.0 - cut.at };
-        let Some([tail, head]) = self.ends(half, if cut.is_halfway { 0.0 } else { cut.share }) else {
-            return Vec::new();
-        };
+        let Some([tail, head]) = self.ends(half) else { return Vec::new() };
         let kept = if self.ends_within(half, cut) { n - 1 } else { n };
+        // Where the other lines end, those of the seam that goes through are its own alone.
         let mut beside = Vec::with_capacity(kept);
         for line in 0..kept {
             let vertex = self.builder.vertex(&between(&tail[line], &head[line], at));
-            self.vertices.push(LineVertex { vertex, line: Some(line), mark: edge, part: cut.share, crossing });
+            self.vertices.push(LineVertex { vertex, line: Some(line), mark: edge, height: cut.height, crossing: None });
             beside.push(vertex);
         }
         beside
@@ -148,34 +145,28 @@ impl LineBuilder<'_, '_> {
     }
 
     /// The sources of the lines at both ends of the strip beside a half-edge, if its face may be cut.
-    fn ends(&self, half: CornerId, share: f32) -> Option<[Vec<Sources>; 2]> {
+    fn ends(&self, half: CornerId) -> Option<[Vec<Sources>; 2]> {
         let t = self.request.topology;
-        if !self.request.cuttable[t.faces.face_of(half)] {
-            return None;
-        }
-        let end = |corner: CornerId, is_tail: bool| match self.strip_rib(corner, is_tail) {
-            Some(rib) => {
-                let rib = &self.ribs.all[rib];
-                rib.steps.iter().map(|&step| weights(t, rib, step)).collect()
-            }
-            None => ghost(self.request, self.ribs, (corner, half), share),
+        let end = |corner: CornerId, is_tail: bool| {
+            let rib = &self.ribs.all[self.strip_rib(corner, is_tail)?];
+            Some(rib.steps.iter().map(|&step| weights(t, rib, step)).collect())
         };
-        Some([end(half, true), end(t.faces.next(half), false)])
+        Some([end(half, true)?, end(t.faces.next(half), false)?])
     }
 
     /// The vertices across the strip beside a half-edge at each of its cuts, in its direction. Inside a block there are
     /// none but at its last line.
-    fn across_cuts(&self, half: CornerId) -> Vec<(&Cut, Vec<VertexId>)> {
+    fn across_cuts(&self, half: CornerId) -> Vec<Vec<VertexId>> {
         let t = self.request.topology;
         let edge = t.corner_edge[half];
-        let mut all: Vec<(&Cut, Vec<VertexId>)> = Vec::new();
+        let mut all: Vec<Vec<VertexId>> = Vec::new();
         for (number, cut) in self.cuts.of(edge).iter().enumerate() {
             if self.grid_of(half, cut).is_some_and(|(_, line)| line + 1 < self.line_count()) {
                 continue;
             }
             let on_edge = self.cut_vertices[&edge][number];
             let beside = &self.beside_cuts[&(half, number)];
-            all.push((cut, std::iter::once(on_edge).chain(beside.iter().copied()).collect()));
+            all.push(std::iter::once(on_edge).chain(beside.iter().copied()).collect());
         }
         if t.faces.vertex(half) != t.edges[edge][0] {
             all.reverse();
@@ -277,10 +268,9 @@ impl LineBuilder<'_, '_> {
         core.extend(cuts(corner).iter().map(point));
         // The outermost vertex of a block is a corner of the core already.
         let ends = [corner, next].map(|c| self.grids.get(&c).and_then(|grid| grid.last().copied()));
-        for (cut, across) in self.across_cuts(corner) {
+        for across in self.across_cuts(corner) {
             let outermost = across.get(self.line_count()).copied().filter(|v| !ends.contains(&Some(*v)));
-            let is_taper = cut.block.is_none() && !cut.is_halfway && across.len() > 1;
-            core.extend(outermost.map(|vertex| CorePoint { is_taper, ..CorePoint::new(vertex) }));
+            core.extend(outermost.map(CorePoint::new));
         }
         core.extend(cuts(next).iter().rev().map(point));
     }
@@ -309,7 +299,7 @@ impl LineBuilder<'_, '_> {
         let head = self.column(next, self.strip_rib(next, false));
         let mark = self.topology().corner_edge[corner];
         // A strip begins and ends at blocks, where they are.
-        let mut columns: Vec<_> = self.across_cuts(corner).into_iter().map(|(_, across)| across).collect();
+        let mut columns = self.across_cuts(corner);
         if !self.grids.contains_key(&corner) {
             columns.insert(0, tail);
         }
@@ -357,31 +347,8 @@ impl LineBuilder<'_, '_> {
         }
     }
 
-    /// Splits off the triangles between tapers and the edges beside them, without which the core would be concave.
-    fn add_taper_triangles(&mut self, face: FaceId, core: &mut Vec<CorePoint>) {
-        while core.len() > 3
-            && let Some(at) = core.iter().position(|p| p.is_taper)
-        {
-            core.rotate_left(at);
-            core[0].is_taper = false;
-            let last = core.len() - 1;
-            if self.is_taper_end(core[1].vertex) {
-                self.builder.face(face, &[core[0].vertex, core[1].vertex, core[2].vertex]);
-                core.remove(1);
-            } else if self.is_taper_end(core[last].vertex) {
-                self.builder.face(face, &[core[0].vertex, core[last - 1].vertex, core[last].vertex]);
-                core.remove(last);
-            }
-        }
-    }
-
-    fn is_taper_end(&self, vertex: VertexId) -> bool {
-        vertex.index() < self.topology().vertex_count() && self.request.tapers[vertex]
-    }
-
     /// Adds the core of a face. A core with an even number of corners is split into quads at its concave corners.
     fn add_core(&mut self, face: FaceId, mut core: Vec<CorePoint>) {
-        self.add_taper_triangles(face, &mut core);
         while core.len() > 4
             && core.len().is_multiple_of(2)
             && let Some(at) = core.iter().position(|p| p.is_reflex)

@@ -10,8 +10,8 @@
 //!  |   |   |   |
 //! ```
 //!
-//! A path that ends inside the surface tapers: its last vertex has no rib, and its last edge is cut where the taper
-//! begins. A path that ends at a border runs off it. Where paths meet, the lines of each cross those of the others.
+//! At the end of a path inside the surface, lines lead around it. A path that ends at a border runs off it. Where paths
+//! meet or turn, the lines of each cross those of the others.
 //!
 //! `paths` computes the share of the distance at each vertex, `ribs` the ribs and their steps in each face, `cuts` the
 //! cuts of marked edges, `points` the weights of the new vertices; `faces` builds the faces between them, and `blocks` those of
@@ -29,7 +29,7 @@ use super::operator::REPORTED;
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
 use cuts::Cuts;
 use glam::Vec3;
-use paths::{LEAST_EASED, Widths};
+use paths::Widths;
 use ribs::Ribs;
 
 /// A request for lines beside marked edges.
@@ -42,11 +42,11 @@ pub struct Request<'a> {
     pub marked: IdVec<EdgeId, bool>,
     /// For each half-edge of a marked edge, the distance that `shares` scale. \[mesh units\]
     pub distance: IdVec<CornerId, f32>,
-    /// True for vertices where lines taper to nothing.
+    /// True for ends inside the surface, where heights go to nothing.
     pub tapers: IdVec<VertexId, bool>,
-    /// True for ends of paths whose last edge is cut as for a taper, though its lines keep their distance.
+    /// True for other ends with a taper: their last edge is cut where it begins.
     pub ends: IdVec<VertexId, bool>,
-    /// For each marked edge, the length of a taper at its end; 0 for all of the edge. \[mesh units\]
+    /// For each marked edge, the length of a taper at its end. \[mesh units\]
     pub taper_length: IdVec<EdgeId, f32>,
     /// True for faces that may be cut. The others get vertices on shared edges alone.
     pub cuttable: IdVec<FaceId, bool>,
@@ -56,8 +56,6 @@ pub struct Request<'a> {
     pub kept_line: usize,
     /// True if a narrow face also narrows the lines beside its neighbours, so that their width changes evenly.
     pub is_even: bool,
-    /// True for vertices with no other layer near, where lines are narrowed for the grid of a junction.
-    pub is_open: IdVec<VertexId, bool>,
 }
 
 /// A new vertex.
@@ -69,8 +67,8 @@ pub struct LineVertex {
     pub line: Option<usize>,
     /// The marked edge of the line.
     pub mark: EdgeId,
-    /// Share of the requested distance: below 1 at tapers and in narrow faces.
-    pub part: f32,
+    /// Share of the height: below 1 at tapers and in narrow faces.
+    pub height: f32,
     /// The line of another marked edge that crosses here, at a junction.
     pub crossing: Option<Crossing>,
 }
@@ -118,8 +116,8 @@ pub struct Lines<'a> {
     pub first_child: Vec<usize>,
     /// The ends of marked edges with narrowed lines.
     pub narrowed: Vec<Narrowed>,
-    /// Share of the requested distance at each parent vertex.
-    pub widths: IdVec<VertexId, f32>,
+    /// Share of the height at each parent vertex.
+    pub heights: IdVec<VertexId, f32>,
     /// True for parent vertices of cut faces.
     pub near: IdVec<VertexId, bool>,
 }
@@ -130,15 +128,12 @@ pub fn insert<'a>(request: &Request<'a>) -> Lines<'a> {
     let mut ribs = Ribs::new(request, &widths.shares);
     let own_room = ribs.room.clone();
     let mut room = own_room.clone();
-    if request.is_even {
-        cuts::leave_room_for_blocks(request, &ribs, LEAST_EASED, &mut room);
-    }
     if request.is_even && room.iter().any(|&room| room < 1.0) {
         let eased = widths.ease(request, &room);
         ribs = Ribs::new(request, &widths.shares);
         room = eased.iter().zip(ribs.room.iter()).map(|(eased, room)| eased * room).collect();
     }
-    widths.parts = widths.shares.iter().zip(ribs.room.iter()).map(|(share, room)| share * room).collect();
+    widths.heights.iter_mut().zip(room.iter()).for_each(|(height, room)| *height *= room);
     let cuts = Cuts::new(request, &ribs, &widths);
     Lines { narrowed: narrow_ends(request, &own_room, &room), ..faces::build(request, &ribs, &cuts, &widths) }
 }

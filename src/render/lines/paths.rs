@@ -1,8 +1,8 @@
-//! The share of the requested distance along paths of marked edges.
+//! Shares along paths of marked edges: of the height towards ends, and of the distance where faces are narrow.
 //!
-//! A path *tapers* where it ends inside the surface: over the taper length, and at most a third of the path, its lines
-//! narrow to nothing. Where faces are too narrow for the lines, the share decreases towards that place by a few percent
-//! from edge to edge, so that lines do not bead.
+//! A path *tapers* where it ends inside the surface: over the taper length, and at most a third of the path, its height goes
+//! to nothing. Its lines keep their distance and lead around the end. Where faces are too narrow for the lines, the share
+//! of the distance decreases towards that place by a few percent from edge to edge, so that lines do not bead.
 
 use super::Request;
 use crate::mesh::{Csr, EdgeId, IdVec, VertexId};
@@ -24,14 +24,14 @@ const SWEEPS: usize = 9;
 pub struct Widths {
     /// Share of the requested distance at each vertex.
     pub shares: IdVec<VertexId, f32>,
-    /// Share of the height at each vertex: less than that of the distance where its faces leave less room.
-    pub parts: IdVec<VertexId, f32>,
-    /// For each edge, the part that a taper takes from its first and second vertex, if the taper ends within the edge.
-    pub tapers: IdVec<EdgeId, [Option<f32>; 2]>,
+    /// Share of the height at each vertex: less towards ends, and where faces leave less room.
+    pub heights: IdVec<VertexId, f32>,
+    /// For each edge, the part from its first and second vertex after which it is cut, as a taper ends within it.
+    pub cuts: IdVec<EdgeId, [Option<f32>; 2]>,
 }
 
 impl Widths {
-    /// Shares below 1 at tapers alone.
+    /// Shares below 1 of heights at tapers alone.
     pub fn tapered(request: &Request) -> Self {
         let t = request.topology;
         let ends = request.marked.enumerated().filter(|(_, marked)| **marked).flat_map(|(edge, _)| {
@@ -40,7 +40,7 @@ impl Widths {
         });
         let marked_at = Csr::group(t.vertex_count(), ends, EdgeId::new(0));
         let full = IdVec::filled(1.0, t.vertex_count());
-        let mut widths = Self { shares: full.clone(), parts: full, tapers: IdVec::filled([None; 2], t.edges.len()) };
+        let mut widths = Self { shares: full.clone(), heights: full, cuts: IdVec::filled([None; 2], t.edges.len()) };
         for end in request.tapers.ids().filter(|&v| request.tapers[v] || request.ends[v]) {
             if let &[first] = marked_at.row(end) {
                 widths.taper(request, first, &path(request, &marked_at, end, first));
@@ -49,29 +49,18 @@ impl Widths {
         widths
     }
 
-    /// Narrows a path from its end. `path` has vertices with their distance along the path.
+    /// Lowers the height of a path towards its end, or finds where its last edge is cut. `path` has vertices with their
+    /// distance along the path. A single edge has no room to taper.
     fn taper(&mut self, request: &Request, first: EdgeId, path: &[(VertexId, f32)]) {
-        let [(end, _), (_, first_length), ..] = *path else { return };
-        let most = MAX_TAPER_SHARE * path[path.len() - 1].1;
-        let asked = request.taper_length[first];
-        let is_lone = path.len() == 2;
-        if asked == 0.0 && !is_lone {
-            return;
-        }
-        let wanted = if asked == 0.0 { most } else { asked.min(most) };
-        if wanted < (1.0 - SNAP) * first_length {
+        let [(end, _), (_, first_length), .., (_, whole)] = *path else { return };
+        let length = request.taper_length[first].min(MAX_TAPER_SHARE * whole);
+        if request.tapers[end] {
+            path.iter()
+                .for_each(|&(v, along)| self.heights[v] = self.heights[v].min(along / length.max(f32::MIN_POSITIVE)));
+        } else if length < (1.0 - SNAP) * first_length {
             let from_second = usize::from(request.topology.edges[first][0] != end);
-            self.tapers[first][from_second] = Some(wanted / first_length);
-            return;
+            self.cuts[first][from_second] = Some(length / first_length);
         }
-        if !request.tapers[end] {
-            return;
-        }
-        let off = |length: f32| (length - wanted).abs();
-        let within = path[1..].iter().map(|v| v.1).filter(|&length| length <= most.max(first_length) * (1.0 + SNAP));
-        let length = within.fold(first_length, |best, length| if off(length) <= off(best) { length } else { best });
-        let inside = path[1..].iter().take_while(|v| v.1 < length);
-        inside.for_each(|&(v, along)| self.shares[v] = self.shares[v].min(along / length));
     }
 
     /// Lowers the shares towards places with less than full `room`. Returns the factors.

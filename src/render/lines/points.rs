@@ -1,7 +1,6 @@
 //! The points of lines as weighted sums of the parent's vertices.
 
-use super::Request;
-use super::ribs::{Path, Rib, Ribs, ghost_part};
+use super::ribs::{Path, Rib};
 use crate::mesh::{CornerId, Topology, VertexId};
 
 /// The sources of a point with their weights.
@@ -36,20 +35,6 @@ pub fn grid_point(t: &Topology, corner: CornerId, x: f32, y: f32) -> Sources {
         (at(opposite), x * y),
         (at(prev), (1.0 - x) * y),
     ]
-}
-
-/// The sources of the points that the lines beside a half-edge would have at a corner where they taper, at a share of
-/// their distance. They give the lines their direction before the taper begins.
-pub fn ghost(request: &Request, ribs: &Ribs, (corner, half): (CornerId, CornerId), share: f32) -> Vec<Sources> {
-    let t = request.topology;
-    let (vertex, prev) = (t.faces.vertex(corner), t.faces.prev(corner));
-    let side = if corner == half { prev } else { corner };
-    let [a, b] = t.edges[t.corner_edge[side]];
-    let to = if a == vertex { b } else { a };
-    let part = ghost_part(request, ribs, (vertex, side, half), share);
-    let outer = request.shares.last().copied().unwrap_or(1.0);
-    let at = |&line: &f32| vec![(vertex, 1.0 - part * line / outer), (to, part * line / outer)];
-    request.shares.iter().map(at).collect()
 }
 
 /// The sources of the point at a share of the way between two points.

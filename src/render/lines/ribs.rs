@@ -5,23 +5,22 @@
 //! opposite ends stay apart.
 
 use super::Request;
-use crate::mesh::{CornerId, Csr, EdgeId, IdVec, Topology, VertexId};
+use crate::mesh::{CornerId, EdgeId, IdVec, Topology, VertexId};
 use crate::render::operator::REPORTED;
 use glam::Vec3;
 
 /// Share of an edge that lines from one end may use. A larger share leaves less of the face beside a wide seam.
-const MAX_EDGE_SHARE: f32 = 0.8;
+pub const MAX_EDGE_SHARE: f32 = 0.9;
 /// Share of an edge that lines from both ends may use together.
-const MAX_SHARED_SHARE: f32 = 0.9;
+pub const MAX_SHARED_SHARE: f32 = 0.9;
 /// Share of the edges of a triangle that a mitre may use, so that three mitres stay apart.
 const MAX_TRIANGLE_SHARE: f32 = 0.28;
-/// Sum of the shares of both edges that a mitre may use where lines taper at the far ends of both. It keeps the core
-/// convex.
-const MAX_TAPERED_SHARE: f32 = 0.9;
 /// Largest step of the kept line in a narrow face, which leaves space for the support loop outside.
-const MAX_KEPT_STEP: f32 = 0.75;
+const MAX_KEPT_STEP: f32 = 0.85;
 /// Smallest assumed sine of the angle between a rib and a marked edge. A smaller one gives longer ribs at sharp turns.
 const MIN_SINE: f32 = 0.34;
+/// Smallest sine of the corners at the end of a path, around which lines can lead.
+const MIN_END_SINE: f32 = 0.34;
 /// Smallest assumed length of an edge, as a share of the requested distance, so that shares stay finite.
 const MIN_LENGTH: f32 = 1e-3;
 
@@ -67,8 +66,6 @@ pub struct Ribs {
     along: IdVec<EdgeId, [Option<u32>; 2]>,
     /// The rib into the face of each corner.
     within: IdVec<CornerId, Option<u32>>,
-    /// The ribs from each vertex.
-    of_vertices: Csr<VertexId, u32>,
     /// True for corners that lines pass.
     pub active: IdVec<CornerId, bool>,
     /// For each vertex, the share of the distance of its lines that its faces leave room for.
@@ -83,21 +80,13 @@ impl Ribs {
             all: Vec::new(),
             along: IdVec::filled([None; 2], t.edges.len()),
             within: IdVec::filled(None, t.faces.corners().len()),
-            of_vertices: Csr::group(t.vertex_count(), std::iter::empty(), 0),
             active: active_corners(request),
             room: IdVec::filled(1.0, t.vertex_count()),
         };
         ribs.add_spokes(request, shares);
         ribs.add_mitres(request, shares);
         ribs.add_diagonals(request);
-        let numbered = ribs.all.iter().enumerate().map(|(number, rib)| (rib.vertex, number as u32));
-        ribs.of_vertices = Csr::group(t.vertex_count(), numbered, 0);
         ribs
-    }
-
-    /// The ribs from a vertex.
-    pub fn from(&self, vertex: VertexId) -> impl Iterator<Item = &Rib> {
-        self.of_vertices.row(vertex).iter().map(|&rib| &self.all[rib as usize])
     }
 
     /// The rib along `edge` from `vertex`.
@@ -201,11 +190,14 @@ impl Ribs {
     }
 }
 
-/// True for corners of cuttable fans of faces that begin at a marked edge of their vertex, unless lines taper there.
+/// True for corners of cuttable fans of faces that begin at a marked edge of their vertex. At the end of a path they lead
+/// around it, unless a corner there is too sharp: lines then meet in the end.
 fn active_corners(request: &Request) -> IdVec<CornerId, bool> {
     let t = request.topology;
     let mut active = IdVec::filled(false, t.faces.corners().len());
-    let is_open = |c: CornerId| request.cuttable[t.faces.face_of(c)] && !request.tapers[t.faces.vertex(c)];
+    let is_sharp = |v: VertexId| t.vertex_corners.row(v).iter().any(|&c| sine(request, c) < MIN_END_SINE);
+    let closed: IdVec<VertexId, bool> = request.tapers.enumerated().map(|(v, ends)| *ends && is_sharp(v)).collect();
+    let is_open = |c: CornerId| request.cuttable[t.faces.face_of(c)] && !closed[t.faces.vertex(c)];
     for start in active.ids() {
         let prev = t.faces.prev(start);
         let marked = request.marked[t.corner_edge[start]] || request.marked[t.corner_edge[prev]];
@@ -222,6 +214,13 @@ fn active_corners(request: &Request) -> IdVec<CornerId, bool> {
         }
     }
     active
+}
+
+/// The sine of the angle between the edges at a corner.
+pub fn sine(request: &Request, corner: CornerId) -> f32 {
+    let faces = &request.topology.faces;
+    let at = |c: CornerId| request.points[faces.vertex(c)] - request.points[faces.vertex(corner)];
+    at(faces.next(corner)).normalize_or_zero().cross(at(faces.prev(corner)).normalize_or_zero()).length()
 }
 
 /// A direction around a vertex.
@@ -260,7 +259,8 @@ impl Turn {
 }
 
 /// The length of the rib along `edge` from `vertex` that reaches the requested distance from the nearest marked edges,
-/// and one of these. Two equally near marked edges give the mean length.
+/// and one of these. Two equally near marked edges give the mean length. At the end of a path, the distance is that from
+/// the end.
 fn spoke_reach(request: &Request, edge: EdgeId, vertex: VertexId) -> Option<(f32, EdgeId)> {
     let t = request.topology;
     let mut nearest: [Option<(usize, CornerId)>; 2] = [None; 2];
@@ -276,37 +276,12 @@ fn spoke_reach(request: &Request, edge: EdgeId, vertex: VertexId) -> Option<(f32
     let chosen: Vec<CornerId> = nearest.iter().flatten().filter(|n| n.0 == least).map(|n| n.1).collect();
     let along = direction(request, edge, vertex);
     let reach = |half: CornerId| {
-        let sine = along.cross(direction(request, t.corner_edge[half], vertex)).length();
+        let mark = direction(request, t.corner_edge[half], vertex);
+        let sine = if request.tapers[vertex] { 1.0 } else { along.cross(mark).length() };
         request.distance[half] / sine.max(MIN_SINE)
     };
     let mean = chosen.iter().map(|&half| reach(half)).sum::<f32>() / chosen.len() as f32;
     Some((mean, t.corner_edge[chosen[0]]))
-}
-
-/// The sine of the angle at `vertex` between the edges of two half-edges.
-pub fn sine(request: &Request, vertex: VertexId, [a, b]: [CornerId; 2]) -> f32 {
-    let [a, b] = [a, b].map(|half| direction(request, request.topology.corner_edge[half], vertex));
-    a.cross(b).length()
-}
-
-/// The part of the unmarked edge of `side` that a rib at `vertex` would take, where lines beside the half-edge `half` taper.
-pub fn ghost_part(
-    request: &Request,
-    ribs: &Ribs,
-    (vertex, side, half): (VertexId, CornerId, CornerId),
-    share: f32,
-) -> f32 {
-    let t = request.topology;
-    let edge = t.corner_edge[side];
-    let [a, b] = t.edges[edge];
-    let outer = share * request.shares.last().copied().unwrap_or(1.0);
-    let sine = sine(request, vertex, [side, half]);
-    let asked =
-        share_of(outer * request.distance[half] / sine.max(MIN_SINE), request.points[a].distance(request.points[b]));
-    let other = if a == vertex { b } else { a };
-    let path = ribs.along(t, edge, other).map(|rib| ribs.all[rib].path);
-    let taken = if let Some(Path::Edge { part, .. }) = path { part } else { 0.0 };
-    asked.min(MAX_EDGE_SHARE).min((MAX_SHARED_SHARE - taken).max(0.0))
 }
 
 /// The number of faces from a corner to the next marked edge around the vertex, and the half-edge there.
@@ -344,13 +319,10 @@ fn clamped_mitre(request: &Request, path: Path, [ahead, behind]: [f32; 2]) -> (f
     match path {
         Path::Face { corner, after, before } => {
             let is_triangle = t.faces.valence(t.faces.face_of(corner)) == 3;
-            let tapers = |c: CornerId| request.tapers[t.faces.vertex(c)];
-            let is_tapered = tapers(t.faces.next(corner)) && tapers(t.faces.prev(corner));
             let shared = if is_triangle { 2.0 * MAX_TRIANGLE_SHARE } else { MAX_SHARED_SHARE };
-            let both = if is_tapered { MAX_TAPERED_SHARE } else { 2.0 * MAX_EDGE_SHARE };
             let scales =
                 [shared / (after + ahead), shared / (before + behind), MAX_EDGE_SHARE / after, MAX_EDGE_SHARE / before];
-            let scale = scales.into_iter().fold(f32::min(1.0, both / (after + before)), f32::min);
+            let scale = scales.into_iter().fold(1.0, f32::min);
             (scale, Path::Face { corner, after: after * scale, before: before * scale })
         }
         Path::Across { corner, part } => {

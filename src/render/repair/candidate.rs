@@ -19,6 +19,8 @@ pub enum State {
     Reduced,
     /// By the least height.
     Least,
+    /// By the least height, fitted along normals alone.
+    Upright,
     /// By the least height, without the fit.
     Unfitted,
     /// To a point that a solver has found.
@@ -31,7 +33,8 @@ impl State {
         match self {
             Self::Full => Self::Reduced,
             Self::Reduced => Self::Least,
-            Self::Least | Self::Unfitted | Self::Moved => Self::Unfitted,
+            Self::Least => Self::Upright,
+            Self::Upright | Self::Unfitted | Self::Moved => Self::Unfitted,
         }
     }
 }

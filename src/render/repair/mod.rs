@@ -53,6 +53,8 @@ pub struct Displaced<'a> {
     pub near: &'a IdVec<FaceId, bool>,
     /// Points by the operator's weights, with the least heights.
     pub unfitted: &'a IdVec<VertexId, Vec3>,
+    /// Points fitted to the limit surface along its normals alone, with the least heights.
+    pub upright: &'a IdVec<VertexId, Vec3>,
     /// Points fitted to the limit surface, with the least heights.
     pub least: &'a IdVec<VertexId, Vec3>,
     /// Fitted points with all heights.
@@ -89,6 +91,7 @@ impl Displaced<'_> {
         match state {
             State::Moved => None,
             State::Unfitted => Some(self.unfitted[v]),
+            State::Upright => Some(self.upright[v]),
             _ => Some(self.least[v].lerp(self.full[v], self.part(state))),
         }
     }
@@ -98,7 +101,7 @@ impl Displaced<'_> {
         match state {
             State::Full => 1.0,
             State::Reduced => REDUCED,
-            State::Least | State::Unfitted | State::Moved => 0.0,
+            State::Least | State::Upright | State::Unfitted | State::Moved => 0.0,
         }
     }
 }
@@ -130,7 +133,7 @@ fn reduce(trial: &mut Trial) -> Candidate {
     let faults = trial.faults_after(&[], trial.input.controlled_faces);
     let mut candidates = vec![trial.candidate(faults)];
     // More steps find nearly nothing.
-    for _ in 0..3 {
+    for _ in 0..4 {
         let known = candidates.last().map_or_else(Vec::new, |last| last.faults.clone());
         let Some(moved) = trial.displace(trial.weakened(&known, State::weaker)) else { break };
         let faults = trial.faults_after(&known, &moved);
@@ -166,8 +169,10 @@ fn reduce_ahead(trial: &mut Trial, mut facing: Candidate) -> Candidate {
         return facing;
     }
     facing.faults.extend(found);
-    let (known, mut candidates) = (facing.faults.clone(), vec![facing]);
-    if let Some(moved) = trial.displace(trial.weakened(&known, |_| State::Unfitted)) {
+    let mut candidates = vec![facing];
+    for weaker in [State::Upright, State::Unfitted] {
+        let known = candidates.last().map_or_else(Vec::new, |last| last.faults.clone());
+        let Some(moved) = trial.displace(trial.weakened(&known, |state| state.max(weaker))) else { continue };
         let faults = trial.faults_after(&known, &moved);
         candidates.push(trial.candidate(faults));
     }

@@ -7,25 +7,18 @@
 use super::Seams;
 use crate::render::operator::{Role, Strand};
 
-/// Lines of each side as shares of its width: on the flank, at the width, and the support loop outside.
-const LINES: [f32; 3] = [0.5, 1.0, 1.5];
-/// Lines of each side of seams with a depth: two lines on the flank.
-const DEPTH_LINES: [f32; 4] = [1.0 / 3.0, 2.0 / 3.0, 1.0, 4.0 / 3.0];
+/// Lines of each side as shares of its width: two on the flank, one at the width, and the support loop outside.
+const LINES: [f32; 4] = [1.0 / 3.0, 2.0 / 3.0, 1.0, 4.0 / 3.0];
 
 impl Seams {
-    /// Lines of each side as shares of its width. All seams have the same number.
-    pub fn shares(&self) -> &'static [f32] {
-        if self.has_depth() { &DEPTH_LINES } else { &LINES }
+    /// Lines of each side as shares of its width.
+    pub const fn shares() -> &'static [f32] {
+        &LINES
     }
 
     /// Index of the line at the width. Lines before it are on the flank.
-    pub fn width_line(&self) -> usize {
-        self.shares().len() - 2
-    }
-
-    /// True if a seam has a depth.
-    pub fn has_depth(&self) -> bool {
-        self.seams.iter().any(|(_, options)| options.depth != 0.0)
+    pub const fn width_line() -> usize {
+        LINES.len() - 2
     }
 
     /// The height of a role, and the seam that defines it.
@@ -48,7 +41,7 @@ impl Seams {
         let options = &self.seams[seam].1;
         match line {
             None => options.normal_offset,
-            Some(0) if self.has_depth() => (1.0 - self.shares()[0]) * options.normal_offset + options.depth,
+            Some(0) => (1.0 - LINES[0]) * options.normal_offset + options.depth,
             _ => 0.0,
         }
     }
@@ -67,9 +60,9 @@ impl Seams {
         let taken = (its.0.min(offset), its.1);
         let within = if through.line.is_some() && taken.0 > own.0.max(0.0) { taken } else { own };
         match through.line {
-            Some(line) if line > self.width_line() => its,
+            Some(line) if line > Self::width_line() => its,
             // Between, the other one is halfway: it would be a step if it rose from one line to the next.
-            Some(line) if line == self.width_line() => (0.5 * (within.0 + its.0), its.1),
+            Some(line) if line == Self::width_line() => (0.5 * (within.0 + its.0), its.1),
             _ => within,
         }
     }

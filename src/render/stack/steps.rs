@@ -1,32 +1,21 @@
-//! The cached steps from a garment through a stack of operators to its render mesh.
+//! The cached steps from a garment through a stack of operators to its render mesh, stage by stage.
 //!
 //! ```text
-//! cage → operator → operator → … → refinement → …    connectivity and attributes
-//! points → points → points → …  → points → …          in parallel with the next step above
+//! garment → folds → refinements → seams and what follows → refinements → render mesh
+//!           '---- first stage ---'  '------ second stage -----------'
 //! ```
 //!
-//! Each [`Step`] caches its last result by its input. An edit of heights recomputes points alone. An edit of widths
-//! mostly gives the same faces, which keeps levels and refinements too.
+//! The paper's order: fold-over thickness on the coarse cage, refinement, seams. A seam replaces control points beside
+//! its edges, and the coarser the cage, the more of the surface depends on each. The second stage takes the mesh of the
+//! first one as its garment.
 
-mod origins;
-mod refinement;
-
-pub use origins::Origins;
-
-use super::Stack;
-use crate::contact::Clearance;
+use super::stage::{InputVertices, Made, OriginTrace, Origins, StageSteps, Start};
+use super::{Stack, Stage};
 use crate::error::{Error, Warnings};
 use crate::garment::Garment;
-use crate::mesh::{IdVec, VertexId};
-use crate::render::operator::{Ancestry, DerivedCage, Operator, OperatorInput};
-use crate::render::placement::{FlatPoints, Placement};
-use crate::render::points::CagePoints;
-use crate::render::reference::ReferenceNormals;
-use crate::render::thickness::halving;
-use crate::render::{add_border_holes, check_size};
+use crate::mesh::VertexId;
 use crate::step::{Same, Step};
-use crate::subdivide::{Carrier, Connectivity, Level, refined_faces, same_level};
-use refinement::{Refined, RefinementSteps, refined, refined_points};
+use crate::subdivide::to_unit_length;
 use std::sync::Arc;
 
 /// A render mesh.
@@ -38,327 +27,120 @@ pub struct Rendered {
     pub sets: Vec<String>,
     /// Warnings of the operators.
     pub warnings: Warnings,
-}
-
-/// An operator, compared by its output.
-struct SameOutput(Arc<dyn Operator>);
-
-impl PartialEq for SameOutput {
-    fn eq(&self, other: &Self) -> bool {
-        self.0.has_same_output(other.0.as_ref())
-    }
-}
-
-/// An operator, compared by all of its options.
-struct SameOperator(Arc<dyn Operator>);
-
-impl PartialEq for SameOperator {
-    fn eq(&self, other: &Self) -> bool {
-        self.0.is_same(other.0.as_ref())
-    }
-}
-
-/// A cage, compared by the inputs of its level.
-struct SameLevel(Arc<DerivedCage>);
-
-impl PartialEq for SameLevel {
-    fn eq(&self, other: &Self) -> bool {
-        same_level(&self.0.frame, &other.0.frame)
-    }
-}
-
-/// A cage of the stack. Its points are without heights.
-#[derive(Clone)]
-struct Cage {
-    garment: Arc<Garment>,
-    level: Arc<Level>,
-}
-
-/// The output of an operator, and the cage with all attributes.
-#[derive(Clone)]
-struct OperatorCage {
-    derived: Arc<DerivedCage>,
-    cage: Cage,
-}
-
-/// The points of an operator's cage, the masks of its refinement, and warnings of reduced heights.
-#[derive(Clone)]
-struct Raised {
-    points: Arc<CagePoints>,
-    connectivity: Arc<Connectivity>,
-    warnings: Arc<Warnings>,
-}
-
-/// The input of an operator's output: the operator, its parent, the clearance there, and whether sets are named.
-/// The rest of the ancestry follows from the parent.
-type OutputInput = (SameOutput, Same<Garment>, Same<IdVec<VertexId, Clearance>>, bool);
-
-/// Steps to the cage of an operator.
-#[derive(Default)]
-struct CageSteps {
-    derived: Step<OutputInput, Arc<DerivedCage>>,
-    level: Step<SameLevel, Arc<Level>>,
-    garment: Step<Same<DerivedCage>, Arc<Garment>>,
-}
-
-impl CageSteps {
-    fn update(
-        &mut self,
-        operator: &Arc<dyn Operator>,
-        parent: &Cage,
-        context: &Context,
-    ) -> Result<OperatorCage, Error> {
-        let (operator, clearance) = (SameOutput(Arc::clone(operator)), Same::from(&context.ancestry.clearance));
-        let input = (operator, Same::from(&parent.garment), clearance, context.names_sets);
-        let derived = self.derived.get(input, |(operator, ..)| {
-            let input = OperatorInput {
-                garment: &parent.garment,
-                level: &parent.level,
-                clearance: &context.ancestry.clearance,
-                input_points: context.ancestry.garment.points.len(),
-                names_sets: context.names_sets,
-            };
-            DerivedCage::new(operator.0.as_ref(), &input, &context.ancestry).map(Arc::new)
-        })?;
-        let level = self.level.get(SameLevel(Arc::clone(&derived)), |_| Ok(Arc::new(Level::base(&derived.frame))))?;
-        let garment = self.garment.get(Same::from(&derived), |_| {
-            let carrier = Carrier::new(&parent.garment, &derived.output.derivation);
-            let (primvars, influences) = (carrier.primvars(), carrier.influences());
-            Ok(Arc::new(Garment { primvars, influences, ..derived.frame.clone() }))
-        })?;
-        Ok(OperatorCage { derived, cage: Cage { garment, level } })
-    }
-}
-
-/// Inputs of an operator besides its cage.
-struct Context {
-    ancestry: Ancestry,
-    names_sets: bool,
-}
-
-/// The input of a placement: the cage, its connectivity and its parent's.
-type PlacementInput = (Same<DerivedCage>, Same<Connectivity>, Same<Connectivity>);
-/// The input of raised points; true for the last cage.
-type RaisedInput = (SameOperator, Same<FlatPoints>, bool);
-
-/// Steps to the points of an operator's cage.
-#[derive(Default)]
-struct PointSteps {
-    connectivity: Step<Same<Level>, Arc<Connectivity>>,
-    placement: Step<PlacementInput, Arc<Placement>>,
-    flat: Step<(Same<Placement>, Same<CagePoints>), Arc<FlatPoints>>,
-    raised: Step<RaisedInput, (Arc<CagePoints>, Arc<Warnings>)>,
-}
-
-impl PointSteps {
-    fn update(
-        &mut self,
-        operator: &Arc<dyn Operator>,
-        child: &OperatorCage,
-        parent: (&Arc<Connectivity>, &Arc<CagePoints>),
-        is_last: bool,
-    ) -> Result<Raised, Error> {
-        let connectivity = connectivity(&mut self.connectivity, &child.cage.level)?;
-        let input = (Same::from(&child.derived), Same::from(&connectivity), Same::from(parent.0));
-        let placement = self.placement.get(input, |(derived, child, parent)| {
-            Ok(Arc::new(Placement::new(Arc::clone(&derived.0), Arc::clone(&child.0), Arc::clone(&parent.0))))
-        })?;
-        let input = (Same::from(&placement), Same::from(parent.1));
-        let flat = self.flat.get(input, |(placement, parent)| Ok(Arc::new(placement.flat(parent))))?;
-        let input = (SameOperator(Arc::clone(operator)), Same::from(&flat), is_last);
-        let (points, warnings) = self.raised.get(input, |_| {
-            let (points, warnings) = placement.raised(operator.as_ref(), &flat, is_last);
-            Ok((Arc::new(points), Arc::new(warnings)))
-        })?;
-        Ok(Raised { points, connectivity, warnings })
-    }
-}
-
-fn connectivity(
-    step: &mut Step<Same<Level>, Arc<Connectivity>>,
-    level: &Arc<Level>,
-) -> Result<Arc<Connectivity>, Error> {
-    step.get(Same::from(level), |level| Ok(Arc::new(Connectivity::new(Arc::clone(&level.0)))))
+    /// Refinements before the first seam. \[levels\]
+    pub seam_level: u32,
 }
 
 /// The cached steps from a garment to its render mesh.
 pub struct RenderSteps {
-    garment: Arc<Garment>,
-    first: Option<Cage>,
-    first_points: Step<u32, Arc<CagePoints>>,
-    first_ancestry: Step<Same<CagePoints>, Ancestry>,
-    first_connectivity: Step<Same<Level>, Arc<Connectivity>>,
-    cages: Vec<CageSteps>,
-    points: Vec<PointSteps>,
-    refinements: Vec<RefinementSteps>,
-    mesh: Step<(Same<Garment>, Same<CagePoints>, u32), Arc<Garment>>,
-}
-
-/// Cages and points of all operators.
-struct Derived {
-    cages: Vec<OperatorCage>,
-    raised: Vec<Raised>,
+    start: Start,
+    stages: [StageSteps; 2],
+    mesh: Step<Same<Garment>, Arc<Garment>>,
 }
 
 impl RenderSteps {
     /// The steps of a garment.
     pub fn new(garment: Arc<Garment>) -> Self {
-        Self {
-            garment,
-            first: None,
-            first_points: Step::default(),
-            first_ancestry: Step::default(),
-            first_connectivity: Step::default(),
-            cages: Vec::new(),
-            points: Vec::new(),
-            refinements: Vec::new(),
-            mesh: Step::default(),
-        }
+        let inputs: InputVertices = (0..garment.points.len()).map(VertexId::new).collect();
+        let start = Start { garment, inputs: Arc::new(inputs) };
+        Self { start, stages: Default::default(), mesh: Step::default() }
     }
 
     /// The render mesh.
-    ///
-    /// A polygonal mesh (`subdivisionScheme = "none"`) is refined as if bilinear and stays polygonal.
     ///
     /// # Errors
     /// Operators that do not fit the garment; a mesh that would be too large.
     pub fn update(&mut self, stack: &Stack) -> Result<Rendered, Error> {
         if stack.level == 0 && stack.operators.is_empty() {
-            let mesh = Arc::clone(&self.garment);
-            return Ok(Rendered { mesh, sets: Vec::new(), warnings: stack.warnings.clone() });
+            let mesh = Arc::clone(&self.start.garment);
+            let warnings = stack.warnings.clone();
+            return Ok(Rendered { mesh, sets: Vec::new(), warnings, seam_level: 0 });
         }
         // Parallel loops start faster from a thread of the pool.
-        let stack = self.with_halving(stack);
-        rayon::scope(|_| self.update_in_pool(&stack))
-    }
-
-    /// The stack, after operators that halve faces at its folds if some bend too far.
-    fn with_halving(&mut self, stack: &Stack) -> Stack {
-        let folds = stack.operators.iter().filter(|operator| !operator.folded_sets().is_empty());
-        let amount = folds.clone().map(|fold| fold.reach(&self.garment)).fold(0.0, f32::max);
-        let folded: Vec<String> = folds.flat_map(|fold| fold.folded_sets()).collect();
-        let mut stack = stack.clone();
-        if !folded.is_empty() {
-            let first = self.first.get_or_insert_with(|| Cage::first(&self.garment));
-            stack.operators.splice(0..0, halving(&first.garment, &first.level, &folded, amount));
-        }
-        stack
+        rayon::scope(|_| self.update_in_pool(stack))
     }
 
     fn update_in_pool(&mut self, stack: &Stack) -> Result<Rendered, Error> {
-        let (first, points) = self.first(stack)?;
-        let (Derived { cages, raised }, (refined, refinements)) = self.operate(&first, &points, stack)?;
-        let points = raised.last().map_or(&points, |last| &last.points);
-        let mesh = self.mesh.get((Same::from(&refined), Same::from(points), stack.level), |_| {
-            let known = raised.last().map(|last| last.connectivity.as_ref());
-            let points = refined_points(&points.points, known, &refinements);
-            Ok(Arc::new(Garment { points, ..Garment::clone(&refined) }))
-        })?;
         let mut warnings = stack.warnings.clone();
-        for (cage, raised) in cages.iter().zip(&raised) {
-            warnings.extend(cage.derived.output.warnings.iter().chain(raised.warnings.iter()).cloned());
+        let mut sets = Vec::new();
+        let mut start = self.start.clone();
+        let stages = self.stages_of(stack)?;
+        for (steps, stage) in self.stages.iter_mut().zip(&stages) {
+            let Made { mesh, inputs, sets: of_stage, warnings: told } = steps.update(&start, stage)?;
+            sets.extend(of_stage);
+            warnings.extend(told);
+            start = Start { garment: mesh, inputs };
         }
-        let subsets = cages.iter().flat_map(|cage| &cage.derived.output.subsets);
-        Ok(Rendered { mesh, sets: subsets.map(|set| set.name.clone()).collect(), warnings })
+        let mesh = self.mesh.get(Same::from(&start.garment), |made| Ok(Arc::new(finished(Garment::clone(made)))))?;
+        Ok(Rendered { mesh, sets, warnings, seam_level: seam_level(&stages) })
     }
 
-    /// The cage before all operators, and its points with the clearance within the reach of the stack.
-    fn first(&mut self, stack: &Stack) -> Result<(Cage, Arc<CagePoints>), Error> {
-        let first = self.first.get_or_insert_with(|| Cage::first(&self.garment)).clone();
-        let reach = stack.reach(&self.garment);
-        let points = || Ok(Arc::new(CagePoints::first(&first.garment, &first.level, reach)));
-        let points = self.first_points.get(reach.to_bits(), |_| points())?;
-        Ok((first, points))
+    fn stages_of(&mut self, stack: &Stack) -> Result<Vec<Stage>, Error> {
+        let topology = &self.stages[0].first_cage(&self.start)?.level.topology;
+        Ok(stack.stages(&self.start.garment, topology))
     }
 
-    /// Runs all operators and refines the attributes of the last cage. The points of a cage are computed in parallel
-    /// with the connectivity of the next operator, those of the last cage in parallel with the refinement.
-    fn operate(&mut self, first: &Cage, points: &Arc<CagePoints>, stack: &Stack) -> Result<(Derived, Refined), Error> {
-        let mut done = Derived { cages: Vec::new(), raised: Vec::new() };
-        let Self { cages, points: point_steps, refinements, .. } = self;
-        let count = stack.operators.len();
-        cages.resize_with(count, CageSteps::default);
-        point_steps.resize_with(count, PointSteps::default);
-        refinements.resize_with(stack.level as usize, RefinementSteps::default);
-        if count == 0 {
-            return Ok((done, refined(refinements, first, stack)?));
-        }
-        let ancestry = self.first_ancestry.get(Same::from(points), |points| Ok(first.ancestry(points)))?;
-        let mut context = Context { ancestry, names_sets: stack.names_sets };
-        let first_connectivity = connectivity(&mut self.first_connectivity, &first.level)?;
-        let mut raise = |done: &Derived| {
-            let Some((number, child)) = done.cages.iter().enumerate().next_back() else { return Ok(None) };
-            let parent = done.raised.last().map_or((&first_connectivity, points), |r| (&r.connectivity, &r.points));
-            let operator = &stack.operators[number];
-            point_steps[number].update(operator, child, parent, number + 1 == count).map(Some)
-        };
-        for (operator, steps) in stack.operators.iter().zip(cages) {
-            let parent = done.cages.last().map_or(first, |last| &last.cage);
-            let (raised, cage) = rayon::join(|| raise(&done), || steps.update(operator, parent, &context));
-            let cage = cage?;
-            context.ancestry = cage.derived.ancestry.clone();
-            done.raised.extend(raised?);
-            done.cages.push(cage);
-        }
-        let last = done.cages.last().map_or(first, |last| &last.cage);
-        check_size(&last.garment, stack.level)?;
-        let (raised, refined) = rayon::join(|| raise(&done), || refined(refinements, last, stack));
-        let refined = refined?;
-        done.raised.extend(raised?);
-        Ok((done, refined))
+    /// The refinements before the first seam of a stack. \[levels\]
+    ///
+    /// # Errors
+    /// None that [`RenderSteps::update`] has not.
+    pub fn seam_level(&mut self, stack: &Stack) -> Result<u32, Error> {
+        Ok(seam_level(&self.stages_of(stack)?))
     }
 
-    /// The number of faces of [`RenderSteps::update`], computed without points.
+    /// The number of faces of [`RenderSteps::update`]. The points of the last stage are not computed.
     ///
     /// # Errors
     /// As [`RenderSteps::update`].
     pub fn face_count(&mut self, stack: &Stack) -> Result<usize, Error> {
-        let stack = &self.with_halving(stack);
-        let (mut cage, points) = self.first(stack)?;
-        self.cages.resize_with(stack.operators.len(), CageSteps::default);
-        let ancestry = self.first_ancestry.get(Same::from(&points), |points| Ok(cage.ancestry(points)))?;
-        let mut context = Context { ancestry, names_sets: stack.names_sets };
-        for (operator, steps) in stack.operators.iter().zip(&mut self.cages) {
-            let next = steps.update(operator, &cage, &context)?;
-            context.ancestry = next.derived.ancestry.clone();
-            cage = next.cage;
+        let stages = self.stages_of(stack)?;
+        let mut start = self.start.clone();
+        let (last, before) = stages.split_last().expect("a stack has a stage");
+        for (steps, stage) in self.stages.iter_mut().zip(before) {
+            let Made { mesh, inputs, .. } = steps.update(&start, stage)?;
+            start = Start { garment: mesh, inputs };
         }
-        Ok(refined_faces(&cage.garment, stack.level))
+        self.stages[before.len()].face_count(&start, last)
     }
-}
 
-impl RenderSteps {
-    /// Memory per corner of a cage: level, masks, limits, parents, placement. Measured on garments of 10 to 100
-    /// thousand corners. \[bytes\]
-    const CAGE_CORNER: usize = 300;
+    /// The origins of the garment's own vertices.
+    ///
+    /// # Errors
+    /// A mesh whose refinement would be too large.
+    pub fn cage_origins(&mut self) -> Result<Origins, Error> {
+        self.stages[0].cage_origins(&self.start)
+    }
+
+    /// The origins of the vertices of the last [`RenderSteps::update`], which had the same stack.
+    ///
+    /// # Errors
+    /// As [`RenderSteps::update`].
+    pub fn origins(&mut self, stack: &Stack) -> Result<Origins, Error> {
+        let mut trace = OriginTrace::first(&self.start.garment);
+        let mut start = self.start.clone();
+        let stages = self.stages_of(stack)?;
+        for (number, (steps, stage)) in self.stages.iter_mut().zip(&stages).enumerate() {
+            trace = steps.origins(&start, stage, trace, number + 1 == stages.len())?;
+            let Made { mesh, inputs, .. } = steps.update(&start, stage)?;
+            start = Start { garment: mesh, inputs };
+        }
+        Ok(trace.origins())
+    }
 
     /// An estimate of the memory of all cached steps. \[bytes\]
     pub fn bytes(&self) -> usize {
-        let cages = self.cages.iter().filter_map(|steps| steps.garment.last());
-        let cages = cages.map(|garment| 2 * garment.bytes() + Self::CAGE_CORNER * garment.faces.corners().len());
-        let refinements = self.refinements.iter().map(RefinementSteps::bytes);
-        let mesh = self.mesh.last().map_or(0, |mesh| size_of_val(mesh.points.as_slice()));
-        self.first.as_ref().map_or(0, |cage| cage.garment.bytes()) + cages.chain(refinements).sum::<usize>() + mesh
+        self.stages.iter().map(StageSteps::bytes).sum()
     }
 }
 
-impl Cage {
-    /// The cage of a garment before all operators.
-    fn first(garment: &Garment) -> Self {
-        let level = Level::base(garment);
-        let mut garment = garment.clone();
-        add_border_holes(&mut garment, &level);
-        garment.unpack_influences();
-        Self { garment: Arc::new(garment), level: Arc::new(level) }
-    }
+/// The refinements before the second of two stages. \[levels\]
+fn seam_level(stages: &[Stage]) -> u32 {
+    if let [before, _] = stages { before.level } else { 0 }
+}
 
-    fn ancestry(&self, points: &CagePoints) -> Ancestry {
-        Ancestry {
-            clearance: Arc::new(points.clearance.clone()),
-            reference: Arc::new(ReferenceNormals::first(&self.garment, &self.level)),
-            garment: Arc::clone(&self.garment),
-            level: Arc::clone(&self.level),
-            faces: Arc::new(self.garment.faces.ids().collect()),
-        }
-    }
+/// A garment as a product: directions have unit length, and joint influences are back in their primvars.
+fn finished(mut garment: Garment) -> Garment {
+    Arc::make_mut(&mut garment.primvars).iter_mut().for_each(to_unit_length);
+    garment.pack_influences();
+    garment
 }

@@ -148,7 +148,7 @@ impl Operator for Halving {
         border.for_each(|edge| t.edges[edge].iter().for_each(|&v| on_border[v] = true));
         // The middles of edges are those of the refinement of a B-spline; its old vertices move.
         let vertices = on_surface.ids().filter(|&v| on_surface[v]);
-        let role = |v: VertexId| if on_border[v] { Role::Fold } else { Role::Surface };
+        let role = |v: VertexId| if on_border[v] { Role::Kept } else { Role::Surface };
         let controls = vertices.map(|vertex| Control { vertex, role: role(vertex) }).collect();
         Ok(OperatorOutput { controls, ..OperatorOutput::new(builder.finish(), cage) })
     }

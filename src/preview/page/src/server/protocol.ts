@@ -157,7 +157,7 @@ export interface ProductMessage {
   warnings: Warning[];
   /** Operators in the order in which they ran, as `seam.placket`. Of the render mesh only. */
   operators: string[];
-  /** Lengths that replace 0, by key: of the simulation mesh, or of the operators. */
+  /** Lengths and levels that replace 0, by key: of the simulation mesh, or of the render mesh. */
   lengths: Record<string, number>;
 }
 

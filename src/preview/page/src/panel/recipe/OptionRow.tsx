@@ -114,7 +114,8 @@ function NumberControl({ option, full, value, ...described }: ControlProps & { v
   const { domain } = option;
   if (domain.type !== "number" && domain.type !== "whole" && domain.type !== "length") return null;
   const range = rangeOf(domain);
-  const auto = domain.type === "length" && domain.auto !== null ? (used ?? domain.auto) : null;
+  const known = domain.type === "length" ? domain.auto : null;
+  const auto = used ?? known;
   const clamp = (typed: number) => {
     const number = domain.type === "whole" ? Math.round(typed) : typed;
     // A slider's end is no limit of a length.

@@ -10,26 +10,23 @@
 //!
 //! Reference: Chen et al. 2008, Progressive Interpolation based on Catmull-Clark Subdivision Surfaces.
 
-use super::child::Table;
-use super::operator::{Control, Role};
-use crate::mesh::{EdgeId, IdVec, VertexId};
+use super::patches::{Patches, Place};
+use crate::mesh::{IdVec, VertexId};
+use crate::render::child::Table;
+use crate::render::operator::{Control, Role};
 use glam::Vec3;
 use rayon::prelude::*;
 
 /// Fitting steps without heights. More steps come nearer to the surface and oscillate more.
-const BASE_STEPS: usize = 2;
+const BASE_STEPS: usize = 4;
 /// Allowed growth of a height over its neighbour's, divided by one minus the cosine between their normals.
 const HEIGHT_GRADING: f32 = 0.5;
 /// Sweeps over all edges that grade the heights.
 const GRADING_SWEEPS: usize = 4;
-/// Share of an edge's length by which the moves of its ends may differ.
-const MAX_MOVE_DIFFERENCE: f32 = 0.5;
 /// Fitting steps of the heights.
 const HEIGHT_STEPS: usize = 4;
 /// Least weight of raised vertices that is assumed in a limit mask, so that steps stay bounded.
 const MIN_RAISED_WEIGHT: f32 = 0.4;
-/// Share of the tangential error that is corrected at the centre of a seam. A full correction bends the lines at turns.
-const CENTRE_TANGENTIAL: f32 = 0.7;
 /// Share by which a concave bend may shorten an edge on the second layer. A larger share brings the layer closer to
 /// self-intersection.
 const MAX_SHORTENING: f32 = 0.7;
@@ -40,12 +37,12 @@ const COPY_HEIGHT_RANGE: [f32; 2] = [0.7, 2.0];
 pub struct LimitFit<'a> {
     /// The controls.
     pub controls: &'a [Control],
+    /// Where each control is on the parent.
+    pub places: &'a [Option<Place>],
     /// Limit masks of all vertices.
     pub rows: &'a Table<VertexId>,
     /// For each control, itself, or the original of a copy with another mask: the limits of both should coincide.
     pub reference_control: &'a [usize],
-    /// The edges of the cage.
-    pub edges: &'a IdVec<EdgeId, [VertexId; 2]>,
 }
 
 /// The height of a control.
@@ -68,29 +65,29 @@ impl LimitFit<'_> {
         self.row(control).iter().map(|&(v, w)| w * points[v]).sum()
     }
 
-    /// The cage without heights: the limits of the controls are near `targets` (position and normal).
-    pub fn base(&self, targets: &[(Vec3, Vec3)], linear: &IdVec<VertexId, Vec3>) -> IdVec<VertexId, Vec3> {
+    /// The cage without heights: the limits of the controls are on the limit surface of the parent. `normals` are those of
+    /// the surface, and `room` is how far each control may go along it, as lines close to each other must not pass.
+    pub fn base(
+        &self,
+        patches: &Patches,
+        normals: impl Fn(usize) -> Vec3 + Sync + Send,
+        room: &[f32],
+        linear: &IdVec<VertexId, Vec3>,
+    ) -> IdVec<VertexId, Vec3> {
         let mut points = linear.clone();
         for _ in 0..BASE_STEPS {
-            let step = |i: usize, points: &_| {
-                let error = targets[i].0 - self.limit(i, points);
-                match &self.controls[i].role {
-                    Role::Layer { .. } => Vec3::ZERO,
-                    Role::Fold => error,
-                    Role::FoldCut { ends: [a, b] } => {
-                        error.reject_from_normalized((linear[*b] - linear[*a]).normalize_or(targets[i].1))
-                    }
-                    role if role.is_centre() => {
-                        CENTRE_TANGENTIAL * error + (1.0 - CENTRE_TANGENTIAL) * error.dot(targets[i].1) * targets[i].1
-                    }
-                    _ => error.dot(targets[i].1) * targets[i].1,
-                }
+            let step = |i: usize, points: &IdVec<VertexId, Vec3>| {
+                let (limit, vertex) = (self.limit(i, points), self.controls[i].vertex);
+                let place = self.places[i].filter(|_| !matches!(self.controls[i].role, Role::Layer { .. }));
+                let Some(closest) = place.and_then(|place| patches.closest(place, limit)) else { return Vec3::ZERO };
+                let moved = points[vertex] + closest - limit - linear[vertex];
+                let along = moved.reject_from_normalized(normals(i));
+                let kept = along.clamp_length_max(room[i]);
+                linear[vertex] + moved - along + kept - points[vertex]
             };
             self.move_by(step, &mut points);
             self.move_copies_to_originals(&mut points);
         }
-        self.limit_distortion(linear, &mut points);
-        self.move_copies_to_originals(&mut points);
         points
     }
 
@@ -99,21 +96,6 @@ impl LimitFit<'_> {
             if let Role::Layer { over, .. } = control.role {
                 points[control.vertex] = points[over];
             }
-        }
-    }
-
-    /// Scales down moves that differ too much from their neighbours', which would flip faces between close lines.
-    fn limit_distortion(&self, linear: &IdVec<VertexId, Vec3>, points: &mut IdVec<VertexId, Vec3>) {
-        let mut share = IdVec::filled(1.0f32, points.len());
-        for &[a, b] in self.edges.iter() {
-            let difference = ((points[a] - linear[a]) - (points[b] - linear[b])).length();
-            let most = MAX_MOVE_DIFFERENCE * linear[a].distance(linear[b]);
-            if difference > most && most > 0.0 {
-                [a, b].into_iter().for_each(|v| share[v] = share[v].min(most / difference));
-            }
-        }
-        for (vertex, &share) in share.enumerated().filter(|(_, s)| **s < 1.0) {
-            points[vertex] = linear[vertex].lerp(points[vertex], share);
         }
     }
 
@@ -143,24 +125,14 @@ impl LimitFit<'_> {
         self.controls.iter().zip(&steps).filter(|(_, s)| s.is_finite()).for_each(|(c, &s)| points[c.vertex] += s);
     }
 
-    /// Raises the controls so that their limits are at their heights: over the targets, or for copies over their limits
-    /// in `base`.
-    pub fn raised(
-        &self,
-        targets: &[(Vec3, Vec3)],
-        raises: &[Raise],
-        base: &IdVec<VertexId, Vec3>,
-    ) -> IdVec<VertexId, Vec3> {
+    /// Raises the controls so that their limits are at their heights over those in `base`.
+    pub fn raised(&self, raises: &[Raise], base: &IdVec<VertexId, Vec3>) -> IdVec<VertexId, Vec3> {
         let raised: Vec<usize> = (0..raises.len()).filter(|&i| raises[i].height != 0.0).collect();
         let mut is_raised = IdVec::filled(false, base.len());
         raised.iter().for_each(|&i| is_raised[self.controls[i].vertex] = true);
         let prepare = |&i: &usize| {
-            let origin = match self.controls[i].role {
-                Role::Layer { .. } => self.limit(i, base),
-                _ => targets[i].0,
-            };
             let weight = self.row(i).iter().filter(|(v, _)| is_raised[*v]).map(|(_, w)| w).sum::<f32>();
-            (origin.dot(raises[i].normal) + raises[i].height, weight.max(MIN_RAISED_WEIGHT))
+            (self.limit(i, base).dot(raises[i].normal) + raises[i].height, weight.max(MIN_RAISED_WEIGHT))
         };
         let wanted: Vec<(f32, f32)> = raised.par_iter().map(prepare).collect();
         let mut lifts: Vec<f32> = raised.iter().map(|&i| raises[i].height).collect();

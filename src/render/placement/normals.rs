@@ -1,20 +1,14 @@
-//! The limit surface of a cage: positions and normals at vertices, and between them by Phong tessellation.
+//! Normals of a cage's limit surface, as directions of heights: the *most normal* normal points to the outer side of all
+//! faces around a vertex, even at sharp folds, where the mean of the face normals may not.
 //!
-//! Positions at vertices come from the limit masks. Normals serve as directions of heights: the *most normal* normal
-//! points to the outer side of all faces around a vertex, even at sharp folds, where the mean of the face normals may
-//! not.
-//!
-//! References: Boubekeur and Alexa 2008, Phong Tessellation; Aubry and Löhner 2008, On the 'most normal' normal; Badoiu
-//! and Clarkson 2003 (its iteration).
+//! References: Aubry and Löhner 2008, On the 'most normal' normal; Badoiu and Clarkson 2003 (its iteration).
 
-use crate::garment::{Orientation, Scheme};
+use crate::garment::Orientation;
 use crate::mesh::{CornerId, FaceId, IdVec, Topology, VertexId};
 use crate::subdivide::{Level, Table, carried_points};
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// Share of the step to the tangent planes. A half reproduces the height of a surface of constant curvature.
-const PHONG_SHARE: f32 = 0.5;
 /// Cosine between a normal and those of its corners below which the normal is improved.
 const MIN_COSINE: f32 = 0.3;
 /// Length of a mean of normals below which they cancel, so that there is no normal.
@@ -24,20 +18,16 @@ const COLLINEAR_SINE: f32 = 0.3;
 /// Most steps to the most normal normal. Fewer leave it off the bisector of a sharp fold, where layers then intersect.
 const MOST_NORMAL_STEPS: usize = 80;
 
-/// A limit surface.
-pub struct LimitSurface {
-    /// Limit positions of the vertices.
-    positions: IdVec<VertexId, Vec3>,
+/// The normals of a limit surface.
+pub struct OuterNormals {
     /// Outer normals. Corners of a vertex share one, unless a sharp edge separates them.
     normals: IdVec<CornerId, Vec3>,
     /// Outer normals of the cage's corners.
     cage_normals: Vec<Vec3>,
-    /// True for schemes whose faces are flat or bilinear.
-    is_flat: bool,
 }
 
-impl LimitSurface {
-    /// The limit surface of a cage with `points`, by the limit masks `rows` of all its vertices.
+impl OuterNormals {
+    /// The normals of a cage with `points`, by the limit masks `rows` of all its vertices.
     pub fn new(
         level: &Level,
         orientation: Orientation,
@@ -60,27 +50,17 @@ impl LimitSurface {
         };
         let vertices = t.faces.corners().as_slice();
         let normals = limit_normals.par_iter().zip(vertices).map(normal).collect::<Vec<_>>().into();
-        let is_flat = matches!(level.scheme, Scheme::Bilinear | Scheme::None);
-        Self { positions, normals, cage_normals, is_flat }
+        Self { normals, cage_normals }
     }
 
-    /// The position and normal at the weighted mean of some corners. The normal is zero where there is none.
-    pub fn at(&self, t: &Topology, corners: &[(CornerId, f32)]) -> (Vec3, Vec3) {
-        let position: Vec3 = corners.iter().map(|&(c, w)| w * self.positions[t.faces.vertex(c)]).sum();
+    /// The normal at the weighted mean of some corners. It is zero where there is none.
+    pub fn normal(&self, corners: &[(CornerId, f32)]) -> Vec3 {
         let sum: Vec3 = corners.iter().map(|&(c, w)| w * self.normals[c]).sum();
         let all = corners.iter().map(|&(c, _)| self.normals[c]);
         let normal = if sum.length() < MIN_MEAN_LENGTH { Vec3::ZERO } else { most_normal(sum, &all) };
         // The limit of a narrow face may be flipped where the cage is not. The children of the cage must not intersect.
         let cage_normal = most_normal(normal, &corners.iter().map(|&(c, _)| self.cage_normals[c.index()]));
-        let normal = if cage_normal == Vec3::ZERO { normal } else { cage_normal };
-        if self.is_flat {
-            return (position, normal);
-        }
-        let above_tangent_plane = |&(c, w): &(CornerId, f32)| {
-            let n = self.normals[c];
-            w * (position - self.positions[t.faces.vertex(c)]).dot(n) * n
-        };
-        (position - PHONG_SHARE * corners.iter().map(above_tangent_plane).sum::<Vec3>(), normal)
+        if cage_normal == Vec3::ZERO { normal } else { cage_normal }
     }
 }
 
@@ -128,7 +108,7 @@ fn has_sharp_edge(level: &Level, vertex: VertexId) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::garment::{Garment, SubdivisionRules};
+    use crate::garment::{Garment, Scheme, SubdivisionRules};
     use crate::mesh::Faces;
     use crate::subdivide::Cage;
 
@@ -151,11 +131,9 @@ mod tests {
 
     #[test]
     fn normals_are_outside_of_the_cage_too() {
-        let t = Topology::new(Faces::quads((0..4).map(VertexId::new).collect::<Vec<_>>()), 4);
         let corners = [0, 1].map(|c| (CornerId::new(c), 0.5));
         let at = |limit: Vec3, cage_normals: Vec<Vec3>| {
-            let (positions, normals) = (IdVec::filled(Vec3::ZERO, 4), IdVec::filled(limit, 4));
-            LimitSurface { positions, normals, cage_normals, is_flat: false }.at(&t, &corners).1
+            OuterNormals { normals: IdVec::filled(limit, 4), cage_normals }.normal(&corners)
         };
         let tilted = Vec3::new(0.9, 0.0, -0.4).normalize();
         let normal = at(tilted, vec![Vec3::Z; 4]);
@@ -176,7 +154,7 @@ mod tests {
             let rules = SubdivisionRules { scheme: Scheme::Bilinear, ..SubdivisionRules::default() };
             let cage = Cage::new(Garment { faces, points: points.collect(), rules, ..Garment::default() });
             let rows = cage.level().limit_rows();
-            let surface = LimitSurface::new(cage.level(), Orientation::RightHanded, &rows, &cage.garment().points);
+            let surface = OuterNormals::new(cage.level(), Orientation::RightHanded, &rows, &cage.garment().points);
             for (corner, normal) in surface.normals.enumerated() {
                 assert!(normal.abs_diff_eq(Vec3::Z, 1e-6), "{bulge}: {corner:?} has the normal {normal}");
             }

@@ -1,14 +1,13 @@
 //! The refinements after the operators.
 
 use super::Cage;
+use super::InputVertices;
 use crate::error::Error;
-use crate::garment::{Garment, Subset};
+use crate::garment::{Garment, Scheme, Subset};
 use crate::mesh::{IdVec, VertexId};
-use crate::render::Stack;
+use crate::render::child::OperatorDerivation;
 use crate::step::{Same, Step};
-use crate::subdivide::{
-    Carrier, Connectivity, Derivation, Refinement, carried_points, share_values_alike, to_unit_length,
-};
+use crate::subdivide::{Carrier, Connectivity, Derivation, Numbering, Refinement, carried_points, share_values_alike};
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -36,7 +35,7 @@ pub struct RefinementSteps {
     of_cage: Step<SameRefinement, Arc<Refinement>>,
     of_refinement: Step<Same<Refinement>, Arc<Refinement>>,
     subsets: Step<(Same<Refinement>, Subsets), Subsets>,
-    attributes: Step<(Same<Refinement>, Same<Garment>, bool), Arc<Garment>>,
+    attributes: Step<(Same<Refinement>, Same<Garment>), Arc<Garment>>,
 }
 
 impl RefinementSteps {
@@ -63,39 +62,53 @@ impl RefinementSteps {
     }
 
     /// The refined garment, without points.
-    fn attributes(&mut self, by: &Arc<Refinement>, of: &Arc<Garment>, is_last: bool) -> Result<Arc<Garment>, Error> {
+    fn attributes(&mut self, by: &Arc<Refinement>, of: &Arc<Garment>) -> Result<Arc<Garment>, Error> {
         let carrier = Carrier::new(of, by.as_ref());
         let input = (Same::from(by), Arc::clone(&of.subsets));
         let subsets = self.subsets.get(input, |_| Ok(carrier.subsets()))?;
-        self.attributes.get((Same::from(by), Same::from(of), is_last), |_| {
+        self.attributes.get((Same::from(by), Same::from(of)), |_| {
             let (primvars, influences) = (carrier.primvars(), carrier.influences());
-            let garment = Garment { primvars, influences, ..carrier.frame(subsets) };
-            Ok(Arc::new(if is_last { finished(garment) } else { garment }))
+            Ok(Arc::new(Garment { primvars, influences, ..carrier.frame(subsets) }))
         })
     }
 }
 
 /// A cage after all refinements, without its points.
-pub fn refined(steps: &mut [RefinementSteps], cage: &Cage, stack: &Stack) -> Result<Refined, Error> {
-    if stack.level == 0 {
-        return Ok((Arc::new(finished(Garment::clone(&cage.garment))), Vec::new()));
-    }
+pub fn refined(steps: &mut [RefinementSteps], cage: &Cage) -> Result<Refined, Error> {
     let mut garment = Arc::clone(&cage.garment);
     let mut refinements: Vec<Arc<Refinement>> = Vec::with_capacity(steps.len());
-    let last = steps.len() - 1;
-    for (number, steps) in steps.iter_mut().enumerate() {
+    for steps in steps {
         let refinement = steps.refinement(cage, refinements.last())?;
-        garment = steps.attributes(&refinement, &garment, number == last)?;
+        garment = steps.attributes(&refinement, &garment)?;
         refinements.push(refinement);
     }
     Ok((garment, refinements))
 }
 
-/// A garment as a product: directions have unit length, and joint influences are back in their primvars.
-fn finished(mut garment: Garment) -> Garment {
-    Arc::make_mut(&mut garment.primvars).iter_mut().for_each(to_unit_length);
-    garment.pack_influences();
-    garment
+/// The input vertices after operators and refinements: those of a vertex's heaviest source, of the first vertex of an edge
+/// or of a face.
+pub fn refined_inputs<'a>(
+    mut inputs: InputVertices,
+    derivations: impl Iterator<Item = &'a OperatorDerivation>,
+    refinements: &[Arc<Refinement>],
+) -> InputVertices {
+    for derivation in derivations {
+        for v in inputs.len()..derivation.vertices.len() {
+            let heaviest = derivation.vertices.at(v).iter().reduce(|a, b| if b.1 > a.1 { b } else { a });
+            inputs.push(heaviest.map_or(VertexId::new(0), |source| inputs[source.0]));
+        }
+    }
+    for refinement in refinements {
+        let (t, numbering) = (&refinement.level().topology, Numbering::new(refinement.level()));
+        let mut next = IdVec::filled(VertexId::new(0), numbering.vertices());
+        inputs.enumerated().for_each(|(v, &input)| next[numbering.of_vertex(v)] = input);
+        if refinement.level().scheme != Scheme::Loop {
+            t.faces.ids().for_each(|f| next[numbering.of_face(f)] = inputs[t.faces.vertices_of(f)[0]]);
+        }
+        t.edges.enumerated().for_each(|(e, ends)| next[numbering.of_edge(e)] = inputs[ends[0]]);
+        inputs = next;
+    }
+    inputs
 }
 
 /// Points after all refinements. `known` holds the masks of the first refinement if an operator computed them.

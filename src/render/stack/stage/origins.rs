@@ -1,0 +1,101 @@
+//! Where the vertices of the render mesh lie on the garment.
+
+use super::{StageSteps, Start, connectivity};
+use crate::error::Error;
+use crate::garment::Garment;
+use crate::mesh::{Csr, FaceId, Faces, IdVec, VertexId};
+use crate::render::points::CagePoints;
+use crate::render::stack::Stage;
+use crate::subdivide::{Derivation, carried_points};
+use glam::Vec3;
+use std::sync::Arc;
+
+/// The origin of each vertex of a render mesh on the limit surface of its garment.
+pub struct Origins {
+    /// The position without the heights of operators. All layers of a hem have that of the first. \[mesh units\]
+    pub points: IdVec<VertexId, Vec3>,
+    /// Faces of the garment around each vertex, ascending.
+    pub faces: Csr<VertexId, FaceId>,
+}
+
+/// The origins of a mesh between two stages.
+pub struct OriginTrace {
+    /// Points without heights.
+    points: IdVec<VertexId, Vec3>,
+    faces: Faces,
+    /// The face of the garment that each face is part of.
+    parents: IdVec<FaceId, FaceId>,
+    /// Vertices with their copies on second layers.
+    copies: Vec<[VertexId; 2]>,
+}
+
+impl OriginTrace {
+    /// The garment itself.
+    pub fn first(garment: &Garment) -> Self {
+        let parents = garment.faces.ids().collect();
+        Self { points: garment.points.clone(), faces: garment.faces.clone(), parents, copies: Vec::new() }
+    }
+
+    /// The origins at these points.
+    pub fn origins(self) -> Origins {
+        let Self { points, faces, parents, .. } = self;
+        let around = faces.corners().enumerated().map(|(corner, &v)| (v, parents[faces.face_of(corner)]));
+        Origins { faces: Csr::group(points.len(), around, FaceId::new(0)), points }
+    }
+
+    /// Vertices keep their numbers; copies are where their originals are.
+    fn join_copies(&mut self) {
+        self.copies.iter().for_each(|&[over, copy]| self.points[copy] = self.points[over]);
+    }
+}
+
+impl StageSteps {
+    /// The vertices of a garment on its limit surface.
+    ///
+    /// # Errors
+    /// A mesh whose refinement would be too large.
+    pub fn cage_origins(&mut self, start: &Start) -> Result<Origins, Error> {
+        let first = self.first_cage(start)?;
+        let limits = connectivity(&mut self.first_connectivity, &first.level)?;
+        let trace = OriginTrace::first(&first.garment);
+        Ok(OriginTrace { points: carried_points(&limits.limits(), &trace.points), ..trace }.origins())
+    }
+
+    /// The origins after this stage, whose last [`StageSteps::update`] had the same start. Without refinement, the origins
+    /// of the last stage are on the limit surface.
+    ///
+    /// # Errors
+    /// As [`StageSteps::update`].
+    pub fn origins(
+        &mut self,
+        start: &Start,
+        stage: &Stage,
+        mut trace: OriginTrace,
+        is_last: bool,
+    ) -> Result<OriginTrace, Error> {
+        let stage = &self.with_halving(start, stage)?;
+        let (first, points) = self.first(start, stage)?;
+        let mut last = connectivity(&mut self.first_connectivity, &first.level)?;
+        let mut points = CagePoints { points: trace.points.clone(), ..CagePoints::clone(&points) };
+        for steps in self.points.iter().take(stage.operators.len()) {
+            let Some(placement) = steps.placement.last() else { break };
+            points = placement.flat(&points).fitted().clone();
+            trace.copies.extend(placement.copy_pairs());
+            let derivation = placement.derivation();
+            trace.parents = derivation.faces.ids().map(|f| trace.parents[derivation.parent_face(f)]).collect();
+            trace.faces = derivation.faces.clone();
+            if let Some(connectivity) = steps.connectivity.last() {
+                last = Arc::clone(connectivity);
+            }
+        }
+        let is_limit = is_last && stage.level == 0;
+        trace.points = if is_limit { carried_points(&last.limits(), &points.points) } else { points.points };
+        trace.join_copies();
+        for refinement in self.refinements.iter().take(stage.level as usize).filter_map(|steps| steps.last()) {
+            trace.points = carried_points(&refinement.vertex(), &trace.points);
+            trace.faces = refinement.faces().clone();
+            trace.parents = trace.faces.ids().map(|f| trace.parents[refinement.parent_face(f)]).collect();
+        }
+        Ok(trace)
+    }
+}
