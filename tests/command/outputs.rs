@@ -101,7 +101,7 @@ fn a_dry_run_says_what_the_build_would_say() {
     folder.file("my.tailor", "{}");
     folder.file("taken.usda", CLOTH.replacen("    def Mesh", "    def Scope \"sim\" {}\n    def Mesh", 1));
     let before = folder.snapshot();
-    let narrow = "--set seam.s.edges=placket --set seam.s.width=1.35";
+    let narrow = "--set seam.s.edges=placket --set seam.s.width=1.35 --set seam.s.asymmetry=0.5";
     for args in [
         "in.usda -o there.usda".to_owned(),
         "in.usda -o in.usda --force".to_owned(),

@@ -13,7 +13,7 @@ fn a_build_is_told_on_one_screen() {
         "sim ",
         "triangles",
         "render ",
-        "16 faces, 100.0 % quads, level 1",
+        "64 faces, 100.0 % quads, level 2",
         "time ",
         " ms",
     ]);
@@ -99,7 +99,7 @@ fn the_report_has_counts_figures_times_and_warnings() {
     assert_eq!(report["input"], "odd.usda");
     assert_eq!(report["output"], "out/coat.usda");
     assert_eq!(report["recipe"]["sim"]["iterations"], 5);
-    assert_eq!(report["render"]["faces"], 16);
+    assert_eq!(report["render"]["faces"], 64);
     assert_eq!(report["render"]["quads"], 1.0);
     assert!(report["cloth"]["mass"].as_f64().is_some_and(|mass| mass > 0.0), "{report:#}");
     for figure in ["vertices", "faces", "minAngle", "lengthErrorRms", "distanceMax", "chainLengthMin", "uvFlips"] {

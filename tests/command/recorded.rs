@@ -59,7 +59,7 @@ fn an_output_of_a_recipe_is_described_by_it() {
 fn a_check_warns_as_the_build_did() {
     let folder = Folder::new();
     folder.file("in.usda", CLOTH);
-    let options = "--set seam.s.edges=placket --set seam.s.width=1.35";
+    let options = "--set seam.s.edges=placket --set seam.s.width=1.35 --set seam.s.asymmetry=0.5";
     let built = folder.good(&format!("build in.usda -o out/coat.usda {options}"));
     assert!(warns(&built, "narrow-seam"), "{built}");
     let run = folder.good("check out/coat.usda");
@@ -98,15 +98,15 @@ fn each_variant_of_the_build_is_described() {
         "def Xform \"Coat\" (\n    prepend variantSets = \"size\"\n    variants = { string size = \"S\" }\n)",
     );
     let end = sized.rfind('}').expect("the end of the root");
-    let large = "over \"model\" { int tailor:render:level = 2 }";
+    let large = "over \"model\" { int tailor:render:level = 1 }";
     let sets = format!("    variantSet \"size\" = {{ \"L\" {{ {large} }} \"S\" {{ }} }}\n}}\n");
     folder.file("in.usda", sized[..end].to_owned() + &sets);
     folder.good("build in.usda -o out/coat.usda --variants size");
     folder.good("info out/coat.usda").prints(&[
         "/Coat/model size=L",
-        "64 faces at level 2",
+        "16 faces at level 1",
         "/Coat/model size=S",
-        "16 faces",
+        "64 faces",
     ]);
     folder.good("check out/coat.usda").prints(&["good, and fresh"]);
 }
@@ -118,8 +118,8 @@ fn another_prim_is_not_described_by_the_build() {
     let two =
         CLOTH.replace("def Xform \"Coat\"", "def Xform \"Other\" (references = </Coat>) {}\n\ndef Xform \"Coat\"");
     folder.file("in.usda", two);
-    folder.good("build in.usda -o out/coat.usda --prim /Coat/model --set render.level=2");
-    assert_eq!(recipe(&folder, "out/coat.usda")["render"]["level"], 2);
-    assert_eq!(recipe(&folder, "out/coat.usda --prim /Coat/model")["render"]["level"], 2);
-    assert_eq!(recipe(&folder, "out/coat.usda --prim /Other/model")["render"]["level"], 1);
+    folder.good("build in.usda -o out/coat.usda --prim /Coat/model --set render.level=1");
+    assert_eq!(recipe(&folder, "out/coat.usda")["render"]["level"], 1);
+    assert_eq!(recipe(&folder, "out/coat.usda --prim /Coat/model")["render"]["level"], 1);
+    assert_eq!(recipe(&folder, "out/coat.usda --prim /Other/model")["render"]["level"], 2);
 }

@@ -40,8 +40,8 @@ def test_the_elements_of_a_warning_become_a_set_of_the_render_mesh(usdtailor, fl
     assert done.returncode == 0 and "warning[degenerate-faces]" in done.stderr
     points, sets = render(out)
     kind, faces = sets["mark_degenerate_faces"]
-    # Faces of a refinement follow those of the input, four to each.
-    assert kind == "face" and FLAT in {face // 4 for face in faces}
+    # Faces of two refinements follow those of the input, sixteen to each.
+    assert kind == "face" and FLAT in {face // 16 for face in faces}
     unmarked, others = render(plain)
     assert set(sets) - set(others) == {name for name in sets if name.startswith("mark_")}
     assert numpy.array_equal(points, unmarked)
@@ -61,5 +61,5 @@ def test_a_set_of_the_name_of_a_mark_is_kept(usdtailor, flawed, tmp_path):
     out = tmp_path / "out.usda"
     assert run(usdtailor, "build", flawed, "-o", out, "--mark").returncode == 0
     _, sets = render(out)
-    assert sets["mark_degenerate_faces"] == ("face", [0, 1, 2, 3])
-    assert FLAT in {face // 4 for face in sets["mark_degenerate_faces_2"][1]}
+    assert sets["mark_degenerate_faces"] == ("face", list(range(16)))
+    assert FLAT in {face // 16 for face in sets["mark_degenerate_faces_2"][1]}

@@ -109,7 +109,7 @@ def test_every_attribute_of_the_schemas_is_read(stage, coat):
     arguments = layer.GetFileFormatArguments()
     assert arguments.keys() == values.keys() and len(values) > 10
     assert arguments["sim.constrainUvSeams"] == "true" and arguments["sim.uvSet"] == "st" and arguments["sim.baselineLevel"] == "2"
-    assert faces(prim) == faces_at(1)
+    assert faces(prim) == faces_at(2)
 
 
 def test_a_relationship_of_the_holder_is_not_read_and_an_argument_is(stage, coat):

@@ -67,10 +67,10 @@ def test_an_edit_of_an_offset_moves_the_points(stage, coat):
 def test_options_that_change_the_faces_are_read_too(stage, coat):
     prim = holder(stage, coat)
     straight = len(points(prim))
-    setting(prim, "tailor:seam:placket:depth", 0.02, FLOAT)
+    setting(prim, "tailor:render:level", 3, Sdf.ValueTypeNames.Int)
     assert len(points(prim)) > straight
     setting(prim, "tailor:thickness:hem:amount", 0.1, FLOAT)
-    assert arguments(stage) == {"seam.placket.depth": "0.02", "thickness.hem.amount": "0.1"}
+    assert arguments(stage) == {"render.level": "3", "thickness.hem.amount": "0.1"}
 
 
 def test_every_attribute_of_the_schemas_is_read(stage, coat):

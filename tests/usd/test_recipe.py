@@ -29,7 +29,7 @@ def level_of(product):
 
 @pytest.mark.parametrize(
     "prim, recipe, flag, expected",
-    [(None, None, None, 1), (2, None, None, 2), (2, 3, None, 3), (2, 3, 0, 0), (None, 2, None, 2), (2, None, 0, 0)],
+    [(None, None, None, 2), (1, None, None, 1), (2, 3, None, 3), (2, 3, 0, 0), (None, 2, None, 2), (2, None, 0, 0)],
 )
 def test_flag_before_file_before_prim_before_fallback(build, tmp_path, prim, recipe, flag, expected):
     source = sources.write(tmp_path / "coat.usda", finish=None if prim is None else level_on_prim(prim))

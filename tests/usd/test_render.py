@@ -33,12 +33,12 @@ class Refined:
         return self.render.cage.edge_ids(self.to_render[ours])
 
 
-@pytest.fixture(params=["recipe", 2])
+@pytest.fixture(params=["recipe", 1])
 def refined(request, garment, built):
     """At the level that the garment itself asks for, and at one that is asked for."""
     if request.param == "recipe":
         product = built(garment)
-        return Refined(product, recipe(product.source.prim, "render.level", 1))
+        return Refined(product, recipe(product.source.prim, "render.level", 2))
     return Refined(built(garment, "--set", f"render.level={request.param}"), request.param)
 
 

@@ -26,7 +26,8 @@ SIM = {
     "tailor:sim:provenance": ("bool", False),
 }
 RENDER = {
-    "tailor:render:level": ("int", 1),
+    "tailor:render:level": ("int", 2),
+    "tailor:render:seamLevel": ("int", 0),
     "tailor:render:operators": ("token[]", Vt.TokenArray()),
     "tailor:render:faceSets": ("bool", False),
 }

@@ -157,7 +157,7 @@ def test_an_excluded_member_of_a_collection_is_no_member(usdtailor, suit, tmp_pa
     built(usdtailor, suit(finish), out, "--exclude", "/Suit.collection:allBut")
     stage = Usd.Stage.Open(str(out))
     count = len(UsdGeom.Mesh(stage.GetPrimAtPath("/Suit/front")).GetFaceVertexCountsAttr().Get())
-    assert len(UsdGeom.Mesh(stage.GetPrimAtPath("/Suit/render")).GetFaceVertexCountsAttr().Get()) == 4 * count
+    assert len(UsdGeom.Mesh(stage.GetPrimAtPath("/Suit/render")).GetFaceVertexCountsAttr().Get()) == 16 * count
 
 
 @pytest.mark.parametrize("is_outer", [True, False])
@@ -265,7 +265,7 @@ def test_sets_of_one_name_are_one_and_their_options_join(usdtailor, suit, tmp_pa
     built(usdtailor, suit(finish), tmp_path / "out.usda", "--all", "--report", report)
     assert json.loads(report.read_text())["recipe"]["fabric"]["trim"]["faces"] == ["hem", "pocket", "yoke"]
     (render,) = meshes(tmp_path / "out.usda", "render")
-    assert len(render.subsets["hem"].indices) == 4 * 2 * WIDTH
+    assert len(render.subsets["hem"].indices) == 16 * 2 * WIDTH
 
     def unlike(stage, front, back):
         add_subset(front, name="hem", indices=range(WIDTH))

@@ -35,7 +35,7 @@ LAYER_CHECKS = """
 """.split()
 
 
-def check(product, *, level=1, sim=True):
+def check(product, *, level=2, sim=True):
     """The checks of the other files on one product."""
     given = {"product": product, "all_shells": product, "refined": test_render.Refined(product, level), "name": "render"}
     checks = [function for name, function in vars(test_render).items() if name.startswith("test_")]
@@ -265,7 +265,7 @@ def test_points_at_a_time(make, time):
     product = make("--time", time, finish=points_in_time)
     moved = read_mesh(find_model(product.source_stage), time)
     product.__dict__["source"] = moved
-    refined = test_render.Refined(product, 1)
+    refined = test_render.Refined(product, 2)
     test_render.test_points(refined)
     test_sim.test_points_lie_on_the_baseline(product, test_sim.Baseline(moved))
     for name in ("sim", "render"):
@@ -322,7 +322,7 @@ def test_variant_and_strongest_opinion_are_those_of_the_stage(build, tmp_path):
     part = sources.write(tmp_path / "part.usda")
     product = build(compose("variant", part, tmp_path / "whole.usda"))
     assert np.ptp(product.source.points[:, 0]) == 8, "the wide variant is selected"
-    test_render.test_points(test_render.Refined(product, 1))
+    test_render.test_points(test_render.Refined(product, 2))
 
 
 @pytest.mark.parametrize("suffix", [".usda", ".usdc", ".usd"])
@@ -374,4 +374,4 @@ def test_one_of_two_meshes(usdtailor, tmp_path, path):
     meshes = {str(prim.GetPath()) for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh)}
     assert meshes == {"/Coat/model", "/Coat/lining/model", f"{parent}/sim", f"{parent}/render"}
     source_mesh = read_mesh(stage.GetPrimAtPath(path))
-    assert len(read_mesh(stage.GetPrimAtPath(parent.AppendChild("render"))).counts) == source_mesh.counts.sum()
+    assert len(read_mesh(stage.GetPrimAtPath(parent.AppendChild("render"))).counts) == 4 * source_mesh.counts.sum()

@@ -53,7 +53,7 @@ fn a_hem_ends_on_the_surface_beside_a_border_without_one() {
             ["seam.s.edges=seam".to_owned(), "seam.s.width=0.4".into(), format!("seam.s.normalOffset={offset}")]
         });
         let plain_options: Vec<String> = seams.clone().into_iter().flatten().chain(["render.level=3".into()]).collect();
-        options.extend(seams.into_iter().flatten());
+        options.extend(seams.into_iter().flatten().chain(seam.map(|_| "render.operators=s,h".to_owned())));
         let name = format!("bend {bend}, kink {kink}, seam {seam:?}");
         let (mesh, warnings) = rendered(&garment, &options);
         assert!(kink < 0.0 || warnings.iter().all(|w| w.code != Code::Intersections), "{name}: {warnings:?}");

@@ -3,6 +3,9 @@
 mod cloth;
 mod crossings;
 mod ends;
+mod locality;
 mod on_garments;
 mod operators;
+mod referee;
 mod stacks;
+mod surface;

@@ -16,7 +16,8 @@ const AUTHORED = `
 /** A T-shirt with two seams and a fold of its own. */
 export function sewnShirt(test) {
   const path = copyOf(test, "tshirt.usda");
-  substitute(path, "uniform int tailor:render:level = 1", (line) => line + AUTHORED);
+  // With one level, a build takes less time.
+  substitute(path, "uniform int tailor:render:level = 2", (line) => line.replace("2", "1") + AUTHORED);
   return path;
 }
 
