@@ -76,6 +76,9 @@ class Style:
     samples: int = 2
     background: np.ndarray = field(default_factory=lambda: BACKGROUND)
     checker: float = 0.05       # size of a checker, in UV units
+    key: tuple = (-0.45, 0.65, 0.75)    # direction towards the key light: right, up, towards the viewer
+    key_strength: float = 0.62
+    ambient: float = 0.34
 
 
 # ------------------------------------------------------------------------------- rasteriser
@@ -231,7 +234,7 @@ def render(meshes, camera, style=None):
     if uv is not None:
         colour = _checker(np.einsum("nk,nkd->nd", bary, uv[t]), style.checker)
     colour[behind] = colour[behind] * 0.55 + np.array([0.62, 0.50, 0.40]) * 0.38
-    image[py, px] = colour * _light(normal @ axes.T)[:, None]
+    image[py, px] = colour * _light(normal @ axes.T, style)[:, None]
     image *= _occlusion(depth, ids, scale)[..., None]
 
     if style.wire or style.edges:
@@ -257,11 +260,11 @@ def _checker(uv, side):
     return out.astype(float)
 
 
-def _light(n):
-    """Brightness of normals in camera axes: key light from above left, fill from the right, ambient."""
-    key = np.clip(n @ _unit(-0.45, 0.65, 0.75), 0, 1)
+def _light(n, style):
+    """Brightness of normals in camera axes: key light, fill from the right, ambient."""
+    key = np.clip(n @ _unit(*style.key), 0, 1)
     fill = np.clip(n @ _unit(0.9, 0.1, 0.5), 0, 1)
-    return 0.34 + 0.62 * key + 0.16 * fill + 0.06 * n[:, 1]
+    return style.ambient + style.key_strength * key + 0.16 * fill + 0.06 * n[:, 1]
 
 
 def _unit(*v):
