@@ -126,7 +126,7 @@ def test_a_file_is_written_again_only_by_force_and_the_layer_follows(tmp_path):
     before = len(points(stage, "/Tshirt/render"))
     with pytest.raises(usd_tailor.TailorError, match="--force"):
         usd_tailor.build(EXAMPLES / "tshirt.usda", output)
-    usd_tailor.build(EXAMPLES / "tshirt.usda", output, options={"render.level": 2}, force=True)
+    usd_tailor.build(EXAMPLES / "tshirt.usda", output, options={"render.level": 3}, force=True)
     assert len(points(stage, "/Tshirt/render")) > 3 * before
 
 
@@ -252,7 +252,7 @@ prim = stage.DefinePrim("/Shirt")
 prim.GetPayloads().AddPayload(sys.argv[1])
 count = lambda: len(stage.GetPrimAtPath("/Shirt/render").GetAttribute("points").Get())
 before = count()
-prim.CreateAttribute("tailor:render:level", Sdf.ValueTypeNames.Int).Set(2)
+prim.CreateAttribute("tailor:render:level", Sdf.ValueTypeNames.Int).Set(3)
 assert count() > 3 * before
 prim.CreateAttribute("tailor:sim:maxEdgeLength", Sdf.ValueTypeNames.Float).Set(1e20)
 try:
