@@ -68,23 +68,18 @@ impl Stack {
         Ok(stack)
     }
 
-    /// The refinements before the first seam, for a garment with its connectivity. \[levels\]
-    fn seam_level(&self, garment: &Garment, t: &Topology) -> u32 {
-        let rooms = self.operators.iter().filter_map(|operator| operator.levels_with_room(garment, t));
-        let Some(room) = rooms.min() else { return 0 };
-        if self.seam_level > 0 { self.seam_level.min(self.level) } else { room.min(self.level.saturating_sub(1)) }
-    }
-
-    /// What is before and after the refinements that come before the first seam; one stage where there are none.
+    /// The stages for a garment with its connectivity: the operators of the coarse cage with the refinements before the first
+    /// seam, and all others; a single stage where no refinement comes before.
     fn stages(&self, garment: &Garment, t: &Topology) -> Vec<Stage> {
-        let before = self.seam_level(garment, t);
-        let is_refined = |operator: &Arc<dyn Operator>| operator.levels_with_room(garment, t).is_some();
-        let first = self.operators.iter().position(is_refined).filter(|_| before > 0);
+        let rooms: Vec<Option<u32>> = self.operators.iter().map(|o| o.levels_with_room(garment, t)).collect();
         let stage = |operators: &[Arc<dyn Operator>], level: u32| Stage {
             operators: operators.to_vec(),
             level,
             names_sets: self.names_sets,
         };
+        let automatic = rooms.iter().flatten().min().map_or(0, |&room| room.min(self.level.saturating_sub(1)));
+        let before = if self.seam_level > 0 { self.seam_level.min(self.level) } else { automatic };
+        let first = rooms.iter().position(Option::is_some).filter(|_| before > 0);
         let Some(first) = first else { return vec![stage(&self.operators, self.level)] };
         let (folds, seams) = self.operators.split_at(first);
         vec![stage(folds, before), stage(seams, self.level - before)]

@@ -4,7 +4,7 @@
 //! quads; at other vertices it is applied to the first refinement. Semi-sharp vertices have the limits of the refinement at
 //! which they are sharp no more. Under the bilinear, polygonal and Loop schemes each vertex is its own limit.
 
-use super::{INFINITE_SHARPNESS, Level, Numbering, Rule, Spoke, Stencils, Table, VertexStencils, edges_at};
+use super::{INFINITE_SHARPNESS, Level, Numbering, Rule, Spoke, Stencils, Table, VertexStencils};
 use crate::garment::{Scheme, TriangleRule};
 use crate::mesh::{FaceId, VertexId};
 use rayon::prelude::*;
@@ -14,46 +14,57 @@ impl Level {
     /// Limit position of each vertex, as a weighted sum of the level's vertices.
     pub fn limit_rows(&self) -> Table<VertexId> {
         let (refined, count) = (self.vertex_stencils(), self.topology.vertex_count());
-        let all: Vec<VertexId> = (0..count).map(VertexId::new).collect();
-        let finite: Vec<VertexId> = all.iter().copied().filter(|&v| is_semi_sharp(self, v)).collect();
-        let known = semi_sharp_rows(self, &finite);
+        let known = semi_sharp_rows(self, &semi_sharp(self));
+        let vertices = (0..count).into_par_iter().map(VertexId::new);
         let last = || vec![0; count];
-        Table::of(all.into_par_iter(), last, |table, last, v| match finite.binary_search(&v) {
-            Ok(at) => table.push(known[at].iter().copied()),
-            Err(_) => limit_row(self, &refined, v, &mut Rows { table, last }),
+        Table::of(vertices, last, |table, last, v| match known.get(&v) {
+            Some(row) => table.push(row.iter().copied()),
+            None => limit_row(self, &refined, v, &mut Rows { table, last }),
         })
     }
 }
 
-/// A position as a weighted sum of vertices.
-type Row = Vec<(VertexId, f32)>;
+/// Positions as weighted sums of vertices.
+type KnownRows = BTreeMap<VertexId, Vec<(VertexId, f32)>>;
 
-/// True for vertices whose rule is another one after some refinements.
-fn is_semi_sharp(level: &Level, vertex: VertexId) -> bool {
+/// The vertices whose rule is another one after some refinements.
+fn semi_sharp(level: &Level) -> BTreeSet<VertexId> {
+    if matches!(level.scheme, Scheme::Bilinear | Scheme::None | Scheme::Loop) {
+        return BTreeSet::new();
+    }
     let is_finite = |sharpness: f32| sharpness > 0.0 && sharpness < INFINITE_SHARPNESS;
-    let is_linear = matches!(level.scheme, Scheme::Bilinear | Scheme::None | Scheme::Loop);
-    let is_crease = || edges_at(&level.topology, vertex).any(|edge| is_finite(level.edge_sharpness[edge]));
-    !is_linear && (is_finite(level.vertex_sharpness[vertex]) || is_crease())
+    let edges = level.edge_sharpness.enumerated().filter(|(_, s)| is_finite(**s));
+    let vertices = level.vertex_sharpness.enumerated().filter(|(_, s)| is_finite(**s)).map(|(v, _)| v);
+    edges.flat_map(|(edge, _)| level.topology.edges[edge]).chain(vertices).collect()
 }
 
-/// The limits of some vertices by those of their children, which are less sharp.
-fn semi_sharp_rows(level: &Level, vertices: &[VertexId]) -> Vec<Row> {
+/// The limits of some vertices by those of their children alone, which are less sharp.
+fn semi_sharp_rows(level: &Level, vertices: &BTreeSet<VertexId>) -> KnownRows {
     if vertices.is_empty() {
-        return Vec::new();
+        return KnownRows::new();
     }
     let faces: BTreeSet<FaceId> = vertices.iter().flat_map(|&v| level.topology.faces_at(v)).collect();
     let (part, whole) = level.part(&faces.into_iter().collect::<Vec<_>>());
     let (child, stencils) = (part.refined(), part.vertex_stencils());
-    let own: BTreeMap<VertexId, VertexId> = whole.enumerated().map(|(own, &v)| (v, own)).collect();
-    let limits = child.limit_rows();
-    let row = |v: &VertexId| {
+    // A child has its parent's number.
+    let children: Vec<VertexId> =
+        whole.enumerated().filter(|(_, v)| vertices.contains(v)).map(|(own, _)| own).collect();
+    let still_sharp = semi_sharp(&child);
+    let known = semi_sharp_rows(&child, &children.iter().copied().filter(|v| still_sharp.contains(v)).collect());
+    let (refined, mut last) = (child.vertex_stencils(), vec![0; child.topology.vertex_count()]);
+    let row = |own: VertexId| {
+        let mut table = Table::default();
+        match known.get(&own) {
+            Some(row) => table.push(row.iter().copied()),
+            None => limit_row(&child, &refined, own, &mut Rows { table: &mut table, last: &mut last }),
+        }
         let mut sum: BTreeMap<VertexId, f32> = BTreeMap::new();
-        for &(source, weight) in limits.at(own[v].index()) {
+        for &(source, weight) in table.at(0) {
             stencils.row(source.index(), &mut |v, share| *sum.entry(whole[v]).or_default() += weight * share);
         }
-        sum.into_iter().collect()
+        (whole[own], sum.into_iter().collect())
     };
-    vertices.iter().map(row).collect()
+    children.into_iter().map(row).collect()
 }
 
 /// Builds rows in which each source appears once.

@@ -14,7 +14,7 @@ const SNAP: f32 = 0.2;
 /// Largest ratio of the shares at the two ends of an edge, outside tapers.
 const MAX_RATIO: f32 = 1.05;
 /// Room below which a place narrows its neighbours no further.
-pub const LEAST_EASED: f32 = 0.7;
+const LEAST_EASED: f32 = 0.7;
 /// Room below which a place does not narrow its neighbours: a sliver, beside which an even width is of no use.
 const SLIVER: f32 = 0.4;
 /// Sweeps that spread a narrow place. The ratio reaches 1 from [`LEAST_EASED`] in 8 edges.

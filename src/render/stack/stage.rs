@@ -29,7 +29,7 @@ use crate::subdivide::{Carrier, Connectivity, Level, refined_faces, same_level};
 use refinement::{Refined, RefinementSteps, refined, refined_inputs, refined_points};
 use std::sync::Arc;
 
-/// What a stage makes. Its joint influences are lists for each vertex, as operators and refinements need them.
+/// The product of a stage. Its joint influences are lists for each vertex, as operators and refinements need them.
 #[derive(Clone)]
 pub struct Made {
     /// The mesh.
@@ -42,7 +42,7 @@ pub struct Made {
     pub warnings: Warnings,
 }
 
-/// What a stage starts from.
+/// The start of a stage.
 #[derive(Clone)]
 pub struct Start {
     /// The mesh.

@@ -14,7 +14,7 @@ use tailor::internals::garment::{Elements, Garment};
 use tailor::internals::mesh::{IdVec, VertexId};
 use tailor::internals::render::RenderSteps;
 
-/// What a point may move by. \[mean edges\]
+/// Largest move of a point. \[mean edges\]
 const MOST: f32 = 0.002;
 /// Width and height of all seams before an edit. \[mean edges\]
 const WIDTH: f32 = 0.15;

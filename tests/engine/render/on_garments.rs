@@ -201,7 +201,7 @@ fn crossings(garment: &Garment, level: u32, multiple: f32) -> [Crossings; 3] {
     })
 }
 
-/// What is new on a refinement, at a multiple of the sizes, that is not told or is beyond what is known.
+/// New crossings on a refinement, at a multiple of the sizes, that no warning tells or that are more than known.
 fn complaints(level: u32, multiple: f32, known: impl Fn(&str) -> [usize; 3]) -> String {
     let mut complaints: Vec<String> = Vec::new();
     for (name, garment) in load() {

@@ -133,7 +133,7 @@ pub fn segments(edges: &[[VertexId; 2]], places: &IdVec<VertexId, Vec3>) -> Near
     Nearest::new(edges.iter().map(|&[a, b]| [places[a], places[b], places[b]]).collect())
 }
 
-/// What a render mesh is held to: a garment's limit surface, and the limit curves of edge sets of it.
+/// The measure of a render mesh: a garment's limit surface, and the limit curves of edge sets of it.
 pub struct Held {
     pub surface: LimitPatches,
     pub seams: Nearest,

@@ -13,9 +13,9 @@ use tailor::internals::build::mean_edge_length;
 use tailor::internals::garment::{Garment, GarmentInput, Values};
 use tailor::internals::mesh::{Topology, VertexId};
 
-/// What the surface may move by. \[mean edges\]
+/// Largest move of the surface. \[mean edges\]
 const MOST: f32 = 0.01;
-/// What the referee may be off itself. \[mean edges\]
+/// Largest error of the referee. \[mean edges\]
 const OF_REFEREE: f32 = 0.001;
 /// Refinements of a garment to the faces of the referee. \[levels\]
 const LEVEL: u32 = 3;

@@ -1,7 +1,6 @@
 //! The refinements after the operators.
 
-use super::Cage;
-use super::InputVertices;
+use super::{Cage, InputVertices};
 use crate::error::Error;
 use crate::garment::{Garment, Scheme, Subset};
 use crate::mesh::{IdVec, VertexId};
