@@ -143,9 +143,10 @@ impl Placement {
         let targets: Vec<(Vec3, Vec3)> = (0..self.surface_corners.len()).into_par_iter().map(target).collect();
         let fit = self.limit_fit();
         let normal = |i: usize| targets[i].1;
-        let fitted = |room: &[f32]| fit.aligned(&targets, fit.base(&patches, normal, room, &linear));
-        let room = self.room_along(&linear);
-        let fits = || rayon::join(|| fitted(&room), || fitted(&vec![0.0; room.len()]));
+        let fitted = |start, room: &[f32]| fit.aligned(&targets, fit.base(&patches, normal, room, start));
+        let on_surface = fit.on_surface(&targets, &linear);
+        let (room, none) = (self.room_along(&on_surface), vec![0.0; targets.len()]);
+        let fits = || rayon::join(|| fitted(&on_surface, &room), || fitted(&linear, &none));
         let others = || (fit.aligned(&targets, linear.clone()), self.output().carried_clearance(&parent.clearance));
         let ((points, upright), (linear, clearance)) = rayon::join(fits, others);
         let fitted = CagePoints { points, clearance };

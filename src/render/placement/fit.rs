@@ -65,25 +65,40 @@ impl LimitFit<'_> {
         self.row(control).iter().map(|&(v, w)| w * points[v]).sum()
     }
 
+    /// The points `linear`, with those on lines and on seams at their targets. Lines are close to each other, and so are a
+    /// point among them and its limit. The parent's points are farther from theirs than the lines are apart.
+    pub fn on_surface(&self, targets: &[(Vec3, Vec3)], linear: &IdVec<VertexId, Vec3>) -> IdVec<VertexId, Vec3> {
+        let mut points = linear.clone();
+        for ((control, place), (target, _)) in self.controls.iter().zip(self.places).zip(targets) {
+            let is_on_line = control.role.is_centre() || matches!(place, Some(Place::Edge(..) | Place::Face(..)));
+            if is_on_line && target.is_finite() {
+                points[control.vertex] = *target;
+            }
+        }
+        self.move_copies_to_originals(&mut points);
+        points
+    }
+
     /// The cage without heights: the limits of the controls are on the limit surface of the parent. `normals` are those of
-    /// the surface, and `room` is how far each control may go along it, as lines close to each other must not pass.
+    /// the surface, and `room` is how far each control may go along it from `start`, as lines close to each other must not
+    /// pass.
     pub fn base(
         &self,
         patches: &Patches,
         normals: impl Fn(usize) -> Vec3 + Sync + Send,
         room: &[f32],
-        linear: &IdVec<VertexId, Vec3>,
+        start: &IdVec<VertexId, Vec3>,
     ) -> IdVec<VertexId, Vec3> {
-        let mut points = linear.clone();
+        let mut points = start.clone();
         for _ in 0..BASE_STEPS {
             let step = |i: usize, points: &IdVec<VertexId, Vec3>| {
                 let (limit, vertex) = (self.limit(i, points), self.controls[i].vertex);
                 let place = self.places[i].filter(|_| !matches!(self.controls[i].role, Role::Layer { .. }));
                 let Some(closest) = place.and_then(|place| patches.closest(place, limit)) else { return Vec3::ZERO };
-                let moved = points[vertex] + closest - limit - linear[vertex];
+                let moved = points[vertex] + closest - limit - start[vertex];
                 let along = moved.reject_from_normalized(normals(i));
                 let kept = along.clamp_length_max(room[i]);
-                linear[vertex] + moved - along + kept - points[vertex]
+                start[vertex] + moved - along + kept - points[vertex]
             };
             self.move_by(step, &mut points);
             self.move_copies_to_originals(&mut points);
