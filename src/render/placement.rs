@@ -76,10 +76,19 @@ pub struct FlatPoints {
     parent_points: IdVec<VertexId, Vec3>,
 }
 
+/// The limit surface of a parent where a cage has controls.
+struct Surface<'a> {
+    patches: Patches<'a>,
+    /// Position and normal of each control on it.
+    targets: Vec<(Vec3, Vec3)>,
+    /// Positions by linear interpolation of the parent's points.
+    linear: IdVec<VertexId, Vec3>,
+}
+
 impl FlatPoints {
-    /// The fitted points.
-    pub fn fitted(&self) -> &CagePoints {
-        &self.fitted
+    /// The fitted points, if these are the parent's.
+    pub fn fitted_on(&self, parent: &IdVec<VertexId, Vec3>) -> Option<&IdVec<VertexId, Vec3>> {
+        (self.parent_points == *parent).then_some(&self.fitted.points)
     }
 }
 
@@ -131,26 +140,40 @@ impl Placement {
 
     /// The points of the new cage without heights.
     pub fn flat(&self, parent: &CagePoints) -> FlatPoints {
+        let surface = self.surface(&parent.points);
+        let Surface { patches, targets, linear } = &surface;
+        let fit = self.limit_fit();
+        let upright = || fit.base(patches, targets, &vec![0.0; targets.len()], linear);
+        let (points, upright) = rayon::join(|| self.fitted_to(&surface), || fit.aligned(targets, upright()));
+        let fitted = CagePoints { points, clearance: self.output().carried_clearance(&parent.clearance) };
+        let linear = fit.aligned(targets, linear.clone());
+        FlatPoints { targets: surface.targets, linear, upright, fitted, parent_points: parent.points.clone() }
+    }
+
+    /// The points of the new cage without heights, on a parent with these points.
+    pub fn fitted(&self, parent: &IdVec<VertexId, Vec3>) -> IdVec<VertexId, Vec3> {
+        self.fitted_to(&self.surface(parent))
+    }
+
+    fn fitted_to(&self, Surface { patches, targets, linear }: &Surface) -> IdVec<VertexId, Vec3> {
+        let fit = self.limit_fit();
+        let start = fit.on_surface(targets, linear);
+        fit.aligned(targets, fit.base(patches, targets, &self.room_along(&start), &start))
+    }
+
+    /// The limit surface of the parent with these points.
+    fn surface(&self, parent: &IdVec<VertexId, Vec3>) -> Surface<'_> {
         let (level, orientation) = (self.parent.level(), self.cage.frame.orientation);
-        let normals = OuterNormals::new(level, orientation, self.parent.limits(), &parent.points);
-        let patches = Patches::new(level, &parent.points, &self.placed_faces);
-        let linear = carried_points(&&self.output().derivation.vertices, &parent.points);
+        let normals = OuterNormals::new(level, orientation, self.parent.limits(), parent);
+        let patches = Patches::new(level, parent, &self.placed_faces);
+        let linear = carried_points(&&self.output().derivation.vertices, parent);
         let target = |i: usize| {
             let point = self.places[i].and_then(|place| patches.at(place));
             let point = point.unwrap_or(linear[self.output().controls[i].vertex]);
             (point, normals.normal(self.surface_corners.at(i)))
         };
-        let targets: Vec<(Vec3, Vec3)> = (0..self.surface_corners.len()).into_par_iter().map(target).collect();
-        let fit = self.limit_fit();
-        let normal = |i: usize| targets[i].1;
-        let fitted = |start, room: &[f32]| fit.aligned(&targets, fit.base(&patches, normal, room, start));
-        let on_surface = fit.on_surface(&targets, &linear);
-        let (room, none) = (self.room_along(&on_surface), vec![0.0; targets.len()]);
-        let fits = || rayon::join(|| fitted(&on_surface, &room), || fitted(&linear, &none));
-        let others = || (fit.aligned(&targets, linear.clone()), self.output().carried_clearance(&parent.clearance));
-        let ((points, upright), (linear, clearance)) = rayon::join(fits, others);
-        let fitted = CagePoints { points, clearance };
-        FlatPoints { targets, linear, upright, fitted, parent_points: parent.points.clone() }
+        let targets = (0..self.surface_corners.len()).into_par_iter().map(target).collect();
+        Surface { patches, targets, linear }
     }
 
     /// The points of the new cage, and warnings of reduced heights and of remaining intersections. The points of the

@@ -79,28 +79,31 @@ impl LimitFit<'_> {
         points
     }
 
-    /// The cage without heights: the limits of the controls are on the limit surface of the parent. `normals` are those of
-    /// the surface, and `room` is how far each control may go along it from `start`, as lines close to each other must not
+    /// The cage without heights: the limits of the controls are on the limit surface of the parent. `targets` are positions
+    /// and normals there, and `room` is how far each control may go along it from `start`, as lines close to each other must not
     /// pass.
     pub fn base(
         &self,
         patches: &Patches,
-        normals: impl Fn(usize) -> Vec3 + Sync + Send,
+        targets: &[(Vec3, Vec3)],
         room: &[f32],
         start: &IdVec<VertexId, Vec3>,
     ) -> IdVec<VertexId, Vec3> {
         let mut points = start.clone();
+        let is_layer = |control: &Control| matches!(control.role, Role::Layer { .. });
+        let places = self.places.iter().zip(self.controls).map(|(place, control)| place.filter(|_| !is_layer(control)));
+        let mut places: Vec<Option<Place>> = places.collect();
         for _ in 0..BASE_STEPS {
-            let step = |i: usize, points: &IdVec<VertexId, Vec3>| {
-                let (limit, vertex) = (self.limit(i, points), self.controls[i].vertex);
-                let place = self.places[i].filter(|_| !matches!(self.controls[i].role, Role::Layer { .. }));
-                let Some(closest) = place.and_then(|place| patches.closest(place, limit)) else { return Vec3::ZERO };
-                let moved = points[vertex] + closest - limit - start[vertex];
-                let along = moved.reject_from_normalized(normals(i));
-                let kept = along.clamp_length_max(room[i]);
-                start[vertex] + moved - along + kept - points[vertex]
+            let step = |i: usize, place: &mut Option<Place>| {
+                let (limit, vertex) = (self.limit(i, &points), self.controls[i].vertex);
+                let Some((nearer, target)) = place.and_then(|place| patches.nearer(place, limit)) else { return Vec3::ZERO };
+                *place = Some(nearer);
+                let moved = points[vertex] + target - limit - start[vertex];
+                let along = moved.reject_from_normalized(targets[i].1);
+                start[vertex] + moved - along + along.clamp_length_max(room[i]) - points[vertex]
             };
-            self.move_by(step, &mut points);
+            let steps = places.par_iter_mut().enumerate().map(|(i, place)| step(i, place)).collect();
+            self.move_by(steps, &mut points);
             self.move_copies_to_originals(&mut points);
         }
         points
@@ -117,26 +120,22 @@ impl LimitFit<'_> {
     /// Moves copies outwards so that their limits coincide with those of their reference controls.
     pub fn aligned(&self, targets: &[(Vec3, Vec3)], mut points: IdVec<VertexId, Vec3>) -> IdVec<VertexId, Vec3> {
         for _ in 0..BASE_STEPS {
-            let step = |i: usize, points: &_| match self.controls[i].role {
+            let step = |i: usize| match self.controls[i].role {
                 Role::Layer { side, .. } if self.reference_control[i] != i => {
                     let error =
-                        (self.limit(self.reference_control[i], points) - self.limit(i, points)).dot(targets[i].1);
+                        (self.limit(self.reference_control[i], &points) - self.limit(i, &points)).dot(targets[i].1);
                     // A move towards the first layer would intersect it between the vertices.
                     (side * (side * error).max(0.0)) * targets[i].1
                 }
                 _ => Vec3::ZERO,
             };
-            self.move_by(step, &mut points);
+            let steps = (0..self.controls.len()).into_par_iter().map(step).collect();
+            self.move_by(steps, &mut points);
         }
         points
     }
 
-    fn move_by(
-        &self,
-        step: impl Fn(usize, &IdVec<VertexId, Vec3>) -> Vec3 + Send + Sync,
-        points: &mut IdVec<VertexId, Vec3>,
-    ) {
-        let steps: Vec<Vec3> = (0..self.controls.len()).into_par_iter().map(|i| step(i, points)).collect();
+    fn move_by(&self, steps: Vec<Vec3>, points: &mut IdVec<VertexId, Vec3>) {
         self.controls.iter().zip(&steps).filter(|(_, s)| s.is_finite()).for_each(|(c, &s)| points[c.vertex] += s);
     }
 

@@ -9,8 +9,6 @@ use crate::subdivide::{Level, Numbering, carried_points, child_corner};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
-/// Steps to the closest point.
-const STEPS: usize = 4;
 /// Weight below which a vertex is no source of a place.
 const LEAST_WEIGHT: f32 = 1e-6;
 
@@ -100,13 +98,22 @@ impl<'a> Patches<'a> {
         })
     }
 
-    /// The point nearest to `point` that a vertex at a place can slide to.
-    pub fn closest(&self, place: Place, point: Vec3) -> Option<Vec3> {
-        match place {
-            Place::Vertex(_) => self.at(place),
-            Place::Edge(corner, share) => self.closest_on_edge(corner, share, point),
-            Place::Face(corner, shares) => self.closest_in_face(corner, shares, point),
-        }
+    /// A place nearer to `point` by one step of Newton's method, as far as a vertex can slide there, and the point at it.
+    pub fn nearer(&self, place: Place, point: Vec3) -> Option<(Place, Vec3)> {
+        let nearer = match place {
+            Place::Vertex(_) => place,
+            Place::Edge(corner, share) => {
+                let [at, along] = self.on_edge(corner, share)?;
+                let step = (point - at).dot(along) / along.length_squared().max(f32::MIN_POSITIVE);
+                Place::Edge(corner, (share + step).clamp(0.0, 1.0))
+            }
+            Place::Face(corner, shares) => {
+                let [at, along, across] = evaluate(self.grid(corner)?, shares);
+                let (corner, shares) = self.within(corner, shares + least_squares(along, across, point - at));
+                Place::Face(corner, shares)
+            }
+        };
+        Some((nearer, self.at(nearer)?))
     }
 
     /// Position on the curve of the edge after a corner, and its derivative.
@@ -118,23 +125,6 @@ impl<'a> Patches<'a> {
         let [point, _, along] =
             evaluate(self.grid(self.topology.faces.next(corner))?, Vec2::new(0.0, 2.0 - 2.0 * share));
         Some([point, -2.0 * along])
-    }
-
-    fn closest_on_edge(&self, corner: CornerId, mut share: f32, point: Vec3) -> Option<Vec3> {
-        for _ in 0..STEPS {
-            let [at, along] = self.on_edge(corner, share)?;
-            let step = (point - at).dot(along) / along.length_squared().max(f32::MIN_POSITIVE);
-            share = (share + step).clamp(0.0, 1.0);
-        }
-        self.on_edge(corner, share).map(|[at, _]| at)
-    }
-
-    fn closest_in_face(&self, mut corner: CornerId, mut shares: Vec2, point: Vec3) -> Option<Vec3> {
-        for _ in 0..STEPS {
-            let [at, along, across] = evaluate(self.grid(corner)?, shares);
-            (corner, shares) = self.within(corner, shares + least_squares(along, across, point - at));
-        }
-        Some(evaluate(self.grid(corner)?, shares)[0])
     }
 
     /// The patch in which shares beyond those of a corner's patch are, and the shares there.

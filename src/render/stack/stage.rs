@@ -26,6 +26,7 @@ use crate::render::thickness::halving;
 use crate::render::{add_border_holes, check_size};
 use crate::step::{Same, Step};
 use crate::subdivide::{Carrier, Connectivity, Level, refined_faces, same_level};
+use glam::Vec3;
 use refinement::{Refined, RefinementSteps, refined, refined_inputs, refined_points};
 use std::sync::Arc;
 
@@ -153,6 +154,7 @@ struct Context<'a> {
 
 /// The input of a placement: the cage, its connectivity and its parent's.
 type PlacementInput = (Same<DerivedCage>, Same<Connectivity>, Same<Connectivity>);
+type Points = IdVec<VertexId, Vec3>;
 /// The input of raised points; true for the last cage.
 type RaisedInput = (SameOperator, Same<FlatPoints>, bool);
 
@@ -163,6 +165,7 @@ struct PointSteps {
     placement: Step<PlacementInput, Arc<Placement>>,
     flat: Step<(Same<Placement>, Same<CagePoints>), Arc<FlatPoints>>,
     raised: Step<RaisedInput, (Arc<CagePoints>, Arc<Warnings>)>,
+    origins: Step<(Same<Placement>, Points), Arc<Points>>,
 }
 
 impl PointSteps {
@@ -186,6 +189,16 @@ impl PointSteps {
             Ok((Arc::new(points), Arc::new(warnings)))
         })?;
         Ok(Raised { points, connectivity, warnings })
+    }
+
+    /// The points without the heights of any operator, from those of the parent. None before [`PointSteps::update`].
+    fn origins(&mut self, parent: Points) -> Result<Option<Arc<Points>>, Error> {
+        let (Some(placement), flat) = (self.placement.last(), self.flat.last()) else { return Ok(None) };
+        let known = flat.and_then(|flat| flat.fitted_on(&parent)).cloned();
+        let points = self.origins.get((Same::from(placement), parent), |(placement, parent)| {
+            Ok(Arc::new(known.unwrap_or_else(|| placement.fitted(parent))))
+        });
+        points.map(Some)
     }
 }
 

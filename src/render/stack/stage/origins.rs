@@ -4,7 +4,6 @@ use super::{StageSteps, Start, connectivity};
 use crate::error::Error;
 use crate::garment::Garment;
 use crate::mesh::{Csr, FaceId, Faces, IdVec, VertexId};
-use crate::render::points::CagePoints;
 use crate::render::stack::Stage;
 use crate::subdivide::{Derivation, carried_points};
 use glam::Vec3;
@@ -74,12 +73,12 @@ impl StageSteps {
         is_last: bool,
     ) -> Result<OriginTrace, Error> {
         let stage = &self.with_halving(start, stage)?;
-        let (first, points) = self.first(start, stage)?;
+        let (first, _) = self.first(start, stage)?;
         let mut last = connectivity(&mut self.first_connectivity, &first.level)?;
-        let mut points = CagePoints { points: trace.points.clone(), ..CagePoints::clone(&points) };
-        for steps in self.points.iter().take(stage.operators.len()) {
+        for steps in self.points.iter_mut().take(stage.operators.len()) {
+            let Some(points) = steps.origins(trace.points.clone())? else { break };
+            trace.points = IdVec::clone(&points);
             let Some(placement) = steps.placement.last() else { break };
-            points = placement.flat(&points).fitted().clone();
             trace.copies.extend(placement.copy_pairs());
             let derivation = placement.derivation();
             trace.parents = derivation.faces.ids().map(|f| trace.parents[derivation.parent_face(f)]).collect();
@@ -89,7 +88,9 @@ impl StageSteps {
             }
         }
         let is_limit = is_last && stage.level == 0;
-        trace.points = if is_limit { carried_points(&last.limits(), &points.points) } else { points.points };
+        if is_limit {
+            trace.points = carried_points(&last.limits(), &trace.points);
+        }
         trace.join_copies();
         for refinement in self.refinements.iter().take(stage.level as usize).filter_map(|steps| steps.last()) {
             trace.points = carried_points(&refinement.vertex(), &trace.points);
