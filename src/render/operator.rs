@@ -133,6 +133,8 @@ pub enum Role {
     Surface,
     /// On the surface, at its place: a border or the border of a set leads there.
     Kept,
+    /// On the surface, at its place: on an edge that is folded over.
+    Folded,
     /// Raised by its height. Operators outside this crate use this, [`Role::Surface`] and [`Role::Kept`]; the others belong to seams and
     /// thicknesses.
     Raised,

@@ -76,12 +76,17 @@ pub struct FlatPoints {
     parent_points: IdVec<VertexId, Vec3>,
 }
 
-/// The limit surface of a parent where a cage has controls.
-struct Surface<'a> {
-    patches: Patches<'a>,
-    /// Position and normal of each control on it.
+/// The limit surface of a parent, where a cage has controls.
+pub struct LimitSurface {
+    patches: Patches,
+    normals: OuterNormals,
+}
+
+/// Where controls are on a limit surface.
+struct Targets {
+    /// Position and normal of each control.
     targets: Vec<(Vec3, Vec3)>,
-    /// Positions by linear interpolation of the parent's points.
+    /// Positions of all vertices by linear interpolation of the parent's points.
     linear: IdVec<VertexId, Vec3>,
 }
 
@@ -139,41 +144,58 @@ impl Placement {
     }
 
     /// The points of the new cage without heights.
-    pub fn flat(&self, parent: &CagePoints) -> FlatPoints {
-        let surface = self.surface(&parent.points);
-        let Surface { patches, targets, linear } = &surface;
+    pub fn flat(&self, surface: &LimitSurface, parent: &CagePoints) -> FlatPoints {
+        let Targets { targets, linear } = self.targets(surface, &parent.points);
         let fit = self.limit_fit();
-        let upright = || fit.base(patches, targets, &vec![0.0; targets.len()], linear);
-        let (points, upright) = rayon::join(|| self.fitted_to(&surface), || fit.aligned(targets, upright()));
+        let upright = || fit.base(&surface.patches, &targets, &vec![0.0; targets.len()], &linear);
+        let fitted = || self.fitted_to(surface, &targets, &linear);
+        let (points, upright) = rayon::join(fitted, || fit.aligned(&targets, upright()));
         let fitted = CagePoints { points, clearance: self.output().carried_clearance(&parent.clearance) };
-        let linear = fit.aligned(targets, linear.clone());
-        FlatPoints { targets: surface.targets, linear, upright, fitted, parent_points: parent.points.clone() }
+        let linear = fit.aligned(&targets, linear);
+        FlatPoints { targets, linear, upright, fitted, parent_points: parent.points.clone() }
     }
 
     /// The points of the new cage without heights, on a parent with these points.
-    pub fn fitted(&self, parent: &IdVec<VertexId, Vec3>) -> IdVec<VertexId, Vec3> {
-        self.fitted_to(&self.surface(parent))
+    pub fn fitted(&self, surface: &LimitSurface, parent: &IdVec<VertexId, Vec3>) -> IdVec<VertexId, Vec3> {
+        let Targets { targets, linear } = self.targets(surface, parent);
+        self.fitted_to(surface, &targets, &linear)
     }
 
-    fn fitted_to(&self, Surface { patches, targets, linear }: &Surface) -> IdVec<VertexId, Vec3> {
+    fn fitted_to(
+        &self,
+        surface: &LimitSurface,
+        targets: &[(Vec3, Vec3)],
+        linear: &IdVec<VertexId, Vec3>,
+    ) -> IdVec<VertexId, Vec3> {
         let fit = self.limit_fit();
         let start = fit.on_surface(targets, linear);
-        fit.aligned(targets, fit.base(patches, targets, &self.room_along(&start), &start))
+        fit.aligned(targets, fit.base(&surface.patches, targets, &self.room_along(&start), &start))
     }
 
-    /// The limit surface of the parent with these points.
-    fn surface(&self, parent: &IdVec<VertexId, Vec3>) -> Surface<'_> {
+    /// The limit surface of a parent with these points, where the new cage has controls.
+    pub fn surface(&self, parent: &IdVec<VertexId, Vec3>) -> LimitSurface {
         let (level, orientation) = (self.parent.level(), self.cage.frame.orientation);
-        let normals = OuterNormals::new(level, orientation, self.parent.limits(), parent);
-        let patches = Patches::new(level, parent, &self.placed_faces);
+        let (normals, patches) = rayon::join(
+            || OuterNormals::new(level, orientation, self.parent.limits(), parent),
+            || Patches::new(Arc::clone(&self.parent), parent, &self.placed_faces),
+        );
+        LimitSurface { patches, normals }
+    }
+
+    /// The parent and its faces that [`Placement::surface`] depends on.
+    pub fn surface_inputs(&self) -> (&Arc<Connectivity>, &[FaceId]) {
+        (&self.parent, &self.placed_faces)
+    }
+
+    fn targets(&self, surface: &LimitSurface, parent: &IdVec<VertexId, Vec3>) -> Targets {
         let linear = carried_points(&&self.output().derivation.vertices, parent);
         let target = |i: usize| {
-            let point = self.places[i].and_then(|place| patches.at(place));
+            let point = self.places[i].and_then(|place| surface.patches.at(place));
             let point = point.unwrap_or(linear[self.output().controls[i].vertex]);
-            (point, normals.normal(self.surface_corners.at(i)))
+            (point, surface.normals.normal(self.surface_corners.at(i)))
         };
         let targets = (0..self.surface_corners.len()).into_par_iter().map(target).collect();
-        Surface { patches, targets, linear }
+        Targets { targets, linear }
     }
 
     /// The points of the new cage, and warnings of reduced heights and of remaining intersections. The points of the

@@ -70,7 +70,8 @@ impl LimitFit<'_> {
     pub fn on_surface(&self, targets: &[(Vec3, Vec3)], linear: &IdVec<VertexId, Vec3>) -> IdVec<VertexId, Vec3> {
         let mut points = linear.clone();
         for ((control, place), (target, _)) in self.controls.iter().zip(self.places).zip(targets) {
-            let is_on_line = control.role.is_centre() || matches!(place, Some(Place::Edge(..) | Place::Face(..)));
+            let is_marked = control.role.is_centre() || control.role == Role::Folded;
+            let is_on_line = is_marked || matches!(place, Some(Place::Edge(..) | Place::Face(..)));
             if is_on_line && target.is_finite() {
                 points[control.vertex] = *target;
             }

@@ -5,10 +5,13 @@
 
 use crate::garment::Scheme;
 use crate::mesh::{CornerId, FaceId, IdVec, Topology, VertexId};
-use crate::subdivide::{Level, Numbering, carried_points, child_corner};
+use crate::subdivide::{Connectivity, Level, Numbering, carried_points, child_corner};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
+use std::sync::Arc;
 
+/// Steps to a nearer point.
+const STEPS: usize = 2;
 /// Weight below which a vertex is no source of a place.
 const LEAST_WEIGHT: f32 = 1e-6;
 
@@ -61,29 +64,34 @@ fn in_child_quad(valence: usize, after: f32, before: f32) -> Vec2 {
 }
 
 /// The patches of some faces.
-pub struct Patches<'a> {
-    topology: &'a Topology,
+pub struct Patches {
+    parent: Arc<Connectivity>,
     /// The first patch of each face that has them.
     first: IdVec<FaceId, Option<u32>>,
     /// For each corner, a grid of points: rows of three along the edge after it.
     grids: Vec<[Vec3; 9]>,
 }
 
-impl<'a> Patches<'a> {
-    /// The patches of `faces` (ascending) of a level with `points`.
-    pub fn new(level: &'a Level, points: &IdVec<VertexId, Vec3>, faces: &[FaceId]) -> Self {
-        let t = &level.topology;
+impl Patches {
+    /// The patches of `faces` (ascending) of a cage with `points`.
+    pub fn new(parent: Arc<Connectivity>, points: &IdVec<VertexId, Vec3>, faces: &[FaceId]) -> Self {
+        let t = &parent.level().topology;
         let mut first = IdVec::filled(None, t.faces.len());
         let mut count = 0;
         for &face in faces {
             first[face] = Some(count);
             count += t.faces.valence(face) as u32;
         }
-        Self { topology: t, first, grids: grids(level, points, faces) }
+        let grids = grids(parent.level(), points, faces);
+        Self { parent, first, grids }
+    }
+
+    fn topology(&self) -> &Topology {
+        &self.parent.level().topology
     }
 
     fn grid(&self, corner: CornerId) -> Option<&[Vec3; 9]> {
-        let faces = &self.topology.faces;
+        let faces = &self.topology().faces;
         let face = faces.face_of(corner);
         let first = self.first[face]? as usize;
         self.grids.get(first + corner.index() - faces.range(face).start)
@@ -98,9 +106,18 @@ impl<'a> Patches<'a> {
         })
     }
 
-    /// A place nearer to `point` by one step of Newton's method, as far as a vertex can slide there, and the point at it.
-    pub fn nearer(&self, place: Place, point: Vec3) -> Option<(Place, Vec3)> {
-        let nearer = match place {
+    /// A place nearer to `point`, as far as a vertex can slide there, and the point at it. Further steps change little, as
+    /// the fit that asks goes on from the place.
+    pub fn nearer(&self, mut place: Place, point: Vec3) -> Option<(Place, Vec3)> {
+        for _ in 0..STEPS {
+            place = self.step(place, point)?;
+        }
+        Some((place, self.at(place)?))
+    }
+
+    /// One step of Newton's method towards `point`.
+    fn step(&self, place: Place, point: Vec3) -> Option<Place> {
+        Some(match place {
             Place::Vertex(_) => place,
             Place::Edge(corner, share) => {
                 let [at, along] = self.on_edge(corner, share)?;
@@ -112,8 +129,7 @@ impl<'a> Patches<'a> {
                 let (corner, shares) = self.within(corner, shares + least_squares(along, across, point - at));
                 Place::Face(corner, shares)
             }
-        };
-        Some((nearer, self.at(nearer)?))
+        })
     }
 
     /// Position on the curve of the edge after a corner, and its derivative.
@@ -123,21 +139,21 @@ impl<'a> Patches<'a> {
             return Some([point, 2.0 * along]);
         }
         let [point, _, along] =
-            evaluate(self.grid(self.topology.faces.next(corner))?, Vec2::new(0.0, 2.0 - 2.0 * share));
+            evaluate(self.grid(self.topology().faces.next(corner))?, Vec2::new(0.0, 2.0 - 2.0 * share));
         Some([point, -2.0 * along])
     }
 
     /// The patch in which shares beyond those of a corner's patch are, and the shares there.
     fn within(&self, corner: CornerId, shares: Vec2) -> (CornerId, Vec2) {
-        let (faces, Vec2 { x, y }) = (&self.topology.faces, shares);
+        let (faces, Vec2 { x, y }) = (&self.topology().faces, shares);
         let beyond = if x > 1.0 {
             Some((faces.next(corner), Vec2::new(y, 2.0 - x)))
         } else if y > 1.0 {
             Some((faces.prev(corner), Vec2::new(2.0 - y, x)))
         } else if y < 0.0 {
-            self.topology.twin(corner).map(|twin| (faces.next(twin), Vec2::new(-y, x)))
+            self.topology().twin(corner).map(|twin| (faces.next(twin), Vec2::new(-y, x)))
         } else if x < 0.0 {
-            self.topology.twin(faces.prev(corner)).map(|twin| (twin, Vec2::new(y, -x)))
+            self.topology().twin(faces.prev(corner)).map(|twin| (twin, Vec2::new(y, -x)))
         } else {
             None
         };

@@ -17,9 +17,9 @@ use super::Stage;
 use crate::contact::Clearance;
 use crate::error::{Error, Warnings};
 use crate::garment::Garment;
-use crate::mesh::{IdVec, VertexId};
+use crate::mesh::{FaceId, IdVec, VertexId};
 use crate::render::operator::{Ancestry, DerivedCage, Operator, OperatorInput};
-use crate::render::placement::{FlatPoints, Placement};
+use crate::render::placement::{FlatPoints, LimitSurface, Placement};
 use crate::render::points::CagePoints;
 use crate::render::reference::ReferenceNormals;
 use crate::render::thickness::halving;
@@ -155,6 +155,8 @@ struct Context<'a> {
 /// The input of a placement: the cage, its connectivity and its parent's.
 type PlacementInput = (Same<DerivedCage>, Same<Connectivity>, Same<Connectivity>);
 type Points = IdVec<VertexId, Vec3>;
+/// The input of a limit surface: the parent, its points, and the faces where it is asked for.
+type SurfaceInput = (Same<Connectivity>, Points, Vec<FaceId>);
 /// The input of raised points; true for the last cage.
 type RaisedInput = (SameOperator, Same<FlatPoints>, bool);
 
@@ -163,8 +165,10 @@ type RaisedInput = (SameOperator, Same<FlatPoints>, bool);
 struct PointSteps {
     connectivity: Step<Same<Level>, Arc<Connectivity>>,
     placement: Step<PlacementInput, Arc<Placement>>,
+    surface: Step<SurfaceInput, Arc<LimitSurface>>,
     flat: Step<(Same<Placement>, Same<CagePoints>), Arc<FlatPoints>>,
     raised: Step<RaisedInput, (Arc<CagePoints>, Arc<Warnings>)>,
+    surface_without_heights: Step<SurfaceInput, Arc<LimitSurface>>,
     origins: Step<(Same<Placement>, Points), Arc<Points>>,
 }
 
@@ -181,8 +185,9 @@ impl PointSteps {
         let placement = self.placement.get(input, |(derived, child, parent)| {
             Ok(Arc::new(Placement::new(Arc::clone(&derived.0), Arc::clone(&child.0), Arc::clone(&parent.0))))
         })?;
+        let surface = surface(&mut self.surface, &placement, &parent.1.points)?;
         let input = (Same::from(&placement), Same::from(parent.1));
-        let flat = self.flat.get(input, |(placement, parent)| Ok(Arc::new(placement.flat(parent))))?;
+        let flat = self.flat.get(input, |(placement, parent)| Ok(Arc::new(placement.flat(&surface, parent))))?;
         let input = (SameOperator(Arc::clone(operator)), Same::from(&flat), is_last);
         let (points, warnings) = self.raised.get(input, |_| {
             let (points, warnings) = placement.raised(operator.as_ref(), &flat, is_last);
@@ -193,13 +198,25 @@ impl PointSteps {
 
     /// The points without the heights of any operator, from those of the parent. None before [`PointSteps::update`].
     fn origins(&mut self, parent: Points) -> Result<Option<Arc<Points>>, Error> {
-        let (Some(placement), flat) = (self.placement.last(), self.flat.last()) else { return Ok(None) };
-        let known = flat.and_then(|flat| flat.fitted_on(&parent)).cloned();
-        let points = self.origins.get((Same::from(placement), parent), |(placement, parent)| {
-            Ok(Arc::new(known.unwrap_or_else(|| placement.fitted(parent))))
+        let Some(placement) = self.placement.last() else { return Ok(None) };
+        let known = self.flat.last().and_then(|flat| flat.fitted_on(&parent));
+        let of_surface = &mut self.surface_without_heights;
+        let points = self.origins.get((Same::from(placement), parent), |(placement, parent)| match known {
+            Some(points) => Ok(Arc::new(points.clone())),
+            None => Ok(Arc::new(placement.fitted(&*surface(of_surface, placement, parent)?, parent))),
         });
         points.map(Some)
     }
+}
+
+fn surface(
+    step: &mut Step<SurfaceInput, Arc<LimitSurface>>,
+    placement: &Placement,
+    points: &Points,
+) -> Result<Arc<LimitSurface>, Error> {
+    let (parent, faces) = placement.surface_inputs();
+    let input = (Same::from(parent), points.clone(), faces.to_vec());
+    step.get(input, |(_, points, _)| Ok(Arc::new(placement.surface(points))))
 }
 
 fn connectivity(
