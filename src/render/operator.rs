@@ -133,8 +133,6 @@ pub enum Role {
     Surface,
     /// On the surface, at its place: a border or the border of a set leads there.
     Kept,
-    /// On the surface, at its place: on an edge that is folded over.
-    Folded,
     /// Raised by its height. Operators outside this crate use this, [`Role::Surface`] and [`Role::Kept`]; the others belong to seams and
     /// thicknesses.
     Raised,
@@ -197,6 +195,11 @@ pub struct Strand {
 }
 
 impl Role {
+    /// True on the edges of a seam and on its lines.
+    pub fn is_on_seam(&self) -> bool {
+        matches!(self, Self::Centre { .. } | Self::Line { .. } | Self::Crossing { .. })
+    }
+
     /// True on the edges of a seam.
     pub fn is_centre(&self) -> bool {
         match self {

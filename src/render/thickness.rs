@@ -237,12 +237,12 @@ impl Thickness {
         let on_cage = lines.near.enumerated().filter(|(v, near)| **near || layer_ends[*v]).map(|(v, _)| v);
         let on_surface = |vertex: VertexId, is_fold: bool| Control {
             vertex,
-            role: if is_fold { Role::Folded } else { Role::Surface },
+            role: if is_fold { Role::Kept } else { Role::Surface },
         };
         let mut controls: Vec<Control> = on_cage.map(|v| on_surface(v, folds[v])).collect();
         controls.extend(lines.vertices.iter().map(|l| match l.line {
             Some(_) => on_surface(l.vertex, false),
-            None => Control { vertex: l.vertex, role: Role::Folded },
+            None => Control { vertex: l.vertex, role: Role::Kept },
         }));
         let ends_of = |l: &&LineVertex| t.edges[l.mark].iter().any(|&v| ends.joined[v]);
         let beside: BTreeSet<VertexId> = lines.vertices.iter().filter(ends_of).map(|l| l.vertex).collect();

@@ -65,18 +65,15 @@ impl LimitFit<'_> {
         self.row(control).iter().map(|&(v, w)| w * points[v]).sum()
     }
 
-    /// The points `linear`, with those on lines and on seams at their targets. Lines are close to each other, and so are a
-    /// point among them and its limit. The parent's points are farther from theirs than the lines are apart.
+    /// The points `linear`, with those of seams at their targets. Lines of a seam are close to each other, and so are a point
+    /// among them and its limit. The parent's points are farther from theirs than the lines are apart.
     pub fn on_surface(&self, targets: &[(Vec3, Vec3)], linear: &IdVec<VertexId, Vec3>) -> IdVec<VertexId, Vec3> {
         let mut points = linear.clone();
-        for ((control, place), (target, _)) in self.controls.iter().zip(self.places).zip(targets) {
-            let is_marked = control.role.is_centre() || control.role == Role::Folded;
-            let is_on_line = is_marked || matches!(place, Some(Place::Edge(..) | Place::Face(..)));
-            if is_on_line && target.is_finite() {
+        for (control, (target, _)) in self.controls.iter().zip(targets) {
+            if control.role.is_on_seam() && target.is_finite() {
                 points[control.vertex] = *target;
             }
         }
-        self.move_copies_to_originals(&mut points);
         points
     }
 
@@ -97,14 +94,16 @@ impl LimitFit<'_> {
         for _ in 0..BASE_STEPS {
             let step = |i: usize, place: &mut Option<Place>| {
                 let (limit, vertex) = (self.limit(i, &points), self.controls[i].vertex);
-                let Some((nearer, target)) = place.and_then(|place| patches.nearer(place, limit)) else { return Vec3::ZERO };
+                let Some((nearer, target)) = place.and_then(|place| patches.nearer(place, limit)) else {
+                    return Vec3::ZERO;
+                };
                 *place = Some(nearer);
                 let moved = points[vertex] + target - limit - start[vertex];
                 let along = moved.reject_from_normalized(targets[i].1);
                 start[vertex] + moved - along + along.clamp_length_max(room[i]) - points[vertex]
             };
-            let steps = places.par_iter_mut().enumerate().map(|(i, place)| step(i, place)).collect();
-            self.move_by(steps, &mut points);
+            let steps: Vec<Vec3> = places.par_iter_mut().enumerate().map(|(i, place)| step(i, place)).collect();
+            self.move_by(&steps, &mut points);
             self.move_copies_to_originals(&mut points);
         }
         points
@@ -130,14 +129,14 @@ impl LimitFit<'_> {
                 }
                 _ => Vec3::ZERO,
             };
-            let steps = (0..self.controls.len()).into_par_iter().map(step).collect();
-            self.move_by(steps, &mut points);
+            let steps: Vec<Vec3> = (0..self.controls.len()).into_par_iter().map(step).collect();
+            self.move_by(&steps, &mut points);
         }
         points
     }
 
-    fn move_by(&self, steps: Vec<Vec3>, points: &mut IdVec<VertexId, Vec3>) {
-        self.controls.iter().zip(&steps).filter(|(_, s)| s.is_finite()).for_each(|(c, &s)| points[c.vertex] += s);
+    fn move_by(&self, steps: &[Vec3], points: &mut IdVec<VertexId, Vec3>) {
+        self.controls.iter().zip(steps).filter(|(_, s)| s.is_finite()).for_each(|(c, &s)| points[c.vertex] += s);
     }
 
     /// Raises the controls so that their limits are at their heights over those in `base`.
