@@ -82,6 +82,13 @@ pub struct LimitSurface {
     normals: OuterNormals,
 }
 
+impl LimitSurface {
+    /// Its memory. \[bytes\]
+    pub fn bytes(&self) -> usize {
+        self.patches.bytes() + self.normals.bytes()
+    }
+}
+
 /// Where controls are on a limit surface.
 struct Targets {
     /// Position and normal of each control.

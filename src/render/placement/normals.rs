@@ -53,6 +53,11 @@ impl OuterNormals {
         Self { normals, cage_normals }
     }
 
+    /// Their memory. \[bytes\]
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.normals.as_slice()) + size_of_val(self.cage_normals.as_slice())
+    }
+
     /// The normal at the weighted mean of some corners. It is zero where there is none.
     pub fn normal(&self, corners: &[(CornerId, f32)]) -> Vec3 {
         let sum: Vec3 = corners.iter().map(|&(c, w)| w * self.normals[c]).sum();

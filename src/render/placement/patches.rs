@@ -86,6 +86,11 @@ impl Patches {
         Self { parent, first, grids }
     }
 
+    /// Their memory. \[bytes\]
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.grids.as_slice()) + size_of_val(self.first.as_slice())
+    }
+
     fn topology(&self) -> &Topology {
         &self.parent.level().topology
     }

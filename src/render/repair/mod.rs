@@ -110,7 +110,6 @@ impl Displaced<'_> {
 pub fn repair(input: &Displaced) -> Repaired {
     let normals = unfitted_normals(input);
     let mut trial = Trial::new(input, &normals);
-    reduce_flipped(&mut trial);
     let reduced = reduce(&mut trial);
     let share = |&state: &State| LEAST_SHARE + (1.0 - LEAST_SHARE) * input.part(state);
     let shares = reduced.states.iter().map(share).collect();
@@ -119,13 +118,6 @@ pub fn repair(input: &Displaced) -> Repaired {
     let best = separate(&mut trial, facing_ahead);
     let faults = remaining(&trial, best, folded);
     Repaired { points: trial.points, shares, faults }
-}
-
-/// Reduces heights at flipped faces. Most intersections are there too, and this needs no search for pairs.
-fn reduce_flipped(trial: &mut Trial) {
-    let flipped: Vec<Fault> =
-        trial.flipped_of(trial.input.controlled_faces).into_iter().map(|face| [face; 2]).collect();
-    trial.displace(trial.weakened(&flipped, State::weaker));
 }
 
 /// Reduces heights at faults step by step; the best state of each part.

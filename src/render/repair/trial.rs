@@ -139,12 +139,6 @@ impl<'a> Trial<'a> {
         faces.iter().copied().filter(|&face| self.input.near[face] || !self.faces.is_smooth(face)).collect()
     }
 
-    /// Flipped faces among some that may have a fault.
-    pub fn flipped_of(&mut self, faces: &[FaceId]) -> Vec<FaceId> {
-        let doubtful = self.doubtful(faces);
-        self.flipped(&doubtful)
-    }
-
     /// Pairs of intersecting faces with an active one, but for those whose parents intersect.
     fn intersecting(&mut self, active: &[FaceId]) -> Vec<Fault> {
         let mut pairs = self.faces.intersecting_pairs(active);

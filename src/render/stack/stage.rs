@@ -375,9 +375,14 @@ impl StageSteps {
     pub fn bytes(&self) -> usize {
         let cages = self.cages.iter().filter_map(|steps| steps.garment.last());
         let cages = cages.map(|garment| 2 * garment.bytes() + Self::CAGE_CORNER * garment.faces.corners().len());
+        let surfaces =
+            self.points.iter().flat_map(|steps| [steps.surface.last(), steps.surface_without_heights.last()]);
+        let surfaces = surfaces.flatten().map(|surface| surface.bytes());
         let refinements = self.refinements.iter().map(RefinementSteps::bytes);
         let mesh = self.mesh.last().map_or(0, |mesh| size_of_val(mesh.points.as_slice()));
-        self.first.last().map_or(0, |cage| cage.garment.bytes()) + cages.chain(refinements).sum::<usize>() + mesh
+        self.first.last().map_or(0, |cage| cage.garment.bytes())
+            + cages.chain(surfaces).chain(refinements).sum::<usize>()
+            + mesh
     }
 }
 
