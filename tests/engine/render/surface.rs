@@ -57,7 +57,7 @@ fn roof(turn: f32) -> Garment {
     checked(with_edges(input, "ridge", &column(4, 0)))
 }
 
-/// What is wrong with a mesh that has a seam: points beyond the width that are off the surface.
+/// The faults of a mesh with a seam: points beyond its width that are off the surface.
 fn moved(held: &Held, mesh: &Garment, width: f32) -> Option<String> {
     let all = held.beyond(mesh, width);
     let worst = all.first().expect("a point is beyond the seam");
@@ -147,7 +147,7 @@ fn a_seam_has_on_a_roof_the_profile_that_it_has_on_a_flat_sheet() {
             profile(&Held::new(&garment, &["ridge"], LEVEL), &mesh)
         };
         let flat = of(0.0);
-        // What is compared with is itself as asked for.
+        // The flat sheet has the height that was asked for.
         assert!((height_at(&flat, 0.0) - offset).abs() < MOST, "{depth}: {}", height_at(&flat, 0.0));
         assert!(height_at(&flat, width).abs() < MOST, "{depth}: {}", height_at(&flat, width));
         for turn in [20.0, 45.0, 90.0, 120.0] {
