@@ -196,7 +196,7 @@ pub struct Strand {
 
 impl Role {
     /// True on the edges of a seam and on its lines.
-    pub fn is_on_seam(&self) -> bool {
+    pub(crate) fn is_on_seam(&self) -> bool {
         matches!(self, Self::Centre { .. } | Self::Line { .. } | Self::Crossing { .. })
     }
 
