@@ -41,7 +41,7 @@
 
 mod binding;
 mod build;
-mod checks;
+
 /// The program `usdtailor`, for its launchers.
 #[cfg(feature = "cli")]
 #[doc(hidden)]
@@ -53,6 +53,7 @@ pub mod error;
 mod files;
 mod garment;
 mod mesh;
+mod options;
 #[cfg(feature = "preview")]
 pub mod preview;
 pub mod recipe;
@@ -162,7 +163,7 @@ pub use sim::SimOptions;
 /// ```
 pub mod operator {
     pub use crate::render::child::{ChildBuilder, OperatorDerivation, Table};
-    pub use crate::render::operator::{Closing, Control, Operator, OperatorInput, OperatorOutput, Role, Strand};
+    pub use crate::render::operator::{Closing, Control, Operator, OperatorInput, OperatorOutput, Role};
 }
 
 /// The parts of the engine, for this project's own tests and benches. They change without notice.
@@ -171,6 +172,17 @@ pub mod operator {
 pub mod internals {
     pub mod build {
         pub use crate::build::*;
+
+        /// The baseline of options whose lengths are resolved.
+        ///
+        /// # Errors
+        /// Names that the garment lacks.
+        pub fn baseline(
+            garment: &crate::Garment,
+            options: &crate::SimOptions,
+        ) -> Result<crate::sim::Baseline, crate::Error> {
+            Ok(crate::build::baseline(garment, &crate::recipe::ResolvedSim::new(options, garment)?))
+        }
     }
     pub mod garment {
         pub use crate::garment::*;

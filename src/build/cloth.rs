@@ -41,7 +41,7 @@ impl ClothSteps {
             return Ok(None);
         }
         let (garment, mean_edge) = (&self.garment, self.mean_edge);
-        let input = (Same::from(simulated), recipe.sim.uv_set.clone(), recipe.cloth.clone(), recipe.fabrics.clone());
+        let input = (Same::from(simulated), recipe.sim.uv_set.clone(), recipe.cloth.clone(), recipe.fabric.clone());
         let cloth = self.cloth.get(input, |(simulated, uv_set, options, fabrics)| {
             let product = &simulated.remeshed.product;
             let cloth = || Cloth::new(options, fabrics, garment, product, &simulated.mesh, uv_set, mean_edge);

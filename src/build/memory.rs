@@ -3,7 +3,7 @@
 use super::sim::{expected_faces, surface_level};
 use crate::error::{Error, ErrorCode};
 use crate::garment::Garment;
-use crate::recipe::Recipe;
+use crate::recipe::{Resolved, ResolvedSim};
 use crate::subdivide::refined_faces;
 use serde::Serialize;
 
@@ -32,22 +32,22 @@ pub struct MemoryEstimate {
 
 impl MemoryEstimate {
     /// The estimate for a resolved recipe.
-    pub(super) fn new(garment: &Garment, recipe: &Recipe) -> Result<Self, Error> {
+    pub(super) fn new(garment: &Garment, Resolved { recipe, sim }: &Resolved) -> Self {
         let faces = garment.faces.len().max(1);
         let attributes = COPIES * garment.bytes() / faces;
-        let expected = expected_faces(garment, &recipe.sim)?;
+        let expected = expected_faces(garment, sim);
         let render = refined_faces(garment, recipe.render.level);
-        Ok(Self {
+        Self {
             sim: expected.saturating_mul(TRIANGLE + attributes),
             render: render.saturating_mul(RENDER_FACE + attributes),
-            ..Self::surface(garment, recipe)?
-        })
+            ..Self::surface(garment, sim)
+        }
     }
 
     /// The estimate for that surface alone.
-    pub(super) fn surface(garment: &Garment, recipe: &Recipe) -> Result<Self, Error> {
-        let faces = refined_faces(garment, surface_level(garment, &recipe.sim)?);
-        Ok(Self { baseline: faces.saturating_mul(BASELINE_FACE), sim: 0, render: 0 })
+    pub(super) fn surface(garment: &Garment, sim: &ResolvedSim) -> Self {
+        let faces = refined_faces(garment, surface_level(garment, sim));
+        Self { baseline: faces.saturating_mul(BASELINE_FACE), sim: 0, render: 0 }
     }
 
     /// All of it.

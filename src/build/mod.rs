@@ -25,7 +25,7 @@ pub use sim::baseline;
 
 use crate::error::{Code, Error, Warning, Warnings};
 use crate::garment::{Garment, GarmentInput, Scheme, check_garment};
-use crate::recipe::{Recipe, bind, resolve_uv_set};
+use crate::recipe::{Recipe, Resolved, ResolvedSim};
 use crate::render::operator::Operator;
 use crate::render::{RenderSteps, Rendered, Stack};
 use cloth::ClothSteps;
@@ -64,12 +64,12 @@ pub fn build(mesh: &GarmentInput, recipe: &Recipe) -> Result<Products, Error> {
 ///     indices: vec![10, 11, 11, 12, 12, 13, 13, 14],
 /// }];
 /// let mut recipe = Recipe::default();
-/// recipe.seams.insert("waist".into(), SeamOptions { edges: vec!["waist".into()], ..SeamOptions::default() });
+/// recipe.seam.insert("waist".into(), SeamOptions { edges: vec!["waist".into()], ..SeamOptions::default() });
 /// let mut builder = Builder::new(mesh)?;
 /// let first = builder.update(&recipe)?;
 /// for step in 1..5 {
 ///     // A drag of one slider: points of the render mesh move, and the simulation mesh stays the same.
-///     recipe.seams.get_mut("waist").expect("the seam").normal_offset = -0.01 * step as f32;
+///     recipe.seam.get_mut("waist").expect("the seam").normal_offset = -0.01 * step as f32;
 ///     let products = builder.update(&recipe)?;
 ///     assert!(Arc::ptr_eq(&first.sim, &products.sim));
 ///     assert_eq!(first.render.faces, products.render.faces);
@@ -207,18 +207,14 @@ impl Builder {
     /// # Errors
     /// Values out of their range, and names that the mesh lacks.
     pub fn resolve(&self, recipe: &Recipe) -> Result<Recipe, Error> {
-        Ok(self.resolved(recipe)?.0)
+        Ok(self.resolved(recipe)?.0.recipe)
     }
 
-    /// The resolved recipe, with warnings of what it could not find.
-    fn resolved(&self, recipe: &Recipe) -> Result<(Recipe, Option<Warning>), Error> {
-        let mut recipe = recipe.clone();
-        recipe.check()?;
-        recipe.resolve_lengths(self.mean_edge);
-        let warning = resolve_uv_set(&mut recipe.sim, &self.garment);
-        bind(&recipe, &self.garment)?;
-        check::levels(&self.garment, &recipe)?;
-        Ok((recipe, warning))
+    /// The resolved recipe, with the warning of a UV set that is missing.
+    fn resolved(&self, recipe: &Recipe) -> Result<(Resolved, Option<Warning>), Error> {
+        let resolved = Resolved::new(recipe, &self.garment, self.mean_edge)?;
+        check::levels(&self.garment, &resolved.0.recipe)?;
+        Ok(resolved)
     }
 
     /// An estimate of the memory that [`Builder::update`] would take at once, within a factor of two where the garment has
@@ -227,7 +223,7 @@ impl Builder {
     /// # Errors
     /// As [`Builder::resolve`].
     pub fn estimate(&self, recipe: &Recipe) -> Result<MemoryEstimate, Error> {
-        MemoryEstimate::new(&self.garment, &self.resolve(recipe)?)
+        Ok(MemoryEstimate::new(&self.garment, &self.resolved(recipe)?.0))
     }
 
     /// The products of a recipe. Steps whose input is the same as before are not repeated.
@@ -235,10 +231,8 @@ impl Builder {
     /// # Errors
     /// Faults of the recipe, products that would be too large, and cancellation. The results of earlier steps stay.
     pub fn update(&mut self, recipe: &Recipe) -> Result<Products, Error> {
-        let (recipe, warning) = self.resolved(recipe)?;
-        sim::check_size(&self.garment, &recipe.sim, self.max_faces)?;
-        MemoryEstimate::new(&self.garment, &recipe)?.check(self.max_memory)?;
-        let sim = self.simulate(&recipe)?;
+        let (Resolved { recipe, sim }, warning) = self.checked(recipe)?;
+        let sim = self.simulate(&sim)?;
         let render = self.render(&recipe)?;
         let stack = self.stack(&recipe)?;
         let mut clock = Clock::new(&self.progress);
@@ -268,14 +262,22 @@ impl Builder {
         })
     }
 
+    /// The resolved recipe of products that are not too large.
+    fn checked(&self, recipe: &Recipe) -> Result<(Resolved, Option<Warning>), Error> {
+        let (resolved, warning) = self.resolved(recipe)?;
+        sim::check_size(&self.garment, &resolved.sim, self.max_faces)?;
+        MemoryEstimate::new(&self.garment, &resolved).check(self.max_memory)?;
+        Ok((resolved, warning))
+    }
+
     /// The simulation mesh alone.
     ///
     /// # Errors
     /// As [`Builder::update`].
     pub fn update_sim(&mut self, recipe: &Recipe) -> Result<SimUpdate, Error> {
-        let (recipe, warning) = self.resolved(recipe)?;
-        sim::check_size(&self.garment, &recipe.sim, self.max_faces)?;
-        let mut update = self.simulate(&recipe)?;
+        let (resolved, warning) = self.resolved(recipe)?;
+        sim::check_size(&self.garment, &resolved.sim, self.max_faces)?;
+        let mut update = self.simulate(&resolved.sim)?;
         update.warnings.extend(warning);
         Ok(SimUpdate { mesh: self.frame.sim(&update.mesh)?, ..update })
     }
@@ -290,10 +292,10 @@ impl Builder {
         Ok(RenderUpdate { mesh: self.frame.render(&update.mesh)?, ..update })
     }
 
-    /// The simulation mesh of a resolved recipe, in the frame.
-    fn simulate(&mut self, recipe: &Recipe) -> Result<SimUpdate, Error> {
+    /// The simulation mesh of resolved options, in the frame.
+    fn simulate(&mut self, sim: &ResolvedSim) -> Result<SimUpdate, Error> {
         let mut clock = Clock::new(&self.progress);
-        let simulated = self.sim.update(&recipe.sim, self.max_faces, &mut clock)?;
+        let simulated = self.sim.update(sim, self.max_faces, &mut clock)?;
         clock.finish()?;
         let mut warnings = simulated.remeshed.warnings.clone();
         warnings.extend(simulated.warnings.iter().cloned());
@@ -321,13 +323,13 @@ impl Builder {
     /// # Errors
     /// As [`Builder::update`].
     pub fn plan(&mut self, recipe: &Recipe) -> Result<Plan, Error> {
-        let recipe = self.resolve(recipe)?;
-        MemoryEstimate::surface(&self.garment, &recipe)?.check(self.max_memory)?;
+        let (Resolved { recipe, sim }, _) = self.resolved(recipe)?;
+        MemoryEstimate::surface(&self.garment, &sim).check(self.max_memory)?;
         let stack = self.stack(&recipe)?;
         let garment = self.frame.enter(&self.garment);
         Ok(Plan {
-            expected_faces: sim::expected_faces(&garment, &recipe.sim)?,
-            chains: sim::baseline(&garment, &recipe.sim)?.chains.len(),
+            expected_faces: sim::expected_faces(&garment, &sim),
+            chains: sim::baseline(&garment, &sim).chains.len(),
             render_faces: self.render.face_count(&stack)?,
             seam_level: self.render.seam_level(&stack)?,
             recipe,

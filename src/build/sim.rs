@@ -3,11 +3,11 @@
 use super::check::doubled_area;
 use super::progress::Clock;
 use crate::error::{Code, Error, ErrorCode, Warning, Warnings};
-use crate::garment::{Elements, Garment, Primvar};
+use crate::garment::{Elements, Garment};
 use crate::mesh::{CornerId, FaceId};
-use crate::recipe::bind_sim;
+use crate::recipe::ResolvedSim;
 use crate::report::{SimFigures, SubsetArea, subset_areas, uv_flips};
-use crate::sim::{Baseline, CurveGap, Lengths, SimOptions, SimProduct, baseline_level, simulate};
+use crate::sim::{Baseline, CurveGap, SimOptions, SimProduct, baseline_level, simulate};
 use crate::step::{Same, Step};
 use crate::transfer::{SetCurve, Transferred, transfer};
 use std::sync::Arc;
@@ -28,8 +28,8 @@ const FEW_FACES: usize = 1000;
 /// The steps from one garment to its simulation mesh.
 pub struct SimSteps {
     garment: Arc<Garment>,
-    remeshed: Step<(SimOptions, usize), Arc<Remeshed>>,
-    simulated: Step<(Same<Remeshed>, SimOptions), Arc<Simulated>>,
+    remeshed: Step<(ResolvedSim, usize), Arc<Remeshed>>,
+    simulated: Step<(Same<Remeshed>, ResolvedSim), Arc<Simulated>>,
 }
 
 /// A simulation mesh before the transfer of attributes.
@@ -64,16 +64,16 @@ impl SimSteps {
     /// The simulation mesh.
     pub fn update(
         &mut self,
-        options: &SimOptions,
+        sim: &ResolvedSim,
         max_faces: usize,
         clock: &mut Clock<'_>,
     ) -> Result<Arc<Simulated>, Error> {
         let garment = &self.garment;
-        let remeshed = self.remeshed.get((options.without_transfer(), max_faces), |(options, _)| {
-            remesh(garment, options, max_faces, clock).map(Arc::new)
+        let remeshed = self.remeshed.get((sim.without_transfer(), max_faces), |(sim, _)| {
+            remesh(garment, sim, max_faces, clock).map(Arc::new)
         })?;
-        self.simulated.get((Same::from(&remeshed), options.clone()), |_| {
-            clock.run("transfer", || simulated(garment, options, &remeshed)).map(Arc::new)
+        self.simulated.get((Same::from(&remeshed), sim.clone()), |_| {
+            clock.run("transfer", || simulated(garment, sim, &remeshed)).map(Arc::new)
         })
     }
 
@@ -91,24 +91,19 @@ impl SimSteps {
     }
 }
 
-fn lengths<'a>(options: &SimOptions, density: Option<&'a Primvar>) -> Lengths<'a> {
-    Lengths { min: options.min_edge_length, max: options.max_edge_length, density }
-}
-
 /// The surface that the simulation mesh of a garment lies on.
-pub fn baseline(garment: &Garment, options: &SimOptions) -> Result<Baseline, Error> {
-    let bound = bind_sim(options, garment)?;
-    Ok(Baseline::new(garment, options, lengths(options, bound.density), bound.uv_set))
+pub fn baseline(garment: &Garment, sim: &ResolvedSim) -> Baseline {
+    Baseline::new(garment, &sim.options, sim.lengths(garment), sim.uv_set(garment))
 }
 
 /// The refinements that give that surface.
-pub fn surface_level(garment: &Garment, options: &SimOptions) -> Result<u32, Error> {
-    Ok(baseline_level(garment, options, lengths(options, bind_sim(options, garment)?.density)))
+pub fn surface_level(garment: &Garment, sim: &ResolvedSim) -> u32 {
+    baseline_level(garment, &sim.options, sim.lengths(garment))
 }
 
 /// The triangles that the target lengths ask for, all of them equilateral.
-pub fn expected_faces(garment: &Garment, options: &SimOptions) -> Result<usize, Error> {
-    let lengths = lengths(options, bind_sim(options, garment)?.density);
+pub fn expected_faces(garment: &Garment, sim: &ResolvedSim) -> usize {
+    let lengths = sim.lengths(garment);
     let wanted = garment.faces.ids().map(|face| {
         let vertices = garment.faces.vertices_of(face);
         let sum: f64 = vertices.iter().map(|&v| f64::from(lengths.at(v))).sum();
@@ -116,7 +111,7 @@ pub fn expected_faces(garment: &Garment, options: &SimOptions) -> Result<usize, 
         0.5 * doubled_area(garment, face) / (0.25 * 3f64.sqrt() * target * target)
     });
     // Saturates where the lengths are absurdly small.
-    Ok(wanted.sum::<f64>().ceil() as usize)
+    wanted.sum::<f64>().ceil() as usize
 }
 
 /// The number of triangles that no simulation mesh on a baseline should exceed: whatever asks for more is a fault.
@@ -127,8 +122,8 @@ fn most_faces(baseline: &Baseline) -> usize {
 }
 
 /// Refuses lengths that ask for too many triangles.
-pub fn check_size(garment: &Garment, options: &SimOptions, max_faces: usize) -> Result<(), Error> {
-    let expected = expected_faces(garment, options)?;
+pub fn check_size(garment: &Garment, sim: &ResolvedSim, max_faces: usize) -> Result<(), Error> {
+    let expected = expected_faces(garment, sim);
     if expected <= max_faces {
         return Ok(());
     }
@@ -137,14 +132,15 @@ pub fn check_size(garment: &Garment, options: &SimOptions, max_faces: usize) -> 
     Err(Error::recipe("sim.maxEdgeLength", fault).code(ErrorCode::TooLarge).remedy(remedy))
 }
 
-fn remesh(garment: &Garment, options: &SimOptions, max_faces: usize, clock: &mut Clock<'_>) -> Result<Remeshed, Error> {
+fn remesh(garment: &Garment, sim: &ResolvedSim, max_faces: usize, clock: &mut Clock<'_>) -> Result<Remeshed, Error> {
+    let options = &sim.options;
     let least = SHORTEST * garment.size();
     if options.min_edge_length < least {
         let fault =
             format!("{} is too short for {}, whose points have seven digits", options.min_edge_length, garment.prim);
         return Err(Error::recipe("sim.minEdgeLength", fault).remedy(format!("give {least} mesh units or more")));
     }
-    let baseline = clock.run("baseline", || baseline(garment, options))?;
+    let baseline = clock.run("baseline", || Ok(baseline(garment, sim)))?;
     let confetti = uv_confetti(&baseline, options);
     let limit = max_faces.min(most_faces(&baseline));
     let product = clock.run("remesh", || Ok(simulate(baseline, options.iterations, limit)))?;
@@ -222,8 +218,8 @@ fn curves_cut(product: &SimProduct) -> Option<Warning> {
     Some(warning.remedy("Lower sim.maxEdgeLength, or sim.cornerAngle"))
 }
 
-fn simulated(garment: &Garment, options: &SimOptions, remeshed: &Arc<Remeshed>) -> Result<Simulated, Error> {
-    let uv_set = bind_sim(options, garment)?.uv_set;
+fn simulated(garment: &Garment, sim: &ResolvedSim, remeshed: &Arc<Remeshed>) -> Result<Simulated, Error> {
+    let (options, uv_set) = (&sim.options, sim.uv_set(garment));
     let (product, mut warnings) = (&remeshed.product, Warnings::default());
     let transferred = transfer(garment, product, options, uv_set, &mut warnings);
     let areas = subset_areas(product, &transferred, garment);

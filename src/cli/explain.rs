@@ -1,8 +1,8 @@
 //! `usdtailor explain`.
 
 use super::{Output, usage};
-use crate::checks::did_you_mean;
 use crate::error::Error;
+use crate::options::did_you_mean;
 use clap::Args;
 use std::fmt::Write as _;
 

@@ -57,6 +57,8 @@ enum Command {
     Example(example::Example),
     /// Explain a code of an error or warning, or list all codes
     Explain(explain::Explain),
+    /// Print the options of the recipe as JSON, with their ranges, defaults and meanings
+    Options,
     /// Print completions for a shell, such as: usdtailor completions zsh > _usdtailor
     Completions {
         /// The shell
@@ -210,9 +212,11 @@ fn run(cli: &Cli) -> Result<Output, Error> {
         Command::Build(build) => (build.inputs.threads, build.inputs.quiet, false),
         Command::Drive(drive) => (drive.threads, drive.quiet, false),
         Command::Info(args) | Command::Check(args) => (args.inputs.threads, args.inputs.quiet, false),
-        Command::Example(_) | Command::Explain(_) | Command::Completions { .. } | Command::Man { .. } => {
-            (None, false, false)
-        }
+        Command::Example(_)
+        | Command::Explain(_)
+        | Command::Options
+        | Command::Completions { .. }
+        | Command::Man { .. } => (None, false, false),
         #[cfg(feature = "preview")]
         Command::Preview(preview) => (preview.inputs().threads, preview.inputs().quiet, true),
     };
@@ -229,11 +233,17 @@ fn run(cli: &Cli) -> Result<Output, Error> {
         Command::Check(args) => info::check(args),
         Command::Example(example) => example::run(example),
         Command::Explain(explain) => explain::run(explain),
+        Command::Options => Ok(options()),
         Command::Completions { shell } => Ok(completions(*shell)),
         Command::Man { folder } => man(folder),
         #[cfg(feature = "preview")]
         Command::Preview(preview) => preview::run(preview, threads),
     }
+}
+
+fn options() -> Output {
+    let text = serde_json::to_string_pretty(&crate::recipe::table()).unwrap_or_default();
+    Output { text: text + "\n", code: 0 }
 }
 
 fn completions(shell: Shell) -> Output {

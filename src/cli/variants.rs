@@ -1,8 +1,8 @@
 //! `--variants`: a garment for each variant of a set, in one output.
 
 use super::{Build, usage};
-use crate::checks::did_you_mean;
 use crate::error::{Error, ErrorCode};
+use crate::options::did_you_mean;
 use crate::session::{Input, Opened};
 use crate::usd::Selection;
 use std::path::Path;

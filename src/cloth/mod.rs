@@ -11,7 +11,7 @@ mod rest;
 mod surface;
 
 pub use fabric::{FABRICS, Fabric};
-pub use options::{ClothOptions, DIALECTS, FabricOptions, RestShape};
+pub use options::{ClothOptions, FabricOptions, RestShape};
 pub use pieces::Attachment;
 use rest::CageStretch;
 pub use rest::{Rest, RestFigures};

@@ -9,8 +9,7 @@ use super::messages::SaveAnswer;
 use super::stage::Stage;
 use crate::error::{Error, ErrorCode, ErrorKind, plain};
 use crate::files::{self, folder_of};
-use crate::recipe::{KEYS, default_at, is_attribute, is_recipe, kind_named};
-use crate::render::{Domain, Key};
+use crate::recipe::{Domain, all, find, group_with_instances, is_attribute, is_recipe};
 use crate::session::Input;
 use crate::usd::{
     OptionValue, PREFIX, ReadOptions, RecipeOpinions, Replaced, Unfinished, recipe_text, relative, write_recipe,
@@ -175,14 +174,14 @@ impl Content {
         let mut opinions = RecipeOpinions { variants: self.read.variants.clone(), ..RecipeOpinions::default() };
         for (space, fields) in &self.edits {
             let Value::Object(fields) = fields else { continue };
-            if kind_named(space).is_none() {
-                opinions.schemas.push(schema(space, None));
+            if group_with_instances(space).is_none() {
+                opinions.schemas.extend(schema(space, None));
                 opinions.properties.extend(properties(space, fields));
                 continue;
             }
             for (name, fields) in fields {
                 let Value::Object(fields) = fields else { continue };
-                opinions.schemas.push(schema(space, Some(name)));
+                opinions.schemas.extend(schema(space, Some(name)));
                 opinions.properties.extend(properties(&format!("{space}.{name}"), fields));
             }
         }
@@ -196,36 +195,25 @@ fn has_comments(file: &Path) -> bool {
     text.starts_with("#usda") && text.lines().skip(1).any(|line| line.trim_start().starts_with('#'))
 }
 
-/// The API schema of options, such as `TailorSeamAPI:side`.
-fn schema(space: &str, name: Option<&str>) -> String {
-    let mut letters = space.chars();
-    let title: String = letters.next().map(|c| c.to_ascii_uppercase()).into_iter().chain(letters).collect();
-    let name = name.map_or(String::new(), |name| format!(":{name}"));
-    format!("Tailor{title}API{name}")
+/// The API schema of a group of options, such as `TailorSeamAPI:side`.
+fn schema(name: &str, instance: Option<&str>) -> Option<String> {
+    all().find(|group| group.name == name).map(|group| group.schema(instance))
 }
 
 fn is_schema(text: &str) -> bool {
     let class = text.split(':').next().unwrap_or(text);
-    ["sim", "render", "cloth", "seam", "thickness", "fabric"].iter().any(|space| class == schema(space, None))
+    all().any(|group| class == group.schema(None))
 }
 
 /// The properties of options below a key, such as `seam.side`.
 fn properties(prefix: &str, fields: &Map<String, Value>) -> Vec<(String, OptionValue)> {
     let known = |(field, value): (&String, &Value)| {
         let key = format!("{prefix}.{field}");
-        Some((format!("tailor:{}", key.replace('.', ":")), typed(domain_of(&key)?, &default_at(&key)?, value)?))
+        let (group, option) = find(&key)?;
+        let typed = typed(option.domain, (group.defaults)().get(field)?, value)?;
+        Some((format!("tailor:{}", key.replace('.', ":")), typed))
     };
     fields.iter().filter_map(known).collect()
-}
-
-fn domain_of(key: &str) -> Option<Domain> {
-    let (space, rest) = key.split_once('.')?;
-    let field = rest.rsplit_once('.').map_or(rest, |(_, field)| field);
-    let find = |keys: &[Key], name: &str| keys.iter().find(|key| key.key == name).map(|key| key.domain);
-    match kind_named(space) {
-        Some(kind) => find(kind.keys, field),
-        None => find(&KEYS, key),
-    }
 }
 
 fn typed(domain: Domain, default: &Value, value: &Value) -> Option<OptionValue> {
@@ -234,8 +222,8 @@ fn typed(domain: Domain, default: &Value, value: &Value) -> Option<OptionValue> 
         names.collect::<Option<Vec<_>>>()
     };
     Some(match domain {
-        Domain::EdgeSets | Domain::LineSets | Domain::FaceSets => OptionValue::Subsets(names()?),
-        Domain::Operators | Domain::Words(_) => OptionValue::Tokens(names()?),
+        Domain::Sets { .. } => OptionValue::Subsets(names()?),
+        Domain::Operators | Domain::Words { .. } => OptionValue::Tokens(names()?),
         _ => match default {
             Value::Bool(_) => OptionValue::Bool(value.as_bool()?),
             Value::Number(n) if n.is_f64() => OptionValue::Float(value.as_f64()? as f32),
@@ -248,27 +236,21 @@ fn typed(domain: Domain, default: &Value, value: &Value) -> Option<OptionValue> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::recipe::KINDS;
 
     #[test]
     fn every_option_has_a_property() {
-        for key in KEYS {
-            let default = default_at(key.key).expect("a default");
-            assert!(typed(key.domain, &default, &default).is_some(), "{}", key.key);
-        }
-        for kind in KINDS.iter() {
-            for key in kind.keys {
-                let full = format!("{}.a:b.{}", kind.name, key.key);
-                let default = default_at(&full).expect("a default");
-                assert_eq!(domain_of(&full), Some(key.domain));
-                assert!(typed(key.domain, &default, &default).is_some(), "{full}");
+        for group in all() {
+            let defaults = (group.defaults)();
+            for key in group.keys {
+                let default = &defaults[key.key];
+                assert!(typed(key.domain, default, default).is_some(), "{}.{}", group.name, key.key);
             }
         }
     }
 
     #[test]
     fn schemas_are_those_of_the_options() {
-        assert_eq!(schema("seam", Some("left:hip")), "TailorSeamAPI:left:hip");
+        assert_eq!(schema("seam", Some("left:hip")).as_deref(), Some("TailorSeamAPI:left:hip"));
         assert!(is_schema("TailorSimAPI") && is_schema("TailorThicknessAPI:hem") && !is_schema("MaterialBindingAPI"));
     }
 }

@@ -4,11 +4,10 @@ use super::document::{Options, changed};
 use crate::build::Builder;
 use crate::error::Error;
 use crate::garment::{GarmentInput, PrimvarRole, Values};
-use crate::recipe::{KEYS, KINDS, Layers, Recipe, default_at};
-use crate::render::{Domain, Key, Kind};
+use crate::recipe::{Layers, Recipe, table};
 use crate::session::{Input, Opened, is_usd};
 use crate::usd::{Source, decimal};
-use serde_json::{Value, json};
+use serde_json::json;
 use std::path::{Path, PathBuf};
 
 /// A stage that was read.
@@ -89,9 +88,7 @@ fn message(source: &Source, checks: &Builder, input: &Input) -> String {
         "sets": sets.collect::<Vec<_>>(),
         "primvars": primvars.collect::<Vec<_>>(),
         "variants": variants.collect::<Vec<_>>(),
-        // Cloth changes neither mesh.
-        "options": KEYS.iter().filter(|key| !key.key.starts_with("cloth.")).map(|key| option(key, default_at(key.key).as_ref(), mean_edge)).collect::<Vec<_>>(),
-        "kinds": KINDS.iter().filter(|k| k.is_operator).map(|k| kind(k, mean_edge)).collect::<Vec<_>>(),
+        "groups": table(),
         "suggested": {"layer": layer, "recipe": recipe},
         "warnings": checks.warnings().iter().collect::<Vec<_>>(),
     })
@@ -112,46 +109,4 @@ fn suggested(source: &Source, input: &Input) -> (Option<String>, String) {
         None => {}
     }
     ((!source.is_sewn()).then_some(layer), recipe)
-}
-
-fn kind(kind: &Kind, mean_edge: f32) -> Value {
-    let defaults = (kind.defaults)();
-    let is_sets = |key: &&Key| matches!(key.domain, Domain::EdgeSets | Domain::FaceSets);
-    let sets = kind.keys.iter().find(is_sets).map(|key| json!({"field": key.key, "of": domain(key.domain, 0.0)["of"]}));
-    let options = kind.keys.iter().map(|key| option(key, defaults.get(key.key), mean_edge));
-    json!({"name": kind.name, "sets": sets, "options": options.collect::<Vec<_>>()})
-}
-
-fn option(key: &Key, default: Option<&Value>, mean_edge: f32) -> Value {
-    json!({
-        "key": key.key, "unit": key.unit, "meaning": key.meaning, "default": default,
-        "domain": domain(key.domain, mean_edge),
-    })
-}
-
-/// A length that suits the end of a slider.
-fn rounded(length: f32) -> f64 {
-    format!("{length:.1e}").parse().unwrap_or(f64::from(length))
-}
-
-fn domain(domain: Domain, mean_edge: f32) -> Value {
-    match domain {
-        Domain::Flag => json!({"type": "flag"}),
-        Domain::Number { least, most, step } => {
-            json!({"type": "number", "least": decimal(least), "most": decimal(most), "step": decimal(step)})
-        }
-        Domain::Whole { most } => json!({"type": "whole", "least": 0, "most": most}),
-        Domain::Length { least, most, automatic } => json!({
-            "type": "length", "least": rounded(least * mean_edge), "most": rounded(most * mean_edge),
-            "auto": (automatic > 0.0).then(|| decimal(automatic * mean_edge)),
-        }),
-        Domain::Choice(values) => json!({"type": "choice", "values": values}),
-        Domain::UvSet => json!({"type": "name", "of": "uvSet"}),
-        Domain::Weights => json!({"type": "name", "of": "weights"}),
-        Domain::EdgeSets => json!({"type": "names", "of": "edgeSet"}),
-        Domain::FaceSets => json!({"type": "names", "of": "faceSet"}),
-        Domain::Operators => json!({"type": "names", "of": "operator"}),
-        // Options of cloth are not on the page.
-        Domain::Words(_) | Domain::Text | Domain::LineSets => Value::Null,
-    }
 }

@@ -1,32 +1,23 @@
 //! Reads `.tailor` files: recipes as JSON.
 
+use super::groups::Form;
 use super::in_words;
-use crate::cloth::{ClothOptions, FabricOptions};
 use crate::error::{Error, ErrorCode, plain};
 use crate::files;
-use crate::render::{RenderOptions, SeamOptions, ThicknessOptions};
-use crate::sim::SimOptions;
-use serde::de::{Error as _, MapAccess, Visitor};
-use serde::{Deserialize, Deserializer};
+use serde::Deserialize;
 use serde_json::{Map, Value};
-use std::collections::BTreeSet;
-use std::fmt;
-use std::marker::PhantomData;
 use std::path::Path;
 
 /// The content of a `.tailor` file.
 #[derive(Clone, Debug, Default, Deserialize)]
-#[serde(rename_all = "camelCase", default)]
+#[serde(default)]
 pub struct RecipeFile {
     /// The garment's USD file, relative to the `.tailor` file.
     pub source: Option<String>,
     /// Prim path of the mesh.
     pub prim: Option<String>,
-    sim: Map<String, Value>,
-    render: Map<String, Value>,
-    cloth: Map<String, Value>,
     #[serde(flatten)]
-    instances: Map<String, Value>,
+    options: Map<String, Value>,
 }
 
 impl RecipeFile {
@@ -79,69 +70,7 @@ impl RecipeFile {
 
     /// The options in the file, as nested keys.
     pub fn into_layer(self) -> Map<String, Value> {
-        let mut layer = Map::new();
-        layer.insert("sim".into(), Value::Object(self.sim));
-        layer.insert("render".into(), Value::Object(self.render));
-        layer.insert("cloth".into(), Value::Object(self.cloth));
-        layer.extend(self.instances);
-        layer
-    }
-}
-
-/// The allowed keys of a `.tailor` file and their types.
-#[derive(Default, Deserialize)]
-#[serde(rename_all = "camelCase", default, deny_unknown_fields)]
-struct Form {
-    #[serde(rename = "source")]
-    _source: Option<String>,
-    #[serde(rename = "prim")]
-    _prim: Option<String>,
-    #[serde(rename = "sim")]
-    _sim: SimOptions,
-    #[serde(rename = "render")]
-    _render: RenderOptions,
-    #[serde(rename = "cloth")]
-    _cloth: ClothOptions,
-    #[serde(rename = "seam")]
-    _seam: Named<SeamOptions>,
-    #[serde(rename = "thickness")]
-    _thickness: Named<ThicknessOptions>,
-    #[serde(rename = "fabric")]
-    _fabric: Named<FabricOptions>,
-}
-
-/// Options by name. A name that is given twice is an error, as the first options under it would be lost.
-struct Named<T>(PhantomData<T>);
-
-impl<T> Default for Named<T> {
-    fn default() -> Self {
-        Self(PhantomData)
-    }
-}
-
-impl<'de, T: Deserialize<'de>> Deserialize<'de> for Named<T> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_map(Self::default())
-    }
-}
-
-impl<'de, T: Deserialize<'de>> Visitor<'de> for Named<T> {
-    type Value = Self;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a map")
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self, A::Error> {
-        let mut names = BTreeSet::new();
-        while let Some(name) = map.next_key::<String>()? {
-            if names.contains(&name) {
-                return Err(A::Error::custom(format!("the name `{name}` is given twice")));
-            }
-            names.insert(name);
-            map.next_value::<T>()?;
-        }
-        Ok(self)
+        self.options
     }
 }
 

@@ -1,11 +1,11 @@
 //! Merges the sources of options: the model's attributes, `.tailor` files, layer arguments and `--set` flags.
 
-use super::operators::split;
-use super::{Domain, KEYS, Key, Recipe, all_keys, bind_uv_set, default_of, in_words, kind_named, value_type};
-use crate::checks::nearest;
+use super::groups::{OPERATORS, all, find, group_with_instances, split};
+use super::{Domain, Key, Recipe, all_keys, bind_uv_set, default_of, in_words, value_type};
 use crate::error::{Code, Error, ErrorCode, ErrorKind, Warning, Warnings};
 use crate::garment::units::meters_of;
 use crate::garment::{Garment, Units};
+use crate::options::nearest;
 use serde_json::{Map, Value};
 use serde_path_to_error::Segment;
 
@@ -16,23 +16,26 @@ pub struct Layers {
 }
 
 impl Layers {
-    /// Adds the `tailor:` attributes of the model's prim; warns of those that are no options.
-    pub fn add_attributes(&mut self, attributes: Map<String, Value>, warnings: &mut Warnings) {
+    /// Adds the `tailor:` attributes of the model's prim; warnings of those that are no options.
+    pub fn add_attributes(&mut self, attributes: Map<String, Value>) -> Warnings {
+        let mut warnings = Warnings::default();
+        let mut unknown = |name: &str| warnings.push(not_understood(name));
         for (space, value) in attributes {
-            match (space.as_str(), value) {
-                ("sim" | "render" | "cloth", Value::Object(fields)) => {
-                    for (key, value) in fields {
-                        self.add_known(&space, &key, value, &mut |name| warnings.push(not_understood(name)));
-                    }
-                }
-                (kind, Value::Object(names)) if kind_named(kind).is_some() => {
+            match value {
+                Value::Object(names) if group_with_instances(&space).is_some() => {
                     for (name, fields) in names {
-                        self.add_instance(kind, &name, fields, &mut |name| warnings.push(not_understood(name)));
+                        self.add_instance(&space, &name, fields, &mut unknown);
                     }
                 }
-                _ => warnings.push(not_understood(&format!("tailor:{space}"))),
+                Value::Object(fields) if all().any(|group| group.name == space) => {
+                    for (key, value) in fields {
+                        self.add_known(&space, &key, value, &mut unknown);
+                    }
+                }
+                _ => unknown(&format!("tailor:{space}")),
             }
         }
+        warnings
     }
 
     /// Adds the fields of an instance. Nested names are part of the instance's name, as in `left:hip`.
@@ -49,17 +52,19 @@ impl Layers {
     }
 
     fn add_known(&mut self, space: &str, key: &str, value: Value, unknown: &mut dyn FnMut(&str)) {
-        match default_of(space, key) {
+        match find(&format!("{space}.{key}")) {
             Some(_) => self.set(space, key, value),
             None => unknown(&format!("tailor:{space}:{}", key.replace('.', ":"))),
         }
     }
 
-    /// Warns of applied schemas of operators for which no layer names a set, such as `TailorSeamAPI:side`.
-    pub fn check_schemas(&self, prim: &str, schemas: &[String], warnings: &mut Warnings) {
-        for (kind, schema, sets) in [("seam", "TailorSeamAPI:", "edges"), ("thickness", "TailorThicknessAPI:", "faces")]
-        {
-            for name in schemas.iter().filter_map(|applied| applied.strip_prefix(schema)) {
+    /// Warnings of applied schemas of operators for which no layer names a set, such as `TailorSeamAPI:side`.
+    pub fn check_schemas(&self, prim: &str, schemas: &[String]) -> Warnings {
+        let mut warnings = Warnings::default();
+        let is_required = |key: &&Key| matches!(key.domain, Domain::Sets { required: true, .. });
+        for (group, sets) in OPERATORS.iter().filter_map(|group| Some((group, group.keys.iter().find(is_required)?))) {
+            let (kind, schema, sets) = (group.name, group.schema(Some("")), sets.key);
+            for name in schemas.iter().filter_map(|applied| applied.strip_prefix(&schema)) {
                 let named =
                     self.merged.get(kind).and_then(|names| names.get(name)).and_then(|of_name| of_name.get(sets));
                 if named.is_none() {
@@ -69,6 +74,7 @@ impl Layers {
                 }
             }
         }
+        warnings
     }
 
     /// Whether no option is given.
@@ -134,7 +140,7 @@ impl Layers {
             |text: String| Error::new(ErrorKind::Usage, format!("{giver} {key}"), text).code(ErrorCode::OptionValue);
         let dotted = dotted(key);
         let (space, field) = dotted.split_once('.').unwrap_or((&dotted, ""));
-        let Some(default) = default_of(space, field) else {
+        let Some(default) = default_of(&dotted) else {
             let likely = nearest_key(&dotted).map(|key| format!("did you mean {key}? ")).unwrap_or_default();
             let remedy = format!("{likely}the options are {}", all_keys().join(", "));
             return Err(fault("there is no such option".into()).code(ErrorCode::UnknownOption).remedy(remedy));
@@ -144,7 +150,7 @@ impl Layers {
             return Err(fault(format!("the {space} has no name")).code(ErrorCode::UnknownOption).remedy(remedy));
         }
         let its_default = format!("its default is {default}");
-        let with_unit = || (is_length(space, field) && meters_of(text).is_some()).then(|| Value::String(text.into()));
+        let with_unit = || (is_length(&dotted) && meters_of(text).is_some()).then(|| Value::String(text.into()));
         let Some(value) = parse_like(&default, text).or_else(with_unit) else {
             return Err(fault(format!("\"{text}\" is not {}", value_type(&default).recipe)).remedy(its_default));
         };
@@ -183,9 +189,10 @@ impl Layers {
                 match value {
                     Value::Object(of_instance) => {
                         let of_instance = of_instance.iter_mut();
-                        of_instance.for_each(|(field, value)| convert(space, &format!("{name}.{field}"), value, units));
+                        of_instance
+                            .for_each(|(field, value)| convert(&format!("{space}.{name}.{field}"), value, units));
                     }
-                    value => convert(space, name, value, units),
+                    value => convert(&format!("{space}.{name}"), value, units),
                 }
             }
         }
@@ -219,7 +226,7 @@ impl Layers {
 fn mistyped(e: &serde_path_to_error::Error<serde_json::Error>) -> Error {
     let key = |segment: &Segment| if let Segment::Map { key } = segment { Some(key.clone()) } else { None };
     let keys: Vec<String> = e.path().iter().filter_map(key).collect();
-    let default = keys.split_first().and_then(|(space, rest)| default_of(space, &rest.join(".")));
+    let default = default_of(&keys.join("."));
     let fault = Error::recipe(format!("tailor:{} of the model", keys.join(":")), in_words(e.inner()))
         .code(ErrorCode::RecipeAttribute);
     fault.remedy(format!("declare it as {}", value_type(&default.unwrap_or_default()).usd))
@@ -235,13 +242,13 @@ fn not_understood(attribute: &str) -> Warning {
 
 /// The key of an option that is written as its attribute is, such as `tailor:sim:maxEdgeLength`. Names of operators may
 /// have colons.
-fn dotted(key: &str) -> String {
+pub fn dotted(key: &str) -> String {
     let key = key.strip_prefix("tailor:").unwrap_or(key);
     if key.contains('.') {
         return key.to_owned();
     }
     match (key.split_once(':'), key.rsplit_once(':')) {
-        (Some((space, rest)), Some((_, field))) if kind_named(space).is_some() => {
+        (Some((space, rest)), Some((_, field))) if group_with_instances(space).is_some() => {
             let name = rest.strip_suffix(field).unwrap_or(rest).trim_end_matches(':');
             if name.is_empty() { format!("{space}.{field}") } else { format!("{space}.{name}.{field}") }
         }
@@ -259,17 +266,13 @@ fn nearest_key(key: &str) -> Option<String> {
 }
 
 /// Whether an option is a length.
-fn is_length(space: &str, key: &str) -> bool {
-    let is_one = |key: &Key| matches!(key.domain, Domain::Length { .. });
-    match split(space, key) {
-        Some((_, field)) => kind_named(space).is_some_and(|kind| kind.keys.iter().any(|k| k.key == field && is_one(k))),
-        None => KEYS.iter().any(|k| k.key.split_once('.') == Some((space, key)) && is_one(k)),
-    }
+fn is_length(key: &str) -> bool {
+    find(key).is_some_and(|(_, key)| key.domain.is_length())
 }
 
 /// Replaces the value of an option by mesh units if it is a length with a unit of its own.
-fn convert(space: &str, key: &str, value: &mut Value, units: Units) {
-    if let Some(meters) = value.as_str().and_then(meters_of).filter(|_| is_length(space, key)) {
+fn convert(key: &str, value: &mut Value, units: Units) {
+    if let Some(meters) = value.as_str().and_then(meters_of).filter(|_| is_length(key)) {
         *value = decimal(meters / units.meters());
     }
 }
@@ -301,7 +304,7 @@ mod tests {
     fn stronger_layers_win() {
         let mut layers = Layers::default();
         let layer = serde_json::json!({"sim": {"iterations": 3, "maxEdgeLength": 4.0}});
-        layers.add_attributes(layer.as_object().cloned().unwrap_or_default(), &mut Warnings::default());
+        layers.add_attributes(layer.as_object().cloned().unwrap_or_default());
         layers.add_override("sim.iterations=7").expect("a good override");
         let recipe = layers.recipe().expect("a good recipe");
         assert_eq!((recipe.sim.iterations, recipe.sim.max_edge_length), (7, 4.0));
@@ -313,15 +316,15 @@ mod tests {
         let mut layers = Layers::default();
         let layer =
             serde_json::json!({"seam": {"placket": {"width": 3.0, "edges": ["a"]}, "left": {"hip": {"width": 1.0}}}});
-        layers.add_attributes(layer.as_object().cloned().unwrap_or_default(), &mut Warnings::default());
+        layers.add_attributes(layer.as_object().cloned().unwrap_or_default());
         layers.add_override("seam.placket.width=2").expect("a good override");
         layers.add_override("seam.left:hip.edges=b,c").expect("a good override");
         layers.add_override("thickness.hem.faces=d").expect("a good override");
         layers.add_override("thickness.hem.side=outer").expect("a good override");
         let recipe = layers.recipe().expect("a good recipe");
-        assert_eq!((recipe.seams["placket"].width, recipe.seams["placket"].edges.as_slice()), (2.0, &["a".into()][..]));
-        assert_eq!((recipe.seams["left:hip"].width, recipe.seams["left:hip"].edges.len()), (1.0, 2));
-        assert_eq!(recipe.thicknesses["hem"].side, crate::render::Side::Outer);
+        assert_eq!((recipe.seam["placket"].width, recipe.seam["placket"].edges.as_slice()), (2.0, &["a".into()][..]));
+        assert_eq!((recipe.seam["left:hip"].width, recipe.seam["left:hip"].edges.len()), (1.0, 2));
+        assert_eq!(recipe.thickness["hem"].side, crate::render::Side::Outer);
     }
 
     #[test]

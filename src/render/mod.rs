@@ -9,14 +9,12 @@
 //!
 //! # A new operator
 //!
-//! 1. A file here with two types: its options (a serde struct with the trait [`OperatorOptions`]) and the operator (the
-//!    trait [`operator::Operator`]). [`apply`](operator::Operator::apply) builds the connectivity with a
-//!    [`child::ChildBuilder`] and lists the vertices whose limit position is controlled;
-//!    [`heights`](operator::Operator::heights) raises each of them.
-//! 2. A multiple-apply schema in `schemas/schema.usda`; `cargo xtask schemas` generates the other two files. A test holds
-//!    its attributes to the options.
-//! 3. A map of its options in [`Recipe`](crate::recipe::Recipe) and in the `Form` of `recipe/file.rs`; in
-//!    `recipe/operators.rs` its kind, its options and its automatic lengths. `lib.rs` exports the options.
+//! 1. A file here with its options (the macro `options!`, and the trait [`OperatorOptions`]) and the operator (the trait
+//!    [`operator::Operator`]). [`apply`](operator::Operator::apply) builds the connectivity with a [`child::ChildBuilder`]
+//!    and lists the vertices whose limit position is controlled; [`heights`](operator::Operator::heights) raises each of
+//!    them.
+//! 2. A row in `recipe/groups.rs`. `cargo xtask schemas` and `cargo xtask recipe` write its schema and its table of
+//!    docs/recipe.md.
 
 pub mod child;
 mod lines;
@@ -30,7 +28,7 @@ mod seam;
 mod stack;
 mod thickness;
 
-pub use options::{Domain, Key, Kind, OperatorOptions};
+pub use options::{OperatorOptions, RenderOptions};
 pub use seam::SeamOptions;
 pub use stack::{Origins, RenderSteps, Rendered, Stack};
 pub use thickness::{Side, ThicknessOptions};
@@ -40,27 +38,6 @@ use crate::garment::{BoundaryInterpolation, Elements, Garment, Scheme, Subset, f
 use crate::mesh::FaceId;
 use crate::subdivide::{Level, MAX_REFINED_FACES, refined_faces};
 use operator::OperatorInput;
-use serde::{Deserialize, Serialize};
-
-/// Options of the render mesh: the attributes of `TailorRenderAPI`, with the same names and defaults.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "camelCase", default, deny_unknown_fields)]
-pub struct RenderOptions {
-    /// Refinements of the cage. \[levels\]
-    pub level: u32,
-    /// Refinements before the first seam; 0: as many as leave its lines room. \[levels\]
-    pub seam_level: u32,
-    /// Names of the operators in the order in which they run; empty: thicknesses, then seams.
-    pub operators: Vec<String>,
-    /// Whether each operator leaves face subsets of what it made: `<name>_seam`, `<name>_hem`, `<name>_inner`.
-    pub face_sets: bool,
-}
-
-impl Default for RenderOptions {
-    fn default() -> Self {
-        Self { level: 2, seam_level: 0, operators: Vec::new(), face_sets: false }
-    }
-}
 
 /// Whether a cage, whose faces operators have multiplied, can be refined.
 fn check_size(cage: &Garment, level: u32) -> Result<(), Error> {
@@ -82,8 +59,9 @@ fn add_border_holes(cage: &mut Garment, level: &Level) {
     }
 }
 
-/// Subsets of new faces, under names that prims may have and no other subset has.
-fn new_sets(garment: &Garment, wanted: Vec<(String, Vec<FaceId>)>, warnings: &mut Warnings) -> Vec<Subset> {
+/// Subsets of new faces, under names that prims may have and no other subset has, with warnings of other names.
+fn new_sets(garment: &Garment, wanted: Vec<(String, Vec<FaceId>)>) -> (Vec<Subset>, Warnings) {
+    let mut warnings = Warnings::default();
     let mut sets: Vec<Subset> = Vec::with_capacity(wanted.len());
     for (wanted, faces) in wanted {
         let valid: String = wanted.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
@@ -95,7 +73,7 @@ fn new_sets(garment: &Garment, wanted: Vec<(String, Vec<FaceId>)>, warnings: &mu
         }
         sets.push(Subset { name, family: String::new(), elements: Elements::Faces(faces), sharpness: None });
     }
-    sets
+    (sets, warnings)
 }
 
 /// Loop surfaces have no quads to work with.

@@ -127,46 +127,20 @@ impl OperatorInput<'_> {
 }
 
 /// The role of a control.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Role {
     /// On the surface.
     Surface,
     /// On the surface, at its place: a border or the border of a set leads there.
     Kept,
-    /// Raised by its height. Operators outside this crate use this, [`Role::Surface`] and [`Role::Kept`]; the others belong to seams and
-    /// thicknesses.
+    /// Raised by its height from its place on the surface.
     Raised,
-    /// On an edge of a seam.
-    Centre {
-        /// Indices of the seams at the vertex.
-        seams: Vec<usize>,
-        /// Share of the height: 1, less near an end or where the seam is narrowed.
-        share: f32,
-    },
-    /// On a line beside an edge of a seam.
-    Line {
-        /// Index of the line, from 0 nearest to the edge.
-        line: usize,
-        /// Index of the seam.
-        seam: usize,
-        /// Share of the height: 1, less near an end or where the seam is narrowed.
-        share: f32,
-    },
-    /// Where lines of two edges of seams cross, at a junction.
-    Crossing {
-        /// The line of the seam that goes through.
-        through: Strand,
-        /// The line of the seam that ends against it.
-        other: Strand,
-        /// Share of the height: 1, less near an end or where the seam is narrowed.
-        share: f32,
-    },
-    /// On the second layer.
-    Layer {
-        /// Original of the copied vertex.
-        over: VertexId,
-        /// Painted weight.
-        weight: f32,
+    /// Raised so, on the line that gives the operator its shape: repair lowers it only where its own faces are at fault.
+    Crest,
+    /// A copy of another vertex, on a second layer.
+    Copy {
+        /// The original.
+        of: VertexId,
         /// 1 on the outer side of the surface, -1 on the inner side.
         side: f32,
         /// Whether the layer is near the end of a fold.
@@ -185,37 +159,19 @@ pub enum Closing {
     Closed,
 }
 
-/// A line of a seam.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Strand {
-    /// Index of the seam.
-    pub seam: usize,
-    /// Index of the line, from 0 nearest to the edge; none on the edge itself.
-    pub line: Option<usize>,
-}
-
 impl Role {
-    /// True on the edges of a seam and on its lines.
-    pub(crate) fn is_on_seam(&self) -> bool {
-        matches!(self, Self::Centre { .. } | Self::Line { .. } | Self::Crossing { .. })
-    }
-
-    /// True on the edges of a seam.
-    pub fn is_centre(&self) -> bool {
-        match self {
-            Self::Centre { .. } => true,
-            Self::Crossing { through, other, .. } => through.line.is_none() || other.line.is_none(),
-            _ => false,
-        }
+    /// The original of a copy.
+    pub fn original(self) -> Option<VertexId> {
+        if let Self::Copy { of, .. } = self { Some(of) } else { None }
     }
 }
 
 /// A vertex with a controlled limit position.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Control {
     /// The vertex.
     pub vertex: VertexId,
-    /// Its role, which decides its height.
+    /// Its role, which decides how it moves.
     pub role: Role,
 }
 
@@ -225,6 +181,8 @@ pub struct OperatorOutput {
     pub derivation: OperatorDerivation,
     /// The vertices with a controlled limit position.
     pub controls: Vec<Control>,
+    /// What the operator keeps for [`Operator::heights`].
+    pub details: Arc<dyn Any + Send + Sync>,
     /// Subsets of new faces.
     pub subsets: Vec<Subset>,
     /// Vertices that become infinitely sharp.
@@ -245,6 +203,7 @@ impl OperatorOutput {
         Self {
             derivation,
             controls: Vec::new(),
+            details: Arc::new(()),
             subsets: Vec::new(),
             corners: Vec::new(),
             creases: Vec::new(),
@@ -255,9 +214,9 @@ impl OperatorOutput {
     }
 
     /// The index in `controls` of each vertex whose role is `wanted`.
-    pub fn index(&self, wanted: impl Fn(&Role) -> bool) -> IdVec<VertexId, Option<usize>> {
+    pub fn index(&self, wanted: impl Fn(Role) -> bool) -> IdVec<VertexId, Option<usize>> {
         let mut index = IdVec::filled(None, self.derivation.vertices.len());
-        let controls = self.controls.iter().enumerate().filter(|(_, control)| wanted(&control.role));
+        let controls = self.controls.iter().enumerate().filter(|(_, control)| wanted(control.role));
         controls.for_each(|(i, control)| index[control.vertex] = Some(i));
         index
     }
@@ -319,7 +278,7 @@ pub struct Ancestry {
 impl Ancestry {
     /// The data after an operator.
     fn carried(&self, output: &OperatorOutput) -> Self {
-        let is_copy = output.index(|role| matches!(role, Role::Layer { .. })).iter().map(Option::is_some).collect();
+        let is_copy = output.index(|role| role.original().is_some()).iter().map(Option::is_some).collect();
         let parents = output.derivation.faces.ids().map(|face| output.derivation.parent_face(face));
         Self {
             clearance: Arc::new(output.carried_clearance(&self.clearance)),

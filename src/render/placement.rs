@@ -114,7 +114,7 @@ impl Placement {
             || morton_order(&frame.faces, &frame.points),
         );
         let pair = |control: &Control| match control.role {
-            Role::Layer { over, .. } => Some([over, control.vertex]),
+            Role::Copy { of, .. } => Some([of, control.vertex]),
             _ => None,
         };
         let places = places(output, level, parent.level());
@@ -126,7 +126,7 @@ impl Placement {
             surface_corners,
             reference_control: reference_controls(output, level),
             copy_pairs: output.controls.iter().filter_map(pair).collect(),
-            on_seam: output.index(Role::is_centre).iter().map(Option::is_some).collect(),
+            on_seam: output.index(|role| role == Role::Crest).iter().map(Option::is_some).collect(),
             layer_edges: layer_edges(output, level),
             controlled_faces: controlled_faces(output),
             face_order,
@@ -213,7 +213,7 @@ impl Placement {
         let mut cage = base.fitted.clone();
         let mut given = self.within_clearance(&asked, &base.targets, &mut cage.clearance, is_last);
         let controls = &self.output().controls;
-        let is_beside = |i: usize| matches!(controls[i].role, Role::Layer { closing: Closing::Beside, .. });
+        let is_beside = |i: usize| matches!(controls[i].role, Role::Copy { closing: Closing::Beside, .. });
         let is_least = |i: usize| given[i] != asked[i] || is_beside(i);
         let raise = |i: usize| Raise { normal: base.targets[i].1, height: given[i], is_least: is_least(i) };
         let mut raises: Vec<Raise> = (0..given.len()).map(raise).collect();
@@ -266,8 +266,8 @@ impl Placement {
             is_near[control.vertex] |=
                 clearance[control.vertex][usize::from(*asked > 0.0)] < NEAR_HEIGHTS * asked.abs();
             // Where a layer closes, its own surface is near.
-            if let Role::Layer { over, closing: Closing::Beside | Closing::Closed, .. } = control.role {
-                (is_near[control.vertex], is_near[over]) = (true, true);
+            if let Role::Copy { of, closing: Closing::Beside | Closing::Closed, .. } = control.role {
+                (is_near[control.vertex], is_near[of]) = (true, true);
             }
         }
         let faces = &self.output().derivation.faces;
@@ -313,21 +313,21 @@ impl Placement {
         let of = |((control, &asked), target): ((&Control, &f32), &(Vec3, Vec3))| {
             // A surface that doubles back on itself has no normal there.
             let asked = if target.1 == Vec3::ZERO { 0.0 } else { asked };
-            let origin = if let Role::Layer { over, .. } = control.role { over } else { control.vertex };
+            let origin = control.role.original().unwrap_or(control.vertex);
             let (side, height) = (usize::from(asked > 0.0), asked.abs());
             // The last operator may use all but what a layer and its original need between them.
-            let is_layer = matches!(control.role, Role::Layer { .. });
+            let is_layer = control.role.original().is_some();
             let share = if is_last && !is_layer { 1.0 } else { CLEARANCE_SHARE };
             let given = height.min((share * clearance[origin][side]).max(LEAST_SHARE * height));
-            match control.role {
-                Role::Layer { over, .. } => {
+            match control.role.original() {
+                Some(over) => {
                     // Both layers share the gap between them. The normal of the second one is reversed.
                     let (between, rest) = (LAYER_GAP_SHARE * given, clearance[over][side] - given);
                     clearance[control.vertex][side] = between;
                     clearance[control.vertex][1 - side] = rest.max(0.0);
                     clearance[over][side] = between;
                 }
-                _ => clearance[origin][side] -= given,
+                None => clearance[origin][side] -= given,
             }
             if asked < 0.0 { -given } else { given }
         };
@@ -337,7 +337,7 @@ impl Placement {
 
 /// The edges between copies, as indices of their controls, without those of closed ends.
 fn layer_edges(output: &OperatorOutput, level: &Level) -> Vec<[usize; 2]> {
-    let index = output.index(|role| matches!(role, Role::Layer { closing: Closing::Open | Closing::Beside, .. }));
+    let index = output.index(|role| matches!(role, Role::Copy { closing: Closing::Open | Closing::Beside, .. }));
     let of = |ends: &[VertexId; 2]| Some([index[ends[0]]?, index[ends[1]]?]);
     level.topology.edges.iter().filter_map(of).collect()
 }
@@ -356,7 +356,7 @@ fn reference_controls(output: &OperatorOutput, level: &Level) -> Vec<usize> {
     let index = output.index(|_| true);
     let mask = |v: VertexId| (level.topology.vertex_corners.row(v).len(), level.rules[v]);
     let of = |(i, control): (usize, &Control)| match control.role {
-        Role::Layer { over, .. } if mask(over) != mask(control.vertex) => index[over].unwrap_or(i),
+        Role::Copy { of, .. } if mask(of) != mask(control.vertex) => index[of].unwrap_or(i),
         _ => i,
     };
     output.controls.iter().enumerate().map(of).collect()
@@ -366,7 +366,7 @@ fn reference_controls(output: &OperatorOutput, level: &Level) -> Vec<usize> {
 fn places(output: &OperatorOutput, child: &Level, parent: &Level) -> Vec<Option<Place>> {
     let (derivation, faces) = (&output.derivation, &child.topology.faces);
     let place = |control: &Control| {
-        let over = if let Role::Layer { over, .. } = control.role { over } else { control.vertex };
+        let over = control.role.original().unwrap_or(control.vertex);
         let corners = child.topology.vertex_corners.row(over).iter();
         let parents = corners.map(|&c| derivation.parent_face(faces.face_of(c)));
         Place::new(&parent.topology, parents.min()?, derivation.vertices.at(over.index()))
@@ -382,7 +382,7 @@ fn surface_corners(output: &OperatorOutput, child: &Level, parent: &Level) -> Ta
         parent.topology.faces.corners_of(face).find(|&c| parent.topology.faces.vertex(c) == v)
     };
     Table::of(output.controls.par_iter(), Vec::new, |table, faces: &mut Vec<FaceId>, control| {
-        let over = if let Role::Layer { over, .. } = control.role { over } else { control.vertex };
+        let over = control.role.original().unwrap_or(control.vertex);
         faces.clear();
         faces.extend(vertex_corners.row(over).iter().map(|&c| derivation.parent_face(derivation.faces.face_of(c))));
         faces.sort_unstable();

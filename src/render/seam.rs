@@ -20,49 +20,53 @@ mod heights;
 mod room;
 
 use super::lines::{self, LineVertex, Lines, Narrowed, Request};
-use super::operator::{Control, Operator, OperatorInput, OperatorOutput, REPORTED, Role, Strand};
-use super::options::{Domain, Key, OperatorOptions};
-use crate::checks;
+use super::operator::{Control, Operator, OperatorInput, OperatorOutput, REPORTED, Role};
+use super::options::{LARGEST, OperatorOptions};
 use crate::error::{Code, Error, Warning, Warnings};
-use crate::garment::units::deserialize_length;
 use crate::garment::{Elements, Garment, Orientation, Subset};
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
+use crate::options::{Domain, options};
 use chains::Network;
-use serde::{Deserialize, Serialize};
+use heights::{Part, Strand};
 use std::any::Any;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// Automatic width, as a share of the mean edge.
-const AUTOMATIC_WIDTH: f32 = 0.25;
 /// Smallest share of the width on one side. At full asymmetry it separates the lines and keeps the steep flank from
 /// flipping.
 const MIN_SIDE_SHARE: f32 = 0.05;
 
-/// Options of a seam: the attributes of `TailorSeamAPI`, with the same names and defaults.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "camelCase", default, deny_unknown_fields)]
-pub struct SeamOptions {
-    /// False to leave the seam out and keep its options.
-    pub enabled: bool,
-    /// Names of the edge subsets of the seam.
-    pub edges: Vec<String>,
-    /// Width from side to side; 0: a quarter of the mean edge of the input. \[mesh units\]
-    #[serde(deserialize_with = "deserialize_length")]
-    pub width: f32,
-    /// Height of the flanks over straight ones, along the normal: above 0 rounded, below 0 hollow. \[mesh units\]
-    #[serde(deserialize_with = "deserialize_length")]
-    pub depth: f32,
-    /// Height of the centre along the normal: below 0 a groove, above 0 a ridge. \[mesh units\]
-    #[serde(deserialize_with = "deserialize_length")]
-    pub normal_offset: f32,
-    /// Distribution of the width: -1 left, 0 even, 1 right. At least a twentieth stays on each side.
-    pub asymmetry: f32,
-}
+/// A height of either sign.
+const HEIGHT: Domain = Domain::Length { usual: [-0.2, 0.2], automatic: 0.0, largest: LARGEST };
 
-impl Default for SeamOptions {
-    fn default() -> Self {
-        Self { enabled: true, edges: Vec::new(), width: 0.0, depth: 0.0, normal_offset: 0.0, asymmetry: 0.0 }
+options! {
+    /// A seam of the render mesh along edge sets, as a groove or a ridge. Left and right refer to the direction in which
+    /// most of the edges were authored, with the normals up.
+    "seam" => SeamOptions {
+        /// False to leave the seam out and keep its options
+        "enabled" enabled: bool = true, Domain::Flag, "true or false";
+
+        /// Edge subsets of this mesh that the seam follows; they may be closed, end inside the mesh, and meet at junctions
+        "edges" edges: Vec<String> = Vec::new(), Domain::Sets { of: &["edge"], required: true }, "names of subsets";
+
+        /// Width of the seam, reduced where the faces beside it are too small; 0 is a quarter of the mesh's mean edge
+        /// length
+        "width" width: f32 = 0.0, Domain::Length { usual: [0.0, 1.0], automatic: 0.25, largest: LARGEST },
+            "mesh units" via "crate::garment::units::deserialize_length";
+
+        /// Bulge of the flanks along the normal, a third of the way from the centre to the edge of the seam; above 0 puffs
+        /// the cloth up, below 0 hollows it out, 0 is a straight slope
+        "depth" depth: f32 = 0.0, HEIGHT, "mesh units" via "crate::garment::units::deserialize_length";
+
+        /// Offset of the centre along the normal, reduced where another layer of cloth is near; below 0 is a groove, above
+        /// 0 a ridge
+        "normalOffset" normal_offset: f32 = 0.0, HEIGHT,
+            "mesh units" via "crate::garment::units::deserialize_length";
+
+        /// Distribution of the width, from -1 for most of it on the left to 1 for most on the right; the other side keeps
+        /// at least a twentieth
+        "asymmetry" asymmetry: f32 = 0.0,
+            Domain::Number { least: -1.0, most: Some(1.0), or_zero: true, usual: [-1.0, 1.0], step: 0.05 }, "-1 to 1";
     }
 }
 
@@ -75,68 +79,8 @@ impl SeamOptions {
 }
 
 impl OperatorOptions for SeamOptions {
-    fn kind(&self) -> &'static str {
-        "seam"
-    }
-
-    fn keys(&self) -> &'static [Key] {
-        &[
-            Key { key: "enabled", unit: "true or false", domain: Domain::Flag, meaning: "whether the seam is made" },
-            Key { key: "edges", unit: "names", domain: Domain::EdgeSets, meaning: "edge subsets of the seam" },
-            Key {
-                key: "width",
-                unit: "mesh units",
-                domain: Domain::Length { least: 0.0, most: 1.0, automatic: AUTOMATIC_WIDTH },
-                meaning: "from side to side; 0: a quarter of the mean edge",
-            },
-            Key {
-                key: "depth",
-                unit: "mesh units",
-                domain: Domain::Length { least: -0.2, most: 0.2, automatic: 0.0 },
-                meaning: "height of the flanks over straight ones",
-            },
-            Key {
-                key: "normalOffset",
-                unit: "mesh units",
-                domain: Domain::Length { least: -0.2, most: 0.2, automatic: 0.0 },
-                meaning: "height of the centre; below 0 a groove, above a ridge",
-            },
-            Key {
-                key: "asymmetry",
-                unit: "-1 to 1",
-                domain: Domain::Number { least: -1.0, most: 1.0, step: 0.05 },
-                meaning: "-1: most of the width on the left, 1: on the right",
-            },
-        ]
-    }
-
     fn is_enabled(&self) -> bool {
         self.enabled
-    }
-
-    fn check(&self, key: &dyn Fn(&str) -> String) -> Result<(), Error> {
-        checks::named(&key("edges"), &self.edges, "edge")?;
-        checks::length(&key("width"), self.width)?;
-        checks::finite(&key("depth"), self.depth)?;
-        checks::finite(&key("normalOffset"), self.normal_offset)?;
-        if !(-1.0..=1.0).contains(&self.asymmetry) {
-            let fault = Error::recipe(key("asymmetry"), format!("{} is not between -1 and 1", self.asymmetry));
-            return Err(fault.remedy("give -1 for most of the width on the left, 1 for most on the right"));
-        }
-        Ok(())
-    }
-
-    fn bind(&self, key: &dyn Fn(&str) -> String, garment: &Garment) -> Result<(), Error> {
-        for (field, value) in [("width", self.width), ("depth", self.depth), ("normalOffset", self.normal_offset)] {
-            checks::within_size(&key(field), value, garment)?;
-        }
-        checks::subsets_are(garment, &key("edges"), &self.edges, "edge")
-    }
-
-    fn resolve_lengths(&mut self, mean_edge: f32) {
-        if self.width == 0.0 {
-            self.width = AUTOMATIC_WIDTH * mean_edge;
-        }
     }
 
     fn operator(&self, name: &str) -> Arc<dyn Operator> {
@@ -192,50 +136,50 @@ impl Seams {
         warnings
     }
 
-    fn controls(t: &Topology, network: &Network, lines: &Lines) -> Vec<Control> {
+    /// The controls, and the part of the profile that each of them has.
+    fn controls(t: &Topology, network: &Network, lines: &Lines) -> (Vec<Control>, Vec<Option<Part>>) {
         // One ring more than the faces that are cut: its limit depends on the points that the fit moves.
         let near = |v: &VertexId| t.faces_at(*v).any(|f| t.faces.vertices_of(f).iter().any(|&v| lines.near[v]));
         let on_cage = lines.near.ids().filter(near).map(|vertex| {
             let seams = network.at(t, vertex);
-            if seams.is_empty() {
-                return Control { vertex, role: Role::Kept };
-            }
-            Control { vertex, role: Role::Centre { seams, share: lines.heights[vertex] } }
+            let part = (!seams.is_empty()).then(|| Part::Centre { seams, share: lines.heights[vertex] });
+            let role = part.as_ref().map_or(Role::Kept, Part::role);
+            (Control { vertex, role }, part)
         });
         let on_lines = lines.vertices.iter().filter_map(|line| {
-            let role = Self::line_role(t, network, line)?;
-            Some(Control { vertex: line.vertex, role })
+            let part = Self::line_part(t, network, line)?;
+            Some((Control { vertex: line.vertex, role: part.role() }, Some(part)))
         });
-        on_cage.chain(on_lines).collect()
+        on_cage.chain(on_lines).unzip()
     }
 
-    fn line_role(t: &Topology, network: &Network, vertex: &LineVertex) -> Option<Role> {
+    fn line_part(t: &Topology, network: &Network, vertex: &LineVertex) -> Option<Part> {
         let (seam, share) = (network.seam[vertex.mark]?, vertex.height);
         let own = Strand { seam, line: vertex.line };
         let Some(crossing) = vertex.crossing else {
             return Some(match vertex.line {
-                Some(line) => Role::Line { line, seam, share },
-                None => Role::Centre { seams: vec![seam], share },
+                Some(_) => Part::Line { strand: own, share },
+                None => Part::Centre { seams: vec![seam], share },
             });
         };
         let other = Strand { seam: network.seam[crossing.mark]?, line: Some(crossing.line) };
         let first = network.junction_of(t, vertex.mark, crossing.mark).and_then(|seams| seams.first().copied());
         let (through, other) =
             if seam != other.seam && first == Some(other.seam) { (other, own) } else { (own, other) };
-        Some(Role::Crossing { through, other, share })
+        Some(Part::Crossing { through, other, share })
     }
 
     /// The faces within the width of each seam.
-    fn subsets(&self, cage: &OperatorInput, network: &Network, lines: &Lines, warnings: &mut Warnings) -> Vec<Subset> {
+    fn subsets(&self, cage: &OperatorInput, network: &Network, lines: &Lines) -> (Vec<Subset>, Warnings) {
         if !cage.names_sets {
-            return Vec::new();
+            return (Vec::new(), Warnings::default());
         }
         let width = Self::width_line();
         let of = |(number, (name, _)): (usize, &(String, SeamOptions))| {
             let within = lines.strips.iter().filter(|s| s.line <= width && network.seam[s.mark] == Some(number));
             (format!("{name}_seam"), within.map(|s| s.face).collect())
         };
-        super::new_sets(cage.garment, self.seams.iter().enumerate().map(of).collect(), warnings)
+        super::new_sets(cage.garment, self.seams.iter().enumerate().map(of).collect())
     }
 
     /// The width of the seam beside each half-edge; 0 on other edges. \[mesh units\]
@@ -299,14 +243,16 @@ impl Operator for Seams {
             is_even: true,
         };
         let lines = lines::insert(&request);
-        let controls = Self::controls(t, &network, &lines);
+        let (controls, parts) = Self::controls(t, &network, &lines);
         let mut warnings = self.warn(cage, &network, &lines.narrowed);
-        let subsets = self.subsets(cage, &network, &lines, &mut warnings);
-        Ok(OperatorOutput { controls, subsets, warnings, ..OperatorOutput::new(lines.builder.finish(), cage) })
+        let (subsets, renamed) = self.subsets(cage, &network, &lines);
+        warnings.extend(renamed);
+        let details = Arc::new(parts);
+        Ok(OperatorOutput { controls, details, subsets, warnings, ..OperatorOutput::new(lines.builder.finish(), cage) })
     }
 
     fn heights(&self, output: &OperatorOutput) -> Vec<f32> {
-        output.controls.iter().map(|control| self.height(&control.role).0).collect()
+        parts(output).iter().map(|part| part.as_ref().map_or(0.0, |part| self.height(part).0)).collect()
     }
 
     fn intersections(&self, output: &OperatorOutput, faces: &[FaceId]) -> Warning {
@@ -318,9 +264,9 @@ impl Operator for Seams {
     fn reduced(&self, output: &OperatorOutput, given: &[f32]) -> Warnings {
         let mut warnings = Warnings::default();
         let mut shallow: Vec<(usize, VertexId, f32)> = Vec::new();
-        for (control, given) in output.controls.iter().zip(given) {
-            let (asked, seam) = self.height(&control.role);
-            if control.role.is_centre() && given.abs() < REPORTED * asked.abs() {
+        for ((control, given), part) in output.controls.iter().zip(given).zip(parts(output)) {
+            let (asked, seam) = part.as_ref().map_or((0.0, 0), |part| self.height(part));
+            if control.role == Role::Crest && given.abs() < REPORTED * asked.abs() {
                 shallow.push((seam, control.vertex, given.abs() / asked.abs()));
             }
         }
@@ -342,19 +288,18 @@ impl Operator for Seams {
     }
 }
 
+/// The part of the profile that each control has; none away from the lines of seams.
+fn parts(output: &OperatorOutput) -> &[Option<Part>] {
+    output.details.downcast_ref::<Vec<Option<Part>>>().map_or(&[], Vec::as_slice)
+}
+
 /// Indices of the seams at some faces, or else of the nearest ones by a search over rings of faces.
 fn seams_at(output: &OperatorOutput, faces: &[FaceId]) -> BTreeSet<usize> {
-    let seams = |control: &Control| match &control.role {
-        Role::Centre { seams, .. } => seams.clone(),
-        Role::Line { seam, .. } => vec![*seam],
-        Role::Crossing { through, other, .. } => vec![through.seam, other.seam],
-        _ => Vec::new(),
-    };
     let all = &output.derivation.faces;
     let mut near: BTreeSet<VertexId> = faces.iter().flat_map(|&f| all.vertices_of(f)).copied().collect();
     loop {
-        let found: BTreeSet<usize> =
-            output.controls.iter().filter(|c| near.contains(&c.vertex)).flat_map(seams).collect();
+        let here = output.controls.iter().zip(parts(output)).filter(|(control, _)| near.contains(&control.vertex));
+        let found: BTreeSet<usize> = here.filter_map(|(_, part)| part.as_ref()).flat_map(Part::seams).collect();
         let touches = |f: &FaceId| all.vertices_of(*f).iter().any(|v| near.contains(v));
         let wider: BTreeSet<VertexId> = all.ids().filter(touches).flat_map(|f| all.vertices_of(f)).copied().collect();
         if !found.is_empty() || wider.len() == near.len() {

@@ -8,10 +8,10 @@ pub use steps::{RenderSteps, Rendered};
 
 use super::operator::Operator;
 use super::{OperatorOptions, RenderOptions};
-use crate::checks::did_you_mean;
 use crate::error::{Code, Error, ErrorCode, Warning, Warnings, names};
 use crate::garment::Garment;
 use crate::mesh::Topology;
+use crate::options::did_you_mean;
 use std::sync::Arc;
 
 /// Operators in their order, and the refinements after them.
@@ -46,15 +46,16 @@ impl Stack {
     /// # Errors
     /// A name in `render.operators` that is unknown, ambiguous or repeated.
     pub fn new(options: &RenderOptions, all: &[(&str, &dyn OperatorOptions)]) -> Result<Self, Error> {
+        let (order, warnings) = order(all, &options.operators)?;
         let mut stack = Self {
             operators: Vec::new(),
             names: Vec::new(),
             level: options.level,
             seam_level: options.seam_level,
             names_sets: options.face_sets,
-            warnings: Warnings::default(),
+            warnings,
         };
-        for at in order(all, &options.operators, &mut stack.warnings)? {
+        for at in order {
             let (name, options) = all[at];
             if !options.is_enabled() {
                 continue;
@@ -95,14 +96,11 @@ impl Stage {
     }
 }
 
-/// Indices of the operators in the order of `wanted`; all of them if it is empty.
-fn order(
-    all: &[(&str, &dyn OperatorOptions)],
-    wanted: &[String],
-    warnings: &mut Warnings,
-) -> Result<Vec<usize>, Error> {
+/// Indices of the operators in the order of `wanted`, all of them if it is empty; the warning of those that it omits.
+fn order(all: &[(&str, &dyn OperatorOptions)], wanted: &[String]) -> Result<(Vec<usize>, Warnings), Error> {
+    let mut warnings = Warnings::default();
     if wanted.is_empty() {
-        return Ok((0..all.len()).collect());
+        return Ok(((0..all.len()).collect(), warnings));
     }
     let full_name = |i: usize| all[i].1.full_name(all[i].0);
     let fault = |name: &str, fault: &str| {
@@ -130,10 +128,10 @@ fn order(
         let warning = Warning::new(Code::OperatorsLeftOut, "render.operators", problem);
         warnings.push(warning.remedy("Add them to it, or delete them from the recipe"));
     }
-    Ok(order)
+    Ok((order, warnings))
 }
 
 /// True if `text` is the name of an operator, with or without its kind.
 fn is_name_of((name, options): (&str, &dyn OperatorOptions), text: &str) -> bool {
-    text == name || text.split_once(['.', ':']).is_some_and(|(kind, rest)| kind == options.kind() && rest == name)
+    text == name || text.split_once(['.', ':']).is_some_and(|(kind, rest)| kind == options.group().name && rest == name)
 }

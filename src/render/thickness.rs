@@ -17,12 +17,11 @@ mod layer;
 
 use super::lines::{self, LineVertex, Lines, Request};
 use super::operator::{Closing, Control, Operator, OperatorInput, OperatorOutput, REPORTED, Role, is_lone_corner};
-use super::options::{Domain, Key, OperatorOptions};
-use crate::checks;
+use super::options::{LARGEST, OperatorOptions};
 use crate::error::{Code, Error, ErrorCode, Warning, Warnings};
-use crate::garment::units::deserialize_length;
 use crate::garment::{Elements, Garment, Orientation, Subset, Values};
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
+use crate::options::{Domain, Given, OptionValue, options};
 use crate::subdivide::{Level, Stencils};
 use cover::{Cover, layer_ends};
 use ends::{Ends, square_edges};
@@ -44,8 +43,6 @@ const TAPERED: f32 = 0.9;
 const CLOSED_LENGTH: f32 = 3.0;
 /// Weight of the second layer where it is closed. Smaller closes it more; the surfaces may then intersect where they bend.
 const CLOSED_WEIGHT: f32 = 0.07;
-/// Automatic amount, as a share of the mean edge.
-const AUTOMATIC_AMOUNT: f32 = 0.1;
 /// Smallest weight, which separates the layers where 0 is painted.
 const MIN_WEIGHT: f32 = 0.01;
 
@@ -60,97 +57,42 @@ pub enum Side {
     Outer,
 }
 
-/// Options of a thickness: the attributes of `TailorThicknessAPI`, with the same names and defaults.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "camelCase", default, deny_unknown_fields)]
-pub struct ThicknessOptions {
-    /// False to leave the second layer out and keep its options.
-    pub enabled: bool,
-    /// Names of the face subsets that get a second layer in one piece.
-    pub faces: Vec<String>,
-    /// Distance of the layers; 0: a tenth of the mean edge of the input. \[mesh units\]
-    #[serde(deserialize_with = "deserialize_length")]
-    pub amount: f32,
-    /// Name of a painted float primvar that scales the amount; empty: 1 everywhere.
-    pub weights: String,
-    /// The side of the second layer.
-    pub side: Side,
-    /// True if faces without a border get a second layer too.
-    pub closed: bool,
+impl OptionValue for Side {
+    fn given(&self) -> Given<'_> {
+        Given::Known
+    }
 }
 
-impl Default for ThicknessOptions {
-    fn default() -> Self {
-        let (faces, weights) = (Vec::new(), String::new());
-        Self { enabled: true, faces, amount: 0.0, weights, side: Side::Inner, closed: false }
+options! {
+    /// A second layer of the render mesh, folded over at the border of the mesh.
+    "thickness" => ThicknessOptions {
+        /// False to leave the second layer out and keep its options
+        "enabled" enabled: bool = true, Domain::Flag, "true or false";
+
+        /// Face subsets of this mesh that get a second layer as one piece, folded over at the borders of the mesh among
+        /// their edges
+        "faces" faces: Vec<String> = Vec::new(), Domain::Sets { of: &["face"], required: true }, "names of subsets";
+
+        /// Distance between the layers, reduced at tight folds and near other cloth, without a second layer on faces that
+        /// other cloth touches; 0 is a tenth of the mesh's mean edge length
+        "amount" amount: f32 = 0.0, Domain::Length { usual: [0.0, 0.4], automatic: 0.1, largest: LARGEST },
+            "mesh units" via "crate::garment::units::deserialize_length";
+
+        /// Painted vertex primvar, named without `primvars:`, that scales the amount; 0 tucks the layer in, and empty is 1
+        /// everywhere
+        "weights" weights: String = String::new(), Domain::Weights, "name of a primvar";
+
+        /// Position of the second layer, inner behind the surface or outer in front of it
+        "side" side: Side = Side::Inner, Domain::Choice { words: &["inner", "outer"] }, "inner or outer";
+
+        /// Add a second layer also to faces without a border of the mesh
+        "closed" closed: bool = false, Domain::Flag, "true or false";
     }
 }
 
 impl OperatorOptions for ThicknessOptions {
-    fn kind(&self) -> &'static str {
-        "thickness"
-    }
-
-    fn keys(&self) -> &'static [Key] {
-        &[
-            Key {
-                key: "enabled",
-                unit: "true or false",
-                domain: Domain::Flag,
-                meaning: "whether the second layer is made",
-            },
-            Key {
-                key: "faces",
-                unit: "names",
-                domain: Domain::FaceSets,
-                meaning: "face subsets that get a second layer",
-            },
-            Key {
-                key: "amount",
-                unit: "mesh units",
-                domain: Domain::Length { least: 0.0, most: 0.4, automatic: AUTOMATIC_AMOUNT },
-                meaning: "distance of the layers; 0: a tenth of the mean edge",
-            },
-            Key {
-                key: "weights",
-                unit: "name",
-                domain: Domain::Weights,
-                meaning: "painted float primvar that scales the amount; empty: 1",
-            },
-            Key {
-                key: "side",
-                unit: "inner or outer",
-                domain: Domain::Choice(&["inner", "outer"]),
-                meaning: "the side of the second layer",
-            },
-            Key {
-                key: "closed",
-                unit: "true or false",
-                domain: Domain::Flag,
-                meaning: "whether faces without a border get a second layer too",
-            },
-        ]
-    }
-
     fn is_enabled(&self) -> bool {
         self.enabled
-    }
-
-    fn check(&self, key: &dyn Fn(&str) -> String) -> Result<(), Error> {
-        checks::named(&key("faces"), &self.faces, "face")?;
-        checks::length(&key("amount"), self.amount)
-    }
-
-    fn bind(&self, key: &dyn Fn(&str) -> String, garment: &Garment) -> Result<(), Error> {
-        checks::within_size(&key("amount"), self.amount, garment)?;
-        checks::subsets_are(garment, &key("faces"), &self.faces, "face")?;
-        checks::weights(garment, &key("weights"), &self.weights).map(|_| ())
-    }
-
-    fn resolve_lengths(&mut self, mean_edge: f32) {
-        if self.amount == 0.0 {
-            self.amount = AUTOMATIC_AMOUNT * mean_edge;
-        }
     }
 
     fn operator(&self, name: &str) -> Arc<dyn Operator> {
@@ -233,17 +175,17 @@ impl Thickness {
         (folds, layer_ends, ends): (&IdVec<VertexId, bool>, &IdVec<VertexId, bool>, &Ends),
         layer: &Layer,
         lines: &Lines,
-    ) -> Vec<Control> {
+    ) -> Vec<(Control, f32)> {
         let on_cage = lines.near.enumerated().filter(|(v, near)| **near || layer_ends[*v]).map(|(v, _)| v);
-        let on_surface = |vertex: VertexId, is_fold: bool| Control {
-            vertex,
-            role: if is_fold { Role::Kept } else { Role::Surface },
+        let on_surface = |vertex: VertexId, is_fold: bool| {
+            let role = if is_fold { Role::Kept } else { Role::Surface };
+            (Control { vertex, role }, 0.0)
         };
-        let mut controls: Vec<Control> = on_cage.map(|v| on_surface(v, folds[v])).collect();
-        controls.extend(lines.vertices.iter().map(|l| match l.line {
-            Some(_) => on_surface(l.vertex, false),
-            None => Control { vertex: l.vertex, role: Role::Kept },
-        }));
+        let mut controls: Vec<(Control, f32)> = on_cage.map(|v| on_surface(v, folds[v])).collect();
+        controls.extend(lines.vertices.iter().map(|l| on_surface(l.vertex, l.line.is_none())));
+        let copy_of = |of: VertexId, vertex: VertexId, weight: f32, closing: Closing| {
+            (Control { vertex, role: Role::Copy { of, side: self.sign(), closing } }, weight)
+        };
         let ends_of = |l: &&LineVertex| t.edges[l.mark].iter().any(|&v| ends.joined[v]);
         let beside: BTreeSet<VertexId> = lines.vertices.iter().filter(ends_of).map(|l| l.vertex).collect();
         let copies = layer.copy.iter().enumerate().filter_map(|(v, copy)| Some((VertexId::new(v), (*copy)?)));
@@ -259,34 +201,32 @@ impl Thickness {
             };
             let open = || (taper * self.weight(weights, &sources)).max(MIN_WEIGHT);
             let weight = if is_closed { CLOSED_WEIGHT } else { open() };
-            Control { vertex, role: Role::Layer { over, weight, side: self.sign(), closing } }
+            copy_of(over, vertex, weight, closing)
         }));
         // After the copies that they are below, which take the clearance.
-        controls.extend(layer.feet.iter().map(|&[over, vertex]| {
-            let (weight, closing) = (CLOSED_WEIGHT, Closing::Closed);
-            Control { vertex, role: Role::Layer { over, weight, side: self.sign(), closing } }
-        }));
+        let feet = layer.feet.iter();
+        controls.extend(feet.map(|&[over, vertex]| copy_of(over, vertex, CLOSED_WEIGHT, Closing::Closed)));
         controls
     }
 
     /// The provisional offsets of the copies.
-    fn offsets(&self, cage: &OperatorInput, controls: &[Control], lines: &Lines) -> Vec<(VertexId, Vec3)> {
+    fn offsets(&self, cage: &OperatorInput, controls: &[(Control, f32)], lines: &Lines) -> Vec<(VertexId, Vec3)> {
         let normals = vertex_normals(cage.garment);
-        let offset = |control: &Control| {
-            let Role::Layer { over, weight, .. } = control.role else { return None };
-            let normal: Vec3 = lines.builder.sources(over).iter().map(|&(v, w)| w * normals[v]).sum();
+        let offset = |(control, weight): &(Control, f32)| {
+            let normal: Vec3 =
+                lines.builder.sources(control.role.original()?).iter().map(|&(v, w)| w * normals[v]).sum();
             Some((control.vertex, self.sign() * self.options.amount * weight * normal.normalize_or_zero()))
         };
         controls.iter().filter_map(offset).collect()
     }
 
-    fn subsets(&self, cage: &OperatorInput, layer: &Layer, warnings: &mut Warnings) -> Vec<Subset> {
+    fn subsets(&self, cage: &OperatorInput, layer: &Layer) -> (Vec<Subset>, Warnings) {
         if !cage.names_sets {
-            return Vec::new();
+            return (Vec::new(), Warnings::default());
         }
         let set = |(suffix, faces): (&str, &Vec<FaceId>)| (format!("{}_{suffix}", self.name), faces.clone());
         let sets = [("hem", &layer.hem), ("inner", &layer.inner)].map(set);
-        super::new_sets(cage.garment, sets.into(), warnings)
+        super::new_sets(cage.garment, sets.into())
     }
 }
 
@@ -331,6 +271,11 @@ fn vertex_normals(garment: &Garment) -> IdVec<VertexId, Vec3> {
     }
     normals.iter_mut().for_each(|n| *n = n.normalize_or_zero());
     normals
+}
+
+/// The weight of each control, 0 on the surface.
+fn weights(output: &OperatorOutput) -> &[f32] {
+    output.details.downcast_ref::<Vec<f32>>().map_or(&[], Vec::as_slice)
 }
 
 impl Operator for Thickness {
@@ -401,28 +346,27 @@ impl Operator for Thickness {
         let controls =
             self.controls((t, &garment.points), weights, (&folds, &layer_ends(t, &chosen), &ends), &layer, &lines);
         let offsets = self.offsets(cage, &controls, &lines);
-        let subsets = self.subsets(cage, &layer, &mut warnings);
+        let (subsets, renamed) = self.subsets(cage, &layer);
+        warnings.extend(renamed);
+        let (controls, weights): (Vec<Control>, Vec<f32>) = controls.into_iter().unzip();
+        let details = Arc::new(weights);
         let (mut corners, mut creases) = sharpness(cage.level, &folds, &request.marked, &layer);
         creases.extend_from_slice(&layer.wall_edges);
         corners.extend(ends.corners.iter().filter_map(|v| layer.copy[v.index()]));
         let output = OperatorOutput::new(lines.builder.finish(), cage);
-        Ok(OperatorOutput { controls, subsets, corners, creases, offsets, warnings, ..output })
+        Ok(OperatorOutput { controls, details, subsets, corners, creases, offsets, warnings, ..output })
     }
 
     fn heights(&self, output: &OperatorOutput) -> Vec<f32> {
-        let of = |control: &Control| match control.role {
-            Role::Layer { weight, .. } => self.sign() * self.options.amount * weight,
-            _ => 0.0,
-        };
-        output.controls.iter().map(of).collect()
+        weights(output).iter().map(|weight| self.sign() * self.options.amount * weight).collect()
     }
 
     fn reduced(&self, output: &OperatorOutput, given: &[f32]) -> Warnings {
         let mut warnings = Warnings::default();
         let mut thin: Vec<VertexId> = Vec::new();
         let mut least = 1.0f32;
-        for (control, given) in output.controls.iter().zip(given) {
-            let Role::Layer { over, weight, .. } = control.role else { continue };
+        for ((control, given), weight) in output.controls.iter().zip(given).zip(weights(output)) {
+            let Some(over) = control.role.original() else { continue };
             let share = given.abs() / (self.options.amount * weight);
             if share < REPORTED {
                 thin.push(over);

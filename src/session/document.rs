@@ -95,7 +95,7 @@ impl Document {
     /// `tailor:` attributes of the source that cannot be read.
     pub fn layers(&self, source: &Source, warnings: &mut Warnings) -> Result<Layers, Error> {
         let mut layers = Layers::default();
-        layers.add_attributes(source.recipe()?, warnings);
+        warnings.extend(layers.add_attributes(source.recipe()?));
         layers.add(self.file.clone());
         Ok(layers)
     }

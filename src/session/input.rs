@@ -101,16 +101,16 @@ impl Input {
     fn opened(&self, source: Source, recipes: &Recipes) -> Result<Opened, Error> {
         let mut warnings = Warnings::default();
         let (mut authored, mut given) = (Layers::default(), Layers::default());
-        authored.add_attributes(source.recipe()?, &mut warnings);
+        warnings.extend(authored.add_attributes(source.recipe()?));
         recipes.files.iter().for_each(|recipe| given.add(recipe.clone().into_layer()));
         if let Some(layer) = self.recipe.as_deref().filter(|path| is_usd(path)) {
-            given.add_attributes(attributes_of(layer, &source)?, &mut warnings);
+            warnings.extend(given.add_attributes(attributes_of(layer, &source)?));
         }
         self.overrides.iter().try_for_each(|assignment| given.add_override(assignment))?;
         let mesh = source.garment(&mut warnings)?;
         let mut all = authored.clone();
         all.add(given.clone().into_map());
-        all.check_schemas(source.prim(), &source.facts().api_schemas, &mut warnings);
+        warnings.extend(all.check_schemas(source.prim(), &source.facts().api_schemas));
         [&mut authored, &mut given].into_iter().for_each(|layers| layers.convert_lengths(mesh.units));
         Ok(Opened { source, mesh, authored, given, warnings })
     }

@@ -1,51 +1,82 @@
 //! Options of the simulation mesh.
 
-use crate::garment::units::deserialize_length;
-use serde::{Deserialize, Serialize};
+use crate::options::{Domain, options};
 
-/// Options of the simulation mesh: the attributes of `TailorSimAPI`, with the same names and defaults.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "camelCase", default, deny_unknown_fields)]
-pub struct SimOptions {
-    /// Target edge length where the density is 1. \[mesh units\] 0: half of `maxEdgeLength`, or all of it where no
-    /// density is named.
-    #[serde(deserialize_with = "deserialize_length")]
-    pub min_edge_length: f32,
-    /// Target edge length where the density is 0. \[mesh units\] 0: half the mean edge length of the input.
-    #[serde(deserialize_with = "deserialize_length")]
-    pub max_edge_length: f32,
-    /// Name of the painted vertex primvar, 1 = `minEdgeLength`, 0 = `maxEdgeLength`; empty: `maxEdgeLength` everywhere.
-    pub density: String,
-    /// Largest ratio of target lengths between neighbouring edges. \[factor\] 0: targets follow the density ungraded.
-    pub grading: f32,
-    /// Refinements of the input that give the surface which the mesh lies on. \[levels\] A garment of 50,000 faces or more
-    /// gets fewer, but one at least, where its edges are at most half the target lengths before.
-    pub baseline_level: u32,
-    /// Rounds of split, collapse, flip and relax. \[rounds\]
-    pub iterations: u32,
-    /// The UV set whose shell borders are seams; empty: none.
-    pub uv_set: String,
-    /// Whether the borders of UV shells are edges of the mesh.
-    pub constrain_uv_seams: bool,
-    /// UV shells smaller than so many equilateral triangles of target length constrain nothing: their borders are no edges of
-    /// the mesh unless they are borders of the mesh, creases or in `constraints`, and UVs beside them are approximate.
-    /// \[target triangles\] 0: all shells do.
-    pub smallest_shell: f32,
-    /// Edge subsets that become edges of the mesh.
-    pub constraints: Vec<String>,
-    /// A seam, border or constraint that turns by more than this within one edge length has a corner there, which stays.
-    /// \[degrees\] 180: none has.
-    pub corner_angle: f32,
-    /// A fold that turns by more than this within one target length becomes a chain of edges. \[degrees\] 180: none does.
-    pub ridge_angle: f32,
-    /// Samples for each expected face when sets and colours are transferred. \[samples\]
-    pub transfer_samples: u32,
-    /// Seed of the samples.
-    pub seed: u32,
-    /// Whether single faces of a face set that touch no other face of it join the sets of their neighbours.
-    pub clean_islands: bool,
-    /// Whether the mesh stores for each vertex the garment's face that it lies on, and the location there.
-    pub provenance: bool,
+/// Largest length of an edge: longer ones make no coarser mesh. \[sizes of the garment\]
+const LARGEST: f32 = 1000.0;
+/// A target edge length. 0 stands for half of another length.
+const TARGET: Domain = Domain::Length { usual: [0.0, 2.0], automatic: 0.5, largest: LARGEST };
+/// The turn above which a corner or a fold stays, usually above `usual`.
+const fn angle(usual: f32) -> Domain {
+    Domain::Number { least: 1.0, most: Some(180.0), or_zero: false, usual: [usual, 180.0], step: 5.0 }
+}
+
+options! {
+    /// Options of the simulation mesh of this garment, with triangles of adaptive size that keep the chosen edges.
+    /// Lengths are measured in the mesh's own space.
+    "sim" => SimOptions {
+        /// Target edge length at density 1, where half the length gives four times the triangles; 0 is half of
+        /// maxEdgeLength, or all of it without a density
+        "minEdgeLength" min_edge_length: f32 = 0.0, TARGET, "mesh units" via "crate::garment::units::deserialize_length";
+
+        /// Target edge length at density 0, at least minEdgeLength; 0 is half of the mesh's mean edge length
+        "maxEdgeLength" max_edge_length: f32 = 0.0, TARGET, "mesh units" via "crate::garment::units::deserialize_length";
+
+        /// Painted vertex primvar, named without `primvars:`, from 0 for maxEdgeLength to 1 for minEdgeLength; empty is 0
+        /// everywhere
+        "density" density: String = String::new(), Domain::Weights, "name of a primvar";
+
+        /// Largest ratio of neighbouring target lengths, 1.05 or more, which shortens the longer one; 0 sets no limit
+        "grading" grading: f32 = 0.0,
+            Domain::Number { least: 1.05, most: None, or_zero: true, usual: [0.0, 4.0], step: 0.05 }, "factor";
+
+        /// Subdivision level of the surface that the simulation mesh approximates; 0 is the input itself
+        "baselineLevel" baseline_level: u32 = 2, Domain::Whole { most: 6, usual: 4 }, "levels";
+
+        /// Number of rounds of split, collapse, flip and relax; more than 5 improve the triangles little
+        "iterations" iterations: u32 = 5, Domain::Whole { most: 100, usual: 10 }, "rounds";
+
+        /// Texture coordinates, named without `primvars:`, whose shells are the panels of cloth; empty or absent is one
+        /// piece
+        "uvSet" uv_set: String = "st".into(), Domain::UvSet, "name of a primvar";
+
+        /// Keep the borders of the shells of uvSet as edges of the simulation mesh, as mesh borders always are
+        "constrainUvSeams" constrain_uv_seams: bool = true, Domain::Flag, "true or false";
+
+        /// Drop the seams around UV shells smaller than this from the edges of the simulation mesh, where UVs are then
+        /// approximate; 0 keeps the seams of all shells
+        "smallestShell" smallest_shell: f32 = 4.0,
+            Domain::Number { least: 0.0, most: None, or_zero: true, usual: [0.0, 16.0], step: 0.5 },
+            "equilateral triangles of target length";
+
+        /// Edge subsets of this mesh to keep as edges of the simulation mesh
+        "constraints" constraints: Vec<String> = Vec::new(), Domain::Sets { of: &["edge"], required: false },
+            "names of subsets";
+
+        /// Keep a vertex where a seam, border or constraint turns by more than this within one edge length; smaller angles
+        /// keep more corners, with shorter edges beside them; 180 keeps none
+        "cornerAngle" corner_angle: f32 = 50.0,
+            angle(5.0), "degrees";
+
+        /// Keep a fold that turns by more than this within one target length as a line of edges; smaller angles keep more
+        /// folds, with fewer even triangles beside them; 180 keeps none
+        "ridgeAngle" ridge_angle: f32 = 90.0,
+            angle(30.0), "degrees";
+
+        /// Samples of each input face for the transfer of face sets, colours and uniform primvars; more samples resolve
+        /// narrower sets, in proportional time
+        "transferSamples" transfer_samples: u32 = 32, Domain::Whole { most: 1024, usual: 128 }, "samples per face";
+
+        /// Seed of the transfer samples; the same seed gives the same mesh on any machine and with any number of threads
+        "seed" seed: u32 = 0, Domain::Whole { most: u32::MAX, usual: 100 }, "any integer";
+
+        /// Merge single faces of a face set that touch no other face of it into the set around them
+        "cleanIslands" clean_islands: bool = false, Domain::Flag, "true or false";
+
+        /// Store the input face of each vertex and its coordinates there, in primvars:tailor:sourceFace and
+        /// primvars:tailor:sourceCoords
+        "provenance" provenance: bool = false, Domain::Flag, "true or false";
+    }
 }
 
 impl SimOptions {
@@ -63,27 +94,14 @@ impl SimOptions {
     pub(crate) fn corner(&self) -> f32 {
         if self.corner_angle < 180.0 { self.corner_angle.to_radians() } else { f32::INFINITY }
     }
-}
 
-impl Default for SimOptions {
-    fn default() -> Self {
-        Self {
-            min_edge_length: 0.0,
-            max_edge_length: 0.0,
-            density: String::new(),
-            grading: 0.0,
-            baseline_level: 2,
-            iterations: 5,
-            uv_set: "st".into(),
-            constrain_uv_seams: true,
-            smallest_shell: 4.0,
-            constraints: Vec::new(),
-            corner_angle: 50.0,
-            ridge_angle: 90.0,
-            transfer_samples: 32,
-            seed: 0,
-            clean_islands: false,
-            provenance: false,
+    /// Replaces lengths of 0 by multiples of the garment's mean edge length. \[mesh units\]
+    pub(crate) fn resolve_targets(&mut self, mean_edge: f32) {
+        if self.max_edge_length <= 0.0 {
+            self.max_edge_length = (0.5 * mean_edge).max(self.min_edge_length);
+        }
+        if self.min_edge_length <= 0.0 {
+            self.min_edge_length = self.max_edge_length * if self.density.is_empty() { 1.0 } else { 0.5 };
         }
     }
 }

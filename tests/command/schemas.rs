@@ -1,8 +1,9 @@
-//! The schemas and the crate name the same options, with the same types and defaults.
+//! The schemas and the crate name the same options, with the same types and defaults: a second reading of what
+//! `cargo xtask options` writes.
 
 use serde_json::Value;
 use std::collections::BTreeMap;
-use tailor::recipe::{KINDS, defaults};
+use tailor::recipe::table;
 
 /// What stands for the name of an instance in a schema that is applied more than once.
 const INSTANCE: &str = "__INSTANCE_NAME__";
@@ -22,37 +23,33 @@ fn schema_properties() -> BTreeMap<String, (String, String)> {
 }
 
 /// The type and default that the schema must have for an option of the crate.
-fn expected(value: &Value) -> Vec<(&'static str, String)> {
+fn expected(option: &Value) -> (&'static str, String) {
+    let value = &option["default"];
     match value {
-        Value::Bool(b) => vec![("bool", u8::from(*b).to_string())],
-        Value::Number(n) if n.is_f64() => vec![("float", format!("{}", n.as_f64().unwrap_or_default()))],
-        Value::Number(n) => vec![("int", n.to_string())],
-        Value::String(s) => vec![("token", format!("\"{s}\""))],
-        Value::Array(words) if !words.is_empty() => {
+        _ if option["domain"]["type"] == "sets" => ("rel", String::new()),
+        Value::Bool(b) => ("bool", u8::from(*b).to_string()),
+        Value::Number(n) if n.is_f64() => ("float", format!("{}", n.as_f64().unwrap_or_default())),
+        Value::Number(n) => ("int", n.to_string()),
+        Value::Array(words) => {
             let words: Vec<String> = words.iter().map(ToString::to_string).collect();
-            vec![("token[]", format!("[{}]", words.join(", ")))]
+            ("token[]", format!("[{}]", words.join(", ")))
         }
-        // A list of names is a relationship where the names are prims, else tokens.
-        _ => vec![("rel", String::new()), ("token[]", "[]".into())],
+        _ => ("token", value.to_string()),
     }
 }
 
 #[test]
 fn schemas_and_options_agree() {
-    let properties = schema_properties();
-    let mut options = Vec::new();
-    let once = defaults();
-    let once = once.as_object().expect("an object").iter().map(|(space, fields)| (space.clone(), fields.clone()));
-    let each = KINDS.iter().map(|kind| (format!("{}.{INSTANCE}", kind.name), (kind.defaults)()));
-    for (space, fields) in once.chain(each) {
-        for (key, value) in fields.as_object().expect("an object") {
-            let name = format!("{space}.{key}");
-            let (kind, default) = properties.get(&name).unwrap_or_else(|| panic!("the schema has no {name}"));
-            let fits = expected(value).iter().any(|(k, d)| k == kind && d == default);
-            assert!(fits, "{name} is {kind} = {default} in the schema and {value} in the crate");
-            options.push(name);
+    let mut properties = schema_properties();
+    let table = serde_json::to_value(table()).expect("JSON");
+    for group in table.as_array().expect("groups") {
+        let name = group["name"].as_str().expect("a name");
+        let space = if group["hasInstances"] == true { format!("{name}.{INSTANCE}") } else { name.to_owned() };
+        for option in group["options"].as_array().expect("options") {
+            let name = format!("{space}.{}", option["key"].as_str().expect("a key"));
+            let (kind, default) = properties.remove(&name).unwrap_or_else(|| panic!("the schema has no {name}"));
+            assert_eq!((kind.as_str(), default), expected(option), "{name}");
         }
     }
-    let extra: Vec<_> = properties.keys().filter(|name| !options.contains(name)).collect();
-    assert!(extra.is_empty(), "the crate has no {extra:?}");
+    assert!(properties.is_empty(), "the crate has no {properties:?}");
 }

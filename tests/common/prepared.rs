@@ -30,7 +30,7 @@ pub fn of_file<'a>(file: &Path, options: impl IntoIterator<Item = &'a str>) -> P
     let source = Source::open(file, &ReadOptions::default()).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
     let input = source.garment(&mut warnings).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
     let mut layers = Layers::default();
-    layers.add_attributes(source.recipe().unwrap_or_default(), &mut warnings);
+    warnings.extend(layers.add_attributes(source.recipe().unwrap_or_default()));
     options.into_iter().for_each(|o| layers.add_override(o).unwrap_or_else(|e| panic!("{e}")));
     Prepared::new(input, &layers).unwrap_or_else(|e| panic!("{}: {e}", file.display()))
 }

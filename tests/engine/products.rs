@@ -50,7 +50,7 @@ fn of_garments() {
         let mut warnings = Warnings::default();
         let input = source.garment(&mut warnings).unwrap_or_else(|e| panic!("{name}: {e}"));
         let mut layers = layers(&[]);
-        layers.add_attributes(source.recipe().unwrap_or_else(|e| panic!("{name}: {e}")), &mut warnings);
+        warnings.extend(layers.add_attributes(source.recipe().unwrap_or_else(|e| panic!("{name}: {e}"))));
         // Those without a recipe get lengths near those of their faces, at which chains are cut unevenly, more so where a
         // corner of a small detail keeps a vertex.
         let chain = if layers.recipe().is_ok_and(|r| r.sim.max_edge_length > 0.0) { GARMENT.chain } else { 0.09 };

@@ -133,8 +133,8 @@ fn what_is_kept_of_a_low_operator_is_no_clearance_for_a_high_one() {
         let mut recipe = Recipe::default();
         let seam = SeamOptions { edges: vec!["across".into()], normal_offset: -1e-3, ..SeamOptions::default() };
         let hem = ThicknessOptions { faces: vec!["all".into()], amount, ..ThicknessOptions::default() };
-        recipe.seams.insert("seam".into(), seam);
-        recipe.thicknesses.insert("hem".into(), hem);
+        recipe.seam.insert("seam".into(), seam);
+        recipe.thickness.insert("hem".into(), hem);
         let planned = kept.plan(&recipe).expect("sizes").render_faces;
         let [edited, new] = [kept.update(&recipe), Builder::new(sheets()).and_then(|mut new| new.update(&recipe))]
             .map(|products| products.expect("products").render);

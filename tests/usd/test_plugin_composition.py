@@ -268,8 +268,8 @@ def test_a_bad_value_is_told_and_mended(stage, coat, capfd):
     capfd.readouterr()
     setting(prim, LEVEL, 99)
     said = capfd.readouterr().err
-    assert said.count("99 is too large") == 1, said
-    assert "render.level" in said and "at most" in said and str(coat) in said
+    assert said.count("99 is out of range") == 1, said
+    assert "render.level" in said and "give 0 to 6" in said and str(coat) in said
     assert faces(prim) == faces_at(1)
     setting(prim, LEVEL, 2)
     assert faces(prim) == faces_at(2)

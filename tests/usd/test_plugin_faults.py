@@ -103,7 +103,7 @@ BAD_VALUES = {
     "value of another type": ("render:level", "Token", "two", ["render.level", "two"]),
     "a number out of range": ("sim:grading", "Float", 1.01, ["sim.grading"]),
     "far too fine": ("sim:maxEdgeLength", "Float", 0.0001, ["triangles", "sim.maxEdgeLength"]),
-    "far too many samples": ("sim:transferSamples", "Int", 1000000000, ["sim.transferSamples", "at most"]),
+    "far too many samples": ("sim:transferSamples", "Int", 1000000000, ["sim.transferSamples", "give 0 to 1024"]),
     "far too many levels": ("render:level", "Int", 99, ["render.level"]),
     "a negative length": ("sim:maxEdgeLength", "Float", -1.0, ["sim.maxEdgeLength"]),
     "missing set": ("sim:constraints", "TokenArray", ["hem"], ["hem"]),

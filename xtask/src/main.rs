@@ -7,6 +7,7 @@ mod cargo;
 mod golden;
 mod links;
 mod node;
+mod options;
 mod package;
 mod page;
 mod peers;
@@ -14,8 +15,6 @@ mod plugin;
 mod process;
 mod project;
 mod python;
-mod recipe;
-mod schemas;
 mod site;
 mod speed;
 mod test;
@@ -36,11 +35,10 @@ Usage: cargo xtask <TASK>
 Tasks:
   test [OPTIONS] [STEP...] [-- ARGS...]
                                Run the named steps and their prerequisites, or all steps (see below)
-  schemas [--check]            Write schemas/generatedSchema.usda and plugInfo.json from schema.usda;
-                               with --check, fail if they differ instead
   page                         Bundle the page of `usdtailor preview`, which the next build of the program embeds
   api                          Write docs/api.txt, the public API that the step `docs` compares
-  recipe                       Write the tables of docs/recipe.md, which the step `site` compares
+  options                      Write schemas/ and the tables of docs/recipe.md from the table of options, which the step
+                               `options` compares
   speed                        Count the instructions of two builds, which the step `speed` compares
   site                         Check the documents, and draw them as a site in target/site
   examples [ARGS...]           Write the garments in examples/ (examples/make_garments.py)
@@ -98,14 +96,9 @@ fn run(args: &[String]) -> Outcome {
     let project = Project::find()?;
     match task {
         "test" => test::test(&project, rest),
-        "schemas" => match rest {
-            [] => schemas::write(&project),
-            [flag] if flag == "--check" => schemas::check(&project),
-            _ => Err(unexpected(task, rest)),
-        },
         "api" if rest.is_empty() => cargo::docs(&project, false).and_then(|()| api::write(&project)),
-        "recipe" if rest.is_empty() => built(&project, Profile::Tested).and_then(|()| recipe::write(&project)),
-        "site" if rest.is_empty() => built(&project, Profile::Tested).and_then(|()| site::build(&project)),
+        "options" if rest.is_empty() => built(&project, Profile::Tested).and_then(|()| options::write(&project)),
+        "site" if rest.is_empty() => site::build(&project),
         "speed" if rest.is_empty() => built(&project, Profile::Tested).and_then(|()| speed::write(&project)),
         "examples" => examples(&project, rest),
         "page" if rest.is_empty() => page::build(&project),
@@ -116,7 +109,7 @@ fn run(args: &[String]) -> Outcome {
         "golden" => golden::run(&project, rest),
         "venv" if rest.is_empty() => venv::ensure(&project).map(|_| ()),
         "peers" if rest.is_empty() => peers::run(&project),
-        "api" | "page" | "picture" | "peers" | "recipe" | "site" | "speed" | "venv" => Err(unexpected(task, rest)),
+        "api" | "page" | "options" | "picture" | "peers" | "site" | "speed" | "venv" => Err(unexpected(task, rest)),
         _ => Err(Failure::new(format!("no task `{task}`")).hint("cargo xtask --help lists them")),
     }
 }

@@ -2,16 +2,15 @@
 
 use crate::process::{self, Outcome};
 use crate::project::Project;
-use crate::{links, recipe, venv};
+use crate::{links, venv};
 
 /// Makes the environment of [`build`].
 pub fn prepare(project: &Project) -> Outcome {
     venv::ensure_site(project).map(drop)
 }
 
-/// Checks tables and links of the documents, and draws them in `target/site`. A warning of MkDocs is a failure.
+/// Checks the links of the documents, and draws them in `target/site`. A warning of MkDocs is a failure.
 pub fn build(project: &Project) -> Outcome {
-    recipe::check(project)?;
     links::check(project)?;
     let python = venv::ensure_site(project)?;
     let mut command = project.command(python);

@@ -1,9 +1,9 @@
 //! `usdtailor example`: the shipped garments, for a tutorial without a clone.
 
 use super::{Output, usage};
-use crate::checks::did_you_mean;
 use crate::error::{Error, ErrorCode, plain};
 use crate::files::folder_of;
+use crate::options::did_you_mean;
 use crate::usd::write_whole;
 use clap::Args;
 use std::fmt::Write as _;

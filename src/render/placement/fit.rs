@@ -70,7 +70,7 @@ impl LimitFit<'_> {
     pub fn on_surface(&self, targets: &[(Vec3, Vec3)], linear: &IdVec<VertexId, Vec3>) -> IdVec<VertexId, Vec3> {
         let mut points = linear.clone();
         for (control, (target, _)) in self.controls.iter().zip(targets) {
-            if control.role.is_on_seam() && target.is_finite() {
+            if matches!(control.role, Role::Raised | Role::Crest) && target.is_finite() {
                 points[control.vertex] = *target;
             }
         }
@@ -88,7 +88,7 @@ impl LimitFit<'_> {
         start: &IdVec<VertexId, Vec3>,
     ) -> IdVec<VertexId, Vec3> {
         let mut points = start.clone();
-        let is_layer = |control: &Control| matches!(control.role, Role::Layer { .. });
+        let is_layer = |control: &Control| control.role.original().is_some();
         let places = self.places.iter().zip(self.controls).map(|(place, control)| place.filter(|_| !is_layer(control)));
         let mut places: Vec<Option<Place>> = places.collect();
         for _ in 0..BASE_STEPS {
@@ -111,7 +111,7 @@ impl LimitFit<'_> {
 
     fn move_copies_to_originals(&self, points: &mut IdVec<VertexId, Vec3>) {
         for control in self.controls {
-            if let Role::Layer { over, .. } = control.role {
+            if let Some(over) = control.role.original() {
                 points[control.vertex] = points[over];
             }
         }
@@ -121,7 +121,7 @@ impl LimitFit<'_> {
     pub fn aligned(&self, targets: &[(Vec3, Vec3)], mut points: IdVec<VertexId, Vec3>) -> IdVec<VertexId, Vec3> {
         for _ in 0..BASE_STEPS {
             let step = |i: usize| match self.controls[i].role {
-                Role::Layer { side, .. } if self.reference_control[i] != i => {
+                Role::Copy { side, .. } if self.reference_control[i] != i => {
                     let error =
                         (self.limit(self.reference_control[i], &points) - self.limit(i, &points)).dot(targets[i].1);
                     // A move towards the first layer would intersect it between the vertices.
@@ -159,7 +159,7 @@ impl LimitFit<'_> {
                 let next = |((&i, &(wanted, weight)), &lift): ((&usize, &(f32, f32)), &f32)| {
                     let error = wanted - self.limit(i, &points).dot(raises[i].normal);
                     let next = lift + error / weight;
-                    if matches!(self.controls[i].role, Role::Layer { .. }) { raises[i].clamped(next) } else { next }
+                    if self.controls[i].role.original().is_some() { raises[i].clamped(next) } else { next }
                 };
                 lifts = raised.par_iter().zip(&wanted).zip(&lifts).map(next).collect();
             }

@@ -5,10 +5,51 @@
 //! their depths.
 
 use super::Seams;
-use crate::render::operator::{Role, Strand};
+use crate::render::operator::Role;
 
 /// Lines of each side as shares of its width: two on the flank, one at the width, and the support loop outside.
 const LINES: [f32; 4] = [1.0 / 3.0, 2.0 / 3.0, 1.0, 4.0 / 3.0];
+
+/// A line of a seam.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Strand {
+    /// Index of the seam.
+    pub seam: usize,
+    /// Index of the line, from 0 nearest to the edge; none on the edge itself.
+    pub line: Option<usize>,
+}
+
+/// The part of a seam's profile that a vertex has. `share` is the share of its height: 1, less near an end or where the seam
+/// is narrowed.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Part {
+    /// On an edge of these seams.
+    Centre { seams: Vec<usize>, share: f32 },
+    /// On a line beside an edge.
+    Line { strand: Strand, share: f32 },
+    /// Where a line of the seam that goes through a junction crosses one that ends against it.
+    Crossing { through: Strand, other: Strand, share: f32 },
+}
+
+impl Part {
+    /// The role of a control with this part.
+    pub fn role(&self) -> Role {
+        match self {
+            Self::Centre { .. } => Role::Crest,
+            Self::Crossing { through, other, .. } if through.line.is_none() || other.line.is_none() => Role::Crest,
+            _ => Role::Raised,
+        }
+    }
+
+    /// Indices of its seams.
+    pub fn seams(&self) -> Vec<usize> {
+        match self {
+            Self::Centre { seams, .. } => seams.clone(),
+            Self::Line { strand, .. } => vec![strand.seam],
+            Self::Crossing { through, other, .. } => vec![through.seam, other.seam],
+        }
+    }
+}
 
 impl Seams {
     /// Lines of each side as shares of its width.
@@ -21,17 +62,16 @@ impl Seams {
         LINES.len() - 2
     }
 
-    /// The height of a role, and the seam that defines it.
-    pub fn height(&self, role: &Role) -> (f32, usize) {
-        let line = |seam: usize, line: Option<usize>| (self.profile(Strand { seam, line }), seam);
-        let (share, (height, seam)) = match role {
-            Role::Centre { seams, share } => {
-                let heights = seams.iter().map(|&seam| line(seam, None));
+    /// The height of a part, and the seam that defines it.
+    pub fn height(&self, part: &Part) -> (f32, usize) {
+        let own = |strand: Strand| (self.profile(strand), strand.seam);
+        let (share, (height, seam)) = match part {
+            Part::Centre { seams, share } => {
+                let heights = seams.iter().map(|&seam| own(Strand { seam, line: None }));
                 (share, heights.reduce(junction).unwrap_or((0.0, 0)))
             }
-            Role::Line { line: number, seam, share } => (share, line(*seam, Some(*number))),
-            Role::Crossing { through, other, share } => (share, self.crossing(*through, *other)),
-            _ => return (0.0, 0),
+            Part::Line { strand, share } => (share, own(*strand)),
+            Part::Crossing { through, other, share } => (share, self.crossing(*through, *other)),
         };
         (share * height, seam)
     }

@@ -61,9 +61,9 @@ fn of_overrides() {
         of("check in.usda --set sim.grading=1", &["sim.grading: 1 is out of range", "1.05 or more, or 0"]),
         of("check in.usda --set sim.grading=nan", &["sim.grading"]),
         of("check in.usda --set sim.smallestShell=-1", &["sim.smallestShell: -1 is out of range", "0 or more"]),
-        of("check in.usda --set sim.cornerAngle=0", &["sim.cornerAngle: 0 is out of range", "at most 180"]),
+        of("check in.usda --set sim.cornerAngle=0", &["sim.cornerAngle: 0 is out of range", "give 1 to 180"]),
         of("check in.usda --set sim.cornerAngle=181", &["sim.cornerAngle: 181 is out of range"]),
-        of("check in.usda --set sim.ridgeAngle=0", &["sim.ridgeAngle: 0 is out of range", "at most 180"]),
+        of("check in.usda --set sim.ridgeAngle=0", &["sim.ridgeAngle: 0 is out of range", "give 1 to 180"]),
         of("check in.usda --set sim.ridgeAngle=181", &["sim.ridgeAngle: 181 is out of range"]),
         of("check in.usda --set sim.minEdgeLength=-0.5", &["sim.minEdgeLength: -0.5 is no length"]),
         of(
@@ -72,11 +72,11 @@ fn of_overrides() {
         ),
         of(
             "build in.usda -o out/coat.usda --set sim.baselineLevel=40",
-            &["sim.baselineLevel: 40 is too large", "at most"],
+            &["sim.baselineLevel: 40 is out of range", "give 0 to 6"],
         ),
-        of("build in.usda -o out/coat.usda --set render.level=7", &["render.level: 7 is too large", "at most 6"]),
+        of("build in.usda -o out/coat.usda --set render.level=7", &["render.level: 7 is out of range", "give 0 to 6"]),
         of("build in.usda -o out/coat.usda --set render.level=-1", &["render.level", "\"-1\" is not a whole number"]),
-        of("build in.usda -o out/coat.usda --set sim.iterations=1000", &["sim.iterations: 1000 is too large"]),
+        of("build in.usda -o out/coat.usda --set sim.iterations=1000", &["sim.iterations: 1000 is out of range"]),
         of("build in.usda -o out/coat.usda --set sim.constrainUvSeams=maybe", &["\"maybe\" is not true or false"]),
         of(
             "build in.usda -o out/coat.usda --set render.operators=pleat",
@@ -101,23 +101,23 @@ fn of_overrides() {
         ),
         of(
             "build in.usda -o out/coat.usda --set seam.s.edges=placket --set seam.s.depth=-1e9",
-            &["seam.s.depth: -1000000000 is more than half of the size of /Coat/model", "give at most 1.4"],
+            &["seam.s.depth: -1000000000 is more than 0.5 times the size of /Coat/model", "keep it within 1.4"],
         ),
         of(
             "check in.usda --set seam.s.edges=placket --set seam.s.normalOffset=1000",
-            &["seam.s.normalOffset: 1000 is more than half of the size"],
+            &["seam.s.normalOffset: 1000 is more than 0.5 times the size"],
         ),
         of(
             "check in.usda --set seam.s.edges=placket --set seam.s.width=2",
-            &["seam.s.width: 2 is more than half of the size"],
+            &["seam.s.width: 2 is more than 0.5 times the size"],
         ),
         of(
             "build in.usda -o out/coat.usda --set thickness.t.faces=left --set thickness.t.amount=3",
-            &["thickness.t.amount: 3 is more than half of the size", "give at most 1.4"],
+            &["thickness.t.amount: 3 is more than 0.5 times the size", "keep it within 1.4"],
         ),
         of(
             "build in.usda -o out/coat.usda --set fabric.felt.thickness=1",
-            &["fabric.felt.thickness: 1 is more than half of the size", "give at most 0.014", "metres"],
+            &["fabric.felt.thickness: 1 is more than 0.5 times the size", "keep it within 0.014", "metres"],
         ),
         of(
             "build in.usda -o out/coat.usda --set sim.maxEdgeLength=1e-30",

@@ -98,7 +98,7 @@ fn of_the_models_attributes() {
             "rel tailor:sim:constraints = </Coat/model/left>",
             &["sim.constraints: \"left\" is a subset of faces of"],
         ),
-        attribute("uniform int tailor:render:level = 9", &["render.level: 9 is too large"]),
+        attribute("uniform int tailor:render:level = 9", &["render.level: 9 is out of range"]),
         attribute(
             "uniform int tailor:render:level = -1",
             &["tailor:render:level of the model: ", "expected a whole number"],

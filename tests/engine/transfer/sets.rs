@@ -48,7 +48,7 @@ pub fn garment(file: &std::path::Path, more: &[&str]) -> Built {
     let mut warnings = Warnings::default();
     let input = source.garment(&mut warnings).unwrap_or_else(|e| panic!("{e}"));
     let mut layers = Layers::default();
-    layers.add_attributes(source.recipe().unwrap_or_else(|e| panic!("{e}")), &mut warnings);
+    warnings.extend(layers.add_attributes(source.recipe().unwrap_or_else(|e| panic!("{e}"))));
     more.iter().for_each(|o| layers.add_override(o).unwrap_or_else(|e| panic!("{e}")));
     build_with(input, &layers)
 }

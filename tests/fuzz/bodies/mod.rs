@@ -53,7 +53,7 @@ pub fn layer(data: &[u8]) {
     let Some(mesh) = sound(source.garment(&mut warnings)) else { return };
     let Some(attributes) = sound(source.recipe()) else { return };
     let mut layers = Layers::default();
-    layers.add_attributes(attributes, &mut warnings);
+    warnings.extend(layers.add_attributes(attributes));
     let Some(builder) = sound(Builder::new(mesh)) else { return };
     if let Some(recipe) = sound(layers.recipe_for(builder.garment())) {
         sound(builder.resolve(&recipe));

@@ -1,7 +1,7 @@
 //! Recipes of a few options, with values of their type or absurd ones.
 
 use super::choices::Choices;
-use tailor::recipe::{Domain, KEYS, KINDS, Layers};
+use tailor::recipe::{Domain, Layers, table};
 
 /// Numbers in the text of a recipe.
 const NUMBERS: [&str; 18] = [
@@ -15,20 +15,17 @@ const COUNTS: [&str; 7] = ["0", "1", "2", "3", "7", "100000", "4294967295"];
 
 /// The options, without those that are refused as they are given.
 pub fn layers(choices: &mut Choices) -> Layers {
-    let mut layers = Layers::default();
+    let (groups, mut layers) = (table(), Layers::default());
     for _ in 0..choices.below(8) {
-        let (key, domain) = if choices.once_in(2) {
-            let kind = choices.below(KINDS.len());
-            let key = &KINDS[kind].keys[choices.below(KINDS[kind].keys.len())];
+        let group = &groups[choices.below(groups.len())];
+        let prefix = if group.has_instances { format!("{}.a", group.name) } else { group.name.to_owned() };
+        if group.is_operator {
             // An operator without its sets is refused.
-            let sets = if KINDS[kind].name == "seam" { "edges" } else { "faces" };
-            let _ = layers.add_override(&format!("{}.a.{sets}={sets}", KINDS[kind].name));
-            (format!("{}.a.{}", KINDS[kind].name, key.key), key.domain)
-        } else {
-            let key = &KEYS[choices.below(KEYS.len())];
-            (key.key.to_owned(), key.domain)
-        };
-        let _ = layers.add_override(&format!("{key}={}", value(choices, domain)));
+            let sets = if group.name == "seam" { "edges" } else { "faces" };
+            let _ = layers.add_override(&format!("{prefix}.{sets}={sets}"));
+        }
+        let option = &group.options[choices.below(group.options.len())].key;
+        let _ = layers.add_override(&format!("{prefix}.{}={}", option.key, value(choices, option.domain)));
     }
     layers
 }
@@ -38,7 +35,7 @@ fn value(choices: &mut Choices, domain: Domain) -> String {
         Domain::Flag => &["true", "false"][..],
         Domain::Number { .. } | Domain::Length { .. } => &NUMBERS,
         Domain::Whole { .. } => &COUNTS,
-        Domain::Choice(words) | Domain::Words(words) => words,
+        Domain::Choice { words } | Domain::Words { words } => words,
         _ => &NAMES,
     };
     choices.one_of(words).to_owned()

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 
 use crate::process::{Failure, Outcome};
 use crate::project::Project;
-use crate::{api, browser, cargo, package, page, plugin, python, schemas, site, speed};
+use crate::{api, browser, cargo, options, package, page, plugin, python, site, speed};
 
 /// One run of a step.
 pub struct Run<'a> {
@@ -64,13 +64,6 @@ const STEPS: [Step; 16] = [
         ..BESIDE
     },
     Step {
-        name: "schemas",
-        about: "generated schema files against schema.usda",
-        needs: &["venv"],
-        run: |run| schemas::check(run.project),
-        ..BESIDE
-    },
-    Step {
         name: "tools",
         about: "other environments of Python, packages of npm, Chromium",
         after: &["page"],
@@ -107,9 +100,15 @@ const STEPS: [Step; 16] = [
         ..MAIN
     },
     Step {
+        name: "options",
+        about: "the schemas and docs/recipe.md against the program's table of options",
+        needs: &["page", "build", "venv"],
+        run: |run| options::check(run.project),
+        ..BESIDE
+    },
+    Step {
         name: "site",
-        about: "the documents: options against the program, links, and the site",
-        needs: &["page", "build"],
+        about: "the documents: links, and the site",
         after: &["tools"],
         run: |run| site::build(run.project),
         ..BESIDE
@@ -244,7 +243,7 @@ mod tests {
     #[test]
     fn a_step_brings_what_it_needs_and_keeps_the_order() {
         assert_eq!(names(&["python"]), ["page", "venv", "build", "plugin", "python"]);
-        assert_eq!(names(&["schemas", "fmt"]), ["venv", "schemas", "fmt"]);
+        assert_eq!(names(&["options", "fmt"]), ["page", "venv", "fmt", "build", "options"]);
         assert_eq!(names(&["--alone", "python"]), ["python"]);
         assert_eq!(names(&["--all"]).len(), STEPS.len());
     }
