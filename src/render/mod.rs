@@ -13,8 +13,7 @@
 //!    [`operator::Operator`]). [`apply`](operator::Operator::apply) builds the connectivity with a [`child::ChildBuilder`]
 //!    and lists the vertices whose limit position is controlled; [`heights`](operator::Operator::heights) raises each of
 //!    them.
-//! 2. A row in `recipe/groups.rs`. `cargo xtask schemas` and `cargo xtask recipe` write its schema and its table of
-//!    docs/recipe.md.
+//! 2. A row in `recipe/groups.rs`. `cargo xtask options` writes its schema and its table of docs/recipe.md.
 
 pub mod child;
 mod lines;

@@ -19,10 +19,6 @@ use rayon::prelude::*;
 
 /// Fitting steps without heights. More steps come nearer to the surface and oscillate more.
 const BASE_STEPS: usize = 4;
-/// Allowed growth of a height over its neighbour's, divided by one minus the cosine between their normals.
-const HEIGHT_GRADING: f32 = 0.5;
-/// Sweeps over all edges that grade the heights.
-const GRADING_SWEEPS: usize = 4;
 /// Fitting steps of the heights.
 const HEIGHT_STEPS: usize = 4;
 /// Least weight of raised vertices that is assumed in a limit mask, so that steps stay bounded.
@@ -179,32 +175,6 @@ pub fn unfolded(heights: &mut [f32], edges: &[[usize; 2]], targets: &[(Vec3, Vec
             if heights[i] * turn < 0.0 {
                 heights[i] = heights[i].abs().min(most).copysign(heights[i]);
             }
-        }
-    }
-}
-
-/// Lowers heights that are much larger than their neighbours'. Where normals differ, the largest height dominates the
-/// mean and tilts the layer.
-pub fn graded(raises: &mut [Raise], edges: &[[usize; 2]]) {
-    for _ in 0..GRADING_SWEEPS {
-        let mut is_graded = true;
-        for &[a, b] in edges {
-            if raises[a].height == 0.0 || raises[b].height == 0.0 {
-                continue;
-            }
-            let turn = 1.0 - raises[a].normal.dot(raises[b].normal);
-            let most = 1.0 + HEIGHT_GRADING / turn.max(1e-3);
-            for (low, high) in [(a, b), (b, a)] {
-                let limit = most * raises[low].height.abs();
-                if raises[high].height.abs() > limit {
-                    raises[high].height = raises[high].height.signum() * limit;
-                    raises[high].is_least = true;
-                    is_graded = false;
-                }
-            }
-        }
-        if is_graded {
-            break;
         }
     }
 }
