@@ -78,7 +78,7 @@ pub use error::{Error, ErrorKind, Warning};
 pub use garment::units;
 pub use garment::{
     BoundaryInterpolation, Corner, Crease, FaceVaryingInterpolation, Family, FamilyType, Garment, GarmentInput,
-    Interpolation, Mixing, Orientation, Primvar, PrimvarInput, PrimvarRole, Scheme, SubdivisionRules, Subset,
+    Interpolation, Meaning, Mixing, Orientation, Primvar, PrimvarInput, PrimvarRole, Scheme, SubdivisionRules, Subset,
     SubsetInput, TriangleRule, Units, Values,
 };
 pub use glam;

@@ -9,7 +9,7 @@ use super::variants::Opening;
 use super::{Examined, Output, report, text, variants};
 use crate::error::{Error, ErrorCode, ErrorKind, Warnings};
 use crate::units::in_words;
-use crate::usd::{Facts, Selection, Source, misplaced_options};
+use crate::usd::{Facts, Selection, Source, misplaced_options, type_word};
 use crate::{Builder, Garment, Plan, PrimvarRole, Recipe};
 use recorded::Recorded;
 use serde_json::{Value, json};
@@ -168,7 +168,7 @@ fn describe(out: &mut String, facts: &Facts, builder: &Builder, plan: &Plan, ver
     for p in garment.primvars.iter().filter(|p| p.role == PrimvarRole::Primvar) {
         let indexed = if p.indices.is_some() { ", indexed" } else { "" };
         let size = if p.element_size > 1 { format!(", elementSize {}", p.element_size) } else { String::new() };
-        let _ = writeln!(out, "  primvar  {} {} {}{indexed}{size}", p.name, p.type_name, token(&p.interpolation));
+        let _ = writeln!(out, "  primvar  {} {} {}{indexed}{size}", p.name, type_word(p), token(&p.interpolation));
     }
     for name in &facts.constant_primvars {
         let _ = writeln!(out, "  primvar  {name} constant");

@@ -1,6 +1,6 @@
 //! A garment as authored, before it is checked.
 
-use super::{Family, Interpolation, Mixing, Orientation, PrimvarRole, SubdivisionRules, Units, Values};
+use super::{Family, Interpolation, Meaning, Orientation, PrimvarRole, SubdivisionRules, Units, Values};
 use glam::Vec3;
 use std::collections::BTreeMap;
 
@@ -50,16 +50,16 @@ pub struct PrimvarInput {
     pub name: String,
     /// The property that holds the values.
     pub role: PrimvarRole,
-    /// USD's name of the value type, such as `texCoord2f[]`. Only the writer reads it.
-    pub type_name: String,
+    /// What the values stand for.
+    pub meaning: Meaning,
+    /// Whether a file stores the numbers in half precision.
+    pub half: bool,
     /// `interpolation`
     pub interpolation: Interpolation,
     /// Numbers in one value of the type.
     pub components: usize,
     /// `elementSize`
     pub element_size: i32,
-    /// How values combine.
-    pub mixing: Mixing,
     /// The values, flat.
     pub values: Values,
     /// `primvars:<name>:indices`
@@ -67,30 +67,31 @@ pub struct PrimvarInput {
 }
 
 impl PrimvarInput {
+    /// Plain values, one for each element. Fields of the result can be replaced.
+    pub fn new(name: &str, interpolation: Interpolation, values: Values) -> Self {
+        Self {
+            name: name.into(),
+            role: PrimvarRole::Primvar,
+            meaning: Meaning::Plain,
+            half: false,
+            interpolation,
+            components: 1,
+            element_size: 1,
+            values,
+            indices: None,
+        }
+    }
+
     /// A UV set: `indices` name the row of `uvs` at each corner of the faces.
     pub fn uvs(name: &str, uvs: &[[f32; 2]], indices: Vec<i32>) -> Self {
         let values = Values::F32(uvs.as_flattened().to_vec());
-        let uvs = Self::new(name, "texCoord2f[]", Interpolation::FaceVarying, values);
-        Self { components: 2, indices: Some(indices), ..uvs }
+        let uvs = Self::new(name, Interpolation::FaceVarying, values);
+        Self { meaning: Meaning::TextureCoordinate, components: 2, indices: Some(indices), ..uvs }
     }
 
     /// Painted weights, one for each point.
     pub fn weights(name: &str, weights: Vec<f32>) -> Self {
-        Self::new(name, "float[]", Interpolation::Vertex, Values::F32(weights))
-    }
-
-    fn new(name: &str, type_name: &str, interpolation: Interpolation, values: Values) -> Self {
-        Self {
-            name: name.into(),
-            role: PrimvarRole::Primvar,
-            type_name: type_name.into(),
-            interpolation,
-            components: 1,
-            element_size: 1,
-            mixing: Mixing::Linear,
-            values,
-            indices: None,
-        }
+        Self::new(name, Interpolation::Vertex, Values::F32(weights))
     }
 }
 

@@ -110,11 +110,11 @@ mod tests {
         let template = Primvar {
             name: String::new(),
             role: super::super::PrimvarRole::Primvar,
-            type_name: String::new(),
+            meaning: super::super::Meaning::Plain,
+            half: false,
             interpolation: Interpolation::Vertex,
             components: 1,
             element_size: 2,
-            mixing: super::super::Mixing::Linear,
             values: Values::I32(vec![]),
             indices: None,
         };

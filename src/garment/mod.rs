@@ -16,7 +16,7 @@ pub mod units;
 pub use crate::mesh::Elements;
 pub use check::check_garment;
 pub use input::{GarmentInput, PrimvarInput, SubsetInput};
-pub use primvar::{Interpolation, Mixing, Primvar, PrimvarRole, Values};
+pub use primvar::{Interpolation, Meaning, Mixing, Primvar, PrimvarRole, Values};
 pub(crate) use subset::free_name;
 pub use subset::{Family, FamilyType, Subset};
 pub use units::Units;

@@ -20,6 +20,44 @@ pub enum Interpolation {
     FaceVarying,
 }
 
+/// What the values of a primvar stand for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Meaning {
+    /// Numbers, truth values or strings.
+    #[default]
+    Plain,
+    /// UVs.
+    TextureCoordinate,
+    /// Colours.
+    Color,
+    /// Directions perpendicular to the surface.
+    Normal,
+    /// Positions.
+    Point,
+    /// Directions with a length.
+    Vector,
+    /// Rotations.
+    Quaternion,
+    /// Matrices, row by row.
+    Matrix,
+    /// Matrices that are coordinate frames.
+    Frame,
+    /// Matrices that are transforms.
+    Transform,
+    /// Times of the stage.
+    TimeCode,
+    /// Numbers of points.
+    PointIndex,
+    /// Numbers of edges.
+    EdgeIndex,
+    /// Numbers of faces.
+    FaceIndex,
+    /// Names.
+    Token,
+    /// Paths of files, as authored.
+    AssetPath,
+}
+
 /// How the values of several source elements combine into one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Mixing {
@@ -52,7 +90,7 @@ pub enum Values {
     I64(Vec<i64>),
     /// uint64.
     U64(Vec<u64>),
-    /// string, token, asset path (as authored), path expression.
+    /// string, token, asset path.
     Text(Vec<String>),
 }
 
@@ -78,6 +116,22 @@ impl Values {
     /// Whether there is no value.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// No values, of the same variant.
+    fn none(&self) -> Self {
+        each!(self, _v => Values(Vec::new()))
+    }
+
+    /// How values with this meaning combine: quaternions and normals stay of unit length, other real numbers are summed,
+    /// and everything else is copied.
+    pub(super) fn mixing(&self, meaning: Meaning) -> Mixing {
+        match (self, meaning) {
+            (Self::F32(_) | Self::F64(_), Meaning::Quaternion) => Mixing::Rotation,
+            (Self::F32(_) | Self::F64(_), Meaning::Normal) => Mixing::Direction,
+            (Self::F32(_) | Self::F64(_), _) => Mixing::Linear,
+            _ => Mixing::Discrete,
+        }
     }
 
     /// Whether two rows of `width` numbers are equal bit for bit.
@@ -128,16 +182,16 @@ pub struct Primvar {
     pub name: String,
     /// The property that holds the values.
     pub role: PrimvarRole,
-    /// USD's name of the value type (`texCoord2f[]`), for the writer.
-    pub type_name: String,
+    /// What the values stand for.
+    pub meaning: Meaning,
+    /// Whether a file stores the numbers in half precision.
+    pub half: bool,
     /// The elements that carry the values.
     pub interpolation: Interpolation,
     /// Numbers in one value of the type: 2 for `float2[]`.
     pub components: usize,
     /// Values in one element (`elementSize`).
     pub element_size: usize,
-    /// How values combine.
-    pub mixing: Mixing,
     /// The values; rows of [`Primvar::width`] numbers.
     pub values: Values,
     /// The row of each element; none when the rows are in element order. Copies share them.
@@ -147,8 +201,12 @@ pub struct Primvar {
 impl Primvar {
     /// A copy without values and indices.
     pub fn headed(&self) -> Self {
-        let (name, role, type_name) = (self.name.clone(), self.role.clone(), self.type_name.clone());
-        Self { name, role, type_name, values: Values::F32(Vec::new()), indices: None, ..*self }
+        Self { name: self.name.clone(), role: self.role.clone(), values: self.values.none(), indices: None, ..*self }
+    }
+
+    /// How values combine.
+    pub fn mixing(&self) -> Mixing {
+        self.values.mixing(self.meaning)
     }
 
     /// Whether it holds the normals of the mesh: the attribute, or the primvar that replaces it.
@@ -179,7 +237,7 @@ impl Primvar {
 
     /// Whether values are combined by weighted sums.
     pub fn is_mixed(&self) -> bool {
-        self.mixing != Mixing::Discrete && matches!(self.values, Values::F32(_) | Values::F64(_))
+        self.mixing() != Mixing::Discrete
     }
 
     /// The row of each corner of a face-varying primvar.
@@ -224,11 +282,11 @@ impl Primvar {
         Self {
             name: "x".to_owned(),
             role: PrimvarRole::Primvar,
-            type_name: "float[]".to_owned(),
+            meaning: Meaning::Plain,
+            half: false,
             interpolation: Interpolation::FaceVarying,
             components: 1,
             element_size: 1,
-            mixing: Mixing::Linear,
             values: Values::F32(values),
             indices: indices.map(Arc::new),
         }

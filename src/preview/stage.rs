@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::garment::{GarmentInput, PrimvarRole, Values};
 use crate::recipe::{Layers, Recipe, table};
 use crate::session::{Input, Opened, is_usd};
-use crate::usd::{Source, decimal};
+use crate::usd::{Source, decimal, type_word};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -65,7 +65,7 @@ fn message(source: &Source, checks: &Builder, input: &Input) -> String {
     );
     let primvars = garment.primvars.iter().filter(|p| p.role == PrimvarRole::Primvar).map(|p| {
         json!({
-            "name": p.name, "type": p.type_name, "interpolation": p.interpolation, "width": p.width(),
+            "name": p.name, "type": type_word(p), "interpolation": p.interpolation, "width": p.width(),
             "isFloat": matches!(p.values, Values::F32(_)),
         })
     });

@@ -2,7 +2,7 @@
 
 use super::bind::is_uv_set;
 use crate::error::{Code, Warning};
-use crate::garment::{Garment, Interpolation, Primvar, PrimvarRole};
+use crate::garment::{Garment, Interpolation, Meaning, Primvar, PrimvarRole};
 use crate::sim::SimOptions;
 
 /// Names that programs give the first UV set of a mesh: Blender, Maya, 3ds Max and Houdini, Cinema 4D.
@@ -26,7 +26,8 @@ fn missing(garment: &Garment, sets: &[&Primvar]) -> Warning {
     let without = "so the simulation mesh follows no UV seams";
     let is_per_vertex = |p: &&Primvar| {
         p.role == PrimvarRole::Primvar
-            && p.type_name.starts_with("texCoord2")
+            && p.meaning == Meaning::TextureCoordinate
+            && p.components == 2
             && p.interpolation != Interpolation::FaceVarying
     };
     let (problem, remedy) = if !sets.is_empty() {

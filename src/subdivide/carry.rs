@@ -253,7 +253,7 @@ fn blend_values<S: Stencils>(stencils: &S, source: &Values, primvar: &Primvar) -
 /// Rotations are summed in one hemisphere (see [`blend_into`]); all else is a plain weighted sum.
 pub fn blend_rows<S: Stencils, T: super::Real>(stencils: &S, source: &[T], primvar: &Primvar) -> Vec<T> {
     let width = primvar.width();
-    if primvar.mixing != Mixing::Rotation {
+    if primvar.mixing() != Mixing::Rotation {
         return stencils.apply_rows(source, width);
     }
     let mut children = vec![T::from_f64(0.0); stencils.rows() * width];
@@ -275,7 +275,8 @@ pub fn blend_into<'a, T: super::Real + 'a>(
     mean: &mut [T],
 ) {
     let heavier = |best: (&'a [T], f32), row: (&'a [T], f32)| if best.1 >= row.1 { best } else { row };
-    let heaviest = rows.clone().filter(|_| primvar.mixing == Mixing::Rotation).reduce(heavier);
+    let is_rotation = primvar.mixing() == Mixing::Rotation;
+    let heaviest = rows.clone().filter(|_| is_rotation).reduce(heavier);
     for (k, value) in mean.iter_mut().enumerate() {
         let own = k - k % primvar.components..;
         let is_opposite = |row: &[T], heaviest: &[T]| {
@@ -297,7 +298,7 @@ pub fn to_unit_length(primvar: &mut Primvar) {
     if matches!(primvar.interpolation, Interpolation::Constant | Interpolation::Uniform) {
         return;
     }
-    let (components, mixing) = (primvar.components, primvar.mixing);
+    let (components, mixing) = (primvar.components, primvar.mixing());
     match &mut primvar.values {
         Values::F32(v) => scale_to_unit_length(v, components, mixing),
         Values::F64(v) => scale_to_unit_length(v, components, mixing),

@@ -1,7 +1,7 @@
 //! Provenance of each vertex of the simulation mesh as primvars: a face of the garment, and coordinates in it.
 
 use super::correspondence::Correspondence;
-use crate::garment::{Interpolation, Mixing, Primvar, PrimvarRole, Values};
+use crate::garment::{Interpolation, Meaning, Primvar, PrimvarRole, Values};
 use crate::mesh::{CornerId, IdVec};
 use crate::sim::Baseline;
 use crate::subdivide::Numbering;
@@ -21,21 +21,18 @@ pub(super) fn primvars(map: &Correspondence<'_>) -> [Primvar; 2] {
         let [a, b, c] = [0, 1, 2].map(corner);
         [0, 1].map(|i| a[i] * at.weights.x + b[i] * at.weights.y + c[i] * at.weights.z)
     });
-    let primvar = |name: &str, type_name: &str, components, mixing, values| Primvar {
+    let primvar = |name: &str, components, values| Primvar {
         name: name.into(),
-        type_name: type_name.into(),
+        meaning: Meaning::Plain,
+        half: false,
         interpolation: Interpolation::Vertex,
         components,
         element_size: 1,
-        mixing,
         values,
         indices: None,
         role: PrimvarRole::Primvar,
     };
-    [
-        primvar(SOURCE_FACE, "int[]", 1, Mixing::Discrete, Values::I32(faces)),
-        primvar(SOURCE_COORDS, "float2[]", 2, Mixing::Linear, Values::F32(coordinates.collect())),
-    ]
+    [primvar(SOURCE_FACE, 1, Values::I32(faces)), primvar(SOURCE_COORDS, 2, Values::F32(coordinates.collect()))]
 }
 
 /// Coordinates of corner `k` in a face of `n` corners: those of a triangle are (0, 0), (1, 0), (0, 1), those of a quad

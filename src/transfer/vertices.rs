@@ -3,7 +3,7 @@
 use super::correspondence::Correspondence;
 use super::interpolate::{interpolate, weighted};
 use crate::garment::joints::{self, Influences};
-use crate::garment::{Garment, Interpolation, Mixing, Primvar, Values};
+use crate::garment::{Garment, Interpolation, Meaning, Mixing, Primvar, Values};
 use crate::mesh::{CornerId, VertexId};
 use crate::sim::{Baseline, Location};
 use crate::subdivide::{Real, Stencils, gathered};
@@ -61,7 +61,7 @@ fn heaviest_sources(baseline: &Baseline, varying: bool) -> Vec<VertexId> {
 pub(super) fn stackable<'a>(garment: &Garment, primvar: &'a Primvar) -> Option<&'a [f32]> {
     let Values::F32(values) = &primvar.values else { return None };
     let is_stackable = matches!(primvar.interpolation, Interpolation::Vertex | Interpolation::Varying)
-        && matches!(primvar.mixing, Mixing::Linear | Mixing::Direction)
+        && matches!(primvar.mixing(), Mixing::Linear | Mixing::Direction)
         && (1..=MAX_STACKED).contains(&primvar.width())
         && !joints::is_influence(garment, primvar)
         && !primvar.is_normals();
@@ -85,7 +85,7 @@ fn carry_stack(garment: &Garment, kind: Interpolation, map: &Correspondence<'_>)
             rows.extend_from_slice(&values[primvar.row(vertex) * primvar.width()..][..primvar.width()]);
         }
     }
-    let stack = Primvar { element_size: 1, components: width, mixing: Mixing::Linear, ..first.headed() };
+    let stack = Primvar { element_size: 1, components: width, meaning: Meaning::Plain, ..first.headed() };
     let carried = interpolated(&stack, &rows, map);
     let mut start = 0;
     let unstacked = |(primvar, _): &(&Primvar, &[f32])| {

@@ -24,6 +24,8 @@ pub use read::{
 pub use shot::{DriveOptions, Driven, drive};
 #[cfg(feature = "preview")]
 pub(crate) use values::decimal;
+#[cfg(any(feature = "cli", feature = "preview"))]
+pub(crate) use values::type_word;
 pub use write::{
     Format, Product, ProductRole, Surroundings, Tailored, WriteOptions, Written, check_target, layer_bytes,
     remove_unfinished, write, write_all, write_whole,

@@ -1,12 +1,13 @@
 //! Between USD's typed values and the flat arrays that geometry code works with.
 
-use crate::garment::{Mixing, Values};
+use crate::garment::{Meaning, Primvar, Values};
 use bytemuck::{Pod, cast_slice};
 use openusd::gf::f16;
 use openusd::sdf::{AssetPath, Role, TimeCode, Value, ValueKind, ValueTypeName};
 use openusd::tf::Token;
+use std::mem::discriminant;
 
-/// Defines [`flat`] and [`typed`] from one table of USD's array types: those whose vector is kept, those that are cast to
+/// Defines [`numbers`], [`typed`] and [`is_half`] from one table of USD's array types: those whose vector is kept, those that are cast to
 /// their numbers (with how many a value has), and halves, which are widened. Widening is exact.
 macro_rules! arrays {
     (
@@ -15,7 +16,7 @@ macro_rules! arrays {
         half { $($half:ident $half_width:literal),* }
     ) => {
         /// Numbers in one value of an array, and the array, flat.
-        pub fn flat(value: Value) -> Option<(usize, Values)> {
+        fn numbers(value: Value) -> Option<(usize, Values)> {
             Some(match value {
                 $(Value::$kept(v) => (1, Values::$kept_as(v)),)*
                 $(Value::$cast(v) => ($width, Values::$cast_as(cast_slice(&v).to_vec())),)*
@@ -28,7 +29,7 @@ macro_rules! arrays {
         }
 
         /// Flat values as an array of USD's type `type_name`; none when the two do not fit.
-        pub fn typed(type_name: &ValueTypeName, values: &Values) -> Option<Value> {
+        fn typed(type_name: &ValueTypeName, values: &Values) -> Option<Value> {
             use ValueKind as K;
             Some(match (type_name.kind()?, values) {
                 $((K::$kept, Values::$kept_as(v)) => Value::$kept(v.clone()),)*
@@ -41,6 +42,11 @@ macro_rules! arrays {
                 (K::AssetPathVec, Values::Text(v)) => Value::AssetPathVec(v.iter().map(AssetPath::new).collect()),
                 _ => return None,
             })
+        }
+
+        /// Whether a type has halves.
+        fn is_half(kind: ValueKind) -> bool {
+            matches!(kind, $(ValueKind::$half)|*)
         }
     };
 }
@@ -68,15 +74,79 @@ fn grouped<N: Pod, T: Pod>(numbers: &[N]) -> Option<Vec<T>> {
     bytemuck::try_cast_slice(numbers).ok().map(<[T]>::to_vec)
 }
 
-/// How values of a type combine: quaternions and normals stay of unit length, other real numbers are summed, and
-/// everything else is copied.
-pub fn mixing(type_name: &ValueTypeName) -> Mixing {
-    let holds = |none: Values| typed(type_name, &none).is_some();
-    match type_name.kind() {
-        Some(ValueKind::QuathVec | ValueKind::QuatfVec | ValueKind::QuatdVec) => Mixing::Rotation,
-        _ if type_name.role() == Some(Role::Normal) => Mixing::Direction,
-        _ if holds(Values::F32(Vec::new())) || holds(Values::F64(Vec::new())) => Mixing::Linear,
-        _ => Mixing::Discrete,
+/// An array as geometry code holds it. These four determine its type in USD.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Flat {
+    /// What the values stand for.
+    pub meaning: Meaning,
+    /// Whether they are halves.
+    pub half: bool,
+    /// Numbers in one value.
+    pub components: usize,
+    /// The numbers or texts.
+    pub values: Values,
+}
+
+/// A value of type `type_name`, flat.
+///
+/// # Errors
+/// Why it cannot be the values of a primvar.
+pub fn flat(type_name: &ValueTypeName, value: Value) -> Result<Flat, String> {
+    let unknown = || format!("values of type {type_name} cannot vary over a mesh");
+    let none = empty(type_name).ok_or_else(unknown)?;
+    let (components, values) = numbers(value).ok_or_else(unknown)?;
+    let fits = components == none.components && discriminant(&values) == discriminant(&none.values);
+    fits.then_some(Flat { values, ..none }).ok_or_else(|| format!("its values are not of its type {type_name}"))
+}
+
+/// The values of a primvar, or others of the same kind, as an array with its type; none where USD has no type for them.
+pub fn array(primvar: &Primvar, values: &Values) -> Option<(ValueTypeName, Value)> {
+    let type_name = type_name(primvar)?;
+    Some((type_name.clone(), typed(type_name, values)?))
+}
+
+/// USD's name of the type of a primvar.
+#[cfg(any(feature = "cli", feature = "preview"))]
+pub fn type_word(primvar: &Primvar) -> &'static str {
+    type_name(primvar).map_or("unknown", ValueTypeName::as_str)
+}
+
+/// The type of a primvar's values in USD: the one whose empty array is [`Flat`] alike.
+fn type_name(primvar: &Primvar) -> Option<&'static ValueTypeName> {
+    let is_own = |none: Flat| {
+        (none.meaning, none.half, none.components) == (primvar.meaning, primvar.half, primvar.components)
+            && discriminant(&none.values) == discriminant(&primvar.values)
+    };
+    ValueTypeName::all().find(|name| empty(name).is_some_and(is_own))
+}
+
+/// An empty array of a type; none for types whose values cannot vary over a mesh.
+fn empty(type_name: &ValueTypeName) -> Option<Flat> {
+    let (components, values) = numbers(type_name.default_value()?)?;
+    let kind = type_name.kind()?;
+    Some(Flat { meaning: meaning(type_name.role(), kind), half: is_half(kind), components, values })
+}
+
+/// What values stand for.
+fn meaning(role: Option<Role>, kind: ValueKind) -> Meaning {
+    use ValueKind as K;
+    match (role, kind) {
+        (Some(Role::TextureCoordinate), _) => Meaning::TextureCoordinate,
+        (Some(Role::Color), _) => Meaning::Color,
+        (Some(Role::Normal), _) => Meaning::Normal,
+        (Some(Role::Point), _) => Meaning::Point,
+        (Some(Role::Vector), _) => Meaning::Vector,
+        (Some(Role::Frame), _) => Meaning::Frame,
+        (Some(Role::Transform), _) => Meaning::Transform,
+        (Some(Role::PointIndex), _) => Meaning::PointIndex,
+        (Some(Role::EdgeIndex), _) => Meaning::EdgeIndex,
+        (Some(Role::FaceIndex), _) => Meaning::FaceIndex,
+        (_, K::QuathVec | K::QuatfVec | K::QuatdVec) => Meaning::Quaternion,
+        (_, K::Matrix2dVec | K::Matrix3dVec | K::Matrix4dVec) => Meaning::Matrix,
+        (_, K::TimeCodeVec) => Meaning::TimeCode,
+        (_, K::TokenVec) => Meaning::Token,
+        (_, K::AssetPathVec) => Meaning::AssetPath,
+        (None | Some(Role::Group), _) => Meaning::Plain,
     }
 }
 
@@ -108,54 +178,89 @@ pub fn decimal(float: f32) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::garment::Mixing;
 
-    /// A value of every array type that has one, filled with numbers that the type holds exactly.
-    fn sample(name: &str, flat: &Values) {
-        let type_name = ValueTypeName::find(name).unwrap();
-        let value = typed(&type_name, flat).unwrap_or_else(|| panic!("{name} from {flat:?}"));
+    /// A primvar of a type, with numbers that the type holds exactly.
+    fn primvar(name: &str, values: Values) -> Primvar {
+        let none = empty(&ValueTypeName::find(name).expect(name)).expect(name);
+        let mut primvar = Primvar::of_corners(Vec::new(), None);
+        (primvar.meaning, primvar.half, primvar.components) = (none.meaning, none.half, none.components);
+        Primvar { values, ..primvar }
+    }
+
+    /// Checks that values of a type are written as that type, and read as they were.
+    fn survives(name: &str, values: &Values) {
+        let given = primvar(name, values.clone());
+        let (type_name, value) = array(&given, values).unwrap_or_else(|| panic!("{name} from {values:?}"));
+        assert_eq!(type_name.as_str(), name);
         assert_eq!(type_name.kind(), Some(ValueKind::from(&value)), "{name}");
-        let (_, back) = super::flat(value).unwrap();
-        assert_eq!(&back, flat, "{name}");
+        let back = flat(&type_name, value).expect(name);
+        let Primvar { meaning, half, components, .. } = given;
+        assert_eq!(back, Flat { meaning, half, components, values: values.clone() }, "{name}");
+    }
+
+    /// Numbers or texts of the variant that holds values of a type: twelve numbers, or enough for whole values.
+    fn sample(none: &Values) -> Values {
+        match none {
+            Values::F32(_) => Values::F32((0..12).map(|i| i as f32 * 0.25 - 1.0).collect()),
+            Values::F64(_) => Values::F64((0..144).map(|i| f64::from(i) / 3.0).collect()),
+            Values::Bool(_) => Values::Bool(vec![true, false]),
+            Values::U8(_) => Values::U8(vec![0, 255]),
+            Values::I32(_) => Values::I32((-6..6).collect()),
+            Values::U32(_) => Values::U32(vec![0, u32::MAX]),
+            Values::I64(_) => Values::I64(vec![i64::MIN, i64::MAX]),
+            Values::U64(_) => Values::U64(vec![0, u64::MAX]),
+            Values::Text(_) => Values::Text(vec!["a b".into(), String::new()]),
+        }
     }
 
     #[test]
-    fn every_type_comes_back() {
-        let f32s = Values::F32((0..12).map(|i| i as f32 * 0.25 - 1.0).collect());
-        for name in ["float", "float2", "float3", "float4", "quatf", "texCoord2f", "color3f", "point3f", "normal3f"] {
-            sample(&format!("{name}[]"), &f32s);
+    fn every_array_type_survives() {
+        let (mut read, mut left_out) = (0, Vec::new());
+        for name in ValueTypeName::all().filter(|name| name.is_array()) {
+            match empty(name) {
+                // Old spellings such as `Color[]` become the ones that are written.
+                Some(none) => survives(name.serialization_name().as_str(), &sample(&none.values)),
+                None => left_out.push(name.as_str()),
+            }
+            read += usize::from(empty(name).is_some());
         }
-        for name in ["half", "half2", "half3", "half4", "quath", "texCoord3h", "color4h", "vector3h"] {
-            sample(&format!("{name}[]"), &f32s);
-        }
-        let f64s = Values::F64((0..144).map(|i| f64::from(i) / 3.0).collect());
-        for name in ["double", "double2", "double3", "double4", "quatd", "matrix2d", "matrix3d", "matrix4d", "frame4d"]
-        {
-            sample(&format!("{name}[]"), &f64s);
-        }
-        sample("timecode[]", &f64s);
-        for name in ["int", "int2", "int3", "int4"] {
-            sample(&format!("{name}[]"), &Values::I32((-6..6).collect()));
-        }
-        sample("bool[]", &Values::Bool(vec![true, false]));
-        sample("uchar[]", &Values::U8(vec![0, 255]));
-        sample("uint[]", &Values::U32(vec![0, u32::MAX]));
-        sample("int64[]", &Values::I64(vec![i64::MIN, i64::MAX]));
-        sample("uint64[]", &Values::U64(vec![0, u64::MAX]));
-        for name in ["string", "token", "asset"] {
-            sample(&format!("{name}[]"), &Values::Text(vec!["a b".into(), String::new()]));
-        }
+        assert_eq!(left_out, ["pathExpression[]"]);
+        assert!(read > 80, "{read}");
+    }
+
+    #[test]
+    fn a_type_is_known_by_what_its_values_stand_for() {
+        let of = |name: &str| empty(&ValueTypeName::find(name).unwrap()).map(|f| (f.meaning, f.half, f.components));
+        assert_eq!(of("float2[]"), Some((Meaning::Plain, false, 2)));
+        assert_eq!(of("color3h[]"), Some((Meaning::Color, true, 3)));
+        assert_eq!(of("texCoord2f[]"), Some((Meaning::TextureCoordinate, false, 2)));
+        assert_eq!(of("quath[]"), Some((Meaning::Quaternion, true, 4)));
+        assert_eq!(of("frame4d[]"), Some((Meaning::Frame, false, 16)));
+        assert_eq!(of("Transform[]"), Some((Meaning::Transform, false, 16)));
+        assert_eq!(of("float2"), None);
     }
 
     #[test]
     fn values_that_do_not_fit_are_refused() {
         let odd = Values::F32(vec![1.0; 5]);
-        assert_eq!(typed(&ValueTypeName::find("float2[]").unwrap(), &odd), None);
-        assert_eq!(typed(&ValueTypeName::find("int[]").unwrap(), &odd), None);
+        assert_eq!(array(&primvar("float2[]", odd.clone()), &odd), None);
+        // No type of USD has five numbers or halves of matrices.
+        let five = Primvar { components: 5, ..primvar("float2[]", odd.clone()) };
+        assert_eq!(array(&five, &odd), None);
+        let halves = Primvar { half: true, ..primvar("matrix4d[]", Values::F64(Vec::new())) };
+        assert_eq!(type_name(&halves), None);
+        let doubles = Value::Vec3dVec(Vec::new());
+        let refused = flat(&ValueTypeName::COLOR3F_ARRAY, doubles).unwrap_err();
+        assert_eq!(refused, "its values are not of its type color3f[]");
     }
 
     #[test]
     fn types_mix_as_their_meaning_says() {
-        let mix = |name: &str| mixing(&ValueTypeName::find(name).unwrap());
+        let mix = |name: &str| {
+            let none = empty(&ValueTypeName::find(name).unwrap()).unwrap();
+            primvar(name, none.values).mixing()
+        };
         assert_eq!(mix("normal3f[]"), Mixing::Direction);
         assert_eq!(mix("vector3f[]"), Mixing::Linear);
         assert_eq!(mix("quath[]"), Mixing::Rotation);

@@ -18,7 +18,7 @@ use criterion::{BatchSize, BenchmarkId, SamplingMode, Throughput};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 use tailor::error::Warnings;
-use tailor::internals::garment::{Elements, Garment, Interpolation, Mixing, Primvar, PrimvarRole, Subset, Values};
+use tailor::internals::garment::{Elements, Garment, Interpolation, Meaning, Primvar, PrimvarRole, Subset, Values};
 use tailor::internals::mesh::{FaceId, Topology, VertexId};
 use tailor::internals::sim::{Baseline, Lengths, SimOptions, SimProduct, simulate};
 use tailor::internals::transfer::{Coverage, transfer};
@@ -116,10 +116,8 @@ fn set(name: String, elements: Elements) -> Subset {
 }
 
 fn primvar(name: &str, interpolation: Interpolation, components: usize, values: Values) -> Primvar {
-    let mixing = if matches!(values, Values::F32(_)) { Mixing::Linear } else { Mixing::Discrete };
-    let (name, type_name) = (name.into(), "float[]".into());
-    let role = PrimvarRole::Primvar;
-    Primvar { name, role, type_name, interpolation, components, element_size: 1, mixing, values, indices: None }
+    let (name, role, meaning, half) = (name.into(), PrimvarRole::Primvar, Meaning::Plain, false);
+    Primvar { name, role, meaning, half, interpolation, components, element_size: 1, values, indices: None }
 }
 
 /// The edges between faces inside and outside.

@@ -96,7 +96,7 @@ pub fn primvar_faults(mesh: &Garment, source: &Garment) -> Vec<String> {
         }
         let width = p.width().max(1);
         let is_vertex = matches!(p.interpolation, Interpolation::Vertex | Interpolation::Varying);
-        if is_vertex && p.mixing == Mixing::Linear && !p.name.starts_with("skel:") {
+        if is_vertex && p.mixing() == Mixing::Linear && !p.name.starts_with("skel:") {
             for k in 0..width {
                 let of = |v: &[f64]| {
                     let each = v.iter().skip(k).step_by(width);

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use tailor::internals::garment::{
-    Family, FamilyType, GarmentInput, Interpolation, Mixing, PrimvarInput, PrimvarRole, SubsetInput, Values,
+    Family, FamilyType, GarmentInput, Interpolation, Meaning, PrimvarInput, SubsetInput, Values,
 };
 
 /// A mesh of the given faces.
@@ -21,30 +21,20 @@ fn dressed(mut input: GarmentInput) -> GarmentInput {
     let (points, faces) = (input.points.len(), input.face_vertex_counts.len());
     let floats = |n: usize, f: fn(usize) -> f32| Values::F32((0..n).map(f).collect());
     input.primvars = vec![
-        primvar("density", "float[]", Interpolation::Vertex, floats(points, |i| (i % 3) as f32 / 2.0)),
-        primvar("tint", "float[]", Interpolation::Varying, floats(points, |i| (i % 5) as f32)),
-        PrimvarInput {
-            mixing: Mixing::Discrete,
-            ..primvar("ply", "int[]", Interpolation::Uniform, Values::I32((0..faces as i32).collect()))
-        },
+        PrimvarInput::new("density", Interpolation::Vertex, floats(points, |i| (i % 3) as f32 / 2.0)),
+        PrimvarInput::new("tint", Interpolation::Varying, floats(points, |i| (i % 5) as f32)),
+        PrimvarInput::new("ply", Interpolation::Uniform, Values::I32((0..faces as i32).collect())),
         PrimvarInput {
             element_size: 2,
-            mixing: Mixing::Discrete,
-            ..primvar(
+            ..PrimvarInput::new(
                 "skel:jointIndices",
-                "int[]",
                 Interpolation::Vertex,
                 Values::I32((0..points as i32).flat_map(|i| [i % 4, 4 + i % 3]).collect()),
             )
         },
         PrimvarInput {
             element_size: 2,
-            ..primvar(
-                "skel:jointWeights",
-                "float[]",
-                Interpolation::Vertex,
-                floats(2 * points, |i| [0.75, 0.25][i % 2]),
-            )
+            ..PrimvarInput::new("skel:jointWeights", Interpolation::Vertex, floats(2 * points, |i| [0.75, 0.25][i % 2]))
         },
     ];
     let set = |name: &str, rest: usize| SubsetInput {
@@ -58,12 +48,6 @@ fn dressed(mut input: GarmentInput) -> GarmentInput {
     input
 }
 
-fn primvar(name: &str, type_name: &str, interpolation: Interpolation, values: Values) -> PrimvarInput {
-    let (name, type_name, mixing) = (name.into(), type_name.into(), Mixing::Linear);
-    let role = PrimvarRole::Primvar;
-    PrimvarInput { name, role, type_name, interpolation, components: 1, element_size: 1, mixing, values, indices: None }
-}
-
 /// Gives a mesh UVs, one for each corner.
 pub fn with_uvs(mut input: GarmentInput, uv: impl Fn(usize, usize) -> [f32; 2]) -> GarmentInput {
     let mut values = Vec::new();
@@ -74,8 +58,8 @@ pub fn with_uvs(mut input: GarmentInput, uv: impl Fn(usize, usize) -> [f32; 2]) 
             corner += 1;
         }
     }
-    let st = primvar("st", "texCoord2f[]", Interpolation::FaceVarying, Values::F32(values));
-    input.primvars.push(PrimvarInput { components: 2, ..st });
+    let st = PrimvarInput::new("st", Interpolation::FaceVarying, Values::F32(values));
+    input.primvars.push(PrimvarInput { meaning: Meaning::TextureCoordinate, components: 2, ..st });
     input
 }
 

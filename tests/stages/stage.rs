@@ -60,11 +60,11 @@ pub fn primvar(p: &tailor::internals::garment::PrimvarInput) -> Primvar {
     Primvar {
         name: p.name.clone(),
         role: p.role.clone(),
-        type_name: p.type_name.clone(),
+        meaning: p.meaning,
+        half: p.half,
         interpolation: p.interpolation,
         components: p.components,
         element_size: p.element_size as usize,
-        mixing: p.mixing,
         values: p.values.clone(),
         indices: p.indices.as_ref().map(|i| Arc::new(i.iter().map(|&i| i as u32).collect())),
     }

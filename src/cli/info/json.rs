@@ -3,7 +3,7 @@
 use super::super::{report, text};
 use super::token;
 use crate::error::{Error, Warnings};
-use crate::usd::{Facts, Selection};
+use crate::usd::{Facts, Selection, type_word};
 use crate::{Builder, Garment, Plan, PrimvarRole};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -57,7 +57,7 @@ fn primvars(garment: &Garment) -> Vec<Value> {
     all.map(|p| {
         json!({
             "name": p.name,
-            "type": p.type_name,
+            "type": type_word(p),
             "interpolation": token(&p.interpolation),
             "elementSize": p.element_size,
             "indexed": p.indices.is_some(),

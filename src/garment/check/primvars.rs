@@ -44,11 +44,11 @@ fn primvar(input: PrimvarInput, mesh: &Mesh<'_>, problems: &mut Problems) -> Opt
     Some(Primvar {
         name: input.name,
         role: input.role,
-        type_name: input.type_name,
+        meaning: input.meaning,
+        half: input.half,
         interpolation: input.interpolation,
         components: input.components,
         element_size,
-        mixing: input.mixing,
         values: input.values,
         indices: indices.map(Arc::new),
     })
@@ -102,7 +102,7 @@ fn element_size(input: &PrimvarInput, problems: &mut Problems) -> Option<usize> 
 fn rows(input: &PrimvarInput, element_size: usize, problems: &mut Problems) -> Option<usize> {
     let (numbers, components) = (input.values.len(), input.components);
     if components == 0 || !numbers.is_multiple_of(components) {
-        let fault = format_args!("{numbers} numbers do not make whole values of {components} ({})", input.type_name);
+        let fault = format_args!("{numbers} numbers do not make whole values of {components}");
         problems.add(
             ErrorCode::ValueCount,
             &attribute(input),

@@ -3,7 +3,9 @@
 use super::primvars::merge_primvars;
 use super::subsets::{merge_families, merge_subsets};
 use crate::error::{Error, ErrorCode, ErrorKind, Warnings};
-use crate::garment::{GarmentInput, Interpolation, Orientation, PrimvarInput, SubsetInput, Units, Values, free_name};
+use crate::garment::{
+    GarmentInput, Interpolation, Meaning, Orientation, PrimvarInput, SubsetInput, Units, Values, free_name,
+};
 use crate::mesh::Groups;
 use glam::{DMat3, DMat4, DVec3, Vec3};
 use std::collections::BTreeMap;
@@ -48,11 +50,10 @@ pub fn place(mesh: &mut GarmentInput, to_space: &DMat4) {
     let normals = linear.inverse().transpose();
     mesh.points.iter_mut().for_each(|p| *p = to_space.transform_point3(p.as_dvec3()).as_vec3());
     for primvar in mesh.primvars.iter_mut().filter(|p| p.components == 3) {
-        let kind = primvar.type_name.trim_end_matches("[]").trim_end_matches(['h', 'f', 'd']);
-        match kind {
-            "normal3" => each_vector(&mut primvar.values, |v| (normals * v).normalize_or_zero()),
-            "vector3" => each_vector(&mut primvar.values, |v| linear * v),
-            "point3" => each_vector(&mut primvar.values, |v| to_space.transform_point3(v)),
+        match primvar.meaning {
+            Meaning::Normal => each_vector(&mut primvar.values, |v| (normals * v).normalize_or_zero()),
+            Meaning::Vector => each_vector(&mut primvar.values, |v| linear * v),
+            Meaning::Point => each_vector(&mut primvar.values, |v| to_space.transform_point3(v)),
             _ => {}
         }
     }

@@ -2,9 +2,10 @@
 
 use super::merge::{Panel, Points};
 use crate::error::{Warning, Warnings, names};
-use crate::garment::{GarmentInput, Interpolation, Mixing, PrimvarInput, PrimvarRole, Values};
+use crate::garment::{GarmentInput, Interpolation, Meaning, Mixing, PrimvarInput, PrimvarRole, Values};
 use crate::mesh::{Elements, VertexId};
 use std::collections::BTreeMap;
+use std::mem::discriminant;
 
 /// Primvars of skinning, the influences of a point, which are of one panel.
 const SKINNING: &str = "skel:joint";
@@ -57,11 +58,10 @@ fn shared<'a>(
     }
     let found: Vec<&PrimvarInput> = found.into_iter().flatten().collect();
     let first = found[0];
-    let kind = |p: &PrimvarInput| (p.type_name.clone(), p.components, p.element_size);
+    let kind = |p: &PrimvarInput| (p.meaning, p.half, p.components, p.element_size, discriminant(&p.values));
     if let Some(i) = found.iter().position(|p| kind(p) != kind(first)) {
         let (a, b) = (&panels[0].mesh.prim, &panels[i].mesh.prim);
-        let types = [first, found[i]].map(|p| format!("{} with elementSize {}", p.type_name, p.element_size));
-        return Err(format!("it is {} on {a} and {} on {b}", types[0], types[1]));
+        return Err(format!("it is {} on {a} and {} on {b}", described(first), described(found[i])));
     }
     if let Some(i) = found.iter().position(|p| p.interpolation == Interpolation::Constant && rows(p) != Some(1)) {
         return Err(format!("it is a constant of several values on {}", panels[i].mesh.prim));
@@ -75,6 +75,27 @@ fn shared<'a>(
         }
         None => Ok((interpolation, found)),
     }
+}
+
+/// The values of one element in words.
+fn described(primvar: &PrimvarInput) -> String {
+    let number = match primvar.values {
+        Values::F32(_) if primvar.half => "half",
+        Values::F32(_) => "float",
+        Values::F64(_) => "double",
+        Values::Bool(_) => "bool",
+        Values::U8(_) => "uchar",
+        Values::I32(_) => "int",
+        Values::U32(_) => "uint",
+        Values::I64(_) => "int64",
+        Values::U64(_) => "uint64",
+        Values::Text(_) => "text",
+    };
+    let meaning = match primvar.meaning {
+        Meaning::Plain => String::new(),
+        meaning => format!(" ({meaning:?})"),
+    };
+    format!("{number} × {}{meaning} with elementSize {}", primvar.components, primvar.element_size)
 }
 
 /// Numbers in the row of one element.
@@ -172,7 +193,8 @@ fn point_rows(
     warnings: &mut Warnings,
 ) -> Vec<usize> {
     let width = width(joined);
-    let is_mixed = matches!(joined.mixing, Mixing::Linear | Mixing::Direction) && !joined.name.starts_with(SKINNING);
+    let mixing = joined.values.mixing(joined.meaning);
+    let is_mixed = matches!(mixing, Mixing::Linear | Mixing::Direction) && !joined.name.starts_with(SKINNING);
     let mut unlike = Vec::new();
     let mut means = BTreeMap::new();
     let mut rows = Vec::with_capacity(points.sources.len());
@@ -184,7 +206,7 @@ fn point_rows(
             unlike.push(VertexId::new(point));
             match is_mixed {
                 true => *means.entry(own.clone()).or_insert_with(|| {
-                    joined.values.append_mean(width, &own, joined.mixing == Mixing::Direction);
+                    joined.values.append_mean(width, &own, mixing == Mixing::Direction);
                     next += 1;
                     next - 1
                 }),

@@ -65,7 +65,7 @@ impl<'a, T: Real> FaceVaryingField<'a, T> {
 
     /// Whether values are points of a plane, in which triangles can be flipped.
     pub fn is_layout(&self) -> bool {
-        self.primvar.width() == 2 && self.primvar.mixing == Mixing::Linear
+        self.primvar.width() == 2 && self.primvar.mixing() == Mixing::Linear
     }
 
     /// Numbers in one value.

@@ -70,7 +70,7 @@ impl UniformTransfer<'_> {
                 Some(single) => mean.copy_from_slice(row(single)),
                 None => {
                     blend_into(&weights.iter().map(|&(r, weight)| (row(r), weight)), primvar, mean);
-                    scale_to_unit_length(mean, primvar.components, primvar.mixing);
+                    scale_to_unit_length(mean, primvar.components, primvar.mixing());
                 }
             }
         });

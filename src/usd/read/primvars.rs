@@ -7,7 +7,7 @@ use crate::garment::{Interpolation, PrimvarInput, PrimvarRole};
 use crate::usd::assets::resolved;
 use crate::usd::names::{self, UsdToken};
 use crate::usd::record::{Depth, Record};
-use crate::usd::values::{flat, mixing, text};
+use crate::usd::values::{Flat, flat, text};
 use openusd::sdf::Value;
 use openusd::usd::{Prim, TimeCode};
 use std::collections::BTreeMap;
@@ -68,16 +68,15 @@ pub fn read_normals(prim: &Prim, time: Option<TimeCode>, elements: [usize; 3]) -
         Interpolation::Vertex | Interpolation::Varying => points,
         Interpolation::FaceVarying => corners,
     };
-    let type_name = attribute.type_name().ok()??;
-    let (components, values) = flat(value)?;
+    let Flat { meaning, half, components, values } = flat(&attribute.type_name().ok()??, value).ok()?;
     (components == 3 && values.len() == 3 * count).then(|| PrimvarInput {
         name: names::NORMALS.to_owned(),
         role: PrimvarRole::Normals,
-        type_name: type_name.as_str().to_owned(),
+        meaning,
+        half,
         interpolation,
         components,
         element_size: 1,
-        mixing: mixing(&type_name),
         values,
         indices: None,
     })
@@ -101,35 +100,33 @@ pub fn read_primvar(
             assets.iter().flatten().filter_map(|a| Some((a.as_str().to_owned(), a.resolved_path()?.to_owned())));
         declarations.assets.extend(files);
     }
-    let no_type = || Error::usd("its type is not one of USD's").code(ErrorCode::AttributeType);
-    let type_name = attribute.type_name().or_unreadable(attribute.path())?.ok_or_else(no_type)?;
-    let (components, values) = flat(value).ok_or_else(|| {
-        Error::usd(format!("values of type {type_name} cannot vary over a mesh")).code(ErrorCode::AttributeType)
-    })?;
+    let declared = |property: &str| Record::take(prim, property, Depth::Declaration).or_unreadable(attribute.path());
+    let Some(declaration) = declared(&property)? else { return Ok(None) };
+    let Some(type_name) = declaration.type_name() else { return Ok(None) };
+    let flat = flat(type_name, value).map_err(|why| Error::usd(why).code(ErrorCode::AttributeType))?;
+    let Flat { meaning, half, components, values } = flat;
     let primvar = PrimvarInput {
         name: name.to_owned(),
         role: PrimvarRole::Primvar,
-        type_name: type_name.as_str().to_owned(),
+        meaning,
+        half,
         interpolation,
         components,
-        element_size: element_size(prim, &property)?,
-        mixing: mixing(&type_name),
+        element_size: element_size(&declaration)?,
         values,
         indices: indices(prim, &property, time)?,
     };
-    for name in [name.to_owned(), format!("{name}{}", names::INDICES_SUFFIX)] {
-        let record = Record::take(prim, &format!("{}{name}", names::PRIMVARS), Depth::Declaration);
-        let record = record.or_unreadable(attribute.path())?;
-        declarations.primvars.extend(record.map(|record| (name, record)));
-    }
+    let of_indices = declared(&format!("{property}{}", names::INDICES_SUFFIX))?;
+    let of_indices = of_indices.map(|record| (format!("{name}{}", names::INDICES_SUFFIX), record));
+    declarations.primvars.extend(of_indices);
+    declarations.primvars.insert(name.to_owned(), declaration);
     Ok(Some(primvar))
 }
 
-fn element_size(prim: &Prim, property: &str) -> Result<i32, Error> {
-    let attribute = prim.attribute(property);
-    match attribute.get_metadata::<Value>(names::ELEMENT_SIZE).or_unreadable(attribute.path())? {
+fn element_size(declaration: &Record) -> Result<i32, Error> {
+    match declaration.metadata(names::ELEMENT_SIZE) {
         None => Ok(1),
-        Some(Value::Int(n)) => Ok(n),
+        Some(Value::Int(n)) => Ok(*n),
         Some(_) => Err(Error::usd("its elementSize is not an int").code(ErrorCode::AttributeType)),
     }
 }

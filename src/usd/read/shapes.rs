@@ -2,7 +2,7 @@
 
 use super::query::{OrUnreadable, is_a, prim_at, prim_name, property_names, value};
 use crate::error::{Error, ErrorCode, Warning};
-use crate::garment::{Interpolation, Mixing, PrimvarInput, PrimvarRole, Values};
+use crate::garment::{Interpolation, Meaning, PrimvarInput, PrimvarRole, Values};
 use crate::usd::names;
 use crate::usd::record::{Depth, Record};
 use openusd::gf::Vec3f;
@@ -108,11 +108,11 @@ fn read_shape(
         primvars.push(PrimvarInput {
             name: format!("{path}.{name}"),
             role: PrimvarRole::BlendShape { shape: number, property: name },
-            type_name: "vector3f[]".into(),
+            meaning: Meaning::Vector,
+            half: false,
             interpolation: Interpolation::Vertex,
             components: 3,
             element_size: 1,
-            mixing: Mixing::Linear,
             values: Values::F32(values),
             indices: None,
         });

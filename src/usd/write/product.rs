@@ -3,13 +3,13 @@
 use super::role::{Product, ProductRole};
 use crate::binding::Binding;
 use crate::error::{Warning, Warnings};
-use crate::garment::{Elements, Garment, Interpolation, Primvar, PrimvarRole, Values};
+use crate::garment::{Elements, Garment, Interpolation, Meaning, Primvar, PrimvarRole, Values};
 use crate::mesh::VertexId;
 use crate::usd::assets::Anchor;
 use crate::usd::names::{self, UsdToken};
 use crate::usd::read::{Model, Sibling, SubsetRecord};
 use crate::usd::record::{Content, Record};
-use crate::usd::values::typed;
+use crate::usd::values::array;
 use glam::Vec3;
 use openusd::gf::Vec3f;
 use openusd::sdf::{self, AbstractData, FieldKey, Path, PrimSpec, Specifier, Value, ValueTypeName, Variability};
@@ -220,9 +220,8 @@ impl Author<'_> {
 
     fn primvar(&mut self, prim: &Path, primvar: &Primvar, warnings: &mut Warnings) -> openusd::Result<()> {
         let name = format!("{}{}", names::PRIMVARS, primvar.name);
-        let type_name = ValueTypeName::from(primvar.type_name.as_str());
-        let Some(value) = typed(&type_name, &self.restated(primvar)) else {
-            warnings.push(misfit(prim, &name, primvar));
+        let Some((type_name, value)) = array(primvar, &self.restated(primvar)) else {
+            warnings.push(misfit(prim, &name));
             return Ok(());
         };
         let record = self.model.declarations.primvars.get(&primvar.name);
@@ -251,10 +250,9 @@ impl Author<'_> {
 
     /// Authors the attribute `normals`, which has no indices.
     fn normals(&mut self, prim: &Path, primvar: &Primvar, warnings: &mut Warnings) -> openusd::Result<()> {
-        let type_name = ValueTypeName::from(primvar.type_name.as_str());
         let rows = (0..primvar.elements()).map(|i| primvar.row(i));
-        let Some(value) = typed(&type_name, &primvar.values.gather(primvar.width(), rows)) else {
-            warnings.push(misfit(prim, names::NORMALS, primvar));
+        let Some((type_name, value)) = array(primvar, &primvar.values.gather(primvar.width(), rows)) else {
+            warnings.push(misfit(prim, names::NORMALS));
             return Ok(());
         };
         self.attribute(prim, names::NORMALS, type_name, Variability::Varying, value)?;
@@ -285,7 +283,7 @@ impl Author<'_> {
     /// The values of a primvar, with asset paths for this layer.
     fn restated(&self, primvar: &Primvar) -> Values {
         match &primvar.values {
-            Values::Text(texts) if primvar.type_name.starts_with("asset") => {
+            Values::Text(texts) if primvar.meaning == Meaning::AssetPath => {
                 let files = &self.model.declarations.assets;
                 let restated = |text: &String| files.get(text).map_or(text.clone(), |file| self.anchor.path_to(file));
                 Values::Text(texts.iter().map(restated).collect())
@@ -350,10 +348,9 @@ impl Author<'_> {
     }
 }
 
-/// The warning of a primvar whose values are not of its type.
-fn misfit(prim: &Path, name: &str, primvar: &Primvar) -> Warning {
-    let why = format!("its values do not fit its type {}", primvar.type_name);
-    Warning::not_carried(format!("{prim}.{name}"), why)
+/// The warning of a primvar that no file can hold.
+fn misfit(prim: &Path, name: &str) -> Warning {
+    Warning::not_carried(format!("{prim}.{name}"), "USD has no type for its values")
 }
 
 fn doc(product: &Product, panels: &[Path]) -> String {

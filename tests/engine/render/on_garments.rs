@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 use tailor::error::{Code, Warnings};
 use tailor::internals::build::mean_edge_length;
-use tailor::internals::garment::{Garment, Interpolation, Mixing, Primvar, PrimvarRole, Values, check_garment};
+use tailor::internals::garment::{Garment, Interpolation, Meaning, Primvar, PrimvarRole, Values, check_garment};
 use tailor::internals::mesh::{FaceId, VertexId};
 use tailor::usd::{ReadOptions, Source};
 
@@ -40,11 +40,11 @@ pub fn load() -> Vec<(String, Garment)> {
         Arc::make_mut(&mut garment.primvars).push(Primvar {
             name: PARENT.into(),
             role: PrimvarRole::Primvar,
-            type_name: "int[]".into(),
+            meaning: Meaning::Plain,
+            half: false,
             interpolation: Interpolation::Uniform,
             components: 1,
             element_size: 1,
-            mixing: Mixing::Discrete,
             values: Values::I32((0..garment.faces.len() as i32).collect()),
             indices: None,
         });
@@ -52,11 +52,11 @@ pub fn load() -> Vec<(String, Garment)> {
         Arc::make_mut(&mut garment.primvars).push(Primvar {
             name: FRONT.into(),
             role: PrimvarRole::Primvar,
-            type_name: "float3[]".into(),
+            meaning: Meaning::Plain,
+            half: false,
             interpolation: Interpolation::Vertex,
             components: 3,
             element_size: 1,
-            mixing: Mixing::Linear,
             values: Values::F32(fronts),
             indices: None,
         });

@@ -10,8 +10,8 @@ use proptest::test_runner::RngSeed;
 use std::collections::BTreeSet;
 use tailor::error::Code;
 use tailor::internals::garment::{
-    Elements, Family, FamilyType, Garment, GarmentInput, Interpolation, Mixing, PrimvarInput, PrimvarRole, SubsetInput,
-    Values,
+    Elements, Family, FamilyType, Garment, GarmentInput, Interpolation, Meaning, PrimvarInput, PrimvarRole,
+    SubsetInput, Values,
 };
 use tailor::internals::mesh::Topology;
 
@@ -19,17 +19,8 @@ const N: usize = 6;
 /// Name of the offsets of a blend shape.
 const OFFSETS: &str = "/Coat/model/wide.offsets";
 
-fn primvar(
-    name: &str,
-    type_name: &str,
-    interpolation: Interpolation,
-    components: usize,
-    values: Values,
-) -> PrimvarInput {
-    let mixing = if matches!(values, Values::F32(_)) { Mixing::Linear } else { Mixing::Discrete };
-    let (name, type_name) = (name.into(), type_name.into());
-    let role = PrimvarRole::Primvar;
-    PrimvarInput { name, role, type_name, interpolation, components, element_size: 1, mixing, values, indices: None }
+fn primvar(name: &str, interpolation: Interpolation, components: usize, values: Values) -> PrimvarInput {
+    PrimvarInput { components, ..PrimvarInput::new(name, interpolation, values) }
 }
 
 /// A sheet whose attributes say where on it they are: `rest` by vertices, `st` by corners with shells 100 apart, `face`
@@ -40,15 +31,15 @@ fn sample() -> GarmentInput {
     let every = 0..(N + 1) * (N + 1);
     let rest: Vec<f32> = every.clone().flat_map(at).collect();
     let moved: Vec<f32> = every.flat_map(|v| [at(v)[0], 2.0 * at(v)[1], 0.0]).collect();
-    input.primvars.push(primvar("rest", "float2[]", Interpolation::Vertex, 2, Values::F32(rest.clone())));
-    input.primvars.push(primvar("flat", "float2[]", Interpolation::Varying, 2, Values::F32(rest)));
+    input.primvars.push(primvar("rest", Interpolation::Vertex, 2, Values::F32(rest.clone())));
+    input.primvars.push(primvar("flat", Interpolation::Varying, 2, Values::F32(rest)));
     let role = PrimvarRole::BlendShape { shape: 0, property: "offsets".into() };
-    let offsets = primvar(OFFSETS, "vector3f[]", Interpolation::Vertex, 3, Values::F32(moved));
-    input.primvars.push(PrimvarInput { role, ..offsets });
+    let offsets = primvar(OFFSETS, Interpolation::Vertex, 3, Values::F32(moved));
+    input.primvars.push(PrimvarInput { role, meaning: Meaning::Vector, ..offsets });
     let faces: Vec<i32> = (0..(N * N) as i32).collect();
     let corners: Vec<String> = (0..4 * N * N).map(|c| format!("{}", c / 4)).collect();
-    input.primvars.push(primvar("face", "int[]", Interpolation::Uniform, 1, Values::I32(faces.clone())));
-    input.primvars.push(primvar("note", "string[]", Interpolation::FaceVarying, 1, Values::Text(corners)));
+    input.primvars.push(primvar("face", Interpolation::Uniform, 1, Values::I32(faces.clone())));
+    input.primvars.push(primvar("note", Interpolation::FaceVarying, 1, Values::Text(corners)));
     let cell = |name: &str, rest: i32| SubsetInput {
         name: name.into(),
         element_type: "face".into(),

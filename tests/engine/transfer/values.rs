@@ -9,7 +9,7 @@ use glam::{DMat3, DVec3};
 use std::collections::BTreeMap;
 use tailor::internals::garment::joints::{self, Influences};
 use tailor::internals::garment::{
-    Garment, GarmentInput, Interpolation, Mixing, Primvar, PrimvarInput, PrimvarRole, Values,
+    Garment, GarmentInput, Interpolation, Meaning, Primvar, PrimvarInput, PrimvarRole, Values,
 };
 use tailor::internals::mesh::{CornerId, FaceId, IdVec, Topology, VertexId};
 use tailor::internals::sim::Location;
@@ -17,10 +17,7 @@ use tailor::internals::subdivide::Stencils;
 use tailor::internals::transfer::{SOURCE_COORDS, SOURCE_FACE, corner_coordinates};
 
 fn primvar(name: &str, interpolation: Interpolation, components: usize, values: Values) -> PrimvarInput {
-    let mixing = if matches!(values, Values::F32(_) | Values::F64(_)) { Mixing::Linear } else { Mixing::Discrete };
-    let (name, type_name) = (name.into(), "test[]".into());
-    let role = PrimvarRole::Primvar;
-    PrimvarInput { name, role, type_name, interpolation, components, element_size: 1, mixing, values, indices: None }
+    PrimvarInput { components, ..PrimvarInput::new(name, interpolation, values) }
 }
 
 /// Gives a grid of `nx` columns a second layout, whose shells `shell` numbers by column and row.
@@ -349,7 +346,7 @@ fn with_normals(turn: f32) -> GarmentInput {
     let turned = all.iter().map(|n| glam::Quat::from_rotation_x(turn) * n.normalize());
     let values = Values::F32(turned.flat_map(|n| n.to_array()).collect());
     let normals = primvar("normals", Interpolation::Vertex, 3, values);
-    input.primvars.push(PrimvarInput { role: PrimvarRole::Normals, mixing: Mixing::Direction, ..normals });
+    input.primvars.push(PrimvarInput { role: PrimvarRole::Normals, meaning: Meaning::Normal, ..normals });
     input
 }
 

@@ -5,7 +5,7 @@ mod faults;
 use super::*;
 use crate::error::Code;
 use crate::garment::{
-    Corner, Crease, Elements, Family, FamilyType, Interpolation, Mixing, Primvar, PrimvarInput, PrimvarRole, Scheme,
+    Corner, Crease, Elements, Family, FamilyType, Interpolation, Meaning, Primvar, PrimvarInput, Scheme,
     SubdivisionRules, Subset, SubsetInput, Values,
 };
 use crate::mesh::{FaceId, VertexId};
@@ -43,37 +43,30 @@ fn cloth() -> GarmentInput {
     }
 }
 
-fn primvar(name: &str, type_name: &str, interpolation: Interpolation, values: Values) -> PrimvarInput {
-    let (components, mixing) = (1, Mixing::Linear);
-    let (name, type_name) = (name.into(), type_name.into());
-    let role = PrimvarRole::Primvar;
-    PrimvarInput { name, role, type_name, interpolation, components, element_size: 1, mixing, values, indices: None }
-}
-
 /// Two columns of UVs, cut along the middle; value 12 is used by no corner.
 fn uv() -> PrimvarInput {
     let values = Values::F32((0..26).map(|i| i as f32 / 10.0).collect());
     let indices = Some(vec![0, 1, 4, 3, 2, 6, 7, 5, 3, 4, 9, 8, 5, 7, 11, 10]);
-    let st = primvar("st", "texCoord2f[]", Interpolation::FaceVarying, values);
-    PrimvarInput { components: 2, indices, ..st }
+    let st = PrimvarInput::new("st", Interpolation::FaceVarying, values);
+    PrimvarInput { meaning: Meaning::TextureCoordinate, components: 2, indices, ..st }
 }
 
 fn weights() -> PrimvarInput {
     let values = Values::F32([0.25, 0.75].repeat(9));
-    PrimvarInput { element_size: 2, ..primvar("skel:jointWeights", "float[]", Interpolation::Vertex, values) }
+    PrimvarInput { element_size: 2, ..PrimvarInput::new("skel:jointWeights", Interpolation::Vertex, values) }
 }
 
 fn joints() -> PrimvarInput {
-    let joints = primvar("skel:jointIndices", "int[]", Interpolation::Vertex, Values::I32([0, 1].repeat(9)));
-    PrimvarInput { element_size: 2, mixing: Mixing::Discrete, ..joints }
+    let joints = PrimvarInput::new("skel:jointIndices", Interpolation::Vertex, Values::I32([0, 1].repeat(9)));
+    PrimvarInput { element_size: 2, ..joints }
 }
 
 fn uniform() -> PrimvarInput {
-    primvar("ply", "double[]", Interpolation::Uniform, Values::F64(vec![1.0, 2.0, 3.0, 4.0]))
+    PrimvarInput::new("ply", Interpolation::Uniform, Values::F64(vec![1.0, 2.0, 3.0, 4.0]))
 }
 
 fn varying() -> PrimvarInput {
-    primvar("tint", "float[]", Interpolation::Varying, Values::F32(vec![0.5; 9]))
+    PrimvarInput::new("tint", Interpolation::Varying, Values::F32(vec![0.5; 9]))
 }
 
 fn subset(name: &str, element_type: &str, family: &str, indices: &[i32]) -> SubsetInput {
@@ -120,11 +113,11 @@ fn unchecked(p: PrimvarInput) -> Primvar {
     Primvar {
         name: p.name,
         role: p.role,
-        type_name: p.type_name,
+        meaning: p.meaning,
+        half: p.half,
         interpolation: p.interpolation,
         components: p.components,
         element_size: p.element_size as usize,
-        mixing: p.mixing,
         values: p.values,
         indices: p.indices.map(|i| Arc::new(i.into_iter().map(|i| i as u32).collect())),
     }
