@@ -328,6 +328,12 @@ impl Warnings {
         others.into_iter().for_each(|warning| self.push(warning));
     }
 
+    /// Adds the warnings of a value, and gives the value.
+    pub(crate) fn absorb<T>(&mut self, (value, warnings): (T, Self)) -> T {
+        self.extend(warnings);
+        value
+    }
+
     /// The warnings so far.
     pub fn iter(&self) -> std::slice::Iter<'_, Warning> {
         self.0.iter()
@@ -336,6 +342,14 @@ impl Warnings {
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
+    }
+}
+
+impl FromIterator<Warning> for Warnings {
+    fn from_iter<I: IntoIterator<Item = Warning>>(all: I) -> Self {
+        let mut warnings = Self::default();
+        warnings.extend(all);
+        warnings
     }
 }
 

@@ -97,8 +97,7 @@ impl Builder {
     /// # Errors
     /// Faults of the mesh.
     pub fn new(mesh: GarmentInput) -> Result<Self, Error> {
-        let mut warnings = Warnings::default();
-        let garment = check_garment(mesh, &mut warnings)?;
+        let (garment, mut warnings) = check_garment(mesh)?;
         let mean_edge = check::mean_edge_length(&garment);
         check::extent(&garment, mean_edge)?;
         if garment.prim.rfind('/') == Some(0) {

@@ -219,9 +219,8 @@ fn curves_cut(product: &SimProduct) -> Option<Warning> {
 }
 
 fn simulated(garment: &Garment, sim: &ResolvedSim, remeshed: &Arc<Remeshed>) -> Result<Simulated, Error> {
-    let (options, uv_set) = (&sim.options, sim.uv_set(garment));
-    let (product, mut warnings) = (&remeshed.product, Warnings::default());
-    let transferred = transfer(garment, product, options, uv_set, &mut warnings);
+    let product = &remeshed.product;
+    let (transferred, mut warnings) = transfer(garment, product, &sim.options, sim.uv_set(garment));
     let areas = subset_areas(product, &transferred, garment);
     warnings.extend(area_changed(&areas));
     warnings.extend(uvs_flipped(product));

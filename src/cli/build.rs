@@ -298,21 +298,20 @@ fn write(
         dry_run: build.dry_run,
         record: Some(record),
     };
-    let (mut timings, mut warnings) = (Vec::new(), Warnings::default());
-    let packed = timed("write", &mut timings, || {
+    let mut timings = Vec::new();
+    let (written, warnings) = timed("write", &mut timings, || {
         let meshes: Vec<_> =
             garments.iter().map(|built| written(&built.products, &built.panels, &built.names)).collect();
         let variants = garments.iter().map(|built| built.variant.as_ref());
         let all: Vec<_> = (sources.iter().zip(&meshes).zip(variants))
             .map(|((source, products), variant)| Tailored { source, products, variant })
             .collect();
-        write_all(&all, output, &options, &mut warnings)
-    })?
-    .packed;
+        write_all(&all, output, &options)
+    })?;
     if let Some(last) = garments.last_mut() {
         last.timings.extend(timings);
         last.warnings.extend(warnings);
-        last.packed = packed;
+        last.packed = written.packed;
     }
     Ok(())
 }

@@ -84,20 +84,19 @@ impl Document {
     }
 
     /// The options of the arguments, which are stronger than all others. Warns of those that are left out.
-    pub fn arguments(&self, warnings: &mut Warnings) -> Layers {
-        warnings.extend(self.ignored.iter().cloned());
-        self.arguments.clone()
+    pub fn arguments(&self) -> (Layers, Warnings) {
+        (self.arguments.clone(), self.ignored.clone())
     }
 
-    /// The source's attributes, overridden by the file.
+    /// The source's attributes, overridden by the file. Warns of attributes that are left out.
     ///
     /// # Errors
     /// `tailor:` attributes of the source that cannot be read.
-    pub fn layers(&self, source: &Source, warnings: &mut Warnings) -> Result<Layers, Error> {
+    pub fn layers(&self, source: &Source) -> Result<(Layers, Warnings), Error> {
         let mut layers = Layers::default();
-        warnings.extend(layers.add_attributes(source.recipe()?));
+        let warnings = layers.add_attributes(source.recipe()?);
         layers.add(self.file.clone());
-        Ok(layers)
+        Ok((layers, warnings))
     }
 }
 
@@ -159,8 +158,7 @@ mod tests {
             ("render.level", "two", "argument render.level: left out, as \"two\" is not a whole number"),
         ] {
             let document = document(FILE, &[(key, text), ("sim.iterations", "4")]).expect("a good file");
-            let mut warnings = Warnings::default();
-            let arguments = document.arguments(&mut warnings);
+            let (arguments, warnings) = document.arguments();
             let texts: Vec<String> = warnings.iter().map(ToString::to_string).collect();
             assert!(texts.len() == 1 && texts[0].starts_with(expected), "{texts:?}");
             assert_eq!(arguments.recipe().expect("a good recipe").sim.iterations, 4);

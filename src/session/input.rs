@@ -107,7 +107,7 @@ impl Input {
             warnings.extend(given.add_attributes(attributes_of(layer, &source)?));
         }
         self.overrides.iter().try_for_each(|assignment| given.add_override(assignment))?;
-        let mesh = source.garment(&mut warnings)?;
+        let mesh = warnings.absorb(source.garment()?);
         let mut all = authored.clone();
         all.add(given.clone().into_map());
         warnings.extend(all.check_schemas(source.prim(), &source.facts().api_schemas));

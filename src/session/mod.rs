@@ -47,6 +47,9 @@ struct Kept {
     bytes: usize,
 }
 
+/// A source and its products; none where its metadata suffices.
+type Updated = (Arc<Source>, Option<Products>);
+
 /// A source that was read.
 struct Read {
     source: Arc<Source>,
@@ -69,7 +72,7 @@ impl Session {
         lock(&self.kept).iter().map(|kept| kept.bytes).sum()
     }
 
-    /// The layer of a `.tailor` file as crate (`.usdc`) bytes, equal to that of `usdtailor build`.
+    /// The layer of a `.tailor` file as crate (`.usdc`) bytes, equal to that of `usdtailor build`, with the warnings of the build.
     ///
     /// `content` is the composed source. With `metadata_only`, the products are neither built nor written.
     ///
@@ -80,19 +83,20 @@ impl Session {
         document: &Document,
         content: &[u8],
         metadata_only: bool,
-        warnings: &mut Warnings,
-    ) -> Result<Vec<u8>, Error> {
+    ) -> Result<(Vec<u8>, Warnings), Error> {
         let entry = self.entry(document, content);
         let mut opened = lock(&entry.opened);
-        let result = self.update(&mut opened, document, &entry, metadata_only, warnings);
+        let result = self.update(&mut opened, document, &entry, metadata_only);
         let bytes = opened.as_ref().map_or(0, |opened| 2 * content.len() + opened.builder.bytes());
         drop(opened);
         self.note(&entry, bytes);
-        let (source, meshes) = result?;
+        let ((source, meshes), mut warnings) = result?;
         let names = ProductNames::new("sim", "render");
         let products = meshes.as_ref().map_or_else(Vec::new, |products| written(products, &[], &names));
         let surroundings = Surroundings { folder: document.folder(), source: Some(document.source()) };
-        layer_bytes(&source, &products, Format::Usdc, surroundings, &WriteOptions::default(), warnings)
+        let options = WriteOptions::default();
+        let bytes = warnings.absorb(layer_bytes(&source, &products, Format::Usdc, surroundings, &options)?);
+        Ok((bytes, warnings))
     }
 
     fn update(
@@ -101,27 +105,26 @@ impl Session {
         document: &Document,
         entry: &Entry,
         metadata_only: bool,
-        warnings: &mut Warnings,
-    ) -> Result<(Arc<Source>, Option<Products>), Error> {
+    ) -> Result<(Updated, Warnings), Error> {
         let Read { source, builder } = match opened {
             Some(opened) => opened,
             None => opened.insert(self.open(entry)?),
         };
-        let (layers, arguments) = (document.layers(source, warnings)?, document.arguments(warnings));
+        let (layers, mut warnings) = document.layers(source)?;
+        let arguments = warnings.absorb(document.arguments());
         let source = Arc::clone(source);
         if metadata_only {
             warnings.extend(builder.warnings().iter().cloned());
-            return Ok((source, None));
+            return Ok(((source, None), warnings));
         }
-        let products = self.pool.install(|| products(builder, &layers, arguments, warnings))?;
+        let products = warnings.absorb(self.pool.install(|| products(builder, &layers, arguments))?);
         warnings.extend(products.warnings.iter().cloned());
-        Ok((source, Some(products)))
+        Ok(((source, Some(products)), warnings))
     }
 
     fn open(&self, entry: &Entry) -> Result<Read, Error> {
         let source = Source::from_layer(Arc::clone(&entry.content), &entry.file, &entry.options)?;
-        let mut warnings = Warnings::default();
-        let mesh = source.garment(&mut warnings)?;
+        let (mesh, warnings) = source.garment()?;
         let builder = self.pool.install(|| Builder::new(mesh))?.with_warnings(warnings);
         Ok(Read { source: Arc::new(source), builder })
     }
@@ -162,12 +165,8 @@ impl Session {
 
 /// The products of the options in `layers` and of stronger `arguments`. An argument that no recipe can have is left out with a
 /// warning, so that the garment stays while its user mends the value.
-fn products(
-    builder: &mut Builder,
-    layers: &Layers,
-    mut arguments: Layers,
-    warnings: &mut Warnings,
-) -> Result<Products, Error> {
+fn products(builder: &mut Builder, layers: &Layers, mut arguments: Layers) -> Result<(Products, Warnings), Error> {
+    let mut warnings = Warnings::default();
     loop {
         let mut all = layers.clone();
         all.add(arguments.clone().into_map());
@@ -181,7 +180,7 @@ fn products(
                     arguments = Layers::default();
                 }
             }
-            result => return result,
+            result => return Ok((result?, warnings)),
         }
     }
 }

@@ -53,26 +53,24 @@ pub struct Transferred {
 
 /// Carries the attributes of `garment` to the simulation mesh `product`.
 ///
-/// `uv_set` is the primvar whose shells were constraints.
+/// `uv_set` is the primvar whose shells were constraints. Warns of what is lost.
 pub fn transfer(
     garment: &Garment,
     product: &SimProduct,
     options: &SimOptions,
     uv_set: Option<&Primvar>,
-    warnings: &mut Warnings,
-) -> Transferred {
+) -> (Transferred, Warnings) {
     let mesh = SimTopology::new(product, garment.faces.len());
     let (coverage, edge_sets) = rayon::join(
         || Coverage::with_topology(product, &mesh, options),
         || EdgeSets::new(garment, product, &mesh.topology),
     );
     let map = Correspondence::new(product, &mesh, &coverage);
-    let ((primvars, of_primvars), (subsets, of_subsets)) = rayon::join(
+    let ((primvars, mut warnings), subsets) = rayon::join(
         || primvars::carry_all(garment, &map, options, uv_set),
         || subsets::carry_all(garment, &map, options, edge_sets),
     );
-    of_primvars.into_iter().chain(of_subsets).for_each(|w| warnings.push(w));
-    let CarriedSubsets { subsets, families, curves, islands } = subsets;
+    let CarriedSubsets { subsets, families, curves, islands } = warnings.absorb(subsets);
     let mesh = Garment {
         prim: garment.prim.clone(),
         points: product.points.clone(),
@@ -89,5 +87,5 @@ pub fn transfer(
         families,
         influences: None,
     };
-    Transferred { mesh, coverage, curves, islands }
+    (Transferred { mesh, coverage, curves, islands }, warnings)
 }

@@ -2,7 +2,7 @@
 
 use super::correspondence::Correspondence;
 use super::{corners, faces, normals, provenance, vertices};
-use crate::error::Warning;
+use crate::error::{Warning, Warnings};
 use crate::garment::{Garment, Interpolation, Primvar, joints};
 use crate::sim::SimOptions;
 use crate::subdivide::to_unit_length;
@@ -14,7 +14,7 @@ pub(super) fn carry_all(
     map: &Correspondence<'_>,
     options: &SimOptions,
     uv_set: Option<&Primvar>,
-) -> (Vec<Primvar>, Vec<Warning>) {
+) -> (Vec<Primvar>, Warnings) {
     let carry = |primvar| carry(garment, primvar, map, uv_set);
     let (mut primvars, alone): (Vec<_>, Vec<_>) =
         rayon::join(|| vertices::carry_stacked(garment, map), || garment.primvars.par_iter().map(carry).collect());

@@ -3,7 +3,6 @@
 use criterion::Criterion;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-use tailor::error::Warnings;
 use tailor::internals::garment::{Garment, Interpolation, Primvar, check_garment};
 use tailor::usd::{ReadOptions, Source};
 
@@ -42,10 +41,9 @@ fn load(name: &'static str, file: &str) -> Option<Sample> {
         eprintln!("NOTE: {name} is not measured, as {} is not there", path.display());
         return None;
     }
-    let mut warnings = Warnings::default();
     let source = Source::open(&path, &ReadOptions::default()).unwrap_or_else(|e| panic!("{file}: {e}"));
-    let input = source.garment(&mut warnings).unwrap_or_else(|e| panic!("{file}: {e}"));
-    let garment = check_garment(input, &mut warnings).unwrap_or_else(|e| panic!("{file}: {e}"));
+    let (input, _) = source.garment().unwrap_or_else(|e| panic!("{file}: {e}"));
+    let (garment, _) = check_garment(input).unwrap_or_else(|e| panic!("{file}: {e}"));
     Some(Sample { name, garment })
 }
 

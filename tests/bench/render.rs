@@ -10,7 +10,6 @@ use criterion::Criterion;
 use operators::{border_panels, rendered};
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
-use tailor::error::Warnings;
 use tailor::internals::garment::{Garment, check_garment};
 use tailor::recipe::Layers;
 use tailor::usd::{ReadOptions, Source};
@@ -47,8 +46,8 @@ fn recipe(options: &[(String, String)]) -> Recipe {
 
 fn measure(c: &mut Criterion, name: &str, path: &Path, seams: &str) {
     let source = Source::open(path, &ReadOptions::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
-    let input = source.garment(&mut Warnings::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
-    let garment = check_garment(input, &mut Warnings::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
+    let (input, _) = source.garment().unwrap_or_else(|e| panic!("{name}: {e}"));
+    let (garment, _) = check_garment(input).unwrap_or_else(|e| panic!("{name}: {e}"));
     let options = options(&garment, seams);
     let assigned: Vec<String> = options.iter().map(|(key, value)| format!("{key}={value}")).collect();
     let mut group = c.benchmark_group(format!("render/{name}"));
@@ -58,7 +57,7 @@ fn measure(c: &mut Criterion, name: &str, path: &Path, seams: &str) {
     group.bench_function("no operators", |b| {
         b.iter(|| black_box(rendered(&garment, &["render.level=2"])));
     });
-    let mesh = source.garment(&mut Warnings::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
+    let (mesh, _) = source.garment().unwrap_or_else(|e| panic!("{name}: {e}"));
     let mut builder = Builder::new(mesh).expect("a garment");
     let mut edit = |key: &str, value: &str| {
         let of = |(k, v): &(String, String)| (k.clone(), if k == key { value.to_owned() } else { v.clone() });

@@ -3,7 +3,6 @@
 use criterion::Criterion;
 use std::hint::black_box;
 use std::path::Path;
-use tailor::error::Warnings;
 use tailor::session::{Document, Session};
 use tailor::usd::{ReadOptions, Source, WriteOptions, write};
 
@@ -14,7 +13,7 @@ fn composed() -> Vec<u8> {
     let temporary = tempfile::tempdir().expect("a folder");
     let flat = temporary.path().join("flat.usdc");
     let options = WriteOptions { flatten: true, model_guide: false, ..WriteOptions::default() };
-    write(&source, &[], &flat, &options, &mut Warnings::default()).expect("a flat layer");
+    write(&source, &[], &flat, &options).expect("a flat layer");
     std::fs::read(flat).expect("a flat layer")
 }
 
@@ -25,7 +24,7 @@ fn edits(c: &mut Criterion) {
     let layer = |arguments: &[(&str, &str)], metadata_only: bool| {
         let document =
             Document::new(&file, r#"{"source": "coat.usda"}"#, arguments.iter().copied()).expect("a document");
-        session.layer(&document, &content, metadata_only, &mut Warnings::default()).expect("a layer")
+        session.layer(&document, &content, metadata_only).expect("a layer").0
     };
     let mut group = c.benchmark_group("session");
     layer(&[], false);

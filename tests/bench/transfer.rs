@@ -17,7 +17,6 @@ use common::Sample;
 use criterion::{BatchSize, BenchmarkId, SamplingMode, Throughput};
 use std::collections::BTreeSet;
 use std::sync::Arc;
-use tailor::error::Warnings;
 use tailor::internals::garment::{Elements, Garment, Interpolation, Meaning, Primvar, PrimvarRole, Subset, Values};
 use tailor::internals::mesh::{FaceId, Topology, VertexId};
 use tailor::internals::sim::{Baseline, Lengths, SimOptions, SimProduct, simulate};
@@ -56,8 +55,7 @@ fn main() {
 }
 
 fn carried(garment: &Garment, product: &SimProduct, sample: &Sample) -> Garment {
-    let mut warnings = Warnings::default();
-    transfer(garment, product, &SimOptions::default(), Some(sample.uv_set()), &mut warnings).mesh
+    transfer(garment, product, &SimOptions::default(), Some(sample.uv_set())).0.mesh
 }
 
 /// The baseline for half the mean edge length everywhere.

@@ -39,7 +39,7 @@ impl Built {
 
     /// Transfer alone, made again with other options.
     pub fn transferred(&self, product: &SimProduct, options: &SimOptions) -> Transferred {
-        transfer(&self.garment, product, options, self.uv_set(), &mut Warnings::default())
+        transfer(&self.garment, product, options, self.uv_set()).0
     }
 
     /// The options of the simulation mesh that were used.

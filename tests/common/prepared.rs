@@ -2,7 +2,6 @@
 
 use std::path::Path;
 use std::sync::Arc;
-use tailor::error::Warnings;
 use tailor::internals::garment::Garment;
 use tailor::internals::sim::{Baseline, SimOptions};
 use tailor::recipe::Layers;
@@ -26,9 +25,8 @@ impl Prepared {
 /// A garment as its file says, and options as on the command line.
 #[allow(dead_code, reason = "not every test program reads files")]
 pub fn of_file<'a>(file: &Path, options: impl IntoIterator<Item = &'a str>) -> Prepared {
-    let mut warnings = Warnings::default();
     let source = Source::open(file, &ReadOptions::default()).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
-    let input = source.garment(&mut warnings).unwrap_or_else(|e| panic!("{}: {e}", file.display()));
+    let (input, mut warnings) = source.garment().unwrap_or_else(|e| panic!("{}: {e}", file.display()));
     let mut layers = Layers::default();
     warnings.extend(layers.add_attributes(source.recipe().unwrap_or_default()));
     options.into_iter().for_each(|o| layers.add_override(o).unwrap_or_else(|e| panic!("{e}")));

@@ -7,7 +7,6 @@ use crate::common::product::{Bounds, GARMENT, Subject};
 use crate::common::{garments, sheets, zoo};
 use proptest::prelude::*;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use tailor::error::Warnings;
 use tailor::internals::garment::GarmentInput;
 use tailor::recipe::Layers;
 use tailor::usd::{ReadOptions, Source};
@@ -47,8 +46,7 @@ fn of_garments() {
     for file in garments::garments() {
         let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let source = Source::open(&file, &ReadOptions::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
-        let mut warnings = Warnings::default();
-        let input = source.garment(&mut warnings).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let (input, mut warnings) = source.garment().unwrap_or_else(|e| panic!("{name}: {e}"));
         let mut layers = layers(&[]);
         warnings.extend(layers.add_attributes(source.recipe().unwrap_or_else(|e| panic!("{name}: {e}"))));
         // Those without a recipe get lengths near those of their faces, at which chains are cut unevenly, more so where a

@@ -3,7 +3,6 @@
 use crate::stage::*;
 use glam::Vec3;
 use std::fs;
-use tailor::error::Warnings;
 use tailor::usd::{ReadOptions, Source};
 
 #[test]
@@ -60,8 +59,7 @@ fn a_mesh_in_an_instance_is_refused_and_one_beside_it_is_not() {
 fn arcs_that_lead_nowhere_are_warnings() {
     let at = Stages::new();
     let file = at.usda("coat.usda", &(coat("") + "def \"B\" (\n references = @./gone.usda@\n) {}\n"));
-    let mut warnings = Warnings::default();
-    open(&file).unwrap().garment(&mut warnings).unwrap();
+    let (_, warnings) = open(&file).unwrap().garment().unwrap();
     let text: Vec<_> = warnings.iter().map(ToString::to_string).collect();
     assert_eq!(text.len(), 1);
     assert!(text[0].contains("gone.usda"), "{text:?}");
@@ -159,8 +157,7 @@ fn what_is_not_carried_is_said() {
     let extra = "normal3f[] normals = [(0,0,1)]\n vector3f[] velocities = None\n vector3f[] accelerations = [(0,0,1)]\n\
                  uniform token[] skel:blendShapes = [\"a\"]\n float primvars:single = 1 ( interpolation = \"vertex\" )\n\
                  def GeomSubset \"t\" {\n uniform token elementType = \"tetrahedron\"\n}";
-    let mut warnings = Warnings::default();
-    let input = open(&at.usda("coat.usda", &coat(extra))).unwrap().garment(&mut warnings).unwrap();
+    let (input, warnings) = open(&at.usda("coat.usda", &coat(extra))).unwrap().garment().unwrap();
     assert!(input.subsets.is_empty() && input.primvars.is_empty());
     let text: String = warnings.iter().map(|w| w.to_string() + "\n").collect();
     for part in ["model.normals", "model.accelerations", "skel:blendShapes", "primvars:single", "tetrahedron"] {

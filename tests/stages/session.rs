@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
-use tailor::error::Warnings;
 use tailor::glam::Vec3;
 use tailor::session::{Document, Session, written};
 use tailor::usd::{Format, ProductNames, ReadOptions, Source, Surroundings, WriteOptions, layer_bytes, write};
@@ -25,7 +24,7 @@ impl Example {
         let temporary = tempfile::tempdir().expect("a folder");
         let flat = temporary.path().join("flat.usdc");
         let options = WriteOptions { flatten: true, model_guide: false, ..WriteOptions::default() };
-        write(&source, &[], &flat, &options, &mut Warnings::default()).expect("a flat layer");
+        write(&source, &[], &flat, &options).expect("a flat layer");
         Self { folder, content: std::fs::read(flat).expect("a flat layer") }
     }
 
@@ -36,8 +35,7 @@ impl Example {
     }
 
     fn layer(&self, session: &Session, arguments: &[(&str, &str)]) -> Vec<u8> {
-        let mut warnings = Warnings::default();
-        session.layer(&self.document(arguments), &self.content, false, &mut warnings).expect("a layer")
+        session.layer(&self.document(arguments), &self.content, false).expect("a layer").0
     }
 
     fn source(&self) -> Source {
@@ -46,13 +44,14 @@ impl Example {
     }
 
     fn builder(&self) -> Builder {
-        Builder::new(self.source().garment(&mut Warnings::default()).expect("a mesh")).expect("a good garment")
+        let (mesh, _) = self.source().garment().expect("a mesh");
+        Builder::new(mesh).expect("a good garment")
     }
 
     fn recipe(&self, arguments: &[(&str, &str)]) -> Recipe {
-        let (document, mut warnings) = (self.document(arguments), Warnings::default());
-        let mut layers = document.layers(&self.source(), &mut warnings).expect("a recipe");
-        layers.add(document.arguments(&mut warnings).into_map());
+        let document = self.document(arguments);
+        let (mut layers, _) = document.layers(&self.source()).expect("a recipe");
+        layers.add(document.arguments().0.into_map());
         layers.recipe().expect("a good recipe")
     }
 
@@ -69,7 +68,7 @@ fn straight(example: &Example, arguments: &[(&str, &str)]) -> Vec<u8> {
     let meshes = written(&products, &[], &names);
     let (surroundings, options) =
         (Surroundings { folder: document.folder(), source: Some(document.source()) }, WriteOptions::default());
-    layer_bytes(&source, &meshes, Format::Usdc, surroundings, &options, &mut Warnings::default()).expect("a layer")
+    layer_bytes(&source, &meshes, Format::Usdc, surroundings, &options).expect("a layer").0
 }
 
 #[test]
@@ -236,8 +235,7 @@ fn memory_is_bounded_and_a_small_session_still_works() {
 #[test]
 fn metadata_needs_no_products() {
     let (example, session) = (Example::new("tshirt.usda"), Session::new(ROOM, None).expect("threads"));
-    let mut warnings = Warnings::default();
-    let layer = session.layer(&example.document(&[]), &example.content, true, &mut warnings).expect("a layer");
+    let (layer, _) = session.layer(&example.document(&[]), &example.content, true).expect("a layer");
     assert!(layer.len() < 4096, "{} bytes", layer.len());
     assert!(layer.starts_with(b"PXR-USDC"));
 }
@@ -246,13 +244,12 @@ fn metadata_needs_no_products() {
 fn faults_come_back_each_time() {
     let (example, session) = (Example::new("tshirt.usda"), Session::new(ROOM, None).expect("threads"));
     for _ in 0..2 {
-        let (bad, mut warnings) = (example.document(&[("sim.density", "nowhere")]), Warnings::default());
-        let layer = session.layer(&bad, &example.content, false, &mut warnings).expect("a layer without the value");
+        let bad = example.document(&[("sim.density", "nowhere")]);
+        let (layer, warnings) = session.layer(&bad, &example.content, false).expect("a layer without the value");
         assert_eq!(layer, straight(&example, &[]));
         assert!(warnings.iter().any(|warning| warning.to_string().contains("nowhere")), "the fault is told");
         let bad = example.document(&[]);
-        let message =
-            session.layer(&bad, b"PXR-USDC and no more", false, &mut Warnings::default()).expect_err("a fault");
+        let message = session.layer(&bad, b"PXR-USDC and no more", false).expect_err("a fault");
         assert!(message.to_string().contains("tshirt.usda"), "{message}");
     }
 }

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use tailor::error::{Error, Warnings};
+use tailor::error::Error;
 use tailor::internals::garment::{Corner, Crease, Elements, Garment, GarmentInput, Primvar, Subset};
 use tailor::internals::mesh::{FaceId, Faces, VertexId};
 use tailor::usd::{Product, ProductRole, ReadOptions, Source, WriteOptions, write};
@@ -122,21 +122,15 @@ pub fn open_prim(path: &Path, prim: &str) -> Result<Source, Error> {
 }
 
 pub fn read(source: &Source) -> Result<GarmentInput, Error> {
-    source.garment(&mut Warnings::default())
+    source.garment().map(|(mesh, _)| mesh)
 }
 
 /// Writes the input itself as both products; the warnings.
 pub fn tailor(source: &Source, out: &Path, options: &WriteOptions) -> Result<Vec<String>, Error> {
     let mesh = sound(&read(source)?);
     let product = |name, role| Product::new(name, role, &mesh);
-    let mut warnings = Warnings::default();
-    write(
-        source,
-        &[product("sim", ProductRole::Sim), product("render", ProductRole::Render)],
-        out,
-        options,
-        &mut warnings,
-    )?;
+    let products = [product("sim", ProductRole::Sim), product("render", ProductRole::Render)];
+    let (_, warnings) = write(source, &products, out, options)?;
     Ok(warnings.iter().map(ToString::to_string).collect())
 }
 

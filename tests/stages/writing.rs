@@ -3,7 +3,6 @@
 use crate::stage::*;
 use std::fs;
 use std::path::Path;
-use tailor::error::Warnings;
 use tailor::internals::garment::GarmentInput;
 use tailor::usd::{Format, Product, ProductRole, ReadOptions, Source, Surroundings, WriteOptions, layer_bytes, write};
 
@@ -128,16 +127,15 @@ fn a_layer_in_memory_is_the_layer_in_the_file() {
     let nowhere = Surroundings::default();
     let here = Surroundings { folder: Some(at.0.path()), ..nowhere };
     for (format, name) in [(Format::Usda, "o.usda"), (Format::Usdc, "o.usdc")] {
-        let mut warnings = Warnings::default();
-        write(&source, &products, &at.at(name), &FORCE, &mut warnings).unwrap();
-        let bytes = layer_bytes(&source, &products, format, here, &FORCE, &mut warnings).unwrap();
+        write(&source, &products, &at.at(name), &FORCE).unwrap();
+        let (bytes, _) = layer_bytes(&source, &products, format, here, &FORCE).unwrap();
         assert!(bytes == fs::read(at.at(name)).unwrap(), "{name}");
     }
-    let text = layer_bytes(&source, &products, Format::Usda, nowhere, &FORCE, &mut Warnings::default()).unwrap();
+    let (text, _) = layer_bytes(&source, &products, Format::Usda, nowhere, &FORCE).unwrap();
     let absolute = at.0.path().canonicalize().unwrap().join("coat.usda");
     assert!(String::from_utf8(text).unwrap().contains(&format!("@{}@", absolute.display())));
     let stated = Surroundings { source: Some("asset:coat"), ..here };
-    let text = layer_bytes(&source, &products, Format::Usda, stated, &FORCE, &mut Warnings::default()).unwrap();
+    let (text, _) = layer_bytes(&source, &products, Format::Usda, stated, &FORCE).unwrap();
     assert!(String::from_utf8(text).unwrap().contains("subLayers = [@asset:coat@]"));
 }
 
@@ -145,14 +143,7 @@ fn a_layer_in_memory_is_the_layer_in_the_file() {
 fn a_source_in_memory_is_the_source_in_the_file() {
     let at = Stages::new();
     let file = at.usda("coat.usda", &rich());
-    write(
-        &open(&file).unwrap(),
-        &[],
-        &at.at("flat.usdc"),
-        &WriteOptions { flatten: true, ..FORCE },
-        &mut Warnings::default(),
-    )
-    .unwrap();
+    write(&open(&file).unwrap(), &[], &at.at("flat.usdc"), &WriteOptions { flatten: true, ..FORCE }).unwrap();
     let flat = open(&at.at("flat.usdc")).unwrap();
     let content: std::sync::Arc<[u8]> = fs::read(at.at("flat.usdc")).unwrap().into();
     let memory = Source::from_layer(content, &at.at("flat.usdc"), &ReadOptions::default()).unwrap();
@@ -163,7 +154,7 @@ fn a_source_in_memory_is_the_source_in_the_file() {
     let here = Surroundings { folder: Some(at.0.path()), source: None };
     let text = |source: &Source, flatten: bool| {
         let options = WriteOptions { flatten, ..FORCE };
-        layer_bytes(source, &products, Format::Usda, here, &options, &mut Warnings::default()).unwrap()
+        layer_bytes(source, &products, Format::Usda, here, &options).unwrap().0
     };
     for flatten in [false, true] {
         assert!(text(&memory, flatten) == text(&flat, flatten), "flatten: {flatten}");
@@ -226,7 +217,7 @@ fn names_that_are_taken_or_impossible_are_refused() {
     let attempt = |sim, render| -> Result<(), tailor::Error> {
         let product = |name, role| Product::new(name, role, &mesh);
         let products = [product(sim, ProductRole::Sim), product(render, ProductRole::Render)];
-        write(&source, &products, &at.at("o.usda"), &FORCE, &mut Warnings::default()).map(drop)
+        write(&source, &products, &at.at("o.usda"), &FORCE).map(drop)
     };
     assert_fault(attempt("sim", "render"), &["/Coat/render is taken", "--render-name"]);
     assert_fault(attempt("model", "r"), &["/Coat/model is taken", "--sim-name"]);

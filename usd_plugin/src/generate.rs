@@ -47,9 +47,8 @@ impl Document {
 
     pub fn generate(&self, flattened: &[u8], metadata_only: bool) -> Result<Generated, String> {
         let session = SESSION.as_ref().map_err(String::clone)?;
-        let mut warnings = Warnings::default();
-        let layer = session.layer(&self.document, flattened, metadata_only, &mut warnings);
-        let layer = layer.map_err(|e: Error| e.to_string())?;
+        let built = session.layer(&self.document, flattened, metadata_only);
+        let (layer, warnings) = built.map_err(|e: Error| e.to_string())?;
         Ok(Generated { layer, warnings: self.new_warnings(&warnings) })
     }
 

@@ -8,9 +8,8 @@ use crate::mesh::{FaceId, Faces, VertexId};
 use glam::Vec3;
 use std::collections::HashSet;
 
-/// Checks that there are points and that all are finite; returns whether they are.
-pub(super) fn check_points(points: &[Vec3], problems: &mut Problems) -> bool {
-    let before = problems.count();
+/// Checks that there are points and that all are finite.
+pub(super) fn check_points(points: &[Vec3], problems: &mut Problems) {
     if points.is_empty() {
         let fault = format_args!("the mesh has no points");
         problems.add(
@@ -24,7 +23,6 @@ pub(super) fn check_points(points: &[Vec3], problems: &mut Problems) -> bool {
         let fault = format_args!("point {i} is ({}, {}, {}), which is not finite", p.x, p.y, p.z);
         problems.add(ErrorCode::NotFinite, "points", fault, format_args!("give the point a finite position"));
     }
-    problems.count() == before
 }
 
 /// The faces, if they have no fault.

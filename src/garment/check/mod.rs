@@ -25,20 +25,16 @@ use std::mem::take;
 /// Checks `input` and converts it to the types of geometry code.
 ///
 /// Non-manifold edges, bow-tie vertices, inconsistent winding, unused points, and duplicate and zero-area faces are kept and
-/// added to `warnings`, even where other faults are errors.
+/// are warnings.
 ///
 /// # Errors
 /// Every independent fault of topology, indices, lengths and values that was found, in a fixed order.
-pub fn check_garment(mut input: GarmentInput, warnings: &mut Warnings) -> Result<Garment, Error> {
+pub fn check_garment(mut input: GarmentInput) -> Result<(Garment, Warnings), Error> {
     let mut problems = Problems::default();
     let found = &mut problems;
-    let finite = faces::check_points(&input.points, found);
+    faces::check_points(&input.points, found);
     let topology = faces::faces(&input, found).map(|faces| Topology::new(faces, input.points.len()));
     faces::check_scheme(&input, found);
-    if let Some(topology) = &topology {
-        surface::warn(&input.prim, topology, finite.then_some(&input.points), warnings);
-    }
-
     let (primvars, subsets) = (take(&mut input.primvars), take(&mut input.subsets));
     let mesh = Mesh::new(&input, topology.as_ref());
     let holes = faces::holes(&input.hole_indices, &mesh, found);
@@ -47,23 +43,25 @@ pub fn check_garment(mut input: GarmentInput, warnings: &mut Warnings) -> Result
     let primvars = primvars::primvars(primvars, &mesh, found);
     let subsets = subsets::subsets(subsets, &input.families, &mesh, found);
 
-    match topology {
-        Some(topology) if problems.is_empty() => Ok(Garment {
-            prim: input.prim,
-            points: input.points.into(),
-            faces: topology.faces,
-            units: input.units,
-            uv_scales: input.uv_scales,
-            orientation: input.orientation,
-            rules: input.rules,
-            holes,
-            creases,
-            corners,
-            primvars: primvars.into(),
-            influences: None,
-            subsets: subsets.into(),
-            families: input.families,
-        }),
-        _ => Err(problems.into_error(&input.prim)),
-    }
+    let Some(topology) = topology.filter(|_| problems.is_empty()) else {
+        return Err(problems.into_error(&input.prim));
+    };
+    let warnings = surface::warnings(&input.prim, &topology, &input.points);
+    let garment = Garment {
+        prim: input.prim,
+        points: input.points.into(),
+        faces: topology.faces,
+        units: input.units,
+        uv_scales: input.uv_scales,
+        orientation: input.orientation,
+        rules: input.rules,
+        holes,
+        creases,
+        corners,
+        primvars: primvars.into(),
+        influences: None,
+        subsets: subsets.into(),
+        families: input.families,
+    };
+    Ok((garment, warnings))
 }

@@ -8,12 +8,11 @@ use glam::{DVec3, Vec3};
 /// points. Larger counts slivers too.
 const NO_AREA: f64 = f32::EPSILON as f64;
 
-/// Adds a warning for each oddity of the surface; `points` are none where one of them is not finite.
-pub(super) fn warn(prim: &str, topology: &Topology, points: Option<&Vec<Vec3>>, warnings: &mut Warnings) {
+/// A warning for each oddity of the surface.
+pub(super) fn warnings(prim: &str, topology: &Topology, points: &[Vec3]) -> Warnings {
     let faces = &topology.faces;
     let cut = "The simulation mesh is cut apart there";
-    let flat = points.map_or_else(Vec::new, |points| without_area(faces, points).collect());
-    for (code, elements, problem, remedy) in [
+    let found = [
         (Code::NonManifoldEdges, Elements::Edges(crowded_edges(topology).collect()), "have more than two faces", cut),
         (Code::BowTieVertices, Elements::Points(bow_ties(topology).collect()), "join fans of faces", cut),
         (
@@ -30,7 +29,7 @@ pub(super) fn warn(prim: &str, topology: &Topology, points: Option<&Vec<Vec3>>, 
         ),
         (
             Code::DegenerateFaces,
-            Elements::Faces(flat),
+            Elements::Faces(without_area(faces, points).collect()),
             "have no area",
             "Both meshes keep them: delete them, or give them an area",
         ),
@@ -40,12 +39,13 @@ pub(super) fn warn(prim: &str, topology: &Topology, points: Option<&Vec<Vec3>>, 
             "have the points of another face",
             "Delete one of each two unless two layers are meant",
         ),
-    ] {
-        if !elements.is_empty() {
-            let problem = format!("{} {}s {problem}", elements.len(), elements.kind());
-            warnings.push(Warning::new(code, prim, problem).at(elements).remedy(remedy));
-        }
-    }
+    ];
+    let found = found.into_iter().filter(|(_, elements, ..)| !elements.is_empty());
+    let warning = |(code, elements, problem, remedy): (Code, Elements, &str, &str)| {
+        let problem = format!("{} {}s {problem}", elements.len(), elements.kind());
+        Warning::new(code, prim, problem).at(elements).remedy(remedy)
+    };
+    found.map(warning).collect()
 }
 
 /// The edges of more than two faces.

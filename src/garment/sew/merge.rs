@@ -85,8 +85,7 @@ pub fn merge(
     units: Units,
     mut panels: Vec<Panel>,
     welds: &[[(usize, usize); 2]],
-    warnings: &mut Warnings,
-) -> Result<Sewn, Error> {
+) -> Result<(Sewn, Warnings), Error> {
     check_rules(&panels)?;
     let orientation = panels[0].mesh.orientation;
     panels.iter_mut().filter(|panel| panel.mesh.orientation != orientation).for_each(|panel| turn(&mut panel.mesh));
@@ -102,7 +101,8 @@ pub fn merge(
         families: merge_families(&panels),
         ..GarmentInput::default()
     };
-    mesh.primvars = merge_primvars(&mesh.prim, &panels, &points, warnings);
+    let (primvars, warnings) = merge_primvars(&mesh.prim, &panels, &points);
+    mesh.primvars = primvars;
     mesh.subsets = merge_subsets(&panels, &points)?;
     for (panel, of_panel) in panels.iter().zip(&points.of_panel) {
         add_topology(&mut mesh, &panel.mesh, of_panel);
@@ -116,7 +116,7 @@ pub fn merge(
     let sets: Vec<String> = sets.collect();
     let seams = seam_edges(&panels, &points);
     let seams = set(&mut mesh.subsets, "sewn", "edge", seams);
-    Ok(Sewn { mesh, panels: sets, points: points.of_panel, seams })
+    Ok((Sewn { mesh, panels: sets, points: points.of_panel, seams }, warnings))
 }
 
 /// Adds a set with this name, or a free one like it.

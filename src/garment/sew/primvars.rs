@@ -10,8 +10,9 @@ use std::mem::discriminant;
 /// Primvars of skinning, the influences of a point, which are of one panel.
 const SKINNING: &str = "skel:joint";
 
-/// The primvars that all panels have. Constant ones take the interpolation of the others, or are uniform.
-pub fn merge_primvars(prim: &str, panels: &[Panel], points: &Points, warnings: &mut Warnings) -> Vec<PrimvarInput> {
+/// The primvars that all panels have, and warnings of others. Constant ones take the interpolation of the others, or are
+/// uniform.
+pub fn merge_primvars(prim: &str, panels: &[Panel], points: &Points) -> (Vec<PrimvarInput>, Warnings) {
     let mut keys: Vec<(&str, &PrimvarRole)> = Vec::new();
     for primvar in panels.iter().flat_map(|panel| &panel.mesh.primvars) {
         let key = (primvar.name.as_str(), &primvar.role);
@@ -19,11 +20,13 @@ pub fn merge_primvars(prim: &str, panels: &[Panel], points: &Points, warnings: &
             keys.push(key);
         }
     }
-    let mut merged = Vec::new();
+    let (mut merged, mut warnings) = (Vec::new(), Warnings::default());
     for (name, role) in keys {
         match shared(name, role, panels) {
             Ok((interpolation, primvars)) => {
-                merged.push(join(prim, interpolation, &primvars, panels, points, warnings));
+                let (joined, warning) = join(prim, interpolation, &primvars, panels, points);
+                merged.push(joined);
+                warnings.extend(warning);
             }
             Err(why) => {
                 let remedy = "Give all panels the same primvar, with one type and interpolation";
@@ -31,7 +34,7 @@ pub fn merge_primvars(prim: &str, panels: &[Panel], points: &Points, warnings: &
             }
         }
     }
-    merged
+    (merged, warnings)
 }
 
 fn property(name: &str, role: &PrimvarRole) -> String {
@@ -109,15 +112,14 @@ fn rows(primvar: &PrimvarInput) -> Option<usize> {
     primvar.values.len().is_multiple_of(width).then(|| primvar.values.len() / width)
 }
 
-/// Joins the values of a primvar.
+/// Joins the values of a primvar. Warns where panels disagree.
 fn join(
     prim: &str,
     interpolation: Interpolation,
     primvars: &[&PrimvarInput],
     panels: &[Panel],
     points: &Points,
-    warnings: &mut Warnings,
-) -> PrimvarInput {
+) -> (PrimvarInput, Option<Warning>) {
     let is_indexed = primvars.iter().any(|p| p.indices.is_some() || p.interpolation == Interpolation::Constant);
     let mut joined = PrimvarInput { interpolation, indices: None, ..primvars[0].clone() };
     let mut first_row = rows(primvars[0]).unwrap_or(0);
@@ -136,16 +138,16 @@ fn join(
         })
         .collect();
     let is_of_points = matches!(interpolation, Interpolation::Vertex | Interpolation::Varying);
-    let rows = match is_of_points {
-        true => point_rows(prim, &mut joined, first_row, &of_panels, points, warnings),
-        false => of_panels.concat(),
+    let (rows, warning) = match is_of_points {
+        true => point_rows(prim, &mut joined, first_row, &of_panels, points),
+        false => (of_panels.concat(), None),
     };
     if is_indexed {
         joined.indices = Some(rows.into_iter().map(|row| row as i32).collect());
     } else if is_of_points {
         joined.values = joined.values.gather(width(&joined), rows.into_iter());
     }
-    joined
+    (joined, warning)
 }
 
 /// The row of each element of a panel.
@@ -190,8 +192,7 @@ fn point_rows(
     mut next: usize,
     of_panels: &[Vec<usize>],
     points: &Points,
-    warnings: &mut Warnings,
-) -> Vec<usize> {
+) -> (Vec<usize>, Option<Warning>) {
     let width = width(joined);
     let mixing = joined.values.mixing(joined.meaning);
     let is_mixed = matches!(mixing, Mixing::Linear | Mixing::Direction) && !joined.name.starts_with(SKINNING);
@@ -215,14 +216,17 @@ fn point_rows(
         };
         rows.push(row);
     }
-    if !unlike.is_empty() {
-        let what = if is_mixed { "their mean" } else { "the value of the first panel" };
-        let problem = format!("panels disagree at {} points of a seam, which get {what}", unlike.len());
-        let place = format!("{prim}.{}", property(&joined.name, &joined.role));
-        let warning = Warning::not_carried(place, problem).at(Elements::Points(unlike));
-        warnings.push(warning.remedy("Paint both sides of the seam alike"));
-    }
-    rows
+    let warning = (!unlike.is_empty()).then(|| disagreement(prim, joined, is_mixed, unlike));
+    (rows, warning)
+}
+
+/// The warning of points where panels have different values.
+fn disagreement(prim: &str, primvar: &PrimvarInput, is_mixed: bool, unlike: Vec<VertexId>) -> Warning {
+    let what = if is_mixed { "their mean" } else { "the value of the first panel" };
+    let problem = format!("panels disagree at {} points of a seam, which get {what}", unlike.len());
+    let place = format!("{prim}.{}", property(&primvar.name, &primvar.role));
+    let warning = Warning::not_carried(place, problem).at(Elements::Points(unlike));
+    warning.remedy("Paint both sides of the seam alike")
 }
 
 impl Values {

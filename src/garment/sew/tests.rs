@@ -23,10 +23,10 @@ fn found(meshes: &[GarmentInput]) -> Seams {
     find_seams(&placed, TOLERANCE).expect("few edges in one place")
 }
 
-fn merged(meshes: &[GarmentInput], seams: &Seams, warnings: &mut Warnings) -> Result<Sewn, Error> {
+fn merged(meshes: &[GarmentInput], seams: &Seams) -> Result<(Sewn, Warnings), Error> {
     let name = |mesh: &GarmentInput| mesh.prim.rsplit('/').next().unwrap_or_default().to_owned();
     let panels = meshes.iter().map(|mesh| Panel { name: name(mesh), mesh: mesh.clone() }).collect();
-    merge("/Suit/all".into(), Units::default(), panels, &seams.welds, warnings)
+    merge("/Suit/all".into(), Units::default(), panels, &seams.welds)
 }
 
 #[test]
@@ -39,11 +39,11 @@ fn whole_edges_are_sewn_and_points_are_their_mean() {
     assert_eq!((seams.seams[0].panels, seams.seams[0].edges), ([0, 1], 3));
     assert!((seams.seams[0].gap - 0.0008).abs() < 1e-6 && seams.unsewn.is_empty());
 
-    let sewn = merged(&meshes[..2], &seams, &mut Warnings::default()).expect("panels that agree");
+    let (sewn, _) = merged(&meshes[..2], &seams).expect("panels that agree");
     assert_eq!(sewn.mesh.points.len(), 2 * 16 - 4);
     assert_eq!((sewn.panels, sewn.seams.as_str()), (vec!["left".to_owned(), "right".to_owned()], "sewn"));
     assert!(sewn.mesh.points.iter().filter(|p| p.x == 3.0).all(|p| p.z == 0.0004));
-    let garment = check_garment(sewn.mesh, &mut Warnings::default()).expect("a good mesh");
+    let (garment, _) = check_garment(sewn.mesh).expect("a good mesh");
     assert_eq!(garment.subset("sewn").map(|set| set.elements.len()), Some(3));
 }
 
@@ -75,9 +75,8 @@ fn transforms_bring_borders_together_and_mirrors_turn_faces() {
     assert_eq!(seams.seams[0].edges, 3);
     let mut placed = right;
     place(&mut placed, &mirror);
-    let mut warnings = Warnings::default();
-    let sewn = merged(&[left, placed], &seams, &mut warnings).expect("panels that agree");
-    check_garment(sewn.mesh, &mut warnings).expect("a good mesh");
+    let (sewn, mut warnings) = merged(&[left, placed], &seams).expect("panels that agree");
+    warnings.absorb(check_garment(sewn.mesh).expect("a good mesh"));
     assert!(warnings.is_empty(), "{warnings:?}");
 }
 
@@ -88,7 +87,7 @@ fn a_slit_narrower_than_the_tolerance_is_no_reason_to_close_a_face() {
     left.points[7].y = 0.0004;
     let seams = found(&[left.clone(), sheet("right", 3, 3.0)]);
     // The short edge matches nothing, so its ends stay apart.
-    assert!(merged(&[left, sheet("right", 3, 3.0)], &seams, &mut Warnings::default()).is_ok());
+    assert!(merged(&[left, sheet("right", 3, 3.0)], &seams).is_ok());
 }
 
 #[test]
@@ -107,10 +106,9 @@ fn values_keep_their_panel_and_sets_their_name() {
         let (name, element_type) = ("hem".to_owned(), "face".to_owned());
         mesh.subsets = vec![SubsetInput { name, element_type, family: String::new(), indices: vec![0, 1] }];
     }
-    let (seams, mut warnings) = (found(&meshes), Warnings::default());
-    let sewn = merged(&meshes, &seams, &mut warnings).expect("panels that agree");
+    let (sewn, warnings) = merged(&meshes, &found(&meshes)).expect("panels that agree");
     assert_eq!(sewn.mesh.subsets[0].indices, [0, 1, 4, 5]);
-    let garment = check_garment(sewn.mesh, &mut Warnings::default()).expect("a good mesh");
+    let (garment, _) = check_garment(sewn.mesh).expect("a good mesh");
     let (st, weight) = (garment.primvar("st").expect("UVs"), garment.primvar("weight").expect("weights"));
     let rows: std::collections::BTreeSet<u32> = st.indices.as_ref().expect("indices").iter().copied().collect();
     assert_eq!(rows.len(), 18);

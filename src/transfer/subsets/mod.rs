@@ -7,7 +7,7 @@ use super::correspondence::Correspondence;
 use super::edges::{CarriedEdges, EdgeTransfer};
 use super::faces::{FaceSets, carry_sets};
 use crate::contact::NearestSearch;
-use crate::error::Warning;
+use crate::error::Warnings;
 use crate::garment::{Elements, Family, FamilyType, Garment, Subset};
 use crate::mesh::{IdVec, Topology, VertexId};
 use crate::sim::{SimOptions, SimProduct};
@@ -83,10 +83,10 @@ pub(super) fn carry_all(
     map: &Correspondence<'_>,
     options: &SimOptions,
     edge_sets: EdgeSets<'_>,
-) -> (CarriedSubsets, Vec<Warning>) {
+) -> (CarriedSubsets, Warnings) {
     let EdgeSets { edges, sources, carried } = edge_sets;
     let FaceSets { sets: mut face_sets, islands } = carry_sets(garment, map, options.clean_islands);
-    let mut warnings = Vec::from_iter(warnings::of_small_sets(garment, &face_sets, map.coverage));
+    let mut warnings = Warnings::from_iter(warnings::of_small_sets(garment, &face_sets, map.coverage));
     let nearest = LazyLock::new(|| NearestPoint::new(&map.product.points));
     let (mut subsets, mut curves) = (Vec::with_capacity(sources.len() + 2), Vec::new());
     for (i, (source, carried)) in sources.into_iter().zip(carried).enumerate() {

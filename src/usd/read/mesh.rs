@@ -4,7 +4,7 @@ use super::primvars::{Declarations, read_normals, read_primvars};
 use super::query::{OrUnreadable, known, prim_name, property_names, subset_prims, text_value, value};
 use super::shapes::read_shapes;
 use super::space::{units, uv_scales};
-use crate::error::{Error, ErrorCode, Warning};
+use crate::error::{Error, ErrorCode, Warning, Warnings};
 use crate::garment::{Family, GarmentInput, Scheme, SubdivisionRules, SubsetInput};
 use crate::usd::names::{self, UsdToken};
 use glam::Vec3;
@@ -14,18 +14,15 @@ use openusd::usd::{Prim, TimeCode};
 /// Element types of subsets that products have.
 const ELEMENT_TYPES: &[&str] = &["face", "edge", "point"];
 
-/// Reads the mesh `prim` at `time`, as authored, and how the properties that vary over it are declared.
+/// Reads the mesh `prim` at `time`, as authored, and how the properties that vary over it are declared. Warns of what cannot be
+/// carried.
 ///
 /// # Errors
 /// A field that is needed and is missing, of another type, or unreadable.
-pub fn read_mesh(
-    prim: &Prim,
-    time: Option<TimeCode>,
-    warnings: &mut Vec<Warning>,
-) -> Result<(GarmentInput, Declarations), Error> {
+pub fn read_mesh(prim: &Prim, time: Option<TimeCode>) -> Result<((GarmentInput, Declarations), Warnings), Error> {
     let ints = |name| required_or_empty(prim, name, time, false, int_array);
     let floats = |name| required_or_empty(prim, name, time, false, float_array);
-    warn_of_animation(prim, time, warnings)?;
+    let mut warnings = Warnings::from_iter(animation(prim, time)?);
     let mut declarations = Declarations::default();
     let mut mesh = GarmentInput {
         prim: prim.path().as_str().to_owned(),
@@ -47,11 +44,11 @@ pub fn read_mesh(
         crease_sharpnesses: floats(names::CREASE_SHARPNESSES)?,
         corner_indices: ints(names::CORNER_INDICES)?,
         corner_sharpnesses: floats(names::CORNER_SHARPNESSES)?,
-        primvars: read_primvars(prim, time, &mut declarations, warnings)?,
-        subsets: subsets(prim, time, warnings)?,
+        primvars: warnings.absorb(read_primvars(prim, time, &mut declarations)?),
+        subsets: warnings.absorb(subsets(prim, time)?),
         families: families(prim)?,
     };
-    let (shapes, offsets) = read_shapes(prim, time, mesh.points.len(), warnings)?;
+    let (shapes, offsets) = warnings.absorb(read_shapes(prim, time, mesh.points.len())?);
     declarations.shapes = shapes;
     mesh.primvars.extend(offsets);
     // A subdivision surface ignores authored normals.
@@ -59,20 +56,16 @@ pub fn read_mesh(
         let elements = [mesh.face_vertex_counts.len(), mesh.points.len(), mesh.face_vertex_indices.len()];
         mesh.primvars.extend(read_normals(prim, time, elements));
     }
-    Ok((mesh, declarations))
+    Ok(((mesh, declarations), warnings))
 }
 
-/// Warns of animated points, as products are built at one time.
-fn warn_of_animation(prim: &Prim, time: Option<TimeCode>, warnings: &mut Vec<Warning>) -> Result<(), Error> {
+/// The warning of animated points, as products are built at one time.
+fn animation(prim: &Prim, time: Option<TimeCode>) -> Result<Option<Warning>, Error> {
     let times = prim.attribute(names::POINTS).time_sample_times().or_unreadable(prim.path())?;
-    if times.len() > 1 {
-        let at = time.map_or_else(|| "the default time".to_owned(), |t| format!("time {}", t.value()));
-        warnings.push(Warning::not_carried(
-            format!("the motion of {}.points over {} times", prim.path(), times.len()),
-            format!("both meshes are built at {at}; the model keeps it"),
-        ));
-    }
-    Ok(())
+    let at = time.map_or_else(|| "the default time".to_owned(), |t| format!("time {}", t.value()));
+    let place = format!("the motion of {}.points over {} times", prim.path(), times.len());
+    let why = format!("both meshes are built at {at}; the model keeps it");
+    Ok((times.len() > 1).then(|| Warning::not_carried(place, why)))
 }
 
 fn required_or_empty<T>(
@@ -124,8 +117,9 @@ fn token<T: UsdToken + Default>(prim: &Prim, name: &str, time: Option<TimeCode>)
     }
 }
 
-fn subsets(mesh: &Prim, time: Option<TimeCode>, warnings: &mut Vec<Warning>) -> Result<Vec<SubsetInput>, Error> {
-    let mut found = Vec::new();
+/// The subsets of the mesh. Warns of those with elements that a mesh does not have.
+fn subsets(mesh: &Prim, time: Option<TimeCode>) -> Result<(Vec<SubsetInput>, Warnings), Error> {
+    let (mut found, mut warnings) = (Vec::new(), Warnings::default());
     for subset in subset_prims(mesh)? {
         let element_type = text_value(&subset, names::ELEMENT_TYPE, time)?.unwrap_or_else(|| "face".to_owned());
         if !ELEMENT_TYPES.contains(&element_type.as_str()) {
@@ -142,7 +136,7 @@ fn subsets(mesh: &Prim, time: Option<TimeCode>, warnings: &mut Vec<Warning>) -> 
             indices: required_or_empty(&subset, names::INDICES, time, false, int_array)?,
         });
     }
-    Ok(found)
+    Ok((found, warnings))
 }
 
 fn families(mesh: &Prim) -> Result<Vec<Family>, Error> {

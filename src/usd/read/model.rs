@@ -5,7 +5,7 @@ use super::primvars::Declarations;
 use super::query::{OrUnreadable, interpolation, prim_at, prim_name, product_of, property_names, subset_prims};
 use super::space::{Transforms, transforms};
 use super::variants::SESSION;
-use crate::error::{Error, Warning};
+use crate::error::{Error, Warning, Warnings};
 use crate::garment::Interpolation;
 use crate::usd::assets::same_file;
 use crate::usd::names;
@@ -146,7 +146,8 @@ impl Treatment {
 }
 
 impl Model {
-    /// Copies what the writer needs of `prim`. `has_normals` tells whether products have its normals.
+    /// Copies what the writer needs of `prim`. `has_normals` tells whether products have its normals. Warns of properties that
+    /// products lack.
     ///
     /// # Errors
     /// A stage that cannot be queried.
@@ -156,8 +157,7 @@ impl Model {
         origin: StageOrigin,
         declarations: Declarations,
         has_normals: bool,
-        warnings: &mut Vec<Warning>,
-    ) -> Result<Self, Error> {
+    ) -> Result<(Self, Warnings), Error> {
         let mut model = Self {
             path: prim.path().clone(),
             panels: vec![prim.path().clone()],
@@ -175,15 +175,17 @@ impl Model {
             stage_metadata: stage_metadata(prim.stage())?,
         };
         model.siblings = siblings(prim.stage(), &model)?;
+        let mut warnings = Warnings::default();
         for name in property_names(prim)? {
             if !(has_normals && name == names::NORMALS) {
-                model.take_property(prim, &name, warnings);
+                warnings.extend(model.take_property(prim, &name));
             }
         }
         for subset in subset_prims(prim)? {
-            model.subsets.insert(prim_name(&subset), subset_record(&subset, prim.path(), warnings)?);
+            let record = warnings.absorb(subset_record(&subset, prim.path())?);
+            model.subsets.insert(prim_name(&subset), record);
         }
-        Ok(model)
+        Ok((model, warnings))
     }
 
     /// Whether it consists of panels that are sewn together.
@@ -219,28 +221,29 @@ impl Model {
         self.sibling_path(name).is_ok_and(|path| self.panels.contains(&path))
     }
 
-    fn take_property(&mut self, prim: &Prim, name: &str, warnings: &mut Vec<Warning>) {
-        let mut not_carried = |why: String| {
-            warnings.push(Warning::not_carried(format!("{}.{name}", prim.path()), why));
-        };
-        match Treatment::of(prim, name) {
-            Treatment::Rewritten => {}
-            Treatment::Stays => self.staying.push(name.to_owned()),
+    /// Takes what products have of a property. Warns of one that they lack.
+    fn take_property(&mut self, prim: &Prim, name: &str) -> Option<Warning> {
+        let why = match Treatment::of(prim, name) {
+            Treatment::Rewritten => None,
+            Treatment::Stays => {
+                self.staying.push(name.to_owned());
+                None
+            }
             Treatment::Dropped(why) => {
                 let record = Record::take(prim, name, Depth::Whole);
-                if record.is_ok_and(|r| r.is_none_or(|r| !r.has_value())) {
-                    return;
-                }
-                not_carried(why.to_owned());
+                let is_empty = record.is_ok_and(|r| r.is_none_or(|r| !r.has_value()));
+                (!is_empty).then(|| why.to_owned())
             }
             Treatment::Copied => match Record::take(prim, name, Depth::Whole) {
-                Ok(record) => match record.as_ref().and_then(|r| inward_collection(r, prim.path())) {
-                    Some(why) => not_carried(why),
-                    None => self.carried.extend(record),
-                },
-                Err(e) => not_carried(format!("it cannot be read: {e}")),
+                Ok(record) => {
+                    let why = record.as_ref().and_then(|r| inward_collection(r, prim.path()));
+                    self.carried.extend(record.filter(|_| why.is_none()));
+                    why
+                }
+                Err(e) => Some(format!("it cannot be read: {e}")),
             },
-        }
+        };
+        why.map(|why| Warning::not_carried(format!("{}.{name}", prim.path()), why))
     }
 }
 
@@ -259,12 +262,13 @@ fn applied(prim: &Prim, wanted: &[&str]) -> Result<Vec<Token>, Error> {
     Ok(all)
 }
 
-fn subset_record(subset: &Prim, model: &sdf::Path, warnings: &mut Vec<Warning>) -> Result<SubsetRecord, Error> {
+/// What products have of a subset. Warns of bindings that they lack.
+fn subset_record(subset: &Prim, model: &sdf::Path) -> Result<(SubsetRecord, Warnings), Error> {
     let path = subset.path();
     let sites = subset.prim_stack().or_unreadable(path)?;
     let mut fields = metadata(subset.stage(), path, &sites).or_unreadable(path)?;
     fields.retain(|(key, _)| !COMPOSITION.iter().any(|k| k.as_str() == key));
-    let mut carried = Vec::new();
+    let (mut carried, mut warnings) = (Vec::new(), Warnings::default());
     for name in property_names(subset)? {
         if !name.starts_with(names::MATERIAL_BINDING) && name != names::SHARPNESS {
             continue;
@@ -275,7 +279,8 @@ fn subset_record(subset: &Prim, model: &sdf::Path, warnings: &mut Vec<Warning>) 
             None => carried.push(record),
         }
     }
-    Ok(SubsetRecord { metadata: fields, applied: applied(subset, &[names::MATERIAL_BINDING_API])?, carried })
+    let applied = applied(subset, &[names::MATERIAL_BINDING_API])?;
+    Ok((SubsetRecord { metadata: fields, applied, carried }, warnings))
 }
 
 /// The prims beside a model.

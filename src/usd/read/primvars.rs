@@ -2,7 +2,7 @@
 
 use super::query::{OrUnreadable, interpolation, primvar_names, value};
 use super::shapes::BlendShape;
-use crate::error::{Error, ErrorCode, Warning};
+use crate::error::{Error, ErrorCode, Warning, Warnings};
 use crate::garment::{Interpolation, PrimvarInput, PrimvarRole};
 use crate::usd::assets::resolved;
 use crate::usd::names::{self, UsdToken};
@@ -31,9 +31,8 @@ pub fn read_primvars(
     prim: &Prim,
     time: Option<TimeCode>,
     declarations: &mut Declarations,
-    warnings: &mut Vec<Warning>,
-) -> Result<Vec<PrimvarInput>, Error> {
-    let mut found = Vec::new();
+) -> Result<(Vec<PrimvarInput>, Warnings), Error> {
+    let (mut found, mut warnings) = (Vec::new(), Warnings::default());
     for name in primvar_names(prim)? {
         let property = format!("{}{name}", names::PRIMVARS);
         let interpolation = interpolation(prim, &property)?;
@@ -45,7 +44,7 @@ pub fn read_primvars(
             Err(e) => warnings.push(Warning::unread(format!("primvars:{name}"), &e)),
         }
     }
-    Ok(found)
+    Ok((found, warnings))
 }
 
 /// Reads the attribute `normals` of a polygonal mesh. None where a primvar replaces it, or where it does not have one

@@ -1,7 +1,7 @@
 //! Reading blend shapes (`UsdSkelBlendShape`) below the model or bound to it.
 
 use super::query::{OrUnreadable, is_a, prim_at, prim_name, property_names, value};
-use crate::error::{Error, ErrorCode, Warning};
+use crate::error::{Error, ErrorCode, Warning, Warnings};
 use crate::garment::{Interpolation, Meaning, PrimvarInput, PrimvarRole, Values};
 use crate::usd::names;
 use crate::usd::record::{Depth, Record};
@@ -20,18 +20,16 @@ pub struct BlendShape {
     pub properties: Vec<Record>,
 }
 
+/// Blend shapes and their offsets.
+type Shapes = (Vec<BlendShape>, Vec<PrimvarInput>);
+
 /// Reads the blend shapes of a model of `points` points, and their offsets. Those that cannot be read become warnings.
 ///
 /// # Errors
 /// A stage that cannot be queried.
-pub fn read_shapes(
-    prim: &Prim,
-    time: Option<TimeCode>,
-    points: usize,
-    warnings: &mut Vec<Warning>,
-) -> Result<(Vec<BlendShape>, Vec<PrimvarInput>), Error> {
-    let (mut found, mut primvars) = (Vec::new(), Vec::new());
-    for (path, binding) in targets(prim, time, warnings)? {
+pub fn read_shapes(prim: &Prim, time: Option<TimeCode>, points: usize) -> Result<(Shapes, Warnings), Error> {
+    let (mut found, mut primvars, mut warnings) = (Vec::new(), Vec::new(), Warnings::default());
+    for (path, binding) in warnings.absorb(targets(prim, time)?) {
         match read_shape(prim, &path, binding, found.len(), points) {
             Ok((shape, offsets)) => {
                 found.push(shape);
@@ -40,36 +38,34 @@ pub fn read_shapes(
             Err(e) => warnings.push(Warning::unread(format!("blend shape {path}"), &e)),
         }
     }
-    Ok((found, primvars))
+    Ok(((found, primvars), warnings))
 }
 
-/// The blend shapes that the model is bound to, in that order, then those below it; each with its name in the binding.
-fn targets(
-    prim: &Prim,
-    time: Option<TimeCode>,
-    warnings: &mut Vec<Warning>,
-) -> Result<Vec<(Path, Option<String>)>, Error> {
+/// A blend shape with its name in the binding.
+type Target = (Path, Option<String>);
+
+/// The blend shapes that the model is bound to, in that order, then those below it. Warns of a binding that does not name each.
+fn targets(prim: &Prim, time: Option<TimeCode>) -> Result<(Vec<Target>, Warnings), Error> {
     let bound = match value(prim, names::SKEL_BLEND_SHAPES, time) {
         Ok(Some(Value::TokenVec(tokens))) => tokens,
         _ => Vec::new(),
     };
     let paths = prim.relationship(names::SKEL_BLEND_SHAPE_TARGETS).targets().or_unreadable(prim.path())?;
     let is_paired = bound.len() == paths.len();
-    if !is_paired {
-        warnings.push(Warning::not_carried(
-            format!("the binding of {}.{}", prim.path(), names::SKEL_BLEND_SHAPES),
-            format!("it names {} shapes, but there are {} targets", bound.len(), paths.len()),
-        ));
-    }
+    let unpaired = (!is_paired).then(|| {
+        let place = format!("the binding of {}.{}", prim.path(), names::SKEL_BLEND_SHAPES);
+        let why = format!("it names {} shapes, but there are {} targets", bound.len(), paths.len());
+        Warning::not_carried(place, why)
+    });
     let name = |i: usize| is_paired.then(|| bound[i].as_str().to_owned());
-    let mut all: Vec<(Path, Option<String>)> = paths.into_iter().enumerate().map(|(i, p)| (p, name(i))).collect();
+    let mut all: Vec<Target> = paths.into_iter().enumerate().map(|(i, p)| (p, name(i))).collect();
     for child in prim.children().or_unreadable(prim.path())? {
         let is_shape = is_a(&child, names::BLEND_SHAPE)? && child.is_active().or_unreadable(child.path())?;
         if is_shape && all.iter().all(|(path, _)| path != child.path()) {
             all.push((child.path().clone(), None));
         }
     }
-    Ok(all)
+    Ok((all, Warnings::from_iter(unpaired)))
 }
 
 /// Reads one shape; the error is the reason why it cannot be carried.

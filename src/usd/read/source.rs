@@ -53,7 +53,7 @@ pub struct Source {
     pub(super) garment: Result<GarmentInput, Error>,
     pub(super) recipe: Result<Map<String, Json>, Error>,
     pub(super) facts: Facts,
-    pub(super) warnings: Vec<Warning>,
+    pub(super) warnings: Warnings,
     pub(super) records: Vec<(PathBuf, BuildRecord)>,
     pub(super) seams: Vec<PanelSeam>,
 }
@@ -96,24 +96,19 @@ impl Source {
         origin: StageOrigin,
         time: Option<TimeCode>,
     ) -> Result<Self, Error> {
-        let mut warnings = Vec::new();
-        let (garment, declarations) = match read_mesh(prim, time, &mut warnings) {
+        let mut of_mesh = Warnings::default();
+        let (garment, declarations) = match read_mesh(prim, time).map(|read| of_mesh.absorb(read)) {
             Ok((garment, declarations)) => (Ok(garment), declarations),
             Err(e) => (Err(e), Declarations::default()),
         };
         let is_normals = |p: &PrimvarInput| p.role == PrimvarRole::Normals;
         let has_normals = garment.as_ref().is_ok_and(|g: &GarmentInput| g.primvars.iter().any(is_normals));
-        let model = Model::take(prim, time, origin, declarations, has_normals, &mut warnings)?;
+        let model = of_mesh.absorb(Model::take(prim, time, origin, declarations, has_normals)?);
         let facts = gather(prim, &model, time)?;
         let recipe = read_recipe(prim, time);
-        let faults = stage.composition_errors();
-        warnings.splice(
-            0..0,
-            faults.iter().map(|e| {
-                let problem = format!("the stage does not compose fully: {}", in_words(e));
-                Warning::new(Code::Composition, model.origin.file.display(), problem).remedy(remedy(e))
-            }),
-        );
+        // Prims are composed when they are read.
+        let mut warnings = composition(stage, &model.origin.file);
+        warnings.extend(of_mesh);
         let records = BuildRecord::in_layers(stage);
         Ok(Self { model, garment, recipe, facts, warnings, records, seams: Vec::new() })
     }
@@ -122,9 +117,8 @@ impl Source {
     ///
     /// # Errors
     /// An attribute that is needed and is missing, of the wrong type or unreadable.
-    pub fn garment(&self, warnings: &mut Warnings) -> Result<GarmentInput, Error> {
-        self.warnings.iter().for_each(|w| warnings.push(w.clone()));
-        self.garment.clone()
+    pub fn garment(&self) -> Result<(GarmentInput, Warnings), Error> {
+        Ok((self.garment.clone()?, self.warnings.clone()))
     }
 
     /// The recipe in the model's own properties (namespace `tailor:`), as nested objects; relationships become arrays of
@@ -186,4 +180,13 @@ impl Source {
     pub fn seams(&self) -> &[PanelSeam] {
         &self.seams
     }
+}
+
+/// Warnings of arcs that fail to compose.
+fn composition(stage: &Stage, file: &Path) -> Warnings {
+    let warning = |e| {
+        let problem = format!("the stage does not compose fully: {}", in_words(e));
+        Warning::new(Code::Composition, file.display(), problem).remedy(remedy(e))
+    };
+    stage.composition_errors().iter().map(warning).collect()
 }

@@ -2,7 +2,7 @@
 
 use super::Moved;
 use super::stream::{ATTRIBUTES, extent, sampled, type_of, unwritable};
-use crate::error::{Error, ErrorCode, Warnings, plain};
+use crate::error::{Error, ErrorCode, plain};
 use crate::usd::names;
 use crate::usd::write::{OutputFile, PREFIX, Unfinished};
 use openusd::gf::Vec2d;
@@ -94,9 +94,7 @@ impl Clips {
     }
 
     fn save(&self, layer: Data, name: &str) -> Result<(), Error> {
-        OutputFile::find(&self.temporary.path().join(name), |_| Ok(false), false)?
-            .save(layer, &mut Warnings::default())
-            .map(drop)
+        OutputFile::find(&self.temporary.path().join(name), |_| Ok(false), false)?.save(layer).map(drop)
     }
 
     /// Writes the manifest, gives the folder its name, and authors the clips on the meshes.

@@ -8,7 +8,7 @@ use super::bound::Bound;
 use super::cache::RATE;
 use super::clips::Clips;
 use super::{DriveOptions, Moved};
-use crate::error::{Error, ErrorCode, Warnings};
+use crate::error::{Error, ErrorCode};
 use crate::usd::assets::same_file;
 use crate::usd::names;
 use crate::usd::read::first_used;
@@ -147,11 +147,11 @@ impl ShotWriter {
         match std::mem::replace(&mut self.out, Frames::Memory(Vec::new())) {
             Frames::Memory(mut arrays) => {
                 self.author(|place| Value::Vec3fVec(std::mem::take(&mut arrays[place as usize])))?;
-                self.file.save(self.layer, &mut Warnings::default()).map(drop)
+                self.file.save(self.layer).map(drop)
             }
             Frames::Clips(clips) => {
                 clips.author(&mut self.layer, &self.paths)?;
-                self.file.save(self.layer, &mut Warnings::default()).map(drop)
+                self.file.save(self.layer).map(drop)
             }
             Frames::Stream { out, position } => {
                 let mut places = Vec::new();

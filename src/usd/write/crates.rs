@@ -39,8 +39,9 @@ pub fn encode(data: &Data) -> Result<Vec<u8>, Error> {
     Ok(out.into_inner())
 }
 
-/// Removes single `half2` values, which the crate writer writes wrongly, and reports them.
-pub fn remove_unwritable(data: &mut Data, warnings: &mut Warnings) {
+/// Removes single `half2` values, which the crate writer writes wrongly, and warns of them.
+pub fn remove_unwritable(data: &mut Data) -> Warnings {
+    let mut warnings = Warnings::default();
     let is_half2 = |v: &Value| matches!(v, Value::Vec2h(_));
     for path in data.spec_paths() {
         let Some(spec) = data.spec_mut(&path) else { continue };
@@ -54,6 +55,7 @@ pub fn remove_unwritable(data: &mut Data, warnings: &mut Warnings) {
             !unwritable
         });
     }
+    warnings
 }
 
 fn needs_new_version(value: &Value) -> bool {

@@ -22,7 +22,7 @@ const STACK: &[FieldKey] = &[
 ///
 /// # Errors
 /// A stage that cannot be opened again.
-pub fn flattened(model: &Model, left_out: &[Path], anchor: Anchor, warnings: &mut Warnings) -> Result<Data, Error> {
+pub fn flattened(model: &Model, left_out: &[Path], anchor: Anchor) -> Result<(Data, Warnings), Error> {
     let fault = |e: openusd::Error| {
         Error::usd(format!("{} cannot be flattened: {e}", model.origin.file.display()))
             .code(ErrorCode::CompositionFailed)
@@ -30,13 +30,13 @@ pub fn flattened(model: &Model, left_out: &[Path], anchor: Anchor, warnings: &mu
     let stage = model.origin.open()?;
     let mut paths = all_prims(&stage, &model.origin.file, PrimPredicate::ALL, true)?;
     paths.retain(|path| !left_out.iter().any(|left| path.has_prefix(left)));
-    let mut flat = Flat { data: Data::new(), anchor, warnings };
+    let mut flat = Flat { data: Data::new(), anchor, warnings: Warnings::default() };
     flat.root(&stage).map_err(fault)?;
     for path in paths {
         flat.prim(&prim_at(&stage, &path)?).map_err(fault)?;
     }
     check_paths(&flat.data)?;
-    Ok(flat.data)
+    Ok((flat.data, flat.warnings))
 }
 
 /// Refuses files whose paths cannot be read back.
@@ -60,7 +60,7 @@ fn check_paths(data: &Data) -> Result<(), Error> {
 struct Flat<'a> {
     data: Data,
     anchor: Anchor<'a>,
-    warnings: &'a mut Warnings,
+    warnings: Warnings,
 }
 
 impl Flat<'_> {

@@ -45,7 +45,7 @@ pub struct Written {
 }
 
 /// Writes `products` as siblings of the model of `source` into the file `out`, whose name decides the format. The file is
-/// written completely or not at all; the input and its layers are never written to.
+/// written completely or not at all; the input and its layers are never written to. Warns of what is not written.
 ///
 /// # Errors
 /// A name that is taken, a file that may not or cannot be written.
@@ -54,9 +54,8 @@ pub fn write(
     products: &[Product],
     out: &Path,
     options: &WriteOptions,
-    warnings: &mut Warnings,
-) -> Result<Written, Error> {
-    write_all(&[Tailored { source, products, variant: None }], out, options, warnings)
+) -> Result<(Written, Warnings), Error> {
+    write_all(&[Tailored { source, products, variant: None }], out, options)
 }
 
 /// A garment with its products.
@@ -74,21 +73,16 @@ pub struct Tailored<'a> {
 ///
 /// # Errors
 /// As [`write()`].
-pub fn write_all(
-    garments: &[Tailored],
-    out: &Path,
-    options: &WriteOptions,
-    warnings: &mut Warnings,
-) -> Result<Written, Error> {
+pub fn write_all(garments: &[Tailored], out: &Path, options: &WriteOptions) -> Result<(Written, Warnings), Error> {
     let first = garments.first().ok_or_else(|| Error::internal("there is no garment to write"))?;
     let file = OutputFile::find(out, |file| first.source.model.uses(file), options.force)?;
     on_large_stack(|| {
         let is_package = file.format == Format::Usdz;
         let anchor = if is_package { Anchor::Root } else { Anchor::Folder(&file.folder) };
         let frame = Frame { flatten: is_package || options.flatten, anchor, sublayer: None };
-        let data = compose(garments, frame, options, warnings)?;
-        let packed = if options.dry_run { file.rehearse(data, warnings)? } else { file.save(data, warnings)? };
-        Ok(Written { packed })
+        let (data, mut warnings) = compose(garments, frame, options)?;
+        let packed = warnings.absorb(if options.dry_run { file.rehearse(data)? } else { file.save(data)? });
+        Ok((Written { packed }, warnings))
     })
 }
 
@@ -120,25 +114,25 @@ pub fn layer_bytes(
     format: Format,
     surroundings: Surroundings,
     options: &WriteOptions,
-    warnings: &mut Warnings,
-) -> Result<Vec<u8>, Error> {
+) -> Result<(Vec<u8>, Warnings), Error> {
     let folder = surroundings.folder.map(|f| f.canonicalize().unwrap_or_else(|_| f.to_path_buf()));
     on_large_stack(|| {
         let anchor = folder.as_deref().map_or(Anchor::Root, Anchor::Folder);
         let frame = Frame { flatten: options.flatten, anchor, sublayer: surroundings.source };
-        let mut data = compose(&[Tailored { source, products, variant: None }], frame, options, warnings)?;
-        match format {
+        let (mut data, mut warnings) = compose(&[Tailored { source, products, variant: None }], frame, options)?;
+        let bytes = match format {
             Format::Usda => TextWriter::write_to_string(&data).map(String::into_bytes).map_err(|e| {
                 Error::usd(format!("the layer cannot be written as text: {e}")).code(ErrorCode::WriteFailed)
             }),
             Format::Usdc => {
-                remove_unwritable(&mut data, warnings);
+                warnings.extend(remove_unwritable(&mut data));
                 encode_plainly(&mut data)
             }
             Format::Usdz => Err(Error::usd("a .usdz package is not a layer")
                 .code(ErrorCode::OutputPath)
                 .remedy("choose text or crate")),
-        }
+        };
+        Ok((bytes?, warnings))
     })
 }
 
@@ -154,12 +148,7 @@ pub struct Frame<'a> {
 }
 
 /// The layer with the products of all garments, which are of one stage.
-fn compose(
-    garments: &[Tailored],
-    frame: Frame,
-    options: &WriteOptions,
-    warnings: &mut Warnings,
-) -> Result<sdf::Data, Error> {
+fn compose(garments: &[Tailored], frame: Frame, options: &WriteOptions) -> Result<(sdf::Data, Warnings), Error> {
     let mut replaced = Vec::new();
     for Tailored { source, products, .. } in garments {
         check_names(&source.model, products)?;
@@ -172,16 +161,16 @@ fn compose(
             .remedy("write .usd, .usda or .usdc, over the input"));
     }
     let stage = &garments[0].source.model;
-    let mut data = match frame.flatten {
-        true => flattened(stage, &replaced, frame.anchor, warnings)?,
-        false => overlay(stage, frame)?,
+    let (mut data, mut warnings) = match frame.flatten {
+        true => flattened(stage, &replaced, frame.anchor)?,
+        false => (overlay(stage, frame)?, Warnings::default()),
     };
     for of_variant in garments.chunk_by(|a, b| a.variant == b.variant) {
         match of_variant[0].variant {
-            None => of_variant.iter().try_for_each(|garment| author(&mut data, garment, frame, warnings))?,
+            None => warnings.extend(author(&mut data, of_variant, frame)?),
             Some(variant) => {
                 let mut part = overlay(stage, frame)?;
-                of_variant.iter().try_for_each(|garment| author(&mut part, garment, frame, warnings))?;
+                warnings.extend(author(&mut part, of_variant, frame)?);
                 move_into_variant(&mut data, &part, variant).map_err(fault)?;
             }
         }
@@ -195,7 +184,7 @@ fn compose(
     if let Some(record) = &options.record {
         record.author(&mut data)?;
     }
-    Ok(data)
+    Ok((data, warnings))
 }
 
 #[expect(clippy::needless_pass_by_value, reason = "it is given to map_err")]
@@ -203,15 +192,18 @@ fn fault(error: openusd::Error) -> Error {
     Error::usd(format!("the layer cannot be composed: {error}")).code(ErrorCode::CompositionFailed)
 }
 
-/// Authors the products of a garment.
-fn author(data: &mut sdf::Data, garment: &Tailored, frame: Frame, warnings: &mut Warnings) -> Result<(), Error> {
-    let Tailored { source, products, .. } = garment;
-    let mut author = Author { data, model: &source.model, anchor: frame.anchor, is_overlay: !frame.flatten };
-    for product in *products {
-        author.product(product, warnings).map_err(fault)?;
+/// Authors the products of garments.
+fn author(data: &mut sdf::Data, garments: &[Tailored], frame: Frame) -> Result<Warnings, Error> {
+    let mut warnings = Warnings::default();
+    for Tailored { source, products, .. } in garments {
+        let mut author = Author { data, model: &source.model, anchor: frame.anchor, is_overlay: !frame.flatten };
+        for product in *products {
+            warnings.extend(author.product(product).map_err(fault)?);
+        }
+        author.bindings(products).map_err(fault)?;
+        warnings.extend(author.physics(products)?);
     }
-    author.bindings(products).map_err(fault)?;
-    author.physics(products, warnings)
+    Ok(warnings)
 }
 
 fn check_names(model: &Model, products: &[Product]) -> Result<(), Error> {

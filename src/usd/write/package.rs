@@ -29,10 +29,10 @@ pub struct Packed {
 ///
 /// # Errors
 /// A value that a crate cannot hold. A file that cannot be read, or is of no kind that stages use, becomes a warning.
-pub fn package(mut data: Data, stem: &str, warnings: &mut Warnings) -> Result<Packed, Error> {
+pub fn package(mut data: Data, stem: &str) -> Result<(Packed, Warnings), Error> {
     let mut package = Package::default();
-    package.collect(&mut data, warnings);
-    remove_unwritable(&mut data, warnings);
+    package.collect(&mut data);
+    package.warnings.extend(remove_unwritable(&mut data));
     let layer = encode(&data)?;
     // Built in memory, as the archive's writer reports a full disk on standard error.
     let mut whole = io::Cursor::new(Vec::with_capacity(layer.len()));
@@ -44,7 +44,7 @@ pub fn package(mut data: Data, stem: &str, warnings: &mut Warnings) -> Result<Pa
     }
     archive.finish().map_err(fault)?;
     package.files.sort();
-    Ok(Packed { bytes: whole.into_inner(), files: package.files })
+    Ok((Packed { bytes: whole.into_inner(), files: package.files }, package.warnings))
 }
 
 /// The files of a package besides its layer.
@@ -56,21 +56,23 @@ struct Package {
     files: Vec<PathBuf>,
     /// Name of the entry of each file.
     names: BTreeMap<String, String>,
+    /// Warnings of files that are not packed.
+    warnings: Warnings,
 }
 
 impl Package {
     /// Collects the files that `data` uses, and changes its asset paths to their entries.
-    fn collect(&mut self, data: &mut Data, warnings: &mut Warnings) {
+    fn collect(&mut self, data: &mut Data) {
         for path in data.spec_paths() {
             for (_, value) in data.spec_mut(&path).into_iter().flat_map(|spec| &mut spec.fields) {
                 let files = mem::replace(value, Value::ValueBlock);
-                *value = files.map_asset_paths(&mut |asset| self.packed(asset, warnings));
+                *value = files.map_asset_paths(&mut |asset| self.packed(asset));
             }
         }
     }
 
     /// The path of a file's entry.
-    fn packed(&mut self, asset: AssetPath, warnings: &mut Warnings) -> AssetPath {
+    fn packed(&mut self, asset: AssetPath) -> AssetPath {
         let file = asset.as_str();
         if !Path::new(file).is_absolute() {
             return asset;
@@ -78,7 +80,8 @@ impl Package {
         match self.entry(file) {
             Ok(name) => AssetPath::new(name),
             Err(e) => {
-                warnings.push(Warning::not_carried(format!("the file @{file}@"), format!("it cannot be packed: {e}")));
+                let (place, why) = (format!("the file @{file}@"), format!("it cannot be packed: {e}"));
+                self.warnings.push(Warning::not_carried(place, why));
                 asset
             }
         }

@@ -29,11 +29,11 @@ pub struct Author<'a> {
 }
 
 impl Author<'_> {
-    /// Authors `product` as a sibling of the model.
+    /// Authors `product` as a sibling of the model. Warns of primvars that no file can hold.
     ///
     /// # Errors
     /// A name or type that the layer does not admit.
-    pub fn product(&mut self, product: &Product, warnings: &mut Warnings) -> openusd::Result<()> {
+    pub fn product(&mut self, product: &Product) -> openusd::Result<Warnings> {
         let path = self.model.sibling_path(product.name)?;
         let model = self.model;
         PrimSpec::new(self.data, &path, Specifier::Def, names::MESH)?;
@@ -46,18 +46,19 @@ impl Author<'_> {
         }
         self.mesh(&path, product.role, product.mesh)?;
         let of_role = |role| product.mesh.primvars.iter().filter(move |p| p.role == role);
+        let mut warnings = Warnings::default();
         for primvar in of_role(PrimvarRole::Primvar) {
-            self.primvar(&path, primvar, warnings)?;
+            warnings.extend(self.primvar(&path, primvar)?);
         }
         for normals in of_role(PrimvarRole::Normals) {
-            self.normals(&path, normals, warnings)?;
+            warnings.extend(self.normals(&path, normals)?);
         }
         self.subsets(&path, product.mesh)?;
         self.shapes(&path, product.mesh)?;
-        match before {
-            Some(before) => self.block_earlier(&path, before),
-            None => Ok(()),
+        if let Some(before) = before {
+            self.block_earlier(&path, before)?;
         }
+        Ok(warnings)
     }
 
     /// Authors where the points of the render mesh and of the model are bound.
@@ -218,11 +219,10 @@ impl Author<'_> {
         Ok(())
     }
 
-    fn primvar(&mut self, prim: &Path, primvar: &Primvar, warnings: &mut Warnings) -> openusd::Result<()> {
+    fn primvar(&mut self, prim: &Path, primvar: &Primvar) -> openusd::Result<Option<Warning>> {
         let name = format!("{}{}", names::PRIMVARS, primvar.name);
         let Some((type_name, value)) = array(primvar, &self.restated(primvar)) else {
-            warnings.push(misfit(prim, &name));
-            return Ok(());
+            return Ok(Some(misfit(prim, &name)));
         };
         let record = self.model.declarations.primvars.get(&primvar.name);
         let path = self.declare(prim, &name, type_name, record)?;
@@ -245,21 +245,20 @@ impl Author<'_> {
             let indices = indices.iter().map(|&i| i as i32).collect();
             self.data.set_field(&path, FieldKey::Default.as_str(), Value::IntVec(indices));
         }
-        Ok(())
+        Ok(None)
     }
 
     /// Authors the attribute `normals`, which has no indices.
-    fn normals(&mut self, prim: &Path, primvar: &Primvar, warnings: &mut Warnings) -> openusd::Result<()> {
+    fn normals(&mut self, prim: &Path, primvar: &Primvar) -> openusd::Result<Option<Warning>> {
         let rows = (0..primvar.elements()).map(|i| primvar.row(i));
         let Some((type_name, value)) = array(primvar, &primvar.values.gather(primvar.width(), rows)) else {
-            warnings.push(misfit(prim, names::NORMALS));
-            return Ok(());
+            return Ok(Some(misfit(prim, names::NORMALS)));
         };
         self.attribute(prim, names::NORMALS, type_name, Variability::Varying, value)?;
         let path = prim.append_property(names::NORMALS)?;
         let interpolation = Value::Token(Token::from(primvar.interpolation.token()));
         self.data.set_field(&path, names::INTERPOLATION, interpolation);
-        Ok(())
+        Ok(None)
     }
 
     /// Declares an attribute as the model does, or, without a record of the same type, as a varying one.

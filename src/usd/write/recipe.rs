@@ -2,7 +2,7 @@
 
 use super::layer::{Frame, overlay};
 use super::save::{Format, OutputFile};
-use crate::error::{Error, ErrorCode, Warnings};
+use crate::error::{Error, ErrorCode};
 use crate::usd::assets::Anchor;
 use crate::usd::read::{Files, Model, ReadOptions, Selection, Source, select};
 use crate::usd::values::decimal;
@@ -93,7 +93,7 @@ pub fn write_recipe(
             true => edited(&source.model, opinions, &file, replaced)?,
         };
         let written = if file.format == Format::Usda { with_short_floats(data.clone()) } else { data.clone() };
-        file.save_verified(written, &mut Warnings::default(), |temporary| {
+        file.save_verified(written, |temporary| {
             same_content(&data, temporary, out)?;
             verify(temporary)
         })

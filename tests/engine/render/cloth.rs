@@ -3,7 +3,6 @@
 use crate::common::sheets::{grid_faces, mesh, with_edges, with_uvs};
 use glam::Vec3;
 use std::collections::BTreeSet;
-use tailor::error::Warnings;
 use tailor::internals::garment::{Elements, Garment, GarmentInput, SubsetInput, check_garment};
 use tailor::internals::mesh::{FaceId, IdVec, VertexId};
 use tailor::internals::subdivide::{Level, carried_points};
@@ -79,7 +78,7 @@ pub fn torus() -> GarmentInput {
 
 /// The checked garment.
 pub fn checked(input: GarmentInput) -> Garment {
-    check_garment(input, &mut Warnings::default()).unwrap_or_else(|e| panic!("{e}"))
+    check_garment(input).unwrap_or_else(|e| panic!("{e}")).0
 }
 
 /// Limit positions of a mesh's vertices.

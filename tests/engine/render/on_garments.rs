@@ -8,7 +8,7 @@ use crate::common::operators::{border_panels, rendered};
 use glam::Vec3;
 use std::collections::BTreeSet;
 use std::sync::Arc;
-use tailor::error::{Code, Warnings};
+use tailor::error::Code;
 use tailor::internals::build::mean_edge_length;
 use tailor::internals::garment::{Garment, Interpolation, Meaning, Primvar, PrimvarRole, Values, check_garment};
 use tailor::internals::mesh::{FaceId, VertexId};
@@ -35,8 +35,8 @@ pub fn load() -> Vec<(String, Garment)> {
     for file in garments() {
         let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let source = Source::open(&file, &ReadOptions::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
-        let input = source.garment(&mut Warnings::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
-        let mut garment = check_garment(input, &mut Warnings::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let (input, _) = source.garment().unwrap_or_else(|e| panic!("{name}: {e}"));
+        let (mut garment, _) = check_garment(input).unwrap_or_else(|e| panic!("{name}: {e}"));
         Arc::make_mut(&mut garment.primvars).push(Primvar {
             name: PARENT.into(),
             role: PrimvarRole::Primvar,

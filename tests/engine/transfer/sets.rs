@@ -5,7 +5,7 @@ use crate::common::built::{Built, build, build_with};
 use crate::common::garments::garments;
 use crate::common::nearest::Nearest;
 use std::collections::BTreeSet;
-use tailor::error::{Code, Warnings};
+use tailor::error::Code;
 use tailor::internals::garment::{Elements, Family, FamilyType, Garment, GarmentInput, SubsetInput};
 use tailor::internals::mesh::{EdgeId, FaceId, IdVec, Topology, VertexId};
 use tailor::internals::sim::SimOptions;
@@ -45,8 +45,7 @@ fn independent(built: &Built) -> Coverage {
 /// A garment as the command builds it, with more options.
 pub fn garment(file: &std::path::Path, more: &[&str]) -> Built {
     let source = Source::open(file, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
-    let mut warnings = Warnings::default();
-    let input = source.garment(&mut warnings).unwrap_or_else(|e| panic!("{e}"));
+    let (input, mut warnings) = source.garment().unwrap_or_else(|e| panic!("{e}"));
     let mut layers = Layers::default();
     warnings.extend(layers.add_attributes(source.recipe().unwrap_or_else(|e| panic!("{e}"))));
     more.iter().for_each(|o| layers.add_override(o).unwrap_or_else(|e| panic!("{e}")));

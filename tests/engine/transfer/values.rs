@@ -216,7 +216,7 @@ fn skinning_poses_the_mesh_as_the_input_at_its_places() {
     let mut files: Vec<GarmentInput> = vec![sheet(6, 6)];
     for file in garments() {
         let source = tailor::usd::Source::open(&file, &Default::default()).unwrap_or_else(|e| panic!("{e}"));
-        files.push(source.garment(&mut Default::default()).unwrap_or_else(|e| panic!("{e}")));
+        files.push(source.garment().unwrap_or_else(|e| panic!("{e}")).0);
     }
     for input in files {
         let built = build(input, &[]);

@@ -9,7 +9,7 @@ mod recipes;
 use choices::Choices;
 use std::path::Path;
 use std::sync::Arc;
-use tailor::error::{Error, ErrorKind, Warnings};
+use tailor::error::{Error, ErrorKind};
 use tailor::recipe::{Layers, RecipeFile};
 use tailor::session::Document;
 use tailor::usd::{ReadOptions, Source};
@@ -47,10 +47,9 @@ pub fn document(data: &[u8]) {
 
 /// The bytes of a layer, text or crate, as `usdtailor check` reads it.
 pub fn layer(data: &[u8]) {
-    let mut warnings = Warnings::default();
     let source = Source::from_layer(Arc::from(data), Path::new("a.usd"), &ReadOptions::default());
     let Some(source) = sound(source) else { return };
-    let Some(mesh) = sound(source.garment(&mut warnings)) else { return };
+    let Some((mesh, mut warnings)) = sound(source.garment()) else { return };
     let Some(attributes) = sound(source.recipe()) else { return };
     let mut layers = Layers::default();
     warnings.extend(layers.add_attributes(attributes));

@@ -1,7 +1,6 @@
 //! Every fault that a garment can have, each with what is said of it.
 
 use super::{cloth, subset, varying};
-use crate::error::Warnings;
 use crate::garment::{Family, FamilyType, GarmentInput, Interpolation, PrimvarInput, Scheme, Values, check_garment};
 
 /// One way to break the cloth, and what must be said of it.
@@ -34,8 +33,8 @@ fn each_is_told(faults: &[Fault]) {
     for row in faults {
         let mut input = cloth();
         (row.breaks)(&mut input);
-        let (expected, mut warnings) = (row.fault, Warnings::default());
-        let Err(error) = check_garment(input, &mut warnings) else { panic!("not found: {expected}") };
+        let expected = row.fault;
+        let Err(error) = check_garment(input) else { panic!("not found: {expected}") };
         let [problem] = error.faults.as_slice() else { panic!("{expected}: told with others\n{error}") };
         assert_eq!(error.more, 0, "{expected}");
         assert_eq!(attribute(&problem.place), row.attribute, "{expected}\n{error}");
@@ -185,7 +184,7 @@ fn an_index_without_values_is_told() {
     let mut input = cloth();
     input.primvars = vec![PrimvarInput { indices: Some(vec![0; 9]), ..varying() }];
     floats(&mut input, 0).clear();
-    let error = check_garment(input, &mut Warnings::default()).expect_err("there are no values");
+    let error = check_garment(input).expect_err("there are no values");
     assert!(error.faults[0].text.contains("point 0 names value 0, but there are no values"), "{error}");
     assert_eq!((error.faults.len(), error.more), (5, 4));
 }
@@ -254,7 +253,7 @@ fn faults_of_subsets() {
 #[test]
 fn a_mesh_without_faces_is_told() {
     let bare = GarmentInput { points: cloth().points, prim: "/Coat/model".into(), ..GarmentInput::default() };
-    let error = check_garment(bare, &mut Warnings::default()).expect_err("there are no faces");
+    let error = check_garment(bare).expect_err("there are no faces");
     assert_eq!(
         error.to_string(),
         "/Coat/model.faceVertexCounts: the mesh has no faces\n  hint: author the faces, or name another mesh with --prim"
@@ -272,7 +271,7 @@ fn independent_faults_are_told_together_in_a_fixed_order() {
     input.primvars[1].element_size = 0;
     st_indices(&mut input)[0] = 77;
     input.subsets[4].indices[1] = 8;
-    let error = check_garment(input, &mut Warnings::default()).expect_err("broken throughout");
+    let error = check_garment(input).expect_err("broken throughout");
     let attributes: Vec<&str> = error.faults.iter().map(|p| attribute(&p.place)).collect();
     let expected = [
         "points",

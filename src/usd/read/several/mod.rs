@@ -101,7 +101,7 @@ fn seams(sources: &[Source], tolerance: f64) -> Result<Seams, Error> {
     for source in sources {
         let mesh = source.garment.as_ref().map_err(Clone::clone)?;
         // Faults name the elements of the mesh itself, so each is checked before it is part of another.
-        check_garment(mesh.clone(), &mut crate::error::Warnings::default())?;
+        check_garment(mesh.clone())?;
         meshes.push((mesh, source.model.transforms.to_world));
     }
     find_seams(&meshes, tolerance)

@@ -39,9 +39,9 @@ pub fn sewn(
     let space = transforms(&prim_at(stage, &parent)?, time)?.to_world;
     let to_space = to_space(&panels, &parent, space)?;
     check_skinning(&panels, &to_space)?;
-    let mut warnings = Vec::new();
+    let mut warnings: Warnings = panels.iter().flat_map(|panel| panel.warnings.iter().cloned()).collect();
     let mut declarations = declarations(&panels);
-    let (carried, unlike) = shared_properties(&panels, &mut warnings);
+    let (carried, unlike) = warnings.absorb(shared_properties(&panels));
     let mut meshes = Vec::with_capacity(panels.len());
     for (panel, to_space) in panels.iter().zip(&to_space) {
         let mut mesh = panel.garment.clone()?;
@@ -66,9 +66,7 @@ pub fn sewn(
         ..first.model.clone()
     };
     let units = units(first, space);
-    let mut notes = Warnings::default();
-    let mut sewn = merge(name(&model), units, meshes, &welds(members, seams), &mut notes)?;
-    warnings.extend(notes);
+    let mut sewn = warnings.absorb(merge(name(&model), units, meshes, &welds(members, seams))?);
     model.sewing = Sewing { sets: sewn.panels.clone(), points: std::mem::take(&mut sewn.points) };
     model.siblings = siblings(stage, &model)?;
     model.subsets = subset_records(&panels)?;
@@ -79,8 +77,6 @@ pub fn sewn(
         recipe::add_constraint(&mut options, &sewn.seams);
         Ok(options)
     });
-    let mut all = union(panels.iter().map(|panel| &panel.warnings));
-    all.extend(warnings);
     let mut facts = first.facts.clone();
     facts.prim = sewn.mesh.prim.clone();
     facts.transform = Vec::new();
@@ -98,7 +94,7 @@ pub fn sewn(
         gap: seam.gap,
     });
     let (seams, records) = (seams.collect(), first.records.clone());
-    Ok(Source { model, garment: Ok(sewn.mesh), recipe, facts, warnings: all, records, seams })
+    Ok(Source { model, garment: Ok(sewn.mesh), recipe, facts, warnings, records, seams })
 }
 
 /// The nearest prim above all panels.
@@ -162,10 +158,10 @@ fn declarations(panels: &[&Source]) -> Declarations {
 
 /// The properties that all panels have alike, and the constant primvars that they have not. Others become warnings, but for
 /// transforms, which the points have, and materials, which face sets have.
-fn shared_properties(panels: &[&Source], warnings: &mut Vec<Warning>) -> (Vec<Record>, Vec<String>) {
+fn shared_properties(panels: &[&Source]) -> ((Vec<Record>, Vec<String>), Warnings) {
     let is_elsewhere =
         |name: &str| name.starts_with(names::XFORM_OP) || name == names::XFORM_OP_ORDER || is_material(name);
-    let (mut shared, mut unlike) = (Vec::new(), Vec::<String>::new());
+    let (mut shared, mut unlike, mut warnings) = (Vec::new(), Vec::<String>::new(), Warnings::default());
     let of = |panel: &&Source, name: &str| panel.model.carried.iter().find(|r| r.name == name).cloned();
     for name in union(panels.iter().map(|panel| panel.model.carried.iter().map(|record| &record.name))) {
         let records: Vec<Option<Record>> = panels.iter().map(|panel| of(panel, &name)).collect();
@@ -173,7 +169,7 @@ fn shared_properties(panels: &[&Source], warnings: &mut Vec<Warning>) -> (Vec<Re
             if !name.starts_with(names::XFORM_OP) && name != names::XFORM_OP_ORDER {
                 shared.push(record.clone());
             }
-            moves(record, panels[0].prim(), warnings);
+            warnings.extend(moves(record, panels[0].prim()));
             continue;
         }
         if let Some(primvar) = name.strip_prefix(names::PRIMVARS) {
@@ -187,7 +183,7 @@ fn shared_properties(panels: &[&Source], warnings: &mut Vec<Warning>) -> (Vec<Re
             warnings.push(Warning::not_carried(format!("{name} of {}", panels.join(", ")), why));
         }
         for (panel, record) in panels.iter().zip(&records) {
-            record.iter().for_each(|record| moves(record, panel.prim(), warnings));
+            warnings.extend(record.as_ref().and_then(|record| moves(record, panel.prim())));
         }
     }
     shared.retain(|r| {
@@ -195,18 +191,15 @@ fn shared_properties(panels: &[&Source], warnings: &mut Vec<Warning>) -> (Vec<Re
             unlike.iter().any(|unlike| name.strip_suffix(names::INDICES_SUFFIX).unwrap_or(name) == unlike)
         })
     });
-    (shared, unlike)
+    ((shared, unlike), warnings)
 }
 
-/// Warns of a transform that moves with time, as the points of the garment do not.
-fn moves(record: &Record, panel: &str, warnings: &mut Vec<Warning>) {
-    if let Content::Attribute { samples: Some(samples), .. } = &record.content
-        && record.name.starts_with(names::XFORM_OP)
-        && samples.len() > 1
-    {
-        let why = "the panels are sewn together at one time; move the prim above them";
-        warnings.push(Warning::not_carried(format!("the motion of {panel}.{}", record.name), why));
-    }
+/// The warning of a transform that moves with time, as the points of the garment do not.
+fn moves(record: &Record, panel: &str) -> Option<Warning> {
+    let Content::Attribute { samples: Some(samples), .. } = &record.content else { return None };
+    let is_moving = record.name.starts_with(names::XFORM_OP) && samples.len() > 1;
+    let why = "the panels are sewn together at one time; move the prim above them";
+    is_moving.then(|| Warning::not_carried(format!("the motion of {panel}.{}", record.name), why))
 }
 
 fn is_material(name: &str) -> bool {

@@ -23,7 +23,7 @@ use super::product::Author;
 use super::role::{Product, ProductRole};
 use crate::binding::Binding;
 use crate::cloth::{Cloth, FABRICS, Fabric};
-use crate::error::{Code, Error, ErrorCode, Warning, Warnings};
+use crate::error::{Code, Error, ErrorCode, Warning};
 use crate::garment::Garment;
 use crate::mesh::FaceId;
 use crate::usd::names;
@@ -75,17 +75,17 @@ struct BoundRender<'a> {
 }
 
 impl Author<'_> {
-    /// Authors the physics of the simulation mesh among `products`, if it is cloth.
+    /// Authors the physics of the simulation mesh among `products`, if it is cloth. Warns where a mean of fabrics is written.
     ///
     /// # Errors
     /// A prim to pin to that the stage lacks; a name or type that the layer does not admit.
-    pub fn physics(&mut self, products: &[Product], warnings: &mut Warnings) -> Result<(), Error> {
+    pub fn physics(&mut self, products: &[Product]) -> Result<Option<Warning>, Error> {
         let fault =
             |e: openusd::Error| Error::usd(format!("the physics cannot be written: {e}")).code(ErrorCode::WriteFailed);
         let path = |name: &str| self.model.sibling_path(name).map_err(|e| fault(e.into()));
         let sim = products.iter().find(|product| product.role == ProductRole::Sim);
         let Some((product, cloth)) = sim.and_then(|product| Some((product, product.cloth?))) else {
-            return self.remove_physics(products).map_err(fault);
+            return self.remove_physics(products).map(|()| None).map_err(fault);
         };
         let renders = products.iter().filter(|product| product.role == ProductRole::Render);
         let renders = renders.map(|render| {
@@ -100,11 +100,9 @@ impl Author<'_> {
             panels: path(&beside(PANELS, product.name))?,
             meters: product.mesh.units.meters_per_unit,
         };
-        if cloth.fabrics.len() > 1 {
-            warnings.push(physics.mean_fabric());
-        }
         let held = self.held(&physics)?;
-        self.author_physics(&physics, &held).map_err(fault)
+        self.author_physics(&physics, &held).map_err(fault)?;
+        Ok((cloth.fabrics.len() > 1).then(|| physics.mean_fabric()))
     }
 
     /// The frame that holds the pins: the transform from the mesh to it, and its path; none for a new anchor beside the mesh.

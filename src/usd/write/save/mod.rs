@@ -114,11 +114,12 @@ impl OutputFile {
     }
 
     /// Writes the layer `data`. A package gets the files that `data` uses, which are returned; asset paths are then absolute.
+    /// Warns of what the format cannot hold, and of files that are not packed.
     ///
     /// # Errors
     /// A folder that cannot be written to, a full disk, a value that the format cannot hold.
-    pub fn save(&self, data: Data, warnings: &mut Warnings) -> Result<Vec<PathBuf>, Error> {
-        self.save_verified(data, warnings, |_| Ok(()))
+    pub fn save(&self, data: Data) -> Result<(Vec<PathBuf>, Warnings), Error> {
+        self.save_verified(data, |_| Ok(()))
     }
 
     /// As [`OutputFile::save`]; `verify` sees the finished file under a temporary name before it gets its own.
@@ -128,40 +129,36 @@ impl OutputFile {
     pub fn save_verified(
         &self,
         mut data: Data,
-        warnings: &mut Warnings,
         verify: impl FnOnce(&Path) -> Result<(), Error>,
-    ) -> Result<Vec<PathBuf>, Error> {
-        let mut packed = Vec::new();
+    ) -> Result<(Vec<PathBuf>, Warnings), Error> {
+        let (mut packed, mut warnings) = (Vec::new(), Warnings::default());
         match self.format {
             Format::Usda => self.replace(|out| TextWriter::write(&data, out), verify)?,
             Format::Usdc => {
-                remove_unwritable(&mut data, warnings);
+                warnings = remove_unwritable(&mut data);
                 self.replace(|out| write_crate(&data, out), verify)?;
             }
             Format::Usdz => {
-                let package = package(data, &self.stem, warnings)?;
+                let package = warnings.absorb(package(data, &self.stem)?);
                 self.replace(|out| Ok(out.write_all(&package.bytes)?), verify)?;
                 packed = package.files;
             }
         }
-        Ok(packed)
+        Ok((packed, warnings))
     }
 
     /// Does what [`OutputFile::save`] does, without a file.
     ///
     /// # Errors
     /// A value that the format cannot hold, a file that cannot be packed.
-    pub fn rehearse(&self, mut data: Data, warnings: &mut Warnings) -> Result<Vec<PathBuf>, Error> {
+    pub fn rehearse(&self, mut data: Data) -> Result<(Vec<PathBuf>, Warnings), Error> {
         match self.format {
             Format::Usda => {
                 TextWriter::write(&data, &mut io::sink()).map_err(|e| self.unfit(&e))?;
-                Ok(Vec::new())
+                Ok((Vec::new(), Warnings::default()))
             }
-            Format::Usdc => {
-                remove_unwritable(&mut data, warnings);
-                Ok(Vec::new())
-            }
-            Format::Usdz => Ok(package(data, &self.stem, warnings)?.files),
+            Format::Usdc => Ok((Vec::new(), remove_unwritable(&mut data))),
+            Format::Usdz => package(data, &self.stem).map(|(package, warnings)| (package.files, warnings)),
         }
     }
 
