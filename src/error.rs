@@ -35,6 +35,7 @@ pub enum ErrorKind {
 
 /// One fault, in words for the person at the terminal.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Fault {
     /// Its kind, for programs and for `usdtailor explain`.
     pub code: ErrorCode,
@@ -144,6 +145,7 @@ impl std::error::Error for Error {
 /// The kind of a warning, for programs that read reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
+#[cfg_attr(test, derive(ts_rs::TS), ts(rename = "WarningCode"))]
 #[non_exhaustive]
 pub enum Code {
     /// Edges have more than two faces.
@@ -233,6 +235,7 @@ impl fmt::Display for Code {
 /// A problem that does not stop the work.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
+#[cfg_attr(test, derive(ts_rs::TS))]
 #[non_exhaustive]
 pub struct Warning {
     /// Its kind.
@@ -245,11 +248,13 @@ pub struct Warning {
     pub remedy: String,
     /// The face sets or operators that it is about, all of them, where it is about several.
     #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(test, ts(as = "Option<Vec<String>>", optional))]
     pub names: Vec<String>,
     /// The elements of the input there, all of them.
     pub elements: Elements,
     /// How much of what was asked is left at the worst place, or how far off it is. \[share\]
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(test, ts(optional))]
     pub amount: Option<f32>,
 }
 

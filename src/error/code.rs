@@ -7,6 +7,7 @@ use std::fmt;
 /// The kind of a fault, which stays when its words change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
+#[cfg_attr(test, derive(ts_rs::TS))]
 #[non_exhaustive]
 pub enum ErrorCode {
     /// An argument of the command is wrong.

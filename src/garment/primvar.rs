@@ -7,6 +7,7 @@ use std::sync::Arc;
 /// The elements that carry a primvar's values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "camelCase")]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub enum Interpolation {
     /// One value for the mesh.
     Constant,

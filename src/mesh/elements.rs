@@ -6,16 +6,17 @@ use serde::{Serialize, Serializer};
 /// A set of mesh elements of one kind.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub enum Elements {
     /// Faces.
     #[serde(serialize_with = "indices")]
-    Faces(Vec<FaceId>),
+    Faces(#[cfg_attr(test, ts(as = "Vec<u32>"))] Vec<FaceId>),
     /// Edges as vertex pairs, in authored order and direction.
     #[serde(serialize_with = "pairs")]
-    Edges(Vec<[VertexId; 2]>),
+    Edges(#[cfg_attr(test, ts(as = "Vec<[u32; 2]>"))] Vec<[VertexId; 2]>),
     /// Vertices.
     #[serde(serialize_with = "indices")]
-    Points(Vec<VertexId>),
+    Points(#[cfg_attr(test, ts(as = "Vec<u32>"))] Vec<VertexId>),
 }
 
 impl Elements {

@@ -9,6 +9,7 @@ use serde::Serialize;
 /// The values that an option takes. `usual` is the range of a slider, which every value beyond it may leave.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(tag = "type", rename_all = "camelCase", rename_all_fields = "camelCase")]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub enum Domain {
     /// True or false.
     Flag,

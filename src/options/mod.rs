@@ -16,6 +16,7 @@ use serde_json::Value;
 
 /// The declaration of an option.
 #[derive(Clone, Copy, Debug, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Key {
     /// Name within its group, such as `width`.
     pub key: &'static str,

@@ -5,12 +5,12 @@
 //! they have them.
 
 use super::document::{Before, Document, Options};
-use super::messages::{Message, Origin, Role};
+use super::messages::{Figures, Origin, ProductMessage, Role, ServerMessage, StateMessage};
 use super::stage::Stage;
 use crate::build::{Builder, Progress};
 use crate::error::{Error, Fault, Warnings};
 use crate::garment::Garment;
-use crate::recipe::Recipe;
+use crate::recipe::{Layers, Recipe};
 use crate::report::{RenderFigures, TriangleQuality};
 use crate::session::Input;
 use crate::usd::{ReadOptions, Selection};
@@ -58,6 +58,8 @@ pub struct Snapshot {
 pub struct State {
     pub revision: u64,
     pub edits: Options,
+    /// The edits over the options of the stage.
+    layers: Layers,
     can_undo: bool,
     can_redo: bool,
     unsaved: bool,
@@ -65,10 +67,11 @@ pub struct State {
 }
 
 impl State {
-    fn new(document: &Document, revision: u64) -> Self {
+    fn new(document: &Document, stage: &Stage, revision: u64) -> Self {
         Self {
             revision,
             edits: document.edits().clone(),
+            layers: stage.layers(document.edits()),
             can_undo: document.can_undo(),
             can_redo: document.can_redo(),
             unsaved: document.is_unsaved(),
@@ -78,16 +81,18 @@ impl State {
 
     /// The message for a page whose last edit was `serial`.
     pub fn message(&self, upstream: &Options, serial: u64) -> String {
-        Message::State {
+        ServerMessage::State(StateMessage {
             revision: self.revision,
             serial,
             upstream,
             edits: &self.edits,
+            merged: self.layers.map(),
+            stack: self.layers.operators(),
             can_undo: self.can_undo,
             can_redo: self.can_redo,
             unsaved: self.unsaved,
             comparing: self.comparing,
-        }
+        })
         .to_text()
     }
 }
@@ -121,7 +126,7 @@ impl Hub {
     pub fn new(input: Input, stage: Stage) -> Arc<Self> {
         let document = Document::new(stage.given.clone());
         let snapshot = Snapshot {
-            state: Arc::new(State::new(&document, 0)),
+            state: Arc::new(State::new(&document, &stage, 0)),
             stage: Arc::new(stage),
             faults: Arc::default(),
             progress: BTreeMap::new(),
@@ -168,6 +173,15 @@ impl Hub {
     pub fn edit(&self, edit: impl FnOnce(&mut Document)) {
         self.change(|shared| {
             edit(&mut shared.document);
+            shared.refresh();
+        });
+    }
+
+    /// Replaces the edits.
+    pub fn replace(&self, edits: Options, gesture: String) {
+        self.change(|shared| {
+            let edits = shared.snapshot.stage.tidied(edits);
+            shared.document.edit(edits, gesture);
             shared.refresh();
         });
     }
@@ -266,14 +280,14 @@ impl Hub {
             let shown = self.show(role, job, &update.mesh, start);
             if shown.message.get().is_none() {
                 let _ = shown.quality.set(Arc::new(update.triangle_quality()));
-                let figures = serde_json::to_value(update.figures()).unwrap_or_default();
+                let figures = Figures::from(&update.figures());
                 let _ = shown.message.set(product(role, job, figures, &update.warnings, &[], &recipe));
             }
         } else {
             let update = builder.update_render(&recipe)?;
             let shown = self.show(role, job, &update.mesh, start);
             if shown.message.get().is_none() {
-                let figures = serde_json::to_value(RenderFigures::new(&update.mesh)).unwrap_or_default();
+                let figures = Figures::from(&RenderFigures::new(&update.mesh));
                 let mut recipe = recipe;
                 recipe.render.seam_level = update.seam_level;
                 let _ = shown.message.set(product(role, job, figures, &update.warnings, &update.operators, &recipe));
@@ -308,7 +322,7 @@ impl Shared {
     /// A new revision, and its job if the recipe has no fault.
     fn refresh(&mut self) {
         let revision = self.snapshot.state.revision + 1;
-        self.snapshot.state = Arc::new(State::new(&self.document, revision));
+        self.snapshot.state = Arc::new(State::new(&self.document, &self.snapshot.stage, revision));
         let stage = &self.snapshot.stage;
         let recipe = stage.recipe(self.document.shown());
         let checked = recipe.and_then(|recipe| stage.checks.resolve(&recipe).map(|_| recipe));
@@ -355,21 +369,22 @@ fn is_same_part(role: Role, a: &Recipe, b: &Recipe) -> bool {
 fn product(
     role: Role,
     job: &Job,
-    figures: Value,
+    figures: Figures,
     warnings: &Warnings,
     operators: &[String],
     recipe: &Recipe,
 ) -> Arc<str> {
-    let warnings: Vec<_> = warnings.iter().cloned().collect();
     let mut lengths = lengths(&job.recipe, recipe);
     lengths.retain(|key, _| key.starts_with("sim.") == (role == Role::Sim));
-    Message::Product { role, revision: job.revision, figures, warnings: &warnings, operators, lengths }.to_text().into()
+    let (revision, warnings) = (job.revision, warnings.iter().collect());
+    ServerMessage::Product(ProductMessage { role, revision, figures, warnings, operators, lengths }).to_text().into()
 }
 
 /// The lengths and levels that replace 0, by key.
-fn lengths(asked: &Recipe, used: &Recipe) -> Map<String, Value> {
+fn lengths(asked: &Recipe, used: &Recipe) -> BTreeMap<String, f64> {
     let [asked, used] = [asked, used].map(|recipe| flat("", &serde_json::to_value(recipe).unwrap_or_default()));
-    used.into_iter().filter(|(key, value)| asked.get(key) != Some(value)).collect()
+    let replaced = used.into_iter().filter(|(key, value)| asked.get(key) != Some(value));
+    replaced.filter_map(|(key, value)| Some((key, value.as_f64()?))).collect()
 }
 
 fn flat(prefix: &str, value: &Value) -> Map<String, Value> {

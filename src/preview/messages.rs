@@ -1,13 +1,26 @@
-//! Messages between the server and the page, as `page/src/server/protocol.ts` declares them.
+//! Messages between the server and the page. `page/src/server/protocol.ts` is generated from these types.
+//!
+//! Text frames of the socket are a [`ServerMessage`] or a [`PageMessage`] as JSON; binary frames are meshes, which begin
+//! with a [`MeshHeader`].
 
-use super::document::Before;
-use crate::error::{Fault, Warning};
+mod garment;
+mod mesh;
+mod product;
+
+pub use garment::{GarmentMessage, PrimvarInfo, SetInfo, Suggested, UpAxis, VariantSet};
+pub use mesh::{Block, Blocks, DrawnSet, DrawnValues, MeshHeader, NumberType, Times, ValuesOf};
+pub use product::{Figures, ProductMessage};
+
+use super::document::{Before, Options};
+use crate::error::Fault;
+use crate::mesh::Elements;
+use crate::recipe::ListedOperator;
 use serde::{Deserialize, Serialize};
-use serde_json::{Map, Value};
 
-/// The three meshes.
+/// The three meshes: the garment's input cage, and the two products.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub enum Role {
     /// The garment's input cage.
     Model,
@@ -17,8 +30,32 @@ pub enum Role {
     Sim,
 }
 
-/// The meshes and attributes that a page draws.
+/// The elements of a set.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "camelCase")]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub enum SetKind {
+    /// Faces.
+    Face,
+    /// Edges.
+    Edge,
+    /// Points.
+    Point,
+}
+
+impl From<&Elements> for SetKind {
+    fn from(elements: &Elements) -> Self {
+        match elements {
+            Elements::Faces(_) => Self::Face,
+            Elements::Edges(_) => Self::Edge,
+            Elements::Points(_) => Self::Point,
+        }
+    }
+}
+
+/// The meshes and attributes that a page draws. The server sends nothing else.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct View {
     /// The meshes.
     pub roles: Vec<Role>,
@@ -33,21 +70,114 @@ pub struct View {
 /// A message of the page.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(rename_all = "camelCase", tag = "type")]
-pub enum Request {
-    Edit { serial: u64, gesture: String, edits: Map<String, Value> },
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub enum PageMessage {
+    /// Replaces the edits.
+    Edit {
+        /// Counts the edits of this page.
+        serial: u64,
+        /// Edits of one gesture, such as one drag, are one step of undo.
+        gesture: String,
+        /// The new edits.
+        #[cfg_attr(test, ts(type = "Options"))]
+        edits: Options,
+    },
+    /// Goes back a step.
     Undo,
+    /// Goes forward a step.
     Redo,
-    Compare { with: Option<Before> },
-    Variant { prim: String, set: String, choice: String },
+    /// Shows an earlier state.
+    Compare {
+        /// The state that is shown in place of the edits; null ends it.
+        with: Option<Before>,
+    },
+    /// Selects a variant of the garment.
+    Variant {
+        /// Path of the prim with the variant set.
+        prim: String,
+        /// The variant set.
+        set: String,
+        /// The variant.
+        choice: String,
+    },
+    /// Changes what this page draws.
     View(View),
+    /// Reads the files again. They are followed, but some network file systems do not tell of changes.
     Reload,
-    Plan { path: String },
-    Save { path: String, overwrite: bool },
+    /// Asks what a save would write.
+    Plan {
+        /// The file.
+        path: String,
+    },
+    /// Saves the edits.
+    Save {
+        /// The file.
+        path: String,
+        /// True if an existing file may be replaced.
+        overwrite: bool,
+    },
 }
 
-/// Where faults come from.
+/// A text message to the page.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase", tag = "type")]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub enum ServerMessage<'a> {
+    /// The garment.
+    Garment(GarmentMessage<'a>),
+    /// The document.
+    State(StateMessage<'a>),
+    /// Faults of one origin.
+    Faults(FaultsMessage<'a>),
+    /// Figures of a product.
+    Product(ProductMessage<'a>),
+    /// A step of a build.
+    Progress(ProgressMessage<'a>),
+    /// The answer to `plan` and `save`.
+    Save(SaveMessage),
+}
+
+impl ServerMessage<'_> {
+    /// The message as JSON.
+    pub fn to_text(&self) -> String {
+        serde_json::to_string(self).unwrap_or_default()
+    }
+}
+
+/// The shared document of all pages. Sent after each change.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct StateMessage<'a> {
+    /// Counts the changes; meshes carry the revision that they were made from.
+    pub revision: u64,
+    /// Serial of the last edit of this page that the document includes.
+    pub serial: u64,
+    /// Options of the garment and of `--recipe`, below the edits.
+    #[cfg_attr(test, ts(type = "Options"))]
+    pub upstream: &'a Options,
+    /// Options that were changed here.
+    #[cfg_attr(test, ts(type = "Options"))]
+    pub edits: &'a Options,
+    /// The options that hold: the edits over those of upstream.
+    #[cfg_attr(test, ts(type = "Options"))]
+    pub merged: &'a Options,
+    /// The operators in the order in which they run.
+    pub stack: Vec<ListedOperator>,
+    /// True if there is a step to go back.
+    pub can_undo: bool,
+    /// True if there is a step to go forward.
+    pub can_redo: bool,
+    /// True if the edits are not in a file.
+    pub unsaved: bool,
+    /// The earlier state that is shown in place of the edits.
+    pub comparing: Option<Before>,
+}
+
+/// The place that faults come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "camelCase")]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub enum Origin {
     /// The stage on disk.
     File,
@@ -59,55 +189,53 @@ pub enum Origin {
     Render,
 }
 
-/// The answer to `plan` and `save`.
-#[derive(Clone, Debug, Default, Serialize)]
-pub struct SaveAnswer {
-    pub path: String,
-    /// `planned`, `saved` or `refused`.
-    pub status: &'static str,
-    pub exists: bool,
-    pub text: String,
-    pub note: String,
-    pub fault: Option<Fault>,
-}
-
-/// A text message to the page.
+/// Faults of the current document or of the file on disk. The last good meshes stay.
 #[derive(Clone, Debug, Serialize)]
-#[serde(rename_all = "camelCase", tag = "type")]
-pub enum Message<'a> {
-    #[serde(rename_all = "camelCase")]
-    State {
-        revision: u64,
-        serial: u64,
-        upstream: &'a Map<String, Value>,
-        edits: &'a Map<String, Value>,
-        can_undo: bool,
-        can_redo: bool,
-        unsaved: bool,
-        comparing: Option<Before>,
-    },
-    Faults {
-        origin: Origin,
-        faults: &'a [Fault],
-    },
-    Product {
-        role: Role,
-        revision: u64,
-        figures: Value,
-        warnings: &'a [Warning],
-        operators: &'a [String],
-        lengths: Map<String, Value>,
-    },
-    Progress {
-        role: Role,
-        step: Option<&'a str>,
-    },
-    Save(SaveAnswer),
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct FaultsMessage<'a> {
+    /// `file`: the stage on disk cannot be read; `recipe`: an option is wrong; others: the build of that product.
+    pub origin: Origin,
+    /// The faults; none if all is well.
+    pub faults: &'a [Fault],
 }
 
-impl Message<'_> {
-    /// The message as JSON.
-    pub fn to_text(&self) -> String {
-        serde_json::to_string(self).unwrap_or_default()
-    }
+/// Work that has begun or ended.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct ProgressMessage<'a> {
+    /// The product.
+    pub role: Role,
+    /// The step that has begun; null at the end.
+    pub step: Option<&'a str>,
+}
+
+/// The outcome of `plan` or `save`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "camelCase")]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub enum SaveStatus {
+    /// Nothing was asked to be written.
+    Planned,
+    /// The file is written.
+    Saved,
+    /// Nothing was or would be written.
+    Refused,
+}
+
+/// The answer to `plan` and `save`.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct SaveMessage {
+    /// The file.
+    pub path: String,
+    /// `planned`: the text would be written. `saved`: it is written.
+    pub status: SaveStatus,
+    /// True if the file exists, so that saving needs `overwrite`.
+    pub exists: bool,
+    /// The opinions, as USD text or JSON.
+    pub text: String,
+    /// Words on what happens to the rest of an existing file; empty for a new one.
+    pub note: String,
+    /// The reason of a refusal.
+    pub fault: Option<Fault>,
 }

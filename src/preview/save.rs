@@ -5,7 +5,7 @@
 
 use super::document::Options;
 use super::hub::Hub;
-use super::messages::SaveAnswer;
+use super::messages::{SaveMessage, SaveStatus};
 use super::stage::Stage;
 use crate::error::{Error, ErrorCode, ErrorKind, plain};
 use crate::files::{self, folder_of};
@@ -27,14 +27,14 @@ struct Content {
 }
 
 /// What a save to `path` would write.
-pub fn plan(hub: &Hub, path: &str) -> SaveAnswer {
+pub fn plan(hub: &Hub, path: &str) -> SaveMessage {
     let content = Content::of(hub);
     let file = PathBuf::from(path);
-    answer(path, "planned", content.text(&file), content.note(&file))
+    answer(path, SaveStatus::Planned, content.text(&file), content.note(&file))
 }
 
 /// Saves to `path`; an existing file only with `overwrite`.
-pub fn save(hub: &Hub, path: &str, overwrite: bool) -> SaveAnswer {
+pub fn save(hub: &Hub, path: &str, overwrite: bool) -> SaveMessage {
     let content = Content::of(hub);
     let file = PathBuf::from(path);
     let text = content.text(&file);
@@ -42,21 +42,18 @@ pub fn save(hub: &Hub, path: &str, overwrite: bool) -> SaveAnswer {
     let result = content.write(&file, overwrite);
     if result.is_ok() {
         hub.edit(|document| document.note_saved(content.edits.clone()));
-        return answer(path, "saved", text, String::new());
+        return answer(path, SaveStatus::Saved, text, String::new());
     }
     let shown = text.clone().unwrap_or_default();
-    SaveAnswer { text: shown, ..answer(path, "saved", result.and(text), note) }
+    SaveMessage { text: shown, ..answer(path, SaveStatus::Saved, result.and(text), note) }
 }
 
-fn answer(path: &str, status: &'static str, text: Result<String, Error>, note: String) -> SaveAnswer {
-    let answer = SaveAnswer { path: path.into(), exists: Path::new(path).exists(), note, ..SaveAnswer::default() };
-    match text {
-        Ok(text) => SaveAnswer { status, text, ..answer },
-        Err(error) => {
-            let fault = error.faults.into_iter().next();
-            SaveAnswer { status: "refused", fault, ..answer }
-        }
-    }
+fn answer(path: &str, status: SaveStatus, text: Result<String, Error>, note: String) -> SaveMessage {
+    let (status, text, fault) = match text {
+        Ok(text) => (status, text, None),
+        Err(error) => (SaveStatus::Refused, String::new(), error.faults.into_iter().next()),
+    };
+    SaveMessage { path: path.into(), status, exists: Path::new(path).exists(), text, note, fault }
 }
 
 impl Content {

@@ -2,7 +2,7 @@
 
 use super::frame::{Sent, frame};
 use super::hub::{Hub, Snapshot, State};
-use super::messages::{Message, Origin, Request, Role, View};
+use super::messages::{FaultsMessage, Origin, PageMessage, ProgressMessage, Role, ServerMessage, View};
 use super::save;
 use super::stage::Stage;
 use crate::error::Fault;
@@ -68,27 +68,27 @@ impl Client {
     /// Does what a page asks for.
     fn request(&mut self, message: &str, hub: &Hub) -> Vec<ws::Message> {
         // A page of this program sends nothing else.
-        let Ok(request) = serde_json::from_str::<Request>(message) else { return Vec::new() };
+        let Ok(request) = serde_json::from_str::<PageMessage>(message) else { return Vec::new() };
         match request {
-            Request::Edit { serial, gesture, edits } => {
+            PageMessage::Edit { serial, gesture, edits } => {
                 self.serial = serial;
-                hub.edit(|document| document.edit(edits, gesture));
+                hub.replace(edits, gesture);
             }
-            Request::Undo => hub.edit(|document| document.undo()),
-            Request::Redo => hub.edit(|document| document.redo()),
-            Request::Compare { with } => {
+            PageMessage::Undo => hub.edit(|document| document.undo()),
+            PageMessage::Redo => hub.edit(|document| document.redo()),
+            PageMessage::Compare { with } => {
                 self.comparing = with.is_some();
                 hub.edit(|document| document.comparing = with);
             }
-            Request::Variant { prim, set, choice } => hub.select(Selection { prim, set, choice }),
-            Request::View(view) => {
+            PageMessage::Variant { prim, set, choice } => hub.select(Selection { prim, set, choice }),
+            PageMessage::View(view) => {
                 self.meshes.retain(|role, _| view.roles.contains(role));
                 self.view = view;
             }
-            Request::Reload => hub.reload(),
-            Request::Plan { path } => return vec![text(Message::Save(save::plan(hub, &path)).to_text())],
-            Request::Save { path, overwrite } => {
-                return vec![text(Message::Save(save::save(hub, &path, overwrite)).to_text())];
+            PageMessage::Reload => hub.reload(),
+            PageMessage::Plan { path } => return vec![text(ServerMessage::Save(save::plan(hub, &path)).to_text())],
+            PageMessage::Save { path, overwrite } => {
+                return vec![text(ServerMessage::Save(save::save(hub, &path, overwrite)).to_text())];
             }
         }
         Vec::new()
@@ -110,7 +110,7 @@ impl Client {
         for (&origin, faults) in now.faults.iter() {
             if self.faults.get(&origin).map_or(&[][..], Vec::as_slice) != faults {
                 self.faults.insert(origin, faults.clone());
-                news.push(text(Message::Faults { origin, faults }.to_text()));
+                news.push(text(ServerMessage::Faults(FaultsMessage { origin, faults }).to_text()));
             }
         }
         self.progress(now, &mut news);
@@ -132,7 +132,9 @@ impl Client {
         for role in [Role::Render, Role::Sim] {
             let step = now.progress.get(&role);
             if self.progress.get(&role) != step {
-                news.push(text(Message::Progress { role, step: step.map(String::as_str) }.to_text()));
+                news.push(text(
+                    ServerMessage::Progress(ProgressMessage { role, step: step.map(String::as_str) }).to_text(),
+                ));
             }
         }
         self.progress = now.progress.clone();
@@ -144,9 +146,8 @@ impl Client {
                 Ok(Some(bytes)) => news.push(ws::Message::Binary(bytes.into())),
                 Ok(None) => {}
                 Err(error) => {
-                    let faults = error.faults.clone();
                     let origin = if role == Role::Sim { Origin::Sim } else { Origin::Render };
-                    news.push(text(Message::Faults { origin, faults: &faults }.to_text()));
+                    news.push(text(ServerMessage::Faults(FaultsMessage { origin, faults: &error.faults }).to_text()));
                 }
             }
         }

@@ -1,14 +1,15 @@
 //! The garment that is shown, and what the page is told of it.
 
 use super::document::{Options, changed};
+use super::messages::{GarmentMessage, PrimvarInfo, ServerMessage, SetInfo, Suggested, UpAxis, VariantSet};
 use crate::build::Builder;
 use crate::error::Error;
-use crate::garment::{GarmentInput, PrimvarRole, Values};
+use crate::garment::{GarmentInput, PrimvarRole};
 use crate::recipe::{Layers, Recipe, table};
 use crate::session::{Input, Opened, is_usd};
-use crate::usd::{Source, decimal, type_word};
-use serde_json::json;
-use std::path::{Path, PathBuf};
+use crate::usd::{Source, decimal};
+use serde_json::Value;
+use std::path::PathBuf;
 
 /// A stage that was read.
 pub struct Stage {
@@ -45,10 +46,27 @@ impl Stage {
     /// # Errors
     /// Faults of the recipe.
     pub fn recipe(&self, edits: &Options) -> Result<Recipe, Error> {
+        self.layers(edits).recipe_for(self.checks.garment())
+    }
+
+    /// The options of the stage with `edits`.
+    pub fn layers(&self, edits: &Options) -> Layers {
         let mut layers = Layers::default();
         layers.add(self.upstream.clone());
         layers.add(edits.clone());
-        layers.recipe_for(self.checks.garment())
+        layers
+    }
+
+    /// The edits without a list of operators that says what holds without it.
+    pub fn tidied(&self, mut edits: Options) -> Options {
+        let has_list = self.upstream.get("render").is_some_and(|render| render.get("operators").is_some());
+        if !has_list && self.layers(&edits).lists_default_order() {
+            if let Some(render) = edits.get_mut("render").and_then(Value::as_object_mut) {
+                render.remove("operators");
+            }
+            edits.retain(|_, group| group.as_object().is_none_or(|fields| !fields.is_empty()));
+        }
+        edits
     }
 
     /// Files of the stage.
@@ -59,45 +77,27 @@ impl Stage {
 
 fn message(source: &Source, checks: &Builder, input: &Input) -> String {
     let (facts, garment) = (source.facts(), checks.garment());
-    let mean_edge = checks.mean_edge_length();
-    let sets = garment.subsets.iter().map(
-        |set| json!({"name": set.name, "kind": set.elements.kind(), "family": set.family, "count": set.elements.len()}),
-    );
-    let primvars = garment.primvars.iter().filter(|p| p.role == PrimvarRole::Primvar).map(|p| {
-        json!({
-            "name": p.name, "type": type_word(p), "interpolation": p.interpolation, "width": p.width(),
-            "isFloat": matches!(p.values, Values::F32(_)),
-        })
-    });
-    let variants = facts.variants.iter().map(|v| {
-        let selected = &v.selected;
-        json!({"prim": selected.prim, "set": selected.set, "choices": v.choices, "selected": selected.choice})
-    });
-    let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let (layer, recipe) = suggested(source, input);
-    json!({
-        "type": "garment",
-        "version": env!("CARGO_PKG_VERSION"),
-        "file": name(source.file()),
-        "prim": facts.prim,
-        "upAxis": facts.up_axis,
-        "metersPerUnit": facts.meters_per_unit,
-        "points": garment.points.len(),
-        "faces": garment.faces.len(),
-        "meanEdge": decimal(mean_edge),
-        "sets": sets.collect::<Vec<_>>(),
-        "primvars": primvars.collect::<Vec<_>>(),
-        "variants": variants.collect::<Vec<_>>(),
-        "groups": table(),
-        "suggested": {"layer": layer, "recipe": recipe},
-        "warnings": checks.warnings().iter().collect::<Vec<_>>(),
+    let primvars = garment.primvars.iter().filter(|primvar| primvar.role == PrimvarRole::Primvar);
+    ServerMessage::Garment(GarmentMessage {
+        version: env!("CARGO_PKG_VERSION"),
+        file: source.file().file_name().unwrap_or_default().to_string_lossy().into_owned(),
+        prim: &facts.prim,
+        up_axis: UpAxis::named(&facts.up_axis),
+        meters_per_unit: facts.meters_per_unit,
+        points: garment.points.len(),
+        faces: garment.faces.len(),
+        mean_edge: decimal(checks.mean_edge_length()),
+        sets: garment.subsets.iter().map(SetInfo::from).collect(),
+        primvars: primvars.map(PrimvarInfo::from).collect(),
+        variants: facts.variants.iter().map(VariantSet::from).collect(),
+        groups: table(),
+        suggested: suggested(source, input),
+        warnings: checks.warnings().iter().collect(),
     })
-    .to_string()
+    .to_text()
 }
 
-/// Files to save to: those of the input where it has one, else new ones beside the garment. Panels that are sewn together have no
-/// layer.
-fn suggested(source: &Source, input: &Input) -> (Option<String>, String) {
+fn suggested(source: &Source, input: &Input) -> Suggested {
     let garment = source.file();
     let stem = garment.file_stem().unwrap_or_default().to_string_lossy();
     let beside = |name: String| garment.with_file_name(name).display().to_string();
@@ -108,5 +108,5 @@ fn suggested(source: &Source, input: &Input) -> (Option<String>, String) {
         None if !is_usd(&input.file) => recipe = input.file.display().to_string(),
         None => {}
     }
-    ((!source.is_sewn()).then_some(layer), recipe)
+    Suggested { layer: (!source.is_sewn()).then_some(layer), recipe }
 }

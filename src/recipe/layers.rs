@@ -96,6 +96,11 @@ impl Layers {
     }
 
     /// All layers merged, as nested keys.
+    pub fn map(&self) -> &Map<String, Value> {
+        &self.merged
+    }
+
+    /// All layers merged, as nested keys.
     pub fn into_map(self) -> Map<String, Value> {
         self.merged
     }

@@ -8,6 +8,7 @@ mod check;
 mod file;
 mod groups;
 mod layers;
+mod listed;
 mod resolved;
 mod uv_set;
 
@@ -16,6 +17,7 @@ pub use file::{RecipeFile, is_recipe};
 pub use groups::{OPERATORS, Recipe};
 pub(crate) use groups::{all, find, group_with_instances};
 pub use layers::Layers;
+pub use listed::ListedOperator;
 pub(crate) use resolved::{Resolved, ResolvedSim};
 
 pub use crate::options::{Domain, Group, Key};
@@ -56,6 +58,7 @@ pub fn help() -> String {
 /// A group of the table of options.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
+#[cfg_attr(test, derive(ts_rs::TS), ts(rename = "Group"))]
 pub struct GroupTable {
     /// The first part of the keys, such as `sim` or `seam`.
     pub name: &'static str,
@@ -71,11 +74,13 @@ pub struct GroupTable {
 
 /// A row of the table of options.
 #[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS), ts(rename = "Option"))]
 pub struct OptionRow {
     /// The declaration.
     #[serde(flatten)]
     pub key: Key,
     /// The default.
+    #[cfg_attr(test, ts(type = "Value"))]
     pub default: Value,
 }
 

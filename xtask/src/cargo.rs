@@ -97,6 +97,13 @@ pub fn test(run: &Run<'_>) -> Outcome {
     process::run(command.args(tested_packages(false)).args(run.extra).envs(run.variables()))
 }
 
+/// Writes the declarations of the preview's messages for its page. The test that compares them makes them.
+pub fn protocol(project: &Project) -> Outcome {
+    let mut command = cargo(project, "test");
+    command.args(["--package", "tailor", "--lib", "the_page_knows_all_messages"]);
+    process::run(command.env("TAILOR_WRITE_PROTOCOL", "1"))
+}
+
 /// Builds the program.
 pub fn build(project: &Project, profile: Profile) -> Outcome {
     process::run(cargo(project, "build").args(profile.flags()).args(SHIPPED).args(["--bin", "usdtailor"]))

@@ -36,6 +36,8 @@ Tasks:
   test [OPTIONS] [STEP...] [-- ARGS...]
                                Run the named steps and their prerequisites, or all steps (see below)
   page                         Bundle the page of `usdtailor preview`, which the next build of the program embeds
+  protocol                     Write src/preview/page/src/server/protocol.ts, the messages of the preview that the step
+                               `rust` compares
   api                          Write docs/api.txt, the public API that the step `docs` compares
   options                      Write schemas/ and the tables of docs/recipe.md from the table of options, which the step
                                `options` compares
@@ -102,6 +104,7 @@ fn run(args: &[String]) -> Outcome {
         "speed" if rest.is_empty() => built(&project, Profile::Tested).and_then(|()| speed::write(&project)),
         "examples" => examples(&project, rest),
         "page" if rest.is_empty() => page::build(&project),
+        "protocol" if rest.is_empty() => cargo::protocol(&project),
         "preview-bench" => built(&project, Profile::Release).and_then(|()| browser::figures(&project, rest)),
         "picture" if rest.is_empty() => picture(&project),
         "plugin" => plugin::run(&project, rest),
@@ -109,7 +112,9 @@ fn run(args: &[String]) -> Outcome {
         "golden" => golden::run(&project, rest),
         "venv" if rest.is_empty() => venv::ensure(&project).map(|_| ()),
         "peers" if rest.is_empty() => peers::run(&project),
-        "api" | "page" | "options" | "picture" | "peers" | "site" | "speed" | "venv" => Err(unexpected(task, rest)),
+        "api" | "page" | "options" | "picture" | "peers" | "protocol" | "site" | "speed" | "venv" => {
+            Err(unexpected(task, rest))
+        }
         _ => Err(Failure::new(format!("no task `{task}`")).hint("cargo xtask --help lists them")),
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::garment::{Garment, Interpolation, Primvar, Values};
 use crate::mesh::{CornerId, IdVec, VertexId};
+use crate::preview::messages::ValuesOf;
 use crate::report::TriangleQuality;
 
 /// Names of the quality figures that are drawn as values.
@@ -14,8 +15,8 @@ pub const UV_SEAMS: &str = "UV seams";
 
 /// Values with their elements.
 pub struct Channel {
-    /// `point`, `corner` or `face`.
-    pub of: &'static str,
+    /// The elements.
+    pub of: ValuesOf,
     pub values: Vec<f32>,
 }
 
@@ -42,8 +43,8 @@ fn row<'a>(primvar: &Primvar, values: &'a [f32], element: usize, width: usize) -
 /// The values called `name`, if the mesh has them and they are single numbers.
 pub fn channel(mesh: &Garment, quality: Option<&TriangleQuality>, name: &str) -> Option<Channel> {
     match (name, quality) {
-        (ANGLE, Some(quality)) => Some(Channel { of: "face", values: quality.angles.clone() }),
-        (LENGTH, Some(quality)) => Some(Channel { of: "face", values: quality.lengths.clone() }),
+        (ANGLE, Some(quality)) => Some(Channel { of: ValuesOf::Face, values: quality.angles.clone() }),
+        (LENGTH, Some(quality)) => Some(Channel { of: ValuesOf::Face, values: quality.lengths.clone() }),
         _ => painted(mesh, mesh.primvar(name)?),
     }
 }
@@ -55,9 +56,9 @@ fn painted(mesh: &Garment, primvar: &Primvar) -> Option<Channel> {
     }
     let (of, count) = match primvar.interpolation {
         Interpolation::Constant => return None,
-        Interpolation::Uniform => ("face", mesh.faces.len()),
-        Interpolation::Varying | Interpolation::Vertex => ("point", mesh.points.len()),
-        Interpolation::FaceVarying => ("corner", mesh.faces.corners().len()),
+        Interpolation::Uniform => (ValuesOf::Face, mesh.faces.len()),
+        Interpolation::Varying | Interpolation::Vertex => (ValuesOf::Point, mesh.points.len()),
+        Interpolation::FaceVarying => (ValuesOf::Corner, mesh.faces.corners().len()),
     };
     let value = |element| row(primvar, values, element, 1).first().copied().unwrap_or(0.0);
     Some(Channel { of, values: (0..count).map(value).collect() })

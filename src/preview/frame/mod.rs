@@ -1,4 +1,4 @@
-//! Meshes as binary frames: a length, a JSON header and blocks of numbers (`page/src/server/protocol.ts` describes them).
+//! Meshes as binary frames: a length, a JSON header ([`MeshHeader`]) and blocks of numbers.
 //!
 //! A frame holds what is new since the last one of the same page. After an edit that moves points alone it is 12 bytes
 //! a point.
@@ -7,13 +7,12 @@ mod channels;
 mod smooth;
 
 use crate::error::Error;
-use crate::garment::{Elements, Garment, Orientation, Primvar, Subset};
+use crate::garment::{Elements, Garment, Orientation, Primvar};
 use crate::preview::hub::Shown;
-use crate::preview::messages::{Role, View};
+use crate::preview::messages::{Block, Blocks, DrawnSet, DrawnValues, MeshHeader, NumberType, Role, Times, View};
 use crate::report::TriangleQuality;
 use crate::subdivide::refined_faces;
-use channels::{UV_SEAMS, channel, uv_seams, uv_set, uvs};
-use serde_json::{Map, Value, json};
+use channels::{Channel, UV_SEAMS, channel, uv_seams, uv_set, uvs};
 use smooth::Drawn;
 use std::sync::Arc;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
@@ -77,39 +76,38 @@ impl Sent {
     }
 }
 
-impl Update<'_> {
+impl<'a> Update<'a> {
     fn encode(&self, role: Role, start: Instant) -> Option<Vec<u8>> {
-        let mut blocks = Blocks::default();
-        let mut header = Map::new();
+        let mut data = Data::default();
         let replaces = self.replaces();
-        if replaces {
-            self.faces(&mut blocks);
-        }
+        let mut blocks = if replaces { self.faces(&mut data) } else { Blocks::default() };
         if replaces || self.differ(|s| s.mesh().points.as_slice()) {
-            let points: &[f32] = bytemuck::cast_slice(self.now.mesh().points.as_slice());
-            blocks.add("points", "f32", bytemuck::cast_slice(points), points.len());
+            blocks.points = Some(data.f32(bytemuck::cast_slice(self.now.mesh().points.as_slice())));
         }
         let cuts_changed = self.differ(|s| s.uvs().map(|p| &p.indices));
-        if replaces || self.differ(|s| s.mesh().subsets.as_slice()) || cuts_changed {
-            header.insert("sets".into(), self.sets(role, &mut blocks));
-        }
-        self.uvs(replaces, &mut blocks);
-        self.values(replaces, &mut blocks, &mut header);
-        if blocks.data.is_empty() && header.is_empty() {
+        let sets_changed = replaces || self.differ(|s| s.mesh().subsets.as_slice()) || cuts_changed;
+        let (sets, elements) = sets_changed.then(|| self.sets(role, &mut data)).unzip();
+        blocks.elements = elements;
+        blocks.uvs = self.uvs(replaces, &mut data);
+        let (values, of_values) = self.values(replaces, &mut data).unzip();
+        blocks.values = of_values.flatten();
+        if data.0.is_empty() && sets.is_none() && values.is_none() {
             return None;
         }
         let shown = &self.now.shown;
         let sent = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_secs_f64() * 1e3;
         let encode = start.elapsed().as_secs_f64() * 1e3;
-        header.extend([
-            ("type".to_owned(), json!("mesh")),
-            ("role".to_owned(), json!(role)),
-            ("revision".to_owned(), json!(shown.revision)),
-            ("replaces".to_owned(), json!(replaces)),
-            ("leftHanded".to_owned(), json!(shown.mesh.orientation == Orientation::LeftHanded)),
-            ("times".to_owned(), json!({"build": shown.build, "encode": encode, "sent": sent})),
-        ]);
-        Some(blocks.finish(header))
+        let header = MeshHeader {
+            role,
+            revision: shown.revision,
+            replaces,
+            left_handed: shown.mesh.orientation == Orientation::LeftHanded,
+            sets,
+            values,
+            times: Times { build: shown.build, encode, sent },
+            blocks,
+        };
+        Some(data.behind(&header))
     }
 
     /// True if the faces are new.
@@ -122,110 +120,105 @@ impl Update<'_> {
         })
     }
 
-    fn differ<'a, T: PartialEq>(&'a self, part: impl Fn(&'a Sent) -> T) -> bool {
+    fn differ<T: PartialEq>(&self, part: impl Fn(&'a Sent) -> T) -> bool {
         self.last.is_none_or(|last| part(last) != part(self.now))
     }
 
-    fn faces(&self, blocks: &mut Blocks) {
+    fn faces(&self, data: &mut Data) -> Blocks {
         let mesh = self.now.mesh();
-        blocks.add_u32("faceCounts", mesh.faces.ids().map(|face| mesh.faces.valence(face) as u32));
-        blocks.add_u32("facePoints", mesh.faces.corners().iter().map(|v| v.index() as u32));
-        blocks.add_u32("holes", mesh.holes.iter().map(|face| face.index() as u32));
-        if let Some(origin) = &self.now.drawn.origin {
-            blocks.add("edges", "u8", &origin.edges, origin.edges.len());
-            blocks.add_u32("faceOf", origin.face_of.iter().copied());
+        let origin = self.now.drawn.origin.as_ref();
+        Blocks {
+            face_counts: Some(data.u32(mesh.faces.ids().map(|face| mesh.faces.valence(face) as u32))),
+            face_points: Some(data.u32(mesh.faces.corners().iter().map(|v| v.index() as u32))),
+            holes: Some(data.u32(mesh.holes.iter().map(|face| face.index() as u32))),
+            edges: origin.map(|origin| data.u8(&origin.edges)),
+            face_of: origin.map(|origin| data.u32(origin.face_of.iter().copied())),
+            ..Blocks::default()
         }
     }
 
     /// All sets in one block. The seams of the UV set come first, so that named sets are drawn over them.
-    fn sets(&self, role: Role, blocks: &mut Blocks) -> Value {
+    fn sets(&self, role: Role, data: &mut Data) -> (Vec<DrawnSet<'a>>, Block) {
         let mesh = self.now.mesh();
         let cuts = match self.now.uvs() {
             // The simulation mesh has its own set of seams.
             Some(primvar) if role != Role::Sim => uv_seams(mesh, primvar),
             _ => Vec::new(),
         };
-        let cuts = (!cuts.is_empty()).then(|| Subset {
-            name: UV_SEAMS.into(),
-            elements: Elements::Edges(cuts),
-            family: String::new(),
-            sharpness: None,
-        });
-        let (mut sets, mut numbers) = (Vec::new(), Vec::<u32>::new());
-        for set in cuts.iter().chain(mesh.subsets.iter()) {
+        let mut numbers = Vec::<u32>::new();
+        let mut drawn = |name: &'a str, family: &'a str, elements: &Elements| {
             let offset = numbers.len();
-            match &set.elements {
+            match elements {
                 Elements::Faces(faces) => numbers.extend(faces.iter().map(|face| face.index() as u32)),
                 Elements::Points(points) => numbers.extend(points.iter().map(|point| point.index() as u32)),
                 Elements::Edges(edges) => numbers.extend(edges.iter().flatten().map(|end| end.index() as u32)),
             }
-            sets.push(json!({
-                "name": set.name, "kind": set.elements.kind(), "family": set.family,
-                "offset": offset, "length": numbers.len() - offset,
-            }));
-        }
-        blocks.add_u32("elements", numbers.into_iter());
-        Value::Array(sets)
+            DrawnSet { name, kind: elements.into(), family, offset, length: numbers.len() - offset }
+        };
+        let cuts = (!cuts.is_empty()).then(|| drawn(UV_SEAMS, "", &Elements::Edges(cuts)));
+        let named = mesh.subsets.iter().map(|set| drawn(&set.name, &set.family, &set.elements));
+        let sets = cuts.into_iter().chain(named).collect();
+        (sets, data.u32(numbers.into_iter()))
     }
 
-    fn uvs(&self, replaces: bool, blocks: &mut Blocks) {
-        if !self.now.uv {
-            return;
-        }
+    fn uvs(&self, replaces: bool, data: &mut Data) -> Option<Block> {
         let is_known = self.last.is_some_and(|last| last.uv) && !replaces && !self.differ(Sent::uvs);
-        if !is_known {
-            let corners = self.now.mesh().faces.corners().len();
-            let values = self.now.uvs().map_or(Vec::new(), |primvar| uvs(primvar, corners));
-            blocks.add("uvs", "f32", bytemuck::cast_slice(&values), values.len());
+        if !self.now.uv || is_known {
+            return None;
         }
+        let corners = self.now.mesh().faces.corners().len();
+        Some(data.f32(&self.now.uvs().map_or(Vec::new(), |primvar| uvs(primvar, corners))))
     }
 
-    fn values(&self, replaces: bool, blocks: &mut Blocks, header: &mut Map<String, Value>) {
-        let Some(name) = &self.now.values else { return };
+    /// The values that are drawn, if they are new; the inner options are empty if the mesh has none of that name.
+    fn values(&self, replaces: bool, data: &mut Data) -> Option<(Option<DrawnValues<'a>>, Option<Block>)> {
+        let name = self.now.values.as_ref()?;
         let is_known = |last: &Sent| last.values.as_ref() == Some(name) && last.source(name) == self.now.source(name);
         if !replaces && self.last.is_some_and(is_known) {
-            return;
+            return None;
         }
         let quality: Option<&TriangleQuality> = self.now.shown.quality.get().map(|quality| &**quality);
-        let Some(channel) = channel(self.now.mesh(), quality, name) else {
-            header.insert("values".into(), Value::Null);
-            return;
-        };
-        let finite = || channel.values.iter().copied().filter(|v| v.is_finite());
+        let Some(Channel { of, values }) = channel(self.now.mesh(), quality, name) else { return Some((None, None)) };
+        let finite = || values.iter().copied().filter(|v| v.is_finite());
         let (least, most) = (finite().fold(f32::MAX, f32::min), finite().fold(f32::MIN, f32::max));
         let (least, most) = if least <= most { (least, most) } else { (0.0, 1.0) };
-        header.insert("values".into(), json!({"name": name, "of": channel.of, "least": least, "most": most}));
-        blocks.add("values", "f32", bytemuck::cast_slice(&channel.values), channel.values.len());
+        Some((Some(DrawnValues { name, of, least, most }), Some(data.f32(&values))))
     }
 }
 
-/// The blocks of a frame.
+/// The blocks of a frame as bytes.
 #[derive(Default)]
-struct Blocks {
-    index: Map<String, Value>,
-    data: Vec<u8>,
-}
+struct Data(Vec<u8>);
 
-impl Blocks {
-    fn add(&mut self, name: &str, kind: &str, bytes: &[u8], length: usize) {
-        self.index.insert(name.into(), json!({"type": kind, "offset": self.data.len(), "length": length}));
-        self.data.extend_from_slice(bytes);
-        self.data.resize(self.data.len().next_multiple_of(4), 0);
+impl Data {
+    fn add(&mut self, number: NumberType, bytes: &[u8], length: usize) -> Block {
+        let offset = self.0.len();
+        self.0.extend_from_slice(bytes);
+        self.0.resize(self.0.len().next_multiple_of(4), 0);
+        Block { number, offset, length }
     }
 
-    fn add_u32(&mut self, name: &str, numbers: impl Iterator<Item = u32>) {
+    fn u8(&mut self, numbers: &[u8]) -> Block {
+        self.add(NumberType::U8, numbers, numbers.len())
+    }
+
+    fn f32(&mut self, numbers: &[f32]) -> Block {
+        self.add(NumberType::F32, bytemuck::cast_slice(numbers), numbers.len())
+    }
+
+    fn u32(&mut self, numbers: impl Iterator<Item = u32>) -> Block {
         let numbers: Vec<u32> = numbers.collect();
-        self.add(name, "u32", bytemuck::cast_slice(&numbers), numbers.len());
+        self.add(NumberType::U32, bytemuck::cast_slice(&numbers), numbers.len())
     }
 
-    fn finish(self, mut header: Map<String, Value>) -> Vec<u8> {
-        header.insert("blocks".into(), Value::Object(self.index));
-        let mut header = Value::Object(header).to_string().into_bytes();
+    /// The frame.
+    fn behind(&self, header: &MeshHeader) -> Vec<u8> {
+        let mut header = serde_json::to_vec(header).unwrap_or_default();
         header.resize(header.len().next_multiple_of(4), b' ');
-        let mut frame = Vec::with_capacity(4 + header.len() + self.data.len());
+        let mut frame = Vec::with_capacity(4 + header.len() + self.0.len());
         frame.extend_from_slice(&(header.len() as u32).to_le_bytes());
         frame.extend_from_slice(&header);
-        frame.extend_from_slice(&self.data);
+        frame.extend_from_slice(&self.0);
         frame
     }
 }

@@ -1,5 +1,6 @@
 //! Tests of the state that pages share, without a server.
 
+mod protocol;
 mod saving;
 
 use super::document::Options;

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::preview::continued;
+use crate::preview::messages::SaveStatus;
 use crate::preview::save::{plan, save};
 use crate::usd::ReadOptions;
 
@@ -39,12 +40,12 @@ fn a_new_file_of_each_format_gives_the_recipe_on_screen() {
     for name in ["a.usda", "a.usdc", "a.usd", "a.tailor"] {
         let file = folder.path().join(name);
         let planned = plan(&hub, &file.display().to_string());
-        assert_eq!((planned.status, planned.exists), ("planned", false), "{:?}", planned.fault);
+        assert_eq!((planned.status, planned.exists), (SaveStatus::Planned, false), "{:?}", planned.fault);
         assert!(!file.exists());
         let answer = save(&hub, &file.display().to_string(), false);
-        assert_eq!((answer.status, answer.text), ("saved", planned.text.clone()), "{:?}", answer.fault);
+        assert_eq!((answer.status, answer.text), (SaveStatus::Saved, planned.text.clone()), "{:?}", answer.fault);
         assert_eq!(recipe(&file), asked(&hub), "{name}");
-        assert_eq!(save(&hub, &file.display().to_string(), false).status, "refused", "{name} exists");
+        assert_eq!(save(&hub, &file.display().to_string(), false).status, SaveStatus::Refused, "{name} exists");
         if name == "a.usda" {
             assert_eq!(fs::read_to_string(&file).expect("the file"), planned.text);
             for part in ["TailorSeamAPI:side", "coat.usda@", "maxEdgeLength = 3.1\n", "normalOffset = -0.1\n"] {
@@ -72,9 +73,9 @@ fn an_existing_layer_keeps_what_else_it_holds_and_loses_earlier_options() {
     assert!(!plan(&hub, &path).note.contains("comments"));
     fs::write(&file, fs::read_to_string(&file).expect("the file") + "# to be checked\n").expect("a file");
     assert!(plan(&hub, &path).note.contains("comments"), "what is lost is told before");
-    assert_eq!(save(&hub, &path, false).status, "refused", "it exists");
+    assert_eq!(save(&hub, &path, false).status, SaveStatus::Refused, "it exists");
     let answer = save(&hub, &path, true);
-    assert_eq!(answer.status, "saved", "{:?}", answer.fault);
+    assert_eq!(answer.status, SaveStatus::Saved, "{:?}", answer.fault);
     let after = fs::read_to_string(&file).expect("the file");
     for kept in ["note = \"kept\"", "\"lights\"", "power = 3", "owner = \"me\"", "tailor:later:option = 4", "\"MyAPI\""]
     {
@@ -84,7 +85,7 @@ fn an_existing_layer_keeps_what_else_it_holds_and_loses_earlier_options() {
     assert_eq!(recipe(&file), asked(&hub));
     // A second save replaces the first.
     hub.edit(|document| document.edit(options(&json!({"render": {"level": 0}})), String::new()));
-    assert_eq!(save(&hub, &path, true).status, "saved");
+    assert_eq!(save(&hub, &path, true).status, SaveStatus::Saved);
     assert_eq!(recipe(&file), asked(&hub));
 }
 
@@ -97,7 +98,7 @@ fn an_existing_layer_gets_the_garment_as_its_weakest_sublayer() {
         let file = folder.path().join(name);
         fs::write(&file, format!("#usda 1.0\n{sublayers}def Scope \"shot\" {{}}\n")).expect("a file");
         let answer = save(&hub, &file.display().to_string(), true);
-        assert_eq!(answer.status, "saved", "{:?}", answer.fault);
+        assert_eq!(answer.status, SaveStatus::Saved, "{:?}", answer.fault);
         assert_eq!(recipe(&file), asked(&hub));
         let text = fs::read_to_string(&file).expect("the file");
         let at = |part: &str| text.find(part);
@@ -110,8 +111,8 @@ fn a_crate_layer_keeps_its_overs() {
     let folder = TempDir::new().expect("a folder");
     let file = folder.path().join("look.usdc").display().to_string();
     let hub = edited(&example("coat.usda"));
-    assert_eq!(save(&hub, &file, false).status, "saved");
-    assert_eq!(save(&hub, &file, true).status, "saved");
+    assert_eq!(save(&hub, &file, false).status, SaveStatus::Saved);
+    assert_eq!(save(&hub, &file, true).status, SaveStatus::Saved);
     // An over that becomes a def would hide the type of the mesh.
     assert_eq!(recipe(Path::new(&file)), asked(&hub));
 }
@@ -127,7 +128,7 @@ fn the_garment_and_its_layers_are_never_written() {
     for target in [&file, &coat] {
         let before = fs::read(target).expect("the file");
         let answer = save(&hub, &target.display().to_string(), true);
-        assert_eq!(answer.status, "refused");
+        assert_eq!(answer.status, SaveStatus::Refused);
         assert!(answer.fault.is_some_and(|fault| fault.text.contains("input")));
         assert_eq!(fs::read(target).expect("the file"), before);
     }
@@ -150,7 +151,7 @@ fn what_cannot_be_written_back_is_refused_and_stays() {
         let text = format!("#usda 1.0\n(\n    subLayers = [@{coat}@]\n)\n{body}");
         fs::write(&file, &text).expect("a file");
         let answer = save(&hub, &file.display().to_string(), true);
-        assert_eq!(answer.status, "refused", "{name}");
+        assert_eq!(answer.status, SaveStatus::Refused, "{name}");
         assert_eq!(fs::read_to_string(&file).expect("the file"), text, "{name}");
         assert_eq!(
             fs::read_dir(folder.path())
@@ -170,7 +171,7 @@ fn a_selected_variant_is_saved_in_a_layer_and_refused_in_a_recipe_file() {
     let hub = idle(&file);
     hub.select(Selection { prim: "/A".into(), set: "size".into(), choice: "two".into() });
     let look = folder.path().join("look.usda");
-    assert_eq!(save(&hub, &look.display().to_string(), false).status, "saved");
+    assert_eq!(save(&hub, &look.display().to_string(), false).status, SaveStatus::Saved);
     assert_eq!(recipe(&look).render.level, 2);
     // The next session begins with the variant, and can save it again.
     let again = continued(input(&look));
@@ -178,7 +179,7 @@ fn a_selected_variant_is_saved_in_a_layer_and_refused_in_a_recipe_file() {
     assert_eq!(next.snapshot().stage.source.facts().variants[0].selected.choice, "two");
     next.edit(|document| document.edit(options(&json!({"sim": {"iterations": 2}})), String::new()));
     let answer = save(&next, &look.display().to_string(), true);
-    assert_eq!(answer.status, "saved", "{:?}", answer.fault);
+    assert_eq!(answer.status, SaveStatus::Saved, "{:?}", answer.fault);
     assert_eq!((recipe(&look).render.level, recipe(&look).sim.iterations), (2, 2));
     let answer = save(&hub, &folder.path().join("a.tailor").display().to_string(), false);
     assert!(answer.fault.is_some_and(|fault| fault.text.contains("variants")));
@@ -189,7 +190,7 @@ fn a_layer_that_was_saved_is_the_start_of_the_next_session() {
     let folder = TempDir::new().expect("a folder");
     let look = folder.path().join("look.usda");
     let hub = edited(&example("coat.usda"));
-    assert_eq!(save(&hub, &look.display().to_string(), false).status, "saved");
+    assert_eq!(save(&hub, &look.display().to_string(), false).status, SaveStatus::Saved);
     let again = continued(input(&look));
     assert_eq!(again.file.canonicalize().ok(), example("coat.usda").canonicalize().ok());
     assert_eq!(again.recipe, Some(look));
@@ -237,7 +238,7 @@ fn sewn_panels_are_shown_as_one_and_saved_in_a_recipe_file() {
     let refused = save(&hub, &look.display().to_string(), false);
     assert!(refused.fault.is_some_and(|fault| fault.remedy.contains(".tailor")) && !look.exists());
     let answer = save(&hub, &saved.display().to_string(), false);
-    assert_eq!(answer.status, "saved", "{:?}", answer.fault);
+    assert_eq!(answer.status, SaveStatus::Saved, "{:?}", answer.fault);
     assert_eq!(recipe(&saved), asked(&hub));
     let all = ReadOptions { all: true, ..ReadOptions::default() };
     let error = Stage::open(&Input { file, read: all, ..Input::default() }).err().expect("two garments").to_string();

@@ -1,5 +1,5 @@
 import { useRef } from "preact/hooks";
-import type { VariantSet } from "../server/protocol";
+import type { Before, VariantSet } from "../server/protocol";
 import { IconButton, Select } from "./controls/controls";
 import { useLive, useSelect, useStore } from "./controls/hooks";
 import { Icon } from "./controls/icons";
@@ -94,7 +94,7 @@ function Compare({ disabled }: { disabled: boolean }) {
   const store = useStore();
   const isOn = useSelect(({ document }) => document.comparing !== null);
   const held = useRef(false);
-  const hold = (on: boolean, earlier: "step" | "saved" = "step") => {
+  const hold = (on: boolean, earlier: Before = "step") => {
     if (held.current === on) return;
     held.current = on;
     store.command({ type: "compare", with: on ? earlier : null });

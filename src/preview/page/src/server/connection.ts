@@ -1,6 +1,7 @@
 // The socket to the server: sends requests, decodes frames, and reconnects while the server is away.
 
-import type { BlockName, MeshFrame, MeshHeader, PageMessage, ServerMessage } from "./protocol";
+import type { BlockName, MeshFrame } from "./frame";
+import type { MeshHeader, PageMessage, ServerMessage } from "./protocol";
 
 export interface Listener {
   message(message: ServerMessage): void;
@@ -48,7 +49,7 @@ export function decode(buffer: ArrayBuffer): MeshFrame {
   const start = 4 + length;
   const view = <T>(name: BlockName, make: new (b: ArrayBuffer, offset: number, length: number) => T): T | undefined => {
     const block = header.blocks[name];
-    return block && new make(buffer, start + block.offset, block.length);
+    return block ? new make(buffer, start + block.offset, block.length) : undefined;
   };
   return {
     header,

@@ -1,6 +1,7 @@
 // Sends edits, at most one in the time of a frame, and knows which answers of the server are older than what was sent.
 
-import type { Options, PageMessage } from "../server/protocol";
+import type { Options } from "../server/options";
+import type { PageMessage } from "../server/protocol";
 
 interface Pending {
   edits: Options;

@@ -1,5 +1,6 @@
 // Keys of the whole page.
 
+import type { Before } from "../server/protocol";
 import type { Store } from "./store";
 import { ROLES } from "./settings";
 
@@ -64,7 +65,7 @@ function escape(store: Store): void {
 
 let isComparing = false;
 
-function compare(store: Store, state: "step" | "saved" | null): void {
+function compare(store: Store, state: Before | null): void {
   isComparing = state !== null;
   store.command({ type: "compare", with: state });
 }

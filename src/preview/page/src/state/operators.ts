@@ -1,8 +1,9 @@
 // Changes of the stack: operators that are added, copied, renamed, moved, removed.
 
-import type { Fields, Kind, Options } from "../server/protocol";
-import { fullName, listOf, merged, operatorAt, stack, uniqueName } from "./recipe";
-import { withOperator, withOrder, withValue, ORDER, type Operator } from "./recipe";
+import type { Fields, Options } from "../server/options";
+import type { Kind } from "./garment";
+import { fullName, listOf, operatorAt, uniqueName } from "./recipe";
+import { withOperator, withValue, ORDER, type Operator } from "./recipe";
 import type { Store } from "./store";
 
 /** Depth of a new seam as a share of the mean edge: little, and still to be seen. */
@@ -23,12 +24,12 @@ export function duplicateOperator(store: Store, operator: Operator): void {
 }
 
 function insert(store: Store, operator: Operator, fields: Fields, after: string | null): void {
-  const { edits, upstream } = store.state.document;
   const list = listOf(store.state.document.merged);
   const full = fullName(operator);
-  let changed = withOperator(edits, operator, fields);
-  if (list.length > 0) changed = withOrder(changed, upstream, inserted(list, full, after));
-  store.edit(changed);
+  store.edit((options) => {
+    const changed = withOperator(options, operator, fields);
+    return list.length > 0 ? withValue(changed, ORDER, inserted(list, full, after)) : changed;
+  });
   reveal(store, full);
 }
 
@@ -48,31 +49,28 @@ export function deleteOperator(store: Store, operator: Operator): void {
     store.toast({ text: `“${operator.name}” is authored in the garment; turned off` });
     return;
   }
-  const { edits } = store.state.document;
   const full = fullName(operator);
-  store.edit(withListed(withOperator(edits, operator, undefined), (list) => list.filter((each) => each !== full)));
+  const without = (list: string[]) => list.filter((each) => each !== full);
+  store.edit((options) => withListed(withOperator(options, operator, undefined), without));
   store.highlight(null);
 }
 
 export function renameOperator(store: Store, operator: Operator, name: string): void {
-  const { edits } = store.state.document;
-  const [before, after] = [fullName(operator), fullName({ kind: operator.kind, name })];
-  const moved = withOperator(
-    withOperator(edits, operator, undefined),
-    { kind: operator.kind, name },
-    {
-      ...operatorAt(edits, operator),
-    },
-  );
-  store.edit(withListed(moved, (list) => list.map((each) => (each === before ? after : each))));
+  const renamed = { kind: operator.kind, name };
+  const [before, after] = [fullName(operator), fullName(renamed)];
+  store.edit((options) => {
+    const fields = { ...operatorAt(options, operator) };
+    const moved = withOperator(withOperator(options, operator, undefined), renamed, fields);
+    return withListed(moved, (list) => list.map((each) => (each === before ? after : each)));
+  });
   if (store.state.open.has(before)) store.openCard(after, true);
   store.openCard(before, false);
 }
 
-/** The edits with another list of operators, if they have one. */
-function withListed(edits: Options, change: (list: string[]) => string[]): Options {
-  const list = edits.render?.operators;
-  return Array.isArray(list) ? withValue(edits, ORDER, change(list)) : edits;
+/** The options with another list of operators, if they have one. */
+function withListed(options: Options, change: (list: string[]) => string[]): Options {
+  const list = options.render?.operators;
+  return Array.isArray(list) ? withValue(options, ORDER, change(list)) : options;
 }
 
 export function setEnabled(store: Store, operator: Operator, on: boolean): void {
@@ -81,21 +79,28 @@ export function setEnabled(store: Store, operator: Operator, on: boolean): void 
 
 /** Moves an operator to a place of the stack, from 0. */
 export function moveOperator(store: Store, full: string, to: number): void {
-  const { edits, upstream } = store.state.document;
-  const order = stack(merged(upstream, edits)).map((each) => each.full);
+  const order = store.state.document.stack.map((each) => each.full);
   const from = order.indexOf(full);
   if (from < 0 || to < 0 || to >= order.length || from === to) return;
   const others = order.filter((each) => each !== full);
   const moved = [...others.slice(0, to), full, ...others.slice(to)];
-  store.edit(withOrder(edits, upstream, moved));
+  store.edit((options) => withValue(options, ORDER, moved));
   store.update({ spoken: `${full} is now ${to + 1} of ${order.length}` });
 }
 
-/** Opens a card and brings it into sight. */
+/** Frames in which the server should have answered an edit. */
+const FRAMES = 120;
+
+/** Opens a card and brings it into sight. The server's answer has the card of a new operator. */
 export function reveal(store: Store, full: string): void {
   store.openCard(full, true);
+  show(full, FRAMES);
+}
+
+function show(full: string, frames: number): void {
   requestAnimationFrame(() => {
     const card = document.querySelector<HTMLElement>(`[data-card="${CSS.escape(full)}"]`);
+    if (!card && frames > 0) return show(full, frames - 1);
     card?.scrollIntoView({ block: "nearest", behavior: "smooth" });
     card?.focus({ preventScroll: true });
   });

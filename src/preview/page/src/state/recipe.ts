@@ -1,20 +1,12 @@
-// Pure functions on options: reading, writing, and the stack of operators.
+// Pure functions on options: reading and writing. The server merges them and orders the operators.
 
-import type { Fault, Fields, GarmentMessage, Kind, Option, Options, PrimvarInfo, Value } from "../server/protocol";
-
-export type KindName = Kind["name"];
+import type { Fields, KindName, Options, Value } from "../server/options";
+import type { Fault, Option, PrimvarInfo, Stacked } from "../server/protocol";
+import type { Garment, Kind } from "./garment";
 
 export interface Operator {
   kind: KindName;
   name: string;
-}
-
-/** An operator with its place in the stack. */
-export interface Stacked extends Operator {
-  /** `seam.side`, the prefix of its keys. */
-  full: string;
-  /** False if `render.operators` leaves it out. */
-  listed: boolean;
 }
 
 export const ORDER = "render.operators";
@@ -88,57 +80,8 @@ function pruned(options: Options): Options {
   return Object.fromEntries(Object.entries(options).filter(([, group]) => Object.keys(group).length > 0));
 }
 
-/** The options that hold: the edits over those of upstream. */
-export function merged(upstream: Options, edits: Options): Options {
-  const operators = (kind: KindName): Record<string, Fields> => {
-    const result = { ...upstream[kind] };
-    for (const [name, fields] of Object.entries(edits[kind] ?? {})) result[name] = { ...own(result, name), ...fields };
-    return result;
-  };
-  return {
-    sim: { ...upstream.sim, ...edits.sim },
-    render: { ...upstream.render, ...edits.render },
-    seam: operators("seam"),
-    thickness: operators("thickness"),
-  };
-}
-
-/** The order without a list: all seams by name, then all thicknesses by name. */
-function defaultOrder(options: Options): Operator[] {
-  const kinds: KindName[] = ["seam", "thickness"];
-  return kinds.flatMap((kind) =>
-    Object.keys(options[kind] ?? {})
-      .sort((a, b) => (a < b ? -1 : 1))
-      .map((name) => ({ kind, name })),
-  );
-}
-
 export function listOf(options: Options): string[] {
   return (options.render?.operators as string[] | undefined) ?? [];
-}
-
-/** Operators in the order in which they run; those that the list leaves out are last. */
-export function stack(options: Options): Stacked[] {
-  const all = defaultOrder(options);
-  const list = listOf(options);
-  // A list may name operators without their kind.
-  const find = (entry: string) =>
-    all.find((each) => fullName(each) === entry) ?? all.find(({ name }) => name === entry);
-  const listed = new Set(list.map(find).filter((each) => each !== undefined));
-  return [...listed, ...all.filter((each) => !listed.has(each))].map((each) => ({
-    ...each,
-    full: fullName(each),
-    listed: list.length === 0 || listed.has(each),
-  }));
-}
-
-/** Edits with this order. The default order needs no list, unless one has to hide that of upstream. */
-export function withOrder(edits: Options, upstream: Options, order: string[]): Options {
-  const usual = defaultOrder(merged(upstream, edits)).map(fullName);
-  const isUsual = order.length === usual.length && order.every((name, i) => name === usual[i]);
-  return isUsual && listOf(upstream).length === 0
-    ? withoutValue(edits, ORDER, upstream)
-    : withValue(edits, ORDER, order);
 }
 
 export function setsOf(options: Options, operator: Operator, kinds: Kind[]): string[] {
@@ -183,8 +126,8 @@ export interface PlacedFaults {
   elsewhere: Fault[];
 }
 
-export function placeFaults(faults: Fault[], garment: GarmentMessage | null, options: Options): PlacedFaults {
-  const keys = keysOf(garment, options).sort((a, b) => b.length - a.length);
+export function placeFaults(faults: Fault[], garment: Garment | null, stack: Stacked[]): PlacedFaults {
+  const keys = keysOf(garment, stack).sort((a, b) => b.length - a.length);
   const placed: PlacedFaults = { at: new Map(), elsewhere: [] };
   for (const fault of faults) {
     // The longest key that fits is the most exact one.
@@ -195,9 +138,9 @@ export function placeFaults(faults: Fault[], garment: GarmentMessage | null, opt
   return placed;
 }
 
-function keysOf(garment: GarmentMessage | null, options: Options): string[] {
+function keysOf(garment: Garment | null, stack: Stacked[]): string[] {
   const own = (garment?.options ?? []).map(({ key }) => key).filter((key) => key !== ORDER);
-  const ofOperators = stack(options).flatMap(({ kind, full }) => {
+  const ofOperators = stack.flatMap(({ kind, full }) => {
     // The switch is on the card's header, so that its faults are the card's.
     const fields = (garment?.kinds.find(({ name }) => name === kind)?.options ?? []).filter(
       ({ key }) => key !== "enabled",

@@ -1,16 +1,14 @@
 // The state of the page, which the store changes and components read.
 
-import type { Fault, FaultsMessage, GarmentMessage, MeshHeader, Options, ProductMessage } from "../server/protocol";
+import type { DrawnValues, Fault, Origin, ProductMessage } from "../server/protocol";
 import type { Role, SaveMessage, StateMessage, Warning } from "../server/protocol";
-import { merged, type PlacedFaults } from "./recipe";
+import type { Garment } from "./garment";
+import type { PlacedFaults } from "./recipe";
 import type { Picked } from "../view/api";
 import { loadSettings, type Settings } from "./settings";
 import type { Timing } from "./stopwatch";
 
-export interface Document extends Omit<StateMessage, "type" | "serial"> {
-  /** The options that hold. */
-  merged: Options;
-}
+export type Document = Omit<StateMessage, "serial">;
 
 export interface Toast {
   id: number;
@@ -21,13 +19,13 @@ export interface Toast {
 
 export interface State {
   connection: "first" | "open" | "lost";
-  garment: GarmentMessage | null;
+  garment: Garment | null;
   document: Document;
-  faults: Record<FaultsMessage["origin"], Fault[]>;
+  faults: Record<Origin, Fault[]>;
   placed: PlacedFaults;
   products: Partial<Record<Role, ProductMessage>>;
   progress: Partial<Record<Role, { step: string; since: number }>>;
-  heat: MeshHeader["values"];
+  heat: DrawnValues | null;
   /** Counts the drawings of new meshes, since colours of sets may come with them. */
   drawn: number;
   lastEdit: Timing | null;
@@ -56,7 +54,8 @@ const EMPTY: Document = {
   canRedo: false,
   unsaved: false,
   comparing: null,
-  merged: merged({}, {}),
+  merged: {},
+  stack: [],
 };
 
 export function initialState(): State {

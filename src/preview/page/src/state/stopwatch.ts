@@ -1,6 +1,7 @@
 // How long it takes from an input event until the new mesh is drawn.
 
-import type { MeshFrame, Role } from "../server/protocol";
+import type { MeshFrame } from "../server/frame";
+import type { Role } from "../server/protocol";
 
 /** All in milliseconds. */
 export interface Timing {

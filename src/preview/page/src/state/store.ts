@@ -8,9 +8,12 @@ import { onSystemTheme, paintedChoices, QUALITIES, ROLES, saveSettings, viewOpti
 import type { Settings } from "./settings";
 import { initialState, warningsOf, type State, type Toast } from "./state";
 import { Stopwatch } from "./stopwatch";
-import type { GarmentMessage, MeshFrame, Options, PageMessage, ProductMessage, ProgressMessage } from "../server/protocol";
-import type { Role, ServerMessage, StateMessage, Value, Warning } from "../server/protocol";
-import { merged, placeFaults, setsOf, stack, withoutValue, withValue } from "./recipe";
+import type { MeshFrame } from "../server/frame";
+import type { Options, Value } from "../server/options";
+import type { GarmentMessage, PageMessage, ProductMessage, ProgressMessage } from "../server/protocol";
+import type { Role, ServerMessage, StateMessage, Warning } from "../server/protocol";
+import { garmentOf } from "./garment";
+import { placeFaults, setsOf, withoutValue, withValue } from "./recipe";
 import { createView } from "../view/index";
 import type { Picked, View } from "../view/api";
 
@@ -35,7 +38,7 @@ export class Store {
     this.state = { ...this.state, ...change };
     if (change.faults || change.document || change.garment) {
       const { faults, garment, document } = this.state;
-      this.state.placed = placeFaults([...faults.recipe, ...faults.sim, ...faults.render], garment, document.merged);
+      this.state.placed = placeFaults([...faults.recipe, ...faults.sim, ...faults.render], garment, document.stack);
     }
     for (const listener of this.#listeners) listener();
   }
@@ -65,22 +68,28 @@ export class Store {
 
   // ---- Edits
 
-  /** Replaces the edits. Changes of a drag or a run of key presses are one gesture, others are one each. */
-  edit(edits: Options, how: "step" | "continuous" = "step"): void {
+  /** Changes the edits. Changes of a drag or a run of key presses are one gesture, others are one each. The options that
+   *  hold are changed alike until the server has merged them. */
+  edit(change: (options: Options) => Options, how: "step" | "continuous" = "step"): void {
+    const { document } = this.state;
+    this.#replace(change(document.edits), change(document.merged), how);
+  }
+
+  #replace(edits: Options, merged: Options, how: "step" | "continuous"): void {
     const gesture = how === "step" ? this.gestures.next() : this.gestures.current;
     this.#queue.push(edits, gesture, this.gestures.input);
     const { document } = this.state;
-    const whole = merged(document.upstream, edits);
-    this.update({ document: { ...document, edits, merged: whole, unsaved: true, canUndo: true, canRedo: false } });
+    this.update({ document: { ...document, edits, merged, unsaved: true, canUndo: true, canRedo: false } });
   }
 
   set(key: string, value: Value, how: "step" | "continuous" = "step"): void {
-    this.edit(withValue(this.state.document.edits, key, value), how);
+    this.edit((options) => withValue(options, key, value), how);
   }
 
+  /** Takes an edit back. The server knows the value below it. */
   reset(key: string): void {
-    const { edits, upstream } = this.state.document;
-    this.edit(withoutValue(edits, key, upstream));
+    const { edits, upstream, merged } = this.state.document;
+    this.#replace(withoutValue(edits, key, upstream), merged, "step");
   }
 
   /** A message that acts on the document, after the edits that come before it. */
@@ -168,7 +177,7 @@ export class Store {
   #hover(hovered: Picked | null): void {
     this.update({ hovered });
     const { document, garment } = this.state;
-    const used = stack(document.merged).flatMap((each) => setsOf(document.merged, each, garment?.kinds ?? []));
+    const used = document.stack.flatMap((each) => setsOf(document.merged, each, garment?.kinds ?? []));
     const edges = (hovered?.sets ?? []).filter(({ kind, name }) => kind === "edge" && used.includes(name));
     this.highlight(edges.length > 0 ? edges.map(({ name }) => name) : null);
   }
@@ -210,7 +219,7 @@ export class Store {
   }
 
   #garment(garment: GarmentMessage): void {
-    this.update({ garment });
+    this.update({ garment: garmentOf(garment) });
     this.view?.setUp(garment.upAxis);
     document.title = `${garment.file} · usdtailor`;
     // The garment may no longer have the primvar that heat shows.
@@ -218,11 +227,11 @@ export class Store {
   }
 
   #document(message: StateMessage): void {
-    const { serial, type: _, ...state } = message;
+    const { serial, ...state } = message;
     this.stopwatch.revision(message.revision, this.#queue.inputOf(serial));
     const current = this.state.document;
-    const edits = this.#queue.isBehind(serial) ? current.edits : state.edits;
-    this.update({ document: { ...state, edits, merged: merged(state.upstream, edits) } });
+    const { edits, merged } = this.#queue.isBehind(serial) ? current : state;
+    this.update({ document: { ...state, edits, merged } });
   }
 
   #product(product: ProductMessage): void {

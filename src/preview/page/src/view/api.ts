@@ -1,6 +1,7 @@
 // The interface of the view. `view/index.ts` implements it.
 
-import type { MeshFrame, PickedSet, Role, Warning } from "../server/protocol";
+import type { MeshFrame } from "../server/frame";
+import type { Elements, Role, SetInfo, UpAxis } from "../server/protocol";
 
 export type Layout = "side" | "over";
 /** The colour of faces. `values` is a painted primvar or a quality figure, as heat. */
@@ -20,6 +21,9 @@ export interface ViewOptions {
   flat: boolean;
   theme: "light" | "dark";
 }
+
+/** A set by name. */
+export type PickedSet = Pick<SetInfo, "name" | "kind">;
 
 /** What is under the pointer. */
 export interface Picked {
@@ -59,13 +63,13 @@ export interface View {
   remove(role: Role): void;
   setOptions(options: ViewOptions): void;
   /** Up axis of the stage; the camera stands upright on it. */
-  setUp(axis: "Y" | "Z"): void;
+  setUp(axis: UpAxis): void;
   /** Moves the camera so that the marked or highlighted elements, or else everything, fill the view. */
   frame(): void;
   /** Highlights sets by name on all meshes; an empty list ends it. */
   highlight(sets: string[]): void;
   /** Marks elements of the model (visible through cloth), also when the model is not drawn, and flies there; null ends it. */
-  mark(elements: Warning["elements"] | null): void;
+  mark(elements: Elements | null): void;
   /** The colour of a set, as CSS, so that the panel shows the same. */
   colourOf(set: string): string;
   /** The picture as PNG at the device's resolution. */

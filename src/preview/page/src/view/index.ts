@@ -1,7 +1,8 @@
 // The view of the meshes: takes frames and options, draws when something changed, and tells what is under the pointer.
 
 import { Vector3 } from "three";
-import type { MeshFrame, Role, Warning } from "../server/protocol";
+import type { MeshFrame } from "../server/frame";
+import type { Elements, Role, UpAxis } from "../server/protocol";
 import type { View, ViewEvents, ViewOptions, ViewStats } from "./api";
 import { poseOfAll, poseOfMarks, poseOfSets } from "./camera/aims";
 import type { Sight } from "./camera/aims";
@@ -38,7 +39,7 @@ class CanvasView implements View {
   #highlighted: ReadonlySet<string> = new Set();
   /** Edge sets under the pointer. */
   #hot: string[] = [];
-  #marked: Warning["elements"] | null = null;
+  #marked: Elements | null = null;
   /** Rigs that the artist has not moved, which frame the garment again when the view changes. */
   readonly #untouched = new Set<Rig>([this.#space, this.#flat]);
   readonly #framed = new Set<Rig>();
@@ -101,7 +102,7 @@ class CanvasView implements View {
     this.#invalidate();
   }
 
-  setUp(axis: "Y" | "Z"): void {
+  setUp(axis: UpAxis): void {
     this.#space.setUp(axis);
     this.#frameUntouched();
     this.#invalidate();
@@ -121,7 +122,7 @@ class CanvasView implements View {
     this.#invalidate();
   }
 
-  mark(elements: Warning["elements"] | null): void {
+  mark(elements: Elements | null): void {
     this.#marked = elements;
     this.#placeMarkers();
     const pose = poseOfMarks(this.#sight, this.#marked);

@@ -2,8 +2,10 @@
 
 import type { CSSProperties, HTMLAttributes, TargetedKeyboardEvent } from "preact";
 import { useRef, useState } from "preact/hooks";
-import type { Fields, Kind } from "../../server/protocol";
-import { isEnabled, nameProblem, operatorAt, setsOf, type Stacked } from "../../state/recipe";
+import type { Fields } from "../../server/options";
+import type { Stacked } from "../../server/protocol";
+import type { Kind } from "../../state/garment";
+import { isEnabled, nameProblem, operatorAt, setsOf } from "../../state/recipe";
 import { Switch } from "../controls/controls";
 import { useSelect, useStore } from "../controls/hooks";
 import { Icon } from "../controls/icons";

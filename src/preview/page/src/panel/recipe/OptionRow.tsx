@@ -2,7 +2,8 @@
 
 import type { ComponentChildren } from "preact";
 import { useId } from "preact/hooks";
-import type { Fault, Option, Value } from "../../server/protocol";
+import type { Value } from "../../server/options";
+import type { Domain, Fault, Option } from "../../server/protocol";
 import { fitting, labelOf, valueAt } from "../../state/recipe";
 import { NumberField, Segments, Select, Slider, Switch, type Range } from "../controls/controls";
 import { useSelect, useStore } from "../controls/hooks";
@@ -28,12 +29,11 @@ export function OptionRow({ option, full }: RowProps) {
   const edited = useSelect(({ document }) => valueAt(document.edits, full) !== undefined);
   const faults = useSelect(({ placed }) => placed.at.get(full) ?? NONE);
   const label = labelOf(option);
-  const meaning = option.meaning.charAt(0).toUpperCase() + option.meaning.slice(1);
-  const hint = `${meaning}${option.unit ? ` [${option.unit}]` : ""}`;
+  const hint = `${option.meaning}${option.unit ? ` [${option.unit}]` : ""}`;
   const explain = () => store.state.info !== hint && store.update({ info: hint });
   return (
     <div
-      class={`option ${option.domain.type === "names" ? "is-tall" : ""} ${edited ? "is-edited" : ""}`}
+      class={`option ${option.domain.type === "sets" ? "is-tall" : ""} ${edited ? "is-edited" : ""}`}
       data-key={full}
       onPointerEnter={explain}
       onFocusIn={explain}
@@ -90,17 +90,17 @@ function Control({ option, full, ...described }: ControlProps) {
     case "flag":
       return <Switch {...described} on={value === true} change={set} />;
     case "choice": {
-      const choices = domain.values.map((each) => ({ value: each, label: each }));
+      const choices = domain.words.map((each) => ({ value: each, label: each }));
       return <Segments {...described} value={String(value)} choices={choices} change={set} />;
     }
-    case "name": {
-      const names = fitting(primvars, domain.of).map(({ name }) => name);
+    case "uvSet":
+    case "weights": {
+      const names = fitting(primvars, domain.type).map(({ name }) => name);
       const all = value === "" || names.includes(String(value)) ? names : [String(value), ...names];
       const choices = [{ value: "", label: "none" }, ...all.map((name) => ({ value: name, label: name }))];
       return <Select {...described} value={String(value)} groups={[{ choices }]} change={set} />;
     }
-    case "names":
-      if (domain.of === "operator") return null;
+    case "sets":
       return <SetChips {...described} of={domain.of} names={Array.isArray(value) ? value : []} change={set} />;
     default:
       return <NumberControl option={option} full={full} value={Number(value)} {...described} />;
@@ -111,17 +111,11 @@ function NumberControl({ option, full, value, ...described }: ControlProps & { v
   const store = useStore();
   const garment = useSelect((state) => state.garment);
   const used = useSelect(({ products }) => products.sim?.lengths[full] ?? products.render?.lengths[full]);
-  const { domain } = option;
-  if (domain.type !== "number" && domain.type !== "whole" && domain.type !== "length") return null;
-  const range = rangeOf(domain);
-  const known = domain.type === "length" ? domain.auto : null;
-  const auto = used ?? known;
-  const clamp = (typed: number) => {
-    const number = domain.type === "whole" ? Math.round(typed) : typed;
-    // A slider's end is no limit of a length.
-    if (domain.type === "length") return domain.least < 0 ? number : Math.max(domain.least, number);
-    return Math.min(domain.most, Math.max(domain.least, number));
-  };
+  const meanEdge = garment?.meanEdge ?? 1;
+  const range = rangeOf(option.domain, meanEdge);
+  if (!range) return null;
+  const auto = used ?? automatic(option.domain, meanEdge);
+  const clamp = (typed: number) => clamped(option.domain, typed);
   return (
     <span class="number-control">
       {range.most - range.least <= WIDEST * range.step && (
@@ -146,9 +140,39 @@ function NumberControl({ option, full, value, ...described }: ControlProps & { v
   );
 }
 
-function rangeOf(domain: { type: string; least: number; most: number; step?: number }): Range {
-  if (domain.type === "whole") return { least: domain.least, most: domain.most, step: 1 };
-  if (domain.type === "number") return { least: domain.least, most: domain.most, step: neat(domain.step ?? 1) };
-  const step = niceStep(domain.most - domain.least);
-  return { least: snapped(domain.least, step), most: snapped(domain.most, step), step };
+/** The usual range of a number, with a step that can be seen; null of what is no number. */
+function rangeOf(domain: Domain, meanEdge: number): Range | null {
+  switch (domain.type) {
+    case "whole":
+      return { least: 0, most: domain.usual, step: 1 };
+    case "number":
+      return { least: domain.usual[0], most: domain.usual[1], step: neat(domain.step) };
+    case "length": {
+      const [least, most] = domain.usual.map((share) => share * meanEdge);
+      const step = niceStep(most - least);
+      return { least: snapped(least, step), most: snapped(most, step), step };
+    }
+    default:
+      return null;
+  }
+}
+
+/** The length that 0 stands for. */
+function automatic(domain: Domain, meanEdge: number): number | null {
+  return domain.type === "length" && domain.automatic > 0 ? domain.automatic * meanEdge : null;
+}
+
+/** The nearest value that the option takes. A slider's end is no limit. */
+function clamped(domain: Domain, typed: number): number {
+  switch (domain.type) {
+    case "whole":
+      return Math.min(domain.most, Math.max(0, Math.round(typed)));
+    case "number":
+      if (domain.orZero && typed <= 0) return Math.max(typed, Math.min(domain.least, 0));
+      return Math.min(domain.most ?? Infinity, Math.max(domain.least, typed));
+    case "length":
+      return domain.usual[0] < 0 ? typed : Math.max(0, typed);
+    default:
+      return typed;
+  }
 }

@@ -7,9 +7,9 @@ import { MenuButton, type MenuItem } from "../controls/Menu";
 
 const NONE: SetInfo[] = [];
 
-export function useSets(of: "edgeSet" | "faceSet"): SetInfo[] {
+export function useSets(of: string[]): SetInfo[] {
   const sets = useSelect(({ garment }) => garment?.sets) ?? NONE;
-  return sets.filter(({ kind }) => kind === (of === "edgeSet" ? "edge" : "face"));
+  return sets.filter(({ kind }) => of.includes(kind));
 }
 
 /** The colour that a set has in the view. */
@@ -25,7 +25,8 @@ interface SetChipsProps {
   label: string;
   describedBy: string;
   invalid: boolean;
-  of: "edgeSet" | "faceSet";
+  /** Kinds of elements. */
+  of: string[];
   names: string[];
   change(names: string[]): void;
 }

@@ -1,8 +1,9 @@
 // Seams and folded edges as cards, in the order in which they run.
 
 import { useRef } from "preact/hooks";
-import type { GarmentMessage, Kind, SetInfo } from "../../server/protocol";
-import { setsOf, stack, type Stacked } from "../../state/recipe";
+import type { SetInfo, Stacked } from "../../server/protocol";
+import type { Garment, Kind } from "../../state/garment";
+import { setsOf } from "../../state/recipe";
 import { Card } from "./Card";
 import { useDrag } from "./drag";
 import { useSelect, useStore } from "../controls/hooks";
@@ -15,10 +16,9 @@ export const KIND_NAMES: Record<Kind["name"], string> = { seam: "seam", thicknes
 
 export function Stack() {
   const store = useStore();
-  const merged = useSelect(({ document }) => document.merged);
+  const operators = useSelect(({ document }) => document.stack);
   const kinds = useSelect(({ garment }) => garment?.kinds) ?? [];
   const list = useRef<HTMLDivElement>(null);
-  const operators = stack(merged);
   const drag = useDrag(list, (full, to) => moveOperator(store, full, to));
   if (operators.length === 0) {
     return <p class="empty">No seams and no folds yet. Take an edge or a face set, or click on the garment.</p>;
@@ -44,10 +44,10 @@ export function NewOperator() {
         <MenuButton
           key={kind.name}
           label={`New ${KIND_NAMES[kind.name]}`}
-          hint={`A ${KIND_NAMES[kind.name]} along ${kind.sets.of === "edgeSet" ? "an edge set" : "the border of a face set"}`}
+          hint={`A ${KIND_NAMES[kind.name]} along ${kind.sets.of === "edge" ? "an edge set" : "the border of a face set"}`}
           class="button"
           items={() => choices(kind, store.state).map((set) => item(kind, set))}
-          empty={`The garment has no ${kind.sets.of === "edgeSet" ? "edge" : "face"} sets`}
+          empty={`The garment has no ${kind.sets.of} sets`}
         >
           <Icon name={kind.name} />
           New {KIND_NAMES[kind.name]}
@@ -72,10 +72,10 @@ export function NewOperator() {
 function choices(kind: Kind, { garment, document }: State): (SetInfo & { section: string })[] {
   const used = usedSets(
     garment,
-    stack(document.merged).filter((each) => each.kind === kind.name),
+    document.stack.filter((each) => each.kind === kind.name),
     document.merged,
   );
-  const fitting = (garment?.sets ?? []).filter((set) => set.kind === (kind.sets.of === "edgeSet" ? "edge" : "face"));
+  const fitting = (garment?.sets ?? []).filter((set) => set.kind === kind.sets.of);
   return [
     ...fitting.filter(({ name }) => !used.has(name)).map((set) => ({ ...set, section: "Not in use" })),
     ...fitting.filter(({ name }) => used.has(name)).map((set) => ({ ...set, section: "In use" })),
@@ -83,7 +83,7 @@ function choices(kind: Kind, { garment, document }: State): (SetInfo & { section
 }
 
 function usedSets(
-  garment: GarmentMessage | null,
+  garment: Garment | null,
   operators: Stacked[],
   merged: State["document"]["merged"],
 ): Set<string> {

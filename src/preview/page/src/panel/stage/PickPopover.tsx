@@ -1,11 +1,13 @@
 // What may be done with the edge or face that was clicked.
 
 import { useLayoutEffect, useRef } from "preact/hooks";
-import type { Kind, PickedSet } from "../../server/protocol";
-import { setsOf, stack, type Stacked } from "../../state/recipe";
+import type { Stacked } from "../../server/protocol";
+import type { Kind } from "../../state/garment";
+import { setsOf } from "../../state/recipe";
 import { useLive, useOutside, useSelect, useStore } from "../controls/hooks";
 import { Icon } from "../controls/icons";
 import { addOperator, reveal } from "../../state/operators";
+import type { PickedSet } from "../../view/api";
 import { Swatch } from "../recipe/SetChips";
 import { KIND_NAMES } from "../recipe/Stack";
 
@@ -70,10 +72,10 @@ function PickRow({ set, close }: { set: PickedSet; close(): void }) {
   const store = useStore();
   const isLive = useLive();
   const garment = useSelect((state) => state.garment);
-  const merged = useSelect(({ document }) => document.merged);
+  const { merged, stack } = useSelect(({ document }) => document);
   const kinds = garment?.kinds ?? [];
-  const kind = kinds.find(({ sets }) => sets.of === (set.kind === "edge" ? "edgeSet" : "faceSet"));
-  const users = stack(merged).filter((each) => setsOf(merged, each, kinds).includes(set.name));
+  const kind = kinds.find(({ sets }) => sets.of === set.kind);
+  const users = stack.filter((each) => setsOf(merged, each, kinds).includes(set.name));
   if (!kind || set.kind === "point") return null;
   const act = (what: () => void) => () => {
     close();

@@ -1,7 +1,7 @@
 // The 3D view and what floats over it.
 
 import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
-import { setsOf, stack } from "../../state/recipe";
+import { setsOf } from "../../state/recipe";
 import { useSelect, useStore } from "../controls/hooks";
 import { Legend } from "./Legend";
 import { PickPopover } from "./PickPopover";
@@ -89,9 +89,9 @@ function HoverLabel() {
   const hovered = useSelect((state) => state.hovered);
   const clicked = useSelect((state) => state.clicked);
   const garment = useSelect((state) => state.garment);
-  const merged = useSelect(({ document }) => document.merged);
+  const { merged, stack } = useSelect(({ document }) => document);
   if (!hovered || clicked || !garment) return null;
-  const operators = stack(merged).map((each) => ({ ...each, sets: setsOf(merged, each, garment.kinds) }));
+  const operators = stack.map((each) => ({ ...each, sets: setsOf(merged, each, garment.kinds) }));
   const labels = hovered.sets.flatMap(({ name, kind }) => {
     const users = operators.filter(({ sets }) => sets.includes(name)).map(({ full }) => full);
     return kind === "edge" || users.length > 0 ? [{ name, users }] : [];

@@ -95,39 +95,39 @@ function Brief({ name, isShown, product, figures }: BriefProps) {
 }
 
 function simBrief(product: ProductMessage | undefined): [string, string][] {
-  const figures = product?.figures ?? {};
+  const figures = product?.figures;
   return [
-    ["smallest angle", degrees(figures.minAngle)],
-    ["under 30°", percent(figures.shareUnder30)],
-    ["length error", percent(figures.lengthErrorRms)],
+    ["smallest angle", degrees(figures?.minAngle)],
+    ["under 30°", percent(figures?.shareUnder30)],
+    ["length error", percent(figures?.lengthErrorRms)],
   ];
 }
 
 function SimFigures({ product }: { product: ProductMessage | undefined }) {
-  const figures = product?.figures ?? {};
+  const figures = product?.figures;
   return (
     <Figures
       title={`${ROLE_NAMES.sim} mesh`}
       rows={[
-        ["Points", count(figures.vertices)],
-        ["Triangles", count(figures.faces)],
-        ["Smallest angle", degrees(figures.minAngle)],
-        ["Triangles under 30°", percent(figures.shareUnder30)],
-        ["Length error (RMS)", percent(figures.lengthErrorRms)],
+        ["Points", count(figures?.vertices)],
+        ["Triangles", count(figures?.faces)],
+        ["Smallest angle", degrees(figures?.minAngle)],
+        ["Triangles under 30°", percent(figures?.shareUnder30)],
+        ["Length error (RMS)", percent(figures?.lengthErrorRms)],
       ]}
     />
   );
 }
 
 function RenderFigures({ product }: { product: ProductMessage | undefined }) {
-  const figures = product?.figures ?? {};
+  const figures = product?.figures;
   return (
     <Figures
       title={`${ROLE_NAMES.render} mesh`}
       rows={[
-        ["Points", count(figures.vertices)],
-        ["Faces", count(figures.faces)],
-        ["Quads", percent(figures.quads)],
+        ["Points", count(figures?.vertices)],
+        ["Faces", count(figures?.faces)],
+        ["Quads", percent(figures?.quads)],
         ["Operators that ran", product ? String(product.operators.length) : "–"],
       ]}
     />

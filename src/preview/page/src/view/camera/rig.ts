@@ -3,6 +3,7 @@
 import { Matrix4, OrthographicCamera, PerspectiveCamera, Vector2, Vector3 } from "three";
 import { Motion } from "./motion";
 import type { Pose } from "./motion";
+import type { UpAxis } from "../../server/protocol";
 
 /** Half of the angle that the shorter side of the view spans. */
 const HALF_ANGLE = (14 * Math.PI) / 180;
@@ -11,8 +12,6 @@ const FILL = 0.86;
 /** The same above the middle, where the tool bar is. */
 const FILL_TOP = 0.76;
 const MOST_TILT = Math.PI / 2 - 0.001;
-
-export type Axis = "Y" | "Z";
 
 /** What the camera should show: positions as x, y, z with a stride. */
 export interface Cloud {
@@ -86,13 +85,13 @@ export abstract class Rig {
 
 export class SpaceRig extends Rig {
   readonly camera = new PerspectiveCamera();
-  #axis: Axis = "Y";
+  #axis: UpAxis = "Y";
 
   constructor() {
     super([0, 0, 0, 1, ...THREE_QUARTER]);
   }
 
-  setUp(axis: Axis): void {
+  setUp(axis: UpAxis): void {
     this.#axis = axis;
   }
 

@@ -3,7 +3,8 @@
 
 import { BufferAttribute, BufferGeometry, Group, Mesh, Sphere, UnsignedByteType, Vector2 } from "three";
 import type { DataTexture, RawShaderMaterial } from "three";
-import type { MeshFrame } from "../../server/protocol";
+import type { MeshFrame } from "../../server/frame";
+import type { ValuesOf } from "../../server/protocol";
 import { computeNormals } from "./normals";
 import type { Paint } from "../shade/paint";
 import { copyPoints } from "./points";
@@ -149,7 +150,7 @@ export class Cloth {
     }
   }
 
-  #setValues(values: Float32Array, of: "point" | "corner" | "face", least: number, most: number): void {
+  #setValues(values: Float32Array, of: ValuesOf, least: number, most: number): void {
     const array = this.#attribute("aValue", 1);
     const { corners, faces } = this.triangles;
     for (let at = 0; at < corners.length; at++) {

@@ -1,7 +1,7 @@
 // The sets of a mesh: which edges and faces are in them, and their colours in the tables that the shaders read.
 
-import type { MeshHeader } from "../../server/protocol";
-import type { PickedSet } from "../../server/protocol";
+import type { DrawnSet, SetKind } from "../../server/protocol";
+import type { PickedSet } from "../api";
 import { bytes, setColour } from "../shade/colours";
 import { HIDDEN, PLAIN, HIGHLIGHTED, FIRST_SET, CLASSES } from "../shade/classes";
 import type { Edges } from "./topology";
@@ -9,8 +9,6 @@ import type { Edges } from "./topology";
 /** Flags in the fourth channel of a face's colour. */
 const COLOURED = 128;
 const LIT_UP = 64;
-
-type Header = NonNullable<MeshHeader["sets"]>[number];
 
 export interface ElementSet extends PickedSet {
   family: string;
@@ -20,8 +18,8 @@ export interface ElementSet extends PickedSet {
 }
 
 /** Sets in the order of the frame, but those that the build derives come first so that authored ones cover them. */
-export function readSets(headers: Header[], elements: Uint32Array | undefined): ElementSet[] {
-  const derived = (set: Header) => set.family.startsWith("tailor");
+export function readSets(headers: DrawnSet[], elements: Uint32Array | undefined): ElementSet[] {
+  const derived = (set: DrawnSet) => set.family.startsWith("tailor");
   const ordered = [...headers.filter(derived), ...headers.filter((set) => !derived(set))];
   let edgeSets = 0;
   return ordered.map(({ name, kind, family, offset, length }) => ({
@@ -112,7 +110,7 @@ export class Membership {
 /** The last set comes first, as its colour is the one that is seen. */
 function collect(
   sets: ElementSet[],
-  kind: PickedSet["kind"],
+  kind: SetKind,
   keys: (elements: Uint32Array) => Iterable<number>,
 ): Map<number, PickedSet[]> {
   const found = new Map<number, PickedSet[]>();

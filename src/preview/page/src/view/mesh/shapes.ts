@@ -1,11 +1,15 @@
 // Where marked elements are, in space or on the UV plane.
 
-import type { Warning } from "../../server/protocol";
 import type { Cloth } from "./cloth";
 import type { Marks, Shapes } from "./marks";
 import { nextCorner } from "./topology";
 
-export type Elements = Warning["elements"];
+/** Elements of any kinds. */
+export interface Elements {
+  points?: number[];
+  edges?: [number, number][];
+  faces?: number[];
+}
 
 /** Shapes of elements of the mesh. If it is refined for display, its first points are those of the cage. */
 export function shapesOf(cloth: Cloth, elements: Elements, flat: boolean): Shapes {

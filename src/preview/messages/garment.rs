@@ -1,0 +1,138 @@
+//! The message that describes the garment.
+
+use super::SetKind;
+use crate::error::Warning;
+use crate::garment::{Interpolation, Primvar, Subset, Values};
+use crate::recipe::GroupTable;
+use crate::usd::{self, type_word};
+use serde::Serialize;
+
+/// The garment as it was read. First message of a connection, and again each time the stage is read anew.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct GarmentMessage<'a> {
+    /// Version of this program.
+    pub version: &'a str,
+    /// File name without its folder.
+    pub file: String,
+    /// Path of the mesh.
+    pub prim: &'a str,
+    /// The axis that points up.
+    pub up_axis: UpAxis,
+    /// Metres in one unit of the mesh.
+    pub meters_per_unit: f64,
+    /// Number of points.
+    pub points: usize,
+    /// Number of faces.
+    pub faces: usize,
+    /// Mean length of the edges. \[mesh units\]
+    pub mean_edge: f64,
+    /// Its sets.
+    pub sets: Vec<SetInfo<'a>>,
+    /// Its primvars.
+    pub primvars: Vec<PrimvarInfo<'a>>,
+    /// Variant sets of the mesh and of its ancestors.
+    pub variants: Vec<VariantSet<'a>>,
+    /// The table of options.
+    pub groups: Vec<GroupTable>,
+    /// Files to save to.
+    pub suggested: Suggested,
+    /// Warnings of the stage and of its mesh; those of the products are in their own messages.
+    pub warnings: Vec<&'a Warning>,
+}
+
+/// The axis that points up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub enum UpAxis {
+    /// USD's fallback.
+    Y,
+    /// The other choice of USD.
+    Z,
+}
+
+impl UpAxis {
+    /// The axis that a stage names.
+    pub fn named(name: &str) -> Self {
+        if name == "Z" { Self::Z } else { Self::Y }
+    }
+}
+
+/// A set of elements of the garment.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct SetInfo<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// Its elements.
+    pub kind: SetKind,
+    /// `familyName` of its subset.
+    pub family: &'a str,
+    /// Number of elements.
+    pub count: usize,
+}
+
+impl<'a> From<&'a Subset> for SetInfo<'a> {
+    fn from(set: &'a Subset) -> Self {
+        let Subset { name, family, elements, .. } = set;
+        Self { name, kind: elements.into(), family, count: elements.len() }
+    }
+}
+
+/// A primvar of the garment.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct PrimvarInfo<'a> {
+    /// Its name, without `primvars:`.
+    pub name: &'a str,
+    /// USD's name of its type, such as `texCoord2f[]`.
+    #[serde(rename = "type")]
+    pub type_name: &'static str,
+    /// The elements that carry its values.
+    pub interpolation: Interpolation,
+    /// Numbers in one value: 1 can be shown as heat, 2 and `faceVarying` is a UV set.
+    pub width: usize,
+    /// True for 32-bit floats.
+    pub is_float: bool,
+}
+
+impl<'a> From<&'a Primvar> for PrimvarInfo<'a> {
+    fn from(primvar: &'a Primvar) -> Self {
+        let Primvar { name, interpolation, values, .. } = primvar;
+        let is_float = matches!(values, Values::F32(_));
+        Self { name, type_name: type_word(primvar), interpolation: *interpolation, width: primvar.width(), is_float }
+    }
+}
+
+/// A variant set and its selection.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct VariantSet<'a> {
+    /// Path of its prim.
+    pub prim: &'a str,
+    /// Its name.
+    pub set: &'a str,
+    /// Its variants.
+    pub choices: &'a [String],
+    /// The selected variant; empty for none.
+    pub selected: &'a str,
+}
+
+impl<'a> From<&'a usd::VariantSet> for VariantSet<'a> {
+    fn from(variants: &'a usd::VariantSet) -> Self {
+        let selected = &variants.selected;
+        Self { prim: &selected.prim, set: &selected.set, choices: &variants.choices, selected: &selected.choice }
+    }
+}
+
+/// Files to save to: those of the input where it has one, else new ones beside the garment.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct Suggested {
+    /// A USD layer. Panels that are sewn together have none: their options are of no prim.
+    pub layer: Option<String>,
+    /// A `.tailor` file.
+    pub recipe: String,
+}

@@ -1,0 +1,70 @@
+//! The message that describes a product.
+
+use super::Role;
+use crate::error::Warning;
+use crate::report::{RenderFigures, SimFigures};
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Figures and warnings of a product; follows its mesh.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct ProductMessage<'a> {
+    /// The product.
+    pub role: Role,
+    /// The revision that it was made from.
+    pub revision: u64,
+    /// Its figures.
+    pub figures: Figures,
+    /// Its warnings.
+    pub warnings: Vec<&'a Warning>,
+    /// Operators in the order in which they ran, as `seam.placket`. Of the render mesh only.
+    pub operators: &'a [String],
+    /// Lengths and levels that replace 0, by key: of the simulation mesh, or of the render mesh.
+    pub lengths: BTreeMap<String, f64>,
+}
+
+/// Figures of a product that the page shows, as in the JSON report of `build`.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct Figures {
+    /// Number of vertices.
+    pub vertices: usize,
+    /// Number of faces.
+    pub faces: usize,
+    /// Smallest angle of any triangle; null for the render mesh. \[degrees\]
+    pub min_angle: Option<f32>,
+    /// Share of triangles with an angle below 30 degrees; null for the render mesh.
+    pub share_under30: Option<f32>,
+    /// Root mean square of length / target - 1 over the edges; null for the render mesh.
+    pub length_error_rms: Option<f32>,
+    /// Share of faces with four corners; null for the simulation mesh.
+    pub quads: Option<f32>,
+}
+
+impl From<&SimFigures> for Figures {
+    fn from(figures: &SimFigures) -> Self {
+        Self {
+            vertices: figures.vertices,
+            faces: figures.faces,
+            min_angle: Some(figures.min_angle),
+            share_under30: Some(figures.share_under30),
+            length_error_rms: Some(figures.length_error_rms),
+            quads: None,
+        }
+    }
+}
+
+impl From<&RenderFigures> for Figures {
+    fn from(figures: &RenderFigures) -> Self {
+        Self {
+            vertices: figures.vertices,
+            faces: figures.faces,
+            min_angle: None,
+            share_under30: None,
+            length_error_rms: None,
+            quads: Some(figures.quads),
+        }
+    }
+}

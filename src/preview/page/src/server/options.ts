@@ -1,0 +1,16 @@
+// Options of recipes as the page holds them.
+
+export type Value = number | boolean | string | string[];
+
+/** Options of one operator: field to value. */
+export type Fields = Record<string, Value>;
+
+export type KindName = "seam" | "thickness";
+
+/** A sparse recipe, nested as in a `.tailor` file. Only the options that somebody gave are in it. */
+export interface Options {
+  sim?: Fields;
+  render?: Fields;
+  seam?: Record<string, Fields>;
+  thickness?: Record<string, Fields>;
+}

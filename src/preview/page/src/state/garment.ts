@@ -1,0 +1,36 @@
+// The garment with the options that the panel shows.
+
+import type { KindName } from "../server/options";
+import type { GarmentMessage, Group, Option } from "../server/protocol";
+
+/** A kind of operator. */
+export interface Kind {
+  name: KindName;
+  /** The field that names its sets, and their elements. */
+  sets: { field: string; of: string };
+  options: Option[];
+}
+
+export interface Garment extends GarmentMessage {
+  /** Options that a recipe has once, with their full keys. Those of cloth change neither mesh. */
+  options: Option[];
+  kinds: Kind[];
+}
+
+export function garmentOf(message: GarmentMessage): Garment {
+  const once = message.groups.filter(({ name, hasInstances }) => !hasInstances && name !== "cloth");
+  const options = once.flatMap((group) =>
+    group.options.map((option) => ({ ...option, key: `${group.name}.${option.key}` })),
+  );
+  return { ...message, options, kinds: message.groups.filter(({ isOperator }) => isOperator).map(kindOf) };
+}
+
+function kindOf({ name, options }: Group): Kind {
+  const isSets = ({ domain }: Option) => domain.type === "sets" && domain.required;
+  const sets = options.filter(isSets).map(({ key, domain }) => ({ field: key, of: setsIn(domain) }))[0];
+  return { name: name as KindName, sets: sets ?? { field: "", of: "" }, options };
+}
+
+function setsIn(domain: Option["domain"]): string {
+  return domain.type === "sets" ? domain.of[0] : "";
+}
