@@ -113,7 +113,7 @@ test("a seam is renamed, turned off and on, and deleted", async (t) => {
 
 test("an operator of the garment is turned off in place of deleted, and keeps its name", async (t) => {
   const preview = await show(t, sewnShirt(t));
-  assert.deepEqual(await preview.cards(), ["seam.shoulder", "seam.side", "thickness.neck"]);
+  assert.deepEqual(await preview.cards(), ["thickness.neck", "seam.shoulder", "seam.side"]);
   await preview.card("seam.side").getByRole("button", { name: "More of side" }).click();
   const rename = preview.page.getByRole("menuitem", { name: "Rename" });
   assert.equal(await rename.getAttribute("aria-disabled"), "true");
