@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Adds seams and folded edges to examples/coat.usda in a layer over it, and draws the result.
+"""Adds seams and folds to examples/coat.usda in a layer over it, and draws the result.
 
     sew.py author [-o examples/sewn/coat.usda]
     cargo usdtailor build examples/sewn/coat.usda -o cage.usda --set render.level=0
     cargo usdtailor build examples/sewn/coat.usda -o surface.usda --set render.level=3
     sew.py draw cage.usda surface.usda [-o examples/sewn.png]
 
-A seam is an applied `TailorSeamAPI:<name>` with the edge sets that it follows. A folded edge is a
-`TailorThicknessAPI:<name>` with face sets at a border. The schemas need not be registered, as attributes are
+A seam is an applied `TailorSeamAPI:<name>` with the edge sets that it follows. A fold is a
+`TailorFoldAPI:<name>` with face sets at a border. The schemas need not be registered, as attributes are
 authored by name."""
 import argparse
 import copy
@@ -40,13 +40,13 @@ SEAMS = {
     "pocket": {"edges": ["pocket_outline"], "width": 0.8, "normalOffset": -0.18},
     "dart": {"edges": ["darts"], "width": 0.6, "depth": 0.03, "normalOffset": -0.11},
 }
-THICKNESSES = {
-    "collar": {"faces": ["collar_facing"], "amount": 0.35, "weights": "thicknessWeight"},
-    "cuffs": {"faces": ["cuff_left", "cuff_right"], "amount": 0.35, "weights": "thicknessWeight"},
-    "hem": {"faces": ["hem_turnup"], "amount": 0.15},
-    "flap": {"faces": ["flap_left", "flap_right"], "amount": 0.12},
+FOLDS = {
+    "collar": {"faces": ["collar_facing"], "thickness": 0.35, "weights": "thicknessWeight"},
+    "cuffs": {"faces": ["cuff_left", "cuff_right"], "thickness": 0.35, "weights": "thicknessWeight"},
+    "hem": {"faces": ["hem_turnup"], "thickness": 0.15},
+    "flap": {"faces": ["flap_left", "flap_right"], "thickness": 0.12},
 }
-TYPES = {"width": T.Float, "depth": T.Float, "normalOffset": T.Float, "asymmetry": T.Float, "amount": T.Float,
+TYPES = {"width": T.Float, "depth": T.Float, "normalOffset": T.Float, "asymmetry": T.Float, "thickness": T.Float,
          "weights": T.Token}
 
 
@@ -127,7 +127,7 @@ def apply(model, schema, space, targets, instances):
 
 
 def author(source, out):
-    """Writes a layer over `source` that adds the seams and folded edges to the model."""
+    """Writes a layer over `source` that adds the seams and folds to the model."""
     base = Usd.Stage.Open(str(source))
     path = base.GetDefaultPrim().GetPath().AppendChild("model")
     mesh = meshes.load(base, [path])[0]
@@ -148,7 +148,7 @@ def author(source, out):
     model.CreateRelationship("tailor:sim:constraints", False).AddTarget(path.AppendChild("turnup_edge"))
     subset(model, "darts", "edge", "edges", darts(mesh))
     apply(model, "TailorSeamAPI", "seam", "edges", SEAMS)
-    apply(model, "TailorThicknessAPI", "thickness", "faces", THICKNESSES)
+    apply(model, "TailorFoldAPI", "fold", "faces", FOLDS)
     for name, kind, value in (("level", T.Int, 2), ("faceSets", T.Bool, True)):
         model.CreateAttribute(f"tailor:render:{name}", kind, False, Sdf.VariabilityUniform).Set(value)
     layer.Save()

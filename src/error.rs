@@ -168,8 +168,8 @@ pub enum Code {
     PolygonalCage,
     /// The simulation mesh has reached the limit of its size.
     FaceLimit,
-    /// UVs are folded or degenerate, and the simulation mesh ignores them there.
-    FoldedUvs,
+    /// UVs are flipped or degenerate, and the simulation mesh ignores them there.
+    FlippedUvs,
     /// Edges of the simulation mesh leave a border, seam or constraint.
     CurvesCut,
     /// A face subset has another area on the simulation mesh.
@@ -204,7 +204,7 @@ pub enum Code {
     SmallShells,
     /// Nearly every edge is a UV seam.
     UvConfetti,
-    /// Triangles of the simulation mesh are turned over in the UVs.
+    /// Triangles of the simulation mesh are flipped in the UVs.
     UvFlips,
     /// UV shells are no patterns of the mesh.
     NoPattern,

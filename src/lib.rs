@@ -84,7 +84,7 @@ pub use garment::{
 pub use glam;
 pub use mesh::{CornerId, Csr, EdgeId, Elements, FaceId, Faces, IdVec, Topology, VertexId};
 pub use recipe::Recipe;
-pub use render::{RenderOptions, SeamOptions, Side, ThicknessOptions};
+pub use render::{FoldOptions, RenderOptions, SeamOptions, Side};
 pub use sim::SimOptions;
 
 /// Operators of your own for the render mesh.

@@ -61,7 +61,7 @@ pub struct SimFigures {
     pub chain_length_min: f32,
     /// Largest distance of a chain's curve from the edges that follow it, as a share of the target length.
     pub chain_distance_max: f32,
-    /// Number of triangles that are flipped in UV space relative to their shell, where the garment's UVs are not folded.
+    /// Number of triangles that are flipped in UV space relative to their shell, where the garment's UVs are not flipped.
     pub uv_flips: usize,
     /// Number of triangles that face away from the surface that they lie on.
     pub facing_away: usize,
@@ -292,7 +292,7 @@ pub fn min_angle([a, b, c]: [Vec3; 3]) -> f32 {
     angle(b - a, c - a).min(angle(c - b, a - b)).min(angle(a - c, b - c)).to_degrees()
 }
 
-/// The triangles that are turned over, or have no area, in the UVs.
+/// The triangles that are flipped, or have no area, in the UVs.
 pub fn uv_flips(product: &SimProduct) -> Vec<usize> {
     if !product.baseline.has_uvs {
         return Vec::new();

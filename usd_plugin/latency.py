@@ -2,7 +2,7 @@
 
     PXR_PLUGINPATH_NAME=$PWD/target/usd_plugin target/venv/bin/python usd_plugin/latency.py [GARMENT LENGTH]
 
-LENGTH is a target edge length that suits the garment. One seam and one thickness of the model are edited too, if
+LENGTH is a target edge length that suits the garment. One seam and one fold of the model are edited too, if
 present. The default garment is examples/sewn/coat.usda. USDTAILOR_DEBUG=1 prints the time of each stage.
 """
 
@@ -17,13 +17,13 @@ from pathlib import Path
 from pxr import Sdf, Usd
 
 SAMPLES = 9
-# Successive values of a seam's or thickness's attribute, as shares of its authored value.
+# Successive values of a seam's or fold's attribute, as shares of its authored value.
 SHARES = (0.9, 0.8, 0.7)
-EDITED = {"TailorSeamAPI": ("seam", ("normalOffset", "width")), "TailorThicknessAPI": ("thickness", ("amount",))}
+EDITED = {"TailorSeamAPI": ("seam", ("normalOffset", "width")), "TailorFoldAPI": ("fold", ("thickness",))}
 
 
 def operators(stage):
-    """The edited attributes of the model's first seam and first thickness: name and authored value."""
+    """The edited attributes of the model's first seam and first fold: name and authored value."""
     found, left = {}, dict(EDITED)
     for prim in stage.Traverse():
         for schema, _, name in (applied.partition(":") for applied in prim.GetAppliedSchemas()):
@@ -36,7 +36,7 @@ def operators(stage):
 def garments(flat, names, folder):
     """Yields recipes of copies that differ in metadata, so that each is opened uncached.
 
-    `names` are the attributes of seams and thicknesses that the payload must follow."""
+    `names` are the attributes of seams and folds that the payload must follow."""
     instances = defaultdict(dict)
     for name in names:
         space, instance, _ = name.split(":")

@@ -104,7 +104,7 @@ def tube(around, rows, height=3.0, flare=0.0):
 
 # ------------------------------------------------------------------------------- scenes
 
-HEM = ["thickness.h.faces=hem", "thickness.h.amount=0.15"]
+HEM = ["fold.h.faces=hem", "fold.h.thickness=0.15"]
 
 
 def hem(kink, seam=None, bend=1.2):
@@ -127,7 +127,7 @@ def seams(garment, focus, width=0.42, **lines):
 
 def cuff(around, flare=0.0, faces=99):
     garment = tube(around, 3, flare=flare).patch("hem", lambda x, y: y < 1 and (x + 1) % around < faces)
-    return garment, ["thickness.h.faces=hem", "thickness.h.amount=0.12"], (0, 0.7, 0, 1.6)
+    return garment, ["fold.h.faces=hem", "fold.h.thickness=0.12"], (0, 0.7, 0, 1.6)
 
 
 MIDDLE = (4, 4, 0, 1.3)

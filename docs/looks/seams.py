@@ -59,7 +59,7 @@ def collar():
 
 def pocket():
     patch, piece = cages.stitched_pocket(), cages.folded_pocket()
-    folded = stitch("around", width=6, normalOffset=-1) + ["thickness.fold.faces=pocket", "thickness.fold.amount=2"]
+    folded = stitch("around", width=6, normalOffset=-1) + ["fold.fold.faces=pocket", "fold.fold.thickness=2"]
     return {
         "a pocket, stitched around": Tile(patch, stitch("around", width=6), (0, 200, 0, 100), "10,10"),
         "its corner": Tile(patch, stitch("around", width=6), (65, 138, -10, 24), "15,10"),

@@ -6,7 +6,7 @@ use crate::mesh::Elements;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// The garment with a set for each kind of elements of each code of warning: `mark_folded_uvs`. None if no warning names
+/// The garment with a set for each kind of elements of each code of warning: `mark_flipped_uvs`. None if no warning names
 /// elements.
 pub fn marked(garment: &Garment, warnings: &Warnings) -> Option<Garment> {
     let mut marks = BTreeMap::<(String, &str), Elements>::new();

@@ -141,7 +141,7 @@ impl Builder {
         sibling.with_max_faces(self.max_faces).with_max_memory(self.max_memory)
     }
 
-    /// The render mesh of `products` with the elements that their warnings name as sets, one for each code: `mark_folded_uvs`.
+    /// The render mesh of `products` with the elements that their warnings name as sets, one for each code: `mark_flipped_uvs`.
     /// None if they name none.
     ///
     /// # Errors

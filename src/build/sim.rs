@@ -147,7 +147,7 @@ fn remesh(garment: &Garment, sim: &ResolvedSim, max_faces: usize, clock: &mut Cl
     let mut warnings = Warnings::default();
     warnings.extend(confetti);
     warnings.extend(small_shells(garment, options, &product.baseline));
-    warnings.extend(folded_uvs(garment, options, &product.baseline));
+    warnings.extend(flipped_uvs(garment, options, &product.baseline));
     if product.report.full {
         let problem = format!("stopped at {} triangles, before its edges were short enough", product.triangles.len());
         let warning = Warning::new(Code::FaceLimit, "simulation mesh", problem);
@@ -192,20 +192,20 @@ fn uv_confetti(baseline: &Baseline, options: &SimOptions) -> Option<Warning> {
 }
 
 /// The warning of faces whose UVs no triangle can follow.
-fn folded_uvs(garment: &Garment, options: &SimOptions, baseline: &Baseline) -> Option<Warning> {
-    let mut faces: Vec<FaceId> = baseline.folded.iter().map(|&f| baseline.source_face[f]).collect();
+fn flipped_uvs(garment: &Garment, options: &SimOptions, baseline: &Baseline) -> Option<Warning> {
+    let mut faces: Vec<FaceId> = baseline.flipped.iter().map(|&f| baseline.source_face[f]).collect();
     faces.sort_unstable();
     faces.dedup();
     let place = format!("{}.primvars:{}", garment.prim, options.uv_set);
     let problem =
-        format!("UVs are folded or have no area in {} faces; the simulation mesh ignores them there", faces.len());
-    let warning = Warning::new(Code::FoldedUvs, place, problem).at(Elements::Faces(faces));
-    (!baseline.folded.is_empty()).then(|| warning.remedy("Correct the UVs, or name another UV set in sim.uvSet"))
+        format!("UVs are flipped or have no area in {} faces; the simulation mesh ignores them there", faces.len());
+    let warning = Warning::new(Code::FlippedUvs, place, problem).at(Elements::Faces(faces));
+    (!baseline.flipped.is_empty()).then(|| warning.remedy("Correct the UVs, or name another UV set in sim.uvSet"))
 }
 
 /// The warning of borders, seams and constraints that the mesh's edges leave.
 fn curves_cut(product: &SimProduct) -> Option<Warning> {
-    let given = product.gaps.iter().zip(product.baseline.chains.iter()).filter(|(_, chain)| !chain.kind.ridge);
+    let given = product.gaps.iter().zip(product.baseline.chains.iter()).filter(|(_, chain)| !chain.kind.feature);
     let mut gaps: Vec<&CurveGap> = given.map(|(gap, _)| gap).filter(|gap| gap.distance > CURVE_GAP).collect();
     gaps.sort_by(|a, b| b.distance.total_cmp(&a.distance).then(a.near.cmp(&b.near)));
     let farthest = gaps.first()?.distance;
@@ -228,7 +228,7 @@ fn simulated(garment: &Garment, sim: &ResolvedSim, remeshed: &Arc<Remeshed>) -> 
     Ok(Simulated { remeshed: Arc::clone(remeshed), mesh: Arc::new(mesh), warnings, curves, areas, islands })
 }
 
-/// The warning of triangles that are turned over in the UVs.
+/// The warning of triangles that are flipped in the UVs.
 fn uvs_flipped(product: &SimProduct) -> Option<Warning> {
     let flipped = uv_flips(product);
     if flipped.is_empty() {
@@ -237,7 +237,7 @@ fn uvs_flipped(product: &SimProduct) -> Option<Warning> {
     let source =
         |&triangle: &usize| product.baseline.source_face[product.places[CornerId::new(3 * triangle)].location.face];
     let near = Elements::Faces(flipped.iter().map(source).collect());
-    let problem = format!("{} triangles are turned over in the UVs", flipped.len());
+    let problem = format!("{} triangles are flipped in the UVs", flipped.len());
     let warning = Warning::new(Code::UvFlips, "simulation mesh", problem);
     Some(warning.at(near).remedy("Mend the UVs there, or lower sim.maxEdgeLength"))
 }

@@ -225,7 +225,7 @@ fn panels(out: &mut String, source: &Source) {
 /// The operators of a recipe, with the sets that they work on.
 fn operators(out: &mut String, garment: &Garment, recipe: &Recipe) {
     let seams = recipe.seam.iter().map(|(name, o)| ("seam    ", name, &o.edges, o.enabled));
-    let folds = recipe.thickness.iter().map(|(name, o)| ("fold    ", name, &o.faces, o.enabled));
+    let folds = recipe.fold.iter().map(|(name, o)| ("fold    ", name, &o.faces, o.enabled));
     for (kind, name, sets, enabled) in seams.chain(folds) {
         let sized = sets
             .iter()

@@ -151,7 +151,7 @@ struct Build {
     /// Write a render mesh for each of the panels that are sewn together, named after it
     #[arg(long, help_heading = "Output")]
     render_per_panel: bool,
-    /// Give the render mesh a set of the elements that each kind of warning names, such as mark_folded_uvs
+    /// Give the render mesh a set of the elements that each kind of warning names, such as mark_flipped_uvs
     #[arg(long, help_heading = "Output")]
     mark: bool,
     /// Say what would be written, and write nothing

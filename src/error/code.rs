@@ -90,7 +90,7 @@ pub enum ErrorCode {
     UnknownOperator,
     /// Operators need a mesh that is not of Loop's scheme.
     LoopOperators,
-    /// A thickness is not at a border.
+    /// A fold is not at a border.
     NoBorder,
     /// The products would be too large.
     TooLarge,

@@ -58,7 +58,7 @@ pub fn subsets_of(garment: &Garment, key: &str, names: &[String], of: &[&str]) -
 /// The option that takes subsets of a kind.
 fn option_of(kind: &str) -> Option<&'static str> {
     match kind {
-        "face" => Some("thickness.<name>.faces"),
+        "face" => Some("fold.<name>.faces"),
         "edge" => Some("seam.<name>.edges"),
         "point" => Some("cloth.pins"),
         _ => None,

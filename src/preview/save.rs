@@ -248,6 +248,6 @@ mod tests {
     #[test]
     fn schemas_are_those_of_the_options() {
         assert_eq!(schema("seam", Some("left:hip")).as_deref(), Some("TailorSeamAPI:left:hip"));
-        assert!(is_schema("TailorSimAPI") && is_schema("TailorThicknessAPI:hem") && !is_schema("MaterialBindingAPI"));
+        assert!(is_schema("TailorSimAPI") && is_schema("TailorFoldAPI:hem") && !is_schema("MaterialBindingAPI"));
     }
 }

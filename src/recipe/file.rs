@@ -85,7 +85,7 @@ mod tests {
 
     #[test]
     fn a_name_is_given_once() {
-        for kind in ["seam", "thickness", "fabric"] {
+        for kind in ["seam", "fold", "fabric"] {
             let text = format!("{{\"{kind}\": {{\n\"a\": {{}}, \"b\": {{}},\n \"a\": {{}}}}}}");
             let fault = RecipeFile::parse(Path::new("my.tailor"), &text).expect_err(kind).to_string();
             assert!(fault.contains("the name `a` is given twice at line 3"), "{fault}");

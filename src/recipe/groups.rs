@@ -2,7 +2,7 @@
 
 use crate::cloth::{ClothOptions, FabricOptions};
 use crate::options::{Group, Key, OptionGroup};
-use crate::render::{OperatorOptions, RenderOptions, SeamOptions, ThicknessOptions};
+use crate::render::{FoldOptions, OperatorOptions, RenderOptions, SeamOptions};
 use crate::sim::SimOptions;
 use serde::de::{Error as _, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
@@ -95,8 +95,8 @@ groups! {
         cloth: ClothOptions,
     }
     operators {
-        /// Options of each thickness, by name.
-        thickness: ThicknessOptions,
+        /// Options of each fold, by name.
+        fold: FoldOptions,
         /// Options of each seam, by name.
         seam: SeamOptions,
     }

@@ -324,12 +324,12 @@ mod tests {
         layers.add_attributes(layer.as_object().cloned().unwrap_or_default());
         layers.add_override("seam.placket.width=2").expect("a good override");
         layers.add_override("seam.left:hip.edges=b,c").expect("a good override");
-        layers.add_override("thickness.hem.faces=d").expect("a good override");
-        layers.add_override("thickness.hem.side=outer").expect("a good override");
+        layers.add_override("fold.hem.faces=d").expect("a good override");
+        layers.add_override("fold.hem.side=outer").expect("a good override");
         let recipe = layers.recipe().expect("a good recipe");
         assert_eq!((recipe.seam["placket"].width, recipe.seam["placket"].edges.as_slice()), (2.0, &["a".into()][..]));
         assert_eq!((recipe.seam["left:hip"].width, recipe.seam["left:hip"].edges.len()), (1.0, 2));
-        assert_eq!(recipe.thickness["hem"].side, crate::render::Side::Outer);
+        assert_eq!(recipe.fold["hem"].side, crate::render::Side::Outer);
     }
 
     #[test]
@@ -343,7 +343,7 @@ mod tests {
             ("seam.placket.wide=1", "seam.<name>.width"),
             ("seam.width=1", "no name"),
             ("seam.placket.width=wide", "is not a number"),
-            ("thickness.hem.side=under", "`inner`"),
+            ("fold.hem.side=under", "`inner`"),
         ] {
             let message = layers.add_override(text).expect_err(text).to_string();
             assert!(message.contains(expected), "{message}");

@@ -67,7 +67,7 @@ mod tests {
     fn layers(list: &[&str]) -> Layers {
         let mut layers = Layers::default();
         let all = serde_json::json!({
-            "seam": {"side": {}, "hem": {}}, "thickness": {"neck": {}}, "render": {"operators": list},
+            "seam": {"side": {}, "hem": {}}, "fold": {"neck": {}}, "render": {"operators": list},
         });
         layers.add(all.as_object().cloned().unwrap_or_default());
         layers
@@ -81,14 +81,14 @@ mod tests {
     fn the_list_comes_first_and_names_may_lack_their_kind() {
         let all =
             |names: &[(&str, bool)]| names.iter().map(|&(name, listed)| (name.to_owned(), listed)).collect::<Vec<_>>();
-        assert_eq!(order(&[]), all(&[("thickness.neck", true), ("seam.hem", true), ("seam.side", true)]));
-        let expected = all(&[("seam.side", true), ("thickness.neck", true), ("seam.hem", false)]);
-        assert_eq!(order(&["side", "thickness.neck", "side", "gone"]), expected);
+        assert_eq!(order(&[]), all(&[("fold.neck", true), ("seam.hem", true), ("seam.side", true)]));
+        let expected = all(&[("seam.side", true), ("fold.neck", true), ("seam.hem", false)]);
+        assert_eq!(order(&["side", "fold.neck", "side", "gone"]), expected);
     }
 
     #[test]
     fn the_default_order_is_known() {
-        assert!(layers(&["thickness.neck", "seam.hem", "seam.side"]).lists_default_order());
-        assert!(!layers(&["seam.side", "seam.hem", "thickness.neck"]).lists_default_order());
+        assert!(layers(&["fold.neck", "seam.hem", "seam.side"]).lists_default_order());
+        assert!(!layers(&["seam.side", "seam.hem", "fold.neck"]).lists_default_order());
     }
 }

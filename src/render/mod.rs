@@ -16,6 +16,7 @@
 //! 2. A row in `recipe/groups.rs`. `cargo xtask options` writes its schema and its table of docs/recipe.md.
 
 pub mod child;
+mod fold;
 mod lines;
 pub mod operator;
 mod options;
@@ -25,12 +26,11 @@ mod reference;
 mod repair;
 mod seam;
 mod stack;
-mod thickness;
 
+pub use fold::{FoldOptions, Side};
 pub use options::{OperatorOptions, RenderOptions};
 pub use seam::SeamOptions;
 pub use stack::{Origins, RenderSteps, Rendered, Stack};
-pub use thickness::{Side, ThicknessOptions};
 
 use crate::error::{Code, Error, ErrorCode, Warning, Warnings};
 use crate::garment::{BoundaryInterpolation, Elements, Garment, Scheme, Subset, free_name};

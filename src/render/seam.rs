@@ -280,7 +280,7 @@ impl Operator for Seams {
                 );
                 let warning = Warning::new(Code::ShallowSeam, format!("seam.{name}"), problem);
                 let warning = warning.at(output.input_points(here.map(|s| s.1))).amount(least);
-                let remedy = format!("Lower `seam.{name}.normalOffset`, or run thicknesses after the seam");
+                let remedy = format!("Lower `seam.{name}.normalOffset`, or run folds after the seam");
                 warnings.push(warning.remedy(remedy));
             }
         }

@@ -14,7 +14,7 @@ const THIN: f32 = 30.0;
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct ConstraintCost {
-    /// `borders`, `uvSeams`, `creases`, `folds`, or the name of an edge set of `sim.constraints`.
+    /// `borders`, `uvSeams`, `creases`, `featureLines`, or the name of an edge set of `sim.constraints`.
     pub constraint: String,
     /// Triangles beside it with an angle below 30 degrees.
     pub thin: usize,
@@ -51,7 +51,8 @@ pub(super) fn constraint_costs(product: &SimProduct, mesh: &Garment) -> Vec<Cons
 
 /// The constraints of a chain. Its edge sets count where it has no other one: without them, the others would hold it.
 fn names<'a>(kind: &ChainKind, mesh: &'a Garment) -> Vec<&'a str> {
-    let kinds = [(kind.border, "borders"), (kind.seam, "uvSeams"), (kind.sharp, "creases"), (kind.ridge, "folds")];
+    let kinds =
+        [(kind.border, "borders"), (kind.seam, "uvSeams"), (kind.sharp, "creases"), (kind.feature, "featureLines")];
     let names: Vec<&str> = kinds.into_iter().filter(|(is, _)| *is).map(|(_, name)| name).collect();
     if names.is_empty() {
         return kind.subsets.iter().filter_map(|&i| mesh.subsets.get(i)).map(|set| set.name.as_str()).collect();

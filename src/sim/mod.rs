@@ -19,7 +19,7 @@ pub use baseline::{Baseline, Location, baseline_level};
 pub use baseline::{facets::Facet, project::Projection};
 pub(crate) use constraints::cage_edges::half_edge;
 pub use constraints::chain::{Chain, ChainKind};
-pub use constraints::ridges::NarrowStrip;
+pub use constraints::feature_lines::NarrowStrip;
 pub use geometry::closest_weights;
 pub use options::SimOptions;
 pub use passes::remesh::RemeshReport;

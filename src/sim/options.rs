@@ -6,7 +6,7 @@ use crate::options::{Domain, options};
 const LARGEST: f32 = 1000.0;
 /// A target edge length. 0 stands for half of another length.
 const TARGET: Domain = Domain::Length { usual: [0.0, 2.0], automatic: 0.5, largest: LARGEST };
-/// The turn above which a corner or a fold stays, usually above `usual`.
+/// The turn above which a corner or a feature line stays, usually above `usual`.
 const fn angle(usual: f32) -> Domain {
     Domain::Number { least: 1.0, most: Some(180.0), or_zero: false, usual: [usual, 180.0], step: 5.0 }
 }
@@ -15,12 +15,12 @@ options! {
     /// Options of the simulation mesh of this garment, with triangles of adaptive size that keep the chosen edges.
     /// Lengths are measured in the mesh's own space.
     "sim" => SimOptions {
+        /// Target edge length at density 0, at least minEdgeLength; 0 is half of the mesh's mean edge length
+        "maxEdgeLength" max_edge_length: f32 = 0.0, TARGET, "mesh units" via "crate::garment::units::deserialize_length";
+
         /// Target edge length at density 1, where half the length gives four times the triangles; 0 is half of
         /// maxEdgeLength, or all of it without a density
         "minEdgeLength" min_edge_length: f32 = 0.0, TARGET, "mesh units" via "crate::garment::units::deserialize_length";
-
-        /// Target edge length at density 0, at least minEdgeLength; 0 is half of the mesh's mean edge length
-        "maxEdgeLength" max_edge_length: f32 = 0.0, TARGET, "mesh units" via "crate::garment::units::deserialize_length";
 
         /// Painted vertex primvar, named without `primvars:`, from 0 for maxEdgeLength to 1 for minEdgeLength; empty is 0
         /// everywhere
@@ -58,9 +58,9 @@ options! {
         "cornerAngle" corner_angle: f32 = 50.0,
             angle(5.0), "degrees";
 
-        /// Keep a fold that turns by more than this within one target length as a line of edges; smaller angles keep more
-        /// folds, with fewer even triangles beside them; 180 keeps none
-        "ridgeAngle" ridge_angle: f32 = 90.0,
+        /// Keep edges where the surface turns by more than this within one target length, which are then feature lines;
+        /// smaller angles keep more of them, with fewer even triangles beside them; 180 keeps none
+        "featureAngle" feature_angle: f32 = 90.0,
             angle(30.0), "degrees";
 
         /// Samples of each input face for the transfer of face sets, colours and uniform primvars; more samples resolve
@@ -85,9 +85,9 @@ impl SimOptions {
         Self { transfer_samples: 0, seed: 0, clean_islands: false, provenance: false, ..self.clone() }
     }
 
-    /// The turn above which a fold is a ridge. \[radians\]
-    pub(crate) fn ridge(&self) -> f32 {
-        if self.ridge_angle < 180.0 { self.ridge_angle.to_radians() } else { f32::INFINITY }
+    /// The turn above which edges of the surface are a feature line. \[radians\]
+    pub(crate) fn feature_turn(&self) -> f32 {
+        if self.feature_angle < 180.0 { self.feature_angle.to_radians() } else { f32::INFINITY }
     }
 
     /// The turn above which a curve has a corner. \[radians\]

@@ -31,8 +31,8 @@ fn options(garment: &Garment, seams: &str) -> Vec<(String, String)> {
         ("seam.all.edges", seams.to_owned()),
         ("seam.all.width", format!("{}", 0.3 * size)),
         ("seam.all.normalOffset", format!("{}", -0.05 * size)),
-        ("thickness.hem.faces", panels),
-        ("thickness.hem.amount", format!("{}", 0.08 * size)),
+        ("fold.hem.faces", panels),
+        ("fold.hem.thickness", format!("{}", 0.08 * size)),
         ("render.level", "2".to_owned()),
     ];
     pairs.map(|(key, value)| (key.to_owned(), value)).to_vec()

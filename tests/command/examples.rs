@@ -32,7 +32,7 @@ fn recipes_of_examples_build_without_a_warning_of_sets() {
     let folder = Folder::new();
     folder.good("example trousers");
     let run = folder.good("build trousers.tailor -o out/trousers.usdc");
-    run.prints(&["3 operators: thickness.waist, seam.inseam, seam.side"]);
+    run.prints(&["3 operators: fold.waist, seam.inseam, seam.side"]);
     for code in ["bare-faces", "intersections", "operators-left-out"] {
         assert!(!run.stderr.contains(code), "{run}");
     }

@@ -28,7 +28,7 @@ pub fn write(folder: &Path, name: &str, baseline: &Baseline) {
         let [a, b, c] = [0, 1, 2].map(|k| baseline.topology.faces.vertices_of(face)[k].index() + 1);
         let _ = writeln!(text, "f {a} {b} {c}");
     }
-    for pair in baseline.chains.iter().filter(|c| !c.kind.ridge).flat_map(|c| c.vertices.windows(2)) {
+    for pair in baseline.chains.iter().filter(|c| !c.kind.feature).flat_map(|c| c.vertices.windows(2)) {
         let [a, b] = [pair[0], pair[1]].map(|v: VertexId| v.index() + 1);
         let _ = writeln!(text, "l {a} {b}");
     }

@@ -21,11 +21,11 @@ pub struct Reference<'a> {
 
 impl Reference<'_> {
     /// Does work with what a product is held to: its baseline, and the curves of borders, seams and chosen edges, but not
-    /// our own ridges.
+    /// our own feature lines.
     pub fn of<T>(product: &SimProduct, work: impl FnOnce(&Reference<'_>) -> T) -> T {
         let base = &product.baseline;
         let surface: Vec<[Vec3; 3]> = base.topology.faces.ids().map(|f| base.triangle(f)).collect();
-        let chains = base.chains.iter().filter(|c| c.kind != ChainKind::RIDGE);
+        let chains = base.chains.iter().filter(|c| c.kind != ChainKind::FEATURE);
         let curves: Vec<Vec<Vec3>> = chains.map(|c| c.vertices.iter().map(|&v| base.points[v]).collect()).collect();
         let vertices = Nearest::new(base.points.iter().map(|&p| [p; 3]).collect());
         let target = |p: Vec3| base.target[VertexId::new(vertices.find(p).0)];

@@ -65,7 +65,7 @@ fn a_sharp_crease_is_an_edge_of_the_mesh() {
 #[test]
 fn a_fold_that_the_length_cannot_follow_becomes_a_chain() {
     let (products, _) = build(folded_cloth(0.0), 2.0);
-    assert!(products.remesh().ridges > 0);
+    assert!(products.remesh().feature_lines > 0);
     assert!((kept(&products) - 1.0).abs() < 0.03, "{} of the area is kept", kept(&products));
 }
 

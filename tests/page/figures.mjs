@@ -34,8 +34,8 @@ const WORK_SUIT = {
     "seam.s.edges=uvSeams",
     `seam.s.width=${0.3 * MEAN}`,
     `seam.s.normalOffset=${-0.05 * MEAN}`,
-    `thickness.hem.faces=${PANELS}`,
-    `thickness.hem.amount=${0.08 * MEAN}`,
+    `fold.hem.faces=${PANELS}`,
+    `fold.hem.thickness=${0.08 * MEAN}`,
   ],
   edits: [
     ["render", "seam.s.normalOffset", (i) => -MEAN * (0.03 + 0.0005 * i)],

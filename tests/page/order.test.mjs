@@ -5,7 +5,7 @@ import { test } from "node:test";
 import { assertClean, show } from "./support/browser.mjs";
 import { sewnShirt } from "./support/garments.mjs";
 
-const USUAL = ["thickness.neck", "seam.shoulder", "seam.side"];
+const USUAL = ["fold.neck", "seam.shoulder", "seam.side"];
 
 /** A page with the cards in the middle of the panel, which scrolls if a card is dragged to its ends. */
 async function shirt(t) {
@@ -37,14 +37,14 @@ test("a card that is dragged arrives in the order, and operators run in it", asy
   const preview = await shirt(t);
   const before = await preview.meshes();
   assert.deepEqual(await preview.cards(), USUAL);
-  const after = await preview.after("render", () => dragCard(preview, "thickness.neck", "seam.shoulder"));
-  const order = ["seam.shoulder", "thickness.neck", "seam.side"];
+  const after = await preview.after("render", () => dragCard(preview, "fold.neck", "seam.shoulder"));
+  const order = ["seam.shoulder", "fold.neck", "seam.side"];
   assert.deepEqual(await preview.cards(), order);
   assert.deepEqual((await preview.document()).edits, { render: { operators: order } });
   assert.deepEqual(await preview.state(ran), order);
   assert.deepEqual(after.sim, before.sim);
 
-  const back = await preview.after("render", () => dragCard(preview, "thickness.neck", "seam.shoulder"));
+  const back = await preview.after("render", () => dragCard(preview, "fold.neck", "seam.shoulder"));
   assert.deepEqual(back, before);
   assert.deepEqual((await preview.document()).edits, {}, "the usual order needs no list");
   assertClean(preview);
@@ -52,11 +52,11 @@ test("a card that is dragged arrives in the order, and operators run in it", asy
 
 test("a drag that Escape ends changes nothing", async (t) => {
   const preview = await shirt(t);
-  const { x, y } = await preview.card("thickness.neck").locator(".handle").boundingBox();
+  const { x, y } = await preview.card("fold.neck").locator(".handle").boundingBox();
   await preview.page.mouse.move(x + 5, y + 5);
   await preview.page.mouse.down();
   await preview.page.mouse.move(x + 5, y + 90, { steps: 4 });
-  await preview.page.locator('.is-dragged[data-card="thickness.neck"]').waitFor();
+  await preview.page.locator('.is-dragged[data-card="fold.neck"]').waitFor();
   await preview.page.keyboard.press("Escape");
   await preview.page.locator(".is-dragged").waitFor({ state: "detached" });
   await preview.page.mouse.up();
@@ -71,7 +71,7 @@ test("Alt and arrow keys move the focused card, which keeps the focus", async (t
   const focused = () => preview.evaluate(() => document.activeElement.dataset.card);
   await preview.card("seam.side").focus();
   await preview.page.keyboard.press("Alt+ArrowUp");
-  const order = ["thickness.neck", "seam.side", "seam.shoulder"];
+  const order = ["fold.neck", "seam.side", "seam.shoulder"];
   await preview.when((order) => preview.store.state.products.render.operators.join() === order, order.join());
   await preview.quiet();
   assert.deepEqual([await preview.cards(), await focused()], [order, "seam.side"]);
@@ -79,7 +79,7 @@ test("Alt and arrow keys move the focused card, which keeps the focus", async (t
   assert.match(await preview.state(({ spoken }) => spoken), /seam\.side is now 2 of 3/);
   assert.equal((await preview.meshes()).render.faces, before.render.faces, "both seams are still made");
 
-  await preview.card("thickness.neck").focus();
+  await preview.card("fold.neck").focus();
   await preview.page.keyboard.press("Alt+ArrowUp");
   await preview.quiet();
   assert.deepEqual(await preview.cards(), order, "the first stays");

@@ -13,9 +13,9 @@ async function edit(preview) {
   await preview.evaluate(() =>
     preview.store.edit({
       sim: { maxEdgeLength: 2.37, seed: 5 },
-      render: { level: 2, operators: ["seam.side", "thickness.neck", "seam.hem"] },
+      render: { level: 2, operators: ["seam.side", "fold.neck", "seam.hem"] },
       seam: { side: { normalOffset: -0.123456 }, hem: { edges: ["hem_stitch"], normalOffset: -0.2, width: 0.7 } },
-      thickness: { neck: { amount: 0.33 } },
+      fold: { neck: { thickness: 0.33 } },
     }),
   );
   await preview.differs("render", before);
@@ -88,12 +88,12 @@ test("a .tailor file is saved, and its build is what was on the screen", async (
     "sim.maxEdgeLength": 2.37,
     "sim.seed": 5,
     "render.level": 2,
-    "render.operators": "seam.side,thickness.neck,seam.hem",
+    "render.operators": "seam.side,fold.neck,seam.hem",
     "seam.side.normalOffset": -0.123456,
     "seam.hem.edges": "hem_stitch",
     "seam.hem.normalOffset": -0.2,
     "seam.hem.width": 0.7,
-    "thickness.neck.amount": 0.33,
+    "fold.neck.thickness": 0.33,
   };
   const bySet = await build(t, garment, ...Object.entries(set).flatMap(([key, value]) => ["--set", `${key}=${value}`]));
   assert.equal(built.products, bySet.products, "--set gives the same");

@@ -68,16 +68,16 @@ test("a fold comes from the menu, and a copy has a name of its own", async (t) =
   await preview.page.getByRole("button", { name: "New fold" }).click();
   await preview.page.getByLabel("Find in New fold").fill("pock");
   const folded = await preview.after("render", () => preview.page.keyboard.press("Enter"));
-  assert.deepEqual(await preview.cards(), ["thickness.pocket"]);
+  assert.deepEqual(await preview.cards(), ["fold.pocket"]);
   assert.ok(folded.render.faces > before.render.faces);
 
-  await preview.pickOf("thickness.pocket", "Duplicate");
-  await preview.card("thickness.pocket_2").waitFor();
+  await preview.pickOf("fold.pocket", "Duplicate");
+  await preview.card("fold.pocket_2").waitFor();
   const { edits } = await preview.document();
-  assert.deepEqual(edits.thickness.pocket_2, edits.thickness.pocket);
+  assert.deepEqual(edits.fold.pocket_2, edits.fold.pocket);
   await preview.quiet();
-  await preview.pickOf("thickness.pocket_2", "Delete");
-  await preview.card("thickness.pocket_2").waitFor({ state: "detached" });
+  await preview.pickOf("fold.pocket_2", "Delete");
+  await preview.card("fold.pocket_2").waitFor({ state: "detached" });
   await preview.quiet();
   assert.deepEqual((await preview.meshes()).render, folded.render);
   assertClean(preview);
@@ -113,7 +113,7 @@ test("a seam is renamed, turned off and on, and deleted", async (t) => {
 
 test("an operator of the garment is turned off in place of deleted, and keeps its name", async (t) => {
   const preview = await show(t, sewnShirt(t));
-  assert.deepEqual(await preview.cards(), ["thickness.neck", "seam.shoulder", "seam.side"]);
+  assert.deepEqual(await preview.cards(), ["fold.neck", "seam.shoulder", "seam.side"]);
   await preview.card("seam.side").getByRole("button", { name: "More of side" }).click();
   const rename = preview.page.getByRole("menuitem", { name: "Rename" });
   assert.equal(await rename.getAttribute("aria-disabled"), "true");

@@ -6,7 +6,7 @@ use tailor::glam::Vec3;
 use tailor::session::{Document, Session, written};
 use tailor::usd::{Format, ProductNames, ReadOptions, Source, Surroundings, WriteOptions, layer_bytes, write};
 use tailor::{
-    Builder, Error, ErrorKind, GarmentInput, Products, Progress, Recipe, SeamOptions, SubsetInput, ThicknessOptions,
+    Builder, Error, ErrorKind, FoldOptions, GarmentInput, Products, Progress, Recipe, SeamOptions, SubsetInput,
 };
 
 const ROOM: usize = 1 << 30;
@@ -86,8 +86,8 @@ fn operators_give_the_same_after_other_edits() {
         [
             ("seam.side.edges", "side_seams"),
             ("seam.side.normalOffset", offset),
-            ("thickness.all.faces", "front,back"),
-            ("thickness.all.amount", amount),
+            ("fold.all.faces", "front,back"),
+            ("fold.all.thickness", amount),
             ("render.operators", operators),
         ]
     };
@@ -131,9 +131,9 @@ fn what_is_kept_of_a_low_operator_is_no_clearance_for_a_high_one() {
     for amount in [1e-3, 0.5, 1e-3] {
         let mut recipe = Recipe::default();
         let seam = SeamOptions { edges: vec!["across".into()], normal_offset: -1e-3, ..SeamOptions::default() };
-        let hem = ThicknessOptions { faces: vec!["all".into()], amount, ..ThicknessOptions::default() };
+        let hem = FoldOptions { faces: vec!["all".into()], thickness: amount, ..FoldOptions::default() };
         recipe.seam.insert("seam".into(), seam);
-        recipe.thickness.insert("hem".into(), hem);
+        recipe.fold.insert("hem".into(), hem);
         let planned = kept.plan(&recipe).expect("sizes").render_faces;
         let [edited, new] = [kept.update(&recipe), Builder::new(sheets()).and_then(|mut new| new.update(&recipe))]
             .map(|products| products.expect("products").render);
@@ -177,8 +177,8 @@ fn other_widths_of_a_seam_have_the_same_faces() {
         [
             ("seam.side.edges", edges),
             ("seam.side.width", width),
-            ("thickness.all.faces", "front,back"),
-            ("thickness.all.amount", "0.3"),
+            ("fold.all.faces", "front,back"),
+            ("fold.all.thickness", "0.3"),
             ("render.level", "2"),
         ]
     };

@@ -29,10 +29,10 @@ MOST_BYTES = 1 << 20
 NUMBERS = ["0", "-1", "nan", "inf", "-inf", "1e30", "-1e30", "1e-30", "2147483647", "-2147483648", "99999999999999999999", "0.5", "3"]
 TOKENS = ["none", "catmullClark", "loop", "face", "edge", "point", "vertex", "uniform", "faceVarying", "constant", "", "x y", "../x", "\\n", "é"]
 OPTIONS = {
-    "number": ["sim.minEdgeLength", "sim.maxEdgeLength", "sim.grading", "sim.cornerAngle", "sim.ridgeAngle", "seam.a.width", "seam.a.normalOffset", "seam.a.depth",
-               "seam.a.asymmetry", "thickness.a.amount", "fabric.a.density", "fabric.a.thickness", "fabric.a.shear"],
+    "number": ["sim.minEdgeLength", "sim.maxEdgeLength", "sim.grading", "sim.cornerAngle", "sim.featureAngle", "seam.a.width", "seam.a.normalOffset", "seam.a.depth",
+               "seam.a.asymmetry", "fold.a.thickness", "fabric.a.density", "fabric.a.thickness", "fabric.a.shear"],
     "count": ["sim.baselineLevel", "sim.iterations", "sim.transferSamples", "sim.seed", "render.level"],
-    "name": ["sim.density", "sim.uvSet", "sim.constraints", "seam.a.edges", "thickness.a.faces", "thickness.a.weights", "cloth.fabric", "cloth.rest",
+    "name": ["sim.density", "sim.uvSet", "sim.constraints", "seam.a.edges", "fold.a.faces", "fold.a.weights", "cloth.fabric", "cloth.rest",
              "cloth.pins", "cloth.pinTarget", "cloth.physics", "render.operators", "nothing.there", "sim", "."],
 }  # fmt: skip
 COUNTS = ["0", "1", "2", "101", "4294967295", "4294967296", "-1", "1.5"]

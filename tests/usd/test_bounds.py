@@ -329,7 +329,7 @@ def test_a_package_takes_only_files_of_stages_and_lists_them(usdtailor, tmp_path
 def test_names_of_a_recipe_are_given_once(usdtailor, tmp_path):
     source = write(tmp_path / "in.usda", finish=lambda mesh: add_subset(mesh, name="hem", indices=[0, 1]))
     recipe = tmp_path / "r.tailor"
-    recipe.write_text('{"thickness": {"hem": {"faces": ["hem"], "amount": 0.1},\n "hem": {"amount": 0.2}}}')
+    recipe.write_text('{"fold": {"hem": {"faces": ["hem"], "thickness": 0.1},\n "hem": {"thickness": 0.2}}}')
     refused(usdtailor, "check", source, "--recipe", recipe, says=["the name `hem` is given twice at line 2"])
 
 

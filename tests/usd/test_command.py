@@ -102,7 +102,7 @@ def test_slips_are_named(usdtailor, given, meant):
 def test_a_set_of_another_kind_is_told_with_its_option(usdtailor):
     face_set = next(name for name, kind in kinds(COAT).items() if kind == "face")
     done = run(usdtailor, "check", COAT, "--set", f"seam.a.edges={face_set}")
-    assert f'"{face_set}" is a subset of faces' in done.stderr and "thickness.<name>.faces" in done.stderr, done.stderr
+    assert f'"{face_set}" is a subset of faces' in done.stderr and "fold.<name>.faces" in done.stderr, done.stderr
 
 
 def kinds(file):

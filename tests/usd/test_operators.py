@@ -1,4 +1,4 @@
-"""Seams and folded edges that Python authors in a layer over a garment: what `usdtailor build` makes of them."""
+"""Seams and folds that Python authors in a layer over a garment: what `usdtailor build` makes of them."""
 
 import subprocess
 import sys
@@ -11,10 +11,10 @@ from pxr import Sdf, Usd, UsdGeom
 
 MODEL = Sdf.Path(sources.MODEL)
 FLOAT, TOKEN = Sdf.ValueTypeNames.Float, Sdf.ValueTypeNames.Token
-SETS = {"edges": "TailorSeamAPI", "faces": "TailorThicknessAPI"}
+SETS = {"edges": "TailorSeamAPI", "faces": "TailorFoldAPI"}
 # On a sheet of four by three quads: up its second column of edges, and its lowest row of faces.
 PLACKET = {"edges": ["fold"], "width": 0.4, "normalOffset": -0.05}
-HEM = {"faces": ["low"], "amount": 0.1}
+HEM = {"faces": ["low"], "thickness": 0.1}
 
 
 def flat():
@@ -47,7 +47,7 @@ def sewn(source, name="sewn.usda", operators=(), **instances):
     for instance, options in instances.items():
         [sets] = SETS.keys() & options.keys()
         prim.AddAppliedSchema(f"{SETS[sets]}:{instance}")
-        space = f"tailor:{'seam' if sets == 'edges' else 'thickness'}:{instance}:"
+        space = f"tailor:{'seam' if sets == 'edges' else 'fold'}:{instance}:"
         for key, value in options.items():
             if key == sets:
                 prim.CreateRelationship(space + key, False).SetTargets([MODEL.AppendChild(target) for target in value])
@@ -79,7 +79,7 @@ def centres(mesh, name):
 
 @pytest.fixture(params=[1, 2])
 def both(request, build, tmp_path):
-    """A seam through a folded edge, at several levels."""
+    """A seam through a fold, at several levels."""
     return build(sewn(garment(tmp_path), operators=["placket", "hem"], placket=PLACKET, hem=HEM), "--set", f"render.level={request.param}")
 
 
@@ -186,7 +186,7 @@ def test_what_the_order_does_not_name_is_told(build, usdtailor, tmp_path):
     source = garment(tmp_path)
     product = build(sewn(source, operators=["seam:placket"], placket=PLACKET, hem=HEM))
     assert codes(product) == ["operators-left-out"]
-    assert "thickness.hem" in product.stderr
+    assert "fold.hem" in product.stderr
     assert "hem_hem" not in product.render.subsets and "placket_seam" in product.render.subsets
     said = refused(usdtailor, sewn(source, "unknown.usda", operators=["pocket"], placket=PLACKET))
     assert '"pocket"' in said and "seam.placket" in said
@@ -196,12 +196,12 @@ def test_what_the_order_does_not_name_is_told(build, usdtailor, tmp_path):
     "instances, words",
     [
         ({"seam": {**PLACKET, "edges": ["nothing"]}}, ["tailor:seam:seam:edges", "/Coat/model/nothing", "fold"]),
-        ({"seam": {**PLACKET, "edges": ["low"]}}, ["seam.seam.edges", '"low"', "a subset of faces", "thickness.<name>.faces", "fold"]),
+        ({"seam": {**PLACKET, "edges": ["low"]}}, ["seam.seam.edges", '"low"', "a subset of faces", "fold.<name>.faces", "fold"]),
         ({"seam": {**PLACKET, "edges": []}}, ["seam.seam.edges", "names no edge subset"]),
-        ({"hem": {**HEM, "faces": ["nothing"]}}, ["tailor:thickness:hem:faces", "/Coat/model/nothing", "low"]),
-        ({"hem": {**HEM, "faces": ["inside"]}}, ["thickness.hem.faces", "inside", "not next to a border", "closed"]),
-        ({"hem": {**HEM, "weights": "paint"}}, ["thickness.hem.weights", '"paint"', "half"]),
-        ({"hem": {**HEM, "side": "under"}}, ["tailor:thickness:hem:side", "inner", "outer"]),
+        ({"hem": {**HEM, "faces": ["nothing"]}}, ["tailor:fold:hem:faces", "/Coat/model/nothing", "low"]),
+        ({"hem": {**HEM, "faces": ["inside"]}}, ["fold.hem.faces", "inside", "not next to a border", "closed"]),
+        ({"hem": {**HEM, "weights": "paint"}}, ["fold.hem.weights", '"paint"', "half"]),
+        ({"hem": {**HEM, "side": "under"}}, ["tailor:fold:hem:side", "inner", "outer"]),
         ({"seam": {**PLACKET, "width": -1.0}}, ["seam.seam.width", "-1"]),
         ({"seam": {**PLACKET, "asymmetry": 2.0}}, ["seam.seam.asymmetry", "2"]),
     ],
@@ -213,12 +213,12 @@ def test_faults_name_the_option_and_the_remedy(usdtailor, tmp_path, instances, w
 
 def test_closed_gives_faces_inside_a_second_layer(build, tmp_path):
     layer = sewn(garment(tmp_path), hem={**HEM, "faces": ["inside"]})
-    render = build(layer, "--set", "thickness.hem.closed=true").render
+    render = build(layer, "--set", "fold.hem.closed=true").render
     assert len(render.subsets["hem_inner"].indices) == 16 * 2
     assert centres(render, "hem_inner")[:, 2].min() < -0.05
 
 
-def test_weights_scale_the_amount(build, tmp_path):
+def test_weights_scale_the_thickness(build, tmp_path):
     source = garment(tmp_path)
     depths = {}
     for weights in ("one", "half"):
@@ -271,7 +271,7 @@ def test_the_coat_is_sewn(coat):
     assert set(coat.render.counts) == {4}
     prim = coat.source.prim
     instances = [schema.partition(":") for schema in prim.GetAppliedSchemas() if schema.startswith(("TailorSeam", "TailorThickness"))]
-    ends = {"TailorSeamAPI": ["seam"], "TailorThicknessAPI": ["hem", "inner"]}
+    ends = {"TailorSeamAPI": ["seam"], "TailorFoldAPI": ["hem", "inner"]}
     expected = {f"{name}_{end}" for schema, _, name in instances for end in ends[schema]}
     assert len(expected) == 17 and coat.report["operatorFaces"].keys() == expected
     assert all(len(coat.render.subsets[name].indices) == count > 0 for name, count in coat.report["operatorFaces"].items())

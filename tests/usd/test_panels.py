@@ -12,7 +12,7 @@ from tailor_file import holder, needs_plugin, recipe
 
 SIDES = ("front", "back")
 PARTS = tuple(f"render_{side}" for side in SIDES)
-RIDGE_AND_HEM = ("--set", "seam.side.edges=sewn", "--set", "seam.side.normalOffset=0.1", "--set", "thickness.hem.faces=front", "--set", "thickness.hem.amount=0.1")
+RIDGE_AND_HEM = ("--set", "seam.side.edges=sewn", "--set", "seam.side.normalOffset=0.1", "--set", "fold.hem.faces=front", "--set", "fold.hem.thickness=0.1")
 
 
 def add_logo(stage, front, back):

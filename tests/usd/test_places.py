@@ -48,7 +48,7 @@ def own(built):
 
 
 def folded(product):
-    return [warning for warning in product.report["warnings"] if warning["code"] == "folded-uvs"]
+    return [warning for warning in product.report["warnings"] if warning["code"] == "flipped-uvs"]
 
 
 @pytest.mark.parametrize("value", [(0, 0), (12, 0.3), (-64, 64)])

@@ -1,4 +1,4 @@
-"""Dynamic payloads and the options of seams and thicknesses, whose attributes hold the name of an instance."""
+"""Dynamic payloads and the options of seams and folds, whose attributes hold the name of an instance."""
 
 import numpy as np
 import pytest
@@ -15,22 +15,22 @@ FLOAT, TOKENS = Sdf.ValueTypeNames.Float, Sdf.ValueTypeNames.TokenArray
 
 
 def sew(model):
-    """A seam and a folded edge on the garment itself, as in a layer that an artist authors."""
+    """A seam and a fold on the garment itself, as in a layer that an artist authors."""
     prim = model.GetPrim()
     prim.AddAppliedSchema("TailorSeamAPI:placket")
-    prim.AddAppliedSchema("TailorThicknessAPI:hem")
-    for name, subset in (("seam:placket:edges", "fold"), ("thickness:hem:faces", "low")):
+    prim.AddAppliedSchema("TailorFoldAPI:hem")
+    for name, subset in (("seam:placket:edges", "fold"), ("fold:hem:faces", "low")):
         prim.CreateRelationship(f"tailor:{name}", False).AddTarget(prim.GetPath().AppendChild(subset))
-    for name, value in (("seam:placket:width", 0.4), ("seam:placket:normalOffset", -0.05), ("thickness:hem:amount", 0.05)):
+    for name, value in (("seam:placket:width", 0.4), ("seam:placket:normalOffset", -0.05), ("fold:hem:thickness", 0.05)):
         prim.CreateAttribute(f"tailor:{name}", FLOAT, False).Set(value)
 
 
 @pytest.fixture
 def coat(tmp_path):
-    """A `.tailor` file that names the seam and the folded edge of its source."""
+    """A `.tailor` file that names the seam and the fold of its source."""
     subsets = [{"name": "fold", "indices": FOLD, "element": "edge", "family": "edges"}, {"name": "low", "indices": [0, 1, 2, 3]}]
     sources.write(tmp_path / "coat.usda", subsets=subsets, finish=sew)
-    return recipe(tmp_path / "coat.tailor", "coat.usda", render={"level": 0}, seam={"placket": {}}, thickness={"hem": {}})
+    return recipe(tmp_path / "coat.tailor", "coat.usda", render={"level": 0}, seam={"placket": {}}, fold={"hem": {}})
 
 
 @pytest.fixture
@@ -69,20 +69,20 @@ def test_options_that_change_the_faces_are_read_too(stage, coat):
     straight = len(points(prim))
     setting(prim, "tailor:render:level", 3, Sdf.ValueTypeNames.Int)
     assert len(points(prim)) > straight
-    setting(prim, "tailor:thickness:hem:amount", 0.1, FLOAT)
-    assert arguments(stage) == {"render.level": "3", "thickness.hem.amount": "0.1"}
+    setting(prim, "tailor:fold:hem:thickness", 0.1, FLOAT)
+    assert arguments(stage) == {"render.level": "3", "fold.hem.thickness": "0.1"}
 
 
 def test_every_attribute_of_the_schemas_is_read(stage, coat):
     prim = holder(stage, coat)
-    schemas = ("TailorSeamAPI:placket", "TailorThicknessAPI:hem")
+    schemas = ("TailorSeamAPI:placket", "TailorFoldAPI:hem")
     definition = Usd.SchemaRegistry().BuildComposedPrimDefinition("", list(schemas))
     attributes = [definition.GetAttributeDefinition(name) for name in definition.GetPropertyNames()]
     expected = {}
     for attribute in filter(None, attributes):
         setting(prim, attribute.GetName(), attribute.GetFallbackValue(), attribute.GetTypeName())
         expected[attribute.GetName().removeprefix("tailor:").replace(":", ".")] = attribute.GetFallbackValue()
-    for name, sets in (("seam:placket:edges", ["fold"]), ("thickness:hem:faces", ["low"])):
+    for name, sets in (("seam:placket:edges", ["fold"]), ("fold:hem:faces", ["low"])):
         setting(prim, f"tailor:{name}", sets, TOKENS)
         expected[name.replace(":", ".")] = sets
     assert arguments(stage).keys() == expected.keys() and len(expected) == 12
@@ -119,10 +119,10 @@ def test_schemas_of_all_layers_count(stage, nameless, tmp_path):
     asset.SetDefaultPrim(inner)
     asset.Save()
     outer = holder(stage, "./asset.usda", path="/Shot/One", arc="reference")
-    outer.AddAppliedSchema("TailorThicknessAPI:hem")
+    outer.AddAppliedSchema("TailorFoldAPI:hem")
     setting(outer, OFFSET.format("placket"), 0.05, FLOAT)
-    setting(outer, "tailor:thickness:hem:amount", 0.1, FLOAT)
-    assert arguments(stage) == {"seam.placket.normalOffset": "0.05", "thickness.hem.amount": "0.1"}
+    setting(outer, "tailor:fold:hem:thickness", 0.1, FLOAT)
+    assert arguments(stage) == {"seam.placket.normalOffset": "0.05", "fold.hem.thickness": "0.1"}
 
 
 def test_a_seam_of_the_holder_alone(stage, nameless):

@@ -46,7 +46,7 @@ def test_the_tutorial_runs_as_printed(usdtailor, tmp_path):
 
     stage = Usd.Stage.Open(str(work / "shirt.usdc"))
     assert all(stage.GetPrimAtPath(f"/Tshirt/{name}") for name in ("model", "sim", "render"))
-    assert "2 operators: thickness.neck_hem, seam.side" in done.stdout
+    assert "2 operators: fold.neck_hem, seam.side" in done.stdout
     assert (work / "shirt.png").read_bytes().startswith(b"\x89PNG")
 
 

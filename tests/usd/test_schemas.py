@@ -19,7 +19,7 @@ SIM = {
     "tailor:sim:constrainUvSeams": ("bool", True),
     "tailor:sim:smallestShell": ("float", 4.0),
     "tailor:sim:cornerAngle": ("float", 50.0),
-    "tailor:sim:ridgeAngle": ("float", 90.0),
+    "tailor:sim:featureAngle": ("float", 90.0),
     "tailor:sim:transferSamples": ("int", 32),
     "tailor:sim:seed": ("int", 0),
     "tailor:sim:cleanIslands": ("bool", False),
@@ -38,21 +38,21 @@ SEAM = {
     "tailor:seam:x:asymmetry": ("float", 0.0),
     "tailor:seam:x:enabled": ("bool", True),
 }
-THICKNESS = {
-    "tailor:thickness:x:amount": ("float", 0.0),
-    "tailor:thickness:x:enabled": ("bool", True),
-    "tailor:thickness:x:weights": ("token", ""),
-    "tailor:thickness:x:side": ("token", "inner"),
-    "tailor:thickness:x:closed": ("bool", False),
+FOLD = {
+    "tailor:fold:x:thickness": ("float", 0.0),
+    "tailor:fold:x:enabled": ("bool", True),
+    "tailor:fold:x:weights": ("token", ""),
+    "tailor:fold:x:side": ("token", "inner"),
+    "tailor:fold:x:closed": ("bool", False),
 }
 # Those that are applied more than once are here by the name of an instance, x.
-MULTIPLE = {"TailorSeamAPI": "TailorSeamAPI:x", "TailorThicknessAPI": "TailorThicknessAPI:x"}
-SCHEMAS = {"TailorSimAPI": SIM, "TailorRenderAPI": RENDER, "TailorSeamAPI": SEAM, "TailorThicknessAPI": THICKNESS}
+MULTIPLE = {"TailorSeamAPI": "TailorSeamAPI:x", "TailorFoldAPI": "TailorFoldAPI:x"}
+SCHEMAS = {"TailorSimAPI": SIM, "TailorRenderAPI": RENDER, "TailorSeamAPI": SEAM, "TailorFoldAPI": FOLD}
 RELATIONSHIPS = {
     "TailorSimAPI": {"tailor:sim:constraints"},
     "TailorRenderAPI": set(),
     "TailorSeamAPI": {"tailor:seam:x:edges"},
-    "TailorThicknessAPI": {"tailor:thickness:x:faces"},
+    "TailorFoldAPI": {"tailor:fold:x:faces"},
 }
 
 ATTRIBUTES = [

@@ -1,6 +1,6 @@
 //! Lists the attributes of a prim that a dynamic payload reads.
 //!
-//! OpenUSD composes only attributes that are requested by name. Attributes of seams and thicknesses include the name of
+//! OpenUSD composes only attributes that are requested by name. Attributes of seams and folds include the name of
 //! an instance. These names come from the `.tailor` file, the prim's applied schemas and the arguments of the asset
 //! path.
 
@@ -99,9 +99,9 @@ mod tests {
     #[test]
     fn schemas_that_a_stronger_layer_takes_out_name_nothing() {
         let stronger = "SdfTokenListOp(Deleted Items: [TailorSeamAPI:hip], Prepended Items: [TailorSeamAPI:yoke])";
-        let weaker = "SdfTokenListOp(Prepended Items: [TailorSeamAPI:hip, TailorThicknessAPI:hem])";
+        let weaker = "SdfTokenListOp(Prepended Items: [TailorSeamAPI:hip, TailorFoldAPI:hem])";
         let both = in_schemas(&format!("{stronger}\n{weaker}\n"));
-        assert_eq!(both, [("seam", "yoke".to_owned()), ("thickness", "hem".to_owned())]);
+        assert_eq!(both, [("seam", "yoke".to_owned()), ("fold", "hem".to_owned())]);
         let added_again = in_schemas(&format!("{weaker}\n{stronger}\n"));
         assert_eq!(added_again.len(), 3);
     }
@@ -123,11 +123,11 @@ mod tests {
 
     #[test]
     fn instances_are_named_by_file_schemas_and_arguments() {
-        let file = r#"{"source": "a.usda", "seam": {"placket": {}}, "thickness": {"hem": {"amount": 1}}, "fabric": {"rib": {}}}"#;
+        let file = r#"{"source": "a.usda", "seam": {"placket": {}}, "fold": {"hem": {"thickness": 1}}, "fabric": {"rib": {}}}"#;
         let found = attributes(file, "", "");
         assert_eq!(found.len(), KINDS.iter().map(|kind| kind.keys.len()).sum::<usize>());
         assert!(found.contains(&"tailor:seam:placket:normalOffset".to_owned()));
-        assert!(found.contains(&"tailor:thickness:hem:weights".to_owned()));
+        assert!(found.contains(&"tailor:fold:hem:weights".to_owned()));
         let printed = "SdfListOp(Prepended Items: [TailorSimAPI, TailorSeamAPI:left:hip, TailorSeamAPI:back])\n";
         let found = attributes("", printed, "sim.seed=1&seam.dart.width=2&seam.back.width=2");
         for name in ["left:hip", "back", "dart"] {

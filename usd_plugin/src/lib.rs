@@ -47,7 +47,7 @@ mod ffi {
         /// Generates the layer that `usdtailor build` writes. `flattened` is the composed source as crate bytes.
         fn generate(document: &Document, flattened: &[u8], metadata_only: bool) -> Result<Generated>;
 
-        /// The attributes that a dynamic payload reads. Names of seams and thicknesses come from the text of its
+        /// The attributes that a dynamic payload reads. Names of seams and folds come from the text of its
         /// `.tailor` file, the schemas of its prim as OpenUSD prints them, and its arguments.
         fn fields(recipe: &[u8], schemas: &str, arguments: &str) -> Vec<Field>;
 

@@ -52,7 +52,7 @@ const ALL: [Shipped; 4] = [
     },
     Shipped {
         name: "coat",
-        about: "a coat, and a layer over it with nine seams and four folded edges",
+        about: "a coat, and a layer over it with nine seams and four folds",
         files: &[file!("sewn/coat.usda"), file!("coat.usda")],
     },
     Shipped {

@@ -10,9 +10,9 @@ use crate::usd::ReadOptions;
 fn edits() -> Options {
     options(&json!({
         "sim": {"maxEdgeLength": 3.1, "iterations": 2, "constraints": ["placket"], "cleanIslands": true},
-        "render": {"level": 0, "operators": ["seam.side", "thickness.hem"]},
+        "render": {"level": 0, "operators": ["seam.side", "fold.hem"]},
         "seam": {"side": {"edges": ["side_seams"], "normalOffset": -0.1, "asymmetry": 0.25}},
-        "thickness": {"hem": {"faces": ["cuff_left"], "side": "outer", "enabled": false}},
+        "fold": {"hem": {"faces": ["cuff_left"], "side": "outer", "enabled": false}},
     }))
 }
 
@@ -81,7 +81,7 @@ fn an_existing_layer_keeps_what_else_it_holds_and_loses_earlier_options() {
     {
         assert!(after.contains(kept), "{kept} is lost:\n{after}");
     }
-    assert!(!after.contains("old"), "{after}");
+    assert!(!after.contains(":old"), "{after}");
     assert_eq!(recipe(&file), asked(&hub));
     // A second save replaces the first.
     hub.edit(|document| document.edit(options(&json!({"render": {"level": 0}})), String::new()));

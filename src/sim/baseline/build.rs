@@ -1,14 +1,14 @@
 //! The steps from a garment to its baseline.
 
 use super::Baseline;
-use super::facets::{facets, free_folds};
+use super::facets::{facets, free_flipped};
 use super::level::baseline_level;
 use super::start::{StartMesh, nearest_level};
 use crate::garment::{Garment, Primvar};
 use crate::mesh::{ChainId, CornerId, FaceId, Faces, Groups, IdVec, Topology, VertexId};
 use crate::sim::constraints::cage_edges::{constrained_edges, refine_paths, start_spans, trace_paths};
 use crate::sim::constraints::chain::Chain;
-use crate::sim::constraints::ridges::{FoldedSurface, NarrowStrip};
+use crate::sim::constraints::feature_lines::{FoldedSurface, NarrowStrip};
 use crate::sim::options::SimOptions;
 use crate::sim::surface::lengths::{Lengths, grade};
 use crate::sim::surface::manifold::Manifold;
@@ -58,12 +58,12 @@ impl Baseline {
         let barrier = barrier(&topology, &chains);
         let holds_uvs = uv_set.is_some() && options.constrain_uv_seams;
         let mut facets = facets(&topology, &points, &barrier, uv_set.map(|_| &uvs));
-        let folded = if holds_uvs { free_folds(&topology, &uvs, &mut facets) } else { Vec::new() };
+        let flipped = if holds_uvs { free_flipped(&topology, &uvs, &mut facets) } else { Vec::new() };
         let mut baseline = Self {
             facets,
             small_shells,
             holds_uvs,
-            folded,
+            flipped,
             source_face: quads.faces.iter().map(|&f| source_face[f]).collect(),
             level_face: quads.faces,
             level_corner: quads.corners,
@@ -145,7 +145,7 @@ struct FoundChains {
     traced: usize,
     /// Their vertices on that level and all finer ones.
     curves: Vec<Vec<Vec<VertexId>>>,
-    /// Vertices of the cage beside ridges, at which no chain has a corner.
+    /// Vertices of the cage beside feature lines, at which no chain has a corner.
     drawn: BTreeSet<VertexId>,
     narrow: Vec<NarrowStrip>,
 }
@@ -161,7 +161,7 @@ fn find_chains(
 ) -> FoundChains {
     let is_seam = |e| manifold.uv_channel.as_ref().is_some_and(|c| c.is_cut(e));
     let mut kinds = constrained_edges(garment, manifold, options, is_seam, small_shells, is_hole);
-    let rims = FoldedSurface { levels, surface: *surface, sharp: options.ridge() }.add_ridges(&mut kinds);
+    let rims = FoldedSurface { levels, surface: *surface, sharp: options.feature_turn() }.add_features(&mut kinds);
     let refined = levels.get(1).and_then(|child| rims.refined_kinds(&kinds, [levels[0], child]));
     let (traced, source) = match &refined {
         Some(_) => (1, manifold.child_source()),

@@ -55,15 +55,19 @@ fn shells(t: &Topology, uvs: &IdVec<CornerId, Vec2>) -> Groups<FaceId> {
     shells
 }
 
-/// Frees the layout where UVs are folded or degenerate: no triangle could be upright there, so remeshing that asks for it
-/// would neither collapse nor stop to split. Returns the folded triangles; those around them on the same shell are free too.
-pub(crate) fn free_folds(t: &Topology, uvs: &IdVec<CornerId, Vec2>, facets: &mut IdVec<FaceId, Facet>) -> Vec<FaceId> {
-    let folded: Vec<FaceId> = facets.ids().filter(|&f| uv_area(uvs, f) * facets[f].sense <= 0.0).collect();
-    for corner in folded.iter().flat_map(|&f| t.faces.corners_of(f)) {
+/// Frees the layout where UVs are flipped or degenerate: no triangle could be upright there, so remeshing that asks for it
+/// would neither collapse nor stop to split. Returns the flipped triangles; those around them on the same shell are free too.
+pub(crate) fn free_flipped(
+    t: &Topology,
+    uvs: &IdVec<CornerId, Vec2>,
+    facets: &mut IdVec<FaceId, Facet>,
+) -> Vec<FaceId> {
+    let flipped: Vec<FaceId> = facets.ids().filter(|&f| uv_area(uvs, f) * facets[f].sense <= 0.0).collect();
+    for corner in flipped.iter().flat_map(|&f| t.faces.corners_of(f)) {
         let around = t.vertex_corners.row(t.faces.vertex(corner)).iter();
         around.filter(|&&c| uvs[c] == uvs[corner]).for_each(|&c| facets[edit::face(c)].sense = 0.0);
     }
-    folded
+    flipped
 }
 
 fn uv_area(uvs: &IdVec<CornerId, Vec2>, face: FaceId) -> f32 {

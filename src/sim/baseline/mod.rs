@@ -12,7 +12,7 @@ use crate::garment::Primvar;
 use crate::mesh::{ChainId, CornerId, FaceId, IdVec, Topology, VertexId};
 use crate::sim::constraints::cage_edges::StartSpan;
 use crate::sim::constraints::chain::Chain;
-use crate::sim::constraints::ridges::NarrowStrip;
+use crate::sim::constraints::feature_lines::NarrowStrip;
 use crate::sim::surface::manifold::Manifold;
 use crate::sim::surface::small_shells::SmallShells;
 use crate::subdivide::{Level, Real};
@@ -57,8 +57,8 @@ pub struct Baseline {
     pub facets: IdVec<FaceId, Facet>,
     /// UV shells whose borders constrain nothing.
     pub small_shells: SmallShells,
-    /// The triangles whose UVs are folded or degenerate, where [`Self::holds_uvs`].
-    pub folded: Vec<FaceId>,
+    /// The triangles whose UVs are flipped or degenerate, where [`Self::holds_uvs`].
+    pub flipped: Vec<FaceId>,
     /// Whether UVs are one to one over each piece between chains, so that remeshing can keep triangles from flipping there.
     pub holds_uvs: bool,
     /// Target edge length at each vertex. \[mesh units\]

@@ -12,9 +12,9 @@ use glam::Vec3;
 const MAX_STEPS: usize = 64;
 
 impl RefinedSurface<'_> {
-    /// Finds the normals on both sides of a chain: at the chain itself, but half a target length away from a ridge.
+    /// Finds the normals on both sides of a chain: at the chain itself, but half a target length away from a feature line.
     pub(crate) fn set_normals(&self, chain: &mut Chain) {
-        let part = if chain.kind.ridge { 0.5 } else { 0.0 };
+        let part = if chain.kind.feature { 0.5 } else { 0.0 };
         let reach = |v: VertexId| part * self.target[v];
         let beyond = |half: Option<CornerId>, v| half.map_or(Vec3::ZERO, |h| self.normal_beyond(h, reach(v)));
         let sides = chain.left.iter().zip(&chain.right).zip(&chain.vertices);

@@ -52,7 +52,7 @@ pub fn constrained_edges(
             border: solid == 1,
             seam: solid > 1 && is_seam(edge),
             sharp: solid > 1 && manifold.level.edge_sharpness[edge] >= INFINITE_SHARPNESS,
-            ridge: false,
+            feature: false,
             subsets,
         };
         let holds_seam = kind.seam && options.constrain_uv_seams && !small_shells.is_released(edge);

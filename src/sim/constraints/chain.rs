@@ -13,14 +13,14 @@ pub struct ChainKind {
     /// An infinitely sharp edge inside the mesh: the surface has a fold there at every level.
     pub sharp: bool,
     /// A fold that is sharper than the target length can follow, or beside one that is too near to be a chain itself.
-    pub ridge: bool,
+    pub feature: bool,
     /// Indices into the garment's subsets: the edge subsets that hold the edge.
     pub subsets: Vec<usize>,
 }
 
 impl ChainKind {
-    /// Nothing but a ridge.
-    pub const RIDGE: Self = Self { border: false, seam: false, sharp: false, ridge: true, subsets: Vec::new() };
+    /// Nothing but a feature line.
+    pub const FEATURE: Self = Self { border: false, seam: false, sharp: false, feature: true, subsets: Vec::new() };
 }
 
 /// A path or loop of constrained edges, with its curve on the baseline.
@@ -41,7 +41,7 @@ pub struct Chain {
     pub left: Vec<Option<CornerId>>,
     /// The half-edge on the right of each segment, in the other direction.
     pub right: Vec<Option<CornerId>>,
-    /// Unit normals that triangles should have to the left and to the right of each segment. On a ridge they are taken
+    /// Unit normals that triangles should have to the left and to the right of each segment. On a feature line they are taken
     /// half a target length away, as the fold itself is rounded.
     pub normals: Vec<[Vec3; 2]>,
     /// Corners: indices into `vertices` of those that stay where they are although no chain ends there.

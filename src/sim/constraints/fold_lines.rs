@@ -1,6 +1,6 @@
 //! Lines of folds over the cage.
 
-use super::ridges::Fold;
+use super::feature_lines::Fold;
 use crate::mesh::{EdgeId, IdVec, Topology, VertexId};
 use glam::Vec3;
 use std::collections::{BTreeMap, BTreeSet};

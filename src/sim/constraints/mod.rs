@@ -3,6 +3,6 @@
 mod bend;
 pub mod cage_edges;
 pub mod chain;
+pub mod feature_lines;
 mod fold_lines;
-pub mod ridges;
 pub mod spacing;

@@ -18,9 +18,9 @@ pub(crate) const SHORTEST: f32 = 0.6;
 /// share of the target length. That makes the triangles there less thin. At 0.35 a fifth fewer are thin where corners are
 /// close, and lengths are 2 % less even; without it male_worksuit01 has half as many thin ones again.
 const SHORTEST_BETWEEN_CORNERS: f32 = 0.4;
-/// The share on ridges, whose corners belong to small details. 0.3 and 0.4 both leave a tenth more thin triangles on
+/// The share on feature lines, whose corners belong to small details. 0.3 and 0.4 both leave a tenth more thin triangles on
 /// male_worksuit01.
-const SHORTEST_BETWEEN_RIDGE_CORNERS: f32 = 0.35;
+const SHORTEST_BETWEEN_FEATURE_CORNERS: f32 = 0.35;
 /// Corners nearer than this share of the target length shorten nothing: triangles between them are thin at any length, and
 /// shorter edges make more of them.
 const CLOSEST: f32 = 0.2;
@@ -80,7 +80,7 @@ impl Chain {
                 stops.push(last);
             }
         }
-        let shortest = if self.kind.ridge { SHORTEST_BETWEEN_RIDGE_CORNERS } else { SHORTEST_BETWEEN_CORNERS };
+        let shortest = if self.kind.feature { SHORTEST_BETWEEN_FEATURE_CORNERS } else { SHORTEST_BETWEEN_CORNERS };
         for pair in stops.windows(2) {
             let at = |i: usize| self.along[i % last] + if i >= last { self.length() } else { 0.0 };
             let gap = at(pair[1]) - at(pair[0]);

@@ -52,7 +52,7 @@ pub struct RemeshReport {
     /// Edges flipped in all rounds.
     pub flips: usize,
     /// Chains along folds that are sharper than the target length can follow.
-    pub ridges: usize,
+    pub feature_lines: usize,
     /// Corners of chains that were kept as vertices.
     pub corners: usize,
     /// UV shells too small for triangles of the target length, whose borders are no constraints.
@@ -64,10 +64,10 @@ pub struct RemeshReport {
 impl RemeshReport {
     /// The report before the first round.
     fn new(baseline: &Baseline) -> Self {
-        let ridges = baseline.chains.iter().filter(|c| c.kind.ridge).count();
+        let feature_lines = baseline.chains.iter().filter(|c| c.kind.feature).count();
         let corners = baseline.chains.iter().map(|c| c.pins.len()).sum();
         let small_shells = baseline.small_shells.count();
-        Self { ridges, corners, small_shells, graded: baseline.graded, ..Self::default() }
+        Self { feature_lines, corners, small_shells, graded: baseline.graded, ..Self::default() }
     }
 }
 

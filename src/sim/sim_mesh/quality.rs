@@ -33,7 +33,7 @@ impl SimMesh<'_> {
     /// The defect of a triangle with these corners.
     #[inline(always)]
     pub(crate) fn defect(&self, [(a, pa), (b, pb), (c, pc)]: [TriangleCorner<'_>; 3]) -> Defect {
-        // Where the layout is free at a corner, it is folded, or the triangle has UVs of two shells.
+        // Where the layout is free at a corner, it is flipped, or the triangle has UVs of two shells.
         if self.baseline.holds_uvs && pa.sense * pb.sense * pc.sense != 0.0 {
             let (u, v) = (pb.place.uv - pa.place.uv, pc.place.uv - pa.place.uv);
             if u.perp_dot(v) * pa.sense <= 0.0 {

@@ -63,8 +63,8 @@ fn of_overrides() {
         of("check in.usda --set sim.smallestShell=-1", &["sim.smallestShell: -1 is out of range", "0 or more"]),
         of("check in.usda --set sim.cornerAngle=0", &["sim.cornerAngle: 0 is out of range", "give 1 to 180"]),
         of("check in.usda --set sim.cornerAngle=181", &["sim.cornerAngle: 181 is out of range"]),
-        of("check in.usda --set sim.ridgeAngle=0", &["sim.ridgeAngle: 0 is out of range", "give 1 to 180"]),
-        of("check in.usda --set sim.ridgeAngle=181", &["sim.ridgeAngle: 181 is out of range"]),
+        of("check in.usda --set sim.featureAngle=0", &["sim.featureAngle: 0 is out of range", "give 1 to 180"]),
+        of("check in.usda --set sim.featureAngle=181", &["sim.featureAngle: 181 is out of range"]),
         of("check in.usda --set sim.minEdgeLength=-0.5", &["sim.minEdgeLength: -0.5 is no length"]),
         of(
             "build in.usda -o out/coat.usda --set sim.minEdgeLength=2 --set sim.maxEdgeLength=1",
@@ -112,8 +112,8 @@ fn of_overrides() {
             &["seam.s.width: 2 is more than 0.5 times the size"],
         ),
         of(
-            "build in.usda -o out/coat.usda --set thickness.t.faces=left --set thickness.t.amount=3",
-            &["thickness.t.amount: 3 is more than 0.5 times the size", "keep it within 1.4"],
+            "build in.usda -o out/coat.usda --set fold.t.faces=left --set fold.t.thickness=3",
+            &["fold.t.thickness: 3 is more than 0.5 times the size", "keep it within 1.4"],
         ),
         of(
             "build in.usda -o out/coat.usda --set fabric.felt.thickness=1",

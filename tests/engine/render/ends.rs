@@ -47,8 +47,8 @@ fn a_hem_ends_on_the_surface_beside_a_border_without_one() {
     ] {
         let garment = hooded(bend, kink);
         let mut options: Vec<String> =
-            ["render.level=3", "render.faceSets=true", "thickness.h.faces=hem"].map(str::to_owned).into();
-        options.push(format!("thickness.h.amount={AMOUNT}"));
+            ["render.level=3", "render.faceSets=true", "fold.h.faces=hem"].map(str::to_owned).into();
+        options.push(format!("fold.h.thickness={AMOUNT}"));
         let seams = seam.map(|offset| {
             ["seam.s.edges=seam".to_owned(), "seam.s.width=0.4".into(), format!("seam.s.normalOffset={offset}")]
         });
@@ -108,7 +108,7 @@ fn cuff(n: i32) -> Garment {
 fn a_cuff_of_few_faces_has_no_fins() {
     for n in [3, 4, 5, 6, 8] {
         let garment = cuff(n);
-        let options = ["thickness.h.faces=hem", "thickness.h.amount=0.12", "render.level=3", "render.faceSets=true"];
+        let options = ["fold.h.faces=hem", "fold.h.thickness=0.12", "render.level=3", "render.faceSets=true"];
         let (mesh, warnings) = rendered(&garment, &options);
         // The layers of a cuff of four touch beside the vertex that they share, which is told.
         assert!(n == 4 || warnings.iter().all(|w| w.code != Code::Intersections), "{n}: {warnings:?}");
@@ -337,8 +337,8 @@ fn a_hem_ends_square_where_its_end_is_marked() {
     };
     for (is_crease, bend) in [(false, 0.0), (true, 0.0), (false, 1.2), (true, 1.2)] {
         let garment = marked(is_crease, bend);
-        let amount = format!("thickness.h.amount={AMOUNT}");
-        let options = ["thickness.h.faces=hem", &amount, "render.faceSets=true", "render.level=3"];
+        let amount = format!("fold.h.thickness={AMOUNT}");
+        let options = ["fold.h.faces=hem", &amount, "render.faceSets=true", "render.level=3"];
         let (mesh, warnings) = rendered(&garment, &options);
         assert!(warnings.is_empty(), "{warnings:?}");
         let surface = Surface::new(&garment, &["render.level=3"]);
@@ -364,8 +364,8 @@ fn a_hem_that_other_cloth_cuts_short_closes() {
     input.primvars.clear();
     input.subsets.clear();
     let garment = checked(with_faces(input, "hem", 0..8));
-    let amount = format!("thickness.h.amount={AMOUNT}");
-    let options = ["thickness.h.faces=hem", &amount, "render.faceSets=true", "render.level=3"];
+    let amount = format!("fold.h.thickness={AMOUNT}");
+    let options = ["fold.h.faces=hem", &amount, "render.faceSets=true", "render.level=3"];
     let (mesh, warnings) = rendered(&garment, &options);
     assert!(warnings.iter().any(|w| w.code == Code::BareFaces), "{warnings:?}");
     let surface = Surface::new(&garment, &["render.level=3"]);
@@ -402,9 +402,9 @@ fn closed_seams_and_hems_are_symmetric() {
         for (size, options) in [
             (0.3, vec!["seam.s.edges=ring", "seam.s.width=0.3", "seam.s.normalOffset=-0.1"]),
             (0.8, vec!["seam.s.edges=ring", "seam.s.width=0.8", "seam.s.normalOffset=0.2", "seam.s.depth=0.05"]),
-            (0.15, vec!["thickness.t.faces=rim", "thickness.t.amount=0.15"]),
-            (0.6, vec!["thickness.t.faces=rim", "thickness.t.amount=0.6"]),
-            (0.6, vec!["thickness.t.faces=rim", "thickness.t.amount=0.6", "thickness.t.side=outer"]),
+            (0.15, vec!["fold.t.faces=rim", "fold.t.thickness=0.15"]),
+            (0.6, vec!["fold.t.faces=rim", "fold.t.thickness=0.6"]),
+            (0.6, vec!["fold.t.faces=rim", "fold.t.thickness=0.6", "fold.t.side=outer"]),
         ] {
             let (mesh, _) = rendered(&revolved(n), &[&["render.level=2"][..], &options].concat());
             let points: Vec<Vec3> = mesh.points.iter().copied().collect();

@@ -120,8 +120,8 @@ fn recipe(garment: &Garment, level: u32, seam: Option<f32>, hem: Option<f32>) ->
         options.push(format!("seam.s.normalOffset={}", -0.15 * width * size));
     }
     if let Some(amount) = hem {
-        options.push(format!("thickness.t.faces={}", border_panels(garment)));
-        options.push(format!("thickness.t.amount={}", amount * size));
+        options.push(format!("fold.t.faces={}", border_panels(garment)));
+        options.push(format!("fold.t.thickness={}", amount * size));
     }
     options
 }

@@ -163,12 +163,12 @@ fn the_layers_are_the_amount_apart() {
         let faces = if name == "plane" { "half" } else { "all" };
         let surface = Surface::new(&garment, &["render.level=4"]);
         for (side, sign) in [("inner", -1.0), ("outer", 1.0)] {
-            let (faces, side) = (format!("thickness.t.faces={faces}"), format!("thickness.t.side={side}"));
+            let (faces, side) = (format!("fold.t.faces={faces}"), format!("fold.t.side={side}"));
             let options = [
                 &faces,
-                "thickness.t.amount=0.15",
+                "fold.t.thickness=0.15",
                 &side,
-                "thickness.t.closed=true",
+                "fold.t.closed=true",
                 "render.faceSets=true",
                 "render.level=2",
             ];
@@ -195,9 +195,9 @@ fn the_layers_are_the_amount_apart() {
 fn painted_weights_scale_the_layer_and_tuck_it_in() {
     let garment = checked(sheet(8));
     let options = [
-        "thickness.t.faces=half",
-        "thickness.t.amount=0.2",
-        "thickness.t.weights=density",
+        "fold.t.faces=half",
+        "fold.t.thickness=0.2",
+        "fold.t.weights=density",
         "render.faceSets=true",
         "render.level=0",
     ];
@@ -340,14 +340,14 @@ fn both_orders_are_sound_and_differ() {
             "seam.s.edges=line",
             "seam.s.width=0.3",
             "seam.s.normalOffset=-0.05",
-            "thickness.t.faces=half",
-            "thickness.t.amount=0.2",
+            "fold.t.faces=half",
+            "fold.t.thickness=0.2",
             "render.level=2",
             order,
         ]
     };
     let (seam_first, _) = rendered(&garment, &options("render.operators=s,t"));
-    let (hem_first, warnings) = rendered(&garment, &options("render.operators=thickness.t,seam:s"));
+    let (hem_first, warnings) = rendered(&garment, &options("render.operators=fold.t,seam:s"));
     assert!(warnings.is_empty(), "{warnings:?}");
     sound(&seam_first, "seam first");
     sound(&hem_first, "hem first");
@@ -371,7 +371,7 @@ fn tight_folds_are_thinner_and_say_so() {
         *p = Vec3::new(0.3 * a.sin(), p.y, 0.3 * a.cos());
     }
     let garment = checked(with_faces(input, "all", 0..64));
-    let options = ["thickness.t.faces=all", "thickness.t.amount=0.5", "render.level=2"];
+    let options = ["fold.t.faces=all", "fold.t.thickness=0.5", "render.level=2"];
     let (mesh, warnings) = rendered(&garment, &options);
     assert!(warnings.iter().any(|w| w.code == Code::ThinLayer), "{warnings:?}");
     sound(&mesh, "gutter");
@@ -397,9 +397,8 @@ fn without_room(warnings: &Warnings) -> usize {
 fn what_lies_on_a_face_leaves_it_one_layer() {
     let garment = folded_back(|y| 0.001 + 0.4 * (y - 3.0).max(0.0));
     let options = |side: &str| {
-        let side = format!("thickness.t.side={side}");
-        ["thickness.t.faces=all", "thickness.t.amount=0.2", "render.faceSets=true", "render.level=1", &side]
-            .map(String::from)
+        let side = format!("fold.t.side={side}");
+        ["fold.t.faces=all", "fold.t.thickness=0.2", "render.faceSets=true", "render.level=1", &side].map(String::from)
     };
     let (mesh, warnings) = rendered(&garment, &options("outer"));
     assert!((8..56).contains(&without_room(&warnings)), "{warnings:?}");
@@ -419,7 +418,7 @@ fn what_lies_on_a_face_leaves_it_one_layer() {
 #[test]
 fn a_layer_that_has_no_room_at_all_is_told_and_left_out() {
     let garment = folded_back(|_| 0.001);
-    let options = ["thickness.t.faces=all", "thickness.t.amount=0.2", "thickness.t.side=outer", "render.level=1"];
+    let options = ["fold.t.faces=all", "fold.t.thickness=0.2", "fold.t.side=outer", "render.level=1"];
     let (mesh, warnings) = rendered(&garment, &options);
     assert_eq!(without_room(&warnings), 64, "{warnings:?}");
     let (plain, _) = rendered(&garment, &["render.level=1"]);
@@ -433,9 +432,9 @@ fn faults_name_what_is_wrong() {
         try_rendered(&garment, options).err().map(|e| e.to_string()).unwrap_or_default()
     };
     let inside = || with_faces(sheet(8), "inside", [18, 19, 26, 27]);
-    let fault = message(inside(), &["thickness.t.faces=inside"]);
+    let fault = message(inside(), &["fold.t.faces=inside"]);
     assert!(fault.contains("inside") && fault.contains("border") && fault.contains("hint:"), "{fault}");
-    assert_eq!(message(inside(), &["thickness.t.faces=inside", "thickness.t.closed=true"]), "");
+    assert_eq!(message(inside(), &["fold.t.faces=inside", "fold.t.closed=true"]), "");
     let (_, triangles) = crate::common::zoo::all().into_iter().find(|(name, _)| *name == "loop").expect("in the zoo");
     assert_eq!(triangles.rules.scheme, Scheme::Loop);
     let fault = message(with_edges(triangles, "line", &path(&[4, 5, 6])), &["seam.s.edges=line"]);
@@ -445,7 +444,7 @@ fn faults_name_what_is_wrong() {
 #[test]
 fn operators_run_as_they_are_named() {
     let garment = checked(with_edges(sheet(8), "line", &path(&[36, 37, 38])));
-    let base = ["seam.s.edges=line", "thickness.t.faces=half", "seam.s.width=0.2", "thickness.t.amount=0.1"];
+    let base = ["seam.s.edges=line", "fold.t.faces=half", "seam.s.width=0.2", "fold.t.thickness=0.1"];
     let (_, warnings) = rendered(&garment, &[&base[..], &["render.operators=t"]].concat());
     assert!(warnings.iter().any(|w| w.code == Code::OperatorsLeftOut && w.problem.contains("`seam.s`")));
     assert_eq!(stack(&base).operators.len(), 2);
@@ -460,10 +459,10 @@ fn an_operator_that_is_not_enabled_is_as_if_it_were_not_there() {
     let (without, _) = rendered(&garment, &[&seam[..], &["seam.s.enabled=false"]].concat());
     let (plain, _) = rendered(&garment, &["render.level=2"]);
     assert!(with.faces != plain.faces && without.faces == plain.faces && without.points == plain.points);
-    let missing = ["thickness.t.faces=none", "thickness.t.enabled=false", "render.operators=t,s"];
+    let missing = ["fold.t.faces=none", "fold.t.enabled=false", "render.operators=t,s"];
     let (same, warnings) = rendered(&garment, &[&seam[..], &missing].concat());
     assert!(same.points == with.points && warnings == warnings_with, "{warnings:?}");
-    let off = ["seam.s.enabled=false", "thickness.t.faces=half", "render.operators=t"];
+    let off = ["seam.s.enabled=false", "fold.t.faces=half", "render.operators=t"];
     let (_, warnings) = rendered(&garment, &[&seam[..], &off].concat());
     assert!(warnings.iter().all(|w| w.code != Code::OperatorsLeftOut), "{warnings:?}");
 }
@@ -489,9 +488,9 @@ fn the_zoo_survives_every_operator() {
                 "seam.s.width=0.1",
                 "seam.s.normalOffset=-0.02",
                 "seam.s.depth=0.01",
-                "thickness.t.faces=all",
-                "thickness.t.amount=0.05",
-                "thickness.t.closed=true",
+                "fold.t.faces=all",
+                "fold.t.thickness=0.05",
+                "fold.t.closed=true",
                 "render.faceSets=true",
                 "render.level=1",
                 &order,

@@ -182,10 +182,10 @@ fn options_of(operators: &[(bool, &str, f32, f32, f32)]) -> Vec<String> {
         if *thickness {
             let weights = if *more > 0.5 { "density" } else { "" };
             let side = if *more > 0.0 { "outer" } else { "inner" };
-            options.push(format!("thickness.o{i}.faces={set}"));
-            options.push(format!("thickness.o{i}.amount={}", 0.3 * size));
-            options.push(format!("thickness.o{i}.weights={weights}"));
-            options.push(format!("thickness.o{i}.side={side}"));
+            options.push(format!("fold.o{i}.faces={set}"));
+            options.push(format!("fold.o{i}.thickness={}", 0.3 * size));
+            options.push(format!("fold.o{i}.weights={weights}"));
+            options.push(format!("fold.o{i}.side={side}"));
         } else {
             options.push(format!("seam.o{i}.edges={set}"));
             options.push(format!("seam.o{i}.width={size}"));
@@ -220,7 +220,7 @@ proptest! {
 #[test]
 fn new_faces_are_in_sets_of_their_own_when_asked() {
     let garment = checked(with_faces(sample(), "s_seam", [0]));
-    let base = ["seam.s.edges=row", "thickness.t.faces=left", "seam.s.width=0.3", "render.level=0"];
+    let base = ["seam.s.edges=row", "fold.t.faces=left", "seam.s.width=0.3", "render.level=0"];
     let (mesh, _) = rendered(&garment, &base);
     assert_eq!(mesh.subsets.len(), garment.subsets.len());
     let (mesh, warnings) = rendered(&garment, &[&base[..], &["render.faceSets=true"]].concat());
@@ -247,8 +247,8 @@ fn the_same_bytes_at_every_thread_count() {
         "seam.s.edges=row,column",
         "seam.s.normalOffset=-0.05",
         "seam.s.width=1.6",
-        "thickness.t.faces=half",
-        "thickness.t.amount=1.5",
+        "fold.t.faces=half",
+        "fold.t.thickness=1.5",
         "render.level=1",
     ];
     let with = |threads: usize| {

@@ -37,10 +37,10 @@ fn built(input: GarmentInput, recipe: &Recipe) -> Products {
     builder.update(recipe).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// The faces that the warning of folded UVs names.
+/// The faces that the warning of flipped UVs names.
 fn told(products: &Products) -> BTreeSet<usize> {
     let of = |warning: &Warning| match &warning.elements {
-        Elements::Faces(faces) if warning.code == Code::FoldedUvs => faces.iter().map(|f| f.index()).collect(),
+        Elements::Faces(faces) if warning.code == Code::FlippedUvs => faces.iter().map(|f| f.index()).collect(),
         _ => BTreeSet::new(),
     };
     products.warnings.iter().flat_map(of).collect()
@@ -62,10 +62,10 @@ proptest! {
         for place in product.places.iter() {
             prop_assert!(place.uv.distance(product.baseline.uv(place.location)) <= 1e-3);
         }
-        let folded = product.baseline.folded.iter().map(|&f| product.baseline.source_face[f].index()).collect();
+        let flipped = product.baseline.flipped.iter().map(|&f| product.baseline.source_face[f].index()).collect();
         let products = built(sheet(Some((point, uv))), &Recipe::default());
         prop_assert_eq!(products.sim.faces.len(), count);
-        prop_assert_eq!(told(&products), folded);
+        prop_assert_eq!(told(&products), flipped);
         // Subdivision spreads a value over two rings of faces.
         let [x, y] = [point % (SIDE + 1), point / (SIDE + 1)];
         for face in told(&products) {

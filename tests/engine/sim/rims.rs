@@ -114,17 +114,17 @@ fn triangles_of_garments_face_the_surface() {
 }
 
 #[test]
-fn rims_are_lines_along_their_ridges() {
+fn rims_are_feature_lines() {
     for (name, make) in [("hem", hem as Made), ("collar", collar)] {
         for gap in GAPS.into_iter().filter(|&gap| gap <= 0.35) {
             let product = product(make(gap), &[LENGTH]);
             // The surface is highest along the rim's middle; no point of it is far from the mesh.
             let quality = Reference::of(&product, |reference| of_product(&product, reference));
             assert!(quality.from_surface <= 0.1, "{name} {gap}: {}", quality.from_surface);
-            let ridges: Vec<_> =
-                product.baseline.chains.enumerated().filter(|(_, c)| c.kind == ChainKind::RIDGE).collect();
-            assert!(!ridges.is_empty(), "{name} {gap}");
-            for (id, chain) in ridges {
+            let lines: Vec<_> =
+                product.baseline.chains.enumerated().filter(|(_, c)| c.kind == ChainKind::FEATURE).collect();
+            assert!(!lines.is_empty(), "{name} {gap}");
+            for (id, chain) in lines {
                 assert!(product.gaps[id].distance <= 0.05, "{name} {gap}: {}", product.gaps[id].distance);
                 let on_mesh: f32 =
                     product.chain_edges[id].iter().map(|&[a, b]| product.points[a].distance(product.points[b])).sum();
@@ -136,10 +136,10 @@ fn rims_are_lines_along_their_ridges() {
 
 #[test]
 fn folds_follow_the_option() {
-    let ridges = |angle: &str| {
+    let lines = |angle: &str| {
         let product = product(hem(0.2), &[LENGTH, angle]);
-        product.baseline.chains.iter().filter(|c| c.kind.ridge).count()
+        product.baseline.chains.iter().filter(|c| c.kind.feature).count()
     };
-    assert!(ridges("sim.ridgeAngle=90") > 0);
-    assert_eq!(ridges("sim.ridgeAngle=180"), 0);
+    assert!(lines("sim.featureAngle=90") > 0);
+    assert_eq!(lines("sim.featureAngle=180"), 0);
 }

@@ -9,7 +9,7 @@ const NUMBERS: [&str; 18] = [
     "3.4e38", "nan",
 ];
 /// Names that a mesh may or may not have.
-const NAMES: [&str; 8] = ["edges", "faces", "points", "edges,edges", "", "st", "paint", "seam.a,thickness.a"];
+const NAMES: [&str; 8] = ["edges", "faces", "points", "edges,edges", "", "st", "paint", "seam.a,fold.a"];
 /// Levels and counts; those between 3 and the limits would take minutes.
 const COUNTS: [&str; 7] = ["0", "1", "2", "3", "7", "100000", "4294967295"];
 

@@ -10,8 +10,8 @@ const AUTHORED = `
         uniform float tailor:seam:shoulder:normalOffset = -0.3
         rel tailor:seam:side:edges = </Tshirt/model/side_seams>
         uniform float tailor:seam:side:normalOffset = -0.3
-        rel tailor:thickness:neck:faces = </Tshirt/model/neckband>
-        uniform float tailor:thickness:neck:amount = 0.4`;
+        rel tailor:fold:neck:faces = </Tshirt/model/neckband>
+        uniform float tailor:fold:neck:thickness = 0.4`;
 
 /** A T-shirt with two seams and a fold of its own. */
 export function sewnShirt(test) {

@@ -10,8 +10,7 @@ use openusd::usd::{Prim, PrimPredicate};
 use std::path::Path;
 
 /// The options of operators and fabrics, with the schema that makes a payload follow them.
-const NAMED: [(&str, &str); 3] =
-    [("seam", "TailorSeamAPI"), ("thickness", "TailorThicknessAPI"), ("fabric", "TailorFabricAPI")];
+const NAMED: [(&str, &str); 3] = [("seam", "TailorSeamAPI"), ("fold", "TailorFoldAPI"), ("fabric", "TailorFabricAPI")];
 
 /// A prim with a payload of a `.tailor` file.
 struct Holder {

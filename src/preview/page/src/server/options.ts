@@ -5,12 +5,12 @@ export type Value = number | boolean | string | string[];
 /** Options of one operator: field to value. */
 export type Fields = Record<string, Value>;
 
-export type KindName = "seam" | "thickness";
+export type KindName = "seam" | "fold";
 
 /** A sparse recipe, nested as in a `.tailor` file. Only the options that somebody gave are in it. */
 export interface Options {
   sim?: Fields;
   render?: Fields;
   seam?: Record<string, Fields>;
-  thickness?: Record<string, Fields>;
+  fold?: Record<string, Fields>;
 }

@@ -531,7 +531,7 @@ export type WarningCode =
   | "far-from-origin"
   | "polygonal-cage"
   | "face-limit"
-  | "folded-uvs"
+  | "flipped-uvs"
   | "curves-cut"
   | "area-changed"
   | "sets-blurred"

@@ -1,4 +1,4 @@
-// A seam or a folded edge.
+// A seam or a fold.
 
 import type { CSSProperties, HTMLAttributes, TargetedKeyboardEvent } from "preact";
 import { useRef, useState } from "preact/hooks";
@@ -164,7 +164,7 @@ function Summary({ operator }: { operator: Stacked }) {
 function summary({ kind }: Stacked, fields: Fields, unit: string): string {
   const length = (field: string) => shown(Number(fields[field] ?? 0)).replace("-", "−");
   const automatic = (field: string) => (length(field) === "0" ? "auto" : length(field));
-  if (kind === "thickness") return automatic("amount") === "auto" ? "auto" : `${length("amount")} ${unit}`;
+  if (kind === "fold") return automatic("thickness") === "auto" ? "auto" : `${length("thickness")} ${unit}`;
   return `${automatic("width")} × ${length("normalOffset")} ${unit}`;
 }
 

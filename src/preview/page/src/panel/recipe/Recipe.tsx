@@ -36,7 +36,7 @@ export function Recipe() {
             <Section title="Render mesh">
               <Rows options={render} />
             </Section>
-            <Section title="Seams and folded edges" tools={<NewOperator />}>
+            <Section title="Seams and folds" tools={<NewOperator />}>
               <Stack />
             </Section>
           </>

@@ -1,4 +1,4 @@
-// Seams and folded edges as cards, in the order in which they run.
+// Seams and folds as cards, in the order in which they run.
 
 import { useRef } from "preact/hooks";
 import type { SetInfo, Stacked } from "../../server/protocol";
@@ -12,7 +12,7 @@ import { MenuButton, type MenuItem } from "../controls/Menu";
 import { addOperator, moveOperator } from "../../state/operators";
 import type { State } from "../../state/state";
 
-export const KIND_NAMES: Record<Kind["name"], string> = { seam: "seam", thickness: "fold" };
+export const KIND_NAMES: Record<Kind["name"], string> = { seam: "seam", fold: "fold" };
 
 export function Stack() {
   const store = useStore();

@@ -1,9 +1,9 @@
-//! Ridges: folds of the surface that are sharper than the target length can follow. Edges across such a fold cut it off and
+//! Feature lines: folds of the surface that are sharper than the target length can follow. Edges across such a fold cut it off and
 //! leave it jagged, so the edges of the cage along it become chains.
 //!
 //! A rim has two folds, or many, with a strip between them that may be thinner than triangles. Lines of folds are therefore
 //! chosen as wholes, the sharpest first, and none beside another chain: what lies between is drawn to that chain along its
-//! whole length. Between two such folds the surface is highest in the middle of the strip, so the ridge is there.
+//! whole length. Between two such folds the surface is highest in the middle of the strip, so the feature line is there.
 
 use super::cage_edges::refine_paths;
 use super::chain::ChainKind;
@@ -16,15 +16,15 @@ use crate::subdivide::{Level, Numbering};
 use glam::Vec3;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The ends of a ridge turn by at least this share of the angle that makes one. Smaller values make longer ridges.
+/// The ends of a feature line turn by at least this share of the angle that makes one. Smaller values make longer feature lines.
 const ENDS: f32 = 0.75;
-/// The inside of a ridge turns by at least this share.
+/// The inside of a feature line turns by at least this share.
 const INSIDE: f32 = 0.5;
-/// Least total length of a ridge's sharp edges, as a multiple of the target length.
+/// Least total length of a feature line's sharp edges, as a multiple of the target length.
 const LEAST_LENGTH: f32 = 2.0;
 /// Two parallel chains are at least this multiple of the target length apart: triangles between nearer ones are thin.
 const APART: f32 = 0.5;
-/// A ridge is at least this multiple of the target length from any other chain. What is nearer to a border or a seam is drawn
+/// A feature line is at least this multiple of the target length from any other chain. What is nearer to a border or a seam is drawn
 /// to it, and facets of the fold stay.
 const APART_FROM_CHAINS: f32 = 0.15;
 /// Least dihedral of a fold's edge: folds are sharper on the cage than on the refined surface. \[radians\]
@@ -59,7 +59,7 @@ pub struct NarrowStrip {
     pub width: f32,
 }
 
-/// A quad of the cage whose middle line is on a ridge.
+/// A quad of the cage whose middle line is on a feature line.
 #[derive(Clone, Copy)]
 struct Crest {
     face: FaceId,
@@ -67,13 +67,13 @@ struct Crest {
     rungs: [EdgeId; 2],
 }
 
-/// A part of a ridge.
+/// A part of a feature line.
 enum Part<'a> {
     Edges(&'a [EdgeId]),
     Crest(Vec<Crest>),
 }
 
-/// The parts of ridges that are no edges of the cage, and the folds that are no ridges.
+/// The parts of feature lines that are no edges of the cage, and the folds that are no feature lines.
 #[derive(Default)]
 pub(crate) struct Rims {
     crests: Vec<Crest>,
@@ -84,7 +84,7 @@ pub(crate) struct Rims {
 }
 
 impl Rims {
-    /// The kinds of constrained edges on the first refinement, from those of the cage; none if the cage has all ridges.
+    /// The kinds of constrained edges on the first refinement, from those of the cage; none if the cage has all feature lines.
     pub fn refined_kinds(
         &self,
         kinds: &BTreeMap<EdgeId, ChainKind>,
@@ -102,27 +102,27 @@ impl Rims {
         }
         for crest in &self.crests {
             let halves = crest.rungs.map(|rung| find(numbering.of_edge(rung), numbering.of_face(crest.face)));
-            refined.extend(halves.into_iter().flatten().map(|half| (half, ChainKind::RIDGE)));
+            refined.extend(halves.into_iter().flatten().map(|half| (half, ChainKind::FEATURE)));
         }
-        let ends = self.ends_on_ridges(&cage.topology, kinds);
+        let ends = self.ends_on_features(&cage.topology, kinds);
         for half in ends.filter_map(|(rung, v)| find(v, numbering.of_edge(rung))) {
-            refined.entry(half).or_insert(ChainKind::RIDGE).ridge = true;
+            refined.entry(half).or_insert(ChainKind::FEATURE).feature = true;
         }
         Some(refined)
     }
 
-    /// The rungs at the ends of crests, with those of their own ends at which a ridge goes on.
-    fn ends_on_ridges<'a>(
+    /// The rungs at the ends of crests, with those of their own ends at which a feature line goes on.
+    fn ends_on_features<'a>(
         &'a self,
         t: &'a Topology,
         kinds: &BTreeMap<EdgeId, ChainKind>,
     ) -> impl Iterator<Item = (EdgeId, VertexId)> + 'a {
-        let ridges = kinds.iter().filter(|(_, kind)| kind.ridge);
-        let on_ridge: BTreeSet<VertexId> = ridges.flat_map(|(&edge, _)| t.edges[edge]).collect();
+        let lines = kinds.iter().filter(|(_, kind)| kind.feature);
+        let on_feature: BTreeSet<VertexId> = lines.flat_map(|(&edge, _)| t.edges[edge]).collect();
         let mut crests_at = BTreeMap::<EdgeId, usize>::new();
         self.crests.iter().flat_map(|crest| crest.rungs).for_each(|rung| *crests_at.entry(rung).or_default() += 1);
         let last = crests_at.into_iter().filter(|&(_, count)| count == 1).map(|(rung, _)| rung);
-        last.flat_map(move |rung| t.edges[rung].map(|v| (rung, v))).filter(move |(_, v)| on_ridge.contains(v))
+        last.flat_map(move |rung| t.edges[rung].map(|v| (rung, v))).filter(move |(_, v)| on_feature.contains(v))
     }
 }
 
@@ -131,7 +131,7 @@ impl Rims {
 pub(crate) struct FoldedSurface<'a> {
     pub levels: &'a [&'a Level],
     pub surface: RefinedSurface<'a>,
-    /// The turn within one target length that makes a ridge. \[radians\]
+    /// The turn within one target length that makes a feature line. \[radians\]
     pub sharp: f32,
 }
 
@@ -140,8 +140,8 @@ impl<'a> FoldedSurface<'a> {
         &self.levels[0].topology
     }
 
-    /// Adds the ridges among the unconstrained edges of the cage to `kinds`.
-    pub fn add_ridges(&self, kinds: &mut BTreeMap<EdgeId, ChainKind>) -> Rims {
+    /// Adds the feature lines among the unconstrained edges of the cage to `kinds`.
+    pub fn add_features(&self, kinds: &mut BTreeMap<EdgeId, ChainKind>) -> Rims {
         let folds = self.folds(kinds);
         let mut narrow = BTreeMap::new();
         kinds.keys().for_each(|&edge| self.leave_narrow(edge, APART_FROM_CHAINS, &folds, &mut narrow));
@@ -150,18 +150,18 @@ impl<'a> FoldedSurface<'a> {
         let mut rims = Rims::default();
         for line in &found {
             let runs: Vec<&[EdgeId]> = line.runs(|edge| !narrow.contains_key(&edge)).collect();
-            for ridge in runs.into_iter().filter_map(|run| self.ridge(run, &folds)) {
-                for part in self.parts(ridge, &folds, &narrow) {
+            for line in runs.into_iter().filter_map(|run| self.feature_line(run, &folds)) {
+                for part in self.parts(line, &folds, &narrow) {
                     match part {
-                        Part::Edges(edges) => kinds.extend(edges.iter().map(|&edge| (edge, ChainKind::RIDGE))),
+                        Part::Edges(edges) => kinds.extend(edges.iter().map(|&edge| (edge, ChainKind::FEATURE))),
                         Part::Crest(faces) => rims.crests.extend(faces),
                     }
                 }
-                ridge.iter().for_each(|&edge| self.leave_narrow(edge, APART, &folds, &mut narrow));
+                line.iter().for_each(|&edge| self.leave_narrow(edge, APART, &folds, &mut narrow));
             }
         }
         for line in &found {
-            let lost = line.runs(|edge| narrow.contains_key(&edge)).filter_map(|run| self.ridge(run, &folds));
+            let lost = line.runs(|edge| narrow.contains_key(&edge)).filter_map(|run| self.feature_line(run, &folds));
             rims.narrow.extend(lost.map(|edges| self.narrow_strip(edges, &narrow, kinds)));
         }
         let t = self.cage();
@@ -170,7 +170,7 @@ impl<'a> FoldedSurface<'a> {
         rims
     }
 
-    /// The strip between a fold that is no chain and the chains beside it, which become ridges too.
+    /// The strip between a fold that is no chain and the chains beside it, which become feature lines too.
     fn narrow_strip(
         &self,
         edges: &[EdgeId],
@@ -181,26 +181,26 @@ impl<'a> FoldedSurface<'a> {
         for Neighbour { edge, distance } in edges.iter().map(|edge| narrow[edge]) {
             match kinds.get_mut(&edge) {
                 Some(kind) => {
-                    kind.ridge = true;
+                    kind.feature = true;
                     width = width.max(distance);
                 }
-                // The ridge is in the middle of the strip.
+                // The feature line is in the middle of the strip.
                 None => width = width.max(0.5 * distance),
             }
         }
         NarrowStrip { vertex: self.cage().edges[edges[0]][0], edges: edges.len(), width }
     }
 
-    /// The parts of a ridge that run along its edges, and those that run along the middle of a strip beside them.
-    fn parts<'e>(&self, ridge: &'e [EdgeId], folds: &Folds, narrow: &BTreeMap<EdgeId, Neighbour>) -> Vec<Part<'e>> {
-        let strips: Vec<Option<Crest>> = ridge.iter().map(|&edge| self.crest(edge, folds, narrow)).collect();
+    /// The parts of a feature line that run along its edges, and those that run along the middle of a strip beside them.
+    fn parts<'e>(&self, line: &'e [EdgeId], folds: &Folds, narrow: &BTreeMap<EdgeId, Neighbour>) -> Vec<Part<'e>> {
+        let strips: Vec<Option<Crest>> = line.iter().map(|&edge| self.crest(edge, folds, narrow)).collect();
         let are_joined = |a: &Option<Crest>, b: &Option<Crest>| match (a, b) {
             (Some(a), Some(b)) => a.rungs.iter().any(|rung| b.rungs.contains(rung)),
             (a, b) => a.is_none() && b.is_none(),
         };
         let mut first = 0;
         let parts = strips.chunk_by(are_joined).map(|strip| {
-            let edges = &ridge[first..first + strip.len()];
+            let edges = &line[first..first + strip.len()];
             first += strip.len();
             let length: f32 = edges.iter().map(|edge| folds[edge].length).sum();
             match strip.iter().copied().collect::<Option<Vec<Crest>>>() {
@@ -211,7 +211,7 @@ impl<'a> FoldedSurface<'a> {
         parts.collect()
     }
 
-    /// The quad beside an edge of a ridge whose opposite edge is a fold as well, too near to be a chain, if there is one side
+    /// The quad beside an edge of a feature line whose opposite edge is a fold as well, too near to be a chain, if there is one side
     /// with such a quad.
     fn crest(&self, edge: EdgeId, folds: &Folds, narrow: &BTreeMap<EdgeId, Neighbour>) -> Option<Crest> {
         let t = self.cage();
@@ -242,8 +242,8 @@ impl<'a> FoldedSurface<'a> {
         self.middle(a).distance(self.middle(b)) / self.target(b)
     }
 
-    /// The part of a line that is a ridge, without its blunt ends, if there is one.
-    fn ridge<'e>(&self, run: &'e [EdgeId], folds: &Folds) -> Option<&'e [EdgeId]> {
+    /// The part of a line that is a feature line, without its blunt ends, if there is one.
+    fn feature_line<'e>(&self, run: &'e [EdgeId], folds: &Folds) -> Option<&'e [EdgeId]> {
         let is_end = |edge: &EdgeId| folds[edge].bend > ENDS * self.sharp;
         let (first, last) = (run.iter().position(is_end)?, run.iter().rposition(is_end)?);
         let sharp = run[first..=last].iter().map(|edge| &folds[edge]).filter(|fold| fold.bend > self.sharp);

@@ -110,7 +110,7 @@ fn turn_along(garment: &Garment, t: &Topology, half: CornerId) -> f32 {
 
 impl Operator for Halving {
     fn label(&self) -> String {
-        "thickness".to_owned()
+        "fold".to_owned()
     }
 
     fn is_same(&self, other: &dyn Operator) -> bool {

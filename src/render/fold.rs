@@ -1,9 +1,9 @@
-//! Thickness: a second layer of face sets, folded over at the border of the mesh.
+//! Folds: a second layer of face sets, folded over at the border of the mesh, as a hem, a cuff or a collar.
 //!
 //! ```text
 //!   outer   --o-------o---v           v  border, now the fold       o  support loop of the fold
 //!                         | hem       v' its copy
-//!   inner   --o'------o'--v'          the distance of the layers is amount × weight
+//!   inner   --o'------o'--v'          the distance of the layers is thickness × weight
 //! ```
 //!
 //! A support loop beside the border keeps the fold tight. The faces are then copied with reversed winding, and hem
@@ -33,13 +33,13 @@ use std::any::Any;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// Distance of the support loop from the fold, as a share of the amount. Smaller makes the fold tighter.
+/// Distance of the support loop from the fold, as a share of the thickness. Smaller makes the fold tighter.
 const SUPPORT_DISTANCE: f32 = 1.0;
-/// Length over which the height of a fold goes to nothing at its end, as a multiple of the amount.
+/// Length over which the height of a fold goes to nothing at its end, as a multiple of the thickness.
 const TAPER_LENGTH: f32 = 1.5;
 /// Share of the height below which a place of the fold belongs to its taper, and holds none of its neighbours down.
 const TAPERED: f32 = 0.9;
-/// Length over which the second layer closes beside the end of a fold, as a multiple of the amount.
+/// Length over which the second layer closes beside the end of a fold, as a multiple of the thickness.
 const CLOSED_LENGTH: f32 = 3.0;
 /// Weight of the second layer where it is closed. Smaller closes it more; the surfaces may then intersect where they bend.
 const CLOSED_WEIGHT: f32 = 0.07;
@@ -65,7 +65,7 @@ impl OptionValue for Side {
 
 options! {
     /// A second layer of the render mesh, folded over at the border of the mesh.
-    "thickness" => ThicknessOptions {
+    "fold" => FoldOptions {
         /// False to leave the second layer out and keep its options
         "enabled" enabled: bool = true, Domain::Flag, "true or false";
 
@@ -75,10 +75,10 @@ options! {
 
         /// Distance between the layers, reduced at tight folds and near other cloth, without a second layer on faces that
         /// other cloth touches; 0 is a tenth of the mesh's mean edge length
-        "amount" amount: f32 = 0.0, Domain::Length { usual: [0.0, 0.4], automatic: 0.1, largest: LARGEST },
+        "thickness" thickness: f32 = 0.0, Domain::Length { usual: [0.0, 0.4], automatic: 0.1, largest: LARGEST },
             "mesh units" via "crate::garment::units::deserialize_length";
 
-        /// Painted vertex primvar, named without `primvars:`, that scales the amount; 0 tucks the layer in, and empty is 1
+        /// Painted vertex primvar, named without `primvars:`, that scales the thickness; 0 tucks the layer in, and empty is 1
         /// everywhere
         "weights" weights: String = String::new(), Domain::Weights, "name of a primvar";
 
@@ -90,24 +90,24 @@ options! {
     }
 }
 
-impl OperatorOptions for ThicknessOptions {
+impl OperatorOptions for FoldOptions {
     fn is_enabled(&self) -> bool {
         self.enabled
     }
 
     fn operator(&self, name: &str) -> Arc<dyn Operator> {
-        Arc::new(Thickness { name: name.to_owned(), options: self.clone() })
+        Arc::new(Fold { name: name.to_owned(), options: self.clone() })
     }
 }
 
-/// The operator of a thickness.
+/// The operator of a fold.
 #[derive(Clone, Debug, PartialEq)]
-struct Thickness {
+struct Fold {
     name: String,
-    options: ThicknessOptions,
+    options: FoldOptions,
 }
 
-impl Thickness {
+impl Fold {
     /// True for faces of the named subsets.
     fn chosen(&self, garment: &Garment) -> IdVec<FaceId, bool> {
         let mut chosen = IdVec::filled(false, garment.faces.len());
@@ -189,7 +189,7 @@ impl Thickness {
         let ends_of = |l: &&LineVertex| t.edges[l.mark].iter().any(|&v| ends.joined[v]);
         let beside: BTreeSet<VertexId> = lines.vertices.iter().filter(ends_of).map(|l| l.vertex).collect();
         let copies = layer.copy.iter().enumerate().filter_map(|(v, copy)| Some((VertexId::new(v), (*copy)?)));
-        let tapers = ends.tapers(points, TAPER_LENGTH * self.options.amount);
+        let tapers = ends.tapers(points, TAPER_LENGTH * self.options.thickness);
         controls.extend(copies.filter(|(over, copy)| over != copy).map(|(over, vertex)| {
             let sources = lines.builder.sources(over);
             let is_closed = sources.iter().all(|(v, _)| ends.closed[*v]);
@@ -215,7 +215,7 @@ impl Thickness {
         let offset = |(control, weight): &(Control, f32)| {
             let normal: Vec3 =
                 lines.builder.sources(control.role.original()?).iter().map(|&(v, w)| w * normals[v]).sum();
-            Some((control.vertex, self.sign() * self.options.amount * weight * normal.normalize_or_zero()))
+            Some((control.vertex, self.sign() * self.options.thickness * weight * normal.normalize_or_zero()))
         };
         controls.iter().filter_map(offset).collect()
     }
@@ -278,9 +278,9 @@ fn weights(output: &OperatorOutput) -> &[f32] {
     output.details.downcast_ref::<Vec<f32>>().map_or(&[], Vec::as_slice)
 }
 
-impl Operator for Thickness {
+impl Operator for Fold {
     fn label(&self) -> String {
-        format!("thickness.{}", self.name)
+        format!("fold.{}", self.name)
     }
 
     fn is_same(&self, other: &dyn Operator) -> bool {
@@ -292,7 +292,7 @@ impl Operator for Thickness {
             Some(Values::F32(weights)) => weights.iter().copied().fold(0.0, f32::max),
             _ => 1.0,
         };
-        self.options.amount.abs() * most.max(MIN_WEIGHT)
+        self.options.thickness.abs() * most.max(MIN_WEIGHT)
     }
 
     fn folded_sets(&self) -> Vec<String> {
@@ -310,7 +310,7 @@ impl Operator for Thickness {
         let weights = weights.as_deref();
         let side = usize::from(self.sign() > 0.0);
         let clearance =
-            |v: VertexId| cage.clearance[v][side] / (self.options.amount * self.weight(weights, &[(v, 1.0)]));
+            |v: VertexId| cage.clearance[v][side] / (self.options.thickness * self.weight(weights, &[(v, 1.0)]));
         let cover = Cover::new(t, &asked, self.options.closed, clearance);
         let mut warnings = self.warn(cage, &cover);
         let chosen = cover.chosen;
@@ -322,16 +322,16 @@ impl Operator for Thickness {
             t.faces.half_edge(half).iter().for_each(|&v| folds[v] = true);
         }
         let square = square_edges(garment, cage.level, &chosen);
-        let length = CLOSED_LENGTH * self.options.amount;
+        let length = CLOSED_LENGTH * self.options.thickness;
         let ends = Ends::new(t, &garment.points, &chosen, [&marked, &square], length);
         let request = Request {
             topology: t,
             points: &garment.points,
             marked,
-            distance: IdVec::filled(SUPPORT_DISTANCE * self.options.amount, t.faces.corners().len()),
+            distance: IdVec::filled(SUPPORT_DISTANCE * self.options.thickness, t.faces.corners().len()),
             tapers: IdVec::filled(false, t.vertex_count()),
             ends: ends.joined.clone(),
-            taper_length: IdVec::filled(TAPER_LENGTH * self.options.amount, t.edges.len()),
+            taper_length: IdVec::filled(TAPER_LENGTH * self.options.thickness, t.edges.len()),
             cuttable: chosen.clone(),
             shares: &[1.0],
             kept_line: 0,
@@ -358,7 +358,7 @@ impl Operator for Thickness {
     }
 
     fn heights(&self, output: &OperatorOutput) -> Vec<f32> {
-        weights(output).iter().map(|weight| self.sign() * self.options.amount * weight).collect()
+        weights(output).iter().map(|weight| self.sign() * self.options.thickness * weight).collect()
     }
 
     fn reduced(&self, output: &OperatorOutput, given: &[f32]) -> Warnings {
@@ -367,7 +367,7 @@ impl Operator for Thickness {
         let mut least = 1.0f32;
         for ((control, given), weight) in output.controls.iter().zip(given).zip(weights(output)) {
             let Some(over) = control.role.original() else { continue };
-            let share = given.abs() / (self.options.amount * weight);
+            let share = given.abs() / (self.options.thickness * weight);
             if share < REPORTED {
                 thin.push(over);
                 least = least.min(share);
