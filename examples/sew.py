@@ -173,10 +173,10 @@ CLOSE_UPS = (
 def keep_cage_edges(surface, cage):
     """Limits the wires of a refined mesh to the edges of its cage.
 
-    Child faces have the order of the cage's corners, so an edge between two children of one face is no cage edge."""
+    Child faces have the order of the cage's corners, so an edge between two children of one face is not a cage edge."""
     corners, fours = len(cage.indices), len(surface.counts) // len(cage.indices)
     if len(surface.counts) != corners * fours:
-        raise SystemExit("the surface is no refinement of the cage: build both from the same layer")
+        raise SystemExit("the surface is not a refinement of the cage: build both from the same layer")
     parent = np.repeat(np.repeat(np.arange(len(cage.counts)), cage.counts), fours)
     face = np.repeat(np.arange(len(surface.counts)), surface.counts)
     pairs = np.sort(surface.edges(), axis=1)

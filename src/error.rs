@@ -206,7 +206,7 @@ pub enum Code {
     UvConfetti,
     /// Triangles of the simulation mesh are flipped in the UVs.
     UvFlips,
-    /// UV shells are no patterns of the mesh.
+    /// UV shells are not patterns of the mesh.
     NoPattern,
     /// There are no panels to write.
     NoPanels,

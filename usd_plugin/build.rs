@@ -37,7 +37,7 @@ fn compile<'a>(includes: impl Iterator<Item = &'a Path>, defines: impl Iterator<
     let mut build = cxx_build::bridge("src/lib.rs");
     build.std("c++17").flag("-fvisibility=hidden").flag("-fvisibility-inlines-hidden");
     build.warnings(true).extra_warnings(true).warnings_into_errors(true);
-    // What OpenUSD's headers warn of is not ours to mend; that they use ext/hash_set is told wherever they are.
+    // What OpenUSD's headers warn of is not ours to mend; that they use ext/hash_set is reported wherever they are.
     build.flag("-Wno-deprecated");
     includes.for_each(|folder| {
         build.flag("-isystem").flag(folder);

@@ -23,7 +23,7 @@ class TailorError(RuntimeError):
 def run(arguments: Sequence[str], *, examines: bool = False) -> str:
     """Runs the command, without colours, and returns what it prints. Raises what it refuses as :class:`TailorError`.
 
-    A command that only ``examines`` prints the faults of garments as JSON; these are no refusal.
+    A command that only ``examines`` prints the faults of garments as JSON; these are not a refusal.
     """
     done = subprocess.run([PROGRAM, *arguments, "--color", "never"], capture_output=True, text=True, encoding="utf-8", check=False)
     if done.returncode and not (examines and done.stdout.startswith("{")):

@@ -107,7 +107,7 @@ fn back<T>(
     step.get(Same::from(product), |product| Ok(Arc::new(moved(product, origin))))
 }
 
-/// A mesh with its points moved. Primvars, normals among them, are no places in its space.
+/// A mesh with its points moved. Primvars, normals among them, are not places in its space.
 fn moved(mesh: &Garment, by: Vec3) -> Garment {
     Garment { points: mesh.points.iter().map(|&p| p + by).collect(), ..mesh.clone() }
 }

@@ -324,7 +324,7 @@ fn is_fresh(build: &Build, task: &Task) -> bool {
     })
 }
 
-/// The files of an input that are no layers of its stage.
+/// The files of an input that are not layers of its stage.
 fn recipes(build: &Build, input: &Path) -> Vec<PathBuf> {
     let own = (!is_usd(input)).then(|| input.to_path_buf());
     own.into_iter().chain(build.inputs.recipe.clone()).collect()

@@ -114,7 +114,7 @@ fn each(args: &Examined, mut work: impl FnMut(&Path, &mut Found) -> Result<(), E
     let (mut text, mut entries, mut code) = (String::new(), Vec::new(), 0);
     for file in files {
         let mut found = Found::default();
-        // A file that cannot be searched is told by the work.
+        // A file that cannot be searched is reported by the work.
         found.warnings.extend(misplaced_options(&file).unwrap_or_default());
         let result = work(&file, &mut found);
         text::print_warnings(found.warnings.iter(), inputs.quiet || args.json, several.then_some(&file));

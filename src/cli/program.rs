@@ -71,7 +71,7 @@ fn print_all(text: &str, code: u8) -> u8 {
     printed(out.write_all(text.as_bytes()).and_then(|()| out.flush()), code)
 }
 
-/// The exit code after printing. A closed pipe is no failure: the reader has read enough.
+/// The exit code after printing. A closed pipe is not a failure: the reader has read enough.
 fn printed(result: io::Result<()>, code: u8) -> u8 {
     match result {
         Err(e) if e.kind() != io::ErrorKind::BrokenPipe => {

@@ -38,7 +38,7 @@ pub fn print_warnings<'a>(warnings: impl IntoIterator<Item = &'a Warning>, quiet
     let label = input.map(|i| format!("{}: ", i.display())).unwrap_or_default();
     for warning in warnings {
         let mark = painted(AnsiColor::Yellow, &format!("warning[{}]", warning.code));
-        // A closed standard error is no failure.
+        // A closed standard error is not a failure.
         let _ = writeln!(anstream::stderr(), "{mark}: {label}{warning}");
     }
 }
@@ -116,7 +116,7 @@ fn table(tasks: &[Task], outcomes: &[Outcome]) -> String {
     t
 }
 
-/// The summary of each garment of an input, at most one screen. Several are told apart by their paths.
+/// The summary of each garment of an input, at most one screen. Several are distinguished by their paths.
 pub fn summaries(task: &Task, garments: &[Built], verbose: bool) -> String {
     let input = task.input.display();
     let name = |built: &Built| match &built.variant {

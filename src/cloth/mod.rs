@@ -97,7 +97,7 @@ impl Cloth {
     /// The cloth of the simulation mesh `mesh`, made from `product` and the garment, whose edges have the length `mean_edge`.
     ///
     /// # Errors
-    /// A fabric that is not known; `cloth.rest = panels` where the UV panels are no patterns.
+    /// A fabric that is not known; `cloth.rest = panels` where the UV panels are not patterns.
     pub fn new(
         options: &ClothOptions,
         fabrics: &BTreeMap<String, FabricOptions>,
@@ -216,7 +216,7 @@ fn assigned(
     let named = |name: &str| fabrics.get(name).map(FabricOptions::fabric).or_else(|| Fabric::preset(name));
     let Some(fabric) = named(&options.fabric) else {
         let known: Vec<&str> = FABRICS.iter().copied().chain(fabrics.keys().map(String::as_str)).collect();
-        let fault = format!("\"{}\" is no fabric", options.fabric);
+        let fault = format!("\"{}\" is not a fabric", options.fabric);
         return Err(Error::recipe("cloth.fabric", fault).remedy(format!("use one of: {}", known.join(", "))));
     };
     let mut all = vec![NamedFabric { name: options.fabric.clone(), fabric }];

@@ -90,7 +90,7 @@ impl<'a> Surface<'a> {
     }
 }
 
-/// Whether two half-edges of one edge have the same UVs, so that it is no seam.
+/// Whether two half-edges of one edge have the same UVs, so that it is not a seam.
 pub fn shares_uvs(product: &SimProduct, faces: &Faces, corner: CornerId, twin: CornerId) -> bool {
     let uv = |c: CornerId| product.places[c].uv;
     uv(corner) == uv(faces.next(twin)) && uv(faces.next(corner)) == uv(twin)

@@ -16,7 +16,7 @@ const COMMON: f32 = 1e-3;
 const EDGE_ON: f32 = 1e-2;
 /// Faces over and under a face after which it is crowded where it has no clearance on either side.
 const MOST_OVER: usize = 256;
-/// Share of the reach that is no clearance.
+/// Share of the reach below which there is no clearance.
 const NO_CLEARANCE: f32 = 0.01;
 /// Part of a triangle's area by which a point may be outside it.
 const ROUNDING: f32 = 1e-6;

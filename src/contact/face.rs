@@ -228,7 +228,7 @@ impl ChildBlock {
         [self.vertex_points.at(i), self.edge_points.at(i), self.face_point, self.previous_edge_points.at(i)]
     }
 
-    /// The block with its points, but for the normals, in a frame.
+    /// The block with its points, except for the normals, in a frame.
     #[inline]
     pub fn in_frame(&self, axes: &[Vec3; 3]) -> Self {
         Self {

@@ -169,7 +169,7 @@ impl RefinedFaces<'_> {
         a.iter().any(|v| b.contains(v))
     }
 
-    /// Whether a plane along `axis`, through an edge of `f` with a common vertex, separates two faces but for the points in
+    /// Whether a plane along `axis`, through an edge of `f` with a common vertex, separates two faces except for the points in
     /// it.
     fn separated_at_edge(&self, f: &RefinedFace, g: &RefinedFace, axis: Vec3) -> bool {
         let [of_f, of_g] = [f, g].map(|face| self.vertices(face));
@@ -268,7 +268,7 @@ fn separated_along_normal(f: &RefinedFace, g: &RefinedFace, motion: &Motion) -> 
     b + by.max(0.0) + motion.slack < c || d + motion.slack < a + by.min(0.0)
 }
 
-/// Whether a plane across the line between their centres separates two faces, but for points in it.
+/// Whether a plane across the line between their centres separates two faces, except for points in it.
 #[inline]
 fn separated_along_centres(f: &RefinedFace, g: &RefinedFace) -> bool {
     let axis = g.first.face_point - f.first.face_point;

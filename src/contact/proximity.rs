@@ -49,7 +49,7 @@ impl Proximity {
         let may_intersect = |a: usize, b: usize| {
             let (f, g) = (&faces.faces[a], &faces.faces[b]);
             if a != b && faces.touch(f, g) {
-                // Neighbours move together, but for the layers that a fold joins where it ends.
+                // Neighbours move together, except for the layers that a fold joins where it ends.
                 let are_doubtful = f.may_overlap && g.may_overlap && !are_within_sharp(f, g) || are_opposed(f, g);
                 are_doubtful && faces.may_touching_intersect(f, g)
             } else {

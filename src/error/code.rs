@@ -34,13 +34,13 @@ pub enum ErrorCode {
     NotWrittenBack,
     /// The output is not what a build would make of the files as they are now.
     StaleOutput,
-    /// The name of a product is taken, or is no name.
+    /// The name of a product is taken, or is not valid.
     NameTaken,
     /// The stage holds no mesh to build from.
     NoMesh,
     /// The stage holds several meshes.
     SeveralMeshes,
-    /// The prim that is named is no mesh to build from.
+    /// The prim that is named is not a mesh to build from.
     WrongPrim,
     /// Panels that are sewn together contradict each other.
     PanelsDiffer,
@@ -58,11 +58,11 @@ pub enum ErrorCode {
     MeshSize,
     /// Counts and corners of faces disagree.
     FaceCorners,
-    /// A Loop mesh has faces that are no triangles.
+    /// A Loop mesh has faces that are not triangles.
     LoopFaces,
     /// An index names an element that is not there.
     IndexOutOfRange,
-    /// A number is infinite, or is none.
+    /// A value is not a finite number.
     NotFinite,
     /// A primvar has too many or too few values.
     ValueCount,
@@ -94,7 +94,7 @@ pub enum ErrorCode {
     NoBorder,
     /// The products would be too large.
     TooLarge,
-    /// UV shells are no patterns, and the cloth is to rest on them.
+    /// UV shells are not patterns, and the cloth is to rest on them.
     UnusablePanels,
     /// The target of the pins cannot hold them.
     PinTarget,

@@ -37,7 +37,7 @@ pub enum Domain {
     Length {
         /// The usual range. \[mean edge lengths of the garment\]
         usual: [f32; 2],
-        /// The length that 0 stands for; 0 if it is no length. \[mean edge lengths of the garment\]
+        /// The length that 0 stands for; 0 if it is not a length. \[mean edge lengths of the garment\]
         automatic: f32,
         /// The largest length. \[sizes of the garment\]
         largest: f32,
@@ -148,7 +148,7 @@ fn length(key: &str, value: f32, signed: bool) -> Result<(), Error> {
     } else {
         "give a positive number of mesh units, a length such as 8mm, or 0 for automatic"
     };
-    Err(Error::recipe(key, format!("{value} is no length")).remedy(remedy))
+    Err(Error::recipe(key, format!("{value} is not a length")).remedy(remedy))
 }
 
 fn one_of(key: &str, word: &str, words: &[&str]) -> Result<(), Error> {
@@ -162,7 +162,7 @@ fn prim_path(key: &str, path: &str) -> Result<(), Error> {
     if path.is_empty() || path.starts_with('/') {
         return Ok(());
     }
-    let fault = Error::recipe(key, format!("\"{path}\" is no absolute prim path")).code(ErrorCode::PinTarget);
+    let fault = Error::recipe(key, format!("\"{path}\" is not an absolute prim path")).code(ErrorCode::PinTarget);
     Err(fault.remedy("write it as /Body/hips, or leave it empty"))
 }
 

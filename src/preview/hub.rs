@@ -357,7 +357,7 @@ impl Shared {
     }
 }
 
-/// True if recipes agree in all that is told of a product.
+/// True if recipes agree in all that a product depends on.
 fn is_same_part(role: Role, a: &Recipe, b: &Recipe) -> bool {
     match role {
         Role::Sim => a.sim == b.sim,

@@ -86,7 +86,7 @@ impl Content {
         } else if is_recipe(file) {
             "The file exists. All of it will be replaced.".into()
         } else {
-            let lost = if has_comments(file) { "; but for comments in its text, which will be lost" } else { "" };
+            let lost = if has_comments(file) { "; comments in its text will be lost" } else { "" };
             format!(
                 "The layer exists. Its options of this garment will be replaced by these; everything else in it stays{lost}."
             )

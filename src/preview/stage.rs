@@ -1,4 +1,4 @@
-//! The garment that is shown, and what the page is told of it.
+//! The garment that is shown, and what the page shows of it.
 
 use super::document::{Options, changed};
 use super::messages::{GarmentMessage, PrimvarInfo, ServerMessage, SetInfo, Suggested, UpAxis, VariantSet};

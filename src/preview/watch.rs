@@ -12,7 +12,7 @@ use std::time::Duration;
 
 /// Programs write a file in several steps. It is read when nothing has changed for this long.
 const QUIET: Duration = Duration::from_millis(80);
-/// Events are no longer waited for after this many.
+/// Events are not longer waited for after this many.
 const EVENTS: usize = 64;
 
 /// The watcher, which ends when it is dropped.

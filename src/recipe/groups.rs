@@ -11,7 +11,7 @@ use std::fmt;
 use std::marker::PhantomData;
 
 /// Defines [`Recipe`], the form of a `.tailor` file, and the lists of groups. The first groups are there once. The others
-/// have instances by name: operators in the default order of execution, and what is no operator.
+/// have instances by name: operators in the default order of execution, and what is not an operator.
 macro_rules! groups {
     (
         once { $($(#[doc = $about_once:literal])+ $once:ident: $Once:ty,)+ }

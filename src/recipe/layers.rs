@@ -16,7 +16,7 @@ pub struct Layers {
 }
 
 impl Layers {
-    /// Adds the `tailor:` attributes of the model's prim; warnings of those that are no options.
+    /// Adds the `tailor:` attributes of the model's prim; warnings of those that are not options.
     pub fn add_attributes(&mut self, attributes: Map<String, Value>) -> Warnings {
         let mut warnings = Warnings::default();
         let mut unknown = |name: &str| warnings.push(not_understood(name));

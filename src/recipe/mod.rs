@@ -64,6 +64,8 @@ pub struct GroupTable {
     pub name: &'static str,
     /// What the group is, in a few sentences.
     pub about: &'static str,
+    /// Their API schema, such as `TailorSeamAPI`.
+    pub schema: String,
     /// True if a recipe has the options for each of several names.
     pub has_instances: bool,
     /// True if these are operators of the render mesh.
@@ -92,6 +94,7 @@ pub fn table() -> Vec<GroupTable> {
         GroupTable {
             name: group.name,
             about: group.about,
+            schema: group.schema(None),
             has_instances: group_with_instances(group.name).is_some(),
             is_operator: OPERATORS.iter().any(|operator| operator.name == group.name),
             options: group.keys.iter().map(row).collect(),

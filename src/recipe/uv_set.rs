@@ -44,7 +44,7 @@ fn missing(garment: &Garment, sets: &[&Primvar]) -> Warning {
     } else {
         (
             format!("it has no UVs, {without}"),
-            "Unwrap it, or name edge sets in sim.constraints; sim.uvSet= says that there are none".to_owned(),
+            "Unwrap it, or name edge sets in sim.constraints; sim.uvSet= stands for none".to_owned(),
         )
     };
     Warning::new(Code::NoUvSet, &garment.prim, problem).remedy(remedy)

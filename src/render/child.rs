@@ -146,7 +146,7 @@ impl OperatorDerivation {
             Some(face) => {
                 let parent = self.parent_face[face.index()].index();
                 let fault = format!(
-                    "its face {} has a vertex that is no sum of vertices of parent face {parent}",
+                    "its face {} has a vertex that is not a sum of vertices of parent face {parent}",
                     face.index()
                 );
                 Err(Error::internal(format!("{label}: {fault}")))

@@ -95,7 +95,7 @@ pub struct OperatorInput<'a> {
     pub(crate) level: &'a Level,
     /// Clearance that the garment leaves beside each vertex, measured within the operators' reach.
     pub(crate) clearance: &'a IdVec<VertexId, Clearance>,
-    /// The vertex of the input garment at or beside each vertex that is no operator's, for messages.
+    /// The vertex of the input garment at or beside each vertex that is not an operator's, for messages.
     pub inputs: &'a Arc<IdVec<VertexId, VertexId>>,
     /// True if operators add face subsets of their new faces.
     pub names_sets: bool,
@@ -191,7 +191,7 @@ pub struct OperatorOutput {
     pub creases: Vec<[VertexId; 2]>,
     /// Provisional offsets of copies from their originals, so that later operators can measure edges. \[mesh units\]
     pub offsets: Vec<(VertexId, Vec3)>,
-    /// The vertex of the input garment at or beside each vertex that is no operator's, for messages.
+    /// The vertex of the input garment at or beside each vertex that is not an operator's, for messages.
     pub inputs: Arc<IdVec<VertexId, VertexId>>,
     /// Warnings of elements that were narrowed or omitted.
     pub warnings: Warnings,

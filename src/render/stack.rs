@@ -115,7 +115,7 @@ fn order(all: &[(&str, &dyn OperatorOptions)], wanted: &[String]) -> Result<(Vec
     for name in wanted {
         let found: Vec<usize> = (0..all.len()).filter(|&i| is_name_of(all[i], name)).collect();
         match found.as_slice() {
-            [] => return fault(name, "which is no operator of the recipe"),
+            [] => return fault(name, "which is not an operator of the recipe"),
             [one] if order.contains(one) => return fault(name, "which it names twice"),
             [one] => order.push(*one),
             _ => return fault(name, "which several operators have; add its kind"),

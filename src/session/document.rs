@@ -14,7 +14,7 @@ pub struct Document {
     options: ReadOptions,
     file: Map<String, Value>,
     arguments: Layers,
-    /// Warnings of arguments that are no options with a value of their type.
+    /// Warnings of arguments that are not options with a value of their type.
     ignored: Warnings,
 }
 
@@ -25,7 +25,7 @@ impl Document {
     /// Parses the text of the file at `path` and its arguments: `prim`, `time`, and options by their keys.
     ///
     /// # Errors
-    /// A text that is not a recipe or has no source; a time that is no number. An option that cannot be one is left out with a
+    /// A text that is not a recipe or has no source; a time that is not a number. An option that cannot be one is left out with a
     /// warning: the garment stays while its user mends the value.
     pub fn new<'a>(
         path: &Path,

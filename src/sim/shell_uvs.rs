@@ -1,4 +1,4 @@
-//! UVs of triangles across the borders of small UV shells, which are no edges of the mesh: each triangle takes the UVs of one
+//! UVs of triangles across the borders of small UV shells, which are not edges of the mesh: each triangle takes the UVs of one
 //! shell at all of its corners, extrapolated beyond the shell.
 
 use super::baseline::{Baseline, Location};

@@ -135,7 +135,7 @@ fn numbered(pattern: &Path, before: &str, after: &str, is_number: impl Fn(&str) 
 /// Where that gives another folder than the system's, as after a link to a folder, the path of the folder is without links.
 ///
 /// # Errors
-/// A path without a folder that exists, or that is no text.
+/// A path without a folder that exists, or that is not text.
 pub fn as_named(file: &Path) -> Result<String, Error> {
     let fault = || Error::usd(format!("cannot find the folder of {}", file.display())).code(ErrorCode::OutputPath);
     let folder = folder_of(file);

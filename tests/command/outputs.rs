@@ -140,7 +140,7 @@ fn a_prim_above_the_only_mesh_names_it() {
     mesh(&folder, "out/coat.usda", "/Coat/sim");
     folder.good("info in.usda --prim /Other").prints(&["/Other/model"]);
     assert_eq!(mesh(&folder, "in.usda", "/Other").prim(), "/Other/model");
-    // Products beside it are no garments.
+    // Products beside it are not garments.
     assert_eq!(mesh(&folder, "out/coat.usda", "/Coat").prim(), "/Coat/model");
     folder.file("my.tailor", "{\"source\": \"in.usda\", \"prim\": \"/Coat\"}");
     folder.good("check my.tailor");

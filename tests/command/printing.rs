@@ -34,7 +34,7 @@ fn quiet_prints_nothing() {
         let run = folder.good(args);
         assert_eq!((run.stdout.as_str(), run.stderr.as_str()), ("", ""), "{run}");
     }
-    // But a fault is told.
+    // But a fault is reported.
     folder.run("build in.usda -o out/coat.usda -q").says(&["error[output-exists]: out/coat.usda exists already"]);
 }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use tailor::internals::garment::{Elements, FamilyType, Garment, Interpolation, Mixing, Subset, Values};
 use tailor::internals::mesh::Topology;
 
-/// Joint weights sum to what they were but for this.
+/// Joint weights sum to what they were except for this.
 pub const WEIGHT_SUM: f64 = 1e-4;
 
 /// Subsets whose elements are not there, or there twice.

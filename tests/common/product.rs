@@ -190,7 +190,7 @@ impl Subject {
         }
     }
 
-    /// Across an edge that is no seam both faces have the same UVs, bit for bit.
+    /// Across an edge that is not a seam both faces have the same UVs, bit for bit.
     fn uvs_are_cut_at_seams_alone(&mut self) {
         let recipe = &self.products.recipe.sim;
         let mesh = &self.products.sim;
@@ -214,7 +214,7 @@ impl Subject {
             let [x, y] = t.edges[edge];
             let same = at(a) == at(t.faces.next(b)) && at(t.faces.next(a)) == at(b);
             if !same && !seams.contains(&[x.min(y), x.max(y)]) {
-                faults.push(format!("at edge {x:?} {y:?}, which is no seam"));
+                faults.push(format!("at edge {x:?} {y:?}, which is not a seam"));
             }
         }
         faults.into_iter().for_each(|fault| self.expect("UVs cut", false, || fault));
@@ -388,7 +388,7 @@ fn chain_faults(product: &SimProduct, mesh: &Topology, id: ChainId, bounds: Boun
         }
     }
     if let Some([a, b]) = edges.iter().find(|[a, b]| mesh.find_edge(*a, *b).is_none()) {
-        faults.push(("chain path", format!("goes from {a:?} to {b:?}, which is no edge")));
+        faults.push(("chain path", format!("goes from {a:?} to {b:?}, which is not an edge")));
     }
     for &[v, _] in edges {
         let p = product.points[v];
@@ -398,7 +398,7 @@ fn chain_faults(product: &SimProduct, mesh: &Topology, id: ChainId, bounds: Boun
             p.distance(a.lerp(b, t))
         };
         let off = chain.vertices.windows(2).map(to_segment).fold(f32::MAX, f32::min);
-        // Far from the origin a place is no finer than the numbers there.
+        // Far from the origin a place is not finer than the numbers there.
         if off > ON_SURFACE * product.target[v] + 4.0 * f32::EPSILON * p.abs().max_element() {
             faults.push(("chain curve", format!("has {v:?} {off} off its curve")));
         }

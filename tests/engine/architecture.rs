@@ -203,7 +203,7 @@ fn no_modules_import_each_other() {
 #[test]
 fn few_files_are_in_a_circle() {
     let mut graph = imports();
-    // The head of a folder names its files; that alone is no circle.
+    // The head of a folder names its files; that alone is not a circle.
     for (module, to) in &mut graph {
         to.retain(|other| !(other.len() == module.len() + 1 && other.starts_with(module)));
     }

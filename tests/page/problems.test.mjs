@@ -78,7 +78,7 @@ test("a seam without edges is an error in its card until it has some", async (t)
   assertClean(preview);
 });
 
-test("a field does not take what is no number", async (t) => {
+test("a field does not take what is not a number", async (t) => {
   const preview = await show(t, sewnShirt(t));
   const field = preview.field("render.level");
   await field.fill("much");

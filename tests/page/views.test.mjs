@@ -74,7 +74,7 @@ test("wires, edge sets, panels and smoothing change what is drawn, and their end
   assert.ok(after.model.faces > 3.9 * before.model.faces && after.render.faces > 3.9 * before.render.faces);
   assert.deepEqual(after.sim, before.sim, "triangles stay");
   const { edits } = await preview.document();
-  assert.deepEqual(edits, {}, "what is shown is no option");
+  assert.deepEqual(edits, {}, "what is shown is not an option");
   await changed(preview, last, "no smoothing", () => preview.settings({ smooth: 0 }), THIRDS, 0.002);
   assert.deepEqual(await preview.meshes(), before);
   assertClean(preview);
@@ -111,7 +111,7 @@ test("the camera is moved by the pointer, and F brings the garment back", async 
   await page.mouse.up();
   const turned = await preview.picture();
   assert.ok(differing(first, turned) > 0.02, "a drag turns");
-  assert.equal(await page.locator(".pick").count(), 0, "a drag is no click");
+  assert.equal(await page.locator(".pick").count(), 0, "a drag is not a click");
   await page.mouse.wheel(0, -400);
   const near = await preview.picture();
   assert.ok(inked(near) > 1.1 * inked(turned), "the wheel zooms");

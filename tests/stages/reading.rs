@@ -163,7 +163,7 @@ fn what_is_not_carried_is_said() {
     for part in ["model.normals", "model.accelerations", "skel:blendShapes", "primvars:single", "tetrahedron"] {
         assert!(text.contains(part), "{part} in:\n{text}");
     }
-    assert!(!text.contains("velocities"), "a blocked value is no value:\n{text}");
+    assert!(!text.contains("velocities"), "a blocked value is not a value:\n{text}");
 }
 
 #[test]

@@ -247,7 +247,7 @@ fn faults_come_back_each_time() {
         let bad = example.document(&[("sim.density", "nowhere")]);
         let (layer, warnings) = session.layer(&bad, &example.content, false).expect("a layer without the value");
         assert_eq!(layer, straight(&example, &[]));
-        assert!(warnings.iter().any(|warning| warning.to_string().contains("nowhere")), "the fault is told");
+        assert!(warnings.iter().any(|warning| warning.to_string().contains("nowhere")), "the fault is reported");
         let bad = example.document(&[]);
         let message = session.layer(&bad, b"PXR-USDC and no more", false).expect_err("a fault");
         assert!(message.to_string().contains("tshirt.usda"), "{message}");

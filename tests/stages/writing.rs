@@ -236,7 +236,7 @@ fn earlier_products_are_replaced_whole() {
     fs::write(at.at("coat.usda"), format!("#usda 1.0\n{}", coat(""))).unwrap();
     for (name, options) in [("second.usda", FORCE), ("flat.usdc", FLATTEN)] {
         let again = open(&at.at("first.usda")).unwrap();
-        assert_eq!(again.prim(), "/Coat/model", "products are no garments");
+        assert_eq!(again.prim(), "/Coat/model", "products are not garments");
         tailor(&again, &at.at(name), &options).unwrap();
         let product = open_prim(&at.at(name), "/Coat/render").unwrap();
         let input = read(&product).unwrap();
@@ -248,7 +248,7 @@ fn earlier_products_are_replaced_whole() {
         assert_eq!((&product.facts().bindings, &product.facts().constant_primvars), (&vec![], &vec![]), "{name}");
         assert_eq!(product.facts().visibility, "inherited");
     }
-    // Products alone are no garment.
+    // Products alone are not a garment.
     let only = fs::read_to_string(at.at("first.usda"))
         .unwrap()
         .replace("subLayers = [@./coat.usda@]", "")

@@ -397,7 +397,7 @@ class Subdivision:
         return values
 
     def face_varying(self, values, indices, mode):
-        """A row for each corner, and the index of its channel vertex, by which cuts are told."""
+        """A row for each corner, and the index of its channel vertex, by which cuts are reported."""
         values = _columns(values)
         own = channel(self.base, indices, mode)
         values = values[own.value_index]

@@ -208,7 +208,7 @@ def test_a_shot_replaces_no_input_and_no_other_folder(usdtailor, tmp_path):
     refused(usdtailor, *drive, cache, says=["holds", "which is an input"])
     moved = cache.rename(tmp_path / "cache.usdc")
     (clips / "notes.txt").write_text("precious")
-    refused(usdtailor, *drive, moved, says=["shot.clips is no folder of clips, or holds more than clips"])
+    refused(usdtailor, *drive, moved, says=["shot.clips is not a folder of clips, or holds more than clips"])
     (clips / "notes.txt").unlink()
     good(usdtailor, *drive, moved)
     good(usdtailor, *drive, moved)
@@ -271,7 +271,7 @@ def test_any_other_name_composes(usdtailor, tmp_path, name, suffix):
     assert meshes(tmp_path / f"out{suffix}") == ["model", "render", "sim"]
 
 
-# Files that are no files.
+# Files that are not files.
 
 
 @pytest.fixture

@@ -267,7 +267,7 @@ def test_the_layer_over_the_coat_is_what_its_script_authors(tmp_path):
 
 
 def test_the_coat_is_sewn(coat):
-    """Every operator made faces, and the places where there is no room are told: at the neck, under the arm, and over folds."""
+    """Every operator made faces, and the places where there is no room are reported: at the neck, under the arm, and over folds."""
     assert set(coat.render.counts) == {4}
     prim = coat.source.prim
     instances = [schema.partition(":") for schema in prim.GetAppliedSchemas() if schema.startswith(("TailorSeam", "TailorThickness"))]

@@ -1,4 +1,4 @@
-"""What is wrong is told once, with the file, the cause and the remedy; nothing crashes, hangs or is half there."""
+"""What is wrong is reported once, with the file, the cause and the remedy; nothing crashes, hangs or is half there."""
 
 import json
 

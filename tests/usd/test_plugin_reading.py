@@ -20,7 +20,7 @@ def coat(tmp_path):
 
 
 def test_is_what_the_command_builds(garment, usdtailor, tmp_path):
-    """Attribute by attribute, on every garment; the default recipe, but for speed."""
+    """Attribute by attribute, on every garment; the default recipe, except for speed."""
     path = recipe(tmp_path / "in" / "garment.tailor", garment, sim={"iterations": 1}, render={"level": 1})
     built = tmp_path / "in" / "built.usda"
     done = run(usdtailor, "build", path, "-o", built)

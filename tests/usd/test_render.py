@@ -109,7 +109,7 @@ def is_direction(primvar):
 
 
 def close_directions(actual, expected, name):
-    """Of unit length, and equal but for the sign."""
+    """Of unit length, and equal except for the sign."""
     assert np.abs(np.linalg.norm(actual, axis=1) - 1).max(initial=0) < 1e-3, name
     expected = expected / np.linalg.norm(expected, axis=1, keepdims=True)
     assert np.abs(np.abs((actual * expected).sum(axis=1)) - 1).max(initial=0) < 1e-3, name

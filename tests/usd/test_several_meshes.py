@@ -1,4 +1,4 @@
-"""Several meshes of one file: panels that are sewn together, garments of their own, and what is no garment."""
+"""Several meshes of one file: panels that are sewn together, garments of their own, and what is not a garment."""
 
 import json
 

@@ -46,7 +46,7 @@ def test_sharpness_survives_a_round_trip(build, tmp_path, suffix):
 
 @pytest.mark.parametrize("product", ["sim", "render"])
 def test_a_product_that_is_built_again_is_bound_anew(build, tmp_path, product):
-    """Where the points of a product are, and what holds its pieces, is no recipe and no primvar of another mesh."""
+    """Where the points of a product are, and what holds its pieces, is not a recipe and not a primvar of another mesh."""
     first = build(write(tmp_path / "in.usda"), "--flatten")
     path = str(first.model_path.ReplaceName(product))
     names = ("--prim", path, "--sim-name", "sim2", "--render-name", "render2")

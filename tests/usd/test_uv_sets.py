@@ -1,4 +1,4 @@
-"""Which UV set gives the seams, and what is told where there is none."""
+"""Which UV set gives the seams, and what is reported where there is none."""
 
 import pytest
 from conftest import EXAMPLES, run

@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::str;
 pub use tailor::recipe::is_attribute as is_field;
-use tailor::recipe::{KEYS, KINDS, RecipeFile};
+use tailor::recipe::{GroupTable, RecipeFile, table};
 
 /// An operator: its kind and its name.
 type Instance = (&'static str, String);
@@ -21,19 +21,33 @@ type Instance = (&'static str, String);
 pub fn fields(recipe: &[u8], schemas: &str, arguments: &str) -> Vec<Field> {
     let instances: BTreeSet<Instance> =
         in_recipe(recipe).into_iter().chain(in_schemas(schemas)).chain(in_arguments(arguments)).collect();
-    let of_instances = instances.iter().flat_map(|(kind, name)| {
-        let of_kind = KINDS.iter().filter(move |known| known.name == *kind);
-        of_kind.flat_map(|known| known.keys).map(move |key| format!("{kind}.{name}.{}", key.key))
-    });
-    KEYS.iter().map(|key| key.key.to_owned()).chain(of_instances).map(field).collect()
+    let mut fields = Vec::new();
+    for group in table().iter().filter(|group| !group.has_instances) {
+        fields.extend(of_group(group, group.name));
+    }
+    for (kind, name) in &instances {
+        fields.extend(
+            kinds()
+                .iter()
+                .filter(|group| group.name == *kind)
+                .flat_map(|group| of_group(group, &format!("{kind}.{name}"))),
+        );
+    }
+    fields
+}
+
+/// The attributes of a group of options whose keys start with `prefix`.
+fn of_group(group: &GroupTable, prefix: &str) -> Vec<Field> {
+    group.options.iter().map(|option| field(format!("{prefix}.{}", option.key.key))).collect()
 }
 
 fn field(argument: String) -> Field {
     Field { attribute: format!("tailor:{}", argument.replace('.', ":")), argument }
 }
 
-fn kinds() -> impl Iterator<Item = &'static str> {
-    KINDS.iter().map(|kind| kind.name)
+/// The groups of options that have instances.
+fn kinds() -> Vec<GroupTable> {
+    table().into_iter().filter(|group| group.has_instances).collect()
 }
 
 /// The instances that a `.tailor` file names. An invalid text names none; its error is reported when the layer is read.
@@ -44,7 +58,7 @@ fn in_recipe(text: &[u8]) -> Vec<Instance> {
         let of_kind = layer.get(kind).and_then(|fields| fields.as_object());
         of_kind.into_iter().flat_map(|fields| fields.keys()).map(move |name| (kind, name.clone()))
     };
-    kinds().flat_map(names).collect()
+    kinds().iter().flat_map(|group| names(group.name)).collect()
 }
 
 /// OpenUSD's label of the items that a list operation deletes.
@@ -67,19 +81,11 @@ fn in_schemas(text: &str) -> Vec<Instance> {
 /// The instances in a printed list, such as `TailorSeamAPI:placket`, among other words.
 fn in_words(text: &str) -> Vec<Instance> {
     let words: Vec<&str> = text.split(|c: char| c.is_whitespace() || "[],".contains(c)).collect();
-    let named = |kind: &'static str| {
-        let schema = schema(kind);
-        let names = words.iter().filter_map(move |word| word.strip_prefix(&schema)).filter(|name| !name.is_empty());
-        names.map(|name| (kind, name.to_owned())).collect::<Vec<_>>()
+    let named = |group: &GroupTable| {
+        let names = words.iter().filter_map(|word| word.strip_prefix(&group.schema)?.strip_prefix(':'));
+        names.filter(|name| !name.is_empty()).map(|name| (group.name, name.to_owned())).collect::<Vec<_>>()
     };
-    kinds().flat_map(named).collect()
-}
-
-/// The name of a kind's multiple-apply schema with its colon, such as `TailorSeamAPI:`.
-fn schema(kind: &str) -> String {
-    let mut letters = kind.chars();
-    let first: String = letters.next().into_iter().flat_map(char::to_uppercase).collect();
-    format!("Tailor{first}{}API:", letters.as_str())
+    kinds().iter().flat_map(named).collect()
 }
 
 fn in_arguments(text: &str) -> Vec<Instance> {
@@ -87,7 +93,7 @@ fn in_arguments(text: &str) -> Vec<Instance> {
         let (key, _) = argument.split_once('=')?;
         let (kind, rest) = key.split_once('.')?;
         let (name, _) = rest.rsplit_once('.')?;
-        Some((kinds().find(|known| *known == kind)?, name.to_owned()))
+        Some((kinds().iter().find(|group| group.name == kind)?.name, name.to_owned()))
     };
     text.split('&').filter_map(key).collect()
 }
@@ -108,16 +114,17 @@ mod tests {
 
     fn attributes(recipe: &str, schemas: &str, arguments: &str) -> Vec<String> {
         let all = fields(recipe.as_bytes(), schemas, arguments);
-        all.into_iter().map(|f| f.attribute).skip(KEYS.len()).collect()
+        all.into_iter().map(|f| f.attribute).skip(fields(b"", "", "").len()).collect()
     }
 
     #[test]
     fn options_that_a_recipe_has_once_are_always_read() {
         let all = fields(b"", "", "");
-        assert_eq!(all.len(), KEYS.len());
+        let once = table().into_iter().filter(|group| !group.has_instances);
+        assert_eq!(all.len(), once.map(|group| group.options.len()).sum::<usize>());
         for field in all {
             assert_eq!(field.attribute, format!("tailor:{}", field.argument.replace('.', ":")));
-            assert!(KEYS.iter().any(|key| key.key == field.argument) && is_field(&field.attribute));
+            assert!(is_field(&field.attribute));
         }
     }
 
@@ -125,7 +132,7 @@ mod tests {
     fn instances_are_named_by_file_schemas_and_arguments() {
         let file = r#"{"source": "a.usda", "seam": {"placket": {}}, "fold": {"hem": {"thickness": 1}}, "fabric": {"rib": {}}}"#;
         let found = attributes(file, "", "");
-        assert_eq!(found.len(), KINDS.iter().map(|kind| kind.keys.len()).sum::<usize>());
+        assert_eq!(found.len(), kinds().iter().map(|group| group.options.len()).sum::<usize>());
         assert!(found.contains(&"tailor:seam:placket:normalOffset".to_owned()));
         assert!(found.contains(&"tailor:fold:hem:weights".to_owned()));
         let printed = "SdfListOp(Prepended Items: [TailorSimAPI, TailorSeamAPI:left:hip, TailorSeamAPI:back])\n";
@@ -134,7 +141,8 @@ mod tests {
             assert!(found.contains(&format!("tailor:seam:{name}:width")), "{found:?}");
         }
         assert!(found.iter().all(|attribute| is_field(attribute)));
-        assert_eq!(found.len(), 3 * KINDS[0].keys.len());
+        let seam = kinds().into_iter().find(|group| group.name == "seam").expect("seams");
+        assert_eq!(found.len(), 3 * seam.options.len());
     }
 
     #[test]

@@ -10,7 +10,7 @@ use crate::venv;
 /// Makes the environment of `tests/usd`, and that of the oldest wheel, for which the plugin is built too.
 pub fn environment(project: &Project) -> Outcome {
     venv::ensure(project)?;
-    // A wheel that cannot be had is told by the step that needs it.
+    // A wheel that cannot be had is reported by the step that needs it.
     drop(venv::ensure_wheel(project, plugin::OLDEST));
     Ok(())
 }

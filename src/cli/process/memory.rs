@@ -23,7 +23,7 @@ pub fn parse(text: &str) -> Result<u64, String> {
         "mb" => 1e6,
         "gb" => 1e9,
         "tb" => 1e12,
-        other => return Err(format!("{other:?} is no unit of memory; give a size such as 8G or 500M")),
+        other => return Err(format!("{other:?} is not a unit of memory; give a size such as 8G or 500M")),
     };
     let number: f64 = number.parse().map_err(|_| "give a size such as 8G or 500M".to_owned())?;
     let bytes = number * unit;

@@ -1,7 +1,7 @@
 //! The shape at rest: UV panels in the triangles of the simulation mesh.
 //!
 //! A pattern is flat, and its panels have the lengths of the cloth. The simulation mesh is smoothed across seams and its UVs
-//! are not, so its raw UVs are no good rest shape: edges along seams come out too short. Each triangle therefore rests as
+//! are not, so its raw UVs are not a good rest shape: edges along seams come out too short. Each triangle therefore rests as
 //! long as it is on the mesh, less the stretch that the *cage* has against its UVs there, which is what the modeller made. The
 //! panels are then solved for ([`flatten`]).
 //!
@@ -65,10 +65,10 @@ pub struct RestFigures {
 }
 
 /// The shape at rest; none for that of the mesh. `cage` is the stretch of the garment against `uv_set`, if it has that. The
-/// warning names shells that are no patterns.
+/// warning names shells that are not patterns.
 ///
 /// # Errors
-/// `panels` without UVs, or with shells that are no patterns.
+/// `panels` without UVs, or with shells that are not patterns.
 pub fn rest(
     wanted: RestShape,
     garment: &Garment,
@@ -197,7 +197,7 @@ impl<'a> Shells<'a> {
     fn fault(&self, others: &[usize]) -> String {
         let most = others.iter().map(|&shell| self.stretch[shell]).fold(0.0, f64::max);
         format!(
-            "{} of {} UV shells are no patterns of the mesh: it is stretched against them by up to {most:.2} (RMS), more \
+            "{} of {} UV shells are not patterns of the mesh: it is stretched against them by up to {most:.2} (RMS), more \
              than {PATTERN_STRETCH}",
             others.len(),
             self.stretch.len()

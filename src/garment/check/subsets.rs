@@ -57,7 +57,7 @@ fn subset(input: SubsetInput, mesh: &Mesh<'_>, problems: &mut Problems) -> Optio
             (Elements::Edges(edges), numbers)
         }
         other => {
-            let fault = format_args!("\"{other}\" is no element of a mesh");
+            let fault = format_args!("\"{other}\" is not an element of a mesh");
             let remedy = format_args!("set elementType to face, edge or point");
             problems.add(ErrorCode::ElementList, &format!("{}.elementType", input.name), fault, remedy);
             return None;

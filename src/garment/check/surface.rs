@@ -94,7 +94,7 @@ fn corner_at(faces: &Faces, corner: CornerId, end: VertexId) -> CornerId {
     if faces.vertex(corner) == end { corner } else { faces.next(corner) }
 }
 
-/// The faces whose area is zero but for rounding.
+/// The faces whose area is zero except for rounding.
 fn without_area(faces: &Faces, points: &[Vec3]) -> impl Iterator<Item = FaceId> {
     let point = |v: VertexId| points[v.index()].as_dvec3();
     let is_without = move |face: &FaceId| {

@@ -75,7 +75,7 @@ impl Border {
     }
 }
 
-/// The pairs of border edges of different meshes whose ends coincide, sorted. Edges too short for their ends to be told apart
+/// The pairs of border edges of different meshes whose ends coincide, sorted. Edges too short for their ends to be distinguished
 /// match none.
 ///
 /// # Errors

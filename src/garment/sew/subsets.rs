@@ -51,7 +51,7 @@ fn check_same(known: &SubsetInput, subset: &SubsetInput, panels: [&Panel; 2]) ->
     Ok(())
 }
 
-/// Adds elements to a subset of the garment, but for those on a seam that it has already.
+/// Adds elements to a subset of the garment, except for those on a seam that it has already.
 fn add(known: &mut SubsetInput, indices: &[i32]) {
     let size = if known.element_type == "edge" { 2 } else { 1 };
     let key = |element: &[i32]| {

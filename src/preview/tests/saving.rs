@@ -72,7 +72,7 @@ fn an_existing_layer_keeps_what_else_it_holds_and_loses_earlier_options() {
     let path = file.display().to_string();
     assert!(!plan(&hub, &path).note.contains("comments"));
     fs::write(&file, fs::read_to_string(&file).expect("the file") + "# to be checked\n").expect("a file");
-    assert!(plan(&hub, &path).note.contains("comments"), "what is lost is told before");
+    assert!(plan(&hub, &path).note.contains("comments"), "what is lost is reported before");
     assert_eq!(save(&hub, &path, false).status, SaveStatus::Refused, "it exists");
     let answer = save(&hub, &path, true);
     assert_eq!(answer.status, SaveStatus::Saved, "{:?}", answer.fault);

@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// Steps to a nearer point.
 const STEPS: usize = 2;
-/// Weight below which a vertex is no source of a place.
+/// Weight below which a vertex is not a source of a place.
 const LEAST_WEIGHT: f32 = 1e-6;
 
 /// Where a vertex is on a cage, and so how it may slide on the limit surface.

@@ -33,7 +33,7 @@ const GAP: f32 = 5e-3;
 pub struct Displaced<'a> {
     /// Its connectivity.
     pub child: &'a Connectivity,
-    /// The parent, whose faults are no new ones.
+    /// The parent, whose faults are not new ones.
     pub parent: &'a Level,
     /// The parent's points.
     pub parent_points: &'a IdVec<VertexId, Vec3>,
@@ -65,7 +65,7 @@ pub struct Displaced<'a> {
 
 /// The input garment, for the test on the second refinement.
 pub struct LookAhead<'a> {
-    /// The cage before any operator, whose intersections are no new ones.
+    /// The cage before any operator, whose intersections are not new ones.
     pub input: &'a Level,
     /// Its points.
     pub input_points: &'a IdVec<VertexId, Vec3>,

@@ -12,7 +12,7 @@ use glam::Vec3;
 const ROUNDS: usize = 40;
 /// Least area of a child, as a part of the mean one of its face. More moves more than need be.
 const LEAST_AREA: f32 = 0.1;
-/// How much further than to first order points go, as areas are no linear functions of them.
+/// How much further than to first order points go, as areas are not linear functions of them.
 const OVERSHOOT: f32 = 1.1;
 /// The furthest that a point goes at once, in lengths of a square of the face's area.
 const FURTHEST: f32 = 0.1;

@@ -139,7 +139,7 @@ impl<'a> Trial<'a> {
         faces.iter().copied().filter(|&face| self.input.near[face] || !self.faces.is_smooth(face)).collect()
     }
 
-    /// Pairs of intersecting faces with an active one, but for those whose parents intersect.
+    /// Pairs of intersecting faces with an active one, except for those whose parents intersect.
     fn intersecting(&mut self, active: &[FaceId]) -> Vec<Fault> {
         let mut pairs = self.faces.intersecting_pairs(active);
         self.add_parents(pairs.iter().flatten());
@@ -148,7 +148,7 @@ impl<'a> Trial<'a> {
         pairs
     }
 
-    /// Flipped faces, but for those without a reference normal whose parents are flipped too.
+    /// Flipped faces, except for those without a reference normal whose parents are flipped too.
     fn flipped(&mut self, active: &[FaceId]) -> Vec<FaceId> {
         let mut flipped = self.faces.flipped(active, &self.directions);
         self.add_parents(flipped.iter());

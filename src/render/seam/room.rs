@@ -10,7 +10,7 @@ const MAX_SHARE: f32 = 0.5;
 /// Share of the edges that may be too short after one level, and after more. The surface gains most from the first one.
 const MAX_SHORT: [f32; 2] = [0.5, 0.2];
 
-/// The refinements after which half the width of a seam is still a small enough share of the edges beside it, but for some
+/// The refinements after which half the width of a seam is still a small enough share of the edges beside it, except for some
 /// where it narrows. \[levels\]
 pub fn levels(garment: &Garment, t: &Topology, options: &SeamOptions) -> u32 {
     let mut is_end = IdVec::filled(false, t.vertex_count());

@@ -24,7 +24,7 @@ pub fn baseline_level(garment: &Garment, options: &SimOptions, lengths: Lengths<
         let [a, b] = [corner, garment.faces.next(corner)].map(|c| garment.faces.corners()[c]);
         let target = lengths.at(a).min(lengths.at(b));
         let ratio = garment.points[a].distance(garment.points[b]) / (SHORT * target);
-        // Each refinement halves the edges. A ratio that is no number needs all.
+        // Each refinement halves the edges. A ratio that is not a number needs all.
         let needed = (1..most).find(|&level| ratio <= (1u32 << level) as f32).unwrap_or(most);
         missing[needed as usize] += 1;
     }

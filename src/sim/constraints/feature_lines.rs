@@ -73,7 +73,7 @@ enum Part<'a> {
     Crest(Vec<Crest>),
 }
 
-/// The parts of feature lines that are no edges of the cage, and the folds that are no feature lines.
+/// The parts of feature lines that are not edges of the cage, and the folds that are not feature lines.
 #[derive(Default)]
 pub(crate) struct Rims {
     crests: Vec<Crest>,
@@ -170,7 +170,7 @@ impl<'a> FoldedSurface<'a> {
         rims
     }
 
-    /// The strip between a fold that is no chain and the chains beside it, which become feature lines too.
+    /// The strip between a fold that is not a chain and the chains beside it, which become feature lines too.
     fn narrow_strip(
         &self,
         edges: &[EdgeId],

@@ -70,7 +70,7 @@ fn gain(mesh: &SimMesh<'_>, excess: &ValenceExcess, half: CornerId, regularity: 
     let ((s1, c1), (s2, c2)) = (opposite_angle(c, a, b), opposite_angle(d, a, b));
     let (one, two) = (s1 * s1 + c1 * c1, s2 * s2 + c2 * c2);
     let product = one * two;
-    // The eighth power of a length is no number of single precision where edges are very long or very short.
+    // The eighth power of a length is not a number of single precision where edges are very long or very short.
     let size = if product.is_normal() { product.sqrt() } else { one.sqrt() * two.sqrt() };
     let size = size.max(f32::MIN_POSITIVE);
     // The sine of the sum is negative where that exceeds π.

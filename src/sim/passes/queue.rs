@@ -45,7 +45,7 @@ fn sorted_ends(mesh: &SimMesh<'_>, half: CornerId) -> [VertexId; 2] {
 }
 
 /// Edits `queue`, the largest key first, and then the edges around that have a key afterwards, until none can be edited.
-/// `edit` returns a vertex around which edges changed, or none if it refused. Returns the number of edits.
+/// `edit` returns a vertex around which edges changed, or nothing if it refused. Returns the number of edits.
 pub(crate) fn edit_in_order<'a>(
     mesh: &mut SimMesh<'a>,
     mut queue: Vec<QueuedEdge>,

@@ -55,7 +55,7 @@ pub struct RemeshReport {
     pub feature_lines: usize,
     /// Corners of chains that were kept as vertices.
     pub corners: usize,
-    /// UV shells too small for triangles of the target length, whose borders are no constraints.
+    /// UV shells too small for triangles of the target length, whose borders are not constraints.
     pub small_shells: usize,
     /// Vertices of the surface whose target length grading shortened.
     pub graded: usize,

@@ -1,4 +1,4 @@
-//! Guides: unbranched paths of an edge set that are no constraints, and their curves on the baseline.
+//! Guides: unbranched paths of an edge set that are not constraints, and their curves on the baseline.
 
 use super::polyline::Polyline;
 use crate::mesh::VertexId;

@@ -1,7 +1,7 @@
 //! The paths of one edge set, kept apart as far as the mesh has vertices for that.
 //!
 //! All searches of a path together visit no more than a number of triangles in proportion to its curve, so that a set costs
-//! in proportion to its edges. Paths that still meet are told.
+//! in proportion to its edges. Paths that still meet are reported.
 
 use super::corridor::{Corridor, CorridorScratch, CorridorVertex};
 use super::guide::Guide;

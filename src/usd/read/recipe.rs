@@ -36,7 +36,7 @@ fn add_weaker(options: &mut Map<String, Json>, weaker: Map<String, Json>) {
 /// Every property of `prim` in the namespace `tailor:`, as nested objects.
 ///
 /// # Errors
-/// A value that JSON cannot hold, a name that is both a value and a namespace, a target that is no subset of `mesh`.
+/// A value that JSON cannot hold, a name that is both a value and a namespace, a target that is not a subset of `mesh`.
 fn options_of(prim: &Prim, mesh: &Prim, time: Option<TimeCode>) -> Result<Map<String, Json>, Error> {
     let mut recipe = Map::new();
     for name in property_names(prim)? {
@@ -88,7 +88,7 @@ fn targets(prim: &Prim, mesh: &Prim, name: &str) -> Result<Option<Json>, Error> 
         } else {
             let known: Vec<_> = subsets.iter().map(prim_name).collect();
             return Err(Error::usd(format!(
-                "{}.{name} targets {target}, which is no GeomSubset of the mesh",
+                "{}.{name} targets {target}, which is not a GeomSubset of the mesh",
                 prim.path()
             ))
             .code(ErrorCode::RecipeAttribute)

@@ -101,7 +101,7 @@ fn children_at(prim: &Prim, site: &SpecSite, path: &sdf::Path, key: ChildrenKey)
 /// Authors selections in a layer, beside those that it has.
 ///
 /// # Errors
-/// A path that is no prim.
+/// A path that is not a prim.
 pub fn select(data: &mut Data, selections: &[Selection]) -> openusd::Result<()> {
     for selection in selections {
         let path = sdf::Path::new(&selection.prim)?;
@@ -120,7 +120,7 @@ pub fn select(data: &mut Data, selections: &[Selection]) -> openusd::Result<()> 
 /// The text of a layer that selects variants.
 ///
 /// # Errors
-/// A path that is no prim.
+/// A path that is not a prim.
 pub fn session_layer(selections: &[Selection]) -> Result<String, Error> {
     let fault = |e: openusd::Error| {
         Error::usd(format!("the variants cannot be selected: {e}")).code(ErrorCode::CompositionFailed)

@@ -238,7 +238,7 @@ fn triangles(sim: &Prim) -> Result<Vec<[u32; 3]>, Error> {
     let counts = ints(sim, names::FACE_VERTEX_COUNTS)?;
     let corners = ints(sim, names::FACE_VERTEX_INDICES)?;
     if counts.iter().any(|n| *n != 3) || corners.len() != 3 * counts.len() || corners.iter().any(|v| *v < 0) {
-        return Err(Error::usd(format!("{} is no triangle mesh", sim.path()))
+        return Err(Error::usd(format!("{} is not a triangle mesh", sim.path()))
             .code(ErrorCode::StaleBinding)
             .remedy("build the garment again"));
     }
@@ -267,7 +267,7 @@ impl BoundMesh {
     }
 }
 
-/// The authored normals of a mesh that is no subdivision surface; none where one normal is for all points.
+/// The authored normals of a mesh that is not a subdivision surface; none where one normal is for all points.
 fn normals(prim: &Prim, points: usize) -> Result<Option<BoundNormals>, Error> {
     let scheme = value(prim, names::SUBDIVISION_SCHEME, None)?;
     let Some(Value::Vec3fVec(values)) = value(prim, names::NORMALS, None)? else { return Ok(None) };

@@ -49,7 +49,7 @@ impl Cache {
     /// Opens the cache of the options for the simulation mesh of `bound`.
     ///
     /// # Errors
-    /// A file that is no cache; a mesh with other triangles.
+    /// A file that is not a cache; a mesh with other triangles.
     pub fn open(options: &DriveOptions, bound: &Bound) -> Result<Self, Error> {
         let file = &options.cache;
         let extension = file.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
@@ -61,8 +61,8 @@ impl Cache {
             }
             "usd" | "usda" | "usdc" | "usdz" => Self::of_stage(options, bound)?,
             _ => {
-                let fault =
-                    Error::usd(format!("{} is no cache that can be read", file.display())).code(ErrorCode::CacheFile);
+                let fault = Error::usd(format!("{} is not a cache that can be read", file.display()))
+                    .code(ErrorCode::CacheFile);
                 return Err(fault.remedy("give a USD file, .npz or .npy; convert an Alembic with usdcat"));
             }
         };

@@ -58,7 +58,7 @@ impl Clips {
         if !earlier.iter().all(|path| path.file_name().and_then(|name| name.to_str()).is_some_and(is_clip)) {
             return fault(
                 ErrorCode::OutputPath,
-                "is no folder of clips, or holds more than clips",
+                "is not a folder of clips, or holds more than clips",
                 "move it away, or write to another file",
             );
         }
@@ -160,7 +160,7 @@ impl Clips {
     }
 }
 
-/// What is at the path of the folder of an earlier shot: its files, or the path itself if it is no folder.
+/// What is at the path of the folder of an earlier shot: its files, or the path itself if it is not a folder.
 fn contents(folder: &FilePath) -> Vec<PathBuf> {
     match folder.read_dir() {
         Ok(entries) => entries.flatten().map(|entry| entry.path()).collect(),

@@ -197,7 +197,7 @@ fn header(data: &mut impl Read, bytes: u64) -> io::Result<Header> {
     let mut start = [0; 8];
     data.read_exact(&mut start)?;
     if &start[..6] != b"\x93NUMPY" {
-        return Err(invalid("it is no NumPy array"));
+        return Err(invalid("it is not a NumPy array"));
     }
     let mut size = vec![0; if start[6] == 1 { 2 } else { 4 }];
     data.read_exact(&mut size)?;
@@ -208,7 +208,7 @@ fn header(data: &mut impl Read, bytes: u64) -> io::Result<Header> {
     let mut text = vec![0; size];
     data.read_exact(&mut text)?;
     let header = parsed(&String::from_utf8_lossy(&text));
-    let header = header.ok_or_else(|| invalid("it is no array of floats or integers in C order"))?;
+    let header = header.ok_or_else(|| invalid("it is not an array of floats or integers in C order"))?;
     if header.fits(bytes) { Ok(header) } else { Err(invalid("it has no value, or is cut")) }
 }
 
@@ -278,7 +278,7 @@ mod tests {
         let of = |shape: &[usize]| Header { number: Number::F64, shape: shape.to_vec() };
         assert!(of(&[2, 5, 3]).fits(240) && !of(&[2, 5, 3]).fits(239));
         assert!(!of(&[usize::MAX, 2, 3]).fits(u64::MAX));
-        assert!(!of(&[usize::MAX, 0, 3]).fits(u64::MAX), "frames without points are no frames");
+        assert!(!of(&[usize::MAX, 0, 3]).fits(u64::MAX), "frames without points are not frames");
     }
 
     #[test]

@@ -25,7 +25,7 @@ pub struct WriteOptions {
     pub force: bool,
     /// Give the model the purpose `guide`, so that a viewer does not draw it on top of the render mesh.
     pub model_guide: bool,
-    /// Write no file, and find the errors and warnings of a write, but for a full disk and missing permissions.
+    /// Write no file, and find the errors and warnings of a write, except for a full disk and missing permissions.
     pub dry_run: bool,
     /// What the products were made of, written into the layer's own data.
     pub record: Option<BuildRecord>,

@@ -1,4 +1,4 @@
-//! Faults of the mesh itself: each is told with prim, attribute, element and remedy.
+//! Faults of the mesh itself: each is reported with prim, attribute, element and remedy.
 
 use super::{Fault, check, fault};
 use crate::cloth::{cloth_and, cloth_with};

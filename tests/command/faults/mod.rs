@@ -23,7 +23,7 @@ fn fault(args: &'static str, make: impl Fn(&Folder) + 'static, says: &'static [&
     Fault { args, make: Box::new(make), says }
 }
 
-/// Checks that each fault ends in exit code 1, is told as the table says, and leaves every file as it was. All rows are
+/// Checks that each fault ends in exit code 1, is reported as the table says, and leaves every file as it was. All rows are
 /// looked at before the first wrong one fails the test.
 #[track_caller]
 fn each_is_told(faults: &[Fault]) {
@@ -49,7 +49,7 @@ fn check(run: &Run, says: &[&str]) {
     }
 }
 
-/// What is wrong with the way in which a fault of the user's is told, if anything.
+/// What is wrong with the way in which a fault of the user's is reported, if anything.
 fn complaint(run: &Run, says: &[&str]) -> Option<String> {
     let said = &run.stderr;
     let mut wrong = Vec::new();

@@ -52,11 +52,11 @@ fn of_overrides() {
         ),
         of(
             "build in.usda -o out/coat.usda --set sim.maxEdgeLength=1e300",
-            &["sim.maxEdgeLength: inf is no length", "positive number of mesh units"],
+            &["sim.maxEdgeLength: inf is not a length", "positive number of mesh units"],
         ),
         of(
             "build in.usda -o out/coat.usda --set sim.maxEdgeLength=-1",
-            &["sim.maxEdgeLength: -1 is no length", "positive number"],
+            &["sim.maxEdgeLength: -1 is not a length", "positive number"],
         ),
         of("check in.usda --set sim.grading=1", &["sim.grading: 1 is out of range", "1.05 or more, or 0"]),
         of("check in.usda --set sim.grading=nan", &["sim.grading"]),
@@ -65,7 +65,7 @@ fn of_overrides() {
         of("check in.usda --set sim.cornerAngle=181", &["sim.cornerAngle: 181 is out of range"]),
         of("check in.usda --set sim.featureAngle=0", &["sim.featureAngle: 0 is out of range", "give 1 to 180"]),
         of("check in.usda --set sim.featureAngle=181", &["sim.featureAngle: 181 is out of range"]),
-        of("check in.usda --set sim.minEdgeLength=-0.5", &["sim.minEdgeLength: -0.5 is no length"]),
+        of("check in.usda --set sim.minEdgeLength=-0.5", &["sim.minEdgeLength: -0.5 is not a length"]),
         of(
             "build in.usda -o out/coat.usda --set sim.minEdgeLength=2 --set sim.maxEdgeLength=1",
             &["sim.minEdgeLength: 2 is more than sim.maxEdgeLength, 1", "swap"],
@@ -80,7 +80,7 @@ fn of_overrides() {
         of("build in.usda -o out/coat.usda --set sim.constrainUvSeams=maybe", &["\"maybe\" is not true or false"]),
         of(
             "build in.usda -o out/coat.usda --set render.operators=pleat",
-            &["render.operators", "which is no operator of the recipe", "the operators of the recipe are: none"],
+            &["render.operators", "which is not an operator of the recipe", "the operators of the recipe are: none"],
         ),
         of("build in.usda -o out/coat.usda --set sim.uvSet=map1", &["sim.uvSet: \"map1\" is no", "the mesh has: st"]),
         of(

@@ -53,7 +53,7 @@ fn of_the_file() {
         recipe("{\"sim\": {\"constraints\": \"hem\"}}", &["expected a list", "line 1 column 29"]),
         recipe("{\"sim\": 3}", &["my.tailor: ", "expected { options }", "line 1 column 9"]),
         recipe("[1, 2]", &["my.tailor: ", "line 1"]),
-        recipe("{\"sim\": {\"maxEdgeLength\": -2}}", &["sim.maxEdgeLength: -2 is no length"]),
+        recipe("{\"sim\": {\"maxEdgeLength\": -2}}", &["sim.maxEdgeLength: -2 is not a length"]),
         recipe("{\"sim\": {\"uvSet\": \"map1\"}}", &["sim.uvSet: \"map1\" is no", "the mesh has: st"]),
         recipe("{\"sim\": {\"density\": \"paint\"}}", &["sim.density: \"paint\" is no", "density, tint"]),
         recipe("{\"sim\": {\"constraints\": [\"hem\"]}}", &["sim.constraints: \"hem\" is no", "placket, waist"]),
@@ -87,7 +87,7 @@ fn of_the_models_attributes() {
             "uniform float tailor:sim:iterations = 2.5",
             &["tailor:sim:iterations of the model: ", "expected a whole number", "declare it as int"],
         ),
-        attribute("uniform float tailor:sim:maxEdgeLength = -3", &["sim.maxEdgeLength: -3 is no length"]),
+        attribute("uniform float tailor:sim:maxEdgeLength = -3", &["sim.maxEdgeLength: -3 is not a length"]),
         attribute("uniform token tailor:sim:uvSet = \"map1\"", &["sim.uvSet: \"map1\" is no", "the mesh has: st"]),
         attribute("uniform token tailor:sim:density = \"ply\"", &["sim.density: \"ply\" is no", "density, tint"]),
         attribute(

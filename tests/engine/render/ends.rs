@@ -66,7 +66,7 @@ fn a_hem_ends_on_the_surface_beside_a_border_without_one() {
         let off = border.iter().filter(near).map(|&v| surface.height(places[v]).abs()).fold(0.0, f32::max);
         let most = if seam.is_some() { 0.3 } else { 0.12 };
         assert!(off < most * AMOUNT, "{name}: the border is {} of the amount off the surface", off / AMOUNT);
-        // The outer layer is where it was, but for the fold itself, which is round.
+        // The outer layer is where it was, except for the fold itself, which is round.
         let hem: Vec<Vec3> = vertices_of(&mesh, "h_hem").iter().map(|&v| places[v]).collect();
         let is_fold = |p: Vec3| hem.iter().any(|h| h.distance(p) < 0.6 * AMOUNT);
         let layer: BTreeSet<VertexId> =
@@ -86,7 +86,7 @@ fn a_hem_ends_on_the_surface_beside_a_border_without_one() {
         let (coarse, told) = rendered(&garment, &[&options[1..], &["render.level=1".to_owned()]].concat());
         let own: Vec<usize> = (0..coarse.faces.len()).collect();
         let crossing = crossing_parents(&coarse, &own);
-        // Two small faces touch where the border turns back under the fold, and that is told.
+        // Two small faces touch where the border turns back under the fold, and that is reported.
         assert!(crossing.is_empty() || kink < 0.0 && told.iter().any(|w| w.code == Code::Intersections), "{name}");
     }
 }
@@ -110,7 +110,7 @@ fn a_cuff_of_few_faces_has_no_fins() {
         let garment = cuff(n);
         let options = ["fold.h.faces=hem", "fold.h.thickness=0.12", "render.level=3", "render.faceSets=true"];
         let (mesh, warnings) = rendered(&garment, &options);
-        // The layers of a cuff of four touch beside the vertex that they share, which is told.
+        // The layers of a cuff of four touch beside the vertex that they share, which is reported.
         assert!(n == 4 || warnings.iter().all(|w| w.code != Code::Intersections), "{n}: {warnings:?}");
         let places = limit(&mesh);
         let layer = &vertices_of(&mesh, "h_inner") | &vertices_of(&mesh, "h_hem");

@@ -117,7 +117,7 @@ fn the_faces_of_a_seam_are_as_wide_as_asked() {
 
 #[test]
 fn a_seam_keeps_its_width() {
-    // On a plane the surface is untouched from the width on, but for the shoulder's overshoot.
+    // On a plane the surface is untouched from the width on, except for the shoulder's overshoot.
     let garment = checked(shapes().remove(0).1);
     for (asymmetry, sides) in [("0", [0.2, 0.2]), ("0.5", [0.1, 0.3])] {
         let asymmetry = format!("seam.s.asymmetry={asymmetry}");

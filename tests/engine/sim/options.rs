@@ -48,7 +48,7 @@ fn borders_keep_the_corners_that_turn_by_more_than_the_angle() {
     let corners = [Vec3::ZERO, Vec3::new(4.0, 0.0, 0.0), Vec3::new(4.0, 4.0, 0.0), Vec3::new(0.0, 4.0, 0.0)];
     let kept = |angle: &str| {
         let mut input = sheets::grid(4, 4, |_, _| true);
-        // Rounded corners are no corners by themselves, and level 0 has the sheet's own border.
+        // Rounded corners are not corners by themselves, and level 0 has the sheet's own border.
         input.rules.boundary = BoundaryInterpolation::EdgeOnly;
         let angle = format!("sim.cornerAngle={angle}");
         let options = ["sim.baselineLevel=0", "sim.maxEdgeLength=0.7", "sim.uvSet=", &angle];

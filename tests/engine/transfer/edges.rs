@@ -1,4 +1,4 @@
-//! Edge sets that were no constraints: found again as the same chains, near their curves.
+//! Edge sets that were not constraints: found again as the same chains, near their curves.
 
 use super::sets::{FREE, edges, garment};
 use super::sheet;

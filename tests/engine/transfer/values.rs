@@ -290,7 +290,7 @@ fn provenance_leads_back_to_the_garment() {
         let face = FaceId::new(faces[i] as usize);
         let (u, v) = (coordinates[2 * i], coordinates[2 * i + 1]);
         assert!((-1e-5..=1.00001).contains(&u) && (-1e-5..=1.00001).contains(&v));
-        // x and y of the sheet are those of its points, and subdivision keeps them but for its border.
+        // x and y of the sheet are those of its points, and subdivision keeps them except for its border.
         let corner = |k: usize| garment.points[garment.faces.vertices_of(face)[k]];
         let weight = |k: usize| {
             let [x, y] = corner_coordinates(4, k);

@@ -94,7 +94,7 @@ fn searches_of_a_path_end_where_targets_are_much_longer_than_edges() {
     let built = build(input, &["sim.maxEdgeLength=12", "cloth.physics="]);
     let of_an_edge = visited(&built) / edges;
     assert!(of_an_edge < 50_000, "{of_an_edge} for each of {edges} edges");
-    assert!(built.warnings.iter().any(|w| w.place == "subset set"), "what cannot be laid apart is told");
+    assert!(built.warnings.iter().any(|w| w.place == "subset set"), "what cannot be laid apart is reported");
 }
 
 #[test]

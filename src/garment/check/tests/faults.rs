@@ -214,7 +214,7 @@ fn faults_of_subsets() {
         fault(PLACKET, "pair 2, points 4 and 7, is the edge of pair 0 again", "remove one", |i| {
             i.subsets[2].indices.extend([4, 7]);
         }),
-        fault("left.elementType", "\"tetrahedron\" is no element of a mesh", "face, edge or point", |i| {
+        fault("left.elementType", "\"tetrahedron\" is not an element of a mesh", "face, edge or point", |i| {
             i.subsets[1].element_type = "tetrahedron".into();
         }),
         fault("pins.elementType", "is point, but subset right of the same family \"panels\" is face", "of its own", {

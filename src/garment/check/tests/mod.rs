@@ -216,7 +216,7 @@ fn closed_fans_and_borders_are_not_bow_ties() {
 
 #[test]
 fn all_oddities_are_listed_and_the_first_three_are_printed() {
-    let (_, warnings) = check_garment(bare(&[&[0, 1, 4]])).expect("unused points are no error");
+    let (_, warnings) = check_garment(bare(&[&[0, 1, 4]])).expect("unused points are not an error");
     let [warning] = &warnings.iter().collect::<Vec<_>>()[..] else { panic!("{warnings:?}") };
     assert_eq!((warning.code, &warning.elements), (Code::UnusedPoints, &vertices([2, 3, 5, 6, 7, 8, 9])));
     let printed = "/Coat/model: 7 points have no face (points 2, 3, 5, …). ";
@@ -227,6 +227,6 @@ fn all_oddities_are_listed_and_the_first_three_are_printed() {
 fn a_face_far_from_the_origin_has_its_area() {
     let mut input = bare(&[&[0, 1, 4, 3], &[1, 2, 5, 4]]);
     input.points.iter_mut().for_each(|p| *p = *p * 1e-3 + Vec3::splat(1000.0));
-    let (_, warnings) = check_garment(input).expect("small faces are no error");
+    let (_, warnings) = check_garment(input).expect("small faces are not an error");
     assert!(!warnings.iter().any(|w| w.code == Code::DegenerateFaces), "{warnings:?}");
 }

@@ -42,7 +42,7 @@ pub fn first_used(stage: &Path, targets: &[PathBuf]) -> Result<Option<usize>, Er
             layers += 1;
             if layers > MAX_LAYERS {
                 let text =
-                    format!("{name} uses more than {MAX_LAYERS} layers, so that it cannot be told which files it uses");
+                    format!("{name} uses more than {MAX_LAYERS} layers, so the list of its files would be incomplete");
                 return Err(Error::usd(text).remedy("write to a file that does not exist yet"));
             }
             reach.read(&layer);

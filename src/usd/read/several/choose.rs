@@ -45,7 +45,7 @@ pub fn meshes(stage: &Stage, file: &FilePath, options: &ReadOptions) -> Result<O
         0 => Err(Error::usd(format!("{} holds no mesh that is a garment", file.display()))
             .code(ErrorCode::NoMesh)
             .remedy(format!(
-                "products, prims of purpose guide or proxy, and what --exclude names are none; its meshes are: {}",
+                "garments are meshes that are not products, of purpose guide or proxy, or excluded; the meshes are: {}",
                 list(&below)
             ))),
         1..=MAX_MESHES => Ok(Some(found)),

@@ -156,7 +156,7 @@ fn declarations(panels: &[&Source]) -> Declarations {
     all
 }
 
-/// The properties that all panels have alike, and the constant primvars that they have not. Others become warnings, but for
+/// The properties that all panels have alike, and the constant primvars that they have not. Others become warnings, except for
 /// transforms, which the points have, and materials, which face sets have.
 fn shared_properties(panels: &[&Source]) -> ((Vec<Record>, Vec<String>), Warnings) {
     let is_elsewhere =

@@ -47,13 +47,13 @@ pub fn transforms(prim: &Prim, time: Option<TimeCode>) -> Result<Transforms, Err
 /// A prim that the stage lacks.
 pub fn world_of(origin: &StageOrigin, target: &str) -> Result<(Path, DMat4), Error> {
     let fault = |text: &str| Error::recipe("cloth.pinTarget", format!("{target} {text}")).code(ErrorCode::PinTarget);
-    let path = Path::new(target).map_err(|_| fault("is no prim path").remedy("write it as /Body/hips"))?;
+    let path = Path::new(target).map_err(|_| fault("is not a prim path").remedy("write it as /Body/hips"))?;
     on_large_stack(|| {
         let stage = origin.open()?;
         let prim = prim_at(&stage, &path)?;
         if !prim.is_valid().or_unreadable(&path)? {
             return Err(
-                fault("is no prim of the stage").remedy("name a prim that the garment's file or its layers have")
+                fault("is not a prim of the stage").remedy("name a prim that the garment's file or its layers have")
             );
         }
         Ok((path.clone(), transforms(&prim, None)?.to_world))

@@ -184,7 +184,7 @@ impl Author<'_> {
         self.is_overlay && self.model.siblings.iter().any(|(name, sibling)| is_scope(name) && sibling.product)
     }
 
-    /// Removes the schemas that an earlier build gave to the prim above both meshes, but for dialects that are `kept`.
+    /// Removes the schemas that an earlier build gave to the prim above both meshes, except for dialects that are `kept`.
     fn remove_bodies(&mut self, kept: impl Fn(&str) -> bool) -> openusd::Result<()> {
         let root = Some(self.model.parent.clone()).filter(|root| *root != Path::abs_root());
         let Some(root) = root.filter(|_| self.has_built_physics()) else { return Ok(()) };

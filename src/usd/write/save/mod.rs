@@ -228,7 +228,7 @@ impl OutputFile {
     /// The asset path of another file, relative to the output's folder.
     ///
     /// # Errors
-    /// A path without a folder, or that is no text.
+    /// A path without a folder, or that is not text.
     pub fn path_to(&self, other: &Path) -> Result<String, Error> {
         writable(Anchor::Folder(&self.folder).path_to(&as_named(other)?))
     }

@@ -62,7 +62,7 @@ export type Domain =
   | { "type": "length",
     /** The usual range. [mean edge lengths of the garment] */
     usual: [number, number],
-    /** The length that 0 stands for; 0 if it is no length. [mean edge lengths of the garment] */
+    /** The length that 0 stands for; 0 if it is not a length. [mean edge lengths of the garment] */
     automatic: number,
     /** The largest length. [sizes of the garment] */
     largest: number,
@@ -244,6 +244,8 @@ export type Group = {
   name: string,
   /** What the group is, in a few sentences. */
   about: string,
+  /** Their API schema, such as `TailorSeamAPI`. */
+  schema: string,
   /** True if a recipe has the options for each of several names. */
   hasInstances: boolean,
   /** True if these are operators of the render mesh. */

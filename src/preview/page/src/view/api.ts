@@ -42,7 +42,7 @@ export interface Picked {
 export interface ViewEvents {
   /** The pointer rests on something else than before; null is nothing. */
   hover(picked: Picked | null): void;
-  /** A click that is no drag. */
+  /** A click that is not a drag. */
   click(picked: Picked | null): void;
   /** A frame was drawn with new buffers: their role and revision, and the time to make and upload them. [ms] */
   drawn(role: Role, revision: number, upload: number): void;

@@ -125,7 +125,7 @@ export function NumberField({ label, describedBy, invalid, value, unit, step, cl
   );
 }
 
-/** An empty field is 0, which is the automatic value of a length. Null if it is no number. */
+/** An empty field is 0, which is the automatic value of a length. Null if it is not a number. */
 function parse(text: string): number | null {
   const number = Number(text.trim().replace(",", "."));
   return Number.isFinite(number) ? number : null;

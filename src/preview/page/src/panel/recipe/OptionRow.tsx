@@ -140,7 +140,7 @@ function NumberControl({ option, full, value, ...described }: ControlProps & { v
   );
 }
 
-/** The usual range of a number, with a step that can be seen; null of what is no number. */
+/** The usual range of a number, with a step that can be seen; null of what is not a number. */
 function rangeOf(domain: Domain, meanEdge: number): Range | null {
   switch (domain.type) {
     case "whole":
@@ -162,7 +162,7 @@ function automatic(domain: Domain, meanEdge: number): number | null {
   return domain.type === "length" && domain.automatic > 0 ? domain.automatic * meanEdge : null;
 }
 
-/** The nearest value that the option takes. A slider's end is no limit. */
+/** The nearest value that the option takes. A slider's end is not a limit. */
 function clamped(domain: Domain, typed: number): number {
   switch (domain.type) {
     case "whole":
