@@ -48,7 +48,7 @@ pub fn subsets_of(garment: &Garment, key: &str, names: &[String], of: &[&str]) -
             let fault = format!("\"{name}\" is a subset of {other}s of {}, not of {}s", garment.prim, of.join("s or "));
             (fault, place.unwrap_or_default())
         }
-        None => (format!("\"{name}\" is no {kinds} subset of {}", garment.prim), String::new()),
+        None => (format!("\"{name}\" is not one of the {kinds} subsets of {}", garment.prim), String::new()),
     };
     let known_sets = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
     let remedy = format!("{}its {kinds} subsets are: {known_sets}{elsewhere}", did_you_mean(name, &known));
@@ -100,7 +100,7 @@ pub fn primvar<'a>(
     } else {
         format!("{}the mesh has: {}", did_you_mean(name, &names), names.join(", "))
     };
-    let fault = format!("\"{name}\" is no {kind} of {}", garment.prim);
+    let fault = format!("\"{name}\" is not a {kind} of {}", garment.prim);
     Err(Error::recipe(key, fault).code(ErrorCode::UnknownPrimvar).remedy(remedy))
 }
 

@@ -12,14 +12,8 @@ const DOCUMENTS: [&str; 4] = ["README.md", "SECURITY.md", "CHANGELOG.md", "examp
 
 /// Fails with all links that lead nowhere.
 pub fn check(project: &Project) -> Outcome {
-    let pages = fs::read_dir(project.root.join("docs"))
-        .map_err(|error| Failure::new(format!("cannot list docs: {error}")))?
-        .filter_map(|entry| Some(Path::new("docs").join(entry.ok()?.file_name())))
-        .filter(|path| path.extension().is_some_and(|extension| extension == "md"));
-    let mut documents: Vec<PathBuf> = DOCUMENTS.iter().map(PathBuf::from).chain(pages).collect();
-    documents.sort();
     let mut broken = Vec::new();
-    for document in documents {
+    for document in documents(project)? {
         let text = project.read(&document.to_string_lossy())?;
         for link in links(&text) {
             if let Some(fault) = fault(project, &document, &text, &link) {
@@ -28,6 +22,17 @@ pub fn check(project: &Project) -> Outcome {
         }
     }
     if broken.is_empty() { Ok(()) } else { Err(Failure::new(format!("broken links\n{}", broken.join("\n")))) }
+}
+
+/// The documents of the project.
+pub fn documents(project: &Project) -> Outcome<Vec<PathBuf>> {
+    let pages = fs::read_dir(project.root.join("docs"))
+        .map_err(|error| Failure::new(format!("cannot list docs: {error}")))?
+        .filter_map(|entry| Some(Path::new("docs").join(entry.ok()?.file_name())))
+        .filter(|path| path.extension().is_some_and(|extension| extension == "md"));
+    let mut documents: Vec<PathBuf> = DOCUMENTS.iter().map(PathBuf::from).chain(pages).collect();
+    documents.sort();
+    Ok(documents)
 }
 
 /// The reason that a link of a document leads nowhere.

@@ -14,6 +14,7 @@ mod peers;
 mod plugin;
 mod process;
 mod project;
+mod prose;
 mod python;
 mod site;
 mod speed;

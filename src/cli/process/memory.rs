@@ -1,4 +1,4 @@
-//! How much memory a run may take: what it is told to, or a share of what the machine leaves.
+//! How much memory a run may take: as much as an option says, or a share of what the machine leaves.
 
 use std::fs;
 use std::path::Path;

@@ -30,7 +30,7 @@ impl<'a> Places<'a> {
     }
 
     /// Finds a place for each point: the triangle and the weights of its corners. A point is given with faces of the garment
-    /// that it lies on or beside. `None` where the simulation mesh has no triangle in that region.
+    /// on or beside which it lies. `None` where the simulation mesh has no triangle in that region.
     pub fn find<'f>(
         &self,
         count: usize,

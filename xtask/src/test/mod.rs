@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 
 use crate::process::{Failure, Outcome};
 use crate::project::Project;
-use crate::{api, browser, cargo, options, package, page, plugin, python, site, speed};
+use crate::{api, browser, cargo, options, package, page, plugin, prose, python, site, speed};
 
 /// One run of a step.
 pub struct Run<'a> {
@@ -49,7 +49,7 @@ const MAIN: Step = Step { name: "", about: "", lane: Lane::Main, needs: &[], aft
 const BESIDE: Step = Step { lane: Lane::Beside, ..MAIN };
 
 /// All steps. In a full run each lane takes its steps in this order; quick steps that fail often come first.
-const STEPS: [Step; 16] = [
+const STEPS: [Step; 17] = [
     // Before all that compiles the program, which embeds the page.
     Step {
         name: "page",
@@ -71,6 +71,12 @@ const STEPS: [Step; 16] = [
         ..BESIDE
     },
     Step { name: "fmt", about: "cargo fmt --check", run: cargo::fmt, ..MAIN },
+    Step {
+        name: "prose",
+        about: "documents, messages and comments against a list of phrases, and the length of sentences",
+        run: |run| prose::check(run.project),
+        ..BESIDE
+    },
     Step {
         name: "clippy",
         about: "clippy on all targets, and the bare library, warnings denied",

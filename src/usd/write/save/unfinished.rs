@@ -26,7 +26,7 @@ fn unfinished() -> MutexGuard<'static, Vec<PathBuf>> {
 pub fn remove_unfinished() {
     let paths = unfinished();
     for path in paths.iter() {
-        // Nobody is left who could be told of a failure.
+        // A failure has nobody left to report it to.
         let _ = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
     }
     std::mem::forget(paths);
