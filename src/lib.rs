@@ -36,11 +36,11 @@
 //!
 //! Modules in data-flow order; each imports only those before it: `error` and `mesh` (connectivity without positions),
 //! `garment` (the checked mesh with its attributes), `subdivide`, `contact` (distances and intersections), `sim`, `render`, `transfer`, `report` (figures), `recipe`
-//! (all options), `cloth` (fabrics, pins, the shape at rest), `binding` and [`drive`] (the render mesh follows a simulation), `build` (the steps and their results), then the doors `usd` and `session`. `docs/architecture.md` draws
+//! (all options), `cloth` (fabrics, pins, the shape at rest), `binding` and [`drive`] (the render mesh follows a simulation), `pipeline` (the steps and their results), then the doors `usd` and `session`. `docs/architecture.md` draws
 //! them.
 
 mod binding;
-mod build;
+mod pipeline;
 
 /// The program `usdtailor`, for its launchers.
 #[cfg(feature = "cli")]
@@ -69,10 +69,6 @@ mod transfer;
 pub mod usd;
 
 pub use binding::Binding;
-pub use build::{
-    Builder, DEFAULT_MAX_FACES, MemoryEstimate, Plan, Products, Progress, RenderPanel, RenderUpdate, SimUpdate, Timing,
-    build,
-};
 pub use cloth::{Cloth, ClothFigures, ClothOptions, Fabric, FabricOptions, Rest, RestFigures, RestShape};
 pub use error::{Error, ErrorKind, Warning};
 pub use garment::units;
@@ -83,6 +79,10 @@ pub use garment::{
 };
 pub use glam;
 pub use mesh::{CornerId, Csr, EdgeId, Elements, FaceId, Faces, IdVec, Topology, VertexId};
+pub use pipeline::{
+    Builder, DEFAULT_MAX_FACES, MemoryEstimate, Plan, Products, Progress, RenderPanel, RenderUpdate, SimUpdate, Timing,
+    build,
+};
 pub use recipe::Recipe;
 pub use render::{FoldOptions, RenderOptions, SeamOptions, Side};
 pub use sim::SimOptions;
@@ -91,7 +91,7 @@ pub use sim::SimOptions;
 ///
 /// ```
 /// use std::sync::Arc;
-/// use tailor::operator::{ChildBuilder, Control, Operator, OperatorInput, OperatorOutput, Role};
+/// use tailor::operator::{ChildBuilder, Control, Operator, OperatorInput, OperatorOutput, ControlRole};
 /// use tailor::{Builder, Error, Garment, GarmentInput, Recipe, VertexId};
 ///
 /// /// Raises the middle of every face.
@@ -127,7 +127,7 @@ pub use sim::SimOptions;
 ///                 child.face(face, &[corners[i], corners[next], inner[next], inner[i]]);
 ///             }
 ///             child.face(face, &inner);
-///             controls.extend(inner.into_iter().map(|vertex| Control { vertex, role: Role::Raised }));
+///             controls.extend(inner.into_iter().map(|vertex| Control { vertex, role: ControlRole::Raised }));
 ///         }
 ///         for (edge, &ends) in t.edges.enumerated() {
 ///             child.edge(edge, ends);
@@ -163,15 +163,15 @@ pub use sim::SimOptions;
 /// ```
 pub mod operator {
     pub use crate::render::child::{ChildBuilder, OperatorDerivation, Table};
-    pub use crate::render::operator::{Closing, Control, Operator, OperatorInput, OperatorOutput, Role};
+    pub use crate::render::operator::{Control, ControlRole, LayerEnd, Operator, OperatorInput, OperatorOutput};
 }
 
 /// The parts of the engine, for this project's own tests and benches. They change without notice.
 #[cfg(feature = "internals")]
 #[doc(hidden)]
 pub mod internals {
-    pub mod build {
-        pub use crate::build::*;
+    pub mod pipeline {
+        pub use crate::pipeline::*;
 
         /// The baseline of options whose lengths are resolved.
         ///
@@ -181,7 +181,7 @@ pub mod internals {
             garment: &crate::Garment,
             options: &crate::SimOptions,
         ) -> Result<crate::sim::Baseline, crate::Error> {
-            Ok(crate::build::baseline(garment, &crate::recipe::ResolvedSim::new(options, garment)?))
+            Ok(crate::pipeline::baseline(garment, &crate::recipe::ResolvedSim::new(options, garment)?))
         }
     }
     pub mod garment {

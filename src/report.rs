@@ -11,7 +11,7 @@ pub use surface::{NarrowFold, facing};
 use crate::garment::{Elements, Garment};
 use crate::mesh::{CornerId, IdVec, Topology, VertexId};
 use crate::sim::SimProduct;
-use crate::transfer::{SetCurve, Transferred};
+use crate::transfer::{SetCurve, TransferResult};
 use glam::Vec3;
 use serde::Serialize;
 
@@ -319,8 +319,8 @@ fn chain_length_min(product: &SimProduct) -> f32 {
 }
 
 /// The areas of the face subsets of `garment` on the baseline and on the simulation mesh.
-pub fn subset_areas(product: &SimProduct, transferred: &Transferred, garment: &Garment) -> Vec<SubsetArea> {
-    let Transferred { mesh, coverage, .. } = transferred;
+pub fn subset_areas(product: &SimProduct, transferred: &TransferResult, garment: &Garment) -> Vec<SubsetArea> {
+    let TransferResult { mesh, coverage, .. } = transferred;
     let triangle_area = |[a, b, c]: [Vec3; 3]| 0.5 * f64::from((b - a).cross(c - a).length());
     let own: Vec<f64> = product.triangles.iter().map(|t| triangle_area(t.map(|v| product.points[v]))).collect();
     let sets = garment.subsets.iter().filter_map(|s| match (&s.elements, mesh.subset(&s.name).map(|m| &m.elements)) {

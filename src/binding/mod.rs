@@ -9,7 +9,7 @@ use crate::garment::Garment;
 use crate::mesh::{FaceId, IdVec, VertexId};
 use crate::render::Origins;
 use crate::sim::{SimProduct, closest_weights};
-use crate::transfer::Places;
+use crate::transfer::TriangleLocator;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::sync::LazyLock;
@@ -27,7 +27,7 @@ pub struct Binding {
 impl Binding {
     /// Binds the points of `render` to the simulation mesh `sim`, made of `product`. The garment has `source_faces` faces.
     pub fn new(product: &SimProduct, source_faces: usize, sim: &Garment, render: &Garment, origins: &Origins) -> Self {
-        let places = Places::new(product, source_faces);
+        let places = TriangleLocator::new(product, source_faces);
         let origin = |i: usize| {
             let vertex = VertexId::new(i);
             (origins.points[vertex], origins.faces.row(vertex))

@@ -14,7 +14,7 @@ use crate::error::{Error, ErrorCode, Warnings};
 use crate::report::{RenderFigures, SimFigures};
 use crate::session::{is_usd, written};
 use crate::usd::{
-    BuildRecord, Format, ProductNames, Selection, Source, Tailored, WriteOptions, check_target, product_names,
+    BuildRecord, Format, GarmentProducts, ProductNames, Selection, Source, WriteOptions, check_target, product_names,
     write_all,
 };
 use crate::{Builder, ClothFigures, Products, Progress, Recipe, RenderPanel, Timing};
@@ -304,7 +304,7 @@ fn write(
             garments.iter().map(|built| written(&built.products, &built.panels, &built.names)).collect();
         let variants = garments.iter().map(|built| built.variant.as_ref());
         let all: Vec<_> = (sources.iter().zip(&meshes).zip(variants))
-            .map(|((source, products), variant)| Tailored { source, products, variant })
+            .map(|((source, products), variant)| GarmentProducts { source, products, variant })
             .collect();
         write_all(&all, output, &options)
     })?;

@@ -6,22 +6,22 @@ mod recorded;
 
 use super::process::memory;
 use super::variants::Opening;
-use super::{Examined, Output, report, text, variants};
+use super::{ExamineArgs, Output, report, text, variants};
 use crate::error::{Error, ErrorCode, ErrorKind, Warnings};
 use crate::units::in_words;
 use crate::usd::{Facts, Selection, Source, misplaced_options, type_word};
 use crate::{Builder, Garment, Plan, PrimvarRole, Recipe};
-use recorded::Recorded;
+use recorded::RecordedBuild;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::Path;
 
 /// Describes each input and the meshes that `build` would write for it.
-pub fn info(args: &Examined) -> Result<Output, Error> {
+pub fn info(args: &ExamineArgs) -> Result<Output, Error> {
     let limit = memory::limit(args.limits.max_memory);
     each(args, |file, found| {
         let mut garments = Vec::new();
-        let made = Recorded::of(&args.inputs, file);
+        let made = RecordedBuild::of(&args.inputs, file);
         for Opening { variant, garments: opened } in open(args, file, made.as_ref())? {
             for garment in opened {
                 let (source, builder, recipe) = garment.check()?;
@@ -46,7 +46,7 @@ pub fn info(args: &Examined) -> Result<Output, Error> {
 }
 
 /// Opens the garments of a file; those of an output as they were built.
-fn open(args: &Examined, file: &Path, made: Option<&Recorded>) -> Result<Vec<Opening>, Error> {
+fn open(args: &ExamineArgs, file: &Path, made: Option<&RecordedBuild>) -> Result<Vec<Opening>, Error> {
     match made.map(|made| (made, made.variants())) {
         None => Ok(vec![Opening { variant: None, garments: args.inputs.open(file)? }]),
         Some((made, Some(set))) => variants::each(set, &made.input),
@@ -55,7 +55,7 @@ fn open(args: &Examined, file: &Path, made: Option<&Recorded>) -> Result<Vec<Ope
 }
 
 /// A builder with the limits of the command and of the build that made the file.
-fn limited(builder: Builder, made: Option<&Recorded>, memory: usize) -> Builder {
+fn limited(builder: Builder, made: Option<&RecordedBuild>, memory: usize) -> Builder {
     let builder = builder.with_max_memory(memory);
     match made {
         Some(made) => builder.with_max_faces(made.max_faces()),
@@ -64,11 +64,11 @@ fn limited(builder: Builder, made: Option<&Recorded>, memory: usize) -> Builder 
 }
 
 /// Checks all inputs by what a build does, so that it finds what a build would. The exit code is that of the worst error.
-pub fn check(args: &Examined) -> Result<Output, Error> {
+pub fn check(args: &ExamineArgs) -> Result<Output, Error> {
     let limit = memory::limit(args.limits.max_memory);
     each(args, |file, found| {
         let mut is_fresh = true;
-        let made = Recorded::of(&args.inputs, file);
+        let made = RecordedBuild::of(&args.inputs, file);
         for garment in open(args, file, made.as_ref())?.into_iter().flat_map(|opening| opening.garments) {
             let (source, builder, recipe) = garment.check()?;
             let products = limited(builder, made.as_ref(), limit).update(&recipe)?;
@@ -107,7 +107,7 @@ struct Found {
 }
 
 /// Runs `work` on each input. With several inputs, a failed one is reported and the others still run.
-fn each(args: &Examined, mut work: impl FnMut(&Path, &mut Found) -> Result<(), Error>) -> Result<Output, Error> {
+fn each(args: &ExamineArgs, mut work: impl FnMut(&Path, &mut Found) -> Result<(), Error>) -> Result<Output, Error> {
     let inputs = &args.inputs;
     let files = inputs.files()?;
     let several = files.len() > 1;

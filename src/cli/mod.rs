@@ -18,7 +18,7 @@ pub use program::main;
 use crate::DEFAULT_MAX_FACES;
 use crate::error::{Error, ErrorCode, ErrorKind, plain};
 use crate::recipe::RecipeFile;
-use crate::session::{Input, Opened, beside, is_usd};
+use crate::session::{Input, OpenGarment, beside, is_usd};
 use crate::usd::ReadOptions;
 use clap::{Args, ColorChoice, CommandFactory, Parser, Subcommand};
 use clap_complete::Shell;
@@ -46,13 +46,13 @@ enum Command {
     Drive(drive::Drive),
     /// Describe a garment and the meshes that `build` would write for it
     #[command(after_help = crate::recipe::help())]
-    Info(Examined),
+    Info(ExamineArgs),
     /// Show a garment in the browser while its recipe is edited
     #[cfg(feature = "preview")]
     #[command(after_help = crate::recipe::help())]
     Preview(preview::Preview),
     /// Check garments; exit 1 if one has a problem
-    Check(Examined),
+    Check(ExamineArgs),
     /// Write an example garment to work on, or list all
     Example(example::Example),
     /// Explain a code of an error or warning, or list all codes
@@ -177,7 +177,7 @@ struct Build {
 }
 
 #[derive(Args)]
-struct Examined {
+struct ExamineArgs {
     #[command(flatten)]
     inputs: Inputs,
     #[command(flatten)]
@@ -309,7 +309,7 @@ impl Inputs {
     }
 
     /// Opens the garments of an input, of which there is at least one.
-    fn open(&self, file: &Path) -> Result<Vec<Opened>, Error> {
+    fn open(&self, file: &Path) -> Result<Vec<OpenGarment>, Error> {
         self.input(file).open_all()
     }
 }

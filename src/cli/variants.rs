@@ -3,14 +3,14 @@
 use super::{Build, usage};
 use crate::error::{Error, ErrorCode};
 use crate::options::did_you_mean;
-use crate::session::{Input, Opened};
+use crate::session::{Input, OpenGarment};
 use crate::usd::Selection;
 use std::path::Path;
 
 /// The garments of an input, and the variant that they were read with.
 pub struct Opening {
     pub variant: Option<Selection>,
-    pub garments: Vec<Opened>,
+    pub garments: Vec<OpenGarment>,
 }
 
 /// Opens the garments of an input: as they are selected, or once for each variant of the set that `--variants` names.
@@ -48,7 +48,7 @@ pub fn each(set: &str, input: &Input) -> Result<Vec<Opening>, Error> {
 }
 
 /// Each variant of a set on a prim that has all garments below it.
-fn choices(set: &str, garments: &[Opened]) -> Result<Vec<Selection>, Error> {
+fn choices(set: &str, garments: &[OpenGarment]) -> Result<Vec<Selection>, Error> {
     let sets = garments.first().map_or(&[][..], |garment| &garment.source.facts().variants);
     let prim = garments.first().map(|garment| garment.source.prim()).unwrap_or_default();
     let known: Vec<&str> = sets.iter().map(|set| set.selected.set.as_str()).collect();
@@ -61,7 +61,7 @@ fn choices(set: &str, garments: &[Opened]) -> Result<Vec<Selection>, Error> {
         return Err(fault(format!("{prim} and the prims above it have no variant set of this name")).remedy(remedy));
     };
     let owner = &found.selected.prim;
-    let is_above = |garment: &Opened| garment.source.prim().starts_with(&format!("{owner}/"));
+    let is_above = |garment: &OpenGarment| garment.source.prim().starts_with(&format!("{owner}/"));
     if !garments.iter().all(is_above) {
         return Err(fault(format!("the variant set is on {owner}, and the meshes are written beside it"))
             .remedy("move the variant set to the prim above, such as the asset's root"));
@@ -71,7 +71,7 @@ fn choices(set: &str, garments: &[Opened]) -> Result<Vec<Selection>, Error> {
 }
 
 /// Products that the input has outside of the variant would hide those inside it.
-fn refuse_products(garment: &Opened, variant: &Selection) -> Result<(), Error> {
+fn refuse_products(garment: &OpenGarment, variant: &Selection) -> Result<(), Error> {
     if !garment.source.has_products() {
         return Ok(());
     }

@@ -23,7 +23,7 @@ pub enum Before {
 
 /// The edits of all pages over the options of the garment.
 #[derive(Debug, Default)]
-pub struct Document {
+pub struct EditHistory {
     edits: Options,
     past: VecDeque<Options>,
     future: Vec<Options>,
@@ -34,7 +34,7 @@ pub struct Document {
     pub comparing: Option<Before>,
 }
 
-impl Document {
+impl EditHistory {
     /// A document that begins with the options of a recipe file.
     pub fn new(edits: Options) -> Self {
         Self { saved: edits.clone(), edits, ..Self::default() }
@@ -139,7 +139,7 @@ mod tests {
 
     #[test]
     fn a_gesture_is_one_step() {
-        let mut document = Document::new(level(0));
+        let mut document = EditHistory::new(level(0));
         document.edit(level(1), "drag 1".into());
         document.edit(level(2), "drag 1".into());
         document.edit(level(3), "drag 2".into());
@@ -157,7 +157,7 @@ mod tests {
 
     #[test]
     fn an_earlier_state_is_shown_while_comparing() {
-        let mut document = Document::new(level(0));
+        let mut document = EditHistory::new(level(0));
         document.edit(level(1), String::new());
         document.edit(level(2), String::new());
         for (before, shown) in [(Before::Step, level(1)), (Before::Saved, level(0))] {
@@ -170,7 +170,7 @@ mod tests {
 
     #[test]
     fn the_past_is_bounded() {
-        let mut document = Document::default();
+        let mut document = EditHistory::default();
         (0..5000).for_each(|i| document.edit(level(i), String::new()));
         (0..5000).for_each(|_| document.undo());
         assert_eq!(document.edits(), &level(5000 - 1 - HISTORY as u32));

@@ -4,12 +4,12 @@
 //! products do not wait for one another. Results that are the same as before keep their `Arc`, by which pages know that
 //! they have them.
 
-use super::document::{Before, Document, Options};
+use super::document::{Before, EditHistory, Options};
 use super::messages::{Figures, Origin, ProductMessage, Role, ServerMessage, StateMessage};
 use super::stage::Stage;
-use crate::build::{Builder, Progress};
 use crate::error::{Error, Fault, Warnings};
 use crate::garment::Garment;
+use crate::pipeline::{Builder, Progress};
 use crate::recipe::{Layers, Recipe};
 use crate::report::{RenderFigures, TriangleQuality};
 use crate::session::Input;
@@ -67,7 +67,7 @@ pub struct State {
 }
 
 impl State {
-    fn new(document: &Document, stage: &Stage, revision: u64) -> Self {
+    fn new(document: &EditHistory, stage: &Stage, revision: u64) -> Self {
         Self {
             revision,
             edits: document.edits().clone(),
@@ -105,16 +105,16 @@ struct Job {
     recipe: Arc<Recipe>,
 }
 
-struct Shared {
+struct HubState {
     input: Input,
-    document: Document,
+    document: EditHistory,
     snapshot: Snapshot,
     job: Option<Job>,
 }
 
 /// The state that all pages share.
 pub struct Hub {
-    shared: Mutex<Shared>,
+    shared: Mutex<HubState>,
     /// Held while the stage is read, so that a slow read does not end after a newer one.
     reading: Mutex<()>,
     work: Condvar,
@@ -124,7 +124,7 @@ pub struct Hub {
 impl Hub {
     /// Shows a garment.
     pub fn new(input: Input, stage: Stage) -> Arc<Self> {
-        let document = Document::new(stage.given.clone());
+        let document = EditHistory::new(stage.given.clone());
         let snapshot = Snapshot {
             state: Arc::new(State::new(&document, &stage, 0)),
             stage: Arc::new(stage),
@@ -132,10 +132,10 @@ impl Hub {
             progress: BTreeMap::new(),
             shown: BTreeMap::new(),
         };
-        let shared = Shared { input, document, snapshot, job: None };
+        let shared = HubState { input, document, snapshot, job: None };
         let (shared, reading, changed) = (Mutex::new(shared), Mutex::default(), watch::Sender::new(()));
         let hub = Arc::new(Self { shared, reading, work: Condvar::new(), changed });
-        hub.change(Shared::show_model);
+        hub.change(HubState::show_model);
         hub
     }
 
@@ -154,7 +154,7 @@ impl Hub {
         Ok(())
     }
 
-    fn lock(&self) -> MutexGuard<'_, Shared> {
+    fn lock(&self) -> MutexGuard<'_, HubState> {
         // No change of the state can panic half-way.
         self.shared.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -170,7 +170,7 @@ impl Hub {
     }
 
     /// Changes the document, and builds what follows from it.
-    pub fn edit(&self, edit: impl FnOnce(&mut Document)) {
+    pub fn edit(&self, edit: impl FnOnce(&mut EditHistory)) {
         self.change(|shared| {
             edit(&mut shared.document);
             shared.refresh();
@@ -186,7 +186,7 @@ impl Hub {
         });
     }
 
-    fn change(&self, change: impl FnOnce(&mut Shared)) {
+    fn change(&self, change: impl FnOnce(&mut HubState)) {
         change(&mut self.lock());
         self.work.notify_all();
         self.changed.send_replace(());
@@ -318,7 +318,7 @@ impl Hub {
     }
 }
 
-impl Shared {
+impl HubState {
     /// A new revision, and its job if the recipe has no fault.
     fn refresh(&mut self) {
         let revision = self.snapshot.state.revision + 1;

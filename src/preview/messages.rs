@@ -7,7 +7,7 @@ mod garment;
 mod mesh;
 mod product;
 
-pub use garment::{GarmentMessage, PrimvarInfo, SetInfo, Suggested, UpAxis, VariantSet};
+pub use garment::{GarmentMessage, PrimvarInfo, SaveTargets, SetInfo, UpAxis, VariantSet};
 pub use mesh::{Block, Blocks, DrawnSet, DrawnValues, MeshHeader, NumberType, Times, ValuesOf};
 pub use product::{Figures, ProductMessage};
 

@@ -12,7 +12,7 @@ use crate::files::{self, folder_of};
 use crate::recipe::{Domain, all, find, group_with_instances, is_attribute, is_recipe};
 use crate::session::Input;
 use crate::usd::{
-    OptionValue, PREFIX, ReadOptions, RecipeOpinions, Replaced, Unfinished, recipe_text, relative, write_recipe,
+    EarlierRecipe, OptionValue, PREFIX, ReadOptions, RecipeOpinions, Unfinished, recipe_text, relative, write_recipe,
 };
 use serde_json::{Map, Value};
 use std::io::Write;
@@ -100,7 +100,7 @@ impl Content {
             return self.write_recipe_file(file, overwrite);
         }
         self.refuse_sewn(file)?;
-        let replaced = Replaced { is_option: is_attribute, is_schema };
+        let replaced = EarlierRecipe { is_option: is_attribute, is_schema };
         write_recipe(&self.stage.source, &self.opinions(), file, overwrite, &replaced, |written| self.verify(written))
     }
 

@@ -1,12 +1,12 @@
 //! The garment that is shown, and what the page shows of it.
 
 use super::document::{Options, changed};
-use super::messages::{GarmentMessage, PrimvarInfo, ServerMessage, SetInfo, Suggested, UpAxis, VariantSet};
-use crate::build::Builder;
+use super::messages::{GarmentMessage, PrimvarInfo, SaveTargets, ServerMessage, SetInfo, UpAxis, VariantSet};
 use crate::error::Error;
 use crate::garment::{GarmentInput, PrimvarRole};
+use crate::pipeline::Builder;
 use crate::recipe::{Layers, Recipe, table};
-use crate::session::{Input, Opened, is_usd};
+use crate::session::{Input, OpenGarment, is_usd};
 use crate::usd::{Source, decimal};
 use serde_json::Value;
 use std::path::PathBuf;
@@ -33,7 +33,7 @@ impl Stage {
     /// # Errors
     /// A file that cannot be read, faults of the mesh.
     pub fn open(input: &Input) -> Result<Self, Error> {
-        let Opened { source, mesh, authored, given, warnings } = input.open_one()?;
+        let OpenGarment { source, mesh, authored, given, warnings } = input.open_one()?;
         let checks = Builder::new(mesh.clone())?.with_warnings(warnings);
         let upstream = authored.into_map();
         let given = changed(&given.into_map(), &upstream);
@@ -97,7 +97,7 @@ fn message(source: &Source, checks: &Builder, input: &Input) -> String {
     .to_text()
 }
 
-fn suggested(source: &Source, input: &Input) -> Suggested {
+fn suggested(source: &Source, input: &Input) -> SaveTargets {
     let garment = source.file();
     let stem = garment.file_stem().unwrap_or_default().to_string_lossy();
     let beside = |name: String| garment.with_file_name(name).display().to_string();
@@ -108,5 +108,5 @@ fn suggested(source: &Source, input: &Input) -> Suggested {
         None if !is_usd(&input.file) => recipe = input.file.display().to_string(),
         None => {}
     }
-    Suggested { layer: (!source.is_sewn()).then_some(layer), recipe }
+    SaveTargets { layer: (!source.is_sewn()).then_some(layer), recipe }
 }

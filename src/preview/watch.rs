@@ -29,7 +29,7 @@ pub fn follow(hub: &Arc<Hub>) -> Result<Following, Error> {
     let (sender, events) = channel();
     let watcher = notify::recommended_watcher(move |event| drop(sender.send(event))).map_err(|e| fault(&e))?;
     let watcher = Arc::new(Mutex::new(watcher));
-    let mut followed = Followed { watcher: Arc::clone(&watcher), folders: BTreeSet::new(), files: BTreeSet::new() };
+    let mut followed = WatchList { watcher: Arc::clone(&watcher), folders: BTreeSet::new(), files: BTreeSet::new() };
     followed.update(hub);
     let hub = Arc::clone(hub);
     let work = move || {
@@ -42,14 +42,14 @@ pub fn follow(hub: &Arc<Hub>) -> Result<Following, Error> {
     Ok(Following { _watcher: watcher })
 }
 
-struct Followed {
+struct WatchList {
     watcher: Arc<Mutex<RecommendedWatcher>>,
     /// Folders are watched, as programs replace a file by renaming another one.
     folders: BTreeSet<PathBuf>,
     files: BTreeSet<PathBuf>,
 }
 
-impl Followed {
+impl WatchList {
     fn update(&mut self, hub: &Hub) {
         for file in hub.snapshot().stage.files() {
             // A link may be pointed at another version of its file.

@@ -15,8 +15,10 @@ mod ends;
 mod halving;
 mod layer;
 
-use super::lines::{self, LineVertex, Lines, Request};
-use super::operator::{Closing, Control, Operator, OperatorInput, OperatorOutput, REPORTED, Role, is_lone_corner};
+use super::lines::{self, LineRequest, LineVertex, Lines};
+use super::operator::{
+    Control, ControlRole, LayerEnd, Operator, OperatorInput, OperatorOutput, REPORTED, is_lone_corner,
+};
 use super::options::{LARGEST, OperatorOptions};
 use crate::error::{Code, Error, ErrorCode, Warning, Warnings};
 use crate::garment::{Elements, Garment, Orientation, Subset, Values};
@@ -178,13 +180,13 @@ impl Fold {
     ) -> Vec<(Control, f32)> {
         let on_cage = lines.near.enumerated().filter(|(v, near)| **near || layer_ends[*v]).map(|(v, _)| v);
         let on_surface = |vertex: VertexId, is_fold: bool| {
-            let role = if is_fold { Role::Kept } else { Role::Surface };
+            let role = if is_fold { ControlRole::Kept } else { ControlRole::Surface };
             (Control { vertex, role }, 0.0)
         };
         let mut controls: Vec<(Control, f32)> = on_cage.map(|v| on_surface(v, folds[v])).collect();
         controls.extend(lines.vertices.iter().map(|l| on_surface(l.vertex, l.line.is_none())));
-        let copy_of = |of: VertexId, vertex: VertexId, weight: f32, closing: Closing| {
-            (Control { vertex, role: Role::Copy { of, side: self.sign(), closing } }, weight)
+        let copy_of = |of: VertexId, vertex: VertexId, weight: f32, closing: LayerEnd| {
+            (Control { vertex, role: ControlRole::Copy { of, side: self.sign(), closing } }, weight)
         };
         let ends_of = |l: &&LineVertex| t.edges[l.mark].iter().any(|&v| ends.joined[v]);
         let beside: BTreeSet<VertexId> = lines.vertices.iter().filter(ends_of).map(|l| l.vertex).collect();
@@ -195,9 +197,9 @@ impl Fold {
             let is_closed = sources.iter().all(|(v, _)| ends.closed[*v]);
             let taper = if sources.iter().all(|(v, _)| folds[*v]) { tapers(&sources) } else { 1.0 };
             let closing = match (is_closed || taper < TAPERED, beside.contains(&over)) {
-                (true, _) => Closing::Closed,
-                (_, true) => Closing::Beside,
-                _ => Closing::Open,
+                (true, _) => LayerEnd::Closed,
+                (_, true) => LayerEnd::Beside,
+                _ => LayerEnd::Open,
             };
             let open = || (taper * self.weight(weights, &sources)).max(MIN_WEIGHT);
             let weight = if is_closed { CLOSED_WEIGHT } else { open() };
@@ -205,7 +207,7 @@ impl Fold {
         }));
         // After the copies that they are below, which take the clearance.
         let feet = layer.feet.iter();
-        controls.extend(feet.map(|&[over, vertex]| copy_of(over, vertex, CLOSED_WEIGHT, Closing::Closed)));
+        controls.extend(feet.map(|&[over, vertex]| copy_of(over, vertex, CLOSED_WEIGHT, LayerEnd::Closed)));
         controls
     }
 
@@ -324,7 +326,7 @@ impl Operator for Fold {
         let square = square_edges(garment, cage.level, &chosen);
         let length = CLOSED_LENGTH * self.options.thickness;
         let ends = Ends::new(t, &garment.points, &chosen, [&marked, &square], length);
-        let request = Request {
+        let request = LineRequest {
             topology: t,
             points: &garment.points,
             marked,

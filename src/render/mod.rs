@@ -30,7 +30,7 @@ mod stack;
 pub use fold::{FoldOptions, Side};
 pub use options::{OperatorOptions, RenderOptions};
 pub use seam::SeamOptions;
-pub use stack::{Origins, RenderSteps, Rendered, Stack};
+pub use stack::{Origins, RenderResult, RenderSteps, Stack};
 
 use crate::error::{Code, Error, ErrorCode, Warning, Warnings};
 use crate::garment::{BoundaryInterpolation, Elements, Garment, Scheme, Subset, free_name};

@@ -128,7 +128,7 @@ impl OperatorInput<'_> {
 
 /// The role of a control.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Role {
+pub enum ControlRole {
     /// On the surface.
     Surface,
     /// On the surface, at its place: a border or the border of a set leads there.
@@ -144,13 +144,13 @@ pub enum Role {
         /// 1 on the outer side of the surface, -1 on the inner side.
         side: f32,
         /// Whether the layer is near the end of a fold.
-        closing: Closing,
+        closing: LayerEnd,
     },
 }
 
 /// Where a second layer closes at the end of a fold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Closing {
+pub enum LayerEnd {
     /// Away from ends.
     Open,
     /// Beside an end: the layer rises no faster than its cage.
@@ -159,7 +159,7 @@ pub enum Closing {
     Closed,
 }
 
-impl Role {
+impl ControlRole {
     /// The original of a copy.
     pub fn original(self) -> Option<VertexId> {
         if let Self::Copy { of, .. } = self { Some(of) } else { None }
@@ -172,7 +172,7 @@ pub struct Control {
     /// The vertex.
     pub vertex: VertexId,
     /// Its role, which decides how it moves.
-    pub role: Role,
+    pub role: ControlRole,
 }
 
 /// The output of an operator, without positions.
@@ -214,7 +214,7 @@ impl OperatorOutput {
     }
 
     /// The index in `controls` of each vertex whose role is `wanted`.
-    pub fn index(&self, wanted: impl Fn(Role) -> bool) -> IdVec<VertexId, Option<usize>> {
+    pub fn index(&self, wanted: impl Fn(ControlRole) -> bool) -> IdVec<VertexId, Option<usize>> {
         let mut index = IdVec::filled(None, self.derivation.vertices.len());
         let controls = self.controls.iter().enumerate().filter(|(_, control)| wanted(control.role));
         controls.for_each(|(i, control)| index[control.vertex] = Some(i));

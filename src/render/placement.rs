@@ -9,9 +9,9 @@ mod normals;
 mod patches;
 
 use super::child::{OperatorDerivation, Table};
-use super::operator::{Closing, Control, DerivedCage, Operator, OperatorOutput, Role};
+use super::operator::{Control, ControlRole, DerivedCage, LayerEnd, Operator, OperatorOutput};
 use super::points::CagePoints;
-use super::repair::{Displaced, LEAST_SHARE, LookAhead, repair};
+use super::repair::{LEAST_SHARE, RepairInput, SecondRefinementInput, repair};
 use crate::contact::{Clearance, each_once, morton_order};
 use crate::error::Warnings;
 use crate::garment::Garment;
@@ -20,7 +20,7 @@ use crate::subdivide::{Connectivity, Derivation, Level, carried_points, edges_at
 use fit::{LimitFit, Raise, unfolded};
 use glam::Vec3;
 use normals::OuterNormals;
-use patches::{Patches, Place};
+use patches::{CagePlace, Patches};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -46,7 +46,7 @@ pub struct Placement {
     /// For each control, the parent's corners and weights of its position on the limit surface.
     surface_corners: Table<CornerId>,
     /// For each control, where it, or the original of a copy, is on the parent.
-    places: Vec<Option<Place>>,
+    places: Vec<Option<CagePlace>>,
     /// The parent's faces in which they are, ascending.
     placed_faces: Vec<FaceId>,
     /// For each control, the control whose limit it shares without heights.
@@ -114,7 +114,7 @@ impl Placement {
             || morton_order(&frame.faces, &frame.points),
         );
         let pair = |control: &Control| match control.role {
-            Role::Copy { of, .. } => Some([of, control.vertex]),
+            ControlRole::Copy { of, .. } => Some([of, control.vertex]),
             _ => None,
         };
         let places = places(output, level, parent.level());
@@ -126,7 +126,7 @@ impl Placement {
             surface_corners,
             reference_control: reference_controls(output, level),
             copy_pairs: output.controls.iter().filter_map(pair).collect(),
-            on_seam: output.index(|role| role == Role::Crest).iter().map(Option::is_some).collect(),
+            on_seam: output.index(|role| role == ControlRole::Crest).iter().map(Option::is_some).collect(),
             layer_edges: layer_edges(output, level),
             controlled_faces: controlled_faces(output),
             face_order,
@@ -213,7 +213,7 @@ impl Placement {
         let mut cage = base.fitted.clone();
         let given = self.within_clearance(&asked, &base.targets, &mut cage.clearance, is_last);
         let controls = &self.output().controls;
-        let is_beside = |i: usize| matches!(controls[i].role, Role::Copy { closing: Closing::Beside, .. });
+        let is_beside = |i: usize| matches!(controls[i].role, ControlRole::Copy { closing: LayerEnd::Beside, .. });
         let is_least = |i: usize| given[i] != asked[i] || is_beside(i);
         let raise = |i: usize| Raise { normal: base.targets[i].1, height: given[i], is_least: is_least(i) };
         let raises: Vec<Raise> = (0..given.len()).map(raise).collect();
@@ -221,7 +221,7 @@ impl Placement {
         let unraised = [&base.linear, &base.upright, &base.fitted.points];
         let least = || unraised.map(|points| self.least_raised(&raises, points.clone()));
         let (raised, [linear, upright, flat]) = rayon::join(raised, least);
-        let displaced = Displaced {
+        let displaced = RepairInput {
             child: &self.child,
             parent: self.parent.level(),
             parent_points: &base.parent_points,
@@ -264,7 +264,7 @@ impl Placement {
             is_near[control.vertex] |=
                 clearance[control.vertex][usize::from(*asked > 0.0)] < NEAR_HEIGHTS * asked.abs();
             // Where a layer closes, its own surface is near.
-            if let Role::Copy { of, closing: Closing::Beside | Closing::Closed, .. } = control.role {
+            if let ControlRole::Copy { of, closing: LayerEnd::Beside | LayerEnd::Closed, .. } = control.role {
                 (is_near[control.vertex], is_near[of]) = (true, true);
             }
         }
@@ -274,7 +274,7 @@ impl Placement {
     }
 
     /// The faces to check on the second refinement. `clearance` is measured within the operators' reach only.
-    fn look_ahead(&self, clearance: &IdVec<VertexId, Clearance>) -> LookAhead<'_> {
+    fn look_ahead(&self, clearance: &IdVec<VertexId, Clearance>) -> SecondRefinementInput<'_> {
         let DerivedCage { frame: Garment { faces, points, .. }, ancestry, .. } = self.cage.as_ref();
         let is_close = |face: usize| {
             let vertices = faces.vertices_of(FaceId::new(face));
@@ -283,7 +283,7 @@ impl Placement {
         };
         let close = (0..faces.len()).into_par_iter().map(is_close).collect::<Vec<_>>().into();
         let (level, points) = (ancestry.level.as_ref(), &ancestry.garment.points);
-        LookAhead { input: level, input_points: points, input_faces: &ancestry.faces, close }
+        SecondRefinementInput { input: level, input_points: points, input_faces: &ancestry.faces, close }
     }
 
     /// How far each control may go along the surface.
@@ -291,7 +291,8 @@ impl Placement {
         let t = &self.child.level().topology;
         let length = |edge: EdgeId| linear[t.edges[edge][0]].distance(linear[t.edges[edge][1]]);
         let room = |control: &Control| edges_at(t, control.vertex).map(length).fold(f32::INFINITY, f32::min);
-        let slide = |control: &Control| if control.role == Role::Surface { 0.0 } else { MAX_SLIDE * room(control) };
+        let slide =
+            |control: &Control| if control.role == ControlRole::Surface { 0.0 } else { MAX_SLIDE * room(control) };
         self.output().controls.par_iter().map(slide).collect()
     }
 
@@ -335,7 +336,8 @@ impl Placement {
 
 /// The edges between copies, as indices of their controls, without those of closed ends.
 fn layer_edges(output: &OperatorOutput, level: &Level) -> Vec<[usize; 2]> {
-    let index = output.index(|role| matches!(role, Role::Copy { closing: Closing::Open | Closing::Beside, .. }));
+    let index =
+        output.index(|role| matches!(role, ControlRole::Copy { closing: LayerEnd::Open | LayerEnd::Beside, .. }));
     let of = |ends: &[VertexId; 2]| Some([index[ends[0]]?, index[ends[1]]?]);
     level.topology.edges.iter().filter_map(of).collect()
 }
@@ -354,20 +356,20 @@ fn reference_controls(output: &OperatorOutput, level: &Level) -> Vec<usize> {
     let index = output.index(|_| true);
     let mask = |v: VertexId| (level.topology.vertex_corners.row(v).len(), level.rules[v]);
     let of = |(i, control): (usize, &Control)| match control.role {
-        Role::Copy { of, .. } if mask(of) != mask(control.vertex) => index[of].unwrap_or(i),
+        ControlRole::Copy { of, .. } if mask(of) != mask(control.vertex) => index[of].unwrap_or(i),
         _ => i,
     };
     output.controls.iter().enumerate().map(of).collect()
 }
 
 /// For each control, where it, or the original of a copy, is on the parent.
-fn places(output: &OperatorOutput, child: &Level, parent: &Level) -> Vec<Option<Place>> {
+fn places(output: &OperatorOutput, child: &Level, parent: &Level) -> Vec<Option<CagePlace>> {
     let (derivation, faces) = (&output.derivation, &child.topology.faces);
     let place = |control: &Control| {
         let over = control.role.original().unwrap_or(control.vertex);
         let corners = child.topology.vertex_corners.row(over).iter();
         let parents = corners.map(|&c| derivation.parent_face(faces.face_of(c)));
-        Place::new(&parent.topology, parents.min()?, derivation.vertices.at(over.index()))
+        CagePlace::new(&parent.topology, parents.min()?, derivation.vertices.at(over.index()))
     };
     output.controls.par_iter().map(place).collect()
 }

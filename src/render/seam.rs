@@ -19,15 +19,15 @@ mod chains;
 mod heights;
 mod room;
 
-use super::lines::{self, LineVertex, Lines, Narrowed, Request};
-use super::operator::{Control, Operator, OperatorInput, OperatorOutput, REPORTED, Role};
+use super::lines::{self, LineRequest, LineVertex, Lines, NarrowVertex};
+use super::operator::{Control, ControlRole, Operator, OperatorInput, OperatorOutput, REPORTED};
 use super::options::{LARGEST, OperatorOptions};
 use crate::error::{Code, Error, Warning, Warnings};
 use crate::garment::{Elements, Garment, Orientation, Subset};
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
 use crate::options::{Domain, options};
 use chains::Network;
-use heights::{Part, Strand};
+use heights::{Part, SeamLine};
 use std::any::Any;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -109,7 +109,7 @@ impl Seams {
         edges.flatten().copied().collect()
     }
 
-    fn warn(&self, cage: &OperatorInput, network: &Network, narrowed: &[Narrowed]) -> Warnings {
+    fn warn(&self, cage: &OperatorInput, network: &Network, narrowed: &[NarrowVertex]) -> Warnings {
         let mut warnings = Warnings::default();
         for (number, (name, _)) in self.seams.iter().enumerate() {
             let label = format!("seam.{name}");
@@ -143,7 +143,7 @@ impl Seams {
         let on_cage = lines.near.ids().filter(near).map(|vertex| {
             let seams = network.at(t, vertex);
             let part = (!seams.is_empty()).then(|| Part::Centre { seams, share: lines.heights[vertex] });
-            let role = part.as_ref().map_or(Role::Kept, Part::role);
+            let role = part.as_ref().map_or(ControlRole::Kept, Part::role);
             (Control { vertex, role }, part)
         });
         let on_lines = lines.vertices.iter().filter_map(|line| {
@@ -155,14 +155,14 @@ impl Seams {
 
     fn line_part(t: &Topology, network: &Network, vertex: &LineVertex) -> Option<Part> {
         let (seam, share) = (network.seam[vertex.mark]?, vertex.height);
-        let own = Strand { seam, line: vertex.line };
+        let own = SeamLine { seam, line: vertex.line };
         let Some(crossing) = vertex.crossing else {
             return Some(match vertex.line {
                 Some(_) => Part::Line { strand: own, share },
                 None => Part::Centre { seams: vec![seam], share },
             });
         };
-        let other = Strand { seam: network.seam[crossing.mark]?, line: Some(crossing.line) };
+        let other = SeamLine { seam: network.seam[crossing.mark]?, line: Some(crossing.line) };
         let first = network.junction_of(t, vertex.mark, crossing.mark).and_then(|seams| seams.first().copied());
         let (through, other) =
             if seam != other.seam && first == Some(other.seam) { (other, own) } else { (own, other) };
@@ -229,7 +229,7 @@ impl Operator for Seams {
         let edges = self.seams.iter().map(|(_, options)| Self::edges(cage.garment, options)).collect::<Vec<_>>();
         let t = &cage.level.topology;
         let network = Network::new(t, &edges);
-        let request = Request {
+        let request = LineRequest {
             topology: t,
             points: &cage.garment.points,
             marked: network.seam.iter().map(Option::is_some).collect(),
@@ -266,7 +266,7 @@ impl Operator for Seams {
         let mut shallow: Vec<(usize, VertexId, f32)> = Vec::new();
         for ((control, given), part) in output.controls.iter().zip(given).zip(parts(output)) {
             let (asked, seam) = part.as_ref().map_or((0.0, 0), |part| self.height(part));
-            if control.role == Role::Crest && given.abs() < REPORTED * asked.abs() {
+            if control.role == ControlRole::Crest && given.abs() < REPORTED * asked.abs() {
                 shallow.push((seam, control.vertex, given.abs() / asked.abs()));
             }
         }

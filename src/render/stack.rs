@@ -4,7 +4,7 @@ mod stage;
 mod steps;
 
 pub use stage::Origins;
-pub use steps::{RenderSteps, Rendered};
+pub use steps::{RenderResult, RenderSteps};
 
 use super::operator::Operator;
 use super::{OperatorOptions, RenderOptions};

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 /// A `.tailor` file and the file-format arguments that it was opened with.
 #[derive(Clone, Debug)]
-pub struct Document {
+pub struct PayloadRecipe {
     path: PathBuf,
     source: String,
     options: ReadOptions,
@@ -21,7 +21,7 @@ pub struct Document {
 /// Arguments that OpenUSD itself adds to any layer; they are ignored.
 const FOREIGN_ARGUMENTS: [&str; 1] = ["target"];
 
-impl Document {
+impl PayloadRecipe {
     /// Parses the text of the file at `path` and its arguments: `prim`, `time`, and options by their keys.
     ///
     /// # Errors
@@ -114,8 +114,8 @@ mod tests {
 
     const FILE: &str = r#"{"source": "coat.usda", "prim": "/Coat/model", "sim": {"iterations": 3}}"#;
 
-    fn document(text: &str, arguments: &[(&str, &str)]) -> Result<Document, Error> {
-        Document::new(Path::new("/a/coat.tailor"), text, arguments.iter().copied())
+    fn document(text: &str, arguments: &[(&str, &str)]) -> Result<PayloadRecipe, Error> {
+        PayloadRecipe::new(Path::new("/a/coat.tailor"), text, arguments.iter().copied())
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! A garment on disk with the recipes that are given for it, for the command and the preview.
 
-use crate::build::Builder;
 use crate::error::{Error, Warnings};
 use crate::garment::GarmentInput;
+use crate::pipeline::Builder;
 use crate::recipe::{Layers, Recipe, RecipeFile, is_recipe};
 use crate::usd::{ReadOptions, Source};
 use serde_json::{Map, Value};
@@ -25,7 +25,7 @@ pub struct Input {
 
 /// An opened input, before its mesh and its recipe are checked.
 #[derive(Clone, Debug)]
-pub struct Opened {
+pub struct OpenGarment {
     /// The stage.
     pub source: Source,
     /// The mesh as authored.
@@ -38,7 +38,7 @@ pub struct Opened {
     pub warnings: Warnings,
 }
 
-impl Opened {
+impl OpenGarment {
     /// All options merged.
     pub fn layers(&self) -> Layers {
         let mut layers = self.authored.clone();
@@ -63,7 +63,7 @@ impl Input {
     ///
     /// # Errors
     /// A file that cannot be read; a recipe with faults; several garments.
-    pub fn open_one(&self) -> Result<Opened, Error> {
+    pub fn open_one(&self) -> Result<OpenGarment, Error> {
         let recipes = self.recipes()?;
         let source = Source::only(Source::open_all(&recipes.file, &recipes.read)?)?;
         self.opened(source, &recipes)
@@ -74,7 +74,7 @@ impl Input {
     ///
     /// # Errors
     /// A file that cannot be read; a recipe with faults; for any of the garments.
-    pub fn open_all(&self) -> Result<Vec<Opened>, Error> {
+    pub fn open_all(&self) -> Result<Vec<OpenGarment>, Error> {
         let recipes = self.recipes()?;
         let sources = Source::open_all(&recipes.file, &recipes.read)?;
         sources.into_iter().map(|source| self.opened(source, &recipes)).collect()
@@ -98,7 +98,7 @@ impl Input {
         Ok(Recipes { file, read, files })
     }
 
-    fn opened(&self, source: Source, recipes: &Recipes) -> Result<Opened, Error> {
+    fn opened(&self, source: Source, recipes: &Recipes) -> Result<OpenGarment, Error> {
         let mut warnings = Warnings::default();
         let (mut authored, mut given) = (Layers::default(), Layers::default());
         warnings.extend(authored.add_attributes(source.recipe()?));
@@ -112,7 +112,7 @@ impl Input {
         all.add(given.clone().into_map());
         warnings.extend(all.check_schemas(source.prim(), &source.facts().api_schemas));
         [&mut authored, &mut given].into_iter().for_each(|layers| layers.convert_lengths(mesh.units));
-        Ok(Opened { source, mesh, authored, given, warnings })
+        Ok(OpenGarment { source, mesh, authored, given, warnings })
     }
 }
 

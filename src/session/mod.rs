@@ -5,11 +5,11 @@
 mod document;
 mod input;
 
-pub use document::Document;
-pub use input::{Input, Opened, beside, is_usd};
+pub use document::PayloadRecipe;
+pub use input::{Input, OpenGarment, beside, is_usd};
 
-use crate::build::{Builder, Products, RenderPanel};
 use crate::error::{Error, ErrorKind, Warnings};
+use crate::pipeline::{Builder, Products, RenderPanel};
 use crate::recipe::Layers;
 use crate::usd::{
     Format, Product, ProductNames, ProductRole, ReadOptions, Source, Surroundings, WriteOptions, layer_bytes,
@@ -80,7 +80,7 @@ impl Session {
     /// Errors in the source or the recipe.
     pub fn layer(
         &self,
-        document: &Document,
+        document: &PayloadRecipe,
         content: &[u8],
         metadata_only: bool,
     ) -> Result<(Vec<u8>, Warnings), Error> {
@@ -102,7 +102,7 @@ impl Session {
     fn update(
         &self,
         opened: &mut Option<Read>,
-        document: &Document,
+        document: &PayloadRecipe,
         entry: &Entry,
         metadata_only: bool,
     ) -> Result<(Updated, Warnings), Error> {
@@ -130,7 +130,7 @@ impl Session {
     }
 
     /// The cache entry of a source, now the most recently used. The content is copied only for a new one.
-    fn entry(&self, document: &Document, content: &[u8]) -> Arc<Entry> {
+    fn entry(&self, document: &PayloadRecipe, content: &[u8]) -> Arc<Entry> {
         let (file, options) = (document.source_file(), document.options());
         let is_same = |e: &Entry| e.file == file && e.options == *options && *e.content == *content;
         let mut kept = lock(&self.kept);

@@ -14,7 +14,7 @@ mod shell_uvs;
 mod sim_mesh;
 mod surface;
 
-pub use baseline::{Baseline, Location, baseline_level};
+pub use baseline::{Baseline, BaselinePoint, baseline_level};
 #[cfg(feature = "internals")]
 pub use baseline::{facets::Facet, project::Projection};
 pub(crate) use constraints::cage_edges::half_edge;
@@ -30,6 +30,6 @@ pub use passes::{
 };
 pub use product::{CurveGap, SimProduct, simulate};
 #[cfg(feature = "internals")]
-pub use sim_mesh::{CurveSpan, SimMesh, UvLocation, VertexConstraint};
+pub use sim_mesh::{BaselineUvPoint, CurveSpan, SimMesh, VertexConstraint};
 pub use surface::lengths::Lengths;
 pub use surface::refine::holes;

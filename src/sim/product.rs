@@ -5,7 +5,7 @@ use super::constraints::chain::Chain;
 use super::geometry::distance_to_segment;
 use super::passes::remesh::{RemeshReport, remesh};
 use super::shell_uvs::separate_shells;
-use super::sim_mesh::{SimMesh, UvLocation};
+use super::sim_mesh::{BaselineUvPoint, SimMesh};
 use crate::mesh::{ChainId, Compact, CornerId, IdVec, VertexId};
 use glam::Vec3;
 
@@ -20,7 +20,7 @@ pub struct SimProduct {
     /// Target edge length at each vertex. \[mesh units\]
     pub target: IdVec<VertexId, f32>,
     /// Location of each corner on the baseline, with the constraint UVs.
-    pub places: IdVec<CornerId, UvLocation>,
+    pub places: IdVec<CornerId, BaselineUvPoint>,
     /// The edges on each chain, in order and direction of the chain.
     pub chain_edges: IdVec<ChainId, Vec<[VertexId; 2]>>,
     /// Arc length of the chain at the ends of each of those edges. \[mesh units\]
@@ -57,7 +57,7 @@ pub fn simulate(baseline: Baseline, iterations: u32, max_faces: usize) -> SimPro
     let report = remesh(&mut mesh, iterations, max_faces);
     let Compact { triangles, old_vertex, old_corner } = mesh.topology.compact();
     let points: IdVec<VertexId, Vec3> = old_vertex.iter().map(|&v| mesh.points[v]).collect();
-    let mut places: IdVec<CornerId, UvLocation> = old_corner.iter().map(|&c| mesh.place(c)).collect();
+    let mut places: IdVec<CornerId, BaselineUvPoint> = old_corner.iter().map(|&c| mesh.place(c)).collect();
     separate_shells(&baseline, &points, &triangles, &mut places);
     let edges = chain_edges(&mesh, &old_vertex);
     let gaps = edges.enumerated().map(|(id, edges)| curve_gap(&baseline, &baseline.chains[id], edges, &points));
@@ -100,7 +100,7 @@ fn chain_edges(mesh: &SimMesh<'_>, old_vertex: &IdVec<VertexId, VertexId>) -> Id
 fn targets(
     baseline: &Baseline,
     triangles: &[[VertexId; 3]],
-    places: &IdVec<CornerId, UvLocation>,
+    places: &IdVec<CornerId, BaselineUvPoint>,
     vertices: usize,
 ) -> IdVec<VertexId, f32> {
     let mut first = IdVec::<VertexId, CornerId>::filled(CornerId::new(0), vertices);

@@ -1,8 +1,8 @@
 //! UVs of triangles across the borders of small UV shells, which are not edges of the mesh: each triangle takes the UVs of one
 //! shell at all of its corners, extrapolated beyond the shell.
 
-use super::baseline::{Baseline, Location};
-use super::sim_mesh::UvLocation;
+use super::baseline::{Baseline, BaselinePoint};
+use super::sim_mesh::BaselineUvPoint;
 use crate::mesh::{CornerId, FaceId, IdVec, VertexId};
 use glam::{Vec2, Vec3};
 use std::collections::BTreeMap;
@@ -15,7 +15,7 @@ pub(crate) fn separate_shells(
     baseline: &Baseline,
     points: &IdVec<VertexId, Vec3>,
     triangles: &[[VertexId; 3]],
-    places: &mut IdVec<CornerId, UvLocation>,
+    places: &mut IdVec<CornerId, BaselineUvPoint>,
 ) {
     let shells = &baseline.small_shells;
     if shells.is_empty() {
@@ -62,6 +62,6 @@ impl Baseline {
         let (s, t) = (from.cross(v).dot(over), u.cross(from).dot(over));
         let weights = Vec3::new(1.0 - s - t, s, t);
         let may_extrapolate = weights.is_finite() && weights.abs().max_element() <= MAX_WEIGHT;
-        self.uv(if may_extrapolate { Location { face: closest.face, weights } } else { closest })
+        self.uv(if may_extrapolate { BaselinePoint { face: closest.face, weights } } else { closest })
     }
 }

@@ -3,7 +3,7 @@
 use super::coverage::Coverage;
 use super::topology::SimTopology;
 use crate::mesh::{CornerId, FaceId, IdVec, VertexId};
-use crate::sim::{Location, SimProduct};
+use crate::sim::{BaselinePoint, SimProduct};
 use glam::Vec3;
 
 /// Places of the simulation mesh's elements on the baseline, from which every attribute is carried.
@@ -12,7 +12,7 @@ pub(super) struct Correspondence<'a> {
     pub mesh: &'a SimTopology,
     pub coverage: &'a Coverage,
     /// The location of each vertex; at a seam, on the side of its first corner.
-    pub locations: IdVec<VertexId, Location>,
+    pub locations: IdVec<VertexId, BaselinePoint>,
     /// Faces that no sample hits, ascending, each with the garment's face under its centroid.
     pub unsampled: Vec<(FaceId, FaceId)>,
 }
@@ -42,7 +42,7 @@ impl<'a> Correspondence<'a> {
     }
 
     /// The locations of a face's corners, on its own side of the seams.
-    pub fn corner_locations(&self, face: FaceId) -> [Location; 3] {
+    pub fn corner_locations(&self, face: FaceId) -> [BaselinePoint; 3] {
         [0, 1, 2].map(|k| self.product.places[CornerId::new(3 * face.index() + k)].location)
     }
 

@@ -1,7 +1,7 @@
 //! Rows of a primvar, interpolated within triangles.
 
 use crate::garment::Primvar;
-use crate::sim::Location;
+use crate::sim::BaselinePoint;
 use crate::subdivide::{Real, blend_into};
 use rayon::prelude::*;
 
@@ -28,6 +28,6 @@ pub(super) fn interpolate<'a, T: Real + 'a>(
 }
 
 /// The rows of a triangle's corners, weighted as at a location.
-pub(super) fn weighted<'a, T>(at: &Location, row: impl Fn(usize) -> &'a [T]) -> WeightedRows<'a, T> {
+pub(super) fn weighted<'a, T>(at: &BaselinePoint, row: impl Fn(usize) -> &'a [T]) -> WeightedRows<'a, T> {
     [0, 1, 2].map(|k| (row(k), at.weights[k]))
 }

@@ -27,7 +27,7 @@ mod vertices;
 
 #[cfg(feature = "internals")]
 pub use coverage::CoveredArea;
-pub use coverage::{Coverage, Places};
+pub use coverage::{Coverage, TriangleLocator};
 #[cfg(feature = "internals")]
 pub use provenance::{SOURCE_COORDS, SOURCE_FACE, corner_coordinates};
 pub use subsets::SetCurve;
@@ -40,7 +40,7 @@ use subsets::{CarriedSubsets, EdgeSets};
 use topology::SimTopology;
 
 /// A simulation mesh with attributes, and figures of their transfer.
-pub struct Transferred {
+pub struct TransferResult {
     /// The mesh.
     pub mesh: Garment,
     /// Areas that its faces and the garment's have in common.
@@ -59,7 +59,7 @@ pub fn transfer(
     product: &SimProduct,
     options: &SimOptions,
     uv_set: Option<&Primvar>,
-) -> (Transferred, Warnings) {
+) -> (TransferResult, Warnings) {
     let mesh = SimTopology::new(product, garment.faces.len());
     let (coverage, edge_sets) = rayon::join(
         || Coverage::with_topology(product, &mesh, options),
@@ -87,5 +87,5 @@ pub fn transfer(
         families,
         influences: None,
     };
-    (Transferred { mesh, coverage, curves, islands }, warnings)
+    (TransferResult { mesh, coverage, curves, islands }, warnings)
 }

@@ -5,7 +5,7 @@ use super::interpolate::{interpolate, weighted};
 use crate::garment::joints::{self, Influences};
 use crate::garment::{Garment, Interpolation, Meaning, Mixing, Primvar, Values};
 use crate::mesh::{CornerId, VertexId};
-use crate::sim::{Baseline, Location};
+use crate::sim::{Baseline, BaselinePoint};
 use crate::subdivide::{Real, Stencils, gathered};
 use rayon::prelude::*;
 
@@ -20,7 +20,7 @@ pub(super) fn carry(primvar: &Primvar, map: &Correspondence<'_>) -> Primvar {
         Values::F64(v) if primvar.is_mixed() => Values::F64(interpolated(primvar, v, map)),
         _ => {
             let sources = heaviest_sources(baseline, primvar.interpolation == Interpolation::Varying);
-            let source = |at: &Location| {
+            let source = |at: &BaselinePoint| {
                 let corner = CornerId::new(3 * at.face.index() + at.weights.max_position());
                 sources[level_vertex(baseline, corner).index()].index()
             };
@@ -108,7 +108,7 @@ pub(super) fn carry_influences(garment: &Garment, map: &Correspondence<'_>) -> V
         let rows = (0..stencils.rows()).into_par_iter();
         fine = rows.map(|r| joints::blend(stencils.merged(r).iter().map(|&(v, w)| (&fine[v.index()], w)))).collect();
     }
-    let blended = |at: &Location| {
+    let blended = |at: &BaselinePoint| {
         let corners = baseline.topology.faces.corners_of(at.face).zip(at.weights.to_array());
         joints::blend(corners.map(|(c, w)| (&fine[level_vertex(baseline, c).index()], w)))
     };

@@ -18,21 +18,22 @@ mod write;
 pub(crate) use assets::relative;
 pub use build_record::BuildRecord;
 pub use read::{
-    Binding, Facts, InheritedPrimvar, PanelSeam, ProductNames, ReadOptions, Selection, Source, TransformOp, VariantSet,
-    first_used, misplaced_options, product_names,
+    Facts, InheritedPrimvar, MaterialBinding, PanelSeam, ProductNames, ReadOptions, Selection, Source, TransformOp,
+    VariantSet, first_used, misplaced_options, product_names,
 };
 pub use shot::{DriveOptions, Driven, drive};
 #[cfg(feature = "preview")]
 pub(crate) use values::decimal;
 #[cfg(any(feature = "cli", feature = "preview"))]
 pub(crate) use values::type_word;
-pub use write::{
-    Format, Product, ProductRole, Surroundings, Tailored, WriteOptions, Written, check_target, layer_bytes,
-    remove_unfinished, write, write_all, write_whole,
-};
 #[cfg(feature = "preview")]
 pub(crate) use write::{
-    OptionValue, PREFIX, RecipeOpinions, Replaced, Unfinished, garment_below, recipe_text, selections, write_recipe,
+    EarlierRecipe, OptionValue, PREFIX, RecipeOpinions, Unfinished, garment_below, recipe_text, selections,
+    write_recipe,
+};
+pub use write::{
+    Format, GarmentProducts, Product, ProductRole, Surroundings, WriteOptions, Written, check_target, layer_bytes,
+    remove_unfinished, write, write_all, write_whole,
 };
 
 use crate::error::Error;

@@ -25,7 +25,7 @@ fn file(name: &str) -> PathBuf {
 
 /// Seams and hems of sizes that the garment's edges have room for.
 fn options(garment: &Garment, seams: &str) -> Vec<(String, String)> {
-    let size = tailor::internals::build::mean_edge_length(garment);
+    let size = tailor::internals::pipeline::mean_edge_length(garment);
     let panels = border_panels(garment);
     let pairs = [
         ("seam.all.edges", seams.to_owned()),

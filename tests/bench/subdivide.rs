@@ -56,7 +56,7 @@ struct Cage<'a> {
 }
 
 /// The finest level.
-struct Refined {
+struct RefinedLevels {
     faces: Faces,
     _points: Vec<[f32; 3]>,
     _uvs: Vec<[f32; 2]>,
@@ -76,7 +76,7 @@ impl<'a> Cage<'a> {
     }
 
     /// Everything from the cage's faces on: `levels` times topology, points and UVs.
-    fn refine(&self, levels: usize) -> Refined {
+    fn refine(&self, levels: usize) -> RefinedLevels {
         let mut level = Level::base(self.garment);
         let rules = self.garment.rules;
         let (mut channel, rows) =
@@ -92,7 +92,7 @@ impl<'a> Cage<'a> {
             level = child;
         }
         let refined_uvs = ChannelChild::new(&level, &channel);
-        Refined {
+        RefinedLevels {
             _points: level.vertex_stencils().apply(&points),
             _uvs: refined_uvs.apply(&uvs),
             faces: level.refined_faces(),

@@ -60,7 +60,7 @@ fn carried(garment: &Garment, product: &SimProduct, sample: &Sample) -> Garment 
 
 /// The baseline for half the mean edge length everywhere.
 fn baseline(garment: &Garment, sample: &Sample, options: &SimOptions) -> Baseline {
-    let length = 0.5 * tailor::internals::build::mean_edge_length(garment);
+    let length = 0.5 * tailor::internals::pipeline::mean_edge_length(garment);
     Baseline::new(garment, options, Lengths { min: length, max: length, density: None }, Some(sample.uv_set()))
 }
 

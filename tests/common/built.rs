@@ -4,7 +4,7 @@ use super::prepared::{Prepared, baseline};
 use tailor::error::Warnings;
 use tailor::internals::garment::{Garment, Primvar};
 use tailor::internals::sim::{SimOptions, SimProduct, simulate};
-use tailor::internals::transfer::{Transferred, transfer};
+use tailor::internals::transfer::{TransferResult, transfer};
 use tailor::recipe::Layers;
 use tailor::{Builder, GarmentInput, Products};
 
@@ -38,7 +38,7 @@ impl Built {
     }
 
     /// Transfer alone, made again with other options.
-    pub fn transferred(&self, product: &SimProduct, options: &SimOptions) -> Transferred {
+    pub fn transferred(&self, product: &SimProduct, options: &SimOptions) -> TransferResult {
         transfer(&self.garment, product, options, self.uv_set()).0
     }
 

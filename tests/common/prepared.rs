@@ -36,5 +36,5 @@ pub fn of_file<'a>(file: &Path, options: impl IntoIterator<Item = &'a str>) -> P
 /// The baseline after `level` refinements.
 pub fn baseline(prepared: &Prepared, level: u32) -> Baseline {
     let options = SimOptions { baseline_level: level, ..prepared.recipe.sim.clone() };
-    tailor::internals::build::baseline(&prepared.garment, &options).unwrap_or_else(|e| panic!("{e}"))
+    tailor::internals::pipeline::baseline(&prepared.garment, &options).unwrap_or_else(|e| panic!("{e}"))
 }

@@ -56,7 +56,7 @@ impl Subject {
         let mut builder = Builder::new(input).map_err(said)?.with_max_faces(MAX_FACES);
         let products = builder.update(&layers.recipe().map_err(said)?).map_err(said)?;
         let sim = &products.recipe.sim;
-        let baseline = tailor::internals::build::baseline(builder.garment(), sim).map_err(said)?;
+        let baseline = tailor::internals::pipeline::baseline(builder.garment(), sim).map_err(said)?;
         let product = simulate(baseline, sim.iterations, 4 * MAX_FACES);
         Ok(Self { name: name.into(), garment: (**builder.garment()).clone(), products, product, faults: Vec::new() })
     }

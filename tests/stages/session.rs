@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 use tailor::glam::Vec3;
-use tailor::session::{Document, Session, written};
+use tailor::session::{PayloadRecipe, Session, written};
 use tailor::usd::{Format, ProductNames, ReadOptions, Source, Surroundings, WriteOptions, layer_bytes, write};
 use tailor::{
     Builder, Error, ErrorKind, FoldOptions, GarmentInput, Products, Progress, Recipe, SeamOptions, SubsetInput,
@@ -29,9 +29,9 @@ impl Example {
     }
 
     /// A `.tailor` file for it.
-    fn document(&self, arguments: &[(&str, &str)]) -> Document {
+    fn document(&self, arguments: &[(&str, &str)]) -> PayloadRecipe {
         let text = r#"{"source": "tshirt.usda", "sim": {"iterations": 2}}"#;
-        Document::new(&self.folder.join("tshirt.tailor"), text, arguments.iter().copied()).expect("a good file")
+        PayloadRecipe::new(&self.folder.join("tshirt.tailor"), text, arguments.iter().copied()).expect("a good file")
     }
 
     fn layer(&self, session: &Session, arguments: &[(&str, &str)]) -> Vec<u8> {

@@ -26,14 +26,14 @@ static REPORTED: LazyLock<Mutex<HashSet<String>>> = LazyLock::new(Mutex::default
 #[derive(Debug)]
 pub struct Document {
     path: String,
-    document: session::Document,
+    document: session::PayloadRecipe,
 }
 
 impl Document {
     pub fn read(path: &str, text: &[u8], arguments: &[Argument]) -> Result<Self, String> {
         let text = str::from_utf8(text).map_err(|_| "it is not UTF-8 text\n  hint: a recipe is JSON".to_owned())?;
         let arguments = arguments.iter().map(|a| (a.key.as_str(), a.value.as_str()));
-        let document = session::Document::new(Path::new(path), text, arguments).map_err(|e| e.to_string())?;
+        let document = session::PayloadRecipe::new(Path::new(path), text, arguments).map_err(|e| e.to_string())?;
         Ok(Self { path: path.into(), document })
     }
 

@@ -54,7 +54,7 @@ pub struct Budget {
 }
 
 /// A part of a budget, which is given back when it is dropped.
-pub struct Reserved<'a> {
+pub struct BudgetShare<'a> {
     budget: &'a Budget,
     bytes: usize,
 }
@@ -71,17 +71,17 @@ impl Budget {
     }
 
     /// Waits until `bytes` are free, or nothing else is reserved.
-    pub fn reserve(&self, bytes: usize) -> Reserved<'_> {
+    pub fn reserve(&self, bytes: usize) -> BudgetShare<'_> {
         let mut used = lock(&self.used);
         while *used > 0 && used.saturating_add(bytes) > self.limit {
             used = self.freed.wait(used).unwrap_or_else(PoisonError::into_inner);
         }
         *used = used.saturating_add(bytes);
-        Reserved { budget: self, bytes }
+        BudgetShare { budget: self, bytes }
     }
 }
 
-impl Drop for Reserved<'_> {
+impl Drop for BudgetShare<'_> {
     fn drop(&mut self) {
         let mut used = lock(&self.budget.used);
         *used = used.saturating_sub(self.bytes);

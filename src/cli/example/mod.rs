@@ -25,7 +25,7 @@ pub struct Example {
 }
 
 /// Files that are written together, the first of which is used.
-struct Shipped {
+struct ExampleFiles {
     name: &'static str,
     about: &'static str,
     /// Paths in the folder, with the content.
@@ -39,23 +39,23 @@ macro_rules! file {
     };
 }
 
-const ALL: [Shipped; 4] = [
-    Shipped {
+const ALL: [ExampleFiles; 4] = [
+    ExampleFiles {
         name: "tshirt",
         about: "a shirt, and a recipe with a seam and a folded neckband",
         files: &[file!("tshirt.tailor"), file!("tshirt.usda")],
     },
-    Shipped {
+    ExampleFiles {
         name: "trousers",
         about: "trousers, and a recipe with seams and a folded waistband",
         files: &[file!("trousers.tailor"), file!("trousers.usda")],
     },
-    Shipped {
+    ExampleFiles {
         name: "coat",
         about: "a coat, and a layer over it with nine seams and four folds",
         files: &[file!("sewn/coat.usda"), file!("coat.usda")],
     },
-    Shipped {
+    ExampleFiles {
         name: "picture",
         about: "Python scripts that draw what a build wrote (with usd-core, numpy and pillow)",
         files: &[file!("picture.py"), file!("draw.py"), file!("meshes.py")],
@@ -71,7 +71,7 @@ pub fn run(args: &Example) -> Result<Output, Error> {
     Ok(Output { text, code: 0 })
 }
 
-fn find(name: &str) -> Result<&'static Shipped, Error> {
+fn find(name: &str) -> Result<&'static ExampleFiles, Error> {
     ALL.iter().find(|example| example.name == name).ok_or_else(|| {
         let names = ALL.each_ref().map(|example| example.name);
         let remedy = format!("{}the examples are: {}", did_you_mean(name, &names), names.join(", "));
@@ -81,12 +81,12 @@ fn find(name: &str) -> Result<&'static Shipped, Error> {
 
 fn list() -> String {
     let width = ALL.iter().map(|example| example.name.len()).max().unwrap_or(0);
-    let line = |example: &Shipped| format!("{:width$}  {}\n", example.name, example.about);
+    let line = |example: &ExampleFiles| format!("{:width$}  {}\n", example.name, example.about);
     ALL.iter().map(line).collect()
 }
 
 /// Writes the files into a folder, and tells them.
-fn written(example: &Shipped, folder: &Path, force: bool) -> Result<String, Error> {
+fn written(example: &ExampleFiles, folder: &Path, force: bool) -> Result<String, Error> {
     // All are checked before the first is written.
     let has_other = |(name, content): &&(&str, &str)| {
         let there = fs::read(folder.join(name));

@@ -10,14 +10,14 @@ use serde_json::{Value, json};
 use std::path::Path;
 
 /// A build with its options, over which those of the command line are stronger.
-pub struct Recorded {
+pub struct RecordedBuild {
     /// The output, to be opened with the options of the build.
     pub input: Input,
     request: Request,
     record: BuildRecord,
 }
 
-impl Recorded {
+impl RecordedBuild {
     /// The build that made `file`; none of a file without a record, and where the command line names another prim.
     pub fn of(inputs: &Inputs, file: &Path) -> Option<Self> {
         let record = Some(file).filter(|file| is_usd(file)).and_then(BuildRecord::of)?;

@@ -8,7 +8,7 @@ use crate::mesh::{EdgeId, Id, VertexId};
 use std::collections::{HashMap, HashSet};
 
 /// A subset and the numbers of its elements: of faces, points or edges.
-struct Numbered {
+struct SubsetNumbers {
     subset: Subset,
     /// None where an element is at fault.
     numbers: Option<Vec<usize>>,
@@ -40,7 +40,7 @@ pub(super) fn subsets(
 }
 
 /// One subset; none if a mesh has no such elements.
-fn subset(input: SubsetInput, mesh: &Mesh<'_>, problems: &mut Problems) -> Option<Numbered> {
+fn subset(input: SubsetInput, mesh: &Mesh<'_>, problems: &mut Problems) -> Option<SubsetNumbers> {
     let before = problems.count();
     let attribute = format!("{}.indices", input.name);
     let (elements, numbers) = match input.element_type.as_str() {
@@ -65,7 +65,7 @@ fn subset(input: SubsetInput, mesh: &Mesh<'_>, problems: &mut Problems) -> Optio
     };
     let clean = problems.count() == before && numbers.len() == elements.len();
     let subset = Subset { name: input.name, family: input.family, elements, sharpness: None };
-    Some(Numbered { subset, numbers: clean.then_some(numbers) })
+    Some(SubsetNumbers { subset, numbers: clean.then_some(numbers) })
 }
 
 /// Faces or points, each at most once.
@@ -149,13 +149,13 @@ fn edge_number(
 struct Members<'a> {
     family: &'a str,
     rule: FamilyType,
-    subsets: Vec<&'a Numbered>,
+    subsets: Vec<&'a SubsetNumbers>,
     /// Whether all elements of all its subsets are known.
     complete: bool,
 }
 
 /// The families that have subsets, in the order of their first one.
-fn members<'a>(subsets: &'a [Numbered], families: &[Family], incomplete: &HashSet<String>) -> Vec<Members<'a>> {
+fn members<'a>(subsets: &'a [SubsetNumbers], families: &[Family], incomplete: &HashSet<String>) -> Vec<Members<'a>> {
     let rules: HashMap<&str, FamilyType> = families.iter().map(|f| (f.name.as_str(), f.kind)).collect();
     let mut members: Vec<Members<'a>> = Vec::new();
     let mut places: HashMap<&str, usize> = HashMap::new();

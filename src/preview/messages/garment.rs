@@ -37,7 +37,7 @@ pub struct GarmentMessage<'a> {
     /// The table of options.
     pub groups: Vec<GroupTable>,
     /// Files to save to.
-    pub suggested: Suggested,
+    pub suggested: SaveTargets,
     /// Warnings of the stage and of its mesh; those of the products are in their own messages.
     pub warnings: Vec<&'a Warning>,
 }
@@ -130,7 +130,7 @@ impl<'a> From<&'a usd::VariantSet> for VariantSet<'a> {
 /// Files to save to: those of the input where it has one, else new ones beside the garment.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
-pub struct Suggested {
+pub struct SaveTargets {
     /// A USD layer. Panels that are sewn together have none: their options are of no prim.
     pub layer: Option<String>,
     /// A `.tailor` file.

@@ -15,7 +15,7 @@ use crate::error::Error;
 use crate::garment::{Elements, Garment};
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
 use crate::render::child::ChildBuilder;
-use crate::render::operator::{Control, Operator, OperatorInput, OperatorOutput, Role};
+use crate::render::operator::{Control, ControlRole, Operator, OperatorInput, OperatorOutput};
 use crate::subdivide::Level;
 use std::any::Any;
 use std::sync::Arc;
@@ -148,7 +148,7 @@ impl Operator for Halving {
         border.for_each(|edge| t.edges[edge].iter().for_each(|&v| on_border[v] = true));
         // The middles of edges are those of the refinement of a B-spline; its old vertices move.
         let vertices = on_surface.ids().filter(|&v| on_surface[v]);
-        let role = |v: VertexId| if on_border[v] { Role::Kept } else { Role::Surface };
+        let role = |v: VertexId| if on_border[v] { ControlRole::Kept } else { ControlRole::Surface };
         let controls = vertices.map(|vertex| Control { vertex, role: role(vertex) }).collect();
         Ok(OperatorOutput { controls, ..OperatorOutput::new(builder.finish(), cage) })
     }

@@ -8,7 +8,7 @@
 //!  *==+==+==+==
 //! ```
 
-use super::Request;
+use super::LineRequest;
 use super::paths::Widths;
 use super::ribs::{MAX_EDGE_SHARE, MAX_SHARED_SHARE, Path, Rib, Ribs, sine};
 use crate::mesh::{CornerId, EdgeId, Topology, VertexId};
@@ -54,7 +54,7 @@ type Positions = BTreeMap<(EdgeId, VertexId), (Vec<f32>, EdgeId)>;
 
 impl Cuts {
     /// The cuts of a request with its ribs.
-    pub fn new(request: &Request, ribs: &Ribs, widths: &Widths) -> Self {
+    pub fn new(request: &LineRequest, ribs: &Ribs, widths: &Widths) -> Self {
         let t = request.topology;
         let corners = block_corners(request, ribs);
         let positions = positions(request, ribs, &corners);
@@ -83,7 +83,7 @@ impl Cuts {
     }
 
     /// Adds the cuts of tapers.
-    fn add_tapers(&mut self, request: &Request, widths: &Widths) {
+    fn add_tapers(&mut self, request: &LineRequest, widths: &Widths) {
         let t = request.topology;
         for (edge, tapers) in widths.cuts.enumerated().filter(|(edge, _)| request.marked[*edge]) {
             for (from_second, part) in tapers.iter().enumerate().filter_map(|(i, part)| Some((i, (*part)?))) {
@@ -121,7 +121,7 @@ impl Cuts {
 
 /// Corners of two marked edges whose lines cross, rather than meet in a diagonal of a face. Where one corner of a vertex is too
 /// sharp or small, all of its lines meet in diagonals: the faces of blocks would be slivers.
-fn block_corners(request: &Request, ribs: &Ribs) -> Vec<CornerId> {
+fn block_corners(request: &LineRequest, ribs: &Ribs) -> Vec<CornerId> {
     let t = request.topology;
     let is_marked = |c: CornerId| request.marked[t.corner_edge[c]];
     let corners = t.faces.corners().ids().filter(|&c| is_marked(c) && is_marked(t.faces.prev(c)));
@@ -133,7 +133,7 @@ fn block_corners(request: &Request, ribs: &Ribs) -> Vec<CornerId> {
 }
 
 /// Whether the lines of two marked edges can cross at a corner between them.
-fn has_room(request: &Request, ribs: &Ribs, corner: CornerId) -> bool {
+fn has_room(request: &LineRequest, ribs: &Ribs, corner: CornerId) -> bool {
     let t = request.topology;
     let Some(Path::Face { after, before, .. }) = ribs.within(corner).map(|rib| ribs.all[rib].path) else {
         return false;
@@ -145,7 +145,7 @@ fn has_room(request: &Request, ribs: &Ribs, corner: CornerId) -> bool {
 
 /// Where the lines of blocks cross marked edges: the nearer ones of the blocks on both sides of an edge. The lines ahead of an
 /// end cross its edge behind it too, so that the end is between even lines.
-fn positions(request: &Request, ribs: &Ribs, corners: &[CornerId]) -> Positions {
+fn positions(request: &LineRequest, ribs: &Ribs, corners: &[CornerId]) -> Positions {
     let t = request.topology;
     let mut positions = Positions::new();
     let mut add = |(edge, mark): (EdgeId, EdgeId), rib: &Rib, part: f32| {

@@ -4,7 +4,7 @@ use super::cuts::{Cut, Cuts};
 use super::paths::Widths;
 use super::points::{Sources, between, weights};
 use super::ribs::{Rib, Ribs};
-use super::{Crossing, LineVertex, Lines, Request, StripFace};
+use super::{Crossing, LineRequest, LineVertex, Lines, StripFace};
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
 use crate::render::child::ChildBuilder;
 use std::collections::BTreeMap;
@@ -25,7 +25,7 @@ impl CorePoint {
 
 /// Builds the child face by face.
 pub(super) struct LineBuilder<'a, 'r> {
-    pub(super) request: &'r Request<'a>,
+    pub(super) request: &'r LineRequest<'a>,
     pub(super) ribs: &'r Ribs,
     pub(super) cuts: &'r Cuts,
     /// Share of the requested distance at each vertex.
@@ -44,7 +44,7 @@ pub(super) struct LineBuilder<'a, 'r> {
 }
 
 /// Builds the child of a request.
-pub fn build<'a>(request: &Request<'a>, ribs: &Ribs, cuts: &Cuts, widths: &Widths) -> Lines<'a> {
+pub fn build<'a>(request: &LineRequest<'a>, ribs: &Ribs, cuts: &Cuts, widths: &Widths) -> Lines<'a> {
     let mut lines = LineBuilder {
         request,
         ribs,

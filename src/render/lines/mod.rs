@@ -33,7 +33,7 @@ use paths::Widths;
 use ribs::Ribs;
 
 /// A request for lines beside marked edges.
-pub struct Request<'a> {
+pub struct LineRequest<'a> {
     /// The parent's connectivity.
     pub topology: &'a Topology,
     /// The positions of its vertices.
@@ -95,7 +95,7 @@ pub struct StripFace {
 
 /// A vertex beside which lines are nearer than requested.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Narrowed {
+pub struct NarrowVertex {
     /// The vertex on the marked edge.
     pub vertex: VertexId,
     /// The marked edge.
@@ -115,7 +115,7 @@ pub struct Lines<'a> {
     /// Index of the first child of each parent face, and of the end of the last.
     pub first_child: Vec<usize>,
     /// The ends of marked edges with narrowed lines.
-    pub narrowed: Vec<Narrowed>,
+    pub narrowed: Vec<NarrowVertex>,
     /// Share of the height at each parent vertex.
     pub heights: IdVec<VertexId, f32>,
     /// True for parent vertices of cut faces.
@@ -123,7 +123,7 @@ pub struct Lines<'a> {
 }
 
 /// Inserts lines.
-pub fn insert<'a>(request: &Request<'a>) -> Lines<'a> {
+pub fn insert<'a>(request: &LineRequest<'a>) -> Lines<'a> {
     let mut widths = Widths::tapered(request);
     let mut ribs = Ribs::new(request, &widths.shares);
     let own_room = ribs.room.clone();
@@ -139,9 +139,13 @@ pub fn insert<'a>(request: &Request<'a>) -> Lines<'a> {
 }
 
 /// The ends of marked edges with less room of their own than is worth a report, and what is left of the width there.
-fn narrow_ends(request: &Request, own_room: &IdVec<VertexId, f32>, room: &IdVec<VertexId, f32>) -> Vec<Narrowed> {
+fn narrow_ends(
+    request: &LineRequest,
+    own_room: &IdVec<VertexId, f32>,
+    room: &IdVec<VertexId, f32>,
+) -> Vec<NarrowVertex> {
     let marked = request.marked.ids().filter(|&edge| request.marked[edge]);
     let ends = marked.flat_map(|mark| request.topology.edges[mark].map(|vertex| (vertex, mark)));
-    let narrowed = ends.map(|(vertex, mark)| Narrowed { vertex, mark, share: room[vertex] });
+    let narrowed = ends.map(|(vertex, mark)| NarrowVertex { vertex, mark, share: room[vertex] });
     narrowed.filter(|n| own_room[n.vertex] < REPORTED && !request.tapers[n.vertex]).collect()
 }

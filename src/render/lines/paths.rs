@@ -4,7 +4,7 @@
 //! to nothing. Its lines keep their distance and lead around the end. Where faces are too narrow for the lines, the share
 //! of the distance decreases towards that place by a few percent from edge to edge, so that lines do not bead.
 
-use super::Request;
+use super::LineRequest;
 use crate::mesh::{Csr, EdgeId, IdVec, VertexId};
 
 /// Largest part of a path that one taper takes.
@@ -32,7 +32,7 @@ pub struct Widths {
 
 impl Widths {
     /// Shares below 1 of heights at tapers alone.
-    pub fn tapered(request: &Request) -> Self {
+    pub fn tapered(request: &LineRequest) -> Self {
         let t = request.topology;
         let ends = request.marked.enumerated().filter(|(_, marked)| **marked).flat_map(|(edge, _)| {
             let [a, b] = t.edges[edge];
@@ -51,7 +51,7 @@ impl Widths {
 
     /// Lowers the height of a path towards its end, or finds where its last edge is cut. `path` has vertices with their
     /// distance along the path. A single edge has no room to taper.
-    fn taper(&mut self, request: &Request, first: EdgeId, path: &[(VertexId, f32)]) {
+    fn taper(&mut self, request: &LineRequest, first: EdgeId, path: &[(VertexId, f32)]) {
         let [(end, _), (_, first_length), .., (_, whole)] = *path else { return };
         let length = request.taper_length[first].min(MAX_TAPER_SHARE * whole);
         if request.tapers[end] {
@@ -64,7 +64,7 @@ impl Widths {
     }
 
     /// Lowers the shares towards places with less than full `room`. Returns the factors.
-    pub fn ease(&mut self, request: &Request, room: &IdVec<VertexId, f32>) -> IdVec<VertexId, f32> {
+    pub fn ease(&mut self, request: &LineRequest, room: &IdVec<VertexId, f32>) -> IdVec<VertexId, f32> {
         let factor = |&room: &f32| if room < SLIVER { 1.0 } else { room.max(LEAST_EASED) };
         let mut factors: IdVec<VertexId, f32> = room.iter().map(factor).collect();
         let marked = request.marked.ids().filter(|&edge| request.marked[edge]);
@@ -90,7 +90,12 @@ impl Widths {
 }
 
 /// The vertices of a path from its end on, up to where it branches or ends, with their distance along it.
-fn path(request: &Request, marked_at: &Csr<VertexId, EdgeId>, end: VertexId, first: EdgeId) -> Vec<(VertexId, f32)> {
+fn path(
+    request: &LineRequest,
+    marked_at: &Csr<VertexId, EdgeId>,
+    end: VertexId,
+    first: EdgeId,
+) -> Vec<(VertexId, f32)> {
     let (t, points) = (request.topology, request.points);
     let mut path = vec![(end, 0.0)];
     let (mut at, mut edge, mut length) = (end, first, 0.0);

@@ -4,7 +4,7 @@
 //! where the outermost lines of two marked edges intersect. Both shrink to the space in their faces, so that ribs from
 //! opposite ends stay apart.
 
-use super::Request;
+use super::LineRequest;
 use crate::mesh::{CornerId, EdgeId, IdVec, Topology, VertexId};
 use crate::render::operator::REPORTED;
 use glam::Vec3;
@@ -74,7 +74,7 @@ pub struct Ribs {
 
 impl Ribs {
     /// The ribs of a request. `shares` are those of the requested distance at each vertex.
-    pub fn new(request: &Request, shares: &IdVec<VertexId, f32>) -> Self {
+    pub fn new(request: &LineRequest, shares: &IdVec<VertexId, f32>) -> Self {
         let t = request.topology;
         let mut ribs = Self {
             all: Vec::new(),
@@ -105,7 +105,7 @@ impl Ribs {
     }
 
     /// Adds ribs along the unmarked edges of active corners.
-    fn add_spokes(&mut self, request: &Request, shares: &IdVec<VertexId, f32>) {
+    fn add_spokes(&mut self, request: &LineRequest, shares: &IdVec<VertexId, f32>) {
         let t = request.topology;
         let mut wanted = IdVec::filled([false; 2], t.edges.len());
         for corner in self.active.ids().filter(|&c| self.active[c]) {
@@ -133,7 +133,7 @@ impl Ribs {
     }
 
     /// The steps of the lines on a rib that was scaled to the available space.
-    fn steps(&mut self, request: &Request, vertex: VertexId, scale: f32) -> Vec<f32> {
+    fn steps(&mut self, request: &LineRequest, vertex: VertexId, scale: f32) -> Vec<f32> {
         let outer = request.shares.last().copied().unwrap_or(1.0);
         let width = request.shares[request.kept_line];
         let most = if outer > width { MAX_KEPT_STEP } else { 1.0 };
@@ -146,7 +146,7 @@ impl Ribs {
     }
 
     /// Adds ribs into faces with two marked edges at a corner.
-    fn add_mitres(&mut self, request: &Request, shares: &IdVec<VertexId, f32>) {
+    fn add_mitres(&mut self, request: &LineRequest, shares: &IdVec<VertexId, f32>) {
         let t = request.topology;
         let marked = |c: CornerId| request.marked[t.corner_edge[c]];
         let is_mitre = |c: &CornerId| marked(*c) && marked(t.faces.prev(*c));
@@ -169,7 +169,7 @@ impl Ribs {
     }
 
     /// Adds ribs between two spokes of one face, except in triangles, where the corner block is a single quad.
-    fn add_diagonals(&mut self, request: &Request) {
+    fn add_diagonals(&mut self, request: &LineRequest) {
         let t = request.topology;
         for corner in self.active.ids() {
             let prev = t.faces.prev(corner);
@@ -192,7 +192,7 @@ impl Ribs {
 
 /// True for corners of cuttable fans of faces that begin at a marked edge of their vertex. At the end of a path they lead
 /// around it, unless a corner there is too sharp: lines then meet in the end.
-fn active_corners(request: &Request) -> IdVec<CornerId, bool> {
+fn active_corners(request: &LineRequest) -> IdVec<CornerId, bool> {
     let t = request.topology;
     let mut active = IdVec::filled(false, t.faces.corners().len());
     let is_sharp = |v: VertexId| t.vertex_corners.row(v).iter().any(|&c| sine(request, c) < MIN_END_SINE);
@@ -217,7 +217,7 @@ fn active_corners(request: &Request) -> IdVec<CornerId, bool> {
 }
 
 /// The sine of the angle between the edges at a corner.
-pub fn sine(request: &Request, corner: CornerId) -> f32 {
+pub fn sine(request: &LineRequest, corner: CornerId) -> f32 {
     let faces = &request.topology.faces;
     let at = |c: CornerId| request.points[faces.vertex(c)] - request.points[faces.vertex(corner)];
     at(faces.next(corner)).normalize_or_zero().cross(at(faces.prev(corner)).normalize_or_zero()).length()
@@ -242,7 +242,7 @@ impl Turn {
     }
 
     /// The next corner around the vertex, unless a marked edge or border is between.
-    fn across_unmarked(self, request: &Request, corner: CornerId) -> Option<CornerId> {
+    fn across_unmarked(self, request: &LineRequest, corner: CornerId) -> Option<CornerId> {
         let t = request.topology;
         let half = self.side(t, corner);
         if request.marked[t.corner_edge[half]] {
@@ -261,7 +261,7 @@ impl Turn {
 /// The length of the rib along `edge` from `vertex` that reaches the requested distance from the nearest marked edges,
 /// and one of these. Two equally near marked edges give the mean length. At the end of a path, the distance is that from
 /// the end.
-fn spoke_reach(request: &Request, edge: EdgeId, vertex: VertexId) -> Option<(f32, EdgeId)> {
+fn spoke_reach(request: &LineRequest, edge: EdgeId, vertex: VertexId) -> Option<(f32, EdgeId)> {
     let t = request.topology;
     let mut nearest: [Option<(usize, CornerId)>; 2] = [None; 2];
     for &corner in t.vertex_corners.row(vertex) {
@@ -285,7 +285,7 @@ fn spoke_reach(request: &Request, edge: EdgeId, vertex: VertexId) -> Option<(f32
 }
 
 /// The number of faces from a corner to the next marked edge around the vertex, and the half-edge there.
-fn nearest_marked(request: &Request, start: CornerId, turn: Turn) -> Option<(usize, CornerId)> {
+fn nearest_marked(request: &LineRequest, start: CornerId, turn: Turn) -> Option<(usize, CornerId)> {
     let t = request.topology;
     let most = t.vertex_corners.row(t.faces.vertex(start)).len();
     let mut corner = start;
@@ -307,14 +307,14 @@ fn share_of(distance: f32, length: f32) -> f32 {
     distance / length.max(MIN_LENGTH * distance).max(f32::MIN_POSITIVE)
 }
 
-fn direction(request: &Request, edge: EdgeId, from: VertexId) -> Vec3 {
+fn direction(request: &LineRequest, edge: EdgeId, from: VertexId) -> Vec3 {
     let [a, b] = request.topology.edges[edge];
     let to = if a == from { b } else { a };
     (request.points[to] - request.points[from]).normalize_or_zero()
 }
 
 /// The scale of a mitre that fits beside the mitres of the next corner and the previous one, and the scaled path.
-fn clamped_mitre(request: &Request, path: Path, [ahead, behind]: [f32; 2]) -> (f32, Path) {
+fn clamped_mitre(request: &LineRequest, path: Path, [ahead, behind]: [f32; 2]) -> (f32, Path) {
     let t = request.topology;
     match path {
         Path::Face { corner, after, before } => {
@@ -335,7 +335,7 @@ fn clamped_mitre(request: &Request, path: Path, [ahead, behind]: [f32; 2]) -> (f
 
 /// The path to the intersection of the outermost lines beside the two marked edges of a corner, at a share of their
 /// distance.
-fn mitre(request: &Request, corner: CornerId, share: f32) -> Path {
+fn mitre(request: &LineRequest, corner: CornerId, share: f32) -> Path {
     let t = request.topology;
     let outer = share * request.shares.last().copied().unwrap_or(1.0);
     let prev = t.faces.prev(corner);

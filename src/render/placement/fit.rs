@@ -10,10 +10,10 @@
 //!
 //! Reference: Chen et al. 2008, Progressive Interpolation based on Catmull-Clark Subdivision Surfaces.
 
-use super::patches::{Patches, Place};
+use super::patches::{CagePlace, Patches};
 use crate::mesh::{IdVec, VertexId};
 use crate::render::child::Table;
-use crate::render::operator::{Control, Role};
+use crate::render::operator::{Control, ControlRole};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -34,7 +34,7 @@ pub struct LimitFit<'a> {
     /// The controls.
     pub controls: &'a [Control],
     /// Where each control is on the parent.
-    pub places: &'a [Option<Place>],
+    pub places: &'a [Option<CagePlace>],
     /// Limit masks of all vertices.
     pub rows: &'a Table<VertexId>,
     /// For each control, itself, or the original of a copy with another mask: the limits of both should coincide.
@@ -66,7 +66,7 @@ impl LimitFit<'_> {
     pub fn on_surface(&self, targets: &[(Vec3, Vec3)], linear: &IdVec<VertexId, Vec3>) -> IdVec<VertexId, Vec3> {
         let mut points = linear.clone();
         for (control, (target, _)) in self.controls.iter().zip(targets) {
-            if matches!(control.role, Role::Raised | Role::Crest) && target.is_finite() {
+            if matches!(control.role, ControlRole::Raised | ControlRole::Crest) && target.is_finite() {
                 points[control.vertex] = *target;
             }
         }
@@ -86,9 +86,9 @@ impl LimitFit<'_> {
         let mut points = start.clone();
         let is_layer = |control: &Control| control.role.original().is_some();
         let places = self.places.iter().zip(self.controls).map(|(place, control)| place.filter(|_| !is_layer(control)));
-        let mut places: Vec<Option<Place>> = places.collect();
+        let mut places: Vec<Option<CagePlace>> = places.collect();
         for _ in 0..BASE_STEPS {
-            let step = |i: usize, place: &mut Option<Place>| {
+            let step = |i: usize, place: &mut Option<CagePlace>| {
                 let (limit, vertex) = (self.limit(i, &points), self.controls[i].vertex);
                 let Some((nearer, target)) = place.and_then(|place| patches.nearer(place, limit)) else {
                     return Vec3::ZERO;
@@ -117,7 +117,7 @@ impl LimitFit<'_> {
     pub fn aligned(&self, targets: &[(Vec3, Vec3)], mut points: IdVec<VertexId, Vec3>) -> IdVec<VertexId, Vec3> {
         for _ in 0..BASE_STEPS {
             let step = |i: usize| match self.controls[i].role {
-                Role::Copy { side, .. } if self.reference_control[i] != i => {
+                ControlRole::Copy { side, .. } if self.reference_control[i] != i => {
                     let error =
                         (self.limit(self.reference_control[i], &points) - self.limit(i, &points)).dot(targets[i].1);
                     // A move towards the first layer would intersect it between the vertices.

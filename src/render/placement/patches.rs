@@ -17,7 +17,7 @@ const LEAST_WEIGHT: f32 = 1e-6;
 
 /// Where a vertex is on a cage, and so how it may slide on the limit surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Place {
+pub enum CagePlace {
     /// At the vertex of a corner: nowhere.
     Vertex(CornerId),
     /// On the edge after a corner, along its curve. The share of its length.
@@ -26,7 +26,7 @@ pub enum Place {
     Face(CornerId, Vec2),
 }
 
-impl Place {
+impl CagePlace {
     /// The place of a weighted sum of vertices of a face; none if there are no such vertices.
     pub fn new(t: &Topology, face: FaceId, sources: &[(VertexId, f32)]) -> Option<Self> {
         let weight = |c: CornerId| {
@@ -103,17 +103,17 @@ impl Patches {
     }
 
     /// The point at a place.
-    pub fn at(&self, place: Place) -> Option<Vec3> {
+    pub fn at(&self, place: CagePlace) -> Option<Vec3> {
         Some(match place {
-            Place::Vertex(corner) => self.grid(corner)?[0],
-            Place::Edge(corner, share) => self.on_edge(corner, share)?[0],
-            Place::Face(corner, shares) => evaluate(self.grid(corner)?, shares)[0],
+            CagePlace::Vertex(corner) => self.grid(corner)?[0],
+            CagePlace::Edge(corner, share) => self.on_edge(corner, share)?[0],
+            CagePlace::Face(corner, shares) => evaluate(self.grid(corner)?, shares)[0],
         })
     }
 
     /// A place nearer to `point`, as far as a vertex can slide there, and the point at it. Further steps change little, as
     /// the fit that asks goes on from the place.
-    pub fn nearer(&self, mut place: Place, point: Vec3) -> Option<(Place, Vec3)> {
+    pub fn nearer(&self, mut place: CagePlace, point: Vec3) -> Option<(CagePlace, Vec3)> {
         for _ in 0..STEPS {
             place = self.step(place, point)?;
         }
@@ -121,18 +121,18 @@ impl Patches {
     }
 
     /// One step of Newton's method towards `point`.
-    fn step(&self, place: Place, point: Vec3) -> Option<Place> {
+    fn step(&self, place: CagePlace, point: Vec3) -> Option<CagePlace> {
         Some(match place {
-            Place::Vertex(_) => place,
-            Place::Edge(corner, share) => {
+            CagePlace::Vertex(_) => place,
+            CagePlace::Edge(corner, share) => {
                 let [at, along] = self.on_edge(corner, share)?;
                 let step = (point - at).dot(along) / along.length_squared().max(f32::MIN_POSITIVE);
-                Place::Edge(corner, (share + step).clamp(0.0, 1.0))
+                CagePlace::Edge(corner, (share + step).clamp(0.0, 1.0))
             }
-            Place::Face(corner, shares) => {
+            CagePlace::Face(corner, shares) => {
                 let [at, along, across] = evaluate(self.grid(corner)?, shares);
                 let (corner, shares) = self.within(corner, shares + least_squares(along, across, point - at));
-                Place::Face(corner, shares)
+                CagePlace::Face(corner, shares)
             }
         })
     }

@@ -4,8 +4,8 @@
 //! [`repair`] is the whole method, phase by phase; docs/repair.md describes it. [`contact`](crate::contact) finds the
 //! faults.
 
-mod ahead;
 mod candidate;
+mod second_refinement;
 mod solver;
 mod trial;
 
@@ -13,10 +13,10 @@ use super::child::OperatorDerivation;
 use crate::contact::{ChildId, Quad, RefinedFaces, evaluate, separating_axis, twice_area, with_neighbours};
 use crate::mesh::{FaceId, IdVec, VertexId};
 use crate::subdivide::{Connectivity, Level};
-use ahead::Ahead;
 use candidate::{Candidate, Fault, State};
 use glam::Vec3;
 use rayon::prelude::*;
+use second_refinement::SecondRefinement;
 use solver::{Constraint, Row, add_row, least_areas, separation, solve};
 use trial::{Trial, faces_of, flipped};
 
@@ -30,7 +30,7 @@ pub const FLIPPED_BEFORE: f32 = 0.3;
 const GAP: f32 = 5e-3;
 
 /// A cage that an operator has displaced.
-pub struct Displaced<'a> {
+pub struct RepairInput<'a> {
     /// Its connectivity.
     pub child: &'a Connectivity,
     /// The parent, whose faults are not new ones.
@@ -60,11 +60,11 @@ pub struct Displaced<'a> {
     /// Fitted points with all heights.
     pub full: &'a IdVec<VertexId, Vec3>,
     /// The second refinement, if it counts too.
-    pub ahead: Option<LookAhead<'a>>,
+    pub ahead: Option<SecondRefinementInput<'a>>,
 }
 
 /// The input garment, for the test on the second refinement.
-pub struct LookAhead<'a> {
+pub struct SecondRefinementInput<'a> {
     /// The cage before any operator, whose intersections are not new ones.
     pub input: &'a Level,
     /// Its points.
@@ -76,7 +76,7 @@ pub struct LookAhead<'a> {
 }
 
 /// A repaired cage.
-pub struct Repaired {
+pub struct RepairResult {
     /// Its points.
     pub points: IdVec<VertexId, Vec3>,
     /// The share of its height that each vertex has.
@@ -85,7 +85,7 @@ pub struct Repaired {
     pub faults: Vec<FaceId>,
 }
 
-impl Displaced<'_> {
+impl RepairInput<'_> {
     /// Where a state puts a vertex; none if a solver does.
     fn point(&self, v: VertexId, state: State) -> Option<Vec3> {
         match state {
@@ -107,7 +107,7 @@ impl Displaced<'_> {
 }
 
 /// Repairs a displaced cage.
-pub fn repair(input: &Displaced) -> Repaired {
+pub fn repair(input: &RepairInput) -> RepairResult {
     let normals = unfitted_normals(input);
     let mut trial = Trial::new(input, &normals);
     let reduced = reduce(&mut trial);
@@ -117,7 +117,7 @@ pub fn repair(input: &Displaced) -> Repaired {
     let facing_ahead = reduce_ahead(&mut trial, facing);
     let best = separate(&mut trial, facing_ahead);
     let faults = remaining(&trial, best, folded);
-    Repaired { points: trial.points, shares, faults }
+    RepairResult { points: trial.points, shares, faults }
 }
 
 /// Reduces heights at faults step by step; the best state of each part.
@@ -153,7 +153,7 @@ fn turn_to_reference(trial: &mut Trial, reduced: Candidate) -> (Candidate, Vec<F
 /// step by itself leaves no fewer of them.
 fn reduce_ahead(trial: &mut Trial, mut facing: Candidate) -> Candidate {
     let Some(input) = &trial.input.ahead else { return facing };
-    let ahead = Ahead::new(input, &trial.faces);
+    let ahead = SecondRefinement::new(input, &trial.faces);
     let all: Vec<FaceId> = trial.topology().faces.ids().collect();
     let found = ahead.faults(&trial.faces, &all);
     trial.ahead = Some(ahead);
@@ -231,7 +231,7 @@ fn remaining(trial: &Trial, best: Candidate, folded: Vec<FaceId>) -> Vec<FaceId>
 }
 
 /// Normals of the faces by the operator's weights alone, zero without area.
-fn unfitted_normals(input: &Displaced) -> IdVec<FaceId, Vec3> {
+fn unfitted_normals(input: &RepairInput) -> IdVec<FaceId, Vec3> {
     let (faces, points) = (&input.child.level().topology.faces, input.unfitted);
     let normal = |face| {
         let vertices = faces.vertices_of(face);

@@ -1,8 +1,8 @@
 //! The cage under repair: its points, its refined faces, and which of its faces have a fault.
 
-use super::ahead::Ahead;
 use super::candidate::{Candidate, Fault, State, combined, differs};
-use super::{Displaced, FLIPPED_BEFORE};
+use super::second_refinement::SecondRefinement;
+use super::{FLIPPED_BEFORE, RepairInput};
 use crate::contact::{RefinedFaces, each_once, twice_area, with_neighbours};
 use crate::mesh::{FaceId, IdVec, Topology, VertexId};
 use crate::subdivide::Derivation;
@@ -10,7 +10,7 @@ use glam::Vec3;
 
 /// A cage under repair.
 pub struct Trial<'a> {
-    pub input: &'a Displaced<'a>,
+    pub input: &'a RepairInput<'a>,
     pub faces: RefinedFaces<'a>,
     /// The faces of the parent, as far as they were asked about.
     parent_faces: RefinedFaces<'a>,
@@ -21,12 +21,12 @@ pub struct Trial<'a> {
     pub states: IdVec<VertexId, State>,
     pub points: IdVec<VertexId, Vec3>,
     /// The second refinement, once it is looked at.
-    pub ahead: Option<Ahead<'a>>,
+    pub ahead: Option<SecondRefinement<'a>>,
 }
 
 impl<'a> Trial<'a> {
     /// The cage with all heights. `normals` are those of the faces by the operator's weights alone.
-    pub fn new(input: &'a Displaced<'a>, normals: &'a IdVec<FaceId, Vec3>) -> Self {
+    pub fn new(input: &'a RepairInput<'a>, normals: &'a IdVec<FaceId, Vec3>) -> Self {
         let (level, rows) = (input.child.level(), input.child.vertex_rows());
         let points = input.full.clone();
         Self {

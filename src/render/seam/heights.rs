@@ -5,14 +5,14 @@
 //! their depths.
 
 use super::Seams;
-use crate::render::operator::Role;
+use crate::render::operator::ControlRole;
 
 /// Lines of each side as shares of its width: two on the flank, one at the width, and the support loop outside.
 const LINES: [f32; 4] = [1.0 / 3.0, 2.0 / 3.0, 1.0, 4.0 / 3.0];
 
 /// A line of a seam.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Strand {
+pub struct SeamLine {
     /// Index of the seam.
     pub seam: usize,
     /// Index of the line, from 0 nearest to the edge; none on the edge itself.
@@ -26,18 +26,20 @@ pub enum Part {
     /// On an edge of these seams.
     Centre { seams: Vec<usize>, share: f32 },
     /// On a line beside an edge.
-    Line { strand: Strand, share: f32 },
+    Line { strand: SeamLine, share: f32 },
     /// Where a line of the seam that goes through a junction crosses one that ends against it.
-    Crossing { through: Strand, other: Strand, share: f32 },
+    Crossing { through: SeamLine, other: SeamLine, share: f32 },
 }
 
 impl Part {
     /// The role of a control with this part.
-    pub fn role(&self) -> Role {
+    pub fn role(&self) -> ControlRole {
         match self {
-            Self::Centre { .. } => Role::Crest,
-            Self::Crossing { through, other, .. } if through.line.is_none() || other.line.is_none() => Role::Crest,
-            _ => Role::Raised,
+            Self::Centre { .. } => ControlRole::Crest,
+            Self::Crossing { through, other, .. } if through.line.is_none() || other.line.is_none() => {
+                ControlRole::Crest
+            }
+            _ => ControlRole::Raised,
         }
     }
 
@@ -64,10 +66,10 @@ impl Seams {
 
     /// The height of a part, and the seam that defines it.
     pub fn height(&self, part: &Part) -> (f32, usize) {
-        let own = |strand: Strand| (self.profile(strand), strand.seam);
+        let own = |strand: SeamLine| (self.profile(strand), strand.seam);
         let (share, (height, seam)) = match part {
             Part::Centre { seams, share } => {
-                let heights = seams.iter().map(|&seam| own(Strand { seam, line: None }));
+                let heights = seams.iter().map(|&seam| own(SeamLine { seam, line: None }));
                 (share, heights.reduce(junction).unwrap_or((0.0, 0)))
             }
             Part::Line { strand, share } => (share, own(*strand)),
@@ -77,7 +79,7 @@ impl Seams {
     }
 
     /// The height of a seam's line over the surface.
-    fn profile(&self, Strand { seam, line }: Strand) -> f32 {
+    fn profile(&self, SeamLine { seam, line }: SeamLine) -> f32 {
         let options = &self.seams[seam].1;
         match line {
             None => options.normal_offset,
@@ -87,7 +89,7 @@ impl Seams {
     }
 
     /// The height where a line of one seam crosses that of another which goes through.
-    fn crossing(&self, through: Strand, other: Strand) -> (f32, usize) {
+    fn crossing(&self, through: SeamLine, other: SeamLine) -> (f32, usize) {
         let [offset, other_offset] = [through, other].map(|strand| self.seams[strand.seam].1.normal_offset);
         let (own, its) = ((self.profile(through), through.seam), (self.profile(other), other.seam));
         if offset < 0.0 && other_offset < 0.0 {

@@ -98,7 +98,7 @@ struct OperatorCage {
 
 /// The points of an operator's cage, the masks of its refinement, and warnings of reduced heights.
 #[derive(Clone)]
-struct Raised {
+struct CageResult {
     points: Arc<CagePoints>,
     connectivity: Arc<Connectivity>,
     warnings: Arc<Warnings>,
@@ -179,7 +179,7 @@ impl PointSteps {
         child: &OperatorCage,
         parent: (&Arc<Connectivity>, &Arc<CagePoints>),
         is_last: bool,
-    ) -> Result<Raised, Error> {
+    ) -> Result<CageResult, Error> {
         let connectivity = connectivity(&mut self.connectivity, &child.cage.level)?;
         let input = (Same::from(&child.derived), Same::from(&connectivity), Same::from(parent.0));
         let placement = self.placement.get(input, |(derived, child, parent)| {
@@ -193,7 +193,7 @@ impl PointSteps {
             let (points, warnings) = placement.raised(operator.as_ref(), &flat, is_last);
             Ok((Arc::new(points), Arc::new(warnings)))
         })?;
-        Ok(Raised { points, connectivity, warnings })
+        Ok(CageResult { points, connectivity, warnings })
     }
 
     /// The points without the heights of any operator, from those of the parent. None before [`PointSteps::update`].
@@ -241,9 +241,9 @@ pub struct StageSteps {
 }
 
 /// Cages and points of all operators.
-struct Derived {
+struct StageCages {
     cages: Vec<OperatorCage>,
-    raised: Vec<Raised>,
+    raised: Vec<CageResult>,
 }
 
 impl StageSteps {
@@ -256,7 +256,7 @@ impl StageSteps {
     pub fn update(&mut self, start: &Start, stage: &Stage) -> Result<Made, Error> {
         let stage = &self.with_halving(start, stage)?;
         let (first, points) = self.first(start, stage)?;
-        let (Derived { cages, raised }, (refined, refinements)) = self.operate(&first, start, &points, stage)?;
+        let (StageCages { cages, raised }, (refined, refinements)) = self.operate(&first, start, &points, stage)?;
         let points = raised.last().map_or(&points, |last| &last.points);
         let mesh = self.mesh.get((Same::from(&refined), Same::from(points), stage.level), |_| {
             let known = raised.last().map(|last| last.connectivity.as_ref());
@@ -312,8 +312,8 @@ impl StageSteps {
         start: &Start,
         points: &Arc<CagePoints>,
         stage: &Stage,
-    ) -> Result<(Derived, Refined), Error> {
-        let mut done = Derived { cages: Vec::new(), raised: Vec::new() };
+    ) -> Result<(StageCages, Refined), Error> {
+        let mut done = StageCages { cages: Vec::new(), raised: Vec::new() };
         let Self { cages, points: point_steps, refinements, .. } = self;
         let count = stage.operators.len();
         cages.resize_with(count, CageSteps::default);
@@ -325,7 +325,7 @@ impl StageSteps {
         let ancestry = self.first_ancestry.get(Same::from(points), |points| Ok(first.ancestry(points)))?;
         let mut context = Context { ancestry, inputs: &start.inputs, names_sets: stage.names_sets };
         let first_connectivity = connectivity(&mut self.first_connectivity, &first.level)?;
-        let mut raise = |done: &Derived| {
+        let mut raise = |done: &StageCages| {
             let Some((number, child)) = done.cages.iter().enumerate().next_back() else { return Ok(None) };
             let parent = done.raised.last().map_or((&first_connectivity, points), |r| (&r.connectivity, &r.points));
             let operator = &stage.operators[number];

@@ -20,7 +20,7 @@ use std::sync::Arc;
 
 /// A render mesh.
 #[derive(Clone, Debug)]
-pub struct Rendered {
+pub struct RenderResult {
     /// The mesh.
     pub mesh: Arc<Garment>,
     /// Names of the face sets of operators.
@@ -50,17 +50,17 @@ impl RenderSteps {
     ///
     /// # Errors
     /// Operators that do not fit the garment; a mesh that would be too large.
-    pub fn update(&mut self, stack: &Stack) -> Result<Rendered, Error> {
+    pub fn update(&mut self, stack: &Stack) -> Result<RenderResult, Error> {
         if stack.level == 0 && stack.operators.is_empty() {
             let mesh = Arc::clone(&self.start.garment);
             let warnings = stack.warnings.clone();
-            return Ok(Rendered { mesh, sets: Vec::new(), warnings, seam_level: 0 });
+            return Ok(RenderResult { mesh, sets: Vec::new(), warnings, seam_level: 0 });
         }
         // Parallel loops start faster from a thread of the pool.
         rayon::scope(|_| self.update_in_pool(stack))
     }
 
-    fn update_in_pool(&mut self, stack: &Stack) -> Result<Rendered, Error> {
+    fn update_in_pool(&mut self, stack: &Stack) -> Result<RenderResult, Error> {
         let mut warnings = stack.warnings.clone();
         let mut sets = Vec::new();
         let mut start = self.start.clone();
@@ -72,7 +72,7 @@ impl RenderSteps {
             start = Start { garment: mesh, inputs };
         }
         let mesh = self.mesh.get(Same::from(&start.garment), |made| Ok(Arc::new(finished(Garment::clone(made)))))?;
-        Ok(Rendered { mesh, sets, warnings, seam_level: seam_level(&stages) })
+        Ok(RenderResult { mesh, sets, warnings, seam_level: seam_level(&stages) })
     }
 
     fn stages_of(&mut self, stack: &Stack) -> Result<Vec<Stage>, Error> {

@@ -12,7 +12,7 @@ use crate::sim::constraints::feature_lines::{FoldedSurface, NarrowStrip};
 use crate::sim::options::SimOptions;
 use crate::sim::surface::lengths::{Lengths, grade};
 use crate::sim::surface::manifold::Manifold;
-use crate::sim::surface::refine::{Refined, holes};
+use crate::sim::surface::refine::{RefinedLevels, holes};
 use crate::sim::surface::small_shells::SmallShells;
 use crate::sim::surface::triangulation::{RefinedSurface, Triangulation};
 use crate::subdivide::Level;
@@ -32,7 +32,7 @@ impl Baseline {
         let is_hole = holes(garment, &base);
         let mut manifold = Manifold::new(garment, &base);
         let uvs = uv_set.map(|uv| manifold.add_uv_channel(garment, uv)).unwrap_or_default();
-        let Refined { levels, points, uv_channel, uvs, cage_faces } =
+        let RefinedLevels { levels, points, uv_channel, uvs, cage_faces } =
             manifold.refine(garment, uvs, baseline_level(garment, options, lengths));
         let all_levels: Vec<&Level> = std::iter::once(&manifold.level).chain(&levels).collect();
         let finest = all_levels[levels.len()];

@@ -22,7 +22,7 @@ use std::collections::BTreeMap;
 
 /// A point of the baseline, in barycentric coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Location {
+pub struct BaselinePoint {
     /// The triangle.
     pub face: FaceId,
     /// Weights of its corners; they sum to 1.

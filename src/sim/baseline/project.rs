@@ -2,7 +2,7 @@
 //!
 //! Walks stop at chains and borders, so a vertex stays on its own panel however near another layer lies.
 
-use super::{Baseline, Location};
+use super::{Baseline, BaselinePoint};
 use crate::mesh::edit;
 use crate::mesh::{CornerId, FaceId, IdVec, VertexId};
 use crate::sim::geometry::closest_weights;
@@ -17,7 +17,7 @@ const PROGRESS: f32 = 1.0 - 1e-6;
 #[derive(Clone, Copy, Debug)]
 pub struct Projection {
     /// Triangle and weights.
-    pub location: Location,
+    pub location: BaselinePoint,
     /// Position.
     pub position: Vec3,
     /// Squared distance from the point that was projected.
@@ -52,7 +52,7 @@ impl Baseline {
     }
 
     /// Position of a location.
-    pub fn position(&self, at: Location) -> Vec3 {
+    pub fn position(&self, at: BaselinePoint) -> Vec3 {
         Self::mix(at.weights, self.triangle(at.face))
     }
 
@@ -66,26 +66,26 @@ impl Baseline {
 
     /// Constraint UVs of a location.
     #[inline]
-    pub fn uv(&self, at: Location) -> Vec2 {
+    pub fn uv(&self, at: BaselinePoint) -> Vec2 {
         Self::mix(at.weights, self.triangle_uvs(at.face))
     }
 
     /// Target edge length at a location. \[mesh units\]
-    pub fn target_at(&self, at: Location) -> f32 {
+    pub fn target_at(&self, at: BaselinePoint) -> f32 {
         let [a, b, c] = self.vertices(at.face);
         Self::mix(at.weights, [self.target[a], self.target[b], self.target[c]])
     }
 
     /// Target length at a location, shortened near chains that bend. \[mesh units\]
     #[inline]
-    pub fn sizing_at(&self, at: Location) -> f32 {
+    pub fn sizing_at(&self, at: BaselinePoint) -> f32 {
         let [a, b, c] = self.vertices(at.face);
         Self::mix(at.weights, [self.sizing[a], self.sizing[b], self.sizing[c]])
     }
 
     /// The location of a corner of a triangle.
-    pub fn corner_location(&self, corner: CornerId) -> Location {
-        Location { face: edit::face(corner), weights: Vec3::AXES[corner.index() % 3] }
+    pub fn corner_location(&self, corner: CornerId) -> BaselinePoint {
+        BaselinePoint { face: edit::face(corner), weights: Vec3::AXES[corner.index() % 3] }
     }
 
     /// The closest point of one triangle.
@@ -95,7 +95,7 @@ impl Baseline {
         let weights = closest_weights(a, b, c, point);
         let position = Self::mix(weights, [a, b, c]);
         let distance_squared = position.distance_squared(point);
-        Projection { location: Location { face, weights }, position, distance_squared }
+        Projection { location: BaselinePoint { face, weights }, position, distance_squared }
     }
 
     /// The closest point that a walk from triangle `start` reaches.
@@ -148,7 +148,7 @@ impl Baseline {
 
     /// The location of a UV point in the shell of triangle `start`, by a straight walk; none where a barrier, a fold of the
     /// UV layout or a small shell blocks it.
-    pub fn locate_uv(&self, start: FaceId, uv: Vec2) -> Option<Location> {
+    pub fn locate_uv(&self, start: FaceId, uv: Vec2) -> Option<BaselinePoint> {
         let mut face = start;
         for _ in 0..MAX_STEPS {
             if self.facets[face].sense == 0.0 {
@@ -163,7 +163,7 @@ impl Baseline {
             }
             let outward = weights.min_position();
             if weights[outward] >= 0.0 {
-                return Some(Location { face, weights });
+                return Some(BaselinePoint { face, weights });
             }
             let half = CornerId::new(3 * face.index() + (outward + 1) % 3);
             face = edit::face(self.open_twin(half)?);
@@ -175,7 +175,7 @@ impl Baseline {
 /// Visits the triangles that share the edge or vertex on which a location lies, where `cross` leads to them.
 #[inline]
 fn for_each_neighbour(
-    at: Location,
+    at: BaselinePoint,
     cross: impl Fn(CornerId) -> Option<CornerId> + Copy,
     mut visit: impl FnMut(FaceId),
 ) {

@@ -14,7 +14,7 @@ pub(crate) use moves::{Destination, VertexMove};
 pub(crate) use patches::{PATCH_SIZE, in_patches};
 pub(crate) use quality::{Defect, MIN_COSINE, TriangleCorner};
 pub use span::{CurveSpan, VertexConstraint};
-pub use wedges::UvLocation;
+pub use wedges::BaselineUvPoint;
 pub(crate) use wedges::Wedge;
 
 use crate::mesh::edit::EditMesh;

@@ -1,7 +1,7 @@
 //! The start of remeshing.
 
 use super::patches::PatchVertex;
-use super::{CurveSpan, SimMesh, UvLocation, VertexConstraint};
+use super::{BaselineUvPoint, CurveSpan, SimMesh, VertexConstraint};
 use crate::mesh::edit::{EditMesh, next};
 use crate::mesh::{CornerId, IdVec, VertexId, WedgeId};
 use crate::sim::baseline::Baseline;
@@ -84,7 +84,7 @@ impl<'a> SimMesh<'a> {
         let baseline = self.baseline;
         self.make_wedges(|corner| {
             let own = baseline.start[corner.index() / 3][corner.index() % 3];
-            baseline.wedge(UvLocation { location: baseline.corner_location(own), uv: baseline.uvs[own] })
+            baseline.wedge(BaselineUvPoint { location: baseline.corner_location(own), uv: baseline.uvs[own] })
         });
         for half in self.topology.corners() {
             let Some(span) = self.span(half) else { continue };

@@ -5,15 +5,15 @@
 use super::SimMesh;
 use crate::mesh::edit::{face, next, prev};
 use crate::mesh::{CornerId, IdVec};
-use crate::sim::baseline::{Baseline, Location};
+use crate::sim::baseline::{Baseline, BaselinePoint};
 use crate::sim::constraints::chain::{Chain, CurvePoint};
 use glam::{Vec2, Vec3};
 
 /// A location on the baseline with its UV, which is one of several where shells meet.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct UvLocation {
+pub struct BaselineUvPoint {
     /// The baseline's triangle, and the point in it.
-    pub location: Location,
+    pub location: BaselinePoint,
     /// Constraint UVs.
     pub uv: Vec2,
 }
@@ -22,7 +22,7 @@ pub struct UvLocation {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Wedge {
     /// Location and UV.
-    pub place: UvLocation,
+    pub place: BaselineUvPoint,
     /// Unit normal of the surface.
     pub normal: Vec3,
     /// +1 or -1: the orientation of the shell in UV space; 0 where the layout is free, on folds and small shells.
@@ -31,7 +31,7 @@ pub(crate) struct Wedge {
 
 impl Baseline {
     /// The wedge of a location.
-    pub(crate) fn wedge(&self, place: UvLocation) -> Wedge {
+    pub(crate) fn wedge(&self, place: BaselineUvPoint) -> Wedge {
         let facet = &self.facets[place.location.face];
         Wedge { place, normal: facet.normal, sense: facet.sense }
     }
@@ -56,8 +56,8 @@ impl SimMesh<'_> {
     }
 
     /// The wedge of a location.
-    pub(crate) fn wedge_at(&self, location: Location) -> Wedge {
-        self.baseline.wedge(UvLocation { location, uv: self.baseline.uv(location) })
+    pub(crate) fn wedge_at(&self, location: BaselinePoint) -> Wedge {
+        self.baseline.wedge(BaselineUvPoint { location, uv: self.baseline.uv(location) })
     }
 
     /// The wedge of a corner.
@@ -67,7 +67,7 @@ impl SimMesh<'_> {
     }
 
     /// Location and UV of a corner.
-    pub fn place(&self, corner: CornerId) -> UvLocation {
+    pub fn place(&self, corner: CornerId) -> BaselineUvPoint {
         self.wedge(corner).place
     }
 
@@ -79,10 +79,10 @@ impl SimMesh<'_> {
         let mut weights = [0.0; 3];
         weights[half.index() % 3] = 1.0 - t;
         weights[next(half).index() % 3] = t;
-        let location = Location { face: face(half), weights: weights.into() };
+        let location = BaselinePoint { face: face(half), weights: weights.into() };
         // In the chain's direction on both sides, so that UVs which agree there stay bit for bit the same.
         let [from, to] = if forward { [half, next(half)] } else { [next(half), half] };
-        let place = UvLocation { location, uv: self.baseline.uvs[from].lerp(self.baseline.uvs[to], at.t) };
+        let place = BaselineUvPoint { location, uv: self.baseline.uvs[from].lerp(self.baseline.uvs[to], at.t) };
         Some(Wedge { normal: curve.normal_at(at, forward), ..self.baseline.wedge(place) })
     }
 

@@ -7,7 +7,7 @@ use crate::subdivide::{Channel, ChannelChild, Level, Numbering, Real, Stencils, 
 use glam::Vec3;
 
 /// The refined levels of a cage, and positions on the last.
-pub(crate) struct Refined {
+pub(crate) struct RefinedLevels {
     /// The levels after the cage.
     pub levels: Vec<Level>,
     /// Positions on the last level. \[mesh units\]
@@ -32,7 +32,7 @@ impl Manifold {
     }
 
     /// Refines the cage `count` times; `uvs` are the values of its channel, if it has one.
-    pub(crate) fn refine(&self, garment: &Garment, mut uvs: Vec<[f32; 2]>, count: u32) -> Refined {
+    pub(crate) fn refine(&self, garment: &Garment, mut uvs: Vec<[f32; 2]>, count: u32) -> RefinedLevels {
         let mut points: Vec<[f32; 3]> = self.vertex_source.iter().map(|&v| garment.points[v].to_array()).collect();
         let mut levels: Vec<Level> = Vec::new();
         let mut uv_channel = self.uv_channel.clone();
@@ -51,7 +51,7 @@ impl Manifold {
             cage_faces.push(child.topology.faces.ids().map(cage_face).collect());
             levels.push(child);
         }
-        Refined { levels, points: points.into_iter().map(Vec3::from).collect(), uv_channel, uvs, cage_faces }
+        RefinedLevels { levels, points: points.into_iter().map(Vec3::from).collect(), uv_channel, uvs, cage_faces }
     }
 
     /// The cage and all of `levels` but the last: those that are refined.

@@ -2,7 +2,7 @@
 
 use crate::garment::{Garment, Mixing, Primvar};
 use crate::mesh::{CornerId, FaceId, IdVec};
-use crate::sim::{Baseline, Location};
+use crate::sim::{Baseline, BaselinePoint};
 use crate::subdivide::{Channel, ChannelChild, Real, blend_into, blend_rows};
 use crate::transfer::interpolate::{interpolate, weighted};
 use rayon::prelude::*;
@@ -80,7 +80,7 @@ impl<'a, T: Real> FaceVaryingField<'a, T> {
     }
 
     /// The values of `count` corners, each at a location.
-    pub fn at_locations(&self, count: usize, location: impl Fn(CornerId) -> Location + Sync) -> Vec<T> {
+    pub fn at_locations(&self, count: usize, location: impl Fn(CornerId) -> BaselinePoint + Sync) -> Vec<T> {
         interpolate(count, self.primvar, |i| {
             let at = location(CornerId::new(i));
             weighted(&at, |k| self.corner(at.face, k))
@@ -88,7 +88,7 @@ impl<'a, T: Real> FaceVaryingField<'a, T> {
     }
 
     /// Writes the value at a location.
-    pub fn value_at(&self, at: &Location, value: &mut [T]) {
+    pub fn value_at(&self, at: &BaselinePoint, value: &mut [T]) {
         blend_into(&weighted(at, |k| self.corner(at.face, k)).iter().copied(), self.primvar, value);
     }
 

@@ -5,7 +5,7 @@ use super::field::doubled_area;
 use super::shells::{ROUNDS, ShellValues};
 use super::sources::CornerSource;
 use crate::mesh::{CornerId, FaceId};
-use crate::sim::Location;
+use crate::sim::BaselinePoint;
 use crate::subdivide::Real;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -150,7 +150,7 @@ impl<T: Real> ShellValues<'_, T> {
     /// A corner's value by extrapolation of its triangle's seed; none away from the cuts.
     fn extrapolation(&self, corner: CornerId) -> Option<ValueChange<T>> {
         let face = self.seeds[self.cuts.map.mesh.topology.faces.face_of(corner)]?;
-        let centroid = Location { face, weights: Vec3::splat(1.0 / 3.0) };
+        let centroid = BaselinePoint { face, weights: Vec3::splat(1.0 / 3.0) };
         Some((self.sharing(corner), self.value_at(&self.cuts.extrapolated(corner, centroid))))
     }
 
@@ -161,7 +161,7 @@ impl<T: Real> ShellValues<'_, T> {
         around.filter(|&c| self.field.same(&self.values, c, corner)).collect()
     }
 
-    fn value_at(&self, at: &Location) -> [T; 2] {
+    fn value_at(&self, at: &BaselinePoint) -> [T; 2] {
         let mut value = [T::from_f64(0.0); 2];
         self.field.value_at(at, &mut value);
         value

@@ -2,7 +2,7 @@
 
 use super::cuts::{ChannelCuts, ShellSeeds, components};
 use crate::mesh::{CornerId, FaceId, IdVec, VertexId};
-use crate::sim::Location;
+use crate::sim::BaselinePoint;
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -15,7 +15,7 @@ const MAX_WEIGHT: f32 = 16.0;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CornerSource {
     /// A location on the corner's shell; its weights may extrapolate beyond the triangle.
-    pub location: Location,
+    pub location: BaselinePoint,
     /// Whether the vertex itself is off the shell.
     pub moved: bool,
 }
@@ -75,7 +75,7 @@ impl ChannelCuts<'_> {
 
     /// The location of a corner's vertex in the plane of the triangle of `from`, outside of the triangle; `from` where
     /// the triangle is a sliver.
-    pub fn extrapolated(&self, corner: CornerId, from: Location) -> Location {
+    pub fn extrapolated(&self, corner: CornerId, from: BaselinePoint) -> BaselinePoint {
         let [a, b, c] = self.map.product.baseline.triangle(from.face);
         let (u, v, p) = (b - a, c - a, self.map.position(corner) - a);
         let normal = u.cross(v);
@@ -85,6 +85,6 @@ impl ChannelCuts<'_> {
         if !weights.is_finite() || weights.abs().max_element() > MAX_WEIGHT {
             return from;
         }
-        Location { face: from.face, weights }
+        BaselinePoint { face: from.face, weights }
     }
 }

@@ -15,13 +15,13 @@ use regions::Regions;
 use samples::{AreaTally, SamplePlan};
 
 /// Finds the triangle of a simulation mesh over a point of its baseline, on the same panel, layer and side.
-pub struct Places<'a> {
+pub struct TriangleLocator<'a> {
     product: &'a SimProduct,
     mesh: SimTopology,
     regions: Regions,
 }
 
-impl<'a> Places<'a> {
+impl<'a> TriangleLocator<'a> {
     /// Places on `product`, whose garment has `source_faces` faces.
     pub fn new(product: &'a SimProduct, source_faces: usize) -> Self {
         let (mesh, regions) =

@@ -38,7 +38,7 @@ pub struct Facts {
     /// Constant primvars that the mesh inherits; its siblings inherit them too.
     pub inherited_primvars: Vec<InheritedPrimvar>,
     /// Material bindings of the mesh, its ancestors and its subsets.
-    pub bindings: Vec<Binding>,
+    pub bindings: Vec<MaterialBinding>,
     /// Properties that stay on the model: no product takes them.
     pub staying: Vec<String>,
     /// Files of all layers in use.
@@ -74,7 +74,7 @@ pub struct InheritedPrimvar {
 /// A material binding.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Binding {
+pub struct MaterialBinding {
     /// Path of the bound prim.
     pub prim: String,
     /// The relationship: `material:binding`, with the purpose and collection where there are any.
@@ -160,7 +160,7 @@ fn inherited(prim: &Prim) -> Result<Vec<InheritedPrimvar>, Error> {
     Ok(found)
 }
 
-fn bindings(prim: &Prim) -> Result<Vec<Binding>, Error> {
+fn bindings(prim: &Prim) -> Result<Vec<MaterialBinding>, Error> {
     let mut prims = vec![prim.clone()];
     for path in prim.path().strict_ancestors_below_root() {
         prims.push(prim_at(prim.stage(), &path)?);
@@ -172,7 +172,7 @@ fn bindings(prim: &Prim) -> Result<Vec<Binding>, Error> {
             let targets = bound.relationship(relationship.as_str()).targets().or_unreadable(bound.path())?;
             if !targets.is_empty() {
                 let (prim, targets) = (bound.path().to_string(), targets.iter().map(ToString::to_string).collect());
-                found.push(Binding { prim, relationship, targets });
+                found.push(MaterialBinding { prim, relationship, targets });
             }
         }
     }

@@ -70,7 +70,7 @@ impl Bound {
         let mut meshes = Vec::with_capacity(chosen.len());
         for (path, _) in &chosen {
             let prim = prim_at(&stage, path)?;
-            let places = Places::read(&prim, names::BINDING)?;
+            let places = SourcePoints::read(&prim, names::BINDING)?;
             meshes.push(BoundMesh::read(&prim, &points_at_bind(&prim)?, &places, &bind)?);
         }
         if options.model {
@@ -165,7 +165,7 @@ fn models(stage: &Stage, options: &DriveOptions, bind: &Bind) -> Result<Vec<Boun
         let points = points_at_bind(&prim)?;
         panels.push((prim, points));
     }
-    let mut places = Places::read(bind.sim, names::MODEL_BINDING)?;
+    let mut places = SourcePoints::read(bind.sim, names::MODEL_BINDING)?;
     let count: usize = panels.iter().map(|(_, points)| points.len()).sum();
     if count != places.faces.len() || count != places.coords.len() {
         let text = format!("{sim} of {file} has places for {} points of its model, not {count}", places.faces.len());
@@ -187,12 +187,12 @@ struct Bind<'a> {
 }
 
 /// The places of points on the simulation mesh.
-struct Places {
+struct SourcePoints {
     faces: Vec<u32>,
     coords: Vec<Vec3>,
 }
 
-impl Places {
+impl SourcePoints {
     /// Reads them from `holder`, by the first two of `names`.
     fn read(holder: &Prim, [faces, coords, _]: [&str; 3]) -> Result<Self, Error> {
         let faces = ints(holder, faces)?.iter().map(|face| *face as u32).collect();
@@ -247,7 +247,7 @@ fn triangles(sim: &Prim) -> Result<Vec<[u32; 3]>, Error> {
 
 impl BoundMesh {
     /// Reads a mesh with these points at bind and places on the simulation mesh.
-    fn read(prim: &Prim, points: &[Vec3], places: &Places, bind: &Bind) -> Result<Self, Error> {
+    fn read(prim: &Prim, points: &[Vec3], places: &SourcePoints, bind: &Bind) -> Result<Self, Error> {
         let space = Space::between(prim, bind.sim)?;
         let in_sim = space.as_ref().map(|space| space.points_to_sim(points));
         let driver = Driver::new(&BindPose {

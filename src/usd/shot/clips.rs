@@ -1,6 +1,6 @@
 //! A shot as value clips: a file for each frame, a manifest, and a layer that has them.
 
-use super::Moved;
+use super::DrivenMesh;
 use super::stream::{ATTRIBUTES, extent, sampled, type_of, unwritable};
 use crate::error::{Error, ErrorCode, plain};
 use crate::usd::names;
@@ -75,7 +75,7 @@ impl Clips {
     ///
     /// # Errors
     /// A full disk.
-    pub fn write(&mut self, time: f64, paths: &[Path], meshes: &[Moved]) -> Result<(), Error> {
+    pub fn write(&mut self, time: f64, paths: &[Path], meshes: &[DrivenMesh]) -> Result<(), Error> {
         let mut clip = empty();
         for (path, moved) in paths.iter().zip(meshes) {
             PrimSpec::over(&mut clip, path).map_err(|e| unwritable(&e))?;

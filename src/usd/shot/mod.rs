@@ -82,7 +82,7 @@ pub fn drive(options: &DriveOptions, progress: &(dyn Fn(usize, usize) + Sync)) -
             if done == 0 {
                 check_first(&bound, &read[0], &options.cache)?;
             }
-            let moved: Vec<Vec<Moved>> = read.par_iter().map(|frame| bound.moved(frame)).collect();
+            let moved: Vec<Vec<DrivenMesh>> = read.par_iter().map(|frame| bound.moved(frame)).collect();
             for (frame, meshes) in read.iter().zip(&moved) {
                 writer.write(frame.time, meshes)?;
                 done += 1;
@@ -96,13 +96,13 @@ pub fn drive(options: &DriveOptions, progress: &(dyn Fn(usize, usize) + Sync)) -
 }
 
 /// A driven mesh at one time.
-struct Moved {
+struct DrivenMesh {
     points: Vec<Vec3>,
     normals: Option<Vec<Vec3>>,
     velocities: Option<Vec<Vec3>>,
 }
 
-impl Moved {
+impl DrivenMesh {
     /// Takes the mesh from the space of the simulation mesh to its own.
     fn take_from_sim(&mut self, space: &Space) {
         space.points_from_sim(&mut self.points);
@@ -113,7 +113,7 @@ impl Moved {
 
 impl Bound {
     /// The meshes at a frame.
-    fn moved(&self, frame: &Frame) -> Vec<Moved> {
+    fn moved(&self, frame: &Frame) -> Vec<DrivenMesh> {
         let velocities = |driver: &Driver| {
             let velocities = frame.velocities.as_ref()?;
             // The points are a smooth function of those of the cache; its derivative is a difference of near ones.
@@ -127,7 +127,7 @@ impl Bound {
         let moved = |mesh: &bound::BoundMesh| {
             let normals = mesh.normals.as_ref().map(|n| mesh.driver.directions(&frame.points, &n.values, &n.points));
             let velocities = velocities(&mesh.driver);
-            let mut moved = Moved { points: mesh.driver.points(&frame.points), normals, velocities };
+            let mut moved = DrivenMesh { points: mesh.driver.points(&frame.points), normals, velocities };
             if let Some(space) = &mesh.space {
                 moved.take_from_sim(space);
             }

@@ -7,7 +7,7 @@
 use super::bound::Bound;
 use super::cache::RATE;
 use super::clips::Clips;
-use super::{DriveOptions, Moved};
+use super::{DriveOptions, DrivenMesh};
 use crate::error::{Error, ErrorCode};
 use crate::usd::assets::same_file;
 use crate::usd::names;
@@ -100,7 +100,7 @@ impl ShotWriter {
     ///
     /// # Errors
     /// A full disk.
-    pub fn write(&mut self, time: f64, meshes: &[Moved]) -> Result<(), Error> {
+    pub fn write(&mut self, time: f64, meshes: &[DrivenMesh]) -> Result<(), Error> {
         if let Frames::Clips(clips) = &mut self.out {
             return clips.write(time, &self.paths, meshes);
         }
@@ -184,7 +184,7 @@ impl ShotWriter {
     }
 }
 
-impl Moved {
+impl DrivenMesh {
     /// The values of [`ATTRIBUTES`].
     pub fn arrays(&self) -> [Option<&[Vec3]>; 3] {
         [Some(self.points.as_slice()), self.normals.as_deref(), self.velocities.as_deref()]

@@ -55,12 +55,12 @@ pub fn write(
     out: &Path,
     options: &WriteOptions,
 ) -> Result<(Written, Warnings), Error> {
-    write_all(&[Tailored { source, products, variant: None }], out, options)
+    write_all(&[GarmentProducts { source, products, variant: None }], out, options)
 }
 
 /// A garment with its products.
 #[derive(Clone, Copy, Debug)]
-pub struct Tailored<'a> {
+pub struct GarmentProducts<'a> {
     /// The garment.
     pub source: &'a Source,
     /// Its products.
@@ -73,13 +73,17 @@ pub struct Tailored<'a> {
 ///
 /// # Errors
 /// As [`write()`].
-pub fn write_all(garments: &[Tailored], out: &Path, options: &WriteOptions) -> Result<(Written, Warnings), Error> {
+pub fn write_all(
+    garments: &[GarmentProducts],
+    out: &Path,
+    options: &WriteOptions,
+) -> Result<(Written, Warnings), Error> {
     let first = garments.first().ok_or_else(|| Error::internal("there is no garment to write"))?;
     let file = OutputFile::find(out, |file| first.source.model.uses(file), options.force)?;
     on_large_stack(|| {
         let is_package = file.format == Format::Usdz;
         let anchor = if is_package { Anchor::Root } else { Anchor::Folder(&file.folder) };
-        let frame = Frame { flatten: is_package || options.flatten, anchor, sublayer: None };
+        let frame = LayerContext { flatten: is_package || options.flatten, anchor, sublayer: None };
         let (data, mut warnings) = compose(garments, frame, options)?;
         let packed = warnings.absorb(if options.dry_run { file.rehearse(data)? } else { file.save(data)? });
         Ok((Written { packed }, warnings))
@@ -118,8 +122,8 @@ pub fn layer_bytes(
     let folder = surroundings.folder.map(|f| f.canonicalize().unwrap_or_else(|_| f.to_path_buf()));
     on_large_stack(|| {
         let anchor = folder.as_deref().map_or(Anchor::Root, Anchor::Folder);
-        let frame = Frame { flatten: options.flatten, anchor, sublayer: surroundings.source };
-        let (mut data, mut warnings) = compose(&[Tailored { source, products, variant: None }], frame, options)?;
+        let frame = LayerContext { flatten: options.flatten, anchor, sublayer: surroundings.source };
+        let (mut data, mut warnings) = compose(&[GarmentProducts { source, products, variant: None }], frame, options)?;
         let bytes = match format {
             Format::Usda => TextWriter::write_to_string(&data).map(String::into_bytes).map_err(|e| {
                 Error::usd(format!("the layer cannot be written as text: {e}")).code(ErrorCode::WriteFailed)
@@ -138,7 +142,7 @@ pub fn layer_bytes(
 
 /// The content of a layer besides its products.
 #[derive(Clone, Copy)]
-pub struct Frame<'a> {
+pub struct LayerContext<'a> {
     /// Whether it is the whole stage; otherwise it sublayers the source.
     pub flatten: bool,
     /// The anchor of its asset paths.
@@ -148,9 +152,13 @@ pub struct Frame<'a> {
 }
 
 /// The layer with the products of all garments, which are of one stage.
-fn compose(garments: &[Tailored], frame: Frame, options: &WriteOptions) -> Result<(sdf::Data, Warnings), Error> {
+fn compose(
+    garments: &[GarmentProducts],
+    frame: LayerContext,
+    options: &WriteOptions,
+) -> Result<(sdf::Data, Warnings), Error> {
     let mut replaced = Vec::new();
-    for Tailored { source, products, .. } in garments {
+    for GarmentProducts { source, products, .. } in garments {
         check_names(&source.model, products)?;
         let paths = products.iter().map(|p| source.model.sibling_path(p.name)).collect::<Result<Vec<_>, _>>();
         replaced.extend(paths.map_err(|e| fault(e.into()))?);
@@ -193,9 +201,9 @@ fn fault(error: openusd::Error) -> Error {
 }
 
 /// Authors the products of garments.
-fn author(data: &mut sdf::Data, garments: &[Tailored], frame: Frame) -> Result<Warnings, Error> {
+fn author(data: &mut sdf::Data, garments: &[GarmentProducts], frame: LayerContext) -> Result<Warnings, Error> {
     let mut warnings = Warnings::default();
-    for Tailored { source, products, .. } in garments {
+    for GarmentProducts { source, products, .. } in garments {
         let mut author = Author { data, model: &source.model, anchor: frame.anchor, is_overlay: !frame.flatten };
         for product in *products {
             warnings.extend(author.product(product).map_err(fault)?);
@@ -257,7 +265,7 @@ fn refuse_other(model: &Model, name: &str) -> Result<(), Error> {
 }
 
 /// A layer over the input, without products.
-pub fn overlay(model: &Model, frame: Frame) -> Result<sdf::Data, Error> {
+pub fn overlay(model: &Model, frame: LayerContext) -> Result<sdf::Data, Error> {
     let root = sdf::Path::abs_root();
     let mut data = sdf::Data::new();
     data.create_spec(root.clone(), SpecType::PseudoRoot);

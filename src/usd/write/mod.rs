@@ -15,10 +15,10 @@ mod shapes;
 mod variant;
 
 pub use crates::write_crate;
-pub use layer::{Surroundings, Tailored, WriteOptions, Written, check_target, layer_bytes, write, write_all};
+pub use layer::{GarmentProducts, Surroundings, WriteOptions, Written, check_target, layer_bytes, write, write_all};
 pub use physics::pose_points;
 pub use product::extent;
 #[cfg(feature = "preview")]
-pub use recipe::{OptionValue, RecipeOpinions, Replaced, garment_below, recipe_text, selections, write_recipe};
+pub use recipe::{EarlierRecipe, OptionValue, RecipeOpinions, garment_below, recipe_text, selections, write_recipe};
 pub use role::{Product, ProductRole};
 pub use save::{Format, OutputFile, PREFIX, Unfinished, remove_unfinished, write_whole};

@@ -19,7 +19,7 @@ const PACKED: &[&str] = &[
 ];
 
 /// A package, and the files of which it has a copy.
-pub struct Packed {
+pub struct PackageData {
     pub bytes: Vec<u8>,
     /// Sorted; entries of other packages as `package[entry]`.
     pub files: Vec<PathBuf>,
@@ -29,7 +29,7 @@ pub struct Packed {
 ///
 /// # Errors
 /// A value that a crate cannot hold. A file that cannot be read, or is of no kind that stages use, becomes a warning.
-pub fn package(mut data: Data, stem: &str) -> Result<(Packed, Warnings), Error> {
+pub fn package(mut data: Data, stem: &str) -> Result<(PackageData, Warnings), Error> {
     let mut package = Package::default();
     package.collect(&mut data);
     package.warnings.extend(remove_unwritable(&mut data));
@@ -44,7 +44,7 @@ pub fn package(mut data: Data, stem: &str) -> Result<(Packed, Warnings), Error> 
     }
     archive.finish().map_err(fault)?;
     package.files.sort();
-    Ok((Packed { bytes: whole.into_inner(), files: package.files }, package.warnings))
+    Ok((PackageData { bytes: whole.into_inner(), files: package.files }, package.warnings))
 }
 
 /// The files of a package besides its layer.

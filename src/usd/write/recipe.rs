@@ -1,6 +1,6 @@
 //! A recipe as opinions on the model, in a layer over the stage.
 
-use super::layer::{Frame, overlay};
+use super::layer::{LayerContext, overlay};
 use super::save::{Format, OutputFile};
 use crate::error::{Error, ErrorCode};
 use crate::usd::assets::Anchor;
@@ -47,7 +47,7 @@ pub struct RecipeOpinions {
 }
 
 /// What an existing layer holds of an earlier recipe.
-pub struct Replaced {
+pub struct EarlierRecipe {
     /// True for properties that are options.
     pub is_option: fn(&str) -> bool,
     /// True for API schemas of options.
@@ -78,7 +78,7 @@ pub fn write_recipe(
     opinions: &RecipeOpinions,
     out: &Path,
     force: bool,
-    replaced: &Replaced,
+    replaced: &EarlierRecipe,
     verify: impl FnOnce(&Path) -> Result<(), Error> + Send,
 ) -> Result<(), Error> {
     let file = OutputFile::find(out, |file| source.model.uses(file), force)?;
@@ -163,7 +163,7 @@ fn fault(e: impl std::fmt::Display) -> Error {
 
 /// A layer over the garment, without opinions.
 fn over_garment(model: &Model, file: &OutputFile) -> Result<Data, Error> {
-    overlay(model, Frame { flatten: false, anchor: Anchor::Folder(&file.folder), sublayer: None })
+    overlay(model, LayerContext { flatten: false, anchor: Anchor::Folder(&file.folder), sublayer: None })
 }
 
 fn new_layer(model: &Model, opinions: &RecipeOpinions, file: &OutputFile) -> Result<Data, Error> {
@@ -176,7 +176,12 @@ fn new_layer(model: &Model, opinions: &RecipeOpinions, file: &OutputFile) -> Res
 }
 
 /// An existing layer with the opinions in place of the earlier ones.
-fn edited(model: &Model, opinions: &RecipeOpinions, file: &OutputFile, replaced: &Replaced) -> Result<Data, Error> {
+fn edited(
+    model: &Model,
+    opinions: &RecipeOpinions,
+    file: &OutputFile,
+    replaced: &EarlierRecipe,
+) -> Result<Data, Error> {
     let path = file.path().to_string_lossy();
     let mut layer = sdf::Layer::open_with(Files::default(), path.as_ref()).map_err(|e| {
         Error::usd(format!("{path} cannot be read as a USD layer: {e}"))

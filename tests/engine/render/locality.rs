@@ -9,9 +9,9 @@ use crate::common::operators::stack;
 use glam::Vec3;
 use std::collections::{BTreeMap, HashSet};
 use std::sync::Arc;
-use tailor::internals::build::mean_edge_length;
 use tailor::internals::garment::{Elements, Garment};
 use tailor::internals::mesh::{IdVec, VertexId};
+use tailor::internals::pipeline::mean_edge_length;
 use tailor::internals::render::RenderSteps;
 
 /// Largest move of a point. \[mean edges\]

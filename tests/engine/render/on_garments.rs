@@ -9,9 +9,9 @@ use glam::Vec3;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 use tailor::error::Code;
-use tailor::internals::build::mean_edge_length;
 use tailor::internals::garment::{Garment, Interpolation, Meaning, Primvar, PrimvarRole, Values, check_garment};
 use tailor::internals::mesh::{FaceId, VertexId};
+use tailor::internals::pipeline::mean_edge_length;
 use tailor::usd::{ReadOptions, Source};
 
 /// Name of the primvar that says which face of the input each face is part of.

@@ -6,9 +6,9 @@ use super::cloth::limit;
 use crate::common::nearest::Nearest;
 use crate::common::operators::rendered;
 use glam::Vec3;
-use tailor::internals::build::mean_edge_length;
 use tailor::internals::garment::{Elements, Garment};
 use tailor::internals::mesh::{FaceId, IdVec, VertexId};
+use tailor::internals::pipeline::mean_edge_length;
 use tailor::internals::subdivide::child_corner;
 
 /// Steps to the nearest point of a patch. They start within a quarter of it, and three suffice nearly everywhere.

@@ -9,9 +9,9 @@ use crate::common::nearest::Nearest;
 use crate::common::operators::rendered;
 use crate::common::sheets::with_edges;
 use glam::Vec3;
-use tailor::internals::build::mean_edge_length;
 use tailor::internals::garment::{Garment, GarmentInput, Values};
 use tailor::internals::mesh::{Topology, VertexId};
+use tailor::internals::pipeline::mean_edge_length;
 
 /// Largest move of the surface. \[mean edges\]
 const MOST: f32 = 0.01;

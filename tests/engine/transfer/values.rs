@@ -12,7 +12,7 @@ use tailor::internals::garment::{
     Garment, GarmentInput, Interpolation, Meaning, Primvar, PrimvarInput, PrimvarRole, Values,
 };
 use tailor::internals::mesh::{CornerId, FaceId, IdVec, Topology, VertexId};
-use tailor::internals::sim::Location;
+use tailor::internals::sim::BaselinePoint;
 use tailor::internals::subdivide::Stencils;
 use tailor::internals::transfer::{SOURCE_COORDS, SOURCE_FACE, corner_coordinates};
 
@@ -169,7 +169,11 @@ fn a_tube_that_is_one_shell_is_cut_once_along_itself() {
 }
 
 /// Influences of the garment's vertices at a location, merged by the weights of subdivision, one at a time.
-fn influences_at(built: &Built, product: &tailor::internals::sim::SimProduct, at: &Location) -> BTreeMap<i32, f64> {
+fn influences_at(
+    built: &Built,
+    product: &tailor::internals::sim::SimProduct,
+    at: &BaselinePoint,
+) -> BTreeMap<i32, f64> {
     let base = &product.baseline;
     let mut weights: BTreeMap<VertexId, f64> = BTreeMap::new();
     for (k, corner) in base.topology.faces.corners_of(at.face).enumerate() {
@@ -227,7 +231,7 @@ fn skinning_poses_the_mesh_as_the_input_at_its_places() {
         let (low, high) =
             points.iter().fold((points[VertexId::new(0)], points[VertexId::new(0)]), |b, p| (b.0.min(*p), b.1.max(*p)));
         let size = f64::from(low.distance(high));
-        let mut place: BTreeMap<VertexId, Location> = BTreeMap::new();
+        let mut place: BTreeMap<VertexId, BaselinePoint> = BTreeMap::new();
         for (v, p) in product.triangles.iter().flatten().zip(product.places.iter()) {
             place.entry(*v).or_insert(p.location);
         }

@@ -11,7 +11,7 @@ use std::path::Path;
 use std::sync::Arc;
 use tailor::error::{Error, ErrorKind};
 use tailor::recipe::{Layers, RecipeFile};
-use tailor::session::Document;
+use tailor::session::PayloadRecipe;
 use tailor::usd::{ReadOptions, Source};
 use tailor::{Builder, Elements, Garment, GarmentInput};
 
@@ -40,7 +40,7 @@ pub fn document(data: &[u8]) {
     let mut texts = data.split(|byte| *byte == 0).filter_map(|text| std::str::from_utf8(text).ok());
     let Some(text) = texts.next() else { return };
     let arguments = texts.map(|argument| argument.split_once('=').unwrap_or((argument, "")));
-    if let Some(document) = sound(Document::new(Path::new("/a/b.tailor"), text, arguments)) {
+    if let Some(document) = sound(PayloadRecipe::new(Path::new("/a/b.tailor"), text, arguments)) {
         assert!(!document.source().is_empty(), "a document has a source");
     }
 }

@@ -4,7 +4,7 @@ use super::{cloth, subset, varying};
 use crate::garment::{Family, FamilyType, GarmentInput, Interpolation, PrimvarInput, Scheme, Values, check_garment};
 
 /// One way to break the cloth, and what must be said of it.
-struct Fault {
+struct FaultCase {
     attribute: &'static str,
     fault: &'static str,
     remedy: &'static str,
@@ -16,8 +16,8 @@ const fn fault(
     fault: &'static str,
     remedy: &'static str,
     breaks: fn(&mut GarmentInput),
-) -> Fault {
-    Fault { attribute, fault, remedy, breaks }
+) -> FaultCase {
+    FaultCase { attribute, fault, remedy, breaks }
 }
 
 /// The numbers of a primvar of floats.
@@ -29,7 +29,7 @@ fn floats(input: &mut GarmentInput, primvar: usize) -> &mut Vec<f32> {
 }
 
 /// Checks that `faults` are each found, alone, and told as the table says.
-fn each_is_told(faults: &[Fault]) {
+fn each_is_told(faults: &[FaultCase]) {
     for row in faults {
         let mut input = cloth();
         (row.breaks)(&mut input);

@@ -1,10 +1,10 @@
 //! Opening a stage, from a file or from memory.
 
-mod arcs;
-mod reach;
+mod composition;
+mod dependencies;
 mod resolver;
 
-pub use reach::{first_used, without_arguments};
+pub use dependencies::{first_used, without_arguments};
 pub use resolver::{Files, package_file};
 
 use super::variants::{SESSION, Selection, session_layer};
@@ -134,7 +134,7 @@ fn open_file(file: &Path, variants: &[Selection]) -> Result<Stage, Error> {
     }
     // The file that the system finds, whatever the text of its path would be without links.
     let path = as_named(file)?;
-    arcs::check_arcs(&path)?;
+    composition::check_arcs(&path)?;
     let builder = Stage::builder();
     let builder = match variants {
         [] => builder.resolver(Files::default()),

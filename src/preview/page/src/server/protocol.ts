@@ -233,7 +233,7 @@ export type GarmentMessage = {
   /** The table of options. */
   groups: Array<Group>,
   /** Files to save to. */
-  suggested: Suggested,
+  suggested: SaveTargets,
   /** Warnings of the stage and of its mesh; those of the products are in their own messages. */
   warnings: Array<Warning>,
 };
@@ -395,6 +395,14 @@ export type SaveMessage = {
 /** The outcome of `plan` or `save`. */
 export type SaveStatus = "planned" | "saved" | "refused";
 
+/** Files to save to: those of the input where it has one, else new ones beside the garment. */
+export type SaveTargets = {
+  /** A USD layer. Panels that are sewn together have none: their options are of no prim. */
+  layer: string | null,
+  /** A `.tailor` file. */
+  recipe: string,
+};
+
 /** A text message to the page. */
 export type ServerMessage =
   | { "type": "garment" } & GarmentMessage
@@ -453,14 +461,6 @@ export type StateMessage = {
   unsaved: boolean,
   /** The earlier state that is shown in place of the edits. */
   comparing: Before | null,
-};
-
-/** Files to save to: those of the input where it has one, else new ones beside the garment. */
-export type Suggested = {
-  /** A USD layer. Panels that are sewn together have none: their options are of no prim. */
-  layer: string | null,
-  /** A `.tailor` file. */
-  recipe: string,
 };
 
 /** Times of the server for one frame. */

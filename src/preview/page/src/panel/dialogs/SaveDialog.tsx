@@ -1,7 +1,7 @@
 // Saves the edits as a USD layer or a `.tailor` file, after a look at what would be written.
 
 import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
-import type { SaveMessage, Suggested } from "../../server/protocol";
+import type { SaveMessage, SaveTargets } from "../../server/protocol";
 import type { Store } from "../../state/store";
 import { copyText } from "./clipboard";
 import { Segments } from "../controls/controls";
@@ -19,7 +19,7 @@ export function SaveDialog() {
   return isOpen && suggested ? <Dialog suggested={suggested} /> : null;
 }
 
-function Dialog({ suggested }: { suggested: Suggested }) {
+function Dialog({ suggested }: { suggested: SaveTargets }) {
   const store = useStore();
   const isLive = useLive();
   const dialog = useRef<HTMLDialogElement>(null);

@@ -14,7 +14,7 @@ const COLLECTION: &str = ".collection:";
 const MAX_COLLECTIONS: usize = 100;
 
 /// The meshes that `--exclude` leaves out.
-pub struct Excluded<'a> {
+pub struct Exclusions<'a> {
     patterns: Vec<&'a str>,
     collections: Vec<Collection>,
 }
@@ -34,10 +34,10 @@ enum Membership {
     /// The prim alone.
     Explicit,
     /// Neither the prim nor those below it.
-    Excluded,
+    Exclusions,
 }
 
-impl<'a> Excluded<'a> {
+impl<'a> Exclusions<'a> {
     /// Reads the collections among the names.
     ///
     /// # Errors
@@ -116,7 +116,7 @@ impl Collection {
             self.add(stage, collection.as_str(), read)?;
         }
         self.members.extend(prims.into_iter().map(|prim| (prim, rule)));
-        self.members.extend(targets("excludes")?.into_iter().map(|prim| (prim, Membership::Excluded)));
+        self.members.extend(targets("excludes")?.into_iter().map(|prim| (prim, Membership::Exclusions)));
         Ok(())
     }
 
@@ -124,7 +124,7 @@ impl Collection {
     fn holds(&self, path: &Path) -> bool {
         let mut rules = with_ancestors(path).map(|path| self.members.get(&path));
         match rules.next().flatten() {
-            Some(own) => *own != Membership::Excluded,
+            Some(own) => *own != Membership::Exclusions,
             None => rules.flatten().next() == Some(&Membership::Expanded),
         }
     }

@@ -5,7 +5,7 @@
 
 use super::candidate::Fault;
 use super::solver::{Constraint, Row, add_row, separation};
-use super::{GAP, LookAhead};
+use super::{GAP, SecondRefinementInput};
 use crate::contact::{
     ChildId, NextContacts, Proximity, Quad, RefinedFaces, RefinedPart, each_once, evaluate, separating_axis,
 };
@@ -17,13 +17,13 @@ use rayon::prelude::*;
 const PAIRS_PER_TASK: usize = 1024;
 
 /// The second refinement of a cage under repair.
-pub struct Ahead<'a> {
-    input: &'a LookAhead<'a>,
+pub struct SecondRefinement<'a> {
+    input: &'a SecondRefinementInput<'a>,
     proximity: Proximity,
 }
 
-impl<'a> Ahead<'a> {
-    pub fn new(input: &'a LookAhead<'a>, faces: &RefinedFaces) -> Self {
+impl<'a> SecondRefinement<'a> {
+    pub fn new(input: &'a SecondRefinementInput<'a>, faces: &RefinedFaces) -> Self {
         Self { input, proximity: Proximity::new(faces) }
     }
 
@@ -149,8 +149,8 @@ mod tests {
         let (faces, input, all) = (refined(cage, points), ridge(before), all(cage));
         let close = IdVec::filled(true, all.len());
         let (input_points, input_faces) = (&input.garment().points, &all.iter().copied().collect());
-        let input = LookAhead { input: input.level(), input_points, input_faces, close };
-        let ahead = Ahead::new(&input, &faces);
+        let input = SecondRefinementInput { input: input.level(), input_points, input_faces, close };
+        let ahead = SecondRefinement::new(&input, &faces);
         (ahead.faults(&faces, &all), ahead.separations(&faces, &all))
     }
 

@@ -1,7 +1,7 @@
 //! The steps from both meshes to cloth and binding.
 
 use super::progress::Clock;
-use super::sim::Simulated;
+use super::sim::SimResult;
 use crate::binding::Binding;
 use crate::cloth::{Cloth, ClothOptions, FabricOptions};
 use crate::error::{Error, Warnings};
@@ -13,15 +13,15 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// The simulation mesh, its UV set, and the options of cloth and fabrics.
-type ClothInput = (Same<Simulated>, String, ClothOptions, BTreeMap<String, FabricOptions>);
+type ClothInput = (Same<SimResult>, String, ClothOptions, BTreeMap<String, FabricOptions>);
 
 /// The steps of one garment.
 pub struct ClothSteps {
     garment: Arc<Garment>,
     mean_edge: f32,
     cloth: Step<ClothInput, (Arc<Cloth>, Warnings)>,
-    binding: Step<(Same<Simulated>, Same<Garment>), Arc<Binding>>,
-    cage_binding: Step<Same<Simulated>, Arc<Binding>>,
+    binding: Step<(Same<SimResult>, Same<Garment>), Arc<Binding>>,
+    cage_binding: Step<Same<SimResult>, Arc<Binding>>,
 }
 
 impl ClothSteps {
@@ -34,7 +34,7 @@ impl ClothSteps {
     pub fn cloth(
         &mut self,
         recipe: &Recipe,
-        simulated: &Arc<Simulated>,
+        simulated: &Arc<SimResult>,
         clock: &mut Clock<'_>,
     ) -> Result<Option<(Arc<Cloth>, Warnings)>, Error> {
         if recipe.cloth.physics.is_empty() {
@@ -53,7 +53,7 @@ impl ClothSteps {
     /// The binding of a render mesh, whose `origins` are computed if they are needed.
     pub fn binding(
         &mut self,
-        simulated: &Arc<Simulated>,
+        simulated: &Arc<SimResult>,
         render: &Arc<Garment>,
         origins: impl FnOnce() -> Result<Origins, Error>,
         clock: &mut Clock<'_>,
@@ -70,7 +70,7 @@ impl ClothSteps {
     /// The binding of the garment's own points, whose `origins` are computed if they are needed.
     pub fn cage_binding(
         &mut self,
-        simulated: &Arc<Simulated>,
+        simulated: &Arc<SimResult>,
         origins: impl FnOnce() -> Result<Origins, Error>,
     ) -> Result<Arc<Binding>, Error> {
         let garment = &self.garment;

@@ -16,7 +16,7 @@ const ROUNDED: f32 = 0.01;
 
 /// The frame of one garment, and its products in the garment's own space.
 #[derive(Default)]
-pub struct Frame {
+pub struct LocalFrame {
     /// The origin of the frame in the garment's space. \[mesh units\]
     origin: Vec3,
     sim: Step<Same<Garment>, Arc<Garment>>,
@@ -24,7 +24,7 @@ pub struct Frame {
     cloth: Step<Same<Cloth>, Arc<Cloth>>,
 }
 
-impl Frame {
+impl LocalFrame {
     /// The frame of a garment: its own space, unless it is far from the origin.
     pub fn of(garment: &Garment) -> Self {
         let [low, high] = garment.bounds();

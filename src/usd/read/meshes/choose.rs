@@ -1,6 +1,6 @@
 //! Choosing the meshes that are garments.
 
-use super::exclude::{Excluded, with_ancestors};
+use super::exclude::{Exclusions, with_ancestors};
 use crate::error::{Error, ErrorCode};
 use crate::usd::names;
 use crate::usd::read::choose::{all_meshes, all_prims, check_instance, list};
@@ -32,7 +32,7 @@ pub fn meshes(stage: &Stage, file: &FilePath, options: &ReadOptions) -> Result<O
     if below.is_empty() || (below.len() == 1 && !is_asked) {
         return Ok(None);
     }
-    let excluded = Excluded::new(stage, file, &options.exclude)?;
+    let excluded = Exclusions::new(stage, file, &options.exclude)?;
     let models = models(stage, file)?;
     let mut found = Vec::new();
     for path in &below {

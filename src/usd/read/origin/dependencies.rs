@@ -35,7 +35,8 @@ pub fn first_used(stage: &Path, targets: &[PathBuf]) -> Result<Option<usize>, Er
     }
     let Ok(name) = as_named(stage) else { return Ok(None) };
     on_large_stack(|| {
-        let mut reach = Reach { files: Files::default(), targets, seen: HashSet::new(), open: Vec::new(), found: None };
+        let mut reach =
+            LayerDependencies { files: Files::default(), targets, seen: HashSet::new(), open: Vec::new(), found: None };
         reach.name(&name, None);
         let mut layers = 0;
         while let Some(layer) = reach.open.pop().filter(|_| reach.found.is_none()) {
@@ -60,7 +61,7 @@ fn holds_files(data: &dyn AbstractData, path: &sdf::Path) -> bool {
 }
 
 /// The files that were found so far.
-struct Reach {
+struct LayerDependencies {
     files: Files,
     targets: HashMap<Identity, usize>,
     /// Identifiers of the files that were found.
@@ -71,7 +72,7 @@ struct Reach {
     found: Option<usize>,
 }
 
-impl Reach {
+impl LayerDependencies {
     /// Reads all that a layer names. One that cannot be read names nothing.
     fn read(&mut self, identifier: &str) {
         let Ok(layer) = Layer::open_with(Files::default(), identifier) else { return };

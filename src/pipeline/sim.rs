@@ -9,7 +9,7 @@ use crate::recipe::ResolvedSim;
 use crate::report::{SimFigures, SubsetArea, subset_areas, uv_flips};
 use crate::sim::{Baseline, CurveGap, SimOptions, SimProduct, baseline_level, simulate};
 use crate::step::{Same, Step};
-use crate::transfer::{SetCurve, Transferred, transfer};
+use crate::transfer::{SetCurve, TransferResult, transfer};
 use std::sync::Arc;
 
 /// Distance of a curve from the edges that follow it above which a warning is given. \[target lengths\]
@@ -28,19 +28,19 @@ const FEW_FACES: usize = 1000;
 /// The steps from one garment to its simulation mesh.
 pub struct SimSteps {
     garment: Arc<Garment>,
-    remeshed: Step<(ResolvedSim, usize), Arc<Remeshed>>,
-    simulated: Step<(Same<Remeshed>, ResolvedSim), Arc<Simulated>>,
+    remeshed: Step<(ResolvedSim, usize), Arc<RemeshResult>>,
+    simulated: Step<(Same<RemeshResult>, ResolvedSim), Arc<SimResult>>,
 }
 
 /// A simulation mesh before the transfer of attributes.
-pub struct Remeshed {
+pub struct RemeshResult {
     pub product: SimProduct,
     pub warnings: Warnings,
 }
 
 /// A simulation mesh with attributes.
-pub struct Simulated {
-    pub remeshed: Arc<Remeshed>,
+pub struct SimResult {
+    pub remeshed: Arc<RemeshResult>,
     pub mesh: Arc<Garment>,
     pub warnings: Warnings,
     curves: Vec<SetCurve>,
@@ -48,7 +48,7 @@ pub struct Simulated {
     islands: usize,
 }
 
-impl Simulated {
+impl SimResult {
     /// The quality figures.
     pub fn figures(&self) -> SimFigures {
         SimFigures::new(&self.remeshed.product, &self.mesh, &self.curves, self.areas.clone(), self.islands)
@@ -67,7 +67,7 @@ impl SimSteps {
         sim: &ResolvedSim,
         max_faces: usize,
         clock: &mut Clock<'_>,
-    ) -> Result<Arc<Simulated>, Error> {
+    ) -> Result<Arc<SimResult>, Error> {
         let garment = &self.garment;
         let remeshed = self.remeshed.get((sim.without_transfer(), max_faces), |(sim, _)| {
             remesh(garment, sim, max_faces, clock).map(Arc::new)
@@ -132,7 +132,12 @@ pub fn check_size(garment: &Garment, sim: &ResolvedSim, max_faces: usize) -> Res
     Err(Error::recipe("sim.maxEdgeLength", fault).code(ErrorCode::TooLarge).remedy(remedy))
 }
 
-fn remesh(garment: &Garment, sim: &ResolvedSim, max_faces: usize, clock: &mut Clock<'_>) -> Result<Remeshed, Error> {
+fn remesh(
+    garment: &Garment,
+    sim: &ResolvedSim,
+    max_faces: usize,
+    clock: &mut Clock<'_>,
+) -> Result<RemeshResult, Error> {
     let options = &sim.options;
     let least = SHORTEST * garment.size();
     if options.min_edge_length < least {
@@ -154,7 +159,7 @@ fn remesh(garment: &Garment, sim: &ResolvedSim, max_faces: usize, clock: &mut Cl
         warnings.push(warning.remedy("Raise sim.minEdgeLength or sim.maxEdgeLength, or --max-faces"));
     }
     warnings.extend(curves_cut(&product));
-    Ok(Remeshed { product, warnings })
+    Ok(RemeshResult { product, warnings })
 }
 
 /// The warning of UV shells whose seams the mesh does not follow.
@@ -218,14 +223,14 @@ fn curves_cut(product: &SimProduct) -> Option<Warning> {
     Some(warning.remedy("Lower sim.maxEdgeLength, or sim.cornerAngle"))
 }
 
-fn simulated(garment: &Garment, sim: &ResolvedSim, remeshed: &Arc<Remeshed>) -> Result<Simulated, Error> {
+fn simulated(garment: &Garment, sim: &ResolvedSim, remeshed: &Arc<RemeshResult>) -> Result<SimResult, Error> {
     let product = &remeshed.product;
     let (transferred, mut warnings) = transfer(garment, product, &sim.options, sim.uv_set(garment));
     let areas = subset_areas(product, &transferred, garment);
     warnings.extend(area_changed(&areas));
     warnings.extend(uvs_flipped(product));
-    let Transferred { mesh, curves, islands, .. } = transferred;
-    Ok(Simulated { remeshed: Arc::clone(remeshed), mesh: Arc::new(mesh), warnings, curves, areas, islands })
+    let TransferResult { mesh, curves, islands, .. } = transferred;
+    Ok(SimResult { remeshed: Arc::clone(remeshed), mesh: Arc::new(mesh), warnings, curves, areas, islands })
 }
 
 /// The warning of triangles that are flipped in the UVs.

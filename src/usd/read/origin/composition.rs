@@ -59,12 +59,12 @@ struct Stack {
     file: String,
     default_prim: Option<sdf::Path>,
     /// The arcs of each prim.
-    authored: BTreeMap<sdf::Path, Vec<Arc>>,
+    authored: BTreeMap<sdf::Path, Vec<CompositionArc>>,
 }
 
 /// An arc as a layer has it.
 #[derive(Clone)]
-struct Arc {
+struct CompositionArc {
     variant: Variant,
     /// The layer that it leads to; none for its own stack.
     file: Option<String>,
@@ -175,7 +175,7 @@ impl Arcs {
             let mut add = |asset: &str, prim: &sdf::Path| {
                 let asset = asset.split(ARGUMENTS).next().unwrap_or_default();
                 let file = (!asset.is_empty()).then(|| self.files.create_identifier(asset, Some(&anchor)));
-                let arc = Arc { variant: variant.clone(), file, prim: prim.strip_all_variant_selections() };
+                let arc = CompositionArc { variant: variant.clone(), file, prim: prim.strip_all_variant_selections() };
                 stack.authored.entry(path.strip_all_variant_selections()).or_default().push(arc);
             };
             for key in [FieldKey::References, FieldKey::Payload, FieldKey::InheritPaths, FieldKey::Specializes] {

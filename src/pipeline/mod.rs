@@ -27,9 +27,9 @@ use crate::error::{Code, Error, Warning, Warnings};
 use crate::garment::{Garment, GarmentInput, Scheme, check_garment};
 use crate::recipe::{Recipe, Resolved, ResolvedSim};
 use crate::render::operator::Operator;
-use crate::render::{RenderSteps, Rendered, Stack};
+use crate::render::{RenderResult, RenderSteps, Stack};
 use cloth::ClothSteps;
-use frame::Frame;
+use frame::LocalFrame;
 use progress::Clock;
 use sim::SimSteps;
 use std::sync::Arc;
@@ -79,7 +79,7 @@ pub fn build(mesh: &GarmentInput, recipe: &Recipe) -> Result<Products, Error> {
 /// ```
 pub struct Builder {
     garment: Arc<Garment>,
-    frame: Frame,
+    frame: LocalFrame,
     mean_edge: f32,
     warnings: Warnings,
     sim: SimSteps,
@@ -110,13 +110,13 @@ impl Builder {
             let warning = Warning::new(Code::PolygonalCage, &garment.prim, problem);
             warnings.push(warning.remedy("Set it to catmullClark for a smooth surface"));
         }
-        let frame = Frame::of(&garment);
+        let frame = LocalFrame::of(&garment);
         warnings.extend(frame.check(&garment, mean_edge)?);
         Ok(Self::in_frame(frame, Arc::new(garment), mean_edge, warnings))
     }
 
     /// A builder without results and operators of its own. All steps work on the garment in its frame.
-    fn in_frame(frame: Frame, garment: Arc<Garment>, mean_edge: f32, warnings: Warnings) -> Self {
+    fn in_frame(frame: LocalFrame, garment: Arc<Garment>, mean_edge: f32, warnings: Warnings) -> Self {
         let local = frame.enter(&garment);
         Self {
             sim: SimSteps::new(Arc::clone(&local)),
@@ -305,7 +305,7 @@ impl Builder {
     fn render(&mut self, recipe: &Recipe) -> Result<RenderUpdate, Error> {
         let mut clock = Clock::new(&self.progress);
         let stack = self.stack(recipe)?;
-        let Rendered { mesh, sets, warnings, seam_level } = clock.run("render", || self.render.update(&stack))?;
+        let RenderResult { mesh, sets, warnings, seam_level } = clock.run("render", || self.render.update(&stack))?;
         clock.finish()?;
         Ok(RenderUpdate {
             mesh,

@@ -1,7 +1,7 @@
 //! The results of a build.
 
 use super::progress::Timing;
-use super::sim::Simulated;
+use super::sim::SimResult;
 use crate::binding::Binding;
 use crate::cloth::{Cloth, ClothFigures};
 use crate::error::Warnings;
@@ -37,7 +37,7 @@ pub struct Products {
     pub warnings: Warnings,
     /// Time of each step; one that was not repeated takes nearly none.
     pub timings: Vec<Timing>,
-    pub(super) simulated: Arc<Simulated>,
+    pub(super) simulated: Arc<SimResult>,
 }
 
 impl Products {
@@ -88,7 +88,7 @@ pub struct SimUpdate {
     pub warnings: Warnings,
     /// Time of each step that was repeated.
     pub timings: Vec<Timing>,
-    pub(super) simulated: Arc<Simulated>,
+    pub(super) simulated: Arc<SimResult>,
 }
 
 impl SimUpdate {
