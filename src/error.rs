@@ -184,7 +184,7 @@ pub enum Code {
     ReducedHeight,
     /// Two seams have the same edges.
     SharedSeamEdges,
-    /// A second layer is nearer than its amount.
+    /// A second layer is nearer than its thickness.
     ThinLayer,
     /// Faces have no second layer.
     BareFaces,

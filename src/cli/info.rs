@@ -8,6 +8,7 @@ use super::process::memory;
 use super::variants::Opening;
 use super::{ExamineArgs, Output, report, text, variants};
 use crate::error::{Error, ErrorCode, ErrorKind, Warnings};
+use crate::options::{Domain, Given};
 use crate::units::in_words;
 use crate::usd::{Facts, Selection, Source, misplaced_options, type_word};
 use crate::{Builder, Garment, Plan, PrimvarRole, Recipe};
@@ -224,15 +225,19 @@ fn panels(out: &mut String, source: &Source) {
 
 /// The operators of a recipe, with the sets that they work on.
 fn operators(out: &mut String, garment: &Garment, recipe: &Recipe) {
-    let seams = recipe.seam.iter().map(|(name, o)| ("seam    ", name, &o.edges, o.enabled));
-    let folds = recipe.fold.iter().map(|(name, o)| ("fold    ", name, &o.faces, o.enabled));
-    for (kind, name, sets, enabled) in seams.chain(folds) {
+    for (name, options) in recipe.operators() {
+        let group = options.group();
+        let values = group.keys.iter().zip(options.given());
+        let sets = values.filter_map(|(key, given)| match (key.domain, given) {
+            (Domain::Sets { .. }, Given::Names(sets)) => Some(sets),
+            _ => None,
+        });
         let sized = sets
-            .iter()
+            .flatten()
             .filter_map(|set| garment.subset(set))
             .map(|set| format!("{} ({} {}s)", set.name, set.elements.len(), set.elements.kind()));
-        let left_out = if enabled { "" } else { ", left out" };
-        let _ = writeln!(out, "  {kind} {name}: {}{left_out}", sized.collect::<Vec<_>>().join(", "));
+        let left_out = if options.is_enabled() { "" } else { ", left out" };
+        let _ = writeln!(out, "  {:<8} {name}: {}{left_out}", group.name, sized.collect::<Vec<_>>().join(", "));
     }
 }
 

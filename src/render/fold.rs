@@ -381,7 +381,9 @@ impl Operator for Fold {
                 format!("thinner than asked at {count} vertices, down to {left:.0} %, to clear itself or other cloth");
             let warning = Warning::new(Code::ThinLayer, self.label(), problem).at(output.input_points(thin));
             warnings.push(
-                warning.amount(least).remedy(format!("Lower `{}.amount`, or paint lower weights there", self.label())),
+                warning
+                    .amount(least)
+                    .remedy(format!("Lower `{}.thickness`, or paint lower weights there", self.label())),
             );
         }
         warnings

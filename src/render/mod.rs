@@ -13,7 +13,10 @@
 //!    [`operator::Operator`]). [`apply`](operator::Operator::apply) builds the connectivity with a [`child::ChildBuilder`]
 //!    and lists the vertices whose limit position is controlled; [`heights`](operator::Operator::heights) raises each of
 //!    them.
-//! 2. A row in `recipe/groups.rs`. `cargo xtask options` writes its schema and its table of docs/recipe.md.
+//! 2. A row in `recipe/groups.rs`, at its place in the default order, and an export of the options here and in `lib.rs`.
+//! 3. A heading in docs/recipe.md with marks for its table. `cargo xtask options` writes the table and the schema.
+//! 4. A hint for payloads in `usd/read/diagnostics/payloads.rs`; in the page of the preview a word and an icon
+//!    (`server/options.ts`, `recipe/Stack.tsx`, `controls/icons.tsx`).
 
 pub mod child;
 mod fold;

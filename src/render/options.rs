@@ -14,7 +14,7 @@ options! {
         /// after it
         "seamLevel" seam_level: u32 = 0, Domain::Whole { most: 6, usual: 3 }, "levels";
 
-        /// Operators in the order they run, such as seam:placket; empty is all folds by name, then all seams by name
+        /// Operators in the order they run, such as seam.placket; empty is all folds by name, then all seams by name
         "operators" operators: Vec<String> = Vec::new(), Domain::Operators, "names of operators";
 
         /// Add face sets of the faces that each operator creates, with its name followed by _seam, _hem or _inner

@@ -275,12 +275,12 @@ impl Operator for Seams {
             let (count, least) = (here.clone().count(), here.clone().map(|s| s.2).fold(1.0, f32::min));
             if count > 0 {
                 let problem = format!(
-                    "its normalOffset is reduced at {count} vertices, down to {:.0} %, to clear another layer",
+                    "its normalOffset is reduced at {count} vertices, down to {:.0} %, to clear another layer or an intersection",
                     100.0 * least
                 );
                 let warning = Warning::new(Code::ShallowSeam, format!("seam.{name}"), problem);
                 let warning = warning.at(output.input_points(here.map(|s| s.1))).amount(least);
-                let remedy = format!("Lower `seam.{name}.normalOffset`, or run folds after the seam");
+                let remedy = format!("Move `seam.{name}.normalOffset` towards 0, or run folds after the seam");
                 warnings.push(warning.remedy(remedy));
             }
         }

@@ -270,7 +270,7 @@ def test_the_coat_is_sewn(coat):
     """Every operator made faces, and the places where there is no room are reported: at the neck, under the arm, and over folds."""
     assert set(coat.render.counts) == {4}
     prim = coat.source.prim
-    instances = [schema.partition(":") for schema in prim.GetAppliedSchemas() if schema.startswith(("TailorSeam", "TailorThickness"))]
+    instances = [schema.partition(":") for schema in prim.GetAppliedSchemas() if schema.startswith(("TailorSeam", "TailorFold"))]
     ends = {"TailorSeamAPI": ["seam"], "TailorFoldAPI": ["hem", "inner"]}
     expected = {f"{name}_{end}" for schema, _, name in instances for end in ends[schema]}
     assert len(expected) == 17 and coat.report["operatorFaces"].keys() == expected

@@ -4,7 +4,7 @@
 //!   border        v is the end of the fold: the border goes on without one. The two layers share it, so that the hem
 //!   ==c--v-----   narrows to nothing between c and v, over the taper length. From v on, the layer ends along edges
 //!     |  |        inside the surface, and lies on it up to
-//!   --o--w         the next corner w of its faces, or over three times the amount.
+//!   --o--w         the next corner w of its faces, or over three times the thickness.
 //! ```
 //!
 //! Where a crease or an edge set marks the edges from v on, the end is *square*: the fold keeps its height up to v, and a
@@ -74,7 +74,7 @@ impl Ends {
         ends
     }
 
-    /// The share of the amount at a point that is the average of some vertices: less than 1 within `length` of a joined end.
+    /// The share of the thickness at a point that is the average of some vertices: less than 1 within `length` of a joined end.
     ///
     /// A fold whose edges are longer has a line there instead; one that a seam runs into has shorter edges.
     pub fn tapers(&self, points: &IdVec<VertexId, Vec3>, length: f32) -> impl Fn(&[(VertexId, f32)]) -> f32 {

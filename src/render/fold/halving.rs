@@ -22,7 +22,7 @@ use std::sync::Arc;
 
 /// Largest turn of the surface across a face at a fold; a circle of eight faces is not halved. \[radians\]
 const MAX_TURN: f32 = 0.8;
-/// Least length of an edge that is halved, as a multiple of the amount of the fold: smaller bends are within the fold.
+/// Least length of an edge that is halved, as a multiple of the thickness of the fold: smaller bends are within the fold.
 const LEAST_LENGTH: f32 = 4.0;
 
 /// Halves edges, and the faces between them.
@@ -32,11 +32,11 @@ struct Halving {
     edges: Vec<[VertexId; 2]>,
 }
 
-/// The operators that halve bent faces of the named subsets at the border of a garment. `amount` is the largest thickness
+/// The operators that halve bent faces of the named subsets at the border of a garment. `thickness` is the largest
 /// of the folds. \[mesh units\]
-pub fn halving(garment: &Garment, level: &Level, faces: &[String], amount: f32) -> Vec<Arc<dyn Operator>> {
+pub fn halving(garment: &Garment, level: &Level, faces: &[String], thickness: f32) -> Vec<Arc<dyn Operator>> {
     let t = &level.topology;
-    let turns = edge_turns(garment, t, &bent(garment, t, faces, LEAST_LENGTH * amount));
+    let turns = edge_turns(garment, t, &bent(garment, t, faces, LEAST_LENGTH * thickness));
     let (mut halved, mut again) = (Vec::new(), Vec::new());
     for edge in t.edges.ids().filter(|&edge| turns[edge] > 0.0) {
         let [a, b] = t.edges[edge];
