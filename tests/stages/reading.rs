@@ -143,7 +143,7 @@ fn the_recipe_is_read_with_its_targets() {
     let expected = r#"{"render":{"operators":["a","b"]},"seam":{"side":{"edges":["hem"]}},"sim":{"maxEdgeLength":2.5,"minEdgeLength":0.1}}"#;
     assert_eq!(recipe, expected);
     for (extra, parts) in [
-        ("rel tailor:sim:constraints = </Coat>", ["targets /Coat", "no GeomSubset of the mesh"]),
+        ("rel tailor:sim:constraints = </Coat>", ["targets /Coat", "not a GeomSubset of the mesh"]),
         ("double3 tailor:sim:x = (1,2,3)", ["tailor:sim:x", "type that no recipe field has"]),
         ("int tailor:sim = 1\n int tailor:sim:x = 1", ["tailor:sim", "both a value and a namespace"]),
     ] {
