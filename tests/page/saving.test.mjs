@@ -11,12 +11,12 @@ import { assertSame, build, sewnShirt } from "./support/garments.mjs";
 async function edit(preview) {
   const before = await preview.meshes();
   await preview.evaluate(() =>
-    preview.store.edit({
+    preview.store.edit(() => ({
       sim: { maxEdgeLength: 2.37, seed: 5 },
       render: { level: 2, operators: ["seam.side", "fold.neck", "seam.hem"] },
       seam: { side: { normalOffset: -0.123456 }, hem: { edges: ["hem_stitch"], normalOffset: -0.2, width: 0.7 } },
       fold: { neck: { thickness: 0.33 } },
-    }),
+    })),
   );
   await preview.differs("render", before);
   await preview.differs("sim", before);
