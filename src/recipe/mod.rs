@@ -22,7 +22,7 @@ pub(crate) use resolved::{Resolved, ResolvedSim};
 
 pub use crate::options::{Domain, Group, Key};
 
-use groups::pattern;
+use groups::{pattern, split};
 use serde::Serialize;
 use serde_json::Value;
 use std::fmt::Write as _;
@@ -105,7 +105,9 @@ pub fn table() -> Vec<GroupTable> {
 
 /// True if an attribute is an option, for any name of an instance.
 pub fn is_attribute(name: &str) -> bool {
-    name.strip_prefix("tailor:").is_some_and(|key| find(&layers::dotted(key)).is_some())
+    let Some(key) = name.strip_prefix("tailor:").map(layers::dotted) else { return false };
+    let is_named = |(group, rest): (&str, &str)| split(group, rest).is_none_or(|(name, _)| !name.is_empty());
+    find(&key).is_some() && key.split_once('.').is_some_and(is_named)
 }
 
 /// The type of an option, as messages describe it.
