@@ -50,7 +50,7 @@ pub struct PrimvarInput {
     pub name: String,
     /// The property that holds the values.
     pub role: PrimvarRole,
-    /// What the values stand for.
+    /// The meaning of the values.
     pub meaning: Meaning,
     /// Whether a file stores the numbers in half precision.
     pub half: bool,

@@ -21,7 +21,7 @@ pub enum Interpolation {
     FaceVarying,
 }
 
-/// What the values of a primvar stand for.
+/// The meaning of a primvar's values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Meaning {
     /// Numbers, truth values or strings.
@@ -183,7 +183,7 @@ pub struct Primvar {
     pub name: String,
     /// The property that holds the values.
     pub role: PrimvarRole,
-    /// What the values stand for.
+    /// The meaning of the values.
     pub meaning: Meaning,
     /// Whether a file stores the numbers in half precision.
     pub half: bool,

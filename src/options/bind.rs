@@ -3,8 +3,9 @@
 use crate::error::{Error, ErrorCode};
 use crate::garment::{Garment, Interpolation, Primvar, Subset, Values};
 
-/// The largest length of a cloth. \[sizes of the garment\]
-const LARGEST: f32 = 0.5;
+/// Largest length or height of an operator, which looks for other cloth as far as it reaches, and of a cloth.
+/// \[sizes of the garment\]
+pub const LARGEST: f32 = 0.5;
 
 /// Checks that a length or height is at most `largest` sizes of a garment.
 ///

@@ -6,7 +6,7 @@ use crate::error::{Error, ErrorCode};
 use crate::garment::Garment;
 use serde::Serialize;
 
-/// The values that an option takes. `usual` is the range of a slider, which every value beyond it may leave.
+/// The values that an option takes. `usual` is the range of a slider; values beyond it may be given.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(tag = "type", rename_all = "camelCase", rename_all_fields = "camelCase")]
 #[cfg_attr(test, derive(ts_rs::TS))]

@@ -6,7 +6,7 @@
 mod bind;
 mod domain;
 
-pub use bind::{did_you_mean, float_primvar, nearest, primvar, within_size_in_meters};
+pub use bind::{LARGEST, did_you_mean, float_primvar, nearest, primvar, within_size_in_meters};
 pub use domain::Domain;
 
 use crate::error::Error;
@@ -29,16 +29,15 @@ pub struct Key {
 }
 
 /// The declaration of a group of options.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug)]
 pub struct Group {
     /// The first part of the keys, such as `sim` or `seam`.
     pub name: &'static str,
-    /// What the group is, in a few sentences.
+    /// Description, in a few sentences.
     pub about: &'static str,
     /// Its options, in the order of the schema.
     pub keys: &'static [Key],
     /// The default values, as an object.
-    #[serde(skip)]
     pub defaults: fn() -> Value,
 }
 

@@ -62,7 +62,7 @@ pub fn help() -> String {
 pub struct GroupTable {
     /// The first part of the keys, such as `sim` or `seam`.
     pub name: &'static str,
-    /// What the group is, in a few sentences.
+    /// Description, in a few sentences.
     pub about: &'static str,
     /// Their API schema, such as `TailorSeamAPI`.
     pub schema: String,

@@ -57,7 +57,7 @@ impl ResolvedSim {
         Ok(Self { options: options.clone(), uv_set, density })
     }
 
-    /// The same without the options that transfer alone reads.
+    /// The options that remeshing reads; those of transfer have one value.
     pub fn without_transfer(&self) -> Self {
         Self { options: self.options.without_transfer(), ..*self }
     }

@@ -19,11 +19,11 @@ use super::lines::{self, LineRequest, LineVertex, Lines};
 use super::operator::{
     Control, ControlRole, LayerEnd, Operator, OperatorInput, OperatorOutput, REPORTED, is_lone_corner,
 };
-use super::options::{LARGEST, OperatorOptions};
+use super::options::OperatorOptions;
 use crate::error::{Code, Error, ErrorCode, Warning, Warnings};
 use crate::garment::{Elements, Garment, Orientation, Subset, Values};
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
-use crate::options::{Domain, Given, OptionValue, options};
+use crate::options::{Domain, Given, LARGEST, OptionValue, options};
 use crate::subdivide::{Level, Stencils};
 use cover::{Cover, layer_ends};
 use ends::{Ends, square_edges};

@@ -181,7 +181,7 @@ pub struct OperatorOutput {
     pub derivation: OperatorDerivation,
     /// The vertices with a controlled limit position.
     pub controls: Vec<Control>,
-    /// What the operator keeps for [`Operator::heights`].
+    /// Data of the operator for [`Operator::heights`].
     pub details: Arc<dyn Any + Send + Sync>,
     /// Subsets of new faces.
     pub subsets: Vec<Subset>,

@@ -22,9 +22,6 @@ options! {
     }
 }
 
-/// Largest length or height of an operator, which looks for other cloth as far as it reaches. \[sizes of the garment\]
-pub const LARGEST: f32 = 0.5;
-
 /// The options of one operator of a recipe.
 pub trait OperatorOptions: OptionGroup {
     /// False if the operator is left out. Its values are then not checked.

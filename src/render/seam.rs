@@ -21,11 +21,11 @@ mod room;
 
 use super::lines::{self, LineRequest, LineVertex, Lines, NarrowVertex};
 use super::operator::{Control, ControlRole, Operator, OperatorInput, OperatorOutput, REPORTED};
-use super::options::{LARGEST, OperatorOptions};
+use super::options::OperatorOptions;
 use crate::error::{Code, Error, Warning, Warnings};
 use crate::garment::{Elements, Garment, Orientation, Subset};
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
-use crate::options::{Domain, options};
+use crate::options::{Domain, LARGEST, options};
 use chains::Network;
 use heights::{Part, SeamLine};
 use std::any::Any;

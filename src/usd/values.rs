@@ -77,7 +77,7 @@ fn grouped<N: Pod, T: Pod>(numbers: &[N]) -> Option<Vec<T>> {
 /// An array as geometry code holds it. These four determine its type in USD.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Flat {
-    /// What the values stand for.
+    /// The meaning of the values.
     pub meaning: Meaning,
     /// Whether they are halves.
     pub half: bool,
@@ -127,7 +127,7 @@ fn empty(type_name: &ValueTypeName) -> Option<Flat> {
     Some(Flat { meaning: meaning(type_name.role(), kind), half: is_half(kind), components, values })
 }
 
-/// What values stand for.
+/// The meaning of values.
 fn meaning(role: Option<Role>, kind: ValueKind) -> Meaning {
     use ValueKind as K;
     match (role, kind) {

@@ -90,3 +90,15 @@ test("Alt and arrow keys move the focused card, which keeps the focus", async (t
   assert.deepEqual([await preview.cards(), await preview.meshes()], [USUAL, before]);
   assertClean(preview);
 });
+
+test("a card moves twice before the first move is answered", async (t) => {
+  const preview = await show(t, sewnShirt(t));
+  await preview.card("seam.side").focus();
+  await preview.page.keyboard.press("Alt+ArrowUp");
+  await preview.page.keyboard.press("Alt+ArrowUp");
+  const order = ["seam.side", "fold.neck", "seam.shoulder"];
+  await preview.when((order) => preview.store.state.products.render.operators.join() === order, order.join());
+  await preview.quiet();
+  assert.deepEqual(await preview.cards(), order);
+  assertClean(preview);
+});

@@ -89,11 +89,12 @@ fn in_words(text: &str) -> Vec<Instance> {
 }
 
 fn in_arguments(text: &str) -> Vec<Instance> {
+    let kinds = kinds();
     let key = |argument: &str| {
         let (key, _) = argument.split_once('=')?;
         let (kind, rest) = key.split_once('.')?;
         let (name, _) = rest.rsplit_once('.')?;
-        Some((kinds().iter().find(|group| group.name == kind)?.name, name.to_owned()))
+        Some((kinds.iter().find(|group| group.name == kind)?.name, name.to_owned()))
     };
     text.split('&').filter_map(key).collect()
 }

@@ -20,8 +20,7 @@ const NAMES: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "chro
 const CARRIER: &str = "@sparticuz/chromium@153.0.0";
 
 /// Tests that run with `--all` alone.
-const LONG: [&str; 6] =
-    ["haste.test.mjs", "keyboard.test.mjs", "order.test.mjs", "tabs.test.mjs", "variants.test.mjs", "views.test.mjs"];
+const LONG: [&str; 5] = ["haste.test.mjs", "keyboard.test.mjs", "tabs.test.mjs", "variants.test.mjs", "views.test.mjs"];
 
 /// Runs the tests.
 pub fn test(run: &Run<'_>) -> Outcome {

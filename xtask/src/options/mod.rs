@@ -18,6 +18,8 @@ use crate::text::first_difference;
 struct Group {
     name: String,
     about: String,
+    /// The API schema, such as `TailorSeamAPI`.
+    schema: String,
     /// True if a recipe has it for each of several names.
     has_instances: bool,
     options: Vec<Row>,
@@ -92,10 +94,10 @@ fn table(project: &Project) -> Outcome<Vec<Group>> {
 #[cfg(test)]
 fn example() -> Vec<Group> {
     let text = r#"[
-        {"name": "a", "about": "About a. More of it.", "hasInstances": false, "options": [
+        {"name": "a", "about": "About a. More of it.", "schema": "TailorAAPI", "hasInstances": false, "options": [
             {"key": "length", "unit": "mesh units", "meaning": "Length", "default": 0.5, "domain": {"type": "length"}},
             {"key": "sets", "unit": "names", "meaning": "Sets", "default": [], "domain": {"type": "sets"}}]},
-        {"name": "b", "about": "About b.", "hasInstances": true, "options": [
+        {"name": "b", "about": "About b.", "schema": "TailorBAPI", "hasInstances": true, "options": [
             {"key": "side", "unit": "side", "meaning": "Side", "default": "in",
              "domain": {"type": "choice", "words": ["in", "out"]}}]}]"#;
     serde_json::from_str(text).unwrap()

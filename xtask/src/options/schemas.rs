@@ -48,8 +48,8 @@ pub fn source(groups: &[Group]) -> Generated {
 
 /// The class of a group of options.
 fn class(group: &Group) -> String {
-    let Group { name, about, has_instances, options } = group;
-    let title = name[..1].to_uppercase() + &name[1..];
+    let Group { name, about, schema, has_instances, options } = group;
+    let class = schema.trim_start_matches("Tailor");
     let (kind, prefix) = if *has_instances {
         ("multipleApply", format!("\n        token propertyNamespacePrefix = \"tailor:{name}\""))
     } else {
@@ -60,12 +60,12 @@ fn class(group: &Group) -> String {
     let example = if *has_instances { format!("{name}.side.{key}") } else { format!("{name}.{key}") };
     let mut text = format!(
         r#"
-class "Tailor{title}API" (
+class "{schema}" (
     inherits = </APISchemaBase>
     customData = {{
         token apiSchemaType = "{kind}"{prefix}
         token[] apiSchemaCanOnlyApplyTo = ["Mesh"]
-        string className = "{title}API"
+        string className = "{class}"
     }}
     doc = """{about} Each attribute is a command-line key: `tailor:{}` is `--set {example}=...`."""
 )

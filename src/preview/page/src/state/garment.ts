@@ -26,11 +26,8 @@ export function garmentOf(message: GarmentMessage): Garment {
 }
 
 function kindOf({ name, options }: Group): Kind {
-  const isSets = ({ domain }: Option) => domain.type === "sets" && domain.required;
-  const sets = options.filter(isSets).map(({ key, domain }) => ({ field: key, of: setsIn(domain) }))[0];
-  return { name: name as KindName, sets: sets ?? { field: "", of: "" }, options };
-}
-
-function setsIn(domain: Option["domain"]): string {
-  return domain.type === "sets" ? domain.of[0] : "";
+  const sets = options.flatMap(({ key, domain }) =>
+    domain.type === "sets" && domain.required ? [{ field: key, of: domain.of[0] }] : [],
+  );
+  return { name: name as KindName, sets: sets[0], options };
 }

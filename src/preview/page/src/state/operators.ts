@@ -79,12 +79,15 @@ export function setEnabled(store: Store, operator: Operator, on: boolean): void 
 
 /** Moves an operator to a place of the stack, from 0. */
 export function moveOperator(store: Store, full: string, to: number): void {
-  const order = store.state.document.stack.map((each) => each.full);
-  const from = order.indexOf(full);
-  if (from < 0 || to < 0 || to >= order.length || from === to) return;
-  const others = order.filter((each) => each !== full);
-  const moved = [...others.slice(0, to), full, ...others.slice(to)];
-  store.edit((options) => withValue(options, ORDER, moved));
+  const { stack } = store.state.document;
+  const from = stack.findIndex((each) => each.full === full);
+  if (from < 0 || to < 0 || to >= stack.length || from === to) return;
+  const others = stack.filter((each) => each.full !== full);
+  const moved = [...others.slice(0, to), stack[from], ...others.slice(to)].map((each) => ({ ...each, listed: true }));
+  const order = moved.map((each) => each.full);
+  store.edit((options) => withValue(options, ORDER, order));
+  // A second move may come before the server's answer.
+  store.update({ document: { ...store.state.document, stack: moved } });
   store.update({ spoken: `${full} is now ${to + 1} of ${order.length}` });
 }
 

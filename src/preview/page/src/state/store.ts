@@ -230,8 +230,8 @@ export class Store {
     const { serial, ...state } = message;
     this.stopwatch.revision(message.revision, this.#queue.inputOf(serial));
     const current = this.state.document;
-    const { edits, merged } = this.#queue.isBehind(serial) ? current : state;
-    this.update({ document: { ...state, edits, merged } });
+    const { edits, merged, stack } = this.#queue.isBehind(serial) ? current : state;
+    this.update({ document: { ...state, edits, merged, stack } });
   }
 
   #product(product: ProductMessage): void {
