@@ -38,7 +38,7 @@ export type Blocks = {
   elements: Block | null,
 };
 
-/** The values that an option takes. `usual` is the range of a slider, which every value beyond it may leave. */
+/** The values that an option takes. `usual` is the range of a slider; values beyond it may be given. */
 export type Domain =
   | { "type": "flag" }
   | { "type": "number",
@@ -242,7 +242,7 @@ export type GarmentMessage = {
 export type Group = {
   /** The first part of the keys, such as `sim` or `seam`. */
   name: string,
-  /** What the group is, in a few sentences. */
+  /** Description, in a few sentences. */
   about: string,
   /** Their API schema, such as `TailorSeamAPI`. */
   schema: string,
