@@ -64,6 +64,8 @@ pub mod session;
 mod sim;
 mod step;
 mod subdivide;
+#[cfg(test)]
+mod testing;
 mod transfer;
 #[cfg(feature = "usd")]
 pub mod usd;
@@ -85,7 +87,7 @@ pub use pipeline::{
 };
 pub use recipe::Recipe;
 pub use render::{FoldOptions, RenderOptions, SeamOptions, Side};
-pub use sim::SimOptions;
+pub use sim::{Relaxation, SimOptions};
 
 /// Operators of your own for the render mesh.
 ///
@@ -164,42 +166,4 @@ pub use sim::SimOptions;
 pub mod operator {
     pub use crate::render::child::{ChildBuilder, OperatorDerivation, Table};
     pub use crate::render::operator::{Control, ControlRole, LayerEnd, Operator, OperatorInput, OperatorOutput};
-}
-
-/// The parts of the engine, for this project's own tests and benches. They change without notice.
-#[cfg(feature = "internals")]
-#[doc(hidden)]
-pub mod internals {
-    pub mod pipeline {
-        pub use crate::pipeline::*;
-
-        /// The baseline of options whose lengths are resolved.
-        ///
-        /// # Errors
-        /// Names that the garment lacks.
-        pub fn baseline(
-            garment: &crate::Garment,
-            options: &crate::SimOptions,
-        ) -> Result<crate::sim::Baseline, crate::Error> {
-            Ok(crate::pipeline::baseline(garment, &crate::recipe::ResolvedSim::new(options, garment)?))
-        }
-    }
-    pub mod garment {
-        pub use crate::garment::*;
-    }
-    pub mod mesh {
-        pub use crate::mesh::*;
-    }
-    pub mod render {
-        pub use crate::render::*;
-    }
-    pub mod sim {
-        pub use crate::sim::*;
-    }
-    pub mod subdivide {
-        pub use crate::subdivide::*;
-    }
-    pub mod transfer {
-        pub use crate::transfer::*;
-    }
 }

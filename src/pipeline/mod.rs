@@ -14,13 +14,15 @@ mod memory;
 mod products;
 mod progress;
 mod sim;
+#[cfg(test)]
+mod tests;
 
-#[cfg(feature = "internals")]
+#[cfg(test)]
 pub use check::mean_edge_length;
 pub use memory::MemoryEstimate;
 pub use products::{Plan, Products, RenderPanel, RenderUpdate, SimUpdate};
 pub use progress::{Progress, Timing};
-#[cfg(feature = "internals")]
+#[cfg(test)]
 pub use sim::baseline;
 
 use crate::error::{Code, Error, Warning, Warnings};

@@ -7,7 +7,7 @@ use crate::garment::{Elements, Garment};
 use crate::mesh::{CornerId, FaceId};
 use crate::recipe::ResolvedSim;
 use crate::report::{SimFigures, SubsetArea, subset_areas, uv_flips};
-use crate::sim::{Baseline, CurveGap, SimOptions, SimProduct, baseline_level, simulate};
+use crate::sim::{Baseline, CurveGap, Relaxation, SimOptions, SimProduct, baseline_level, simulate};
 use crate::step::{Same, Step};
 use crate::transfer::{SetCurve, TransferResult, transfer};
 use std::sync::Arc;
@@ -146,9 +146,13 @@ fn remesh(
         return Err(Error::recipe("sim.minEdgeLength", fault).remedy(format!("give {least} mesh units or more")));
     }
     let baseline = clock.run("baseline", || Ok(baseline(garment, sim)))?;
+    if options.relax == Relaxation::Uv && !baseline.has_uvs {
+        let fault = Error::recipe("sim.relax", format!("uv needs panels, and {} has no UV set", garment.prim));
+        return Err(fault.remedy("name a UV set in sim.uvSet, or set sim.relax to surface"));
+    }
     let confetti = uv_confetti(&baseline, options);
     let limit = max_faces.min(most_faces(&baseline));
-    let product = clock.run("remesh", || Ok(simulate(baseline, options.iterations, limit)))?;
+    let product = clock.run("remesh", || Ok(simulate(baseline, options, limit)))?;
     let mut warnings = Warnings::default();
     warnings.extend(confetti);
     warnings.extend(small_shells(garment, options, &product.baseline));

@@ -29,6 +29,8 @@ mod reference;
 mod repair;
 mod seam;
 mod stack;
+#[cfg(test)]
+mod tests;
 
 pub use fold::{FoldOptions, Side};
 pub use options::{OperatorOptions, RenderOptions};

@@ -13,23 +13,18 @@ mod product;
 mod shell_uvs;
 mod sim_mesh;
 mod surface;
+#[cfg(test)]
+mod tests;
 
 pub use baseline::{Baseline, BaselinePoint, baseline_level};
-#[cfg(feature = "internals")]
-pub use baseline::{facets::Facet, project::Projection};
 pub(crate) use constraints::cage_edges::half_edge;
 pub use constraints::chain::{Chain, ChainKind};
 pub use constraints::feature_lines::NarrowStrip;
 pub use geometry::closest_weights;
-pub use options::SimOptions;
+pub use options::{Relaxation, SimOptions};
 pub use passes::remesh::RemeshReport;
-#[cfg(feature = "internals")]
-pub use passes::{
-    drift::drift,
-    remesh::{Pass, remesh},
-};
 pub use product::{CurveGap, SimProduct, simulate};
-#[cfg(feature = "internals")]
-pub use sim_mesh::{BaselineUvPoint, CurveSpan, SimMesh, VertexConstraint};
+#[cfg(test)]
+use sim_mesh::{SimMesh, VertexConstraint};
 pub use surface::lengths::Lengths;
 pub use surface::refine::holes;

@@ -1,6 +1,7 @@
 //! Options of the simulation mesh.
 
-use crate::options::{Domain, options};
+use crate::options::{Domain, Given, OptionValue, options};
+use serde::{Deserialize, Serialize};
 
 /// Largest length of an edge: longer ones make no coarser mesh. \[sizes of the garment\]
 const LARGEST: f32 = 1000.0;
@@ -9,6 +10,23 @@ const TARGET: Domain = Domain::Length { usual: [0.0, 2.0], automatic: 0.5, large
 /// The turn above which a corner or a feature line stays, usually above `usual`.
 const fn angle(usual: f32) -> Domain {
     Domain::Number { least: 1.0, most: Some(180.0), or_zero: false, usual: [usual, 180.0], step: 5.0 }
+}
+
+/// The space in which relaxation averages vertices.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub enum Relaxation {
+    /// The tangent planes of the surface.
+    #[default]
+    Surface,
+    /// The UV panels.
+    Uv,
+}
+
+impl OptionValue for Relaxation {
+    fn given(&self) -> Given<'_> {
+        Given::Known
+    }
 }
 
 options! {
@@ -35,6 +53,9 @@ options! {
 
         /// Number of rounds of split, collapse, flip and relax; more than 5 improve the triangles little
         "iterations" iterations: u32 = 5, Domain::Whole { most: 100, usual: 10 }, "rounds";
+
+        /// Space in which triangles become even: the surface, or uv for a solver that rests on the panels of uvSet
+        "relax" relax: Relaxation = Relaxation::Surface, Domain::Choice { words: &["surface", "uv"] }, "surface or uv";
 
         /// Texture coordinates, named without `primvars:`, whose shells are the panels of cloth; empty or absent is one
         /// piece

@@ -3,6 +3,7 @@
 use super::baseline::Baseline;
 use super::constraints::chain::Chain;
 use super::geometry::distance_to_segment;
+use super::options::SimOptions;
 use super::passes::remesh::{RemeshReport, remesh};
 use super::shell_uvs::separate_shells;
 use super::sim_mesh::{BaselineUvPoint, SimMesh};
@@ -52,9 +53,9 @@ struct ChainEdge {
 }
 
 /// Remeshes the surface of `baseline`.
-pub fn simulate(baseline: Baseline, iterations: u32, max_faces: usize) -> SimProduct {
+pub fn simulate(baseline: Baseline, options: &SimOptions, max_faces: usize) -> SimProduct {
     let mut mesh = SimMesh::new(&baseline);
-    let report = remesh(&mut mesh, iterations, max_faces);
+    let report = remesh(&mut mesh, options, max_faces);
     let Compact { triangles, old_vertex, old_corner } = mesh.topology.compact();
     let points: IdVec<VertexId, Vec3> = old_vertex.iter().map(|&v| mesh.points[v]).collect();
     let mut places: IdVec<CornerId, BaselineUvPoint> = old_corner.iter().map(|&c| mesh.place(c)).collect();

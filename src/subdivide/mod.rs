@@ -17,6 +17,8 @@ mod refinement;
 mod regular;
 mod split;
 mod stencil;
+#[cfg(test)]
+mod tests;
 
 pub use carry::{
     Carrier, Derivation, blend_into, blend_rows, blended_channel, carried_points, gathered, scale_to_unit_length,

@@ -22,13 +22,13 @@ mod normals;
 mod primvars;
 mod provenance;
 mod subsets;
+#[cfg(test)]
+mod tests;
 mod topology;
 mod vertices;
 
-#[cfg(feature = "internals")]
-pub use coverage::CoveredArea;
 pub use coverage::{Coverage, TriangleLocator};
-#[cfg(feature = "internals")]
+#[cfg(test)]
 pub use provenance::{SOURCE_COORDS, SOURCE_FACE, corner_coordinates};
 pub use subsets::SetCurve;
 

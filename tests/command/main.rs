@@ -5,7 +5,7 @@ mod cloth;
 mod examples;
 mod faults;
 mod folder;
-#[path = "../common/garments.rs"]
+#[path = "../../src/testing/garments.rs"]
 mod garments;
 mod outputs;
 mod payloads;

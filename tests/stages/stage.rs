@@ -4,9 +4,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tailor::error::Error;
-use tailor::internals::garment::{Corner, Crease, Elements, Garment, GarmentInput, Primvar, Subset};
-use tailor::internals::mesh::{FaceId, Faces, VertexId};
 use tailor::usd::{Product, ProductRole, ReadOptions, Source, WriteOptions, write};
+use tailor::{Corner, Crease, Elements, Garment, GarmentInput, Primvar, Subset};
+use tailor::{FaceId, Faces, VertexId};
 
 /// The garment of an input that is known to be sound.
 pub fn sound(input: &GarmentInput) -> Garment {
@@ -56,7 +56,7 @@ pub fn sound(input: &GarmentInput) -> Garment {
     }
 }
 
-pub fn primvar(p: &tailor::internals::garment::PrimvarInput) -> Primvar {
+pub fn primvar(p: &tailor::PrimvarInput) -> Primvar {
     Primvar {
         name: p.name.clone(),
         role: p.role.clone(),

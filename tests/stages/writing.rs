@@ -3,7 +3,7 @@
 use crate::stage::*;
 use std::fs;
 use std::path::Path;
-use tailor::internals::garment::GarmentInput;
+use tailor::GarmentInput;
 use tailor::usd::{Format, Product, ProductRole, ReadOptions, Source, Surroundings, WriteOptions, layer_bytes, write};
 
 /// A coat with attributes of many kinds.
@@ -54,13 +54,7 @@ fn products_come_back_as_they_went_in_every_format() {
         assert_eq!(tailor(&source, &at.at(name), &options).unwrap(), [""; 0]);
         same(&read(&open_prim(&at.at(name), "/Coat/render").unwrap()).unwrap(), &input);
         let mut sim = read(&open_prim(&at.at(name), "/Coat/sim").unwrap()).unwrap();
-        assert_eq!(
-            sim.rules,
-            tailor::internals::garment::SubdivisionRules {
-                scheme: tailor::internals::garment::Scheme::None,
-                ..Default::default()
-            }
-        );
+        assert_eq!(sim.rules, tailor::SubdivisionRules { scheme: tailor::Scheme::None, ..Default::default() });
         sim.rules = input.rules;
         same(&sim, &input);
         // The model itself is as it was, and the only mesh that counts.

@@ -25,10 +25,10 @@ impl Profile {
         }
     }
 
-    /// Flags of cargo. Tests use the feature `internals`, and a library without it would be another one.
+    /// Flags of cargo.
     pub fn flags(self) -> &'static [&'static str] {
         match self {
-            Self::Tested => &["--features", "tailor/internals"],
+            Self::Tested => &[],
             Self::Release => &["--release"],
         }
     }
@@ -47,11 +47,6 @@ impl Profile {
 /// The packages of every build. Cargo unifies features over the packages of a command, so building the plugin alone would
 /// recompile most dependencies.
 pub const SHIPPED: [&str; 4] = ["--package", "tailor", "--package", "tailor-usd-plugin"];
-
-/// The packages that a test run checks and tests. The benches, with dependencies of their own, are for `--all`.
-fn tested_packages(all: bool) -> &'static [&'static str] {
-    if all { &["--workspace"] } else { &["--workspace", "--exclude", "tailor-bench"] }
-}
 
 /// A cargo command that ignores the later toolchain declared by the crate `openusd` (see .cargo/config.toml).
 pub fn cargo(project: &Project, subcommand: &str) -> Command {
@@ -73,7 +68,7 @@ pub fn fmt(run: &Run<'_>) -> Outcome {
 /// Clippy on all targets. The library alone, as other programs use it, is compiled but not read again.
 pub fn clippy(run: &Run<'_>) -> Outcome {
     let mut command = cargo(run.project, "clippy");
-    process::run(command.args(tested_packages(run.all)).args(["--all-targets", "--", "-D", "warnings"]))?;
+    process::run(command.args(["--workspace", "--all-targets", "--", "-D", "warnings"]))?;
     let mut command = cargo(run.project, "rustc");
     process::run(command.args(["--profile", "check", "--lib", "--no-default-features", "--", "-D", "warnings"]))
 }
@@ -88,13 +83,13 @@ pub fn docs(project: &Project, all: bool) -> Outcome {
 
 /// Compiles all tests, and the program that they run.
 pub fn compile(run: &Run<'_>) -> Outcome {
-    process::run(cargo(run.project, "test").args(tested_packages(false)).arg("--no-run"))
+    process::run(cargo(run.project, "test").args(["--workspace", "--no-run"]))
 }
 
 /// Runs the Rust tests.
 pub fn test(run: &Run<'_>) -> Outcome {
     let mut command = cargo(run.project, "test");
-    process::run(command.args(tested_packages(false)).args(run.extra).envs(run.variables()))
+    process::run(command.arg("--workspace").args(run.extra).envs(run.variables()))
 }
 
 /// Writes the declarations of the preview's messages for its page. The test that compares them makes them.

@@ -1,5 +1,6 @@
 //! `cargo xtask peers`: other remeshers on the same surfaces, measured by the same code, in one table.
 
+use crate::cargo;
 use crate::process::{self, Failure, Outcome};
 use crate::project::Project;
 
@@ -12,7 +13,7 @@ const PICTURE: &str = "docs/looks/lattice.png";
 /// Exports the garments, lets the peers remesh them, and prints the tables: quality, and valence along constraints.
 pub fn run(project: &Project) -> Outcome {
     let folder = project.scratch("peers")?;
-    bench(project, "quality", "--export", &folder)?;
+    table(project, "quality", "PEERS_EXPORT", &folder)?;
     let environment = project.target.join("peers-venv");
     let programs = environment.join(if cfg!(windows) { "Scripts" } else { "bin" });
     let python = programs.join(if cfg!(windows) { "python.exe" } else { "python" });
@@ -24,14 +25,15 @@ pub fn run(project: &Project) -> Outcome {
             .map_err(|error| Failure::new(format!("cannot write in {}: {error}", environment.display())))?;
     }
     process::run(project.command(&python).arg("tests/bench/peers.py").arg(&folder))?;
-    bench(project, "quality", "--measure", &folder)?;
-    bench(project, "lattice", "--export", &folder)?;
+    table(project, "quality", "PEERS_MEASURE", &folder)?;
+    table(project, "lattice", "PEERS_EXPORT", &folder)?;
     let picture = project.root.join(PICTURE);
     process::run(project.command(&python).arg("tests/bench/lattice.py").arg(&folder).arg(picture))
 }
 
-fn bench(project: &Project, name: &str, flag: &str, folder: &std::path::Path) -> Outcome {
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let bench = ["bench", "--ignore-rust-version", "--package", "tailor", "--bench", name, "--"];
-    process::run(project.command(cargo).args(bench).arg(flag).arg(folder))
+/// Runs a table of `src/testing/peers` with a folder for `variable`.
+fn table(project: &Project, name: &str, variable: &str, folder: &std::path::Path) -> Outcome {
+    let mut command = cargo::cargo(project, "test");
+    command.args(["--release", "--package", "tailor", "--lib", &format!("testing::peers::{name}::table")]);
+    process::run(command.args(["--", "--ignored", "--nocapture"]).env(variable, folder))
 }

@@ -23,8 +23,8 @@ const MIN_ANGLE_COSINE: f32 = 0.906_31;
 const STEPS: usize = 3;
 
 /// Makes vertices regular by runs of flips that bring pairs of irregular ones together. Returns the number of flips.
-#[cfg(feature = "internals")]
-pub fn drift(mesh: &mut SimMesh<'_>) -> usize {
+#[cfg(test)]
+pub(crate) fn drift(mesh: &mut SimMesh<'_>) -> usize {
     let mut excess = ValenceExcess::new(mesh);
     drift_with(mesh, &mut excess)
 }

@@ -7,6 +7,10 @@ mod finish;
 mod flip;
 mod queue;
 mod relax;
+mod relax_uv;
 pub mod remesh;
 mod split;
 mod valence;
+
+#[cfg(test)]
+pub(super) use finish::follow_curves;

@@ -1,4 +1,4 @@
-//! The rounds of split, collapse, flip, relax and project.
+//! The schedule of remeshing: rounds of split, collapse, flip, relax and project.
 //!
 //! Source: Botsch and Kobbelt, *A Remeshing Approach to Multiresolution Modeling* (SGP 2004), section 4; Waggoner and
 //! de Goes, *Revamping the Cloth Tailoring Pipeline at Pixar* (SIGGRAPH Talks 2022).
@@ -11,6 +11,7 @@ use super::relax::relax_and_project;
 use super::split::{FIRST_SPLIT_RATIO, length_excess, split_far_edges, split_long_edges};
 use crate::mesh::{CornerId, VertexId};
 use crate::sim::baseline::Baseline;
+use crate::sim::options::{Relaxation, SimOptions};
 use crate::sim::sim_mesh::{PATCH_SIZE, SimMesh, in_patches};
 use crate::sim::surface::lengths::SPLIT_RATIO;
 use serde::Serialize;
@@ -69,101 +70,107 @@ impl RemeshReport {
         let small_shells = baseline.small_shells.count();
         Self { feature_lines, corners, small_shells, graded: baseline.graded, ..Self::default() }
     }
-}
 
-/// A pass over a whole mesh as a round makes it, for tests and benches.
-#[cfg(feature = "internals")]
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Pass {
-    /// Split long edges.
-    Split,
-    /// Collapse short edges.
-    Collapse,
-    /// Flip edges.
-    Flip,
-    /// Flip edges, and let irregular vertices drift together.
-    Drift,
-    /// Relax and project.
-    Relax,
-    /// Slide vertices of chains to where edges follow the curves.
-    Follow,
-    /// Split and collapse inside patches of about so many triangles, as a first round does.
-    InPatches(usize),
-}
-
-#[cfg(feature = "internals")]
-impl Pass {
-    /// The passes of a round, in their order.
-    pub const ROUND: [Self; 4] = [Self::Split, Self::Collapse, Self::Drift, Self::Relax];
-
-    /// Makes the pass; returns the number of edges that it changed, or of vertices that follow their curves better.
-    pub fn run(self, mesh: &mut SimMesh<'_>) -> usize {
-        match self {
-            Self::Split => {
-                let (long, _) = keyed_by_both(mesh, |mesh, half| length_excess(mesh, half, SPLIT_RATIO), |_, _| None);
-                split_long_edges(mesh, long, SPLIT_RATIO, usize::MAX)
-            }
-            Self::Collapse => {
-                let deficit = |mesh: &SimMesh<'_>, half| length_deficit(mesh, half, COLLAPSE_RATIO);
-                let (short, _) = keyed_by_both(mesh, deficit, |_, _| None);
-                collapse_short_edges(mesh, short, COLLAPSE_RATIO)
-            }
-            Self::Flip => flip_edges(mesh, REGULARITY),
-            Self::Drift => flip_and_drift(mesh, REGULARITY),
-            Self::Relax => {
-                relax_and_project(mesh, SWEEPS, &mut Vec::new());
-                0
-            }
-            Self::Follow => super::finish::follow_curves(mesh),
-            Self::InPatches(size) => {
-                edit_in_patches(mesh, size, usize::MAX).map_or(0, |edits| edits.splits + edits.collapses)
-            }
+    fn add(&mut self, edits: impl IntoIterator<Item = Edits>) {
+        self.full = false;
+        for edits in edits {
+            self.splits += edits.splits;
+            self.collapses += edits.collapses;
+            self.full |= edits.full;
         }
+    }
+
+    /// Edges changed so far.
+    fn edits(&self) -> usize {
+        self.splits + self.collapses + self.flips
     }
 }
 
-/// Brings the edges of `mesh` to their targets in at most `rounds` rounds, and never above `max_faces` triangles.
-pub fn remesh(mesh: &mut SimMesh<'_>, rounds: u32, max_faces: usize) -> RemeshReport {
+/// Brings the edges of `mesh` to their targets in at most `iterations` rounds, and never above `max_faces` triangles.
+pub fn remesh(mesh: &mut SimMesh<'_>, options: &SimOptions, max_faces: usize) -> RemeshReport {
     let mut report = RemeshReport::new(mesh.baseline);
-    let mut scratch = Vec::new();
+    let rounds = options.iterations;
+    let context = PassContext { relaxation: options.relax, max_faces };
     for round in 1..=rounds {
-        let in_patches = if round == 1 && rounds > 1 { edit_in_patches(mesh, PATCH_SIZE, max_faces) } else { None };
-        let Edits { splits, collapses, full } =
-            in_patches.unwrap_or_else(|| split_and_collapse(mesh, RATIOS, max_faces));
-        if round == rounds {
-            report.splits += split_far_edges(mesh, max_faces);
-        }
-        let flips = if DRIFT.contains(&round) { flip_and_drift } else { flip_edges }(mesh, REGULARITY);
-        // The last round's relaxation is the one after it. A second one there would add 0.1 degrees to the 5th percentile
-        // of the smallest angle, for a twentieth of the time.
-        if round == 1 || round < rounds {
-            relax_and_project(mesh, SWEEPS, &mut scratch);
+        let before = report.edits();
+        for pass in passes(round, rounds) {
+            pass.run(mesh, &context, &mut report);
         }
         report.rounds = round;
-        report.full = full;
-        report.splits += splits;
-        report.collapses += collapses;
-        report.flips += flips;
         // Patches leave edges along their borders to the next round.
-        report.converged = in_patches.is_none() && splits + collapses + flips == 0;
+        report.converged = report.edits() == before && (round > 1 || rounds == 1);
         if report.converged {
             break;
         }
     }
-    if rounds > 0 {
-        relax_and_project(mesh, LAST_SWEEPS, &mut scratch);
-        // Relaxation may have moved a triangle that was in the way.
-        report.splits += split_far_edges(mesh, max_faces);
-    }
-    flip_edges(mesh, LAST_REGULARITY);
-    if rounds > 0 {
-        finish(mesh);
+    for pass in if rounds > 0 { LAST } else { &LAST_FLIPS } {
+        pass.run(mesh, &context, &mut report);
     }
     report
 }
 
-/// What one round of splits and collapses did.
-#[derive(Clone, Copy, Default)]
+/// The passes of a round.
+fn passes(round: u32, rounds: u32) -> impl Iterator<Item = Pass> {
+    let is_last = round == rounds;
+    let edits: &[Pass] =
+        if round == 1 && !is_last { &[Pass::InPatches(PATCH_SIZE)] } else { &[Pass::SplitAndCollapse] };
+    let flips = if DRIFT.contains(&round) { Pass::Drift } else { Pass::Flip(REGULARITY) };
+    // The last round's relaxation is the one after it. A second one there would add 0.1 degrees to the 5th percentile
+    // of the smallest angle, for a twentieth of the time.
+    let relax = (round == 1 || !is_last).then_some(Pass::Relax(SWEEPS));
+    edits.iter().copied().chain(is_last.then_some(Pass::SplitFar)).chain([flips]).chain(relax)
+}
+
+/// The passes after the rounds. Relaxation may have moved a triangle that was in the way of a split.
+const LAST: &[Pass] = &[Pass::Relax(LAST_SWEEPS), Pass::SplitFar, LAST_FLIPS[0], Pass::Finish];
+/// The passes where no round is asked for.
+const LAST_FLIPS: [Pass; 1] = [Pass::Flip(LAST_REGULARITY)];
+
+/// A pass over a whole mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Pass {
+    /// Splits and collapses inside patches of about so many triangles, which leaves the edges along their borders.
+    InPatches(usize),
+    /// Splits long edges, then collapses short ones.
+    SplitAndCollapse,
+    /// Splits edges of chains that are far from their curves.
+    SplitFar,
+    /// Flips edges towards the Delaunay condition, and by this weight towards valence 6.
+    Flip(f32),
+    /// Flips edges, and lets irregular vertices drift together.
+    Drift,
+    /// Relaxes by so many averages, and projects.
+    Relax(usize),
+    /// Improves thin triangles, curves and tight folds.
+    Finish,
+}
+
+/// The options that passes read.
+pub(crate) struct PassContext {
+    pub relaxation: Relaxation,
+    pub max_faces: usize,
+}
+
+impl Pass {
+    /// The passes of a round in the order of the paper.
+    #[cfg(test)]
+    pub const ROUND: [Self; 3] = [Self::SplitAndCollapse, Self::Drift, Self::Relax(SWEEPS)];
+
+    /// Makes the pass, and counts what it edits.
+    pub fn run(self, mesh: &mut SimMesh<'_>, context: &PassContext, report: &mut RemeshReport) {
+        match self {
+            Self::InPatches(size) => report.add(edit_in_patches(mesh, size, context.max_faces)),
+            Self::SplitAndCollapse => report.add([split_and_collapse(mesh, RATIOS, context.max_faces)]),
+            Self::SplitFar => report.splits += split_far_edges(mesh, context.max_faces),
+            Self::Flip(regularity) => report.flips += flip_edges(mesh, regularity),
+            Self::Drift => report.flips += flip_and_drift(mesh, REGULARITY),
+            Self::Relax(sweeps) => relax_and_project(mesh, sweeps, context.relaxation),
+            Self::Finish => finish(mesh),
+        }
+    }
+}
+
+/// What splits and collapses did.
 struct Edits {
     splits: usize,
     collapses: usize,
@@ -171,7 +178,6 @@ struct Edits {
     full: bool,
 }
 
-/// Splits and collapses.
 fn split_and_collapse(mesh: &mut SimMesh<'_>, [longest, shortest]: [f32; 2], max_faces: usize) -> Edits {
     let deficit = |mesh: &SimMesh<'_>, half: CornerId| length_deficit(mesh, half, shortest);
     let (long, mut short) = keyed_by_both(mesh, |mesh, half| length_excess(mesh, half, longest), deficit);
@@ -183,19 +189,14 @@ fn split_and_collapse(mesh: &mut SimMesh<'_>, [longest, shortest]: [f32; 2], max
     Edits { splits, collapses: collapse_short_edges(mesh, short, shortest), full }
 }
 
-/// Splits and collapses inside patches of about `size` triangles, Delaunay first. None, with the mesh unchanged, if the patches
-/// cannot be joined or exceed `max_faces`.
-fn edit_in_patches(mesh: &mut SimMesh<'_>, size: usize, max_faces: usize) -> Option<Edits> {
+/// Splits and collapses inside patches of about `size` triangles, Delaunay first; over the whole mesh where the patches cannot
+/// be joined or exceed `max_faces`.
+fn edit_in_patches(mesh: &mut SimMesh<'_>, size: usize, max_faces: usize) -> Vec<Edits> {
     // Collapses follow, so that splits alone may make more.
     let most = max_faces.saturating_mul(2);
     let edits = in_patches(mesh, size, max_faces, |patch| {
         flip_edges(patch, 0.0);
         split_and_collapse(patch, FIRST_RATIOS, most)
-    })?;
-    let add = |sum: Edits, one: Edits| Edits {
-        splits: sum.splits + one.splits,
-        collapses: sum.collapses + one.collapses,
-        full: sum.full || one.full,
-    };
-    Some(edits.into_iter().fold(Edits::default(), add))
+    });
+    edits.unwrap_or_else(|| vec![split_and_collapse(mesh, RATIOS, max_faces)])
 }

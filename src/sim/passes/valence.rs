@@ -81,7 +81,7 @@ fn angle(mesh: &SimMesh<'_>, corner: CornerId) -> f32 {
     (q - p).angle_between(r - p)
 }
 
-#[cfg(feature = "internals")]
+#[cfg(test)]
 impl SimMesh<'_> {
     /// The sum over all wedges of their squared valence excess.
     pub fn irregularity(&self) -> i64 {

@@ -3,13 +3,16 @@
 use super::{SimMesh, Wedge};
 use crate::mesh::edit::next;
 use crate::mesh::{CornerId, VertexId, WedgeId};
-use glam::Vec3;
+use crate::sim::baseline::BaselinePoint;
+use glam::{Vec2, Vec3};
 
 /// The place that a vertex should move to.
 #[derive(Clone, Copy)]
 pub(crate) enum Destination {
     /// The point of the surface near a position. \[mesh units\]
     Near(Vec3),
+    /// The point of its UV shell at these coordinates.
+    AtUv(Vec2),
     /// The point of its chain at a signed arc length from it. \[mesh units\]
     Along(f32),
 }
@@ -59,12 +62,21 @@ impl SimMesh<'_> {
                 let id = self.corner_wedge[self.topology.fan(vertex).next()?];
                 let start = self.wedges[id].place.location.face;
                 let there = self.baseline.closest(start, self.points[vertex].lerp(goal, step));
-                let wedge = self.wedge_at(there.location);
-                let target = self.baseline.sizing_at(there.location);
-                Some(VertexMove { vertex, position: there.position, target, id, wedge, slide: None })
+                Some(self.move_over_surface(vertex, id, there.location, there.position))
+            }
+            Destination::AtUv(goal) => {
+                let id = self.corner_wedge[self.topology.fan(vertex).next()?];
+                let from = self.wedges[id].place;
+                let there = self.baseline.locate_uv(from.location.face, from.uv.lerp(goal, step))?;
+                Some(self.move_over_surface(vertex, id, there, self.baseline.position(there)))
             }
             Destination::Along(by) => self.find_slide(vertex, step * by),
         }
+    }
+
+    fn move_over_surface(&self, vertex: VertexId, id: WedgeId, to: BaselinePoint, position: Vec3) -> VertexMove {
+        let target = self.baseline.sizing_at(to);
+        VertexMove { vertex, position, target, id, wedge: self.wedge_at(to), slide: None }
     }
 
     /// The move of a chain's vertex by a signed arc length.

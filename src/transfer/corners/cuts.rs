@@ -113,14 +113,6 @@ impl<'a> ChannelCuts<'a> {
             || between.any(|s| self.are_neighbours(from, s.face) && self.are_neighbours(s.face, to))
     }
 
-    /// The seeds of the neighbours on other shells, the one across the longest edge first; none across chains.
-    pub fn other_seeds(&self, face: FaceId, seeds: &ShellSeeds) -> Vec<FaceId> {
-        let others = self.map.mesh.open_neighbours(face).filter(|(_, other)| !self.are_joined(face, *other, seeds));
-        let mut others: Vec<(CornerId, FaceId)> = others.collect();
-        others.sort_by(|a, b| self.map.length_squared(b.0).total_cmp(&self.map.length_squared(a.0)));
-        others.into_iter().filter_map(|(_, other)| seeds[other]).collect()
-    }
-
     /// Isolated parts of shells that have one of `faces`, each triangle with the seed of a neighbour. `same` says
     /// whether two corners of one vertex have equal values.
     pub fn islands(

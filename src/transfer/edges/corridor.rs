@@ -20,6 +20,7 @@ pub(super) struct Corridor {
     /// Whether the curve is closed.
     pub is_closed: bool,
     /// Number of triangles of the baseline that the search for it visited.
+    #[cfg(test)]
     pub visited: usize,
     /// Ascending by vertex.
     pub vertices: Vec<CorridorVertex>,
@@ -56,7 +57,7 @@ impl Corridor {
             nearest,
             off: nearest.distance / product.target[vertex],
         };
-        let (near, visited) = scratch.vertices_beside(locator, guide, reach);
+        let (near, _visited) = scratch.vertices_beside(locator, guide, reach);
         let mut vertices: Vec<CorridorVertex> = near.into_iter().map(vertex).collect();
         vertices.sort_unstable_by_key(|v| v.vertex);
         vertices.iter().enumerate().for_each(|(i, v)| scratch.vertices.set(v.vertex, i as u32));
@@ -80,7 +81,15 @@ impl Corridor {
             }
             offsets.push(edges.len());
         }
-        Self { length: guide.curve.length, is_closed: guide.curve.is_closed, visited, vertices, offsets, edges }
+        Self {
+            length: guide.curve.length,
+            is_closed: guide.curve.is_closed,
+            #[cfg(test)]
+            visited: _visited,
+            vertices,
+            offsets,
+            edges,
+        }
     }
 
     /// The index of a vertex.

@@ -2,11 +2,9 @@
 
 mod chains;
 mod corridor;
-mod end_changes;
 mod guide;
-mod occupancy;
 mod path;
-mod path_set;
+mod paths;
 mod polyline;
 mod vertex_locator;
 
@@ -17,7 +15,8 @@ use chains::{ChainEdges, ChainEnds};
 use corridor::CorridorScratch;
 use glam::Vec3;
 use guide::{Guide, guides, refined_path};
-use path_set::PathSet;
+use path::EdgePath;
+use paths::{PathSearch, count_meeting};
 use rayon::prelude::*;
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::collections::{BTreeMap, BTreeSet};
@@ -46,29 +45,17 @@ pub(super) struct CarriedEdges {
     /// Largest distance of a vertex from its curve, in local target lengths.
     pub farthest: f32,
     /// Triangles and vertices that the searches for its paths visited.
-    #[cfg(feature = "internals")]
+    #[cfg(test)]
     pub visited: usize,
     /// Length of its edges, with the shortest path in place of each that is too long. \[mesh units\]
     pub shortest: f64,
 }
 
 impl CarriedEdges {
-    fn add_paths(&mut self, paths: PathSet<'_>) {
-        #[cfg(feature = "internals")]
-        {
-            self.visited = paths.visited();
-        }
-        self.merged = paths.conflicting.iter().filter(|&&i| paths.found[i].is_some()).count();
-        for (guide, found) in paths.guides.iter().zip(paths.found) {
-            match found {
-                Some(path) => {
-                    self.farthest = self.farthest.max(path.farthest);
-                    self.shortest += path.shortest;
-                    self.edges.extend(path.vertices.windows(2).map(|p| [p[0], p[1]]));
-                }
-                None => self.lost += guide.cage_edges(),
-            }
-        }
+    fn add_path(&mut self, path: &EdgePath) {
+        self.farthest = self.farthest.max(path.farthest);
+        self.shortest += path.shortest;
+        self.edges.extend(path.vertices.windows(2).map(|p| [p[0], p[1]]));
     }
 }
 
@@ -107,10 +94,32 @@ impl<'a> EdgeTransfer<'a> {
             carried.edges.extend(edges);
         }
         let ends = self.snapped_ends(&guides, &chain_ends);
-        carried.add_paths(PathSet::new(locator, guides, ends, &carried.edges, scratch));
+        self.carry_along(&guides, &ends, scratch, &mut carried);
         let mut seen = BTreeSet::new();
         carried.edges.retain(|&edge| seen.insert(edge_key(edge)));
         carried
+    }
+
+    /// Adds the paths of guides to the edges on chains.
+    fn carry_along(
+        &self,
+        guides: &[Guide],
+        ends: &BTreeMap<VertexId, VertexId>,
+        scratch: &mut CorridorScratch,
+        carried: &mut CarriedEdges,
+    ) {
+        let mut search = PathSearch::new(&self.locator, ends, &carried.edges, scratch);
+        let found: Vec<Option<EdgePath>> = guides.iter().map(|guide| search.find(guide)).collect();
+        #[cfg(test)]
+        {
+            carried.visited = search.visited;
+        }
+        let is_lost = |pair: &(&Guide, &Option<EdgePath>)| pair.1.is_none();
+        carried.lost += guides.iter().zip(&found).filter(is_lost).map(|(guide, _)| guide.cage_edges()).sum::<usize>();
+        let paths: Vec<(&Guide, &EdgePath)> =
+            guides.iter().zip(&found).filter_map(|(guide, path)| Some((guide, path.as_ref()?))).collect();
+        carried.merged = count_meeting(&paths, ends, &carried.edges);
+        paths.into_iter().for_each(|(_, path)| carried.add_path(path));
     }
 
     /// The cage edges of a set on chains, and the neighbours of each cage vertex by its other edges.

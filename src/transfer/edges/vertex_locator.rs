@@ -166,12 +166,6 @@ impl<'a> VertexLocator<'a> {
         near.find(|f| is_free(f.1)).or(found.first()).map(|f| f.1)
     }
 
-    /// The vertices within a target length of a cage vertex on its part of the surface, the nearest first.
-    pub fn near(&self, vertex: VertexId) -> Vec<VertexId> {
-        let found = self.around(vertex).into_iter();
-        found.filter(|f| f.0 <= self.product.target[f.1]).map(|f| f.1).collect()
-    }
-
     /// The vertices around a cage vertex on its part of the surface with their distances, the nearest first.
     fn around(&self, vertex: VertexId) -> Vec<(f32, VertexId)> {
         let base = &self.product.baseline;

@@ -33,7 +33,7 @@ pub struct SetCurve {
     /// Largest distance from it of the subset on the simulation mesh, in local target lengths.
     pub farthest: f32,
     /// Triangles and vertices that the searches for its edges visited.
-    #[cfg(feature = "internals")]
+    #[cfg(test)]
     pub visited: usize,
     /// Length of the subset on the simulation mesh, with the shortest path within reach in place of each path that is
     /// too long. \[mesh units\]
@@ -46,7 +46,7 @@ impl SetCurve {
             name: source.name.clone(),
             length: carried.source_length,
             farthest: carried.farthest,
-            #[cfg(feature = "internals")]
+            #[cfg(test)]
             visited: carried.visited,
             shortest: carried.shortest,
         }

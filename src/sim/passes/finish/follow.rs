@@ -88,7 +88,7 @@ fn follow(mesh: &mut SimMesh<'_>, vertex: VertexId) -> bool {
 
 impl SimMesh<'_> {
     /// Length of all chains' curves that is off their chords, in target lengths.
-    #[cfg(feature = "internals")]
+    #[cfg(test)]
     pub fn length_off_chords(&self) -> f32 {
         let spans = self.topology.edges().filter_map(|half| Some((half, self.span(half)?.along())));
         spans.map(|(half, s)| self.error_of_chord(s.chain, [s.from, s.to], self.end_points(half)).length).sum()

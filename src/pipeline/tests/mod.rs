@@ -1,0 +1,4 @@
+//! Products of whole builds.
+
+mod folds;
+mod products;

@@ -1,0 +1,28 @@
+//! The simulation mesh: its passes and its options, on small sheets and on garments.
+
+mod bounds;
+mod on_garments;
+mod options;
+mod passes;
+mod rims;
+mod shells;
+mod work;
+
+use crate::garment::GarmentInput;
+use crate::recipe::Layers;
+use crate::sim::Baseline;
+use crate::testing::prepared::{self, Prepared};
+
+/// A bound that no mesh here reaches.
+const MAX_FACES: usize = 200_000;
+
+/// A garment with options as on the command line.
+fn prepare(input: GarmentInput, options: &[&str]) -> Prepared {
+    let mut layers = Layers::default();
+    options.iter().for_each(|o| layers.add_override(o).unwrap_or_else(|e| panic!("{e}")));
+    Prepared::new(input, &layers).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn baseline(prepared: &Prepared) -> Baseline {
+    prepared::baseline(prepared, prepared.recipe.sim.baseline_level)
+}

@@ -1,0 +1,98 @@
+//! Options of the simulation mesh that change where its vertices lie: what each promises, with it and without it.
+
+use super::{MAX_FACES, baseline, prepare};
+use crate::Builder;
+use crate::error::{Code, Warning};
+use crate::garment::{BoundaryInterpolation, GarmentInput};
+use crate::sim::{SimProduct, simulate};
+use crate::testing::sheets;
+use glam::Vec3;
+
+/// A sheet whose density jumps from vertex to vertex.
+fn uneven() -> GarmentInput {
+    sheets::grid(8, 8, |_, _| true)
+}
+
+fn product(input: GarmentInput, options: &[&str]) -> SimProduct {
+    let prepared = prepare(input, options);
+    simulate(baseline(&prepared), &prepared.recipe.sim, MAX_FACES)
+}
+
+/// The largest growth of target lengths along an edge of the baseline, per length.
+fn growth(product: &SimProduct) -> f32 {
+    let base = &product.baseline;
+    let slope = |&[a, b]: &[crate::mesh::VertexId; 2]| {
+        (base.target[a] - base.target[b]).abs() / base.points[a].distance(base.points[b])
+    };
+    base.topology.edges.iter().map(slope).fold(0.0, f32::max)
+}
+
+#[test]
+fn graded_lengths_grow_no_faster_than_asked_for() {
+    let sizes = ["sim.density=density", "sim.minEdgeLength=0.1", "sim.maxEdgeLength=1.6"];
+    let free = product(uneven(), &sizes);
+    assert_eq!(free.report.graded, 0, "off unless asked for");
+    for factor in [1.1f32, 1.3, 1.6] {
+        assert!(growth(&free) > factor - 1.0, "{factor} asks for something");
+        let option = format!("sim.grading={factor}");
+        let graded = product(uneven(), &[&sizes[..], &[option.as_str()]].concat());
+        assert!(growth(&graded) <= factor - 1.0 + 1e-3, "{factor}: {}", growth(&graded));
+        let pairs = || graded.baseline.target.iter().zip(free.baseline.target.iter());
+        assert!(pairs().all(|(graded, free)| graded <= free), "{factor}: grading only shortens");
+        assert_eq!(graded.report.graded, pairs().filter(|(graded, free)| graded < free).count(), "{factor}");
+    }
+}
+
+#[test]
+fn borders_keep_the_corners_that_turn_by_more_than_the_angle() {
+    let corners = [Vec3::ZERO, Vec3::new(4.0, 0.0, 0.0), Vec3::new(4.0, 4.0, 0.0), Vec3::new(0.0, 4.0, 0.0)];
+    let kept = |angle: &str| {
+        let mut input = sheets::grid(4, 4, |_, _| true);
+        // Rounded corners are not corners by themselves, and level 0 has the sheet's own border.
+        input.rules.boundary = BoundaryInterpolation::EdgeOnly;
+        let angle = format!("sim.cornerAngle={angle}");
+        let options = ["sim.baselineLevel=0", "sim.maxEdgeLength=0.7", "sim.uvSet=", &angle];
+        let product = product(input, &options);
+        let is_there = |corner: &&Vec3| product.points.iter().any(|p| p.truncate() == corner.truncate());
+        (product.report.corners, corners.iter().filter(is_there).count())
+    };
+    assert_eq!(kept("50"), (4, 4));
+    assert_eq!(kept("89"), (4, 4));
+    assert_eq!(kept("91").0, 0, "a right angle turns by less");
+    assert_eq!(kept("180").0, 0);
+}
+
+#[test]
+fn curves_that_bend_within_an_edge_are_told() {
+    // Edges cut off corners of a comb that keeps none: it has more than edges can slide onto.
+    for (angle, is_cut) in [("50", false), ("180", true)] {
+        let mut input = sheets::grid(7, 4, |x, y| y < 2 || x % 2 == 0);
+        input.rules.boundary = BoundaryInterpolation::EdgeOnly;
+        let angle = format!("sim.cornerAngle={angle}");
+        let again = input.clone();
+        let prepared = prepare(input, &["sim.maxEdgeLength=1.1", "sim.baselineLevel=0", "sim.uvSet=", &angle]);
+        let product = simulate(baseline(&prepared), &prepared.recipe.sim, MAX_FACES);
+        let base = &product.baseline;
+        let mut farthest = 0.0f32;
+        for (id, chain) in base.chains.enumerated() {
+            let off = |p: Vec3| {
+                let ends = product.chain_edges[id].iter().map(|e| e.map(|v| product.points[v]));
+                ends.map(|[a, b]| off_segment(p, a, b)).fold(f32::MAX, f32::min)
+            };
+            let own = chain.vertices.iter().map(|&v| off(base.points[v]) / base.target[v]).fold(0.0, f32::max);
+            assert!((product.gaps[id].distance - own).abs() < 1e-4, "{own} is {:?}", product.gaps[id]);
+            farthest = farthest.max(own);
+        }
+        assert_eq!(farthest > 0.1, is_cut, "{farthest} with {angle}");
+        let mut builder = Builder::new(again).unwrap_or_else(|e| panic!("{e}"));
+        let warnings = builder.update(&prepared.recipe).unwrap_or_else(|e| panic!("{e}")).warnings;
+        let told = product.gaps.iter().map(|gap| gap.distance).fold(0.0, f32::max);
+        let is_told = |w: &Warning| w.code == Code::CurvesCut && w.amount == Some(told);
+        assert_eq!(warnings.iter().any(is_told), is_cut, "{warnings:?}");
+    }
+}
+
+fn off_segment(p: Vec3, a: Vec3, b: Vec3) -> f32 {
+    let t = (p - a).dot(b - a) / a.distance_squared(b);
+    p.distance(a.lerp(b, t.clamp(0.0, 1.0)))
+}

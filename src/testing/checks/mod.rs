@@ -1,0 +1,5 @@
+//! What must hold for every product.
+
+pub mod attributes;
+pub mod product;
+pub mod refinement;
