@@ -54,7 +54,8 @@ options! {
         /// Number of rounds of split, collapse, flip and relax; more than 5 improve the triangles little
         "iterations" iterations: u32 = 5, Domain::Whole { most: 100, usual: 10 }, "rounds";
 
-        /// Space in which triangles become even: the surface, or uv for a solver that rests on the panels of uvSet
+        /// Space in which vertices move to the centroids of their triangles: surface, or uv for the panels of uvSet, whose
+        /// distortion the triangles then take over
         "relax" relax: Relaxation = Relaxation::Surface, Domain::Choice { words: &["surface", "uv"] }, "surface or uv";
 
         /// Texture coordinates, named without `primvars:`, whose shells are the panels of cloth; empty or absent is one

@@ -1,21 +1,13 @@
-//! `cargo xtask golden`: makes `tests/golden/*.bin` from Pixar OpenSubdiv, or times OpenSubdiv.
+//! `cargo xtask golden`: makes `tests/golden/*.bin` from Pixar OpenSubdiv.
 //!
 //! ```text
 //! cargo xtask golden                    write tests/golden/*.bin
 //! cargo xtask golden --out DIR          write them elsewhere
-//! cargo xtask golden --bench FILE       time OpenSubdiv on the first mesh of a stage, or on a text mesh (*.txt)
 //! ```
 //!
 //! OpenSubdiv comes from the sources which the crate `opensubdiv-petite-sys` carries (fetched by
 //! cargo, not compiled as a crate), or from the installation that `OPENSUBDIV_ROOT` names. CMake and
-//! a C++17 compiler are needed; the ordinary tests need neither, only the committed data. Reading a
-//! stage needs `target/venv` as well, which is made where it is missing.
-//!
-//! The bench keeps its heap between runs. With glibc the same holds for ours with
-//!
-//! ```text
-//! MALLOC_MMAP_MAX_=0 MALLOC_TRIM_THRESHOLD_=1000000000 MALLOC_TOP_PAD_=67108864 cargo benches --bench subdivide
-//! ```
+//! a C++17 compiler are needed; the ordinary tests need neither, only the committed data.
 //!
 //! The data hold, for every case, the base mesh and samples of levels 1 to 3 of its uniform
 //! refinement. Little endian, no padding; `str` is a `u16` length and UTF-8 bytes:
@@ -39,8 +31,7 @@
 //!         bit 1+k: f32[2] value of slot k (without it, that of slot 0)
 //! ```
 //!
-//! `xtask/golden/write.h` says the same in more words, `bench.h` what a text mesh is; `tests/common/golden.rs` is the
-//! reader.
+//! `xtask/golden/write.h` says the same in more words, `src/testing/golden.rs` is the reader.
 
 use std::env;
 use std::path::{Path, PathBuf};
@@ -48,7 +39,6 @@ use std::process::Command;
 
 use crate::process::{self, Failure, Outcome};
 use crate::project::Project;
-use crate::venv;
 
 /// The crate whose package carries the sources of OpenSubdiv.
 const SOURCES: &str = "opensubdiv-petite-sys";
@@ -56,23 +46,12 @@ const SOURCES: &str = "opensubdiv-petite-sys";
 /// Runs the task with the arguments after `golden`.
 pub fn run(project: &Project, args: &[String]) -> Outcome {
     let args: Vec<&str> = args.iter().map(String::as_str).collect();
-    let (mode, path) = match args[..] {
-        [] => ("data", project.root.join("tests/golden")),
-        ["--out", dir] => ("data", PathBuf::from(dir)),
-        ["--bench", mesh] if mesh.ends_with(".txt") => ("bench", PathBuf::from(mesh)),
-        ["--bench", stage] => ("bench", text_mesh(project, Path::new(stage))?),
-        _ => return Err(Failure::new("usage: cargo xtask golden [--out DIR | --bench FILE]")),
+    let path = match args[..] {
+        [] => project.root.join("tests/golden"),
+        ["--out", dir] => PathBuf::from(dir),
+        _ => return Err(Failure::new("usage: cargo xtask golden [--out DIR]")),
     };
-    process::run(Command::new(build(project)?).arg(mode).arg(path))
-}
-
-/// Writes the first mesh of a stage as text.
-fn text_mesh(project: &Project, stage: &Path) -> Outcome<PathBuf> {
-    let text = project.scratch("golden")?.join("mesh.txt");
-    process::run(
-        Command::new(venv::ensure(project)?).arg(project.root.join("xtask/golden/export.py")).arg(stage).arg(&text),
-    )?;
-    Ok(text)
+    process::run(Command::new(build(project)?).arg(path))
 }
 
 /// Builds the generator with CMake in `target/golden` and returns its path.

@@ -60,7 +60,7 @@ Options:
 
 Options of test:
   --all                        Run the long tests too: all wheels of usd-core, long attacks and fuzz replays, all files of
-                               browser tests, clippy on the benches
+                               browser tests
   --alone                      Run the named steps without their prerequisites
 
 Options of plugin:

@@ -3,10 +3,12 @@
 use super::{MAX_FACES, baseline, prepare};
 use crate::Builder;
 use crate::error::{Code, Warning};
-use crate::garment::{BoundaryInterpolation, GarmentInput};
+use crate::garment::{BoundaryInterpolation, GarmentInput, Values};
+use crate::mesh::{CornerId, VertexId};
 use crate::sim::{SimProduct, simulate};
 use crate::testing::sheets;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
+use std::collections::BTreeMap;
 
 /// A sheet whose density jumps from vertex to vertex.
 fn uneven() -> GarmentInput {
@@ -95,4 +97,45 @@ fn curves_that_bend_within_an_edge_are_told() {
 fn off_segment(p: Vec3, a: Vec3, b: Vec3) -> f32 {
     let t = (p - a).dot(b - a) / a.distance_squared(b);
     p.distance(a.lerp(b, t.clamp(0.0, 1.0)))
+}
+
+/// How far each vertex inside the mesh is from the centroid of its triangles in UV, on the mean. \[edge lengths in UV\]
+fn off_centroid(product: &SimProduct) -> f32 {
+    let mut around: BTreeMap<VertexId, Vec<[Vec2; 3]>> = BTreeMap::new();
+    for (i, triangle) in product.triangles.iter().enumerate() {
+        let uvs = [0, 1, 2].map(|k| product.places[CornerId::new(3 * i + k)].uv);
+        (0..3).for_each(|k| around.entry(triangle[k]).or_default().push([uvs[k], uvs[(k + 1) % 3], uvs[(k + 2) % 3]]));
+    }
+    product.chain_edges.iter().flatten().flatten().for_each(|v| _ = around.remove(v));
+    let off = |triangles: &Vec<[Vec2; 3]>| {
+        let area = |[a, b, c]: [Vec2; 3]| (b - a).perp_dot(c - a).abs();
+        let whole: f32 = triangles.iter().map(|&t| area(t)).sum();
+        let centroid: Vec2 = triangles.iter().map(|t| area(*t) / whole * (t[0] + t[1] + t[2]) / 3.0).sum();
+        centroid.distance(triangles[0][0]) / (whole / triangles.len() as f32).sqrt()
+    };
+    around.values().map(off).sum::<f32>() / around.len() as f32
+}
+
+#[test]
+fn relaxation_in_uvs_brings_vertices_to_centroids_there() {
+    // A sheet whose panel is stretched by up to nine along one side.
+    let mut input = sheets::grid(12, 12, |_, _| true);
+    let uvs = input.primvars.iter_mut().find(|p| p.name == "st").expect("UVs");
+    let Values::F32(values) = &mut uvs.values else { panic!("UVs are floats") };
+    values.chunks_exact_mut(2).for_each(|uv| uv[1] += 4.0 * uv[1] * uv[1] / 12.0);
+    let off = |relax: &str| {
+        let relax = format!("sim.relax={relax}");
+        let product = product(input.clone(), &["sim.maxEdgeLength=0.4", "sim.uvSet=st", "sim.cornerAngle=50", &relax]);
+        off_centroid(&product)
+    };
+    let [surface, uv] = ["surface", "uv"].map(off);
+    assert!(uv < 0.9 * surface, "{surface} by the surface, {uv} by UVs");
+}
+
+#[test]
+fn relaxation_in_uvs_needs_some() {
+    let prepared = prepare(sheets::grid(4, 4, |_, _| true), &["sim.relax=uv", "sim.uvSet="]);
+    let error = Builder::new(sheets::grid(4, 4, |_, _| true)).and_then(|mut b| b.update(&prepared.recipe)).err();
+    let told = error.expect("an error").to_string();
+    assert!(told.contains("sim.relax") && told.contains("no UV set"), "{told}");
 }

@@ -5,7 +5,7 @@
 //! of the plugin tests these.
 
 mod layout;
-mod mangled;
+mod member;
 mod vtables;
 
 use std::fmt;

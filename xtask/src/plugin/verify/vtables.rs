@@ -1,6 +1,6 @@
 //! Compares virtual tables slot by slot.
 
-use super::mangled::Member;
+use super::member::Member;
 use super::{Check, Mismatch};
 use crate::plugin::elf::Slot;
 

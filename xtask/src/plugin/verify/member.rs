@@ -1,4 +1,4 @@
-//! Parses mangled names of member functions (Itanium C++ ABI).
+//! The member functions that symbols name.
 
 use std::fmt;
 
@@ -19,46 +19,19 @@ impl fmt::Display for Member {
 }
 
 impl Member {
-    /// Parses a symbol such as `_ZNK<namespace>13SdfFileFormat9IsPackageEv`.
+    /// The member that a symbol such as `_ZNK<namespace>13SdfFileFormat9IsPackageEv` names.
     pub fn parse(symbol: &str, namespace: &str) -> Option<Self> {
-        let rest = symbol.strip_prefix("_ZN")?;
-        let rest = rest.strip_prefix('K').unwrap_or(rest);
-        let mut rest = rest.strip_prefix(&format!("{}{namespace}", namespace.len()))?;
-        let mut last = None;
-        loop {
-            if let Some((name, after)) = identifier(rest) {
-                last = Some(name);
-                rest = after;
-            } else if rest.starts_with('I') {
-                rest = after_template_arguments(rest)?;
-            } else {
-                break;
-            }
-        }
-        if rest.starts_with('D') {
+        let text = cpp_demangle::Symbol::new(symbol).ok()?.demangle().ok()?;
+        let (path, parameters) =
+            text.strip_prefix(namespace)?.strip_prefix("::")?.rsplit_once(')')?.0.split_once('(')?;
+        let name = path.rsplit("::").next()?;
+        if name.starts_with('~') {
             return Some(Self::Destructor);
         }
         // The ABI tag of functions that return a C++11 string.
-        let rest = rest.strip_prefix("B5cxx11").unwrap_or(rest);
-        Some(Self::Function { name: last?.to_owned(), parameters: rest.strip_prefix('E')?.to_owned() })
+        let name = name.trim_end_matches("[abi:cxx11]").to_owned();
+        Some(Self::Function { name, parameters: parameters.to_owned() })
     }
-}
-
-/// Splits `9IsPackage…` into `IsPackage` and the rest.
-fn identifier(text: &str) -> Option<(&str, &str)> {
-    let digits = text.find(|c: char| !c.is_ascii_digit())?;
-    let length: usize = text[..digits].parse().ok()?;
-    let name = text.get(digits..digits + length)?;
-    Some((name, &text[digits + length..]))
-}
-
-/// Skips `I…E`, whose arguments are classes of the same namespace: `INS_17UsdUsdcFileFormatEE`.
-fn after_template_arguments(text: &str) -> Option<&str> {
-    let mut rest = text.strip_prefix('I')?;
-    while let Some(argument) = rest.strip_prefix("NS_") {
-        rest = identifier(argument)?.1.strip_prefix('E')?;
-    }
-    rest.strip_prefix('E')
 }
 
 #[cfg(test)]
@@ -72,9 +45,16 @@ mod tests {
     #[test]
     fn overrides_have_the_member_in_common() {
         let base = function("_ZNK3pxr13SdfFileFormat9IsPackageEv");
-        assert_eq!(base.as_deref(), Some("IsPackage(v)"));
+        assert_eq!(base.as_deref(), Some("IsPackage()"));
         assert_eq!(function("_ZNK3pxr17UsdUsdzFileFormat9IsPackageEv"), base);
         assert_ne!(function("_ZNK3pxr13SdfFileFormat9IsPackageEb"), base);
+    }
+
+    #[test]
+    fn a_parameter_is_the_same_in_its_own_class_and_in_another() {
+        let own = function("_ZN3pxr4Base3useERKS0_");
+        assert_eq!(own.as_deref(), Some("use(pxr::Base const&)"));
+        assert_eq!(function("_ZN3pxr7Derived3useERKNS_4BaseE"), own);
     }
 
     #[test]
@@ -86,8 +66,8 @@ mod tests {
     #[test]
     fn template_arguments_and_string_tags_are_no_part_of_it() {
         let new = "_ZNK3pxr21Sdf_FileFormatFactoryINS_17UsdUsdcFileFormatEE3NewEv";
-        assert_eq!(function(new).as_deref(), Some("New(v)"));
-        assert_eq!(function("_ZNK3pxr13SdfFileFormat4NameB5cxx11Ev").as_deref(), Some("Name(v)"));
+        assert_eq!(function(new).as_deref(), Some("New()"));
+        assert_eq!(function("_ZNK3pxr13SdfFileFormat4NameB5cxx11Ev").as_deref(), Some("Name()"));
     }
 
     #[test]
