@@ -7,7 +7,7 @@ use super::physics::{PANELS, SCOPE, beside};
 use super::product::Author;
 use super::role::{Product, ProductRole};
 use super::save::{Format, OutputFile};
-use super::variant::move_into_variant;
+use super::variant::copy_into_variant;
 use crate::error::{Error, ErrorCode, Warnings};
 use crate::usd::assets::{Anchor, as_named, writable};
 use crate::usd::read::{Model, OrUnreadable, Selection, Source};
@@ -179,7 +179,7 @@ fn compose(
             Some(variant) => {
                 let mut part = overlay(stage, frame)?;
                 warnings.extend(author(&mut part, of_variant, frame)?);
-                move_into_variant(&mut data, &part, variant).map_err(fault)?;
+                copy_into_variant(&mut data, &part, variant).map_err(fault)?;
             }
         }
     }

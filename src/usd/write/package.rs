@@ -4,8 +4,10 @@ use super::crates::{encode, remove_unwritable};
 use crate::error::{Error, ErrorCode, Warning, Warnings, plain};
 use crate::files;
 use crate::usd::assets::tiles;
+use crate::usd::read::Files;
+use openusd::ar::{ResolvedPath, Resolver};
 use openusd::sdf::{AbstractData, AssetPath, Data, Value};
-use openusd::usdz::{Archive, ArchiveError, ArchiveWriter};
+use openusd::usdz::{ArchiveError, ArchiveWriter};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::{io, mem};
@@ -117,12 +119,6 @@ impl Package {
 
 /// The content of a file, or of an entry of a package (`package[entry]`).
 fn bytes(file: &str) -> Result<Vec<u8>, String> {
-    match file.strip_suffix(']').and_then(|f| f.split_once('[')) {
-        None => files::read(Path::new(file)).map_err(|e| plain(&e)),
-        Some((package, entry)) => {
-            files::require_file(Path::new(package)).map_err(|e| plain(&e))?;
-            let mut archive = Archive::open(package).map_err(|e| e.to_string())?;
-            Ok(archive.entry(entry).map_err(|e| e.to_string())?.as_ref().to_vec())
-        }
-    }
+    let content = Files::default().open_asset(&ResolvedPath::new(file)).and_then(|mut asset| asset.read_all());
+    content.map_err(|e| plain(&e))
 }

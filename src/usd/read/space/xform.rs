@@ -3,7 +3,6 @@
 use crate::error::{Error, ErrorCode};
 use crate::usd::read::origin::StageOrigin;
 use crate::usd::read::query::{OrUnreadable, prim_at, value};
-use crate::usd::values::number;
 use crate::usd::{names, on_large_stack};
 use glam::{DMat4, DQuat, DVec3};
 use openusd::sdf::{Path, Value};
@@ -88,14 +87,25 @@ fn local(prim: &Prim, time: Option<TimeCode>) -> (DMat4, bool) {
 /// The matrix of an op such as `xformOp:rotateXYZ:pivot`; `None` for a type that its values cannot have.
 fn op_matrix(name: &str, value: &Value) -> Option<DMat4> {
     let kind = name.strip_prefix(names::XFORM_OP)?.split(':').next()?;
+    let number = || value.clone().cast::<f64>().ok();
+    let vector = || value.clone().cast::<[f64; 3]>().ok().map(DVec3::from);
     let axis = |angle: f64, axis: DVec3| DMat4::from_axis_angle(axis, angle.to_radians());
     Some(match kind {
-        "translate" => DMat4::from_translation(vector(value)?),
-        "scale" => DMat4::from_scale(vector(value)?),
-        "rotateX" => axis(number(value)?, DVec3::X),
-        "rotateY" => axis(number(value)?, DVec3::Y),
-        "rotateZ" => axis(number(value)?, DVec3::Z),
-        "orient" => DMat4::from_quat(quaternion(value)?),
+        "translate" => DMat4::from_translation(vector()?),
+        "translateX" => DMat4::from_translation(number()? * DVec3::X),
+        "translateY" => DMat4::from_translation(number()? * DVec3::Y),
+        "translateZ" => DMat4::from_translation(number()? * DVec3::Z),
+        "scale" => DMat4::from_scale(vector()?),
+        "scaleX" => DMat4::from_scale(DVec3::new(number()?, 1.0, 1.0)),
+        "scaleY" => DMat4::from_scale(DVec3::new(1.0, number()?, 1.0)),
+        "scaleZ" => DMat4::from_scale(DVec3::new(1.0, 1.0, number()?)),
+        "rotateX" => axis(number()?, DVec3::X),
+        "rotateY" => axis(number()?, DVec3::Y),
+        "rotateZ" => axis(number()?, DVec3::Z),
+        "orient" => {
+            let [w, x, y, z] = value.clone().cast::<[f64; 4]>().ok()?;
+            DMat4::from_quat(DQuat::from_xyzw(x, y, z, w).normalize())
+        }
         "transform" => match value {
             // USD multiplies rows, so that its rows are columns here.
             Value::Matrix4d(m) => DMat4::from_cols_array(&m.0),
@@ -103,7 +113,7 @@ fn op_matrix(name: &str, value: &Value) -> Option<DMat4> {
         },
         _ => {
             let order = kind.strip_prefix("rotate").filter(|order| order.len() == 3)?;
-            let angles = vector(value)?;
+            let angles = vector()?;
             // The first axis of the name is applied first.
             order.chars().try_fold(DMat4::IDENTITY, |matrix, letter| {
                 Some(
@@ -119,25 +129,6 @@ fn op_matrix(name: &str, value: &Value) -> Option<DMat4> {
     })
 }
 
-fn vector(value: &Value) -> Option<DVec3> {
-    match value {
-        Value::Vec3d(v) => Some(DVec3::new(v.x, v.y, v.z)),
-        Value::Vec3f(v) => Some(DVec3::new(v.x.into(), v.y.into(), v.z.into())),
-        Value::Vec3h(v) => Some(DVec3::new(v.x.to_f32().into(), v.y.to_f32().into(), v.z.to_f32().into())),
-        _ => None,
-    }
-}
-
-fn quaternion(value: &Value) -> Option<DQuat> {
-    let [w, x, y, z] = match value {
-        Value::Quatd(q) => [q.w, q.x, q.y, q.z],
-        Value::Quatf(q) => [q.w, q.x, q.y, q.z].map(f64::from),
-        Value::Quath(q) => [q.w, q.x, q.y, q.z].map(|v| f64::from(v.to_f32())),
-        _ => return None,
-    };
-    Some(DQuat::from_xyzw(x, y, z, w).normalize())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -150,5 +141,9 @@ mod tests {
         assert!(turned.transform_point3(DVec3::Y).distance(DVec3::Z) < 1e-12);
         assert!(turned.transform_point3(DVec3::X).distance(DVec3::Y) < 1e-12);
         assert_eq!(op_matrix("xformOp:translate", &Value::Double(1.0)), None);
+        let of_one =
+            |name: &str, by: f64| op_matrix(name, &Value::Double(by)).expect(name).transform_point3(DVec3::ONE);
+        assert_eq!(of_one("xformOp:translateY", 2.0), DVec3::new(1.0, 3.0, 1.0));
+        assert_eq!(of_one("xformOp:scaleZ:stretch", 2.0), DVec3::new(1.0, 1.0, 2.0));
     }
 }
