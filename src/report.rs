@@ -6,7 +6,7 @@ mod costs;
 mod surface;
 
 pub use costs::ConstraintCost;
-pub use surface::{NarrowFold, facing};
+pub use surface::{NarrowFeature, facing};
 
 use crate::garment::{Elements, Garment};
 use crate::mesh::{CornerId, IdVec, Topology, VertexId};
@@ -67,8 +67,8 @@ pub struct SimFigures {
     pub facing_away: usize,
     /// Share of triangles at more than 60 degrees to the surface that they lie on.
     pub share_steep: f32,
-    /// Folds that are too near to a border, a seam or another fold to have edges of their own.
-    pub narrow_folds: Vec<NarrowFold>,
+    /// Sharp edges that are too near to a border, a seam or other sharp edges for a feature line of their own.
+    pub narrow_features: Vec<NarrowFeature>,
     /// The constraints by the thin triangles beside them.
     pub constraint_costs: Vec<ConstraintCost>,
     /// Area of each face subset on the mesh and on the baseline.
@@ -270,7 +270,7 @@ impl SimFigures {
         self.distance_mean = (all().map(f64::from).sum::<f64>() / (4 * triangles.len()).max(1) as f64) as f32;
         self.facing_away = beyond(90.0);
         self.share_steep = share(beyond(surface::STEEP), triangles.len());
-        self.narrow_folds = surface::narrow_folds(product);
+        self.narrow_features = surface::narrow_features(product);
     }
 }
 

@@ -1,4 +1,4 @@
-//! How a simulation mesh lies on its surface, and which folds of it have no edges.
+//! How a simulation mesh lies on its surface, and which sharp edges of it have none.
 
 use crate::mesh::{CornerId, VertexId};
 use crate::sim::{NarrowStrip, SimProduct};
@@ -8,10 +8,10 @@ use serde::Serialize;
 /// The angle from which a triangle counts as steep. \[degrees\]
 pub(super) const STEEP: f32 = 60.0;
 
-/// A fold that is too near to a border, a seam or another fold to have edges of its own.
+/// Sharp edges that are too near to a border, a seam or other sharp edges to have a feature line of their own.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub struct NarrowFold {
+pub struct NarrowFeature {
     /// One of the garment's vertices along it.
     pub vertex: usize,
     /// The number of the garment's edges along it.
@@ -20,9 +20,9 @@ pub struct NarrowFold {
     pub width: f32,
 }
 
-pub(super) fn narrow_folds(product: &SimProduct) -> Vec<NarrowFold> {
+pub(super) fn narrow_features(product: &SimProduct) -> Vec<NarrowFeature> {
     let baseline = &product.baseline;
-    let of = |strip: &NarrowStrip| NarrowFold {
+    let of = |strip: &NarrowStrip| NarrowFeature {
         vertex: baseline.manifold.vertex_source[strip.vertex].index(),
         edges: strip.edges,
         width: strip.width,

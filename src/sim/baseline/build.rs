@@ -8,7 +8,7 @@ use crate::garment::{Garment, Primvar};
 use crate::mesh::{ChainId, CornerId, FaceId, Faces, Groups, IdVec, Topology, VertexId};
 use crate::sim::constraints::cage_edges::{constrained_edges, refine_paths, start_spans, trace_paths};
 use crate::sim::constraints::chain::Chain;
-use crate::sim::constraints::feature_lines::{FoldedSurface, NarrowStrip};
+use crate::sim::constraints::feature_lines::{FeatureSurface, NarrowStrip};
 use crate::sim::options::SimOptions;
 use crate::sim::surface::lengths::{Lengths, grade};
 use crate::sim::surface::manifold::Manifold;
@@ -161,7 +161,7 @@ fn find_chains(
 ) -> FoundChains {
     let is_seam = |e| manifold.uv_channel.as_ref().is_some_and(|c| c.is_cut(e));
     let mut kinds = constrained_edges(garment, manifold, options, is_seam, small_shells, is_hole);
-    let rims = FoldedSurface { levels, surface: *surface, sharp: options.feature_turn() }.add_features(&mut kinds);
+    let rims = FeatureSurface { levels, surface: *surface, sharp: options.feature_turn() }.add_features(&mut kinds);
     let refined = levels.get(1).and_then(|child| rims.refined_kinds(&kinds, [levels[0], child]));
     let (traced, source) = match &refined {
         Some(_) => (1, manifold.child_source()),

@@ -16,7 +16,7 @@ pub struct Facet {
     pub open_twin: [Option<CornerId>; 3],
     /// Unit normal; zero where there is no area.
     pub normal: Vec3,
-    /// +1 or -1: the orientation of the triangle's shell in UV space; 0 where the layout is free, on folds and small shells.
+    /// +1 or -1: the orientation of the triangle's shell in UV space; 0 where the layout is free, on flipped and small shells.
     pub sense: f32,
 }
 

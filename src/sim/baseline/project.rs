@@ -146,7 +146,7 @@ impl Baseline {
         best
     }
 
-    /// The location of a UV point in the shell of triangle `start`, by a straight walk; none where a barrier, a fold of the
+    /// The location of a UV point in the shell of triangle `start`, by a straight walk; none where a barrier, a flipped part of the
     /// UV layout or a small shell blocks it.
     pub fn locate_uv(&self, start: FaceId, uv: Vec2) -> Option<BaselinePoint> {
         let mut face = start;

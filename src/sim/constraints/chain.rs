@@ -10,9 +10,9 @@ pub struct ChainKind {
     pub border: bool,
     /// A border of a UV shell.
     pub seam: bool,
-    /// An infinitely sharp edge inside the mesh: the surface has a fold there at every level.
+    /// An infinitely sharp edge inside the mesh: the surface has a sharp edge there at every level.
     pub sharp: bool,
-    /// A fold that is sharper than the target length can follow, or beside one that is too near to be a chain itself.
+    /// A feature line: sharper than the target length can follow, or beside one that is too near to be a chain itself.
     pub feature: bool,
     /// Indices into the garment's subsets: the edge subsets that hold the edge.
     pub subsets: Vec<usize>,
@@ -42,7 +42,7 @@ pub struct Chain {
     /// The half-edge on the right of each segment, in the other direction.
     pub right: Vec<Option<CornerId>>,
     /// Unit normals that triangles should have to the left and to the right of each segment. On a feature line they are taken
-    /// half a target length away, as the fold itself is rounded.
+    /// half a target length away, as the sharp edge itself is rounded.
     pub normals: Vec<[Vec3; 2]>,
     /// Corners: indices into `vertices` of those that stay where they are although no chain ends there.
     pub pins: Vec<usize>,

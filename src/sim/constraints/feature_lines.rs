@@ -1,13 +1,13 @@
-//! Feature lines: folds of the surface that are sharper than the target length can follow. Edges across such a fold cut it off and
+//! Feature lines: edges of the surface that are sharper than the target length can follow. Edges across such a one cut it off and
 //! leave it jagged, so the edges of the cage along it become chains.
 //!
-//! A rim has two folds, or many, with a strip between them that may be thinner than triangles. Lines of folds are therefore
+//! A rim has two sharp edges, or many, with a strip between them that may be thinner than triangles. Lines of sharp edges are therefore
 //! chosen as wholes, the sharpest first, and none beside another chain: what lies between is drawn to that chain along its
-//! whole length. Between two such folds the surface is highest in the middle of the strip, so the feature line is there.
+//! whole length. Between two such sharp edges the surface is highest in the middle of the strip, so the feature line is there.
 
 use super::cage_edges::refine_paths;
 use super::chain::ChainKind;
-use super::fold_lines::{Folds, lines};
+use super::sharp_lines::{SharpEdges, lines};
 use crate::garment::Scheme;
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
 use crate::sim::geometry::angle;
@@ -25,22 +25,22 @@ const LEAST_LENGTH: f32 = 2.0;
 /// Two parallel chains are at least this multiple of the target length apart: triangles between nearer ones are thin.
 const APART: f32 = 0.5;
 /// A feature line is at least this multiple of the target length from any other chain. What is nearer to a border or a seam is drawn
-/// to it, and facets of the fold stay.
+/// to it, and facets of the turn stay.
 const APART_FROM_CHAINS: f32 = 0.15;
-/// Least dihedral of a fold's edge: folds are sharper on the cage than on the refined surface. \[radians\]
+/// Least dihedral of a sharp edge: it is sharper on the cage than on the refined surface. \[radians\]
 const LEAST_DIHEDRAL: f32 = 0.3;
 /// Most faces of a walk across parallel edges.
 const MAX_STEPS: usize = 64;
 
 /// How the surface bends across an edge of the cage.
-pub(super) struct Fold {
+pub(super) struct SharpEdge {
     /// The turn of the normal within one target length. \[radians\]
     pub bend: f32,
     /// In target lengths.
     pub length: f32,
 }
 
-/// A chain beside a fold that is too near to it to be a chain itself.
+/// A chain beside a sharp edge that is too near to it to be a chain itself.
 #[derive(Clone, Copy)]
 struct Neighbour {
     edge: EdgeId,
@@ -48,7 +48,7 @@ struct Neighbour {
     distance: f32,
 }
 
-/// A fold that is too near to a chain to be one itself.
+/// A sharp edge that is too near to a chain to be one itself.
 #[derive(Clone, Debug)]
 pub struct NarrowStrip {
     /// A vertex of the manifold cage on it.
@@ -73,11 +73,11 @@ enum Part<'a> {
     Crest(Vec<Crest>),
 }
 
-/// The parts of feature lines that are not edges of the cage, and the folds that are not feature lines.
+/// The parts of feature lines that are not edges of the cage, and the sharp edges that are not feature lines.
 #[derive(Default)]
 pub(crate) struct Rims {
     crests: Vec<Crest>,
-    /// The folds that are too near to chains to be some.
+    /// The sharp edges that are too near to chains to be some.
     pub narrow: Vec<NarrowStrip>,
     /// The vertices of the cage that are drawn to a chain beside them. No chain has a corner there.
     pub drawn: BTreeSet<VertexId>,
@@ -128,40 +128,41 @@ impl Rims {
 
 /// The cage, its refinements and its surface. The last of `levels` is the surface's.
 #[derive(Clone, Copy)]
-pub(crate) struct FoldedSurface<'a> {
+pub(crate) struct FeatureSurface<'a> {
     pub levels: &'a [&'a Level],
     pub surface: RefinedSurface<'a>,
     /// The turn within one target length that makes a feature line. \[radians\]
     pub sharp: f32,
 }
 
-impl<'a> FoldedSurface<'a> {
+impl<'a> FeatureSurface<'a> {
     fn cage(&self) -> &'a Topology {
         &self.levels[0].topology
     }
 
     /// Adds the feature lines among the unconstrained edges of the cage to `kinds`.
     pub fn add_features(&self, kinds: &mut BTreeMap<EdgeId, ChainKind>) -> Rims {
-        let folds = self.folds(kinds);
+        let sharp_edges = self.sharp_edges(kinds);
         let mut narrow = BTreeMap::new();
-        kinds.keys().for_each(|&edge| self.leave_narrow(edge, APART_FROM_CHAINS, &folds, &mut narrow));
-        let mut found = lines(self.cage(), self.surface.points, &folds);
+        kinds.keys().for_each(|&edge| self.leave_narrow(edge, APART_FROM_CHAINS, &sharp_edges, &mut narrow));
+        let mut found = lines(self.cage(), self.surface.points, &sharp_edges);
         found.sort_by(|a, b| b.strength.total_cmp(&a.strength).then_with(|| a.edges.cmp(&b.edges)));
         let mut rims = Rims::default();
         for line in &found {
             let runs: Vec<&[EdgeId]> = line.runs(|edge| !narrow.contains_key(&edge)).collect();
-            for line in runs.into_iter().filter_map(|run| self.feature_line(run, &folds)) {
-                for part in self.parts(line, &folds, &narrow) {
+            for line in runs.into_iter().filter_map(|run| self.feature_line(run, &sharp_edges)) {
+                for part in self.parts(line, &sharp_edges, &narrow) {
                     match part {
                         Part::Edges(edges) => kinds.extend(edges.iter().map(|&edge| (edge, ChainKind::FEATURE))),
                         Part::Crest(faces) => rims.crests.extend(faces),
                     }
                 }
-                line.iter().for_each(|&edge| self.leave_narrow(edge, APART, &folds, &mut narrow));
+                line.iter().for_each(|&edge| self.leave_narrow(edge, APART, &sharp_edges, &mut narrow));
             }
         }
         for line in &found {
-            let lost = line.runs(|edge| narrow.contains_key(&edge)).filter_map(|run| self.feature_line(run, &folds));
+            let lost =
+                line.runs(|edge| narrow.contains_key(&edge)).filter_map(|run| self.feature_line(run, &sharp_edges));
             rims.narrow.extend(lost.map(|edges| self.narrow_strip(edges, &narrow, kinds)));
         }
         let t = self.cage();
@@ -170,7 +171,7 @@ impl<'a> FoldedSurface<'a> {
         rims
     }
 
-    /// The strip between a fold that is not a chain and the chains beside it, which become feature lines too.
+    /// The strip between a sharp edge that is not a chain and the chains beside it, which become feature lines too.
     fn narrow_strip(
         &self,
         edges: &[EdgeId],
@@ -192,8 +193,13 @@ impl<'a> FoldedSurface<'a> {
     }
 
     /// The parts of a feature line that run along its edges, and those that run along the middle of a strip beside them.
-    fn parts<'e>(&self, line: &'e [EdgeId], folds: &Folds, narrow: &BTreeMap<EdgeId, Neighbour>) -> Vec<Part<'e>> {
-        let strips: Vec<Option<Crest>> = line.iter().map(|&edge| self.crest(edge, folds, narrow)).collect();
+    fn parts<'e>(
+        &self,
+        line: &'e [EdgeId],
+        sharp_edges: &SharpEdges,
+        narrow: &BTreeMap<EdgeId, Neighbour>,
+    ) -> Vec<Part<'e>> {
+        let strips: Vec<Option<Crest>> = line.iter().map(|&edge| self.crest(edge, sharp_edges, narrow)).collect();
         let are_joined = |a: &Option<Crest>, b: &Option<Crest>| match (a, b) {
             (Some(a), Some(b)) => a.rungs.iter().any(|rung| b.rungs.contains(rung)),
             (a, b) => a.is_none() && b.is_none(),
@@ -202,7 +208,7 @@ impl<'a> FoldedSurface<'a> {
         let parts = strips.chunk_by(are_joined).map(|strip| {
             let edges = &line[first..first + strip.len()];
             first += strip.len();
-            let length: f32 = edges.iter().map(|edge| folds[edge].length).sum();
+            let length: f32 = edges.iter().map(|edge| sharp_edges[edge].length).sum();
             match strip.iter().copied().collect::<Option<Vec<Crest>>>() {
                 Some(faces) if length >= LEAST_LENGTH => Part::Crest(faces),
                 _ => Part::Edges(edges),
@@ -211,9 +217,9 @@ impl<'a> FoldedSurface<'a> {
         parts.collect()
     }
 
-    /// The quad beside an edge of a feature line whose opposite edge is a fold as well, too near to be a chain, if there is one side
+    /// The quad beside an edge of a feature line whose opposite edge is a sharp edge as well, too near to be a chain, if there is one side
     /// with such a quad.
-    fn crest(&self, edge: EdgeId, folds: &Folds, narrow: &BTreeMap<EdgeId, Neighbour>) -> Option<Crest> {
+    fn crest(&self, edge: EdgeId, sharp_edges: &SharpEdges, narrow: &BTreeMap<EdgeId, Neighbour>) -> Option<Crest> {
         let t = self.cage();
         if self.levels.len() == 1 || self.levels[0].scheme == Scheme::Loop {
             return None;
@@ -221,8 +227,8 @@ impl<'a> FoldedSurface<'a> {
         let is_strip = |&corner: &CornerId| {
             let other = self.opposite(corner).map(|c| t.corner_edge[c]);
             other.is_some_and(|other| {
-                let is_fold = folds.get(&other).is_some_and(|fold| fold.bend > ENDS * self.sharp);
-                is_fold && !narrow.contains_key(&other) && self.distance(edge, other) < APART
+                let is_sharp = sharp_edges.get(&other).is_some_and(|sharp_edge| sharp_edge.bend > ENDS * self.sharp);
+                is_sharp && !narrow.contains_key(&other) && self.distance(edge, other) < APART
             })
         };
         let mut strips = t.edge_corners.row(edge).iter().copied().filter(is_strip);
@@ -243,15 +249,16 @@ impl<'a> FoldedSurface<'a> {
     }
 
     /// The part of a line that is a feature line, without its blunt ends, if there is one.
-    fn feature_line<'e>(&self, run: &'e [EdgeId], folds: &Folds) -> Option<&'e [EdgeId]> {
-        let is_end = |edge: &EdgeId| folds[edge].bend > ENDS * self.sharp;
+    fn feature_line<'e>(&self, run: &'e [EdgeId], sharp_edges: &SharpEdges) -> Option<&'e [EdgeId]> {
+        let is_end = |edge: &EdgeId| sharp_edges[edge].bend > ENDS * self.sharp;
         let (first, last) = (run.iter().position(is_end)?, run.iter().rposition(is_end)?);
-        let sharp = run[first..=last].iter().map(|edge| &folds[edge]).filter(|fold| fold.bend > self.sharp);
-        (sharp.map(|fold| fold.length).sum::<f32>() >= LEAST_LENGTH).then(|| &run[first..=last])
+        let sharp =
+            run[first..=last].iter().map(|edge| &sharp_edges[edge]).filter(|sharp_edge| sharp_edge.bend > self.sharp);
+        (sharp.map(|sharp_edge| sharp_edge.length).sum::<f32>() >= LEAST_LENGTH).then(|| &run[first..=last])
     }
 
     /// The unconstrained edges of the cage across which the surface bends.
-    fn folds(&self, kinds: &BTreeMap<EdgeId, ChainKind>) -> Folds {
+    fn sharp_edges(&self, kinds: &BTreeMap<EdgeId, ChainKind>) -> SharpEdges {
         let (t, at) = (self.cage(), |v: VertexId| self.surface.points[v]);
         let normal = |face: FaceId| {
             let vertices = t.faces.vertices_of(face);
@@ -273,7 +280,7 @@ impl<'a> FoldedSurface<'a> {
             let steps = curve.windows(2);
             let bend = steps.clone().map(|p| self.surface.bend(p[0], p[1])).sum::<f32>() / steps.len() as f32;
             let length = steps.map(|p| at(p[0]).distance(at(p[1]))).sum::<f32>() / self.target(edge);
-            (bend > INSIDE * self.sharp).then_some((edge, Fold { bend, length }))
+            (bend > INSIDE * self.sharp).then_some((edge, SharpEdge { bend, length }))
         });
         measured.collect()
     }
@@ -287,8 +294,14 @@ impl<'a> FoldedSurface<'a> {
         a.midpoint(b)
     }
 
-    /// Marks the folds that are parallel to an edge, over quads on both sides, and less than `apart` target lengths from it.
-    fn leave_narrow(&self, edge: EdgeId, apart: f32, folds: &Folds, narrow: &mut BTreeMap<EdgeId, Neighbour>) {
+    /// Marks the sharp edges that are parallel to an edge, over quads on both sides, and less than `apart` target lengths from it.
+    fn leave_narrow(
+        &self,
+        edge: EdgeId,
+        apart: f32,
+        sharp_edges: &SharpEdges,
+        narrow: &mut BTreeMap<EdgeId, Neighbour>,
+    ) {
         let t = self.cage();
         for &corner in t.edge_corners.row(edge) {
             let (mut half, mut own, mut passed) = (Some(corner), edge, 0.0);
@@ -299,7 +312,7 @@ impl<'a> FoldedSurface<'a> {
                 if passed >= apart || other == edge {
                     break;
                 }
-                if folds.contains_key(&other) {
+                if sharp_edges.contains_key(&other) {
                     narrow.entry(other).or_insert(Neighbour { edge, distance: passed });
                 }
                 (half, own) = (t.twin(opposite), other);

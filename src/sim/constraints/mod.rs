@@ -4,5 +4,5 @@ mod bend;
 pub mod cage_edges;
 pub mod chain;
 pub mod feature_lines;
-mod fold_lines;
+mod sharp_lines;
 pub mod spacing;

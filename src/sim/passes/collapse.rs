@@ -95,7 +95,7 @@ fn chain_stays_short(mesh: &SimMesh<'_>, half: CornerId, removed: VertexId) -> b
 }
 
 /// Whether a collapse may make such a triangle from that of `old`, the corner that moves: it has no defect and bridges no
-/// fold, or is better than before.
+/// sharp edge, or is better than before.
 fn may_become(mesh: &SimMesh<'_>, moved: TriangleCorner<'_>, old: CornerId) -> bool {
     let corners = [moved, mesh.corner(next(old)), mesh.corner(prev(old))];
     let defect = mesh.defect(corners);

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use std::hint::black_box;
 use std::ops::Range;
 
-/// Successive shares of the way that vertices try to move: where moves would fold triangles, they try again and shorter.
+/// Successive shares of the way that vertices try to move: where moves would turn triangles over, they try again and shorter.
 const STEPS: [f32; 3] = [1.0, 0.5, 0.25];
 
 /// Vertices that one task averages.

@@ -52,7 +52,7 @@ pub struct RemeshReport {
     pub collapses: usize,
     /// Edges flipped in all rounds.
     pub flips: usize,
-    /// Chains along folds that are sharper than the target length can follow.
+    /// Feature lines: chains along edges that are sharper than the target length can follow.
     pub feature_lines: usize,
     /// Corners of chains that were kept as vertices.
     pub corners: usize,
@@ -141,7 +141,7 @@ pub(crate) enum Pass {
     Drift,
     /// Relaxes by so many averages, and projects.
     Relax(usize),
-    /// Improves thin triangles, curves and tight folds.
+    /// Improves thin triangles, curves and tight turns.
     Finish,
 }
 

@@ -9,10 +9,10 @@ use glam::Vec3;
 const MIN_SHAPE: f32 = 0.02;
 
 /// Least cosine between the normals of a triangle and of the surface at its corners that collapses and moves allow. Beyond
-/// it a triangle bridges a fold and erases it. Larger values keep more of a fold, but leave short edges along it.
+/// it a triangle bridges a sharp edge and erases it. Larger values keep more of it, but leave short edges along it.
 pub(crate) const MIN_COSINE: f32 = 0.2;
 
-/// The cosine that flips allow. Larger values keep more flips from turning edges out of a fold.
+/// The cosine that flips allow. Larger values keep more flips from turning edges out of a sharp edge.
 const MIN_FLIP_COSINE: f32 = 0.85;
 
 /// Position and wedge of a triangle's corner.

@@ -25,7 +25,7 @@ pub(crate) struct Wedge {
     pub place: BaselineUvPoint,
     /// Unit normal of the surface.
     pub normal: Vec3,
-    /// +1 or -1: the orientation of the shell in UV space; 0 where the layout is free, on folds and small shells.
+    /// +1 or -1: the orientation of the shell in UV space; 0 where the layout is free, on flipped and small shells.
     pub sense: f32,
 }
 

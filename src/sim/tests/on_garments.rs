@@ -16,7 +16,7 @@ fn lie_on_their_surfaces_and_curves() {
         let figures = format!("{}\n{}\n{q}", file.display(), Quality::HEAD);
         assert!(q.to_surface <= 0.35 && q.from_surface <= 0.6, "{figures}");
         assert!(q.curve_max <= 0.1 && q.curve_near >= 0.97, "{figures}");
-        // Small details and folds keep a few triangles thin, and lengths that change as they are painted cost a degree.
+        // Small details and sharp edges keep a few triangles thin, and lengths that change as they are painted cost a degree.
         assert!(q.rms <= 0.14 && q.p5 >= 40.0 && q.under30 <= 0.01, "{figures}");
     });
 }

@@ -1,4 +1,4 @@
-//! Rims: folds with two layers that are nearer to each other than the target length, as a turned hem, a collar or a piped edge.
+//! Rims: the turns of cloth with two layers that are nearer to each other than the target length, as a turned hem, a collar or a piped edge.
 
 use super::{MAX_FACES, baseline, prepare};
 use crate::garment::GarmentInput;

@@ -43,9 +43,7 @@ pub(super) fn carry(
 }
 
 fn cut_off_warning(count: usize, primvar: &Primvar) -> Warning {
-    let problem = format!(
-        "the shells of {count} triangles of the simulation mesh are cut off, which would be flipped within them"
-    );
+    let problem = format!("{count} triangles are cut off from their UV shells, within which they would be flipped");
     Warning::new(Code::NotCarried, format!("primvars:{}", primvar.name), problem)
         .remedy("Add edge sets along the cuts of the layout to sim.constraints, or lower sim.maxEdgeLength")
 }

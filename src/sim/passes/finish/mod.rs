@@ -1,4 +1,4 @@
-//! The last passes, after the rounds: they move vertices and flip edges at thin triangles, beside chains and in tight folds.
+//! The last passes, after the rounds: they move vertices and flip edges at thin triangles, beside chains and in tight turns.
 
 mod follow;
 mod polish;

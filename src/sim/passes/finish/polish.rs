@@ -125,7 +125,7 @@ pub(super) fn try_move(
     let is_good = |&(c, (defect, alignment)): &(CornerId, (Defect, f32))| {
         let now = quality(mesh, c);
         let mut corners = crate::mesh::edit::corners(face(c));
-        // The bound of flips instead leaves three times the thin triangles where folds are tight.
+        // The bound of flips instead leaves three times the thin triangles where turns are tight.
         now.0 <= defect && (now.1 >= MIN_COSINE || now.1 >= alignment) && !corners.any(|c| mesh.is_reversed(c))
     };
     let moves = is_wanted(mesh) && old.iter().all(is_good);

@@ -1,6 +1,6 @@
 //! Turn: where a triangle faces away from the surface under its middle, an edge flips or a vertex moves.
 //!
-//! All other passes compare a triangle with the surface at its corners. In a tight fold these face several ways, and the
+//! All other passes compare a triangle with the surface at its corners. In a tight turn these face several ways, and the
 //! triangle may face away from all that lies between them.
 
 use crate::mesh::edit::{corners, face};

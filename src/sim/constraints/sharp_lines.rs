@@ -1,30 +1,30 @@
-//! Lines of folds over the cage.
+//! Lines of sharp edges over the cage.
 
-use super::feature_lines::Fold;
+use super::feature_lines::SharpEdge;
 use crate::mesh::{EdgeId, IdVec, Topology, VertexId};
 use glam::Vec3;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Folds by their edges.
-pub(super) type Folds = BTreeMap<EdgeId, Fold>;
+/// Sharp edges of the cage.
+pub(super) type SharpEdges = BTreeMap<EdgeId, SharpEdge>;
 
 /// Least cosine between two edges of which one continues the other.
 const STRAIGHT: f32 = 0.5;
 
-/// Most folds at a vertex that lines pass. Of more, as at a pole of pleats, each ends there.
-const MOST_FOLDS: usize = 16;
+/// Most sharp edges at a vertex that lines pass. Of more, as at a pole of pleats, each ends there.
+const MOST_SHARP_EDGES: usize = 16;
 
-/// A line of folds, each of which continues the one before.
-pub(super) struct FoldLine {
+/// A line of sharp edges, each of which continues the one before.
+pub(super) struct SharpLine {
     /// Its edges, in order. A loop begins where it bends least.
     pub edges: Vec<EdgeId>,
     /// The sum of bends times lengths. \[radians times target lengths\]
     pub strength: f32,
 }
 
-impl FoldLine {
-    fn new(edges: Vec<EdgeId>, folds: &Folds) -> Self {
-        let strength = edges.iter().map(|edge| folds[edge].bend * folds[edge].length).sum();
+impl SharpLine {
+    fn new(edges: Vec<EdgeId>, sharp_edges: &SharpEdges) -> Self {
+        let strength = edges.iter().map(|edge| sharp_edges[edge].bend * sharp_edges[edge].length).sum();
         Self { edges, strength }
     }
 
@@ -42,16 +42,16 @@ impl FoldLine {
 }
 
 /// All lines. At a vertex, two edges continue each other if each is the straightest continuation of the other.
-pub(super) fn lines(t: &Topology, points: &IdVec<VertexId, Vec3>, folds: &Folds) -> Vec<FoldLine> {
+pub(super) fn lines(t: &Topology, points: &IdVec<VertexId, Vec3>, sharp_edges: &SharpEdges) -> Vec<SharpLine> {
     let mut at = BTreeMap::<VertexId, Vec<EdgeId>>::new();
-    folds.keys().for_each(|&edge| t.edges[edge].iter().for_each(|&v| at.entry(v).or_default().push(edge)));
+    sharp_edges.keys().for_each(|&edge| t.edges[edge].iter().for_each(|&v| at.entry(v).or_default().push(edge)));
     let away = |edge: EdgeId, from: VertexId| {
         let [a, b] = t.edges[edge].map(|v| points[v]);
         if t.edges[edge][0] == from { (b - a).normalize_or_zero() } else { (a - b).normalize_or_zero() }
     };
     let straightest = |edge: EdgeId, v: VertexId| {
         let all = &at[&v][..];
-        let others = all.iter().copied().filter(|&other| other != edge && all.len() <= MOST_FOLDS);
+        let others = all.iter().copied().filter(|&other| other != edge && all.len() <= MOST_SHARP_EDGES);
         let straight = others.map(|other| (-away(edge, v).dot(away(other, v)), other)).filter(|s| s.0 > STRAIGHT);
         straight.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1))).map(|(_, other)| other)
     };
@@ -59,14 +59,14 @@ pub(super) fn lines(t: &Topology, points: &IdVec<VertexId, Vec3>, folds: &Folds)
 
     let mut used = BTreeSet::new();
     let mut lines = Vec::new();
-    for &first in folds.keys() {
+    for &first in sharp_edges.keys() {
         if used.contains(&first) {
             continue;
         }
         let [a, b] = t.edges[first];
         let (mut edges, is_loop) = walk(t, first, a, next);
         if is_loop {
-            let bend = |i: &usize| folds[&edges[*i]].bend;
+            let bend = |i: &usize| sharp_edges[&edges[*i]].bend;
             let weakest = (0..edges.len()).min_by(|i, j| bend(i).total_cmp(&bend(j))).unwrap_or(0);
             edges.rotate_left(weakest);
         } else {
@@ -74,7 +74,7 @@ pub(super) fn lines(t: &Topology, points: &IdVec<VertexId, Vec3>, folds: &Folds)
             edges.extend(&walk(t, first, b, next).0[1..]);
         }
         used.extend(edges.iter().copied());
-        lines.push(FoldLine::new(edges, folds));
+        lines.push(SharpLine::new(edges, sharp_edges));
     }
     lines
 }
