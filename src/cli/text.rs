@@ -71,7 +71,7 @@ pub fn warning_json(warning: &Warning) -> Value {
     json
 }
 
-/// What became of the inputs: the summary of one, or a table of several.
+/// The results of the inputs: the summary of one, or a table of several.
 pub fn outcomes(tasks: &[Task], outcomes: &[Outcome], verbose: bool) -> String {
     let summaries =
         outcomes.iter().filter_map(|o| if let Outcome::Built(s) = o { Some(s.text.as_str()) } else { None });

@@ -19,14 +19,14 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// What is saved.
+/// The content of a save.
 struct Content {
     stage: Arc<Stage>,
     edits: Options,
     read: ReadOptions,
 }
 
-/// What a save to `path` would write.
+/// The content that a save to `path` would write.
 pub fn plan(hub: &Hub, path: &str) -> SaveMessage {
     let content = Content::of(hub);
     let file = PathBuf::from(path);

@@ -26,7 +26,7 @@ fn text(text: impl Into<ws::Utf8Bytes>) -> ws::Message {
     ws::Message::Text(text.into())
 }
 
-/// What a page asked for and what it has.
+/// The requests of a page and the meshes that it has.
 #[derive(Default)]
 struct Client {
     serial: u64,
@@ -94,7 +94,7 @@ impl Client {
         Vec::new()
     }
 
-    /// What has changed since the last time.
+    /// The changes since the last time.
     fn news(&mut self, now: &Snapshot) -> Vec<ws::Message> {
         let mut news = Vec::new();
         if !self.stage.as_ref().is_some_and(|stage| Arc::ptr_eq(stage, &now.stage)) {

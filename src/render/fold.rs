@@ -127,16 +127,16 @@ impl Fold {
         let label = self.label();
         let close = format!("Give those a second layer, or set `{label}.closed`");
         for (omitted, problem, remedy) in [
-            (&cover.turned, "next to faces of opposite winding", "Give both the same winding"),
+            (&cover.turned, "faces beside them have the opposite winding", "Give both the same winding"),
             (
                 &cover.tight,
-                "that other cloth lies against",
+                "other cloth lies against them",
                 "Move the cloth away, choose the other side, or remove the faces from its subsets",
             ),
-            (&cover.cut_off, "that others without a second layer separate from the border", &close),
+            (&cover.cut_off, "faces without one lie between them and the border", &close),
         ] {
             if !omitted.faces.is_empty() {
-                let problem = format!("no second layer on {} faces {problem}", omitted.faces.len());
+                let problem = format!("{} faces have no second layer: {problem}", omitted.faces.len());
                 let warning =
                     Warning::new(Code::BareFaces, &label, problem).at(cage.input_points(omitted.at.iter().copied()));
                 warnings.push(warning.remedy(remedy));

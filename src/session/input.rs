@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 pub struct Input {
     /// A USD file, or a `.tailor` file that names one as its source.
     pub file: PathBuf,
-    /// What to read of the stage. A prim here overrides that of the recipes.
+    /// The part of the stage to read. A prim here overrides that of the recipes.
     pub read: ReadOptions,
     /// A `.tailor` file whose options are weaker than those of `recipe`: that of which `file` was built.
     pub base: Option<PathBuf>,

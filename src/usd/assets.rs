@@ -146,7 +146,7 @@ pub fn as_named(file: &Path) -> Result<String, Error> {
     path.to_str().map(str::to_owned).ok_or_else(fault)
 }
 
-/// What a path has that no asset path can be read back with: control characters, or `@@@`, which ends one.
+/// The part of a path that no asset path can be read back with: control characters, or `@@@`, which ends one.
 pub fn unwritable(path: &str) -> Option<&'static str> {
     match () {
         () if path.contains(char::is_control) => Some("a control character, such as a tab or the end of a line,"),

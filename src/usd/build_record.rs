@@ -1,4 +1,4 @@
-//! What an output was made of: `build` writes it into the layer, so that a later run can tell whether the output is fresh.
+//! The sources of an output: `build` writes them into the layer, so that a later run can tell whether the output is fresh.
 
 use super::assets::{Anchor, as_named};
 use super::read::{Files, OrUnreadable, Source, VariantSet};
@@ -17,12 +17,12 @@ const KEY: &str = "build";
 /// This program.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// What an output was made of.
+/// The sources of an output.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct BuildRecord {
     /// Version of the program that wrote the output.
     version: String,
-    /// What was asked for: equal for builds with the same options.
+    /// The request: equal for builds with the same options.
     request: String,
     /// Path of the mesh.
     prim: String,

@@ -170,7 +170,7 @@ impl Pass {
     }
 }
 
-/// What splits and collapses did.
+/// Counts of splits and collapses.
 struct Edits {
     splits: usize,
     collapses: usize,

@@ -262,7 +262,7 @@ fn applied(prim: &Prim, wanted: &[&str]) -> Result<Vec<Token>, Error> {
     Ok(all)
 }
 
-/// What products have of a subset. Warns of bindings that they lack.
+/// The records of a subset on products. Warns of bindings that they lack.
 fn subset_record(subset: &Prim, model: &sdf::Path) -> Result<(SubsetRecord, Warnings), Error> {
     let path = subset.path();
     let sites = subset.prim_stack().or_unreadable(path)?;

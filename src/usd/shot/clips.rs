@@ -160,7 +160,7 @@ impl Clips {
     }
 }
 
-/// What is at the path of the folder of an earlier shot: its files, or the path itself if it is not a folder.
+/// The contents of the folder of an earlier shot: its files, or the path itself if it is not a folder.
 fn contents(folder: &FilePath) -> Vec<PathBuf> {
     match folder.read_dir() {
         Ok(entries) => entries.flatten().map(|entry| entry.path()).collect(),

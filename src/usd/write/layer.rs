@@ -27,7 +27,7 @@ pub struct WriteOptions {
     pub model_guide: bool,
     /// Write no file, and find the errors and warnings of a write, except for a full disk and missing permissions.
     pub dry_run: bool,
-    /// What the products were made of, written into the layer's own data.
+    /// The record of what the products were made of, written into the layer's own data.
     pub record: Option<BuildRecord>,
 }
 

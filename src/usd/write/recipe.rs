@@ -46,7 +46,7 @@ pub struct RecipeOpinions {
     pub variants: Vec<Selection>,
 }
 
-/// What an existing layer holds of an earlier recipe.
+/// The opinions of an earlier recipe in an existing layer.
 pub struct EarlierRecipe {
     /// True for properties that are options.
     pub is_option: fn(&str) -> bool,

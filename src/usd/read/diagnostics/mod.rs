@@ -34,7 +34,7 @@ pub fn in_words(fault: &CompositionDiagnostic) -> String {
     )
 }
 
-/// What helps against a fault of composition.
+/// The remedy of a fault of composition.
 pub fn remedy(fault: &CompositionDiagnostic) -> String {
     match recipe_of(fault) {
         Some((_, recipe)) => format!("Name {recipe} itself as the input"),

@@ -72,7 +72,7 @@ struct CompositionArc {
     prim: sdf::Path,
 }
 
-/// What was read and counted so far.
+/// The layers and arcs that are read and counted so far.
 #[derive(Default)]
 struct Arcs {
     files: Files,

@@ -12,7 +12,7 @@ const TEXT: &[u8] = b"#usda";
 /// Levels of braces in a text. Reading takes memory that grows with the square of the levels of prims.
 const MAX_LEVELS: usize = 1000;
 
-/// What separates the arguments of a layer from its path.
+/// The separator of a layer's path and its arguments.
 pub const ARGUMENTS: &str = ":SDF_FORMAT_ARGS:";
 
 /// Finds files where OpenUSD finds them, and opens regular files only.
