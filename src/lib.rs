@@ -6,11 +6,11 @@
 //!
 //! ```
 //! use tailor::glam::Vec3;
-//! use tailor::{GarmentInput, PrimvarInput, Recipe};
+//! use tailor::{Garment, PrimvarInput, Recipe};
 //!
 //! # fn main() -> Result<(), tailor::Error> {
 //! // A strip of two quads.
-//! let mut mesh = GarmentInput::default();
+//! let mut mesh = Garment::default();
 //! mesh.points = (0..6).map(|i| Vec3::new((i % 3) as f32, (i / 3) as f32, 0.0)).collect();
 //! mesh.face_vertex_counts = vec![4, 4];
 //! mesh.face_vertex_indices = vec![0, 1, 4, 3, 1, 2, 5, 4];
@@ -75,8 +75,8 @@ pub use cloth::{Cloth, ClothFigures, ClothOptions, Fabric, FabricOptions, Rest, 
 pub use error::{Error, ErrorKind, Warning};
 pub use garment::units;
 pub use garment::{
-    BoundaryInterpolation, Corner, Crease, FaceVaryingInterpolation, Family, FamilyType, Garment, GarmentInput,
-    Interpolation, Meaning, Mixing, Orientation, Primvar, PrimvarInput, PrimvarRole, Scheme, SubdivisionRules, Subset,
+    BoundaryInterpolation, Corner, Crease, FaceVaryingInterpolation, Family, FamilyType, Garment, Interpolation,
+    Meaning, Mesh, Mixing, Orientation, Primvar, PrimvarInput, PrimvarRole, Scheme, SubdivisionRules, Subset,
     SubsetInput, TriangleRule, Units, Values,
 };
 pub use glam;
@@ -94,7 +94,7 @@ pub use sim::{Relaxation, SimOptions};
 /// ```
 /// use std::sync::Arc;
 /// use tailor::operator::{ChildBuilder, Control, Operator, OperatorInput, OperatorOutput, ControlRole};
-/// use tailor::{Builder, Error, Garment, GarmentInput, Recipe, VertexId};
+/// use tailor::{Builder, Error, Mesh, Garment, Recipe, VertexId};
 ///
 /// /// Raises the middle of every face.
 /// struct Quilt {
@@ -106,7 +106,7 @@ pub use sim::{Relaxation, SimOptions};
 ///         "quilt".into()
 ///     }
 ///
-///     fn reach(&self, _: &Garment) -> f32 {
+///     fn reach(&self, _: &Mesh) -> f32 {
 ///         self.height.abs()
 ///     }
 ///
@@ -143,7 +143,7 @@ pub use sim::{Relaxation, SimOptions};
 /// }
 ///
 /// # fn main() -> Result<(), Error> {
-/// let mut mesh = GarmentInput::default();
+/// let mut mesh = Garment::default();
 /// mesh.points = (0..9).map(|i| glam::Vec3::new((i % 3) as f32, (i / 3) as f32, 0.0)).collect();
 /// mesh.face_vertex_counts = vec![4; 4];
 /// mesh.face_vertex_indices = vec![0, 1, 4, 3, 1, 2, 5, 4, 3, 4, 7, 6, 4, 5, 8, 7];

@@ -8,7 +8,7 @@ mod surface;
 pub use costs::ConstraintCost;
 pub use surface::{NarrowFeature, facing};
 
-use crate::garment::{Elements, Garment};
+use crate::garment::{Elements, Mesh};
 use crate::mesh::{CornerId, IdVec, Topology, VertexId};
 use crate::sim::SimProduct;
 use crate::transfer::{SetCurve, TransferResult};
@@ -127,7 +127,7 @@ pub struct RenderFigures {
 
 impl RenderFigures {
     /// The figures of a render mesh.
-    pub fn new(mesh: &Garment) -> Self {
+    pub fn new(mesh: &Mesh) -> Self {
         let t = Topology::new(mesh.faces.clone(), mesh.points.len());
         let mut border = IdVec::<VertexId, bool>::filled(false, t.vertex_count());
         let mut valence = IdVec::<VertexId, u32>::filled(0, t.vertex_count());
@@ -180,7 +180,7 @@ impl SimFigures {
     /// `mesh` is the product with its attributes, and `curves` are the edge subsets on the baseline.
     pub fn new(
         product: &SimProduct,
-        mesh: &Garment,
+        mesh: &Mesh,
         curves: &[SetCurve],
         subset_areas: Vec<SubsetArea>,
         islands_cleaned: usize,
@@ -215,7 +215,7 @@ impl SimFigures {
         self.share_under30 = share(smallest.partition_point(|&a| a < 30.0), smallest.len());
     }
 
-    fn set_edges(&mut self, product: &SimProduct, mesh: &Garment) {
+    fn set_edges(&mut self, product: &SimProduct, mesh: &Mesh) {
         let t = Topology::new(mesh.faces.clone(), product.points.len());
         let mut errors = Vec::with_capacity(t.edges.len());
         let mut border = IdVec::<VertexId, bool>::filled(false, t.vertex_count());
@@ -319,7 +319,7 @@ fn chain_length_min(product: &SimProduct) -> f32 {
 }
 
 /// The areas of the face subsets of `garment` on the baseline and on the simulation mesh.
-pub fn subset_areas(product: &SimProduct, transferred: &TransferResult, garment: &Garment) -> Vec<SubsetArea> {
+pub fn subset_areas(product: &SimProduct, transferred: &TransferResult, garment: &Mesh) -> Vec<SubsetArea> {
     let TransferResult { mesh, coverage, .. } = transferred;
     let triangle_area = |[a, b, c]: [Vec3; 3]| 0.5 * f64::from((b - a).cross(c - a).length());
     let own: Vec<f64> = product.triangles.iter().map(|t| triangle_area(t.map(|v| product.points[v]))).collect();
@@ -335,7 +335,7 @@ pub fn subset_areas(product: &SimProduct, transferred: &TransferResult, garment:
     sets.collect()
 }
 
-fn edge_sets(product: &SimProduct, mesh: &Garment, curves: &[SetCurve]) -> Vec<EdgeSet> {
+fn edge_sets(product: &SimProduct, mesh: &Mesh, curves: &[SetCurve]) -> Vec<EdgeSet> {
     let length = |name: &str| match mesh.subset(name).map(|s| &s.elements) {
         Some(Elements::Edges(edges)) => {
             edges.iter().map(|&[a, b]| f64::from(product.points[a].distance(product.points[b]))).sum()

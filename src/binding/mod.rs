@@ -5,7 +5,7 @@
 //! wherever cloth lies on cloth.
 
 use crate::contact::{Aabb, NearestSearch, twice_area};
-use crate::garment::Garment;
+use crate::garment::Mesh;
 use crate::mesh::{FaceId, IdVec, VertexId};
 use crate::render::Origins;
 use crate::sim::{SimProduct, closest_weights};
@@ -26,7 +26,7 @@ pub struct Binding {
 
 impl Binding {
     /// Binds the points of `render` to the simulation mesh `sim`, made of `product`. The garment has `source_faces` faces.
-    pub fn new(product: &SimProduct, source_faces: usize, sim: &Garment, render: &Garment, origins: &Origins) -> Self {
+    pub fn new(product: &SimProduct, source_faces: usize, sim: &Mesh, render: &Mesh, origins: &Origins) -> Self {
         let places = TriangleLocator::new(product, source_faces);
         let origin = |i: usize| {
             let vertex = VertexId::new(i);
@@ -65,7 +65,7 @@ impl Binding {
 }
 
 /// The sum of the normals of the faces around each vertex, by area.
-fn vertex_normals(mesh: &Garment) -> IdVec<VertexId, Vec3> {
+fn vertex_normals(mesh: &Mesh) -> IdVec<VertexId, Vec3> {
     let mut normals = IdVec::filled(Vec3::ZERO, mesh.points.len());
     for face in mesh.faces.ids() {
         let vertices = mesh.faces.vertices_of(face);
@@ -77,12 +77,12 @@ fn vertex_normals(mesh: &Garment) -> IdVec<VertexId, Vec3> {
 
 /// The nearest triangle of all, for vertices on a part of the garment that the simulation mesh lacks.
 struct NearestTriangle<'a> {
-    mesh: &'a Garment,
+    mesh: &'a Mesh,
     search: NearestSearch,
 }
 
 impl<'a> NearestTriangle<'a> {
-    fn new(mesh: &'a Garment) -> Self {
+    fn new(mesh: &'a Mesh) -> Self {
         let aabb = |face: FaceId| {
             let points = mesh.faces.vertices_of(face).iter().map(|&v| mesh.points[v].into());
             points.fold(Aabb::EMPTY, |b, p| b.merged(&Aabb { low: p, high: p }))

@@ -11,7 +11,7 @@ use crate::error::{Error, ErrorCode, ErrorKind, Warnings};
 use crate::options::{Domain, Given};
 use crate::units::in_words;
 use crate::usd::{Facts, Selection, Source, misplaced_options, type_word};
-use crate::{Builder, Garment, Plan, PrimvarRole, Recipe};
+use crate::{Builder, Mesh, Plan, PrimvarRole, Recipe};
 use recorded::RecordedBuild;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -224,7 +224,7 @@ fn panels(out: &mut String, source: &Source) {
 }
 
 /// The operators of a recipe, with the sets that they work on.
-fn operators(out: &mut String, garment: &Garment, recipe: &Recipe) {
+fn operators(out: &mut String, garment: &Mesh, recipe: &Recipe) {
     for (name, options) in recipe.operators() {
         let group = options.group();
         let values = group.keys.iter().zip(options.given());

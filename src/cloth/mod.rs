@@ -17,7 +17,7 @@ use rest::CageStretch;
 pub use rest::{Rest, RestFigures};
 
 use crate::error::{Code, Error, Warning, Warnings};
-use crate::garment::{Elements, Garment};
+use crate::garment::{Elements, Mesh};
 use crate::mesh::{FaceId, VertexId};
 use crate::sim::SimProduct;
 use std::collections::BTreeMap;
@@ -101,9 +101,9 @@ impl Cloth {
     pub fn new(
         options: &ClothOptions,
         fabrics: &BTreeMap<String, FabricOptions>,
-        garment: &Garment,
+        garment: &Mesh,
         product: &SimProduct,
-        mesh: &Garment,
+        mesh: &Mesh,
         uv_set: &str,
         mean_edge: f32,
     ) -> Result<(Self, Warnings), Error> {
@@ -149,7 +149,7 @@ impl Cloth {
     }
 
     /// Its figures on the mesh that it was made of.
-    pub fn figures(&self, mesh: &Garment) -> ClothFigures {
+    pub fn figures(&self, mesh: &Mesh) -> ClothFigures {
         let meters = mesh.units.meters();
         let mut figures = ClothFigures {
             mass: self.masses.iter().sum(),
@@ -211,7 +211,7 @@ fn sorted(mut lengths: [f64; 3]) -> [f64; 3] {
 fn assigned(
     options: &ClothOptions,
     fabrics: &BTreeMap<String, FabricOptions>,
-    mesh: &Garment,
+    mesh: &Mesh,
 ) -> Result<(Vec<NamedFabric>, Vec<u32>), Error> {
     let named = |name: &str| fabrics.get(name).map(FabricOptions::fabric).or_else(|| Fabric::preset(name));
     let Some(fabric) = named(&options.fabric) else {
@@ -232,7 +232,7 @@ fn assigned(
 }
 
 /// The vertices of the sets that are held, ascending.
-fn pins(options: &ClothOptions, mesh: &Garment) -> Vec<VertexId> {
+fn pins(options: &ClothOptions, mesh: &Mesh) -> Vec<VertexId> {
     let mut held = Vec::new();
     for set in options.pins.iter().filter_map(|name| mesh.subset(name)) {
         match &set.elements {

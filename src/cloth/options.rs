@@ -2,7 +2,7 @@
 
 use super::fabric::{FABRICS, Fabric};
 use crate::error::{Error, ErrorCode};
-use crate::garment::{Garment, Subset};
+use crate::garment::{Mesh, Subset};
 use crate::options::{Domain, Given, OptionValue, options};
 use serde::{Deserialize, Serialize};
 
@@ -71,7 +71,7 @@ impl ClothOptions {
     ///
     /// # Errors
     /// A subset that would be replaced.
-    pub(crate) fn check_names(&self, garment: &Garment) -> Result<(), Error> {
+    pub(crate) fn check_names(&self, garment: &Mesh) -> Result<(), Error> {
         let pattern = Self::PATTERN;
         let is_taken = |set: &&Subset| set.family == pattern || set.name.starts_with(&format!("{pattern}_"));
         let taken = garment.subsets.iter().find(is_taken).filter(|_| self.physics.iter().any(|name| name == "chaos"));

@@ -1,7 +1,7 @@
 //! The triangles of the simulation mesh with their pieces and UV shells, and queries of distance.
 
 use crate::contact::{Aabb, Bvh, morton_order};
-use crate::garment::Garment;
+use crate::garment::Mesh;
 use crate::mesh::{CornerId, FaceId, Faces, Groups, Topology, VertexId};
 use crate::sim::{SimProduct, closest_weights};
 use glam::{Vec3, Vec3A};
@@ -11,7 +11,7 @@ const VISITED: usize = 16;
 
 /// A simulation mesh for queries.
 pub struct Surface<'a> {
-    pub mesh: &'a Garment,
+    pub mesh: &'a Mesh,
     pub topology: Topology,
     /// The connected piece of each triangle, numbered by its first triangle.
     pub pieces: Vec<u32>,
@@ -37,7 +37,7 @@ pub fn area([a, b, c]: [Vec3; 3]) -> f64 {
 }
 
 impl<'a> Surface<'a> {
-    pub fn new(product: &SimProduct, mesh: &'a Garment) -> Self {
+    pub fn new(product: &SimProduct, mesh: &'a Mesh) -> Self {
         let topology = Topology::new(mesh.faces.clone(), mesh.points.len());
         let order = morton_order(&mesh.faces, &mesh.points);
         let tree = Bvh::new(order.len(), |place| {

@@ -146,7 +146,7 @@ fn height_over(p: Vec3, [a, b, c, d]: [Vec3; 4]) -> Option<f32> {
 mod tests {
     use super::*;
     use crate::contact::morton_order;
-    use crate::garment::Garment;
+    use crate::garment::Mesh;
     use crate::mesh::{Faces, VertexId};
     use crate::subdivide::Cage;
 
@@ -154,10 +154,10 @@ mod tests {
     fn stack(count: usize, gap: f32) -> IdVec<FaceId, Clearance> {
         let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
         let points = (0..count).flat_map(|i| corners.map(|[x, y]| Vec3::new(x, y, gap * i as f32)));
-        let cage = Cage::new(Garment {
+        let cage = Cage::new(Mesh {
             points: points.collect(),
             faces: Faces::quads((0..4 * count).map(VertexId::new).collect::<Vec<_>>()),
-            ..Garment::default()
+            ..Mesh::default()
         });
         let points = &cage.garment().points;
         let order = morton_order(&cage.garment().faces, points);

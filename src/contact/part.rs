@@ -72,7 +72,7 @@ impl RefinedPart {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::garment::{Crease, Garment};
+    use crate::garment::{Crease, Mesh};
     use crate::mesh::Faces;
     use crate::subdivide::{Cage, carried_points};
 
@@ -86,11 +86,11 @@ mod tests {
             [&[0, 1, 5, 4], &[1, 2, 6, 5], &[2, 3, 7], &[2, 7, 6], &[4, 5, 9, 12, 8], &[5, 6, 10, 9], &[6, 7, 11, 10]];
         let corners = faces.iter().flat_map(|face| face.iter().copied().map(VertexId::new));
         let crease = Crease { vertices: [1, 5, 9].map(VertexId::new).to_vec(), sharpnesses: vec![1.5, 3.0] };
-        Cage::new(Garment {
+        Cage::new(Mesh {
             points: points.collect(),
             faces: Faces::mixed(faces.iter().map(|face| face.len()), corners.collect::<Vec<_>>()),
             creases: vec![crease],
-            ..Garment::default()
+            ..Mesh::default()
         })
     }
 

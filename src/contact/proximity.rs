@@ -93,7 +93,7 @@ fn next_motion(face: &RefinedFace) -> Motion {
 mod tests {
     use super::*;
     use crate::contact::morton_order;
-    use crate::garment::Garment;
+    use crate::garment::Mesh;
     use crate::mesh::{Faces, VertexId};
     use crate::subdivide::Cage;
     use std::collections::HashSet;
@@ -111,10 +111,10 @@ mod tests {
         };
         let first = (0..n * (n + 1)).filter(|i| i % (n + 1) < n);
         let corners = first.flat_map(|i| [i, i + 1, i + n + 2, i + n + 1]).map(VertexId::new);
-        Cage::new(Garment {
+        Cage::new(Mesh {
             points: (0..(n + 1) * (n + 1)).map(point).collect(),
             faces: Faces::quads(corners.collect::<Vec<_>>()),
-            ..Garment::default()
+            ..Mesh::default()
         })
     }
 

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 /// A mesh as authored. Index arrays keep the file's signed integers, which messages show.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct GarmentInput {
+pub struct Garment {
     /// Path of the prim.
     pub prim: String,
     /// The size of its unit of length.

@@ -1,6 +1,6 @@
 //! Skinning: joint influences are merged by joint, as slots of neighbours may hold different joints.
 
-use super::{Garment, Interpolation, Primvar, Values};
+use super::{Interpolation, Mesh, Primvar, Values};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -13,12 +13,12 @@ pub const JOINT_WEIGHTS: &str = "skel:jointWeights";
 pub type Influences = Vec<(i32, f32)>;
 
 /// Whether a primvar holds the joints or the weights of the influences, which are carried together.
-pub fn is_influence(garment: &Garment, primvar: &Primvar) -> bool {
+pub fn is_influence(garment: &Mesh, primvar: &Primvar) -> bool {
     [JOINT_INDICES, JOINT_WEIGHTS].contains(&primvar.name.as_str()) && pair(garment).is_some()
 }
 
 /// The joints and weights of a mesh with influences per vertex.
-pub fn pair(garment: &Garment) -> Option<(&Primvar, &Primvar)> {
+pub fn pair(garment: &Mesh) -> Option<(&Primvar, &Primvar)> {
     let indices = garment.primvar(JOINT_INDICES)?;
     let weights = garment.primvar(JOINT_WEIGHTS)?;
     let fits = indices.interpolation == Interpolation::Vertex
@@ -83,7 +83,7 @@ fn pruned(influences: &Influences, width: usize) -> Influences {
     kept
 }
 
-impl Garment {
+impl Mesh {
     /// Makes the influences of the two primvars a list for each vertex, which operators and refinements blend.
     pub fn unpack_influences(&mut self) {
         self.influences = pair(self).map(|(indices, weights)| Arc::new(influences(indices, weights)));

@@ -1,7 +1,7 @@
 //! The garment mesh, without USD types.
 //!
-//! [`check_garment`] turns a [`GarmentInput`], the mesh as authored, into a [`Garment`], or lists its faults. Products are
-//! [`Garment`]s too, so that the output of an operator is the input of the next.
+//! [`check_garment`] turns a [`Garment`], the mesh as authored, into a [`Mesh`], or lists its faults. Products are
+//! [`Mesh`]s too, so that the output of an operator is the input of the next.
 
 mod check;
 mod input;
@@ -15,7 +15,7 @@ pub mod units;
 
 pub use crate::mesh::Elements;
 pub use check::check_garment;
-pub use input::{GarmentInput, PrimvarInput, SubsetInput};
+pub use input::{Garment, PrimvarInput, SubsetInput};
 pub use primvar::{Interpolation, Meaning, Mixing, Primvar, PrimvarRole, Values};
 pub(crate) use subset::free_name;
 pub use subset::{Family, FamilyType, Subset};
@@ -123,7 +123,7 @@ pub struct Corner {
 
 /// A checked mesh with all its attributes.
 #[derive(Clone, Debug, Default)]
-pub struct Garment {
+pub struct Mesh {
     /// Name of the mesh in messages: its prim path.
     pub prim: String,
     /// Positions in local space. \[mesh units\]
@@ -155,7 +155,7 @@ pub struct Garment {
     pub families: Vec<Family>,
 }
 
-impl Garment {
+impl Mesh {
     /// The primvar called `name` (without `primvars:`).
     pub fn primvar(&self, name: &str) -> Option<&Primvar> {
         self.primvars.iter().find(|p| p.name == name)

@@ -1,6 +1,6 @@
 //! Parts of a mesh as meshes of their own.
 
-use super::{Corner, Crease, Garment, Interpolation, Primvar, Subset};
+use super::{Corner, Crease, Interpolation, Mesh, Primvar, Subset};
 use crate::mesh::{CornerId, Elements, FaceId, Faces, IdVec, VertexId};
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -9,7 +9,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct Part {
     /// The part as a mesh.
-    pub mesh: Garment,
+    pub mesh: Mesh,
     /// The vertex of the whole mesh behind each of its vertices.
     pub vertices: Vec<VertexId>,
 }
@@ -19,7 +19,7 @@ pub struct Part {
 ///
 /// No sets give no parts. A subset is in the parts that have some of its elements. Primvars keep their values; a part has the indices of its own
 /// elements.
-pub fn split(mesh: &Garment, sets: &[String]) -> Vec<Part> {
+pub fn split(mesh: &Mesh, sets: &[String]) -> Vec<Part> {
     if sets.is_empty() {
         return Vec::new();
     }
@@ -40,7 +40,7 @@ pub fn split(mesh: &Garment, sets: &[String]) -> Vec<Part> {
 
 /// A part by the elements of the whole mesh.
 struct Cut<'a> {
-    whole: &'a Garment,
+    whole: &'a Mesh,
     faces: &'a [FaceId],
     corners: Vec<CornerId>,
     vertices: Vec<VertexId>,
@@ -52,7 +52,7 @@ struct Cut<'a> {
 
 impl<'a> Cut<'a> {
     /// The part of some faces, and of some points besides theirs.
-    fn new(whole: &'a Garment, faces: &'a [FaceId], points: &IdVec<VertexId, bool>) -> Self {
+    fn new(whole: &'a Mesh, faces: &'a [FaceId], points: &IdVec<VertexId, bool>) -> Self {
         let mut is_used = points.clone();
         let mut new_face = IdVec::filled(None, whole.faces.len());
         let mut edges = HashSet::new();
@@ -76,7 +76,7 @@ impl<'a> Cut<'a> {
         let corners: IdVec<CornerId, VertexId> =
             self.corners.iter().filter_map(|&c| self.new_vertex[whole.faces.corners()[c]]).collect();
         let corner = |c: &Corner| Some(Corner { vertex: self.new_vertex[c.vertex]?, sharpness: c.sharpness });
-        let mesh = Garment {
+        let mesh = Mesh {
             points: self.vertices.iter().map(|&v| whole.points[v]).collect(),
             faces: Faces::mixed(self.faces.iter().map(|&face| whole.faces.valence(face)), corners),
             holes: whole.holes.iter().filter_map(|&face| self.new_face[face]).collect(),
@@ -151,7 +151,7 @@ mod tests {
     use glam::Vec3;
 
     /// Two quads beside each other, 0-1-4-3 and 1-2-5-4, and a point of no face.
-    fn pair() -> Garment {
+    fn pair() -> Mesh {
         let set = |name: &str, elements| Subset { name: name.into(), family: String::new(), elements, sharpness: None };
         let primvar = |interpolation, values: Vec<f32>, indices: Option<Vec<u32>>| Primvar {
             name: format!("{interpolation:?}"),
@@ -159,7 +159,7 @@ mod tests {
             ..Primvar::of_corners(values, indices)
         };
         let v = VertexId::new;
-        Garment {
+        Mesh {
             points: (0..7).map(|i| Vec3::new((i % 3) as f32, (i / 3) as f32, 0.0)).collect(),
             faces: Faces::quads([0, 1, 4, 3, 1, 2, 5, 4].map(v).to_vec()),
             creases: vec![Crease { vertices: [0, 1, 4, 5].map(v).to_vec(), sharpnesses: vec![1.0, 2.0, 3.0] }],
@@ -175,7 +175,7 @@ mod tests {
                 set("sewn", Elements::Edges(vec![[v(4), v(1)]])),
                 set("tip", Elements::Points(vec![v(2)])),
             ]),
-            ..Garment::default()
+            ..Mesh::default()
         }
     }
 

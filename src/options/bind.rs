@@ -1,7 +1,7 @@
 //! Checks of options against a garment. Every fault names the option and the remedy.
 
 use crate::error::{Error, ErrorCode};
-use crate::garment::{Garment, Interpolation, Primvar, Subset, Values};
+use crate::garment::{Interpolation, Mesh, Primvar, Subset, Values};
 
 /// Largest length or height of an operator, which looks for other cloth as far as it reaches, and of a cloth.
 /// \[sizes of the garment\]
@@ -11,7 +11,7 @@ pub const LARGEST: f32 = 0.5;
 ///
 /// # Errors
 /// A larger value, with its range.
-pub fn fits_garment(key: &str, value: f32, largest: f32, garment: &Garment) -> Result<(), Error> {
+pub fn fits_garment(key: &str, value: f32, largest: f32, garment: &Mesh) -> Result<(), Error> {
     within(key, value, [largest, largest * garment.size()], "mesh units", &garment.prim)
 }
 
@@ -19,7 +19,7 @@ pub fn fits_garment(key: &str, value: f32, largest: f32, garment: &Garment) -> R
 ///
 /// # Errors
 /// A value larger than half of the garment, with its range.
-pub fn within_size_in_meters(key: &str, value: f32, garment: &Garment) -> Result<(), Error> {
+pub fn within_size_in_meters(key: &str, value: f32, garment: &Mesh) -> Result<(), Error> {
     let most = f64::from(LARGEST * garment.size()) * garment.units.meters();
     within(key, value, [LARGEST, most as f32], "metres", &garment.prim)
 }
@@ -36,7 +36,7 @@ fn within(key: &str, value: f32, [sizes, most]: [f32; 2], unit: &str, prim: &str
 ///
 /// # Errors
 /// A name that is missing, or has other elements.
-pub fn subsets_of(garment: &Garment, key: &str, names: &[String], of: &[&str]) -> Result<(), Error> {
+pub fn subsets_of(garment: &Mesh, key: &str, names: &[String], of: &[&str]) -> Result<(), Error> {
     let fits = |set: &&Subset| of.contains(&set.elements.kind());
     let Some(name) = names.iter().find(|name| !garment.subset(name).is_some_and(|set| fits(&set))) else {
         return Ok(());
@@ -85,7 +85,7 @@ pub fn did_you_mean(word: &str, known: &[impl AsRef<str>]) -> String {
 /// # Errors
 /// A primvar that is missing or of another kind.
 pub fn primvar<'a>(
-    garment: &'a Garment,
+    garment: &'a Mesh,
     key: &str,
     name: &str,
     kind: &str,
@@ -109,7 +109,7 @@ pub fn primvar<'a>(
 ///
 /// # Errors
 /// A primvar that is missing or of another kind.
-pub fn float_primvar<'a>(garment: &'a Garment, key: &str, name: &str) -> Result<Option<&'a Primvar>, Error> {
+pub fn float_primvar<'a>(garment: &'a Mesh, key: &str, name: &str) -> Result<Option<&'a Primvar>, Error> {
     primvar(garment, key, name, "float primvar per vertex", |p| {
         matches!(p.interpolation, Interpolation::Vertex | Interpolation::Varying)
             && p.width() == 1

@@ -3,7 +3,7 @@
 use super::Given;
 use super::bind::{fits_garment, float_primvar, subsets_of};
 use crate::error::{Error, ErrorCode};
-use crate::garment::Garment;
+use crate::garment::Mesh;
 use serde::Serialize;
 
 /// The values that an option takes. `usual` is the range of a slider; values beyond it may be given.
@@ -112,7 +112,7 @@ impl Domain {
     ///
     /// # Errors
     /// A length that is too large for it, and names that it lacks or has with another type.
-    pub(super) fn bind(&self, key: &str, given: Given, garment: &Garment) -> Result<(), Error> {
+    pub(super) fn bind(&self, key: &str, given: Given, garment: &Mesh) -> Result<(), Error> {
         match (self, given) {
             (Self::Length { largest, .. }, Given::Number(value)) => fits_garment(key, value, *largest, garment),
             (Self::Weights, Given::Text(name)) => float_primvar(garment, key, name).map(|_| ()),

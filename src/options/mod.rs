@@ -10,7 +10,7 @@ pub use bind::{LARGEST, did_you_mean, float_primvar, nearest, primvar, within_si
 pub use domain::Domain;
 
 use crate::error::Error;
-use crate::garment::Garment;
+use crate::garment::Mesh;
 use serde::Serialize;
 use serde_json::Value;
 
@@ -141,7 +141,7 @@ impl dyn OptionGroup + '_ {
     ///
     /// # Errors
     /// The first length that is too large for it, or name that it lacks.
-    pub fn bind(&self, prefix: &str, garment: &Garment) -> Result<(), Error> {
+    pub fn bind(&self, prefix: &str, garment: &Mesh) -> Result<(), Error> {
         let mut values = self.group().keys.iter().zip(self.given());
         values.try_for_each(|(key, given)| key.domain.bind(&format!("{prefix}.{}", key.key), given, garment))
     }

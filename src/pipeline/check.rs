@@ -1,7 +1,7 @@
 //! Checks of a mesh and of sizes that need more than single attributes.
 
 use crate::error::{Error, ErrorCode, ErrorKind};
-use crate::garment::{BoundaryInterpolation, Garment};
+use crate::garment::{BoundaryInterpolation, Mesh};
 use crate::mesh::{FaceId, Topology, VertexId};
 use crate::recipe::Recipe;
 use crate::sim::holes;
@@ -13,7 +13,7 @@ use std::ops::RangeInclusive;
 const USABLE_LENGTHS: RangeInclusive<f32> = 1e-8..=1e8;
 
 /// Checks that the mesh is a surface to work on: faces that are drawn, with an area, in numbers that can be squared.
-pub fn extent(garment: &Garment, mean_edge: f32) -> Result<(), Error> {
+pub fn extent(garment: &Mesh, mean_edge: f32) -> Result<(), Error> {
     let fault = |attribute: &str, fault: String, remedy: &str| {
         Err(Error::new(ErrorKind::Mesh, format!("{}.{attribute}", garment.prim), fault).remedy(remedy))
     };
@@ -41,7 +41,7 @@ pub fn extent(garment: &Garment, mean_edge: f32) -> Result<(), Error> {
 }
 
 /// Checks that the refined meshes fit in memory.
-pub fn levels(garment: &Garment, recipe: &Recipe) -> Result<(), Error> {
+pub fn levels(garment: &Mesh, recipe: &Recipe) -> Result<(), Error> {
     for (key, level) in [("sim.baselineLevel", recipe.sim.baseline_level), ("render.level", recipe.render.level)] {
         let faces = refined_faces(garment, level);
         if faces > MAX_REFINED_FACES && level > 0 {
@@ -53,7 +53,7 @@ pub fn levels(garment: &Garment, recipe: &Recipe) -> Result<(), Error> {
 }
 
 /// Twice the area of a face.
-pub fn doubled_area(garment: &Garment, face: FaceId) -> f64 {
+pub fn doubled_area(garment: &Mesh, face: FaceId) -> f64 {
     let vertices = garment.faces.vertices_of(face);
     let at = |v: &VertexId| garment.points[*v].as_dvec3();
     let origin = at(&vertices[0]);
@@ -62,7 +62,7 @@ pub fn doubled_area(garment: &Garment, face: FaceId) -> f64 {
 }
 
 /// Mean length of a garment's edges. \[mesh units\]
-pub fn mean_edge_length(garment: &Garment) -> f32 {
+pub fn mean_edge_length(garment: &Mesh) -> f32 {
     let t = Topology::new(garment.faces.clone(), garment.points.len());
     let length = |&[a, b]: &[VertexId; 2]| f64::from(garment.points[a].distance(garment.points[b]));
     (t.edges.iter().map(length).sum::<f64>() / t.edges.len().max(1) as f64) as f32

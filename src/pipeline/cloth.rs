@@ -5,7 +5,7 @@ use super::sim::SimResult;
 use crate::binding::Binding;
 use crate::cloth::{Cloth, ClothOptions, FabricOptions};
 use crate::error::{Error, Warnings};
-use crate::garment::Garment;
+use crate::garment::Mesh;
 use crate::recipe::Recipe;
 use crate::render::Origins;
 use crate::step::{Same, Step};
@@ -17,16 +17,16 @@ type ClothInput = (Same<SimResult>, String, ClothOptions, BTreeMap<String, Fabri
 
 /// The steps of one garment.
 pub struct ClothSteps {
-    garment: Arc<Garment>,
+    garment: Arc<Mesh>,
     mean_edge: f32,
     cloth: Step<ClothInput, (Arc<Cloth>, Warnings)>,
-    binding: Step<(Same<SimResult>, Same<Garment>), Arc<Binding>>,
+    binding: Step<(Same<SimResult>, Same<Mesh>), Arc<Binding>>,
     cage_binding: Step<Same<SimResult>, Arc<Binding>>,
 }
 
 impl ClothSteps {
     /// The steps of a garment with its mean edge length.
-    pub fn new(garment: Arc<Garment>, mean_edge: f32) -> Self {
+    pub fn new(garment: Arc<Mesh>, mean_edge: f32) -> Self {
         Self { garment, mean_edge, cloth: Step::default(), binding: Step::default(), cage_binding: Step::default() }
     }
 
@@ -54,7 +54,7 @@ impl ClothSteps {
     pub fn binding(
         &mut self,
         simulated: &Arc<SimResult>,
-        render: &Arc<Garment>,
+        render: &Arc<Mesh>,
         origins: impl FnOnce() -> Result<Origins, Error>,
         clock: &mut Clock<'_>,
     ) -> Result<Arc<Binding>, Error> {

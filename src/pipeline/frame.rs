@@ -3,7 +3,7 @@
 
 use crate::cloth::{Cloth, Rest};
 use crate::error::{Code, Error, ErrorKind, Warning};
-use crate::garment::Garment;
+use crate::garment::Mesh;
 use crate::step::{Same, Step};
 use glam::Vec3;
 use std::sync::Arc;
@@ -19,14 +19,14 @@ const ROUNDED: f32 = 0.01;
 pub struct LocalFrame {
     /// The origin of the frame in the garment's space. \[mesh units\]
     origin: Vec3,
-    sim: Step<Same<Garment>, Arc<Garment>>,
-    render: Step<Same<Garment>, Arc<Garment>>,
+    sim: Step<Same<Mesh>, Arc<Mesh>>,
+    render: Step<Same<Mesh>, Arc<Mesh>>,
     cloth: Step<Same<Cloth>, Arc<Cloth>>,
 }
 
 impl LocalFrame {
     /// The frame of a garment: its own space, unless it is far from the origin.
-    pub fn of(garment: &Garment) -> Self {
+    pub fn of(garment: &Mesh) -> Self {
         let [low, high] = garment.bounds();
         let (centre, far) = (low.midpoint(high), FAR * garment.size());
         let origin = Vec3::select(centre.abs().cmpgt(Vec3::splat(far)), centre, Vec3::ZERO);
@@ -47,7 +47,7 @@ impl LocalFrame {
     ///
     /// # Errors
     /// A garment whose edges are shorter than the spacing of numbers there.
-    pub fn check(&self, garment: &Garment, mean_edge: f32) -> Result<Option<Warning>, Error> {
+    pub fn check(&self, garment: &Mesh, mean_edge: f32) -> Result<Option<Warning>, Error> {
         let (place, step) = (format!("{}.points", garment.prim), self.resolution());
         let far = self.origin.abs().max_element();
         let remedy = "Move the points to the origin, and put the offset into the transform of the prim";
@@ -65,17 +65,17 @@ impl LocalFrame {
     }
 
     /// A garment in this frame.
-    pub fn enter(&self, garment: &Arc<Garment>) -> Arc<Garment> {
+    pub fn enter(&self, garment: &Arc<Mesh>) -> Arc<Mesh> {
         if self.origin == Vec3::ZERO { Arc::clone(garment) } else { Arc::new(moved(garment, -self.origin)) }
     }
 
     /// A simulation mesh in the garment's space.
-    pub fn sim(&mut self, mesh: &Arc<Garment>) -> Result<Arc<Garment>, Error> {
+    pub fn sim(&mut self, mesh: &Arc<Mesh>) -> Result<Arc<Mesh>, Error> {
         back(&mut self.sim, self.origin, mesh, moved)
     }
 
     /// A render mesh in the garment's space.
-    pub fn render(&mut self, mesh: &Arc<Garment>) -> Result<Arc<Garment>, Error> {
+    pub fn render(&mut self, mesh: &Arc<Mesh>) -> Result<Arc<Mesh>, Error> {
         back(&mut self.render, self.origin, mesh, moved)
     }
 
@@ -108,6 +108,6 @@ fn back<T>(
 }
 
 /// A mesh with its points moved. Primvars, normals among them, are not places in its space.
-fn moved(mesh: &Garment, by: Vec3) -> Garment {
-    Garment { points: mesh.points.iter().map(|&p| p + by).collect(), ..mesh.clone() }
+fn moved(mesh: &Mesh, by: Vec3) -> Mesh {
+    Mesh { points: mesh.points.iter().map(|&p| p + by).collect(), ..mesh.clone() }
 }

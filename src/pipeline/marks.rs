@@ -1,14 +1,14 @@
 //! Sets of the places that warnings name, on the render mesh.
 
 use crate::error::Warnings;
-use crate::garment::{Garment, Subset, free_name};
+use crate::garment::{Mesh, Subset, free_name};
 use crate::mesh::Elements;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// The garment with a set for each kind of elements of each code of warning: `mark_flipped_uvs`. None if no warning names
 /// elements.
-pub fn marked(garment: &Garment, warnings: &Warnings) -> Option<Garment> {
+pub fn marked(garment: &Mesh, warnings: &Warnings) -> Option<Mesh> {
     let mut marks = BTreeMap::<(String, &str), Elements>::new();
     for warning in warnings.iter().filter(|warning| !warning.elements.is_empty()) {
         let name = format!("mark_{}", warning.code.to_string().replace('-', "_"));
@@ -23,5 +23,5 @@ pub fn marked(garment: &Garment, warnings: &Warnings) -> Option<Garment> {
         let name = free_name(&name, |name| subsets.iter().any(|set| set.name == name));
         subsets.push(Subset { name, family: String::new(), elements, sharpness: None });
     }
-    Some(Garment { subsets: Arc::new(subsets), ..garment.clone() })
+    Some(Mesh { subsets: Arc::new(subsets), ..garment.clone() })
 }

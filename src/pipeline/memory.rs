@@ -2,7 +2,7 @@
 
 use super::sim::{expected_faces, surface_level};
 use crate::error::{Error, ErrorCode};
-use crate::garment::Garment;
+use crate::garment::Mesh;
 use crate::recipe::{Resolved, ResolvedSim};
 use crate::subdivide::refined_faces;
 use serde::Serialize;
@@ -32,7 +32,7 @@ pub struct MemoryEstimate {
 
 impl MemoryEstimate {
     /// The estimate for a resolved recipe.
-    pub(super) fn new(garment: &Garment, Resolved { recipe, sim }: &Resolved) -> Self {
+    pub(super) fn new(garment: &Mesh, Resolved { recipe, sim }: &Resolved) -> Self {
         let faces = garment.faces.len().max(1);
         let attributes = COPIES * garment.bytes() / faces;
         let expected = expected_faces(garment, sim);
@@ -45,7 +45,7 @@ impl MemoryEstimate {
     }
 
     /// The estimate for that surface alone.
-    pub(super) fn surface(garment: &Garment, sim: &ResolvedSim) -> Self {
+    pub(super) fn surface(garment: &Mesh, sim: &ResolvedSim) -> Self {
         let faces = refined_faces(garment, surface_level(garment, sim));
         Self { baseline: faces.saturating_mul(BASELINE_FACE), sim: 0, render: 0 }
     }

@@ -26,7 +26,7 @@ pub use progress::{Progress, Timing};
 pub use sim::baseline;
 
 use crate::error::{Code, Error, Warning, Warnings};
-use crate::garment::{Garment, GarmentInput, Scheme, check_garment};
+use crate::garment::{Garment, Mesh, Scheme, check_garment};
 use crate::recipe::{Recipe, Resolved, ResolvedSim};
 use crate::render::operator::Operator;
 use crate::render::{RenderResult, RenderSteps, Stack};
@@ -43,7 +43,7 @@ pub const DEFAULT_MAX_FACES: usize = 5_000_000;
 ///
 /// # Errors
 /// Faults of the mesh or of the recipe, and products that would be too large.
-pub fn build(mesh: &GarmentInput, recipe: &Recipe) -> Result<Products, Error> {
+pub fn build(mesh: &Garment, recipe: &Recipe) -> Result<Products, Error> {
     Builder::new(mesh.clone())?.update(recipe)
 }
 
@@ -51,10 +51,10 @@ pub fn build(mesh: &GarmentInput, recipe: &Recipe) -> Result<Products, Error> {
 ///
 /// ```
 /// use std::sync::Arc;
-/// use tailor::{Builder, GarmentInput, Recipe, SeamOptions, SubsetInput};
+/// use tailor::{Builder, Garment, Recipe, SeamOptions, SubsetInput};
 ///
 /// # fn main() -> Result<(), tailor::Error> {
-/// # let mut mesh = GarmentInput::default();
+/// # let mut mesh = Garment::default();
 /// # mesh.points = (0..25).map(|i| glam::Vec3::new((i % 5) as f32, (i / 5) as f32, 0.0)).collect();
 /// # mesh.face_vertex_counts = vec![4; 16];
 /// # mesh.face_vertex_indices = (0..20).filter(|i| i % 5 < 4).flat_map(|i| [i, i + 1, i + 6, i + 5]).collect();
@@ -80,7 +80,7 @@ pub fn build(mesh: &GarmentInput, recipe: &Recipe) -> Result<Products, Error> {
 /// # }
 /// ```
 pub struct Builder {
-    garment: Arc<Garment>,
+    garment: Arc<Mesh>,
     frame: LocalFrame,
     mean_edge: f32,
     warnings: Warnings,
@@ -98,7 +98,7 @@ impl Builder {
     ///
     /// # Errors
     /// Faults of the mesh.
-    pub fn new(mesh: GarmentInput) -> Result<Self, Error> {
+    pub fn new(mesh: Garment) -> Result<Self, Error> {
         let (garment, mut warnings) = check_garment(mesh)?;
         let mean_edge = check::mean_edge_length(&garment);
         check::extent(&garment, mean_edge)?;
@@ -118,7 +118,7 @@ impl Builder {
     }
 
     /// A builder without results and operators of its own. All steps work on the garment in its frame.
-    fn in_frame(frame: LocalFrame, garment: Arc<Garment>, mean_edge: f32, warnings: Warnings) -> Self {
+    fn in_frame(frame: LocalFrame, garment: Arc<Mesh>, mean_edge: f32, warnings: Warnings) -> Self {
         let local = frame.enter(&garment);
         Self {
             sim: SimSteps::new(Arc::clone(&local)),
@@ -148,7 +148,7 @@ impl Builder {
     ///
     /// # Errors
     /// As [`Builder::update_render`].
-    pub fn marked(&self, products: &Products) -> Result<Option<Arc<Garment>>, Error> {
+    pub fn marked(&self, products: &Products) -> Result<Option<Arc<Mesh>>, Error> {
         let Some(garment) = marks::marked(&self.garment, &products.warnings) else { return Ok(None) };
         let mut marked = Self::in_frame(self.frame.sibling(), Arc::new(garment), self.mean_edge, Warnings::default());
         marked.own_operators.clone_from(&self.own_operators);
@@ -189,7 +189,7 @@ impl Builder {
     }
 
     /// The checked mesh.
-    pub fn garment(&self) -> &Arc<Garment> {
+    pub fn garment(&self) -> &Arc<Mesh> {
         &self.garment
     }
 

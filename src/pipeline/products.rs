@@ -5,7 +5,7 @@ use super::sim::SimResult;
 use crate::binding::Binding;
 use crate::cloth::{Cloth, ClothFigures};
 use crate::error::Warnings;
-use crate::garment::Garment;
+use crate::garment::Mesh;
 use crate::garment::parts::split;
 use crate::recipe::Recipe;
 use crate::report::{RenderFigures, SimFigures, TriangleQuality};
@@ -18,9 +18,9 @@ use std::sync::Arc;
 #[non_exhaustive]
 pub struct Products {
     /// The simulation mesh.
-    pub sim: Arc<Garment>,
+    pub sim: Arc<Mesh>,
     /// The render mesh.
-    pub render: Arc<Garment>,
+    pub render: Arc<Mesh>,
     /// The simulation mesh as cloth; none where `cloth.physics` is empty.
     pub cloth: Option<Arc<Cloth>>,
     /// The places of the render mesh's points on the simulation mesh.
@@ -73,7 +73,7 @@ impl Products {
 #[non_exhaustive]
 pub struct RenderPanel {
     /// The part as a mesh.
-    pub mesh: Garment,
+    pub mesh: Mesh,
     /// The places of its points on the simulation mesh.
     pub binding: Binding,
 }
@@ -83,7 +83,7 @@ pub struct RenderPanel {
 #[non_exhaustive]
 pub struct SimUpdate {
     /// The mesh.
-    pub mesh: Arc<Garment>,
+    pub mesh: Arc<Mesh>,
     /// Its warnings.
     pub warnings: Warnings,
     /// Time of each step that was repeated.
@@ -108,7 +108,7 @@ impl SimUpdate {
 #[non_exhaustive]
 pub struct RenderUpdate {
     /// The mesh.
-    pub mesh: Arc<Garment>,
+    pub mesh: Arc<Mesh>,
     /// The operators, in their order.
     pub operators: Vec<String>,
     /// Names of the face sets that they made.

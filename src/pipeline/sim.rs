@@ -3,7 +3,7 @@
 use super::check::doubled_area;
 use super::progress::Clock;
 use crate::error::{Code, Error, ErrorCode, Warning, Warnings};
-use crate::garment::{Elements, Garment};
+use crate::garment::{Elements, Mesh};
 use crate::mesh::{CornerId, FaceId};
 use crate::recipe::ResolvedSim;
 use crate::report::{SimFigures, SubsetArea, subset_areas, uv_flips};
@@ -27,7 +27,7 @@ const FEW_FACES: usize = 1000;
 
 /// The steps from one garment to its simulation mesh.
 pub struct SimSteps {
-    garment: Arc<Garment>,
+    garment: Arc<Mesh>,
     remeshed: Step<(ResolvedSim, usize), Arc<RemeshResult>>,
     simulated: Step<(Same<RemeshResult>, ResolvedSim), Arc<SimResult>>,
 }
@@ -41,7 +41,7 @@ pub struct RemeshResult {
 /// A simulation mesh with attributes.
 pub struct SimResult {
     pub remeshed: Arc<RemeshResult>,
-    pub mesh: Arc<Garment>,
+    pub mesh: Arc<Mesh>,
     pub warnings: Warnings,
     curves: Vec<SetCurve>,
     areas: Vec<SubsetArea>,
@@ -57,7 +57,7 @@ impl SimResult {
 
 impl SimSteps {
     /// The steps of a garment.
-    pub fn new(garment: Arc<Garment>) -> Self {
+    pub fn new(garment: Arc<Mesh>) -> Self {
         Self { garment, remeshed: Step::default(), simulated: Step::default() }
     }
 
@@ -92,17 +92,17 @@ impl SimSteps {
 }
 
 /// The surface that the simulation mesh of a garment lies on.
-pub fn baseline(garment: &Garment, sim: &ResolvedSim) -> Baseline {
+pub fn baseline(garment: &Mesh, sim: &ResolvedSim) -> Baseline {
     Baseline::new(garment, &sim.options, sim.lengths(garment), sim.uv_set(garment))
 }
 
 /// The refinements that give that surface.
-pub fn surface_level(garment: &Garment, sim: &ResolvedSim) -> u32 {
+pub fn surface_level(garment: &Mesh, sim: &ResolvedSim) -> u32 {
     baseline_level(garment, &sim.options, sim.lengths(garment))
 }
 
 /// The triangles that the target lengths ask for, all of them equilateral.
-pub fn expected_faces(garment: &Garment, sim: &ResolvedSim) -> usize {
+pub fn expected_faces(garment: &Mesh, sim: &ResolvedSim) -> usize {
     let lengths = sim.lengths(garment);
     let wanted = garment.faces.ids().map(|face| {
         let vertices = garment.faces.vertices_of(face);
@@ -122,7 +122,7 @@ fn most_faces(baseline: &Baseline) -> usize {
 }
 
 /// Refuses lengths that ask for too many triangles.
-pub fn check_size(garment: &Garment, sim: &ResolvedSim, max_faces: usize) -> Result<(), Error> {
+pub fn check_size(garment: &Mesh, sim: &ResolvedSim, max_faces: usize) -> Result<(), Error> {
     let expected = expected_faces(garment, sim);
     if expected <= max_faces {
         return Ok(());
@@ -132,12 +132,7 @@ pub fn check_size(garment: &Garment, sim: &ResolvedSim, max_faces: usize) -> Res
     Err(Error::recipe("sim.maxEdgeLength", fault).code(ErrorCode::TooLarge).remedy(remedy))
 }
 
-fn remesh(
-    garment: &Garment,
-    sim: &ResolvedSim,
-    max_faces: usize,
-    clock: &mut Clock<'_>,
-) -> Result<RemeshResult, Error> {
+fn remesh(garment: &Mesh, sim: &ResolvedSim, max_faces: usize, clock: &mut Clock<'_>) -> Result<RemeshResult, Error> {
     let options = &sim.options;
     let least = SHORTEST * garment.size();
     if options.min_edge_length < least {
@@ -167,7 +162,7 @@ fn remesh(
 }
 
 /// The warning of UV shells whose seams the mesh does not follow.
-fn small_shells(garment: &Garment, options: &SimOptions, baseline: &Baseline) -> Option<Warning> {
+fn small_shells(garment: &Mesh, options: &SimOptions, baseline: &Baseline) -> Option<Warning> {
     let shells = &baseline.small_shells;
     if shells.is_empty() {
         return None;
@@ -201,7 +196,7 @@ fn uv_confetti(baseline: &Baseline, options: &SimOptions) -> Option<Warning> {
 }
 
 /// The warning of faces whose UVs no triangle can follow.
-fn flipped_uvs(garment: &Garment, options: &SimOptions, baseline: &Baseline) -> Option<Warning> {
+fn flipped_uvs(garment: &Mesh, options: &SimOptions, baseline: &Baseline) -> Option<Warning> {
     let mut faces: Vec<FaceId> = baseline.flipped.iter().map(|&f| baseline.source_face[f]).collect();
     faces.sort_unstable();
     faces.dedup();
@@ -227,7 +222,7 @@ fn curves_cut(product: &SimProduct) -> Option<Warning> {
     Some(warning.remedy("Lower sim.maxEdgeLength, or sim.cornerAngle"))
 }
 
-fn simulated(garment: &Garment, sim: &ResolvedSim, remeshed: &Arc<RemeshResult>) -> Result<SimResult, Error> {
+fn simulated(garment: &Mesh, sim: &ResolvedSim, remeshed: &Arc<RemeshResult>) -> Result<SimResult, Error> {
     let product = &remeshed.product;
     let (transferred, mut warnings) = transfer(garment, product, &sim.options, sim.uv_set(garment));
     let areas = subset_areas(product, &transferred, garment);

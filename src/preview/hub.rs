@@ -8,7 +8,7 @@ use super::document::{Before, EditHistory, Options};
 use super::messages::{Figures, Origin, ProductMessage, Role, ServerMessage, StateMessage};
 use super::stage::Stage;
 use crate::error::{Error, Fault, Warnings};
-use crate::garment::Garment;
+use crate::garment::Mesh;
 use crate::pipeline::{Builder, Progress};
 use crate::recipe::{Layers, Recipe};
 use crate::report::{RenderFigures, TriangleQuality};
@@ -26,7 +26,7 @@ use tokio::sync::watch;
 /// A mesh that pages may show.
 pub struct Shown {
     /// The mesh.
-    pub mesh: Arc<Garment>,
+    pub mesh: Arc<Mesh>,
     /// The first revision that gave it.
     pub revision: u64,
     /// Time to build it. \[milliseconds\]
@@ -297,7 +297,7 @@ impl Hub {
     }
 
     /// Shows a mesh, unless it is shown already.
-    fn show(&self, role: Role, job: &Job, mesh: &Arc<Garment>, start: Instant) -> Arc<Shown> {
+    fn show(&self, role: Role, job: &Job, mesh: &Arc<Mesh>, start: Instant) -> Arc<Shown> {
         let shown = Shown {
             mesh: Arc::clone(mesh),
             revision: job.revision,

@@ -3,7 +3,7 @@
 use super::document::{Options, changed};
 use super::messages::{GarmentMessage, PrimvarInfo, SaveTargets, ServerMessage, SetInfo, UpAxis, VariantSet};
 use crate::error::Error;
-use crate::garment::{GarmentInput, PrimvarRole};
+use crate::garment::{Garment, PrimvarRole};
 use crate::pipeline::Builder;
 use crate::recipe::{Layers, Recipe, table};
 use crate::session::{Input, OpenGarment, is_usd};
@@ -16,7 +16,7 @@ pub struct Stage {
     /// The stage.
     pub source: Source,
     /// The mesh as authored.
-    pub mesh: GarmentInput,
+    pub mesh: Garment,
     /// A builder that checks recipes and makes nothing.
     pub checks: Builder,
     /// The options that the stage holds.
@@ -78,7 +78,7 @@ impl Stage {
 fn message(source: &Source, checks: &Builder, input: &Input) -> String {
     let (facts, garment) = (source.facts(), checks.garment());
     let primvars = garment.primvars.iter().filter(|primvar| primvar.role == PrimvarRole::Primvar);
-    ServerMessage::Garment(GarmentMessage {
+    ServerMessage::Mesh(GarmentMessage {
         version: env!("CARGO_PKG_VERSION"),
         file: source.file().file_name().unwrap_or_default().to_string_lossy().into_owned(),
         prim: &facts.prim,

@@ -2,7 +2,7 @@
 
 use super::Recipe;
 use crate::error::Error;
-use crate::garment::{Garment, Interpolation, Primvar, Values};
+use crate::garment::{Interpolation, Mesh, Primvar, Values};
 use crate::options::{primvar, within_size_in_meters};
 use crate::sim::SimOptions;
 
@@ -10,7 +10,7 @@ use crate::sim::SimOptions;
 ///
 /// # Errors
 /// A primvar or subset that is missing or has another type; a length that is too large.
-pub fn bind(recipe: &Recipe, garment: &Garment) -> Result<(), Error> {
+pub fn bind(recipe: &Recipe, garment: &Mesh) -> Result<(), Error> {
     recipe.used().into_iter().try_for_each(|(prefix, options)| options.bind(&prefix, garment))?;
     recipe.cloth.check_names(garment)?;
     recipe.fabric.iter().try_for_each(|(name, fabric)| {
@@ -22,7 +22,7 @@ pub fn bind(recipe: &Recipe, garment: &Garment) -> Result<(), Error> {
 ///
 /// # Errors
 /// A primvar that is missing or has another type.
-pub fn bind_uv_set<'a>(options: &SimOptions, garment: &'a Garment) -> Result<Option<&'a Primvar>, Error> {
+pub fn bind_uv_set<'a>(options: &SimOptions, garment: &'a Mesh) -> Result<Option<&'a Primvar>, Error> {
     primvar(garment, "sim.uvSet", &options.uv_set, "face-varying float2 primvar", is_uv_set)
 }
 

@@ -4,7 +4,7 @@ use super::groups::{OPERATORS, all, find, group_with_instances, split};
 use super::{Domain, Key, Recipe, all_keys, bind_uv_set, default_of, in_words, value_type};
 use crate::error::{Code, Error, ErrorCode, ErrorKind, Warning, Warnings};
 use crate::garment::units::meters_of;
-use crate::garment::{Garment, Units};
+use crate::garment::{Mesh, Units};
 use crate::options::nearest;
 use serde_json::{Map, Value};
 use serde_path_to_error::Segment;
@@ -207,7 +207,7 @@ impl Layers {
     ///
     /// # Errors
     /// As [`Layers::recipe`]; a named UV set that the garment lacks.
-    pub fn recipe_for(&self, garment: &Garment) -> Result<Recipe, Error> {
+    pub fn recipe_for(&self, garment: &Mesh) -> Result<Recipe, Error> {
         let recipe = self.recipe()?;
         if self.merged.get("sim").is_some_and(|sim| sim.get("uvSet").is_some()) {
             bind_uv_set(&recipe.sim, garment)?;

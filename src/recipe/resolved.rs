@@ -4,7 +4,7 @@ use super::Recipe;
 use super::bind::{bind, bind_uv_set};
 use super::uv_set::resolve_uv_set;
 use crate::error::{Error, Warning};
-use crate::garment::{Garment, Primvar};
+use crate::garment::{Mesh, Primvar};
 use crate::options::float_primvar;
 use crate::sim::{Lengths, SimOptions};
 
@@ -33,7 +33,7 @@ impl Resolved {
     ///
     /// # Errors
     /// A value that its option does not take, or that does not fit the garment; a name that the garment lacks.
-    pub fn new(recipe: &Recipe, garment: &Garment, mean_edge: f32) -> Result<(Self, Option<Warning>), Error> {
+    pub fn new(recipe: &Recipe, garment: &Mesh, mean_edge: f32) -> Result<(Self, Option<Warning>), Error> {
         recipe.check()?;
         let mut recipe = recipe.clone();
         recipe.resolve_lengths(mean_edge);
@@ -49,7 +49,7 @@ impl ResolvedSim {
     ///
     /// # Errors
     /// A primvar that the garment lacks.
-    pub fn new(options: &SimOptions, garment: &Garment) -> Result<Self, Error> {
+    pub fn new(options: &SimOptions, garment: &Mesh) -> Result<Self, Error> {
         let index =
             |found: Option<&Primvar>| garment.primvars.iter().position(|p| found.is_some_and(|f| f.name == p.name));
         let uv_set = index(bind_uv_set(options, garment)?);
@@ -63,12 +63,12 @@ impl ResolvedSim {
     }
 
     /// The UV set whose shell borders are seams.
-    pub fn uv_set<'a>(&self, garment: &'a Garment) -> Option<&'a Primvar> {
+    pub fn uv_set<'a>(&self, garment: &'a Mesh) -> Option<&'a Primvar> {
         self.uv_set.map(|index| &garment.primvars[index])
     }
 
     /// The target lengths.
-    pub fn lengths<'a>(&self, garment: &'a Garment) -> Lengths<'a> {
+    pub fn lengths<'a>(&self, garment: &'a Mesh) -> Lengths<'a> {
         let density = self.density.map(|index| &garment.primvars[index]);
         Lengths { min: self.options.min_edge_length, max: self.options.max_edge_length, density }
     }

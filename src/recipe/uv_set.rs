@@ -2,7 +2,7 @@
 
 use super::bind::is_uv_set;
 use crate::error::{Code, Warning};
-use crate::garment::{Garment, Interpolation, Meaning, Primvar, PrimvarRole};
+use crate::garment::{Interpolation, Meaning, Mesh, Primvar, PrimvarRole};
 use crate::sim::SimOptions;
 
 /// Names that programs give the first UV set of a mesh: Blender, Maya, 3ds Max and Houdini, Cinema 4D.
@@ -10,7 +10,7 @@ const USUAL: &[&str] = &["UVMap", "map1", "uv", "UV", "uvs", "UVW"];
 
 /// Puts the UV set that a garment has in place of the default one, where that is missing: the only UV set, or the first with
 /// a usual name. Gives the warning if there is none.
-pub fn resolve_uv_set(options: &mut SimOptions, garment: &Garment) -> Option<Warning> {
+pub fn resolve_uv_set(options: &mut SimOptions, garment: &Mesh) -> Option<Warning> {
     if options.uv_set != SimOptions::default().uv_set || garment.primvar(&options.uv_set).is_some_and(|p| is_uv_set(&p))
     {
         return None;
@@ -22,7 +22,7 @@ pub fn resolve_uv_set(options: &mut SimOptions, garment: &Garment) -> Option<War
     if found.is_some() { None } else { Some(missing(garment, &sets)) }
 }
 
-fn missing(garment: &Garment, sets: &[&Primvar]) -> Warning {
+fn missing(garment: &Mesh, sets: &[&Primvar]) -> Warning {
     let without = "so the simulation mesh follows no UV seams";
     let is_per_vertex = |p: &&Primvar| {
         p.role == PrimvarRole::Primvar

@@ -5,7 +5,7 @@
 //! the parent face of each corner, so values of different UV shells never mix.
 
 use crate::error::Error;
-use crate::garment::{Garment, Primvar};
+use crate::garment::{Mesh, Primvar};
 use crate::mesh::{CornerId, Csr, EdgeId, FaceId, Faces, IdVec, Topology, ValueId, VertexId};
 pub use crate::subdivide::Table;
 use crate::subdivide::{Derivation, Stencils, blended_channel};
@@ -207,7 +207,7 @@ impl Derivation for OperatorDerivation {
         &self.vertices
     }
 
-    fn face_varying(&self, garment: &Garment, place: usize) -> Primvar {
+    fn face_varying(&self, garment: &Mesh, place: usize) -> Primvar {
         let primvar = &garment.primvars[place];
         let rows = primvar.corner_rows(&garment.faces, garment.points.len());
         let (stencils, indices) = self.channel(&rows);

@@ -21,7 +21,7 @@ use super::operator::{
 };
 use super::options::OperatorOptions;
 use crate::error::{Code, Error, ErrorCode, Warning, Warnings};
-use crate::garment::{Elements, Garment, Orientation, Subset, Values};
+use crate::garment::{Elements, Mesh, Orientation, Subset, Values};
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
 use crate::options::{Domain, Given, LARGEST, OptionValue, options};
 use crate::subdivide::{Level, Stencils};
@@ -111,7 +111,7 @@ struct Fold {
 
 impl Fold {
     /// True for faces of the named subsets.
-    fn chosen(&self, garment: &Garment) -> IdVec<FaceId, bool> {
+    fn chosen(&self, garment: &Mesh) -> IdVec<FaceId, bool> {
         let mut chosen = IdVec::filled(false, garment.faces.len());
         for subset in self.options.faces.iter().filter_map(|name| garment.subset(name)) {
             if let Elements::Faces(faces) = &subset.elements {
@@ -145,7 +145,7 @@ impl Fold {
         warnings
     }
 
-    fn no_border(&self, garment: &Garment) -> Error {
+    fn no_border(&self, garment: &Mesh) -> Error {
         let (label, faces) = (self.label(), self.options.faces.join(", "));
         let fault = format!("{faces} is not next to a border of {}, and cannot be folded", garment.prim);
         Error::recipe(format!("{label}.faces"), fault)
@@ -262,7 +262,7 @@ fn sharpness(
 }
 
 /// Outer normals of a cage, weighted by the areas at its corners.
-fn vertex_normals(garment: &Garment) -> IdVec<VertexId, Vec3> {
+fn vertex_normals(garment: &Mesh) -> IdVec<VertexId, Vec3> {
     let faces = &garment.faces;
     let sign = if garment.orientation == Orientation::LeftHanded { -1.0 } else { 1.0 };
     let mut normals = IdVec::filled(Vec3::ZERO, garment.points.len());
@@ -289,7 +289,7 @@ impl Operator for Fold {
         (other as &dyn Any).downcast_ref::<Self>() == Some(self)
     }
 
-    fn reach(&self, garment: &Garment) -> f32 {
+    fn reach(&self, garment: &Mesh) -> f32 {
         let most = match garment.primvar(&self.options.weights).map(|painted| &painted.values) {
             Some(Values::F32(weights)) => weights.iter().copied().fold(0.0, f32::max),
             _ => 1.0,

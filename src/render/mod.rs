@@ -38,13 +38,13 @@ pub use seam::SeamOptions;
 pub use stack::{Origins, RenderResult, RenderSteps, Stack};
 
 use crate::error::{Code, Error, ErrorCode, Warning, Warnings};
-use crate::garment::{BoundaryInterpolation, Elements, Garment, Scheme, Subset, free_name};
+use crate::garment::{BoundaryInterpolation, Elements, Mesh, Scheme, Subset, free_name};
 use crate::mesh::FaceId;
 use crate::subdivide::{Level, MAX_REFINED_FACES, refined_faces};
 use operator::OperatorInput;
 
 /// Whether a cage, whose faces operators have multiplied, can be refined.
-fn check_size(cage: &Garment, level: u32) -> Result<(), Error> {
+fn check_size(cage: &Mesh, level: u32) -> Result<(), Error> {
     let faces = refined_faces(cage, level);
     if faces <= MAX_REFINED_FACES || level == 0 {
         return Ok(());
@@ -54,7 +54,7 @@ fn check_size(cage: &Garment, level: u32) -> Result<(), Error> {
 }
 
 /// Notes the faces that `interpolateBoundary = "none"` removes, which are fewer with each refinement.
-fn add_border_holes(cage: &mut Garment, level: &Level) {
+fn add_border_holes(cage: &mut Mesh, level: &Level) {
     if cage.rules.boundary == BoundaryInterpolation::None {
         let holes = level.border_holes(cage);
         cage.holes.extend(holes);
@@ -64,7 +64,7 @@ fn add_border_holes(cage: &mut Garment, level: &Level) {
 }
 
 /// Subsets of new faces, under names that prims may have and no other subset has, with warnings of other names.
-fn new_sets(garment: &Garment, wanted: Vec<(String, Vec<FaceId>)>) -> (Vec<Subset>, Warnings) {
+fn new_sets(garment: &Mesh, wanted: Vec<(String, Vec<FaceId>)>) -> (Vec<Subset>, Warnings) {
     let mut warnings = Warnings::default();
     let mut sets: Vec<Subset> = Vec::with_capacity(wanted.len());
     for (wanted, faces) in wanted {

@@ -6,7 +6,7 @@ use super::child::OperatorDerivation;
 use super::reference::ReferenceNormals;
 use crate::contact::{Clearance, UNBOUNDED, smaller};
 use crate::error::{Code, Error, Warning, Warnings};
-use crate::garment::{Elements, Garment, Subset};
+use crate::garment::{Elements, Mesh, Subset};
 use crate::mesh::{FaceId, IdVec, Topology, VertexId};
 use crate::subdivide::{Carrier, Derivation, INFINITE_SHARPNESS, Level, carried_points};
 use glam::Vec3;
@@ -23,7 +23,7 @@ pub trait Operator: Any + Send + Sync {
     fn label(&self) -> String;
 
     /// The largest height over the surface of a garment, on either side. \[mesh units\]
-    fn reach(&self, garment: &Garment) -> f32;
+    fn reach(&self, garment: &Mesh) -> f32;
 
     /// Names of the face subsets that it folds over at the border. Faces that bend too far there are halved before
     /// operators run. By default none.
@@ -33,7 +33,7 @@ pub trait Operator: Any + Send + Sync {
 
     /// The refinements of a garment after which its faces still have room for the operator, which then runs on the
     /// refined cage, as all operators after it do. None for operators of the coarse cage, as by default. \[levels\]
-    fn levels_with_room(&self, _: &Garment, _: &Topology) -> Option<u32> {
+    fn levels_with_room(&self, _: &Mesh, _: &Topology) -> Option<u32> {
         None
     }
 
@@ -90,7 +90,7 @@ pub(super) fn intersections(label: String, output: &OperatorOutput, faces: &[Fac
 /// The cage that an operator starts from.
 pub struct OperatorInput<'a> {
     /// The mesh. Its points are without the heights of earlier operators.
-    pub garment: &'a Garment,
+    pub garment: &'a Mesh,
     /// Connectivity and subdivision rules of the mesh.
     pub(crate) level: &'a Level,
     /// Clearance that the garment leaves beside each vertex, measured within the operators' reach.
@@ -222,7 +222,7 @@ impl OperatorOutput {
     }
 
     /// The child's garment without primvars.
-    fn frame(&self, parent: &OperatorInput) -> Garment {
+    fn frame(&self, parent: &OperatorInput) -> Mesh {
         let carrier = Carrier::new(parent.garment, &self.derivation);
         let mut frame = carrier.frame(carrier.subsets());
         frame.points = carried_points(&self.derivation.vertex(), &parent.garment.points);
@@ -268,7 +268,7 @@ pub struct Ancestry {
     /// Reference normals.
     pub reference: Arc<ReferenceNormals>,
     /// The input garment.
-    pub garment: Arc<Garment>,
+    pub garment: Arc<Mesh>,
     /// Its level.
     pub level: Arc<Level>,
     /// Ancestor of each face in the garment.
@@ -294,7 +294,7 @@ pub struct DerivedCage {
     /// The output of the operator.
     pub output: OperatorOutput,
     /// The mesh without primvars and heights.
-    pub frame: Garment,
+    pub frame: Mesh,
     /// Data of the input garment.
     pub ancestry: Ancestry,
 }

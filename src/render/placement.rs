@@ -14,7 +14,7 @@ use super::points::CagePoints;
 use super::repair::{LEAST_SHARE, RepairInput, SecondRefinementInput, repair};
 use crate::contact::{Clearance, each_once, morton_order};
 use crate::error::Warnings;
-use crate::garment::Garment;
+use crate::garment::Mesh;
 use crate::mesh::{CornerId, Csr, EdgeId, FaceId, IdVec, VertexId};
 use crate::subdivide::{Connectivity, Derivation, Level, carried_points, edges_at};
 use fit::{LimitFit, Raise, unfolded};
@@ -275,7 +275,7 @@ impl Placement {
 
     /// The faces to check on the second refinement. `clearance` is measured within the operators' reach only.
     fn look_ahead(&self, clearance: &IdVec<VertexId, Clearance>) -> SecondRefinementInput<'_> {
-        let DerivedCage { frame: Garment { faces, points, .. }, ancestry, .. } = self.cage.as_ref();
+        let DerivedCage { frame: Mesh { faces, points, .. }, ancestry, .. } = self.cage.as_ref();
         let is_close = |face: usize| {
             let vertices = faces.vertices_of(FaceId::new(face));
             let size = vertices.iter().map(|&v| points[v].distance(points[vertices[0]])).fold(0.0, f32::max);

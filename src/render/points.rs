@@ -4,7 +4,7 @@
 //! faces that it moves.
 
 use crate::contact::{Clearance, RefinedFaces, UNBOUNDED, morton_order, smaller};
-use crate::garment::{Garment, Orientation};
+use crate::garment::{Mesh, Orientation};
 use crate::mesh::{FaceId, IdVec, Topology, VertexId};
 use crate::subdivide::Level;
 use glam::Vec3;
@@ -25,7 +25,7 @@ pub struct CagePoints {
 
 impl CagePoints {
     /// The points of a garment. `height` is the largest height of its operators. \[mesh units\]
-    pub fn first(garment: &Garment, level: &Level, height: f32) -> Self {
+    pub fn first(garment: &Mesh, level: &Level, height: f32) -> Self {
         let points = garment.points.clone();
         let t = &level.topology;
         if height <= 0.0 {

@@ -3,7 +3,7 @@
 use super::child::OperatorDerivation;
 use super::repair::FLIPPED_BEFORE;
 use crate::contact::{RefinedFaces, twice_area};
-use crate::garment::Garment;
+use crate::garment::Mesh;
 use crate::mesh::{FaceId, Faces, IdVec, VertexId};
 use crate::subdivide::{Derivation, Level};
 use glam::Vec3;
@@ -21,7 +21,7 @@ pub struct ReferenceNormals {
 
 impl ReferenceNormals {
     /// The normals of a garment.
-    pub fn first(garment: &Garment, level: &Level) -> Self {
+    pub fn first(garment: &Mesh, level: &Level) -> Self {
         let mut normals = IdVec::filled(Vec3::ZERO, garment.points.len());
         for face in garment.faces.ids() {
             let normal = twice_area(garment.faces.vertices_of(face), &garment.points).normalize_or_zero();
@@ -74,13 +74,13 @@ mod tests {
     }
 
     /// Two quads in a row, and their reference normals. A negative `x` of the last vertex twists the second quad.
-    fn two_quads(x: f32) -> (Garment, Level, ReferenceNormals) {
+    fn two_quads(x: f32) -> (Mesh, Level, ReferenceNormals) {
         let points = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [2.0, 0.0], [x, 1.0]];
-        let garment = Garment {
+        let garment = Mesh {
             points: points.iter().map(|&[x, y]| Vec3::new(x, y, 0.0)).collect(),
             faces: Faces::quads(ids(&[0, 1, 2, 3, 1, 4, 5, 2])),
             rules: SubdivisionRules { scheme: Scheme::Bilinear, ..SubdivisionRules::default() },
-            ..Garment::default()
+            ..Mesh::default()
         };
         let level = Level::base(&garment);
         let reference = ReferenceNormals::first(&garment, &level);

@@ -23,7 +23,7 @@ use super::lines::{self, LineRequest, LineVertex, Lines, NarrowVertex};
 use super::operator::{Control, ControlRole, Operator, OperatorInput, OperatorOutput, REPORTED};
 use super::options::OperatorOptions;
 use crate::error::{Code, Error, Warning, Warnings};
-use crate::garment::{Elements, Garment, Orientation, Subset};
+use crate::garment::{Elements, Mesh, Orientation, Subset};
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
 use crate::options::{Domain, LARGEST, options};
 use chains::Network;
@@ -103,7 +103,7 @@ struct Seams {
 
 impl Seams {
     /// The edges of a seam on the cage, in their authored direction.
-    fn edges(garment: &Garment, options: &SeamOptions) -> Vec<[VertexId; 2]> {
+    fn edges(garment: &Mesh, options: &SeamOptions) -> Vec<[VertexId; 2]> {
         let sets = options.edges.iter().filter_map(|name| garment.subset(name));
         let edges = sets.filter_map(|set| if let Elements::Edges(edges) = &set.elements { Some(edges) } else { None });
         edges.flatten().copied().collect()
@@ -216,11 +216,11 @@ impl Operator for Seams {
         other.is_some_and(|other| self.seams.iter().map(flat).eq(other.seams.iter().map(flat)))
     }
 
-    fn reach(&self, _: &Garment) -> f32 {
+    fn reach(&self, _: &Mesh) -> f32 {
         self.seams.iter().map(|(_, o)| o.normal_offset.abs() + o.depth.abs()).fold(0.0, f32::max)
     }
 
-    fn levels_with_room(&self, garment: &Garment, t: &Topology) -> Option<u32> {
+    fn levels_with_room(&self, garment: &Mesh, t: &Topology) -> Option<u32> {
         self.seams.iter().map(|(_, options)| room::levels(garment, t, options)).min()
     }
 
@@ -329,11 +329,11 @@ mod tests {
             sharpness: None,
         };
         let points = (0..=length).flat_map(|x| [0.0, 1.0].map(|y| Vec3::new(x as f32, y, 0.0)));
-        let garment = Garment {
+        let garment = Mesh {
             points: points.collect(),
             faces: Faces::quads(quads.collect::<Vec<_>>()),
             subsets: vec![subset("first", 2), subset("second", 10)].into(),
-            ..Garment::default()
+            ..Mesh::default()
         };
         let seam = |name: &str| {
             (name.to_owned(), SeamOptions { edges: vec![name.to_owned()], width: 0.3, ..SeamOptions::default() })

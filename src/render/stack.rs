@@ -9,7 +9,7 @@ pub use steps::{RenderResult, RenderSteps};
 use super::operator::Operator;
 use super::{OperatorOptions, RenderOptions};
 use crate::error::{Code, Error, ErrorCode, Warning, Warnings, names};
-use crate::garment::Garment;
+use crate::garment::Mesh;
 use crate::mesh::Topology;
 use crate::options::did_you_mean;
 use std::sync::Arc;
@@ -71,7 +71,7 @@ impl Stack {
 
     /// The stages for a garment with its connectivity: the operators of the coarse cage with the refinements before the first
     /// seam, and all others; a single stage where no refinement comes before.
-    fn stages(&self, garment: &Garment, t: &Topology) -> Vec<Stage> {
+    fn stages(&self, garment: &Mesh, t: &Topology) -> Vec<Stage> {
         let rooms: Vec<Option<u32>> = self.operators.iter().map(|o| o.levels_with_room(garment, t)).collect();
         let stage = |operators: &[Arc<dyn Operator>], level: u32| Stage {
             operators: operators.to_vec(),
@@ -90,7 +90,7 @@ impl Stack {
 impl Stage {
     /// The largest height of the operators, rounded up to a quarter power of two so that most edits keep it.
     /// \[mesh units\]
-    fn reach(&self, garment: &Garment) -> f32 {
+    fn reach(&self, garment: &Mesh) -> f32 {
         let furthest = self.operators.iter().map(|o| o.reach(garment)).fold(0.0, f32::max);
         if furthest > 0.0 { (0.25 * (4.0 * furthest.log2()).ceil()).exp2() } else { 0.0 }
     }

@@ -1,7 +1,7 @@
 //! The cost of constraints: the thin triangles beside them.
 
 use super::min_angle;
-use crate::garment::Garment;
+use crate::garment::Mesh;
 use crate::mesh::VertexId;
 use crate::sim::{ChainKind, SimProduct};
 use serde::Serialize;
@@ -23,7 +23,7 @@ pub struct ConstraintCost {
 }
 
 /// The constraints of a simulation mesh, those with the most thin triangles first.
-pub(super) fn constraint_costs(product: &SimProduct, mesh: &Garment) -> Vec<ConstraintCost> {
+pub(super) fn constraint_costs(product: &SimProduct, mesh: &Mesh) -> Vec<ConstraintCost> {
     let names = product.baseline.chains.iter().map(|chain| names(&chain.kind, mesh));
     let mut at = BTreeMap::<VertexId, BTreeSet<&str>>::new();
     for (edges, names) in product.chain_edges.iter().zip(names) {
@@ -50,7 +50,7 @@ pub(super) fn constraint_costs(product: &SimProduct, mesh: &Garment) -> Vec<Cons
 }
 
 /// The constraints of a chain. Its edge sets count where it has no other one: without them, the others would hold it.
-fn names<'a>(kind: &ChainKind, mesh: &'a Garment) -> Vec<&'a str> {
+fn names<'a>(kind: &ChainKind, mesh: &'a Mesh) -> Vec<&'a str> {
     let kinds =
         [(kind.border, "borders"), (kind.seam, "uvSeams"), (kind.sharp, "creases"), (kind.feature, "featureLines")];
     let names: Vec<&str> = kinds.into_iter().filter(|(is, _)| *is).map(|(_, name)| name).collect();

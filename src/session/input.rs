@@ -1,7 +1,7 @@
 //! A garment on disk with the recipes that are given for it, for the command and the preview.
 
 use crate::error::{Error, Warnings};
-use crate::garment::GarmentInput;
+use crate::garment::Garment;
 use crate::pipeline::Builder;
 use crate::recipe::{Layers, Recipe, RecipeFile, is_recipe};
 use crate::usd::{ReadOptions, Source};
@@ -29,7 +29,7 @@ pub struct OpenGarment {
     /// The stage.
     pub source: Source,
     /// The mesh as authored.
-    pub mesh: GarmentInput,
+    pub mesh: Garment,
     /// The options that the stage itself holds.
     pub authored: Layers,
     /// The options of the recipes and overrides.

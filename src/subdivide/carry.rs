@@ -6,7 +6,7 @@
 use super::stencil::Stencils;
 use crate::garment::joints::{self, Influences};
 use crate::garment::{
-    Corner, Crease, Elements, Family, FamilyType, Garment, Interpolation, Mixing, Primvar, Subset, Values,
+    Corner, Crease, Elements, Family, FamilyType, Interpolation, Mesh, Mixing, Primvar, Subset, Values,
 };
 use crate::mesh::{CornerId, EdgeId, FaceId, Faces, IdVec, Topology, ValueId, VertexId};
 use glam::Vec3;
@@ -40,7 +40,7 @@ pub trait Derivation: Sync {
     /// Stencils of `varying` primvars, which are linear.
     fn varying(&self) -> impl Stencils<Source = VertexId>;
     /// The child of the face-varying primvar `garment.primvars[index]`, each region blended by itself.
-    fn face_varying(&self, garment: &Garment, index: usize) -> Primvar;
+    fn face_varying(&self, garment: &Mesh, index: usize) -> Primvar;
 }
 
 /// The child of a face-varying primvar.
@@ -74,7 +74,7 @@ pub(super) fn is_channel(primvar: &Primvar) -> bool {
 
 /// A family after refinement. New edges and vertices inside faces belong to no subset, so a partition of edges or
 /// points becomes a non-overlapping family.
-fn carried_family(garment: &Garment, family: &Family) -> Family {
+fn carried_family(garment: &Mesh, family: &Family) -> Family {
     let mut members = garment.subsets.iter().filter(|s| s.family == family.name);
     let of_faces = members.all(|s| matches!(s.elements, Elements::Faces(_)));
     let kind = match family.kind {
@@ -86,13 +86,13 @@ fn carried_family(garment: &Garment, family: &Family) -> Family {
 
 /// Carries the attributes of a garment through a derivation.
 pub struct Carrier<'a, D> {
-    garment: &'a Garment,
+    garment: &'a Mesh,
     derivation: &'a D,
 }
 
 impl<'a, D: Derivation> Carrier<'a, D> {
     /// A carrier for `garment`, the parent of `derivation`.
-    pub fn new(garment: &'a Garment, derivation: &'a D) -> Self {
+    pub fn new(garment: &'a Mesh, derivation: &'a D) -> Self {
         Self { garment, derivation }
     }
 
@@ -102,9 +102,9 @@ impl<'a, D: Derivation> Carrier<'a, D> {
     }
 
     /// The child with `subsets`; points, primvars and influences are still empty.
-    pub fn frame(&self, subsets: Arc<Vec<Subset>>) -> Garment {
+    pub fn frame(&self, subsets: Arc<Vec<Subset>>) -> Mesh {
         let garment = self.garment;
-        Garment {
+        Mesh {
             prim: garment.prim.clone(),
             points: IdVec::new(),
             units: garment.units,

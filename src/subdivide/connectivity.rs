@@ -107,7 +107,7 @@ impl Stencils for VertexRows<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::garment::{Corner, Crease, Garment};
+    use crate::garment::{Corner, Crease, Mesh};
     use crate::mesh::{Faces, IdVec};
     use crate::subdivide::carried_points;
     use glam::Vec3;
@@ -117,13 +117,13 @@ mod tests {
     }
 
     /// A quad and a triangle.
-    fn garment() -> Garment {
-        Garment {
+    fn garment() -> Mesh {
+        Mesh {
             points: IdVec::filled(Vec3::ZERO, 5),
             faces: Faces::mixed([4, 3], ids(&[0, 1, 2, 3, 1, 4, 2])),
             creases: vec![Crease { vertices: ids(&[1, 2]), sharpnesses: vec![2.0] }],
             corners: vec![Corner { vertex: VertexId::new(0), sharpness: 1.0 }],
-            ..Garment::default()
+            ..Mesh::default()
         }
     }
 
@@ -135,8 +135,8 @@ mod tests {
         let connectivity = Connectivity::new(Arc::clone(&level));
         assert!(matches!(connectivity.vertex_rows(), VertexRows::Kept(_)), "faces differ");
         assert_eq!(carried_points(&connectivity.vertex_rows(), &points), carried_points(&level.vertex_rows(), &points));
-        let quad = Garment { faces: Faces::quads(ids(&[0, 1, 2, 3])), ..Garment::default() };
-        let quad = Garment { points: IdVec::filled(Vec3::ZERO, 4), ..quad };
+        let quad = Mesh { faces: Faces::quads(ids(&[0, 1, 2, 3])), ..Mesh::default() };
+        let quad = Mesh { points: IdVec::filled(Vec3::ZERO, 4), ..quad };
         assert!(matches!(Connectivity::new(Arc::new(Level::base(&quad))).vertex_rows(), VertexRows::Masks(_)));
     }
 }

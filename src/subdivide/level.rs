@@ -3,7 +3,7 @@
 //! Sharpness and rules follow OpenSubdiv (`vtr/level.cpp`, `sdc/crease.h`), including non-manifold edges and vertices.
 
 use super::split;
-use crate::garment::{BoundaryInterpolation, Garment, Scheme, TriangleRule};
+use crate::garment::{BoundaryInterpolation, Mesh, Scheme, TriangleRule};
 use crate::mesh::{CornerId, EdgeId, FaceId, Faces, IdVec, Topology, VertexId};
 use std::collections::BTreeSet;
 
@@ -85,7 +85,7 @@ impl Level {
     /// The unrefined level of a garment. Borders and non-manifold elements are sharpened as in OpenSubdiv.
     ///
     /// Garments that [`same_level`] calls equal have equal levels.
-    pub fn base(garment: &Garment) -> Self {
+    pub fn base(garment: &Mesh) -> Self {
         let topology = Topology::new(garment.faces.clone(), garment.points.len());
         let sharp_corners = garment.rules.boundary == BoundaryInterpolation::EdgeAndCorner;
         let mut edge_sharpness = IdVec::filled(0.0f32, topology.edges.len());
@@ -200,7 +200,7 @@ impl Level {
     /// The faces that `interpolateBoundary = "none"` removes: those with a vertex on an uncreased border.
     ///
     /// Empty under any other boundary rule and for bilinear or polygonal meshes.
-    pub fn border_holes(&self, garment: &Garment) -> Vec<FaceId> {
+    pub fn border_holes(&self, garment: &Mesh) -> Vec<FaceId> {
         if garment.rules.boundary != BoundaryInterpolation::None
             || matches!(garment.rules.scheme, Scheme::Bilinear | Scheme::None)
         {
@@ -219,8 +219,8 @@ impl Level {
 }
 
 /// `true` if both garments have the same unrefined level.
-pub fn same_level(a: &Garment, b: &Garment) -> bool {
-    let rules = |g: &Garment| (g.rules.scheme, g.rules.boundary, g.rules.triangles, g.points.len());
+pub fn same_level(a: &Mesh, b: &Mesh) -> bool {
+    let rules = |g: &Mesh| (g.rules.scheme, g.rules.boundary, g.rules.triangles, g.points.len());
     rules(a) == rules(b) && a.faces == b.faces && a.creases == b.creases && a.corners == b.corners
 }
 
@@ -347,14 +347,14 @@ mod tests {
             (Scheme::Bilinear, BoundaryInterpolation::None, 0),
             (Scheme::None, BoundaryInterpolation::None, 0),
         ] {
-            let garment = Garment {
+            let garment = Mesh {
                 points: [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]]
                     .map(Into::into)
                     .to_vec()
                     .into(),
                 faces: Faces::quads((0..4).map(VertexId::new).collect::<Vec<_>>()),
                 rules: SubdivisionRules { scheme, boundary, ..SubdivisionRules::default() },
-                ..Garment::default()
+                ..Mesh::default()
             };
             assert_eq!(Level::base(&garment).border_holes(&garment).len(), expected, "{scheme:?}, {boundary:?}");
         }

@@ -152,13 +152,13 @@ fn smooth_row(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::garment::Garment;
+    use crate::garment::Mesh;
     use crate::mesh::{FaceId, Faces, IdVec};
     use crate::subdivide::carried_points;
     use glam::Vec3;
 
     /// A triangle, two quads and a pentagon around vertex 0, with quads and a triangle around them.
-    fn fan() -> Garment {
+    fn fan() -> Mesh {
         let faces: [&[usize]; 9] = [
             &[0, 1, 2],
             &[0, 2, 3, 4],
@@ -177,7 +177,7 @@ mod tests {
         };
         let corners: Vec<VertexId> = faces.concat().into_iter().map(VertexId::new).collect();
         let faces = Faces::mixed(faces.map(<[usize]>::len), corners);
-        Garment { faces, points: (0..13).map(at).collect(), ..Garment::default() }
+        Mesh { faces, points: (0..13).map(at).collect(), ..Mesh::default() }
     }
 
     #[test]

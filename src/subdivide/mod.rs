@@ -31,7 +31,7 @@ pub use refinement::{Refinement, share_values_alike};
 pub use split::{Numbering, child_corner};
 pub use stencil::{Real, Stencils, Table};
 
-use crate::garment::{Garment, Scheme};
+use crate::garment::{Mesh, Scheme};
 use crate::mesh::{CornerId, EdgeId, FaceId, VertexId};
 use regular::Quads;
 
@@ -39,7 +39,7 @@ use regular::Quads;
 pub const MAX_REFINED_FACES: usize = 100_000_000;
 
 /// Number of faces of a garment after `level` refinements.
-pub fn refined_faces(garment: &Garment, level: u32) -> usize {
+pub fn refined_faces(garment: &Mesh, level: u32) -> usize {
     let faces = &garment.faces;
     match level {
         0 => faces.len(),
@@ -151,18 +151,18 @@ impl Stencils for VertexStencils<'_> {
 /// A garment with its level, for tests.
 #[cfg(test)]
 pub struct Cage {
-    garment: Garment,
+    garment: Mesh,
     level: Level,
 }
 
 #[cfg(test)]
 #[allow(missing_docs, reason = "tests alone use it")]
 impl Cage {
-    pub fn new(garment: Garment) -> Self {
+    pub fn new(garment: Mesh) -> Self {
         Self { level: Level::base(&garment), garment }
     }
 
-    pub fn garment(&self) -> &Garment {
+    pub fn garment(&self) -> &Mesh {
         &self.garment
     }
 

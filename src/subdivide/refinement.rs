@@ -4,7 +4,7 @@ use super::carry::{Derivation, blended_channel, is_channel};
 use super::fvar::ChildValues;
 use super::stencil::Stencils;
 use super::{Channel, ChannelChild, Level, Numbering, refined_sharpness};
-use crate::garment::{Garment, Primvar, Scheme};
+use crate::garment::{Mesh, Primvar, Scheme};
 use crate::mesh::{CornerId, EdgeId, FaceId, Faces, Topology, VertexId};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -32,7 +32,7 @@ struct ChannelRefinement {
 
 impl Refinement {
     /// The refinement of a garment's cage, whose level is `level`.
-    pub fn of_cage(level: Arc<Level>, garment: &Garment) -> Self {
+    pub fn of_cage(level: Arc<Level>, garment: &Mesh) -> Self {
         let channel = |primvar: &Primvar| {
             let rows = primvar.corner_rows(&garment.faces, garment.points.len());
             let rules = garment.rules;
@@ -87,7 +87,7 @@ impl ChannelRefinement {
 }
 
 /// `true` if one refinement fits both garments: in each face-varying primvar, the same corners share a value.
-pub fn share_values_alike(a: &Garment, b: &Garment) -> bool {
+pub fn share_values_alike(a: &Mesh, b: &Mesh) -> bool {
     let alike = |p: &Primvar, q: &Primvar| match (&p.indices, &q.indices) {
         _ if !is_channel(p) || !is_channel(q) => is_channel(p) == is_channel(q),
         (Some(p), Some(q)) => p == q,
@@ -151,7 +151,7 @@ impl Derivation for Refinement {
         self.level.varying_stencils()
     }
 
-    fn face_varying(&self, garment: &Garment, index: usize) -> Primvar {
+    fn face_varying(&self, garment: &Mesh, index: usize) -> Primvar {
         let number = garment.primvars[..index].iter().filter(|primvar| is_channel(primvar)).count();
         let c = &self.channels[number];
         blended_channel(&c.child(&self.level), Arc::clone(&c.indices), c.rows.as_deref(), &garment.primvars[index])
@@ -167,12 +167,12 @@ mod tests {
     use glam::Vec3;
 
     /// Two quads side by side, with a value for each corner.
-    fn garment(indices: Option<Vec<u32>>, values: Vec<f32>) -> Garment {
-        Garment {
+    fn garment(indices: Option<Vec<u32>>, values: Vec<f32>) -> Mesh {
+        Mesh {
             points: IdVec::filled(Vec3::ZERO, 6),
             faces: Faces::quads([0, 1, 4, 3, 1, 2, 5, 4].map(VertexId::new).to_vec()),
             primvars: vec![Primvar::of_corners(values, indices)].into(),
-            ..Garment::default()
+            ..Mesh::default()
         }
     }
 
@@ -199,9 +199,9 @@ mod tests {
     fn garments_with_other_values_share_a_refinement() {
         let indices = || Some(vec![0, 1, 2, 3, 6, 4, 5, 7]);
         let cages = [1.0, 2.0].map(|scale| garment(indices(), (0..8).map(|i| scale * i as f32).collect()));
-        let refinement = |cage: &Garment| Refinement::of_cage(Arc::new(Level::base(cage)), cage);
+        let refinement = |cage: &Mesh| Refinement::of_cage(Arc::new(Level::base(cage)), cage);
         let shared = refinement(&cages[0]);
-        let refined = |cage: &Garment, by: &Refinement| Carrier::new(cage, by).primvars()[0].clone();
+        let refined = |cage: &Mesh, by: &Refinement| Carrier::new(cage, by).primvars()[0].clone();
         let [own, other] = cages.each_ref().map(|cage| refined(cage, &shared));
         assert!(Arc::ptr_eq(own.indices.as_ref().expect("indices"), other.indices.as_ref().expect("indices")));
         let doubled = match &own.values {

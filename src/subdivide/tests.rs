@@ -1,7 +1,7 @@
 //! Subdivision against stored OpenSubdiv levels: its regression shapes and generated meshes under every option.
 
 use crate::garment::{
-    BoundaryInterpolation, Corner, Crease, FaceVaryingInterpolation, Garment, Scheme, SubdivisionRules, TriangleRule,
+    BoundaryInterpolation, Corner, Crease, FaceVaryingInterpolation, Mesh, Scheme, SubdivisionRules, TriangleRule,
 };
 use crate::mesh::{CornerId, FaceId, Faces, VertexId};
 use crate::subdivide::{Channel, ChannelChild, Level, Numbering, Stencils};
@@ -27,10 +27,10 @@ fn repeats_a_vertex(case: &Case) -> bool {
     })
 }
 
-fn garment(case: &Case, face_varying: FaceVaryingInterpolation) -> Garment {
+fn garment(case: &Case, face_varying: FaceVaryingInterpolation) -> Mesh {
     let v = |i: usize| VertexId::new(i);
     let corners: Vec<VertexId> = case.face_vertex_indices.iter().map(|&i| v(i)).collect();
-    Garment {
+    Mesh {
         points: case.points.iter().map(|&p| p.into()).collect(),
         faces: Faces::mixed(case.face_vertex_counts.iter().copied(), corners),
         rules: SubdivisionRules {
@@ -54,7 +54,7 @@ fn garment(case: &Case, face_varying: FaceVaryingInterpolation) -> Garment {
             .collect(),
         corners: case.corners.iter().map(|&(i, sharpness)| Corner { vertex: v(i), sharpness }).collect(),
         holes: case.holes.iter().map(|&f| FaceId::new(f)).collect(),
-        ..Garment::default()
+        ..Mesh::default()
     }
 }
 

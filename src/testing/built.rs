@@ -2,28 +2,28 @@
 
 use super::prepared::{Prepared, baseline};
 use crate::error::Warnings;
-use crate::garment::{Garment, Primvar};
+use crate::garment::{Mesh, Primvar};
 use crate::recipe::Layers;
 use crate::sim::{SimOptions, SimProduct, simulate};
 use crate::transfer::{TransferResult, transfer};
-use crate::{Builder, GarmentInput, Products};
+use crate::{Builder, Garment, Products};
 
 /// A garment and its products.
 pub struct Built {
-    pub garment: Garment,
+    pub garment: Mesh,
     pub products: Products,
     pub warnings: Warnings,
 }
 
 /// Builds with options as on the command line.
-pub fn build(input: GarmentInput, options: &[&str]) -> Built {
+pub fn build(input: Garment, options: &[&str]) -> Built {
     let mut layers = Layers::default();
     options.iter().for_each(|o| layers.add_override(o).unwrap_or_else(|e| panic!("{e}")));
     build_with(input, &layers)
 }
 
 /// Builds with a recipe.
-pub fn build_with(input: GarmentInput, layers: &Layers) -> Built {
+pub fn build_with(input: Garment, layers: &Layers) -> Built {
     let mut builder = Builder::new(input).unwrap_or_else(|e| panic!("{e}")).with_max_faces(1_000_000);
     let recipe = layers.recipe().unwrap_or_else(|e| panic!("{e}"));
     let products = builder.update(&recipe).unwrap_or_else(|e| panic!("{e}"));

@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::error::Warnings;
-use crate::garment::{Elements, Garment};
+use crate::garment::{Elements, Mesh};
 use crate::mesh::Topology;
 use crate::recipe::Layers;
 use crate::render::{RenderSteps, Stack};
@@ -17,18 +17,18 @@ pub fn stack<T: AsRef<str>>(options: &[T]) -> Stack {
 }
 
 /// The render mesh and what was said of it.
-pub fn rendered<T: AsRef<str>>(garment: &Garment, options: &[T]) -> (Garment, Warnings) {
+pub fn rendered<T: AsRef<str>>(garment: &Mesh, options: &[T]) -> (Mesh, Warnings) {
     try_rendered(garment, options).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// The same, or the error.
-pub fn try_rendered<T: AsRef<str>>(garment: &Garment, options: &[T]) -> Result<(Garment, Warnings), Error> {
+pub fn try_rendered<T: AsRef<str>>(garment: &Mesh, options: &[T]) -> Result<(Mesh, Warnings), Error> {
     let made = RenderSteps::new(Arc::new(garment.clone())).update(&stack(options))?;
     Ok(((*made.mesh).clone(), made.warnings))
 }
 
 /// Panels with a border of the mesh among their edges, as a list of an option.
-pub fn border_panels(garment: &Garment) -> String {
+pub fn border_panels(garment: &Mesh) -> String {
     let t = Topology::new(garment.faces.clone(), garment.points.len());
     let panels = garment.subsets.iter().filter(|s| s.family == "panels");
     let at_border = panels.filter(|s| match &s.elements {

@@ -1,21 +1,21 @@
 //! Garments with resolved recipes, and the surfaces that simulation meshes are made from.
 
-use crate::garment::Garment;
+use crate::garment::Mesh;
 use crate::recipe::{Layers, ResolvedSim};
 use crate::sim::{Baseline, SimOptions};
 use crate::usd::{ReadOptions, Source};
-use crate::{Builder, Error, GarmentInput, Recipe};
+use crate::{Builder, Error, Garment, Recipe};
 use std::path::Path;
 use std::sync::Arc;
 
 /// A checked garment, and its recipe with the lengths to use.
 pub struct Prepared {
-    pub garment: Arc<Garment>,
+    pub garment: Arc<Mesh>,
     pub recipe: Recipe,
 }
 
 impl Prepared {
-    pub fn new(input: GarmentInput, layers: &Layers) -> Result<Self, Error> {
+    pub fn new(input: Garment, layers: &Layers) -> Result<Self, Error> {
         let builder = Builder::new(input)?;
         let recipe = builder.resolve(&layers.recipe()?)?;
         Ok(Self { garment: Arc::clone(builder.garment()), recipe })
@@ -39,6 +39,6 @@ pub fn baseline(prepared: &Prepared, level: u32) -> Baseline {
 }
 
 /// The baseline of options whose lengths are resolved.
-pub fn baseline_of(garment: &Garment, options: &SimOptions) -> Result<Baseline, Error> {
+pub fn baseline_of(garment: &Mesh, options: &SimOptions) -> Result<Baseline, Error> {
     Ok(crate::pipeline::baseline(garment, &ResolvedSim::new(options, garment)?))
 }

@@ -1,21 +1,21 @@
 //! Grids, tubes and any faces as garments, made in code, with an attribute of each kind.
 
-use crate::garment::{Family, FamilyType, GarmentInput, Interpolation, Meaning, PrimvarInput, SubsetInput, Values};
+use crate::garment::{Family, FamilyType, Garment, Interpolation, Meaning, PrimvarInput, SubsetInput, Values};
 use glam::Vec3;
 
 /// A mesh of the given faces.
-pub fn mesh(points: impl IntoIterator<Item = [f32; 3]>, faces: &[&[i32]]) -> GarmentInput {
-    dressed(GarmentInput {
+pub fn mesh(points: impl IntoIterator<Item = [f32; 3]>, faces: &[&[i32]]) -> Garment {
+    dressed(Garment {
         prim: "/Zoo/model".into(),
         points: points.into_iter().map(Vec3::from).collect(),
         face_vertex_counts: faces.iter().map(|f| f.len() as i32).collect(),
         face_vertex_indices: faces.concat(),
-        ..GarmentInput::default()
+        ..Garment::default()
     })
 }
 
 /// A mesh with an attribute of each kind and a partition.
-fn dressed(mut input: GarmentInput) -> GarmentInput {
+fn dressed(mut input: Garment) -> Garment {
     let (points, faces) = (input.points.len(), input.face_vertex_counts.len());
     let floats = |n: usize, f: fn(usize) -> f32| Values::F32((0..n).map(f).collect());
     input.primvars = vec![
@@ -47,7 +47,7 @@ fn dressed(mut input: GarmentInput) -> GarmentInput {
 }
 
 /// Gives a mesh UVs, one for each corner.
-pub fn with_uvs(mut input: GarmentInput, uv: impl Fn(usize, usize) -> [f32; 2]) -> GarmentInput {
+pub fn with_uvs(mut input: Garment, uv: impl Fn(usize, usize) -> [f32; 2]) -> Garment {
     let mut values = Vec::new();
     let mut corner = 0;
     for (face, &n) in input.face_vertex_counts.iter().enumerate() {
@@ -62,7 +62,7 @@ pub fn with_uvs(mut input: GarmentInput, uv: impl Fn(usize, usize) -> [f32; 2]) 
 }
 
 /// Gives a mesh an edge subset.
-pub fn with_edges(mut input: GarmentInput, name: &str, pairs: &[[i32; 2]]) -> GarmentInput {
+pub fn with_edges(mut input: Garment, name: &str, pairs: &[[i32; 2]]) -> Garment {
     let (element_type, family, indices) = ("edge".into(), String::new(), pairs.concat());
     input.subsets.push(SubsetInput { name: name.into(), element_type, family, indices });
     input
@@ -77,7 +77,7 @@ pub fn grid_faces(nx: usize, ny: usize, keep: impl Fn(usize, usize) -> bool) -> 
 }
 
 /// A grid with UVs, slightly bent.
-pub fn grid(nx: usize, ny: usize, keep: impl Fn(usize, usize) -> bool) -> GarmentInput {
+pub fn grid(nx: usize, ny: usize, keep: impl Fn(usize, usize) -> bool) -> Garment {
     let faces = grid_faces(nx, ny, keep);
     let faces: Vec<&[i32]> = faces.iter().map(Vec::as_slice).collect();
     let at = move |i: usize| ((i % (nx + 1)) as f32, (i / (nx + 1)) as f32);
@@ -89,7 +89,7 @@ pub fn grid(nx: usize, ny: usize, keep: impl Fn(usize, usize) -> bool) -> Garmen
 }
 
 /// A tube of `around` by `along` quads, its UVs cut along one line.
-pub fn tube(around: usize, along: usize) -> GarmentInput {
+pub fn tube(around: usize, along: usize) -> Garment {
     let n = around as i32;
     let faces: Vec<Vec<i32>> = (0..along as i32)
         .flat_map(|y| {

@@ -1,21 +1,21 @@
 //! Tiny garments, one trouble each, made in code.
 
 use super::sheets::{grid, grid_faces, mesh, tube, with_edges, with_uvs};
-use crate::garment::{BoundaryInterpolation, GarmentInput, Orientation, Scheme, Values};
+use crate::garment::{BoundaryInterpolation, Garment, Orientation, Scheme, Values};
 use glam::Vec3;
 
 /// A whole grid.
-fn sheet(nx: usize, ny: usize) -> GarmentInput {
+fn sheet(nx: usize, ny: usize) -> Garment {
     grid(nx, ny, |_, _| true)
 }
 
-fn cube() -> GarmentInput {
+fn cube() -> Garment {
     let points = (0..8).map(|i| [(i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32]);
     mesh(points, &[&[0, 2, 3, 1], &[4, 5, 7, 6], &[0, 1, 5, 4], &[2, 6, 7, 3], &[0, 4, 6, 2], &[1, 3, 7, 5]])
 }
 
 /// Each face is a shell of its own.
-fn islands(mut input: GarmentInput) -> GarmentInput {
+fn islands(mut input: Garment) -> Garment {
     input.primvars.retain(|p| p.name != "st");
     let start: Vec<i32> = input
         .face_vertex_counts
@@ -35,7 +35,7 @@ fn islands(mut input: GarmentInput) -> GarmentInput {
 }
 
 /// Triangles around one vertex, or two poles of a closed ball of them.
-fn pole(n: i32, closed: bool) -> GarmentInput {
+fn pole(n: i32, closed: bool) -> Garment {
     let ring = (0..n).map(|i| {
         let angle = i as f32 / n as f32 * std::f32::consts::TAU;
         [angle.cos(), angle.sin(), 0.0]
@@ -48,7 +48,7 @@ fn pole(n: i32, closed: bool) -> GarmentInput {
     mesh(points, &faces.iter().map(Vec::as_slice).collect::<Vec<_>>())
 }
 
-fn moebius(n: usize) -> GarmentInput {
+fn moebius(n: usize) -> Garment {
     let points = (0..2 * n).map(|i| {
         let (turn, side) = ((i / 2) as f32 / n as f32, if i % 2 == 0 { -0.4 } else { 0.4 });
         let (around, half) = (turn * std::f32::consts::TAU, turn * std::f32::consts::PI);
@@ -65,7 +65,7 @@ fn moebius(n: usize) -> GarmentInput {
     mesh(points, &faces.iter().map(Vec::as_slice).collect::<Vec<_>>())
 }
 
-fn triangles() -> GarmentInput {
+fn triangles() -> Garment {
     let quads = grid_faces(3, 2, |_, _| true);
     let faces: Vec<Vec<i32>> = quads.iter().flat_map(|q| [vec![q[0], q[1], q[2]], vec![q[0], q[2], q[3]]]).collect();
     let points = (0..12).map(|i| [(i % 4) as f32, (i / 4) as f32, 0.1 * (i % 3) as f32]);
@@ -73,18 +73,18 @@ fn triangles() -> GarmentInput {
     with_uvs(input, |_, v| [(v % 4) as f32, (v / 4) as f32])
 }
 
-fn scaled(mut input: GarmentInput, scale: f32, offset: Vec3) -> GarmentInput {
+fn scaled(mut input: Garment, scale: f32, offset: Vec3) -> Garment {
     input.points.iter_mut().for_each(|p| *p = *p * scale + offset);
     input
 }
 
-fn change(mut input: GarmentInput, edit: impl FnOnce(&mut GarmentInput)) -> GarmentInput {
+fn change(mut input: Garment, edit: impl FnOnce(&mut Garment)) -> Garment {
     edit(&mut input);
     input
 }
 
 /// A sheet and the same again, on its own points.
-fn doubled() -> GarmentInput {
+fn doubled() -> Garment {
     let faces = grid_faces(2, 2, |_, _| true);
     let twin: Vec<Vec<i32>> = faces.iter().map(|f| f.iter().map(|v| v + 9).collect()).collect();
     let all: Vec<&[i32]> = faces.iter().chain(&twin).map(Vec::as_slice).collect();
@@ -94,7 +94,7 @@ fn doubled() -> GarmentInput {
 }
 
 /// All of the zoo, by name.
-pub fn all() -> Vec<(&'static str, GarmentInput)> {
+pub fn all() -> Vec<(&'static str, Garment)> {
     let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
     vec![
         ("strip", sheet(6, 1)),

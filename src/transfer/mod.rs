@@ -33,7 +33,7 @@ pub use provenance::{SOURCE_COORDS, SOURCE_FACE, corner_coordinates};
 pub use subsets::SetCurve;
 
 use crate::error::Warnings;
-use crate::garment::{Garment, Primvar, Scheme, SubdivisionRules};
+use crate::garment::{Mesh, Primvar, Scheme, SubdivisionRules};
 use crate::sim::{SimOptions, SimProduct};
 use correspondence::Correspondence;
 use subsets::{CarriedSubsets, EdgeSets};
@@ -42,7 +42,7 @@ use topology::SimTopology;
 /// A simulation mesh with attributes, and figures of their transfer.
 pub struct TransferResult {
     /// The mesh.
-    pub mesh: Garment,
+    pub mesh: Mesh,
     /// Areas that its faces and the garment's have in common.
     pub coverage: Coverage,
     /// The curves of its edge subsets.
@@ -55,7 +55,7 @@ pub struct TransferResult {
 ///
 /// `uv_set` is the primvar whose shells were constraints. Warns of what is lost.
 pub fn transfer(
-    garment: &Garment,
+    garment: &Mesh,
     product: &SimProduct,
     options: &SimOptions,
     uv_set: Option<&Primvar>,
@@ -71,7 +71,7 @@ pub fn transfer(
         || subsets::carry_all(garment, &map, options, edge_sets),
     );
     let CarriedSubsets { subsets, families, curves, islands } = warnings.absorb(subsets);
-    let mesh = Garment {
+    let mesh = Mesh {
         prim: garment.prim.clone(),
         points: product.points.clone(),
         faces: mesh.topology.faces.clone(),

@@ -2,7 +2,7 @@
 //! directions.
 
 use super::correspondence::Correspondence;
-use crate::garment::{Garment, Interpolation, Orientation, Primvar, Values};
+use crate::garment::{Interpolation, Mesh, Orientation, Primvar, Values};
 use crate::mesh::{CornerId, FaceId, Faces, IdVec, VertexId};
 use glam::Vec3;
 
@@ -50,7 +50,7 @@ impl ComputedNormals {
 }
 
 /// The normals of the simulation mesh from its own faces; none if the garment's differ from those of its own faces.
-pub(super) fn recomputed(garment: &Garment, primvar: &Primvar, map: &Correspondence<'_>) -> Option<Primvar> {
+pub(super) fn recomputed(garment: &Mesh, primvar: &Primvar, map: &Correspondence<'_>) -> Option<Primvar> {
     let Values::F32(values) = &primvar.values else { return None };
     if !primvar.is_normals() || primvar.width() != 3 || primvar.interpolation == Interpolation::Constant {
         return None;

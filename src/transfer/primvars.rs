@@ -3,14 +3,14 @@
 use super::correspondence::Correspondence;
 use super::{corners, faces, normals, provenance, vertices};
 use crate::error::{Warning, Warnings};
-use crate::garment::{Garment, Interpolation, Primvar, joints};
+use crate::garment::{Interpolation, Mesh, Primvar, joints};
 use crate::sim::SimOptions;
 use crate::subdivide::to_unit_length;
 use rayon::prelude::*;
 
 /// The garment's primvars on the simulation mesh in the garment's order, and those of provenance if they are asked for.
 pub(super) fn carry_all(
-    garment: &Garment,
+    garment: &Mesh,
     map: &Correspondence<'_>,
     options: &SimOptions,
     uv_set: Option<&Primvar>,
@@ -33,7 +33,7 @@ pub(super) fn carry_all(
 
 /// A primvar on the simulation mesh; none of those that are carried together with others.
 fn carry(
-    garment: &Garment,
+    garment: &Mesh,
     primvar: &Primvar,
     map: &Correspondence<'_>,
     uv_set: Option<&Primvar>,

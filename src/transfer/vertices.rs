@@ -3,7 +3,7 @@
 use super::correspondence::Correspondence;
 use super::interpolate::{interpolate, weighted};
 use crate::garment::joints::{self, Influences};
-use crate::garment::{Garment, Interpolation, Meaning, Mixing, Primvar, Values};
+use crate::garment::{Interpolation, Meaning, Mesh, Mixing, Primvar, Values};
 use crate::mesh::{CornerId, VertexId};
 use crate::sim::{Baseline, BaselinePoint};
 use crate::subdivide::{Real, Stencils, gathered};
@@ -58,7 +58,7 @@ fn heaviest_sources(baseline: &Baseline, varying: bool) -> Vec<VertexId> {
 }
 
 /// The values of a primvar that is carried by [`carry_stacked`]; none for others.
-pub(super) fn stackable<'a>(garment: &Garment, primvar: &'a Primvar) -> Option<&'a [f32]> {
+pub(super) fn stackable<'a>(garment: &Mesh, primvar: &'a Primvar) -> Option<&'a [f32]> {
     let Values::F32(values) = &primvar.values else { return None };
     let is_stackable = matches!(primvar.interpolation, Interpolation::Vertex | Interpolation::Varying)
         && matches!(primvar.mixing(), Mixing::Linear | Mixing::Direction)
@@ -69,12 +69,12 @@ pub(super) fn stackable<'a>(garment: &Garment, primvar: &'a Primvar) -> Option<&
 }
 
 /// Primvars that are carried as one wide primvar of each interpolation, because they share the weights of subdivision.
-pub(super) fn carry_stacked(garment: &Garment, map: &Correspondence<'_>) -> Vec<Primvar> {
+pub(super) fn carry_stacked(garment: &Mesh, map: &Correspondence<'_>) -> Vec<Primvar> {
     let kinds = [Interpolation::Vertex, Interpolation::Varying].into_par_iter();
     kinds.flat_map_iter(|kind| carry_stack(garment, kind, map)).collect()
 }
 
-fn carry_stack(garment: &Garment, kind: Interpolation, map: &Correspondence<'_>) -> Vec<Primvar> {
+fn carry_stack(garment: &Mesh, kind: Interpolation, map: &Correspondence<'_>) -> Vec<Primvar> {
     let primvars = garment.primvars.iter().filter(|p| p.interpolation == kind);
     let primvars: Vec<_> = primvars.filter_map(|p| Some((p, stackable(garment, p)?))).collect();
     let Some((first, _)) = primvars.first() else { return Vec::new() };
@@ -98,7 +98,7 @@ fn carry_stack(garment: &Garment, kind: Interpolation, map: &Correspondence<'_>)
 }
 
 /// The joint influences of the simulation mesh, merged by joint at each vertex's location.
-pub(super) fn carry_influences(garment: &Garment, map: &Correspondence<'_>) -> Vec<Primvar> {
+pub(super) fn carry_influences(garment: &Mesh, map: &Correspondence<'_>) -> Vec<Primvar> {
     let Some((indices, weights)) = joints::pair(garment) else { return Vec::new() };
     let source = joints::influences(indices, weights);
     let baseline = &map.product.baseline;

@@ -5,9 +5,7 @@ use std::sync::{Arc, OnceLock};
 use tailor::glam::Vec3;
 use tailor::session::{PayloadRecipe, Session, written};
 use tailor::usd::{Format, ProductNames, ReadOptions, Source, Surroundings, WriteOptions, layer_bytes, write};
-use tailor::{
-    Builder, Error, ErrorKind, FoldOptions, GarmentInput, Products, Progress, Recipe, SeamOptions, SubsetInput,
-};
+use tailor::{Builder, Error, ErrorKind, FoldOptions, Garment, Products, Progress, Recipe, SeamOptions, SubsetInput};
 
 const ROOM: usize = 1 << 30;
 
@@ -104,7 +102,7 @@ fn operators_give_the_same_after_other_edits() {
 }
 
 /// Two sheets of four by four quads, one a hundredth of an edge over the other, with a seam across the lower one.
-fn sheets() -> GarmentInput {
+fn sheets() -> Garment {
     let at = |i: usize, z: f32| Vec3::new((i % 5) as f32, (i / 5) as f32, z);
     let first = (0..20).filter(|i| i % 5 < 4);
     let quads = first.flat_map(|i| [i, i + 1, i + 6, i + 5]);
@@ -115,12 +113,12 @@ fn sheets() -> GarmentInput {
         indices,
     };
     let seam = vec![10, 11, 11, 12, 12, 13, 13, 14];
-    GarmentInput {
+    Garment {
         points: [0.0, 0.01].into_iter().flat_map(|z| (0..25).map(move |i| at(i, z))).collect(),
         face_vertex_counts: vec![4; 32],
         face_vertex_indices: quads.clone().chain(quads.map(|v| v + 25)).collect(),
         subsets: vec![set("across", "edge", seam), set("all", "face", (0..32).collect())],
-        ..GarmentInput::default()
+        ..Garment::default()
     }
 }
 

@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tailor::error::Error;
 use tailor::usd::{Product, ProductRole, ReadOptions, Source, WriteOptions, write};
-use tailor::{Corner, Crease, Elements, Garment, GarmentInput, Primvar, Subset};
+use tailor::{Corner, Crease, Elements, Garment, Mesh, Primvar, Subset};
 use tailor::{FaceId, Faces, VertexId};
 
 /// The garment of an input that is known to be sound.
-pub fn sound(input: &GarmentInput) -> Garment {
+pub fn sound(input: &Garment) -> Mesh {
     let vertex = |i: &i32| VertexId::new(*i as usize);
     let faces = |indices: &[i32]| indices.iter().map(|i| FaceId::new(*i as usize)).collect::<Vec<_>>();
     let corners: Vec<_> = input.face_vertex_indices.iter().map(vertex).collect();
@@ -24,7 +24,7 @@ pub fn sound(input: &GarmentInput) -> Garment {
         (start, edge) = (start + length, edge + length - 1);
     }
     let corner = |(v, s): (&i32, &f32)| Corner { vertex: vertex(v), sharpness: *s };
-    Garment {
+    Mesh {
         units: tailor::Units::default(),
         uv_scales: std::collections::BTreeMap::default(),
         influences: None,
@@ -121,7 +121,7 @@ pub fn open_prim(path: &Path, prim: &str) -> Result<Source, Error> {
     Source::open(path, &ReadOptions { prim: Some(prim.into()), ..ReadOptions::default() })
 }
 
-pub fn read(source: &Source) -> Result<GarmentInput, Error> {
+pub fn read(source: &Source) -> Result<Garment, Error> {
     source.garment().map(|(mesh, _)| mesh)
 }
 

@@ -3,7 +3,7 @@
 use crate::stage::*;
 use std::fs;
 use std::path::Path;
-use tailor::GarmentInput;
+use tailor::Garment;
 use tailor::usd::{Format, Product, ProductRole, ReadOptions, Source, Surroundings, WriteOptions, layer_bytes, write};
 
 /// A coat with attributes of many kinds.
@@ -33,10 +33,8 @@ fn rich() -> String {
 
 /// Compares all but the path. The text writer drops the sign of a zero, so signs of zeros do not count.
 #[track_caller]
-fn same(a: &GarmentInput, b: &GarmentInput) {
-    let text = |g: &GarmentInput| {
-        format!("{:#?}", GarmentInput { prim: String::new(), ..g.clone() }).replace(" -0.0,", " 0.0,")
-    };
+fn same(a: &Garment, b: &Garment) {
+    let text = |g: &Garment| format!("{:#?}", Garment { prim: String::new(), ..g.clone() }).replace(" -0.0,", " 0.0,");
     let (a, b) = (text(a), text(b));
     for (line, (a, b)) in a.lines().zip(b.lines()).enumerate() {
         assert_eq!(a, b, "line {line}");

@@ -1,6 +1,6 @@
 //! Which way the normals of a garment point.
 
-use crate::{Garment, Orientation};
+use crate::{Mesh, Orientation};
 use glam::DVec3;
 
 /// Share of the volume between the faces and the middle of the garment that has to be on one side. A garment that wraps a body has
@@ -10,7 +10,7 @@ const LEAST_SHARE: f64 = 0.25;
 const FLAT: f64 = 1e-3;
 
 /// `outward`, `inward`, or `neither` for a sheet that is nearly flat or bends both ways.
-pub fn facing(garment: &Garment) -> &'static str {
+pub fn facing(garment: &Mesh) -> &'static str {
     let (mut signed, mut all) = (0.0, 0.0);
     let [low, high] = garment.bounds().map(|p| p.as_dvec3());
     let corners = garment.faces.corners();
@@ -36,7 +36,7 @@ pub fn facing(garment: &Garment) -> &'static str {
 }
 
 /// The facing of a garment as a sentence about its normals.
-pub fn in_words(garment: &Garment) -> &'static str {
+pub fn in_words(garment: &Mesh) -> &'static str {
     match facing(garment) {
         "neither" => "point neither outward nor inward: the surface is nearly flat, or bends both ways",
         "inward" => "point inward: a positive normalOffset or side \"outer\" goes inside",

@@ -4,7 +4,7 @@ use super::super::{report, text};
 use super::token;
 use crate::error::{Error, Warnings};
 use crate::usd::{Facts, Selection, type_word};
-use crate::{Builder, Garment, Plan, PrimvarRole};
+use crate::{Builder, Mesh, Plan, PrimvarRole};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -52,7 +52,7 @@ pub fn garment(facts: &Facts, variant: Option<&Selection>, builder: &Builder, pl
     described
 }
 
-fn primvars(garment: &Garment) -> Vec<Value> {
+fn primvars(garment: &Mesh) -> Vec<Value> {
     let all = garment.primvars.iter().filter(|p| p.role == PrimvarRole::Primvar);
     all.map(|p| {
         json!({
@@ -66,7 +66,7 @@ fn primvars(garment: &Garment) -> Vec<Value> {
     .collect()
 }
 
-fn subsets(garment: &Garment) -> Vec<Value> {
+fn subsets(garment: &Mesh) -> Vec<Value> {
     let all = garment.subsets.iter();
     all.map(|s| json!({ "name": s.name, "elements": s.elements.kind(), "size": s.elements.len(), "family": s.family }))
         .collect()

@@ -15,7 +15,7 @@ mod stretch;
 use super::options::RestShape;
 use super::surface::{Surface, area, shares_uvs};
 use crate::error::{Code, Error, ErrorCode, Warning};
-use crate::garment::{Elements, Garment};
+use crate::garment::{Elements, Mesh};
 use crate::mesh::{CornerId, FaceId};
 use crate::sim::SimProduct;
 use flatten::{Panel, Seam, flatten};
@@ -71,7 +71,7 @@ pub struct RestFigures {
 /// `panels` without UVs, or with shells that are not patterns.
 pub fn rest(
     wanted: RestShape,
-    garment: &Garment,
+    garment: &Mesh,
     product: &SimProduct,
     surface: &Surface<'_>,
     cage: Option<&CageStretch>,

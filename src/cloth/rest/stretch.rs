@@ -1,6 +1,6 @@
 //! The stretch of a mesh against its UVs, as symmetric matrices in the axes of the UVs.
 
-use crate::garment::{Garment, Interpolation, Primvar, Values};
+use crate::garment::{Interpolation, Mesh, Primvar, Values};
 use crate::mesh::{CornerId, FaceId, IdVec};
 use glam::{DMat2, DVec2, DVec3, Vec3};
 
@@ -19,7 +19,7 @@ pub struct CageStretch {
 
 impl CageStretch {
     /// The stretch of a garment against its UV set; `None` without one.
-    pub fn new(garment: &Garment, uv_set: &str) -> Option<Self> {
+    pub fn new(garment: &Mesh, uv_set: &str) -> Option<Self> {
         let primvar = garment.primvar(uv_set)?;
         let Values::F32(values) = &primvar.values else { return None };
         if primvar.interpolation != Interpolation::FaceVarying || primvar.width() != 2 {
@@ -41,7 +41,7 @@ fn uv_at(primvar: &Primvar, values: &[f32], corner: CornerId) -> DVec2 {
 }
 
 /// The length of one UV unit by the areas of all faces.
-fn by_area(garment: &Garment, uv: &impl Fn(CornerId) -> DVec2) -> f64 {
+fn by_area(garment: &Mesh, uv: &impl Fn(CornerId) -> DVec2) -> f64 {
     let (mut area, mut of_uvs) = (0.0, 0.0);
     for face in garment.faces.ids() {
         let corners: Vec<CornerId> = garment.faces.corners_of(face).collect();
@@ -55,7 +55,7 @@ fn by_area(garment: &Garment, uv: &impl Fn(CornerId) -> DVec2) -> f64 {
 }
 
 /// The stretch of a face: that of the linear map from UVs to space with the least squares.
-fn face_stretch(garment: &Garment, face: FaceId, uv: &impl Fn(CornerId) -> DVec2) -> DMat2 {
+fn face_stretch(garment: &Mesh, face: FaceId, uv: &impl Fn(CornerId) -> DVec2) -> DMat2 {
     let corners = garment.faces.corners_of(face);
     let count = corners.len() as f64;
     let point = |c: CornerId| garment.points[garment.faces.vertex(c)].as_dvec3();

@@ -1,7 +1,7 @@
 //! Intersections of small cages.
 
 use crate::contact::RefinedFaces;
-use crate::garment::{Garment, Scheme, SubdivisionRules};
+use crate::garment::{Mesh, Scheme, SubdivisionRules};
 use crate::mesh::{FaceId, Faces, IdVec, VertexId};
 use crate::subdivide::Cage;
 use glam::Vec3;
@@ -12,11 +12,11 @@ fn intersecting(run: f32, rise: f32) -> Vec<[FaceId; 2]> {
     let standing = [at(0.5, -0.6), at(1.0, -0.1), at(0.5, 0.4)];
     let points = [Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y].into_iter().chain(standing);
     let corners: Vec<VertexId> = [0, 1, 2, 3, 0, 4, 5, 6].map(VertexId::new).to_vec();
-    let cage = Cage::new(Garment {
+    let cage = Cage::new(Mesh {
         points: points.collect(),
         faces: Faces::quads(corners),
         rules: SubdivisionRules { scheme: Scheme::Bilinear, ..SubdivisionRules::default() },
-        ..Garment::default()
+        ..Mesh::default()
     });
     let all = [0, 1].map(FaceId::new);
     RefinedFaces::new(cage.level(), cage.level().vertex_rows(), &cage.garment().points, &all, None)
@@ -29,11 +29,11 @@ fn a_sliver_may_overlap_a_flat_neighbour() {
     let points = pentagon.map(|[x, y]| Vec3::new(x, y, 0.0));
     let across = |rise: f32| [Vec3::new(1.0, 0.2, rise), Vec3::new(1.0, 0.35, -0.6 * rise)];
     let intersecting = |rise: f32| {
-        let cage = Cage::new(Garment {
+        let cage = Cage::new(Mesh {
             points: points.into_iter().chain(across(rise)).collect(),
             faces: Faces::mixed([5, 3], [0, 1, 2, 3, 4, 0, 5, 6].map(VertexId::new).to_vec()),
             rules: SubdivisionRules { scheme: Scheme::Bilinear, ..SubdivisionRules::default() },
-            ..Garment::default()
+            ..Mesh::default()
         });
         let all = [0, 1].map(FaceId::new);
         let rest_normals = IdVec::filled(Vec3::Z, 2);
@@ -59,11 +59,11 @@ fn neighbours(random: &mut impl FnMut() -> f32, scheme: Scheme) -> Cage {
     };
     let first = [at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)];
     let others = [at(0.0, -1.0), at(1.0, -1.0)];
-    Cage::new(Garment {
+    Cage::new(Mesh {
         points: first.into_iter().chain(others).collect(),
         faces: Faces::quads([0, 1, 2, 3, 1, 0, 4, 5].map(VertexId::new).to_vec()),
         rules: SubdivisionRules { scheme, ..SubdivisionRules::default() },
-        ..Garment::default()
+        ..Mesh::default()
     })
 }
 

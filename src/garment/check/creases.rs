@@ -1,16 +1,16 @@
 //! Creases and corners.
 
-use super::mesh::{Count, Entry, Indices, Mesh, Repeat, repeats};
+use super::mesh::{Count, Entry, Indices, MeshCheck, Repeat, repeats};
 use super::problem::Problems;
 use crate::error::ErrorCode;
-use crate::garment::{Corner, Crease, GarmentInput};
+use crate::garment::{Corner, Crease, Garment};
 use crate::mesh::VertexId;
 
 /// Infinite sharpness, as in OpenSubdiv.
 const INFINITE_SHARPNESS: f32 = 10.0;
 
 /// The creases.
-pub(super) fn creases(input: &GarmentInput, mesh: &Mesh<'_>, problems: &mut Problems) -> Vec<Crease> {
+pub(super) fn creases(input: &Garment, mesh: &MeshCheck<'_>, problems: &mut Problems) -> Vec<Crease> {
     let sharpnesses = sharpnesses("creaseSharpnesses", &input.crease_sharpnesses, problems);
     let indices = Indices { attribute: "creaseIndices", kind: "point", count: mesh.points };
     let vertices = indices.handles(&input.crease_indices, |i| Entry("entry", i), problems);
@@ -30,7 +30,7 @@ pub(super) fn creases(input: &GarmentInput, mesh: &Mesh<'_>, problems: &mut Prob
 }
 
 /// The lengths of the creases, if they are valid and fit the indices.
-fn lengths(input: &GarmentInput, problems: &mut Problems) -> Option<Vec<usize>> {
+fn lengths(input: &Garment, problems: &mut Problems) -> Option<Vec<usize>> {
     let before = problems.count();
     for (crease, &n) in input.crease_lengths.iter().enumerate().filter(|&(_, &n)| n < 2) {
         let fault = format_args!("crease {crease} has a length of {n}, but a crease has two points or more");
@@ -74,7 +74,7 @@ fn sharpness_per_edge(lengths: &[usize], found: usize, problems: &mut Problems) 
 }
 
 /// Checks that each step of a crease is an edge.
-fn check_steps(crease: usize, path: &[Option<VertexId>], mesh: &Mesh<'_>, problems: &mut Problems) {
+fn check_steps(crease: usize, path: &[Option<VertexId>], mesh: &MeshCheck<'_>, problems: &mut Problems) {
     for (step, ends) in path.windows(2).enumerate() {
         let &[Some(a), Some(b)] = ends else { continue };
         if mesh.edge([a, b]) == Some(None) {
@@ -101,7 +101,7 @@ fn sharpnesses(attribute: &str, values: &[f32], problems: &mut Problems) -> Vec<
 }
 
 /// The corners.
-pub(super) fn corners(input: &GarmentInput, mesh: &Mesh<'_>, problems: &mut Problems) -> Vec<Corner> {
+pub(super) fn corners(input: &Garment, mesh: &MeshCheck<'_>, problems: &mut Problems) -> Vec<Corner> {
     let sharpnesses = sharpnesses("cornerSharpnesses", &input.corner_sharpnesses, problems);
     let indices = Indices { attribute: "cornerIndices", kind: "point", count: mesh.points };
     let vertices: Vec<Option<VertexId>> = indices.handles(&input.corner_indices, |i| Entry("entry", i), problems);

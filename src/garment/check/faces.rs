@@ -1,9 +1,9 @@
 //! Points, faces and holes.
 
-use super::mesh::{Count, Entry, Indices, Mesh, corner_sum};
+use super::mesh::{Count, Entry, Indices, MeshCheck, corner_sum};
 use super::problem::Problems;
 use crate::error::ErrorCode;
-use crate::garment::{GarmentInput, Scheme};
+use crate::garment::{Garment, Scheme};
 use crate::mesh::{FaceId, Faces, VertexId};
 use glam::Vec3;
 use std::collections::HashSet;
@@ -26,9 +26,9 @@ pub(super) fn check_points(points: &[Vec3], problems: &mut Problems) {
 }
 
 /// The faces, if they have no fault.
-pub(super) fn faces(input: &GarmentInput, problems: &mut Problems) -> Option<Faces> {
+pub(super) fn faces(input: &Garment, problems: &mut Problems) -> Option<Faces> {
     let before = problems.count();
-    let mesh = Mesh::new(input, None);
+    let mesh = MeshCheck::new(input, None);
     check_counts(input, problems);
     let counts_hold = problems.count() == before;
     let indices = Indices { attribute: "faceVertexIndices", kind: "point", count: mesh.points };
@@ -45,7 +45,7 @@ pub(super) fn faces(input: &GarmentInput, problems: &mut Problems) -> Option<Fac
 }
 
 /// Checks that there are faces, that each has three corners or more, and that their corners are all indices.
-fn check_counts(input: &GarmentInput, problems: &mut Problems) {
+fn check_counts(input: &Garment, problems: &mut Problems) {
     const ATTRIBUTE: &str = "faceVertexCounts";
     let counts = &input.face_vertex_counts;
     if counts.is_empty() {
@@ -71,7 +71,7 @@ fn check_counts(input: &GarmentInput, problems: &mut Problems) {
 }
 
 /// Checks that a Loop cage has triangles only.
-pub(super) fn check_scheme(input: &GarmentInput, problems: &mut Problems) {
+pub(super) fn check_scheme(input: &Garment, problems: &mut Problems) {
     if input.rules.scheme != Scheme::Loop {
         return;
     }
@@ -105,7 +105,7 @@ fn check_repeats(counts: &[i32], corners: &[VertexId], points: usize, problems: 
 }
 
 /// The faces that are holes, each once, in authored order.
-pub(super) fn holes(indices: &[i32], mesh: &Mesh<'_>, problems: &mut Problems) -> Vec<FaceId> {
+pub(super) fn holes(indices: &[i32], mesh: &MeshCheck<'_>, problems: &mut Problems) -> Vec<FaceId> {
     let kind = Indices { attribute: "holeIndices", kind: "face", count: mesh.faces };
     let faces: Vec<Option<FaceId>> = kind.handles(indices, |i| Entry("entry", i), problems);
     let mut seen = HashSet::new();

@@ -2,13 +2,13 @@
 
 use super::Problems;
 use crate::error::ErrorCode;
-use crate::garment::{GarmentInput, Interpolation};
+use crate::garment::{Garment, Interpolation};
 use crate::mesh::{EdgeId, Id, Topology, VertexId};
 use std::fmt;
 
 /// The element counts of the mesh while its attributes are checked. A count is none where it is itself at fault.
 #[derive(Clone, Copy)]
-pub(super) struct Mesh<'a> {
+pub(super) struct MeshCheck<'a> {
     /// `faceVertexCounts`, to name corners by their face.
     pub counts: &'a [i32],
     /// Number of points.
@@ -21,9 +21,9 @@ pub(super) struct Mesh<'a> {
     pub topology: Option<&'a Topology>,
 }
 
-impl<'a> Mesh<'a> {
+impl<'a> MeshCheck<'a> {
     /// The counts on which `input` is consistent.
-    pub fn new(input: &'a GarmentInput, topology: Option<&'a Topology>) -> Self {
+    pub fn new(input: &'a Garment, topology: Option<&'a Topology>) -> Self {
         let counts = &input.face_vertex_counts;
         let corners = input.face_vertex_indices.len();
         let some = |n: usize| (n > 0).then_some(n);
@@ -99,7 +99,7 @@ impl fmt::Display for CornerName<'_> {
 
 /// The element of a primvar as messages name it.
 pub(super) struct ElementName<'a> {
-    mesh: Mesh<'a>,
+    mesh: MeshCheck<'a>,
     interpolation: Interpolation,
     element: usize,
 }

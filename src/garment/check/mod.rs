@@ -1,6 +1,6 @@
 //! The check of an input. After it, geometry code may assume clean indices, lengths and values.
 //!
-//! Each file here turns one part of a [`GarmentInput`] into its checked form and adds its faults to [`Problems`]. Parts that
+//! Each file here turns one part of a [`Garment`] into its checked form and adds its faults to [`Problems`]. Parts that
 //! depend on a faulty one are skipped, so that a fault is listed once; all others are checked. Time is linear in the size
 //! of the mesh and its attributes, except for the sort that finds duplicate faces.
 
@@ -15,10 +15,10 @@ mod surface;
 #[cfg(test)]
 mod tests;
 
-use super::{Garment, GarmentInput};
+use super::{Garment, Mesh};
 use crate::error::{Error, Warnings};
 use crate::mesh::Topology;
-use mesh::Mesh;
+use mesh::MeshCheck;
 use problem::Problems;
 use std::mem::take;
 
@@ -29,14 +29,14 @@ use std::mem::take;
 ///
 /// # Errors
 /// Every independent fault of topology, indices, lengths and values that was found, in a fixed order.
-pub fn check_garment(mut input: GarmentInput) -> Result<(Garment, Warnings), Error> {
+pub fn check_garment(mut input: Garment) -> Result<(Mesh, Warnings), Error> {
     let mut problems = Problems::default();
     let found = &mut problems;
     faces::check_points(&input.points, found);
     let topology = faces::faces(&input, found).map(|faces| Topology::new(faces, input.points.len()));
     faces::check_scheme(&input, found);
     let (primvars, subsets) = (take(&mut input.primvars), take(&mut input.subsets));
-    let mesh = Mesh::new(&input, topology.as_ref());
+    let mesh = MeshCheck::new(&input, topology.as_ref());
     let holes = faces::holes(&input.hole_indices, &mesh, found);
     let creases = creases::creases(&input, &mesh, found);
     let corners = creases::corners(&input, &mesh, found);
@@ -47,7 +47,7 @@ pub fn check_garment(mut input: GarmentInput) -> Result<(Garment, Warnings), Err
         return Err(problems.into_error(&input.prim));
     };
     let warnings = surface::warnings(&input.prim, &topology, &input.points);
-    let garment = Garment {
+    let garment = Mesh {
         prim: input.prim,
         points: input.points.into(),
         faces: topology.faces,

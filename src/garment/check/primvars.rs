@@ -1,6 +1,6 @@
 //! Primvars: their lengths, their indices and their numbers.
 
-use super::mesh::{Count, Indices, Mesh};
+use super::mesh::{Count, Indices, MeshCheck};
 use super::problem::Problems;
 use crate::error::ErrorCode;
 use crate::garment::{Interpolation, Primvar, PrimvarInput, PrimvarRole, Values};
@@ -9,7 +9,7 @@ use std::collections::HashSet;
 use std::sync::Arc;
 
 /// The primvars, in the order in which they were authored.
-pub(super) fn primvars(inputs: Vec<PrimvarInput>, mesh: &Mesh<'_>, problems: &mut Problems) -> Vec<Primvar> {
+pub(super) fn primvars(inputs: Vec<PrimvarInput>, mesh: &MeshCheck<'_>, problems: &mut Problems) -> Vec<Primvar> {
     check_names(&inputs, problems);
     inputs.into_iter().filter_map(|input| primvar(input, mesh, problems)).collect()
 }
@@ -29,7 +29,7 @@ fn check_names(inputs: &[PrimvarInput], problems: &mut Problems) {
 }
 
 /// One primvar; none where its rows are unknown.
-fn primvar(input: PrimvarInput, mesh: &Mesh<'_>, problems: &mut Problems) -> Option<Primvar> {
+fn primvar(input: PrimvarInput, mesh: &MeshCheck<'_>, problems: &mut Problems) -> Option<Primvar> {
     let element_size = element_size(&input, problems)?;
     let width = input.components * element_size;
     let rows = rows(&input, element_size, problems)?;
@@ -122,7 +122,7 @@ fn rows(input: &PrimvarInput, element_size: usize, problems: &mut Problems) -> O
 }
 
 /// Checks that real numbers are finite, as interpolation would spread others.
-fn check_finite(input: &PrimvarInput, width: usize, mesh: &Mesh<'_>, problems: &mut Problems) {
+fn check_finite(input: &PrimvarInput, width: usize, mesh: &MeshCheck<'_>, problems: &mut Problems) {
     match &input.values {
         Values::F32(v) => check_each_finite(input, v, width, mesh, problems),
         Values::F64(v) => check_each_finite(input, v, width, mesh, problems),
@@ -131,7 +131,7 @@ fn check_finite(input: &PrimvarInput, width: usize, mesh: &Mesh<'_>, problems: &
 }
 
 /// Checks that every number in `values` is finite; lists one for each row.
-fn check_each_finite<T>(input: &PrimvarInput, values: &[T], width: usize, mesh: &Mesh<'_>, problems: &mut Problems)
+fn check_each_finite<T>(input: &PrimvarInput, values: &[T], width: usize, mesh: &MeshCheck<'_>, problems: &mut Problems)
 where
     T: Copy + Into<f64>,
 {
@@ -145,7 +145,7 @@ where
 }
 
 /// Checks that there is one row for each element.
-fn check_rows(input: &PrimvarInput, rows: usize, element_size: usize, mesh: &Mesh<'_>, problems: &mut Problems) {
+fn check_rows(input: &PrimvarInput, rows: usize, element_size: usize, mesh: &MeshCheck<'_>, problems: &mut Problems) {
     let Some(elements) = mesh.elements(input.interpolation).filter(|&n| n != rows) else { return };
     let (token, carrier) = (token(input.interpolation), carrier(input.interpolation));
     let (found, needed) = (Count(rows * element_size, "value"), elements * element_size);
@@ -173,7 +173,7 @@ fn check_rows(input: &PrimvarInput, rows: usize, element_size: usize, mesh: &Mes
 }
 
 /// The interpolation that `rows` rows fit.
-fn fitting(rows: usize, mesh: &Mesh<'_>) -> Option<&'static str> {
+fn fitting(rows: usize, mesh: &MeshCheck<'_>) -> Option<&'static str> {
     let all = [Interpolation::Vertex, Interpolation::FaceVarying, Interpolation::Uniform];
     all.into_iter().find(|&i| mesh.elements(i) == Some(rows)).map(token)
 }
@@ -183,7 +183,7 @@ fn row_indices(
     input: &PrimvarInput,
     indices: &[i32],
     rows: usize,
-    mesh: &Mesh<'_>,
+    mesh: &MeshCheck<'_>,
     problems: &mut Problems,
 ) -> Vec<u32> {
     let attribute = format!("{}:indices", attribute(input));

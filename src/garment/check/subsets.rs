@@ -1,6 +1,6 @@
 //! Subsets of faces, edges and points, and the rules of their families.
 
-use super::mesh::{Count, Entry, Indices, Mesh, Repeat, repeats};
+use super::mesh::{Count, Entry, Indices, MeshCheck, Repeat, repeats};
 use super::problem::Problems;
 use crate::error::ErrorCode;
 use crate::garment::{Elements, Family, FamilyType, Subset, SubsetInput};
@@ -18,7 +18,7 @@ struct SubsetNumbers {
 pub(super) fn subsets(
     inputs: Vec<SubsetInput>,
     families: &[Family],
-    mesh: &Mesh<'_>,
+    mesh: &MeshCheck<'_>,
     problems: &mut Problems,
 ) -> Vec<Subset> {
     let mut numbered = Vec::with_capacity(inputs.len());
@@ -40,7 +40,7 @@ pub(super) fn subsets(
 }
 
 /// One subset; none if a mesh has no such elements.
-fn subset(input: SubsetInput, mesh: &Mesh<'_>, problems: &mut Problems) -> Option<SubsetNumbers> {
+fn subset(input: SubsetInput, mesh: &MeshCheck<'_>, problems: &mut Problems) -> Option<SubsetNumbers> {
     let before = problems.count();
     let attribute = format!("{}.indices", input.name);
     let (elements, numbers) = match input.element_type.as_str() {
@@ -91,7 +91,7 @@ fn plain<I: Id>(
 fn edges(
     attribute: &str,
     indices: &[i32],
-    mesh: &Mesh<'_>,
+    mesh: &MeshCheck<'_>,
     problems: &mut Problems,
 ) -> (Vec<[VertexId; 2]>, Vec<usize>) {
     let (pairs, rest) = indices.as_chunks::<2>();
@@ -127,7 +127,7 @@ fn edge_number(
     attribute: &str,
     pair: usize,
     ends: [VertexId; 2],
-    mesh: &Mesh<'_>,
+    mesh: &MeshCheck<'_>,
     problems: &mut Problems,
 ) -> Option<usize> {
     let [a, b] = ends.map(VertexId::index);
@@ -178,7 +178,7 @@ impl Members<'_> {
     }
 
     /// Checks the family's rule.
-    fn check(&self, mesh: &Mesh<'_>, problems: &mut Problems) {
+    fn check(&self, mesh: &MeshCheck<'_>, problems: &mut Problems) {
         if !self.check_one_kind(problems) || self.rule == FamilyType::Unrestricted {
             return;
         }
@@ -237,7 +237,7 @@ impl Members<'_> {
     }
 
     /// Checks that every element is in a subset.
-    fn check_cover(&self, mesh: &Mesh<'_>, problems: &mut Problems) {
+    fn check_cover(&self, mesh: &MeshCheck<'_>, problems: &mut Problems) {
         let kind = self.kind();
         let Some(count) = element_count(kind, mesh) else { return };
         let mut covered = vec![false; count];
@@ -252,7 +252,7 @@ impl Members<'_> {
 }
 
 /// Number of elements of a kind in the mesh.
-fn element_count(kind: &str, mesh: &Mesh<'_>) -> Option<usize> {
+fn element_count(kind: &str, mesh: &MeshCheck<'_>) -> Option<usize> {
     match kind {
         "face" => mesh.faces,
         "point" => mesh.points,
@@ -261,7 +261,7 @@ fn element_count(kind: &str, mesh: &Mesh<'_>) -> Option<usize> {
 }
 
 /// Names an element of the mesh in the user's numbers.
-fn element_name(kind: &str, number: usize, mesh: &Mesh<'_>) -> String {
+fn element_name(kind: &str, number: usize, mesh: &MeshCheck<'_>) -> String {
     match mesh.topology {
         Some(t) if kind == "edge" => edge_name(t.edges.as_slice()[number]),
         _ => format!("{kind} {number}"),

@@ -1,6 +1,6 @@
 //! Border edges, and which of different meshes coincide.
 
-use crate::garment::GarmentInput;
+use crate::garment::Garment;
 use glam::{DMat4, DVec3};
 
 /// Border edges near one edge that are looked at. A garment has a handful; copies of a mesh on each other have more.
@@ -47,7 +47,7 @@ pub struct Match {
 
 impl Border {
     /// The border of `mesh`, which `to_common` takes to the common space.
-    pub fn of(mesh: &GarmentInput, to_common: &DMat4) -> Self {
+    pub fn of(mesh: &Garment, to_common: &DMat4) -> Self {
         let points: Vec<DVec3> = mesh.points.iter().map(|p| to_common.transform_point3(p.as_dvec3())).collect();
         let mut all = Vec::with_capacity(mesh.face_vertex_indices.len());
         let mut corners = mesh.face_vertex_indices.as_slice();

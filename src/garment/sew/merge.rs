@@ -4,7 +4,7 @@ use super::primvars::merge_primvars;
 use super::subsets::{merge_families, merge_subsets};
 use crate::error::{Error, ErrorCode, ErrorKind, Warnings};
 use crate::garment::{
-    GarmentInput, Interpolation, Meaning, Orientation, PrimvarInput, SubsetInput, Units, Values, free_name,
+    Garment, Interpolation, Meaning, Orientation, PrimvarInput, SubsetInput, Units, Values, free_name,
 };
 use crate::mesh::Groups;
 use glam::{DMat3, DMat4, DVec3, Vec3};
@@ -16,14 +16,14 @@ pub struct Panel {
     /// Name of the face set that it becomes, if that is free.
     pub name: String,
     /// The mesh, in the space of the garment.
-    pub mesh: GarmentInput,
+    pub mesh: Garment,
 }
 
 /// Panels as one mesh.
 #[derive(Clone, Debug)]
 pub struct Sewn {
     /// The mesh.
-    pub mesh: GarmentInput,
+    pub mesh: Garment,
     /// The face set of each panel.
     pub panels: Vec<String>,
     /// The point of the mesh behind each point of each panel.
@@ -42,7 +42,7 @@ pub struct Points {
 
 /// Takes a mesh to another space: its points, and what is a direction or a position among its primvars. A mirror changes the
 /// winding of its faces.
-pub fn place(mesh: &mut GarmentInput, to_space: &DMat4) {
+pub fn place(mesh: &mut Garment, to_space: &DMat4) {
     if *to_space == DMat4::IDENTITY {
         return;
     }
@@ -91,7 +91,7 @@ pub fn merge(
     panels.iter_mut().filter(|panel| panel.mesh.orientation != orientation).for_each(|panel| turn(&mut panel.mesh));
     let points = weld(&panels, welds);
     check_faces(&panels, &points)?;
-    let mut mesh = GarmentInput {
+    let mut mesh = Garment {
         prim,
         units,
         uv_scales: panels[0].mesh.uv_scales.clone(),
@@ -99,7 +99,7 @@ pub fn merge(
         orientation,
         rules: panels[0].mesh.rules,
         families: merge_families(&panels),
-        ..GarmentInput::default()
+        ..Garment::default()
     };
     let (primvars, warnings) = merge_primvars(&mesh.prim, &panels, &points);
     mesh.primvars = primvars;
@@ -156,7 +156,7 @@ fn check_rules(panels: &[Panel]) -> Result<(), Error> {
 }
 
 /// Turns the winding of all faces. Each face keeps its first corner.
-fn turn(mesh: &mut GarmentInput) {
+fn turn(mesh: &mut Garment) {
     let mut order = Vec::with_capacity(mesh.face_vertex_indices.len());
     for &count in &mesh.face_vertex_counts {
         let first = order.len();
@@ -243,7 +243,7 @@ fn check_faces(panels: &[Panel], points: &Points) -> Result<(), Error> {
 }
 
 /// Adds the faces of a panel, its holes and its creases.
-fn add_topology(mesh: &mut GarmentInput, panel: &GarmentInput, of_panel: &[usize]) {
+fn add_topology(mesh: &mut Garment, panel: &Garment, of_panel: &[usize]) {
     let first_face = mesh.face_vertex_counts.len() as i32;
     let point = |&p: &i32| of_panel[p as usize] as i32;
     mesh.face_vertex_counts.extend(&panel.face_vertex_counts);
@@ -261,7 +261,7 @@ fn add_topology(mesh: &mut GarmentInput, panel: &GarmentInput, of_panel: &[usize
 }
 
 /// The corners of all panels. A point that several panels make a corner has the largest sharpness.
-fn merge_corners(mesh: &mut GarmentInput, panels: &[Panel], points: &Points) {
+fn merge_corners(mesh: &mut Garment, panels: &[Panel], points: &Points) {
     let mut sharp = BTreeMap::<i32, f32>::new();
     for (panel, of_panel) in panels.iter().zip(&points.of_panel) {
         for (&point, &sharpness) in panel.mesh.corner_indices.iter().zip(&panel.mesh.corner_sharpnesses) {

@@ -15,7 +15,7 @@ mod tests;
 pub use merge::{Panel, Sewn, merge, place};
 pub use unsewn::Unsewn;
 
-use super::GarmentInput;
+use super::Garment;
 use crate::error::{Error, ErrorCode, ErrorKind};
 use crate::mesh::Groups;
 use borders::{Border, matches};
@@ -58,7 +58,7 @@ pub struct Seams {
 ///
 /// # Errors
 /// More border edges at one place than a garment has.
-pub fn find_seams(meshes: &[(&GarmentInput, DMat4)], tolerance: f64) -> Result<Seams, Error> {
+pub fn find_seams(meshes: &[(&Garment, DMat4)], tolerance: f64) -> Result<Seams, Error> {
     let borders: Vec<Border> = meshes.iter().map(|(mesh, to_common)| Border::of(mesh, to_common)).collect();
     let pairs = matches(&borders, tolerance).map_err(|crowd| {
         let fault = Error::new(

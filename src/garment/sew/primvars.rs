@@ -2,7 +2,7 @@
 
 use super::merge::{Panel, Points};
 use crate::error::{Warning, Warnings, names};
-use crate::garment::{GarmentInput, Interpolation, Meaning, Mixing, PrimvarInput, PrimvarRole, Values};
+use crate::garment::{Garment, Interpolation, Meaning, Mixing, PrimvarInput, PrimvarRole, Values};
 use crate::mesh::{Elements, VertexId};
 use std::collections::BTreeMap;
 use std::mem::discriminant;
@@ -151,7 +151,7 @@ fn join(
 }
 
 /// The row of each element of a panel.
-fn element_rows(primvar: &PrimvarInput, as_if: Interpolation, mesh: &GarmentInput, share: bool) -> Vec<usize> {
+fn element_rows(primvar: &PrimvarInput, as_if: Interpolation, mesh: &Garment, share: bool) -> Vec<usize> {
     let count = match as_if {
         Interpolation::Constant => 1,
         Interpolation::Uniform => mesh.face_vertex_counts.len(),
@@ -168,7 +168,7 @@ fn element_rows(primvar: &PrimvarInput, as_if: Interpolation, mesh: &GarmentInpu
 }
 
 /// The rows of corners without indices: those of one point and one value share the first.
-fn shared_rows(primvar: &PrimvarInput, mesh: &GarmentInput) -> Vec<usize> {
+fn shared_rows(primvar: &PrimvarInput, mesh: &Garment) -> Vec<usize> {
     let mut corners: Vec<(i32, usize)> = mesh.face_vertex_indices.iter().enumerate().map(|(c, &p)| (p, c)).collect();
     corners.sort_unstable();
     let (mut rows, width): (Vec<usize>, _) = ((0..corners.len()).collect(), width(primvar));

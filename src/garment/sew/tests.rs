@@ -6,25 +6,25 @@ use crate::garment::{PrimvarInput, SubsetInput, Units, Values, check_garment};
 use glam::{DVec3, Vec3};
 
 /// A flat sheet of `n` by `n` quads of side 1, with its first corner at `(x, 0, 0)`.
-fn sheet(name: &str, n: i32, x: f32) -> GarmentInput {
+fn sheet(name: &str, n: i32, x: f32) -> Garment {
     let point = |i: i32| Vec3::new((i % (n + 1)) as f32 + x, (i / (n + 1)) as f32, 0.0);
     let corners = (0..n * n).map(|f| f / n * (n + 1) + f % n).flat_map(|i| [i, i + 1, i + n + 2, i + n + 1]);
-    GarmentInput {
+    Garment {
         prim: format!("/Suit/{name}"),
         points: (0..(n + 1) * (n + 1)).map(point).collect(),
         face_vertex_counts: vec![4; (n * n) as usize],
         face_vertex_indices: corners.collect(),
-        ..GarmentInput::default()
+        ..Garment::default()
     }
 }
 
-fn found(meshes: &[GarmentInput]) -> Seams {
+fn found(meshes: &[Garment]) -> Seams {
     let placed: Vec<_> = meshes.iter().map(|mesh| (mesh, DMat4::IDENTITY)).collect();
     find_seams(&placed, TOLERANCE).expect("few edges in one place")
 }
 
-fn merged(meshes: &[GarmentInput], seams: &Seams) -> Result<(Sewn, Warnings), Error> {
-    let name = |mesh: &GarmentInput| mesh.prim.rsplit('/').next().unwrap_or_default().to_owned();
+fn merged(meshes: &[Garment], seams: &Seams) -> Result<(Sewn, Warnings), Error> {
+    let name = |mesh: &Garment| mesh.prim.rsplit('/').next().unwrap_or_default().to_owned();
     let panels = meshes.iter().map(|mesh| Panel { name: name(mesh), mesh: mesh.clone() }).collect();
     merge("/Suit/all".into(), Units::default(), panels, &seams.welds)
 }
@@ -121,7 +121,7 @@ fn values_keep_their_panel_and_sets_their_name() {
 #[test]
 fn many_copies_in_one_place_are_found_without_comparing_all_edges() {
     // 30 sheets of 120 border edges each, all at one place.
-    let meshes: Vec<GarmentInput> = (0..30).map(|i| sheet(&i.to_string(), 30, 0.0)).collect();
+    let meshes: Vec<Garment> = (0..30).map(|i| sheet(&i.to_string(), 30, 0.0)).collect();
     let seams = found(&meshes);
     assert_eq!((seams.garments.len(), seams.seams.len()), (1, 30 * 29 / 2));
     assert!(seams.seams.iter().all(|seam| seam.edges == 120));

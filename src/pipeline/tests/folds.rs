@@ -1,7 +1,7 @@
 //! Folds on the simulation mesh: kept where the surface is sharp, told where they are cut short.
 
 use crate::error::{Code, Warnings};
-use crate::garment::{GarmentInput, SubsetInput};
+use crate::garment::{Garment, SubsetInput};
 use crate::recipe::Layers;
 use crate::{Builder, Products};
 use glam::Vec3;
@@ -10,7 +10,7 @@ use glam::Vec3;
 const SIDE: usize = 7;
 
 /// A cloth of six by six quads, folded flat on itself along a slanting row; `crease` is the sharpness of the fold.
-fn folded_cloth(crease: f32) -> GarmentInput {
+fn folded_cloth(crease: f32) -> Garment {
     let middle = SIDE / 2;
     let point = |x: usize, y: usize| {
         let (u, v) = (x as f32, y as f32 - middle as f32);
@@ -18,7 +18,7 @@ fn folded_cloth(crease: f32) -> GarmentInput {
     };
     let at = |x: usize, y: usize| (y * SIDE + x) as i32;
     let cells = || (0..SIDE - 1).flat_map(|y| (0..SIDE - 1).map(move |x| (x, y)));
-    GarmentInput {
+    Garment {
         prim: "/Cloth/model".into(),
         points: (0..SIDE * SIDE).map(|i| point(i % SIDE, i / SIDE)).collect(),
         face_vertex_counts: cells().map(|_| 4).collect(),
@@ -34,11 +34,11 @@ fn folded_cloth(crease: f32) -> GarmentInput {
             family: String::new(),
             indices: (0..cells().count() as i32).collect(),
         }],
-        ..GarmentInput::default()
+        ..Garment::default()
     }
 }
 
-fn build(input: GarmentInput, length: f32) -> (Products, Warnings) {
+fn build(input: Garment, length: f32) -> (Products, Warnings) {
     let mut layers = Layers::default();
     layers.add_override(&format!("sim.maxEdgeLength={length}")).expect("an option");
     let mut builder = Builder::new(input).expect("a good cloth").with_max_faces(100_000);

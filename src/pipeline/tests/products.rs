@@ -2,7 +2,7 @@
 //!
 //! In debug builds the remesher checks its own invariants after each pass too.
 
-use crate::garment::GarmentInput;
+use crate::garment::Garment;
 use crate::recipe::Layers;
 use crate::testing::cases::few;
 use crate::testing::checks::product::{Bounds, GARMENT, Subject};
@@ -23,7 +23,7 @@ fn layers(overrides: &[String]) -> Layers {
 }
 
 /// Builds and checks; a panic is a fault as any other.
-fn complaint(name: &str, input: GarmentInput, layers: &Layers, bounds: Bounds) -> Option<String> {
+fn complaint(name: &str, input: Garment, layers: &Layers, bounds: Bounds) -> Option<String> {
     let work = || Subject::build(name, input, layers).and_then(|s| s.check(bounds));
     match catch_unwind(AssertUnwindSafe(work)) {
         Ok(result) => result.err(),
@@ -58,7 +58,7 @@ fn of_garments() {
 }
 
 /// The mean edge of a mesh in its own units, roughly: what targets are a multiple of.
-fn size(input: &GarmentInput) -> f32 {
+fn size(input: &Garment) -> f32 {
     let mut start = 0;
     let (mut sum, mut count) = (0.0, 0);
     for &n in &input.face_vertex_counts {
@@ -142,7 +142,7 @@ fn sheets() -> impl Strategy<Value = Sheet> {
 
 impl Sheet {
     /// None where no face is left to be drawn.
-    fn input(&self) -> Option<GarmentInput> {
+    fn input(&self) -> Option<Garment> {
         let kind = |x: usize, y: usize| self.cells[y * self.nx + x];
         let mut kept = Vec::new();
         (0..self.ny).for_each(|y| kept.extend((0..self.nx).filter(|&x| kind(x, y) != 1).map(|x| (x, y))));
@@ -166,7 +166,7 @@ impl Sheet {
         Some(if line.is_empty() { input } else { sheets::with_edges(input, "line", &line) })
     }
 
-    fn layers(&self, input: &GarmentInput) -> Layers {
+    fn layers(&self, input: &Garment) -> Layers {
         let mut overrides = vec![
             format!("sim.maxEdgeLength={}", self.target),
             format!("sim.baselineLevel={}", self.level),

@@ -1,6 +1,6 @@
 //! Values of the corners, points and faces of a mesh as the page draws them.
 
-use crate::garment::{Garment, Interpolation, Primvar, Values};
+use crate::garment::{Interpolation, Mesh, Primvar, Values};
 use crate::mesh::{CornerId, IdVec, VertexId};
 use crate::preview::messages::ValuesOf;
 use crate::report::TriangleQuality;
@@ -21,7 +21,7 @@ pub struct Channel {
 }
 
 /// The UV set that is drawn: the one called `name`, or else the first.
-pub fn uv_set<'a>(mesh: &'a Garment, name: &str) -> Option<&'a Primvar> {
+pub fn uv_set<'a>(mesh: &'a Mesh, name: &str) -> Option<&'a Primvar> {
     let is_uv = |p: &&Primvar| {
         p.interpolation == Interpolation::FaceVarying && p.width() == 2 && matches!(p.values, Values::F32(_))
     };
@@ -41,7 +41,7 @@ fn row<'a>(primvar: &Primvar, values: &'a [f32], element: usize, width: usize) -
 }
 
 /// The values called `name`, if the mesh has them and they are single numbers.
-pub fn channel(mesh: &Garment, quality: Option<&TriangleQuality>, name: &str) -> Option<Channel> {
+pub fn channel(mesh: &Mesh, quality: Option<&TriangleQuality>, name: &str) -> Option<Channel> {
     match (name, quality) {
         (ANGLE, Some(quality)) => Some(Channel { of: ValuesOf::Face, values: quality.angles.clone() }),
         (LENGTH, Some(quality)) => Some(Channel { of: ValuesOf::Face, values: quality.lengths.clone() }),
@@ -49,7 +49,7 @@ pub fn channel(mesh: &Garment, quality: Option<&TriangleQuality>, name: &str) ->
     }
 }
 
-fn painted(mesh: &Garment, primvar: &Primvar) -> Option<Channel> {
+fn painted(mesh: &Mesh, primvar: &Primvar) -> Option<Channel> {
     let Values::F32(values) = &primvar.values else { return None };
     if primvar.width() != 1 {
         return None;
@@ -65,7 +65,7 @@ fn painted(mesh: &Garment, primvar: &Primvar) -> Option<Channel> {
 }
 
 /// Inner edges at which the corners of the two faces have other values of a UV set.
-pub fn uv_seams(mesh: &Garment, primvar: &Primvar) -> Vec<[VertexId; 2]> {
+pub fn uv_seams(mesh: &Mesh, primvar: &Primvar) -> Vec<[VertexId; 2]> {
     let Values::F32(values) = &primvar.values else { return Vec::new() };
     let uv = |corner: CornerId| row(primvar, values, corner.index(), 2);
     let faces = &mesh.faces;
@@ -94,19 +94,19 @@ fn undirected([a, b]: [VertexId; 2]) -> [VertexId; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::garment::{GarmentInput, PrimvarInput, check_garment};
+    use crate::garment::{Garment, PrimvarInput, check_garment};
 
     #[test]
     fn edges_between_two_shells_are_seams_and_borders_are_not() {
         let corners = vec![0, 1, 5, 4, 1, 2, 6, 5, 2, 3, 7, 6];
         let uv = |(i, point): (usize, &i32)| [(point % 4) as f32 + if i < 4 { 9.0 } else { 0.0 }, (point / 4) as f32];
         let uvs: Vec<[f32; 2]> = corners.iter().enumerate().map(uv).collect();
-        let mesh = GarmentInput {
+        let mesh = Garment {
             points: (0..8).map(|i| glam::Vec3::new((i % 4) as f32, (i / 4) as f32, 0.0)).collect(),
             face_vertex_counts: vec![4; 3],
             face_vertex_indices: corners,
             primvars: vec![PrimvarInput::uvs("st", &uvs, (0..12).collect())],
-            ..GarmentInput::default()
+            ..Garment::default()
         };
         let (garment, _) = check_garment(mesh).expect("a good mesh");
         let seams = uv_seams(&garment, uv_set(&garment, "st").expect("a UV set"));

@@ -7,7 +7,7 @@ mod channels;
 mod smooth;
 
 use crate::error::Error;
-use crate::garment::{Elements, Garment, Orientation, Primvar};
+use crate::garment::{Elements, Mesh, Orientation, Primvar};
 use crate::preview::hub::Shown;
 use crate::preview::messages::{Block, Blocks, DrawnSet, DrawnValues, MeshHeader, NumberType, Role, Times, View};
 use crate::report::TriangleQuality;
@@ -51,7 +51,7 @@ const MOST_SMOOTH: u32 = 2;
 const MOST_FACES: usize = 500_000;
 
 /// The refinements for display that the size of a mesh allows, at most `wanted`. \[levels\]
-fn most_smooth(mesh: &Garment, wanted: u32) -> u32 {
+fn most_smooth(mesh: &Mesh, wanted: u32) -> u32 {
     let fits = |level: &u32| *level == 0 || refined_faces(mesh, *level) <= MOST_FACES;
     (0..=wanted.min(MOST_SMOOTH)).rev().find(fits).unwrap_or(0)
 }
@@ -62,7 +62,7 @@ struct Update<'a> {
 }
 
 impl Sent {
-    fn mesh(&self) -> &Garment {
+    fn mesh(&self) -> &Mesh {
         &self.drawn.mesh
     }
 

@@ -1,7 +1,7 @@
 //! Refinement for display alone.
 
 use crate::error::Error;
-use crate::garment::{Garment, Scheme};
+use crate::garment::{Mesh, Scheme};
 use crate::mesh::{CornerId, FaceId, Faces};
 use crate::render::{RenderOptions, RenderSteps, Stack};
 use crate::subdivide::{Level, child_corner};
@@ -11,7 +11,7 @@ use std::sync::Arc;
 #[derive(Clone)]
 pub struct Drawn {
     /// The mesh or a refinement of it.
-    pub mesh: Arc<Garment>,
+    pub mesh: Arc<Mesh>,
     /// Where the refinement comes from; `None` for the mesh itself.
     pub origin: Option<Arc<Origin>>,
 }
@@ -31,7 +31,7 @@ impl Drawn {
     ///
     /// # Errors
     /// A refinement that would be too large.
-    pub fn new(mesh: &Arc<Garment>, levels: u32, last: Option<&Drawn>) -> Result<Self, Error> {
+    pub fn new(mesh: &Arc<Mesh>, levels: u32, last: Option<&Drawn>) -> Result<Self, Error> {
         if levels == 0 {
             return Ok(Self { mesh: Arc::clone(mesh), origin: None });
         }
@@ -47,7 +47,7 @@ impl Drawn {
 }
 
 impl Origin {
-    fn new(mesh: &Garment, levels: u32) -> Self {
+    fn new(mesh: &Mesh, levels: u32) -> Self {
         let mut level = Level::base(mesh);
         let mut edges = vec![1; mesh.faces.corners().len()];
         let mut face_of: Vec<u32> = (0..mesh.faces.len() as u32).collect();
@@ -111,7 +111,7 @@ mod tests {
         ] {
             let points = (0..5).map(|i| glam::Vec3::new(i as f32, (i * i) as f32, 0.0)).collect::<Vec<_>>();
             let rules = crate::garment::SubdivisionRules { scheme, ..Default::default() };
-            let mesh = Arc::new(Garment { points: points.into(), faces, rules, ..Garment::default() });
+            let mesh = Arc::new(Mesh { points: points.into(), faces, rules, ..Mesh::default() });
             let of_mesh = Topology::new(mesh.faces.clone(), mesh.points.len()).edges.len();
             for levels in 1..=2 {
                 let drawn = Drawn::new(&mesh, levels, None).expect("a small mesh");

@@ -11,7 +11,7 @@
 //! wall along these edges closes the layer.
 
 use crate::contact::NearestSearch;
-use crate::garment::{Elements, Garment};
+use crate::garment::{Elements, Mesh};
 use crate::mesh::{Csr, EdgeId, FaceId, IdVec, Topology, VertexId};
 use crate::subdivide::Level;
 use glam::Vec3;
@@ -158,7 +158,7 @@ impl Ends {
 
 /// True for edges along which a hem ends square: creases, and edges of sets that do not lead on beyond the layer. A set that
 /// does is a seam that runs into the end.
-pub fn square_edges(garment: &Garment, level: &Level, chosen: &IdVec<FaceId, bool>) -> IdVec<EdgeId, bool> {
+pub fn square_edges(garment: &Mesh, level: &Level, chosen: &IdVec<FaceId, bool>) -> IdVec<EdgeId, bool> {
     let t = &level.topology;
     let mut square: IdVec<EdgeId, bool> = level.edge_sharpness.iter().map(|&sharpness| sharpness > 0.0).collect();
     let at_layer = touched(t, |edge| t.edge_corners.row(edge).iter().any(|&c| chosen[t.faces.face_of(c)]));

@@ -12,7 +12,7 @@
 use super::border;
 use crate::contact::twice_area;
 use crate::error::Error;
-use crate::garment::{Elements, Garment};
+use crate::garment::{Elements, Mesh};
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
 use crate::render::child::ChildBuilder;
 use crate::render::operator::{Control, ControlRole, Operator, OperatorInput, OperatorOutput};
@@ -34,7 +34,7 @@ struct Halving {
 
 /// The operators that halve bent faces of the named subsets at the border of a garment. `thickness` is the largest
 /// of the folds. \[mesh units\]
-pub fn halving(garment: &Garment, level: &Level, faces: &[String], thickness: f32) -> Vec<Arc<dyn Operator>> {
+pub fn halving(garment: &Mesh, level: &Level, faces: &[String], thickness: f32) -> Vec<Arc<dyn Operator>> {
     let t = &level.topology;
     let turns = edge_turns(garment, t, &bent(garment, t, faces, LEAST_LENGTH * thickness));
     let (mut halved, mut again) = (Vec::new(), Vec::new());
@@ -52,7 +52,7 @@ pub fn halving(garment: &Garment, level: &Level, faces: &[String], thickness: f3
 
 /// The half-edges of folds, and of the border beside their ends, at quads that bend along them; none without ends. Edges
 /// up to `least_length` are left out.
-fn bent(garment: &Garment, t: &Topology, faces: &[String], least_length: f32) -> Vec<CornerId> {
+fn bent(garment: &Mesh, t: &Topology, faces: &[String], least_length: f32) -> Vec<CornerId> {
     let mut folded = IdVec::filled(false, t.faces.len());
     for subset in faces.iter().filter_map(|name| garment.subset(name)) {
         if let Elements::Faces(faces) = &subset.elements {
@@ -75,7 +75,7 @@ fn bent(garment: &Garment, t: &Topology, faces: &[String], least_length: f32) ->
 
 /// The turn for which each edge is halved: the largest of the strips of quads that lead there from `bent` half-edges; 0
 /// for others. \[radians\]
-fn edge_turns(garment: &Garment, t: &Topology, bent: &[CornerId]) -> IdVec<EdgeId, f32> {
+fn edge_turns(garment: &Mesh, t: &Topology, bent: &[CornerId]) -> IdVec<EdgeId, f32> {
     let mut turns = IdVec::filled(0.0f32, t.edges.len());
     for &first in bent {
         let (mut half, turn) = (first, turn_along(garment, t, first));
@@ -95,7 +95,7 @@ fn edge_turns(garment: &Garment, t: &Topology, bent: &[CornerId]) -> IdVec<EdgeI
 
 /// The turn of the surface across a quad along a half-edge: the smaller angle to its two neighbours there, so that a
 /// single crease beside the face does not count; 0 for other faces. \[radians\]
-fn turn_along(garment: &Garment, t: &Topology, half: CornerId) -> f32 {
+fn turn_along(garment: &Mesh, t: &Topology, half: CornerId) -> f32 {
     let face = t.faces.face_of(half);
     if t.faces.valence(face) != 4 {
         return 0.0;
@@ -117,7 +117,7 @@ impl Operator for Halving {
         (other as &dyn Any).downcast_ref::<Self>() == Some(self)
     }
 
-    fn reach(&self, _: &Garment) -> f32 {
+    fn reach(&self, _: &Mesh) -> f32 {
         0.0
     }
 

@@ -113,7 +113,7 @@ fn has_sharp_edge(level: &Level, vertex: VertexId) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::garment::{Garment, Scheme, SubdivisionRules};
+    use crate::garment::{Mesh, Scheme, SubdivisionRules};
     use crate::mesh::Faces;
     use crate::subdivide::Cage;
 
@@ -157,7 +157,7 @@ mod tests {
             let corners: Vec<VertexId> = faces.concat().into_iter().map(VertexId::new).collect();
             let faces = Faces::mixed(faces.map(<[usize]>::len), corners);
             let rules = SubdivisionRules { scheme: Scheme::Bilinear, ..SubdivisionRules::default() };
-            let cage = Cage::new(Garment { faces, points: points.collect(), rules, ..Garment::default() });
+            let cage = Cage::new(Mesh { faces, points: points.collect(), rules, ..Mesh::default() });
             let rows = cage.level().limit_rows();
             let surface = OuterNormals::new(cage.level(), Orientation::RightHanded, &rows, &cage.garment().points);
             for (corner, normal) in surface.normals.enumerated() {

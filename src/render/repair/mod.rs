@@ -246,7 +246,7 @@ fn unfitted_normals(input: &RepairInput) -> IdVec<FaceId, Vec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::garment::{Garment, Scheme, SubdivisionRules};
+    use crate::garment::{Mesh, Scheme, SubdivisionRules};
     use crate::mesh::Faces;
     use crate::subdivide::Cage;
 
@@ -255,11 +255,11 @@ mod tests {
         let ground = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[x, y]| Vec3::new(x, y, 0.0));
         let mut over = ground.map(|p| p + Vec3::new(0.1, 0.1, 0.2));
         over[0].z = corner;
-        Cage::new(Garment {
+        Cage::new(Mesh {
             points: ground.into_iter().chain(over).collect(),
             faces: Faces::quads((0..8).map(VertexId::new).collect::<Vec<_>>()),
             rules: SubdivisionRules { scheme: Scheme::Bilinear, ..SubdivisionRules::default() },
-            ..Garment::default()
+            ..Mesh::default()
         })
     }
 

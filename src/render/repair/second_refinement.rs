@@ -110,7 +110,7 @@ fn sorted([a, b]: Fault) -> Fault {
 mod tests {
     use super::super::solver::solve;
     use super::*;
-    use crate::garment::Garment;
+    use crate::garment::Mesh;
     use crate::mesh::{Faces, IdVec};
     use crate::subdivide::Cage;
     use glam::Vec3;
@@ -128,10 +128,10 @@ mod tests {
         let small = [(2.49, 0.02), (2.51, 0.02), (2.51, top), (2.49, top)].map(|(x, z)| Vec3::new(x, 2.3, z));
         let first = (0..20).filter(|i| i % 5 < 4);
         let quads = first.flat_map(|i| [i, i + 1, i + 6, i + 5]).chain(QUAD..QUAD + 4).map(VertexId::new);
-        Cage::new(Garment {
+        Cage::new(Mesh {
             points: sheet.chain(small).collect(),
             faces: Faces::quads(quads.collect::<Vec<_>>()),
-            ..Garment::default()
+            ..Mesh::default()
         })
     }
 

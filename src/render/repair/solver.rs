@@ -180,7 +180,7 @@ fn add<T: std::ops::AddAssign>(all: &mut Vec<(VertexId, T)>, vertex: VertexId, v
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::garment::{Garment, Scheme, SubdivisionRules};
+    use crate::garment::{Mesh, Scheme, SubdivisionRules};
     use crate::mesh::Faces;
     use crate::subdivide::Cage;
 
@@ -190,11 +190,11 @@ mod tests {
         let points = [0.0, 0.1].into_iter().flat_map(|z| (0..9).map(move |i| Vec3::new(at(i)[0], at(i)[1], z)));
         let quads = [0, 1, 3, 4].into_iter().flat_map(|i| [i, i + 1, i + 4, i + 3]);
         let corners = [0, 9].into_iter().flat_map(|first| quads.clone().map(move |v| VertexId::new(first + v)));
-        Cage::new(Garment {
+        Cage::new(Mesh {
             points: points.collect(),
             faces: Faces::quads(corners.collect::<Vec<_>>()),
             rules: SubdivisionRules { scheme: Scheme::Bilinear, ..SubdivisionRules::default() },
-            ..Garment::default()
+            ..Mesh::default()
         })
     }
 

@@ -1,7 +1,7 @@
 //! How fine a cage may be beside a seam: its lines need room in the faces there.
 
 use super::{SeamOptions, Seams};
-use crate::garment::Garment;
+use crate::garment::Mesh;
 use crate::mesh::{IdVec, Topology, VertexId};
 use crate::subdivide::edges_at;
 
@@ -12,7 +12,7 @@ const MAX_SHORT: [f32; 2] = [0.5, 0.2];
 
 /// The refinements after which half the width of a seam is still a small enough share of the edges beside it, except for some
 /// where it narrows. \[levels\]
-pub fn levels(garment: &Garment, t: &Topology, options: &SeamOptions) -> u32 {
+pub fn levels(garment: &Mesh, t: &Topology, options: &SeamOptions) -> u32 {
     let mut is_end = IdVec::filled(false, t.vertex_count());
     let mut is_seam = IdVec::filled(false, t.edges.len());
     for [a, b] in Seams::edges(garment, options) {

@@ -16,7 +16,7 @@ pub use origins::{OriginTrace, Origins};
 use super::Stage;
 use crate::contact::Clearance;
 use crate::error::{Error, Warnings};
-use crate::garment::Garment;
+use crate::garment::Mesh;
 use crate::mesh::{FaceId, IdVec, VertexId};
 use crate::render::fold::halving;
 use crate::render::operator::{Ancestry, DerivedCage, Operator, OperatorInput};
@@ -34,7 +34,7 @@ use std::sync::Arc;
 #[derive(Clone)]
 pub struct Made {
     /// The mesh.
-    pub mesh: Arc<Garment>,
+    pub mesh: Arc<Mesh>,
     /// The vertex of the input garment at or beside each of its vertices.
     pub inputs: Arc<InputVertices>,
     /// Names of the face sets of operators.
@@ -47,7 +47,7 @@ pub struct Made {
 #[derive(Clone)]
 pub struct Start {
     /// The mesh.
-    pub garment: Arc<Garment>,
+    pub garment: Arc<Mesh>,
     /// The vertex of the input garment at or beside each of its vertices.
     pub inputs: Arc<InputVertices>,
 }
@@ -85,7 +85,7 @@ impl PartialEq for SameLevel {
 /// A cage of the stage. Its points are without heights.
 #[derive(Clone)]
 pub(super) struct Cage {
-    garment: Arc<Garment>,
+    garment: Arc<Mesh>,
     pub(super) level: Arc<Level>,
 }
 
@@ -106,14 +106,14 @@ struct CageResult {
 
 /// The input of an operator's output: the operator, its parent, the clearance there, and whether sets are named.
 /// The rest of the ancestry follows from the parent.
-type OutputInput = (SameOutput, Same<Garment>, Same<IdVec<VertexId, Clearance>>, bool);
+type OutputInput = (SameOutput, Same<Mesh>, Same<IdVec<VertexId, Clearance>>, bool);
 
 /// Steps to the cage of an operator.
 #[derive(Default)]
 struct CageSteps {
     derived: Step<OutputInput, Arc<DerivedCage>>,
     level: Step<SameLevel, Arc<Level>>,
-    garment: Step<Same<DerivedCage>, Arc<Garment>>,
+    garment: Step<Same<DerivedCage>, Arc<Mesh>>,
 }
 
 impl CageSteps {
@@ -139,7 +139,7 @@ impl CageSteps {
         let garment = self.garment.get(Same::from(&derived), |_| {
             let carrier = Carrier::new(&parent.garment, &derived.output.derivation);
             let (primvars, influences) = (carrier.primvars(), carrier.influences());
-            Ok(Arc::new(Garment { primvars, influences, ..derived.frame.clone() }))
+            Ok(Arc::new(Mesh { primvars, influences, ..derived.frame.clone() }))
         })?;
         Ok(OperatorCage { derived, cage: Cage { garment, level } })
     }
@@ -229,15 +229,15 @@ fn connectivity(
 /// The cached steps of a stage.
 #[derive(Default)]
 pub struct StageSteps {
-    first: Step<Same<Garment>, Cage>,
-    first_points: Step<(Same<Garment>, u32), Arc<CagePoints>>,
+    first: Step<Same<Mesh>, Cage>,
+    first_points: Step<(Same<Mesh>, u32), Arc<CagePoints>>,
     first_ancestry: Step<Same<CagePoints>, Ancestry>,
     first_connectivity: Step<Same<Level>, Arc<Connectivity>>,
     cages: Vec<CageSteps>,
     points: Vec<PointSteps>,
     refinements: Vec<RefinementSteps>,
-    inputs: Step<(Same<InputVertices>, Same<Garment>), Arc<InputVertices>>,
-    mesh: Step<(Same<Garment>, Same<CagePoints>, u32), Arc<Garment>>,
+    inputs: Step<(Same<InputVertices>, Same<Mesh>), Arc<InputVertices>>,
+    mesh: Step<(Same<Mesh>, Same<CagePoints>, u32), Arc<Mesh>>,
 }
 
 /// Cages and points of all operators.
@@ -261,7 +261,7 @@ impl StageSteps {
         let mesh = self.mesh.get((Same::from(&refined), Same::from(points), stage.level), |_| {
             let known = raised.last().map(|last| last.connectivity.as_ref());
             let points = refined_points(&points.points, known, &refinements);
-            Ok(Arc::new(Garment { points, ..Garment::clone(&refined) }))
+            Ok(Arc::new(Mesh { points, ..Mesh::clone(&refined) }))
         })?;
         let derivations = cages.iter().map(|cage| &cage.derived.output.derivation);
         let inputs = || Arc::new(refined_inputs(InputVertices::clone(&start.inputs), derivations, &refinements));
@@ -388,7 +388,7 @@ impl StageSteps {
 
 impl Cage {
     /// The cage of a garment before all operators.
-    fn first(garment: &Garment) -> Self {
+    fn first(garment: &Mesh) -> Self {
         let level = Level::base(garment);
         let mut garment = garment.clone();
         add_border_holes(&mut garment, &level);

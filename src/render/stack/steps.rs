@@ -12,7 +12,7 @@
 use super::stage::{InputVertices, Made, OriginTrace, Origins, StageSteps, Start};
 use super::{Stack, Stage};
 use crate::error::{Error, Warnings};
-use crate::garment::Garment;
+use crate::garment::Mesh;
 use crate::mesh::VertexId;
 use crate::step::{Same, Step};
 use crate::subdivide::to_unit_length;
@@ -22,7 +22,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct RenderResult {
     /// The mesh.
-    pub mesh: Arc<Garment>,
+    pub mesh: Arc<Mesh>,
     /// Names of the face sets of operators.
     pub sets: Vec<String>,
     /// Warnings of the operators.
@@ -35,12 +35,12 @@ pub struct RenderResult {
 pub struct RenderSteps {
     start: Start,
     stages: [StageSteps; 2],
-    mesh: Step<Same<Garment>, Arc<Garment>>,
+    mesh: Step<Same<Mesh>, Arc<Mesh>>,
 }
 
 impl RenderSteps {
     /// The steps of a garment.
-    pub fn new(garment: Arc<Garment>) -> Self {
+    pub fn new(garment: Arc<Mesh>) -> Self {
         let inputs: InputVertices = (0..garment.points.len()).map(VertexId::new).collect();
         let start = Start { garment, inputs: Arc::new(inputs) };
         Self { start, stages: Default::default(), mesh: Step::default() }
@@ -71,7 +71,7 @@ impl RenderSteps {
             warnings.extend(told);
             start = Start { garment: mesh, inputs };
         }
-        let mesh = self.mesh.get(Same::from(&start.garment), |made| Ok(Arc::new(finished(Garment::clone(made)))))?;
+        let mesh = self.mesh.get(Same::from(&start.garment), |made| Ok(Arc::new(finished(Mesh::clone(made)))))?;
         Ok(RenderResult { mesh, sets, warnings, seam_level: seam_level(&stages) })
     }
 
@@ -139,7 +139,7 @@ fn seam_level(stages: &[Stage]) -> u32 {
 }
 
 /// A garment as a product: directions have unit length, and joint influences are back in their primvars.
-fn finished(mut garment: Garment) -> Garment {
+fn finished(mut garment: Mesh) -> Mesh {
     Arc::make_mut(&mut garment.primvars).iter_mut().for_each(to_unit_length);
     garment.pack_influences();
     garment

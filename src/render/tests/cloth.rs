@@ -1,6 +1,6 @@
 //! Sheets, tubes and rings with named lines and patches, and their render meshes.
 
-use crate::garment::{Elements, Garment, GarmentInput, SubsetInput, check_garment};
+use crate::garment::{Elements, Garment, Mesh, SubsetInput, check_garment};
 use crate::mesh::{FaceId, IdVec, VertexId};
 use crate::subdivide::{Level, carried_points};
 use crate::testing::sheets::{grid_faces, mesh, with_edges, with_uvs};
@@ -8,14 +8,14 @@ use glam::Vec3;
 use std::collections::BTreeSet;
 
 /// Adds a face subset.
-pub fn with_faces(mut input: GarmentInput, name: &str, faces: impl IntoIterator<Item = i32>) -> GarmentInput {
+pub fn with_faces(mut input: Garment, name: &str, faces: impl IntoIterator<Item = i32>) -> Garment {
     let (element_type, family, indices) = ("face".into(), String::new(), faces.into_iter().collect());
     input.subsets.push(SubsetInput { name: name.into(), element_type, family, indices });
     input
 }
 
 /// The faces of a subset, none where there is no such.
-pub fn faces_in(mesh: &Garment, name: &str) -> BTreeSet<FaceId> {
+pub fn faces_in(mesh: &Mesh, name: &str) -> BTreeSet<FaceId> {
     match mesh.subset(name).map(|s| &s.elements) {
         Some(Elements::Faces(faces)) => faces.iter().copied().collect(),
         _ => BTreeSet::new(),
@@ -28,7 +28,7 @@ pub fn path(points: &[i32]) -> Vec<[i32; 2]> {
 }
 
 /// A flat sheet of `n` by `n` unit quads in two panels of UVs, split at column `n / 2`, with the face subset "half".
-pub fn sheet(n: usize) -> GarmentInput {
+pub fn sheet(n: usize) -> Garment {
     let faces = grid_faces(n, n, |_, _| true);
     let faces: Vec<&[i32]> = faces.iter().map(Vec::as_slice).collect();
     let at = move |i: usize| ((i % (n + 1)) as f32, (i / (n + 1)) as f32);
@@ -39,7 +39,7 @@ pub fn sheet(n: usize) -> GarmentInput {
 }
 
 /// Points and faces of a surface over a grid that closes around, and also along where `closed`.
-fn wrapped(around: usize, along: usize, closed: bool, place: impl Fn(f32, f32) -> [f32; 3]) -> GarmentInput {
+fn wrapped(around: usize, along: usize, closed: bool, place: impl Fn(f32, f32) -> [f32; 3]) -> Garment {
     let (n, rows) = (around as i32, if closed { along as i32 } else { along as i32 + 1 });
     let at = |x: i32, y: i32| (y % rows) * n + x % n;
     let cells = (0..along as i32).flat_map(|y| (0..n).map(move |x| (x, y)));
@@ -50,7 +50,7 @@ fn wrapped(around: usize, along: usize, closed: bool, place: impl Fn(f32, f32) -
 }
 
 /// A tube of radius 2 about z with the ring "ring", the line "line" along it and all faces in "all".
-pub fn tube() -> GarmentInput {
+pub fn tube() -> Garment {
     let (n, rows) = (16, 8);
     let input = wrapped(n, rows, false, |u, v| {
         let a = u * std::f32::consts::TAU;
@@ -63,7 +63,7 @@ pub fn tube() -> GarmentInput {
 }
 
 /// A ring of radii 3 and 1 with a circle either way, "ring" and "line", and all faces in "all".
-pub fn torus() -> GarmentInput {
+pub fn torus() -> Garment {
     let (n, rows) = (24, 12);
     let input = wrapped(n, rows, true, |u, v| {
         let (a, b) = (u * std::f32::consts::TAU, v * std::f32::consts::TAU);
@@ -77,11 +77,11 @@ pub fn torus() -> GarmentInput {
 }
 
 /// The checked garment.
-pub fn checked(input: GarmentInput) -> Garment {
+pub fn checked(input: Garment) -> Mesh {
     check_garment(input).unwrap_or_else(|e| panic!("{e}")).0
 }
 
 /// Limit positions of a mesh's vertices.
-pub fn limit(garment: &Garment) -> IdVec<VertexId, Vec3> {
+pub fn limit(garment: &Mesh) -> IdVec<VertexId, Vec3> {
     carried_points(&&Level::base(garment).limit_rows(), &garment.points)
 }

@@ -1,6 +1,6 @@
 //! Triangles that pass through each other.
 
-use crate::garment::Garment;
+use crate::garment::Mesh;
 use crate::mesh::{FaceId, VertexId};
 use glam::{DVec3, IVec3, Vec3};
 use std::collections::{BTreeSet, HashMap};
@@ -12,7 +12,7 @@ struct Triangle {
 }
 
 /// Pairs of parent faces, the lower first, of which children cross that have no vertex in common.
-pub fn crossing_parents(mesh: &Garment, parents: &[usize]) -> BTreeSet<[usize; 2]> {
+pub fn crossing_parents(mesh: &Mesh, parents: &[usize]) -> BTreeSet<[usize; 2]> {
     let triangles: Vec<Triangle> = mesh.faces.ids().flat_map(|f| halves(mesh, f)).collect();
     let size = triangles.iter().map(|t| t.points[0].distance(t.points[1])).sum::<f64>() / triangles.len() as f64;
     let cell = |p: DVec3| (p / (2.0 * size)).floor().as_ivec3();
@@ -41,7 +41,7 @@ pub fn crossing_parents(mesh: &Garment, parents: &[usize]) -> BTreeSet<[usize; 2
     found
 }
 
-fn halves(mesh: &Garment, face: FaceId) -> [Triangle; 2] {
+fn halves(mesh: &Mesh, face: FaceId) -> [Triangle; 2] {
     let v = mesh.faces.vertices_of(face);
     [[v[0], v[1], v[2]], [v[0], v[2], v[3]]].map(|vertices| Triangle {
         face,

@@ -4,7 +4,7 @@ use super::cloth::{checked, limit, path, sheet, with_faces};
 use super::crossings::crossing_parents;
 use super::operators::{Surface, vertices_of};
 use crate::error::Code;
-use crate::garment::{Garment, GarmentInput};
+use crate::garment::{Garment, Mesh};
 use crate::mesh::{Topology, VertexId};
 use crate::testing::operators::rendered;
 use crate::testing::sheets::with_edges;
@@ -15,7 +15,7 @@ const AMOUNT: f32 = 0.15;
 
 /// A sheet of 8 by 8, bent about y by `bend`, of which the lower border turns by `kink` degrees at its middle, with a hem
 /// of one row on one side and a seam into its end.
-fn hooded(bend: f32, kink: f32) -> Garment {
+fn hooded(bend: f32, kink: f32) -> Mesh {
     let mut input = sheet(8);
     for p in &mut input.points {
         p.y += kink.to_radians().tan() * (p.x - 4.0).max(0.0) * (1.0 - p.y / 8.0);
@@ -29,7 +29,7 @@ fn hooded(bend: f32, kink: f32) -> Garment {
 }
 
 /// Vertices on the border of a mesh.
-fn border(mesh: &Garment) -> BTreeSet<VertexId> {
+fn border(mesh: &Mesh) -> BTreeSet<VertexId> {
     let t = Topology::new(mesh.faces.clone(), mesh.points.len());
     t.edges.ids().filter(|&e| t.is_border(e)).flat_map(|e| t.edges[e]).collect()
 }
@@ -92,7 +92,7 @@ fn a_hem_ends_on_the_surface_beside_a_border_without_one() {
 }
 
 /// A tube of radius 1 and `n` by 3 quads, with a hem on half of the faces at its end.
-fn cuff(n: i32) -> Garment {
+fn cuff(n: i32) -> Mesh {
     let at = |x: i32, y: i32| y * n + x % n;
     let cells = (0..3).flat_map(|y| (0..n).map(move |x| (x, y)));
     let faces: Vec<[i32; 4]> = cells.map(|(x, y)| [at(x, y), at(x + 1, y), at(x + 1, y + 1), at(x, y + 1)]).collect();
@@ -125,7 +125,7 @@ fn a_cuff_of_few_faces_has_no_fins() {
 }
 
 /// Height and place of the points of an edge set on a flat sheet, in the order of x and then y.
-fn line(mesh: &Garment, name: &str) -> Vec<Vec3> {
+fn line(mesh: &Mesh, name: &str) -> Vec<Vec3> {
     let places = limit(mesh);
     let mut line: Vec<Vec3> = vertices_of(mesh, name).iter().map(|&v| places[v]).collect();
     line.sort_by(|p, q| (p.x, p.y).partial_cmp(&(q.x, q.y)).expect("finite"));
@@ -157,7 +157,7 @@ fn a_short_seam_tapers_over_its_width() {
 }
 
 /// A sheet of which the rows beside the middle one are near it at every third point.
-fn uneven() -> GarmentInput {
+fn uneven() -> Garment {
     let mut input = sheet(8);
     for (i, p) in input.points.iter_mut().enumerate() {
         if i % 9 % 3 == 1 && (i / 9 == 3 || i / 9 == 5) {
@@ -189,7 +189,7 @@ fn a_seam_over_uneven_quads_keeps_its_width_from_edge_to_edge() {
 }
 
 /// A sheet with a seam along the middle row, "a", and one along the middle column, "b", from `from` on.
-fn crossed(from: i32) -> Garment {
+fn crossed(from: i32) -> Mesh {
     let column: Vec<i32> = (from..=8).map(|y| 9 * y + 4).collect();
     checked(with_edges(with_edges(sheet(8), "a", &path(&(36..=44).collect::<Vec<_>>())), "b", &path(&column)))
 }
@@ -307,7 +307,7 @@ fn a_seam_reaches_its_height_beside_another_without_a_step() {
 }
 
 /// Height over the surface of the vertices of the second layer near a place, and how far the border there is off it.
-fn beside_end(mesh: &Garment, surface: &Surface, end: Vec3) -> (f32, f32) {
+fn beside_end(mesh: &Mesh, surface: &Surface, end: Vec3) -> (f32, f32) {
     let places = limit(mesh);
     let inner = &vertices_of(mesh, "h_inner") | &vertices_of(mesh, "h_hem");
     let near = |v: &&VertexId| places[**v].distance(end) < 1.6 * AMOUNT;
@@ -377,7 +377,7 @@ fn a_hem_that_other_cloth_cuts_short_closes() {
 }
 
 /// A surface of revolution about z of `n` by 8 quads, with a seam around it and a hem at its end.
-fn revolved(n: i32) -> Garment {
+fn revolved(n: i32) -> Mesh {
     let faces: Vec<[i32; 4]> = (0..8 * n)
         .map(|i| {
             let (x, y) = (i % n, i / n);

@@ -4,7 +4,7 @@
 use super::cloth::limit;
 use super::on_garments::{load, parents};
 use super::referee::{LimitPatches, edges_in, plain, segments};
-use crate::garment::{Elements, Garment};
+use crate::garment::{Elements, Mesh};
 use crate::mesh::{IdVec, VertexId};
 use crate::pipeline::mean_edge_length;
 use crate::render::RenderSteps;
@@ -48,7 +48,7 @@ impl Edit {
     }
 }
 
-fn edge_sets(garment: &Garment) -> Vec<String> {
+fn edge_sets(garment: &Mesh) -> Vec<String> {
     let of_edges = garment.subsets.iter().filter(|s| matches!(s.elements, Elements::Edges(_)));
     of_edges.map(|s| s.name.clone()).collect()
 }
@@ -71,7 +71,7 @@ struct Reach {
 }
 
 impl Reach {
-    fn new(garment: &Garment, fine: &Garment, sets: &[String], own: &str) -> Self {
+    fn new(garment: &Mesh, fine: &Mesh, sets: &[String], own: &str) -> Self {
         let mut meets: BTreeMap<VertexId, usize> = BTreeMap::new();
         let own_edges = edges_in(garment, own);
         own_edges.iter().flatten().for_each(|&v| *meets.entry(v).or_default() += 1);
@@ -96,7 +96,7 @@ impl Reach {
 
 /// A render mesh with its limit points, which are known by all of their bits.
 struct Product {
-    mesh: Arc<Garment>,
+    mesh: Arc<Mesh>,
     places: IdVec<VertexId, Vec3>,
     known: HashSet<[u32; 3]>,
 }
@@ -106,7 +106,7 @@ fn bits(p: Vec3) -> [u32; 3] {
 }
 
 impl Product {
-    fn new(mesh: &Arc<Garment>) -> Self {
+    fn new(mesh: &Arc<Mesh>) -> Self {
         let places = limit(mesh);
         Self { mesh: Arc::clone(mesh), known: places.iter().map(|&p| bits(p)).collect(), places }
     }
@@ -136,7 +136,7 @@ impl Product {
 }
 
 /// Where edits of each seam of a garment move the rest of its render mesh.
-fn complaints(name: &str, garment: &Garment) -> Vec<String> {
+fn complaints(name: &str, garment: &Mesh) -> Vec<String> {
     let (sets, edge, fine) = (edge_sets(garment), mean_edge_length(garment), plain(garment, 3));
     let mut steps = RenderSteps::new(Arc::new(garment.clone()));
     let mut render =

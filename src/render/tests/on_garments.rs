@@ -4,7 +4,7 @@
 use super::cloth::faces_in;
 use super::crossings::crossing_parents;
 use crate::error::Code;
-use crate::garment::{Garment, Interpolation, Meaning, Primvar, PrimvarRole, Values, check_garment};
+use crate::garment::{Interpolation, Meaning, Mesh, Primvar, PrimvarRole, Values, check_garment};
 use crate::mesh::{FaceId, VertexId};
 use crate::pipeline::mean_edge_length;
 use crate::testing::garments::garments;
@@ -30,7 +30,7 @@ const CROSSING: &[(&str, [[usize; 3]; 3])] =
 /// Faces that look to the other side than the garment there, for seams, hems and both. As above.
 const TURNED: &[(&str, [usize; 3])] = &[("coat.usda", [4, 2, 24]), ("male_worksuit01.usdc", [2, 0, 9])];
 
-pub fn load() -> Vec<(String, Garment)> {
+pub fn load() -> Vec<(String, Mesh)> {
     let mut all = Vec::new();
     for file in garments() {
         let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -66,7 +66,7 @@ pub fn load() -> Vec<(String, Garment)> {
 }
 
 /// Normals of the garment's vertices, each the mean of those of the faces around it.
-fn vertex_normals(garment: &Garment) -> Vec<Vec3> {
+fn vertex_normals(garment: &Mesh) -> Vec<Vec3> {
     let mut normals = vec![Vec3::ZERO; garment.points.len()];
     for face in garment.faces.ids() {
         let corners = garment.faces.vertices_of(face);
@@ -78,7 +78,7 @@ fn vertex_normals(garment: &Garment) -> Vec<Vec3> {
 }
 
 /// The edges at which the UVs are cut.
-pub fn uv_seams(garment: &Garment) -> String {
+pub fn uv_seams(garment: &Mesh) -> String {
     if garment.subset("uvSeams").is_some() {
         return "uvSeams".into();
     }
@@ -87,20 +87,20 @@ pub fn uv_seams(garment: &Garment) -> String {
 }
 
 /// The face of the input that each face is part of.
-pub fn parents(mesh: &Garment) -> Vec<usize> {
+pub fn parents(mesh: &Mesh) -> Vec<usize> {
     match mesh.primvar(PARENT).map(|p| (&p.values, &p.indices)) {
         Some((Values::I32(values), None)) => values.iter().map(|&v| v as usize).collect(),
         _ => panic!("parents are carried"),
     }
 }
 
-fn area(mesh: &Garment, face: FaceId) -> Vec3 {
+fn area(mesh: &Mesh, face: FaceId) -> Vec3 {
     let p: Vec<Vec3> = mesh.faces.vertices_of(face).iter().map(|&v| mesh.points[v]).collect();
     0.5 * (p[2] - p[0]).cross(p[3] - p[1])
 }
 
 /// How much each face looks to the front of the input at its place: the cosine between the two.
-fn facing(mesh: &Garment) -> Vec<f32> {
+fn facing(mesh: &Mesh) -> Vec<f32> {
     let Some(Values::F32(front)) = mesh.primvar(FRONT).map(|p| &p.values) else { panic!("fronts are carried") };
     let at = |v: &VertexId| Vec3::from_slice(&front[3 * v.index()..]);
     let of = |f| {
@@ -111,7 +111,7 @@ fn facing(mesh: &Garment) -> Vec<f32> {
 }
 
 /// Sizes as shares of the mean edge.
-fn recipe(garment: &Garment, level: u32, seam: Option<f32>, hem: Option<f32>) -> Vec<String> {
+fn recipe(garment: &Mesh, level: u32, seam: Option<f32>, hem: Option<f32>) -> Vec<String> {
     let size = mean_edge_length(garment);
     let mut options = vec![format!("render.level={level}"), "render.faceSets=true".to_owned()];
     if let Some(width) = seam {
@@ -166,7 +166,7 @@ fn operators_make_sound_quads() {
 }
 
 /// Faces of the input whose own children do not all look to its front.
-fn already_turned(plain: &Garment) -> BTreeSet<usize> {
+fn already_turned(plain: &Mesh) -> BTreeSet<usize> {
     parents(plain)
         .into_iter()
         .zip(facing(plain))
@@ -189,7 +189,7 @@ struct Crossings {
 }
 
 /// The crossings of each stack on a refinement, at a multiple of its sizes.
-fn crossings(garment: &Garment, level: u32, multiple: f32) -> [Crossings; 3] {
+fn crossings(garment: &Mesh, level: u32, multiple: f32) -> [Crossings; 3] {
     let plain = rendered(garment, &[format!("render.level={level}")]).0;
     let before = crossing_parents(&plain, &parents(&plain));
     STACKS.map(|(seam, hem)| {

@@ -3,7 +3,7 @@
 use super::cloth::{checked, faces_in, limit, path, sheet, torus, tube, with_faces};
 use super::crossings::crossing_parents;
 use crate::error::{Code, Warning, Warnings};
-use crate::garment::{Elements, Garment, GarmentInput, Orientation, Scheme};
+use crate::garment::{Elements, Garment, Mesh, Orientation, Scheme};
 use crate::mesh::{IdVec, Topology, VertexId};
 use crate::testing::nearest::Nearest;
 use crate::testing::operators::{rendered, stack, try_rendered};
@@ -23,13 +23,13 @@ pub struct Surface {
 
 impl Surface {
     /// The surface of a garment with options.
-    pub fn new<T: AsRef<str>>(garment: &Garment, options: &[T]) -> Self {
+    pub fn new<T: AsRef<str>>(garment: &Mesh, options: &[T]) -> Self {
         let (fine, _) = rendered(garment, options);
         Self::of(&limit(&fine), &fine)
     }
 
     /// The surface of a fine mesh at some points.
-    pub fn of(points: &IdVec<VertexId, Vec3>, fine: &Garment) -> Self {
+    pub fn of(points: &IdVec<VertexId, Vec3>, fine: &Mesh) -> Self {
         let points = points.clone();
         let mut normals = IdVec::filled(Vec3::ZERO, points.len());
         for corner in fine.faces.corners().ids() {
@@ -49,7 +49,7 @@ impl Surface {
     }
 }
 
-pub fn vertices_of(mesh: &Garment, name: &str) -> BTreeSet<VertexId> {
+pub fn vertices_of(mesh: &Mesh, name: &str) -> BTreeSet<VertexId> {
     match &mesh.subset(name).unwrap_or_else(|| panic!("{name} is there")).elements {
         Elements::Edges(edges) => edges.iter().flatten().copied().collect(),
         Elements::Faces(faces) => faces.iter().flat_map(|&f| mesh.faces.vertices_of(f)).copied().collect(),
@@ -57,7 +57,7 @@ pub fn vertices_of(mesh: &Garment, name: &str) -> BTreeSet<VertexId> {
     }
 }
 
-fn shapes() -> Vec<(&'static str, GarmentInput)> {
+fn shapes() -> Vec<(&'static str, Garment)> {
     let plane = with_edges(sheet(8), "ring", &path(&[36, 37, 38, 39, 40, 41, 42, 43, 44]));
     vec![("plane", plane), ("cylinder", tube()), ("torus", torus())]
 }
@@ -140,7 +140,7 @@ fn a_seam_keeps_its_width() {
 
 #[test]
 fn left_is_left_of_the_chain_with_normals_up() {
-    let wide_side = |options: &[&str], change: fn(&mut GarmentInput)| {
+    let wide_side = |options: &[&str], change: fn(&mut Garment)| {
         let mut input = shapes().remove(0).1;
         change(&mut input);
         let garment = checked(input);
@@ -206,7 +206,7 @@ fn painted_weights_scale_the_layer_and_tuck_it_in() {
     let crate::garment::Values::F32(painted) = &mesh.primvar("density").expect("weights").values else {
         panic!("real")
     };
-    let painted = limit(&Garment { points: painted.iter().map(|&w| Vec3::splat(w)).collect(), ..mesh.clone() });
+    let painted = limit(&Mesh { points: painted.iter().map(|&w| Vec3::splat(w)).collect(), ..mesh.clone() });
     let hem = vertices_of(&mesh, "t_hem");
     // At the end of the half, the layer is closed beside the two ends of its fold.
     let is_closed = |p: Vec3| p.x > 3.9 && (p.y - 4.0).abs() > 2.9;
@@ -222,7 +222,7 @@ fn painted_weights_scale_the_layer_and_tuck_it_in() {
 
 /// The edges of a render mesh have at most as many faces as those of its source, and its faces have areas and agree with
 /// their neighbours.
-fn sound(mesh: &Garment, name: &str) {
+fn sound(mesh: &Mesh, name: &str) {
     let t = Topology::new(mesh.faces.clone(), mesh.points.len());
     for edge in t.edges.ids() {
         let halves = t.edge_corners.row(edge);
@@ -353,7 +353,7 @@ fn both_orders_are_sound_and_differ() {
     sound(&hem_first, "hem first");
     assert!(seam_first.points != hem_first.points);
     // Through a fold the seam goes around; under a hem the second layer follows the groove.
-    let lowest = |mesh: &Garment| limit(mesh).iter().map(|p| p.z).fold(0.0, f32::min);
+    let lowest = |mesh: &Mesh| limit(mesh).iter().map(|p| p.z).fold(0.0, f32::min);
     let (through, under) = (lowest(&hem_first), lowest(&seam_first));
     assert!((under + 0.25).abs() < 0.02 && (through + 0.2).abs() < 0.02, "{under} {through}");
     let (deep, warnings) =
@@ -378,7 +378,7 @@ fn tight_folds_are_thinner_and_say_so() {
 }
 
 /// A sheet folded back over itself, the halves `gap(y)` apart, with their fronts to each other.
-fn folded_back(gap: impl Fn(f32) -> f32) -> Garment {
+fn folded_back(gap: impl Fn(f32) -> f32) -> Mesh {
     let mut input = sheet(8);
     for p in input.points.iter_mut().filter(|p| p.x > 4.0) {
         *p = Vec3::new(8.0 - p.x, p.y, gap(p.y));
@@ -427,7 +427,7 @@ fn a_layer_that_has_no_room_at_all_is_told_and_left_out() {
 
 #[test]
 fn faults_name_what_is_wrong() {
-    let message = |input: GarmentInput, options: &[&str]| {
+    let message = |input: Garment, options: &[&str]| {
         let garment = checked(input);
         try_rendered(&garment, options).err().map(|e| e.to_string()).unwrap_or_default()
     };

@@ -3,7 +3,7 @@
 //! cube of the faces' size, and a test of `surface` holds it to a tenth of the tolerance.
 
 use super::cloth::limit;
-use crate::garment::{Elements, Garment};
+use crate::garment::{Elements, Mesh};
 use crate::mesh::{FaceId, IdVec, VertexId};
 use crate::pipeline::mean_edge_length;
 use crate::subdivide::child_corner;
@@ -33,7 +33,7 @@ pub struct LimitPatches {
 
 impl LimitPatches {
     /// The limit surface of a mesh, with a patch for each of its faces after `level` refinements, which are quads.
-    pub fn new(mesh: &Garment, level: u32) -> Self {
+    pub fn new(mesh: &Mesh, level: u32) -> Self {
         let coarse = plain(mesh, level);
         let fine = plain(mesh, level + 1);
         let places = limit(&fine);
@@ -76,12 +76,12 @@ impl LimitPatches {
 }
 
 /// A mesh after refinements alone, with its subsets.
-pub fn plain(mesh: &Garment, level: u32) -> Garment {
+pub fn plain(mesh: &Mesh, level: u32) -> Mesh {
     rendered(mesh, &[format!("render.level={level}")]).0
 }
 
 /// Limit points on a quad: its vertices, the middles of its edges and its centre, row by row.
-fn grid_of(coarse: &Garment, face: FaceId, fine: &Garment, places: &IdVec<VertexId, Vec3>) -> [Vec3; 9] {
+fn grid_of(coarse: &Mesh, face: FaceId, fine: &Mesh, places: &IdVec<VertexId, Vec3>) -> [Vec3; 9] {
     let corners: Vec<_> = coarse.faces.corners_of(face).collect();
     assert_eq!(corners.len(), 4, "refined faces are quads");
     let at = |k: usize, step: usize| places[fine.faces.vertex(child_corner(&coarse.faces, corners[k], step))];
@@ -121,7 +121,7 @@ fn stepped([u, v]: [f32; 2], rest: Vec3, along_u: Vec3, along_v: Vec3) -> [f32; 
 }
 
 /// The edges of an edge set; none where there is no such.
-pub fn edges_in(mesh: &Garment, name: &str) -> Vec<[VertexId; 2]> {
+pub fn edges_in(mesh: &Mesh, name: &str) -> Vec<[VertexId; 2]> {
     match mesh.subset(name).map(|s| &s.elements) {
         Some(Elements::Edges(edges)) => edges.clone(),
         _ => Vec::new(),
@@ -151,7 +151,7 @@ pub struct Off {
 
 impl Held {
     /// The garment's own, with patches of `level` refinements.
-    pub fn new(garment: &Garment, seams: &[&str], level: u32) -> Self {
+    pub fn new(garment: &Mesh, seams: &[&str], level: u32) -> Self {
         let fine = plain(garment, level + 1);
         let edges: Vec<_> = seams.iter().flat_map(|name| edges_in(&fine, name)).collect();
         assert!(!edges.is_empty(), "no edges in {seams:?}");
@@ -160,7 +160,7 @@ impl Held {
     }
 
     /// The limit points of a mesh that are farther from the seams than `width`, from the worst on.
-    pub fn beyond(&self, mesh: &Garment, width: f32) -> Vec<Off> {
+    pub fn beyond(&self, mesh: &Mesh, width: f32) -> Vec<Off> {
         let places = limit(mesh);
         let far = places.enumerated().map(|(v, &p)| (v, p)).filter(|&(_, p)| self.seams.find(p).1 > width);
         let judged = |(vertex, place)| Off { off: self.surface.foot(place).off / self.edge, vertex, place };

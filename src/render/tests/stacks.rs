@@ -3,8 +3,7 @@
 use super::cloth::{checked, path, sheet, with_faces};
 use crate::error::Code;
 use crate::garment::{
-    Elements, Family, FamilyType, Garment, GarmentInput, Interpolation, Meaning, PrimvarInput, PrimvarRole,
-    SubsetInput, Values,
+    Elements, Family, FamilyType, Garment, Interpolation, Meaning, Mesh, PrimvarInput, PrimvarRole, SubsetInput, Values,
 };
 use crate::mesh::Topology;
 use crate::testing::checks::attributes::{family_faults, primvar_faults, subset_faults};
@@ -25,7 +24,7 @@ fn primvar(name: &str, interpolation: Interpolation, components: usize, values: 
 
 /// A sheet whose attributes say where on it they are: `rest` by vertices, `st` by corners with shells 100 apart, `face`
 /// and the partition `cells` by faces, a blend shape, a crease, skinning, and texts at corners.
-fn sample() -> GarmentInput {
+fn sample() -> Garment {
     let mut input = sheet(N);
     let at = |v: usize| [(v % (N + 1)) as f32, (v / (N + 1)) as f32];
     let every = 0..(N + 1) * (N + 1);
@@ -61,7 +60,7 @@ fn sample() -> GarmentInput {
 }
 
 /// What is wrong with an unrefined product of the sample.
-fn faults(mesh: &Garment, source: &Garment) -> Vec<String> {
+fn faults(mesh: &Mesh, source: &Mesh) -> Vec<String> {
     let t = Topology::new(mesh.faces.clone(), mesh.points.len());
     let mut faults = [subset_faults(mesh, &t), family_faults(mesh), primvar_faults(mesh, source)].concat();
     if mesh.primvars.len() != source.primvars.len() {
@@ -107,7 +106,7 @@ fn faults(mesh: &Garment, source: &Garment) -> Vec<String> {
 }
 
 /// Edges at which the UVs are cut: those of the middle column and no other.
-fn uv_faults(mesh: &Garment, t: &Topology) -> Vec<String> {
+fn uv_faults(mesh: &Mesh, t: &Topology) -> Vec<String> {
     let st = mesh.primvar("st").expect("UVs");
     let Values::F32(rest) = &mesh.primvar("rest").expect("rest").values else { return Vec::new() };
     let mut faults = Vec::new();
@@ -124,7 +123,7 @@ fn uv_faults(mesh: &Garment, t: &Topology) -> Vec<String> {
 }
 
 /// Edge subsets lie on the lines they are called after, creases on theirs, and points stay.
-fn edge_faults(mesh: &Garment, source: &Garment) -> Vec<String> {
+fn edge_faults(mesh: &Mesh, source: &Mesh) -> Vec<String> {
     let Values::F32(rest) = &mesh.primvar("rest").expect("rest").values else { return Vec::new() };
     let at = |v: crate::mesh::VertexId| Vec2::new(rest[2 * v.index()], rest[2 * v.index() + 1]);
     let mut faults = Vec::new();

@@ -5,7 +5,7 @@ use super::cloth::{checked, faces_in, limit, path, sheet, torus, with_faces};
 use super::on_garments::{load, parents, uv_seams};
 use super::operators::vertices_of;
 use super::referee::{Held, LimitPatches, edges_in, plain, segments};
-use crate::garment::{Garment, GarmentInput, Values};
+use crate::garment::{Garment, Mesh, Values};
 use crate::mesh::{Topology, VertexId};
 use crate::pipeline::mean_edge_length;
 use crate::testing::nearest::Nearest;
@@ -32,7 +32,7 @@ fn seam(name: &str, edges: &str, width: f32, offset: f32) -> Vec<String> {
 }
 
 /// The render mesh with such options.
-fn made(garment: &Garment, options: &[Vec<String>], level: u32) -> Garment {
+fn made(garment: &Mesh, options: &[Vec<String>], level: u32) -> Mesh {
     rendered(garment, &[options.concat(), vec![format!("render.level={level}")]].concat()).0
 }
 
@@ -47,7 +47,7 @@ fn row(y: i32) -> Vec<[i32; 2]> {
 }
 
 /// A sheet of unit quads that turns by some degrees at the line "ridge", which is x = 0.
-fn roof(turn: f32) -> Garment {
+fn roof(turn: f32) -> Mesh {
     let mut input = sheet(8);
     let slope = 0.5 * turn.to_radians();
     for p in &mut input.points {
@@ -58,7 +58,7 @@ fn roof(turn: f32) -> Garment {
 }
 
 /// The faults of a mesh with a seam: points beyond its width that are off the surface.
-fn moved(held: &Held, mesh: &Garment, width: f32) -> Option<String> {
+fn moved(held: &Held, mesh: &Mesh, width: f32) -> Option<String> {
     let all = held.beyond(mesh, width);
     let worst = all.first().expect("a point is beyond the seam");
     let count = all.iter().take_while(|point| point.off >= MOST).count();
@@ -66,7 +66,7 @@ fn moved(held: &Held, mesh: &Garment, width: f32) -> Option<String> {
 }
 
 /// Points of an edge set that are not at a height over the surface.
-fn not_at(held: &Held, mesh: &Garment, set: &str, offset: f32) -> Option<String> {
+fn not_at(held: &Held, mesh: &Mesh, set: &str, offset: f32) -> Option<String> {
     let places = limit(mesh);
     let all =
         vertices_of(mesh, set).into_iter().map(|v| (held.surface.height(places[v]) / held.edge - offset, places[v]));
@@ -119,7 +119,7 @@ fn a_roof_keeps_its_surface_beside_a_seam_along_its_ridge() {
 /// Heights over a garment's surface against the distance from a seam along the ridge, in the order of the latter, away
 /// from the seam's ends. The distance is that of the point's foot on the surface, straight through space: lengths along
 /// the sharpest roof are 2 % more at the flank, which changes what is measured by 0.0003 edges.
-fn profile(held: &Held, mesh: &Garment) -> Vec<(f32, f32, Vec3)> {
+fn profile(held: &Held, mesh: &Mesh) -> Vec<(f32, f32, Vec3)> {
     let places = limit(mesh);
     let inner = places.iter().copied().filter(|p| (2.0..6.0).contains(&p.y) && held.seams.find(*p).1 < 1.0);
     let measured = |p| (held.seams.find(held.surface.foot(p).place).1, held.surface.height(p), p);
@@ -181,7 +181,7 @@ fn a_ring_keeps_its_surface_beside_two_seams_that_cross() {
 
 /// Half of a barrel of 8 by 8 quads of about one unit, which bends either way: no plane can be rolled onto it. The line
 /// "across" halves it, "ends" ends there, "beside" runs one ring from it; UVs are cut along "shell", which is "across".
-fn dome() -> GarmentInput {
+fn dome() -> Garment {
     let mut input = sheet(8);
     for p in &mut input.points {
         let (around, along) = (std::f32::consts::PI * p.x / 8.0, std::f32::consts::PI * p.y / 8.0);
@@ -199,7 +199,7 @@ fn dome() -> GarmentInput {
 }
 
 /// Joins the UVs of a sheet of 8 by 8 at its middle column, and cuts them at its middle row.
-fn cut_uvs(input: &mut GarmentInput) {
+fn cut_uvs(input: &mut Garment) {
     let Some(Values::F32(values)) = input.primvars.last_mut().map(|p| &mut p.values) else { panic!("UVs come last") };
     for (face, uvs) in values.chunks_mut(8).enumerate() {
         for uv in uvs.chunks_mut(2) {
@@ -210,7 +210,7 @@ fn cut_uvs(input: &mut GarmentInput) {
 }
 
 /// The edges between the faces of a set and others.
-fn set_border(mesh: &Garment, name: &str) -> Vec<[VertexId; 2]> {
+fn set_border(mesh: &Mesh, name: &str) -> Vec<[VertexId; 2]> {
     let (t, set) = (Topology::new(mesh.faces.clone(), mesh.points.len()), faces_in(mesh, name));
     let is_between = |e: &_| {
         let inside = t.edge_corners.row(*e).iter().filter(|&&c| set.contains(&t.faces.face_of(c))).count();
@@ -219,13 +219,13 @@ fn set_border(mesh: &Garment, name: &str) -> Vec<[VertexId; 2]> {
     t.edges.ids().filter(is_between).map(|e| t.edges[e]).collect()
 }
 
-fn mesh_border(mesh: &Garment) -> Vec<[VertexId; 2]> {
+fn mesh_border(mesh: &Mesh) -> Vec<[VertexId; 2]> {
     let t = Topology::new(mesh.faces.clone(), mesh.points.len());
     t.edges.ids().filter(|&e| t.is_border(e)).map(|e| t.edges[e]).collect()
 }
 
 /// How a line is found in a mesh.
-type Line = (&'static str, fn(&Garment) -> Vec<[VertexId; 2]>);
+type Line = (&'static str, fn(&Mesh) -> Vec<[VertexId; 2]>);
 
 /// A border of each kind.
 const BORDERS: [Line; 3] = [
@@ -235,8 +235,8 @@ const BORDERS: [Line; 3] = [
 ];
 
 /// The farthest of two curves from each other, either way, in mesh units.
-fn apart([a, b]: [&Garment; 2], line: fn(&Garment) -> Vec<[VertexId; 2]>) -> (f32, Vec3) {
-    let curve = |mesh: &Garment| {
+fn apart([a, b]: [&Mesh; 2], line: fn(&Mesh) -> Vec<[VertexId; 2]>) -> (f32, Vec3) {
+    let curve = |mesh: &Mesh| {
         let (edges, places) = (line(mesh), limit(mesh));
         assert!(!edges.is_empty(), "the line is there");
         let on_it: Vec<Vec3> = edges.iter().flatten().map(|&v| places[v]).collect();

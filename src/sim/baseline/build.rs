@@ -4,7 +4,7 @@ use super::Baseline;
 use super::facets::{facets, free_flipped};
 use super::level::baseline_level;
 use super::start::{StartMesh, nearest_level};
-use crate::garment::{Garment, Primvar};
+use crate::garment::{Mesh, Primvar};
 use crate::mesh::{ChainId, CornerId, FaceId, Faces, Groups, IdVec, Topology, VertexId};
 use crate::sim::constraints::cage_edges::{constrained_edges, refine_paths, start_spans, trace_paths};
 use crate::sim::constraints::chain::Chain;
@@ -27,7 +27,7 @@ impl Baseline {
     /// Refines and triangulates a garment and finds its chains.
     ///
     /// `uv_set` is the primvar whose shells are constraints, if there is one.
-    pub fn new(garment: &Garment, options: &SimOptions, lengths: Lengths<'_>, uv_set: Option<&Primvar>) -> Self {
+    pub fn new(garment: &Mesh, options: &SimOptions, lengths: Lengths<'_>, uv_set: Option<&Primvar>) -> Self {
         let base = Level::base(garment);
         let is_hole = holes(garment, &base);
         let mut manifold = Manifold::new(garment, &base);
@@ -114,7 +114,7 @@ impl Baseline {
 }
 
 /// The UV shells whose borders constrain nothing.
-fn small_shells(garment: &Garment, options: &SimOptions, lengths: Lengths<'_>, manifold: &Manifold) -> SmallShells {
+fn small_shells(garment: &Mesh, options: &SimOptions, lengths: Lengths<'_>, manifold: &Manifold) -> SmallShells {
     match &manifold.uv_channel {
         Some(channel) if options.constrain_uv_seams && options.smallest_shell > 0.0 => {
             SmallShells::new(garment, manifold, channel, lengths, options.smallest_shell)
@@ -151,7 +151,7 @@ struct FoundChains {
 }
 
 fn find_chains(
-    garment: &Garment,
+    garment: &Mesh,
     options: &SimOptions,
     manifold: &Manifold,
     small_shells: &SmallShells,

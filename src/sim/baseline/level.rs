@@ -1,6 +1,6 @@
 //! How often a garment is refined.
 
-use crate::garment::Garment;
+use crate::garment::Mesh;
 use crate::sim::options::SimOptions;
 use crate::sim::surface::lengths::Lengths;
 
@@ -13,7 +13,7 @@ const MOST: f64 = 0.99;
 
 /// The refinements that give the baseline: those of the options, and fewer for a dense garment whose edges are short
 /// enough before, but one at least.
-pub fn baseline_level(garment: &Garment, options: &SimOptions, lengths: Lengths<'_>) -> u32 {
+pub fn baseline_level(garment: &Mesh, options: &SimOptions, lengths: Lengths<'_>) -> u32 {
     let most = options.baseline_level;
     if garment.faces.len() < DENSE || most < 2 {
         return most;

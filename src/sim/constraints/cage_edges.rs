@@ -1,7 +1,7 @@
 //! The constrained edges of the cage, and the paths and loops that they form.
 
 use super::chain::{Chain, ChainKind};
-use crate::garment::{Elements, Garment};
+use crate::garment::{Elements, Mesh};
 use crate::mesh::{ChainId, CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
 use crate::sim::options::SimOptions;
 use crate::sim::surface::manifold::Manifold;
@@ -35,7 +35,7 @@ pub struct CagePath {
 
 /// The constrained edges of the manifold cage, with the features that they belong to.
 pub fn constrained_edges(
-    garment: &Garment,
+    garment: &Mesh,
     manifold: &Manifold,
     options: &SimOptions,
     is_seam: impl Fn(EdgeId) -> bool,
@@ -63,7 +63,7 @@ pub fn constrained_edges(
 }
 
 /// For each edge in a subset: the subsets that hold it, and whether the options make one of them a constraint.
-fn edge_subsets(garment: &Garment, options: &SimOptions) -> BTreeMap<[VertexId; 2], (Vec<usize>, bool)> {
+fn edge_subsets(garment: &Mesh, options: &SimOptions) -> BTreeMap<[VertexId; 2], (Vec<usize>, bool)> {
     let mut found: BTreeMap<[VertexId; 2], (Vec<usize>, bool)> = BTreeMap::new();
     for (i, subset) in garment.subsets.iter().enumerate() {
         let Elements::Edges(edges) = &subset.elements else { continue };

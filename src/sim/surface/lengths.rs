@@ -1,7 +1,7 @@
 //! Target edge lengths on the surface, and how fast they may change.
 
 use super::manifold::Manifold;
-use crate::garment::{Garment, Primvar, Values};
+use crate::garment::{Mesh, Primvar, Values};
 use crate::mesh::{IdVec, Topology, VertexId};
 use crate::subdivide::Level;
 use glam::Vec3;
@@ -41,7 +41,7 @@ impl Lengths<'_> {
     /// Target edge length at each of the `vertices` vertices of the finest level. \[mesh units\]
     pub(crate) fn refined(
         &self,
-        garment: &Garment,
+        garment: &Mesh,
         manifold: &Manifold,
         levels: &[Level],
         vertices: usize,

@@ -4,7 +4,7 @@
 //! with their neighbours are reversed. Edges and vertices keep their sharpness, so the pieces refine to the same points as
 //! the garment.
 
-use crate::garment::{Garment, Scheme};
+use crate::garment::{Mesh, Scheme};
 use crate::mesh::{CornerId, EdgeId, FaceId, Faces, Groups, IdVec, Topology, VertexId};
 use crate::subdivide::{Channel, Level, Numbering};
 
@@ -22,7 +22,7 @@ pub struct Manifold {
 
 impl Manifold {
     /// The pieces of `garment`, whose unrefined level is `level`.
-    pub fn new(garment: &Garment, level: &Level) -> Self {
+    pub fn new(garment: &Mesh, level: &Level) -> Self {
         let t = &level.topology;
         let is_reversed = reversed_faces(t);
         let corner_source = corner_sources(t, &is_reversed);

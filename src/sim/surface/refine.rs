@@ -1,7 +1,7 @@
 //! Refinement of the manifold cage.
 
 use super::manifold::Manifold;
-use crate::garment::{Garment, Interpolation, Primvar, Values};
+use crate::garment::{Interpolation, Mesh, Primvar, Values};
 use crate::mesh::{FaceId, IdVec, VertexId};
 use crate::subdivide::{Channel, ChannelChild, Level, Numbering, Real, Stencils, blend_rows};
 use glam::Vec3;
@@ -22,7 +22,7 @@ pub(crate) struct RefinedLevels {
 
 impl Manifold {
     /// Adds the constraint UVs as a face-varying channel of the cage; returns the channel's values.
-    pub(crate) fn add_uv_channel(&mut self, garment: &Garment, uv: &Primvar) -> Vec<[f32; 2]> {
+    pub(crate) fn add_uv_channel(&mut self, garment: &Mesh, uv: &Primvar) -> Vec<[f32; 2]> {
         let Values::F32(values) = &uv.values else { unreachable!("the garment check admits UV sets of floats only") };
         let rows = uv.corner_rows(&garment.faces, garment.points.len());
         let (rules, row) = (garment.rules, |c| rows[self.corner_source[c]] as usize);
@@ -32,7 +32,7 @@ impl Manifold {
     }
 
     /// Refines the cage `count` times; `uvs` are the values of its channel, if it has one.
-    pub(crate) fn refine(&self, garment: &Garment, mut uvs: Vec<[f32; 2]>, count: u32) -> RefinedLevels {
+    pub(crate) fn refine(&self, garment: &Mesh, mut uvs: Vec<[f32; 2]>, count: u32) -> RefinedLevels {
         let mut points: Vec<[f32; 3]> = self.vertex_source.iter().map(|&v| garment.points[v].to_array()).collect();
         let mut levels: Vec<Level> = Vec::new();
         let mut uv_channel = self.uv_channel.clone();
@@ -75,7 +75,7 @@ impl Manifold {
 }
 
 /// The faces of a garment that are holes.
-pub fn holes(garment: &Garment, level: &Level) -> IdVec<FaceId, bool> {
+pub fn holes(garment: &Mesh, level: &Level) -> IdVec<FaceId, bool> {
     let mut is_hole = IdVec::filled(false, garment.faces.len());
     garment.holes.iter().copied().chain(level.border_holes(garment)).for_each(|f| is_hole[f] = true);
     is_hole

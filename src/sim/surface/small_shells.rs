@@ -2,7 +2,7 @@
 
 use super::lengths::Lengths;
 use super::manifold::Manifold;
-use crate::garment::Garment;
+use crate::garment::Mesh;
 use crate::mesh::{EdgeId, FaceId, Groups, IdVec};
 use crate::subdivide::Channel;
 use glam::Vec3;
@@ -25,7 +25,7 @@ pub struct SmallShells {
 impl SmallShells {
     /// The shells of `channel` that are smaller than `smallest` equilateral triangles of target length, and have a seam.
     pub(crate) fn new(
-        garment: &Garment,
+        garment: &Mesh,
         manifold: &Manifold,
         channel: &Channel,
         lengths: Lengths<'_>,
@@ -78,7 +78,7 @@ impl SmallShells {
 }
 
 /// The equilateral triangles of target length that cover a face, as a real number.
-fn triangles_wanted(garment: &Garment, manifold: &Manifold, lengths: Lengths<'_>, face: FaceId) -> f32 {
+fn triangles_wanted(garment: &Mesh, manifold: &Manifold, lengths: Lengths<'_>, face: FaceId) -> f32 {
     let vertices = manifold.level.topology.faces.vertices_of(face);
     let at = |k: usize| garment.points[manifold.vertex_source[vertices[k]]];
     let area = (2..vertices.len()).map(|k| (at(k - 1) - at(0)).cross(at(k) - at(0))).sum::<Vec3>().length() * 0.5;

@@ -2,7 +2,7 @@
 
 use super::{MAX_FACES, baseline, prepare};
 use crate::error::{Code, Warning};
-use crate::garment::{Elements, Garment, GarmentInput, Orientation, Values};
+use crate::garment::{Elements, Garment, Mesh, Orientation, Values};
 use crate::sim::{SimProduct, simulate};
 use crate::testing::cases::few;
 use crate::testing::sheets;
@@ -15,7 +15,7 @@ use std::collections::BTreeSet;
 const SIDE: usize = 10;
 
 /// The sheet, and with the UVs of one point elsewhere.
-fn sheet(bad: Option<(usize, [f32; 2])>) -> GarmentInput {
+fn sheet(bad: Option<(usize, [f32; 2])>) -> Garment {
     let mut input = sheets::grid(SIDE, SIDE, |_, _| true);
     let Some((point, uv)) = bad else { return input };
     let corners: Vec<usize> =
@@ -27,12 +27,12 @@ fn sheet(bad: Option<(usize, [f32; 2])>) -> GarmentInput {
     input
 }
 
-fn product(input: GarmentInput, options: &[&str], max_faces: usize) -> SimProduct {
+fn product(input: Garment, options: &[&str], max_faces: usize) -> SimProduct {
     let prepared = prepare(input, options);
     simulate(baseline(&prepared), &prepared.recipe.sim, max_faces)
 }
 
-fn built(input: GarmentInput, recipe: &Recipe) -> Products {
+fn built(input: Garment, recipe: &Recipe) -> Products {
     let mut builder = Builder::new(input).unwrap_or_else(|e| panic!("{e}"));
     builder.update(recipe).unwrap_or_else(|e| panic!("{e}"))
 }
@@ -121,20 +121,20 @@ fn a_mesh_that_reaches_its_limit_says_so() {
 }
 
 /// A tube around the origin whose coordinates are multiples of an eighth, and so exact a million units away too.
-fn tube() -> GarmentInput {
+fn tube() -> Garment {
     let mut input = sheets::tube(8, 6);
     input.points.iter_mut().for_each(|p| *p = (*p * 32.0).round() / 8.0 - 8.375 * Vec3::Z);
     input
 }
 
-fn moved(to: impl Fn(Vec3) -> Vec3) -> GarmentInput {
+fn moved(to: impl Fn(Vec3) -> Vec3) -> Garment {
     let mut input = tube();
     input.points.iter_mut().for_each(|p| *p = to(*p));
     input
 }
 
 /// Checks that points are those of another mesh with the same faces after a transform.
-fn same_up_to(mesh: &Garment, other: &Garment, tolerance: f32, to: impl Fn(Vec3) -> Vec3) {
+fn same_up_to(mesh: &Mesh, other: &Mesh, tolerance: f32, to: impl Fn(Vec3) -> Vec3) {
     assert!(mesh.faces == other.faces, "{} and {} faces", mesh.faces.len(), other.faces.len());
     for (&p, &q) in mesh.points.iter().zip(other.points.iter()) {
         assert!(to(p).distance(q) <= tolerance, "{p} is {q}");
@@ -184,7 +184,7 @@ fn products_are_the_same_wherever_the_garment_is() {
 #[test]
 fn left_handed_and_mirrored_garments_have_meshes_as_good() {
     let own = built(tube(), &Recipe::default());
-    let left = GarmentInput { orientation: Orientation::LeftHanded, ..tube() };
+    let left = Garment { orientation: Orientation::LeftHanded, ..tube() };
     same_up_to(&own.sim, &built(left, &Recipe::default()).sim, 0.0, |p| p);
     as_good(&own, &built(moved(|p| Vec3::new(-p.x, p.y, p.z)), &Recipe::default()), 3.0);
     as_good(&own, &built(moved(|p| Vec3::new(p.x, -p.z, p.y)), &Recipe::default()), 3.0);

@@ -8,7 +8,7 @@ mod rims;
 mod shells;
 mod work;
 
-use crate::garment::GarmentInput;
+use crate::garment::Garment;
 use crate::recipe::Layers;
 use crate::sim::Baseline;
 use crate::testing::prepared::{self, Prepared};
@@ -17,7 +17,7 @@ use crate::testing::prepared::{self, Prepared};
 const MAX_FACES: usize = 200_000;
 
 /// A garment with options as on the command line.
-fn prepare(input: GarmentInput, options: &[&str]) -> Prepared {
+fn prepare(input: Garment, options: &[&str]) -> Prepared {
     let mut layers = Layers::default();
     options.iter().for_each(|o| layers.add_override(o).unwrap_or_else(|e| panic!("{e}")));
     Prepared::new(input, &layers).unwrap_or_else(|e| panic!("{e}"))

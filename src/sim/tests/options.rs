@@ -3,7 +3,7 @@
 use super::{MAX_FACES, baseline, prepare};
 use crate::Builder;
 use crate::error::{Code, Warning};
-use crate::garment::{BoundaryInterpolation, GarmentInput, Values};
+use crate::garment::{BoundaryInterpolation, Garment, Values};
 use crate::mesh::{CornerId, VertexId};
 use crate::sim::{SimProduct, simulate};
 use crate::testing::sheets;
@@ -11,11 +11,11 @@ use glam::{Vec2, Vec3};
 use std::collections::BTreeMap;
 
 /// A sheet whose density jumps from vertex to vertex.
-fn uneven() -> GarmentInput {
+fn uneven() -> Garment {
     sheets::grid(8, 8, |_, _| true)
 }
 
-fn product(input: GarmentInput, options: &[&str]) -> SimProduct {
+fn product(input: Garment, options: &[&str]) -> SimProduct {
     let prepared = prepare(input, options);
     simulate(baseline(&prepared), &prepared.recipe.sim, MAX_FACES)
 }

@@ -2,7 +2,7 @@
 //! after each.
 
 use super::{MAX_FACES, baseline, prepare};
-use crate::garment::GarmentInput;
+use crate::garment::Garment;
 use crate::mesh::edit::face;
 use crate::mesh::{ChainId, CornerId, VertexId};
 use crate::sim::passes::drift::drift;
@@ -57,7 +57,7 @@ fn cases() -> impl Strategy<Value = Case> {
 }
 
 /// The surface of unit cubes in the form of a T, open at its three ends, as quads without UVs.
-fn tee(arms: [usize; 3]) -> GarmentInput {
+fn tee(arms: [usize; 3]) -> Garment {
     let [left, right, down] = arms.map(|n| n as i32);
     let inside =
         |[x, y, z]: [i32; 3]| z == 0 && (y == 0 && (-left..=right).contains(&x) || x == 0 && (-down..0).contains(&y));
@@ -95,7 +95,7 @@ fn tee(arms: [usize; 3]) -> GarmentInput {
 }
 
 impl Case {
-    fn input(&self) -> GarmentInput {
+    fn input(&self) -> Garment {
         let mut input = match self.shape {
             Shape::Grid(x, y) => sheets::grid(x, y, |_, _| true),
             Shape::Tube(around, along) => sheets::tube(around, along),

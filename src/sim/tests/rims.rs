@@ -1,7 +1,7 @@
 //! Rims: the turns of cloth with two layers that are nearer to each other than the target length, as a turned hem, a collar or a piped edge.
 
 use super::{MAX_FACES, baseline, prepare};
-use crate::garment::GarmentInput;
+use crate::garment::Garment;
 use crate::report::facing;
 use crate::sim::{ChainKind, SimProduct, simulate};
 use crate::testing::garments::garments;
@@ -23,13 +23,13 @@ fn assert_faces_surface(product: &SimProduct, name: &str, [against, steep]: [f32
     }
 }
 
-fn product(input: GarmentInput, options: &[&str]) -> SimProduct {
+fn product(input: Garment, options: &[&str]) -> SimProduct {
     let prepared = prepare(input, options);
     simulate(baseline(&prepared), &prepared.recipe.sim, MAX_FACES)
 }
 
 /// A surface of revolution around z through the points `(radius, height)` of a profile, cut into `around` faces.
-fn revolved(profile: &[[f32; 2]], around: usize) -> GarmentInput {
+fn revolved(profile: &[[f32; 2]], around: usize) -> Garment {
     let n = around as i32;
     let rows = 0..profile.len() as i32 - 1;
     let quad = |y: i32, x: i32| vec![y * n + x, y * n + (x + 1) % n, (y + 1) * n + (x + 1) % n, (y + 1) * n + x];
@@ -49,10 +49,10 @@ fn revolved(profile: &[[f32; 2]], around: usize) -> GarmentInput {
 }
 
 /// A garment with a rim whose layers are so far apart. \[target lengths\]
-type Made = fn(f32) -> GarmentInput;
+type Made = fn(f32) -> Garment;
 
 /// A tube with a hem that is turned to its inside, whose layers are `gap` target lengths apart.
-fn hem(gap: f32) -> GarmentInput {
+fn hem(gap: f32) -> Garment {
     let inner = 6.0 - gap;
     revolved(
         &[[inner, 3.0], [inner, 1.5], [inner, 0.0], [6.0, 0.0], [6.0, 1.5], [6.0, 3.0], [6.0, 6.0], [6.0, 9.0]],
@@ -61,7 +61,7 @@ fn hem(gap: f32) -> GarmentInput {
 }
 
 /// A tube that ends in a thin round bead, as piping does.
-fn piping(radius: f32) -> GarmentInput {
+fn piping(radius: f32) -> Garment {
     let bead = (0..7).map(|k| {
         let angle = (60.0 - 50.0 * k as f32).to_radians();
         [6.0 + radius * angle.cos(), radius * angle.sin()]
@@ -71,7 +71,7 @@ fn piping(radius: f32) -> GarmentInput {
 }
 
 /// A band that is folded along its upper edge, open at both ends, as a collar is.
-fn collar(gap: f32) -> GarmentInput {
+fn collar(gap: f32) -> Garment {
     let profile = [[6.0 - gap, 0.0], [6.0 - gap, 1.5], [6.0 - gap, 3.0], [6.0, 3.0], [6.0, 1.5], [6.2, 0.0]];
     let mut input = revolved(&profile, 24);
     // All faces but those of a quarter.

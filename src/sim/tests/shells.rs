@@ -1,13 +1,13 @@
 //! UV shells that are smaller than triangles of the target length.
 
 use super::{MAX_FACES, baseline, prepare};
-use crate::garment::GarmentInput;
+use crate::garment::Garment;
 use crate::mesh::{CornerId, VertexId};
 use crate::sim::{SimProduct, simulate};
 use crate::testing::sheets;
 
 /// A sheet with a shell of its own for each face that `is_alone`, far from the others in UV.
-fn sheet(n: usize, is_alone: impl Fn(usize) -> bool) -> GarmentInput {
+fn sheet(n: usize, is_alone: impl Fn(usize) -> bool) -> Garment {
     let mut input = sheets::grid(n, n, |_, _| true);
     input.primvars.retain(|p| p.name != "st");
     let at = move |v: usize| ((v % (n + 1)) as f32, (v / (n + 1)) as f32);
@@ -18,7 +18,7 @@ fn sheet(n: usize, is_alone: impl Fn(usize) -> bool) -> GarmentInput {
     })
 }
 
-fn product(input: GarmentInput, options: &[&str]) -> SimProduct {
+fn product(input: Garment, options: &[&str]) -> SimProduct {
     let prepared = prepare(input, options);
     simulate(baseline(&prepared), &prepared.recipe.sim, MAX_FACES)
 }

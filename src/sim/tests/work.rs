@@ -1,14 +1,14 @@
 //! How the work of remeshing grows with a garment: as n log n.
 
 use super::{MAX_FACES, baseline, prepare};
-use crate::garment::GarmentInput;
+use crate::garment::Garment;
 use crate::sim::{SimProduct, simulate};
 use crate::testing::sheets;
 
 /// The growth of the work for each triangle that n log n allows from one size to one four times as large.
 const GROWTH: f64 = 1.4;
 
-fn product(input: GarmentInput, options: &[&str]) -> SimProduct {
+fn product(input: Garment, options: &[&str]) -> SimProduct {
     let prepared = prepare(input, options);
     simulate(baseline(&prepared), &prepared.recipe.sim, MAX_FACES)
 }
@@ -22,14 +22,14 @@ fn work(product: &SimProduct) -> [f64; 2] {
 }
 
 /// A sheet with a shell for each face.
-fn shells(n: usize) -> GarmentInput {
+fn shells(n: usize) -> Garment {
     let mut input = sheets::grid(n, n, |_, _| true);
     input.primvars.retain(|p| p.name != "st");
     sheets::with_uvs(input, move |face, v| [(v % (n + 1)) as f32 + 3.0 * n as f32 * face as f32, (v / (n + 1)) as f32])
 }
 
 /// A sheet of which some quarters have all points in one place.
-fn coincident(n: usize, share: usize) -> GarmentInput {
+fn coincident(n: usize, share: usize) -> Garment {
     let mut input = sheets::grid(n, n, |_, _| true);
     let last = share * (n + 1) / 4;
     input.points.iter_mut().enumerate().filter(|(i, _)| i % (n + 1) < last).for_each(|(_, p)| *p = glam::Vec3::ONE);
@@ -39,7 +39,7 @@ fn coincident(n: usize, share: usize) -> GarmentInput {
 #[test]
 fn edits_and_chains_grow_as_n_log_n() {
     let comb = |n: usize| sheets::grid(n, n, |x, y| y < 2 || x % 2 == 0);
-    let cases: [(&str, [GarmentInput; 2], &[&str]); 5] = [
+    let cases: [(&str, [Garment; 2], &[&str]); 5] = [
         ("line", [40, 160].map(|n| sheets::grid(n, 1, |_, _| true)), &["sim.maxEdgeLength=0.5"]),
         ("grid", [8, 16].map(|n| sheets::grid(n, n, |_, _| true)), &["sim.maxEdgeLength=0.5"]),
         ("comb", [8, 16].map(comb), &["sim.maxEdgeLength=0.5"]),

@@ -1,6 +1,6 @@
 //! What products carry: subsets, families and primvars.
 
-use crate::garment::{Elements, FamilyType, Garment, Interpolation, Mixing, Subset, Values};
+use crate::garment::{Elements, FamilyType, Interpolation, Mesh, Mixing, Subset, Values};
 use crate::mesh::Topology;
 use std::collections::BTreeSet;
 
@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 pub const WEIGHT_SUM: f64 = 1e-4;
 
 /// Subsets whose elements are not there, or there twice.
-pub fn subset_faults(mesh: &Garment, t: &Topology) -> Vec<String> {
+pub fn subset_faults(mesh: &Mesh, t: &Topology) -> Vec<String> {
     let mut faults = Vec::new();
     for subset in mesh.subsets.iter() {
         let (sound, distinct) = match &subset.elements {
@@ -34,7 +34,7 @@ pub fn subset_faults(mesh: &Garment, t: &Topology) -> Vec<String> {
 }
 
 /// Families of faces that break their rule.
-pub fn family_faults(mesh: &Garment) -> Vec<String> {
+pub fn family_faults(mesh: &Mesh) -> Vec<String> {
     let mut faults = Vec::new();
     for family in mesh.families.iter().filter(|f| f.kind != FamilyType::Unrestricted) {
         let of_faces = |s: &&Subset| s.family == family.name && s.elements.kind() == "face";
@@ -68,7 +68,7 @@ fn numbers(values: &Values) -> Option<Vec<f64>> {
 }
 
 /// Primvars that do not fit the mesh, leave the range of their source, or weights with another sum.
-pub fn primvar_faults(mesh: &Garment, source: &Garment) -> Vec<String> {
+pub fn primvar_faults(mesh: &Mesh, source: &Mesh) -> Vec<String> {
     let mut faults = Vec::new();
     for p in mesh.primvars.iter() {
         let elements = match p.interpolation {

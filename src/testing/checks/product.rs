@@ -5,7 +5,7 @@
 
 use super::attributes::{family_faults, primvar_faults, subset_faults};
 use super::refinement::refinement_faults;
-use crate::garment::{BoundaryInterpolation, Garment, GarmentInput, Interpolation, Values};
+use crate::garment::{BoundaryInterpolation, Garment, Interpolation, Mesh, Values};
 use crate::mesh::{ChainId, CornerId, EdgeId, Topology, VertexId};
 use crate::recipe::Layers;
 use crate::render::{RenderOptions, RenderSteps, Stack};
@@ -41,7 +41,7 @@ const MAX_FACES: usize = 1_000_000;
 /// A garment, its products, and all that was found wrong with them.
 pub struct Subject {
     name: String,
-    pub garment: Garment,
+    pub garment: Mesh,
     pub products: Products,
     pub product: SimProduct,
     faults: Vec<String>,
@@ -52,7 +52,7 @@ impl Subject {
     ///
     /// # Errors
     /// What the pipeline says.
-    pub fn build(name: &str, input: GarmentInput, layers: &Layers) -> Result<Self, String> {
+    pub fn build(name: &str, input: Garment, layers: &Layers) -> Result<Self, String> {
         let said = |e: crate::Error| format!("{name}: {e}");
         let mut builder = Builder::new(input).map_err(said)?.with_max_faces(MAX_FACES);
         let products = builder.update(&layers.recipe().map_err(said)?).map_err(said)?;
@@ -122,7 +122,7 @@ impl Subject {
     }
 
     /// All rules of subdivision that are in use average, so that nothing leaves the box of the garment.
-    fn in_the_box(&mut self, which: &str, mesh: &Garment) {
+    fn in_the_box(&mut self, which: &str, mesh: &Mesh) {
         let all = self.garment.points.iter();
         let (low, high) = all.fold((Vec3::MAX, Vec3::MIN), |(l, h), &p| (l.min(p), h.max(p)));
         let slack = Vec3::splat(1e-5 * (low.distance(high) + high.abs().max_element()));
@@ -222,7 +222,7 @@ impl Subject {
     }
 
     /// Subsets, families and primvars of a product.
-    fn attributes(&mut self, which: &str, mesh: &Garment) {
+    fn attributes(&mut self, which: &str, mesh: &Mesh) {
         self.in_the_box(which, mesh);
         let t = Topology::new(mesh.faces.clone(), mesh.points.len());
         for fault in subset_faults(mesh, &t) {
@@ -291,7 +291,7 @@ pub fn agrees(t: &Topology, edge: EdgeId) -> bool {
 }
 
 /// Whether a face of the garment has no area, and is dropped.
-fn has_flat_faces(g: &Garment) -> bool {
+fn has_flat_faces(g: &Mesh) -> bool {
     g.faces.ids().any(|f| {
         let p: Vec<_> = g.faces.vertices_of(f).iter().map(|&v| g.points[v].as_dvec3()).collect();
         let doubled: DVec3 = (1..p.len() - 1).map(|k| (p[k] - p[0]).cross(p[k + 1] - p[0])).sum();

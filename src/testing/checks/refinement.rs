@@ -1,13 +1,13 @@
 //! Refinements against independent rules: counts, children of subsets, and points where no sharpness takes part.
 
 use super::product::{REFINED, agrees, fans};
-use crate::garment::{BoundaryInterpolation, Elements, Garment, Scheme};
+use crate::garment::{BoundaryInterpolation, Elements, Mesh, Scheme};
 use crate::mesh::{CornerId, EdgeId, FaceId, Topology, VertexId};
 use glam::Vec3;
 use std::collections::BTreeSet;
 
 /// What is wrong with a refinement: counts, face points, edge-free smooth points, borders, subsets.
-pub fn refinement_faults(cage: &Garment, child: &Garment) -> Vec<String> {
+pub fn refinement_faults(cage: &Mesh, child: &Mesh) -> Vec<String> {
     let mut faults = Vec::new();
     let t = Topology::new(cage.faces.clone(), cage.points.len());
     let corners = cage.faces.corners().len();
@@ -43,7 +43,7 @@ pub fn refinement_faults(cage: &Garment, child: &Garment) -> Vec<String> {
 }
 
 /// Compares the points of a refinement with the rules of Catmull and Clark, where no sharpness takes part.
-fn catmull_clark_faults(cage: &Garment, child: &Garment, t: &Topology) -> Vec<String> {
+fn catmull_clark_faults(cage: &Mesh, child: &Mesh, t: &Topology) -> Vec<String> {
     let p = |v: VertexId| cage.points[v];
     let (low, high) = cage.points.iter().fold((Vec3::MAX, Vec3::MIN), |(l, h), &p| (l.min(p), h.max(p)));
     let slack = REFINED * (low.distance(high) + high.abs().max_element());

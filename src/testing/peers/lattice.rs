@@ -21,7 +21,7 @@ const MARGIN: f32 = 0.5;
 /// Rings of edges that are near a constraint.
 const NEAR: usize = 3;
 
-struct Mesh {
+struct LatticeMesh {
     points: Vec<Vec3>,
     triangles: Vec<[usize; 3]>,
     /// Vertices on constraints and borders.
@@ -56,8 +56,8 @@ fn on_chains(product: &SimProduct) -> BTreeSet<usize> {
     product.chain_edges.iter().flatten().flatten().map(|v| v.index()).collect()
 }
 
-fn own(product: &SimProduct) -> Mesh {
-    Mesh {
+fn own(product: &SimProduct) -> LatticeMesh {
+    LatticeMesh {
         points: product.points.iter().copied().collect(),
         triangles: product.triangles.iter().map(|t| t.map(VertexId::index)).collect(),
         constrained: on_chains(product),
@@ -76,7 +76,7 @@ fn regions(base: &Baseline) -> Vec<FaceId> {
 }
 
 /// The mesh of lattices: our vertices on the chains, and a lattice inside each panel.
-fn lattice(prepared: &Prepared, product: &SimProduct) -> Mesh {
+fn lattice(prepared: &Prepared, product: &SimProduct) -> LatticeMesh {
     let base = &product.baseline;
     let region_of = regions(base);
     let mut own: BTreeMap<FaceId, Vec<usize>> = BTreeMap::new();
@@ -108,7 +108,7 @@ fn panel(
     faces: &[usize],
     surface: &[FaceId],
     chain: &BTreeSet<[usize; 2]>,
-    mesh: &mut Mesh,
+    mesh: &mut LatticeMesh,
 ) {
     let base = &product.baseline;
     let uvs = |face: FaceId| [0, 1, 2].map(|k| base.uvs[CornerId::new(3 * face.index() + k)]);
@@ -251,7 +251,7 @@ impl Near {
     }
 }
 
-fn figures(mesh: &Mesh) -> String {
+fn figures(mesh: &LatticeMesh) -> String {
     let mut neighbours: IdVec<VertexId, BTreeSet<usize>> = IdVec::filled(BTreeSet::new(), mesh.points.len());
     let mut edges: HashMap<[usize; 2], u32> = HashMap::new();
     for t in &mesh.triangles {
@@ -292,7 +292,7 @@ fn figures(mesh: &Mesh) -> String {
     format!("{used:8} {:9.1}% {:6.1}% {:6.1} {:6.1} {under:7.2}", share(true), share(false), at(0.01), at(0.05))
 }
 
-fn write(file: &Path, mesh: &Mesh) {
+fn write(file: &Path, mesh: &LatticeMesh) {
     let mut text = String::new();
     for p in &mesh.points {
         let _ = writeln!(text, "v {} {} {}", p.x, p.y, p.z);

@@ -1,6 +1,6 @@
 //! A face-varying primvar, refined to the baseline.
 
-use crate::garment::{Garment, Mixing, Primvar};
+use crate::garment::{Mesh, Mixing, Primvar};
 use crate::mesh::{CornerId, FaceId, IdVec};
 use crate::sim::{Baseline, BaselinePoint};
 use crate::subdivide::{Channel, ChannelChild, Real, blend_into, blend_rows};
@@ -24,7 +24,7 @@ pub(super) struct FaceVaryingField<'a, T> {
 
 impl<'a, T: Real> FaceVaryingField<'a, T> {
     /// `source` holds the primvar's values.
-    pub fn new(garment: &Garment, primvar: &'a Primvar, baseline: &'a Baseline, source: &[T]) -> Self {
+    pub fn new(garment: &Mesh, primvar: &'a Primvar, baseline: &'a Baseline, source: &[T]) -> Self {
         let own = primvar.corner_rows(&garment.faces, garment.points.len());
         let row = |c: CornerId| own[baseline.manifold.corner_source[c]] as usize;
         let rules = garment.rules;

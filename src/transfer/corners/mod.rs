@@ -9,7 +9,7 @@ mod sources;
 
 use super::correspondence::Correspondence;
 use crate::error::{Code, Warning};
-use crate::garment::{Garment, Interpolation, Primvar, Values};
+use crate::garment::{Interpolation, Mesh, Primvar, Values};
 use crate::mesh::{CornerId, FaceId, IdVec, Topology, VertexId};
 use crate::subdivide::{Real, gathered};
 use cuts::ChannelCuts;
@@ -22,7 +22,7 @@ use std::sync::Arc;
 ///
 /// The constraint UVs stay on corners: a later run needs a layout there.
 pub(super) fn carry(
-    garment: &Garment,
+    garment: &Mesh,
     primvar: &Primvar,
     map: &Correspondence<'_>,
     uv_set: Option<&Primvar>,
@@ -57,7 +57,7 @@ fn constraint_uvs(primvar: &Primvar, map: &Correspondence<'_>) -> Primvar {
 
 /// A primvar whose values `source` are mixed, and the number of triangles that are cut off from their shells.
 fn carry_mixed<T: Real>(
-    garment: &Garment,
+    garment: &Mesh,
     primvar: &Primvar,
     map: &Correspondence<'_>,
     source: &[T],

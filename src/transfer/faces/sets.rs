@@ -1,6 +1,6 @@
 //! Face subsets: each face belongs to the set that covers most of it.
 
-use crate::garment::{Elements, Family, FamilyType, Garment, Subset};
+use crate::garment::{Elements, Family, FamilyType, Mesh, Subset};
 use crate::mesh::{CornerId, FaceId, IdVec};
 use crate::transfer::correspondence::Correspondence;
 use rayon::prelude::*;
@@ -21,7 +21,7 @@ type Labels = IdVec<FaceId, Option<u32>>;
 ///
 /// The sets of a family that may not overlap compete for each face, so that a partition stays one. Other sets are
 /// independent.
-pub(in crate::transfer) fn carry_sets(garment: &Garment, map: &Correspondence<'_>, clean: bool) -> FaceSets {
+pub(in crate::transfer) fn carry_sets(garment: &Mesh, map: &Correspondence<'_>, clean: bool) -> FaceSets {
     let is_exclusive = |f: &&Family| f.kind != FamilyType::Unrestricted && !f.name.is_empty();
     let exclusive: Vec<_> = garment.families.iter().filter(is_exclusive).collect();
     let carry = |subset: &Subset| match &subset.elements {

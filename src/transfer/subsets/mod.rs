@@ -8,7 +8,7 @@ use super::edges::{CarriedEdges, EdgeTransfer};
 use super::faces::{FaceSets, carry_sets};
 use crate::contact::NearestSearch;
 use crate::error::Warnings;
-use crate::garment::{Elements, Family, FamilyType, Garment, Subset};
+use crate::garment::{Elements, Family, FamilyType, Mesh, Subset};
 use crate::mesh::{IdVec, Topology, VertexId};
 use crate::sim::{SimOptions, SimProduct};
 use glam::{DVec3, Vec3};
@@ -64,7 +64,7 @@ pub(super) struct EdgeSets<'a> {
 
 impl<'a> EdgeSets<'a> {
     /// `topology` is that of the simulation mesh.
-    pub fn new(garment: &Garment, product: &'a SimProduct, topology: &'a Topology) -> Self {
+    pub fn new(garment: &Mesh, product: &'a SimProduct, topology: &'a Topology) -> Self {
         let mut sources = garment.subsets.to_vec();
         sources.extend(named::sharp_sets(garment));
         let edges = EdgeTransfer::new(product, topology, garment.points.len());
@@ -79,7 +79,7 @@ impl<'a> EdgeSets<'a> {
 
 /// The subsets and families of the simulation mesh.
 pub(super) fn carry_all(
-    garment: &Garment,
+    garment: &Mesh,
     map: &Correspondence<'_>,
     options: &SimOptions,
     edge_sets: EdgeSets<'_>,
@@ -112,7 +112,7 @@ pub(super) fn carry_all(
 
 /// The families of the garment, then those of our own subsets. A family of edges or points is unrestricted, because a
 /// partition of them leaves out the new ones.
-fn families(garment: &Garment, subsets: &[Subset]) -> Vec<Family> {
+fn families(garment: &Mesh, subsets: &[Subset]) -> Vec<Family> {
     let carried = |family: &Family| {
         let mut members = garment.subsets.iter().filter(|s| s.family == family.name);
         let of_faces = members.all(|s| matches!(s.elements, Elements::Faces(_)));
@@ -131,7 +131,7 @@ fn families(garment: &Garment, subsets: &[Subset]) -> Vec<Family> {
 /// point that is cut apart has one on each side.
 fn nearest_points(
     points: &[VertexId],
-    garment: &Garment,
+    garment: &Mesh,
     edges: &EdgeTransfer<'_>,
     nearest: &NearestPoint<'_>,
 ) -> Vec<VertexId> {

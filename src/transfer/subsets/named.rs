@@ -1,6 +1,6 @@
 //! Subsets that name creases and corners of the garment, and the constraints of the simulation mesh.
 
-use crate::garment::{Elements, Garment, Subset, free_name};
+use crate::garment::{Elements, Mesh, Subset, free_name};
 use crate::mesh::VertexId;
 use crate::sim::{Chain, SimOptions, SimProduct};
 use crate::transfer::topology::edge_key;
@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 pub(super) const FAMILIES: [&str; 3] = ["tailorCreases", "tailorCorners", "tailorConstraints"];
 
 /// The garment's creases and corners as subsets, one for each sharpness.
-pub(super) fn sharp_sets(garment: &Garment) -> Vec<Subset> {
+pub(super) fn sharp_sets(garment: &Mesh) -> Vec<Subset> {
     // The bits of sharpnesses, which are not negative, sort as the sharpnesses do.
     let mut creases: BTreeMap<u32, BTreeSet<[VertexId; 2]>> = BTreeMap::new();
     for crease in &garment.creases {
@@ -34,7 +34,7 @@ pub(super) fn sharp_sets(garment: &Garment) -> Vec<Subset> {
 }
 
 /// The borders and seams of the simulation mesh as edge subsets.
-pub(super) fn constraint_sets(garment: &Garment, product: &SimProduct, options: &SimOptions) -> Vec<Subset> {
+pub(super) fn constraint_sets(garment: &Mesh, product: &SimProduct, options: &SimOptions) -> Vec<Subset> {
     let borders = constrained_edges(product, |chain| chain.kind.border);
     let seams = constrained_edges(product, |chain| options.constrain_uv_seams && chain.kind.seam);
     let sets = [("tailorBorders", borders), ("tailorSeams", seams)].into_iter().filter(|(_, edges)| !edges.is_empty());

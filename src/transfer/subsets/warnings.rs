@@ -1,7 +1,7 @@
 //! Warnings of subsets that the simulation mesh cannot hold.
 
 use crate::error::{Code, Warning};
-use crate::garment::{Elements, Garment, Subset};
+use crate::garment::{Elements, Mesh, Subset};
 use crate::mesh::FaceId;
 use crate::transfer::coverage::Coverage;
 use crate::transfer::edges::CarriedEdges;
@@ -10,7 +10,7 @@ use crate::transfer::edges::CarriedEdges;
 const AGREEMENT: f64 = 0.97;
 
 /// A warning of face sets that are too small for the triangles to follow.
-pub(super) fn of_small_sets(garment: &Garment, sets: &[Vec<FaceId>], coverage: &Coverage) -> Option<Warning> {
+pub(super) fn of_small_sets(garment: &Mesh, sets: &[Vec<FaceId>], coverage: &Coverage) -> Option<Warning> {
     let agreement = |(subset, set): (&Subset, &Vec<FaceId>)| match &subset.elements {
         // Empty sets have a warning of their own.
         Elements::Faces(source) if !set.is_empty() => Some((subset.name.clone(), coverage.agreement(source, set))),

@@ -5,11 +5,11 @@ mod sets;
 mod values;
 mod work;
 
-use crate::garment::GarmentInput;
+use crate::garment::Garment;
 use crate::testing::sheets;
 
 /// A grid without subsets.
-fn sheet(nx: usize, ny: usize) -> GarmentInput {
+fn sheet(nx: usize, ny: usize) -> Garment {
     let mut input = sheets::grid(nx, ny, |_, _| true);
     input.subsets.clear();
     input.families.clear();

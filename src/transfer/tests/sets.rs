@@ -2,7 +2,7 @@
 
 use super::sheet;
 use crate::error::Code;
-use crate::garment::{Elements, Family, FamilyType, Garment, GarmentInput, SubsetInput};
+use crate::garment::{Elements, Family, FamilyType, Garment, Mesh, SubsetInput};
 use crate::mesh::{EdgeId, FaceId, IdVec, Topology, VertexId};
 use crate::recipe::Layers;
 use crate::sim::SimOptions;
@@ -16,20 +16,20 @@ use std::collections::BTreeSet;
 /// Without UVs, so that no border of a set is a constraint.
 pub const FREE: [&str; 2] = ["sim.uvSet=", "sim.constraints="];
 
-fn with_faces(mut input: GarmentInput, name: &str, family: &str, indices: Vec<i32>) -> GarmentInput {
+fn with_faces(mut input: Garment, name: &str, family: &str, indices: Vec<i32>) -> Garment {
     let (element_type, family) = ("face".into(), family.into());
     input.subsets.push(SubsetInput { name: name.into(), element_type, family, indices });
     input
 }
 
-fn faces(mesh: &Garment, name: &str) -> Vec<FaceId> {
+fn faces(mesh: &Mesh, name: &str) -> Vec<FaceId> {
     match mesh.subset(name).map(|s| &s.elements) {
         Some(Elements::Faces(faces)) => faces.clone(),
         other => panic!("{name}: {other:?}"),
     }
 }
 
-pub fn edges(mesh: &Garment, name: &str) -> Vec<[VertexId; 2]> {
+pub fn edges(mesh: &Mesh, name: &str) -> Vec<[VertexId; 2]> {
     match mesh.subset(name).map(|s| &s.elements) {
         Some(Elements::Edges(edges)) => edges.clone(),
         other => panic!("{name}: {other:?}"),
@@ -53,7 +53,7 @@ pub fn garment(file: &std::path::Path, more: &[&str]) -> Built {
 }
 
 /// The connected pieces of a garment: a number for each face.
-fn pieces(garment: &Garment) -> IdVec<FaceId, usize> {
+fn pieces(garment: &Mesh) -> IdVec<FaceId, usize> {
     let t = Topology::new(garment.faces.clone(), garment.points.len());
     let mut piece = IdVec::<FaceId, Option<usize>>::filled(None, t.faces.len());
     for (number, seed) in t.faces.ids().enumerate() {
@@ -110,7 +110,7 @@ const BELOW: [(&str, &str, f64); 1] = [("coat.usda", "sleeve_under_left", 0.9688
 const MOST_BESIDE: f64 = 0.12;
 
 /// Number and length of the edges between the faces of a set and others.
-fn border(garment: &Garment, set: &[FaceId]) -> (usize, f64) {
+fn border(garment: &Mesh, set: &[FaceId]) -> (usize, f64) {
     let t = Topology::new(garment.faces.clone(), garment.points.len());
     let own: BTreeSet<FaceId> = set.iter().copied().collect();
     let is_between = |e: &EdgeId| {

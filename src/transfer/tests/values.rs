@@ -3,7 +3,7 @@
 use super::sets::{FREE, garment};
 use super::sheet;
 use crate::garment::joints::{self, Influences};
-use crate::garment::{Garment, GarmentInput, Interpolation, Meaning, Primvar, PrimvarInput, PrimvarRole, Values};
+use crate::garment::{Garment, Interpolation, Meaning, Mesh, Primvar, PrimvarInput, PrimvarRole, Values};
 use crate::mesh::{CornerId, FaceId, IdVec, Topology, VertexId};
 use crate::sim::BaselinePoint;
 use crate::subdivide::Stencils;
@@ -19,7 +19,7 @@ fn primvar(name: &str, interpolation: Interpolation, components: usize, values: 
 }
 
 /// Gives a grid of `nx` columns a second layout, whose shells `shell` numbers by column and row.
-fn with_layout(input: GarmentInput, name: &str, nx: usize, shell: impl Fn(usize, usize) -> usize) -> GarmentInput {
+fn with_layout(input: Garment, name: &str, nx: usize, shell: impl Fn(usize, usize) -> usize) -> Garment {
     let kept: Vec<PrimvarInput> = input.primvars.clone();
     let mut input = sheets::with_uvs(input, |face, v| {
         let number = shell(face % nx, face / nx);
@@ -35,7 +35,7 @@ fn with_layout(input: GarmentInput, name: &str, nx: usize, shell: impl Fn(usize,
     input
 }
 
-fn floats<'a>(mesh: &'a Garment, name: &str) -> (&'a Primvar, &'a [f32]) {
+fn floats<'a>(mesh: &'a Mesh, name: &str) -> (&'a Primvar, &'a [f32]) {
     let primvar = mesh.primvar(name).unwrap_or_else(|| panic!("no {name}"));
     match &primvar.values {
         Values::F32(v) => (primvar, v),
@@ -44,7 +44,7 @@ fn floats<'a>(mesh: &'a Garment, name: &str) -> (&'a Primvar, &'a [f32]) {
 }
 
 /// Shells of a layout with the number of faces that lie either way round.
-fn shells(mesh: &Garment, name: &str) -> Vec<(usize, usize)> {
+fn shells(mesh: &Mesh, name: &str) -> Vec<(usize, usize)> {
     let (primvar, values) = floats(mesh, name);
     let t = Topology::new(mesh.faces.clone(), mesh.points.len());
     let row = |c: CornerId| primvar.row(c.index());
@@ -211,7 +211,7 @@ fn posed(point: DVec3, influences: impl Iterator<Item = (i32, f64)>) -> DVec3 {
 #[test]
 fn skinning_poses_the_mesh_as_the_input_at_its_places() {
     let mut checked = 0;
-    let mut files: Vec<GarmentInput> = vec![sheet(6, 6)];
+    let mut files: Vec<Garment> = vec![sheet(6, 6)];
     for file in garments() {
         let source = crate::usd::Source::open(&file, &Default::default()).unwrap_or_else(|e| panic!("{e}"));
         files.push(source.garment().unwrap_or_else(|e| panic!("{e}")).0);
@@ -330,7 +330,7 @@ fn uniform_values_are_means_and_majorities() {
 }
 
 /// Normals of a polygonal sheet, as the attribute that they are: those of its faces, or turned from them.
-fn with_normals(turn: f32) -> GarmentInput {
+fn with_normals(turn: f32) -> Garment {
     let mut input = sheet(6, 6);
     input.rules.scheme = crate::garment::Scheme::None;
     let product = build(input.clone(), &["sim.baselineLevel=0"]);

@@ -1,6 +1,6 @@
 //! How the work of searches grows with a garment: as n log n, whatever its edge sets and targets are.
 
-use crate::GarmentInput;
+use crate::Garment;
 use crate::garment::{Elements, SubsetInput};
 use crate::testing::built::{Built, build};
 use crate::testing::sheets::{grid_faces, mesh, with_edges};
@@ -9,7 +9,7 @@ use crate::testing::sheets::{grid_faces, mesh, with_edges};
 const GROWTH: f64 = 4.0 * 1.4;
 
 /// A flat grid without attributes.
-fn grid(nx: usize, ny: usize) -> GarmentInput {
+fn grid(nx: usize, ny: usize) -> Garment {
     let faces = grid_faces(nx, ny, |_, _| true);
     let faces: Vec<&[i32]> = faces.iter().map(Vec::as_slice).collect();
     let points = (0..(nx + 1) * (ny + 1)).map(|i| [(i % (nx + 1)) as f32, (i / (nx + 1)) as f32, 0.0]);
@@ -17,7 +17,7 @@ fn grid(nx: usize, ny: usize) -> GarmentInput {
 }
 
 /// A fan of `n` triangles, with its spokes as an edge set.
-fn star(n: usize) -> GarmentInput {
+fn star(n: usize) -> Garment {
     let rim = (0..n).map(|i| std::f32::consts::TAU * i as f32 / n as f32).map(|a| [a.cos(), a.sin(), 0.0]);
     let faces: Vec<[i32; 3]> = (0..n as i32).map(|i| [0, i + 1, (i + 1) % n as i32 + 1]).collect();
     let faces: Vec<&[i32]> = faces.iter().map(<[i32; 3]>::as_slice).collect();
@@ -25,7 +25,7 @@ fn star(n: usize) -> GarmentInput {
     with_edges(bare(mesh(std::iter::once([0.0; 3]).chain(rim), &faces)), "set", &spokes)
 }
 
-fn bare(mut input: GarmentInput) -> GarmentInput {
+fn bare(mut input: Garment) -> Garment {
     input.primvars.clear();
     input.subsets.clear();
     input.families.clear();
@@ -33,7 +33,7 @@ fn bare(mut input: GarmentInput) -> GarmentInput {
 }
 
 /// A mesh with all of its edges as one set.
-fn with_all_edges(input: GarmentInput) -> GarmentInput {
+fn with_all_edges(input: Garment) -> Garment {
     let (mut all, mut first) = (Vec::new(), 0);
     for &n in &input.face_vertex_counts {
         let face = &input.face_vertex_indices[first..first + n as usize];
@@ -46,7 +46,7 @@ fn with_all_edges(input: GarmentInput) -> GarmentInput {
 }
 
 /// A spine with teeth, on a grid.
-fn comb(n: usize) -> GarmentInput {
+fn comb(n: usize) -> Garment {
     let at = |x: usize, y: usize| (y * (n + 1) + x) as i32;
     let spine = (0..n).map(|x| [at(x, 1), at(x + 1, 1)]);
     let teeth = (0..=n).flat_map(|x| (1..n).map(move |y| [at(x, y), at(x, y + 1)]));
@@ -60,7 +60,7 @@ fn visited(built: &Built) -> usize {
 }
 
 /// A name, and the garments of a size and of one four times as large.
-fn cases() -> Vec<(&'static str, [GarmentInput; 2])> {
+fn cases() -> Vec<(&'static str, [Garment; 2])> {
     vec![
         ("line", [40, 160].map(|n| with_all_edges(grid(n, 1)))),
         ("grid", [8, 16].map(|n| with_all_edges(grid(n, n)))),

@@ -5,7 +5,7 @@ use super::query::{OrUnreadable, known, prim_name, property_names, subset_prims,
 use super::shapes::read_shapes;
 use super::space::{units, uv_scales};
 use crate::error::{Error, ErrorCode, Warning, Warnings};
-use crate::garment::{Family, GarmentInput, Scheme, SubdivisionRules, SubsetInput};
+use crate::garment::{Family, Garment, Scheme, SubdivisionRules, SubsetInput};
 use crate::usd::names::{self, UsdToken};
 use glam::Vec3;
 use openusd::sdf::Value;
@@ -19,12 +19,12 @@ const ELEMENT_TYPES: &[&str] = &["face", "edge", "point"];
 ///
 /// # Errors
 /// A field that is needed and is missing, of another type, or unreadable.
-pub fn read_mesh(prim: &Prim, time: Option<TimeCode>) -> Result<((GarmentInput, Declarations), Warnings), Error> {
+pub fn read_mesh(prim: &Prim, time: Option<TimeCode>) -> Result<((Garment, Declarations), Warnings), Error> {
     let ints = |name| required_or_empty(prim, name, time, false, int_array);
     let floats = |name| required_or_empty(prim, name, time, false, float_array);
     let mut warnings = Warnings::from_iter(animation(prim, time)?);
     let mut declarations = Declarations::default();
-    let mut mesh = GarmentInput {
+    let mut mesh = Garment {
         prim: prim.path().as_str().to_owned(),
         units: units(prim, time)?,
         uv_scales: uv_scales(prim, time)?,

@@ -10,7 +10,7 @@ use super::primvars::Declarations;
 use super::recipe::read_recipe;
 use super::variants::Selection;
 use crate::error::{Code, Error, ErrorCode, ErrorKind, Warning, Warnings};
-use crate::garment::{GarmentInput, PrimvarInput, PrimvarRole};
+use crate::garment::{Garment, PrimvarInput, PrimvarRole};
 use crate::usd::{BuildRecord, on_large_stack};
 use openusd::usd::{Prim, Stage, TimeCode};
 use serde_json::{Map, Value as Json};
@@ -50,7 +50,7 @@ pub struct PanelSeam {
 #[derive(Clone, Debug)]
 pub struct Source {
     pub(in crate::usd) model: Model,
-    pub(super) garment: Result<GarmentInput, Error>,
+    pub(super) garment: Result<Garment, Error>,
     pub(super) recipe: Result<Map<String, Json>, Error>,
     pub(super) facts: Facts,
     pub(super) warnings: Warnings,
@@ -102,7 +102,7 @@ impl Source {
             Err(e) => (Err(e), Declarations::default()),
         };
         let is_normals = |p: &PrimvarInput| p.role == PrimvarRole::Normals;
-        let has_normals = garment.as_ref().is_ok_and(|g: &GarmentInput| g.primvars.iter().any(is_normals));
+        let has_normals = garment.as_ref().is_ok_and(|g: &Garment| g.primvars.iter().any(is_normals));
         let model = of_mesh.absorb(Model::take(prim, time, origin, declarations, has_normals)?);
         let facts = gather(prim, &model, time)?;
         let recipe = read_recipe(prim, time);
@@ -117,7 +117,7 @@ impl Source {
     ///
     /// # Errors
     /// An attribute that is needed and is missing, of the wrong type or unreadable.
-    pub fn garment(&self) -> Result<(GarmentInput, Warnings), Error> {
+    pub fn garment(&self) -> Result<(Garment, Warnings), Error> {
         Ok((self.garment.clone()?, self.warnings.clone()))
     }
 

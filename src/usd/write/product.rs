@@ -3,7 +3,7 @@
 use super::role::{Product, ProductRole};
 use crate::binding::Binding;
 use crate::error::{Warning, Warnings};
-use crate::garment::{Elements, Garment, Interpolation, Meaning, Primvar, PrimvarRole, Values};
+use crate::garment::{Elements, Interpolation, Meaning, Mesh, Primvar, PrimvarRole, Values};
 use crate::mesh::VertexId;
 use crate::usd::assets::Anchor;
 use crate::usd::names::{self, UsdToken};
@@ -171,7 +171,7 @@ impl Author<'_> {
         AbstractData::set_field(self.data, prim, FieldKey::ApiSchemas.as_str(), list.into());
     }
 
-    fn mesh(&mut self, prim: &Path, role: ProductRole, mesh: &Garment) -> openusd::Result<()> {
+    fn mesh(&mut self, prim: &Path, role: ProductRole, mesh: &Mesh) -> openusd::Result<()> {
         let points: &[Vec3f] = bytemuck::cast_slice(mesh.points.as_slice());
         let points = Value::Vec3fVec(points.to_vec());
         let extent = Value::Vec3fVec(extent(mesh.points.as_slice()));
@@ -197,7 +197,7 @@ impl Author<'_> {
     }
 
     /// Holes, creases and corners.
-    fn sharpness(&mut self, prim: &Path, mesh: &Garment) -> openusd::Result<()> {
+    fn sharpness(&mut self, prim: &Path, mesh: &Mesh) -> openusd::Result<()> {
         if !mesh.holes.is_empty() {
             self.ints(prim, names::HOLE_INDICES, mesh.holes.iter().map(|f| f.index() as i32).collect())?;
         }
@@ -291,7 +291,7 @@ impl Author<'_> {
         }
     }
 
-    fn subsets(&mut self, prim: &Path, mesh: &Garment) -> openusd::Result<()> {
+    fn subsets(&mut self, prim: &Path, mesh: &Mesh) -> openusd::Result<()> {
         for family in &mesh.families {
             let name = format!("{}{}{}", names::SUBSET_FAMILY, family.name, names::FAMILY_TYPE_SUFFIX);
             self.token(prim, &name, family.kind.token())?;

@@ -2,7 +2,7 @@
 
 use crate::binding::Binding;
 use crate::cloth::Cloth;
-use crate::garment::Garment;
+use crate::garment::Mesh;
 
 /// The purpose of a product.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,7 +49,7 @@ pub struct Product<'a> {
     /// Its purpose.
     pub role: ProductRole,
     /// The mesh.
-    pub mesh: &'a Garment,
+    pub mesh: &'a Mesh,
     /// The simulation mesh as cloth; none for no physics.
     pub cloth: Option<&'a Cloth>,
     /// The places of the render mesh's points on the simulation mesh.
@@ -60,7 +60,7 @@ pub struct Product<'a> {
 
 impl<'a> Product<'a> {
     /// A mesh without physics.
-    pub fn new(name: &'a str, role: ProductRole, mesh: &'a Garment) -> Self {
+    pub fn new(name: &'a str, role: ProductRole, mesh: &'a Mesh) -> Self {
         Self { name, panel: None, role, mesh, cloth: None, binding: None, cage_binding: None }
     }
 }

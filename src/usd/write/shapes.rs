@@ -1,7 +1,7 @@
 //! Writing blend shapes.
 
 use super::product::Author;
-use crate::garment::{Garment, PrimvarRole, Values, free_name};
+use crate::garment::{Mesh, PrimvarRole, Values, free_name};
 use crate::usd::names;
 use crate::usd::read::BlendShape;
 use crate::usd::record::Record;
@@ -15,7 +15,7 @@ impl Author<'_> {
     ///
     /// # Errors
     /// A name or type that the layer does not admit.
-    pub fn shapes(&mut self, prim: &Path, mesh: &Garment) -> openusd::Result<()> {
+    pub fn shapes(&mut self, prim: &Path, mesh: &Mesh) -> openusd::Result<()> {
         let mut taken: BTreeSet<String> = mesh.subsets.iter().map(|s| s.name.clone()).collect();
         let (mut tokens, mut targets) = (Vec::new(), Vec::new());
         for (number, shape) in self.model.declarations.shapes.iter().enumerate() {
@@ -41,7 +41,7 @@ impl Author<'_> {
     }
 
     /// Authors one blend shape: the points that it moves, and their offsets.
-    fn shape(&mut self, path: &Path, number: usize, shape: &BlendShape, mesh: &Garment) -> openusd::Result<()> {
+    fn shape(&mut self, path: &Path, number: usize, shape: &BlendShape, mesh: &Mesh) -> openusd::Result<()> {
         PrimSpec::new(self.data, path, Specifier::Def, names::BLEND_SHAPE)?;
         let moving: Vec<(&Record, &[f32])> = shape
             .properties

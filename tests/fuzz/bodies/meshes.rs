@@ -3,8 +3,8 @@
 use super::choices::Choices;
 use tailor::glam::Vec3;
 use tailor::{
-    BoundaryInterpolation, FaceVaryingInterpolation, Family, FamilyType, GarmentInput, Orientation, PrimvarInput,
-    Scheme, SubsetInput, TriangleRule,
+    BoundaryInterpolation, FaceVaryingInterpolation, Family, FamilyType, Garment, Orientation, PrimvarInput, Scheme,
+    SubsetInput, TriangleRule,
 };
 
 /// Faces along a side of the largest sheet.
@@ -31,8 +31,8 @@ const ODD: [f32; 16] = [
 ];
 
 /// A mesh as authored.
-pub fn mesh(choices: &mut Choices) -> GarmentInput {
-    let mut mesh = GarmentInput { prim: "/Coat/model".into(), ..GarmentInput::default() };
+pub fn mesh(choices: &mut Choices) -> Garment {
+    let mut mesh = Garment { prim: "/Coat/model".into(), ..Garment::default() };
     match choices.below(5) {
         0 => soup(&mut mesh, choices),
         1 => loose(&mut mesh, choices),
@@ -49,7 +49,7 @@ pub fn mesh(choices: &mut Choices) -> GarmentInput {
 }
 
 /// A sheet of quads, bent by chance; a tube if it is `wrapped`.
-fn sheet(mesh: &mut GarmentInput, choices: &mut Choices, wrapped: bool) {
+fn sheet(mesh: &mut Garment, choices: &mut Choices, wrapped: bool) {
     let (across, along) = (1 + choices.below(MOST_ALONG), 1 + choices.below(MOST_ALONG));
     let bend = choices.signed();
     for i in 0..(across + 1) * (along + 1) {
@@ -71,7 +71,7 @@ fn sheet(mesh: &mut GarmentInput, choices: &mut Choices, wrapped: bool) {
 }
 
 /// Faces of any corners.
-fn soup(mesh: &mut GarmentInput, choices: &mut Choices) {
+fn soup(mesh: &mut Garment, choices: &mut Choices) {
     let points = 3 + choices.below(40);
     mesh.points = (0..points).map(|_| Vec3::from_array([0; 3].map(|_| 4.0 * choices.signed()))).collect();
     for _ in 0..1 + choices.below(100) {
@@ -81,7 +81,7 @@ fn soup(mesh: &mut GarmentInput, choices: &mut Choices) {
 }
 
 /// Quads without neighbours.
-fn loose(mesh: &mut GarmentInput, choices: &mut Choices) {
+fn loose(mesh: &mut Garment, choices: &mut Choices) {
     for _ in 0..1 + choices.below(300) {
         let first = mesh.points.len() as i32;
         let at = Vec3::new(8.0 * choices.signed(), 8.0 * choices.signed(), choices.signed());
@@ -90,12 +90,12 @@ fn loose(mesh: &mut GarmentInput, choices: &mut Choices) {
     }
 }
 
-fn face(mesh: &mut GarmentInput, corners: &[i32]) {
+fn face(mesh: &mut Garment, corners: &[i32]) {
     mesh.face_vertex_counts.push(corners.len() as i32);
     mesh.face_vertex_indices.extend(corners);
 }
 
-fn rules(mesh: &mut GarmentInput, choices: &mut Choices) {
+fn rules(mesh: &mut Garment, choices: &mut Choices) {
     let rules = &mut mesh.rules;
     rules.scheme =
         choices.one_of(&[Scheme::CatmullClark, Scheme::CatmullClark, Scheme::Loop, Scheme::Bilinear, Scheme::None]);
@@ -120,7 +120,7 @@ fn rules(mesh: &mut GarmentInput, choices: &mut Choices) {
 }
 
 /// Replaces faces by fans of triangles.
-fn in_triangles(mesh: &mut GarmentInput) {
+fn in_triangles(mesh: &mut Garment) {
     let (counts, corners) =
         (std::mem::take(&mut mesh.face_vertex_counts), std::mem::take(&mut mesh.face_vertex_indices));
     let mut start = 0;
@@ -134,7 +134,7 @@ fn in_triangles(mesh: &mut GarmentInput) {
 }
 
 /// UVs that follow the points, with cuts between faces and odd values; and painted weights.
-fn primvars(mesh: &mut GarmentInput, choices: &mut Choices) {
+fn primvars(mesh: &mut Garment, choices: &mut Choices) {
     let uvs: Vec<[f32; 2]> = mesh.points.iter().map(|p| [p.x / 8.0, (p.y + p.z) / 8.0]).collect();
     if !choices.once_in(4) {
         let (mut uvs, mut indices) = (uvs, mesh.face_vertex_indices.clone());
@@ -173,7 +173,7 @@ fn primvars(mesh: &mut GarmentInput, choices: &mut Choices) {
 }
 
 /// The sets `faces`, `edges` and `points`, of any elements in a row.
-fn subsets(mesh: &mut GarmentInput, choices: &mut Choices) {
+fn subsets(mesh: &mut Garment, choices: &mut Choices) {
     let (faces, corners) = (mesh.face_vertex_counts.len(), mesh.face_vertex_indices.len());
     for kind in ["face", "edge", "point"] {
         let (from, count) = (choices.below(corners), 1 + choices.below(60));
@@ -196,7 +196,7 @@ fn subsets(mesh: &mut GarmentInput, choices: &mut Choices) {
 }
 
 /// Creases along edges of faces, corners and holes.
-fn sharpness(mesh: &mut GarmentInput, choices: &mut Choices) {
+fn sharpness(mesh: &mut Garment, choices: &mut Choices) {
     let corners = mesh.face_vertex_indices.clone();
     for _ in 0..choices.below(4) {
         let at = choices.below(corners.len() - 1);
@@ -214,7 +214,7 @@ fn sharpness(mesh: &mut GarmentInput, choices: &mut Choices) {
 }
 
 /// One thing that goes wrong in a file.
-fn damage(mesh: &mut GarmentInput, choices: &mut Choices) {
+fn damage(mesh: &mut Garment, choices: &mut Choices) {
     let (points, corners) = (mesh.points.len(), mesh.face_vertex_indices.len());
     let odd = choices.one_of(&ODD);
     match choices.below(9) {

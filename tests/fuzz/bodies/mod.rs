@@ -13,7 +13,7 @@ use tailor::error::{Error, ErrorKind};
 use tailor::recipe::{Layers, RecipeFile};
 use tailor::session::PayloadRecipe;
 use tailor::usd::{ReadOptions, Source};
-use tailor::{Builder, Elements, Garment, GarmentInput};
+use tailor::{Builder, Elements, Garment, Mesh};
 
 /// A target: its name and its body.
 pub type Target = (&'static str, fn(&[u8]));
@@ -86,12 +86,12 @@ fn sound<T>(result: Result<T, Error>) -> Option<T> {
 }
 
 /// True if all points are finite, and so near that nothing overflows.
-fn is_sane(mesh: &GarmentInput) -> bool {
+fn is_sane(mesh: &Garment) -> bool {
     mesh.points.iter().all(|p| p.is_finite() && p.abs().max_element() < SANE)
 }
 
 /// Indices in range, and points finite where those of the input are.
-fn check_product(name: &str, mesh: &Garment, finite: bool) {
+fn check_product(name: &str, mesh: &Mesh, finite: bool) {
     let (points, faces) = (mesh.points.len(), mesh.faces.len());
     assert!(mesh.faces.corners().iter().all(|v| v.index() < points), "{name}: corners name points");
     assert!(!finite || mesh.points.iter().all(|p| p.is_finite()), "{name}: points are finite");

@@ -1,27 +1,27 @@
 //! Every fault that a garment can have, each with what is said of it.
 
 use super::{cloth, subset, varying};
-use crate::garment::{Family, FamilyType, GarmentInput, Interpolation, PrimvarInput, Scheme, Values, check_garment};
+use crate::garment::{Family, FamilyType, Garment, Interpolation, PrimvarInput, Scheme, Values, check_garment};
 
 /// One way to break the cloth, and what must be said of it.
 struct FaultCase {
     attribute: &'static str,
     fault: &'static str,
     remedy: &'static str,
-    breaks: fn(&mut GarmentInput),
+    breaks: fn(&mut Garment),
 }
 
 const fn fault(
     attribute: &'static str,
     fault: &'static str,
     remedy: &'static str,
-    breaks: fn(&mut GarmentInput),
+    breaks: fn(&mut Garment),
 ) -> FaultCase {
     FaultCase { attribute, fault, remedy, breaks }
 }
 
 /// The numbers of a primvar of floats.
-fn floats(input: &mut GarmentInput, primvar: usize) -> &mut Vec<f32> {
+fn floats(input: &mut Garment, primvar: usize) -> &mut Vec<f32> {
     match &mut input.primvars[primvar].values {
         Values::F32(values) => values,
         other => panic!("no floats: {other:?}"),
@@ -175,7 +175,7 @@ fn faults_of_primvars() {
 }
 
 /// The indices of the UVs.
-fn st_indices(input: &mut GarmentInput) -> &mut Vec<i32> {
+fn st_indices(input: &mut Garment) -> &mut Vec<i32> {
     input.primvars[0].indices.as_mut().expect("the UVs are indexed")
 }
 
@@ -252,7 +252,7 @@ fn faults_of_subsets() {
 
 #[test]
 fn a_mesh_without_faces_is_told() {
-    let bare = GarmentInput { points: cloth().points, prim: "/Coat/model".into(), ..GarmentInput::default() };
+    let bare = Garment { points: cloth().points, prim: "/Coat/model".into(), ..Garment::default() };
     let error = check_garment(bare).expect_err("there are no faces");
     assert_eq!(
         error.to_string(),

@@ -13,9 +13,9 @@ use glam::Vec3;
 use std::sync::Arc;
 
 /// A cloth of 2 x 2 quads over 3 x 3 points, numbered row by row, with an attribute of each kind.
-fn cloth() -> GarmentInput {
+fn cloth() -> Garment {
     let point = |i: usize| Vec3::new((i % 3) as f32, (i / 3) as f32, 0.0);
-    GarmentInput {
+    Garment {
         prim: "/Coat/model".into(),
         points: (0..9).map(point).collect(),
         face_vertex_counts: vec![4; 4],
@@ -39,7 +39,7 @@ fn cloth() -> GarmentInput {
             Family { name: "seams".into(), kind: FamilyType::NonOverlapping },
             Family { name: "empty".into(), kind: FamilyType::Partition },
         ],
-        ..GarmentInput::default()
+        ..Garment::default()
     }
 }
 
@@ -164,15 +164,15 @@ fn faces_of_any_valence_are_kept() {
 }
 
 /// Faces over the points of the cloth and one above its middle (9), without any attribute.
-fn bare(faces: &[&[i32]]) -> GarmentInput {
+fn bare(faces: &[&[i32]]) -> Garment {
     let mut points = cloth().points;
     points.push(Vec3::new(1.0, 1.0, 1.0));
-    GarmentInput {
+    Garment {
         prim: "/Coat/model".into(),
         points,
         face_vertex_counts: faces.iter().map(|f| f.len() as i32).collect(),
         face_vertex_indices: faces.concat(),
-        ..GarmentInput::default()
+        ..Garment::default()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::{StageSteps, Start, connectivity};
 use crate::error::Error;
-use crate::garment::Garment;
+use crate::garment::Mesh;
 use crate::mesh::{Csr, FaceId, Faces, IdVec, VertexId};
 use crate::render::stack::Stage;
 use crate::subdivide::{Derivation, carried_points};
@@ -30,7 +30,7 @@ pub struct OriginTrace {
 
 impl OriginTrace {
     /// The garment itself.
-    pub fn first(garment: &Garment) -> Self {
+    pub fn first(garment: &Mesh) -> Self {
         let parents = garment.faces.ids().collect();
         Self { points: garment.points.clone(), faces: garment.faces.clone(), parents, copies: Vec::new() }
     }

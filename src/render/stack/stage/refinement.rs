@@ -2,7 +2,7 @@
 
 use super::{Cage, InputVertices};
 use crate::error::Error;
-use crate::garment::{Garment, Scheme, Subset};
+use crate::garment::{Mesh, Scheme, Subset};
 use crate::mesh::{IdVec, VertexId};
 use crate::render::child::OperatorDerivation;
 use crate::step::{Same, Step};
@@ -14,7 +14,7 @@ use std::sync::Arc;
 const LEVEL_CORNER: usize = 40;
 
 /// The garment after all refinements without its points, and the refinements.
-pub type Refined = (Arc<Garment>, Vec<Arc<Refinement>>);
+pub type Refined = (Arc<Mesh>, Vec<Arc<Refinement>>);
 
 /// A cage with its level, compared by the inputs of its refinement.
 struct SameRefinement(Cage);
@@ -34,7 +34,7 @@ pub struct RefinementSteps {
     of_cage: Step<SameRefinement, Arc<Refinement>>,
     of_refinement: Step<Same<Refinement>, Arc<Refinement>>,
     subsets: Step<(Same<Refinement>, Subsets), Subsets>,
-    attributes: Step<(Same<Refinement>, Same<Garment>), Arc<Garment>>,
+    attributes: Step<(Same<Refinement>, Same<Mesh>), Arc<Mesh>>,
 }
 
 impl RefinementSteps {
@@ -61,13 +61,13 @@ impl RefinementSteps {
     }
 
     /// The refined garment, without points.
-    fn attributes(&mut self, by: &Arc<Refinement>, of: &Arc<Garment>) -> Result<Arc<Garment>, Error> {
+    fn attributes(&mut self, by: &Arc<Refinement>, of: &Arc<Mesh>) -> Result<Arc<Mesh>, Error> {
         let carrier = Carrier::new(of, by.as_ref());
         let input = (Same::from(by), Arc::clone(&of.subsets));
         let subsets = self.subsets.get(input, |_| Ok(carrier.subsets()))?;
         self.attributes.get((Same::from(by), Same::from(of)), |_| {
             let (primvars, influences) = (carrier.primvars(), carrier.influences());
-            Ok(Arc::new(Garment { primvars, influences, ..carrier.frame(subsets) }))
+            Ok(Arc::new(Mesh { primvars, influences, ..carrier.frame(subsets) }))
         })
     }
 }

@@ -13,7 +13,7 @@ use super::query::prim_at;
 use super::source::{ReadOptions, Source};
 use crate::error::{Code, Error, ErrorCode, ErrorKind, Warning};
 use crate::garment::sew::{MAX_TOLERANCE, Seams, TOLERANCE, Unsewn, find_seams};
-use crate::garment::{GarmentInput, check_garment};
+use crate::garment::{Garment, check_garment};
 use crate::mesh::{Elements, VertexId};
 use crate::usd::on_large_stack;
 use glam::DMat4;
@@ -97,7 +97,7 @@ fn open(origin: StageOrigin, options: &ReadOptions) -> Result<Vec<Source>, Error
 
 /// The seams between the meshes, in the space of the stage.
 fn seams(sources: &[Source], tolerance: f64) -> Result<Seams, Error> {
-    let mut meshes: Vec<(&GarmentInput, DMat4)> = Vec::with_capacity(sources.len());
+    let mut meshes: Vec<(&Garment, DMat4)> = Vec::with_capacity(sources.len());
     for source in sources {
         let mesh = source.garment.as_ref().map_err(Clone::clone)?;
         // Faults name the elements of the mesh itself, so each is checked before it is part of another.

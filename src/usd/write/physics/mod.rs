@@ -24,7 +24,7 @@ use super::role::{Product, ProductRole};
 use crate::binding::Binding;
 use crate::cloth::{Cloth, FABRICS, Fabric};
 use crate::error::{Code, Error, ErrorCode, Warning};
-use crate::garment::Garment;
+use crate::garment::Mesh;
 use crate::mesh::FaceId;
 use crate::usd::names;
 use crate::usd::read::world_of;
@@ -57,7 +57,7 @@ pub fn pose_points() -> impl Iterator<Item = String> {
 /// The cloth of one garment, with its meshes and the prims that get its physics.
 struct Physics<'a> {
     cloth: &'a Cloth,
-    sim: &'a Garment,
+    sim: &'a Mesh,
     sim_path: Path,
     /// The render mesh, or those of the panels.
     renders: Vec<BoundRender<'a>>,
@@ -70,7 +70,7 @@ struct Physics<'a> {
 /// A render mesh and the places of its points.
 struct BoundRender<'a> {
     path: Path,
-    mesh: &'a Garment,
+    mesh: &'a Mesh,
     binding: Option<&'a Binding>,
 }
 
@@ -274,7 +274,7 @@ impl Author<'_> {
         self.token(&physics.sim_path, &format!("physics:{name}:elementType"), kind)
     }
 
-    fn pose(&mut self, prim: &Path, mesh: &Garment, dialect: &Dialect, purposes: &[&str]) -> openusd::Result<()> {
+    fn pose(&mut self, prim: &Path, mesh: &Mesh, dialect: &Dialect, purposes: &[&str]) -> openusd::Result<()> {
         let (schema, space) = dialect.pose;
         self.apply(prim, &[schema])?;
         self.points(prim, &dialect.pose_points(), mesh.points.as_slice())?;
