@@ -124,7 +124,7 @@ pub enum PageMessage {
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub enum ServerMessage<'a> {
     /// The garment.
-    Mesh(GarmentMessage<'a>),
+    Garment(GarmentMessage<'a>),
     /// The document.
     State(StateMessage<'a>),
     /// Faults of one origin.

@@ -78,7 +78,7 @@ impl Stage {
 fn message(source: &Source, checks: &Builder, input: &Input) -> String {
     let (facts, garment) = (source.facts(), checks.garment());
     let primvars = garment.primvars.iter().filter(|primvar| primvar.role == PrimvarRole::Primvar);
-    ServerMessage::Mesh(GarmentMessage {
+    ServerMessage::Garment(GarmentMessage {
         version: env!("CARGO_PKG_VERSION"),
         file: source.file().file_name().unwrap_or_default().to_string_lossy().into_owned(),
         prim: &facts.prim,

@@ -405,7 +405,7 @@ export type SaveTargets = {
 
 /** A text message to the page. */
 export type ServerMessage =
-  | { "type": "mesh" } & GarmentMessage
+  | { "type": "garment" } & GarmentMessage
   | { "type": "state" } & StateMessage
   | { "type": "faults" } & FaultsMessage
   | { "type": "product" } & ProductMessage
