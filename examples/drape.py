@@ -9,7 +9,7 @@ A frame of the coat takes 5 to 10 seconds on two cores. Needs Python with `newto
     python -m venv drape && drape/bin/pip install newton warp-lang newton-usd-schemas usd-core numpy pillow
 
 The folder gets `built.usdc` (simulation mesh with physics, render mesh), `cache.usdc` (points of the simulation mesh),
-`shot.usdc` (the driven render mesh) and pictures of four frames. The garment hangs on a body of capsules, and falls under
+`shot.usdc` (the driven render mesh) and `strip.png` (a picture of four frames). The garment hangs on a body of capsules, and falls under
 gravity from the pose that it was modelled in.
 """
 import argparse
@@ -137,24 +137,18 @@ def simulate(file, cache, frames, fps, substeps=10, iterations=12):
     stage.GetRootLayer().Save()
 
 
-def draw(shot, folder, frames, focus, size=(560, 760)):
-    """Pictures of four frames of the render mesh, and the strip of them."""
-    from draw import Camera, Style, render
-    from meshes import load
-    from PIL import Image
+def picture(shot, frames, focus):
+    """Four frames of the render mesh in a row."""
+    import draw
     from pxr import Usd
     stage = Usd.Stage.Open(str(shot))
-    path = next(str(p.GetPath()) for p in stage.Traverse() if p.GetCustomDataByKey("tailor:product") == "render")
-    pictures, camera = [], None
+    path = next(p.GetPath() for p in stage.Traverse() if p.GetCustomDataByKey("tailor:product") == "render")
+    tiles, camera = [], None
     for frame in np.unique(np.linspace(1, frames, 4).round().astype(int)):
-        meshes = load(str(shot), [path], time=float(frame))
-        camera = camera or Camera.fit(meshes, "20,8", size, focus, margin=1.25)
-        pictures.append(render(meshes, camera, Style(size=size, color="displayColor")))
-        pictures[-1].save(folder / f"frame_{frame:03d}.png")
-    strip = Image.new("RGB", (size[0] * len(pictures), size[1]), "white")
-    for i, picture in enumerate(pictures):
-        strip.paste(picture, (i * size[0], 0))
-    strip.save(folder / "strip.png")
+        meshes = draw.load(stage, [path], time=float(frame))
+        camera = camera or draw.Camera.fit(meshes, "20,8", (420, 450), focus, margin=1.25)
+        tiles.append((draw.render(meshes, camera, color="displayColor"), f"frame {frame}"))
+    return draw.sheet([tiles])
 
 
 def main():
@@ -182,7 +176,7 @@ def main():
     simulate(built, cache, args.frames, args.fps, **steps)
     run(args.usdtailor, "drive", built, "--cache", cache, "-o", shot, "--force")
     focus = [float(x) for x in args.focus.split(",")] if args.focus else None
-    draw(shot, args.output, args.frames, focus)
+    picture(shot, args.frames, focus).save(args.output / "strip.png")
 
 
 if __name__ == "__main__":

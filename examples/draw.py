@@ -2,20 +2,19 @@
 """Draw the meshes of a USD stage to a PNG, in software with numpy and Pillow.
 
     draw.py IN.usd -o out.png [--prim PATH ...] [--view front|back|left|right|top|iso|AZ,EL]
-            [--focus x,y,z,radius] [--wire] [--edges] [--flat]
+            [--focus x,y,z,radius] [--wire] [--edges] [--flat] [--pattern [UV SET]]
             [--color none|displayColor|subset[:FAMILY]|uv|primvar:NAME] [--size WxH]
-    draw.py IN.usd -o out.png --pattern         the UV layout, in two dimensions
 
 The wireframe shows the edges of the authored faces, so a quad has no diagonal.  Each pixel is
 shaded by its distance to the edges of the triangle visible there.  Hidden lines therefore need
 no second depth test.
 
-As a library: `load(path, prim_paths)` returns `Mesh` objects, `Camera.fit(...)` a camera, and
-`render(meshes, camera, Style(...))` a PIL image.
+As a library, which draws all pictures of this project but screenshots: `load(path, prim_paths)` returns `Mesh` objects,
+`Camera.fit(...)` a camera, `render(meshes, camera, ...)` a PIL image, and `sheet(rows)` many of them with words.
 """
 import argparse
 import colorsys
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from meshes import Mesh, load
@@ -26,6 +25,7 @@ VIEWS = {"front": (0, 0), "back": (180, 0), "left": (90, 0), "right": (-90, 0),
 BACKGROUND = np.array([0.965, 0.965, 0.955])
 CLOTH = np.array([0.70, 0.74, 0.80])
 BORDER = np.array([0.80, 0.10, 0.10])
+INK, GREY = (25, 28, 38), (105, 110, 122)       # words
 # Colour scale of scalar primvars from low to high (dark blue, teal, green, yellow).
 RAMP = np.array([[0.16, 0.11, 0.40], [0.13, 0.42, 0.56], [0.20, 0.68, 0.48], [0.98, 0.90, 0.22]])
 
@@ -34,11 +34,12 @@ RAMP = np.array([[0.16, 0.11, 0.40], [0.13, 0.42, 0.56], [0.20, 0.68, 0.48], [0.
 
 @dataclass
 class Camera:
-    """An orthographic camera: azimuth from +Z towards +X, elevation, centre and half height."""
+    """An orthographic camera: azimuth from +Z towards +X, elevation, centre, half height, and size of its pictures."""
     azimuth: float
     elevation: float
     centre: np.ndarray
     radius: float
+    size: tuple
 
     def axes(self):
         """Rows: right, up, towards the viewer."""
@@ -51,7 +52,7 @@ class Camera:
     def fit(meshes, view="front", size=(1200, 1200), focus=None, margin=1.05):
         """A camera that shows all meshes, or the ball `focus` of x, y, z and radius."""
         azimuth, elevation = VIEWS[view] if view in VIEWS else map(float, view.split(","))
-        camera = Camera(azimuth, elevation, np.zeros(3), 1.0)
+        camera = Camera(azimuth, elevation, np.zeros(3), 1.0, size)
         if focus is not None:
             camera.centre, camera.radius = np.array(focus[:3], float), float(focus[3])
             return camera
@@ -62,11 +63,18 @@ class Camera:
         camera.radius = max(half[1], half[0] * size[1] / size[0])
         return camera
 
+    def pixels(self, points, samples):
+        """Places of points in a picture with `samples` pixels for one, x to the right, y down, z towards the viewer."""
+        width, height = np.array(self.size) * samples
+        out = (points - self.centre) @ self.axes().T * (height / 2 / self.radius)
+        out[..., 0] += width / 2
+        out[..., 1] = height / 2 - out[..., 1]
+        return out
+
 
 @dataclass
 class Style:
     """Drawing options; see the command-line options of the same names."""
-    size: tuple = (1200, 1200)
     color: str = "none"
     wire: bool = False
     edges: bool = False
@@ -74,7 +82,6 @@ class Style:
     line: float = 1.1           # width of the wires, in pixels of the result
     wire_strength: float = 0.62
     samples: int = 2
-    background: np.ndarray = field(default_factory=lambda: BACKGROUND)
     checker: float = 0.05       # size of a checker, in UV units
     key: tuple = (-0.45, 0.65, 0.75)    # direction towards the key light: right, up, towards the viewer
     key_strength: float = 0.62
@@ -195,30 +202,27 @@ def edge_colours(mesh, style):
     return rgb, width
 
 
-def render(meshes, camera, style=None):
-    """A PIL image of a list of meshes."""
-    style = style or Style()
+def render(meshes, camera, marks=(), **style):
+    """A PIL image of a mesh or several, with the fields of `Style`.
+
+    Marks lie over it: arrays of points (N, 3) or lines (N, 2, 3), a colour, and a width in pixels."""
+    style = Style(**style)
     if isinstance(meshes, Mesh):
         meshes = [meshes]
     ss = style.samples
-    width, height = style.size[0] * ss, style.size[1] * ss
+    width, height = camera.size[0] * ss, camera.size[1] * ss
     axes = camera.axes()
-    scale = height / 2 / camera.radius
 
-    world = np.concatenate([m.points[m.tris] for m in meshes])
+    screen = np.concatenate([camera.pixels(m.points[m.tris], ss) for m in meshes])
     normals = np.concatenate([m.corner_normals(style.flat) for m in meshes])
     colours = np.concatenate([corner_colours(m, style.color) for m in meshes])
     uv = None
     if style.color == "uv":
         uv = np.concatenate([_uv_or_zero(m) for m in meshes])
-
-    screen = (world - camera.centre) @ axes.T * scale
-    screen[..., 0] += width / 2
-    screen[..., 1] = height / 2 - screen[..., 1]
     ids, depth = rasterise(screen, width, height)
 
     image = np.empty((height, width, 3))
-    image[:] = style.background
+    image[:] = BACKGROUND
     py, px = np.nonzero(ids >= 0)
     t = ids[py, px]
     a, b, c = screen[t, 0], screen[t, 1], screen[t, 2]
@@ -235,15 +239,22 @@ def render(meshes, camera, style=None):
         colour = _checker(np.einsum("nk,nkd->nd", bary, uv[t]), style.checker)
     colour[behind] = colour[behind] * 0.55 + np.array([0.62, 0.50, 0.40]) * 0.38
     image[py, px] = colour * _light(normal @ axes.T, style)[:, None]
-    image *= _occlusion(depth, ids, scale)[..., None]
+    image *= _occlusion(depth, ids, height / 2 / camera.radius)[..., None]
 
     if style.wire or style.edges:
         parts = [edge_colours(m, style) for m in meshes]
         rgb, line = (np.concatenate([p[i] for p in parts]) for i in (0, 1))
         _draw_lines(image, (py, px), bary, area, (a, b, c), rgb[t], line[t] * ss / 2, style)
 
-    image = np.clip(image, 0, 1).reshape(style.size[1], ss, style.size[0], ss, 3).mean((1, 3))
-    return Image.fromarray((image * 255 + 0.5).astype(np.uint8))
+    image = Image.fromarray((np.clip(image, 0, 1) * 255 + 0.5).astype(np.uint8))
+    pen = ImageDraw.Draw(image)
+    for points, colour, size in marks:
+        for at in camera.pixels(points, ss)[..., :2]:
+            if at.ndim == 1:
+                pen.circle(tuple(at), size * ss / 2, fill=colour)
+            else:
+                pen.line([tuple(p) for p in at], fill=colour, width=round(size * ss))
+    return image.resize(camera.size, Image.BOX)
 
 
 def _uv_or_zero(mesh):
@@ -320,46 +331,25 @@ def _draw_lines(image, where, bary, area, abc, rgb, half, style):
     image[py, px] = image[py, px] * (1 - shade[:, None]) + tint * shade[:, None]
 
 
-# ------------------------------------------------------------------------------- UV layout
+# ------------------------------------------------------------------------------- sheets
 
-def draw_pattern(meshes, size=(1400, 1000), family="panels", name="st"):
-    """Draws the faces in UV space, coloured and labelled by subset."""
-    ss = 2
-    image = Image.new("RGB", (size[0] * ss, size[1] * ss), tuple(int(c * 255) for c in BACKGROUND))
-    pen = ImageDraw.Draw(image)
-    uvs = []
-    for m in meshes:
-        got = m.primvar(name)
-        if got and got[2] == "faceVarying":
-            uvs.append((m, got[0][got[1]] if got[1] is not None else got[0]))
-    if not uvs:
-        raise SystemExit(f"no faceVarying primvar {name}")
-    every = np.concatenate([uv for _, uv in uvs])
-    low, high = every.min(0), every.max(0)
-    k = min((np.array(size) * ss - 60) / np.maximum(high - low, 1e-9))
-
-    def at(uv):
-        q = (uv - low) * k + 30
-        q[:, 1] = size[1] * ss - q[:, 1]
-        return [tuple(p) for p in q]
-
-    for m, uv in uvs:
-        sets = m.subsets("face", family)
-        fill = np.broadcast_to(CLOTH, (len(m.counts), 3)).copy()
-        for (_, faces), rgb in zip(sets, palette(len(sets))):
-            fill[faces] = rgb
-        for f, (s, n) in enumerate(zip(m.starts, m.counts)):
-            pen.polygon(at(uv[s:s + n]), fill=tuple((fill[f] * 255).astype(int)))
-        for s, n in zip(m.starts, m.counts):
-            ring = at(uv[s:s + n])
-            pen.line(ring + ring[:1], fill=(40, 42, 55), width=2)
-        for label, faces in sets:
-            corners = np.concatenate([np.arange(m.starts[f], m.starts[f] + m.counts[f])
-                                      for f in faces])
-            x, y = at(uv[corners].mean(0)[None])[0]
-            pen.text((x, y), label, fill=(0, 0, 0), anchor="mm", font_size=13 * ss,
-                     stroke_width=3, stroke_fill=(255, 255, 255))
-    return image.resize(size, Image.LANCZOS)
+def sheet(rows, font=17, gap=6):
+    """Rows of images of one size, each with words below it; further lines of the words are small and grey."""
+    lines = 1 + max(words.count("\n") for row in rows for _, words in row)
+    label = round(font * (0.6 + lines))
+    width = max(sum(image.width + gap for image, _ in row) for row in rows)
+    height = sum(row[0][0].height + gap + label for row in rows)
+    page = Image.new("RGB", (width, height), tuple(int(c * 255 + 0.5) for c in BACKGROUND))
+    pen, y = ImageDraw.Draw(page), 0
+    for row in rows:
+        for k, (image, words) in enumerate(row):
+            x = width * k // len(row)
+            page.paste(image, (x + gap // 2, y + gap // 2))
+            for i, line in enumerate(words.split("\n")):
+                at = (x + gap // 2 + image.width // 2, y + image.height + gap + font * (0.8 + i))
+                pen.text(at, line, fill=GREY if i else INK, anchor="mm", font_size=font * 0.67 if i else font)
+        y += row[0][0].height + gap + label
+    return page
 
 
 # ------------------------------------------------------------------------------- command line
@@ -377,21 +367,17 @@ def main():
     parser.add_argument("--color", default="none")
     parser.add_argument("--checker", type=float, default=0.05, help="size of a checker in UV units")
     parser.add_argument("--size", default="1200x1200")
-    parser.add_argument("--pattern", action="store_true", help="draw the UV layout instead")
-    parser.add_argument("--uv-set", default="st", help="the UV set for --pattern")
+    parser.add_argument("--pattern", nargs="?", const="st", help="draw the layout of a UV set instead [st]")
     args = parser.parse_args()
-    size = tuple(int(n) for n in args.size.split("x"))
     meshes = load(args.stage, args.prim)
     if not meshes:
         raise SystemExit("no meshes to draw")
     if args.pattern:
-        draw_pattern(meshes, size, name=args.uv_set).save(args.output)
-        return
+        meshes = [mesh.unfolded(args.pattern) for mesh in meshes]
     focus = [float(n) for n in args.focus.split(",")] if args.focus else None
-    camera = Camera.fit(meshes, args.view, size, focus)
-    style = Style(size=size, color=args.color, wire=args.wire, edges=args.edges, flat=args.flat,
-                  checker=args.checker)
-    render(meshes, camera, style).save(args.output)
+    camera = Camera.fit(meshes, args.view, tuple(int(n) for n in args.size.split("x")), focus)
+    style = {name: getattr(args, name) for name in ("color", "wire", "edges", "flat", "checker")}
+    render(meshes, camera, **style).save(args.output)
 
 
 if __name__ == "__main__":

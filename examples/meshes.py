@@ -1,4 +1,5 @@
 """Reads the meshes of a USD stage as triangulated numpy arrays."""
+import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -45,6 +46,21 @@ class Mesh:
         self.faces = np.concatenate(faces)
         self.real = np.concatenate(real)
         self.tris = self.indices[self.corners]
+
+    def part(self, kept):
+        """A copy with the triangles `kept`."""
+        part = copy.copy(self)
+        for name in ("tris", "corners", "faces", "real"):
+            setattr(part, name, getattr(self, name)[kept])
+        return part
+
+    def unfolded(self, name="st"):
+        """The faces in the space of a UV set, each with points of its own."""
+        got = self.primvar(name)
+        if not got or got[2] != "faceVarying":
+            raise SystemExit(f"no faceVarying primvar {name}")
+        uv = got[0] if got[1] is None else got[0][got[1]]
+        return Mesh(self.path, np.c_[uv, np.zeros(len(uv))], self.counts, np.arange(len(uv)), self.prim, self.stage)
 
     def edges(self):
         """The half-edge of each corner as a pair of points, from that corner to the next."""

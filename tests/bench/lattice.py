@@ -14,10 +14,14 @@ import numpy as np
 from peers import pymeshlab, read
 from scipy.spatial import cKDTree
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "examples"))
+import draw  # noqa: E402
+
 NEAR = 3  # edges
 # A vertex is on a constraint if it is as near to it. [target lengths]
 ON = 0.05
 PICTURED = "coat"
+BLUE, RED = (33, 102, 172), (214, 96, 77)
 
 
 def at_count(surface, wanted):
@@ -70,37 +74,21 @@ def irregular(points, triangles, tree, length):
     return [np.flatnonzero(odd & side) for side in sides], [(inner & side).sum() for side in sides]
 
 
-def draw(meshes, tree, length, path):
+def picture(meshes, tree, length):
     """A close-up of each mesh around the constraint point that has most of them about it."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot as plt
-    from PIL import Image
-    from matplotlib.collections import PolyCollection
-
-    (ours, triangles) = meshes["ours"]
+    ours = meshes["ours"][0]
     middle = ours[(np.abs(ours[:, 0] - np.median(ours[:, 0])) + np.abs(ours[:, 1] - np.quantile(ours[:, 1], 0.62)) - 0.1 * ours[:, 2]).argmin()]
-    figure, axes = plt.subplots(1, len(meshes), figsize=(5 * len(meshes), 5.4))
-    for axis, (name, (points, triangles)) in zip(axes, meshes.items()):
-        centres = points[triangles].mean(1)
-        normals = np.cross(points[triangles[:, 1]] - points[triangles[:, 0]], points[triangles[:, 2]] - points[triangles[:, 0]])
-        kept = (np.abs(centres - middle).max(1) < 11 * length) & (normals[:, 2] > 0)
-        order = np.argsort(centres[kept][:, 2])
-        shown = triangles[kept][order]
-        axis.add_collection(PolyCollection(points[shown][:, :, :2], facecolor="#eef1f5", edgecolor="#3b4654", linewidth=0.6))
-        visible = np.unique(shown)
+    camera, tiles = draw.Camera(0, 0, middle, 9 * length, (540, 540)), []
+    for name, (points, triangles) in meshes.items():
+        mesh = draw.Mesh(name, points, np.full(len(triangles), 3), triangles.ravel())
+        near = np.abs(points[mesh.tris].mean(1) - middle).max(1) < 11 * length
+        shown = mesh.part(near & (mesh.corner_normals(flat=True)[:, 0, 2] > 0))
+        visible = np.unique(shown.tris)
         on = visible[tree.query(points[visible])[0] < ON * length]
-        axis.scatter(*points[on, :2].T, s=7, color="#2166ac", zorder=3, label="on a constraint")
-        (close, _), _ = irregular(points, triangles, tree, length)
-        odd = np.intersect1d(close, visible)
-        axis.scatter(*points[odd, :2].T, s=22, color="#d6604d", zorder=4, label="irregular, within 3 edges")
-        axis.set(xlim=(middle[0] - 9 * length, middle[0] + 9 * length), ylim=(middle[1] - 9 * length, middle[1] + 9 * length), aspect="equal", xticks=[], yticks=[], title=f"{name}: {len(odd)} irregular here")
-    axes[0].legend(loc="lower left", fontsize=8)
-    figure.tight_layout()
-    figure.savefig(path, dpi=110)
-    with Image.open(path) as picture:
-        picture.convert("RGB").quantize(64).save(path, optimize=True)
+        odd = np.intersect1d(irregular(points, triangles, tree, length)[0][0], visible)
+        image = draw.render(shown, camera, [(points[on], BLUE, 5), (points[odd], RED, 9)], wire=True, flat=True, samples=3, ambient=0.55)
+        tiles.append((image, f"{name}: {len(odd)} irregular here\nblue: on a constraint; red: irregular, within {NEAR} edges of one"))
+    return draw.sheet([tiles], font=22)
 
 
 def main():
@@ -120,7 +108,7 @@ def main():
             p1, p5 = np.percentile(angles, [1, 5])
             print(f"{name:24} {kind:10} {len(np.unique(triangles)):8} {shares[0]:9.1f}% {shares[1]:6.1f}% {p1:6.1f} {p5:6.1f} {100 * (angles < 30).mean():7.2f}", flush=True)
         if name == PICTURED and len(sys.argv) > 2:
-            draw(meshes, tree, length, sys.argv[2])
+            picture(meshes, tree, length).quantize(128).save(sys.argv[2], optimize=True)
 
 
 if __name__ == "__main__":

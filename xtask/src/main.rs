@@ -45,8 +45,9 @@ Tasks:
   speed                        Count the instructions of two builds, which the step `speed` compares
   site                         Check the documents, and draw them as a site in target/site
   examples [ARGS...]           Write the garments in examples/ (examples/make_garments.py)
-  picture                      Draw examples/coat.usda and examples/sewn/coat.usda to examples/*.png, and the preview to
-                               docs/preview/*.jpg
+  picture [NAME...] [--before OLD]
+                               Draw the meshes in examples/*.png and docs/, and the preview to docs/preview/*.jpg; with
+                               arguments, the named meshes, or those that an older program is compared with
   golden [ARGS...]             Write the OpenSubdiv reference data of the subdivision tests (needs cmake and C++)
   plugin [OPTIONS]             Build the OpenUSD plugin into target/usd_plugin (see below)
   wheel [--tested]             Build the Python package into target/wheels, for all versions of usd-core or those that the
@@ -107,15 +108,13 @@ fn run(args: &[String]) -> Outcome {
         "page" if rest.is_empty() => page::build(&project),
         "protocol" if rest.is_empty() => cargo::protocol(&project),
         "preview-bench" => built(&project, Profile::Release).and_then(|()| browser::figures(&project, rest)),
-        "picture" if rest.is_empty() => picture(&project),
+        "picture" => picture(&project, rest),
         "plugin" => plugin::run(&project, rest),
         "wheel" => package::run(&project, rest),
         "golden" => golden::run(&project, rest),
         "venv" if rest.is_empty() => venv::ensure(&project).map(|_| ()),
         "peers" if rest.is_empty() => peers::run(&project),
-        "api" | "page" | "options" | "picture" | "peers" | "protocol" | "site" | "speed" | "venv" => {
-            Err(unexpected(task, rest))
-        }
+        "api" | "page" | "options" | "peers" | "protocol" | "site" | "speed" | "venv" => Err(unexpected(task, rest)),
         _ => Err(Failure::new(format!("no task `{task}`")).hint("cargo xtask --help lists them")),
     }
 }
@@ -134,26 +133,11 @@ fn examples(project: &Project, args: &[String]) -> Outcome {
     process::run(project.command(python).arg("examples/make_garments.py").args(args))
 }
 
-/// Draws the pictures in `examples/` from stages that the program builds.
-fn picture(project: &Project) -> Outcome {
+/// Draws meshes that the program builds, and the page of its preview. `--before OLD` compares with an older program too.
+fn picture(project: &Project, args: &[String]) -> Outcome {
     let python = venv::ensure(project)?;
     built(project, Profile::Release)?;
-    let folder = project.scratch("picture")?;
-    let output_of = |source: &str, name: &str, options: &[&str]| {
-        let path = folder.join(name);
-        let mut command = project.command(Profile::Release.program(project));
-        process::run(command.args(["build", source, "-o"]).arg(&path).args(options)).map(|()| path)
-    };
-    let coat = output_of("examples/coat.usda", "coat.usda", &[])?;
-    let [cage, surface] = ["0", "3"].map(|level| {
-        output_of("examples/sewn/coat.usda", &format!("sewn{level}.usda"), &["--set", &format!("render.level={level}")])
-    });
-    let script = |name: &str| {
-        let mut command = project.command(&python);
-        command.arg(format!("examples/{name}"));
-        command
-    };
-    process::run(script("picture.py").arg(&coat).args(["-o", "examples/coat.png"]))?;
-    process::run(script("sew.py").arg("draw").args([cage?, surface?]).args(["-o", "examples/sewn.png"]))?;
-    browser::pictures(project)
+    let mut script = project.command(python);
+    process::run(script.arg("docs/looks/pictures.py").arg(Profile::Release.program(project)).args(args))?;
+    if args.is_empty() { browser::pictures(project) } else { Ok(()) }
 }

@@ -5,7 +5,7 @@ use crate::process::{self, Failure, Outcome};
 use crate::project::Project;
 
 /// What the peers are installed from, in an environment of their own.
-const PACKAGES: [&str; 6] = ["numpy", "pymeshlab", "gpytoolbox", "meshlib", "scipy", "matplotlib"];
+const PACKAGES: [&str; 7] = ["numpy", "pymeshlab", "gpytoolbox", "meshlib", "scipy", "usd-core", "pillow"];
 
 /// Close-ups of our mesh, of stitched lattices and of PyMeshLab's.
 const PICTURE: &str = "docs/looks/lattice.png";
