@@ -15,6 +15,7 @@ SIM = {
     "tailor:sim:grading": ("float", 0.0),
     "tailor:sim:baselineLevel": ("int", 2),
     "tailor:sim:iterations": ("int", 5),
+    "tailor:sim:relax": ("token", "surface"),
     "tailor:sim:uvSet": ("token", "st"),
     "tailor:sim:constrainUvSeams": ("bool", True),
     "tailor:sim:smallestShell": ("float", 4.0),
