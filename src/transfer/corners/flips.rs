@@ -1,7 +1,7 @@
 //! Flipped triangles of a layout: values beyond the cuts are extrapolated, and what is flipped then is cut off.
 
 use super::field::doubled_area;
-use super::shells::ShellValues;
+use super::shells::{ShellValues, near_cuts};
 use crate::mesh::{CornerId, FaceId};
 use crate::sim::BaselinePoint;
 use crate::subdivide::Real;
@@ -14,7 +14,8 @@ const MIN_AREA: f64 = 0.02;
 impl<T: Real> ShellValues<'_, T> {
     /// The flipped triangles near the cuts.
     pub fn flipped(&self) -> Vec<FaceId> {
-        self.near_cuts.par_iter().copied().filter(|&face| self.is_flipped(face)).collect()
+        let near: Vec<FaceId> = near_cuts(&self.seeds).collect();
+        near.into_par_iter().filter(|&face| self.is_flipped(face)).collect()
     }
 
     /// Whether a triangle has too little area in UV, or another orientation than its seed. Triangles where the layout

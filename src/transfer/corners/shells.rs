@@ -17,20 +17,16 @@ pub(super) struct ShellValues<'a, T> {
     pub seeds: ShellSeeds,
     pub sources: IdVec<CornerId, CornerSource>,
     pub values: Vec<T>,
-    /// Triangles near the cuts.
-    pub near_cuts: Vec<FaceId>,
 }
 
 impl<'a, T: Real> ShellValues<'a, T> {
     pub fn new(field: &'a FaceVaryingField<'a, T>, cuts: &'a ChannelCuts<'a>) -> Self {
         let seeds = cuts.seeds();
-        let near_cuts: Vec<FaceId> =
-            seeds.enumerated().filter(|(_, seed)| seed.is_some()).map(|(face, _)| face).collect();
         let places = cuts.map.product.places.iter();
         let mut sources = places.map(|p| CornerSource { location: p.location, moved: false }).collect();
-        cuts.update_sources(near_cuts.iter().copied(), &seeds, &mut sources);
+        cuts.update_sources(near_cuts(&seeds), &seeds, &mut sources);
         let values = field.at_locations(sources.len(), |c| sources[c].location);
-        Self { field, cuts, seeds, sources, values, near_cuts }
+        Self { field, cuts, seeds, sources, values }
     }
 
     /// The value of each corner, and the number of triangles that are cut off from their shells, within which they would
@@ -48,7 +44,7 @@ impl<'a, T: Real> ShellValues<'a, T> {
 
     /// Gives small isolated parts of a shell to the shells around them.
     fn join_islands(&mut self) {
-        let mut faces = self.near_cuts.clone();
+        let mut faces: Vec<FaceId> = near_cuts(&self.seeds).collect();
         for _ in 0..ROUNDS {
             let islands = self.cuts.islands(&faces, &self.seeds, |a, b| self.field.same(&self.values, a, b));
             if islands.is_empty() {
@@ -71,4 +67,9 @@ impl<'a, T: Real> ShellValues<'a, T> {
         let changed: BTreeSet<FaceId> = corners.iter().map(|&c| faces.face_of(c)).collect();
         changed.into_iter().filter(|&f| self.seeds[f].is_some()).collect()
     }
+}
+
+/// The triangles near the cuts.
+pub(super) fn near_cuts(seeds: &ShellSeeds) -> impl Iterator<Item = FaceId> {
+    seeds.enumerated().filter(|(_, seed)| seed.is_some()).map(|(face, _)| face)
 }
