@@ -13,4 +13,9 @@ mod split;
 mod valence;
 
 #[cfg(test)]
-pub(super) use finish::follow_curves;
+pub(super) use {
+    collapse::{COLLAPSE_RATIO, collapse_short_edges, length_deficit},
+    finish::follow_curves,
+    queue::keyed_by_both,
+    split::{length_excess, split_long_edges},
+};

@@ -11,6 +11,8 @@ use rayon::prelude::*;
 
 /// The wedge of a free vertex, and those of the two other corners of each triangle around it.
 struct UvRing {
+    /// Index of the vertex's destination.
+    at: usize,
     own: WedgeId,
     triangles: Vec<[WedgeId; 2]>,
 }
@@ -18,34 +20,31 @@ struct UvRing {
 /// Replaces the destinations of free vertices by the centroids around them in UV, after `sweeps` averages. Where there is no
 /// layout, or a flipped one, destinations stay.
 pub(crate) fn move_in_uv(mesh: &SimMesh<'_>, sweeps: usize, destinations: &mut [(VertexId, Destination)]) {
-    let rings: Vec<Option<UvRing>> = destinations.par_iter().map(|&(v, _)| UvRing::new(mesh, v)).collect();
+    let rings = destinations.par_iter().enumerate().filter_map(|(at, &(v, _))| UvRing::new(mesh, at, v));
+    let rings: Vec<UvRing> = rings.collect();
     let mut uvs: IdVec<WedgeId, Vec2> = mesh.wedges.iter().map(|wedge| wedge.place.uv).collect();
     let mut weights: IdVec<WedgeId, f32> = IdVec::filled(0.0, mesh.wedges.len());
     for corner in mesh.topology.corners() {
         weights[mesh.corner_wedge[corner]] = mesh.target[mesh.topology.vertex(corner)].powi(-2);
     }
     for _ in 0..sweeps {
-        let moved: Vec<Option<Vec2>> =
-            rings.par_iter().map(|ring| Some(ring.as_ref()?.centroid(&uvs, &weights))).collect();
-        let moved = rings.iter().zip(moved).filter_map(|(ring, uv)| Some((ring.as_ref()?.own, uv?)));
-        moved.for_each(|(own, uv)| uvs[own] = uv);
+        let moved: Vec<Vec2> = rings.par_iter().map(|ring| ring.centroid(&uvs, &weights)).collect();
+        rings.iter().zip(moved).for_each(|(ring, uv)| uvs[ring.own] = uv);
     }
-    for (ring, (_, destination)) in rings.iter().zip(destinations) {
-        if let Some(ring) = ring {
-            *destination = Destination::AtUv(uvs[ring.own]);
-        }
+    for ring in &rings {
+        destinations[ring.at].1 = Destination::AtUv(uvs[ring.own]);
     }
 }
 
 impl UvRing {
     /// The ring of a free vertex; none if not all of it has a layout.
-    fn new(mesh: &SimMesh<'_>, vertex: VertexId) -> Option<Self> {
+    fn new(mesh: &SimMesh<'_>, at: usize, vertex: VertexId) -> Option<Self> {
         let own = mesh.corner_wedge[mesh.topology.fan(vertex).next()?];
         let around = mesh.topology.fan(vertex).map(|c| [next(c), prev(c)].map(|c| mesh.corner_wedge[c]));
         let triangles: Vec<[WedgeId; 2]> = around.collect();
         let has_layout = |wedge: WedgeId| mesh.wedges[wedge].sense != 0.0;
         let is_whole = has_layout(own) && triangles.as_flattened().iter().all(|&wedge| has_layout(wedge));
-        is_whole.then_some(Self { own, triangles })
+        is_whole.then_some(Self { at, own, triangles })
     }
 
     /// The centroid of its triangles. They count by their area in UV against their target; flipped ones do not.

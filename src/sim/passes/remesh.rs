@@ -103,7 +103,7 @@ pub fn remesh(mesh: &mut SimMesh<'_>, options: &SimOptions, max_faces: usize) ->
             break;
         }
     }
-    for pass in if rounds > 0 { LAST } else { &LAST_FLIPS } {
+    for pass in if rounds > 0 { LAST } else { &[LAST_FLIP] } {
         pass.run(mesh, &context, &mut report);
     }
     report
@@ -122,9 +122,9 @@ fn passes(round: u32, rounds: u32) -> impl Iterator<Item = Pass> {
 }
 
 /// The passes after the rounds. Relaxation may have moved a triangle that was in the way of a split.
-const LAST: &[Pass] = &[Pass::Relax(LAST_SWEEPS), Pass::SplitFar, LAST_FLIPS[0], Pass::Finish];
-/// The passes where no round is asked for.
-const LAST_FLIPS: [Pass; 1] = [Pass::Flip(LAST_REGULARITY)];
+const LAST: &[Pass] = &[Pass::Relax(LAST_SWEEPS), Pass::SplitFar, LAST_FLIP, Pass::Finish];
+/// The only pass where no round is asked for.
+const LAST_FLIP: Pass = Pass::Flip(LAST_REGULARITY);
 
 /// A pass over a whole mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -152,10 +152,6 @@ pub(crate) struct PassContext {
 }
 
 impl Pass {
-    /// The passes of a round in the order of the paper.
-    #[cfg(test)]
-    pub const ROUND: [Self; 3] = [Self::SplitAndCollapse, Self::Drift, Self::Relax(SWEEPS)];
-
     /// Makes the pass, and counts what it edits.
     pub fn run(self, mesh: &mut SimMesh<'_>, context: &PassContext, report: &mut RemeshReport) {
         match self {

@@ -3,7 +3,6 @@
 use super::{SimMesh, Wedge};
 use crate::mesh::edit::next;
 use crate::mesh::{CornerId, VertexId, WedgeId};
-use crate::sim::baseline::BaselinePoint;
 use glam::{Vec2, Vec3};
 
 /// The place that a vertex should move to.
@@ -57,26 +56,21 @@ impl VertexMove {
 impl SimMesh<'_> {
     /// The move of a vertex by a share `step` of the way to its destination.
     pub(crate) fn find_move(&self, vertex: VertexId, destination: Destination, step: f32) -> Option<VertexMove> {
-        match destination {
+        let id = self.corner_wedge[self.topology.fan(vertex).next()?];
+        let from = self.wedges[id].place;
+        let (to, position) = match destination {
             Destination::Near(goal) => {
-                let id = self.corner_wedge[self.topology.fan(vertex).next()?];
-                let start = self.wedges[id].place.location.face;
-                let there = self.baseline.closest(start, self.points[vertex].lerp(goal, step));
-                Some(self.move_over_surface(vertex, id, there.location, there.position))
+                let there = self.baseline.closest(from.location.face, self.points[vertex].lerp(goal, step));
+                (there.location, there.position)
             }
             Destination::AtUv(goal) => {
-                let id = self.corner_wedge[self.topology.fan(vertex).next()?];
-                let from = self.wedges[id].place;
-                let there = self.baseline.locate_uv(from.location.face, from.uv.lerp(goal, step))?;
-                Some(self.move_over_surface(vertex, id, there, self.baseline.position(there)))
+                let to = self.baseline.locate_uv(from.location.face, from.uv.lerp(goal, step))?;
+                (to, self.baseline.position(to))
             }
-            Destination::Along(by) => self.find_slide(vertex, step * by),
-        }
-    }
-
-    fn move_over_surface(&self, vertex: VertexId, id: WedgeId, to: BaselinePoint, position: Vec3) -> VertexMove {
+            Destination::Along(by) => return self.find_slide(vertex, step * by),
+        };
         let target = self.baseline.sizing_at(to);
-        VertexMove { vertex, position, target, id, wedge: self.wedge_at(to), slide: None }
+        Some(VertexMove { vertex, position, target, id, wedge: self.wedge_at(to), slide: None })
     }
 
     /// The move of a chain's vertex by a signed arc length.

@@ -6,8 +6,11 @@ use crate::garment::Garment;
 use crate::mesh::edit::face;
 use crate::mesh::{ChainId, CornerId, VertexId};
 use crate::sim::passes::drift::drift;
-use crate::sim::passes::follow_curves;
 use crate::sim::passes::remesh::{Pass, PassContext, RemeshReport};
+use crate::sim::passes::{
+    COLLAPSE_RATIO, collapse_short_edges, follow_curves, keyed_by_both, length_deficit, length_excess, split_long_edges,
+};
+use crate::sim::surface::lengths::SPLIT_RATIO;
 use crate::sim::{Relaxation, SimMesh, SimOptions, VertexConstraint, simulate};
 use crate::testing::cases::few;
 use crate::testing::prepared::Prepared;
@@ -17,7 +20,7 @@ use proptest::prelude::*;
 use rayon::ThreadPoolBuilder;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What a garment is made of.
+/// The form of a garment.
 #[derive(Clone, Debug)]
 enum Shape {
     Grid(usize, usize),
@@ -138,7 +141,7 @@ impl Case {
     }
 }
 
-/// What no pass may change: vertices - edges + faces, border loops, and the curve that the edges of each chain cover.
+/// The invariants of passes: vertices - edges + faces, border loops, and the curve that the edges of each chain cover.
 #[derive(Debug, PartialEq)]
 struct Kept {
     euler: i64,
@@ -167,9 +170,35 @@ fn kept(mesh: &SimMesh<'_>) -> Kept {
     Kept { euler, border_loops, anchors }
 }
 
-fn run(pass: Pass, mesh: &mut SimMesh<'_>) {
-    let context = PassContext { relaxation: Relaxation::Surface, max_faces: usize::MAX };
-    pass.run(mesh, &context, &mut RemeshReport::default());
+/// A pass alone. In a round, one search finds the edges to split and those to collapse.
+#[derive(Clone, Copy, Debug)]
+enum Step {
+    Split,
+    Collapse,
+    Pass(Pass),
+}
+
+/// The steps of a round in the order of the paper.
+const ROUND: [Step; 4] = [Step::Split, Step::Collapse, Step::Pass(Pass::Drift), Step::Pass(Pass::Relax(3))];
+
+impl Step {
+    fn run(self, mesh: &mut SimMesh<'_>) {
+        match self {
+            Self::Split => {
+                let (long, _) = keyed_by_both(mesh, |mesh, half| length_excess(mesh, half, SPLIT_RATIO), |_, _| None);
+                split_long_edges(mesh, long, SPLIT_RATIO, usize::MAX);
+            }
+            Self::Collapse => {
+                let deficit = |mesh: &SimMesh<'_>, half| length_deficit(mesh, half, COLLAPSE_RATIO);
+                let (short, _) = keyed_by_both(mesh, deficit, |_, _| None);
+                collapse_short_edges(mesh, short, COLLAPSE_RATIO);
+            }
+            Self::Pass(pass) => {
+                let context = PassContext { relaxation: Relaxation::Surface, max_faces: usize::MAX };
+                pass.run(mesh, &context, &mut RemeshReport::default());
+            }
+        }
+    }
 }
 
 /// Length of the part of each curve that the mesh's edges follow.
@@ -249,7 +278,7 @@ proptest! {
     fn following_curves_leaves_less_of_them_astray(case in cases()) {
         let baseline = baseline(&case.prepared());
         let mut mesh = SimMesh::new(&baseline);
-        Pass::ROUND.into_iter().for_each(|pass| run(pass, &mut mesh));
+        ROUND.into_iter().for_each(|step| step.run(&mut mesh));
         let (before, kept_before, curves, flips) = (mesh.length_off_chords(), kept(&mesh), covered(&mesh), flipped(&mesh));
         let moved = follow_curves(&mut mesh);
         mesh.assert_consistent();
@@ -282,9 +311,9 @@ proptest! {
         mesh.assert_consistent();
         let (before, curves, flips) = (kept(&mesh), covered(&mesh), flipped(&mesh));
         // Patches of a mesh that is far from its lengths, and of one that is near.
-        let in_patches = [Pass::InPatches(patch)];
-        for pass in [&in_patches[..], &Pass::ROUND, &in_patches, &Pass::ROUND].concat() {
-            run(pass, &mut mesh);
+        let in_patches = [Step::Pass(Pass::InPatches(patch))];
+        for pass in [&in_patches[..], &ROUND, &in_patches, &ROUND].concat() {
+            pass.run(&mut mesh);
             mesh.assert_consistent();
             prop_assert_eq!(&kept(&mesh), &before, "after {:?}", pass);
             prop_assert!(flipped(&mesh) <= flips, "{:?} turned a triangle over in UV", pass);
