@@ -19,9 +19,6 @@ pub(super) struct Corridor {
     pub length: f32,
     /// Whether the curve is closed.
     pub is_closed: bool,
-    /// Number of triangles of the baseline that the search for it visited.
-    #[cfg(test)]
-    pub visited: usize,
     /// Ascending by vertex.
     pub vertices: Vec<CorridorVertex>,
     /// Offset of each vertex's edges, and one past the last.
@@ -57,7 +54,7 @@ impl Corridor {
             nearest,
             off: nearest.distance / product.target[vertex],
         };
-        let (near, _visited) = scratch.vertices_beside(locator, guide, reach);
+        let near = scratch.vertices_beside(locator, guide, reach);
         let mut vertices: Vec<CorridorVertex> = near.into_iter().map(vertex).collect();
         vertices.sort_unstable_by_key(|v| v.vertex);
         vertices.iter().enumerate().for_each(|(i, v)| scratch.vertices.set(v.vertex, i as u32));
@@ -81,15 +78,7 @@ impl Corridor {
             }
             offsets.push(edges.len());
         }
-        Self {
-            length: guide.curve.length,
-            is_closed: guide.curve.is_closed,
-            #[cfg(test)]
-            visited: _visited,
-            vertices,
-            offsets,
-            edges,
-        }
+        Self { length: guide.curve.length, is_closed: guide.curve.is_closed, vertices, offsets, edges }
     }
 
     /// The index of a vertex.
@@ -132,12 +121,14 @@ pub(super) struct CorridorScratch {
     vertices: EpochMap<VertexId, u32>,
     /// Each triangle with the segment where the search for its nearest point starts.
     queue: VecDeque<(FaceId, usize)>,
+    /// Number of triangles and vertices that all searches visited.
+    pub visited: usize,
 }
 
 impl CorridorScratch {
     pub fn new(locator: &VertexLocator<'_>) -> Self {
         let faces = EpochMap::new(locator.product.baseline.topology.faces.len(), false);
-        Self { faces, vertices: EpochMap::new(locator.product.points.len(), 0), queue: VecDeque::new() }
+        Self { faces, vertices: EpochMap::new(locator.product.points.len(), 0), queue: VecDeque::new(), visited: 0 }
     }
 
     fn enqueue(&mut self, face: FaceId, segment: usize) {
@@ -148,14 +139,14 @@ impl CorridorScratch {
     }
 
     /// Marks the triangles of the baseline within `reach` target lengths of a curve, by a search from its edges.
-    /// Returns the vertices of the simulation mesh in these triangles within that distance, and the number of visited
-    /// triangles. Those that are farther from the curve by edges come later, and are left out beyond the bound.
+    /// Returns the vertices of the simulation mesh in these triangles within that distance. Those that are farther from the
+    /// curve by edges come later, and are left out beyond the bound.
     fn vertices_beside(
         &mut self,
         locator: &VertexLocator<'_>,
         guide: &Guide,
         reach: f32,
-    ) -> (Vec<(VertexId, PolylinePoint)>, usize) {
+    ) -> Vec<(VertexId, PolylinePoint)> {
         let product = locator.product;
         let base = &product.baseline;
         let t = &base.topology;
@@ -166,10 +157,10 @@ impl CorridorScratch {
             halves.for_each(|c| self.enqueue(t.faces.face_of(c), segment));
         }
         let mut found: Vec<(VertexId, PolylinePoint)> = Vec::new();
-        let (mut visited, most) = (0, MAX_VISITED + MAX_VISITED_PER_SEGMENT * guide.vertices.len());
+        let most = self.visited + MAX_VISITED + MAX_VISITED_PER_SEGMENT * guide.vertices.len();
         while let Some((face, start)) = self.queue.pop_front() {
-            visited += 1;
-            if visited > most {
+            self.visited += 1;
+            if self.visited > most {
                 self.queue.clear();
                 break;
             }
@@ -198,6 +189,7 @@ impl CorridorScratch {
             let twins = t.faces.corners_of(face).filter_map(|c| base.open_twin(c));
             twins.for_each(|twin| self.enqueue(t.faces.face_of(twin), of_face.segment));
         }
-        (found, visited)
+        self.visited += found.len();
+        found
     }
 }

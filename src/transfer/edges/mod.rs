@@ -108,11 +108,13 @@ impl<'a> EdgeTransfer<'a> {
         scratch: &mut CorridorScratch,
         carried: &mut CarriedEdges,
     ) {
+        #[cfg(test)]
+        let before = scratch.visited;
         let mut search = PathSearch::new(&self.locator, ends, &carried.edges, scratch);
         let found: Vec<Option<EdgePath>> = guides.iter().map(|guide| search.find(guide)).collect();
         #[cfg(test)]
         {
-            carried.visited = search.visited;
+            carried.visited = scratch.visited - before;
         }
         let is_lost = |pair: &(&Guide, &Option<EdgePath>)| pair.1.is_none();
         carried.lost += guides.iter().zip(&found).filter(is_lost).map(|(guide, _)| guide.cage_edges()).sum::<usize>();

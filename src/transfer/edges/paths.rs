@@ -21,9 +21,6 @@ pub(super) struct PathSearch<'a> {
     /// Vertices at ends, on chains of the set, and on paths that are found.
     used: FxHashSet<VertexId>,
     scratch: &'a mut CorridorScratch,
-    /// Number of triangles and vertices that were visited.
-    #[cfg(test)]
-    pub visited: usize,
 }
 
 impl<'a> PathSearch<'a> {
@@ -35,14 +32,7 @@ impl<'a> PathSearch<'a> {
         scratch: &'a mut CorridorScratch,
     ) -> Self {
         let used = on_chains.iter().flatten().chain(ends.values()).copied().collect();
-        Self {
-            locator,
-            ends,
-            used,
-            scratch,
-            #[cfg(test)]
-            visited: 0,
-        }
+        Self { locator, ends, used, scratch }
     }
 
     /// The best path of a guide in the narrowest corridor that has one.
@@ -58,10 +48,6 @@ impl<'a> PathSearch<'a> {
 
     fn find_within(&mut self, guide: &Guide, width: f32, ends: [Option<VertexId>; 2]) -> Option<EdgePath> {
         let corridor = Corridor::new(self.locator, guide, width, self.scratch);
-        #[cfg(test)]
-        {
-            self.visited += corridor.visited + corridor.vertices.len();
-        }
         let is_occupied = |v: &CorridorVertex| self.locator.is_constrained[v.vertex] || self.used.contains(&v.vertex);
         let occupied: Vec<bool> = corridor.vertices.iter().map(is_occupied).collect();
         let ends = match guide.is_loop {

@@ -1,4 +1,4 @@
-//! What the simulation mesh takes over from the garment.
+//! Attributes of the garment on the simulation mesh.
 
 mod edges;
 mod sets;
