@@ -3,6 +3,7 @@
 mod cloth;
 mod crossings;
 mod ends;
+mod folds;
 mod locality;
 mod on_garments;
 mod operators;

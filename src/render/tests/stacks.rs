@@ -1,4 +1,4 @@
-//! What goes through stacks of operators: every kind of attribute, through any stack of up to four.
+//! Attributes through stacks of operators: every kind of attribute, through any stack of up to four.
 
 use super::cloth::{checked, path, sheet, with_faces};
 use crate::error::Code;
@@ -59,7 +59,7 @@ fn sample() -> Garment {
     with_faces(input, "left", (0..(N * N) as i32).filter(|f| f % N as i32 == 0))
 }
 
-/// What is wrong with an unrefined product of the sample.
+/// The faults of an unrefined product of the sample.
 fn faults(mesh: &Mesh, source: &Mesh) -> Vec<String> {
     let t = Topology::new(mesh.faces.clone(), mesh.points.len());
     let mut faults = [subset_faults(mesh, &t), family_faults(mesh), primvar_faults(mesh, source)].concat();
