@@ -9,7 +9,7 @@ use glam::Vec3;
 use std::collections::HashMap;
 use std::fmt;
 
-/// What a mesh is held to.
+/// The surface, curves and lengths that a mesh is held to.
 pub struct Reference<'a> {
     /// Triangles of the surface.
     pub surface: &'a [[Vec3; 3]],

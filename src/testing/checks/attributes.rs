@@ -1,4 +1,4 @@
-//! What products carry: subsets, families and primvars.
+//! Checks of the attributes of products: subsets, families and primvars.
 
 use crate::garment::{Elements, FamilyType, Interpolation, Mesh, Mixing, Subset, Values};
 use crate::mesh::Topology;

@@ -1,4 +1,4 @@
-//! What must hold for every product.
+//! The invariants of every product.
 
 pub mod attributes;
 pub mod product;

@@ -21,7 +21,7 @@ const ON_SURFACE: f32 = 1e-3;
 /// Refined positions agree with the independent rules to this share of the bounding box.
 pub const REFINED: f32 = 1e-5;
 
-/// What may differ between subjects.
+/// The bounds that differ between subjects.
 #[derive(Clone, Copy, Debug)]
 pub struct Bounds {
     /// Largest distance between the simulation mesh and the baseline, as a share of the target length.
@@ -51,7 +51,7 @@ impl Subject {
     /// Builds a garment.
     ///
     /// # Errors
-    /// What the pipeline says.
+    /// An error of the pipeline.
     pub fn build(name: &str, input: Garment, layers: &Layers) -> Result<Self, String> {
         let said = |e: crate::Error| format!("{name}: {e}");
         let mut builder = Builder::new(input).map_err(said)?.with_max_faces(MAX_FACES);
@@ -362,7 +362,7 @@ fn pieces(t: &Topology) -> Vec<(i64, usize)> {
     all
 }
 
-/// What is wrong with one chain on the simulation mesh.
+/// The faults of one chain on the simulation mesh.
 fn chain_faults(product: &SimProduct, mesh: &Topology, id: ChainId, bounds: Bounds) -> Vec<(&'static str, String)> {
     let (chain, edges) = (&product.baseline.chains[id], &product.chain_edges[id]);
     let mut faults = Vec::new();

@@ -6,7 +6,7 @@ use crate::mesh::{CornerId, EdgeId, FaceId, Topology, VertexId};
 use glam::Vec3;
 use std::collections::BTreeSet;
 
-/// What is wrong with a refinement: counts, face points, edge-free smooth points, borders, subsets.
+/// The faults of a refinement: counts, face points, edge-free smooth points, borders, subsets.
 pub fn refinement_faults(cage: &Mesh, child: &Mesh) -> Vec<String> {
     let mut faults = Vec::new();
     let t = Topology::new(cage.faces.clone(), cage.points.len());

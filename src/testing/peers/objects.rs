@@ -6,7 +6,7 @@ use glam::Vec3;
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// What another remesher made.
+/// The mesh of another remesher.
 pub struct Other {
     /// The remesher.
     pub name: String,
