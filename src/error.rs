@@ -196,6 +196,8 @@ pub enum Code {
     OperatorsLeftOut,
     /// A reference to the asset cannot reach the products.
     RootMesh,
+    /// An expression of a recipe gives a set without elements.
+    EmptySet,
     /// No vertex of the simulation mesh is in a set that is held.
     NothingPinned,
     /// The mesh has no UV set with seams, or several without a known name.

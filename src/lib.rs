@@ -61,6 +61,7 @@ mod render;
 pub mod report;
 #[cfg(feature = "usd")]
 pub mod session;
+mod sets;
 mod sim;
 mod step;
 mod subdivide;
@@ -76,8 +77,8 @@ pub use error::{Error, ErrorKind, Warning};
 pub use garment::units;
 pub use garment::{
     BoundaryInterpolation, Corner, Crease, FaceVaryingInterpolation, Family, FamilyType, Garment, Interpolation,
-    Meaning, Mesh, Mixing, Orientation, Primvar, PrimvarInput, PrimvarRole, Scheme, SubdivisionRules, Subset,
-    SubsetInput, TriangleRule, Units, Values,
+    Meaning, Mesh, Mixing, Orientation, Primvar, PrimvarInput, PrimvarRole, Scheme, StageSpace, SubdivisionRules,
+    Subset, SubsetInput, TriangleRule, Units, Values,
 };
 pub use glam;
 pub use mesh::{CornerId, Csr, EdgeId, Elements, FaceId, Faces, IdVec, Topology, VertexId};
@@ -87,6 +88,7 @@ pub use pipeline::{
 };
 pub use recipe::Recipe;
 pub use render::{FoldOptions, RenderOptions, SeamOptions, Side};
+pub use sets::{DerivedSet, ListedSet};
 pub use sim::{Relaxation, SimOptions};
 
 /// Operators of your own for the render mesh.

@@ -293,6 +293,7 @@ fn write(
 ) -> Result<(), Error> {
     let options = WriteOptions {
         flatten: build.flatten,
+        sets: build.sets.into(),
         force: build.force,
         model_guide: !build.keep_model_purpose,
         dry_run: build.dry_run,

@@ -2,6 +2,7 @@
 
 mod facing;
 mod json;
+pub mod listed;
 mod recorded;
 
 use super::process::memory;
@@ -68,16 +69,22 @@ fn limited(builder: Builder, made: Option<&RecordedBuild>, memory: usize) -> Bui
 pub fn check(args: &ExamineArgs) -> Result<Output, Error> {
     let limit = memory::limit(args.limits.max_memory);
     each(args, |file, found| {
-        let mut is_fresh = true;
+        let (mut is_fresh, mut hint) = (true, None);
         let made = RecordedBuild::of(&args.inputs, file);
         for garment in open(args, file, made.as_ref())?.into_iter().flat_map(|opening| opening.garments) {
             let (source, builder, recipe) = garment.check()?;
-            let products = limited(builder, made.as_ref(), limit).update(&recipe)?;
+            let mut builder = limited(builder, made.as_ref(), limit);
+            let products = builder.update(&recipe)?;
             found.warnings.extend(products.warnings.iter().cloned());
             is_fresh &= fresh(&source)?;
+            let sets = || builder.listed_sets(&products.recipe);
+            hint = hint.or(listed::hint(builder.garment(), &products.recipe, sets));
         }
         if !args.inputs.quiet {
             let _ = writeln!(found.text, "{}: good{}", file.display(), if is_fresh { ", and fresh" } else { "" });
+        }
+        if let Some(hint) = hint.filter(|_| !args.inputs.quiet) {
+            found.text += &hint;
         }
         found.json = json!({ "fresh": is_fresh });
         Ok(())
@@ -181,6 +188,7 @@ fn describe(out: &mut String, facts: &Facts, builder: &Builder, plan: &Plan, ver
         let family = if s.family.is_empty() { String::new() } else { format!(", family {}", s.family) };
         let _ = writeln!(out, "  subset   {} of {} {}s{family}", s.name, s.elements.len(), s.elements.kind());
     }
+    out.push_str(&listed::in_words(&builder.listed_sets(&plan.recipe)));
     for b in &facts.bindings {
         let _ = writeln!(out, "  material {} on {}: {}", b.relationship, b.prim, b.targets.join(", "));
     }

@@ -10,6 +10,7 @@ mod preview;
 mod process;
 mod program;
 mod report;
+mod sets;
 mod text;
 mod variants;
 
@@ -19,10 +20,11 @@ use crate::DEFAULT_MAX_FACES;
 use crate::error::{Error, ErrorCode, ErrorKind, plain};
 use crate::recipe::RecipeFile;
 use crate::session::{Input, OpenGarment, beside, is_usd};
-use crate::usd::ReadOptions;
-use clap::{Args, ColorChoice, CommandFactory, Parser, Subcommand};
+use crate::usd::{ReadOptions, SetChoice};
+use clap::{Args, ColorChoice, CommandFactory, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 use process::{interrupt, memory, threads};
+use serde::{Deserialize, Serialize};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
@@ -53,6 +55,9 @@ enum Command {
     Preview(preview::Preview),
     /// Check garments; exit 1 if one has a problem
     Check(ExamineArgs),
+    /// List the sets of a garment that a recipe can name, or write some of them into a layer
+    #[command(after_help = crate::sets::help())]
+    Sets(sets::SetsCommand),
     /// Write an example garment to work on, or list all
     Example(example::Example),
     /// Explain a code of an error or warning, or list all codes
@@ -154,6 +159,10 @@ struct Build {
     /// Give the render mesh a set of the elements that each kind of warning names, such as mark_flipped_uvs
     #[arg(long, help_heading = "Output")]
     mark: bool,
+    /// Sets of the products: none without a material, those of the model, or all, also of borders, seams and the recipe's
+    /// expressions
+    #[arg(long, value_name = "WHICH", value_enum, default_value_t = Sets::Authored, help_heading = "Output")]
+    sets: Sets,
     /// Say what would be written, and write nothing
     #[arg(long, help_heading = "Output", conflicts_with_all = ["report", "skip_fresh"])]
     dry_run: bool,
@@ -174,6 +183,26 @@ struct Build {
     /// Inputs that are built side by side [default: one for each thread]
     #[arg(long, value_name = "N", help_heading = "Run")]
     jobs: Option<NonZeroUsize>,
+}
+
+/// The sets that products have.
+#[derive(Clone, Copy, Default, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+enum Sets {
+    None,
+    #[default]
+    Authored,
+    All,
+}
+
+impl From<Sets> for SetChoice {
+    fn from(sets: Sets) -> Self {
+        match sets {
+            Sets::None => Self::None,
+            Sets::Authored => Self::Authored,
+            Sets::All => Self::All,
+        }
+    }
 }
 
 #[derive(Args)]
@@ -212,6 +241,7 @@ fn run(cli: &Cli) -> Result<Output, Error> {
         Command::Build(build) => (build.inputs.threads, build.inputs.quiet, false),
         Command::Drive(drive) => (drive.threads, drive.quiet, false),
         Command::Info(args) | Command::Check(args) => (args.inputs.threads, args.inputs.quiet, false),
+        Command::Sets(sets) => (sets.threads(), false, false),
         Command::Example(_)
         | Command::Explain(_)
         | Command::Options
@@ -231,6 +261,7 @@ fn run(cli: &Cli) -> Result<Output, Error> {
         Command::Drive(drive) => drive::run(drive),
         Command::Info(args) => info::info(args),
         Command::Check(args) => info::check(args),
+        Command::Sets(sets) => sets::run(sets),
         Command::Example(example) => example::run(example),
         Command::Explain(explain) => explain::run(explain),
         Command::Options => Ok(options()),

@@ -84,6 +84,8 @@ pub enum ErrorCode {
     OptionValue,
     /// An option names a subset that the mesh lacks.
     UnknownSubset,
+    /// An expression does not describe a set.
+    SetExpression,
     /// An option names a primvar that the mesh lacks.
     UnknownPrimvar,
     /// `render.operators` names no operator, or one twice.

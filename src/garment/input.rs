@@ -1,6 +1,6 @@
 //! A garment as authored, before it is checked.
 
-use super::{Family, Interpolation, Meaning, Orientation, PrimvarRole, SubdivisionRules, Units, Values};
+use super::{Family, Interpolation, Meaning, Orientation, PrimvarRole, StageSpace, SubdivisionRules, Units, Values};
 use glam::Vec3;
 use std::collections::BTreeMap;
 
@@ -13,6 +13,10 @@ pub struct Garment {
     pub units: Units,
     /// The constant primvar `<name>Scale` of each UV set: the length of one UV unit, in units of the mesh.
     pub uv_scales: BTreeMap<String, f32>,
+    /// How its space lies in the stage.
+    pub space: StageSpace,
+    /// The name of the material of each subset that has one; that of the whole mesh under an empty name.
+    pub materials: BTreeMap<String, String>,
     /// `points`
     pub points: Vec<Vec3>,
     /// `faceVertexCounts`

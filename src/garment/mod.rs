@@ -10,16 +10,20 @@ pub mod parts;
 mod primvar;
 #[cfg(feature = "usd")]
 pub mod sew;
+mod space;
 mod subset;
 pub mod units;
+mod uv_seams;
 
 pub use crate::mesh::Elements;
 pub use check::check_garment;
 pub use input::{Garment, PrimvarInput, SubsetInput};
 pub use primvar::{Interpolation, Meaning, Mixing, Primvar, PrimvarRole, Values};
-pub(crate) use subset::free_name;
+pub use space::StageSpace;
+pub(crate) use subset::{CONSTRAINTS, DERIVED, free_name};
 pub use subset::{Family, FamilyType, Subset};
 pub use units::Units;
+pub use uv_seams::UvSeams;
 
 use crate::mesh::{FaceId, Faces, IdVec, VertexId};
 use glam::Vec3;
@@ -134,6 +138,10 @@ pub struct Mesh {
     pub units: Units,
     /// The length of one unit of UV sets that say so, in units of the mesh.
     pub uv_scales: BTreeMap<String, f32>,
+    /// How its space lies in the stage.
+    pub space: StageSpace,
+    /// The name of the material of each subset that has one; that of the whole mesh under an empty name.
+    pub materials: BTreeMap<String, String>,
     /// The winding of the faces.
     pub orientation: Orientation,
     /// The subdivision rules.

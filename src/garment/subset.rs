@@ -2,6 +2,11 @@
 
 use crate::mesh::Elements;
 
+/// Family of the borders and seams of a simulation mesh.
+pub const CONSTRAINTS: &str = "tailorConstraints";
+/// Family of the sets that a recipe derives from an expression. Their name is its text.
+pub const DERIVED: &str = "tailorDerived";
+
 /// A named set of elements.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Subset {

@@ -32,15 +32,15 @@ fn within(key: &str, value: f32, [sizes, most]: [f32; 2], unit: &str, prim: &str
     Err(Error::recipe(key, fault).remedy(format!("keep it within {most} {unit}")))
 }
 
-/// Checks that all of `names` are subsets of the garment, with elements of the kinds `of`.
+/// Checks that `name` is a subset of the garment, with elements of the kinds `of`.
 ///
 /// # Errors
 /// A name that is missing, or has other elements.
-pub fn subsets_of(garment: &Mesh, key: &str, names: &[String], of: &[&str]) -> Result<(), Error> {
+pub fn subset_of(garment: &Mesh, key: &str, name: &str, of: &[&str]) -> Result<(), Error> {
     let fits = |set: &&Subset| of.contains(&set.elements.kind());
-    let Some(name) = names.iter().find(|name| !garment.subset(name).is_some_and(|set| fits(&set))) else {
+    if garment.subset(name).is_some_and(|set| fits(&set)) {
         return Ok(());
-    };
+    }
     let kinds = of.join(" or ");
     let known: Vec<&str> = garment.subsets.iter().filter(fits).map(|set| set.name.as_str()).collect();
     let (fault, elsewhere) = match garment.subset(name).map(|other| other.elements.kind()) {

@@ -1,7 +1,7 @@
 //! The values that an option takes, and their checks.
 
 use super::Given;
-use super::bind::{fits_garment, float_primvar, subsets_of};
+use super::bind::{fits_garment, float_primvar, subset_of};
 use crate::error::{Error, ErrorCode};
 use crate::garment::Mesh;
 use serde::Serialize;
@@ -60,7 +60,7 @@ pub enum Domain {
     UvSet,
     /// A painted float primvar, or empty.
     Weights,
-    /// Subsets.
+    /// Subsets, or expressions of derived sets.
     Sets {
         /// The kinds of their elements: `edge`, `point`, `face`.
         of: &'static [&'static str],
@@ -108,7 +108,7 @@ impl Domain {
         }
     }
 
-    /// Checks a length or names against a garment.
+    /// Checks a length or names against a garment. Sets that are not its subsets are derived, and checked where they are.
     ///
     /// # Errors
     /// A length that is too large for it, and names that it lacks or has with another type.
@@ -116,7 +116,10 @@ impl Domain {
         match (self, given) {
             (Self::Length { largest, .. }, Given::Number(value)) => fits_garment(key, value, *largest, garment),
             (Self::Weights, Given::Text(name)) => float_primvar(garment, key, name).map(|_| ()),
-            (Self::Sets { of, .. }, Given::Names(names)) => subsets_of(garment, key, names, of),
+            (Self::Sets { of, .. }, Given::Names(names)) => {
+                let mut subsets = names.iter().filter(|name| garment.subset(name).is_some());
+                subsets.try_for_each(|name| subset_of(garment, key, name, of))
+            }
             _ => Ok(()),
         }
     }

@@ -6,7 +6,7 @@
 mod bind;
 mod domain;
 
-pub use bind::{LARGEST, did_you_mean, float_primvar, nearest, primvar, within_size_in_meters};
+pub use bind::{LARGEST, did_you_mean, float_primvar, nearest, primvar, subset_of, within_size_in_meters};
 pub use domain::Domain;
 
 use crate::error::Error;

@@ -32,7 +32,7 @@ pub struct MemoryEstimate {
 
 impl MemoryEstimate {
     /// The estimate for a resolved recipe.
-    pub(super) fn new(garment: &Mesh, Resolved { recipe, sim }: &Resolved) -> Self {
+    pub(super) fn new(garment: &Mesh, Resolved { recipe, sim, .. }: &Resolved) -> Self {
         let faces = garment.faces.len().max(1);
         let attributes = COPIES * garment.bytes() / faces;
         let expected = expected_faces(garment, sim);

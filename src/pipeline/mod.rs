@@ -26,10 +26,11 @@ pub use progress::{Progress, Timing};
 pub use sim::baseline;
 
 use crate::error::{Code, Error, Warning, Warnings};
-use crate::garment::{Garment, Mesh, Scheme, check_garment};
-use crate::recipe::{Recipe, Resolved, ResolvedSim};
+use crate::garment::{Garment, Mesh, Scheme, Subset, check_garment};
+use crate::recipe::{Recipe, RecipeSets, Resolved, ResolvedSim};
 use crate::render::operator::Operator;
 use crate::render::{RenderResult, RenderSteps, Stack};
+use crate::sets::{DerivedSet, ListedSet, SetEvaluator};
 use cloth::ClothSteps;
 use frame::LocalFrame;
 use progress::Clock;
@@ -87,6 +88,8 @@ pub struct Builder {
     sim: SimSteps,
     render: RenderSteps,
     cloth: ClothSteps,
+    /// The derived sets that the steps have.
+    sets: RecipeSets,
     own_operators: Vec<Arc<dyn Operator>>,
     progress: Progress,
     max_faces: usize,
@@ -124,6 +127,7 @@ impl Builder {
             sim: SimSteps::new(Arc::clone(&local)),
             render: RenderSteps::new(Arc::clone(&local)),
             cloth: ClothSteps::new(local, mean_edge),
+            sets: RecipeSets::default(),
             garment,
             frame,
             mean_edge,
@@ -211,11 +215,24 @@ impl Builder {
         Ok(self.resolved(recipe)?.0.recipe)
     }
 
-    /// The resolved recipe, with the warning of a UV set that is missing.
-    fn resolved(&self, recipe: &Recipe) -> Result<(Resolved, Option<Warning>), Error> {
+    /// The resolved recipe, with its warnings.
+    fn resolved(&self, recipe: &Recipe) -> Result<(Resolved, Warnings), Error> {
         let resolved = Resolved::new(recipe, &self.garment, self.mean_edge)?;
         check::levels(&self.garment, &resolved.0.recipe)?;
         Ok(resolved)
+    }
+
+    /// The sets that the mesh offers besides its subsets, in the words of a recipe; `recipe` is a resolved one.
+    pub fn listed_sets(&self, recipe: &Recipe) -> Vec<ListedSet> {
+        SetEvaluator::new(&self.garment, &recipe.sim.uv_set).list()
+    }
+
+    /// The elements of an expression of a set; `recipe` is a resolved one. Errors name `place`.
+    ///
+    /// # Errors
+    /// A text that is not an expression, or that does not fit the mesh.
+    pub fn derived_set(&self, recipe: &Recipe, place: &str, expression: &str) -> Result<DerivedSet, Error> {
+        SetEvaluator::new(&self.garment, &recipe.sim.uv_set).evaluate(expression).map_err(|fault| fault.at(place))
     }
 
     /// An estimate of the memory that [`Builder::update`] would take at once, within a factor of two where the garment has
@@ -232,7 +249,8 @@ impl Builder {
     /// # Errors
     /// Faults of the recipe, products that would be too large, and cancellation. The results of earlier steps stay.
     pub fn update(&mut self, recipe: &Recipe) -> Result<Products, Error> {
-        let (Resolved { recipe, sim }, warning) = self.checked(recipe)?;
+        let (Resolved { recipe, sim, sets }, of_recipe) = self.checked(recipe)?;
+        self.derive(sets);
         let sim = self.simulate(&sim)?;
         let render = self.render(&recipe)?;
         let stack = self.stack(&recipe)?;
@@ -243,7 +261,7 @@ impl Builder {
         let cage_binding = self.cloth.cage_binding(&sim.simulated, || self.render.cage_origins())?;
         clock.finish()?;
         let mut warnings = self.warnings.clone();
-        warnings.extend(warning);
+        warnings.extend(of_recipe);
         warnings.extend(sim.warnings);
         warnings.extend(render.warnings);
         let (cloth, of_cloth) = cloth.unzip();
@@ -264,11 +282,45 @@ impl Builder {
     }
 
     /// The resolved recipe of products that are not too large.
-    fn checked(&self, recipe: &Recipe) -> Result<(Resolved, Option<Warning>), Error> {
-        let (resolved, warning) = self.resolved(recipe)?;
+    fn checked(&self, recipe: &Recipe) -> Result<(Resolved, Warnings), Error> {
+        let (resolved, warnings) = self.resolved(recipe)?;
         sim::check_size(&self.garment, &resolved.sim, self.max_faces)?;
         MemoryEstimate::new(&self.garment, &resolved).check(self.max_memory)?;
-        Ok((resolved, warning))
+        Ok((resolved, warnings))
+    }
+
+    /// Gives the steps of both products the garment with its derived sets.
+    fn derive(&mut self, sets: RecipeSets) {
+        self.derive_sim(sets.sim);
+        self.derive_render(sets.render);
+    }
+
+    /// The steps of the simulation mesh begin anew where its derived sets are new.
+    fn derive_sim(&mut self, sets: Vec<Subset>) {
+        if sets != self.sets.sim {
+            let local = self.with_sets(&sets);
+            self.sim = SimSteps::new(Arc::clone(&local));
+            self.cloth = ClothSteps::new(local, self.mean_edge);
+            self.sets.sim = sets;
+        }
+    }
+
+    /// The steps of the render mesh begin anew where its derived sets are new.
+    fn derive_render(&mut self, sets: Vec<Subset>) {
+        if sets != self.sets.render {
+            self.render = RenderSteps::new(self.with_sets(&sets));
+            self.sets.render = sets;
+        }
+    }
+
+    /// The garment in its frame, with more sets.
+    fn with_sets(&self, sets: &[Subset]) -> Arc<Mesh> {
+        let local = self.frame.enter(&self.garment);
+        if sets.is_empty() {
+            return local;
+        }
+        let subsets = local.subsets.iter().chain(sets).cloned().collect();
+        Arc::new(Mesh { subsets: Arc::new(subsets), ..Mesh::clone(&local) })
     }
 
     /// The simulation mesh alone.
@@ -276,10 +328,11 @@ impl Builder {
     /// # Errors
     /// As [`Builder::update`].
     pub fn update_sim(&mut self, recipe: &Recipe) -> Result<SimUpdate, Error> {
-        let (resolved, warning) = self.resolved(recipe)?;
+        let (resolved, warnings) = self.resolved(recipe)?;
         sim::check_size(&self.garment, &resolved.sim, self.max_faces)?;
+        self.derive_sim(resolved.sets.sim);
         let mut update = self.simulate(&resolved.sim)?;
-        update.warnings.extend(warning);
+        update.warnings.extend(warnings);
         Ok(SimUpdate { mesh: self.frame.sim(&update.mesh)?, ..update })
     }
 
@@ -288,7 +341,8 @@ impl Builder {
     /// # Errors
     /// As [`Builder::update`].
     pub fn update_render(&mut self, recipe: &Recipe) -> Result<RenderUpdate, Error> {
-        let recipe = self.resolve(recipe)?;
+        let Resolved { recipe, sets, .. } = self.resolved(recipe)?.0;
+        self.derive_render(sets.render);
         let update = self.render(&recipe)?;
         Ok(RenderUpdate { mesh: self.frame.render(&update.mesh)?, ..update })
     }
@@ -324,10 +378,11 @@ impl Builder {
     /// # Errors
     /// As [`Builder::update`].
     pub fn plan(&mut self, recipe: &Recipe) -> Result<Plan, Error> {
-        let (Resolved { recipe, sim }, _) = self.resolved(recipe)?;
+        let (Resolved { recipe, sim, sets }, _) = self.resolved(recipe)?;
         MemoryEstimate::surface(&self.garment, &sim).check(self.max_memory)?;
+        self.derive(sets);
         let stack = self.stack(&recipe)?;
-        let garment = self.frame.enter(&self.garment);
+        let garment = self.with_sets(&self.sets.sim);
         Ok(Plan {
             expected_faces: sim::expected_faces(&garment, &sim),
             chains: sim::baseline(&garment, &sim).chains.len(),

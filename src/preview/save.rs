@@ -168,18 +168,23 @@ impl Content {
     }
 
     fn opinions(&self) -> RecipeOpinions {
+        let is_subset = |name: &str| self.stage.checks.garment().subset(name).is_some();
         let mut opinions = RecipeOpinions { variants: self.read.variants.clone(), ..RecipeOpinions::default() };
         for (space, fields) in &self.edits {
             let Value::Object(fields) = fields else { continue };
-            if group_with_instances(space).is_none() {
-                opinions.schemas.extend(schema(space, None));
-                opinions.properties.extend(properties(space, fields));
-                continue;
-            }
-            for (name, fields) in fields {
-                let Value::Object(fields) = fields else { continue };
-                opinions.schemas.extend(schema(space, Some(name)));
-                opinions.properties.extend(properties(&format!("{space}.{name}"), fields));
+            let groups = match group_with_instances(space) {
+                None => vec![(None, fields)],
+                Some(_) => {
+                    fields.iter().filter_map(|(name, of)| Some((Some(name.as_str()), of.as_object()?))).collect()
+                }
+            };
+            for (name, fields) in groups {
+                let prefix = name.map_or_else(|| space.clone(), |name| format!("{space}.{name}"));
+                let properties = properties(&prefix, fields, &is_subset);
+                // The schemas declare lists of sets as relationships, which hold no expressions.
+                let has_text = properties.iter().any(|(_, value)| matches!(value, OptionValue::Text(_)));
+                opinions.schemas.extend(schema(space, name).filter(|_| !has_text));
+                opinions.properties.extend(properties);
             }
         }
         opinions
@@ -202,24 +207,28 @@ fn is_schema(text: &str) -> bool {
     all().any(|group| class == group.schema(None))
 }
 
+/// Tells the subsets of the garment from expressions.
+type IsSubset<'a> = &'a dyn Fn(&str) -> bool;
+
 /// The properties of options below a key, such as `seam.side`.
-fn properties(prefix: &str, fields: &Map<String, Value>) -> Vec<(String, OptionValue)> {
+fn properties(prefix: &str, fields: &Map<String, Value>, is_subset: IsSubset<'_>) -> Vec<(String, OptionValue)> {
     let known = |(field, value): (&String, &Value)| {
         let key = format!("{prefix}.{field}");
         let (group, option) = find(&key)?;
-        let typed = typed(option.domain, (group.defaults)().get(field)?, value)?;
+        let typed = typed(option.domain, (group.defaults)().get(field)?, value, is_subset)?;
         Some((format!("tailor:{}", key.replace('.', ":")), typed))
     };
     fields.iter().filter_map(known).collect()
 }
 
-fn typed(domain: Domain, default: &Value, value: &Value) -> Option<OptionValue> {
+fn typed(domain: Domain, default: &Value, value: &Value, is_subset: IsSubset<'_>) -> Option<OptionValue> {
     let names = || {
         let names = value.as_array()?.iter().map(|name| name.as_str().map(str::to_owned));
         names.collect::<Option<Vec<_>>>()
     };
     Some(match domain {
-        Domain::Sets { .. } => OptionValue::Subsets(names()?),
+        Domain::Sets { .. } if names()?.iter().all(|name| is_subset(name)) => OptionValue::Subsets(names()?),
+        Domain::Sets { .. } => OptionValue::Text(names()?.join(", ")),
         Domain::Operators | Domain::Words { .. } => OptionValue::Tokens(names()?),
         _ => match default {
             Value::Bool(_) => OptionValue::Bool(value.as_bool()?),
@@ -240,7 +249,7 @@ mod tests {
             let defaults = (group.defaults)();
             for key in group.keys {
                 let default = &defaults[key.key];
-                assert!(typed(key.domain, default, default).is_some(), "{}.{}", group.name, key.key);
+                assert!(typed(key.domain, default, default, &|_| true).is_some(), "{}.{}", group.name, key.key);
             }
         }
     }

@@ -2,11 +2,12 @@
 
 use super::Recipe;
 use crate::error::Error;
-use crate::garment::{Interpolation, Mesh, Primvar, Values};
+use crate::garment::{Mesh, Primvar};
 use crate::options::{primvar, within_size_in_meters};
 use crate::sim::SimOptions;
 
-/// Checks that a garment has all primvars and subsets that a recipe names, and that its lengths fit.
+/// Checks that a garment has all primvars and subsets that a recipe names, and that its lengths fit. Names that are not subsets are
+/// those of derived sets.
 ///
 /// # Errors
 /// A primvar or subset that is missing or has another type; a length that is too large.
@@ -23,12 +24,5 @@ pub fn bind(recipe: &Recipe, garment: &Mesh) -> Result<(), Error> {
 /// # Errors
 /// A primvar that is missing or has another type.
 pub fn bind_uv_set<'a>(options: &SimOptions, garment: &'a Mesh) -> Result<Option<&'a Primvar>, Error> {
-    primvar(garment, "sim.uvSet", &options.uv_set, "face-varying float2 primvar", is_uv_set)
-}
-
-/// Whether a primvar can be a UV set with seams.
-pub fn is_uv_set(primvar: &&Primvar) -> bool {
-    primvar.interpolation == Interpolation::FaceVarying
-        && primvar.width() == 2
-        && matches!(primvar.values, Values::F32(_))
+    primvar(garment, "sim.uvSet", &options.uv_set, "face-varying float2 primvar", |p| p.is_uv_set())
 }

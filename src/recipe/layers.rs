@@ -6,6 +6,7 @@ use crate::error::{Code, Error, ErrorCode, ErrorKind, Warning, Warnings};
 use crate::garment::units::meters_of;
 use crate::garment::{Mesh, Units};
 use crate::options::nearest;
+use crate::sets::split_list;
 use serde_json::{Map, Value};
 use serde_path_to_error::Segment;
 
@@ -53,7 +54,13 @@ impl Layers {
 
     fn add_known(&mut self, space: &str, key: &str, value: Value, unknown: &mut dyn FnMut(&str)) {
         match find(&format!("{space}.{key}")) {
-            Some(_) => self.set(space, key, value),
+            // Some exporters write no lists, only texts.
+            Some((group, option)) => match ((group.defaults)().get(option.key), &value) {
+                (Some(Value::Array(_)), Value::String(text)) => {
+                    self.set(space, key, split_list(text).into_iter().map(Value::String).collect());
+                }
+                _ => self.set(space, key, value),
+            },
             None => unknown(&format!("tailor:{space}:{}", key.replace('.', ":"))),
         }
     }
@@ -293,9 +300,7 @@ fn parse_like(like: &Value, text: &str) -> Option<Value> {
         Value::Bool(_) => text.parse::<bool>().ok().map(Value::Bool),
         Value::Number(n) if n.is_f64() => serde_json::Number::from_f64(text.parse().ok()?).map(Value::Number),
         Value::Number(_) => text.parse::<u32>().ok().map(|n| Value::Number(n.into())),
-        Value::Array(_) => {
-            Some(text.split(',').filter(|t| !t.is_empty()).map(|t| Value::String(t.trim().into())).collect())
-        }
+        Value::Array(_) => Some(split_list(text).into_iter().map(Value::String).collect()),
         _ => Some(Value::String(text.into())),
     }
 }

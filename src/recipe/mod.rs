@@ -10,6 +10,7 @@ mod groups;
 mod layers;
 mod listed;
 mod resolved;
+mod sets;
 mod uv_set;
 
 pub(crate) use bind::bind_uv_set;
@@ -19,6 +20,7 @@ pub(crate) use groups::{all, find, group_with_instances};
 pub use layers::Layers;
 pub use listed::ListedOperator;
 pub(crate) use resolved::{Resolved, ResolvedSim};
+pub(crate) use sets::RecipeSets;
 
 pub use crate::options::{Domain, Group, Key};
 
@@ -123,7 +125,9 @@ fn value_type(value: &Value) -> ValueType {
         Value::Bool(_) => ("true or false", "bool, such as true"),
         Value::Number(n) if n.is_f64() => ("a number", "float, such as 2.5"),
         Value::Number(_) => ("a whole number", "int, such as 3 (0 or more)"),
-        Value::Array(_) => ("a list", "rel, with subsets of the mesh as targets"),
+        Value::Array(_) => {
+            ("a list", "rel, with subsets of the mesh as targets, or string, such as \"uvSeams, borders.1\"")
+        }
         _ => ("a name", "token, such as \"st\""),
     };
     ValueType { recipe, usd }

@@ -1,9 +1,9 @@
 //! A recipe for one garment.
 
-use super::Recipe;
 use super::bind::{bind, bind_uv_set};
 use super::uv_set::resolve_uv_set;
-use crate::error::{Error, Warning};
+use super::{Recipe, RecipeSets};
+use crate::error::{Error, Warnings};
 use crate::garment::{Mesh, Primvar};
 use crate::options::float_primvar;
 use crate::sim::{Lengths, SimOptions};
@@ -15,6 +15,8 @@ pub struct Resolved {
     pub recipe: Recipe,
     /// The options of the simulation mesh.
     pub sim: ResolvedSim,
+    /// The sets that it derives.
+    pub sets: RecipeSets,
 }
 
 /// Options of the simulation mesh for one garment.
@@ -29,18 +31,19 @@ pub struct ResolvedSim {
 }
 
 impl Resolved {
-    /// A recipe for a garment with this mean edge length \[mesh units\], and the warning of a UV set that is missing.
+    /// A recipe for a garment with this mean edge length \[mesh units\], and the warnings of a UV set that is missing and of empty sets.
     ///
     /// # Errors
     /// A value that its option does not take, or that does not fit the garment; a name that the garment lacks.
-    pub fn new(recipe: &Recipe, garment: &Mesh, mean_edge: f32) -> Result<(Self, Option<Warning>), Error> {
+    pub fn new(recipe: &Recipe, garment: &Mesh, mean_edge: f32) -> Result<(Self, Warnings), Error> {
         recipe.check()?;
         let mut recipe = recipe.clone();
         recipe.resolve_lengths(mean_edge);
-        let warning = resolve_uv_set(&mut recipe.sim, garment);
+        let mut warnings = Warnings::from_iter(resolve_uv_set(&mut recipe.sim, garment));
+        let sets = warnings.absorb(RecipeSets::new(&recipe, garment)?);
         bind(&recipe, garment)?;
         let sim = ResolvedSim::new(&recipe.sim, garment)?;
-        Ok((Self { recipe, sim }, warning))
+        Ok((Self { recipe, sim, sets }, warnings))
     }
 }
 

@@ -1,6 +1,5 @@
 //! The UV set that a recipe means where it names none.
 
-use super::bind::is_uv_set;
 use crate::error::{Code, Warning};
 use crate::garment::{Interpolation, Meaning, Mesh, Primvar, PrimvarRole};
 use crate::sim::SimOptions;
@@ -11,11 +10,12 @@ const USUAL: &[&str] = &["UVMap", "map1", "uv", "UV", "uvs", "UVW"];
 /// Puts the UV set that a garment has in place of the default one, where that is missing: the only UV set, or the first with
 /// a usual name. Gives the warning if there is none.
 pub fn resolve_uv_set(options: &mut SimOptions, garment: &Mesh) -> Option<Warning> {
-    if options.uv_set != SimOptions::default().uv_set || garment.primvar(&options.uv_set).is_some_and(|p| is_uv_set(&p))
+    if options.uv_set != SimOptions::default().uv_set
+        || garment.primvar(&options.uv_set).is_some_and(Primvar::is_uv_set)
     {
         return None;
     }
-    let sets: Vec<&Primvar> = garment.primvars.iter().filter(is_uv_set).collect();
+    let sets: Vec<&Primvar> = garment.primvars.iter().filter(|primvar| primvar.is_uv_set()).collect();
     let usual = || USUAL.iter().find_map(|name| sets.iter().find(|set| set.name == *name));
     let found = if let [only] = sets[..] { Some(only) } else { usual().copied() };
     options.uv_set = found.map_or_else(String::new, |set| set.name.clone());

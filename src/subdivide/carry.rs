@@ -109,6 +109,8 @@ impl<'a, D: Derivation> Carrier<'a, D> {
             points: IdVec::new(),
             units: garment.units,
             uv_scales: garment.uv_scales.clone(),
+            space: garment.space,
+            materials: garment.materials.clone(),
             orientation: garment.orientation,
             rules: garment.rules,
             holes: self.faces(&garment.holes),

@@ -77,6 +77,8 @@ pub fn transfer(
         faces: mesh.topology.faces.clone(),
         units: garment.units,
         uv_scales: garment.uv_scales.clone(),
+        space: garment.space,
+        materials: garment.materials.clone(),
         orientation: garment.orientation,
         rules: SubdivisionRules { scheme: Scheme::None, ..SubdivisionRules::default() },
         holes: Vec::new(),

@@ -32,8 +32,8 @@ pub(crate) use write::{
     write_recipe,
 };
 pub use write::{
-    Format, GarmentProducts, Product, ProductRole, Surroundings, WriteOptions, Written, check_target, layer_bytes,
-    remove_unfinished, write, write_all, write_whole,
+    Format, GarmentProducts, Product, ProductRole, SetChoice, Surroundings, WriteOptions, Written, check_target,
+    layer_bytes, remove_unfinished, write, write_all, write_sets, write_whole,
 };
 
 use crate::error::Error;

@@ -1,6 +1,6 @@
 //! The options of a build that shape its output, as its record has them.
 
-use super::super::Build;
+use super::super::{Build, Sets};
 use super::Task;
 use crate::error::Error;
 use crate::usd::BuildRecord;
@@ -24,6 +24,7 @@ pub struct Request {
     pub max_faces: Option<usize>,
     render_per_panel: bool,
     mark: bool,
+    sets: Sets,
     pub variants: Option<String>,
     pub all: bool,
     pub exclude: Vec<String>,
@@ -50,6 +51,7 @@ impl Request {
             max_faces: Some(build.max_faces),
             render_per_panel: build.render_per_panel,
             mark: build.mark,
+            sets: build.sets,
             variants: build.variants.clone(),
             all: inputs.several.all,
             exclude: inputs.several.exclude.clone(),

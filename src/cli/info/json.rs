@@ -42,6 +42,7 @@ pub fn garment(facts: &Facts, variant: Option<&Selection>, builder: &Builder, pl
         },
         "primvars": primvars(garment),
         "subsets": subsets(garment),
+        "sets": builder.listed_sets(&plan.recipe),
         "sim": { "triangles": plan.expected_faces, "chains": plan.chains },
         "render": { "faces": plan.render_faces, "seamLevel": plan.seam_level },
         "recipe": plan.recipe,

@@ -53,6 +53,8 @@ pub fn check_garment(mut input: Garment) -> Result<(Mesh, Warnings), Error> {
         faces: topology.faces,
         units: input.units,
         uv_scales: input.uv_scales,
+        space: input.space,
+        materials: input.materials,
         orientation: input.orientation,
         rules: input.rules,
         holes,

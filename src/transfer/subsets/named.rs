@@ -1,13 +1,13 @@
 //! Subsets that name creases and corners of the garment, and the constraints of the simulation mesh.
 
-use crate::garment::{Elements, Mesh, Subset, free_name};
+use crate::garment::{CONSTRAINTS, Elements, Mesh, Subset, free_name};
 use crate::mesh::VertexId;
 use crate::sim::{Chain, SimOptions, SimProduct};
 use crate::transfer::topology::edge_key;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Families of the subsets of creases, corners and constraints.
-pub(super) const FAMILIES: [&str; 3] = ["tailorCreases", "tailorCorners", "tailorConstraints"];
+pub(super) const FAMILIES: [&str; 3] = ["tailorCreases", "tailorCorners", CONSTRAINTS];
 
 /// The garment's creases and corners as subsets, one for each sharpness.
 pub(super) fn sharp_sets(garment: &Mesh) -> Vec<Subset> {

@@ -6,12 +6,13 @@ use super::variants::{VariantSet, variant_sets};
 use crate::error::Error;
 use crate::garment::Interpolation;
 use crate::usd::names;
-use crate::usd::record::Content;
+use crate::usd::record::{Content, Record};
 use crate::usd::values::{number, text};
 use openusd::sdf::Value;
 use openusd::usd::{Prim, TimeCode};
 use openusd::usda::TextWriter;
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// The model and its surroundings.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -158,6 +159,26 @@ fn inherited(prim: &Prim) -> Result<Vec<InheritedPrimvar>, Error> {
         }
     }
     Ok(found)
+}
+
+/// The name of the material of each subset that has one; that of the whole mesh, or else of the nearest prim above it that has
+/// one, under an empty name.
+pub fn materials(model: &Model, facts: &Facts) -> BTreeMap<String, String> {
+    let name = |path: &str| path.rsplit('/').next().unwrap_or_default().to_owned();
+    let of_records = |records: &[Record]| {
+        let binding = records.iter().find(|record| record.name == names::MATERIAL_BINDING)?;
+        let Content::Relationship { targets } = &binding.content else { return None };
+        targets.first().map(|target| name(target.as_str()))
+    };
+    let is_above = |binding: &&MaterialBinding| {
+        let path = model.path.as_str().strip_prefix(&binding.prim);
+        binding.relationship == names::MATERIAL_BINDING && path.is_some_and(|below| below.starts_with('/'))
+    };
+    let above = || facts.bindings.iter().find(is_above)?.targets.first().map(|target| name(target));
+    let whole = of_records(&model.carried).or_else(above).map(|material| (String::new(), material));
+    let subsets =
+        model.subsets.iter().filter_map(|(subset, record)| Some((subset.clone(), of_records(&record.carried)?)));
+    subsets.chain(whole).collect()
 }
 
 fn bindings(prim: &Prim) -> Result<Vec<MaterialBinding>, Error> {

@@ -3,13 +3,14 @@
 use super::primvars::{Declarations, read_normals, read_primvars};
 use super::query::{OrUnreadable, known, prim_name, property_names, subset_prims, text_value, value};
 use super::shapes::read_shapes;
-use super::space::{units, uv_scales};
+use super::space::{space, transforms, units, uv_scales};
 use crate::error::{Error, ErrorCode, Warning, Warnings};
 use crate::garment::{Family, Garment, Scheme, SubdivisionRules, SubsetInput};
 use crate::usd::names::{self, UsdToken};
 use glam::Vec3;
 use openusd::sdf::Value;
 use openusd::usd::{Prim, TimeCode};
+use std::collections::BTreeMap;
 
 /// Element types of subsets that products have.
 const ELEMENT_TYPES: &[&str] = &["face", "edge", "point"];
@@ -28,6 +29,8 @@ pub fn read_mesh(prim: &Prim, time: Option<TimeCode>) -> Result<((Garment, Decla
         prim: prim.path().as_str().to_owned(),
         units: units(prim, time)?,
         uv_scales: uv_scales(prim, time)?,
+        space: space(prim.stage(), &transforms(prim, time)?.to_world)?,
+        materials: BTreeMap::new(),
         points: required_or_empty(prim, names::POINTS, time, true, point_array)?,
         face_vertex_counts: required_or_empty(prim, names::FACE_VERTEX_COUNTS, time, true, int_array)?,
         face_vertex_indices: required_or_empty(prim, names::FACE_VERTEX_INDICES, time, true, int_array)?,

@@ -2,7 +2,7 @@
 
 use super::choose::choose_mesh;
 use super::diagnostics::{in_words, remedy};
-use super::facts::{Facts, gather};
+use super::facts::{Facts, gather, materials};
 use super::mesh::read_mesh;
 use super::model::Model;
 use super::origin::StageOrigin;
@@ -105,6 +105,7 @@ impl Source {
         let has_normals = garment.as_ref().is_ok_and(|g: &Garment| g.primvars.iter().any(is_normals));
         let model = of_mesh.absorb(Model::take(prim, time, origin, declarations, has_normals)?);
         let facts = gather(prim, &model, time)?;
+        let garment = garment.map(|garment| Garment { materials: materials(&model, &facts), ..garment });
         let recipe = read_recipe(prim, time);
         // Prims are composed when they are read.
         let mut warnings = composition(stage, &model.origin.file);

@@ -16,6 +16,18 @@ use openusd::sdf::{self, AbstractData, FieldKey, LayerOffset, SpecType, Value};
 use openusd::usda::TextWriter;
 use std::path::{Path, PathBuf};
 
+/// The sets that products have. Programs that read subsets for materials alone warn of others.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SetChoice {
+    /// Those with a material.
+    None,
+    /// Those of the model, and those that name its creases and corners.
+    #[default]
+    Authored,
+    /// Those of the borders and seams of the simulation mesh too, and those that the recipe derives.
+    All,
+}
+
 /// How products are written.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WriteOptions {
@@ -27,13 +39,22 @@ pub struct WriteOptions {
     pub model_guide: bool,
     /// Write no file, and find the errors and warnings of a write, except for a full disk and missing permissions.
     pub dry_run: bool,
+    /// The sets that products have.
+    pub sets: SetChoice,
     /// The record of what the products were made of, written into the layer's own data.
     pub record: Option<BuildRecord>,
 }
 
 impl Default for WriteOptions {
     fn default() -> Self {
-        Self { flatten: false, force: false, model_guide: true, dry_run: false, record: None }
+        Self {
+            flatten: false,
+            force: false,
+            model_guide: true,
+            dry_run: false,
+            sets: SetChoice::default(),
+            record: None,
+        }
     }
 }
 
@@ -157,7 +178,7 @@ fn compose(
     frame: LayerContext,
     options: &WriteOptions,
 ) -> Result<(sdf::Data, Warnings), Error> {
-    let mut replaced = Vec::new();
+    let (sets, mut replaced) = (options.sets, Vec::new());
     for GarmentProducts { source, products, .. } in garments {
         check_names(&source.model, products)?;
         let paths = products.iter().map(|p| source.model.sibling_path(p.name)).collect::<Result<Vec<_>, _>>();
@@ -175,10 +196,10 @@ fn compose(
     };
     for of_variant in garments.chunk_by(|a, b| a.variant == b.variant) {
         match of_variant[0].variant {
-            None => warnings.extend(author(&mut data, of_variant, frame)?),
+            None => warnings.extend(author(&mut data, of_variant, frame, sets)?),
             Some(variant) => {
                 let mut part = overlay(stage, frame)?;
-                warnings.extend(author(&mut part, of_variant, frame)?);
+                warnings.extend(author(&mut part, of_variant, frame, sets)?);
                 copy_into_variant(&mut data, &part, variant).map_err(fault)?;
             }
         }
@@ -186,7 +207,7 @@ fn compose(
     for garment in garments.iter().filter(|_| options.model_guide) {
         // Outside of variants, where it is stronger than what the input says.
         let model = &garment.source.model;
-        let mut author = Author { data: &mut data, model, anchor: frame.anchor, is_overlay: !frame.flatten };
+        let mut author = Author { data: &mut data, model, anchor: frame.anchor, is_overlay: !frame.flatten, sets };
         author.model_purpose(ProductRole::Sim.purpose()).map_err(fault)?;
     }
     if let Some(record) = &options.record {
@@ -201,10 +222,15 @@ fn fault(error: openusd::Error) -> Error {
 }
 
 /// Authors the products of garments.
-fn author(data: &mut sdf::Data, garments: &[GarmentProducts], frame: LayerContext) -> Result<Warnings, Error> {
+fn author(
+    data: &mut sdf::Data,
+    garments: &[GarmentProducts],
+    frame: LayerContext,
+    sets: SetChoice,
+) -> Result<Warnings, Error> {
     let mut warnings = Warnings::default();
     for GarmentProducts { source, products, .. } in garments {
-        let mut author = Author { data, model: &source.model, anchor: frame.anchor, is_overlay: !frame.flatten };
+        let mut author = Author { data, model: &source.model, anchor: frame.anchor, is_overlay: !frame.flatten, sets };
         for product in *products {
             warnings.extend(author.product(product).map_err(fault)?);
         }

@@ -11,14 +11,18 @@ mod product;
 mod recipe;
 mod role;
 mod save;
+mod sets;
 mod shapes;
 mod variant;
 
 pub use crates::write_crate;
-pub use layer::{GarmentProducts, Surroundings, WriteOptions, Written, check_target, layer_bytes, write, write_all};
+pub use layer::{
+    GarmentProducts, SetChoice, Surroundings, WriteOptions, Written, check_target, layer_bytes, write, write_all,
+};
 pub use physics::pose_points;
 pub use product::extent;
 #[cfg(feature = "preview")]
 pub use recipe::{EarlierRecipe, OptionValue, RecipeOpinions, garment_below, recipe_text, selections, write_recipe};
 pub use role::{Product, ProductRole};
 pub use save::{Format, OutputFile, PREFIX, Unfinished, remove_unfinished, write_whole};
+pub use sets::write_sets;

@@ -1,9 +1,11 @@
 //! One product as prims and properties of a layer.
 
+use super::layer::SetChoice;
 use super::role::{Product, ProductRole};
 use crate::binding::Binding;
 use crate::error::{Warning, Warnings};
-use crate::garment::{Elements, Interpolation, Meaning, Mesh, Primvar, PrimvarRole, Values};
+use crate::garment::{CONSTRAINTS, DERIVED};
+use crate::garment::{Elements, Family, Interpolation, Meaning, Mesh, Primvar, PrimvarRole, Subset, Values, free_name};
 use crate::mesh::VertexId;
 use crate::usd::assets::Anchor;
 use crate::usd::names::{self, UsdToken};
@@ -26,6 +28,8 @@ pub struct Author<'a> {
     pub anchor: Anchor<'a>,
     /// Whether the layer is over the stage, with the products that it has already.
     pub is_overlay: bool,
+    /// The sets that products have.
+    pub sets: SetChoice,
 }
 
 impl Author<'_> {
@@ -291,13 +295,19 @@ impl Author<'_> {
         }
     }
 
-    fn subsets(&mut self, prim: &Path, mesh: &Mesh) -> openusd::Result<()> {
-        for family in &mesh.families {
+    /// Authors the chosen subsets of a mesh and their families.
+    pub(super) fn subsets(&mut self, prim: &Path, mesh: &Mesh) -> openusd::Result<()> {
+        let chosen: Vec<&Subset> = mesh.subsets.iter().filter(|set| self.is_chosen(set)).collect();
+        let is_left_out = |family: &&Family| {
+            let is_member = |set: &&Subset| set.family == family.name;
+            mesh.subsets.iter().any(|set| is_member(&set)) && !chosen.iter().any(is_member)
+        };
+        for family in mesh.families.iter().filter(|family| !is_left_out(family)) {
             let name = format!("{}{}{}", names::SUBSET_FAMILY, family.name, names::FAMILY_TYPE_SUFFIX);
             self.token(prim, &name, family.kind.token())?;
         }
-        for subset in mesh.subsets.iter() {
-            let path = prim.append_path(subset.name.as_str())?;
+        for subset in chosen {
+            let path = prim.append_path(prim_name(subset, mesh).as_str())?;
             PrimSpec::new(self.data, &path, Specifier::Def, names::GEOM_SUBSET)?;
             let none = SubsetRecord::default();
             let record = self.model.subsets.get(&subset.name).unwrap_or(&none);
@@ -319,6 +329,18 @@ impl Author<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Whether a product has a subset.
+    fn is_chosen(&self, set: &Subset) -> bool {
+        let is_own = [CONSTRAINTS, DERIVED].contains(&set.family.as_str());
+        match (self.sets, self.model.subsets.get(&set.name)) {
+            (SetChoice::All, _) => true,
+            (SetChoice::Authored, record) => !is_own || record.is_some(),
+            (SetChoice::None, record) => {
+                record.is_some_and(|record| record.carried.iter().any(|r| r.name.starts_with(names::MATERIAL_BINDING)))
+            }
+        }
     }
 
     /// Blocks the properties and children of an earlier product of this name that this one does not have.
@@ -345,6 +367,24 @@ impl Author<'_> {
         }
         Ok(())
     }
+}
+
+/// The name of a subset as a prim; that of a derived set is made of its expression.
+fn prim_name(set: &Subset, mesh: &Mesh) -> String {
+    if Path::is_valid_identifier(&set.name) {
+        return set.name.clone();
+    }
+    let base = words_of(&set.name).join("_");
+    let base = if Path::is_valid_identifier(&base) { base } else { format!("set_{base}") };
+    // Texts that differ in signs alone are told apart by their place.
+    let at = mesh.subsets.iter().position(|other| other.name == set.name).unwrap_or_default();
+    let is_taken = |name: &str| mesh.subsets.iter().any(|other| other.name == name);
+    let is_shared = mesh.subsets.iter().filter(|other| words_of(&other.name) == words_of(&set.name)).count() > 1;
+    free_name(&if is_shared { format!("{base}_{at}") } else { base }, is_taken)
+}
+
+fn words_of(text: &str) -> Vec<&str> {
+    text.split(|letter: char| !letter.is_alphanumeric()).filter(|word| !word.is_empty()).collect()
 }
 
 /// The warning of a primvar that no file can hold.

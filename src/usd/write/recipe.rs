@@ -31,6 +31,8 @@ pub enum OptionValue {
     Token(String),
     /// `token[]`.
     Tokens(Vec<String>),
+    /// `string`.
+    Text(String),
     /// A relationship to subsets of the model.
     Subsets(Vec<String>),
 }
@@ -315,6 +317,7 @@ fn property(data: &mut Data, prim: &sdf::Path, name: &str, value: &OptionValue) 
         OptionValue::Float(v) => (ValueTypeName::FLOAT, Value::Float(*v)),
         OptionValue::Int(v) => (ValueTypeName::INT, Value::Int(*v)),
         OptionValue::Token(v) => (ValueTypeName::TOKEN, Value::Token(Token::from(v.as_str()))),
+        OptionValue::Text(v) => (ValueTypeName::STRING, Value::String(v.clone())),
         OptionValue::Tokens(v) => {
             let tokens = v.iter().map(|v| Token::from(v.as_str())).collect();
             (ValueTypeName::TOKEN_ARRAY, Value::TokenVec(tokens))

@@ -5,11 +5,12 @@ use crate::error::{Error, ErrorCode, Warning, Warnings};
 use crate::garment::sew::{Panel, Seams, Sewn, merge, place};
 use crate::garment::{Interpolation, Units};
 use crate::usd::names;
+use crate::usd::read::facts::materials;
 use crate::usd::read::model::{Model, Sewing, SubsetRecord, siblings};
 use crate::usd::read::primvars::{Declarations, read_primvar};
 use crate::usd::read::query::prim_at;
 use crate::usd::read::source::{PanelSeam, Source};
-use crate::usd::read::space::{Transforms, transforms};
+use crate::usd::read::space::{Transforms, space as space_of, transforms};
 use crate::usd::record::{Content, Record};
 use glam::DMat4;
 use openusd::sdf::Path;
@@ -94,6 +95,8 @@ pub fn sewn(
         gap: seam.gap,
     });
     let (seams, records) = (seams.collect(), first.records.clone());
+    sewn.mesh.space = space_of(stage, &space)?;
+    sewn.mesh.materials = materials(&model, &facts);
     Ok(Source { model, garment: Ok(sewn.mesh), recipe, facts, warnings, records, seams })
 }
 

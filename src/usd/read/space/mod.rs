@@ -3,5 +3,5 @@
 mod units;
 mod xform;
 
-pub use units::{units, uv_scales};
+pub use units::{space, units, uv_scales};
 pub use xform::{Transforms, transforms, world_of};

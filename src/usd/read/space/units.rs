@@ -2,11 +2,12 @@
 
 use super::xform::transforms;
 use crate::error::Error;
-use crate::garment::Units;
+use crate::garment::{StageSpace, Units};
 use crate::usd::names;
 use crate::usd::read::query::{OrUnreadable, primvar_names, value};
+use glam::{DMat3, DMat4};
 use openusd::sdf::{self, Value};
-use openusd::usd::{Prim, TimeCode};
+use openusd::usd::{Prim, Stage, TimeCode};
 use std::collections::BTreeMap;
 
 /// The units of the mesh `prim` at `time`.
@@ -24,6 +25,17 @@ pub fn units(prim: &Prim, time: Option<TimeCode>) -> Result<Units, Error> {
     let scale = transforms(prim, time)?.to_world.determinant().abs().cbrt();
     let usable = scale.is_finite() && scale > 0.0;
     Ok(Units { meters_per_unit, scale: if usable { scale } else { 1.0 } })
+}
+
+/// How a mesh with a transform lies in its stage.
+///
+/// # Errors
+/// A stage that cannot be read.
+pub fn space(stage: &Stage, to_world: &DMat4) -> Result<StageSpace, Error> {
+    let root = sdf::Path::abs_root();
+    let axis: Option<Value> = stage.field(&root, "upAxis").or_unreadable(&root)?;
+    let is_z_up = matches!(axis, Some(Value::Token(axis)) if axis.as_str() == "Z");
+    Ok(StageSpace { to_stage: DMat3::from_mat4(*to_world).as_mat3(), is_z_up })
 }
 
 /// The constant primvars `<name>Scale` of a mesh, by `<name>`.

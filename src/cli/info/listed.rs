@@ -1,0 +1,58 @@
+//! The sets that a garment offers, as text.
+
+use crate::Mesh;
+use crate::recipe::Recipe;
+use crate::sets::ListedSet;
+use crate::units::in_words as length;
+use std::fmt::Write as _;
+
+/// Pieces of one set that are listed as text.
+const MOST: usize = 12;
+
+/// The sets in the words that a recipe takes, one a line.
+pub fn in_words(sets: &[ListedSet]) -> String {
+    let mut text = String::new();
+    for of_one in sets.chunk_by(|a, b| stem(a) == stem(b)) {
+        // The largest pieces, in their order.
+        let mut sizes: Vec<f64> = of_one.iter().map(|set| set.size.unwrap_or_default()).collect();
+        sizes.sort_by(|a, b| b.total_cmp(a));
+        let least = sizes.get(MOST - 1).copied().unwrap_or_default();
+        let shown = of_one.iter().filter(|set| set.size.unwrap_or_default() >= least).take(MOST);
+        shown.for_each(|set| line(&mut text, set));
+        if of_one.len() > MOST {
+            let _ = writeln!(text, "  set      and {} smaller pieces of {}", of_one.len() - MOST, stem(&of_one[0]));
+        }
+    }
+    text
+}
+
+/// The set of which an expression is a piece.
+fn stem(set: &ListedSet) -> &str {
+    set.expression.rsplit_once('.').map_or(set.expression.as_str(), |(stem, _)| stem)
+}
+
+fn line(text: &mut String, set: &ListedSet) {
+    let ListedSet { expression, kind, count, size, is_closed, place, low, high } = set;
+    let _ = write!(text, "  set      {expression}: {count} {kind}");
+    match size {
+        Some(meters) if *kind == "edges" => drop(write!(text, ", {}", length(*meters))),
+        Some(square) => drop(write!(text, ", {:.0} cm2", 1e4 * square)),
+        None => {}
+    }
+    let closed = if *is_closed { ", closed" } else { "" };
+    let place = if place.is_empty() { String::new() } else { format!(", {place}") };
+    let coordinates = |p: &[f32; 3]| p.map(|x| format!("{x:.1}")).join(" ");
+    let _ = writeln!(text, "{closed}{place} ({} to {})", coordinates(low), coordinates(high));
+}
+
+/// What a first recipe could do for a garment without sets and operators.
+pub fn hint(garment: &Mesh, recipe: &Recipe, sets: impl FnOnce() -> Vec<ListedSet>) -> Option<String> {
+    let has_sets = garment.subsets.iter().any(|set| set.family != "materialBind");
+    if has_sets || !recipe.operators().is_empty() {
+        return None;
+    }
+    let count = sets().iter().filter(|set| stem(set) == "uvSeams").count();
+    let advice =
+        format!("--set seam.all.edges=uvSeams sews its {count} UV seams, and `usdtailor sets` lists its other sets");
+    (count > 0).then(|| format!("  hint: it has no sets of its own; {advice}\n"))
+}

@@ -1,0 +1,66 @@
+//! Sets that a recipe describes by expressions.
+
+use super::{OPERATORS, Recipe};
+use crate::error::{Code, Error, ErrorCode, Warning, Warnings};
+use crate::garment::{DERIVED, Mesh, Subset};
+use crate::options::{Domain, Given, subset_of};
+use crate::sets::{SetEvaluator, is_subset_name};
+use std::cell::LazyCell;
+
+/// The derived sets of a recipe, for each product those that its options name. Their names are the texts of the recipe.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RecipeSets {
+    /// Those of the simulation mesh and its cloth.
+    pub sim: Vec<Subset>,
+    /// Those of the operators of the render mesh.
+    pub render: Vec<Subset>,
+}
+
+impl RecipeSets {
+    /// Evaluates what a recipe with a resolved UV set names and the garment has no subset for. Warns of sets without elements.
+    ///
+    /// # Errors
+    /// A text that is not an expression, or that does not fit the garment.
+    pub fn new(recipe: &Recipe, garment: &Mesh) -> Result<(Self, Warnings), Error> {
+        let evaluator = LazyCell::new(|| SetEvaluator::new(garment, &recipe.sim.uv_set));
+        let (mut found, mut warnings) = (Self::default(), Warnings::default());
+        for (prefix, options) in recipe.used() {
+            let group = options.group();
+            let is_operator = OPERATORS.iter().any(|operator| operator.name == group.name);
+            let sets = if is_operator { &mut found.render } else { &mut found.sim };
+            for (key, given) in group.keys.iter().zip(options.given()) {
+                let (Domain::Sets { of, .. }, Given::Names(names)) = (key.domain, given) else { continue };
+                let place = format!("{prefix}.{}", key.key);
+                for name in names.iter().filter(|name| garment.subset(name).is_none()) {
+                    if sets.iter().any(|set| set.name == *name) {
+                        continue;
+                    }
+                    if is_subset_name(name) {
+                        subset_of(garment, &place, name, of)?;
+                    }
+                    let derived = evaluator.evaluate(name).map_err(|fault| fault.at(&place))?;
+                    if !of.contains(&derived.elements.kind()) {
+                        return Err(other_kind(&place, name, derived.elements.kind(), of));
+                    }
+                    if derived.elements.is_empty() {
+                        warnings.push(empty(&place, name, &derived.notes));
+                    }
+                    let (name, family) = (name.clone(), DERIVED.to_owned());
+                    sets.push(Subset { name, family, elements: derived.elements, sharpness: None });
+                }
+            }
+        }
+        Ok((found, warnings))
+    }
+}
+
+fn other_kind(place: &str, name: &str, kind: &str, of: &[&str]) -> Error {
+    let fault = Error::recipe(place, format!("\"{name}\" gives {kind}s, and it takes {}s", of.join("s or ")));
+    fault.code(ErrorCode::UnknownSubset).remedy(format!("write {}s({name}), or another set", of[0]))
+}
+
+fn empty(place: &str, name: &str, notes: &[String]) -> Warning {
+    let there = if notes.is_empty() { String::new() } else { format!(": {}", notes.join("; ")) };
+    let warning = Warning::new(Code::EmptySet, place, format!("\"{name}\" has no elements{there}"));
+    warning.remedy("Change the expression; `usdtailor info` lists the sets of the garment")
+}

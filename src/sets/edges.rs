@@ -1,0 +1,119 @@
+//! The functions that give edges.
+
+use super::Fault;
+use super::elements::ElementSet;
+use super::evaluate::{Arguments, Evaluation};
+use super::pieces::{doubled_normal, half_edge, marked, oriented};
+use crate::garment::Interpolation;
+use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, VertexId};
+use std::collections::BTreeSet;
+
+type Found = Result<ElementSet, Fault>;
+
+/// The turn of a feature line, if none is given. \[degrees\]
+const FEATURE: f64 = 45.0;
+
+pub fn borders(of: &Evaluation<'_>, _: &Arguments<'_>) -> Found {
+    let t = &of.sets.topology;
+    let alone = |edge| if let [corner] = t.edge_corners.row(edge) { Some(half_edge(t, *corner)) } else { None };
+    Ok(ElementSet::Edges(t.edges.ids().filter_map(alone).collect()))
+}
+
+pub fn uv_seams(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
+    let t = &of.sets.topology;
+    let seams = of.uv_seams(arguments, 0)?;
+    let cut = seams.map_or_else(BTreeSet::new, |seams| t.edges.ids().filter(|&edge| seams.is_cut(t, edge)).collect());
+    Ok(oriented(t, &cut))
+}
+
+pub fn creases(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
+    let (garment, t) = (of.sets.garment, &of.sets.topology);
+    let least = arguments.number(0, f64::MIN_POSITIVE)?;
+    let steps = || garment.creases.iter().flat_map(|crease| crease.vertices.windows(2).zip(&crease.sharpnesses));
+    let sharp = steps().filter(|(_, sharpness)| f64::from(**sharpness) >= least);
+    let found: BTreeSet<EdgeId> = sharp.filter_map(|(ends, _)| t.find_edge(ends[0], ends[1])).collect();
+    if found.is_empty() {
+        let most = steps().map(|(_, sharpness)| *sharpness).fold(0.0, f32::max);
+        of.note(format!("the largest sharpness of a crease is {most}"));
+    }
+    Ok(oriented(t, &found))
+}
+
+pub fn feature_lines(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
+    let (garment, t) = (of.sets.garment, &of.sets.topology);
+    let least = arguments.number(0, FEATURE)?.to_radians();
+    let normals: IdVec<FaceId, _> = t.faces.ids().map(|face| doubled_normal(garment, face)).collect();
+    let turn = |edge: EdgeId| {
+        let [a, b] = *t.edge_corners.row(edge) else { return 0.0 };
+        let [n, m] = [a, b].map(|corner| normals[t.faces.face_of(corner)]);
+        // Faces that disagree in winding look to two sides.
+        let m = if t.faces.vertex(a) == t.faces.vertex(b) { -m } else { m };
+        n.cross(m).length().atan2(n.dot(m))
+    };
+    let found: BTreeSet<EdgeId> = t.edges.ids().filter(|&edge| turn(edge) > least).collect();
+    if found.is_empty() {
+        let most = t.edges.ids().map(turn).fold(0.0, f64::max).to_degrees();
+        of.note(format!("the largest turn between two faces is {most:.0} degrees"));
+    }
+    Ok(oriented(t, &found))
+}
+
+pub fn border(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
+    let t = &of.sets.topology;
+    let faces = marked(&arguments.faces(of, 0)?, t.faces.len());
+    let is_in = |corner: &&CornerId| faces[t.faces.face_of(**corner)];
+    let ends = |edge| {
+        let around = t.edge_corners.row(edge);
+        let inside = around.iter().filter(is_in).count();
+        let is_border = inside == 1 || inside > 0 && inside < around.len();
+        is_border.then(|| around.iter().find(is_in).map(|corner| half_edge(t, *corner)))?
+    };
+    Ok(ElementSet::Edges(t.edges.ids().filter_map(ends).collect()))
+}
+
+pub fn between(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
+    let t = &of.sets.topology;
+    let [first, second] = [0, 1].map(|number| Ok(marked(&arguments.faces(of, number)?, t.faces.len())));
+    let (first, second): (IdVec<FaceId, bool>, IdVec<FaceId, bool>) = (first?, second?);
+    let ends = |edge| {
+        let around = t.edge_corners.row(edge);
+        let at = around.iter().find(|corner| {
+            let other = |other: &CornerId| other != *corner && second[t.faces.face_of(*other)];
+            first[t.faces.face_of(**corner)] && around.iter().any(other)
+        })?;
+        Some(half_edge(t, *at))
+    };
+    Ok(ElementSet::Edges(t.edges.ids().filter_map(ends).collect()))
+}
+
+pub fn regions(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
+    let t = &of.sets.topology;
+    let found = of.primvar(arguments, "the uniform primvars", |p| p.interpolation == Interpolation::Uniform)?;
+    let Some(primvar) = found else { return Ok(ElementSet::Edges(Default::default())) };
+    let row = |corner: &CornerId| primvar.row(t.faces.face_of(*corner).index());
+    let differ = |edge: &EdgeId| match t.edge_corners.row(*edge) {
+        [first, rest @ ..] => {
+            rest.iter().any(|corner| !primvar.values.same_rows(primvar.width(), row(first), row(corner)))
+        }
+        [] => false,
+    };
+    Ok(oriented(t, &t.edges.ids().filter(differ).collect()))
+}
+
+pub fn edges(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
+    let t = &of.sets.topology;
+    if !arguments.has(0) {
+        return Ok(oriented(t, &t.edges.ids().collect()));
+    }
+    let found: BTreeSet<EdgeId> = match arguments.set(of, 0)? {
+        ElementSet::Faces(faces) => {
+            faces.iter().flat_map(|&face| t.faces.corners_of(face)).map(|corner| t.corner_edge[corner]).collect()
+        }
+        ElementSet::Points(points) => {
+            let is_in = marked::<VertexId>(&points, t.vertex_count());
+            t.edges.enumerated().filter(|(_, ends)| ends.iter().all(|&v| is_in[v])).map(|(edge, _)| edge).collect()
+        }
+        edges @ ElementSet::Edges(_) => return Ok(edges),
+    };
+    Ok(oriented(t, &found))
+}

@@ -1,0 +1,227 @@
+//! The functions that give faces.
+
+use super::Fault;
+use super::elements::ElementSet;
+use super::evaluate::{Arguments, Evaluation, among};
+use super::expression::quoted;
+use super::pieces::{edges_at, marked};
+use super::points::{elements, is_of_elements};
+use crate::garment::{Mesh, Primvar, Values};
+use crate::mesh::{EdgeId, Elements, FaceId, IdVec, Topology, VertexId};
+use glam::{DVec2, DVec3};
+use std::cmp::Reverse;
+use std::collections::{BTreeSet, BinaryHeap};
+
+type Found = Result<ElementSet, Fault>;
+
+pub fn faces(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
+    let t = &of.sets.topology;
+    if !arguments.has(0) {
+        return Ok(ElementSet::Faces(t.faces.ids().collect()));
+    }
+    Ok(match arguments.set(of, 0)? {
+        faces @ ElementSet::Faces(_) => faces,
+        ElementSet::Edges(edges) => ElementSet::Faces(edges.keys().flat_map(|&edge| faces_at(t, edge)).collect()),
+        ElementSet::Points(points) => {
+            let is_in = marked(&points, t.vertex_count());
+            let is_whole = |face: &FaceId| t.faces.vertices_of(*face).iter().all(|&v| is_in[v]);
+            ElementSet::Faces(t.faces.ids().filter(is_whole).collect())
+        }
+    })
+}
+
+/// The faces of an edge.
+fn faces_at(t: &Topology, edge: EdgeId) -> impl Iterator<Item = FaceId> + '_ {
+    t.edge_corners.row(edge).iter().map(|&corner| t.faces.face_of(corner))
+}
+
+pub fn material(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
+    let (garment, name) = (of.sets.garment, arguments.name(0)?);
+    let found = with_material(garment, name);
+    if found.is_empty() {
+        let names: BTreeSet<&String> = garment.materials.values().collect();
+        of.note(among("the materials", names.into_iter().map(|name| quoted(name))));
+    }
+    Ok(ElementSet::Faces(found))
+}
+
+/// The faces with a material: those of subsets that have it, and the rest if the mesh has it.
+pub fn with_material(garment: &Mesh, name: &str) -> BTreeSet<FaceId> {
+    let of = |subset: &String| match garment.subset(subset).map(|set| &set.elements) {
+        Some(Elements::Faces(faces)) => faces.clone(),
+        _ => Vec::new(),
+    };
+    let bound = garment.materials.iter().filter(|(subset, _)| !subset.is_empty());
+    let mut found: BTreeSet<FaceId> =
+        bound.clone().filter(|(_, material)| *material == name).flat_map(|(subset, _)| of(subset)).collect();
+    if garment.materials.get("").is_some_and(|material| material == name) {
+        let others: BTreeSet<FaceId> = bound.flat_map(|(subset, _)| of(subset)).collect();
+        found.extend(garment.faces.ids().filter(|face| !others.contains(face)));
+    }
+    found
+}
+
+pub fn value(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
+    let wanted = arguments.value(1)?;
+    let fits = |primvar: &Primvar| primvar.width() == 1 && is_of_elements(primvar) && !primvar.is_mixed();
+    let Some(primvar) = of.primvar(arguments, "the primvars of one number or text for each face or point", fits)?
+    else {
+        return Ok(ElementSet::Faces(BTreeSet::new()));
+    };
+    let found = elements(primvar, |element| {
+        let value = text_at(primvar, element);
+        wanted.as_ref().map_or_else(|| !matches!(value.as_str(), "" | "0" | "false"), |wanted| *wanted == value)
+    });
+    if found.is_empty() {
+        let values: BTreeSet<String> = (0..primvar.elements()).map(|element| text_at(primvar, element)).collect();
+        of.note(among("its first values", values.into_iter().take(10)));
+    }
+    Ok(found)
+}
+
+/// The value of a discrete primvar as text.
+pub fn text_at(primvar: &Primvar, element: usize) -> String {
+    let row = primvar.row(element);
+    match &primvar.values {
+        Values::Bool(values) => values[row].to_string(),
+        Values::U8(values) => values[row].to_string(),
+        Values::I32(values) => values[row].to_string(),
+        Values::U32(values) => values[row].to_string(),
+        Values::I64(values) => values[row].to_string(),
+        Values::U64(values) => values[row].to_string(),
+        Values::Text(values) => values[row].clone(),
+        Values::F32(_) | Values::F64(_) => String::new(),
+    }
+}
+
+pub fn rings(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
+    let t = &of.sets.topology;
+    let count = arguments.number(1, 1.0)?;
+    if count < 1.0 || count.fract() != 0.0 {
+        return Err(Fault::new(format!("rings has the count {count}"), "give a whole number from 1"));
+    }
+    let mut front = match arguments.set(of, 0)? {
+        ElementSet::Edges(edges) => Front { edges: edges.into_keys().collect(), faces: BTreeSet::new() },
+        ElementSet::Faces(faces) => Front::around(t, faces),
+        ElementSet::Points(points) => {
+            let touched = points.iter().flat_map(|&v| t.faces_at(v)).collect();
+            if count <= 1.0 {
+                return Ok(ElementSet::Faces(touched));
+            }
+            let mut front = Front::around(t, touched);
+            (1..count as usize).take_while(|_| front.advance(t)).count();
+            return Ok(ElementSet::Faces(front.faces));
+        }
+    };
+    // No mesh has more rings than faces.
+    (0..count as usize).take_while(|_| front.advance(t)).count();
+    Ok(ElementSet::Faces(front.faces))
+}
+
+/// Faces that grow ring by ring, and the edges across which they do.
+struct Front {
+    edges: BTreeSet<EdgeId>,
+    faces: BTreeSet<FaceId>,
+}
+
+impl Front {
+    fn around(t: &Topology, faces: BTreeSet<FaceId>) -> Self {
+        let is_in = marked(&faces, t.faces.len());
+        let of_faces = faces.iter().flat_map(|&face| t.faces.corners_of(face)).map(|corner| t.corner_edge[corner]);
+        let edges = of_faces.filter(|&edge| faces_at(t, edge).any(|face| !is_in[face])).collect();
+        Self { edges, faces }
+    }
+
+    /// Adds the faces that have one of the edges, or a vertex between two of them. Returns whether there are some.
+    fn advance(&mut self, t: &Topology) -> bool {
+        let before = self.faces.len();
+        let edges = std::mem::take(&mut self.edges);
+        let inner = edges_at(t, edges.iter()).into_iter().filter(|(_, edges)| edges.len() > 1);
+        let mut faces = std::mem::take(&mut self.faces);
+        faces.extend(inner.flat_map(|(vertex, _)| t.faces_at(vertex)));
+        faces.extend(edges.iter().flat_map(|&edge| faces_at(t, edge)));
+        *self = Self::around(t, faces);
+        self.faces.len() > before
+    }
+}
+
+pub fn within(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
+    let (garment, t) = (of.sets.garment, &of.sets.topology);
+    let most = arguments.length(1, garment.units.meters())?;
+    let ElementSet::Edges(edges) = arguments.set(of, 0)? else {
+        return Err(Fault::new("within is given a set that is not of edges", "write within(border(...), 2cm)"));
+    };
+    Ok(ElementSet::Faces(near(garment, t, edges.into_keys(), most)))
+}
+
+/// The faces whose centres are within a distance of edges. Each face learns the nearest edge from the face across which the
+/// search came, in the order of distance, so that other parts of the garment that are near in space are not found.
+fn near(garment: &Mesh, t: &Topology, edges: impl Iterator<Item = EdgeId>, most: f64) -> BTreeSet<FaceId> {
+    let at = |v: VertexId| garment.points[v].as_dvec3();
+    let centre = |face: FaceId| {
+        let vertices = t.faces.vertices_of(face);
+        vertices.iter().map(|&v| at(v)).sum::<DVec3>() / vertices.len() as f64
+    };
+    let distance = |face: FaceId, edge: EdgeId| {
+        let [a, b] = t.edges[edge].map(at);
+        let (p, along) = (centre(face), b - a);
+        let share = (along.dot(p - a) / along.length_squared()).clamp(0.0, 1.0);
+        // Squares of distances sort as their bits do.
+        if share.is_nan() { p.distance_squared(a) } else { p.distance_squared(a + share * along) }
+    };
+    let mut waiting = BinaryHeap::new();
+    let mut is_done = IdVec::<FaceId, bool>::filled(false, t.faces.len());
+    let push = |waiting: &mut BinaryHeap<_>, face: FaceId, edge: EdgeId| {
+        let squared = distance(face, edge);
+        if squared <= most * most {
+            waiting.push(Reverse((squared.to_bits(), face, edge)));
+        }
+    };
+    edges.for_each(|edge| faces_at(t, edge).for_each(|face| push(&mut waiting, face, edge)));
+    let mut found = BTreeSet::new();
+    while let Some(Reverse((_, face, edge))) = waiting.pop() {
+        if std::mem::replace(&mut is_done[face], true) {
+            continue;
+        }
+        found.insert(face);
+        for corner in t.faces.corners_of(face) {
+            for beside in faces_at(t, t.corner_edge[corner]).filter(|&beside| !is_done[beside]) {
+                push(&mut waiting, beside, edge);
+            }
+        }
+    }
+    found
+}
+
+pub fn uv_shells(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
+    let seams = of.uv_seams(arguments, 0)?;
+    Ok(ElementSet::Faces(seams.map_or_else(BTreeSet::new, |_| of.sets.topology.faces.ids().collect())))
+}
+
+pub fn shell(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
+    let wanted = arguments.faces(of, 0)?;
+    let Some(seams) = of.uv_seams(arguments, 1)? else { return Ok(ElementSet::Faces(BTreeSet::new())) };
+    let shells = of.shells(&seams).into_iter();
+    let with = shells.filter_map(|shell| if let ElementSet::Faces(faces) = shell { Some(faces) } else { None });
+    Ok(ElementSet::Faces(with.filter(|faces| !faces.is_disjoint(&wanted)).flatten().collect()))
+}
+
+pub fn udim(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
+    let t = &of.sets.topology;
+    let tile = arguments.number(0, 0.0)?;
+    let Some(seams) = of.uv_seams(arguments, 1)? else { return Ok(ElementSet::Faces(BTreeSet::new())) };
+    let tiles: IdVec<FaceId, f64> = t.faces.ids().map(|face| f64::from(tile_of(&seams.uvs_of(t, face)))).collect();
+    let found: BTreeSet<FaceId> = t.faces.ids().filter(|&face| tiles[face] == tile).collect();
+    if found.is_empty() {
+        let known: BTreeSet<u32> = tiles.iter().map(|&tile| tile as u32).collect();
+        of.note(among("the tiles", known.into_iter().take(10).map(|tile| tile.to_string())));
+    }
+    Ok(ElementSet::Faces(found))
+}
+
+/// The UDIM tile of the centre of some UVs; 0 outside of all tiles.
+pub fn tile_of(uvs: &[DVec2]) -> u32 {
+    let centre = uvs.iter().sum::<DVec2>() / uvs.len().max(1) as f64;
+    let is_tiled = (0.0..10.0).contains(&centre.x) && (0.0..900.0).contains(&centre.y);
+    if is_tiled { 1001 + centre.x as u32 + 10 * centre.y as u32 } else { 0 }
+}

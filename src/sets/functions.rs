@@ -1,0 +1,79 @@
+//! The functions of set expressions. A new one is a row of this table.
+
+use super::elements::ElementSet;
+use super::evaluate::{Arguments, Evaluation};
+use super::{Fault, edges, faces, picked, points};
+
+/// A function that gives a set.
+pub struct Function {
+    /// Its name.
+    pub name: &'static str,
+    /// How it is written, with all arguments.
+    pub usage: &'static str,
+    /// The kind of its elements, in the plural.
+    pub gives: &'static str,
+    /// Its elements, in one sentence.
+    pub meaning: &'static str,
+    /// The least and the greatest number of arguments.
+    pub(super) arguments: [usize; 2],
+    pub(super) evaluate: fn(&Evaluation<'_>, &Arguments<'_>) -> Result<ElementSet, Fault>,
+}
+
+macro_rules! functions {
+    ($($usage:literal $name:ident $arguments:expr => $gives:ident by $evaluate:path: $meaning:literal;)+) => {
+        /// All functions, in the order of the documents.
+        pub const FUNCTIONS: &[Function] = &[$(Function {
+            name: stringify!($name),
+            usage: $usage,
+            gives: stringify!($gives),
+            meaning: $meaning,
+            arguments: $arguments,
+            evaluate: $evaluate,
+        }),+];
+    };
+}
+
+functions! {
+    "borders" borders [0, 0] => edges by edges::borders:
+        "Edges of one face";
+    "uvSeams, uvSeams(st)" uvSeams [0, 1] => edges by edges::uv_seams:
+        "Edges at which a UV set is cut: that of sim.uvSet, or the one that is named";
+    "creases, creases(sharpness)" creases [0, 1] => edges by edges::creases:
+        "Creases, of a sharpness or more";
+    "featureLines, featureLines(degrees)" featureLines [0, 1] => edges by edges::feature_lines:
+        "Edges at which two faces turn by more than an angle, 45 degrees if none is given";
+    "border(faces)" border [1, 1] => edges by edges::border:
+        "The border of a set of faces, which is at its left";
+    "between(faces, faces)" between [2, 2] => edges by edges::between:
+        "Edges between two sets of faces, the first at their left";
+    "regions(primvar)" regions [1, 1] => edges by edges::regions:
+        "Edges between faces with other values of a uniform primvar";
+    "edges, edges(set)" edges [0, 1] => edges by edges::edges:
+        "All edges, the edges of a set of faces, or the edges with both ends in a set of points";
+    "faces, faces(set)" faces [0, 1] => faces by faces::faces:
+        "All faces, the faces with an edge in a set of edges, or the faces with all points in a set of points";
+    "material(name)" material [1, 1] => faces by faces::material:
+        "Faces with a material, by the name of its prim";
+    "value(primvar), value(primvar, value)" value [1, 2] => elements by faces::value:
+        "Faces of a uniform primvar, or points of a vertex primvar, with a value; without one, those that are true or not 0";
+    "weight(primvar), weight(primvar, number)" weight [1, 2] => elements by points::weight:
+        "Points of a float vertex primvar, such as a vertex group, or faces of a uniform one, above a number; 0.5 if none is given";
+    "rings(set), rings(set, count)" rings [1, 2] => faces by faces::rings:
+        "Faces within so many rings around a set; a ring around faces is beside them and includes them";
+    "within(edges, length)" within [2, 2] => faces by faces::within:
+        "Faces around a set of edges whose centres are within a length of it, such as 2cm, across the surface";
+    "uvShells, uvShells(st)" uvShells [0, 1] => faces by faces::uv_shells:
+        "The faces of a UV set, whose pieces are its shells";
+    "shell(faces), shell(faces, st)" shell [1, 2] => faces by faces::shell:
+        "The UV shells that have a face of a set";
+    "udim(tile), udim(tile, st)" udim [1, 2] => faces by faces::udim:
+        "Faces whose UVs have their centre in a tile, such as 1001";
+    "points, points(set)" points [0, 1] => points by points::points:
+        "All points, or the points of a set of edges or faces";
+    "pickedEdges(checksum, numbers)" pickedEdges [2, 2] => edges by picked::edges:
+        "Edges by the numbers of their points, as the preview writes them: \"4-5-6, 9-8\" are three edges";
+    "pickedFaces(checksum, numbers)" pickedFaces [2, 2] => faces by picked::faces:
+        "Faces by their numbers: \"4-6, 9\" are four faces";
+    "pickedPoints(checksum, numbers)" pickedPoints [2, 2] => points by picked::points:
+        "Points by their numbers";
+}
