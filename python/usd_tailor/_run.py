@@ -3,6 +3,7 @@
 import json
 import os
 import tempfile
+from array import array
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Union
 from ._command import run
 
 if TYPE_CHECKING:
-    from pxr import Sdf, Usd
+    from pxr import Sdf, Usd, UsdGeom
 
 Source = Union[str, "os.PathLike[str]", "Usd.Stage"]
 Value = Union[str, int, float, bool, Sequence[str]]
@@ -95,6 +96,62 @@ def check(source: Source, **arguments: Any) -> dict[str, Any]:
     Faults of the garment are in the result (``inputs[0]["error"]``), and not raised. It takes the arguments of :func:`info`.
     """
     return _examined("check", source, **arguments)
+
+
+@dataclass(frozen=True)
+class Elements:
+    """The elements of a set of a garment."""
+
+    expression: str
+    """The set in the words of a recipe, such as ``borders.1``."""
+    element_type: str
+    """``face``, ``edge`` or ``point``."""
+    indices: "array[int]"
+    """Numbers as a ``GeomSubset`` has them: those of faces or points, or pairs of the points of edges."""
+
+
+def sets(source: Source, expressions: "Mapping[str, str] | None" = None, **arguments: Any) -> dict[str, Elements]:
+    """The sets of a garment that a recipe can name, as arrays: all that ``usdtailor sets`` lists, by their expressions, or
+    those of ``expressions``, by your names.
+
+    It takes ``recipe``, ``options``, ``prim``, ``time`` and ``all`` as :func:`build` does.
+
+    Raises:
+        TailorError: The garment or an expression is refused.
+    """
+    return _sets(source, expressions or {}, arguments)[1]
+
+
+def bake(stage: "Usd.Stage", expressions: Mapping[str, str], **arguments: Any) -> "list[UsdGeom.Subset]":
+    """Authors sets as subsets of the mesh, in the edit target of an open stage. It takes the arguments of :func:`sets`.
+
+    Args:
+        stage: The stage of the garment.
+        expressions: The set of each name, such as ``{"hem": "rings(borders.lowest, 2)"}``.
+
+    Raises:
+        TailorError: The garment, a name or an expression is refused. Nothing is authored then.
+    """
+    from pxr import UsdGeom, Vt
+
+    prim, found = _sets(stage, expressions, arguments)
+    mesh = UsdGeom.Mesh(stage.GetPrimAtPath(prim))
+    author = UsdGeom.Subset.CreateGeomSubset
+    return [author(mesh, name, of.element_type, Vt.IntArray(list(of.indices))) for name, of in found.items()]
+
+
+def _sets(source: Source, expressions: Mapping[str, str], arguments: dict[str, Any]) -> "tuple[str, dict[str, Elements]]":
+    """The path of the mesh, and its sets by name."""
+    baked = [flag for name, expression in expressions.items() for flag in ("--bake", f"{name}={expression}")]
+    with tempfile.TemporaryDirectory(prefix="usdtailor-") as folder:
+        path = _flattened(source, folder) if _is_stage(source) else os.fspath(source)
+        found = json.loads(run(["sets", path, "--json", "--quiet", *baked, *_arguments(**arguments)]))
+    kinds = {"faces": "face", "edges": "edge", "points": "point"}
+    entries = [(entry.get("elementType") or kinds[entry["kind"]], entry) for entry in found["sets"]]
+    return found["prim"], {
+        entry.get("name", entry["expression"]): Elements(entry["expression"], kind, array("i", entry["indices"]))
+        for kind, entry in entries
+    }
 
 
 def drive(

@@ -52,7 +52,7 @@ pub fn run(command: &SetsCommand) -> Result<Output, Error> {
         let mut all = Vec::with_capacity(sets.len());
         for set in sets {
             let mut entry = json!(set);
-            entry["indices"] = indices(&builder.derived_set(&recipe, "sets", &set.expression)?.elements);
+            entry["indices"] = indices(&set.elements);
             all.push(entry);
         }
         return Ok(Output { text: report::pretty(&json!({ "prim": source.prim(), "sets": all }))?, code: 0 });

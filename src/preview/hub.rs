@@ -340,7 +340,7 @@ impl HubState {
     fn show_model(&mut self) {
         self.refresh();
         let shown = Shown {
-            mesh: Arc::clone(self.snapshot.stage.checks.garment()),
+            mesh: Arc::clone(&self.snapshot.stage.shown),
             revision: self.snapshot.state.revision,
             build: 0.0,
             recipe: Arc::default(),

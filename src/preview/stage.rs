@@ -3,13 +3,14 @@
 use super::document::{Options, changed};
 use super::messages::{GarmentMessage, PrimvarInfo, SaveTargets, ServerMessage, SetInfo, UpAxis, VariantSet};
 use crate::error::Error;
-use crate::garment::{Garment, PrimvarRole};
+use crate::garment::{DERIVED, Garment, Mesh, PrimvarRole, Subset};
 use crate::pipeline::Builder;
 use crate::recipe::{Layers, Recipe, table};
 use crate::session::{Input, OpenGarment, is_usd};
 use crate::usd::{Source, decimal};
 use serde_json::Value;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// A stage that was read.
 pub struct Stage {
@@ -19,6 +20,8 @@ pub struct Stage {
     pub mesh: Garment,
     /// A builder that checks recipes and makes nothing.
     pub checks: Builder,
+    /// The garment with the sets that it offers besides its own.
+    pub shown: Arc<Mesh>,
     /// The options that the stage holds.
     pub upstream: Options,
     /// The options of the recipe files, where they differ.
@@ -37,8 +40,9 @@ impl Stage {
         let checks = Builder::new(mesh.clone())?.with_warnings(warnings);
         let upstream = authored.into_map();
         let given = changed(&given.into_map(), &upstream);
-        let message = message(&source, &checks, input);
-        Ok(Self { source, mesh, checks, upstream, given, message })
+        let shown = with_listed_sets(&checks);
+        let message = message(&source, &checks, &shown, input);
+        Ok(Self { source, mesh, checks, shown, upstream, given, message })
     }
 
     /// The recipe of the stage with `edits`, with the lengths that replace 0.
@@ -75,7 +79,38 @@ impl Stage {
     }
 }
 
-fn message(source: &Source, checks: &Builder, input: &Input) -> String {
+/// Pieces of one set that are shown, the largest.
+const MOST_PIECES: usize = 40;
+
+/// The garment with the sets that it offers: UV seams and borders as wholes and in pieces, materials, values and weights.
+fn with_listed_sets(checks: &Builder) -> Arc<Mesh> {
+    let garment = checks.garment();
+    let Ok(recipe) = checks.resolve(&Recipe::default()) else { return Arc::clone(garment) };
+    let listed = checks.listed_sets(&recipe);
+    let mut subsets = garment.subsets.to_vec();
+    let is_taken = |subsets: &[Subset], name: &str| subsets.iter().any(|set| set.name == name);
+    for pieces in listed.chunk_by(|a, b| a.stem() == b.stem()) {
+        let whole = pieces.iter().map(|piece| piece.elements.clone()).reduce(|mut all, piece| {
+            all.merge(&piece);
+            all
+        });
+        let stem = (pieces.len() > 1)
+            .then(|| (pieces[0].stem().to_owned(), whole.unwrap_or_else(|| pieces[0].elements.clone())));
+        let mut largest: Vec<_> = pieces.iter().collect();
+        largest.sort_by(|a, b| b.size.unwrap_or_default().total_cmp(&a.size.unwrap_or_default()));
+        let least = largest.get(MOST_PIECES).map_or(0.0, |piece| piece.size.unwrap_or_default());
+        let shown = pieces.iter().filter(|piece| piece.size.is_none_or(|size| size > least || least == 0.0));
+        let shown = shown.map(|piece| (piece.expression.clone(), piece.elements.clone()));
+        for (name, elements) in stem.into_iter().chain(shown) {
+            if !is_taken(&subsets, &name) {
+                subsets.push(Subset { name, family: DERIVED.to_owned(), elements, sharpness: None });
+            }
+        }
+    }
+    Arc::new(Mesh { subsets: Arc::new(subsets), ..Mesh::clone(garment) })
+}
+
+fn message(source: &Source, checks: &Builder, shown: &Mesh, input: &Input) -> String {
     let (facts, garment) = (source.facts(), checks.garment());
     let primvars = garment.primvars.iter().filter(|primvar| primvar.role == PrimvarRole::Primvar);
     ServerMessage::Garment(GarmentMessage {
@@ -87,7 +122,7 @@ fn message(source: &Source, checks: &Builder, input: &Input) -> String {
         points: garment.points.len(),
         faces: garment.faces.len(),
         mean_edge: decimal(checks.mean_edge_length()),
-        sets: garment.subsets.iter().map(SetInfo::from).collect(),
+        sets: shown.subsets.iter().map(SetInfo::from).collect(),
         primvars: primvars.map(PrimvarInfo::from).collect(),
         variants: facts.variants.iter().map(VariantSet::from).collect(),
         groups: table(),

@@ -99,7 +99,7 @@ impl Expression {
         let expression = parser.list()?;
         match parser.peek() {
             None => Ok(expression),
-            Some(letter) => Err(parser.fault(format!("`{letter}` is unexpected"))),
+            Some(letter) => Err(parser.fault(&format!("`{letter}` is unexpected"))),
         }
     }
 }
@@ -167,10 +167,10 @@ impl Parser<'_> {
     }
 
     fn expect(&mut self, letter: char) -> Result<(), Fault> {
-        if self.take(letter) { Ok(()) } else { Err(self.fault(format!("`{letter}` is missing"))) }
+        if self.take(letter) { Ok(()) } else { Err(self.fault(&format!("`{letter}` is missing"))) }
     }
 
-    fn fault(&self, problem: String) -> Fault {
+    fn fault(&self, problem: &str) -> Fault {
         let before = self.text[..self.at].chars().count();
         let text = format!("\"{}\" is not a set: {problem} after {before} characters", self.text);
         Fault::new(text, "write a set such as uvSeams, borders.lowest or border(collar) - borders")
@@ -179,7 +179,7 @@ impl Parser<'_> {
     /// Counts what is inside one another.
     fn deeper<T>(&mut self, parse: impl FnOnce(&mut Self) -> Result<T, Fault>) -> Result<T, Fault> {
         if self.depth == DEEPEST {
-            return Err(self.fault(format!("more than {DEEPEST} parentheses are inside one another")));
+            return Err(self.fault(&format!("more than {DEEPEST} parentheses are inside one another")));
         }
         self.depth += 1;
         let result = parse(self);
@@ -224,7 +224,7 @@ impl Parser<'_> {
         while self.take('.') {
             pieces += 1;
             if pieces > DEEPEST {
-                return Err(self.fault(format!("more than {DEEPEST} pieces are taken of one another")));
+                return Err(self.fault(&format!("more than {DEEPEST} pieces are taken of one another")));
             }
             of = Expression::Piece(Box::new(of), self.choice()?);
         }
@@ -240,7 +240,7 @@ impl Parser<'_> {
             Ok(number) if number > 0 => Ok(Choice::Number(number)),
             _ => {
                 let words: Vec<&str> = Extreme::ALL.iter().map(|(word, _)| *word).collect();
-                Err(self.fault(format!("a piece is a number from 1, or {}, and `{word}` is read", words.join(", "))))
+                Err(self.fault(&format!("a piece is a number from 1, or {}, and `{word}` is read", words.join(", "))))
             }
         }
     }
@@ -276,7 +276,7 @@ impl Parser<'_> {
                 let arguments = self.deeper(Self::arguments)?;
                 Ok(Expression::Call(word, arguments))
             }
-            _ => Err(self.fault("the name of a set is missing".to_owned())),
+            _ => Err(self.fault("the name of a set is missing")),
         }
     }
 
@@ -306,7 +306,7 @@ impl Parser<'_> {
             Ok(number) if number.is_finite() => Argument::Number(number),
             _ => match meters_of(&text) {
                 Some(meters) => Argument::Meters(meters),
-                None => return Err(self.fault(format!("`{text}` is not a number or a length such as 8mm"))),
+                None => return Err(self.fault(&format!("`{text}` is not a number or a length such as 8mm"))),
             },
         };
         self.at += end;

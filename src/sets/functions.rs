@@ -2,7 +2,7 @@
 
 use super::elements::ElementSet;
 use super::evaluate::{Arguments, Evaluation};
-use super::{Fault, edges, faces, picked, points};
+use super::{Fault, edges, faces, points};
 
 /// A function that gives a set.
 pub struct Function {
@@ -70,10 +70,4 @@ functions! {
         "Faces whose UVs have their centre in a tile, such as 1001";
     "points, points(set)" points [0, 1] => points by points::points:
         "All points, or the points of a set of edges or faces";
-    "pickedEdges(checksum, numbers)" pickedEdges [2, 2] => edges by picked::edges:
-        "Edges by the numbers of their points, as the preview writes them: \"4-5-6, 9-8\" are three edges";
-    "pickedFaces(checksum, numbers)" pickedFaces [2, 2] => faces by picked::faces:
-        "Faces by their numbers: \"4-6, 9\" are four faces";
-    "pickedPoints(checksum, numbers)" pickedPoints [2, 2] => points by picked::points:
-        "Points by their numbers";
 }

@@ -7,6 +7,7 @@ use super::faces::{text_at, tile_of, with_material};
 use super::pieces::{Extent, face_pieces, pieces};
 use super::points::{is_of_elements, is_weight};
 use crate::garment::{Primvar, PrimvarRole, UvSeams};
+use crate::mesh::Elements;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -23,6 +24,9 @@ pub struct ListedSet {
     pub expression: String,
     /// Its elements: faces, edges or points.
     pub kind: &'static str,
+    /// The elements.
+    #[serde(skip)]
+    pub elements: Elements,
     /// Number of elements.
     pub count: usize,
     /// Its length \[m\] or area \[m²\]; none of points.
@@ -35,6 +39,13 @@ pub struct ListedSet {
     pub low: [f32; 3],
     /// The greatest coordinates.
     pub high: [f32; 3],
+}
+
+impl ListedSet {
+    /// The set of which it is a piece, or itself.
+    pub fn stem(&self) -> &str {
+        self.expression.rsplit_once('.').map_or(self.expression.as_str(), |(stem, _)| stem)
+    }
 }
 
 impl SetEvaluator<'_> {
@@ -109,7 +120,8 @@ impl SetEvaluator<'_> {
             ElementSet::Points(_) => (None, false),
         };
         let (kind, count, low, high) = (set.kind(), set.len(), low.to_array(), high.to_array());
-        Some(ListedSet { expression, kind, count, size, is_closed, place, low, high })
+        let elements = set.clone().into_elements();
+        Some(ListedSet { expression, kind, elements, count, size, is_closed, place, low, high })
     }
 
     fn of_primvar(&self, primvar: &Primvar) -> Vec<ListedSet> {

@@ -11,7 +11,6 @@ mod expression;
 mod faces;
 mod functions;
 mod list;
-mod picked;
 mod pieces;
 mod points;
 #[cfg(test)]

@@ -110,3 +110,12 @@ fn every_listed_set_is_what_its_expression_gives() {
         assert!(expressions.contains(&expected), "{expressions:?}");
     }
 }
+
+#[test]
+fn the_documents_have_every_function() {
+    let page = include_str!("../../docs/sets.md");
+    for Function { usage, gives, meaning, .. } in FUNCTIONS {
+        let row = format!("| `{usage}` | {gives} | {meaning} |");
+        assert!(page.contains(&row), "docs/sets.md lacks: {row}");
+    }
+}

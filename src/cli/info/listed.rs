@@ -12,7 +12,7 @@ const MOST: usize = 12;
 /// The sets in the words that a recipe takes, one a line.
 pub fn in_words(sets: &[ListedSet]) -> String {
     let mut text = String::new();
-    for of_one in sets.chunk_by(|a, b| stem(a) == stem(b)) {
+    for of_one in sets.chunk_by(|a, b| a.stem() == b.stem()) {
         // The largest pieces, in their order.
         let mut sizes: Vec<f64> = of_one.iter().map(|set| set.size.unwrap_or_default()).collect();
         sizes.sort_by(|a, b| b.total_cmp(a));
@@ -20,19 +20,14 @@ pub fn in_words(sets: &[ListedSet]) -> String {
         let shown = of_one.iter().filter(|set| set.size.unwrap_or_default() >= least).take(MOST);
         shown.for_each(|set| line(&mut text, set));
         if of_one.len() > MOST {
-            let _ = writeln!(text, "  set      and {} smaller pieces of {}", of_one.len() - MOST, stem(&of_one[0]));
+            let _ = writeln!(text, "  set      and {} smaller pieces of {}", of_one.len() - MOST, of_one[0].stem());
         }
     }
     text
 }
 
-/// The set of which an expression is a piece.
-fn stem(set: &ListedSet) -> &str {
-    set.expression.rsplit_once('.').map_or(set.expression.as_str(), |(stem, _)| stem)
-}
-
 fn line(text: &mut String, set: &ListedSet) {
-    let ListedSet { expression, kind, count, size, is_closed, place, low, high } = set;
+    let ListedSet { expression, kind, count, size, is_closed, place, low, high, .. } = set;
     let _ = write!(text, "  set      {expression}: {count} {kind}");
     match size {
         Some(meters) if *kind == "edges" => drop(write!(text, ", {}", length(*meters))),
@@ -51,7 +46,7 @@ pub fn hint(garment: &Mesh, recipe: &Recipe, sets: impl FnOnce() -> Vec<ListedSe
     if has_sets || !recipe.operators().is_empty() {
         return None;
     }
-    let count = sets().iter().filter(|set| stem(set) == "uvSeams").count();
+    let count = sets().iter().filter(|set| set.stem() == "uvSeams").count();
     let advice =
         format!("--set seam.all.edges=uvSeams sews its {count} UV seams, and `usdtailor sets` lists its other sets");
     (count > 0).then(|| format!("  hint: it has no sets of its own; {advice}\n"))

@@ -7,6 +7,12 @@ import { MenuButton, type MenuItem } from "../controls/Menu";
 
 const NONE: SetInfo[] = [];
 
+/** A set that follows from the mesh, such as a piece of its borders. */
+export const isDerived = ({ family }: SetInfo): boolean => family === "tailorDerived";
+
+/** A name that can only be that of a set of the garment; the server reads all others as expressions. */
+const isName = (text: string): boolean => /^\w+$/.test(text) && !/^(borders|uvSeams|creases|featureLines|edges|faces|points|uvShells)$/.test(text);
+
 export function useSets(of: string[]): SetInfo[] {
   const sets = useSelect(({ garment }) => garment?.sets) ?? NONE;
   return sets.filter(({ kind }) => of.includes(kind));
@@ -44,13 +50,14 @@ export function SetChips({ label, describedBy, invalid, of, names, change }: Set
         pick: () => change([...names, name]),
         hover: (on) => store.highlight(on ? [name] : null),
       }));
+  const isMissing = (name: string) => isName(name) && !sets.some((set) => set.name === name);
   return (
     <span class="chips" role="group" aria-label={label} aria-describedby={describedBy} aria-invalid={invalid}>
       {names.map((name) => (
         <span
           key={name}
-          class={`set-chip ${sets.some((set) => set.name === name) ? "" : "is-missing"}`}
-          title={sets.some((set) => set.name === name) ? name : `${name} is not in the garment`}
+          class={`set-chip ${isMissing(name) ? "is-missing" : ""}`}
+          title={isMissing(name) ? `${name} is not in the garment` : name}
           onPointerEnter={() => store.highlight([name])}
           onPointerLeave={() => store.highlight(null)}
         >

@@ -7,6 +7,7 @@ import { setsOf } from "../../state/recipe";
 import { Card } from "./Card";
 import { useDrag } from "./drag";
 import { useSelect, useStore } from "../controls/hooks";
+import { isDerived } from "./SetChips";
 import { Icon } from "../controls/icons";
 import { MenuButton, type MenuItem } from "../controls/Menu";
 import { addOperator, moveOperator } from "../../state/operators";
@@ -76,9 +77,11 @@ function choices(kind: Kind, { garment, document }: State): (SetInfo & { section
     document.merged,
   );
   const fitting = (garment?.sets ?? []).filter((set) => set.kind === kind.sets.of);
+  const free = fitting.filter(({ name }) => !used.has(name));
   return [
-    ...fitting.filter(({ name }) => !used.has(name)).map((set) => ({ ...set, section: "Not in use" })),
+    ...free.filter((set) => !isDerived(set)).map((set) => ({ ...set, section: "Not in use" })),
     ...fitting.filter(({ name }) => used.has(name)).map((set) => ({ ...set, section: "In use" })),
+    ...free.filter(isDerived).map((set) => ({ ...set, section: "Found in the mesh" })),
   ];
 }
 
