@@ -61,7 +61,7 @@ mod render;
 pub mod report;
 #[cfg(feature = "usd")]
 pub mod session;
-mod sets;
+pub mod sets;
 mod sim;
 mod step;
 mod subdivide;
@@ -88,7 +88,6 @@ pub use pipeline::{
 };
 pub use recipe::Recipe;
 pub use render::{FoldOptions, RenderOptions, SeamOptions, Side};
-pub use sets::{DerivedSet, ListedSet};
 pub use sim::{Relaxation, SimOptions};
 
 /// Operators of your own for the render mesh.

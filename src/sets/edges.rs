@@ -1,6 +1,6 @@
 //! The functions that give edges.
 
-use super::Fault;
+use super::SetFault;
 use super::elements::ElementSet;
 use super::evaluate::{Arguments, Evaluation};
 use super::pieces::{doubled_normal, half_edge, marked, oriented};
@@ -8,7 +8,7 @@ use crate::garment::Interpolation;
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, VertexId};
 use std::collections::BTreeSet;
 
-type Found = Result<ElementSet, Fault>;
+type Found = Result<ElementSet, SetFault>;
 
 /// The turn of a feature line, if none is given. \[degrees\]
 const FEATURE: f64 = 45.0;

@@ -1,6 +1,6 @@
 //! Sets of elements while an expression is evaluated.
 
-use super::Fault;
+use super::SetFault;
 use super::expression::Operation;
 use crate::mesh::{EdgeId, Elements, FaceId, Topology, VertexId};
 use std::collections::{BTreeMap, BTreeSet};
@@ -70,7 +70,7 @@ impl ElementSet {
     }
 
     /// Combines two sets of one kind. Edges keep the direction that they have first.
-    pub fn combine(self, operation: Operation, other: Self) -> Result<Self, Fault> {
+    pub fn combine(self, operation: Operation, other: Self) -> Result<Self, SetFault> {
         Ok(match (self, other) {
             (Self::Faces(a), Self::Faces(b)) => Self::Faces(combine(a, operation, &b)),
             (Self::Points(a), Self::Points(b)) => Self::Points(combine(a, operation, &b)),
@@ -88,7 +88,7 @@ impl ElementSet {
             }
             (a, b) => {
                 let text = format!("{} and {} cannot be combined", a.kind(), b.kind());
-                return Err(Fault::new(text, "convert one of them by faces(...), edges(...) or points(...)"));
+                return Err(SetFault::new(text, "convert one of them by faces(...), edges(...) or points(...)"));
             }
         })
     }

@@ -4,7 +4,7 @@ use super::elements::ElementSet;
 use super::expression::{Argument, Expression, quoted};
 use super::functions::{FUNCTIONS, Function};
 use super::pieces::{chosen, face_pieces, pieces};
-use super::{Fault, SetEvaluator};
+use super::{SetEvaluator, SetFault};
 use crate::error::ErrorCode;
 use crate::garment::{Primvar, UvSeams};
 use crate::mesh::FaceId;
@@ -16,7 +16,7 @@ use std::collections::BTreeSet;
 pub struct Evaluation<'a> {
     /// The garment.
     pub sets: &'a SetEvaluator<'a>,
-    /// What there is in place of what was not found.
+    /// Alternatives of the garment for what was not found.
     pub notes: RefCell<Vec<String>>,
 }
 
@@ -28,7 +28,7 @@ pub struct Arguments<'a> {
 
 impl<'a> Evaluation<'a> {
     /// The elements of an expression.
-    pub fn evaluate(&self, expression: &Expression) -> Result<ElementSet, Fault> {
+    pub fn evaluate(&self, expression: &Expression) -> Result<ElementSet, SetFault> {
         match expression {
             Expression::Name(name) => self.named(name),
             Expression::Call(name, arguments) => self.call(name, arguments),
@@ -50,7 +50,7 @@ impl<'a> Evaluation<'a> {
     }
 
     /// The pieces of a set; the shells of UV shells, which are connected in the UV set.
-    fn pieces(&self, of: &Expression) -> Result<Vec<ElementSet>, Fault> {
+    fn pieces(&self, of: &Expression) -> Result<Vec<ElementSet>, SetFault> {
         let arguments: &[Argument] = match of {
             Expression::Call(name, arguments) if name == UV_SHELLS => arguments,
             Expression::Name(name) if name == UV_SHELLS && self.sets.garment.subset(name).is_none() => &[],
@@ -67,12 +67,12 @@ impl<'a> Evaluation<'a> {
         face_pieces(t, &t.faces.ids().collect(), |edge| seams.is_cut(t, edge))
     }
 
-    /// Tells what there is in place of what was not found.
+    /// Notes the alternatives for what was not found.
     pub fn note(&self, note: String) {
         self.notes.borrow_mut().push(note);
     }
 
-    fn named(&self, name: &str) -> Result<ElementSet, Fault> {
+    fn named(&self, name: &str) -> Result<ElementSet, SetFault> {
         if let Some(set) = self.sets.garment.subset(name) {
             return Ok(ElementSet::of(&self.sets.topology, &set.elements));
         }
@@ -82,17 +82,17 @@ impl<'a> Evaluation<'a> {
         }
     }
 
-    fn call(&self, name: &str, given: &[Argument]) -> Result<ElementSet, Fault> {
+    fn call(&self, name: &str, given: &[Argument]) -> Result<ElementSet, SetFault> {
         let function = function(name).ok_or_else(|| self.unknown(name))?;
         let [least, most] = function.arguments;
         if !(least..=most).contains(&given.len()) {
             let text = format!("{name} has {} arguments", given.len());
-            return Err(Fault::new(text, format!("write {}", function.usage)));
+            return Err(SetFault::new(text, format!("write {}", function.usage)));
         }
         (function.evaluate)(self, &Arguments { function, given })
     }
 
-    fn unknown(&self, name: &str) -> Fault {
+    fn unknown(&self, name: &str) -> SetFault {
         let subsets = self.sets.garment.subsets.iter().map(|set| set.name.as_str());
         let known: Vec<&str> = subsets.clone().chain(FUNCTIONS.iter().map(|function| function.name)).collect();
         let own: Vec<String> = subsets.map(quoted).collect();
@@ -103,11 +103,11 @@ impl<'a> Evaluation<'a> {
             "{}its subsets are: {own}; derived sets are such as borders, uvSeams or material(...)",
             did_you_mean(name, &known)
         );
-        Fault { code: ErrorCode::UnknownSubset, ..Fault::new(text, remedy) }
+        SetFault { code: ErrorCode::UnknownSubset, ..SetFault::new(text, remedy) }
     }
 
     /// The seams of the UV set that an argument names, or else of that of the recipe; none with a note if there is none.
-    pub fn uv_seams(&self, arguments: &Arguments<'_>, number: usize) -> Result<Option<UvSeams<'a>>, Fault> {
+    pub fn uv_seams(&self, arguments: &Arguments<'_>, number: usize) -> Result<Option<UvSeams<'a>>, SetFault> {
         let garment = self.sets.garment;
         let name = if arguments.has(number) { arguments.name(number)? } else { self.sets.uv_set };
         let found = garment.primvar(name).filter(|primvar| primvar.is_uv_set());
@@ -125,7 +125,7 @@ impl<'a> Evaluation<'a> {
         arguments: &Arguments<'_>,
         what: &str,
         fits: impl Fn(&Primvar) -> bool,
-    ) -> Result<Option<&'a Primvar>, Fault> {
+    ) -> Result<Option<&'a Primvar>, SetFault> {
         let garment = self.sets.garment;
         let found = garment.primvar(arguments.name(0)?).filter(|primvar| fits(primvar));
         if found.is_none() {
@@ -152,7 +152,7 @@ fn empty_of(set: &ElementSet) -> ElementSet {
     }
 }
 
-/// What there is, as a note.
+/// A list of alternatives, as a note.
 pub fn among(what: &str, known: impl Iterator<Item = String>) -> String {
     let known: Vec<String> = known.collect();
     format!("{what} are: {}", if known.is_empty() { "none".to_owned() } else { known.join(", ") })
@@ -164,13 +164,13 @@ impl Arguments<'_> {
         number < self.given.len()
     }
 
-    fn fault(&self, number: usize, expected: &str) -> Fault {
+    fn fault(&self, number: usize, expected: &str) -> SetFault {
         let text = format!("argument {} of {} is not {expected}", number + 1, self.function.name);
-        Fault::new(text, format!("write {}", self.function.usage))
+        SetFault::new(text, format!("write {}", self.function.usage))
     }
 
     /// A set.
-    pub fn set(&self, of: &Evaluation<'_>, number: usize) -> Result<ElementSet, Fault> {
+    pub fn set(&self, of: &Evaluation<'_>, number: usize) -> Result<ElementSet, SetFault> {
         match self.given.get(number) {
             Some(Argument::Set(expression)) => of.evaluate(expression),
             _ => Err(self.fault(number, "a set")),
@@ -178,7 +178,7 @@ impl Arguments<'_> {
     }
 
     /// A name.
-    pub fn name(&self, number: usize) -> Result<&str, Fault> {
+    pub fn name(&self, number: usize) -> Result<&str, SetFault> {
         match self.given.get(number) {
             Some(Argument::Set(Expression::Name(name))) => Ok(name),
             _ => Err(self.fault(number, "a name")),
@@ -186,7 +186,7 @@ impl Arguments<'_> {
     }
 
     /// A number, or `default` if it is not given.
-    pub fn number(&self, number: usize, default: f64) -> Result<f64, Fault> {
+    pub fn number(&self, number: usize, default: f64) -> Result<f64, SetFault> {
         match self.given.get(number) {
             None => Ok(default),
             Some(Argument::Number(value)) => Ok(*value),
@@ -195,7 +195,7 @@ impl Arguments<'_> {
     }
 
     /// A length. \[mesh units\]
-    pub fn length(&self, number: usize, mesh_unit: f64) -> Result<f64, Fault> {
+    pub fn length(&self, number: usize, mesh_unit: f64) -> Result<f64, SetFault> {
         match self.given.get(number) {
             Some(Argument::Number(value)) => Ok(*value),
             Some(Argument::Meters(meters)) => Ok(meters / mesh_unit),
@@ -204,7 +204,7 @@ impl Arguments<'_> {
     }
 
     /// A value as its text; none if it is not given.
-    pub fn value(&self, number: usize) -> Result<Option<String>, Fault> {
+    pub fn value(&self, number: usize) -> Result<Option<String>, SetFault> {
         match self.given.get(number) {
             None => Ok(None),
             Some(Argument::Number(value)) => Ok(Some(value.to_string())),
@@ -213,7 +213,7 @@ impl Arguments<'_> {
     }
 
     /// A set that has to be of faces.
-    pub fn faces(&self, of: &Evaluation<'_>, number: usize) -> Result<BTreeSet<FaceId>, Fault> {
+    pub fn faces(&self, of: &Evaluation<'_>, number: usize) -> Result<BTreeSet<FaceId>, SetFault> {
         match self.set(of, number)? {
             ElementSet::Faces(faces) => Ok(faces),
             other => Err(self.fault(number, &format!("a set of faces, and {} are given", other.kind()))),

@@ -9,7 +9,7 @@
 //! argument     = sum | number [ unit ]
 //! ```
 
-use super::Fault;
+use super::SetFault;
 use crate::garment::units::meters_of;
 
 /// Parentheses and pieces that an expression may have inside one another. Evaluation recurses this far.
@@ -94,7 +94,7 @@ impl Expression {
     ///
     /// # Errors
     /// A text that the grammar does not have, with the place in it.
-    pub fn parse(text: &str) -> Result<Self, Fault> {
+    pub fn parse(text: &str) -> Result<Self, SetFault> {
         let mut parser = Parser { text, at: 0, depth: 0 };
         let expression = parser.list()?;
         match parser.peek() {
@@ -166,18 +166,18 @@ impl Parser<'_> {
         is_next
     }
 
-    fn expect(&mut self, letter: char) -> Result<(), Fault> {
+    fn expect(&mut self, letter: char) -> Result<(), SetFault> {
         if self.take(letter) { Ok(()) } else { Err(self.fault(&format!("`{letter}` is missing"))) }
     }
 
-    fn fault(&self, problem: &str) -> Fault {
+    fn fault(&self, problem: &str) -> SetFault {
         let before = self.text[..self.at].chars().count();
         let text = format!("\"{}\" is not a set: {problem} after {before} characters", self.text);
-        Fault::new(text, "write a set such as uvSeams, borders.lowest or border(collar) - borders")
+        SetFault::new(text, "write a set such as uvSeams, borders.lowest or border(collar) - borders")
     }
 
     /// Counts what is inside one another.
-    fn deeper<T>(&mut self, parse: impl FnOnce(&mut Self) -> Result<T, Fault>) -> Result<T, Fault> {
+    fn deeper<T>(&mut self, parse: impl FnOnce(&mut Self) -> Result<T, SetFault>) -> Result<T, SetFault> {
         if self.depth == DEEPEST {
             return Err(self.fault(&format!("more than {DEEPEST} parentheses are inside one another")));
         }
@@ -187,7 +187,7 @@ impl Parser<'_> {
         result
     }
 
-    fn list(&mut self) -> Result<Expression, Fault> {
+    fn list(&mut self) -> Result<Expression, SetFault> {
         let first = self.sum()?;
         let mut rest = Vec::new();
         while self.take(',') {
@@ -196,7 +196,7 @@ impl Parser<'_> {
         Ok(combined(first, rest))
     }
 
-    fn sum(&mut self) -> Result<Expression, Fault> {
+    fn sum(&mut self) -> Result<Expression, SetFault> {
         let first = self.intersection()?;
         let mut rest = Vec::new();
         loop {
@@ -209,7 +209,7 @@ impl Parser<'_> {
         }
     }
 
-    fn intersection(&mut self) -> Result<Expression, Fault> {
+    fn intersection(&mut self) -> Result<Expression, SetFault> {
         let first = self.piece()?;
         let mut rest = Vec::new();
         while self.take('&') {
@@ -218,7 +218,7 @@ impl Parser<'_> {
         Ok(combined(first, rest))
     }
 
-    fn piece(&mut self) -> Result<Expression, Fault> {
+    fn piece(&mut self) -> Result<Expression, SetFault> {
         let mut of = self.primary()?;
         let mut pieces = 0;
         while self.take('.') {
@@ -231,7 +231,7 @@ impl Parser<'_> {
         Ok(of)
     }
 
-    fn choice(&mut self) -> Result<Choice, Fault> {
+    fn choice(&mut self) -> Result<Choice, SetFault> {
         let word = self.word();
         if let Some((_, extreme)) = Extreme::ALL.iter().find(|(known, _)| *known == word) {
             return Ok(Choice::Extreme(*extreme));
@@ -254,7 +254,7 @@ impl Parser<'_> {
         word
     }
 
-    fn primary(&mut self) -> Result<Expression, Fault> {
+    fn primary(&mut self) -> Result<Expression, SetFault> {
         match self.peek() {
             Some('(') => self.deeper(|parser| {
                 parser.expect('(')?;
@@ -280,7 +280,7 @@ impl Parser<'_> {
         }
     }
 
-    fn arguments(&mut self) -> Result<Vec<Argument>, Fault> {
+    fn arguments(&mut self) -> Result<Vec<Argument>, SetFault> {
         self.expect('(')?;
         let mut arguments = Vec::new();
         if self.take(')') {
@@ -295,7 +295,7 @@ impl Parser<'_> {
         }
     }
 
-    fn argument(&mut self) -> Result<Argument, Fault> {
+    fn argument(&mut self) -> Result<Argument, SetFault> {
         let is_number = |letter: char| letter.is_ascii_digit() || letter == '-' || letter == '.';
         if !self.peek().is_some_and(is_number) {
             return Ok(Argument::Set(self.sum()?));

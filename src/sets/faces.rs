@@ -1,6 +1,6 @@
 //! The functions that give faces.
 
-use super::Fault;
+use super::SetFault;
 use super::elements::ElementSet;
 use super::evaluate::{Arguments, Evaluation, among};
 use super::expression::quoted;
@@ -12,7 +12,7 @@ use glam::{DVec2, DVec3};
 use std::cmp::Reverse;
 use std::collections::{BTreeSet, BinaryHeap};
 
-type Found = Result<ElementSet, Fault>;
+type Found = Result<ElementSet, SetFault>;
 
 pub fn faces(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
     let t = &of.sets.topology;
@@ -98,7 +98,7 @@ pub fn rings(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
     let t = &of.sets.topology;
     let count = arguments.number(1, 1.0)?;
     if count < 1.0 || count.fract() != 0.0 {
-        return Err(Fault::new(format!("rings has the count {count}"), "give a whole number from 1"));
+        return Err(SetFault::new(format!("rings has the count {count}"), "give a whole number from 1"));
     }
     let mut front = match arguments.set(of, 0)? {
         ElementSet::Edges(edges) => Front { edges: edges.into_keys().collect(), faces: BTreeSet::new() },
@@ -149,7 +149,7 @@ pub fn within(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
     let (garment, t) = (of.sets.garment, &of.sets.topology);
     let most = arguments.length(1, garment.units.meters())?;
     let ElementSet::Edges(edges) = arguments.set(of, 0)? else {
-        return Err(Fault::new("within is given a set that is not of edges", "write within(border(...), 2cm)"));
+        return Err(SetFault::new("within is given a set that is not of edges", "write within(border(...), 2cm)"));
     };
     Ok(ElementSet::Faces(near(garment, t, edges.into_keys(), most)))
 }

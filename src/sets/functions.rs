@@ -2,7 +2,7 @@
 
 use super::elements::ElementSet;
 use super::evaluate::{Arguments, Evaluation};
-use super::{Fault, edges, faces, points};
+use super::{SetFault, edges, faces, points};
 
 /// A function that gives a set.
 pub struct Function {
@@ -16,7 +16,7 @@ pub struct Function {
     pub meaning: &'static str,
     /// The least and the greatest number of arguments.
     pub(super) arguments: [usize; 2],
-    pub(super) evaluate: fn(&Evaluation<'_>, &Arguments<'_>) -> Result<ElementSet, Fault>,
+    pub(super) evaluate: fn(&Evaluation<'_>, &Arguments<'_>) -> Result<ElementSet, SetFault>,
 }
 
 macro_rules! functions {

@@ -16,8 +16,8 @@ mod points;
 #[cfg(test)]
 mod tests;
 
-pub use expression::split_list;
-use functions::{FUNCTIONS, Function};
+pub(crate) use expression::split_list;
+pub use functions::{FUNCTIONS, Function};
 pub use list::ListedSet;
 
 use crate::error::{Error, ErrorCode};
@@ -29,7 +29,7 @@ use std::cell::RefCell;
 
 /// What is wrong with an expression.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Fault {
+pub struct SetFault {
     pub(super) code: ErrorCode,
     /// The problem.
     pub text: String,
@@ -37,7 +37,7 @@ pub struct Fault {
     pub remedy: String,
 }
 
-impl Fault {
+impl SetFault {
     fn new(text: impl Into<String>, remedy: impl Into<String>) -> Self {
         Self { code: ErrorCode::SetExpression, text: text.into(), remedy: remedy.into() }
     }
@@ -53,7 +53,7 @@ impl Fault {
 pub struct DerivedSet {
     /// The elements.
     pub elements: Elements,
-    /// What there is in place of what was not found; empty if all was found.
+    /// Alternatives of the garment for what was not found; empty if all was found.
     pub notes: Vec<String>,
 }
 
@@ -70,7 +70,7 @@ pub fn help() -> String {
 }
 
 /// True for a single name that is not that of a function, so that it can only be a subset of the garment.
-pub fn is_subset_name(text: &str) -> bool {
+pub(crate) fn is_subset_name(text: &str) -> bool {
     let is_function = |name: &str| FUNCTIONS.iter().any(|function| function.name == name);
     matches!(Expression::parse(text), Ok(Expression::Name(name)) if !is_function(&name))
 }
@@ -93,7 +93,7 @@ impl<'a> SetEvaluator<'a> {
     ///
     /// # Errors
     /// A text that is not an expression, a name that the garment lacks, and sets of another kind than a function takes.
-    pub fn evaluate(&self, text: &str) -> Result<DerivedSet, Fault> {
+    pub fn evaluate(&self, text: &str) -> Result<DerivedSet, SetFault> {
         let evaluation = Evaluation { sets: self, notes: RefCell::default() };
         let elements = evaluation.evaluate(&Expression::parse(text)?)?.into_elements();
         Ok(DerivedSet { elements, notes: evaluation.notes.into_inner() })

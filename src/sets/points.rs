@@ -1,12 +1,12 @@
 //! The functions that give points.
 
-use super::Fault;
+use super::SetFault;
 use super::elements::ElementSet;
 use super::evaluate::{Arguments, Evaluation};
 use crate::garment::{Interpolation, Primvar, Values};
 use crate::mesh::{FaceId, VertexId};
 
-type Found = Result<ElementSet, Fault>;
+type Found = Result<ElementSet, SetFault>;
 
 /// The number that a weight has to exceed, if none is given.
 const HALF: f64 = 0.5;

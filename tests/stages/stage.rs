@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use tailor::error::Error;
-use tailor::usd::{Product, ProductRole, ReadOptions, Source, WriteOptions, write};
+use tailor::usd::{Product, ProductRole, ReadOptions, SetChoice, Source, WriteOptions, write};
 use tailor::{Corner, Crease, Elements, Garment, Mesh, Primvar, Subset};
 use tailor::{FaceId, Faces, VertexId};
 
@@ -26,6 +26,8 @@ pub fn sound(input: &Garment) -> Mesh {
     let corner = |(v, s): (&i32, &f32)| Corner { vertex: vertex(v), sharpness: *s };
     Mesh {
         units: tailor::Units::default(),
+        space: tailor::StageSpace::default(),
+        materials: std::collections::BTreeMap::new(),
         uv_scales: std::collections::BTreeMap::default(),
         influences: None,
         prim: input.prim.clone(),
@@ -135,9 +137,9 @@ pub fn tailor(source: &Source, out: &Path, options: &WriteOptions) -> Result<Vec
 }
 
 pub const FORCE: WriteOptions =
-    WriteOptions { flatten: false, force: true, model_guide: true, dry_run: false, record: None };
+    WriteOptions { flatten: false, force: true, model_guide: true, dry_run: false, sets: SetChoice::All, record: None };
 pub const FLATTEN: WriteOptions =
-    WriteOptions { flatten: true, force: true, model_guide: true, dry_run: false, record: None };
+    WriteOptions { flatten: true, force: true, model_guide: true, dry_run: false, sets: SetChoice::All, record: None };
 
 #[track_caller]
 pub fn assert_fault<T>(result: Result<T, Error>, parts: &[&str]) {

@@ -376,7 +376,7 @@ fn prim_name(set: &Subset, mesh: &Mesh) -> String {
     }
     let base = words_of(&set.name).join("_");
     let base = if Path::is_valid_identifier(&base) { base } else { format!("set_{base}") };
-    // Texts that differ in signs alone are told apart by their place.
+    // Texts that differ in signs alone have different names by their place.
     let at = mesh.subsets.iter().position(|other| other.name == set.name).unwrap_or_default();
     let is_taken = |name: &str| mesh.subsets.iter().any(|other| other.name == name);
     let is_shared = mesh.subsets.iter().filter(|other| words_of(&other.name) == words_of(&set.name)).count() > 1;
