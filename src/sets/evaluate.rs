@@ -2,7 +2,6 @@
 
 use super::elements::ElementSet;
 use super::expression::{Argument, Expression, quoted};
-use super::functions::{FUNCTIONS, Function};
 use super::pieces::{chosen, face_pieces, pieces};
 use super::{SetEvaluator, SetFault};
 use crate::error::ErrorCode;
@@ -12,10 +11,27 @@ use crate::options::did_you_mean;
 use std::cell::RefCell;
 use std::collections::BTreeSet;
 
+/// A function that gives a set.
+pub struct Function {
+    /// Its name.
+    pub name: &'static str,
+    /// How it is written, with all arguments.
+    pub usage: &'static str,
+    /// The kind of its elements, in the plural.
+    pub gives: &'static str,
+    /// Its elements, in one sentence.
+    pub meaning: &'static str,
+    /// The least and the greatest number of arguments.
+    pub(super) arguments: [usize; 2],
+    pub(super) evaluate: fn(&Evaluation<'_>, &Arguments<'_>) -> Result<ElementSet, SetFault>,
+}
+
 /// An evaluation under way.
 pub struct Evaluation<'a> {
     /// The garment.
     pub sets: &'a SetEvaluator<'a>,
+    /// The functions that expressions may call.
+    pub functions: &'static [Function],
     /// Alternatives of the garment for what was not found.
     pub notes: RefCell<Vec<String>>,
 }
@@ -56,7 +72,7 @@ impl<'a> Evaluation<'a> {
             Expression::Name(name) if name == UV_SHELLS && self.sets.garment.subset(name).is_none() => &[],
             _ => return Ok(pieces(&self.sets.topology, &self.evaluate(of)?)),
         };
-        let function = function(UV_SHELLS).expect("a function of the table");
+        let function = self.function(UV_SHELLS).expect("a function of the table");
         let seams = self.uv_seams(&Arguments { function, given: arguments }, 0)?;
         Ok(seams.map_or_else(Vec::new, |seams| self.shells(&seams)))
     }
@@ -72,18 +88,22 @@ impl<'a> Evaluation<'a> {
         self.notes.borrow_mut().push(note);
     }
 
+    fn function(&self, name: &str) -> Option<&'static Function> {
+        self.functions.iter().find(|function| function.name == name)
+    }
+
     fn named(&self, name: &str) -> Result<ElementSet, SetFault> {
         if let Some(set) = self.sets.garment.subset(name) {
             return Ok(ElementSet::of(&self.sets.topology, &set.elements));
         }
-        match function(name) {
+        match self.function(name) {
             Some(_) => self.call(name, &[]),
             None => Err(self.unknown(name)),
         }
     }
 
     fn call(&self, name: &str, given: &[Argument]) -> Result<ElementSet, SetFault> {
-        let function = function(name).ok_or_else(|| self.unknown(name))?;
+        let function = self.function(name).ok_or_else(|| self.unknown(name))?;
         let [least, most] = function.arguments;
         if !(least..=most).contains(&given.len()) {
             let text = format!("{name} has {} arguments", given.len());
@@ -94,7 +114,7 @@ impl<'a> Evaluation<'a> {
 
     fn unknown(&self, name: &str) -> SetFault {
         let subsets = self.sets.garment.subsets.iter().map(|set| set.name.as_str());
-        let known: Vec<&str> = subsets.clone().chain(FUNCTIONS.iter().map(|function| function.name)).collect();
+        let known: Vec<&str> = subsets.clone().chain(self.functions.iter().map(|function| function.name)).collect();
         let own: Vec<String> = subsets.map(quoted).collect();
         let own = if own.is_empty() { "none".to_owned() } else { own.join(", ") };
         let prim = &self.sets.garment.prim;
@@ -138,10 +158,6 @@ impl<'a> Evaluation<'a> {
 
 /// The function whose pieces are connected in the UV set.
 const UV_SHELLS: &str = "uvShells";
-
-fn function(name: &str) -> Option<&'static Function> {
-    FUNCTIONS.iter().find(|function| function.name == name)
-}
 
 /// A set of the same kind without elements.
 fn empty_of(set: &ElementSet) -> ElementSet {

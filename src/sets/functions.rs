@@ -1,23 +1,7 @@
 //! The functions of set expressions. A new one is a row of this table.
 
-use super::elements::ElementSet;
-use super::evaluate::{Arguments, Evaluation};
-use super::{SetFault, edges, faces, points};
-
-/// A function that gives a set.
-pub struct Function {
-    /// Its name.
-    pub name: &'static str,
-    /// How it is written, with all arguments.
-    pub usage: &'static str,
-    /// The kind of its elements, in the plural.
-    pub gives: &'static str,
-    /// Its elements, in one sentence.
-    pub meaning: &'static str,
-    /// The least and the greatest number of arguments.
-    pub(super) arguments: [usize; 2],
-    pub(super) evaluate: fn(&Evaluation<'_>, &Arguments<'_>) -> Result<ElementSet, SetFault>,
-}
+use super::evaluate::Function;
+use super::{edges, faces, points};
 
 macro_rules! functions {
     ($($usage:literal $name:ident $arguments:expr => $gives:ident by $evaluate:path: $meaning:literal;)+) => {

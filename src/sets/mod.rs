@@ -1,7 +1,7 @@
 //! Sets of elements that follow from a garment: borders, UV seams, creases, materials, painted weights and what is made of
 //! them, so that a recipe needs no authored edge sets.
 //!
-//! An [`Expression`] is text such as `uvSeams - border(collar)`. [`SetEvaluator`] finds its elements, and lists the sets that a
+//! An expression is text such as `uvSeams - border(collar)`. [`SetEvaluator`] finds its elements, and lists the sets that a
 //! garment offers.
 
 mod edges;
@@ -16,8 +16,9 @@ mod points;
 #[cfg(test)]
 mod tests;
 
+pub use evaluate::Function;
 pub(crate) use expression::split_list;
-pub use functions::{FUNCTIONS, Function};
+pub use functions::FUNCTIONS;
 pub use list::ListedSet;
 
 use crate::error::{Error, ErrorCode};
@@ -94,7 +95,7 @@ impl<'a> SetEvaluator<'a> {
     /// # Errors
     /// A text that is not an expression, a name that the garment lacks, and sets of another kind than a function takes.
     pub fn evaluate(&self, text: &str) -> Result<DerivedSet, SetFault> {
-        let evaluation = Evaluation { sets: self, notes: RefCell::default() };
+        let evaluation = Evaluation { sets: self, functions: FUNCTIONS, notes: RefCell::default() };
         let elements = evaluation.evaluate(&Expression::parse(text)?)?.into_elements();
         Ok(DerivedSet { elements, notes: evaluation.notes.into_inner() })
     }
