@@ -73,7 +73,9 @@ pub fn run(command: &SetsCommand) -> Result<Output, Error> {
         if elements.is_empty() {
             let fault =
                 Error::recipe(place, format!("\"{expression}\" has no elements")).code(ErrorCode::SetExpression);
-            return Err(fault.remedy(format!("change the expression: {}", derived.notes.join("; "))));
+            let notes = derived.notes.join("; ");
+            let remedy = if notes.is_empty() { "`usdtailor sets` lists those that it has".to_owned() } else { notes };
+            return Err(fault.remedy(format!("change the expression: {remedy}")));
         }
         text += &format!("{name}: {} {}s\n", elements.len(), elements.kind());
         entries.push(json!({ "name": name, "expression": expression, "elementType": elements.kind(), "indices": indices(&elements) }));

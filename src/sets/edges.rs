@@ -3,7 +3,7 @@
 use super::SetFault;
 use super::elements::ElementSet;
 use super::evaluate::{Arguments, Evaluation};
-use super::pieces::{doubled_normal, half_edge, marked, oriented};
+use super::pieces::{beside, doubled_normal, marked, oriented};
 use crate::garment::Interpolation;
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, VertexId};
 use std::collections::BTreeSet;
@@ -15,7 +15,7 @@ const FEATURE: f64 = 45.0;
 
 pub fn borders(of: &Evaluation<'_>, _: &Arguments<'_>) -> Found {
     let t = &of.sets.topology;
-    let alone = |edge| if let [corner] = t.edge_corners.row(edge) { Some(half_edge(t, *corner)) } else { None };
+    let alone = |edge| if let [corner] = t.edge_corners.row(edge) { Some(beside(of.sets, *corner)) } else { None };
     Ok(ElementSet::Edges(t.edges.ids().filter_map(alone).collect()))
 }
 
@@ -66,7 +66,7 @@ pub fn border(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
         let around = t.edge_corners.row(edge);
         let inside = around.iter().filter(is_in).count();
         let is_border = inside == 1 || inside > 0 && inside < around.len();
-        is_border.then(|| around.iter().find(is_in).map(|corner| half_edge(t, *corner)))?
+        is_border.then(|| around.iter().find(is_in).map(|corner| beside(of.sets, *corner)))?
     };
     Ok(ElementSet::Edges(t.edges.ids().filter_map(ends).collect()))
 }
@@ -81,7 +81,7 @@ pub fn between(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
             let other = |other: &CornerId| other != *corner && second[t.faces.face_of(*other)];
             first[t.faces.face_of(**corner)] && around.iter().any(other)
         })?;
-        Some(half_edge(t, *at))
+        Some(beside(of.sets, *at))
     };
     Ok(ElementSet::Edges(t.edges.ids().filter_map(ends).collect()))
 }

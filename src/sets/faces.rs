@@ -9,8 +9,7 @@ use super::points::{elements, is_of_elements};
 use crate::garment::{Mesh, Primvar, Values};
 use crate::mesh::{EdgeId, Elements, FaceId, IdVec, Topology, VertexId};
 use glam::{DVec2, DVec3};
-use std::cmp::Reverse;
-use std::collections::{BTreeSet, BinaryHeap};
+use std::collections::BTreeSet;
 
 type Found = Result<ElementSet, SetFault>;
 
@@ -145,52 +144,67 @@ impl Front {
     }
 }
 
+/// Faces that `within` may visit, each once for each edge, so that it ends soon.
+const MOST_VISITS: usize = 100_000_000;
+
 pub fn within(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
     let (garment, t) = (of.sets.garment, &of.sets.topology);
     let most = arguments.length(1, garment.units.meters())?;
     let ElementSet::Edges(edges) = arguments.set(of, 0)? else {
         return Err(SetFault::new("within is given a set that is not of edges", "write within(border(...), 2cm)"));
     };
-    Ok(ElementSet::Faces(near(garment, t, edges.into_keys(), most)))
-}
-
-/// The faces whose centres are within a distance of edges. Each face learns the nearest edge from the face across which the
-/// search came, in the order of distance, so that other parts of the garment that are near in space are not found.
-fn near(garment: &Mesh, t: &Topology, edges: impl Iterator<Item = EdgeId>, most: f64) -> BTreeSet<FaceId> {
-    let at = |v: VertexId| garment.points[v].as_dvec3();
-    let centre = |face: FaceId| {
-        let vertices = t.faces.vertices_of(face);
-        vertices.iter().map(|&v| at(v)).sum::<DVec3>() / vertices.len() as f64
-    };
-    let distance = |face: FaceId, edge: EdgeId| {
-        let [a, b] = t.edges[edge].map(at);
-        let (p, along) = (centre(face), b - a);
-        let share = (along.dot(p - a) / along.length_squared()).clamp(0.0, 1.0);
-        // Squares of distances sort as their bits do.
-        if share.is_nan() { p.distance_squared(a) } else { p.distance_squared(a + share * along) }
-    };
-    let mut waiting = BinaryHeap::new();
-    let mut is_done = IdVec::<FaceId, bool>::filled(false, t.faces.len());
-    let push = |waiting: &mut BinaryHeap<_>, face: FaceId, edge: EdgeId| {
-        let squared = distance(face, edge);
-        if squared <= most * most {
-            waiting.push(Reverse((squared.to_bits(), face, edge)));
-        }
-    };
-    edges.for_each(|edge| faces_at(t, edge).for_each(|face| push(&mut waiting, face, edge)));
+    let mut search = Surroundings { garment, t, most, seen: IdVec::filled(None, t.faces.len()), visits: 0 };
     let mut found = BTreeSet::new();
-    while let Some(Reverse((_, face, edge))) = waiting.pop() {
-        if std::mem::replace(&mut is_done[face], true) {
-            continue;
-        }
-        found.insert(face);
-        for corner in t.faces.corners_of(face) {
-            for beside in faces_at(t, t.corner_edge[corner]).filter(|&beside| !is_done[beside]) {
-                push(&mut waiting, beside, edge);
-            }
+    for &edge in edges.keys() {
+        search.add(edge, &mut found);
+        if search.visits > MOST_VISITS {
+            let text = format!("within reaches too many faces from {} edges", edges.len());
+            return Err(SetFault::new(text, "give a smaller length, or rings(...)"));
         }
     }
-    found
+    Ok(ElementSet::Faces(found))
+}
+
+/// A search for the faces around edges. Faces that only other parts of the garment connect to an edge are not around it,
+/// however near in space.
+struct Surroundings<'a> {
+    garment: &'a Mesh,
+    t: &'a Topology,
+    /// The greatest distance of a centre. \[mesh units\]
+    most: f64,
+    /// The last edge from which each face was visited.
+    seen: IdVec<FaceId, Option<EdgeId>>,
+    visits: usize,
+}
+
+impl Surroundings<'_> {
+    /// Adds the faces around an edge.
+    fn add(&mut self, edge: EdgeId, found: &mut BTreeSet<FaceId>) {
+        let mut waiting: Vec<FaceId> = faces_at(self.t, edge).collect();
+        while let Some(face) = waiting.pop() {
+            if self.seen[face].replace(edge) == Some(edge) {
+                continue;
+            }
+            self.visits += 1;
+            if self.distance(face, edge) > self.most {
+                continue;
+            }
+            found.insert(face);
+            waiting
+                .extend(self.t.faces.corners_of(face).flat_map(|corner| faces_at(self.t, self.t.corner_edge[corner])));
+        }
+    }
+
+    /// The distance of a face's centre from an edge. \[mesh units\]
+    fn distance(&self, face: FaceId, edge: EdgeId) -> f64 {
+        let at = |v: VertexId| self.garment.points[v].as_dvec3();
+        let vertices = self.t.faces.vertices_of(face);
+        let centre = vertices.iter().map(|&v| at(v)).sum::<DVec3>() / vertices.len() as f64;
+        let [a, b] = self.t.edges[edge].map(at);
+        let along = b - a;
+        let share = (along.dot(centre - a) / along.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        centre.distance(a + share * along)
+    }
 }
 
 pub fn uv_shells(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {

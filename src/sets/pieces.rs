@@ -6,7 +6,7 @@
 use super::SetEvaluator;
 use super::elements::ElementSet;
 use super::expression::{Choice, Extreme};
-use crate::garment::Mesh;
+use crate::garment::{Mesh, Orientation};
 use crate::mesh::{CornerId, EdgeId, FaceId, Groups, Id, IdVec, Topology, VertexId};
 use glam::{DVec3, Vec3};
 use std::collections::{BTreeMap, BTreeSet};
@@ -115,9 +115,11 @@ pub fn other_end(t: &Topology, edge: EdgeId, vertex: VertexId) -> VertexId {
     if a == vertex { b } else { a }
 }
 
-/// The half-edge that leaves a corner, and its edge.
-pub fn half_edge(t: &Topology, corner: CornerId) -> (EdgeId, [VertexId; 2]) {
-    (t.corner_edge[corner], t.faces.half_edge(corner))
+/// The edge that leaves a corner, in the direction in which the face is at its left, seen from the front.
+pub fn beside(sets: &SetEvaluator<'_>, corner: CornerId) -> (EdgeId, [VertexId; 2]) {
+    let [a, b] = sets.topology.faces.half_edge(corner);
+    let is_left_handed = sets.garment.orientation == Orientation::LeftHanded;
+    (sets.topology.corner_edge[corner], if is_left_handed { [b, a] } else { [a, b] })
 }
 
 /// Where a set is, and its size.

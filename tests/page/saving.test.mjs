@@ -6,6 +6,7 @@ import { dirname, join } from "node:path";
 import { test } from "node:test";
 import { assertClean, show } from "./support/browser.mjs";
 import { assertSame, build, sewnShirt } from "./support/garments.mjs";
+import { copyOf } from "./support/server.mjs";
 
 /** Edits of each kind: of both meshes, of an operator of the garment, an operator of their own, the order. */
 async function edit(preview) {
@@ -152,4 +153,23 @@ test("a layer holds numbers as they were typed", async (t) => {
   const { text } = dialogOf(preview);
   await preview.when(() => preview.store.state.save?.text);
   assert.match(await text.innerText(), /tailor:seam:side:width = 0\.7$/m);
+});
+
+test("a set that the mesh offers is sewn from the menu by keys, and saved as an expression", async (t) => {
+  const garment = copyOf(t, "tshirt.usda");
+  const preview = await show(t, garment);
+  const before = await preview.meshes();
+  await preview.page.getByRole("button", { name: "New seam" }).click();
+  await preview.page.getByLabel("Find in New seam").fill("uvSeams");
+  const sewn = await preview.after("render", () => preview.page.keyboard.press("Enter"));
+  assert.deepEqual(await preview.cards(), ["seam.uvSeams"]);
+  assert.ok(sewn.render.faces > before.render.faces);
+  assert.deepEqual((await preview.document()).edits.seam.uvSeams.edges, ["uvSeams"]);
+  const file = join(dirname(garment), "tshirt_look.usda");
+  await preview.evaluate((path) => preview.store.command({ type: "save", path, overwrite: false }), file);
+  await preview.when(() => preview.store.state.save?.status === "saved");
+  assert.match(readFileSync(file, "utf8"), /string tailor:seam:uvSeams:edges = "uvSeams"/);
+  const built = await build(t, file);
+  assertSame(await preview.points("render"), built.render, "the render mesh is that on screen");
+  assertClean(preview);
 });
