@@ -10,6 +10,7 @@ use super::variants::Opening;
 use super::{ExamineArgs, Output, report, text, variants};
 use crate::error::{Error, ErrorCode, ErrorKind, Warnings};
 use crate::options::{Domain, Given};
+use crate::sets::ListedSet;
 use crate::units::in_words;
 use crate::usd::{Facts, Selection, Source, misplaced_options, type_word};
 use crate::{Builder, Mesh, Plan, PrimvarRole, Recipe};
@@ -34,9 +35,10 @@ pub fn info(args: &ExamineArgs) -> Result<Output, Error> {
                 if let Some(made) = &made {
                     let _ = writeln!(found.text, "  made     {}", made.in_words(file)?);
                 }
-                describe(&mut found.text, source.facts(), &builder, &plan, args.inputs.verbose);
+                let sets = builder.listed_sets(&plan.recipe);
+                describe(&mut found.text, source.facts(), &builder, &plan, &sets, args.inputs.verbose);
                 panels(&mut found.text, &source);
-                garments.push(json::garment(source.facts(), variant.as_ref(), &builder, &plan));
+                garments.push(json::garment(source.facts(), variant.as_ref(), &builder, &plan, &sets));
             }
         }
         found.json = if garments.len() == 1 { garments.remove(0) } else { json!({ "garments": garments }) };
@@ -148,7 +150,7 @@ fn title(out: &mut String, facts: &Facts, variant: Option<&Selection>) {
     let _ = writeln!(out, "{} {}{variant}", facts.file, facts.prim);
 }
 
-fn describe(out: &mut String, facts: &Facts, builder: &Builder, plan: &Plan, verbose: bool) {
+fn describe(out: &mut String, facts: &Facts, builder: &Builder, plan: &Plan, sets: &[ListedSet], verbose: bool) {
     let garment = builder.garment();
     let _ = writeln!(out, "  stage    {} up, {} metres a unit", facts.up_axis, facts.meters_per_unit);
     let _ = writeln!(
@@ -188,7 +190,7 @@ fn describe(out: &mut String, facts: &Facts, builder: &Builder, plan: &Plan, ver
         let family = if s.family.is_empty() { String::new() } else { format!(", family {}", s.family) };
         let _ = writeln!(out, "  subset   {} of {} {}s{family}", s.name, s.elements.len(), s.elements.kind());
     }
-    out.push_str(&listed::in_words(&builder.listed_sets(&plan.recipe)));
+    out.push_str(&listed::in_words(sets));
     for b in &facts.bindings {
         let _ = writeln!(out, "  material {} on {}: {}", b.relationship, b.prim, b.targets.join(", "));
     }

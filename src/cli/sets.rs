@@ -4,10 +4,9 @@ use super::info::listed;
 use super::{Inputs, Output, report, usage};
 use crate::error::{Error, ErrorCode};
 use crate::garment::Subset;
-use crate::mesh::{Elements, VertexId};
 use crate::usd::write_sets;
 use clap::Args;
-use serde_json::{Value, json};
+use serde_json::json;
 use std::path::PathBuf;
 
 /// The sets of a garment.
@@ -52,7 +51,7 @@ pub fn run(command: &SetsCommand) -> Result<Output, Error> {
         let mut all = Vec::with_capacity(sets.len());
         for set in sets {
             let mut entry = json!(set);
-            entry["indices"] = indices(&set.elements);
+            entry["indices"] = json!(set.elements.indices());
             all.push(entry);
         }
         return Ok(Output { text: report::pretty(&json!({ "prim": source.prim(), "sets": all }))?, code: 0 });
@@ -78,7 +77,7 @@ pub fn run(command: &SetsCommand) -> Result<Output, Error> {
             return Err(fault.remedy(format!("change the expression: {remedy}")));
         }
         text += &format!("{name}: {} {}s\n", elements.len(), elements.kind());
-        entries.push(json!({ "name": name, "expression": expression, "elementType": elements.kind(), "indices": indices(&elements) }));
+        entries.push(json!({ "name": name, "expression": expression, "elementType": elements.kind(), "indices": elements.indices() }));
         sets.push(Subset { name: name.to_owned(), family: String::new(), elements, sharpness: None });
     }
     if let Some(output) = &command.output {
@@ -88,13 +87,4 @@ pub fn run(command: &SetsCommand) -> Result<Output, Error> {
         text = report::pretty(&json!({ "prim": source.prim(), "sets": entries }))?;
     }
     Ok(Output { text, code: 0 })
-}
-
-/// The indices as a `GeomSubset` has them: edges are pairs, one after the other.
-fn indices(elements: &Elements) -> Value {
-    match elements {
-        Elements::Faces(faces) => faces.iter().map(|face| face.index()).collect(),
-        Elements::Edges(edges) => edges.iter().flatten().map(|&v: &VertexId| v.index()).collect(),
-        Elements::Points(points) => points.iter().map(|point| point.index()).collect(),
-    }
 }

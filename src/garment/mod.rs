@@ -26,7 +26,7 @@ pub use units::Units;
 pub use uv_seams::UvSeams;
 
 use crate::mesh::{FaceId, Faces, IdVec, VertexId};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -172,6 +172,14 @@ impl Mesh {
     /// The subset called `name`.
     pub fn subset(&self, name: &str) -> Option<&Subset> {
         self.subsets.iter().find(|s| s.name == name)
+    }
+
+    /// The normal of a face with twice its area as length. \[square mesh units\]
+    pub(crate) fn doubled_normal(&self, face: FaceId) -> DVec3 {
+        let vertices = self.faces.vertices_of(face);
+        let at = |v: &VertexId| self.points[*v].as_dvec3();
+        let origin = at(&vertices[0]);
+        vertices.windows(2).map(|p| (at(&p[0]) - origin).cross(at(&p[1]) - origin)).sum()
     }
 
     /// The least and the largest coordinates of the points that faces use. \[mesh units\]

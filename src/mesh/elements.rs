@@ -38,6 +38,16 @@ impl Elements {
         }
     }
 
+    /// The `indices` of a `GeomSubset`: edges are pairs, one after the other.
+    #[cfg(feature = "usd")]
+    pub(crate) fn indices(&self) -> Vec<i32> {
+        match self {
+            Self::Faces(faces) => faces.iter().map(|face| face.index() as i32).collect(),
+            Self::Edges(edges) => edges.iter().flatten().map(|end| end.index() as i32).collect(),
+            Self::Points(points) => points.iter().map(|point| point.index() as i32).collect(),
+        }
+    }
+
     /// `true` if there is no element.
     pub fn is_empty(&self) -> bool {
         self.len() == 0

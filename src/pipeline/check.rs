@@ -2,11 +2,10 @@
 
 use crate::error::{Error, ErrorCode, ErrorKind};
 use crate::garment::{BoundaryInterpolation, Mesh};
-use crate::mesh::{FaceId, Topology, VertexId};
+use crate::mesh::{Topology, VertexId};
 use crate::recipe::Recipe;
 use crate::sim::holes;
 use crate::subdivide::{Level, MAX_REFINED_FACES, refined_faces};
-use glam::DVec3;
 use std::ops::RangeInclusive;
 
 /// Mean edge lengths whose squares, and ratios of squares, stay within 32 bits. \[mesh units\]
@@ -28,7 +27,7 @@ pub fn extent(garment: &Mesh, mean_edge: f32) -> Result<(), Error> {
         let fault_text = format!("the mean edge length is {mean_edge:e}, too far from 1 to compute with");
         return fault("points", fault_text, remedy).map_err(|error: Error| error.code(ErrorCode::MeshSize));
     }
-    if garment.faces.ids().all(|f| doubled_area(garment, f) == 0.0) {
+    if garment.faces.ids().all(|f| garment.doubled_normal(f).length() == 0.0) {
         return fault("points", "no face has an area".into(), "give the points their positions");
     }
     let has_holes = !garment.holes.is_empty() || garment.rules.boundary == BoundaryInterpolation::None;
@@ -50,15 +49,6 @@ pub fn levels(garment: &Mesh, recipe: &Recipe) -> Result<(), Error> {
         }
     }
     Ok(())
-}
-
-/// Twice the area of a face.
-pub fn doubled_area(garment: &Mesh, face: FaceId) -> f64 {
-    let vertices = garment.faces.vertices_of(face);
-    let at = |v: &VertexId| garment.points[*v].as_dvec3();
-    let origin = at(&vertices[0]);
-    let fan = vertices.windows(2).map(|p| (at(&p[0]) - origin).cross(at(&p[1]) - origin));
-    fan.sum::<DVec3>().length()
 }
 
 /// Mean length of a garment's edges. \[mesh units\]

@@ -1,6 +1,5 @@
 //! The steps from a garment to its simulation mesh.
 
-use super::check::doubled_area;
 use super::progress::Clock;
 use crate::error::{Code, Error, ErrorCode, Warning, Warnings};
 use crate::garment::{Elements, Mesh};
@@ -108,7 +107,7 @@ pub fn expected_faces(garment: &Mesh, sim: &ResolvedSim) -> usize {
         let vertices = garment.faces.vertices_of(face);
         let sum: f64 = vertices.iter().map(|&v| f64::from(lengths.at(v))).sum();
         let target = sum / vertices.len() as f64;
-        0.5 * doubled_area(garment, face) / (0.25 * 3f64.sqrt() * target * target)
+        0.5 * garment.doubled_normal(face).length() / (0.25 * 3f64.sqrt() * target * target)
     });
     // Saturates where the lengths are absurdly small.
     wanted.sum::<f64>().ceil() as usize

@@ -10,9 +10,9 @@ use std::cell::LazyCell;
 /// The derived sets of a recipe, for each product those that its options name. Their names are the texts of the recipe.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RecipeSets {
-    /// Those of the simulation mesh and its cloth.
+    /// The sets of the simulation mesh and its cloth.
     pub sim: Vec<Subset>,
-    /// Those of the operators of the render mesh.
+    /// The sets of the operators of the render mesh.
     pub render: Vec<Subset>,
 }
 
@@ -32,21 +32,21 @@ impl RecipeSets {
                 let (Domain::Sets { of, .. }, Given::Names(names)) = (key.domain, given) else { continue };
                 let place = format!("{prefix}.{}", key.key);
                 for name in names.iter().filter(|name| garment.subset(name).is_none()) {
-                    if sets.iter().any(|set| set.name == *name) {
-                        continue;
+                    if !sets.iter().any(|set| set.name == *name) {
+                        if is_subset_name(name) {
+                            subset_of(garment, &place, name, of)?;
+                        }
+                        let derived = evaluator.evaluate(name).map_err(|fault| fault.at(&place))?;
+                        if derived.elements.is_empty() {
+                            warnings.push(empty(&place, name, &derived.notes));
+                        }
+                        let (name, family) = (name.clone(), DERIVED.to_owned());
+                        sets.push(Subset { name, family, elements: derived.elements, sharpness: None });
                     }
-                    if is_subset_name(name) {
-                        subset_of(garment, &place, name, of)?;
+                    let kind = sets.iter().find(|set| set.name == *name).map_or("", |set| set.elements.kind());
+                    if !of.contains(&kind) {
+                        return Err(other_kind(&place, name, kind, of));
                     }
-                    let derived = evaluator.evaluate(name).map_err(|fault| fault.at(&place))?;
-                    if !of.contains(&derived.elements.kind()) {
-                        return Err(other_kind(&place, name, derived.elements.kind(), of));
-                    }
-                    if derived.elements.is_empty() {
-                        warnings.push(empty(&place, name, &derived.notes));
-                    }
-                    let (name, family) = (name.clone(), DERIVED.to_owned());
-                    sets.push(Subset { name, family, elements: derived.elements, sharpness: None });
                 }
             }
         }
@@ -63,4 +63,25 @@ fn empty(place: &str, name: &str, notes: &[String]) -> Warning {
     let there = if notes.is_empty() { String::new() } else { format!(": {}", notes.join("; ")) };
     let warning = Warning::new(Code::EmptySet, place, format!("\"{name}\" has no elements{there}"));
     warning.remedy("Change the expression; `usdtailor info` lists the sets of the garment")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::garment::check_garment;
+    use crate::render::{FoldOptions, SeamOptions};
+    use crate::testing::sheets::grid;
+
+    #[test]
+    fn each_option_checks_the_kind_of_a_set_that_another_names_too() {
+        let garment = check_garment(grid(2, 2, |_, _| true)).expect("a good mesh").0;
+        let mut recipe = Recipe::default();
+        let edges = vec!["borders".to_owned()];
+        recipe.seam.insert("a".into(), SeamOptions { edges: edges.clone(), ..SeamOptions::default() });
+        let (sets, warnings) = RecipeSets::new(&recipe, &garment).expect("edges for a seam");
+        assert_eq!((sets.sim.len(), sets.render.len(), warnings.iter().count()), (0, 1, 0));
+        recipe.fold.insert("b".into(), FoldOptions { faces: edges, ..FoldOptions::default() });
+        let fault = RecipeSets::new(&recipe, &garment).expect_err("edges for a fold").to_string();
+        assert!(fault.contains("gives edges, and it takes faces"), "{fault}");
+    }
 }

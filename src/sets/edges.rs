@@ -3,7 +3,7 @@
 use super::SetFault;
 use super::elements::ElementSet;
 use super::evaluate::{Arguments, Evaluation};
-use super::pieces::{beside, doubled_normal, marked, oriented};
+use super::pieces::{beside, marked, oriented};
 use crate::garment::Interpolation;
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, VertexId};
 use std::collections::BTreeSet;
@@ -42,7 +42,7 @@ pub fn creases(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
 pub fn feature_lines(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
     let (garment, t) = (of.sets.garment, &of.sets.topology);
     let least = arguments.number(0, FEATURE)?.to_radians();
-    let normals: IdVec<FaceId, _> = t.faces.ids().map(|face| doubled_normal(garment, face)).collect();
+    let normals: IdVec<FaceId, _> = t.faces.ids().map(|face| garment.doubled_normal(face)).collect();
     let turn = |edge: EdgeId| {
         let [a, b] = *t.edge_corners.row(edge) else { return 0.0 };
         let [n, m] = [a, b].map(|corner| normals[t.faces.face_of(corner)]);

@@ -44,7 +44,9 @@ pub struct ListedSet {
 impl ListedSet {
     /// The set of which it is a piece, or itself.
     pub fn stem(&self) -> &str {
-        self.expression.rsplit_once('.').map_or(self.expression.as_str(), |(stem, _)| stem)
+        let piece = self.expression.rsplit_once('.');
+        let numbered = piece.filter(|(_, number)| number.bytes().all(|digit| digit.is_ascii_digit()));
+        numbered.map_or(self.expression.as_str(), |(stem, _)| stem)
     }
 }
 
@@ -136,7 +138,8 @@ impl SetEvaluator<'_> {
         if values.len() > MOST_VALUES {
             return Vec::new();
         }
-        let is_number = |value: &str| value.parse::<f64>().is_ok();
+        // A text such as 01 is not the number that it reads as.
+        let is_number = |value: &str| value.parse::<f64>().is_ok_and(|number| number.to_string() == value);
         let argument = |value: &String| if is_number(value) { value.clone() } else { quoted(value) };
         values.iter().filter_map(|value| self.whole(&format!("value({name}, {})", argument(value)))).collect()
     }

@@ -28,7 +28,7 @@ use evaluate::Evaluation;
 use expression::{Expression, Extreme};
 use std::cell::RefCell;
 
-/// What is wrong with an expression.
+/// A fault of an expression.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SetFault {
     pub(super) code: ErrorCode,

@@ -8,7 +8,7 @@ use super::elements::ElementSet;
 use super::expression::{Choice, Extreme};
 use crate::garment::{Mesh, Orientation};
 use crate::mesh::{CornerId, EdgeId, FaceId, Groups, Id, IdVec, Topology, VertexId};
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The pieces of a set, in the order of their first elements.
@@ -140,7 +140,7 @@ impl Extent {
         let places = set.points(t).into_iter().map(|v| garment.space.to_stage * garment.points[v]);
         let (low, high) = places.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
         let size = match set {
-            ElementSet::Faces(faces) => faces.iter().map(|&face| 0.5 * doubled_normal(garment, face).length()).sum(),
+            ElementSet::Faces(faces) => faces.iter().map(|&face| 0.5 * garment.doubled_normal(face).length()).sum(),
             ElementSet::Edges(edges) => edges.values().map(|&[a, b]| at(a).distance(at(b))).sum(),
             ElementSet::Points(points) => points.len() as f64,
         };
@@ -158,14 +158,6 @@ impl Extent {
             Extreme::Largest => self.size,
         }
     }
-}
-
-/// The normal of a face with twice its area as length.
-pub fn doubled_normal(garment: &Mesh, face: FaceId) -> DVec3 {
-    let vertices = garment.faces.vertices_of(face);
-    let at = |v: &VertexId| garment.points[*v].as_dvec3();
-    let origin = at(&vertices[0]);
-    vertices.windows(2).map(|p| (at(&p[0]) - origin).cross(at(&p[1]) - origin)).sum()
 }
 
 /// One of several pieces; none where there are too few.

@@ -3,6 +3,7 @@
 use super::super::{report, text};
 use super::token;
 use crate::error::{Error, Warnings};
+use crate::sets::ListedSet;
 use crate::usd::{Facts, Selection, type_word};
 use crate::{Builder, Mesh, Plan, PrimvarRole};
 use serde_json::{Value, json};
@@ -24,7 +25,13 @@ pub fn entry(file: &Path, found: Value, warnings: &Warnings, error: Option<&Erro
 }
 
 /// A garment and the meshes that a build would write for it.
-pub fn garment(facts: &Facts, variant: Option<&Selection>, builder: &Builder, plan: &Plan) -> Value {
+pub fn garment(
+    facts: &Facts,
+    variant: Option<&Selection>,
+    builder: &Builder,
+    plan: &Plan,
+    sets: &[ListedSet],
+) -> Value {
     let garment = builder.garment();
     let mut described = json!({
         "facts": facts,
@@ -42,7 +49,7 @@ pub fn garment(facts: &Facts, variant: Option<&Selection>, builder: &Builder, pl
         },
         "primvars": primvars(garment),
         "subsets": subsets(garment),
-        "sets": builder.listed_sets(&plan.recipe),
+        "sets": sets,
         "sim": { "triangles": plan.expected_faces, "chains": plan.chains },
         "render": { "faces": plan.render_faces, "seamLevel": plan.seam_level },
         "recipe": plan.recipe,

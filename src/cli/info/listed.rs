@@ -40,7 +40,7 @@ fn line(text: &mut String, set: &ListedSet) {
     let _ = writeln!(text, "{closed}{place} ({} to {})", coordinates(low), coordinates(high));
 }
 
-/// What a first recipe could do for a garment without sets and operators.
+/// A first recipe for a garment without sets and operators.
 pub fn hint(garment: &Mesh, recipe: &Recipe, sets: impl FnOnce() -> Vec<ListedSet>) -> Option<String> {
     let has_sets = garment.subsets.iter().any(|set| set.family != "materialBind");
     if has_sets || !recipe.operators().is_empty() {

@@ -19,12 +19,12 @@ use std::path::{Path, PathBuf};
 /// The sets that products have. Programs that read subsets for materials alone warn of others.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SetChoice {
-    /// Those with a material.
+    /// Sets with a material.
     None,
-    /// Those of the model, and those that name its creases and corners.
+    /// Sets of the model, its creases and its corners.
     #[default]
     Authored,
-    /// Those of the borders and seams of the simulation mesh too, and those that the recipe derives.
+    /// Also sets of the simulation mesh's borders and seams, and sets that the recipe derives.
     All,
 }
 

@@ -5,7 +5,7 @@ use super::role::{Product, ProductRole};
 use crate::binding::Binding;
 use crate::error::{Warning, Warnings};
 use crate::garment::{CONSTRAINTS, DERIVED};
-use crate::garment::{Elements, Family, Interpolation, Meaning, Mesh, Primvar, PrimvarRole, Subset, Values, free_name};
+use crate::garment::{Family, Interpolation, Meaning, Mesh, Primvar, PrimvarRole, Subset, Values, free_name};
 use crate::mesh::VertexId;
 use crate::usd::assets::Anchor;
 use crate::usd::names::{self, UsdToken};
@@ -319,7 +319,7 @@ impl Author<'_> {
             if !subset.family.is_empty() {
                 self.token(&path, names::FAMILY_NAME, &subset.family)?;
             }
-            self.ints(&path, names::INDICES, indices(&subset.elements))?;
+            self.ints(&path, names::INDICES, subset.elements.indices())?;
             for record in &record.carried {
                 record.author(self.data, &path, self.anchor)?;
             }
@@ -423,12 +423,4 @@ pub fn extent(points: &[Vec3]) -> Vec<Vec3f> {
     let Some(&first) = points.first() else { return vec![Vec3f::default(); 2] };
     let (low, high) = points.iter().fold((first, first), |(low, high), p| (low.min(*p), high.max(*p)));
     vec![low.to_array().into(), high.to_array().into()]
-}
-
-fn indices(elements: &Elements) -> Vec<i32> {
-    match elements {
-        Elements::Faces(faces) => faces.iter().map(|f| f.index() as i32).collect(),
-        Elements::Edges(edges) => edges.iter().flatten().map(|v| v.index() as i32).collect(),
-        Elements::Points(points) => points.iter().map(|v| v.index() as i32).collect(),
-    }
 }
