@@ -6,15 +6,18 @@
 mod garment;
 mod mesh;
 mod product;
+mod selection;
 
 pub use garment::{GarmentMessage, PrimvarInfo, SaveTargets, SetInfo, UpAxis, VariantSet};
 pub use mesh::{Block, Blocks, DrawnSet, DrawnValues, MeshHeader, NumberType, Times, ValuesOf};
 pub use product::{Figures, ProductMessage};
+pub use selection::SelectionMessage;
 
 use super::document::{Before, Options};
 use crate::error::Fault;
 use crate::mesh::Elements;
 use crate::recipe::ListedOperator;
+use crate::sets::Change;
 use serde::{Deserialize, Serialize};
 
 /// The three meshes: the garment's input cage, and the two products.
@@ -100,6 +103,15 @@ pub enum PageMessage {
         /// The variant.
         choice: String,
     },
+    /// Asks for a selection after a change. Selections are of one page.
+    Select {
+        /// The selection before, as an expression; empty for none.
+        selection: String,
+        /// What is done with the set.
+        change: Change,
+        /// The set, as an expression.
+        set: String,
+    },
     /// Changes what this page draws.
     View(View),
     /// Reads the files again. They are followed, but some network file systems do not tell of changes.
@@ -133,6 +145,8 @@ pub enum ServerMessage<'a> {
     Product(ProductMessage<'a>),
     /// A step of a build.
     Progress(ProgressMessage<'a>),
+    /// The answer to `select`.
+    Selection(SelectionMessage),
     /// The answer to `plan` and `save`.
     Save(SaveMessage),
 }

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! `hub` holds the state that all pages share: the garment (`stage`), the edits with undo (`document`), and the last
-//! meshes. A page has one `socket`, which sends what changed since the last message. `save` writes the edits as a USD
+//! meshes. A page has one `socket`, which sends what changed since the last message. `select` finds what a page selects. `save` writes the edits as a USD
 //! layer or a `.tailor` file, `watch` reads the stage again when a file changes. `server` serves the embedded `page` on
 //! 127.0.0.1, below a secret path.
 
@@ -16,6 +16,7 @@ mod hub;
 mod messages;
 mod page;
 mod save;
+mod select;
 mod server;
 mod socket;
 mod stage;

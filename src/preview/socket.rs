@@ -4,6 +4,7 @@ use super::frame::{Sent, frame};
 use super::hub::{Hub, Snapshot, State};
 use super::messages::{FaultsMessage, Origin, PageMessage, ProgressMessage, Role, ServerMessage, View};
 use super::save;
+use super::select::select;
 use super::stage::Stage;
 use crate::error::Fault;
 use crate::usd::Selection;
@@ -81,6 +82,10 @@ impl Client {
                 hub.edit(|document| document.comparing = with);
             }
             PageMessage::Variant { prim, set, choice } => hub.select(Selection { prim, set, choice }),
+            PageMessage::Select { selection, change, set } => {
+                let selected = select(&hub.snapshot(), &selection, change, &set);
+                return vec![text(ServerMessage::Selection(selected).to_text())];
+            }
             PageMessage::View(view) => {
                 self.meshes.retain(|role, _| view.roles.contains(role));
                 self.view = view;

@@ -7,6 +7,7 @@ use crate::garment::{DERIVED, Garment, Mesh, PrimvarRole, Subset};
 use crate::pipeline::Builder;
 use crate::recipe::{Layers, Recipe, table};
 use crate::session::{Input, OpenGarment, is_usd};
+use crate::sets::checksum;
 use crate::usd::{Source, decimal};
 use serde_json::Value;
 use std::path::PathBuf;
@@ -122,6 +123,7 @@ fn message(source: &Source, checks: &Builder, shown: &Mesh, input: &Input) -> St
         points: garment.points.len(),
         faces: garment.faces.len(),
         mean_edge: decimal(checks.mean_edge_length()),
+        checksum: checksum(&garment.faces),
         sets: shown.subsets.iter().map(SetInfo::from).collect(),
         primvars: primvars.map(PrimvarInfo::from).collect(),
         variants: facts.variants.iter().map(VariantSet::from).collect(),

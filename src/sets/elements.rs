@@ -60,6 +60,14 @@ impl ElementSet {
         self.len() == 0
     }
 
+    /// True if another set has the same elements, whatever the directions of edges.
+    pub fn has_same(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Edges(a), Self::Edges(b)) => a.keys().eq(b.keys()),
+            (a, b) => a == b,
+        }
+    }
+
     /// The points of its elements.
     pub fn points(&self, t: &Topology) -> BTreeSet<VertexId> {
         match self {

@@ -6,10 +6,10 @@ use super::pieces::{chosen, face_pieces, pieces};
 use super::{SetEvaluator, SetFault};
 use crate::error::ErrorCode;
 use crate::garment::{Primvar, UvSeams};
-use crate::mesh::FaceId;
+use crate::mesh::{EdgeId, FaceId, VertexId};
 use crate::options::did_you_mean;
 use std::cell::RefCell;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A function that gives a set.
 pub struct Function {
@@ -233,6 +233,14 @@ impl Arguments<'_> {
         match self.set(of, number)? {
             ElementSet::Faces(faces) => Ok(faces),
             other => Err(self.fault(number, &format!("a set of faces, and {} are given", other.kind()))),
+        }
+    }
+
+    /// A set that has to be of edges.
+    pub fn edges(&self, of: &Evaluation<'_>, number: usize) -> Result<BTreeMap<EdgeId, [VertexId; 2]>, SetFault> {
+        match self.set(of, number)? {
+            ElementSet::Edges(edges) => Ok(edges),
+            other => Err(self.fault(number, &format!("a set of edges, and {} are given", other.kind()))),
         }
     }
 }

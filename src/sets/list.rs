@@ -3,9 +3,9 @@
 use super::SetEvaluator;
 use super::elements::ElementSet;
 use super::expression::{Extreme, quoted};
-use super::faces::{text_at, tile_of, with_material};
+use super::functions::faces::{text_at, tile_of, with_material};
+use super::functions::points::{is_of_elements, is_weight};
 use super::pieces::{Extent, face_pieces, pieces};
-use super::points::{is_of_elements, is_weight};
 use crate::garment::{Primvar, PrimvarRole, UvSeams};
 use crate::mesh::Elements;
 use serde::Serialize;
@@ -110,7 +110,7 @@ impl SetEvaluator<'_> {
         numbered.filter_map(|(i, (piece, word))| self.listed(format!("{name}.{}", i + 1), piece, word)).collect()
     }
 
-    fn listed(&self, expression: String, set: &ElementSet, place: &'static str) -> Option<ListedSet> {
+    pub(super) fn listed(&self, expression: String, set: &ElementSet, place: &'static str) -> Option<ListedSet> {
         if set.is_empty() {
             return None;
         }

@@ -4,26 +4,27 @@
 //! An expression is text such as `uvSeams - border(collar)`. [`SetEvaluator`] finds its elements, and lists the sets that a
 //! garment offers.
 
-mod edges;
 mod elements;
 mod evaluate;
 mod expression;
-mod faces;
 mod functions;
 mod list;
 mod pieces;
-mod points;
+mod select;
 #[cfg(test)]
 mod tests;
 
 pub use evaluate::Function;
 pub(crate) use expression::split_list;
 pub use functions::FUNCTIONS;
+pub use functions::picked::checksum;
 pub use list::ListedSet;
+pub use select::Change;
 
 use crate::error::{Error, ErrorCode};
 use crate::garment::Mesh;
 use crate::mesh::{Elements, Topology};
+use elements::ElementSet;
 use evaluate::Evaluation;
 use expression::{Expression, Extreme};
 use std::cell::RefCell;
@@ -95,8 +96,16 @@ impl<'a> SetEvaluator<'a> {
     /// # Errors
     /// A text that is not an expression, a name that the garment lacks, and sets of another kind than a function takes.
     pub fn evaluate(&self, text: &str) -> Result<DerivedSet, SetFault> {
-        let evaluation = Evaluation { sets: self, functions: FUNCTIONS, notes: RefCell::default() };
+        let evaluation = self.evaluation();
         let elements = evaluation.evaluate(&Expression::parse(text)?)?.into_elements();
         Ok(DerivedSet { elements, notes: evaluation.notes.into_inner() })
+    }
+
+    fn elements(&self, expression: &Expression) -> Result<ElementSet, SetFault> {
+        self.evaluation().evaluate(expression)
+    }
+
+    fn evaluation(&self) -> Evaluation<'_> {
+        Evaluation { sets: self, functions: FUNCTIONS, notes: RefCell::default() }
     }
 }

@@ -1,7 +1,7 @@
 //! Sets of a sheet whose elements can be counted by hand.
 
 use super::*;
-use crate::garment::{Garment, Interpolation, PrimvarInput, Values, check_garment};
+use crate::garment::{DERIVED, Garment, Interpolation, PrimvarInput, Subset, Values, check_garment};
 use crate::testing::sheets::{grid, with_uvs};
 
 /// A sheet of 4 by 4 quads whose left half has UVs of its own. Points are numbered row by row.
@@ -109,6 +109,72 @@ fn every_listed_set_is_what_its_expression_gives() {
     for expected in ["borders.1", "uvSeams.1", "value(panel, 1)", "weight(pin)", "uvShells.2"] {
         assert!(expressions.contains(&expected), "{expressions:?}");
     }
+}
+
+/// The selection after changes, each a sign and a set; none where no element is left.
+fn selected(changes: &[(Change, &str)]) -> Option<ListedSet> {
+    let garment = garment();
+    let evaluator = SetEvaluator::new(&garment, "st");
+    let subset = |set: &ListedSet| Subset {
+        name: set.expression.clone(),
+        family: DERIVED.to_owned(),
+        elements: set.elements.clone(),
+        sharpness: None,
+    };
+    let known: Vec<Subset> = evaluator.list().iter().map(subset).collect();
+    let mut last: Option<ListedSet> = None;
+    for (change, set) in changes {
+        let before = last.map_or_else(String::new, |set| set.expression);
+        last = evaluator.select(&before, *change, set, &known).unwrap_or_else(|fault| panic!("{set}: {}", fault.text));
+        if let Some(set) = &last {
+            let again = evaluator.evaluate(&set.expression).expect("an expression");
+            assert_eq!(again.elements.len(), set.count, "{}", set.expression);
+        }
+    }
+    last
+}
+
+/// The expression of picked edges or faces.
+fn picked(kind: &str, numbers: &str) -> String {
+    format!("picked{kind}(\"{}\", \"{numbers}\")", checksum(&garment().faces))
+}
+
+#[test]
+fn a_selection_has_the_name_of_a_set_or_else_its_own_numbers() {
+    let expression = |changes: &[(Change, &str)]| selected(changes).map(|set| set.expression);
+    let [seam, column, lower] = ["2-7", "1-6", "7-2"].map(|ends| picked("Edges", ends));
+    let [seam_line, column_line] = [&seam, &column].map(|edge| format!("loops({edge})"));
+    let replaced = |set: &str| expression(&[(Change::Replace, set)]);
+    assert_eq!(replaced(&seam_line).as_deref(), Some("uvSeams.1"));
+    assert_eq!(replaced(&column_line), Some(picked("Edges", "1-6-11-16-21")));
+    assert_eq!(replaced("borders - edges(weight(pin))").as_deref(), Some("borders - edges(weight(pin))"));
+    let sum = [(Change::Replace, seam_line.as_str()), (Change::Add, "borders - uvSeams")];
+    assert_eq!(expression(&sum).as_deref(), Some("uvSeams.1 + (borders - uvSeams)"));
+    let path = format!("path({}, {})", picked("Edges", "0-1"), picked("Edges", "3-4"));
+    assert_eq!(replaced(&path), Some(picked("Edges", "0-1-2-3-4")));
+    // Most of the three edges go up.
+    let parts = [(Change::Replace, lower.as_str()), (Change::Add, &picked("Edges", "7-12-17"))];
+    assert_eq!(expression(&parts), Some(picked("Edges", "2-7-12-17")));
+    let faces = [(Change::Replace, "uvShells.1"), (Change::Remove, &picked("Faces", "1, 4-5"))];
+    assert_eq!(expression(&faces), Some(picked("Faces", "0, 8-9, 12-13")));
+    assert_eq!(expression(&[(Change::Replace, &seam), (Change::Remove, "uvSeams")]), None);
+}
+
+#[test]
+fn picked_elements_are_of_one_mesh_alone() {
+    let garment = garment();
+    let evaluate = |text: &str| SetEvaluator::new(&garment, "st").evaluate(text);
+    for (text, problem) in [
+        ("pickedEdges(\"00000000\", \"0-1\")".to_owned(), "picked on other faces"),
+        (picked("Edges", "0-6"), "has no edge 0-6"),
+        (picked("Edges", "0-99"), "has no edge 0-99"),
+        (picked("Faces", "15-16"), "has no face 16"),
+        (picked("Faces", "a"), "words that are not numbers"),
+    ] {
+        let fault = evaluate(&text).expect_err(&text);
+        assert!(fault.text.contains(problem), "{}", fault.text);
+    }
+    assert!(evaluate(&format!("path(borders, {})", picked("Faces", "3"))).is_err());
 }
 
 #[test]

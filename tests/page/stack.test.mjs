@@ -4,44 +4,12 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { assertClean, SCREEN, show } from "./support/browser.mjs";
 import { sewnShirt } from "./support/garments.mjs";
+import { placeOf } from "./support/picking.mjs";
 import { example } from "./support/server.mjs";
-
-/** The place in the window of an edge of a set that a click there finds. */
-async function placeOf(preview, role, set) {
-  const places = await preview.evaluate(
-    ([role, name]) => {
-      const { sets, numbers } = observed.elements[role];
-      const { offset, length } = sets.find((set) => set.name === name);
-      const box = document.querySelector("canvas").getBoundingClientRect();
-      const found = [];
-      for (let i = offset; i < offset + length; i += 2) {
-        const ends = [numbers[i], numbers[i + 1]].map((point) => preview.view.project(role, point));
-        if (ends.includes(null)) continue;
-        const [a, b] = ends;
-        // Long edges are seen from the front.
-        const way = Math.hypot(a.x - b.x, a.y - b.y);
-        found.push({ x: box.x + (a.x + b.x) / 2, y: box.y + (a.y + b.y) / 2, way });
-      }
-      return found.sort((a, b) => b.way - a.way).slice(0, 12);
-    },
-    [role, set],
-  );
-  for (const { x, y } of places) {
-    await preview.page.mouse.move(x - 1, y);
-    await preview.page.mouse.move(x, y);
-    const isFound = (set) => preview.store.state.hovered?.sets.some(({ name }) => name === set);
-    const found = preview.when(isFound, set, 1500).then(
-      () => true,
-      () => false,
-    );
-    if (await found) return { x, y };
-  }
-  assert.fail(`no edge of ${set} is found on the ${role}`);
-}
 
 test("an edge that is clicked on the model becomes a seam", async (t) => {
   const preview = await show(t, example("tshirt.usda"), { viewport: SCREEN });
-  const { x, y } = await placeOf(preview, "model", "chest_line");
+  const { x, y } = await placeOf(preview, "chest_line");
   assert.ok(await preview.page.locator(".hover-label", { hasText: "chest_line" }).isVisible());
   await preview.page.mouse.click(x, y);
   const popover = preview.page.getByRole("dialog", { name: "What was clicked" });

@@ -42,7 +42,10 @@ class Reference:
         corners = [self.points[face] for face in self.faces_points]
         self.centres = np.array([p.mean(axis=0) for p in corners])
         self.normals = [np.cross(p, np.roll(p, -1, axis=0)).sum(axis=0) for p in corners]
-        self.order, self.beside = list(self.around), defaultdict(set)
+        self.order, self.beside, self.at = list(self.around), defaultdict(set), defaultdict(list)
+        for edge in self.order:
+            for v in edge:
+                self.at[v].append(edge)
         for edge in self.edges:
             for f, g in permutations(self.faces_at(edge), 2):
                 self.beside[f].add(g)
@@ -111,6 +114,11 @@ class Reference:
         values = self.mesh.primvars[name].flat[:, 0]
         return {edge for edge in self.edges if len({values[face] for face in self.faces_at(edge)}) > 1}
 
+    @property
+    def materials(self):
+        bound = {self.mesh.material, *(subset.material for subset in self.mesh.subsets.values())} - {None}
+        return {path.rsplit("/", 1)[1] for path in bound}
+
     def material(self, name):
         bound = {key: s.material.rsplit("/", 1)[1] for key, s in self.mesh.subsets.items() if s.material}
         faces = {key: set(self.mesh.subsets[key].indices.tolist()) for key in bound}
@@ -176,11 +184,60 @@ class Reference:
             return self.face_groups(elements)
         if kind == "point":
             return groups(sorted(elements), self.edges_between(elements))
-        at = defaultdict(list)
-        for edge in elements:
-            for v in edge:
-                at[v].append(edge)
+        at = {v: [edge for edge in edges if edge in elements] for v, edges in self.at.items()}
         return groups([edge for edge in self.order if edge in elements], (two for two in at.values() if len(two) == 2))
+
+    def loops(self, edges):
+        """The piece of the first line that has an edge: border, UV seam, crease; or else its row across quads."""
+        found = set()
+        lines = [self.pieces("edge", line) for line in (self.borders(), self.uv_seams(), self.creases())]
+        for edge in edges:
+            taken = ([piece for piece in pieces if edge in piece] for pieces in lines)
+            found |= next((piece[0] for piece in taken if piece), None) or self.row(edge)
+        return found
+
+    def row(self, edge):
+        """Edges that go on where four quads meet: the next one has no face in common."""
+        found, open_ends = {edge}, [(edge, edge[0]), (edge, edge[1])]
+        while open_ends:
+            last, v = open_ends.pop()
+            around = [e for e in self.at[v]]
+            faces = {f for e in around for f in self.faces_at(e)}
+            is_inner = all(len(self.around[e]) == 2 for e in around)
+            if len(around) != 4 or len(faces) != 4 or not is_inner or any(len(self.faces_points[f]) != 4 for f in faces):
+                continue
+            (on,) = (e for e in around if not set(self.faces_at(e)) & set(self.faces_at(last)))
+            if on not in found:
+                found.add(on)
+                open_ends.append((on, sum(on) - v))
+        return found
+
+    def length(self, edges):
+        return sum(np.linalg.norm(self.points[a] - self.points[b]) for a, b in edges)
+
+    def shortest(self, starts, ends):
+        """The length of the shortest way along edges, by relaxing all of them until none is shorter (Bellman-Ford)."""
+        a, b = np.array(sorted(self.edges)).T
+        step = np.linalg.norm(self.points[a] - self.points[b], axis=1)
+        best = np.full(len(self.points), np.inf)
+        best[list(starts)] = 0
+        while True:
+            before = best.copy()
+            np.minimum.at(best, b, best[a] + step)
+            np.minimum.at(best, a, best[b] + step)
+            if np.array_equal(before, best):
+                return best[list(ends)].min()
+
+    def checksum(self):
+        """FNV-1a of the number of points of each face and of these points, each as four bytes."""
+        value = 0x811C9DC5
+        for number in (n for face in self.faces_points for n in (len(face), *face)):
+            for byte in number.to_bytes(4, "little"):
+                value = (value ^ byte) * 0x01000193 % 2**32
+        return f"{value:08x}"
+
+    def picked(self, kind, numbers):
+        return f'picked{kind}("{self.checksum()}", "{numbers}")'
 
     def measure(self, kind, piece, word):
         """How far a piece is in the direction of a word, or how large it is."""

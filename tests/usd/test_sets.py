@@ -162,6 +162,58 @@ def test_sets_of_the_examples(usdtailor, example, kind, expression, of):
     agree(usdtailor, path, kind, expression, of(r))
 
 
+LOOPS = ["edges(faces - rings(borders))", "creases & edges(stiff)", "uvSeams.2", "borders.1", "edges(stiff)"]
+
+
+@pytest.mark.parametrize("edges", LOOPS)
+def test_loops_are_lines_of_the_garment_or_rows_of_quads(usdtailor, example, edges):
+    path, r = example
+    for _, given in found(usdtailor, path, edges):
+        # A few edges of each set, as one of all would have all loops.
+        for chosen in (sorted(given)[:1], sorted(given)[-2:]):
+            numbers = ", ".join(f"{a}-{b}" for a, b in chosen)
+            text = f"loops({r.picked('Edges', numbers)})"
+            assert found(usdtailor, path, text) == [("edge", r.loops(chosen))], chosen
+
+
+@pytest.mark.parametrize("name", SMALL)
+def test_loops_of_small_meshes(usdtailor, small, name):
+    path = small(name)
+    r = Reference.of(path)
+    texts = {edge: f"loops({r.picked('Edges', f'{edge[1]}-{edge[0]}')})" for edge in sorted(r.edges)}
+    expected = [("edge", r.loops([edge])) for edge in texts]
+    assert found(usdtailor, path, *texts.values()) == expected
+
+
+def test_paths_are_as_short_as_they_can_be(usdtailor, example):
+    path, r = example
+    edges = sorted(r.edges - r.borders())
+    for a, b in zip(edges[:: len(edges) // 4], edges[7 :: len(edges) // 4]):
+        ends = [r.picked("Edges", f"{v}-{w}") for v, w in (a, b)]
+        ((_, way),) = found(usdtailor, path, f"path({ends[0]}, {ends[1]})")
+        assert {a, b} <= way
+        assert np.isclose(r.length(way - {a, b}), r.shortest(set(a), set(b))) or set(a) & set(b)
+    faces = [r.picked("Faces", f) for f in (3, len(r.faces) // 2)]
+    ((_, way),) = found(usdtailor, path, f"path({faces[0]}, {faces[1]})")
+    assert {3, len(r.faces) // 2} <= way and len(r.face_groups(way)) == 1
+
+
+def test_picked_elements_are_those_of_their_numbers(usdtailor, example):
+    path, r = example
+    assert found(usdtailor, path, r.picked("Faces", "2-4, 7")) == [("face", {2, 3, 4, 7})]
+    a, b, c, d = r.faces_points[5]
+    text = r.picked("Edges", f"{b}-{a}, {c}-{d}-{a}")
+    assert found(usdtailor, path, text) == [("edge", {pair(a, b), pair(c, d), pair(d, a)})]
+    same = set().union({2}, *(faces for faces in map(r.material, r.materials) if 2 in faces))
+    assert found(usdtailor, path, f"sameMaterial({r.picked('Faces', 2)})") == [("face", same)]
+
+
+def test_picked_elements_are_refused_on_another_mesh(usdtailor, small):
+    text = Reference.of(small("sheet")).picked("Faces", "0-1")
+    done = command(usdtailor, small("ngons"), text)
+    assert done.returncode == 1 and "error[set-expression]" in done.stderr and "picked on other faces" in done.stderr
+
+
 PIECES = {
     "edge": {"borders": lambda r: r.borders(), "uvSeams": lambda r: r.uv_seams()},
     "face": {"value(layer, 1)": lambda r: r.value("layer", 1), "uvShells": lambda r: r.faces},
@@ -191,8 +243,7 @@ def test_the_list_has_all_sets_with_their_indices(usdtailor, example):
         ("uvShells", r.shells()),
     ):
         expected |= {f"{name}.{i + 1}": piece for i, piece in enumerate(pieces)}
-    bound = {r.mesh.material, *(subset.material for subset in r.mesh.subsets.values())} - {None}
-    expected |= {f"material({name})": r.material(name) for name in (path.rsplit("/", 1)[1] for path in bound)}
+    expected |= {f"material({name})": r.material(name) for name in r.materials}
     for name in ("layer", "pieceName"):
         values = set(r.mesh.primvars[name].flat[:, 0])
         expected |= {f"value({name}, {v if name == 'pieceName' else int(v)})": r.value(name, v) for v in values}

@@ -28,6 +28,8 @@ pub struct GarmentMessage<'a> {
     pub faces: usize,
     /// Mean length of the edges. \[mesh units\]
     pub mean_edge: f64,
+    /// Checksum of its faces, which picked elements carry.
+    pub checksum: String,
     /// Its sets.
     pub sets: Vec<SetInfo<'a>>,
     /// Its primvars.

@@ -21,6 +21,15 @@ export function sewnShirt(test) {
   return path;
 }
 
+/** A T-shirt as most programs export one: without sets. */
+export function bareShirt(test) {
+  const path = copyOf(test, "tshirt.usda");
+  substitute(path, /^ {8}def GeomSubset [^]*?^ {8}\}\n/gm, "");
+  substitute(path, /^ *rel tailor:[^]*?\]\n/gm, "");
+  substitute(path, "uniform int tailor:render:level = 2", "uniform int tailor:render:level = 1");
+  return path;
+}
+
 /** Changes the text of a file, which has to hold `what`. */
 export function substitute(path, what, by) {
   const text = readFileSync(path, "utf8");

@@ -38,6 +38,9 @@ export type Blocks = {
   elements: Block | null,
 };
 
+/** What is done with a set that comes to a selection. */
+export type Change = "replace" | "add" | "remove";
+
 /** The values that an option takes. `usual` is the range of a slider; values beyond it may be given. */
 export type Domain =
   | { "type": "flag" }
@@ -225,6 +228,8 @@ export type GarmentMessage = {
   faces: number,
   /** Mean length of the edges. [mesh units] */
   meanEdge: number,
+  /** Checksum of its faces, which picked elements carry. */
+  checksum: string,
   /** Its sets. */
   sets: Array<SetInfo>,
   /** Its primvars. */
@@ -323,6 +328,14 @@ export type PageMessage =
     /** The variant. */
     choice: string,
   }
+  | { "type": "select",
+    /** The selection before, as an expression; empty for none. */
+    selection: string,
+    /** What is done with the set. */
+    change: Change,
+    /** The set, as an expression. */
+    set: string,
+  }
   | { "type": "view" } & View
   | { "type": "reload" }
   | { "type": "plan",
@@ -404,6 +417,20 @@ export type SaveTargets = {
   recipe: string,
 };
 
+/** The answer to `select`. */
+export type SelectionMessage = {
+  /** The selection as an expression; empty where nothing is selected. */
+  expression: string,
+  /** Its elements. */
+  elements: Elements | null,
+  /** Its length [m] or area [m²]; null for points. */
+  size: number | null,
+  /** True for a closed loop of edges. */
+  isClosed: boolean,
+  /** The reason of a refusal; the selection stays. */
+  fault: Fault | null,
+};
+
 /** A text message to the page. */
 export type ServerMessage =
   | { "type": "garment" } & GarmentMessage
@@ -411,6 +438,7 @@ export type ServerMessage =
   | { "type": "faults" } & FaultsMessage
   | { "type": "product" } & ProductMessage
   | { "type": "progress" } & ProgressMessage
+  | { "type": "selection" } & SelectionMessage
   | { "type": "save" } & SaveMessage;
 
 /** A set of elements of the garment. */

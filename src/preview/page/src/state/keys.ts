@@ -1,6 +1,8 @@
 // Keys of the whole page.
 
 import type { Before } from "../server/protocol";
+import { addFromSelection } from "./operators";
+import { WAYS } from "./selection";
 import type { Store } from "./store";
 import { ROLES } from "./settings";
 
@@ -17,7 +19,14 @@ export const KEYS: [string, string][] = [
   ["Shift ↑ ↓", "Ten steps at a time on a slider or in a number field"],
   ["Drag", "Turn the view; with the right button or Shift, pan"],
   ["Wheel", "Zoom to the pointer"],
-  ["Esc", "End a mark, close what is open"],
+  ["Click", "Select an edge or a face of the model; with Shift add, with Alt take away, with Ctrl add the path to it"],
+  ["L", "Select the whole border, seam or loop of an edge, the whole UV shell of a face"],
+  ["M", "Select all faces with the material of the selected ones"],
+  ["B", "Select the border of the selected faces"],
+  ["+ −", "Select one row of faces more or less around the selection"],
+  ["N", "New seam along the selected edges, new fold of the selected faces"],
+  ["E", "Type the selection as an expression"],
+  ["Esc", "End a mark or the selection, close what is open"],
   ["?", "This list"],
 ];
 
@@ -42,6 +51,9 @@ function withControl(store: Store, event: KeyboardEvent): void {
   const isRedo = key === "y" || (key === "z" && event.shiftKey);
   if ((key !== "z" && key !== "y") || keepsUndo(event.target)) return;
   event.preventDefault();
+  const { selector } = store;
+  // The steps of a selection end when something is made of it, so that they come after all edits.
+  if (isRedo ? selector.canRedo : selector.canUndo) return isRedo ? selector.redo() : selector.undo();
   const { canUndo, canRedo } = store.state.document;
   if (isRedo ? canRedo : canUndo) store.command({ type: isRedo ? "redo" : "undo" });
 }
@@ -55,12 +67,31 @@ function plain(store: Store, event: KeyboardEvent): void {
   const earlier = event.shiftKey ? "saved" : "step";
   if (key === "c" && !event.repeat && document.canUndo) compare(store, earlier);
   if (key === "escape") escape(store);
+  if (key === "e") {
+    event.preventDefault();
+    store.update({ isSelecting: true, clicked: null });
+  }
+  select(store, key);
   if ("123".includes(key) && key.length === 1) toggleRole(store, Number(key) - 1);
+}
+
+/** Keys that change the selection or make something of it. */
+function select(store: Store, key: string): void {
+  const isWay = WAYS.some((way) => way.key === key);
+  if (isWay) store.selector.go(key);
+  if (key === "+" || key === "=") store.selector.grow(1);
+  if (key === "-" || key === "−") store.selector.grow(-1);
+  if (key === "n") addFromSelection(store);
+  if (isWay || "+=-−n".includes(key)) store.update({ clicked: null });
 }
 
 function escape(store: Store): void {
   if (store.state.clicked) store.update({ clicked: null });
-  else store.mark(null);
+  else if (store.state.marked) store.mark(null);
+  else {
+    store.update({ isSelecting: false });
+    store.selector.clear();
+  }
 }
 
 let isComparing = false;

@@ -1,20 +1,40 @@
 // Changes of the stack: operators that are added, copied, renamed, moved, removed.
 
 import type { Fields, Options } from "../server/options";
-import type { Kind } from "./garment";
+import type { Garment, Kind } from "./garment";
 import { fullName, listOf, operatorAt, uniqueName } from "./recipe";
 import { withOperator, withValue, ORDER, type Operator } from "./recipe";
+import type { Selection } from "./selection";
 import type { Store } from "./store";
 
 /** Depth of a new seam as a share of the mean edge: little, and still to be seen. */
 const GROOVE = -0.05;
 
-export function addOperator(store: Store, kind: Kind, set: string): void {
+/** A new operator of a set, named after it or after `wish`. */
+export function addOperator(store: Store, kind: Kind, set: string, wish = set): void {
   const { document, garment } = store.state;
-  const name = uniqueName(document.merged, kind.name, set);
+  const name = uniqueName(document.merged, kind.name, wish);
   const fields: Fields = { [kind.sets.field]: [set] };
   if (kind.name === "seam") fields.normalOffset = Number((GROOVE * (garment?.meanEdge ?? 1)).toPrecision(2));
   insert(store, { kind: kind.name, name }, fields, null);
+}
+
+/** The kind of operator that takes selected elements. */
+export function kindFor(selection: Selection | null, garment: Garment | null): Kind | undefined {
+  return garment?.kinds.find(({ sets }) => sets.of === selection?.kind);
+}
+
+/** A new operator of the selection, which ends it. */
+export function addFromSelection(store: Store): void {
+  store.selector.use((selection) => {
+    const kind = kindFor(selection, store.state.garment);
+    if (!kind || store.state.connection !== "open") return;
+    const { expression } = selection;
+    const isWord = /^[\w.]+$/.test(expression);
+    store.selector.end();
+    store.update({ isSelecting: false });
+    addOperator(store, kind, expression, isWord ? expression : kind.name);
+  });
 }
 
 export function duplicateOperator(store: Store, operator: Operator): void {

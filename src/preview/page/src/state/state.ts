@@ -4,6 +4,7 @@ import type { DrawnValues, Fault, Origin, ProductMessage } from "../server/proto
 import type { Role, SaveMessage, StateMessage, Warning } from "../server/protocol";
 import type { Garment } from "./garment";
 import type { PlacedFaults } from "./recipe";
+import type { Selection } from "./selection";
 import type { Picked } from "../view/api";
 import { loadSettings, type Settings } from "./settings";
 import type { Timing } from "./stopwatch";
@@ -32,6 +33,9 @@ export interface State {
   settings: Settings;
   hovered: Picked | null;
   clicked: Picked | null;
+  selection: Selection | null;
+  /** Whether the bar of the selection is there without one, to type it. */
+  isSelecting: boolean;
   marked: Warning | null;
   /** Cards that are open, by full name. */
   open: ReadonlySet<string>;
@@ -73,6 +77,8 @@ export function initialState(): State {
     settings: loadSettings(),
     hovered: null,
     clicked: null,
+    selection: null,
+    isSelecting: false,
     marked: null,
     open: new Set(),
     dialog: null,

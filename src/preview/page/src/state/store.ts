@@ -7,6 +7,7 @@ import { Gestures } from "./gesture";
 import { onSystemTheme, paintedChoices, QUALITIES, ROLES, saveSettings, viewOptions } from "./settings";
 import type { Settings } from "./settings";
 import { initialState, warningsOf, type State, type Toast } from "./state";
+import { Selector, type Selection } from "./selection";
 import { Stopwatch } from "./stopwatch";
 import type { MeshFrame } from "../server/frame";
 import type { Options, Value } from "../server/options";
@@ -15,7 +16,7 @@ import type { Role, ServerMessage, StateMessage, Warning } from "../server/proto
 import { garmentOf } from "./garment";
 import { placeFaults, setsOf, withoutValue, withValue } from "./recipe";
 import { createView } from "../view/index";
-import type { Picked, View } from "../view/api";
+import type { Picked, PickHow, View } from "../view/api";
 
 export class Store {
   state = initialState();
@@ -24,6 +25,11 @@ export class Store {
   readonly stopwatch = new Stopwatch();
   readonly #listeners = new Set<() => void>();
   readonly #queue = new EditQueue((message) => this.send(message));
+  readonly selector = new Selector(
+    (message) => this.send(message),
+    (selection) => this.#selected(selection),
+    (text) => this.toast({ text }),
+  );
   #connection: Connection | null = null;
   /** Roles whose mesh the view has, so that an update of another one has nothing to update. */
   readonly #held = new Set<Role>();
@@ -49,7 +55,7 @@ export class Store {
     try {
       this.view = createView(canvas, viewOptions(this.state.settings), {
         hover: (hovered) => this.#hover(hovered),
-        click: (clicked) => this.update({ clicked }),
+        click: (clicked, how) => this.#click(clicked, how),
         drawn: (role, revision, upload) => this.#drawn(role, revision, upload),
       });
     } catch (error) {
@@ -182,6 +188,20 @@ export class Store {
     this.highlight(edges.length > 0 ? edges.map(({ name }) => name) : null);
   }
 
+  /** A click with a modifier is about the selection alone. */
+  #click(clicked: Picked | null, how: PickHow): void {
+    this.update({ clicked: how === "replace" ? clicked : null });
+    const { garment } = this.state;
+    if (clicked?.role === "model" && garment) this.selector.pick(clicked, how, garment);
+    else if (!clicked && how === "replace") this.selector.clear();
+    else if (clicked && how !== "replace") this.toast({ text: "Elements are picked on the model" });
+  }
+
+  #selected(selection: Selection | null): void {
+    this.update({ selection });
+    this.view?.select(selection?.elements ?? null);
+  }
+
   #drawn(role: Role, revision: number, upload: number): void {
     const timing = this.stopwatch.drawn(role, revision, upload);
     const isEdit = timing?.edited !== null;
@@ -192,6 +212,7 @@ export class Store {
 
   #connected(): void {
     this.#queue.reset();
+    this.selector.reset();
     this.update({ connection: "open" });
     this.send(this.#wanted());
   }
@@ -213,6 +234,8 @@ export class Store {
         return this.#product(message);
       case "progress":
         return this.#progress(message);
+      case "selection":
+        return this.selector.answer(message);
       case "save":
         return this.update({ save: message });
     }
@@ -220,6 +243,7 @@ export class Store {
 
   #garment(garment: GarmentMessage): void {
     this.update({ garment: garmentOf(garment) });
+    this.selector.renew();
     this.view?.setUp(garment.upAxis);
     document.title = `${garment.file} · usdtailor`;
     // The garment may no longer have the primvar that heat shows.

@@ -39,11 +39,14 @@ export interface Picked {
   y: number;
 }
 
+/** What a click does with the selection. `path` adds the shortest path from the last pick. */
+export type PickHow = "replace" | "add" | "remove" | "path";
+
 export interface ViewEvents {
   /** The pointer rests on something else than before; null is nothing. */
   hover(picked: Picked | null): void;
   /** A click that is not a drag. */
-  click(picked: Picked | null): void;
+  click(picked: Picked | null, how: PickHow): void;
   /** A frame was drawn with new buffers: their role and revision, and the time to make and upload them. [ms] */
   drawn(role: Role, revision: number, upload: number): void;
 }
@@ -70,6 +73,8 @@ export interface View {
   highlight(sets: string[]): void;
   /** Marks elements of the model (visible through cloth), also when the model is not drawn, and flies there; null ends it. */
   mark(elements: Elements | null): void;
+  /** Draws selected elements of the model, visible through cloth; null ends it. */
+  select(elements: Elements | null): void;
   /** The colour of a set, as CSS, so that the panel shows the same. */
   colourOf(set: string): string;
   /** The picture as PNG at the device's resolution. */

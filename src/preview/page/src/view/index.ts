@@ -3,7 +3,7 @@
 import { Vector3 } from "three";
 import type { MeshFrame } from "../server/frame";
 import type { Elements, Role, UpAxis } from "../server/protocol";
-import type { View, ViewEvents, ViewOptions, ViewStats } from "./api";
+import type { PickHow, View, ViewEvents, ViewOptions, ViewStats } from "./api";
 import { poseOfAll, poseOfMarks, poseOfSets } from "./camera/aims";
 import type { Sight } from "./camera/aims";
 import { Cloth } from "./mesh/cloth";
@@ -40,6 +40,7 @@ class CanvasView implements View {
   /** Edge sets under the pointer. */
   #hot: string[] = [];
   #marked: Elements | null = null;
+  #selected: Elements | null = null;
   /** Rigs that the artist has not moved, which frame the garment again when the view changes. */
   readonly #untouched = new Set<Rig>([this.#space, this.#flat]);
   readonly #framed = new Set<Rig>();
@@ -62,7 +63,7 @@ class CanvasView implements View {
       orbit: (dx, dy) => (this.options.flat ? this.#pan(dx, dy) : this.#orbit(dx, dy)),
       pan: (dx, dy) => this.#pan(dx, dy),
       zoom: (factor, at) => this.#zoom(factor, at),
-      click: (at) => this.#click(at),
+      click: (at, how) => this.#click(at, how),
       rest: (at) => this.#hover.moveTo(at),
     });
     this.#invalidate();
@@ -109,7 +110,7 @@ class CanvasView implements View {
   }
 
   frame(): void {
-    const part = poseOfMarks(this.#sight, this.#marked) ?? poseOfSets(this.#sight, this.#highlighted);
+    const part = poseOfMarks(this.#sight, this.#marked ?? this.#selected) ?? poseOfSets(this.#sight, this.#highlighted);
     if (part) this.#untouched.delete(this.#rig);
     this.#fly(part ?? poseOfAll(this.#sight));
   }
@@ -128,6 +129,12 @@ class CanvasView implements View {
     const pose = poseOfMarks(this.#sight, this.#marked);
     if (pose) this.#untouched.delete(this.#rig);
     this.#fly(pose);
+  }
+
+  select(elements: Elements | null): void {
+    this.#selected = elements;
+    this.#placeMarkers();
+    this.#invalidate();
   }
 
   colourOf(set: string): string {
@@ -250,10 +257,10 @@ class CanvasView implements View {
     this.#moved((rig) => rig.zoom(factor, about));
   }
 
-  #click(at: Place): void {
+  #click(at: Place, how: PickHow): void {
     const spot = this.#spotAt(at);
     const face = spot ? this.#picker.face(spot) : -1;
-    this.events.click(spot && face >= 0 ? describe(spot, face) : null);
+    this.events.click(spot && face >= 0 ? describe(spot, face) : null, how);
   }
 
   /** The mesh that is picked at a place: the solid one of the column. */
@@ -288,7 +295,8 @@ class CanvasView implements View {
   }
 
   #placeMarkers(): void {
-    const { marks, glow, cloths } = this.#stage;
+    const { marks, glow, selection, cloths } = this.#stage;
+    placeMarks(selection, cloths.get("model"), this.#selected, this.options.flat);
     placeMarks(marks, cloths.get("model"), this.#marked, this.options.flat);
     placeGlow(glow, this.#shown, this.#highlighted, this.options.flat);
   }

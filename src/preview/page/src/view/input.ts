@@ -1,5 +1,7 @@
 // The pointer: drags move the camera, the wheel zooms, and what is left are clicks and places where it rests.
 
+import type { PickHow } from "./api";
+
 /** [CSS pixels] */
 export interface Place {
   x: number;
@@ -10,7 +12,7 @@ export interface Gestures {
   orbit(dx: number, dy: number): void;
   pan(dx: number, dy: number): void;
   zoom(factor: number, at: Place): void;
-  click(at: Place): void;
+  click(at: Place, how: PickHow): void;
   /** The pointer is here without a button, or has left. */
   rest(at: Place | null): void;
 }
@@ -65,9 +67,9 @@ export function listen(canvas: HTMLCanvasElement, gestures: Gestures): () => voi
   const up = (event: PointerEvent): void => {
     if (!pressed.delete(event.pointerId)) return;
     const at = place(event);
-    const clicked = !dragging && event.type === "pointerup" && event.button === 0 && !event.shiftKey;
+    const clicked = !dragging && event.type === "pointerup" && event.button === 0;
     if (pressed.size > 0) return;
-    if (clicked) gestures.click(at);
+    if (clicked) gestures.click(at, howOf(event));
     if (event.pointerType !== "touch" && event.type === "pointerup") gestures.rest(at);
   };
 
@@ -94,6 +96,12 @@ export function listen(canvas: HTMLCanvasElement, gestures: Gestures): () => voi
   canvas.addEventListener("wheel", wheel, { signal, passive: false });
   canvas.addEventListener("contextmenu", (event) => event.preventDefault(), { signal });
   return () => end.abort();
+}
+
+function howOf({ shiftKey, altKey, ctrlKey, metaKey }: PointerEvent): PickHow {
+  if (ctrlKey || metaKey) return "path";
+  if (altKey) return "remove";
+  return shiftKey ? "add" : "replace";
 }
 
 function distance(a: Place, b: Place): number {

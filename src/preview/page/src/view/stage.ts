@@ -6,7 +6,7 @@ import type { Role } from "../server/protocol";
 import type { Shading, ViewOptions } from "./api";
 import { Backdrop } from "./shade/backdrop";
 import type { Cloth } from "./mesh/cloth";
-import { ACCENT, MARK } from "./shade/colours";
+import { ACCENT, MARK, SELECTED } from "./shade/colours";
 import type { Column } from "./layout";
 import { Marks } from "./mesh/marks";
 import { Paint } from "./shade/paint";
@@ -26,6 +26,7 @@ export class Stage {
   readonly cloths = new Map<Role, Cloth>();
   readonly marks = new Marks(MARK, 4);
   readonly glow = new Marks(ACCENT, 4);
+  readonly selection = new Marks(SELECTED, 5);
   readonly uniforms = {
     uFlat: { value: false },
     uWires: { value: false },
@@ -52,7 +53,7 @@ export class Stage {
     this.renderer.autoClear = false;
     this.renderer.info.autoReset = true;
     const { ground, square } = this.#backdrop;
-    this.#world.add(ground, square, this.marks.object, this.glow.object);
+    this.#world.add(ground, square, this.selection.object, this.marks.object, this.glow.object);
     this.resize();
   }
 
@@ -143,6 +144,7 @@ export class Stage {
     this.uniforms.uView.value.set(width * ratio, height * ratio);
     this.marks.setView(width * ratio, height * ratio, ratio);
     this.glow.setView(width * ratio, height * ratio, ratio);
+    this.selection.setView(width * ratio, height * ratio, ratio);
     renderer.render(this.#world, rig.camera);
   }
 

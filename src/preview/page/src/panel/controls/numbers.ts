@@ -44,6 +44,12 @@ export function snapped(value: number, step: number): number {
   return Number((Math.round(value / step) * step).toPrecision(10));
 }
 
+/** A length [m] or an area [m²], in centimetres below one metre. */
+export function lengthOrArea(size: number, isArea: boolean): string {
+  const power = isArea ? "²" : "";
+  return size < 1 ? `${rounded(size * (isArea ? 1e4 : 100))} cm${power}` : `${rounded(size)} m${power}`;
+}
+
 const LENGTHS: [number, string][] = [
   [1, "m"],
   [0.01, "cm"],

@@ -4,6 +4,7 @@ import type { SetInfo } from "../../server/protocol";
 import { useSelect, useStore } from "../controls/hooks";
 import { Icon } from "../controls/icons";
 import { MenuButton, type MenuItem } from "../controls/Menu";
+import { shortName } from "../../state/selection";
 
 const NONE: SetInfo[] = [];
 
@@ -40,16 +41,27 @@ interface SetChipsProps {
 export function SetChips({ label, describedBy, invalid, of, names, change }: SetChipsProps) {
   const store = useStore();
   const sets = useSets(of);
-  const items = (): MenuItem[] =>
-    sets
+  const { selection } = store.state;
+  const selected = selection && of.includes(selection.kind) && !names.includes(selection.expression) ? [selection] : [];
+  const items = (): MenuItem[] => [
+    ...selected.map(({ expression, count, kind }) => ({
+      label: "The selection",
+      detail: `${count} ${kind}s`,
+      pick: () => {
+        store.selector.end();
+        change([...names, expression]);
+      },
+    })),
+    ...sets
       .filter(({ name }) => !names.includes(name))
       .map(({ name, count, kind }) => ({
         label: name,
         detail: `${count} ${kind}s`,
         chip: store.view?.colourOf(name),
         pick: () => change([...names, name]),
-        hover: (on) => store.highlight(on ? [name] : null),
-      }));
+        hover: (on: boolean) => store.highlight(on ? [name] : null),
+      })),
+  ];
   const isMissing = (name: string) => isName(name) && !sets.some((set) => set.name === name);
   return (
     <span class="chips" role="group" aria-label={label} aria-describedby={describedBy} aria-invalid={invalid}>
@@ -57,12 +69,19 @@ export function SetChips({ label, describedBy, invalid, of, names, change }: Set
         <span
           key={name}
           class={`set-chip ${isMissing(name) ? "is-missing" : ""}`}
-          title={isMissing(name) ? `${name} is not in the garment` : name}
+          title={isMissing(name) ? `${name} is not in the garment` : undefined}
           onPointerEnter={() => store.highlight([name])}
           onPointerLeave={() => store.highlight(null)}
         >
           <Swatch set={name} />
-          <span class="set-chip-name">{name}</span>
+          <button
+            type="button"
+            class="set-chip-name"
+            title={`Select ${shortName(name)}`}
+            onClick={() => store.selector.take(name)}
+          >
+            {shortName(name)}
+          </button>
           <button
             type="button"
             aria-label={`Remove ${name}`}

@@ -22,7 +22,7 @@ export function Stack() {
   const list = useRef<HTMLDivElement>(null);
   const drag = useDrag(list, (full, to) => moveOperator(store, full, to));
   if (operators.length === 0) {
-    return <p class="empty">No seams and no folds yet. Take an edge or a face set, or click on the garment.</p>;
+    return <p class="empty">No seams and no folds yet. Click an edge of the model and press L, or take a set from the menus.</p>;
   }
   return (
     <div class="cards" role="list" aria-label="Operators in the order in which they run" ref={list}>

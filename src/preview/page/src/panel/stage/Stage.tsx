@@ -5,6 +5,7 @@ import { setsOf } from "../../state/recipe";
 import { useSelect, useStore } from "../controls/hooks";
 import { Legend } from "./Legend";
 import { PickPopover } from "./PickPopover";
+import { SelectionBar } from "./SelectionBar";
 import { ROLE_NAMES, ROLES } from "../../state/settings";
 import { Swatch } from "../recipe/SetChips";
 import { SideBar, ToolBar } from "./ToolBar";
@@ -31,6 +32,7 @@ export function Stage() {
       <Legend />
       <HoverLabel />
       <PickPopover />
+      <SelectionBar />
       {comparing && (
         <p class="comparing">{comparing === "step" ? "Before the last change" : "As it was saved or opened"}</p>
       )}

@@ -3,9 +3,10 @@
 export type Rgb = readonly [number, number, number];
 export type Theme = "light" | "dark";
 
-/** Of highlighted sets, of marks. [sRGB] */
+/** Of highlighted sets, of marks, of the selection. [sRGB] */
 export const ACCENT: Rgb = [0.13, 0.75, 1];
 export const MARK: Rgb = [1, 0.55, 0.1];
+export const SELECTED: Rgb = [1, 0.85, 0.1];
 
 /** What the shaders take of a theme. [sRGB] */
 export interface Look {

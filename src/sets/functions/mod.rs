@@ -1,7 +1,12 @@
 //! The functions of set expressions. A new one is a row of this table.
 
+mod edges;
+pub mod faces;
+mod paths;
+pub mod picked;
+pub mod points;
+
 use super::evaluate::Function;
-use super::{edges, faces, points};
 
 macro_rules! functions {
     ($($usage:literal $name:ident $arguments:expr => $gives:ident by $evaluate:path: $meaning:literal;)+) => {
@@ -38,6 +43,8 @@ functions! {
         "All faces, the faces with an edge in a set of edges, or the faces with all points in a set of points";
     "material(name)" material [1, 1] => faces by faces::material:
         "Faces with a material, by the name of its prim";
+    "sameMaterial(faces)" sameMaterial [1, 1] => faces by faces::same_material:
+        "A set of faces with all faces that have one of its materials";
     "value(primvar), value(primvar, value)" value [1, 2] => elements by faces::value:
         "Faces of a uniform primvar, or points of a vertex primvar, with a value; without one, those that are true or not 0";
     "weight(primvar), weight(primvar, number)" weight [1, 2] => elements by points::weight:
@@ -54,4 +61,12 @@ functions! {
         "Faces whose UVs have their centre in a tile, such as 1001";
     "points, points(set)" points [0, 1] => points by points::points:
         "All points, or the points of a set of edges or faces";
+    "loops(edges), loops(edges, st)" loops [1, 2] => edges by paths::loops:
+        "The border, UV seam, crease or edge loop through each edge: seams and creases up to where three meet, edge loops through vertices of four quads";
+    "path(set, set)" path [2, 2] => elements by paths::path:
+        "The shortest path between two sets of edges or of faces, with those that it begins and ends with";
+    "pickedEdges(checksum, numbers)" pickedEdges [2, 2] => edges by picked::edges:
+        "Edges by the numbers of their points, such as \"4-5-6, 9-8\", of the mesh with this checksum; the preview writes them";
+    "pickedFaces(checksum, numbers)" pickedFaces [2, 2] => faces by picked::faces:
+        "Faces by their numbers, such as \"4-6, 9\", of the mesh with this checksum; the preview writes them";
 }

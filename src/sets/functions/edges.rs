@@ -1,11 +1,11 @@
 //! The functions that give edges.
 
-use super::SetFault;
-use super::elements::ElementSet;
-use super::evaluate::{Arguments, Evaluation};
-use super::pieces::{beside, marked, oriented};
 use crate::garment::Interpolation;
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, VertexId};
+use crate::sets::SetFault;
+use crate::sets::elements::ElementSet;
+use crate::sets::evaluate::{Arguments, Evaluation};
+use crate::sets::pieces::{beside, marked, oriented};
 use std::collections::BTreeSet;
 
 type Found = Result<ElementSet, SetFault>;
@@ -20,23 +20,32 @@ pub fn borders(of: &Evaluation<'_>, _: &Arguments<'_>) -> Found {
 }
 
 pub fn uv_seams(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
+    uv_seams_of(of, arguments, 0)
+}
+
+/// The seams of the UV set that an argument names, or else of that of the recipe.
+pub fn uv_seams_of(of: &Evaluation<'_>, arguments: &Arguments<'_>, number: usize) -> Found {
     let t = &of.sets.topology;
-    let seams = of.uv_seams(arguments, 0)?;
+    let seams = of.uv_seams(arguments, number)?;
     let cut = seams.map_or_else(BTreeSet::new, |seams| t.edges.ids().filter(|&edge| seams.is_cut(t, edge)).collect());
     Ok(oriented(t, &cut))
 }
 
 pub fn creases(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
-    let (garment, t) = (of.sets.garment, &of.sets.topology);
-    let least = arguments.number(0, f64::MIN_POSITIVE)?;
-    let steps = || garment.creases.iter().flat_map(|crease| crease.vertices.windows(2).zip(&crease.sharpnesses));
-    let sharp = steps().filter(|(_, sharpness)| f64::from(**sharpness) >= least);
-    let found: BTreeSet<EdgeId> = sharp.filter_map(|(ends, _)| t.find_edge(ends[0], ends[1])).collect();
+    let found = creases_from(of, arguments.number(0, f64::MIN_POSITIVE)?);
     if found.is_empty() {
-        let most = steps().map(|(_, sharpness)| *sharpness).fold(0.0, f32::max);
-        of.note(format!("the largest sharpness of a crease is {most}"));
+        let all = of.sets.garment.creases.iter().flat_map(|crease| &crease.sharpnesses);
+        of.note(format!("the largest sharpness of a crease is {}", all.copied().fold(0.0, f32::max)));
     }
-    Ok(oriented(t, &found))
+    Ok(found)
+}
+
+/// Creases from a sharpness on.
+pub fn creases_from(of: &Evaluation<'_>, least: f64) -> ElementSet {
+    let (garment, t) = (of.sets.garment, &of.sets.topology);
+    let steps = garment.creases.iter().flat_map(|crease| crease.vertices.windows(2).zip(&crease.sharpnesses));
+    let sharp = steps.filter(|(_, sharpness)| f64::from(**sharpness) >= least);
+    oriented(t, &sharp.filter_map(|(ends, _)| t.find_edge(ends[0], ends[1])).collect())
 }
 
 pub fn feature_lines(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {

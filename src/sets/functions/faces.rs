@@ -1,13 +1,13 @@
 //! The functions that give faces.
 
-use super::SetFault;
-use super::elements::ElementSet;
-use super::evaluate::{Arguments, Evaluation, among};
-use super::expression::quoted;
-use super::pieces::{edges_at, marked};
 use super::points::{elements, is_of_elements};
 use crate::garment::{Mesh, Primvar, Values};
 use crate::mesh::{EdgeId, Elements, FaceId, IdVec, Topology, VertexId};
+use crate::sets::SetFault;
+use crate::sets::elements::ElementSet;
+use crate::sets::evaluate::{Arguments, Evaluation, among};
+use crate::sets::expression::quoted;
+use crate::sets::pieces::{edges_at, marked};
 use glam::{DVec2, DVec3};
 use std::collections::BTreeSet;
 
@@ -58,6 +58,15 @@ pub fn with_material(garment: &Mesh, name: &str) -> BTreeSet<FaceId> {
         found.extend(garment.faces.ids().filter(|face| !others.contains(face)));
     }
     found
+}
+
+pub fn same_material(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
+    let (garment, wanted) = (of.sets.garment, arguments.faces(of, 0)?);
+    let names: BTreeSet<&String> = garment.materials.values().collect();
+    let with = names.into_iter().map(|name| with_material(garment, name));
+    let found: BTreeSet<FaceId> = with.filter(|faces| !faces.is_disjoint(&wanted)).flatten().collect();
+    // Faces without a material stay as they are.
+    Ok(ElementSet::Faces(found.union(&wanted).copied().collect()))
 }
 
 pub fn value(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
@@ -150,9 +159,7 @@ const MOST_VISITS: usize = 100_000_000;
 pub fn within(of: &Evaluation<'_>, arguments: &Arguments<'_>) -> Found {
     let (garment, t) = (of.sets.garment, &of.sets.topology);
     let most = arguments.length(1, garment.units.meters())?;
-    let ElementSet::Edges(edges) = arguments.set(of, 0)? else {
-        return Err(SetFault::new("within is given a set that is not of edges", "write within(border(...), 2cm)"));
-    };
+    let edges = arguments.edges(of, 0)?;
     let mut search = Surroundings { garment, t, most, seen: IdVec::filled(None, t.faces.len()), visits: 0 };
     let mut found = BTreeSet::new();
     for &edge in edges.keys() {

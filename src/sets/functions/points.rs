@@ -1,10 +1,10 @@
 //! The functions that give points.
 
-use super::SetFault;
-use super::elements::ElementSet;
-use super::evaluate::{Arguments, Evaluation};
 use crate::garment::{Interpolation, Primvar, Values};
 use crate::mesh::{FaceId, VertexId};
+use crate::sets::SetFault;
+use crate::sets::elements::ElementSet;
+use crate::sets::evaluate::{Arguments, Evaluation};
 
 type Found = Result<ElementSet, SetFault>;
 

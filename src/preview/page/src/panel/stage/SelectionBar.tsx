@@ -1,0 +1,143 @@
+// What is selected, and what may be done with it.
+
+import { useLayoutEffect, useRef, useState } from "preact/hooks";
+import { addFromSelection, kindFor } from "../../state/operators";
+import { shortName, WAYS, type Selection } from "../../state/selection";
+import { Icon } from "../controls/icons";
+import { useLive, useSelect, useStore } from "../controls/hooks";
+import { lengthOrArea } from "../controls/numbers";
+import { KIND_NAMES } from "../recipe/Stack";
+
+export function SelectionBar() {
+  const selection = useSelect((state) => state.selection);
+  const isSelecting = useSelect((state) => state.isSelecting);
+  if (!selection && !isSelecting) return null;
+  return (
+    <div class="selection-bar" role="toolbar" aria-label="Selection">
+      <p class="selection-words" role="status">
+        {selection ? wordsOf(selection) : "Nothing is selected"}
+      </p>
+      <Field />
+      {selection && <Ways kind={selection.kind} />}
+      {selection && <MakeButton />}
+      <CloseButton />
+    </div>
+  );
+}
+
+function wordsOf({ count, kind, size, isClosed }: Selection): string {
+  const parts = [`${count} ${kind}${count === 1 ? "" : "s"}`];
+  if (size !== null) parts.push(lengthOrArea(size, kind === "face"));
+  if (isClosed) parts.push("closed");
+  return parts.join(" · ");
+}
+
+/** The expression, which may be typed. */
+function Field() {
+  const store = useStore();
+  const expression = useSelect(({ selection }) => selection?.expression ?? "");
+  const isSelecting = useSelect((state) => state.isSelecting);
+  const [draft, setDraft] = useState<string | null>(null);
+  const field = useRef<HTMLInputElement>(null);
+  useLayoutEffect(() => {
+    if (isSelecting) field.current?.select();
+  }, [isSelecting]);
+  return (
+    <input
+      type="text"
+      ref={field}
+      class="selection-field"
+      aria-label="Selection as an expression"
+      placeholder="such as borders.lowest"
+      spellcheck={false}
+      data-clean={draft === null ? "" : undefined}
+      value={draft ?? shortName(expression)}
+      onFocus={() => setDraft(expression)}
+      onInput={({ currentTarget }) => setDraft(currentTarget.value)}
+      onBlur={() => {
+        setDraft(null);
+        store.update({ isSelecting: false });
+      }}
+      onKeyDown={(event) => {
+        if (event.key !== "Enter" && event.key !== "Escape") return;
+        event.preventDefault();
+        event.stopPropagation();
+        const text = event.currentTarget.value.trim();
+        if (event.key === "Enter" && text) store.selector.take(text);
+        else if (event.key === "Enter") store.selector.clear();
+        event.currentTarget.blur();
+      }}
+    />
+  );
+}
+
+function Ways({ kind }: { kind: Selection["kind"] }) {
+  const store = useStore();
+  return (
+    <>
+      {WAYS.filter((way) => way.of === kind).map((way) => (
+        <button
+          type="button"
+          key={way.label}
+          class="button is-small"
+          title={`${way.hint} (${way.key.toUpperCase()})`}
+          onClick={() => store.selector.go(way.key)}
+        >
+          {way.label}
+        </button>
+      ))}
+      <span class="selection-rows" role="group" aria-label="Rows of faces">
+        <button
+          type="button"
+          class="icon-button is-small"
+          aria-label="One row less"
+          title="One row of faces less (−)"
+          disabled={kind === "edge"}
+          onClick={() => store.selector.grow(-1)}
+        >
+          <Icon name="minus" />
+        </button>
+        <button
+          type="button"
+          class="icon-button is-small"
+          aria-label="One row more"
+          title="One row of faces more around the selection (+)"
+          onClick={() => store.selector.grow(1)}
+        >
+          <Icon name="plus" />
+        </button>
+      </span>
+    </>
+  );
+}
+
+function MakeButton() {
+  const store = useStore();
+  const isLive = useLive();
+  const kind = useSelect(({ selection, garment }) => kindFor(selection, garment));
+  if (!kind) return null;
+  return (
+    <button
+      type="button"
+      class="button is-small is-main"
+      title={`A ${KIND_NAMES[kind.name]} of the selection (N)`}
+      disabled={!isLive}
+      onClick={() => addFromSelection(store)}
+    >
+      New {KIND_NAMES[kind.name]}
+    </button>
+  );
+}
+
+function CloseButton() {
+  const store = useStore();
+  const close = () => {
+    store.update({ isSelecting: false });
+    store.selector.clear();
+  };
+  return (
+    <button type="button" class="icon-button is-small" aria-label="Select nothing" title="Select nothing (Esc)" onClick={close}>
+      <Icon name="close" />
+    </button>
+  );
+}

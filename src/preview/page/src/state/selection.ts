@@ -1,0 +1,217 @@
+// The selection of this page: an expression of a set, and its elements, which the server finds.
+
+import type { Elements, PageMessage, SelectionMessage, SetKind } from "../server/protocol";
+import type { Garment } from "./garment";
+import type { Picked, PickHow } from "../view/api";
+
+export interface Selection {
+  expression: string;
+  kind: SetKind;
+  count: number;
+  elements: Elements;
+  /** Length [m] of edges, area [m²] of faces. */
+  size: number | null;
+  isClosed: boolean;
+}
+
+type Change = Extract<PageMessage, { type: "select" }>["change"];
+
+/** A change, given the selection before it; null for none. */
+type Step = (before: Selection | null) => { change: Change; set: string } | null;
+
+/** A way to go on from a selection. */
+export interface Way {
+  label: string;
+  key: string;
+  hint: string;
+  of: SetKind;
+  set(expression: string): string;
+}
+
+export const WAYS: Way[] = [
+  { label: "Loop", key: "l", hint: "The whole border, seam or edge loop", of: "edge", set: (edges) => `loops(${edges})` },
+  { label: "Shell", key: "l", hint: "The whole UV shell", of: "face", set: (faces) => `shell(${faces})` },
+  { label: "Material", key: "m", hint: "All with this material", of: "face", set: (faces) => `sameMaterial(${faces})` },
+  { label: "Border", key: "b", hint: "The border of the faces", of: "face", set: (faces) => `border(${faces})` },
+];
+
+/** Rows of faces beside a set. */
+interface Rows {
+  of: string;
+  count: number;
+  /** The selection that they are. */
+  expression: string;
+}
+
+export class Selector {
+  #selection: Selection | null = null;
+  #past: (Selection | null)[] = [];
+  #future: (Selection | null)[] = [];
+  readonly #waiting: Step[] = [];
+  #isAsked = false;
+  /** The last element that was picked, from which a path begins. */
+  #last: { kind: SetKind; set: string } | null = null;
+  #rows: Rows | null = null;
+
+  constructor(
+    private readonly send: (message: PageMessage) => void,
+    private readonly show: (selection: Selection | null) => void,
+    private readonly refuse: (reason: string) => void,
+  ) {}
+
+  get canUndo(): boolean {
+    return this.#past.length > 0;
+  }
+
+  get canRedo(): boolean {
+    return this.#future.length > 0;
+  }
+
+  /** Takes what was clicked on the model. */
+  pick(picked: Picked, how: PickHow, { checksum, points }: Garment): void {
+    const kind = how === "replace" || !this.#selection ? (picked.edge ? "edge" : "face") : this.#selection.kind;
+    if (kind === "edge" && !picked.edge) return this.refuse("Edges are selected; click an edge");
+    if (kind === "edge" && picked.edge?.some((point) => point >= points)) {
+      return this.refuse("This edge is of the display smoothing; turn it to 0 to pick edges");
+    }
+    const numbers = kind === "edge" ? picked.edge?.join("-") : String(picked.face);
+    const set = `picked${kind === "edge" ? "Edges" : "Faces"}("${checksum}", "${numbers}")`;
+    const from = this.#last;
+    this.#last = { kind, set };
+    if (how === "path") this.#add(() => ({ change: "add", set: from?.kind === kind ? `path(${from.set}, ${set})` : set }));
+    else this.#add(() => ({ change: how, set }));
+  }
+
+  /** Goes on from the selection by the way of a key. */
+  go(key: string): void {
+    this.#add((before) => {
+      const way = WAYS.find((way) => way.key === key && way.of === before?.kind);
+      return way && before ? { change: "replace", set: way.set(before.expression) } : null;
+    });
+  }
+
+  /** Makes something of the selection once its changes are done. */
+  use(make: (selection: Selection) => void): void {
+    this.#add((before) => {
+      if (before) make(before);
+      return null;
+    });
+  }
+
+  /** Adds a row of faces around the selection, or takes one away. */
+  grow(by: 1 | -1): void {
+    this.#add((before) => {
+      if (!before) return null;
+      const known = this.#rows?.expression === before.expression ? this.#rows : null;
+      const count = (known?.count ?? 0) + by;
+      if (known && count > 0) return { change: "replace", set: this.#rowsOf(known.of, count) };
+      if (by > 0) return { change: "replace", set: this.#rowsOf(before.expression, 1) };
+      return before.kind === "face" ? { change: "remove", set: `rings(border(${before.expression}))` } : null;
+    });
+  }
+
+  #rowsOf(of: string, count: number): string {
+    const expression = count === 1 ? `rings(${of})` : `rings(${of}, ${count})`;
+    this.#rows = { of, count, expression };
+    return expression;
+  }
+
+  /** Selects the set of an expression. */
+  take(expression: string): void {
+    this.#add(() => ({ change: "replace", set: expression }));
+  }
+
+  clear(): void {
+    if (this.#selection) this.#step(null);
+  }
+
+  /** Ends the selection and its steps, as something was made of it. */
+  end(): void {
+    this.#past = [];
+    this.#future = [];
+    this.#put(null);
+  }
+
+  undo(): void {
+    this.#swap(this.#past, this.#future);
+  }
+
+  redo(): void {
+    this.#swap(this.#future, this.#past);
+  }
+
+  #swap(from: (Selection | null)[], to: (Selection | null)[]): void {
+    const next = from.pop();
+    if (next === undefined) return;
+    to.push(this.#selection);
+    this.#put(next);
+  }
+
+  /** The mesh is another: its elements are found again. */
+  renew(): void {
+    const before = this.#selection?.expression;
+    this.#waiting.length = 0;
+    this.#last = null;
+    this.end();
+    if (before) this.take(before);
+  }
+
+  /** A new connection answers nothing that was asked before. */
+  reset(): void {
+    this.#waiting.length = 0;
+    this.#isAsked = false;
+  }
+
+  /** The server's answer. */
+  answer({ expression, elements, size, isClosed, fault }: SelectionMessage): void {
+    this.#isAsked = false;
+    if (fault) this.refuse(`${fault.text}. ${fault.remedy}`);
+    else if (!elements) this.#step(null);
+    else this.#step({ expression, ...countOf(elements), elements, size, isClosed });
+    this.#next();
+  }
+
+  /** Steps that come before an answer wait for it, as they change what it says. */
+  #add(step: Step): void {
+    this.#waiting.push(step);
+    if (!this.#isAsked) this.#next();
+  }
+
+  #next(): void {
+    const change = this.#waiting.shift()?.(this.#selection);
+    if (change) {
+      this.#isAsked = true;
+      this.send({ type: "select", selection: this.#selection?.expression ?? "", ...change });
+    } else if (this.#waiting.length > 0) this.#next();
+  }
+
+  #step(selection: Selection | null): void {
+    if (selection?.expression === this.#selection?.expression) return;
+    this.#past.push(this.#selection);
+    this.#future = [];
+    this.#put(selection);
+  }
+
+  #put(selection: Selection | null): void {
+    this.#selection = selection;
+    this.show(selection);
+  }
+}
+
+function countOf(elements: Elements): { kind: SetKind; count: number } {
+  if ("edges" in elements) return { kind: "edge", count: elements.edges.length };
+  if ("faces" in elements) return { kind: "face", count: elements.faces.length };
+  return { kind: "point", count: elements.points.length };
+}
+
+/** An expression as the panel shows it: numbers of elements say nothing to an artist. */
+export function shortName(expression: string): string {
+  const words = (_: string, kind: string, numbers: string) => `${countIn(kind, numbers)} picked ${kind.toLowerCase()}`;
+  return expression.replace(/picked(Edges|Faces)\("[^"]*", "([^"]*)"\)/g, words);
+}
+
+function countIn(kind: string, numbers: string): number {
+  const runs = numbers.split(",").map((run) => run.split("-").map(Number));
+  const lengths = runs.map((run) => (kind === "Edges" ? run.length - 1 : run[run.length - 1] - run[0] + 1));
+  return lengths.reduce((all, length) => all + length, 0);
+}

@@ -1,0 +1,152 @@
+// Sets are picked on the model, and seams and folds made of them.
+
+import assert from "node:assert/strict";
+import { dirname, join } from "node:path";
+import { test } from "node:test";
+import { assertClean, SCREEN, show } from "./support/browser.mjs";
+import { assertSame, bareShirt, build, substitute, variantSheet } from "./support/garments.mjs";
+import { placeOf } from "./support/picking.mjs";
+
+const expressionOf = (preview) => preview.state(({ selection }) => selection?.expression ?? null);
+
+/** Waits for a selection whose expression matches; null is none. */
+function selected(preview, pattern) {
+  const is = (source) => {
+    const expression = preview.store.state.selection?.expression ?? null;
+    return source === null ? expression === null : expression !== null && new RegExp(source).test(expression);
+  };
+  return preview.when(is, pattern && pattern.source, 10_000).catch(async (error) => {
+    throw new Error(`${pattern} is not ${await expressionOf(preview)}: ${error.message}`);
+  });
+}
+
+async function save(preview, file) {
+  await preview.evaluate((path) => preview.store.command({ type: "save", path, overwrite: true }), file);
+  await preview.when((path) => preview.store.state.save?.status === "saved" && preview.store.state.save.path === path, file);
+}
+
+test("a bare shirt gets a hem and a seam by clicks and keys", async (t) => {
+  const garment = bareShirt(t);
+  const preview = await show(t, garment, { viewport: SCREEN });
+  const { mouse, keyboard } = preview.page;
+  const bar = preview.page.getByRole("toolbar", { name: "Selection" });
+  const before = await preview.meshes();
+
+  const hem = await placeOf(preview, "borders.1");
+  await mouse.click(hem.x, hem.y);
+  await selected(preview, /^pickedEdges\("[0-9a-f]{8}", "\d+-\d+"\)$/);
+  assert.match(await bar.innerText(), /1 edge ·/);
+  await keyboard.press("l");
+  await selected(preview, /^borders\.1$/);
+  assert.match(await bar.innerText(), /24 edges · 1\.13 m · closed/);
+  await keyboard.press("+");
+  await selected(preview, /^rings\(borders\.1\)$/);
+  await keyboard.press("+");
+  await selected(preview, /^rings\(borders\.1, 2\)$/);
+  assert.match(await bar.innerText(), /48 faces/);
+  await preview.after("render", () => keyboard.press("n"));
+  assert.deepEqual(await preview.cards(), ["fold.fold"]);
+  assert.equal(await expressionOf(preview), null, "the selection ends");
+
+  const seam = await placeOf(preview, "uvSeams");
+  await mouse.click(seam.x, seam.y);
+  await keyboard.press("l");
+  await selected(preview, /^uvSeams\.\d+$/);
+  const chain = await expressionOf(preview);
+  const name = chain.replace(".", "_");
+  const sewn = await preview.after("render", () => bar.getByRole("button", { name: "New seam" }).click());
+  assert.deepEqual(await preview.cards(), ["fold.fold", `seam.${name}`]);
+  assert.ok(sewn.render.faces > before.render.faces);
+  const { edits } = await preview.document();
+  assert.deepEqual([edits.fold.fold.faces, edits.seam[name].edges], [["rings(borders.1, 2)"], [chain]]);
+  await keyboard.press("Control+z");
+  await preview.card(`seam.${name}`).waitFor({ state: "detached" });
+  assertClean(preview);
+});
+
+test("shift adds, alt takes away, control adds the path, and each is undone", async (t) => {
+  const preview = await show(t, variantSheet(t), { viewport: SCREEN });
+  const { keyboard, mouse } = preview.page;
+  // The middle row of the sheet.
+  const points = await preview.evaluate(() => {
+    const { sets, numbers } = observed.elements.model;
+    const { offset, length } = sets.find(({ kind, family }) => kind === "edge" && !family.startsWith("tailor"));
+    return [...numbers.slice(offset, offset + length)];
+  });
+  const ends = points.filter((_, at) => at % 2 === 0).concat(points.at(-1));
+  const click = async (from, modifier) => {
+    const [a, b] = await preview.evaluate((pair) => pair.map((p) => preview.view.project("model", p)), [ends[from], ends[from + 1]]);
+    const box = await preview.page.locator("canvas").boundingBox();
+    if (modifier) await keyboard.down(modifier);
+    await mouse.click(box.x + (a.x + b.x) / 2, box.y + (a.y + b.y) / 2);
+    if (modifier) await keyboard.up(modifier);
+  };
+  const run = (...numbers) => new RegExp(`"(${numbers.join("-")}|${[...numbers].reverse().join("-")})"\\)$`);
+  await click(0);
+  await selected(preview, run(ends[0], ends[1]));
+  await click(1, "Shift");
+  await selected(preview, run(ends[0], ends[1], ends[2]));
+  assert.equal(await preview.page.getByRole("dialog", { name: "What was clicked" }).count(), 0, "no popover in the way");
+  await click(4, "Control");
+  await selected(preview, run(...ends.slice(0, 6)));
+  await click(0, "Alt");
+  await selected(preview, run(...ends.slice(1, 6)));
+  await keyboard.press("Control+z");
+  await selected(preview, run(...ends.slice(0, 6)));
+  await keyboard.press("Control+Shift+z");
+  await selected(preview, run(...ends.slice(1, 6)));
+  await keyboard.press("Control+z");
+  await keyboard.press("Control+z");
+  await selected(preview, run(ends[0], ends[1], ends[2]));
+  await keyboard.press("Escape");
+  await selected(preview, null);
+  assertClean(preview);
+});
+
+test("picked edges are saved with the mesh that they are of, and refused on another", async (t) => {
+  const garment = bareShirt(t);
+  const preview = await show(t, garment, { viewport: SCREEN });
+  const { keyboard, mouse } = preview.page;
+  const seam = await placeOf(preview, "uvSeams");
+  await mouse.click(seam.x, seam.y);
+  await selected(preview, /^pickedEdges/);
+  await preview.after("render", () => keyboard.press("n"));
+  assert.deepEqual(await preview.cards(), ["seam.seam"]);
+  const [edges] = (await preview.document()).edits.seam.seam.edges;
+  assert.match(edges, /^pickedEdges\("[0-9a-f]{8}", "\d+-\d+"\)$/);
+  assert.match(await preview.card("seam.seam").innerText(), /1 picked edge/);
+
+  for (const file of [join(dirname(garment), "look.usda"), join(dirname(garment), "look.tailor")]) {
+    await save(preview, file);
+    assertSame(await preview.points("render"), (await build(t, file)).render, "the render mesh is that on screen");
+  }
+
+  // Another mesh: its first face begins with another point.
+  substitute(garment, /(faceVertexIndices = \[)(\d+), (\d+), (\d+), (\d+),/, "$1$3, $4, $5, $2,");
+  await preview.when(() => preview.store.state.faults.recipe.some(({ text }) => text.includes("picked on other faces")));
+  assert.ok(await preview.page.getByText("picked on other faces").first().isVisible());
+  assert.deepEqual(await preview.cards(), ["seam.seam"], "nothing is dropped");
+  assertClean(preview);
+});
+
+test("a selection is typed, sewn and taken up again by keys alone", async (t) => {
+  const preview = await show(t, bareShirt(t));
+  const { keyboard } = preview.page;
+  await keyboard.press("e");
+  const field = preview.page.getByLabel("Selection as an expression");
+  await field.waitFor();
+  await keyboard.type("uvSeam");
+  await keyboard.press("Enter");
+  await preview.page.getByText("did you mean uvSeams?").waitFor();
+  await keyboard.press("e");
+  await keyboard.type("borders.highest");
+  await keyboard.press("Enter");
+  await selected(preview, /^borders\.4$/);
+  await preview.after("render", () => keyboard.press("n"));
+  assert.deepEqual(await preview.cards(), ["seam.borders_4"]);
+  const chip = preview.card("seam.borders_4").getByRole("button", { name: "borders.4", exact: true });
+  await chip.focus();
+  await keyboard.press("Enter");
+  await selected(preview, /^borders\.4$/);
+  assertClean(preview);
+});
