@@ -60,11 +60,13 @@ impl ElementSet {
         self.len() == 0
     }
 
-    /// True if another set has the same elements, whatever the directions of edges.
-    pub fn has_same(&self, other: &Self) -> bool {
+    /// True if all elements of another set are in this one, whatever the directions of edges.
+    pub fn contains(&self, other: &Self) -> bool {
         match (self, other) {
-            (Self::Edges(a), Self::Edges(b)) => a.keys().eq(b.keys()),
-            (a, b) => a == b,
+            (Self::Faces(a), Self::Faces(b)) => b.is_subset(a),
+            (Self::Edges(a), Self::Edges(b)) => b.keys().all(|edge| a.contains_key(edge)),
+            (Self::Points(a), Self::Points(b)) => b.is_subset(a),
+            _ => false,
         }
     }
 

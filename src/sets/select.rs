@@ -7,6 +7,10 @@ use super::list::ListedSet;
 use super::{SetEvaluator, SetFault};
 use crate::garment::{DERIVED, Subset};
 use serde::{Deserialize, Serialize};
+use std::cmp::Reverse;
+
+/// Sets that are named together. Artists read more of them no more easily than numbers.
+const MOST_NAMES: usize = 6;
 
 /// What is done with a set that comes to a selection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -22,8 +26,8 @@ pub enum Change {
 }
 
 impl SetEvaluator<'_> {
-    /// A selection after a change; none where no element is left. Its expression is the name of one of the `known` sets that
-    /// has the same elements, or else made from the two texts, or else has the numbers of the elements if one of these does.
+    /// A selection after a change; none where no element is left. Its expression names the `known` sets that have the same
+    /// elements, or is made from the two texts, or has the numbers of the elements if one of these does.
     ///
     /// # Errors
     /// Faults of either text, and sets of two kinds.
@@ -49,16 +53,27 @@ impl SetEvaluator<'_> {
             text = format!("{before} {sign} {after}");
         }
         let numbers = || picked::expression(&self.topology, &selected).filter(|_| is_picked);
-        let text = self.name_of(&selected, known).or_else(numbers).unwrap_or(text);
+        let text = self.names_of(&selected, known).or_else(numbers).unwrap_or(text);
         Ok(self.listed(text, &selected, ""))
     }
 
-    /// The first of some sets that has these elements.
-    fn name_of(&self, set: &ElementSet, known: &[Subset]) -> Option<String> {
-        let same = |subset: &&Subset| {
-            subset.elements.len() == set.len() && ElementSet::of(&self.topology, &subset.elements).has_same(set)
-        };
-        let found = known.iter().find(same)?;
-        Some(if found.family == DERIVED { found.name.clone() } else { quoted(&found.name) })
+    /// The names of known sets that are these elements together, the largest first.
+    fn names_of(&self, set: &ElementSet, known: &[Subset]) -> Option<String> {
+        let elements = |subset: &Subset| ElementSet::of(&self.topology, &subset.elements);
+        // Sets of one element are of primvars that number elements.
+        let fits = |len: usize| len == set.len() || (2..set.len()).contains(&len);
+        let all = known.iter().filter(|subset| fits(subset.elements.len()));
+        let mut inside: Vec<_> =
+            all.map(|subset| (subset, elements(subset))).filter(|(_, of)| set.contains(of)).collect();
+        // Of equals, a subset of the garment comes before what is derived.
+        inside.sort_by_key(|(_, of)| Reverse(of.len()));
+        let (mut rest, mut names) = (set.clone(), Vec::new());
+        for (subset, of) in inside {
+            if rest.contains(&of) {
+                rest = rest.combine(Operation::Difference, of).ok()?;
+                names.push(if subset.family == DERIVED { subset.name.clone() } else { quoted(&subset.name) });
+            }
+        }
+        (rest.is_empty() && names.len() <= MOST_NAMES).then(|| names.join(" + "))
     }
 }

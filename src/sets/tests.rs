@@ -148,8 +148,10 @@ fn a_selection_has_the_name_of_a_set_or_else_its_own_numbers() {
     assert_eq!(replaced(&seam_line).as_deref(), Some("uvSeams.1"));
     assert_eq!(replaced(&column_line), Some(picked("Edges", "1-6-11-16-21")));
     assert_eq!(replaced("borders - edges(weight(pin))").as_deref(), Some("borders - edges(weight(pin))"));
-    let sum = [(Change::Replace, seam_line.as_str()), (Change::Add, "borders - uvSeams")];
-    assert_eq!(expression(&sum).as_deref(), Some("uvSeams.1 + (borders - uvSeams)"));
+    let both = format!("loops({seam} + {})", picked("Edges", "0-1"));
+    assert_eq!(replaced(&both).as_deref(), Some("borders.1 + uvSeams.1"));
+    let sum = [(Change::Replace, seam_line.as_str()), (Change::Add, "borders - edges(weight(pin))")];
+    assert_eq!(expression(&sum).as_deref(), Some("uvSeams.1 + (borders - edges(weight(pin)))"));
     let path = format!("path({}, {})", picked("Edges", "0-1"), picked("Edges", "3-4"));
     assert_eq!(replaced(&path), Some(picked("Edges", "0-1-2-3-4")));
     // Most of the three edges go up.

@@ -31,6 +31,7 @@ const PICTURES = [
   { name: "flat", settings: { shading: "checker", flat: true } },
   { name: "over", settings: { layout: "over", roles: ["sim", "render"] } },
   { name: "seam", settings: { roles: ["render"] }, act: openCard },
+  { name: "select", settings: { roles: ["model", "render"] }, act: selectHem },
   { name: "warnings", act: openWarning },
   { name: "save", act: (page) => page.getByRole("button", { name: "Save", exact: true }).click() },
 ];
@@ -38,6 +39,12 @@ const PICTURES = [
 async function openCard(page) {
   await page.locator('[data-card="seam.side"] .card-title').click();
   await page.locator('[data-card="seam.side"]').scrollIntoViewIfNeeded();
+}
+
+async function selectHem(page) {
+  await page.keyboard.press("e");
+  await page.keyboard.type("rings(borders.largest, 2)");
+  await page.keyboard.press("Enter");
 }
 
 async function openWarning(page) {

@@ -206,7 +206,10 @@ function countOf(elements: Elements): { kind: SetKind; count: number } {
 
 /** An expression as the panel shows it: numbers of elements say nothing to an artist. */
 export function shortName(expression: string): string {
-  const words = (_: string, kind: string, numbers: string) => `${countIn(kind, numbers)} picked ${kind.toLowerCase()}`;
+  const words = (_: string, kind: string, numbers: string) => {
+    const count = countIn(kind, numbers);
+    return `${count} picked ${count === 1 ? kind.slice(0, -1).toLowerCase() : kind.toLowerCase()}`;
+  };
   return expression.replace(/picked(Edges|Faces)\("[^"]*", "([^"]*)"\)/g, words);
 }
 
