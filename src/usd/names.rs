@@ -54,6 +54,10 @@ pub const SUBSET_FAMILY: &str = "subsetFamily:";
 pub const FAMILY_TYPE_SUFFIX: &str = ":familyType";
 /// Name and namespace of material bindings.
 pub const MATERIAL_BINDING: &str = "material:binding";
+/// How strong a binding is against those below its prim.
+pub const BIND_MATERIAL_AS: &str = "bindMaterialAs";
+/// The family of subsets with materials.
+pub const MATERIAL_FAMILY: &str = "materialBind";
 /// The binding of a physics material.
 pub const PHYSICS_MATERIAL: &str = "material:binding:physics";
 /// Namespace of material bindings by collection.
@@ -192,4 +196,9 @@ tokens! {
         "faceVarying" = FaceVarying,
     }
     FamilyType { "partition" = Partition, "nonOverlapping" = NonOverlapping, "unrestricted" = Unrestricted }
+}
+
+/// Whether a property binds a material.
+pub fn is_material(name: &str) -> bool {
+    name.starts_with(MATERIAL_BINDING)
 }

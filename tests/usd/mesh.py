@@ -280,6 +280,12 @@ def read_subset(subset, time):
     )
 
 
+def own_material(mesh):
+    """The path of the material of a mesh, which products with other materials bind by a face set."""
+    rest = mesh.subsets.get("tailorMaterial")
+    return rest.material if rest else mesh.material
+
+
 def bound_material(prim, inherited=True):
     """The path of the material that a prim is drawn with, or is bound to itself."""
     api = UsdShade.MaterialBindingAPI(prim)

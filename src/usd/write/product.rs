@@ -2,14 +2,14 @@
 
 use super::layer::SetChoice;
 use super::role::{Product, ProductRole};
+use super::sets::is_drawn_material;
 use crate::binding::Binding;
 use crate::error::{Warning, Warnings};
-use crate::garment::{CONSTRAINTS, DERIVED};
-use crate::garment::{Family, Interpolation, Meaning, Mesh, Primvar, PrimvarRole, Subset, Values, free_name};
+use crate::garment::{Interpolation, Meaning, Mesh, Primvar, PrimvarRole, Values};
 use crate::mesh::VertexId;
 use crate::usd::assets::Anchor;
 use crate::usd::names::{self, UsdToken};
-use crate::usd::read::{Model, Sibling, SubsetRecord};
+use crate::usd::read::{Model, Sibling};
 use crate::usd::record::{Content, Record};
 use crate::usd::values::array;
 use glam::Vec3;
@@ -45,7 +45,8 @@ impl Author<'_> {
         self.data.set_field(&path, names::CUSTOM_DATA, self.mark(product.role.name()));
         let before = model.siblings.get(product.name).filter(|_| self.is_overlay);
         self.schemas(&path, &model.applied, before.is_some());
-        for record in &model.carried {
+        let rest = self.rest(product.mesh);
+        for record in model.carried.iter().filter(|record| rest.is_none() || !is_drawn_material(&record.name)) {
             record.author(self.data, &path, self.anchor)?;
         }
         self.mesh(&path, product.role, product.mesh)?;
@@ -58,6 +59,9 @@ impl Author<'_> {
             warnings.extend(self.normals(&path, normals)?);
         }
         self.subsets(&path, product.mesh)?;
+        if let Some(faces) = rest {
+            self.bind_rest(&path, product.mesh, faces)?;
+        }
         self.shapes(&path, product.mesh)?;
         if let Some(before) = before {
             self.block_earlier(&path, before)?;
@@ -166,7 +170,7 @@ impl Author<'_> {
     }
 
     /// Applied schemas; an explicit list where it replaces the one of an earlier product.
-    fn schemas(&mut self, prim: &Path, schemas: &[Token], replace: bool) {
+    pub(super) fn schemas(&mut self, prim: &Path, schemas: &[Token], replace: bool) {
         let list = match replace {
             true => sdf::TokenListOp::explicit(schemas.iter().cloned()),
             false if schemas.is_empty() => return,
@@ -295,54 +299,6 @@ impl Author<'_> {
         }
     }
 
-    /// Authors the chosen subsets of a mesh and their families.
-    pub(super) fn subsets(&mut self, prim: &Path, mesh: &Mesh) -> openusd::Result<()> {
-        let chosen: Vec<&Subset> = mesh.subsets.iter().filter(|set| self.is_chosen(set)).collect();
-        let is_left_out = |family: &&Family| {
-            let is_member = |set: &&Subset| set.family == family.name;
-            mesh.subsets.iter().any(|set| is_member(&set)) && !chosen.iter().any(is_member)
-        };
-        for family in mesh.families.iter().filter(|family| !is_left_out(family)) {
-            let name = format!("{}{}{}", names::SUBSET_FAMILY, family.name, names::FAMILY_TYPE_SUFFIX);
-            self.token(prim, &name, family.kind.token())?;
-        }
-        for subset in chosen {
-            let path = prim.append_path(prim_name(subset, mesh).as_str())?;
-            PrimSpec::new(self.data, &path, Specifier::Def, names::GEOM_SUBSET)?;
-            let none = SubsetRecord::default();
-            let record = self.model.subsets.get(&subset.name).unwrap_or(&none);
-            for (key, value) in &record.metadata {
-                self.data.set_field(&path, key, self.anchor.restated(value.clone()));
-            }
-            self.schemas(&path, &record.applied, false);
-            self.token(&path, names::ELEMENT_TYPE, subset.elements.kind())?;
-            if !subset.family.is_empty() {
-                self.token(&path, names::FAMILY_NAME, &subset.family)?;
-            }
-            self.ints(&path, names::INDICES, subset.elements.indices())?;
-            for record in &record.carried {
-                record.author(self.data, &path, self.anchor)?;
-            }
-            if let Some(sharpness) = subset.sharpness {
-                let (type_name, uniform) = (ValueTypeName::FLOAT, Variability::Uniform);
-                self.attribute(&path, names::SHARPNESS, type_name, uniform, Value::Float(sharpness))?;
-            }
-        }
-        Ok(())
-    }
-
-    /// Whether a product has a subset.
-    fn is_chosen(&self, set: &Subset) -> bool {
-        let is_own = [CONSTRAINTS, DERIVED].contains(&set.family.as_str());
-        match (self.sets, self.model.subsets.get(&set.name)) {
-            (SetChoice::All, _) => true,
-            (SetChoice::Authored, record) => !is_own || record.is_some(),
-            (SetChoice::None, record) => {
-                record.is_some_and(|record| record.carried.iter().any(|r| r.name.starts_with(names::MATERIAL_BINDING)))
-            }
-        }
-    }
-
     /// Blocks the properties and children of an earlier product of this name that this one does not have.
     fn block_earlier(&mut self, prim: &Path, before: &Sibling) -> openusd::Result<()> {
         for record in &before.properties {
@@ -367,24 +323,6 @@ impl Author<'_> {
         }
         Ok(())
     }
-}
-
-/// The name of a subset as a prim; that of a derived set is made of its expression.
-fn prim_name(set: &Subset, mesh: &Mesh) -> String {
-    if Path::is_valid_identifier(&set.name) {
-        return set.name.clone();
-    }
-    let base = words_of(&set.name).join("_");
-    let base = if Path::is_valid_identifier(&base) { base } else { format!("set_{base}") };
-    // Texts that differ in signs alone have different names by their place.
-    let at = mesh.subsets.iter().position(|other| other.name == set.name).unwrap_or_default();
-    let is_taken = |name: &str| mesh.subsets.iter().any(|other| other.name == name);
-    let is_shared = mesh.subsets.iter().filter(|other| words_of(&other.name) == words_of(&set.name)).count() > 1;
-    free_name(&if is_shared { format!("{base}_{at}") } else { base }, is_taken)
-}
-
-fn words_of(text: &str) -> Vec<&str> {
-    text.split(|letter: char| !letter.is_alphanumeric()).filter(|word| !word.is_empty()).collect()
 }
 
 /// The warning of a primvar that no file can hold.

@@ -1,16 +1,164 @@
-//! Sets of elements as subsets of the model, in a layer over the stage.
+//! Sets of elements as subsets: of products, and of the model in a layer over the stage.
 
 use super::layer::{LayerContext, SetChoice, overlay};
 use super::product::Author;
 use super::save::OutputFile;
 use crate::error::{Error, ErrorCode};
-use crate::garment::{Mesh, Subset};
+use crate::garment::{CONSTRAINTS, DERIVED, Family, FamilyType, Mesh, Subset, free_name};
+use crate::mesh::{Elements, FaceId, IdVec};
 use crate::usd::assets::Anchor;
+use crate::usd::names::{self, UsdToken, is_material};
 use crate::usd::on_large_stack;
-use crate::usd::read::Source;
-use openusd::sdf;
+use crate::usd::read::{Source, SubsetRecord};
+use crate::usd::record::Record;
+use openusd::sdf::{self, AbstractData, Specifier, Value, ValueTypeName, Variability};
+use openusd::tf::Token;
 use std::path::Path;
 use std::sync::Arc;
+
+impl Author<'_> {
+    /// Authors the chosen subsets of a mesh and their families.
+    pub(super) fn subsets(&mut self, prim: &sdf::Path, mesh: &Mesh) -> openusd::Result<()> {
+        let mut chosen: Vec<&Subset> = mesh.subsets.iter().filter(|set| self.is_chosen(set)).collect();
+        let is_left_out = |family: &&Family| {
+            let is_member = |set: &&Subset| set.family == family.name;
+            mesh.subsets.iter().any(|set| is_member(&set)) && !chosen.iter().any(is_member)
+        };
+        for family in mesh.families.iter().filter(|family| !is_left_out(family)) {
+            self.family(prim, &family.name, family.kind)?;
+        }
+        // Where a program takes all subsets for materials, the last one wins.
+        chosen.sort_by_key(|set| self.is_bound(set));
+        for subset in chosen {
+            self.subset(prim, subset, mesh)?;
+        }
+        Ok(())
+    }
+
+    fn family(&mut self, prim: &sdf::Path, name: &str, kind: FamilyType) -> openusd::Result<()> {
+        self.token(prim, &format!("{}{name}{}", names::SUBSET_FAMILY, names::FAMILY_TYPE_SUFFIX), kind.token())
+    }
+
+    fn subset(&mut self, prim: &sdf::Path, subset: &Subset, mesh: &Mesh) -> openusd::Result<()> {
+        let path = prim.append_path(prim_name(subset, mesh).as_str())?;
+        sdf::PrimSpec::new(self.data, &path, Specifier::Def, names::GEOM_SUBSET)?;
+        let none = SubsetRecord::default();
+        let record = self.model.subsets.get(&subset.name).unwrap_or(&none);
+        for (key, value) in &record.metadata {
+            self.data.set_field(&path, key, self.anchor.restated(value.clone()));
+        }
+        self.schemas(&path, &record.applied, false);
+        self.token(&path, names::ELEMENT_TYPE, subset.elements.kind())?;
+        if !subset.family.is_empty() {
+            self.token(&path, names::FAMILY_NAME, &subset.family)?;
+        }
+        self.ints(&path, names::INDICES, subset.elements.indices())?;
+        for record in &record.carried {
+            record.author(self.data, &path, self.anchor)?;
+        }
+        if let Some(sharpness) = subset.sharpness {
+            let (type_name, uniform) = (ValueTypeName::FLOAT, Variability::Uniform);
+            self.attribute(&path, names::SHARPNESS, type_name, uniform, Value::Float(sharpness))?;
+        }
+        Ok(())
+    }
+
+    /// Whether a product has a subset.
+    fn is_chosen(&self, set: &Subset) -> bool {
+        let is_own = [CONSTRAINTS, DERIVED].contains(&set.family.as_str());
+        match (self.sets, self.model.subsets.get(&set.name)) {
+            (SetChoice::All, _) => true,
+            (SetChoice::Authored, record) => !is_own || record.is_some(),
+            (SetChoice::None, _) => self.is_bound(set),
+        }
+    }
+
+    /// Whether a subset has a material of its own.
+    fn is_bound(&self, set: &Subset) -> bool {
+        let record = self.model.subsets.get(&set.name);
+        record.is_some_and(|record| record.carried.iter().any(|record| is_material(&record.name)))
+    }
+
+    /// The faces of a product that its own material is for, where face sets have others: those in none of these. None where the
+    /// mesh keeps its material.
+    ///
+    /// Several programs take a mesh's material for that of each subset that has none, and lose the others.
+    pub(super) fn rest(&self, mesh: &Mesh) -> Option<Vec<FaceId>> {
+        // A material that is stronger than those of subsets, or is for one purpose, holds for their faces too.
+        let [own] = drawn_materials(&self.model.carried)[..] else { return None };
+        let is_stronger = own.metadata(names::BIND_MATERIAL_AS).is_some_and(|strength| *strength == stronger());
+        if own.name != names::MATERIAL_BINDING || is_stronger {
+            return None;
+        }
+        let (mut is_free, mut has_sets) = (IdVec::<FaceId, bool>::filled(true, mesh.faces.len()), false);
+        for set in mesh.subsets.iter() {
+            let materials = self.model.subsets.get(&set.name).map(|record| drawn_materials(&record.carried));
+            let (Some([first, ..]), Elements::Faces(faces)) = (materials.as_deref(), &set.elements) else { continue };
+            // Programs disagree on others: those of one purpose, or outside of the family. The one for all purposes is the first.
+            if first.name != names::MATERIAL_BINDING || set.family != names::MATERIAL_FAMILY {
+                return None;
+            }
+            has_sets = true;
+            faces.iter().for_each(|&face| is_free[face] = false);
+        }
+        has_sets.then(|| mesh.faces.ids().filter(|&face| is_free[face]).collect())
+    }
+
+    /// Binds the material of the model to the rest of a product's faces, also where there are none, so that it is not lost.
+    pub(super) fn bind_rest(&mut self, prim: &sdf::Path, mesh: &Mesh, faces: Vec<FaceId>) -> openusd::Result<()> {
+        if !mesh.families.iter().any(|family| family.name == names::MATERIAL_FAMILY) {
+            self.family(prim, names::MATERIAL_FAMILY, FamilyType::NonOverlapping)?;
+        }
+        let name = free_name(REST, |name| mesh.subsets.iter().any(|set| set.name == name));
+        let (family, elements) = (names::MATERIAL_FAMILY.to_owned(), Elements::Faces(faces));
+        self.subset(prim, &Subset { name: name.clone(), family, elements, sharpness: None }, mesh)?;
+        let path = prim.append_path(name.as_str())?;
+        self.schemas(&path, &[Token::from(names::MATERIAL_BINDING_API)], false);
+        let model = self.model;
+        for record in model.carried.iter().filter(|record| is_drawn_material(&record.name)) {
+            record.author(self.data, &path, self.anchor)?;
+        }
+        Ok(())
+    }
+}
+
+/// The face set of a product with the material of the garment's mesh.
+const REST: &str = "tailorMaterial";
+
+/// Whether a property binds a material that is drawn: not that of physics.
+pub(super) fn is_drawn_material(name: &str) -> bool {
+    is_material(name) && name != names::PHYSICS_MATERIAL
+}
+
+/// The bindings of materials that are drawn, by name.
+fn drawn_materials(records: &[Record]) -> Vec<&Record> {
+    let mut found: Vec<_> = records.iter().filter(|r| is_drawn_material(&r.name) && r.has_value()).collect();
+    found.sort_by(|a, b| a.name.cmp(&b.name));
+    found
+}
+
+/// The value of `bindMaterialAs` by which a binding wins over those below its prim.
+fn stronger() -> Value {
+    Value::Token(Token::from("strongerThanDescendants"))
+}
+
+/// The name of a subset as a prim; that of a derived set is made of its expression.
+fn prim_name(set: &Subset, mesh: &Mesh) -> String {
+    if sdf::Path::is_valid_identifier(&set.name) {
+        return set.name.clone();
+    }
+    let base = words_of(&set.name).join("_");
+    let base = if sdf::Path::is_valid_identifier(&base) { base } else { format!("set_{base}") };
+    // Texts that differ in signs alone have different names by their place.
+    let at = mesh.subsets.iter().position(|other| other.name == set.name).unwrap_or_default();
+    let is_taken = |name: &str| mesh.subsets.iter().any(|other| other.name == name);
+    let is_shared = mesh.subsets.iter().filter(|other| words_of(&other.name) == words_of(&set.name)).count() > 1;
+    free_name(&if is_shared { format!("{base}_{at}") } else { base }, is_taken)
+}
+
+fn words_of(text: &str) -> Vec<&str> {
+    text.split(|letter: char| !letter.is_alphanumeric()).filter(|word| !word.is_empty()).collect()
+}
 
 /// Writes `sets` as subsets of the model of `source` into a layer over its file.
 ///

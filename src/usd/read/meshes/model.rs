@@ -18,8 +18,6 @@ use openusd::usd::{Stage, TimeCode};
 
 /// Names of panels in that of the garment.
 const NAMED: usize = 3;
-/// Family of subsets with materials.
-const MATERIALS: &str = "materialBind";
 /// Prefixes of properties of skinning.
 const SKINNING: [&str; 2] = ["skel:", "primvars:skel:"];
 
@@ -163,7 +161,7 @@ fn declarations(panels: &[&Source]) -> Declarations {
 /// transforms, which the points have, and materials, which face sets have.
 fn shared_properties(panels: &[&Source]) -> ((Vec<Record>, Vec<String>), Warnings) {
     let is_elsewhere =
-        |name: &str| name.starts_with(names::XFORM_OP) || name == names::XFORM_OP_ORDER || is_material(name);
+        |name: &str| name.starts_with(names::XFORM_OP) || name == names::XFORM_OP_ORDER || names::is_material(name);
     let (mut shared, mut unlike, mut warnings) = (Vec::new(), Vec::<String>::new(), Warnings::default());
     let of = |panel: &&Source, name: &str| panel.model.carried.iter().find(|r| r.name == name).cloned();
     for name in union(panels.iter().map(|panel| panel.model.carried.iter().map(|record| &record.name))) {
@@ -205,10 +203,6 @@ fn moves(record: &Record, panel: &str) -> Option<Warning> {
     is_moving.then(|| Warning::not_carried(format!("the motion of {panel}.{}", record.name), why))
 }
 
-fn is_material(name: &str) -> bool {
-    name.starts_with(names::MATERIAL_BINDING)
-}
-
 /// The records of the subsets of all panels.
 ///
 /// # Errors
@@ -234,16 +228,19 @@ fn subset_records(panels: &[&Source]) -> Result<std::collections::BTreeMap<Strin
 
 /// Binds the materials of panels, where they differ, to face sets of the panels: to what no other set with a material has.
 fn move_materials(panels: &[&Source], model: &mut Model, sewn: &mut Sewn) {
-    if model.carried.iter().any(|record| is_material(&record.name)) {
+    if model.carried.iter().any(|record| names::is_material(&record.name)) {
         return;
     }
     let bound: Vec<Vec<Record>> = panels
         .iter()
-        .map(|panel| panel.model.carried.iter().filter(|record| is_material(&record.name)).cloned().collect())
+        .map(|panel| panel.model.carried.iter().filter(|record| names::is_material(&record.name)).cloned().collect())
         .collect();
-    let in_family = |s: &&crate::garment::SubsetInput| s.family == MATERIALS && s.element_type == "face";
+    let has_material = |s: &&crate::garment::SubsetInput| {
+        let records = model.subsets.get(&s.name).map_or(&[][..], |record| &record.carried);
+        s.element_type == "face" && records.iter().any(|record| names::is_material(&record.name) && record.has_value())
+    };
     let taken: std::collections::HashSet<i32> =
-        sewn.mesh.subsets.iter().filter(in_family).flat_map(|s| s.indices.iter().copied()).collect();
+        sewn.mesh.subsets.iter().filter(has_material).flat_map(|s| s.indices.iter().copied()).collect();
     for (set, carried) in sewn.panels.clone().iter().zip(bound) {
         if carried.is_empty() {
             continue;
@@ -252,14 +249,14 @@ fn move_materials(panels: &[&Source], model: &mut Model, sewn: &mut Sewn) {
         let own = sewn.mesh.subsets[at].clone();
         let rest: Vec<i32> = own.indices.iter().copied().filter(|face| !taken.contains(face)).collect();
         let name = if rest.len() == own.indices.len() {
-            sewn.mesh.subsets[at].family = MATERIALS.to_owned();
+            sewn.mesh.subsets[at].family = names::MATERIAL_FAMILY.to_owned();
             own.name
         } else if rest.is_empty() {
             continue;
         } else {
             let is_taken = |name: &str| sewn.mesh.subsets.iter().any(|subset| subset.name == name);
             let name = crate::garment::free_name(&format!("{set}_material"), is_taken);
-            let family = MATERIALS.to_owned();
+            let family = names::MATERIAL_FAMILY.to_owned();
             sewn.mesh.subsets.push(crate::garment::SubsetInput { name: name.clone(), indices: rest, family, ..own });
             name
         };
