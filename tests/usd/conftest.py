@@ -129,7 +129,7 @@ def make(usdtailor, source, folder, *args, suffix=".usda", stem="built"):
     """Builds `source` into `folder` and opens both stages."""
     path = folder / f"{stem}{suffix}"
     stderr = write(usdtailor, source, path, *args)
-    return opened(source, path, stderr, lambda *more: make(usdtailor, source, folder, *args, *more, suffix=suffix, stem=f"{stem}_again"))
+    return opened(source, path, stderr, lambda *more: make(usdtailor, source, folder, *args, *more, suffix=suffix, stem=f"{stem}_{digest(*more)}"))
 
 
 @pytest.fixture

@@ -8,6 +8,20 @@ import numpy as np
 SCHEMES = ["bilinear", "catmullClark", "loop"]
 BOUNDARIES = ["none", "edgeOnly", "edgeAndCorner"]
 RULES = ["none", "cornersOnly", "cornersPlus1", "cornersPlus2", "boundaries", "all"]
+# Cases of garments.bin: an example, and which of its values are refined as points, varying and face-varying ones.
+GARMENTS = [
+    "coat points bodyCoord st", "coat simDensity,thicknessWeight bodyCoord st1",
+    "trousers points bodyCoord st", "trousers displayColor bodyCoord st",
+    "tshirt points bodyCoord st", "tshirt simDensity,thicknessWeight bodyCoord st",
+]  # fmt: skip
+
+
+def garment_values(mesh, name):
+    """The values that a case of GARMENTS names: rows of three and of two numbers, and a face-varying primvar."""
+    _, vertex, varying, uv = name.split()
+    painted = [mesh.points if part == "points" else mesh.primvars[part].flat for part in vertex.split(",")]
+    rows = np.concatenate(painted, axis=1)
+    return np.pad(rows, ((0, 0), (0, 3 - rows.shape[1]))), mesh.primvars[varying].flat, mesh.primvars[uv]
 
 
 @dataclass
@@ -15,6 +29,7 @@ class Face:
     index: int
     base_face: int
     hole: bool
+    vertices: np.ndarray
     points: np.ndarray
     varying: np.ndarray
     slots: np.ndarray  # corner, slot, component
@@ -27,7 +42,8 @@ class Level:
     vertices: int
     edges: int
     faces: int
-    point_sum: np.ndarray
+    point_sum: np.ndarray  # over all corners of all faces, as the other sums
+    varying_sum: np.ndarray
     slot_sums: np.ndarray
     sharpness_sum: float
     samples: list
@@ -103,16 +119,17 @@ def read_case(r):
 
 def read_level(r, slot_count):
     vertices, edges, faces, _ = (r.one("I") for _ in range(4))
-    point_sum, _, slot_sums, sharpness = r.many("f8", 3), r.many("f8", 2), r.many("f8", slot_count * 2), r.one("d")
+    points, varying, slots, sharpness = r.many("f8", 3), r.many("f8", 2), r.many("f8", slot_count * 2), r.one("d")
     samples = [read_face(r, slot_count) for _ in range(r.one("I"))]
-    return Level(vertices, edges, faces, point_sum, slot_sums.reshape(-1, 2), sharpness, samples)
+    return Level(vertices, edges, faces, points, varying, slots.reshape(-1, 2), sharpness, samples)
 
 
 def read_face(r, slot_count):
     index, base, hole, corners = r.one("I"), r.one("H"), bool(r.one("B")), r.one("B")
-    face = Face(index, base, hole, np.zeros((corners, 3)), np.zeros((corners, 2)), np.zeros((corners, slot_count, 2)), np.zeros(corners), np.zeros(corners))
+    shapes = ((corners, 3), (corners, 2), (corners, slot_count, 2), corners, corners)
+    face = Face(index, base, hole, np.zeros(corners, int), *map(np.zeros, shapes))
     for c in range(corners):
-        r.one("I")
+        face.vertices[c] = r.one("I")
         flags = r.one("B")
         face.points[c], face.varying[c] = r.many("f4", 3), r.many("f4", 2)
         face.slots[c] = r.many("f4", 2)

@@ -4,7 +4,6 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from catmull_clark import cage
 from pxr import Usd, UsdGeom, UsdShade
 
 NUMBERS = (
@@ -70,6 +69,60 @@ def numbers(values):
     return array.reshape(len(values), -1)
 
 
+def starts(counts):
+    """The first of each of the groups of these sizes, which follow each other."""
+    return np.cumsum(counts) - counts
+
+
+def around_faces(counts):
+    """For each corner its place in its face, and the corner after it."""
+    corners, count = np.arange(counts.sum()), np.repeat(counts, counts)
+    place = corners - np.repeat(starts(counts), counts)
+    return place, corners + 1 - np.where(place == count - 1, count, 0)
+
+
+@dataclass
+class Topology:
+    """Faces with their edges: `corner_edge[c]` is the edge that runs from corner `c` to the next of its face."""
+
+    counts: np.ndarray
+    indices: np.ndarray  # vertex of each corner
+    vertex_count: int
+
+    def __post_init__(self):
+        self.corner_face = np.repeat(np.arange(len(self.counts)), self.counts)
+        _, self.next_corner = around_faces(self.counts)
+        ends = np.stack([self.indices, self.indices[self.next_corner]], axis=1)
+        self.forward = ends[:, 0] < ends[:, 1]
+        keys, self.corner_edge = np.unique(self.keys(ends), return_inverse=True)
+        self.edges = np.stack(np.divmod(keys, max(self.vertex_count, 1)), axis=1)
+        self.edge_faces = np.bincount(self.corner_edge, minlength=len(self.edges))
+
+    def keys(self, pairs):
+        """A number for each pair of vertices, the same both ways."""
+        return pairs.min(axis=1) * max(self.vertex_count, 1) + pairs.max(axis=1)
+
+    def edge_ids(self, pairs):
+        """The edge of each pair of vertices; -1 where there is none."""
+        keys, wanted = self.keys(self.edges), self.keys(np.asarray(pairs, dtype=int).reshape(-1, 2))
+        at = np.searchsorted(keys, wanted)
+        return np.where(np.append(keys, -1)[at] == wanted, at, -1)
+
+    def non_manifold_edges(self):
+        """Edges of more than two faces, or of two that run along it in the same direction."""
+        forward = np.bincount(self.corner_edge, weights=self.forward, minlength=len(self.edges))
+        return (self.edge_faces > 2) | ((self.edge_faces == 2) & (forward != 1))
+
+    def fans(self):
+        """For each vertex the number of groups of faces that hang together around it by edges."""
+        corners = np.arange(len(self.indices))
+        # A corner hangs on the edge from it and on the edge to it, each at its own vertex.
+        members = np.concatenate([corners, self.next_corner])
+        spokes = np.stack([self.indices[members], np.tile(self.corner_edge, 2)], axis=1)
+        label = groups(members, np.unique(spokes, axis=0, return_inverse=True)[1].ravel(), len(corners))
+        return np.bincount(self.indices[np.unique(label, return_index=True)[1]], minlength=self.vertex_count)
+
+
 @dataclass
 class Subset:
     name: str
@@ -106,31 +159,21 @@ class Mesh:
     extra: dict = field(default_factory=dict)
 
     @cached_property
-    def cage(self):
-        """For subdivision: what the mesh means."""
-        return cage(
-            self.counts,
-            self.indices,
-            len(self.points),
-            creases=self.creases,
-            corners=self.corners,
-            boundary=self.boundary,
-            triangles=self.triangles,
-            scheme=self.scheme if self.scheme == "bilinear" else "catmullClark",
-        )
+    def topology(self):
+        return Topology(self.counts, self.indices, len(self.points))
 
     @cached_property
     def face_centres(self):
         sums = np.zeros((len(self.counts), 3))
-        np.add.at(sums, self.cage.corner_face, self.points[self.indices])
+        np.add.at(sums, self.topology.corner_face, self.points[self.indices])
         return sums / self.counts[:, None]
 
     @cached_property
     def face_areas(self):
         """Length of the vector area of each face."""
-        here, there = self.points[self.indices], self.points[self.indices[self.cage.next_corner]]
+        here, there = self.points[self.indices], self.points[self.indices[self.topology.next_corner]]
         vector = np.zeros((len(self.counts), 3))
-        np.add.at(vector, self.cage.corner_face, np.cross(here, there) / 2)
+        np.add.at(vector, self.topology.corner_face, np.cross(here, there) / 2)
         return np.linalg.norm(vector, axis=1)
 
     def uv_shells(self, name="st"):
@@ -138,20 +181,54 @@ class Mesh:
         primvar = self.primvars[name]
         corners = np.stack([self.indices, primvar.corner_indices()], axis=1)
         vertices = np.unique(corners, axis=0, return_inverse=True)[1].ravel()
-        return components(self.cage, vertices)
+        return components(self.topology, vertices)
 
     def uv_cuts(self, name="st"):
         """The inner edges across which the UVs are cut: an array of bool."""
         indices = self.primvars[name].corner_indices()
-        return cut_edges(self.cage, indices)
+        return cut_edges(self.topology, indices)
 
     def uv_areas(self, name="st"):
         """The signed area of each face in UV space."""
         uv = self.primvars[name].rows[self.primvars[name].corner_indices()]
-        here, there = uv, uv[self.cage.next_corner]
+        here, there = uv, uv[self.topology.next_corner]
         areas = np.zeros(len(self.counts))
-        np.add.at(areas, self.cage.corner_face, (here[:, 0] * there[:, 1] - here[:, 1] * there[:, 0]) / 2)
+        np.add.at(areas, self.topology.corner_face, (here[:, 0] * there[:, 1] - here[:, 1] * there[:, 0]) / 2)
         return areas
+
+
+class Children:
+    """Where the elements of a mesh are in its refinement, whose faces are in OpenSubdiv's order.
+
+    Children of face 0 come first, in the order of its corners. The child at corner j of a quad keeps that corner as its
+    own corner j; children of other faces begin with it.
+    """
+
+    def __init__(self, source, refined, level):
+        self.source, self.refined = source, refined
+        self.face_children = source.counts * 4 ** (level - 1) if level else np.ones_like(source.counts)
+        self.first_child = starts(self.face_children)
+        self.parent_face = np.repeat(np.arange(len(source.counts)), self.face_children)
+        # For each corner those of the refinement from which the pieces of its edge run, in their order.
+        self.pieces, self.counts = np.arange(len(source.indices))[:, None], source.counts
+        for _ in range(level):
+            kept, (_, onward) = kept_corners(self.counts), around_faces(self.counts)
+            # The piece from a corner to the middle of its edge, and that on to the next corner.
+            halves = np.stack([kept, kept[onward] // 4 * 4 + (kept[onward] + 3) % 4], axis=1)
+            self.pieces, self.counts = halves[self.pieces].reshape(len(self.pieces), -1), np.full(len(kept), 4)
+        self.vertices = np.full(len(source.points), -1)
+        self.vertices[source.indices] = refined.indices[self.pieces[:, 0]]
+
+    def edges(self, base_edges):
+        """The edges that edges of the source became."""
+        pieces = self.pieces[np.isin(self.source.topology.corner_edge, base_edges)]
+        return np.unique(self.refined.topology.corner_edge[pieces])
+
+
+def kept_corners(counts):
+    """For each corner the corner of its child that is at the same point; the centre of its face is two further on."""
+    place, _ = around_faces(counts)
+    return 4 * np.arange(len(place)) + np.where(np.repeat(counts, counts) == 4, place, 0)
 
 
 def cut_edges(topology, corner_values):
@@ -168,30 +245,28 @@ def components(topology, corner_vertices):
     """Numbers the groups of faces that share an edge whose ends are the same `corner_vertices` on both sides."""
     ends = np.stack([corner_vertices, corner_vertices[topology.next_corner]], axis=1)
     edge = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True)[1].ravel()
-    group = np.arange(topology.face_count)
-    while True:
-        smallest = np.full(edge.max(initial=-1) + 1, topology.face_count)
-        np.minimum.at(smallest, edge, group[topology.corner_face])
-        now = group.copy()
-        np.minimum.at(now, topology.corner_face, smallest[edge])
-        now = now[now]
-        if np.array_equal(now, group):
-            return np.unique(group, return_inverse=True)[1]
-        group = now
+    return groups(topology.corner_face, edge, len(topology.counts))
 
 
 def border_loops(topology):
     """How many loops the edges of one face form: groups of them that share vertices."""
     edges = topology.edges[topology.edge_faces == 1]
-    label = np.arange(topology.vertex_count)
+    label = groups(edges.ravel(), np.repeat(np.arange(len(edges)), 2), topology.vertex_count)
+    return len(np.unique(label[edges]))
+
+
+def groups(members, links, count):
+    """Numbers the groups of `count` elements: the members at which links are equal are in one group."""
+    group = np.arange(count)
     while True:
-        smallest = np.minimum(label[edges[:, 0]], label[edges[:, 1]])
-        now = label.copy()
-        np.minimum.at(now, edges[:, 0], smallest)
-        np.minimum.at(now, edges[:, 1], smallest)
-        if np.array_equal(now, label):
-            return len(np.unique(label[edges]))
-        label = now
+        smallest = np.full(links.max(initial=-1) + 1, count)
+        np.minimum.at(smallest, links, group[members])
+        now = group.copy()
+        np.minimum.at(now, members, smallest[links])
+        now = now[now]
+        if np.array_equal(now, group):
+            return np.unique(group, return_inverse=True)[1]
+        group = now
 
 
 def find_model(stage, path=None):

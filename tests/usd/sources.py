@@ -132,14 +132,16 @@ def element_count(mesh, interpolation):
     return {"constant": 1, "uniform": counts, "vertex": points, "varying": points, "faceVarying": corners}[interpolation]
 
 
-def add_primvar(mesh, *, name, type_name, interpolation, indexed=False, element_size=1, values=None):
-    """A primvar whose values differ by element, unless given; indexed ones use each value several times."""
+def add_primvar(mesh, *, name, type_name, interpolation, indexed=False, element_size=1, values=None, indices=None):
+    """A primvar whose values differ by element, unless given; indexed ones use each value several times, unless given."""
     count = element_count(mesh, interpolation)
     primvar = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar(name, Sdf.ValueTypeNames.Find(f"{type_name}[]"), interpolation, element_size)
     stored = min(count, 5) if indexed else count
     primvar.Set(array(type_name, values if values is not None else [value(type_name, i) for i in range(stored * element_size)]))
     if indexed:
         primvar.SetIndices([(i * i + i // 2) % stored for i in range(count)])
+    if indices is not None:
+        primvar.SetIndices([int(i) for i in indices])
     return primvar
 
 
@@ -149,34 +151,47 @@ def array(type_name, values):
 
 def value(type_name, i):
     """A value of any type that changes slowly with `i`; quaternions stay in one hemisphere."""
-    kind = type(Sdf.ValueTypeNames.Find(type_name).defaultValue)
     number = ((i * 37) % 23) / 8
     if type_name == "bool":
         return bool(i % 3)
     if type_name in ("int", "uint", "uchar", "int64", "uint64"):
         return (i * 37) % 23
-    if type_name in ("half", "float", "double"):
-        return number
-    if type_name == "timecode":
-        return Sdf.TimeCode(number)
     if type_name in ("string", "token"):
         return f"cloth {i % 4}"
     if type_name == "asset":
         return Sdf.AssetPath(f"cloth{i % 4}.png")
     if type_name.startswith("quat"):
-        axis = Gf.Vec3d(0.2 * number, 0.1, 0.05 * number)
-        length = (1 + axis.GetDot(axis)) ** 0.5
-        return kind(*(part / length if isinstance(part, float) else type(kind().GetImaginary())(*(part / length)) for part in (1.0, axis)))
+        parts = np.array([1.0, 0.2 * number, 0.1, 0.05 * number])
+        return of_numbers(type_name, parts / np.linalg.norm(parts))
     if type_name == "matrix4d":
-        return Gf.Matrix4d(1, number, 0, 0, 0, 1, 0, 0, 0, 0, 2, 0, number, 2, 3, 1)
-    dimension = kind.dimension
+        return of_numbers(type_name, (1, number, 0, 0, 0, 1, 0, 0, 0, 0, 2, 0, number, 2, 3, 1))
     if type_name.startswith("int"):
-        return kind(*[(i * 37 + k) % 23 for k in range(dimension)])
-    return kind(*[number + k / 2 for k in range(dimension)])
+        return kind(type_name)(*[(i * 37 + k) % 23 for k in range(kind(type_name).dimension)])
+    return of_numbers(type_name, [number + k / 2 for k in range(width(type_name))])
+
+
+def kind(type_name):
+    return type(Sdf.ValueTypeNames.Find(type_name).defaultValue)
+
+
+def width(type_name):
+    """How many numbers a value has."""
+    return 4 if type_name.startswith("quat") else 16 if type_name == "matrix4d" else getattr(kind(type_name), "dimension", 1)
+
+
+def of_numbers(type_name, numbers):
+    """The value of a numeric type that has these numbers."""
+    numbers = [float(number) for number in numbers]
+    if type_name.startswith("quat"):
+        return kind(type_name)(numbers[0], type(kind(type_name)().GetImaginary())(*numbers[1:]))
+    return kind(type_name)(*numbers)
 
 
 def add_skinning(mesh, *, joints=7, element_size=4):
-    """Weights that fall off around joints along x, more joints than each point keeps, and the skeleton they belong to."""
+    """Weights that fall off around joints along x, more joints than each point keeps, and the skeleton they belong to.
+
+    The weights of each joint are a plain primvar too.
+    """
     root = mesh.GetPath().GetPrefixes()[0]
     skeleton = UsdSkel.Skeleton.Define(mesh.GetPrim().GetStage(), (root if root != mesh.GetPath() else root.GetParentPath()).AppendChild("bones"))
     skeleton.CreateJointsAttr([f"joint{i}" for i in range(joints)])
@@ -193,6 +208,9 @@ def add_skinning(mesh, *, joints=7, element_size=4):
     weights = np.take_along_axis(weights, kept, axis=1)
     weights /= weights.sum(axis=1, keepdims=True)
     api = UsdGeom.PrimvarsAPI(mesh)
+    for joint in range(joints):
+        plain = np.where(kept == joint, weights, 0).sum(axis=1)
+        api.CreatePrimvar(f"joint{joint}", Sdf.ValueTypeNames.FloatArray, UsdGeom.Tokens.vertex).Set(plain.tolist())
     for name, kind, values in (("skel:jointIndices", Sdf.ValueTypeNames.IntArray, kept), ("skel:jointWeights", Sdf.ValueTypeNames.FloatArray, weights)):
         api.CreatePrimvar(name, kind, UsdGeom.Tokens.vertex, element_size).Set(values.ravel().tolist())
 

@@ -119,7 +119,7 @@ def test_values_of_points_and_texture_coordinates_are_carried(both):
 
 def test_the_edge_set_goes_on_along_the_centre_and_around_the_fold(both):
     pairs = both.render.subsets["fold"].pairs
-    assert (both.render.cage.edge_ids(pairs) >= 0).all()
+    assert (both.render.topology.edge_ids(pairs) >= 0).all()
     along = both.render.points[pairs].mean(axis=1)
     assert np.abs(along[:, 0] - 2).max() < 0.02
     assert along[:, 2].min() < -0.1, "on the second layer"
@@ -288,7 +288,7 @@ def test_the_coat_keeps_its_attributes(coat):
         written = render.subsets[name]
         assert (written.element_type, written.family, written.material) == (subset.element_type, subset.family, subset.material), name
         if subset.element_type == "edge":
-            assert (render.cage.edge_ids(written.pairs) >= 0).all(), name
+            assert (render.topology.edge_ids(written.pairs) >= 0).all(), name
     assert render.families == source.families
     panels = np.concatenate([s.indices for s in render.subsets.values() if s.family == "panels"])
     assert sorted(panels) == list(range(len(render.counts))), "a partition stays one"

@@ -62,7 +62,7 @@ def test_constraints_are_edge_subsets_named_by_a_relationship(build, tmp_path):
     product = build(sources.write(tmp_path / "coat.usda", finish=author))
     pairs = product.sim.subsets["fold"].pairs
     assert len(pairs) > 0
-    assert (product.sim.cage.edge_ids(pairs) >= 0).all()
+    assert (product.sim.topology.edge_ids(pairs) >= 0).all()
 
 
 @pytest.mark.parametrize(

@@ -20,13 +20,13 @@ def test_panels_are_sewn_as_if_they_were_one_mesh(usdtailor, suit, whole, tmp_pa
         (mesh,), (expected,) = meshes(out, name), meshes(one, name)
         assert abs(mesh.face_areas.sum() / expected.face_areas.sum() - 1) < 1e-3
         # Neck, hem and two arms; a seam that is open would join them or add to them.
-        assert border_loops(mesh.cage) == border_loops(expected.cage) == 4
-        assert (mesh.cage.edge_faces <= 2).all()
+        assert border_loops(mesh.topology) == border_loops(expected.topology) == 4
+        assert (mesh.topology.edge_faces <= 2).all()
         for side in ("front", "back"):
             area, wanted = (m.face_areas[m.subsets[side].indices].sum() for m in (mesh, expected))
             assert abs(area / wanted - 1) < 0.01, (name, side)
         sewn = {tuple(sorted(pair)) for pair in mesh.subsets["sewn"].pairs.tolist()}
-        inner = {tuple(sorted(edge)) for edge, count in zip(mesh.cage.edges.tolist(), mesh.cage.edge_faces) if count == 2}
+        inner = {tuple(sorted(edge)) for edge, count in zip(mesh.topology.edges.tolist(), mesh.topology.edge_faces) if count == 2}
         assert sewn and sewn <= inner
         # Each panel keeps its own UVs and both have the weights along the seam.
         assert len(np.unique(mesh.uv_shells())) == 2
@@ -83,7 +83,7 @@ def test_panels_of_another_handedness_are_turned(usdtailor, suit, tmp_path, fini
     built(usdtailor, suit(), plain, "--all")
     for name in ("sim", "render"):
         (mesh,), (expected,) = meshes(out, name), meshes(plain, name)
-        assert border_loops(mesh.cage) == 4
+        assert border_loops(mesh.topology) == 4
         assert mesh.face_areas.sum() == pytest.approx(expected.face_areas.sum(), rel=1e-3)
         uv, wanted = (np.sign(m.uv_areas()[m.subsets["back"].indices]) for m in (mesh, expected))
         assert len({*uv, *wanted}) == 1
@@ -359,7 +359,7 @@ def test_panels_below_prims_of_their_own_have_products_at_the_common_parent(usdt
     built(usdtailor, path, out, "--all")
     (sim,) = meshes(out, "sim")
     assert sim.points[:, 1].min() == pytest.approx(0, abs=1e-3)
-    assert border_loops(sim.cage) == 4
+    assert border_loops(sim.topology) == 4
 
 
 def test_threads_do_not_change_the_output(usdtailor, suit, tmp_path):

@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-from catmull_clark import Subdivision
-from mesh import border_loops, cage, components, own_material, recipe
+from mesh import Children, border_loops, components, own_material, recipe, starts
 from pxr import UsdGeom
 from surface import distance_to_segments, distance_to_triangles, ragged, triangles_of
 from test_render import no_new_values
@@ -19,41 +18,46 @@ CURVE_LENGTH = 0.10
 
 
 class Baseline:
-    """The surface that the simulation mesh lies on."""
+    """The surface that the simulation mesh lies on: the render mesh of the same level."""
 
-    def __init__(self, source, level=None):
-        self.source = source
-        level = recipe(source.prim, "sim.baselineLevel", 2) if level is None else level
-        self.made = Subdivision(source.cage, level)
-        self.points = self.made.vertex(source.points)
-        self.size = np.linalg.norm(np.ptp(source.points, axis=0))
-        corners, _ = triangles_of(self.made.cage.counts, self.made.cage.verts)
-        self.triangles = self.points[corners]
+    def __init__(self, product, level=None):
+        self.source = product.source
+        self.level = recipe(self.source.prim, "sim.baselineLevel", 2) if level is None else level
+        faces = len(self.source.indices) * 4 ** (self.level - 1) if self.level else len(self.source.counts)
+        is_same = len(product.render.counts) == faces
+        self.mesh = product.render if is_same else product.again("--set", f"render.level={self.level}").render
+        self.children = Children(self.source, self.mesh, self.level)
+        self.size = np.linalg.norm(np.ptp(self.source.points, axis=0))
+        corners, _ = triangles_of(self.mesh.counts, self.mesh.indices)
+        self.triangles = self.mesh.points[corners]
+
+    @property
+    def quads(self):
+        """The corners of each face, from level 1 on."""
+        return self.mesh.points[self.mesh.indices.reshape(-1, 4)]
 
     def curve(self, edges):
         """The segments that edges of the source become."""
-        return self.points[self.made.cage.edges[self.made.edge_children(edges)]]
+        return self.mesh.points[self.mesh.topology.edges[self.children.edges(edges)]]
 
     def face_areas(self):
         """The area of each face of the source, subdivided."""
-        quads = self.points[self.made.cage.verts.reshape(-1, 4)]
-        areas = np.linalg.norm(np.cross(quads[:, 2] - quads[:, 0], quads[:, 3] - quads[:, 1]), axis=1) / 2
-        return np.bincount(self.made.parent_face(), weights=areas, minlength=self.source.cage.face_count)
+        return np.bincount(self.children.parent_face, weights=self.mesh.face_areas)
 
 
 @pytest.fixture
 def baseline(product):
     if not hasattr(product, "baseline"):
-        product.baseline = Baseline(product.source)
+        product.baseline = Baseline(product)
     return product.baseline
 
 
 def is_manifold(mesh):
-    return not mesh.cage.non_manifold_edges().any() and (mesh.cage.fans() <= 1).all()
+    return not mesh.topology.non_manifold_edges().any() and (mesh.topology.fans() <= 1).all()
 
 
 def edge_lengths(mesh):
-    ends = mesh.points[mesh.cage.edges]
+    ends = mesh.points[mesh.topology.edges]
     return np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1)
 
 
@@ -78,8 +82,8 @@ def test_is_a_plain_triangle_mesh(product):
 
 def test_is_manifold_and_wound_one_way(product):
     sim = product.sim
-    assert not sim.cage.non_manifold_edges().any()
-    assert (sim.cage.fans() == 1).all(), "bow-tie vertices"
+    assert not sim.topology.non_manifold_edges().any()
+    assert (sim.topology.fans() == 1).all(), "bow-tie vertices"
     assert len(np.unique(np.sort(sim.indices.reshape(-1, 3), axis=1), axis=0)) == len(sim.counts), "a triangle occurs twice"
 
 
@@ -89,57 +93,62 @@ def test_has_no_degenerate_triangle(product):
     assert (2 * product.sim.face_areas / sides.max(axis=1) > 1e-4 * sides.mean()).all()
 
 
-def corner_coordinates(counts):
-    """Where the corners of faces are in the coordinates of `tailor:sourceCoords`."""
-    places = {3: [(0, 0), (1, 0), (0, 1)], 4: [(0, 0), (1, 0), (1, 1), (0, 1)]}
-    angles = {n: 2 * np.pi * np.arange(n) / n for n in np.unique(counts)}
-    return np.concatenate([places[n] if n in places else np.stack([np.cos(angles[n]), np.sin(angles[n])], axis=1) for n in counts])
-
-
-def fine_faces_at(baseline, faces, coords):
-    """The face of the subdivided source at each place: a face of the source and coordinates in it."""
-    source = baseline.source.cage
-    corners = np.arange(len(source.verts))
-    apart = Subdivision(cage(source.counts, corners, len(corners)), baseline.made.levels)
-    fine = apart.varying(corner_coordinates(source.counts))[apart.cage.verts.reshape(-1, 4)].mean(axis=1)
-    parents = baseline.made.parent_face()
-    order = np.argsort(parents, kind="stable")
-    first, last = np.searchsorted(parents[order], faces), np.searchsorted(parents[order], faces, side="right")
-    owner, step = ragged(last - first)
-    child = order[first[owner] + step]
-    apart = np.linalg.norm(fine[child] - coords[owner], axis=1)
+def fine_faces_at(baseline, faces, points):
+    """The face of the baseline at each point: of the children of the source's face there, that of the nearest centre."""
+    count = baseline.children.face_children[faces]
+    owner, step = ragged(count)
+    child = baseline.children.first_child[faces][owner] + step
+    apart = np.linalg.norm(points[owner] - baseline.mesh.face_centres[child], axis=1)
     ranked = np.lexsort([apart, owner])
-    return child[ranked[np.concatenate([[0], np.cumsum(last - first)[:-1]])]]
+    return child[ranked[starts(count)]]
 
 
 def one_way(mesh):
     """For each face whether those of its piece agree in winding: no two run along an edge the same way."""
-    cage = mesh.cage
-    ways, half = np.unique(np.stack([cage.verts, cage.verts[cage.next_corner]], axis=1), axis=0, return_inverse=True)
+    topology = mesh.topology
+    ways, half = np.unique(np.stack([mesh.indices, mesh.indices[topology.next_corner]], axis=1), axis=0, return_inverse=True)
     doubled = (np.bincount(half.ravel(), minlength=len(ways)) > 1)[half.ravel()]
-    pieces = components(cage, mesh.indices)
-    return ~np.isin(pieces, pieces[cage.corner_face[doubled]])
+    pieces = components(topology, mesh.indices)
+    return ~np.isin(pieces, pieces[topology.corner_face[doubled]])
 
 
 def test_faces_the_way_its_source_does(product, baseline):
     """The normal of each face agrees with those of the source at the places where its corners came from."""
     sim = product.traced.sim
-    faces, coords = (sim.primvars[name].flat for name in ("tailor:sourceFace", "tailor:sourceCoords"))
-    quads = baseline.points[baseline.made.cage.verts.reshape(-1, 4)]
+    faces = sim.primvars["tailor:sourceFace"].flat[:, 0].astype(int)
+    quads = baseline.quads
     normals = unit(np.cross(quads[:, 2] - quads[:, 0], quads[:, 3] - quads[:, 1]))
     corners = sim.indices.reshape(-1, 3)
-    there = normals[fine_faces_at(baseline, faces[:, 0].astype(int), coords)][corners]
+    there = normals[fine_faces_at(baseline, faces, sim.points)][corners]
     points = sim.points[corners]
     agree = (there * unit(np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0]))[:, None]).sum(axis=2)
     # On a fold the corners see either side of it.
     is_smooth = (there * np.roll(there, 1, axis=1)).sum(axis=2).min(axis=1) > 0.5
-    wound = one_way(product.source)[faces[:, 0].astype(int)][corners].all(axis=1)
+    wound = one_way(product.source)[faces][corners].all(axis=1)
     assert not wound.any() or is_smooth[wound].mean() > 0.9
     assert (agree[wound & is_smooth] > 0).all()
     # One that bridges a fold may stand on edge.
     assert (agree[wound & ~is_smooth] > -EDGE_ON).any(axis=1).all()
     # Where the source's faces disagree, the few are turned to the side of the many.
     assert wound.all() or (agree[~wound] > 0).any(axis=1).mean() > 0.9
+
+
+def test_source_coordinates_name_the_place(product, baseline):
+    """On faces of four corners: which child, halving by halving, and where on it under one of its two splits."""
+    sim = product.traced.sim
+    faces = sim.primvars["tailor:sourceFace"].flat[:, 0].astype(int)
+    (s, t), on_quads = sim.primvars["tailor:sourceCoords"].flat.T, baseline.source.counts[faces] == 4
+    child = np.zeros(len(faces), int)
+    for _ in range(baseline.level):
+        right, up = s >= 0.5, t >= 0.5
+        child = 4 * child + np.where(up, np.where(right, 2, 3), right)
+        s, t = 2 * s - right, 2 * t - up
+    a, b, c, d = np.moveaxis(baseline.quads[(baseline.children.first_child[faces] + child)[on_quads]], 1, 0)
+    s, t = s[on_quads, None], t[on_quads, None]
+    first = np.where(s >= t, a + s * (b - a) + t * (c - b), a + t * (d - a) + s * (c - d))
+    second = np.where(s + t <= 1, a + s * (b - a) + t * (d - a), c + (1 - s) * (d - c) + (1 - t) * (b - c))
+    away = np.minimum(*(np.linalg.norm(sim.points[on_quads] - place, axis=1) for place in (first, second)))
+    assert away.max(initial=0) <= ON_SURFACE * baseline.size
 
 
 def test_points_lie_on_the_baseline(product, baseline):
@@ -150,15 +159,15 @@ def test_points_lie_on_the_baseline(product, baseline):
 def test_covers_the_baseline(product, baseline):
     triangles = product.sim.points[product.sim.indices.reshape(-1, 3)]
     reach = edge_lengths(product.sim).max()
-    away = distance_to_triangles(baseline.points[:: max(1, len(baseline.points) // 3000)], triangles, reach)
+    away = distance_to_triangles(baseline.mesh.points[:: max(1, len(baseline.mesh.points) // 3000)], triangles, reach)
     assert np.isfinite(away).all(), f"{np.isinf(away).sum()} samples of the baseline are not covered"
 
 
 def test_has_the_pieces_and_borders_of_its_source(product):
     """Cutting what is not manifold may add borders, and says so."""
     source, sim = product.source, product.sim
-    pieces = [components(mesh.cage, mesh.indices).max() + 1 for mesh in (source, sim)]
-    loops = [border_loops(mesh.cage) for mesh in (source, sim)]
+    pieces = [components(mesh.topology, mesh.indices).max() + 1 for mesh in (source, sim)]
+    loops = [border_loops(mesh.topology) for mesh in (source, sim)]
     if is_manifold(source):
         assert pieces[1] == pieces[0]
         assert loops[1] == loops[0]
@@ -168,7 +177,7 @@ def test_has_the_pieces_and_borders_of_its_source(product):
 
 
 def test_borders_lie_on_the_borders_of_the_baseline(product, baseline):
-    source, sim = product.source.cage, product.sim.cage
+    source, sim = product.source.topology, product.sim.topology
     if not is_manifold(product.source):
         pytest.skip("cuts of what is not manifold are borders too")
     segments = baseline.curve(np.flatnonzero(source.edge_faces == 1))
@@ -236,7 +245,7 @@ def test_uv_cuts_are_where_the_source_has_them(all_shells, baseline):
     name = uv_set(all_shells)
     cuts = all_shells.source.uv_cuts(name)
     segments = baseline.curve(np.flatnonzero(cuts))
-    edges = all_shells.sim.cage.edges[all_shells.sim.uv_cuts(name)]
+    edges = all_shells.sim.topology.edges[all_shells.sim.uv_cuts(name)]
     assert (len(edges) > 0) == (len(segments) > 0)
     if len(edges) == 0:
         return
@@ -285,7 +294,7 @@ def test_subset_indices_are_elements_of_the_mesh(product):
     sizes = {"face": len(product.sim.counts), "point": len(product.sim.points)}
     for name, subset in product.sim.subsets.items():
         if subset.element_type == "edge":
-            assert (product.sim.cage.edge_ids(subset.pairs) >= 0).all(), f"{name} has pairs that are not edges"
+            assert (product.sim.topology.edge_ids(subset.pairs) >= 0).all(), f"{name} has pairs that are not edges"
         else:
             assert len(np.unique(subset.indices)) == len(subset.indices), name
             assert ((subset.indices >= 0) & (subset.indices < sizes[subset.element_type])).all(), name
@@ -307,11 +316,11 @@ def test_face_subsets_keep_their_share_of_the_area(product, baseline):
 def test_edge_subsets_on_chains_keep_their_curves(all_shells, baseline):
     """Sets of borders and UV seams are constraints, so they are carried exactly."""
     source, name = all_shells.source, recipe(all_shells.source.prim, "sim.uvSet", "st")
-    chains = (source.cage.edge_faces == 1) | (source.uv_cuts(name) if name in source.primvars else False)
+    chains = (source.topology.edge_faces == 1) | (source.uv_cuts(name) if name in source.primvars else False)
     for name, subset in source.subsets.items():
         if subset.element_type != "edge" or len(subset.indices) == 0:
             continue
-        edges = source.cage.edge_ids(subset.pairs)
+        edges = source.topology.edge_ids(subset.pairs)
         if not chains[edges].all() or not is_manifold(source):
             continue
         assert name in all_shells.sim.subsets, f"{name} is gone; warnings: {all_shells.warnings}"
@@ -342,7 +351,7 @@ def test_density_makes_triangles_small_where_it_is_painted(garment, built):
     middle = np.median(edge_lengths(product.source))
     sizes = ("--set", f"sim.minEdgeLength={0.5 * middle:g}", "--set", f"sim.maxEdgeLength={2 * middle:g}")
     sim = built(garment, *sizes, "--set", "sim.density=simDensity").sim
-    weight = sim.primvars["simDensity"].rows[:, 0][sim.cage.edges].mean(axis=1)
+    weight = sim.primvars["simDensity"].rows[:, 0][sim.topology.edges].mean(axis=1)
     lengths = edge_lengths(sim)
     dense, sparse = weight > 0.8, weight < 0.4
     if dense.sum() < 20 or sparse.sum() < 20:
@@ -353,6 +362,6 @@ def test_density_makes_triangles_small_where_it_is_painted(garment, built):
 @pytest.mark.parametrize("level", [0, 1])
 def test_baseline_level_is_followed(garment, built, level):
     product = built(garment, "--set", f"sim.baselineLevel={level}")
-    baseline = Baseline(product.source, level)
+    baseline = Baseline(product, level)
     away = distance_to_triangles(product.sim.points, baseline.triangles, reach=ON_SURFACE * baseline.size)
     assert np.isfinite(away).all(), f"{np.isinf(away).sum()} points are off the baseline"

@@ -23,7 +23,8 @@ MODES = ["all", "none", "cornersOnly", "cornersPlus1", "cornersPlus2", "boundari
 # What must hold for a sheet of a dozen faces too; the rest of test_sim measures garments.
 SIM_CHECKS = """
     test_is_a_plain_triangle_mesh test_is_manifold_and_wound_one_way test_has_no_degenerate_triangle
-    test_faces_the_way_its_source_does test_points_lie_on_the_baseline test_has_the_pieces_and_borders_of_its_source
+    test_faces_the_way_its_source_does test_source_coordinates_name_the_place test_points_lie_on_the_baseline
+    test_has_the_pieces_and_borders_of_its_source
     test_uv_triangles_are_not_flipped test_uv_cuts_are_where_the_source_has_them test_vertex_primvars_stay_in_range
     test_joint_influences_add_to_one test_partitions_stay_partitions test_subset_indices_are_elements_of_the_mesh
     test_materials_are_bound_as_before
@@ -37,12 +38,14 @@ LAYER_CHECKS = """
 
 def check(product, *, level=2, sim=True):
     """The checks of the other files on one product."""
-    given = {"product": product, "all_shells": product, "refined": test_render.Refined(product, level), "name": "render"}
+    refined = test_render.Refined(product, level)
+    coarse = refined if level < 2 else test_render.Refined(product.again("--set", "render.level=1"), 1)
+    given = {"product": product, "all_shells": product, "refined": refined, "coarse": coarse, "name": "render"}
     checks = [function for name, function in vars(test_render).items() if name.startswith("test_")]
     checks += [getattr(test_output_layer, name) for name in LAYER_CHECKS]
     checks += [test_accounting.test_render_mesh_carries_every_primvar_and_subset, test_accounting.test_primvar_lengths_match_their_interpolation]
     if sim:
-        given["baseline"] = test_sim.Baseline(product.source)
+        given["baseline"] = test_sim.Baseline(product)
         checks += [getattr(test_sim, name) for name in SIM_CHECKS]
         checks += [
             test_accounting.test_skinned_meshes_stay_bound_to_their_skeleton,
@@ -262,12 +265,11 @@ def points_in_time(mesh):
 
 @pytest.mark.parametrize("time", [1, 3, 5])
 def test_points_at_a_time(make, time):
-    product = make("--time", time, finish=points_in_time)
+    product = make("--time", time, "--set", "render.level=1", finish=points_in_time)
     moved = read_mesh(find_model(product.source_stage), time)
     product.__dict__["source"] = moved
-    refined = test_render.Refined(product, 2)
-    test_render.test_points(refined)
-    test_sim.test_points_lie_on_the_baseline(product, test_sim.Baseline(moved))
+    test_render.test_points_at_the_centres_of_faces_are_means(test_render.Refined(product, 1))
+    test_sim.test_points_lie_on_the_baseline(product, test_sim.Baseline(product))
     for name in ("sim", "render"):
         assert UsdGeom.Mesh(product.prim(name)).GetPointsAttr().GetTimeSamples() == []
 
@@ -320,9 +322,9 @@ def test_composition(build, tmp_path, kind):
 
 def test_variant_and_strongest_opinion_are_those_of_the_stage(build, tmp_path):
     part = sources.write(tmp_path / "part.usda")
-    product = build(compose("variant", part, tmp_path / "whole.usda"))
+    product = build(compose("variant", part, tmp_path / "whole.usda"), "--set", "render.level=1")
     assert np.ptp(product.source.points[:, 0]) == 8, "the wide variant is selected"
-    test_render.test_points(test_render.Refined(product, 2))
+    test_render.test_points_at_the_centres_of_faces_are_means(test_render.Refined(product, 1))
 
 
 @pytest.mark.parametrize("suffix", [".usda", ".usdc", ".usd"])

@@ -4,6 +4,8 @@
 
 #include "mesh.h"
 
+#include <array>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -18,6 +20,8 @@ struct Case {
     Scheme scheme;
     Boundary boundary;
     bool smoothTriangles;
+    /// Sampled faces at levels 1, 2, 3.
+    std::array<int, 3> samples = {40, 20, 14};
 };
 
 using Cases = std::vector<Case>;
@@ -27,5 +31,7 @@ Cases loopCases();
 Cases bilinearCases();
 Cases generatedCases();
 Cases nonManifoldCases();
+/// The cases in a file that garments.py wrote.
+Cases garmentCases(std::filesystem::path const& path);
 
 }  // namespace golden

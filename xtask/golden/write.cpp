@@ -17,9 +17,6 @@ namespace golden {
 
 namespace {
 
-/// Sampled faces at levels 1, 2, 3.
-constexpr std::array<int, kLevels> kSamples = {40, 20, 14};
-
 class Writer {
 public:
     void u8(int v) { bytes_.push_back(static_cast<char>(v)); }
@@ -51,7 +48,8 @@ private:
     std::string bytes_;
 };
 
-void writeLevel(Writer& out, std::array<Refined, kModes> const& modes, std::vector<int> const& slots, int level) {
+void writeLevel(Writer& out, std::array<Refined, kModes> const& modes, std::vector<int> const& slots, int level,
+                int atMost) {
     Refined const& first = modes[0];
     auto const& topology = first.refiner->GetLevel(level);
     auto const uv = [&](int mode, int face, int corner) -> Pair const& {
@@ -83,7 +81,7 @@ void writeLevel(Writer& out, std::array<Refined, kModes> const& modes, std::vect
         for (double x : sum.x) out.f64(x);
     out.f64(sharp);
 
-    int const samples = std::min(faces, kSamples[level - 1]);
+    int const samples = std::min(faces, atMost);
     out.u32(samples);
     for (int n = 0; n < samples; ++n) {
         int const f = static_cast<int>(static_cast<long long>(n) * faces / samples);
@@ -179,7 +177,7 @@ void writeCase(Writer& out, Case const& c) {
     for (auto const& p : m.uvs)
         for (float x : p) out.f32(x);
     for (int i : m.uvIndices) out.u16(i);
-    for (int level = 1; level <= kLevels; ++level) writeLevel(out, modes, slots, level);
+    for (int level = 1; level <= kLevels; ++level) writeLevel(out, modes, slots, level, c.samples[level - 1]);
 }
 
 void writeFamily(std::filesystem::path const& dir, std::string const& name, Cases const& cases) {
@@ -202,13 +200,14 @@ void writeFamily(std::filesystem::path const& dir, std::string const& name, Case
 
 }  // namespace
 
-void data(std::filesystem::path const& dir) {
+void data(std::filesystem::path const& dir, std::filesystem::path const& garments) {
     std::filesystem::create_directories(dir);
     writeFamily(dir, "catmark", catmarkCases());
     writeFamily(dir, "loop", loopCases());
     writeFamily(dir, "bilinear", bilinearCases());
     writeFamily(dir, "generated", generatedCases());
     writeFamily(dir, "nonmanifold", nonManifoldCases());
+    writeFamily(dir, "garments", garmentCases(garments));
 }
 
 }  // namespace golden

@@ -35,7 +35,7 @@
 
 namespace golden {
 
-/// Writes DIR/{catmark,loop,bilinear,generated,nonmanifold}.bin.
-void data(std::filesystem::path const& dir);
+/// Writes DIR/{catmark,loop,bilinear,generated,nonmanifold,garments}.bin; the last from the file `garments`.
+void data(std::filesystem::path const& dir, std::filesystem::path const& garments);
 
 }  // namespace golden

@@ -9,6 +9,9 @@
 //! cargo, not compiled as a crate), or from the installation that `OPENSUBDIV_ROOT` names. CMake and
 //! a C++17 compiler are needed; the ordinary tests need neither, only the committed data.
 //!
+//! Meshes are made in C++, except the garments in `examples`, which `xtask/golden/garments.py` hands over. After a change
+//! of those, the data are to be made again.
+//!
 //! The data hold, for every case, the base mesh and samples of levels 1 to 3 of its uniform
 //! refinement. Little endian, no padding; `str` is a `u16` length and UTF-8 bytes:
 //!
@@ -39,6 +42,7 @@ use std::process::Command;
 
 use crate::process::{self, Failure, Outcome};
 use crate::project::Project;
+use crate::venv;
 
 /// The crate whose package carries the sources of OpenSubdiv.
 const SOURCES: &str = "opensubdiv-petite-sys";
@@ -51,7 +55,11 @@ pub fn run(project: &Project, args: &[String]) -> Outcome {
         ["--out", dir] => PathBuf::from(dir),
         _ => return Err(Failure::new("usage: cargo xtask golden [--out DIR]")),
     };
-    process::run(Command::new(build(project)?).arg(path))
+    let program = build(project)?;
+    let garments = project.target.join("golden/garments");
+    let python = venv::ensure(project)?;
+    process::run(project.command(python).arg("xtask/golden/garments.py").arg(&garments))?;
+    process::run(Command::new(program).arg(path).arg(garments))
 }
 
 /// Builds the generator with CMake in `target/golden` and returns its path.
