@@ -112,9 +112,15 @@ pub fn repair(input: &RepairInput) -> RepairResult {
     let mut trial = Trial::new(input, &normals);
     let reduced = reduce(&mut trial);
     let share = |&state: &State| LEAST_SHARE + (1.0 - LEAST_SHARE) * input.part(state);
-    let shares = reduced.states.iter().map(share).collect();
+    let mut shares: IdVec<VertexId, f32> = reduced.states.iter().map(share).collect();
     let (facing, folded) = turn_to_reference(&mut trial, reduced);
     let facing_ahead = reduce_ahead(&mut trial, facing);
+    // A vertex that a solver has moved keeps its height.
+    for (vertex, state) in facing_ahead.states.enumerated() {
+        if matches!(state, State::Upright | State::Unfitted) {
+            shares[vertex] = LEAST_SHARE;
+        }
+    }
     let best = separate(&mut trial, facing_ahead);
     let faults = remaining(&trial, best, folded);
     RepairResult { points: trial.points, shares, faults }
