@@ -1,7 +1,7 @@
 //! `--variants`: a garment for each variant of a set, in one output.
 
 use super::{Build, usage};
-use crate::error::{Error, ErrorCode};
+use crate::error::{Error, ErrorCode, Warning, Warnings};
 use crate::options::did_you_mean;
 use crate::session::{Input, OpenGarment};
 use crate::usd::Selection;
@@ -39,12 +39,29 @@ pub fn open(build: &Build, file: &Path) -> Result<Vec<Opening>, Error> {
 /// Opens the garments of an input once for each variant of a set.
 pub fn each(set: &str, input: &Input) -> Result<Vec<Opening>, Error> {
     let selected = input.open_all()?;
-    let open_one = |variant: Selection| {
+    let open_one = |variant: Selection| -> Result<Opening, Error> {
         let mut input = input.clone();
         input.read.variants.push(variant.clone());
         Ok(Opening { garments: input.open_all()?, variant: Some(variant) })
     };
-    choices(set, &selected)?.into_iter().map(open_one).collect()
+    let mut openings: Vec<Opening> = Vec::new();
+    let mut without = Warnings::default();
+    let all = choices(set, &selected)?;
+    for variant in all {
+        let Selection { prim, set, choice } = variant.clone();
+        match open_one(variant) {
+            Ok(opening) => openings.push(opening),
+            Err(error) if error.faults.iter().all(|fault| fault.code == ErrorCode::NoMesh) => {
+                without
+                    .push(Warning::not_carried(format!("{prim}{{{set}={choice}}}"), "it has no mesh, so no products"));
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    if let Some(garment) = openings.first_mut().and_then(|opening| opening.garments.first_mut()) {
+        garment.warnings.extend(without);
+    }
+    Ok(openings)
 }
 
 /// Each variant of a set on a prim that has all garments below it.

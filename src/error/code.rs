@@ -20,6 +20,8 @@ pub enum ErrorCode {
     UnreadableFile,
     /// The content of a file cannot be read.
     DamagedFile,
+    /// The content of a file is valid USD that this version cannot read.
+    NotSupported,
     /// The layers of a stage do not compose.
     CompositionFailed,
     /// The output exists already.

@@ -21,6 +21,19 @@ pub enum Interpolation {
     FaceVarying,
 }
 
+impl Interpolation {
+    /// Its name in USD.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Constant => "constant",
+            Self::Uniform => "uniform",
+            Self::Varying => "varying",
+            Self::Vertex => "vertex",
+            Self::FaceVarying => "faceVarying",
+        }
+    }
+}
+
 /// The meaning of a primvar's values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Meaning {

@@ -1,7 +1,7 @@
 //! The UV set that a recipe means where it names none.
 
 use crate::error::{Code, Warning};
-use crate::garment::{Interpolation, Meaning, Mesh, Primvar, PrimvarRole};
+use crate::garment::{Interpolation, Meaning, Mesh, Primvar, PrimvarRole, Values};
 use crate::sim::SimOptions;
 
 /// Names that programs give the first UV set of a mesh: Blender, Maya, 3ds Max and Houdini, Cinema 4D.
@@ -17,9 +17,47 @@ pub fn resolve_uv_set(options: &mut SimOptions, garment: &Mesh) -> Option<Warnin
     }
     let sets: Vec<&Primvar> = garment.primvars.iter().filter(|primvar| primvar.is_uv_set()).collect();
     let usual = || USUAL.iter().find_map(|name| sets.iter().find(|set| set.name == *name));
-    let found = if let [only] = sets[..] { Some(only) } else { usual().copied() };
+    let default = garment.primvar(&options.uv_set);
+    // A set of another use, such as a light map, does not take the place of UVs that cannot be used.
+    let found = match sets[..] {
+        [only] if default.is_none() => Some(only),
+        _ => usual().copied(),
+    };
     options.uv_set = found.map_or_else(String::new, |set| set.name.clone());
-    if found.is_some() { None } else { Some(missing(garment, &sets)) }
+    let is_uvs = |primvar: &&Primvar| {
+        primvar.meaning == Meaning::TextureCoordinate && primvar.interpolation == Interpolation::FaceVarying
+    };
+    let default = default.or_else(|| garment.primvars.iter().find(is_uvs).filter(|_| sets.is_empty()));
+    match (default, found) {
+        (None, Some(_)) => None,
+        (Some(default), found) => Some(unusable(garment, default, found, &sets)),
+        (None, None) => Some(missing(garment, &sets)),
+    }
+}
+
+/// The warning of a primvar with the default name that is no UV set.
+fn unusable(garment: &Mesh, default: &Primvar, found: Option<&Primvar>, sets: &[&Primvar]) -> Warning {
+    let number = match &default.values {
+        Values::F64(_) => "double",
+        Values::F32(_) if default.half => "half",
+        Values::F32(_) => "float",
+        _ => "whole",
+    };
+    let (width, interpolation) = (default.width(), default.interpolation.word());
+    let problem = format!(
+        "primvars:{} has {width} {number} number{} for each element, {interpolation}, so {}",
+        default.name,
+        if width == 1 { "" } else { "s" },
+        found.map_or_else(
+            || "the simulation mesh follows no UV seams".to_owned(),
+            |set| format!("{} gives the UV seams", set.name)
+        )
+    );
+    let names: Vec<&str> = sets.iter().map(|set| set.name.as_str()).collect();
+    let others =
+        if names.is_empty() { String::new() } else { format!(", or name one of {} in sim.uvSet", names.join(", ")) };
+    let remedy = format!("Export it as texCoord2f[] with the interpolation faceVarying{others}");
+    Warning::new(Code::NoUvSet, &garment.prim, problem).remedy(remedy)
 }
 
 fn missing(garment: &Mesh, sets: &[&Primvar]) -> Warning {

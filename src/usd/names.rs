@@ -54,6 +54,9 @@ pub const SUBSET_FAMILY: &str = "subsetFamily:";
 pub const FAMILY_TYPE_SUFFIX: &str = ":familyType";
 /// Name and namespace of material bindings.
 pub const MATERIAL_BINDING: &str = "material:binding";
+pub const POINT_INSTANCER: &str = "PointInstancer";
+/// The relationship of a PointInstancer to what it repeats.
+pub const PROTOTYPES: &str = "prototypes";
 /// How strong a binding is against those below its prim.
 pub const BIND_MATERIAL_AS: &str = "bindMaterialAs";
 /// The family of subsets with materials.

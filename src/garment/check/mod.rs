@@ -40,13 +40,14 @@ pub fn check_garment(mut input: Garment) -> Result<(Mesh, Warnings), Error> {
     let holes = faces::holes(&input.hole_indices, &mesh, found);
     let creases = creases::creases(&input, &mesh, found);
     let corners = creases::corners(&input, &mesh, found);
-    let primvars = primvars::primvars(primvars, &mesh, found);
+    let (primvars, of_primvars) = primvars::primvars(primvars, &mesh, &input.prim, found);
     let subsets = subsets::subsets(subsets, &input.families, &mesh, found);
 
     let Some(topology) = topology.filter(|_| problems.is_empty()) else {
         return Err(problems.into_error(&input.prim));
     };
-    let warnings = surface::warnings(&input.prim, &topology, &input.points);
+    let mut warnings = surface::warnings(&input.prim, &topology, &input.points);
+    warnings.extend(of_primvars);
     let garment = Mesh {
         prim: input.prim,
         points: input.points.into(),

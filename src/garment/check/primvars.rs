@@ -2,17 +2,40 @@
 
 use super::mesh::{Count, Indices, MeshCheck};
 use super::problem::Problems;
-use crate::error::ErrorCode;
+use crate::error::{ErrorCode, Warning, Warnings};
 use crate::garment::{Interpolation, Primvar, PrimvarInput, PrimvarRole, Values};
 use crate::mesh::ValueId;
 use std::collections::HashSet;
 use std::sync::Arc;
 
-/// The primvars, in the order in which they were authored.
-pub(super) fn primvars(inputs: Vec<PrimvarInput>, mesh: &MeshCheck<'_>, problems: &mut Problems) -> Vec<Primvar> {
+/// The primvars, in the order in which they were authored. Warns of normals with faults: no step needs them.
+pub(super) fn primvars(
+    inputs: Vec<PrimvarInput>,
+    mesh: &MeshCheck<'_>,
+    prim: &str,
+    problems: &mut Problems,
+) -> (Vec<Primvar>, Warnings) {
     check_names(&inputs, problems);
-    inputs.into_iter().filter_map(|input| primvar(input, mesh, problems)).collect()
+    let (mut found, mut warnings) = (Vec::new(), Warnings::default());
+    for input in inputs {
+        if input.name != NORMALS {
+            found.extend(primvar(input, mesh, problems));
+            continue;
+        }
+        let (place, mut own) = (format!("{prim}.{}", attribute(&input)), Problems::default());
+        let normals = primvar(input, mesh, &mut own);
+        if own.is_empty() {
+            found.extend(normals);
+        } else {
+            let error = own.into_error(prim);
+            warnings.push(Warning::not_carried(place, &error.faults[0].text));
+        }
+    }
+    (found, warnings)
 }
+
+/// The name of normals among primvars.
+const NORMALS: &str = "normals";
 
 /// Checks that names are unique.
 fn check_names(inputs: &[PrimvarInput], problems: &mut Problems) {
@@ -59,17 +82,6 @@ fn attribute(input: &PrimvarInput) -> String {
     match input.role {
         PrimvarRole::Primvar => format!("primvars:{}", input.name),
         PrimvarRole::Normals | PrimvarRole::BlendShape { .. } => input.name.clone(),
-    }
-}
-
-/// The token of an interpolation.
-fn token(interpolation: Interpolation) -> &'static str {
-    match interpolation {
-        Interpolation::Constant => "constant",
-        Interpolation::Uniform => "uniform",
-        Interpolation::Varying => "varying",
-        Interpolation::Vertex => "vertex",
-        Interpolation::FaceVarying => "faceVarying",
     }
 }
 
@@ -147,35 +159,28 @@ where
 /// Checks that there is one row for each element.
 fn check_rows(input: &PrimvarInput, rows: usize, element_size: usize, mesh: &MeshCheck<'_>, problems: &mut Problems) {
     let Some(elements) = mesh.elements(input.interpolation).filter(|&n| n != rows) else { return };
-    let (token, carrier) = (token(input.interpolation), carrier(input.interpolation));
+    let (token, carrier) = (input.interpolation.word(), carrier(input.interpolation));
     let (found, needed) = (Count(rows * element_size, "value"), elements * element_size);
     let fault = format_args!(
         "holds {found}, but {token} interpolation needs {needed}: {element_size} for each of {}",
         Count(elements, carrier)
     );
     let attribute = attribute(input);
-    match fitting(rows, mesh) {
-        Some(other) => {
-            problems.add(
-                ErrorCode::ValueCount,
-                &attribute,
-                fault,
-                format_args!("give {needed} values, or set interpolation to {other}"),
-            );
+    let size = rows / elements.max(1);
+    let other = match fitting(rows, mesh) {
+        Some(other) => format!("set interpolation to {other}"),
+        None if size > 1 && rows == size * elements => {
+            format!("set elementSize to {}, as {rows} are {size} x {elements}", size * element_size)
         }
-        None => problems.add(
-            ErrorCode::ValueCount,
-            &attribute,
-            fault,
-            format_args!("give {needed} values, or correct the interpolation"),
-        ),
-    }
+        None => "correct the interpolation".to_owned(),
+    };
+    problems.add(ErrorCode::ValueCount, &attribute, fault, format_args!("give {needed} values, or {other}"));
 }
 
 /// The interpolation that `rows` rows fit.
 fn fitting(rows: usize, mesh: &MeshCheck<'_>) -> Option<&'static str> {
     let all = [Interpolation::Vertex, Interpolation::FaceVarying, Interpolation::Uniform];
-    all.into_iter().find(|&i| mesh.elements(i) == Some(rows)).map(token)
+    all.into_iter().find(|&i| mesh.elements(i) == Some(rows)).map(Interpolation::word)
 }
 
 /// The row of each element.
@@ -189,15 +194,12 @@ fn row_indices(
     let attribute = format!("{}:indices", attribute(input));
     let interpolation = input.interpolation;
     if let Some(elements) = mesh.elements(interpolation).filter(|&n| n != indices.len()) {
-        let (token, carrier) = (token(interpolation), carrier(interpolation));
+        let (token, carrier) = (interpolation.word(), carrier(interpolation));
         let found = Count(indices.len(), "index");
         let fault = format_args!("holds {found}, but {token} interpolation needs {elements}, one for each {carrier}");
-        problems.add(
-            ErrorCode::ValueCount,
-            &attribute,
-            fault,
-            format_args!("give {elements} indices, or correct the interpolation"),
-        );
+        let other = fitting(indices.len(), mesh).map(|other| format!("set interpolation to {other}"));
+        let other = other.unwrap_or_else(|| "correct the interpolation".to_owned());
+        problems.add(ErrorCode::ValueCount, &attribute, fault, format_args!("give {elements} indices, or {other}"));
     }
     let values = Indices { attribute: &attribute, kind: "value", count: Some(rows) };
     let handles: Vec<Option<ValueId>> = values.handles(indices, |e| mesh.element(interpolation, e), problems);

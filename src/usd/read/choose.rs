@@ -1,10 +1,11 @@
 //! Choosing the mesh to work on.
 
 use super::diagnostics::{in_words, recipe_of};
-use super::query::{OrUnreadable, is_a, is_product, prim_at};
+use super::query::{OrUnreadable, is_a, is_product, prim_at, value};
 use super::{ReadOptions, variants};
 use crate::error::{Error, ErrorCode};
 use crate::usd::names;
+use crate::usd::values::text;
 use openusd::sdf;
 use openusd::usd::{Prim, PrimPredicate, Stage};
 use std::path::Path;
@@ -94,7 +95,12 @@ fn without_products(stage: &Stage, meshes: &[sdf::Path]) -> Result<Vec<sdf::Path
 
 fn only_mesh(stage: &Stage, file: &Path) -> Result<Prim, Error> {
     let all = all_meshes(stage, file)?;
-    match without_products(stage, &all)?.as_slice() {
+    let mut garments = without_products(stage, &all)?;
+    if garments.len() > 1 {
+        let repeated = prototypes(stage, file)?;
+        garments.retain(|path| !repeated.iter().any(|root| path.has_prefix(root)));
+    }
+    match garments.as_slice() {
         [one] => prim_at(stage, one),
         [] if !all.is_empty() => {
             Err(Error::usd(format!("{} holds no mesh but products of usd-tailor", file.display()))
@@ -190,6 +196,45 @@ fn check_depth(path: &sdf::Path, file: &Path) -> Result<(), Error> {
             .remedy("open a file in which the garment is nearer to the root"));
     }
     Ok(())
+}
+
+/// A path and those above it, up to the root prim.
+pub fn with_ancestors(path: &sdf::Path) -> impl Iterator<Item = sdf::Path> {
+    std::iter::once(path.clone()).chain(path.strict_ancestors_below_root())
+}
+
+/// The purpose of a prim: its own, or that of the nearest prim above with one.
+pub fn purpose_of(prim: &Prim) -> Result<Option<String>, Error> {
+    for path in with_ancestors(prim.path()) {
+        let own = value(&prim_at(prim.stage(), &path)?, names::PURPOSE, None).ok().flatten();
+        if let Some(purpose) = own.as_ref().and_then(text) {
+            return Ok(Some(purpose.to_owned()));
+        }
+    }
+    Ok(None)
+}
+
+/// The prims that PointInstancers repeat: those that they name, and all that is below them.
+pub fn prototypes(stage: &Stage, file: &Path) -> Result<Vec<sdf::Path>, Error> {
+    let mut found = Vec::new();
+    for path in all_prims(stage, file, PrimPredicate::DEFAULT, false)? {
+        let prim = prim_at(stage, &path)?;
+        if is_a(&prim, names::POINT_INSTANCER)? {
+            found.extend(prim.relationship(names::PROTOTYPES).targets().or_unreadable(&path)?);
+            found.push(path);
+        }
+    }
+    Ok(found)
+}
+
+/// The PointInstancer that a prim is below.
+pub fn instancer_of(prim: &Prim) -> Result<Option<sdf::Path>, Error> {
+    for path in with_ancestors(prim.path()) {
+        if is_a(&prim_at(prim.stage(), &path)?, names::POINT_INSTANCER)? {
+            return Ok(Some(path));
+        }
+    }
+    Ok(None)
 }
 
 pub fn list(paths: &[sdf::Path]) -> String {

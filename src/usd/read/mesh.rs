@@ -1,11 +1,14 @@
 //! Reading the mesh: points, topology, subdivision, subsets, and what varies over it.
 
 use super::primvars::{Declarations, read_normals, read_primvars};
-use super::query::{OrUnreadable, known, prim_name, property_names, subset_prims, text_value, value};
+use super::query::{
+    OrUnreadable, interpolation, known, prim_name, primvar_names, property_names, subset_prims, text_value, value,
+};
 use super::shapes::read_shapes;
+use super::skin::check_joints;
 use super::space::{space, transforms, units, uv_scales};
-use crate::error::{Error, ErrorCode, Warning, Warnings};
-use crate::garment::{Family, Garment, Scheme, SubdivisionRules, SubsetInput};
+use crate::error::{Code, Error, ErrorCode, Warning, Warnings};
+use crate::garment::{Family, Garment, Interpolation, Scheme, SubdivisionRules, SubsetInput};
 use crate::usd::names::{self, UsdToken};
 use glam::Vec3;
 use openusd::sdf::Value;
@@ -23,7 +26,7 @@ const ELEMENT_TYPES: &[&str] = &["face", "edge", "point"];
 pub fn read_mesh(prim: &Prim, time: Option<TimeCode>) -> Result<((Garment, Declarations), Warnings), Error> {
     let ints = |name| required_or_empty(prim, name, time, false, int_array);
     let floats = |name| required_or_empty(prim, name, time, false, float_array);
-    let mut warnings = Warnings::from_iter(animation(prim, time)?);
+    let mut warnings = Warnings::from_iter(motion(prim, names::POINTS, time)?);
     let mut declarations = Declarations::default();
     let mut mesh = Garment {
         prim: prim.path().as_str().to_owned(),
@@ -51,6 +54,8 @@ pub fn read_mesh(prim: &Prim, time: Option<TimeCode>) -> Result<((Garment, Decla
         subsets: warnings.absorb(subsets(prim, time)?),
         families: families(prim)?,
     };
+    check_joints(prim, &mesh.primvars, time)?;
+    warnings.extend(constant_uvs(prim, &mesh, time)?);
     let (shapes, offsets) = warnings.absorb(read_shapes(prim, time, mesh.points.len())?);
     declarations.shapes = shapes;
     mesh.primvars.extend(offsets);
@@ -62,11 +67,35 @@ pub fn read_mesh(prim: &Prim, time: Option<TimeCode>) -> Result<((Garment, Decla
     Ok(((mesh, declarations), warnings))
 }
 
-/// The warning of animated points, as products are built at one time.
-fn animation(prim: &Prim, time: Option<TimeCode>) -> Result<Option<Warning>, Error> {
-    let times = prim.attribute(names::POINTS).time_sample_times().or_unreadable(prim.path())?;
+/// Warnings of arrays of UVs that their interpolation gives to the mesh as a whole.
+fn constant_uvs(prim: &Prim, mesh: &Garment, time: Option<TimeCode>) -> Result<Warnings, Error> {
+    let elements = [(mesh.face_vertex_indices.len(), "faceVarying"), (mesh.points.len(), "vertex")];
+    let mut warnings = Warnings::default();
+    for name in primvar_names(prim)? {
+        let property = format!("{}{name}", names::PRIMVARS);
+        if interpolation(prim, &property)? != Interpolation::Constant {
+            continue;
+        }
+        let indices = value(prim, &format!("{property}{}", names::INDICES_SUFFIX), time).ok().flatten();
+        let count = match (indices, value(prim, &property, time).ok().flatten()) {
+            (Some(Value::IntVec(indices)), Some(Value::Vec2fVec(_))) => indices.len(),
+            (None, Some(Value::Vec2fVec(values))) => values.len(),
+            _ => continue,
+        };
+        if let Some((_, kind)) = elements.iter().find(|(elements, _)| *elements == count) {
+            let problem = format!("its interpolation is constant, so its {count} values are no UVs of the mesh");
+            let place = format!("{}.{property}", prim.path());
+            warnings.push(Warning::new(Code::NoUvSet, place, problem).remedy(format!("Set interpolation to {kind}")));
+        }
+    }
+    Ok(warnings)
+}
+
+/// The warning of an animated attribute, as products are built at one time.
+pub fn motion(prim: &Prim, name: &str, time: Option<TimeCode>) -> Result<Option<Warning>, Error> {
+    let times = prim.attribute(name).time_sample_times().or_unreadable(prim.path())?;
     let at = time.map_or_else(|| "the default time".to_owned(), |t| format!("time {}", t.value()));
-    let place = format!("the motion of {}.points over {} times", prim.path(), times.len());
+    let place = format!("the motion of {}.{name} over {} times", prim.path(), times.len());
     let why = format!("both meshes are built at {at}; the model keeps it");
     Ok((times.len() > 1).then(|| Warning::not_carried(place, why)))
 }

@@ -13,6 +13,7 @@ mod primvars;
 mod query;
 mod recipe;
 mod shapes;
+mod skin;
 mod source;
 mod space;
 mod variants;

@@ -1,5 +1,6 @@
 //! The parts of the model and its surroundings that the writer needs.
 
+use super::choose::{instancer_of, purpose_of};
 use super::origin::{StageOrigin, first_used, package_file};
 use super::primvars::Declarations;
 use super::query::{OrUnreadable, interpolation, prim_at, prim_name, product_of, property_names, subset_prims};
@@ -19,6 +20,10 @@ use std::path::{Path, PathBuf};
 /// The model and its surroundings, free of the stage.
 #[derive(Clone, Debug)]
 pub struct Model {
+    /// The model's purpose, its own or from above.
+    pub purpose: Option<String>,
+    /// The PointInstancer that repeats it.
+    pub instancer: Option<sdf::Path>,
     /// The model's path; that of the first of several panels.
     pub path: sdf::Path,
     /// The meshes that it consists of: itself, or the panels that are sewn together.
@@ -159,6 +164,8 @@ impl Model {
         has_normals: bool,
     ) -> Result<(Self, Warnings), Error> {
         let mut model = Self {
+            purpose: purpose_of(prim)?,
+            instancer: instancer_of(prim)?,
             path: prim.path().clone(),
             panels: vec![prim.path().clone()],
             sewing: Sewing::default(),
@@ -176,6 +183,10 @@ impl Model {
         };
         model.siblings = siblings(prim.stage(), &model)?;
         let mut warnings = Warnings::default();
+        if let Some(instancer) = &model.instancer {
+            let why = format!("{instancer} repeats it; its instances show the garment and keep its purpose");
+            warnings.push(Warning::not_carried(format!("the instances of {}", prim.path()), why));
+        }
         for name in property_names(prim)? {
             if !(has_normals && name == names::NORMALS) {
                 warnings.extend(model.take_property(prim, &name));

@@ -1,5 +1,6 @@
 //! Reading primvars and normals: values that vary over the mesh, and how their properties are declared.
 
+use super::mesh::motion;
 use super::query::{OrUnreadable, interpolation, primvar_names, value};
 use super::shapes::BlendShape;
 use crate::error::{Error, ErrorCode, Warning, Warnings};
@@ -40,8 +41,15 @@ pub fn read_primvars(
             continue;
         }
         match read_primvar(prim, &name, interpolation, time, declarations) {
-            Ok(primvar) => found.extend(primvar),
-            Err(e) => warnings.push(Warning::unread(format!("primvars:{name}"), &e)),
+            Ok(Some(primvar)) if primvar.values.is_empty() => {
+                let place = format!("{}.{property}", prim.path());
+                warnings.push(Warning::not_carried(place, "it has no values; it stays on the model"));
+            }
+            Ok(primvar) => {
+                found.extend(primvar);
+                warnings.extend(motion(prim, &property, time)?);
+            }
+            Err(e) => warnings.push(Warning::unread(format!("{}.{property}", prim.path()), &e)),
         }
     }
     Ok((found, warnings))
@@ -134,6 +142,8 @@ fn indices(prim: &Prim, property: &str, time: Option<TimeCode>) -> Result<Option
     match value(prim, &format!("{property}{}", names::INDICES_SUFFIX), time)? {
         None => Ok(None),
         Some(Value::IntVec(v)) => Ok(Some(v)),
-        Some(_) => Err(Error::usd("its indices are not of type int[]").code(ErrorCode::AttributeType)),
+        Some(_) => Err(Error::usd("its indices are not of type int[]")
+            .code(ErrorCode::AttributeType)
+            .remedy(format!("Declare {property}{} as int[]", names::INDICES_SUFFIX))),
     }
 }

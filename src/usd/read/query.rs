@@ -103,7 +103,7 @@ pub fn known<T: UsdToken>(token: &Value, place: &str) -> Result<T, Error> {
 /// The value of an attribute at `time`, or its default; none where nothing is authored or the value is blocked.
 ///
 /// # Errors
-/// A value that cannot be read, and, without a time, an attribute that has time samples only.
+/// A value that cannot be read, and, without a time, an attribute that has several time samples and no default.
 pub fn value(prim: &Prim, name: &str, time: Option<TimeCode>) -> Result<Option<Value>, Error> {
     let attribute = prim.attribute(name);
     match attribute.get_at::<Value>(time).or_unreadable(attribute.path())? {
@@ -113,6 +113,11 @@ pub fn value(prim: &Prim, name: &str, time: Option<TimeCode>) -> Result<Option<V
     }
     match attribute.time_sample_times().or_unreadable(attribute.path())?.as_slice() {
         [] => Ok(None),
+        // It holds at all times.
+        [only] => {
+            let value = attribute.get_at::<Value>(Some(TimeCode::new(*only))).or_unreadable(attribute.path())?;
+            Ok(value.filter(|value| !value.is_value_block()))
+        }
         times @ [first, ..] => {
             Err(Error::usd(format!("{} has values at {} times and no default", attribute.path(), times.len()))
                 .code(ErrorCode::NoDefaultValue)

@@ -8,6 +8,9 @@ use openusd::sdf::{self, Value};
 use openusd::usd::{Prim, TimeCode};
 use serde_json::{Map, Value as Json, json};
 
+/// Parts of the name of an option. Nested options are handled level by level.
+const MOST_PARTS: usize = 100;
+
 /// The options of a mesh: its own, and weaker ones of the prims that it is in, the nearest first.
 ///
 /// # Errors
@@ -41,6 +44,11 @@ fn options_of(prim: &Prim, mesh: &Prim, time: Option<TimeCode>) -> Result<Map<St
     let mut recipe = Map::new();
     for name in property_names(prim)? {
         let Some(key) = name.strip_prefix(names::RECIPE).filter(|_| !names::is_produced(&name)) else { continue };
+        if key.matches(':').count() > MOST_PARTS {
+            let start: String = name.chars().take(60).collect();
+            let problem = format!("{}.{start}...: the name has more than {MOST_PARTS} parts", prim.path());
+            return Err(Error::usd(problem).code(ErrorCode::RecipeAttribute).remedy("give it a shorter name"));
+        }
         let kind = prim.prim_index().property_type(name.as_str()).or_unreadable(prim.path())?;
         let value = match kind {
             Some(sdf::SpecType::Relationship) => targets(prim, mesh, &name)?,

@@ -204,11 +204,12 @@ fn compose(
             }
         }
     }
-    for garment in garments.iter().filter(|_| options.model_guide) {
+    // A guide that a PointInstancer repeats would take all instances along.
+    for garment in garments.iter().filter(|g| options.model_guide && g.source.model.instancer.is_none()) {
         // Outside of variants, where it is stronger than what the input says.
         let model = &garment.source.model;
         let mut author = Author { data: &mut data, model, anchor: frame.anchor, is_overlay: !frame.flatten, sets };
-        author.model_purpose(ProductRole::Sim.purpose()).map_err(fault)?;
+        author.model_purpose(ProductRole::Sim.purpose(None)).map_err(fault)?;
     }
     if let Some(record) = &options.record {
         record.author(&mut data)?;

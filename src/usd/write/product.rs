@@ -191,7 +191,7 @@ impl Author<'_> {
         let corners = faces.corners().as_slice().iter().map(|v| v.index() as i32).collect();
         self.ints(prim, names::FACE_VERTEX_INDICES, corners)?;
         self.token(prim, names::ORIENTATION, mesh.orientation.token())?;
-        self.token(prim, names::PURPOSE, role.purpose())?;
+        self.token(prim, names::PURPOSE, role.purpose(self.model.purpose.as_deref()))?;
         match role {
             ProductRole::Sim => self.token(prim, names::SUBDIVISION_SCHEME, "none")?,
             ProductRole::Render => {

@@ -22,11 +22,12 @@ impl ProductRole {
         }
     }
 
-    /// Its `purpose`.
-    pub fn purpose(self) -> &'static str {
-        match self {
-            Self::Sim => "guide",
-            Self::Render => "default",
+    /// Its `purpose`, where the model has one. A mesh of the purpose `render` has a proxy that is drawn in its place.
+    pub fn purpose(self, of_model: Option<&str>) -> &'static str {
+        match (self, of_model) {
+            (Self::Sim, _) => "guide",
+            (Self::Render, Some("render")) => "render",
+            (Self::Render, _) => "default",
         }
     }
 

@@ -1,14 +1,13 @@
 //! Choosing the meshes that are garments.
 
-use super::exclude::{Exclusions, with_ancestors};
-use crate::error::{Error, ErrorCode};
+use super::exclude::Exclusions;
+use crate::error::{Error, ErrorCode, Warning, Warnings};
 use crate::usd::names;
-use crate::usd::read::choose::{all_meshes, all_prims, check_instance, list};
+use crate::usd::read::choose::{all_meshes, all_prims, check_instance, list, prototypes, purpose_of, with_ancestors};
 use crate::usd::read::query::{OrUnreadable, is_a, is_product, made_from, prim_at, value};
 use crate::usd::read::source::ReadOptions;
-use crate::usd::values::text;
-use openusd::sdf::Path;
-use openusd::usd::{PrimPredicate, Stage};
+use openusd::sdf::{Path, Value};
+use openusd::usd::{Prim, PrimPredicate, Stage};
 use std::collections::HashSet;
 use std::path::Path as FilePath;
 
@@ -19,7 +18,7 @@ const MAX_MESHES: usize = 2000;
 ///
 /// # Errors
 /// No mesh or too many, a mesh inside an instance, and a pattern that matches no prim.
-pub fn meshes(stage: &Stage, file: &FilePath, options: &ReadOptions) -> Result<Option<Vec<Path>>, Error> {
+pub fn meshes(stage: &Stage, file: &FilePath, options: &ReadOptions) -> Result<Option<(Vec<Path>, Warnings)>, Error> {
     let root = match &options.prim {
         None => Path::abs_root(),
         Some(prim) => match Path::new(prim.as_str()).ok().filter(|p| p.is_abs() && p.is_prim_path()) {
@@ -34,10 +33,20 @@ pub fn meshes(stage: &Stage, file: &FilePath, options: &ReadOptions) -> Result<O
     }
     let excluded = Exclusions::new(stage, file, &options.exclude)?;
     let models = models(stage, file)?;
-    let mut found = Vec::new();
+    let repeated = prototypes(stage, file)?;
+    let (mut found, mut warnings) = (Vec::new(), Warnings::default());
     for path in &below {
-        if !excluded.holds(path) && (models.contains(path) || !is_other(stage, path)?) {
-            check_instance(&prim_at(stage, path)?)?;
+        if excluded.holds(path) || (!models.contains(path) && is_other(stage, path)?) {
+            continue;
+        }
+        let prim = prim_at(stage, path)?;
+        if let Err(error) = check_instance(&prim) {
+            warnings.push(left_out(path, &error.faults[0].text));
+        } else if let Some(root) = repeated.iter().find(|root| path.has_prefix(root)) {
+            warnings.push(left_out(path, &format!("it is of {root}, which a PointInstancer repeats")));
+        } else if has_no_faces(&prim) {
+            warnings.push(left_out(path, "it has no faces"));
+        } else {
             found.push(path.clone());
         }
     }
@@ -48,11 +57,19 @@ pub fn meshes(stage: &Stage, file: &FilePath, options: &ReadOptions) -> Result<O
                 "garments are meshes that are not products, of purpose guide or proxy, or excluded; the meshes are: {}",
                 list(&below)
             ))),
-        1..=MAX_MESHES => Ok(Some(found)),
+        1..=MAX_MESHES => Ok(Some((found, warnings))),
         count => Err(Error::usd(format!("{} holds {count} meshes, more than {MAX_MESHES}", file.display()))
             .code(ErrorCode::SeveralMeshes)
             .remedy("name the prim of one garment by --prim, or leave meshes out by --exclude")),
     }
+}
+
+fn left_out(path: &Path, why: &str) -> Warning {
+    Warning::not_carried(path, format!("{why}; it is no garment")).remedy("Leave it out by --exclude")
+}
+
+fn has_no_faces(prim: &Prim) -> bool {
+    matches!(value(prim, names::FACE_VERTEX_COUNTS, None), Ok(Some(Value::IntVec(counts))) if counts.is_empty())
 }
 
 /// Whether a prim of the stage is not a mesh itself.
@@ -70,19 +87,12 @@ fn models(stage: &Stage, file: &FilePath) -> Result<HashSet<Path>, Error> {
     Ok(found)
 }
 
-/// Whether a mesh is a product, or below one, or is for something else than rendering. A prim without a purpose has that of the
-/// prim above it.
+/// Whether a mesh is a product, or below one, or is for something else than rendering.
 fn is_other(stage: &Stage, path: &Path) -> Result<bool, Error> {
-    let mut purpose: Option<String> = None;
     for path in with_ancestors(path) {
-        let prim = prim_at(stage, &path)?;
-        if is_product(&prim)? {
+        if is_product(&prim_at(stage, &path)?)? {
             return Ok(true);
         }
-        if purpose.is_none() {
-            let own = value(&prim, names::PURPOSE, None).ok().flatten();
-            purpose = own.as_ref().and_then(text).map(str::to_owned);
-        }
     }
-    Ok(matches!(purpose.as_deref(), Some("guide" | "proxy")))
+    Ok(matches!(purpose_of(&prim_at(stage, path)?)?.as_deref(), Some("guide" | "proxy")))
 }

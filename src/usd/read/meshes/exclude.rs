@@ -1,6 +1,7 @@
 //! Meshes that are left out: by name, path or pattern, or by a collection of the stage (`UsdCollectionAPI`).
 
 use crate::error::{Error, ErrorCode};
+use crate::usd::read::choose::with_ancestors;
 use crate::usd::read::choose::{all_meshes, list};
 use crate::usd::read::query::{OrUnreadable, prim_at, text_value};
 use openusd::sdf::Path;
@@ -128,11 +129,6 @@ impl Collection {
             None => rules.flatten().next() == Some(&Membership::Expanded),
         }
     }
-}
-
-/// A path and those above it, up to the root prim.
-pub fn with_ancestors(path: &Path) -> impl Iterator<Item = Path> {
-    std::iter::once(path.clone()).chain(path.strict_ancestors_below_root())
 }
 
 /// Whether a pattern matches the path or the name of a prim, or of one above it.

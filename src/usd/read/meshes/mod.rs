@@ -75,7 +75,7 @@ fn open(origin: StageOrigin, options: &ReadOptions) -> Result<Vec<Source>, Error
         return Err(fault.code(ErrorCode::CommandLine).remedy("give a share of the mean edge length, such as 0.001"));
     }
     let stage = origin.open()?;
-    let Some(paths) = choose::meshes(&stage, &origin.file, options)? else {
+    let Some((paths, left_out)) = choose::meshes(&stage, &origin.file, options)? else {
         return Ok(vec![Source::of_stage(&stage, origin, options)?]);
     };
     let time = options.time.map(TimeCode::new);
@@ -87,6 +87,7 @@ fn open(origin: StageOrigin, options: &ReadOptions) -> Result<Vec<Source>, Error
         1 => Seams { garments: vec![vec![0]], ..Seams::default() },
         _ => seams(&sources, tolerance)?,
     };
+    sources[0].warnings.extend(left_out);
     for unsewn in &seams.unsewn {
         let warning = unsewn_borders(unsewn, &sources, tolerance);
         sources[unsewn.panels[0]].warnings.push(warning);

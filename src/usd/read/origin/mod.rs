@@ -3,6 +3,7 @@
 mod composition;
 mod dependencies;
 mod resolver;
+mod text;
 
 pub use dependencies::{first_used, without_arguments};
 pub use resolver::{Files, package_file};
@@ -45,6 +46,14 @@ impl StageOrigin {
             None => open_file(&self.file, &self.variants),
         }
     }
+}
+
+/// Signs in the library's words of what only newer versions of USD have: edits of arrays, splines, later crates.
+const NEWER: [&str; 3] = ["= edit [", "field \"spline\"", "version mismatch"];
+
+/// Whether a file begins with the byte order mark of UTF-8.
+fn starts_with_mark(file: &Path) -> bool {
+    read(file).is_ok_and(|bytes| bytes.starts_with("\u{feff}".as_bytes()))
 }
 
 /// Identifier of the layer in memory. It names no file, so that relative paths are not resolved.
@@ -148,10 +157,19 @@ fn open_file(file: &Path, variants: &[Selection]) -> Result<Stage, Error> {
         // The text reader admits letters beyond ASCII in names of prims only.
         let beyond_ascii = words.contains("Logos") && read(file).is_ok_and(|b| !b.is_ascii());
         let words = words.trim_start_matches("error: ").trim_end();
-        Error::usd(format!("{shown} cannot be read as USD: {words}")).remedy(if beyond_ascii {
-            "property names with letters beyond ASCII are read from .usdc only; convert the file to .usdc"
-        } else {
-            "the file is damaged, or is another format under this name; export it again"
-        })
+        let newer = NEWER.iter().any(|sign| words.contains(sign));
+        let fault = Error::usd(format!("{shown} cannot be read as USD: {words}"));
+        match () {
+            () if starts_with_mark(file) => {
+                fault.remedy("it begins with a byte order mark, which USD does not have; save it as UTF-8 without one")
+            }
+            () if newer => fault.code(ErrorCode::NotSupported).remedy(
+                "it has values of a newer version of USD; write it without them, for example by `usdcat --flatten`",
+            ),
+            () if beyond_ascii => fault
+                .code(ErrorCode::NotSupported)
+                .remedy("property names with letters beyond ASCII are read from .usdc only; convert the file to .usdc"),
+            () => fault.remedy("the file is damaged, or is another format under this name; export it again"),
+        }
     })
 }

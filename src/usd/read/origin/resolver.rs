@@ -1,11 +1,13 @@
 //! Finding and opening the files of a stage.
 
+use super::text::readable;
 use crate::files::require_file;
 use crate::usd::assets::{normalized, same_file};
 use openusd::ar::{self, DefaultResolver, ResolvedPath, Resolver};
 use std::borrow::Cow;
 use std::io::{self, Cursor, Read, Seek};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Begin of a layer that is text.
 const TEXT: &[u8] = b"#usda";
@@ -53,7 +55,10 @@ impl Resolver for Files {
         }
         let text = asset.read_all()?;
         check_levels(&text)?;
-        Ok(Box::new(Cursor::new(text)))
+        Ok(match readable(&text) {
+            Cow::Borrowed(_) => Box::new(Cursor::new(text)),
+            Cow::Owned(text) => Box::new(Cursor::new(ar::AssetBuffer::from(Arc::<[u8]>::from(text)))),
+        })
     }
 
     fn is_context_dependent_path(&self, asset_path: &str) -> bool {

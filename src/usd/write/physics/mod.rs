@@ -344,7 +344,7 @@ impl Author<'_> {
         self.ints(&path, names::FACE_VERTEX_INDICES, corners)?;
         self.ints(&path, names::FACE_VERTEX_COUNTS, vec![3; rest.triangles.len()])?;
         self.token(&path, names::SUBDIVISION_SCHEME, "none")?;
-        self.token(&path, names::PURPOSE, ProductRole::Sim.purpose())?;
+        self.token(&path, names::PURPOSE, ProductRole::Sim.purpose(None))?;
         let extent = Value::Vec3fVec(super::product::extent(&rest.points));
         self.attribute(&path, names::EXTENT, ValueTypeName::FLOAT3_ARRAY, Variability::Varying, extent)
     }

@@ -1,0 +1,207 @@
+//! Text layers in the words that the USD library reads.
+//!
+//! OpenUSD's text files may have numbers such as `.5` and `1.`, comments after `//`, the old word `config`, and `yes` and
+//! `no`. The library calls such files damaged. Lines keep their numbers.
+
+use std::borrow::Cow;
+
+/// Versions of text layers begin with this.
+const VERSION: &[u8] = b"#usda 1.";
+
+/// The text in words that the library reads.
+pub fn readable(text: &[u8]) -> Cow<'_, [u8]> {
+    let mut scanner = Scanner { text, at: 0, copied: 0, out: Vec::new(), last: b'\n', begins: true };
+    scanner.version();
+    while let Some(&byte) = text.get(scanner.at) {
+        scanner.step(byte);
+    }
+    if scanner.copied == 0 {
+        return Cow::Borrowed(text);
+    }
+    scanner.out.extend_from_slice(&text[scanner.copied..]);
+    Cow::Owned(scanner.out)
+}
+
+/// Reads a text once, and copies what changes.
+struct Scanner<'a> {
+    text: &'a [u8],
+    at: usize,
+    /// The text up to here is in `out`.
+    copied: usize,
+    out: Vec<u8>,
+    /// The last byte that is neither a space nor in a comment.
+    last: u8,
+    /// Whether only spaces are before, on this line.
+    begins: bool,
+}
+
+impl Scanner<'_> {
+    fn rest(&self) -> &[u8] {
+        &self.text[self.at..]
+    }
+
+    fn peek(&self, ahead: usize) -> u8 {
+        self.text.get(self.at + ahead).copied().unwrap_or_default()
+    }
+
+    /// Replaces the next `len` bytes, and goes behind them.
+    fn replace(&mut self, len: usize, by: &[u8]) {
+        self.out.extend_from_slice(&self.text[self.copied..self.at]);
+        self.out.extend_from_slice(by);
+        self.at += len;
+        self.copied = self.at;
+    }
+
+    /// Goes behind the next `end` after `skipped` bytes, or to the end of the text.
+    fn skip_to(&mut self, skipped: usize, end: &[u8]) {
+        let from = (self.at + skipped).min(self.text.len());
+        let found = self.text[from..].windows(end.len()).position(|part| part == end);
+        self.at = found.map_or(self.text.len(), |at| from + at + end.len());
+    }
+
+    /// Minor versions add values that are read, or refused, where they are.
+    fn version(&mut self) {
+        if self.rest().starts_with(VERSION) {
+            self.at = VERSION.len();
+            let digits = self.rest().iter().take_while(|byte| byte.is_ascii_digit()).count();
+            if self.rest()[..digits] != *b"0" {
+                self.replace(digits, b"0");
+            }
+        }
+    }
+
+    fn step(&mut self, byte: u8) {
+        match byte {
+            b' ' | b'\t' | b'\r' => self.at += 1,
+            b'\n' => (self.at, self.begins) = (self.at + 1, true),
+            b'#' => self.comment(),
+            b'/' if self.peek(1) == b'/' => {
+                self.replace(2, b"##");
+                self.comment();
+            }
+            b'/' if self.peek(1) == b'*' => self.skip_to(2, b"*/"),
+            _ => {
+                match byte {
+                    b'"' | b'\'' => self.string(byte),
+                    b'@' if self.rest().starts_with(b"@@@") => self.skip_to(3, b"@@@"),
+                    b'@' => self.skip_to(1, b"@"),
+                    b'<' => self.skip_to(1, b">"),
+                    b'0'..=b'9' => self.number(),
+                    b'.' if self.peek(1).is_ascii_digit() => {
+                        self.replace(0, b"0");
+                        self.at += 1;
+                        self.digits();
+                    }
+                    b':' => self.at += 1,
+                    _ if is_word(byte) => self.word(),
+                    _ => self.at += 1,
+                }
+                (self.last, self.begins) = (byte, false);
+            }
+        }
+    }
+
+    /// Goes to the end of the line.
+    fn comment(&mut self) {
+        self.at += self.rest().iter().take_while(|&&byte| byte != b'\n').count();
+    }
+
+    fn string(&mut self, quote: u8) {
+        let three = [quote; 3];
+        let end = if self.rest().starts_with(&three) { &three[..] } else { &three[..1] };
+        self.at += end.len();
+        while self.at < self.text.len() && !self.rest().starts_with(end) {
+            self.at += if self.peek(0) == b'\\' { 2 } else { 1 };
+        }
+        self.at = (self.at + end.len()).min(self.text.len());
+    }
+
+    fn digits(&mut self) {
+        self.at += self.rest().iter().take_while(|byte| byte.is_ascii_digit()).count();
+    }
+
+    fn number(&mut self) {
+        self.digits();
+        if self.peek(0) == b'.' {
+            self.at += 1;
+            if !self.peek(0).is_ascii_digit() {
+                self.replace(0, b"0");
+            }
+            self.digits();
+        }
+        if matches!(self.peek(0), b'e' | b'E') {
+            self.at += 1 + usize::from(matches!(self.peek(1), b'+' | b'-'));
+            self.digits();
+        }
+    }
+
+    fn word(&mut self) {
+        let len = self.rest().iter().take_while(|&&byte| is_word(byte)).count();
+        let is_value = matches!(self.last, b'=' | b'[' | b',' | b'(' | b':');
+        let begins = self.begins || matches!(self.last, b'{' | b'}' | b';');
+        match &self.rest()[..len] {
+            b"yes" if is_value => self.replace(len, b"true"),
+            b"no" if is_value => self.replace(len, b"false"),
+            b"config" if begins && self.is_declaration(len) => self.replace(len, b"uniform"),
+            _ => self.at += len,
+        }
+        // After a property's name, digits are no number of their own.
+        if self.peek(0) == b'.' {
+            self.at += 1;
+        }
+    }
+
+    /// Whether a type and a name come after the word.
+    fn is_declaration(&self, len: usize) -> bool {
+        let line = self.rest()[len..].split(|&byte| byte == b'\n').next().unwrap_or_default();
+        let words = line.split(|&byte| byte == b'=').next().unwrap_or_default();
+        words.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()).count() == 2
+    }
+}
+
+/// Letters, digits and signs of names.
+fn is_word(byte: u8) -> bool {
+    byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b':') || byte >= 0x80
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn other_spellings_become_those_that_are_read() {
+        for (text, expected) in [
+            ("#usda 1.1\n(\n)", "#usda 1.0\n(\n)"),
+            ("a = .5", "a = 0.5"),
+            ("a = -.5e-3", "a = -0.5e-3"),
+            ("(0., 1., 2.e5)", "(0.0, 1.0, 2.0e5)"),
+            ("0.:.5", "0.0:0.5"),
+            ("a = 1 // half", "a = 1 ## half"),
+            ("instanceable = yes", "instanceable = true"),
+            ("bool[] a = [\n    yes, no, true]", "bool[] a = [\n    true, false, true]"),
+            ("{\n    config float a = 1.", "{\n    uniform float a = 1.0"),
+        ] {
+            assert_eq!(String::from_utf8_lossy(&readable(text.as_bytes())), expected, "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_read_stays() {
+        for text in [
+            "#usda 1.0\n(\n    doc = \"\"\"a .5 // \"quoted\" 1. \"\"\"\n)",
+            "asset a = @//host/x1.usd@",
+            "asset a = @@@./a//b.usd@@@",
+            "rel a = </A//B1.out>",
+            "a.connect = </A/B1.x>",
+            "float xformOp:translate:x2.timeSamples = { 1: 0.5 }",
+            "string a = 'it\\'s .5'",
+            "/* // .5 */ float a = 1.5",
+            "# // .5 1.",
+            "float config = 1",
+            "token yes = \"no\"",
+            "string a = \"not closed .5",
+        ] {
+            assert!(matches!(readable(text.as_bytes()), Cow::Borrowed(_)), "{text}");
+        }
+    }
+}

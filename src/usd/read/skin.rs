@@ -1,0 +1,50 @@
+//! The joints of a skinned mesh.
+
+use super::choose::with_ancestors;
+use super::query::{OrUnreadable, prim_at, value};
+use crate::error::{Error, ErrorCode};
+use crate::garment::{PrimvarInput, Values, joints::JOINT_INDICES};
+use crate::usd::names;
+use openusd::sdf::Value;
+use openusd::usd::{Prim, TimeCode};
+
+/// Refuses influences of joints that the skeleton does not have. OpenUSD skins no point of such a mesh.
+///
+/// # Errors
+/// The first such influence.
+pub fn check_joints(prim: &Prim, primvars: &[PrimvarInput], time: Option<TimeCode>) -> Result<(), Error> {
+    let Some(primvar) = primvars.iter().find(|primvar| primvar.name == JOINT_INDICES) else { return Ok(()) };
+    let Values::I32(joints) = &primvar.values else { return Ok(()) };
+    let count = joint_count(prim, time)?;
+    let is_known = |joint: i32| joint >= 0 && count.is_none_or(|count| (joint as usize) < count);
+    let Some(at) = joints.iter().position(|joint| !is_known(*joint)) else { return Ok(()) };
+    let size = usize::try_from(primvar.element_size).unwrap_or(1).max(1);
+    let (joint, row) = (joints[at], at / size);
+    let has =
+        count.map_or_else(|| "joints are numbered from 0".to_owned(), |count| format!("there are {count} joints"));
+    Err(Error::usd(format!("{}.primvars:{JOINT_INDICES}: value {row} names joint {joint}, and {has}", prim.path()))
+        .code(ErrorCode::IndexOutOfRange)
+        .remedy("bind the mesh to its skeleton again; unused influences have joint 0 and weight 0"))
+}
+
+/// The number of joints: those that the mesh lists, or those of the skeleton to which it or a prim above it is bound.
+fn joint_count(prim: &Prim, time: Option<TimeCode>) -> Result<Option<usize>, Error> {
+    if let Some(count) = joints_of(prim, names::SKEL_JOINTS, time)? {
+        return Ok(Some(count));
+    }
+    for path in with_ancestors(prim.path()) {
+        let targets =
+            prim_at(prim.stage(), &path)?.relationship(names::SKEL_SKELETON).targets().or_unreadable(&path)?;
+        if let Some(target) = targets.first() {
+            return joints_of(&prim_at(prim.stage(), target)?, "joints", time);
+        }
+    }
+    Ok(None)
+}
+
+fn joints_of(prim: &Prim, name: &str, time: Option<TimeCode>) -> Result<Option<usize>, Error> {
+    Ok(match value(prim, name, time)? {
+        Some(Value::TokenVec(joints)) => Some(joints.len()),
+        _ => None,
+    })
+}

@@ -1,0 +1,237 @@
+"""Files as other programs and people write them: what is valid is read, and what cannot be used is said."""
+
+import json
+
+import numpy as np
+import pytest
+from conftest import run
+from mesh import find_model, read_mesh
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel, Vt
+from sources import add_primvar, sheet, write
+
+TEXT = """#usda {version}
+(
+    defaultPrim = "G"{metadata}
+)
+
+def Xform "G"
+{{
+    def Mesh "m"
+    {{
+{extra}
+        int[] faceVertexCounts = [4, 4]
+        int[] faceVertexIndices = [0, 1, 4, 3, 1, 2, 5, 4]
+        point3f[] points = [{points}]
+        texCoord2f[] primvars:st = [(0, 0), (1, 0), (1, 1), (0, 1), (1, 0), (2, 0), (2, 1), (1, 1)] (
+            interpolation = "faceVarying"
+        )
+    }}
+}}
+"""
+POINTS = [(0, 0, 0), (0.5, 0, 0), (2, 0, 0), (0, 0.5, 0), (1, 1, 0), (2, 1, 0)]
+USUAL = ", ".join(str(p) for p in POINTS)
+
+
+def text(path, *, version="1.0", metadata="", extra="", points=USUAL):
+    path.write_text(TEXT.format(version=version, metadata=metadata, extra=extra, points=points))
+    return path
+
+
+def warnings(product):
+    return [(w["code"], w["message"]) for w in product.report["warnings"]]
+
+
+@pytest.mark.parametrize("words", [
+    {"points": USUAL.replace("0.5", ".5").replace("(2, ", "(2., ")},
+    {"points": USUAL + " // the corners\n        "},
+    {"points": "/* six */ " + USUAL},
+    {"version": "1.1"},
+    {"extra": "        config token note = \"a\"\n        bool doubleSided = yes"},
+    {"extra": "        // a comment with a \" in it"},
+], ids=["dots", "slashes", "block", "version", "old words", "quote"])  # fmt: skip
+def test_texts_that_open_usd_reads_are_read(build, tmp_path, words):
+    path = text(tmp_path / "a.usda", **words)
+    stage = Usd.Stage.Open(str(path))
+    assert np.allclose(UsdGeom.Mesh(stage.GetPrimAtPath("/G/m")).GetPointsAttr().Get(), POINTS)
+    product = build(path, "--set", "render.level=0")
+    assert np.array_equal(read_mesh(product.stage.GetPrimAtPath("/G/render")).points, np.float32(POINTS))
+
+
+def test_what_only_newer_versions_have_is_not_called_damaged(usdtailor, tmp_path):
+    extra = '        def GeomSubset "s"\n        {\n            int[] indices = edit [append 5]\n        }'
+    done = run(usdtailor, "check", text(tmp_path / "a.usda", extra=extra))
+    assert done.returncode == 1 and "error[not-supported]" in done.stderr and "damaged" not in done.stderr
+
+
+def test_a_byte_order_mark_is_named(usdtailor, tmp_path):
+    path = text(tmp_path / "a.usda")
+    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
+    done = run(usdtailor, "check", path)
+    assert done.returncode == 1 and "byte order mark" in done.stderr
+
+
+def test_a_name_of_very_many_parts_is_an_error(usdtailor, tmp_path):
+    extra = f"        custom string tailor:seam:{'a:' * 20000}edges = \"uvSeams\""
+    for command in ("check", "info", "build"):
+        args = ["-o", tmp_path / "out.usda"] if command == "build" else []
+        done = run(usdtailor, command, text(tmp_path / "a.usda", extra=extra), *args)
+        assert done.returncode == 1 and "error[recipe-attribute]" in done.stderr and len(done.stderr) < 2000
+
+
+def faulty(change):
+    return lambda path: write(path, shape=sheet, seam_column=2, finish=change)
+
+
+def empty(mesh):
+    add_primvar(mesh, name="wet", type_name="float", interpolation="vertex", values=[])
+
+
+def broken_normals(mesh):
+    add_primvar(mesh, name="normals", type_name="normal3f", interpolation="faceVarying", values=[Gf.Vec3f(0, 0, 1)] * 3)
+
+
+def one_sample(mesh):
+    attribute = mesh.GetPointsAttr()
+    points = attribute.Get()
+    attribute.Clear()
+    attribute.Set(points, 7)
+
+
+@pytest.mark.parametrize("change, told", [(empty, "primvars:wet"), (broken_normals, "primvars:normals"), (one_sample, None)])
+def test_a_part_that_does_not_matter_refuses_nothing(build, tmp_path, change, told):
+    product = build(faulty(change)(tmp_path / "a.usda"), "--set", "render.level=0")
+    assert told is None or any(told in message for _, message in warnings(product))
+    assert len(product.mesh("render").points) == 20
+
+
+def wrong_sets(mesh):
+    api = UsdGeom.PrimvarsAPI(mesh)
+    st = api.GetPrimvar("st").ComputeFlattened()
+    api.RemovePrimvar("st")
+    wrong = api.CreatePrimvar("st", Sdf.ValueTypeNames.TexCoord3fArray, "faceVarying")
+    wrong.Set([Gf.Vec3f(u, v, 0) for u, v in st])
+    api.CreatePrimvar("lightmap", Sdf.ValueTypeNames.TexCoord2fArray, "faceVarying").Set(st)
+
+
+def constant_uvs(mesh):
+    UsdGeom.PrimvarsAPI(mesh).GetPrimvar("st").SetInterpolation("constant")
+
+
+def double_uvs(mesh):
+    api = UsdGeom.PrimvarsAPI(mesh)
+    st = api.GetPrimvar("st").ComputeFlattened()
+    api.RemovePrimvar("st")
+    api.CreatePrimvar("st", Sdf.ValueTypeNames.TexCoord2dArray, "faceVarying").Set([Gf.Vec2d(uv) for uv in st])
+
+
+@pytest.mark.parametrize("change, words", [
+    (wrong_sets, ["3 float numbers", "lightmap"]), (constant_uvs, ["interpolation is constant", "faceVarying"]),
+    (double_uvs, ["2 double numbers"]),
+])  # fmt: skip
+def test_uvs_that_cannot_be_used_are_named_and_no_other_set_is_taken(build, tmp_path, change, words):
+    product = build(write(tmp_path / "a.usda", shape=sheet, seam_column=2, finish=change))
+    told = [message for code, message in warnings(product) if code == "no-uv-set"]
+    assert all(any(word in message for message in told) for word in words), told
+    assert product.report["recipe"]["sim"]["uvSet"] == ""
+
+
+def test_the_motion_of_a_primvar_is_told(build, tmp_path):
+    def change(mesh):
+        primvar = UsdGeom.PrimvarsAPI(mesh).CreatePrimvar("wet", Sdf.ValueTypeNames.FloatArray, "vertex")
+        for time in (1, 2):
+            primvar.GetAttr().Set(Vt.FloatArray([time] * 20), time)
+        primvar.GetAttr().Set(Vt.FloatArray([0.5] * 20))
+
+    product = build(faulty(change)(tmp_path / "a.usda"))
+    assert any(code == "not-carried" and "the motion of" in m and "primvars:wet" in m for code, m in warnings(product))
+
+
+@pytest.mark.parametrize("joint", [2, -1])
+def test_joints_beyond_the_skeleton_are_faults(usdtailor, tmp_path, joint):
+    def skin(mesh):
+        stage = mesh.GetPrim().GetStage()
+        skeleton = UsdSkel.Skeleton.Define(stage, "/Coat/bones")
+        skeleton.CreateJointsAttr(["a", "a/b"])
+        api = UsdSkel.BindingAPI.Apply(mesh.GetPrim())
+        api.CreateSkeletonRel().AddTarget("/Coat/bones")
+        api.CreateJointIndicesPrimvar(False, 2).Set(Vt.IntArray([0, 1] * 10 + [0, joint] + [0, 1] * 9))
+        api.CreateJointWeightsPrimvar(False, 2).Set(Vt.FloatArray([0.5] * 40))
+
+    done = run(usdtailor, "check", faulty(skin)(tmp_path / "a.usda"))
+    assert done.returncode == 1 and "error[index-out-of-range]" in done.stderr
+    assert f"value 10 names joint {joint}" in done.stderr
+
+
+def test_a_count_that_is_a_multiple_names_the_element_size(usdtailor, tmp_path):
+    change = lambda mesh: add_primvar(mesh, name="w", type_name="float", interpolation="vertex", values=[0.25] * 80)
+    done = run(usdtailor, "check", faulty(change)(tmp_path / "a.usda"))
+    assert done.returncode == 1 and "elementSize to 4, as 80 are 4 x 20" in done.stderr
+
+
+@pytest.mark.parametrize("above", [True, False])
+def test_a_garment_of_the_purpose_render_stays_one(build, tmp_path, above):
+    def change(mesh):
+        prim = mesh.GetPrim().GetParent() if above else mesh.GetPrim()
+        UsdGeom.Imageable(prim).CreatePurposeAttr("render")
+
+    product = build(faulty(change)(tmp_path / "a.usda"))
+    purpose = lambda name: UsdGeom.Imageable(product.prim(name)).ComputePurpose()
+    assert [purpose(name) for name in ("model", "sim", "render")] == ["guide", "guide", "render"]
+
+
+def costume(path):
+    """A shirt with what cannot be a garment beside it."""
+
+    def change(mesh):
+        stage = mesh.GetPrim().GetStage()
+        UsdGeom.Mesh.Define(stage, "/Coat/empty").CreateFaceVertexCountsAttr([])
+        button = UsdGeom.Mesh.Define(stage, "/Coat/buttons/protos/button")
+        button.CreatePointsAttr([(0, 0, 5), (1, 0, 5), (1, 1, 5), (0, 1, 5)])
+        button.CreateFaceVertexCountsAttr([4])
+        button.CreateFaceVertexIndicesAttr([0, 1, 2, 3])
+        instancer = UsdGeom.PointInstancer.Define(stage, "/Coat/buttons")
+        instancer.CreatePrototypesRel().AddTarget("/Coat/buttons/protos/button")
+        instancer.CreatePositionsAttr([(0, 0, 0), (1, 0, 0)])
+        instancer.CreateProtoIndicesAttr([0, 0])
+
+    return faulty(change)(path)
+
+
+def test_what_cannot_be_a_garment_is_left_out_and_said(build, tmp_path):
+    product = build(costume(tmp_path / "a.usda"), "--all")
+    told = [message for code, message in warnings(product) if code == "not-carried"]
+    assert any("/Coat/empty" in m for m in told) and any("PointInstancer" in m for m in told), told
+    names = [p.GetName() for p in product.stage.Traverse() if p.IsA(UsdGeom.Mesh)]
+    assert sorted(names) == ["button", "empty", "model", "render", "sim"]
+
+
+def test_instances_of_a_named_prototype_stay(usdtailor, tmp_path):
+    out = tmp_path / "out.usda"
+    done = run(usdtailor, "build", costume(tmp_path / "a.usda"), "--prim", "/Coat/buttons/protos/button", "-o", out)
+    assert done.returncode == 0 and "the instances of" in done.stderr
+    stage = Usd.Stage.Open(str(out))
+    button = UsdGeom.Imageable(stage.GetPrimAtPath("/Coat/buttons/protos/button"))
+    assert button.ComputePurpose() == "default"
+
+
+def test_a_variant_without_the_mesh_is_skipped(usdtailor, tmp_path):
+    path, out = tmp_path / "a.usda", tmp_path / "out.usda"
+    stage = Usd.Stage.CreateNew(str(path))
+    root = UsdGeom.Xform.Define(stage, "/G").GetPrim()
+    stage.SetDefaultPrim(root)
+    look = root.GetVariantSets().AddVariantSet("look")
+    for name in ("off", "on"):
+        look.AddVariant(name)
+    look.SetVariantSelection("on")
+    with look.GetVariantEditContext():
+        mesh = UsdGeom.Mesh.Define(stage, "/G/m")
+        mesh.CreatePointsAttr(POINTS)
+        mesh.CreateFaceVertexCountsAttr([4, 4])
+        mesh.CreateFaceVertexIndicesAttr([0, 1, 4, 3, 1, 2, 5, 4])
+    stage.GetRootLayer().Save()
+    done = run(usdtailor, "build", path, "--variants", "look", "-o", out)
+    assert done.returncode == 0 and "{look=off}" in done.stderr, done.stderr
+    made = Usd.Stage.Open(str(out))
+    assert made.GetPrimAtPath("/G/render")
+    made.GetPrimAtPath("/G").GetVariantSet("look").SetVariantSelection("off")
+    assert not made.GetPrimAtPath("/G/render")
