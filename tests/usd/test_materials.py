@@ -135,3 +135,55 @@ def test_panels_with_a_face_set_without_a_binding_keep_their_material(build, tmp
     product = build(path, "--all", "--set", "render.level=0")
     (render,) = [p for p in product.stage.Traverse() if p.GetName() == "render"]
     assert sorted(materials(render)) == ["back"] * 4 + ["front"] * 4
+
+
+def collection(stage, prim, material, *, includes, excludes=(), rule="expandPrims", purpose="", strength="fallbackStrength"):
+    """Binds a material to a collection of the prim."""
+    prim = stage.GetPrimAtPath(prim)
+    made = Usd.CollectionAPI.Apply(prim, f"c{len(Usd.CollectionAPI.GetAll(prim))}")
+    made.CreateExpansionRuleAttr(rule)
+    made.CreateIncludesRel().SetTargets(list(includes))
+    made.CreateExcludesRel().SetTargets(list(excludes))
+    material = UsdShade.Material.Define(stage, f"/Coat/materials/{material}")
+    api = UsdShade.MaterialBindingAPI.Apply(prim)
+    api.Bind(made, material, made.GetName(), strength, purpose or UsdShade.Tokens.allPurpose)
+
+
+def above(stage):
+    collection(stage, "/Coat", "tweed", includes=["/Coat/model"])
+
+
+def stronger_above(stage):
+    collection(stage, "/Coat", "tweed", includes=["/Coat"], strength="strongerThanDescendants")
+
+
+def without_the_model(stage):
+    collection(stage, "/Coat", "tweed", includes=["/Coat"], excludes=["/Coat/model"])
+
+
+def alone(stage):
+    collection(stage, "/Coat", "tweed", includes=["/Coat"], rule="explicitOnly")
+
+
+def on_the_mesh(stage):
+    collection(stage, "/Coat/model", "tweed", includes=["/Coat/model"], rule="explicitOnly")
+    collection(stage, "/Coat/model", "linen", includes=["/Coat/model/cuff"], purpose="preview")
+
+
+def of_a_subset(stage):
+    collection(stage, "/Coat", "tweed", includes=["/Coat/model/body"])
+
+
+@pytest.mark.parametrize("purpose", ["", "preview", "full"])
+@pytest.mark.parametrize("bind_mesh", [True, False])
+@pytest.mark.parametrize("change", [above, stronger_above, without_the_model, alone, on_the_mesh, of_a_subset])
+def test_materials_of_collections_are_those_of_the_garment(build, tmp_path, change, bind_mesh, purpose):
+    body = {"name": "body", "indices": [0, 1, 4, 5], "family": "materialBind"}
+    path = garment(
+        tmp_path / "a.usda", [BOUND, body, *BARE], lambda mesh: change(mesh.GetPrim().GetStage()), "wool" if bind_mesh else None
+    )
+    product = build(path, "--set", "render.level=0")
+    source = materials(product.stage.GetPrimAtPath("/Coat/model"), purpose)
+    if None in source:
+        pytest.skip("a product has no way to have no material where its parent has one")
+    assert np.array_equal(materials(product.prim("render"), purpose), source)

@@ -2,6 +2,7 @@
 //!
 //! [`Source`] is the result. Only [`StageOrigin`](origin::StageOrigin) opens stages; `query` asks them and names the prim in errors.
 
+mod bindings;
 mod choose;
 mod diagnostics;
 mod facts;

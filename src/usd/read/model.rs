@@ -1,5 +1,6 @@
 //! The parts of the model and its surroundings that the writer needs.
 
+use super::bindings::resolve_collections;
 use super::choose::{instancer_of, purpose_of};
 use super::origin::{StageOrigin, first_used, package_file};
 use super::primvars::Declarations;
@@ -10,7 +11,7 @@ use crate::error::{Error, Warning, Warnings};
 use crate::garment::Interpolation;
 use crate::usd::assets::same_file;
 use crate::usd::names;
-use crate::usd::record::{Content, Depth, Record, is_children, metadata};
+use crate::usd::record::{Depth, Record, is_children, metadata};
 use openusd::sdf::{self, FieldKey, Value};
 use openusd::tf::Token;
 use openusd::usd::{Prim, Stage, TimeCode};
@@ -133,7 +134,8 @@ enum Treatment {
 impl Treatment {
     fn of(prim: &Prim, name: &str) -> Self {
         let is_in = |spaces: &[&str]| spaces.iter().any(|space| name.starts_with(space));
-        if names::REWRITTEN.contains(&name) || is_in(&[names::SUBSET_FAMILY, names::RECIPE]) {
+        let rewritten = [names::SUBSET_FAMILY, names::RECIPE, names::MATERIAL_BINDING_COLLECTION];
+        if names::REWRITTEN.contains(&name) || is_in(&rewritten) {
             return Self::Rewritten;
         }
         if let Some((_, why)) = names::NOT_CARRIED.iter().find(|(n, _)| *n == name) {
@@ -193,9 +195,9 @@ impl Model {
             }
         }
         for subset in subset_prims(prim)? {
-            let record = warnings.absorb(subset_record(&subset, prim.path())?);
-            model.subsets.insert(prim_name(&subset), record);
+            model.subsets.insert(prim_name(&subset), subset_record(&subset)?);
         }
+        resolve_collections(prim, &mut model)?;
         Ok((model, warnings))
     }
 
@@ -247,23 +249,14 @@ impl Model {
             }
             Treatment::Copied => match Record::take(prim, name, Depth::Whole) {
                 Ok(record) => {
-                    let why = record.as_ref().and_then(|r| inward_collection(r, prim.path()));
-                    self.carried.extend(record.filter(|_| why.is_none()));
-                    why
+                    self.carried.extend(record);
+                    None
                 }
                 Err(e) => Some(format!("it cannot be read: {e}")),
             },
         };
         why.map(|why| Warning::not_carried(format!("{}.{name}", prim.path()), why))
     }
-}
-
-/// The reason to drop a material binding by a collection of the model itself.
-fn inward_collection(record: &Record, model: &sdf::Path) -> Option<String> {
-    let Content::Relationship { targets } = &record.content else { return None };
-    let inward = record.name.starts_with(names::MATERIAL_BINDING_COLLECTION)
-        && targets.iter().any(|t| t.is_property_path() && t.prim_path().has_prefix(model));
-    inward.then(|| "it binds by a collection of the model, which has no prim of a product".to_owned())
 }
 
 /// The applied schemas of a prim that are in `wanted`.
@@ -273,25 +266,21 @@ fn applied(prim: &Prim, wanted: &[&str]) -> Result<Vec<Token>, Error> {
     Ok(all)
 }
 
-/// The records of a subset on products. Warns of bindings that they lack.
-fn subset_record(subset: &Prim, model: &sdf::Path) -> Result<(SubsetRecord, Warnings), Error> {
+/// The records of a subset on products.
+fn subset_record(subset: &Prim) -> Result<SubsetRecord, Error> {
     let path = subset.path();
     let sites = subset.prim_stack().or_unreadable(path)?;
     let mut fields = metadata(subset.stage(), path, &sites).or_unreadable(path)?;
     fields.retain(|(key, _)| !COMPOSITION.iter().any(|k| k.as_str() == key));
-    let (mut carried, mut warnings) = (Vec::new(), Warnings::default());
+    let mut carried = Vec::new();
     for name in property_names(subset)? {
-        if !name.starts_with(names::MATERIAL_BINDING) && name != names::SHARPNESS {
-            continue;
-        }
-        let Some(record) = Record::take(subset, &name, Depth::Whole).or_unreadable(path)? else { continue };
-        match inward_collection(&record, model) {
-            Some(why) => warnings.push(Warning::not_carried(format!("{path}.{name}"), why)),
-            None => carried.push(record),
+        let is_direct = names::is_material(&name) && !name.starts_with(names::MATERIAL_BINDING_COLLECTION);
+        if is_direct || name == names::SHARPNESS {
+            carried.extend(Record::take(subset, &name, Depth::Whole).or_unreadable(path)?);
         }
     }
     let applied = applied(subset, &[names::MATERIAL_BINDING_API])?;
-    Ok((SubsetRecord { metadata: fields, applied, carried }, warnings))
+    Ok(SubsetRecord { metadata: fields, applied, carried })
 }
 
 /// The prims beside a model.

@@ -1,0 +1,129 @@
+//! Materials that collections bind to a garment, as the direct bindings that its products need: a collection names the prims
+//! of the stage, and has no product.
+
+mod collection;
+
+pub use collection::{COLLECTION, Collection};
+
+use super::choose::with_ancestors;
+use super::model::Model;
+use super::query::{OrUnreadable, prim_at, prim_name, property_names, subset_prims, text_value};
+use crate::error::Error;
+use crate::usd::names;
+use crate::usd::record::{Content, Record};
+use openusd::sdf::{Path, Value, Variability};
+use openusd::tf::Token;
+use openusd::usd::Prim;
+
+/// Purposes of bindings: the one for all, and USD's others.
+const PURPOSES: [&str; 3] = ["", "preview", "full"];
+
+/// Puts direct bindings in place of collections that bind a material to the model or to its subsets.
+///
+/// # Errors
+/// A collection that cannot be read.
+pub fn resolve_collections(prim: &Prim, model: &mut Model) -> Result<(), Error> {
+    let mut of_mesh = Vec::new();
+    for purpose in PURPOSES {
+        let winner = winner(prim, purpose)?;
+        if let Some(Winner { material, is_collection: true }) = &winner {
+            bind(&mut model.carried, &mut model.applied, purpose, material);
+        }
+        of_mesh.push(winner.map(|winner| winner.material));
+    }
+    for subset in subset_prims(prim)? {
+        let is_of_materials = text_value(&subset, names::FAMILY_NAME, None)?.as_deref() == Some(names::MATERIAL_FAMILY);
+        let Some(record) = model.subsets.get_mut(&prim_name(&subset)).filter(|_| is_of_materials) else { continue };
+        for (purpose, of_mesh) in PURPOSES.iter().zip(&of_mesh) {
+            let own = record.carried.iter().find(|record| record.name == binding_name(purpose)).and_then(target);
+            let winner = winner(&subset, purpose)?.map(|winner| winner.material);
+            if let Some(material) = winner.filter(|winner| Some(winner) != own.as_ref().or(of_mesh.as_ref())) {
+                bind(&mut record.carried, &mut record.applied, purpose, &material);
+            }
+        }
+    }
+    Ok(())
+}
+
+fn target(record: &Record) -> Option<Path> {
+    let Content::Relationship { targets } = &record.content else { return None };
+    targets.first().cloned()
+}
+
+/// Binds a material directly, in place of what is there for the purpose.
+fn bind(records: &mut Vec<Record>, applied: &mut Vec<Token>, purpose: &str, material: &Path) {
+    let name = binding_name(purpose);
+    records.retain(|record| record.name != name);
+    records.push(Record {
+        name,
+        variability: Variability::Uniform,
+        custom: false,
+        metadata: Vec::new(),
+        content: Content::Relationship { targets: vec![material.clone()] },
+    });
+    if !applied.iter().any(|schema| schema.as_str() == names::MATERIAL_BINDING_API) {
+        applied.push(Token::from(names::MATERIAL_BINDING_API));
+    }
+}
+
+fn binding_name(purpose: &str) -> String {
+    if purpose.is_empty() {
+        names::MATERIAL_BINDING.to_owned()
+    } else {
+        format!("{}:{purpose}", names::MATERIAL_BINDING)
+    }
+}
+
+/// Whether a property binds by a collection for a purpose: `material:binding:collection:<purpose>:<name>`, or without purpose.
+fn is_by_collection(property: &str, purpose: &str) -> bool {
+    let Some(rest) = property.strip_prefix(names::MATERIAL_BINDING_COLLECTION).and_then(|rest| rest.strip_prefix(':'))
+    else {
+        return false;
+    };
+    match rest.split_once(':') {
+        Some((first, _)) => first == purpose,
+        None => purpose.is_empty(),
+    }
+}
+
+/// The binding that decides about a prim.
+struct Winner {
+    material: Path,
+    is_collection: bool,
+}
+
+/// The binding of a purpose that `UsdShadeMaterialBindingAPI::ComputeBoundMaterial` finds: the nearest one, unless one above
+/// is stronger than its descendants. On one prim, collections come before the direct binding.
+fn winner(prim: &Prim, purpose: &str) -> Result<Option<Winner>, Error> {
+    let (stage, mut found) = (prim.stage(), None);
+    for path in with_ancestors(prim.path()) {
+        let place = prim_at(stage, &path)?;
+        let bindings = property_names(&place)?;
+        let mut here = None;
+        for name in bindings.iter().filter(|name| is_by_collection(name, purpose)) {
+            let [collection, material] = &place.relationship(name.as_str()).targets().or_unreadable(&path)?[..] else {
+                continue;
+            };
+            if here.is_none() && Collection::read(stage, collection.as_str()).is_ok_and(|c| c.holds(prim.path())) {
+                here = Some((name.clone(), Winner { material: material.clone(), is_collection: true }));
+            }
+        }
+        let direct = binding_name(purpose);
+        if here.is_none() && bindings.contains(&direct) {
+            let targets = place.relationship(direct.as_str()).targets().or_unreadable(&path)?;
+            here =
+                targets.first().map(|material| (direct, Winner { material: material.clone(), is_collection: false }));
+        }
+        if let Some((name, binding)) = here
+            && (found.is_none() || is_stronger(&place, &name)?)
+        {
+            found = Some(binding);
+        }
+    }
+    Ok(found)
+}
+
+fn is_stronger(prim: &Prim, name: &str) -> Result<bool, Error> {
+    let strength = prim.relationship(name).get_metadata::<Value>(names::BIND_MATERIAL_AS).or_unreadable(prim.path())?;
+    Ok(strength == Some(Value::Token(Token::from("strongerThanDescendants"))))
+}
