@@ -44,9 +44,11 @@ fn unusable(garment: &Mesh, default: &Primvar, found: Option<&Primvar>, sets: &[
         _ => "whole",
     };
     let (width, interpolation) = (default.width(), default.interpolation.word());
+    let is_large = width == 2 && number == "float" && default.interpolation == Interpolation::FaceVarying;
     let problem = format!(
-        "primvars:{} has {width} {number} number{} for each element, {interpolation}, so {}",
+        "primvars:{} has {}{width} {number} number{} for each element, {interpolation}, so {}",
         default.name,
+        if is_large { "values beyond 1e15, " } else { "" },
         if width == 1 { "" } else { "s" },
         found.map_or_else(
             || "the simulation mesh follows no UV seams".to_owned(),

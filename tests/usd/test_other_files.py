@@ -235,3 +235,39 @@ def test_a_variant_without_the_mesh_is_skipped(usdtailor, tmp_path):
     assert made.GetPrimAtPath("/G/render")
     made.GetPrimAtPath("/G").GetVariantSet("look").SetVariantSelection("off")
     assert not made.GetPrimAtPath("/G/render")
+
+
+def test_doubled_points_are_told(usdtailor, tmp_path):
+    """As glTF and other unwelded files have them: each quad has points of its own along one column."""
+    path = write(tmp_path / "a.usda", shape=sheet, seam_column=2)
+    stage = Usd.Stage.Open(str(path))
+    mesh = UsdGeom.Mesh(find_model(stage))
+    points, indices = list(mesh.GetPointsAttr().Get()), list(mesh.GetFaceVertexIndicesAttr().Get())
+    column = [v for v, p in enumerate(points) if p[0] == 2]
+    copies = {v: len(points) + i for i, v in enumerate(column)}
+    points += [points[v] for v in column]
+    for corner, v in enumerate(indices):
+        face = indices[corner - corner % 4 : corner - corner % 4 + 4]
+        if v in copies and sum(points[w][0] for w in face) > 8:
+            indices[corner] = copies[v]
+    mesh.GetPointsAttr().Set(points)
+    mesh.GetFaceVertexIndicesAttr().Set(indices)
+    stage.GetRootLayer().Save()
+    done = run(usdtailor, "check", path)
+    assert "warning[unsewn-borders]" in done.stderr and f"{2 * (len(column) - 1)} border edges" in done.stderr, done.stderr
+
+
+def test_no_number_that_is_written_is_infinite(build, tmp_path):
+    def change(mesh):
+        primvar = UsdGeom.PrimvarsAPI(mesh).GetPrimvar("st")
+        values = list(primvar.Get())
+        values[3] = Gf.Vec2f(1e19, -1e30)
+        primvar.Set(values)
+
+    product = build(faulty(change)(tmp_path / "a.usda"))
+    assert any(code == "no-uv-set" and "beyond 1e15" in message for code, message in warnings(product))
+    for name in ("sim", "render"):
+        for attribute in product.prim(name).GetAttributes():
+            value = attribute.Get()
+            if "[]" in str(attribute.GetTypeName()) and value is not None and attribute.GetTypeName().scalarType.cppTypeName.startswith(("GfVec", "float")):
+                assert np.isfinite(np.array(value)).all(), attribute.GetPath()

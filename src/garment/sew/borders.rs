@@ -1,7 +1,8 @@
 //! Border edges, and which of different meshes coincide.
 
 use crate::garment::Garment;
-use glam::{DMat4, DVec3};
+use crate::mesh::{EdgeId, Topology};
+use glam::{DMat4, DVec3, Vec3};
 
 /// Border edges near one edge that are looked at. A garment has a handful; copies of a mesh on each other have more.
 const CROWD: usize = 4096;
@@ -46,6 +47,17 @@ pub struct Match {
 }
 
 impl Border {
+    /// The border of a mesh that was checked.
+    pub fn of_topology(t: &Topology, points: &[Vec3]) -> Self {
+        let edge = |id: EdgeId| {
+            let points_of = t.edges[id].map(|v| v.index());
+            Edge { points: points_of, ends: points_of.map(|p| points[p].as_dvec3()) }
+        };
+        let length: f64 = t.edges.ids().map(|id| edge(id).length()).sum();
+        let edges = t.edges.ids().filter(|&id| t.is_border(id)).map(edge).collect();
+        Self { edges, mean_edge: length / (t.edges.len().max(1) as f64) }
+    }
+
     /// The border of `mesh`, which `to_common` takes to the common space.
     pub fn of(mesh: &Garment, to_common: &DMat4) -> Self {
         let points: Vec<DVec3> = mesh.points.iter().map(|p| to_common.transform_point3(p.as_dvec3())).collect();
@@ -75,12 +87,31 @@ impl Border {
     }
 }
 
-/// The pairs of border edges of different meshes whose ends coincide, sorted. Edges too short for their ends to be distinguished
+/// The pairs of border edges that are looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pairs {
+    /// Of different meshes.
+    Between,
+    /// Of one mesh.
+    Within,
+}
+
+impl Pairs {
+    /// Whether a pair is one of them, each pair in one order.
+    fn has(self, [(panel, i), (with, j)]: [(usize, usize); 2]) -> bool {
+        match self {
+            Self::Between => with > panel,
+            Self::Within => with == panel && j > i,
+        }
+    }
+}
+
+/// The pairs of border edges whose ends coincide, sorted. Edges too short for their ends to be distinguished
 /// match none.
 ///
 /// # Errors
 /// The number of a mesh one edge of which has too many others beside it.
-pub fn matches(borders: &[Border], tolerance: f64) -> Result<Vec<Match>, usize> {
+pub fn matches(borders: &[Border], tolerance: f64, pairs: Pairs) -> Result<Vec<Match>, usize> {
     let within: Vec<f64> = borders.iter().map(|border| border.within(tolerance)).collect();
     let largest_edge = borders.iter().map(|border| border.mean_edge).fold(0.0, f64::max);
     // Midpoints of edges that match are within the tolerance of each other, which no cell is smaller than.
@@ -99,8 +130,7 @@ pub fn matches(borders: &[Border], tolerance: f64) -> Result<Vec<Match>, usize> 
     for &(at, panel, i) in &grid {
         let edge = &borders[panel].edges[i];
         let mut seen = 0;
-        for other in near(&grid, at).filter(|(_, other, _)| *other > panel) {
-            let &(_, with, j) = other;
+        for &(_, with, j) in near(&grid, at).filter(|(_, with, j)| pairs.has([(panel, i), (*with, *j)])) {
             seen += 1;
             if seen > CROWD {
                 return Err(panel);

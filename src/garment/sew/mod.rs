@@ -17,10 +17,10 @@ pub use unsewn::Unsewn;
 
 use super::Garment;
 use crate::error::{Error, ErrorCode, ErrorKind};
-use crate::mesh::Groups;
-use borders::{Border, matches};
-use glam::DMat4;
-use std::collections::BTreeMap;
+use crate::mesh::{Groups, Topology, VertexId};
+use borders::{Border, Pairs, matches};
+use glam::{DMat4, Vec3};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Default distance at which border points coincide. \[share of the mean edge length\]
 pub const TOLERANCE: f64 = 0.001;
@@ -51,6 +51,14 @@ pub struct Seams {
     pub welds: Vec<[(usize, usize); 2]>,
 }
 
+/// The border edges of one mesh that lie on others of it, each with its points: the mesh falls into pieces there.
+pub fn doubled_borders(t: &Topology, points: &[Vec3]) -> Vec<[VertexId; 2]> {
+    let border = Border::of_topology(t, points);
+    let pairs = matches(std::slice::from_ref(&border), TOLERANCE, Pairs::Within).unwrap_or_default();
+    let edges: BTreeSet<usize> = pairs.iter().flat_map(|pair| pair.edges.map(|(_, edge)| edge)).collect();
+    edges.into_iter().map(|edge| border.edges[edge].points.map(VertexId::new)).collect()
+}
+
 /// Finds the border edges of different meshes that coincide. Each mesh comes with its transform to a common space; its indices
 /// are those of a mesh that passes the check. Time is n log n in the number of border edges.
 ///
@@ -60,7 +68,7 @@ pub struct Seams {
 /// More border edges at one place than a garment has.
 pub fn find_seams(meshes: &[(&Garment, DMat4)], tolerance: f64) -> Result<Seams, Error> {
     let borders: Vec<Border> = meshes.iter().map(|(mesh, to_common)| Border::of(mesh, to_common)).collect();
-    let pairs = matches(&borders, tolerance).map_err(|crowd| {
+    let pairs = matches(&borders, tolerance, Pairs::Between).map_err(|crowd| {
         let fault = Error::new(
             ErrorKind::Mesh,
             &meshes[crowd].0.prim,
