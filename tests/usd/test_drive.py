@@ -6,7 +6,7 @@ import subprocess
 import numpy as np
 import pytest
 from conftest import EXAMPLES, run
-from pxr import Usd, UsdGeom, UsdSkel, Vt
+from pxr import Sdf, Usd, UsdGeom, UsdSkel, Vt
 
 COAT = EXAMPLES / "sewn/coat.usda"
 FRAMES = 7
@@ -313,6 +313,24 @@ def test_authored_normals_follow_and_none_is_left_behind(usdtailor, coat, cache,
     first, last = (np.array(normals.Get(frame)) for frame in (1, FRAMES))
     assert np.allclose(first, (0, 0, 1), atol=1e-5)
     assert np.abs(np.linalg.norm(last, axis=1) - 1).max() < 1e-4 and np.abs(last - first).max() > 0.2
+
+
+@pytest.mark.parametrize("args", [[], ["--clips"]])
+def test_a_primvar_of_normals_does_not_stay_as_at_bind(usdtailor, coat, cache, tmp_path, args):
+    dressed, out, path = tmp_path / "dressed.usda", tmp_path / "shot.usdc", coat.prim("render").GetPath()
+    stage = Usd.Stage.CreateNew(str(dressed))
+    stage.GetRootLayer().subLayerPaths.append(str(coat.path))
+    api = UsdGeom.PrimvarsAPI(UsdGeom.Mesh.Get(stage, path))
+    corners = len(UsdGeom.Mesh.Get(stage, path).GetFaceVertexIndicesAttr().Get())
+    normals = api.CreatePrimvar("normals", Sdf.ValueTypeNames.Normal3fArray, "faceVarying")
+    normals.Set(Vt.Vec3fArray([(0, 0, 1)]))
+    normals.SetIndices(Vt.IntArray(corners, 0))
+    stage.GetRootLayer().Save()
+    done = run(usdtailor, "drive", dressed, "--cache", cache, "-o", out, *args)
+    assert done.returncode == 0, done.stderr
+    driven = Usd.Stage.Open(str(out))
+    left = UsdGeom.PrimvarsAPI(driven.GetPrimAtPath(path)).GetPrimvar("normals")
+    assert not left.HasValue() and not left.IsIndexed()
 
 
 def test_inputs_are_never_overwritten(usdtailor, coat, cache):

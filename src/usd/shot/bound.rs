@@ -10,7 +10,7 @@ use crate::usd::read::{
 };
 use crate::usd::write::pose_points;
 use glam::Vec3;
-use openusd::sdf::{Path, Value};
+use openusd::sdf::{Path, Value, ValueTypeName};
 use openusd::tf::Token;
 use openusd::usd::{Prim, PrimPredicate, Stage};
 use std::path::{Path as FilePath, PathBuf};
@@ -41,6 +41,8 @@ pub struct BoundMesh {
     /// Number of its points.
     pub points: usize,
     pub normals: Option<BoundNormals>,
+    /// Its primvar of normals and the indices of this, with their types. A shot leaves them out, as they would stay as they are.
+    pub normals_primvar: Vec<(String, ValueTypeName)>,
     /// Its space, if it is not that of the simulation mesh.
     pub space: Option<Space>,
     pub driver: Driver,
@@ -263,8 +265,22 @@ impl BoundMesh {
         if let (Some(space), Some(normals)) = (&space, &mut normals) {
             space.normals_to_sim(&mut normals.values);
         }
-        Ok(Self { path: prim.path().clone(), is_skinned, normals, points: points.len(), space, driver })
+        let (path, points, normals_primvar) = (prim.path().clone(), points.len(), normals_primvar(prim)?);
+        Ok(Self { path, is_skinned, normals, normals_primvar, points, space, driver })
     }
+}
+
+/// The names and types of the primvar of normals, if it is authored.
+fn normals_primvar(prim: &Prim) -> Result<Vec<(String, ValueTypeName)>, Error> {
+    let name = format!("{}{}", names::PRIMVARS, names::NORMALS);
+    let mut found = Vec::new();
+    for name in [name.clone(), format!("{name}{}", names::INDICES_SUFFIX)] {
+        let attribute = prim.attribute(name.as_str());
+        if attribute.has_authored_value().or_unreadable(prim.path())? {
+            found.extend(attribute.type_name().or_unreadable(prim.path())?.map(|kind| (name, kind)));
+        }
+    }
+    Ok(found)
 }
 
 /// The authored normals of a mesh that is not a subdivision surface; none where one normal is for all points.

@@ -92,6 +92,9 @@ impl ShotWriter {
             if mesh.is_skinned {
                 unbind(&mut writer.layer, &mesh.path).map_err(|e| unwritable(&e))?;
             }
+            for (name, kind) in &mesh.normals_primvar {
+                block(&mut writer.layer, &mesh.path, name, kind).map_err(|e| unwritable(&e))?;
+            }
         }
         Ok(writer)
     }
@@ -210,6 +213,14 @@ fn unbind(layer: &mut Data, prim: &Path) -> openusd::Result<()> {
     let path = prim.append_property(names::SKEL_SKELETON)?;
     sdf::RelationshipSpec::new(layer, &path, Variability::Varying, false)?;
     layer.set_field(&path, FieldKey::TargetPaths.as_str(), sdf::PathListOp::explicit([]).into());
+    Ok(())
+}
+
+/// Blocks an attribute.
+fn block(layer: &mut Data, prim: &Path, name: &str, kind: &ValueTypeName) -> openusd::Result<()> {
+    let path = prim.append_property(name)?;
+    sdf::AttributeSpec::new(layer, &path, kind.clone(), Variability::Varying, false)?;
+    layer.set_field(&path, FieldKey::Default.as_str(), Value::ValueBlock);
     Ok(())
 }
 
