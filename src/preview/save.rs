@@ -12,7 +12,7 @@ use crate::files::{self, folder_of};
 use crate::recipe::{Domain, all, find, group_with_instances, is_attribute, is_recipe};
 use crate::session::Input;
 use crate::usd::{
-    EarlierRecipe, OptionValue, PREFIX, ReadOptions, RecipeOpinions, Unfinished, recipe_text, relative, write_recipe,
+    EarlierRecipe, OptionValue, ReadOptions, RecipeOpinions, recipe_text, relative, temporary_beside, write_recipe,
 };
 use serde_json::{Map, Value};
 use std::io::Write;
@@ -131,9 +131,7 @@ impl Content {
                 .code(ErrorCode::WriteFailed)
                 .caused_by(e)
         };
-        let mut temporary =
-            Unfinished::new(|| tempfile::Builder::new().prefix(PREFIX).suffix(".tailor").tempfile_in(folder_of(file)))
-                .map_err(fault)?;
+        let mut temporary = temporary_beside(file).map_err(fault)?;
         temporary.write_all(text.as_bytes()).map_err(fault)?;
         self.verify(temporary.path())?;
         // A file that came up in the meantime is not lost either.

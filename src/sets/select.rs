@@ -26,8 +26,8 @@ pub enum Change {
 }
 
 impl SetEvaluator<'_> {
-    /// A selection after a change; none where no element is left. Its expression names the `known` sets that have the same
-    /// elements, or is made from the two texts, or has the numbers of the elements if one of these does.
+    /// A selection after a change; none where no element is left. Its expression is made from the two texts. Numbers of
+    /// elements in these give way to the names of `known` sets that have the same elements together.
     ///
     /// # Errors
     /// Faults of either text, and sets of two kinds.
@@ -52,8 +52,10 @@ impl SetEvaluator<'_> {
             let after = if matches!(other, Expression::Combined(..)) { format!("({set})") } else { set.to_owned() };
             text = format!("{before} {sign} {after}");
         }
-        let numbers = || picked::expression(&self.topology, &selected).filter(|_| is_picked);
-        let text = self.names_of(&selected, known).or_else(numbers).unwrap_or(text);
+        if is_picked {
+            let numbers = || picked::expression(&self.topology, &selected);
+            text = self.names_of(&selected, known).or_else(numbers).unwrap_or(text);
+        }
         Ok(self.listed(text, &selected, ""))
     }
 

@@ -28,8 +28,7 @@ pub(crate) use values::decimal;
 pub(crate) use values::type_word;
 #[cfg(feature = "preview")]
 pub(crate) use write::{
-    EarlierRecipe, OptionValue, PREFIX, RecipeOpinions, Unfinished, garment_below, recipe_text, selections,
-    write_recipe,
+    EarlierRecipe, OptionValue, RecipeOpinions, garment_below, recipe_text, selections, temporary_beside, write_recipe,
 };
 pub use write::{
     Format, GarmentProducts, Product, ProductRole, SetChoice, Surroundings, WriteOptions, Written, check_target,

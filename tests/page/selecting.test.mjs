@@ -138,15 +138,64 @@ test("a selection is typed, sewn and taken up again by keys alone", async (t) =>
   await keyboard.type("uvSeam");
   await keyboard.press("Enter");
   await preview.page.getByText("did you mean uvSeams?").waitFor();
+  assert.equal(await field.inputValue(), "uvSeam", "what cannot be used stays, to be mended");
+  await keyboard.type("s - borders.highest");
+  await keyboard.press("Enter");
+  await selected(preview, /^uvSeams - borders\.highest$/);
   await keyboard.press("e");
   await keyboard.type("borders.highest");
   await keyboard.press("Enter");
-  await selected(preview, /^borders\.4$/);
+  await selected(preview, /^borders\.highest$/);
   await preview.after("render", () => keyboard.press("n"));
-  assert.deepEqual(await preview.cards(), ["seam.borders_4"]);
-  const chip = preview.card("seam.borders_4").getByRole("button", { name: "borders.4", exact: true });
+  assert.deepEqual(await preview.cards(), ["seam.borders_highest"]);
+  const chip = preview.card("seam.borders_highest").getByRole("button", { name: "borders.highest", exact: true });
   await chip.focus();
   await keyboard.press("Enter");
-  await selected(preview, /^borders\.4$/);
+  await selected(preview, /^borders\.highest$/);
+  assertClean(preview);
+});
+
+test("a border is picked from beyond the cloth, and its set added to a seam that exists", async (t) => {
+  const preview = await show(t, bareShirt(t), { viewport: SCREEN });
+  const { keyboard, mouse } = preview.page;
+  const hem = await placeOf(preview, "borders.1");
+  let y = hem.y;
+  const isCloth = () => preview.state(({ hovered }) => hovered !== null);
+  do {
+    y += 1;
+    await mouse.move(hem.x, y);
+    await preview.page.waitForTimeout(250);
+  } while ((await isCloth()) && y < hem.y + 40);
+  await mouse.click(hem.x, y + 3);
+  await selected(preview, /^pickedEdges/);
+  await keyboard.press("l");
+  await selected(preview, /^borders\.1$/);
+  await preview.after("render", () => keyboard.press("n"));
+  await keyboard.press("e");
+  await keyboard.type("borders.highest");
+  await keyboard.press("Enter");
+  await selected(preview, /^borders\.highest$/);
+  await preview.card("seam.borders_1").getByRole("button", { name: "Add to Edges" }).click();
+  await preview.after("render", () => preview.page.getByRole("menuitem", { name: /The selection/ }).click());
+  assert.deepEqual((await preview.document()).edits.seam.borders_1.edges, ["borders.1", "borders.highest"]);
+  await keyboard.press("Control+z");
+  await preview.when(() => preview.store.state.document.edits.seam.borders_1.edges.length === 1);
+  assertClean(preview);
+});
+
+test("an edit ends the steps of a selection, so that undo goes back in the order of time", async (t) => {
+  const preview = await show(t, bareShirt(t), { viewport: SCREEN });
+  const { keyboard, mouse } = preview.page;
+  const hem = await placeOf(preview, "borders.1");
+  await mouse.click(hem.x, hem.y);
+  await selected(preview, /^pickedEdges/);
+  await preview.after("render", () => preview.set("render.level", 0));
+  await preview.after("render", () => keyboard.press("Control+z"));
+  await selected(preview, /^pickedEdges/);
+  await keyboard.press("e");
+  await keyboard.type("uvSeams.99");
+  await keyboard.press("Enter");
+  await preview.page.getByText("The set has no elements").waitFor();
+  await selected(preview, /^pickedEdges/);
   assertClean(preview);
 });

@@ -24,5 +24,5 @@ pub use product::extent;
 #[cfg(feature = "preview")]
 pub use recipe::{EarlierRecipe, OptionValue, RecipeOpinions, garment_below, recipe_text, selections, write_recipe};
 pub use role::{Product, ProductRole};
-pub use save::{Format, OutputFile, PREFIX, Unfinished, remove_unfinished, write_whole};
+pub use save::{Format, OutputFile, PREFIX, Unfinished, remove_unfinished, temporary_beside, write_whole};
 pub use sets::write_sets;

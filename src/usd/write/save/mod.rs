@@ -2,7 +2,7 @@
 
 mod unfinished;
 
-pub use unfinished::{PREFIX, Unfinished, remove_unfinished, write_whole};
+pub use unfinished::{PREFIX, Unfinished, remove_unfinished, temporary_beside, write_whole};
 
 use super::crates::{remove_unwritable, write_crate};
 use super::package::package;
@@ -190,16 +190,7 @@ impl OutputFile {
     /// # Errors
     /// A folder that cannot be written to.
     pub fn temporary(&self) -> Result<Unfinished<NamedTempFile>, Error> {
-        let suffix = format!(".{}", self.file.extension().and_then(|e| e.to_str()).unwrap_or("tmp"));
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(PREFIX).suffix(&suffix);
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt;
-            let mode = fs::metadata(&self.file).map_or(0o666, |m| m.permissions().mode() & 0o777);
-            builder.permissions(fs::Permissions::from_mode(mode));
-        }
-        Unfinished::new(|| builder.tempfile_in(folder_of(&self.file))).map_err(|e| self.fault(&e))
+        temporary_beside(&self.file).map_err(|e| self.fault(&e))
     }
 
     /// Gives a complete temporary file the name of the output.

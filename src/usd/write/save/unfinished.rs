@@ -97,21 +97,30 @@ impl Unfinished<NamedTempFile> {
     }
 }
 
+/// A temporary file beside `file`, with its extension and its permissions.
+///
+/// # Errors
+/// A folder that cannot be written to.
+pub fn temporary_beside(file: &Path) -> io::Result<Unfinished<NamedTempFile>> {
+    let suffix = format!(".{}", file.extension().and_then(|e| e.to_str()).unwrap_or("tmp"));
+    let mut builder = Builder::new();
+    builder.prefix(PREFIX).suffix(&suffix);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // A new file has those of any; temporary files are private to their owner.
+        let mode = fs::metadata(file).map_or(0o666, |m| m.permissions().mode() & 0o777);
+        builder.permissions(fs::Permissions::from_mode(mode));
+    }
+    Unfinished::new(|| builder.tempfile_in(folder_of(file)))
+}
+
 /// Writes a file completely or not at all. One that is there already is replaced only if `replace`.
 ///
 /// # Errors
 /// A folder that cannot be written to, a full disk; `AlreadyExists` without `replace`.
 pub fn write_whole(file: &Path, bytes: &[u8], replace: bool) -> io::Result<()> {
-    let folder = folder_of(file);
-    let mut builder = Builder::new();
-    builder.prefix(PREFIX).suffix(".tmp");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // The permissions of any new file; temporary files are private to their owner.
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
-    let mut temporary = Unfinished::new(|| builder.tempfile_in(folder))?;
+    let mut temporary = temporary_beside(file)?;
     temporary.write_all(bytes)?;
     temporary.persist(file, replace)
 }

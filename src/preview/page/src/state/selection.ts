@@ -48,7 +48,8 @@ export class Selector {
   #past: (Selection | null)[] = [];
   #future: (Selection | null)[] = [];
   readonly #waiting: Step[] = [];
-  #isAsked = false;
+  /** The change that the server was asked for. */
+  #asked: Change | null = null;
   /** The last element that was picked, from which a path begins. */
   #last: { kind: SetKind; set: string } | null = null;
   #rows: Rows | null = null;
@@ -125,11 +126,16 @@ export class Selector {
     if (this.#selection) this.#step(null);
   }
 
-  /** Ends the selection and its steps, as something was made of it. */
+  /** Ends the selection, as something was made of it. */
   end(): void {
+    this.forget();
+    this.#put(null);
+  }
+
+  /** Forgets the steps to the selection, as others come after them. */
+  forget(): void {
     this.#past = [];
     this.#future = [];
-    this.#put(null);
   }
 
   undo(): void {
@@ -159,13 +165,15 @@ export class Selector {
   /** A new connection answers nothing that was asked before. */
   reset(): void {
     this.#waiting.length = 0;
-    this.#isAsked = false;
+    this.#asked = null;
   }
 
   /** The server's answer. */
   answer({ expression, elements, size, isClosed, fault }: SelectionMessage): void {
-    this.#isAsked = false;
-    if (fault) this.refuse(`${fault.text}. ${fault.remedy}`);
+    const change = this.#asked;
+    this.#asked = null;
+    if (fault) this.refuse(`${fault.text}; ${fault.remedy}`);
+    else if (!elements && change !== "remove") this.refuse("The set has no elements");
     else if (!elements) this.#step(null);
     else this.#step({ expression, ...countOf(elements), elements, size, isClosed });
     this.#next();
@@ -174,19 +182,20 @@ export class Selector {
   /** Steps that come before an answer wait for it, as they change what it says. */
   #add(step: Step): void {
     this.#waiting.push(step);
-    if (!this.#isAsked) this.#next();
+    if (!this.#asked) this.#next();
   }
 
   #next(): void {
     const change = this.#waiting.shift()?.(this.#selection);
     if (change) {
-      this.#isAsked = true;
+      this.#asked = change.change;
       this.send({ type: "select", selection: this.#selection?.expression ?? "", ...change });
     } else if (this.#waiting.length > 0) this.#next();
   }
 
   #step(selection: Selection | null): void {
-    if (selection?.expression === this.#selection?.expression) return;
+    // The same again is no step, and an answer all the same.
+    if (selection?.expression === this.#selection?.expression) return this.#put(selection);
     this.#past.push(this.#selection);
     this.#future = [];
     this.#put(selection);

@@ -78,6 +78,7 @@ export class Store {
    *  hold are changed alike until the server has merged them. */
   edit(change: (options: Options) => Options, how: "step" | "continuous" = "step"): void {
     const { document } = this.state;
+    this.selector.forget();
     this.#replace(change(document.edits), change(document.merged), how);
   }
 
@@ -94,6 +95,7 @@ export class Store {
 
   /** Takes an edit back. The server knows the value below it. */
   reset(key: string): void {
+    this.selector.forget();
     const { edits, upstream, merged } = this.state.document;
     this.#replace(withoutValue(edits, key, upstream), merged, "step");
   }

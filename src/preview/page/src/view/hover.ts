@@ -76,7 +76,9 @@ export class Hover {
       this.#last = key;
       this.tell(picked);
     }
-    const sets = picked?.sets.filter(({ kind }) => kind === "edge").map(({ name }) => name) ?? [];
+    const all = picked?.sets.filter(({ kind }) => kind === "edge").map(({ name }) => name) ?? [];
+    // Of a set and its pieces, the piece is what is under the pointer.
+    const sets = all.filter((name) => !all.some((other) => other.startsWith(`${name}.`)));
     if (sets.join() === this.#sets) return;
     this.#sets = sets.join();
     this.warm(sets);

@@ -3,7 +3,7 @@
 import { Vector3 } from "three";
 import type { MeshFrame } from "../server/frame";
 import type { Elements, Role, UpAxis } from "../server/protocol";
-import type { PickHow, View, ViewEvents, ViewOptions, ViewStats } from "./api";
+import type { Picked, PickHow, View, ViewEvents, ViewOptions, ViewStats } from "./api";
 import { poseOfAll, poseOfMarks, poseOfSets } from "./camera/aims";
 import type { Sight } from "./camera/aims";
 import { Cloth } from "./mesh/cloth";
@@ -22,6 +22,13 @@ import type { Rig } from "./camera/rig";
 import { placeGlow, placeMarks, shapesOf } from "./mesh/shapes";
 import { Stage } from "./stage";
 import { Uploads } from "./uploads";
+
+/** Places around a click where cloth may be, the nearest first. [CSS pixels] */
+const NEARBY = [0, 3, 6].flatMap((far) => (far === 0 ? [[0, 0]] : around(far)));
+
+function around(far: number): number[][] {
+  return [...Array(8).keys()].map((i) => [far * Math.cos((i * Math.PI) / 4), far * Math.sin((i * Math.PI) / 4)]);
+}
 
 /** Turn of the camera for a drag. [radians / CSS pixel] */
 const TURN = 0.0075;
@@ -258,9 +265,17 @@ class CanvasView implements View {
   }
 
   #click(at: Place, how: PickHow): void {
-    const spot = this.#spotAt(at);
-    const face = spot ? this.#picker.face(spot) : -1;
-    this.events.click(spot && face >= 0 ? describe(spot, face) : null, how);
+    this.events.click(this.#pickedNear(at), how);
+  }
+
+  /** What is at a place, or else beside it: the outer half of a border's line is beyond the cloth. */
+  #pickedNear(at: Place): Picked | null {
+    for (const [dx, dy] of NEARBY) {
+      const spot = this.#spotAt({ x: at.x + dx, y: at.y + dy });
+      const face = spot ? this.#picker.face(spot) : -1;
+      if (spot && face >= 0) return describe({ ...spot, at }, face);
+    }
+    return null;
   }
 
   /** The mesh that is picked at a place: the solid one of the column. */

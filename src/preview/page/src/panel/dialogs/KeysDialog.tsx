@@ -11,7 +11,11 @@ function Dialog() {
   const store = useStore();
   const dialog = useRef<HTMLDialogElement>(null);
   const version = useSelect(({ garment }) => garment?.version);
-  useLayoutEffect(() => dialog.current?.showModal(), []);
+  useLayoutEffect(() => {
+    dialog.current?.showModal();
+    // The focus is on the button at the end.
+    dialog.current?.scrollTo(0, 0);
+  }, []);
   return (
     <dialog
       class="dialog keys"

@@ -41,10 +41,13 @@ interface SetChipsProps {
 export function SetChips({ label, describedBy, invalid, of, names, change }: SetChipsProps) {
   const store = useStore();
   const sets = useSets(of);
-  const { selection } = store.state;
-  const selected = selection && of.includes(selection.kind) && !names.includes(selection.expression) ? [selection] : [];
+  const selected = () => {
+    const { selection } = store.state;
+    const fits = selection && of.includes(selection.kind) && !names.includes(selection.expression);
+    return fits ? [selection] : [];
+  };
   const items = (): MenuItem[] => [
-    ...selected.map(({ expression, count, kind }) => ({
+    ...selected().map(({ expression, count, kind }) => ({
       label: "The selection",
       detail: `${count} ${kind}s`,
       pick: () => {

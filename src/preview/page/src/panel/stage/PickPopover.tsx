@@ -38,8 +38,9 @@ function Popover() {
   }, []);
   if (!clicked || !garment) return null;
   // Products have sets of their own, which are nothing to make seams of.
-  const sets = clicked.sets.filter(({ name, kind }) =>
-    garment.sets.some((set) => set.name === name && set.kind === kind),
+  const wanted = clicked.edge ? "edge" : "face";
+  const sets = clicked.sets.filter(
+    ({ name, kind }) => kind === wanted && garment.sets.some((set) => set.name === name && set.kind === kind),
   );
   return (
     <div

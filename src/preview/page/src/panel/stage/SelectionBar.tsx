@@ -35,13 +35,24 @@ function wordsOf({ count, kind, size, isClosed }: Selection): string {
 /** The expression, which may be typed. */
 function Field() {
   const store = useStore();
-  const expression = useSelect(({ selection }) => selection?.expression ?? "");
+  const selection = useSelect((state) => state.selection);
+  const expression = selection?.expression ?? "";
   const isSelecting = useSelect((state) => state.isSelecting);
   const [draft, setDraft] = useState<string | null>(null);
   const field = useRef<HTMLInputElement>(null);
   useLayoutEffect(() => {
-    if (isSelecting) field.current?.select();
+    if (isSelecting) field.current?.focus();
   }, [isSelecting]);
+  const isTyping = draft !== null;
+  useLayoutEffect(() => {
+    if (isTyping) field.current?.select();
+  }, [isTyping]);
+  // A text that gives no set stays, to be mended.
+  const last = useRef(selection);
+  useLayoutEffect(() => {
+    if (last.current !== selection) field.current?.blur();
+    last.current = selection;
+  }, [selection]);
   return (
     <input
       type="text"
@@ -63,8 +74,8 @@ function Field() {
         event.preventDefault();
         event.stopPropagation();
         const text = event.currentTarget.value.trim();
-        if (event.key === "Enter" && text) store.selector.take(text);
-        else if (event.key === "Enter") store.selector.clear();
+        if (event.key === "Enter" && text) return store.selector.take(text);
+        if (event.key === "Enter") store.selector.clear();
         event.currentTarget.blur();
       }}
     />

@@ -35,6 +35,7 @@ export function Strip() {
             Edit <b data-testid="last-edit">{milliseconds(lastEdit.total)}</b>
           </span>
         )}
+        <FaultCount />
         <WarningCount count={warnings.length} isOpen={isOpen} toggle={toggle} />
         <IconButton label={isOpen ? "Hide figures" : "Show figures"} icon={isOpen ? "down" : "up"} act={toggle} />
       </div>
@@ -48,6 +49,30 @@ export function Strip() {
       )}
     </section>
   );
+}
+
+/** Faults of options, which are beside their controls: a click goes to the first. */
+function FaultCount() {
+  const placed = useSelect(({ placed }) => placed);
+  const keys = [...placed.at.keys()];
+  if (keys.length === 0) return null;
+  const count = [...placed.at.values()].flat().length;
+  const show = () => {
+    const key = keys[0];
+    const at = document.querySelector(`[data-key="${CSS.escape(key)}"]`) ?? cardOf(key);
+    at?.scrollIntoView({ block: "center", behavior: "smooth" });
+  };
+  return (
+    <button type="button" class="warning-count has-faults" title="Show the first" onClick={show}>
+      <Icon name="error" />
+      <span data-testid="fault-count">{count === 1 ? "1 error" : `${count} errors`}</span>
+    </button>
+  );
+}
+
+function cardOf(key: string): Element | null {
+  const full = key.split(".").slice(0, 2).join(".");
+  return document.querySelector(`[data-card="${CSS.escape(full)}"]`);
 }
 
 function WarningCount({ count, isOpen, toggle }: { count: number; isOpen: boolean; toggle(): void }) {
