@@ -27,9 +27,9 @@ _RECORD = "tailor"
 class Built:
     """What a build made."""
 
-    layer: "Sdf.Layer"
+    layer: "Sdf.Layer | None"
     """The simulation mesh and the render mesh, and what changes on the model. Of a file, the output itself, over its source; of a
-    stage, an anonymous layer to sublayer into it."""
+    stage, an anonymous layer to sublayer into it. None of a file where usd-core is not installed."""
     report: dict[str, Any]
     """Counts, quality figures, times, the complete recipe and warnings, as ``usdtailor build --report`` writes them."""
 
@@ -68,8 +68,10 @@ def build(
             raise TypeError("a build of a file needs an output; a build of an open stage returns a layer instead")
         arguments += [name for name, given in (("--flatten", flatten), ("--force", force)) if given]
         report = _report(os.fspath(source), os.fspath(output), arguments)
-        from pxr import Sdf
-
+        try:
+            from pxr import Sdf
+        except ModuleNotFoundError:
+            return Built(None, report)
         return Built(_opened(Sdf.Layer.FindOrOpen(os.fspath(output)), force), report)
     if output is not None or flatten or force:
         raise TypeError("a build of an open stage returns a layer; write it with its Export()")

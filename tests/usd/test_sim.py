@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from mesh import Children, border_loops, components, own_material, recipe, starts
 from pxr import UsdGeom
+from sources import sheet, write
 from surface import distance_to_segments, distance_to_triangles, ragged, triangles_of
 from test_render import no_new_values
 
@@ -365,3 +366,19 @@ def test_baseline_level_is_followed(garment, built, level):
     baseline = Baseline(product, level)
     away = distance_to_triangles(product.sim.points, baseline.triangles, reach=ON_SURFACE * baseline.size)
     assert np.isfinite(away).all(), f"{np.isinf(away).sum()} points are off the baseline"
+
+
+def test_a_sharp_corner_inside_the_cloth_is_a_vertex(build, tmp_path):
+    """A peak that remeshing would cut off."""
+    corner = 4 * 9 + 4
+
+    def peak(mesh):
+        points = list(mesh.GetPointsAttr().Get())
+        points[corner] = (4, 4, points[corner][2] + 2)
+        mesh.GetPointsAttr().Set(points)
+
+    path = write(tmp_path / "peak.usda", shape=lambda: sheet(8, 8), corners={corner: 10.0}, finish=peak)
+    product = build(path, "--set", "sim.maxEdgeLength=1.3")
+    distances = np.linalg.norm(product.mesh("sim").points - product.source.points[corner], axis=1)
+    assert distances.min() == 0
+    assert product.mesh("sim").subsets["tailorCorners"].indices.tolist() == [int(distances.argmin())]

@@ -112,6 +112,14 @@ def test_a_build_of_a_file_writes_what_the_command_writes(tmp_path):
     assert made.report["recipe"]["sim"]["maxEdgeLength"] == pytest.approx(3)
 
 
+def test_a_file_is_built_without_usd_core(tmp_path):
+    garment, out = EXAMPLES / "tshirt.usda", tmp_path / "out.usda"
+    text = f"import sys; sys.modules['pxr'] = None; import usd_tailor; print(usd_tailor.build({str(garment)!r}, {str(out)!r}).layer)"
+    done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout.strip()) == (0, "None"), done.stderr
+    assert Usd.Stage.Open(str(out)).GetPrimAtPath("/Tshirt/render")
+
+
 def test_options_may_be_nested_as_in_a_recipe(tmp_path):
     nested = {"sim": {"maxEdgeLength": "3cm", "constraints": ["hem_stitch"]}, "seam": {"side": {"edges": ["side_seams"], "width": 0.6}}, "render.level": 2}
     recipe = usd_tailor.build(EXAMPLES / "tshirt.usda", tmp_path / "nested.usda", options=nested).report["recipe"]

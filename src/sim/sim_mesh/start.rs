@@ -6,6 +6,9 @@ use crate::mesh::edit::{EditMesh, next};
 use crate::mesh::{CornerId, IdVec, VertexId, WedgeId};
 use crate::sim::baseline::Baseline;
 
+/// Sharpness of a corner from which it is a vertex of the simulation mesh.
+const SHARP_CORNER: f32 = 1.0;
+
 impl<'a> SimMesh<'a> {
     /// The start mesh of a baseline.
     pub fn new(baseline: &'a Baseline) -> Self {
@@ -65,9 +68,15 @@ impl<'a> SimMesh<'a> {
         }
     }
 
-    /// Fixes the ends and corners of chains.
+    /// Fixes the ends and corners of chains, and corners of the cage, which would be cut off inside the cloth.
     fn fix_anchors(&mut self) {
         let mut is_anchor = IdVec::<VertexId, bool>::filled(false, self.points.len());
+        let mut is_on_chain = IdVec::<VertexId, bool>::filled(false, self.points.len());
+        self.baseline.chains.iter().flat_map(|c| &c.vertices).for_each(|&v| is_on_chain[v] = true);
+        // The vertices of the cage are the first of each level. Chains turn at theirs.
+        for (vertex, sharpness) in self.baseline.manifold.level.vertex_sharpness.enumerated() {
+            is_anchor[vertex] = *sharpness >= SHARP_CORNER && !is_on_chain[vertex];
+        }
         for chain in self.baseline.chains.iter() {
             let corners = chain.pins.iter().map(|&i| chain.vertices[i]);
             corners.chain(chain.ends()).for_each(|v| is_anchor[v] = true);
