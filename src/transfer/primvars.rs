@@ -49,7 +49,7 @@ fn carry(
             return (Some(carried), warning);
         }
         _ if joints::is_influence(garment, primvar) || vertices::stackable(garment, primvar).is_some() => None,
-        Interpolation::Vertex | Interpolation::Varying => Some(vertices::carry(primvar, map)),
+        Interpolation::Vertex | Interpolation::Varying => Some(vertices::carry(garment, primvar, map)),
     };
     (carried, None)
 }

@@ -1,4 +1,4 @@
-//! Values of vertices: numbers interpolated at each vertex's location, other values from the heaviest vertex there.
+//! Values of vertices: numbers interpolated at each vertex's location, other values from the nearest of the points there.
 
 use super::correspondence::Correspondence;
 use super::interpolate::{interpolate, weighted};
@@ -13,20 +13,11 @@ use rayon::prelude::*;
 const MAX_STACKED: usize = 16;
 
 /// A vertex or varying primvar on the simulation mesh.
-pub(super) fn carry(primvar: &Primvar, map: &Correspondence<'_>) -> Primvar {
-    let baseline = &map.product.baseline;
+pub(super) fn carry(garment: &Mesh, primvar: &Primvar, map: &Correspondence<'_>) -> Primvar {
     let values = match &primvar.values {
         Values::F32(v) if primvar.is_mixed() => Values::F32(interpolated(primvar, v, map)),
         Values::F64(v) if primvar.is_mixed() => Values::F64(interpolated(primvar, v, map)),
-        _ => {
-            let sources = heaviest_sources(baseline, primvar.interpolation == Interpolation::Varying);
-            let source = |at: &BaselinePoint| {
-                let corner = CornerId::new(3 * at.face.index() + at.weights.max_position());
-                sources[level_vertex(baseline, corner).index()].index()
-            };
-            let rows: Vec<usize> = map.locations.iter().map(source).collect();
-            return gathered(primvar, rows.into_iter());
-        }
+        _ => return gathered(primvar, nearest_rows(garment, map).into_iter()),
     };
     Primvar { values, indices: None, ..primvar.clone() }
 }
@@ -46,15 +37,15 @@ fn level_vertex(baseline: &Baseline, corner: CornerId) -> VertexId {
     baseline.level_vertex[baseline.topology.faces.vertex(corner)]
 }
 
-/// The garment's vertex of the largest weight at each vertex of the finest level.
-fn heaviest_sources(baseline: &Baseline, varying: bool) -> Vec<VertexId> {
-    let mut sources: Vec<VertexId> = baseline.manifold.vertex_source.to_vec();
-    for parent in baseline.parents() {
-        let stencils = if varying { parent.varying_stencils() } else { parent.vertex_stencils() };
-        let heaviest = |r| sources[stencils.heaviest(r).expect("a stencil has sources").index()];
-        sources = (0..stencils.rows()).into_par_iter().map(heaviest).collect();
-    }
-    sources
+/// The row of the garment's point that is nearest to each vertex, of those of the face that it is on; the first of equals.
+fn nearest_rows(garment: &Mesh, map: &Correspondence<'_>) -> Vec<usize> {
+    let (baseline, points) = (&map.product.baseline, &map.product.points);
+    let rows = map.locations.enumerated().map(move |(vertex, at)| {
+        let corners = garment.faces.vertices_of(baseline.source_face[at.face]).iter();
+        let distance = |v: &VertexId| garment.points[*v].distance_squared(points[vertex]);
+        corners.min_by(|a, b| distance(a).total_cmp(&distance(b))).expect("a face has corners").index()
+    });
+    rows.collect()
 }
 
 /// The values of a primvar that is carried by [`carry_stacked`]; none for others.

@@ -175,3 +175,21 @@ def test_colours_are_means_of_what_faces_cover(build, tmp_path):
     rows = product.sim.primvars["displayColor"].flat
     assert (np.abs(rows[:, 0] + 0.5 - product.sim.face_centres[:, 0]) <= 0.7 + 1e-6).all()
     assert np.ptp(x) == 4 and rows[:, 0].min() == 0 and rows[:, 0].max() == 3
+
+
+@pytest.mark.parametrize("kind", ["int", "token", "bool"])
+@pytest.mark.parametrize("length", ["0.35", "0.9"])
+def test_discrete_values_of_points_are_those_of_the_nearest_point(build, tmp_path, kind, length):
+    points = len(sheet(6, 5)[0])
+    values = {"int": range(points), "token": map("n{}".format, range(points)), "bool": (i % 2 == 0 for i in range(points))}
+    primvar = {"name": "mark", "type_name": kind, "interpolation": "vertex", "values": list(values[kind])}
+    path = write(tmp_path / "marks.usda", shape=lambda: sheet(6, 5), primvars=[primvar])
+    product = build(path, "--set", f"sim.maxEdgeLength={length}")
+    source, sim = product.source.points, product.mesh("sim")
+    carried = sim.primvars["mark"]
+    rows = np.arange(len(sim.points)) if carried.indices is None else carried.indices
+    distances = np.linalg.norm(sim.points[:, None] - source[None], axis=2)
+    wanted = np.array(primvar["values"], dtype=object)
+    for at, row in zip(distances, rows):
+        near = wanted[np.isclose(at, at.min(), atol=1e-4)]
+        assert carried.rows[row][0] in near
