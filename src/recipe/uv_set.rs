@@ -35,7 +35,7 @@ pub fn resolve_uv_set(options: &mut SimOptions, garment: &Mesh) -> Option<Warnin
     }
 }
 
-/// The warning of a primvar with the default name that is no UV set.
+/// The warning of a primvar with the default name that cannot be used as UVs.
 fn unusable(garment: &Mesh, default: &Primvar, found: Option<&Primvar>, sets: &[&Primvar]) -> Warning {
     let number = match &default.values {
         Values::F64(_) => "double",

@@ -17,7 +17,7 @@ mod tests;
 pub use evaluate::Function;
 pub(crate) use expression::split_list;
 pub use functions::FUNCTIONS;
-pub use functions::picked::checksum;
+pub use functions::checksum;
 pub use list::ListedSet;
 pub use select::Change;
 

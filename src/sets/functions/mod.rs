@@ -6,6 +6,8 @@ mod paths;
 pub mod picked;
 pub mod points;
 
+pub use picked::checksum;
+
 use super::evaluate::Function;
 
 macro_rules! functions {

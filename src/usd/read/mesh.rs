@@ -83,7 +83,7 @@ fn constant_uvs(prim: &Prim, mesh: &Garment, time: Option<TimeCode>) -> Result<W
             _ => continue,
         };
         if let Some((_, kind)) = elements.iter().find(|(elements, _)| *elements == count) {
-            let problem = format!("its interpolation is constant, so its {count} values are no UVs of the mesh");
+            let problem = format!("its interpolation is constant, so its {count} values are not read as UVs");
             let place = format!("{}.{property}", prim.path());
             warnings.push(Warning::new(Code::NoUvSet, place, problem).remedy(format!("Set interpolation to {kind}")));
         }

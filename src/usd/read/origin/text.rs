@@ -145,7 +145,7 @@ impl Scanner<'_> {
             b"config" if begins && self.is_declaration(len) => self.replace(len, b"uniform"),
             _ => self.at += len,
         }
-        // After a property's name, digits are no number of their own.
+        // After a property's name, digits are not a number of their own.
         if self.peek(0) == b'.' {
             self.at += 1;
         }
