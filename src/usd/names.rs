@@ -205,3 +205,8 @@ tokens! {
 pub fn is_material(name: &str) -> bool {
     name.starts_with(MATERIAL_BINDING)
 }
+
+/// Whether a property binds a material that is drawn: not that of physics.
+pub fn is_drawn_material(name: &str) -> bool {
+    is_material(name) && name != PHYSICS_MATERIAL
+}

@@ -2,7 +2,6 @@
 
 use super::layer::SetChoice;
 use super::role::{Product, ProductRole};
-use super::sets::is_drawn_material;
 use crate::binding::Binding;
 use crate::error::{Warning, Warnings};
 use crate::garment::{Interpolation, Meaning, Mesh, Primvar, PrimvarRole, Values};
@@ -46,7 +45,7 @@ impl Author<'_> {
         let before = model.siblings.get(product.name).filter(|_| self.is_overlay);
         self.schemas(&path, &model.applied, before.is_some());
         let rest = self.rest(product.mesh);
-        for record in model.carried.iter().filter(|record| rest.is_none() || !is_drawn_material(&record.name)) {
+        for record in model.carried.iter().filter(|record| rest.is_none() || !names::is_drawn_material(&record.name)) {
             record.author(self.data, &path, self.anchor)?;
         }
         self.mesh(&path, product.role, product.mesh)?;

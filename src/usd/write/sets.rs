@@ -7,7 +7,7 @@ use crate::error::{Error, ErrorCode};
 use crate::garment::{CONSTRAINTS, DERIVED, Family, FamilyType, Mesh, Subset, free_name};
 use crate::mesh::{Elements, FaceId, IdVec};
 use crate::usd::assets::Anchor;
-use crate::usd::names::{self, UsdToken, is_material};
+use crate::usd::names::{self, UsdToken, is_drawn_material, is_material};
 use crate::usd::on_large_stack;
 use crate::usd::read::{Source, SubsetRecord};
 use crate::usd::record::Record;
@@ -124,11 +124,6 @@ impl Author<'_> {
 
 /// The face set of a product with the material of the garment's mesh.
 const REST: &str = "tailorMaterial";
-
-/// Whether a property binds a material that is drawn: not that of physics.
-pub(super) fn is_drawn_material(name: &str) -> bool {
-    is_material(name) && name != names::PHYSICS_MATERIAL
-}
 
 /// The bindings of materials that are drawn, by name.
 fn drawn_materials(records: &[Record]) -> Vec<&Record> {
