@@ -10,9 +10,12 @@ use super::variants::Opening;
 use super::{ExamineArgs, Output, report, text, variants};
 use crate::error::{Error, ErrorCode, ErrorKind, Warnings};
 use crate::options::{Domain, Given};
+use crate::session::OpenGarment;
 use crate::sets::ListedSet;
 use crate::units::in_words;
-use crate::usd::{Facts, Selection, Source, misplaced_options, type_word};
+use crate::usd::{
+    Facts, ProductRole, Selection, Source, check_product_names, misplaced_options, product_names, type_word,
+};
 use crate::{Builder, Mesh, Plan, PrimvarRole, Recipe};
 use recorded::RecordedBuild;
 use serde_json::{Value, json};
@@ -73,7 +76,11 @@ pub fn check(args: &ExamineArgs) -> Result<Output, Error> {
     each(args, |file, found| {
         let (mut is_fresh, mut hint) = (true, None);
         let made = RecordedBuild::of(&args.inputs, file);
-        for garment in open(args, file, made.as_ref())?.into_iter().flat_map(|opening| opening.garments) {
+        let openings = open(args, file, made.as_ref())?;
+        if made.is_none() {
+            openings.iter().try_for_each(|opening| free_names(&opening.garments))?;
+        }
+        for garment in openings.into_iter().flat_map(|opening| opening.garments) {
             let (source, builder, recipe) = garment.check()?;
             let mut builder = limited(builder, made.as_ref(), limit);
             let products = builder.update(&recipe)?;
@@ -91,6 +98,13 @@ pub fn check(args: &ExamineArgs) -> Result<Output, Error> {
         found.json = json!({ "fresh": is_fresh });
         Ok(())
     })
+}
+
+/// Refuses garments beside which other prims have the names that a build without options gives.
+fn free_names(garments: &[OpenGarment]) -> Result<(), Error> {
+    let sources = || garments.iter().map(|garment| &garment.source);
+    let names = product_names(sources(), [ProductRole::Sim.name(), ProductRole::Render.name()], false);
+    sources().zip(&names).try_for_each(|(source, names)| check_product_names(source, names))
 }
 
 /// Whether the stage has products of this program, which are what a build would make again.

@@ -162,7 +162,8 @@ fn one_of(key: &str, word: &str, words: &[&str]) -> Result<(), Error> {
 }
 
 fn prim_path(key: &str, path: &str) -> Result<(), Error> {
-    if path.is_empty() || path.starts_with('/') {
+    let is_name = |part: &str| !part.is_empty() && part.chars().all(|letter| letter.is_alphanumeric() || letter == '_');
+    if path.is_empty() || path.strip_prefix('/').is_some_and(|parts| parts.split('/').all(is_name)) {
         return Ok(());
     }
     let fault = Error::recipe(key, format!("\"{path}\" is not an absolute prim path")).code(ErrorCode::PinTarget);

@@ -12,8 +12,9 @@ pub fn marked(garment: &Mesh, warnings: &Warnings) -> Option<Mesh> {
     let mut marks = BTreeMap::<(String, &str), Elements>::new();
     for warning in warnings.iter().filter(|warning| !warning.elements.is_empty()) {
         let name = format!("mark_{}", warning.code.to_string().replace('-', "_"));
-        let known = marks.entry((name, warning.elements.kind()));
-        known.and_modify(|known| known.merge(&warning.elements)).or_insert_with(|| warning.elements.clone());
+        // A warning may name an element twice, and a set may not.
+        let known = marks.entry((name, warning.elements.kind())).or_insert_with(|| warning.elements.clone());
+        known.merge(&warning.elements);
     }
     if marks.is_empty() {
         return None;

@@ -31,8 +31,8 @@ pub(crate) use write::{
     EarlierRecipe, OptionValue, RecipeOpinions, garment_below, recipe_text, selections, temporary_beside, write_recipe,
 };
 pub use write::{
-    Format, GarmentProducts, Product, ProductRole, SetChoice, Surroundings, WriteOptions, Written, check_target,
-    layer_bytes, remove_unfinished, write, write_all, write_sets, write_whole,
+    Format, GarmentProducts, Product, ProductRole, SetChoice, Surroundings, WriteOptions, Written, check_product_names,
+    check_target, layer_bytes, remove_unfinished, write, write_all, write_sets, write_whole,
 };
 
 use crate::error::Error;

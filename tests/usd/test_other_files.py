@@ -271,3 +271,10 @@ def test_no_number_that_is_written_is_infinite(build, tmp_path):
             value = attribute.Get()
             if "[]" in str(attribute.GetTypeName()) and value is not None and attribute.GetTypeName().scalarType.cppTypeName.startswith(("GfVec", "float")):
                 assert np.isfinite(np.array(value)).all(), attribute.GetPath()
+
+
+def test_check_finds_names_that_a_build_refuses(usdtailor, tmp_path):
+    path = faulty(lambda mesh: UsdGeom.Scope.Define(mesh.GetPrim().GetStage(), "/Coat/render"))(tmp_path / "a.usda")
+    for args in (["check", path], ["build", path, "-o", tmp_path / "out.usda"]):
+        done = run(usdtailor, *args)
+        assert done.returncode == 1 and "error[name-taken]: /Coat/render" in done.stderr, args

@@ -113,6 +113,7 @@ def test_pins_to_a_prim_are_in_its_frame(build, tmp_path):
     [
         ("cloth.pins=front_left", "edge or point subset"),
         ("cloth.pinTarget=/Nobody", "/Nobody"),
+        ("cloth.pinTarget=/", "absolute prim path"),
         ("cloth.fabric=tweed", "cotton"),
         ("cloth.physics=havok", "aousd"),
         ("fabric.a.preset=tweed", "denim"),

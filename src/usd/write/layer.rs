@@ -10,7 +10,7 @@ use super::save::{Format, OutputFile};
 use super::variant::copy_into_variant;
 use crate::error::{Error, ErrorCode, Warnings};
 use crate::usd::assets::{Anchor, as_named, writable};
-use crate::usd::read::{Model, OrUnreadable, Selection, Source};
+use crate::usd::read::{Model, OrUnreadable, ProductNames, Selection, Source};
 use crate::usd::{BuildRecord, on_large_stack};
 use openusd::sdf::{self, AbstractData, FieldKey, LayerOffset, SpecType, Value};
 use openusd::usda::TextWriter;
@@ -267,17 +267,37 @@ fn check_names(model: &Model, products: &[Product]) -> Result<(), Error> {
                 .code(ErrorCode::NameTaken)
                 .remedy("use letters, digits and _, and no digit first"));
         }
-        let taken = model.siblings.get(product.name).is_some_and(|s| !s.product)
-            || model.has_panel(product.name)
-            || products[..i].iter().any(|p| p.name == product.name);
-        if taken {
-            let path = model.sibling_path(product.name).or_unreadable(&model.path)?;
-            return Err(Error::usd(format!("{path} is taken by another prim"))
-                .code(ErrorCode::NameTaken)
-                .remedy(format!("rename that prim, or choose another name by {flag}")));
+        if is_taken(model, product.name) || products[..i].iter().any(|p| p.name == product.name) {
+            return Err(taken(model, product.name, flag)?);
         }
     }
     Ok(())
+}
+
+/// Refuses names of products that other prims have.
+///
+/// # Errors
+/// Such a name.
+pub fn check_product_names(source: &Source, names: &ProductNames) -> Result<(), Error> {
+    for (i, name) in names.all().enumerate() {
+        if is_taken(&source.model, name) {
+            let role = if i == 0 { ProductRole::Sim } else { ProductRole::Render };
+            return Err(taken(&source.model, name, role.name_flag())?);
+        }
+    }
+    Ok(())
+}
+
+/// Whether a prim that is not a product has the name.
+fn is_taken(model: &Model, name: &str) -> bool {
+    model.siblings.get(name).is_some_and(|sibling| !sibling.product) || model.has_panel(name)
+}
+
+fn taken(model: &Model, name: &str, flag: &str) -> Result<Error, Error> {
+    let path = model.sibling_path(name).or_unreadable(&model.path)?;
+    Ok(Error::usd(format!("{path} is taken by another prim"))
+        .code(ErrorCode::NameTaken)
+        .remedy(format!("rename that prim, or choose another name by {flag}")))
 }
 
 /// Refuses a name that the product of another model has.

@@ -17,7 +17,8 @@ mod variant;
 
 pub use crates::write_crate;
 pub use layer::{
-    GarmentProducts, SetChoice, Surroundings, WriteOptions, Written, check_target, layer_bytes, write, write_all,
+    GarmentProducts, SetChoice, Surroundings, WriteOptions, Written, check_product_names, check_target, layer_bytes,
+    write, write_all,
 };
 pub use physics::pose_points;
 pub use product::extent;
