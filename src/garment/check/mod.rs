@@ -15,10 +15,9 @@ mod surface;
 #[cfg(test)]
 mod tests;
 
-use super::sew::doubled_borders;
 use super::{Garment, Mesh};
-use crate::error::{Code, Error, Warning, Warnings};
-use crate::mesh::{Elements, Topology, VertexId};
+use crate::error::{Error, Warnings};
+use crate::mesh::Topology;
 use mesh::MeshCheck;
 use problem::Problems;
 use std::mem::take;
@@ -49,7 +48,9 @@ pub fn check_garment(mut input: Garment) -> Result<(Mesh, Warnings), Error> {
     };
     let mut warnings = surface::warnings(&input.prim, &topology, &input.points);
     warnings.extend(of_primvars);
-    warnings.extend(doubled(&input.prim, &doubled_borders(&topology, &input.points)));
+    // Files alone have doubled points.
+    #[cfg(feature = "usd")]
+    warnings.extend(super::sew::doubled_borders(&input.prim, &topology, &input.points));
     let garment = Mesh {
         prim: input.prim,
         points: input.points.into(),
@@ -69,14 +70,4 @@ pub fn check_garment(mut input: Garment) -> Result<(Mesh, Warnings), Error> {
         families: input.families,
     };
     Ok((garment, warnings))
-}
-
-/// The warning of border edges that lie on others of the mesh.
-fn doubled(prim: &str, edges: &[[VertexId; 2]]) -> Option<Warning> {
-    let problem = format!(
-        "{} border edges lie on others of the mesh, so that it falls into pieces there and seams open",
-        edges.len()
-    );
-    let warning = Warning::new(Code::UnsewnBorders, prim, problem).at(Elements::Edges(edges.to_vec()));
-    (!edges.is_empty()).then(|| warning.remedy("Weld the points before the export, as by merge by distance"))
 }

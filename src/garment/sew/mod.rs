@@ -16,8 +16,8 @@ pub use merge::{Panel, Sewn, merge, place};
 pub use unsewn::Unsewn;
 
 use super::Garment;
-use crate::error::{Error, ErrorCode, ErrorKind};
-use crate::mesh::{Groups, Topology, VertexId};
+use crate::error::{Code, Error, ErrorCode, ErrorKind, Warning};
+use crate::mesh::{Elements, Groups, Topology, VertexId};
 use borders::{Border, Pairs, matches};
 use glam::{DMat4, Vec3};
 use std::collections::{BTreeMap, BTreeSet};
@@ -51,12 +51,19 @@ pub struct Seams {
     pub welds: Vec<[(usize, usize); 2]>,
 }
 
-/// The border edges of one mesh that lie on others of it, each with its points: the mesh falls into pieces there.
-pub fn doubled_borders(t: &Topology, points: &[Vec3]) -> Vec<[VertexId; 2]> {
+/// The warning of border edges of one mesh that lie on others of it: the mesh falls into pieces there.
+pub fn doubled_borders(prim: &str, t: &Topology, points: &[Vec3]) -> Option<Warning> {
     let border = Border::of_topology(t, points);
     let pairs = matches(std::slice::from_ref(&border), TOLERANCE, Pairs::Within).unwrap_or_default();
-    let edges: BTreeSet<usize> = pairs.iter().flat_map(|pair| pair.edges.map(|(_, edge)| edge)).collect();
-    edges.into_iter().map(|edge| border.edges[edge].points.map(VertexId::new)).collect()
+    let doubled: BTreeSet<usize> = pairs.iter().flat_map(|pair| pair.edges.map(|(_, edge)| edge)).collect();
+    let edges: Vec<_> = doubled.into_iter().map(|edge| border.edges[edge].points.map(VertexId::new)).collect();
+    let problem = format!(
+        "{} border edges lie on others of the mesh, so that it falls into pieces there and seams open",
+        edges.len()
+    );
+    let remedy = "Weld the points before the export, as by merge by distance";
+    let is_found = !edges.is_empty();
+    is_found.then(|| Warning::new(Code::UnsewnBorders, prim, problem).at(Elements::Edges(edges)).remedy(remedy))
 }
 
 /// Finds the border edges of different meshes that coincide. Each mesh comes with its transform to a common space; its indices
