@@ -81,7 +81,8 @@ pub fn run(args: &Drive) -> Result<Output, Error> {
         driven.points,
         driven.frames as f64 / seconds
     );
-    Ok(Output { text, code: 0 })
+    let turned = "  turned from the up axis of the cache's stage to that of the garment's\n";
+    Ok(Output { text: if driven.is_turned { text + turned } else { text }, code: 0 })
 }
 
 /// A progress bar; hidden unless standard error is a terminal.

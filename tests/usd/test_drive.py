@@ -333,6 +333,24 @@ def test_a_primvar_of_normals_does_not_stay_as_at_bind(usdtailor, coat, cache, t
     assert not left.HasValue() and not left.IsIndexed()
 
 
+@pytest.mark.parametrize("suffix", [".usdc", ".usda"])
+@pytest.mark.parametrize("points_turned", [True, False])
+def test_a_cache_of_another_up_axis_does_not_lie_on_its_back(usdtailor, coat, shot, tmp_path, suffix, points_turned):
+    """Some programs turn the points, and others the transform of the mesh."""
+    frames = moved(coat)
+    turned = np.stack([frames[..., 0], -frames[..., 2], frames[..., 1]], axis=-1)
+    cache = write_cache(tmp_path / f"cache{suffix}", coat, turned if points_turned else frames)
+    stage = Usd.Stage.Open(str(cache))
+    UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
+    stage.GetRootLayer().Save()
+    out = tmp_path / "shot.usdc"
+    done = drive(usdtailor, coat, cache, out)
+    assert done.returncode == 0 and ("turned" in done.stdout) == points_turned, done.stdout
+    path = coat.prim("render").GetPath()
+    driven = Usd.Stage.Open(str(out))
+    assert np.abs(points(driven.GetPrimAtPath(path), 5) - points(shot.GetPrimAtPath(path), 5)).max() < 1e-3
+
+
 def test_inputs_are_never_overwritten(usdtailor, coat, cache):
     for target in (coat.path, cache):
         before = target.read_bytes()

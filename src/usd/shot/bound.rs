@@ -21,6 +21,8 @@ pub struct Bound {
     pub sim_path: Path,
     /// Number of its points.
     pub sim_points: usize,
+    /// Where they are at bind.
+    pub sim_bind: Vec<Vec3>,
     /// Its triangles.
     pub triangles: Vec<[u32; 3]>,
     /// Median length of its edges at bind.
@@ -81,6 +83,7 @@ impl Bound {
         let mut bound = Self {
             sim_path: sim.path().clone(),
             sim_points: sim_points.len(),
+            sim_bind: sim_points.clone(),
             triangles,
             edge_length: 0.0,
             meshes,

@@ -1,6 +1,7 @@
 //! Caches of moved points.
 
 use super::DriveOptions;
+use super::axes::{UP_AXIS, UpAxis};
 use super::bound::Bound;
 use super::crate_samples::{CrateSamples, CrateStage};
 use super::numpy::NumpyFrames;
@@ -31,6 +32,8 @@ pub struct Cache {
     times: Vec<f64>,
     /// The values of [`RATE`], where the cache states them.
     rate: [Option<f64>; 2],
+    /// The up axis that its stage states.
+    up_axis: Option<UpAxis>,
     points: usize,
     frames: Frames,
 }
@@ -57,7 +60,14 @@ impl Cache {
             "npz" | "npy" => {
                 let frames = NumpyFrames::open(file)?;
                 let (times, points) = (frames.times().to_vec(), frames.points());
-                Self { file: file.clone(), times, rate: [None; 2], points, frames: Frames::Numpy(frames) }
+                Self {
+                    file: file.clone(),
+                    times,
+                    rate: [None; 2],
+                    up_axis: None,
+                    points,
+                    frames: Frames::Numpy(frames),
+                }
             }
             "usd" | "usda" | "usdc" | "usdz" => Self::of_stage(options, bound)?,
             _ => {
@@ -94,6 +104,11 @@ impl Cache {
     /// The values of [`RATE`], where the cache states them.
     pub fn rate(&self) -> [Option<f64>; 2] {
         self.rate
+    }
+
+    /// The up axis that the cache's stage states.
+    pub fn up_axis(&self) -> Option<UpAxis> {
+        self.up_axis
     }
 
     /// Refuses times that do not ascend, and gaps between frames unless they are accepted.
@@ -182,7 +197,7 @@ impl Cache {
         };
         let has_velocities = !times.is_empty() && velocities == times;
         let frames = Frames::Stage { stage: Box::new(stage), prim: path, has_velocities };
-        Ok(Self { file: file.clone(), times, rate, points, frames })
+        Ok(Self { file: file.clone(), times, rate, up_axis: UpAxis::of(&metadata), points, frames })
     }
 
     /// A cache in one crate, whose frames are read from the file one by one; `None` if they cannot be.
@@ -206,7 +221,8 @@ impl Cache {
         };
         let times = points.times().to_vec();
         let frames = Frames::Crate { points, velocities };
-        Some(Ok(Self { file: options.cache.clone(), times, rate, points: count, frames }))
+        let up_axis = layer.read(&root, UP_AXIS).as_ref().and_then(UpAxis::named);
+        Some(Ok(Self { file: options.cache.clone(), times, rate, up_axis, points: count, frames }))
     }
 }
 

@@ -3,6 +3,7 @@
 //! `bound` reads both meshes at bind from a built garment, `cache` the moved points from USD or NumPy files, and `stream` writes
 //! the frames. A few frames are in memory at a time, however long the cache is.
 
+mod axes;
 mod bound;
 mod cache;
 mod clips;
@@ -14,6 +15,7 @@ mod stream;
 use crate::drive::Driver;
 use crate::error::{Error, ErrorCode, ErrorKind};
 use crate::usd::on_large_stack;
+use axes::UpAxis;
 use bound::Bound;
 use cache::{Cache, Frame};
 use glam::Vec3;
@@ -57,6 +59,8 @@ pub struct Driven {
     pub frames: usize,
     /// Points of all driven meshes.
     pub points: usize,
+    /// Whether the points of the cache were turned from the up axis of its stage to that of the garment's.
+    pub is_turned: bool,
     /// First and last time. \[time codes\]
     pub times: [f64; 2],
 }
@@ -75,10 +79,18 @@ pub fn drive(options: &DriveOptions, progress: &(dyn Fn(usize, usize) + Sync)) -
         let mut writer = ShotWriter::new(options, &bound, cache.times(), cache.rate())?;
         let frames = cache.times().len();
         let chunk = FRAMES_PER_THREAD * rayon::current_num_threads();
-        let mut done = 0;
+        let (mut done, mut turn) = (0, None);
         while done < frames {
-            let read: Vec<Frame> =
+            let mut read: Vec<Frame> =
                 (done..frames.min(done + chunk)).map(|i| cache.read(i)).collect::<Result<_, Error>>()?;
+            if done == 0 {
+                let up = UpAxis::of(&bound.metadata).unwrap_or(UpAxis::Y);
+                let is_other = cache.up_axis().is_some_and(|axis| axis != up);
+                turn = Some(up).filter(|up| is_other && up.fits(&read[0].points, &bound.sim_bind));
+            }
+            if let Some(up) = turn {
+                read.iter_mut().for_each(|frame| up.turn(frame));
+            }
             if done == 0 {
                 check_first(&bound, &read[0], &options.cache)?;
             }
@@ -91,7 +103,7 @@ pub fn drive(options: &DriveOptions, progress: &(dyn Fn(usize, usize) + Sync)) -
         }
         writer.finish()?;
         let points = bound.meshes.iter().map(|mesh| mesh.points).sum();
-        Ok(Driven { frames, points, times: [cache.times()[0], cache.times()[frames - 1]] })
+        Ok(Driven { frames, points, is_turned: turn.is_some(), times: [cache.times()[0], cache.times()[frames - 1]] })
     })
 }
 
