@@ -126,6 +126,7 @@ export type ErrorCode =
   | "preview-server"
   | "unreadable-file"
   | "damaged-file"
+  | "not-supported"
   | "composition-failed"
   | "output-exists"
   | "output-is-input"
