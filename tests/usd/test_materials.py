@@ -78,6 +78,8 @@ def test_a_material_that_holds_for_subsets_too_stays_on_the_mesh(build, tmp_path
     product = build(garment(tmp_path / "a.usda", [BOUND, *BARE], change), "--set", "render.level=0")
     source = materials(find_model(product.source_stage), purpose)
     assert np.array_equal(materials(product.prim("render"), purpose), source)
+    own = UsdShade.MaterialBindingAPI(product.prim("render").GetChild("cuff")).GetDirectBindingRel().GetTargets()
+    assert own == ["/Coat/materials/silk"], "a binding that another one hides is kept"
 
 
 def test_a_garment_of_one_material_keeps_it_on_the_mesh(build, tmp_path):

@@ -29,16 +29,18 @@ pub fn resolve_collections(prim: &Prim, model: &mut Model) -> Result<(), Error> 
         if let Some(Winner { material, is_collection: true }) = &winner {
             bind(&mut model.carried, &mut model.applied, purpose, material);
         }
-        of_mesh.push(winner.map(|winner| winner.material));
+        of_mesh.push(winner);
     }
     for subset in subset_prims(prim)? {
         let is_of_materials = text_value(&subset, names::FAMILY_NAME, None)?.as_deref() == Some(names::MATERIAL_FAMILY);
         let Some(record) = model.subsets.get_mut(&prim_name(&subset)).filter(|_| is_of_materials) else { continue };
         for (purpose, of_mesh) in PURPOSES.iter().zip(&of_mesh) {
+            let Some(winner) = winner(&subset, purpose)? else { continue };
+            let is_by_collection = winner.is_collection || of_mesh.as_ref().is_some_and(|mesh| mesh.is_collection);
             let own = record.carried.iter().find(|record| record.name == binding_name(purpose)).and_then(target);
-            let winner = winner(&subset, purpose)?.map(|winner| winner.material);
-            if let Some(material) = winner.filter(|winner| Some(winner) != own.as_ref().or(of_mesh.as_ref())) {
-                bind(&mut record.carried, &mut record.applied, purpose, &material);
+            let without = own.or_else(|| of_mesh.as_ref().map(|mesh| mesh.material.clone()));
+            if is_by_collection && without.as_ref() != Some(&winner.material) {
+                bind(&mut record.carried, &mut record.applied, purpose, &winner.material);
             }
         }
     }
