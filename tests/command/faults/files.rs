@@ -141,10 +141,10 @@ fn of_the_choice_of_a_mesh() {
                     "in.usda",
                     CLOTH
                         .replace("point3f[] points = [", "point3f[] points.timeSamples = { 3: [")
-                        .replace("(2, 2, 0)]", "(2, 2, 0)] }"),
+                        .replace("(2, 2, 0)]", "(2, 2, 0)], 4: [(0, 0, 0)] }"),
                 );
             },
-            &["/Coat/model.points has values at 1 times and no default", "--time 3"],
+            &["/Coat/model.points has values at 2 times and no default", "--time 3"],
         ),
         fault("build in.usda -o out/coat.usda --time nan", cloth, &["the time is not a number", "24.5"]),
         fault(
