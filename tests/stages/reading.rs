@@ -78,8 +78,8 @@ fn attributes_at_fault_are_named() {
         ("token triangleSubdivisionRule = \"x\"", &["triangleSubdivisionRule", "smooth"]),
         ("float[] holeIndices = [1]", &["/Coat/model.holeIndices is not of type int[]"]),
         (
-            "float[] creaseSharpnesses.timeSamples = { 3: [1] }",
-            &["creaseSharpnesses has values at 1 times", "--time 3"],
+            "float[] creaseSharpnesses.timeSamples = { 3: [1], 4: [2] }",
+            &["creaseSharpnesses has values at 2 times", "--time 3"],
         ),
         ("float[] primvars:a = [1] ( interpolation = \"edge\" )", &["primvars:a", "\"edge\"", "faceVarying"]),
         ("uniform token subsetFamily:f:familyType = \"x\"", &["subsetFamily:f:familyType", "partition"]),

@@ -28,7 +28,7 @@ impl Author<'_> {
             self.family(prim, &family.name, family.kind)?;
         }
         // Where a program takes all subsets for materials, the last one wins.
-        chosen.sort_by_key(|set| self.is_bound(set));
+        chosen.sort_by_key(|set| set.family == names::MATERIAL_FAMILY && self.is_bound(set));
         for subset in chosen {
             self.subset(prim, subset, mesh)?;
         }
