@@ -58,7 +58,9 @@ fn unusable(garment: &Mesh, default: &Primvar, found: Option<&Primvar>, sets: &[
     let names: Vec<&str> = sets.iter().map(|set| set.name.as_str()).collect();
     let others =
         if names.is_empty() { String::new() } else { format!(", or name one of {} in sim.uvSet", names.join(", ")) };
-    let remedy = format!("Export it as texCoord2f[] with the interpolation faceVarying{others}");
+    let remedy = format!(
+        "Export it as texCoord2f[] with the interpolation faceVarying{others}, or name edge sets in sim.constraints"
+    );
     Warning::new(Code::NoUvSet, &garment.prim, problem).remedy(remedy)
 }
 
