@@ -46,8 +46,7 @@ pub fn each(set: &str, input: &Input) -> Result<Vec<Opening>, Error> {
     };
     let mut openings: Vec<Opening> = Vec::new();
     let mut without = Warnings::default();
-    let all = choices(set, &selected)?;
-    for variant in all {
+    for variant in choices(set, &selected)? {
         let Selection { prim, set, choice } = variant.clone();
         match open_one(variant) {
             Ok(opening) => openings.push(opening),

@@ -107,7 +107,7 @@ pub enum PageMessage {
     Select {
         /// The selection before, as an expression; empty for none.
         selection: String,
-        /// What is done with the set.
+        /// How the set changes the selection.
         change: Change,
         /// The set, as an expression.
         set: String,

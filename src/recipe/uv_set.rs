@@ -24,30 +24,28 @@ pub fn resolve_uv_set(options: &mut SimOptions, garment: &Mesh) -> Option<Warnin
         _ => usual().copied(),
     };
     options.uv_set = found.map_or_else(String::new, |set| set.name.clone());
-    let is_uvs = |primvar: &&Primvar| {
-        primvar.meaning == Meaning::TextureCoordinate && primvar.interpolation == Interpolation::FaceVarying
-    };
-    let default = default.or_else(|| garment.primvars.iter().find(is_uvs).filter(|_| sets.is_empty()));
-    match (default, found) {
+    let is_uvs = |p: &&Primvar| p.role == PrimvarRole::Primvar && p.meaning == Meaning::TextureCoordinate;
+    let uvs = default.or_else(|| garment.primvars.iter().find(is_uvs).filter(|_| sets.is_empty()));
+    match (uvs, found) {
         (None, Some(_)) => None,
-        (Some(default), found) => Some(unusable(garment, default, found, &sets)),
+        (Some(uvs), found) => Some(unusable(garment, uvs, found, &sets)),
         (None, None) => Some(missing(garment, &sets)),
     }
 }
 
-/// The warning of a primvar with the default name that cannot be used as UVs.
-fn unusable(garment: &Mesh, default: &Primvar, found: Option<&Primvar>, sets: &[&Primvar]) -> Warning {
-    let number = match &default.values {
+/// The warning of UVs from which the simulation mesh can take no seams.
+fn unusable(garment: &Mesh, uvs: &Primvar, found: Option<&Primvar>, sets: &[&Primvar]) -> Warning {
+    let number = match &uvs.values {
         Values::F64(_) => "double",
-        Values::F32(_) if default.half => "half",
+        Values::F32(_) if uvs.half => "half",
         Values::F32(_) => "float",
         _ => "whole",
     };
-    let (width, interpolation) = (default.width(), default.interpolation.word());
-    let is_large = width == 2 && number == "float" && default.interpolation == Interpolation::FaceVarying;
+    let (width, interpolation) = (uvs.width(), uvs.interpolation.word());
+    let is_large = width == 2 && number == "float" && uvs.interpolation == Interpolation::FaceVarying;
     let problem = format!(
         "primvars:{} has {}{width} {number} number{} for each element, {interpolation}, so {}",
-        default.name,
+        uvs.name,
         if is_large { "values beyond 1e15, " } else { "" },
         if width == 1 { "" } else { "s" },
         found.map_or_else(
@@ -66,22 +64,11 @@ fn unusable(garment: &Mesh, default: &Primvar, found: Option<&Primvar>, sets: &[
 
 fn missing(garment: &Mesh, sets: &[&Primvar]) -> Warning {
     let without = "so the simulation mesh follows no UV seams";
-    let is_per_vertex = |p: &&Primvar| {
-        p.role == PrimvarRole::Primvar
-            && p.meaning == Meaning::TextureCoordinate
-            && p.components == 2
-            && p.interpolation != Interpolation::FaceVarying
-    };
     let (problem, remedy) = if !sets.is_empty() {
         let names: Vec<&str> = sets.iter().map(|set| set.name.as_str()).collect();
         (
             format!("none of its UV sets ({}) is named st, {without}", names.join(", ")),
             "Name one in sim.uvSet, or say sim.uvSet= for none".to_owned(),
-        )
-    } else if let Some(uv) = garment.primvars.iter().find(is_per_vertex) {
-        (
-            format!("its UVs {} have one value a point, {without}", uv.name),
-            "Export them as faceVarying, or name edge sets in sim.constraints".to_owned(),
         )
     } else {
         (

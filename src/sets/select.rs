@@ -12,7 +12,7 @@ use std::cmp::Reverse;
 /// Sets that are named together. Artists read more of them no more easily than numbers.
 const MOST_NAMES: usize = 6;
 
-/// What is done with a set that comes to a selection.
+/// How a set changes a selection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 #[cfg_attr(test, derive(ts_rs::TS))]

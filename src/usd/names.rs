@@ -3,6 +3,7 @@
 use crate::garment::{
     BoundaryInterpolation, FaceVaryingInterpolation, FamilyType, Interpolation, Orientation, Scheme, TriangleRule,
 };
+use openusd::sdf::Value;
 
 /// Type of the prims that are read and written.
 pub const MESH: &str = "Mesh";
@@ -204,6 +205,11 @@ tokens! {
 /// Whether a property binds a material.
 pub fn is_material(name: &str) -> bool {
     name.starts_with(MATERIAL_BINDING)
+}
+
+/// Whether a value of [`BIND_MATERIAL_AS`] lets a binding win over those below its prim.
+pub fn is_stronger(strength: &Value) -> bool {
+    matches!(strength, Value::Token(strength) if strength.as_str() == "strongerThanDescendants")
 }
 
 /// Whether a property binds a material that is drawn: not that of physics.

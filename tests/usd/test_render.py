@@ -1,6 +1,6 @@
 """The render mesh against its source: every set and property is carried to where its elements went.
 
-What subdivision makes of points, values and sharpness is in test_golden, against OpenSubdiv.
+test_golden compares the points, values and sharpness of subdivision with OpenSubdiv.
 """
 
 import numpy as np

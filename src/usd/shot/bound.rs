@@ -19,10 +19,8 @@ use std::path::{Path as FilePath, PathBuf};
 pub struct Bound {
     /// Path of the simulation mesh.
     pub sim_path: Path,
-    /// Number of its points.
-    pub sim_points: usize,
-    /// Where they are at bind.
-    pub sim_bind: Vec<Vec3>,
+    /// Its points at bind.
+    pub sim_points: Vec<Vec3>,
     /// Its triangles.
     pub triangles: Vec<[u32; 3]>,
     /// Median length of its edges at bind.
@@ -82,15 +80,14 @@ impl Bound {
         }
         let mut bound = Self {
             sim_path: sim.path().clone(),
-            sim_points: sim_points.len(),
-            sim_bind: sim_points.clone(),
+            sim_points,
             triangles,
             edge_length: 0.0,
             meshes,
             metadata: stage_metadata(&stage)?,
             layers: layer_files(&stage),
         };
-        bound.edge_length = bound.median_edge(&sim_points);
+        bound.edge_length = bound.median_edge(&bound.sim_points);
         Ok(bound)
     }
 

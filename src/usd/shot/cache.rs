@@ -82,8 +82,9 @@ impl Cache {
                 .code(ErrorCode::CacheFrames)
                 .remedy("cache the points of the simulation mesh over time"));
         }
-        if opened.points != bound.sim_points {
-            let text = format!("it has {} points, and {} has {}", opened.points, bound.sim_path, bound.sim_points);
+        let points = bound.sim_points.len();
+        if opened.points != points {
+            let text = format!("it has {} points, and {} has {}", opened.points, bound.sim_path, points);
             return Err(opened
                 .fault(&text)
                 .code(ErrorCode::CacheMismatch)

@@ -86,7 +86,7 @@ pub fn drive(options: &DriveOptions, progress: &(dyn Fn(usize, usize) + Sync)) -
             if done == 0 {
                 let up = UpAxis::of(&bound.metadata).unwrap_or(UpAxis::Y);
                 let is_other = cache.up_axis().is_some_and(|axis| axis != up);
-                turn = Some(up).filter(|up| is_other && up.fits(&read[0].points, &bound.sim_bind));
+                turn = Some(up).filter(|up| is_other && up.fits(&read[0].points, &bound.sim_points));
             }
             if let Some(up) = turn {
                 read.iter_mut().for_each(|frame| up.turn(frame));

@@ -86,7 +86,7 @@ impl Author<'_> {
     pub(super) fn rest(&self, mesh: &Mesh) -> Option<Vec<FaceId>> {
         // A material that is stronger than those of subsets, or is for one purpose, holds for their faces too.
         let [own] = drawn_materials(&self.model.carried)[..] else { return None };
-        let is_stronger = own.metadata(names::BIND_MATERIAL_AS).is_some_and(|strength| *strength == stronger());
+        let is_stronger = own.metadata(names::BIND_MATERIAL_AS).is_some_and(names::is_stronger);
         if own.name != names::MATERIAL_BINDING || is_stronger {
             return None;
         }
@@ -130,11 +130,6 @@ fn drawn_materials(records: &[Record]) -> Vec<&Record> {
     let mut found: Vec<_> = records.iter().filter(|r| is_drawn_material(&r.name) && r.has_value()).collect();
     found.sort_by(|a, b| a.name.cmp(&b.name));
     found
-}
-
-/// The value of `bindMaterialAs` by which a binding wins over those below its prim.
-fn stronger() -> Value {
-    Value::Token(Token::from("strongerThanDescendants"))
 }
 
 /// The name of a subset as a prim; that of a derived set is made of its expression.

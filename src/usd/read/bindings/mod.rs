@@ -23,6 +23,9 @@ const PURPOSES: [&str; 3] = ["", "preview", "full"];
 /// # Errors
 /// A collection that cannot be read.
 pub fn resolve_collections(prim: &Prim, model: &mut Model) -> Result<(), Error> {
+    if !has_collections(prim)? {
+        return Ok(());
+    }
     let mut of_mesh = Vec::new();
     for purpose in PURPOSES {
         let winner = winner(prim, purpose)?;
@@ -45,6 +48,18 @@ pub fn resolve_collections(prim: &Prim, model: &mut Model) -> Result<(), Error> 
         }
     }
     Ok(())
+}
+
+/// Whether a collection may bind a material to a mesh or its subsets: few stages have one.
+fn has_collections(prim: &Prim) -> Result<bool, Error> {
+    let subsets = subset_prims(prim)?.into_iter().map(|subset| subset.path().clone());
+    for path in with_ancestors(prim.path()).chain(subsets) {
+        let names = property_names(&prim_at(prim.stage(), &path)?)?;
+        if names.iter().any(|name| name.starts_with(names::MATERIAL_BINDING_COLLECTION)) {
+            return Ok(true);
+        }
+    }
+    Ok(false)
 }
 
 fn target(record: &Record) -> Option<Path> {
@@ -127,5 +142,5 @@ fn winner(prim: &Prim, purpose: &str) -> Result<Option<Winner>, Error> {
 
 fn is_stronger(prim: &Prim, name: &str) -> Result<bool, Error> {
     let strength = prim.relationship(name).get_metadata::<Value>(names::BIND_MATERIAL_AS).or_unreadable(prim.path())?;
-    Ok(strength == Some(Value::Token(Token::from("strongerThanDescendants"))))
+    Ok(strength.as_ref().is_some_and(names::is_stronger))
 }

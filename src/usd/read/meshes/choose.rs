@@ -65,7 +65,8 @@ pub fn meshes(stage: &Stage, file: &FilePath, options: &ReadOptions) -> Result<O
 }
 
 fn left_out(path: &Path, why: &str) -> Warning {
-    Warning::not_carried(path, format!("{why}; it is left out")).remedy("Leave it out by --exclude")
+    Warning::not_carried(path, format!("{why}; it is left out"))
+        .remedy("Name it in --exclude to build without this warning")
 }
 
 fn has_no_faces(prim: &Prim) -> bool {

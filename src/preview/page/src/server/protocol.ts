@@ -38,7 +38,7 @@ export type Blocks = {
   elements: Block | null,
 };
 
-/** What is done with a set that comes to a selection. */
+/** How a set changes a selection. */
 export type Change = "replace" | "add" | "remove";
 
 /** The values that an option takes. `usual` is the range of a slider; values beyond it may be given. */
@@ -332,7 +332,7 @@ export type PageMessage =
   | { "type": "select",
     /** The selection before, as an expression; empty for none. */
     selection: string,
-    /** What is done with the set. */
+    /** How the set changes the selection. */
     change: Change,
     /** The set, as an expression. */
     set: string,
