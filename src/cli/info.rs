@@ -229,21 +229,16 @@ fn describe(out: &mut String, facts: &Facts, builder: &Builder, plan: &Plan, set
     }
 }
 
-/// The panels of a garment and the seams between them; nothing for a garment of one mesh.
+/// The panels of a garment, and what is sewn.
 fn panels(out: &mut String, source: &Source) {
-    if source.seams().is_empty() {
-        return;
-    }
-    for panel in source.panels() {
+    for panel in source.panels().filter(|_| source.is_sewn()) {
         let _ = writeln!(out, "  panel    {panel}");
     }
     for seam in source.seams() {
         let [a, b] = &seam.panels;
-        let _ = writeln!(
-            out,
-            "  sewn     {a} to {b}: {} border edges, at most {:.2e} stage units apart",
-            seam.edges, seam.gap
-        );
+        let what = if a == b { "its own borders".to_owned() } else { format!("{a} to {b}") };
+        let _ =
+            writeln!(out, "  sewn     {what}: {} border edges, at most {:.2e} stage units apart", seam.edges, seam.gap);
     }
 }
 

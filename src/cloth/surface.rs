@@ -90,10 +90,13 @@ impl<'a> Surface<'a> {
     }
 }
 
-/// Whether two half-edges of one edge have the same UVs, so that it is not a seam.
+/// Whether two half-edges of one edge have the same UVs, so that it is not a seam. At a fold of the UVs they have, and the shells
+/// of the two sides are mirrored.
 pub fn shares_uvs(product: &SimProduct, faces: &Faces, corner: CornerId, twin: CornerId) -> bool {
     let uv = |c: CornerId| product.places[c].uv;
-    uv(corner) == uv(faces.next(twin)) && uv(faces.next(corner)) == uv(twin)
+    let sense = |c: CornerId| product.baseline.facets[product.places[c].location.face].sense;
+    let are_same = uv(corner) == uv(faces.next(twin)) && uv(faces.next(corner)) == uv(twin);
+    are_same && sense(corner) * sense(twin) >= 0.0
 }
 
 /// Groups of triangles across edges that `joins` admits, each numbered by its first triangle.

@@ -1,7 +1,7 @@
 //! Where a UV set is cut.
 
 use super::{Interpolation, Primvar, Values};
-use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
+use crate::mesh::{CornerId, EdgeId, FaceId, Faces, Groups, IdVec, Topology, VertexId};
 use glam::DVec2;
 
 /// The values of a UV set at the corners of a mesh.
@@ -23,10 +23,79 @@ impl Primvar {
     }
 }
 
+/// Least share of a shell's area that is mirrored on purpose, as a half that lies on the other. Less is a fault of the UVs.
+const MIRRORED: f64 = 0.1;
+
+impl Primvar {
+    /// The row at each corner, as [`Primvar::corner_rows`]. Where a shell is folded so that a part of it is mirrored, the rows of
+    /// this part are other ones, with the values of [`Primvar::rows`] rows before.
+    pub fn shell_rows(&self, faces: &Faces, vertices: usize) -> IdVec<CornerId, u32> {
+        let mut rows = self.corner_rows(faces, vertices);
+        for face in self.mirrored(faces, &rows) {
+            faces.corners_of(face).for_each(|corner| rows[corner] += self.rows() as u32);
+        }
+        rows
+    }
+
+    /// The UV of a row of [`Primvar::shell_rows`].
+    pub fn uv(&self, row: u32) -> DVec2 {
+        let at = 2 * (row as usize % self.rows().max(1));
+        match &self.values {
+            Values::F32(values) => DVec2::new(f64::from(values[at]), f64::from(values[at + 1])),
+            _ => DVec2::ZERO,
+        }
+    }
+
+    /// The faces of the smaller part of each folded shell.
+    fn mirrored(&self, faces: &Faces, rows: &IdVec<CornerId, u32>) -> Vec<FaceId> {
+        let areas: IdVec<FaceId, f64> = faces.ids().map(|face| self.uv_area(faces, rows, face)).collect();
+        let [has_negative, has_positive] =
+            [f64::is_sign_negative, f64::is_sign_positive].map(|is| areas.iter().any(|a| *a != 0.0 && is(*a)));
+        if !has_negative || !has_positive {
+            return Vec::new();
+        }
+        let mut shells = shells(faces, rows);
+        let mut sides = IdVec::<FaceId, [f64; 2]>::filled([0.0; 2], faces.len());
+        for face in faces.ids() {
+            sides[shells.first(face)][usize::from(areas[face] < 0.0)] += areas[face].abs();
+        }
+        let is_mirrored = |&face: &FaceId| {
+            let [up, down] = sides[shells.first(face)];
+            let is_folded = up.min(down) >= MIRRORED * (up + down);
+            is_folded && areas[face] != 0.0 && (areas[face] < 0.0) == (down <= up)
+        };
+        faces.ids().filter(is_mirrored).collect()
+    }
+
+    /// The signed area of a face in UVs.
+    fn uv_area(&self, faces: &Faces, rows: &IdVec<CornerId, u32>, face: FaceId) -> f64 {
+        let uv = |corner: CornerId| self.uv(rows[corner]);
+        faces.corners_of(face).map(|corner| 0.5 * uv(corner).perp_dot(uv(faces.next(corner)))).sum()
+    }
+}
+
+/// The faces that share an edge with the same rows at its ends.
+fn shells(faces: &Faces, rows: &IdVec<CornerId, u32>) -> Groups<FaceId> {
+    let end = |corner: CornerId| (faces.vertex(corner), rows[corner]);
+    let edge = |corner: CornerId| {
+        let (a, b) = (end(corner), end(faces.next(corner)));
+        (a.min(b), a.max(b), faces.face_of(corner))
+    };
+    let mut edges: Vec<_> = faces.corners().ids().map(edge).collect();
+    edges.sort_unstable();
+    let mut shells = Groups::new(faces.len());
+    for [a, b] in edges.array_windows() {
+        if (a.0, a.1) == (b.0, b.1) {
+            shells.join(a.2, b.2);
+        }
+    }
+    shells
+}
+
 impl<'a> UvSeams<'a> {
     /// The seams of a UV set.
     pub fn new(primvar: &'a Primvar, t: &Topology) -> Self {
-        Self { primvar, rows: primvar.corner_rows(&t.faces, t.vertex_count()) }
+        Self { primvar, rows: primvar.shell_rows(&t.faces, t.vertex_count()) }
     }
 
     /// Whether faces at an edge have other UVs there.
@@ -47,11 +116,6 @@ impl<'a> UvSeams<'a> {
 
     /// The UVs of a face.
     pub fn uvs_of(&self, t: &Topology, face: FaceId) -> Vec<DVec2> {
-        let Values::F32(values) = &self.primvar.values else { return Vec::new() };
-        let uv = |corner: CornerId| {
-            let row = 2 * self.rows[corner] as usize;
-            DVec2::new(f64::from(values[row]), f64::from(values[row + 1]))
-        };
-        t.faces.corners_of(face).map(uv).collect()
+        t.faces.corners_of(face).map(|corner| self.primvar.uv(self.rows[corner])).collect()
     }
 }

@@ -48,9 +48,6 @@ pub fn check_garment(mut input: Garment) -> Result<(Mesh, Warnings), Error> {
     };
     let mut warnings = surface::warnings(&input.prim, &topology, &input.points);
     warnings.extend(of_primvars);
-    // Files alone have doubled points.
-    #[cfg(feature = "usd")]
-    warnings.extend(super::sew::doubled_borders(&input.prim, &topology, &input.points));
     let garment = Mesh {
         prim: input.prim,
         points: input.points.into(),

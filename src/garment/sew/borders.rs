@@ -1,8 +1,7 @@
 //! Border edges, and which of different meshes coincide.
 
 use crate::garment::Garment;
-use crate::mesh::{EdgeId, Topology};
-use glam::{DMat4, DVec3, Vec3};
+use glam::{DMat4, DVec3};
 
 /// Border edges near one edge that are looked at. A garment has a handful; copies of a mesh on each other have more.
 const CROWD: usize = 4096;
@@ -10,8 +9,10 @@ const CROWD: usize = 4096;
 /// An edge of one face.
 #[derive(Clone, Copy, Debug)]
 pub struct Edge {
-    /// Its points.
+    /// Its points, the lower one first.
     pub points: [usize; 2],
+    /// Whether its face runs from the first point to the second.
+    pub forward: bool,
     /// Where they are in the common space.
     pub ends: [DVec3; 2],
 }
@@ -21,7 +22,7 @@ impl Edge {
         0.5 * (self.ends[0] + self.ends[1])
     }
 
-    fn length(&self) -> f64 {
+    pub fn length(&self) -> f64 {
         self.ends[0].distance(self.ends[1])
     }
 }
@@ -47,32 +48,14 @@ pub struct Match {
 }
 
 impl Border {
-    /// The border of a mesh that was checked.
-    pub fn of_topology(t: &Topology, points: &[Vec3]) -> Self {
-        let edge = |id: EdgeId| {
-            let points_of = t.edges[id].map(|v| v.index());
-            Edge { points: points_of, ends: points_of.map(|p| points[p].as_dvec3()) }
-        };
-        let length: f64 = t.edges.ids().map(|id| edge(id).length()).sum();
-        let edges = t.edges.ids().filter(|&id| t.is_border(id)).map(edge).collect();
-        Self { edges, mean_edge: length / (t.edges.len().max(1) as f64) }
-    }
-
     /// The border of `mesh`, which `to_common` takes to the common space.
     pub fn of(mesh: &Garment, to_common: &DMat4) -> Self {
         let points: Vec<DVec3> = mesh.points.iter().map(|p| to_common.transform_point3(p.as_dvec3())).collect();
-        let mut all = Vec::with_capacity(mesh.face_vertex_indices.len());
-        let mut corners = mesh.face_vertex_indices.as_slice();
-        for &count in &mesh.face_vertex_counts {
-            let Some((face, rest)) = corners.split_at_checked(count as usize) else { break };
-            corners = rest;
-            let ends = face.iter().zip(face.iter().cycle().skip(1));
-            all.extend(ends.map(|(&a, &b)| [a.min(b) as usize, a.max(b) as usize]));
-        }
-        all.sort_unstable();
+        let all = half_edges(mesh);
         let (mut edges, mut length, mut count) = (Vec::new(), 0.0, 0);
-        for same in all.chunk_by(|a, b| a == b) {
-            let edge = Edge { points: same[0], ends: same[0].map(|p| points[p]) };
+        for same in all.chunk_by(|a, b| a.0 == b.0) {
+            let (of_edge, forward) = same[0];
+            let edge = Edge { points: of_edge, forward, ends: of_edge.map(|p| points[p]) };
             (length, count) = (length + edge.length(), count + 1);
             if same.len() == 1 {
                 edges.push(edge);
@@ -85,6 +68,27 @@ impl Border {
     pub fn within(&self, tolerance: f64) -> f64 {
         tolerance * self.mean_edge
     }
+}
+
+/// The edges of each face of a mesh, sorted: their points, the lower one first, and whether the face runs along them so.
+fn half_edges(mesh: &Garment) -> Vec<([usize; 2], bool)> {
+    let mut all = Vec::with_capacity(mesh.face_vertex_indices.len());
+    let mut corners = mesh.face_vertex_indices.as_slice();
+    for &count in &mesh.face_vertex_counts {
+        let Some((face, rest)) = corners.split_at_checked(count as usize) else { break };
+        corners = rest;
+        let ends = face.iter().zip(face.iter().cycle().skip(1));
+        all.extend(ends.map(|(&a, &b)| ([a.min(b) as usize, a.max(b) as usize], a < b)));
+    }
+    all.sort_unstable();
+    all
+}
+
+/// The points of the edges of a mesh, the lower one first, sorted.
+pub fn edges(mesh: &Garment) -> Vec<[usize; 2]> {
+    let mut edges: Vec<[usize; 2]> = half_edges(mesh).into_iter().map(|(points, _)| points).collect();
+    edges.dedup();
+    edges
 }
 
 /// The pairs of border edges that are looked at.

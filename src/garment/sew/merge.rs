@@ -30,6 +30,8 @@ pub struct Sewn {
     pub points: Vec<Vec<usize>>,
     /// The edge set of the seams between them.
     pub seams: String,
+    /// What the mesh lacks of the panels.
+    pub warnings: Warnings,
 }
 
 /// The points of the panels and those of the garment.
@@ -80,12 +82,7 @@ fn each_vector(values: &mut Values, change: impl Fn(DVec3) -> DVec3) {
 ///
 /// # Errors
 /// Panels whose subdivision rules, UV scales or sets of one name differ, and welds that would close up a face.
-pub fn merge(
-    prim: String,
-    units: Units,
-    mut panels: Vec<Panel>,
-    welds: &[[(usize, usize); 2]],
-) -> Result<(Sewn, Warnings), Error> {
+pub fn merge(prim: String, units: Units, mut panels: Vec<Panel>, welds: &[[(usize, usize); 2]]) -> Result<Sewn, Error> {
     check_rules(&panels)?;
     let orientation = panels[0].mesh.orientation;
     panels.iter_mut().filter(|panel| panel.mesh.orientation != orientation).for_each(|panel| turn(&mut panel.mesh));
@@ -113,10 +110,10 @@ pub fn merge(
         *first = faces.end;
         Some(set(&mut mesh.subsets, &panel.name, "face", faces.collect()))
     });
-    let sets: Vec<String> = sets.collect();
+    let sets: Vec<String> = if panels.len() > 1 { sets.collect() } else { Vec::new() };
     let seams = seam_edges(&panels, &points);
     let seams = set(&mut mesh.subsets, "sewn", "edge", seams);
-    Ok((Sewn { mesh, panels: sets, points: points.of_panel, seams }, warnings))
+    Ok(Sewn { mesh, panels: sets, points: points.of_panel, seams, warnings })
 }
 
 /// Adds a set with this name, or a free one like it.
@@ -272,7 +269,7 @@ fn merge_corners(mesh: &mut Garment, panels: &[Panel], points: &Points) {
     (mesh.corner_indices, mesh.corner_sharpnesses) = sharp.into_iter().unzip();
 }
 
-/// The edges that faces of several panels have, as pairs of points.
+/// The edges whose faces have other points there on their panels, or other panels, as pairs of points.
 fn seam_edges(panels: &[Panel], points: &Points) -> Vec<i32> {
     let mut edges = Vec::new();
     for (i, (panel, of_panel)) in panels.iter().zip(&points.of_panel).enumerate() {
@@ -280,10 +277,13 @@ fn seam_edges(panels: &[Panel], points: &Points) -> Vec<i32> {
         for &count in &panel.mesh.face_vertex_counts {
             let (face, rest) = corners.split_at(count as usize);
             corners = rest;
-            let face: Vec<usize> = face.iter().map(|&p| of_panel[p as usize]).collect();
-            let steps = face.iter().zip(face.iter().cycle().skip(1));
-            let is_shared = |&(a, b): &(&usize, &usize)| points.sources[*a].len() > 1 && points.sources[*b].len() > 1;
-            edges.extend(steps.filter(is_shared).map(|(&a, &b)| ([a.min(b), a.max(b)], i)));
+            let steps = face.iter().zip(face.iter().cycle().skip(1)).map(|(&a, &b)| [a as usize, b as usize]);
+            for own in steps {
+                let [a, b] = own.map(|p| of_panel[p]);
+                if points.sources[a].len() > 1 || points.sources[b].len() > 1 {
+                    edges.push(([a.min(b), a.max(b)], (i, [own[0].min(own[1]), own[0].max(own[1])])));
+                }
+            }
         }
     }
     edges.sort_unstable();

@@ -1,10 +1,11 @@
 //! Panels of one garment: meshes whose borders coincide become one mesh.
 //!
 //! [`find_seams`] matches border edges of different meshes and groups the meshes that share some. [`merge`] welds the points of
-//! a group and joins its faces, primvars and subsets.
+//! a group and joins its faces, primvars and subsets. [`sew_own_borders`] does both within one mesh.
 
 mod borders;
 mod merge;
+mod own;
 mod primvars;
 mod subsets;
 mod unsewn;
@@ -12,15 +13,17 @@ mod unsewn;
 #[cfg(test)]
 mod tests;
 
+pub use borders::edges;
 pub use merge::{Panel, Sewn, merge, place};
+pub use own::sew_own_borders;
 pub use unsewn::Unsewn;
 
 use super::Garment;
-use crate::error::{Code, Error, ErrorCode, ErrorKind, Warning};
-use crate::mesh::{Elements, Groups, Topology, VertexId};
+use crate::error::{Error, ErrorCode, ErrorKind};
+use crate::mesh::Groups;
 use borders::{Border, Pairs, matches};
-use glam::{DMat4, Vec3};
-use std::collections::{BTreeMap, BTreeSet};
+use glam::DMat4;
+use std::collections::BTreeMap;
 
 /// Default distance at which border points coincide. \[share of the mean edge length\]
 pub const TOLERANCE: f64 = 0.001;
@@ -49,21 +52,6 @@ pub struct Seams {
     pub garments: Vec<Vec<usize>>,
     /// Pairs of points that are one, each as mesh and point.
     pub welds: Vec<[(usize, usize); 2]>,
-}
-
-/// The warning of border edges of one mesh that lie on others of it: the mesh falls into pieces there.
-pub fn doubled_borders(prim: &str, t: &Topology, points: &[Vec3]) -> Option<Warning> {
-    let border = Border::of_topology(t, points);
-    let pairs = matches(std::slice::from_ref(&border), TOLERANCE, Pairs::Within).unwrap_or_default();
-    let doubled: BTreeSet<usize> = pairs.iter().flat_map(|pair| pair.edges.map(|(_, edge)| edge)).collect();
-    let edges: Vec<_> = doubled.into_iter().map(|edge| border.edges[edge].points.map(VertexId::new)).collect();
-    let problem = format!(
-        "{} border edges lie on others of the mesh, so that it falls into pieces there and seams open",
-        edges.len()
-    );
-    let remedy = "Weld the points before the export, as by merge by distance";
-    let is_found = !edges.is_empty();
-    is_found.then(|| Warning::new(Code::UnsewnBorders, prim, problem).at(Elements::Edges(edges)).remedy(remedy))
 }
 
 /// Finds the border edges of different meshes that coincide. Each mesh comes with its transform to a common space; its indices

@@ -47,7 +47,7 @@ fn shared<'a>(
     role: &PrimvarRole,
     panels: &'a [Panel],
 ) -> Result<(Interpolation, Vec<&'a PrimvarInput>), String> {
-    if matches!(role, PrimvarRole::BlendShape { .. }) {
+    if matches!(role, PrimvarRole::BlendShape { .. }) && panels.len() > 1 {
         return Err("blend shapes of panels that are sewn together stay on the panels".to_owned());
     }
     let of_panel = |panel: &'a Panel| {
@@ -112,7 +112,7 @@ fn rows(primvar: &PrimvarInput) -> Option<usize> {
     primvar.values.len().is_multiple_of(width).then(|| primvar.values.len() / width)
 }
 
-/// Joins the values of a primvar. Warns where panels disagree.
+/// Joins the values of a primvar. UVs that differ along a seam become face-varying. Warns where the sides of other seams disagree.
 fn join(
     prim: &str,
     interpolation: Interpolation,
@@ -138,6 +138,12 @@ fn join(
         })
         .collect();
     let is_of_points = matches!(interpolation, Interpolation::Vertex | Interpolation::Varying);
+    if is_of_points && is_uvs(&joined) {
+        if let Some(corners) = corner_rows(&joined, &of_panels, panels, points) {
+            let indices = Some(corners.into_iter().map(|row| row as i32).collect());
+            return (PrimvarInput { interpolation: Interpolation::FaceVarying, indices, ..joined }, None);
+        }
+    }
     let (rows, warning) = match is_of_points {
         true => point_rows(prim, &mut joined, first_row, &of_panels, points),
         false => (of_panels.concat(), None),
@@ -184,7 +190,39 @@ fn shared_rows(primvar: &PrimvarInput, mesh: &Garment) -> Vec<usize> {
     rows
 }
 
-/// The row of each point of the garment. Where panels disagree at a point of a seam, it gets their mean, or, for what has no
+/// Whether its values are UVs, which a seam cuts.
+fn is_uvs(primvar: &PrimvarInput) -> bool {
+    let is_real = matches!(primvar.values, Values::F32(_) | Values::F64(_));
+    is_real && primvar.components == 2 && matches!(primvar.meaning, Meaning::TextureCoordinate | Meaning::Plain)
+}
+
+/// The row of each corner of the garment, from those of points, if the sides of a seam have different values.
+fn corner_rows(
+    joined: &PrimvarInput,
+    of_panels: &[Vec<usize>],
+    panels: &[Panel],
+    points: &Points,
+) -> Option<Vec<usize>> {
+    let width = width(joined);
+    let first_alike = |row: usize, garment_point: usize| {
+        let rows = points.sources[garment_point].iter().map(|&(panel, point)| of_panels[panel][point]);
+        rows.into_iter().find(|&other| joined.values.same_rows(width, other, row)).unwrap_or(row)
+    };
+    let is_cut = points.sources.iter().any(|sources| {
+        let mut rows = sources.iter().map(|&(panel, point)| of_panels[panel][point]);
+        let first = rows.next();
+        first.is_some_and(|first| !rows.all(|row| joined.values.same_rows(width, first, row)))
+    });
+    is_cut.then(|| {
+        let corners = panels
+            .iter()
+            .enumerate()
+            .flat_map(|(i, panel)| panel.mesh.face_vertex_indices.iter().map(move |&point| (i, point as usize)));
+        corners.map(|(i, point)| first_alike(of_panels[i][point], points.of_panel[i][point])).collect()
+    })
+}
+
+/// The row of each point of the garment. Where the sides of a seam disagree at a point, it gets their mean, or, for what has no
 /// mean, the value of the first.
 fn point_rows(
     prim: &str,
@@ -222,8 +260,8 @@ fn point_rows(
 
 /// The warning of points where panels have different values.
 fn disagreement(prim: &str, primvar: &PrimvarInput, is_mixed: bool, unlike: Vec<VertexId>) -> Warning {
-    let what = if is_mixed { "their mean" } else { "the value of the first panel" };
-    let problem = format!("panels disagree at {} points of a seam, which get {what}", unlike.len());
+    let what = if is_mixed { "their mean" } else { "the value of the first side" };
+    let problem = format!("the sides of a seam disagree at {} points, which get {what}", unlike.len());
     let place = format!("{prim}.{}", property(&primvar.name, &primvar.role));
     let warning = Warning::not_carried(place, problem).at(Elements::Points(unlike));
     warning.remedy("Paint both sides of the seam alike")

@@ -16,7 +16,12 @@ pub fn merge_subsets(panels: &[Panel], points: &Points) -> Result<Vec<SubsetInpu
         for subset in &panel.mesh.subsets {
             let indices = restated(subset, first_face, &points.of_panel[i]);
             match merged.iter_mut().find(|(_, known)| known.name == subset.name) {
-                None => merged.push((i, SubsetInput { indices, ..subset.clone() })),
+                None => {
+                    // Points of one panel that were two are one.
+                    let mut first = SubsetInput { indices: Vec::new(), ..subset.clone() };
+                    add(&mut first, &indices);
+                    merged.push((i, first));
+                }
                 Some((with, known)) => {
                     check_same(known, subset, [&panels[*with], panel])?;
                     add(known, &indices);

@@ -27,7 +27,8 @@ pub fn find(borders: &[Border], sewn: &[Vec<bool>], tolerance: f64) -> Vec<Unsew
     for (a, of_a) in trees.iter().enumerate() {
         for (b, of_b) in trees.iter().enumerate().skip(a + 1) {
             let within = tolerance.max(NEAR) * borders[a].mean_edge.min(borders[b].mean_edge);
-            let edges = [of_a.along(of_b, within), of_b.along(of_a, within)];
+            let any = |_: &Edge, _: &Edge| true;
+            let edges = [of_a.along(of_b, within, any), of_b.along(of_a, within, any)];
             let Some(first) = edges.iter().find_map(|edges| edges.first()) else { continue };
             let (place, points) = (first.middle().to_array(), |edge: &&Edge| edge.points);
             let edges = edges.each_ref().map(|edges| edges.iter().map(points).collect());
@@ -35,6 +36,16 @@ pub fn find(borders: &[Border], sewn: &[Vec<bool>], tolerance: f64) -> Vec<Unsew
         }
     }
     found
+}
+
+/// The edges of one border that lie along others of it, with which they share no point. Shorter ones than twice the distance are
+/// near their neighbours' neighbours, and do not count.
+pub fn find_own(border: &Border, sewn: &[bool], tolerance: f64) -> Vec<[usize; 2]> {
+    let tree = Tree::new(border, sewn);
+    let within = tolerance.max(NEAR) * border.mean_edge;
+    let are_apart = |a: &Edge, b: &Edge| a.points.iter().all(|p| !b.points.contains(p));
+    let along = tree.along(&tree, within, are_apart);
+    along.into_iter().filter(|edge| edge.length() > 2.0 * within).map(|edge| edge.points).collect()
 }
 
 /// The edges of a border in halves of halves, with the box of each half.
@@ -70,29 +81,32 @@ impl Tree {
         self.halve(right, 2 * node + 2);
     }
 
-    /// The edges that lie along edges of `other` with both ends and the middle, by their points.
-    fn along(&self, other: &Self, within: f64) -> Vec<&Edge> {
+    /// The edges that lie along edges of `other` with both ends and the middle, by their points. `counts` says of two edges
+    /// whether the second can be that other one.
+    fn along(&self, other: &Self, within: f64, counts: impl Fn(&Edge, &Edge) -> bool) -> Vec<&Edge> {
         let ([low, high], [other_low, other_high]) = (self.boxes[0], other.boxes[0]);
         if (other_low - within).cmpgt(high).any() || (low - within).cmpgt(other_high).any() {
             return Vec::new();
         }
-        let is_near = |p: DVec3| other.has_near(p, within, 0, &other.edges);
-        let along = |edge: &&Edge| [edge.middle(), edge.ends[0], edge.ends[1]].into_iter().all(is_near);
+        let along = |edge: &&Edge| {
+            let is_near = |p: DVec3| other.has_near(p, within, 0, &other.edges, &|found| counts(edge, found));
+            [edge.middle(), edge.ends[0], edge.ends[1]].into_iter().all(is_near)
+        };
         let mut found: Vec<&Edge> = self.edges.iter().filter(along).collect();
         found.sort_by_key(|edge| edge.points);
         found
     }
 
-    fn has_near(&self, p: DVec3, within: f64, node: usize, edges: &[Edge]) -> bool {
+    fn has_near(&self, p: DVec3, within: f64, node: usize, edges: &[Edge], counts: &impl Fn(&Edge) -> bool) -> bool {
         let [low, high] = self.boxes[node];
         if p.max(low).min(high).distance(p) > within {
             return false;
         }
         if edges.len() <= LEAF {
-            return edges.iter().any(|edge| distance(edge, p) <= within);
+            return edges.iter().any(|edge| counts(edge) && distance(edge, p) <= within);
         }
         let (left, right) = edges.split_at(edges.len() / 2);
-        self.has_near(p, within, 2 * node + 1, left) || self.has_near(p, within, 2 * node + 2, right)
+        self.has_near(p, within, 2 * node + 1, left, counts) || self.has_near(p, within, 2 * node + 2, right, counts)
     }
 }
 

@@ -1,7 +1,7 @@
 //! The steps from a garment to its baseline.
 
 use super::Baseline;
-use super::facets::{facets, free_flipped};
+use super::facets::{Layout, facets, free_flipped};
 use super::level::baseline_level;
 use super::start::{StartMesh, nearest_level};
 use crate::garment::{Mesh, Primvar};
@@ -57,7 +57,8 @@ impl Baseline {
         let points: IdVec<VertexId, Vec3> = level_vertex.iter().map(|&v| points[v]).collect();
         let barrier = barrier(&topology, &chains);
         let holds_uvs = uv_set.is_some() && options.constrain_uv_seams;
-        let mut facets = facets(&topology, &points, &barrier, uv_set.map(|_| &uvs));
+        let layout = uv_channel.as_ref().map(|channel| Layout { uvs: &uvs, values: quads.values(channel) });
+        let mut facets = facets(&topology, &points, &barrier, layout);
         let flipped = if holds_uvs { free_flipped(&topology, &uvs, &mut facets) } else { Vec::new() };
         let mut baseline = Self {
             facets,

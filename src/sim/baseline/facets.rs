@@ -2,7 +2,7 @@
 
 use super::Baseline;
 use crate::mesh::edit;
-use crate::mesh::{CornerId, FaceId, Groups, IdVec, Topology, VertexId};
+use crate::mesh::{CornerId, FaceId, Groups, IdVec, Topology, ValueId, VertexId};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
@@ -20,12 +20,19 @@ pub struct Facet {
     pub sense: f32,
 }
 
-/// The facets of triangles; `uvs` are the constraint UVs of their corners, if there are any.
+/// The constraint UVs of corners of triangles.
+pub(crate) struct Layout<'a> {
+    pub uvs: &'a IdVec<CornerId, Vec2>,
+    /// Their values: those of the sides of a cut differ, also where their numbers are the same.
+    pub values: IdVec<CornerId, ValueId>,
+}
+
+/// The facets of triangles; `layout` are their constraint UVs, if there are any.
 pub(crate) fn facets(
     topology: &Topology,
     points: &IdVec<VertexId, Vec3>,
     barrier: &IdVec<CornerId, bool>,
-    uvs: Option<&IdVec<CornerId, Vec2>>,
+    layout: Option<Layout<'_>>,
 ) -> IdVec<FaceId, Facet> {
     let facet = |f: usize| {
         let corners = [0, 1, 2].map(|k| CornerId::new(3 * f + k));
@@ -35,20 +42,20 @@ pub(crate) fn facets(
     };
     let mut facets: IdVec<FaceId, Facet> =
         (0..topology.faces.len()).into_par_iter().map(facet).collect::<Vec<_>>().into();
-    let Some(uvs) = uvs else { return facets };
-    let mut shells = shells(topology, uvs);
+    let Some(Layout { uvs, values }) = layout else { return facets };
+    let mut shells = shells(topology, &values);
     let mut area = IdVec::<FaceId, f64>::filled(0.0, facets.len());
     facets.ids().for_each(|f| area[shells.first(f)] += f64::from(uv_area(uvs, f)));
     facets.ids().for_each(|f| facets[f].sense = if area[shells.first(f)] < 0.0 { -1.0 } else { 1.0 });
     facets
 }
 
-/// The UV shells: triangles joined across edges where the UVs of both sides agree.
-fn shells(t: &Topology, uvs: &IdVec<CornerId, Vec2>) -> Groups<FaceId> {
+/// The UV shells: triangles joined across edges where both sides have the same values.
+fn shells(t: &Topology, values: &IdVec<CornerId, ValueId>) -> Groups<FaceId> {
     let mut shells = Groups::new(t.faces.len());
     for corner in t.faces.corners().ids() {
         let Some(twin) = t.twin(corner) else { continue };
-        if uvs[corner] == uvs[t.faces.next(twin)] && uvs[t.faces.next(corner)] == uvs[twin] {
+        if values[corner] == values[t.faces.next(twin)] && values[t.faces.next(corner)] == values[twin] {
             shells.join(t.faces.face_of(corner), t.faces.face_of(twin));
         }
     }

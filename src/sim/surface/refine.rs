@@ -1,7 +1,7 @@
 //! Refinement of the manifold cage.
 
 use super::manifold::Manifold;
-use crate::garment::{Interpolation, Mesh, Primvar, Values};
+use crate::garment::{Interpolation, Mesh, Primvar};
 use crate::mesh::{FaceId, IdVec, VertexId};
 use crate::subdivide::{Channel, ChannelChild, Level, Numbering, Real, Stencils, blend_rows};
 use glam::Vec3;
@@ -23,12 +23,11 @@ pub(crate) struct RefinedLevels {
 impl Manifold {
     /// Adds the constraint UVs as a face-varying channel of the cage; returns the channel's values.
     pub(crate) fn add_uv_channel(&mut self, garment: &Mesh, uv: &Primvar) -> Vec<[f32; 2]> {
-        let Values::F32(values) = &uv.values else { unreachable!("the garment check admits UV sets of floats only") };
-        let rows = uv.corner_rows(&garment.faces, garment.points.len());
+        let rows = uv.shell_rows(&garment.faces, garment.points.len());
         let (rules, row) = (garment.rules, |c| rows[self.corner_source[c]] as usize);
         let (channel, rows) = Channel::base(&self.level, row, rules.face_varying, rules.boundary);
         self.uv_channel = Some(channel);
-        rows.iter().map(|&r| [values[2 * r as usize], values[2 * r as usize + 1]]).collect()
+        rows.iter().map(|&row| uv.uv(row).as_vec2().to_array()).collect()
     }
 
     /// Refines the cage `count` times; `uvs` are the values of its channel, if it has one.

@@ -1,6 +1,6 @@
 //! The triangles of a level's faces.
 
-use crate::mesh::{CornerId, FaceId, Faces, IdVec, Topology, VertexId};
+use crate::mesh::{CornerId, FaceId, Faces, IdVec, Topology, ValueId, VertexId};
 use crate::subdivide::Channel;
 use glam::{Vec2, Vec3};
 use std::collections::BTreeSet;
@@ -90,5 +90,10 @@ impl Triangulation {
     pub fn uvs(&self, channel: Option<&Channel>, uvs: &[[f32; 2]]) -> IdVec<CornerId, Vec2> {
         let uv = |c: CornerId| channel.map_or(Vec2::ZERO, |channel| uvs[channel.corner_value[c].index()].into());
         self.corners.iter().map(|&c| uv(c)).collect()
+    }
+
+    /// The value of a channel at each corner.
+    pub fn values(&self, channel: &Channel) -> IdVec<CornerId, ValueId> {
+        self.corners.iter().map(|&c| channel.corner_value[c]).collect()
     }
 }

@@ -23,7 +23,7 @@ pub use choose::all_prims;
 pub use diagnostics::misplaced_options;
 pub use facts::{Facts, InheritedPrimvar, MaterialBinding, TransformOp};
 pub use meshes::{ProductNames, product_names};
-pub use model::{COMPOSITION, Model, Sibling, SubsetRecord, layer_files, stage_metadata};
+pub use model::{COMPOSITION, Model, Sewing, Sibling, SubsetRecord, layer_files, stage_metadata};
 pub use origin::{Files, StageOrigin, first_used};
 pub use query::{OrUnreadable, is_a, prim_at, property_names, value};
 pub use shapes::BlendShape;

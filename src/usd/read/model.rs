@@ -29,7 +29,7 @@ pub struct Model {
     pub path: sdf::Path,
     /// The meshes that it consists of: itself, or the panels that are sewn together.
     pub panels: Vec<sdf::Path>,
-    /// How the panels are one; nothing for a lone mesh.
+    /// How the points of its meshes become those of the garment; nothing where they are the same.
     pub sewing: Sewing,
     /// The prim below which products go.
     pub parent: sdf::Path,
@@ -55,13 +55,15 @@ pub struct Model {
     pub stage_metadata: Vec<(String, Value)>,
 }
 
-/// Panels in the mesh to which they are sewn.
+/// Meshes in the one to which they are sewn, or a mesh whose own borders are sewn.
 #[derive(Clone, Debug, Default)]
 pub struct Sewing {
     /// The face set of each panel.
     pub sets: Vec<String>,
-    /// The point of the sewn mesh behind each point of each panel.
-    pub points: Vec<Vec<usize>>,
+    /// The point of the sewn mesh behind each point of each panel, one panel after the other.
+    pub points: Vec<usize>,
+    /// The ends of the edges of a lone mesh before it was sewn, the lower one first.
+    pub edges: Vec<[usize; 2]>,
 }
 
 /// The properties of a subset that the product's subset of the same name copies.

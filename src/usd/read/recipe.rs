@@ -125,3 +125,14 @@ fn to_json(value: &Value) -> Option<Json> {
         other => json!(text(other)?),
     })
 }
+
+/// Makes a set one of the constraints of the simulation mesh.
+pub fn add_constraint(options: &mut Map<String, Json>, set: &str) {
+    let sim = options.entry("sim").or_insert_with(|| Json::Object(Map::new()));
+    if let Json::Object(sim) = sim {
+        let constraints = sim.entry("constraints").or_insert_with(|| Json::Array(Vec::new()));
+        if let Json::Array(constraints) = constraints {
+            constraints.push(set.into());
+        }
+    }
+}

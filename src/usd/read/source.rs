@@ -4,12 +4,13 @@ use super::choose::choose_mesh;
 use super::diagnostics::{in_words, remedy};
 use super::facts::{Facts, gather, materials};
 use super::mesh::read_mesh;
-use super::model::Model;
+use super::model::{Model, Sewing};
 use super::origin::StageOrigin;
 use super::primvars::Declarations;
-use super::recipe::read_recipe;
+use super::recipe::{add_constraint, read_recipe};
 use super::variants::Selection;
 use crate::error::{Code, Error, ErrorCode, ErrorKind, Warning, Warnings};
+use crate::garment::sew::{MAX_TOLERANCE, TOLERANCE, edges, sew_own_borders};
 use crate::garment::{Garment, PrimvarInput, PrimvarRole};
 use crate::usd::{BuildRecord, on_large_stack};
 use openusd::usd::{Prim, Stage, TimeCode};
@@ -30,11 +31,27 @@ pub struct ReadOptions {
     pub all: bool,
     /// Prims that are left out then, with all below them: names or paths, in which `*` stands for any letters.
     pub exclude: Vec<String>,
-    /// Distance at which borders of different meshes are sewn; 0.001 by default. \[share of the mean edge length\]
+    /// Distance at which borders are sewn; 0.001 by default. \[share of the mean edge length\]
     pub sew_tolerance: Option<f64>,
 }
 
-/// A seam between two panels of a garment.
+impl ReadOptions {
+    /// The distance at which borders are sewn.
+    ///
+    /// # Errors
+    /// A share that is not from 0 to [`MAX_TOLERANCE`].
+    pub(super) fn tolerance(&self) -> Result<f64, Error> {
+        let tolerance = self.sew_tolerance.unwrap_or(TOLERANCE);
+        if (0.0..=MAX_TOLERANCE).contains(&tolerance) {
+            return Ok(tolerance);
+        }
+        let text = format!("--sew-tolerance {tolerance} is not from 0 to {MAX_TOLERANCE}");
+        let fault = Error::new(ErrorKind::Usage, "", text).code(ErrorCode::CommandLine);
+        Err(fault.remedy("give a share of the mean edge length, such as 0.001"))
+    }
+}
+
+/// A seam between two panels of a garment, or of one mesh to itself.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PanelSeam {
     /// Paths of the panels.
@@ -86,7 +103,7 @@ impl Source {
     /// Reads the one mesh of a stage that `options` choose.
     pub(super) fn of_stage(stage: &Stage, origin: StageOrigin, options: &ReadOptions) -> Result<Self, Error> {
         let prim = choose_mesh(stage, &origin.file, options)?;
-        Self::of_mesh(stage, &prim, origin, options.time.map(TimeCode::new))
+        Self::of_mesh(stage, &prim, origin, options)
     }
 
     /// Reads one mesh of a stage.
@@ -94,8 +111,9 @@ impl Source {
         stage: &Stage,
         prim: &Prim,
         origin: StageOrigin,
-        time: Option<TimeCode>,
+        options: &ReadOptions,
     ) -> Result<Self, Error> {
+        let (time, tolerance) = (options.time.map(TimeCode::new), options.tolerance()?);
         let mut of_mesh = Warnings::default();
         let (garment, declarations) = match read_mesh(prim, time).map(|read| of_mesh.absorb(read)) {
             Ok((garment, declarations)) => (Ok(garment), declarations),
@@ -111,7 +129,25 @@ impl Source {
         let mut warnings = composition(stage, &model.origin.file);
         warnings.extend(of_mesh);
         let records = BuildRecord::in_layers(stage);
-        Ok(Self { model, garment, recipe, facts, warnings, records, seams: Vec::new() })
+        let mut source = Self { model, garment, recipe, facts, warnings, records, seams: Vec::new() };
+        source.sew_itself(tolerance);
+        Ok(source)
+    }
+
+    /// Sews the borders of the mesh that coincide with each other.
+    fn sew_itself(&mut self, tolerance: f64) {
+        let Ok(garment) = &mut self.garment else { return };
+        let (found, warnings) = sew_own_borders(garment, tolerance);
+        self.warnings.extend(warnings);
+        let Some((mut sewn, seam)) = found else { return };
+        self.warnings.extend(sewn.warnings);
+        let panels = [(); 2].map(|()| garment.prim.clone());
+        self.seams.push(PanelSeam { panels, edges: seam.edges, gap: seam.gap });
+        if let Ok(options) = &mut self.recipe {
+            add_constraint(options, &sewn.seams);
+        }
+        let edges = edges(&std::mem::replace(garment, sewn.mesh));
+        self.model.sewing = Sewing { sets: Vec::new(), points: sewn.points.remove(0), edges };
     }
 
     /// The mesh as authored. Attributes that are dropped and arcs that fail to compose become warnings.

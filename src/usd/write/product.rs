@@ -81,13 +81,11 @@ impl Author<'_> {
         let Some(binding) = sim.cage_binding else { return Ok(()) };
         let model = self.model;
         let [.., source] = names::MODEL_BINDING;
-        if model.is_sewn() {
-            // Their points are those of the cage to which they are sewn, panel by panel.
-            let points = model.sewing.points.iter().flatten();
-            let points: Vec<VertexId> = points.map(|&point| VertexId::new(point)).collect();
-            self.places(&target, names::MODEL_BINDING, &binding.of_points(&points))?;
-        } else {
+        if model.sewing.points.is_empty() {
             self.places(&target, names::MODEL_BINDING, binding)?;
+        } else {
+            let points: Vec<VertexId> = model.sewing.points.iter().map(|&point| VertexId::new(point)).collect();
+            self.places(&target, names::MODEL_BINDING, &binding.of_points(&points))?;
         }
         self.targets(&target, source, &model.panels)
     }

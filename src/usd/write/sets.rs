@@ -5,14 +5,15 @@ use super::product::Author;
 use super::save::OutputFile;
 use crate::error::{Error, ErrorCode};
 use crate::garment::{CONSTRAINTS, DERIVED, Family, FamilyType, Mesh, Subset, free_name};
-use crate::mesh::{Elements, FaceId, IdVec};
+use crate::mesh::{Elements, FaceId, IdVec, VertexId};
 use crate::usd::assets::Anchor;
 use crate::usd::names::{self, UsdToken, is_drawn_material, is_material};
 use crate::usd::on_large_stack;
-use crate::usd::read::{Source, SubsetRecord};
+use crate::usd::read::{Sewing, Source, SubsetRecord};
 use crate::usd::record::Record;
 use openusd::sdf::{self, AbstractData, Specifier, Value, ValueTypeName, Variability};
 use openusd::tf::Token;
+use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -146,6 +147,25 @@ fn prim_name(set: &Subset, mesh: &Mesh) -> String {
     free_name(&if is_shared { format!("{base}_{at}") } else { base }, is_taken)
 }
 
+/// A set of a mesh that was sewn to itself, as elements of the mesh in the file: on a seam, those of both sides.
+fn unsewn(set: Subset, sewing: &Sewing) -> Subset {
+    let key = |[a, b]: [usize; 2]| [a.min(b), a.max(b)];
+    let elements = match &set.elements {
+        Elements::Points(all) if !sewing.points.is_empty() => {
+            let is_in: HashSet<usize> = all.iter().map(|v| v.index()).collect();
+            let own = sewing.points.iter().enumerate().filter(|(_, point)| is_in.contains(point));
+            Elements::Points(own.map(|(own, _)| VertexId::new(own)).collect())
+        }
+        Elements::Edges(all) if !sewing.points.is_empty() => {
+            let is_in: HashSet<[usize; 2]> = all.iter().map(|edge| key(edge.map(|v| v.index()))).collect();
+            let own = sewing.edges.iter().filter(|edge| is_in.contains(&key(edge.map(|point| sewing.points[point]))));
+            Elements::Edges(own.map(|edge| edge.map(VertexId::new)).collect())
+        }
+        _ => return set,
+    };
+    Subset { elements, ..set }
+}
+
 fn words_of(text: &str) -> Vec<&str> {
     text.split(|letter: char| !letter.is_alphanumeric()).filter(|word| !word.is_empty()).collect()
 }
@@ -170,6 +190,7 @@ pub fn write_sets(source: &Source, sets: Vec<Subset>, out: &Path, force: bool) -
             return Err(fault(format!("{} has a subset {}", model.path, set.name)).remedy("choose another name"));
         }
     }
+    let sets = sets.into_iter().map(|set| unsewn(set, &model.sewing)).collect();
     let file = OutputFile::find(out, |file| model.uses(file), force)?;
     on_large_stack(|| {
         let anchor = Anchor::Folder(&file.folder);

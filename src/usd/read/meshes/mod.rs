@@ -11,8 +11,8 @@ pub use product_names::{ProductNames, product_names};
 use super::origin::StageOrigin;
 use super::query::prim_at;
 use super::source::{ReadOptions, Source};
-use crate::error::{Code, Error, ErrorCode, ErrorKind, Warning};
-use crate::garment::sew::{MAX_TOLERANCE, Seams, TOLERANCE, Unsewn, find_seams};
+use crate::error::{Code, Error, ErrorCode, Warning};
+use crate::garment::sew::{Seams, Unsewn, find_seams};
 use crate::garment::{Garment, check_garment};
 use crate::mesh::{Elements, VertexId};
 use crate::usd::on_large_stack;
@@ -68,12 +68,7 @@ impl Source {
 }
 
 fn open(origin: StageOrigin, options: &ReadOptions) -> Result<Vec<Source>, Error> {
-    let tolerance = options.sew_tolerance.unwrap_or(TOLERANCE);
-    if !(0.0..=MAX_TOLERANCE).contains(&tolerance) {
-        let fault =
-            Error::new(ErrorKind::Usage, "", format!("--sew-tolerance {tolerance} is not from 0 to {MAX_TOLERANCE}"));
-        return Err(fault.code(ErrorCode::CommandLine).remedy("give a share of the mean edge length, such as 0.001"));
-    }
+    let tolerance = options.tolerance()?;
     let stage = origin.open()?;
     let Some((paths, left_out)) = choose::meshes(&stage, &origin.file, options)? else {
         return Ok(vec![Source::of_stage(&stage, origin, options)?]);
@@ -81,7 +76,7 @@ fn open(origin: StageOrigin, options: &ReadOptions) -> Result<Vec<Source>, Error
     let time = options.time.map(TimeCode::new);
     let mut sources = Vec::with_capacity(paths.len());
     for path in &paths {
-        sources.push(Source::of_mesh(&stage, &prim_at(&stage, path)?, origin.clone(), time)?);
+        sources.push(Source::of_mesh(&stage, &prim_at(&stage, path)?, origin.clone(), options)?);
     }
     let seams = match paths.len() {
         1 => Seams { garments: vec![vec![0]], ..Seams::default() },

@@ -9,6 +9,7 @@ use crate::usd::read::facts::materials;
 use crate::usd::read::model::{Model, Sewing, SubsetRecord, siblings};
 use crate::usd::read::primvars::{Declarations, read_primvar};
 use crate::usd::read::query::prim_at;
+use crate::usd::read::recipe::add_constraint;
 use crate::usd::read::source::{PanelSeam, Source};
 use crate::usd::read::space::{Transforms, space as space_of, transforms};
 use crate::usd::record::{Content, Record};
@@ -65,15 +66,16 @@ pub fn sewn(
         ..first.model.clone()
     };
     let units = units(first, space);
-    let mut sewn = warnings.absorb(merge(name(&model), units, meshes, &welds(members, seams))?);
-    model.sewing = Sewing { sets: sewn.panels.clone(), points: std::mem::take(&mut sewn.points) };
+    let mut sewn = merge(name(&model), units, meshes, &welds(members, seams))?;
+    warnings.extend(std::mem::take(&mut sewn.warnings));
+    model.sewing = Sewing { sets: sewn.panels.clone(), points: points(&panels, &sewn), edges: Vec::new() };
     model.siblings = siblings(stage, &model)?;
     model.subsets = subset_records(&panels)?;
     move_materials(&panels, &mut model, &mut sewn);
     let of_panels = panels.iter().map(|panel| Ok((panel.prim(), panel.recipe.clone()?)));
     let recipe = of_panels.collect::<Result<Vec<_>, Error>>().and_then(|panels| {
         let mut options = recipe::merge(&panels)?;
-        recipe::add_constraint(&mut options, &sewn.seams);
+        add_constraint(&mut options, &sewn.seams);
         Ok(options)
     });
     let mut facts = first.facts.clone();
@@ -86,13 +88,14 @@ pub fn sewn(
     facts.bindings = union(panels.iter().map(|panel| &panel.facts.bindings));
     facts.api_schemas = union(panels.iter().map(|panel| &panel.facts.api_schemas));
     facts.variants = union(panels.iter().map(|panel| &panel.facts.variants));
-    let own = seams.seams.iter().filter(|seam| members.binary_search(&seam.panels[0]).is_ok());
-    let seams = own.map(|seam| PanelSeam {
+    let between = seams.seams.iter().filter(|seam| members.binary_search(&seam.panels[0]).is_ok());
+    let between = between.map(|seam| PanelSeam {
         panels: seam.panels.map(|panel| sources[panel].prim().to_owned()),
         edges: seam.edges,
         gap: seam.gap,
     });
-    let (seams, records) = (seams.collect(), first.records.clone());
+    let within = panels.iter().flat_map(|panel| panel.seams.iter().cloned());
+    let (seams, records) = (within.chain(between).collect(), first.records.clone());
     sewn.mesh.space = space_of(stage, &space)?;
     sewn.mesh.materials = materials(&model, &facts);
     Ok(Source { model, garment: Ok(sewn.mesh), recipe, facts, warnings, records, seams })
@@ -277,6 +280,15 @@ fn name(model: &Model) -> String {
     let names: Vec<&str> = model.panels.iter().filter_map(Path::name).collect();
     let more = if names.len() > NAMED { format!("+{}", names.len() - NAMED) } else { String::new() };
     format!("{}/{}{more}", model.parent.as_str().trim_end_matches('/'), names[..names.len().min(NAMED)].join("+"))
+}
+
+/// The point of the garment behind each point of each panel, also where a panel was sewn to itself before.
+fn points(panels: &[&Source], sewn: &Sewn) -> Vec<usize> {
+    let of_panel = |(panel, points): (&&Source, &Vec<usize>)| match &panel.model.sewing.points {
+        own if own.is_empty() => points.clone(),
+        own => own.iter().map(|&point| points[point]).collect(),
+    };
+    panels.iter().zip(&sewn.points).flat_map(of_panel).collect()
 }
 
 /// The pairs of points that are one, with the panels numbered as in the garment.

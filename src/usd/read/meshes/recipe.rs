@@ -67,14 +67,3 @@ fn lookup<'a>(options: &'a Map<String, Value>, path: &[String]) -> Option<&'a Va
     let (last, spaces) = path.split_last()?;
     spaces.iter().try_fold(options, |options, space| options.get(space)?.as_object())?.get(last)
 }
-
-/// Makes a set one of the constraints of the simulation mesh.
-pub fn add_constraint(options: &mut Map<String, Value>, set: &str) {
-    let sim = options.entry("sim").or_insert_with(|| Value::Object(Map::new()));
-    if let Value::Object(sim) = sim {
-        let constraints = sim.entry("constraints").or_insert_with(|| Value::Array(Vec::new()));
-        if let Value::Array(constraints) = constraints {
-            constraints.push(set.into());
-        }
-    }
-}
