@@ -48,12 +48,18 @@ impl BuildRecord {
     ) -> Result<Self, Error> {
         let folder = folder(out)?;
         let mut files = BTreeMap::new();
+        let path = |file: &Path| Ok::<_, Error>(Anchor::Folder(&folder).path_to(&as_named(file)?));
         // Garments of one stage use the same layers, those of other variants use others.
-        let layers: BTreeSet<&PathBuf> = sources.iter().flat_map(|source| &source.model.layers).collect();
-        for file in layers.into_iter().chain(recipes) {
-            let changed = file.metadata().and_then(|m| m.modified()).is_ok_and(|time| time >= started);
-            let hash = if changed { String::new() } else { hash(file)? };
-            files.insert(Anchor::Folder(&folder).path_to(&as_named(file)?), hash);
+        for source in sources {
+            let origin = &source.model.origin;
+            origin.check_unchanged()?;
+            for file in &source.model.layers {
+                let of_content = origin.read.hash(file);
+                files.insert(path(file)?, of_content.map_or_else(|| unchanged(file, started), Ok)?);
+            }
+        }
+        for file in recipes {
+            files.insert(path(file)?, unchanged(file, started)?);
         }
         let prim = sources.first().map(|source| source.prim().to_owned()).unwrap_or_default();
         let mut variants: Vec<String> =
@@ -196,6 +202,12 @@ fn folder(out: &Path) -> Result<PathBuf, Error> {
         let fault = Error::usd(format!("there is no folder {}: {}", folder.display(), plain(&e)));
         fault.remedy("create the folder first")
     })
+}
+
+/// The hash of a file that was read after `started`; empty if it was written to since.
+fn unchanged(file: &Path, started: SystemTime) -> Result<String, Error> {
+    let is_changed = file.metadata().and_then(|m| m.modified()).is_ok_and(|time| time >= started);
+    if is_changed { Ok(String::new()) } else { hash(file) }
 }
 
 /// The hash of a file's content.

@@ -76,3 +76,18 @@ for name in ("coat", "other", "nested"):
 """
     said = {script(text, folder, PXR_WORK_THREAD_LIMIT=str(limit)) for limit in (1, 2, 8)}
     assert len(said) == 1 and len(said.pop().split()) == 3
+
+
+def test_a_forked_child_opens_payloads_too(folder):
+    """The child has none of the threads that its parent started."""
+    text = OPEN_ALL + """
+import os, signal
+check(Usd.Stage.Open(populate()))
+child = os.fork()
+if child == 0:
+    signal.alarm(120)
+    check(Usd.Stage.Open(populate()))
+    os._exit(0)
+print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+"""
+    assert script(text, folder) == "0\n"

@@ -1,10 +1,12 @@
-//! Generates a layer from a recipe and a composed source, with one [`Session`] for the process.
+//! Generates a layer from a recipe and a composed source, with one [`Session`] for each process.
 
 use crate::ffi::{Argument, Generated};
 use std::collections::HashSet;
 use std::path::Path;
+use std::ptr;
 use std::str;
-use std::sync::{LazyLock, Mutex, PoisonError};
+use std::sync::atomic::{AtomicPtr, Ordering};
+use std::sync::{Mutex, PoisonError};
 use tailor::error::{Error, Warnings};
 use tailor::session::{self, Session};
 
@@ -14,13 +16,45 @@ const CACHE: usize = 512;
 /// Number of remembered warnings, above which the memory is cleared.
 const MAX_REPORTED: usize = 10_000;
 
-static SESSION: LazyLock<Result<Session, String>> = LazyLock::new(|| {
-    let megabytes = number("USDTAILOR_CACHE_MB").and_then(|n| usize::try_from(n).ok()).unwrap_or(CACHE);
-    Session::new(megabytes.saturating_mul(1 << 20), threads()).map_err(|e| e.to_string())
-});
+/// What a process keeps between layers.
+struct Process {
+    id: u32,
+    session: Result<Session, String>,
+    /// The warnings reported so far, each with its file: an edit reports only new ones.
+    reported: Mutex<HashSet<String>>,
+}
 
-/// The warnings reported so far, each with its file: an edit reports only new ones.
-static REPORTED: LazyLock<Mutex<HashSet<String>>> = LazyLock::new(Mutex::default);
+static PROCESS: AtomicPtr<Process> = AtomicPtr::new(ptr::null_mut());
+
+impl Process {
+    fn new() -> Self {
+        let megabytes = number("USDTAILOR_CACHE_MB").and_then(|n| usize::try_from(n).ok()).unwrap_or(CACHE);
+        let session = Session::new(megabytes.saturating_mul(1 << 20), threads()).map_err(|e| e.to_string());
+        Self { id: std::process::id(), session, reported: Mutex::default() }
+    }
+
+    /// That of this process. A forked child has no thread of its parent's pool, and would wait for it: it makes its own, without
+    /// a lock that a thread of the parent may have held.
+    fn own() -> &'static Self {
+        let mut known = PROCESS.load(Ordering::Acquire);
+        loop {
+            // SAFETY: a pointer in `PROCESS` comes from a box that is never freed.
+            match unsafe { known.as_ref() } {
+                Some(process) if process.id == std::process::id() => return process,
+                _ => {}
+            }
+            let new = Box::into_raw(Box::new(Self::new()));
+            match PROCESS.compare_exchange(known, new, Ordering::AcqRel, Ordering::Acquire) {
+                Ok(_) => known = new,
+                Err(other) => {
+                    // SAFETY: no one else has the pointer.
+                    drop(unsafe { Box::from_raw(new) });
+                    known = other;
+                }
+            }
+        }
+    }
+}
 
 /// A `.tailor` file and the arguments that it was opened with.
 #[derive(Debug)]
@@ -46,7 +80,7 @@ impl Document {
     }
 
     pub fn generate(&self, flattened: &[u8], metadata_only: bool) -> Result<Generated, String> {
-        let session = SESSION.as_ref().map_err(String::clone)?;
+        let session = Process::own().session.as_ref().map_err(String::clone)?;
         let built = session.layer(&self.document, flattened, metadata_only);
         let (layer, warnings) = built.map_err(|e: Error| e.to_string())?;
         Ok(Generated { layer, warnings: self.new_warnings(&warnings) })
@@ -54,7 +88,7 @@ impl Document {
 
     /// The warnings that have not been reported for this file before.
     fn new_warnings(&self, warnings: &Warnings) -> Vec<String> {
-        let mut reported = REPORTED.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut reported = Process::own().reported.lock().unwrap_or_else(PoisonError::into_inner);
         if reported.len() > MAX_REPORTED {
             reported.clear();
         }

@@ -36,6 +36,8 @@ pub fn flattened(model: &Model, left_out: &[Path], anchor: Anchor) -> Result<(Da
         flat.prim(&prim_at(&stage, &path)?).map_err(fault)?;
     }
     check_paths(&flat.data)?;
+    // A layer that could not be read again is missing in what was composed.
+    model.origin.check_unchanged()?;
     Ok((flat.data, flat.warnings))
 }
 

@@ -1,14 +1,17 @@
 //! Opening a stage, from a file or from memory.
 
 mod composition;
+mod content;
 mod dependencies;
 mod resolver;
 mod text;
 
+pub use content::ReadFiles;
 pub use dependencies::{first_used, without_arguments};
 pub use resolver::{Files, package_file};
 
 use super::variants::{SESSION, Selection, session_layer};
+use content::CHANGED;
 use crate::error::{Error, ErrorCode, plain};
 use crate::files::{read, require_file};
 use crate::usd::assets::as_named;
@@ -28,12 +31,14 @@ pub struct StageOrigin {
     pub content: Option<Arc<[u8]>>,
     /// Variants that are selected over those of the stage.
     pub variants: Vec<Selection>,
+    /// What was read of each file.
+    pub read: Arc<ReadFiles>,
 }
 
 impl StageOrigin {
     /// A file, or `content` that was flattened from it.
     pub fn new(file: &Path, content: Option<Arc<[u8]>>, variants: &[Selection]) -> Self {
-        Self { file: file.to_path_buf(), content, variants: variants.to_vec() }
+        Self { file: file.to_path_buf(), content, variants: variants.to_vec(), read: Arc::default() }
     }
 
     /// Opens the stage.
@@ -43,7 +48,20 @@ impl StageOrigin {
     pub fn open(&self) -> Result<Stage, Error> {
         match &self.content {
             Some(content) => open_content(&self.file, content),
-            None => open_file(&self.file, &self.variants),
+            None => open_file(&self.file, &self.variants, &self.read).or_else(|e| self.check_unchanged().and(Err(e))),
+        }
+    }
+
+    /// Refuses files that had another content when they were read again.
+    ///
+    /// # Errors
+    /// The first of them.
+    pub fn check_unchanged(&self) -> Result<(), Error> {
+        match self.read.changed() {
+            Some(file) => Err(Error::usd(format!("cannot read {}: {CHANGED}", file.display()))
+                .code(ErrorCode::UnreadableFile)
+                .remedy("run again when the program that writes it has ended")),
+            None => Ok(()),
         }
     }
 }
@@ -110,7 +128,7 @@ impl ar::Resolver for InMemory {
     }
 }
 
-fn open_file(file: &Path, variants: &[Selection]) -> Result<Stage, Error> {
+fn open_file(file: &Path, variants: &[Selection], read_files: &Arc<ReadFiles>) -> Result<Stage, Error> {
     let shown = file.display();
     let unreadable = |e: io::Error| {
         Error::usd(format!("cannot read {shown}: {}", plain(&e)))
@@ -146,10 +164,10 @@ fn open_file(file: &Path, variants: &[Selection]) -> Result<Stage, Error> {
     composition::check_arcs(&path)?;
     let builder = Stage::builder();
     let builder = match variants {
-        [] => builder.resolver(Files::default()),
+        [] => builder.resolver(Files::of(read_files)),
         variants => {
             let text = session_layer(variants)?.into_bytes();
-            builder.resolver(InMemory::new(SESSION, &text.into())).session_layer(SESSION)
+            builder.resolver(InMemory { files: Files::of(read_files), ..InMemory::new(SESSION, &text.into()) }).session_layer(SESSION)
         }
     };
     builder.open(&path).map_err(|e| {

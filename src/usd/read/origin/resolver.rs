@@ -1,11 +1,12 @@
 //! Finding and opening the files of a stage.
 
+use super::content::ReadFiles;
 use super::text::readable;
 use crate::files::require_file;
 use crate::usd::assets::{normalized, same_file};
 use openusd::ar::{self, DefaultResolver, ResolvedPath, Resolver};
 use std::borrow::Cow;
-use std::io::{self, Cursor, Read, Seek};
+use std::io::{self, Cursor};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -22,60 +23,81 @@ pub const ARGUMENTS: &str = ":SDF_FORMAT_ARGS:";
 /// [`DefaultResolver`] names a file by its path without links. OpenUSD keeps links, so that a layer which is opened through
 /// a link has its neighbours beside the link.
 #[derive(Default)]
-pub struct Files(DefaultResolver);
+pub struct Files {
+    resolver: DefaultResolver,
+    read: Arc<ReadFiles>,
+}
+
+impl Files {
+    /// Reads the same content of each file as all others with this `read`.
+    pub fn of(read: &Arc<ReadFiles>) -> Self {
+        Self { read: Arc::clone(read), ..Self::default() }
+    }
+}
 
 impl Resolver for Files {
     fn create_identifier(&self, asset_path: &str, anchor: Option<&ResolvedPath>) -> String {
-        let found = self.0.create_identifier(asset_path, anchor);
+        let found = self.resolver.create_identifier(asset_path, anchor);
         as_written(asset_path, anchor).filter(|path| Path::new(path).exists()).unwrap_or(found)
     }
 
     fn resolve(&self, asset_path: &str) -> Option<ResolvedPath> {
         // A package is opened here already, to see what is in it.
         if asset_path.ends_with(']') {
-            return require_file(&package_file(Path::new(asset_path))).ok().and_then(|()| self.0.resolve(asset_path));
+            return require_file(&package_file(Path::new(asset_path))).ok().and_then(|()| self.resolver.resolve(asset_path));
         }
-        let found = self.0.resolve(asset_path)?;
+        let found = self.resolver.resolve(asset_path)?;
         let named = normalized(&std::path::absolute(asset_path).ok()?);
         Some(if same_file(&named, &found) { ResolvedPath::new(named) } else { found })
     }
 
     fn resolve_for_new_asset(&self, asset_path: &str) -> Option<ResolvedPath> {
-        self.0.resolve_for_new_asset(asset_path)
+        self.resolver.resolve_for_new_asset(asset_path)
     }
 
     fn open_asset(&self, resolved_path: &ResolvedPath) -> io::Result<Box<dyn ar::Asset>> {
-        require_file(&package_file(resolved_path))?;
-        let mut asset = self.0.open_asset(resolved_path)?;
-        let mut start = Vec::new();
-        asset.by_ref().take(TEXT.len() as u64).read_to_end(&mut start)?;
-        asset.rewind()?;
-        if start != TEXT {
-            return Ok(asset);
+        let package = package_file(resolved_path);
+        let is_packed = package != **resolved_path;
+        if is_packed || is_package(&package) {
+            self.read.package(&package)?;
         }
-        let text = asset.read_all()?;
-        check_levels(&text)?;
-        Ok(match readable(&text) {
-            Cow::Borrowed(_) => Box::new(Cursor::new(text)),
-            Cow::Owned(text) => Box::new(Cursor::new(ar::AssetBuffer::from(Arc::<[u8]>::from(text)))),
+        if is_package(Path::new(resolved_path.to_str().unwrap_or_default().trim_end_matches(']'))) {
+            return self.resolver.open_asset(resolved_path);
+        }
+        let bytes = if is_packed { self.resolver.open_asset(resolved_path)?.read_all()? } else { self.read.read(&package)? };
+        if bytes.starts_with(TEXT) {
+            check_levels(&bytes)?;
+        }
+        let text = if bytes.starts_with(TEXT) { readable(&bytes) } else { Cow::Borrowed(&*bytes) };
+        Ok(match text {
+            Cow::Borrowed(_) => shared(bytes),
+            Cow::Owned(text) => shared(text),
         })
     }
 
     fn is_context_dependent_path(&self, asset_path: &str) -> bool {
-        self.0.is_context_dependent_path(asset_path)
+        self.resolver.is_context_dependent_path(asset_path)
     }
 
     fn in_memory_identifier<'a>(&self, asset_path: &'a str) -> Cow<'a, str> {
-        self.0.in_memory_identifier(asset_path)
+        self.resolver.in_memory_identifier(asset_path)
     }
 
     fn identity(&self) -> String {
-        self.0.identity()
+        self.resolver.identity()
     }
 
     fn cache_id(&self) -> Option<u64> {
-        self.0.cache_id()
+        self.resolver.cache_id()
     }
+}
+
+fn shared(bytes: Vec<u8>) -> Box<dyn ar::Asset> {
+    Box::new(Cursor::new(ar::AssetBuffer::Shared(ar::AssetBuffer::Owned(bytes).into_shared())))
+}
+
+fn is_package(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("usdz"))
 }
 
 /// Refuses a text of too many levels of braces.
