@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from conftest import run
 from mesh import find_model, read_mesh
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel, Vt
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade, UsdSkel, Vt
 from sources import add_primvar, sheet, write
 
 TEXT = """#usda {version}
@@ -359,3 +359,109 @@ def test_check_finds_names_that_a_build_refuses(usdtailor, tmp_path):
     for args in (["check", path], ["build", path, "-o", tmp_path / "out.usda"]):
         done = run(usdtailor, *args)
         assert done.returncode == 1 and "error[name-taken]: /Coat/render" in done.stderr, args
+
+
+def two_panels(path, a="", b="", of_b=""):
+    """Two quads, each below a prim of its own, that meet along an edge."""
+
+    def panel(name, binding, x, extra=""):
+        points = ", ".join(str((x + i % 2, i // 2, 0)) for i in range(4))
+        return f"""
+    def Xform "{name}" (prepend apiSchemas = ["MaterialBindingAPI"])
+    {{
+        {binding}
+        def Mesh "{name}_mesh" (prepend apiSchemas = ["MaterialBindingAPI"])
+        {{
+            {extra}
+            int[] faceVertexCounts = [4]
+            int[] faceVertexIndices = [0, 1, 3, 2]
+            point3f[] points = [{points}]
+        }}
+    }}"""
+
+    materials = "".join(f'    def Material "{m}" {{ }}\n' for m in "MNO")
+    path.write_text(f'#usda 1.0\n(\n    defaultPrim = "G"\n)\ndef Xform "G"\n{{\n{materials}{panel("a", a, 0)}{panel("b", b, 1, of_b)}\n}}\n')
+    return path
+
+
+@pytest.mark.parametrize(("words", "expected"), [
+    ({"a": "rel material:binding = </G/M>"}, ["M", None]),
+    ({"a": "rel material:binding = </G/M>", "b": "rel material:binding = </G/N>"}, ["M", "N"]),
+    ({"a": "rel material:binding = </G/M>", "b": "rel material:binding = </G/M>"}, ["M", "M"]),
+    ({"b": "rel material:binding = </G/N>", "of_b": "rel material:binding = </G/O>"}, [None, "O"]),
+    ({"b": 'rel material:binding = </G/N> (bindMaterialAs = "strongerThanDescendants")', "of_b": "rel material:binding = </G/O>"}, [None, "N"]),
+], ids=["one", "two", "same", "own", "stronger"])  # fmt: skip
+def test_panels_keep_the_materials_of_prims_above_them(build, tmp_path, words, expected):
+    product = build(two_panels(tmp_path / "a.usda", **words), "--all", "--set", "render.level=0")
+    mesh = UsdGeom.Mesh(product.stage.GetPrimAtPath("/G/render"))
+    bound = lambda prim: UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0].GetPath().name or None
+    of_faces = [bound(mesh.GetPrim())] * 2
+    for subset in UsdShade.MaterialBindingAPI(mesh).GetMaterialBindSubsets():
+        for face in subset.GetIndicesAttr().Get():
+            of_faces[face] = bound(subset.GetPrim())
+    assert of_faces == expected
+
+
+def test_an_element_size_that_does_not_fit_is_left_out(build, tmp_path):
+    """Exports of Arnold have the number of values there."""
+
+    def change(mesh):
+        primvar = UsdGeom.PrimvarsAPI(mesh).GetPrimvar("st")
+        primvar.SetElementSize(len(primvar.Get()))
+
+    plain, product = build(write(tmp_path / "plain.usda", seam_column=2), stem="built_plain"), build(faulty(change)(tmp_path / "a.usda"), stem="changed")
+    assert any(code == "not-carried" and "elementSize" in message for code, message in warnings(product))
+    for name in ("sim", "render"):
+        of = [UsdGeom.PrimvarsAPI(p.prim(name)).GetPrimvar("st") for p in (plain, product)]
+        assert np.array_equal(*(primvar.ComputeFlattened() for primvar in of)) and of[1].GetElementSize() == 1
+
+
+def test_an_empty_mesh_beside_a_garment_is_left_out(build, tmp_path):
+    path = two_panels(tmp_path / "a.usda")
+    path.write_text(path.read_text().rstrip().removesuffix("}") + '    def Mesh "placeholder" { }\n}\n')
+    product = build(path, "--all")
+    assert any(code == "not-carried" and "/G/placeholder" in message for code, message in warnings(product))
+
+
+def test_meshes_that_are_no_garments_are_named_with_a_remedy(usdtailor, tmp_path):
+    path = two_panels(tmp_path / "a.usda")
+    inside = path.read_text().replace('def Xform "G"', 'def PointInstancer "G"')
+    path.write_text(inside)
+    for args in ([], ["--all"]):
+        done = run(usdtailor, "check", path, *args)
+        assert done.returncode == 1 and "PointInstancer" in done.stderr and "name" in done.stderr and "--prim" in done.stderr, done.stderr
+        assert "products of usd-tailor" not in done.stderr
+    assert run(usdtailor, "build", path, "--prim", "/G/a/a_mesh", "-o", tmp_path / "o.usda").returncode == 0
+
+
+def test_a_rule_that_the_scheme_has_no_use_for_is_not_read(build, tmp_path):
+    path = text(tmp_path / "a.usda", extra='        uniform token subdivisionScheme = "none"\n        token triangleSubdivisionRule = "none"')
+    build(path, "--set", "render.level=0")
+
+
+def test_crates_that_are_too_old_are_not_called_damaged(usdtailor, tmp_path):
+    path = tmp_path / "a.usdc"
+    path.write_bytes(b"PXR-USDC\0\0\1" + bytes(400))
+    done = run(usdtailor, "check", path)
+    assert done.returncode == 1 and "damaged" not in done.stderr, done.stderr
+
+
+def test_a_package_inside_a_package_is_read(build, tmp_path):
+    import zipfile
+
+    def package(path, entries):
+        with zipfile.ZipFile(path, "w", zipfile.ZIP_STORED) as out:
+            for name, data in entries:
+                offset = out.fp.tell() + 30 + len(name)
+                info = zipfile.ZipInfo(name)
+                info.extra = b"\x86\x19" + (-(offset + 4) % 64).to_bytes(2, "little") + bytes(-(offset + 4) % 64)
+                out.writestr(info, data)
+        return path
+
+    inner = package(tmp_path / "inner.usdz", [("a.usda", text(tmp_path / "a.usda", points=USUAL.replace("0.5", ".5")).read_bytes())])
+    root = b'#usda 1.0\n(\n    defaultPrim = "G"\n)\ndef Xform "G" (prepend references = @./inner.usdz@)\n{\n}\n'
+    for name, entries in {"referenced": [("root.usda", root), ("inner.usdz", inner.read_bytes())], "first": [("inner.usdz", inner.read_bytes())]}.items():
+        outer = package(tmp_path / f"{name}.usdz", entries)
+        if Usd.Stage.Open(str(outer)).GetPrimAtPath("/G/m"):
+            product = build(outer, "--set", "render.level=0", "--flatten", stem=name)
+            assert np.array_equal(read_mesh(product.stage.GetPrimAtPath("/G/render")).points, np.float32(POINTS)), name

@@ -98,7 +98,12 @@ fn only_mesh(stage: &Stage, file: &Path) -> Result<Prim, Error> {
     let mut garments = without_products(stage, &all)?;
     if garments.len() > 1 {
         let repeated = prototypes(stage, file)?;
+        let found = garments.clone();
         garments.retain(|path| !repeated.iter().any(|root| path.has_prefix(root)));
+        if garments.is_empty() {
+            let text = format!("{} holds no mesh but prototypes of a PointInstancer", file.display());
+            return Err(Error::usd(text).code(ErrorCode::NoMesh).remedy(format!("name one by --prim: {}", list(&found))));
+        }
     }
     match garments.as_slice() {
         [one] => prim_at(stage, one),

@@ -42,7 +42,11 @@ pub fn read_mesh(prim: &Prim, time: Option<TimeCode>) -> Result<((Garment, Decla
             scheme: token(prim, names::SUBDIVISION_SCHEME, time)?,
             boundary: token(prim, names::INTERPOLATE_BOUNDARY, time)?,
             face_varying: token(prim, names::FACE_VARYING_LINEAR_INTERPOLATION, time)?,
-            triangles: token(prim, names::TRIANGLE_SUBDIVISION_RULE, time)?,
+            triangles: token(prim, names::TRIANGLE_SUBDIVISION_RULE, time).or_else(|e| {
+                // The rule is for Catmull-Clark alone.
+                let scheme: Scheme = token(prim, names::SUBDIVISION_SCHEME, time)?;
+                if scheme == Scheme::CatmullClark { Err(e) } else { Ok(Default::default()) }
+            })?,
         },
         hole_indices: ints(names::HOLE_INDICES)?,
         crease_indices: ints(names::CREASE_INDICES)?,
@@ -50,10 +54,12 @@ pub fn read_mesh(prim: &Prim, time: Option<TimeCode>) -> Result<((Garment, Decla
         crease_sharpnesses: floats(names::CREASE_SHARPNESSES)?,
         corner_indices: ints(names::CORNER_INDICES)?,
         corner_sharpnesses: floats(names::CORNER_SHARPNESSES)?,
-        primvars: warnings.absorb(read_primvars(prim, time, &mut declarations)?),
+        primvars: Vec::new(),
         subsets: warnings.absorb(subsets(prim, time)?),
         families: families(prim)?,
     };
+    let elements = [mesh.face_vertex_counts.len(), mesh.points.len(), mesh.face_vertex_indices.len()];
+    mesh.primvars = warnings.absorb(read_primvars(prim, time, elements, &mut declarations)?);
     check_joints(prim, &mesh.primvars, time)?;
     warnings.extend(constant_uvs(prim, &mesh, time)?);
     let (shapes, offsets) = warnings.absorb(read_shapes(prim, time, mesh.points.len())?);
@@ -61,7 +67,6 @@ pub fn read_mesh(prim: &Prim, time: Option<TimeCode>) -> Result<((Garment, Decla
     mesh.primvars.extend(offsets);
     // A subdivision surface ignores authored normals.
     if mesh.rules.scheme == Scheme::None {
-        let elements = [mesh.face_vertex_counts.len(), mesh.points.len(), mesh.face_vertex_indices.len()];
         mesh.primvars.extend(read_normals(prim, time, elements));
     }
     Ok(((mesh, declarations), warnings))

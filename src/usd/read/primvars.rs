@@ -24,13 +24,15 @@ pub struct Declarations {
     pub shapes: Vec<BlendShape>,
 }
 
-/// Reads the primvars that vary over the mesh. Those that cannot be carried become warnings.
+/// Reads the primvars that vary over the mesh. Those that cannot be carried become warnings. `elements` are the numbers of
+/// faces, points and corners.
 ///
 /// # Errors
 /// An interpolation that USD does not have.
 pub fn read_primvars(
     prim: &Prim,
     time: Option<TimeCode>,
+    elements: [usize; 3],
     declarations: &mut Declarations,
 ) -> Result<(Vec<PrimvarInput>, Warnings), Error> {
     let (mut found, mut warnings) = (Vec::new(), Warnings::default());
@@ -45,7 +47,10 @@ pub fn read_primvars(
                 let place = format!("{}.{property}", prim.path());
                 warnings.push(Warning::not_carried(place, "it has no values; it stays on the model"));
             }
-            Ok(primvar) => {
+            Ok(mut primvar) => {
+                if let Some(primvar) = &mut primvar {
+                    warnings.extend(without_element_size(prim, primvar, elements, declarations));
+                }
                 found.extend(primvar);
                 warnings.extend(motion(prim, &property, time)?);
             }
@@ -68,13 +73,7 @@ pub fn read_normals(prim: &Prim, time: Option<TimeCode>, elements: [usize; 3]) -
     let value = value(prim, names::NORMALS, time).ok()??;
     let field = attribute.get_metadata::<Value>(names::INTERPOLATION).ok()?;
     let interpolation = field.as_ref().and_then(text).map_or(Some(Interpolation::Vertex), Interpolation::from_token)?;
-    let [faces, points, corners] = elements;
-    let count = match interpolation {
-        Interpolation::Constant => return None,
-        Interpolation::Uniform => faces,
-        Interpolation::Vertex | Interpolation::Varying => points,
-        Interpolation::FaceVarying => corners,
-    };
+    let count = count_of(interpolation, elements)?;
     let Flat { meaning, half, components, values } = flat(&attribute.type_name().ok()??, value).ok()?;
     (components == 3 && values.len() == 3 * count).then(|| PrimvarInput {
         name: names::NORMALS.to_owned(),
@@ -87,6 +86,46 @@ pub fn read_normals(prim: &Prim, time: Option<TimeCode>, elements: [usize; 3]) -
         values,
         indices: None,
     })
+}
+
+/// The number of elements with a value, of those of faces, points and corners.
+fn count_of(interpolation: Interpolation, [faces, points, corners]: [usize; 3]) -> Option<usize> {
+    match interpolation {
+        Interpolation::Constant => None,
+        Interpolation::Uniform => Some(faces),
+        Interpolation::Vertex | Interpolation::Varying => Some(points),
+        Interpolation::FaceVarying => Some(corners),
+    }
+}
+
+/// Takes a primvar as if it had no `elementSize`, where its values fit the mesh so, and not otherwise. Exports of Arnold have
+/// the number of values there. Warns of it.
+fn without_element_size(
+    prim: &Prim,
+    primvar: &mut PrimvarInput,
+    elements: [usize; 3],
+    declarations: &mut Declarations,
+) -> Option<Warning> {
+    let count = count_of(primvar.interpolation, elements)?;
+    let rows = primvar.values.len() / primvar.components.max(1);
+    let fits = |rows: usize| match &primvar.indices {
+        Some(indices) => {
+            let is_row = |&row: &i32| usize::try_from(row).is_ok_and(|row| row < rows);
+            indices.len() == count && indices.iter().all(is_row)
+        }
+        None => rows == count,
+    };
+    let size = usize::try_from(primvar.element_size).unwrap_or(0);
+    if size == 1 || fits(rows.checked_div(size).unwrap_or(0)) || !fits(rows) {
+        return None;
+    }
+    let problem = format!("its elementSize is {}, and its values fit the mesh without; it is left out", primvar.element_size);
+    primvar.element_size = 1;
+    if let Some(declaration) = declarations.primvars.get_mut(&primvar.name) {
+        declaration.metadata.retain(|(key, _)| key != names::ELEMENT_SIZE);
+    }
+    let place = format!("{}.{}{}", prim.path(), names::PRIMVARS, primvar.name);
+    Some(Warning::not_carried(place, problem).remedy("Remove elementSize from the primvar"))
 }
 
 /// Reads one primvar, and adds its declaration. None when it has no value.

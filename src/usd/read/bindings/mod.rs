@@ -50,6 +50,23 @@ pub fn resolve_collections(prim: &Prim, model: &mut Model) -> Result<(), Error> 
     Ok(())
 }
 
+/// Binds to a panel what prims between it and `parent` bind: its products are below `parent`.
+///
+/// # Errors
+/// A binding that cannot be read.
+pub fn resolve_inherited(prim: &Prim, parent: &Path, model: &mut Model) -> Result<(), Error> {
+    let above = prim_at(prim.stage(), parent)?;
+    for purpose in PURPOSES {
+        let found = winner(prim, purpose)?.map(|winner| winner.material);
+        let of_parent = if parent.is_abs_root() { None } else { winner(&above, purpose)?.map(|winner| winner.material) };
+        let own = model.carried.iter().find(|record| record.name == binding_name(purpose)).and_then(target);
+        if let Some(material) = found.filter(|found| Some(found) != own.as_ref() && Some(found) != of_parent.as_ref()) {
+            bind(&mut model.carried, &mut model.applied, purpose, &material);
+        }
+    }
+    Ok(())
+}
+
 /// Whether a collection may bind a material to a mesh or its subsets: few stages have one.
 fn has_collections(prim: &Prim) -> Result<bool, Error> {
     let subsets = subset_prims(prim)?.into_iter().map(|subset| subset.path().clone());

@@ -45,22 +45,32 @@ pub fn meshes(stage: &Stage, file: &FilePath, options: &ReadOptions) -> Result<O
         } else if let Some(root) = repeated.iter().find(|root| path.has_prefix(root)) {
             warnings.push(left_out(path, &format!("it is of {root}, which a PointInstancer repeats")));
         } else if has_no_faces(&prim) {
-            warnings.push(left_out(path, "it has no faces"));
+            warnings.push(left_out(path, "it has no points or no faces"));
         } else {
             found.push(path.clone());
         }
     }
     match found.len() {
-        0 => Err(Error::usd(format!("{} holds no mesh that is a garment", file.display()))
-            .code(ErrorCode::NoMesh)
-            .remedy(format!(
-                "garments are meshes that are not products, of purpose guide or proxy, or excluded; the meshes are: {}",
-                list(&below)
-            ))),
+        0 => Err(none_is_a_garment(file, &below, &warnings)),
         1..=MAX_MESHES => Ok(Some((found, warnings))),
         count => Err(Error::usd(format!("{} holds {count} meshes, more than {MAX_MESHES}", file.display()))
             .code(ErrorCode::SeveralMeshes)
             .remedy("name the prim of one garment by --prim, or leave meshes out by --exclude")),
+    }
+}
+
+/// The error of a stage none of whose meshes is a garment; `left_out` has the reasons for some.
+fn none_is_a_garment(file: &FilePath, meshes: &[Path], left_out: &Warnings) -> Error {
+    let fault = Error::usd(format!("{} holds no mesh that is a garment", file.display())).code(ErrorCode::NoMesh);
+    match left_out.iter().next() {
+        Some(first) => fault.remedy(format!(
+            "set instanceable = false on the prim above, or name a prototype by --prim: {}: {}",
+            first.place, first.problem
+        )),
+        None => fault.remedy(format!(
+            "garments are meshes that are not products, of purpose guide or proxy, or excluded; the meshes are: {}",
+            list(meshes)
+        )),
     }
 }
 
@@ -70,7 +80,10 @@ fn left_out(path: &Path, why: &str) -> Warning {
 }
 
 fn has_no_faces(prim: &Prim) -> bool {
-    matches!(value(prim, names::FACE_VERTEX_COUNTS, None), Ok(Some(Value::IntVec(counts))) if counts.is_empty())
+    let is_missing = |name: &str| !prim.attribute(name).has_authored_value().unwrap_or(true);
+    is_missing(names::FACE_VERTEX_COUNTS)
+        || is_missing(names::POINTS)
+        || matches!(value(prim, names::FACE_VERTEX_COUNTS, None), Ok(Some(Value::IntVec(counts))) if counts.is_empty())
 }
 
 /// Whether a prim of the stage is not a mesh itself.

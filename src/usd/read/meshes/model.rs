@@ -35,7 +35,7 @@ pub fn sewn(
 ) -> Result<Source, Error> {
     let panels: Vec<&Source> = members.iter().map(|&i| &sources[i]).collect();
     let &[first, _, ..] = panels.as_slice() else { return Ok(panels[0].clone()) };
-    let parent = common_parent(&panels);
+    let parent = common_parent(panels.iter().copied());
     let space = transforms(&prim_at(stage, &parent)?, time)?.to_world;
     let to_space = to_space(&panels, &parent, space)?;
     check_skinning(&panels, &to_space)?;
@@ -102,12 +102,16 @@ pub fn sewn(
 }
 
 /// The nearest prim above all panels.
-fn common_parent(panels: &[&Source]) -> Path {
-    let mut parent = panels[0].model.parent.clone();
-    while !panels.iter().all(|panel| panel.model.parent.has_prefix(&parent)) {
-        parent = parent.parent().unwrap_or_else(Path::abs_root);
+pub fn common_parent<'a>(panels: impl Iterator<Item = &'a Source>) -> Path {
+    let parents = panels.map(|panel| panel.model.parent.clone());
+    parents.reduce(common_prefix).unwrap_or_else(Path::abs_root)
+}
+
+fn common_prefix(mut a: Path, b: Path) -> Path {
+    while !b.has_prefix(&a) {
+        a = a.parent().unwrap_or_else(Path::abs_root);
     }
-    parent
+    a
 }
 
 /// The transform of each panel to the space of the garment.

@@ -74,6 +74,13 @@ fn starts_with_mark(file: &Path) -> bool {
     read(file).is_ok_and(|bytes| bytes.starts_with("\u{feff}".as_bytes()))
 }
 
+/// The version of a crate from before 0.4.0.
+fn obsolete_crate(file: &Path) -> Option<String> {
+    let start = read(file).ok()?;
+    let version = start.strip_prefix(b"PXR-USDC")?.get(..3)?;
+    (version < [0, 4, 0].as_slice()).then(|| format!("{}.{}.{}", version[0], version[1], version[2]))
+}
+
 /// Identifier of the layer in memory. It names no file, so that relative paths are not resolved.
 const IN_MEMORY: &str = "composed.usd";
 
@@ -181,6 +188,9 @@ fn open_file(file: &Path, variants: &[Selection], read_files: &Arc<ReadFiles>) -
             () if starts_with_mark(file) => {
                 fault.remedy("it begins with a byte order mark, which USD does not have; save it as UTF-8 without one")
             }
+            () if let Some(version) = obsolete_crate(file) => fault.code(ErrorCode::NotSupported).remedy(format!(
+                "it is a crate of version {version}, and versions before 0.4.0 are not read; convert it by an old usdcat",
+            )),
             () if newer => fault.code(ErrorCode::NotSupported).remedy(
                 "it has values of a newer version of USD; write it without them, for example by `usdcat --flatten`",
             ),
