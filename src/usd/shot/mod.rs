@@ -96,6 +96,7 @@ pub fn drive(options: &DriveOptions, progress: &(dyn Fn(usize, usize) + Sync)) -
             }
             let moved: Vec<Vec<DrivenMesh>> = read.par_iter().map(|frame| bound.moved(frame)).collect();
             for (frame, meshes) in read.iter().zip(&moved) {
+                check_finite(frame.time, meshes, &options.cache)?;
                 writer.write(frame.time, meshes)?;
                 done += 1;
                 progress(done, frames);
@@ -153,6 +154,18 @@ impl Bound {
         let fastest = velocities.iter().map(|v| v.length()).fold(0.0, f32::max);
         if fastest > 0.0 { 0.01 * self.edge_length as f32 / fastest } else { 1.0 }
     }
+}
+
+/// Refuses a frame whose points are so far apart that those of the mesh, or their velocities, are beyond the numbers of a file.
+fn check_finite(time: f64, meshes: &[DrivenMesh], file: &Path) -> Result<(), Error> {
+    let mut arrays = meshes.iter().flat_map(|mesh| {
+        [Some(&mesh.points), mesh.normals.as_ref(), mesh.velocities.as_ref()].into_iter().flatten()
+    });
+    if time.is_finite() && arrays.all(|values| values.iter().all(|value| value.is_finite())) {
+        return Ok(());
+    }
+    let text = format!("frame {time} moves points to places or with velocities that are not finite");
+    Err(Error::new(ErrorKind::Usd, file.display(), text).code(ErrorCode::CacheFrames).remedy("cache this frame again"))
 }
 
 /// Refuses a first frame whose edges have other lengths than at bind: its points are in another order.

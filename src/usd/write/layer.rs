@@ -237,8 +237,30 @@ fn author(
         }
         author.bindings(products).map_err(fault)?;
         warnings.extend(author.physics(products)?);
+        check_finite(data, &source.model, products)?;
     }
     Ok(warnings)
+}
+
+/// Refuses arrays of products with a number that is not finite, as programs fail on these far from their cause. Inputs have none.
+fn check_finite(data: &sdf::Data, model: &Model, products: &[Product]) -> Result<(), Error> {
+    for (path, spec) in data.iter() {
+        let prim = path.prim_path();
+        if !products.iter().any(|product| model.sibling_path(product.name).is_ok_and(|own| own == prim)) {
+            continue;
+        }
+        let values = spec.fields.iter().find(|(key, _)| *key == FieldKey::Default.as_str()).map(|(_, value)| value);
+        let floats: &[f32] = match values {
+            Some(Value::FloatVec(values)) => values,
+            Some(Value::Vec2fVec(values)) => bytemuck::cast_slice(values),
+            Some(Value::Vec3fVec(values)) => bytemuck::cast_slice(values),
+            _ => continue,
+        };
+        if let Some(at) = floats.iter().position(|number| !number.is_finite()) {
+            return Err(Error::internal(format!("{path} would have {} as its number {at}", floats[at])));
+        }
+    }
+    Ok(())
 }
 
 fn check_names(model: &Model, products: &[Product]) -> Result<(), Error> {
