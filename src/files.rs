@@ -47,6 +47,17 @@ pub fn read(path: &Path) -> io::Result<Vec<u8>> {
     fs::read(path)
 }
 
+/// The hash of the content of a regular file.
+///
+/// # Errors
+/// As [`open`].
+#[cfg(feature = "usd")]
+pub fn hash(path: &Path) -> io::Result<String> {
+    let mut hasher = blake3::Hasher::new();
+    hasher.update_reader(open(path)?)?;
+    Ok(hasher.finalize().to_hex().to_string())
+}
+
 /// The text of a regular file.
 ///
 /// # Errors

@@ -204,7 +204,5 @@ fn hash(file: &Path) -> Result<String, Error> {
         let fault = Error::usd(format!("cannot read {}: {}", file.display(), plain(&e)));
         fault.remedy("check the path, and who may read the file")
     };
-    let mut hasher = blake3::Hasher::new();
-    hasher.update_reader(files::open(file).map_err(fault)?).map_err(fault)?;
-    Ok(hasher.finalize().to_hex().to_string())
+    files::hash(file).map_err(fault)
 }

@@ -3,6 +3,7 @@
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -210,8 +211,53 @@ def test_a_shot_replaces_no_input_and_no_other_folder(usdtailor, tmp_path):
     (clips / "notes.txt").write_text("precious")
     refused(usdtailor, *drive, moved, says=["shot.clips is not a folder of clips, or holds more than clips"])
     (clips / "notes.txt").unlink()
+    # A folder with the name of a clip.
+    (clips / "frame.00007.usdc").mkdir()
+    (clips / "frame.00007.usdc" / "notes.txt").write_text("precious")
+    refused(usdtailor, *drive, moved, says=["holds the folder", "frame.00007.usdc", "move it away"])
+    assert (clips / "frame.00007.usdc" / "notes.txt").read_text() == "precious"
+    shutil.rmtree(clips / "frame.00007.usdc")
     good(usdtailor, *drive, moved)
+    first = sorted(path.name for path in clips.iterdir())
     good(usdtailor, *drive, moved)
+    assert sorted(path.name for path in clips.iterdir()) == first and len(first) == 3
+
+
+def test_a_kill_leaves_one_of_two_shots(usdtailor, tmp_path):
+    garment, shot = tmp_path / "built.usda", tmp_path / "shot.usda"
+    good(usdtailor, "build", write(tmp_path / "in.usda"), "-o", garment)
+    points = sim_points(garment)
+    drives = []
+    for i, frames in enumerate((40, 60)):
+        numpy.save(tmp_path / f"{i}.npy", numpy.stack([points + [0, i, 0]] * frames))
+        drives.append([usdtailor, "drive", garment, "-o", shot, "--clips", "--force", "-q", "--cache", tmp_path / f"{i}.npy"])
+    begin = time.monotonic()
+    good(*drives[0])
+    seconds = time.monotonic() - begin
+
+    def state():
+        """The number of frames that the shot names, and the heights that its clips give."""
+        layer = Sdf.Layer.OpenAsAnonymous(str(shot))
+        names = layer.GetPrimAtPath("/Coat/render").GetInfo("clips")["default"]["assetPaths"]
+        heights = set()
+        for asset in names:
+            samples = Sdf.Layer.OpenAsAnonymous(str(tmp_path / asset.path)).ListTimeSamplesForPath("/Coat/render.points")
+            values = Sdf.Layer.OpenAsAnonymous(str(tmp_path / asset.path)).QueryTimeSample("/Coat/render.points", samples[0])
+            heights.add(round(float(numpy.mean(numpy.array(values)[:, 1])), 3))
+        return len(names), heights
+
+    states = [state()]
+    for kill in range(24):
+        process = subprocess.Popen(drives[(kill + 1) % 2])
+        # Near the end, where files get their names.
+        time.sleep(seconds * (0.6 + 0.02 * kill))
+        process.kill()
+        process.wait()
+        states.append(state())
+        assert len(states[-1][1]) == 1, states[-1]
+    good(*drives[1])
+    ends = {states[0][0]: states[0][1], state()[0]: state()[1]}
+    assert all(ends[count] == heights for count, heights in states), states
 
 
 def test_of_two_runs_on_one_output_one_succeeds(usdtailor, tmp_path):
