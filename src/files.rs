@@ -24,6 +24,17 @@ pub fn require_file(path: &Path) -> io::Result<()> {
     }
 }
 
+/// Checks that the content of a file fits into the memory: a sparse file may be of any size.
+///
+/// # Errors
+/// A file that does not, or that is not there.
+#[cfg(feature = "usd")]
+pub fn require_memory(path: &Path) -> io::Result<()> {
+    let size = fs::metadata(path)?.len();
+    let fits = usize::try_from(size).is_ok_and(|size| Vec::<u8>::new().try_reserve_exact(size).is_ok());
+    if fits { Ok(()) } else { Err(io::Error::new(io::ErrorKind::InvalidInput, "it is larger than the memory")) }
+}
+
 /// The folder of a file: `.` for a name alone.
 #[cfg(feature = "usd")]
 pub fn folder_of(file: &Path) -> &Path {
@@ -43,10 +54,11 @@ pub fn open(path: &Path) -> io::Result<File> {
 /// The bytes of a regular file.
 ///
 /// # Errors
-/// As [`open`].
+/// As [`open`], and a file that is larger than the memory.
 #[cfg(feature = "usd")]
 pub fn read(path: &Path) -> io::Result<Vec<u8>> {
     require_file(path)?;
+    require_memory(path)?;
     fs::read(path)
 }
 
@@ -87,7 +99,7 @@ pub fn text(path: &Path) -> io::Result<String> {
     let mut text = String::new();
     File::open(path)?.take(MAX_TEXT + 1).read_to_string(&mut text)?;
     match text.len() as u64 > MAX_TEXT {
-        true => Err(io::Error::new(io::ErrorKind::FileTooLarge, "it is larger than 256 MB")),
+        true => Err(io::Error::new(io::ErrorKind::InvalidInput, "it is larger than 256 MB")),
         false => Ok(text),
     }
 }

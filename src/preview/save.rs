@@ -112,10 +112,14 @@ impl Content {
                 .remedy("save a USD layer, which holds them"));
         }
         let garment = self.stage.source.file();
-        // Seen from the file itself, where a link leads to it.
         let target = files::target(file).unwrap_or_else(|_| file.to_path_buf());
-        let source = match (folder_of(&target).canonicalize(), garment.canonicalize()) {
-            (Ok(folder), Ok(garment)) => relative(&folder, &garment).unwrap_or_else(|| garment.display().to_string()),
+        let [named, real] = [file, &target].map(|file| folder_of(file).canonicalize());
+        let source = match (named, real, garment.canonicalize()) {
+            // A path that holds from a link and from the file that it leads to is absolute.
+            (Ok(named), Ok(real), Ok(garment)) => {
+                let path = relative(&real, &garment).filter(|_| named == real);
+                path.unwrap_or_else(|| garment.display().to_string())
+            }
             _ => return Err(fault("its folder does not exist").remedy("create the folder first")),
         };
         let mut text = Map::new();

@@ -66,7 +66,7 @@ impl BuildRecord {
             let is_hashed = !changed && take(&mut left, bytes);
             let hash = is_hashed.then(|| files::hash(file).map_err(|e| unreadable(file, &e)));
             let state = FileState { bytes, hash: hash.transpose()?.unwrap_or_default() };
-            files.insert(Anchor::Folder(&folder).path_to(&as_named(file)?), state);
+            files.insert(Anchor::real(&folder).path_to(&as_named(file)?), state);
         }
         let prim = sources.first().map(|source| source.prim().to_owned()).unwrap_or_default();
         let mut variants: Vec<String> =
@@ -100,7 +100,15 @@ impl BuildRecord {
     /// # Errors
     /// A folder that does not exist.
     pub fn path_of(file: &Path, out: &Path) -> Result<String, Error> {
-        Ok(Anchor::Folder(&folder(out)?).path_to(&as_named(file)?))
+        Ok(Anchor::real(&folder(out)?).path_to(&as_named(file)?))
+    }
+
+    /// The file of such a path.
+    ///
+    /// # Errors
+    /// As [`BuildRecord::path_of`].
+    pub fn file_of(path: &str, out: &Path) -> Result<PathBuf, Error> {
+        Ok(folder(out)?.join(path))
     }
 
     /// The options of the build.
@@ -207,7 +215,8 @@ fn selections(sets: &[VariantSet]) -> Vec<String> {
 
 /// The folder of an output, without links.
 fn folder(out: &Path) -> Result<PathBuf, Error> {
-    let folder = folder_of(out);
+    let file = out.canonicalize();
+    let folder = folder_of(file.as_deref().unwrap_or(out));
     folder.canonicalize().map_err(|e| {
         let fault = Error::usd(format!("there is no folder {}: {}", folder.display(), plain(&e)));
         fault.remedy("create the folder first")

@@ -7,6 +7,7 @@ use super::DrivenMesh;
 use super::stream::{ATTRIBUTES, extent, sampled, type_of, unwritable};
 use crate::error::{Error, ErrorCode, plain};
 use crate::files;
+use crate::usd::assets::Anchor;
 use crate::usd::names;
 use crate::usd::write::{OutputFile, PREFIX, Unfinished};
 use openusd::gf::Vec2d;
@@ -31,8 +32,6 @@ pub struct Clips {
     /// The folder of the clips until the shot is complete.
     temporary: Unfinished<TempDir>,
     folder: PathBuf,
-    /// The folder's name, relative to the shot.
-    name: String,
     times: Vec<f64>,
     /// The names of the clips that are written, and last of the manifest.
     written: Vec<String>,
@@ -53,8 +52,7 @@ impl Clips {
         force: bool,
         used: impl Fn(&[PathBuf]) -> Result<Option<usize>, Error>,
     ) -> Result<Self, Error> {
-        let name = format!("{}.{FOLDER}", file.stem());
-        let folder = file.folder.join(&name);
+        let folder = file.folder.join(format!("{}.{FOLDER}", file.stem()));
         let fault = |code: ErrorCode, text: &str, remedy: &str| {
             Err(Error::usd(format!("{} {text}", folder.display())).code(code).remedy(remedy))
         };
@@ -82,7 +80,7 @@ impl Clips {
         let place = real.as_deref().and_then(FilePath::parent).unwrap_or(&file.folder);
         let temporary =
             Unfinished::new(|| Builder::new().prefix(PREFIX).tempdir_in(place)).map_err(|e| file.fault(&e))?;
-        Ok(Self { temporary, folder, name, times: times.to_vec(), written: Vec::new(), earlier, varying: [false; 3] })
+        Ok(Self { temporary, folder, times: times.to_vec(), written: Vec::new(), earlier, varying: [false; 3] })
     }
 
     /// Writes the meshes at `time`.
@@ -120,7 +118,7 @@ impl Clips {
     ///
     /// # Errors
     /// A full disk.
-    pub fn author(&mut self, layer: &mut Data, paths: &[Path]) -> Result<(), Error> {
+    pub fn author(&mut self, file: &OutputFile, layer: &mut Data, paths: &[Path]) -> Result<(), Error> {
         let mut manifest = empty();
         for path in paths {
             PrimSpec::over(&mut manifest, path).map_err(|e| unwritable(&e))?;
@@ -134,7 +132,7 @@ impl Clips {
         self.save(manifest, MANIFEST)?;
         for path in paths {
             PrimSpec::over(layer, path).map_err(|e| unwritable(&e))?;
-            layer.set_field(path, "clips", self.clips(path));
+            layer.set_field(path, "clips", self.clips(path, file.anchor()));
         }
         Ok(())
     }
@@ -184,8 +182,8 @@ impl Clips {
             .remedy("check the folder's permissions and the space on its disk")
     }
 
-    fn clips(&self, path: &Path) -> Value {
-        let asset = |name: &String| AssetPath::from(format!("./{}/{name}", self.name));
+    fn clips(&self, path: &Path, anchor: Anchor) -> Value {
+        let asset = |name: &String| AssetPath::from(anchor.path_to(&self.folder.join(name).to_string_lossy()));
         let (manifest, clips) = self.written.split_last().expect("the manifest is written");
         let pairs = |value: fn(usize, f64) -> [f64; 2]| {
             Value::Vec2dVec(self.times.iter().enumerate().map(|(i, t)| Vec2d::from(value(i, *t))).collect())
@@ -240,7 +238,7 @@ mod tests {
             clips.write(*time, &mesh, &[DrivenMesh { points, normals: None, velocities: None }]).expect("a clip");
         }
         let mut layer = empty();
-        clips.author(&mut layer, &mesh).expect("a manifest");
+        clips.author(file, &mut layer, &mesh).expect("a manifest");
         (clips, layer)
     }
 

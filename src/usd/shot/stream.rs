@@ -153,7 +153,7 @@ impl ShotWriter {
                 self.file.save(self.layer).map(drop)
             }
             Frames::Clips(mut clips) => {
-                clips.author(&mut self.layer, &self.paths)?;
+                clips.author(&self.file, &mut self.layer, &self.paths)?;
                 clips.finish(&self.file, self.layer)
             }
             Frames::Stream { out, position } => {

@@ -1,7 +1,7 @@
 //! Finding and opening the files of a stage.
 
 use super::text::readable;
-use crate::files::require_file;
+use crate::files::{require_file, require_memory};
 use crate::usd::assets::{normalized, same_file};
 use openusd::ar::{self, DefaultResolver, ResolvedPath, Resolver};
 use std::borrow::Cow;
@@ -45,7 +45,10 @@ impl Resolver for Files {
     }
 
     fn open_asset(&self, resolved_path: &ResolvedPath) -> io::Result<Box<dyn ar::Asset>> {
-        require_file(&package_file(resolved_path))?;
+        let file = package_file(resolved_path);
+        require_file(&file)?;
+        // A layer is read whole.
+        require_memory(&file)?;
         let mut asset = self.0.open_asset(resolved_path)?;
         let mut start = Vec::new();
         asset.by_ref().take(TEXT.len() as u64).read_to_end(&mut start)?;
