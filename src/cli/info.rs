@@ -14,7 +14,8 @@ use crate::session::OpenGarment;
 use crate::sets::ListedSet;
 use crate::units::in_words;
 use crate::usd::{
-    Facts, ProductRole, Selection, Source, check_product_names, misplaced_options, product_names, type_word,
+    Facts, ProductRole, Selection, Source, TailorPayloads, check_product_names, product_names, tailor_payloads,
+    type_word,
 };
 use crate::{Builder, Mesh, Plan, PrimvarRole, Recipe};
 use recorded::RecordedBuild;
@@ -76,7 +77,15 @@ pub fn check(args: &ExamineArgs) -> Result<Output, Error> {
     each(args, |file, found| {
         let (mut is_fresh, mut hint) = (true, None);
         let made = RecordedBuild::of(&args.inputs, file);
-        let openings = open(args, file, made.as_ref())?;
+        // A prim that is named is checked alone.
+        let recipes = std::mem::take(&mut found.payloads.recipes);
+        let recipes = if args.inputs.prim.is_some() { Vec::new() } else { recipes };
+        let openings = match open(args, file, made.as_ref()) {
+            // Its garments are those of the payloads.
+            Err(error) if is_no_mesh(&error) && !recipes.is_empty() && !found.payloads.has_other_faults => Vec::new(),
+            openings => openings?,
+        };
+        let has_own = !openings.is_empty();
         if made.is_none() {
             openings.iter().try_for_each(|opening| free_names(&opening.garments))?;
         }
@@ -89,8 +98,20 @@ pub fn check(args: &ExamineArgs) -> Result<Output, Error> {
             let sets = || builder.listed_sets(&products.recipe);
             hint = hint.or(listed::hint(builder.garment(), &products.recipe, sets));
         }
+        for (_, recipe) in &recipes {
+            for garment in args.inputs.open(recipe)? {
+                let (_, builder, recipe) = garment.check()?;
+                let products = builder.with_max_memory(limit).update(&recipe)?;
+                found.warnings.extend(products.warnings.iter().cloned());
+            }
+        }
+        is_fresh &= has_own;
         if !args.inputs.quiet {
             let _ = writeln!(found.text, "{}: good{}", file.display(), if is_fresh { ", and fresh" } else { "" });
+            for (prim, recipe) in &recipes {
+                let recipe = recipe.display();
+                let _ = writeln!(found.text, "  {prim} from {recipe}: good; options of the payload are not checked");
+            }
         }
         if let Some(hint) = hint.filter(|_| !args.inputs.quiet) {
             found.text += &hint;
@@ -98,6 +119,10 @@ pub fn check(args: &ExamineArgs) -> Result<Output, Error> {
         found.json = json!({ "fresh": is_fresh });
         Ok(())
     })
+}
+
+fn is_no_mesh(error: &Error) -> bool {
+    error.faults.iter().any(|fault| fault.code == ErrorCode::NoMesh)
 }
 
 /// Refuses garments beside which other prims have the names that a build without options gives.
@@ -126,6 +151,8 @@ fn fresh(source: &Source) -> Result<bool, Error> {
 #[derive(Default)]
 struct Found {
     warnings: Warnings,
+    /// The payloads that garments come by.
+    payloads: TailorPayloads,
     text: String,
     json: Value,
 }
@@ -137,9 +164,10 @@ fn each(args: &ExamineArgs, mut work: impl FnMut(&Path, &mut Found) -> Result<()
     let several = files.len() > 1;
     let (mut text, mut entries, mut code) = (String::new(), Vec::new(), 0);
     for file in files {
-        let mut found = Found::default();
         // A file that cannot be searched is reported by the work.
-        found.warnings.extend(misplaced_options(&file).unwrap_or_default());
+        let payloads = tailor_payloads(&file).unwrap_or_default();
+        let mut found = Found { payloads, ..Found::default() };
+        found.warnings.extend(found.payloads.misplaced.iter().cloned());
         let result = work(&file, &mut found);
         text::print_warnings(found.warnings.iter(), inputs.quiet || args.json, several.then_some(&file));
         if let Err(error) = &result {

@@ -9,6 +9,8 @@ pub type Options = Map<String, Value>;
 
 /// Steps of undo that are kept.
 const HISTORY: usize = 200;
+/// Memory of the steps of undo that are kept, in all. \[bytes\]
+const HISTORY_BYTES: usize = 64 << 20;
 
 /// A state that is shown in place of the edits, for comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -21,12 +23,26 @@ pub enum Before {
     Saved,
 }
 
+/// Earlier or later edits.
+#[derive(Debug)]
+struct Step {
+    edits: Options,
+    /// About the memory that they take.
+    bytes: usize,
+}
+
+impl Step {
+    fn new(edits: Options) -> Self {
+        Self { bytes: edits.iter().map(entry_bytes).sum(), edits }
+    }
+}
+
 /// The edits of all pages over the options of the garment.
 #[derive(Debug, Default)]
 pub struct EditHistory {
     edits: Options,
-    past: VecDeque<Options>,
-    future: Vec<Options>,
+    past: VecDeque<Step>,
+    future: Vec<Step>,
     /// The gesture of the last step. Edits of one gesture, such as one drag, are one step.
     gesture: String,
     saved: Options,
@@ -49,18 +65,24 @@ impl EditHistory {
         let before = std::mem::replace(&mut self.edits, edits);
         self.future.clear();
         if gesture.is_empty() || gesture != self.gesture {
-            self.past.push_back(before);
-            if self.past.len() > HISTORY {
-                self.past.pop_front();
-            }
+            self.past.push_back(Step::new(before));
+            self.forget();
         }
         self.gesture = gesture;
+    }
+
+    /// Forgets the oldest steps beyond the bounds; the last one stays.
+    fn forget(&mut self) {
+        let mut bytes: usize = self.past.iter().map(|step| step.bytes).sum();
+        while self.past.len() > HISTORY || (bytes > HISTORY_BYTES && self.past.len() > 1) {
+            bytes -= self.past.pop_front().map_or(0, |step| step.bytes);
+        }
     }
 
     /// Goes back a step.
     pub fn undo(&mut self) {
         if let Some(before) = self.past.pop_back() {
-            self.future.push(std::mem::replace(&mut self.edits, before));
+            self.future.push(Step::new(std::mem::replace(&mut self.edits, before.edits)));
             self.gesture.clear();
         }
     }
@@ -68,7 +90,7 @@ impl EditHistory {
     /// Goes forward a step.
     pub fn redo(&mut self) {
         if let Some(after) = self.future.pop() {
-            self.past.push_back(std::mem::replace(&mut self.edits, after));
+            self.past.push_back(Step::new(std::mem::replace(&mut self.edits, after.edits)));
             self.gesture.clear();
         }
     }
@@ -82,7 +104,7 @@ impl EditHistory {
     pub fn shown(&self) -> &Options {
         match self.comparing {
             None => &self.edits,
-            Some(Before::Step) => self.past.back().unwrap_or(&self.edits),
+            Some(Before::Step) => self.past.back().map_or(&self.edits, |step| &step.edits),
             Some(Before::Saved) => &self.saved,
         }
     }
@@ -106,6 +128,27 @@ impl EditHistory {
     pub fn note_saved(&mut self, edits: Options) {
         self.saved = edits;
     }
+}
+
+/// About the memory of an entry.
+fn entry_bytes((key, value): (&String, &Value)) -> usize {
+    size_of::<String>() + text_bytes(key) + value_bytes(value)
+}
+
+/// About the memory of a value.
+fn value_bytes(value: &Value) -> usize {
+    size_of::<Value>()
+        + match value {
+            Value::String(text) => text_bytes(text),
+            Value::Array(values) => values.iter().map(value_bytes).sum(),
+            Value::Object(fields) => fields.iter().map(entry_bytes).sum(),
+            _ => 0,
+        }
+}
+
+/// The memory of a text, which an allocator rounds up.
+fn text_bytes(text: &str) -> usize {
+    text.len().next_multiple_of(16) + 16
 }
 
 /// The options of `layer` that differ from those of `weaker`.
@@ -174,6 +217,25 @@ mod tests {
         (0..5000).for_each(|i| document.edit(level(i), String::new()));
         (0..5000).for_each(|_| document.undo());
         assert_eq!(document.edits(), &level(5000 - 1 - HISTORY as u32));
+    }
+
+    #[test]
+    fn the_memory_of_the_past_is_bounded() {
+        let mut document = EditHistory::default();
+        // As many numbers as fit into a message.
+        let large = |i: usize| {
+            let numbers: Vec<usize> = (0..150_000).map(|k| k ^ i).collect();
+            json!({"seam": {"a": {"edges": numbers}}}).as_object().cloned().unwrap_or_default()
+        };
+        (0..30).for_each(|i| document.edit(large(i), String::new()));
+        let bytes: usize = document.past.iter().map(|step| step.bytes).sum();
+        assert!((HISTORY_BYTES / 2..=HISTORY_BYTES).contains(&bytes), "{bytes}");
+        document.undo();
+        assert_eq!(document.edits(), &large(28), "the newest steps stay");
+        (0..30).for_each(|_| document.undo());
+        assert!(!document.can_undo() && document.edits() != &large(0));
+        (0..30).for_each(|_| document.redo());
+        assert_eq!(document.edits(), &large(29));
     }
 
     #[test]

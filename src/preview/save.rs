@@ -112,8 +112,14 @@ impl Content {
                 .remedy("save a USD layer, which holds them"));
         }
         let garment = self.stage.source.file();
-        let source = match (folder_of(file).canonicalize(), garment.canonicalize()) {
-            (Ok(folder), Ok(garment)) => relative(&folder, &garment).unwrap_or_else(|| garment.display().to_string()),
+        let target = files::target(file).unwrap_or_else(|_| file.to_path_buf());
+        let [named, real] = [file, &target].map(|file| folder_of(file).canonicalize());
+        let source = match (named, real, garment.canonicalize()) {
+            // A path that holds from a link and from the file that it leads to is absolute.
+            (Ok(named), Ok(real), Ok(garment)) => {
+                let path = relative(&real, &garment).filter(|_| named == real);
+                path.unwrap_or_else(|| garment.display().to_string())
+            }
             _ => return Err(fault("its folder does not exist").remedy("create the folder first")),
         };
         let mut text = Map::new();
@@ -131,11 +137,12 @@ impl Content {
                 .code(ErrorCode::WriteFailed)
                 .caused_by(e)
         };
-        let mut temporary = temporary_beside(file).map_err(fault)?;
+        let target = files::target(file).map_err(fault)?;
+        let mut temporary = temporary_beside(&target).map_err(fault)?;
         temporary.write_all(text.as_bytes()).map_err(fault)?;
         self.verify(temporary.path())?;
         // A file that came up in the meantime is not lost either.
-        temporary.persist(file, overwrite).map_err(|e| match e.kind() {
+        temporary.persist(&target, overwrite).map_err(|e| match e.kind() {
             std::io::ErrorKind::AlreadyExists => {
                 Error::new(ErrorKind::Usage, file.display(), "the file exists already")
                     .code(ErrorCode::OutputExists)

@@ -63,15 +63,19 @@ fn add_border_holes(cage: &mut Mesh, level: &Level) {
     }
 }
 
-/// Subsets of new faces, under names that prims may have and no other subset has, with warnings of other names.
+/// Subsets of new faces, under names that prims may have and no other subset has: the name that is wanted, or followed by `_faces`
+/// where a subset has it. Warns of other names.
 fn new_sets(garment: &Mesh, wanted: Vec<(String, Vec<FaceId>)>) -> (Vec<Subset>, Warnings) {
     let mut warnings = Warnings::default();
     let mut sets: Vec<Subset> = Vec::with_capacity(wanted.len());
     for (wanted, faces) in wanted {
         let valid: String = wanted.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
         let valid = if valid.starts_with(|c: char| c.is_ascii_digit()) { format!("_{valid}") } else { valid };
-        let name = free_name(&valid, |name| garment.subset(name).is_some() || sets.iter().any(|set| set.name == name));
-        if name != wanted {
+        let is_taken = |name: &str| garment.subset(name).is_some() || sets.iter().any(|set| set.name == name);
+        // A seam `waist` of the edge set `waist_seam` is a natural pair.
+        let asked = if is_taken(&valid) { format!("{valid}_faces") } else { valid.clone() };
+        let name = free_name(&asked, is_taken);
+        if valid != wanted || name != asked {
             let problem = format!("operator face set `{wanted}` was renamed `{name}`: its name is taken or not valid");
             warnings.push(Warning::new(Code::SetRenamed, &name, problem).remedy("Rename the operator"));
         }

@@ -12,19 +12,30 @@ const UDIM: &str = "<UDIM>";
 /// The anchor of the asset paths of a layer.
 #[derive(Clone, Copy, Debug)]
 pub enum Anchor<'a> {
-    /// The folder of the layer, as OpenUSD knows it: paths are relative to it.
-    Folder(&'a Path),
+    /// The folder of the layer as OpenUSD knows it by the name of the layer, and the folder without links: paths are relative where
+    /// they lead to the same file from both.
+    Folder { named: &'a Path, real: &'a Path },
     /// None, as the folder is unknown or will change: paths are absolute.
     Root,
 }
 
-impl Anchor<'_> {
+impl<'a> Anchor<'a> {
+    /// That of a layer in a folder that is named without links.
+    pub fn real(folder: &'a Path) -> Self {
+        Self::Folder { named: folder, real: folder }
+    }
+
     /// The asset path of the file `target` (absolute).
     pub fn path_to(self, target: &str) -> String {
-        match self {
-            Self::Folder(folder) => relative(folder, Path::new(target)).unwrap_or_else(|| target.to_owned()),
-            Self::Root => target.to_owned(),
-        }
+        let path = match self {
+            Self::Folder { named, real } => {
+                let leads_there =
+                    |path: &String| named == real || same_place(&normalized(&real.join(path)), Path::new(target));
+                relative(named, Path::new(target)).filter(leads_there)
+            }
+            Self::Root => None,
+        };
+        path.unwrap_or_else(|| target.to_owned())
     }
 
     /// The value with its resolved asset paths written for this anchor.
@@ -194,9 +205,38 @@ pub fn same_file(a: &Path, b: &Path) -> bool {
     Identity::of(a).is_some_and(|a| Identity::of(b) == Some(a))
 }
 
+/// Whether two paths are of the same file, or would be if there was one.
+fn same_place(a: &Path, b: &Path) -> bool {
+    if a.exists() || b.exists() {
+        return same_file(a, b);
+    }
+    let parents = || a.parent().zip(b.parent()).is_some_and(|(a, b)| same_place(a, b));
+    a.file_name() == b.file_name() && parents()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[cfg(unix)]
+    #[test]
+    fn paths_hold_through_links_too() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let root = folder.path().canonicalize().expect("it is there");
+        std::fs::create_dir_all(root.join("far/deep/out")).expect("folders");
+        std::os::unix::fs::symlink(root.join("far/deep"), root.join("near")).expect("a link");
+        std::fs::write(root.join("near/coat.usda"), "").expect("a file");
+        std::fs::write(root.join("other.usda"), "").expect("a file");
+        let (named, real) = (root.join("near/out"), root.join("far/deep/out"));
+        let path = |target: &str| {
+            Anchor::Folder { named: &named, real: &real }.path_to(root.join(target).to_str().expect("text"))
+        };
+        assert_eq!(path("near/coat.usda"), "../coat.usda");
+        assert_eq!(path("near/out/clips/new.usdc"), "./clips/new.usdc");
+        for target in ["other.usda", "missing/x.png"] {
+            assert_eq!(path(target), root.join(target).to_str().expect("text"));
+        }
+    }
 
     #[test]
     fn paths_are_relative_to_the_folder() {

@@ -9,11 +9,14 @@ use openusd::sdf::{self, AbstractData, FieldKey, Value};
 use openusd::usd::Stage;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 /// Key of the record in the dictionary of this program in `customLayerData`.
 const KEY: &str = "build";
+/// Most bytes of the files of one record that are read. Larger ones are taken for changed.
+const MAX_HASHED: u64 = 8 << 30;
 /// This program.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
@@ -28,9 +31,16 @@ pub struct BuildRecord {
     prim: String,
     /// The selected variants, as `prim{set=choice}`.
     variants: Vec<String>,
-    /// Hash of the content of each file, by its path from the output's folder. Empty for a file that was written to while
-    /// it was read.
-    files: BTreeMap<String, String>,
+    /// The state of each file, by its path from the output's folder.
+    files: BTreeMap<String, FileState>,
+}
+
+/// The size of a file and the hash of its content.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+struct FileState {
+    bytes: u64,
+    /// Empty for a file that was written to while it was read, or that is too large.
+    hash: String,
 }
 
 impl BuildRecord {
@@ -47,19 +57,22 @@ impl BuildRecord {
         started: SystemTime,
     ) -> Result<Self, Error> {
         let folder = folder(out)?;
-        let mut files = BTreeMap::new();
-        let path = |file: &Path| Ok::<_, Error>(Anchor::Folder(&folder).path_to(&as_named(file)?));
+        let (mut files, mut left) = (BTreeMap::new(), MAX_HASHED);
+        let path = |file: &Path| Ok::<_, Error>(Anchor::real(&folder).path_to(&as_named(file)?));
         // Garments of one stage use the same layers, those of other variants use others.
         for source in sources {
             let origin = &source.model.origin;
             origin.check_unchanged()?;
             for file in &source.model.layers {
-                let of_content = origin.read.hash(file);
-                files.insert(path(file)?, of_content.map_or_else(|| unchanged(file, started), Ok)?);
+                let state = match origin.read.content(file) {
+                    Some((bytes, hash)) => FileState { bytes, hash },
+                    None => FileState::unchanged(file, started, &mut left)?,
+                };
+                files.insert(path(file)?, state);
             }
         }
         for file in recipes {
-            files.insert(path(file)?, unchanged(file, started)?);
+            files.insert(path(file)?, FileState::unchanged(file, started, &mut left)?);
         }
         let prim = sources.first().map(|source| source.prim().to_owned()).unwrap_or_default();
         let mut variants: Vec<String> =
@@ -93,7 +106,15 @@ impl BuildRecord {
     /// # Errors
     /// A folder that does not exist.
     pub fn path_of(file: &Path, out: &Path) -> Result<String, Error> {
-        Ok(Anchor::Folder(&folder(out)?).path_to(&as_named(file)?))
+        Ok(Anchor::real(&folder(out)?).path_to(&as_named(file)?))
+    }
+
+    /// The file of such a path.
+    ///
+    /// # Errors
+    /// As [`BuildRecord::path_of`].
+    pub fn file_of(path: &str, out: &Path) -> Result<PathBuf, Error> {
+        Ok(folder(out)?.join(path))
     }
 
     /// The options of the build.
@@ -108,15 +129,15 @@ impl BuildRecord {
     /// A folder that is gone.
     pub fn changes(&self, out: &Path) -> Result<Vec<String>, Error> {
         let folder = folder(out)?;
-        let mut changes = Vec::new();
+        let (mut changes, mut left) = (Vec::new(), MAX_HASHED);
         if self.version != VERSION {
             changes.push(format!("usdtailor {} made it, and this is {VERSION}", self.version));
         }
         for (path, recorded) in &self.files {
-            match hash(&folder.join(path)) {
+            match recorded.is_of(&folder.join(path), &mut left) {
                 Err(_) => changes.push(format!("{path} cannot be read any more")),
-                Ok(hash) if hash != *recorded => changes.push(format!("{path} has changed")),
-                Ok(_) => {}
+                Ok(false) => changes.push(format!("{path} has changed")),
+                Ok(true) => {}
             }
         }
         Ok(changes)
@@ -161,7 +182,8 @@ impl BuildRecord {
             ("prim".into(), Value::String(self.prim.clone())),
             ("variants".into(), texts(self.variants.clone())),
             ("files".into(), texts(self.files.keys().cloned().collect())),
-            ("hashes".into(), texts(self.files.values().cloned().collect())),
+            ("sizes".into(), Value::Int64Vec(self.files.values().map(|file| file.bytes as i64).collect())),
+            ("hashes".into(), texts(self.files.values().map(|file| file.hash.clone()).collect())),
         ])
     }
 
@@ -178,14 +200,16 @@ impl BuildRecord {
             Some(Value::StringVec(texts)) => Some(texts.clone()),
             _ => None,
         };
+        let Some(Value::Int64Vec(sizes)) = record.get("sizes") else { return None };
         let (files, hashes) = (texts("files")?, texts("hashes")?);
-        (files.len() == hashes.len()).then_some(())?;
+        (files.len() == hashes.len() && files.len() == sizes.len()).then_some(())?;
+        let states = sizes.iter().zip(hashes).map(|(bytes, hash)| FileState { bytes: *bytes as u64, hash });
         Some(Self {
             version: text("version")?,
             request: text("request")?,
             prim: text("prim")?,
             variants: texts("variants")?,
-            files: files.into_iter().zip(hashes).collect(),
+            files: files.into_iter().zip(states).collect(),
         })
     }
 }
@@ -197,26 +221,65 @@ fn selections(sets: &[VariantSet]) -> Vec<String> {
 
 /// The folder of an output, without links.
 fn folder(out: &Path) -> Result<PathBuf, Error> {
-    let folder = folder_of(out);
+    let file = out.canonicalize();
+    let folder = folder_of(file.as_deref().unwrap_or(out));
     folder.canonicalize().map_err(|e| {
         let fault = Error::usd(format!("there is no folder {}: {}", folder.display(), plain(&e)));
         fault.remedy("create the folder first")
     })
 }
 
-/// The hash of a file that was read after `started`; empty if it was written to since.
-fn unchanged(file: &Path, started: SystemTime) -> Result<String, Error> {
-    let is_changed = file.metadata().and_then(|m| m.modified()).is_ok_and(|time| time >= started);
-    if is_changed { Ok(String::new()) } else { hash(file) }
+impl FileState {
+    /// The state of a file that was read after `started`; without a hash if it was written to since, or is beyond what is `left`.
+    fn unchanged(file: &Path, started: SystemTime, left: &mut u64) -> Result<Self, Error> {
+        let changed = file.metadata().and_then(|m| m.modified()).is_ok_and(|time| time >= started);
+        let bytes = size(file).map_err(|e| unreadable(file, &e))?;
+        let is_hashed = !changed && take(left, bytes);
+        let hash = is_hashed.then(|| files::hash(file).map_err(|e| unreadable(file, &e)));
+        Ok(Self { bytes, hash: hash.transpose()?.unwrap_or_default() })
+    }
+
+    /// Whether a file is still in this state. It is read only if it may be, and if its size is within `left`, which it takes.
+    fn is_of(&self, file: &Path, left: &mut u64) -> io::Result<bool> {
+        let may_be = size(file)? == self.bytes && !self.hash.is_empty() && take(left, self.bytes);
+        Ok(may_be && files::hash(file)? == self.hash)
+    }
 }
 
-/// The hash of a file's content.
-fn hash(file: &Path) -> Result<String, Error> {
-    let fault = |e: std::io::Error| {
-        let fault = Error::usd(format!("cannot read {}: {}", file.display(), plain(&e)));
-        fault.remedy("check the path, and who may read the file")
-    };
-    let mut hasher = blake3::Hasher::new();
-    hasher.update_reader(files::open(file).map_err(fault)?).map_err(fault)?;
-    Ok(hasher.finalize().to_hex().to_string())
+/// Takes `bytes` from `left`, if there are as many.
+fn take(left: &mut u64, bytes: u64) -> bool {
+    let rest = left.checked_sub(bytes);
+    *left = rest.unwrap_or(*left);
+    rest.is_some()
+}
+
+/// The size of a regular file.
+fn size(file: &Path) -> io::Result<u64> {
+    files::require_file(file)?;
+    file.metadata().map(|there| there.len())
+}
+
+fn unreadable(file: &Path, e: &io::Error) -> Error {
+    let fault = Error::usd(format!("cannot read {}: {}", file.display(), plain(e)));
+    fault.remedy("check the path, and who may read the file")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs::File;
+
+    #[test]
+    fn files_are_read_only_within_a_bound() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let file = folder.path().join("sparse.usda");
+        let sparse = File::create(&file).expect("a file");
+        let state = |bytes| FileState { bytes, hash: blake3::hash(b"").to_hex().to_string() };
+        assert!(state(0).is_of(&file, &mut 0).expect("a file"));
+        sparse.set_len(200 << 30).expect("a sparse file");
+        // By its size, and where the record states this size.
+        assert!(!state(5).is_of(&file, &mut MAX_HASHED.clone()).expect("a file"));
+        assert!(!state(200 << 30).is_of(&file, &mut MAX_HASHED.clone()).expect("a file"));
+        assert!(state(0).is_of(folder.path(), &mut MAX_HASHED.clone()).is_err());
+    }
 }

@@ -18,8 +18,8 @@ mod write;
 pub(crate) use assets::relative;
 pub use build_record::BuildRecord;
 pub use read::{
-    Facts, InheritedPrimvar, MaterialBinding, PanelSeam, ProductNames, ReadOptions, Selection, Source, TransformOp,
-    VariantSet, first_used, misplaced_options, product_names,
+    Facts, InheritedPrimvar, MaterialBinding, PanelSeam, ProductNames, ReadOptions, Selection, Source, TailorPayloads,
+    TransformOp, VariantSet, first_used, product_names, tailor_payloads,
 };
 pub use shot::{DriveOptions, Driven, drive};
 #[cfg(feature = "preview")]

@@ -56,10 +56,39 @@ fn options_below_a_payload_are_named_with_their_place() {
             "Author it on /Shot/Coat, with the schema TailorSeamAPI:side\n",
         ]);
         assert_eq!(run.stderr.matches("misplaced-option").count(), 3, "{run}");
-        // The garment itself is in the `.tailor` file.
-        assert_eq!(run.code, Some(1), "{run}");
-        run.says(&["/Shot/Coat has its garment from", "coat.tailor", "hint: name ", "coat.tailor itself as the input"]);
     }
+    // The garment itself is in the `.tailor` file.
+    let run = folder.run("info shot.usda");
+    assert_eq!(run.code, Some(1), "{run}");
+    run.says(&["/Shot/Coat has its garment from", "coat.tailor", "hint: name ", "coat.tailor itself as the input"]);
+}
+
+#[test]
+fn a_garment_that_comes_by_a_payload_is_checked() {
+    let folder = shot();
+    let run = folder.good("check shot.usda");
+    assert!(
+        run.stdout.contains("shot.usda: good\n  /Shot/Coat from ") && run.stdout.contains("coat.tailor: good; "),
+        "{run}"
+    );
+    // In a folder of its own, below a layer that names it.
+    std::fs::create_dir(folder.at("parts")).expect("a folder");
+    folder.file("parts/shot.usda", &SHOT.replace("@coat.tailor", "@../coat.tailor"));
+    folder.file("top.usda", "#usda 1.0\n(\n    subLayers = [@parts/shot.usda@]\n)\n");
+    folder.good("check top.usda");
+
+    folder.file("coat.tailor", "{\"source\": \"coat.usda\", \"sim\": {\"iterations\": -1}}");
+    let run = folder.run("check shot.usda");
+    assert_eq!(run.code, Some(1), "{run}");
+    run.says(&["coat.tailor: invalid value"]);
+    folder.file("coat.tailor", "{\"source\": \"coat.usda\"}");
+    folder.file(
+        "torn.usda",
+        &SHOT.replace("def Xform \"Other\"", "def Xform \"Other\" (\n        references = @gone.usda@\n    )"),
+    );
+    let run = folder.run("check torn.usda");
+    assert_eq!(run.code, Some(1), "{run}");
+    run.says(&["gone.usda"]);
 }
 
 #[test]

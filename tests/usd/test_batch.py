@@ -150,6 +150,7 @@ def test_the_record_is_in_the_layers_own_data(run, tmp_path):
     assert record["prim"] == "/Coat/model" and record["version"]
     assert [name.rsplit("/")[-1] for name in record["files"]] == ["coat.usda"]
     assert all(len(digest) == 64 for digest in record["hashes"])
+    assert list(record["sizes"]) == [(EXAMPLES / "coat.usda").stat().st_size]
 
 
 def test_a_run_that_was_killed_goes_on_where_it_was(run, usdtailor, tmp_path):

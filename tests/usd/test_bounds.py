@@ -1,17 +1,20 @@
 """Files are safe: nothing is left behind, nothing that is used is overwritten, and nothing is read or built without a bound."""
 
+import io
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
 import time
+import zipfile
 
 import numpy
 import pytest
 from conftest import run
-from pxr import Sdf, Usd, UsdGeom
+from pxr import Sdf, Usd, UsdGeom, Vt
 from runs import good, mounted, refused
 from sources import add_subset, sheet, write
 
@@ -104,6 +107,52 @@ def test_an_output_in_a_linked_folder_composes_by_its_given_path(usdtailor, tmp_
     good(usdtailor, "build", source, "-o", tmp_path / "near" / "out.usda")
     assert meshes(tmp_path / "near" / "out.usda") == ["model", "render", "sim"]
     good(usdtailor, "info", tmp_path / "near" / "out.usda", "--prim", "/Coat/model")
+
+
+@pytest.mark.parametrize("kind", ["file", "folder"])
+def test_an_output_through_a_link_composes_by_its_real_path_too(usdtailor, tmp_path, kind):
+    source = write(tmp_path / "in.usda")
+    deep = tmp_path / "far" / "deep"
+    deep.mkdir(parents=True)
+    # A layer of this name is at the same relative place from the real folder.
+    (tmp_path / "far" / "in.usda").write_text("#usda 1.0\n")
+    if kind == "folder":
+        (tmp_path / "near").symlink_to(deep)
+        named, real = tmp_path / "near", deep
+    else:
+        named, real = tmp_path / "given", deep
+        named.mkdir()
+        for name in ("out.usda", "shot.usda"):
+            (real / name).write_text("#usda 1.0\n")
+            (named / name).symlink_to(real / name)
+    good(usdtailor, "build", source, "-o", named / "out.usda", "--force")
+    for folder in (named, real):
+        assert meshes(folder / "out.usda") == ["model", "render", "sim"]
+        assert "fresh" in good(usdtailor, "check", folder / "out.usda").stdout
+    points = sim_points(named / "out.usda")
+    numpy.save(tmp_path / "cache.npy", numpy.stack([points, points + 1]))
+    good(usdtailor, "drive", named / "out.usda", "--cache", tmp_path / "cache.npy", "-o", named / "shot.usda", "--clips", "--force")
+    for folder in (named, real):
+        stage = Usd.Stage.Open(str(folder / "shot.usda"))
+        moved = stage.GetPrimAtPath("/Coat/render").GetAttribute("points")
+        first, last = (numpy.array(moved.Get(time)) for time in (1, 2))
+        assert numpy.allclose(last, first + 1, atol=1e-4)
+
+
+def test_a_project_below_a_link_keeps_relative_paths(usdtailor, tmp_path):
+    (tmp_path / "disk" / "out").mkdir(parents=True)
+    (tmp_path / "project").symlink_to(tmp_path / "disk")
+    project = tmp_path / "project"
+    good(usdtailor, "build", write(project / "in.usda"), "-o", project / "out" / "out.usda")
+    assert list(Sdf.Layer.FindOrOpen(str(project / "out" / "out.usda")).subLayerPaths) == ["../in.usda"]
+
+
+def test_a_report_is_written_where_a_link_leads(usdtailor, tmp_path):
+    source, report, link = write(tmp_path / "in.usda"), tmp_path / "real.json", tmp_path / "report.json"
+    report.write_text("{}")
+    link.symlink_to(report)
+    good(usdtailor, "build", source, "-o", tmp_path / "out.usda", "--report", link, "--force")
+    assert link.is_symlink() and "sim" in json.loads(report.read_text())
 
 
 def test_a_dangling_link_is_refused(usdtailor, tmp_path):
@@ -210,8 +259,53 @@ def test_a_shot_replaces_no_input_and_no_other_folder(usdtailor, tmp_path):
     (clips / "notes.txt").write_text("precious")
     refused(usdtailor, *drive, moved, says=["shot.clips is not a folder of clips, or holds more than clips"])
     (clips / "notes.txt").unlink()
+    # A folder with the name of a clip.
+    (clips / "frame.00007.usdc").mkdir()
+    (clips / "frame.00007.usdc" / "notes.txt").write_text("precious")
+    refused(usdtailor, *drive, moved, says=["holds the folder", "frame.00007.usdc", "move it away"])
+    assert (clips / "frame.00007.usdc" / "notes.txt").read_text() == "precious"
+    shutil.rmtree(clips / "frame.00007.usdc")
     good(usdtailor, *drive, moved)
+    first = sorted(path.name for path in clips.iterdir())
     good(usdtailor, *drive, moved)
+    assert sorted(path.name for path in clips.iterdir()) == first and len(first) == 3
+
+
+def test_a_kill_leaves_one_of_two_shots(usdtailor, tmp_path):
+    garment, shot = tmp_path / "built.usda", tmp_path / "shot.usda"
+    good(usdtailor, "build", write(tmp_path / "in.usda"), "-o", garment)
+    points = sim_points(garment)
+    drives = []
+    for i, frames in enumerate((40, 60)):
+        numpy.save(tmp_path / f"{i}.npy", numpy.stack([points + [0, i, 0]] * frames))
+        drives.append([usdtailor, "drive", garment, "-o", shot, "--clips", "--force", "-q", "--cache", tmp_path / f"{i}.npy"])
+    begin = time.monotonic()
+    good(*drives[0])
+    seconds = time.monotonic() - begin
+
+    def state():
+        """The number of frames that the shot names, and the heights that its clips give."""
+        layer = Sdf.Layer.OpenAsAnonymous(str(shot))
+        names = layer.GetPrimAtPath("/Coat/render").GetInfo("clips")["default"]["assetPaths"]
+        heights = set()
+        for asset in names:
+            samples = Sdf.Layer.OpenAsAnonymous(str(tmp_path / asset.path)).ListTimeSamplesForPath("/Coat/render.points")
+            values = Sdf.Layer.OpenAsAnonymous(str(tmp_path / asset.path)).QueryTimeSample("/Coat/render.points", samples[0])
+            heights.add(round(float(numpy.mean(numpy.array(values)[:, 1])), 3))
+        return len(names), heights
+
+    states = [state()]
+    for kill in range(24):
+        process = subprocess.Popen(drives[(kill + 1) % 2])
+        # Near the end, where files get their names.
+        time.sleep(seconds * (0.6 + 0.02 * kill))
+        process.kill()
+        process.wait()
+        states.append(state())
+        assert len(states[-1][1]) == 1, states[-1]
+    good(*drives[1])
+    ends = {states[0][0]: states[0][1], state()[0]: state()[1]}
+    assert all(ends[count] == heights for count, heights in states), states
 
 
 def test_of_two_runs_on_one_output_one_succeeds(usdtailor, tmp_path):
@@ -303,6 +397,71 @@ def test_only_regular_files_are_read(usdtailor, tmp_path, pipe, kind):
     textured = write(tmp_path / "textured.usda", finish=lambda mesh: mesh.GetPrim().CreateAttribute("look", Sdf.ValueTypeNames.Asset).Set("./no.png"))
     done = subprocess.run([usdtailor, "build", textured, "-o", tmp_path / "o.usdz"], capture_output=True, text=True, timeout=20)
     assert done.returncode == 0 and "cannot be packed: it is a pipe or a device" in done.stderr, done.stderr
+
+
+def sparse(path, size):
+    with open(path, "wb") as file:
+        file.truncate(size)
+    return path
+
+
+def test_a_numpy_cache_is_bounded(usdtailor, tmp_path):
+    garment, cache = tmp_path / "built.usda", tmp_path / "cache.npy"
+    good(usdtailor, "build", write(tmp_path / "in.usda"), "-o", garment)
+    count = len(sim_points(garment))
+    drive = ("drive", garment, "-o", tmp_path / "shot.usda", "--cache")
+    frames = 10**10
+    with open(cache, "wb") as file:
+        numpy.lib.format.write_array_header_1_0(file, {"descr": "<f4", "fortran_order": False, "shape": (frames, count, 3)})
+        file.truncate(file.tell() + frames * count * 12)
+    refused(usdtailor, *drive, cache, says=[f"it has {frames} frames", "at most 1000000"])
+
+    points = io.BytesIO()
+    numpy.save(points, numpy.zeros((2, count, 3), numpy.float32))
+    times = 1 << 25
+    with zipfile.ZipFile(tmp_path / "cache.npz", "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("points.npy", points.getvalue())
+        with archive.open("times.npy", "w") as file:
+            numpy.lib.format.write_array_header_1_0(file, {"descr": "<f8", "fortran_order": False, "shape": (times,)})
+            for _ in range(times >> 17):
+                file.write(bytes(8 << 17))
+    assert (tmp_path / "cache.npz").stat().st_size < 1 << 20
+    # Refused by the header: the numbers would take 600 MB.
+    refused(usdtailor, *drive, tmp_path / "cache.npz", says=[f"it has {times} times", "at most 1000000"])
+
+
+def test_records_are_followed_to_a_bound(usdtailor, tmp_path):
+    out = tmp_path / "out.usda"
+    good(usdtailor, "build", write(tmp_path / "in.usda"), "-o", out)
+    sparse(tmp_path / "sparse.usda", 200 << 30)
+    sparse(tmp_path / "sparse.tailor", 200 << 30)
+    os.mkfifo(tmp_path / "pipe")
+    layer = Sdf.Layer.FindOrOpen(str(out))
+    data = layer.customLayerData
+    for file, words in [
+        ("sparse.usda", "has changed"),
+        ("pipe", "cannot be read any more"),
+        ("/dev/zero", "cannot be read any more"),
+        ("/proc/kmsg", "has changed"),
+    ]:
+        for size in (5, 200 << 30):
+            data["tailor"]["build"].update(files=Vt.StringArray([file]), sizes=Vt.Int64Array([size]), hashes=Vt.StringArray(["0" * 64]))
+            layer.customLayerData = data
+            layer.Save()
+            refused(usdtailor, "check", out, says=[f"{file} {words}"], seconds=10)
+    request = json.loads(data["tailor"]["build"]["request"])
+    data["tailor"]["build"]["request"] = json.dumps({**request, "recipe": "./sparse.tailor"})
+    layer.customLayerData = data
+    layer.Save()
+    refused(usdtailor, "check", out, says=["sparse.tailor", "it is larger than 256 MB"], seconds=10)
+
+
+@pytest.mark.parametrize("start", [b"", b"#usda 1.0\n", b"PXR-USDC\x00\x08\x00"])
+def test_a_layer_beyond_the_memory_is_refused(usdtailor, tmp_path, start):
+    file = tmp_path / "in.usd"
+    file.write_bytes(start)
+    os.truncate(file, 1 << 43)
+    refused(usdtailor, "check", file, says=["it is larger than the memory"], seconds=20)
 
 
 def test_a_package_takes_only_files_of_stages_and_lists_them(usdtailor, tmp_path):

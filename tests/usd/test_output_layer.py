@@ -5,6 +5,7 @@ import os
 import pytest
 from conftest import make, run
 from pxr import Sdf, Usd, UsdGeom, UsdValidation
+from sources import write
 
 FORMS = [
     pytest.param((), ".usda", id="layer-usda"),
@@ -167,3 +168,30 @@ def test_output_is_not_overwritten_without_force(garment, usdtailor, tmp_path):
 def test_same_bytes_for_any_number_of_threads(garment, usdtailor, tmp_path):
     written = {make(usdtailor, garment, tmp_path, "--threads", n, stem=f"threads{n}").path.read_bytes() for n in (1, 2, 8)}
     assert len(written) == 1
+
+
+def test_families_without_sets_are_left_out(build, tmp_path):
+    subsets = [{"name": "left", "family": "kept", "indices": [0, 1, 4, 5]}]
+    source = write(tmp_path / "in.usda", subsets=subsets, families={"kept": "unrestricted", "gone": "unrestricted"})
+    product = build(source)
+    assert product.source_stage.GetPrimAtPath(product.model_path).HasAttribute("subsetFamily:gone:familyType")
+    for name in ("sim", "render"):
+        prim = product.prim(name)
+        assert prim.GetAttribute("subsetFamily:kept:familyType").Get() == "unrestricted"
+        assert not prim.HasAttribute("subsetFamily:gone:familyType"), name
+
+
+def test_large_numbers_are_short_and_exact(build, tmp_path):
+    values = {"double": 1e20, "less": -1.2345678901234567e18, "float": 2.0**70, "least": 1e16, "long": 12345678901234567, "text": "1" + "0" * 20}
+
+    def author(mesh):
+        for name, value in values.items():
+            kind = {"text": Sdf.ValueTypeNames.String, "long": Sdf.ValueTypeNames.Int64, "float": Sdf.ValueTypeNames.Float}
+            mesh.GetPrim().CreateAttribute(f"userProperties:{name}", kind.get(name, Sdf.ValueTypeNames.Double)).Set(value)
+
+    product = build(write(tmp_path / "in.usda", finish=author), "--flatten")
+    text = product.path.read_text()
+    for words in ("= 1e+20\n", "= -1.2345678901234568e+18\n", "= 1e+16\n", "= 12345678901234567\n", '= "100000000000000000000"\n'):
+        assert words in text, words
+    model = product.stage.GetPrimAtPath(product.model_path)
+    assert {name: model.GetAttribute(f"userProperties:{name}").Get() for name in values} == values

@@ -4,7 +4,7 @@ use super::super::Inputs;
 use super::super::build::Request;
 use crate::DEFAULT_MAX_FACES;
 use crate::error::Error;
-use crate::session::{Input, beside, is_usd};
+use crate::session::{Input, is_usd};
 use crate::usd::BuildRecord;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -27,7 +27,7 @@ impl RecordedBuild {
             return None;
         }
         // A recipe that is gone makes the output stale, which `check` tells.
-        let there = |name: &String| Some(beside(file, name)).filter(|recipe| recipe.exists());
+        let there = |name: &String| BuildRecord::file_of(name, file).ok().filter(|recipe| recipe.exists());
         let mut input = inputs.input(file);
         let read = &mut input.read;
         read.prim = read.prim.take().or_else(|| request.prim.clone());

@@ -244,3 +244,27 @@ fn sewn_panels_are_shown_as_one_and_saved_in_a_recipe_file() {
     let error = Stage::open(&Input { file, read: all, ..Input::default() }).err().expect("two garments").to_string();
     assert!(error.contains("2 garments") && error.contains("/Suit, /belt"), "{error}");
 }
+
+#[cfg(unix)]
+#[test]
+fn the_file_that_a_link_leads_to_is_written() {
+    let folder = TempDir::new().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    fs::create_dir(at("far")).expect("a folder");
+    let hub = edited(&example("coat.usda"));
+    for name in ["a.tailor", "a.usda"] {
+        fs::write(at("far").join(name), if name == "a.usda" { "#usda 1.0\n" } else { "{}" }).expect("a file");
+        std::os::unix::fs::symlink(at("far").join(name), at(name)).expect("a link");
+        let answer = save(&hub, &at(name).display().to_string(), true);
+        assert_eq!(answer.status, SaveStatus::Saved, "{name}: {:?}", answer.fault);
+        assert!(at(name).is_symlink(), "{name}");
+        for file in [at(name), at("far").join(name)] {
+            assert_eq!(recipe(&file), asked(&hub), "{}", file.display());
+        }
+    }
+    std::os::unix::net::UnixListener::bind(at("socket.tailor")).expect("a socket");
+    let answer = save(&hub, &at("socket.tailor").display().to_string(), true);
+    let words = format!("{:?}", answer.fault);
+    assert!(answer.status == SaveStatus::Refused && words.contains("not a regular file"), "{words}");
+    assert!(!at("socket.tailor").is_file(), "it stays");
+}

@@ -20,7 +20,7 @@ mod space;
 mod variants;
 
 pub use choose::all_prims;
-pub use diagnostics::misplaced_options;
+pub use diagnostics::{TailorPayloads, tailor_payloads};
 pub use facts::{Facts, InheritedPrimvar, MaterialBinding, TransformOp};
 pub use meshes::{ProductNames, product_names};
 pub use model::{COMPOSITION, Model, Sewing, Sibling, SubsetRecord, layer_files, stage_metadata};

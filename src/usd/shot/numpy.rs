@@ -13,6 +13,8 @@ use zip::{CompressionMethod, ZipArchive};
 
 /// Longest header of an array that is read. \[bytes\]
 const MAX_HEADER: usize = 1 << 16;
+/// Most frames of a cache: eleven hours at 24 frames a second.
+const MAX_FRAMES: usize = 1_000_000;
 /// Most bytes that one packed byte stands for (RFC 1951: 258 for two bits).
 const MAX_PACKING: u64 = 1032;
 
@@ -118,6 +120,9 @@ impl NumpyFrames {
         if !header.number.is_float() {
             return Err(fault("its points are integers".into()));
         }
+        if frames > MAX_FRAMES {
+            return Err(fault(format!("it has {frames} frames, and a cache has at most {MAX_FRAMES}")));
+        }
         let times = times.unwrap_or_else(|| (1..=frames).map(|frame| frame as f64).collect());
         if times.len() != frames {
             return Err(fault(format!("it has {} times and {frames} frames", times.len())));
@@ -178,6 +183,9 @@ fn archived(path: &Path) -> io::Result<Option<Archived>> {
             Ok(header) => header,
         };
         match header.shape[..] {
+            [count] if name == "times" && count > MAX_FRAMES => {
+                return Err(io::Error::other(format!("it has {count} times, and a cache has at most {MAX_FRAMES}")));
+            }
             [count] if name == "times" => times = Some(numbers(&mut data, count, header.number)?),
             _ if name == "times" => {
                 return Err(io::Error::other(format!("its times have the shape {:?}", header.shape)));

@@ -152,9 +152,9 @@ impl ShotWriter {
                 self.author(|place| Value::Vec3fVec(std::mem::take(&mut arrays[place as usize])))?;
                 self.file.save(self.layer).map(drop)
             }
-            Frames::Clips(clips) => {
-                clips.author(&mut self.layer, &self.paths)?;
-                self.file.save(self.layer).map(drop)
+            Frames::Clips(mut clips) => {
+                clips.author(&self.file, &mut self.layer, &self.paths)?;
+                clips.finish(&self.file, self.layer)
             }
             Frames::Stream { out, position } => {
                 let mut places = Vec::new();

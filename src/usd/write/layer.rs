@@ -6,14 +6,13 @@ use super::long_arrays::encode_plainly;
 use super::physics::{PANELS, SCOPE, beside};
 use super::product::Author;
 use super::role::{Product, ProductRole};
-use super::save::{Format, OutputFile};
+use super::save::{Format, OutputFile, text_of};
 use super::variant::copy_into_variant;
 use crate::error::{Error, ErrorCode, Warnings};
 use crate::usd::assets::{Anchor, as_named, writable};
 use crate::usd::read::{Model, OrUnreadable, ProductNames, Selection, Source};
 use crate::usd::{BuildRecord, on_large_stack};
 use openusd::sdf::{self, AbstractData, FieldKey, LayerOffset, SpecType, Value};
-use openusd::usda::TextWriter;
 use std::path::{Path, PathBuf};
 
 /// The sets that products have. Programs that read subsets for materials alone warn of others.
@@ -103,7 +102,7 @@ pub fn write_all(
     let file = OutputFile::find(out, |file| first.source.model.uses(file), options.force)?;
     on_large_stack(|| {
         let is_package = file.format == Format::Usdz;
-        let anchor = if is_package { Anchor::Root } else { Anchor::Folder(&file.folder) };
+        let anchor = if is_package { Anchor::Root } else { file.anchor() };
         let frame = LayerContext { flatten: is_package || options.flatten, anchor, sublayer: None };
         let (data, mut warnings) = compose(garments, frame, options)?;
         let packed = warnings.absorb(if options.dry_run { file.rehearse(data)? } else { file.save(data)? });
@@ -142,11 +141,11 @@ pub fn layer_bytes(
 ) -> Result<(Vec<u8>, Warnings), Error> {
     let folder = surroundings.folder.map(|f| f.canonicalize().unwrap_or_else(|_| f.to_path_buf()));
     on_large_stack(|| {
-        let anchor = folder.as_deref().map_or(Anchor::Root, Anchor::Folder);
+        let anchor = folder.as_deref().map_or(Anchor::Root, Anchor::real);
         let frame = LayerContext { flatten: options.flatten, anchor, sublayer: surroundings.source };
         let (mut data, mut warnings) = compose(&[GarmentProducts { source, products, variant: None }], frame, options)?;
         let bytes = match format {
-            Format::Usda => TextWriter::write_to_string(&data).map(String::into_bytes).map_err(|e| {
+            Format::Usda => text_of(&data).map(String::into_bytes).map_err(|e| {
                 Error::usd(format!("the layer cannot be written as text: {e}")).code(ErrorCode::WriteFailed)
             }),
             Format::Usdc => {

@@ -1,16 +1,14 @@
 //! A recipe as opinions on the model, in a layer over the stage.
 
 use super::layer::{LayerContext, overlay};
-use super::save::{Format, OutputFile};
+use super::save::{Format, OutputFile, text_of};
 use crate::error::{Error, ErrorCode};
-use crate::usd::assets::Anchor;
 use crate::usd::read::{Files, Model, ReadOptions, Selection, Source, select};
 use crate::usd::values::decimal;
 use crate::usd::{names, on_large_stack};
 use openusd::sdf::{self, AbstractData, ChildrenKey, Data, FieldKey, LayerOffset, SpecType};
 use openusd::sdf::{Value, ValueTypeName, Variability};
 use openusd::tf::Token;
-use openusd::usda::TextWriter;
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -64,7 +62,7 @@ pub fn recipe_text(source: &Source, opinions: &RecipeOpinions, out: &Path) -> Re
     let file = OutputFile::find(out, |file| source.model.uses(file), true)?;
     on_large_stack(|| {
         let data = new_layer(&source.model, opinions, &file)?;
-        TextWriter::write_to_string(&with_short_floats(data))
+        text_of(&with_short_floats(data))
             .map_err(|e| Error::usd(format!("the layer cannot be written as text: {e}")).code(ErrorCode::WriteFailed))
     })
 }
@@ -165,7 +163,7 @@ fn fault(e: impl std::fmt::Display) -> Error {
 
 /// A layer over the garment, without opinions.
 fn over_garment(model: &Model, file: &OutputFile) -> Result<Data, Error> {
-    overlay(model, LayerContext { flatten: false, anchor: Anchor::Folder(&file.folder), sublayer: None })
+    overlay(model, LayerContext { flatten: false, anchor: file.anchor(), sublayer: None })
 }
 
 fn new_layer(model: &Model, opinions: &RecipeOpinions, file: &OutputFile) -> Result<Data, Error> {

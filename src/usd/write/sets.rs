@@ -6,7 +6,6 @@ use super::save::OutputFile;
 use crate::error::{Error, ErrorCode};
 use crate::garment::{CONSTRAINTS, DERIVED, Family, FamilyType, Mesh, Subset, free_name};
 use crate::mesh::{Elements, FaceId, IdVec, VertexId};
-use crate::usd::assets::Anchor;
 use crate::usd::names::{self, UsdToken, is_drawn_material, is_material};
 use crate::usd::on_large_stack;
 use crate::usd::read::{Sewing, Source, SubsetRecord};
@@ -21,11 +20,8 @@ impl Author<'_> {
     /// Authors the chosen subsets of a mesh and their families.
     pub(super) fn subsets(&mut self, prim: &sdf::Path, mesh: &Mesh) -> openusd::Result<()> {
         let mut chosen: Vec<&Subset> = mesh.subsets.iter().filter(|set| self.is_chosen(set)).collect();
-        let is_left_out = |family: &&Family| {
-            let is_member = |set: &&Subset| set.family == family.name;
-            mesh.subsets.iter().any(|set| is_member(&set)) && !chosen.iter().any(is_member)
-        };
-        for family in mesh.families.iter().filter(|family| !is_left_out(family)) {
+        let has_sets = |family: &&Family| chosen.iter().any(|set| set.family == family.name);
+        for family in mesh.families.iter().filter(has_sets) {
             self.family(prim, &family.name, family.kind)?;
         }
         // Where a program takes all subsets for materials, the last one wins.
@@ -107,6 +103,7 @@ impl Author<'_> {
 
     /// Binds the material of the model to the rest of a product's faces, also where there are none, so that it is not lost.
     pub(super) fn bind_rest(&mut self, prim: &sdf::Path, mesh: &Mesh, faces: Vec<FaceId>) -> openusd::Result<()> {
+        // The sets of the family, of which there are some, have brought its rule where the garment has one.
         if !mesh.families.iter().any(|family| family.name == names::MATERIAL_FAMILY) {
             self.family(prim, names::MATERIAL_FAMILY, FamilyType::NonOverlapping)?;
         }
@@ -193,7 +190,7 @@ pub fn write_sets(source: &Source, sets: Vec<Subset>, out: &Path, force: bool) -
     let sets = sets.into_iter().map(|set| unsewn(set, &model.sewing)).collect();
     let file = OutputFile::find(out, |file| model.uses(file), force)?;
     on_large_stack(|| {
-        let anchor = Anchor::Folder(&file.folder);
+        let anchor = file.anchor();
         let mut data = overlay(model, LayerContext { flatten: false, anchor, sublayer: None })?;
         let mesh = Mesh { subsets: Arc::new(sets), ..Mesh::default() };
         let fault = |e: openusd::Error| {

@@ -2,7 +2,7 @@
 
 mod payloads;
 
-pub use payloads::misplaced_options;
+pub use payloads::{TailorPayloads, tailor_payloads};
 
 use super::origin::without_arguments;
 use openusd::pcp::CompositionDiagnostic;

@@ -1,43 +1,60 @@
-//! Options below payloads of `.tailor` files, which nothing reads.
+//! Payloads of `.tailor` files, and options below them, which nothing reads.
 
 use crate::error::{Code, Error, Warning};
 use crate::usd::read::choose::all_prims;
-use crate::usd::read::origin::{StageOrigin, without_arguments};
+use crate::usd::read::origin::{Files, StageOrigin, without_arguments};
 use crate::usd::read::query::{OrUnreadable, prim_at, property_names};
 use crate::usd::{names, on_large_stack};
+use openusd::ar::{ResolvedPath, Resolver};
 use openusd::sdf::{self, FieldKey, PayloadListOp, Value};
 use openusd::usd::{Prim, PrimPredicate};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The options of operators and fabrics, with the schema that makes a payload follow them.
 const NAMED: [(&str, &str); 3] = [("seam", "TailorSeamAPI"), ("fold", "TailorFoldAPI"), ("fabric", "TailorFabricAPI")];
 
+/// The payloads of `.tailor` files in a stage.
+#[derive(Clone, Debug, Default)]
+pub struct TailorPayloads {
+    /// The prims with a payload, each with the path of the `.tailor` file.
+    pub recipes: Vec<(String, PathBuf)>,
+    /// A warning for each option on a prim below one of them. OpenUSD shows the file format of a payload only the prim that has it, so
+    /// the option belongs there.
+    pub misplaced: Vec<Warning>,
+    /// Whether the composition has other faults than these payloads, which this program does not compose.
+    pub has_other_faults: bool,
+}
+
 /// A prim with a payload of a `.tailor` file.
 struct Holder {
     path: sdf::Path,
+    /// The asset path.
     recipe: String,
 }
 
-/// A warning for each option on a prim below one with a `.tailor` payload. OpenUSD shows the file format of a payload only the prim that
-/// has it, so the option belongs there.
+/// The payloads of `.tailor` files in a stage.
 ///
 /// # Errors
 /// A stage that cannot be opened or searched.
-pub fn misplaced_options(file: &Path) -> Result<Vec<Warning>, Error> {
+pub fn tailor_payloads(file: &Path) -> Result<TailorPayloads, Error> {
     on_large_stack(|| {
         let stage = StageOrigin::new(file, None, &[]).open()?;
-        let (mut found, mut holder) = (Vec::new(), None::<Holder>);
+        let (mut found, mut holder) = (TailorPayloads::default(), None::<Holder>);
         // The prims that a payload defines are overs here, as this program composes no `.tailor` file.
         for path in all_prims(&stage, file, PrimPredicate::ALL, false)? {
             let prim = prim_at(&stage, &path)?;
-            if let Some(recipe) = recipe_of(&prim)? {
+            if let Some((recipe, place)) = recipe_of(&prim)? {
+                if stage.prim_matches(&path, PrimPredicate::DEFAULT).or_unreadable(&path)? {
+                    found.recipes.push((path.to_string(), place));
+                }
                 holder = Some(Holder { path, recipe });
             } else if let Some(holder) = holder.as_ref().filter(|holder| path.has_prefix(&holder.path)) {
-                found.extend(options(&prim)?.iter().map(|option| holder.misplaced(&prim, option)));
+                found.misplaced.extend(options(&prim)?.iter().map(|option| holder.misplaced(&prim, option)));
             } else {
                 holder = None;
             }
         }
+        found.has_other_faults = stage.composition_errors().iter().any(|fault| super::recipe_of(fault).is_none());
         Ok(found)
     })
 }
@@ -68,8 +85,8 @@ fn options(prim: &Prim) -> Result<Vec<String>, Error> {
     Ok(names)
 }
 
-/// The `.tailor` file that a prim has as a payload in one of its layers.
-fn recipe_of(prim: &Prim) -> Result<Option<String>, Error> {
+/// The `.tailor` file that a prim has as a payload in one of its layers: its asset path, and its path.
+fn recipe_of(prim: &Prim) -> Result<Option<(String, PathBuf)>, Error> {
     for site in prim.prim_stack().or_unreadable(prim.path())? {
         let Some(layer) = prim.stage().layer(&site.layer) else { continue };
         let payload = layer.data().try_field(&site.path, FieldKey::Payload.as_str()).or_unreadable(prim.path())?;
@@ -81,7 +98,9 @@ fn recipe_of(prim: &Prim) -> Result<Option<String>, Error> {
         let mut files = files.into_iter().map(without_arguments);
         let is_recipe = |file: &&str| Path::new(file).extension().is_some_and(|e| e.eq_ignore_ascii_case("tailor"));
         if let Some(recipe) = files.find(is_recipe) {
-            return Ok(Some(recipe.to_owned()));
+            let anchor = layer.resolved_path().map(ResolvedPath::new);
+            let place = Files::default().create_identifier(recipe, anchor.as_ref());
+            return Ok(Some((recipe.to_owned(), PathBuf::from(place))));
         }
     }
     Ok(None)

@@ -1,8 +1,7 @@
 //! What was read of each file of a stage: a file that another program replaces meanwhile must not mix two versions.
 
-use crate::files::{open, read};
+use crate::files::{read, require_file};
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::Metadata;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -17,11 +16,15 @@ pub struct ReadFiles(Mutex<Known>);
 
 #[derive(Debug, Default)]
 struct Known {
-    hashes: BTreeMap<PathBuf, blake3::Hash>,
+    /// The bytes and the hash of what was read.
+    contents: BTreeMap<PathBuf, (u64, blake3::Hash)>,
     /// The state of packages, which are read in parts.
-    packages: BTreeMap<PathBuf, (u64, Option<SystemTime>)>,
+    packages: BTreeMap<PathBuf, State>,
     changed: BTreeSet<PathBuf>,
 }
+
+/// Bytes and time of a file.
+type State = (u64, Option<SystemTime>);
 
 impl ReadFiles {
     fn known(&self) -> MutexGuard<'_, Known> {
@@ -34,32 +37,19 @@ impl ReadFiles {
     /// A file that cannot be read, or that had another content before.
     pub fn read(&self, file: &Path) -> io::Result<Vec<u8>> {
         let bytes = read(file)?;
-        self.note(file, blake3::hash(&bytes))?;
-        Ok(bytes)
+        let content = (bytes.len() as u64, blake3::hash(&bytes));
+        let before = *self.known().contents.entry(file.to_path_buf()).or_insert(content);
+        if before == content { Ok(bytes) } else { Err(self.note_change(file)) }
     }
 
-    /// Notes a package. Its entries are read one by one, so its state stands for its content from the second time on.
+    /// Notes a package, whose entries are read one by one.
     ///
     /// # Errors
-    /// As [`ReadFiles::read`].
+    /// A file that cannot be read, or that was in another state before.
     pub fn package(&self, file: &Path) -> io::Result<()> {
-        let opened = open(file)?;
-        let state = state(&opened.metadata()?);
-        match self.known().packages.get(file) {
-            Some(known) if *known == state => return Ok(()),
-            Some(_) => return Err(self.note_change(file)),
-            None => {}
-        }
-        let mut hasher = blake3::Hasher::new();
-        hasher.update_reader(opened)?;
-        self.note(file, hasher.finalize())?;
-        self.known().packages.insert(file.to_path_buf(), state);
-        Ok(())
-    }
-
-    fn note(&self, file: &Path, hash: blake3::Hash) -> io::Result<()> {
-        let before = *self.known().hashes.entry(file.to_path_buf()).or_insert(hash);
-        if before == hash { Ok(()) } else { Err(self.note_change(file)) }
+        let state = state(file)?;
+        let before = *self.known().packages.entry(file.to_path_buf()).or_insert(state);
+        if before == state { Ok(()) } else { Err(self.note_change(file)) }
     }
 
     fn note_change(&self, file: &Path) -> io::Error {
@@ -67,19 +57,23 @@ impl ReadFiles {
         io::Error::other(CHANGED)
     }
 
-    /// The hash of what was read of a file, if it was.
-    pub fn hash(&self, file: &Path) -> Option<String> {
-        self.known().hashes.get(file).map(|hash| hash.to_hex().to_string())
+    /// The bytes and the hash of what was read of a file; none of a package.
+    pub fn content(&self, file: &Path) -> Option<(u64, String)> {
+        self.known().contents.get(file).map(|(bytes, hash)| (*bytes, hash.to_hex().to_string()))
     }
 
-    /// The first file that had another content the second time.
+    /// The first file that had another content the second time, or package that is in another state now.
     pub fn changed(&self) -> Option<PathBuf> {
-        self.known().changed.first().cloned()
+        let known = self.known();
+        let is_other = |(file, before): &(&PathBuf, &State)| state(file).is_ok_and(|now| now != **before);
+        known.changed.first().or_else(|| known.packages.iter().find(is_other).map(|(file, _)| file)).cloned()
     }
 }
 
-fn state(metadata: &Metadata) -> (u64, Option<SystemTime>) {
-    (metadata.len(), metadata.modified().ok())
+fn state(file: &Path) -> io::Result<State> {
+    require_file(file)?;
+    let metadata = file.metadata()?;
+    Ok((metadata.len(), metadata.modified().ok()))
 }
 
 #[cfg(test)]
@@ -93,9 +87,9 @@ mod tests {
         let files = ReadFiles::default();
         std::fs::write(&file, "one").expect("a file");
         assert_eq!(files.read(&file).expect("readable"), b"one");
-        let hash = files.hash(&file);
+        let content = files.content(&file);
         std::fs::write(&file, "two").expect("a file");
         assert_eq!(files.read(&file).map_err(|e| e.to_string()), Err(CHANGED.to_owned()));
-        assert_eq!((files.hash(&file), files.changed()), (hash, Some(file)));
+        assert_eq!((files.content(&file), files.changed()), (content, Some(file)));
     }
 }

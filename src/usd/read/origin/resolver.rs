@@ -2,7 +2,7 @@
 
 use super::content::ReadFiles;
 use super::text::readable;
-use crate::files::require_file;
+use crate::files::{require_file, require_memory};
 use crate::usd::assets::{normalized, same_file};
 use openusd::ar::{self, DefaultResolver, ResolvedPath, Resolver};
 use std::borrow::Cow;
@@ -57,6 +57,9 @@ impl Resolver for Files {
 
     fn open_asset(&self, resolved_path: &ResolvedPath) -> io::Result<Box<dyn ar::Asset>> {
         let package = package_file(resolved_path);
+        require_file(&package)?;
+        // A layer is read whole.
+        require_memory(&package)?;
         let is_packed = package != **resolved_path;
         if is_packed || is_package(&package) {
             self.read.package(&package)?;

@@ -1,7 +1,9 @@
 //! Files: their formats, the check that they may be written, and writing them completely or not at all.
 
+mod text;
 mod unfinished;
 
+pub use text::text_of;
 pub use unfinished::{PREFIX, Unfinished, remove_unfinished, temporary_beside, write_whole};
 
 use super::crates::{remove_unwritable, write_crate};
@@ -10,11 +12,11 @@ use crate::error::{Error, ErrorCode, Warnings, plain};
 use crate::files::folder_of;
 use crate::usd::assets::{Anchor, as_named, writable};
 use openusd::sdf::{Data, FormatError};
-use openusd::usda::TextWriter;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
+use text::write_text;
 
 /// How a layer is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -133,7 +135,7 @@ impl OutputFile {
     ) -> Result<(Vec<PathBuf>, Warnings), Error> {
         let (mut packed, mut warnings) = (Vec::new(), Warnings::default());
         match self.format {
-            Format::Usda => self.replace(|out| TextWriter::write(&data, out), verify)?,
+            Format::Usda => self.replace(|out| write_text(&data, out), verify)?,
             Format::Usdc => {
                 warnings = remove_unwritable(&mut data);
                 self.replace(|out| write_crate(&data, out), verify)?;
@@ -154,7 +156,7 @@ impl OutputFile {
     pub fn rehearse(&self, mut data: Data) -> Result<(Vec<PathBuf>, Warnings), Error> {
         match self.format {
             Format::Usda => {
-                TextWriter::write(&data, &mut io::sink()).map_err(|e| self.unfit(&e))?;
+                write_text(&data, &mut io::sink()).map_err(|e| self.unfit(&e))?;
                 Ok((Vec::new(), Warnings::default()))
             }
             Format::Usdc => Ok((Vec::new(), remove_unwritable(&mut data))),
@@ -216,12 +218,17 @@ impl OutputFile {
         &self.stem
     }
 
+    /// The anchor of the asset paths of the output.
+    pub fn anchor(&self) -> Anchor<'_> {
+        Anchor::Folder { named: &self.folder, real: folder_of(&self.file) }
+    }
+
     /// The asset path of another file, relative to the output's folder.
     ///
     /// # Errors
     /// A path without a folder, or that is not text.
     pub fn path_to(&self, other: &Path) -> Result<String, Error> {
-        writable(Anchor::Folder(&self.folder).path_to(&as_named(other)?))
+        writable(self.anchor().path_to(&as_named(other)?))
     }
 }
 

@@ -3,7 +3,7 @@
 //! A program that a signal ends drops nothing, so that temporary files would stay. All that exist are therefore on a list
 //! of the process, by which [`remove_unfinished`] removes them.
 
-use crate::files::folder_of;
+use crate::files::{self, folder_of};
 use std::fs;
 use std::io::{self, Write};
 use std::ops::{Deref, DerefMut};
@@ -115,14 +115,15 @@ pub fn temporary_beside(file: &Path) -> io::Result<Unfinished<NamedTempFile>> {
     Unfinished::new(|| builder.tempfile_in(folder_of(file)))
 }
 
-/// Writes a file completely or not at all. One that is there already is replaced only if `replace`.
+/// Writes a file completely or not at all. One that is there already is replaced only if `replace`; a link is followed.
 ///
 /// # Errors
 /// A folder that cannot be written to, a full disk; `AlreadyExists` without `replace`.
 pub fn write_whole(file: &Path, bytes: &[u8], replace: bool) -> io::Result<()> {
-    let mut temporary = temporary_beside(file)?;
+    let file = files::target(file)?;
+    let mut temporary = temporary_beside(&file)?;
     temporary.write_all(bytes)?;
-    temporary.persist(file, replace)
+    temporary.persist(&file, replace)
 }
 
 impl<T: Temporary> Deref for Unfinished<T> {
