@@ -17,6 +17,11 @@ const NOT_METADATA: &[FieldKey] = &[
     FieldKey::TargetPaths,
 ];
 
+/// The field of an animation by curves.
+const SPLINE: &str = "spline";
+/// Why no product has one.
+pub const NO_SPLINE: &str = "its animation is a spline, and only values at times are copied";
+
 /// A property as composed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Record {
@@ -30,6 +35,8 @@ pub struct Record {
     pub metadata: Vec<(String, Value)>,
     /// Type and values, or targets.
     pub content: Content,
+    /// Whether a spline animates it, which is not copied.
+    pub has_spline: bool,
 }
 
 /// Type and values of an attribute, or targets of a relationship.
@@ -80,6 +87,7 @@ impl Record {
                     custom: relationship.is_custom()?,
                     metadata: metadata(prim.stage(), relationship.path(), &relationship.property_stack()?)?,
                     content: Content::Relationship { targets: relationship.targets()? },
+                    has_spline: false,
                 }))
             }
             _ => Ok(None),
@@ -105,6 +113,9 @@ impl Record {
                 samples,
                 connections: attribute.connections()?,
             },
+            has_spline: sites.iter().any(|site| {
+                stage.layer(&site.layer).is_some_and(|layer| layer.data().has_field(&site.path, SPLINE))
+            }),
         })
     }
 
@@ -185,7 +196,7 @@ pub fn metadata(stage: &Stage, path: &Path, sites: &[SpecSite]) -> openusd::Resu
             keys.extend(layer.data().list_fields(&site.path).unwrap_or_default());
         }
     }
-    keys.retain(|key| !is_children(key) && !NOT_METADATA.iter().any(|k| k.as_str() == key));
+    keys.retain(|key| !is_children(key) && !NOT_METADATA.iter().any(|k| k.as_str() == key) && key != SPLINE);
     let mut fields = Vec::with_capacity(keys.len());
     for key in keys {
         if let Some(value) = stage.field::<Value>(path, &key)? {

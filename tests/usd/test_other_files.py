@@ -465,3 +465,26 @@ def test_a_package_inside_a_package_is_read(build, tmp_path):
         if Usd.Stage.Open(str(outer)).GetPrimAtPath("/G/m"):
             product = build(outer, "--set", "render.level=0", "--flatten", stem=name)
             assert np.array_equal(read_mesh(product.stage.GetPrimAtPath("/G/render")).points, np.float32(POINTS)), name
+
+
+@pytest.mark.skipif(not hasattr(Usd.Attribute, "SetSpline"), reason="splines are in newer versions of OpenUSD")
+@pytest.mark.parametrize("suffix", [".usda", ".usdc"])
+def test_an_animation_by_splines_is_told_where_it_is_lost(build, tmp_path, suffix):
+    from pxr import Ts
+
+    path = write(tmp_path / "a.usda")
+    stage = Usd.Stage.Open(str(path))
+    spline = Ts.Spline()
+    for time, value in ((1, 0.0), (10, 5.0)):
+        spline.SetKnot(Ts.Knot(time=time, value=value))
+    op = UsdGeom.Xformable(find_model(stage)).AddTranslateXOp()
+    op.GetAttr().SetSpline(spline)
+    source = tmp_path / f"splined{suffix}"
+    stage.GetRootLayer().Export(str(source))
+    for args in ([], ["--flatten"]):
+        product = build(source, *args, stem=f"out{len(args)}")
+        assert any(code == "not-carried" and "spline" in message for code, message in warnings(product))
+        # At no time are products elsewhere than where they were made.
+        for time in (1, 10, 50):
+            at = UsdGeom.Xformable(product.prim("render")).ComputeLocalToWorldTransform(time).ExtractTranslation()
+            assert at[0] == 0, time

@@ -11,7 +11,7 @@ use crate::error::{Error, Warning, Warnings};
 use crate::garment::Interpolation;
 use crate::usd::assets::same_file;
 use crate::usd::names;
-use crate::usd::record::{Depth, Record, is_children, metadata};
+use crate::usd::record::{Depth, NO_SPLINE, Record, is_children, metadata};
 use openusd::sdf::{self, FieldKey, Value};
 use openusd::tf::Token;
 use openusd::usd::{Prim, Stage, TimeCode};
@@ -251,8 +251,10 @@ impl Model {
             }
             Treatment::Copied => match Record::take(prim, name, Depth::Whole) {
                 Ok(record) => {
+                    let has_spline = record.as_ref().is_some_and(|record| record.has_spline);
                     self.carried.extend(record);
-                    None
+                    let why = || format!("{NO_SPLINE}; animate a prim above the mesh, or by time samples");
+                    has_spline.then(why)
                 }
                 Err(e) => Some(format!("it cannot be read: {e}")),
             },

@@ -4,7 +4,7 @@ use super::crates::any;
 use crate::error::{Error, ErrorCode, Warning, Warnings};
 use crate::usd::assets::{Anchor, resolved, unwritable};
 use crate::usd::read::{COMPOSITION, Model, all_prims, prim_at};
-use crate::usd::record::{Content, Depth, Record, metadata};
+use crate::usd::record::{Content, Depth, NO_SPLINE, Record, metadata};
 use openusd::sdf::{self, AbstractData, Data, FieldKey, Path, PrimSpec, SpecType, Specifier, Value};
 use openusd::usd::{Prim, PrimPredicate, SpecSite, Stage};
 
@@ -92,6 +92,9 @@ impl Flat<'_> {
             match Record::take(prim, &name, Depth::Whole) {
                 Ok(Some(record)) => {
                     self.report_missing(path, &record);
+                    if record.has_spline {
+                        self.not_carried(format!("{path}.{name}"), NO_SPLINE.to_owned());
+                    }
                     record.author(&mut self.data, path, self.anchor)?;
                 }
                 Ok(None) => {}

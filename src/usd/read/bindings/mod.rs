@@ -94,6 +94,7 @@ fn bind(records: &mut Vec<Record>, applied: &mut Vec<Token>, purpose: &str, mate
         custom: false,
         metadata: Vec::new(),
         content: Content::Relationship { targets: vec![material.clone()] },
+        has_spline: false,
     });
     if !applied.iter().any(|schema| schema.as_str() == names::MATERIAL_BINDING_API) {
         applied.push(Token::from(names::MATERIAL_BINDING_API));
