@@ -56,6 +56,14 @@ def test_the_rust_code_is_there_once_and_the_package_is_small():
     assert "usd_tailor/py.typed" in sizes
 
 
+def test_messages_of_the_plugin_name_no_place_of_the_machine_that_built_it():
+    root = os.fsencode(Path(__file__).resolve().parents[2])
+    with zipfile.ZipFile(WHEEL) as wheel:
+        for name in (n for n in wheel.namelist() if n.endswith("libusdTailorFormat.so")):
+            code = wheel.read(name)
+            assert root not in code and b"usd_plugin/" in code, name
+
+
 def test_no_library_is_for_one_version_of_python():
     """The libraries of usd-core have names of their own in the wheel of each version of Python."""
     for library in (SITE / "usd_tailor").rglob("*.so"):

@@ -112,6 +112,8 @@ pub fn compile_format(project: &Project, target: &Target, core: &Path) -> Outcom
     let mut compiler = project.command(compiler());
     compiler.args(["-std=c++17", "-shared", "-fPIC", "-O2", "-fvisibility=hidden", "-fvisibility-inlines-hidden"]);
     compiler.args(["-Wall", "-Wextra", "-Werror", "-Wno-deprecated"]).arg(target.abi_flag());
+    // Messages of OpenUSD name the file of the code: as in the repository, and not as on the machine that built it.
+    compiler.arg(format!("-ffile-prefix-map={}/=", project.root.display()));
     target.includes.iter().for_each(|folder| {
         compiler.arg("-isystem").arg(folder);
     });
