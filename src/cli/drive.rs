@@ -81,8 +81,8 @@ pub fn run(args: &Drive) -> Result<Output, Error> {
         driven.points,
         driven.frames as f64 / seconds
     );
-    let turned = "  turned from the up axis of the cache's stage to that of the garment's\n";
-    Ok(Output { text: if driven.is_turned { text + turned } else { text }, code: 0 })
+    let conversions = driven.conversions.iter().map(|words| format!("  {words}\n"));
+    Ok(Output { text: text + &conversions.collect::<String>(), code: 0 })
 }
 
 /// A progress bar; hidden unless standard error is a terminal.

@@ -113,9 +113,9 @@ impl Record {
                 samples,
                 connections: attribute.connections()?,
             },
-            has_spline: sites.iter().any(|site| {
-                stage.layer(&site.layer).is_some_and(|layer| layer.data().has_field(&site.path, SPLINE))
-            }),
+            has_spline: sites
+                .iter()
+                .any(|site| stage.layer(&site.layer).is_some_and(|layer| layer.data().has_field(&site.path, SPLINE))),
         })
     }
 

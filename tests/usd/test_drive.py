@@ -351,6 +351,33 @@ def test_a_cache_of_another_up_axis_does_not_lie_on_its_back(usdtailor, coat, sh
     assert np.abs(points(driven.GetPrimAtPath(path), 5) - points(shot.GetPrimAtPath(path), 5)).max() < 1e-3
 
 
+@pytest.mark.parametrize("suffix", [".usdc", ".usda"])
+@pytest.mark.parametrize("points_scaled", [True, False])
+def test_a_cache_in_metres_moves_a_garment_in_centimetres(usdtailor, coat, shot, tmp_path, suffix, points_scaled):
+    cache = write_cache(tmp_path / f"cache{suffix}", coat, moved(coat) * (0.01 if points_scaled else 1))
+    stage = Usd.Stage.Open(str(cache))
+    UsdGeom.SetStageMetersPerUnit(stage, 1)
+    stage.GetRootLayer().Save()
+    out = tmp_path / "shot.usdc"
+    done = drive(usdtailor, coat, cache, out)
+    assert done.returncode == 0 and ("scaled by 100" in done.stdout) == points_scaled, done.stdout + done.stderr
+    path = coat.prim("render").GetPath()
+    driven = Usd.Stage.Open(str(out))
+    assert np.abs(points(driven.GetPrimAtPath(path), 5) - points(shot.GetPrimAtPath(path), 5)).max() < 1e-3
+
+
+def test_numbers_beyond_a_float_are_an_error(usdtailor, coat, tmp_path):
+    """The points of the cache are finite, and what follows from them is not."""
+    frames = moved(coat)
+    frames[3] *= 1e36
+    out = tmp_path / "shot.usdc"
+    done = drive(usdtailor, coat, write_cache(tmp_path / "cache.usdc", coat, frames), out)
+    if done.returncode == 0:
+        assert np.isfinite(points(Usd.Stage.Open(str(out)).GetPrimAtPath(coat.prim("render").GetPath()), 4)).all()
+    else:
+        assert "cache-frames" in done.stderr and "frame 4" in done.stderr and not out.exists(), done.stderr
+
+
 def test_inputs_are_never_overwritten(usdtailor, coat, cache):
     for target in (coat.path, cache):
         before = target.read_bytes()

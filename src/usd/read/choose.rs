@@ -102,7 +102,9 @@ fn only_mesh(stage: &Stage, file: &Path) -> Result<Prim, Error> {
         garments.retain(|path| !repeated.iter().any(|root| path.has_prefix(root)));
         if garments.is_empty() {
             let text = format!("{} holds no mesh but prototypes of a PointInstancer", file.display());
-            return Err(Error::usd(text).code(ErrorCode::NoMesh).remedy(format!("name one by --prim: {}", list(&found))));
+            return Err(Error::usd(text)
+                .code(ErrorCode::NoMesh)
+                .remedy(format!("name one by --prim: {}", list(&found))));
         }
     }
     match garments.as_slice() {

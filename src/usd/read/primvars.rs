@@ -119,7 +119,8 @@ fn without_element_size(
     if size == 1 || fits(rows.checked_div(size).unwrap_or(0)) || !fits(rows) {
         return None;
     }
-    let problem = format!("its elementSize is {}, and its values fit the mesh without; it is left out", primvar.element_size);
+    let problem =
+        format!("its elementSize is {}, and its values fit the mesh without; it is left out", primvar.element_size);
     primvar.element_size = 1;
     if let Some(declaration) = declarations.primvars.get_mut(&primvar.name) {
         declaration.metadata.retain(|(key, _)| key != names::ELEMENT_SIZE);

@@ -1,8 +1,8 @@
 //! Caches of moved points.
 
 use super::DriveOptions;
-use super::axes::{UP_AXIS, UpAxis};
 use super::bound::Bound;
+use super::conversion::{METERS_PER_UNIT, StageMetrics, UP_AXIS};
 use super::crate_samples::{CrateSamples, CrateStage};
 use super::numpy::NumpyFrames;
 use crate::error::{Error, ErrorCode, ErrorKind};
@@ -32,8 +32,8 @@ pub struct Cache {
     times: Vec<f64>,
     /// The values of [`RATE`], where the cache states them.
     rate: [Option<f64>; 2],
-    /// The up axis that its stage states.
-    up_axis: Option<UpAxis>,
+    /// The up axis and unit that its stage states.
+    metrics: StageMetrics,
     points: usize,
     frames: Frames,
 }
@@ -64,7 +64,7 @@ impl Cache {
                     file: file.clone(),
                     times,
                     rate: [None; 2],
-                    up_axis: None,
+                    metrics: StageMetrics::default(),
                     points,
                     frames: Frames::Numpy(frames),
                 }
@@ -107,9 +107,9 @@ impl Cache {
         self.rate
     }
 
-    /// The up axis that the cache's stage states.
-    pub fn up_axis(&self) -> Option<UpAxis> {
-        self.up_axis
+    /// The up axis and unit that the cache's stage states.
+    pub fn metrics(&self) -> StageMetrics {
+        self.metrics
     }
 
     /// Refuses times that do not ascend, and gaps between frames unless they are accepted.
@@ -198,7 +198,8 @@ impl Cache {
         };
         let has_velocities = !times.is_empty() && velocities == times;
         let frames = Frames::Stage { stage: Box::new(stage), prim: path, has_velocities };
-        Ok(Self { file: file.clone(), times, rate, up_axis: UpAxis::of(&metadata), points, frames })
+        let metrics = StageMetrics::of(|name| metadata.iter().find(|(key, _)| key == name).map(|(_, v)| v.clone()));
+        Ok(Self { file: file.clone(), times, rate, metrics, points, frames })
     }
 
     /// A cache in one crate, whose frames are read from the file one by one; `None` if they cannot be.
@@ -222,8 +223,9 @@ impl Cache {
         };
         let times = points.times().to_vec();
         let frames = Frames::Crate { points, velocities };
-        let up_axis = layer.read(&root, UP_AXIS).as_ref().and_then(UpAxis::named);
-        Some(Ok(Self { file: options.cache.clone(), times, rate, up_axis, points: count, frames }))
+        let metrics = [UP_AXIS, METERS_PER_UNIT].map(|name| layer.read(&root, name));
+        let metrics = StageMetrics::of(|name| metrics[usize::from(name != UP_AXIS)].clone());
+        Some(Ok(Self { file: options.cache.clone(), times, rate, metrics, points: count, frames }))
     }
 }
 

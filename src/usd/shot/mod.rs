@@ -3,10 +3,10 @@
 //! `bound` reads both meshes at bind from a built garment, `cache` the moved points from USD or NumPy files, and `stream` writes
 //! the frames. A few frames are in memory at a time, however long the cache is.
 
-mod axes;
 mod bound;
 mod cache;
 mod clips;
+mod conversion;
 mod crate_samples;
 mod numpy;
 mod space;
@@ -15,9 +15,9 @@ mod stream;
 use crate::drive::Driver;
 use crate::error::{Error, ErrorCode, ErrorKind};
 use crate::usd::on_large_stack;
-use axes::UpAxis;
 use bound::Bound;
 use cache::{Cache, Frame};
+use conversion::Conversion;
 use glam::Vec3;
 use rayon::prelude::*;
 use space::Space;
@@ -53,14 +53,14 @@ pub struct DriveOptions {
 }
 
 /// The sizes of a shot.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Driven {
     /// Frames.
     pub frames: usize,
     /// Points of all driven meshes.
     pub points: usize,
-    /// Whether the points of the cache were turned from the up axis of its stage to that of the garment's.
-    pub is_turned: bool,
+    /// How the points of the cache were taken from the up axis and unit of its stage to those of the garment's, in words.
+    pub conversions: Vec<String>,
     /// First and last time. \[time codes\]
     pub times: [f64; 2],
 }
@@ -79,18 +79,14 @@ pub fn drive(options: &DriveOptions, progress: &(dyn Fn(usize, usize) + Sync)) -
         let mut writer = ShotWriter::new(options, &bound, cache.times(), cache.rate())?;
         let frames = cache.times().len();
         let chunk = FRAMES_PER_THREAD * rayon::current_num_threads();
-        let (mut done, mut turn) = (0, None);
+        let (mut done, mut conversion) = (0, Conversion::default());
         while done < frames {
             let mut read: Vec<Frame> =
                 (done..frames.min(done + chunk)).map(|i| cache.read(i)).collect::<Result<_, Error>>()?;
             if done == 0 {
-                let up = UpAxis::of(&bound.metadata).unwrap_or(UpAxis::Y);
-                let is_other = cache.up_axis().is_some_and(|axis| axis != up);
-                turn = Some(up).filter(|up| is_other && up.fits(&read[0].points, &bound.sim_points));
+                conversion = Conversion::new(cache.metrics(), &bound, &read[0]);
             }
-            if let Some(up) = turn {
-                read.iter_mut().for_each(|frame| up.turn(frame));
-            }
+            read.iter_mut().for_each(|frame| conversion.apply(frame));
             if done == 0 {
                 check_first(&bound, &read[0], &options.cache)?;
             }
@@ -104,7 +100,8 @@ pub fn drive(options: &DriveOptions, progress: &(dyn Fn(usize, usize) + Sync)) -
         }
         writer.finish()?;
         let points = bound.meshes.iter().map(|mesh| mesh.points).sum();
-        Ok(Driven { frames, points, is_turned: turn.is_some(), times: [cache.times()[0], cache.times()[frames - 1]] })
+        let times = [cache.times()[0], cache.times()[frames - 1]];
+        Ok(Driven { frames, points, conversions: conversion.in_words(), times })
     })
 }
 
@@ -158,9 +155,9 @@ impl Bound {
 
 /// Refuses a frame whose points are so far apart that those of the mesh, or their velocities, are beyond the numbers of a file.
 fn check_finite(time: f64, meshes: &[DrivenMesh], file: &Path) -> Result<(), Error> {
-    let mut arrays = meshes.iter().flat_map(|mesh| {
-        [Some(&mesh.points), mesh.normals.as_ref(), mesh.velocities.as_ref()].into_iter().flatten()
-    });
+    let mut arrays = meshes
+        .iter()
+        .flat_map(|mesh| [Some(&mesh.points), mesh.normals.as_ref(), mesh.velocities.as_ref()].into_iter().flatten());
     if time.is_finite() && arrays.all(|values| values.iter().all(|value| value.is_finite())) {
         return Ok(());
     }

@@ -58,7 +58,8 @@ pub fn resolve_inherited(prim: &Prim, parent: &Path, model: &mut Model) -> Resul
     let above = prim_at(prim.stage(), parent)?;
     for purpose in PURPOSES {
         let found = winner(prim, purpose)?.map(|winner| winner.material);
-        let of_parent = if parent.is_abs_root() { None } else { winner(&above, purpose)?.map(|winner| winner.material) };
+        let of_parent =
+            if parent.is_abs_root() { None } else { winner(&above, purpose)?.map(|winner| winner.material) };
         let own = model.carried.iter().find(|record| record.name == binding_name(purpose)).and_then(target);
         if let Some(material) = found.filter(|found| Some(found) != own.as_ref() && Some(found) != of_parent.as_ref()) {
             bind(&mut model.carried, &mut model.applied, purpose, &material);

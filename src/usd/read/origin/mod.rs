@@ -11,10 +11,10 @@ pub use dependencies::{first_used, without_arguments};
 pub use resolver::{Files, package_file};
 
 use super::variants::{SESSION, Selection, session_layer};
-use content::CHANGED;
 use crate::error::{Error, ErrorCode, plain};
 use crate::files::{read, require_file};
 use crate::usd::assets::as_named;
+use content::CHANGED;
 use openusd::ar;
 use openusd::usd::Stage;
 use std::fs;
@@ -174,7 +174,9 @@ fn open_file(file: &Path, variants: &[Selection], read_files: &Arc<ReadFiles>) -
         [] => builder.resolver(Files::of(read_files)),
         variants => {
             let text = session_layer(variants)?.into_bytes();
-            builder.resolver(InMemory { files: Files::of(read_files), ..InMemory::new(SESSION, &text.into()) }).session_layer(SESSION)
+            builder
+                .resolver(InMemory { files: Files::of(read_files), ..InMemory::new(SESSION, &text.into()) })
+                .session_layer(SESSION)
         }
     };
     builder.open(&path).map_err(|e| {

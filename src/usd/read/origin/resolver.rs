@@ -44,7 +44,9 @@ impl Resolver for Files {
     fn resolve(&self, asset_path: &str) -> Option<ResolvedPath> {
         // A package is opened here already, to see what is in it.
         if asset_path.ends_with(']') {
-            return require_file(&package_file(Path::new(asset_path))).ok().and_then(|()| self.resolver.resolve(asset_path));
+            return require_file(&package_file(Path::new(asset_path)))
+                .ok()
+                .and_then(|()| self.resolver.resolve(asset_path));
         }
         let found = self.resolver.resolve(asset_path)?;
         let named = normalized(&std::path::absolute(asset_path).ok()?);
@@ -67,7 +69,8 @@ impl Resolver for Files {
         if is_package(Path::new(resolved_path.to_str().unwrap_or_default().trim_end_matches(']'))) {
             return self.resolver.open_asset(resolved_path);
         }
-        let bytes = if is_packed { self.resolver.open_asset(resolved_path)?.read_all()? } else { self.read.read(&package)? };
+        let bytes =
+            if is_packed { self.resolver.open_asset(resolved_path)?.read_all()? } else { self.read.read(&package)? };
         if bytes.starts_with(TEXT) {
             check_levels(&bytes)?;
         }

@@ -1,0 +1,104 @@
+//! The up axis and the unit of a cache whose stage has others than the garment's.
+
+use super::bound::Bound;
+use super::cache::Frame;
+use crate::usd::values::text;
+use glam::Vec3;
+use openusd::sdf::Value;
+
+/// The name of the metadata.
+pub const UP_AXIS: &str = "upAxis";
+/// The name of the unit of length.
+pub const METERS_PER_UNIT: &str = "metersPerUnit";
+
+/// The up axis of a stage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum UpAxis {
+    Y,
+    Z,
+}
+
+/// What the metadata of a stage say of its space.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StageMetrics {
+    pub up_axis: Option<UpAxis>,
+    pub meters_per_unit: Option<f64>,
+}
+
+impl StageMetrics {
+    /// The metrics of a stage, by its metadata.
+    pub fn of(read: impl Fn(&str) -> Option<Value>) -> Self {
+        let up_axis = read(UP_AXIS).and_then(|axis| match text(&axis)? {
+            "Y" => Some(UpAxis::Y),
+            "Z" => Some(UpAxis::Z),
+            _ => None,
+        });
+        let meters = match read(METERS_PER_UNIT) {
+            Some(Value::Double(meters)) => Some(meters),
+            Some(Value::Float(meters)) => Some(f64::from(meters)),
+            _ => None,
+        };
+        Self { up_axis, meters_per_unit: meters.filter(|meters| *meters > 0.0 && meters.is_finite()) }
+    }
+}
+
+/// What takes points of a cache to the space of the garment.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Conversion {
+    /// The up axis of the garment's stage, where the cache's has the other one.
+    up_axis: Option<UpAxis>,
+    /// Units of the garment's stage for one of the cache's.
+    scale: Option<f32>,
+}
+
+impl Conversion {
+    /// The conversion between two stages, as far as it brings `first` nearer to the garment at bind. Some programs scale and turn
+    /// the mesh by its transform, and leave its points as they are.
+    pub fn new(cache: StageMetrics, bound: &Bound, first: &Frame) -> Self {
+        let own = StageMetrics::of(|name| bound.metadata.iter().find(|(key, _)| key == name).map(|(_, v)| v.clone()));
+        // Those that USD takes where a stage states none.
+        let (up, meters) = (own.up_axis.unwrap_or(UpAxis::Y), own.meters_per_unit.unwrap_or(0.01));
+        let scale = cache.meters_per_unit.map(|of_cache| (of_cache / meters) as f32).filter(|&scale| {
+            let ratio = bound.median_edge(&first.points) / bound.edge_length;
+            let [before, after] = [ratio, ratio * f64::from(scale)].map(|ratio| ratio.ln().abs());
+            scale != 1.0 && after < before
+        });
+        let scaled = Self { up_axis: None, scale };
+        let turned = Self { up_axis: Some(up), scale };
+        let is_other = cache.up_axis.is_some_and(|axis| axis != up);
+        let is_nearer = || turned.distance(&first.points, bound) < scaled.distance(&first.points, bound);
+        if is_other && is_nearer() { turned } else { scaled }
+    }
+
+    fn place(self, v: Vec3) -> Vec3 {
+        let v = match self.up_axis {
+            Some(UpAxis::Y) => Vec3::new(v.x, v.z, -v.y),
+            Some(UpAxis::Z) => Vec3::new(v.x, -v.z, v.y),
+            None => v,
+        };
+        self.scale.map_or(v, |scale| v * scale)
+    }
+
+    /// The sum of squared distances to the points at bind.
+    fn distance(self, points: &[Vec3], bound: &Bound) -> f64 {
+        points.iter().zip(&bound.sim_points).map(|(p, b)| f64::from(self.place(*p).distance_squared(*b))).sum()
+    }
+
+    /// Takes a frame to the space of the garment.
+    pub fn apply(self, frame: &mut Frame) {
+        if self != Self::default() {
+            let vectors = frame.points.iter_mut().chain(frame.velocities.iter_mut().flatten());
+            vectors.for_each(|v| *v = self.place(*v));
+        }
+    }
+
+    /// What it does, in words; nothing where points stay.
+    pub fn in_words(self) -> Vec<String> {
+        let turned =
+            self.up_axis.map(|_| "turned from the up axis of the cache's stage to that of the garment's".to_owned());
+        let scaled = self
+            .scale
+            .map(|scale| format!("scaled by {scale} from the unit of the cache's stage to that of the garment's"));
+        turned.into_iter().chain(scaled).collect()
+    }
+}
