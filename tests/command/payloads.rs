@@ -73,7 +73,7 @@ fn a_garment_that_comes_by_a_payload_is_checked() {
     );
     // In a folder of its own, below a layer that names it.
     std::fs::create_dir(folder.at("parts")).expect("a folder");
-    folder.file("parts/shot.usda", &SHOT.replace("@coat.tailor", "@../coat.tailor"));
+    folder.file("parts/shot.usda", SHOT.replace("@coat.tailor", "@../coat.tailor"));
     folder.file("top.usda", "#usda 1.0\n(\n    subLayers = [@parts/shot.usda@]\n)\n");
     folder.good("check top.usda");
 
@@ -84,7 +84,7 @@ fn a_garment_that_comes_by_a_payload_is_checked() {
     folder.file("coat.tailor", "{\"source\": \"coat.usda\"}");
     folder.file(
         "torn.usda",
-        &SHOT.replace("def Xform \"Other\"", "def Xform \"Other\" (\n        references = @gone.usda@\n    )"),
+        SHOT.replace("def Xform \"Other\"", "def Xform \"Other\" (\n        references = @gone.usda@\n    )"),
     );
     let run = folder.run("check torn.usda");
     assert_eq!(run.code, Some(1), "{run}");
