@@ -138,11 +138,10 @@ fn join(
         })
         .collect();
     let is_of_points = matches!(interpolation, Interpolation::Vertex | Interpolation::Varying);
-    if is_of_points && is_uvs(&joined) {
-        if let Some(corners) = corner_rows(&joined, &of_panels, panels, points) {
-            let indices = Some(corners.into_iter().map(|row| row as i32).collect());
-            return (PrimvarInput { interpolation: Interpolation::FaceVarying, indices, ..joined }, None);
-        }
+    let of_corners = || corner_rows(&joined, &of_panels, panels, points);
+    if let Some(corners) = (is_of_points && is_uvs(&joined)).then(of_corners).flatten() {
+        let indices = Some(corners.into_iter().map(|row| row as i32).collect());
+        return (PrimvarInput { interpolation: Interpolation::FaceVarying, indices, ..joined }, None);
     }
     let (rows, warning) = match is_of_points {
         true => point_rows(prim, &mut joined, first_row, &of_panels, points),

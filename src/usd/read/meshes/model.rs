@@ -103,15 +103,14 @@ pub fn sewn(
 
 /// The nearest prim above all panels.
 pub fn common_parent<'a>(panels: impl Iterator<Item = &'a Source>) -> Path {
-    let parents = panels.map(|panel| panel.model.parent.clone());
-    parents.reduce(common_prefix).unwrap_or_else(Path::abs_root)
-}
-
-fn common_prefix(mut a: Path, b: Path) -> Path {
-    while !b.has_prefix(&a) {
-        a = a.parent().unwrap_or_else(Path::abs_root);
-    }
-    a
+    let mut parents = panels.map(|panel| &panel.model.parent);
+    let first = parents.next().cloned().unwrap_or_else(Path::abs_root);
+    parents.fold(first, |mut common, parent| {
+        while !parent.has_prefix(&common) {
+            common = common.parent().unwrap_or_else(Path::abs_root);
+        }
+        common
+    })
 }
 
 /// The transform of each panel to the space of the garment.
