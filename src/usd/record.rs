@@ -17,6 +17,35 @@ const NOT_METADATA: &[FieldKey] = &[
     FieldKey::TargetPaths,
 ];
 
+/// Words of text layers that OpenUSD takes for no name of metadata. The reader does, where a file is damaged.
+const KEYWORDS: &[&str] = &[
+    "add",
+    "append",
+    "attributes",
+    "class",
+    "config",
+    "connect",
+    "custom",
+    "def",
+    "default",
+    "delete",
+    "dictionary",
+    "nameChildren",
+    "None",
+    "offset",
+    "over",
+    "prepend",
+    "properties",
+    "rel",
+    "relationships",
+    "reorder",
+    "rootPrims",
+    "scale",
+    "timeSamples",
+    "uniform",
+    "variantSet",
+    "varying",
+];
 /// The field of an animation by curves.
 const SPLINE: &str = "spline";
 /// Why no product has one.
@@ -196,7 +225,8 @@ pub fn metadata(stage: &Stage, path: &Path, sites: &[SpecSite]) -> openusd::Resu
             keys.extend(layer.data().list_fields(&site.path).unwrap_or_default());
         }
     }
-    keys.retain(|key| !is_children(key) && !NOT_METADATA.iter().any(|k| k.as_str() == key) && key != SPLINE);
+    keys.retain(|key| !is_children(key) && !NOT_METADATA.iter().any(|k| k.as_str() == key));
+    keys.retain(|key| key != SPLINE && !KEYWORDS.contains(&key.as_str()));
     let mut fields = Vec::with_capacity(keys.len());
     for key in keys {
         if let Some(value) = stage.field::<Value>(path, &key)? {

@@ -488,3 +488,12 @@ def test_an_animation_by_splines_is_told_where_it_is_lost(build, tmp_path, suffi
         for time in (1, 10, 50):
             at = UsdGeom.Xformable(product.prim("render")).ComputeLocalToWorldTransform(time).ExtractTranslation()
             assert at[0] == 0, time
+
+
+def test_a_word_of_the_format_is_not_written_as_metadata(usdtailor, tmp_path):
+    """OpenUSD does not open such a file, and would not open the output."""
+    path = tmp_path / "a.usda"
+    path.write_text(text(path).read_text().replace('interpolation = "faceVarying"', 'interpolation = "faceVarying"\n            class = "vertex"'))
+    out = tmp_path / "out.usda"
+    assert run(usdtailor, "build", path, "-o", out, "--set", "render.level=0").returncode == 0
+    assert Sdf.Layer.OpenAsAnonymous(str(out)).GetPrimAtPath("/G/render")
