@@ -15,6 +15,7 @@ use crate::usd::record::{Content, Record};
 use glam::DMat4;
 use openusd::sdf::Path;
 use openusd::usd::{Stage, TimeCode};
+use std::sync::Arc;
 
 /// Names of panels in that of the garment.
 const NAMED: usize = 3;
@@ -67,7 +68,7 @@ pub fn sewn(
     let units = units(first, space);
     let mut sewn = warnings.absorb(merge(name(&model), units, meshes, &welds(members, seams))?);
     model.sewing = Sewing { sets: sewn.panels.clone(), points: std::mem::take(&mut sewn.points) };
-    model.siblings = siblings(stage, &model)?;
+    model.siblings = Arc::new(siblings(stage, &model)?);
     model.subsets = subset_records(&panels)?;
     move_materials(&panels, &mut model, &mut sewn);
     let of_panels = panels.iter().map(|panel| Ok((panel.prim(), panel.recipe.clone()?)));
