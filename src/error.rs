@@ -89,6 +89,15 @@ impl Error {
         Self::new(ErrorKind::Usd, "", text)
     }
 
+    /// A thread that the system does not start.
+    #[cfg(feature = "usd")]
+    pub(crate) fn no_thread(error: impl std::error::Error + Send + Sync + 'static) -> Self {
+        Self::new(ErrorKind::Usage, "", format!("the system starts no more threads: {error}"))
+            .code(ErrorCode::NoThread)
+            .remedy("lower --jobs and --threads, or raise the limits of memory and processes (ulimit -v and -u)")
+            .caused_by(error)
+    }
+
     /// A fault of this program.
     pub fn internal(text: impl Into<String>) -> Self {
         Self::new(ErrorKind::Internal, "", text)
@@ -192,6 +201,8 @@ pub enum Code {
     SetRenamed,
     /// Faces intersect others or are flipped.
     Intersections,
+    /// Repair has ended before all faces were tested.
+    RepairCutShort,
     /// `render.operators` leaves operators out.
     OperatorsLeftOut,
     /// A reference to the asset cannot reach the products.

@@ -53,6 +53,7 @@ pub mod error;
 mod files;
 mod garment;
 mod mesh;
+mod meter;
 mod options;
 #[cfg(feature = "preview")]
 pub mod preview;

@@ -1,6 +1,7 @@
 //! Results that are kept beside the inputs that they were made from.
 
 use crate::error::Error;
+use crate::meter;
 use std::ops::Deref;
 use std::sync::Arc;
 
@@ -26,6 +27,7 @@ impl<I: PartialEq, O: Clone> Step<I, O> {
         }
         // The last result goes before the new one takes memory.
         self.0 = None;
+        meter::check();
         let result = make(&input)?;
         self.0 = Some((input, result.clone()));
         Ok(result)

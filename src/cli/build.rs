@@ -7,10 +7,11 @@ mod request;
 pub use request::Request;
 
 use super::process::folders::MadeFolders;
-use super::process::memory;
+use super::process::memory::{self, RunningStep};
 use super::variants::{self, Opening};
 use super::{Build, Output, report, text, usage};
 use crate::error::{Error, ErrorCode, Warnings};
+use crate::meter::PassedLimit;
 use crate::report::{RenderFigures, SimFigures};
 use crate::session::{is_usd, written};
 use crate::usd::{
@@ -23,6 +24,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::Value;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, PoisonError};
 use std::time::{Duration, Instant, SystemTime};
 
 /// The name of a report that is printed.
@@ -96,14 +98,14 @@ pub fn run(build: &Build) -> Result<Output, Error> {
         report::check_target(file, build.force)?;
     }
     protect::check(build, &tasks)?;
-    let budget = Budget::new(memory::limit(build.limits.max_memory));
+    let budget = Budget::new(memory::hold(build.limits.max_memory));
     let jobs = build.jobs.map_or_else(rayon::current_num_threads, usize::from).min(tasks.len());
     let bar = bar(build.inputs.quiet, tasks.len());
     let mut outcomes = Vec::with_capacity(tasks.len());
     run_all(
         &tasks,
         jobs,
-        |task| build_one(build, task, &budget, &bar),
+        |task| build_one(build, task, &budget, (&bar, jobs == 1)),
         |task, outcome| {
             bar.suspend(|| tell(build, &outcome, (tasks.len() > 1).then_some(&task.input), is_lone));
             bar.inc(1);
@@ -170,12 +172,14 @@ fn tell(build: &Build, outcome: &Outcome, label: Option<&PathBuf>, is_lone: bool
     }
 }
 
-fn build_one(build: &Build, task: &Task, budget: &Budget, bar: &ProgressBar) -> Outcome {
+fn build_one(build: &Build, task: &Task, budget: &Budget, (bar, is_lone): (&ProgressBar, bool)) -> Outcome {
     if build.skip_fresh && is_fresh(build, task) {
         return Outcome::Fresh;
     }
     let start = Instant::now();
-    match built(build, task, budget, bar) {
+    let step = RunningStep::default();
+    let result = budget.build(is_lone, || built(build, task, budget, (bar, &step)));
+    match result.unwrap_or_else(|PassedLimit| Err(memory::passed(budget.limit(), &step))) {
         Ok(garments) if build.dry_run => planned(task, garments),
         Ok(garments) => Outcome::Built(Box::new(Summary {
             text: text::summaries(task, &garments, build.inputs.verbose),
@@ -209,8 +213,14 @@ fn planned(task: &Task, garments: Vec<Built>) -> Outcome {
     Outcome::Planned { text: text.trim_end_matches(';').to_owned() + "\n", warnings: warnings(garments) }
 }
 
-fn built(build: &Build, task: &Task, budget: &Budget, bar: &ProgressBar) -> Result<Vec<Built>, Error> {
+fn built(
+    build: &Build,
+    task: &Task,
+    budget: &Budget,
+    (bar, step): (&ProgressBar, &RunningStep),
+) -> Result<Vec<Built>, Error> {
     let Task { input, output } = task;
+    *step.lock().unwrap_or_else(PoisonError::into_inner) = String::new();
     let started = SystemTime::now();
     let mut timings = Vec::new();
     let openings = timed("read", &mut timings, || {
@@ -226,7 +236,7 @@ fn built(build: &Build, task: &Task, budget: &Budget, bar: &ProgressBar) -> Resu
             for (garment, names) in garments.into_iter().zip(names) {
                 let (source, builder, recipe) = garment.check()?;
                 sources.push(source);
-                checked.push((limited(builder, build, task, budget, bar), recipe, names, variant.clone()));
+                checked.push((limited(builder, build, task, budget, (bar, step)), recipe, names, variant.clone()));
             }
         }
         Ok(())
@@ -253,9 +263,18 @@ fn named<'a>(build: &Build, sources: impl IntoIterator<Item = &'a Source>) -> Ve
 }
 
 /// A builder with the limits of the command, which shows its steps.
-fn limited(builder: Builder, build: &Build, task: &Task, budget: &Budget, bar: &ProgressBar) -> Builder {
-    let (shown, spinner) = (task.input.display().to_string(), bar.clone());
-    let progress = Progress::new(move |step| spinner.set_message(format!("{shown}: {step}")));
+fn limited(
+    builder: Builder,
+    build: &Build,
+    task: &Task,
+    budget: &Budget,
+    (bar, running): (&ProgressBar, &RunningStep),
+) -> Builder {
+    let (shown, spinner, running) = (task.input.display().to_string(), bar.clone(), Arc::clone(running));
+    let progress = Progress::new(move |step| {
+        spinner.set_message(format!("{shown}: {step}"));
+        *running.lock().unwrap_or_else(PoisonError::into_inner) = step.to_owned();
+    });
     builder.with_progress(progress).with_max_faces(build.max_faces).with_max_memory(budget.limit())
 }
 

@@ -25,7 +25,7 @@ use std::path::Path;
 
 /// Describes each input and the meshes that `build` would write for it.
 pub fn info(args: &ExamineArgs) -> Result<Output, Error> {
-    let limit = memory::limit(args.limits.max_memory);
+    let limit = memory::hold(args.limits.max_memory);
     each(args, |file, found| {
         let mut garments = Vec::new();
         let made = RecordedBuild::of(&args.inputs, file);
@@ -73,7 +73,7 @@ fn limited(builder: Builder, made: Option<&RecordedBuild>, memory: usize) -> Bui
 
 /// Checks all inputs by what a build does, so that it finds what a build would. The exit code is that of the worst error.
 pub fn check(args: &ExamineArgs) -> Result<Output, Error> {
-    let limit = memory::limit(args.limits.max_memory);
+    let limit = memory::hold(args.limits.max_memory);
     each(args, |file, found| {
         let (mut is_fresh, mut hint) = (true, None);
         let made = RecordedBuild::of(&args.inputs, file);

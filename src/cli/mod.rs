@@ -14,6 +14,7 @@ mod sets;
 mod text;
 mod variants;
 
+pub use crate::meter::Counting;
 pub use program::main;
 
 use crate::DEFAULT_MAX_FACES;
@@ -250,11 +251,11 @@ fn run(cli: &Cli) -> Result<Output, Error> {
         #[cfg(feature = "preview")]
         Command::Preview(preview) => (preview.inputs().threads, preview.inputs().quiet, true),
     };
-    interrupt::tidy_up(serves).map_err(|e| Error::internal(format!("cannot wait for signals: {e}")))?;
+    interrupt::tidy_up(serves).map_err(Error::no_thread)?;
     let threads = threads::capped(threads, quiet)?;
-    if let Some(threads) = threads {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
-        pool.map_err(|e| Error::internal(format!("cannot start {threads} threads: {e}")))?;
+    if threads.is_some() || uses_threads(&cli.command) {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build_global();
+        pool.map_err(Error::no_thread)?;
     }
     match &cli.command {
         Command::Build(build) => build::run(build),
@@ -270,6 +271,11 @@ fn run(cli: &Cli) -> Result<Output, Error> {
         #[cfg(feature = "preview")]
         Command::Preview(preview) => preview::run(preview, threads),
     }
+}
+
+/// Whether a subcommand works on meshes, so that the threads have to start.
+fn uses_threads(command: &Command) -> bool {
+    matches!(command, Command::Build(_) | Command::Drive(_) | Command::Info(_) | Command::Check(_) | Command::Sets(_))
 }
 
 fn options() -> Output {

@@ -2,6 +2,7 @@
 
 use super::Cli;
 use crate::error::{Error, ErrorCode, ErrorKind, plain};
+use crate::meter::{PassedLimit, within_limit};
 use clap::Parser;
 use std::io::{self, Write};
 use std::panic::{AssertUnwindSafe, PanicHookInfo};
@@ -31,7 +32,8 @@ pub fn main() -> u8 {
     };
     // A panic becomes one message and the exit code of internal errors.
     std::panic::set_hook(Box::new(note_place));
-    let result = std::panic::catch_unwind(AssertUnwindSafe(|| super::run(&cli)))
+    let run = || within_limit(|| super::run(&cli)).unwrap_or_else(|PassedLimit| Err(too_much_memory()));
+    let result = std::panic::catch_unwind(AssertUnwindSafe(run))
         .unwrap_or_else(|panic| Err(Error::internal(panic_text(panic.as_ref()))));
     match result {
         Ok(output) => print_all(&output.text, output.code),
@@ -40,6 +42,11 @@ pub fn main() -> u8 {
             exit_code(&error)
         }
     }
+}
+
+fn too_much_memory() -> Error {
+    let fault = Error::recipe("", "the run has taken all of the memory that it may take").code(ErrorCode::TooLarge);
+    fault.remedy("give fewer or smaller meshes at once, or allow more memory (--max-memory)")
 }
 
 /// The exit code of an error.

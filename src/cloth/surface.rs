@@ -22,15 +22,6 @@ pub struct Surface<'a> {
     tree: Bvh,
 }
 
-/// A point of a triangle near a query.
-#[derive(Clone, Copy, Debug)]
-pub struct Near {
-    pub face: FaceId,
-    /// Weights of its corners.
-    pub weights: Vec3,
-    pub distance: f32,
-}
-
 /// The area of a triangle.
 pub fn area([a, b, c]: [Vec3; 3]) -> f64 {
     0.5 * f64::from((b - a).cross(c - a).length())
@@ -67,9 +58,8 @@ impl<'a> Surface<'a> {
         self.topology.faces_at(vertex).map(of).sum::<Vec3>().normalize_or_zero()
     }
 
-    /// The closest points of the triangles within `reach` of `point` that `wanted` admits, in the order of the triangles. In a
-    /// crowd they are `most` of them, or fewer.
-    pub fn near(&self, point: Vec3, reach: f32, most: usize, wanted: impl Fn(FaceId) -> bool) -> Vec<Near> {
+    /// The triangles within `reach` of `point` that `wanted` admits, ascending. In a crowd they are `most` of them, or fewer.
+    pub fn near(&self, point: Vec3, reach: f32, most: usize, wanted: impl Fn(FaceId) -> bool) -> Vec<FaceId> {
         let at = Vec3A::from(point);
         let (mut found, mut visited) = (Vec::new(), 0);
         self.tree.visit_while(&Aabb { low: at, high: at }.expanded(reach), &mut |place| {
@@ -80,12 +70,12 @@ impl<'a> Surface<'a> {
                 let weights = closest_weights(a, b, c, point);
                 let distance = (a * weights.x + b * weights.y + c * weights.z).distance(point);
                 if distance <= reach {
-                    found.push(Near { face, weights, distance });
+                    found.push(face);
                 }
             }
             found.len() < most && visited < VISITED * most
         });
-        found.sort_by_key(|near| near.face);
+        found.sort_unstable();
         found
     }
 }

@@ -175,7 +175,7 @@ fn spread(x: u32) -> u32 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::pairs::Pairs;
+    use super::super::pairs::{Pairs, WorkLimit};
     use super::*;
 
     fn intersect(a: &Aabb, b: &Aabb) -> bool {
@@ -214,7 +214,7 @@ mod tests {
         let is_active = |i: usize| i % 4 == 1;
         let is_wanted = |i: usize, j: usize| (i + j).is_multiple_of(2);
         let active: Vec<usize> = (0..boxes.len()).filter(|&i| is_active(i)).collect();
-        let Pairs { mut found, crowded } = tree.pairs(&active, is_wanted, |_, _| true);
+        let Pairs { mut found, crowded } = tree.pairs(&active, is_wanted, |_, _| true, &WorkLimit::default());
         found.sort_unstable();
         assert!(crowded.is_empty());
         let all = (0..boxes.len()).flat_map(|i| (i..boxes.len()).map(move |j| [i, j]));

@@ -22,7 +22,7 @@
 use super::bvh::Aabb;
 use super::face::{ChildBlock, ChildId, RefinedFace, SMOOTH};
 use super::faces::RefinedFaces;
-use super::pairs::Pairs;
+use super::pairs::{Pairs, WorkLimit};
 use super::simd::{ALL, Aabbx4, Intervalx4, Mask, Vec3x4, WIDTH, bits};
 use crate::mesh::FaceId;
 use glam::{DVec3, Vec3, Vec4};
@@ -98,11 +98,12 @@ pub(super) struct Child {
 
 impl RefinedFaces<'_> {
     /// Pairs of faces that intersect, or a face twice that intersects itself, of which at least one is active. An active face
-    /// in a crowd that is too close to be tested counts as one that intersects itself.
-    pub fn intersecting_pairs(&self, active: &[FaceId]) -> Vec<[FaceId; 2]> {
+    /// in a crowd that is too close to be tested counts as one that intersects itself. Incomplete beyond the bound of `work`.
+    pub fn intersecting_pairs(&self, active: &[FaceId], work: &WorkLimit) -> Vec<[FaceId; 2]> {
         let of = |slot: usize| &self.faces[slot];
         let may = |a, b| self.may_cross(of(a), of(b));
-        let Pairs { found, crowded } = self.tree().pairs(&self.slots_of(active), may, |a, b| self.cross(of(a), of(b)));
+        let cross = |a, b| self.cross(of(a), of(b));
+        let Pairs { found, crowded } = self.tree().pairs(&self.slots_of(active), may, cross, work);
         let all = found.into_iter().chain(crowded.into_iter().map(|slot| [slot; 2]));
         all.map(|pair| pair.map(|slot| self.faces[slot].face)).collect()
     }

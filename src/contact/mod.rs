@@ -21,7 +21,8 @@ pub use bvh::{Aabb, Bvh, morton_order};
 pub use clearance::{Clearance, UNBOUNDED, smaller};
 pub use face::ChildId;
 pub use faces::{RefinedFaces, evaluate};
-pub use nearest::NearestSearch;
+pub use nearest::{NearestSearch, Range};
+pub use pairs::{TEST, WorkLimit};
 pub use part::RefinedPart;
 pub use proximity::{NextContacts, Proximity};
 

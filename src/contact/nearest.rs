@@ -10,6 +10,24 @@ use std::collections::BinaryHeap;
 /// Radii of all elements to which farther points are pulled in: beyond, differences between distances are lost to rounding.
 const FAR: f64 = 1e3;
 
+/// How far a search goes.
+#[derive(Clone, Copy)]
+pub struct Range {
+    /// The largest distance of an element that counts.
+    pub reach: f64,
+    /// Largest error of distances of elements, by which they may be nearer than their boxes.
+    pub error: f64,
+}
+
+impl Range {
+    const ALL: Self = Self { reach: f64::INFINITY, error: 0.0 };
+
+    /// The least squared distance of elements in a box at a squared distance.
+    fn least(self, squared: f64) -> f64 {
+        if self.error == 0.0 { squared } else { (squared.sqrt() - self.error).max(0.0).powi(2) }
+    }
+}
+
 /// A hierarchy of elements by their boxes.
 pub struct NearestSearch {
     /// The element in each slot of the hierarchy.
@@ -22,8 +40,14 @@ pub struct NearestSearch {
 impl NearestSearch {
     /// A search among the elements with these boxes.
     pub fn new(boxes: &[Aabb]) -> Self {
+        Self::grouped(boxes, |_| 0)
+    }
+
+    /// A search among the elements with these boxes, of which each group has nodes of its own.
+    pub fn grouped(boxes: &[Aabb], group: impl Fn(usize) -> u64) -> Self {
         let centres: Vec<Vec3A> = boxes.iter().map(|b| 0.5 * b.low + 0.5 * b.high).collect();
-        let order = morton_sorted(&centres);
+        let mut order = morton_sorted(&centres);
+        order.sort_by_key(|&i| group(i));
         let tree = Bvh::new(boxes.len(), |slot| boxes[order[slot]]);
         let mut lowest = vec![lowest_of_nodes(&order)];
         while let Some(below) = lowest.last().filter(|below| below.len() > 1) {
@@ -40,7 +64,29 @@ impl NearestSearch {
 
     /// The nearest element to a point, the lowest of equals; none if there are none. `distance` is the squared distance of an
     /// element from a point in the direction of `point`.
-    pub fn nearest(&self, point: Vec3, mut distance: impl FnMut(usize, DVec3) -> f64) -> Option<usize> {
+    pub fn nearest(&self, point: Vec3, distance: impl FnMut(usize, DVec3) -> f64) -> Option<usize> {
+        self.nearest_within(point, Range::ALL, |_, _| true, distance)
+    }
+
+    /// The largest value of the elements of each node, by the height of nodes less 1.
+    pub fn largest(&self, value: impl Fn(usize) -> f64) -> Vec<Vec<f64>> {
+        let of_nodes = |below: &[f64]| below.chunks(WIDTH).map(|own| own.iter().copied().fold(0.0, f64::max)).collect();
+        let mut largest: Vec<Vec<f64>> = vec![of_nodes(&self.order.iter().map(|&i| value(i)).collect::<Vec<f64>>())];
+        while let Some(below) = largest.last().filter(|below| below.len() > 1) {
+            largest.push(of_nodes(below));
+        }
+        largest
+    }
+
+    /// The nearest element in a range, the lowest of equals, of the nodes that `admits` by their height and number.
+    pub fn nearest_within(
+        &self,
+        point: Vec3,
+        range: Range,
+        mut admits: impl FnMut(usize, usize) -> bool,
+        mut distance: impl FnMut(usize, DVec3) -> f64,
+    ) -> Option<usize> {
+        let most = range.reach * range.reach;
         let point = self.pulled_in(point.as_dvec3());
         // The bits of distances, which are not negative, sort as the distances do. Elements are on height 0, leaves on 1.
         let mut queue = BinaryHeap::new();
@@ -52,13 +98,18 @@ impl NearestSearch {
                 return Some(lowest);
             }
             let children = if height == 1 { &self.order } else { &self.lowest[height - 2] };
+            if !admits(height, index) {
+                continue;
+            }
             let first = WIDTH * index;
             for (child, &lowest) in children.iter().enumerate().take(first + WIDTH).skip(first) {
                 let squared = match height {
                     1 => distance(lowest, point),
-                    _ => squared_distance(&self.tree.box_of(height - 1, child), point),
+                    _ => range.least(squared_distance(&self.tree.box_of(height - 1, child), point)),
                 };
-                queue.push(Reverse((squared.to_bits(), lowest, height - 1, child)));
+                if squared <= most {
+                    queue.push(Reverse((squared.to_bits(), lowest, height - 1, child)));
+                }
             }
         }
         None

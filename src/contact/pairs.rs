@@ -5,7 +5,9 @@
 
 use super::bvh::{Aabb, Bvh};
 use super::simd::{Aabbx4, Mask, WIDTH, bits};
+use crate::meter;
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Leaf nodes that one task searches.
 const NODES_PER_TASK: usize = 16;
@@ -15,6 +17,45 @@ const BOXES_PER_TASK: usize = 256;
 const MOST_MET: usize = 4096;
 /// Boxes that a box which is not crowded is near, by the cheap test, at most.
 const MOST_NEAR: usize = 256;
+
+/// The work of a test of two faces with their children, in cheap tests of two boxes that meet.
+pub const TEST: usize = 16;
+
+/// A bound on the work of searches for contacts, and the work so far. A search that passes the bound ends early, and its
+/// result is incomplete. Whether it passes the bound does not depend on the number of threads. \[cheap tests of two boxes\]
+pub struct WorkLimit {
+    most: usize,
+    spent: AtomicUsize,
+}
+
+impl WorkLimit {
+    /// A bound of so much work.
+    pub fn new(most: usize) -> Self {
+        Self { most, spent: AtomicUsize::new(0) }
+    }
+
+    /// Adds work that is about to be done; false beyond the bound, where it is to be left undone.
+    pub fn take(&self, work: usize) -> bool {
+        self.spent.fetch_add(work, Ordering::Relaxed).saturating_add(work) <= self.most
+    }
+
+    /// The work so far, with that which was left undone.
+    pub fn spent(&self) -> usize {
+        self.spent.load(Ordering::Relaxed)
+    }
+
+    /// Whether some work was left undone.
+    pub fn is_over(&self) -> bool {
+        self.spent() > self.most
+    }
+}
+
+impl Default for WorkLimit {
+    /// Without a bound.
+    fn default() -> Self {
+        Self::new(usize::MAX)
+    }
+}
 
 /// Pairs of boxes.
 #[derive(Debug, Default, PartialEq, Eq)]
@@ -46,20 +87,22 @@ struct Search<'a, N, T> {
     /// Whether two boxes that meet are near, by a cheap test.
     is_near: N,
     test: T,
+    work: &'a WorkLimit,
 }
 
 impl Bvh {
     /// The pairs of boxes that meet, that are near, that pass a test, and of which at least one is active. `is_near` is cheap, and
-    /// takes two boxes in either order.
+    /// takes two boxes in either order. The pairs are incomplete beyond the bound of `work`.
     pub fn pairs(
         &self,
         active: &[usize],
         is_near: impl Fn(usize, usize) -> bool + Sync,
         test: impl Fn(usize, usize) -> bool + Sync,
+        work: &WorkLimit,
     ) -> Pairs {
         let mut is_active: Vec<Mask> = vec![0; self.leaves().len()];
         active.iter().for_each(|&i| is_active[i / WIDTH] |= 1 << (i % WIDTH));
-        let search = Search { tree: self, is_active, is_near, test };
+        let search = Search { tree: self, is_active, is_near, test, work };
         let mut pairs = search.of_active();
         if !pairs.crowded.is_empty() {
             search.complete(&mut pairs);
@@ -83,6 +126,10 @@ impl<N: Fn(usize, usize) -> bool + Sync, T: Fn(usize, usize) -> bool + Sync> Sea
 
     /// Adds the pairs of the active boxes of a leaf node. `near` is scratch memory.
     fn of_leaf(&self, a: usize, near: &mut Vec<[usize; 2]>, pairs: &mut Pairs) {
+        meter::check();
+        if self.work.is_over() {
+            return;
+        }
         let (of_a, active) = (&self.tree.leaves()[a], self.is_active[a]);
         let all = bits(active).fold(Aabb::EMPTY, |all, i| all.merged(&of_a.at(i)));
         let (mut counts, mut open) = ([Count::default(); WIDTH], active);
@@ -102,7 +149,11 @@ impl<N: Fn(usize, usize) -> bool + Sync, T: Fn(usize, usize) -> bool + Sync> Sea
             open != 0
         });
         pairs.crowded.extend(bits(active & !open).map(|i| WIDTH * a + i));
-        let kept = near.iter().filter(|[i, j]| open & 1 << (i % WIDTH) != 0 && (self.test)(*i, *j));
+        near.retain(|[i, _]| open & 1 << (i % WIDTH) != 0);
+        if !self.work.take(counts.iter().map(|count| count.met).sum::<usize>() + TEST * near.len()) {
+            return;
+        }
+        let kept = near.iter().filter(|[i, j]| (self.test)(*i, *j));
         pairs.found.extend(kept.map(|&[i, j]| [i.min(j), i.max(j)]));
     }
 
@@ -115,9 +166,13 @@ impl<N: Fn(usize, usize) -> bool + Sync, T: Fn(usize, usize) -> bool + Sync> Sea
         let of_task = |others: &[usize]| {
             let mut pairs = Pairs::default();
             for &i in others {
+                if self.work.is_over() {
+                    break;
+                }
                 // An active box has found the boxes after it already.
                 let is_new = |&j: &usize| !self.is_active(i) || j < i;
                 match self.near_among(&tree, &crowded, i, is_new) {
+                    Some(near) if !self.work.take(TEST * near.len()) => break,
                     Some(near) => {
                         let passed = near.into_iter().filter(|&j| (self.test)(i, j));
                         pairs.found.extend(passed.map(|j| [i.min(j), i.max(j)]));
@@ -166,16 +221,22 @@ impl<N: Fn(usize, usize) -> bool + Sync, T: Fn(usize, usize) -> bool + Sync> Sea
             }
             !count.is_over()
         });
+        self.work.take(count.met);
         is_whole.then_some(near)
     }
 
     /// Whether a box is near another of `boxes`, in a hierarchy, or meets too many of them to tell.
     fn has_near_among(&self, tree: &Bvh, boxes: &[usize], i: usize) -> bool {
+        if self.work.is_over() {
+            return true;
+        }
         let mut met = 0;
-        !tree.visit_while(&self.aabb(i), &mut |k| {
+        let has_near = !tree.visit_while(&self.aabb(i), &mut |k| {
             met += 1;
             boxes[k] == i || met <= MOST_MET && !(self.is_near)(i, boxes[k])
-        })
+        });
+        self.work.take(met);
+        has_near
     }
 
     fn aabb(&self, i: usize) -> Aabb {
@@ -206,7 +267,6 @@ mod tests {
     use super::super::bvh::morton_sorted;
     use super::*;
     use glam::Vec3A;
-    use std::sync::atomic::{AtomicUsize, Ordering};
 
     /// Boxes in the order of a hierarchy.
     fn ordered(boxes: &[Aabb]) -> Vec<Aabb> {
@@ -237,7 +297,7 @@ mod tests {
             let tests = &tests;
             move |_, _| tests[kind].fetch_add(1, Ordering::Relaxed) < usize::MAX
         };
-        let pairs = Bvh::new(boxes.len(), |i| boxes[i]).pairs(&all, counted(0), counted(1));
+        let pairs = Bvh::new(boxes.len(), |i| boxes[i]).pairs(&all, counted(0), counted(1), &WorkLimit::default());
         (pairs, tests.map(AtomicUsize::into_inner))
     }
 
@@ -268,6 +328,28 @@ mod tests {
     }
 
     #[test]
+    fn a_search_ends_at_its_bound_of_work() {
+        let boxes = sheet(48, |i, _| 0.048 * random(i));
+        let all: Vec<usize> = (0..boxes.len()).collect();
+        let tree = Bvh::new(boxes.len(), |i| boxes[i]);
+        let search = |most: usize, threads: usize| {
+            let (tests, work) = (AtomicUsize::new(0), WorkLimit::new(most));
+            let count = |_, _| tests.fetch_add(1, Ordering::Relaxed) < usize::MAX;
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+            pool.install(|| tree.pairs(&all, |_, _| true, count, &work));
+            (tests.into_inner(), work)
+        };
+        let whole = search(usize::MAX, 1).1.spent();
+        for threads in [1, 4] {
+            for most in [whole / 100, whole / 3, whole - 1] {
+                let (tests, work) = search(most, threads);
+                assert!(work.is_over() && TEST * tests <= most, "{tests} tests of {most} with {threads}");
+            }
+            assert!(!search(whole, threads).1.is_over());
+        }
+    }
+
+    #[test]
     fn a_pair_is_tested_unless_both_of_it_are_told() {
         // A crowd, what is around it, and a sheet with one large box over all of it.
         let crowd = (0..700).map(|i| Aabb { low: 0.2 * random(i), high: 0.2 * random(i) + 1.0 });
@@ -282,7 +364,7 @@ mod tests {
             let active: Vec<usize> = (0..boxes.len()).filter(|&i| i % step == 0 || i == large).collect();
             let is_active = |i: usize| active.binary_search(&i).is_ok();
             let is_near = |i: usize, j: usize| (i + j) % 8 != 7;
-            let Pairs { mut found, crowded } = tree.pairs(&active, is_near, |_, _| true);
+            let Pairs { mut found, crowded } = tree.pairs(&active, is_near, |_, _| true, &WorkLimit::default());
             found.sort_unstable();
             assert!(found.windows(2).all(|pair| pair[0] != pair[1]), "each once");
             assert!(crowded.len() > 150 && crowded.iter().all(|&i| is_active(i) && boxes[i].high.x < 2.0));

@@ -4,7 +4,7 @@ use super::bvh::Bvh;
 use super::face::{ChildId, RefinedFace};
 use super::faces::RefinedFaces;
 use super::intersect::{Motion, are_opposed, are_within_sharp, find_near_children};
-use super::pairs::Pairs;
+use super::pairs::{Pairs, TEST, WorkLimit};
 use super::simd::bits;
 use crate::mesh::FaceId;
 use glam::Vec3;
@@ -12,6 +12,9 @@ use rayon::prelude::*;
 
 /// Part of its size that any point of a face may move. Larger finds more pairs that do not intersect.
 const SLACK: f32 = 1e-4;
+
+/// The work of a test of two children that have to be refined for it.
+const NEXT_TEST: usize = 2 * TEST;
 
 /// The contacts that are possible on the next refinement.
 pub struct NextContacts {
@@ -43,7 +46,8 @@ impl Proximity {
     }
 
     /// Pairs of children that may intersect on the next refinement, of which at least one is of an active face, and crowds.
-    pub fn contacts(&self, faces: &RefinedFaces, active: &[FaceId]) -> NextContacts {
+    /// Incomplete beyond the bound of `work`.
+    pub fn contacts(&self, faces: &RefinedFaces, active: &[FaceId], work: &WorkLimit) -> NextContacts {
         // Layers move together: only the difference of their motions counts.
         let motion = |a: usize, b: usize| self.motions[a].relative_to(&self.motions[b]);
         let may_intersect = |a: usize, b: usize| {
@@ -58,14 +62,18 @@ impl Proximity {
         };
         let near_children = |&[a, b]: &[usize; 2]| {
             let mut found = Vec::new();
+            if work.is_over() {
+                return found;
+            }
             find_near_children(&faces.faces[a], &faces.faces[b], &motion(a, b), &mut |a, b| {
                 found.push([a.id, b.id]);
                 false
             });
+            work.take(NEXT_TEST * found.len());
             found.sort_unstable();
             found
         };
-        let Pairs { found, crowded } = self.tree.pairs(&faces.slots_of(active), may_intersect, |_, _| true);
+        let Pairs { found, crowded } = self.tree.pairs(&faces.slots_of(active), may_intersect, |_, _| true, work);
         NextContacts {
             pairs: found.par_iter().flat_map_iter(near_children).collect(),
             crowded: crowded.into_iter().map(|slot| faces.faces[slot].face).collect(),
@@ -131,9 +139,10 @@ mod tests {
             let all: Vec<FaceId> = cage.garment().faces.ids().collect();
             let ball: Vec<FaceId> = all.iter().filter(in_ball).copied().collect();
             assert_eq!(ball.len(), 20 * 40);
-            let told: HashSet<FaceId> = faces.intersecting_pairs(&all).into_iter().flatten().collect();
+            let told: HashSet<FaceId> =
+                faces.intersecting_pairs(&all, &WorkLimit::default()).into_iter().flatten().collect();
             assert!(ball.iter().all(|face| told.contains(face)), "{size}");
-            let NextContacts { pairs, crowded } = Proximity::new(&faces).contacts(&faces, &all);
+            let NextContacts { pairs, crowded } = Proximity::new(&faces).contacts(&faces, &all, &WorkLimit::default());
             let near: HashSet<FaceId> = pairs.iter().flatten().map(|(face, _)| *face).chain(crowded).collect();
             assert!(ball.iter().all(|face| near.contains(face)), "{size}");
         }
@@ -145,6 +154,6 @@ mod tests {
         let points = &cage.garment().points;
         let all: Vec<FaceId> = cage.garment().faces.ids().collect();
         let faces = RefinedFaces::new(cage.level(), cage.level().vertex_rows(), points, &all, None);
-        assert!(faces.intersecting_pairs(&all).is_empty());
+        assert!(faces.intersecting_pairs(&all, &WorkLimit::default()).is_empty());
     }
 }

@@ -112,6 +112,8 @@ pub enum ErrorCode {
     CacheMismatch,
     /// A cache lacks frames.
     CacheFrames,
+    /// The system starts no more threads.
+    NoThread,
     /// The build was cancelled.
     Cancelled,
     /// This program is at fault.

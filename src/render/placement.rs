@@ -12,8 +12,8 @@ use super::child::{OperatorDerivation, Table};
 use super::operator::{Control, ControlRole, DerivedCage, LayerEnd, Operator, OperatorOutput};
 use super::points::CagePoints;
 use super::repair::{LEAST_SHARE, RepairInput, SecondRefinementInput, repair};
-use crate::contact::{Clearance, each_once, morton_order};
-use crate::error::Warnings;
+use crate::contact::{Clearance, TEST, each_once, morton_order};
+use crate::error::{Code, Warning, Warnings};
 use crate::garment::Mesh;
 use crate::mesh::{CornerId, Csr, EdgeId, FaceId, IdVec, VertexId};
 use crate::subdivide::{Connectivity, Derivation, Level, carried_points, edges_at};
@@ -246,6 +246,9 @@ impl Placement {
         if !repaired.faults.is_empty() {
             warnings.push(operator.intersections(self.output(), &repaired.faults));
         }
+        if repaired.is_cut_short {
+            warnings.push(cut_short(operator.label(), displaced.most_work()));
+        }
         (cage, warnings)
     }
 
@@ -332,6 +335,17 @@ impl Placement {
         };
         self.output().controls.iter().zip(asked).zip(targets).map(of).collect()
     }
+}
+
+/// The warning of a repair that its bound of work has ended.
+fn cut_short(label: String, most: usize) -> Warning {
+    let problem = format!(
+        "repair has ended at its bound of {} tests of faces, as very many of them are near each other: more may intersect \
+         than are reported",
+        most / TEST
+    );
+    Warning::new(Code::RepairCutShort, label, problem)
+        .remedy("Leave out elements where the garment is crumpled or passes through itself")
 }
 
 /// The edges between copies, as indices of their controls, without those of closed ends.

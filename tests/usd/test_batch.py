@@ -226,6 +226,61 @@ def test_the_estimate_is_within_a_factor_of_two(usdtailor, tmp_path, options):
     assert peak("--max-memory", most * 2)[0] == 0
 
 
+def crowd(quads):
+    """Quads in one place, each with points of its own."""
+    corners = ", ".join(["(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)"] * quads)
+    counts, indices = ", ".join(["4"] * quads), ", ".join(map(str, range(4 * quads)))
+    return f"""#usda 1.0
+(
+    defaultPrim = "G"
+)
+def Xform "G"
+{{
+    def Mesh "model"
+    {{
+        point3f[] points = [{corners}]
+        int[] faceVertexCounts = [{counts}]
+        int[] faceVertexIndices = [{indices}]
+    }}
+}}
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "wait4"), reason="no peak memory of a child on this system")
+def test_a_build_that_takes_more_than_its_estimate_ends_at_the_limit(usdtailor, tmp_path):
+    garment = tmp_path / "crowd.usda"
+    garment.write_text(crowd(8000))
+    command = [usdtailor, "build", garment, "-o", tmp_path / "out.usdc", "--max-memory", "300M"]
+    measured = subprocess.run(
+        [sys.executable, "-c", PEAK, *map(str, command)], capture_output=True, text=True, check=True
+    )
+    status, peak = map(int, measured.stdout.split()[-2:])
+    assert os.waitstatus_to_exitcode(status) == 1 and peak * 1024 < 1.25 * 300 * 2**20
+    assert "too-large" in measured.stderr and "--max-memory" in measured.stderr
+    assert not (tmp_path / "out.usdc").exists()
+
+
+def test_builds_that_pass_the_limit_together_are_built_alone(usdtailor, run, tmp_path):
+    files = [tmp_path / f"coat{i}.usda" for i in range(6)]
+    for file in files:
+        file.write_bytes((EXAMPLES / "coat.usda").read_bytes())
+    out = tmp_path / "out"
+    result = run(*files, "-o", out, "--max-memory", "160M", "--jobs", 6, "--quiet")
+    assert result.returncode == 0, result.stderr
+    assert len(list(out.glob("*.usda"))) == 6
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="ulimit -v")
+def test_jobs_fit_into_little_address_space(usdtailor, tmp_path):
+    files = garments(tmp_path, 20)
+    command = ["sh", "-c", 'ulimit -v 2000000; exec "$@"', "sh", usdtailor, "build", *files, "-o", tmp_path / "out", "--jobs", "8"]
+    done = subprocess.run(list(map(str, command)), capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    command[2] = 'ulimit -v 60000; exec "$@"'
+    done = subprocess.run([*map(str, command), "--force"], capture_output=True, text=True, check=False)
+    assert "internal error" not in done.stderr
+
+
 VARIANTS = """#usda 1.0
 (
     defaultPrim = "G"

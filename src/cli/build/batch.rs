@@ -2,10 +2,11 @@
 
 use super::{Outcome, Task};
 use crate::error::Error;
+use crate::meter::{PassedLimit, within_limit};
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Condvar, Mutex, MutexGuard, PoisonError, mpsc};
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError, RwLock, mpsc};
 use std::thread;
 
 /// Runs `work` on every task, on `jobs` threads, and hands the outcomes to `take` in the order of the tasks. The work of
@@ -19,9 +20,10 @@ pub fn run_all(
     let next = AtomicUsize::new(0);
     let (sender, receiver) = mpsc::channel();
     thread::scope(|scope| {
+        let (mut started, mut failure) = (0, None);
         for _ in 0..jobs.max(1) {
             let (sender, next, work) = (sender.clone(), &next, &work);
-            scope.spawn(move || {
+            let job = move || {
                 loop {
                     let at = next.fetch_add(1, Ordering::Relaxed);
                     let Some(task) = tasks.get(at) else { break };
@@ -32,9 +34,19 @@ pub fn run_all(
                         break;
                     }
                 }
-            });
+            };
+            // Those that have started do the work of those that cannot.
+            if let Err(e) = thread::Builder::new().name("job".into()).spawn_scoped(scope, job) {
+                failure = Some(Error::no_thread(e));
+                break;
+            }
+            started += 1;
         }
         drop(sender);
+        if let Some(failure) = failure.filter(|_| started == 0) {
+            tasks.iter().for_each(|task| take(task, Outcome::Failed(failure.clone())));
+            return;
+        }
         let (mut waiting, mut due) = (BTreeMap::new(), 0);
         for (at, outcome) in receiver {
             waiting.insert(at, outcome);
@@ -51,6 +63,8 @@ pub struct Budget {
     limit: usize,
     used: Mutex<usize>,
     freed: Condvar,
+    /// Held for writing by a build that runs alone, and for reading by each other one.
+    turns: RwLock<()>,
 }
 
 /// A part of a budget, which is given back when it is dropped.
@@ -62,12 +76,30 @@ pub struct BudgetShare<'a> {
 impl Budget {
     /// A budget of `limit` bytes.
     pub fn new(limit: usize) -> Self {
-        Self { limit, used: Mutex::new(0), freed: Condvar::new() }
+        Self { limit, used: Mutex::new(0), freed: Condvar::new(), turns: RwLock::new(()) }
     }
 
     /// All of it.
     pub fn limit(&self) -> usize {
         self.limit
+    }
+
+    /// The result of a build beside others. If all of them pass the limit together, it is built again alone.
+    ///
+    /// # Errors
+    /// A build that passes the limit alone.
+    pub fn build<T>(&self, is_lone: bool, work: impl Fn() -> T) -> Result<T, PassedLimit> {
+        let beside_others = {
+            let _turn = self.turns.read().unwrap_or_else(PoisonError::into_inner);
+            within_limit(&work)
+        };
+        match beside_others {
+            Err(_) if !is_lone => {
+                let _turn = self.turns.write().unwrap_or_else(PoisonError::into_inner);
+                within_limit(work)
+            }
+            result => result,
+        }
     }
 
     /// Waits until `bytes` are free, or nothing else is reserved.

@@ -1,10 +1,16 @@
 //! How much memory a run may take: as much as an option says, or a share of what the machine leaves.
 
+use crate::error::{Error, ErrorCode};
+use crate::meter;
 use std::fs;
 use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Part of the memory that is left for a run by default.
 const SHARE: (u64, u64) = (3, 4);
+
+/// Part of the memory of a run that nothing counts: the program itself, and blocks that are free and not given back.
+const UNCOUNTED: usize = 8;
 
 /// The bytes that a text such as `8G`, `8GiB` or `500MB` stands for.
 ///
@@ -35,6 +41,30 @@ pub fn parse(text: &str) -> Result<u64, String> {
 pub fn limit(given: Option<u64>) -> usize {
     let limit = given.or_else(|| left().map(|left| left / SHARE.1 * SHARE.0));
     limit.map_or(usize::MAX, |limit| usize::try_from(limit).unwrap_or(usize::MAX))
+}
+
+/// The bytes that a run may take, as [`limit`], held from now on: work that takes more ends by unwinding.
+pub fn hold(given: Option<u64>) -> usize {
+    let limit = limit(given);
+    meter::set_limit(limit - limit / UNCOUNTED);
+    limit
+}
+
+/// The step of a build that runs; empty before the first.
+pub type RunningStep = Arc<Mutex<String>>;
+
+/// The error of a build that has passed the limit in a step.
+pub fn passed(limit: usize, step: &RunningStep) -> Error {
+    let step = step.lock().unwrap_or_else(PoisonError::into_inner);
+    let (place, remedy) = match step.as_str() {
+        "render" | "binding" => ("render.level", "lower it, shorten the sets of seams and folds"),
+        "" => ("", "give fewer or smaller meshes at once"),
+        _ => ("sim.maxEdgeLength", "raise it, and sim.minEdgeLength"),
+    };
+    let at = if step.is_empty() { String::new() } else { format!(" in the step {step}") };
+    let fault = format!("the build has taken all of the {:.2} GB of memory that it may take{at}", limit as f64 / 1e9);
+    let remedy = format!("{remedy}, or allow more memory (--max-memory)");
+    Error::recipe(place, fault).code(ErrorCode::TooLarge).remedy(remedy)
 }
 
 fn left() -> Option<u64> {

@@ -1,6 +1,6 @@
 //! Intersections of small cages.
 
-use crate::contact::RefinedFaces;
+use crate::contact::{RefinedFaces, WorkLimit};
 use crate::garment::{Mesh, Scheme, SubdivisionRules};
 use crate::mesh::{FaceId, Faces, IdVec, VertexId};
 use crate::subdivide::Cage;
@@ -20,7 +20,7 @@ fn intersecting(run: f32, rise: f32) -> Vec<[FaceId; 2]> {
     });
     let all = [0, 1].map(FaceId::new);
     RefinedFaces::new(cage.level(), cage.level().vertex_rows(), &cage.garment().points, &all, None)
-        .intersecting_pairs(&all)
+        .intersecting_pairs(&all, &WorkLimit::default())
 }
 
 #[test]
@@ -45,7 +45,7 @@ fn a_sliver_may_overlap_a_flat_neighbour() {
             Some(&rest_normals),
         );
         let slivers = all.into_iter().filter(|&face| !faces.is_smooth(face)).collect::<Vec<_>>();
-        (faces.intersecting_pairs(&slivers), slivers)
+        (faces.intersecting_pairs(&slivers, &WorkLimit::default()), slivers)
     };
     let [pentagon, triangle] = [0, 1].map(FaceId::new);
     assert_eq!(intersecting(0.02), (vec![[pentagon, triangle]], vec![triangle]));
@@ -83,7 +83,7 @@ fn neighbours_intersect_where_their_children_do() {
         let faces = RefinedFaces::new(cage.level(), cage.level().vertex_rows(), points, &all, None);
         let intersect = !faces.intersecting_children(all[0], all[1]).is_empty();
         found += usize::from(intersect);
-        if intersect && !faces.intersecting_pairs(&all).contains(&all) {
+        if intersect && !faces.intersecting_pairs(&all, &WorkLimit::default()).contains(&all) {
             missed.push(number);
         }
     }

@@ -10,7 +10,7 @@ mod solver;
 mod trial;
 
 use super::child::OperatorDerivation;
-use crate::contact::{ChildId, Quad, RefinedFaces, evaluate, separating_axis, twice_area, with_neighbours};
+use crate::contact::{ChildId, Quad, RefinedFaces, TEST, evaluate, separating_axis, twice_area, with_neighbours};
 use crate::mesh::{FaceId, IdVec, VertexId};
 use crate::subdivide::{Connectivity, Level};
 use candidate::{Candidate, Fault, State};
@@ -28,6 +28,11 @@ const REDUCED: f32 = 0.3;
 pub const FLIPPED_BEFORE: f32 = 0.3;
 /// Distance of faces that are separated, as a part of their size.
 const GAP: f32 = 5e-3;
+
+/// Work for each face of the cage. Garments take a tenth of it, and a crumpled sheet would take fifty times as much.
+const WORK_PER_FACE: usize = 32 * TEST;
+/// Work for a cage of any size: a few faces of a small one may have many faults.
+const LEAST_WORK: usize = 50_000 * TEST;
 
 /// A cage that an operator has displaced.
 pub struct RepairInput<'a> {
@@ -83,9 +88,16 @@ pub struct RepairResult {
     pub shares: IdVec<VertexId, f32>,
     /// Faces that still intersect others or are flipped, each once, ascending.
     pub faults: Vec<FaceId>,
+    /// Whether the bound of work ended the repair early, so that other faces may intersect too.
+    pub is_cut_short: bool,
 }
 
 impl RepairInput<'_> {
+    /// The most work that a repair may take.
+    pub fn most_work(&self) -> usize {
+        LEAST_WORK + WORK_PER_FACE * self.child.level().topology.faces.len()
+    }
+
     /// Where a state puts a vertex; none if a solver does.
     fn point(&self, v: VertexId, state: State) -> Option<Vec3> {
         match state {
@@ -110,7 +122,7 @@ impl RepairInput<'_> {
 pub fn repair(input: &RepairInput) -> RepairResult {
     let normals = unfitted_normals(input);
     let mut trial = Trial::new(input, &normals);
-    let reduced = reduce(&mut trial);
+    let Some(reduced) = reduce(&mut trial) else { return untested(trial) };
     let share = |&state: &State| LEAST_SHARE + (1.0 - LEAST_SHARE) * input.part(state);
     let mut shares: IdVec<VertexId, f32> = reduced.states.iter().map(share).collect();
     let (facing, folded) = turn_to_reference(&mut trial, reduced);
@@ -123,21 +135,34 @@ pub fn repair(input: &RepairInput) -> RepairResult {
     }
     let best = separate(&mut trial, facing_ahead);
     let faults = remaining(&trial, best, folded);
-    RepairResult { points: trial.points, shares, faults }
+    result(trial, shares, faults)
 }
 
-/// Reduces heights at faults step by step; the best state of each part.
-fn reduce(trial: &mut Trial) -> Candidate {
-    let faults = trial.faults_after(&[], trial.input.controlled_faces);
+fn result(trial: Trial, shares: IdVec<VertexId, f32>, faults: Vec<FaceId>) -> RepairResult {
+    RepairResult { points: trial.points, shares, faults, is_cut_short: trial.work.is_over() }
+}
+
+/// The cage with the least heights, where a search for its faults takes too much work. Each face that may have one counts.
+fn untested(mut trial: Trial) -> RepairResult {
+    let states = IdVec::filled(State::Least, trial.points.len());
+    trial.displace(states);
+    let faults = trial.doubtful(trial.input.controlled_faces);
+    let shares = IdVec::filled(LEAST_SHARE, trial.points.len());
+    result(trial, shares, faults)
+}
+
+/// Reduces heights at faults step by step; the best state of each part. None if the first search takes too much work.
+fn reduce(trial: &mut Trial) -> Option<Candidate> {
+    let faults = trial.faults_after(&[], trial.input.controlled_faces)?;
     let mut candidates = vec![trial.candidate(faults)];
     // More steps find nearly nothing.
     for _ in 0..4 {
         let known = candidates.last().map_or_else(Vec::new, |last| last.faults.clone());
         let Some(moved) = trial.displace(trial.weakened(&known, State::weaker)) else { break };
-        let faults = trial.faults_after(&known, &moved);
+        let Some(faults) = trial.faults_after(&known, &moved) else { break };
         candidates.push(trial.candidate(faults));
     }
-    trial.take_best(candidates)
+    Some(trial.take_best(candidates))
 }
 
 /// Turns faces that are flipped against their reference normals by small moves; the best state of each part, and faces that
@@ -161,9 +186,9 @@ fn reduce_ahead(trial: &mut Trial, mut facing: Candidate) -> Candidate {
     let Some(input) = &trial.input.ahead else { return facing };
     let ahead = SecondRefinement::new(input, &trial.faces);
     let all: Vec<FaceId> = trial.topology().faces.ids().collect();
-    let found = ahead.faults(&trial.faces, &all);
+    let found = ahead.faults(&trial.faces, &all, &trial.work);
     trial.ahead = Some(ahead);
-    if found.is_empty() {
+    if found.is_empty() || trial.work.is_over() {
         return facing;
     }
     facing.faults.extend(found);
@@ -171,7 +196,7 @@ fn reduce_ahead(trial: &mut Trial, mut facing: Candidate) -> Candidate {
     for weaker in [State::Upright, State::Unfitted] {
         let known = candidates.last().map_or_else(Vec::new, |last| last.faults.clone());
         let Some(moved) = trial.displace(trial.weakened(&known, |state| state.max(weaker))) else { continue };
-        let faults = trial.faults_after(&known, &moved);
+        let Some(faults) = trial.faults_after(&known, &moved) else { break };
         candidates.push(trial.candidate(faults));
     }
     trial.take_best(candidates)
@@ -183,7 +208,10 @@ fn separate(trial: &mut Trial, reduced: Candidate) -> Candidate {
         return reduced;
     }
     let around = with_neighbours(trial.topology(), &faces_of(&reduced.faults));
-    let of_ahead = trial.ahead.as_ref().map(|ahead| ahead.separations(&trial.faces, &around));
+    let of_ahead = trial.ahead.as_ref().map(|ahead| ahead.separations(&trial.faces, &around, &trial.work));
+    if trial.work.is_over() {
+        return reduced;
+    }
     let mut constraints = of_ahead.unwrap_or_default();
     constraints.extend(separations(&trial.faces, trial.input.unfitted, &reduced.faults));
     move_by(trial, reduced, &constraints, &[])
@@ -215,16 +243,15 @@ fn move_by(
     constraints: &[Box<dyn Constraint>],
     copies: &[[VertexId; 2]],
 ) -> Candidate {
-    if constraints.is_empty() {
+    if constraints.is_empty() || trial.work.is_over() {
         return before;
     }
-    let points = solve(&trial.points, constraints, copies);
+    let points = solve(&trial.points, constraints, copies, &trial.work);
     let state = |v: VertexId| if points[v] == trial.points[v] { trial.states[v] } else { State::Moved };
     let states = points.ids().map(state).collect();
     let moved = trial.move_to(states, points);
-    let faults = trial.faults_after(&before.faults, &moved);
-    let after = trial.candidate(faults);
-    trial.take_best(vec![before, after])
+    let after = trial.faults_after(&before.faults, &moved).map(|faults| trial.candidate(faults));
+    trial.take_best(std::iter::once(before).chain(after).collect())
 }
 
 /// The faces with a fault at the end. Faces folded before count unless a solver has moved them.
@@ -252,6 +279,7 @@ fn unfitted_normals(input: &RepairInput) -> IdVec<FaceId, Vec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::WorkLimit;
     use crate::garment::{Mesh, Scheme, SubdivisionRules};
     use crate::mesh::Faces;
     use crate::subdivide::Cage;
@@ -278,10 +306,10 @@ mod tests {
         let (intersecting, separated) = (sheets(-0.1), sheets(0.2));
         let points = &intersecting.garment().points;
         let both = [0, 1].map(FaceId::new);
-        assert_eq!(refined(&intersecting, points).intersecting_pairs(&both), [both]);
+        assert_eq!(refined(&intersecting, points).intersecting_pairs(&both, &WorkLimit::default()), [both]);
         let of = |points| separations(&refined(&intersecting, points), &separated.garment().points, &[both]);
-        let after = solve(points, &of(points), &[]);
-        assert!(refined(&intersecting, &after).intersecting_pairs(&both).is_empty());
+        let after = solve(points, &of(points), &[], &WorkLimit::default());
+        assert!(refined(&intersecting, &after).intersecting_pairs(&both, &WorkLimit::default()).is_empty());
         assert!(points.ids().all(|v| points[v].distance(after[v]) < 0.1));
         assert!(of(&after).is_empty());
     }

@@ -7,7 +7,8 @@ use super::candidate::Fault;
 use super::solver::{Constraint, Row, add_row, separation};
 use super::{GAP, SecondRefinementInput};
 use crate::contact::{
-    ChildId, NextContacts, Proximity, Quad, RefinedFaces, RefinedPart, each_once, evaluate, separating_axis,
+    ChildId, NextContacts, Proximity, Quad, RefinedFaces, RefinedPart, TEST, WorkLimit, each_once, evaluate,
+    separating_axis,
 };
 use crate::mesh::{FaceId, VertexId};
 use crate::subdivide::Stencils;
@@ -34,16 +35,17 @@ impl<'a> SecondRefinement<'a> {
 
     /// Pairs of faces that intersect on the second refinement, at least one of them among `of`. Pairs that intersect in the
     /// input are left out. A face among `of` in a crowd that is too close to be tested counts as one that intersects itself.
-    pub fn faults(&self, faces: &RefinedFaces, of: &[FaceId]) -> Vec<Fault> {
-        let near = self.near(faces, of);
-        let found = self.intersecting(faces, &near.pairs);
+    /// Incomplete beyond the bound of `work`.
+    pub fn faults(&self, faces: &RefinedFaces, of: &[FaceId], work: &WorkLimit) -> Vec<Fault> {
+        let near = self.near(faces, of, work);
+        let found = self.intersecting(faces, &near.pairs, work);
         each_once(found.iter().map(faces_of).chain(near.crowded.iter().map(|&face| [face; 2])).collect())
     }
 
     /// Constraints that separate children that intersect on the second refinement, along the axis that separates them on
-    /// the first.
-    pub fn separations(&self, faces: &RefinedFaces, of: &[FaceId]) -> Vec<Box<dyn Constraint>> {
-        let pairs = self.intersecting(faces, &self.near(faces, of).pairs);
+    /// the first. Incomplete beyond the bound of `work`.
+    pub fn separations(&self, faces: &RefinedFaces, of: &[FaceId], work: &WorkLimit) -> Vec<Box<dyn Constraint>> {
+        let pairs = self.intersecting(faces, &self.near(faces, of, work).pairs, work);
         let part = RefinedPart::new(faces.level(), &pairs, |v| faces.points()[v]);
         let refined = part.refined();
         let row = |vertex: VertexId| {
@@ -63,19 +65,22 @@ impl<'a> SecondRefinement<'a> {
     }
 
     /// The contacts of some faces that are possible on the second refinement.
-    fn near(&self, faces: &RefinedFaces, of: &[FaceId]) -> NextContacts {
+    fn near(&self, faces: &RefinedFaces, of: &[FaceId], work: &WorkLimit) -> NextContacts {
         let is_doubtful = |face: &FaceId| self.input.close[*face] || !faces.is_smooth(*face);
         let doubtful: Vec<FaceId> = of.iter().copied().filter(is_doubtful).collect();
-        self.proximity.contacts(faces, &doubtful)
+        self.proximity.contacts(faces, &doubtful, work)
     }
 
     /// The pairs among `near` whose own children intersect.
-    fn intersecting(&self, faces: &RefinedFaces, near: &[[ChildId; 2]]) -> Vec<[ChildId; 2]> {
+    fn intersecting(&self, faces: &RefinedFaces, near: &[[ChildId; 2]], work: &WorkLimit) -> Vec<[ChildId; 2]> {
         let of_task = |near: &[[ChildId; 2]]| {
+            if work.is_over() {
+                return Vec::new();
+            }
             let part = RefinedPart::new(faces.level(), near, |v| faces.points()[v]);
             let mut found = part.intersecting(&part.refined(), near);
             let parents = |pair: &[ChildId; 2]| sorted(pair.map(|(face, _)| self.input.input_faces[face]));
-            let known = self.intersecting_in_input(&each_once(found.iter().map(parents).collect()));
+            let known = self.intersecting_in_input(&each_once(found.iter().map(parents).collect()), work);
             found.retain(|pair| known.binary_search(&parents(pair)).is_err());
             found
         };
@@ -83,11 +88,12 @@ impl<'a> SecondRefinement<'a> {
     }
 
     /// The pairs of faces of the input that intersect on its second refinement.
-    fn intersecting_in_input(&self, pairs: &[Fault]) -> Vec<Fault> {
-        if pairs.is_empty() {
+    fn intersecting_in_input(&self, pairs: &[Fault], work: &WorkLimit) -> Vec<Fault> {
+        let (level, faces) = (self.input.input, &self.input.input.topology.faces);
+        let children = |&[f, g]: &Fault| faces.valence(f) * faces.valence(g);
+        if pairs.is_empty() || !work.take(TEST * pairs.iter().map(children).sum::<usize>()) {
             return Vec::new();
         }
-        let (level, faces) = (self.input.input, &self.input.input.topology.faces);
         let children = |face: FaceId| (0..faces.valence(face)).map(move |number| (face, number));
         let of_pair = |&[f, g]: &Fault| children(f).flat_map(move |a| children(g).map(move |b| [a, b]));
         let all: Vec<[ChildId; 2]> = pairs.iter().flat_map(of_pair).collect();
@@ -151,28 +157,34 @@ mod tests {
         let (input_points, input_faces) = (&input.garment().points, &all.iter().copied().collect());
         let input = SecondRefinementInput { input: input.level(), input_points, input_faces, close };
         let ahead = SecondRefinement::new(&input, &faces);
-        (ahead.faults(&faces, &all), ahead.separations(&faces, &all))
+        {
+            let work = WorkLimit::default();
+            (ahead.faults(&faces, &all, &work), ahead.separations(&faces, &all, &work))
+        }
     }
 
     #[test]
     fn intersections_on_the_second_refinement_are_found() {
         let cage = ridge(HIGH);
         let points = &cage.garment().points;
-        assert!(refined(&cage, points).intersecting_pairs(&all(&cage)).is_empty(), "on the first");
+        assert!(
+            refined(&cage, points).intersecting_pairs(&all(&cage), &WorkLimit::default()).is_empty(),
+            "on the first"
+        );
         let both = [10, 16].map(FaceId::new);
         assert_eq!(ahead(&cage, points, LOW).0, [both]);
         assert_eq!(ahead(&cage, points, HIGH).0, [[both[0]; 2]; 0], "they are in the input");
         let low = ridge(LOW);
         assert_eq!(ahead(&low, &low.garment().points, LOW).0, [[both[0]; 2]; 0]);
         let faces = refined(&low, &low.garment().points);
-        assert!(Proximity::new(&faces).contacts(&faces, &all(&low)).pairs.is_empty());
+        assert!(Proximity::new(&faces).contacts(&faces, &all(&low), &WorkLimit::default()).pairs.is_empty());
     }
 
     #[test]
     fn they_are_separated_by_small_moves() {
         let cage = ridge(HIGH);
         let points = &cage.garment().points;
-        let after = solve(points, &ahead(&cage, points, LOW).1, &[]);
+        let after = solve(points, &ahead(&cage, points, LOW).1, &[], &WorkLimit::default());
         assert!(ahead(&cage, &after, LOW).0.is_empty());
         assert!(points.ids().all(|v| points[v].distance(after[v]) < 0.05));
         assert!(points.ids().any(|v| points[v] != after[v]));

@@ -3,7 +3,7 @@
 //! Constraints that fail are met one after the other, each by the least move that does (Müller et al. 2007, *Position based
 //! dynamics*, section 3.3).
 
-use crate::contact::{ChildId, RefinedFaces};
+use crate::contact::{ChildId, RefinedFaces, TEST, WorkLimit};
 use crate::mesh::{FaceId, IdVec, VertexId};
 use crate::subdivide::{Stencils, VertexRows};
 use glam::Vec3;
@@ -27,11 +27,12 @@ pub trait Constraint {
     fn moves(&self, points: &IdVec<VertexId, Vec3>, variable: &dyn Fn(VertexId) -> VertexId) -> Vec<(VertexId, Vec3)>;
 }
 
-/// Points that meet constraints. Vertices move with their copies.
+/// Points that meet constraints, as far as the bound of `work` allows. Vertices move with their copies.
 pub fn solve(
     points: &IdVec<VertexId, Vec3>,
     constraints: &[Box<dyn Constraint>],
     copies: &[[VertexId; 2]],
+    work: &WorkLimit,
 ) -> IdVec<VertexId, Vec3> {
     let mut partner: IdVec<VertexId, VertexId> = points.ids().collect();
     for &[vertex, copy] in copies {
@@ -39,6 +40,9 @@ pub fn solve(
     }
     let mut points = points.clone();
     for _ in 0..ROUNDS {
+        if !work.take(TEST * constraints.len()) {
+            break;
+        }
         let mut is_done = true;
         for constraint in constraints {
             for (vertex, by) in constraint.moves(&points, &|v| v.min(partner[v])) {
@@ -217,7 +221,7 @@ mod tests {
         let flipped = before.flipped(lower, &up);
         assert!(!flipped.is_empty());
         let copies: Vec<[VertexId; 2]> = (0..9).map(|v| [v, v + 9].map(VertexId::new)).collect();
-        let after = solve(points, &areas(&before, lower.iter().copied()), &copies);
+        let after = solve(points, &areas(&before, lower.iter().copied()), &copies, &WorkLimit::default());
         let faces_after = refined(&cage, &after);
         assert_eq!((faces_after.flipped(lower, &up), faces_after.flipped(upper, &up)), (vec![], vec![]), "both sheets");
         let step = |v: VertexId| after[v] - points[v];
@@ -229,6 +233,7 @@ mod tests {
     fn points_that_meet_all_constraints_stay() {
         let cage = sheets([1.2, 0.9]);
         let points = &cage.garment().points;
-        assert_eq!(solve(points, &areas(&refined(&cage, points), cage.garment().faces.ids()), &[]), *points);
+        let areas = areas(&refined(&cage, points), cage.garment().faces.ids());
+        assert_eq!(solve(points, &areas, &[], &WorkLimit::default()), *points);
     }
 }

@@ -3,7 +3,7 @@
 use super::candidate::{Candidate, Fault, State, combined, differs};
 use super::second_refinement::SecondRefinement;
 use super::{FLIPPED_BEFORE, RepairInput};
-use crate::contact::{RefinedFaces, each_once, twice_area, with_neighbours};
+use crate::contact::{RefinedFaces, TEST, WorkLimit, each_once, twice_area, with_neighbours};
 use crate::mesh::{FaceId, IdVec, Topology, VertexId};
 use crate::subdivide::Derivation;
 use glam::Vec3;
@@ -22,6 +22,8 @@ pub struct Trial<'a> {
     pub points: IdVec<VertexId, Vec3>,
     /// The second refinement, once it is looked at.
     pub ahead: Option<SecondRefinement<'a>>,
+    /// The work of all searches for faults, and of the solver.
+    pub work: WorkLimit,
 }
 
 impl<'a> Trial<'a> {
@@ -38,6 +40,7 @@ impl<'a> Trial<'a> {
             states: IdVec::filled(State::Full, points.len()),
             points,
             ahead: None,
+            work: WorkLimit::new(input.most_work()),
         }
     }
 
@@ -104,23 +107,24 @@ impl<'a> Trial<'a> {
         Candidate { states: self.states.clone(), points: self.points.clone(), faults }
     }
 
-    /// Moves the cage to the best candidate for each part. The last candidate is the cage as it is.
+    /// Moves the cage to the best candidate for each part. The last candidate is the cage as it is, unless no work is left to
+    /// know its faults.
     pub fn take_best(&mut self, mut candidates: Vec<Candidate>) -> Candidate {
-        if let (Some(best), Some(last)) =
-            (combined(self.topology(), &candidates, self.input.copy_pairs), candidates.last())
+        if !self.work.is_over()
+            && let Some(last) = candidates.last()
+            && let Some(best) = combined(self.topology(), &candidates, self.input.copy_pairs)
         {
             let known = last.faults.clone();
             let moved = self.move_to(best.states, best.points);
-            let faults = self.faults_after(&known, &moved);
-            candidates.push(self.candidate(faults));
+            candidates.extend(self.faults_after(&known, &moved).map(|faults| self.candidate(faults)));
         }
         let best = candidates.into_iter().min_by_key(Candidate::count).expect("one candidate at least");
         self.move_to(best.states.clone(), best.points.clone());
         best
     }
 
-    /// All faults after some faces have moved, where some were known before.
-    pub fn faults_after(&mut self, known: &[Fault], moved: &[FaceId]) -> Vec<Fault> {
+    /// All faults after some faces have moved, where some were known before; none beyond the bound of work.
+    pub fn faults_after(&mut self, known: &[Fault], moved: &[FaceId]) -> Option<Vec<Fault>> {
         let is_moved = |face: &FaceId| moved.binary_search(face).is_ok();
         let known_moved = known.iter().flatten().copied().filter(is_moved);
         let active = each_once(self.doubtful(moved).into_iter().chain(known_moved).collect());
@@ -129,19 +133,22 @@ impl<'a> Trial<'a> {
         faults.extend(self.intersecting(&active));
         faults.extend(self.flipped(&active).into_iter().map(|face| [face; 2]));
         if let Some(ahead) = &self.ahead {
-            faults.extend(ahead.faults(&self.faces, moved));
+            faults.extend(ahead.faults(&self.faces, moved, &self.work));
         }
-        faults
+        (!self.work.is_over()).then_some(faults)
     }
 
     /// The faces among `faces` that may have a fault: another layer is near them, or they are not smooth.
-    fn doubtful(&self, faces: &[FaceId]) -> Vec<FaceId> {
+    pub fn doubtful(&self, faces: &[FaceId]) -> Vec<FaceId> {
         faces.iter().copied().filter(|&face| self.input.near[face] || !self.faces.is_smooth(face)).collect()
     }
 
     /// Pairs of intersecting faces with an active one, except for those whose parents intersect.
     fn intersecting(&mut self, active: &[FaceId]) -> Vec<Fault> {
-        let mut pairs = self.faces.intersecting_pairs(active);
+        let mut pairs = self.faces.intersecting_pairs(active, &self.work);
+        if !self.work.take(TEST * pairs.len()) {
+            return pairs;
+        }
         self.add_parents(pairs.iter().flatten());
         let parent = |face| self.input.derivation.parent_face(face);
         pairs.retain(|&[f, g]| !self.parent_faces.intersect(parent(f), parent(g)));

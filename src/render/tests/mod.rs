@@ -10,3 +10,4 @@ mod operators;
 mod referee;
 mod stacks;
 mod surface;
+mod work;

@@ -15,8 +15,9 @@ use crate::usd::record::{Depth, NO_SPLINE, Record, is_children, metadata};
 use openusd::sdf::{self, FieldKey, Value};
 use openusd::tf::Token;
 use openusd::usd::{Prim, Stage, TimeCode};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// The model and its surroundings, free of the stage.
 #[derive(Clone, Debug)]
@@ -44,7 +45,7 @@ pub struct Model {
     /// Names of the properties that no product has.
     pub staying: Vec<String>,
     /// The siblings of the model, by name.
-    pub siblings: BTreeMap<String, Sibling>,
+    pub siblings: Arc<Siblings>,
     /// The file or bytes of the stage.
     pub origin: StageOrigin,
     /// The files of all layers in use.
@@ -166,6 +167,7 @@ impl Model {
         origin: StageOrigin,
         declarations: Declarations,
         has_normals: bool,
+        known: &mut KnownSiblings,
     ) -> Result<(Self, Warnings), Error> {
         let mut model = Self {
             purpose: purpose_of(prim)?,
@@ -179,13 +181,13 @@ impl Model {
             applied: applied(prim, &[names::MATERIAL_BINDING_API, names::SKEL_BINDING_API])?,
             subsets: BTreeMap::new(),
             staying: Vec::new(),
-            siblings: BTreeMap::new(),
+            siblings: Arc::default(),
             origin,
             layers: layer_files(prim.stage()),
             transforms: transforms(prim, time)?,
             stage_metadata: stage_metadata(prim.stage())?,
         };
-        model.siblings = siblings(prim.stage(), &model)?;
+        model.siblings = known.of(prim.stage(), &model)?;
         let mut warnings = Warnings::default();
         if let Some(instancer) = &model.instancer {
             let why = format!("{instancer} repeats it; its instances show the garment and keep its purpose");
@@ -287,15 +289,44 @@ fn subset_record(subset: &Prim) -> Result<SubsetRecord, Error> {
     Ok(SubsetRecord { metadata: fields, applied, carried })
 }
 
+/// The prims beside a model, by name.
+pub type Siblings = BTreeMap<String, Sibling>;
+
+/// The prims below parents without products. Each model below such a parent shares them, with itself among them.
+#[derive(Default)]
+pub struct KnownSiblings(HashMap<sdf::Path, Arc<Siblings>>);
+
+impl KnownSiblings {
+    fn of(&mut self, stage: &Stage, model: &Model) -> Result<Arc<Siblings>, Error> {
+        if let Some(known) = self.0.get(&model.parent) {
+            return Ok(Arc::clone(known));
+        }
+        let mut found = all_siblings(stage, model)?;
+        if found.values().any(|sibling| sibling.product || sibling.of_other.is_some()) {
+            found.remove(&model.name());
+            return Ok(Arc::new(found));
+        }
+        let found = Arc::new(found);
+        self.0.insert(model.parent.clone(), Arc::clone(&found));
+        Ok(found)
+    }
+}
+
 /// The prims beside a model.
-pub fn siblings(stage: &Stage, model: &Model) -> Result<BTreeMap<String, Sibling>, Error> {
+pub fn siblings(stage: &Stage, model: &Model) -> Result<Siblings, Error> {
+    let mut found = all_siblings(stage, model)?;
+    let is_other = |name: &String| model.sibling_path(name).is_ok_and(|path| !model.panels.contains(&path));
+    found.retain(|name, _| is_other(name));
+    Ok(found)
+}
+
+/// The prims below the parent of a model.
+fn all_siblings(stage: &Stage, model: &Model) -> Result<Siblings, Error> {
     let (parent, own) = (&model.parent, model.name());
-    let mut found = BTreeMap::new();
+    let mut found = Siblings::new();
     for name in prim_at(stage, parent)?.child_names().or_unreadable(parent)? {
         let path = model.sibling_path(name.as_str()).or_unreadable(parent)?;
-        if !model.panels.contains(&path) {
-            found.insert(name.as_str().to_owned(), Sibling::take(&prim_at(stage, &path)?, &own)?);
-        }
+        found.insert(name.as_str().to_owned(), Sibling::take(&prim_at(stage, &path)?, &own)?);
     }
     Ok(found)
 }

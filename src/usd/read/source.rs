@@ -4,7 +4,7 @@ use super::choose::choose_mesh;
 use super::diagnostics::{in_words, remedy};
 use super::facts::{Facts, gather, materials};
 use super::mesh::read_mesh;
-use super::model::{Model, Sewing};
+use super::model::{KnownSiblings, Model, Sewing};
 use super::origin::StageOrigin;
 use super::primvars::Declarations;
 use super::recipe::{add_constraint, read_recipe};
@@ -103,7 +103,7 @@ impl Source {
     /// Reads the one mesh of a stage that `options` choose.
     pub(super) fn of_stage(stage: &Stage, origin: StageOrigin, options: &ReadOptions) -> Result<Self, Error> {
         let prim = choose_mesh(stage, &origin.file, options)?;
-        Self::of_mesh(stage, &prim, origin, options)
+        Self::of_mesh(stage, &prim, origin, options, &mut KnownSiblings::default())
     }
 
     /// Reads one mesh of a stage.
@@ -112,6 +112,7 @@ impl Source {
         prim: &Prim,
         origin: StageOrigin,
         options: &ReadOptions,
+        known: &mut KnownSiblings,
     ) -> Result<Self, Error> {
         let (time, tolerance) = (options.time.map(TimeCode::new), options.tolerance()?);
         let mut of_mesh = Warnings::default();
@@ -121,7 +122,7 @@ impl Source {
         };
         let is_normals = |p: &PrimvarInput| p.role == PrimvarRole::Normals;
         let has_normals = garment.as_ref().is_ok_and(|g: &Garment| g.primvars.iter().any(is_normals));
-        let model = of_mesh.absorb(Model::take(prim, time, origin, declarations, has_normals)?);
+        let model = of_mesh.absorb(Model::take(prim, time, origin, declarations, has_normals, known)?);
         let facts = gather(prim, &model, time)?;
         let garment = garment.map(|garment| Garment { materials: materials(&model, &facts), ..garment });
         let recipe = read_recipe(prim, time);

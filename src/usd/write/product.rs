@@ -6,6 +6,7 @@ use crate::binding::Binding;
 use crate::error::{Warning, Warnings};
 use crate::garment::{Interpolation, Meaning, Mesh, Primvar, PrimvarRole, Values};
 use crate::mesh::VertexId;
+use crate::meter;
 use crate::usd::assets::Anchor;
 use crate::usd::names::{self, UsdToken};
 use crate::usd::read::{Model, Sibling};
@@ -146,6 +147,7 @@ impl Author<'_> {
         variability: Variability,
         value: Value,
     ) -> openusd::Result<()> {
+        meter::check();
         let path = prim.append_property(name)?;
         if !self.data.has_spec(&path) {
             sdf::AttributeSpec::new(self.data, &path, type_name, variability, false)?;

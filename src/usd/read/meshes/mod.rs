@@ -9,6 +9,7 @@ mod recipe;
 pub use product_names::{ProductNames, product_names};
 
 use super::bindings::resolve_inherited;
+use super::model::KnownSiblings;
 use super::origin::StageOrigin;
 use super::query::prim_at;
 use super::source::{ReadOptions, Source};
@@ -16,6 +17,7 @@ use crate::error::{Code, Error, ErrorCode, Warning};
 use crate::garment::sew::{Seams, Unsewn, find_seams};
 use crate::garment::{Garment, check_garment};
 use crate::mesh::{Elements, VertexId};
+use crate::meter;
 use crate::usd::on_large_stack;
 use glam::DMat4;
 use openusd::usd::TimeCode;
@@ -75,9 +77,10 @@ fn open(origin: StageOrigin, options: &ReadOptions) -> Result<Vec<Source>, Error
         return Ok(vec![Source::of_stage(&stage, origin, options)?]);
     };
     let time = options.time.map(TimeCode::new);
-    let mut sources = Vec::with_capacity(paths.len());
+    let (mut sources, mut known) = (Vec::with_capacity(paths.len()), KnownSiblings::default());
     for path in &paths {
-        sources.push(Source::of_mesh(&stage, &prim_at(&stage, path)?, origin.clone(), options)?);
+        meter::check();
+        sources.push(Source::of_mesh(&stage, &prim_at(&stage, path)?, origin.clone(), options, &mut known)?);
     }
     let seams = match paths.len() {
         1 => Seams { garments: vec![vec![0]], ..Seams::default() },

@@ -16,6 +16,7 @@ use crate::usd::record::{Content, Record};
 use glam::DMat4;
 use openusd::sdf::Path;
 use openusd::usd::{Stage, TimeCode};
+use std::sync::Arc;
 
 /// Names of panels in that of the garment.
 const NAMED: usize = 3;
@@ -69,7 +70,7 @@ pub fn sewn(
     let mut sewn = merge(name(&model), units, meshes, &welds(members, seams))?;
     warnings.extend(std::mem::take(&mut sewn.warnings));
     model.sewing = Sewing { sets: sewn.panels.clone(), points: points(&panels, &sewn), edges: Vec::new() };
-    model.siblings = siblings(stage, &model)?;
+    model.siblings = Arc::new(siblings(stage, &model)?);
     model.subsets = subset_records(&panels)?;
     move_materials(&panels, &mut model, &mut sewn);
     let of_panels = panels.iter().map(|panel| Ok((panel.prim(), panel.recipe.clone()?)));

@@ -172,6 +172,7 @@ export type ErrorCode =
   | "cache-file"
   | "cache-mismatch"
   | "cache-frames"
+  | "no-thread"
   | "cancelled"
   | "internal";
 
@@ -575,6 +576,7 @@ export type WarningCode =
   | "bare-faces"
   | "set-renamed"
   | "intersections"
+  | "repair-cut-short"
   | "operators-left-out"
   | "root-mesh"
   | "empty-set"
