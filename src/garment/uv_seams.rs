@@ -1,7 +1,7 @@
 //! Where a UV set is cut.
 
 use super::{Interpolation, Primvar, Values};
-use crate::mesh::{CornerId, EdgeId, FaceId, Faces, Groups, IdVec, Topology, VertexId};
+use crate::mesh::{CornerId, Csr, EdgeId, FaceId, Faces, IdVec, Topology, VertexId};
 use glam::DVec2;
 
 /// The values of a UV set at the corners of a mesh.
@@ -54,15 +54,16 @@ impl Primvar {
         if !has_negative || !has_positive {
             return Vec::new();
         }
-        let mut shells = shells(faces, rows);
+        let shells = shells(faces, rows);
+        let is_down = |face: FaceId| (areas[face] < 0.0) != shells[face].is_turned;
         let mut sides = IdVec::<FaceId, [f64; 2]>::filled([0.0; 2], faces.len());
         for face in faces.ids() {
-            sides[shells.first(face)][usize::from(areas[face] < 0.0)] += areas[face].abs();
+            sides[shells[face].first][usize::from(is_down(face))] += areas[face].abs();
         }
         let is_mirrored = |&face: &FaceId| {
-            let [up, down] = sides[shells.first(face)];
+            let [up, down] = sides[shells[face].first];
             let is_folded = up.min(down) >= MIRRORED * (up + down);
-            is_folded && areas[face] != 0.0 && (areas[face] < 0.0) == (down <= up)
+            is_folded && areas[face] != 0.0 && is_down(face) == (down <= up)
         };
         faces.ids().filter(is_mirrored).collect()
     }
@@ -74,22 +75,39 @@ impl Primvar {
     }
 }
 
-/// The faces that share an edge with the same rows at its ends.
-fn shells(faces: &Faces, rows: &IdVec<CornerId, u32>) -> Groups<FaceId> {
+/// Where a face is in a UV shell.
+#[derive(Clone, Copy)]
+struct InShell {
+    /// The first face of the shell.
+    first: FaceId,
+    /// Whether the face is wound against that one.
+    is_turned: bool,
+}
+
+/// The shells: faces that share an edge with the same rows at its ends.
+fn shells(faces: &Faces, rows: &IdVec<CornerId, u32>) -> IdVec<FaceId, InShell> {
     let end = |corner: CornerId| (faces.vertex(corner), rows[corner]);
     let edge = |corner: CornerId| {
         let (a, b) = (end(corner), end(faces.next(corner)));
-        (a.min(b), a.max(b), faces.face_of(corner))
+        (a.min(b), a.max(b), faces.face_of(corner), a < b)
     };
     let mut edges: Vec<_> = faces.corners().ids().map(edge).collect();
     edges.sort_unstable();
-    let mut shells = Groups::new(faces.len());
-    for [a, b] in edges.array_windows() {
-        if (a.0, a.1) == (b.0, b.1) {
-            shells.join(a.2, b.2);
+    let same = edges.array_windows().filter(|[a, b]| (a.0, a.1) == (b.0, b.1));
+    // Faces of one winding run along their edge in opposite directions.
+    let pairs = same.flat_map(|[a, b]| [(a.2, (b.2, a.3 == b.3)), (b.2, (a.2, a.3 == b.3))]);
+    let beside = Csr::group(faces.len(), pairs.collect::<Vec<_>>().into_iter(), (FaceId::new(0), false));
+    let mut found = IdVec::<FaceId, Option<InShell>>::filled(None, faces.len());
+    for first in faces.ids() {
+        let mut open = vec![(first, false)];
+        while let Some((face, is_turned)) = open.pop() {
+            if found[face].is_none() {
+                found[face] = Some(InShell { first, is_turned });
+                open.extend(beside.row(face).iter().map(|&(other, turns)| (other, is_turned != turns)));
+            }
         }
     }
-    shells
+    found.iter().map(|face| face.expect("each face is in a shell")).collect()
 }
 
 impl<'a> UvSeams<'a> {
