@@ -55,14 +55,15 @@ fn sew(mesh: &Garment, border: &Border, pairs: &[Match]) -> Option<(Sewn, Seam)>
     Some((sewn, Seam { panels: [0, 0], edges: pairs.len(), gap }))
 }
 
-/// The warning of borders of a mesh that lie along each other and are not sewn: the mesh falls into pieces there.
+/// The warning of borders of a mesh that lie along each other and are not sewn.
 fn open_borders(mesh: &Garment, border: &Border, is_sewn: &[bool], tolerance: f64) -> Option<Warning> {
     let edges = unsewn::find_own(border, is_sewn, tolerance);
     let problem = format!(
-        "{} border edges lie along others of the mesh and are not sewn, so that it falls into pieces there",
+        "{} border edges lie along others of the mesh and are not sewn, so that the two sides move apart",
         edges.len()
     );
-    let remedy = "Weld the points before the export, as by merge by distance, or raise --sew-tolerance";
+    let remedy = "Weld the points before the export, as by merge by distance, or raise --sew-tolerance. Layers that only lie \
+                  on each other need nothing";
     let is_found = !edges.is_empty();
     let edges = edges.into_iter().map(|edge| edge.map(VertexId::new)).collect();
     is_found.then(|| Warning::new(Code::UnsewnBorders, &mesh.prim, problem).at(Elements::Edges(edges)).remedy(remedy))
