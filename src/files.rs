@@ -1,6 +1,6 @@
 //! Opening files for reading. Only regular files are: a pipe may never be written to, and a device may never end.
 
-use std::fs::{self, File};
+use std::fs::{self, File, Metadata};
 use std::io::{self, Read};
 use std::path::Path;
 #[cfg(feature = "usd")]
@@ -12,11 +12,20 @@ const MAX_TEXT: u64 = 1 << 28;
 /// Checks that a path is that of a regular file.
 ///
 /// # Errors
-/// A path without a file, a folder, a pipe, a socket or a device.
+/// As [`metadata`].
 pub fn require_file(path: &Path) -> io::Result<()> {
-    let kind = fs::metadata(path)?.file_type();
+    metadata(path).map(drop)
+}
+
+/// The size and times of a regular file.
+///
+/// # Errors
+/// A path without a file, a folder, a pipe, a socket or a device.
+pub fn metadata(path: &Path) -> io::Result<Metadata> {
+    let metadata = fs::metadata(path)?;
+    let kind = metadata.file_type();
     if kind.is_file() {
-        Ok(())
+        Ok(metadata)
     } else if kind.is_dir() {
         Err(io::ErrorKind::IsADirectory.into())
     } else {
@@ -24,13 +33,13 @@ pub fn require_file(path: &Path) -> io::Result<()> {
     }
 }
 
-/// Checks that the content of a file fits into the memory: a sparse file may be of any size.
+/// Checks that the content of a regular file fits into the memory: a sparse file may be of any size.
 ///
 /// # Errors
-/// A file that does not, or that is not there.
+/// A file that does not; as [`metadata`].
 #[cfg(feature = "usd")]
 pub fn require_memory(path: &Path) -> io::Result<()> {
-    let size = fs::metadata(path)?.len();
+    let size = metadata(path)?.len();
     let fits = usize::try_from(size).is_ok_and(|size| Vec::<u8>::new().try_reserve_exact(size).is_ok());
     if fits { Ok(()) } else { Err(io::Error::new(io::ErrorKind::InvalidInput, "it is larger than the memory")) }
 }
@@ -57,7 +66,6 @@ pub fn open(path: &Path) -> io::Result<File> {
 /// As [`open`], and a file that is larger than the memory.
 #[cfg(feature = "usd")]
 pub fn read(path: &Path) -> io::Result<Vec<u8>> {
-    require_file(path)?;
     require_memory(path)?;
     fs::read(path)
 }

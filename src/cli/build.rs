@@ -105,7 +105,7 @@ pub fn run(build: &Build) -> Result<Output, Error> {
     run_all(
         &tasks,
         jobs,
-        |task| build_one(build, task, &budget, (&bar, jobs == 1)),
+        |task| build_one(build, task, &budget, &bar, jobs == 1),
         |task, outcome| {
             bar.suspend(|| tell(build, &outcome, (tasks.len() > 1).then_some(&task.input), is_lone));
             bar.inc(1);
@@ -172,13 +172,13 @@ fn tell(build: &Build, outcome: &Outcome, label: Option<&PathBuf>, is_lone: bool
     }
 }
 
-fn build_one(build: &Build, task: &Task, budget: &Budget, (bar, is_lone): (&ProgressBar, bool)) -> Outcome {
+fn build_one(build: &Build, task: &Task, budget: &Budget, bar: &ProgressBar, is_lone: bool) -> Outcome {
     if build.skip_fresh && is_fresh(build, task) {
         return Outcome::Fresh;
     }
     let start = Instant::now();
     let step = RunningStep::default();
-    let result = budget.build(is_lone, || built(build, task, budget, (bar, &step)));
+    let result = budget.build(is_lone, || built(build, task, budget, bar, &step));
     match result.unwrap_or_else(|PassedLimit| Err(memory::passed(budget.limit(), &step))) {
         Ok(garments) if build.dry_run => planned(task, garments),
         Ok(garments) => Outcome::Built(Box::new(Summary {
@@ -217,7 +217,8 @@ fn built(
     build: &Build,
     task: &Task,
     budget: &Budget,
-    (bar, step): (&ProgressBar, &RunningStep),
+    bar: &ProgressBar,
+    step: &RunningStep,
 ) -> Result<Vec<Built>, Error> {
     let Task { input, output } = task;
     *step.lock().unwrap_or_else(PoisonError::into_inner) = String::new();
@@ -236,7 +237,7 @@ fn built(
             for (garment, names) in garments.into_iter().zip(names) {
                 let (source, builder, recipe) = garment.check()?;
                 sources.push(source);
-                checked.push((limited(builder, build, task, budget, (bar, step)), recipe, names, variant.clone()));
+                checked.push((limited(builder, build, task, budget, bar, step), recipe, names, variant.clone()));
             }
         }
         Ok(())
@@ -268,7 +269,8 @@ fn limited(
     build: &Build,
     task: &Task,
     budget: &Budget,
-    (bar, running): (&ProgressBar, &RunningStep),
+    bar: &ProgressBar,
+    running: &RunningStep,
 ) -> Builder {
     let (shown, spinner, running) = (task.input.display().to_string(), bar.clone(), Arc::clone(running));
     let progress = Progress::new(move |step| {

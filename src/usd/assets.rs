@@ -20,7 +20,7 @@ pub enum Anchor<'a> {
 }
 
 impl<'a> Anchor<'a> {
-    /// That of a layer in a folder that is named without links.
+    /// The anchor of a layer in a folder that is named without links.
     pub fn real(folder: &'a Path) -> Self {
         Self::Folder { named: folder, real: folder }
     }

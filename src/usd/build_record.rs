@@ -232,8 +232,8 @@ fn folder(out: &Path) -> Result<PathBuf, Error> {
 impl FileState {
     /// The state of a file that was read after `started`; without a hash if it was written to since, or is beyond what is `left`.
     fn unchanged(file: &Path, started: SystemTime, left: &mut u64) -> Result<Self, Error> {
-        let changed = file.metadata().and_then(|m| m.modified()).is_ok_and(|time| time >= started);
-        let bytes = size(file).map_err(|e| unreadable(file, &e))?;
+        let metadata = files::metadata(file).map_err(|e| unreadable(file, &e))?;
+        let (bytes, changed) = (metadata.len(), metadata.modified().is_ok_and(|time| time >= started));
         let is_hashed = !changed && take(left, bytes);
         let hash = is_hashed.then(|| files::hash(file).map_err(|e| unreadable(file, &e)));
         Ok(Self { bytes, hash: hash.transpose()?.unwrap_or_default() })
@@ -241,7 +241,7 @@ impl FileState {
 
     /// Whether a file is still in this state. It is read only if it may be, and if its size is within `left`, which it takes.
     fn is_of(&self, file: &Path, left: &mut u64) -> io::Result<bool> {
-        let may_be = size(file)? == self.bytes && !self.hash.is_empty() && take(left, self.bytes);
+        let may_be = files::metadata(file)?.len() == self.bytes && !self.hash.is_empty() && take(left, self.bytes);
         Ok(may_be && files::hash(file)? == self.hash)
     }
 }
@@ -251,12 +251,6 @@ fn take(left: &mut u64, bytes: u64) -> bool {
     let rest = left.checked_sub(bytes);
     *left = rest.unwrap_or(*left);
     rest.is_some()
-}
-
-/// The size of a regular file.
-fn size(file: &Path) -> io::Result<u64> {
-    files::require_file(file)?;
-    file.metadata().map(|there| there.len())
 }
 
 fn unreadable(file: &Path, e: &io::Error) -> Error {

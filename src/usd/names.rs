@@ -7,6 +7,9 @@ use openusd::sdf::Value;
 
 /// Type of the prims that are read and written.
 pub const MESH: &str = "Mesh";
+/// Metadata of a stage: its up axis, and its unit of length.
+pub const UP_AXIS: &str = "upAxis";
+pub const METERS_PER_UNIT: &str = "metersPerUnit";
 /// Type of the prims that hold face sets, edge sets and point sets.
 pub const GEOM_SUBSET: &str = "GeomSubset";
 /// Type of the prims that hold blend shapes.

@@ -1,8 +1,10 @@
-"""Runs of the program that are refused or good."""
+"""Runs of the program that are refused or good, and what is in their outputs."""
 
 import subprocess
 
+import numpy
 from conftest import run
+from pxr import Usd, UsdGeom
 
 
 def refused(usdtailor, *args, says=(), seconds=60):
@@ -24,3 +26,14 @@ def mounted(path, text):
     """Writes a layer with some prims."""
     path.write_text(f'#usda 1.0\n(\n    defaultPrim = "Coat"\n)\n{text}\n')
     return path
+
+
+def meshes(path):
+    """The names of the meshes with points."""
+    stage = Usd.Stage.Open(str(path))
+    return sorted(prim.GetName() for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh) and UsdGeom.Mesh(prim).GetPointsAttr().Get())
+
+
+def sim_points(path):
+    stage = Usd.Stage.Open(str(path))
+    return numpy.array(UsdGeom.Mesh(stage.GetPrimAtPath("/Coat/sim")).GetPointsAttr().Get())

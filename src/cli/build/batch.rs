@@ -35,7 +35,7 @@ pub fn run_all(
                     }
                 }
             };
-            // Those that have started do the work of those that cannot.
+            // The jobs that have started do the work of a job that cannot start.
             if let Err(e) = thread::Builder::new().name("job".into()).spawn_scoped(scope, job) {
                 failure = Some(Error::no_thread(e));
                 break;

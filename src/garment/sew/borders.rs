@@ -47,6 +47,14 @@ pub struct Match {
     pub gap: f64,
 }
 
+impl Match {
+    /// The pairs of points that are one, each as mesh and point.
+    pub fn welds(&self, borders: &[Border]) -> [[(usize, usize); 2]; 2] {
+        let [a, b] = self.edges.map(|(panel, edge)| borders[panel].edges[edge].points.map(|point| (panel, point)));
+        if self.reversed { [[a[0], b[1]], [a[1], b[0]]] } else { [[a[0], b[0]], [a[1], b[1]]] }
+    }
+}
+
 impl Border {
     /// The border of `mesh`, which `to_common` takes to the common space.
     pub fn of(mesh: &Garment, to_common: &DMat4) -> Self {

@@ -30,7 +30,7 @@ pub struct Sewn {
     pub points: Vec<Vec<usize>>,
     /// The edge set of the seams between them.
     pub seams: String,
-    /// What the mesh lacks of the panels.
+    /// Values of the panels that the mesh does not carry.
     pub warnings: Warnings,
 }
 

@@ -80,9 +80,7 @@ pub fn find_seams(meshes: &[(&Garment, DMat4)], tolerance: f64) -> Result<Seams,
         let seam = seams.entry(panels).or_insert(Seam { panels, edges: 0, gap: 0.0 });
         seam.edges += 1;
         seam.gap = seam.gap.max(pair.gap);
-        let [a, b] = pair.edges.map(|(panel, edge)| borders[panel].edges[edge].points);
-        let b = if pair.reversed { [b[1], b[0]] } else { b };
-        found.welds.extend([0, 1].map(|end| [(panels[0], a[end]), (panels[1], b[end])]));
+        found.welds.extend(pair.welds(&borders));
     }
     found.seams = seams.into_values().collect();
     found.garments = garments(meshes.len(), &found.seams);

@@ -17,9 +17,9 @@ pub fn sew_own_borders(mesh: &Garment, tolerance: f64) -> (Option<(Sewn, Seam)>,
         return (None, Warnings::default());
     }
     let border = Border::of(mesh, &DMat4::IDENTITY);
-    let found = matches(std::slice::from_ref(&border), tolerance, Pairs::Within).unwrap_or_default();
-    let pairs = unambiguous(&border, found);
-    let sewn = (!pairs.is_empty()).then(|| sew(mesh, &border, &pairs)).flatten();
+    let borders = std::slice::from_ref(&border);
+    let pairs = unambiguous(&border, matches(borders, tolerance, Pairs::Within).unwrap_or_default());
+    let sewn = (!pairs.is_empty()).then(|| sew(mesh, borders, &pairs)).flatten();
     let mut is_sewn = vec![false; border.edges.len()];
     if sewn.is_some() {
         pairs.iter().flat_map(|pair| pair.edges).for_each(|(_, edge)| is_sewn[edge] = true);
@@ -40,15 +40,11 @@ fn unambiguous(border: &Border, found: Vec<Match>) -> Vec<Match> {
 }
 
 /// The mesh with the points of these pairs as one; none where it has faults before or after.
-fn sew(mesh: &Garment, border: &Border, pairs: &[Match]) -> Option<(Sewn, Seam)> {
+fn sew(mesh: &Garment, borders: &[Border], pairs: &[Match]) -> Option<(Sewn, Seam)> {
     check_garment(mesh.clone()).ok()?;
-    let welds = pairs.iter().flat_map(|pair| {
-        let [a, b] = pair.edges.map(|(_, edge)| border.edges[edge].points);
-        let b = if pair.reversed { [b[1], b[0]] } else { b };
-        [0, 1].map(|end| [(0, a[end]), (0, b[end])])
-    });
+    let welds: Vec<_> = pairs.iter().flat_map(|pair| pair.welds(borders)).collect();
     let panel = Panel { name: String::new(), mesh: mesh.clone() };
-    let mut sewn = merge(mesh.prim.clone(), mesh.units, vec![panel], &welds.collect::<Vec<_>>()).ok()?;
+    let mut sewn = merge(mesh.prim.clone(), mesh.units, vec![panel], &welds).ok()?;
     sewn.mesh.space = mesh.space;
     sewn.mesh.materials.clone_from(&mesh.materials);
     let gap = pairs.iter().map(|pair| pair.gap).fold(0.0, f64::max);

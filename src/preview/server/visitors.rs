@@ -50,7 +50,7 @@ pub struct Visitors {
 }
 
 impl Visitors {
-    /// Those of a listener.
+    /// Accepts the connections of a listener.
     pub fn new(listener: TcpListener) -> Self {
         Self { listener, strangers: VecDeque::new() }
     }

@@ -4,7 +4,7 @@ use super::model::Model;
 use super::query::{OrUnreadable, interpolation, prim_at, primvar_names, property_names, subset_prims, value};
 use super::variants::{VariantSet, variant_sets};
 use crate::error::Error;
-use crate::garment::Interpolation;
+use crate::garment::{Interpolation, Units};
 use crate::usd::names;
 use crate::usd::record::{Content, Record};
 use crate::usd::values::{number, text};
@@ -99,8 +99,8 @@ pub fn gather(prim: &Prim, model: &Model, time: Option<TimeCode>) -> Result<Fact
     Ok(Facts {
         file: model.origin.file.display().to_string(),
         prim: prim.path().as_str().to_owned(),
-        up_axis: stage("upAxis").and_then(text).unwrap_or("Y").to_owned(),
-        meters_per_unit: stage("metersPerUnit").and_then(number).unwrap_or(0.01),
+        up_axis: stage(names::UP_AXIS).and_then(text).unwrap_or("Y").to_owned(),
+        meters_per_unit: stage(names::METERS_PER_UNIT).and_then(number).unwrap_or(Units::default().meters_per_unit),
         purpose: token(names::PURPOSE, "default"),
         visibility: token(names::VISIBILITY, "inherited"),
         transform: transform(model)?,

@@ -28,6 +28,7 @@ pub fn read_mesh(prim: &Prim, time: Option<TimeCode>) -> Result<((Garment, Decla
     let floats = |name| required_or_empty(prim, name, time, false, float_array);
     let mut warnings = Warnings::from_iter(motion(prim, names::POINTS, time)?);
     let mut declarations = Declarations::default();
+    let scheme: Scheme = token(prim, names::SUBDIVISION_SCHEME, time)?;
     let mut mesh = Garment {
         prim: prim.path().as_str().to_owned(),
         units: units(prim, time)?,
@@ -39,14 +40,12 @@ pub fn read_mesh(prim: &Prim, time: Option<TimeCode>) -> Result<((Garment, Decla
         face_vertex_indices: required_or_empty(prim, names::FACE_VERTEX_INDICES, time, true, int_array)?,
         orientation: token(prim, names::ORIENTATION, time)?,
         rules: SubdivisionRules {
-            scheme: token(prim, names::SUBDIVISION_SCHEME, time)?,
+            scheme,
             boundary: token(prim, names::INTERPOLATE_BOUNDARY, time)?,
             face_varying: token(prim, names::FACE_VARYING_LINEAR_INTERPOLATION, time)?,
-            triangles: token(prim, names::TRIANGLE_SUBDIVISION_RULE, time).or_else(|e| {
-                // The rule is for Catmull-Clark alone.
-                let scheme: Scheme = token(prim, names::SUBDIVISION_SCHEME, time)?;
-                if scheme == Scheme::CatmullClark { Err(e) } else { Ok(Default::default()) }
-            })?,
+            // The rule is for Catmull-Clark alone.
+            triangles: token(prim, names::TRIANGLE_SUBDIVISION_RULE, time)
+                .or_else(|e| if scheme == Scheme::CatmullClark { Err(e) } else { Ok(Default::default()) })?,
         },
         hole_indices: ints(names::HOLE_INDICES)?,
         crease_indices: ints(names::CREASE_INDICES)?,

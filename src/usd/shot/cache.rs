@@ -2,7 +2,7 @@
 
 use super::DriveOptions;
 use super::bound::Bound;
-use super::conversion::{METERS_PER_UNIT, StageMetrics, UP_AXIS};
+use super::conversion::StageMetrics;
 use super::crate_samples::{CrateSamples, CrateStage};
 use super::numpy::NumpyFrames;
 use crate::error::{Error, ErrorCode, ErrorKind};
@@ -198,7 +198,7 @@ impl Cache {
         };
         let has_velocities = !times.is_empty() && velocities == times;
         let frames = Frames::Stage { stage: Box::new(stage), prim: path, has_velocities };
-        let metrics = StageMetrics::of(|name| metadata.iter().find(|(key, _)| key == name).map(|(_, v)| v.clone()));
+        let metrics = StageMetrics::of(&metadata);
         Ok(Self { file: file.clone(), times, rate, metrics, points, frames })
     }
 
@@ -223,8 +223,8 @@ impl Cache {
         };
         let times = points.times().to_vec();
         let frames = Frames::Crate { points, velocities };
-        let metrics = [UP_AXIS, METERS_PER_UNIT].map(|name| layer.read(&root, name));
-        let metrics = StageMetrics::of(|name| metrics[usize::from(name != UP_AXIS)].clone());
+        let [up_axis, meters] = [names::UP_AXIS, names::METERS_PER_UNIT].map(|name| layer.read(&root, name));
+        let metrics = StageMetrics::new(up_axis.as_ref(), meters.as_ref());
         Some(Ok(Self { file: options.cache.clone(), times, rate, metrics, points: count, frames }))
     }
 }

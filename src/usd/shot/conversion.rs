@@ -2,14 +2,11 @@
 
 use super::bound::Bound;
 use super::cache::Frame;
+use crate::garment::Units;
+use crate::usd::names;
 use crate::usd::values::text;
 use glam::Vec3;
 use openusd::sdf::Value;
-
-/// The name of the metadata.
-pub const UP_AXIS: &str = "upAxis";
-/// The name of the unit of length.
-pub const METERS_PER_UNIT: &str = "metersPerUnit";
 
 /// The up axis of a stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,7 +15,7 @@ pub enum UpAxis {
     Z,
 }
 
-/// What the metadata of a stage say of its space.
+/// The up axis and the unit that a stage states.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StageMetrics {
     pub up_axis: Option<UpAxis>,
@@ -26,19 +23,24 @@ pub struct StageMetrics {
 }
 
 impl StageMetrics {
-    /// The metrics of a stage, by its metadata.
-    pub fn of(read: impl Fn(&str) -> Option<Value>) -> Self {
-        let up_axis = read(UP_AXIS).and_then(|axis| match text(&axis)? {
+    /// Those of a stage's metadata.
+    pub fn of(metadata: &[(String, Value)]) -> Self {
+        let field = |name: &str| metadata.iter().find(|(key, _)| key == name).map(|(_, value)| value);
+        Self::new(field(names::UP_AXIS), field(names::METERS_PER_UNIT))
+    }
+
+    /// Those of the values of the two fields.
+    pub fn new(up_axis: Option<&Value>, meters_per_unit: Option<&Value>) -> Self {
+        let up_axis = up_axis.and_then(|axis| match text(axis)? {
             "Y" => Some(UpAxis::Y),
             "Z" => Some(UpAxis::Z),
             _ => None,
         });
-        let meters = match read(METERS_PER_UNIT) {
-            Some(Value::Double(meters)) => Some(meters),
-            Some(Value::Float(meters)) => Some(f64::from(meters)),
+        let meters_per_unit = match meters_per_unit {
+            Some(Value::Double(meters)) if *meters > 0.0 && meters.is_finite() => Some(*meters),
             _ => None,
         };
-        Self { up_axis, meters_per_unit: meters.filter(|meters| *meters > 0.0 && meters.is_finite()) }
+        Self { up_axis, meters_per_unit }
     }
 }
 
@@ -55,9 +57,9 @@ impl Conversion {
     /// The conversion between two stages, as far as it brings `first` nearer to the garment at bind. Some programs scale and turn
     /// the mesh by its transform, and leave its points as they are.
     pub fn new(cache: StageMetrics, bound: &Bound, first: &Frame) -> Self {
-        let own = StageMetrics::of(|name| bound.metadata.iter().find(|(key, _)| key == name).map(|(_, v)| v.clone()));
-        // Those that USD takes where a stage states none.
-        let (up, meters) = (own.up_axis.unwrap_or(UpAxis::Y), own.meters_per_unit.unwrap_or(0.01));
+        let own = StageMetrics::of(&bound.metadata);
+        let up = own.up_axis.unwrap_or(UpAxis::Y);
+        let meters = own.meters_per_unit.unwrap_or(Units::default().meters_per_unit);
         let scale = cache.meters_per_unit.map(|of_cache| (of_cache / meters) as f32).filter(|&scale| {
             let ratio = bound.median_edge(&first.points) / bound.edge_length;
             let [before, after] = [ratio, ratio * f64::from(scale)].map(|ratio| ratio.ln().abs());

@@ -13,6 +13,7 @@ use crate::usd::assets::{Anchor, as_named, writable};
 use crate::usd::read::{Model, OrUnreadable, ProductNames, Selection, Source};
 use crate::usd::{BuildRecord, on_large_stack};
 use openusd::sdf::{self, AbstractData, FieldKey, LayerOffset, SpecType, Value};
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 /// The sets that products have. Programs that read subsets for materials alone warn of others.
@@ -236,18 +237,16 @@ fn author(
         }
         author.bindings(products).map_err(fault)?;
         warnings.extend(author.physics(products)?);
-        check_finite(data, &source.model, products)?;
     }
+    let product = |of: &GarmentProducts| of.products.iter().map(|p| of.source.model.sibling_path(p.name)).collect();
+    let paths: Vec<Result<Vec<_>, _>> = garments.iter().map(product).collect();
+    check_finite(data, &paths.into_iter().flatten().flatten().collect())?;
     Ok(warnings)
 }
 
 /// Refuses arrays of products with a number that is not finite, as programs fail on these far from their cause. Inputs have none.
-fn check_finite(data: &sdf::Data, model: &Model, products: &[Product]) -> Result<(), Error> {
-    for (path, spec) in data.iter() {
-        let prim = path.prim_path();
-        if !products.iter().any(|product| model.sibling_path(product.name).is_ok_and(|own| own == prim)) {
-            continue;
-        }
+fn check_finite(data: &sdf::Data, products: &HashSet<sdf::Path>) -> Result<(), Error> {
+    for (path, spec) in data.iter().filter(|(path, _)| products.contains(&path.prim_path())) {
         let values = spec.fields.iter().find(|(key, _)| *key == FieldKey::Default.as_str()).map(|(_, value)| value);
         let floats: &[f32] = match values {
             Some(Value::FloatVec(values)) => values,

@@ -64,7 +64,8 @@ fn none_is_a_garment(file: &FilePath, meshes: &[Path], left_out: &Warnings) -> E
     let fault = Error::usd(format!("{} holds no mesh that is a garment", file.display())).code(ErrorCode::NoMesh);
     match left_out.iter().next() {
         Some(first) => fault.remedy(format!(
-            "set instanceable = false on the prim above, or name a prototype by --prim: {}: {}",
+            "name a prototype of a PointInstancer by --prim, set instanceable = false on the prim above others, or give the \
+             mesh its points and faces; of {}: {}",
             first.place, first.problem
         )),
         None => fault.remedy(format!(

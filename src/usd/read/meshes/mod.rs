@@ -8,7 +8,6 @@ mod recipe;
 
 pub use product_names::{ProductNames, product_names};
 
-use super::bindings::resolve_inherited;
 use super::model::KnownSiblings;
 use super::origin::StageOrigin;
 use super::query::prim_at;
@@ -91,15 +90,8 @@ fn open(origin: StageOrigin, options: &ReadOptions) -> Result<Vec<Source>, Error
         let warning = unsewn_borders(unsewn, &sources, tolerance);
         sources[unsewn.panels[0]].warnings.push(warning);
     }
-    for panels in seams.garments.iter().filter(|panels| panels.len() > 1) {
-        let parent = model::common_parent(panels.iter().map(|&panel| &sources[panel]));
-        for &panel in panels {
-            let prim = prim_at(&stage, &paths[panel])?;
-            resolve_inherited(&prim, &parent, &mut sources[panel].model)?;
-        }
-    }
     let garments = seams.garments.iter();
-    garments.map(|panels| model::sewn(&stage, &sources, panels, &seams, time)).collect()
+    garments.map(|panels| model::sewn(&stage, &mut sources, panels, &seams, time)).collect()
 }
 
 /// The seams between the meshes, in the space of the stage.

@@ -5,6 +5,7 @@ use crate::error::{Error, ErrorCode, Warning, Warnings};
 use crate::garment::sew::{Panel, Seams, Sewn, merge, place};
 use crate::garment::{Interpolation, Units};
 use crate::usd::names;
+use crate::usd::read::bindings::resolve_inherited;
 use crate::usd::read::facts::materials;
 use crate::usd::read::model::{Model, Sewing, SubsetRecord, siblings};
 use crate::usd::read::primvars::{Declarations, read_primvar};
@@ -29,14 +30,21 @@ const SKINNING: [&str; 2] = ["skel:", "primvars:skel:"];
 /// Panels that cannot be one mesh, or whose options contradict each other.
 pub fn sewn(
     stage: &Stage,
-    sources: &[Source],
+    sources: &mut [Source],
     members: &[usize],
     seams: &Seams,
     time: Option<TimeCode>,
 ) -> Result<Source, Error> {
+    if let &[lone] = members {
+        return Ok(sources[lone].clone());
+    }
+    let parent = common_parent(sources, members);
+    for &member in members {
+        let model = &mut sources[member].model;
+        resolve_inherited(&prim_at(stage, &model.path)?, &parent, model)?;
+    }
     let panels: Vec<&Source> = members.iter().map(|&i| &sources[i]).collect();
-    let &[first, _, ..] = panels.as_slice() else { return Ok(panels[0].clone()) };
-    let parent = common_parent(panels.iter().copied());
+    let first = panels[0];
     let space = transforms(&prim_at(stage, &parent)?, time)?.to_world;
     let to_space = to_space(&panels, &parent, space)?;
     check_skinning(&panels, &to_space)?;
@@ -103,15 +111,12 @@ pub fn sewn(
 }
 
 /// The nearest prim above all panels.
-pub fn common_parent<'a>(panels: impl Iterator<Item = &'a Source>) -> Path {
-    let mut parents = panels.map(|panel| &panel.model.parent);
-    let first = parents.next().cloned().unwrap_or_else(Path::abs_root);
-    parents.fold(first, |mut common, parent| {
-        while !parent.has_prefix(&common) {
-            common = common.parent().unwrap_or_else(Path::abs_root);
-        }
-        common
-    })
+fn common_parent(sources: &[Source], members: &[usize]) -> Path {
+    let mut parent = sources[members[0]].model.parent.clone();
+    while !members.iter().all(|&member| sources[member].model.parent.has_prefix(&parent)) {
+        parent = parent.parent().unwrap_or_else(Path::abs_root);
+    }
+    parent
 }
 
 /// The transform of each panel to the space of the garment.

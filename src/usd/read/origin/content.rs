@@ -1,6 +1,6 @@
-//! What was read of each file of a stage: a file that another program replaces meanwhile must not mix two versions.
+//! The content of each file of a stage, as it was first read: a file that another program replaces must not mix two versions.
 
-use crate::files::{read, require_file};
+use crate::files::{metadata, read};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ pub struct ReadFiles(Mutex<Known>);
 
 #[derive(Debug, Default)]
 struct Known {
-    /// The bytes and the hash of what was read.
+    /// The bytes and the hash of each file.
     contents: BTreeMap<PathBuf, (u64, blake3::Hash)>,
     /// The state of packages, which are read in parts.
     packages: BTreeMap<PathBuf, State>,
@@ -57,7 +57,7 @@ impl ReadFiles {
         io::Error::other(CHANGED)
     }
 
-    /// The bytes and the hash of what was read of a file; none of a package.
+    /// The bytes and the hash of a file; none of a package.
     pub fn content(&self, file: &Path) -> Option<(u64, String)> {
         self.known().contents.get(file).map(|(bytes, hash)| (*bytes, hash.to_hex().to_string()))
     }
@@ -71,8 +71,7 @@ impl ReadFiles {
 }
 
 fn state(file: &Path) -> io::Result<State> {
-    require_file(file)?;
-    let metadata = file.metadata()?;
+    let metadata = metadata(file)?;
     Ok((metadata.len(), metadata.modified().ok()))
 }
 

@@ -31,7 +31,7 @@ pub struct StageOrigin {
     pub content: Option<Arc<[u8]>>,
     /// Variants that are selected over those of the stage.
     pub variants: Vec<Selection>,
-    /// What was read of each file.
+    /// The content of each file, as it was first read.
     pub read: Arc<ReadFiles>,
 }
 
@@ -69,15 +69,9 @@ impl StageOrigin {
 /// Signs in the library's words of what only newer versions of USD have: edits of arrays, splines, later crates.
 const NEWER: [&str; 3] = ["= edit [", "field \"spline\"", "version mismatch"];
 
-/// Whether a file begins with the byte order mark of UTF-8.
-fn starts_with_mark(file: &Path) -> bool {
-    read(file).is_ok_and(|bytes| bytes.starts_with("\u{feff}".as_bytes()))
-}
-
 /// The version of a crate from before 0.4.0.
-fn obsolete_crate(file: &Path) -> Option<String> {
-    let start = read(file).ok()?;
-    let version = start.strip_prefix(b"PXR-USDC")?.get(..3)?;
+fn obsolete_crate(content: &[u8]) -> Option<String> {
+    let version = content.strip_prefix(b"PXR-USDC")?.get(..3)?;
     (version < [0, 4, 0].as_slice()).then(|| format!("{}.{}.{}", version[0], version[1], version[2]))
 }
 
@@ -179,27 +173,27 @@ fn open_file(file: &Path, variants: &[Selection], read_files: &Arc<ReadFiles>) -
                 .session_layer(SESSION)
         }
     };
-    builder.open(&path).map_err(|e| {
-        let words = e.to_string();
+    builder.open(&path).map_err(|e| not_usd(file, &e.to_string()))
+}
+
+/// The error of a file that the library cannot read, in its words.
+fn not_usd(file: &Path, words: &str) -> Error {
+    let words = words.trim_start_matches("error: ").trim_end();
+    let fault = Error::usd(format!("{} cannot be read as USD: {words}", file.display()));
+    let unsupported = |remedy: &str| fault.clone().code(ErrorCode::NotSupported).remedy(remedy);
+    let content = read(file).unwrap_or_default();
+    if content.starts_with("\u{feff}".as_bytes()) {
+        fault.remedy("it begins with a byte order mark, which USD does not have; save it as UTF-8 without one")
+    } else if let Some(version) = obsolete_crate(&content) {
+        unsupported(&format!(
+            "it is a crate of version {version}, and versions before 0.4.0 are not read; convert it by an old usdcat"
+        ))
+    } else if NEWER.iter().any(|sign| words.contains(sign)) {
+        unsupported("it has values of a newer version of USD; write it without them, for example by `usdcat --flatten`")
+    } else if words.contains("Logos") && !content.is_ascii() {
         // The text reader admits letters beyond ASCII in names of prims only.
-        let beyond_ascii = words.contains("Logos") && read(file).is_ok_and(|b| !b.is_ascii());
-        let words = words.trim_start_matches("error: ").trim_end();
-        let newer = NEWER.iter().any(|sign| words.contains(sign));
-        let fault = Error::usd(format!("{shown} cannot be read as USD: {words}"));
-        match () {
-            () if starts_with_mark(file) => {
-                fault.remedy("it begins with a byte order mark, which USD does not have; save it as UTF-8 without one")
-            }
-            () if let Some(version) = obsolete_crate(file) => fault.code(ErrorCode::NotSupported).remedy(format!(
-                "it is a crate of version {version}, and versions before 0.4.0 are not read; convert it by an old usdcat",
-            )),
-            () if newer => fault.code(ErrorCode::NotSupported).remedy(
-                "it has values of a newer version of USD; write it without them, for example by `usdcat --flatten`",
-            ),
-            () if beyond_ascii => fault
-                .code(ErrorCode::NotSupported)
-                .remedy("property names with letters beyond ASCII are read from .usdc only; convert the file to .usdc"),
-            () => fault.remedy("the file is damaged, or is another format under this name; export it again"),
-        }
-    })
+        unsupported("property names with letters beyond ASCII are read from .usdc only; convert the file to .usdc")
+    } else {
+        fault.remedy("the file is damaged, or is another format under this name; export it again")
+    }
 }

@@ -59,11 +59,10 @@ impl Resolver for Files {
 
     fn open_asset(&self, resolved_path: &ResolvedPath) -> io::Result<Box<dyn ar::Asset>> {
         let package = package_file(resolved_path);
-        require_file(&package)?;
-        // A layer is read whole.
-        require_memory(&package)?;
         let is_packed = package != **resolved_path;
         if is_packed || is_package(&package) {
+            // It is read whole.
+            require_memory(&package)?;
             self.read.package(&package)?;
         }
         if is_package(Path::new(resolved_path.to_str().unwrap_or_default().trim_end_matches(']'))) {
@@ -71,11 +70,11 @@ impl Resolver for Files {
         }
         let bytes =
             if is_packed { self.resolver.open_asset(resolved_path)?.read_all()? } else { self.read.read(&package)? };
-        if bytes.starts_with(TEXT) {
-            check_levels(&bytes)?;
+        if !bytes.starts_with(TEXT) {
+            return Ok(shared(bytes));
         }
-        let text = if bytes.starts_with(TEXT) { readable(&bytes) } else { Cow::Borrowed(&*bytes) };
-        Ok(match text {
+        check_levels(&bytes)?;
+        Ok(match readable(&bytes) {
             Cow::Borrowed(_) => shared(bytes),
             Cow::Owned(text) => shared(text),
         })

@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 pub fn units(prim: &Prim, time: Option<TimeCode>) -> Result<Units, Error> {
     let stage = prim.stage();
     let root = sdf::Path::abs_root();
-    let meters: Option<Value> = stage.field(&root, "metersPerUnit").or_unreadable(&root)?;
+    let meters: Option<Value> = stage.field(&root, names::METERS_PER_UNIT).or_unreadable(&root)?;
     let meters_per_unit = match meters {
         Some(Value::Double(meters)) if meters > 0.0 && meters.is_finite() => meters,
         _ => Units::default().meters_per_unit,
@@ -33,7 +33,7 @@ pub fn units(prim: &Prim, time: Option<TimeCode>) -> Result<Units, Error> {
 /// A stage that cannot be read.
 pub fn space(stage: &Stage, to_world: &DMat4) -> Result<StageSpace, Error> {
     let root = sdf::Path::abs_root();
-    let axis: Option<Value> = stage.field(&root, "upAxis").or_unreadable(&root)?;
+    let axis: Option<Value> = stage.field(&root, names::UP_AXIS).or_unreadable(&root)?;
     let is_z_up = matches!(axis, Some(Value::Token(axis)) if axis.as_str() == "Z");
     Ok(StageSpace { to_stage: DMat3::from_mat4(*to_world).as_mat3(), is_z_up })
 }

@@ -359,7 +359,7 @@ impl Author<'_> {
 
     fn scene(&mut self, physics: &Physics<'_>) -> openusd::Result<()> {
         let path = self.prim(physics, "scene", "PhysicsScene")?;
-        let up = self.model.stage_metadata.iter().find(|(key, _)| key == "upAxis").map(|(_, value)| value);
+        let up = self.model.stage_metadata.iter().find(|(key, _)| key == names::UP_AXIS).map(|(_, value)| value);
         let is_z = matches!(up, Some(Value::Token(axis)) if axis.as_str() == "Z");
         let down = if is_z { [0.0, 0.0, -1.0] } else { [0.0, -1.0, 0.0] };
         let down = Value::Vec3f(down.into());

@@ -194,7 +194,7 @@ export class Selector {
   }
 
   #step(selection: Selection | null): void {
-    // The same selection again adds no step of undo. The field still waits for the answer.
+    // An unchanged selection makes no step of undo, but the field waits for its answer.
     if (selection?.expression === this.#selection?.expression) return this.#put(selection);
     this.#past.push(this.#selection);
     this.#future = [];
