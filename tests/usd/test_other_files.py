@@ -1,6 +1,5 @@
 """Files as other programs and people write them: what is valid is read, and what cannot be used is said."""
 
-
 import numpy as np
 import pytest
 from conftest import run

@@ -4,11 +4,13 @@
 //! as the same value, as OpenUSD writes it.
 
 use crate::usd::write::crates::any;
+use bytemuck::cast_slice;
 use openusd::sdf::{Data, FormatError, Value};
 use openusd::usda::TextWriter;
 use std::cell::RefCell;
 use std::collections::HashSet;
 use std::io::{self, Write};
+use std::slice::from_ref;
 
 /// Digits of the smallest float that is written without a decimal point, which is 1e16.
 const DIGITS: usize = 17;
@@ -20,6 +22,11 @@ const MOST_DIGITS: usize = 20;
 /// # Errors
 /// A value that text cannot hold, a failure of `out`.
 pub fn write_text<W: Write>(data: &Data, out: &mut W) -> Result<(), FormatError> {
+    // Nearly no layer has such floats, and looking at each letter takes as long as writing.
+    let mut values = data.iter().flat_map(|(_, spec)| spec.fields.iter().map(|(_, value)| value));
+    if !values.any(|value| any(value, &may_be_long)) {
+        return TextWriter::write(data, out);
+    }
     let mut out = Shortened::new(out, integers(data));
     TextWriter::write(data, &mut out)?;
     Ok(out.finish()?)
@@ -33,6 +40,40 @@ pub fn text_of(data: &Data) -> Result<String, FormatError> {
     let mut text = Vec::new();
     write_text(data, &mut text)?;
     String::from_utf8(text).map_err(|e| io::Error::other(e).into())
+}
+
+/// Whether a value, without those inside it, may be written with more digits than are needed.
+fn may_be_long(value: &Value) -> bool {
+    let f32s = |numbers: &[f32]| numbers.iter().any(|number| is_long(f64::from(*number)));
+    let f64s = |numbers: &[f64]| numbers.iter().any(|number| is_long(*number));
+    macro_rules! holds {
+        ($($test:ident: $($one:ident $all:ident),*;)*) => {
+            match value {
+                Value::Float(number) => f32s(&[*number]),
+                Value::FloatVec(numbers) => f32s(numbers),
+                Value::Double(number) => is_long(*number),
+                Value::DoubleVec(numbers) => f64s(numbers),
+                Value::TimeCode(time) => is_long(time.0),
+                Value::TimeCodeVec(times) => times.iter().any(|time| is_long(time.0)),
+                Value::TimeSamples(samples) => samples.iter().any(|(time, _)| is_long(*time)),
+                Value::LayerOffsetVec(all) => all.iter().any(|of| is_long(of.offset) || is_long(of.scale)),
+                $($(Value::$one(one) => $test(cast_slice(from_ref(one))), Value::$all(all) => $test(cast_slice(all)),)*)*
+                // They have offsets of times, or are text already.
+                Value::ReferenceListOp(_) | Value::PayloadListOp(_) | Value::Payload(_) => true,
+                Value::UnregisteredValue(_) | Value::UnregisteredValueListOp(_) => true,
+                _ => false,
+            }
+        };
+    }
+    holds! {
+        f32s: Vec2f Vec2fVec, Vec3f Vec3fVec, Vec4f Vec4fVec, Quatf QuatfVec;
+        f64s: Vec2d Vec2dVec, Vec3d Vec3dVec, Vec4d Vec4dVec, Quatd QuatdVec, Matrix2d Matrix2dVec, Matrix3d Matrix3dVec,
+            Matrix4d Matrix4dVec;
+    }
+}
+
+fn is_long(number: f64) -> bool {
+    number.is_finite() && number.abs() >= 1e16
 }
 
 /// The large integers of a layer, without their sign. They stay as they are.
@@ -168,6 +209,23 @@ mod tests {
         parts.iter().for_each(|part| out.write_all(part.as_bytes()).expect("memory"));
         out.finish().expect("memory");
         String::from_utf8(text).expect("text")
+    }
+
+    #[test]
+    fn layers_with_large_floats_are_known() {
+        let inside = |value: Value| Value::Dictionary([("a".to_owned(), value)].into());
+        for (value, expected) in [
+            (Value::FloatVec(vec![1.0, -1e16]), true),
+            (Value::Vec3fVec(vec![[0.0, 1.0, 1e20].into()]), true),
+            (Value::Vec2d([1e15, 1e17].into()), true),
+            (Value::TimeSamples(vec![(1e17, Value::Bool(true))]), true),
+            (Value::TimeSamples(vec![(1.0, inside(Value::Double(1e300)))]), true),
+            (Value::DoubleVec(vec![9e15, f64::NAN, f64::INFINITY]), false),
+            (Value::Int64(i64::MAX), false),
+            (Value::Vec3fVec(vec![[0.0, 1.0, 1e15].into()]), false),
+        ] {
+            assert_eq!(any(&value, &may_be_long), expected, "{value:?}");
+        }
     }
 
     #[test]
