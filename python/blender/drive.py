@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The render mesh follows the simulated mesh: a cache beside the .blend, read by a modifier."""
+
+import time
+from pathlib import Path
+
+import bpy
+import numpy as np
+import usd_tailor
+
+from . import names
+from .cage import column
+from .job import Failed, Job, plain
+from .links import OWN, product
+
+MODIFIER = OWN + "Drive"
+
+
+class Drive:
+    """Reads the simulated mesh frame by frame, and writes the cache at the end. Call :meth:`step` until it is done."""
+
+    def __init__(self, garment: bpy.types.Object, scene: bpy.types.Scene) -> None:
+        if not bpy.data.filepath:
+            raise Failed([plain("Save the .blend first: the cache is a file beside it")])
+        self.sim, self.render = product(garment, "sim"), product(garment, "render")
+        if not self.sim or not self.render:
+            raise Failed([plain(f"{garment.name} has no simulation mesh yet. Press Tailor first")])
+        self.scene, self.garment = scene, garment
+        self.frames = list(range(scene.frame_start, scene.frame_end + 1))
+        self.before, self.points, self.process = scene.frame_current, [], None
+        blend = Path(bpy.data.filepath)
+        self.folder = blend.with_name(f"{blend.stem}_tailor")
+        self.job = Job(garment, flatten=True)
+
+    @property
+    def progress(self) -> float:
+        """From 0 to 1."""
+        return len(self.points) / (len(self.frames) + 1)
+
+    def step(self) -> bool:
+        """Reads one frame, or waits a moment for the programs; True when all is done.
+
+        Raises:
+            Failed: The simulated mesh is not that of the garment as it is now, or a program refused.
+        """
+        if len(self.points) < len(self.frames):
+            self._read(self.frames[len(self.points)])
+        elif self.process is None:
+            if self.job.is_done():
+                self._start()
+        elif self.process.poll() is not None:
+            self._finish()
+            return True
+        else:
+            time.sleep(0.005)
+        return False
+
+    def cancel(self) -> None:
+        """Ends the programs, and goes back to the frame of before. The last cache stays."""
+        if self.process and self.process.poll() is None:
+            self.process.kill()
+        self.job.cancel()
+        self.scene.frame_set(self.before)
+
+    def _read(self, frame: int) -> None:
+        self.scene.frame_set(frame)
+        mesh = self.sim.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+        if len(mesh.vertices) != len(self.sim.data.vertices):
+            raise Failed([plain(f"A modifier of {self.sim.name} changes its number of vertices. Turn it off for the simulation")])
+        self.points.append(column(mesh.vertices, "co", 3))
+
+    def _start(self) -> None:
+        """Checks that the mesh is still that of the garment, and starts the command."""
+        from .stage import Usd, UsdGeom
+
+        self.job.result()
+        stage = Usd.Stage.Open(str(self.job.output))
+        prim = stage.GetPrimAtPath(stage.GetDefaultPrim().GetPath().AppendChild("sim"))
+        built = np.asarray(UsdGeom.Mesh(prim).GetPointsAttr().Get(), np.float32)
+        here = column(self.sim.data.vertices, "co", 3)
+        if built.shape != here.shape or np.abs(built - here).max() > 1e-5 * max(1.0, np.abs(here).max()):
+            raise Failed([plain(f"{self.garment.name} has changed since {self.sim.name} was made. Press Tailor, and simulate again")])
+        cache = Path(self.job.folder.name) / "cache.npz"
+        np.savez(cache, points=np.stack(self.points), times=np.asarray(self.frames, np.float64))
+        self.shot = Path(self.job.folder.name) / "shot.usdc"
+        self.process = usd_tailor.start(
+            ["drive", str(self.job.output), "--cache", str(cache), "-o", str(self.shot), "--quiet", "--color", "never"]
+        )
+
+    def _finish(self) -> None:
+        _, errors = self.process.communicate()
+        if self.process.returncode:
+            raise Failed([plain(errors.strip())])
+        self.folder.mkdir(exist_ok=True)
+        path = self.folder / f"{names.usd_name(self.garment.name)}.usdc"
+        beside = path.with_name(f"{path.stem}.part.usdc")
+        _write_cache(self.shot, beside)
+        # A file that is open cannot be replaced on Windows.
+        _forget_cache(self.render)
+        beside.replace(path)
+        _read_cache(self.render, path)
+        self.job.cancel()
+        self.scene.frame_set(self.before)
+
+
+def _write_cache(shot: Path, path: Path) -> None:
+    """The moved render mesh alone, as one file that needs no other."""
+    from .stage import Usd, UsdGeom
+
+    source = Usd.Stage.Open(str(shot))
+    moved = UsdGeom.Mesh(source.GetPrimAtPath(source.GetDefaultPrim().GetPath().AppendChild("render")))
+    stage = Usd.Stage.CreateNew(str(path))
+    stage.SetTimeCodesPerSecond(source.GetTimeCodesPerSecond())
+    mesh = UsdGeom.Mesh.Define(stage, "/render")
+    mesh.CreateFaceVertexCountsAttr(moved.GetFaceVertexCountsAttr().Get())
+    mesh.CreateFaceVertexIndicesAttr(moved.GetFaceVertexIndicesAttr().Get())
+    points = mesh.CreatePointsAttr()
+    for at in moved.GetPointsAttr().GetTimeSamples():
+        points.Set(moved.GetPointsAttr().Get(at), at)
+    stage.GetRootLayer().Save()
+
+
+def _forget_cache(render) -> None:
+    if old := render.modifiers.get(MODIFIER):
+        cache = old.cache_file
+        render.modifiers.remove(old)
+        if cache and not cache.users:
+            bpy.data.cache_files.remove(cache)
+
+
+def _read_cache(render, path: Path) -> None:
+    """Gives the render mesh the points of the cache, after what moves it and before what subdivides it."""
+    known = set(bpy.data.cache_files)
+    bpy.ops.cachefile.open(filepath=str(path), relative_path=True)
+    cache = next(file for file in bpy.data.cache_files if file not in known)
+    modifier = render.modifiers.new(MODIFIER, "MESH_SEQUENCE_CACHE")
+    modifier.cache_file = cache
+    modifier.object_path = "/render"
+    modifier.read_data = {"VERT"}
+    subdivisions = [place for place, other in enumerate(render.modifiers) if other.type == "SUBSURF"]
+    if subdivisions:
+        render.modifiers.move(render.modifiers.find(MODIFIER), subdivisions[0])

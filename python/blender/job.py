@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A build of a garment beside Blender, in a process of its own."""
+
+import json
+import tempfile
+from pathlib import Path
+
+import bpy
+import usd_tailor
+
+
+from .cage import Cage, read_cage
+
+
+class Failed(RuntimeError):
+    """A build that was refused: the messages are those of the command."""
+
+    def __init__(self, messages: list[dict]) -> None:
+        super().__init__("\n".join(message["message"] for message in messages))
+        self.messages = messages
+
+
+class Job:
+    """A build that runs. Poll :meth:`is_done`, then take the :meth:`result`."""
+
+    def __init__(self, garment: bpy.types.Object, *, flatten: bool = False) -> None:
+        from . import stage
+
+        self.garment_name, self.garment_id = garment.name, garment.session_uid
+        self.cage: Cage = read_cage(garment)
+        self.folder = tempfile.TemporaryDirectory(prefix="tailor-")
+        path = Path(self.folder.name)
+        self.output, self._report = path / "built.usdc", path / "report.json"
+        stage.write_stage(garment, self.cage).Export(str(path / "garment.usdc"))
+        self.process = usd_tailor.start(
+            ["build", str(path / "garment.usdc"), "-o", str(self.output), "--report", str(self._report), "--quiet", "--color", "never"]
+            + ["--flatten"] * flatten
+        )
+
+    @property
+    def garment(self) -> bpy.types.Object | None:
+        """The garment, or none if it was deleted."""
+        return next((ob for ob in bpy.data.objects if ob.session_uid == self.garment_id), None)
+
+    def is_done(self) -> bool:
+        return self.process.poll() is not None
+
+    def cancel(self) -> None:
+        if not self.is_done():
+            self.process.kill()
+        self.process.communicate()
+        self.folder.cleanup()
+
+    def result(self) -> dict:
+        """The report of the build, once it is done. The products are in ``output`` until :meth:`cancel`.
+
+        Raises:
+            Failed: The garment or an option was refused.
+        """
+        _, errors = self.process.communicate()
+        report = json.loads(self._report.read_text("utf-8")) if self._report.exists() else {}
+        if self.process.returncode:
+            raise Failed(_faults(report, errors.strip() or f"the build ended with {self.process.returncode}"))
+        return report
+
+    def finish(self) -> dict:
+        """Puts the products beside the garment, and returns the report.
+
+        Raises:
+            Failed: As :meth:`result`; or the garment was deleted.
+        """
+        from . import products, stage
+
+        try:
+            report, garment = self.result(), self.garment
+            if garment is None:
+                raise Failed([plain(f"{self.garment_name} was deleted while it was built")])
+            report["warnings"] += [plain(text) for text in self.cage.notes]
+            opened = stage.Usd.Stage.Open(str(self.output))
+            products.update(garment, self.cage, opened, report)
+            del opened
+            return report
+        finally:
+            self.cancel()
+
+
+def plain(text: str) -> dict:
+    """A message of our own, in the form of the command's."""
+    return {"code": "", "message": text, "place": "", "problem": text, "remedy": "", "elements": {}}
+
+
+def _faults(report: dict, text: str) -> list[dict]:
+    error = report.get("error") or {}
+    faults = error.get("faults") or [plain(text)]
+    for fault in faults:
+        words = [word for word in (fault["place"], fault["problem"]) if word]
+        fault["message"] = ": ".join(words) + (f". {_sentence(fault['remedy'])}" if fault["remedy"] else "")
+        fault.setdefault("elements", {})
+    return faults
+
+
+def _sentence(text: str) -> str:
+    return text[:1].upper() + text[1:]

@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which objects are the products of which garment."""
+
+import bpy
+
+OF = "tailor_of"
+"""Property of a product: its garment."""
+KIND = "tailor_kind"
+"""Property of a product: which it is."""
+KINDS = ("sim", "render")
+OWN = "Tailor "
+"""Modifiers that begin so are ours."""
+
+
+def product(garment: bpy.types.Object, kind: str) -> bpy.types.Object | None:
+    """The object that a build made of the garment."""
+    return next((ob for ob in bpy.data.objects if ob.get(OF) == garment and ob.get(KIND) == kind), None)
+
+
+def garment_of(ob: bpy.types.Object | None) -> bpy.types.Object | None:
+    """The garment, of itself or of one of its products."""
+    return (ob.get(OF) or ob) if ob else None

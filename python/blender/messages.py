@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What builds and checks said about each garment, and where on it that is."""
+
+import bpy
+import numpy as np
+from mathutils import Vector, kdtree
+
+from .cage import read_cage
+from .job import plain
+
+_of: dict[int, dict] = {}
+
+
+def set_report(garment, report: dict) -> None:
+    """Keeps the figures and warnings of a build."""
+    _of[garment.session_uid] = {"messages": report.get("warnings", []), "report": report, "failed": False}
+
+
+def set_faults(garment, faults: list[dict]) -> None:
+    """Keeps why a build or check was refused; the last products stay, and are marked as not of this garment."""
+    _of[garment.session_uid] = {"messages": faults, "report": None, "failed": True}
+
+
+def of(garment) -> dict:
+    return _of.get(garment.session_uid, {"messages": [], "report": None, "failed": False})
+
+
+def clear() -> None:
+    _of.clear()
+
+
+def elements(message: dict) -> tuple[str, list[int]]:
+    """The kind and the numbers of the elements that a message names."""
+    named = message.get("elements") or {}
+    for kind in ("points", "edges", "faces"):
+        if named.get(kind):
+            return kind, named[kind]
+    return "", []
+
+
+def select(garment: bpy.types.Object, message: dict) -> int:
+    """Selects the elements of a message in Edit Mode, and returns their number on the mesh that is edited.
+
+    Messages count the elements of the mesh with its modifiers. Those that a modifier made are found by their place, also on the
+    other side of a mirror.
+    """
+    kind, numbers = elements(message)
+    cage = read_cage(garment)
+    if garment.mode == "EDIT":
+        bpy.ops.object.mode_set(mode="OBJECT")
+    mesh = garment.data
+    find = _Places(garment)
+    if kind == "faces":
+        starts = np.concatenate([[0], np.cumsum(cage.counts)])
+        points = [cage.corners[starts[face] : starts[face + 1]] for face in numbers if face < len(cage.counts)]
+        wanted = {frozenset(find(cage.points[p]) for p in face) for face in points}
+        found = [polygon for polygon in mesh.polygons if frozenset(polygon.vertices) in wanted]
+    elif kind == "edges":
+        ends = np.asarray(numbers).reshape(-1, 2)
+        wanted = {frozenset(find(cage.points[p]) for p in pair) for pair in ends}
+        found = [edge for edge in mesh.edges if frozenset(edge.vertices) in wanted]
+    else:
+        found = [mesh.vertices[at] for p in numbers if p < len(cage.points) and (at := find(cage.points[p])) is not None]
+    for rows in (mesh.vertices, mesh.edges, mesh.polygons):
+        rows.foreach_set("select", np.zeros(len(rows), np.bool_))
+    for element in found:
+        element.select = True
+        for vertex in getattr(element, "vertices", ()):
+            mesh.vertices[vertex].select = True
+    bpy.context.view_layer.objects.active = garment
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.context.tool_settings.mesh_select_mode = (kind == "points", kind == "edges", kind == "faces")
+    return len(found)
+
+
+class _Places:
+    """Finds the vertex of the edited mesh at a place, or across its mirrors."""
+
+    def __init__(self, garment) -> None:
+        vertices = garment.data.vertices
+        self.tree = kdtree.KDTree(len(vertices))
+        for vertex in vertices:
+            self.tree.insert(vertex.co, vertex.index)
+        self.tree.balance()
+        self.near = 1e-4 * max(max(garment.dimensions), 1e-6) / max(max(abs(s) for s in garment.scale), 1e-6)
+        self.flips = [Vector((1, 1, 1))]
+        for modifier in garment.modifiers:
+            if modifier.type == "MIRROR" and not modifier.mirror_object:
+                for axis in range(3):
+                    if modifier.use_axis[axis]:
+                        flip = Vector((1, 1, 1))
+                        flip[axis] = -1
+                        self.flips += [known * flip for known in self.flips]
+
+    def __call__(self, place) -> int | None:
+        for flip in self.flips:
+            _, index, distance = self.tree.find(Vector(place) * flip)
+            if index is not None and distance <= self.near:
+                return index
+        return None
+
+
+__all__ = ["clear", "elements", "of", "plain", "select", "set_faults", "set_report"]

@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Names that Blender and USD have for the same thing."""
+
+PREFIX = "tailor:"
+"""Custom properties of a garment that are options of its recipe."""
+
+UV_SET = "st"
+"""The name of the UV map that is active for rendering, as Blender exports it."""
+
+SEAMS = "uv_seam"
+"""The edge set of the seams that are marked in Edit Mode."""
+
+
+def key(*parts: str) -> str:
+    """The custom property of an option: ``tailor:seam:side:width``."""
+    return PREFIX + ":".join(parts)
+
+
+def usd_name(name: str) -> str:
+    """The name as Blender's exporter writes it: letters, digits and underscores, of any language."""
+    made = "".join(letter if ("a" + letter).isidentifier() else "_" for letter in name)
+    return made if made and made.isidentifier() or made.startswith("_") else "_" + made
+
+
+def unique(name: str, taken) -> str:
+    """The name, or the name with the first free number."""
+    made, number = name, 1
+    while made in taken:
+        made, number = f"{name}_{number:03}", number + 1
+    return made
+
+
+def quoted(name: str) -> str:
+    """The name in an expression of sets, which quotes what is no word."""
+    is_word = name.isascii() and name.isidentifier()
+    return name if is_word else '"' + name.replace("\\", "\\\\").replace('"', '\\"') + '"'

@@ -1,0 +1,267 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tailoring a garment: build, live, check, cloth, drive and export."""
+
+import bpy
+from bpy.props import IntProperty, StringProperty
+from bpy_extras.io_utils import ExportHelper
+
+from . import cloth, live, messages, recipe
+from .drive import Drive
+from .job import Failed, Job, plain
+from .links import garment_of, product
+
+
+class OfGarment:
+    """An operator on the active garment, or on the garment of the active product."""
+
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        if recipe.is_garment(garment_of(context.active_object)):
+            return True
+        cls.poll_message_set("Select a garment: a mesh that Set Up Garment was pressed for")
+        return False
+
+    def refuse(self, garment, faults: list[dict]):
+        """Shows why nothing was done, in the panel too."""
+        messages.set_faults(garment, faults)
+        self.report({"ERROR"}, faults[0]["message"])
+        return {"CANCELLED"}
+
+
+class Waiting(OfGarment):
+    """An operator that works beside Blender, with progress; the escape key cancels it. Called by a script, it waits."""
+
+    def begin(self, context, garment):
+        """What runs, or None once there is nothing to do."""
+        raise NotImplementedError
+
+    def advance(self, context, work) -> bool:
+        """Goes a step; True when all is done."""
+        raise NotImplementedError
+
+    def execute(self, context):
+        garment = garment_of(context.active_object)
+        try:
+            work = self.begin(context, garment)
+            while not self.advance(context, work):
+                pass
+        except Failed as failed:
+            return self.refuse(garment, failed.messages)
+        return {"FINISHED"}
+
+    def invoke(self, context, _event):
+        garment = garment_of(context.active_object)
+        try:
+            self.work = self.begin(context, garment)
+        except Failed as failed:
+            return self.refuse(garment, failed.messages)
+        self.garment = garment
+        self.timer = context.window_manager.event_timer_add(0.02, window=context.window)
+        context.window_manager.progress_begin(0, 1)
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        if event.type == "ESC":
+            self.work.cancel()
+            self.report({"INFO"}, "Cancelled: nothing was changed")
+            return self._end(context, {"CANCELLED"})
+        if event.type != "TIMER":
+            return {"PASS_THROUGH"}
+        context.window_manager.progress_update(getattr(self.work, "progress", 0.5))
+        try:
+            return self._end(context, {"FINISHED"}) if self.advance(context, self.work) else {"RUNNING_MODAL"}
+        except Failed as failed:
+            self.work.cancel()
+            return self._end(context, self.refuse(self.garment, failed.messages))
+
+    def _end(self, context, result):
+        context.window_manager.event_timer_remove(self.timer)
+        context.window_manager.progress_end()
+        return result
+
+
+class TAILOR_OT_set_up(bpy.types.Operator):
+    bl_idname = "tailor.set_up"
+    bl_label = "Set Up Garment"
+    bl_description = "Makes this mesh a garment: its options become custom properties of the object"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        ob = context.active_object
+        return ob is not None and ob.type == "MESH" and not recipe.is_garment(garment_of(ob))
+
+    def execute(self, context):
+        recipe.set_up(context.active_object)
+        return {"FINISHED"}
+
+
+class TAILOR_OT_clear(OfGarment, bpy.types.Operator):
+    bl_idname = "tailor.clear"
+    bl_label = "Remove Garment"
+    bl_description = "Removes the options of this garment, and its simulation and render meshes. The garment itself stays"
+
+    def invoke(self, context, event):
+        return context.window_manager.invoke_confirm(self, event)
+
+    def execute(self, context):
+        garment = garment_of(context.active_object)
+        from .products import remove
+
+        live.follow(garment, False)
+        remove(garment)
+        recipe.clear(garment)
+        garment.hide_render = False
+        return {"FINISHED"}
+
+
+class TAILOR_OT_tailor(Waiting, bpy.types.Operator):
+    bl_idname = "tailor.tailor"
+    bl_label = "Tailor"
+    bl_description = "Makes the simulation mesh and the render mesh of the garment, or makes them again"
+
+    def begin(self, context, garment):
+        self.is_first = product(garment, "render") is None
+        return Job(garment)
+
+    def advance(self, context, work):
+        if not work.is_done():
+            return False
+        report, garment = work.finish(), work.garment
+        if self.is_first:
+            # The render mesh is drawn in its place; the user may show the garment again.
+            garment.hide_render = True
+        messages.set_report(garment, report)
+        count = len(report["warnings"])
+        text = f"{report['sim']['faces']:,} triangles to simulate, {report['render']['faces']:,} faces to render"
+        self.report({"WARNING" if count else "INFO"}, text + (f"; {count} messages under Check" if count else ""))
+        return True
+
+
+class TAILOR_OT_live(OfGarment, bpy.types.Operator):
+    bl_idname = "tailor.live"
+    bl_label = "Live"
+    bl_description = "While it is on, each edit of the garment and of its options is built in the background"
+    bl_options = {"REGISTER"}
+
+    def execute(self, context):
+        garment = garment_of(context.active_object)
+        live.follow(garment, not live.is_live(garment))
+        return {"FINISHED"}
+
+
+class TAILOR_OT_check(OfGarment, bpy.types.Operator):
+    bl_idname = "tailor.check"
+    bl_label = "Check"
+    bl_description = "Builds the garment without making its objects, and lists what could be better"
+    bl_options = {"REGISTER"}
+
+    def execute(self, context):
+        garment = garment_of(context.active_object)
+        job = Job(garment)
+        try:
+            job.process.wait()
+            report = job.result()
+            report["warnings"] += [plain(text) for text in job.cage.notes]
+        except Failed as failed:
+            return self.refuse(garment, failed.messages)
+        finally:
+            job.cancel()
+        messages.set_report(garment, report)
+        self.report({"INFO"}, f"{len(report['warnings'])} messages" if report["warnings"] else "Nothing to mend")
+        return {"FINISHED"}
+
+
+class TAILOR_OT_select_message(OfGarment, bpy.types.Operator):
+    bl_idname = "tailor.select_message"
+    bl_label = "Show in Edit Mode"
+    bl_description = "Selects the elements of the garment that this message names"
+
+    number: IntProperty()
+
+    def execute(self, context):
+        garment = garment_of(context.active_object)
+        found = messages.of(garment)["messages"]
+        if self.number >= len(found):
+            return {"CANCELLED"}
+        kind, numbers = messages.elements(found[self.number])
+        count = messages.select(garment, found[self.number])
+        if count < len(numbers):
+            self.report({"INFO"}, f"{count} of {len(numbers)} {kind} are on this mesh; modifiers make the others")
+        return {"FINISHED"}
+
+
+class TAILOR_OT_cloth(OfGarment, bpy.types.Operator):
+    bl_idname = "tailor.cloth"
+    bl_label = "Set Up Cloth"
+    bl_description = "Gives the simulation mesh a Cloth modifier, with the fabric's mass and stiffness, pins, and springs that hold pockets and other loose pieces"
+
+    def execute(self, context):
+        garment = garment_of(context.active_object)
+        sim = product(garment, "sim")
+        if not sim:
+            return self.refuse(garment, [plain(f"{garment.name} has no simulation mesh yet. Press Tailor first")])
+        self.report({"INFO"}, cloth.set_up(garment, sim))
+        return {"FINISHED"}
+
+
+class TAILOR_OT_drive(Waiting, bpy.types.Operator):
+    bl_idname = "tailor.drive"
+    bl_label = "Drive Render Mesh"
+    bl_description = "Simulates the frame range, and moves the render mesh with it by a cache beside the .blend"
+
+    def begin(self, context, garment):
+        return Drive(garment, context.scene)
+
+    def advance(self, context, work):
+        is_done = work.step()
+        if is_done:
+            self.report({"INFO"}, f"{len(work.frames)} frames in {work.folder.name}")
+        return is_done
+
+
+class TAILOR_OT_export(OfGarment, ExportHelper, bpy.types.Operator):
+    bl_idname = "tailor.export"
+    bl_label = "Export Garment"
+    bl_description = "Writes the garment as USD, with its sets and its recipe, for usdtailor and other programs"
+    bl_options = {"REGISTER"}
+
+    filename_ext = ".usdc"
+    filter_glob: StringProperty(default="*.usd;*.usda;*.usdc", options={"HIDDEN"})
+
+    def execute(self, context):
+        from .export import write
+
+        return write(garment_of(context.active_object), self.filepath)
+
+
+class TAILOR_OT_show(OfGarment, bpy.types.Operator):
+    bl_idname = "tailor.show"
+    bl_label = "Show"
+    bl_description = "Shows or hides this mesh in the viewport"
+
+    kind: StringProperty()
+
+    def execute(self, context):
+        garment = garment_of(context.active_object)
+        ob = garment if self.kind == "model" else product(garment, self.kind)
+        if ob:
+            ob.hide_set(not ob.hide_get())
+        return {"FINISHED"}
+
+
+CLASSES = (
+    TAILOR_OT_set_up,
+    TAILOR_OT_clear,
+    TAILOR_OT_tailor,
+    TAILOR_OT_live,
+    TAILOR_OT_check,
+    TAILOR_OT_select_message,
+    TAILOR_OT_cloth,
+    TAILOR_OT_drive,
+    TAILOR_OT_export,
+    TAILOR_OT_show,
+)

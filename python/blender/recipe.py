@@ -1,0 +1,204 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The recipe of a garment: custom properties of its object, which any USD export carries.
+
+The properties themselves are what the panels show. A file that is opened without the extension keeps them.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+import usd_tailor
+
+from . import names
+
+OPERATORS = names.key("render", "operators")
+GARMENT = names.key("sim", "maxEdgeLength")
+"""The property that every garment has."""
+SETS = {"seam": "edges", "fold": "faces"}
+"""The option of each kind of operator that names its sets."""
+
+
+@dataclass(frozen=True)
+class Option:
+    """A row of the one table of options, which ``usdtailor options`` prints."""
+
+    group: str
+    key: str
+    unit: str
+    meaning: str
+    domain: dict
+    default: object
+
+    @property
+    def label(self) -> str:
+        """``Max edge length`` of ``maxEdgeLength``."""
+        words = "".join(" " + letter.lower() if letter.isupper() else letter for letter in self.key).strip()
+        return words[0].upper() + words[1:].replace(" uv", " UV")
+
+
+@lru_cache(maxsize=1)
+def table() -> dict[str, tuple[Option, ...]]:
+    """The options of each group."""
+    return {
+        group["name"]: tuple(Option(group["name"], o["key"], o["unit"], o["meaning"], o["domain"], o["default"]) for o in group["options"])
+        for group in usd_tailor.options()
+    }
+
+
+def option(group: str, key: str) -> Option:
+    return next(o for o in table()[group] if o.key == key)
+
+
+def is_garment(ob) -> bool:
+    return ob is not None and ob.type == "MESH" and GARMENT in ob
+
+
+def properties(ob) -> dict[str, object]:
+    """The options of an object, by their custom properties."""
+    return {key: ob[key] for key in ob.keys() if key.startswith(names.PREFIX)}
+
+
+def usd_value(ob, key: str, value):
+    """A value as USD has it: an option that names a vertex group has the name of its primvar."""
+    is_group = isinstance(value, str) and key.rpartition(":")[2] in ("density", "weights") and value in ob.vertex_groups
+    return names.usd_name(value) if is_group else value
+
+
+# The recipe of a new garment.
+
+
+def set_up(ob) -> None:
+    """Makes an object a garment: its lengths are chosen by its edges."""
+    edge = mean_edge_length(ob)
+    put(ob, option("sim", "maxEdgeLength"), _rounded(edge / 2))
+    put(ob, option("sim", "minEdgeLength"), 0.0)
+    put(ob, option("sim", "density"), "")
+    put(ob, option("render", "level"), 2)
+    put(ob, option("cloth", "fabric"), "cotton")
+    put(ob, option("cloth", "pins"), "")
+    ob[OPERATORS] = ""
+
+
+def clear(ob) -> None:
+    """Removes all options."""
+    for key in properties(ob):
+        del ob[key]
+
+
+def mean_edge_length(ob) -> float:
+    """Of the mesh without its modifiers. [mesh units]"""
+    mesh = ob.data
+    points, ends = np.empty(len(mesh.vertices) * 3, np.float32), np.empty(len(mesh.edges) * 2, np.int32)
+    mesh.vertices.foreach_get("co", points)
+    mesh.edges.foreach_get("vertices", ends)
+    points, ends = points.reshape(-1, 3), ends.reshape(-1, 2)
+    return float(np.linalg.norm(points[ends[:, 0]] - points[ends[:, 1]], axis=1).mean()) if len(ends) else 0.0
+
+
+def _rounded(length: float) -> float:
+    """Two digits, as a person would type them."""
+    return float(f"{length:.2g}")
+
+
+def put(ob, of: Option, value, *instance: str) -> None:
+    """Authors an option, with its range and its meaning for the user interface."""
+    key = names.key(of.group, *instance, of.key)
+    ob[key] = value
+    ui = ob.id_properties_ui(key)
+    meaning = of.meaning.replace("`", "")
+    if isinstance(value, bool) or isinstance(value, str):
+        ui.update(description=meaning)
+        return
+    ui.update(description=f"{meaning} [{of.unit}]", **_range(ob, of))
+    if isinstance(value, float):
+        is_length = of.domain["type"] == "length"
+        ui.update(subtype="DISTANCE" if is_length else "NONE", precision=4 if is_length else 3)
+
+
+def _range(ob, of: Option) -> dict[str, float]:
+    domain = of.domain
+    if domain["type"] == "whole":
+        return {"min": 0, "max": domain["most"], "soft_max": domain["usual"]}
+    if domain["type"] == "length":
+        edge = mean_edge_length(ob)
+        low, high = (share * edge for share in domain["usual"])
+        least = {"min": 0.0} if domain["usual"][0] >= 0 else {}
+        return {"soft_min": low, "soft_max": high, **least}
+    least = {} if domain["least"] is None else {"min": 0.0 if domain["orZero"] and domain["least"] > 0 else domain["least"]}
+    most = {} if domain["most"] is None else {"max": domain["most"]}
+    low, high = domain["usual"]
+    return {**least, **most, "soft_min": low, "soft_max": high}
+
+
+# Seams and folds.
+
+
+def operators(ob) -> list[tuple[str, str]]:
+    """Kind and name of the seams and folds, in the order in which they run."""
+    found = {}
+    for key in properties(ob):
+        parts = key.split(":")
+        if len(parts) == 4 and parts[1] in SETS:
+            found.setdefault((parts[1], parts[2]))
+    listed = [tuple(entry.strip().split(".", 1)) for entry in str(ob.get(OPERATORS, "")).split(",") if "." in entry]
+    order = [entry for entry in listed if entry in found]
+    return order + sorted(entry for entry in found if entry not in order)
+
+
+def _list(ob, order: list[tuple[str, str]]) -> None:
+    ob[OPERATORS] = ", ".join(f"{kind}.{name}" for kind, name in order)
+
+
+def add_operator(ob, kind: str, name: str, sets: str) -> str:
+    """Adds a seam or fold with all its options, and returns its name."""
+    order = operators(ob)
+    name = names.unique(names.usd_name(name), {other for _, other in order})
+    edge = mean_edge_length(ob)
+    for of in table()[kind]:
+        value = of.default
+        if of.key == SETS[kind]:
+            value = sets
+        elif of.domain["type"] == "length":
+            value = _rounded(edge * of.domain["automatic"])
+        put(ob, of, value, name)
+    if kind == "seam":
+        # A seam that is as deep as wide by a quarter is seen at once.
+        put(ob, option("seam", "normalOffset"), -_rounded(edge / 16), name)
+    _list(ob, [*order, (kind, name)])
+    return name
+
+
+def remove_operator(ob, kind: str, name: str) -> None:
+    order = operators(ob)
+    for key in _keys(ob, kind, name):
+        del ob[key]
+    _list(ob, [entry for entry in order if entry != (kind, name)])
+
+
+def rename_operator(ob, kind: str, name: str, new: str) -> str:
+    """Renames a seam or fold, and returns the name that it has then."""
+    order = operators(ob)
+    new = names.unique(names.usd_name(new), {other for _, other in order if other != name})
+    if new == name:
+        return name
+    rows = {of.key: of for of in table()[kind]}
+    for key in _keys(ob, kind, name):
+        value, row = ob[key], rows.get(key.rpartition(":")[2])
+        del ob[key]
+        if row:
+            put(ob, row, value, new)
+    _list(ob, [(kind, new) if entry == (kind, name) else entry for entry in order])
+    return new
+
+
+def move_operator(ob, kind: str, name: str, by: int) -> None:
+    order = operators(ob)
+    at = order.index((kind, name))
+    order.insert(max(0, min(len(order) - 1, at + by)), order.pop(at))
+    _list(ob, order)
+
+
+def _keys(ob, kind: str, name: str) -> list[str]:
+    start = names.key(kind, name, "")
+    return [key for key in properties(ob) if key.startswith(start)]
