@@ -21,7 +21,7 @@ CUFF = 2
 COLLAR = 5
 
 HEM_SIDE = (0.235, 0.0, 0.76)
-UNDERARM = (0.232, 0.0, 1.215)
+UNDERARM = (0.232, 0.0, 1.195)
 SHOULDER = (0.2, 0.008, 1.425)
 NECK = (0.085, 0.012, 1.462)
 SLEEVE_END, SLEEVE_RADIUS = (0.405, 0.0, 1.16), 0.088
@@ -87,10 +87,10 @@ def body(name="Body"):
     trunk += [(1.38, 0.14, 0.066), (1.415, 0.095, 0.056), (1.45, 0.06, 0.053), (1.52, 0.058, 0.055), (1.58, 0.075, 0.09), (1.68, 0.08, 0.105), (1.76, 0.045, 0.06)]
     add_tube(bm, [((0, 0.004, z), (w, 0, 0), (0, d, 0)) for z, w, d in trunk], 32)
     for side in (1, -1):
-        start, end = Vector((0.15 * side, 0.004, 1.362)), Vector((0.52 * side, 0.0, 1.015))
+        start, end = Vector((0.15 * side, 0.004, 1.382)), Vector((0.52 * side, 0.0, 1.035))
         along = (end - start).normalized()
         across = along.cross((0, 1, 0)).normalized()
-        radii = [(0.0, 0.03), (0.05, 0.052), (0.3, 0.05), (0.6, 0.042), (0.95, 0.036), (1.0, 0.018)]
+        radii = [(0.0, 0.03), (0.05, 0.043), (0.3, 0.042), (0.6, 0.04), (0.95, 0.036), (1.0, 0.018)]
         add_tube(bm, [(start.lerp(end, t), across * r, Vector((0, r, 0))) for t, r in radii], 20)
     bmesh.ops.recalc_face_normals(bm, faces=bm.faces)
     mesh = bpy.data.meshes.new(name)
@@ -136,7 +136,7 @@ def panel(centre, depth, side, neck_controls):
     hem = numpy.stack([HEM_SIDE[0] * numpy.sin(angles), side * depth * numpy.cos(angles), numpy.full(ACROSS + 1, HEM_SIDE[2])], axis=1)
     # The front of an armhole is cut out deeper than its back.
     inset = 0.165 if side < 0 else 0.175
-    armhole = bezier([UNDERARM, (0.222, side * 0.075, 1.25), (inset, side * 0.095, 1.41), SHOULDER])
+    armhole = bezier([UNDERARM, (0.222, side * 0.075, 1.235), (inset, side * 0.095, 1.41), SHOULDER])
     outer = numpy.concatenate([resampled(numpy.array([HEM_SIDE, UNDERARM]), SIDE + 1), resampled(armhole, ARMHOLE + 1)[1:]])
     neckline = resampled(bezier([centre[-1], *neck_controls, NECK]), NECKLINE + 1)
     shoulder = resampled(bezier([NECK, (0.125, 0.012, 1.456), (0.17, 0.01, 1.442), SHOULDER]), ACROSS - NECKLINE + 1)
