@@ -7,7 +7,7 @@ from importlib.metadata import version as _version
 
 from ._command import TailorError
 from ._plugin import plugin_path, register
-from ._run import Built, Elements, bake, build, check, drive, info, sets
+from ._run import Built, Elements, bake, build, check, drive, info, options, sets
 
-__all__ = ["Built", "Elements", "TailorError", "bake", "build", "check", "drive", "info", "plugin_path", "register", "sets"]
+__all__ = ["Built", "Elements", "TailorError", "bake", "build", "check", "drive", "info", "options", "plugin_path", "register", "sets"]
 __version__ = _version("usd-tailor")

@@ -1,8 +1,12 @@
 """The command ``usdtailor`` of this package."""
 
+import atexit
+import functools
 import os
+import shutil
 import subprocess
 import sys
+import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -25,10 +29,81 @@ def run(arguments: Sequence[str], *, examines: bool = False) -> str:
 
     A command that only ``examines`` prints the faults of garments as JSON; these are not a refusal.
     """
-    done = subprocess.run([PROGRAM, *arguments, "--color", "never"], capture_output=True, text=True, encoding="utf-8", check=False)
-    if done.returncode and not (examines and done.stdout.startswith("{")):
-        raise TailorError(done.stderr.strip() or f"usdtailor ended with {done.returncode}", done.returncode)
-    return done.stdout
+    command = [program(), *arguments, "--color", "never"]
+    # Programs with windows have no console, and Windows would open one.
+    flags = getattr(subprocess, "CREATE_NO_WINDOW", 0)
+    try:
+        process = subprocess.Popen(
+            command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, encoding="utf-8", creationflags=flags
+        )
+    except OSError as error:
+        raise _cannot_start(command[0], error) from None
+    with process:
+        try:
+            printed, message = process.communicate()
+        except BaseException:
+            # subprocess.run() does not wait after a KeyboardInterrupt, and leaves a zombie.
+            process.kill()
+            process.wait()
+            raise
+    if process.returncode and not (examines and printed.startswith("{")):
+        raise TailorError(message.strip() or f"usdtailor ended with {process.returncode}", process.returncode)
+    return printed
+
+
+def program() -> Path:
+    """The program of the command, with the right to run it.
+
+    pip gives it that right. Blender unpacks packages without. The right is added here, or else a private copy has it.
+
+    Raises:
+        TailorError: No program can be run in the folder of the package, or it is missing.
+    """
+    if os.name == "nt" or os.access(PROGRAM, os.X_OK):
+        return PROGRAM
+    try:
+        mode = PROGRAM.stat().st_mode
+    except OSError as error:
+        raise _cannot_start(PROGRAM, error) from None
+    try:
+        # For those who may read it.
+        PROGRAM.chmod(mode | (mode & 0o444) >> 2)
+    except OSError:
+        return _private_copy()
+    if not os.access(PROGRAM, os.X_OK):
+        raise _not_runnable(PROGRAM.parent, "Install usd-tailor in another folder")
+    return PROGRAM
+
+
+@functools.cache
+def _private_copy() -> Path:
+    """A copy of the program that this process may run, until it ends. The libraries beside it are links."""
+    try:
+        folder = Path(tempfile.mkdtemp(prefix="usdtailor-program-"))
+        atexit.register(shutil.rmtree, folder, ignore_errors=True)
+        for file in PROGRAM.parent.iterdir():
+            if file != PROGRAM:
+                (folder / file.name).symlink_to(file)
+        copy = folder / PROGRAM.name
+        shutil.copyfile(PROGRAM, copy)
+        copy.chmod(0o500)
+    except OSError as error:
+        raise TailorError(
+            f"usd-tailor may not run its program {PROGRAM}, and cannot copy it to {tempfile.gettempdir()}: {error.strerror}. "
+            f"Make the program executable, or set TMPDIR to a folder that can be written",
+            1,
+        ) from None
+    if not os.access(copy, os.X_OK):
+        raise _not_runnable(folder.parent, f"Make {PROGRAM} executable, or set TMPDIR to another folder")
+    return copy
+
+
+def _not_runnable(folder: Path, remedy: str) -> TailorError:
+    return TailorError(f"usd-tailor cannot run its program: no program may run in {folder} (mounted with noexec). {remedy}", 1)
+
+
+def _cannot_start(path: "str | Path", error: OSError) -> TailorError:
+    return TailorError(f"usd-tailor cannot run its program {path}: {error.strerror}. Install the package usd-tailor again", 1)
 
 
 def main() -> None:
@@ -42,6 +117,13 @@ def main() -> None:
         except RuntimeError as error:
             sys.exit(f"error: {error}")
         return
-    if os.name == "nt":
-        sys.exit(subprocess.run([PROGRAM, *arguments], check=False).returncode)
-    os.execv(PROGRAM, ["usdtailor", *arguments])
+    try:
+        path = program()
+        if path == PROGRAM and os.name != "nt":
+            os.execv(path, ["usdtailor", *arguments])
+        # Windows cannot replace a process, and a private copy is removed afterwards.
+        sys.exit(subprocess.run([path, *arguments], check=False).returncode)
+    except TailorError as error:
+        sys.exit(f"error: {error}")
+    except OSError as error:
+        sys.exit(f"error: {_cannot_start(path, error)}")

@@ -100,6 +100,14 @@ def check(source: Source, **arguments: Any) -> dict[str, Any]:
     return _examined("check", source, **arguments)
 
 
+def options() -> list[dict[str, Any]]:
+    """The groups of options of a recipe, with the keys, ranges, units, defaults and meanings of their options: the JSON of
+    ``usdtailor options``.
+    """
+    groups: list[dict[str, Any]] = json.loads(run(["options"]))
+    return groups
+
+
 @dataclass(frozen=True)
 class Elements:
     """The elements of a set of a garment."""

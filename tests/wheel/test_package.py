@@ -107,7 +107,106 @@ def test_a_closed_pipe_is_quiet():
     assert done.stderr == "" and done.stdout.count("\n") == 1
 
 
+# Packages that are unpacked without the right to run their program, as by Blender.
+
+
+@pytest.fixture
+def unpacked(tmp_path):
+    """The folder of an unpacked package whose program may not be run."""
+    folder = tmp_path / "unpacked"
+    with zipfile.ZipFile(WHEEL) as wheel:
+        wheel.extractall(folder)
+    program = folder / "usd_tailor/_native/usdtailor"
+    program.chmod(0o640)
+    return folder
+
+
+def in_package(folder, text, **variables):
+    """Runs a Python program with the package of a folder."""
+    return bare(sys.executable, "-P", "-c", "import usd_tailor; from usd_tailor import _command\n" + text, PYTHONPATH=str(folder), **variables)
+
+
+def test_a_program_gets_the_right_to_run_for_those_who_may_read_it(unpacked, tmp_path):
+    out = tmp_path / "out.usda"
+    done = in_package(unpacked, f"usd_tailor.build({str(EXAMPLES / 'tshirt.usda')!r}, {str(out)!r})")
+    assert done.returncode == 0, done.stderr
+    assert mesh(Usd.Stage.Open(str(out)), "/Tshirt/render")
+    assert (unpacked / "usd_tailor/_native/usdtailor").stat().st_mode & 0o777 == 0o750
+
+
+# A package of somebody else. Root may change that too, so it is refused here.
+REFUSES = """
+from pathlib import Path
+chmod = Path.chmod
+def refuse(path, mode):
+    if path == _command.PROGRAM:
+        raise PermissionError(1, "Operation not permitted")
+    chmod(path, mode)
+Path.chmod = refuse
+"""
+
+
+@pytest.mark.parametrize("call", ["usd_tailor.options()", "import sys; sys.argv = ['usdtailor', 'options']; _command.main()"], ids=["module", "script"])
+def test_a_program_of_a_folder_that_cannot_be_changed_runs_as_a_copy(call, unpacked, tmp_path):
+    copies = tmp_path / "copies"
+    copies.mkdir()
+    done = in_package(unpacked, REFUSES + call, TMPDIR=str(copies))
+    assert done.returncode == 0, done.stderr
+    assert not list(copies.iterdir())
+    assert (unpacked / "usd_tailor/_native/usdtailor").stat().st_mode & 0o777 == 0o640
+
+
+def test_a_program_that_cannot_run_is_told_with_its_place_and_a_remedy(unpacked, tmp_path):
+    program = unpacked / "usd_tailor/_native/usdtailor"
+    place = str(program.parent)
+    noexec = "import os; os.access = lambda path, mode: False\n"
+    faults = {
+        noexec: [place, "noexec", "Install usd-tailor in another folder"],
+        REFUSES + noexec: [str(tmp_path), "noexec", "set TMPDIR"],
+        REFUSES + "import tempfile; tempfile.tempdir = '/nonexistent'\n": [place, "/nonexistent", "set TMPDIR"],
+        "_command.PROGRAM.unlink()\n": [place, "No such file", "Install the package usd-tailor again"],
+    }
+    for fault, words in faults.items():
+        program.chmod(0o640)
+        done = in_package(unpacked, fault + "usd_tailor.options()", TMPDIR=str(tmp_path))
+        assert done.returncode == 1 and "TailorError" in done.stderr, done.stderr
+        assert not [word for word in words if word not in done.stderr], done.stderr
+    done = in_package(unpacked, "_command.main()")
+    assert done.returncode == 1 and done.stderr.startswith("error: ") and "Traceback" not in done.stderr
+
+
+INTERRUPTED = """
+import os, signal, threading, time
+pid = _command.PROGRAM.with_name("pid")
+def interrupt():
+    while not (pid.exists() and pid.read_text()):
+        time.sleep(0.01)
+    os.kill(os.getpid(), signal.SIGINT)
+_command.PROGRAM.write_text(f"#!/bin/sh\\ntrap '' INT\\necho $$ > {pid}\\nexec sleep 60\\n")
+threading.Thread(target=interrupt).start()
+try:
+    usd_tailor.options()
+except KeyboardInterrupt:
+    try:
+        os.kill(int(pid.read_text()), 0)
+    except ProcessLookupError:
+        print("gone")
+"""
+
+
+def test_an_interrupted_call_leaves_no_process(unpacked):
+    done = in_package(unpacked, INTERRUPTED)
+    assert (done.returncode, done.stdout) == (0, "gone\n"), done.stderr
+
+
 # The functions.
+
+
+def test_options_are_those_of_the_command():
+    groups = usd_tailor.options()
+    assert groups == json.loads(bare(COMMAND, "options").stdout)
+    [sim] = [group for group in groups if group["name"] == "sim"]
+    assert {"key", "domain", "meaning", "default"} <= set(sim["options"][0])
 
 
 def test_a_build_of_a_file_writes_what_the_command_writes(tmp_path):

@@ -2,6 +2,7 @@
 
 mod api;
 mod apt;
+mod blender;
 mod browser;
 mod cargo;
 mod golden;
@@ -52,6 +53,7 @@ Tasks:
   plugin [OPTIONS]             Build the OpenUSD plugin into target/usd_plugin (see below)
   wheel [--tested]             Build the Python package into target/wheels, for all versions of usd-core or those that the
                                tests use
+  blender [--tested]           Build the extension for Blender into target/blender, with the package of `wheel`
   preview-bench [--quick]      Time edits in the preview, and its memory over 10,000 edits unless --quick is given
   peers                        Compare time and quality with other remeshers
   venv                         Create the Python environment target/venv, which the other tasks use
@@ -60,8 +62,8 @@ Options:
   -h, --help                   Print this help
 
 Options of test:
-  --all                        Run the long tests too: all wheels of usd-core, long attacks and fuzz replays, all files of
-                               browser tests
+  --all                        Run the long tests too: all wheels of usd-core and versions of Blender, long attacks and fuzz
+                               replays, all files of browser tests
   --alone                      Run the named steps without their prerequisites
 
 Options of plugin:
@@ -69,8 +71,8 @@ Options of plugin:
   --sdk DIR                    Build for the OpenUSD SDK in DIR [default: PXR_ROOT or OPENUSD_ROOT, if set]
   --out DIR                    Folder of the plugin [default: target/usd_plugin]
 
-Arguments after -- go to `cargo test` with the single step `rust`, to pytest with the single steps `python` and `newton`,
-and to `node --test` with the single step `browser`:
+Arguments after -- go to `cargo test` with the single step `rust`, to pytest with the single steps `python`,
+`package`, `newton` and `blender`, and to `node --test` with the single step `browser`:
   cargo xtask test python -- -k schemas
 
 The environment variable PYTHON names the interpreter for target/venv [default: python3], CHROMIUM the browser
@@ -111,6 +113,7 @@ fn run(args: &[String]) -> Outcome {
         "picture" => picture(&project, rest),
         "plugin" => plugin::run(&project, rest),
         "wheel" => package::run(&project, rest),
+        "blender" => blender::run(&project, rest),
         "golden" => golden::run(&project, rest),
         "venv" if rest.is_empty() => venv::ensure(&project).map(|_| ()),
         "peers" if rest.is_empty() => peers::run(&project),

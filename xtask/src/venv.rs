@@ -13,6 +13,9 @@ const SITE: &str = "xtask/site/requirements.txt";
 const PACKAGING: &str = "python/requirements.txt";
 const NEWTON: &str = "tests/newton/requirements.txt";
 const PACKAGE: &str = "tests/wheel/requirements.txt";
+const BLENDER: &str = "tests/blender/requirements.txt";
+/// The Python of the pinned versions of Blender, which have no package for another.
+const PYTHON_OF_BLENDER: &str = "3.11";
 
 /// Creates `target/venv`, or recreates it if its requirements have changed, and returns its interpreter.
 pub fn ensure(project: &Project) -> Outcome<PathBuf> {
@@ -52,8 +55,56 @@ pub fn ensure_package_tests(project: &Project) -> Outcome<PathBuf> {
 /// The environment of [`ensure_package_tests`], with the Python package.
 pub fn with_package(project: &Project, wheel: &Path) -> Outcome<PathBuf> {
     let python = ensure_package_tests(project)?;
-    process::run(pip(project, &python)?.args(["--no-index", "--no-deps", "--force-reinstall"]).arg(wheel))?;
+    process::run(pip(project, &python, "install")?.args(["--no-index", "--no-deps", "--force-reinstall"]).arg(wheel))?;
     Ok(python)
+}
+
+/// The versions of Blender that the tests run.
+pub fn blenders(project: &Project) -> Outcome<Vec<String>> {
+    let wanted = project.read(BLENDER)?;
+    Ok(wanted.lines().filter_map(|line| Some(line.strip_prefix("bpy==")?.to_owned())).collect())
+}
+
+/// Like [`ensure`], for one of [`blenders`]. Its package of 380 MB is kept when the environment is made again.
+pub fn ensure_blender(project: &Project, version: &str) -> Outcome<PathBuf> {
+    let base = python_of_blender(project)?;
+    let text = project.read(BLENDER)?;
+    let others: Vec<&str> = text.lines().filter(|line| !line.starts_with('#') && !line.starts_with("bpy==")).collect();
+    let wheels = project.target.join("blender/wheels");
+    let wanted = format!("bpy=={version}\n{}\n", others.join("\n"));
+    ensure_by(project, &format!("blender/venv-{version}"), &wanted, &base, |python| {
+        let wheel = match downloaded(&wheels, version) {
+            Some(wheel) => wheel,
+            None => {
+                eprintln!("downloading bpy {version}");
+                let mut command = pip(project, python, "download")?;
+                command.args(["--no-deps", "--only-binary", ":all:", "--dest"]).arg(&wheels);
+                process::run(command.arg(format!("bpy=={version}")))?;
+                downloaded(&wheels, version).ok_or_else(|| Failure::new("pip downloaded no bpy"))?
+            }
+        };
+        process::run(pip(project, python, "install")?.args(&others).arg(wheel))
+    })
+}
+
+fn downloaded(folder: &Path, version: &str) -> Option<PathBuf> {
+    let start = format!("bpy-{version}-");
+    let mut files = fs::read_dir(folder).ok()?.filter_map(|entry| Some(entry.ok()?.path()));
+    files.find(|path| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(&start)))
+}
+
+fn python_of_blender(project: &Project) -> Outcome<String> {
+    let named = std::env::var("PYTHON").ok();
+    let usual = [format!("python{PYTHON_OF_BLENDER}"), "python3".to_owned(), "python".to_owned()];
+    let is_right = |python: &String| {
+        let version = "import sys; print(*sys.version_info[:2], sep='.')";
+        let output = project.command(python).args(["-c", version]).output();
+        output.is_ok_and(|output| output.stdout.trim_ascii() == PYTHON_OF_BLENDER.as_bytes())
+    };
+    named.into_iter().chain(usual).find(is_right).ok_or_else(|| {
+        Failure::new(format!("it needs Python {PYTHON_OF_BLENDER}, which is not on the path"))
+            .hint(format!("install Python {PYTHON_OF_BLENDER} with its venv module, or name it in PYTHON"))
+    })
 }
 
 /// Like [`ensure`], for an environment with only one version of usd-core.
@@ -67,6 +118,20 @@ pub fn ensure_package(project: &Project, name: &str, package: &str) -> Outcome<P
 }
 
 fn ensure_with(project: &Project, name: &str, wanted: &str, what: &[&str]) -> Outcome<PathBuf> {
+    ensure_by(project, name, wanted, &base(), |python| {
+        eprintln!("installing {}", what.last().unwrap_or(&name));
+        process::run(pip(project, python, "install")?.args(what))
+    })
+}
+
+/// Creates the environment `name` with the interpreter `base`, unless it has what is wanted.
+fn ensure_by(
+    project: &Project,
+    name: &str,
+    wanted: &str,
+    base: &str,
+    install: impl FnOnce(&Path) -> Outcome,
+) -> Outcome<PathBuf> {
     let folder = project.target.join(name);
     let python = interpreter(&folder);
     // Written last, so that an interrupted installation is repeated.
@@ -74,35 +139,38 @@ fn ensure_with(project: &Project, name: &str, wanted: &str, what: &[&str]) -> Ou
     if python.exists() && fs::read_to_string(&installed).is_ok_and(|text| text == wanted) {
         return Ok(python);
     }
-    create(project, &folder, &["--without-pip"])?;
-    eprintln!("installing {}", what.last().unwrap_or(&name));
-    process::run(pip(project, &python)?.args(what))?;
+    create(project, &folder, base, &["--without-pip"])?;
+    install(&python)?;
     fs::write(&installed, wanted)
         .map_err(|error| Failure::new(format!("cannot write {}: {error}", installed.display())))?;
     Ok(python)
 }
 
-/// A command that installs into the environment of an interpreter.
-fn pip(project: &Project, python: &Path) -> Outcome<Command> {
+/// A command of pip, such as `install`, for the environment of an interpreter.
+fn pip(project: &Project, python: &Path, name: &str) -> Outcome<Command> {
     let folder = project.target.join("venv-pip");
     let own = interpreter(&folder);
     // Made last of that environment.
     if !folder.join("bin/pip").exists() && !folder.join("Scripts/pip.exe").exists() {
-        create(project, &folder, &[])?;
+        create(project, &folder, &base(), &[])?;
     }
     let mut command = project.command(own);
     command.args(["-m", "pip", "--python"]).arg(python);
-    command.args(["install", "--quiet", "--disable-pip-version-check"]);
+    command.args([name, "--quiet", "--disable-pip-version-check"]);
     Ok(command)
 }
 
-fn create(project: &Project, folder: &Path, options: &[&str]) -> Outcome {
+/// The interpreter of environments that need no other.
+fn base() -> String {
+    std::env::var("PYTHON").unwrap_or_else(|_| "python3".into())
+}
+
+fn create(project: &Project, folder: &Path, base: &str, options: &[&str]) -> Outcome {
     if folder.is_symlink() {
         return Err(
             Failure::new(format!("{} is a link, and would be emptied", folder.display())).hint("remove the link")
         );
     }
-    let base = std::env::var("PYTHON").unwrap_or_else(|_| "python3".into());
     eprintln!("creating {}", folder.display());
     process::run(project.command(base).args(["-m", "venv", "--clear"]).args(options).arg(folder)).map_err(|failure| {
         failure.hint("install Python 3.10 or later with its venv module (Debian and Ubuntu: apt install python3-venv), or name an interpreter in PYTHON")

@@ -39,28 +39,59 @@ const PLATFORM: Option<&str> = if cfg!(all(target_os = "linux", target_arch = "x
     None
 };
 
-/// Makes the package for all releases, or with `--tested` for those that the tests use, and returns its path.
+/// Whether the package is tested here.
+const IS_TESTED: bool = cfg!(all(target_os = "linux", target_arch = "x86_64"));
+
+/// Makes the package for release, and prints its path.
 pub fn run(project: &Project, args: &[String]) -> Outcome {
-    let versions: &[&str] = match args {
-        [] => &RELEASES,
-        [flag] if flag == "--tested" => &plugin::OLDER,
-        _ => return Err(Failure::new("`wheel` takes only --tested").hint("cargo xtask --help")),
-    };
-    page::build(project)?;
-    let wheel = make(project, Profile::Release, System::Oldest, versions)?;
+    let wheel = released(project, args)?;
     eprintln!("built {}", wheel.display());
     Ok(())
 }
 
-/// The test step `package`: makes the package, installs it in an environment that has nothing else of this project, and runs its
-/// tests and the README's tutorial there.
-pub fn test(run: &Run<'_>) -> Outcome {
-    let project = run.project;
-    if !cfg!(all(target_os = "linux", target_arch = "x86_64")) {
-        eprintln!("SKIPPED: the Python package is NOT tested: it is made on x86-64 Linux only");
+/// Makes the package for all releases, or with `--tested` for those that the tests use, and returns its path.
+pub fn released(project: &Project, args: &[String]) -> Outcome<PathBuf> {
+    let versions: &[&str] = match args {
+        [] => &RELEASES,
+        [flag] if flag == "--tested" => &plugin::OLDER,
+        _ => return Err(Failure::new("the task takes only --tested").hint("cargo xtask --help")),
+    };
+    page::build(project)?;
+    make(project, Profile::Release, System::Oldest, versions)
+}
+
+/// The test step `wheel`: makes the package that other steps test.
+pub fn make_tested(run: &Run<'_>) -> Outcome {
+    if !IS_TESTED {
+        eprintln!("SKIPPED: the Python package is NOT made for tests: they run on x86-64 Linux only");
         return Ok(());
     }
-    let wheel = make(project, Profile::Tested, System::of_test(run.all), plugin::older(run.all))?;
+    let wheel = make(run.project, Profile::Tested, System::of_test(run.all), plugin::older(run.all))?;
+    let list = list(run.project);
+    fs::write(&list, wheel.to_string_lossy().as_bytes())
+        .map_err(|error| Failure::new(format!("cannot write {}: {error}", list.display())))
+}
+
+/// The package that the step `wheel` made last, on the platform that tests it.
+pub fn tested(project: &Project) -> Outcome<Option<PathBuf>> {
+    let path = list(project);
+    let read = || fs::read_to_string(&path).map_err(|error| format!("cannot read {}: {error}", path.display()));
+    let fault = |text: String| Failure::new(text).hint("cargo xtask test wheel");
+    if IS_TESTED { read().map(|text| Some(text.into())).map_err(fault) } else { Ok(None) }
+}
+
+fn list(project: &Project) -> PathBuf {
+    project.target.join("wheels").join("tested.txt")
+}
+
+/// The test step `package`: installs the package in an environment that has nothing else of this project, and runs its tests and
+/// the README's tutorial there.
+pub fn test(run: &Run<'_>) -> Outcome {
+    let project = run.project;
+    let Some(wheel) = tested(project)? else {
+        eprintln!("SKIPPED: the Python package is NOT tested: it is tested on x86-64 Linux only");
+        return Ok(());
+    };
     let python = venv::with_package(project, &wheel)?;
     let mut command = project.command(&python);
     command.args(["-m", "pytest", "tests/wheel", "tests/usd/test_readme.py", "-q", "-rs", "-p", "no:cacheprovider"]);
@@ -69,7 +100,7 @@ pub fn test(run: &Run<'_>) -> Outcome {
     process::run(&mut command)
 }
 
-/// Makes the environments of the step `package`.
+/// Makes the environments of the steps `wheel` and `package`.
 pub fn prepare(run: &Run<'_>) -> Outcome {
     venv::ensure_packaging(run.project, System::of_test(run.all) == System::Oldest)?;
     venv::ensure_package_tests(run.project).map(drop)

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 
 use crate::process::{Failure, Outcome};
 use crate::project::Project;
-use crate::{api, browser, cargo, options, package, page, plugin, prose, python, site, speed};
+use crate::{api, blender, browser, cargo, options, package, page, plugin, prose, python, site, speed};
 
 /// One run of a step.
 pub struct Run<'a> {
@@ -49,7 +49,7 @@ const MAIN: Step = Step { name: "", about: "", lane: Lane::Main, needs: &[], aft
 const BESIDE: Step = Step { lane: Lane::Beside, ..MAIN };
 
 /// All steps. In a full run each lane takes its steps in this order; quick steps that fail often come first.
-const STEPS: [Step; 17] = [
+const STEPS: [Step; 19] = [
     // Before all that compiles the program, which embeds the page.
     Step {
         name: "page",
@@ -135,11 +135,26 @@ const STEPS: [Step; 17] = [
         ..BESIDE
     },
     Step {
+        name: "wheel",
+        about: "the Python package, as tests use it",
+        needs: &["page", "venv"],
+        // Both write the headers of the plugin.
+        after: &["tools", "plugin"],
+        run: package::make_tested,
+        ..BESIDE
+    },
+    Step {
         name: "package",
         about: "the Python package in environments of its own, and the README's tutorial with it",
-        needs: &["page", "venv", "plugin"],
-        after: &["tools"],
+        needs: &["page", "venv", "plugin", "wheel"],
         run: package::test,
+        ..BESIDE
+    },
+    Step {
+        name: "blender",
+        about: "the extension in Blender, in environments of its own",
+        needs: &["page", "venv", "wheel"],
+        run: blender::test,
         ..BESIDE
     },
     Step { name: "rust", about: "the Rust tests", needs: &["page", "build"], run: cargo::test, ..MAIN },
@@ -148,7 +163,7 @@ const STEPS: [Step; 17] = [
         about: "pytest tests/usd, with the program and the plugins",
         needs: &["page", "build", "venv", "plugin"],
         // Both write the headers of the plugin.
-        after: &["package"],
+        after: &["wheel"],
         run: python::test,
         ..MAIN
     },
@@ -163,13 +178,14 @@ const STEPS: [Step; 17] = [
 ];
 
 /// Steps that take arguments after `--`.
-const TAKE_ARGUMENTS: [&str; 5] = ["rust", "python", "package", "newton", "browser"];
+const TAKE_ARGUMENTS: [&str; 6] = ["rust", "python", "package", "newton", "blender", "browser"];
 
 /// The environments that steps after this one would make themselves.
 fn tools(run: &Run<'_>) -> Outcome {
     package::prepare(run)?;
     site::prepare(run.project)?;
     python::prepare_newton(run.project);
+    blender::prepare(run)?;
     browser::prepare(run.project)
 }
 
