@@ -21,7 +21,9 @@ def write(garment: bpy.types.Object, path: str) -> set[str]:
             made.name, made.data.name = names
         for ob in _exported(made or garment):
             ob.select_set(True)
-        return bpy.ops.wm.usd_export(filepath=path, selected_objects_only=True, export_custom_properties=True, author_blender_name=True)
+        return bpy.ops.wm.usd_export(
+            filepath=path, selected_objects_only=True, export_custom_properties=True, author_blender_name=True, allow_unicode=True
+        )
     finally:
         if made:
             mesh = made.data

@@ -74,12 +74,27 @@ def _write_sets(source: UsdGeom.Mesh, mesh) -> None:
 
 
 def _write_names(prim: Usd.Prim, ob) -> None:
-    """Options that name a vertex group have the name of its primvar."""
+    """Options that name vertex groups and materials have their names in the file."""
+    written = {}
+    named = [*ob.vertex_groups, *(slot.material for slot in ob.material_slots if slot.material)]
+    known = {primvar.GetPrimvarName() for primvar in UsdGeom.PrimvarsAPI(prim).GetPrimvars()} | {p.GetName() for p in prim.GetChildren()}
+    for item in named:
+        ours, other = names.usd_name(item.name), names.ascii_name(item.name)
+        if ours not in known and other in known:
+            written[ours] = other
     for place in (prim.GetParent(), prim):
         for key, value in recipe.properties(ob).items():
             attribute = place.GetAttribute(key)
             if attribute and attribute.GetTypeName() == Sdf.ValueTypeNames.String:
-                attribute.Set(recipe.usd_value(ob, key, value))
+                attribute.Set(_renamed(recipe.usd_value(ob, key, value), written))
+
+
+def _renamed(value: str, written: dict[str, str]) -> str:
+    if value in written:
+        return written[value]
+    for ours, other in written.items():
+        value = value.replace(f"({names.quoted(ours)})", f"({names.quoted(other)})")
+    return value
 
 
 def read(stage: Usd.Stage, objects: dict) -> None:

@@ -22,6 +22,11 @@ def usd_name(name: str) -> str:
     return made if made and made.isidentifier() or made.startswith("_") else "_" + made
 
 
+def ascii_name(name: str) -> str:
+    """The name as Blender's exporter writes it without *Allow Unicode*: a sign for each byte of other letters."""
+    return usd_name("".join(chr(byte) if byte < 128 else "_" for byte in name.encode()))
+
+
 def unique(name: str, taken) -> str:
     """The name, or the name with the first free number."""
     made, number = name, 1

@@ -140,6 +140,18 @@ def test_exports_of_other_settings_carry_them_too(options, tmp_path):
     assert {"uv_seam", "topstitch", "cuff_faces"} <= set(sets_of(tmp_path / "plain.usdc"))
 
 
+@pytest.mark.parametrize("allow_unicode", [True, False])
+def test_a_recipe_names_what_is_in_the_file(allow_unicode, tmp_path):
+    """Blender 4.5 writes other letters as underscores, unless it is asked not to."""
+    ob = set_up(armature=False, shape_key=False)
+    ob["tailor:sim:density"] = "Säume"
+    bpy.ops.tailor.pin(group="Säume")
+    bpy.ops.wm.usd_export(filepath=str(tmp_path / "plain.usdc"), allow_unicode=allow_unicode)
+    report = usd_tailor.build(tmp_path / "plain.usdc", tmp_path / "built.usdc").report
+    assert report["cloth"]["pinned"] > 30
+    assert ob["tailor:sim:density"] == "Säume"
+
+
 def test_an_import_brings_sets_back(tmp_path):
     ob = garment.shirt(armature=False, shape_key=False)
     seams = sum(edge.use_seam for edge in ob.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.edges)
