@@ -10,6 +10,8 @@ from .job import Failed, Job
 
 # A build waits until edits pause for so long, and at most so long while they go on. [s]
 _PAUSE, _LONGEST = 0.08, 0.5
+# After a pause as long as this, a build of what was before is ended for the newest. While edits go on, it shows how they go. [s]
+_SETTLED = 0.3
 _TICK = 0.03
 
 
@@ -31,6 +33,10 @@ class Following:
     def is_due(self) -> bool:
         now = time.monotonic()
         return self.is_changed and (now - self.last >= _PAUSE or now - self.first >= _LONGEST)
+
+    def is_outdated(self) -> bool:
+        """Whether what is built is not what will stay."""
+        return self.job is not None and self.is_changed and time.monotonic() - self.last >= _SETTLED
 
 
 _followed: dict[int, Following] = {}
@@ -86,6 +92,9 @@ def _tick_one(ob, following: Following) -> None:
             job, following.job = following.job, None
             messages.set_report(ob, job.finish())
             _redraw()
+        elif following.is_outdated():
+            following.job.cancel()
+            following.job = None
         if not following.job and following.is_due():
             following.is_changed = False
             following.job = Job(ob)

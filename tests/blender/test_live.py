@@ -62,6 +62,17 @@ def test_only_the_newest_of_many_edits_is_left(shirt):
     assert shirt.data.vertices[0].co.z - place == pytest.approx(0.04, abs=1e-5) and nearest < 0.01
 
 
+def test_a_long_build_of_an_older_state_ends_for_the_newest(shirt):
+    wait(lambda: quiet(shirt))
+    shirt["tailor:sim:maxEdgeLength"] = 0.004
+    state = live._followed[shirt.session_uid]
+    wait(lambda: state.job is not None)
+    old = state.job
+    shirt["tailor:sim:maxEdgeLength"] = 0.03
+    wait(lambda: quiet(shirt))
+    assert old.process.poll() != 0 and len(points(products(shirt)[0])) < 5000
+
+
 def test_a_build_that_shows_starts_no_other(shirt):
     wait(lambda: quiet(shirt))
     end = time.monotonic() + 1.0

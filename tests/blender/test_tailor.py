@@ -48,6 +48,19 @@ def test_each_material_keeps_its_area(shirt):
         assert numpy.abs(areas(ob) / expected - 1).max() < 0.05
 
 
+@pytest.mark.parametrize("length", [0.012, 0.016, 0.02, 0.025, 0.03, 0.04])
+def test_halves_of_a_mirror_are_flat_panels_and_the_centre_a_seam_at_every_length(length):
+    """The Mirror modifier puts the UVs of both halves on one place, of opposite orientation."""
+    ob = set_up(armature=False, shape_key=False)
+    ob["tailor:sim:maxEdgeLength"], ob["tailor:render:level"] = length, 0
+    bpy.ops.tailor.check()
+    report = messages.of(ob)["report"]
+    rest = report["cloth"]["rest"]
+    # Front, back, sleeve, collar and pocket of each half.
+    assert rest["panels"] == 10 and rest["modelled"] == 0 and rest["stretchRms"] < 0.03
+    assert {"folded-uvs", "flipped-uvs", "no-pattern"}.isdisjoint(warning["code"] for warning in report["warnings"])
+
+
 def test_seams_of_both_halves_are_grooves_of_the_render_mesh(shirt):
     _, render = products(shirt)
     flat = points(render)
