@@ -83,15 +83,42 @@ def pin_group(garment: bpy.types.Object) -> str:
 
 
 def _pin(garment, sim, settings) -> int:
-    """Sets the pin group: the garment's own with its weights, or one of the vertices of the sets that the recipe names."""
+    """Makes the pin group, and returns how many vertices it holds at least in part.
+
+    Of a vertex group of the garment, what weighs a half or more is held wholly, as in the recipe: a line of weights of 1 is lower on
+    the smooth surface, which is between the points of the cage.
+    """
+    weights = _held(garment, sim)
+    if (old := sim.vertex_groups.get(PIN_GROUP)) is not None:
+        sim.vertex_groups.remove(old)
+    if weights.any():
+        fill_group(sim.vertex_groups.new(name=PIN_GROUP), weights)
+        settings.vertex_group_mass = PIN_GROUP
+    return int((weights > 0).sum())
+
+
+def _held(garment, sim) -> np.ndarray:
+    weights = np.zeros(len(sim.data.vertices), np.float32)
     name = pin_group(garment)
     if name and name in sim.vertex_groups:
-        settings.vertex_group_mass = name
         number = sim.vertex_groups[name].index
-        return sum(any(e.group == number and e.weight > 0 for e in vertex.groups) for vertex in sim.data.vertices)
-    pins = [int(i) for i in sim.get(PINS, [])]
-    if pins:
-        group = sim.vertex_groups.get(PIN_GROUP) or sim.vertex_groups.new(name=PIN_GROUP)
-        group.add(pins, 1.0, "REPLACE")
-        settings.vertex_group_mass = PIN_GROUP
-    return len(pins)
+        for vertex in sim.data.vertices:
+            for element in vertex.groups:
+                if element.group == number:
+                    weights[vertex.index] = min(1.0, 2 * element.weight)
+    else:
+        weights[[int(i) for i in sim.get(PINS, [])]] = 1.0
+    return weights
+
+
+_WEIGHT_STEPS = 8192
+
+
+def fill_group(group: bpy.types.VertexGroup, weights: np.ndarray) -> None:
+    """Sets the weights of a new group, by one call for all vertices of a weight. A step moves no point by a tenth of a millimetre."""
+    steps = np.round(weights * _WEIGHT_STEPS).astype(np.int32)
+    order = np.argsort(steps, kind="stable")
+    starts = np.flatnonzero(np.diff(steps[order], prepend=-1))
+    for rows in np.split(order, starts[1:]):
+        if step := int(steps[rows[0]]):
+            group.add(rows.tolist(), step / _WEIGHT_STEPS, "REPLACE")

@@ -56,7 +56,7 @@ class Drive:
         return False
 
     def cancel(self) -> None:
-        """Ends the programs, and goes back to the frame of before. The last cache stays."""
+        """Ends what still runs, and goes back to the frame of before. The last cache stays."""
         if self.process and self.process.poll() is None:
             self.process.kill()
         self.job.cancel()
@@ -84,7 +84,7 @@ class Drive:
         np.savez(cache, points=np.stack(self.points), times=np.asarray(self.frames, np.float64))
         self.shot = Path(self.job.folder.name) / "shot.usdc"
         self.process = usd_tailor.start(
-            ["drive", str(self.job.output), "--cache", str(cache), "-o", str(self.shot), "--quiet", "--color", "never"]
+            ["drive", str(self.job.output), "--cache", str(cache), "-o", str(self.shot), "--quiet"]
         )
 
     def _finish(self) -> None:
@@ -99,8 +99,6 @@ class Drive:
         _forget_cache(self.render)
         beside.replace(path)
         _read_cache(self.render, path)
-        self.job.cancel()
-        self.scene.frame_set(self.before)
 
 
 def _write_cache(shot: Path, path: Path) -> None:
@@ -124,8 +122,9 @@ def _forget_cache(render) -> None:
     if old := render.modifiers.get(MODIFIER):
         cache = old.cache_file
         render.modifiers.remove(old)
-        if cache and not cache.users:
-            bpy.data.cache_files.remove(cache)
+        # The modifiers of other objects may read it too.
+        if cache and not any(m.cache_file == cache for ob in bpy.data.objects for m in ob.modifiers if m.type == "MESH_SEQUENCE_CACHE"):
+            bpy.data.batch_remove((cache,))
 
 
 def _read_cache(render, path: Path) -> None:

@@ -33,7 +33,7 @@ class Job:
         self.output, self._report = path / "built.usdc", path / "report.json"
         stage.write_stage(garment, self.cage).Export(str(path / "garment.usdc"))
         self.process = usd_tailor.start(
-            ["build", str(path / "garment.usdc"), "-o", str(self.output), "--report", str(self._report), "--quiet", "--color", "never"]
+            ["build", str(path / "garment.usdc"), "-o", str(self.output), "--report", str(self._report), "--quiet"]
             + ["--flatten"] * flatten
         )
 
@@ -46,9 +46,12 @@ class Job:
         return self.process.poll() is not None
 
     def cancel(self) -> None:
+        """Ends the build if it runs, and removes its files. It may be called again."""
         if not self.is_done():
             self.process.kill()
-        self.process.communicate()
+        self.process.wait()
+        for pipe in (self.process.stdout, self.process.stderr):
+            pipe.close()
         self.folder.cleanup()
 
     def result(self) -> dict:

@@ -20,3 +20,12 @@ def product(garment: bpy.types.Object, kind: str) -> bpy.types.Object | None:
 def garment_of(ob: bpy.types.Object | None) -> bpy.types.Object | None:
     """The garment, of itself or of one of its products."""
     return (ob.get(OF) or ob) if ob else None
+
+
+_RAYS = ("camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow")
+
+
+def set_rendered(ob: bpy.types.Object, is_rendered: bool) -> None:
+    """Leaves an object out of pictures. It stays in exports, which leave out what is disabled in renders."""
+    for ray in _RAYS:
+        setattr(ob, f"visible_{ray}", is_rendered)

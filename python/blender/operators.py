@@ -8,7 +8,7 @@ from bpy_extras.io_utils import ExportHelper
 from . import cloth, live, messages, recipe
 from .drive import Drive
 from .job import Failed, Job, plain
-from .links import garment_of, product
+from .links import garment_of, product, set_rendered
 
 
 class OfGarment:
@@ -42,13 +42,16 @@ class Waiting(OfGarment):
         raise NotImplementedError
 
     def execute(self, context):
-        garment = garment_of(context.active_object)
+        garment, work = garment_of(context.active_object), None
         try:
             work = self.begin(context, garment)
             while not self.advance(context, work):
                 pass
         except Failed as failed:
             return self.refuse(garment, failed.messages)
+        finally:
+            if work:
+                work.cancel()
         return {"FINISHED"}
 
     def invoke(self, context, _event):
@@ -65,7 +68,6 @@ class Waiting(OfGarment):
 
     def modal(self, context, event):
         if event.type == "ESC":
-            self.work.cancel()
             self.report({"INFO"}, "Cancelled: nothing was changed")
             return self._end(context, {"CANCELLED"})
         if event.type != "TIMER":
@@ -74,10 +76,10 @@ class Waiting(OfGarment):
         try:
             return self._end(context, {"FINISHED"}) if self.advance(context, self.work) else {"RUNNING_MODAL"}
         except Failed as failed:
-            self.work.cancel()
             return self._end(context, self.refuse(self.garment, failed.messages))
 
     def _end(self, context, result):
+        self.work.cancel()
         context.window_manager.event_timer_remove(self.timer)
         context.window_manager.progress_end()
         return result
@@ -114,7 +116,7 @@ class TAILOR_OT_clear(OfGarment, bpy.types.Operator):
         live.follow(garment, False)
         remove(garment)
         recipe.clear(garment)
-        garment.hide_render = False
+        set_rendered(garment, True)
         return {"FINISHED"}
 
 
@@ -132,8 +134,8 @@ class TAILOR_OT_tailor(Waiting, bpy.types.Operator):
             return False
         report, garment = work.finish(), work.garment
         if self.is_first:
-            # The render mesh is drawn in its place; the user may show the garment again.
-            garment.hide_render = True
+            # The render mesh is in its place.
+            set_rendered(garment, False)
         messages.set_report(garment, report)
         count = len(report["warnings"])
         text = f"{report['sim']['faces']:,} triangles to simulate, {report['render']['faces']:,} faces to render"

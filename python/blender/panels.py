@@ -117,9 +117,8 @@ class TAILOR_MT_fabric(bpy.types.Menu):
             made.key, made.value = names.key("cloth", "fabric"), word
 
 
-class TAILOR_MT_add_seam(bpy.types.Menu):
-    bl_label = "Add Seam"
-    kind = "seam"
+class AddMenu:
+    """What a new seam or fold can be on."""
 
     def draw(self, _context):
         for source, (label, _, _) in SOURCES[self.kind].items():
@@ -127,7 +126,12 @@ class TAILOR_MT_add_seam(bpy.types.Menu):
             made.kind, made.source = self.kind, source
 
 
-class TAILOR_MT_add_fold(TAILOR_MT_add_seam):
+class TAILOR_MT_add_seam(AddMenu, bpy.types.Menu):
+    bl_label = "Add Seam"
+    kind = "seam"
+
+
+class TAILOR_MT_add_fold(AddMenu, bpy.types.Menu):
     bl_label = "Add Fold"
     kind = "fold"
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from . import cloth, names, recipe
 from .cage import DOMAINS, TYPES, Cage, read_cage
-from .links import KIND, KINDS, OF, OWN, product
+from .links import KIND, KINDS, OF, OWN, product, set_rendered
 from .stage import MATERIAL_INDEX, MODEL, SHARPNESS, SMOOTH, Primvars, Usd, UsdGeom, UsdSkel, shape_name, subdivision_of, write_stage
 
 
@@ -63,7 +63,8 @@ def _new_object(garment, kind: str) -> bpy.types.Object:
     if garment.animation_data or garment.constraints:
         ob.constraints.new("COPY_TRANSFORMS").target = garment
     if kind == "sim":
-        ob.display_type, ob.hide_render = "WIRE", True
+        ob.display_type = "WIRE"
+        set_rendered(ob, False)
     return ob
 
 
@@ -220,21 +221,11 @@ def _weight(sharpness):
     return np.sqrt(np.clip(sharpness, 0, SHARPNESS) / SHARPNESS)
 
 
-_WEIGHT_STEPS = 8192
-
-
 def _fill_groups(ob, garment, named: Primvars, api) -> None:
     for group in garment.vertex_groups:
         made, weights = ob.vertex_groups.new(name=group.name), _values(api, named.groups.get(group.name, ""))
-        if weights is None:
-            continue
-        # One call for all vertices of a weight. The steps move a point by less than a tenth of a millimetre.
-        steps = np.round(weights * _WEIGHT_STEPS).astype(np.int32)
-        order = np.argsort(steps, kind="stable")
-        starts = np.flatnonzero(np.diff(steps[order], prepend=-1))
-        for rows in np.split(order, starts[1:]):
-            if step := int(steps[rows[0]]):
-                made.add(rows.tolist(), step / _WEIGHT_STEPS, "REPLACE")
+        if weights is not None:
+            cloth.fill_group(made, weights)
 
 
 def _fill_shapes(ob, garment, cage: Cage, prim: Usd.Prim, points: np.ndarray) -> None:

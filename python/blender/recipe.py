@@ -119,7 +119,8 @@ def put(ob, of: Option, value, *instance: str) -> None:
 def _range(ob, of: Option) -> dict[str, float]:
     domain = of.domain
     if domain["type"] == "whole":
-        return {"min": 0, "max": domain["most"], "soft_max": domain["usual"]}
+        # Blender keeps whole numbers in 32 bits.
+        return {"min": 0, "max": min(domain["most"], 2**31 - 1), "soft_max": domain["usual"]}
     if domain["type"] == "length":
         edge = mean_edge_length(ob)
         low, high = (share * edge for share in domain["usual"])

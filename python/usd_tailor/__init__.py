@@ -5,9 +5,9 @@ The functions run the command ``usdtailor`` of this package, so their options, f
 
 from importlib.metadata import version as _version
 
-from ._command import TailorError
+from ._command import TailorError, start
 from ._plugin import plugin_path, register
 from ._run import Built, Elements, bake, build, check, drive, info, options, sets
 
-__all__ = ["Built", "Elements", "TailorError", "bake", "build", "check", "drive", "info", "options", "plugin_path", "register", "sets"]
+__all__ = ["Built", "Elements", "TailorError", "bake", "build", "check", "drive", "info", "options", "plugin_path", "register", "sets", "start"]
 __version__ = _version("usd-tailor")

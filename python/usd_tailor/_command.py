@@ -29,16 +29,7 @@ def run(arguments: Sequence[str], *, examines: bool = False) -> str:
 
     A command that only ``examines`` prints the faults of garments as JSON; these are not a refusal.
     """
-    command = [program(), *arguments, "--color", "never"]
-    # Programs with windows have no console, and Windows would open one.
-    flags = getattr(subprocess, "CREATE_NO_WINDOW", 0)
-    try:
-        process = subprocess.Popen(
-            command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, encoding="utf-8", creationflags=flags
-        )
-    except OSError as error:
-        raise _cannot_start(command[0], error) from None
-    with process:
+    with start(arguments) as process:
         try:
             printed, message = process.communicate()
         except BaseException:
@@ -49,6 +40,25 @@ def run(arguments: Sequence[str], *, examines: bool = False) -> str:
     if process.returncode and not (examines and printed.startswith("{")):
         raise TailorError(message.strip() or f"usdtailor ended with {process.returncode}", process.returncode)
     return printed
+
+
+def start(arguments: Sequence[str]) -> "subprocess.Popen[str]":
+    """Starts the command, without colours, and does not wait for it. Its output and its messages are read from the process.
+
+    A user interface stays alive so, and may end a build by ``kill()``: files are written whole or not at all.
+
+    Raises:
+        TailorError: The program of the package cannot be started.
+    """
+    command = [program(), *arguments, "--color", "never"]
+    # Programs with windows have no console, and Windows would open one.
+    flags = getattr(subprocess, "CREATE_NO_WINDOW", 0)
+    try:
+        return subprocess.Popen(
+            command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, encoding="utf-8", creationflags=flags
+        )
+    except OSError as error:
+        raise _cannot_start(command[0], error) from None
 
 
 def program() -> Path:

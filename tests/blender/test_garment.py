@@ -18,7 +18,9 @@ def test_a_plain_shirt_is_built_without_a_warning_of_its_shape(subdivision, tmp_
         ob.modifiers.new("Subdivision", "SUBSURF")
     bpy.ops.wm.usd_export(filepath=str(tmp_path / "shirt.usdc"))
     report = usd_tailor.build(tmp_path / "shirt.usdc", tmp_path / "built.usdc").report
-    assert [warning["code"] for warning in report["warnings"]] == ([] if subdivision else ["polygonal-cage"])
+    codes = {warning["code"] for warning in report["warnings"]}
+    # Edges that are not smoothed are too short beside the cuff, which is a set of two rows of faces.
+    assert codes == (set() if subdivision else {"polygonal-cage", "sets-blurred"})
 
 
 def test_the_shirt_has_what_artists_make():
