@@ -17,7 +17,7 @@ use crate::page;
 use crate::process::{self, Failure, Outcome};
 use crate::project::Project;
 use crate::test::Run;
-use crate::venv;
+use crate::venv::{self, Blender};
 
 const SOURCE: &str = "python/blender";
 const MANIFEST: &str = "blender_manifest.toml";
@@ -43,7 +43,7 @@ pub fn run(project: &Project, args: &[String]) -> Outcome {
 }
 
 /// The test step `blender`: installs the extension in each tested Blender, and runs `tests/blender` there. The tests are skipped
-/// where Blender cannot be had: it needs one version of Python.
+/// with a version that cannot be had: each needs one version of Python.
 pub fn test(run: &Run<'_>) -> Outcome {
     let project = run.project;
     let Some(wheel) = package::tested(project)? else {
@@ -51,8 +51,9 @@ pub fn test(run: &Run<'_>) -> Outcome {
         return Ok(());
     };
     let extension = pack(project, &wheel)?;
-    for version in versions(project, run.all)? {
-        let usable = venv::ensure_blender(project, &version).and_then(|python| {
+    for blender in blenders(project, run.all)? {
+        let version = &blender.version;
+        let usable = venv::ensure_blender(project, &blender).and_then(|python| {
             process::run_quietly(project.command(&python).args(["-c", "import bpy"]))?;
             Ok(python)
         });
@@ -70,8 +71,8 @@ pub fn test(run: &Run<'_>) -> Outcome {
 
 /// Makes the environments of the step `blender`, unless they cannot be had, which that step reports.
 pub fn prepare(run: &Run<'_>) -> Outcome {
-    for version in versions(run.project, run.all)? {
-        drop(venv::ensure_blender(run.project, &version));
+    for blender in blenders(run.project, run.all)? {
+        drop(venv::ensure_blender(run.project, &blender));
     }
     Ok(())
 }
@@ -84,7 +85,7 @@ fn test_with(run: &Run<'_>, python: &Path, extension: &Path) -> Outcome {
 }
 
 /// The versions of a run: the first that is pinned, or with `--all` the others too.
-fn versions(project: &Project, all: bool) -> Outcome<Vec<String>> {
+fn blenders(project: &Project, all: bool) -> Outcome<Vec<Blender>> {
     let pinned = venv::blenders(project)?;
     Ok(pinned.into_iter().take(if all { usize::MAX } else { 1 }).collect())
 }

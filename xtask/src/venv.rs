@@ -14,8 +14,8 @@ const PACKAGING: &str = "python/requirements.txt";
 const NEWTON: &str = "tests/newton/requirements.txt";
 const PACKAGE: &str = "tests/wheel/requirements.txt";
 const BLENDER: &str = "tests/blender/requirements.txt";
-/// The Python of the pinned versions of Blender, which have no package for another.
-const PYTHON_OF_BLENDER: &str = "3.11";
+/// The start of the lines of [`BLENDER`] that pin a version of Blender.
+const BPY: &str = "bpy==";
 
 /// Creates `target/venv`, or recreates it if its requirements have changed, and returns its interpreter.
 pub fn ensure(project: &Project) -> Outcome<PathBuf> {
@@ -59,19 +59,35 @@ pub fn with_package(project: &Project, wheel: &Path) -> Outcome<PathBuf> {
     Ok(python)
 }
 
-/// The versions of Blender that the tests run.
-pub fn blenders(project: &Project) -> Outcome<Vec<String>> {
-    let wanted = project.read(BLENDER)?;
-    Ok(wanted.lines().filter_map(|line| Some(line.strip_prefix("bpy==")?.to_owned())).collect())
+/// A version of Blender that the tests run.
+pub struct Blender {
+    pub version: String,
+    /// The version of Python that it has a package for.
+    python: String,
 }
 
-/// Like [`ensure`], for one of [`blenders`]. Its package of 380 MB is kept when the environment is made again.
-pub fn ensure_blender(project: &Project, version: &str) -> Outcome<PathBuf> {
-    let base = python_of_blender(project)?;
+/// The pinned versions of Blender.
+pub fn blenders(project: &Project) -> Outcome<Vec<Blender>> {
+    let wanted = project.read(BLENDER)?;
+    wanted.lines().filter(|line| line.starts_with(BPY)).map(blender).collect()
+}
+
+fn blender(line: &str) -> Outcome<Blender> {
+    let parse = || {
+        let (version, python) = line.strip_prefix(BPY)?.split_once("; python_version == \"")?;
+        Some(Blender { version: version.to_owned(), python: python.strip_suffix('"')?.to_owned() })
+    };
+    parse().ok_or_else(|| Failure::new(format!("{BLENDER}: `{line}` pins no version for one version of Python")))
+}
+
+/// Like [`ensure`], for a version of Blender. Its package of 380 MB is kept when the environment is made again.
+pub fn ensure_blender(project: &Project, blender: &Blender) -> Outcome<PathBuf> {
+    let version = &blender.version;
+    let base = python_of(project, &blender.python)?;
     let text = project.read(BLENDER)?;
-    let others: Vec<&str> = text.lines().filter(|line| !line.starts_with('#') && !line.starts_with("bpy==")).collect();
+    let others: Vec<&str> = text.lines().filter(|line| !line.starts_with('#') && !line.starts_with(BPY)).collect();
     let wheels = project.target.join("blender/wheels");
-    let wanted = format!("bpy=={version}\n{}\n", others.join("\n"));
+    let wanted = format!("{BPY}{version}\n{}\n", others.join("\n"));
     ensure_by(project, &format!("blender/venv-{version}"), &wanted, &base, |python| {
         let wheel = match downloaded(&wheels, version) {
             Some(wheel) => wheel,
@@ -79,10 +95,11 @@ pub fn ensure_blender(project: &Project, version: &str) -> Outcome<PathBuf> {
                 eprintln!("downloading bpy {version}");
                 let mut command = pip(project, python, "download")?;
                 command.args(["--no-deps", "--only-binary", ":all:", "--dest"]).arg(&wheels);
-                process::run(command.arg(format!("bpy=={version}")))?;
+                process::run(command.arg(format!("{BPY}{version}")))?;
                 downloaded(&wheels, version).ok_or_else(|| Failure::new("pip downloaded no bpy"))?
             }
         };
+        eprintln!("installing bpy {version}");
         process::run(pip(project, python, "install")?.args(&others).arg(wheel))
     })
 }
@@ -93,17 +110,17 @@ fn downloaded(folder: &Path, version: &str) -> Option<PathBuf> {
     files.find(|path| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(&start)))
 }
 
-fn python_of_blender(project: &Project) -> Outcome<String> {
-    let named = std::env::var("PYTHON").ok();
-    let usual = [format!("python{PYTHON_OF_BLENDER}"), "python3".to_owned(), "python".to_owned()];
+/// An interpreter of a version of Python, such as 3.11.
+fn python_of(project: &Project, version: &str) -> Outcome<String> {
+    let usual = [format!("python{version}"), "python3".to_owned(), "python".to_owned()];
     let is_right = |python: &String| {
-        let version = "import sys; print(*sys.version_info[:2], sep='.')";
-        let output = project.command(python).args(["-c", version]).output();
-        output.is_ok_and(|output| output.stdout.trim_ascii() == PYTHON_OF_BLENDER.as_bytes())
+        let printed =
+            project.command(python).args(["-c", "import sys; print(*sys.version_info[:2], sep='.')"]).output();
+        printed.is_ok_and(|output| output.stdout.trim_ascii() == version.as_bytes())
     };
-    named.into_iter().chain(usual).find(is_right).ok_or_else(|| {
-        Failure::new(format!("it needs Python {PYTHON_OF_BLENDER}, which is not on the path"))
-            .hint(format!("install Python {PYTHON_OF_BLENDER} with its venv module, or name it in PYTHON"))
+    std::env::var("PYTHON").into_iter().chain(usual).find(is_right).ok_or_else(|| {
+        Failure::new(format!("it needs Python {version}, which is not on the path"))
+            .hint(format!("install Python {version} with its venv module, or name it in PYTHON"))
     })
 }
 
@@ -179,4 +196,16 @@ fn create(project: &Project, folder: &Path, base: &str, options: &[&str]) -> Out
 
 fn interpreter(folder: &Path) -> PathBuf {
     if cfg!(windows) { folder.join("Scripts/python.exe") } else { folder.join("bin/python") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_version_of_blender_names_its_python() {
+        let found = blender("bpy==5.0.1; python_version == \"3.11\"").unwrap();
+        assert_eq!([found.version, found.python], ["5.0.1", "3.11"]);
+        assert!(blender("bpy==5.0.1").is_err());
+    }
 }
