@@ -22,15 +22,25 @@ class Drive:
     def __init__(self, garment: bpy.types.Object, scene: bpy.types.Scene) -> None:
         if not bpy.data.filepath:
             raise Failed([plain("Save the .blend first: the cache is a file beside it")])
-        self.sim, self.render = product(garment, "sim"), product(garment, "render")
-        if not self.sim or not self.render:
+        if not product(garment, "sim") or not product(garment, "render"):
             raise Failed([plain(f"{garment.name} has no simulation mesh yet. Press Tailor first")])
-        self.scene, self.garment = scene, garment
         self.frames = list(range(scene.frame_start, scene.frame_end + 1))
-        self.before, self.points, self.process = scene.frame_current, [], None
+        self.before, self.points, self.is_checked, self.process = scene.frame_current, [], False, None
         blend = Path(bpy.data.filepath)
         self.folder = blend.with_name(f"{blend.stem}_tailor")
         self.job = Job(garment, flatten=True)
+
+    @property
+    def garment(self) -> bpy.types.Object | None:
+        """The garment, or none if it was deleted."""
+        return self.job.garment
+
+    def _product(self, kind: str) -> bpy.types.Object:
+        """A product, which undo may have replaced or removed since the last step."""
+        found = self.garment and product(self.garment, kind)
+        if not found:
+            raise Failed([plain(f"{self.job.garment_name} or its meshes were deleted while the cloth was simulated")])
+        return found
 
     @property
     def progress(self) -> float:
@@ -43,11 +53,13 @@ class Drive:
         Raises:
             Failed: The simulated mesh is not that of the garment as it is now, or a program refused.
         """
-        if len(self.points) < len(self.frames):
+        if not self.is_checked:
+            if self.job.is_done():
+                self._check()
+        elif len(self.points) < len(self.frames):
             self._read(self.frames[len(self.points)])
         elif self.process is None:
-            if self.job.is_done():
-                self._start()
+            self._start()
         elif self.process.poll() is not None:
             self._finish()
             return True
@@ -60,26 +72,32 @@ class Drive:
         if self.process and self.process.poll() is None:
             self.process.kill()
         self.job.cancel()
-        self.scene.frame_set(self.before)
+        bpy.context.scene.frame_set(self.before)
 
-    def _read(self, frame: int) -> None:
-        self.scene.frame_set(frame)
-        mesh = self.sim.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
-        if len(mesh.vertices) != len(self.sim.data.vertices):
-            raise Failed([plain(f"A modifier of {self.sim.name} changes its number of vertices. Turn it off for the simulation")])
-        self.points.append(column(mesh.vertices, "co", 3))
-
-    def _start(self) -> None:
-        """Checks that the mesh is still that of the garment, and starts the command."""
+    def _check(self) -> None:
+        """Refuses a mesh that is not that of the garment as it is now, before any frame is simulated."""
         from .stage import Usd, UsdGeom
 
         self.job.result()
+        self.is_checked = True
         stage = Usd.Stage.Open(str(self.job.output))
         prim = stage.GetPrimAtPath(stage.GetDefaultPrim().GetPath().AppendChild("sim"))
         built = np.asarray(UsdGeom.Mesh(prim).GetPointsAttr().Get(), np.float32)
-        here = column(self.sim.data.vertices, "co", 3)
+        sim = self._product("sim")
+        here = column(sim.data.vertices, "co", 3)
         if built.shape != here.shape or np.abs(built - here).max() > 1e-5 * max(1.0, np.abs(here).max()):
-            raise Failed([plain(f"{self.garment.name} has changed since {self.sim.name} was made. Press Tailor, and simulate again")])
+            raise Failed([plain(f"{self.garment.name} has changed since {sim.name} was made. Press Tailor, and simulate again")])
+
+    def _read(self, frame: int) -> None:
+        bpy.context.scene.frame_set(frame)
+        sim = self._product("sim")
+        mesh = sim.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+        if len(mesh.vertices) != len(sim.data.vertices):
+            raise Failed([plain(f"A modifier of {sim.name} changes its number of vertices. Turn it off for the simulation")])
+        self.points.append(column(mesh.vertices, "co", 3))
+
+    def _start(self) -> None:
+        """Writes the frames for the command, and starts it."""
         cache = Path(self.job.folder.name) / "cache.npz"
         np.savez(cache, points=np.stack(self.points), times=np.asarray(self.frames, np.float64))
         self.shot = Path(self.job.folder.name) / "shot.usdc"
@@ -91,14 +109,18 @@ class Drive:
         _, errors = self.process.communicate()
         if self.process.returncode:
             raise Failed([plain(errors.strip())])
-        self.folder.mkdir(exist_ok=True)
         path = self.folder / f"{names.usd_name(self.garment.name)}.usdc"
         beside = path.with_name(f"{path.stem}.part.usdc")
-        _write_cache(self.shot, beside)
-        # A file that is open cannot be replaced on Windows.
-        _forget_cache(self.render)
-        beside.replace(path)
-        _read_cache(self.render, path)
+        render = self._product("render")
+        try:
+            self.folder.mkdir(exist_ok=True)
+            _write_cache(self.shot, beside)
+            # A file that is open cannot be replaced on Windows.
+            _forget_cache(render)
+            beside.replace(path)
+        except (OSError, RuntimeError) as error:
+            raise Failed([plain(f"The cache cannot be written to {self.folder}: {error}. Save the .blend elsewhere")]) from None
+        _read_cache(render, path)
 
 
 def _write_cache(shot: Path, path: Path) -> None:
@@ -107,7 +129,7 @@ def _write_cache(shot: Path, path: Path) -> None:
 
     source = Usd.Stage.Open(str(shot))
     moved = UsdGeom.Mesh(source.GetPrimAtPath(source.GetDefaultPrim().GetPath().AppendChild("render")))
-    stage = Usd.Stage.CreateNew(str(path))
+    stage = Usd.Stage.CreateInMemory()
     stage.SetTimeCodesPerSecond(source.GetTimeCodesPerSecond())
     mesh = UsdGeom.Mesh.Define(stage, "/render")
     mesh.CreateFaceVertexCountsAttr(moved.GetFaceVertexCountsAttr().Get())
@@ -115,7 +137,8 @@ def _write_cache(shot: Path, path: Path) -> None:
     points = mesh.CreatePointsAttr()
     for at in moved.GetPointsAttr().GetTimeSamples():
         points.Set(moved.GetPointsAttr().Get(at), at)
-    stage.GetRootLayer().Save()
+    path.unlink(missing_ok=True)
+    stage.GetRootLayer().Export(str(path))
 
 
 def _forget_cache(render) -> None:

@@ -24,8 +24,9 @@ class OfGarment:
         return False
 
     def refuse(self, garment, faults: list[dict]):
-        """Shows why nothing was done, in the panel too."""
-        messages.set_faults(garment, faults)
+        """Shows why nothing was done, in the panel too if the garment is there."""
+        if garment:
+            messages.set_faults(garment, faults)
         self.report({"ERROR"}, faults[0]["message"])
         return {"CANCELLED"}
 
@@ -60,7 +61,6 @@ class Waiting(OfGarment):
             self.work = self.begin(context, garment)
         except Failed as failed:
             return self.refuse(garment, failed.messages)
-        self.garment = garment
         self.timer = context.window_manager.event_timer_add(0.02, window=context.window)
         context.window_manager.progress_begin(0, 1)
         context.window_manager.modal_handler_add(self)
@@ -76,7 +76,10 @@ class Waiting(OfGarment):
         try:
             return self._end(context, {"FINISHED"}) if self.advance(context, self.work) else {"RUNNING_MODAL"}
         except Failed as failed:
-            return self._end(context, self.refuse(self.garment, failed.messages))
+            return self._end(context, self.refuse(self.work.garment, failed.messages))
+        except Exception:
+            self._end(context, {"CANCELLED"})
+            raise
 
     def _end(self, context, result):
         self.work.cancel()

@@ -111,8 +111,10 @@ def test_drive_again_replaces_the_cache_and_the_frame_stays(dressed):
 
 def test_a_garment_that_has_changed_is_not_driven(dressed):
     dressed["tailor:sim:maxEdgeLength"] = 0.028
+    bpy.context.scene.frame_set(4)
     with pytest.raises(RuntimeError, match="Press Tailor, and simulate again"):
         bpy.ops.tailor.drive()
+    assert bpy.context.scene.frame_current == 4
 
 
 def test_a_file_that_was_never_saved_is_told_so():
