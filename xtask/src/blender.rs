@@ -51,6 +51,7 @@ pub fn test(run: &Run<'_>) -> Outcome {
         return Ok(());
     };
     let extension = pack(project, &wheel)?;
+    let mut outcome = Ok(());
     for blender in blenders(project, run.all)? {
         let version = &blender.version;
         let usable = venv::ensure_blender(project, &blender).and_then(|python| {
@@ -58,7 +59,8 @@ pub fn test(run: &Run<'_>) -> Outcome {
             Ok(python)
         });
         match usable {
-            Ok(python) => test_with(run, &python, &extension)?,
+            // The other versions run after a failure too.
+            Ok(python) => outcome = outcome.and(test_with(run, &python, &extension)),
             Err(failure) => {
                 eprintln!(
                     "SKIPPED: the extension is NOT tested with Blender {version}, which does not run here: {failure}"
@@ -66,7 +68,7 @@ pub fn test(run: &Run<'_>) -> Outcome {
             }
         }
     }
-    Ok(())
+    outcome
 }
 
 /// Makes the environments of the step `blender`, unless they cannot be had, which that step reports.
