@@ -80,7 +80,7 @@ fn blender(line: &str) -> Outcome<Blender> {
     parse().ok_or_else(|| Failure::new(format!("{BLENDER}: `{line}` pins no version for one version of Python")))
 }
 
-/// Like [`ensure`], for a version of Blender. Its package of 380 MB is kept when the environment is made again.
+/// Like [`ensure`], for a version of Blender. Its package of about 400 MB is kept when the environment is made again.
 pub fn ensure_blender(project: &Project, blender: &Blender) -> Outcome<PathBuf> {
     let version = &blender.version;
     let base = python_of(project, &blender.python)?;
