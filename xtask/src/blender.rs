@@ -157,10 +157,13 @@ fn set_times(folder: &Path) -> Outcome {
         let path = entry.map_err(fault)?.path();
         if path.is_dir() {
             set_times(&path)?;
-        } else {
-            let file = File::options().append(true).open(&path).map_err(fault)?;
-            file.set_modified(SystemTime::UNIX_EPOCH + TIME).map_err(fault)?;
+            // Windows opens no folder so.
+            if cfg!(windows) {
+                continue;
+            }
         }
+        let file = File::options().read(true).append(path.is_file()).open(&path).map_err(fault)?;
+        file.set_modified(SystemTime::UNIX_EPOCH + TIME).map_err(fault)?;
     }
     Ok(())
 }
