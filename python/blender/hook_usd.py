@@ -79,9 +79,10 @@ def _write_names(prim: Usd.Prim, ob) -> None:
     named = [*ob.vertex_groups, *(slot.material for slot in ob.material_slots if slot.material)]
     known = {primvar.GetPrimvarName() for primvar in UsdGeom.PrimvarsAPI(prim).GetPrimvars()} | {p.GetName() for p in prim.GetChildren()}
     for item in named:
-        ours, other = names.usd_name(item.name), names.ascii_name(item.name)
-        if ours not in known and other in known:
-            written[ours] = other
+        ours = names.usd_name(item.name)
+        others = [other for other in names.ascii_names(item.name) if other in known]
+        if ours not in known and others:
+            written[ours] = others[0]
     for place in (prim.GetParent(), prim):
         for key, value in recipe.properties(ob).items():
             attribute = place.GetAttribute(key)

@@ -22,9 +22,11 @@ def usd_name(name: str) -> str:
     return made if made and made.isidentifier() or made.startswith("_") else "_" + made
 
 
-def ascii_name(name: str) -> str:
-    """The name as Blender's exporter writes it without *Allow Unicode*: a sign for each byte of other letters."""
-    return usd_name("".join(chr(byte) if byte < 128 else "_" for byte in name.encode()))
+def ascii_names(name: str) -> tuple[str, str]:
+    """The names as Blender's exporter writes it without *Allow Unicode*: 4.5 has an underscore for each byte of other letters, later
+    versions for each letter.
+    """
+    return tuple(usd_name("".join(sign if ord(sign) < 128 else "_" for sign in signs)) for signs in (map(chr, name.encode()), name))
 
 
 def unique(name: str, taken) -> str:
