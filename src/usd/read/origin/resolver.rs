@@ -53,6 +53,8 @@ pub struct Files {
     read: Arc<ReadFiles>,
     /// Whether each text layer that was found has letters beyond ASCII in its words.
     has_letters: RefCell<HashMap<String, bool>>,
+    /// The last text that was read to find out, so that it is not read again to be opened.
+    ahead: RefCell<Option<(PathBuf, Vec<u8>)>>,
 }
 
 impl Files {
@@ -91,14 +93,24 @@ impl Files {
         has_letters.then(|| ResolvedPath::new(format!("{path}{BY_CONTENT}{brackets}")))
     }
 
+    fn read_file(&self, file: &Path) -> io::Result<Vec<u8>> {
+        match self.ahead.take() {
+            Some((ahead, bytes)) if ahead == file => self.read.keep(file, bytes),
+            _ => self.read.read(file),
+        }
+    }
+
     /// Whether a text layer has letters beyond ASCII in its words.
     fn reads_letters(&self, layer: &ResolvedPath) -> bool {
-        let bytes = if package_file(layer) == **layer {
-            read(layer)
-        } else {
-            self.resolver.open_asset(layer).and_then(|mut asset| asset.read_all())
-        };
-        bytes.is_ok_and(|text| is_text(&text) && !text.is_ascii() && readable(&text).letters.is_some())
+        let is_file = package_file(layer) == **layer;
+        let bytes =
+            if is_file { read(layer) } else { self.resolver.open_asset(layer).and_then(|mut asset| asset.read_all()) };
+        let Ok(text) = bytes else { return false };
+        let has_letters = is_text(&text) && !text.is_ascii() && readable(&text).letters.is_some();
+        if is_file {
+            *self.ahead.borrow_mut() = Some((layer.to_path_buf(), text));
+        }
+        has_letters
     }
 }
 
@@ -138,7 +150,7 @@ impl Resolver for Files {
             return self.resolver.open_asset(resolved_path);
         }
         let bytes =
-            if is_packed { self.resolver.open_asset(resolved_path)?.read_all()? } else { self.read.read(&package)? };
+            if is_packed { self.resolver.open_asset(resolved_path)?.read_all()? } else { self.read_file(&package)? };
         Ok(shared(readable_layer(bytes)?))
     }
 
