@@ -388,6 +388,16 @@ def test_panels_keep_the_materials_of_prims_above_them(build, tmp_path, words, e
     assert of_faces == expected
 
 
+@pytest.mark.parametrize("words", [
+    'float[] primvars:wet = [1, 2, 3] (interpolation = "vertex")',
+    'normal3f[] primvars:normals = [(0, 0, 1)] (interpolation = "faceVarying")\nint[] primvars:normals:indices = [0, 0, 0, 7]',
+], ids=["weights", "normals"])  # fmt: skip
+def test_panels_are_sewn_without_primvars_with_faults(build, tmp_path, words):
+    product = build(two_panels(tmp_path / "a.usda", of_b=words), "--all", "--set", "render.level=0")
+    assert len(UsdGeom.Mesh(product.stage.GetPrimAtPath("/G/render")).GetPointsAttr().Get()) == 6
+    assert any("/G/b/b_mesh.primvars:" in message for _, message in warnings(product))
+
+
 def test_an_element_size_that_does_not_fit_is_left_out(build, tmp_path):
     """Exports of Arnold have the number of values there."""
 
