@@ -78,8 +78,8 @@ pub use error::{Error, ErrorKind, Warning};
 pub use garment::units;
 pub use garment::{
     BoundaryInterpolation, Corner, Crease, FaceVaryingInterpolation, Family, FamilyType, Garment, Interpolation,
-    Meaning, Mesh, Mixing, Orientation, Primvar, PrimvarInput, PrimvarRole, Scheme, StageSpace, SubdivisionRules,
-    Subset, SubsetInput, TriangleRule, Units, Values,
+    LeftOut, Meaning, Mesh, Mixing, Orientation, Primvar, PrimvarInput, PrimvarRole, Scheme, StageSpace,
+    SubdivisionRules, Subset, SubsetInput, TriangleRule, Units, Values,
 };
 pub use glam;
 pub use mesh::{CornerId, Csr, EdgeId, Elements, FaceId, Faces, IdVec, Topology, VertexId};

@@ -1,6 +1,9 @@
 //! A garment as authored, before it is checked.
 
-use super::{Family, Interpolation, Meaning, Orientation, PrimvarRole, StageSpace, SubdivisionRules, Units, Values};
+use super::{
+    Family, Interpolation, Meaning, Mesh, Orientation, PrimvarRole, StageSpace, SubdivisionRules, Units, Values,
+};
+use crate::error::{Fault, Warning};
 use glam::Vec3;
 use std::collections::BTreeMap;
 
@@ -41,10 +44,32 @@ pub struct Garment {
     pub corner_sharpnesses: Vec<f32>,
     /// Primvars of the prim itself that are not constant.
     pub primvars: Vec<PrimvarInput>,
+    /// Primvars with faults, which are not among `primvars`. The check adds those that it finds.
+    pub left_out: Vec<LeftOut>,
     /// GeomSubsets, in namespace order.
     pub subsets: Vec<SubsetInput>,
     /// `subsetFamily:<name>:familyType`
     pub families: Vec<Family>,
+}
+
+/// A primvar that no product has, because it has faults.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LeftOut {
+    /// See [`Primvar::name`](super::Primvar::name).
+    pub name: String,
+    /// The first fault.
+    pub fault: Fault,
+}
+
+impl LeftOut {
+    /// The warning of the products.
+    pub(crate) fn warning(&self) -> Warning {
+        let mut remedy = self.fault.remedy.clone();
+        if let Some(first) = remedy.get_mut(..1) {
+            first.make_ascii_uppercase();
+        }
+        Warning::not_carried(&self.fault.place, &self.fault.text).remedy(remedy)
+    }
 }
 
 /// A primvar as authored.
@@ -68,6 +93,15 @@ pub struct PrimvarInput {
     pub values: Values,
     /// `primvars:<name>:indices`
     pub indices: Option<Vec<i32>>,
+}
+
+impl Garment {
+    /// Takes out the primvars that its check left out.
+    pub(crate) fn leave_out(&mut self, checked: &Mesh) {
+        let is_kept = |p: &PrimvarInput| checked.primvars.iter().any(|kept| kept.name == p.name && kept.role == p.role);
+        self.primvars.retain(is_kept);
+        self.left_out.clone_from(&checked.left_out);
+    }
 }
 
 impl PrimvarInput {

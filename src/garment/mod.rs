@@ -17,7 +17,7 @@ mod uv_seams;
 
 pub use crate::mesh::Elements;
 pub use check::check_garment;
-pub use input::{Garment, PrimvarInput, SubsetInput};
+pub use input::{Garment, LeftOut, PrimvarInput, SubsetInput};
 pub use primvar::{Interpolation, Meaning, Mixing, Primvar, PrimvarRole, Values};
 pub use space::StageSpace;
 pub(crate) use subset::{CONSTRAINTS, DERIVED, free_name};
@@ -154,6 +154,8 @@ pub struct Mesh {
     pub corners: Vec<Corner>,
     /// Primvars that vary over the mesh; constant ones are copied as they are by the writer.
     pub primvars: Arc<Vec<Primvar>>,
+    /// Primvars of the model that have faults, and are not among `primvars`.
+    pub left_out: Vec<LeftOut>,
     /// The joint influences of each vertex while operators and refinements work on them. They are pruned to
     /// `elementSize` once, at the end.
     pub influences: Option<Arc<Vec<joints::Influences>>>,
@@ -167,6 +169,11 @@ impl Mesh {
     /// The primvar called `name` (without `primvars:`).
     pub fn primvar(&self, name: &str) -> Option<&Primvar> {
         self.primvars.iter().find(|p| p.name == name)
+    }
+
+    /// The primvar called `name` (without `primvars:`) that was left out, if one was.
+    pub(crate) fn left_out(&self, name: &str) -> Option<&LeftOut> {
+        self.left_out.iter().find(|left_out| left_out.name == name)
     }
 
     /// The subset called `name`.

@@ -1,7 +1,7 @@
 //! Checks of options against a garment. Every fault names the option and the remedy.
 
 use crate::error::{Error, ErrorCode};
-use crate::garment::{Interpolation, Mesh, Primvar, Subset, Values};
+use crate::garment::{Interpolation, LeftOut, Mesh, Primvar, Subset, Values};
 
 /// Largest length or height of an operator, which looks for other cloth as far as it reaches, and of a cloth.
 /// \[sizes of the garment\]
@@ -94,6 +94,10 @@ pub fn primvar<'a>(
     let found = garment.primvar(name).filter(&fits);
     if found.is_some() || name.is_empty() {
         return Ok(found);
+    }
+    if let Some(LeftOut { fault, .. }) = garment.left_out(name) {
+        let text = format!("\"{name}\" cannot be used: {} {}", fault.place, fault.text);
+        return Err(Error::recipe(key, text).code(fault.code).remedy(&fault.remedy));
     }
     let names: Vec<&str> = garment.primvars.iter().filter(&fits).map(|p| p.name.as_str()).collect();
     let remedy = if names.is_empty() {

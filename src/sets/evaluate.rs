@@ -5,7 +5,7 @@ use super::expression::{Argument, Expression, quoted};
 use super::pieces::{chosen, face_pieces, pieces};
 use super::{SetEvaluator, SetFault};
 use crate::error::ErrorCode;
-use crate::garment::{Primvar, UvSeams};
+use crate::garment::{LeftOut, Primvar, UvSeams};
 use crate::mesh::{EdgeId, FaceId, VertexId};
 use crate::options::did_you_mean;
 use std::cell::RefCell;
@@ -146,8 +146,12 @@ impl<'a> Evaluation<'a> {
         what: &str,
         fits: impl Fn(&Primvar) -> bool,
     ) -> Result<Option<&'a Primvar>, SetFault> {
-        let garment = self.sets.garment;
-        let found = garment.primvar(arguments.name(0)?).filter(|primvar| fits(primvar));
+        let (garment, name) = (self.sets.garment, arguments.name(0)?);
+        if let Some(LeftOut { fault, .. }) = garment.left_out(name) {
+            let text = format!("{} cannot be used: {} {}", quoted(name), fault.place, fault.text);
+            return Err(SetFault { code: fault.code, ..SetFault::new(text, &fault.remedy) });
+        }
+        let found = garment.primvar(name).filter(|primvar| fits(primvar));
         if found.is_none() {
             let known = garment.primvars.iter().filter(|primvar| fits(primvar)).map(|primvar| quoted(&primvar.name));
             self.note(among(what, known));

@@ -187,3 +187,15 @@ fn the_documents_have_every_function() {
         assert!(page.contains(&row), "docs/sets.md lacks: {row}");
     }
 }
+
+#[test]
+fn a_primvar_with_a_fault_is_told_where_it_is_named() {
+    let mut input: Garment = grid(4, 4, |_, _| true);
+    input.primvars.push(PrimvarInput::weights("pin", vec![1.0; 7]));
+    let garment = check_garment(input).expect("no step needs it").0;
+    let fault = SetEvaluator::new(&garment, "st").evaluate("weight(pin)").expect_err("it is left out");
+    let error = crate::options::float_primvar(&garment, "sim.density", "pin").expect_err("it is left out");
+    for (code, text) in [(fault.code, &fault.text), (error.faults[0].code, &error.faults[0].text)] {
+        assert!(code == ErrorCode::ValueCount && text.contains("primvars:pin holds 7 values"), "{text}");
+    }
+}

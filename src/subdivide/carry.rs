@@ -120,6 +120,7 @@ impl<'a, D: Derivation> Carrier<'a, D> {
             families: garment.families.iter().map(|f| carried_family(garment, f)).collect(),
             primvars: Vec::new().into(),
             influences: None,
+            left_out: garment.left_out.clone(),
             faces: self.derivation.faces().clone(),
         }
     }

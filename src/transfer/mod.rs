@@ -88,6 +88,7 @@ pub fn transfer(
         subsets: subsets.into(),
         families,
         influences: None,
+        left_out: garment.left_out.clone(),
     };
     (TransferResult { mesh, coverage, curves, islands }, warnings)
 }

@@ -41,10 +41,19 @@ impl<'a> Anchor<'a> {
     /// The value with its resolved asset paths written for this anchor.
     pub fn restated(self, value: Value) -> Value {
         value.map_asset_paths(&mut |asset| match asset.resolved_path() {
-            Some(file) if Path::new(file).is_absolute() => AssetPath::new(self.path_to(file)),
+            Some(file) if Path::new(file).is_absolute() => AssetPath::new(self.path_to(&file_path(file))),
             _ => AssetPath::new(asset.asset_path()),
         })
     }
+}
+
+/// Arguments behind the path of a text layer that is handed over as a crate: the library takes a file `.usda` for text, and
+/// looks at the content of `.usd`.
+pub const BY_CONTENT: &str = ":SDF_FORMAT_ARGS:by=content.usd";
+
+/// A path that was resolved, as the file has it.
+pub fn file_path(resolved: &str) -> String {
+    resolved.replace(BY_CONTENT, "")
 }
 
 /// `target` as seen from `folder`, starting with `./` or `../`; none when they share no root.

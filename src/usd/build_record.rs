@@ -1,6 +1,6 @@
 //! The sources of an output: `build` writes them into the layer, so that a later run can tell whether the output is fresh.
 
-use super::assets::{Anchor, as_named};
+use super::assets::{Anchor, as_named, file_path};
 use super::read::{Files, OrUnreadable, Source, VariantSet};
 use super::{names, on_large_stack};
 use crate::error::{Error, plain};
@@ -96,7 +96,7 @@ impl BuildRecord {
     pub(super) fn in_layers(stage: &Stage) -> Vec<(PathBuf, Self)> {
         let of_layer = |id: &String| {
             let layer = stage.layer(id)?;
-            Some((PathBuf::from(layer.resolved_path()?), Self::in_layer(&layer)?))
+            Some((PathBuf::from(file_path(layer.resolved_path()?)), Self::in_layer(&layer)?))
         };
         stage.layer_identifiers().iter().filter_map(of_layer).collect()
     }

@@ -30,6 +30,7 @@ pub fn sound(input: &Garment) -> Mesh {
         materials: std::collections::BTreeMap::new(),
         uv_scales: std::collections::BTreeMap::default(),
         influences: None,
+        left_out: Vec::new(),
         prim: input.prim.clone(),
         points: input.points.clone().into(),
         faces: Faces::mixed(input.face_vertex_counts.iter().map(|&n| n as usize), corners),

@@ -15,7 +15,7 @@ mod surface;
 #[cfg(test)]
 mod tests;
 
-use super::{Garment, Mesh};
+use super::{Garment, LeftOut, Mesh};
 use crate::error::{Error, Warnings};
 use crate::mesh::Topology;
 use mesh::MeshCheck;
@@ -25,7 +25,7 @@ use std::mem::take;
 /// Checks `input` and converts it to the types of geometry code.
 ///
 /// Non-manifold edges, bow-tie vertices, inconsistent winding, unused points, and duplicate and zero-area faces are kept and
-/// are warnings.
+/// are warnings. So are primvars with faults that no step needs: the checked mesh lacks them.
 ///
 /// # Errors
 /// Every independent fault of topology, indices, lengths and values that was found, in a fixed order.
@@ -40,14 +40,16 @@ pub fn check_garment(mut input: Garment) -> Result<(Mesh, Warnings), Error> {
     let holes = faces::holes(&input.hole_indices, &mesh, found);
     let creases = creases::creases(&input, &mesh, found);
     let corners = creases::corners(&input, &mesh, found);
-    let (primvars, of_primvars) = primvars::primvars(primvars, &mesh, &input.prim, found);
+    let (primvars, faulty) = primvars::primvars(primvars, &mesh, &input.prim, found);
     let subsets = subsets::subsets(subsets, &input.families, &mesh, found);
 
     let Some(topology) = topology.filter(|_| problems.is_empty()) else {
         return Err(problems.into_error(&input.prim));
     };
     let mut warnings = surface::warnings(&input.prim, &topology, &input.points);
-    warnings.extend(of_primvars);
+    let mut left_out = input.left_out;
+    left_out.extend(faulty);
+    warnings.extend(left_out.iter().map(LeftOut::warning));
     let garment = Mesh {
         prim: input.prim,
         points: input.points.into(),
@@ -62,6 +64,7 @@ pub fn check_garment(mut input: Garment) -> Result<(Mesh, Warnings), Error> {
         creases,
         corners,
         primvars: primvars.into(),
+        left_out,
         influences: None,
         subsets: subsets.into(),
         families: input.families,

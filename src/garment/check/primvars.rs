@@ -2,40 +2,48 @@
 
 use super::mesh::{Count, Indices, MeshCheck};
 use super::problem::Problems;
-use crate::error::{ErrorCode, Warning, Warnings};
-use crate::garment::{Interpolation, Primvar, PrimvarInput, PrimvarRole, Values};
+use crate::error::ErrorCode;
+use crate::garment::joints::{JOINT_INDICES, JOINT_WEIGHTS};
+use crate::garment::{Interpolation, LeftOut, Meaning, Primvar, PrimvarInput, PrimvarRole, Values};
 use crate::mesh::ValueId;
 use std::collections::HashSet;
 use std::sync::Arc;
 
-/// The primvars, in the order in which they were authored. Warns of normals with faults: no step needs them.
+/// The primvars, in the order in which they were authored, and those with faults that no step needs.
 pub(super) fn primvars(
     inputs: Vec<PrimvarInput>,
     mesh: &MeshCheck<'_>,
     prim: &str,
     problems: &mut Problems,
-) -> (Vec<Primvar>, Warnings) {
+) -> (Vec<Primvar>, Vec<LeftOut>) {
     check_names(&inputs, problems);
-    let (mut found, mut warnings) = (Vec::new(), Warnings::default());
+    let (mut found, mut left_out) = (Vec::new(), Vec::new());
     for input in inputs {
-        if input.name != NORMALS {
+        if is_needed(&input) {
             found.extend(primvar(input, mesh, problems));
             continue;
         }
-        let (place, mut own) = (format!("{prim}.{}", attribute(&input)), Problems::default());
-        let normals = primvar(input, mesh, &mut own);
+        let (name, mut own) = (input.name.clone(), Problems::default());
+        let checked = primvar(input, mesh, &mut own);
         if own.is_empty() {
-            found.extend(normals);
+            found.extend(checked);
         } else {
-            let error = own.into_error(prim);
-            warnings.push(Warning::not_carried(place, &error.faults[0].text));
+            let fault = own.into_error(prim).faults.swap_remove(0);
+            left_out.push(LeftOut { name, fault });
         }
     }
-    (found, warnings)
+    (found, left_out)
 }
 
-/// The name of normals among primvars.
-const NORMALS: &str = "normals";
+/// Whether a mesh with faults in the primvar is refused: seams come from UVs, and motion from joints and blend shapes.
+fn is_needed(input: &PrimvarInput) -> bool {
+    let is_skinning = [JOINT_INDICES, JOINT_WEIGHTS].contains(&input.name.as_str());
+    let is_pair = input.components == 2 && matches!(input.values, Values::F32(_));
+    is_skinning
+        || matches!(input.role, PrimvarRole::BlendShape { .. })
+        || input.meaning == Meaning::TextureCoordinate
+        || (is_pair && input.interpolation == Interpolation::FaceVarying)
+}
 
 /// Checks that names are unique.
 fn check_names(inputs: &[PrimvarInput], problems: &mut Problems) {

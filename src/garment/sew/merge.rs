@@ -77,7 +77,7 @@ fn each_vector(values: &mut Values, change: impl Fn(DVec3) -> DVec3) {
     }
 }
 
-/// Joins panels to one mesh that messages call `prim`. `welds` are pairs of points, each as panel and point. Primvars that
+/// Joins checked panels to one mesh that messages call `prim`. `welds` are pairs of points, each as panel and point. Primvars that
 /// panels do not share become warnings.
 ///
 /// # Errors
@@ -100,6 +100,7 @@ pub fn merge(prim: String, units: Units, mut panels: Vec<Panel>, welds: &[[(usiz
     };
     let (primvars, warnings) = merge_primvars(&mesh.prim, &panels, &points);
     mesh.primvars = primvars;
+    mesh.left_out = panels.iter().flat_map(|panel| panel.mesh.left_out.iter().cloned()).collect();
     mesh.subsets = merge_subsets(&panels, &points)?;
     for (panel, of_panel) in panels.iter().zip(&points.of_panel) {
         add_topology(&mut mesh, &panel.mesh, of_panel);

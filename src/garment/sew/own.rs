@@ -41,9 +41,10 @@ fn unambiguous(border: &Border, found: Vec<Match>) -> Vec<Match> {
 
 /// The mesh with the points of these pairs as one; none where it has faults before or after.
 fn sew(mesh: &Garment, borders: &[Border], pairs: &[Match]) -> Option<(Sewn, Seam)> {
-    check_garment(mesh.clone()).ok()?;
+    let (checked, _) = check_garment(mesh.clone()).ok()?;
     let welds: Vec<_> = pairs.iter().flat_map(|pair| pair.welds(borders)).collect();
-    let panel = Panel { name: String::new(), mesh: mesh.clone() };
+    let mut panel = Panel { name: String::new(), mesh: mesh.clone() };
+    panel.mesh.leave_out(&checked);
     let mut sewn = merge(mesh.prim.clone(), mesh.units, vec![panel], &welds).ok()?;
     sewn.mesh.space = mesh.space;
     sewn.mesh.materials.clone_from(&mesh.materials);

@@ -54,6 +54,7 @@ pub fn read_mesh(prim: &Prim, time: Option<TimeCode>) -> Result<((Garment, Decla
         corner_indices: ints(names::CORNER_INDICES)?,
         corner_sharpnesses: floats(names::CORNER_SHARPNESSES)?,
         primvars: Vec::new(),
+        left_out: Vec::new(),
         subsets: warnings.absorb(subsets(prim, time)?),
         families: families(prim)?,
     };

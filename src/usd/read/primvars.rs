@@ -5,7 +5,7 @@ use super::query::{OrUnreadable, interpolation, primvar_names, value};
 use super::shapes::BlendShape;
 use crate::error::{Error, ErrorCode, Warning, Warnings};
 use crate::garment::{Interpolation, PrimvarInput, PrimvarRole};
-use crate::usd::assets::resolved;
+use crate::usd::assets::{file_path, resolved};
 use crate::usd::names::{self, UsdToken};
 use crate::usd::record::{Depth, Record};
 use crate::usd::values::{Flat, flat, text};
@@ -144,7 +144,7 @@ pub fn read_primvar(
         let sites = attribute.property_stack().or_unreadable(attribute.path())?;
         let assets = resolved(value.clone(), prim.stage(), &sites).try_as_asset_path_vec();
         let files =
-            assets.iter().flatten().filter_map(|a| Some((a.as_str().to_owned(), a.resolved_path()?.to_owned())));
+            assets.iter().flatten().filter_map(|a| Some((a.as_str().to_owned(), file_path(a.resolved_path()?))));
         declarations.assets.extend(files);
     }
     let declared = |property: &str| Record::take(prim, property, Depth::Declaration).or_unreadable(attribute.path());

@@ -30,8 +30,8 @@ pub struct VariantSet {
     pub choices: Vec<String>,
 }
 
-/// Identifier of the session layer that selects variants.
-pub const SESSION: &str = "usdtailor-session.usda";
+/// Identifier of the session layer that selects variants. The library reads it by its content, which is text or a crate.
+pub const SESSION: &str = "usdtailor-session.usd";
 
 /// The variant sets of `prim` and of its ancestors, outermost first.
 ///

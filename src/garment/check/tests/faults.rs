@@ -1,7 +1,9 @@
 //! Every fault that a garment can have, each with what is said of it.
 
 use super::{cloth, subset, varying};
-use crate::garment::{Family, FamilyType, Garment, Interpolation, PrimvarInput, Scheme, Values, check_garment};
+use crate::garment::{
+    Family, FamilyType, Garment, Interpolation, Meaning, PrimvarInput, Scheme, Values, check_garment,
+};
 
 /// One way to break the cloth, and what must be said of it.
 struct FaultCase {
@@ -123,20 +125,8 @@ fn faults_of_primvars() {
     const ST_INDICES: &str = "primvars:st:indices";
     const WEIGHTS: &str = "primvars:skel:jointWeights";
     each_is_told(&[
-        fault("primvars:ply", "holds 9 values, but uniform interpolation needs 4", "interpolation to vertex", |i| {
-            i.primvars[3].values = Values::F64(vec![0.0; 9]);
-        }),
-        fault(
-            "primvars:tint",
-            "holds 7 values, but varying interpolation needs 9: 1 for each of 9 points",
-            "give 9",
-            |i| floats(i, 4).truncate(7),
-        ),
         fault(WEIGHTS, "holds 16 values, but vertex interpolation needs 18: 2 for each of 9 points", "give 18", |i| {
             floats(i, 1).truncate(16);
-        }),
-        fault("primvars:tint", "needs 16: 1 for each of 16 corners", "interpolation to vertex", |i| {
-            i.primvars[4].interpolation = Interpolation::FaceVarying;
         }),
         fault(ST, "holds 13 values, but faceVarying interpolation needs 16", "give 16", |i| {
             i.primvars[0].indices = None;
@@ -167,11 +157,45 @@ fn faults_of_primvars() {
             floats(i, 0)[13] = f32::INFINITY;
         }),
         fault(WEIGHTS, "point 3 holds inf", "finite number", |i| floats(i, 1)[7] = f32::INFINITY),
+        fault("primvars:tint", "two primvars of this name", "rename", |i| i.primvars.push(varying())),
+    ]);
+}
+
+#[test]
+fn primvars_that_no_step_needs_are_left_out() {
+    let cases = [
+        fault("primvars:ply", "holds 9 values, but uniform interpolation needs 4", "interpolation to vertex", |i| {
+            i.primvars[3].values = Values::F64(vec![0.0; 9]);
+        }),
+        fault(
+            "primvars:tint",
+            "holds 7 values, but varying interpolation needs 9: 1 for each of 9 points",
+            "give 9",
+            |i| floats(i, 4).truncate(7),
+        ),
+        fault("primvars:tint", "needs 16: 1 for each of 16 corners", "interpolation to vertex", |i| {
+            i.primvars[4].interpolation = Interpolation::FaceVarying;
+        }),
         fault("primvars:ply", "face 2 holds NaN", "finite number", |i| {
             i.primvars[3].values = Values::F64(vec![0.0, 0.0, f64::NAN, 0.0]);
         }),
-        fault("primvars:tint", "two primvars of this name", "rename", |i| i.primvars.push(varying())),
-    ]);
+        fault("primvars:tint:indices", "point 3 names value 9", "from 0 to 8", |i| {
+            i.primvars[4].indices = Some(vec![0, 1, 2, 9, 4, 5, 6, 7, 8]);
+        }),
+        fault("primvars:tint", "elementSize is 0", "set elementSize", |i| i.primvars[4].element_size = 0),
+    ];
+    for row in &cases {
+        let mut input = cloth();
+        (row.breaks)(&mut input);
+        let (mesh, warnings) = check_garment(input).unwrap_or_else(|e| panic!("{}: {e}", row.fault));
+        let [left_out] = mesh.left_out.as_slice() else { panic!("{}: {:?}", row.fault, mesh.left_out) };
+        assert!(mesh.primvar(&left_out.name).is_none() && mesh.primvars.len() == 4, "{}", row.fault);
+        assert_eq!(attribute(&left_out.fault.place), row.attribute, "{}", row.fault);
+        let all: Vec<_> = warnings.iter().collect();
+        let [warning] = all.as_slice() else { panic!("{}: {warnings:?}", row.fault) };
+        assert!(warning.problem.contains(row.fault), "{warning}");
+        assert!(warning.remedy.to_lowercase().contains(&row.remedy.to_lowercase()), "{warning}");
+    }
 }
 
 /// The indices of the UVs.
@@ -182,7 +206,7 @@ fn st_indices(input: &mut Garment) -> &mut Vec<i32> {
 #[test]
 fn an_index_without_values_is_told() {
     let mut input = cloth();
-    input.primvars = vec![PrimvarInput { indices: Some(vec![0; 9]), ..varying() }];
+    input.primvars = vec![PrimvarInput { meaning: Meaning::TextureCoordinate, indices: Some(vec![0; 9]), ..varying() }];
     floats(&mut input, 0).clear();
     let error = check_garment(input).expect_err("there are no values");
     assert!(error.faults[0].text.contains("point 0 names value 0, but there are no values"), "{error}");

@@ -83,7 +83,10 @@ fn open(origin: StageOrigin, options: &ReadOptions) -> Result<Vec<Source>, Error
     }
     let seams = match paths.len() {
         1 => Seams { garments: vec![vec![0]], ..Seams::default() },
-        _ => seams(&sources, tolerance)?,
+        _ => {
+            check_panels(&mut sources)?;
+            seams(&sources, tolerance)?
+        }
     };
     sources[0].warnings.extend(left_out);
     for unsewn in &seams.unsewn {
@@ -94,13 +97,21 @@ fn open(origin: StageOrigin, options: &ReadOptions) -> Result<Vec<Source>, Error
     garments.map(|panels| model::sewn(&stage, &mut sources, panels, &seams, time)).collect()
 }
 
+/// Checks meshes before they are parts of others, as faults name the elements of the mesh itself.
+fn check_panels(sources: &mut [Source]) -> Result<(), Error> {
+    for source in sources {
+        let mesh = source.garment.as_mut().map_err(|fault| fault.clone())?;
+        let (checked, _) = check_garment(mesh.clone())?;
+        mesh.leave_out(&checked);
+    }
+    Ok(())
+}
+
 /// The seams between the meshes, in the space of the stage.
 fn seams(sources: &[Source], tolerance: f64) -> Result<Seams, Error> {
     let mut meshes: Vec<(&Garment, DMat4)> = Vec::with_capacity(sources.len());
     for source in sources {
         let mesh = source.garment.as_ref().map_err(Clone::clone)?;
-        // Faults name the elements of the mesh itself, so each is checked before it is part of another.
-        check_garment(mesh.clone())?;
         meshes.push((mesh, source.model.transforms.to_world));
     }
     find_seams(&meshes, tolerance)

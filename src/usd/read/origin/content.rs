@@ -36,7 +36,14 @@ impl ReadFiles {
     /// # Errors
     /// A file that cannot be read, or that had another content before.
     pub fn read(&self, file: &Path) -> io::Result<Vec<u8>> {
-        let bytes = read(file)?;
+        self.keep(file, read(file)?)
+    }
+
+    /// The content of a file that has just been read.
+    ///
+    /// # Errors
+    /// A file that had another content before.
+    pub fn keep(&self, file: &Path, bytes: Vec<u8>) -> io::Result<Vec<u8>> {
         let content = (bytes.len() as u64, blake3::hash(&bytes));
         let before = *self.known().contents.entry(file.to_path_buf()).or_insert(content);
         if before == content { Ok(bytes) } else { Err(self.note_change(file)) }

@@ -3,6 +3,7 @@
 mod composition;
 mod content;
 mod dependencies;
+mod letters;
 mod resolver;
 mod text;
 
@@ -17,6 +18,7 @@ use crate::usd::assets::as_named;
 use content::CHANGED;
 use openusd::ar;
 use openusd::usd::Stage;
+use resolver::{is_text, readable_layer};
 use std::fs;
 use std::io::{self, Cursor};
 use std::path::{Path, PathBuf};
@@ -87,6 +89,16 @@ fn open_content(file: &Path, content: &Arc<[u8]>) -> Result<Stage, Error> {
     })
 }
 
+/// A layer in memory as an asset. The content of a crate is shared.
+fn in_memory(content: &Arc<[u8]>) -> io::Result<Box<dyn ar::Asset>> {
+    let buffer = if is_text(content) {
+        ar::AssetBuffer::Owned(readable_layer(content.to_vec())?)
+    } else {
+        ar::AssetBuffer::from(Arc::clone(content))
+    };
+    Ok(Box::new(Cursor::new(buffer)))
+}
+
 /// Resolves one identifier to a layer in memory, and everything else to files.
 struct InMemory {
     identifier: &'static str,
@@ -123,7 +135,7 @@ impl ar::Resolver for InMemory {
 
     fn open_asset(&self, resolved_path: &ar::ResolvedPath) -> io::Result<Box<dyn ar::Asset>> {
         if &**resolved_path == Path::new(self.identifier) {
-            return Ok(Box::new(Cursor::new(ar::AssetBuffer::from(Arc::clone(&self.content)))));
+            return in_memory(&self.content);
         }
         self.files.open_asset(resolved_path)
     }
@@ -190,9 +202,6 @@ fn not_usd(file: &Path, words: &str) -> Error {
         ))
     } else if NEWER.iter().any(|sign| words.contains(sign)) {
         unsupported("it has values of a newer version of USD; write it without them, for example by `usdcat --flatten`")
-    } else if words.contains("Logos") && !content.is_ascii() {
-        // The text reader admits letters beyond ASCII in names of prims only.
-        unsupported("property names with letters beyond ASCII are read from .usdc only; convert the file to .usdc")
     } else {
         fault.remedy("the file is damaged, or is another format under this name; export it again")
     }

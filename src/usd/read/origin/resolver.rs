@@ -1,11 +1,15 @@
 //! Finding and opening the files of a stage.
 
 use super::content::ReadFiles;
-use super::text::readable;
-use crate::files::{require_file, require_memory};
-use crate::usd::assets::{normalized, same_file};
+use super::text::{Readable, readable};
+use crate::files::{read, require_file, require_memory};
+use crate::usd::assets::{BY_CONTENT, file_path, normalized, same_file};
 use openusd::ar::{self, DefaultResolver, ResolvedPath, Resolver};
+use openusd::sdf::FileFormat;
+use openusd::usdz::UsdzFileFormat;
 use std::borrow::Cow;
+use std::cell::RefCell;
+use std::collections::HashMap;
 use std::io::{self, Cursor};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -18,6 +22,27 @@ const MAX_LEVELS: usize = 1000;
 /// The separator of a layer's path and its arguments.
 pub const ARGUMENTS: &str = ":SDF_FORMAT_ARGS:";
 
+/// Whether the bytes of a layer are text.
+pub fn is_text(bytes: &[u8]) -> bool {
+    bytes.starts_with(TEXT)
+}
+
+/// The bytes of a layer in a form that the library reads.
+///
+/// # Errors
+/// A text of too many levels, or one with letters beyond ASCII that cannot be parsed.
+pub fn readable_layer(bytes: Vec<u8>) -> io::Result<Vec<u8>> {
+    if !is_text(&bytes) {
+        return Ok(bytes);
+    }
+    check_levels(&bytes)?;
+    match readable(&bytes) {
+        Readable { text, letters: Some(letters) } => letters.encode(&text),
+        Readable { text: Cow::Owned(text), .. } => Ok(text),
+        Readable { text: Cow::Borrowed(_), .. } => Ok(bytes),
+    }
+}
+
 /// Finds files where OpenUSD finds them, and opens regular files only.
 ///
 /// [`DefaultResolver`] names a file by its path without links. OpenUSD keeps links, so that a layer which is opened through
@@ -26,6 +51,10 @@ pub const ARGUMENTS: &str = ":SDF_FORMAT_ARGS:";
 pub struct Files {
     resolver: DefaultResolver,
     read: Arc<ReadFiles>,
+    /// Whether each text layer that was found has letters beyond ASCII in its words.
+    has_letters: RefCell<HashMap<String, bool>>,
+    /// The last text that was read to find out, so that it is not read again to be opened.
+    ahead: RefCell<Option<(PathBuf, Vec<u8>)>>,
 }
 
 impl Files {
@@ -33,15 +62,9 @@ impl Files {
     pub fn of(read: &Arc<ReadFiles>) -> Self {
         Self { read: Arc::clone(read), ..Self::default() }
     }
-}
 
-impl Resolver for Files {
-    fn create_identifier(&self, asset_path: &str, anchor: Option<&ResolvedPath>) -> String {
-        let found = self.resolver.create_identifier(asset_path, anchor);
-        as_written(asset_path, anchor).filter(|path| Path::new(path).exists()).unwrap_or(found)
-    }
-
-    fn resolve(&self, asset_path: &str) -> Option<ResolvedPath> {
+    /// The path of a file or of an entry of a package.
+    fn find(&self, asset_path: &str) -> Option<ResolvedPath> {
         // A package is opened here already, to see what is in it.
         if asset_path.ends_with(']') {
             return require_file(&package_file(Path::new(asset_path)))
@@ -53,31 +76,82 @@ impl Resolver for Files {
         Some(if same_file(&named, &found) { ResolvedPath::new(named) } else { found })
     }
 
+    /// The path of a text layer with letters beyond ASCII in its words, under which it may be handed over as a crate. None of
+    /// other layers. For a package, it is that of its first layer.
+    fn by_content(&self, found: &ResolvedPath) -> Option<ResolvedPath> {
+        let layer = if ends_with(found, ".usdz") {
+            require_memory(&package_file(found)).ok()?;
+            UsdzFileFormat.resolve_layer(&self.resolver, found)?
+        } else {
+            found.clone()
+        };
+        let path = layer.to_str().filter(|_| ends_with(&layer, ".usda"))?;
+        let known = self.has_letters.borrow().get(path).copied();
+        let has_letters = known.unwrap_or_else(|| self.reads_letters(&layer));
+        self.has_letters.borrow_mut().insert(path.to_owned(), has_letters);
+        let (path, brackets) = path.split_at(path.trim_end_matches(']').len());
+        has_letters.then(|| ResolvedPath::new(format!("{path}{BY_CONTENT}{brackets}")))
+    }
+
+    fn read_file(&self, file: &Path) -> io::Result<Vec<u8>> {
+        match self.ahead.take() {
+            Some((ahead, bytes)) if ahead == file => self.read.keep(file, bytes),
+            _ => self.read.read(file),
+        }
+    }
+
+    /// Whether a text layer has letters beyond ASCII in its words.
+    fn reads_letters(&self, layer: &ResolvedPath) -> bool {
+        let is_file = package_file(layer) == **layer;
+        let bytes =
+            if is_file { read(layer) } else { self.resolver.open_asset(layer).and_then(|mut asset| asset.read_all()) };
+        let Ok(text) = bytes else { return false };
+        let has_letters = is_text(&text) && !text.is_ascii() && readable(&text).letters.is_some();
+        if is_file {
+            *self.ahead.borrow_mut() = Some((layer.to_path_buf(), text));
+        }
+        has_letters
+    }
+}
+
+/// Whether a path, or the entry of a package that it names, ends with an extension.
+fn ends_with(path: &Path, extension: &str) -> bool {
+    path.to_str().is_some_and(|path| path.trim_end_matches(']').to_ascii_lowercase().ends_with(extension))
+}
+
+impl Resolver for Files {
+    fn create_identifier(&self, asset_path: &str, anchor: Option<&ResolvedPath>) -> String {
+        let found = self.resolver.create_identifier(asset_path, anchor);
+        as_written(asset_path, anchor).filter(|path| Path::new(path).exists()).unwrap_or(found)
+    }
+
+    fn resolve(&self, asset_path: &str) -> Option<ResolvedPath> {
+        let found = self.find(asset_path)?;
+        Some(self.by_content(&found).unwrap_or(found))
+    }
+
     fn resolve_for_new_asset(&self, asset_path: &str) -> Option<ResolvedPath> {
         self.resolver.resolve_for_new_asset(asset_path)
     }
 
     fn open_asset(&self, resolved_path: &ResolvedPath) -> io::Result<Box<dyn ar::Asset>> {
+        let resolved_path = &match resolved_path.to_str() {
+            Some(path) if path.contains(BY_CONTENT) => ResolvedPath::new(file_path(path)),
+            _ => resolved_path.clone(),
+        };
         let package = package_file(resolved_path);
         let is_packed = package != **resolved_path;
-        if is_packed || is_package(&package) {
+        if is_packed || ends_with(&package, ".usdz") {
             // It is read whole.
             require_memory(&package)?;
             self.read.package(&package)?;
         }
-        if is_package(Path::new(resolved_path.to_str().unwrap_or_default().trim_end_matches(']'))) {
+        if ends_with(resolved_path, ".usdz") {
             return self.resolver.open_asset(resolved_path);
         }
         let bytes =
-            if is_packed { self.resolver.open_asset(resolved_path)?.read_all()? } else { self.read.read(&package)? };
-        if !bytes.starts_with(TEXT) {
-            return Ok(shared(bytes));
-        }
-        check_levels(&bytes)?;
-        Ok(match readable(&bytes) {
-            Cow::Borrowed(_) => shared(bytes),
-            Cow::Owned(text) => shared(text),
-        })
+            if is_packed { self.resolver.open_asset(resolved_path)?.read_all()? } else { self.read_file(&package)? };
+        Ok(shared(readable_layer(bytes)?))
     }
 
     fn is_context_dependent_path(&self, asset_path: &str) -> bool {
@@ -101,10 +175,6 @@ fn shared(bytes: Vec<u8>) -> Box<dyn ar::Asset> {
     Box::new(Cursor::new(ar::AssetBuffer::Shared(ar::AssetBuffer::Owned(bytes).into_shared())))
 }
 
-fn is_package(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("usdz"))
-}
-
 /// Refuses a text of too many levels of braces.
 fn check_levels(text: &[u8]) -> io::Result<()> {
     let mut level = 0_usize;
@@ -123,9 +193,10 @@ fn check_levels(text: &[u8]) -> io::Result<()> {
 
 /// The file of a path, which is the package for a path into one.
 pub fn package_file(path: &Path) -> PathBuf {
-    match path.to_str().and_then(|path| path.strip_suffix(']')).and_then(|path| path.split_once('[')) {
+    let Some(text) = path.to_str() else { return path.to_path_buf() };
+    match text.strip_suffix(']').and_then(|path| path.split_once('[')) {
         Some((package, _)) => PathBuf::from(package),
-        None => path.to_path_buf(),
+        None => PathBuf::from(file_path(text)),
     }
 }
 

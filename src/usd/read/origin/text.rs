@@ -3,23 +3,31 @@
 //! OpenUSD's text files may have numbers such as `.5` and `1.`, comments after `//`, the old word `config`, and `yes` and
 //! `no`. The library calls such files damaged. Lines keep their numbers.
 
+use super::letters::Letters;
 use std::borrow::Cow;
 
 /// Versions of text layers begin with this.
 const VERSION: &[u8] = b"#usda 1.";
 
+/// A text in words that the library reads.
+pub struct Readable<'a> {
+    pub text: Cow<'a, [u8]>,
+    /// Restores words that had letters beyond ASCII, if there were any.
+    pub letters: Option<Letters>,
+}
+
 /// The text in words that the library reads.
-pub fn readable(text: &[u8]) -> Cow<'_, [u8]> {
-    let mut scanner = Scanner { text, at: 0, copied: 0, out: Vec::new(), last: b'\n', begins: true };
+pub fn readable(text: &[u8]) -> Readable<'_> {
+    let mut scanner = Scanner { text, at: 0, copied: 0, out: Vec::new(), last: b'\n', begins: true, letters: None };
     scanner.version();
     while let Some(&byte) = text.get(scanner.at) {
         scanner.step(byte);
     }
     if scanner.copied == 0 {
-        return Cow::Borrowed(text);
+        return Readable { text: Cow::Borrowed(text), letters: None };
     }
     scanner.out.extend_from_slice(&text[scanner.copied..]);
-    Cow::Owned(scanner.out)
+    Readable { text: Cow::Owned(scanner.out), letters: scanner.letters }
 }
 
 /// Reads a text once, and copies what changes.
@@ -33,10 +41,12 @@ struct Scanner<'a> {
     last: u8,
     /// Whether only spaces are before, on this line.
     begins: bool,
+    /// Escapes letters beyond ASCII; none before the first of them.
+    letters: Option<Letters>,
 }
 
-impl Scanner<'_> {
-    fn rest(&self) -> &[u8] {
+impl<'a> Scanner<'a> {
+    fn rest(&self) -> &'a [u8] {
         &self.text[self.at..]
     }
 
@@ -140,6 +150,7 @@ impl Scanner<'_> {
         let is_value = matches!(self.last, b'=' | b'[' | b',' | b'(' | b':');
         let begins = self.begins || matches!(self.last, b'{' | b'}' | b';');
         match &self.rest()[..len] {
+            word if !word.is_ascii() => self.escape(word),
             b"yes" if is_value => self.replace(len, b"true"),
             b"no" if is_value => self.replace(len, b"false"),
             b"config" if begins && self.is_declaration(len) => self.replace(len, b"uniform"),
@@ -148,6 +159,17 @@ impl Scanner<'_> {
         // After a property's name, digits are not a number of their own.
         if self.peek(0) == b'.' {
             self.at += 1;
+        }
+    }
+
+    /// Replaces a word that has letters beyond ASCII.
+    fn escape(&mut self, word: &[u8]) {
+        if self.letters.is_none() {
+            self.letters = Letters::of(self.text);
+        }
+        match self.letters.as_ref().map(|letters| letters.escaped(word)) {
+            Some(escaped) => self.replace(word.len(), &escaped),
+            None => self.at += word.len(),
         }
     }
 
@@ -181,7 +203,9 @@ mod tests {
             ("bool[] a = [\n    yes, no, true]", "bool[] a = [\n    true, false, true]"),
             ("{\n    config float a = 1.", "{\n    uniform float a = 1.0"),
         ] {
-            assert_eq!(String::from_utf8_lossy(&readable(text.as_bytes())), expected, "{text}");
+            let read = readable(text.as_bytes());
+            assert_eq!(String::from_utf8_lossy(&read.text), expected, "{text}");
+            assert!(read.letters.is_none(), "{text}");
         }
     }
 
@@ -201,7 +225,22 @@ mod tests {
             "token yes = \"no\"",
             "string a = \"not closed .5",
         ] {
-            assert!(matches!(readable(text.as_bytes()), Cow::Borrowed(_)), "{text}");
+            assert!(matches!(readable(text.as_bytes()).text, Cow::Borrowed(_)), "{text}");
+        }
+    }
+
+    #[test]
+    fn letters_beyond_ascii_are_escaped_in_words_alone() {
+        for (text, expected) in [
+            ("float primvars:größe.connect = </A.größe>", "float primvars:grletters0_c3b6c39f_e.connect = </A.größe>"),
+            ("rel ö = </ö>", "rel letters0_c3b6_ = </ö>"),
+            ("letters0_ ä", "letters0_ letters1_c3a4_"),
+            ("string a = \"größe\" # größe", "string a = \"größe\" # größe"),
+            ("def Mesh \"Größe\" { asset a = @größe.png@ }", "def Mesh \"Größe\" { asset a = @größe.png@ }"),
+        ] {
+            let read = readable(text.as_bytes());
+            assert_eq!(String::from_utf8_lossy(&read.text), expected, "{text}");
+            assert_eq!(read.letters.is_some(), text != expected, "{text}");
         }
     }
 }
