@@ -21,4 +21,6 @@ def unregister():
     for name, handler in live.HANDLERS.items():
         getattr(bpy.app.handlers, name).remove(handler)
     for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+        # The hook may be gone already, where Blender ends.
+        if cls.is_registered:
+            bpy.utils.unregister_class(cls)

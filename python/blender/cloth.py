@@ -8,12 +8,13 @@ import numpy as np
 
 from . import recipe
 
-SEWING = "tailor_sewing"
-"""Property of a simulation mesh: pairs of vertices, of a piece that is attached and of the triangle below it."""
-PINS = "tailor_pins"
-"""Property of a simulation mesh: the vertices that the recipe holds."""
-PHYSICS = "tailor_physics"
-"""Property of a simulation mesh: its fabric as numbers, in SI units."""
+FACTS = "tailor_cloth"
+"""Property of a simulation mesh, of what a solver needs beside it:
+
+- ``sewing``: pairs of vertices, of a piece that is attached and of the triangle below it;
+- ``pins``: the vertices that the recipe holds;
+- ``mass`` and the stiffness of the fabric, in SI units.
+"""
 MODIFIER = "Tailor Cloth"
 PIN_GROUP = "Tailor Pins"
 WEIGHT = "weight({})"
@@ -21,6 +22,8 @@ WEIGHT = "weight({})"
 # Cotton in our table, and the stiffness that Blender's preset has for it. Other fabrics are stiffer or softer in proportion.
 _COTTON = {"surfaceStretchStiffness": 10500.0, "surfaceShearStiffness": 60.0, "surfaceBendStiffness": 6.5e-6}
 _BLENDER = {"surfaceStretchStiffness": 15.0, "surfaceShearStiffness": 5.0, "surfaceBendStiffness": 0.5}
+# Distance that cloth keeps from bodies. [m]
+_DISTANCE = 0.003
 # Real cloth is stiffer for its mass than Blender's solver follows within its steps.
 _HEAVIER = 100.0
 
@@ -39,7 +42,7 @@ def set_up(garment: bpy.types.Object, sim: bpy.types.Object) -> str:
     if is_new:
         # What the user has changed since stays when the mesh is built again.
         settings.quality = 8
-        modifier.collision_settings.distance_min = 0.003
+        modifier.collision_settings.distance_min = _DISTANCE / bpy.context.scene.unit_settings.scale_length
         _set_fabric(sim, settings)
         scene = bpy.context.scene
         modifier.point_cache.frame_start, modifier.point_cache.frame_end = scene.frame_start, scene.frame_end
@@ -47,7 +50,7 @@ def set_up(garment: bpy.types.Object, sim: bpy.types.Object) -> str:
 
 
 def _set_fabric(sim, settings) -> None:
-    figures = sim.get(PHYSICS, {})
+    figures = sim.get(FACTS, {})
     count = max(len(sim.data.vertices), 1)
     if "mass" in figures:
         settings.mass = _HEAVIER * figures["mass"] / count
@@ -62,7 +65,7 @@ def _set_fabric(sim, settings) -> None:
 
 def _sew(sim) -> int:
     """Adds the edges that hold attached pieces. An edge without a face is a spring of its own length for the solver."""
-    pairs = np.asarray(sim.get(SEWING, []), np.int32).reshape(-1, 2)
+    pairs = np.asarray(sim.get(FACTS, {}).get("sewing", []), np.int32).reshape(-1, 2)
     mesh = sim.data
     ends = np.empty(len(mesh.edges) * 2, np.int32)
     mesh.edges.foreach_get("vertices", ends)
@@ -79,7 +82,8 @@ def pin_group(garment: bpy.types.Object) -> str:
     """The vertex group that holds the cloth; empty for none, or for sets that are no group."""
     found = re.fullmatch(r'weight\((?:"(.*)"|([^",]*))\)', str(garment.get("tailor:cloth:pins", "")))
     name = (found[1] or found[2]) if found else ""
-    return next((group.name for group in garment.vertex_groups if recipe.names.usd_name(group.name) == name), "")
+    primvars = recipe.group_primvars([group.name for group in garment.vertex_groups])
+    return next((group for group, primvar in primvars.items() if primvar == name), "")
 
 
 def _pin(garment, sim, settings) -> int:
@@ -107,7 +111,7 @@ def _held(garment, sim) -> np.ndarray:
                 if element.group == number:
                     weights[vertex.index] = min(1.0, 2 * element.weight)
     else:
-        weights[[int(i) for i in sim.get(PINS, [])]] = 1.0
+        weights[[int(i) for i in sim.get(FACTS, {}).get("pins", [])]] = 1.0
     return weights
 
 

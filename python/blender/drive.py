@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The render mesh follows the simulated mesh: a cache beside the .blend, read by a modifier."""
 
+import os
 import time
 from pathlib import Path
 
@@ -28,6 +29,9 @@ class Drive:
         self.before, self.points, self.is_checked, self.process = scene.frame_current, [], False, None
         blend = Path(bpy.data.filepath)
         self.folder = blend.with_name(f"{blend.stem}_tailor")
+        if not os.access(self.folder if self.folder.exists() else self.folder.parent, os.W_OK):
+            raise Failed([plain(f"Nothing can be written to {self.folder.parent}. Save the .blend elsewhere")])
+        _set_range(product(garment, "sim"), scene)
         self.job = Job(garment, flatten=True)
 
     @property
@@ -109,7 +113,7 @@ class Drive:
         _, errors = self.process.communicate()
         if self.process.returncode:
             raise Failed([plain(errors.strip())])
-        path = self.folder / f"{names.usd_name(self.garment.name)}.usdc"
+        path = self._cache_path()
         beside = path.with_name(f"{path.stem}.part.usdc")
         render = self._product("render")
         try:
@@ -121,6 +125,32 @@ class Drive:
         except (OSError, RuntimeError) as error:
             raise Failed([plain(f"The cache cannot be written to {self.folder}: {error}. Save the .blend elsewhere")]) from None
         _read_cache(render, path)
+
+
+    def _cache_path(self) -> Path:
+        """The cache of the render mesh, which no other object reads."""
+        render = self._product("render")
+        others = {bpy.path.abspath(m.cache_file.filepath) for ob in bpy.data.objects if ob != render for m in _caches(ob)}
+        stem = names.unique(names.usd_name(self.garment.name), {Path(path).stem for path in others})
+        return self.folder / f"{stem}.usdc"
+
+
+def _set_range(sim, scene) -> None:
+    """Lets the cloth run over the frames of the scene: outside of its own, Blender shows its last state."""
+    for modifier in sim.modifiers:
+        if modifier.type != "CLOTH":
+            continue
+        cache, frames = modifier.point_cache, (scene.frame_start, scene.frame_end)
+        if not cache.is_baked:
+            if (cache.frame_start, cache.frame_end) != frames:
+                cache.frame_start, cache.frame_end = frames
+        elif cache.frame_start > frames[0] or cache.frame_end < frames[1]:
+            baked = f"{cache.frame_start} to {cache.frame_end}"
+            raise Failed([plain(f"The cloth of {sim.name} is baked for frames {baked}. Set the scene to these, or delete the bake")])
+
+
+def _caches(ob):
+    return [m for m in ob.modifiers if m.type == "MESH_SEQUENCE_CACHE" and m.cache_file]
 
 
 def _write_cache(shot: Path, path: Path) -> None:
@@ -146,7 +176,7 @@ def _forget_cache(render) -> None:
         cache = old.cache_file
         render.modifiers.remove(old)
         # The modifiers of other objects may read it too.
-        if cache and not any(m.cache_file == cache for ob in bpy.data.objects for m in ob.modifiers if m.type == "MESH_SEQUENCE_CACHE"):
+        if cache and not any(m.cache_file == cache for ob in bpy.data.objects for m in _caches(ob)):
             bpy.data.batch_remove((cache,))
 
 
@@ -155,6 +185,7 @@ def _read_cache(render, path: Path) -> None:
     known = set(bpy.data.cache_files)
     bpy.ops.cachefile.open(filepath=str(path), relative_path=True)
     cache = next(file for file in bpy.data.cache_files if file not in known)
+    cache.filepath = bpy.path.relpath(str(path))
     modifier = render.modifiers.new(MODIFIER, "MESH_SEQUENCE_CACHE")
     modifier.cache_file = cache
     modifier.object_path = "/render"

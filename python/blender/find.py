@@ -10,7 +10,7 @@ from . import messages, names, recipe, stage
 from .cage import read_cage
 
 
-def select_set(operator, garment, kind: str, name: str) -> int | None:
+def select_set(operator, garment, kind: str, name: str) -> tuple[int, int] | None:
     """Selects the set of a seam or fold, and returns the number of its elements; None where it has none, which is reported."""
     expression = str(garment[names.key(kind, name, recipe.SETS[kind])])
     cage = read_cage(garment)

@@ -5,6 +5,7 @@ import bpy
 import numpy as np
 from mathutils import Vector, kdtree
 
+from . import names
 from .cage import read_cage
 from .job import plain
 
@@ -25,6 +26,29 @@ def of(garment) -> dict:
     return _of.get(garment.session_uid, {"messages": [], "report": None, "failed": False})
 
 
+# What an artist does, in place of what the command's remedy says for files.
+REMEDIES = {
+    "polygonal-cage": "Add a Subdivision modifier",
+    "no-uv-set": "Unwrap the garment: seams of the UV map are the seams of its panels",
+    "no-mesh": "Give the mesh faces",
+    "empty-mesh": "Give the mesh faces",
+    "empty-set": "Choose Assign Selected for edges or faces of your own",
+    "unknown-subset": "Choose Assign Selected for edges or faces of your own",
+    "unknown-primvar": "Choose one of the vertex groups of the garment",
+    "no-pattern": "Lay the UV map out to scale, as a sewing pattern, or set Rest to mesh",
+}
+
+
+def shown(garment, message: dict) -> str:
+    """A message in words for the panel."""
+    text = message["message"]
+    remedy = REMEDIES.get(message.get("code"))
+    if remedy and message.get("problem"):
+        words = [message["place"], message["problem"]]
+        text = ": ".join(word for word in words if word).rstrip(".") + ". " + remedy
+    return text.replace(f"/{names.usd_name(garment.name)}/model", garment.name)
+
+
 def clear() -> None:
     _of.clear()
 
@@ -38,8 +62,8 @@ def elements(message: dict) -> tuple[str, list[int]]:
     return "", []
 
 
-def select(garment: bpy.types.Object, message: dict) -> int:
-    """Selects the elements of a message in Edit Mode, and returns their number on the mesh that is edited.
+def select(garment: bpy.types.Object, message: dict) -> tuple[int, int]:
+    """Selects the elements of a message in Edit Mode. Returns how many are selected, and how many were not found.
 
     Messages count the elements of the mesh with its modifiers. Those that a modifier made are found by their place, also on the
     other side of a mirror.
@@ -50,17 +74,18 @@ def select(garment: bpy.types.Object, message: dict) -> int:
         bpy.ops.object.mode_set(mode="OBJECT")
     mesh = garment.data
     find = _Places(garment)
+    starts = np.concatenate([[0], np.cumsum(cage.counts)])
     if kind == "faces":
-        starts = np.concatenate([[0], np.cumsum(cage.counts)])
-        points = [cage.corners[starts[face] : starts[face + 1]] for face in numbers if face < len(cage.counts)]
-        wanted = {frozenset(find(cage.points[p]) for p in face) for face in points}
-        found = [polygon for polygon in mesh.polygons if frozenset(polygon.vertices) in wanted]
+        named = [cage.corners[starts[face] : starts[face + 1]] for face in numbers if face < len(cage.counts)]
+        rows = mesh.polygons
     elif kind == "edges":
-        ends = np.asarray(numbers).reshape(-1, 2)
-        wanted = {frozenset(find(cage.points[p]) for p in pair) for pair in ends}
-        found = [edge for edge in mesh.edges if frozenset(edge.vertices) in wanted]
+        named, rows = np.asarray(numbers).reshape(-1, 2), mesh.edges
     else:
-        found = [mesh.vertices[at] for p in numbers if p < len(cage.points) and (at := find(cage.points[p])) is not None]
+        named, rows = [[point] for point in numbers if point < len(cage.points)], mesh.vertices
+    known = {frozenset(getattr(row, "vertices", [row.index])): row for row in rows}
+    places = [known.get(frozenset(find(cage.points[point]) for point in points)) for points in named]
+    lost = sum(place is None for place in places)
+    found = {row.index: row for row in places if row}.values()
     for rows in (mesh.vertices, mesh.edges, mesh.polygons):
         rows.foreach_set("select", np.zeros(len(rows), np.bool_))
     for element in found:
@@ -68,9 +93,10 @@ def select(garment: bpy.types.Object, message: dict) -> int:
         for vertex in getattr(element, "vertices", ()):
             mesh.vertices[vertex].select = True
     bpy.context.view_layer.objects.active = garment
-    bpy.ops.object.mode_set(mode="EDIT")
+    # Before, as Edit Mode selects what the kind of selection makes of this.
     bpy.context.tool_settings.mesh_select_mode = (kind == "points", kind == "edges", kind == "faces")
-    return len(found)
+    bpy.ops.object.mode_set(mode="EDIT")
+    return len(found), lost
 
 
 class _Places:

@@ -7,6 +7,9 @@ PREFIX = "tailor:"
 UV_SET = "st"
 """The name of the UV map that is active for rendering, as Blender exports it."""
 
+LONGEST = 38
+"""Bytes of the name of a seam or fold: Blender's names of custom properties have 63."""
+
 SEAMS = "uv_seam"
 """The edge set of the seams that are marked in Edit Mode."""
 
@@ -27,6 +30,15 @@ def ascii_names(name: str) -> tuple[str, str]:
     versions for each letter.
     """
     return tuple(usd_name("".join(sign if ord(sign) < 128 else "_" for sign in signs)) for signs in (map(chr, name.encode()), name))
+
+
+def uniquely(found, taken: set[str]) -> dict[str, str]:
+    """A name in USD for each of the names, in their order, and none of those that are taken."""
+    named = {}
+    for name in found:
+        named[name] = unique(usd_name(name), taken)
+        taken.add(named[name])
+    return named
 
 
 def unique(name: str, taken) -> str:

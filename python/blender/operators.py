@@ -18,7 +18,11 @@ class OfGarment:
 
     @classmethod
     def poll(cls, context):
-        if recipe.is_garment(garment_of(context.active_object)):
+        garment = garment_of(context.active_object)
+        if recipe.is_garment(garment) and garment.library:
+            cls.poll_message_set(f"{garment.name} is linked from another file. Make it local, or a library override")
+            return False
+        if recipe.is_garment(garment):
             return True
         cls.poll_message_set("Select a garment: a mesh that Set Up Garment was pressed for")
         return False
@@ -192,10 +196,12 @@ class TAILOR_OT_select_message(OfGarment, bpy.types.Operator):
         found = messages.of(garment)["messages"]
         if self.number >= len(found):
             return {"CANCELLED"}
-        kind, numbers = messages.elements(found[self.number])
-        count = messages.select(garment, found[self.number])
-        if count < len(numbers):
-            self.report({"INFO"}, f"{count} of {len(numbers)} {kind} are on this mesh; modifiers make the others")
+        if garment.data.library:
+            self.report({"ERROR"}, f"{garment.data.name} is linked from another file. Make it local first")
+            return {"CANCELLED"}
+        kind, _ = messages.elements(found[self.number])
+        count, lost = messages.select(garment, found[self.number])
+        self.report({"INFO"}, f"{count} {kind}" + (f"; {lost} more are made by modifiers" if lost else ""))
         return {"FINISHED"}
 
 
@@ -240,7 +246,26 @@ class TAILOR_OT_export(OfGarment, ExportHelper, bpy.types.Operator):
     def execute(self, context):
         from .export import write
 
-        return write(garment_of(context.active_object), self.filepath)
+        try:
+            return write(garment_of(context.active_object), self.filepath)
+        except RuntimeError as error:
+            self.report({"ERROR"}, f"{self.filepath} cannot be written: {error}")
+            return {"CANCELLED"}
+
+
+class TAILOR_OT_apply_scale(OfGarment, bpy.types.Operator):
+    bl_idname = "tailor.apply_scale"
+    bl_label = "Apply Scale"
+    bl_description = "Applies the scale of the object to its mesh, and to the lengths of the recipe"
+
+    def execute(self, context):
+        garment = garment_of(context.active_object)
+        scale = recipe.apply_scale(garment)
+        if scale is None:
+            self.report({"ERROR"}, "The scale differs by axis, or the mesh has other users. Apply it by Object > Apply > Scale, and set the lengths")
+            return {"CANCELLED"}
+        self.report({"INFO"}, f"Mesh and lengths are multiplied by {scale:g}")
+        return {"FINISHED"}
 
 
 class TAILOR_OT_show(OfGarment, bpy.types.Operator):
@@ -268,5 +293,6 @@ CLASSES = (
     TAILOR_OT_cloth,
     TAILOR_OT_drive,
     TAILOR_OT_export,
+    TAILOR_OT_apply_scale,
     TAILOR_OT_show,
 )

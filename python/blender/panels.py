@@ -4,7 +4,7 @@
 import bpy
 
 from . import cloth, live, messages, names, recipe
-from .links import garment_of, product
+from .links import KINDS, garment_of, product
 from .sets import SOURCES
 
 # Options that are shown at once; the panel More Options has the others.
@@ -42,7 +42,7 @@ class TAILOR_PT_garment(Panel, bpy.types.Panel):
         row.operator("tailor.tailor", icon="MOD_CLOTH")
         row.operator("tailor.live", icon="PLAY", depress=live.is_live(garment))
         if max(abs(scale - 1) for scale in garment.scale) > 1e-4:
-            layout.label(text="Lengths are before the object's scale: apply it (Ctrl A)", icon="INFO")
+            layout.operator("tailor.apply_scale", text=f"Lengths are before the scale: apply {garment.scale[0]:.3g}", icon="INFO")
         for group in ("sim", "render"):
             for key in FIRST[group]:
                 draw_option(layout, garment, recipe.option(group, key))
@@ -59,12 +59,14 @@ def _draw_products(layout, garment) -> None:
         part.enabled = ob is not None
         part.operator("tailor.show", text=label, depress=bool(ob and not ob.hide_get())).kind = kind
     state = messages.of(garment)
-    if report := state["report"]:
-        layout.label(text=f"{report['sim']['faces']:,} triangles, {report['render']['faces']:,} faces", icon="MESH_DATA")
+    made = [product(garment, kind) for kind in KINDS]
+    if all(made):
+        triangles, faces = (f"{len(ob.data.polygons):,}" for ob in made)
+        layout.label(text=f"{triangles} triangles, {faces} faces", icon="MESH_DATA")
     if state["failed"]:
         box = layout.box()
         box.alert = True
-        draw_text(box, "Not built: " + state["messages"][0]["message"], "ERROR")
+        draw_text(box, "Not built: " + messages.shown(garment, state["messages"][0]), "ERROR")
 
 
 def draw_option(layout, garment, of: recipe.Option, *instance: str, text: str | None = None) -> None:
@@ -211,7 +213,7 @@ class TAILOR_PT_check(Panel, bpy.types.Panel):
         for number, message in enumerate(state["messages"]):
             box = layout.box()
             box.alert = state["failed"]
-            draw_text(box, message["message"], "ERROR" if state["failed"] else "INFO")
+            draw_text(box, messages.shown(garment, message), "ERROR" if state["failed"] else "INFO")
             kind, elements = messages.elements(message)
             if kind:
                 made = box.operator("tailor.select_message", text=f"Select {len(elements)} {kind}", icon="RESTRICT_SELECT_OFF")

@@ -17,6 +17,8 @@ def update(garment: bpy.types.Object, cage: Cage, stage: Usd.Stage, report: dict
     for kind in KINDS:
         prim = stage.GetPrimAtPath(model.ReplaceName(kind))
         ob = product(garment, kind) or _new_object(garment, kind)
+        # Where it stays if the garment is deleted.
+        ob.matrix_world = garment.matrix_world
         _fill(ob, garment, cage, prim)
         _add_modifiers(ob, garment, report["recipe"]["render"]["level"] if kind == "render" else None)
         found[kind] = ob
@@ -31,7 +33,8 @@ def stand_in(garment: bpy.types.Object) -> bpy.types.Object:
     stage = write_stage(garment, cage)
     ob = bpy.data.objects.new("garment", bpy.data.meshes.new("garment"))
     bpy.context.scene.collection.objects.link(ob)
-    _place(ob, garment)
+    ob.parent, ob.parent_type, ob.parent_bone = garment.parent, garment.parent_type, garment.parent_bone
+    ob.matrix_parent_inverse, ob.matrix_world = garment.matrix_parent_inverse, garment.matrix_world
     _fill(ob, garment, cage, stage.GetPrimAtPath(stage.GetDefaultPrim().GetPath().AppendChild(MODEL)))
     _add_modifiers(ob, garment, level=0)
     for key, value in recipe.properties(garment).items():
@@ -59,20 +62,13 @@ def _new_object(garment, kind: str) -> bpy.types.Object:
     ob = bpy.data.objects.new(name, bpy.data.meshes.new(name))
     ob[OF], ob[KIND] = garment, kind
     _collection(garment).objects.link(ob)
-    _place(ob, garment)
-    if garment.animation_data or garment.constraints:
-        ob.constraints.new("COPY_TRANSFORMS").target = garment
+    # Wherever the garment goes, and whatever moves it.
+    follow = ob.constraints.new("COPY_TRANSFORMS")
+    follow.name, follow.target = OWN + "Follow", garment
     if kind == "sim":
         ob.display_type = "WIRE"
         set_rendered(ob, False)
     return ob
-
-
-def _place(ob, garment) -> None:
-    ob.parent, ob.parent_type, ob.parent_bone = garment.parent, garment.parent_type, garment.parent_bone
-    ob.matrix_parent_inverse = garment.matrix_parent_inverse
-    ob.rotation_mode = garment.rotation_mode
-    ob.matrix_basis = garment.matrix_basis
 
 
 def _collection(garment) -> bpy.types.Collection:
@@ -288,18 +284,18 @@ def _copy(modifier, ob):
 def _note_cloth(sim, stage: Usd.Stage, model, report: dict) -> None:
     """Notes attachments, pins and fabric on the simulation mesh."""
     prim = stage.GetPrimAtPath(model.ReplaceName("sim"))
-    sim[cloth.SEWING] = _sewing(prim).ravel().tolist()
-    physics = model.ReplaceName("physics")
+    physics, figures = model.ReplaceName("physics"), report.get("cloth") or {}
+    facts = {name: float(figures[name]) for name in ("mass", "area") if name in figures}
+    facts["sewing"] = _sewing(prim).ravel().tolist()
     pins = stage.GetPrimAtPath(physics.AppendChild("pins"))
-    sim[cloth.PINS] = [int(i) for i in pins.GetAttribute("physics:indices0").Get() or []] if pins else []
-    figures = report.get("cloth") or {}
-    found = {name: float(figures[name]) for name in ("mass", "area") if name in figures}
+    facts["pins"] = [int(i) for i in pins.GetAttribute("physics:indices0").Get() or []] if pins else []
     for material in stage.GetPrimAtPath(physics).GetChildren() if stage.GetPrimAtPath(physics) else []:
-        for name in ("surfaceStretchStiffness", "surfaceShearStiffness", "surfaceBendStiffness", "dynamicFriction"):
+        for name in ("surfaceStretchStiffness", "surfaceShearStiffness", "surfaceBendStiffness"):
             value = material.GetAttribute(f"physics:{name}").Get()
             if value is not None:
-                found[name] = float(value)
-    sim[cloth.PHYSICS] = found
+                facts[name] = float(value)
+    # As one group, which exports leave out.
+    sim[cloth.FACTS] = facts
 
 
 def _sewing(prim: Usd.Prim) -> np.ndarray:

@@ -9,6 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 import usd_tailor
+from mathutils import Matrix
 
 from . import names
 
@@ -62,7 +63,12 @@ def properties(ob) -> dict[str, object]:
 def usd_value(ob, key: str, value):
     """A value as USD has it: an option that names a vertex group has the name of its primvar."""
     is_group = isinstance(value, str) and key.rpartition(":")[2] in ("density", "weights") and value in ob.vertex_groups
-    return names.usd_name(value) if is_group else value
+    return group_primvars([group.name for group in ob.vertex_groups])[value] if is_group else value
+
+
+def group_primvars(groups) -> dict[str, str]:
+    """The primvar of each vertex group. Names that differ in signs alone get a number."""
+    return names.uniquely(groups, {names.UV_SET})
 
 
 # The recipe of a new garment.
@@ -130,6 +136,22 @@ def _range(ob, of: Option) -> dict[str, float]:
     most = {} if domain["most"] is None else {"max": domain["most"]}
     low, high = domain["usual"]
     return {**least, **most, "soft_min": low, "soft_max": high}
+
+
+def apply_scale(ob) -> float | None:
+    """Applies an even scale of the object to its mesh and to all lengths; None where it cannot be."""
+    scale = ob.scale[0]
+    if scale <= 0 or max(abs(other - scale) for other in ob.scale) > 1e-6 * scale or ob.data.users > 1 or ob.mode != "OBJECT":
+        return None
+    ob.data.transform(Matrix.Scale(scale, 4), shape_keys=True)
+    ob.scale = (1, 1, 1)
+    for key, value in properties(ob).items():
+        parts = key.split(":")[1:]
+        rows = {of.key: of for of in table().get(parts[0], ())}
+        of = rows.get(parts[-1])
+        if of and of.domain["type"] == "length" and isinstance(value, float):
+            put(ob, of, value * scale, *parts[1:-1])
+    return scale
 
 
 # Seams and folds.

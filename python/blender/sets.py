@@ -11,6 +11,8 @@ from .cage import column
 from .links import garment_of
 from .operators import OfGarment
 
+NOTHING = "No {} are selected. Select some in Edit Mode, and press this there"
+LINKED = "{} is linked from another file. Make it local first"
 DOMAIN = {"seam": "EDGE", "fold": "FACE"}
 WORDS = {"seam": "edges", "fold": "faces"}
 
@@ -56,6 +58,7 @@ class TAILOR_OT_add(OfGarment, bpy.types.Operator):
         taken = {name for _, name in recipe.operators(garment)}
         name = names.unique(names.usd_name(self.name or self.kind), taken)
         try:
+            check_length(name)
             expression = self._expression(garment, name)
         except ValueError as error:
             self.report({"ERROR"}, str(error))
@@ -70,7 +73,7 @@ class TAILOR_OT_add(OfGarment, bpy.types.Operator):
         if expression is None:
             count = assign(garment, self.kind, name)
             if not count:
-                raise ValueError(f"No {WORDS[self.kind]} are selected. Select some in Edit Mode")
+                raise ValueError(NOTHING.format(WORDS[self.kind]))
             return set_name(name)
         if self.source == "MARKED" and not column(garment.data.edges, "use_seam", kind=np.bool_).any():
             raise ValueError("No edges are marked as seams. Select some in Edit Mode, and choose Edge > Mark Seam")
@@ -80,8 +83,18 @@ class TAILOR_OT_add(OfGarment, bpy.types.Operator):
             raise ValueError("The garment has no active material. Give it one, and assign it to faces")
         if self.source == "GROUP" and not garment.vertex_groups.active:
             raise ValueError("The garment has no active vertex group. Add one, and paint it")
-        of = {"MATERIAL": garment.active_material, "GROUP": garment.vertex_groups.active}.get(self.source)
-        return expression.format(names.quoted(names.usd_name(of.name))) if of else expression
+        if self.source == "MATERIAL":
+            return expression.format(names.quoted(names.usd_name(garment.active_material.name)))
+        if self.source == "GROUP":
+            primvars = recipe.group_primvars([group.name for group in garment.vertex_groups])
+            return expression.format(names.quoted(primvars[garment.vertex_groups.active.name]))
+        return expression
+
+
+def check_length(name: str) -> None:
+    """Raises ValueError for a name for which Blender has no room."""
+    if len(name.encode()) > names.LONGEST:
+        raise ValueError(f"The name has {len(name.encode())} bytes, and at most {names.LONGEST} fit. Choose a shorter one")
 
 
 def set_name(name: str) -> str:
@@ -90,7 +103,9 @@ def set_name(name: str) -> str:
 
 
 def assign(garment, kind: str, name: str) -> int:
-    """Makes the selected elements the set of a seam or fold, and returns their number; nothing changes where none are."""
+    """Makes the elements that are selected in Edit Mode the set of a seam or fold, and returns their number; nothing changes where
+    none are.
+    """
     mesh, domain = garment.data, DOMAIN[kind]
     if garment.mode == "EDIT":
         edited = bmesh.from_edit_mesh(mesh)
@@ -102,12 +117,8 @@ def assign(garment, kind: str, name: str) -> int:
             element[layer] = element.select
         bmesh.update_edit_mesh(mesh, loop_triangles=False, destructive=False)
         return sum(element.select for element in rows)
-    rows = mesh.edges if domain == "EDGE" else mesh.polygons
-    selected = column(rows, "select", kind=np.bool_)
-    if selected.any():
-        attribute = mesh.attributes.get(set_name(name)) or mesh.attributes.new(set_name(name), "BOOLEAN", domain)
-        attribute.data.foreach_set("value", selected)
-    return int(selected.sum())
+    # What a mesh has selected outside of Edit Mode is not seen, and of a new mesh it is all.
+    return 0
 
 
 class OfOperator(OfGarment):
@@ -155,6 +166,11 @@ class TAILOR_OT_rename(OfOperator, bpy.types.Operator):
 
     def execute(self, context):
         garment = garment_of(context.active_object)
+        try:
+            check_length(names.usd_name(self.new_name))
+        except ValueError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
         recipe.rename_operator(garment, self.kind, self.name, self.new_name)
         garment.update_tag()
         return {"FINISHED"}
@@ -168,7 +184,7 @@ class TAILOR_OT_assign(OfOperator, bpy.types.Operator):
     def execute(self, context):
         garment = garment_of(context.active_object)
         if not assign(garment, self.kind, self.name):
-            self.report({"ERROR"}, f"No {WORDS[self.kind]} are selected. Select some in Edit Mode")
+            self.report({"ERROR"}, NOTHING.format(WORDS[self.kind]))
             return {"CANCELLED"}
         recipe.put(garment, recipe.option(self.kind, recipe.SETS[self.kind]), set_name(self.name), self.name)
         garment.update_tag()
@@ -184,10 +200,13 @@ class TAILOR_OT_select(OfOperator, bpy.types.Operator):
         from .find import select_set
 
         garment = garment_of(context.active_object)
-        count = select_set(self, garment, self.kind, self.name)
-        if count is None:
+        if garment.data.library:
+            self.report({"ERROR"}, LINKED.format(garment.data.name))
             return {"CANCELLED"}
-        self.report({"INFO"}, f"{count} {WORDS[self.kind]}")
+        found = select_set(self, garment, self.kind, self.name)
+        if found is None:
+            return {"CANCELLED"}
+        self.report({"INFO"}, f"{found[0]} {WORDS[self.kind]}")
         return {"FINISHED"}
 
 
@@ -240,7 +259,8 @@ class TAILOR_OT_pin(OfGarment, bpy.types.Operator):
 
     def execute(self, context):
         garment = garment_of(context.active_object)
-        value = cloth.WEIGHT.format(names.quoted(names.usd_name(self.group))) if self.group != "NONE" else ""
+        primvars = recipe.group_primvars([group.name for group in garment.vertex_groups])
+        value = cloth.WEIGHT.format(names.quoted(primvars[self.group])) if self.group != "NONE" else ""
         recipe.put(garment, recipe.option("cloth", "pins"), value)
         garment.update_tag()
         return {"FINISHED"}

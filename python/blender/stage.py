@@ -46,26 +46,18 @@ class Primvars:
     """The primvar of each UV map, vertex group and attribute of a garment."""
 
     def __init__(self, cage: Cage) -> None:
-        taken = {names.UV_SET, MATERIAL_INDEX, SMOOTH}
-        self.uv = {cage.active_uv: names.UV_SET} | self._named([name for name in cage.uv if name != cage.active_uv], taken)
-        self.groups = self._named(cage.groups, taken)
-        self.values = self._named(cage.values, taken)
-
-    @staticmethod
-    def _named(found, taken: set[str]) -> dict[str, str]:
-        """A primvar for each of the names."""
-        named = {}
-        for name in found:
-            named[name] = names.unique(names.usd_name(name), taken)
-            taken.add(named[name])
-        return named
+        self.groups = recipe.group_primvars(cage.groups)
+        taken = {names.UV_SET, MATERIAL_INDEX, SMOOTH, *self.groups.values()}
+        others = names.uniquely([name for name in cage.uv if name != cage.active_uv], taken)
+        self.uv = {cage.active_uv: names.UV_SET} | others
+        self.values = names.uniquely(cage.values, taken)
 
 
 def write_stage(ob: bpy.types.Object, cage: Cage) -> Usd.Stage:
     """The garment in memory, with its recipe, as ``/<object>/model``."""
     stage = Usd.Stage.CreateInMemory()
     UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
-    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
+    UsdGeom.SetStageMetersPerUnit(stage, bpy.context.scene.unit_settings.scale_length)
     render = bpy.context.scene.render
     stage.SetTimeCodesPerSecond(render.fps / render.fps_base)
     root = UsdGeom.Xform.Define(stage, f"/{names.usd_name(ob.name)}")

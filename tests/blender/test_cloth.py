@@ -8,6 +8,7 @@ import numpy
 import pytest
 from bl_ext.user_default.usd_tailor import cloth
 from loop import points, products, set_up, weights
+from mathutils import Matrix
 
 FRAMES = 10
 MILLIMETRE = 0.001
@@ -53,7 +54,7 @@ def test_cloth_has_fabric_pins_and_attachments(dressed):
 def test_a_pocket_stays_in_its_place_on_moving_cloth(dressed):
     """The distance of each of its border points from the three points that hold it, after as many frames."""
     sim, _ = products(dressed)
-    pairs = numpy.array(sim[cloth.SEWING]).reshape(-1, 2)
+    pairs = numpy.array(sim[cloth.FACTS]["sewing"]).reshape(-1, 2)
     rest, moved = at(sim, 1), at(sim, FRAMES)
     assert numpy.linalg.norm(moved - rest, axis=1).max() > 5 * MILLIMETRE, "the cloth moves"
 
@@ -98,6 +99,51 @@ def test_a_shot_opens_without_the_extension(dressed, extension):
         extension.register()
     folder = Path(path).with_name("shirt_tailor")
     assert [file.name for file in folder.iterdir()] == ["Shirt.usdc"]
+
+
+def test_a_file_that_is_moved_with_its_folder_plays(dressed, tmp_path):
+    bpy.ops.tailor.drive()
+    expected = at(products(dressed)[1], FRAMES)
+    bpy.ops.wm.save_mainfile()
+    (tmp_path / "elsewhere").mkdir()
+    for name in ("shirt.blend", "shirt_tailor"):
+        (tmp_path / name).rename(tmp_path / "elsewhere" / name)
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "elsewhere/shirt.blend"))
+    assert numpy.abs(at(bpy.data.objects["Shirt_render"], FRAMES) - expected).max() < 1e-5
+
+
+def test_garments_whose_names_are_one_in_usd_have_caches_of_their_own(dressed):
+    bpy.context.scene.frame_end = 2
+    dressed.name = "a b"
+    bpy.ops.tailor.drive()
+    other = set_up(armature=False, shape_key=False)
+    other.name = "a_b"
+    bpy.ops.tailor.tailor()
+    bpy.ops.tailor.drive()
+    assert len({cache.filepath for cache in bpy.data.cache_files}) == 2
+
+
+def test_other_frames_than_those_of_the_cloth_are_simulated_too(dressed):
+    bpy.context.scene.frame_start, bpy.context.scene.frame_end = 101, 106
+    bpy.ops.tailor.drive()
+    _, render = products(dressed)
+    assert numpy.abs(at(render, 106) - at(render, 101)).max() > MILLIMETRE
+
+
+def test_the_unit_of_the_scene_does_not_change_the_cloth(dressed):
+    sim, _ = products(dressed)
+    mass = sim.modifiers[cloth.MODIFIER].settings.mass * len(sim.data.vertices)
+    sim.modifiers.remove(sim.modifiers[cloth.MODIFIER])
+    # The same shirt, of numbers in centimetres.
+    bpy.context.scene.unit_settings.scale_length = 0.01
+    dressed.data.transform(Matrix.Scale(100, 4), shape_keys=True)
+    for key in ("tailor:sim:maxEdgeLength", "tailor:seam:sewn:width", "tailor:seam:sewn:normalOffset"):
+        dressed[key] *= 100
+    bpy.ops.tailor.tailor()
+    bpy.ops.tailor.cloth()
+    modifier = sim.modifiers[cloth.MODIFIER]
+    assert modifier.settings.mass * len(sim.data.vertices) == pytest.approx(mass, rel=0.02)
+    assert modifier.collision_settings.distance_min == pytest.approx(0.3)
 
 
 def test_drive_again_replaces_the_cache_and_the_frame_stays(dressed):

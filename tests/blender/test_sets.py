@@ -46,6 +46,51 @@ def test_the_selection_becomes_a_seam_or_a_fold(shirt):
     bpy.ops.tailor.tailor()
 
 
+def test_what_is_selected_and_assigned_again_is_the_same(shirt):
+    select(shirt, "faces", is_hem)
+    bpy.ops.tailor.add(kind="fold", source="SELECTED", name="hem")
+    before = built(shirt)["render"]["faces"]
+    bpy.context.tool_settings.mesh_select_mode = (True, False, False)
+    bpy.ops.tailor.select(kind="fold", name="hem")
+    bpy.ops.tailor.assign(kind="fold", name="hem")
+    assert built(shirt)["render"]["faces"] == before
+
+
+def test_a_name_without_room_changes_nothing(shirt):
+    before = recipe.properties(shirt)
+    with pytest.raises(RuntimeError, match="shorter"):
+        bpy.ops.tailor.add(kind="seam", source="MARKED", name="ä" * 20)
+    with pytest.raises(RuntimeError, match="shorter"):
+        bpy.ops.tailor.rename(kind="seam", name="sewn", new_name="ä" * 20)
+    assert recipe.properties(shirt) == before
+    bpy.ops.tailor.rename(kind="seam", name="sewn", new_name="n" * 38)
+    assert recipe.operators(shirt) == [("seam", "n" * 38)]
+
+
+def test_groups_that_differ_in_signs_alone_are_two(shirt):
+    for name in ("top a", "top_a"):
+        shirt.vertex_groups.new(name=name)
+    bpy.ops.tailor.pin(group="top_a")
+    from bl_ext.user_default.usd_tailor import cloth
+
+    assert cloth.pin_group(shirt) == "top_a"
+
+
+def test_a_garment_of_another_file_is_left_alone(shirt, tmp_path):
+    path = str(tmp_path / "library.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.read_homefile(use_empty=True)
+    with bpy.data.libraries.load(path, link=True) as (_, wanted):
+        wanted.objects = ["Shirt"]
+    linked = wanted.objects[0]
+    bpy.context.collection.objects.link(linked)
+    active(linked)
+    assert not bpy.ops.tailor.select.poll() and not bpy.ops.tailor.tailor.poll()
+    bpy.ops.object.make_local(type="SELECT_OBJECT")
+    with pytest.raises(RuntimeError, match="linked"):
+        bpy.ops.tailor.select(kind="seam", name="sewn")
+
+
 def test_without_a_selection_nothing_is_added(shirt):
     select(shirt, "edges", lambda edge: False)
     before = recipe.properties(shirt)

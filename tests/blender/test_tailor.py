@@ -89,6 +89,38 @@ def test_armature_and_shape_keys_move_the_products_as_the_garment(shirt):
         assert moved[old[:, 0] > 0.3].min() > 0.01 and moved[old[:, 0] < -0.3].max() < 1e-4
 
 
+def test_products_go_where_the_garment_goes():
+    ob = set_up(armature=False, shape_key=False)
+    bpy.ops.tailor.tailor()
+    ob.location, ob.rotation_euler, ob.scale = (1, 2, 3), (0, 0, 1), (2, 2, 2)
+    bpy.context.view_layer.update()
+
+    def placed():
+        return all(numpy.abs(numpy.array(other.matrix_world) - numpy.array(ob.matrix_world)).max() < 1e-5 for other in products(ob))
+
+    assert placed()
+    ob.keyframe_insert("location", frame=1)
+    ob.location.x = 5
+    ob.keyframe_insert("location", frame=10)
+    bpy.context.scene.frame_set(10)
+    assert placed() and products(ob)[0].matrix_world.translation.x == pytest.approx(5)
+    bpy.ops.tailor.tailor()
+    bpy.context.view_layer.update()
+    assert placed()
+
+
+def test_the_scale_is_applied_to_lengths_too():
+    ob = set_up(armature=False, shape_key=False)
+    before = {key: value for key, value in ob.items() if isinstance(value, float)}
+    ob.scale = (0.1, 0.1, 0.1)
+    bpy.ops.tailor.apply_scale()
+    assert tuple(ob.scale) == (1, 1, 1) and ob["tailor:sim:maxEdgeLength"] == pytest.approx(before["tailor:sim:maxEdgeLength"] / 10)
+    assert ob["tailor:seam:sewn:width"] == pytest.approx(before["tailor:seam:sewn:width"] / 10)
+    assert ob["tailor:seam:sewn:asymmetry"] == before["tailor:seam:sewn:asymmetry"]
+    bpy.ops.tailor.check()
+    assert not messages.of(ob)["failed"]
+
+
 def test_subdivision_is_last_and_has_the_levels_that_are_left(shirt):
     shirt.modifiers["Subdivision"].levels, shirt.modifiers["Subdivision"].render_levels = 2, 3
     bpy.ops.tailor.tailor()
