@@ -1,8 +1,6 @@
 //! A garment as authored, before it is checked.
 
-use super::{
-    Family, Interpolation, Meaning, Mesh, Orientation, PrimvarRole, StageSpace, SubdivisionRules, Units, Values,
-};
+use super::{Family, Interpolation, Meaning, Orientation, PrimvarRole, StageSpace, SubdivisionRules, Units, Values};
 use crate::error::{Fault, Warning};
 use glam::Vec3;
 use std::collections::BTreeMap;
@@ -95,9 +93,10 @@ pub struct PrimvarInput {
     pub indices: Option<Vec<i32>>,
 }
 
+#[cfg(feature = "usd")]
 impl Garment {
     /// Takes out the primvars that its check left out.
-    pub(crate) fn leave_out(&mut self, checked: &Mesh) {
+    pub(crate) fn leave_out(&mut self, checked: &super::Mesh) {
         let is_kept = |p: &PrimvarInput| checked.primvars.iter().any(|kept| kept.name == p.name && kept.role == p.role);
         self.primvars.retain(is_kept);
         self.left_out.clone_from(&checked.left_out);

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from conftest import run
 from mesh import find_model, read_mesh
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade, UsdSkel, Vt
+from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdShade, UsdSkel, Vt
 from sources import add_primvar, add_uv, sheet, write
 
 TEXT = """#usda {version}
@@ -433,6 +433,16 @@ def test_meshes_that_are_no_garments_are_named_with_a_remedy(usdtailor, tmp_path
 def test_a_rule_that_the_scheme_has_no_use_for_is_not_read(build, tmp_path):
     path = text(tmp_path / "a.usda", extra='        uniform token subdivisionScheme = "none"\n        token triangleSubdivisionRule = "none"')
     build(path, "--set", "render.level=0")
+
+
+def test_numbers_without_a_comma_are_refused_as_open_usd_refuses_them(usdtailor, tmp_path):
+    path = text(tmp_path / "a.usda", points=USUAL.replace("(1, 1, 0)", "(1 1, 0)"))
+    with pytest.raises(Tf.ErrorException):
+        Usd.Stage.Open(str(path))
+    line = 1 + path.read_text()[: path.read_text().index("1 1")].count("\n")
+    done = run(usdtailor, "build", path, "-o", tmp_path / "out.usda")
+    assert done.returncode == 1 and f"line {line} has two numbers without a comma" in done.stderr
+    assert not (tmp_path / "out.usda").exists()
 
 
 def test_crates_that_are_too_old_are_not_called_damaged(usdtailor, tmp_path):

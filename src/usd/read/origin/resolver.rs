@@ -30,14 +30,17 @@ pub fn is_text(bytes: &[u8]) -> bool {
 /// The bytes of a layer in a form that the library reads.
 ///
 /// # Errors
-/// A text of too many levels, or one with letters beyond ASCII that cannot be parsed.
+/// A text of too many levels, with two numbers where one is, or with letters beyond ASCII that cannot be parsed.
 pub fn readable_layer(bytes: Vec<u8>) -> io::Result<Vec<u8>> {
     if !is_text(&bytes) {
         return Ok(bytes);
     }
     check_levels(&bytes)?;
     match readable(&bytes) {
-        Readable { text, letters: Some(letters) } => letters.encode(&text),
+        Readable { missing_comma: Some(line), .. } => {
+            Err(io::Error::other(format!("line {line} has two numbers without a comma between them")))
+        }
+        Readable { text, letters: Some(letters), .. } => letters.encode(&text),
         Readable { text: Cow::Owned(text), .. } => Ok(text),
         Readable { text: Cow::Borrowed(_), .. } => Ok(bytes),
     }

@@ -14,20 +14,33 @@ pub struct Readable<'a> {
     pub text: Cow<'a, [u8]>,
     /// Restores words that had letters beyond ASCII, if there were any.
     pub letters: Option<Letters>,
+    /// The line of two numbers without a comma between them. The library takes them for two values, and OpenUSD refuses them.
+    pub missing_comma: Option<usize>,
 }
 
 /// The text in words that the library reads.
 pub fn readable(text: &[u8]) -> Readable<'_> {
-    let mut scanner = Scanner { text, at: 0, copied: 0, out: Vec::new(), last: b'\n', begins: true, letters: None };
+    let mut scanner = Scanner {
+        text,
+        at: 0,
+        copied: 0,
+        out: Vec::new(),
+        last: b'\n',
+        begins: true,
+        letters: None,
+        missing_comma: None,
+    };
     scanner.version();
     while let Some(&byte) = text.get(scanner.at) {
         scanner.step(byte);
     }
+    let line_of = |at: usize| 1 + text[..at].iter().filter(|&&byte| byte == b'\n').count();
+    let missing_comma = scanner.missing_comma.map(line_of);
     if scanner.copied == 0 {
-        return Readable { text: Cow::Borrowed(text), letters: None };
+        return Readable { text: Cow::Borrowed(text), letters: None, missing_comma };
     }
     scanner.out.extend_from_slice(&text[scanner.copied..]);
-    Readable { text: Cow::Owned(scanner.out), letters: scanner.letters }
+    Readable { text: Cow::Owned(scanner.out), letters: scanner.letters, missing_comma }
 }
 
 /// Reads a text once, and copies what changes.
@@ -43,6 +56,8 @@ struct Scanner<'a> {
     begins: bool,
     /// Escapes letters beyond ASCII; none before the first of them.
     letters: Option<Letters>,
+    /// The first number that follows a number.
+    missing_comma: Option<usize>,
 }
 
 impl<'a> Scanner<'a> {
@@ -91,6 +106,10 @@ impl<'a> Scanner<'a> {
             }
             b'/' if self.peek(1) == b'*' => self.skip_to(2, b"*/"),
             _ => {
+                let begins_number = self.begins_number(byte);
+                if begins_number && self.last.is_ascii_digit() {
+                    self.missing_comma = self.missing_comma.or(Some(self.at));
+                }
                 match byte {
                     b'"' | b'\'' => self.string(byte),
                     b'@' if self.rest().starts_with(b"@@@") => self.skip_to(3, b"@@@"),
@@ -106,7 +125,8 @@ impl<'a> Scanner<'a> {
                     _ if is_word(byte) => self.word(),
                     _ => self.at += 1,
                 }
-                (self.last, self.begins) = (byte, false);
+                self.last = if begins_number && byte == b'.' { b'0' } else { byte };
+                self.begins = false;
             }
         }
     }
@@ -124,6 +144,10 @@ impl<'a> Scanner<'a> {
             self.at += if self.peek(0) == b'\\' { 2 } else { 1 };
         }
         self.at = (self.at + end.len()).min(self.text.len());
+    }
+
+    fn begins_number(&self, byte: u8) -> bool {
+        byte.is_ascii_digit() || (matches!(byte, b'-' | b'.') && self.peek(1).is_ascii_digit())
     }
 
     fn digits(&mut self) {
@@ -206,6 +230,20 @@ mod tests {
             let read = readable(text.as_bytes());
             assert_eq!(String::from_utf8_lossy(&read.text), expected, "{text}");
             assert!(read.letters.is_none(), "{text}");
+        }
+    }
+
+    #[test]
+    fn two_numbers_need_a_comma() {
+        for (text, expected) in [
+            ("int[] a = [1, 2,\n 3\n 4]", Some(3)),
+            ("float3 a = (1 -2, 3)", Some(1)),
+            ("float2 a = (.5 .5)", Some(1)),
+            ("#usda 1.0\n(\n    start = 1\n    end = 2\n)", None),
+            ("a2 = { 1: 1e-5, # 2 3\n5: [1, -2], 6: \"7 8\" }", None),
+            ("over \"a\" { float b2.timeSamples = { 1: 2, 3: 4 } }", None),
+        ] {
+            assert_eq!(readable(text.as_bytes()).missing_comma, expected, "{text}");
         }
     }
 
