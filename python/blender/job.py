@@ -10,6 +10,7 @@ import usd_tailor
 
 
 from .cage import Cage, read_cage
+from .links import KINDS, product
 
 
 class Failed(RuntimeError):
@@ -78,6 +79,9 @@ class Job:
             report, garment = self.result(), self.garment
             if garment is None:
                 raise Failed([plain(f"{self.garment_name} was deleted while it was built")])
+            edited = next((ob for ob in (product(garment, kind) for kind in KINDS) if ob and ob.mode != "OBJECT"), None)
+            if edited:
+                raise Failed([plain(f"{edited.name} is in {edited.mode.capitalize()} Mode. Leave it, so that its mesh can be made again")])
             report["warnings"] += [plain(text) for text in self.cage.notes]
             opened = stage.Usd.Stage.Open(str(self.output))
             products.update(garment, self.cage, opened, report)

@@ -69,6 +69,8 @@ class TAILOR_OT_add(OfGarment, bpy.types.Operator):
 
     def _expression(self, garment, name: str) -> str:
         """The sets of the new seam or fold. Raises ValueError in words for the user."""
+        if garment.mode == "EDIT":
+            garment.update_from_editmode()
         expression = SOURCES[self.kind][self.source][2]
         if expression is None:
             count = assign(garment, self.kind, name)

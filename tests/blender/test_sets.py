@@ -99,6 +99,14 @@ def test_without_a_selection_nothing_is_added(shirt):
     assert recipe.properties(shirt) == before
 
 
+def test_seams_that_are_marked_in_edit_mode_count_at_once(shirt):
+    bpy.ops.tailor.remove(kind="seam", name="sewn")
+    shirt.data.edges.foreach_set("use_seam", [False] * len(shirt.data.edges))
+    select(shirt, "edges", is_hem)
+    bpy.ops.mesh.mark_seam(clear=False)
+    assert bpy.ops.tailor.add(kind="seam", source="MARKED", name="marked") == {"FINISHED"}
+
+
 @pytest.mark.parametrize(
     ("kind", "source"), [("seam", "UV"), ("seam", "BORDERS"), ("seam", "MATERIAL"), ("seam", "GROUP"), ("fold", "BORDERS"), ("fold", "MATERIAL"), ("fold", "GROUP")]
 )

@@ -151,6 +151,16 @@ def test_edit_mode_is_built_as_it_is_and_stays(shirt):
     assert numpy.abs(points(products(shirt)[1])[:, 2].max() - before[:, 2].max() - 0.1) < 1e-3
 
 
+def test_a_product_that_is_edited_is_not_replaced(shirt):
+    _, render = products(shirt)
+    active(render)
+    bpy.ops.object.mode_set(mode="EDIT")
+    with pytest.raises(RuntimeError, match="Shirt_render is in Edit Mode"):
+        bpy.ops.tailor.tailor()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert bpy.ops.tailor.tailor() == {"FINISHED"}
+
+
 def test_a_fault_changes_nothing_and_names_its_remedy(shirt):
     before = [points(ob) for ob in products(shirt)]
     shirt["tailor:sim:density"] = "nothing"
