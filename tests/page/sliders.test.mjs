@@ -87,6 +87,45 @@ test("an edited option goes back to the garment's value", async (t) => {
   assert.ok(await reset.isDisabled());
 });
 
+test("lengths take sums and units, and a value that is typed back is no edit", async (t) => {
+  const preview = await shirt(t);
+  const before = await preview.meshes();
+  const type = async (text) => {
+    await preview.field(OFFSET).fill(text);
+    await preview.page.keyboard.press("Enter");
+  };
+  // The garment is in centimetres.
+  for (const [text, expected] of [
+    ["-1/4", -0.25],
+    ["-(1 + 0,5) * .2 - 0.1", -0.4],
+    ["-2 mm", -0.2],
+    ["-0.1in", -0.254],
+  ]) {
+    await preview.after("render", () => type(text));
+    assert.ok(Math.abs(offsetOf(await preview.document()) - expected) < 1e-6, text);
+  }
+  const last = offsetOf(await preview.document());
+  for (const text of ["3 apples", "1//2", "(1", "2 3", "1/0", "9".repeat(200)]) {
+    await preview.field(OFFSET).fill(text);
+    assert.equal(await preview.field(OFFSET).getAttribute("aria-invalid"), "true", text);
+    await preview.page.keyboard.press("Enter");
+    assert.equal(offsetOf(await preview.document()), last, text);
+  }
+  assert.deepEqual(await preview.after("render", () => type("-3mm")), before);
+  assert.deepEqual((await preview.document()).edits, {}, "-0.3 is what the garment has");
+  assertClean(preview);
+});
+
+test("a number that is no length takes no unit", async (t) => {
+  const preview = await show(t, sewnShirt(t));
+  const field = preview.field("sim.grading");
+  await field.fill("2 mm");
+  assert.equal(await field.getAttribute("aria-invalid"), "true");
+  await field.fill("6/4");
+  await preview.page.keyboard.press("Enter");
+  await preview.when(() => preview.store.state.document.edits.sim?.grading === 1.5, "the quotient");
+});
+
 test("the state as it was opened is shown while Shift and C are held", async (t) => {
   const preview = await shirt(t);
   const before = await preview.meshes();

@@ -99,6 +99,48 @@ test("meshes are shown side by side or over one another, together or alone", asy
   assertClean(preview);
 });
 
+test("a mesh is shown alone by a double click on its name, or by Shift and its key, and all again", async (t) => {
+  const preview = await show(t, sewnShirt(t));
+  const { page } = preview;
+  const roles = () => preview.state(({ settings }) => settings.roles);
+  const button = page.getByRole("group", { name: "Meshes" }).getByRole("button", { name: "Render" });
+  await button.dblclick();
+  assert.deepEqual(await roles(), ["render"]);
+  await button.dblclick();
+  assert.deepEqual(await roles(), ["model", "sim", "render"]);
+  await page.keyboard.press("Shift+Digit2");
+  assert.deepEqual(await roles(), ["sim"]);
+  await page.keyboard.press("Shift+Digit1");
+  assert.deepEqual(await roles(), ["model"]);
+  await page.keyboard.press("Shift+Digit1");
+  assert.deepEqual(await roles(), ["model", "sim", "render"]);
+  assertClean(preview);
+});
+
+test("the garment is seen from each side, with all of it in view", async (t) => {
+  const preview = await show(t, sewnShirt(t));
+  const { page } = preview;
+  const sides = page.getByRole("group", { name: "Look from" });
+  const seen = async (act) => {
+    await act();
+    await preview.quiet();
+    return preview.picture();
+  };
+  const pictures = [await preview.picture()];
+  for (const [key, name] of Object.entries({ 4: "front", 6: "back", 7: "top" })) {
+    const picture = await seen(() => page.keyboard.press(key));
+    for (const column of THIRDS) assert.ok(inked(picture, column) > 0.02, `${name}: the view is blank`);
+    for (const other of pictures) assert.ok(differing(other, picture) > 0.01, `${name} is a side of its own`);
+    pictures.push(picture);
+  }
+  const press = (name) => seen(() => sides.getByRole("button", { name, exact: true }).click());
+  assert.ok(differing(pictures[1], await press("front")) < 0.002, "a button does as its key");
+  assert.ok(differing(pictures[0], await press("three-quarter")) < 0.002, "the first view is at three quarters");
+  await page.getByRole("toolbar", { name: "Drawing" }).getByRole("button", { name: "Flat panels" }).click();
+  assert.ok(await sides.getByRole("button", { name: "back" }).isDisabled());
+  assertClean(preview);
+});
+
 test("the camera is moved by the pointer, and F brings the garment back", async (t) => {
   const preview = await show(t, sewnShirt(t));
   const { page } = preview;

@@ -5,6 +5,7 @@ import { addFromSelection } from "./operators";
 import { WAYS } from "./selection";
 import type { Store } from "./store";
 import { ROLES } from "./settings";
+import type { Side } from "../view/api";
 
 export const KEYS: [string, string][] = [
   ["Ctrl Z", "Undo"],
@@ -15,6 +16,8 @@ export const KEYS: [string, string][] = [
   ["F", "Frame what is marked, or everything"],
   ["W", "Edges of the mesh"],
   ["1 2 3", "Show or hide model, simulation mesh, render mesh"],
+  ["Shift 1 2 3", "Show one of them alone, and again all"],
+  ["4 5 6 7 8", "Look from the front, the side, the back, the top, at three quarters"],
   ["Alt ↑ ↓", "Move the focused card in the stack"],
   ["Shift ↑ ↓", "Ten steps at a time on a slider or in a number field"],
   ["Drag", "Turn the view; with the right button or Shift, pan"],
@@ -72,7 +75,11 @@ function plain(store: Store, event: KeyboardEvent): void {
     store.update({ isSelecting: true, clicked: null });
   }
   select(store, key);
-  if ("123".includes(key) && key.length === 1) toggleRole(store, Number(key) - 1);
+  // Shift gives digits other signs.
+  const digit = Number(/^(?:Digit|Numpad)(\d)$/.exec(event.code)?.[1] ?? 0);
+  if (digit >= 1 && digit <= ROLES.length) (event.shiftKey ? showAlone : toggleRole)(store, digit - 1);
+  const side = event.shiftKey ? undefined : SIDE_NAMES[digit - 1 - ROLES.length];
+  if (side) store.view?.look(side);
 }
 
 /** Keys that change the selection or make something of it. */
@@ -99,6 +106,15 @@ let isComparing = false;
 function compare(store: Store, state: Before | null): void {
   isComparing = state !== null;
   store.command({ type: "compare", with: state });
+}
+
+/** In the order of their keys. */
+export const SIDE_NAMES: Side[] = ["front", "side", "back", "top", "three-quarter"];
+
+/** Shows one mesh, or all if it is alone. */
+export function showAlone(store: Store, index: number): void {
+  const alone = [ROLES[index]];
+  store.settings({ roles: store.state.settings.roles.join() === alone.join() ? ROLES : alone });
 }
 
 /** Shows or hides a mesh; the last one stays. */

@@ -3,6 +3,8 @@
 import type { MeshFrame } from "../server/frame";
 import type { Elements, Role, SetInfo, UpAxis } from "../server/protocol";
 
+/** A side from which the garment is seen. */
+export type Side = "front" | "side" | "back" | "top" | "three-quarter";
 export type Layout = "side" | "over";
 /** The colour of faces. `values` is a painted primvar or a quality figure, as heat. */
 export type Shading = "cloth" | "faceSets" | "checker" | "values";
@@ -69,6 +71,8 @@ export interface View {
   setUp(axis: UpAxis): void;
   /** Moves the camera so that the marked or highlighted elements, or else everything, fill the view. */
   frame(): void;
+  /** Moves the camera to a side of the garment, with all of it in view; flat panels have one side. */
+  look(side: Side): void;
   /** Highlights sets by name on all meshes; an empty list ends it. */
   highlight(sets: string[]): void;
   /** Marks elements of the model (visible through cloth), also when the model is not drawn, and flies there; null ends it. */

@@ -3,7 +3,7 @@
 import { Vector3 } from "three";
 import type { MeshFrame } from "../server/frame";
 import type { Elements, Role, UpAxis } from "../server/protocol";
-import type { Picked, PickHow, View, ViewEvents, ViewOptions, ViewStats } from "./api";
+import type { Picked, PickHow, Side, View, ViewEvents, ViewOptions, ViewStats } from "./api";
 import { poseOfAll, poseOfMarks, poseOfSets } from "./camera/aims";
 import type { Sight } from "./camera/aims";
 import { Cloth } from "./mesh/cloth";
@@ -17,7 +17,7 @@ import type { Pose } from "./camera/motion";
 import { checksum } from "./mesh/points";
 import { describe, onFace, Picker, toCanvas, toDevice } from "./picking";
 import type { Spot } from "./picking";
-import { FlatRig, SpaceRig, THREE_QUARTER } from "./camera/rig";
+import { FlatRig, SIDES, SpaceRig, THREE_QUARTER } from "./camera/rig";
 import type { Rig } from "./camera/rig";
 import { placeGlow, placeMarks, shapesOf } from "./mesh/shapes";
 import { Stage } from "./stage";
@@ -120,6 +120,11 @@ class CanvasView implements View {
     const part = poseOfMarks(this.#sight, this.#marked ?? this.#selected) ?? poseOfSets(this.#sight, this.#highlighted);
     if (part) this.#untouched.delete(this.#rig);
     this.#fly(part ?? poseOfAll(this.#sight));
+  }
+
+  look(side: Side): void {
+    this.#untouched.delete(this.#rig);
+    this.#fly(poseOfAll(this.#sight, SIDES[side]));
   }
 
   highlight(sets: string[]): void {

@@ -2,6 +2,7 @@
 
 import type { CSSProperties, TargetedKeyboardEvent } from "preact";
 import { useId, useState } from "preact/hooks";
+import { evaluate } from "./expression";
 import { Icon, type IconName } from "./icons";
 import { shown, snapped } from "./numbers";
 
@@ -66,6 +67,8 @@ function arrowOf(key: string): number {
 interface NumberProps extends Described {
   value: number;
   unit: string;
+  /** The length of a mesh unit, of a length; units may be typed then. */
+  metres: number | null;
   step: number;
   /** Nearest value that may be typed. */
   clamp(value: number): number;
@@ -74,11 +77,12 @@ interface NumberProps extends Described {
   change(value: number, how: "step" | "continuous"): void;
 }
 
-/** A field that takes a number on Enter or when it is left. Arrow keys step, by ten with shift. */
-export function NumberField({ label, describedBy, invalid, value, unit, step, clamp, auto, change }: NumberProps) {
+/** A field that takes a number, a sum of numbers, or a length with a unit, on Enter or when it is left. Arrow keys step, by ten with shift. */
+export function NumberField(props: NumberProps) {
+  const { label, describedBy, invalid, value, unit, metres, step, clamp, auto, change } = props;
   const [draft, setDraft] = useState<string | null>(null);
   const isAuto = auto !== null && auto !== undefined && value === 0;
-  const parsed = draft === null ? value : parse(draft);
+  const parsed = draft === null ? value : evaluate(draft, metres);
   const commit = () => {
     if (draft !== null && parsed !== null && clamp(parsed) !== value) change(clamp(parsed), "step");
     setDraft(null);
@@ -123,12 +127,6 @@ export function NumberField({ label, describedBy, invalid, value, unit, step, cl
       {unit && <span class="unit">{unit}</span>}
     </span>
   );
-}
-
-/** An empty field is 0, which is the automatic value of a length. Null if it is not a number. */
-function parse(text: string): number | null {
-  const number = Number(text.trim().replace(",", "."));
-  return Number.isFinite(number) ? number : null;
 }
 
 interface SwitchProps extends Described {

@@ -111,6 +111,8 @@ function NumberControl({ option, full, value, ...described }: ControlProps & { v
   const store = useStore();
   const garment = useSelect((state) => state.garment);
   const used = useSelect(({ products }) => products.sim?.lengths[full] ?? products.render?.lengths[full]);
+  // What the option is without the edits here: typed again, it is no edit.
+  const below = useSelect(({ document }) => valueAt(document.upstream, full)) ?? option.default;
   const meanEdge = garment?.meanEdge ?? 1;
   const range = rangeOf(option.domain, meanEdge);
   if (!range) return null;
@@ -131,10 +133,11 @@ function NumberControl({ option, full, value, ...described }: ControlProps & { v
         {...described}
         value={value}
         unit={unitOf(option.unit, garment)}
+        metres={option.domain.type === "length" ? (garment?.metersPerUnit ?? null) : null}
         step={range.step}
         clamp={clamp}
         auto={auto === null ? null : rounded(auto)}
-        change={(changed, how) => store.set(full, changed, how)}
+        change={(changed, how) => (how === "step" && changed === below ? store.reset(full) : store.set(full, changed, how))}
       />
     </span>
   );

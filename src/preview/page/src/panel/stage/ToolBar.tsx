@@ -3,7 +3,7 @@
 import type { Shading } from "../../view/api";
 import { IconButton, Segments, Select, Toggle } from "../controls/controls";
 import { useSelect, useStore } from "../controls/hooks";
-import { toggleRole } from "../../state/keys";
+import { showAlone, SIDE_NAMES, toggleRole } from "../../state/keys";
 import { paintedChoices, QUALITIES, ROLE_NAMES, ROLES } from "../../state/settings";
 
 const SHADINGS: { value: Shading; label: string; hint: string }[] = [
@@ -25,8 +25,9 @@ export function ToolBar() {
             key={role}
             class="role"
             aria-pressed={settings.roles.includes(role)}
-            title={`Show or hide (${i + 1})`}
+            title={`Show or hide (${i + 1}); double-click to show it alone`}
             onClick={() => toggleRole(store, i)}
+            onDblClick={() => showAlone(store, i)}
           >
             {ROLE_NAMES[role]}
           </button>
@@ -109,6 +110,21 @@ export function SideBar() {
         change={(smooth) => store.settings({ smooth })}
       />
       <hr />
+      <span class="sides" role="group" aria-label="Look from">
+        {SIDE_NAMES.map((side, i) => (
+          <button
+            type="button"
+            class="icon-button is-small"
+            key={side}
+            aria-label={side}
+            title={`Look from the ${side} (${i + 1 + ROLES.length})`}
+            disabled={flat}
+            onClick={() => store.view?.look(side)}
+          >
+            {side === "three-quarter" ? "¾" : side[0].toUpperCase()}
+          </button>
+        ))}
+      </span>
       <IconButton
         label="Frame"
         icon="frame"

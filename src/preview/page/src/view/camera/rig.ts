@@ -3,6 +3,7 @@
 import { Matrix4, OrthographicCamera, PerspectiveCamera, Vector2, Vector3 } from "three";
 import { Motion } from "./motion";
 import type { Pose } from "./motion";
+import type { Side } from "../api";
 import type { UpAxis } from "../../server/protocol";
 
 /** Half of the angle that the shorter side of the view spans. */
@@ -227,6 +228,15 @@ export class FlatRig extends Rig {
 
 /** Turn and tilt of the first view. */
 export const THREE_QUARTER: [number, number] = [0.44, 0.13];
+
+/** Turn and tilt of each side. */
+export const SIDES: Record<Side, [number, number]> = {
+  front: [0, 0],
+  side: [Math.PI / 2, 0],
+  back: [Math.PI, 0],
+  top: [0, MOST_TILT],
+  "three-quarter": THREE_QUARTER,
+};
 
 /** A narrow view shows the same breadth. */
 function halfTangent(aspect: number): number {
