@@ -177,6 +177,8 @@ def test_a_program_that_cannot_run_is_told_with_its_place_and_a_remedy(unpacked,
 
 INTERRUPTED = """
 import os, signal, threading, time
+# A shell in the background ignores the signal, and what it starts does so too.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 pid = _command.PROGRAM.with_name("pid")
 def interrupt():
     while not (pid.exists() and pid.read_text()):

@@ -155,7 +155,6 @@ fn of_primvars() {
     const ST: &str = "/Coat/model.primvars:st";
     const ST_INDICES: &str = "/Coat/model.primvars:st:indices";
     const WEIGHTS: &str = "/Coat/model.primvars:skel:jointWeights";
-    const TINT: &str = "/Coat/model.primvars:tint";
     each_is_told(&[
         broken("primvars:st = [(0, 0)", "primvars:st = [(nan, 0)", &[ST, "value 0 holds NaN", "finite number"]),
         broken(
@@ -174,23 +173,6 @@ fn of_primvars() {
             &[ST_INDICES, "holds 15 indices, but faceVarying", "give 16"],
         ),
         broken(
-            "density = [0, 0, 0,",
-            "density = [0, 0,",
-            &["/Coat/model.primvars:density", "holds 8 values, but vertex interpolation needs 9", "give 9"],
-        ),
-        broken("tint = [0, 1, 2,", "tint = [1, 2,", &[TINT, "holds 8 values, but varying", "9 points", "give 9"]),
-        broken("tint = [0, 1, 2,", "tint = [0, nan, 2,", &[TINT, "point 1 holds NaN", "finite number"]),
-        broken(
-            "ply = [1, 2, 3, 4]",
-            "ply = [1, 2, 3]",
-            &["/Coat/model.primvars:ply", "holds 3 values, but uniform", "4 faces", "give 4"],
-        ),
-        broken(
-            "gloss = [0, 1,",
-            "gloss = [1,",
-            &["/Coat/model.primvars:gloss", "holds 15 values, but faceVarying", "16 corners", "give 16"],
-        ),
-        broken(
             "jointWeights = [0.25, 0.75, 0.25,",
             "jointWeights = [0.25, 0.75,",
             &[WEIGHTS, "holds 17 values, no multiple of elementSize 2", "correct elementSize"],
@@ -206,6 +188,40 @@ fn of_primvars() {
             &[ST, "\"everywhere\"", "faceVarying"],
         ),
     ]);
+}
+
+#[test]
+fn of_primvars_that_no_step_needs() {
+    const TINT: &str = "/Coat/model.primvars:tint";
+    const DENSITY: [&str; 3] =
+        ["/Coat/model.primvars:density", "holds 8 values, but vertex interpolation needs 9", "ive 9"];
+    let rows: [(&str, &str, &[&str]); 5] = [
+        ("density = [0, 0, 0,", "density = [0, 0,", &DENSITY),
+        ("tint = [0, 1, 2,", "tint = [1, 2,", &[TINT, "holds 8 values, but varying", "9 points", "ive 9"]),
+        ("tint = [0, 1, 2,", "tint = [0, nan, 2,", &[TINT, "point 1 holds NaN", "finite number"]),
+        (
+            "ply = [1, 2, 3, 4]",
+            "ply = [1, 2, 3]",
+            &["/Coat/model.primvars:ply", "holds 3 values, but uniform", "4 faces", "ive 4"],
+        ),
+        (
+            "gloss = [0, 1,",
+            "gloss = [1,",
+            &["/Coat/model.primvars:gloss", "holds 15 values, but faceVarying", "16 corners", "ive 16"],
+        ),
+    ];
+    for (old, new, says) in rows {
+        let folder = Folder::new();
+        folder.file("in.usda", cloth_with(old, new));
+        let run = folder.good(ARGS);
+        run.says(&["warning[not-carried]"]);
+        run.says(says);
+    }
+    super::each_is_told(&[fault(
+        "build in.usda -o out/coat.usda --set sim.density=density",
+        |folder| folder.file("in.usda", cloth_with("density = [0, 0, 0,", "density = [0, 0,")),
+        &["sim.density", DENSITY[1]],
+    )]);
 }
 
 #[test]
