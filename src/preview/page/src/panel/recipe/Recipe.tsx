@@ -29,15 +29,15 @@ export function Recipe() {
         {!hasGarment && <Skeleton />}
         {hasGarment && (
           <>
-            <Section title="Seams and folds" tools={<NewOperator />}>
-              <Stack />
+            <Section title="Simulation mesh">
+              <Rows options={often} />
+              <More options={rest} />
             </Section>
             <Section title="Render mesh">
               <Rows options={render} />
             </Section>
-            <Section title="Simulation mesh">
-              <Rows options={often} />
-              <More options={rest} />
+            <Section title="Seams and folds" tools={<NewOperator />}>
+              <Stack />
             </Section>
           </>
         )}
