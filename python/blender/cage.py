@@ -121,11 +121,9 @@ def _copied(ob):
             copy.active_shape_key_index = 0
         yield copy, evaluated
     finally:
-        keys = data.shape_keys
         bpy.data.scenes.remove(scene)
         bpy.data.objects.remove(copy)
         bpy.data.meshes.remove(data)
-        del keys
 
 
 def _read_mesh(mesh, ob) -> Cage:

@@ -7,6 +7,7 @@ import bpy
 import numpy as np
 
 from . import recipe
+from .cage import column
 
 FACTS = "tailor_cloth"
 """Property of a simulation mesh, of what a solver needs beside it:
@@ -40,7 +41,7 @@ def set_up(garment: bpy.types.Object, sim: bpy.types.Object) -> str:
     settings = modifier.settings
     held = _pin(garment, sim, settings)
     if is_new:
-        # What the user has changed since stays when the mesh is built again.
+        # Settings of the user stay when the mesh is built again.
         settings.quality = 8
         modifier.collision_settings.distance_min = _DISTANCE / bpy.context.scene.unit_settings.scale_length
         _set_fabric(sim, settings)
@@ -66,16 +67,13 @@ def _set_fabric(sim, settings) -> None:
 def _sew(sim) -> int:
     """Adds the edges that hold attached pieces. An edge without a face is a spring of its own length for the solver."""
     pairs = np.asarray(sim.get(FACTS, {}).get("sewing", []), np.int32).reshape(-1, 2)
-    mesh = sim.data
-    ends = np.empty(len(mesh.edges) * 2, np.int32)
-    mesh.edges.foreach_get("vertices", ends)
-    known = set(map(tuple, np.sort(ends.reshape(-1, 2), axis=1).tolist()))
-    new = sorted(set(map(tuple, np.sort(pairs, axis=1).tolist())) - known)
-    if new:
-        mesh.edges.add(len(new))
-        mesh.edges.foreach_set("vertices", np.concatenate([ends, np.asarray(new, np.int32).ravel()]))
-        mesh.update()
-    return len(set(map(tuple, np.sort(pairs, axis=1).tolist())))
+    ends = column(sim.data.edges, "vertices", 2, np.int32)
+    wanted, known = ({tuple(pair) for pair in np.sort(rows, axis=1).tolist()} for rows in (pairs, ends))
+    if new := sorted(wanted - known):
+        sim.data.edges.add(len(new))
+        sim.data.edges.foreach_set("vertices", np.concatenate([ends, np.asarray(new, np.int32)]).ravel())
+        sim.data.update()
+    return len(wanted)
 
 
 def pin_group(garment: bpy.types.Object) -> str:

@@ -16,7 +16,7 @@ def write(garment: bpy.types.Object, path: str) -> set[str]:
         for ob in selected:
             ob.select_set(False)
         if made:
-            # What is exported has the name of the garment.
+            # The stand-in is exported under the garment's name.
             garment.name, garment.data.name = (name + " (garment)" for name in names)
             made.name, made.data.name = names
         for ob in _exported(made or garment):

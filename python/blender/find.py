@@ -8,10 +8,11 @@ import usd_tailor
 
 from . import messages, names, recipe, stage
 from .cage import read_cage
+from .job import Refused
 
 
-def select_set(operator, garment, kind: str, name: str) -> tuple[int, int] | None:
-    """Selects the set of a seam or fold, and returns the number of its elements; None where it has none, which is reported."""
+def select_set(garment, kind: str, name: str) -> tuple[int, int]:
+    """Selects the set of a seam or fold. Returns how many elements are selected, and how many were not found."""
     expression = str(garment[names.key(kind, name, recipe.SETS[kind])])
     cage = read_cage(garment)
     with tempfile.TemporaryDirectory(prefix="tailor-") as folder:
@@ -20,6 +21,5 @@ def select_set(operator, garment, kind: str, name: str) -> tuple[int, int] | Non
         try:
             found = usd_tailor.sets(path, {"chosen": expression})["chosen"]
         except usd_tailor.TailorError as error:
-            operator.report({"ERROR"}, str(error).splitlines()[0])
-            return None
+            raise Refused(str(error).splitlines()[0]) from None
     return messages.select(garment, {"elements": {f"{found.element_type}s": list(found.indices)}})

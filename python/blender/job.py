@@ -21,6 +21,10 @@ class Failed(RuntimeError):
         self.messages = messages
 
 
+class Refused(RuntimeError):
+    """An action that cannot be done to the garment as it is, with the remedy; the messages of the last build stay."""
+
+
 class Job:
     """A build that runs. Poll :meth:`is_done`, then take the :meth:`result`."""
 
@@ -56,7 +60,7 @@ class Job:
         self.folder.cleanup()
 
     def result(self) -> dict:
-        """The report of the build, once it is done. The products are in ``output`` until :meth:`cancel`.
+        """The report of the build, once it is done, with what could not be read. The products are in ``output`` until :meth:`cancel`.
 
         Raises:
             Failed: The garment or an option was refused.
@@ -65,6 +69,7 @@ class Job:
         report = json.loads(self._report.read_text("utf-8")) if self._report.exists() else {}
         if self.process.returncode:
             raise Failed(_faults(report, errors.strip() or f"the build ended with {self.process.returncode}"))
+        report["warnings"] += [plain(text) for text in self.cage.notes]
         return report
 
     def finish(self) -> dict:
@@ -82,7 +87,6 @@ class Job:
             edited = next((ob for ob in (product(garment, kind) for kind in KINDS) if ob and ob.mode != "OBJECT"), None)
             if edited:
                 raise Failed([plain(f"{edited.name} is in {edited.mode.capitalize()} Mode. Leave it, so that its mesh can be made again")])
-            report["warnings"] += [plain(text) for text in self.cage.notes]
             opened = stage.Usd.Stage.Open(str(self.output))
             products.update(garment, self.cage, opened, report)
             del opened

@@ -6,7 +6,7 @@ import time
 import bpy
 
 from . import messages, recipe
-from .job import Failed, Job
+from .job import Failed, Job, plain
 
 # A build waits until edits pause for so long, and at most so long while they go on. [s]
 _PAUSE, _LONGEST = 0.08, 0.5
@@ -103,7 +103,7 @@ def _tick_one(ob, following: Following) -> None:
         _redraw()
     except Exception as error:  # A timer that raises is never called again.
         following.job = None
-        messages.set_faults(ob, [messages.plain(f"USD Tailor is at fault: {error!r}. Press Tailor to see where")])
+        messages.set_faults(ob, [plain(f"USD Tailor is at fault: {error!r}. Press Tailor to see where")])
 
 
 def _redraw() -> None:

@@ -7,7 +7,7 @@ from mathutils import Vector, kdtree
 
 from . import names
 from .cage import read_cage
-from .job import plain
+from .job import Refused
 
 _of: dict[int, dict] = {}
 
@@ -26,7 +26,7 @@ def of(garment) -> dict:
     return _of.get(garment.session_uid, {"messages": [], "report": None, "failed": False})
 
 
-# What an artist does, in place of what the command's remedy says for files.
+# Remedies in Blender, in place of those for files.
 REMEDIES = {
     "polygonal-cage": "Add a Subdivision modifier",
     "no-uv-set": "Unwrap the garment: seams of the UV map are the seams of its panels",
@@ -68,6 +68,8 @@ def select(garment: bpy.types.Object, message: dict) -> tuple[int, int]:
     Messages count the elements of the mesh with its modifiers. Those that a modifier made are found by their place, also on the
     other side of a mirror.
     """
+    if garment.data.library:
+        raise Refused(f"{garment.data.name} is linked from another file. Make it local first")
     kind, numbers = elements(message)
     cage = read_cage(garment)
     if garment.mode == "EDIT":
@@ -125,5 +127,3 @@ class _Places:
                 return index
         return None
 
-
-__all__ = ["clear", "elements", "of", "plain", "select", "set_faults", "set_report"]

@@ -7,7 +7,7 @@ from bpy_extras.io_utils import ExportHelper
 
 from . import cloth, live, messages, recipe
 from .drive import Drive
-from .job import Failed, Job, plain
+from .job import Failed, Job, Refused
 from .links import garment_of, product, set_rendered
 
 
@@ -27,6 +27,21 @@ class OfGarment:
         cls.poll_message_set("Select a garment: a mesh that Set Up Garment was pressed for")
         return False
 
+    def act(self, context, garment) -> None:
+        """Does the work. Raises Refused or Failed where it cannot be done."""
+        raise NotImplementedError
+
+    def execute(self, context):
+        garment = garment_of(context.active_object)
+        try:
+            self.act(context, garment)
+        except Failed as failed:
+            return self.refuse(garment, failed.messages)
+        except Refused as refused:
+            self.report({"ERROR"}, str(refused))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
     def refuse(self, garment, faults: list[dict]):
         """Shows why nothing was done, in the panel too if the garment is there."""
         if garment:
@@ -39,25 +54,20 @@ class Waiting(OfGarment):
     """An operator that works beside Blender, with progress; the escape key cancels it. Called by a script, it waits."""
 
     def begin(self, context, garment):
-        """What runs, or None once there is nothing to do."""
+        """What runs. Raises Failed where it cannot."""
         raise NotImplementedError
 
     def advance(self, context, work) -> bool:
         """Goes a step; True when all is done."""
         raise NotImplementedError
 
-    def execute(self, context):
-        garment, work = garment_of(context.active_object), None
+    def act(self, context, garment) -> None:
+        work = self.begin(context, garment)
         try:
-            work = self.begin(context, garment)
             while not self.advance(context, work):
                 pass
-        except Failed as failed:
-            return self.refuse(garment, failed.messages)
         finally:
-            if work:
-                work.cancel()
-        return {"FINISHED"}
+            work.cancel()
 
     def invoke(self, context, _event):
         garment = garment_of(context.active_object)
@@ -116,15 +126,13 @@ class TAILOR_OT_clear(OfGarment, bpy.types.Operator):
     def invoke(self, context, event):
         return context.window_manager.invoke_confirm(self, event)
 
-    def execute(self, context):
-        garment = garment_of(context.active_object)
+    def act(self, context, garment) -> None:
         from .products import remove
 
         live.follow(garment, False)
         remove(garment)
         recipe.clear(garment)
         set_rendered(garment, True)
-        return {"FINISHED"}
 
 
 class TAILOR_OT_tailor(Waiting, bpy.types.Operator):
@@ -156,10 +164,8 @@ class TAILOR_OT_live(OfGarment, bpy.types.Operator):
     bl_description = "While it is on, each edit of the garment and of its options is built in the background"
     bl_options = {"REGISTER"}
 
-    def execute(self, context):
-        garment = garment_of(context.active_object)
+    def act(self, context, garment) -> None:
         live.follow(garment, not live.is_live(garment))
-        return {"FINISHED"}
 
 
 class TAILOR_OT_check(OfGarment, bpy.types.Operator):
@@ -168,20 +174,14 @@ class TAILOR_OT_check(OfGarment, bpy.types.Operator):
     bl_description = "Builds the garment without making its objects, and lists what could be better"
     bl_options = {"REGISTER"}
 
-    def execute(self, context):
-        garment = garment_of(context.active_object)
+    def act(self, context, garment) -> None:
         job = Job(garment)
         try:
-            job.process.wait()
             report = job.result()
-            report["warnings"] += [plain(text) for text in job.cage.notes]
-        except Failed as failed:
-            return self.refuse(garment, failed.messages)
         finally:
             job.cancel()
         messages.set_report(garment, report)
         self.report({"INFO"}, f"{len(report['warnings'])} messages" if report["warnings"] else "Nothing to mend")
-        return {"FINISHED"}
 
 
 class TAILOR_OT_select_message(OfGarment, bpy.types.Operator):
@@ -191,18 +191,13 @@ class TAILOR_OT_select_message(OfGarment, bpy.types.Operator):
 
     number: IntProperty()
 
-    def execute(self, context):
-        garment = garment_of(context.active_object)
+    def act(self, context, garment) -> None:
         found = messages.of(garment)["messages"]
         if self.number >= len(found):
-            return {"CANCELLED"}
-        if garment.data.library:
-            self.report({"ERROR"}, f"{garment.data.name} is linked from another file. Make it local first")
-            return {"CANCELLED"}
+            raise Refused("This message is of an earlier build. Press Check")
         kind, _ = messages.elements(found[self.number])
         count, lost = messages.select(garment, found[self.number])
         self.report({"INFO"}, f"{count} {kind}" + (f"; {lost} more are made by modifiers" if lost else ""))
-        return {"FINISHED"}
 
 
 class TAILOR_OT_cloth(OfGarment, bpy.types.Operator):
@@ -210,13 +205,11 @@ class TAILOR_OT_cloth(OfGarment, bpy.types.Operator):
     bl_label = "Set Up Cloth"
     bl_description = "Gives the simulation mesh a Cloth modifier, with the fabric's mass and stiffness, pins, and springs that hold pockets and other loose pieces"
 
-    def execute(self, context):
-        garment = garment_of(context.active_object)
+    def act(self, context, garment) -> None:
         sim = product(garment, "sim")
         if not sim:
-            return self.refuse(garment, [plain(f"{garment.name} has no simulation mesh yet. Press Tailor first")])
+            raise Refused(f"{garment.name} has no simulation mesh yet. Press Tailor first")
         self.report({"INFO"}, cloth.set_up(garment, sim))
-        return {"FINISHED"}
 
 
 class TAILOR_OT_drive(Waiting, bpy.types.Operator):
@@ -243,14 +236,13 @@ class TAILOR_OT_export(OfGarment, ExportHelper, bpy.types.Operator):
     filename_ext = ".usdc"
     filter_glob: StringProperty(default="*.usd;*.usda;*.usdc", options={"HIDDEN"})
 
-    def execute(self, context):
+    def act(self, context, garment) -> None:
         from .export import write
 
         try:
-            return write(garment_of(context.active_object), self.filepath)
+            write(garment, self.filepath)
         except RuntimeError as error:
-            self.report({"ERROR"}, f"{self.filepath} cannot be written: {error}")
-            return {"CANCELLED"}
+            raise Refused(f"{self.filepath} cannot be written: {error}") from None
 
 
 class TAILOR_OT_apply_scale(OfGarment, bpy.types.Operator):
@@ -258,14 +250,11 @@ class TAILOR_OT_apply_scale(OfGarment, bpy.types.Operator):
     bl_label = "Apply Scale"
     bl_description = "Applies the scale of the object to its mesh, and to the lengths of the recipe"
 
-    def execute(self, context):
-        garment = garment_of(context.active_object)
+    def act(self, context, garment) -> None:
         scale = recipe.apply_scale(garment)
         if scale is None:
-            self.report({"ERROR"}, "The scale differs by axis, or the mesh has other users. Apply it by Object > Apply > Scale, and set the lengths")
-            return {"CANCELLED"}
+            raise Refused("The scale differs by axis, or the mesh has other users. Apply it by Object > Apply > Scale, and set the lengths")
         self.report({"INFO"}, f"Mesh and lengths are multiplied by {scale:g}")
-        return {"FINISHED"}
 
 
 class TAILOR_OT_show(OfGarment, bpy.types.Operator):
@@ -275,12 +264,10 @@ class TAILOR_OT_show(OfGarment, bpy.types.Operator):
 
     kind: StringProperty()
 
-    def execute(self, context):
-        garment = garment_of(context.active_object)
+    def act(self, context, garment) -> None:
         ob = garment if self.kind == "model" else product(garment, self.kind)
         if ob:
             ob.hide_set(not ob.hide_get())
-        return {"FINISHED"}
 
 
 CLASSES = (

@@ -23,6 +23,13 @@ class Panel:
         return recipe.is_garment(garment_of(context.active_object))
 
 
+def fields(panel, context):
+    """The layout of a panel whose fields have their labels beside them, and the garment."""
+    panel.layout.use_property_split = True
+    panel.layout.use_property_decorate = False
+    return panel.layout, garment_of(context.active_object)
+
+
 class TAILOR_PT_garment(Panel, bpy.types.Panel):
     bl_label = "Garment"
 
@@ -31,9 +38,7 @@ class TAILOR_PT_garment(Panel, bpy.types.Panel):
         return context.active_object is not None and context.active_object.type == "MESH"
 
     def draw(self, context):
-        layout, garment = self.layout, garment_of(context.active_object)
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout, garment = fields(self, context)
         if not recipe.is_garment(garment):
             layout.operator("tailor.set_up", icon="MOD_CLOTH")
             return
@@ -144,9 +149,7 @@ class Operators(Panel):
     kind = ""
 
     def draw(self, context):
-        layout, garment = self.layout, garment_of(context.active_object)
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout, garment = fields(self, context)
         layout.menu(f"TAILOR_MT_add_{self.kind}", icon="ADD")
         order = recipe.operators(garment)
         for place, (kind, name) in enumerate(order):
@@ -191,9 +194,7 @@ class TAILOR_PT_cloth(Panel, bpy.types.Panel):
     bl_label = "Cloth"
 
     def draw(self, context):
-        layout, garment = self.layout, garment_of(context.active_object)
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout, garment = fields(self, context)
         draw_option(layout, garment, recipe.option("cloth", "fabric"))
         layout.operator_menu_enum("tailor.pin", "group", text=f"Pin group: {cloth.pin_group(garment) or 'none'}", icon="PINNED")
         draw_option(layout, garment, recipe.option("cloth", "pins"))
@@ -225,9 +226,7 @@ class TAILOR_PT_more(Panel, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
-        layout, garment = self.layout, garment_of(context.active_object)
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout, garment = fields(self, context)
         for group in ("sim", "render", "cloth"):
             layout.label(text={"sim": "Simulation mesh", "render": "Render mesh", "cloth": "Cloth"}[group])
             for of in recipe.table()[group]:

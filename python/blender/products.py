@@ -5,7 +5,7 @@ import bpy
 import numpy as np
 
 from . import cloth, names, recipe
-from .cage import DOMAINS, TYPES, Cage, read_cage
+from .cage import DOMAINS, TYPES, Cage, column, read_cage
 from .links import KIND, KINDS, OF, OWN, product, set_rendered
 from .stage import MATERIAL_INDEX, MODEL, SHARPNESS, SMOOTH, Primvars, Usd, UsdGeom, UsdSkel, shape_name, subdivision_of, write_stage
 
@@ -174,9 +174,7 @@ class EdgeRows:
     """Finds the edges of a mesh by their points."""
 
     def __init__(self, mesh) -> None:
-        ends = np.empty(len(mesh.edges) * 2, np.int32)
-        mesh.edges.foreach_get("vertices", ends)
-        self.codes = self._codes(ends.reshape(-1, 2))
+        self.codes = self._codes(column(mesh.edges, "vertices", 2, np.int32))
         self.order = np.argsort(self.codes)
         self.codes = self.codes[self.order]
 
@@ -278,7 +276,7 @@ def _copy(modifier, ob):
     return made
 
 
-# What a cloth solver needs beside the mesh.
+# Pins, attachments and fabric, for a cloth solver.
 
 
 def _note_cloth(sim, stage: Usd.Stage, model, report: dict) -> None:

@@ -12,6 +12,7 @@ import usd_tailor
 from mathutils import Matrix
 
 from . import names
+from .cage import column
 
 OPERATORS = names.key("render", "operators")
 GARMENT = names.key("sim", "maxEdgeLength")
@@ -94,11 +95,7 @@ def clear(ob) -> None:
 
 def mean_edge_length(ob) -> float:
     """Of the mesh without its modifiers. [mesh units]"""
-    mesh = ob.data
-    points, ends = np.empty(len(mesh.vertices) * 3, np.float32), np.empty(len(mesh.edges) * 2, np.int32)
-    mesh.vertices.foreach_get("co", points)
-    mesh.edges.foreach_get("vertices", ends)
-    points, ends = points.reshape(-1, 3), ends.reshape(-1, 2)
+    points, ends = column(ob.data.vertices, "co", 3), column(ob.data.edges, "vertices", 2, np.int32)
     return float(np.linalg.norm(points[ends[:, 0]] - points[ends[:, 1]], axis=1).mean()) if len(ends) else 0.0
 
 

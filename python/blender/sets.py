@@ -8,12 +8,10 @@ from bpy.props import EnumProperty, IntProperty, StringProperty
 
 from . import cloth, names, recipe
 from .cage import column
+from .job import Refused
 from .links import garment_of
 from .operators import OfGarment
 
-NOTHING = "No {} are selected. Select some in Edit Mode, and press this there"
-LINKED = "{} is linked from another file. Make it local first"
-DOMAIN = {"seam": "EDGE", "fold": "FACE"}
 WORDS = {"seam": "edges", "fold": "faces"}
 
 # Where the elements of a new seam or fold come from: label, description, and the expression for the name that is chosen.
@@ -40,7 +38,18 @@ def _items(self, _context):
     return [(key, label, about) for key, (label, about, _) in SOURCES[self.kind].items()]
 
 
-class TAILOR_OT_add(OfGarment, bpy.types.Operator):
+class Edit(OfGarment):
+    """An operator that changes the recipe, which Live then builds."""
+
+    def change(self, garment) -> None:
+        raise NotImplementedError
+
+    def act(self, context, garment) -> None:
+        self.change(garment)
+        garment.update_tag()
+
+
+class TAILOR_OT_add(Edit, bpy.types.Operator):
     bl_idname = "tailor.add"
     bl_label = "Add"
     bl_description = "Adds a seam or a fold"
@@ -53,38 +62,27 @@ class TAILOR_OT_add(OfGarment, bpy.types.Operator):
     def description(cls, _context, properties):
         return SOURCES[properties.kind][properties.source][1]
 
-    def execute(self, context):
-        garment = garment_of(context.active_object)
+    def change(self, garment) -> None:
         taken = {name for _, name in recipe.operators(garment)}
-        name = names.unique(names.usd_name(self.name or self.kind), taken)
-        try:
-            check_length(name)
-            expression = self._expression(garment, name)
-        except ValueError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        recipe.add_operator(garment, self.kind, name, expression)
-        garment.update_tag()
-        return {"FINISHED"}
+        name = checked(names.unique(names.usd_name(self.name or self.kind), taken))
+        recipe.add_operator(garment, self.kind, name, self._expression(garment, name))
 
     def _expression(self, garment, name: str) -> str:
-        """The sets of the new seam or fold. Raises ValueError in words for the user."""
+        """The sets of the new seam or fold."""
         if garment.mode == "EDIT":
             garment.update_from_editmode()
         expression = SOURCES[self.kind][self.source][2]
         if expression is None:
-            count = assign(garment, self.kind, name)
-            if not count:
-                raise ValueError(NOTHING.format(WORDS[self.kind]))
+            assign(garment, self.kind, name)
             return set_name(name)
         if self.source == "MARKED" and not column(garment.data.edges, "use_seam", kind=np.bool_).any():
-            raise ValueError("No edges are marked as seams. Select some in Edit Mode, and choose Edge > Mark Seam")
+            raise Refused("No edges are marked as seams. Select some in Edit Mode, and choose Edge > Mark Seam")
         if self.source == "SHARP" and "sharp_edge" not in garment.data.attributes:
-            raise ValueError("No edges are marked sharp. Select some in Edit Mode, and choose Edge > Mark Sharp")
+            raise Refused("No edges are marked sharp. Select some in Edit Mode, and choose Edge > Mark Sharp")
         if self.source == "MATERIAL" and not garment.active_material:
-            raise ValueError("The garment has no active material. Give it one, and assign it to faces")
+            raise Refused("The garment has no active material. Give it one, and assign it to faces")
         if self.source == "GROUP" and not garment.vertex_groups.active:
-            raise ValueError("The garment has no active vertex group. Add one, and paint it")
+            raise Refused("The garment has no active vertex group. Add one, and paint it")
         if self.source == "MATERIAL":
             return expression.format(names.quoted(names.usd_name(garment.active_material.name)))
         if self.source == "GROUP":
@@ -93,10 +91,11 @@ class TAILOR_OT_add(OfGarment, bpy.types.Operator):
         return expression
 
 
-def check_length(name: str) -> None:
-    """Raises ValueError for a name for which Blender has no room."""
+def checked(name: str) -> str:
+    """The name, if Blender has room for it."""
     if len(name.encode()) > names.LONGEST:
-        raise ValueError(f"The name has {len(name.encode())} bytes, and at most {names.LONGEST} fit. Choose a shorter one")
+        raise Refused(f"The name has {len(name.encode())} bytes, and at most {names.LONGEST} fit. Choose a shorter one")
+    return name
 
 
 def set_name(name: str) -> str:
@@ -104,26 +103,22 @@ def set_name(name: str) -> str:
     return f"{name}_set"
 
 
-def assign(garment, kind: str, name: str) -> int:
-    """Makes the elements that are selected in Edit Mode the set of a seam or fold, and returns their number; nothing changes where
-    none are.
-    """
-    mesh, domain = garment.data, DOMAIN[kind]
+def assign(garment, kind: str, name: str) -> None:
+    """Makes the elements that are selected in Edit Mode the set of a seam or fold."""
+    rows = ()
+    # Outside of Edit Mode a selection is not seen, and all of a new mesh is selected.
     if garment.mode == "EDIT":
-        edited = bmesh.from_edit_mesh(mesh)
-        rows = edited.edges if domain == "EDGE" else edited.faces
-        if not any(element.select for element in rows):
-            return 0
-        layer = rows.layers.bool.get(set_name(name)) or rows.layers.bool.new(set_name(name))
-        for element in rows:
-            element[layer] = element.select
-        bmesh.update_edit_mesh(mesh, loop_triangles=False, destructive=False)
-        return sum(element.select for element in rows)
-    # What a mesh has selected outside of Edit Mode is not seen, and of a new mesh it is all.
-    return 0
+        edited = bmesh.from_edit_mesh(garment.data)
+        rows = edited.edges if kind == "seam" else edited.faces
+    if not any(element.select for element in rows):
+        raise Refused(f"No {WORDS[kind]} are selected. Select some in Edit Mode, and press this there")
+    layer = rows.layers.bool.get(set_name(name)) or rows.layers.bool.new(set_name(name))
+    for element in rows:
+        element[layer] = element.select
+    bmesh.update_edit_mesh(garment.data, loop_triangles=False, destructive=False)
 
 
-class OfOperator(OfGarment):
+class OfOperator(Edit):
     kind: StringProperty()
     name: StringProperty()
 
@@ -133,11 +128,8 @@ class TAILOR_OT_remove(OfOperator, bpy.types.Operator):
     bl_label = "Remove"
     bl_description = "Removes this seam or fold. Its edges or faces stay as an attribute of the mesh"
 
-    def execute(self, context):
-        garment = garment_of(context.active_object)
+    def change(self, garment) -> None:
         recipe.remove_operator(garment, self.kind, self.name)
-        garment.update_tag()
-        return {"FINISHED"}
 
 
 class TAILOR_OT_move(OfOperator, bpy.types.Operator):
@@ -147,11 +139,8 @@ class TAILOR_OT_move(OfOperator, bpy.types.Operator):
 
     by: IntProperty()
 
-    def execute(self, context):
-        garment = garment_of(context.active_object)
+    def change(self, garment) -> None:
         recipe.move_operator(garment, self.kind, self.name, self.by)
-        garment.update_tag()
-        return {"FINISHED"}
 
 
 class TAILOR_OT_rename(OfOperator, bpy.types.Operator):
@@ -166,16 +155,8 @@ class TAILOR_OT_rename(OfOperator, bpy.types.Operator):
         self.new_name = self.name
         return context.window_manager.invoke_props_dialog(self)
 
-    def execute(self, context):
-        garment = garment_of(context.active_object)
-        try:
-            check_length(names.usd_name(self.new_name))
-        except ValueError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        recipe.rename_operator(garment, self.kind, self.name, self.new_name)
-        garment.update_tag()
-        return {"FINISHED"}
+    def change(self, garment) -> None:
+        recipe.rename_operator(garment, self.kind, self.name, checked(names.usd_name(self.new_name)))
 
 
 class TAILOR_OT_assign(OfOperator, bpy.types.Operator):
@@ -183,36 +164,27 @@ class TAILOR_OT_assign(OfOperator, bpy.types.Operator):
     bl_label = "Assign Selected"
     bl_description = "Puts this seam or fold on the elements that are selected in Edit Mode, in place of those that it is on"
 
-    def execute(self, context):
-        garment = garment_of(context.active_object)
-        if not assign(garment, self.kind, self.name):
-            self.report({"ERROR"}, NOTHING.format(WORDS[self.kind]))
-            return {"CANCELLED"}
+    def change(self, garment) -> None:
+        assign(garment, self.kind, self.name)
         recipe.put(garment, recipe.option(self.kind, recipe.SETS[self.kind]), set_name(self.name), self.name)
-        garment.update_tag()
-        return {"FINISHED"}
 
 
-class TAILOR_OT_select(OfOperator, bpy.types.Operator):
+class TAILOR_OT_select(OfGarment, bpy.types.Operator):
     bl_idname = "tailor.select"
     bl_label = "Select"
     bl_description = "Selects the edges or faces of this seam or fold in Edit Mode"
 
-    def execute(self, context):
+    kind: StringProperty()
+    name: StringProperty()
+
+    def act(self, context, garment) -> None:
         from .find import select_set
 
-        garment = garment_of(context.active_object)
-        if garment.data.library:
-            self.report({"ERROR"}, LINKED.format(garment.data.name))
-            return {"CANCELLED"}
-        found = select_set(self, garment, self.kind, self.name)
-        if found is None:
-            return {"CANCELLED"}
-        self.report({"INFO"}, f"{found[0]} {WORDS[self.kind]}")
-        return {"FINISHED"}
+        count, _ = select_set(garment, self.kind, self.name)
+        self.report({"INFO"}, f"{count} {WORDS[self.kind]}")
 
 
-class TAILOR_OT_choose(OfGarment, bpy.types.Operator):
+class TAILOR_OT_choose(Edit, bpy.types.Operator):
     bl_idname = "tailor.choose"
     bl_label = "Choose"
     bl_description = "Sets this option"
@@ -220,14 +192,11 @@ class TAILOR_OT_choose(OfGarment, bpy.types.Operator):
     key: StringProperty()
     value: StringProperty()
 
-    def execute(self, context):
-        garment = garment_of(context.active_object)
+    def change(self, garment) -> None:
         garment[self.key] = self.value
-        garment.update_tag()
-        return {"FINISHED"}
 
 
-class TAILOR_OT_add_option(OfGarment, bpy.types.Operator):
+class TAILOR_OT_add_option(Edit, bpy.types.Operator):
     bl_idname = "tailor.add_option"
     bl_label = "Change Option"
     bl_description = "Gives the garment this option, to be changed"
@@ -238,10 +207,9 @@ class TAILOR_OT_add_option(OfGarment, bpy.types.Operator):
     def description(cls, _context, properties):
         return recipe.option(*properties.key.split(".")).meaning.replace("`", "")
 
-    def execute(self, context):
-        garment, of = garment_of(context.active_object), recipe.option(*self.key.split("."))
+    def change(self, garment) -> None:
+        of = recipe.option(*self.key.split("."))
         recipe.put(garment, of, ", ".join(of.default) if isinstance(of.default, list) else of.default)
-        return {"FINISHED"}
 
 
 def _groups(_self, context):
@@ -252,20 +220,17 @@ def _groups(_self, context):
     return TAILOR_OT_pin.shown
 
 
-class TAILOR_OT_pin(OfGarment, bpy.types.Operator):
+class TAILOR_OT_pin(Edit, bpy.types.Operator):
     bl_idname = "tailor.pin"
     bl_label = "Pin Group"
     bl_description = "The vertex group that holds the cloth"
 
     group: EnumProperty(items=_groups)
 
-    def execute(self, context):
-        garment = garment_of(context.active_object)
+    def change(self, garment) -> None:
         primvars = recipe.group_primvars([group.name for group in garment.vertex_groups])
         value = cloth.WEIGHT.format(names.quoted(primvars[self.group])) if self.group != "NONE" else ""
         recipe.put(garment, recipe.option("cloth", "pins"), value)
-        garment.update_tag()
-        return {"FINISHED"}
 
 
 CLASSES = (

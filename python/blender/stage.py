@@ -69,7 +69,7 @@ def write_stage(ob: bpy.types.Object, cage: Cage) -> Usd.Stage:
     _write_sets(mesh, cage)
     _write_materials(stage, mesh, ob, cage)
     _write_shapes(mesh, cage)
-    _write_recipe(root.GetPrim(), ob, cage)
+    _write_recipe(root.GetPrim(), ob)
     return stage
 
 
@@ -168,7 +168,7 @@ def shape_name(number: int) -> str:
     return f"blenderShape{number}"
 
 
-def _write_recipe(prim: Usd.Prim, ob, cage: Cage) -> None:
+def _write_recipe(prim: Usd.Prim, ob) -> None:
     kinds = {bool: Sdf.ValueTypeNames.Bool, int: Sdf.ValueTypeNames.Int64, float: Sdf.ValueTypeNames.Double, str: Sdf.ValueTypeNames.String}
     for key, value in recipe.properties(ob).items():
         if type(value) in kinds:

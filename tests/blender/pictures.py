@@ -92,6 +92,7 @@ def draw(path, shown, wire=0.0):
             shown.data.materials.append(garment.colour_of("Wire", (0.02, 0.03, 0.06, 1)))
     bpy.context.scene.render.filepath = str(path)
     bpy.ops.render.render(write_still=True)
+    path.write_bytes(without_notes(path.read_bytes()))
     if wire:
         shown.modifiers.remove(shown.modifiers["Wire"])
         for _ in materials:
@@ -100,6 +101,16 @@ def draw(path, shown, wire=0.0):
             modifier.show_render = True
     for ob, (camera, hidden) in shown_before.items():
         ob.visible_camera, ob.hide_render = camera, hidden
+
+
+def without_notes(jpeg):
+    """A JPEG file without the segments in which Blender notes paths and times of this machine."""
+    kept, at = jpeg[:2], 2
+    while jpeg[at + 1] != 0xDA:
+        end = at + 2 + int.from_bytes(jpeg[at + 2 : at + 4])
+        kept += b"" if jpeg[at + 1] in (0xE1, 0xFE) else jpeg[at:end]
+        at = end
+    return kept + jpeg[at:]
 
 
 main(Path(sys.argv[1]).resolve())

@@ -134,7 +134,7 @@ def test_the_unit_of_the_scene_does_not_change_the_cloth(dressed):
     sim, _ = products(dressed)
     mass = sim.modifiers[cloth.MODIFIER].settings.mass * len(sim.data.vertices)
     sim.modifiers.remove(sim.modifiers[cloth.MODIFIER])
-    # The same shirt, of numbers in centimetres.
+    # The same shirt, in centimetres.
     bpy.context.scene.unit_settings.scale_length = 0.01
     dressed.data.transform(Matrix.Scale(100, 4), shape_keys=True)
     for key in ("tailor:sim:maxEdgeLength", "tailor:seam:sewn:width", "tailor:seam:sewn:normalOffset"):
