@@ -23,13 +23,13 @@ pub struct StageMetrics {
 }
 
 impl StageMetrics {
-    /// Those of a stage's metadata.
+    /// The up axis and the unit in the metadata of a stage.
     pub fn of(metadata: &[(String, Value)]) -> Self {
         let field = |name: &str| metadata.iter().find(|(key, _)| key == name).map(|(_, value)| value);
         Self::new(field(names::UP_AXIS), field(names::METERS_PER_UNIT))
     }
 
-    /// Those of the values of the two fields.
+    /// The up axis and the unit of the values of their fields.
     pub fn new(up_axis: Option<&Value>, meters_per_unit: Option<&Value>) -> Self {
         let up_axis = up_axis.and_then(|axis| match text(axis)? {
             "Y" => Some(UpAxis::Y),
