@@ -1,5 +1,7 @@
 //! The page, which `cargo xtask page` bundles and `build.rs` embeds.
 
+use std::borrow::Cow;
+
 use crate::error::{Error, ErrorCode, ErrorKind};
 
 /// A file of the page.
@@ -10,6 +12,16 @@ pub struct File {
     pub media_type: &'static str,
     /// Its content.
     pub content: &'static [u8],
+}
+
+impl File {
+    /// What is sent: what is embedded. A debug build takes the file from the folder that `USDTAILOR_PAGE` names, so that an
+    /// edit of the page needs no build of the program.
+    pub fn sent(&self) -> Cow<'static, [u8]> {
+        let folder = if cfg!(debug_assertions) { std::env::var_os("USDTAILOR_PAGE") } else { None };
+        let edited = folder.and_then(|folder| std::fs::read(std::path::Path::new(&folder).join(self.name)).ok());
+        edited.map_or(Cow::Borrowed(self.content), Cow::Owned)
+    }
 }
 
 macro_rules! file {

@@ -101,7 +101,7 @@ fn router(hub: &Arc<Hub>, access: &Arc<Access>) -> Router {
     let mut router = Router::new().route("/socket", get(upgrade)).with_state(Arc::clone(hub));
     for file in &page::FILES {
         let path = if file.name == "index.html" { "/" } else { file.name };
-        let respond = move || async move { ([(header::CONTENT_TYPE, file.media_type)], file.content) };
+        let respond = move || async move { ([(header::CONTENT_TYPE, file.media_type)], file.sent()) };
         router = router.route(&format!("/{}", path.trim_start_matches('/')), get(respond));
     }
     let router = router.layer(middleware::from_fn(know));
