@@ -84,7 +84,7 @@ pub use garment::{
 pub use glam;
 pub use mesh::{CornerId, Csr, EdgeId, Elements, FaceId, Faces, IdVec, Topology, VertexId};
 pub use pipeline::{
-    Builder, DEFAULT_MAX_FACES, MemoryEstimate, Plan, Products, Progress, RenderPanel, RenderUpdate, SimUpdate, Timing,
+    Builder, ClothUpdate, DEFAULT_MAX_FACES, MemoryEstimate, Plan, Products, Progress, RenderPanel, RenderUpdate, SimUpdate, Timing,
     build,
 };
 pub use recipe::Recipe;

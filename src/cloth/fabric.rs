@@ -14,6 +14,7 @@ use serde::Serialize;
 /// Mechanical properties of a fabric. Warp is the direction of the panel's grain, weft lies across it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct Fabric {
     /// Thickness. \[m\]
     pub thickness: f32,

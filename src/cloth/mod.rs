@@ -70,6 +70,7 @@ pub struct Cloth {
 /// The figures of a cloth, for summaries and reports.
 #[derive(Clone, Debug, serde::Serialize)]
 #[serde(rename_all = "camelCase")]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct ClothFigures {
     /// Total mass. \[kg\]
     pub mass: f64,

@@ -35,7 +35,7 @@ options! {
         "physics" physics: Vec<String> = vec!["aousd".into()], Domain::Words { words: DIALECTS }, "names";
 
         /// Fabric of the garment: cotton, denim, wool, silk, leather or jersey, or the name of a fabric of the recipe
-        "fabric" fabric: String = "cotton".into(), Domain::Text, "name";
+        "fabric" fabric: String = "cotton".into(), Domain::Fabric { words: FABRICS }, "name";
 
         /// Axis of the UV panels that the warp follows, u or v
         "warp" warp: String = "v".into(), Domain::Choice { words: &["u", "v"] }, "name of an axis";

@@ -52,8 +52,11 @@ pub enum Domain {
         /// The words.
         words: &'static [&'static str],
     },
-    /// Free text.
-    Text,
+    /// One of several fabrics, or a fabric of the recipe.
+    Fabric {
+        /// The fabrics.
+        words: &'static [&'static str],
+    },
     /// The path of a prim, or empty.
     PrimPath,
     /// A UV set, or empty.

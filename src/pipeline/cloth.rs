@@ -1,7 +1,9 @@
 //! The steps from both meshes to cloth and binding.
 
+use super::products::{ClothUpdate, SimUpdate};
 use super::progress::Clock;
 use super::sim::SimResult;
+use super::{Builder, Resolved};
 use crate::binding::Binding;
 use crate::cloth::{Cloth, ClothOptions, FabricOptions};
 use crate::error::{Error, Warnings};
@@ -85,5 +87,20 @@ impl ClothSteps {
         let cloth = self.cloth.last().map_or(0, |(cloth, _)| cloth.bytes());
         let bindings = [self.binding.last(), self.cage_binding.last()];
         cloth + bindings.into_iter().flatten().map(|binding| binding.bytes()).sum::<usize>()
+    }
+}
+
+impl Builder {
+    /// The cloth of a simulation mesh that a builder of the same mesh made of the same recipe; none without physics.
+    ///
+    /// # Errors
+    /// As [`Builder::update`].
+    pub fn update_cloth(&mut self, recipe: &Recipe, sim: &SimUpdate) -> Result<Option<ClothUpdate>, Error> {
+        let Resolved { recipe, sets, .. } = self.resolved(recipe)?.0;
+        self.derive_sim(sets.sim);
+        let mut clock = Clock::new(&self.progress);
+        let cloth = self.cloth.cloth(&recipe, &sim.simulated, &mut clock)?;
+        clock.finish()?;
+        Ok(cloth.map(|(cloth, warnings)| ClothUpdate { figures: cloth.figures(&sim.simulated.mesh), warnings }))
     }
 }

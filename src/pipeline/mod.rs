@@ -20,7 +20,7 @@ mod tests;
 #[cfg(test)]
 pub use check::mean_edge_length;
 pub use memory::MemoryEstimate;
-pub use products::{Plan, Products, RenderPanel, RenderUpdate, SimUpdate};
+pub use products::{ClothUpdate, Plan, Products, RenderPanel, RenderUpdate, SimUpdate};
 pub use progress::{Progress, Timing};
 #[cfg(test)]
 pub use sim::baseline;

@@ -103,6 +103,16 @@ impl SimUpdate {
     }
 }
 
+/// The cloth of a simulation mesh.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct ClothUpdate {
+    /// Its figures.
+    pub figures: ClothFigures,
+    /// Its warnings.
+    pub warnings: Warnings,
+}
+
 /// The render mesh of one update.
 #[derive(Clone)]
 #[non_exhaustive]

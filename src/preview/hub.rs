@@ -1,27 +1,27 @@
-//! The state that all pages share, and the two threads that build.
+//! The state that all pages share, and the threads that build.
 //!
-//! A change of the document gives a new revision. Each thread builds the newest one and skips those between; the two
+//! A change of the document gives a new revision. Each thread (`workers`) builds the newest one and skips those between; the two
 //! products do not wait for one another. Results that are the same as before keep their `Arc`, by which pages know that
 //! they have them.
 
+mod builds;
+mod workers;
+
 use super::document::{Before, EditHistory, Options};
-use super::messages::{Figures, Origin, ProductMessage, Role, ServerMessage, StateMessage};
+use super::messages::{BuildMessage, Origin, Role, ServerMessage, StateMessage};
 use super::stage::Stage;
-use crate::error::{Error, Fault, Warnings};
+use crate::error::Fault;
 use crate::garment::Mesh;
-use crate::pipeline::{Builder, Progress};
 use crate::recipe::{Layers, Recipe};
-use crate::report::{RenderFigures, TriangleQuality};
+use crate::report::TriangleQuality;
 use crate::session::Input;
 use crate::usd::{ReadOptions, Selection};
-use rayon::{ThreadPool, ThreadPoolBuilder};
-use serde_json::{Map, Value};
 use std::collections::BTreeMap;
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
-use std::thread;
-use std::time::Instant;
+use builds::SavedAs;
 use tokio::sync::watch;
+use workers::Simulated;
 
 /// A mesh that pages may show.
 pub struct Shown {
@@ -52,6 +52,10 @@ pub struct Snapshot {
     pub progress: BTreeMap<Role, String>,
     /// The meshes.
     pub shown: BTreeMap<Role, Arc<Shown>>,
+    /// The message of the cloth, once it is made.
+    pub cloth: Option<Arc<str>>,
+    /// The last build that a page started.
+    pub build: Option<Arc<BuildMessage>>,
 }
 
 /// The document as pages show it.
@@ -64,10 +68,12 @@ pub struct State {
     can_redo: bool,
     unsaved: bool,
     comparing: Option<Before>,
+    /// The input of a build of what is on screen; none if it is not saved.
+    saved_as: Option<String>,
 }
 
 impl State {
-    fn new(document: &EditHistory, stage: &Stage, revision: u64) -> Self {
+    fn new(document: &EditHistory, stage: &Stage, revision: u64, saved_as: Option<String>) -> Self {
         Self {
             revision,
             edits: document.edits().clone(),
@@ -76,6 +82,7 @@ impl State {
             can_redo: document.can_redo(),
             unsaved: document.is_unsaved(),
             comparing: document.comparing,
+            saved_as,
         }
     }
 
@@ -92,6 +99,7 @@ impl State {
             can_redo: self.can_redo,
             unsaved: self.unsaved,
             comparing: self.comparing,
+            saved_as: self.saved_as.as_deref(),
         })
         .to_text()
     }
@@ -110,6 +118,10 @@ struct HubState {
     document: EditHistory,
     snapshot: Snapshot,
     job: Option<Job>,
+    /// The newest simulation mesh.
+    simulated: Option<Simulated>,
+    /// The file that has the edits as they were last saved.
+    saved: SavedAs,
 }
 
 /// The state that all pages share.
@@ -126,32 +138,20 @@ impl Hub {
     pub fn new(input: Input, stage: Stage) -> Arc<Self> {
         let document = EditHistory::new(stage.given.clone());
         let snapshot = Snapshot {
-            state: Arc::new(State::new(&document, &stage, 0)),
+            state: Arc::new(State::new(&document, &stage, 0, None)),
             stage: Arc::new(stage),
             faults: Arc::default(),
             progress: BTreeMap::new(),
             shown: BTreeMap::new(),
+            cloth: None,
+            build: None,
         };
-        let shared = HubState { input, document, snapshot, job: None };
+        let saved = SavedAs::opened(&input);
+        let shared = HubState { input, document, snapshot, job: None, simulated: None, saved };
         let (shared, reading, changed) = (Mutex::new(shared), Mutex::default(), watch::Sender::new(()));
         let hub = Arc::new(Self { shared, reading, work: Condvar::new(), changed });
         hub.change(HubState::show_model);
         hub
-    }
-
-    /// Starts the threads that build, each with `threads` threads of its own so that neither waits for the other.
-    ///
-    /// # Errors
-    /// Threads that cannot be started.
-    pub fn start(self: &Arc<Self>, threads: Option<usize>) -> Result<(), Error> {
-        let fault = |e: &dyn std::fmt::Display| Error::internal(format!("cannot start threads: {e}"));
-        for role in [Role::Render, Role::Sim] {
-            let pool = ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build().map_err(|e| fault(&e))?;
-            let hub = Arc::clone(self);
-            let name = format!("{role:?}").to_lowercase();
-            thread::Builder::new().name(name).spawn(move || hub.work(role, &pool)).map_err(|e| fault(&e))?;
-        }
-        Ok(())
     }
 
     fn lock(&self) -> MutexGuard<'_, HubState> {
@@ -173,6 +173,15 @@ impl Hub {
     pub fn edit(&self, edit: impl FnOnce(&mut EditHistory)) {
         self.change(|shared| {
             edit(&mut shared.document);
+            shared.refresh();
+        });
+    }
+
+    /// Notes that `edits` with the variants that are selected are in a file.
+    pub fn note_saved(&self, edits: Options, file: &Path) {
+        self.change(|shared| {
+            shared.document.note_saved(edits);
+            shared.saved = SavedAs::saved(file, &shared.input.read.variants);
             shared.refresh();
         });
     }
@@ -226,103 +235,14 @@ impl Hub {
     pub fn read_options(&self) -> ReadOptions {
         self.lock().input.read.clone()
     }
-
-    /// Waits for a job after the revision `done`.
-    fn next_job(&self, done: u64) -> Job {
-        let mut shared = self.lock();
-        loop {
-            match &shared.job {
-                Some(job) if job.revision > done => return job.clone(),
-                _ => shared = self.work.wait(shared).unwrap_or_else(PoisonError::into_inner),
-            }
-        }
-    }
-
-    /// Builds one product for ever.
-    fn work(self: &Arc<Self>, role: Role, pool: &ThreadPool) {
-        let (mut done, mut known) = (0, None);
-        loop {
-            let job = self.next_job(done);
-            done = job.revision;
-            let result = catch_unwind(AssertUnwindSafe(|| pool.install(|| self.build(role, &job, &mut known))));
-            let result = result.unwrap_or_else(|_| {
-                known = None;
-                Err(Error::internal("the build ended unexpectedly"))
-            });
-            let (origin, faults) = match (role, result) {
-                (Role::Sim, result) => (Origin::Sim, result),
-                (_, result) => (Origin::Render, result),
-            };
-            self.change(|shared| {
-                shared.snapshot.progress.remove(&role);
-                shared.set_faults(origin, faults.err().map_or(Vec::new(), |error| error.faults));
-            });
-        }
-    }
-
-    fn build(self: &Arc<Self>, role: Role, job: &Job, known: &mut Option<(Arc<Stage>, Builder)>) -> Result<(), Error> {
-        let start = Instant::now();
-        let is_known = known.as_ref().is_some_and(|(stage, _)| Arc::ptr_eq(stage, &job.stage));
-        let (_, builder) = match known {
-            Some(known) if is_known => known,
-            known => {
-                let hub = Arc::clone(self);
-                let progress = Progress::new(move |step| {
-                    hub.change(|shared| drop(shared.snapshot.progress.insert(role, step.to_owned())));
-                });
-                let builder = job.stage.checks.sibling().with_progress(progress);
-                known.insert((Arc::clone(&job.stage), builder))
-            }
-        };
-        let recipe = builder.resolve(&job.recipe)?;
-        if role == Role::Sim {
-            let update = builder.update_sim(&recipe)?;
-            let shown = self.show(role, job, &update.mesh, start);
-            if shown.message.get().is_none() {
-                let _ = shown.quality.set(Arc::new(update.triangle_quality()));
-                let figures = Figures::from(&update.figures());
-                let _ = shown.message.set(product(role, job, figures, &update.warnings, &[], &recipe));
-            }
-        } else {
-            let update = builder.update_render(&recipe)?;
-            let shown = self.show(role, job, &update.mesh, start);
-            if shown.message.get().is_none() {
-                let figures = Figures::from(&RenderFigures::new(&update.mesh));
-                let mut recipe = recipe;
-                recipe.render.seam_level = update.seam_level;
-                let _ = shown.message.set(product(role, job, figures, &update.warnings, &update.operators, &recipe));
-            }
-        }
-        Ok(())
-    }
-
-    /// Shows a mesh, unless it is shown already.
-    fn show(&self, role: Role, job: &Job, mesh: &Arc<Mesh>, start: Instant) -> Arc<Shown> {
-        let shown = Shown {
-            mesh: Arc::clone(mesh),
-            revision: job.revision,
-            build: start.elapsed().as_secs_f64() * 1e3,
-            recipe: Arc::clone(&job.recipe),
-            quality: OnceLock::new(),
-            message: OnceLock::new(),
-        };
-        let mut result = Arc::new(shown);
-        self.change(|shared| {
-            let last = shared.snapshot.shown.get(&role);
-            match last.filter(|last| Arc::ptr_eq(&last.mesh, mesh) && is_same_part(role, &last.recipe, &job.recipe)) {
-                Some(last) => result = Arc::clone(last),
-                None => drop(shared.snapshot.shown.insert(role, Arc::clone(&result))),
-            }
-        });
-        result
-    }
 }
 
 impl HubState {
     /// A new revision, and its job if the recipe has no fault.
     fn refresh(&mut self) {
         let revision = self.snapshot.state.revision + 1;
-        self.snapshot.state = Arc::new(State::new(&self.document, &self.snapshot.stage, revision));
+        let saved_as = self.saved_as().map(|saved| saved.file.display().to_string());
+        self.snapshot.state = Arc::new(State::new(&self.document, &self.snapshot.stage, revision, saved_as));
         let stage = &self.snapshot.stage;
         let recipe = stage.recipe(self.document.shown());
         let checked = recipe.and_then(|recipe| stage.checks.resolve(&recipe).map(|_| recipe));
@@ -334,6 +254,12 @@ impl HubState {
             Err(error) => error.faults,
         };
         self.set_faults(Origin::Recipe, faults);
+    }
+
+    /// The file that has what is on screen.
+    fn saved_as(&self) -> Option<&SavedAs> {
+        let is_saved = !self.document.is_unsaved() && self.saved.selects(&self.input.read.variants);
+        is_saved.then_some(&self.saved)
     }
 
     /// Shows the garment's cage and builds its products.
@@ -355,47 +281,4 @@ impl HubState {
             Arc::make_mut(&mut self.snapshot.faults).insert(origin, faults);
         }
     }
-}
-
-/// True if recipes agree in all that a product depends on.
-fn is_same_part(role: Role, a: &Recipe, b: &Recipe) -> bool {
-    match role {
-        Role::Sim => a.sim == b.sim,
-        _ => Recipe { sim: b.sim.clone(), ..a.clone() } == *b && a.sim.uv_set == b.sim.uv_set,
-    }
-}
-
-/// Figures and warnings of a product.
-fn product(
-    role: Role,
-    job: &Job,
-    figures: Figures,
-    warnings: &Warnings,
-    operators: &[String],
-    recipe: &Recipe,
-) -> Arc<str> {
-    let mut lengths = lengths(&job.recipe, recipe);
-    lengths.retain(|key, _| key.starts_with("sim.") == (role == Role::Sim));
-    let (revision, warnings) = (job.revision, warnings.iter().collect());
-    ServerMessage::Product(ProductMessage { role, revision, figures, warnings, operators, lengths }).to_text().into()
-}
-
-/// The lengths and levels that replace 0, by key.
-fn lengths(asked: &Recipe, used: &Recipe) -> BTreeMap<String, f64> {
-    let [asked, used] = [asked, used].map(|recipe| flat("", &serde_json::to_value(recipe).unwrap_or_default()));
-    let replaced = used.into_iter().filter(|(key, value)| asked.get(key) != Some(value));
-    replaced.filter_map(|(key, value)| Some((key, value.as_f64()?))).collect()
-}
-
-fn flat(prefix: &str, value: &Value) -> Map<String, Value> {
-    let Value::Object(fields) = value else { return Map::new() };
-    let mut out = Map::new();
-    for (key, value) in fields {
-        let key = if prefix.is_empty() { key.clone() } else { format!("{prefix}.{key}") };
-        match value {
-            Value::Object(_) => out.extend(flat(&key, value)),
-            value => drop(out.insert(key, value.clone())),
-        }
-    }
-    out
 }

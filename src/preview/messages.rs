@@ -3,14 +3,16 @@
 //! Text frames of the socket are a [`ServerMessage`] or a [`PageMessage`] as JSON; binary frames are meshes, which begin
 //! with a [`MeshHeader`].
 
+mod build;
 mod garment;
 mod mesh;
 mod product;
 mod selection;
 
+pub use build::{BuildMessage, BuildStatus};
 pub use garment::{GarmentMessage, PrimvarInfo, SaveTargets, SetInfo, UpAxis, VariantSet};
 pub use mesh::{Block, Blocks, DrawnSet, DrawnValues, MeshHeader, NumberType, Times, ValuesOf};
-pub use product::{Figures, ProductMessage};
+pub use product::{ClothMessage, Figures, ProductMessage};
 pub use selection::SelectionMessage;
 
 use super::document::{Before, Options};
@@ -121,6 +123,13 @@ pub enum PageMessage {
         /// The file.
         path: String,
     },
+    /// Builds what is saved.
+    Build {
+        /// The output.
+        path: String,
+        /// True if an existing file may be replaced.
+        overwrite: bool,
+    },
     /// Saves the edits.
     Save {
         /// The file.
@@ -143,6 +152,10 @@ pub enum ServerMessage<'a> {
     Faults(FaultsMessage<'a>),
     /// Figures of a product.
     Product(ProductMessage<'a>),
+    /// The cloth of the simulation mesh.
+    Cloth(ClothMessage<'a>),
+    /// A build that a page started.
+    Build(&'a BuildMessage),
     /// A step of a build.
     Progress(ProgressMessage<'a>),
     /// The answer to `select`.
@@ -186,6 +199,8 @@ pub struct StateMessage<'a> {
     pub unsaved: bool,
     /// The earlier state that is shown in place of the edits.
     pub comparing: Option<Before>,
+    /// The input of a build of what is on screen; null if it is not saved.
+    pub saved_as: Option<&'a str>,
 }
 
 /// The place that faults come from.
@@ -201,13 +216,15 @@ pub enum Origin {
     Sim,
     /// The build of the render mesh.
     Render,
+    /// The cloth of the simulation mesh.
+    Cloth,
 }
 
 /// Faults of the current document or of the file on disk. The last good meshes stay.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct FaultsMessage<'a> {
-    /// `file`: the stage on disk cannot be read; `recipe`: an option is wrong; others: the build of that product.
+    /// `file`: the stage on disk cannot be read; `recipe`: an option is wrong; others: the build of that part.
     pub origin: Origin,
     /// The faults; none if all is well.
     pub faults: &'a [Fault],

@@ -2,7 +2,7 @@
 
 use super::frame::{Sent, frame};
 use super::hub::{Hub, Snapshot, State};
-use super::messages::{FaultsMessage, Origin, PageMessage, ProgressMessage, Role, ServerMessage, View};
+use super::messages::{BuildMessage, FaultsMessage, Origin, PageMessage, ProgressMessage, Role, ServerMessage, View};
 use super::save;
 use super::select::select;
 use super::stage::Stage;
@@ -39,10 +39,12 @@ struct Client {
     progress: BTreeMap<Role, String>,
     meshes: BTreeMap<Role, Option<Sent>>,
     products: BTreeMap<Role, Arc<str>>,
+    cloth: Option<Arc<str>>,
+    build: Option<Arc<BuildMessage>>,
 }
 
 impl Client {
-    async fn serve(&mut self, socket: &mut WebSocket, hub: &Hub) {
+    async fn serve(&mut self, socket: &mut WebSocket, hub: &Arc<Hub>) {
         let mut changes = hub.subscribe();
         loop {
             let answers = tokio::select! {
@@ -67,7 +69,7 @@ impl Client {
     }
 
     /// Does what a page asks for.
-    fn request(&mut self, message: &str, hub: &Hub) -> Vec<ws::Message> {
+    fn request(&mut self, message: &str, hub: &Arc<Hub>) -> Vec<ws::Message> {
         // A page of this program sends nothing else.
         let Ok(request) = serde_json::from_str::<PageMessage>(message) else { return Vec::new() };
         match request {
@@ -91,6 +93,7 @@ impl Client {
                 self.view = view;
             }
             PageMessage::Reload => hub.reload(),
+            PageMessage::Build { path, overwrite } => hub.start_build(&path, overwrite),
             PageMessage::Plan { path } => return vec![text(ServerMessage::Save(save::plan(hub, &path)).to_text())],
             PageMessage::Save { path, overwrite } => {
                 return vec![text(ServerMessage::Save(save::save(hub, &path, overwrite)).to_text())];
@@ -126,6 +129,14 @@ impl Client {
                 self.products.insert(role, Arc::clone(message));
                 news.push(text(&**message));
             }
+        }
+        if self.cloth != now.cloth {
+            self.cloth.clone_from(&now.cloth);
+            news.extend(now.cloth.as_deref().map(text));
+        }
+        if self.build != now.build {
+            self.build.clone_from(&now.build);
+            news.extend(now.build.as_deref().map(|build| text(ServerMessage::Build(build).to_text())));
         }
         news
     }

@@ -2,6 +2,7 @@
 
 use super::document::{Options, changed};
 use super::messages::{GarmentMessage, PrimvarInfo, SaveTargets, ServerMessage, SetInfo, UpAxis, VariantSet};
+use crate::cloth::{FABRICS, Fabric};
 use crate::error::Error;
 use crate::garment::{DERIVED, Garment, Mesh, PrimvarRole, Subset};
 use crate::pipeline::Builder;
@@ -128,6 +129,7 @@ fn message(source: &Source, checks: &Builder, shown: &Mesh, input: &Input) -> St
         primvars: primvars.map(PrimvarInfo::from).collect(),
         variants: facts.variants.iter().map(VariantSet::from).collect(),
         groups: table(),
+        fabrics: FABRICS.iter().filter_map(|&name| Some((name, Fabric::preset(name)?))).collect(),
         suggested: suggested(source, input),
         warnings: checks.warnings().iter().collect(),
     })

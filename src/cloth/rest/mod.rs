@@ -49,6 +49,7 @@ pub struct Rest {
 /// How well flat panels rest.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
+#[cfg_attr(test, derive(ts_rs::TS))]
 pub struct RestFigures {
     /// Shells that rest as flat panels.
     pub panels: usize,

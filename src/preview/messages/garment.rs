@@ -1,11 +1,13 @@
 //! The message that describes the garment.
 
 use super::SetKind;
+use crate::cloth::Fabric;
 use crate::error::Warning;
 use crate::garment::{Interpolation, Primvar, Subset, Values};
 use crate::recipe::GroupTable;
 use crate::usd::{self, type_word};
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// The garment as it was read. First message of a connection, and again each time the stage is read anew.
 #[derive(Clone, Debug, Serialize)]
@@ -38,6 +40,8 @@ pub struct GarmentMessage<'a> {
     pub variants: Vec<VariantSet<'a>>,
     /// The table of options.
     pub groups: Vec<GroupTable>,
+    /// Properties of the fabrics that every recipe has.
+    pub fabrics: BTreeMap<&'static str, Fabric>,
     /// Files to save to.
     pub suggested: SaveTargets,
     /// Warnings of the stage and of its mesh; those of the products are in their own messages.

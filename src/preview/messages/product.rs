@@ -1,6 +1,7 @@
 //! The message that describes a product.
 
 use super::Role;
+use crate::cloth::ClothFigures;
 use crate::error::Warning;
 use crate::report::{RenderFigures, SimFigures};
 use serde::Serialize;
@@ -22,6 +23,16 @@ pub struct ProductMessage<'a> {
     pub operators: &'a [String],
     /// Lengths and levels that replace 0, by key: of the simulation mesh, or of the render mesh.
     pub lengths: BTreeMap<String, f64>,
+}
+
+/// The cloth of the simulation mesh; follows its mesh.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct ClothMessage<'a> {
+    /// Its figures, as in the JSON report of `build`; null without physics.
+    pub figures: Option<&'a ClothFigures>,
+    /// Its warnings.
+    pub warnings: Vec<&'a Warning>,
 }
 
 /// Figures of a product that the page shows, as in the JSON report of `build`.

@@ -1,6 +1,7 @@
 import { useLayoutEffect } from "preact/hooks";
 import type { Store } from "../state/store";
 import { StoreContext, useSelect } from "./controls/hooks";
+import { BuildDialog } from "./dialogs/BuildDialog";
 import { KeysDialog } from "./dialogs/KeysDialog";
 import { Banners, Toasts } from "./Notices";
 import { Recipe } from "./recipe/Recipe";
@@ -23,6 +24,7 @@ export function App({ store }: { store: Store }) {
         </div>
       </div>
       <SaveDialog />
+      <BuildDialog />
       <KeysDialog />
       <Toasts />
     </StoreContext.Provider>

@@ -1,4 +1,5 @@
 import { useRef } from "preact/hooks";
+import { openBuild } from "../state/build";
 import type { Before, VariantSet } from "../server/protocol";
 import { IconButton, Select } from "./controls/controls";
 import { useLive, useSelect, useStore } from "./controls/hooks";
@@ -58,6 +59,15 @@ export function TopBar() {
         icon={theme === "dark" ? "sun" : "moon"}
         act={() => store.settings({ theme: theme === "dark" ? "light" : "dark" })}
       />
+      <button
+        type="button"
+        class="button"
+        title="Build what is saved (Ctrl+B)"
+        disabled={!isLive || !garment}
+        onClick={() => openBuild(store)}
+      >
+        Build
+      </button>
       <button
         type="button"
         class="button is-main"

@@ -7,10 +7,15 @@ export type Fields = Record<string, Value>;
 
 export type KindName = "seam" | "fold";
 
+/** Groups of options with instances. */
+export type InstanceGroup = KindName | "fabric";
+
 /** A sparse recipe, nested as in a `.tailor` file. Only the options that somebody gave are in it. */
 export interface Options {
   sim?: Fields;
   render?: Fields;
   seam?: Record<string, Fields>;
   fold?: Record<string, Fields>;
+  cloth?: Fields;
+  fabric?: Record<string, Fields>;
 }

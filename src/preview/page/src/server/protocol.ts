@@ -41,6 +41,37 @@ export type Blocks = {
 /** How a set changes a selection. */
 export type Change = "replace" | "add" | "remove";
 
+/** The figures of a cloth, for summaries and reports. */
+export type ClothFigures = {
+  /** Total mass. [kg] */
+  mass: number,
+  /** Total area. [m²] */
+  area: number,
+  /** Names of the fabrics. */
+  fabrics: Array<string>,
+  /** Vertices that are held. */
+  pinned: number,
+  /** Loose pieces that are attached. */
+  attached: number,
+  /** Pairs of triangles that are nearer than the thickness. */
+  doubled: number,
+  /** The shortest edge. [m] */
+  shortestEdge: number,
+  /** Upper bound of the time step of an explicit solver: the smallest altitude of a triangle over the speed of waves in
+  * its fabric. [s] */
+  criticalTimeStep: number,
+  /** The shape at rest. */
+  rest: RestFigures | null,
+};
+
+/** The cloth of the simulation mesh; follows its mesh. */
+export type ClothMessage = {
+  /** Its figures, as in the JSON report of `build`; null without physics. */
+  figures: ClothFigures | null,
+  /** Its warnings. */
+  warnings: Array<Warning>,
+};
+
 /** The values that an option takes. `usual` is the range of a slider; values beyond it may be given. */
 export type Domain =
   | { "type": "flag" }
@@ -78,7 +109,10 @@ export type Domain =
     /** The words. */
     words: Array<string>,
   }
-  | { "type": "text" }
+  | { "type": "fabric",
+    /** The fabrics. */
+    words: Array<string>,
+  }
   | { "type": "primPath" }
   | { "type": "uvSet" }
   | { "type": "weights" }
@@ -176,6 +210,26 @@ export type ErrorCode =
   | "cancelled"
   | "internal";
 
+/** Mechanical properties of a fabric. Warp is the direction of the panel's grain, weft lies across it. */
+export type Fabric = {
+  /** Thickness. [m] */
+  thickness: number,
+  /** Mass of one square metre. [kg/m²] */
+  density: number,
+  /** Membrane stiffness along the warp. [N/m] */
+  stretchWarp: number,
+  /** Membrane stiffness along the weft. [N/m] */
+  stretchWeft: number,
+  /** Shear stiffness. [N/m] */
+  shear: number,
+  /** Bending stiffness along the warp. [N m] */
+  bendWarp: number,
+  /** Bending stiffness along the weft. [N m] */
+  bendWeft: number,
+  /** Coefficient of friction, static and dynamic. */
+  friction: number,
+};
+
 /** One fault, in words for the person at the terminal. */
 export type Fault = {
   /** Its kind, for programs and for `usdtailor explain`. */
@@ -190,7 +244,7 @@ export type Fault = {
 
 /** Faults of the current document or of the file on disk. The last good meshes stay. */
 export type FaultsMessage = {
-  /** `file`: the stage on disk cannot be read; `recipe`: an option is wrong; others: the build of that product. */
+  /** `file`: the stage on disk cannot be read; `recipe`: an option is wrong; others: the build of that part. */
   origin: Origin,
   /** The faults; none if all is well. */
   faults: Array<Fault>,
@@ -240,6 +294,8 @@ export type GarmentMessage = {
   variants: Array<VariantSet>,
   /** The table of options. */
   groups: Array<Group>,
+  /** Properties of the fabrics that every recipe has. */
+  fabrics: { [key in string]: Fabric },
   /** Files to save to. */
   suggested: SaveTargets,
   /** Warnings of the stage and of its mesh; those of the products are in their own messages. */
@@ -304,7 +360,7 @@ export type Option = {
 };
 
 /** The place that faults come from. */
-export type Origin = "file" | "recipe" | "sim" | "render";
+export type Origin = "file" | "recipe" | "sim" | "render" | "cloth";
 
 /** A message of the page. */
 export type PageMessage =
@@ -389,6 +445,22 @@ export type ProgressMessage = {
   step: string | null,
 };
 
+/** How well flat panels rest. */
+export type RestFigures = {
+  /** Shells that rest as flat panels. */
+  panels: number,
+  /** Shells that rest as modelled. */
+  modelled: number,
+  /** Root mean square of the stretch of the panels' triangles against their targets. */
+  stretchRms: number,
+  /** Largest stretch, or inverse of the smallest one. */
+  stretchMax: number,
+  /** Triangles that are turned over. */
+  flipped: number,
+  /** Largest difference of the lengths of the two sides of a seam's edge, as a share of their mean. */
+  seamDifference: number,
+};
+
 /** The three meshes: the garment's input cage, and the two products. */
 export type Role = "model" | "render" | "sim";
 
@@ -439,6 +511,7 @@ export type ServerMessage =
   | { "type": "state" } & StateMessage
   | { "type": "faults" } & FaultsMessage
   | { "type": "product" } & ProductMessage
+  | { "type": "cloth" } & ClothMessage
   | { "type": "progress" } & ProgressMessage
   | { "type": "selection" } & SelectionMessage
   | { "type": "save" } & SaveMessage;

@@ -12,17 +12,20 @@ export interface Kind {
 }
 
 export interface Garment extends GarmentMessage {
-  /** Options that a recipe has once, with their full keys. Those of cloth change neither mesh. */
+  /** Options that a recipe has once, with their full keys. */
   options: Option[];
+  /** Options of each fabric. */
+  fabric: Option[];
   kinds: Kind[];
 }
 
 export function garmentOf(message: GarmentMessage): Garment {
-  const once = message.groups.filter(({ name, hasInstances }) => !hasInstances && name !== "cloth");
+  const once = message.groups.filter(({ hasInstances }) => !hasInstances);
   const options = once.flatMap((group) =>
     group.options.map((option) => ({ ...option, key: `${group.name}.${option.key}` })),
   );
-  return { ...message, options, kinds: message.groups.filter(({ isOperator }) => isOperator).map(kindOf) };
+  const fabric = message.groups.find(({ name }) => name === "fabric")?.options ?? [];
+  return { ...message, options, fabric, kinds: message.groups.filter(({ isOperator }) => isOperator).map(kindOf) };
 }
 
 function kindOf({ name, options }: Group): Kind {

@@ -1,6 +1,7 @@
 // Keys of the whole page.
 
 import type { Before } from "../server/protocol";
+import { openBuild } from "./build";
 import { addFromSelection } from "./operators";
 import { WAYS } from "./selection";
 import type { Store } from "./store";
@@ -13,6 +14,7 @@ export const KEYS: [string, string][] = [
   ["C", "Hold to see the garment before the last change"],
   ["Shift C", "Hold to see it as it was saved, or else opened"],
   ["Ctrl S", "Save"],
+  ["Ctrl B", "Build what is saved"],
   ["F", "Frame what is marked, or everything"],
   ["W", "Edges of the mesh"],
   ["1 2 3", "Show or hide model, simulation mesh, render mesh"],
@@ -49,6 +51,11 @@ function withControl(store: Store, event: KeyboardEvent): void {
   if (key === "s") {
     event.preventDefault();
     if (store.state.connection === "open" && store.state.garment) store.update({ dialog: "save", save: null });
+    return;
+  }
+  if (key === "b") {
+    event.preventDefault();
+    if (store.state.connection === "open" && store.state.garment) openBuild(store);
     return;
   }
   const isRedo = key === "y" || (key === "z" && event.shiftKey);

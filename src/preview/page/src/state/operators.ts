@@ -2,8 +2,8 @@
 
 import type { Fields, Options } from "../server/options";
 import type { Garment, Kind } from "./garment";
-import { fullName, listOf, operatorAt, uniqueName } from "./recipe";
-import { withOperator, withValue, ORDER, type Operator } from "./recipe";
+import { fullName, listOf, instanceAt, uniqueName } from "./recipe";
+import { withInstance, withValue, ORDER, type Operator } from "./recipe";
 import type { Selection } from "./selection";
 import type { Store } from "./store";
 
@@ -40,14 +40,14 @@ export function addFromSelection(store: Store): void {
 export function duplicateOperator(store: Store, operator: Operator): void {
   const { document } = store.state;
   const name = uniqueName(document.merged, operator.kind, operator.name);
-  insert(store, { kind: operator.kind, name }, { ...operatorAt(document.merged, operator) }, fullName(operator));
+  insert(store, { kind: operator.kind, name }, { ...instanceAt(document.merged, operator) }, fullName(operator));
 }
 
 function insert(store: Store, operator: Operator, fields: Fields, after: string | null): void {
   const list = listOf(store.state.document.merged);
   const full = fullName(operator);
   store.edit((options) => {
-    const changed = withOperator(options, operator, fields);
+    const changed = withInstance(options, operator, fields);
     return list.length > 0 ? withValue(changed, ORDER, inserted(list, full, after)) : changed;
   });
   reveal(store, full);
@@ -59,7 +59,7 @@ function inserted(list: string[], full: string, after: string | null): string[] 
 }
 
 export function isUpstream(store: Store, operator: Operator): boolean {
-  return operatorAt(store.state.document.upstream, operator) !== undefined;
+  return instanceAt(store.state.document.upstream, operator) !== undefined;
 }
 
 /** Removes an operator that was added here, and turns one of the garment off, since its layer is not ours. */
@@ -71,7 +71,7 @@ export function deleteOperator(store: Store, operator: Operator): void {
   }
   const full = fullName(operator);
   const without = (list: string[]) => list.filter((each) => each !== full);
-  store.edit((options) => withListed(withOperator(options, operator, undefined), without));
+  store.edit((options) => withListed(withInstance(options, operator, undefined), without));
   store.highlight(null);
 }
 
@@ -79,8 +79,8 @@ export function renameOperator(store: Store, operator: Operator, name: string): 
   const renamed = { kind: operator.kind, name };
   const [before, after] = [fullName(operator), fullName(renamed)];
   store.edit((options) => {
-    const fields = { ...operatorAt(options, operator) };
-    const moved = withOperator(withOperator(options, operator, undefined), renamed, fields);
+    const fields = { ...instanceAt(options, operator) };
+    const moved = withInstance(withInstance(options, operator, undefined), renamed, fields);
     return withListed(moved, (list) => list.map((each) => (each === before ? after : each)));
   });
   if (store.state.open.has(before)) store.openCard(after, true);

@@ -1,23 +1,29 @@
 // Pure functions on options: reading and writing. The server merges them and orders the operators.
 
-import type { Fields, KindName, Options, Value } from "../server/options";
+import type { Fields, InstanceGroup, KindName, Options, Value } from "../server/options";
 import type { Fault, Option, PrimvarInfo, Stacked } from "../server/protocol";
 import type { Garment, Kind } from "./garment";
+import type { Document } from "./state";
 
-export interface Operator {
-  kind: KindName;
+/** Named options: an operator or a fabric. */
+export interface Instance {
+  kind: InstanceGroup;
   name: string;
+}
+
+export interface Operator extends Instance {
+  kind: KindName;
 }
 
 export const ORDER = "render.operators";
 
-export function fullName({ kind, name }: Operator): string {
+export function fullName({ kind, name }: Instance): string {
   return `${kind}.${name}`;
 }
 
 interface Place {
   group: keyof Options;
-  operator: string | null;
+  instance: string | null;
   field: string;
 }
 
@@ -25,8 +31,8 @@ function placeOf(key: string): Place {
   const parts = key.split(".");
   const group = parts[0] as keyof Options;
   return parts.length === 3
-    ? { group, operator: parts[1], field: parts[2] }
-    : { group, operator: null, field: parts[1] };
+    ? { group, instance: parts[1], field: parts[2] }
+    : { group, instance: null, field: parts[1] };
 }
 
 /** Names come from files, so one may be that of a property that every object has, such as `constructor`. */
@@ -34,9 +40,9 @@ function own<T>(record: Record<string, T> | undefined, name: string): T | undefi
   return record && Object.hasOwn(record, name) ? record[name] : undefined;
 }
 
-function fieldsAt(options: Options, { group, operator }: Place): Fields | undefined {
-  if (operator === null) return options[group] as Fields | undefined;
-  return own(options[group] as Record<string, Fields> | undefined, operator);
+function fieldsAt(options: Options, { group, instance }: Place): Fields | undefined {
+  if (instance === null) return options[group] as Fields | undefined;
+  return own(options[group] as Record<string, Fields> | undefined, instance);
 }
 
 export function valueAt(options: Options, key: string): Value | undefined {
@@ -44,16 +50,16 @@ export function valueAt(options: Options, key: string): Value | undefined {
   return own(fieldsAt(options, place), place.field);
 }
 
-export function operatorAt(options: Options, { kind, name }: Operator): Fields | undefined {
+export function instanceAt(options: Options, { kind, name }: Instance): Fields | undefined {
   return own(options[kind], name);
 }
 
-/** The options with other fields of an operator, or without it. */
-export function withOperator(options: Options, { kind, name }: Operator, fields: Fields | undefined): Options {
-  const operators = { ...options[kind] };
-  if (fields) operators[name] = fields;
-  else delete operators[name];
-  return pruned({ ...options, [kind]: operators });
+/** The options with other fields of an instance, or without it. */
+export function withInstance(options: Options, { kind, name }: Instance, fields: Fields | undefined): Options {
+  const instances = { ...options[kind] };
+  if (fields) instances[name] = fields;
+  else delete instances[name];
+  return pruned({ ...options, [kind]: instances });
 }
 
 export function withValue(options: Options, key: string, value: Value): Options {
@@ -62,18 +68,18 @@ export function withValue(options: Options, key: string, value: Value): Options 
   return withFields(options, place, fields);
 }
 
-/** Without one value. An operator of the edits alone stays, even if it has no field left. */
+/** Without one value. An instance of the edits alone stays, even if it has no field left. */
 export function withoutValue(edits: Options, key: string, upstream: Options): Options {
   const place = placeOf(key);
   const fields = { ...fieldsAt(edits, place) };
   delete fields[place.field];
-  const keeps = Object.keys(fields).length > 0 || (place.operator !== null && !fieldsAt(upstream, place));
+  const keeps = Object.keys(fields).length > 0 || (place.instance !== null && !fieldsAt(upstream, place));
   return withFields(edits, place, keeps ? fields : undefined);
 }
 
 function withFields(options: Options, place: Place, fields: Fields | undefined): Options {
-  if (place.operator === null) return pruned({ ...options, [place.group]: fields ?? {} });
-  return withOperator(options, { kind: place.group as KindName, name: place.operator }, fields);
+  if (place.instance === null) return pruned({ ...options, [place.group]: fields ?? {} });
+  return withInstance(options, { kind: place.group as InstanceGroup, name: place.instance }, fields);
 }
 
 function pruned(options: Options): Options {
@@ -86,30 +92,39 @@ export function listOf(options: Options): string[] {
 
 export function setsOf(options: Options, operator: Operator, kinds: Kind[]): string[] {
   const field = kinds.find(({ name }) => name === operator.kind)?.sets.field;
-  const names = field ? operatorAt(options, operator)?.[field] : undefined;
+  const names = field ? instanceAt(options, operator)?.[field] : undefined;
   return Array.isArray(names) ? names : [];
 }
 
 export function isEnabled(options: Options, operator: Operator): boolean {
-  return operatorAt(options, operator)?.enabled !== false;
+  return instanceAt(options, operator)?.enabled !== false;
 }
 
-/** A name that no operator of the kind has yet. */
-export function uniqueName(options: Options, kind: KindName, wish: string): string {
+/** A name that no instance of the kind has yet. */
+export function uniqueName(options: Options, kind: InstanceGroup, wish: string): string {
   const base = wish.replace(/[^A-Za-z0-9_:]/g, "_").replace(/^(?![A-Za-z_])/, "_");
-  const taken = (name: string) => operatorAt(options, { kind, name }) !== undefined;
+  const taken = (name: string) => instanceAt(options, { kind, name }) !== undefined;
   let name = base;
   for (let n = 2; taken(name); n++) name = `${base}_${n}`;
   return name;
 }
 
 /** Says what is wrong with a name, or null. */
-export function nameProblem(options: Options, operator: Operator, name: string): string | null {
+export function nameProblem(options: Options, instance: Instance, name: string): string | null {
   if (!/^[A-Za-z_][A-Za-z0-9_]*(:[A-Za-z_][A-Za-z0-9_]*)*$/.test(name)) {
     return "letters, digits and _ only, and no digit first";
   }
-  const taken = name !== operator.name && operatorAt(options, { kind: operator.kind, name }) !== undefined;
-  return taken ? `there is a ${operator.kind} "${name}" already` : null;
+  const taken = name !== instance.name && instanceAt(options, { kind: instance.kind, name }) !== undefined;
+  return taken ? `there is a ${instance.kind} "${name}" already` : null;
+}
+
+/** The property that 0 stands for in an option of a fabric, such as `fabric.lining.thickness`; null of other options. */
+export function fabricValue(merged: Options, garment: Garment | null, key: string): number | null {
+  const { group, instance, field } = placeOf(key);
+  if (group !== "fabric" || instance === null || !garment) return null;
+  const preset = own(merged.fabric, instance)?.preset ?? "cotton";
+  const properties = own(garment.fabrics, String(preset)) as Record<string, number> | undefined;
+  return own(properties, field) ?? null;
 }
 
 /** Primvars that an option of this kind may name. */
@@ -126,8 +141,8 @@ export interface PlacedFaults {
   elsewhere: Fault[];
 }
 
-export function placeFaults(faults: Fault[], garment: Garment | null, stack: Stacked[]): PlacedFaults {
-  const keys = keysOf(garment, stack).sort((a, b) => b.length - a.length);
+export function placeFaults(faults: Fault[], garment: Garment | null, { stack, merged }: Document): PlacedFaults {
+  const keys = keysOf(garment, stack, fabricsOf(merged)).sort((a, b) => b.length - a.length);
   const placed: PlacedFaults = { at: new Map(), elsewhere: [] };
   for (const fault of faults) {
     // The longest key that fits is the most exact one.
@@ -138,7 +153,12 @@ export function placeFaults(faults: Fault[], garment: Garment | null, stack: Sta
   return placed;
 }
 
-function keysOf(garment: Garment | null, stack: Stacked[]): string[] {
+/** The fabrics of a recipe, by name. */
+export function fabricsOf(options: Options): Instance[] {
+  return Object.keys(options.fabric ?? {}).map((name) => ({ kind: "fabric", name }));
+}
+
+function keysOf(garment: Garment | null, stack: Stacked[], fabrics: Instance[]): string[] {
   const own = (garment?.options ?? []).map(({ key }) => key).filter((key) => key !== ORDER);
   const ofOperators = stack.flatMap(({ kind, full }) => {
     // The switch is on the card's header, so that its faults are the card's.
@@ -147,7 +167,11 @@ function keysOf(garment: Garment | null, stack: Stacked[]): string[] {
     );
     return [full, ...fields.map(({ key }) => `${full}.${key}`)];
   });
-  return [...own, ...ofOperators];
+  const ofFabrics = fabrics.map(fullName).flatMap((full) => [
+    full,
+    ...(garment?.fabric ?? []).map(({ key }) => `${full}.${key}`),
+  ]);
+  return [...own, ...ofOperators, ...ofFabrics];
 }
 
 function mentions(place: string, key: string): boolean {

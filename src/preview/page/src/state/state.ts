@@ -1,6 +1,6 @@
 // The state of the page, which the store changes and components read.
 
-import type { DrawnValues, Fault, Origin, ProductMessage } from "../server/protocol";
+import type { BuildMessage, ClothMessage, DrawnValues, Fault, Origin, ProductMessage } from "../server/protocol";
 import type { Role, SaveMessage, StateMessage, Warning } from "../server/protocol";
 import type { Garment } from "./garment";
 import type { PlacedFaults } from "./recipe";
@@ -26,6 +26,7 @@ export interface State {
   placed: PlacedFaults;
   products: Partial<Record<Role, ProductMessage>>;
   progress: Partial<Record<Role, { step: string; since: number }>>;
+  cloth: ClothMessage | null;
   heat: DrawnValues | null;
   /** Counts the drawings of new meshes, since colours of sets may come with them. */
   drawn: number;
@@ -39,7 +40,10 @@ export interface State {
   marked: Warning | null;
   /** Cards that are open, by full name. */
   open: ReadonlySet<string>;
-  dialog: "save" | "keys" | null;
+  dialog: "save" | "keys" | "build" | null;
+  /** Whether a build follows the save. */
+  buildsNext: boolean;
+  build: BuildMessage | null;
   save: SaveMessage | null;
   toasts: Toast[];
   /** Words for screen readers. */
@@ -58,6 +62,7 @@ const EMPTY: Document = {
   canRedo: false,
   unsaved: false,
   comparing: null,
+  savedAs: null,
   merged: {},
   stack: [],
 };
@@ -67,10 +72,11 @@ export function initialState(): State {
     connection: "first",
     garment: null,
     document: EMPTY,
-    faults: { file: [], recipe: [], sim: [], render: [] },
+    faults: { file: [], recipe: [], sim: [], render: [], cloth: [] },
     placed: { at: new Map(), elsewhere: [] },
     products: {},
     progress: {},
+    cloth: null,
     heat: null,
     drawn: 0,
     lastEdit: null,
@@ -82,6 +88,8 @@ export function initialState(): State {
     marked: null,
     open: new Set(),
     dialog: null,
+    buildsNext: false,
+    build: null,
     save: null,
     toasts: [],
     spoken: "",
@@ -90,7 +98,8 @@ export function initialState(): State {
   };
 }
 
-/** Warnings of the garment and of its products. */
-export function warningsOf({ garment, products }: Pick<State, "garment" | "products">): Warning[] {
-  return [...(garment?.warnings ?? []), ...Object.values(products).flatMap(({ warnings }) => warnings)];
+/** Warnings of the garment, of its products and of its cloth. */
+export function warningsOf({ garment, products, cloth }: Pick<State, "garment" | "products" | "cloth">): Warning[] {
+  const made = [...Object.values(products), ...(cloth ? [cloth] : [])];
+  return [...(garment?.warnings ?? []), ...made.flatMap(({ warnings }) => warnings)];
 }

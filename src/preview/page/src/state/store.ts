@@ -44,7 +44,8 @@ export class Store {
     this.state = { ...this.state, ...change };
     if (change.faults || change.document || change.garment) {
       const { faults, garment, document } = this.state;
-      this.state.placed = placeFaults([...faults.recipe, ...faults.sim, ...faults.render], garment, document.stack);
+      const all = [...faults.recipe, ...faults.sim, ...faults.render, ...faults.cloth];
+      this.state.placed = placeFaults(all, garment, document);
     }
     for (const listener of this.#listeners) listener();
   }
@@ -86,7 +87,7 @@ export class Store {
     const gesture = how === "step" ? this.gestures.next() : this.gestures.current;
     this.#queue.push(edits, gesture, this.gestures.input);
     const { document } = this.state;
-    this.update({ document: { ...document, edits, merged, unsaved: true, canUndo: true, canRedo: false } });
+    this.update({ document: { ...document, edits, merged, unsaved: true, savedAs: null, canUndo: true, canRedo: false } });
   }
 
   set(key: string, value: Value, how: "step" | "continuous" = "step"): void {
@@ -234,6 +235,10 @@ export class Store {
         return this.update({ faults: { ...this.state.faults, [message.origin]: message.faults } });
       case "product":
         return this.#product(message);
+      case "build":
+        return this.update({ build: message });
+      case "cloth":
+        return this.update({ cloth: message });
       case "progress":
         return this.#progress(message);
       case "selection":
@@ -264,7 +269,7 @@ export class Store {
     const { marked } = this.state;
     const products = { ...this.state.products, [product.role]: product };
     this.update({ products });
-    const all = warningsOf({ garment: this.state.garment, products });
+    const all = warningsOf(this.state);
     const same = all.find(({ code, place }) => code === marked?.code && place === marked.place);
     if (same && marked) this.update({ marked: same });
     else if (marked) this.mark(null);

@@ -70,6 +70,10 @@ const UNITS: Record<string, string> = {
   levels: "levels",
   rounds: "rounds",
   "samples per face": "/ face",
+  m: "m",
+  "kg/m2": "kg/m²",
+  "N/m": "N/m",
+  "N m": "N m",
 };
 
 /** A short form of an option's unit, which may be empty. */

@@ -3,7 +3,7 @@
 import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import type { SaveMessage, SaveTargets } from "../../server/protocol";
 import type { Store } from "../../state/store";
-import { copyText } from "./clipboard";
+import { buildCommand, outputOf } from "../../state/build";
 import { Segments } from "../controls/controls";
 import { useLive, useSelect, useStore } from "../controls/hooks";
 import { Faults } from "../recipe/OptionRow";
@@ -27,6 +27,7 @@ function Dialog({ suggested }: { suggested: SaveTargets }) {
   const [path, setPath] = useState(layer ?? recipe);
   const [isSure, setSure] = useState(false);
   const answer = useSelect((state) => state.save);
+  const isNext = useSelect(({ buildsNext }) => buildsNext);
   const format: Format = path.endsWith(".tailor") ? "recipe" : "layer";
   const plan = answer?.path === path ? answer : null;
 
@@ -40,7 +41,7 @@ function Dialog({ suggested }: { suggested: SaveTargets }) {
   useEffect(() => {
     if (plan?.status !== "saved") return;
     saved(store, plan.path);
-    store.update({ dialog: null, save: null });
+    store.update({ dialog: store.state.buildsNext ? "build" : null, save: null, buildsNext: false });
   }, [plan]);
 
   const save = () => {
@@ -52,7 +53,7 @@ function Dialog({ suggested }: { suggested: SaveTargets }) {
       class="dialog save"
       ref={dialog}
       aria-labelledby="save-title"
-      onClose={() => store.update({ dialog: null })}
+      onClose={() => store.state.dialog === "save" && store.update({ dialog: null, buildsNext: false })}
     >
       <form
         onSubmit={(event) => {
@@ -60,7 +61,7 @@ function Dialog({ suggested }: { suggested: SaveTargets }) {
           save();
         }}
       >
-        <h2 id="save-title">Save the edits</h2>
+        <h2 id="save-title">{isNext ? "Save the edits, then build" : "Save the edits"}</h2>
         {layer !== null && (
           <Segments
             label="Format"
@@ -117,11 +118,7 @@ function verb(plan: SaveMessage | null, format: Format, isSure: boolean): string
 }
 
 function saved(store: Store, path: string): void {
-  const command = `usdtailor build ${quoted(path)} -o ${quoted(path.replace(/\.[^./\\]*$/, "") + "_tailored.usda")}`;
-  const act = () => void copyText(store, command);
-  store.toast({ text: `Saved ${path}`, code: command, action: { label: "Copy command", act } });
-}
-
-function quoted(path: string): string {
-  return /^[\w@%+=:,./-]+$/.test(path) ? path : `'${path.replaceAll("'", `'\\''`)}'`;
+  if (store.state.buildsNext) return;
+  const act = () => store.update({ dialog: "build" });
+  store.toast({ text: `Saved ${path}`, code: buildCommand(path, outputOf(path)), action: { label: "Build", act } });
 }

@@ -1,17 +1,18 @@
 // A seam or a fold.
 
 import type { CSSProperties, HTMLAttributes, TargetedKeyboardEvent } from "preact";
-import { useRef, useState } from "preact/hooks";
+import { useState } from "preact/hooks";
 import type { Fields } from "../../server/options";
 import type { Stacked } from "../../server/protocol";
 import type { Kind } from "../../state/garment";
-import { isEnabled, nameProblem, operatorAt, setsOf } from "../../state/recipe";
+import { isEnabled, instanceAt, setsOf } from "../../state/recipe";
 import { Switch } from "../controls/controls";
 import { useSelect, useStore } from "../controls/hooks";
 import { Icon } from "../controls/icons";
 import { MenuButton, type MenuItem } from "../controls/Menu";
 import { shown, unitOf } from "../controls/numbers";
 import { deleteOperator, duplicateOperator, isUpstream, moveOperator, renameOperator, setEnabled } from "../../state/operators";
+import { NameField } from "./NameField";
 import { Faults, OptionRow } from "./OptionRow";
 import { Swatch } from "./SetChips";
 
@@ -29,7 +30,7 @@ export function Card({ operator, kind, place, count, handle, drag }: CardProps) 
   const { full, listed } = operator;
   const merged = useSelect(({ document }) => document.merged);
   const isOpen = useSelect(({ open }) => open.has(full));
-  const isEdited = useSelect(({ document }) => operatorAt(document.edits, operator) !== undefined);
+  const isEdited = useSelect(({ document }) => instanceAt(document.edits, operator) !== undefined);
   const sets = setsOf(merged, operator, store.state.garment?.kinds ?? []);
   const isHovered = useSelect(({ hovered }) => (hovered?.sets ?? []).some(({ name }) => sets.includes(name)));
   const faults = useSelect(({ placed }) => placed.at.get(full));
@@ -78,7 +79,7 @@ export function Card({ operator, kind, place, count, handle, drag }: CardProps) 
         </span>
         <Swatch set={sets[0]} />
         {isRenaming ? (
-          <NameField operator={operator} done={() => setRenaming(false)} />
+          <NameField instance={operator} rename={(name) => renameOperator(store, operator, name)} done={() => setRenaming(false)} />
         ) : (
           <button
             type="button"
@@ -156,7 +157,7 @@ export function Card({ operator, kind, place, count, handle, drag }: CardProps) 
 
 /** The figures that tell operators of a kind apart. */
 function Summary({ operator }: { operator: Stacked }) {
-  const fields = useSelect(({ document }) => operatorAt(document.merged, operator));
+  const fields = useSelect(({ document }) => instanceAt(document.merged, operator));
   const garment = useSelect((state) => state.garment);
   return <>{fields && summary(operator, fields, unitOf("mesh units", garment))}</>;
 }
@@ -166,39 +167,4 @@ function summary({ kind }: Stacked, fields: Fields, unit: string): string {
   const automatic = (field: string) => (length(field) === "0" ? "auto" : length(field));
   if (kind === "fold") return automatic("thickness") === "auto" ? "auto" : `${length("thickness")} ${unit}`;
   return `${automatic("width")} × ${length("normalOffset")} ${unit}`;
-}
-
-function NameField({ operator, done }: { operator: Stacked; done(): void }) {
-  const store = useStore();
-  const [name, setName] = useState(operator.name);
-  const problem = nameProblem(store.state.document.merged, operator, name);
-  const hasEnded = useRef(false);
-  const end = (isKept: boolean) => {
-    // The field leaves the page with the focus, which blurs it once more.
-    if (hasEnded.current) return;
-    hasEnded.current = true;
-    if (isKept && !problem && name !== operator.name) renameOperator(store, operator, name);
-    done();
-  };
-  return (
-    <input
-      type="text"
-      class="card-rename"
-      aria-label={`Name of ${operator.name}`}
-      aria-invalid={problem !== null}
-      title={problem ?? "Enter to rename, Escape to keep the name"}
-      spellcheck={false}
-      value={name}
-      ref={(element) => {
-        if (element && document.activeElement !== element) element.select();
-      }}
-      onInput={({ currentTarget }) => setName(currentTarget.value)}
-      onBlur={() => end(true)}
-      onKeyDown={(event) => {
-        event.stopPropagation();
-        if (event.key === "Enter" && !problem) end(true);
-        if (event.key === "Escape") end(false);
-      }}
-    />
-  );
 }

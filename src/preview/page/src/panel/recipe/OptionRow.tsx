@@ -4,16 +4,20 @@ import type { ComponentChildren } from "preact";
 import { useId } from "preact/hooks";
 import type { Value } from "../../server/options";
 import type { Domain, Fault, Option } from "../../server/protocol";
-import { fitting, labelOf, valueAt } from "../../state/recipe";
+import { fabricValue, fitting, labelOf, valueAt } from "../../state/recipe";
 import { NumberField, Segments, Select, Slider, Switch, type Range } from "../controls/controls";
 import { useSelect, useStore } from "../controls/hooks";
 import { Icon } from "../controls/icons";
 import { neat, niceStep, rounded, snapped, unitOf } from "../controls/numbers";
 import { SetChips } from "./SetChips";
+import { TextField, WordChoice } from "../controls/TextField";
 import { Words } from "../controls/Words";
 
 /** Ranges wider than this have no slider, which could not hit a value. */
 const WIDEST = 10_000;
+
+/** More words than this are a menu. */
+const MOST_SEGMENTS = 3;
 
 const NONE: Fault[] = [];
 
@@ -90,6 +94,10 @@ function Control({ option, full, ...described }: ControlProps) {
     case "flag":
       return <Switch {...described} on={value === true} change={set} />;
     case "choice": {
+      if (domain.words.length > MOST_SEGMENTS) {
+        const choices = domain.words.map((each) => ({ value: each, label: each }));
+        return <Select {...described} value={String(value)} groups={[{ choices }]} change={set} />;
+      }
       const choices = domain.words.map((each) => ({ value: each, label: each }));
       return <Segments {...described} value={String(value)} choices={choices} change={set} />;
     }
@@ -100,11 +108,41 @@ function Control({ option, full, ...described }: ControlProps) {
       const choices = [{ value: "", label: "none" }, ...all.map((name) => ({ value: name, label: name }))];
       return <Select {...described} value={String(value)} groups={[{ choices }]} change={set} />;
     }
+    case "fabric":
+      return <FabricSelect words={domain.words} value={String(value)} change={set} {...described} />;
+    case "primPath":
+      return <TextField {...described} value={String(value)} placeholder="/Body/hips" change={set} />;
+    case "words": {
+      const chosen = Array.isArray(value) ? value : [];
+      return <WordChoice {...described} words={domain.words} chosen={chosen} change={set} />;
+    }
     case "sets":
       return <SetChips {...described} of={domain.of} names={Array.isArray(value) ? value : []} change={set} />;
     default:
       return <NumberControl option={option} full={full} value={Number(value)} {...described} />;
   }
+}
+
+interface FabricSelectProps {
+  label: string;
+  describedBy: string;
+  invalid: boolean;
+  words: string[];
+  value: string;
+  change(value: string): void;
+}
+
+/** A fabric that every recipe has, or one of this recipe. */
+function FabricSelect({ words, value, ...described }: FabricSelectProps) {
+  const own = useSelect(({ document }) => document.merged.fabric) ?? {};
+  const choices = (names: string[]) => names.map((name) => ({ value: name, label: name }));
+  const known = [...Object.keys(own), ...words];
+  const groups = [
+    { choices: choices(known.includes(value) ? [] : [value]) },
+    { label: "This recipe", choices: choices(Object.keys(own)) },
+    { label: "Presets", choices: choices(words) },
+  ];
+  return <Select {...described} value={value} groups={groups.filter(({ choices }) => choices.length > 0)} />;
 }
 
 function NumberControl({ option, full, value, ...described }: ControlProps & { value: number }) {
@@ -116,7 +154,8 @@ function NumberControl({ option, full, value, ...described }: ControlProps & { v
   const meanEdge = garment?.meanEdge ?? 1;
   const range = rangeOf(option.domain, meanEdge);
   if (!range) return null;
-  const auto = used ?? automatic(option.domain, meanEdge);
+  const ofFabric = useSelect(({ document, garment }) => fabricValue(document.merged, garment, full));
+  const auto = used ?? ofFabric ?? automatic(option.domain, meanEdge);
   const clamp = (typed: number) => clamped(option.domain, typed);
   return (
     <span class="number-control">
@@ -133,7 +172,7 @@ function NumberControl({ option, full, value, ...described }: ControlProps & { v
         {...described}
         value={value}
         unit={unitOf(option.unit, garment)}
-        metres={option.domain.type === "length" ? (garment?.metersPerUnit ?? null) : null}
+        metres={option.domain.type === "length" ? (garment?.metersPerUnit ?? null) : option.unit === "m" ? 1 : null}
         step={range.step}
         clamp={clamp}
         auto={auto === null ? null : rounded(auto)}

@@ -6,6 +6,7 @@ import type { Option } from "../../server/protocol";
 import { ORDER, valueAt } from "../../state/recipe";
 import { useLive, useSelect } from "../controls/hooks";
 import { Icon } from "../controls/icons";
+import { ClothFigures, Fabrics } from "./Cloth";
 import { OptionRow } from "./OptionRow";
 import { NewOperator, Stack } from "./Stack";
 
@@ -22,6 +23,7 @@ export function Recipe() {
   const hasGarment = useSelect(({ garment }) => garment !== null);
   const often = OFTEN.flatMap((key) => options.filter((option) => option.key === key));
   const rest = options.filter(({ key }) => key.startsWith("sim.") && !OFTEN.includes(key));
+  const cloth = options.filter(({ key }) => key.startsWith("cloth."));
   const render = options.filter(({ key }) => key.startsWith("render.") && key !== ORDER);
   return (
     <aside class="recipe" aria-label="Recipe">
@@ -38,6 +40,11 @@ export function Recipe() {
             </Section>
             <Section title="Seams and folds" tools={<NewOperator />}>
               <Stack />
+            </Section>
+            <Section title="Cloth">
+              <ClothFigures />
+              <Rows options={cloth} />
+              <Fabrics />
             </Section>
           </>
         )}

@@ -17,7 +17,8 @@ export function Strip() {
   const products = useSelect((state) => state.products);
   const lastEdit = useSelect((state) => state.lastEdit);
   const garment = useSelect((state) => state.garment);
-  const warnings = warningsOf({ garment, products });
+  const cloth = useSelect((state) => state.cloth);
+  const warnings = warningsOf({ garment, products, cloth });
   const toggle = () => store.settings({ figures: !isOpen });
   return (
     <section class={`strip ${isOpen ? "is-open" : ""}`} aria-label="Figures and warnings">

@@ -1,0 +1,234 @@
+//! The threads that build: one for each product, and one for the cloth of the newest simulation mesh.
+
+use super::{Hub, Job, Shown};
+use crate::error::{Error, Warnings};
+use crate::garment::Mesh;
+use crate::pipeline::{Builder, Progress, SimUpdate};
+use crate::preview::messages::{ClothMessage, Figures, Origin, ProductMessage, Role, ServerMessage};
+use crate::preview::stage::Stage;
+use crate::recipe::Recipe;
+use crate::report::RenderFigures;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use serde_json::{Map, Value};
+use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, OnceLock, PoisonError};
+use std::thread;
+use std::time::Instant;
+
+/// The simulation mesh of a job, from which its cloth is made.
+#[derive(Clone)]
+pub struct Simulated {
+    job: Job,
+    update: SimUpdate,
+}
+
+/// The stage that a thread last worked on, with its builder.
+type Known = Option<(Arc<Stage>, Builder)>;
+
+impl Hub {
+    /// Starts the threads that build, each with `threads` threads of its own so that none waits for another.
+    ///
+    /// # Errors
+    /// Threads that cannot be started.
+    pub fn start(self: &Arc<Self>, threads: Option<usize>) -> Result<(), Error> {
+        self.spawn("render", threads, |hub, pool| hub.work(Role::Render, pool))?;
+        self.spawn("sim", threads, |hub, pool| hub.work(Role::Sim, pool))?;
+        self.spawn("cloth", threads, |hub, pool| hub.work_on_cloth(pool))
+    }
+
+    fn spawn(
+        self: &Arc<Self>,
+        name: &str,
+        threads: Option<usize>,
+        work: impl FnOnce(&Arc<Self>, &ThreadPool) + Send + 'static,
+    ) -> Result<(), Error> {
+        let fault = |e: &dyn std::fmt::Display| Error::internal(format!("cannot start threads: {e}"));
+        let pool = ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build().map_err(|e| fault(&e))?;
+        let hub = Arc::clone(self);
+        let spawned = thread::Builder::new().name(name.to_owned()).spawn(move || work(&hub, &pool));
+        spawned.map(drop).map_err(|e| fault(&e))
+    }
+
+    /// Waits for a job after the revision `done`.
+    fn next_job(&self, done: u64) -> Job {
+        let mut shared = self.lock();
+        loop {
+            match &shared.job {
+                Some(job) if job.revision > done => return job.clone(),
+                _ => shared = self.work.wait(shared).unwrap_or_else(PoisonError::into_inner),
+            }
+        }
+    }
+
+    /// Builds one product for ever.
+    fn work(self: &Arc<Self>, role: Role, pool: &ThreadPool) {
+        let (mut done, mut known) = (0, None);
+        loop {
+            let job = self.next_job(done);
+            done = job.revision;
+            let result = catch_unwind(AssertUnwindSafe(|| pool.install(|| self.build(role, &job, &mut known))));
+            let result = result.unwrap_or_else(|_| {
+                known = None;
+                Err(Error::internal("the build ended unexpectedly"))
+            });
+            let (origin, faults) = match (role, result) {
+                (Role::Sim, result) => (Origin::Sim, result),
+                (_, result) => (Origin::Render, result),
+            };
+            self.change(|shared| {
+                shared.snapshot.progress.remove(&role);
+                shared.set_faults(origin, faults.err().map_or(Vec::new(), |error| error.faults));
+            });
+        }
+    }
+
+    fn build(self: &Arc<Self>, role: Role, job: &Job, known: &mut Known) -> Result<(), Error> {
+        let start = Instant::now();
+        let builder = builder_for(known, &job.stage, || self.progress(role));
+        let recipe = builder.resolve(&job.recipe)?;
+        if role == Role::Sim {
+            let update = builder.update_sim(&recipe)?;
+            let shown = self.show(role, job, &update.mesh, start);
+            if shown.message.get().is_none() {
+                let _ = shown.quality.set(Arc::new(update.triangle_quality()));
+                let figures = Figures::from(&update.figures());
+                let _ = shown.message.set(product(role, job, figures, &update.warnings, &[], &recipe));
+            }
+            let simulated = Simulated { job: job.clone(), update };
+            self.change(|shared| shared.simulated = Some(simulated));
+        } else {
+            let update = builder.update_render(&recipe)?;
+            let shown = self.show(role, job, &update.mesh, start);
+            if shown.message.get().is_none() {
+                let figures = Figures::from(&RenderFigures::new(&update.mesh));
+                let mut recipe = recipe;
+                recipe.render.seam_level = update.seam_level;
+                let _ = shown.message.set(product(role, job, figures, &update.warnings, &update.operators, &recipe));
+            }
+        }
+        Ok(())
+    }
+
+    /// The handle that shows the steps of a product's build.
+    fn progress(self: &Arc<Self>, role: Role) -> Progress {
+        let hub = Arc::clone(self);
+        Progress::new(move |step| {
+            hub.change(|shared| drop(shared.snapshot.progress.insert(role, step.to_owned())));
+        })
+    }
+
+    /// Waits for a simulation mesh after that of the revision `done`.
+    fn next_simulated(&self, done: u64) -> Simulated {
+        let mut shared = self.lock();
+        loop {
+            match &shared.simulated {
+                Some(simulated) if simulated.job.revision > done => return simulated.clone(),
+                _ => shared = self.work.wait(shared).unwrap_or_else(PoisonError::into_inner),
+            }
+        }
+    }
+
+    /// Makes the cloth of the newest simulation mesh for ever.
+    fn work_on_cloth(self: &Arc<Self>, pool: &ThreadPool) {
+        let (mut done, mut known) = (0, None);
+        loop {
+            let simulated = self.next_simulated(done);
+            done = simulated.job.revision;
+            let result = catch_unwind(AssertUnwindSafe(|| pool.install(|| cloth(&simulated, &mut known))));
+            let result = result.unwrap_or_else(|_| {
+                known = None;
+                Err(Error::internal("the build of the cloth ended unexpectedly"))
+            });
+            let (message, faults) = match result {
+                Ok(message) => (Some(message), Vec::new()),
+                Err(error) => (None, error.faults),
+            };
+            self.change(|shared| {
+                if let Some(message) = message.filter(|message| shared.snapshot.cloth.as_ref() != Some(message)) {
+                    shared.snapshot.cloth = Some(message);
+                }
+                shared.set_faults(Origin::Cloth, faults);
+            });
+        }
+    }
+
+    /// Shows a mesh, unless it is shown already.
+    fn show(&self, role: Role, job: &Job, mesh: &Arc<Mesh>, start: Instant) -> Arc<Shown> {
+        let shown = Shown {
+            mesh: Arc::clone(mesh),
+            revision: job.revision,
+            build: start.elapsed().as_secs_f64() * 1e3,
+            recipe: Arc::clone(&job.recipe),
+            quality: OnceLock::new(),
+            message: OnceLock::new(),
+        };
+        let mut result = Arc::new(shown);
+        self.change(|shared| {
+            let last = shared.snapshot.shown.get(&role);
+            match last.filter(|last| Arc::ptr_eq(&last.mesh, mesh) && is_same_part(role, &last.recipe, &job.recipe)) {
+                Some(last) => result = Arc::clone(last),
+                None => drop(shared.snapshot.shown.insert(role, Arc::clone(&result))),
+            }
+        });
+        result
+    }
+}
+
+/// The builder for a stage: the known one, or a new one.
+fn builder_for<'a>(known: &'a mut Known, stage: &Arc<Stage>, progress: impl FnOnce() -> Progress) -> &'a mut Builder {
+    known.take_if(|(known, _)| !Arc::ptr_eq(known, stage));
+    &mut known.get_or_insert_with(|| (Arc::clone(stage), stage.checks.sibling().with_progress(progress()))).1
+}
+
+/// The message of the cloth of a simulation mesh.
+fn cloth(Simulated { job, update }: &Simulated, known: &mut Known) -> Result<Arc<str>, Error> {
+    let builder = builder_for(known, &job.stage, Progress::default);
+    let cloth = builder.update_cloth(&job.recipe, update)?;
+    let warnings = cloth.iter().flat_map(|cloth| cloth.warnings.iter()).collect();
+    let figures = cloth.as_ref().map(|cloth| &cloth.figures);
+    Ok(ServerMessage::Cloth(ClothMessage { figures, warnings }).to_text().into())
+}
+
+/// True if recipes agree in all that a product depends on.
+fn is_same_part(role: Role, a: &Recipe, b: &Recipe) -> bool {
+    match role {
+        Role::Sim => a.sim == b.sim,
+        _ => Recipe { sim: b.sim.clone(), ..a.clone() } == *b && a.sim.uv_set == b.sim.uv_set,
+    }
+}
+
+/// Figures and warnings of a product.
+fn product(
+    role: Role,
+    job: &Job,
+    figures: Figures,
+    warnings: &Warnings,
+    operators: &[String],
+    recipe: &Recipe,
+) -> Arc<str> {
+    let mut lengths = lengths(&job.recipe, recipe);
+    lengths.retain(|key, _| key.starts_with("sim.") == (role == Role::Sim));
+    let (revision, warnings) = (job.revision, warnings.iter().collect());
+    ServerMessage::Product(ProductMessage { role, revision, figures, warnings, operators, lengths }).to_text().into()
+}
+
+/// The lengths and levels that replace 0, by key.
+fn lengths(asked: &Recipe, used: &Recipe) -> BTreeMap<String, f64> {
+    let [asked, used] = [asked, used].map(|recipe| flat("", &serde_json::to_value(recipe).unwrap_or_default()));
+    let replaced = used.into_iter().filter(|(key, value)| asked.get(key) != Some(value));
+    replaced.filter_map(|(key, value)| Some((key, value.as_f64()?))).collect()
+}
+
+fn flat(prefix: &str, value: &Value) -> Map<String, Value> {
+    let Value::Object(fields) = value else { return Map::new() };
+    let mut out = Map::new();
+    for (key, value) in fields {
+        let key = if prefix.is_empty() { key.clone() } else { format!("{prefix}.{key}") };
+        match value {
+            Value::Object(_) => out.extend(flat(&key, value)),
+            value => drop(out.insert(key, value.clone())),
+        }
+    }
+    out
+}

@@ -1,0 +1,112 @@
+// Cloth, fabrics and pins in the panel, and the build of what is saved.
+
+import assert from "node:assert/strict";
+import { readFileSync, statSync } from "node:fs";
+import { test } from "node:test";
+import { assertClean, show } from "./support/browser.mjs";
+import { copyOf, run } from "./support/server.mjs";
+
+const figures = (preview) => preview.state((state) => state.cloth?.figures);
+
+/** Waits for figures of the cloth that fulfil a condition. */
+const whenCloth = (preview, condition) =>
+  preview.when(`(() => { const c = preview.store.state.cloth?.figures; return c && (${condition})(c); })()`);
+
+test("mass, area and rest are those of the command, and so are the warnings", async (t) => {
+  const garment = copyOf(t, "coat.usda");
+  const preview = await show(t, garment);
+  await whenCloth(preview, () => true);
+  await preview.quiet();
+  const { stdout } = await run("build", garment, "-o", `${garment}.built.usda`, "--report", "-", "--quiet");
+  const { inputs } = JSON.parse(stdout);
+  const [built] = inputs[0].garments;
+  assert.deepEqual(await figures(preview), built.cloth);
+  const words = ({ code, place, problem }) => `${code} ${place} ${problem}`;
+  const shown = await preview.state(({ garment, products, cloth }) =>
+    [garment, ...Object.values(products), cloth].flatMap(({ warnings }) => warnings),
+  );
+  const of = (list) => [...new Set(list.map(words))].sort();
+  assert.deepEqual(of(shown), of(built.warnings));
+  assertClean(preview);
+});
+
+test("a fabric of a face set changes the mass, is renamed with what names it, and goes", async (t) => {
+  const preview = await show(t, copyOf(t, "coat.usda"), { viewport: { width: 1280, height: 720 } });
+  const { page } = preview;
+  await whenCloth(preview, () => true);
+  const before = (await figures(preview)).mass;
+  await page.getByRole("button", { name: "New fabric" }).click();
+  await page.getByRole("menuitem", { name: /Whole garment/ }).click();
+  const card = page.locator('[data-card="fabric.fabric"]');
+  await card.getByLabel("Preset").selectOption("leather");
+  await preview.when((before) => preview.store.state.cloth?.figures.mass > 3 * before, before);
+  // 0 shows the preset's own value.
+  assert.equal(await card.getByLabel("Density, number").getAttribute("placeholder"), "auto 0.65");
+  await card.getByLabel("Thickness, number").fill("2 mm");
+  await card.getByLabel("Thickness, number").press("Enter");
+  await preview.when(() => Math.abs(preview.store.state.document.edits.fabric?.fabric.thickness - 0.002) < 1e-9);
+  await card.getByRole("button", { name: "More of fabric" }).click();
+  await page.getByRole("menuitem", { name: "Rename" }).click();
+  await page.getByLabel("Name of fabric").fill("hide");
+  await page.getByLabel("Name of fabric").press("Enter");
+  await preview.when(() => preview.store.state.document.merged.cloth?.fabric === "hide");
+  await preview.quiet();
+  assert.deepEqual((await figures(preview)).fabrics, ["hide"]);
+  await page.locator('[data-card="fabric.hide"]').getByRole("button", { name: "More of hide" }).click();
+  await page.getByRole("menuitem", { name: "Delete" }).click();
+  await preview.when(() => preview.store.state.document.merged.cloth?.fabric === "leather");
+  await preview.quiet();
+  assert.deepEqual(await preview.state(({ faults }) => faults.cloth), []);
+  assertClean(preview);
+});
+
+test("a fabric that is not known is an error beside its option, and the figures stay", async (t) => {
+  const preview = await show(t, copyOf(t, "coat.usda"));
+  await whenCloth(preview, () => true);
+  await preview.evaluate(() => preview.store.set("cloth.fabric", "felt"));
+  await preview.when(() => preview.store.state.placed.at.has("cloth.fabric"));
+  assert.ok((await figures(preview)).mass > 0);
+});
+
+test("Build saves first, runs the command, and shows what it prints and where", async (t) => {
+  const garment = copyOf(t, "coat.usda");
+  const preview = await show(t, garment, { viewport: { width: 1280, height: 720 } });
+  const { page } = preview;
+  await preview.evaluate(() => preview.store.set("render.level", 1));
+  await preview.quiet();
+  await page.getByRole("button", { name: "Build", exact: true }).click();
+  const save = page.getByRole("dialog", { name: "Save the edits, then build" });
+  await save.getByRole("button", { name: "Save" }).click();
+  const dialog = page.getByRole("dialog", { name: "Build" });
+  const path = await dialog.getByLabel("Output").inputValue();
+  assert.match(path, /coat_look_tailored\.usda$/);
+  await dialog.getByRole("button", { name: "Build", exact: true }).click();
+  await preview.when(() => preview.store.state.build?.status === "built", undefined, 60_000);
+  assert.ok(statSync(path).size > 0);
+  const text = await dialog.getByLabel("What the command prints").textContent();
+  assert.match(text, /triangles/);
+  // The same bytes as the command line gives.
+  const other = path.replace("_tailored", "_again");
+  await run("build", path.replace("_tailored", ""), "-o", other);
+  const faces = (file) => readFileSync(file, "utf8").match(/int\[\] faceVertexCounts = \[.*?\]/gs);
+  assert.deepEqual(faces(path), faces(other));
+  assertClean(preview);
+});
+
+test("an output that is another file is replaced only when it is asked for twice", async (t) => {
+  const garment = copyOf(t, "coat.usda");
+  await run("build", garment, "-o", garment.replace(".usda", "_tailored.usda"));
+  const preview = await show(t, garment, { viewport: { width: 1280, height: 720 } });
+  const { page } = preview;
+  await page.keyboard.press("Control+b");
+  const dialog = page.getByRole("dialog", { name: "Build" });
+  const path = await dialog.getByLabel("Output").inputValue();
+  const before = statSync(path).mtimeMs;
+  await dialog.getByRole("button", { name: "Build", exact: true }).click();
+  await preview.when(() => preview.store.state.build?.status === "failed", undefined, 60_000);
+  assert.equal(statSync(path).mtimeMs, before);
+  await dialog.getByRole("button", { name: "Overwrite" }).click();
+  await dialog.getByRole("button", { name: "Overwrite: click again" }).click();
+  await preview.when(() => preview.store.state.build?.status === "built", undefined, 60_000);
+  assert.ok(statSync(path).mtimeMs > before);
+});
