@@ -12,6 +12,7 @@ export interface Settings {
   wires: boolean;
   edgeSets: boolean;
   flat: boolean;
+  shadows: boolean;
   /** Refinements for display. */
   smooth: number;
   theme: "light" | "dark";
@@ -32,6 +33,7 @@ const DEFAULTS: Settings = {
   wires: true,
   edgeSets: false,
   flat: false,
+  shadows: true,
   smooth: 0,
   theme: "light",
   figures: false,
@@ -71,8 +73,8 @@ function prefersDark(): MediaQueryList {
   return matchMedia("(prefers-color-scheme: dark)");
 }
 
-export function viewOptions({ roles, layout, shading, wires, edgeSets, flat, theme }: Settings): ViewOptions {
-  return { roles, layout, shading, wires, edgeSets, flat, theme };
+export function viewOptions({ roles, layout, shading, wires, edgeSets, flat, shadows, theme }: Settings): ViewOptions {
+  return { roles, layout, shading, wires, edgeSets, flat, shadows, theme };
 }
 
 export interface HeatChoice {

@@ -21,6 +21,8 @@ export interface ViewOptions {
   edgeSets: boolean;
   /** The UV panels, flat, in place of the mesh in space. */
   flat: boolean;
+  /** Layers shade one another in the picture at rest. */
+  shadows: boolean;
   theme: "light" | "dark";
 }
 
@@ -81,9 +83,11 @@ export interface View {
   select(elements: Elements | null): void;
   /** The colour of a set, as CSS, so that the panel shows the same. */
   colourOf(set: string): string;
-  /** The picture as PNG at the device's resolution. */
+  /** The picture at rest as PNG at the device's resolution. */
   screenshot(): Promise<Blob>;
   stats(role: Role): ViewStats | null;
+  /** Samples in the picture on the canvas: 0 while anything changes. */
+  samples(): number;
   /** Place of a point of a mesh on the canvas, or null if it is not drawn or off the canvas. For tests. [CSS pixels] */
   project(role: Role, point: number): { x: number; y: number } | null;
 }

@@ -20,6 +20,7 @@ import type { Spot } from "./picking";
 import { FlatRig, SIDES, SpaceRig, THREE_QUARTER } from "./camera/rig";
 import type { Rig } from "./camera/rig";
 import { placeGlow, placeMarks, shapesOf } from "./mesh/shapes";
+import { Still } from "./rest/still";
 import { Stage } from "./stage";
 import { Uploads } from "./uploads";
 
@@ -54,6 +55,7 @@ class CanvasView implements View {
   /** A frame of animation is on its way. */
   #awaited = 0;
   readonly #uploads = new Uploads();
+  readonly #still: Still;
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
@@ -63,6 +65,9 @@ class CanvasView implements View {
     this.#stage = new Stage(canvas);
     this.#stage.setOptions(options);
     this.#picker = new Picker(this.#stage.renderer);
+    this.#still = new Still(this.#stage.renderer, ({ sample: target }, sample) =>
+      this.#stage.draw({ ...this.#stage.sheet(this.#columns), target }, this.#rig, this.#space, sample),
+    );
     this.#hover = new Hover(this.#picker, (at) => this.#spotAt(at), events.hover, (sets) => this.#warm(sets));
     new ResizeObserver(() => this.#resized()).observe(canvas);
     canvas.addEventListener("webglcontextrestored", () => this.#invalidate());
@@ -154,7 +159,9 @@ class CanvasView implements View {
   }
 
   screenshot(): Promise<Blob> {
-    this.#draw();
+    // What is new has no samples yet.
+    if (this.#awaited) this.#draw();
+    this.#still.finish();
     return new Promise((resolve, reject) => {
       this.canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error("The picture could not be encoded."))));
     });
@@ -163,6 +170,10 @@ class CanvasView implements View {
   stats(role: Role): ViewStats | null {
     const cloth = this.#stage.cloths.get(role);
     return cloth ? { points: cloth.pointCount, faces: cloth.faceCount, checksum: checksum(cloth.points) } : null;
+  }
+
+  samples(): number {
+    return this.#still.count;
   }
 
   project(role: Role, point: number): { x: number; y: number } | null {
@@ -228,7 +239,8 @@ class CanvasView implements View {
   #draw(): void {
     this.#stage.resize();
     const start = performance.now();
-    this.#stage.draw(this.#columns, this.#rig, this.#space);
+    this.#stage.draw(this.#stage.sheet(this.#columns), this.#rig, this.#space);
+    this.#still.restart();
     this.#uploads.tell(this.events.drawn, performance.now() - start);
   }
 

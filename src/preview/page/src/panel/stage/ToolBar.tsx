@@ -74,7 +74,7 @@ function HeatSelect() {
 
 export function SideBar() {
   const store = useStore();
-  const { wires, edgeSets, flat, smooth } = useSelect((state) => state.settings);
+  const { wires, edgeSets, flat, shadows, smooth } = useSelect((state) => state.settings);
   return (
     <div class="side-bar" role="toolbar" aria-orientation="vertical" aria-label="Drawing">
       <Toggle
@@ -97,6 +97,13 @@ export function SideBar() {
         hint="The UV panels, flat"
         on={flat}
         change={(flat) => store.settings({ flat })}
+      />
+      <Toggle
+        label="Shadows"
+        icon="shadows"
+        hint="Layers shade one another, once the view is at rest"
+        on={shadows}
+        change={(shadows) => store.settings({ shadows })}
       />
       <hr />
       <Segments

@@ -2,6 +2,7 @@
 
 import { HEAT } from "./heat";
 import { BORDER } from "./classes";
+import { SHADOW_CODE, SHADOW_UNIFORMS } from "./shadowShader";
 
 /** The terms of a polynomial from the highest, as code. */
 const heatTerms = [...HEAT]
@@ -45,6 +46,11 @@ ivec2 cell(uint index) {
   return ivec2(int(index & 1023u), int(index >> 10));
 }
 
+#ifdef DEPTH
+void main() {
+  gl_Position = projectionMatrix * modelViewMatrix * vec4(texelFetch(uPoints, cell(aPoint), 0).xyz, 1.0);
+}
+#else
 void main() {
   vec3 place = uFlat ? vec3(aUv, 0.0) : texelFetch(uPoints, cell(aPoint), 0).xyz;
   vec4 bent = texelFetch(uNormals, cell(aPoint), 0);
@@ -62,6 +68,7 @@ void main() {
   if (!uFlat) view.xyz *= 1.0 - uBias / max(length(view.xyz), 2.0 * uBias);
   gl_Position = projectionMatrix * view;
 }
+#endif
 `;
 
 export const CLOTH_FRAGMENT = /* glsl */ `${HEADER}
@@ -80,7 +87,7 @@ uniform vec2 uRange;
 uniform vec3 uUp;
 uniform vec3 uAccent;
 uniform vec3 uWireColour;
-
+${SHADOW_UNIFORMS}
 in vec3 vView;
 in vec3 vNormal;
 in float vCurvature;
@@ -132,34 +139,32 @@ vec3 checker() {
   return mix(dark, light, 0.5 + 0.5 * fine);
 }
 
-vec3 cloth(bool front) {
-  return front ? vec3(0.655, 0.692, 0.745) : vec3(0.585, 0.545, 0.515);
-}
+const vec3 CLOTH = vec3(0.655, 0.692, 0.745);
 
 // The colour of the face in sRGB, without light.
-vec3 surface(bool front) {
+vec3 surface() {
   int flags = int(vFace.a * 255.0 + 0.5);
-  vec3 base = cloth(front);
-  vec3 inSet = mix(vFace.rgb, vec3(0.64), front ? 0.26 : 0.5);
+  vec3 base = CLOTH;
+  vec3 inSet = mix(vFace.rgb, vec3(0.64), 0.26);
   if (uShading == FACE_SETS) base = flags >= 128 ? inSet : vec3(0.70, 0.70, 0.71);
   if (uShading == CHECKER) base = checker();
   float value = (vValue - uRange.x) / max(uRange.y - uRange.x, 1e-20);
   if (uShading == VALUES && uHasValues) base = heat(clamp(value, 0.0, 1.0));
-  if (!front && uShading > FACE_SETS) base *= vec3(0.86, 0.83, 0.80);
   if ((flags & 64) != 0) base = mix(base, uAccent, 0.55);
   return base;
 }
 
+${SHADOW_CODE}
 // Near a fold the smooth normal belongs to neither side, so the face's own takes over.
-vec3 facing(bool front) {
-  vec3 own = normalize(cross(dFdx(vView), dFdy(vView)));
+vec3 facing(vec3 own, bool front) {
   vec3 smoothed = normalize(vNormal) * uHanded * (front ? 1.0 : -1.0);
   float agree = dot(own, smoothed);
   return agree != agree ? own : normalize(mix(own, smoothed, smoothstep(0.25, 0.65, agree)));
 }
 
 vec3 lit(vec3 base, bool front) {
-  vec3 n = facing(front);
+  vec3 own = normalize(cross(dFdx(vView), dFdy(vView)));
+  vec3 n = facing(own, front);
   vec3 v = normalize(-vView);
   vec3 albedo = decode(base);
   vec3 key = normalize(vec3(-0.52, 0.60, 0.60));
@@ -174,10 +179,11 @@ vec3 lit(vec3 base, bool front) {
   float grazing = pow(1.0 - clamp(dot(n, v), 0.0, 1.0), 3.0);
   vec3 sheen = (0.35 + 0.65 * albedo) * grazing * (0.10 + 0.34 * sky) * vec3(0.92, 0.97, 1.06);
   vec3 shine = vec3(0.035) * pow(max(0.0, dot(n, normalize(key + v))), 18.0);
-  float inside = front ? 1.0 : 0.58;
+  // The back is a darker shade of the same cloth.
+  float inside = front ? 1.0 : 0.66;
   vec3 c = (albedo * light + (front ? sheen : sheen * 0.3) + shine) * cavity * inside;
   c *= 1.0 - 0.30 * pow(grazing, 3.0);
-  return encode(c / (1.0 + 0.16 * c * c));
+  return encode(c / (1.0 + 0.16 * c * c)) * (1.0 - shadow(n, own));
 }
 
 // Distance to the three edges, in pixels of the screen.
@@ -239,7 +245,11 @@ vec4 withLines(vec4 c, bool front) {
   return c;
 }
 
-#ifdef PICK
+#ifdef DEPTH
+void main() {
+  colour = vec4(1.0);
+}
+#elif defined(PICK)
 void main() {
   uint number = vNumber + 1u;
   colour = vec4(number & 255u, (number >> 8) & 255u, (number >> 16) & 255u, 255u) / 255.0;
@@ -251,7 +261,7 @@ void main() {
     colour = withLines(vec4(uWireColour, 0.0), front);
     return;
   }
-  vec3 base = surface(front);
+  vec3 base = surface();
   colour = withLines(vec4(uFlat ? base : lit(base, front), 1.0), front);
 }
 #endif
