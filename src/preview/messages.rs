@@ -8,7 +8,7 @@ mod mesh;
 mod product;
 mod selection;
 
-pub use garment::{GarmentMessage, PrimvarInfo, SaveTargets, SetInfo, UpAxis, VariantSet};
+pub use garment::{GarmentMessage, LookInfo, PrimvarInfo, SaveTargets, SetInfo, UpAxis, VariantSet};
 pub use mesh::{Block, Blocks, DrawnSet, DrawnValues, MeshHeader, NumberType, Times, ValuesOf};
 pub use product::{Figures, ProductMessage};
 pub use selection::SelectionMessage;

@@ -2,7 +2,7 @@
 
 import { Vector3 } from "three";
 import type { MeshFrame } from "../server/frame";
-import type { Elements, Role, UpAxis } from "../server/protocol";
+import type { Elements, LookInfo, Role, UpAxis } from "../server/protocol";
 import type { Picked, PickHow, Side, View, ViewEvents, ViewOptions, ViewStats } from "./api";
 import { poseOfAll, poseOfMarks, poseOfSets } from "./camera/aims";
 import type { Sight } from "./camera/aims";
@@ -20,6 +20,7 @@ import type { Spot } from "./picking";
 import { FlatRig, SIDES, SpaceRig, THREE_QUARTER } from "./camera/rig";
 import type { Rig } from "./camera/rig";
 import { placeGlow, placeMarks, shapesOf } from "./mesh/shapes";
+import { clearPicture, film } from "./rest/pictures";
 import { Still } from "./rest/still";
 import { Stage } from "./stage";
 import { Uploads } from "./uploads";
@@ -30,6 +31,9 @@ const NEARBY = [0, 3, 6].flatMap((far) => (far === 0 ? [[0, 0]] : around(far)));
 function around(far: number): number[][] {
   return [...Array(8).keys()].map((i) => [far * Math.cos((i * Math.PI) / 4), far * Math.sin((i * Math.PI) / 4)]);
 }
+
+/** Samples of a picture of a film, which are drawn while it is recorded. */
+const FILMED = 4;
 
 /** Turn of the camera for a drag. [radians / CSS pixel] */
 const TURN = 0.0075;
@@ -45,6 +49,7 @@ class CanvasView implements View {
   readonly #space = new SpaceRig();
   readonly #flat = new FlatRig();
   #highlighted: ReadonlySet<string> = new Set();
+  #looks: LookInfo[] = [];
   /** Edge sets under the pointer. */
   #hot: string[] = [];
   #marked: Elements | null = null;
@@ -121,6 +126,13 @@ class CanvasView implements View {
     this.#invalidate();
   }
 
+  setLooks(looks: LookInfo[], metersPerUnit: number): void {
+    this.#looks = looks;
+    this.#stage.setUnit(metersPerUnit);
+    for (const cloth of this.#stage.cloths.values()) cloth.setLooks(looks);
+    this.#invalidate();
+  }
+
   frame(): void {
     const part = poseOfMarks(this.#sight, this.#marked ?? this.#selected) ?? poseOfSets(this.#sight, this.#highlighted);
     if (part) this.#untouched.delete(this.#rig);
@@ -165,6 +177,28 @@ class CanvasView implements View {
     return new Promise((resolve, reject) => {
       this.canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error("The picture could not be encoded."))));
     });
+  }
+
+  clearPicture(width: number, height: number): Promise<Blob> {
+    const ratio = height / this.#stage.height;
+    const [across, up] = [width / ratio, this.#stage.height];
+    const sheet = { width: across, height: up, ratio, columns: columns(this.options, across, up), isClear: true };
+    return clearPicture(this.#stage.renderer, width, height, ({ sample: target }, sample) =>
+      this.#stage.draw({ ...sheet, target }, this.#rig, this.#space, sample),
+    );
+  }
+
+  async turntable(seconds: number): Promise<Blob> {
+    const pose: Pose = [...this.#space.motion.goal];
+    const turned = (share: number): void => {
+      const [x, y, z, size, turn, tilt] = pose;
+      this.#space.motion.jump([x, y, z, size, turn + 2 * Math.PI * share, tilt]);
+      this.#draw();
+      this.#still.finish(FILMED);
+    };
+    const blob = await film(this.canvas, seconds, turned).finally(() => this.#space.motion.jump(pose));
+    this.#invalidate();
+    return blob;
   }
 
   stats(role: Role): ViewStats | null {
@@ -219,6 +253,7 @@ class CanvasView implements View {
 
   #replace(role: Role, frame: MeshFrame): void {
     const cloth = new Cloth(frame, this.#stage.paintOf(role));
+    cloth.setLooks(this.#looks);
     cloth.highlight(this.#highlighted);
     this.#thicken(cloth);
     this.#stage.put(role, cloth);

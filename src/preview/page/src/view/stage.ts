@@ -3,10 +3,11 @@
 import { Group, Vector2, Vector3, WebGLRenderer } from "three";
 import type { IUniform, WebGLRenderTarget } from "three";
 import type { Role } from "../server/protocol";
-import type { Shading, ViewOptions } from "./api";
+import type { Fabric, Shading, ViewOptions, Weave } from "./api";
 import { Backdrop } from "./shade/backdrop";
 import type { Cloth } from "./mesh/cloth";
 import { ACCENT, MARK, SELECTED } from "./shade/colours";
+import { chosen, pitch, WEAVES } from "./shade/fabric";
 import type { Column } from "./layout";
 import { Marks } from "./mesh/marks";
 import { Paint } from "./shade/paint";
@@ -56,6 +57,11 @@ export class Stage {
     uUp: { value: new Vector3(0, 1, 0) },
     uAccent: { value: new Vector3(...ACCENT) },
     uHard: { value: false },
+    uOwnColour: { value: true },
+    uColour: { value: new Vector3() },
+    uRoughness: { value: -1 },
+    uWeave: { value: 0 },
+    uPitch: { value: 1 },
   } satisfies Record<string, IUniform>;
   width = 1;
   height = 1;
@@ -67,6 +73,8 @@ export class Stage {
   readonly #half = new Vector3(1, 1, 1);
   readonly #shadows: Shadows;
   #hasShadows = false;
+  #metersPerUnit = 0.01;
+  #weave: Weave = "none";
 
   constructor(private readonly canvas: HTMLCanvasElement) {
     this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: false, powerPreference: "high-performance" });
@@ -116,8 +124,24 @@ export class Stage {
     this.uniforms.uWires.value = options.wires;
     this.uniforms.uEdgeSets.value = options.edgeSets;
     this.uniforms.uShading.value = SHADINGS[options.shading];
+    this.#setFabric(options.fabric);
     this.#hasShadows = options.shadows && !options.flat;
     this.#backdrop.setTheme(options.theme);
+  }
+
+  setUnit(metersPerUnit: number): void {
+    this.#metersPerUnit = metersPerUnit;
+    this.uniforms.uPitch.value = pitch(this.#weave, metersPerUnit);
+  }
+
+  #setFabric(fabric: Fabric): void {
+    const { uniforms } = this;
+    this.#weave = fabric.weave;
+    uniforms.uOwnColour.value = fabric.colour === null;
+    uniforms.uColour.value.set(...chosen(fabric));
+    uniforms.uRoughness.value = fabric.roughness ?? -1;
+    uniforms.uWeave.value = WEAVES[fabric.weave];
+    this.setUnit(this.#metersPerUnit);
   }
 
   /** Takes the bounds of these meshes. */

@@ -4,6 +4,8 @@ import type { Shading } from "../../view/api";
 import { IconButton, Segments, Select, Toggle } from "../controls/controls";
 import { useSelect, useStore } from "../controls/hooks";
 import { showAlone, SIDE_NAMES, toggleRole } from "../../state/keys";
+import { FabricButton } from "./FabricButton";
+import { PictureButton } from "./PictureButton";
 import { paintedChoices, QUALITIES, ROLE_NAMES, ROLES } from "../../state/settings";
 
 const SHADINGS: { value: Shading; label: string; hint: string }[] = [
@@ -48,6 +50,7 @@ export function ToolBar() {
         choices={SHADINGS}
         change={(shading) => store.settings({ shading })}
       />
+      {settings.shading === "cloth" && <FabricButton />}
       {settings.shading === "values" && <HeatSelect />}
     </div>
   );
@@ -138,18 +141,7 @@ export function SideBar() {
         hint="Frame what is marked, or everything (F)"
         act={() => store.view?.frame()}
       />
-      <IconButton label="Screenshot" icon="camera" hint="Save the picture as PNG" act={screenshot} />
+      <PictureButton />
     </div>
   );
-
-  async function screenshot(): Promise<void> {
-    const blob = await store.view?.screenshot();
-    if (!blob) return;
-    const link = document.createElement("a");
-    link.href = URL.createObjectURL(blob);
-    link.download = `${(store.state.garment?.file ?? "garment").replace(/\.[^.]*$/, "")}.png`;
-    link.click();
-    // The download starts after this turn of the event loop.
-    setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
-  }
 }

@@ -18,17 +18,17 @@ export interface Sample {
   shade: number;
 }
 
-export function sampleAt(number: number): Sample {
+/** Sample `number` of a picture of `count`. */
+export function sampleAt(number: number, count = SAMPLES): Sample {
   const jitter: [number, number] = [radical(number + 1, 2) - 0.5, radical(number + 1, 3) - 0.5];
-  const lights = [...Array(LIGHTS).keys()].map((light) => direction(number + light * SAMPLES));
-  return { number, jitter, lights, shade: (2 * (number + 1)) / (SAMPLES + 1) };
+  const lights = [...Array(LIGHTS).keys()].map((light) => direction(number + light * count, count * LIGHTS));
+  return { number, jitter, lights, shade: (2 * (number + 1)) / (count + 1) };
 }
 
 const GOLDEN = (1 + Math.sqrt(5)) / 2;
 
 /** A spiral of points over the half sphere, in an order in which the first few are far apart. */
-function direction(number: number): Vector3 {
-  const count = SAMPLES * LIGHTS;
+function direction(number: number, count: number): Vector3 {
   const at = Math.floor(radical(number, 2) * count);
   const height = (at + 0.5) / count;
   const across = Math.sqrt(1 - height * height);

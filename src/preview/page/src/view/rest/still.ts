@@ -40,12 +40,12 @@ export class Still {
     this.#next = 0;
   }
 
-  /** Draws what is left at once. Without the means for it, the canvas is as it was. */
-  finish(): void {
+  /** Draws what is left of `count` samples at once. Without the means for it, the canvas is as it was. */
+  finish(count = SAMPLES): void {
     if (!Mean.fits(this.renderer)) return;
     clearTimeout(this.#timer);
     cancelAnimationFrame(this.#frame);
-    while (this.#next < SAMPLES) this.#add();
+    while (this.#next < count) this.#add(count);
     this.#show();
   }
 
@@ -60,10 +60,10 @@ export class Still {
     if (this.#next < SAMPLES) this.#await();
   }
 
-  #add(): void {
+  #add(count = SAMPLES): void {
     const mean = this.#sized();
     if (this.#next === 0) mean.restart();
-    this.draw(mean, sampleAt(this.#next));
+    this.draw(mean, sampleAt(this.#next, count));
     mean.add();
     this.#next += 1;
     const gl = this.renderer.getContext() as WebGL2RenderingContext;

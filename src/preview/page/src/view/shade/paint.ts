@@ -46,6 +46,8 @@ function ownUniforms(role: Role): Record<string, IUniform> {
     uNormals: { value: null },
     uFaces: { value: null },
     uPalette: { value: null },
+    uLooks: { value: null },
+    uThreads: { value: 1 },
     uHasUv: { value: false },
     uHasValues: { value: false },
     uSquares: { value: 32 },
