@@ -10,7 +10,7 @@ mod product;
 mod selection;
 
 pub use build::{BuildMessage, BuildStatus};
-pub use garment::{GarmentMessage, PrimvarInfo, SaveTargets, SetInfo, UpAxis, VariantSet};
+pub use garment::{GarmentMessage, LookInfo, PrimvarInfo, SaveTargets, SetInfo, UpAxis, VariantSet};
 pub use mesh::{Block, Blocks, DrawnSet, DrawnValues, MeshHeader, NumberType, Times, ValuesOf};
 pub use product::{ClothMessage, Figures, ProductMessage};
 pub use selection::SelectionMessage;

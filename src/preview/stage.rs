@@ -1,7 +1,7 @@
 //! The garment that is shown, and what the page shows of it.
 
 use super::document::{Options, changed};
-use super::messages::{GarmentMessage, PrimvarInfo, SaveTargets, ServerMessage, SetInfo, UpAxis, VariantSet};
+use super::messages::{GarmentMessage, LookInfo, PrimvarInfo, SaveTargets, ServerMessage, SetInfo, UpAxis, VariantSet};
 use crate::cloth::{FABRICS, Fabric};
 use crate::error::Error;
 use crate::garment::{DERIVED, Garment, Mesh, PrimvarRole, Subset};
@@ -126,6 +126,7 @@ fn message(source: &Source, checks: &Builder, shown: &Mesh, input: &Input) -> St
         mean_edge: decimal(checks.mean_edge_length()),
         checksum: checksum(&garment.faces),
         sets: shown.subsets.iter().map(SetInfo::from).collect(),
+        looks: source.looks().iter().map(LookInfo::from).collect(),
         primvars: primvars.map(PrimvarInfo::from).collect(),
         variants: facts.variants.iter().map(VariantSet::from).collect(),
         groups: table(),

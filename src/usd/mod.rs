@@ -17,6 +17,8 @@ mod write;
 #[cfg(feature = "preview")]
 pub(crate) use assets::relative;
 pub use build_record::BuildRecord;
+#[cfg(feature = "preview")]
+pub(crate) use read::Look;
 pub use read::{
     Facts, InheritedPrimvar, MaterialBinding, PanelSeam, ProductNames, ReadOptions, Selection, Source, TailorPayloads,
     TransformOp, VariantSet, first_used, product_names, tailor_payloads,

@@ -168,6 +168,7 @@ test("the picture is saved as PNG", async (t) => {
   const expected = await preview.picture();
   const started = preview.page.waitForEvent("download");
   await preview.page.getByRole("button", { name: "Screenshot" }).click();
+  await preview.page.getByRole("menuitem", { name: "This view" }).click();
   const download = await started;
   assert.equal(download.suggestedFilename(), "tshirt.png");
   const image = decode(readFileSync(await download.path()));

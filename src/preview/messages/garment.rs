@@ -5,7 +5,7 @@ use crate::cloth::Fabric;
 use crate::error::Warning;
 use crate::garment::{Interpolation, Primvar, Subset, Values};
 use crate::recipe::GroupTable;
-use crate::usd::{self, type_word};
+use crate::usd::{self, Look, type_word};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -34,6 +34,8 @@ pub struct GarmentMessage<'a> {
     pub checksum: String,
     /// Its sets.
     pub sets: Vec<SetInfo<'a>>,
+    /// Looks of its materials: of the mesh, and of sets that have their own.
+    pub looks: Vec<LookInfo<'a>>,
     /// Its primvars.
     pub primvars: Vec<PrimvarInfo<'a>>,
     /// Variant sets of the mesh and of its ancestors.
@@ -83,6 +85,24 @@ impl<'a> From<&'a Subset> for SetInfo<'a> {
     fn from(set: &'a Subset) -> Self {
         let Subset { name, family, elements, .. } = set;
         Self { name, kind: elements.into(), family, count: elements.len() }
+    }
+}
+
+/// The constants of the preview surface of a material. Those of a texture are null.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct LookInfo<'a> {
+    /// The face set with the material; empty for the mesh.
+    pub set: &'a str,
+    /// `diffuseColor`. \[linear\]
+    pub colour: Option<[f32; 3]>,
+    /// `roughness`, from 0 to 1.
+    pub roughness: Option<f32>,
+}
+
+impl<'a> From<(&'a String, &'a Look)> for LookInfo<'a> {
+    fn from((set, look): (&'a String, &'a Look)) -> Self {
+        Self { set, colour: look.colour, roughness: look.roughness }
     }
 }
 

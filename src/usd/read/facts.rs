@@ -161,20 +161,25 @@ fn inherited(prim: &Prim) -> Result<Vec<InheritedPrimvar>, Error> {
     Ok(found)
 }
 
-/// The name of the material of each subset that has one; that of the whole mesh, or else of the nearest prim above it that has
+/// The names of [`material_paths`].
+pub fn materials(paths: &BTreeMap<String, String>) -> BTreeMap<String, String> {
+    let name = |path: &String| path.rsplit('/').next().unwrap_or_default().to_owned();
+    paths.iter().map(|(subset, path)| (subset.clone(), name(path))).collect()
+}
+
+/// The path of the material of each subset that has one; that of the whole mesh, or else of the nearest prim above it that has
 /// one, under an empty name.
-pub fn materials(model: &Model, facts: &Facts) -> BTreeMap<String, String> {
-    let name = |path: &str| path.rsplit('/').next().unwrap_or_default().to_owned();
+pub fn material_paths(model: &Model, facts: &Facts) -> BTreeMap<String, String> {
     let of_records = |records: &[Record]| {
         let binding = records.iter().find(|record| record.name == names::MATERIAL_BINDING)?;
         let Content::Relationship { targets } = &binding.content else { return None };
-        targets.first().map(|target| name(target.as_str()))
+        targets.first().map(|target| target.as_str().to_owned())
     };
     let is_above = |binding: &&MaterialBinding| {
         let path = model.path.as_str().strip_prefix(&binding.prim);
         binding.relationship == names::MATERIAL_BINDING && path.is_some_and(|below| below.starts_with('/'))
     };
-    let above = || facts.bindings.iter().find(is_above)?.targets.first().map(|target| name(target));
+    let above = || facts.bindings.iter().find(is_above)?.targets.first().cloned();
     let whole = of_records(&model.carried).or_else(above).map(|material| (String::new(), material));
     let subsets =
         model.subsets.iter().filter_map(|(subset, record)| Some((subset.clone(), of_records(&record.carried)?)));

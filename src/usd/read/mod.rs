@@ -6,6 +6,7 @@ mod bindings;
 mod choose;
 mod diagnostics;
 mod facts;
+mod looks;
 mod mesh;
 mod meshes;
 mod model;
@@ -22,6 +23,8 @@ mod variants;
 pub use choose::all_prims;
 pub use diagnostics::{TailorPayloads, tailor_payloads};
 pub use facts::{Facts, InheritedPrimvar, MaterialBinding, TransformOp};
+#[cfg(feature = "preview")]
+pub use looks::Look;
 pub use meshes::{ProductNames, product_names};
 pub use model::{COMPOSITION, Model, Sewing, Sibling, SubsetRecord, layer_files, stage_metadata};
 pub use origin::{Files, StageOrigin, first_used};

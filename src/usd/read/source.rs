@@ -2,7 +2,8 @@
 
 use super::choose::choose_mesh;
 use super::diagnostics::{in_words, remedy};
-use super::facts::{Facts, gather, materials};
+use super::facts::{Facts, gather, material_paths, materials};
+use super::looks::{Look, looks};
 use super::mesh::read_mesh;
 use super::model::{KnownSiblings, Model, Sewing};
 use super::origin::StageOrigin;
@@ -15,6 +16,7 @@ use crate::garment::{Garment, PrimvarInput, PrimvarRole};
 use crate::usd::{BuildRecord, on_large_stack};
 use openusd::usd::{Prim, Stage, TimeCode};
 use serde_json::{Map, Value as Json};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// The mesh and the time that are read.
@@ -70,6 +72,7 @@ pub struct Source {
     pub(super) garment: Result<Garment, Error>,
     pub(super) recipe: Result<Map<String, Json>, Error>,
     pub(super) facts: Facts,
+    pub(super) looks: BTreeMap<String, Look>,
     pub(super) warnings: Warnings,
     pub(super) records: Vec<(PathBuf, BuildRecord)>,
     pub(super) seams: Vec<PanelSeam>,
@@ -124,13 +127,15 @@ impl Source {
         let has_normals = garment.as_ref().is_ok_and(|g: &Garment| g.primvars.iter().any(is_normals));
         let model = of_mesh.absorb(Model::take(prim, time, origin, declarations, has_normals, known)?);
         let facts = gather(prim, &model, time)?;
-        let garment = garment.map(|garment| Garment { materials: materials(&model, &facts), ..garment });
+        let bound = material_paths(&model, &facts);
+        let garment = garment.map(|garment| Garment { materials: materials(&bound), ..garment });
         let recipe = read_recipe(prim, time);
         // Prims are composed when they are read.
         let mut warnings = composition(stage, &model.origin.file);
         warnings.extend(of_mesh);
         let records = BuildRecord::in_layers(stage);
-        let mut source = Self { model, garment, recipe, facts, warnings, records, seams: Vec::new() };
+        let (looks, seams) = (looks(stage, &bound), Vec::new());
+        let mut source = Self { model, garment, recipe, facts, looks, warnings, records, seams };
         source.sew_itself(tolerance);
         Ok(source)
     }
@@ -176,6 +181,12 @@ impl Source {
     /// Facts about the model and its surroundings.
     pub fn facts(&self) -> &Facts {
         &self.facts
+    }
+
+    /// The looks of materials by subset; that of the whole mesh under an empty name.
+    #[cfg(feature = "preview")]
+    pub(crate) fn looks(&self) -> &BTreeMap<String, Look> {
+        &self.looks
     }
 
     /// The layers in use that this program built, and what they were made of.

@@ -6,7 +6,8 @@ use crate::garment::sew::{Panel, Seams, Sewn, merge, place};
 use crate::garment::{Interpolation, Units};
 use crate::usd::names;
 use crate::usd::read::bindings::resolve_inherited;
-use crate::usd::read::facts::materials;
+use crate::usd::read::facts::{material_paths, materials};
+use crate::usd::read::looks::looks;
 use crate::usd::read::model::{Model, Sewing, SubsetRecord, siblings};
 use crate::usd::read::primvars::{Declarations, read_primvar};
 use crate::usd::read::query::prim_at;
@@ -106,8 +107,10 @@ pub fn sewn(
     let within = panels.iter().flat_map(|panel| panel.seams.iter().cloned());
     let (seams, records) = (within.chain(between).collect(), first.records.clone());
     sewn.mesh.space = space_of(stage, &space)?;
-    sewn.mesh.materials = materials(&model, &facts);
-    Ok(Source { model, garment: Ok(sewn.mesh), recipe, facts, warnings, records, seams })
+    let bound = material_paths(&model, &facts);
+    sewn.mesh.materials = materials(&bound);
+    let looks = looks(stage, &bound);
+    Ok(Source { model, garment: Ok(sewn.mesh), recipe, facts, looks, warnings, records, seams })
 }
 
 /// The nearest prim above all panels.

@@ -288,6 +288,8 @@ export type GarmentMessage = {
   checksum: string,
   /** Its sets. */
   sets: Array<SetInfo>,
+  /** Looks of its materials: of the mesh, and of sets that have their own. */
+  looks: Array<LookInfo>,
   /** Its primvars. */
   primvars: Array<PrimvarInfo>,
   /** Variant sets of the mesh and of its ancestors. */
@@ -320,6 +322,16 @@ export type Group = {
 
 /** The elements that carry a primvar's values. */
 export type Interpolation = "constant" | "uniform" | "varying" | "vertex" | "faceVarying";
+
+/** The constants of the preview surface of a material. Those of a texture are null. */
+export type LookInfo = {
+  /** The face set with the material; empty for the mesh. */
+  set: string,
+  /** `diffuseColor`. [linear] */
+  colour: [number, number, number] | null,
+  /** `roughness`, from 0 to 1. */
+  roughness: number | null,
+};
 
 /** The header of a binary frame. */
 export type MeshHeader = {

@@ -1,17 +1,19 @@
 // How the garment is shown. Kept in the browser, since it is the artist's taste and no part of the recipe.
 
 import type { GarmentMessage, Role } from "../server/protocol";
-import type { Layout, Shading, ViewOptions } from "../view/api";
+import type { Fabric, Layout, Shading, ViewOptions } from "../view/api";
 
 export interface Settings {
   roles: Role[];
   layout: Layout;
   shading: Shading;
+  fabric: Fabric;
   /** What heat shows: a primvar, `quality:angle` or `quality:length`. */
   values: string | null;
   wires: boolean;
   edgeSets: boolean;
   flat: boolean;
+  shadows: boolean;
   /** Refinements for display. */
   smooth: number;
   theme: "light" | "dark";
@@ -28,10 +30,12 @@ const DEFAULTS: Settings = {
   roles: ROLES,
   layout: "side",
   shading: "cloth",
+  fabric: { colour: null, roughness: null, weave: "none" },
   values: null,
   wires: true,
   edgeSets: false,
   flat: false,
+  shadows: true,
   smooth: 0,
   theme: "light",
   figures: false,
@@ -71,8 +75,9 @@ function prefersDark(): MediaQueryList {
   return matchMedia("(prefers-color-scheme: dark)");
 }
 
-export function viewOptions({ roles, layout, shading, wires, edgeSets, flat, theme }: Settings): ViewOptions {
-  return { roles, layout, shading, wires, edgeSets, flat, theme };
+export function viewOptions(settings: Settings): ViewOptions {
+  const { roles, layout, shading, fabric, wires, edgeSets, flat, shadows, theme } = settings;
+  return { roles, layout, shading, fabric, wires, edgeSets, flat, shadows, theme };
 }
 
 export interface HeatChoice {

@@ -140,12 +140,13 @@ export class Store {
 
   /** The model is always needed, for marks and picking. */
   #wanted(): PageMessage {
-    const { roles, smooth, shading, flat, values } = this.state.settings;
+    const { roles, smooth, shading, fabric, flat, values } = this.state.settings;
+    const isWoven = shading === "cloth" && fabric.weave !== "none";
     return {
       type: "view",
       roles: ROLES.filter((role) => role === "model" || roles.includes(role)),
       smooth,
-      uv: shading === "checker" || flat,
+      uv: shading === "checker" || flat || isWoven,
       values: shading === "values" ? values : null,
     };
   }
@@ -252,6 +253,7 @@ export class Store {
     this.update({ garment: garmentOf(garment) });
     this.selector.renew();
     this.view?.setUp(garment.upAxis);
+    this.view?.setLooks(garment.looks ?? [], garment.metersPerUnit);
     document.title = `${garment.file} · usdtailor`;
     // The garment may no longer have the primvar that heat shows.
     this.#show({});

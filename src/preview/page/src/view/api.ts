@@ -1,7 +1,7 @@
 // The interface of the view. `view/index.ts` implements it.
 
 import type { MeshFrame } from "../server/frame";
-import type { Elements, Role, SetInfo, UpAxis } from "../server/protocol";
+import type { Elements, LookInfo, Role, SetInfo, UpAxis } from "../server/protocol";
 
 /** A side from which the garment is seen. */
 export type Side = "front" | "side" | "back" | "top" | "three-quarter";
@@ -9,18 +9,32 @@ export type Layout = "side" | "over";
 /** The colour of faces. `values` is a painted primvar or a quality figure, as heat. */
 export type Shading = "cloth" | "faceSets" | "checker" | "values";
 
+export type Weave = "none" | "plain" | "twill" | "knit";
+
+/** What cloth is made of. */
+export interface Fabric {
+  /** As `#rrggbb`; null is the model's own. */
+  colour: string | null;
+  /** From 0 to 1; null is the model's own. */
+  roughness: number | null;
+  weave: Weave;
+}
+
 export interface ViewOptions {
   /** Meshes that are drawn, in this order. */
   roles: Role[];
   /** In columns beside one another, or all in one place. */
   layout: Layout;
   shading: Shading;
+  fabric: Fabric;
   /** Edges of the mesh. */
   wires: boolean;
   /** Edge sets and seams, each in its colour. */
   edgeSets: boolean;
   /** The UV panels, flat, in place of the mesh in space. */
   flat: boolean;
+  /** Layers shade one another in the picture at rest. */
+  shadows: boolean;
   theme: "light" | "dark";
 }
 
@@ -69,6 +83,8 @@ export interface View {
   setOptions(options: ViewOptions): void;
   /** Up axis of the stage; the camera stands upright on it. */
   setUp(axis: UpAxis): void;
+  /** Looks of the model's materials, and metres in one of its units. */
+  setLooks(looks: LookInfo[], metersPerUnit: number): void;
   /** Moves the camera so that the marked or highlighted elements, or else everything, fill the view. */
   frame(): void;
   /** Moves the camera to a side of the garment, with all of it in view; flat panels have one side. */
@@ -81,9 +97,15 @@ export interface View {
   select(elements: Elements | null): void;
   /** The colour of a set, as CSS, so that the panel shows the same. */
   colourOf(set: string): string;
-  /** The picture as PNG at the device's resolution. */
+  /** The picture at rest as PNG at the device's resolution. */
   screenshot(): Promise<Blob>;
+  /** The view as PNG of a size in pixels, without the ground and what is behind it. */
+  clearPicture(width: number, height: number): Promise<Blob>;
+  /** The garment as it turns once about itself, as WebM. The camera is back where it was then. */
+  turntable(seconds: number): Promise<Blob>;
   stats(role: Role): ViewStats | null;
+  /** Samples in the picture on the canvas: 0 while anything changes. */
+  samples(): number;
   /** Place of a point of a mesh on the canvas, or null if it is not drawn or off the canvas. For tests. [CSS pixels] */
   project(role: Role, point: number): { x: number; y: number } | null;
 }

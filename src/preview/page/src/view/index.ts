@@ -2,7 +2,7 @@
 
 import { Vector3 } from "three";
 import type { MeshFrame } from "../server/frame";
-import type { Elements, Role, UpAxis } from "../server/protocol";
+import type { Elements, LookInfo, Role, UpAxis } from "../server/protocol";
 import type { Picked, PickHow, Side, View, ViewEvents, ViewOptions, ViewStats } from "./api";
 import { poseOfAll, poseOfMarks, poseOfSets } from "./camera/aims";
 import type { Sight } from "./camera/aims";
@@ -20,6 +20,8 @@ import type { Spot } from "./picking";
 import { FlatRig, SIDES, SpaceRig, THREE_QUARTER } from "./camera/rig";
 import type { Rig } from "./camera/rig";
 import { placeGlow, placeMarks, shapesOf } from "./mesh/shapes";
+import { clearPicture, film } from "./rest/pictures";
+import { Still } from "./rest/still";
 import { Stage } from "./stage";
 import { Uploads } from "./uploads";
 
@@ -29,6 +31,9 @@ const NEARBY = [0, 3, 6].flatMap((far) => (far === 0 ? [[0, 0]] : around(far)));
 function around(far: number): number[][] {
   return [...Array(8).keys()].map((i) => [far * Math.cos((i * Math.PI) / 4), far * Math.sin((i * Math.PI) / 4)]);
 }
+
+/** Samples of a picture of a film, which are drawn while it is recorded. */
+const FILMED = 4;
 
 /** Turn of the camera for a drag. [radians / CSS pixel] */
 const TURN = 0.0075;
@@ -44,6 +49,7 @@ class CanvasView implements View {
   readonly #space = new SpaceRig();
   readonly #flat = new FlatRig();
   #highlighted: ReadonlySet<string> = new Set();
+  #looks: LookInfo[] = [];
   /** Edge sets under the pointer. */
   #hot: string[] = [];
   #marked: Elements | null = null;
@@ -54,6 +60,7 @@ class CanvasView implements View {
   /** A frame of animation is on its way. */
   #awaited = 0;
   readonly #uploads = new Uploads();
+  readonly #still: Still;
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
@@ -63,6 +70,9 @@ class CanvasView implements View {
     this.#stage = new Stage(canvas);
     this.#stage.setOptions(options);
     this.#picker = new Picker(this.#stage.renderer);
+    this.#still = new Still(this.#stage.renderer, ({ sample: target }, sample) =>
+      this.#stage.draw({ ...this.#stage.sheet(this.#columns), target }, this.#rig, this.#space, sample),
+    );
     this.#hover = new Hover(this.#picker, (at) => this.#spotAt(at), events.hover, (sets) => this.#warm(sets));
     new ResizeObserver(() => this.#resized()).observe(canvas);
     canvas.addEventListener("webglcontextrestored", () => this.#invalidate());
@@ -116,6 +126,13 @@ class CanvasView implements View {
     this.#invalidate();
   }
 
+  setLooks(looks: LookInfo[], metersPerUnit: number): void {
+    this.#looks = looks;
+    this.#stage.setUnit(metersPerUnit);
+    for (const cloth of this.#stage.cloths.values()) cloth.setLooks(looks);
+    this.#invalidate();
+  }
+
   frame(): void {
     const part = poseOfMarks(this.#sight, this.#marked ?? this.#selected) ?? poseOfSets(this.#sight, this.#highlighted);
     if (part) this.#untouched.delete(this.#rig);
@@ -154,15 +171,43 @@ class CanvasView implements View {
   }
 
   screenshot(): Promise<Blob> {
-    this.#draw();
+    // What is new has no samples yet.
+    if (this.#awaited) this.#draw();
+    this.#still.finish();
     return new Promise((resolve, reject) => {
       this.canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error("The picture could not be encoded."))));
     });
   }
 
+  clearPicture(width: number, height: number): Promise<Blob> {
+    const ratio = height / this.#stage.height;
+    const [across, up] = [width / ratio, this.#stage.height];
+    const sheet = { width: across, height: up, ratio, columns: columns(this.options, across, up), isClear: true };
+    return clearPicture(this.#stage.renderer, width, height, ({ sample: target }, sample) =>
+      this.#stage.draw({ ...sheet, target }, this.#rig, this.#space, sample),
+    );
+  }
+
+  async turntable(seconds: number): Promise<Blob> {
+    const pose: Pose = [...this.#space.motion.goal];
+    const turned = (share: number): void => {
+      const [x, y, z, size, turn, tilt] = pose;
+      this.#space.motion.jump([x, y, z, size, turn + 2 * Math.PI * share, tilt]);
+      this.#draw();
+      this.#still.finish(FILMED);
+    };
+    const blob = await film(this.canvas, seconds, turned).finally(() => this.#space.motion.jump(pose));
+    this.#invalidate();
+    return blob;
+  }
+
   stats(role: Role): ViewStats | null {
     const cloth = this.#stage.cloths.get(role);
     return cloth ? { points: cloth.pointCount, faces: cloth.faceCount, checksum: checksum(cloth.points) } : null;
+  }
+
+  samples(): number {
+    return this.#still.count;
   }
 
   project(role: Role, point: number): { x: number; y: number } | null {
@@ -208,6 +253,7 @@ class CanvasView implements View {
 
   #replace(role: Role, frame: MeshFrame): void {
     const cloth = new Cloth(frame, this.#stage.paintOf(role));
+    cloth.setLooks(this.#looks);
     cloth.highlight(this.#highlighted);
     this.#thicken(cloth);
     this.#stage.put(role, cloth);
@@ -228,7 +274,8 @@ class CanvasView implements View {
   #draw(): void {
     this.#stage.resize();
     const start = performance.now();
-    this.#stage.draw(this.#columns, this.#rig, this.#space);
+    this.#stage.draw(this.#stage.sheet(this.#columns), this.#rig, this.#space);
+    this.#still.restart();
     this.#uploads.tell(this.events.drawn, performance.now() - start);
   }
 

@@ -1,17 +1,21 @@
 // Draws the meshes into their columns.
 
 import { Group, Vector2, Vector3, WebGLRenderer } from "three";
-import type { IUniform } from "three";
+import type { IUniform, WebGLRenderTarget } from "three";
 import type { Role } from "../server/protocol";
-import type { Shading, ViewOptions } from "./api";
+import type { Fabric, Shading, ViewOptions, Weave } from "./api";
 import { Backdrop } from "./shade/backdrop";
 import type { Cloth } from "./mesh/cloth";
 import { ACCENT, MARK, SELECTED } from "./shade/colours";
+import { chosen, pitch, WEAVES } from "./shade/fabric";
 import type { Column } from "./layout";
 import { Marks } from "./mesh/marks";
 import { Paint } from "./shade/paint";
 import type { Box } from "./mesh/points";
 import type { Rig, SpaceRig } from "./camera/rig";
+import { shifted } from "./rest/jitter";
+import type { Sample } from "./rest/samples";
+import { Shadows } from "./rest/shadows";
 
 const SHADINGS: Record<Shading, number> = { cloth: 0, faceSets: 1, checker: 2, values: 3 };
 
@@ -20,6 +24,20 @@ const CAVITY = 0.02;
 /** Part of the radius by which wires over another mesh are nearer, so that they are seen where they lie just inside. */
 const BIAS = 0.0055;
 const MOST_RATIO = 2;
+
+/** What is drawn on. */
+export interface Sheet {
+  /** Null for the canvas. */
+  target: WebGLRenderTarget | null;
+  /** [CSS pixels] */
+  width: number;
+  height: number;
+  /** Device pixels of one CSS pixel. */
+  ratio: number;
+  columns: Column[];
+  /** Without the ground and what is behind it. */
+  isClear?: boolean;
+}
 
 export class Stage {
   readonly renderer: WebGLRenderer;
@@ -38,6 +56,12 @@ export class Stage {
     uBias: { value: 0 },
     uUp: { value: new Vector3(0, 1, 0) },
     uAccent: { value: new Vector3(...ACCENT) },
+    uHard: { value: false },
+    uOwnColour: { value: true },
+    uColour: { value: new Vector3() },
+    uRoughness: { value: -1 },
+    uWeave: { value: 0 },
+    uPitch: { value: 1 },
   } satisfies Record<string, IUniform>;
   width = 1;
   height = 1;
@@ -47,18 +71,23 @@ export class Stage {
   readonly #world = new Group();
   readonly #backdrop = new Backdrop();
   readonly #half = new Vector3(1, 1, 1);
+  readonly #shadows: Shadows;
+  #hasShadows = false;
+  #metersPerUnit = 0.01;
+  #weave: Weave = "none";
 
   constructor(private readonly canvas: HTMLCanvasElement) {
     this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: false, powerPreference: "high-performance" });
     this.renderer.autoClear = false;
     this.renderer.info.autoReset = true;
+    this.#shadows = new Shadows(this.renderer);
     const { ground, square } = this.#backdrop;
     this.#world.add(ground, square, this.selection.object, this.marks.object, this.glow.object);
     this.resize();
   }
 
   paintOf(role: Role): Paint {
-    const paint = this.#paints.get(role) ?? new Paint(role, this.uniforms);
+    const paint = this.#paints.get(role) ?? new Paint(role, { ...this.uniforms, ...this.#shadows.uniforms });
     this.#paints.set(role, paint);
     return paint;
   }
@@ -73,7 +102,6 @@ export class Stage {
     this.height = clientHeight;
     this.renderer.setPixelRatio(ratio);
     this.renderer.setSize(clientWidth, clientHeight, false);
-    this.uniforms.uPixel.value = ratio;
     return true;
   }
 
@@ -96,7 +124,24 @@ export class Stage {
     this.uniforms.uWires.value = options.wires;
     this.uniforms.uEdgeSets.value = options.edgeSets;
     this.uniforms.uShading.value = SHADINGS[options.shading];
+    this.#setFabric(options.fabric);
+    this.#hasShadows = options.shadows && !options.flat;
     this.#backdrop.setTheme(options.theme);
+  }
+
+  setUnit(metersPerUnit: number): void {
+    this.#metersPerUnit = metersPerUnit;
+    this.uniforms.uPitch.value = pitch(this.#weave, metersPerUnit);
+  }
+
+  #setFabric(fabric: Fabric): void {
+    const { uniforms } = this;
+    this.#weave = fabric.weave;
+    uniforms.uOwnColour.value = fabric.colour === null;
+    uniforms.uColour.value.set(...chosen(fabric));
+    uniforms.uRoughness.value = fabric.roughness ?? -1;
+    uniforms.uWeave.value = WEAVES[fabric.weave];
+    this.setUnit(this.#metersPerUnit);
   }
 
   /** Takes the bounds of these meshes. */
@@ -116,36 +161,66 @@ export class Stage {
     this.uniforms.uBias.value = BIAS * this.radius;
   }
 
-  draw(columns: Column[], rig: Rig, space: SpaceRig): void {
+  /** The canvas with these columns. */
+  sheet(columns: Column[]): Sheet {
+    const { width, height } = this;
+    return { target: null, width, height, ratio: this.renderer.getPixelRatio(), columns };
+  }
+
+  /** Draws a plain picture, or a sample of the picture at rest. */
+  draw(sheet: Sheet, rig: Rig, space: SpaceRig, sample: Sample | null = null): void {
     const { renderer } = this;
     const flat = this.uniforms.uFlat.value;
     this.#backdrop.setGround(this.centre, this.#half, space.up);
-    this.#backdrop.ground.visible = !flat;
-    this.#backdrop.square.visible = flat;
-    renderer.setScissorTest(false);
-    renderer.setViewport(0, 0, this.width, this.height);
+    this.#backdrop.ground.visible = !flat && !sheet.isClear;
+    this.#backdrop.square.visible = flat && !sheet.isClear;
+    this.uniforms.uPixel.value = sheet.ratio;
+    this.uniforms.uHard.value = sample !== null;
+    this.#open(sheet, { x: 0, width: sheet.width });
+    renderer.setClearColor(0, 0);
     renderer.clear();
-    renderer.render(this.#backdrop.sky, rig.camera);
-    renderer.setScissorTest(true);
-    for (const column of columns) this.#drawColumn(column, rig, space);
+    if (!sheet.isClear) renderer.render(this.#backdrop.sky, rig.camera);
+    for (const column of sheet.columns) this.#drawColumn(sheet, column, rig, space, sample);
+    this.#shadows.end();
     renderer.setScissorTest(false);
+    renderer.setRenderTarget(null);
   }
 
-  #drawColumn(column: Column, rig: Rig, space: SpaceRig): void {
+  /** What follows is drawn to a part of the sheet. */
+  #open({ target, height, ratio }: Sheet, { x, width }: Pick<Column, "x" | "width">): void {
     const { renderer } = this;
-    const { x, width, height } = column;
+    if (target) {
+      target.viewport.set(x * ratio, 0, width * ratio, height * ratio).round();
+      target.scissor.copy(target.viewport);
+      target.scissorTest = true;
+    }
+    renderer.setRenderTarget(target);
+    if (target) return;
+    renderer.setScissorTest(true);
     renderer.setViewport(x, 0, width, height);
     renderer.setScissor(x, 0, width, height);
+  }
+
+  #drawColumn(sheet: Sheet, column: Column, rig: Rig, space: SpaceRig, sample: Sample | null): void {
+    const { width, height, roles } = column;
+    const { ratio } = sheet;
     rig.setBounds(this.centre, this.radius);
     rig.place(width / height);
     this.uniforms.uUp.value.copy(space.up).transformDirection(rig.camera.matrixWorldInverse);
-    this.#show(column.roles);
-    const ratio = renderer.getPixelRatio();
+    this.#show(roles);
+    if (sample && this.#hasShadows) this.#cast(roles, space, sample);
     this.uniforms.uView.value.set(width * ratio, height * ratio);
-    this.marks.setView(width * ratio, height * ratio, ratio);
-    this.glow.setView(width * ratio, height * ratio, ratio);
-    this.selection.setView(width * ratio, height * ratio, ratio);
-    renderer.render(this.#world, rig.camera);
+    for (const marks of [this.marks, this.glow, this.selection]) marks.setView(width * ratio, height * ratio, ratio);
+    if (sample) shifted(rig.camera.projectionMatrix, sample.jitter, width * ratio, height * ratio);
+    this.#open(sheet, column);
+    this.renderer.render(this.#world, rig.camera);
+  }
+
+  /** The solid mesh of a column has shadows. */
+  #cast(roles: Role[], space: SpaceRig, sample: Sample): void {
+    const solid = roles.map((role) => this.cloths.get(role)).filter((cloth) => cloth !== undefined).at(-1);
+    const all = { centre: this.centre, radius: this.radius };
+    if (solid) this.#shadows.cast(solid, sample, space.camera, all, space.inView());
   }
 
   /** The last mesh is solid; those before it lie over it as wires. */

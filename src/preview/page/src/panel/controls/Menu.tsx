@@ -172,7 +172,7 @@ function step(list: HTMLElement, by: number): void {
 const MARGIN = 8;
 
 /** Below the anchor, or above it where there is more room, and within the window. */
-function place(menu: HTMLElement, anchor: DOMRect): void {
+export function place(menu: HTMLElement, anchor: DOMRect): void {
   const { width, height } = menu.getBoundingClientRect();
   const isBelow = anchor.bottom + height + MARGIN <= innerHeight || anchor.top < innerHeight - anchor.bottom;
   const top = isBelow ? anchor.bottom + 4 : anchor.top - height - 4;

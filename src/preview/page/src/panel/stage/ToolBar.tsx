@@ -4,6 +4,8 @@ import type { Shading } from "../../view/api";
 import { IconButton, Segments, Select, Toggle } from "../controls/controls";
 import { useSelect, useStore } from "../controls/hooks";
 import { showAlone, SIDE_NAMES, toggleRole } from "../../state/keys";
+import { FabricButton } from "./FabricButton";
+import { PictureButton } from "./PictureButton";
 import { paintedChoices, QUALITIES, ROLE_NAMES, ROLES } from "../../state/settings";
 
 const SHADINGS: { value: Shading; label: string; hint: string }[] = [
@@ -48,6 +50,7 @@ export function ToolBar() {
         choices={SHADINGS}
         change={(shading) => store.settings({ shading })}
       />
+      {settings.shading === "cloth" && <FabricButton />}
       {settings.shading === "values" && <HeatSelect />}
     </div>
   );
@@ -74,7 +77,7 @@ function HeatSelect() {
 
 export function SideBar() {
   const store = useStore();
-  const { wires, edgeSets, flat, smooth } = useSelect((state) => state.settings);
+  const { wires, edgeSets, flat, shadows, smooth } = useSelect((state) => state.settings);
   return (
     <div class="side-bar" role="toolbar" aria-orientation="vertical" aria-label="Drawing">
       <Toggle
@@ -97,6 +100,13 @@ export function SideBar() {
         hint="The UV panels, flat"
         on={flat}
         change={(flat) => store.settings({ flat })}
+      />
+      <Toggle
+        label="Shadows"
+        icon="shadows"
+        hint="Layers shade one another, once the view is at rest"
+        on={shadows}
+        change={(shadows) => store.settings({ shadows })}
       />
       <hr />
       <Segments
@@ -131,18 +141,7 @@ export function SideBar() {
         hint="Frame what is marked, or everything (F)"
         act={() => store.view?.frame()}
       />
-      <IconButton label="Screenshot" icon="camera" hint="Save the picture as PNG" act={screenshot} />
+      <PictureButton />
     </div>
   );
-
-  async function screenshot(): Promise<void> {
-    const blob = await store.view?.screenshot();
-    if (!blob) return;
-    const link = document.createElement("a");
-    link.href = URL.createObjectURL(blob);
-    link.download = `${(store.state.garment?.file ?? "garment").replace(/\.[^.]*$/, "")}.png`;
-    link.click();
-    // The download starts after this turn of the event loop.
-    setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
-  }
 }

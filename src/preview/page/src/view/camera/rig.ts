@@ -165,6 +165,13 @@ export class SpaceRig extends Rig {
     return this.axes(pose[4], pose[5]).back;
   }
 
+  /** A sphere around what is in view near the target. */
+  inView(): { centre: Vector3; radius: number } {
+    const [x, y, z, size] = this.motion.pose;
+    const { aspect } = this.camera;
+    return { centre: new Vector3(x, y, z), radius: 1.15 * this.halfHeight(size, aspect) * Math.hypot(1, aspect) };
+  }
+
   protected halfHeight(size: number, aspect: number): number {
     return Math.exp(size) * halfTangent(aspect);
   }

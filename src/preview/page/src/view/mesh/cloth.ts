@@ -4,13 +4,14 @@
 import { BufferAttribute, BufferGeometry, Group, Mesh, Sphere, UnsignedByteType, Vector2 } from "three";
 import type { DataTexture, RawShaderMaterial } from "three";
 import type { MeshFrame } from "../../server/frame";
-import type { ValuesOf } from "../../server/protocol";
+import type { LookInfo, ValuesOf } from "../../server/protocol";
 import { computeNormals } from "./normals";
 import type { Paint } from "../shade/paint";
 import { copyPoints } from "./points";
 import type { Box } from "./points";
 import { BORDER, CLASSES, HIDDEN } from "../shade/classes";
 import { edgeClasses, fillFaces, Membership, palette, readSets } from "./sets";
+import { fillLooks } from "../shade/fabric";
 import { SetLines } from "./setLines";
 import type { ElementSet } from "./sets";
 import { byteTexture, floatTexture, integers, texture } from "./textures";
@@ -41,6 +42,8 @@ export class Cloth {
   readonly #pointTexture: DataTexture;
   readonly #normalTexture: DataTexture;
   readonly #faceTexture: DataTexture;
+  readonly #lookTexture: DataTexture;
+  #looks: LookInfo[] = [];
   readonly #palette: DataTexture;
   readonly #geometry = new BufferGeometry();
 
@@ -60,6 +63,7 @@ export class Cloth {
     this.#pointTexture = floatTexture(this.pointCount);
     this.#normalTexture = floatTexture(this.pointCount);
     this.#faceTexture = byteTexture(this.faceCount);
+    this.#lookTexture = byteTexture(this.faceCount);
     this.#palette = texture(new Uint8Array(4 * CLASSES), CLASSES, UnsignedByteType);
     this.points = (this.#pointTexture.image.data as Float32Array).subarray(0, 4 * this.pointCount);
     this.normals = (this.#normalTexture.image.data as Float32Array).subarray(0, 4 * this.pointCount);
@@ -92,6 +96,12 @@ export class Cloth {
     this.#setRest(frame);
   }
 
+  /** Takes the looks of the model's materials. */
+  setLooks(looks: LookInfo[]): void {
+    this.#looks = looks;
+    this.#paintLooks();
+  }
+
   highlight(names: ReadonlySet<string>): void {
     const had = this.sets.some((set) => this.#highlighted.has(set.name));
     const has = this.sets.some((set) => names.has(set.name));
@@ -108,7 +118,7 @@ export class Cloth {
   dispose(): void {
     this.#geometry.dispose();
     this.lines.dispose();
-    for (const map of [this.#pointTexture, this.#normalTexture, this.#faceTexture, this.#palette]) map.dispose();
+    for (const map of [this.#pointTexture, this.#normalTexture, this.#faceTexture, this.#lookTexture, this.#palette]) map.dispose();
   }
 
   #setPoints(points: Float32Array): void {
@@ -129,6 +139,7 @@ export class Cloth {
       this.membership = new Membership(this.sets, this.edges);
       (this.#palette.image.data as Uint8Array).set(palette(this.sets));
       this.#palette.needsUpdate = true;
+      this.#paintLooks();
       this.#paintSets();
     }
     const values = frame.f32("values");
@@ -141,6 +152,7 @@ export class Cloth {
     this.uvs = uvs.length === 2 * this.faces.corners.length ? uvs.slice() : new Float32Array(0);
     this.paint.uniforms.uHasUv.value = this.hasUvs;
     this.paint.uniforms.uSquares.value = squares(this.uvs);
+    this.paint.uniforms.uThreads.value = lengthOfUv(this.uvs, this.points, this.faces);
     if (!this.hasUvs) return;
     const array = this.#attribute("aUv", 2);
     const { corners } = this.triangles;
@@ -159,6 +171,11 @@ export class Cloth {
       array[at] = values[index];
     }
     (this.paint.uniforms.uRange.value as Vector2).set(least, most);
+  }
+
+  #paintLooks(): void {
+    fillLooks(this.#lookTexture.image.data as Uint8Array, this.sets, this.#looks);
+    this.#lookTexture.needsUpdate = true;
   }
 
   #paintSets(): void {
@@ -229,6 +246,7 @@ export class Cloth {
     uniforms.uNormals.value = this.#normalTexture;
     uniforms.uFaces.value = this.#faceTexture;
     uniforms.uPalette.value = this.#palette;
+    uniforms.uLooks.value = this.#lookTexture;
     uniforms.uHanded.value = this.handed;
     uniforms.uHasUv.value = false;
   }
@@ -243,4 +261,16 @@ function squares(uvs: Float32Array): number {
     if (value > most) most = value;
   }
   return most > least ? 2 ** Math.round(Math.log2(32 / (most - least))) : 32;
+}
+
+/** Length in space of one unit of UV, by the first edge of each face. */
+function lengthOfUv(uvs: Float32Array, points: Float32Array, faces: Faces): number {
+  let [space, flat] = [0, 0];
+  for (let face = 0; face + 1 < faces.starts.length && uvs.length > 0; face++) {
+    const corner = faces.starts[face];
+    const [a, b] = [4 * faces.corners[corner], 4 * faces.corners[corner + 1]];
+    space += Math.hypot(points[a] - points[b], points[a + 1] - points[b + 1], points[a + 2] - points[b + 2]);
+    flat += Math.hypot(uvs[2 * corner] - uvs[2 * corner + 2], uvs[2 * corner + 1] - uvs[2 * corner + 3]);
+  }
+  return flat > 0 ? space / flat : 1;
 }

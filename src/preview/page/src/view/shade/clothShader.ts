@@ -2,6 +2,9 @@
 
 import { HEAT } from "./heat";
 import { BORDER } from "./classes";
+import { ROUGHNESS } from "./fabric";
+import { SHADOW_CODE, SHADOW_UNIFORMS } from "./shadowShader";
+import { WEAVE_CODE } from "./weaveShader";
 
 /** The terms of a polynomial from the highest, as code. */
 const heatTerms = [...HEAT]
@@ -22,6 +25,7 @@ uniform mat3 normalMatrix;
 uniform sampler2D uPoints;
 uniform sampler2D uNormals;
 uniform sampler2D uFaces;
+uniform sampler2D uLooks;
 uniform bool uFlat;
 uniform float uBias;
 
@@ -38,6 +42,7 @@ out vec3 vBary;
 out vec2 vUv;
 out float vValue;
 flat out vec4 vFace;
+flat out vec4 vLook;
 flat out uvec3 vEdges;
 flat out uint vNumber;
 
@@ -45,6 +50,11 @@ ivec2 cell(uint index) {
   return ivec2(int(index & 1023u), int(index >> 10));
 }
 
+#ifdef DEPTH
+void main() {
+  gl_Position = projectionMatrix * modelViewMatrix * vec4(texelFetch(uPoints, cell(aPoint), 0).xyz, 1.0);
+}
+#else
 void main() {
   vec3 place = uFlat ? vec3(aUv, 0.0) : texelFetch(uPoints, cell(aPoint), 0).xyz;
   vec4 bent = texelFetch(uNormals, cell(aPoint), 0);
@@ -57,11 +67,13 @@ void main() {
   vUv = aUv;
   vValue = aValue;
   vFace = texelFetch(uFaces, cell(aFace), 0);
+  vLook = texelFetch(uLooks, cell(aFace), 0);
   vEdges = aEdges.xyz;
   vNumber = aFace;
   if (!uFlat) view.xyz *= 1.0 - uBias / max(length(view.xyz), 2.0 * uBias);
   gl_Position = projectionMatrix * view;
 }
+#endif
 `;
 
 export const CLOTH_FRAGMENT = /* glsl */ `${HEADER}
@@ -80,7 +92,13 @@ uniform vec2 uRange;
 uniform vec3 uUp;
 uniform vec3 uAccent;
 uniform vec3 uWireColour;
-
+uniform bool uOwnColour;
+uniform vec3 uColour;
+uniform float uRoughness;
+uniform int uWeave;
+uniform float uThreads;
+uniform float uPitch;
+${SHADOW_UNIFORMS}
 in vec3 vView;
 in vec3 vNormal;
 in float vCurvature;
@@ -88,6 +106,7 @@ in vec3 vBary;
 in vec2 vUv;
 in float vValue;
 flat in vec4 vFace;
+flat in vec4 vLook;
 flat in uvec3 vEdges;
 flat in uint vNumber;
 
@@ -132,39 +151,45 @@ vec3 checker() {
   return mix(dark, light, 0.5 + 0.5 * fine);
 }
 
-vec3 cloth(bool front) {
-  return front ? vec3(0.655, 0.692, 0.745) : vec3(0.585, 0.545, 0.515);
-}
-
 // The colour of the face in sRGB, without light.
-vec3 surface(bool front) {
+vec3 surface() {
   int flags = int(vFace.a * 255.0 + 0.5);
-  vec3 base = cloth(front);
-  vec3 inSet = mix(vFace.rgb, vec3(0.64), front ? 0.26 : 0.5);
+  vec3 base = uOwnColour ? vLook.rgb : uColour;
+  vec3 inSet = mix(vFace.rgb, vec3(0.64), 0.26);
   if (uShading == FACE_SETS) base = flags >= 128 ? inSet : vec3(0.70, 0.70, 0.71);
   if (uShading == CHECKER) base = checker();
   float value = (vValue - uRange.x) / max(uRange.y - uRange.x, 1e-20);
   if (uShading == VALUES && uHasValues) base = heat(clamp(value, 0.0, 1.0));
-  if (!front && uShading > FACE_SETS) base *= vec3(0.86, 0.83, 0.80);
   if ((flags & 64) != 0) base = mix(base, uAccent, 0.55);
   return base;
 }
 
+${SHADOW_CODE}
 // Near a fold the smooth normal belongs to neither side, so the face's own takes over.
-vec3 facing(bool front) {
-  vec3 own = normalize(cross(dFdx(vView), dFdy(vView)));
+vec3 facing(vec3 own, bool front) {
   vec3 smoothed = normalize(vNormal) * uHanded * (front ? 1.0 : -1.0);
   float agree = dot(own, smoothed);
   return agree != agree ? own : normalize(mix(own, smoothed, smoothstep(0.25, 0.65, agree)));
 }
 
+${WEAVE_CODE}
 vec3 lit(vec3 base, bool front) {
-  vec3 n = facing(front);
+  vec3 dx = dFdx(vView);
+  vec3 dy = dFdy(vView);
+  vec2 ux = dFdx(vUv) * uThreads / uPitch;
+  vec2 uy = dFdy(vUv) * uThreads / uPitch;
+  vec3 own = normalize(cross(dx, dy));
+  vec3 smoothed = facing(own, front);
+  vec4 bent = uWeave > 0 && uHasUv && uShading == 0 ? woven(smoothed, dx, dy, ux, uy) : vec4(smoothed, 0.5);
+  vec3 n = bent.xyz;
+  float rough = uShading > 0 ? ${ROUGHNESS} : (uRoughness < 0.0 ? vLook.a : uRoughness);
   vec3 v = normalize(-vView);
   vec3 albedo = decode(base);
   vec3 key = normalize(vec3(-0.52, 0.60, 0.60));
   vec3 fill = normalize(vec3(0.85, 0.1, 0.45));
   float hollow = vCurvature * uHanded * (front ? 1.0 : -1.0) * uSize;
+  // The peaks of curvature at the loops of a coarse cage would be bands on flat cloth.
+  hollow *= smoothstep(0.25, 1.4, abs(hollow));
   float cavity = hollow > 0.0 ? 1.0 - 0.62 * (1.0 - exp(-0.55 * hollow)) : 1.0 + 0.10 * (1.0 - exp(0.5 * hollow));
   float sky = 0.5 + 0.5 * dot(n, uUp);
   vec3 ambient = mix(vec3(0.150, 0.140, 0.135), vec3(0.40, 0.43, 0.48), sky * sky);
@@ -173,11 +198,13 @@ vec3 lit(vec3 base, bool front) {
   light += vec3(0.60, 0.68, 0.80) * max(0.0, dot(n, fill)) * 0.13;
   float grazing = pow(1.0 - clamp(dot(n, v), 0.0, 1.0), 3.0);
   vec3 sheen = (0.35 + 0.65 * albedo) * grazing * (0.10 + 0.34 * sky) * vec3(0.92, 0.97, 1.06);
-  vec3 shine = vec3(0.035) * pow(max(0.0, dot(n, normalize(key + v))), 18.0);
-  float inside = front ? 1.0 : 0.58;
-  vec3 c = (albedo * light + (front ? sheen : sheen * 0.3) + shine) * cavity * inside;
+  sheen *= 0.4 + 0.6 * smoothstep(0.0, 0.8, rough);
+  vec3 shine = vec3(0.035 * exp2(4.5 * (0.8 - rough))) * pow(max(0.0, dot(n, normalize(key + v))), exp2(7.65 - 4.35 * rough));
+  // The back is a darker shade of the same cloth.
+  float inside = front ? 1.0 : 0.66;
+  vec3 c = (albedo * light + (front ? sheen : sheen * 0.3) + shine) * cavity * inside * (0.7 + 0.6 * bent.w);
   c *= 1.0 - 0.30 * pow(grazing, 3.0);
-  return encode(c / (1.0 + 0.16 * c * c));
+  return encode(c / (1.0 + 0.16 * c * c)) * (1.0 - shadow(smoothed, own));
 }
 
 // Distance to the three edges, in pixels of the screen.
@@ -239,7 +266,11 @@ vec4 withLines(vec4 c, bool front) {
   return c;
 }
 
-#ifdef PICK
+#ifdef DEPTH
+void main() {
+  colour = vec4(1.0);
+}
+#elif defined(PICK)
 void main() {
   uint number = vNumber + 1u;
   colour = vec4(number & 255u, (number >> 8) & 255u, (number >> 16) & 255u, 255u) / 255.0;
@@ -251,7 +282,7 @@ void main() {
     colour = withLines(vec4(uWireColour, 0.0), front);
     return;
   }
-  vec3 base = surface(front);
+  vec3 base = surface();
   colour = withLines(vec4(uFlat ? base : lit(base, front), 1.0), front);
 }
 #endif

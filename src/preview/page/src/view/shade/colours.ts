@@ -70,7 +70,8 @@ function oklch(lightness: number, chroma: number, degrees: number): Rgb {
   ];
 }
 
-function encode(linear: number): number {
+/** From linear to sRGB. */
+export function encode(linear: number): number {
   const value = Math.min(1, Math.max(0, linear));
   return value <= 0.0031308 ? 12.92 * value : 1.055 * value ** (1 / 2.4) - 0.055;
 }

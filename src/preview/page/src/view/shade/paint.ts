@@ -24,6 +24,8 @@ export class Paint {
   readonly overlay: RawShaderMaterial;
   /** Numbers of faces in place of colours. */
   readonly pick: RawShaderMaterial;
+  /** Depth alone, as the light sees it. */
+  readonly depth: RawShaderMaterial;
   readonly lines: RawShaderMaterial;
 
   constructor(role: Role, shared: Record<string, IUniform>) {
@@ -33,6 +35,7 @@ export class Paint {
     this.solid = cloth({ uniforms: level });
     this.overlay = cloth({ uniforms: over, transparent: true, depthWrite: false });
     this.pick = cloth({ uniforms: level, defines: { PICK: true } });
+    this.depth = cloth({ uniforms: level, defines: { DEPTH: true }, colorWrite: false });
     this.lines = lines(this.uniforms);
   }
 }
@@ -43,6 +46,8 @@ function ownUniforms(role: Role): Record<string, IUniform> {
     uNormals: { value: null },
     uFaces: { value: null },
     uPalette: { value: null },
+    uLooks: { value: null },
+    uThreads: { value: 1 },
     uHasUv: { value: false },
     uHasValues: { value: false },
     uSquares: { value: 32 },

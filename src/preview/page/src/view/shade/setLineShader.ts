@@ -56,10 +56,13 @@ export const SET_LINE_FRAGMENT = /* glsl */ `
 precision highp float;
 flat in vec3 vColour;
 flat in float vRadius;
+uniform bool uHard;
 out vec4 colour;
 ${LINE_REACH}
 void main() {
   float alpha = clamp(vRadius - lineReach() + 0.5, 0.0, 1.0);
+  // Samples that are moved by parts of a pixel have edges of their own.
+  if (uHard) alpha = step(0.5, alpha);
   if (alpha <= 0.0) discard;
   colour = vec4(vColour, alpha);
 }

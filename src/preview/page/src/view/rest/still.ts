@@ -1,0 +1,96 @@
+// Draws the picture at rest: one sample in a frame of animation, and none while the graphics card has work to do.
+
+import type { WebGLRenderer } from "three";
+import { Mean } from "./mean";
+import { sampleAt, SAMPLES } from "./samples";
+import type { Sample } from "./samples";
+
+/** Time without a change after which the picture is at rest. [ms] */
+const REST = 150;
+/** Samples from which on their mean is better than a plain picture. */
+const ENOUGH = 4;
+
+/** Draws one sample. */
+export type Draw = (mean: Mean, sample: Sample) => void;
+
+export class Still {
+  /** Samples in the picture on the canvas; 0 for a plain one. */
+  count = 0;
+  #next = 0;
+  #timer = 0;
+  #frame = 0;
+  #fence: WebGLSync | null = null;
+  #mean: Mean | null = null;
+
+  constructor(
+    private readonly renderer: WebGLRenderer,
+    private readonly draw: Draw,
+  ) {}
+
+  /** A plain picture was drawn, and the next one may be the same. */
+  restart(): void {
+    this.stop();
+    if (Mean.fits(this.renderer)) this.#timer = window.setTimeout(() => this.#await(), REST);
+  }
+
+  stop(): void {
+    clearTimeout(this.#timer);
+    cancelAnimationFrame(this.#frame);
+    this.count = 0;
+    this.#next = 0;
+  }
+
+  /** Draws what is left of `count` samples at once. Without the means for it, the canvas is as it was. */
+  finish(count = SAMPLES): void {
+    if (!Mean.fits(this.renderer)) return;
+    clearTimeout(this.#timer);
+    cancelAnimationFrame(this.#frame);
+    while (this.#next < count) this.#add(count);
+    this.#show();
+  }
+
+  #await(): void {
+    this.#frame = requestAnimationFrame(() => this.#step());
+  }
+
+  #step(): void {
+    if (!this.#isIdle()) return this.#await();
+    this.#add();
+    if (this.#next >= ENOUGH) this.#show();
+    if (this.#next < SAMPLES) this.#await();
+  }
+
+  #add(count = SAMPLES): void {
+    const mean = this.#sized();
+    if (this.#next === 0) mean.restart();
+    this.draw(mean, sampleAt(this.#next, count));
+    mean.add();
+    this.#next += 1;
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    this.#fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+  }
+
+  #show(): void {
+    this.#mean?.show(null);
+    this.count = this.#next;
+  }
+
+  /** Whether the last sample is done, so that a change has to wait for one at most. */
+  #isIdle(): boolean {
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    if (!this.#fence || gl.isContextLost()) return true;
+    if (gl.getSyncParameter(this.#fence, gl.SYNC_STATUS) !== gl.SIGNALED) return false;
+    gl.deleteSync(this.#fence);
+    this.#fence = null;
+    return true;
+  }
+
+  #sized(): Mean {
+    const { drawingBufferWidth: width, drawingBufferHeight: height } = this.renderer.getContext();
+    if (this.#mean?.width === width && this.#mean.height === height) return this.#mean;
+    this.#mean?.dispose();
+    this.#next = 0;
+    this.#mean = new Mean(this.renderer, width, height);
+    return this.#mean;
+  }
+}

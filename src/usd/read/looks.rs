@@ -1,0 +1,166 @@
+//! How materials look: the constants of their preview surfaces.
+
+use super::query::{prim_at, text_value, value};
+use crate::usd::values::number;
+use openusd::sdf::{Path, Value};
+use openusd::usd::{Attribute, Prim, Stage};
+use std::collections::BTreeMap;
+
+/// Connections that are followed from an input to its value at most.
+const MOST_STEPS: usize = 8;
+
+/// The look of a material. A texture is none of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Look {
+    /// `diffuseColor`. \[linear\]
+    pub colour: Option<[f32; 3]>,
+    /// `roughness`, from 0 to 1.
+    pub roughness: Option<f32>,
+}
+
+/// The looks of materials by subset. `bound` has their paths. What has no preview surface, or one that cannot be read, is left out:
+/// a garment is shown without it.
+pub fn looks(stage: &Stage, bound: &BTreeMap<String, String>) -> BTreeMap<String, Look> {
+    let of = |(subset, material): (&String, &String)| Some((subset.clone(), look(stage, material)?));
+    bound.iter().filter_map(of).collect()
+}
+
+fn look(stage: &Stage, material: &str) -> Option<Look> {
+    let material = prim_at(stage, &Path::new(material).ok()?).ok()?;
+    let (surface, _) = source(stage, &material.attribute("outputs:surface"))?;
+    if text_value(&surface, "info:id", None).ok()??.as_str() != "UsdPreviewSurface" {
+        return None;
+    }
+    let colour = match constant(stage, &surface, "inputs:diffuseColor") {
+        Constant::Value(value) => vector(&value),
+        Constant::Fallback => Some([0.18; 3]),
+        Constant::Texture => None,
+    };
+    let roughness = match constant(stage, &surface, "inputs:roughness") {
+        Constant::Value(value) => number(&value).map(|value| value as f32),
+        Constant::Fallback => Some(0.5),
+        Constant::Texture => None,
+    };
+    let is_good = |numbers: &[f32]| numbers.iter().all(|number| number.is_finite());
+    Some(Look {
+        colour: colour.filter(|colour| is_good(colour)).map(|colour| colour.map(|channel| channel.clamp(0.0, 1.0))),
+        roughness: roughness.filter(|&roughness| is_good(&[roughness])).map(|roughness| roughness.clamp(0.0, 1.0)),
+    })
+}
+
+enum Constant {
+    Value(Value),
+    /// Nothing is authored.
+    Fallback,
+    Texture,
+}
+
+/// The value of an input, also where it is that of an input of the material.
+fn constant(stage: &Stage, shader: &Prim, input: &str) -> Constant {
+    let (mut prim, mut name) = (shader.clone(), input.to_owned());
+    for _ in 0..MOST_STEPS {
+        let Some(next) = source(stage, &prim.attribute(name.as_str())) else {
+            return value(&prim, &name, None).ok().flatten().map_or(Constant::Fallback, Constant::Value);
+        };
+        if !next.1.starts_with("inputs:") {
+            return Constant::Texture;
+        }
+        (prim, name) = next;
+    }
+    Constant::Texture
+}
+
+/// The prim and the name of what an attribute is connected to.
+fn source(stage: &Stage, attribute: &Attribute) -> Option<(Prim, String)> {
+    let connections = attribute.connections().ok()?;
+    let (prim, name) = connections.first()?.as_str().rsplit_once('.')?;
+    Some((prim_at(stage, &Path::new(prim).ok()?).ok()?, name.to_owned()))
+}
+
+fn vector(value: &Value) -> Option<[f32; 3]> {
+    match value {
+        Value::Vec3f(v) => Some([v[0], v[1], v[2]]),
+        Value::Vec3d(v) => Some([v[0] as f32, v[1] as f32, v[2] as f32]),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::usd::{ReadOptions, Source};
+    use std::fs;
+
+    /// A triangle with a material, and a set with another. `inputs` are those of the set's shader.
+    fn looks_of(inputs: &str) -> BTreeMap<String, Look> {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("cloth.usda");
+        let text = format!(
+            r#"#usda 1.0
+def Xform "Cloth" {{
+    def Mesh "model" (prepend apiSchemas = ["MaterialBindingAPI"]) {{
+        rel material:binding = </Cloth/wool>
+        int[] faceVertexCounts = [3]
+        int[] faceVertexIndices = [0, 1, 2]
+        point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+        def GeomSubset "trim" (prepend apiSchemas = ["MaterialBindingAPI"]) {{
+            uniform token elementType = "face"
+            uniform token familyName = "materialBind"
+            int[] indices = [0]
+            rel material:binding = </Cloth/silk>
+        }}
+    }}
+    def Material "wool" {{
+        color3f inputs:dye = (0.1, 0.2, 2)
+        token outputs:surface.connect = </Cloth/wool/surface.outputs:surface>
+        def Shader "surface" {{
+            uniform token info:id = "UsdPreviewSurface"
+            color3f inputs:diffuseColor.connect = </Cloth/wool.inputs:dye>
+            token outputs:surface
+        }}
+    }}
+    def Material "silk" {{
+        token outputs:surface.connect = </Cloth/silk/surface.outputs:surface>
+        def Shader "surface" {{
+            {inputs}
+            token outputs:surface
+        }}
+        def Shader "texture" {{
+            uniform token info:id = "UsdUVTexture"
+            float3 outputs:rgb
+        }}
+    }}
+}}
+"#
+        );
+        fs::write(&path, text).expect("a file");
+        Source::open(&path, &ReadOptions::default()).expect("a garment").looks().clone()
+    }
+
+    #[test]
+    fn constants_of_preview_surfaces_are_looks_and_textures_are_not() {
+        let surface = "uniform token info:id = \"UsdPreviewSurface\"\n";
+        let wool = Look { colour: Some([0.1, 0.2, 1.0]), roughness: Some(0.5) };
+        let texture = "color3f inputs:diffuseColor.connect = </Cloth/silk/texture.outputs:rgb>";
+        for (inputs, silk) in [
+            (
+                format!("{surface}float inputs:roughness = 0.25"),
+                Some(Look { colour: Some([0.18; 3]), roughness: Some(0.25) }),
+            ),
+            (format!("{surface}{texture}"), Some(Look { colour: None, roughness: Some(0.5) })),
+            (format!("{surface}{texture}\nfloat inputs:roughness = nan"), Some(Look { colour: None, roughness: None })),
+            ("uniform token info:id = \"ND_standard_surface_surfaceshader\"".to_owned(), None),
+        ] {
+            let looks = looks_of(&inputs);
+            assert_eq!(looks.get(""), Some(&wool), "an input of the material");
+            assert_eq!(looks.get("trim").copied(), silk, "{inputs}");
+        }
+    }
+
+    #[test]
+    fn a_material_that_is_connected_to_itself_has_no_colour() {
+        let looped = "uniform token info:id = \"UsdPreviewSurface\"
+            color3f inputs:diffuseColor.connect = </Cloth/silk/surface.inputs:diffuseColor>";
+        assert_eq!(looks_of(looped)["trim"].colour, None);
+    }
+}

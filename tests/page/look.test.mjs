@@ -1,0 +1,176 @@
+// What cloth looks like: at rest, in shadow, from the back, in colour, and in pictures that are saved.
+
+import assert from "node:assert/strict";
+import { readFileSync, writeFileSync } from "node:fs";
+import { join } from "node:path";
+import { test } from "node:test";
+import { assertClean, show } from "./support/browser.mjs";
+import { decode, differing, rgb } from "./support/png.mjs";
+import { example, temporaryFolder } from "./support/server.mjs";
+
+/** A square cloth with a narrow groove aslant, and a small square 0.2 off its front. Points from 4 on are the groove's, from
+ *  10 on the small square's. */
+function layers(test) {
+  const path = join(temporaryFolder(test), "layers.usda");
+  const at = (y) => -2 + 0.1 * y;
+  const groove = [-5, 5].flatMap((y) => [`(${at(y)}, ${y}, 0)`, `(${at(y) + 0.01}, ${y}, -0.03)`, `(${at(y) + 0.02}, ${y}, 0)`]);
+  const points = ["(-5, -5, 0)", "(5, -5, 0)", "(5, 5, 0)", "(-5, 5, 0)", ...groove];
+  const flap = ["(0, -1, 0.2)", "(3, -1, 0.2)", "(3, 2, 0.2)", "(0, 2, 0.2)"];
+  writeFileSync(
+    path,
+    `#usda 1.0
+(
+    defaultPrim = "Sheet"
+    metersPerUnit = 0.01
+    upAxis = "Y"
+)
+def Xform "Sheet"
+{
+    def Mesh "model"
+    {
+        int[] faceVertexCounts = [4, 4, 4, 4, 4]
+        int[] faceVertexIndices = [0, 4, 7, 3, 4, 5, 8, 7, 5, 6, 9, 8, 6, 1, 2, 9, 10, 11, 12, 13]
+        point3f[] points = [${[...points, ...flap].join(", ")}]
+        uniform token subdivisionScheme = "none"
+    }
+}
+`,
+  );
+  return path;
+}
+
+const MODEL = { roles: ["model"], wires: false, smooth: 0 };
+
+async function layered(t, settings = {}) {
+  const preview = await show(t, layers(t), { ready: false });
+  await preview.isDrawn(["model"]);
+  await preview.settings({ ...MODEL, ...settings });
+  await preview.page.keyboard.press("4");
+  await preview.picture();
+  return preview;
+}
+
+/** Places of points on the picture. */
+function places(preview, points) {
+  return preview.evaluate((points) => points.map((point) => preview.view.project("model", point)), points);
+}
+
+const light = (colour) => colour[0] + colour[1] + colour[2];
+
+/** The canvas in the frame in which the view draws it anew. */
+async function plain(preview) {
+  const data = await preview.evaluate(async () => {
+    preview.store.settings({});
+    const canvas = document.querySelector("canvas");
+    return new Promise((resolve) => requestAnimationFrame(() => resolve(canvas.toDataURL())));
+  });
+  return decode(Buffer.from(data.split(",")[1], "base64"));
+}
+
+/** How much the darkest pixel across the groove changes from row to row. */
+function unevenness(image, [from, to]) {
+  const rows = [];
+  for (let y = Math.ceil(to.y) + 8; y < from.y - 8; y++) {
+    const x = Math.round(from.x + ((to.x - from.x) * (y - from.y)) / (to.y - from.y));
+    rows.push(Math.min(...[-2, -1, 0, 1, 2].map((beside) => light(rgb(image, x + beside, y)))));
+  }
+  return rows.slice(1).reduce((sum, row, i) => sum + Math.abs(row - rows[i]), 0) / rows.length;
+}
+
+test("a groove of less than a pixel has no gaps in the picture at rest", async (t) => {
+  const preview = await layered(t, { shadows: false });
+  const ends = await places(preview, [5, 8]);
+  const [moving, resting] = [await plain(preview), await preview.picture()];
+  const [before, after] = [unevenness(moving, ends), unevenness(resting, ends)];
+  assert.ok(after < 0.6 * before, `${before} of a plain picture, ${after} at rest`);
+  assertClean(preview);
+});
+
+test("cloth below another layer is darker, and the switch ends it", async (t) => {
+  const preview = await layered(t);
+  const [corner] = await places(preview, [11]);
+  const nearby = (image) => light(rgb(image, Math.round(corner.x) - 20, Math.round(corner.y) + 3));
+  const far = (image) => light(rgb(image, Math.round(corner.x) - 20, Math.round(corner.y) + 60));
+  const shaded = await preview.picture();
+  await preview.page.getByRole("toolbar", { name: "Drawing" }).getByRole("button", { name: "Shadows" }).click();
+  const bare = await preview.picture();
+  assert.ok(nearby(shaded) < nearby(bare) - 15, `${nearby(shaded)} with shadows, ${nearby(bare)} without`);
+  assert.ok(Math.abs(far(shaded) - far(bare)) < 15, "far from the layer all is as it was");
+  assert.equal(await preview.state(({ settings }) => settings.shadows), false);
+  assertClean(preview);
+});
+
+test("the back of cloth is darker and of the same hue", async (t) => {
+  const preview = await layered(t, { shadows: false });
+  const [a, b] = await places(preview, [0, 2]);
+  const middle = (image) => rgb(image, Math.round(0.7 * a.x + 0.3 * b.x), Math.round((a.y + b.y) / 2));
+  const front = middle(await preview.picture());
+  await preview.page.keyboard.press("6");
+  const back = middle(await preview.picture());
+  assert.ok(light(back) < light(front) - 15, `front ${front}, back ${back}`);
+  const warmth = ([red, , blue]) => red / blue;
+  assert.ok(Math.abs(warmth(front) - warmth(back)) < 0.06, `front ${front}, back ${back}`);
+  assertClean(preview);
+});
+
+test("samples are drawn once the view is at rest, and a move shows a plain picture at once", async (t) => {
+  const preview = await layered(t);
+  await preview.when(() => preview.view.samples() === 16);
+  const box = await preview.page.locator("canvas").boundingBox();
+  await preview.page.mouse.move(box.x + 100, box.y + 300);
+  await preview.page.mouse.down();
+  await preview.page.mouse.move(box.x + 160, box.y + 300);
+  await preview.when(() => preview.view.samples() === 0, undefined, 2000);
+  await preview.page.mouse.up();
+  await preview.when(() => preview.view.samples() === 16);
+  assertClean(preview);
+});
+
+test("cloth has the model's own colour, or one that is chosen and kept, with a weave", async (t) => {
+  const preview = await show(t, example("tshirt.usda"), { ready: false });
+  const { page } = preview;
+  await preview.isDrawn(["model"]);
+  await preview.settings(MODEL);
+  await page.keyboard.press("4");
+  const chest = (image) => rgb(image, image.width >> 1, Math.round(image.height * 0.6));
+  const own = await preview.picture();
+  const [red, , blue] = chest(own);
+  assert.ok(blue > 1.25 * red, `jersey is blue: ${chest(own)}`);
+  await page.getByRole("button", { name: "Fabric" }).click();
+  await page.getByRole("button", { name: "Wine" }).click();
+  const wine = await preview.picture();
+  assert.ok(chest(wine)[0] > 1.5 * chest(wine)[2], `wine is red: ${chest(wine)}`);
+  await page.getByRole("radio", { name: "Knit" }).check();
+  await preview.when(() => observed.headers.model.blocks.uvs);
+  await preview.quiet();
+  await page.keyboard.press("Escape");
+  const box = await page.locator("canvas").boundingBox();
+  await page.mouse.move(box.x + box.width / 2, box.y + box.height * 0.6);
+  for (let i = 0; i < 5; i++) await page.mouse.wheel(0, -240);
+  const knit = await preview.picture();
+  await preview.settings({ fabric: { colour: "#7d2f3a", roughness: null, weave: "none" } });
+  assert.ok(differing(knit, await preview.picture()) > 0.5, "stitches are seen from near");
+  await page.reload();
+  await preview.isDrawn(["model"]);
+  assert.equal(await preview.state(({ settings }) => settings.fabric.colour), "#7d2f3a");
+  assertClean(preview);
+});
+
+test("a picture of 4k has its size and no ground, and a turntable is a film", async (t) => {
+  const preview = await layered(t, { shadows: false });
+  const { page } = preview;
+  const started = page.waitForEvent("download", { timeout: 120_000 });
+  await page.getByRole("button", { name: "Screenshot" }).click();
+  await page.getByRole("menuitem", { name: "4k" }).click();
+  const image = decode(readFileSync(await (await started).path()));
+  assert.deepEqual([image.width, image.height, image.channels], [3840, 2160, 4]);
+  const alpha = (x, y) => image.pixels[4 * (y * image.width + x) + 3];
+  assert.deepEqual([alpha(0, 0), alpha(3839, 0), alpha(0, 2159), alpha(1920, 1200)], [0, 0, 0, 255]);
+  const film = await preview.evaluate(async () => {
+    const blob = await preview.view.turntable(1);
+    return [...new Uint8Array(await blob.arrayBuffer()).subarray(0, 4), blob.size];
+  });
+  assert.deepEqual(film.slice(0, 4), [0x1a, 0x45, 0xdf, 0xa3], "WebM");
+  assert.ok(film[4] > 2000, `${film[4]} bytes`);
+  assertClean(preview);
+});
