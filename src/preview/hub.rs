@@ -9,6 +9,7 @@ use super::messages::{Figures, Origin, ProductMessage, Role, ServerMessage, Stat
 use super::stage::Stage;
 use crate::error::{Error, Fault, Warnings};
 use crate::garment::Mesh;
+use crate::mesh::FaceId;
 use crate::pipeline::{Builder, Progress};
 use crate::recipe::{Layers, Recipe};
 use crate::report::{RenderFigures, TriangleQuality};
@@ -33,6 +34,8 @@ pub struct Shown {
     pub build: f64,
     /// The recipe that it was built from.
     pub recipe: Arc<Recipe>,
+    /// The model's face of each face; empty for the model.
+    pub sources: Vec<FaceId>,
     /// Quality of its triangles, once measured.
     pub quality: OnceLock<Arc<TriangleQuality>>,
     /// Figures and warnings for the page, once measured.
@@ -277,7 +280,7 @@ impl Hub {
         let recipe = builder.resolve(&job.recipe)?;
         if role == Role::Sim {
             let update = builder.update_sim(&recipe)?;
-            let shown = self.show(role, job, &update.mesh, start);
+            let shown = self.show(role, job, &update.mesh, update.source_faces(), start);
             if shown.message.get().is_none() {
                 let _ = shown.quality.set(Arc::new(update.triangle_quality()));
                 let figures = Figures::from(&update.figures());
@@ -285,7 +288,8 @@ impl Hub {
             }
         } else {
             let update = builder.update_render(&recipe)?;
-            let shown = self.show(role, job, &update.mesh, start);
+            let sources = builder.render_sources(&recipe)?;
+            let shown = self.show(role, job, &update.mesh, sources, start);
             if shown.message.get().is_none() {
                 let figures = Figures::from(&RenderFigures::new(&update.mesh));
                 let mut recipe = recipe;
@@ -297,12 +301,13 @@ impl Hub {
     }
 
     /// Shows a mesh, unless it is shown already.
-    fn show(&self, role: Role, job: &Job, mesh: &Arc<Mesh>, start: Instant) -> Arc<Shown> {
+    fn show(&self, role: Role, job: &Job, mesh: &Arc<Mesh>, sources: Vec<FaceId>, start: Instant) -> Arc<Shown> {
         let shown = Shown {
             mesh: Arc::clone(mesh),
             revision: job.revision,
             build: start.elapsed().as_secs_f64() * 1e3,
             recipe: Arc::clone(&job.recipe),
+            sources,
             quality: OnceLock::new(),
             message: OnceLock::new(),
         };
@@ -344,6 +349,7 @@ impl HubState {
             revision: self.snapshot.state.revision,
             build: 0.0,
             recipe: Arc::default(),
+            sources: Vec::new(),
             quality: OnceLock::new(),
             message: OnceLock::new(),
         };
@@ -376,8 +382,10 @@ fn product(
 ) -> Arc<str> {
     let mut lengths = lengths(&job.recipe, recipe);
     lengths.retain(|key, _| key.starts_with("sim.") == (role == Role::Sim));
+    let level = (role == Role::Render).then_some(recipe.render.level);
     let (revision, warnings) = (job.revision, warnings.iter().collect());
-    ServerMessage::Product(ProductMessage { role, revision, figures, warnings, operators, lengths }).to_text().into()
+    let message = ProductMessage { role, revision, figures, level, warnings, operators, lengths };
+    ServerMessage::Product(message).to_text().into()
 }
 
 /// The lengths and levels that replace 0, by key.
