@@ -323,3 +323,17 @@ pub(crate) fn names<T: AsRef<str>>(all: &[T]) -> String {
     let more = if more > 0 { format!(" and {more} more") } else { String::new() };
     shown.join(", ") + &more
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_worst_warnings_come_first_and_others_keep_their_order() {
+        let codes = [Code::ThreadsCapped, Code::NarrowSeam, Code::NotCarried, Code::CurvesCut, Code::EmptySet];
+        let warnings: Warnings = codes.map(|code| Warning::new(code, "", "")).into_iter().collect();
+        let order: Vec<Code> = warnings.worst_first().iter().map(|warning| warning.code).collect();
+        let expected = [Code::NotCarried, Code::EmptySet, Code::NarrowSeam, Code::CurvesCut, Code::ThreadsCapped];
+        assert_eq!(order, expected);
+    }
+}

@@ -2,7 +2,7 @@ import { useLayoutEffect } from "preact/hooks";
 import type { Store } from "../state/store";
 import { StoreContext, useSelect } from "./controls/hooks";
 import { KeysDialog } from "./dialogs/KeysDialog";
-import { Banners, Toasts } from "./Notices";
+import { Banners } from "./Notices";
 import { Recipe } from "./recipe/Recipe";
 import { SaveDialog } from "./dialogs/SaveDialog";
 import { Stage } from "./stage/Stage";
@@ -24,7 +24,6 @@ export function App({ store }: { store: Store }) {
       </div>
       <SaveDialog />
       <KeysDialog />
-      <Toasts />
     </StoreContext.Provider>
   );
 }

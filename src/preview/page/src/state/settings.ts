@@ -6,6 +6,8 @@ import type { Layout, Shading, ViewOptions } from "../view/api";
 export interface Settings {
   roles: Role[];
   layout: Layout;
+  /** The mesh that is large in the layout of that name. */
+  large: Role;
   shading: Shading;
   /** What heat shows: a primvar, `quality:angle` or `quality:length`. */
   values: string | null;
@@ -26,7 +28,8 @@ const KEY = "usdtailor.preview";
 
 const DEFAULTS: Settings = {
   roles: ROLES,
-  layout: "side",
+  layout: "large",
+  large: "render",
   shading: "cloth",
   values: null,
   wires: true,
@@ -71,8 +74,9 @@ function prefersDark(): MediaQueryList {
   return matchMedia("(prefers-color-scheme: dark)");
 }
 
-export function viewOptions({ roles, layout, shading, wires, edgeSets, flat, theme }: Settings): ViewOptions {
-  return { roles, layout, shading, wires, edgeSets, flat, theme };
+export function viewOptions(settings: Settings): ViewOptions {
+  const { roles, layout, large, shading, wires, edgeSets, flat, theme } = settings;
+  return { roles, layout, large, shading, wires, edgeSets, flat, theme };
 }
 
 export interface HeatChoice {

@@ -8,10 +8,12 @@ import { Backdrop } from "./shade/backdrop";
 import type { Cloth } from "./mesh/cloth";
 import { ACCENT, MARK, SELECTED } from "./shade/colours";
 import type { Column } from "./layout";
-import { Marks } from "./mesh/marks";
+import { FAINT, Marks, THROUGH } from "./mesh/marks";
 import { Paint } from "./shade/paint";
 import type { Box } from "./mesh/points";
 import type { Rig, SpaceRig } from "./camera/rig";
+
+const ROLES: Role[] = ["model", "sim", "render"];
 
 const SHADINGS: Record<Shading, number> = { cloth: 0, faceSets: 1, checker: 2, values: 3 };
 
@@ -24,9 +26,16 @@ const MOST_RATIO = 2;
 export class Stage {
   readonly renderer: WebGLRenderer;
   readonly cloths = new Map<Role, Cloth>();
-  readonly marks = new Marks(MARK, 4);
-  readonly glow = new Marks(ACCENT, 4);
-  readonly selection = new Marks(SELECTED, 5);
+  readonly marks = new Marks(MARK, 4, THROUGH);
+  /** The mesh that the marks are on. */
+  marked: Role = "model";
+  readonly glow = new Marks(ACCENT, 4, THROUGH);
+  /** The selection on each mesh. */
+  readonly selections: Record<Role, Marks> = {
+    model: new Marks(SELECTED, 5, FAINT),
+    sim: new Marks(SELECTED, 5, FAINT),
+    render: new Marks(SELECTED, 5, FAINT),
+  };
   readonly uniforms = {
     uFlat: { value: false },
     uWires: { value: false },
@@ -53,7 +62,7 @@ export class Stage {
     this.renderer.autoClear = false;
     this.renderer.info.autoReset = true;
     const { ground, square } = this.#backdrop;
-    this.#world.add(ground, square, this.selection.object, this.marks.object, this.glow.object);
+    this.#world.add(ground, square, ...this.#allMarks.map(({ object }) => object));
     this.resize();
   }
 
@@ -116,6 +125,10 @@ export class Stage {
     this.uniforms.uBias.value = BIAS * this.radius;
   }
 
+  get #allMarks(): Marks[] {
+    return [...ROLES.map((role) => this.selections[role]), this.marks, this.glow];
+  }
+
   draw(columns: Column[], rig: Rig, space: SpaceRig): void {
     const { renderer } = this;
     const flat = this.uniforms.uFlat.value;
@@ -134,17 +147,16 @@ export class Stage {
   #drawColumn(column: Column, rig: Rig, space: SpaceRig): void {
     const { renderer } = this;
     const { x, width, height } = column;
-    renderer.setViewport(x, 0, width, height);
-    renderer.setScissor(x, 0, width, height);
+    const low = this.height - column.y - height;
+    renderer.setViewport(x, low, width, height);
+    renderer.setScissor(x, low, width, height);
     rig.setBounds(this.centre, this.radius);
     rig.place(width / height);
     this.uniforms.uUp.value.copy(space.up).transformDirection(rig.camera.matrixWorldInverse);
     this.#show(column.roles);
     const ratio = renderer.getPixelRatio();
     this.uniforms.uView.value.set(width * ratio, height * ratio);
-    this.marks.setView(width * ratio, height * ratio, ratio);
-    this.glow.setView(width * ratio, height * ratio, ratio);
-    this.selection.setView(width * ratio, height * ratio, ratio);
+    for (const marks of this.#allMarks) marks.setView(width * ratio, height * ratio, ratio);
     renderer.render(this.#world, rig.camera);
   }
 
@@ -162,5 +174,7 @@ export class Stage {
       // The lines of the mesh above say more, and two of one colour would be mistaken for one another.
       cloth.lines.setVisible(!last || drawn.length < 2);
     }
+    this.marks.object.visible = roles.includes(this.marked);
+    for (const role of ROLES) this.selections[role].object.visible = role === drawn.at(-1);
   }
 }

@@ -23,11 +23,12 @@ function Dialog({ suggested }: { suggested: SaveTargets }) {
   const store = useStore();
   const isLive = useLive();
   const dialog = useRef<HTMLDialogElement>(null);
-  const { layer, recipe } = suggested;
-  const [path, setPath] = useState(layer ?? recipe);
+  const savedTo = useSelect((state) => state.savedTo);
+  const { layer, recipe } = withSaved(suggested, savedTo);
+  const [path, setPath] = useState(savedTo ?? layer ?? recipe);
   const [isSure, setSure] = useState(false);
   const answer = useSelect((state) => state.save);
-  const format: Format = path.endsWith(".tailor") ? "recipe" : "layer";
+  const format = formatOf(path);
   const plan = answer?.path === path ? answer : null;
 
   useLayoutEffect(() => dialog.current?.showModal(), []);
@@ -109,6 +110,15 @@ function Dialog({ suggested }: { suggested: SaveTargets }) {
   );
 }
 
+function formatOf(path: string): Format {
+  return path.endsWith(".tailor") ? "recipe" : "layer";
+}
+
+/** The file that was saved last is the one of its format. */
+function withSaved(suggested: SaveTargets, savedTo: string | null): SaveTargets {
+  return savedTo === null ? suggested : { ...suggested, [formatOf(savedTo)]: savedTo };
+}
+
 /** A layer keeps what else is in it, a `.tailor` file is replaced. */
 function verb(plan: SaveMessage | null, format: Format, isSure: boolean): string {
   if (!plan?.exists) return "Save";
@@ -119,6 +129,7 @@ function verb(plan: SaveMessage | null, format: Format, isSure: boolean): string
 function saved(store: Store, path: string): void {
   const command = `usdtailor build ${quoted(path)} -o ${quoted(path.replace(/\.[^./\\]*$/, "") + "_tailored.usda")}`;
   const act = () => void copyText(store, command);
+  store.update({ savedTo: path });
   store.toast({ text: `Saved ${path}`, code: command, action: { label: "Copy command", act } });
 }
 

@@ -1,14 +1,16 @@
 // The strip below the view: figures of both meshes, times, warnings.
 
-import type { ProductMessage } from "../../server/protocol";
+import type { Role } from "../../server/protocol";
+import type { Product } from "../../state/state";
 import { IconButton } from "../controls/controls";
-import { useSelect, useStore } from "../controls/hooks";
+import { useAllCurrent, useLevels, useSelect, useStanding, useStore } from "../controls/hooks";
 import { Icon } from "../controls/icons";
 import { count, degrees, milliseconds, percent } from "../controls/numbers";
 import { ROLE_NAMES } from "../../state/settings";
-import { warningsOf } from "../../state/state";
+import { findingsOf } from "../../state/state";
+import type { Finding } from "../../state/garment";
 import type { Timing } from "../../state/stopwatch";
-import { Warnings } from "./Warnings";
+import { SEVERITY_ICONS, Warnings } from "./Warnings";
 
 export function Strip() {
   const store = useStore();
@@ -17,18 +19,13 @@ export function Strip() {
   const products = useSelect((state) => state.products);
   const lastEdit = useSelect((state) => state.lastEdit);
   const garment = useSelect((state) => state.garment);
-  const warnings = warningsOf({ garment, products });
+  const findings = findingsOf({ garment, products });
   const toggle = () => store.settings({ figures: !isOpen });
   return (
     <section class={`strip ${isOpen ? "is-open" : ""}`} aria-label="Figures and warnings">
       <div class="strip-bar">
-        <Brief
-          name="Simulation"
-          isShown={roles.includes("sim")}
-          product={products.sim}
-          figures={simBrief(products.sim)}
-        />
-        <Brief name="Render" isShown={roles.includes("render")} product={products.render} figures={[]} />
+        <Brief role="sim" isShown={roles.includes("sim")} product={products.sim} figures={simBrief(products.sim)} />
+        <Brief role="render" isShown={roles.includes("render")} product={products.render} figures={[]} />
         <span class="strip-space" />
         {lastEdit && (
           <span class="brief" title="From your last edit until it was drawn">
@@ -36,7 +33,7 @@ export function Strip() {
           </span>
         )}
         <FaultCount />
-        <WarningCount count={warnings.length} isOpen={isOpen} toggle={toggle} />
+        <WarningCount findings={findings} isOpen={isOpen} toggle={toggle} />
         <IconButton label={isOpen ? "Hide figures" : "Show figures"} icon={isOpen ? "down" : "up"} act={toggle} />
       </div>
       {isOpen && (
@@ -44,7 +41,7 @@ export function Strip() {
           <SimFigures product={products.sim} />
           <RenderFigures product={products.render} />
           <Times timing={lastEdit} />
-          <Warnings warnings={warnings} />
+          <Warnings findings={findings} />
         </div>
       )}
     </section>
@@ -75,37 +72,57 @@ function cardOf(key: string): Element | null {
   return document.querySelector(`[data-card="${CSS.escape(full)}"]`);
 }
 
-function WarningCount({ count, isOpen, toggle }: { count: number; isOpen: boolean; toggle(): void }) {
-  const words = count === 0 ? "No warnings" : count === 1 ? "1 warning" : `${count} warnings`;
+interface CountProps {
+  findings: Finding[];
+  isOpen: boolean;
+  toggle(): void;
+}
+
+/** Without warnings, what is built or could not be built may still have some. */
+function WarningCount({ findings, isOpen, toggle }: CountProps) {
+  const isKnown = useAllCurrent();
+  const count = findings.length;
+  const worst = findings[0]?.severity;
+  const none = isKnown ? "No warnings" : "Warnings: not known yet";
   return (
     <button
       type="button"
-      class={`warning-count ${count > 0 ? "has-some" : ""}`}
+      class={`warning-count ${worst ? `is-${worst}` : ""}`}
       aria-expanded={isOpen}
-      title="Show the list"
+      title={isKnown ? "Show the list" : "Show the list. It is that of the last good builds"}
       onClick={toggle}
     >
-      <Icon name={count > 0 ? "warning" : "check"} />
-      <span data-testid="warning-count">{words}</span>
+      {(worst || isKnown) && <Icon name={worst ? SEVERITY_ICONS[worst] : "check"} />}
+      <span data-testid="warning-count">{count === 0 ? none : count === 1 ? "1 warning" : `${count} warnings`}</span>
     </button>
   );
 }
 
 interface BriefProps {
-  name: string;
+  role: "sim" | "render";
   isShown: boolean;
-  product: ProductMessage | undefined;
+  product: Product | undefined;
   figures: [string, string][];
 }
 
-function Brief({ name, isShown, product, figures }: BriefProps) {
+function Brief({ role, isShown, product, figures }: BriefProps) {
+  const standing = useStanding(role);
   const hint = isShown ? undefined : "Hidden: these are the figures of its last build";
   return (
-    <span class={`brief ${isShown ? "" : "is-hidden"}`} title={hint}>
-      {name}
+    <span class={`brief ${isShown ? "" : "is-hidden"}`} title={hint} data-brief={role}>
+      {ROLE_NAMES[role]}
+      {standing.is !== "current" && (
+        <em class="standing" title={standing.why}>
+          {standing.is}
+        </em>
+      )}
       {product ? (
         <>
-          <b>{count(product.figures.vertices)}</b> points <b>{count(product.figures.faces)}</b> faces
+          <span class="brief-points">
+            <b>{count(product.figures.vertices)}</b> points
+          </span>
+          <b>{count(product.figures.faces)}</b> faces
+          {product.level !== null && <Level role={role} />}
           {figures.map(([term, figure]) => (
             <span class="brief-more" key={term}>
               {term} <b>{figure}</b>
@@ -119,7 +136,18 @@ function Brief({ name, isShown, product, figures }: BriefProps) {
   );
 }
 
-function simBrief(product: ProductMessage | undefined): [string, string][] {
+/** The level that is written, and what display adds to it. */
+function Level({ role }: { role: Role }) {
+  const { written, shown } = useLevels(role);
+  return (
+    <span title="Subdivision level that is written; refinements for display are only shown">
+      written at level <b>{written}</b>
+      {shown > written && `, shown at ${shown}`}
+    </span>
+  );
+}
+
+function simBrief(product: Product | undefined): [string, string][] {
   const figures = product?.figures;
   return [
     ["smallest angle", degrees(figures?.minAngle)],
@@ -128,7 +156,7 @@ function simBrief(product: ProductMessage | undefined): [string, string][] {
   ];
 }
 
-function SimFigures({ product }: { product: ProductMessage | undefined }) {
+function SimFigures({ product }: { product: Product | undefined }) {
   const figures = product?.figures;
   return (
     <Figures
@@ -144,7 +172,7 @@ function SimFigures({ product }: { product: ProductMessage | undefined }) {
   );
 }
 
-function RenderFigures({ product }: { product: ProductMessage | undefined }) {
+function RenderFigures({ product }: { product: Product | undefined }) {
   const figures = product?.figures;
   return (
     <Figures
@@ -152,6 +180,7 @@ function RenderFigures({ product }: { product: ProductMessage | undefined }) {
       rows={[
         ["Points", count(figures?.vertices)],
         ["Faces", count(figures?.faces)],
+        ["Level, as written", product ? String(product.level) : "–"],
         ["Quads", percent(figures?.quads)],
         ["Operators that ran", product ? String(product.operators.length) : "–"],
       ]}
