@@ -324,3 +324,30 @@ test("a selection behind cloth is faint", async (t) => {
   assert.ok(differing(front.without, front.with) > 0.0005, "where it is can be told");
   assertClean(preview);
 });
+
+test("at the edge of cloth before other cloth, a click finds the edge in front", async (t) => {
+  const preview = await show(t, bareShirt(t), { viewport: SCREEN });
+  const { page } = preview;
+  await preview.settings({ roles: ["model"] });
+  await preview.picture();
+  await page.keyboard.press("e");
+  await page.keyboard.type("borders.highest");
+  await page.keyboard.press("Enter");
+  await preview.when(() => preview.store.state.selection !== null);
+  // The middle of the front of the neckline; above it, the inside of the back is seen.
+  const { ends, x, y } = await preview.evaluate(() => {
+    const { store, view } = preview;
+    const { edges } = store.state.selection.elements;
+    store.selector.clear();
+    const front = (edge) => edge.reduce((sum, point) => sum + observed.points.model[3 * point + 2], 0);
+    const [ends] = edges.sort((a, b) => front(b) - front(a));
+    const [a, b] = ends.map((point) => view.project("model", point));
+    const box = document.querySelector("canvas").getBoundingClientRect();
+    return { ends, x: box.x + (a.x + b.x) / 2, y: box.y + (a.y + b.y) / 2 };
+  });
+  await page.mouse.click(x, y - 2);
+  await preview.when(() => preview.store.state.selection !== null);
+  const { edges } = await preview.state(({ selection }) => selection.elements);
+  assert.deepEqual(edges?.map((pair) => [...pair].sort()), [[...ends].sort()]);
+  assertClean(preview);
+});

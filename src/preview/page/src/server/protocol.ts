@@ -463,6 +463,9 @@ export type SetInfo = {
 /** The elements of a set. */
 export type SetKind = "face" | "edge" | "point";
 
+/** How bad a warning is, the worst first. */
+export type Severity = "fault" | "quality" | "note";
+
 /** An operator with its place in the order. */
 export type Stacked = {
   /** The group of its options, such as `seam`. */
@@ -538,9 +541,6 @@ export type View = {
   /** The primvar or quality figure that is drawn. */
   values: string | null,
 };
-
-/** How bad a warning is, the worst first. */
-export type Severity = "fault" | "quality" | "note";
 
 /** A problem that does not stop the work. */
 export type Warning = {

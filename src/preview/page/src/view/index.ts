@@ -164,6 +164,7 @@ class CanvasView implements View {
     const faces = what === null ? null : this.#facesOf(what);
     this.#isolated = faces && faces.size > 0 ? faces : null;
     for (const cloth of this.#stage.cloths.values()) cloth.isolate(this.#isolated);
+    this.#placeMarkers();
     this.#hover.forget();
     this.#invalidate();
     return this.#isolated !== null;

@@ -5,7 +5,7 @@ import type { Marked } from "./api";
 import type { Cloth } from "./mesh/cloth";
 import { placeGlow, placeMarks } from "./mesh/shapes";
 import type { Elements } from "./mesh/shapes";
-import { Carrying } from "./mesh/sources";
+import { Carrying, drawnOf } from "./mesh/sources";
 import type { Stage } from "./stage";
 
 /** Elements on one mesh. */
@@ -46,6 +46,8 @@ export class Markers {
 
   #on(role: Role, elements: Elements, carrying: Carrying): OnCloth | null {
     const [model, cloth] = [this.stage.cloths.get("model"), this.stage.cloths.get(role)];
-    return model && cloth ? { role, cloth, elements: carrying.of(model, cloth, elements) } : null;
+    if (!model || !cloth) return null;
+    const all = carrying.of(model, cloth, elements);
+    return { role, cloth, elements: cloth.isIsolated ? drawnOf(cloth, all) : all };
   }
 }

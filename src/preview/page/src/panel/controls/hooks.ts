@@ -43,10 +43,10 @@ export function useStanding(role: Role): Standing {
   return standingOf({ faults, progress, products }, role);
 }
 
-/** Whether all meshes are of the recipe and the files as they are. */
-export function useAllCurrent(): boolean {
-  const all = [useStanding("model"), useStanding("sim"), useStanding("render")];
-  return all.every((standing) => standing.is === "current");
+/** That of the meshes as a whole: stale if one is, or else building if one is. */
+export function useStandingOfAll(): Standing["is"] {
+  const all = [useStanding("model"), useStanding("sim"), useStanding("render")].map((standing) => standing.is);
+  return all.includes("stale") ? "stale" : all.includes("building") ? "building" : "current";
 }
 
 /** The level that is written of a mesh, and the one that is shown. */

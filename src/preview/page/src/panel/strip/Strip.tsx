@@ -1,9 +1,9 @@
 // The strip below the view: figures of both meshes, times, warnings.
 
 import type { Role } from "../../server/protocol";
-import type { Product } from "../../state/state";
+import type { Product, Standing } from "../../state/state";
 import { IconButton } from "../controls/controls";
-import { useAllCurrent, useLevels, useSelect, useStanding, useStore } from "../controls/hooks";
+import { useLevels, useSelect, useStanding, useStandingOfAll, useStore } from "../controls/hooks";
 import { Icon } from "../controls/icons";
 import { count, degrees, milliseconds, percent } from "../controls/numbers";
 import { ROLE_NAMES } from "../../state/settings";
@@ -78,22 +78,29 @@ interface CountProps {
   toggle(): void;
 }
 
-/** Without warnings, what is built or could not be built may still have some. */
+/** What is built, or could not be built, may still have warnings. */
+const NO_WARNINGS: Record<Standing["is"], string> = {
+  current: "No warnings",
+  building: "Building",
+  stale: "Warnings not known",
+};
+
 function WarningCount({ findings, isOpen, toggle }: CountProps) {
-  const isKnown = useAllCurrent();
+  const standing = useStandingOfAll();
   const count = findings.length;
   const worst = findings[0]?.severity;
-  const none = isKnown ? "No warnings" : "Warnings: not known yet";
   return (
     <button
       type="button"
       class={`warning-count ${worst ? `is-${worst}` : ""}`}
       aria-expanded={isOpen}
-      title={isKnown ? "Show the list" : "Show the list. It is that of the last good builds"}
+      title={standing === "current" ? "Show the list" : "Show the list. It is that of the last good builds"}
       onClick={toggle}
     >
-      {(worst || isKnown) && <Icon name={worst ? SEVERITY_ICONS[worst] : "check"} />}
-      <span data-testid="warning-count">{count === 0 ? none : count === 1 ? "1 warning" : `${count} warnings`}</span>
+      {(worst || standing === "current") && <Icon name={worst ? SEVERITY_ICONS[worst] : "check"} />}
+      <span data-testid="warning-count">
+        {count === 0 ? NO_WARNINGS[standing] : count === 1 ? "1 warning" : `${count} warnings`}
+      </span>
     </button>
   );
 }

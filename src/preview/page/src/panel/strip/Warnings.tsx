@@ -1,7 +1,7 @@
 import type { Severity } from "../../server/protocol";
 import type { Finding } from "../../state/garment";
 import { ROLE_NAMES } from "../../state/settings";
-import { useAllCurrent, useSelect, useStore } from "../controls/hooks";
+import { useSelect, useStandingOfAll, useStore } from "../controls/hooks";
 import { Icon, type IconName } from "../controls/icons";
 import { Words } from "../controls/Words";
 
@@ -11,11 +11,11 @@ export const SEVERITY_ICONS: Record<Severity, IconName> = { fault: "error", qual
 export function Warnings({ findings }: { findings: Finding[] }) {
   const store = useStore();
   const marked = useSelect((state) => state.marked);
-  const isKnown = useAllCurrent();
+  const standing = useStandingOfAll();
   return (
     <div class="warnings">
       <h3>
-        Warnings <span>{findings.length || (isKnown ? "none" : "not known yet")}</span>
+        Warnings <span>{findings.length || (standing === "current" ? "none" : "not known")}</span>
       </h3>
       <ul>
         {findings.map((finding) => (

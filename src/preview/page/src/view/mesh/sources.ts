@@ -17,6 +17,22 @@ export function carried(model: Cloth, mesh: Cloth, elements: Elements): Elements
   return found;
 }
 
+/** The elements that are drawn: all, or those of what is shown alone. */
+export function drawnOf(mesh: Cloth, { points = [], edges = [], faces = [] }: Elements): Elements {
+  const { starts, corners } = mesh.faces;
+  const [ownPoints, ownFaces] = [new Set<number>(), new Set<number>()];
+  for (let face = 0; face < mesh.faceCount; face++) {
+    if (!mesh.isDrawn(face)) continue;
+    ownFaces.add(ownerOf(mesh, face));
+    for (let corner = starts[face]; corner < starts[face + 1]; corner++) ownPoints.add(corners[corner]);
+  }
+  return {
+    points: points.filter((point) => ownPoints.has(point)),
+    edges: edges.filter((ends) => ends.every((end) => ownPoints.has(end))),
+    faces: faces.filter((face) => ownFaces.has(face)),
+  };
+}
+
 /** Remembers what it carried, since points move more often than faces change. */
 export class Carrying {
   readonly #known = new WeakMap<Cloth, { model: Cloth; sources: Uint32Array | null; elements: Elements; found: Elements }>();
