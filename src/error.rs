@@ -3,8 +3,10 @@
 //! Whoever finds a fault writes its words; this file only holds and prints them.
 
 mod code;
+mod warning_code;
 
 pub use code::ErrorCode;
+pub use warning_code::{Code, Severity};
 
 use crate::mesh::Elements;
 use serde::Serialize;
@@ -151,100 +153,6 @@ impl std::error::Error for Error {
     }
 }
 
-/// The kind of a warning, for programs that read reports.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
-#[serde(rename_all = "kebab-case")]
-#[cfg_attr(test, derive(ts_rs::TS), ts(rename = "WarningCode"))]
-#[non_exhaustive]
-pub enum Code {
-    /// Edges have more than two faces.
-    NonManifoldEdges,
-    /// Several fans of faces meet at one vertex.
-    BowTieVertices,
-    /// Neighbouring faces disagree in winding.
-    WindingDisagreements,
-    /// No face uses a point.
-    UnusedPoints,
-    /// Faces have no area.
-    DegenerateFaces,
-    /// Faces have the points of an earlier face.
-    DuplicateFaces,
-    /// A product lacks an attribute of the model.
-    NotCarried,
-    /// The garment is so far from the origin that points of the products are rounded.
-    FarFromOrigin,
-    /// The mesh has no subdivision surface.
-    PolygonalCage,
-    /// The simulation mesh has reached the limit of its size.
-    FaceLimit,
-    /// UVs are flipped or degenerate, and the simulation mesh ignores them there.
-    FlippedUvs,
-    /// Edges of the simulation mesh leave a border, seam or constraint.
-    CurvesCut,
-    /// A face subset has another area on the simulation mesh.
-    AreaChanged,
-    /// Face subsets are too small for the triangles of the simulation mesh.
-    SetsBlurred,
-    /// A seam is narrower than its width.
-    NarrowSeam,
-    /// A seam is pushed less than its offset.
-    ShallowSeam,
-    /// The heights of an operator are less than it asks.
-    ReducedHeight,
-    /// Two seams have the same edges.
-    SharedSeamEdges,
-    /// A second layer is nearer than its thickness.
-    ThinLayer,
-    /// Faces have no second layer.
-    BareFaces,
-    /// A face set of an operator has another name than asked.
-    SetRenamed,
-    /// Faces intersect others or are flipped.
-    Intersections,
-    /// Repair has ended before all faces were tested.
-    RepairCutShort,
-    /// `render.operators` leaves operators out.
-    OperatorsLeftOut,
-    /// A reference to the asset cannot reach the products.
-    RootMesh,
-    /// An expression of a recipe gives a set without elements.
-    EmptySet,
-    /// No vertex of the simulation mesh is in a set that is held.
-    NothingPinned,
-    /// The mesh has no UV set with seams, or several without a known name.
-    NoUvSet,
-    /// UV shells are too small for the triangles of the simulation mesh.
-    SmallShells,
-    /// Nearly every edge is a UV seam.
-    UvConfetti,
-    /// Triangles of the simulation mesh are flipped in the UVs.
-    UvFlips,
-    /// UV shells are not patterns of the mesh.
-    NoPattern,
-    /// There are no panels to write.
-    NoPanels,
-    /// A dialect of physics takes one value where the cloth has several.
-    MeanFabric,
-    /// The stage does not compose fully.
-    Composition,
-    /// An option of a payload cannot be one, and is left out.
-    IgnoredOption,
-    /// An option is where nothing reads it.
-    MisplacedOption,
-    /// A schema is applied, and the sets that it needs are not named.
-    SchemaWithoutSets,
-    /// Borders of two meshes lie along each other and are not sewn.
-    UnsewnBorders,
-    /// Fewer threads are started than asked for.
-    ThreadsCapped,
-}
-
-impl fmt::Display for Code {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.serialize(f)
-    }
-}
-
 /// A problem that does not stop the work.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
@@ -253,6 +161,8 @@ impl fmt::Display for Code {
 pub struct Warning {
     /// Its kind.
     pub code: Code,
+    /// How bad it is: that of its code.
+    pub severity: Severity,
     /// The prim, set, option or file to select.
     pub place: String,
     /// The loss or change.
@@ -274,8 +184,16 @@ pub struct Warning {
 impl Warning {
     /// A warning without elements and without a remedy.
     pub fn new(code: Code, place: impl fmt::Display, problem: impl Into<String>) -> Self {
-        let (place, problem, remedy) = (place.to_string(), problem.into(), String::new());
-        Self { code, place, problem, remedy, names: Vec::new(), elements: Elements::Points(Vec::new()), amount: None }
+        Self {
+            code,
+            severity: code.severity(),
+            place: place.to_string(),
+            problem: problem.into(),
+            remedy: String::new(),
+            names: Vec::new(),
+            elements: Elements::Points(Vec::new()),
+            amount: None,
+        }
     }
 
     /// An attribute, property or subset of the model that a product lacks.
@@ -357,6 +275,13 @@ impl Warnings {
         self.0.iter()
     }
 
+    /// The warnings, the worst first, and those of one severity in the order in which they arose.
+    pub fn worst_first(&self) -> Vec<&Warning> {
+        let mut all: Vec<&Warning> = self.0.iter().collect();
+        all.sort_by_key(|warning| warning.severity);
+        all
+    }
+
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
@@ -397,4 +322,18 @@ pub(crate) fn names<T: AsRef<str>>(all: &[T]) -> String {
     let more = all.len().saturating_sub(PRINTED);
     let more = if more > 0 { format!(" and {more} more") } else { String::new() };
     shown.join(", ") + &more
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_worst_warnings_come_first_and_others_keep_their_order() {
+        let codes = [Code::ThreadsCapped, Code::NarrowSeam, Code::NotCarried, Code::CurvesCut, Code::EmptySet];
+        let warnings: Warnings = codes.map(|code| Warning::new(code, "", "")).into_iter().collect();
+        let order: Vec<Code> = warnings.worst_first().iter().map(|warning| warning.code).collect();
+        let expected = [Code::NotCarried, Code::EmptySet, Code::NarrowSeam, Code::CurvesCut, Code::ThreadsCapped];
+        assert_eq!(order, expected);
+    }
 }

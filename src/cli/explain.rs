@@ -67,6 +67,7 @@ fn sections() -> impl Iterator<Item = Section> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::error::Code;
     use std::collections::BTreeSet;
 
     /// The variants of an enum as serde names them.
@@ -90,7 +91,7 @@ mod tests {
     #[test]
     fn every_code_has_a_section_and_every_section_a_code() {
         let errors = variants(include_str!("../error/code.rs"), "ErrorCode");
-        let warnings = variants(include_str!("../error.rs"), "Code");
+        let warnings = variants(include_str!("../error/warning_code.rs"), "Code");
         assert!(errors.len() > 20 && warnings.len() > 20, "the enums were read");
         for (heading, codes) in [("Errors", errors), ("Warnings", warnings)] {
             let (told, codes) = (BTreeSet::from_iter(told(heading)), BTreeSet::from_iter(codes));
@@ -100,6 +101,15 @@ mod tests {
         }
         let all: BTreeSet<_> = sections().map(|section| section.code).collect();
         assert_eq!(all.len(), sections().count(), "each code is unique");
+    }
+
+    #[test]
+    fn sections_of_warnings_name_the_severity_of_their_code() {
+        for code in told("Warnings") {
+            let known: Code = serde_json::from_value(code.as_str().into()).expect("a code");
+            let text = explained(&code).expect("a section");
+            assert!(text.contains(&format!("\n\nSeverity: {}.\n", known.severity())), "{text}");
+        }
     }
 
     #[test]

@@ -169,7 +169,7 @@ fn each(args: &ExamineArgs, mut work: impl FnMut(&Path, &mut Found) -> Result<()
         let mut found = Found { payloads, ..Found::default() };
         found.warnings.extend(found.payloads.misplaced.iter().cloned());
         let result = work(&file, &mut found);
-        text::print_warnings(found.warnings.iter(), inputs.quiet || args.json, several.then_some(&file));
+        text::print_warnings(found.warnings.worst_first(), inputs.quiet || args.json, several.then_some(&file));
         if let Err(error) = &result {
             code = code.max(super::program::exit_code(error));
         }

@@ -27,6 +27,7 @@ pub use sim::baseline;
 
 use crate::error::{Code, Error, Warning, Warnings};
 use crate::garment::{Garment, Mesh, Scheme, Subset, check_garment};
+use crate::mesh::FaceId;
 use crate::recipe::{Recipe, RecipeSets, Resolved, ResolvedSim};
 use crate::render::operator::Operator;
 use crate::render::{RenderResult, RenderSteps, Stack};
@@ -345,6 +346,15 @@ impl Builder {
         self.derive_render(sets.render);
         let update = self.render(&recipe)?;
         Ok(RenderUpdate { mesh: self.frame.render(&update.mesh)?, ..update })
+    }
+
+    /// The face of the mesh that each face of the last [`Builder::update_render`] is part of. It had the same recipe, resolved.
+    ///
+    /// # Errors
+    /// As [`Builder::update_render`].
+    pub(crate) fn render_sources(&mut self, recipe: &Recipe) -> Result<Vec<FaceId>, Error> {
+        let stack = self.stack(recipe)?;
+        Ok(self.render.source_faces(&stack)?.as_slice().to_vec())
     }
 
     /// The simulation mesh of resolved options, in the frame.

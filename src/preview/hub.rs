@@ -12,6 +12,7 @@ use super::messages::{BuildMessage, Origin, Role, ServerMessage, StateMessage};
 use super::stage::Stage;
 use crate::error::Fault;
 use crate::garment::Mesh;
+use crate::mesh::FaceId;
 use crate::recipe::{Layers, Recipe};
 use crate::report::TriangleQuality;
 use crate::session::Input;
@@ -33,6 +34,8 @@ pub struct Shown {
     pub build: f64,
     /// The recipe that it was built from.
     pub recipe: Arc<Recipe>,
+    /// The model's face of each face; empty for the model.
+    pub sources: Vec<FaceId>,
     /// Quality of its triangles, once measured.
     pub quality: OnceLock<Arc<TriangleQuality>>,
     /// Figures and warnings for the page, once measured.
@@ -270,6 +273,7 @@ impl HubState {
             revision: self.snapshot.state.revision,
             build: 0.0,
             recipe: Arc::default(),
+            sources: Vec::new(),
             quality: OnceLock::new(),
             message: OnceLock::new(),
         };

@@ -95,16 +95,29 @@ pub struct OperatorInput<'a> {
     pub(crate) level: &'a Level,
     /// Clearance that the garment leaves beside each vertex, measured within the operators' reach.
     pub(crate) clearance: &'a IdVec<VertexId, Clearance>,
-    /// The vertex of the input garment at or beside each vertex that is not an operator's, for messages.
+    /// The vertex of the input garment at or beside each vertex, for messages.
     pub inputs: &'a Arc<IdVec<VertexId, VertexId>>,
     /// True if operators add face subsets of their new faces.
     pub names_sets: bool,
 }
 
-/// The points of the input garment at some vertices, each once, without those at vertices of operators.
+/// The points of the input garment at some vertices, each once.
 fn input_points(inputs: &IdVec<VertexId, VertexId>, vertices: impl IntoIterator<Item = VertexId>) -> Elements {
     let known = vertices.into_iter().filter(|v| v.index() < inputs.len());
     Elements::Points(known.map(|v| inputs[v]).collect::<BTreeSet<_>>().into_iter().collect())
+}
+
+/// The input vertices after an operator: a new vertex has that of its heaviest source.
+fn passed_on(
+    inputs: &Arc<IdVec<VertexId, VertexId>>,
+    derivation: &OperatorDerivation,
+) -> Arc<IdVec<VertexId, VertexId>> {
+    let mut all = Arc::clone(inputs);
+    for v in inputs.len()..derivation.vertices.len() {
+        let heaviest = derivation.vertices.at(v).iter().reduce(|a, b| if b.1 > a.1 { b } else { a });
+        Arc::make_mut(&mut all).push(heaviest.map_or(VertexId::new(0), |source| inputs[source.0]));
+    }
+    all
 }
 
 impl OperatorInput<'_> {
@@ -191,7 +204,7 @@ pub struct OperatorOutput {
     pub creases: Vec<[VertexId; 2]>,
     /// Provisional offsets of copies from their originals, so that later operators can measure edges. \[mesh units\]
     pub offsets: Vec<(VertexId, Vec3)>,
-    /// The vertex of the input garment at or beside each vertex that is not an operator's, for messages.
+    /// The vertex of the input garment at or beside each vertex, for messages.
     pub inputs: Arc<IdVec<VertexId, VertexId>>,
     /// Warnings of elements that were narrowed or omitted.
     pub warnings: Warnings,
@@ -201,6 +214,7 @@ impl OperatorOutput {
     /// An output of a connectivity, without controls.
     pub fn new(derivation: OperatorDerivation, cage: &OperatorInput) -> Self {
         Self {
+            inputs: passed_on(cage.inputs, &derivation),
             derivation,
             controls: Vec::new(),
             details: Arc::new(()),
@@ -208,7 +222,6 @@ impl OperatorOutput {
             corners: Vec::new(),
             creases: Vec::new(),
             offsets: Vec::new(),
-            inputs: Arc::clone(cage.inputs),
             warnings: Warnings::default(),
         }
     }

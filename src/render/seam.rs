@@ -343,6 +343,12 @@ mod tests {
         let clearance = &IdVec::filled(UNBOUNDED, inputs.len());
         let cage = OperatorInput { garment: &garment, level: &level, clearance, inputs: &inputs, names_sets: false };
         let output = seams.apply(&cage).expect("an output");
+        // New vertices have the input vertex of one that they come from, so that warnings of later operators name it.
+        assert_eq!(output.inputs.len(), output.derivation.vertices.len());
+        for (v, &input) in output.inputs.enumerated() {
+            let sources = output.derivation.vertices.at(v.index());
+            assert!(sources.iter().any(|s| s.0 == input), "{v:?} {input:?}");
+        }
         let name = |face: FaceId| seams.intersections(&output, &[face]).place;
         let middle = |f: FaceId| {
             let parent = output.derivation.parent_face(f).index();

@@ -41,6 +41,11 @@ pub struct Stack {
 }
 
 impl Stack {
+    /// Whether the garment is the render mesh as it is.
+    pub fn is_empty(&self) -> bool {
+        self.level == 0 && self.operators.is_empty()
+    }
+
     /// The stack of a recipe with the operators `all`, by name.
     ///
     /// # Errors

@@ -7,7 +7,7 @@ use super::options::SimOptions;
 use super::passes::remesh::{RemeshReport, remesh};
 use super::shell_uvs::separate_shells;
 use super::sim_mesh::{BaselineUvPoint, SimMesh};
-use crate::mesh::{ChainId, Compact, CornerId, IdVec, VertexId};
+use crate::mesh::{ChainId, Compact, CornerId, FaceId, IdVec, VertexId};
 use glam::Vec3;
 
 /// A finished simulation mesh with all that transfer needs.
@@ -30,6 +30,20 @@ pub struct SimProduct {
     pub gaps: IdVec<ChainId, CurveGap>,
     /// Rounds and edits of the remesher.
     pub report: RemeshReport,
+}
+
+impl SimProduct {
+    /// The baseline's triangle under the centroid of a triangle: the nearest of those that walks from its corners find.
+    pub fn triangle_under(&self, triangle: FaceId) -> FaceId {
+        let centroid = self.triangles[triangle.index()].map(|v| self.points[v]).iter().sum::<Vec3>() / 3.0;
+        let starts = [0, 1, 2].map(|k| self.places[CornerId::new(3 * triangle.index() + k)].location.face);
+        self.baseline.closest_from(starts, centroid).location.face
+    }
+
+    /// The garment's face under the centroid of a triangle.
+    pub fn source_face(&self, triangle: FaceId) -> FaceId {
+        self.baseline.source_face[self.triangle_under(triangle)]
+    }
 }
 
 /// The point of a chain's curve that lies farthest from the edges that follow it.

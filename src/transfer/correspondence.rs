@@ -30,15 +30,12 @@ impl<'a> Correspondence<'a> {
 
     /// The garment's face under the centroid of a face.
     pub fn source_under(&self, face: FaceId) -> FaceId {
-        self.product.baseline.source_face[self.triangle_under(face)]
+        self.product.source_face(face)
     }
 
-    /// The baseline's triangle under the centroid of a face: the nearest of those that walks from its corners find.
+    /// The baseline's triangle under the centroid of a face.
     pub fn triangle_under(&self, face: FaceId) -> FaceId {
-        let centroid = self.centroid(face);
-        let [first, rest @ ..] = self.corner_locations(face).map(|l| self.product.baseline.closest(l.face, centroid));
-        let nearest = rest.into_iter().fold(first, |a, b| if b.distance_squared < a.distance_squared { b } else { a });
-        nearest.location.face
+        self.product.triangle_under(face)
     }
 
     /// The locations of a face's corners, on its own side of the seams.

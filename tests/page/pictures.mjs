@@ -21,8 +21,8 @@ const PLAIN = {
 };
 
 const PICTURES = [
-  { name: "cloth", act: (page) => page.locator('[data-card="seam.shoulder"] .card-title').hover() },
-  { name: "dark", theme: "dark" },
+  { name: "cloth", settings: { layout: "large", large: "render" }, act: (page) => page.locator('[data-card="seam.shoulder"] .card-title').hover() },
+  { name: "dark", settings: { layout: "large", large: "render" }, theme: "dark" },
   { name: "face-sets", settings: { shading: "faceSets", wires: false } },
   { name: "edge-sets", settings: { edgeSets: true } },
   { name: "checker", settings: { shading: "checker", wires: false } },

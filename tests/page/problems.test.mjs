@@ -2,8 +2,8 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { assertClean, show } from "./support/browser.mjs";
-import { sewnShirt } from "./support/garments.mjs";
+import { assertClean, SCREEN, show } from "./support/browser.mjs";
+import { sewnShirt, substitute } from "./support/garments.mjs";
 import { differing } from "./support/png.mjs";
 import { example } from "./support/server.mjs";
 
@@ -33,6 +33,69 @@ test("a warning that is clicked marks its place, and Escape ends the mark", asyn
   await withPlace.click();
   await withPlace.click();
   assert.equal(await preview.state(({ marked }) => marked), null, "a second click ends it too");
+  assertClean(preview);
+});
+
+/** A shirt with a face that is turned over, UV shells too small for its triangles, and an operator that does not run. */
+async function flawedShirt(t) {
+  const path = sewnShirt(t);
+  substitute(path, /(faceVertexIndices = \[)(\d+), (\d+), (\d+), (\d+)/, "$1$5, $4, $3, $2");
+  const preview = await show(t, path, { viewport: SCREEN });
+  await preview.evaluate(() =>
+    preview.store.edit((options) => ({
+      ...options,
+      sim: { minEdgeLength: 10, maxEdgeLength: 14, smallestShell: 5 },
+      render: { operators: ["seam.side", "fold.neck"] },
+    })),
+  );
+  await preview.when(() => preview.store.state.products.sim?.warnings.some(({ code }) => code === "small-shells"));
+  await preview.quiet();
+  await preview.page.getByTestId("warning-count").click();
+  return preview;
+}
+
+test("warnings are listed from the worst, each with the colour of its severity", async (t) => {
+  const preview = await flawedShirt(t);
+  const all = await preview.page.locator("button.warning").evaluateAll((buttons) =>
+    buttons.map((button) => ({
+      severity: /is-(fault|quality|note)/.exec(button.className)[1],
+      colour: getComputedStyle(button.querySelector(".warning-icon")).color,
+      words: button.innerText,
+    })),
+  );
+  const order = ["fault", "quality", "note"];
+  const ranks = all.map(({ severity }) => order.indexOf(severity));
+  assert.deepEqual(ranks, [...ranks].sort(), "the worst come first");
+  assert.deepEqual([...new Set(all.map(({ severity }) => severity))], order, "the shirt has all of them");
+  assert.equal(new Set(all.map(({ colour }) => colour)).size, 3);
+  for (const { severity, words } of all) assert.ok(words.includes(severity), "and it is said in words");
+  assert.match(await preview.page.locator(".warning-count").last().getAttribute("class"), /is-fault/);
+  assertClean(preview);
+});
+
+test("a warning marks its places in the column of its mesh, which is shown", async (t) => {
+  const preview = await flawedShirt(t);
+  const { page } = preview;
+  const roles = () => preview.state(({ settings }) => settings.roles);
+  await preview.settings({ roles: ["render"] });
+  const mark = async (words) => {
+    await page.locator("button.warning").filter({ hasText: words }).first().click();
+    await preview.quiet();
+    const marked = await preview.picture();
+    await page.keyboard.press("Escape");
+    return [marked, await preview.picture()];
+  };
+  const ofModel = await mark("fault · model");
+  assert.deepEqual(await roles(), ["model", "render"], "the model has the face that is turned over");
+  assert.ok(differing(...ofModel, [0, 0.46]) > 0.0002, "it is marked on the model");
+  assert.equal(differing(...ofModel, [0.5, 0.9]), 0, "and not on the render mesh");
+
+  const ofSim = await mark(/quality · simulation · \d+ faces/);
+  assert.deepEqual(await roles(), ["model", "sim", "render"]);
+  assert.ok(differing(...ofSim, [0.33, 0.61]) > 0.0002, "it is marked on the simulation mesh");
+  assert.equal(differing(...ofSim, [0, 0.3]) + differing(...ofSim, [0.64, 0.9]), 0, "and on no other");
+  const stored = await page.evaluate(() => JSON.parse(localStorage.getItem("usdtailor.preview")));
+  assert.deepEqual(stored.roles, ["render"], "what the artist chose is kept");
   assertClean(preview);
 });
 

@@ -84,6 +84,9 @@ impl<'a> Update<'a> {
         if replaces || self.differ(|s| s.mesh().points.as_slice()) {
             blocks.points = Some(data.f32(bytemuck::cast_slice(self.now.mesh().points.as_slice())));
         }
+        if replaces || self.differ(|s| s.shown.sources.as_slice()) {
+            blocks.sources = Some(data.u32(self.now.shown.sources.iter().map(|face| face.index() as u32)));
+        }
         let cuts_changed = self.differ(|s| s.uvs().map(|p| &p.indices));
         let sets_changed = replaces || self.differ(|s| s.mesh().subsets.as_slice()) || cuts_changed;
         let (sets, elements) = sets_changed.then(|| self.sets(role, &mut data)).unzip();

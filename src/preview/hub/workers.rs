@@ -3,6 +3,7 @@
 use super::{Hub, Job, Shown};
 use crate::error::{Error, Warnings};
 use crate::garment::Mesh;
+use crate::mesh::FaceId;
 use crate::pipeline::{Builder, Progress, SimUpdate};
 use crate::preview::messages::{ClothMessage, Figures, Origin, ProductMessage, Role, ServerMessage};
 use crate::preview::stage::Stage;
@@ -89,7 +90,7 @@ impl Hub {
         let recipe = builder.resolve(&job.recipe)?;
         if role == Role::Sim {
             let update = builder.update_sim(&recipe)?;
-            let shown = self.show(role, job, &update.mesh, start);
+            let shown = self.show(role, job, &update.mesh, update.source_faces(), start);
             if shown.message.get().is_none() {
                 let _ = shown.quality.set(Arc::new(update.triangle_quality()));
                 let figures = Figures::from(&update.figures());
@@ -99,7 +100,8 @@ impl Hub {
             self.change(|shared| shared.simulated = Some(simulated));
         } else {
             let update = builder.update_render(&recipe)?;
-            let shown = self.show(role, job, &update.mesh, start);
+            let sources = builder.render_sources(&recipe)?;
+            let shown = self.show(role, job, &update.mesh, sources, start);
             if shown.message.get().is_none() {
                 let figures = Figures::from(&RenderFigures::new(&update.mesh));
                 let mut recipe = recipe;
@@ -154,12 +156,13 @@ impl Hub {
     }
 
     /// Shows a mesh, unless it is shown already.
-    fn show(&self, role: Role, job: &Job, mesh: &Arc<Mesh>, start: Instant) -> Arc<Shown> {
+    fn show(&self, role: Role, job: &Job, mesh: &Arc<Mesh>, sources: Vec<FaceId>, start: Instant) -> Arc<Shown> {
         let shown = Shown {
             mesh: Arc::clone(mesh),
             revision: job.revision,
             build: start.elapsed().as_secs_f64() * 1e3,
             recipe: Arc::clone(&job.recipe),
+            sources,
             quality: OnceLock::new(),
             message: OnceLock::new(),
         };
@@ -209,8 +212,10 @@ fn product(
 ) -> Arc<str> {
     let mut lengths = lengths(&job.recipe, recipe);
     lengths.retain(|key, _| key.starts_with("sim.") == (role == Role::Sim));
+    let level = (role == Role::Render).then_some(recipe.render.level);
     let (revision, warnings) = (job.revision, warnings.iter().collect());
-    ServerMessage::Product(ProductMessage { role, revision, figures, warnings, operators, lengths }).to_text().into()
+    let message = ProductMessage { role, revision, figures, level, warnings, operators, lengths };
+    ServerMessage::Product(message).to_text().into()
 }
 
 /// The lengths and levels that replace 0, by key.

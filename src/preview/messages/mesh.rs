@@ -102,6 +102,9 @@ pub struct Blocks {
     pub edges: Option<Block>,
     /// The mesh's face of each drawn face. Null if they are the same.
     pub face_of: Option<Block>,
+    /// For each face of a product, before refinement for display, the face of the model that it is part of. Length 0 for the
+    /// model.
+    pub sources: Option<Block>,
     /// Faces that are not drawn.
     pub holes: Option<Block>,
     /// u, v of each corner. Length 0 if the mesh has no UV set.

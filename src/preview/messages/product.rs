@@ -17,6 +17,8 @@ pub struct ProductMessage<'a> {
     pub revision: u64,
     /// Its figures.
     pub figures: Figures,
+    /// Refinements that are written; null for the simulation mesh. \[levels\]
+    pub level: Option<u32>,
     /// Its warnings.
     pub warnings: Vec<&'a Warning>,
     /// Operators in the order in which they ran, as `seam.placket`. Of the render mesh only.

@@ -11,7 +11,7 @@
 mod origins;
 mod refinement;
 
-pub use origins::{OriginTrace, Origins};
+pub use origins::{OriginTrace, Origins, SourceFaces};
 
 use super::Stage;
 use crate::contact::Clearance;
@@ -121,7 +121,7 @@ impl CageSteps {
         &mut self,
         operator: &Arc<dyn Operator>,
         parent: &Cage,
-        context: &Context<'_>,
+        context: &Context,
     ) -> Result<OperatorCage, Error> {
         let (operator, clearance) = (SameOutput(Arc::clone(operator)), Same::from(&context.ancestry.clearance));
         let input = (operator, Same::from(&parent.garment), clearance, context.names_sets);
@@ -130,7 +130,7 @@ impl CageSteps {
                 garment: &parent.garment,
                 level: &parent.level,
                 clearance: &context.ancestry.clearance,
-                inputs: context.inputs,
+                inputs: &context.inputs,
                 names_sets: context.names_sets,
             };
             DerivedCage::new(operator.0.as_ref(), &input, &context.ancestry).map(Arc::new)
@@ -146,9 +146,9 @@ impl CageSteps {
 }
 
 /// Inputs of an operator besides its cage.
-struct Context<'a> {
+struct Context {
     ancestry: Ancestry,
-    inputs: &'a Arc<InputVertices>,
+    inputs: Arc<InputVertices>,
     names_sets: bool,
 }
 
@@ -263,8 +263,7 @@ impl StageSteps {
             let points = refined_points(&points.points, known, &refinements);
             Ok(Arc::new(Mesh { points, ..Mesh::clone(&refined) }))
         })?;
-        let derivations = cages.iter().map(|cage| &cage.derived.output.derivation);
-        let inputs = || Arc::new(refined_inputs(InputVertices::clone(&start.inputs), derivations, &refinements));
+        let of_cage = cages.last().map_or(&start.inputs, |cage| &cage.derived.output.inputs);
         let mut warnings = Warnings::default();
         for (cage, raised) in cages.iter().zip(&raised) {
             warnings.extend(cage.derived.output.warnings.iter().chain(raised.warnings.iter()).cloned());
@@ -272,7 +271,9 @@ impl StageSteps {
         let subsets = cages.iter().flat_map(|cage| &cage.derived.output.subsets);
         Ok(Made {
             mesh,
-            inputs: self.inputs.get((Same::from(&start.inputs), Same::from(&refined)), |_| Ok(inputs()))?,
+            inputs: self.inputs.get((Same::from(of_cage), Same::from(&refined)), |_| {
+                Ok(Arc::new(refined_inputs(InputVertices::clone(of_cage), &refinements)))
+            })?,
             sets: subsets.map(|set| set.name.clone()).collect(),
             warnings,
         })
@@ -323,7 +324,7 @@ impl StageSteps {
             return Ok((done, refined(refinements, first)?));
         }
         let ancestry = self.first_ancestry.get(Same::from(points), |points| Ok(first.ancestry(points)))?;
-        let mut context = Context { ancestry, inputs: &start.inputs, names_sets: stage.names_sets };
+        let mut context = Context { ancestry, inputs: Arc::clone(&start.inputs), names_sets: stage.names_sets };
         let first_connectivity = connectivity(&mut self.first_connectivity, &first.level)?;
         let mut raise = |done: &StageCages| {
             let Some((number, child)) = done.cages.iter().enumerate().next_back() else { return Ok(None) };
@@ -336,6 +337,7 @@ impl StageSteps {
             let (raised, cage) = rayon::join(|| raise(&done), || steps.update(operator, parent, &context));
             let cage = cage?;
             context.ancestry = cage.derived.ancestry.clone();
+            context.inputs = Arc::clone(&cage.derived.output.inputs);
             done.raised.extend(raised?);
             done.cages.push(cage);
         }
@@ -356,10 +358,11 @@ impl StageSteps {
         let (mut cage, points) = self.first(start, stage)?;
         self.cages.resize_with(stage.operators.len(), CageSteps::default);
         let ancestry = self.first_ancestry.get(Same::from(&points), |points| Ok(cage.ancestry(points)))?;
-        let mut context = Context { ancestry, inputs: &start.inputs, names_sets: stage.names_sets };
+        let mut context = Context { ancestry, inputs: Arc::clone(&start.inputs), names_sets: stage.names_sets };
         for (operator, steps) in stage.operators.iter().zip(&mut self.cages) {
             let next = steps.update(operator, &cage, &context)?;
             context.ancestry = next.derived.ancestry.clone();
+            context.inputs = Arc::clone(&next.derived.output.inputs);
             cage = next.cage;
         }
         Ok(refined_faces(&cage.garment, stage.level))

@@ -9,7 +9,7 @@
 //! its edges, and the coarser the cage, the more of the surface depends on each. The second stage takes the mesh of the
 //! first one as its garment.
 
-use super::stage::{InputVertices, Made, OriginTrace, Origins, StageSteps, Start};
+use super::stage::{InputVertices, Made, OriginTrace, Origins, SourceFaces, StageSteps, Start};
 use super::{Stack, Stage};
 use crate::error::{Error, Warnings};
 use crate::garment::Mesh;
@@ -51,7 +51,7 @@ impl RenderSteps {
     /// # Errors
     /// Operators that do not fit the garment; a mesh that would be too large.
     pub fn update(&mut self, stack: &Stack) -> Result<RenderResult, Error> {
-        if stack.level == 0 && stack.operators.is_empty() {
+        if stack.is_empty() {
             let mesh = Arc::clone(&self.start.garment);
             let warnings = stack.warnings.clone();
             return Ok(RenderResult { mesh, sets: Vec::new(), warnings, seam_level: 0 });
@@ -125,6 +125,25 @@ impl RenderSteps {
             start = Start { garment: mesh, inputs };
         }
         Ok(trace.origins())
+    }
+
+    /// The face of the garment that each face of the last [`RenderSteps::update`] is part of. It had the same stack.
+    ///
+    /// # Errors
+    /// As [`RenderSteps::update`].
+    pub fn source_faces(&mut self, stack: &Stack) -> Result<SourceFaces, Error> {
+        let mut sources = self.start.garment.faces.ids().collect();
+        if stack.is_empty() {
+            return Ok(sources);
+        }
+        let mut start = self.start.clone();
+        let stages = self.stages_of(stack)?;
+        for (steps, stage) in self.stages.iter_mut().zip(&stages) {
+            let Made { mesh, inputs, .. } = steps.update(&start, stage)?;
+            sources = steps.source_faces(&start, stage, sources)?;
+            start = Start { garment: mesh, inputs };
+        }
+        Ok(sources)
     }
 
     /// An estimate of the memory of all cached steps. \[bytes\]

@@ -6,13 +6,15 @@ use crate::garment::{
     Elements, Family, FamilyType, Garment, Interpolation, Meaning, Mesh, PrimvarInput, PrimvarRole, SubsetInput, Values,
 };
 use crate::mesh::Topology;
+use crate::render::RenderSteps;
 use crate::testing::checks::attributes::{family_faults, primvar_faults, subset_faults};
-use crate::testing::operators::{rendered, try_rendered};
+use crate::testing::operators::{rendered, stack, try_rendered};
 use crate::testing::sheets::with_edges;
 use glam::Vec2;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 const N: usize = 6;
 /// Name of the offsets of a blend shape.
@@ -213,6 +215,30 @@ proptest! {
             Err(e) => vec![e.to_string()],
         };
         prop_assert!(found.is_empty(), "{options:?}:\n  {}", found[..found.len().min(8)].join("\n  "));
+    }
+}
+
+#[test]
+fn faces_of_a_set_are_those_whose_source_is_in_it() {
+    let garment = checked(sample());
+    let in_left = |mesh: &Mesh| match mesh.subset("left").map(|s| &s.elements) {
+        Some(Elements::Faces(faces)) => faces.iter().copied().collect::<BTreeSet<_>>(),
+        other => panic!("{other:?}"),
+    };
+    let left = in_left(&garment);
+    for level in ["render.level=0", "render.level=2"] {
+        for operators in
+            [&[][..], &["fold.t.faces=left"], &["fold.t.faces=left", "seam.s.edges=row", "seam.s.width=0.3"]]
+        {
+            let stack = stack(&[operators, &[level]].concat());
+            let mut steps = RenderSteps::new(Arc::new(garment.clone()));
+            let mesh = steps.update(&stack).expect("a mesh").mesh;
+            let sources = steps.source_faces(&stack).expect("sources");
+            assert_eq!(sources.len(), mesh.faces.len(), "{operators:?} {level}");
+            let found: BTreeSet<_> =
+                sources.enumerated().filter(|(_, s)| left.contains(s)).map(|(face, _)| face).collect();
+            assert_eq!(found, in_left(&mesh), "{operators:?} {level}");
+        }
     }
 }
 

@@ -36,11 +36,19 @@ async function launched() {
 
 after(async () => (await browser)?.close());
 
-/** Opens the page of a server in a context of its own, and waits until all meshes are drawn. */
-export async function open(owner, server, { ready = true, ...options } = {}) {
+/** Runs in a page: an artist who has chosen columns beside one another, where each mesh is as large as the others. */
+function chooseColumns() {
+  const key = "usdtailor.preview";
+  if (!localStorage.getItem(key)) localStorage.setItem(key, JSON.stringify({ layout: "side" }));
+}
+
+/** Opens the page of a server in a context of its own, and waits until all meshes are drawn. `isNew` leaves the settings to
+ *  the page. */
+export async function open(owner, server, { ready = true, isNew = false, ...options } = {}) {
   const context = await (await launched()).newContext({ viewport: SMALL, ...options });
   owner.after(() => context.close());
   await context.addInitScript(observe);
+  if (!isNew) await context.addInitScript(chooseColumns);
   const page = await context.newPage();
   page.setDefaultTimeout(10_000);
   const preview = new Preview(page, server);

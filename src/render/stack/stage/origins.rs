@@ -17,13 +17,16 @@ pub struct Origins {
     pub faces: Csr<VertexId, FaceId>,
 }
 
+/// The face of the garment that each face of a mesh is part of.
+pub type SourceFaces = IdVec<FaceId, FaceId>;
+
 /// The origins of a mesh between two stages.
 pub struct OriginTrace {
     /// Points without heights.
     points: IdVec<VertexId, Vec3>,
     faces: Faces,
     /// The face of the garment that each face is part of.
-    parents: IdVec<FaceId, FaceId>,
+    parents: SourceFaces,
     /// Vertices with their copies on second layers.
     copies: Vec<[VertexId; 2]>,
 }
@@ -49,6 +52,23 @@ impl OriginTrace {
 }
 
 impl StageSteps {
+    /// The source of each face after this stage, from those before it. The last [`StageSteps::update`] had the same start.
+    ///
+    /// # Errors
+    /// As [`StageSteps::update`].
+    pub fn source_faces(&mut self, start: &Start, stage: &Stage, sources: SourceFaces) -> Result<SourceFaces, Error> {
+        let stage = &self.with_halving(start, stage)?;
+        let mut sources = sources;
+        for placement in self.points.iter().take(stage.operators.len()).map_while(|steps| steps.placement.last()) {
+            let derivation = placement.derivation();
+            sources = derivation.faces.ids().map(|f| sources[derivation.parent_face(f)]).collect();
+        }
+        for refinement in self.refinements.iter().take(stage.level as usize).filter_map(|steps| steps.last()) {
+            sources = refinement.faces().ids().map(|f| sources[refinement.parent_face(f)]).collect();
+        }
+        Ok(sources)
+    }
+
     /// The vertices of a garment on its limit surface.
     ///
     /// # Errors

@@ -4,7 +4,6 @@ use super::{Cage, InputVertices};
 use crate::error::Error;
 use crate::garment::{Mesh, Scheme, Subset};
 use crate::mesh::{IdVec, VertexId};
-use crate::render::child::OperatorDerivation;
 use crate::step::{Same, Step};
 use crate::subdivide::{Carrier, Connectivity, Derivation, Numbering, Refinement, carried_points, share_values_alike};
 use glam::Vec3;
@@ -84,19 +83,8 @@ pub fn refined(steps: &mut [RefinementSteps], cage: &Cage) -> Result<Refined, Er
     Ok((garment, refinements))
 }
 
-/// The input vertices after operators and refinements: those of a vertex's heaviest source, of the first vertex of an edge
-/// or of a face.
-pub fn refined_inputs<'a>(
-    mut inputs: InputVertices,
-    derivations: impl Iterator<Item = &'a OperatorDerivation>,
-    refinements: &[Arc<Refinement>],
-) -> InputVertices {
-    for derivation in derivations {
-        for v in inputs.len()..derivation.vertices.len() {
-            let heaviest = derivation.vertices.at(v).iter().reduce(|a, b| if b.1 > a.1 { b } else { a });
-            inputs.push(heaviest.map_or(VertexId::new(0), |source| inputs[source.0]));
-        }
-    }
+/// The input vertices after refinements: of an edge or a face, those of its first vertex.
+pub fn refined_inputs(mut inputs: InputVertices, refinements: &[Arc<Refinement>]) -> InputVertices {
     for refinement in refinements {
         let (t, numbering) = (&refinement.level().topology, Numbering::new(refinement.level()));
         let mut next = IdVec::filled(VertexId::new(0), numbering.vertices());

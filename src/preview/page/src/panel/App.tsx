@@ -3,7 +3,7 @@ import type { Store } from "../state/store";
 import { StoreContext, useSelect } from "./controls/hooks";
 import { BuildDialog } from "./dialogs/BuildDialog";
 import { KeysDialog } from "./dialogs/KeysDialog";
-import { Banners, Toasts } from "./Notices";
+import { Banners } from "./Notices";
 import { Recipe } from "./recipe/Recipe";
 import { SaveDialog } from "./dialogs/SaveDialog";
 import { Stage } from "./stage/Stage";
@@ -26,7 +26,6 @@ export function App({ store }: { store: Store }) {
       <SaveDialog />
       <BuildDialog />
       <KeysDialog />
-      <Toasts />
     </StoreContext.Provider>
   );
 }

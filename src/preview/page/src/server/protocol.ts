@@ -28,6 +28,9 @@ export type Blocks = {
   edges: Block | null,
   /** The mesh's face of each drawn face. Null if they are the same. */
   faceOf: Block | null,
+  /** For each face of a product, before refinement for display, the face of the model that it is part of. Length 0 for the
+  * model. */
+  sources: Block | null,
   /** Faces that are not drawn. */
   holes: Block | null,
   /** u, v of each corner. Length 0 if the mesh has no UV set. */
@@ -441,6 +444,8 @@ export type ProductMessage = {
   revision: number,
   /** Its figures. */
   figures: Figures,
+  /** Refinements that are written; null for the simulation mesh. [levels] */
+  level: number | null,
   /** Its warnings. */
   warnings: Array<Warning>,
   /** Operators in the order in which they ran, as `seam.placket`. Of the render mesh only. */
@@ -543,6 +548,9 @@ export type SetInfo = {
 /** The elements of a set. */
 export type SetKind = "face" | "edge" | "point";
 
+/** How bad a warning is, the worst first. */
+export type Severity = "fault" | "quality" | "note";
+
 /** An operator with its place in the order. */
 export type Stacked = {
   /** The group of its options, such as `seam`. */
@@ -623,6 +631,8 @@ export type View = {
 export type Warning = {
   /** Its kind. */
   code: WarningCode,
+  /** How bad it is: that of its code. */
+  severity: Severity,
   /** The prim, set, option or file to select. */
   place: string,
   /** The loss or change. */

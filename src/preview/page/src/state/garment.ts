@@ -1,7 +1,7 @@
 // The garment with the options that the panel shows.
 
 import type { KindName } from "../server/options";
-import type { GarmentMessage, Group, Option } from "../server/protocol";
+import type { GarmentMessage, Group, Option, Role, Severity, Warning } from "../server/protocol";
 
 /** A kind of operator. */
 export interface Kind {
@@ -11,7 +11,20 @@ export interface Kind {
   options: Option[];
 }
 
-export interface Garment extends GarmentMessage {
+/** A warning with the mesh whose build found it. */
+export interface Finding extends Warning {
+  role: Role;
+}
+
+/** From the worst. */
+export const SEVERITIES: Severity[] = ["fault", "quality", "note"];
+
+export function findingsIn(warnings: Warning[], role: Role): Finding[] {
+  return warnings.map((warning) => ({ ...warning, role }));
+}
+
+export interface Garment extends Omit<GarmentMessage, "warnings"> {
+  warnings: Finding[];
   /** Options that a recipe has once, with their full keys. */
   options: Option[];
   /** Options of each fabric. */
@@ -25,7 +38,9 @@ export function garmentOf(message: GarmentMessage): Garment {
     group.options.map((option) => ({ ...option, key: `${group.name}.${option.key}` })),
   );
   const fabric = message.groups.find(({ name }) => name === "fabric")?.options ?? [];
-  return { ...message, options, fabric, kinds: message.groups.filter(({ isOperator }) => isOperator).map(kindOf) };
+  const warnings = findingsIn(message.warnings, "model");
+  const kinds = message.groups.filter(({ isOperator }) => isOperator).map(kindOf);
+  return { ...message, warnings, options, fabric, kinds };
 }
 
 function kindOf({ name, options }: Group): Kind {

@@ -1,12 +1,13 @@
 // Keys of the whole page.
 
-import type { Before } from "../server/protocol";
+import type { Before, Role } from "../server/protocol";
 import { openBuild } from "./build";
 import { addFromSelection } from "./operators";
 import { WAYS } from "./selection";
 import type { Store } from "./store";
 import { ROLES } from "./settings";
 import type { Side } from "../view/api";
+import { largeOf } from "../view/layout";
 
 export const KEYS: [string, string][] = [
   ["Ctrl Z", "Undo"],
@@ -19,6 +20,8 @@ export const KEYS: [string, string][] = [
   ["W", "Edges of the mesh"],
   ["1 2 3", "Show or hide model, simulation mesh, render mesh"],
   ["Shift 1 2 3", "Show one of them alone, and again all"],
+  ["I", "Show the panel at the pointer or the selected faces alone, and again all"],
+  ["G", "Make the next mesh the large one"],
   ["4 5 6 7 8", "Look from the front, the side, the back, the top, at three quarters"],
   ["Alt ↑ ↓", "Move the focused card in the stack"],
   ["Shift ↑ ↓", "Ten steps at a time on a slider or in a number field"],
@@ -31,7 +34,7 @@ export const KEYS: [string, string][] = [
   ["+ −", "Select one row of faces more or less around the selection"],
   ["N", "New seam along the selected edges, new fold of the selected faces"],
   ["E", "Type the selection as an expression"],
-  ["Esc", "End a mark or the selection, close what is open"],
+  ["Esc", "End a mark, show all panels, end the selection, close what is open"],
   ["?", "This list"],
 ];
 
@@ -72,6 +75,8 @@ function plain(store: Store, event: KeyboardEvent): void {
   const { settings, document } = store.state;
   const key = event.key.toLowerCase();
   if (key === "f") store.view?.frame();
+  if (key === "g") nextLarge(store);
+  if (key === "i") store.toggleIsolated();
   if (key === "w") store.settings({ wires: !settings.wires });
   if (key === "?") store.update({ dialog: "keys" });
   const earlier = event.shiftKey ? "saved" : "step";
@@ -102,6 +107,7 @@ function select(store: Store, key: string): void {
 function escape(store: Store): void {
   if (store.state.clicked) store.update({ clicked: null });
   else if (store.state.marked) store.mark(null);
+  else if (store.state.isolated) store.isolate(null);
   else {
     store.update({ isSelecting: false });
     store.selector.clear();
@@ -122,6 +128,19 @@ export const SIDE_NAMES: Side[] = ["front", "side", "back", "top", "three-quarte
 export function showAlone(store: Store, index: number): void {
   const alone = [ROLES[index]];
   store.settings({ roles: store.state.settings.roles.join() === alone.join() ? ROLES : alone });
+}
+
+/** Makes a mesh the large one, with the others beside it. */
+export function makeLarge(store: Store, large: Role): void {
+  store.settings({ layout: "large", large });
+}
+
+/** The next of the meshes that are shown; in another layout, the one that was large. */
+function nextLarge(store: Store): void {
+  const { settings } = store.state;
+  const { roles } = settings;
+  const large = largeOf(settings);
+  makeLarge(store, settings.layout === "large" ? roles[(roles.indexOf(large) + 1) % roles.length] : large);
 }
 
 /** Shows or hides a mesh; the last one stays. */

@@ -10,13 +10,16 @@ import type { Store } from "./store";
 /** Depth of a new seam as a share of the mean edge: little, and still to be seen. */
 const GROOVE = -0.05;
 
-/** A new operator of a set, named after it or after `wish`. */
-export function addOperator(store: Store, kind: Kind, set: string, wish = set): void {
+/** A new operator of a set, named after it or after `wish`. The camera flies to it if it is out of view. */
+export function addOperator(store: Store, kind: Kind, set: string, wish = set): Operator {
   const { document, garment } = store.state;
   const name = uniqueName(document.merged, kind.name, wish);
   const fields: Fields = { [kind.sets.field]: [set] };
   if (kind.name === "seam") fields.normalOffset = Number((GROOVE * (garment?.meanEdge ?? 1)).toPrecision(2));
-  insert(store, { kind: kind.name, name }, fields, null);
+  const operator = { kind: kind.name, name };
+  insert(store, operator, fields, null);
+  store.view?.reveal(set);
+  return operator;
 }
 
 /** The kind of operator that takes selected elements. */
@@ -33,7 +36,9 @@ export function addFromSelection(store: Store): void {
     const isWord = /^[\w.]+$/.test(expression);
     store.selector.end();
     store.update({ isSelecting: false });
-    addOperator(store, kind, expression, isWord ? expression : kind.name);
+    const operator = addOperator(store, kind, expression, isWord ? expression : kind.name);
+    store.made.note(operator, selection);
+    store.view?.reveal(selection.elements);
   });
 }
 

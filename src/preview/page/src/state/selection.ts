@@ -132,6 +132,17 @@ export class Selector {
     this.#put(null);
   }
 
+  /** Takes up a selection of which something was made. */
+  restore(selection: Selection): void {
+    this.forget();
+    this.#put(selection);
+  }
+
+  /** Ends the selection if it is this one. */
+  endIf({ expression }: Selection): void {
+    if (this.#selection?.expression === expression) this.end();
+  }
+
   /** Forgets the steps to the selection, as others come after them. */
   forget(): void {
     this.#past = [];

@@ -6,6 +6,8 @@ import type { Fabric, Layout, Shading, ViewOptions } from "../view/api";
 export interface Settings {
   roles: Role[];
   layout: Layout;
+  /** The mesh that is large in the layout of that name. */
+  large: Role;
   shading: Shading;
   fabric: Fabric;
   /** What heat shows: a primvar, `quality:angle` or `quality:length`. */
@@ -28,7 +30,8 @@ const KEY = "usdtailor.preview";
 
 const DEFAULTS: Settings = {
   roles: ROLES,
-  layout: "side",
+  layout: "large",
+  large: "render",
   shading: "cloth",
   fabric: { colour: null, roughness: null, weave: "none" },
   values: null,
@@ -76,8 +79,8 @@ function prefersDark(): MediaQueryList {
 }
 
 export function viewOptions(settings: Settings): ViewOptions {
-  const { roles, layout, shading, fabric, wires, edgeSets, flat, shadows, theme } = settings;
-  return { roles, layout, shading, fabric, wires, edgeSets, flat, shadows, theme };
+  const { roles, layout, large, shading, fabric, wires, edgeSets, flat, shadows, theme } = settings;
+  return { roles, layout, large, shading, fabric, wires, edgeSets, flat, shadows, theme };
 }
 
 export interface HeatChoice {

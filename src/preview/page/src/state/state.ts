@@ -1,15 +1,17 @@
 // The state of the page, which the store changes and components read.
 
 import type { BuildMessage, ClothMessage, DrawnValues, Fault, Origin, ProductMessage } from "../server/protocol";
-import type { Role, SaveMessage, StateMessage, Warning } from "../server/protocol";
-import type { Garment } from "./garment";
+import type { Role, SaveMessage, StateMessage } from "../server/protocol";
+import { findingsIn, SEVERITIES, type Finding, type Garment } from "./garment";
 import type { PlacedFaults } from "./recipe";
 import type { Selection } from "./selection";
 import type { Picked } from "../view/api";
-import { loadSettings, type Settings } from "./settings";
+import { loadSettings, ROLES, type Settings } from "./settings";
 import type { Timing } from "./stopwatch";
 
 export type Document = Omit<StateMessage, "serial">;
+
+export type Product = Omit<ProductMessage, "warnings"> & { warnings: Finding[] };
 
 export interface Toast {
   id: number;
@@ -24,7 +26,7 @@ export interface State {
   document: Document;
   faults: Record<Origin, Fault[]>;
   placed: PlacedFaults;
-  products: Partial<Record<Role, ProductMessage>>;
+  products: Partial<Record<Role, Product>>;
   progress: Partial<Record<Role, { step: string; since: number }>>;
   cloth: ClothMessage | null;
   heat: DrawnValues | null;
@@ -37,7 +39,9 @@ export interface State {
   selection: Selection | null;
   /** Whether the bar of the selection is there without one, to type it. */
   isSelecting: boolean;
-  marked: Warning | null;
+  marked: Finding | null;
+  /** Whether a part of the garment is shown alone. */
+  isolated: boolean;
   /** Cards that are open, by full name. */
   open: ReadonlySet<string>;
   dialog: "save" | "keys" | "build" | null;
@@ -45,6 +49,8 @@ export interface State {
   buildsNext: boolean;
   build: BuildMessage | null;
   save: SaveMessage | null;
+  /** The file that was saved last. */
+  savedTo: string | null;
   toasts: Toast[];
   /** Words for screen readers. */
   spoken: string;
@@ -86,11 +92,13 @@ export function initialState(): State {
     selection: null,
     isSelecting: false,
     marked: null,
+    isolated: false,
     open: new Set(),
     dialog: null,
     buildsNext: false,
     build: null,
     save: null,
+    savedTo: null,
     toasts: [],
     spoken: "",
     info: "",
@@ -98,8 +106,29 @@ export function initialState(): State {
   };
 }
 
-/** Warnings of the garment, of its products and of its cloth. */
-export function warningsOf({ garment, products, cloth }: Pick<State, "garment" | "products" | "cloth">): Warning[] {
-  const made = [...Object.values(products), ...(cloth ? [cloth] : [])];
-  return [...(garment?.warnings ?? []), ...made.flatMap(({ warnings }) => warnings)];
+/** Warnings of the garment, of its products and of its cloth, the worst first. */
+export function findingsOf({ garment, products, cloth }: Pick<State, "garment" | "products" | "cloth">): Finding[] {
+  const ofProducts = ROLES.flatMap((role) => products[role]?.warnings ?? []);
+  const all = [...(garment?.warnings ?? []), ...ofProducts, ...findingsIn(cloth?.warnings ?? [], "sim")];
+  return SEVERITIES.flatMap((severity) => all.filter((each) => each.severity === severity));
 }
+
+/** How a mesh that is shown stands to the recipe and the files as they are. */
+export interface Standing {
+  is: "current" | "building" | "stale";
+  /** Why it is stale. */
+  why: string;
+}
+
+type Known = Pick<State, "faults" | "progress" | "products">;
+
+export function standingOf({ faults, progress, products }: Known, role: Role): Standing {
+  if (faults.file.length > 0) return { is: "stale", why: "the file cannot be read" };
+  if (role === "model") return CURRENT;
+  if (faults.recipe.length > 0) return { is: "stale", why: "an option has an error" };
+  if (progress[role]) return { is: "building", why: "" };
+  if (faults[role].length > 0) return { is: "stale", why: "the last build failed" };
+  return products[role] ? CURRENT : { is: "building", why: "" };
+}
+
+const CURRENT: Standing = { is: "current", why: "" };

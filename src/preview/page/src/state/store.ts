@@ -6,17 +6,18 @@ import { EditQueue } from "./editQueue";
 import { Gestures } from "./gesture";
 import { onSystemTheme, paintedChoices, QUALITIES, ROLES, saveSettings, viewOptions } from "./settings";
 import type { Settings } from "./settings";
-import { initialState, warningsOf, type State, type Toast } from "./state";
+import { initialState, type State, type Toast } from "./state";
 import { Selector, type Selection } from "./selection";
 import { Stopwatch } from "./stopwatch";
 import type { MeshFrame } from "../server/frame";
 import type { Options, Value } from "../server/options";
 import type { GarmentMessage, PageMessage, ProductMessage, ProgressMessage } from "../server/protocol";
-import type { Role, ServerMessage, StateMessage, Warning } from "../server/protocol";
-import { garmentOf } from "./garment";
+import type { Role, ServerMessage, StateMessage } from "../server/protocol";
+import { findingsIn, garmentOf, type Finding } from "./garment";
+import { Made } from "./made";
 import { placeFaults, setsOf, withoutValue, withValue } from "./recipe";
 import { createView } from "../view/index";
-import type { Picked, PickHow, View } from "../view/api";
+import type { Isolated, Picked, PickHow, View } from "../view/api";
 
 export class Store {
   state = initialState();
@@ -30,10 +31,14 @@ export class Store {
     (selection) => this.#selected(selection),
     (text) => this.toast({ text }),
   );
+  readonly made = new Made();
+  /** The way through the steps that was asked for last, until the next edit. */
+  #way: "undo" | "redo" | null = null;
   #connection: Connection | null = null;
   /** Roles whose mesh the view has, so that an update of another one has nothing to update. */
   readonly #held = new Set<Role>();
   #toastCount = 0;
+  #lastHovered: Picked | null = null;
 
   subscribe(listener: () => void): () => void {
     this.#listeners.add(listener);
@@ -84,6 +89,7 @@ export class Store {
   }
 
   #replace(edits: Options, merged: Options, how: "step" | "continuous"): void {
+    this.#way = null;
     const gesture = how === "step" ? this.gestures.next() : this.gestures.current;
     this.#queue.push(edits, gesture, this.gestures.input);
     const { document } = this.state;
@@ -104,6 +110,7 @@ export class Store {
   /** A message that acts on the document, after the edits that come before it. */
   command(message: PageMessage): void {
     this.#queue.flush();
+    if (message.type === "undo" || message.type === "redo") this.#way = message.type;
     this.stopwatch.command();
     this.send(message);
   }
@@ -156,12 +163,36 @@ export class Store {
     this.view?.highlight(sets ?? this.state.marked?.names ?? []);
   }
 
-  /** Marks the elements of a warning and flies there; null ends it. */
-  mark(warning: Warning | null): void {
-    this.update({ marked: warning });
-    const hasElements = warning && Object.values(warning.elements).some((list) => list.length > 0);
-    this.view?.mark(hasElements ? warning.elements : null);
+  /** Marks the elements of a warning on its mesh, which is shown, and flies there; null ends it. */
+  mark(finding: Finding | null): void {
+    this.update({ marked: finding });
+    const hasElements = finding && Object.values(finding.elements).some((list) => list.length > 0);
+    if (finding && hasElements) this.#bringUp(finding.role);
+    if (hasElements && this.state.isolated) this.isolate(null);
+    this.view?.mark(hasElements ? finding : null);
     this.highlight(null);
+  }
+
+  /** Without a change of the stored settings, which are the artist's own. */
+  #bringUp(role: Role): void {
+    const { roles, large } = this.state.settings;
+    if (roles.includes(role) && large === role) return;
+    this.#show({ large: role, roles: ROLES.filter((each) => each === role || roles.includes(each)) });
+  }
+
+  /** Shows a part of the garment alone, or all of it for null. */
+  isolate(what: Isolated | null): void {
+    const isolated = this.view?.isolate(what) ?? false;
+    this.update({ isolated, clicked: null });
+  }
+
+  /** Isolates the selected faces, or the panel at the pointer or where it was last; or shows all again. */
+  toggleIsolated(): void {
+    const { isolated, selection, hovered, clicked } = this.state;
+    const faces = selection?.kind === "face" ? selection.elements : null;
+    const what = faces ?? hovered ?? clicked ?? selection?.elements ?? this.#lastHovered;
+    if (!isolated && !what) return this.toast({ text: "Point at a panel, or select faces, to show them alone" });
+    this.isolate(isolated ? null : what);
   }
 
   openCard(full: string, isOpen: boolean): void {
@@ -185,6 +216,7 @@ export class Store {
 
   /** Edges are thin, so that a highlight under the pointer does not flicker as one of faces would. */
   #hover(hovered: Picked | null): void {
+    this.#lastHovered = hovered ?? this.#lastHovered;
     this.update({ hovered });
     const { document, garment } = this.state;
     const used = document.stack.flatMap((each) => setsOf(document.merged, each, garment?.kinds ?? []));
@@ -250,6 +282,10 @@ export class Store {
   }
 
   #garment(garment: GarmentMessage): void {
+    if (this.state.marked) this.mark(null);
+    this.made.clear();
+    this.#lastHovered = null;
+    if (this.state.isolated) this.isolate(null);
     this.update({ garment: garmentOf(garment) });
     this.selector.renew();
     this.view?.setUp(garment.upAxis);
@@ -265,16 +301,32 @@ export class Store {
     const current = this.state.document;
     const { edits, merged, stack } = this.#queue.isBehind(serial) ? current : state;
     this.update({ document: { ...state, edits, merged, stack } });
+    this.#follow(current.merged, merged);
+  }
+
+  /** The selection of an operator that is undone is there again, and ends once more when it is done again. */
+  #follow(before: Options, after: Options): void {
+    const undone = this.#way === "undo" ? this.made.between(before, after) : null;
+    const redone = this.#way === "redo" ? this.made.between(after, before) : null;
+    if (undone) this.selector.restore(undone);
+    if (redone) this.selector.endIf(redone);
   }
 
   #product(product: ProductMessage): void {
     const { marked } = this.state;
-    const products = { ...this.state.products, [product.role]: product };
-    this.update({ products });
-    const all = warningsOf(this.state);
-    const same = all.find(({ code, place }) => code === marked?.code && place === marked.place);
-    if (same && marked) this.update({ marked: same });
-    else if (marked) this.mark(null);
+    const { role } = product;
+    const found = { ...product, warnings: findingsIn(product.warnings, role) };
+    this.update({ products: { ...this.state.products, [role]: found } });
+    if (marked?.role !== role) return;
+    const same = found.warnings.find(({ code, place }) => code === marked.code && place === marked.place);
+    if (same) this.#remark(same);
+    else this.mark(null);
+  }
+
+  /** The marks of a warning that a new build has again; the camera stays. */
+  #remark(finding: Finding): void {
+    this.update({ marked: finding });
+    this.view?.mark(finding, false);
   }
 
   #progress({ role, step }: ProgressMessage): void {

@@ -5,7 +5,8 @@ import type { Elements, LookInfo, Role, SetInfo, UpAxis } from "../server/protoc
 
 /** A side from which the garment is seen. */
 export type Side = "front" | "side" | "back" | "top" | "three-quarter";
-export type Layout = "side" | "over";
+/** One mesh large and the others small beside it; all in columns beside one another; all in one place. */
+export type Layout = "large" | "side" | "over";
 /** The colour of faces. `values` is a painted primvar or a quality figure, as heat. */
 export type Shading = "cloth" | "faceSets" | "checker" | "values";
 
@@ -23,8 +24,9 @@ export interface Fabric {
 export interface ViewOptions {
   /** Meshes that are drawn, in this order. */
   roles: Role[];
-  /** In columns beside one another, or all in one place. */
   layout: Layout;
+  /** The mesh that is large, if it is drawn. */
+  large: Role;
   shading: Shading;
   fabric: Fabric;
   /** Edges of the mesh. */
@@ -40,6 +42,15 @@ export interface ViewOptions {
 
 /** A set by name. */
 export type PickedSet = Pick<SetInfo, "name" | "kind">;
+
+/** Elements of the model that are marked on one of the meshes. */
+export interface Marked {
+  role: Role;
+  elements: Elements;
+}
+
+/** What may be shown alone: the panel of a face of a mesh, faces of the model, panels that touch other elements, a face set. */
+export type Isolated = Pick<Picked, "role" | "face"> | Elements | string;
 
 /** What is under the pointer. */
 export interface Picked {
@@ -91,10 +102,14 @@ export interface View {
   look(side: Side): void;
   /** Highlights sets by name on all meshes; an empty list ends it. */
   highlight(sets: string[]): void;
-  /** Marks elements of the model (visible through cloth), also when the model is not drawn, and flies there; null ends it. */
-  mark(elements: Elements | null): void;
-  /** Draws selected elements of the model, visible through cloth; null ends it. */
+  /** Marks elements of the model on a mesh, visible through cloth, and flies there once it is drawn; null ends it. */
+  mark(marked: Marked | null, flies?: boolean): void;
+  /** Draws selected elements of the model on all meshes, faint behind cloth; null ends it. */
   select(elements: Elements | null): void;
+  /** Flies to elements of the model, or to one of its sets, if they are out of view or on the far side. */
+  reveal(what: Elements | string): void;
+  /** Hides all but this in all meshes, or shows all for null. Returns whether something is hidden. */
+  isolate(what: Isolated | null): boolean;
   /** The colour of a set, as CSS, so that the panel shows the same. */
   colourOf(set: string): string;
   /** The picture at rest as PNG at the device's resolution. */
@@ -106,6 +121,8 @@ export interface View {
   stats(role: Role): ViewStats | null;
   /** Samples in the picture on the canvas: 0 while anything changes. */
   samples(): number;
+  /** Where the camera is bound: the target in space, the direction that it looks along, and the distance. For tests. */
+  aim(): { target: number[]; direction: number[]; distance: number };
   /** Place of a point of a mesh on the canvas, or null if it is not drawn or off the canvas. For tests. [CSS pixels] */
   project(role: Role, point: number): { x: number; y: number } | null;
 }

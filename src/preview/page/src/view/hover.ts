@@ -2,8 +2,8 @@
 
 import type { Picked, ViewEvents } from "./api";
 import type { Place } from "./input";
-import { describe } from "./picking";
-import type { Picker, Spot } from "./picking";
+import { describe, NOTHING } from "./picking";
+import type { Picker, Seen, Spot } from "./picking";
 
 export class Hover {
   #at: Place | null = null;
@@ -12,8 +12,8 @@ export class Hover {
   #frame = 0;
   #last = "";
   #sets = "";
-  /** The face at the pointer, and the place where it was found. */
-  #found: { at: Place; face: number } | null = null;
+  /** What is at the pointer, and the place where it was found. */
+  #found: { at: Place; seen: Seen } | null = null;
 
   constructor(
     private readonly picker: Picker,
@@ -42,11 +42,11 @@ export class Hover {
     });
   }
 
-  /** The drawn face at a spot, or -1; known already if the pointer rests there. */
-  faceAt(spot: Spot): number {
+  /** What is drawn at a spot; known already if the pointer rests there. */
+  seenAt(spot: Spot): Seen {
     const { x, y } = spot.at;
-    if (this.#found && this.#found.at.x === x && this.#found.at.y === y) return this.#found.face;
-    return this.picker.face(spot);
+    if (this.#found && this.#found.at.x === x && this.#found.at.y === y) return this.#found.seen;
+    return this.picker.look(spot);
   }
 
   async #look(): Promise<void> {
@@ -58,16 +58,16 @@ export class Hover {
     const spot = at && this.spotAt(at);
     if (!at || !spot) return this.#set(null);
     this.#looking = true;
-    const face = await this.picker.faceLater(spot).catch(() => -1);
+    const seen = await this.picker.lookLater(spot).catch(() => NOTHING);
     this.#looking = false;
-    if (this.#at) this.#take(spot, face);
+    if (this.#at) this.#take(spot, seen);
     if (this.#again) this.look();
     this.#again = false;
   }
 
-  #take(spot: Spot, face: number): void {
-    this.#found = { at: spot.at, face };
-    this.#set(face >= 0 && face < spot.cloth.faceCount ? describe(spot, face) : null);
+  #take(spot: Spot, seen: Seen): void {
+    this.#found = { at: spot.at, seen };
+    this.#set(seen.face < 0 ? null : describe(spot, seen));
   }
 
   #set(picked: Picked | null): void {

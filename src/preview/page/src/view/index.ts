@@ -3,9 +3,9 @@
 import { Vector3 } from "three";
 import type { MeshFrame } from "../server/frame";
 import type { Elements, LookInfo, Role, UpAxis } from "../server/protocol";
-import type { Picked, PickHow, Side, View, ViewEvents, ViewOptions, ViewStats } from "./api";
-import { poseOfAll, poseOfMarks, poseOfSets } from "./camera/aims";
-import type { Sight } from "./camera/aims";
+import type { Isolated, Marked, Picked, PickHow, Side, View, ViewEvents, ViewOptions, ViewStats } from "./api";
+import { isInView, poseFromHere, poseOfAll, poseOfMarks, poseOfSets } from "./camera/aims";
+import type { Aim, Sight } from "./camera/aims";
 import { Cloth } from "./mesh/cloth";
 import { css, setColour } from "./shade/colours";
 import { Hover } from "./hover";
@@ -19,18 +19,14 @@ import { describe, onFace, Picker, toCanvas, toDevice } from "./picking";
 import type { Spot } from "./picking";
 import { FlatRig, SIDES, SpaceRig, THREE_QUARTER } from "./camera/rig";
 import type { Rig } from "./camera/rig";
-import { placeGlow, placeMarks, shapesOf } from "./mesh/shapes";
+import { Markers } from "./markers";
 import { clearPicture, film } from "./rest/pictures";
 import { Still } from "./rest/still";
+import { elementsOfSet, shapesOf } from "./mesh/shapes";
+import type { Elements as AnyElements } from "./mesh/shapes";
+import { facesAt, panelsOf } from "./mesh/panels";
 import { Stage } from "./stage";
 import { Uploads } from "./uploads";
-
-/** Places around a click where cloth may be, the nearest first. [CSS pixels] */
-const NEARBY = [0, 3, 6].flatMap((far) => (far === 0 ? [[0, 0]] : around(far)));
-
-function around(far: number): number[][] {
-  return [...Array(8).keys()].map((i) => [far * Math.cos((i * Math.PI) / 4), far * Math.sin((i * Math.PI) / 4)]);
-}
 
 /** Samples of a picture of a film, which are drawn while it is recorded. */
 const FILMED = 4;
@@ -48,12 +44,14 @@ class CanvasView implements View {
   readonly #hover: Hover;
   readonly #space = new SpaceRig();
   readonly #flat = new FlatRig();
-  #highlighted: ReadonlySet<string> = new Set();
   #looks: LookInfo[] = [];
+  readonly #markers: Markers;
   /** Edge sets under the pointer. */
   #hot: string[] = [];
-  #marked: Elements | null = null;
-  #selected: Elements | null = null;
+  /** Faces of the model that alone are shown. */
+  #isolated: ReadonlySet<number> | null = null;
+  /** Marks are to be flown to once their mesh is there. */
+  #fliesToMarks = false;
   /** Rigs that the artist has not moved, which frame the garment again when the view changes. */
   readonly #untouched = new Set<Rig>([this.#space, this.#flat]);
   readonly #framed = new Set<Rig>();
@@ -69,6 +67,7 @@ class CanvasView implements View {
   ) {
     this.#stage = new Stage(canvas);
     this.#stage.setOptions(options);
+    this.#markers = new Markers(this.#stage);
     this.#picker = new Picker(this.#stage.renderer);
     this.#still = new Still(this.#stage.renderer, ({ sample: target }, sample) =>
       this.#stage.draw({ ...this.#stage.sheet(this.#columns), target }, this.#rig, this.#space, sample),
@@ -77,8 +76,8 @@ class CanvasView implements View {
     new ResizeObserver(() => this.#resized()).observe(canvas);
     canvas.addEventListener("webglcontextrestored", () => this.#invalidate());
     listen(canvas, {
-      orbit: (dx, dy) => (this.options.flat ? this.#pan(dx, dy) : this.#orbit(dx, dy)),
-      pan: (dx, dy) => this.#pan(dx, dy),
+      orbit: (dx, dy, at) => (this.options.flat ? this.#pan(dx, dy, at) : this.#orbit(dx, dy)),
+      pan: (dx, dy, at) => this.#pan(dx, dy, at),
       zoom: (factor, at) => this.#zoom(factor, at),
       click: (at, how) => this.#click(at, how),
       rest: (at) => this.#hover.moveTo(at),
@@ -96,6 +95,7 @@ class CanvasView implements View {
     this.#placeMarkers();
     this.#stage.measure(this.options.roles);
     if (!known) this.#frameUntouched();
+    if (this.#fliesToMarks) this.#flyToMarks();
     this.#uploads.add(role, revision, performance.now() - start);
     this.#hover.forget();
     this.#invalidate();
@@ -115,7 +115,7 @@ class CanvasView implements View {
     this.#stage.setOptions(options);
     this.#stage.measure(options.roles);
     this.#placeMarkers();
-    if (!sameColumns(before, options)) this.#frameUntouched();
+    if (!sameColumns(before, options)) this.#fitUntouched();
     this.#hover.forget();
     this.#invalidate();
   }
@@ -134,7 +134,9 @@ class CanvasView implements View {
   }
 
   frame(): void {
-    const part = poseOfMarks(this.#sight, this.#marked ?? this.#selected) ?? poseOfSets(this.#sight, this.#highlighted);
+    const { onMarked, selected, highlighted } = this.#markers;
+    const aim = onMarked ? this.#aimAt(onMarked.role, onMarked.elements) : selected && this.#aimAt("model", selected);
+    const part = (aim && poseOfMarks(this.#sight, aim)) ?? poseOfSets(this.#sight, highlighted);
     if (part) this.#untouched.delete(this.#rig);
     this.#fly(part ?? poseOfAll(this.#sight));
   }
@@ -145,25 +147,56 @@ class CanvasView implements View {
   }
 
   highlight(sets: string[]): void {
-    if (sets.length === this.#highlighted.size && sets.every((name) => this.#highlighted.has(name))) return;
-    this.#highlighted = new Set(sets);
-    for (const cloth of this.#stage.cloths.values()) cloth.highlight(this.#highlighted);
+    const { highlighted } = this.#markers;
+    if (sets.length === highlighted.size && sets.every((name) => highlighted.has(name))) return;
+    this.#markers.highlighted = new Set(sets);
+    for (const cloth of this.#stage.cloths.values()) cloth.highlight(this.#markers.highlighted);
     this.#placeMarkers();
     this.#invalidate();
   }
 
-  mark(elements: Elements | null): void {
-    this.#marked = elements;
+  mark(marked: Marked | null, flies = true): void {
+    this.#markers.marked = marked;
+    this.#fliesToMarks = marked !== null && flies;
     this.#placeMarkers();
-    const pose = poseOfMarks(this.#sight, this.#marked);
-    if (pose) this.#untouched.delete(this.#rig);
-    this.#fly(pose);
+    if (this.#fliesToMarks) this.#flyToMarks();
+    this.#invalidate();
   }
 
   select(elements: Elements | null): void {
-    this.#selected = elements;
+    this.#markers.selected = elements;
     this.#placeMarkers();
     this.#invalidate();
+  }
+
+  reveal(what: Elements | string): void {
+    const model = this.#stage.cloths.get("model");
+    const elements = typeof what !== "string" ? what : model ? elementsOfSet(model, what) : null;
+    const aim = elements && this.#aimAt("model", elements);
+    if (!aim || isInView(this.#sight, aim)) return;
+    this.#flyTo(poseOfMarks(this.#sight, aim));
+  }
+
+  isolate(what: Isolated | null): boolean {
+    const faces = what === null ? null : this.#facesOf(what);
+    this.#isolated = faces && faces.size > 0 ? faces : null;
+    for (const cloth of this.#stage.cloths.values()) cloth.isolate(this.#isolated);
+    this.#placeMarkers();
+    this.#hover.forget();
+    this.#invalidate();
+    return this.#isolated !== null;
+  }
+
+  /** Faces of the model. */
+  #facesOf(what: Isolated): Set<number> | null {
+    const model = this.#stage.cloths.get("model");
+    if (!model) return null;
+    if (typeof what === "string") return new Set(elementsOfSet(model, what)?.faces);
+    if ("role" in what) {
+      const { sources } = this.#stage.cloths.get(what.role) ?? model;
+      return panelsOf(model, new Set([sources ? sources[what.face] : what.face]));
+    }
+    return "faces" in what ? new Set(what.faces) : panelsOf(model, facesAt(model, what));
   }
 
   colourOf(set: string): string {
@@ -210,13 +243,19 @@ class CanvasView implements View {
     return this.#still.count;
   }
 
+  aim(): ReturnType<View["aim"]> {
+    const { goal } = this.#space.motion;
+    const direction = this.#space.backOf(goal).negate().toArray();
+    return { target: goal.slice(0, 3), direction, distance: Math.exp(goal[3]) };
+  }
+
   project(role: Role, point: number): { x: number; y: number } | null {
     const cloth = this.#stage.cloths.get(role);
     const column = this.#columns.find(({ roles }) => roles.includes(role));
     if (!cloth || !column || point >= cloth.pointCount) return null;
     const shapes = shapesOf(cloth, { points: [point] }, this.options.flat);
     if (shapes.points.length === 0) return null;
-    this.#rig.place(this.#aspect);
+    this.#rig.place(aspectOf(column));
     const device = new Vector3().fromArray(shapes.points).project(this.#rig.camera);
     const inside = Math.max(Math.abs(device.x), Math.abs(device.y), Math.abs(device.z)) <= 1;
     return inside ? toCanvas(device, column) : null;
@@ -230,9 +269,16 @@ class CanvasView implements View {
     return columns(this.options, this.#stage.width, this.#stage.height);
   }
 
-  get #aspect(): number {
-    const { width, height } = this.#columns[0];
-    return width / height;
+  /** The column that shows a mesh, or else the first one. */
+  #columnOf(role: Role): Column {
+    const all = this.#columns;
+    return all.find(({ roles }) => roles.includes(role)) ?? all[0];
+  }
+
+  /** Elements of a mesh, seen in its column. */
+  #aimAt(role: Role, elements: AnyElements): Aim | null {
+    const cloth = this.#stage.cloths.get(role);
+    return cloth ? { cloth, elements, aspect: aspectOf(this.#columnOf(role)) } : null;
   }
 
   /** Meshes that are drawn, with the solid one last. */
@@ -244,17 +290,17 @@ class CanvasView implements View {
     return {
       rig: this.#rig,
       space: this.#space,
-      aspect: this.#aspect,
+      aspects: this.#columns.map(aspectOf),
       flat: this.options.flat,
       shown: this.#shown,
-      model: this.#stage.cloths.get("model"),
     };
   }
 
   #replace(role: Role, frame: MeshFrame): void {
     const cloth = new Cloth(frame, this.#stage.paintOf(role));
     cloth.setLooks(this.#looks);
-    cloth.highlight(this.#highlighted);
+    cloth.highlight(this.#markers.highlighted);
+    cloth.isolate(this.#isolated);
     this.#thicken(cloth);
     this.#stage.put(role, cloth);
   }
@@ -286,6 +332,20 @@ class CanvasView implements View {
     this.#draw();
   }
 
+  #flyToMarks(): void {
+    const { onMarked } = this.#markers;
+    if (!onMarked || !this.options.roles.includes(onMarked.role)) return;
+    this.#fliesToMarks = false;
+    const aim = this.#aimAt(onMarked.role, onMarked.elements);
+    this.#flyTo(aim && poseOfMarks(this.#sight, aim));
+  }
+
+  /** Flies to a part, so that the whole is not framed again by itself. */
+  #flyTo(pose: Pose | null): void {
+    if (pose) this.#untouched.delete(this.#rig);
+    this.#fly(pose);
+  }
+
   #fly(pose: Pose | null): void {
     if (pose) this.#rig.motion.fly(pose);
     this.#invalidate();
@@ -302,17 +362,17 @@ class CanvasView implements View {
     this.#moved(() => this.#space.orbit(dx * TURN, dy * TURN));
   }
 
-  #pan(dx: number, dy: number): void {
-    const { height } = this.#stage;
-    this.#moved((rig) => rig.pan(dx / height, dy / height, this.#aspect));
+  #pan(dx: number, dy: number, at: Place): void {
+    const column = columnAt(this.#columns, at) ?? this.#columns[0];
+    this.#moved((rig) => rig.pan(dx / column.height, dy / column.height, aspectOf(column)));
   }
 
   #zoom(factor: number, at: Place): void {
     const spot = this.#spotAt(at);
-    const face = spot ? this.#hover.faceAt(spot) : -1;
-    const column = columnAt(this.#columns, at.x) ?? this.#columns[0];
+    const face = spot ? this.#hover.seenAt(spot).face : -1;
+    const column = columnAt(this.#columns, at) ?? this.#columns[0];
     const surface = spot && face >= 0 ? onFace(spot, face) : null;
-    const about = surface ?? this.#rig.onTargetPlane(toDevice(at, column), this.#aspect);
+    const about = surface ?? this.#rig.onTargetPlane(toDevice(at, column), aspectOf(column));
     this.#moved((rig) => rig.zoom(factor, about));
   }
 
@@ -322,22 +382,18 @@ class CanvasView implements View {
 
   /** What is at a place, or else beside it: the outer half of a border's line is beyond the cloth. */
   #pickedNear(at: Place): Picked | null {
-    for (const [dx, dy] of NEARBY) {
-      const spot = this.#spotAt({ x: at.x + dx, y: at.y + dy });
-      const face = spot ? this.#picker.face(spot) : -1;
-      if (spot && face >= 0) return describe({ ...spot, at }, face);
-    }
-    return null;
+    const spot = this.#spotAt(at);
+    return spot && describe(spot, this.#picker.look(spot));
   }
 
   /** The mesh that is picked at a place: the solid one of the column. */
   #spotAt(at: Place): Spot | null {
-    const column = columnAt(this.#columns, at.x);
+    const column = columnAt(this.#columns, at);
     const role = column?.roles.filter((name) => this.#stage.cloths.has(name)).at(-1);
     const cloth = role && this.#stage.cloths.get(role);
     const { flat } = this.options;
     if (!column || !cloth || (flat && !cloth.hasUvs)) return null;
-    this.#rig.place(column.width / column.height);
+    this.#rig.place(aspectOf(column));
     return { role, cloth, column, camera: this.#rig.camera, at, flat };
   }
 
@@ -361,10 +417,19 @@ class CanvasView implements View {
     this.#framed.add(rig);
   }
 
-  #placeMarkers(): void {
-    const { marks, glow, selection, cloths } = this.#stage;
-    placeMarks(selection, cloths.get("model"), this.#selected, this.options.flat);
-    placeMarks(marks, cloths.get("model"), this.#marked, this.options.flat);
-    placeGlow(glow, this.#shown, this.#highlighted, this.options.flat);
+  /** A camera that was not moved stays where it looks, and goes as near as shows everything in the columns. */
+  #fitUntouched(): void {
+    const rig = this.#rig;
+    if (!this.#framed.has(rig)) return this.#frameUntouched();
+    const pose = this.#untouched.has(rig) ? poseFromHere(this.#sight) : null;
+    if (pose) rig.motion.jump(pose);
   }
+
+  #placeMarkers(): void {
+    this.#markers.place(this.options.roles, this.options.flat);
+  }
+}
+
+function aspectOf({ width, height }: Column): number {
+  return width / height;
 }

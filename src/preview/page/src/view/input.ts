@@ -9,8 +9,8 @@ export interface Place {
 }
 
 export interface Gestures {
-  orbit(dx: number, dy: number): void;
-  pan(dx: number, dy: number): void;
+  orbit(dx: number, dy: number, at: Place): void;
+  pan(dx: number, dy: number, at: Place): void;
   zoom(factor: number, at: Place): void;
   click(at: Place, how: PickHow): void;
   /** The pointer is here without a button, or has left. */
@@ -50,8 +50,8 @@ export function listen(canvas: HTMLCanvasElement, gestures: Gestures): () => voi
     if (!dragging) return;
     gestures.rest(null);
     if (pressed.size > 1) pinch(event.pointerId, at);
-    else if (panning) gestures.pan(at.x - before.x, at.y - before.y);
-    else gestures.orbit(at.x - before.x, at.y - before.y);
+    else if (panning) gestures.pan(at.x - before.x, at.y - before.y, at);
+    else gestures.orbit(at.x - before.x, at.y - before.y, at);
     pressed.set(event.pointerId, at);
   };
 
@@ -59,8 +59,8 @@ export function listen(canvas: HTMLCanvasElement, gestures: Gestures): () => voi
     const before = pressed.get(id);
     const other = [...pressed].find(([key]) => key !== id)?.[1];
     if (!before || !other) return;
-    gestures.pan((at.x - before.x) / 2, (at.y - before.y) / 2);
     const middle = { x: (at.x + other.x) / 2, y: (at.y + other.y) / 2 };
+    gestures.pan((at.x - before.x) / 2, (at.y - before.y) / 2, middle);
     gestures.zoom(distance(before, other) / Math.max(1, distance(at, other)), middle);
   };
 

@@ -1,4 +1,4 @@
-// What is under the pointer: the face by drawing face numbers into one pixel, its edge by distance on the screen.
+// What is under the pointer: faces by drawing their numbers into a few pixels, the edge by distance on the screen.
 
 import { Plane, Raycaster, Vector2, Vector3, WebGLRenderTarget } from "three";
 import type { Camera, WebGLRenderer } from "three";
@@ -12,6 +12,14 @@ import { nextCorner } from "./mesh/topology";
 
 /** How near the pointer is to an edge that is picked. [CSS pixels] */
 const REACH = 8;
+/** How far faces are looked for around the pointer. [CSS pixels] */
+const AROUND = 6;
+/** An edge may be this much farther from the pointer than one behind it. [CSS pixels] */
+const FRONT = 3;
+/** Share of an edge's distance behind another that counts as distance on the screen. */
+const DEPTH = 0.1;
+/** Faces around the pointer of which the edges are looked at. */
+const MOST_FACES = 24;
 
 /** Where to look: one mesh in one column. */
 export interface Spot {
@@ -23,37 +31,53 @@ export interface Spot {
   flat: boolean;
 }
 
+/** Faces as they are drawn. */
+export interface Seen {
+  /** The face at the spot, or -1. */
+  face: number;
+  /** Faces around it, the nearest first. */
+  around: number[];
+}
+
+export const NOTHING: Seen = { face: -1, around: [] };
+
 export class Picker {
   readonly #target = new WebGLRenderTarget(1, 1);
-  readonly #pixel = new Uint8Array(4);
 
   constructor(private readonly renderer: WebGLRenderer) {}
 
-  /** The drawn face at the spot, or -1. Waits for the graphics card. */
-  face(spot: Spot): number {
-    this.#draw(spot);
-    this.renderer.readRenderTargetPixels(this.#target, 0, 0, 1, 1, this.#pixel);
-    return number(this.#pixel);
+  /** What is drawn at and around the spot. Waits for the graphics card. */
+  look(spot: Spot): Seen {
+    const pixels = this.#draw(spot);
+    this.renderer.readRenderTargetPixels(this.#target, 0, 0, this.#side, this.#side, pixels);
+    return seen(pixels, this.#side);
   }
 
   /** The same without a wait. */
-  async faceLater(spot: Spot): Promise<number> {
-    this.#draw(spot);
-    const pixel = new Uint8Array(4);
-    await this.renderer.readRenderTargetPixelsAsync(this.#target, 0, 0, 1, 1, pixel);
-    return number(pixel);
+  async lookLater(spot: Spot): Promise<Seen> {
+    const pixels = this.#draw(spot);
+    const side = this.#side;
+    await this.renderer.readRenderTargetPixelsAsync(this.#target, 0, 0, side, side, pixels);
+    return seen(pixels, side);
   }
 
   dispose(): void {
     this.#target.dispose();
   }
 
-  /** The whole column is drawn, moved so that the pixel at the spot is the only one in the target. */
-  #draw({ cloth, column, camera, at }: Spot): void {
+  get #side(): number {
+    return 2 * Math.ceil(AROUND * this.renderer.getPixelRatio()) + 1;
+  }
+
+  /** The whole column is drawn, moved so that the pixels around the spot are the only ones in the target. */
+  #draw({ cloth, column, camera, at }: Spot): Uint8Array {
     const ratio = this.renderer.getPixelRatio();
+    const side = this.#side;
+    const half = (side - 1) / 2;
     const left = Math.floor((at.x - column.x) * ratio);
-    const low = Math.floor((column.height - at.y) * ratio);
-    this.#target.viewport.set(-left, -low, Math.round(column.width * ratio), Math.round(column.height * ratio));
+    const low = Math.floor((column.y + column.height - at.y) * ratio);
+    this.#target.setSize(side, side);
+    this.#target.viewport.set(half - left, half - low, Math.round(column.width * ratio), Math.round(column.height * ratio));
     const { solid } = cloth;
     const { material } = solid;
     solid.material = cloth.paint.pick;
@@ -63,39 +87,76 @@ export class Picker {
     this.renderer.render(solid, camera);
     this.renderer.setRenderTarget(null);
     solid.material = material;
+    return new Uint8Array(4 * side * side);
   }
 }
 
-function number(pixel: Uint8Array): number {
-  return pixel[3] === 0 ? -1 : pixel[0] + 256 * pixel[1] + 65536 * pixel[2] - 1;
+function seen(pixels: Uint8Array, side: number): Seen {
+  const half = (side - 1) / 2;
+  const nearest = new Map<number, number>();
+  for (let index = 0; index < side * side; index++) {
+    const face = number(pixels, 4 * index);
+    const far = Math.hypot((index % side) - half, Math.floor(index / side) - half);
+    if (face >= 0 && far <= half && far < (nearest.get(face) ?? Infinity)) nearest.set(face, far);
+  }
+  const around = [...nearest].sort((a, b) => a[1] - b[1]).map(([face]) => face);
+  return { face: number(pixels, 4 * half * (side + 1)), around };
 }
 
-/** Everything about a face at the spot. */
-export function describe(spot: Spot, face: number): Picked {
+function number(pixels: Uint8Array, at: number): number {
+  return pixels[at + 3] === 0 ? -1 : pixels[at] + 256 * pixels[at + 1] + 65536 * pixels[at + 2] - 1;
+}
+
+/** Everything about a face that is seen at the spot, or else around it. */
+export function describe(spot: Spot, { face, around }: Seen): Picked | null {
   const { cloth, role, at } = spot;
-  const edge = nearestEdge(spot, face);
+  const faces = [face, ...around].filter((each) => each >= 0 && each < cloth.faceCount);
+  if (faces.length === 0) return null;
+  const edge = frontEdge(spot, faces.slice(0, MOST_FACES));
   const edgeSets = edge ? cloth.membership.ofEdge(...edge) : [];
-  const sets = [...edgeSets, ...cloth.membership.ofFace(face)];
-  return { role, face: ownerOf(cloth, face), edge, sets, x: at.x, y: at.y };
+  const sets = [...edgeSets, ...cloth.membership.ofFace(faces[0])];
+  return { role, face: ownerOf(cloth, faces[0]), edge, sets, x: at.x, y: at.y };
 }
 
-function nearestEdge(spot: Spot, face: number): [number, number] | null {
+interface NearEdge {
+  ends: [number, number];
+  /** To the pointer. [CSS pixels] */
+  distance: number;
+  /** From the eye, in pixels at that distance. [CSS pixels] */
+  depth: number;
+}
+
+/** The edge at the pointer: of edges that are about as near to it, the one in front. At grazing angles there are several. */
+function frontEdge(spot: Spot, faces: number[]): [number, number] | null {
+  const near = faces.flatMap((face) => edgesNear(spot, face));
+  const front = Math.min(...near.map(({ depth }) => depth));
+  const cost = ({ distance, depth }: NearEdge) => distance + Math.min(FRONT, DEPTH * (depth - front));
+  return near.reduce<NearEdge | null>((best, edge) => (best && cost(best) <= cost(edge) ? best : edge), null)?.ends ?? null;
+}
+
+function edgesNear(spot: Spot, face: number): NearEdge[] {
   const { faces } = spot.cloth;
-  let nearest = REACH;
-  let found: [number, number] | null = null;
+  const found: NearEdge[] = [];
   for (let corner = faces.starts[face]; corner < faces.starts[face + 1]; corner++) {
     if (faces.shown && !faces.shown[corner]) continue;
     const next = nextCorner(faces, face, corner);
-    const distance = toSegment(spot.at, onCanvas(spot, corner), onCanvas(spot, next));
-    if (distance >= nearest) continue;
-    nearest = distance;
-    found = [faces.corners[corner], faces.corners[next]];
+    const [a, b] = [corner, next].map((each) => placeOf(spot.cloth, each, spot.flat));
+    const { distance, share } = toSegment(spot.at, onCanvas(spot, a), onCanvas(spot, b));
+    const ends: [number, number] = [faces.corners[corner], faces.corners[next]];
+    if (distance < REACH) found.push({ ends, distance, depth: depthOf(spot, a.lerp(b, share)) });
   }
   return found;
 }
 
-function onCanvas(spot: Spot, corner: number): Place {
-  return toCanvas(placeOf(spot.cloth, corner, spot.flat).project(spot.camera), spot.column);
+function depthOf({ camera, column }: Spot, place: Vector3): number {
+  const depth = -place.applyMatrix4(camera.matrixWorldInverse).z;
+  const perspective = camera.projectionMatrix.elements[15] === 0;
+  const breadth = (2 / camera.projectionMatrix.elements[5]) * (perspective ? depth : 1);
+  return (depth * column.height) / breadth;
+}
+
+function onCanvas(spot: Spot, place: Vector3): Place {
+  return toCanvas(place.clone().project(spot.camera), spot.column);
 }
 
 export function placeOf(cloth: Cloth, corner: number, flat: boolean): Vector3 {
@@ -105,18 +166,19 @@ export function placeOf(cloth: Cloth, corner: number, flat: boolean): Vector3 {
 
 /** From normalised device coordinates. */
 export function toCanvas(p: Vector3, column: Column): Place {
-  return { x: column.x + (p.x * 0.5 + 0.5) * column.width, y: (0.5 - p.y * 0.5) * column.height };
+  return { x: column.x + (p.x * 0.5 + 0.5) * column.width, y: column.y + (0.5 - p.y * 0.5) * column.height };
 }
 
 export function toDevice(at: Place, column: Column): Vector2 {
-  return new Vector2(((at.x - column.x) / column.width) * 2 - 1, 1 - (at.y / column.height) * 2);
+  return new Vector2(((at.x - column.x) / column.width) * 2 - 1, 1 - ((at.y - column.y) / column.height) * 2);
 }
 
-function toSegment(p: Place, a: Place, b: Place): number {
+/** The distance, and how far along the segment the nearest place is. */
+function toSegment(p: Place, a: Place, b: Place): { distance: number; share: number } {
   const [x, y] = [b.x - a.x, b.y - a.y];
   const square = x * x + y * y;
   const t = square > 0 ? Math.min(1, Math.max(0, ((p.x - a.x) * x + (p.y - a.y) * y) / square)) : 0;
-  return Math.hypot(p.x - a.x - t * x, p.y - a.y - t * y);
+  return { distance: Math.hypot(p.x - a.x - t * x, p.y - a.y - t * y), share: t };
 }
 
 /** The place on a face under the pointer. */

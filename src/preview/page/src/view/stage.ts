@@ -9,13 +9,15 @@ import type { Cloth } from "./mesh/cloth";
 import { ACCENT, MARK, SELECTED } from "./shade/colours";
 import { chosen, pitch, WEAVES } from "./shade/fabric";
 import type { Column } from "./layout";
-import { Marks } from "./mesh/marks";
+import { FAINT, Marks, THROUGH } from "./mesh/marks";
 import { Paint } from "./shade/paint";
 import type { Box } from "./mesh/points";
 import type { Rig, SpaceRig } from "./camera/rig";
 import { shifted } from "./rest/jitter";
 import type { Sample } from "./rest/samples";
 import { Shadows } from "./rest/shadows";
+
+const ROLES: Role[] = ["model", "sim", "render"];
 
 const SHADINGS: Record<Shading, number> = { cloth: 0, faceSets: 1, checker: 2, values: 3 };
 
@@ -42,9 +44,16 @@ export interface Sheet {
 export class Stage {
   readonly renderer: WebGLRenderer;
   readonly cloths = new Map<Role, Cloth>();
-  readonly marks = new Marks(MARK, 4);
-  readonly glow = new Marks(ACCENT, 4);
-  readonly selection = new Marks(SELECTED, 5);
+  readonly marks = new Marks(MARK, 4, THROUGH);
+  /** The mesh that the marks are on. */
+  marked: Role = "model";
+  readonly glow = new Marks(ACCENT, 4, THROUGH);
+  /** The selection on each mesh. */
+  readonly selections: Record<Role, Marks> = {
+    model: new Marks(SELECTED, 5, FAINT),
+    sim: new Marks(SELECTED, 5, FAINT),
+    render: new Marks(SELECTED, 5, FAINT),
+  };
   readonly uniforms = {
     uFlat: { value: false },
     uWires: { value: false },
@@ -82,7 +91,7 @@ export class Stage {
     this.renderer.info.autoReset = true;
     this.#shadows = new Shadows(this.renderer);
     const { ground, square } = this.#backdrop;
-    this.#world.add(ground, square, this.selection.object, this.marks.object, this.glow.object);
+    this.#world.add(ground, square, ...this.#allMarks.map(({ object }) => object));
     this.resize();
   }
 
@@ -161,6 +170,10 @@ export class Stage {
     this.uniforms.uBias.value = BIAS * this.radius;
   }
 
+  get #allMarks(): Marks[] {
+    return [...ROLES.map((role) => this.selections[role]), this.marks, this.glow];
+  }
+
   /** The canvas with these columns. */
   sheet(columns: Column[]): Sheet {
     const { width, height } = this;
@@ -176,7 +189,7 @@ export class Stage {
     this.#backdrop.square.visible = flat && !sheet.isClear;
     this.uniforms.uPixel.value = sheet.ratio;
     this.uniforms.uHard.value = sample !== null;
-    this.#open(sheet, { x: 0, width: sheet.width });
+    this.#open(sheet, { x: 0, y: 0, width: sheet.width, height: sheet.height });
     renderer.setClearColor(0, 0);
     renderer.clear();
     if (!sheet.isClear) renderer.render(this.#backdrop.sky, rig.camera);
@@ -187,18 +200,20 @@ export class Stage {
   }
 
   /** What follows is drawn to a part of the sheet. */
-  #open({ target, height, ratio }: Sheet, { x, width }: Pick<Column, "x" | "width">): void {
+  #open(sheet: Sheet, { x, y, width, height }: Omit<Column, "roles">): void {
     const { renderer } = this;
+    const { target, ratio } = sheet;
+    const low = sheet.height - y - height;
     if (target) {
-      target.viewport.set(x * ratio, 0, width * ratio, height * ratio).round();
+      target.viewport.set(x * ratio, low * ratio, width * ratio, height * ratio).round();
       target.scissor.copy(target.viewport);
       target.scissorTest = true;
     }
     renderer.setRenderTarget(target);
     if (target) return;
     renderer.setScissorTest(true);
-    renderer.setViewport(x, 0, width, height);
-    renderer.setScissor(x, 0, width, height);
+    renderer.setViewport(x, low, width, height);
+    renderer.setScissor(x, low, width, height);
   }
 
   #drawColumn(sheet: Sheet, column: Column, rig: Rig, space: SpaceRig, sample: Sample | null): void {
@@ -210,7 +225,7 @@ export class Stage {
     this.#show(roles);
     if (sample && this.#hasShadows) this.#cast(roles, space, sample);
     this.uniforms.uView.value.set(width * ratio, height * ratio);
-    for (const marks of [this.marks, this.glow, this.selection]) marks.setView(width * ratio, height * ratio, ratio);
+    for (const marks of this.#allMarks) marks.setView(width * ratio, height * ratio, ratio);
     if (sample) shifted(rig.camera.projectionMatrix, sample.jitter, width * ratio, height * ratio);
     this.#open(sheet, column);
     this.renderer.render(this.#world, rig.camera);
@@ -237,5 +252,7 @@ export class Stage {
       // The lines of the mesh above say more, and two of one colour would be mistaken for one another.
       cloth.lines.setVisible(!last || drawn.length < 2);
     }
+    this.marks.object.visible = roles.includes(this.marked);
+    for (const role of ROLES) this.selections[role].object.visible = role === drawn.at(-1);
   }
 }

@@ -23,12 +23,13 @@ function Dialog({ suggested }: { suggested: SaveTargets }) {
   const store = useStore();
   const isLive = useLive();
   const dialog = useRef<HTMLDialogElement>(null);
-  const { layer, recipe } = suggested;
-  const [path, setPath] = useState(layer ?? recipe);
+  const savedTo = useSelect((state) => state.savedTo);
+  const { layer, recipe } = withSaved(suggested, savedTo);
+  const [path, setPath] = useState(savedTo ?? layer ?? recipe);
   const [isSure, setSure] = useState(false);
   const answer = useSelect((state) => state.save);
   const isNext = useSelect(({ buildsNext }) => buildsNext);
-  const format: Format = path.endsWith(".tailor") ? "recipe" : "layer";
+  const format = formatOf(path);
   const plan = answer?.path === path ? answer : null;
 
   useLayoutEffect(() => dialog.current?.showModal(), []);
@@ -110,6 +111,15 @@ function Dialog({ suggested }: { suggested: SaveTargets }) {
   );
 }
 
+function formatOf(path: string): Format {
+  return path.endsWith(".tailor") ? "recipe" : "layer";
+}
+
+/** The file that was saved last is the one of its format. */
+function withSaved(suggested: SaveTargets, savedTo: string | null): SaveTargets {
+  return savedTo === null ? suggested : { ...suggested, [formatOf(savedTo)]: savedTo };
+}
+
 /** A layer keeps what else is in it, a `.tailor` file is replaced. */
 function verb(plan: SaveMessage | null, format: Format, isSure: boolean): string {
   if (!plan?.exists) return "Save";
@@ -118,6 +128,7 @@ function verb(plan: SaveMessage | null, format: Format, isSure: boolean): string
 }
 
 function saved(store: Store, path: string): void {
+  store.update({ savedTo: path });
   if (store.state.buildsNext) return;
   const act = () => store.update({ dialog: "build" });
   store.toast({ text: `Saved ${path}`, code: buildCommand(path, outputOf(path)), action: { label: "Build", act } });

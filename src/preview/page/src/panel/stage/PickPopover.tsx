@@ -7,7 +7,7 @@ import { setsOf } from "../../state/recipe";
 import { useLive, useOutside, useSelect, useStore } from "../controls/hooks";
 import { Icon } from "../controls/icons";
 import { addOperator, reveal } from "../../state/operators";
-import type { PickedSet } from "../../view/api";
+import type { Isolated, PickedSet } from "../../view/api";
 import { Swatch } from "../recipe/SetChips";
 import { KIND_NAMES } from "../recipe/Stack";
 
@@ -34,7 +34,7 @@ function Popover() {
     const fits = (at: number, size: number, whole: number) => (at + size + 12 > whole ? at - size - 8 : at + 8);
     element.style.left = `${Math.max(8, fits(clicked.x, element.offsetWidth, stage.clientWidth))}px`;
     element.style.top = `${Math.max(8, fits(clicked.y, element.offsetHeight, stage.clientHeight))}px`;
-    (element.querySelector<HTMLElement>("button") ?? element).focus({ preventScroll: true });
+    (element.querySelector<HTMLElement>("[aria-label=Close]") ?? element).focus({ preventScroll: true });
   }, []);
   if (!clicked || !garment) return null;
   // Products have sets of their own, which are nothing to make seams of.
@@ -57,15 +57,33 @@ function Popover() {
     >
       <header class="pick-head">
         {clicked.edge ? `Edge ${clicked.edge[0]}–${clicked.edge[1]}` : `Face ${clicked.face}`}
-        <button type="button" class="icon-button is-small" aria-label="Close" onClick={close}>
-          <Icon name="close" />
-        </button>
+        <span>
+          <IsolateButton label="Show its panel alone" what={clicked} />
+          <button type="button" class="icon-button is-small" aria-label="Close" onClick={close}>
+            <Icon name="close" />
+          </button>
+        </span>
       </header>
       {sets.length === 0 && <p class="pick-none">In no set</p>}
       {sets.map((set) => (
         <PickRow key={`${set.kind} ${set.name}`} set={set} close={close} />
       ))}
     </div>
+  );
+}
+
+function IsolateButton({ label, what }: { label: string; what: Isolated }) {
+  const store = useStore();
+  return (
+    <button
+      type="button"
+      class="icon-button is-small"
+      aria-label={label}
+      title={`${label} (Esc shows all)`}
+      onClick={() => store.isolate(what)}
+    >
+      <Icon name="isolate" />
+    </button>
   );
 }
 
@@ -93,6 +111,7 @@ function PickRow({ set, close }: { set: PickedSet; close(): void }) {
         {set.name}
         <small>{set.kind === "edge" ? "edge set" : "face set"}</small>
       </span>
+      {set.kind === "face" && <IsolateButton label={`Show ${set.name} alone`} what={set.name} />}
       {users.map((user) => (
         <button type="button" class="button is-small" onClick={act(() => reveal(store, user.full))}>
           {goTo(user)}

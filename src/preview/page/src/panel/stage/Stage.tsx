@@ -3,11 +3,13 @@
 import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import { setsOf } from "../../state/recipe";
 import { useSelect, useStore } from "../controls/hooks";
+import { ColumnLabels } from "./ColumnLabels";
 import { Legend } from "./Legend";
 import { PickPopover } from "./PickPopover";
 import { SelectionBar } from "./SelectionBar";
 import { ROLE_NAMES, ROLES } from "../../state/settings";
 import { Swatch } from "../recipe/SetChips";
+import { Toasts } from "../Notices";
 import { SideBar, ToolBar } from "./ToolBar";
 
 export function Stage() {
@@ -25,6 +27,7 @@ export function Stage() {
         aria-label="The garment in 3D"
         onPointerLeave={() => store.update({ hovered: null })}
       />
+      <ColumnLabels />
       <FirstLoad />
       <Progress />
       <ToolBar />
@@ -33,10 +36,26 @@ export function Stage() {
       <HoverLabel />
       <PickPopover />
       <SelectionBar />
+      <Toasts />
+      <IsolatedNote />
       {comparing && (
         <p class="comparing">{comparing === "step" ? "Before the last change" : "As it was saved or opened"}</p>
       )}
     </main>
+  );
+}
+
+function IsolatedNote() {
+  const store = useStore();
+  const isolated = useSelect((state) => state.isolated);
+  if (!isolated) return null;
+  return (
+    <p class="comparing is-isolated" role="status">
+      A part is shown alone
+      <button type="button" class="button is-small" title="Show all (Esc)" onClick={() => store.isolate(null)}>
+        Show all
+      </button>
+    </p>
   );
 }
 

@@ -39,6 +39,7 @@ export function ToolBar() {
         label="Layout"
         value={settings.layout}
         choices={[
+          { value: "large", label: "One large", icon: "large", hint: "One mesh large, the others beside it (G for the next)" },
           { value: "side", label: "Side by side", icon: "side" },
           { value: "over", label: "Over one another", icon: "over" },
         ]}
@@ -78,6 +79,7 @@ function HeatSelect() {
 export function SideBar() {
   const store = useStore();
   const { wires, edgeSets, flat, shadows, smooth } = useSelect((state) => state.settings);
+  const isolated = useSelect((state) => state.isolated);
   return (
     <div class="side-bar" role="toolbar" aria-orientation="vertical" aria-label="Drawing">
       <Toggle
@@ -135,6 +137,13 @@ export function SideBar() {
           </button>
         ))}
       </span>
+      <Toggle
+        label="Isolate"
+        icon="isolate"
+        hint="Show the panel where the pointer was, or the selected faces, alone (I)"
+        on={isolated}
+        change={() => store.toggleIsolated()}
+      />
       <IconButton
         label="Frame"
         icon="frame"

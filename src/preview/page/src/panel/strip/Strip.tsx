@@ -1,14 +1,16 @@
 // The strip below the view: figures of both meshes, times, warnings.
 
-import type { ProductMessage } from "../../server/protocol";
+import type { Role } from "../../server/protocol";
+import type { Product, Standing } from "../../state/state";
 import { IconButton } from "../controls/controls";
-import { useSelect, useStore } from "../controls/hooks";
+import { useLevels, useSelect, useStanding, useStandingOfAll, useStore } from "../controls/hooks";
 import { Icon } from "../controls/icons";
 import { count, degrees, milliseconds, percent } from "../controls/numbers";
 import { ROLE_NAMES } from "../../state/settings";
-import { warningsOf } from "../../state/state";
+import { findingsOf } from "../../state/state";
+import type { Finding } from "../../state/garment";
 import type { Timing } from "../../state/stopwatch";
-import { Warnings } from "./Warnings";
+import { SEVERITY_ICONS, Warnings } from "./Warnings";
 
 export function Strip() {
   const store = useStore();
@@ -18,18 +20,13 @@ export function Strip() {
   const lastEdit = useSelect((state) => state.lastEdit);
   const garment = useSelect((state) => state.garment);
   const cloth = useSelect((state) => state.cloth);
-  const warnings = warningsOf({ garment, products, cloth });
+  const findings = findingsOf({ garment, products, cloth });
   const toggle = () => store.settings({ figures: !isOpen });
   return (
     <section class={`strip ${isOpen ? "is-open" : ""}`} aria-label="Figures and warnings">
       <div class="strip-bar">
-        <Brief
-          name="Simulation"
-          isShown={roles.includes("sim")}
-          product={products.sim}
-          figures={simBrief(products.sim)}
-        />
-        <Brief name="Render" isShown={roles.includes("render")} product={products.render} figures={[]} />
+        <Brief role="sim" isShown={roles.includes("sim")} product={products.sim} figures={simBrief(products.sim)} />
+        <Brief role="render" isShown={roles.includes("render")} product={products.render} figures={[]} />
         <span class="strip-space" />
         {lastEdit && (
           <span class="brief" title="From your last edit until it was drawn">
@@ -37,7 +34,7 @@ export function Strip() {
           </span>
         )}
         <FaultCount />
-        <WarningCount count={warnings.length} isOpen={isOpen} toggle={toggle} />
+        <WarningCount findings={findings} isOpen={isOpen} toggle={toggle} />
         <IconButton label={isOpen ? "Hide figures" : "Show figures"} icon={isOpen ? "down" : "up"} act={toggle} />
       </div>
       {isOpen && (
@@ -45,7 +42,7 @@ export function Strip() {
           <SimFigures product={products.sim} />
           <RenderFigures product={products.render} />
           <Times timing={lastEdit} />
-          <Warnings warnings={warnings} />
+          <Warnings findings={findings} />
         </div>
       )}
     </section>
@@ -76,37 +73,64 @@ function cardOf(key: string): Element | null {
   return document.querySelector(`[data-card="${CSS.escape(full)}"]`);
 }
 
-function WarningCount({ count, isOpen, toggle }: { count: number; isOpen: boolean; toggle(): void }) {
-  const words = count === 0 ? "No warnings" : count === 1 ? "1 warning" : `${count} warnings`;
+interface CountProps {
+  findings: Finding[];
+  isOpen: boolean;
+  toggle(): void;
+}
+
+/** What is built, or could not be built, may still have warnings. */
+const NO_WARNINGS: Record<Standing["is"], string> = {
+  current: "No warnings",
+  building: "Building",
+  stale: "Warnings not known",
+};
+
+function WarningCount({ findings, isOpen, toggle }: CountProps) {
+  const standing = useStandingOfAll();
+  const count = findings.length;
+  const worst = findings[0]?.severity;
   return (
     <button
       type="button"
-      class={`warning-count ${count > 0 ? "has-some" : ""}`}
+      class={`warning-count ${worst ? `is-${worst}` : ""}`}
       aria-expanded={isOpen}
-      title="Show the list"
+      title={standing === "current" ? "Show the list" : "Show the list. It is that of the last good builds"}
       onClick={toggle}
     >
-      <Icon name={count > 0 ? "warning" : "check"} />
-      <span data-testid="warning-count">{words}</span>
+      {(worst || standing === "current") && <Icon name={worst ? SEVERITY_ICONS[worst] : "check"} />}
+      <span data-testid="warning-count">
+        {count === 0 ? NO_WARNINGS[standing] : count === 1 ? "1 warning" : `${count} warnings`}
+      </span>
     </button>
   );
 }
 
 interface BriefProps {
-  name: string;
+  role: "sim" | "render";
   isShown: boolean;
-  product: ProductMessage | undefined;
+  product: Product | undefined;
   figures: [string, string][];
 }
 
-function Brief({ name, isShown, product, figures }: BriefProps) {
+function Brief({ role, isShown, product, figures }: BriefProps) {
+  const standing = useStanding(role);
   const hint = isShown ? undefined : "Hidden: these are the figures of its last build";
   return (
-    <span class={`brief ${isShown ? "" : "is-hidden"}`} title={hint}>
-      {name}
+    <span class={`brief ${isShown ? "" : "is-hidden"}`} title={hint} data-brief={role}>
+      {ROLE_NAMES[role]}
+      {standing.is !== "current" && (
+        <em class="standing" title={standing.why}>
+          {standing.is}
+        </em>
+      )}
       {product ? (
         <>
-          <b>{count(product.figures.vertices)}</b> points <b>{count(product.figures.faces)}</b> faces
+          <span class="brief-points">
+            <b>{count(product.figures.vertices)}</b> points
+          </span>
+          <b>{count(product.figures.faces)}</b> faces
+          {product.level !== null && <Level role={role} />}
           {figures.map(([term, figure]) => (
             <span class="brief-more" key={term}>
               {term} <b>{figure}</b>
@@ -120,7 +144,18 @@ function Brief({ name, isShown, product, figures }: BriefProps) {
   );
 }
 
-function simBrief(product: ProductMessage | undefined): [string, string][] {
+/** The level that is written, and what display adds to it. */
+function Level({ role }: { role: Role }) {
+  const { written, shown } = useLevels(role);
+  return (
+    <span title="Subdivision level that is written; refinements for display are only shown">
+      written at level <b>{written}</b>
+      {shown > written && `, shown at ${shown}`}
+    </span>
+  );
+}
+
+function simBrief(product: Product | undefined): [string, string][] {
   const figures = product?.figures;
   return [
     ["smallest angle", degrees(figures?.minAngle)],
@@ -129,7 +164,7 @@ function simBrief(product: ProductMessage | undefined): [string, string][] {
   ];
 }
 
-function SimFigures({ product }: { product: ProductMessage | undefined }) {
+function SimFigures({ product }: { product: Product | undefined }) {
   const figures = product?.figures;
   return (
     <Figures
@@ -145,7 +180,7 @@ function SimFigures({ product }: { product: ProductMessage | undefined }) {
   );
 }
 
-function RenderFigures({ product }: { product: ProductMessage | undefined }) {
+function RenderFigures({ product }: { product: Product | undefined }) {
   const figures = product?.figures;
   return (
     <Figures
@@ -153,6 +188,7 @@ function RenderFigures({ product }: { product: ProductMessage | undefined }) {
       rows={[
         ["Points", count(figures?.vertices)],
         ["Faces", count(figures?.faces)],
+        ["Level, as written", product ? String(product.level) : "–"],
         ["Quads", percent(figures?.quads)],
         ["Operators that ran", product ? String(product.operators.length) : "–"],
       ]}

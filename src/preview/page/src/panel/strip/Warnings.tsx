@@ -1,35 +1,42 @@
-import type { Warning } from "../../server/protocol";
-import { useSelect, useStore } from "../controls/hooks";
-import { Icon } from "../controls/icons";
+import type { Severity } from "../../server/protocol";
+import type { Finding } from "../../state/garment";
+import { ROLE_NAMES } from "../../state/settings";
+import { useSelect, useStandingOfAll, useStore } from "../controls/hooks";
+import { Icon, type IconName } from "../controls/icons";
 import { Words } from "../controls/Words";
 
-/** A click on a warning shows where it is. */
-export function Warnings({ warnings }: { warnings: Warning[] }) {
+export const SEVERITY_ICONS: Record<Severity, IconName> = { fault: "error", quality: "warning", note: "note" };
+
+/** The worst first. A click on a warning shows where it is. */
+export function Warnings({ findings }: { findings: Finding[] }) {
   const store = useStore();
   const marked = useSelect((state) => state.marked);
+  const standing = useStandingOfAll();
   return (
     <div class="warnings">
       <h3>
-        Warnings <span>{warnings.length || "none"}</span>
+        Warnings <span>{findings.length || (standing === "current" ? "none" : "not known")}</span>
       </h3>
       <ul>
-        {warnings.map((warning) => (
-          <li key={`${warning.code} ${warning.place} ${warning.problem}`}>
+        {findings.map((finding) => (
+          <li key={`${finding.role} ${finding.code} ${finding.place} ${finding.problem}`}>
             <button
               type="button"
-              class="warning"
-              aria-pressed={marked === warning}
-              title={canShow(warning) ? "Show where (Escape ends it)" : undefined}
-              onClick={() => store.mark(marked === warning ? null : warning)}
+              class={`warning is-${finding.severity}`}
+              aria-pressed={marked === finding}
+              title={canShow(finding) ? "Show where (Escape ends it)" : undefined}
+              onClick={() => store.mark(marked === finding ? null : finding)}
             >
-              <span class="warning-icon" style={{ color: colourOf(warning.code) }} title={warning.code}>
-                <Icon name="warning" />
+              <span class="warning-icon" title={finding.code}>
+                <Icon name={SEVERITY_ICONS[finding.severity]} />
               </span>
               <span class="warning-text">
-                <b>{warning.place}</b> <Words text={warning.problem} />
+                <b>{finding.place}</b> <Words text={finding.problem} />
                 <small>
-                  <Words text={warning.remedy} />
-                  {extent(warning)}
+                  <i>{finding.severity}</i> · {ROLE_NAMES[finding.role].toLowerCase()}
+                  {extent(finding)}
+                  {finding.remedy && " · "}
+                  <Words text={finding.remedy} />
                 </small>
               </span>
             </button>
@@ -40,23 +47,13 @@ export function Warnings({ warnings }: { warnings: Warning[] }) {
   );
 }
 
-function canShow({ elements, names }: Warning): boolean {
+function canShow({ elements, names }: Finding): boolean {
   return Boolean(names?.length) || Object.values(elements).some((list) => list.length > 0);
 }
 
-function extent({ elements }: Warning): string {
+function extent({ elements }: Finding): string {
   const parts = Object.entries(elements).flatMap(([kind, list]) =>
     list.length > 0 ? [`${list.length} ${list.length === 1 ? kind.slice(0, -1) : kind}`] : [],
   );
-  return parts.length > 0 ? ` (${parts.join(", ")})` : "";
-}
-
-/** Hues that are apart from one another and legible in both themes. */
-const HUES = [40, 15, 330, 280, 230, 190, 95];
-
-/** Warnings of one code have one colour. */
-function colourOf(code: string): string {
-  const sum = [...code].reduce((hash, letter) => (hash * 31 + letter.charCodeAt(0)) % 9973, 7);
-  const hue = HUES[sum % HUES.length];
-  return `light-dark(hsl(${hue} 75% 36%), hsl(${hue} 80% 68%))`;
+  return parts.length > 0 ? ` · ${parts.join(", ")}` : "";
 }

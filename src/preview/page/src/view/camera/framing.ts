@@ -14,8 +14,23 @@ export interface Ball {
   radius: number;
 }
 
+/** All of the mesh that is drawn. */
 export function wholeOf(cloth: Cloth, flat: boolean): Cloud {
+  if (cloth.isIsolated) return { values: placesDrawn(cloth, flat), stride: flat ? 2 : 4 };
   return flat ? { values: cloth.uvs, stride: 2 } : { values: cloth.points, stride: 4 };
+}
+
+function placesDrawn(cloth: Cloth, flat: boolean): number[] {
+  const { starts, corners } = cloth.faces;
+  const places: number[] = [];
+  for (let face = 0; face < cloth.faceCount; face++) {
+    if (!cloth.isDrawn(face)) continue;
+    for (let corner = starts[face]; corner < starts[face + 1]; corner++) {
+      if (flat) places.push(...cloth.uvs.subarray(2 * corner, 2 * corner + 2));
+      else places.push(...cloth.points.subarray(4 * corners[corner], 4 * corners[corner] + 4));
+    }
+  }
+  return places;
 }
 
 /** Places of all elements of the sets, x, y, z each. */

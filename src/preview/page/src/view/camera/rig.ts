@@ -41,6 +41,9 @@ export abstract class Rig {
   /** The pose that shows these points, seen from the same side or with a turn and a tilt. */
   abstract fit(clouds: Cloud[], aspect: number, direction?: [number, number]): Pose | null;
 
+  /** The least size of a pose (its fourth number) that shows these points with the target and the direction as they are. */
+  abstract reach(clouds: Cloud[], aspect: number, pose: Readonly<Pose>): number;
+
   /** The sphere as six points, so that small things are shown with what is around them. */
   fitSphere(centre: Vector3, radius: number, aspect: number, direction?: [number, number]): Pose | null {
     const offsets = [radius, 0, 0, -radius, 0, 0, 0, radius, 0, 0, -radius, 0, 0, 0, radius, 0, 0, -radius];
@@ -149,6 +152,24 @@ export class SpaceRig extends Rig {
     return [target.x, target.y, target.z, Math.log(Math.max(eye - middle, 1e-6)), turn, tilt];
   }
 
+  reach(clouds: Cloud[], aspect: number, pose: Readonly<Pose>): number {
+    const { right, up, back } = this.axes(pose[4], pose[5]);
+    const target = new Vector3(pose[0], pose[1], pose[2]);
+    const below = halfTangent(aspect) * FILL;
+    const above = halfTangent(aspect) * FILL_TOP;
+    const offset = new Vector3();
+    let distance = 1e-6;
+    for (const { values, stride } of clouds) {
+      for (let at = 0; at + 2 < values.length; at += stride) {
+        offset.set(values[at], values[at + 1], values[at + 2]).sub(target);
+        const y = offset.dot(up);
+        const across = Math.max(Math.abs(offset.dot(right)) / (below * aspect), y / above, -y / below);
+        distance = Math.max(distance, offset.dot(back) + across);
+      }
+    }
+    return Math.log(distance);
+  }
+
   orbit(dx: number, dy: number): void {
     const [x, y, z, size, turn, tilt] = this.motion.goal;
     const next = Math.min(MOST_TILT, Math.max(-MOST_TILT, tilt + dy));
@@ -222,6 +243,17 @@ export class FlatRig extends Rig {
     const half = Math.max((right - left) / aspect / (2 * FILL), (high - low) / (FILL + FILL_TOP), 1e-6);
     const height = (high - half * FILL_TOP + (low + half * FILL)) / 2;
     return [(left + right) / 2, height, 0, Math.log(half * Math.min(1, aspect)), 0, 0];
+  }
+
+  reach(clouds: Cloud[], aspect: number, pose: Readonly<Pose>): number {
+    let half = 1e-6;
+    for (const { values, stride } of clouds) {
+      for (let at = 0; at + 1 < values.length; at += stride) {
+        const y = values[at + 1] - pose[1];
+        half = Math.max(half, Math.abs(values[at] - pose[0]) / (aspect * FILL), y / FILL_TOP, -y / FILL);
+      }
+    }
+    return Math.log(half * Math.min(1, aspect));
   }
 
   protected halfHeight(size: number, aspect: number): number {

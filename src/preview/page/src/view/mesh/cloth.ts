@@ -13,6 +13,7 @@ import { BORDER, CLASSES, HIDDEN } from "../shade/classes";
 import { edgeClasses, fillFaces, Membership, palette, readSets } from "./sets";
 import { fillLooks } from "../shade/fabric";
 import { SetLines } from "./setLines";
+import { sourceOf } from "./sources";
 import type { ElementSet } from "./sets";
 import { byteTexture, floatTexture, integers, texture } from "./textures";
 import { Edges, startsOf, triangulate } from "./topology";
@@ -36,8 +37,12 @@ export class Cloth {
   box: Box = { least: [0, 0, 0], most: [0, 0, 0] };
   /** u, v of each corner, or empty. */
   uvs: Float32Array = new Float32Array(0);
+  /** The model's face of each face before refinement for display; null for the model. */
+  sources: Uint32Array | null = null;
   sets: ElementSet[] = [];
   membership: Membership;
+  /** Faces of the model whose parts alone are drawn; null for all. */
+  #isolated: ReadonlySet<number> | null = null;
   #highlighted: ReadonlySet<string> = new Set();
   readonly #pointTexture: DataTexture;
   readonly #normalTexture: DataTexture;
@@ -109,6 +114,27 @@ export class Cloth {
     if (had || has) this.#paintSets();
   }
 
+  /** Draws the parts of these faces of the model alone, or all for null. */
+  isolate(faces: ReadonlySet<number> | null): void {
+    if (faces === null && this.#isolated === null) return;
+    this.#isolated = faces;
+    const kept: number[] = [];
+    this.triangles.faces.forEach((face, triangle) => {
+      if (this.isDrawn(face)) kept.push(3 * triangle, 3 * triangle + 1, 3 * triangle + 2);
+    });
+    this.#geometry.setIndex(faces && new BufferAttribute(new Uint32Array(kept), 1));
+    this.#geometry.setDrawRange(0, faces ? kept.length : this.triangles.corners.length);
+    this.#paintSets();
+  }
+
+  get isIsolated(): boolean {
+    return this.#isolated !== null;
+  }
+
+  isDrawn(face: number): boolean {
+    return this.#isolated === null || this.#isolated.has(sourceOf(this, face));
+  }
+
   /** Thickens the first of these edge sets that the mesh has. */
   setHot(names: string[]): void {
     const set = this.sets.find(({ name, kind }) => kind === "edge" && name === names[0]);
@@ -131,6 +157,9 @@ export class Cloth {
   /** All but the points and the faces. */
   #setRest(frame: MeshFrame): void {
     const { header } = frame;
+    const sources = frame.u32("sources");
+    if (sources) this.sources = sources.length > 0 ? sources.slice() : null;
+    if (sources && this.#isolated) this.isolate(this.#isolated);
     const uvs = frame.f32("uvs");
     if (uvs) this.#setUvs(uvs);
     if (uvs && !header.sets) this.#paintSets();

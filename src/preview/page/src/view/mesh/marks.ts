@@ -1,20 +1,22 @@
-// Markers that show through cloth: points as dots, edges as thick lines, faces tinted. Sizes are in pixels.
+// Markers on cloth: points as dots, edges as thick lines, faces tinted. Sizes are in pixels.
 
 import {
   BufferAttribute,
   BufferGeometry,
   DoubleSide,
   GLSL3,
+  GreaterDepth,
   Group,
   InstancedBufferAttribute,
   InstancedBufferGeometry,
+  LessEqualDepth,
   Mesh,
   Points,
   RawShaderMaterial,
   Vector2,
   Vector3,
 } from "three";
-import type { IUniform, Object3D } from "three";
+import type { DepthModes, IUniform, Object3D } from "three";
 import type { Rgb } from "../shade/colours";
 import { LINE_QUAD, LINE_REACH } from "../shade/lineShader";
 
@@ -23,13 +25,26 @@ precision highp float;
 uniform mat4 modelViewMatrix;
 uniform mat4 projectionMatrix;
 uniform float uPixel;
+uniform float uStrength;
 uniform vec3 uColour;
 `;
 
+// Nearer to the eye by a few pixels, as marks lie in the surface.
+const NEARER = /* glsl */ `
+vec4 nearer(vec4 view, float height) {
+  if (projectionMatrix[3][3] != 0.0) return view + vec4(0.0, 0.0, 0.01, 0.0);
+  float bias = 6.0 * uPixel * -view.z / (projectionMatrix[1][1] * height);
+  view.xyz *= 1.0 - bias / max(length(view.xyz), 2.0 * bias);
+  return view;
+}
+`;
+
 const DOT_VERTEX = /* glsl */ `${HEADER}
+uniform vec2 uView;
 in vec3 position;
+${NEARER}
 void main() {
-  gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+  gl_Position = projectionMatrix * nearer(modelViewMatrix * vec4(position, 1.0), uView.y);
   gl_PointSize = 14.0 * uPixel;
 }
 `;
@@ -40,7 +55,7 @@ void main() {
   float r = length(gl_PointCoord - 0.5) * 14.0;
   float outer = clamp((6.5 - r) * uPixel + 0.5, 0.0, 1.0);
   float inner = clamp((4.6 - r) * uPixel + 0.5, 0.0, 1.0);
-  colour = vec4(mix(vec3(0.08), uColour, inner), outer * mix(0.75, 1.0, inner));
+  colour = vec4(mix(vec3(0.08), uColour, inner), uStrength * outer * mix(0.75, 1.0, inner));
 }
 `;
 
@@ -52,35 +67,41 @@ uniform float uWidth;
 in vec3 from;
 in vec3 to;
 ${LINE_QUAD}
+${NEARER}
 void main() {
-  lineQuad(modelViewMatrix * vec4(from, 1.0), modelViewMatrix * vec4(to, 1.0), (0.5 * uWidth + 2.0) * uPixel);
+  vec4 a = nearer(modelViewMatrix * vec4(from, 1.0), uView.y);
+  vec4 b = nearer(modelViewMatrix * vec4(to, 1.0), uView.y);
+  lineQuad(a, b, (0.5 * uWidth + 2.0) * uPixel);
 }
 `;
 
+// The rims of all lines are below the lines, so that the joints of short ones are not seen.
 const LINE_FRAGMENT = /* glsl */ `${HEADER}
 uniform float uWidth;
+uniform bool uRim;
 out vec4 colour;
 ${LINE_REACH}
 void main() {
   float r = lineReach() / uPixel;
-  float inner = clamp((0.5 * uWidth - r) * uPixel + 0.5, 0.0, 1.0);
-  float outer = clamp((0.5 * uWidth + 1.2 - r) * uPixel + 0.5, 0.0, 1.0);
-  if (outer <= 0.0) discard;
-  colour = vec4(mix(vec3(0.08), uColour, inner), outer * mix(0.55, 1.0, inner));
+  float cover = clamp((0.5 * uWidth + (uRim ? 1.2 : 0.0) - r) * uPixel + 0.5, 0.0, 1.0);
+  if (cover <= 0.0) discard;
+  colour = uRim ? vec4(vec3(0.08), 0.55 * uStrength * cover) : vec4(uColour, uStrength * cover);
 }
 `;
 
 const FILL_VERTEX = /* glsl */ `${HEADER}
+uniform vec2 uView;
 in vec3 position;
+${NEARER}
 void main() {
-  gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+  gl_Position = projectionMatrix * nearer(modelViewMatrix * vec4(position, 1.0), uView.y);
 }
 `;
 
 const FILL_FRAGMENT = /* glsl */ `${HEADER}
 out vec4 colour;
 void main() {
-  colour = vec4(uColour, 0.38);
+  colour = vec4(uColour, 0.38 * uStrength);
 }
 `;
 
@@ -94,11 +115,19 @@ export interface Shapes {
   triangles: number[];
 }
 
+/** How much of marks is seen behind cloth: all, or so little that they are told from those before it. */
+export const THROUGH = 1;
+export const FAINT = 0.2;
+
 export class Marks {
   readonly object = new Group();
   readonly #uniforms: Record<string, IUniform>;
 
-  constructor(colour: Rgb, width: number) {
+  constructor(
+    colour: Rgb,
+    width: number,
+    private readonly behind: number,
+  ) {
     this.#uniforms = {
       uView: { value: new Vector2(1, 1) },
       uPixel: { value: 1 },
@@ -116,9 +145,13 @@ export class Marks {
   set(shapes: Shapes): void {
     this.clear();
     const { points, segments, triangles } = shapes;
-    if (triangles.length) this.#add(new Mesh(plain(triangles), this.#material(FILL_VERTEX, FILL_FRAGMENT)));
-    if (segments.length) this.#add(new Mesh(quads(segments), this.#material(LINE_VERTEX, LINE_FRAGMENT)));
-    if (points.length) this.#add(new Points(plain(points), this.#material(DOT_VERTEX, DOT_FRAGMENT)));
+    for (const depth of this.behind === THROUGH ? [null] : [GreaterDepth, LessEqualDepth]) {
+      const material = (vertex: string, fragment: string, rim = false) => this.#material(vertex, fragment, depth, rim);
+      if (triangles.length) this.#add(new Mesh(plain(triangles), material(FILL_VERTEX, FILL_FRAGMENT)));
+      if (segments.length) this.#add(new Mesh(quads(segments), material(LINE_VERTEX, LINE_FRAGMENT, true)));
+      if (segments.length) this.#add(new Mesh(quads(segments), material(LINE_VERTEX, LINE_FRAGMENT)));
+      if (points.length) this.#add(new Points(plain(points), material(DOT_VERTEX, DOT_FRAGMENT)));
+    }
   }
 
   clear(): void {
@@ -135,16 +168,23 @@ export class Marks {
     this.object.add(object);
   }
 
-  #material(vertexShader: string, fragmentShader: string): RawShaderMaterial {
+  /** `depth` chooses what is before the cloth, or behind it; null is both. */
+  #material(
+    vertexShader: string,
+    fragmentShader: string,
+    depth: DepthModes | null,
+    isRim: boolean,
+  ): RawShaderMaterial {
     return new RawShaderMaterial({
       vertexShader,
       fragmentShader,
-      uniforms: this.#uniforms,
+      uniforms: { ...this.#uniforms, uStrength: { value: depth === GreaterDepth ? this.behind : 1 }, uRim: { value: isRim } },
       glslVersion: GLSL3,
       side: DoubleSide,
       forceSinglePass: true,
       transparent: true,
-      depthTest: false,
+      depthTest: depth !== null,
+      depthFunc: depth ?? LessEqualDepth,
       depthWrite: false,
     });
   }

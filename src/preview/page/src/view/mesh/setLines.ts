@@ -12,6 +12,7 @@ interface Source {
   faces: Faces;
   edges: Edges;
   uvs: Float32Array;
+  isDrawn(face: number): boolean;
 }
 
 export class SetLines {
@@ -64,9 +65,11 @@ export class SetLines {
   }
 }
 
-function cornersOfSets({ faces, edges }: Source, classes: Uint8Array): [number, number][] {
+function cornersOfSets(source: Source, classes: Uint8Array): [number, number][] {
+  const { faces, edges } = source;
   const found: [number, number][] = [];
   for (let face = 0; face + 1 < faces.starts.length; face++) {
+    if (!source.isDrawn(face)) continue;
     for (let corner = faces.starts[face]; corner < faces.starts[face + 1]; corner++) {
       const isSet = classes[edges.ofCorner[corner]] >= HIGHLIGHTED;
       if (isSet && (!faces.shown || faces.shown[corner])) found.push([corner, nextCorner(faces, face, corner)]);

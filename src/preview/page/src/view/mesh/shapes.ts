@@ -29,6 +29,14 @@ export function placeGlow(marks: Marks, cloths: Cloth[], names: ReadonlySet<stri
   placeMarks(marks, cloth, { points }, flat);
 }
 
+/** The elements of a set of the mesh as it is drawn; null if it has none of that name. */
+export function elementsOfSet(cloth: Cloth, name: string): Elements | null {
+  const set = cloth.sets.find((each) => each.name === name);
+  if (!set) return null;
+  if (set.kind !== "face") return { points: [...new Set(set.elements)] };
+  return { faces: [...new Set([...set.elements].map((face) => ownerOf(cloth, face)))] };
+}
+
 /** The points that the elements touch. */
 export function pointsOf(cloth: Cloth, elements: Elements): number[] {
   const points = new Set<number>(elements.points ?? []);

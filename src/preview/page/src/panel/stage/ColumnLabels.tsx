@@ -1,0 +1,67 @@
+// The name of each mesh in its place on the view, and whether it is of the recipe as it is now.
+
+import { useLayoutEffect, useRef, useState } from "preact/hooks";
+import type { Role } from "../../server/protocol";
+import { makeLarge } from "../../state/keys";
+import { ROLE_NAMES } from "../../state/settings";
+import { columns } from "../../view/layout";
+import { useLevels, useSelect, useStanding, useStore } from "../controls/hooks";
+
+export function ColumnLabels() {
+  const box = useRef<HTMLDivElement>(null);
+  const [size, setSize] = useState({ width: 0, height: 0 });
+  const settings = useSelect((state) => state.settings);
+  useLayoutEffect(() => {
+    const element = box.current;
+    if (!element) return;
+    const measure = () => setSize({ width: element.clientWidth, height: element.clientHeight });
+    const observer = new ResizeObserver(measure);
+    observer.observe(element);
+    measure();
+    return () => observer.disconnect();
+  }, []);
+  const all = columns(settings, size.width, size.height);
+  return (
+    <div class="columns" ref={box}>
+      {all.map(({ x, y, width, height, roles }, index) => (
+        <div
+          class={`column ${y > 0 ? "is-lower" : ""} ${x > 0 ? "is-beside" : ""}`}
+          key={roles.join()}
+          style={{ left: `${x}px`, top: `${y}px`, width: `${width}px`, height: `${height}px` }}
+        >
+          <div class="column-labels">
+            {roles.map((role) => (
+              <Label key={role} role={role} isSmall={settings.layout === "large" && index > 0} />
+            ))}
+          </div>
+        </div>
+      ))}
+    </div>
+  );
+}
+
+function Label({ role, isSmall }: { role: Role; isSmall: boolean }) {
+  const store = useStore();
+  const standing = useStanding(role);
+  const { shown, written } = useLevels(role);
+  const name = ROLE_NAMES[role];
+  const isMore = shown > written;
+  return (
+    <span class={`column-label is-${standing.is}`} data-role={role}>
+      {isSmall ? (
+        <button type="button" title="Make it the large one (G)" onClick={() => makeLarge(store, role)}>
+          {name}
+        </button>
+      ) : (
+        name
+      )}
+      {isMore && (
+        <small title="Refinements for display are not written">
+          +{shown - written} for display
+        </small>
+      )}
+      {standing.is === "building" && <em>building</em>}
+      {standing.is === "stale" && <em title={standing.why}>stale: {standing.why}</em>}
+    </span>
+  );
+}

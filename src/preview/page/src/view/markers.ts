@@ -1,0 +1,53 @@
+// What is marked, selected and highlighted, and where it is on each mesh.
+
+import type { Role } from "../server/protocol";
+import type { Marked } from "./api";
+import type { Cloth } from "./mesh/cloth";
+import { placeGlow, placeMarks } from "./mesh/shapes";
+import type { Elements } from "./mesh/shapes";
+import { Carrying, drawnOf } from "./mesh/sources";
+import type { Stage } from "./stage";
+
+/** Elements on one mesh. */
+export interface OnCloth {
+  role: Role;
+  cloth: Cloth;
+  elements: Elements;
+}
+
+export class Markers {
+  marked: Marked | null = null;
+  /** Elements of the model. */
+  selected: Elements | null = null;
+  highlighted: ReadonlySet<string> = new Set();
+  readonly #marks = new Carrying();
+  readonly #selections = new Carrying();
+
+  constructor(private readonly stage: Stage) {}
+
+  /** Places all markers on the meshes that are drawn. */
+  place(roles: Role[], flat: boolean): void {
+    const { stage } = this;
+    const marked = this.onMarked;
+    if (marked) stage.marked = marked.role;
+    placeMarks(stage.marks, marked?.cloth, marked?.elements ?? null, flat);
+    for (const role of Object.keys(stage.selections) as Role[]) {
+      const found = this.selected && roles.includes(role) ? this.#on(role, this.selected, this.#selections) : null;
+      placeMarks(stage.selections[role], found?.cloth, found?.elements ?? null, flat);
+    }
+    const shown = roles.flatMap((role) => stage.cloths.get(role) ?? []);
+    placeGlow(stage.glow, shown, this.highlighted, flat);
+  }
+
+  /** The marked elements on their mesh; null while it is not there. */
+  get onMarked(): OnCloth | null {
+    return this.marked && this.#on(this.marked.role, this.marked.elements, this.#marks);
+  }
+
+  #on(role: Role, elements: Elements, carrying: Carrying): OnCloth | null {
+    const [model, cloth] = [this.stage.cloths.get("model"), this.stage.cloths.get(role)];
+    if (!model || !cloth) return null;
+    const all = carrying.of(model, cloth, elements);
+    return { role, cloth, elements: cloth.isIsolated ? drawnOf(cloth, all) : all };
+  }
+}
