@@ -52,6 +52,8 @@ pub struct Snapshot {
     pub progress: BTreeMap<Role, String>,
     /// The meshes.
     pub shown: BTreeMap<Role, Arc<Shown>>,
+    /// The message of presets; empty before they are read.
+    pub presets: Arc<str>,
 }
 
 /// The document as pages show it.
@@ -131,6 +133,7 @@ impl Hub {
             faults: Arc::default(),
             progress: BTreeMap::new(),
             shown: BTreeMap::new(),
+            presets: Arc::from(""),
         };
         let shared = HubState { input, document, snapshot, job: None };
         let (shared, reading, changed) = (Mutex::new(shared), Mutex::default(), watch::Sender::new(()));
@@ -206,8 +209,21 @@ impl Hub {
         self.read(|_| ());
     }
 
+    /// Holds back all who read the garment's files, until the guard is dropped.
+    pub fn reading(&self) -> MutexGuard<'_, ()> {
+        self.reading.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Shows other presets, as a message. After a fault the last ones stay.
+    pub fn show_presets(&self, message: Result<String, Error>) {
+        self.change(|shared| {
+            let fault = message.map(|message| shared.snapshot.presets = message.into()).err();
+            shared.set_faults(Origin::Presets, fault.map_or(Vec::new(), |error| error.faults));
+        });
+    }
+
     fn read(&self, change: impl FnOnce(&mut ReadOptions)) {
-        let _reading = self.reading.lock().unwrap_or_else(PoisonError::into_inner);
+        let _reading = self.reading();
         let mut input = self.lock().input.clone();
         change(&mut input.read);
         let opened = Stage::open(&input);

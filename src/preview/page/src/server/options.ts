@@ -14,3 +14,6 @@ export interface Options {
   seam?: Record<string, Fields>;
   fold?: Record<string, Fields>;
 }
+
+/** Presets of each kind of operator, by name. */
+export type Presets = Partial<Record<KindName, Record<string, Fields>>>;

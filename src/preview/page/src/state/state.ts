@@ -1,6 +1,7 @@
 // The state of the page, which the store changes and components read.
 
-import type { DrawnValues, Fault, Origin, ProductMessage } from "../server/protocol";
+import type { Fields, KindName } from "../server/options";
+import type { DrawnValues, Fault, Origin, PresetsMessage, ProductMessage } from "../server/protocol";
 import type { Role, SaveMessage, StateMessage, Warning } from "../server/protocol";
 import type { Garment } from "./garment";
 import type { PlacedFaults } from "./recipe";
@@ -39,6 +40,15 @@ export interface State {
   marked: Warning | null;
   /** Cards that are open, by full name. */
   open: ReadonlySet<string>;
+  /** Cards that are selected, by full name. A value that is set in one of them is set in all of its kind. */
+  chosen: ReadonlySet<string>;
+  /** Where a range of selected cards begins. */
+  anchor: string | null;
+  /** The card whose name is being typed. */
+  naming: string | null;
+  /** Values to paste into cards. */
+  copied: { kind: KindName; fields: Fields } | null;
+  presets: PresetsMessage | null;
   dialog: "save" | "keys" | null;
   save: SaveMessage | null;
   toasts: Toast[];
@@ -67,7 +77,7 @@ export function initialState(): State {
     connection: "first",
     garment: null,
     document: EMPTY,
-    faults: { file: [], recipe: [], sim: [], render: [] },
+    faults: { file: [], presets: [], recipe: [], sim: [], render: [] },
     placed: { at: new Map(), elsewhere: [] },
     products: {},
     progress: {},
@@ -81,6 +91,11 @@ export function initialState(): State {
     isSelecting: false,
     marked: null,
     open: new Set(),
+    chosen: new Set(),
+    anchor: null,
+    naming: null,
+    copied: null,
+    presets: null,
     dialog: null,
     save: null,
     toasts: [],
