@@ -159,6 +159,21 @@ mod tests {
     }
 
     #[test]
+    fn the_documents_list_those_of_the_program() {
+        let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/recipe.md");
+        let page = std::fs::read_to_string(page).expect("the page");
+        for (kind, named) in &Presets::built_in().expect("good presets").kinds {
+            for (name, fields) in named.as_object().expect("presets") {
+                let word = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+                let fields = fields.as_object().expect("values").iter();
+                let fields: Vec<String> = fields.map(|(key, value)| format!("`{key}` {}", word(value))).collect();
+                let row = format!("| {kind} | {name} | {} |\n", fields.join(", "));
+                assert!(page.contains(&row), "docs/recipe.md lacks {row}");
+            }
+        }
+    }
+
+    #[test]
     fn a_saved_preset_comes_back_and_fits_another_unit() {
         let mut presets = Presets::default();
         let given = values(&json!({"width": 0.9083, "normalOffset": -0.05, "asymmetry": 0.25}));

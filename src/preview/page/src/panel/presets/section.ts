@@ -31,14 +31,34 @@ export function seamSection(fields: Fields, auto: number): Section {
   const [left, right] = [width * share, width * (1 - share)];
   const heights = [(1 - LINES[0]) * offset + depth, 0, 0, 0];
   const side = (length: number): Point[] => LINES.map((line, i) => [line * length, heights[i]]);
+  const profile: Point[] = [...side(-left).reverse(), [0, offset], ...side(right)];
+  const centres = rowCentres(fields, width);
+  const rows = centres.flatMap((centre, i) => {
+    // Rows that are close end midway.
+    const [from, to] = [centres[i - 1] ?? -Infinity, centres[i + 1] ?? Infinity].map((other) => (other + centre) / 2);
+    return profile.map(([x, y]): Point => [centre + x, y]).filter(([x]) => x > from && x < to);
+  });
+  const first = centres.at(-1) ?? 0;
   const flat = width / 4;
-  const ends = [-left * LINES[3] - flat, right * LINES[3] + flat];
-  const lines: Point[] = [[ends[0], 0], ...side(-left).reverse(), [0, offset], ...side(right), [ends[1], 0]];
+  const ends = [Math.min(0, rows[0][0]) - flat, Math.max(0, rows[rows.length - 1][0]) + flat];
+  const lines: Point[] = [[ends[0], 0], ...rows, [ends[1], 0]];
   const cloth = [0, 1].map((axis) => fitted(lines.map((point) => point[axis]), lines.map(() => true)));
   const before: Section["before"] = [[ends[0], 0], [ends[1], 0]];
-  const measures = [{ key: "width", from: [-left, 0] as Point, to: [right, 0] as Point }];
-  if (offset !== 0) measures.push({ key: "normalOffset", from: [0, 0], to: [0, offset] });
+  const measures = [{ key: "width", from: [first - left, 0] as Point, to: [first + right, 0] as Point }];
+  if (offset !== 0) measures.push({ key: "normalOffset", from: [first, 0], to: [first, offset] });
   return { cloth: joined(cloth), before, measures };
+}
+
+/** Rows that are drawn on a side at most. */
+const MOST_ROWS = 6;
+
+/** Places of the rows across, from left to right. The edges are at 0. */
+function rowCentres(fields: Fields, width: number): number[] {
+  const gap = number(fields.rowGap) || 1.5 * width;
+  const count = Math.min(MOST_ROWS, Math.max(1, number(fields.rows)));
+  const away = Array.from({ length: count }, (_, i) => number(fields.offset) + i * gap);
+  const signs = [-1, 1].filter((sign) => fields.side !== (sign < 0 ? "right" : "left"));
+  return [...new Set(signs.flatMap((sign) => away.map((distance) => sign * distance)))].sort((a, b) => a - b);
 }
 
 /** `auto` is the thickness that 0 stands for. The border of the cloth is at 0. */

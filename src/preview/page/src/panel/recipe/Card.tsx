@@ -66,7 +66,8 @@ export function Card({ operator, kind, place, count, handle, drag }: CardProps) 
   };
   /** A click with a modifier selects, wherever on the head it is. */
   const choose = (event: TargetedMouseEvent<HTMLElement>) => {
-    if (!event.shiftKey && !event.ctrlKey && !event.metaKey) return;
+    const isModified = event.shiftKey || event.ctrlKey || event.metaKey;
+    if (!isModified || isRenaming) return;
     event.preventDefault();
     event.stopPropagation();
     (event.shiftKey ? chooseTo : toggleCard)(store, full);
