@@ -59,6 +59,8 @@ pub struct Snapshot {
     pub cloth: Option<Arc<str>>,
     /// The last build that a page started.
     pub build: Option<Arc<BuildMessage>>,
+    /// The message of presets; empty before they are read.
+    pub presets: Arc<str>,
 }
 
 /// The document as pages show it.
@@ -148,6 +150,7 @@ impl Hub {
             shown: BTreeMap::new(),
             cloth: None,
             build: None,
+            presets: Arc::from(""),
         };
         let saved = SavedAs::opened(&input);
         let shared = HubState { input, document, snapshot, job: None, simulated: None, saved };
@@ -218,8 +221,21 @@ impl Hub {
         self.read(|_| ());
     }
 
+    /// Holds back all who read the garment's files, until the guard is dropped.
+    pub fn reading(&self) -> MutexGuard<'_, ()> {
+        self.reading.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Shows other presets, as a message. After a fault the last ones stay.
+    pub fn show_presets(&self, message: Result<String, Error>) {
+        self.change(|shared| {
+            let fault = message.map(|message| shared.snapshot.presets = message.into()).err();
+            shared.set_faults(Origin::Presets, fault.map_or(Vec::new(), |error| error.faults));
+        });
+    }
+
     fn read(&self, change: impl FnOnce(&mut ReadOptions)) {
-        let _reading = self.reading.lock().unwrap_or_else(PoisonError::into_inner);
+        let _reading = self.reading();
         let mut input = self.lock().input.clone();
         change(&mut input.read);
         let opened = Stage::open(&input);

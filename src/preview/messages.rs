@@ -6,12 +6,14 @@
 mod build;
 mod garment;
 mod mesh;
+mod presets;
 mod product;
 mod selection;
 
 pub use build::{BuildMessage, BuildStatus};
 pub use garment::{GarmentMessage, LookInfo, PrimvarInfo, SaveTargets, SetInfo, UpAxis, VariantSet};
 pub use mesh::{Block, Blocks, DrawnSet, DrawnValues, MeshHeader, NumberType, Times, ValuesOf};
+pub use presets::{PresetSavedMessage, PresetsMessage};
 pub use product::{ClothMessage, Figures, ProductMessage};
 pub use selection::SelectionMessage;
 
@@ -137,6 +139,17 @@ pub enum PageMessage {
         /// True if an existing file may be replaced.
         overwrite: bool,
     },
+    /// Saves a preset beside the garment, or takes it out.
+    Preset {
+        /// The kind of operator that it is for.
+        #[cfg_attr(test, ts(type = "KindName"))]
+        kind: String,
+        /// Its name. A preset of this name is replaced.
+        name: String,
+        /// Its values; null takes it out.
+        #[cfg_attr(test, ts(type = "Fields | null"))]
+        values: Option<Options>,
+    },
 }
 
 /// A text message to the page.
@@ -162,6 +175,10 @@ pub enum ServerMessage<'a> {
     Selection(SelectionMessage),
     /// The answer to `plan` and `save`.
     Save(SaveMessage),
+    /// The presets.
+    Presets(PresetsMessage<'a>),
+    /// The answer to `preset`.
+    PresetSaved(PresetSavedMessage),
 }
 
 impl ServerMessage<'_> {
@@ -210,6 +227,8 @@ pub struct StateMessage<'a> {
 pub enum Origin {
     /// The stage on disk.
     File,
+    /// The file of presets beside the garment.
+    Presets,
     /// The recipe.
     Recipe,
     /// The build of the simulation mesh.
@@ -224,7 +243,7 @@ pub enum Origin {
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct FaultsMessage<'a> {
-    /// `file`: the stage on disk cannot be read; `recipe`: an option is wrong; others: the build of that part.
+    /// `file`: the stage on disk cannot be read; `presets`: nor can the presets beside it; `recipe`: an option is wrong; others: the build of that part.
     pub origin: Origin,
     /// The faults; none if all is well.
     pub faults: &'a [Fault],

@@ -7,7 +7,7 @@
 //!
 //! `hub` holds the state that all pages share: the garment (`stage`), the edits with undo (`document`), and the last
 //! meshes. A page has one `socket`, which sends what changed since the last message. `select` finds what a page selects. `save` writes the edits as a USD
-//! layer or a `.tailor` file, `watch` reads the stage again when a file changes. `server` serves the embedded `page` on
+//! layer or a `.tailor` file, and presets beside the garment. `watch` reads the stage again when a file changes. `server` serves the embedded `page` on
 //! 127.0.0.1, below a secret path.
 
 mod document;
@@ -39,6 +39,7 @@ pub fn serve(input: Input, port: u16, threads: Option<usize>, ready: impl FnOnce
     let input = continued(input);
     let stage = Stage::open(&input)?;
     let hub = Hub::new(input, stage);
+    save::presets::read(&hub);
     hub.start(threads)?;
     let _watcher = watch::follow(&hub)?;
     server::run(&hub, port, ready)

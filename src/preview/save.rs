@@ -3,6 +3,8 @@
 //! A file gets its name only after it was opened like any input and found to give the garment and the recipe that are on
 //! screen, so that `usdtailor build` gives the same meshes.
 
+pub mod presets;
+
 use super::document::Options;
 use super::hub::Hub;
 use super::messages::{SaveMessage, SaveStatus};

@@ -3,7 +3,7 @@
 use super::frame::{Sent, frame};
 use super::hub::{Hub, Snapshot, State};
 use super::messages::{BuildMessage, FaultsMessage, Origin, PageMessage, ProgressMessage, Role, ServerMessage, View};
-use super::save;
+use super::save::{self, presets};
 use super::select::select;
 use super::stage::Stage;
 use crate::error::Fault;
@@ -41,6 +41,7 @@ struct Client {
     products: BTreeMap<Role, Arc<str>>,
     cloth: Option<Arc<str>>,
     build: Option<Arc<BuildMessage>>,
+    presets: Arc<str>,
 }
 
 impl Client {
@@ -92,11 +93,18 @@ impl Client {
                 self.meshes.retain(|role, _| view.roles.contains(role));
                 self.view = view;
             }
-            PageMessage::Reload => hub.reload(),
             PageMessage::Build { path, overwrite } => hub.start_build(&path, overwrite),
+            PageMessage::Reload => {
+                hub.reload();
+                presets::read(hub);
+            }
             PageMessage::Plan { path } => return vec![text(ServerMessage::Save(save::plan(hub, &path)).to_text())],
             PageMessage::Save { path, overwrite } => {
                 return vec![text(ServerMessage::Save(save::save(hub, &path, overwrite)).to_text())];
+            }
+            PageMessage::Preset { kind, name, values } => {
+                let saved = presets::save(hub, &kind, &name, values.as_ref());
+                return vec![text(ServerMessage::PresetSaved(saved).to_text())];
             }
         }
         Vec::new()
@@ -114,6 +122,10 @@ impl Client {
         if !self.state.as_ref().is_some_and(is_known) {
             self.state = Some((Arc::clone(&now.state), self.serial));
             news.push(text(now.state.message(&now.stage.upstream, self.serial)));
+        }
+        if self.presets != now.presets {
+            self.presets = Arc::clone(&now.presets);
+            news.push(text(&*now.presets));
         }
         for (&origin, faults) in now.faults.iter() {
             if self.faults.get(&origin).map_or(&[][..], Vec::as_slice) != faults {

@@ -1,6 +1,7 @@
-//! Reads the stage again when one of its files changes.
+//! Reads the stage again when one of its files changes, and the presets when theirs does.
 
 use super::hub::Hub;
+use super::save::presets;
 use crate::error::Error;
 use notify::{Event, EventKind, RecommendedWatcher, RecursiveMode, Watcher};
 use std::collections::BTreeSet;
@@ -29,13 +30,22 @@ pub fn follow(hub: &Arc<Hub>) -> Result<Following, Error> {
     let (sender, events) = channel();
     let watcher = notify::recommended_watcher(move |event| drop(sender.send(event))).map_err(|e| fault(&e))?;
     let watcher = Arc::new(Mutex::new(watcher));
-    let mut followed = WatchList { watcher: Arc::clone(&watcher), folders: BTreeSet::new(), files: BTreeSet::new() };
+    let mut followed = WatchList {
+        watcher: Arc::clone(&watcher),
+        folders: BTreeSet::new(),
+        files: BTreeSet::new(),
+        presets: BTreeSet::new(),
+    };
     followed.update(hub);
     let hub = Arc::clone(hub);
     let work = move || {
-        while followed.wait(&events) {
-            hub.reload();
-            followed.update(&hub);
+        while let Some(changed) = followed.wait(&events) {
+            if changed.stage {
+                hub.reload();
+                followed.update(&hub);
+            }
+            // A garment in another unit has presets of other numbers.
+            presets::read(&hub);
         }
     };
     thread::Builder::new().name("watch".into()).spawn(work).map_err(|e| fault(&e))?;
@@ -47,16 +57,29 @@ struct WatchList {
     /// Folders are watched, as programs replace a file by renaming another one.
     folders: BTreeSet<PathBuf>,
     files: BTreeSet<PathBuf>,
+    /// The paths of the file of presets.
+    presets: BTreeSet<PathBuf>,
+}
+
+/// The files that have changed.
+#[derive(Clone, Copy, Default)]
+struct Changed {
+    stage: bool,
+    presets: bool,
+}
+
+/// The paths by which the system may name a file. A link may be pointed at another version of its file.
+fn paths(file: &Path) -> impl Iterator<Item = PathBuf> {
+    [std::path::absolute(file).ok(), file.canonicalize().ok()].into_iter().flatten()
 }
 
 impl WatchList {
     fn update(&mut self, hub: &Hub) {
-        for file in hub.snapshot().stage.files() {
-            // A link may be pointed at another version of its file.
-            self.files.extend([std::path::absolute(&file).ok(), file.canonicalize().ok()].into_iter().flatten());
-        }
+        let stage = hub.snapshot().stage;
+        self.files.extend(stage.files().flat_map(|file| paths(&file).collect::<Vec<_>>()));
+        self.presets.extend(paths(&presets::file_of(&stage)));
         let folders: BTreeSet<PathBuf> =
-            self.files.iter().filter_map(|file| file.parent().map(Path::to_owned)).collect();
+            self.files.iter().chain(&self.presets).filter_map(|file| file.parent().map(Path::to_owned)).collect();
         let mut watcher = self.watcher.lock().unwrap_or_else(PoisonError::into_inner);
         for folder in folders {
             if !self.folders.contains(&folder) && watcher.watch(&folder, RecursiveMode::NonRecursive).is_ok() {
@@ -65,27 +88,28 @@ impl WatchList {
         }
     }
 
-    /// Waits until a file has changed; false when the watcher has ended.
-    fn wait(&self, events: &Receiver<notify::Result<Event>>) -> bool {
-        loop {
-            match events.recv() {
-                Ok(event) if self.concerns(&event) => break,
-                Ok(_) => {}
-                Err(_) => return false,
-            }
+    /// Waits until files have changed; none when the watcher has ended.
+    fn wait(&self, events: &Receiver<notify::Result<Event>>) -> Option<Changed> {
+        let mut changed = Changed::default();
+        while !changed.stage && !changed.presets {
+            self.note(&events.recv().ok()?, &mut changed);
         }
         for _ in 0..EVENTS {
             match events.recv_timeout(QUIET) {
-                Ok(_) => {}
-                Err(RecvTimeoutError::Timeout) => return true,
-                Err(RecvTimeoutError::Disconnected) => return false,
+                Ok(event) => self.note(&event, &mut changed),
+                Err(RecvTimeoutError::Timeout) => return Some(changed),
+                Err(RecvTimeoutError::Disconnected) => return None,
             }
         }
-        true
+        Some(changed)
     }
 
-    fn concerns(&self, event: &notify::Result<Event>) -> bool {
-        let Ok(event) = event else { return true };
-        !matches!(event.kind, EventKind::Access(_)) && event.paths.iter().any(|path| self.files.contains(path))
+    fn note(&self, event: &notify::Result<Event>, changed: &mut Changed) {
+        let Ok(event) = event else { return changed.stage = true };
+        if matches!(event.kind, EventKind::Access(_)) {
+            return;
+        }
+        changed.stage |= event.paths.iter().any(|path| self.files.contains(path));
+        changed.presets |= event.paths.iter().any(|path| self.presets.contains(path));
     }
 }

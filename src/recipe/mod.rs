@@ -9,6 +9,7 @@ mod file;
 mod groups;
 mod layers;
 mod listed;
+mod presets;
 mod resolved;
 mod sets;
 mod uv_set;
@@ -19,6 +20,7 @@ pub use groups::{OPERATORS, Recipe};
 pub(crate) use groups::{all, find, group_with_instances};
 pub use layers::Layers;
 pub use listed::ListedOperator;
+pub(crate) use presets::Presets;
 pub(crate) use resolved::{Resolved, ResolvedSim};
 pub(crate) use sets::RecipeSets;
 

@@ -34,6 +34,8 @@ test("a seam is made, opened and deleted by keys alone", async (t) => {
   await page.keyboard.press("Enter");
   await page.keyboard.type("chest");
   await preview.after("render", () => page.keyboard.press("Enter"));
+  await page.waitForFunction(() => document.activeElement.getAttribute("aria-label") === "Name of chest_line");
+  await page.keyboard.press("Enter");
   await page.waitForFunction(() => document.activeElement.dataset.card === "seam.chest_line");
   const body = preview.card("seam.chest_line").locator(".card-body");
   await body.waitFor();

@@ -171,6 +171,8 @@ test("a border is picked from beyond the cloth, and its set added to a seam that
   await keyboard.press("l");
   await selected(preview, /^borders\.1$/);
   await preview.after("render", () => keyboard.press("n"));
+  // The name of the new seam is kept.
+  await keyboard.press("Enter");
   await keyboard.press("e");
   await keyboard.type("borders.highest");
   await keyboard.press("Enter");

@@ -40,7 +40,7 @@ test("arrow keys on a slider step, ten at a time with shift", async (t) => {
   const preview = await shirt(t);
   const before = await preview.meshes();
   const slider = preview.slider(OFFSET);
-  const step = Number(await slider.getAttribute("step"));
+  const step = Number(await slider.getAttribute("data-step"));
   await slider.focus();
   const near = (a, b) => Math.abs(a - b) < step / 1000;
   const stepped = await preview.after("render", () => preview.page.keyboard.press("ArrowRight"));

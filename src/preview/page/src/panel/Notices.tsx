@@ -9,6 +9,7 @@ import { Words } from "./controls/Words";
 export function Banners() {
   const connection = useSelect((state) => state.connection);
   const file = useSelect(({ faults }) => faults.file);
+  const presets = useSelect(({ faults }) => faults.presets);
   const { elsewhere } = useSelect(({ placed }) => placed);
   const viewFault = useSelect((state) => state.viewFault);
   return (
@@ -24,6 +25,9 @@ export function Banners() {
       )}
       {file.map((fault) => (
         <Banner fault={fault} end="The last good garment stays." />
+      ))}
+      {presets.map((fault) => (
+        <Banner fault={fault} end="The last good presets stay, and none is saved." />
       ))}
       {elsewhere.map((fault) => (
         <Banner fault={fault} end="" />

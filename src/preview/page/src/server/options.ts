@@ -19,3 +19,6 @@ export interface Options {
   cloth?: Fields;
   fabric?: Record<string, Fields>;
 }
+
+/** Presets of each kind of operator, by name. */
+export type Presets = Partial<Record<KindName, Record<string, Fields>>>;

@@ -17,7 +17,7 @@ export function addOperator(store: Store, kind: Kind, set: string, wish = set): 
   const fields: Fields = { [kind.sets.field]: [set] };
   if (kind.name === "seam") fields.normalOffset = Number((GROOVE * (garment?.meanEdge ?? 1)).toPrecision(2));
   const operator = { kind: kind.name, name };
-  insert(store, operator, fields, null);
+  insert(store, operator, fields);
   store.view?.reveal(set);
   return operator;
 }
@@ -42,25 +42,23 @@ export function addFromSelection(store: Store): void {
   });
 }
 
+/** A copy with the same sets, whose other values are then changed, such as for a second row of stitches. */
 export function duplicateOperator(store: Store, operator: Operator): void {
   const { document } = store.state;
   const name = uniqueName(document.merged, operator.kind, operator.name);
-  insert(store, { kind: operator.kind, name }, { ...instanceAt(document.merged, operator) }, fullName(operator));
+  insert(store, { kind: operator.kind, name }, { ...instanceAt(document.merged, operator) });
 }
 
-function insert(store: Store, operator: Operator, fields: Fields, after: string | null): void {
-  const list = listOf(store.state.document.merged);
+/** A new operator is the last one. Its card opens alone, to be named. */
+function insert(store: Store, operator: Operator, fields: Fields): void {
+  const { merged, stack } = store.state.document;
+  const list = listOf(merged);
   const full = fullName(operator);
-  store.edit((options) => {
-    const changed = withInstance(options, operator, fields);
-    return list.length > 0 ? withValue(changed, ORDER, inserted(list, full, after)) : changed;
-  });
-  reveal(store, full);
-}
-
-function inserted(list: string[], full: string, after: string | null): string[] {
-  const at = after === null ? -1 : list.indexOf(after);
-  return at < 0 ? [...list, full] : [...list.slice(0, at + 1), full, ...list.slice(at + 1)];
+  // Without a list, the order is by name.
+  const before = list.length > 0 ? list : stack.map((each) => each.full);
+  store.edit((options) => withValue(withInstance(options, operator, fields), ORDER, [...before, full]));
+  store.update({ open: new Set([full]), chosen: new Set(), anchor: full, naming: full });
+  show(full);
 }
 
 export function isUpstream(store: Store, operator: Operator): boolean {
@@ -88,8 +86,8 @@ export function renameOperator(store: Store, operator: Operator, name: string): 
     const moved = withInstance(withInstance(options, operator, undefined), renamed, fields);
     return withListed(moved, (list) => list.map((each) => (each === before ? after : each)));
   });
-  if (store.state.open.has(before)) store.openCard(after, true);
-  store.openCard(before, false);
+  const renamedIn = (cards: ReadonlySet<string>) => new Set([...cards].map((each) => (each === before ? after : each)));
+  store.update({ open: renamedIn(store.state.open), chosen: renamedIn(store.state.chosen) });
 }
 
 /** The options with another list of operators, if they have one. */
@@ -122,14 +120,16 @@ const FRAMES = 120;
 /** Opens a card and brings it into sight. The server's answer has the card of a new operator. */
 export function reveal(store: Store, full: string): void {
   store.openCard(full, true);
-  show(full, FRAMES);
+  show(full);
 }
 
-function show(full: string, frames: number): void {
+export function show(full: string, frames = FRAMES): void {
   requestAnimationFrame(() => {
     const card = document.querySelector<HTMLElement>(`[data-card="${CSS.escape(full)}"]`);
     if (!card && frames > 0) return show(full, frames - 1);
-    card?.scrollIntoView({ block: "nearest", behavior: "smooth" });
-    card?.focus({ preventScroll: true });
+    // The head stays in sight of a card that is higher than the panel.
+    const isHigh = (card?.offsetHeight ?? 0) > (card?.closest(".recipe-scroll")?.clientHeight ?? 0) / 2;
+    card?.scrollIntoView({ block: isHigh ? "start" : "nearest", behavior: "smooth" });
+    (card?.querySelector<HTMLElement>(".card-rename") ?? card)?.focus({ preventScroll: true });
   });
 }

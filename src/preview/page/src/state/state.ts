@@ -1,6 +1,7 @@
 // The state of the page, which the store changes and components read.
 
-import type { BuildMessage, ClothMessage, DrawnValues, Fault, Origin, ProductMessage } from "../server/protocol";
+import type { Fields, KindName } from "../server/options";
+import type { BuildMessage, ClothMessage, DrawnValues, Fault, Origin, PresetsMessage, ProductMessage } from "../server/protocol";
 import type { Role, SaveMessage, StateMessage } from "../server/protocol";
 import { findingsIn, SEVERITIES, type Finding, type Garment } from "./garment";
 import type { PlacedFaults } from "./recipe";
@@ -48,6 +49,15 @@ export interface State {
   /** Whether a build follows the save. */
   buildsNext: boolean;
   build: BuildMessage | null;
+  /** Cards that are selected, by full name. A value that is set in one of them is set in all of its kind. */
+  chosen: ReadonlySet<string>;
+  /** Where a range of selected cards begins. */
+  anchor: string | null;
+  /** The card whose name is being typed. */
+  naming: string | null;
+  /** Values to paste into cards. */
+  copied: { kind: KindName; fields: Fields } | null;
+  presets: PresetsMessage | null;
   save: SaveMessage | null;
   /** The file that was saved last. */
   savedTo: string | null;
@@ -78,7 +88,7 @@ export function initialState(): State {
     connection: "first",
     garment: null,
     document: EMPTY,
-    faults: { file: [], recipe: [], sim: [], render: [], cloth: [] },
+    faults: { file: [], presets: [], recipe: [], sim: [], render: [], cloth: [] },
     placed: { at: new Map(), elsewhere: [] },
     products: {},
     progress: {},
@@ -94,6 +104,11 @@ export function initialState(): State {
     marked: null,
     isolated: false,
     open: new Set(),
+    chosen: new Set(),
+    anchor: null,
+    naming: null,
+    copied: null,
+    presets: null,
     dialog: null,
     buildsNext: false,
     build: null,

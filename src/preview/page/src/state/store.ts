@@ -15,9 +15,18 @@ import type { GarmentMessage, PageMessage, ProductMessage, ProgressMessage } fro
 import type { Role, ServerMessage, StateMessage } from "../server/protocol";
 import { findingsIn, garmentOf, type Finding } from "./garment";
 import { Made } from "./made";
+import { notePreset } from "./presets";
 import { placeFaults, setsOf, withoutValue, withValue } from "./recipe";
 import { createView } from "../view/index";
 import type { Isolated, Picked, PickHow, View } from "../view/api";
+
+/** An option with another value. */
+export interface Change {
+  key: string;
+  value: Value;
+  /** Whether the value is the one below the edits, so that it is no edit. */
+  isBack?: boolean;
+}
 
 export class Store {
   state = initialState();
@@ -100,11 +109,22 @@ export class Store {
     this.edit((options) => withValue(options, key, value), how);
   }
 
-  /** Takes an edit back. The server knows the value below it. */
-  reset(key: string): void {
+  /** Sets several options as one change. */
+  setAll(changes: Change[], how: "step" | "continuous" = "step"): void {
     this.selector.forget();
     const { edits, upstream, merged } = this.state.document;
-    this.#replace(withoutValue(edits, key, upstream), merged, "step");
+    const edited = changes.reduce(
+      (all, { key, value, isBack }) => (isBack ? withoutValue(all, key, upstream) : withValue(all, key, value)),
+      edits,
+    );
+    this.#replace(edited, changes.reduce((all, { key, value }) => withValue(all, key, value), merged), how);
+  }
+
+  /** Takes edits back. The server knows the values below them. */
+  reset(...keys: string[]): void {
+    this.selector.forget();
+    const { edits, upstream, merged } = this.state.document;
+    this.#replace(keys.reduce((all, key) => withoutValue(all, key, upstream), edits), merged, "step");
   }
 
   /** A message that acts on the document, after the edits that come before it. */
@@ -278,6 +298,10 @@ export class Store {
         return this.selector.answer(message);
       case "save":
         return this.update({ save: message });
+      case "presets":
+        return this.update({ presets: message });
+      case "presetSaved":
+        return notePreset(this, message);
     }
   }
 

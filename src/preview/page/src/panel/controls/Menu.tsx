@@ -11,6 +11,8 @@ export interface MenuItem {
   icon?: IconName;
   /** A colour chip, as CSS. */
   chip?: string;
+  /** A drawing before the label. */
+  picture?: ComponentChildren;
   /** Why the item cannot be used. */
   blocked?: string;
   danger?: boolean;
@@ -152,6 +154,7 @@ function Item({ item, hover, pick }: { item: MenuItem; hover(item: MenuItem): vo
       onClick={() => item.blocked === undefined && pick()}
     >
       {item.icon && <Icon name={item.icon} />}
+      {item.picture}
       {item.chip && <i class="chip" style={{ background: item.chip }} />}
       <span class="menu-label">{item.label}</span>
       {(item.detail ?? item.blocked) && <span class="menu-detail">{item.detail ?? item.blocked}</span>}

@@ -80,3 +80,9 @@ const UNITS: Record<string, string> = {
 export function unitOf(unit: string, garment: GarmentMessage | null): string {
   return unit.includes("mesh unit") ? lengthUnit(garment) : (UNITS[unit] ?? "");
 }
+
+/** The direction of an arrow key; 0 of other keys. */
+export function arrowOf(key: string): number {
+  if (key === "ArrowUp" || key === "ArrowRight") return 1;
+  return key === "ArrowDown" || key === "ArrowLeft" ? -1 : 0;
+}

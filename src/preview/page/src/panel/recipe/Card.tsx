@@ -1,17 +1,18 @@
 // A seam or a fold.
 
-import type { CSSProperties, HTMLAttributes, TargetedKeyboardEvent } from "preact";
-import { useState } from "preact/hooks";
+import type { CSSProperties, HTMLAttributes, TargetedKeyboardEvent, TargetedMouseEvent } from "preact";
 import type { Fields } from "../../server/options";
 import type { Stacked } from "../../server/protocol";
 import type { Kind } from "../../state/garment";
+import { chooseTo, clickCard, copyValues, keysWith, pasteProblem, pasteValues, toggleCard } from "../../state/cards";
 import { isEnabled, instanceAt, setsOf } from "../../state/recipe";
 import { Switch } from "../controls/controls";
 import { useSelect, useStore } from "../controls/hooks";
 import { Icon } from "../controls/icons";
 import { MenuButton, type MenuItem } from "../controls/Menu";
 import { shown, unitOf } from "../controls/numbers";
-import { deleteOperator, duplicateOperator, isUpstream, moveOperator, renameOperator, setEnabled } from "../../state/operators";
+import { deleteOperator, duplicateOperator, isUpstream, moveOperator, renameOperator } from "../../state/operators";
+import { Look } from "../presets/Look";
 import { NameField } from "./NameField";
 import { Faults, OptionRow } from "./OptionRow";
 import { Swatch } from "./SetChips";
@@ -37,15 +38,39 @@ export function Card({ operator, kind, place, count, handle, drag }: CardProps) 
   const hasFault = useSelect(({ placed }) =>
     [...placed.at.keys()].some((key) => key === full || key.startsWith(`${full}.`)),
   );
-  const [isRenaming, setRenaming] = useState(false);
+  const isRenaming = useSelect(({ naming }) => naming === full);
+  const isChosen = useSelect(({ chosen }) => chosen.has(full));
   const isOn = isEnabled(merged, operator);
 
+  const act = () => {
+    clickCard(store, full);
+    store.openCard(full, !isOpen);
+  };
   const keys = (event: TargetedKeyboardEvent<HTMLElement>) => {
-    if (event.target !== event.currentTarget) return;
-    if (event.key === "Enter" || event.key === " ") {
-      event.preventDefault();
-      store.openCard(full, !isOpen);
-    }
+    const { target, currentTarget, key } = event;
+    const isOfHead = target === currentTarget || (target as HTMLElement).matches(".card-title");
+    if (!isOfHead || event.altKey) return;
+    const isModified = event.ctrlKey || event.metaKey;
+    let isTaken = true;
+    if (key === " " && event.shiftKey) chooseTo(store, full);
+    else if (key === " " && isModified) toggleCard(store, full);
+    else if (isModified && key.toLowerCase() === "c") copyValues(store, operator);
+    else if (isModified && key.toLowerCase() === "v") pasteValues(store, operator);
+    else if (key === "Escape" && isChosen) store.update({ chosen: new Set() });
+    // The title is a button, which takes these keys itself.
+    else if ((key === "Enter" || key === " ") && target === currentTarget && !isModified) act();
+    else isTaken = false;
+    if (!isTaken) return;
+    event.preventDefault();
+    event.stopPropagation();
+  };
+  /** A click with a modifier selects, wherever on the head it is. */
+  const choose = (event: TargetedMouseEvent<HTMLElement>) => {
+    const isModified = event.shiftKey || event.ctrlKey || event.metaKey;
+    if (!isModified || isRenaming) return;
+    event.preventDefault();
+    event.stopPropagation();
+    (event.shiftKey ? chooseTo : toggleCard)(store, full);
   };
   const move = (event: TargetedKeyboardEvent<HTMLElement>) => {
     if (!event.altKey || (event.key !== "ArrowUp" && event.key !== "ArrowDown")) return;
@@ -55,7 +80,7 @@ export function Card({ operator, kind, place, count, handle, drag }: CardProps) 
     // The element may be moved in the document, which takes its focus.
     requestAnimationFrame(() => requestAnimationFrame(() => card.focus()));
   };
-  const states = [isOn ? "" : "is-off", isHovered ? "is-hovered" : "", hasFault ? "has-fault" : "", drag.class].join(
+  const states = [isOn ? "" : "is-off", isChosen ? "is-chosen" : "", isHovered ? "is-hovered" : "", hasFault ? "has-fault" : "", drag.class].join(
     " ",
   );
   return (
@@ -65,7 +90,7 @@ export function Card({ operator, kind, place, count, handle, drag }: CardProps) 
       role="listitem"
       data-card={full}
       tabIndex={0}
-      aria-label={`${kind.name} ${operator.name}, ${place + 1} of ${count}${isOn ? "" : ", off"}`}
+      aria-label={`${kind.name} ${operator.name}, ${place + 1} of ${count}${isOn ? "" : ", off"}${isChosen ? ", selected" : ""}`}
       onKeyDown={(event) => (keys(event), move(event))}
     >
       {/* Not over the options, where a highlight would cover the seam that they change. */}
@@ -73,38 +98,42 @@ export function Card({ operator, kind, place, count, handle, drag }: CardProps) 
         class="card-head"
         onPointerEnter={() => store.highlight(sets)}
         onPointerLeave={() => store.highlight(null)}
+        onClickCapture={choose}
       >
         <span class="handle" {...handle} title="Drag to another place, or Alt+Up and Alt+Down">
           <Icon name="handle" />
         </span>
         <Swatch set={sets[0]} />
         {isRenaming ? (
-          <NameField instance={operator} rename={(name) => renameOperator(store, operator, name)} done={() => setRenaming(false)} />
+          <NameField instance={operator} rename={(name) => renameOperator(store, operator, name)} />
         ) : (
           <button
             type="button"
             class="card-title"
             aria-expanded={isOpen}
             title={listed ? sets.join(", ") : "render.operators leaves it out, so that it does not run"}
-            onClick={() => store.openCard(full, !isOpen)}
-            onDblClick={() => !isUpstream(store, operator) && setRenaming(true)}
+            onClick={act}
+            onDblClick={() => !isUpstream(store, operator) && store.update({ naming: full })}
           >
             <Icon name={kind.name} />
-            <span class="card-name">{operator.name}</span>
-            {isEdited && <i class="edited-dot" title="Edited here" />}
-            <span class="card-summary">
-              {!listed && "not in the order"}
-              {listed && !isOpen && <Summary operator={operator} />}
+            <span class="card-words">
+              <span class="card-name">{operator.name}</span>
+              {isEdited && <i class="edited-dot" title="Edited here" />}
+              <span class="card-summary">
+                {!listed && "not in the order"}
+                {listed && !isOpen && <Summary operator={operator} />}
+              </span>
             </span>
           </button>
         )}
-        <Switch label={`${operator.name} on`} on={isOn} change={(on) => setEnabled(store, operator, on)} />
+        <Switch label={`${operator.name} on`} on={isOn} change={enable} />
         <MenuButton label={`More of ${operator.name}`} items={items}>
           <Icon name="more" />
         </MenuButton>
       </header>
       {isOpen && (
         <div class="card-body">
+          <Look operator={operator} kind={kind} />
           {kind.options.map((option) =>
             option.key === "enabled" ? null : (
               <OptionRow key={option.key} option={option} full={`${full}.${option.key}`} />
@@ -120,6 +149,10 @@ export function Card({ operator, kind, place, count, handle, drag }: CardProps) 
     </div>
   );
 
+  function enable(on: boolean): void {
+    store.setAll(keysWith(store.state, `${full}.enabled`).map((key) => ({ key, value: on })));
+  }
+
   function items(): MenuItem[] {
     const isAuthored = isUpstream(store, operator);
     return [
@@ -128,7 +161,14 @@ export function Card({ operator, kind, place, count, handle, drag }: CardProps) 
         label: "Rename",
         icon: "rename",
         blocked: isAuthored ? "authored in the garment; duplicate it instead" : undefined,
-        pick: () => setRenaming(true),
+        pick: () => store.update({ naming: full }),
+      },
+      { label: "Copy values", detail: "Ctrl C", pick: () => copyValues(store, operator) },
+      {
+        label: "Paste values",
+        detail: "Ctrl V",
+        blocked: pasteProblem(store.state, operator) ?? undefined,
+        pick: () => pasteValues(store, operator),
       },
       {
         label: "Move up",

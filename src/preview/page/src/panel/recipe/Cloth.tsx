@@ -1,6 +1,5 @@
 // The cloth that a solver simulates: its figures, its options, and its fabrics as cards.
 
-import { useState } from "preact/hooks";
 import type { ClothMessage } from "../../server/protocol";
 import { addFabric, deleteFabric, renameFabric } from "../../state/fabrics";
 import { fabricsOf, fullName, instanceAt, type Instance } from "../../state/recipe";
@@ -82,11 +81,11 @@ function FabricCard({ fabric }: { fabric: Instance }) {
   const isEdited = useSelect(({ document }) => instanceAt(document.edits, fabric) !== undefined);
   const isAuthored = useSelect(({ document }) => instanceAt(document.upstream, fabric) !== undefined);
   const faults = useSelect(({ placed }) => placed.at.get(full)) ?? [];
-  const [isRenaming, setRenaming] = useState(false);
+  const isRenaming = useSelect(({ naming }) => naming === full);
   const sets = Array.isArray(fields.faces) ? fields.faces : [];
   const blocked = isAuthored ? "authored in the garment" : undefined;
   const items = (): MenuItem[] => [
-    { label: "Rename", icon: "rename", blocked, pick: () => setRenaming(true) },
+    { label: "Rename", icon: "rename", blocked, pick: () => store.update({ naming: full }) },
     { label: "Delete", icon: "trash", danger: true, blocked, pick: () => deleteFabric(store, fabric) },
   ];
   return (
@@ -94,7 +93,7 @@ function FabricCard({ fabric }: { fabric: Instance }) {
       <header class="card-head" onPointerEnter={() => store.highlight(sets)} onPointerLeave={() => store.highlight(null)}>
         <Swatch set={sets[0]} />
         {isRenaming ? (
-          <NameField instance={fabric} rename={(name) => renameFabric(store, fabric, name)} done={() => setRenaming(false)} />
+          <NameField instance={fabric} rename={(name) => renameFabric(store, fabric, name)} />
         ) : (
           <button type="button" class="card-title" aria-expanded={isOpen} onClick={() => store.openCard(full, !isOpen)}>
             <span class="card-name">{fabric.name}</span>

@@ -1,26 +1,33 @@
 // The name of an operator or a fabric while it is typed.
 
-import { useRef, useState } from "preact/hooks";
-import { nameProblem, type Instance } from "../../state/recipe";
+import { useLayoutEffect, useRef, useState } from "preact/hooks";
+import { show } from "../../state/operators";
+import { fullName, nameProblem, type Instance } from "../../state/recipe";
 import { useStore } from "../controls/hooks";
 
 interface NameFieldProps {
   instance: Instance;
   rename(name: string): void;
-  done(): void;
 }
 
-export function NameField({ instance, rename, done }: NameFieldProps) {
+export function NameField({ instance, rename }: NameFieldProps) {
   const store = useStore();
+  const field = useRef<HTMLInputElement>(null);
   const [name, setName] = useState(instance.name);
   const problem = nameProblem(store.state.document.merged, instance, name);
   const hasEnded = useRef(false);
-  const end = (isKept: boolean) => {
+  useLayoutEffect(() => {
+    field.current?.focus({ preventScroll: true });
+    field.current?.select();
+  }, []);
+  const end = (isKept: boolean, takesFocus: boolean) => {
     // The field leaves the page with the focus, which blurs it once more.
     if (hasEnded.current) return;
     hasEnded.current = true;
-    if (isKept && !problem && name !== instance.name) rename(name);
-    done();
+    const isRenamed = isKept && !problem && name !== instance.name;
+    store.update({ naming: null });
+    if (isRenamed) rename(name);
+    if (takesFocus) show(fullName(isRenamed ? { ...instance, name } : instance));
   };
   return (
     <input
@@ -30,16 +37,17 @@ export function NameField({ instance, rename, done }: NameFieldProps) {
       aria-invalid={problem !== null}
       title={problem ?? "Enter to rename, Escape to keep the name"}
       spellcheck={false}
+      autocomplete="off"
+      data-clean={name === instance.name ? "" : undefined}
       value={name}
-      ref={(element) => {
-        if (element && document.activeElement !== element) element.select();
-      }}
+      ref={field}
       onInput={({ currentTarget }) => setName(currentTarget.value)}
-      onBlur={() => end(true)}
+      onBlur={() => end(true, false)}
       onKeyDown={(event) => {
-        event.stopPropagation();
-        if (event.key === "Enter" && !problem) end(true);
-        if (event.key === "Escape") end(false);
+        // Undo and save are keys of the page.
+        if (!event.ctrlKey && !event.metaKey) event.stopPropagation();
+        if (event.key === "Enter" && !problem) end(true, true);
+        if (event.key === "Escape") end(false, true);
       }}
     />
   );

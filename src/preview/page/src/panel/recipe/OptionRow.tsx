@@ -5,7 +5,10 @@ import { useId } from "preact/hooks";
 import type { Value } from "../../server/options";
 import type { Domain, Fault, Option } from "../../server/protocol";
 import { fabricValue, fitting, labelOf, valueAt } from "../../state/recipe";
-import { NumberField, Segments, Select, Slider, Switch, type Range } from "../controls/controls";
+import { isMixed, keysWith } from "../../state/cards";
+import { Segments, Select, Switch } from "../controls/controls";
+import { NumberField } from "../controls/NumberField";
+import { Slider, type Range } from "../controls/Slider";
 import { useSelect, useStore } from "../controls/hooks";
 import { Icon } from "../controls/icons";
 import { neat, niceStep, rounded, snapped, unitOf } from "../controls/numbers";
@@ -18,6 +21,8 @@ const WIDEST = 10_000;
 
 /** More words than this are a menu. */
 const MOST_SEGMENTS = 3;
+/** A value that no option has. */
+const MIXED = "\0mixed";
 
 const NONE: Fault[] = [];
 
@@ -32,6 +37,9 @@ export function OptionRow({ option, full }: RowProps) {
   const id = useId();
   const edited = useSelect(({ document }) => valueAt(document.edits, full) !== undefined);
   const faults = useSelect(({ placed }) => placed.at.get(full) ?? NONE);
+  // Sets are those of one card.
+  const mixed = useSelect((state) => option.domain.type !== "sets" && isMixed(state, full, option.default));
+  const reset = () => store.reset(...(option.domain.type === "sets" ? [full] : keysWith(store.state, full)));
   const label = labelOf(option);
   const hint = `${option.meaning}${option.unit ? ` [${option.unit}]` : ""}`;
   const explain = () => store.state.info !== hint && store.update({ info: hint });
@@ -42,18 +50,19 @@ export function OptionRow({ option, full }: RowProps) {
       onPointerEnter={explain}
       onFocusIn={explain}
     >
-      <span class="option-label" title={`${hint}\n${full}`} onDblClick={() => edited && store.reset(full)}>
+      <span class="option-label" title={`${hint}\n${full}`} onDblClick={() => edited && reset()}>
         {edited && <i class="edited-dot" title="Edited here" />}
         {label}
+        {mixed && <span class="mixed" title="The selected cards differ"> mixed</span>}
       </span>
-      <Control option={option} full={full} label={label} describedBy={id} invalid={faults.length > 0} />
+      <Control option={option} full={full} mixed={mixed} label={label} describedBy={id} invalid={faults.length > 0} />
       <button
         type="button"
         class="reset"
         aria-label={`Reset ${label}`}
         title="Back to the garment's value or the default"
         disabled={!edited}
-        onClick={() => store.reset(full)}
+        onClick={reset}
       >
         <Icon name="reset" />
       </button>
@@ -82,13 +91,16 @@ interface ControlProps extends RowProps {
   label: string;
   describedBy: string;
   invalid: boolean;
+  /** Whether cards that are edited together differ. */
+  mixed: boolean;
 }
 
 function Control({ option, full, ...described }: ControlProps) {
   const store = useStore();
   const value = useSelect(({ document }) => valueAt(document.merged, full)) ?? option.default;
   const primvars = useSelect(({ garment }) => garment?.primvars) ?? [];
-  const set = (changed: Value) => store.set(full, changed);
+  const set = (changed: Value) =>
+    store.setAll(keysWith(store.state, full).map((key) => ({ key, value: changed })));
   const { domain } = option;
   switch (domain.type) {
     case "flag":
@@ -105,8 +117,9 @@ function Control({ option, full, ...described }: ControlProps) {
     case "weights": {
       const names = fitting(primvars, domain.type).map(({ name }) => name);
       const all = value === "" || names.includes(String(value)) ? names : [String(value), ...names];
-      const choices = [{ value: "", label: "none" }, ...all.map((name) => ({ value: name, label: name }))];
-      return <Select {...described} value={String(value)} groups={[{ choices }]} change={set} />;
+      const differ = described.mixed ? [{ value: MIXED, label: "mixed" }] : [];
+      const choices = [...differ, { value: "", label: "none" }, ...all.map((name) => ({ value: name, label: name }))];
+      return <Select {...described} value={described.mixed ? MIXED : String(value)} groups={[{ choices }]} change={(name) => name !== MIXED && set(name)} />;
     }
     case "fabric":
       return <FabricSelect words={domain.words} value={String(value)} change={set} {...described} />;
@@ -117,7 +130,7 @@ function Control({ option, full, ...described }: ControlProps) {
       return <WordChoice {...described} words={domain.words} chosen={chosen} change={set} />;
     }
     case "sets":
-      return <SetChips {...described} of={domain.of} names={Array.isArray(value) ? value : []} change={set} />;
+      return <SetChips {...described} of={domain.of} names={Array.isArray(value) ? value : []} change={(names) => store.set(full, names)} />;
     default:
       return <NumberControl option={option} full={full} value={Number(value)} {...described} />;
   }
@@ -145,39 +158,45 @@ function FabricSelect({ words, value, ...described }: FabricSelectProps) {
   return <Select {...described} value={value} groups={groups.filter(({ choices }) => choices.length > 0)} />;
 }
 
-function NumberControl({ option, full, value, ...described }: ControlProps & { value: number }) {
+function NumberControl({ option, full, value, mixed, ...described }: ControlProps & { value: number }) {
   const store = useStore();
   const garment = useSelect((state) => state.garment);
   const used = useSelect(({ products }) => products.sim?.lengths[full] ?? products.render?.lengths[full]);
-  // What the option is without the edits here: typed again, it is no edit.
-  const below = useSelect(({ document }) => valueAt(document.upstream, full)) ?? option.default;
+  const ofFabric = useSelect(({ document, garment }) => fabricValue(document.merged, garment, full));
   const meanEdge = garment?.meanEdge ?? 1;
   const range = rangeOf(option.domain, meanEdge);
   if (!range) return null;
-  const ofFabric = useSelect(({ document, garment }) => fabricValue(document.merged, garment, full));
   const auto = used ?? ofFabric ?? automatic(option.domain, meanEdge);
-  const clamp = (typed: number) => clamped(option.domain, typed);
+  // What an option is without the edits here: typed again, it is no edit.
+  const below = (key: string) => valueAt(store.state.document.upstream, key) ?? option.default;
+  const set = (changed: number, how: "step" | "continuous") => {
+    const keys = keysWith(store.state, full);
+    store.setAll(keys.map((key) => ({ key, value: changed, isBack: how === "step" && changed === below(key) })), how);
+  };
   return (
     <span class="number-control">
+      <NumberField
+        {...described}
+        value={value}
+        mixed={mixed}
+        unit={unitOf(option.unit, garment)}
+        metres={option.domain.type === "length" ? (garment?.metersPerUnit ?? null) : option.unit === "m" ? 1 : null}
+        step={range.step}
+        fine={range.fine}
+        clamp={(typed) => clamped(option.domain, typed)}
+        auto={auto}
+        autoText={auto === null ? undefined : rounded(auto)}
+        change={set}
+      />
       {range.most - range.least <= WIDEST * range.step && (
         <Slider
           {...described}
           value={value}
           range={range}
           ghost={value === 0 ? auto : null}
-          change={(changed) => changed !== value && store.set(full, changed, "continuous")}
+          change={(changed) => (changed !== value || mixed) && set(changed, "continuous")}
         />
       )}
-      <NumberField
-        {...described}
-        value={value}
-        unit={unitOf(option.unit, garment)}
-        metres={option.domain.type === "length" ? (garment?.metersPerUnit ?? null) : option.unit === "m" ? 1 : null}
-        step={range.step}
-        clamp={clamp}
-        auto={auto === null ? null : rounded(auto)}
-        change={(changed, how) => (how === "step" && changed === below ? store.reset(full) : store.set(full, changed, how))}
-      />
     </span>
   );
 }
@@ -186,13 +205,13 @@ function NumberControl({ option, full, value, ...described }: ControlProps & { v
 function rangeOf(domain: Domain, meanEdge: number): Range | null {
   switch (domain.type) {
     case "whole":
-      return { least: 0, most: domain.usual, step: 1 };
+      return { least: 0, most: domain.usual, step: 1, fine: 1 };
     case "number":
-      return { least: domain.usual[0], most: domain.usual[1], step: neat(domain.step) };
+      return { least: domain.usual[0], most: domain.usual[1], step: neat(domain.step), fine: neat(domain.step / 10) };
     case "length": {
       const [least, most] = domain.usual.map((share) => share * meanEdge);
       const step = niceStep(most - least);
-      return { least: snapped(least, step), most: snapped(most, step), step };
+      return { least: snapped(least, step), most: snapped(most, step), step, fine: neat(step / 10) };
     }
     default:
       return null;

@@ -25,13 +25,37 @@ export function Stack() {
     return <p class="empty">No seams and no folds yet. Click an edge of the model and press L, or take a set from the menus.</p>;
   }
   return (
-    <div class="cards" role="list" aria-label="Operators in the order in which they run" ref={list}>
-      {operators.map((operator, place) => {
-        const kind = kinds.find(({ name }) => name === operator.kind);
-        if (!kind) return null;
-        const props = { operator, kind, place, count: operators.length };
-        return <Card key={operator.full} {...props} handle={drag.handle(operator.full)} drag={drag.style(place)} />;
-      })}
+    <>
+      <Chosen />
+      <div class="cards" role="list" aria-label="Operators in the order in which they run" ref={list}>
+        {operators.map((operator, place) => {
+          const kind = kinds.find(({ name }) => name === operator.kind);
+          if (!kind) return null;
+          const props = { operator, kind, place, count: operators.length };
+          return <Card key={operator.full} {...props} handle={drag.handle(operator.full)} drag={drag.style(place)} />;
+        })}
+      </div>
+    </>
+  );
+}
+
+/** Says what a selection of cards does, and ends it. */
+function Chosen() {
+  const store = useStore();
+  const count = useSelect(({ chosen, document }) => document.stack.filter(({ full }) => chosen.has(full)).length);
+  return (
+    <div role="status">
+      {count > 0 && (
+        <p class="chosen-cards">
+          <span>
+            <b>{count === 1 ? "1 card" : `${count} cards`} selected.</b> A value that is set in one is set in all of its
+            kind.
+          </span>
+          <button type="button" class="button is-small" onClick={() => store.update({ chosen: new Set() })}>
+            Clear
+          </button>
+        </p>
+      )}
     </div>
   );
 }

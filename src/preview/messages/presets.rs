@@ -1,0 +1,34 @@
+//! The messages of presets.
+
+use super::super::document::Options;
+use crate::error::Fault;
+use serde::Serialize;
+
+/// The presets of seams and folds. Sent at first, and again each time their file has changed.
+#[derive(Clone, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct PresetsMessage<'a> {
+    /// The file beside the garment.
+    pub file: String,
+    /// Those of the program: for each kind of operator, values by name. Lengths are in mesh units.
+    #[cfg_attr(test, ts(type = "Presets"))]
+    pub built_in: &'a Options,
+    /// Those of the file.
+    #[cfg_attr(test, ts(type = "Presets"))]
+    pub saved: &'a Options,
+}
+
+/// The answer to `preset`.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct PresetSavedMessage {
+    /// The name of the preset.
+    pub name: String,
+    /// The file.
+    pub file: String,
+    /// True if it was to be taken out.
+    pub removed: bool,
+    /// The reason of a refusal.
+    pub fault: Option<Fault>,
+}
