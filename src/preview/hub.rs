@@ -10,7 +10,7 @@ mod workers;
 use super::document::{Before, EditHistory, Options};
 use super::messages::{BuildMessage, Origin, Role, ServerMessage, StateMessage};
 use super::stage::Stage;
-use crate::error::Fault;
+use crate::error::{Error, Fault};
 use crate::garment::Mesh;
 use crate::mesh::FaceId;
 use crate::recipe::{Layers, Recipe};

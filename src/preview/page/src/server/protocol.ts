@@ -41,6 +41,19 @@ export type Blocks = {
   elements: Block | null,
 };
 
+/** A build that a page started. */
+export type BuildMessage = {
+  /** The output. */
+  output: string,
+  /** Its state. */
+  status: BuildStatus,
+  /** All that the command printed. */
+  text: string,
+};
+
+/** The state of a build. */
+export type BuildStatus = "running" | "built" | "failed";
+
 /** How a set changes a selection. */
 export type Change = "replace" | "add" | "remove";
 
@@ -247,7 +260,7 @@ export type Fault = {
 
 /** Faults of the current document or of the file on disk. The last good meshes stay. */
 export type FaultsMessage = {
-  /** `file`: the stage on disk cannot be read; `presets`: nor can the presets beside it; `recipe`: an option is wrong; others: the build of that product. */
+  /** `file`: the stage on disk cannot be read; `presets`: nor can the presets beside it; `recipe`: an option is wrong; others: the build of that part. */
   origin: Origin,
   /** The faults; none if all is well. */
   faults: Array<Fault>,
@@ -375,7 +388,7 @@ export type Option = {
 };
 
 /** The place that faults come from. */
-export type Origin = "file" | "recipe" | "sim" | "render" | "cloth";
+export type Origin = "file" | "presets" | "recipe" | "sim" | "render" | "cloth";
 
 /** A message of the page. */
 export type PageMessage =
@@ -414,6 +427,12 @@ export type PageMessage =
   | { "type": "plan",
     /** The file. */
     path: string,
+  }
+  | { "type": "build",
+    /** The output. */
+    path: string,
+    /** True if an existing file may be replaced. */
+    overwrite: boolean,
   }
   | { "type": "save",
     /** The file. */
@@ -559,6 +578,7 @@ export type ServerMessage =
   | { "type": "faults" } & FaultsMessage
   | { "type": "product" } & ProductMessage
   | { "type": "cloth" } & ClothMessage
+  | { "type": "build" } & BuildMessage
   | { "type": "progress" } & ProgressMessage
   | { "type": "selection" } & SelectionMessage
   | { "type": "save" } & SaveMessage
@@ -617,6 +637,8 @@ export type StateMessage = {
   unsaved: boolean,
   /** The earlier state that is shown in place of the edits. */
   comparing: Before | null,
+  /** The input of a build of what is on screen; null if it is not saved. */
+  savedAs: string | null,
 };
 
 /** Times of the server for one frame. */
