@@ -1,5 +1,6 @@
 // Draws the pictures of docs/preview: `cargo xtask picture`. The first argument is the folder.
 
+import { writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { setTimeout as sleep } from "node:timers/promises";
 import { open, SCREEN } from "./support/browser.mjs";
@@ -52,6 +53,32 @@ async function openWarning(page) {
   await page.locator(".warning").first().click();
 }
 
+/** A pocket and a dart while the view moves, beside the same at rest. */
+async function drawRest() {
+  const preview = await open(owner, server, { viewport: { width: 780, height: 520 } });
+  await preview.settings({ ...PLAIN, roles: ["render"], wires: false });
+  await preview.quiet();
+  await preview.evaluate(() => {
+    const canvas = document.querySelector("canvas");
+    const { x, y, width, height } = canvas.getBoundingClientRect();
+    const at = { clientX: x + 0.56 * width, clientY: y + 0.62 * height };
+    for (let i = 0; i < 3; i++) canvas.dispatchEvent(new WheelEvent("wheel", { deltaY: -240, cancelable: true, ...at }));
+  });
+  await sleep(1500);
+  const text = await preview.evaluate(async () => {
+    const canvas = document.querySelector("canvas");
+    const both = new OffscreenCanvas(2 * canvas.width, canvas.height);
+    const draw = (image, x) => both.getContext("2d").drawImage(image, x, 0);
+    preview.store.settings({});
+    await new Promise((resolve) => requestAnimationFrame(() => resolve(draw(canvas, 0))));
+    draw(await createImageBitmap(await preview.view.screenshot()), canvas.width);
+    const blob = await both.convertToBlob({ type: "image/jpeg", quality: 0.85 });
+    const bytes = new Uint8Array(await blob.arrayBuffer());
+    return bytes.reduce((text, byte) => text + String.fromCharCode(byte), "");
+  });
+  writeFileSync(join(folder, "rest.jpg"), Buffer.from(text, "latin1"));
+}
+
 const server = await Server.start(owner, example("sewn/coat.usda"));
 for (const { name, settings, theme = "light", act } of PICTURES) {
   const preview = await open(owner, server, { viewport: SCREEN, deviceScaleFactor: 1.5, colorScheme: theme });
@@ -66,5 +93,6 @@ for (const { name, settings, theme = "light", act } of PICTURES) {
   console.log(path);
   await preview.page.context().close();
 }
+await drawRest();
 for (const end of ends) await end();
 process.exit();

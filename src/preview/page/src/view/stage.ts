@@ -97,6 +97,7 @@ export class Stage {
 
   paintOf(role: Role): Paint {
     const paint = this.#paints.get(role) ?? new Paint(role, { ...this.uniforms, ...this.#shadows.uniforms });
+    paint.setWoven(this.#weave !== "none");
     this.#paints.set(role, paint);
     return paint;
   }
@@ -150,6 +151,7 @@ export class Stage {
     uniforms.uColour.value.set(...chosen(fabric));
     uniforms.uRoughness.value = fabric.roughness ?? -1;
     uniforms.uWeave.value = WEAVES[fabric.weave];
+    for (const paint of this.#paints.values()) paint.setWoven(fabric.weave !== "none");
     this.setUnit(this.#metersPerUnit);
   }
 
@@ -194,7 +196,6 @@ export class Stage {
     renderer.clear();
     if (!sheet.isClear) renderer.render(this.#backdrop.sky, rig.camera);
     for (const column of sheet.columns) this.#drawColumn(sheet, column, rig, space, sample);
-    this.#shadows.end();
     renderer.setScissorTest(false);
     renderer.setRenderTarget(null);
   }
@@ -222,8 +223,9 @@ export class Stage {
     rig.setBounds(this.centre, this.radius);
     rig.place(width / height);
     this.uniforms.uUp.value.copy(space.up).transformDirection(rig.camera.matrixWorldInverse);
-    this.#show(roles);
-    if (sample && this.#hasShadows) this.#cast(roles, space, sample);
+    const hasShadows = sample !== null && this.#hasShadows;
+    this.#show(roles, hasShadows);
+    if (hasShadows) this.#cast(roles, space, sample);
     this.uniforms.uView.value.set(width * ratio, height * ratio);
     for (const marks of this.#allMarks) marks.setView(width * ratio, height * ratio, ratio);
     if (sample) shifted(rig.camera.projectionMatrix, sample.jitter, width * ratio, height * ratio);
@@ -239,14 +241,14 @@ export class Stage {
   }
 
   /** The last mesh is solid; those before it lie over it as wires. */
-  #show(roles: Role[]): void {
+  #show(roles: Role[], hasShadows: boolean): void {
     const flat = this.uniforms.uFlat.value;
     const drawn = roles.filter((role) => this.cloths.has(role));
     for (const [role, cloth] of this.cloths) {
       const order = drawn.indexOf(role);
       const last = order === drawn.length - 1;
       cloth.object.visible = order >= 0 && (!flat || cloth.hasUvs);
-      cloth.solid.material = last ? cloth.paint.solid : cloth.paint.overlay;
+      cloth.solid.material = last ? (hasShadows ? cloth.paint.shaded : cloth.paint.solid) : cloth.paint.overlay;
       cloth.solid.renderOrder = last ? 0 : 1 + order;
       cloth.lines.setOver(!last);
       // The lines of the mesh above say more, and two of one colour would be mistaken for one another.

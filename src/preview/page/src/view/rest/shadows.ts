@@ -65,11 +65,6 @@ export class Shadows {
     this.uniforms.uShade.value = STRENGTH * shade;
   }
 
-  /** Pictures that follow have no shadows. */
-  end(): void {
-    this.uniforms.uShade.value = 0;
-  }
-
   /** All cloth is between the planes, since what is out of view has shadows too. */
   #aim(light: Vector3, all: Ball, { centre, radius }: Ball): void {
     const camera = this.#camera;

@@ -25,7 +25,6 @@ uniform mat3 normalMatrix;
 uniform sampler2D uPoints;
 uniform sampler2D uNormals;
 uniform sampler2D uFaces;
-uniform sampler2D uLooks;
 uniform bool uFlat;
 uniform float uBias;
 
@@ -42,7 +41,6 @@ out vec3 vBary;
 out vec2 vUv;
 out float vValue;
 flat out vec4 vFace;
-flat out vec4 vLook;
 flat out uvec3 vEdges;
 flat out uint vNumber;
 
@@ -67,7 +65,6 @@ void main() {
   vUv = aUv;
   vValue = aValue;
   vFace = texelFetch(uFaces, cell(aFace), 0);
-  vLook = texelFetch(uLooks, cell(aFace), 0);
   vEdges = aEdges.xyz;
   vNumber = aFace;
   if (!uFlat) view.xyz *= 1.0 - uBias / max(length(view.xyz), 2.0 * uBias);
@@ -92,13 +89,17 @@ uniform vec2 uRange;
 uniform vec3 uUp;
 uniform vec3 uAccent;
 uniform vec3 uWireColour;
+uniform sampler2D uLooks;
 uniform bool uOwnColour;
 uniform vec3 uColour;
 uniform float uRoughness;
+#ifdef WEAVE
 uniform int uWeave;
 uniform float uThreads;
 uniform float uPitch;
-${SHADOW_UNIFORMS}
+#endif
+#ifdef SHADOWS
+${SHADOW_UNIFORMS}#endif
 in vec3 vView;
 in vec3 vNormal;
 in float vCurvature;
@@ -106,7 +107,6 @@ in vec3 vBary;
 in vec2 vUv;
 in float vValue;
 flat in vec4 vFace;
-flat in vec4 vLook;
 flat in uvec3 vEdges;
 flat in uint vNumber;
 
@@ -151,10 +151,15 @@ vec3 checker() {
   return mix(dark, light, 0.5 + 0.5 * fine);
 }
 
+// The colour and the roughness of the face's own material.
+vec4 look() {
+  return texelFetch(uLooks, ivec2(int(vNumber & 1023u), int(vNumber >> 10)), 0);
+}
+
 // The colour of the face in sRGB, without light.
 vec3 surface() {
   int flags = int(vFace.a * 255.0 + 0.5);
-  vec3 base = uOwnColour ? vLook.rgb : uColour;
+  vec3 base = uOwnColour && uShading == 0 ? look().rgb : uColour;
   vec3 inSet = mix(vFace.rgb, vec3(0.64), 0.26);
   if (uShading == FACE_SETS) base = flags >= 128 ? inSet : vec3(0.70, 0.70, 0.71);
   if (uShading == CHECKER) base = checker();
@@ -164,7 +169,8 @@ vec3 surface() {
   return base;
 }
 
-${SHADOW_CODE}
+#ifdef SHADOWS
+${SHADOW_CODE}#endif
 // Near a fold the smooth normal belongs to neither side, so the face's own takes over.
 vec3 facing(vec3 own, bool front) {
   vec3 smoothed = normalize(vNormal) * uHanded * (front ? 1.0 : -1.0);
@@ -172,17 +178,22 @@ vec3 facing(vec3 own, bool front) {
   return agree != agree ? own : normalize(mix(own, smoothed, smoothstep(0.25, 0.65, agree)));
 }
 
-${WEAVE_CODE}
+#ifdef WEAVE
+${WEAVE_CODE}#endif
 vec3 lit(vec3 base, bool front) {
   vec3 dx = dFdx(vView);
   vec3 dy = dFdy(vView);
-  vec2 ux = dFdx(vUv) * uThreads / uPitch;
-  vec2 uy = dFdy(vUv) * uThreads / uPitch;
   vec3 own = normalize(cross(dx, dy));
   vec3 smoothed = facing(own, front);
-  vec4 bent = uWeave > 0 && uHasUv && uShading == 0 ? woven(smoothed, dx, dy, ux, uy) : vec4(smoothed, 0.5);
+#ifdef WEAVE
+  vec2 ux = dFdx(vUv) * uThreads / uPitch;
+  vec2 uy = dFdy(vUv) * uThreads / uPitch;
+  vec4 bent = uHasUv && uShading == 0 ? woven(smoothed, dx, dy, ux, uy) : vec4(smoothed, 0.5);
+#else
+  vec4 bent = vec4(smoothed, 0.5);
+#endif
   vec3 n = bent.xyz;
-  float rough = uShading > 0 ? ${ROUGHNESS} : (uRoughness < 0.0 ? vLook.a : uRoughness);
+  float rough = uShading > 0 ? ${ROUGHNESS} : (uRoughness < 0.0 ? look().a : uRoughness);
   vec3 v = normalize(-vView);
   vec3 albedo = decode(base);
   vec3 key = normalize(vec3(-0.52, 0.60, 0.60));
@@ -204,7 +215,11 @@ vec3 lit(vec3 base, bool front) {
   float inside = front ? 1.0 : 0.66;
   vec3 c = (albedo * light + (front ? sheen : sheen * 0.3) + shine) * cavity * inside * (0.7 + 0.6 * bent.w);
   c *= 1.0 - 0.30 * pow(grazing, 3.0);
-  return encode(c / (1.0 + 0.16 * c * c)) * (1.0 - shadow(smoothed, own));
+  vec3 shown = encode(c / (1.0 + 0.16 * c * c));
+#ifdef SHADOWS
+  shown *= 1.0 - shadow(smoothed, own);
+#endif
+  return shown;
 }
 
 // Distance to the three edges, in pixels of the screen.

@@ -20,6 +20,8 @@ export class Paint {
   /** What the mesh sets, and what all meshes share. */
   readonly uniforms: Record<string, IUniform>;
   readonly solid: RawShaderMaterial;
+  /** The same with shadows, for pictures at rest: their code would slow moving ones. */
+  readonly shaded: RawShaderMaterial;
   /** Wires over another mesh. */
   readonly overlay: RawShaderMaterial;
   /** Numbers of faces in place of colours. */
@@ -33,10 +35,21 @@ export class Paint {
     const level = { ...this.uniforms, uOverlay: { value: false }, uBias: { value: 0 } };
     const over = { ...this.uniforms, uOverlay: { value: true } };
     this.solid = cloth({ uniforms: level });
+    this.shaded = cloth({ uniforms: level, defines: { SHADOWS: true } });
     this.overlay = cloth({ uniforms: over, transparent: true, depthWrite: false });
     this.pick = cloth({ uniforms: level, defines: { PICK: true } });
     this.depth = cloth({ uniforms: level, defines: { DEPTH: true }, colorWrite: false });
     this.lines = lines(this.uniforms);
+  }
+
+  /** Whether cloth has a weave, the code of which would slow other cloth. */
+  setWoven(is: boolean): void {
+    for (const material of [this.solid, this.shaded]) {
+      if ("WEAVE" in material.defines === is) continue;
+      if (is) material.defines.WEAVE = true;
+      else delete material.defines.WEAVE;
+      material.needsUpdate = true;
+    }
   }
 }
 

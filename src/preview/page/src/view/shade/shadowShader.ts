@@ -59,7 +59,6 @@ float held(sampler2D map, mat4 toMap, vec3 light, vec3 n, vec3 own, float number
 }
 
 float shadow(vec3 n, vec3 own) {
-  if (uShade <= 0.0) return 0.0;
   float sum = 0.0;
   ${HELD}
   return uShade * sum / (${LIGHTS}.0 * 0.25 * max(0.2, 1.0 + dot(n, uLightAxis)));
