@@ -112,7 +112,7 @@ test("nothing flies and nothing glides for whom motion is too much", async (t) =
     const flies = await preview.evaluate(() => {
       const place = () => JSON.stringify(preview.view.project("model", 0));
       const before = place();
-      preview.view.mark({ points: [0, 1], edges: [], faces: [] });
+      preview.view.mark({ role: "model", elements: { points: [0, 1] } });
       return place() === before;
     });
     const glides = await preview.evaluate(

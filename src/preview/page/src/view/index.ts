@@ -94,7 +94,7 @@ class CanvasView implements View {
     else return;
     this.#placeMarkers();
     this.#stage.measure(this.options.roles);
-    if (!known) this.#frameUntouched();
+    if (!known) this.#fitUntouched();
     if (this.#fliesToMarks) this.#flyToMarks();
     this.#uploads.add(role, revision, performance.now() - start);
     this.#hover.forget();

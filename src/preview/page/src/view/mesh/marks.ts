@@ -115,9 +115,9 @@ export interface Shapes {
   triangles: number[];
 }
 
-/** How much of marks is seen behind cloth: all, or so little that they are told from those before it. */
+/** How much of marks is seen behind cloth: all, or little. */
 export const THROUGH = 1;
-export const FAINT = 0.2;
+export const FAINT = 0.12;
 
 export class Marks {
   readonly object = new Group();
