@@ -105,6 +105,10 @@ test("a preset is one step, is drawn in the menu, and is named until a value dif
   assert.deepEqual((await preview.document()).edits, {});
 
   await preview.openCard("fold.neck");
+  await preview.page.getByRole("button", { name: "Preset of neck" }).click();
+  const folds = await items.locator(".profile-cloth").evaluateAll((paths) => paths.map((path) => path.getAttribute("d")));
+  assert.equal(new Set(folds).size, 4, "a thicker fold is drawn thicker");
+  await preview.page.keyboard.press("Escape");
   await preview.after("render", () => choose(preview, "neck", "Bound edge"));
   assert.equal((await preview.document()).merged.fold.neck.side, "outer");
   assertClean(preview);

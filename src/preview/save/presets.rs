@@ -52,12 +52,7 @@ fn parsed(file: &Path) -> Result<Presets, Error> {
 }
 
 /// Changes the file, and gives the message of what it then holds. A file with a fault is not replaced.
-fn written(
-    stage: &Stage,
-    file: &Path,
-    (kind, name): (&str, &str),
-    values: Option<&Options>,
-) -> Result<String, Error> {
+fn written(stage: &Stage, file: &Path, (kind, name): (&str, &str), values: Option<&Options>) -> Result<String, Error> {
     let mut presets = parsed(file)?;
     match values {
         Some(values) => presets.put(kind, name, values, stage.checks.garment().units)?,

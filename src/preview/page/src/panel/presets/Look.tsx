@@ -15,6 +15,9 @@ import { Profile, SmallProfile } from "./Profile";
 /** The length of a kind that its drawing is measured by. */
 const LENGTH = { seam: "width", fold: "thickness" } as const;
 
+/** Length of the folds that the menu draws, in thicknesses of the thickest one. */
+const REACH = 4;
+
 export function Look({ operator, kind }: { operator: Stacked; kind: Kind }) {
   const store = useStore();
   const [isSaving, setSaving] = useState(false);
@@ -41,11 +44,13 @@ export function Look({ operator, kind }: { operator: Stacked; kind: Kind }) {
   );
 
   function items(): MenuItem[] {
+    // Folds differ by their thickness alone, so that they are drawn to one scale.
+    const reach = REACH * Math.max(...presets.map(({ values }) => Number(values.thickness ?? 0)));
     const saved = current?.isSaved ? [current] : [];
     return [
       ...presets.map((preset) => ({
         label: preset.name,
-        picture: <SmallProfile {...drawn} fields={preset.values} />,
+        picture: <SmallProfile {...drawn} reach={reach} fields={preset.values} />,
         detail: preset === current ? "in use" : undefined,
         section: preset.isSaved ? "Beside the garment" : "Presets",
         pick: () => giveValues(store, operator, preset.values),

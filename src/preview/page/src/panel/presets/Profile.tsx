@@ -19,10 +19,12 @@ export interface ProfileProps {
   fields: Fields;
   /** The length that 0 stands for. [mesh units] */
   auto: number;
+  /** Length of the second layer of a fold; by default it suits the thickness. [mesh units] */
+  reach?: number;
 }
 
-function sectionOf({ kind, fields, auto }: ProfileProps): Section {
-  return kind === "seam" ? seamSection(fields, auto) : foldSection(fields, auto);
+function sectionOf({ kind, fields, auto, reach }: ProfileProps): Section {
+  return kind === "seam" ? seamSection(fields, auto) : foldSection(fields, auto, reach);
 }
 
 /** The drawing of a card, with figures. Both axes have one scale, so that it is true. */

@@ -20,6 +20,8 @@ const LINES = [1 / 3, 2 / 3, 1, 4 / 3];
 const LEAST_SIDE = 0.05;
 /** Length of the second layer that is drawn, in thicknesses. The faces of the fold have their own. */
 const HEM_LENGTH = 7;
+/** Part of the drawing that the second layer takes. */
+const HEM_SHARE = 0.7;
 
 const number = (value: unknown): number => (typeof value === "number" && Number.isFinite(value) ? value : 0);
 
@@ -61,13 +63,14 @@ function rowCentres(fields: Fields, width: number): number[] {
   return [...new Set(signs.flatMap((sign) => away.map((distance) => sign * distance)))].sort((a, b) => a - b);
 }
 
-/** `auto` is the thickness that 0 stands for. The border of the cloth is at 0. */
-export function foldSection(fields: Fields, auto: number): Section {
+/** `auto` is the thickness that 0 stands for, `reach` the length of the second layer. The border of the cloth is at 0. */
+export function foldSection(fields: Fields, auto: number, reach?: number): Section {
   const thickness = number(fields.thickness) || auto;
   const y = (fields.side === "outer" ? 1 : -1) * thickness;
   // A closed layer goes as far as the cloth does.
-  const far = -(HEM_LENGTH + 3) * thickness;
-  const end = fields.closed === true ? far : -HEM_LENGTH * thickness;
+  const length = reach === undefined ? HEM_LENGTH * thickness : Math.max(reach, 3 * thickness);
+  const far = -length / HEM_SHARE;
+  const end = fields.closed === true ? far : -length;
   // A support loop is as far from the fold as the layers are from one another. The surface stays in place, and the limit of
   // the layer is at the thickness.
   const xs = [far, 0.6 * end, 0.4 * end, -thickness, 0, 0, -thickness, 0.4 * end, 0.6 * end, end];
