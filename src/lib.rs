@@ -84,8 +84,8 @@ pub use garment::{
 pub use glam;
 pub use mesh::{CornerId, Csr, EdgeId, Elements, FaceId, Faces, IdVec, Topology, VertexId};
 pub use pipeline::{
-    Builder, ClothUpdate, DEFAULT_MAX_FACES, MemoryEstimate, Plan, Products, Progress, RenderPanel, RenderUpdate, SimUpdate, Timing,
-    build,
+    Builder, ClothUpdate, DEFAULT_MAX_FACES, MemoryEstimate, Plan, Products, Progress, RenderPanel, RenderUpdate,
+    SimUpdate, Timing, build,
 };
 pub use recipe::Recipe;
 pub use render::{FoldOptions, RenderOptions, SeamOptions, Side};

@@ -17,10 +17,10 @@ use crate::recipe::{Layers, Recipe};
 use crate::report::TriangleQuality;
 use crate::session::Input;
 use crate::usd::{ReadOptions, Selection};
+use builds::SavedAs;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
-use builds::SavedAs;
 use tokio::sync::watch;
 use workers::Simulated;
 

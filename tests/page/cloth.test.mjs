@@ -2,9 +2,10 @@
 
 import assert from "node:assert/strict";
 import { readFileSync, statSync } from "node:fs";
+import { join } from "node:path";
 import { test } from "node:test";
 import { assertClean, show } from "./support/browser.mjs";
-import { copyOf, run } from "./support/server.mjs";
+import { copyOf, example, run, temporaryFolder } from "./support/server.mjs";
 
 const figures = (preview) => preview.state((state) => state.cloth?.figures);
 
@@ -13,13 +14,13 @@ const whenCloth = (preview, condition) =>
   preview.when(`(() => { const c = preview.store.state.cloth?.figures; return c && (${condition})(c); })()`);
 
 test("mass, area and rest are those of the command, and so are the warnings", async (t) => {
-  const garment = copyOf(t, "coat.usda");
+  const garment = example("sewn/coat.usda");
   const preview = await show(t, garment);
   await whenCloth(preview, () => true);
   await preview.quiet();
-  const { stdout } = await run("build", garment, "-o", `${garment}.built.usda`, "--report", "-", "--quiet");
-  const { inputs } = JSON.parse(stdout);
-  const [built] = inputs[0].garments;
+  const output = join(temporaryFolder(t), "built.usda");
+  const { stdout } = await run("build", garment, "-o", output, "--report", "-", "--quiet");
+  const built = JSON.parse(stdout);
   assert.deepEqual(await figures(preview), built.cloth);
   const words = ({ code, place, problem }) => `${code} ${place} ${problem}`;
   const shown = await preview.state(({ garment, products, cloth }) =>
@@ -38,7 +39,7 @@ test("a fabric of a face set changes the mass, is renamed with what names it, an
   await page.getByRole("button", { name: "New fabric" }).click();
   await page.getByRole("menuitem", { name: /Whole garment/ }).click();
   const card = page.locator('[data-card="fabric.fabric"]');
-  await card.getByLabel("Preset").selectOption("leather");
+  await card.getByLabel("Preset", { exact: true }).selectOption("leather");
   await preview.when((before) => preview.store.state.cloth?.figures.mass > 3 * before, before);
   // 0 shows the preset's own value.
   assert.equal(await card.getByLabel("Density, number").getAttribute("placeholder"), "auto 0.65");

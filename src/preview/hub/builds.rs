@@ -143,6 +143,10 @@ mod tests {
         assert_eq!(opened[..4], ["build", "coat.usda", "-o", "out.usda"]);
         assert_eq!(opened[4..8], ["--recipe=look.tailor", "--prim=/Coat/model", "--time=-2.5", "--set=render.level=1"]);
         let saved = words(&SavedAs::saved(Path::new("my.tailor"), &[]), true);
-        assert_eq!(saved[4..], ["--time=-2.5", "--color", "never", "--force"], "a .tailor file has its prim and options");
+        assert_eq!(
+            saved[4..],
+            ["--time=-2.5", "--color", "never", "--force"],
+            "a .tailor file has its prim and options"
+        );
     }
 }
