@@ -2,13 +2,21 @@
 
 use super::{Inputs, Output, usage};
 use crate::error::Error;
+use crate::usd::CacheFile;
 use clap::Args;
 use std::io::Write;
+use std::path::PathBuf;
 
 #[derive(Args)]
 pub struct Preview {
     #[command(flatten)]
     inputs: Inputs,
+    /// A simulated cache to play, as for `usdtailor drive`
+    #[arg(long, value_name = "FILE", help_heading = "Preview")]
+    cache: Option<PathBuf>,
+    /// Path of the mesh in the cache [default: that of the simulation mesh, or the only one]
+    #[arg(long, value_name = "PATH", help_heading = "Preview", requires = "cache")]
+    cache_prim: Option<String>,
     /// Port of the page on 127.0.0.1 [default: any that is free]
     #[arg(long, value_name = "PORT", default_value_t = 0, hide_default_value = true, help_heading = "Preview")]
     port: u16,
@@ -42,7 +50,8 @@ pub fn run(preview: &Preview, threads: Option<usize>) -> Result<Output, Error> {
             let _ = writeln!(std::io::stderr(), "warning: no browser could be opened. Open the address in one");
         }
     };
-    crate::preview::serve(preview.inputs.input(file), preview.port, threads, ready)?;
+    let cache = preview.cache.clone().map(|file| CacheFile { file, prim: preview.cache_prim.clone() });
+    crate::preview::serve(preview.inputs.input(file), cache, preview.port, threads, ready)?;
     // A page may be saving yet.
     crate::usd::remove_unfinished();
     Ok(Output { text: String::new(), code: 0 })

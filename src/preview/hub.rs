@@ -5,10 +5,11 @@
 //! they have them.
 
 mod builds;
+mod shot;
 mod workers;
 
 use super::document::{Before, EditHistory, Options};
-use super::messages::{BuildMessage, Origin, Role, ServerMessage, StateMessage};
+use super::messages::{BuildMessage, Origin, ShotMessage, Role, ServerMessage, StateMessage};
 use super::stage::Stage;
 use crate::error::{Error, Fault};
 use crate::garment::Mesh;
@@ -18,6 +19,7 @@ use crate::report::TriangleQuality;
 use crate::session::Input;
 use crate::usd::{ReadOptions, Selection};
 use builds::SavedAs;
+use shot::Shot;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
@@ -25,6 +27,7 @@ use tokio::sync::watch;
 use workers::Simulated;
 
 /// A mesh that pages may show.
+#[derive(Clone)]
 pub struct Shown {
     /// The mesh.
     pub mesh: Arc<Mesh>,
@@ -55,6 +58,10 @@ pub struct Snapshot {
     pub progress: BTreeMap<Role, String>,
     /// The meshes.
     pub shown: BTreeMap<Role, Arc<Shown>>,
+    /// The meshes of a frame of the cache, which are shown in place of those at bind.
+    pub posed: BTreeMap<Role, Arc<Shown>>,
+    /// The cache that is played, once it is opened.
+    pub shot: Option<Arc<ShotMessage>>,
     /// The message of the cloth, once it is made.
     pub cloth: Option<Arc<str>>,
     /// The last build that a page started.
@@ -127,6 +134,7 @@ struct HubState {
     simulated: Option<Simulated>,
     /// The file that has the edits as they were last saved.
     saved: SavedAs,
+    shot: Option<Shot>,
 }
 
 /// The state that all pages share.
@@ -148,12 +156,14 @@ impl Hub {
             faults: Arc::default(),
             progress: BTreeMap::new(),
             shown: BTreeMap::new(),
+            posed: BTreeMap::new(),
+            shot: None,
             cloth: None,
             build: None,
             presets: Arc::from(""),
         };
         let saved = SavedAs::opened(&input);
-        let shared = HubState { input, document, snapshot, job: None, simulated: None, saved };
+        let shared = HubState { input, document, snapshot, job: None, simulated: None, saved, shot: None };
         let (shared, reading, changed) = (Mutex::new(shared), Mutex::default(), watch::Sender::new(()));
         let hub = Arc::new(Self { shared, reading, work: Condvar::new(), changed });
         hub.change(HubState::show_model);

@@ -9,6 +9,7 @@ mod mesh;
 mod presets;
 mod product;
 mod selection;
+mod shot;
 
 pub use build::{BuildMessage, BuildStatus};
 pub use garment::{GarmentMessage, LookInfo, PrimvarInfo, SaveTargets, SetInfo, UpAxis, VariantSet};
@@ -16,6 +17,7 @@ pub use mesh::{Block, Blocks, DrawnSet, DrawnValues, MeshHeader, NumberType, Tim
 pub use presets::{PresetSavedMessage, PresetsMessage};
 pub use product::{ClothMessage, Figures, ProductMessage};
 pub use selection::SelectionMessage;
+pub use shot::ShotMessage;
 
 use super::document::{Before, Options};
 use crate::error::Fault;
@@ -125,6 +127,11 @@ pub enum PageMessage {
         /// The file.
         path: String,
     },
+    /// Shows a frame of the cache.
+    Pose {
+        /// Its number, from 0; null for the meshes at bind.
+        frame: Option<usize>,
+    },
     /// Builds what is saved.
     Build {
         /// The output.
@@ -169,6 +176,8 @@ pub enum ServerMessage<'a> {
     Cloth(ClothMessage<'a>),
     /// A build that a page started.
     Build(&'a BuildMessage),
+    /// The cache that is played.
+    Shot(&'a ShotMessage),
     /// A step of a build.
     Progress(ProgressMessage<'a>),
     /// The answer to `select`.

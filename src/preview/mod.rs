@@ -26,20 +26,30 @@ mod watch;
 
 use crate::error::Error;
 use crate::session::{Input, is_usd};
-use crate::usd::{garment_below, selections};
+use crate::usd::{CacheFile, garment_below, selections};
 use hub::Hub;
 use stage::Stage;
 
-/// Serves the preview of a garment until the process is interrupted. `ready` gets its address.
+/// Serves the preview of a garment until the process is interrupted, with a cache of its simulation mesh to play. `ready` gets its
+/// address.
 ///
 /// # Errors
 /// A garment that cannot be opened, a port that is in use, a program that was built without the page.
-pub fn serve(input: Input, port: u16, threads: Option<usize>, ready: impl FnOnce(&str)) -> Result<(), Error> {
+pub fn serve(
+    input: Input,
+    cache: Option<CacheFile>,
+    port: u16,
+    threads: Option<usize>,
+    ready: impl FnOnce(&str),
+) -> Result<(), Error> {
     page::check()?;
     let input = continued(input);
     let stage = Stage::open(&input)?;
     let hub = Hub::new(input, stage);
     save::presets::read(&hub);
+    if let Some(cache) = cache {
+        hub.start_shot(cache, threads)?;
+    }
     hub.start(threads)?;
     let _watcher = watch::follow(&hub)?;
     server::run(&hub, port, ready)

@@ -2,7 +2,7 @@
 
 use super::frame::{Sent, frame};
 use super::hub::{Hub, Snapshot, State};
-use super::messages::{BuildMessage, FaultsMessage, Origin, PageMessage, ProgressMessage, Role, ServerMessage, View};
+use super::messages::{BuildMessage, FaultsMessage, Origin, PageMessage, ProgressMessage, Role, ServerMessage, ShotMessage, View};
 use super::save::{self, presets};
 use super::select::select;
 use super::stage::Stage;
@@ -41,6 +41,7 @@ struct Client {
     products: BTreeMap<Role, Arc<str>>,
     cloth: Option<Arc<str>>,
     build: Option<Arc<BuildMessage>>,
+    shot: Option<Arc<ShotMessage>>,
     presets: Arc<str>,
 }
 
@@ -93,6 +94,7 @@ impl Client {
                 self.meshes.retain(|role, _| view.roles.contains(role));
                 self.view = view;
             }
+            PageMessage::Pose { frame } => hub.pose(frame),
             PageMessage::Build { path, overwrite } => hub.start_build(&path, overwrite),
             PageMessage::Reload => {
                 hub.reload();
@@ -146,6 +148,10 @@ impl Client {
             self.cloth.clone_from(&now.cloth);
             news.extend(now.cloth.as_deref().map(text));
         }
+        if self.shot != now.shot {
+            self.shot.clone_from(&now.shot);
+            news.extend(now.shot.as_deref().map(|shot| text(ServerMessage::Shot(shot).to_text())));
+        }
         if self.build != now.build {
             self.build.clone_from(&now.build);
             news.extend(now.build.as_deref().map(|build| text(ServerMessage::Build(build).to_text())));
@@ -170,6 +176,7 @@ impl Client {
 
     fn meshes(&mut self, now: &Snapshot, news: &mut Vec<ws::Message>) {
         for (&role, shown) in now.shown.iter().filter(|(role, _)| self.view.roles.contains(role)) {
+            let shown = now.posed.get(&role).unwrap_or(shown);
             match frame(role, shown, &self.view, self.meshes.entry(role).or_default()) {
                 Ok(Some(bytes)) => news.push(ws::Message::Binary(bytes.into())),
                 Ok(None) => {}

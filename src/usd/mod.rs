@@ -25,6 +25,8 @@ pub use read::{
 };
 pub use shot::{DriveOptions, Driven, drive};
 #[cfg(feature = "preview")]
+pub(crate) use shot::{CacheFile, Playback};
+#[cfg(feature = "preview")]
 pub(crate) use values::decimal;
 #[cfg(any(feature = "cli", feature = "preview"))]
 pub(crate) use values::type_word;
@@ -44,7 +46,7 @@ use std::thread;
 
 /// Stack for composition and writing, which recurse once a level of nested prims or braces. The deepest files that are read,
 /// with 256 levels of prims or 1,000 of braces, take less than 1 MiB. \[bytes\]
-const STACK: usize = 16 << 20;
+pub(crate) const STACK: usize = 16 << 20;
 
 /// Runs `work` on a thread with a stack for deeply nested stages.
 ///

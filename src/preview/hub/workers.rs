@@ -1,5 +1,6 @@
 //! The threads that build: one for each product, and one for the cloth of the newest simulation mesh.
 
+use super::shot::{Rendered, Shot};
 use super::{Hub, Job, Shown};
 use crate::error::{Error, Warnings};
 use crate::garment::Mesh;
@@ -9,6 +10,7 @@ use crate::preview::messages::{ClothMessage, Figures, Origin, ProductMessage, Ro
 use crate::preview::stage::Stage;
 use crate::recipe::Recipe;
 use crate::report::RenderFigures;
+use crate::usd::{CacheFile, STACK};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
@@ -20,12 +22,12 @@ use std::time::Instant;
 /// The simulation mesh of a job, from which its cloth is made.
 #[derive(Clone)]
 pub struct Simulated {
-    job: Job,
-    update: SimUpdate,
+    pub job: Job,
+    pub update: SimUpdate,
 }
 
 /// The stage that a thread last worked on, with its builder.
-type Known = Option<(Arc<Stage>, Builder)>;
+pub type Known = Option<(Arc<Stage>, Builder)>;
 
 impl Hub {
     /// Starts the threads that build, each with `threads` threads of its own so that none waits for another.
@@ -38,6 +40,15 @@ impl Hub {
         self.spawn("cloth", threads, |hub, pool| hub.work_on_cloth(pool))
     }
 
+    /// Starts the thread that plays a cache. It comes before the others, which make more where there is one.
+    ///
+    /// # Errors
+    /// A thread that cannot be started.
+    pub fn start_shot(self: &Arc<Self>, file: CacheFile, threads: Option<usize>) -> Result<(), Error> {
+        self.change(|shared| shared.shot = Some(Shot::new(file)));
+        self.spawn("shot", threads, |hub, pool| hub.play(pool))
+    }
+
     fn spawn(
         self: &Arc<Self>,
         name: &str,
@@ -47,7 +58,7 @@ impl Hub {
         let fault = |e: &dyn std::fmt::Display| Error::internal(format!("cannot start threads: {e}"));
         let pool = ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build().map_err(|e| fault(&e))?;
         let hub = Arc::clone(self);
-        let spawned = thread::Builder::new().name(name.to_owned()).spawn(move || work(&hub, &pool));
+        let spawned = thread::Builder::new().name(name.to_owned()).stack_size(STACK).spawn(move || work(&hub, &pool));
         spawned.map(drop).map_err(|e| fault(&e))
     }
 
@@ -107,6 +118,15 @@ impl Hub {
                 let mut recipe = recipe;
                 recipe.render.seam_level = update.seam_level;
                 let _ = shown.message.set(product(role, job, figures, &update.warnings, &update.operators, &recipe));
+            }
+            if self.lock().shot.is_some() {
+                let origins = Arc::new(builder.render_origins(&job.recipe)?);
+                let rendered = Rendered { job: job.clone(), mesh: Arc::clone(&shown.mesh), origins };
+                self.change(|shared| {
+                    if let Some(shot) = &mut shared.shot {
+                        shot.rendered = Some(rendered);
+                    }
+                });
             }
         }
         Ok(())
@@ -179,7 +199,7 @@ impl Hub {
 }
 
 /// The builder for a stage: the known one, or a new one.
-fn builder_for<'a>(known: &'a mut Known, stage: &Arc<Stage>, progress: impl FnOnce() -> Progress) -> &'a mut Builder {
+pub fn builder_for<'a>(known: &'a mut Known, stage: &Arc<Stage>, progress: impl FnOnce() -> Progress) -> &'a mut Builder {
     known.take_if(|(known, _)| !Arc::ptr_eq(known, stage));
     &mut known.get_or_insert_with(|| (Arc::clone(stage), stage.checks.sibling().with_progress(progress()))).1
 }

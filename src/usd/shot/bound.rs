@@ -1,6 +1,7 @@
 //! A built garment at bind: the simulation mesh, and the meshes that are bound to it.
 
 use super::DriveOptions;
+use super::conversion::StageMetrics;
 use super::space::Space;
 use crate::drive::{BindPose, Driver};
 use crate::error::{Error, ErrorCode};
@@ -15,16 +16,57 @@ use openusd::tf::Token;
 use openusd::usd::{Prim, PrimPredicate, Stage};
 use std::path::{Path as FilePath, PathBuf};
 
+/// A mesh at bind, which a cache moves.
+pub struct MeshAtBind {
+    pub path: Path,
+    pub points: Vec<Vec3>,
+    /// The vertices of its faces, one face after another.
+    pub corners: Vec<u32>,
+    /// The edges of each face.
+    edges: Vec<[u32; 2]>,
+    /// Median length of its edges.
+    pub edge_length: f64,
+    /// The up axis and unit of its stage.
+    pub metrics: StageMetrics,
+}
+
+impl MeshAtBind {
+    /// A mesh whose faces have `counts` of `corners`, each a vertex among `points`.
+    pub fn new(
+        path: Path,
+        points: Vec<Vec3>,
+        counts: impl Iterator<Item = usize>,
+        corners: Vec<u32>,
+        metrics: StageMetrics,
+    ) -> Self {
+        let mut edges = Vec::with_capacity(corners.len());
+        let mut start = 0;
+        for count in counts {
+            let face = &corners[start..start + count];
+            edges.extend((0..count).map(|k| [face[k], face[(k + 1) % count]]));
+            start += count;
+        }
+        let mut mesh = Self { path, points, corners, edges, edge_length: 0.0, metrics };
+        mesh.edge_length = mesh.median_edge(&mesh.points);
+        mesh
+    }
+
+    /// The median edge length with some points.
+    pub fn median_edge(&self, points: &[Vec3]) -> f64 {
+        let length = |[a, b]: &[u32; 2]| points[*a as usize].distance(points[*b as usize]);
+        let mut lengths: Vec<f32> = self.edges.iter().map(length).collect();
+        let middle = lengths.len() / 2;
+        if lengths.is_empty() {
+            return 0.0;
+        }
+        f64::from(*lengths.select_nth_unstable_by(middle, f32::total_cmp).1)
+    }
+}
+
 /// A simulation mesh and what is bound to it.
 pub struct Bound {
-    /// Path of the simulation mesh.
-    pub sim_path: Path,
-    /// Its points at bind.
-    pub sim_points: Vec<Vec3>,
-    /// Its triangles.
-    pub triangles: Vec<[u32; 3]>,
-    /// Median length of its edges at bind.
-    pub edge_length: f64,
+    /// The simulation mesh.
+    pub sim: MeshAtBind,
     /// The meshes that are bound to it.
     pub meshes: Vec<BoundMesh>,
     /// The stage's metadata.
@@ -78,28 +120,11 @@ impl Bound {
         if options.model {
             meshes.extend(models(&stage, options, &bind)?);
         }
-        let mut bound = Self {
-            sim_path: sim.path().clone(),
-            sim_points,
-            triangles,
-            edge_length: 0.0,
-            meshes,
-            metadata: stage_metadata(&stage)?,
-            layers: layer_files(&stage),
-        };
-        bound.edge_length = bound.median_edge(&bound.sim_points);
-        Ok(bound)
-    }
-
-    /// The median edge length of the triangles with some points.
-    pub fn median_edge(&self, points: &[Vec3]) -> f64 {
-        let length = |t: &[u32; 3], k: usize| points[t[k] as usize].distance(points[t[(k + 1) % 3] as usize]);
-        let mut lengths: Vec<f32> = self.triangles.iter().flat_map(|t| [0, 1, 2].map(|k| length(t, k))).collect();
-        let middle = lengths.len() / 2;
-        if lengths.is_empty() {
-            return 0.0;
-        }
-        f64::from(*lengths.select_nth_unstable_by(middle, f32::total_cmp).1)
+        let metadata = stage_metadata(&stage)?;
+        let metrics = StageMetrics::of(&metadata);
+        let counts = std::iter::repeat_n(3, triangles.len());
+        let sim = MeshAtBind::new(sim.path().clone(), sim_points, counts, triangles.into_flattened(), metrics);
+        Ok(Self { sim, meshes, metadata, layers: layer_files(&stage) })
     }
 }
 

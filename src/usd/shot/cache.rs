@@ -1,7 +1,6 @@
 //! Caches of moved points.
 
-use super::DriveOptions;
-use super::bound::Bound;
+use super::bound::MeshAtBind;
 use super::conversion::StageMetrics;
 use super::crate_samples::{CrateSamples, CrateStage};
 use super::numpy::NumpyFrames;
@@ -17,7 +16,16 @@ use std::path::{Path as FilePath, PathBuf};
 /// The metadata of a cache that a shot has too: frames and time codes per second.
 pub const RATE: [&str; 2] = ["framesPerSecond", "timeCodesPerSecond"];
 
-/// The simulation mesh at one time.
+/// A cache, and the mesh in it.
+#[derive(Clone, Debug)]
+pub struct CacheFile {
+    /// A USD file with time-sampled points, `.npz` or `.npy`.
+    pub file: PathBuf,
+    /// Path of the mesh in it; by default that of the mesh which it moves, or the only one with its points.
+    pub prim: Option<String>,
+}
+
+/// The mesh at one time.
 pub struct Frame {
     /// \[time codes\]
     pub time: f64,
@@ -26,7 +34,7 @@ pub struct Frame {
     pub velocities: Option<Vec<Vec3>>,
 }
 
-/// The points of a mesh over time, read one frame at a time, in order.
+/// The points of a mesh over time, read one frame at a time.
 pub struct Cache {
     file: PathBuf,
     times: Vec<f64>,
@@ -49,12 +57,12 @@ enum Frames {
 }
 
 impl Cache {
-    /// Opens the cache of the options for the simulation mesh of `bound`.
+    /// Opens a cache that moves `mesh`.
     ///
     /// # Errors
-    /// A file that is not a cache; a mesh with other triangles.
-    pub fn open(options: &DriveOptions, bound: &Bound) -> Result<Self, Error> {
-        let file = &options.cache;
+    /// A file that is not a cache; a mesh with other faces.
+    pub fn open(cache: &CacheFile, mesh: &MeshAtBind) -> Result<Self, Error> {
+        let file = &cache.file;
         let extension = file.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
         let opened = match extension.as_str() {
             "npz" | "npy" => {
@@ -69,7 +77,7 @@ impl Cache {
                     frames: Frames::Numpy(frames),
                 }
             }
-            "usd" | "usda" | "usdc" | "usdz" => Self::of_stage(options, bound)?,
+            "usd" | "usda" | "usdc" | "usdz" => Self::of_stage(cache, mesh)?,
             _ => {
                 let fault = Error::usd(format!("{} is not a cache that can be read", file.display()))
                     .code(ErrorCode::CacheFile);
@@ -82,9 +90,9 @@ impl Cache {
                 .code(ErrorCode::CacheFrames)
                 .remedy("cache the points of the simulation mesh over time"));
         }
-        let points = bound.sim_points.len();
+        let points = mesh.points.len();
         if opened.points != points {
-            let text = format!("it has {} points, and {} has {}", opened.points, bound.sim_path, points);
+            let text = format!("it has {} points, and {} has {}", opened.points, mesh.path, points);
             return Err(opened
                 .fault(&text)
                 .code(ErrorCode::CacheMismatch)
@@ -139,7 +147,12 @@ impl Cache {
         Err(self.fault(&text).code(ErrorCode::CacheFrames).remedy("cache them again, or accept gaps with --gaps"))
     }
 
-    /// Reads frame `i`; frames are read in order.
+    /// Whether frames can only be read one after another.
+    pub fn is_in_order(&self) -> bool {
+        matches!(self.frames, Frames::Numpy(_))
+    }
+
+    /// Reads frame `i`; see [`Cache::is_in_order`].
     ///
     /// # Errors
     /// A frame without a value, or with points or velocities of another number or that are not finite.
@@ -177,17 +190,17 @@ impl Cache {
         }
     }
 
-    fn of_stage(options: &DriveOptions, bound: &Bound) -> Result<Self, Error> {
-        if let Some(cache) = CrateStage::open(&options.cache).and_then(|layer| Self::of_crate(layer, options, bound)) {
+    fn of_stage(cache: &CacheFile, mesh: &MeshAtBind) -> Result<Self, Error> {
+        if let Some(cache) = CrateStage::open(&cache.file).and_then(|layer| Self::of_crate(layer, cache, mesh)) {
             return cache;
         }
-        let file = &options.cache;
+        let file = &cache.file;
         let stage = StageOrigin::new(file, None, &[]).open()?;
-        let path = chosen(&sampled_meshes(&stage, file, bound)?, options, bound)?;
+        let path = chosen(&sampled_meshes(&stage, file, mesh)?, cache, mesh)?;
         let prim = prim_at(&stage, &path)?;
         let first = prim.attribute(names::FACE_VERTEX_INDICES).time_sample_times().or_unreadable(&path)?;
         let time = first.first().map(|time| TimeCode::new(*time));
-        check_triangles(value(&prim, names::FACE_VERTEX_INDICES, time)?, &path, file, bound)?;
+        check_faces(value(&prim, names::FACE_VERTEX_INDICES, time)?, &path, file, mesh)?;
         let metadata = stage_metadata(&stage)?;
         let rate = RATE.map(|key| metadata.iter().find(|(k, _)| k == key).and_then(|(_, value)| number(value)));
         let times = prim.attribute(names::POINTS).time_sample_times().or_unreadable(&path)?;
@@ -203,8 +216,8 @@ impl Cache {
     }
 
     /// A cache in one crate, whose frames are read from the file one by one; `None` if they cannot be.
-    fn of_crate(mut layer: CrateStage, options: &DriveOptions, bound: &Bound) -> Option<Result<Self, Error>> {
-        let path = match chosen(&layer.sampled(names::POINTS), options, bound) {
+    fn of_crate(mut layer: CrateStage, cache: &CacheFile, mesh: &MeshAtBind) -> Option<Result<Self, Error>> {
+        let path = match chosen(&layer.sampled(names::POINTS), cache, mesh) {
             Ok(path) => path,
             Err(e) => return Some(Err(e)),
         };
@@ -212,7 +225,7 @@ impl Cache {
         let velocities = layer.samples(&path, names::VELOCITIES).filter(|v| v.times() == points.times());
         let indices = path.append_property(names::FACE_VERTEX_INDICES).ok()?;
         let corners = layer.read(&indices, FieldKey::Default.as_str());
-        if let Err(e) = check_triangles(corners, &path, &options.cache, bound) {
+        if let Err(e) = check_faces(corners, &path, &cache.file, mesh) {
             return Some(Err(e));
         }
         let root = Path::abs_root();
@@ -225,7 +238,7 @@ impl Cache {
         let frames = Frames::Crate { points, velocities };
         let [up_axis, meters] = [names::UP_AXIS, names::METERS_PER_UNIT].map(|name| layer.read(&root, name));
         let metrics = StageMetrics::new(up_axis.as_ref(), meters.as_ref());
-        Some(Ok(Self { file: options.cache.clone(), times, rate, metrics, points: count, frames }))
+        Some(Ok(Self { file: cache.file.clone(), times, rate, metrics, points: count, frames }))
     }
 }
 
@@ -245,7 +258,7 @@ fn vectors(prim: &Prim, name: &str, time: Option<TimeCode>) -> Result<Vec<Vec3>,
 }
 
 /// The meshes of a stage with points over time.
-fn sampled_meshes(stage: &Stage, file: &FilePath, bound: &Bound) -> Result<Vec<Path>, Error> {
+fn sampled_meshes(stage: &Stage, file: &FilePath, mesh: &MeshAtBind) -> Result<Vec<Path>, Error> {
     let mut meshes = Vec::new();
     for path in all_prims(stage, file, PrimPredicate::DEFAULT, false)? {
         let prim = prim_at(stage, &path)?;
@@ -254,19 +267,19 @@ fn sampled_meshes(stage: &Stage, file: &FilePath, bound: &Bound) -> Result<Vec<P
         }
     }
     // An over without a type, as a layer over the garment has it, is a mesh only below the garment.
-    let own = prim_at(stage, &bound.sim_path)?;
+    let own = prim_at(stage, &mesh.path)?;
     let is_over = own.attribute(names::POINTS).num_time_samples().is_ok_and(|n| n > 0);
-    if is_over && !meshes.contains(&bound.sim_path) {
-        meshes.push(bound.sim_path.clone());
+    if is_over && !meshes.contains(&mesh.path) {
+        meshes.push(mesh.path.clone());
     }
     Ok(meshes)
 }
 
-/// The mesh of the cache: the one that is named, that at the path of the simulation mesh, or the only one.
-fn chosen(meshes: &[Path], options: &DriveOptions, bound: &Bound) -> Result<Path, Error> {
-    let file = options.cache.display();
+/// The mesh of the cache: the one that is named, that at the path of `mesh`, or the only one.
+fn chosen(meshes: &[Path], cache: &CacheFile, mesh: &MeshAtBind) -> Result<Path, Error> {
+    let file = cache.file.display();
     let listed = || meshes.iter().map(Path::as_str).collect::<Vec<_>>().join(", ");
-    if let Some(wanted) = &options.cache_prim {
+    if let Some(wanted) = &cache.prim {
         let found = meshes.iter().find(|path| path.as_str() == wanted);
         return found.cloned().ok_or_else(|| {
             Error::usd(format!("{wanted} of {file} has no points over time"))
@@ -274,8 +287,8 @@ fn chosen(meshes: &[Path], options: &DriveOptions, bound: &Bound) -> Result<Path
                 .remedy(format!("the meshes with points over time are: {}", listed()))
         });
     }
-    if meshes.contains(&bound.sim_path) {
-        return Ok(bound.sim_path.clone());
+    if meshes.contains(&mesh.path) {
+        return Ok(mesh.path.clone());
     }
     match meshes {
         [one] => Ok(one.clone()),
@@ -288,18 +301,18 @@ fn chosen(meshes: &[Path], options: &DriveOptions, bound: &Bound) -> Result<Path
     }
 }
 
-/// Refuses a mesh with other triangles. A cache without faces has points alone.
-fn check_triangles(corners: Option<Value>, prim: &Path, file: &FilePath, bound: &Bound) -> Result<(), Error> {
+/// Refuses a mesh with other faces. A cache without faces has points alone.
+fn check_faces(corners: Option<Value>, prim: &Path, file: &FilePath, mesh: &MeshAtBind) -> Result<(), Error> {
     let Some(Value::IntVec(corners)) = corners else { return Ok(()) };
-    let own = bound.triangles.as_flattened();
+    let own = &mesh.corners;
     if corners.len() == own.len() && corners.iter().zip(own).all(|(a, b)| *a == *b as i32) {
         return Ok(());
     }
     let text = match corners.len() == own.len() {
-        true => "has its triangles in another order".to_owned(),
+        true => "has its faces in another order".to_owned(),
         false => format!("has {} corners of faces instead of {}", corners.len(), own.len()),
     };
-    Err(Error::new(ErrorKind::Usd, file.display(), format!("{prim} {text} than {}", bound.sim_path))
+    Err(Error::new(ErrorKind::Usd, file.display(), format!("{prim} {text} than {}", mesh.path))
         .code(ErrorCode::CacheMismatch)
-        .remedy("cache the simulation mesh as it was written"))
+        .remedy("cache the mesh as it was written"))
 }

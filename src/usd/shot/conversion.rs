@@ -1,6 +1,6 @@
 //! The up axis and the unit of a cache whose stage has others than the garment's.
 
-use super::bound::Bound;
+use super::bound::MeshAtBind;
 use super::cache::Frame;
 use crate::garment::Units;
 use crate::usd::names;
@@ -27,6 +27,12 @@ impl StageMetrics {
     pub fn of(metadata: &[(String, Value)]) -> Self {
         let field = |name: &str| metadata.iter().find(|(key, _)| key == name).map(|(_, value)| value);
         Self::new(field(names::UP_AXIS), field(names::METERS_PER_UNIT))
+    }
+
+    /// Those of a stage that has an axis called `Y` or `Z`.
+    pub fn stated(up_axis: &str, meters_per_unit: f64) -> Self {
+        let up_axis = Some(if up_axis == "Z" { UpAxis::Z } else { UpAxis::Y });
+        Self { up_axis, meters_per_unit: Some(meters_per_unit) }
     }
 
     /// The up axis and the unit of the values of their fields.
@@ -56,19 +62,19 @@ pub struct Conversion {
 impl Conversion {
     /// The conversion between two stages, as far as it brings `first` nearer to the garment at bind. Some programs scale and turn
     /// the mesh by its transform, and leave its points as they are.
-    pub fn new(cache: StageMetrics, bound: &Bound, first: &Frame) -> Self {
-        let own = StageMetrics::of(&bound.metadata);
+    pub fn new(cache: StageMetrics, mesh: &MeshAtBind, first: &Frame) -> Self {
+        let own = mesh.metrics;
         let up = own.up_axis.unwrap_or(UpAxis::Y);
         let meters = own.meters_per_unit.unwrap_or(Units::default().meters_per_unit);
         let scale = cache.meters_per_unit.map(|of_cache| (of_cache / meters) as f32).filter(|&scale| {
-            let ratio = bound.median_edge(&first.points) / bound.edge_length;
+            let ratio = mesh.median_edge(&first.points) / mesh.edge_length;
             let [before, after] = [ratio, ratio * f64::from(scale)].map(|ratio| ratio.ln().abs());
             scale != 1.0 && after < before
         });
         let scaled = Self { up_axis: None, scale };
         let turned = Self { up_axis: Some(up), scale };
         let is_other = cache.up_axis.is_some_and(|axis| axis != up);
-        let is_nearer = || turned.distance(&first.points, bound) < scaled.distance(&first.points, bound);
+        let is_nearer = || turned.distance(&first.points, mesh) < scaled.distance(&first.points, mesh);
         if is_other && is_nearer() { turned } else { scaled }
     }
 
@@ -82,8 +88,8 @@ impl Conversion {
     }
 
     /// The sum of squared distances to the points at bind.
-    fn distance(self, points: &[Vec3], bound: &Bound) -> f64 {
-        points.iter().zip(&bound.sim_points).map(|(p, b)| f64::from(self.place(*p).distance_squared(*b))).sum()
+    fn distance(self, points: &[Vec3], mesh: &MeshAtBind) -> f64 {
+        points.iter().zip(&mesh.points).map(|(p, b)| f64::from(self.place(*p).distance_squared(*b))).sum()
     }
 
     /// Takes a frame to the space of the garment.

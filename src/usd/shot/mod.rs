@@ -1,7 +1,7 @@
 //! Shots: a cache of the simulation mesh moves the render mesh, frame by frame.
 //!
 //! `bound` reads both meshes at bind from a built garment, `cache` the moved points from USD or NumPy files, and `stream` writes
-//! the frames. A few frames are in memory at a time, however long the cache is.
+//! the frames. `playback` plays a cache on meshes in memory. A few frames are in memory at a time, however long the cache is.
 
 mod bound;
 mod cache;
@@ -9,13 +9,14 @@ mod clips;
 mod conversion;
 mod crate_samples;
 mod numpy;
+mod playback;
 mod space;
 mod stream;
 
 use crate::drive::Driver;
 use crate::error::{Error, ErrorCode, ErrorKind};
 use crate::usd::on_large_stack;
-use bound::Bound;
+use bound::{Bound, MeshAtBind};
 use cache::{Cache, Frame};
 use conversion::Conversion;
 use glam::Vec3;
@@ -23,6 +24,9 @@ use rayon::prelude::*;
 use space::Space;
 use std::path::{Path, PathBuf};
 use stream::ShotWriter;
+
+pub use cache::CacheFile;
+pub use playback::Playback;
 
 /// Frames that are in memory at a time, for each thread.
 const FRAMES_PER_THREAD: usize = 2;
@@ -74,7 +78,8 @@ pub struct Driven {
 pub fn drive(options: &DriveOptions, progress: &(dyn Fn(usize, usize) + Sync)) -> Result<Driven, Error> {
     on_large_stack(|| {
         let bound = Bound::read(options)?;
-        let mut cache = Cache::open(options, &bound)?;
+        let file = CacheFile { file: options.cache.clone(), prim: options.cache_prim.clone() };
+        let mut cache = Cache::open(&file, &bound.sim)?;
         cache.check_times(options.gaps)?;
         let mut writer = ShotWriter::new(options, &bound, cache.times(), cache.rate())?;
         let frames = cache.times().len();
@@ -84,11 +89,11 @@ pub fn drive(options: &DriveOptions, progress: &(dyn Fn(usize, usize) + Sync)) -
             let mut read: Vec<Frame> =
                 (done..frames.min(done + chunk)).map(|i| cache.read(i)).collect::<Result<_, Error>>()?;
             if done == 0 {
-                conversion = Conversion::new(cache.metrics(), &bound, &read[0]);
+                conversion = Conversion::new(cache.metrics(), &bound.sim, &read[0]);
             }
             read.iter_mut().for_each(|frame| conversion.apply(frame));
             if done == 0 {
-                check_first(&bound, &read[0], &options.cache)?;
+                check_first(&bound.sim, &read[0], &options.cache)?;
             }
             let moved: Vec<Vec<DrivenMesh>> = read.par_iter().map(|frame| bound.moved(frame)).collect();
             for (frame, meshes) in read.iter().zip(&moved) {
@@ -149,7 +154,7 @@ impl Bound {
     /// A time in which no point moves by more than a small share of the mesh. \[seconds\]
     fn velocity_step(&self, velocities: &[Vec3]) -> f32 {
         let fastest = velocities.iter().map(|v| v.length()).fold(0.0, f32::max);
-        if fastest > 0.0 { 0.01 * self.edge_length as f32 / fastest } else { 1.0 }
+        if fastest > 0.0 { 0.01 * self.sim.edge_length as f32 / fastest } else { 1.0 }
     }
 }
 
@@ -166,15 +171,15 @@ fn check_finite(time: f64, meshes: &[DrivenMesh], file: &Path) -> Result<(), Err
 }
 
 /// Refuses a first frame whose edges have other lengths than at bind: its points are in another order.
-fn check_first(bound: &Bound, frame: &Frame, file: &Path) -> Result<(), Error> {
-    let length = bound.median_edge(&frame.points);
-    let ratio = length / bound.edge_length;
+fn check_first(mesh: &MeshAtBind, frame: &Frame, file: &Path) -> Result<(), Error> {
+    let length = mesh.median_edge(&frame.points);
+    let ratio = length / mesh.edge_length;
     if ratio.is_finite() && (1.0 / MOST_STRETCH..=MOST_STRETCH).contains(&ratio) {
         return Ok(());
     }
     let text = format!(
         "the median edge of {} is {length:.3} in the first frame and {:.3} at bind: its points are in another order or unit",
-        bound.sim_path, bound.edge_length
+        mesh.path, mesh.edge_length
     );
     Err(Error::new(ErrorKind::Usd, file.display(), text)
         .code(ErrorCode::CacheMismatch)

@@ -16,6 +16,7 @@ export const KEYS: [string, string][] = [
   ["Shift C", "Hold to see it as it was saved, or else opened"],
   ["Ctrl S", "Save"],
   ["Ctrl B", "Build what is saved"],
+  ["Space", "Play the cache, or pause; with , and . a frame back and on"],
   ["F", "Frame what is marked, or everything"],
   ["W", "Edges of the mesh"],
   ["1 2 3", "Show or hide model, simulation mesh, render mesh"],
@@ -77,6 +78,11 @@ function withControl(store: Store, event: KeyboardEvent): void {
 function plain(store: Store, event: KeyboardEvent): void {
   const { settings, document } = store.state;
   const key = event.key.toLowerCase();
+  if (key === " " && !isButton(event.target) && store.state.shot) {
+    event.preventDefault();
+    store.player.toggle();
+  }
+  if (key === "," || key === ".") store.player.step(key === "," ? -1 : 1);
   if (key === "f") store.view?.frame();
   if (key === "g") nextLarge(store);
   if (key === "i") store.toggleIsolated();
@@ -152,6 +158,11 @@ export function toggleRole(store: Store, index: number): void {
   const { roles } = store.state.settings;
   const next = ROLES.filter((each) => (each === role ? !roles.includes(each) : roles.includes(each)));
   if (next.length > 0) store.settings({ roles: next });
+}
+
+/** What a space presses. */
+function isButton(target: EventTarget | null): boolean {
+  return target instanceof HTMLElement && target.closest("button, input, select, [data-card]") !== null;
 }
 
 const NO_TEXT = ["range", "checkbox", "radio", "button"];

@@ -2,7 +2,7 @@
 
 import type { Fields, KindName } from "../server/options";
 import type { BuildMessage, ClothMessage, DrawnValues, Fault, Origin, PresetsMessage, ProductMessage } from "../server/protocol";
-import type { Role, SaveMessage, StateMessage } from "../server/protocol";
+import type { Role, SaveMessage, ShotMessage, StateMessage } from "../server/protocol";
 import { findingsIn, SEVERITIES, type Finding, type Garment } from "./garment";
 import type { PlacedFaults } from "./recipe";
 import type { Selection } from "./selection";
@@ -30,6 +30,8 @@ export interface State {
   products: Partial<Record<Role, Product>>;
   progress: Partial<Record<Role, { step: string; since: number }>>;
   cloth: ClothMessage | null;
+  shot: ShotMessage | null;
+  isPlaying: boolean;
   heat: DrawnValues | null;
   /** Counts the drawings of new meshes, since colours of sets may come with them. */
   drawn: number;
@@ -93,6 +95,8 @@ export function initialState(): State {
     products: {},
     progress: {},
     cloth: null,
+    shot: null,
+    isPlaying: false,
     heat: null,
     drawn: 0,
     lastEdit: null,

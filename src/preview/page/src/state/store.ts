@@ -8,6 +8,7 @@ import { onSystemTheme, paintedChoices, QUALITIES, ROLES, saveSettings, viewOpti
 import type { Settings } from "./settings";
 import { initialState, type State, type Toast } from "./state";
 import { Selector, type Selection } from "./selection";
+import { Player } from "./player";
 import { Stopwatch } from "./stopwatch";
 import type { MeshFrame } from "../server/frame";
 import type { Options, Value } from "../server/options";
@@ -32,6 +33,7 @@ export class Store {
   state = initialState();
   view: View | null = null;
   readonly gestures = new Gestures();
+  readonly player = new Player(this);
   readonly stopwatch = new Stopwatch();
   readonly #listeners = new Set<() => void>();
   readonly #queue = new EditQueue((message) => this.send(message));
@@ -269,6 +271,7 @@ export class Store {
   #connected(): void {
     this.#queue.reset();
     this.selector.reset();
+    this.player.reset();
     this.update({ connection: "open" });
     this.send(this.#wanted());
   }
@@ -290,6 +293,8 @@ export class Store {
         return this.#product(message);
       case "build":
         return this.update({ build: message });
+      case "shot":
+        return this.player.receive(message);
       case "cloth":
         return this.update({ cloth: message });
       case "progress":

@@ -84,6 +84,8 @@ export interface ViewStats {
   faces: number;
   /** Sum of all coordinates, which changes when points move. */
   checksum: number;
+  /** Its lower corner. [mesh units] */
+  least: number[];
 }
 
 export interface View {

@@ -236,7 +236,9 @@ class CanvasView implements View {
 
   stats(role: Role): ViewStats | null {
     const cloth = this.#stage.cloths.get(role);
-    return cloth ? { points: cloth.pointCount, faces: cloth.faceCount, checksum: checksum(cloth.points) } : null;
+    if (!cloth) return null;
+    const { pointCount, faceCount, box } = cloth;
+    return { points: pointCount, faces: faceCount, checksum: checksum(cloth.points), least: [...box.least] };
   }
 
   samples(): number {

@@ -6,6 +6,7 @@ import { useSelect, useStore } from "../controls/hooks";
 import { ColumnLabels } from "./ColumnLabels";
 import { Legend } from "./Legend";
 import { PickPopover } from "./PickPopover";
+import { ScrubBar } from "./ScrubBar";
 import { SelectionBar } from "./SelectionBar";
 import { ROLE_NAMES, ROLES } from "../../state/settings";
 import { Swatch } from "../recipe/SetChips";
@@ -36,6 +37,7 @@ export function Stage() {
       <HoverLabel />
       <PickPopover />
       <SelectionBar />
+      <ScrubBar />
       <Toasts />
       <IsolatedNote />
       {comparing && (

@@ -1,0 +1,54 @@
+// Plays a cache of the simulation mesh, on it and on the render mesh.
+
+import { IconButton } from "../controls/controls";
+import { useSelect, useStore } from "../controls/hooks";
+import { Icon } from "../controls/icons";
+import { neat } from "../controls/numbers";
+import { Words } from "../controls/Words";
+
+export function ScrubBar() {
+  const store = useStore();
+  const shot = useSelect((state) => state.shot);
+  const isPlaying = useSelect((state) => state.isPlaying);
+  if (!shot) return null;
+  if (shot.fault) {
+    const { place, text, remedy } = shot.fault;
+    return (
+      <p class="scrub-bar has-fault" role="alert">
+        <Icon name="error" />
+        <span>
+          <b>{place}</b> <Words text={text} />{" "}
+          <span class="remedy">
+            <Words text={remedy} />
+          </span>
+        </span>
+      </p>
+    );
+  }
+  const { times, frame } = shot;
+  const last = times.length - 1;
+  return (
+    <div class="scrub-bar" role="group" aria-label="Shot" title={shot.file}>
+      <IconButton
+        label={isPlaying ? "Pause" : "Play"}
+        icon={isPlaying ? "pause" : "play"}
+        hint={isPlaying ? "Pause (Space)" : "Play (Space)"}
+        act={() => store.player.toggle()}
+      />
+      <input
+        type="range"
+        aria-label="Frame"
+        aria-valuetext={frame === null ? "at bind" : `time ${neat(times[frame])}`}
+        min={0}
+        max={last}
+        step={1}
+        value={frame ?? 0}
+        onInput={({ currentTarget }) => store.player.show(currentTarget.valueAsNumber)}
+      />
+      <output>{frame === null ? "bind" : neat(times[frame])}</output>
+      <button type="button" class="button is-small" disabled={frame === null} onClick={() => store.player.show(null)}>
+        Bind
+      </button>
+    </div>
+  );
+}
