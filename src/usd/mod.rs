@@ -19,7 +19,7 @@ pub(crate) use assets::relative;
 pub use build_record::BuildRecord;
 pub use read::{
     Facts, InheritedPrimvar, MaterialBinding, PanelSeam, ProductNames, ReadOptions, Selection, Source, TailorPayloads,
-    TransformOp, VariantSet, first_used, product_names, tailor_payloads,
+    TransformOp, VariantSet, first_used, product_names, tailor_payloads, variants_of,
 };
 pub use shot::{DriveOptions, Driven, drive};
 #[cfg(feature = "preview")]
