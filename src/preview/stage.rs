@@ -113,6 +113,7 @@ fn with_listed_sets(checks: &Builder) -> Arc<Mesh> {
 
 fn message(source: &Source, checks: &Builder, shown: &Mesh, input: &Input) -> String {
     let (facts, garment) = (source.facts(), checks.garment());
+    let warnings = checks.warnings_in_mesh(checks.warnings());
     let primvars = garment.primvars.iter().filter(|primvar| primvar.role == PrimvarRole::Primvar);
     ServerMessage::Garment(GarmentMessage {
         version: env!("CARGO_PKG_VERSION"),
@@ -129,7 +130,7 @@ fn message(source: &Source, checks: &Builder, shown: &Mesh, input: &Input) -> St
         variants: facts.variants.iter().map(VariantSet::from).collect(),
         groups: table(),
         suggested: suggested(source, input),
-        warnings: checks.warnings().iter().collect(),
+        warnings: warnings.iter().collect(),
     })
     .to_text()
 }
