@@ -4,8 +4,10 @@
 //! products do not wait for one another. Results that are the same as before keep their `Arc`, by which pages know that
 //! they have them.
 
+pub mod keep;
+
 use super::document::{Before, EditHistory, Options};
-use super::messages::{Figures, Origin, ProductMessage, Role, ServerMessage, StateMessage};
+use super::messages::{Figures, KeptEdits, Origin, ProductMessage, Role, ServerMessage, StateMessage, lengths};
 use super::stage::Stage;
 use crate::error::{Error, Fault, Warnings};
 use crate::garment::Mesh;
@@ -14,13 +16,13 @@ use crate::recipe::{Layers, Recipe};
 use crate::report::{RenderFigures, TriangleQuality};
 use crate::session::Input;
 use crate::usd::{ReadOptions, Selection};
+use keep::{Kept, checksum_of};
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::thread;
-use std::time::Instant;
+use std::time::{Instant, SystemTime, UNIX_EPOCH};
 use tokio::sync::watch;
 
 /// A mesh that pages may show.
@@ -64,10 +66,11 @@ pub struct State {
     can_redo: bool,
     unsaved: bool,
     comparing: Option<Before>,
+    kept: Option<KeptEdits>,
 }
 
 impl State {
-    fn new(document: &EditHistory, stage: &Stage, revision: u64) -> Self {
+    fn new(document: &EditHistory, stage: &Stage, kept: Option<&Kept>, revision: u64) -> Self {
         Self {
             revision,
             edits: document.edits().clone(),
@@ -76,6 +79,8 @@ impl State {
             can_redo: document.can_redo(),
             unsaved: document.is_unsaved(),
             comparing: document.comparing,
+            kept: kept
+                .map(|kept| KeptEdits { time: kept.time, is_current: kept.upstream == checksum_of(&stage.upstream) }),
         }
     }
 
@@ -92,6 +97,7 @@ impl State {
             can_redo: self.can_redo,
             unsaved: self.unsaved,
             comparing: self.comparing,
+            kept: self.kept,
         })
         .to_text()
     }
@@ -108,6 +114,8 @@ struct Job {
 struct HubState {
     input: Input,
     document: EditHistory,
+    /// Edits of earlier servers that the user may have back, oldest first.
+    kept: Vec<Kept>,
     snapshot: Snapshot,
     job: Option<Job>,
 }
@@ -126,13 +134,13 @@ impl Hub {
     pub fn new(input: Input, stage: Stage) -> Arc<Self> {
         let document = EditHistory::new(stage.given.clone());
         let snapshot = Snapshot {
-            state: Arc::new(State::new(&document, &stage, 0)),
+            state: Arc::new(State::new(&document, &stage, None, 0)),
             stage: Arc::new(stage),
             faults: Arc::default(),
             progress: BTreeMap::new(),
             shown: BTreeMap::new(),
         };
-        let shared = HubState { input, document, snapshot, job: None };
+        let shared = HubState { input, document, kept: Vec::new(), snapshot, job: None };
         let (shared, reading, changed) = (Mutex::new(shared), Mutex::default(), watch::Sender::new(()));
         let hub = Arc::new(Self { shared, reading, work: Condvar::new(), changed });
         hub.change(HubState::show_model);
@@ -175,6 +183,41 @@ impl Hub {
             edit(&mut shared.document);
             shared.refresh();
         });
+    }
+
+    /// Offers edits that earlier servers kept. Those that the document has are not.
+    pub fn offer(&self, mut kept: Vec<Kept>) {
+        self.change(|shared| {
+            kept.retain(|kept| kept.edits != *shared.document.edits());
+            shared.kept = kept;
+            shared.refresh();
+        });
+    }
+
+    /// Answers the offer of the edits of a time: they replace those of the document, or are forgotten.
+    pub fn answer(&self, time: u64, is_wanted: bool) {
+        self.change(|shared| {
+            let Some(at) = shared.kept.iter().position(|kept| kept.time == time) else { return };
+            let Kept { edits, .. } = shared.kept.remove(at);
+            if is_wanted {
+                shared.document.edit(edits, String::new());
+            }
+            shared.refresh();
+        });
+    }
+
+    /// The revision of the document, and all edits that are in no file, once it is later than `seen`.
+    pub fn next_unsaved(&self, seen: u64) -> (u64, Vec<Kept>) {
+        let mut shared = self.lock();
+        while shared.snapshot.state.revision <= seen {
+            shared = self.work.wait(shared).unwrap_or_else(PoisonError::into_inner);
+        }
+        shared.unsaved()
+    }
+
+    /// As [`Hub::next_unsaved`], at once.
+    pub fn unsaved(&self) -> (u64, Vec<Kept>) {
+        self.lock().unsaved()
     }
 
     /// Replaces the edits.
@@ -319,10 +362,20 @@ impl Hub {
 }
 
 impl HubState {
+    fn unsaved(&self) -> (u64, Vec<Kept>) {
+        let mut all = self.kept.clone();
+        if self.document.is_unsaved() {
+            let time = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_millis() as u64);
+            let upstream = checksum_of(&self.snapshot.stage.upstream);
+            all.push(Kept { time, upstream, edits: self.document.edits().clone() });
+        }
+        (self.snapshot.state.revision, all)
+    }
+
     /// A new revision, and its job if the recipe has no fault.
     fn refresh(&mut self) {
         let revision = self.snapshot.state.revision + 1;
-        self.snapshot.state = Arc::new(State::new(&self.document, &self.snapshot.stage, revision));
+        self.snapshot.state = Arc::new(State::new(&self.document, &self.snapshot.stage, self.kept.last(), revision));
         let stage = &self.snapshot.stage;
         let recipe = stage.recipe(self.document.shown());
         let checked = recipe.and_then(|recipe| stage.checks.resolve(&recipe).map(|_| recipe));
@@ -376,26 +429,7 @@ fn product(
 ) -> Arc<str> {
     let mut lengths = lengths(&job.recipe, recipe);
     lengths.retain(|key, _| key.starts_with("sim.") == (role == Role::Sim));
+    let warnings = job.stage.checks.warnings_in_mesh(warnings);
     let (revision, warnings) = (job.revision, warnings.iter().collect());
     ServerMessage::Product(ProductMessage { role, revision, figures, warnings, operators, lengths }).to_text().into()
-}
-
-/// The lengths and levels that replace 0, by key.
-fn lengths(asked: &Recipe, used: &Recipe) -> BTreeMap<String, f64> {
-    let [asked, used] = [asked, used].map(|recipe| flat("", &serde_json::to_value(recipe).unwrap_or_default()));
-    let replaced = used.into_iter().filter(|(key, value)| asked.get(key) != Some(value));
-    replaced.filter_map(|(key, value)| Some((key, value.as_f64()?))).collect()
-}
-
-fn flat(prefix: &str, value: &Value) -> Map<String, Value> {
-    let Value::Object(fields) = value else { return Map::new() };
-    let mut out = Map::new();
-    for (key, value) in fields {
-        let key = if prefix.is_empty() { key.clone() } else { format!("{prefix}.{key}") };
-        match value {
-            Value::Object(_) => out.extend(flat(&key, value)),
-            value => drop(out.insert(key, value.clone())),
-        }
-    }
-    out
 }

@@ -10,7 +10,7 @@ mod selection;
 
 pub use garment::{GarmentMessage, PrimvarInfo, SaveTargets, SetInfo, UpAxis, VariantSet};
 pub use mesh::{Block, Blocks, DrawnSet, DrawnValues, MeshHeader, NumberType, Times, ValuesOf};
-pub use product::{Figures, ProductMessage};
+pub use product::{Figures, ProductMessage, lengths};
 pub use selection::SelectionMessage;
 
 use super::document::{Before, Options};
@@ -84,6 +84,13 @@ pub enum PageMessage {
         /// The new edits.
         #[cfg_attr(test, ts(type = "Options"))]
         edits: Options,
+    },
+    /// Answers the offer of kept edits.
+    Kept {
+        /// Their time.
+        time: u64,
+        /// True if they replace those of the document; they are forgotten otherwise.
+        restore: bool,
     },
     /// Goes back a step.
     Undo,
@@ -186,6 +193,19 @@ pub struct StateMessage<'a> {
     pub unsaved: bool,
     /// The earlier state that is shown in place of the edits.
     pub comparing: Option<Before>,
+    /// Edits of an earlier preview that were not saved, which the user may have back.
+    pub kept: Option<KeptEdits>,
+}
+
+/// Edits of an earlier preview that were not saved.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct KeptEdits {
+    /// The last change. \[milliseconds since 1970\]
+    pub time: u64,
+    /// True if the options below them are the same as then.
+    pub is_current: bool,
 }
 
 /// The place that faults come from.

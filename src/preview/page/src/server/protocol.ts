@@ -265,6 +265,14 @@ export type Group = {
 /** The elements that carry a primvar's values. */
 export type Interpolation = "constant" | "uniform" | "varying" | "vertex" | "faceVarying";
 
+/** Edits of an earlier preview that were not saved. */
+export type KeptEdits = {
+  /** The last change. [milliseconds since 1970] */
+  time: number,
+  /** True if the options below them are the same as then. */
+  isCurrent: boolean,
+};
+
 /** The header of a binary frame. */
 export type MeshHeader = {
   /** The mesh. */
@@ -315,6 +323,12 @@ export type PageMessage =
     gesture: string,
     /** The new edits. */
     edits: Options,
+  }
+  | { "type": "kept",
+    /** Their time. */
+    time: number,
+    /** True if they replace those of the document; they are forgotten otherwise. */
+    restore: boolean,
   }
   | { "type": "undo" }
   | { "type": "redo" }
@@ -492,6 +506,8 @@ export type StateMessage = {
   unsaved: boolean,
   /** The earlier state that is shown in place of the edits. */
   comparing: Before | null,
+  /** Edits of an earlier preview that were not saved, which the user may have back. */
+  kept: KeptEdits | null,
 };
 
 /** Times of the server for one frame. */
@@ -559,6 +575,7 @@ export type WarningCode =
   | "winding-disagreements"
   | "unused-points"
   | "degenerate-faces"
+  | "repeated-points"
   | "duplicate-faces"
   | "not-carried"
   | "far-from-origin"
@@ -575,6 +592,7 @@ export type WarningCode =
   | "thin-layer"
   | "bare-faces"
   | "set-renamed"
+  | "family-rule"
   | "intersections"
   | "repair-cut-short"
   | "operators-left-out"

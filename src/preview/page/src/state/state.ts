@@ -58,6 +58,7 @@ const EMPTY: Document = {
   canRedo: false,
   unsaved: false,
   comparing: null,
+  kept: null,
   merged: {},
   stack: [],
 };
