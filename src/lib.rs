@@ -77,8 +77,8 @@ pub use cloth::{Cloth, ClothFigures, ClothOptions, Fabric, FabricOptions, Rest, 
 pub use error::{Error, ErrorKind, Warning};
 pub use garment::units;
 pub use garment::{
-    BoundaryInterpolation, Corner, Crease, FaceVaryingInterpolation, Family, FamilyType, Garment, Interpolation,
-    LeftOut, Meaning, Mesh, Mixing, Orientation, Primvar, PrimvarInput, PrimvarRole, Scheme, StageSpace,
+    BoundaryInterpolation, Corner, Crease, FaceNumbers, FaceVaryingInterpolation, Family, FamilyType, Garment,
+    Interpolation, LeftOut, Meaning, Mesh, Mixing, Orientation, Primvar, PrimvarInput, PrimvarRole, Scheme, StageSpace,
     SubdivisionRules, Subset, SubsetInput, TriangleRule, Units, Values,
 };
 pub use glam;

@@ -38,11 +38,18 @@ pub fn open(build: &Build, file: &Path) -> Result<Vec<Opening>, Error> {
 
 /// Opens the garments of an input once for each variant of a set.
 pub fn each(set: &str, input: &Input) -> Result<Vec<Opening>, Error> {
-    let selected = input.open_all()?;
     let open_one = |variant: Selection| -> Result<Opening, Error> {
         let mut input = input.clone();
         input.read.variants.push(variant.clone());
         Ok(Opening { garments: input.open_all()?, variant: Some(variant) })
+    };
+    let selected = match input.open_all() {
+        // The stage may select a variant without the mesh.
+        Err(error) if is_without_mesh(&error) => {
+            let all = input.variants(set)?;
+            all.into_iter().find_map(|variant| open_one(variant).ok()).ok_or(error)?.garments
+        }
+        selected => selected?,
     };
     let mut openings: Vec<Opening> = Vec::new();
     let mut without = Warnings::default();
@@ -50,7 +57,7 @@ pub fn each(set: &str, input: &Input) -> Result<Vec<Opening>, Error> {
         let Selection { prim, set, choice } = variant.clone();
         match open_one(variant) {
             Ok(opening) => openings.push(opening),
-            Err(error) if error.faults.iter().all(|fault| fault.code == ErrorCode::NoMesh) => {
+            Err(error) if is_without_mesh(&error) => {
                 without
                     .push(Warning::not_carried(format!("{prim}{{{set}={choice}}}"), "it has no mesh, so no products"));
             }
@@ -61,6 +68,11 @@ pub fn each(set: &str, input: &Input) -> Result<Vec<Opening>, Error> {
         garment.warnings.extend(without);
     }
     Ok(openings)
+}
+
+/// Whether a variant has no mesh, or not the one that is named.
+fn is_without_mesh(error: &Error) -> bool {
+    error.faults.iter().all(|fault| [ErrorCode::NoMesh, ErrorCode::WrongPrim].contains(&fault.code))
 }
 
 /// Each variant of a set on a prim that has all garments below it.

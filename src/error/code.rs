@@ -74,7 +74,7 @@ pub enum ErrorCode {
     CreaseData,
     /// A list of elements names one twice, or edges that the mesh lacks.
     ElementList,
-    /// Subsets break the rule of their family.
+    /// Subsets of one family have elements of several types.
     SubsetFamily,
     /// A recipe cannot be read.
     RecipeFile,

@@ -39,6 +39,8 @@ pub enum Code {
     UnusedPoints,
     /// Faces have no area.
     DegenerateFaces,
+    /// Faces name a point more than once.
+    RepeatedPoints,
     /// Faces have the points of an earlier face.
     DuplicateFaces,
     /// A product lacks an attribute of the model.
@@ -71,6 +73,8 @@ pub enum Code {
     BareFaces,
     /// A face set of an operator has another name than asked.
     SetRenamed,
+    /// Subsets break the rule of their family, and products have a weaker one.
+    FamilyRule,
     /// Faces intersect others or are flipped.
     Intersections,
     /// Repair has ended before all faces were tested.
@@ -157,6 +161,8 @@ impl Code {
             Self::NonManifoldEdges
             | Self::BowTieVertices
             | Self::UnusedPoints
+            | Self::RepeatedPoints
+            | Self::FamilyRule
             | Self::PolygonalCage
             | Self::SetRenamed
             | Self::OperatorsLeftOut

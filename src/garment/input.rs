@@ -1,6 +1,8 @@
 //! A garment as authored, before it is checked.
 
-use super::{Family, Interpolation, Meaning, Orientation, PrimvarRole, StageSpace, SubdivisionRules, Units, Values};
+use super::{
+    FaceNumbers, Family, Interpolation, Meaning, Orientation, PrimvarRole, StageSpace, SubdivisionRules, Units, Values,
+};
 use crate::error::{Fault, Warning};
 use glam::Vec3;
 use std::collections::BTreeMap;
@@ -24,6 +26,8 @@ pub struct Garment {
     pub face_vertex_counts: Vec<i32>,
     /// `faceVertexIndices`
     pub face_vertex_indices: Vec<i32>,
+    /// The faces of the file behind these.
+    pub face_numbers: FaceNumbers,
     /// `orientation`
     pub orientation: Orientation,
     /// `subdivisionScheme`, `interpolateBoundary`, `faceVaryingLinearInterpolation`, `triangleSubdivisionRule`

@@ -4,6 +4,7 @@
 //! [`Mesh`]s too, so that the output of an operator is the input of the next.
 
 mod check;
+mod face_numbers;
 mod input;
 pub mod joints;
 pub mod parts;
@@ -17,6 +18,8 @@ mod uv_seams;
 
 pub use crate::mesh::Elements;
 pub use check::check_garment;
+pub(crate) use check::split_repeats;
+pub use face_numbers::FaceNumbers;
 pub use input::{Garment, LeftOut, PrimvarInput, SubsetInput};
 pub use primvar::{Interpolation, Meaning, Mixing, Primvar, PrimvarRole, Values};
 pub use space::StageSpace;

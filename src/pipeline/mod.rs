@@ -26,8 +26,8 @@ pub use progress::{Progress, Timing};
 pub use sim::baseline;
 
 use crate::error::{Code, Error, Warning, Warnings};
-use crate::garment::{Garment, Mesh, Scheme, Subset, check_garment};
-use crate::mesh::FaceId;
+use crate::garment::{FaceNumbers, Garment, Mesh, Scheme, Subset, check_garment, split_repeats};
+use crate::mesh::Elements;
 use crate::recipe::{Recipe, RecipeSets, Resolved, ResolvedSim};
 use crate::render::operator::Operator;
 use crate::render::{RenderResult, RenderSteps, Stack};
@@ -83,6 +83,8 @@ pub fn build(mesh: &Garment, recipe: &Recipe) -> Result<Products, Error> {
 /// ```
 pub struct Builder {
     garment: Arc<Mesh>,
+    /// Of the faces that warnings name; the steps have those of the mesh.
+    face_numbers: FaceNumbers,
     frame: LocalFrame,
     mean_edge: f32,
     warnings: Warnings,
@@ -102,8 +104,11 @@ impl Builder {
     ///
     /// # Errors
     /// Faults of the mesh.
-    pub fn new(mesh: Garment) -> Result<Self, Error> {
-        let (garment, mut warnings) = check_garment(mesh)?;
+    pub fn new(mut mesh: Garment) -> Result<Self, Error> {
+        let mut warnings: Warnings = split_repeats(&mut mesh).into_iter().collect();
+        let face_numbers = std::mem::take(&mut mesh.face_numbers);
+        let (garment, of_check) = check_garment(mesh)?;
+        warnings.extend(face_numbers.warnings_in_file(of_check));
         let mean_edge = check::mean_edge_length(&garment);
         check::extent(&garment, mean_edge)?;
         if garment.prim.rfind('/') == Some(0) {
@@ -118,11 +123,16 @@ impl Builder {
         }
         let frame = LocalFrame::of(&garment);
         warnings.extend(frame.check(&garment, mean_edge)?);
-        Ok(Self::in_frame(frame, Arc::new(garment), mean_edge, warnings))
+        Ok(Self::in_frame(frame, (Arc::new(garment), face_numbers), mean_edge, warnings))
     }
 
     /// A builder without results and operators of its own. All steps work on the garment in its frame.
-    fn in_frame(frame: LocalFrame, garment: Arc<Mesh>, mean_edge: f32, warnings: Warnings) -> Self {
+    fn in_frame(
+        frame: LocalFrame,
+        (garment, face_numbers): (Arc<Mesh>, FaceNumbers),
+        mean_edge: f32,
+        warnings: Warnings,
+    ) -> Self {
         let local = frame.enter(&garment);
         Self {
             sim: SimSteps::new(Arc::clone(&local)),
@@ -130,6 +140,7 @@ impl Builder {
             cloth: ClothSteps::new(local, mean_edge),
             sets: RecipeSets::default(),
             garment,
+            face_numbers,
             frame,
             mean_edge,
             warnings,
@@ -143,8 +154,8 @@ impl Builder {
     /// A builder of the same checked mesh, without results and operators of its own.
     #[must_use]
     pub fn sibling(&self) -> Self {
-        let (garment, warnings) = (Arc::clone(&self.garment), self.warnings.clone());
-        let sibling = Self::in_frame(self.frame.sibling(), garment, self.mean_edge, warnings);
+        let garment = (Arc::clone(&self.garment), self.face_numbers.clone());
+        let sibling = Self::in_frame(self.frame.sibling(), garment, self.mean_edge, self.warnings.clone());
         sibling.with_max_faces(self.max_faces).with_max_memory(self.max_memory)
     }
 
@@ -154,8 +165,10 @@ impl Builder {
     /// # Errors
     /// As [`Builder::update_render`].
     pub fn marked(&self, products: &Products) -> Result<Option<Arc<Mesh>>, Error> {
-        let Some(garment) = marks::marked(&self.garment, &products.warnings) else { return Ok(None) };
-        let mut marked = Self::in_frame(self.frame.sibling(), Arc::new(garment), self.mean_edge, Warnings::default());
+        let warnings = self.warnings_in_mesh(&products.warnings);
+        let Some(garment) = marks::marked(&self.garment, &warnings) else { return Ok(None) };
+        let garment = (Arc::new(garment), FaceNumbers::default());
+        let mut marked = Self::in_frame(self.frame.sibling(), garment, self.mean_edge, Warnings::default());
         marked.own_operators.clone_from(&self.own_operators);
         Ok(Some(marked.update_render(&products.recipe)?.mesh))
     }
@@ -206,6 +219,16 @@ impl Builder {
     /// Warnings of the mesh alone.
     pub fn warnings(&self) -> &Warnings {
         &self.warnings
+    }
+
+    /// Warnings of its own, or of its products, with the elements of the checked mesh: they have those of the file.
+    pub fn warnings_in_mesh(&self, warnings: &Warnings) -> Warnings {
+        self.face_numbers.warnings_in_mesh(warnings.clone())
+    }
+
+    /// Elements of the checked mesh as those of the file, from which faces may be left out.
+    pub fn in_file(&self, elements: Elements) -> Elements {
+        self.face_numbers.in_file(elements)
     }
 
     /// The recipe with automatic lengths replaced by multiples of the mean edge length.
@@ -261,12 +284,13 @@ impl Builder {
         let binding = self.cloth.binding(&sim.simulated, &render.mesh, origins, &mut clock)?;
         let cage_binding = self.cloth.cage_binding(&sim.simulated, || self.render.cage_origins())?;
         clock.finish()?;
-        let mut warnings = self.warnings.clone();
-        warnings.extend(of_recipe);
-        warnings.extend(sim.warnings);
-        warnings.extend(render.warnings);
         let (cloth, of_cloth) = cloth.unzip();
-        warnings.extend(of_cloth.unwrap_or_default());
+        let mut of_steps = of_recipe;
+        of_steps.extend(sim.warnings);
+        of_steps.extend(render.warnings);
+        of_steps.extend(of_cloth.unwrap_or_default());
+        let mut warnings = self.warnings.clone();
+        warnings.extend(self.face_numbers.warnings_in_file(of_steps));
         Ok(Products {
             sim: self.frame.sim(&sim.mesh)?,
             render: self.frame.render(&render.mesh)?,
@@ -334,7 +358,8 @@ impl Builder {
         self.derive_sim(resolved.sets.sim);
         let mut update = self.simulate(&resolved.sim)?;
         update.warnings.extend(warnings);
-        Ok(SimUpdate { mesh: self.frame.sim(&update.mesh)?, ..update })
+        let warnings = self.face_numbers.warnings_in_file(update.warnings);
+        Ok(SimUpdate { mesh: self.frame.sim(&update.mesh)?, warnings, ..update })
     }
 
     /// The render mesh alone.
@@ -345,7 +370,8 @@ impl Builder {
         let Resolved { recipe, sets, .. } = self.resolved(recipe)?.0;
         self.derive_render(sets.render);
         let update = self.render(&recipe)?;
-        Ok(RenderUpdate { mesh: self.frame.render(&update.mesh)?, ..update })
+        let warnings = self.face_numbers.warnings_in_file(update.warnings);
+        Ok(RenderUpdate { mesh: self.frame.render(&update.mesh)?, warnings, ..update })
     }
 
     /// The face of the mesh that each face of the last [`Builder::update_render`] is part of. It had the same recipe, resolved.

@@ -5,11 +5,12 @@
 //! they have them.
 
 mod builds;
+pub mod keep;
 mod shot;
 mod workers;
 
 use super::document::{Before, EditHistory, Options};
-use super::messages::{BuildMessage, Origin, ShotMessage, Role, ServerMessage, StateMessage};
+use super::messages::{BuildMessage, KeptEdits, Origin, Role, ServerMessage, ShotMessage, StateMessage};
 use super::stage::Stage;
 use crate::error::{Error, Fault};
 use crate::garment::Mesh;
@@ -19,10 +20,12 @@ use crate::report::TriangleQuality;
 use crate::session::Input;
 use crate::usd::{ReadOptions, Selection};
 use builds::SavedAs;
+use keep::{Kept, checksum_of};
 use shot::Shot;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::time::{SystemTime, UNIX_EPOCH};
 use tokio::sync::watch;
 use workers::Simulated;
 
@@ -82,10 +85,17 @@ pub struct State {
     comparing: Option<Before>,
     /// The input of a build of what is on screen; none if it is not saved.
     saved_as: Option<String>,
+    kept: Option<KeptEdits>,
 }
 
 impl State {
-    fn new(document: &EditHistory, stage: &Stage, revision: u64, saved_as: Option<String>) -> Self {
+    fn new(
+        document: &EditHistory,
+        stage: &Stage,
+        kept: Option<&Kept>,
+        saved_as: Option<String>,
+        revision: u64,
+    ) -> Self {
         Self {
             revision,
             edits: document.edits().clone(),
@@ -95,6 +105,8 @@ impl State {
             unsaved: document.is_unsaved(),
             comparing: document.comparing,
             saved_as,
+            kept: kept
+                .map(|kept| KeptEdits { time: kept.time, is_current: kept.upstream == checksum_of(&stage.upstream) }),
         }
     }
 
@@ -112,6 +124,7 @@ impl State {
             unsaved: self.unsaved,
             comparing: self.comparing,
             saved_as: self.saved_as.as_deref(),
+            kept: self.kept,
         })
         .to_text()
     }
@@ -128,6 +141,8 @@ struct Job {
 struct HubState {
     input: Input,
     document: EditHistory,
+    /// Edits of earlier servers that the user may have back, oldest first.
+    kept: Vec<Kept>,
     snapshot: Snapshot,
     job: Option<Job>,
     /// The newest simulation mesh.
@@ -151,7 +166,7 @@ impl Hub {
     pub fn new(input: Input, stage: Stage) -> Arc<Self> {
         let document = EditHistory::new(stage.given.clone());
         let snapshot = Snapshot {
-            state: Arc::new(State::new(&document, &stage, 0, None)),
+            state: Arc::new(State::new(&document, &stage, None, None, 0)),
             stage: Arc::new(stage),
             faults: Arc::default(),
             progress: BTreeMap::new(),
@@ -163,7 +178,16 @@ impl Hub {
             presets: Arc::from(""),
         };
         let saved = SavedAs::opened(&input);
-        let shared = HubState { input, document, snapshot, job: None, simulated: None, saved, shot: None };
+        let shared = HubState {
+            input,
+            document,
+            kept: Vec::new(),
+            snapshot,
+            job: None,
+            simulated: None,
+            saved,
+            shot: None,
+        };
         let (shared, reading, changed) = (Mutex::new(shared), Mutex::default(), watch::Sender::new(()));
         let hub = Arc::new(Self { shared, reading, work: Condvar::new(), changed });
         hub.change(HubState::show_model);
@@ -200,6 +224,41 @@ impl Hub {
             shared.saved = SavedAs::saved(file, &shared.input.read.variants);
             shared.refresh();
         });
+    }
+
+    /// Offers edits that earlier servers kept. Those that the document has are not.
+    pub fn offer(&self, mut kept: Vec<Kept>) {
+        self.change(|shared| {
+            kept.retain(|kept| kept.edits != *shared.document.edits());
+            shared.kept = kept;
+            shared.refresh();
+        });
+    }
+
+    /// Answers the offer of the edits of a time: they replace those of the document, or are forgotten.
+    pub fn answer(&self, time: u64, is_wanted: bool) {
+        self.change(|shared| {
+            let Some(at) = shared.kept.iter().position(|kept| kept.time == time) else { return };
+            let Kept { edits, .. } = shared.kept.remove(at);
+            if is_wanted {
+                shared.document.edit(edits, String::new());
+            }
+            shared.refresh();
+        });
+    }
+
+    /// The revision of the document, and all edits that are in no file, once it is later than `seen`.
+    pub fn next_unsaved(&self, seen: u64) -> (u64, Vec<Kept>) {
+        let mut shared = self.lock();
+        while shared.snapshot.state.revision <= seen {
+            shared = self.work.wait(shared).unwrap_or_else(PoisonError::into_inner);
+        }
+        shared.unsaved()
+    }
+
+    /// As [`Hub::next_unsaved`], at once.
+    pub fn unsaved(&self) -> (u64, Vec<Kept>) {
+        self.lock().unsaved()
     }
 
     /// Replaces the edits.
@@ -267,11 +326,22 @@ impl Hub {
 }
 
 impl HubState {
+    fn unsaved(&self) -> (u64, Vec<Kept>) {
+        let mut all = self.kept.clone();
+        if self.document.is_unsaved() {
+            let time = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_millis() as u64);
+            let upstream = checksum_of(&self.snapshot.stage.upstream);
+            all.push(Kept { time, upstream, edits: self.document.edits().clone() });
+        }
+        (self.snapshot.state.revision, all)
+    }
+
     /// A new revision, and its job if the recipe has no fault.
     fn refresh(&mut self) {
         let revision = self.snapshot.state.revision + 1;
         let saved_as = self.saved_as().map(|saved| saved.file.display().to_string());
-        self.snapshot.state = Arc::new(State::new(&self.document, &self.snapshot.stage, revision, saved_as));
+        let state = State::new(&self.document, &self.snapshot.stage, self.kept.last(), saved_as, revision);
+        self.snapshot.state = Arc::new(state);
         let stage = &self.snapshot.stage;
         let recipe = stage.recipe(self.document.shown());
         let checked = recipe.and_then(|recipe| stage.checks.resolve(&recipe).map(|_| recipe));

@@ -15,7 +15,7 @@ pub use build::{BuildMessage, BuildStatus};
 pub use garment::{GarmentMessage, LookInfo, PrimvarInfo, SaveTargets, SetInfo, UpAxis, VariantSet};
 pub use mesh::{Block, Blocks, DrawnSet, DrawnValues, MeshHeader, NumberType, Times, ValuesOf};
 pub use presets::{PresetSavedMessage, PresetsMessage};
-pub use product::{ClothMessage, Figures, ProductMessage};
+pub use product::{ClothMessage, Figures, ProductMessage, lengths};
 pub use selection::SelectionMessage;
 pub use shot::ShotMessage;
 
@@ -90,6 +90,13 @@ pub enum PageMessage {
         /// The new edits.
         #[cfg_attr(test, ts(type = "Options"))]
         edits: Options,
+    },
+    /// Answers the offer of kept edits.
+    Kept {
+        /// Their time.
+        time: u64,
+        /// True if they replace those of the document; they are forgotten otherwise.
+        restore: bool,
     },
     /// Goes back a step.
     Undo,
@@ -227,6 +234,19 @@ pub struct StateMessage<'a> {
     pub comparing: Option<Before>,
     /// The input of a build of what is on screen; null if it is not saved.
     pub saved_as: Option<&'a str>,
+    /// Edits of an earlier preview that were not saved, which the user may have back.
+    pub kept: Option<KeptEdits>,
+}
+
+/// Edits of an earlier preview that were not saved.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[serde(rename_all = "camelCase")]
+#[cfg_attr(test, derive(ts_rs::TS))]
+pub struct KeptEdits {
+    /// The last change. \[milliseconds since 1970\]
+    pub time: u64,
+    /// True if the options below them are the same as then.
+    pub is_current: bool,
 }
 
 /// The place that faults come from.

@@ -7,7 +7,7 @@
 //!
 //! `hub` holds the state that all pages share: the garment (`stage`), the edits with undo (`document`), and the last
 //! meshes. A page has one `socket`, which sends what changed since the last message. `select` finds what a page selects. `save` writes the edits as a USD
-//! layer or a `.tailor` file, and presets beside the garment. `watch` reads the stage again when a file changes. `server` serves the embedded `page` on
+//! layer or a `.tailor` file, and presets beside the garment. `hub::keep` keeps edits that were not saved. `watch` reads the stage again when a file changes. `server` serves the embedded `page` on
 //! 127.0.0.1, below a secret path.
 
 mod document;
@@ -28,7 +28,9 @@ use crate::error::Error;
 use crate::session::{Input, is_usd};
 use crate::usd::{CacheFile, garment_below, selections};
 use hub::Hub;
+use hub::keep::{self, Keeper};
 use stage::Stage;
+use std::sync::Arc;
 
 /// Serves the preview of a garment until the process is interrupted, with a cache of its simulation mesh to play. `ready` gets its
 /// address.
@@ -45,6 +47,7 @@ pub fn serve(
     page::check()?;
     let input = continued(input);
     let stage = Stage::open(&input)?;
+    let keeper = keep::state_folder().map(|folder| Keeper::new(&folder, &input, &stage));
     let hub = Hub::new(input, stage);
     save::presets::read(&hub);
     if let Some(cache) = cache {
@@ -52,7 +55,15 @@ pub fn serve(
     }
     hub.start(threads)?;
     let _watcher = watch::follow(&hub)?;
-    server::run(&hub, port, ready)
+    let Some((keeper, kept)) = keeper else { return server::run(&hub, port, ready) };
+    let keeper = Arc::new(keeper);
+    hub.offer(kept);
+    keep::start(&hub, &keeper)?;
+    let served = server::run(&hub, port, ready);
+    let (revision, unsaved) = hub.unsaved();
+    // The thread has warned of a folder that cannot be written to.
+    let _ = keeper.write(revision, unsaved);
+    served
 }
 
 /// A layer that was saved here is a recipe for the garment below it, so that it can be saved again. Variants that a recipe

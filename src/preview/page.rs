@@ -51,5 +51,5 @@ pub fn check() -> Result<(), Error> {
     }
     Err(Error::new(ErrorKind::Usage, "preview", "this program was built without the page")
         .code(ErrorCode::PreviewServer)
-        .remedy("run `cargo xtask page`, which needs Node.js with npm, and build the program again"))
+        .remedy("run `cargo xtask page`, and build the program again; `cargo usdtailor preview` does both"))
 }

@@ -79,6 +79,7 @@ impl Client {
                 self.serial = serial;
                 hub.replace(edits, gesture);
             }
+            PageMessage::Kept { time, restore } => hub.answer(time, restore),
             PageMessage::Undo => hub.edit(|document| document.undo()),
             PageMessage::Redo => hub.edit(|document| document.redo()),
             PageMessage::Compare { with } => {

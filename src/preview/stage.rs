@@ -114,6 +114,7 @@ fn with_listed_sets(checks: &Builder) -> Arc<Mesh> {
 
 fn message(source: &Source, checks: &Builder, shown: &Mesh, input: &Input) -> String {
     let (facts, garment) = (source.facts(), checks.garment());
+    let warnings = checks.warnings_in_mesh(checks.warnings());
     let primvars = garment.primvars.iter().filter(|primvar| primvar.role == PrimvarRole::Primvar);
     ServerMessage::Garment(GarmentMessage {
         version: env!("CARGO_PKG_VERSION"),
@@ -132,7 +133,7 @@ fn message(source: &Source, checks: &Builder, shown: &Mesh, input: &Input) -> St
         groups: table(),
         fabrics: FABRICS.iter().filter_map(|&name| Some((name, Fabric::preset(name)?))).collect(),
         suggested: suggested(source, input),
-        warnings: checks.warnings().iter().collect(),
+        warnings: warnings.iter().collect(),
     })
     .to_text()
 }

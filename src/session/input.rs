@@ -4,7 +4,7 @@ use crate::error::{Error, Warnings};
 use crate::garment::Garment;
 use crate::pipeline::Builder;
 use crate::recipe::{Layers, Recipe, RecipeFile, is_recipe};
-use crate::usd::{ReadOptions, Source};
+use crate::usd::{ReadOptions, Selection, Source, variants_of};
 use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
 
@@ -78,6 +78,15 @@ impl Input {
         let recipes = self.recipes()?;
         let sources = Source::open_all(&recipes.file, &recipes.read)?;
         sources.into_iter().map(|source| self.opened(source, &recipes)).collect()
+    }
+
+    /// All variants of the sets of a name in the stage, see [`variants_of`].
+    ///
+    /// # Errors
+    /// A file that cannot be read; a recipe with faults.
+    pub fn variants(&self, set: &str) -> Result<Vec<Selection>, Error> {
+        let recipes = self.recipes()?;
+        variants_of(&recipes.file, &recipes.read, set)
     }
 
     /// Reads the recipe files, and finds the stage.

@@ -21,7 +21,7 @@ pub use build_record::BuildRecord;
 pub(crate) use read::Look;
 pub use read::{
     Facts, InheritedPrimvar, MaterialBinding, PanelSeam, ProductNames, ReadOptions, Selection, Source, TailorPayloads,
-    TransformOp, VariantSet, first_used, product_names, tailor_payloads,
+    TransformOp, VariantSet, first_used, product_names, tailor_payloads, variants_of,
 };
 pub use shot::{DriveOptions, Driven, drive};
 #[cfg(feature = "preview")]

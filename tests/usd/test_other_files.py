@@ -376,6 +376,31 @@ def test_numbers_without_a_comma_are_refused_as_open_usd_refuses_them(usdtailor,
     assert not (tmp_path / "out.usda").exists()
 
 
+@pytest.mark.parametrize("line", ["rel a = [</G>, </G/m>, </G>]", "float b.connect = [</G.a>, </G.a>]"], ids=["targets", "connections"])
+def test_a_target_that_is_there_twice_is_refused_as_open_usd_refuses_it(usdtailor, tmp_path, line):
+    path = text(tmp_path / "a.usda", extra=f"        {line}")
+    with pytest.raises(Tf.ErrorException):
+        Usd.Stage.Open(str(path))
+    number = 1 + path.read_text()[: path.read_text().index(line)].count("\n")
+    done = run(usdtailor, "build", path, "-o", tmp_path / "out.usda")
+    assert done.returncode == 1 and f"line {number} has a path that its list has already" in done.stderr, done.stderr
+    assert not (tmp_path / "out.usda").exists()
+
+
+def test_a_prototype_beside_its_instancer_keeps_its_purpose(build, tmp_path):
+    def change(mesh):
+        instancer = UsdGeom.PointInstancer.Define(mesh.GetPrim().GetStage(), "/Crowd")
+        instancer.CreatePrototypesRel().AddTarget(mesh.GetPrim().GetParent().GetPath())
+        instancer.CreatePositionsAttr([(0, 0, 0), (9, 0, 0)])
+        instancer.CreateProtoIndicesAttr([0, 0])
+
+    source = faulty(change)(tmp_path / "a.usda")
+    for args in ([], ["--prim", "/Coat/model"]):
+        product = build(source, *args, stem=f"out{len(args)}")
+        assert UsdGeom.Imageable(product.stage.GetPrimAtPath("/Coat/model")).ComputePurpose() == "default"
+        assert any("/Crowd repeats it" in message for code, message in warnings(product) if code == "not-carried")
+
+
 def test_crates_that_are_too_old_are_not_called_damaged(usdtailor, tmp_path):
     path = tmp_path / "a.usdc"
     path.write_bytes(b"PXR-USDC\0\0\1" + bytes(400))

@@ -197,3 +197,29 @@ def test_a_file_of_any_variant_makes_the_output_stale(usdtailor, sized, tmp_path
     part.write_text(part.read_text().replace("note = 1", "note = 2"))
     done = run(usdtailor, *args)
     assert done.returncode == 0 and "fresh" not in done.stdout, done.stdout
+
+
+@pytest.mark.parametrize("args", [[], ["--prim", "/Coat/model"]], ids=["alone", "named"])
+def test_a_stage_may_select_a_variant_without_the_mesh(usdtailor, tmp_path, args):
+    path = write(tmp_path / "whole.usda", shape=lambda: sheet(4, 3))
+    stage = Usd.Stage.CreateNew(str(tmp_path / "worn.usda"))
+    root = stage.DefinePrim("/Coat", "Xform")
+    stage.SetDefaultPrim(root)
+    worn = root.GetVariantSets().AddVariantSet("worn")
+    for name in ("off", "on", "twice"):
+        worn.AddVariant(name)
+        worn.SetVariantSelection(name)
+        if name != "off":
+            with worn.GetVariantEditContext():
+                root.GetReferences().AddReference("./whole.usda")
+    worn.SetVariantSelection("off")
+    stage.Save()
+    out = tmp_path / "out.usda"
+    done = run(usdtailor, "build", tmp_path / "worn.usda", "-o", out, "--variants", "worn", *args)
+    assert done.returncode == 0, done.stderr
+    assert "{worn=off}" in done.stderr and path.exists()
+    built = Usd.Stage.Open(str(out))
+    root = built.GetDefaultPrim()
+    for name in ("off", "on", "twice"):
+        root.GetVariantSets().GetVariantSet("worn").SetVariantSelection(name)
+        assert bool(built.GetPrimAtPath("/Coat/render")) == (name != "off")

@@ -1,4 +1,4 @@
-//! Development tasks, run as `cargo xtask <task>`. Building and using `usdtailor` needs none of them.
+//! Development tasks, run as `cargo xtask <task>`. The alias `cargo usdtailor` is the task `run`.
 
 mod api;
 mod apt;
@@ -17,6 +17,7 @@ mod process;
 mod project;
 mod prose;
 mod python;
+mod run;
 mod site;
 mod speed;
 mod test;
@@ -35,6 +36,7 @@ Tasks of this project.
 Usage: cargo xtask <TASK>
 
 Tasks:
+  run [ARGS...]                Make the page of `usdtailor preview` where it is missing, build the program, and run it
   test [OPTIONS] [STEP...] [-- ARGS...]
                                Run the named steps and their prerequisites, or all steps (see below)
   page                         Bundle the page of `usdtailor preview`, which the next build of the program embeds
@@ -95,6 +97,9 @@ fn run(args: &[String]) -> Outcome {
         Some((task, rest)) => (task.as_str(), rest),
         None => return Err(Failure::new("no task given").hint("cargo xtask --help lists them")),
     };
+    if task == "run" {
+        return run::run(&Project::find()?, rest);
+    }
     if matches!(task, "-h" | "--help" | "help") || rest.first().is_some_and(|arg| arg == "-h" || arg == "--help") {
         print!("{HELP}\n{}", test::help());
         return Ok(());

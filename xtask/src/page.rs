@@ -1,7 +1,8 @@
 //! Bundles the page of the preview, from `src/preview/page` into its folder `dist`, from where the program embeds it.
 
 use std::fs;
-use std::path::Path;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::path::{Path, PathBuf};
 
 use crate::node;
 use crate::process::{self, Failure, Outcome};
@@ -9,18 +10,55 @@ use crate::project::Project;
 
 const SOURCE: &str = "src/preview/page";
 const FILES: [&str; 3] = ["index.html", "page.js", "page.css"];
+const PARTS: [&str; 6] = ["package.json", "package-lock.json", "tsconfig.json", "build.mjs", "index.html", "src"];
+
+/// Bundles the page, unless it was bundled from the same files.
+pub fn ensure(project: &Project) -> Outcome {
+    let source = project.root.join(SOURCE);
+    let is_there = FILES.iter().all(|name| source.join("dist").join(name).is_file());
+    let is_made = is_there && fs::read_to_string(stamp(project)).is_ok_and(|made| made == state(&source));
+    if is_made { Ok(()) } else { build(project) }
+}
+
+/// The file with the state of the files from which the page was bundled.
+fn stamp(project: &Project) -> PathBuf {
+    project.target.join("page/made-from")
+}
+
+/// A hash of all files of the page.
+fn state(source: &Path) -> String {
+    let mut hasher = DefaultHasher::new();
+    PARTS.iter().for_each(|name| add(&source.join(name), &mut hasher));
+    format!("{:016x}", hasher.finish())
+}
+
+fn add(path: &Path, hasher: &mut DefaultHasher) {
+    path.hash(hasher);
+    if let Ok(entries) = fs::read_dir(path) {
+        let mut paths: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+        paths.sort();
+        paths.iter().for_each(|path| add(path, hasher));
+    } else {
+        fs::read(path).unwrap_or_default().hash(hasher);
+    }
+}
 
 /// Checks the types and bundles. Packages are installed below the target folder.
 pub fn build(project: &Project) -> Outcome {
     let source = project.root.join(SOURCE);
     let work = project.target.join("page");
-    for name in ["package.json", "package-lock.json", "tsconfig.json", "build.mjs", "index.html", "src"] {
+    let made_from = state(&source);
+    for name in PARTS {
         replace(&source.join(name), &work.join(name))?;
     }
     node::install(project, &work)?;
     process::run_quietly(node::command(project, "npm", &work)?.args(["run", "check"]))?;
     process::run_quietly(node::command(project, "npm", &work)?.args(["run", "build"]))?;
-    FILES.iter().try_for_each(|name| copy_if_new(&work.join("dist").join(name), &source.join("dist").join(name)))
+    fs::create_dir_all(source.join("dist"))
+        .map_err(|error| Failure::new(format!("cannot make {SOURCE}/dist: {error}")))?;
+    FILES.iter().try_for_each(|name| copy_if_new(&work.join("dist").join(name), &source.join("dist").join(name)))?;
+    let stamp = stamp(project);
+    fs::write(&stamp, made_from).map_err(|error| Failure::new(format!("cannot write {}: {error}", stamp.display())))
 }
 
 /// Replaces a file or a folder by a copy.

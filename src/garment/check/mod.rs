@@ -9,11 +9,14 @@ mod faces;
 mod mesh;
 mod primvars;
 mod problem;
+mod repeats;
 mod subsets;
 mod surface;
 
 #[cfg(test)]
 mod tests;
+
+pub use repeats::split_repeats;
 
 use super::{Garment, LeftOut, Mesh};
 use crate::error::{Error, Warnings};
@@ -25,7 +28,8 @@ use std::mem::take;
 /// Checks `input` and converts it to the types of geometry code.
 ///
 /// Non-manifold edges, bow-tie vertices, inconsistent winding, unused points, and duplicate and zero-area faces are kept and
-/// are warnings. So are primvars with faults that no step needs: the checked mesh lacks them.
+/// are warnings. So are primvars with faults that no step needs: the checked mesh lacks them. So are families whose subsets
+/// break their rule: the checked mesh has a weaker one.
 ///
 /// # Errors
 /// Every independent fault of topology, indices, lengths and values that was found, in a fixed order.
@@ -36,12 +40,13 @@ pub fn check_garment(mut input: Garment) -> Result<(Mesh, Warnings), Error> {
     let topology = faces::faces(&input, found).map(|faces| Topology::new(faces, input.points.len()));
     faces::check_scheme(&input, found);
     let (primvars, subsets) = (take(&mut input.primvars), take(&mut input.subsets));
+    let mut families = take(&mut input.families);
     let mesh = MeshCheck::new(&input, topology.as_ref());
     let holes = faces::holes(&input.hole_indices, &mesh, found);
     let creases = creases::creases(&input, &mesh, found);
     let corners = creases::corners(&input, &mesh, found);
     let (primvars, faulty) = primvars::primvars(primvars, &mesh, &input.prim, found);
-    let subsets = subsets::subsets(subsets, &input.families, &mesh, found);
+    let (subsets, of_families) = subsets::subsets(subsets, &mut families, (&mesh, &input.prim), found);
 
     let Some(topology) = topology.filter(|_| problems.is_empty()) else {
         return Err(problems.into_error(&input.prim));
@@ -50,6 +55,7 @@ pub fn check_garment(mut input: Garment) -> Result<(Mesh, Warnings), Error> {
     let mut left_out = input.left_out;
     left_out.extend(faulty);
     warnings.extend(left_out.iter().map(LeftOut::warning));
+    warnings.extend(of_families);
     let garment = Mesh {
         prim: input.prim,
         points: input.points.into(),
@@ -67,7 +73,7 @@ pub fn check_garment(mut input: Garment) -> Result<(Mesh, Warnings), Error> {
         left_out,
         influences: None,
         subsets: subsets.into(),
-        families: input.families,
+        families,
     };
     Ok((garment, warnings))
 }

@@ -2,9 +2,9 @@
 
 use super::mesh::{Count, Entry, Indices, MeshCheck, Repeat, repeats};
 use super::problem::Problems;
-use crate::error::ErrorCode;
+use crate::error::{Code, ErrorCode, Warning};
 use crate::garment::{Elements, Family, FamilyType, Subset, SubsetInput};
-use crate::mesh::{EdgeId, Id, VertexId};
+use crate::mesh::{EdgeId, FaceId, Id, VertexId};
 use std::collections::{HashMap, HashSet};
 
 /// A subset and the numbers of its elements: of faces, points or edges.
@@ -14,13 +14,13 @@ struct SubsetNumbers {
     numbers: Option<Vec<usize>>,
 }
 
-/// The subsets, in namespace order.
+/// The subsets, in namespace order. A family whose subsets break its rule gets a weaker one, with a warning.
 pub(super) fn subsets(
     inputs: Vec<SubsetInput>,
-    families: &[Family],
-    mesh: &MeshCheck<'_>,
+    families: &mut [Family],
+    (mesh, prim): (&MeshCheck<'_>, &str),
     problems: &mut Problems,
-) -> Vec<Subset> {
+) -> (Vec<Subset>, Vec<Warning>) {
     let mut numbered = Vec::with_capacity(inputs.len());
     let mut incomplete = HashSet::new();
     for input in inputs {
@@ -33,10 +33,15 @@ pub(super) fn subsets(
             }
         }
     }
-    for family in members(&numbered, families, &incomplete) {
-        family.check(mesh, problems);
+    let mut warnings = Vec::new();
+    for members in members(&numbered, families, &incomplete) {
+        let Some(Broken { rule, problem, elements, remedy }) = members.check(mesh, problems) else { continue };
+        let name = members.family;
+        let place = format!("{prim}.subsetFamily:{name}:familyType");
+        warnings.push(Warning::new(Code::FamilyRule, place, problem).at(elements).remedy(remedy));
+        families.iter_mut().filter(|family| family.name == name).for_each(|family| family.kind = rule);
     }
-    numbered.into_iter().map(|n| n.subset).collect()
+    (numbered.into_iter().map(|n| n.subset).collect(), warnings)
 }
 
 /// One subset; none if a mesh has no such elements.
@@ -145,6 +150,16 @@ fn edge_number(
     edge.map(EdgeId::index)
 }
 
+/// How subsets break the rule of their family.
+struct Broken {
+    /// The strongest rule that they keep.
+    rule: FamilyType,
+    problem: String,
+    /// Those in several subsets, or in none.
+    elements: Elements,
+    remedy: &'static str,
+}
+
 /// A family with its subsets.
 struct Members<'a> {
     family: &'a str,
@@ -177,15 +192,13 @@ impl Members<'_> {
         self.subsets[0].subset.elements.kind()
     }
 
-    /// Checks the family's rule.
-    fn check(&self, mesh: &MeshCheck<'_>, problems: &mut Problems) {
+    /// Checks the family's rule. Subsets of several element types are a problem.
+    fn check(&self, mesh: &MeshCheck<'_>, problems: &mut Problems) -> Option<Broken> {
         if !self.check_one_kind(problems) || self.rule == FamilyType::Unrestricted {
-            return;
+            return None;
         }
-        self.check_overlaps(problems);
-        if self.complete && self.rule == FamilyType::Partition {
-            self.check_cover(mesh, problems);
-        }
+        let is_whole = self.complete && self.rule == FamilyType::Partition;
+        self.overlaps(mesh).or_else(|| if is_whole { self.gaps(mesh) } else { None })
     }
 
     /// Checks that the subsets have one element type; returns whether they do.
@@ -211,43 +224,49 @@ impl Members<'_> {
         self.subsets.iter().filter_map(|s| Some((&s.subset, s.numbers.as_deref()?)))
     }
 
-    /// Checks that no element is in two subsets.
-    fn check_overlaps(&self, problems: &mut Problems) {
-        let rule = if self.rule == FamilyType::Partition { "partition" } else { "nonOverlapping" };
-        // A position counts the elements of all subsets in a row; only those of repeats are located.
-        let repeats = repeats(self.numbered().flat_map(|(_, numbers)| numbers).copied().enumerate());
-        for Repeat { first, again } in repeats {
-            let (Some((first, _)), Some((subset, i))) = (self.locate(first), self.locate(again)) else { continue };
-            let (name, first) = (authored_name(&subset.elements, i), &first.name);
-            let fault = format_args!("{name} is in subset {first} too, but the family \"{}\" is {rule}", self.family);
-            let remedy = format_args!("remove it from one of the two, or set the family type to unrestricted");
-            problems.add(ErrorCode::SubsetFamily, &format!("{}.indices", subset.name), fault, remedy);
-        }
+    /// The elements that are in several subsets.
+    fn overlaps(&self, mesh: &MeshCheck<'_>) -> Option<Broken> {
+        let rule = if self.rule == FamilyType::Partition { "a partition" } else { "nonOverlapping" };
+        // Positions count the elements of all subsets in a row.
+        let all: Vec<usize> = self.numbered().flat_map(|(_, numbers)| numbers).copied().collect();
+        let repeats = repeats(all.iter().copied().enumerate());
+        let Repeat { first, again } = *repeats.first()?;
+        let (set, other, family) = (self.subset_at(first)?, self.subset_at(again)?, self.family);
+        let problem = format!(
+            "subsets {set} and {other} have elements in common, but the family \"{family}\" is {rule}; products have it as unrestricted"
+        );
+        let elements = elements(self.kind(), repeats.iter().map(|repeat| all[repeat.again]).collect(), mesh)?;
+        let remedy = "Remove the elements from one of the two, or set the family type to unrestricted";
+        Some(Broken { rule: FamilyType::Unrestricted, problem, elements, remedy })
     }
 
-    /// The subset, and the entry in it, of a position in the elements of all subsets in a row.
-    fn locate(&self, mut position: usize) -> Option<(&Subset, usize)> {
+    /// The name of the subset of a position in the elements of all subsets in a row.
+    fn subset_at(&self, mut position: usize) -> Option<&str> {
         self.numbered().find_map(|(subset, numbers)| match position.checked_sub(numbers.len()) {
             Some(rest) => {
                 position = rest;
                 None
             }
-            None => Some((subset, position)),
+            None => Some(subset.name.as_str()),
         })
     }
 
-    /// Checks that every element is in a subset.
-    fn check_cover(&self, mesh: &MeshCheck<'_>, problems: &mut Problems) {
-        let kind = self.kind();
-        let Some(count) = element_count(kind, mesh) else { return };
-        let mut covered = vec![false; count];
-        self.numbered().flat_map(|(_, numbers)| numbers).for_each(|&n| covered[n] = true);
-        let Some(first) = covered.iter().position(|&c| !c) else { return };
-        let all = covered.iter().filter(|&&c| !c).count();
-        let name = element_name(kind, first, mesh);
-        let fault = format_args!("{name} is in no subset of this partition ({} in all)", Count(all, kind));
-        let remedy = format_args!("add what is missing to a subset, or set the family type to nonOverlapping");
-        problems.add(ErrorCode::SubsetFamily, &format!("subsetFamily:{}:familyType", self.family), fault, remedy);
+    /// The elements that are in no subset.
+    fn gaps(&self, mesh: &MeshCheck<'_>) -> Option<Broken> {
+        let mut is_covered = vec![false; element_count(self.kind(), mesh)?];
+        self.numbered().flat_map(|(_, numbers)| numbers).for_each(|&n| is_covered[n] = true);
+        let left: Vec<usize> = (0..is_covered.len()).filter(|&n| !is_covered[n]).collect();
+        if left.is_empty() {
+            return None;
+        }
+        let elements = elements(self.kind(), left, mesh)?;
+        let family = self.family;
+        let problem = format!(
+            "{} of the mesh are in no subset of the partition \"{family}\"; products have it as nonOverlapping",
+            Count(elements.len(), self.kind())
+        );
+        let remedy = "Add what is missing to a subset, or set the family type to nonOverlapping";
+        Some(Broken { rule: FamilyType::NonOverlapping, problem, elements, remedy })
     }
 }
 
@@ -260,24 +279,16 @@ fn element_count(kind: &str, mesh: &MeshCheck<'_>) -> Option<usize> {
     }
 }
 
-/// Names an element of the mesh in the user's numbers.
-fn element_name(kind: &str, number: usize, mesh: &MeshCheck<'_>) -> String {
-    match mesh.topology {
-        Some(t) if kind == "edge" => edge_name(t.edges.as_slice()[number]),
-        _ => format!("{kind} {number}"),
-    }
-}
-
-/// Names element `i` of a subset.
-fn authored_name(elements: &Elements, i: usize) -> String {
-    match elements {
-        Elements::Faces(faces) => format!("face {}", faces[i].index()),
-        Elements::Edges(edges) => edge_name(edges[i]),
-        Elements::Points(points) => format!("point {}", points[i].index()),
-    }
-}
-
-/// Names an edge by its end points.
-fn edge_name([a, b]: [VertexId; 2]) -> String {
-    format!("the edge of points {} and {}", a.index(), b.index())
+/// Elements of a kind by their numbers in the mesh, ascending.
+fn elements(kind: &str, mut numbers: Vec<usize>, mesh: &MeshCheck<'_>) -> Option<Elements> {
+    numbers.sort_unstable();
+    numbers.dedup();
+    Some(match kind {
+        "face" => Elements::Faces(numbers.into_iter().map(FaceId::new).collect()),
+        "point" => Elements::Points(numbers.into_iter().map(VertexId::new).collect()),
+        _ => {
+            let edges = &mesh.topology?.edges;
+            Elements::Edges(numbers.into_iter().map(|n| edges[EdgeId::new(n)]).collect())
+        }
+    })
 }

@@ -47,6 +47,7 @@ fn sew(mesh: &Garment, borders: &[Border], pairs: &[Match]) -> Option<(Sewn, Sea
     panel.mesh.leave_out(&checked);
     let mut sewn = merge(mesh.prim.clone(), mesh.units, vec![panel], &welds).ok()?;
     sewn.mesh.space = mesh.space;
+    sewn.mesh.face_numbers.clone_from(&mesh.face_numbers);
     sewn.mesh.materials.clone_from(&mesh.materials);
     let gap = pairs.iter().map(|pair| pair.gap).fold(0.0, f64::max);
     Some((sewn, Seam { panels: [0, 0], edges: pairs.len(), gap }))

@@ -6,14 +6,12 @@ use crate::error::{Error, Warnings};
 use crate::garment::Mesh;
 use crate::mesh::FaceId;
 use crate::pipeline::{Builder, Progress, SimUpdate};
-use crate::preview::messages::{ClothMessage, Figures, Origin, ProductMessage, Role, ServerMessage};
+use crate::preview::messages::{ClothMessage, Figures, Origin, ProductMessage, Role, ServerMessage, lengths};
 use crate::preview::stage::Stage;
 use crate::recipe::Recipe;
 use crate::report::RenderFigures;
 use crate::usd::{CacheFile, STACK};
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use serde_json::{Map, Value};
-use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, OnceLock, PoisonError};
 use std::thread;
@@ -233,27 +231,8 @@ fn product(
     let mut lengths = lengths(&job.recipe, recipe);
     lengths.retain(|key, _| key.starts_with("sim.") == (role == Role::Sim));
     let level = (role == Role::Render).then_some(recipe.render.level);
+    let warnings = job.stage.checks.warnings_in_mesh(warnings);
     let (revision, warnings) = (job.revision, warnings.iter().collect());
     let message = ProductMessage { role, revision, figures, level, warnings, operators, lengths };
     ServerMessage::Product(message).to_text().into()
-}
-
-/// The lengths and levels that replace 0, by key.
-fn lengths(asked: &Recipe, used: &Recipe) -> BTreeMap<String, f64> {
-    let [asked, used] = [asked, used].map(|recipe| flat("", &serde_json::to_value(recipe).unwrap_or_default()));
-    let replaced = used.into_iter().filter(|(key, value)| asked.get(key) != Some(value));
-    replaced.filter_map(|(key, value)| Some((key, value.as_f64()?))).collect()
-}
-
-fn flat(prefix: &str, value: &Value) -> Map<String, Value> {
-    let Value::Object(fields) = value else { return Map::new() };
-    let mut out = Map::new();
-    for (key, value) in fields {
-        let key = if prefix.is_empty() { key.clone() } else { format!("{prefix}.{key}") };
-        match value {
-            Value::Object(_) => out.extend(flat(&key, value)),
-            value => drop(out.insert(key, value.clone())),
-        }
-    }
-    out
 }

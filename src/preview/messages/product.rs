@@ -3,8 +3,10 @@
 use super::Role;
 use crate::cloth::ClothFigures;
 use crate::error::Warning;
+use crate::recipe::Recipe;
 use crate::report::{RenderFigures, SimFigures};
 use serde::Serialize;
+use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 
 /// Figures and warnings of a product; follows its mesh.
@@ -80,4 +82,24 @@ impl From<&RenderFigures> for Figures {
             quads: Some(figures.quads),
         }
     }
+}
+
+/// The lengths and levels that replace 0, by key.
+pub fn lengths(asked: &Recipe, used: &Recipe) -> BTreeMap<String, f64> {
+    let [asked, used] = [asked, used].map(|recipe| flat("", &serde_json::to_value(recipe).unwrap_or_default()));
+    let replaced = used.into_iter().filter(|(key, value)| asked.get(key) != Some(value));
+    replaced.filter_map(|(key, value)| Some((key, value.as_f64()?))).collect()
+}
+
+fn flat(prefix: &str, value: &Value) -> Map<String, Value> {
+    let Value::Object(fields) = value else { return Map::new() };
+    let mut out = Map::new();
+    for (key, value) in fields {
+        let key = if prefix.is_empty() { key.clone() } else { format!("{prefix}.{key}") };
+        match value {
+            Value::Object(_) => out.extend(flat(&key, value)),
+            value => drop(out.insert(key, value.clone())),
+        }
+    }
+    out
 }

@@ -1,5 +1,6 @@
 //! Tests of the state that pages share, without a server.
 
+mod keeping;
 mod protocol;
 mod saving;
 

@@ -99,7 +99,7 @@ fn only_mesh(stage: &Stage, file: &Path) -> Result<Prim, Error> {
     if garments.len() > 1 {
         let repeated = prototypes(stage, file)?;
         let found = garments.clone();
-        garments.retain(|path| !repeated.iter().any(|root| path.has_prefix(root)));
+        garments.retain(|path| instancer_of(path, &repeated).is_none());
         if garments.is_empty() {
             let text = format!("{} holds no mesh but prototypes of a PointInstancer", file.display());
             return Err(Error::usd(text)
@@ -221,27 +221,26 @@ pub fn purpose_of(prim: &Prim) -> Result<Option<String>, Error> {
     Ok(None)
 }
 
-/// The prims that PointInstancers repeat: those that they name, and all that is below them.
-pub fn prototypes(stage: &Stage, file: &Path) -> Result<Vec<sdf::Path>, Error> {
+/// A prim that a PointInstancer repeats, with all below it, and the PointInstancer.
+pub type Repeated = (sdf::Path, sdf::Path);
+
+/// What the PointInstancers of a stage repeat: the prims that they name, and all that is below themselves.
+pub fn prototypes(stage: &Stage, file: &Path) -> Result<Vec<Repeated>, Error> {
     let mut found = Vec::new();
     for path in all_prims(stage, file, PrimPredicate::DEFAULT, false)? {
         let prim = prim_at(stage, &path)?;
         if is_a(&prim, names::POINT_INSTANCER)? {
-            found.extend(prim.relationship(names::PROTOTYPES).targets().or_unreadable(&path)?);
-            found.push(path);
+            let named = prim.relationship(names::PROTOTYPES).targets().or_unreadable(&path)?;
+            found.extend(named.into_iter().map(|root| (root, path.clone())));
+            found.push((path.clone(), path));
         }
     }
     Ok(found)
 }
 
-/// The PointInstancer that a prim is below.
-pub fn instancer_of(prim: &Prim) -> Result<Option<sdf::Path>, Error> {
-    for path in with_ancestors(prim.path()) {
-        if is_a(&prim_at(prim.stage(), &path)?, names::POINT_INSTANCER)? {
-            return Ok(Some(path));
-        }
-    }
-    Ok(None)
+/// The PointInstancer that repeats a prim.
+pub fn instancer_of<'a>(path: &sdf::Path, repeated: &'a [Repeated]) -> Option<&'a sdf::Path> {
+    repeated.iter().find(|(root, _)| path.has_prefix(root)).map(|(_, instancer)| instancer)
 }
 
 pub fn list(paths: &[sdf::Path]) -> String {

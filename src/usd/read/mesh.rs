@@ -8,7 +8,9 @@ use super::shapes::read_shapes;
 use super::skin::check_joints;
 use super::space::{space, transforms, units, uv_scales};
 use crate::error::{Code, Error, ErrorCode, Warning, Warnings};
-use crate::garment::{Family, Garment, Interpolation, Scheme, SubdivisionRules, SubsetInput};
+use crate::garment::{
+    FaceNumbers, Family, Garment, Interpolation, Scheme, SubdivisionRules, SubsetInput, split_repeats,
+};
 use crate::usd::names::{self, UsdToken};
 use glam::Vec3;
 use openusd::sdf::Value;
@@ -38,6 +40,7 @@ pub fn read_mesh(prim: &Prim, time: Option<TimeCode>) -> Result<((Garment, Decla
         points: required_or_empty(prim, names::POINTS, time, true, point_array)?,
         face_vertex_counts: required_or_empty(prim, names::FACE_VERTEX_COUNTS, time, true, int_array)?,
         face_vertex_indices: required_or_empty(prim, names::FACE_VERTEX_INDICES, time, true, int_array)?,
+        face_numbers: FaceNumbers::default(),
         orientation: token(prim, names::ORIENTATION, time)?,
         rules: SubdivisionRules {
             scheme,
@@ -69,6 +72,7 @@ pub fn read_mesh(prim: &Prim, time: Option<TimeCode>) -> Result<((Garment, Decla
     if mesh.rules.scheme == Scheme::None {
         mesh.primvars.extend(read_normals(prim, time, elements));
     }
+    warnings.extend(split_repeats(&mut mesh));
     Ok(((mesh, declarations), warnings))
 }
 

@@ -1,7 +1,7 @@
 //! The parts of the model and its surroundings that the writer needs.
 
 use super::bindings::resolve_collections;
-use super::choose::{instancer_of, purpose_of};
+use super::choose::{Repeated, instancer_of, prototypes, purpose_of};
 use super::origin::{StageOrigin, first_used, package_file};
 use super::primvars::Declarations;
 use super::query::{OrUnreadable, interpolation, prim_at, prim_name, product_of, property_names, subset_prims};
@@ -167,11 +167,11 @@ impl Model {
         origin: StageOrigin,
         declarations: Declarations,
         has_normals: bool,
-        known: &mut KnownSiblings,
+        known: &mut KnownSurroundings,
     ) -> Result<(Self, Warnings), Error> {
         let mut model = Self {
             purpose: purpose_of(prim)?,
-            instancer: instancer_of(prim)?,
+            instancer: instancer_of(prim.path(), known.repeated(prim.stage(), &origin)).cloned(),
             path: prim.path().clone(),
             panels: vec![prim.path().clone()],
             sewing: Sewing::default(),
@@ -187,7 +187,7 @@ impl Model {
             transforms: transforms(prim, time)?,
             stage_metadata: stage_metadata(prim.stage())?,
         };
-        model.siblings = known.of(prim.stage(), &model)?;
+        model.siblings = known.siblings(prim.stage(), &model)?;
         let mut warnings = Warnings::default();
         if let Some(instancer) = &model.instancer {
             let why = format!("{instancer} repeats it; its instances show the garment and keep its purpose");
@@ -292,13 +292,22 @@ fn subset_record(subset: &Prim) -> Result<SubsetRecord, Error> {
 /// The prims beside a model, by name.
 pub type Siblings = BTreeMap<String, Sibling>;
 
-/// The prims below parents without products. Each model below such a parent shares them, with itself among them.
+/// What models of one stage share.
 #[derive(Default)]
-pub struct KnownSiblings(HashMap<sdf::Path, Arc<Siblings>>);
+pub struct KnownSurroundings {
+    /// The prims below parents without products, with the models among them.
+    siblings: HashMap<sdf::Path, Arc<Siblings>>,
+    repeated: Option<Vec<Repeated>>,
+}
 
-impl KnownSiblings {
-    fn of(&mut self, stage: &Stage, model: &Model) -> Result<Arc<Siblings>, Error> {
-        if let Some(known) = self.0.get(&model.parent) {
+impl KnownSurroundings {
+    /// What PointInstancers repeat. Nothing is known of a stage of too many prims, in which a mesh can be named still.
+    fn repeated(&mut self, stage: &Stage, origin: &StageOrigin) -> &[Repeated] {
+        self.repeated.get_or_insert_with(|| prototypes(stage, &origin.file).unwrap_or_default())
+    }
+
+    fn siblings(&mut self, stage: &Stage, model: &Model) -> Result<Arc<Siblings>, Error> {
+        if let Some(known) = self.siblings.get(&model.parent) {
             return Ok(Arc::clone(known));
         }
         let mut found = all_siblings(stage, model)?;
@@ -307,7 +316,7 @@ impl KnownSiblings {
             return Ok(Arc::new(found));
         }
         let found = Arc::new(found);
-        self.0.insert(model.parent.clone(), Arc::clone(&found));
+        self.siblings.insert(model.parent.clone(), Arc::clone(&found));
         Ok(found)
     }
 }

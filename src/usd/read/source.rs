@@ -1,20 +1,21 @@
 //! An opened garment.
 
-use super::choose::choose_mesh;
+use super::choose::{all_prims, choose_mesh};
 use super::diagnostics::{in_words, remedy};
 use super::facts::{Facts, gather, material_paths, materials};
 use super::looks::{Look, looks};
 use super::mesh::read_mesh;
-use super::model::{KnownSiblings, Model, Sewing};
+use super::model::{KnownSurroundings, Model, Sewing};
 use super::origin::StageOrigin;
 use super::primvars::Declarations;
+use super::query::prim_at;
 use super::recipe::{add_constraint, read_recipe};
-use super::variants::Selection;
+use super::variants::{Selection, choices_of};
 use crate::error::{Code, Error, ErrorCode, ErrorKind, Warning, Warnings};
 use crate::garment::sew::{MAX_TOLERANCE, TOLERANCE, edges, sew_own_borders};
 use crate::garment::{Garment, PrimvarInput, PrimvarRole};
 use crate::usd::{BuildRecord, on_large_stack};
-use openusd::usd::{Prim, Stage, TimeCode};
+use openusd::usd::{Prim, PrimPredicate, Stage, TimeCode};
 use serde_json::{Map, Value as Json};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -69,7 +70,7 @@ pub struct PanelSeam {
 #[derive(Clone, Debug)]
 pub struct Source {
     pub(in crate::usd) model: Model,
-    pub(super) garment: Result<Garment, Error>,
+    pub(in crate::usd) garment: Result<Garment, Error>,
     pub(super) recipe: Result<Map<String, Json>, Error>,
     pub(super) facts: Facts,
     pub(super) looks: BTreeMap<String, Look>,
@@ -106,7 +107,7 @@ impl Source {
     /// Reads the one mesh of a stage that `options` choose.
     pub(super) fn of_stage(stage: &Stage, origin: StageOrigin, options: &ReadOptions) -> Result<Self, Error> {
         let prim = choose_mesh(stage, &origin.file, options)?;
-        Self::of_mesh(stage, &prim, origin, options, &mut KnownSiblings::default())
+        Self::of_mesh(stage, &prim, origin, options, &mut KnownSurroundings::default())
     }
 
     /// Reads one mesh of a stage.
@@ -115,7 +116,7 @@ impl Source {
         prim: &Prim,
         origin: StageOrigin,
         options: &ReadOptions,
-        known: &mut KnownSiblings,
+        known: &mut KnownSurroundings,
     ) -> Result<Self, Error> {
         let (time, tolerance) = (options.time.map(TimeCode::new), options.tolerance()?);
         let mut of_mesh = Warnings::default();
@@ -229,6 +230,21 @@ impl Source {
     pub fn seams(&self) -> &[PanelSeam] {
         &self.seams
     }
+}
+
+/// All variants of the sets of a name, of all prims of a stage in namespace order, selected or not.
+///
+/// # Errors
+/// A stage that cannot be opened or queried.
+pub fn variants_of(file: &Path, options: &ReadOptions, set: &str) -> Result<Vec<Selection>, Error> {
+    on_large_stack(|| {
+        let stage = StageOrigin::new(file, None, &options.variants).open()?;
+        let mut found = Vec::new();
+        for path in all_prims(&stage, file, PrimPredicate::DEFAULT, false)? {
+            found.extend(choices_of(&prim_at(&stage, &path)?, set)?);
+        }
+        Ok(found)
+    })
 }
 
 /// Warnings of arcs that fail to compose.

@@ -79,6 +79,17 @@ pub fn in_words(prim: &Prim) -> Result<Vec<String>, Error> {
     Ok(sets.into_iter().map(words).collect())
 }
 
+/// The variants of a set of a prim, selected or not.
+///
+/// # Errors
+/// A stage that cannot be queried.
+pub fn choices_of(prim: &Prim, set: &str) -> Result<Vec<Selection>, Error> {
+    let sites = prim.prim_stack().or_unreadable(prim.path())?;
+    let choices: BTreeSet<String> = sites.iter().flat_map(|site| choices_at(prim, site, set)).collect();
+    let path = prim.path().as_str();
+    Ok(choices.into_iter().map(|choice| Selection { prim: path.to_owned(), set: set.to_owned(), choice }).collect())
+}
+
 /// Names of the variants of a set that one layer holds.
 fn choices_at(prim: &Prim, site: &SpecSite, set: &str) -> Vec<String> {
     match site.path.append_variant_selection(set, "") {

@@ -187,7 +187,9 @@ pub fn write_sets(source: &Source, sets: Vec<Subset>, out: &Path, force: bool) -
             return Err(fault(format!("{} has a subset {}", model.path, set.name)).remedy("choose another name"));
         }
     }
-    let sets = sets.into_iter().map(|set| unsewn(set, &model.sewing)).collect();
+    let numbers = &source.garment.as_ref().map_err(Clone::clone)?.face_numbers;
+    let in_file = |set: Subset| Subset { elements: numbers.in_file(set.elements), ..set };
+    let sets = sets.into_iter().map(|set| in_file(unsewn(set, &model.sewing))).collect();
     let file = OutputFile::find(out, |file| model.uses(file), force)?;
     on_large_stack(|| {
         let anchor = file.anchor();

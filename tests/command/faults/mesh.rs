@@ -70,11 +70,6 @@ fn of_points_and_faces() {
             "faceVertexIndices = [-1, 1,",
             &[INDICES, "corner 0 of face 0 names point -1", "from 0 to 8"],
         ),
-        broken(
-            "faceVertexIndices = [0, 1,",
-            "faceVertexIndices = [4, 1,",
-            &[INDICES, "face 0 has point 4 twice, at corners 0 and 2", "split the face"],
-        ),
         with("int[] holeIndices = [4]", &["/Coat/model.holeIndices", "entry 0 names face 4", "from 0 to 3"]),
         with(
             "uniform token subdivisionScheme = \"loop\"",
@@ -258,21 +253,6 @@ fn of_subsets() {
             &[PLACKET, "is the edge of pair 0 again", "remove one"],
         ),
         broken("indices = [7, 4, 1, 4]", "indices = [7, 4, 1, 70]", &[PLACKET, "pair 1 names point 70", "from 0 to 8"]),
-        broken(
-            "indices = [3, 1]",
-            "indices = [3]",
-            &["/Coat/model.subsetFamily:panels:familyType", "face 1 is in no subset", "nonOverlapping"],
-        ),
-        broken(
-            "indices = [3, 1]",
-            "indices = [3, 1, 2]",
-            &["/Coat/model/right.indices", "face 2 is in subset left too", "unrestricted"],
-        ),
-        broken(
-            "indices = [4, 3]",
-            "indices = [4, 1]",
-            &["/Coat/model/waist.indices", "points 4 and 1 is in subset placket too", "one of the two"],
-        ),
         broken(
             "elementType = \"point\"",
             "elementType = \"point\"\n uniform token familyName = \"panels\"",

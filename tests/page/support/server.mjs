@@ -56,14 +56,22 @@ export async function run(...args) {
 export class Server {
   /** Serves until the test ends. `owner` is the test, or anything with `after`. */
   static async start(owner, garment, ...args) {
-    const server = new Server(garment, args);
+    return Server.#started(owner, new Server(garment, args, temporaryFolder(owner)));
+  }
+
+  static async #started(owner, server) {
     owner.after(() => server.stop());
     await server.#ready();
     return server;
   }
 
-  constructor(garment, args) {
-    this.process = spawn(PROGRAM, ["preview", garment, "--no-open", ...args], { stdio: ["ignore", "pipe", "pipe"] });
+  /** `state` is the folder for what outlives the program. */
+  constructor(garment, args, state) {
+    Object.assign(this, { garment, args, state });
+    this.process = spawn(PROGRAM, ["preview", garment, "--no-open", ...args], {
+      stdio: ["ignore", "pipe", "pipe"],
+      env: { ...process.env, XDG_STATE_HOME: state },
+    });
     this.errors = "";
     this.process.stderr.on("data", (data) => (this.errors += data));
   }
@@ -87,6 +95,11 @@ export class Server {
 
   get secret() {
     return new URL(this.address).pathname.split("/")[1];
+  }
+
+  /** Another server of the same user for the same garment. */
+  async again(owner) {
+    return Server.#started(owner, new Server(this.garment, this.args, this.state));
   }
 
   get isRunning() {

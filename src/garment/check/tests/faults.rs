@@ -1,9 +1,7 @@
 //! Every fault that a garment can have, each with what is said of it.
 
-use super::{cloth, subset, varying};
-use crate::garment::{
-    Family, FamilyType, Garment, Interpolation, Meaning, PrimvarInput, Scheme, Values, check_garment,
-};
+use super::{cloth, varying};
+use crate::garment::{Garment, Interpolation, Meaning, PrimvarInput, Scheme, Values, check_garment};
 
 /// One way to break the cloth, and what must be said of it.
 struct FaultCase {
@@ -216,7 +214,6 @@ fn an_index_without_values_is_told() {
 #[test]
 fn faults_of_subsets() {
     const PLACKET: &str = "placket.indices";
-    const PANELS: &str = "subsetFamily:panels:familyType";
     each_is_told(&[
         fault("left.indices", "entry 1 names face 4, but there are 4 faces, 0 to 3", "from 0 to 3", |i| {
             i.subsets[1].indices[1] = 4;
@@ -244,33 +241,6 @@ fn faults_of_subsets() {
         fault("pins.elementType", "is point, but subset right of the same family \"panels\" is face", "of its own", {
             |i| i.subsets[4].family = "panels".into()
         }),
-        fault(PANELS, "face 2 is in no subset of this partition (1 face in all)", "add what is missing", |i| {
-            i.subsets[1].indices = vec![0];
-        }),
-        fault("subsetFamily:seams:familyType", "the edge of points 0 and 1 is in no subset", "nonOverlapping", |i| {
-            i.families[1].kind = FamilyType::Partition;
-        }),
-        fault(
-            "left.indices",
-            "face 3 is in subset right too, but the family \"panels\" is partition",
-            "unrestricted",
-            |i| i.subsets[1].indices.push(3),
-        ),
-        fault("waist.indices", "the edge of points 4 and 1 is in subset placket too", "remove it from one", |i| {
-            i.subsets[3].indices = vec![4, 1];
-        }),
-        fault(
-            "more.indices",
-            "point 2 is in subset pins too, but the family \"dots\" is nonOverlapping",
-            "one of the",
-            {
-                |i| {
-                    i.families.push(Family { name: "dots".into(), kind: FamilyType::NonOverlapping });
-                    i.subsets[4].family = "dots".into();
-                    i.subsets.push(subset("more", "point", "dots", &[1, 2]));
-                }
-            },
-        ),
     ]);
 }
 

@@ -1,6 +1,8 @@
 //! A valid garment, what it becomes, and the oddities that are only warned of. The faults have a file of their own.
 
+mod families;
 mod faults;
+mod repeats;
 
 use super::*;
 use crate::error::Code;

@@ -3,7 +3,9 @@
 use super::exclude::Exclusions;
 use crate::error::{Error, ErrorCode, Warning, Warnings};
 use crate::usd::names;
-use crate::usd::read::choose::{all_meshes, all_prims, check_instance, list, prototypes, purpose_of, with_ancestors};
+use crate::usd::read::choose::{
+    all_meshes, all_prims, check_instance, instancer_of, list, prototypes, purpose_of, with_ancestors,
+};
 use crate::usd::read::query::{OrUnreadable, is_a, is_product, made_from, prim_at, value};
 use crate::usd::read::source::ReadOptions;
 use openusd::sdf::{Path, Value};
@@ -42,8 +44,8 @@ pub fn meshes(stage: &Stage, file: &FilePath, options: &ReadOptions) -> Result<O
         let prim = prim_at(stage, path)?;
         if let Err(error) = check_instance(&prim) {
             warnings.push(left_out(path, &error.faults[0].text));
-        } else if let Some(root) = repeated.iter().find(|root| path.has_prefix(root)) {
-            warnings.push(left_out(path, &format!("it is of {root}, which a PointInstancer repeats")));
+        } else if let Some(instancer) = instancer_of(path, &repeated) {
+            warnings.push(left_out(path, &format!("the PointInstancer {instancer} repeats it")));
         } else if has_no_faces(&prim) {
             warnings.push(left_out(path, "it has no points or no faces"));
         } else {

@@ -8,7 +8,7 @@ mod recipe;
 
 pub use product_names::{ProductNames, product_names};
 
-use super::model::KnownSiblings;
+use super::model::KnownSurroundings;
 use super::origin::StageOrigin;
 use super::query::prim_at;
 use super::source::{ReadOptions, Source};
@@ -76,7 +76,7 @@ fn open(origin: StageOrigin, options: &ReadOptions) -> Result<Vec<Source>, Error
         return Ok(vec![Source::of_stage(&stage, origin, options)?]);
     };
     let time = options.time.map(TimeCode::new);
-    let (mut sources, mut known) = (Vec::with_capacity(paths.len()), KnownSiblings::default());
+    let (mut sources, mut known) = (Vec::with_capacity(paths.len()), KnownSurroundings::default());
     for path in &paths {
         meter::check();
         sources.push(Source::of_mesh(&stage, &prim_at(&stage, path)?, origin.clone(), options, &mut known)?);

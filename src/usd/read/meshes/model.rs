@@ -1,9 +1,9 @@
 //! Panels that are sewn together as one model.
 
 use super::recipe;
-use crate::error::{Error, ErrorCode, Warning, Warnings};
+use crate::error::{Code, Error, ErrorCode, Warning, Warnings};
 use crate::garment::sew::{Panel, Seams, Sewn, merge, place};
-use crate::garment::{Interpolation, Units};
+use crate::garment::{Elements, Interpolation, Units};
 use crate::usd::names;
 use crate::usd::read::bindings::resolve_inherited;
 use crate::usd::read::facts::{material_paths, materials};
@@ -49,7 +49,8 @@ pub fn sewn(
     let space = transforms(&prim_at(stage, &parent)?, time)?.to_world;
     let to_space = to_space(&panels, &parent, space)?;
     check_skinning(&panels, &to_space)?;
-    let mut warnings: Warnings = panels.iter().flat_map(|panel| panel.warnings.iter().cloned()).collect();
+    let of_panels = panels.iter().flat_map(|panel| panel.warnings.iter().cloned());
+    let mut warnings: Warnings = of_panels.map(with_faces_in_words).collect();
     let mut declarations = declarations(&panels);
     let (carried, unlike) = warnings.absorb(shared_properties(&panels));
     let mut meshes = Vec::with_capacity(panels.len());
@@ -216,6 +217,15 @@ fn moves(record: &Record, panel: &str) -> Option<Warning> {
     let is_moving = record.name.starts_with(names::XFORM_OP) && samples.len() > 1;
     let why = "the panels are sewn together at one time; move the prim above them";
     is_moving.then(|| Warning::not_carried(format!("the motion of {panel}.{}", record.name), why))
+}
+
+/// Faces that a panel names twice as words, as the faces of the garment have other numbers.
+fn with_faces_in_words(warning: Warning) -> Warning {
+    if warning.code != Code::RepeatedPoints {
+        return warning;
+    }
+    let problem = format!("{}: {}", warning.elements.in_words(usize::MAX), warning.problem);
+    Warning { problem, elements: Elements::Faces(Vec::new()), ..warning }
 }
 
 /// The records of the subsets of all panels.

@@ -1,7 +1,7 @@
 //! Finding and opening the files of a stage.
 
 use super::content::ReadFiles;
-use super::text::{Readable, readable};
+use super::text::{Readable, Refused, readable};
 use crate::files::{read, require_file, require_memory};
 use crate::usd::assets::{BY_CONTENT, file_path, normalized, same_file};
 use openusd::ar::{self, DefaultResolver, ResolvedPath, Resolver};
@@ -30,15 +30,15 @@ pub fn is_text(bytes: &[u8]) -> bool {
 /// The bytes of a layer in a form that the library reads.
 ///
 /// # Errors
-/// A text of too many levels, with two numbers where one is, or with letters beyond ASCII that cannot be parsed.
+/// A text of too many levels, with what OpenUSD refuses, or with letters beyond ASCII that cannot be parsed.
 pub fn readable_layer(bytes: Vec<u8>) -> io::Result<Vec<u8>> {
     if !is_text(&bytes) {
         return Ok(bytes);
     }
     check_levels(&bytes)?;
     match readable(&bytes) {
-        Readable { missing_comma: Some(line), .. } => {
-            Err(io::Error::other(format!("line {line} has two numbers without a comma between them")))
+        Readable { refused: Some(Refused { line, what }), .. } => {
+            Err(io::Error::other(format!("line {line} has {what}")))
         }
         Readable { text, letters: Some(letters), .. } => letters.encode(&text),
         Readable { text: Cow::Owned(text), .. } => Ok(text),

@@ -5,6 +5,7 @@
 
 use super::letters::Letters;
 use std::borrow::Cow;
+use std::collections::HashSet;
 
 /// Versions of text layers begin with this.
 const VERSION: &[u8] = b"#usda 1.";
@@ -14,8 +15,18 @@ pub struct Readable<'a> {
     pub text: Cow<'a, [u8]>,
     /// Restores words that had letters beyond ASCII, if there were any.
     pub letters: Option<Letters>,
-    /// The line of two numbers without a comma between them. The library takes them for two values, and OpenUSD refuses them.
-    pub missing_comma: Option<usize>,
+    /// What OpenUSD refuses in the text, where the library reads it: two numbers without a comma between them, a path that a list has
+    /// twice.
+    pub refused: Option<Refused>,
+}
+
+/// A part of a text that OpenUSD refuses.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Refused {
+    /// Its line, from 1.
+    pub line: usize,
+    /// What the line has.
+    pub what: &'static str,
 }
 
 /// The text in words that the library reads.
@@ -28,19 +39,20 @@ pub fn readable(text: &[u8]) -> Readable<'_> {
         last: b'\n',
         begins: true,
         letters: None,
-        missing_comma: None,
+        listed: None,
+        refused: None,
     };
     scanner.version();
     while let Some(&byte) = text.get(scanner.at) {
         scanner.step(byte);
     }
     let line_of = |at: usize| 1 + text[..at].iter().filter(|&&byte| byte == b'\n').count();
-    let missing_comma = scanner.missing_comma.map(line_of);
+    let refused = scanner.refused.map(|(at, what)| Refused { line: line_of(at), what });
     if scanner.copied == 0 {
-        return Readable { text: Cow::Borrowed(text), letters: None, missing_comma };
+        return Readable { text: Cow::Borrowed(text), letters: None, refused };
     }
     scanner.out.extend_from_slice(&text[scanner.copied..]);
-    Readable { text: Cow::Owned(scanner.out), letters: scanner.letters, missing_comma }
+    Readable { text: Cow::Owned(scanner.out), letters: scanner.letters, refused }
 }
 
 /// Reads a text once, and copies what changes.
@@ -56,8 +68,10 @@ struct Scanner<'a> {
     begins: bool,
     /// Escapes letters beyond ASCII; none before the first of them.
     letters: Option<Letters>,
-    /// The first number that follows a number.
-    missing_comma: Option<usize>,
+    /// The paths of the list so far, each with its file before it; none outside of a list.
+    listed: Option<HashSet<&'a [u8]>>,
+    /// The first part that OpenUSD refuses, and what it is.
+    refused: Option<(usize, &'static str)>,
 }
 
 impl<'a> Scanner<'a> {
@@ -108,13 +122,14 @@ impl<'a> Scanner<'a> {
             _ => {
                 let begins_number = self.begins_number(byte);
                 if begins_number && self.last.is_ascii_digit() {
-                    self.missing_comma = self.missing_comma.or(Some(self.at));
+                    self.refuse(self.at, "two numbers without a comma between them");
                 }
                 match byte {
                     b'"' | b'\'' => self.string(byte),
-                    b'@' if self.rest().starts_with(b"@@@") => self.skip_to(3, b"@@@"),
-                    b'@' => self.skip_to(1, b"@"),
-                    b'<' => self.skip_to(1, b">"),
+                    b'@' => self.asset(),
+                    b'<' => self.path(self.at),
+                    b'[' => (self.at, self.listed) = (self.at + 1, Some(HashSet::new())),
+                    b']' | b'{' => (self.at, self.listed) = (self.at + 1, None),
                     b'0'..=b'9' => self.number(),
                     b'.' if self.peek(1).is_ascii_digit() => {
                         self.replace(0, b"0");
@@ -128,6 +143,35 @@ impl<'a> Scanner<'a> {
                 self.last = if begins_number && byte == b'.' { b'0' } else { byte };
                 self.begins = false;
             }
+        }
+    }
+
+    fn refuse(&mut self, at: usize, what: &'static str) {
+        self.refused = self.refused.or(Some((at, what)));
+    }
+
+    /// The name of a file, with the path in it if there is one.
+    fn asset(&mut self) {
+        let start = self.at;
+        match self.rest().starts_with(b"@@@") {
+            true => self.skip_to(3, b"@@@"),
+            false => self.skip_to(1, b"@"),
+        }
+        if self.peek(0) == b'<' {
+            self.path(start);
+        }
+    }
+
+    /// A path, from where its file or itself begins. A list may not have one twice, unless an offset in parentheses follows.
+    fn path(&mut self, start: usize) {
+        self.skip_to(1, b">");
+        let item = &self.text[start..self.at];
+        let next = self.rest().iter().find(|byte| !byte.is_ascii_whitespace());
+        // A file that is named before, and a space.
+        let is_part = self.last == b'@';
+        let is_again = |listed: &mut HashSet<_>| !is_part && next != Some(&b'(') && !listed.insert(item);
+        if self.listed.as_mut().is_some_and(is_again) {
+            self.refuse(start, "a path that its list has already");
         }
     }
 
@@ -243,7 +287,27 @@ mod tests {
             ("a2 = { 1: 1e-5, # 2 3\n5: [1, -2], 6: \"7 8\" }", None),
             ("over \"a\" { float b2.timeSamples = { 1: 2, 3: 4 } }", None),
         ] {
-            assert_eq!(readable(text.as_bytes()).missing_comma, expected, "{text}");
+            let refused = readable(text.as_bytes()).refused;
+            assert_eq!(refused.map(|refused| refused.line), expected, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_list_has_a_path_once() {
+        for (text, expected) in [
+            ("rel a = [\n    </A>,\n    </A>\n]", Some(3)),
+            ("prepend rel a = [</A>, </B>, </A>,]", Some(1)),
+            ("float a.connect = [</A.b>, </A.b>]", Some(1)),
+            ("references = [@a.usda@</A>, @a.usda@</A>]", Some(1)),
+            ("rel a = [</A>, </B>]\nrel b = [</A>, </B>]", None),
+            ("references = [@a.usda@</A>, @b.usda@</A>, </A>]", None),
+            ("references = [</A>, </A> (offset = 1)]", None),
+            ("references = [@a.usda@ </A>, @b.usda@ </A>]", None),
+            ("asset[] a = [@a.usda@, @a.usda@]", None),
+            ("inherits = [</A>]\nrelocates = { </B>: </C>, </A>: </D> }", None),
+        ] {
+            let refused = readable(text.as_bytes()).refused;
+            assert_eq!(refused.map(|refused| refused.line), expected, "{text}");
         }
     }
 

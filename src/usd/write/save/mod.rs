@@ -1,5 +1,6 @@
 //! Files: their formats, the check that they may be written, and writing them completely or not at all.
 
+mod indent;
 mod text;
 mod unfinished;
 

@@ -1,8 +1,9 @@
 //! Layers as text.
 //!
 //! The USD library writes a large float with all of its digits. They are replaced by the shortest number with an exponent that is read
-//! as the same value, as OpenUSD writes it.
+//! as the same value, as OpenUSD writes it. Dictionaries are indented as OpenUSD does.
 
+use super::indent::Indented;
 use crate::usd::write::crates::any;
 use bytemuck::cast_slice;
 use openusd::sdf::{Data, FormatError, Value};
@@ -22,6 +23,7 @@ const MOST_DIGITS: usize = 20;
 /// # Errors
 /// A value that text cannot hold, a failure of `out`.
 pub fn write_text<W: Write>(data: &Data, out: &mut W) -> Result<(), FormatError> {
+    let out = &mut Indented::new(out);
     // Nearly no layer has such floats, and looking at each letter takes as long as writing.
     let mut values = data.iter().flat_map(|(_, spec)| spec.fields.iter().map(|(_, value)| value));
     if !values.any(|value| any(value, &may_be_long)) {

@@ -109,10 +109,15 @@ pub fn temporary_beside(file: &Path) -> io::Result<Unfinished<NamedTempFile>> {
     {
         use std::os::unix::fs::PermissionsExt;
         // A new file has those of any; temporary files are private to their owner.
-        let mode = fs::metadata(file).map_or(0o666, |m| m.permissions().mode() & 0o777);
-        builder.permissions(fs::Permissions::from_mode(mode));
+        builder.permissions(fs::Permissions::from_mode(0o666));
     }
-    Unfinished::new(|| builder.tempfile_in(folder_of(file)))
+    let temporary = Unfinished::new(|| builder.tempfile_in(folder_of(file)))?;
+    // The mask of the process, which new files have, is not for one that is there.
+    if let Ok(there) = fs::metadata(file) {
+        // Some network drives keep none.
+        let _ = temporary.as_file().set_permissions(there.permissions());
+    }
+    Ok(temporary)
 }
 
 /// Writes a file completely or not at all. One that is there already is replaced only if `replace`; a link is followed.

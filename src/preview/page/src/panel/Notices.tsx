@@ -15,6 +15,7 @@ export function Banners() {
   return (
     <div class="banners" role="alert">
       {connection === "lost" && <Lost />}
+      <Kept />
       {viewFault && (
         <p class="banner">
           <Icon name="error" />
@@ -44,12 +45,40 @@ function Lost() {
   return (
     <p class="banner is-lost">
       <Icon name="warning" />
-      <span>The connection is lost. If the command has ended, start it again and open the address that it prints.</span>
+      <span>
+        The connection is lost. If the command has ended, start it again and open the address that it prints.
+        {unsaved && " It offers the unsaved edits again."}
+      </span>
       {unsaved && (
         <button type="button" class="button is-small" title="As the text of a .tailor file, for --recipe" onClick={copy}>
           Copy the unsaved edits
         </button>
       )}
+    </p>
+  );
+}
+
+/** Edits of an earlier preview of the garment. */
+function Kept() {
+  const store = useStore();
+  const kept = useSelect((state) => state.document.kept);
+  const isOpen = useSelect((state) => state.connection === "open");
+  if (!kept || !isOpen) return null;
+  const answer = (restore: boolean) => store.command({ type: "kept", time: kept.time, restore });
+  const time = new Date(kept.time).toLocaleString(undefined, { dateStyle: "medium", timeStyle: "short" });
+  return (
+    <p class="banner is-lost">
+      <Icon name="warning" />
+      <span>
+        Edits of {time} were not saved.
+        {!kept.isCurrent && " The options of the garment have changed since."}
+      </span>
+      <button type="button" class="button is-small" onClick={() => answer(true)}>
+        Restore
+      </button>
+      <button type="button" class="button is-small" onClick={() => answer(false)}>
+        Discard
+      </button>
     </p>
   );
 }

@@ -347,6 +347,12 @@ export type LookInfo = {
   colour: [number, number, number] | null,
   /** `roughness`, from 0 to 1. */
   roughness: number | null,
+/** Edits of an earlier preview that were not saved. */
+export type KeptEdits = {
+  /** The last change. [milliseconds since 1970] */
+  time: number,
+  /** True if the options below them are the same as then. */
+  isCurrent: boolean,
 };
 
 /** The header of a binary frame. */
@@ -399,6 +405,12 @@ export type PageMessage =
     gesture: string,
     /** The new edits. */
     edits: Options,
+  }
+  | { "type": "kept",
+    /** Their time. */
+    time: number,
+    /** True if they replace those of the document; they are forgotten otherwise. */
+    restore: boolean,
   }
   | { "type": "undo" }
   | { "type": "redo" }
@@ -639,6 +651,8 @@ export type StateMessage = {
   comparing: Before | null,
   /** The input of a build of what is on screen; null if it is not saved. */
   savedAs: string | null,
+  /** Edits of an earlier preview that were not saved, which the user may have back. */
+  kept: KeptEdits | null,
 };
 
 /** Times of the server for one frame. */
@@ -708,6 +722,7 @@ export type WarningCode =
   | "winding-disagreements"
   | "unused-points"
   | "degenerate-faces"
+  | "repeated-points"
   | "duplicate-faces"
   | "not-carried"
   | "far-from-origin"
@@ -724,6 +739,7 @@ export type WarningCode =
   | "thin-layer"
   | "bare-faces"
   | "set-renamed"
+  | "family-rule"
   | "intersections"
   | "repair-cut-short"
   | "operators-left-out"

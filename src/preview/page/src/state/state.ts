@@ -81,6 +81,7 @@ const EMPTY: Document = {
   unsaved: false,
   comparing: null,
   savedAs: null,
+  kept: null,
   merged: {},
   stack: [],
 };
