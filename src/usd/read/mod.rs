@@ -6,7 +6,6 @@ mod bindings;
 mod choose;
 mod diagnostics;
 mod facts;
-mod looks;
 mod mesh;
 mod meshes;
 mod model;
@@ -20,11 +19,11 @@ mod source;
 mod space;
 mod variants;
 
+#[cfg(feature = "preview")]
+pub use bindings::Look;
 pub use choose::all_prims;
 pub use diagnostics::{TailorPayloads, tailor_payloads};
 pub use facts::{Facts, InheritedPrimvar, MaterialBinding, TransformOp};
-#[cfg(feature = "preview")]
-pub use looks::Look;
 pub use meshes::{ProductNames, product_names};
 pub use model::{COMPOSITION, Model, Sewing, Sibling, SubsetRecord, layer_files, stage_metadata};
 pub use origin::{Files, StageOrigin, first_used};

@@ -1,9 +1,10 @@
 //! An opened garment.
 
+#[cfg(feature = "preview")]
+use super::bindings::{Look, looks};
 use super::choose::{all_prims, choose_mesh};
 use super::diagnostics::{in_words, remedy};
 use super::facts::{Facts, gather, material_paths, materials};
-use super::looks::{Look, looks};
 use super::mesh::read_mesh;
 use super::model::{KnownSurroundings, Model, Sewing};
 use super::origin::StageOrigin;
@@ -17,6 +18,7 @@ use crate::garment::{Garment, PrimvarInput, PrimvarRole};
 use crate::usd::{BuildRecord, on_large_stack};
 use openusd::usd::{Prim, PrimPredicate, Stage, TimeCode};
 use serde_json::{Map, Value as Json};
+#[cfg(feature = "preview")]
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -73,6 +75,7 @@ pub struct Source {
     pub(in crate::usd) garment: Result<Garment, Error>,
     pub(super) recipe: Result<Map<String, Json>, Error>,
     pub(super) facts: Facts,
+    #[cfg(feature = "preview")]
     pub(super) looks: BTreeMap<String, Look>,
     pub(super) warnings: Warnings,
     pub(super) records: Vec<(PathBuf, BuildRecord)>,
@@ -135,8 +138,17 @@ impl Source {
         let mut warnings = composition(stage, &model.origin.file);
         warnings.extend(of_mesh);
         let records = BuildRecord::in_layers(stage);
-        let (looks, seams) = (looks(stage, &bound), Vec::new());
-        let mut source = Self { model, garment, recipe, facts, looks, warnings, records, seams };
+        let mut source = Self {
+            model,
+            garment,
+            recipe,
+            facts,
+            #[cfg(feature = "preview")]
+            looks: looks(stage, &bound),
+            warnings,
+            records,
+            seams: Vec::new(),
+        };
         source.sew_itself(tolerance);
         Ok(source)
     }

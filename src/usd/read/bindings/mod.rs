@@ -1,9 +1,13 @@
 //! Materials that collections bind to a garment, as the direct bindings that its products need: a collection names the prims
-//! of the stage, and has no product.
+//! of the stage, and has no product. `looks` says how materials look.
 
 mod collection;
+#[cfg(feature = "preview")]
+mod looks;
 
 pub use collection::{COLLECTION, Collection};
+#[cfg(feature = "preview")]
+pub use looks::{Look, looks};
 
 use super::choose::with_ancestors;
 use super::model::Model;

@@ -5,9 +5,10 @@ use crate::error::{Code, Error, ErrorCode, Warning, Warnings};
 use crate::garment::sew::{Panel, Seams, Sewn, merge, place};
 use crate::garment::{Elements, Interpolation, Units};
 use crate::usd::names;
+#[cfg(feature = "preview")]
+use crate::usd::read::bindings::looks;
 use crate::usd::read::bindings::resolve_inherited;
 use crate::usd::read::facts::{material_paths, materials};
-use crate::usd::read::looks::looks;
 use crate::usd::read::model::{Model, Sewing, SubsetRecord, siblings};
 use crate::usd::read::primvars::{Declarations, read_primvar};
 use crate::usd::read::query::prim_at;
@@ -110,8 +111,17 @@ pub fn sewn(
     sewn.mesh.space = space_of(stage, &space)?;
     let bound = material_paths(&model, &facts);
     sewn.mesh.materials = materials(&bound);
-    let looks = looks(stage, &bound);
-    Ok(Source { model, garment: Ok(sewn.mesh), recipe, facts, looks, warnings, records, seams })
+    Ok(Source {
+        model,
+        garment: Ok(sewn.mesh),
+        recipe,
+        facts,
+        warnings,
+        records,
+        seams,
+        #[cfg(feature = "preview")]
+        looks: looks(stage, &bound),
+    })
 }
 
 /// The nearest prim above all panels.

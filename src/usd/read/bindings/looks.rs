@@ -1,6 +1,6 @@
 //! How materials look: the constants of their preview surfaces.
 
-use super::query::{prim_at, text_value, value};
+use crate::usd::read::query::{prim_at, text_value, value};
 use crate::usd::values::number;
 use openusd::sdf::{Path, Value};
 use openusd::usd::{Attribute, Prim, Stage};
