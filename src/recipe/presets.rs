@@ -37,7 +37,7 @@ impl Presets {
     /// Parses the text of the file at `path`, which errors name.
     ///
     /// # Errors
-    /// A text that is no recipe, with line and column; a recipe with other options than values of operators.
+    /// A text that is not a recipe, with line and column; a recipe with other options than values of operators.
     pub fn parse(path: &Path, text: &str) -> Result<Self, Error> {
         let fault = |text: String, remedy: &str| {
             Err(Error::recipe(path.display(), text).code(ErrorCode::RecipeFile).remedy(remedy))

@@ -39,7 +39,7 @@ export function removePreset(store: Store, kind: KindName, { name, values }: Pre
   store.toast({ text: `The preset “${name}” is removed`, action: { label: "Put back", act } });
 }
 
-/** Says how it went, but for a removal that was told at once. */
+/** Says how it went, but for a removal, which was announced at once. */
 export function notePreset(store: Store, { name, file, fault, removed }: PresetSavedMessage): void {
   if (fault) store.toast({ text: `“${name}” is not changed: ${fault.place} ${fault.text}. ${fault.remedy}` });
   else if (!removed) store.toast({ text: `The preset “${name}” is in ${file}` });
