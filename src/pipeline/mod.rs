@@ -27,7 +27,7 @@ pub use sim::baseline;
 
 use crate::error::{Code, Error, Warning, Warnings};
 use crate::garment::{FaceNumbers, Garment, Mesh, Scheme, Subset, check_garment, split_repeats};
-use crate::mesh::Elements;
+use crate::mesh::{Elements, FaceId};
 use crate::recipe::{Recipe, RecipeSets, Resolved, ResolvedSim};
 use crate::render::operator::Operator;
 use crate::render::{RenderResult, RenderSteps, Stack};

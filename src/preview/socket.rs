@@ -2,7 +2,9 @@
 
 use super::frame::{Sent, frame};
 use super::hub::{Hub, Snapshot, State};
-use super::messages::{BuildMessage, FaultsMessage, Origin, PageMessage, ProgressMessage, Role, ServerMessage, ShotMessage, View};
+use super::messages::{
+    BuildMessage, FaultsMessage, Origin, PageMessage, ProgressMessage, Role, ServerMessage, ShotMessage, View,
+};
 use super::save::{self, presets};
 use super::select::select;
 use super::stage::Stage;

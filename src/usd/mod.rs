@@ -23,9 +23,9 @@ pub use read::{
     Facts, InheritedPrimvar, MaterialBinding, PanelSeam, ProductNames, ReadOptions, Selection, Source, TailorPayloads,
     TransformOp, VariantSet, first_used, product_names, tailor_payloads, variants_of,
 };
-pub use shot::{DriveOptions, Driven, drive};
 #[cfg(feature = "preview")]
 pub(crate) use shot::{CacheFile, Playback};
+pub use shot::{DriveOptions, Driven, drive};
 #[cfg(feature = "preview")]
 pub(crate) use values::decimal;
 #[cfg(any(feature = "cli", feature = "preview"))]

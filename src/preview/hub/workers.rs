@@ -197,7 +197,11 @@ impl Hub {
 }
 
 /// The builder for a stage: the known one, or a new one.
-pub fn builder_for<'a>(known: &'a mut Known, stage: &Arc<Stage>, progress: impl FnOnce() -> Progress) -> &'a mut Builder {
+pub fn builder_for<'a>(
+    known: &'a mut Known,
+    stage: &Arc<Stage>,
+    progress: impl FnOnce() -> Progress,
+) -> &'a mut Builder {
     known.take_if(|(known, _)| !Arc::ptr_eq(known, stage));
     &mut known.get_or_insert_with(|| (Arc::clone(stage), stage.checks.sibling().with_progress(progress()))).1
 }

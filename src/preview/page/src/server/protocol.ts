@@ -339,6 +339,14 @@ export type Group = {
 /** The elements that carry a primvar's values. */
 export type Interpolation = "constant" | "uniform" | "varying" | "vertex" | "faceVarying";
 
+/** Edits of an earlier preview that were not saved. */
+export type KeptEdits = {
+  /** The last change. [milliseconds since 1970] */
+  time: number,
+  /** True if the options below them are the same as then. */
+  isCurrent: boolean,
+};
+
 /** The constants of the preview surface of a material. Those of a texture are null. */
 export type LookInfo = {
   /** The face set with the material; empty for the mesh. */
@@ -347,12 +355,6 @@ export type LookInfo = {
   colour: [number, number, number] | null,
   /** `roughness`, from 0 to 1. */
   roughness: number | null,
-/** Edits of an earlier preview that were not saved. */
-export type KeptEdits = {
-  /** The last change. [milliseconds since 1970] */
-  time: number,
-  /** True if the options below them are the same as then. */
-  isCurrent: boolean,
 };
 
 /** The header of a binary frame. */
@@ -439,6 +441,10 @@ export type PageMessage =
   | { "type": "plan",
     /** The file. */
     path: string,
+  }
+  | { "type": "pose",
+    /** Its number, from 0; null for the meshes at bind. */
+    frame: number | null,
   }
   | { "type": "build",
     /** The output. */
@@ -591,6 +597,7 @@ export type ServerMessage =
   | { "type": "product" } & ProductMessage
   | { "type": "cloth" } & ClothMessage
   | { "type": "build" } & BuildMessage
+  | { "type": "shot" } & ShotMessage
   | { "type": "progress" } & ProgressMessage
   | { "type": "selection" } & SelectionMessage
   | { "type": "save" } & SaveMessage
@@ -614,6 +621,20 @@ export type SetKind = "face" | "edge" | "point";
 
 /** How bad a warning is, the worst first. */
 export type Severity = "fault" | "quality" | "note";
+
+/** The cache that is played, after it was opened and after each frame. */
+export type ShotMessage = {
+  /** The file. */
+  file: string,
+  /** Times of its frames. [time codes] */
+  times: Array<number>,
+  /** Frames of a second. */
+  rate: number,
+  /** The frame that is shown; null for the meshes at bind. */
+  frame: number | null,
+  /** Why it cannot be played. */
+  fault: Fault | null,
+};
 
 /** An operator with its place in the order. */
 export type Stacked = {
