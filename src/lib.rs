@@ -88,7 +88,7 @@ pub use pipeline::{
     SimUpdate, Timing, build,
 };
 pub use recipe::Recipe;
-pub use render::{FoldOptions, RenderOptions, SeamOptions, Side};
+pub use render::{FoldOptions, RenderOptions, RowSide, SeamOptions, Side};
 pub use sim::{Relaxation, SimOptions};
 
 /// Operators of your own for the render mesh.

@@ -59,7 +59,7 @@ pub enum Code {
     AreaChanged,
     /// Face subsets are too small for the triangles of the simulation mesh.
     SetsBlurred,
-    /// A seam is narrower than its width.
+    /// A seam is narrower than its width, or lacks a row.
     NarrowSeam,
     /// A seam is pushed less than its offset.
     ShallowSeam,

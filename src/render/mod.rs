@@ -5,7 +5,7 @@
 //! raised. `points` holds heights within the clearance to other layers, and `repair` lowers heights where faces would
 //! intersect or flip against the `reference` normals of the first cage. Attributes
 //! follow the derivation by the code that refinement uses. Seams and hems share the insertion of `lines` beside marked
-//! edges. `stack` runs all of it: folds on the cage, then seams on the refined cage.
+//! edges. `parallels` cuts rows of stitches at a distance from such edges. `stack` runs all of it: folds on the cage, then seams on the refined cage.
 //!
 //! # A new operator
 //!
@@ -23,6 +23,7 @@ mod fold;
 mod lines;
 pub mod operator;
 mod options;
+mod parallels;
 mod placement;
 mod points;
 mod reference;
@@ -34,7 +35,7 @@ mod tests;
 
 pub use fold::{FoldOptions, Side};
 pub use options::{OperatorOptions, RenderOptions};
-pub use seam::SeamOptions;
+pub use seam::{RowSide, SeamOptions};
 pub use stack::{Origins, RenderResult, RenderSteps, Stack};
 
 use crate::error::{Code, Error, ErrorCode, Warning, Warnings};

@@ -37,6 +37,11 @@ pub trait Operator: Any + Send + Sync {
         None
     }
 
+    /// The operators that do its work one after the other; none if it does its work itself, as by default.
+    fn parts(&self) -> Vec<Arc<dyn Operator>> {
+        Vec::new()
+    }
+
     /// The new connectivity and its controls.
     ///
     /// # Errors

@@ -17,7 +17,8 @@ options! {
         /// Operators in the order they run, such as seam.placket; empty is all folds by name, then all seams by name
         "operators" operators: Vec<String> = Vec::new(), Domain::Operators, "names of operators";
 
-        /// Add face sets of the faces that each operator creates, with its name followed by _seam, _hem or _inner
+        /// Add face sets of the faces that each operator creates, with its name followed by _seam, _rows, _hem
+        /// or _inner
         "faceSets" face_sets: bool = false, Domain::Flag, "true or false";
     }
 }

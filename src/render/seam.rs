@@ -14,69 +14,32 @@
 //! Consecutive seams of the stack form one network: they intersect, meet and share clearance as equals. Left is the
 //! left-hand side of a walker along the chain with the normals up. The direction of a chain is that of most of its
 //! authored edges.
+//!
+//! A seam may have rows at a distance from its edges (`rows`). They are made before the seams on edges, one operator for each
+//! seam.
 
 mod chains;
 mod heights;
+mod options;
+mod profile;
+mod reports;
 mod room;
+mod rows;
 
 use super::lines::{self, LineRequest, LineVertex, Lines, NarrowVertex};
 use super::operator::{Control, ControlRole, Operator, OperatorInput, OperatorOutput, REPORTED};
 use super::options::OperatorOptions;
 use crate::error::{Code, Error, Warning, Warnings};
-use crate::garment::{Elements, Mesh, Orientation, Subset};
+use crate::garment::{Mesh, Orientation, Subset};
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
-use crate::options::{Domain, LARGEST, options};
 use chains::Network;
 use heights::{Part, SeamLine};
+pub use options::{RowSide, SeamOptions};
+use reports::shallow_seam;
+use rows::Rows;
 use std::any::Any;
 use std::collections::BTreeSet;
 use std::sync::Arc;
-
-/// Smallest share of the width on one side. At full asymmetry it separates the lines and keeps the steep flank from
-/// flipping.
-const MIN_SIDE_SHARE: f32 = 0.05;
-
-/// A height of either sign.
-const HEIGHT: Domain = Domain::Length { usual: [-0.2, 0.2], automatic: 0.0, largest: LARGEST };
-
-options! {
-    /// A seam of the render mesh along edge sets, as a groove or a ridge. Left and right refer to the direction in which
-    /// most of the edges were authored, with the normals up.
-    "seam" => SeamOptions {
-        /// False to leave the seam out and keep its options
-        "enabled" enabled: bool = true, Domain::Flag, "true or false";
-
-        /// Edge subsets of this mesh that the seam follows; they may be closed, end inside the mesh, and meet at junctions
-        "edges" edges: Vec<String> = Vec::new(), Domain::Sets { of: &["edge"], required: true }, "names of subsets";
-
-        /// Width of the seam, reduced where the faces beside it are too small; 0 is a quarter of the mesh's mean edge
-        /// length
-        "width" width: f32 = 0.0, Domain::Length { usual: [0.0, 1.0], automatic: 0.25, largest: LARGEST },
-            "mesh units" via "crate::garment::units::deserialize_length";
-
-        /// Bulge of the flanks along the normal, a third of the way from the centre to the edge of the seam; above 0 puffs
-        /// the cloth up, below 0 hollows it out, 0 is a straight slope
-        "depth" depth: f32 = 0.0, HEIGHT, "mesh units" via "crate::garment::units::deserialize_length";
-
-        /// Offset of the centre along the normal, reduced where another layer of cloth is near; below 0 is a groove, above
-        /// 0 a ridge
-        "normalOffset" normal_offset: f32 = 0.0, HEIGHT,
-            "mesh units" via "crate::garment::units::deserialize_length";
-
-        /// Distribution of the width, from -1 for most of it on the left to 1 for most on the right; the other side keeps
-        /// at least a twentieth
-        "asymmetry" asymmetry: f32 = 0.0,
-            Domain::Number { least: -1.0, most: Some(1.0), or_zero: true, usual: [-1.0, 1.0], step: 0.05 }, "-1 to 1";
-    }
-}
-
-impl SeamOptions {
-    /// Widths of the left and right side. \[mesh units\]
-    fn side_widths(&self) -> [f32; 2] {
-        let left = (0.5 * (1.0 - self.asymmetry)).clamp(MIN_SIDE_SHARE, 1.0 - MIN_SIDE_SHARE);
-        [self.width * left, self.width * (1.0 - left)]
-    }
-}
 
 impl OperatorOptions for SeamOptions {
     fn is_enabled(&self) -> bool {
@@ -102,13 +65,6 @@ struct Seams {
 }
 
 impl Seams {
-    /// The edges of a seam on the cage, in their authored direction.
-    fn edges(garment: &Mesh, options: &SeamOptions) -> Vec<[VertexId; 2]> {
-        let sets = options.edges.iter().filter_map(|name| garment.subset(name));
-        let edges = sets.filter_map(|set| if let Elements::Edges(edges) = &set.elements { Some(edges) } else { None });
-        edges.flatten().copied().collect()
-    }
-
     fn warn(&self, cage: &OperatorInput, network: &Network, narrowed: &[NarrowVertex]) -> Warnings {
         let mut warnings = Warnings::default();
         for (number, (name, _)) in self.seams.iter().enumerate() {
@@ -174,7 +130,7 @@ impl Seams {
         if !cage.names_sets {
             return (Vec::new(), Warnings::default());
         }
-        let width = Self::width_line();
+        let width = profile::WIDTH_LINE;
         let of = |(number, (name, _)): (usize, &(String, SeamOptions))| {
             let within = lines.strips.iter().filter(|s| s.line <= width && network.seam[s.mark] == Some(number));
             (format!("{name}_seam"), within.map(|s| s.face).collect())
@@ -209,11 +165,20 @@ impl Operator for Seams {
 
     /// Heights move points alone.
     fn has_same_output(&self, other: &dyn Operator) -> bool {
-        let flat = |(name, o): &(String, SeamOptions)| {
-            (name.clone(), SeamOptions { depth: 0.0, normal_offset: 0.0, ..o.clone() })
-        };
         let other = (other as &dyn Any).downcast_ref::<Self>();
-        other.is_some_and(|other| self.seams.iter().map(flat).eq(other.seams.iter().map(flat)))
+        other.is_some_and(|other| self.seams.iter().map(options::flat).eq(other.seams.iter().map(options::flat)))
+    }
+
+    /// The rows of each seam, then the seams on edges.
+    fn parts(&self) -> Vec<Arc<dyn Operator>> {
+        let of = |number: usize| Rows { seams: self.seams.clone(), number };
+        let with_rows = (0..self.seams.len()).filter(|&i| !self.seams[i].1.row_distances().is_empty());
+        let mut parts: Vec<Arc<dyn Operator>> = with_rows.map(|i| Arc::new(of(i)) as Arc<dyn Operator>).collect();
+        let on_edges: Vec<_> = self.seams.iter().filter(|(_, options)| options.offset == 0.0).cloned().collect();
+        if !parts.is_empty() && !on_edges.is_empty() {
+            parts.push(Arc::new(Self { seams: on_edges }));
+        }
+        parts
     }
 
     fn reach(&self, _: &Mesh) -> f32 {
@@ -226,7 +191,7 @@ impl Operator for Seams {
 
     fn apply(&self, cage: &OperatorInput) -> Result<OperatorOutput, Error> {
         super::refuse_loop(cage, &self.label())?;
-        let edges = self.seams.iter().map(|(_, options)| Self::edges(cage.garment, options)).collect::<Vec<_>>();
+        let edges = self.seams.iter().map(|(_, options)| options.edges_of(cage.garment)).collect::<Vec<_>>();
         let t = &cage.level.topology;
         let network = Network::new(t, &edges);
         let request = LineRequest {
@@ -238,8 +203,8 @@ impl Operator for Seams {
             ends: IdVec::filled(false, t.vertex_count()),
             taper_length: network.seam.iter().map(|seam| seam.map_or(0.0, |seam| self.seams[seam].1.width)).collect(),
             cuttable: IdVec::filled(true, t.faces.len()),
-            shares: Self::shares(),
-            kept_line: Self::width_line(),
+            shares: &profile::LINES,
+            kept_line: profile::WIDTH_LINE,
             is_even: true,
         };
         let lines = lines::insert(&request);
@@ -271,18 +236,8 @@ impl Operator for Seams {
             }
         }
         for (number, (name, _)) in self.seams.iter().enumerate() {
-            let here = shallow.iter().filter(|s| s.0 == number);
-            let (count, least) = (here.clone().count(), here.clone().map(|s| s.2).fold(1.0, f32::min));
-            if count > 0 {
-                let problem = format!(
-                    "its normalOffset is reduced at {count} vertices, down to {:.0} %, to clear another layer or an intersection",
-                    100.0 * least
-                );
-                let warning = Warning::new(Code::ShallowSeam, format!("seam.{name}"), problem);
-                let warning = warning.at(output.input_points(here.map(|s| s.1))).amount(least);
-                let remedy = format!("Move `seam.{name}.normalOffset` towards 0, or run folds after the seam");
-                warnings.push(warning.remedy(remedy));
-            }
+            let here = shallow.iter().filter(|s| s.0 == number).map(|s| (s.1, s.2));
+            warnings.extend(shallow_seam(name, output, here));
         }
         warnings
     }

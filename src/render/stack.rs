@@ -71,6 +71,11 @@ impl Stack {
             }
             stack.names.push(options.full_name(name));
         }
+        let parts = |operator: Arc<dyn Operator>| {
+            let parts = operator.parts();
+            if parts.is_empty() { vec![operator] } else { parts }
+        };
+        stack.operators = stack.operators.into_iter().flat_map(parts).collect();
         Ok(stack)
     }
 

@@ -37,6 +37,10 @@ SEAM = {
     "tailor:seam:x:depth": ("float", 0.0),
     "tailor:seam:x:normalOffset": ("float", 0.0),
     "tailor:seam:x:asymmetry": ("float", 0.0),
+    "tailor:seam:x:offset": ("float", 0.0),
+    "tailor:seam:x:side": ("token", "both"),
+    "tailor:seam:x:rows": ("int", 1),
+    "tailor:seam:x:rowGap": ("float", 0.0),
     "tailor:seam:x:enabled": ("bool", True),
 }
 FOLD = {

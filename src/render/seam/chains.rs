@@ -4,6 +4,7 @@
 //! gives a seam its left and right.
 
 use crate::mesh::{EdgeId, IdVec, Topology, VertexId};
+use crate::render::parallels::Chain;
 
 /// The edges of all seams.
 pub struct Network {
@@ -120,6 +121,44 @@ impl Network {
         }
     }
 
+    /// The chains, each with its edges in its direction.
+    pub fn chains(&self, t: &Topology) -> Vec<Chain> {
+        let mut visited = IdVec::filled(false, t.edges.len());
+        let mut chains = Vec::new();
+        // A closed chain begins at any edge, once all others have begun at their first one.
+        for is_closed in [false, true] {
+            for first in t.edges.ids().filter(|&e| self.seam[e].is_some()) {
+                if visited[first] || !is_closed && self.neighbour(t, first, self.start[first]).is_some() {
+                    continue;
+                }
+                let (mut edges, mut next) = (Vec::new(), Some(first));
+                while let Some(edge) = next.filter(|&e| !std::mem::replace(&mut visited[e], true)) {
+                    edges.push((edge, self.start[edge]));
+                    next = self.neighbour(t, edge, self.head(edge));
+                }
+                let ends = [self.start[first], edges.last().map_or(self.start[first], |&(edge, _)| self.head(edge))];
+                chains.push(Chain { edges, fades: ends.map(|end| !is_closed && self.tapers[end]) });
+            }
+        }
+        chains
+    }
+
+    /// The vertex where an edge ends in the direction of its chain.
+    fn head(&self, edge: EdgeId) -> VertexId {
+        let [a, b] = self.ends[edge];
+        if a == self.start[edge] { b } else { a }
+    }
+
+    /// The other edge of the chain at an end of an edge.
+    fn neighbour(&self, t: &Topology, edge: EdgeId, at: VertexId) -> Option<EdgeId> {
+        let here: Vec<EdgeId> = self.seam_edges_at(t, at).filter(|&e| self.seam[e] == self.seam[edge]).collect();
+        match *here.as_slice() {
+            [x, y] if x == edge => Some(y),
+            [x, y] if y == edge => Some(x),
+            _ => None,
+        }
+    }
+
     /// Follows a chain from the vertex `at` of an edge, forwards if `is_ahead` and else backwards.
     fn walk(
         &self,
@@ -130,12 +169,7 @@ impl Network {
         starts: &mut Vec<(EdgeId, VertexId)>,
     ) {
         loop {
-            let here: Vec<EdgeId> = self.seam_edges_at(t, at).filter(|&e| self.seam[e] == self.seam[edge]).collect();
-            let next = match *here.as_slice() {
-                [x, y] if x == edge => y,
-                [x, y] if y == edge => x,
-                _ => return,
-            };
+            let Some(next) = self.neighbour(t, edge, at) else { return };
             if std::mem::replace(&mut visited[next], true) {
                 return;
             }

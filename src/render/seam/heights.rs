@@ -5,10 +5,8 @@
 //! their depths.
 
 use super::Seams;
+use super::profile::WIDTH_LINE;
 use crate::render::operator::ControlRole;
-
-/// Lines of each side as shares of its width: two on the flank, one at the width, and the support loop outside.
-const LINES: [f32; 4] = [1.0 / 3.0, 2.0 / 3.0, 1.0, 4.0 / 3.0];
 
 /// A line of a seam.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,16 +52,6 @@ impl Part {
 }
 
 impl Seams {
-    /// Lines of each side as shares of its width.
-    pub const fn shares() -> &'static [f32] {
-        &LINES
-    }
-
-    /// Index of the line at the width. Lines before it are on the flank.
-    pub const fn width_line() -> usize {
-        LINES.len() - 2
-    }
-
     /// The height of a part, and the seam that defines it.
     pub fn height(&self, part: &Part) -> (f32, usize) {
         let own = |strand: SeamLine| (self.profile(strand), strand.seam);
@@ -80,12 +68,7 @@ impl Seams {
 
     /// The height of a seam's line over the surface.
     fn profile(&self, SeamLine { seam, line }: SeamLine) -> f32 {
-        let options = &self.seams[seam].1;
-        match line {
-            None => options.normal_offset,
-            Some(0) => (1.0 - LINES[0]) * options.normal_offset + options.depth,
-            _ => 0.0,
-        }
+        self.seams[seam].1.profile(line)
     }
 
     /// The height where a line of one seam crosses that of another which goes through.
@@ -102,9 +85,9 @@ impl Seams {
         let taken = (its.0.min(offset), its.1);
         let within = if through.line.is_some() && taken.0 > own.0.max(0.0) { taken } else { own };
         match through.line {
-            Some(line) if line > Self::width_line() => its,
+            Some(line) if line > WIDTH_LINE => its,
             // Between, the other one is halfway: it would be a step if it rose from one line to the next.
-            Some(line) if line == Self::width_line() => (0.5 * (within.0 + its.0), its.1),
+            Some(line) if line == WIDTH_LINE => (0.5 * (within.0 + its.0), its.1),
             _ => within,
         }
     }

@@ -1,6 +1,6 @@
 //! How fine a cage may be beside a seam: its lines need room in the faces there.
 
-use super::{SeamOptions, Seams};
+use super::options::SeamOptions;
 use crate::garment::Mesh;
 use crate::mesh::{IdVec, Topology, VertexId};
 use crate::subdivide::edges_at;
@@ -15,7 +15,7 @@ const MAX_SHORT: [f32; 2] = [0.5, 0.2];
 pub fn levels(garment: &Mesh, t: &Topology, options: &SeamOptions) -> u32 {
     let mut is_end = IdVec::filled(false, t.vertex_count());
     let mut is_seam = IdVec::filled(false, t.edges.len());
-    for [a, b] in Seams::edges(garment, options) {
+    for [a, b] in options.edges_of(garment) {
         let Some(edge) = t.find_edge(a, b) else { continue };
         (is_seam[edge], is_end[a], is_end[b]) = (true, true, true);
     }

@@ -8,6 +8,7 @@ mod locality;
 mod on_garments;
 mod operators;
 mod referee;
+mod rows;
 mod stacks;
 mod surface;
 mod work;

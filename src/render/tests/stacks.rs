@@ -193,6 +193,11 @@ fn options_of(operators: &[(bool, &str, f32, f32, f32)]) -> Vec<String> {
             options.push(format!("seam.o{i}.normalOffset={offset}"));
             options.push(format!("seam.o{i}.asymmetry={more}"));
             options.push(format!("seam.o{i}.depth={}", if *more > 0.0 { 0.02 } else { 0.0 }));
+            if *more > 0.3 || *size > 0.5 {
+                options.push(format!("seam.o{i}.rows={}", if *more > 0.0 { 2 } else { 1 }));
+                options.push(format!("seam.o{i}.offset={}", if *size > 0.3 { 1.7 * size } else { 0.0 }));
+                options.push(format!("seam.o{i}.side={}", if *offset > 0.0 { "both" } else { "left" }));
+            }
         }
         order.push(format!("o{i}"));
     }
@@ -276,6 +281,8 @@ fn the_same_bytes_at_every_thread_count() {
         "seam.s.edges=row,column",
         "seam.s.normalOffset=-0.05",
         "seam.s.width=1.6",
+        "seam.s.rows=2",
+        "seam.s.rowGap=2.7",
         "fold.t.faces=half",
         "fold.t.thickness=1.5",
         "render.level=1",
