@@ -318,7 +318,7 @@ export class Store {
     this.update({ garment: garmentOf(garment) });
     this.selector.renew();
     this.view?.setUp(garment.upAxis);
-    this.view?.setLooks(garment.looks ?? [], garment.metersPerUnit);
+    this.view?.setGarment(garment);
     document.title = `${garment.file} · usdtailor`;
     // The garment may no longer have the primvar that heat shows.
     this.#show({});

@@ -1,7 +1,7 @@
 // The interface of the view. `view/index.ts` implements it.
 
 import type { MeshFrame } from "../server/frame";
-import type { Elements, LookInfo, Role, SetInfo, UpAxis } from "../server/protocol";
+import type { Elements, GarmentMessage, Role, SetInfo, UpAxis } from "../server/protocol";
 
 /** A side from which the garment is seen. */
 export type Side = "front" | "side" | "back" | "top" | "three-quarter";
@@ -96,8 +96,8 @@ export interface View {
   setOptions(options: ViewOptions): void;
   /** Up axis of the stage; the camera stands upright on it. */
   setUp(axis: UpAxis): void;
-  /** Looks of the model's materials, and metres in one of its units. */
-  setLooks(looks: LookInfo[], metersPerUnit: number): void;
+  /** Looks of the model's materials, its sets, which get their colours, and metres in one of its units. */
+  setGarment(garment: Pick<GarmentMessage, "looks" | "sets" | "metersPerUnit">): void;
   /** Moves the camera so that the marked or highlighted elements, or else everything, fill the view. */
   frame(): void;
   /** Moves the camera to a side of the garment, with all of it in view; flat panels have one side. */
@@ -114,6 +114,8 @@ export interface View {
   isolate(what: Isolated | null): boolean;
   /** The colour of a set, as CSS, so that the panel shows the same. */
   colourOf(set: string): string;
+  /** Edge sets with a line on the meshes that are shown, sorted by name. */
+  edgeSets(): string[];
   /** The picture at rest as PNG at the device's resolution. */
   screenshot(): Promise<Blob>;
   /** The view as PNG of a size in pixels, without the ground and what is behind it. */

@@ -7,7 +7,7 @@ import type { Isolated, Marked, Picked, PickHow, Side, View, ViewEvents, ViewOpt
 import { isInView, poseFromHere, poseOfAll, poseOfMarks, poseOfSets } from "./camera/aims";
 import type { Aim, Sight } from "./camera/aims";
 import { Cloth } from "./mesh/cloth";
-import { css, setColour } from "./shade/colours";
+import { css, placeSets, setColour, sortSets } from "./shade/colours";
 import { Hover } from "./hover";
 import { listen } from "./input";
 import type { Place } from "./input";
@@ -24,7 +24,7 @@ import { clearPicture, film } from "./rest/pictures";
 import { Still } from "./rest/still";
 import { elementsOfSet, shapesOf } from "./mesh/shapes";
 import type { Elements as AnyElements } from "./mesh/shapes";
-import { facesAt, panelsOf } from "./mesh/panels";
+import { CUTS, facesAt, panelsOf } from "./mesh/panels";
 import { Stage } from "./stage";
 import { Uploads } from "./uploads";
 
@@ -126,10 +126,14 @@ class CanvasView implements View {
     this.#invalidate();
   }
 
-  setLooks(looks: LookInfo[], metersPerUnit: number): void {
-    this.#looks = looks;
+  setGarment({ looks, sets, metersPerUnit }: Parameters<View["setGarment"]>[0]): void {
+    this.#looks = looks ?? [];
+    placeSets([...sets, { name: CUTS, kind: "edge" }]);
     this.#stage.setUnit(metersPerUnit);
-    for (const cloth of this.#stage.cloths.values()) cloth.setLooks(looks);
+    for (const cloth of this.#stage.cloths.values()) {
+      cloth.setLooks(this.#looks);
+      cloth.recolour();
+    }
     this.#invalidate();
   }
 
@@ -201,6 +205,11 @@ class CanvasView implements View {
 
   colourOf(set: string): string {
     return css(setColour(set));
+  }
+
+  edgeSets(): string[] {
+    const names = new Set(this.#shown.flatMap((cloth) => cloth.drawnEdgeSets()));
+    return sortSets([...names].map((name) => ({ name, kind: "edge" as const }))).map(({ name }) => name);
   }
 
   screenshot(): Promise<Blob> {

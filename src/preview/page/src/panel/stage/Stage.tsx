@@ -4,7 +4,7 @@ import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import { setsOf } from "../../state/recipe";
 import { useSelect, useStore } from "../controls/hooks";
 import { ColumnLabels } from "./ColumnLabels";
-import { Legend } from "./Legend";
+import { Legends } from "./Legend";
 import { PickPopover } from "./PickPopover";
 import { ScrubBar } from "./ScrubBar";
 import { SelectionBar } from "./SelectionBar";
@@ -33,7 +33,7 @@ export function Stage() {
       <Progress />
       <ToolBar />
       <SideBar />
-      <Legend />
+      <Legends />
       <HoverLabel />
       <PickPopover />
       <SelectionBar />

@@ -107,6 +107,18 @@ export class Cloth {
     this.#paintLooks();
   }
 
+  /** The colours of sets are others. */
+  recolour(): void {
+    this.#paintPalette();
+    this.#paintSets();
+  }
+
+  /** Names of the edge sets that have a line. */
+  drawnEdgeSets(): string[] {
+    const drawn = new Set(edgeClasses(this.edges, this.sets, new Set()));
+    return this.sets.filter(({ kind, edgeClass }) => kind === "edge" && drawn.has(edgeClass)).map(({ name }) => name);
+  }
+
   highlight(names: ReadonlySet<string>): void {
     const had = this.sets.some((set) => this.#highlighted.has(set.name));
     const has = this.sets.some((set) => names.has(set.name));
@@ -166,8 +178,7 @@ export class Cloth {
     if (header.sets) {
       this.sets = readSets(header.sets, frame.u32("elements"));
       this.membership = new Membership(this.sets, this.edges);
-      (this.#palette.image.data as Uint8Array).set(palette(this.sets));
-      this.#palette.needsUpdate = true;
+      this.#paintPalette();
       this.#paintLooks();
       this.#paintSets();
     }
@@ -205,6 +216,11 @@ export class Cloth {
   #paintLooks(): void {
     fillLooks(this.#lookTexture.image.data as Uint8Array, this.sets, this.#looks);
     this.#lookTexture.needsUpdate = true;
+  }
+
+  #paintPalette(): void {
+    (this.#palette.image.data as Uint8Array).set(palette(this.sets));
+    this.#palette.needsUpdate = true;
   }
 
   #paintSets(): void {

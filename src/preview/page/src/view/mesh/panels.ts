@@ -5,7 +5,7 @@ import { ownerOf } from "./shapes";
 import type { Elements } from "./shapes";
 
 /** The set of edges where the UV set is cut, which the server adds. */
-const CUTS = "UV seams";
+export const CUTS = "UV seams";
 
 /** The faces of the model in the panels of some of them; without UVs, in their connected pieces. */
 export function panelsOf(model: Cloth, seeds: ReadonlySet<number>): Set<number> {

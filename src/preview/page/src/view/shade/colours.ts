@@ -1,5 +1,7 @@
 // The colours of the view. Those of sets are equally light, and neighbours in the list differ in hue.
 
+import type { PickedSet } from "../api";
+
 export type Rgb = readonly [number, number, number];
 export type Theme = "light" | "dark";
 
@@ -30,21 +32,33 @@ export const OVERLAYS: Record<string, Rgb> = {
 
 const GOLDEN_ANGLE = 137.508;
 
-/** Numbers of sets in the order in which their names were first seen, for the whole life of the page. */
-const numbers = new Map<string, number>();
+const KINDS = ["edge", "face", "point"];
+const BY_NAME = new Intl.Collator("en", { numeric: true });
 
-export function setNumber(name: string): number {
-  const known = numbers.get(name);
-  if (known !== undefined) return known;
-  numbers.set(name, numbers.size);
-  return numbers.size - 1;
+/** Places of the garment's sets in its sorted list. */
+let places = new Map<string, number>();
+
+/** Gives the sets of a garment their colours, which follow from the list alone and so are the same in every run. */
+export function placeSets(sets: readonly PickedSet[]): void {
+  places = new Map(sortSets(sets).map(({ name }, place) => [name, place]));
 }
 
-/** The colour of a set. [sRGB] */
+/** By kind, then by name. */
+export function sortSets<T extends PickedSet>(sets: readonly T[]): T[] {
+  const kind = (set: T) => KINDS.indexOf(set.kind);
+  return [...sets].sort((a, b) => kind(a) - kind(b) || BY_NAME.compare(a.name, b.name));
+}
+
+/** The colour of a set. That of a set which a build made follows from its name. [sRGB] */
 export function setColour(name: string): Rgb {
-  const number = setNumber(name);
+  const number = places.get(name) ?? numberOf(name);
   const light = [0.72, 0.66, 0.78][number % 3];
   return oklch(light, number % 2 ? 0.115 : 0.14, 25 + number * GOLDEN_ANGLE);
+}
+
+/** A number below 360. */
+function numberOf(name: string): number {
+  return [...name].reduce((sum, letter) => (31 * sum + (letter.codePointAt(0) ?? 0)) % 360_007, 7) % 360;
 }
 
 export function css(colour: Rgb): string {
