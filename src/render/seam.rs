@@ -267,6 +267,7 @@ fn seams_at(output: &OperatorOutput, faces: &[FaceId]) -> BTreeSet<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::Elements;
     use crate::contact::UNBOUNDED;
     use crate::mesh::Faces;
     use crate::subdivide::{Derivation, Level};
