@@ -267,8 +267,8 @@ fn seams_at(output: &OperatorOutput, faces: &[FaceId]) -> BTreeSet<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::Elements;
     use crate::contact::UNBOUNDED;
+    use crate::mesh::Elements;
     use crate::mesh::Faces;
     use crate::subdivide::{Derivation, Level};
     use glam::Vec3;

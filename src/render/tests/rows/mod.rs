@@ -1,12 +1,12 @@
 //! Rows of stitches beside seams: at their distance along the surface, around corners, to the end of the cloth.
 
-use super::cloth::{checked, faces_in, limit, path, sheet, tube};
-use super::crossings::crossing_parents;
-use super::on_garments::{load, parents};
 use crate::error::Code;
 use crate::garment::{Elements, Mesh};
 use crate::mesh::{Topology, VertexId};
 use crate::pipeline::mean_edge_length;
+use crate::render::tests::cloth::{checked, faces_in, limit, path, sheet, tube};
+use crate::render::tests::crossings::crossing_parents;
+use crate::render::tests::on_garments::{load, parents};
 use crate::testing::operators::rendered;
 use crate::testing::sheets::with_edges;
 use glam::Vec3;
