@@ -120,6 +120,10 @@ export interface View {
   clearPicture(width: number, height: number): Promise<Blob>;
   /** The garment as it turns once about itself, as WebM. The camera is back where it was then. */
   turntable(seconds: number): Promise<Blob>;
+  /** How many values of the mesh that heat is of are in each of equal parts of its scale; null without values. */
+  histogram(parts: number): number[] | null;
+  /** Flies to the face with the worst quality that heat shows. Returns whether a mesh on view has one. */
+  flyToWorst(): boolean;
   stats(role: Role): ViewStats | null;
   /** Samples in the picture on the canvas: 0 while anything changes. */
   samples(): number;

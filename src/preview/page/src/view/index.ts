@@ -11,7 +11,7 @@ import { css, placeSets, setColour, sortSets } from "./shade/colours";
 import { Hover } from "./hover";
 import { listen } from "./input";
 import type { Place } from "./input";
-import { columnAt, columns, sameColumns } from "./layout";
+import { columnAt, columns, largeOf, sameColumns } from "./layout";
 import type { Column } from "./layout";
 import type { Pose } from "./camera/motion";
 import { checksum } from "./mesh/points";
@@ -25,6 +25,7 @@ import { Still } from "./rest/still";
 import { elementsOfSet, shapesOf } from "./mesh/shapes";
 import type { Elements as AnyElements } from "./mesh/shapes";
 import { CUTS, facesAt, panelsOf } from "./mesh/panels";
+import { histogram, worstFace } from "./mesh/values";
 import { Stage } from "./stage";
 import { Uploads } from "./uploads";
 
@@ -243,6 +244,22 @@ class CanvasView implements View {
     return blob;
   }
 
+  histogram(parts: number): number[] | null {
+    const values = this.#valued?.values;
+    return values ? histogram(values, parts) : null;
+  }
+
+  flyToWorst(): boolean {
+    const cloth = this.#valued;
+    const face = cloth ? worstFace(cloth) : -1;
+    if (!cloth || face < 0) return false;
+    const role = this.options.roles.find((each) => this.#stage.cloths.get(each) === cloth) ?? "sim";
+    const aim = this.#aimAt(role, { faces: [face] });
+    const pose = aim && poseOfMarks(this.#sight, aim);
+    this.#flyTo(pose);
+    return pose !== null;
+  }
+
   stats(role: Role): ViewStats | null {
     const cloth = this.#stage.cloths.get(role);
     return cloth ? { points: cloth.pointCount, faces: cloth.faceCount, checksum: checksum(cloth.points) } : null;
@@ -293,6 +310,13 @@ class CanvasView implements View {
   /** Meshes that are drawn, with the solid one last. */
   get #shown(): Cloth[] {
     return this.options.roles.map((role) => this.#stage.cloths.get(role)).filter((cloth) => cloth !== undefined);
+  }
+
+  /** The mesh that heat is of: the large one, if it has values. */
+  get #valued(): Cloth | undefined {
+    const { roles } = this.options;
+    const ordered = [largeOf(this.options), ...roles].map((role) => this.#stage.cloths.get(role));
+    return ordered.find((cloth) => cloth?.values);
   }
 
   get #sight(): Sight {

@@ -1,21 +1,24 @@
 // A mesh on the graphics card. Triangles are static and point into textures, so that a frame with new positions sends
 // those only.
 
-import { BufferAttribute, BufferGeometry, Group, Mesh, Sphere, UnsignedByteType, Vector2 } from "three";
+import { BufferAttribute, BufferGeometry, Group, Mesh, Sphere, UnsignedByteType } from "three";
 import type { DataTexture, RawShaderMaterial } from "three";
 import type { MeshFrame } from "../../server/frame";
-import type { LookInfo, ValuesOf } from "../../server/protocol";
+import type { LookInfo } from "../../server/protocol";
 import { computeNormals } from "./normals";
 import type { Paint } from "../shade/paint";
 import { copyPoints } from "./points";
 import type { Box } from "./points";
 import { BORDER, CLASSES, HIDDEN } from "../shade/classes";
 import { edgeClasses, fillFaces, Membership, palette, readSets } from "./sets";
+import { scaleOf } from "../shade/heat";
 import { fillLooks } from "../shade/fabric";
 import { SetLines } from "./setLines";
 import { sourceOf } from "./sources";
 import type { ElementSet } from "./sets";
 import { byteTexture, floatTexture, integers, texture } from "./textures";
+import { sharesOf } from "./values";
+import type { MeshValues } from "./values";
 import { Edges, startsOf, triangulate } from "./topology";
 import type { Faces, Triangles } from "./topology";
 
@@ -39,6 +42,8 @@ export class Cloth {
   uvs: Float32Array = new Float32Array(0);
   /** The model's face of each face before refinement for display; null for the model. */
   sources: Uint32Array | null = null;
+  /** What heat shows. */
+  values: MeshValues | null = null;
   sets: ElementSet[] = [];
   membership: Membership;
   /** Faces of the model whose parts alone are drawn; null for all. */
@@ -183,8 +188,8 @@ export class Cloth {
       this.#paintSets();
     }
     const values = frame.f32("values");
-    if (header.values && values) this.#setValues(values, header.values.of, header.values.least, header.values.most);
-    if (header.values === null) this.#geometry.deleteAttribute("aValue");
+    if (header.values && values) this.#setValues({ ...header.values, numbers: values.slice() });
+    if (header.values === null) this.#dropValues();
     this.paint.uniforms.uHasValues.value = this.#geometry.hasAttribute("aValue");
   }
 
@@ -202,15 +207,21 @@ export class Cloth {
     }
   }
 
-  #setValues(values: Float32Array, of: ValuesOf, least: number, most: number): void {
+  #setValues(values: MeshValues): void {
+    this.values = values;
+    this.paint.uniforms.uAboutIdeal.value = scaleOf(values).isAboutIdeal;
+    const shares = sharesOf(values);
     const array = this.#attribute("aValue", 1);
     const { corners, faces } = this.triangles;
     for (let at = 0; at < corners.length; at++) {
       const corner = corners[at];
-      const index = { point: this.faces.corners[corner], corner, face: faces[(at / 3) | 0] }[of];
-      array[at] = values[index];
+      array[at] = shares[{ point: this.faces.corners[corner], corner, face: faces[(at / 3) | 0] }[values.of]];
     }
-    (this.paint.uniforms.uRange.value as Vector2).set(least, most);
+  }
+
+  #dropValues(): void {
+    this.values = null;
+    this.#geometry.deleteAttribute("aValue");
   }
 
   #paintLooks(): void {
