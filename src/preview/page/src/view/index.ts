@@ -19,6 +19,7 @@ import { describe, onFace, Picker, toCanvas, toDevice } from "./picking";
 import type { Spot } from "./picking";
 import { FlatRig, SIDES, SpaceRig, THREE_QUARTER } from "./camera/rig";
 import type { Rig } from "./camera/rig";
+import { Planner } from "./plan";
 import { Markers } from "./markers";
 import { clearPicture, film } from "./rest/pictures";
 import { Still } from "./rest/still";
@@ -60,6 +61,7 @@ class CanvasView implements View {
   #awaited = 0;
   readonly #uploads = new Uploads();
   readonly #still: Still;
+  readonly #planner = new Planner();
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
@@ -244,6 +246,10 @@ class CanvasView implements View {
     return blob;
   }
 
+  square(): number {
+    return this.#stage.square;
+  }
+
   histogram(parts: number): number[] | null {
     const values = this.#valued?.values;
     return values ? histogram(values, parts) : null;
@@ -355,7 +361,15 @@ class CanvasView implements View {
     const start = performance.now();
     this.#stage.draw(this.#stage.sheet(this.#columns), this.#rig, this.#space);
     this.#still.restart();
+    this.#plan();
     this.#uploads.tell(this.events.drawn, performance.now() - start);
+  }
+
+  #plan(): void {
+    const { cloths } = this.#stage;
+    const solid = ({ roles }: Column) => roles.map((role) => cloths.get(role)).filter((cloth) => cloth !== undefined).at(-1);
+    const columns = this.options.flat ? this.#columns : [];
+    this.events.plan(this.#planner.plan(cloths.get("model"), columns, solid, this.#flat));
   }
 
   /** At once, as a canvas of a new size is empty until it is drawn. */

@@ -2,7 +2,7 @@ import { isQuality } from "../../view/mesh/values";
 import { heatCss, scaleOf, valueAt } from "../../view/shade/heat";
 import { CUTS } from "../../view/mesh/panels";
 import { useSelect, useStore } from "../controls/hooks";
-import { rounded } from "../controls/numbers";
+import { lengthOrArea, rounded } from "../controls/numbers";
 import { Swatch } from "../recipe/SetChips";
 import type { Store } from "../../state/store";
 import { paintedChoices, QUALITIES } from "../../state/settings";
@@ -16,6 +16,7 @@ export function Legends() {
   return (
     <div class="legends">
       <EdgeSetLegend />
+      <CheckerLegend />
       <HeatLegend />
     </div>
   );
@@ -56,6 +57,19 @@ function EdgeSetLegend() {
         ))}
       </div>
     </section>
+  );
+}
+
+function CheckerLegend() {
+  const store = useStore();
+  const shading = useSelect(({ settings }) => settings.shading);
+  useSelect(({ drawn }) => drawn);
+  const square = store.view?.square() ?? 0;
+  if (shading !== "checker" || square === 0) return null;
+  return (
+    <figure class="legend is-small" aria-label="UV checker">
+      <i class="legend-square" /> one square: {lengthOrArea(square, false)}
+    </figure>
   );
 }
 
