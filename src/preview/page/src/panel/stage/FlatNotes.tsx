@@ -24,7 +24,8 @@ export function FlatNotes() {
             .filter(({ breadth }) => breadth >= LEAST_LABEL)
             .map(({ name, x, y, breadth }) => (
               <span class="plan-label" key={name} style={{ left: `${x}px`, top: `${y}px`, maxWidth: `${breadth}px` }}>
-                {name}
+                {/* Names of left and right panels differ at the end, so they go on in a new line. */}
+                {name.split(/(?<=_)/).flatMap((part) => [part, <wbr key={part} />])}
               </span>
             ))}
           {column.unit > 0 && column.width >= LEAST_COLUMN && (
