@@ -6,7 +6,7 @@ import type { Role, SaveMessage, ShotMessage, StateMessage } from "../server/pro
 import { findingsIn, SEVERITIES, type Finding, type Garment } from "./garment";
 import type { PlacedFaults } from "./recipe";
 import type { Selection } from "./selection";
-import type { Picked } from "../view/api";
+import type { Picked, Plan } from "../view/api";
 import { loadSettings, ROLES, type Settings } from "./settings";
 import type { Timing } from "./stopwatch";
 
@@ -40,6 +40,8 @@ export interface State {
   hovered: Picked | null;
   clicked: Picked | null;
   selection: Selection | null;
+  /** What is written on the flat panels. */
+  plan: Plan;
   /** Whether the bar of the selection is there without one, to type it. */
   isSelecting: boolean;
   marked: Finding | null;
@@ -105,6 +107,7 @@ export function initialState(): State {
     hovered: null,
     clicked: null,
     selection: null,
+    plan: [],
     isSelecting: false,
     marked: null,
     isolated: false,

@@ -19,7 +19,7 @@ import { Made } from "./made";
 import { notePreset } from "./presets";
 import { placeFaults, setsOf, withoutValue, withValue } from "./recipe";
 import { createView } from "../view/index";
-import type { Isolated, Picked, PickHow, View } from "../view/api";
+import type { Isolated, Picked, PickHow, Plan, View } from "../view/api";
 
 /** An option with another value. */
 export interface Change {
@@ -73,6 +73,7 @@ export class Store {
       this.view = createView(canvas, viewOptions(this.state.settings), {
         hover: (hovered) => this.#hover(hovered),
         click: (clicked, how) => this.#click(clicked, how),
+        plan: (plan) => this.#plan(plan),
         drawn: (role, revision, upload) => this.#drawn(role, revision, upload),
       });
     } catch (error) {
@@ -258,6 +259,11 @@ export class Store {
   #selected(selection: Selection | null): void {
     this.update({ selection });
     this.view?.select(selection?.elements ?? null);
+  }
+
+  /** In space there is none, and each picture would tell all listeners. */
+  #plan(plan: Plan): void {
+    if (plan.length > 0 || this.state.plan.length > 0) this.update({ plan });
   }
 
   #drawn(role: Role, revision: number, upload: number): void {

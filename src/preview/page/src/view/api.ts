@@ -74,9 +74,26 @@ export interface ViewEvents {
   hover(picked: Picked | null): void;
   /** A click that is not a drag. */
   click(picked: Picked | null, how: PickHow): void;
+  /** The flat panels were drawn elsewhere, or the meshes are in space again. */
+  plan(plan: Plan): void;
   /** A frame was drawn with new buffers: their role and revision, and the time to make and upload them. [ms] */
   drawn(role: Role, revision: number, upload: number): void;
 }
+
+/** The flat panels of a mesh in its column. [CSS pixels] */
+export interface PlanColumn {
+  x: number;
+  y: number;
+  width: number;
+  height: number;
+  /** Names of panels at their centres, with the breadths of the panels. */
+  labels: { name: string; x: number; y: number; breadth: number }[];
+  /** One mesh unit on the surface, or 0 if the scale of the UVs is not known. */
+  unit: number;
+}
+
+/** All columns with flat panels; empty in space. */
+export type Plan = PlanColumn[];
 
 /** Numbers for tests and for the figures panel. */
 export interface ViewStats {
@@ -122,6 +139,12 @@ export interface View {
   clearPicture(width: number, height: number): Promise<Blob>;
   /** The garment as it turns once about itself, as WebM. The camera is back where it was then. */
   turntable(seconds: number): Promise<Blob>;
+  /** Edge of a square of the checker, or 0 if the scale of the UVs is not known. [m] */
+  square(): number;
+  /** How many values of the mesh that heat is of are in each of equal parts of its scale; null without values. */
+  histogram(parts: number): number[] | null;
+  /** Flies to the face with the worst quality that heat shows. Returns whether a mesh on view has one. */
+  flyToWorst(): boolean;
   stats(role: Role): ViewStats | null;
   /** Samples in the picture on the canvas: 0 while anything changes. */
   samples(): number;

@@ -11,7 +11,7 @@ import { css, placeSets, setColour, sortSets } from "./shade/colours";
 import { Hover } from "./hover";
 import { listen } from "./input";
 import type { Place } from "./input";
-import { columnAt, columns, sameColumns } from "./layout";
+import { columnAt, columns, largeOf, sameColumns } from "./layout";
 import type { Column } from "./layout";
 import type { Pose } from "./camera/motion";
 import { checksum } from "./mesh/points";
@@ -19,12 +19,14 @@ import { describe, onFace, Picker, toCanvas, toDevice } from "./picking";
 import type { Spot } from "./picking";
 import { FlatRig, SIDES, SpaceRig, THREE_QUARTER } from "./camera/rig";
 import type { Rig } from "./camera/rig";
+import { Planner } from "./plan";
 import { Markers } from "./markers";
 import { clearPicture, film } from "./rest/pictures";
 import { Still } from "./rest/still";
 import { elementsOfSet, shapesOf } from "./mesh/shapes";
 import type { Elements as AnyElements } from "./mesh/shapes";
 import { CUTS, facesAt, panelsOf } from "./mesh/panels";
+import { histogram, worstFace } from "./mesh/values";
 import { Stage } from "./stage";
 import { Uploads } from "./uploads";
 
@@ -59,6 +61,7 @@ class CanvasView implements View {
   #awaited = 0;
   readonly #uploads = new Uploads();
   readonly #still: Still;
+  readonly #planner = new Planner();
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
@@ -243,6 +246,26 @@ class CanvasView implements View {
     return blob;
   }
 
+  square(): number {
+    return this.#stage.square;
+  }
+
+  histogram(parts: number): number[] | null {
+    const values = this.#valued?.values;
+    return values ? histogram(values, parts) : null;
+  }
+
+  flyToWorst(): boolean {
+    const cloth = this.#valued;
+    const face = cloth ? worstFace(cloth) : -1;
+    if (!cloth || face < 0) return false;
+    const role = this.options.roles.find((each) => this.#stage.cloths.get(each) === cloth) ?? "sim";
+    const aim = this.#aimAt(role, { faces: [face] });
+    const pose = aim && poseOfMarks(this.#sight, aim);
+    this.#flyTo(pose);
+    return pose !== null;
+  }
+
   stats(role: Role): ViewStats | null {
     const cloth = this.#stage.cloths.get(role);
     if (!cloth) return null;
@@ -297,6 +320,13 @@ class CanvasView implements View {
     return this.options.roles.map((role) => this.#stage.cloths.get(role)).filter((cloth) => cloth !== undefined);
   }
 
+  /** The mesh that heat is of: the large one, if it has values. */
+  get #valued(): Cloth | undefined {
+    const { roles } = this.options;
+    const ordered = [largeOf(this.options), ...roles].map((role) => this.#stage.cloths.get(role));
+    return ordered.find((cloth) => cloth?.values);
+  }
+
   get #sight(): Sight {
     return {
       rig: this.#rig,
@@ -333,7 +363,15 @@ class CanvasView implements View {
     const start = performance.now();
     this.#stage.draw(this.#stage.sheet(this.#columns), this.#rig, this.#space);
     this.#still.restart();
+    this.#plan();
     this.#uploads.tell(this.events.drawn, performance.now() - start);
+  }
+
+  #plan(): void {
+    const { cloths } = this.#stage;
+    const solid = ({ roles }: Column) => roles.map((role) => cloths.get(role)).filter((cloth) => cloth !== undefined).at(-1);
+    const columns = this.options.flat ? this.#columns : [];
+    this.events.plan(this.#planner.plan(cloths.get("model"), columns, solid, this.#flat));
   }
 
   /** At once, as a canvas of a new size is empty until it is drawn. */

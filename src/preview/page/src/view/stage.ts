@@ -7,6 +7,7 @@ import type { Fabric, Shading, ViewOptions, Weave } from "./api";
 import { Backdrop } from "./shade/backdrop";
 import type { Cloth } from "./mesh/cloth";
 import { ACCENT, MARK, SELECTED } from "./shade/colours";
+import { squareOf } from "./shade/checker";
 import { chosen, pitch, WEAVES } from "./shade/fabric";
 import type { Column } from "./layout";
 import { FAINT, Marks, THROUGH } from "./mesh/marks";
@@ -76,6 +77,8 @@ export class Stage {
   height = 1;
   readonly centre = new Vector3();
   radius = 1;
+  /** Edge of a square of the checker, or 0 if the scale of the UVs is not known. [m] */
+  square = 0;
   readonly #paints = new Map<Role, Paint>();
   readonly #world = new Group();
   readonly #backdrop = new Backdrop();
@@ -155,8 +158,9 @@ export class Stage {
     this.setUnit(this.#metersPerUnit);
   }
 
-  /** Takes the bounds of these meshes. */
+  /** Takes the bounds of these meshes, and the size of their checker. */
   measure(roles: Role[]): void {
+    this.#setSquares();
     const boxes = roles.map((role) => this.cloths.get(role)?.box).filter((box): box is Box => box !== undefined);
     if (boxes.length === 0) return;
     const least = new Vector3().setScalar(Infinity);
@@ -170,6 +174,18 @@ export class Stage {
     this.radius = Math.max(this.#half.length(), 1e-6);
     this.uniforms.uSize.value = CAVITY * this.radius;
     this.uniforms.uBias.value = BIAS * this.radius;
+  }
+
+  /** One length for all meshes, so that they compare: by the first that has UVs. */
+  #setSquares(): void {
+    const first = this.#withUvs;
+    const length = first ? first.uvLength * first.uvRange * this.#metersPerUnit : 0;
+    this.square = length > 0 ? squareOf(length) : 0;
+    for (const cloth of this.cloths.values()) cloth.setSquare(this.square / this.#metersPerUnit);
+  }
+
+  get #withUvs(): Cloth | undefined {
+    return ROLES.map((role) => this.cloths.get(role)).find((cloth) => cloth?.hasUvs);
   }
 
   get #allMarks(): Marks[] {

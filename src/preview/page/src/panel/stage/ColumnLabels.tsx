@@ -5,6 +5,7 @@ import type { Role } from "../../server/protocol";
 import { makeLarge } from "../../state/keys";
 import { ROLE_NAMES } from "../../state/settings";
 import { columns } from "../../view/layout";
+import { FlatNotes } from "./FlatNotes";
 import { useLevels, useSelect, useStanding, useStore } from "../controls/hooks";
 
 export function ColumnLabels() {
@@ -23,6 +24,7 @@ export function ColumnLabels() {
   const all = columns(settings, size.width, size.height);
   return (
     <div class="columns" ref={box}>
+      <FlatNotes />
       {all.map(({ x, y, width, height, roles }, index) => (
         <div
           class={`column ${y > 0 ? "is-lower" : ""} ${x > 0 ? "is-beside" : ""}`}

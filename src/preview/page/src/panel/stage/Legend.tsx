@@ -1,17 +1,22 @@
-import { heatCss } from "../../view/shade/heat";
+import { isQuality } from "../../view/mesh/values";
+import { heatCss, scaleOf, valueAt } from "../../view/shade/heat";
 import { CUTS } from "../../view/mesh/panels";
 import { useSelect, useStore } from "../controls/hooks";
-import { rounded } from "../controls/numbers";
+import { lengthOrArea, rounded } from "../controls/numbers";
 import { Swatch } from "../recipe/SetChips";
+import type { Store } from "../../state/store";
 import { paintedChoices, QUALITIES } from "../../state/settings";
 
 const STOPS = 16;
+/** Parts of the histogram. */
+const PARTS = 30;
 
 /** What colours stand for. */
 export function Legends() {
   return (
     <div class="legends">
       <EdgeSetLegend />
+      <CheckerLegend />
       <HeatLegend />
     </div>
   );
@@ -55,23 +60,64 @@ function EdgeSetLegend() {
   );
 }
 
+function CheckerLegend() {
+  const store = useStore();
+  const shading = useSelect(({ settings }) => settings.shading);
+  useSelect(({ drawn }) => drawn);
+  const square = store.view?.square() ?? 0;
+  if (shading !== "checker" || square === 0) return null;
+  return (
+    <figure class="legend is-small" aria-label="UV checker">
+      <i class="legend-square" /> one square: {lengthOrArea(square, false)}
+    </figure>
+  );
+}
+
 function HeatLegend() {
+  const store = useStore();
   const heat = useSelect((state) => state.heat);
   const shading = useSelect(({ settings }) => settings.shading);
   const garment = useSelect((state) => state.garment);
   if (shading !== "values" || !heat) return null;
+  const scale = scaleOf(heat);
   const choice = [...QUALITIES, ...paintedChoices(garment)].find(({ name }) => name === heat.name);
-  const stops = Array.from({ length: STOPS + 1 }, (_, i) => heatCss(i / STOPS)).join(", ");
-  const at = (share: number) => rounded(heat.least + share * (heat.most - heat.least)) + (choice?.unit ?? "");
+  const stops = Array.from({ length: STOPS + 1 }, (_, i) => heatCss(i / STOPS, scale)).join(", ");
+  const at = (share: number) => rounded(valueAt(share, scale)) + (choice?.unit ?? "");
   return (
     <figure class="legend" aria-label={`Heat of ${choice?.label ?? heat.name}`}>
       <figcaption>{choice?.label ?? heat.name}</figcaption>
+      <Histogram />
       <i class="legend-bar" style={{ background: `linear-gradient(to right, ${stops})` }} />
       <div class="legend-scale">
         <span>{at(0)}</span>
         <span>{at(0.5)}</span>
         <span>{at(1)}</span>
       </div>
+      {isQuality(heat) && (
+        <button type="button" class="button is-small" onClick={() => flyToWorst(store)}>
+          Fly to the worst
+        </button>
+      )}
     </figure>
+  );
+}
+
+function flyToWorst(store: Store): void {
+  if (!store.view?.flyToWorst()) store.toast({ text: "Show the simulation mesh in space to fly to its worst triangle" });
+}
+
+/** How many values are in each part of the scale below. */
+function Histogram() {
+  const store = useStore();
+  useSelect(({ drawn }) => drawn);
+  useSelect(({ settings }) => settings.large);
+  const counts = store.view?.histogram(PARTS) ?? [];
+  const most = Math.max(1, ...counts);
+  return (
+    <svg class="legend-histogram" viewBox={`0 0 ${PARTS} 1`} preserveAspectRatio="none" role="img" aria-label="Histogram">
+      {counts.map((count, i) => (
+        <rect key={i} x={i} y={1 - count / most} width={0.9} height={count / most} data-count={count} />
+      ))}
+    </svg>
   );
 }

@@ -1,21 +1,25 @@
 // A mesh on the graphics card. Triangles are static and point into textures, so that a frame with new positions sends
 // those only.
 
-import { BufferAttribute, BufferGeometry, Group, Mesh, Sphere, UnsignedByteType, Vector2 } from "three";
+import { BufferAttribute, BufferGeometry, Group, Mesh, Sphere, UnsignedByteType } from "three";
 import type { DataTexture, RawShaderMaterial } from "three";
 import type { MeshFrame } from "../../server/frame";
-import type { LookInfo, ValuesOf } from "../../server/protocol";
+import type { LookInfo } from "../../server/protocol";
 import { computeNormals } from "./normals";
 import type { Paint } from "../shade/paint";
 import { copyPoints } from "./points";
 import type { Box } from "./points";
 import { BORDER, CLASSES, HIDDEN } from "../shade/classes";
 import { edgeClasses, fillFaces, Membership, palette, readSets } from "./sets";
+import { squareOf } from "../shade/checker";
+import { scaleOf } from "../shade/heat";
 import { fillLooks } from "../shade/fabric";
 import { SetLines } from "./setLines";
 import { sourceOf } from "./sources";
 import type { ElementSet } from "./sets";
 import { byteTexture, floatTexture, integers, texture } from "./textures";
+import { sharesOf } from "./values";
+import type { MeshValues } from "./values";
 import { Edges, startsOf, triangulate } from "./topology";
 import type { Faces, Triangles } from "./topology";
 
@@ -37,8 +41,13 @@ export class Cloth {
   box: Box = { least: [0, 0, 0], most: [0, 0, 0] };
   /** u, v of each corner, or empty. */
   uvs: Float32Array = new Float32Array(0);
+  /** Mean length on the surface of one unit of UV, or 0 if it is not known. */
+  uvLength = 0;
+  uvRange = 1;
   /** The model's face of each face before refinement for display; null for the model. */
   sources: Uint32Array | null = null;
+  /** What heat shows. */
+  values: MeshValues | null = null;
   sets: ElementSet[] = [];
   membership: Membership;
   /** Faces of the model whose parts alone are drawn; null for all. */
@@ -119,6 +128,12 @@ export class Cloth {
     return this.sets.filter(({ kind, edgeClass }) => kind === "edge" && drawn.has(edgeClass)).map(({ name }) => name);
   }
 
+  /** Sets the squares of the checker to a length on the surface; without a scale there are 32 over the UVs. */
+  setSquare(length: number): void {
+    const known = this.uvLength > 0 && length > 0;
+    this.paint.uniforms.uSquares.value = known ? this.uvLength / length : 1 / squareOf(this.uvRange);
+  }
+
   highlight(names: ReadonlySet<string>): void {
     const had = this.sets.some((set) => this.#highlighted.has(set.name));
     const has = this.sets.some((set) => names.has(set.name));
@@ -183,16 +198,17 @@ export class Cloth {
       this.#paintSets();
     }
     const values = frame.f32("values");
-    if (header.values && values) this.#setValues(values, header.values.of, header.values.least, header.values.most);
-    if (header.values === null) this.#geometry.deleteAttribute("aValue");
+    if (header.values && values) this.#setValues({ ...header.values, numbers: values.slice() });
+    if (header.values === null) this.#dropValues();
     this.paint.uniforms.uHasValues.value = this.#geometry.hasAttribute("aValue");
   }
 
   #setUvs(uvs: Float32Array): void {
     this.uvs = uvs.length === 2 * this.faces.corners.length ? uvs.slice() : new Float32Array(0);
     this.paint.uniforms.uHasUv.value = this.hasUvs;
-    this.paint.uniforms.uSquares.value = squares(this.uvs);
-    this.paint.uniforms.uThreads.value = lengthOfUv(this.uvs, this.points, this.faces);
+    this.uvRange = rangeOf(this.uvs);
+    this.uvLength = lengthOfUv(this.uvs, this.points, this.faces);
+    this.paint.uniforms.uThreads.value = this.uvLength || 1;
     if (!this.hasUvs) return;
     const array = this.#attribute("aUv", 2);
     const { corners } = this.triangles;
@@ -202,15 +218,21 @@ export class Cloth {
     }
   }
 
-  #setValues(values: Float32Array, of: ValuesOf, least: number, most: number): void {
+  #setValues(values: MeshValues): void {
+    this.values = values;
+    this.paint.uniforms.uAboutIdeal.value = scaleOf(values).isAboutIdeal;
+    const shares = sharesOf(values);
     const array = this.#attribute("aValue", 1);
     const { corners, faces } = this.triangles;
     for (let at = 0; at < corners.length; at++) {
       const corner = corners[at];
-      const index = { point: this.faces.corners[corner], corner, face: faces[(at / 3) | 0] }[of];
-      array[at] = values[index];
+      array[at] = shares[{ point: this.faces.corners[corner], corner, face: faces[(at / 3) | 0] }[values.of]];
     }
-    (this.paint.uniforms.uRange.value as Vector2).set(least, most);
+  }
+
+  #dropValues(): void {
+    this.values = null;
+    this.#geometry.deleteAttribute("aValue");
   }
 
   #paintLooks(): void {
@@ -297,18 +319,17 @@ export class Cloth {
   }
 }
 
-/** Squares of the checker along one unit: 32 over the range of the UVs, as a power of two. */
-function squares(uvs: Float32Array): number {
-  let least = Infinity;
-  let most = -Infinity;
+/** From the least to the largest coordinate, or 1 if there is none. */
+function rangeOf(uvs: Float32Array): number {
+  let [least, most] = [Infinity, -Infinity];
   for (const value of uvs) {
     if (value < least) least = value;
     if (value > most) most = value;
   }
-  return most > least ? 2 ** Math.round(Math.log2(32 / (most - least))) : 32;
+  return most > least ? most - least : 1;
 }
 
-/** Length in space of one unit of UV, by the first edge of each face. */
+/** Length in space of one unit of UV, by the first edge of each face; 0 without UVs. */
 function lengthOfUv(uvs: Float32Array, points: Float32Array, faces: Faces): number {
   let [space, flat] = [0, 0];
   for (let face = 0; face + 1 < faces.starts.length && uvs.length > 0; face++) {
@@ -317,5 +338,5 @@ function lengthOfUv(uvs: Float32Array, points: Float32Array, faces: Faces): numb
     space += Math.hypot(points[a] - points[b], points[a + 1] - points[b + 1], points[a + 2] - points[b + 2]);
     flat += Math.hypot(uvs[2 * corner] - uvs[2 * corner + 2], uvs[2 * corner + 1] - uvs[2 * corner + 3]);
   }
-  return flat > 0 ? space / flat : 1;
+  return flat > 0 ? space / flat : 0;
 }

@@ -1,6 +1,6 @@
 // The shader of a mesh: cloth, colours of sets, checker and heat, with its wires. With PICK it writes face numbers.
 
-import { HEAT } from "./heat";
+import { ABOUT_IDEAL, HEAT } from "./heat";
 import { BORDER } from "./classes";
 import { ROUGHNESS } from "./fabric";
 import { SHADOW_CODE, SHADOW_UNIFORMS } from "./shadowShader";
@@ -11,6 +11,8 @@ const heatTerms = [...HEAT]
   .reverse()
   .map((term) => `sum = sum * t + vec3(${term.map((value) => value.toFixed(10)).join(", ")});`)
   .join("\n  ");
+
+const [below, ideal, above] = ABOUT_IDEAL.map((colour) => `vec3(${colour.map((value) => value.toFixed(3)).join(", ")})`);
 
 const HEADER = /* glsl */ `
 precision highp float;
@@ -85,7 +87,7 @@ uniform float uPixel;
 uniform float uSize;
 uniform float uHanded;
 uniform float uSquares;
-uniform vec2 uRange;
+uniform bool uAboutIdeal;
 uniform vec3 uUp;
 uniform vec3 uAccent;
 uniform vec3 uWireColour;
@@ -125,6 +127,7 @@ vec3 encode(vec3 c) {
 }
 
 vec3 heat(float t) {
+  if (uAboutIdeal) return mix(${ideal}, t < 0.5 ? ${below} : ${above}, abs(2.0 * t - 1.0));
   vec3 sum = vec3(0.0);
   ${heatTerms}
   return clamp(sum, 0.0, 1.0);
@@ -163,8 +166,7 @@ vec3 surface() {
   vec3 inSet = mix(vFace.rgb, vec3(0.64), 0.26);
   if (uShading == FACE_SETS) base = flags >= 128 ? inSet : vec3(0.70, 0.70, 0.71);
   if (uShading == CHECKER) base = checker();
-  float value = (vValue - uRange.x) / max(uRange.y - uRange.x, 1e-20);
-  if (uShading == VALUES && uHasValues) base = heat(clamp(value, 0.0, 1.0));
+  if (uShading == VALUES && uHasValues) base = heat(clamp(vValue, 0.0, 1.0));
   if ((flags & 64) != 0) base = mix(base, uAccent, 0.55);
   return base;
 }

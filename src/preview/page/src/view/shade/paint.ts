@@ -6,7 +6,6 @@ import {
   GLSL3,
   OneFactor,
   RawShaderMaterial,
-  Vector2,
   Vector3,
   ZeroFactor,
 } from "three";
@@ -64,7 +63,7 @@ function ownUniforms(role: Role): Record<string, IUniform> {
     uHasUv: { value: false },
     uHasValues: { value: false },
     uSquares: { value: 32 },
-    uRange: { value: new Vector2(0, 1) },
+    uAboutIdeal: { value: false },
     uHanded: { value: 1 },
     uHot: { value: -1 },
     uOver: { value: false },

@@ -1,0 +1,60 @@
+// What is written on flat panels: their names, a scale bar, and the direction of the warp.
+
+import type { PlanColumn } from "../../view/api";
+import { roundLength } from "../../view/shade/checker";
+import { useSelect } from "../controls/hooks";
+import { unitOf } from "../controls/numbers";
+import { valueAt } from "../../state/recipe";
+
+/** About the length of a scale bar. [CSS pixels] */
+const BAR = 90;
+/** A panel that is narrower has no room for its name, and a column no room for a scale bar. [CSS pixels] */
+const LEAST_LABEL = 24;
+const LEAST_COLUMN = 200;
+/** The tool rail lies over the right side of a column that is alone. [CSS pixels] */
+const RAIL = 56;
+
+export function FlatNotes() {
+  const plan = useSelect((state) => state.plan);
+  return (
+    <>
+      {plan.map((column) => (
+        <div class="plan" key={column.x + column.y * 1e4} role="group" aria-label="Panels">
+          {column.labels
+            .filter(({ breadth }) => breadth >= LEAST_LABEL)
+            .map(({ name, x, y, breadth }) => (
+              <span class="plan-label" key={name} style={{ left: `${x}px`, top: `${y}px`, maxWidth: `${breadth}px` }}>
+                {/* Names of left and right panels differ at the end, so they go on in a new line. */}
+                {name.split(/(?<=_)/).flatMap((part) => [part, <wbr key={part} />])}
+              </span>
+            ))}
+          {column.unit > 0 && column.width >= LEAST_COLUMN && (
+            <ScaleBar column={column} inset={plan.length === 1 ? RAIL : 0} />
+          )}
+        </div>
+      ))}
+    </>
+  );
+}
+
+function ScaleBar({ column, inset }: { column: PlanColumn; inset: number }) {
+  const garment = useSelect((state) => state.garment);
+  const merged = useSelect(({ document }) => document.merged);
+  const usual = garment?.options.find(({ key }) => key === "cloth.warp")?.default;
+  const warp = String(valueAt(merged, "cloth.warp") ?? usual ?? "v");
+  const length = roundLength(BAR / column.unit);
+  const breadth = length * column.unit;
+  const left = column.x + column.width - inset - breadth - 16;
+  return (
+    <div class="plan-scale" style={{ left: `${left}px`, top: `${column.y + column.height - 58}px`, width: `${breadth}px` }}>
+      <span class="plan-warp" data-warp={warp}>
+        <svg viewBox="0 0 16 16" width="16" height="16" aria-hidden="true" style={warp === "u" ? { rotate: "90deg" } : {}}>
+          <path d="M8 15V2M4 6l4-4 4 4" />
+        </svg>
+        warp
+      </span>
+      <i />
+      {length} {unitOf("mesh unit", garment)}
+    </div>
+  );
+}
