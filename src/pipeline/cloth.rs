@@ -103,20 +103,4 @@ impl Builder {
         clock.finish()?;
         Ok(cloth.map(|(cloth, warnings)| ClothUpdate { figures: cloth.figures(&sim.simulated.mesh), warnings }))
     }
-
-    /// The origins of the points of the last [`Builder::update_render`], which had the same recipe.
-    ///
-    /// # Errors
-    /// As [`Builder::update_render`].
-    pub(crate) fn render_origins(&mut self, recipe: &Recipe) -> Result<Origins, Error> {
-        let recipe = self.resolve(recipe)?;
-        let stack = self.stack(&recipe)?;
-        self.render.origins(&stack)
-    }
-
-    /// The binding of a render mesh with these origins to a simulation mesh. Builders of the same mesh made both.
-    pub(crate) fn bind(&self, sim: &SimUpdate, render: &Arc<Mesh>, origins: &Origins) -> Binding {
-        let (product, faces) = (&sim.simulated.remeshed.product, self.garment.faces.len());
-        Binding::new(product, faces, &sim.simulated.mesh, &self.frame.enter(render), origins)
-    }
 }

@@ -11,6 +11,8 @@ mod cloth;
 mod frame;
 mod marks;
 mod memory;
+#[cfg(feature = "preview")]
+mod parts;
 mod products;
 mod progress;
 mod sim;
@@ -27,7 +29,7 @@ pub use sim::baseline;
 
 use crate::error::{Code, Error, Warning, Warnings};
 use crate::garment::{FaceNumbers, Garment, Mesh, Scheme, Subset, check_garment, split_repeats};
-use crate::mesh::{Elements, FaceId};
+use crate::mesh::Elements;
 use crate::recipe::{Recipe, RecipeSets, Resolved, ResolvedSim};
 use crate::render::operator::Operator;
 use crate::render::{RenderResult, RenderSteps, Stack};
@@ -372,15 +374,6 @@ impl Builder {
         let update = self.render(&recipe)?;
         let warnings = self.face_numbers.warnings_in_file(update.warnings);
         Ok(RenderUpdate { mesh: self.frame.render(&update.mesh)?, warnings, ..update })
-    }
-
-    /// The face of the mesh that each face of the last [`Builder::update_render`] is part of. It had the same recipe, resolved.
-    ///
-    /// # Errors
-    /// As [`Builder::update_render`].
-    pub(crate) fn render_sources(&mut self, recipe: &Recipe) -> Result<Vec<FaceId>, Error> {
-        let stack = self.stack(recipe)?;
-        Ok(self.render.source_faces(&stack)?.as_slice().to_vec())
     }
 
     /// The simulation mesh of resolved options, in the frame.

@@ -7,11 +7,9 @@ use crate::cloth::{Cloth, ClothFigures};
 use crate::error::Warnings;
 use crate::garment::Mesh;
 use crate::garment::parts::split;
-use crate::mesh::FaceId;
 use crate::recipe::Recipe;
 use crate::report::{RenderFigures, SimFigures, TriangleQuality};
 use crate::sim::RemeshReport;
-use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::Arc;
 
@@ -97,12 +95,6 @@ impl SimUpdate {
     /// The quality figures.
     pub fn figures(&self) -> SimFigures {
         self.simulated.figures()
-    }
-
-    /// The face of the garment under the centroid of each triangle.
-    pub(crate) fn source_faces(&self) -> Vec<FaceId> {
-        let product = &self.simulated.remeshed.product;
-        (0..product.triangles.len()).into_par_iter().map(|i| product.source_face(FaceId::new(i))).collect()
     }
 
     /// The smallest angle and the length of the edges of each triangle.

@@ -43,7 +43,7 @@ pub fn save(hub: &Hub, path: &str, overwrite: bool) -> SaveMessage {
     let note = content.note(&file);
     let result = content.write(&file, overwrite);
     if result.is_ok() {
-        hub.note_saved(content.edits.clone(), &file);
+        hub.note_saved(content.edits, &file);
         return answer(path, SaveStatus::Saved, text, String::new());
     }
     let shown = text.clone().unwrap_or_default();

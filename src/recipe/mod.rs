@@ -9,6 +9,7 @@ mod file;
 mod groups;
 mod layers;
 mod listed;
+#[cfg(feature = "preview")]
 mod presets;
 mod resolved;
 mod sets;
@@ -20,6 +21,7 @@ pub use groups::{OPERATORS, Recipe};
 pub(crate) use groups::{all, find, group_with_instances};
 pub use layers::Layers;
 pub use listed::ListedOperator;
+#[cfg(feature = "preview")]
 pub(crate) use presets::Presets;
 pub(crate) use resolved::{Resolved, ResolvedSim};
 pub(crate) use sets::RecipeSets;

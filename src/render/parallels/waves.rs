@@ -66,7 +66,7 @@ pub fn over_triangle((a, at_a): (Vec3, Foot), (b, at_b): (Vec3, Foot), c: Vec3) 
         }
     };
     let share = crossing / length;
-    let is_through = share >= -OVERHANG && share <= 1.0 + OVERHANG && distance.is_finite();
+    let is_through = (-OVERHANG..=1.0 + OVERHANG).contains(&share) && distance.is_finite();
     is_through.then(|| {
         let nearer = if share < 0.5 { at_a } else { at_b };
         let is_same = (at_a.chain, at_a.side) == (at_b.chain, at_b.side);

@@ -241,7 +241,7 @@ impl Rows {
             warnings.push(warning.remedy(remedy));
         }
         let missing = at(self.missing(request, ladder, lines));
-        if missing.len() > 0 {
+        if !missing.is_empty() {
             let problem =
                 format!("{} edges lack a row at its distance: the cloth ends or another seam is there", missing.len());
             let remedy = format!("Change `{label}.offset`, `{label}.rows` or `{label}.side`");

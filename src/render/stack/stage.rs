@@ -11,7 +11,9 @@
 mod origins;
 mod refinement;
 
-pub use origins::{OriginTrace, Origins, SourceFaces};
+#[cfg(feature = "preview")]
+pub use origins::SourceFaces;
+pub use origins::{OriginTrace, Origins};
 
 use super::Stage;
 use crate::contact::Clearance;

@@ -9,7 +9,9 @@
 //! its edges, and the coarser the cage, the more of the surface depends on each. The second stage takes the mesh of the
 //! first one as its garment.
 
-use super::stage::{InputVertices, Made, OriginTrace, Origins, SourceFaces, StageSteps, Start};
+#[cfg(feature = "preview")]
+use super::stage::SourceFaces;
+use super::stage::{InputVertices, Made, OriginTrace, Origins, StageSteps, Start};
 use super::{Stack, Stage};
 use crate::error::{Error, Warnings};
 use crate::garment::Mesh;
@@ -131,6 +133,7 @@ impl RenderSteps {
     ///
     /// # Errors
     /// As [`RenderSteps::update`].
+    #[cfg(feature = "preview")]
     pub fn source_faces(&mut self, stack: &Stack) -> Result<SourceFaces, Error> {
         let mut sources = self.start.garment.faces.ids().collect();
         if stack.is_empty() {

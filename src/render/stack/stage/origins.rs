@@ -56,6 +56,7 @@ impl StageSteps {
     ///
     /// # Errors
     /// As [`StageSteps::update`].
+    #[cfg(feature = "preview")]
     pub fn source_faces(&mut self, start: &Start, stage: &Stage, sources: SourceFaces) -> Result<SourceFaces, Error> {
         let stage = &self.with_halving(start, stage)?;
         let mut sources = sources;
