@@ -10,7 +10,7 @@ import type { Paint } from "../shade/paint";
 import { copyPoints } from "./points";
 import type { Box } from "./points";
 import { BORDER, CLASSES, HIDDEN } from "../shade/classes";
-import { edgeClasses, fillFaces, Membership, palette, readSets } from "./sets";
+import { edgeClasses, fillFaces, Membership, namesDrawn, palette, readSets } from "./sets";
 import { squareOf } from "../shade/checker";
 import { scaleOf } from "../shade/heat";
 import { fillLooks } from "../shade/fabric";
@@ -58,6 +58,8 @@ export class Cloth {
   readonly #faceTexture: DataTexture;
   readonly #lookTexture: DataTexture;
   #looks: LookInfo[] = [];
+  /** Known once they are asked for. */
+  #lined: string[] | null = null;
   readonly #palette: DataTexture;
   readonly #geometry = new BufferGeometry();
 
@@ -124,8 +126,8 @@ export class Cloth {
 
   /** Names of the edge sets that have a line. */
   drawnEdgeSets(): string[] {
-    const drawn = new Set(edgeClasses(this.edges, this.sets, new Set()));
-    return this.sets.filter(({ kind, edgeClass }) => kind === "edge" && drawn.has(edgeClass)).map(({ name }) => name);
+    this.#lined ??= namesDrawn(this.edges, this.sets);
+    return this.#lined;
   }
 
   /** Sets the squares of the checker to a length on the surface; without a scale there are 32 over the UVs. */
@@ -193,6 +195,7 @@ export class Cloth {
     if (header.sets) {
       this.sets = readSets(header.sets, frame.u32("elements"));
       this.membership = new Membership(this.sets, this.edges);
+      this.#lined = null;
       this.#paintPalette();
       this.#paintLooks();
       this.#paintSets();

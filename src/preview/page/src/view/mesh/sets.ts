@@ -46,6 +46,12 @@ export function edgeClasses(edges: Edges, sets: ElementSet[], highlighted: Reado
   return classes;
 }
 
+/** Names of the edge sets of which an edge is drawn; the others are hidden by sets that come after them. */
+export function namesDrawn(edges: Edges, sets: ElementSet[]): string[] {
+  const drawn = new Set(edgeClasses(edges, sets, new Set()));
+  return sets.filter(({ kind, edgeClass }) => kind === "edge" && drawn.has(edgeClass)).map(({ name }) => name);
+}
+
 /** Colours of classes, as bytes. */
 export function palette(sets: ElementSet[]): Uint8Array {
   const colours = new Uint8Array(4 * CLASSES);
