@@ -299,11 +299,30 @@ def uneven():
     return tiles
 
 
+def rows():
+    def tile(garment, radius, *places, view="-20,40", middle=(4, 4, 0), **options):
+        garment.line("edge", *places)
+        return Tile(garment, stitch("edge", **{"width": 0.3, "normalOffset": -0.07, **options}), (*middle, radius), view,
+                    key=(-0.5, 0.3, 0.9))
+    turned = (1, 2), (5, 2), (5, 7)
+    wild = cages.sheet(bend=0.9, uneven=0.8)
+    return {
+        "a seam with a row on each side": tile(cages.sheet(), 2.4, (2, 4), (6, 4), rows=2, rowGap=0.6),
+        "two rows on the left, around a corner": tile(cages.sheet(), 2.6, *turned, offset=0.6, rows=2, side="left"),
+        "two rows on the right": tile(cages.sheet(), 2.6, *turned, offset=0.6, rows=2, side="right"),
+        "over uneven faces": tile(wild, 2.6, (0, 3), (8, 3), offset=0.8, rows=2, rowGap=0.5, side="left",
+                                  middle=tuple(wild.points[wild.at(4, 4)])),
+        "inside a border": tile(cages.sheet(), 2.4, (0, 0), (8, 0), (8, 8), offset=0.4, rows=2, rowGap=0.6,
+                                middle=(6.5, 1.5, 0)),
+        "where they meet": tile(cages.sheet(), 2.8, (2, 2), (6, 2), (6, 4), (2, 4), (2, 2), offset=0.7, width=0.4),
+    }
+
+
 # ------------------------------------------------------------------------------- all of them
 
 PICTURES = {"examples/coat": coat, "examples/sewn": sewn, "examples/painted": painted, "docs/physics/panels": panels}
 SCENES = {"rims_hem_ends": hem_ends, "rims_short_seams": short_seams, "rims_crossings": crossings,
-          "rims_bent_faces": bent_faces}
+          "rims_bent_faces": bent_faces, "seams_rows": rows}
 COMPARED = {"folds": folds, "seams_collar": collar, "seams_pocket": pocket, "seams_roof": roof, "seams_coat": sewn_close,
             "seams_crossing": crossing, "seams_uneven": uneven}
 

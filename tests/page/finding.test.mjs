@@ -101,6 +101,8 @@ test("a new seam is flown to if it is out of view, and the camera stays if it is
   const whole = await aim();
   await preview.after("render", () => keyboard.press("n"));
   assert.equal(await aim(), whole, "it is in view");
+  // Ends the name of the new seam.
+  await keyboard.press("Escape");
 
   // Near the neck, the hem is far below.
   await select("borders.highest");
@@ -201,12 +203,12 @@ test("a mesh whose build failed is marked stale, and nothing says that there are
   assert.doesNotMatch(await count.innerText(), /^No warnings/);
   assert.doesNotMatch(await page.locator(".warnings h3").innerText(), /none/);
   await page.keyboard.press("Control+z");
-  await page.locator(".column-label.is-stale").waitFor({ state: "detached" });
+  await preview.when(() => document.querySelector(".column-label.is-stale") === null);
   await preview.set("render.level", 9);
   for (const role of ["sim", "render"]) await label(preview, role).getByText("stale: an option has an error").waitFor();
   assert.doesNotMatch(await count.innerText(), /^No warnings/);
   await page.keyboard.press("Control+z");
-  await page.locator(".column-label.is-stale").waitFor({ state: "detached" });
+  await preview.when(() => document.querySelector(".column-label.is-stale") === null);
   assertClean(preview);
 });
 

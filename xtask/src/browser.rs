@@ -20,7 +20,16 @@ const NAMES: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "chro
 const CARRIER: &str = "@sparticuz/chromium@153.0.0";
 
 /// Tests that run with `--all` alone.
-const LONG: [&str; 5] = ["haste.test.mjs", "keyboard.test.mjs", "tabs.test.mjs", "variants.test.mjs", "views.test.mjs"];
+const LONG: [&str; 8] = [
+    "finding.test.mjs",
+    "flat.test.mjs",
+    "haste.test.mjs",
+    "keyboard.test.mjs",
+    "look.test.mjs",
+    "tabs.test.mjs",
+    "variants.test.mjs",
+    "views.test.mjs",
+];
 
 /// Runs the tests.
 pub fn test(run: &Run<'_>) -> Outcome {

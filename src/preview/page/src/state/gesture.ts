@@ -33,9 +33,11 @@ export class Gestures {
     listen("pointerup", () => (this.#isDown = false));
     listen("input", () => undefined);
     listen("change", () => undefined);
-    listen("keydown", ({ timeStamp }) => {
-      if (timeStamp - this.#lastKey > PAUSE) this.next();
-      this.#lastKey = timeStamp;
+    listen("keydown", (event) => {
+      // A page that draws slowly gets the repeats of a held key late.
+      const isHeld = event instanceof KeyboardEvent && event.repeat;
+      if (!isHeld && event.timeStamp - this.#lastKey > PAUSE) this.next();
+      this.#lastKey = event.timeStamp;
     });
   }
 
