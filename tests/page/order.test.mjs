@@ -9,7 +9,7 @@ const USUAL = ["fold.neck", "seam.shoulder", "seam.side"];
 
 /** A page with the cards in the middle of the panel, which scrolls if a card is dragged to its ends. */
 async function shirt(t) {
-  const preview = await show(t, sewnShirt(t));
+  const preview = await show(t, sewnShirt(t), { viewport: { width: 720, height: 700 } });
   await preview.page.getByRole("button", { name: "Simulation mesh", exact: true }).click();
   await preview.row("sim.maxEdgeLength").waitFor({ state: "detached" });
   return preview;

@@ -164,7 +164,7 @@ test("a border is picked from beyond the cloth, and its set added to a seam that
   do {
     y += 1;
     await mouse.move(hem.x, y);
-    await preview.page.waitForTimeout(250);
+    await preview.page.waitForTimeout(700);
   } while ((await isCloth()) && y < hem.y + 40);
   await mouse.click(hem.x, y + 3);
   await selected(preview, /^pickedEdges/);
