@@ -44,7 +44,7 @@ const MODEL = { roles: ["model"], wires: false, smooth: 0 };
 async function layered(t, settings = {}) {
   const preview = await show(t, layers(t), { ready: false });
   await preview.isDrawn(["model"]);
-  await preview.settings({ ...MODEL, ...settings });
+  await preview.settings({ ...MODEL, shadows: true, ...settings });
   await preview.page.keyboard.press("4");
   await preview.picture();
   return preview;

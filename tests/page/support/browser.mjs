@@ -36,10 +36,11 @@ async function launched() {
 
 after(async () => (await browser)?.close());
 
-/** Runs in a page: an artist who has chosen columns beside one another, where each mesh is as large as the others. */
+/** Runs in a page: an artist who has chosen columns beside one another, where each mesh is as large as the others, and no
+ *  shadows, which are slow without a graphics card. */
 function chooseColumns() {
   const key = "usdtailor.preview";
-  if (!localStorage.getItem(key)) localStorage.setItem(key, JSON.stringify({ layout: "side" }));
+  if (!localStorage.getItem(key)) localStorage.setItem(key, JSON.stringify({ layout: "side", shadows: false }));
 }
 
 /** Opens the page of a server in a context of its own, and waits until all meshes are drawn. `isNew` leaves the settings to
