@@ -136,7 +136,7 @@ test("cloth has the model's own colour, or one that is chosen and kept, with a w
   const own = await preview.picture();
   const [red, , blue] = chest(own);
   assert.ok(blue > 1.25 * red, `jersey is blue: ${chest(own)}`);
-  await page.getByRole("button", { name: "Fabric" }).click();
+  await page.getByRole("button", { name: "Fabric", exact: true }).click();
   await page.getByRole("button", { name: "Wine" }).click();
   const wine = await preview.picture();
   assert.ok(chest(wine)[0] > 1.5 * chest(wine)[2], `wine is red: ${chest(wine)}`);
