@@ -390,10 +390,12 @@ impl Builder {
     fn render(&mut self, recipe: &Recipe) -> Result<RenderUpdate, Error> {
         let mut clock = Clock::new(&self.progress);
         let stack = self.stack(recipe)?;
-        let RenderResult { mesh, sets, warnings, seam_level } = clock.run("render", || self.render.update(&stack))?;
+        let made = clock.run("render", || self.render.update(&stack))?;
         clock.finish()?;
+        let RenderResult { mesh, sources, sets, warnings, seam_level } = made;
         Ok(RenderUpdate {
             mesh,
+            sources,
             operators: stack.names,
             operator_sets: sets,
             seam_level,

@@ -7,9 +7,11 @@ use crate::cloth::{Cloth, ClothFigures};
 use crate::error::Warnings;
 use crate::garment::Mesh;
 use crate::garment::parts::split;
+use crate::mesh::{FaceId, IdVec};
 use crate::recipe::Recipe;
 use crate::report::{RenderFigures, SimFigures, TriangleQuality};
 use crate::sim::RemeshReport;
+use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::Arc;
 
@@ -97,6 +99,13 @@ impl SimUpdate {
         self.simulated.figures()
     }
 
+    /// The face of [`Builder::garment`](super::Builder::garment) under the centroid of each triangle.
+    pub fn sources(&self) -> IdVec<FaceId, FaceId> {
+        let product = &self.simulated.remeshed.product;
+        let sources = (0..product.triangles.len()).into_par_iter().map(|i| product.source_face(FaceId::new(i)));
+        sources.collect::<Vec<_>>().into()
+    }
+
     /// The smallest angle and the length of the edges of each triangle.
     pub fn triangle_quality(&self) -> TriangleQuality {
         TriangleQuality::new(&self.simulated.remeshed.product)
@@ -119,6 +128,8 @@ pub struct ClothUpdate {
 pub struct RenderUpdate {
     /// The mesh.
     pub mesh: Arc<Mesh>,
+    /// The face of [`Builder::garment`](super::Builder::garment) that each of its faces is part of.
+    pub sources: Arc<IdVec<FaceId, FaceId>>,
     /// The operators, in their order.
     pub operators: Vec<String>,
     /// Names of the face sets that they made.

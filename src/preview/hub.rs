@@ -14,7 +14,7 @@ use super::messages::{BuildMessage, KeptEdits, Origin, Role, ServerMessage, Shot
 use super::stage::Stage;
 use crate::error::{Error, Fault};
 use crate::garment::Mesh;
-use crate::mesh::FaceId;
+use crate::mesh::{FaceId, IdVec};
 use crate::recipe::{Layers, Recipe};
 use crate::report::TriangleQuality;
 use crate::session::Input;
@@ -41,7 +41,7 @@ pub struct Shown {
     /// The recipe that it was built from.
     pub recipe: Arc<Recipe>,
     /// The model's face of each face; empty for the model.
-    pub sources: Vec<FaceId>,
+    pub sources: Arc<IdVec<FaceId, FaceId>>,
     /// Quality of its triangles, once measured.
     pub quality: OnceLock<Arc<TriangleQuality>>,
     /// Figures and warnings for the page, once measured.
@@ -361,7 +361,7 @@ impl HubState {
             revision: self.snapshot.state.revision,
             build: 0.0,
             recipe: Arc::default(),
-            sources: Vec::new(),
+            sources: Arc::default(),
             quality: OnceLock::new(),
             message: OnceLock::new(),
         };

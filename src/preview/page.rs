@@ -15,8 +15,8 @@ pub struct File {
 }
 
 impl File {
-    /// What is sent: what is embedded. A debug build takes the file from the folder that `USDTAILOR_PAGE` names, so that an
-    /// edit of the page needs no build of the program.
+    /// The content that is sent: the embedded one. In a debug build, the file in the folder that `USDTAILOR_PAGE` names comes
+    /// first, so that an edit of the page needs no build of the program.
     pub fn sent(&self) -> Cow<'static, [u8]> {
         let folder = if cfg!(debug_assertions) { std::env::var_os("USDTAILOR_PAGE") } else { None };
         let edited = folder.and_then(|folder| std::fs::read(std::path::Path::new(&folder).join(self.name)).ok());

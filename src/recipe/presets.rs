@@ -1,4 +1,4 @@
-//! Presets: values of seams and folds under names, in the words of a `.tailor` file. Those of the program are in
+//! Presets: values of seams and folds under names, in the words of a `.tailor` file. Built-in presets are in
 //! `presets.json`. A file of the same form beside a garment has the user's own.
 
 use super::file::RecipeFile;
@@ -10,7 +10,7 @@ use crate::options::Group;
 use serde_json::{Map, Value};
 use std::path::Path;
 
-/// Those of the program.
+/// The built-in presets.
 const BUILT_IN: &str = include_str!("presets.json");
 
 /// Longest name. \[characters\]
@@ -26,7 +26,7 @@ pub struct Presets {
 }
 
 impl Presets {
-    /// Those of the program.
+    /// The built-in presets.
     ///
     /// # Errors
     /// None, which a test proves.

@@ -3,9 +3,9 @@
 //! An operator gives a new connectivity with the parents of every element ([`child`]), and heights over the limit surface
 //! of its parent. `placement` finds the points: they are moved until their limit is on the limit surface of the parent, and
 //! raised. `points` holds heights within the clearance to other layers, and `repair` lowers heights where faces would
-//! intersect or flip against the `reference` normals of the first cage. Attributes
-//! follow the derivation by the code that refinement uses. Seams and hems share the insertion of `lines` beside marked
-//! edges. `parallels` cuts rows of stitches at a distance from such edges. `stack` runs all of it: folds on the cage, then seams on the refined cage.
+//! intersect or flip against the `reference` normals of the first cage. Attributes follow the derivation by the code that
+//! refinement uses. Seams and hems share the insertion of `lines` beside marked edges. `parallels` cuts rows of stitches
+//! at a distance from such edges. `stack` runs all of it: folds on the cage, then seams on the refined cage.
 //!
 //! # A new operator
 //!

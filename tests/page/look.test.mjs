@@ -1,42 +1,30 @@
 // What cloth looks like: at rest, in shadow, from the back, in colour, and in pictures that are saved.
 
 import assert from "node:assert/strict";
-import { readFileSync, writeFileSync } from "node:fs";
-import { join } from "node:path";
+import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { assertClean, show } from "./support/browser.mjs";
+import { sheetFile } from "./support/garments.mjs";
 import { decode, differing, rgb } from "./support/png.mjs";
-import { example, temporaryFolder } from "./support/server.mjs";
+import { example } from "./support/server.mjs";
 
 /** A square cloth with a narrow groove aslant, and a small square 0.2 off its front. Points from 4 on are the groove's, from
  *  10 on the small square's. */
 function layers(test) {
-  const path = join(temporaryFolder(test), "layers.usda");
   const at = (y) => -2 + 0.1 * y;
   const groove = [-5, 5].flatMap((y) => [`(${at(y)}, ${y}, 0)`, `(${at(y) + 0.01}, ${y}, -0.03)`, `(${at(y) + 0.02}, ${y}, 0)`]);
   const points = ["(-5, -5, 0)", "(5, -5, 0)", "(5, 5, 0)", "(-5, 5, 0)", ...groove];
   const flap = ["(0, -1, 0.2)", "(3, -1, 0.2)", "(3, 2, 0.2)", "(0, 2, 0.2)"];
-  writeFileSync(
-    path,
-    `#usda 1.0
-(
-    defaultPrim = "Sheet"
-    metersPerUnit = 0.01
-    upAxis = "Y"
-)
-def Xform "Sheet"
-{
-    def Mesh "model"
+  return sheetFile(
+    test,
+    `    def Mesh "model"
     {
         int[] faceVertexCounts = [4, 4, 4, 4, 4]
         int[] faceVertexIndices = [0, 4, 7, 3, 4, 5, 8, 7, 5, 6, 9, 8, 6, 1, 2, 9, 10, 11, 12, 13]
         point3f[] points = [${[...points, ...flap].join(", ")}]
         uniform token subdivisionScheme = "none"
-    }
-}
-`,
+    }`,
   );
-  return path;
 }
 
 const MODEL = { roles: ["model"], wires: false, smooth: 0 };

@@ -43,7 +43,7 @@ test("a cache plays, is scrubbed both ways, and leaves the meshes as they are at
   const preview = await show(t, garment, { args: ["--cache", cache] });
   const { page } = preview;
   await preview.when(() => preview.store.state.shot !== null);
-  assert.deepEqual(await preview.state(({ shot }) => [shot.times.length, shot.frame, shot.fault]), [6, null, null]);
+  assert.deepEqual(await preview.state(({ shot }) => [shot.frames, shot.frame, shot.fault]), [6, null, null]);
   const bind = [await points(preview, "sim"), await points(preview, "render")];
   const heightOf = (role) =>
     preview.evaluate((role) => preview.view.stats(role).least[1], role);

@@ -41,9 +41,9 @@ struct Split {
     faces: Vec<NewFace>,
     /// Faces with repeats.
     repeated: Vec<FaceId>,
-    /// Those of them that became several.
+    /// Faces with repeats that became several.
     split: Vec<FaceId>,
-    /// Those of them that are left out.
+    /// Faces with repeats that are left out.
     left_out: Vec<FaceId>,
 }
 
@@ -60,18 +60,16 @@ impl Split {
         if counts.iter().any(|&count| count < 3) || !faces.all(is_in(counts.len())) {
             return None;
         }
-        let (mut found, mut added) = (Self::default(), Vec::new());
-        // The last face at each point, plus one.
-        let (mut last, mut first) = (vec![0; mesh.points.len()], 0);
-        for (face, &count) in counts.iter().enumerate() {
+        let repeated = repeated_faces(mesh);
+        if !repeated.contains(&true) {
+            return None;
+        }
+        let (mut found, mut added, mut first) = (Self::default(), Vec::new(), 0);
+        for ((face, &count), is_repeated) in counts.iter().enumerate().zip(repeated) {
             let corners = first..first + count as usize;
             first = corners.end;
-            let mut is_repeat = |corner| std::mem::replace(&mut last[points[corner] as usize], face + 1) > face;
-            if corners.clone().filter(|&corner: &usize| is_repeat(corner)).count() == 0 {
-                found.faces.push(NewFace { face, corners: corners.collect() });
-                continue;
-            }
-            let Some(cycles) = cycles(corners.clone(), points) else {
+            let cycles = if is_repeated { cycles(corners.clone(), points) } else { None };
+            let Some(cycles) = cycles else {
                 found.faces.push(NewFace { face, corners: corners.collect() });
                 continue;
             };
@@ -130,6 +128,19 @@ impl Split {
         let remedy = "Remove the repeated corners in the modelling program, if the faces are to have other corners";
         Warning::new(Code::RepeatedPoints, prim, problem).at(Elements::Faces(self.repeated)).remedy(remedy)
     }
+}
+
+/// True for each face that names a point more than once.
+fn repeated_faces(mesh: &Garment) -> Vec<bool> {
+    // The last face at each point, plus one.
+    let (mut last, mut first) = (vec![0; mesh.points.len()], 0);
+    let is_repeated = |(face, &count): (usize, &i32)| {
+        let corners = &mesh.face_vertex_indices[first..first + count as usize];
+        first += corners.len();
+        let is_repeat = |&&point: &&i32| std::mem::replace(&mut last[point as usize], face + 1) > face;
+        corners.iter().filter(is_repeat).count() > 0
+    };
+    mesh.face_vertex_counts.iter().enumerate().map(is_repeated).collect()
 }
 
 /// The parts of a face between its repeats, each with three corners or more; none where it goes around a hole.

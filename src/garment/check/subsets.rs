@@ -155,7 +155,7 @@ struct Broken {
     /// The strongest rule that they keep.
     rule: FamilyType,
     problem: String,
-    /// Those in several subsets, or in none.
+    /// Elements in several subsets, or in none.
     elements: Elements,
     remedy: &'static str,
 }

@@ -75,20 +75,18 @@ impl Hub {
     /// Builds what is saved by the command, unless a build runs. The snapshot has its state.
     pub fn start_build(self: &Arc<Self>, output: &str, overwrite: bool) {
         let Some(arguments) = self.begin_build(output, overwrite) else { return };
-        let (hub, output) = (Arc::clone(self), output.to_owned());
+        let hub = Arc::clone(self);
+        let ended = |output: &str, status, text| BuildMessage { output: output.to_owned(), status, text };
+        let of_work = output.to_owned();
         let work = move || {
             let (status, text) = match run(&arguments) {
                 Ok(ended) => ended,
                 Err(error) => (BuildStatus::Failed, format!("the build cannot run: {}", plain(&error))),
             };
-            hub.show_build(BuildMessage { output, status, text });
+            hub.show_build(ended(&of_work, status, text));
         };
         if thread::Builder::new().name("build".into()).spawn(work).is_err() {
-            self.show_build(BuildMessage {
-                output: String::new(),
-                status: BuildStatus::Failed,
-                text: "the system starts no more threads".into(),
-            });
+            self.show_build(ended(output, BuildStatus::Failed, "the system starts no more threads".into()));
         }
     }
 

@@ -52,7 +52,7 @@ pub struct Keeper {
     last: Mutex<Last>,
 }
 
-/// What the file has.
+/// What was last written to the file.
 struct Last {
     revision: u64,
     content: Content,

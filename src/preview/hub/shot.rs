@@ -126,19 +126,24 @@ impl Hub {
             Some(kept) => bound.insert(kept),
             None => bound.insert(Bound::new(pose, known, pool)?),
         };
+        let times = bound.playback.times();
+        let frame = pose.frame.map(|frame| frame.min(times.len() - 1));
         let message = ShotMessage {
             file: pose.file.file.display().to_string(),
-            times: bound.playback.times().to_vec(),
+            frames: times.len(),
             rate: bound.playback.rate(),
-            frame: pose.frame.map(|frame| frame.min(bound.playback.times().len() - 1)),
+            frame,
+            time: frame.map(|frame| times[frame]),
             fault: None,
         };
-        let Some(frame) = message.frame else { return Ok((message, BTreeMap::new())) };
+        let Some(frame) = frame else { return Ok((message, BTreeMap::new())) };
         let sim = bound.playback.points(frame)?;
         let render = pool.install(|| bound.driver.points(&sim));
         let shown = self.snapshot().shown;
-        let moved = [(Role::Sim, sim), (Role::Render, render)].into_iter().filter_map(|(role, points)| {
-            let at_bind = shown.get(&role).filter(|shown| shown.mesh.points.len() == points.len())?;
+        let moved = [(Role::Sim, &bound.sim, sim), (Role::Render, &bound.render, render)];
+        let moved = moved.into_iter().filter_map(|(role, mesh, points)| {
+            // A newer mesh stays at bind until it is bound itself.
+            let at_bind = shown.get(&role).filter(|shown| Arc::ptr_eq(&shown.mesh, mesh))?;
             Some((role, Arc::new(at_bind.moved(points))))
         });
         Ok((message, moved.collect()))

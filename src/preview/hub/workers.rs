@@ -4,7 +4,7 @@ use super::shot::{Rendered, Shot};
 use super::{Hub, Job, Shown};
 use crate::error::{Error, Warnings};
 use crate::garment::Mesh;
-use crate::mesh::FaceId;
+use crate::mesh::{FaceId, IdVec};
 use crate::pipeline::{Builder, Progress, SimUpdate};
 use crate::preview::messages::{ClothMessage, Figures, Origin, ProductMessage, Role, ServerMessage, lengths};
 use crate::preview::stage::Stage;
@@ -97,36 +97,44 @@ impl Hub {
         let start = Instant::now();
         let builder = builder_for(known, &job.stage, || self.progress(role));
         let recipe = builder.resolve(&job.recipe)?;
-        if role == Role::Sim {
-            let update = builder.update_sim(&recipe)?;
-            let shown = self.show(role, job, &update.mesh, update.source_faces(), start);
-            if shown.message.get().is_none() {
-                let _ = shown.quality.set(Arc::new(update.triangle_quality()));
-                let figures = Figures::from(&update.figures());
-                let _ = shown.message.set(product(role, job, figures, &update.warnings, &[], &recipe));
-            }
-            let simulated = Simulated { job: job.clone(), update };
-            self.change(|shared| shared.simulated = Some(simulated));
-        } else {
-            let update = builder.update_render(&recipe)?;
-            let sources = builder.render_sources(&recipe)?;
-            let shown = self.show(role, job, &update.mesh, sources, start);
-            if shown.message.get().is_none() {
-                let figures = Figures::from(&RenderFigures::new(&update.mesh));
-                let mut recipe = recipe;
-                recipe.render.seam_level = update.seam_level;
-                let _ = shown.message.set(product(role, job, figures, &update.warnings, &update.operators, &recipe));
-            }
-            if self.lock().shot.is_some() {
-                let origins = Arc::new(builder.render_origins(&job.recipe)?);
-                let rendered = Rendered { job: job.clone(), mesh: Arc::clone(&shown.mesh), origins };
-                self.change(|shared| {
-                    if let Some(shot) = &mut shared.shot {
-                        shot.rendered = Some(rendered);
-                    }
-                });
-            }
+        match role {
+            Role::Sim => self.build_sim(job, builder, &recipe, start),
+            _ => self.build_render(job, builder, recipe, start),
         }
+    }
+
+    fn build_sim(&self, job: &Job, builder: &mut Builder, recipe: &Recipe, start: Instant) -> Result<(), Error> {
+        let update = builder.update_sim(recipe)?;
+        let shown = self.show(Role::Sim, job, &update.mesh, || Arc::new(update.sources()), start);
+        if shown.message.get().is_none() {
+            let _ = shown.quality.set(Arc::new(update.triangle_quality()));
+            let figures = Figures::from(&update.figures());
+            let _ = shown.message.set(product(Role::Sim, job, figures, &update.warnings, &[], recipe));
+        }
+        let simulated = Simulated { job: job.clone(), update };
+        self.change(|shared| shared.simulated = Some(simulated));
+        Ok(())
+    }
+
+    fn build_render(&self, job: &Job, builder: &mut Builder, recipe: Recipe, start: Instant) -> Result<(), Error> {
+        let update = builder.update_render(&recipe)?;
+        let shown = self.show(Role::Render, job, &update.mesh, || update.sources, start);
+        let plays = self.lock().shot.is_some();
+        let origins = plays.then(|| builder.render_origins(&recipe)).transpose()?;
+        if shown.message.get().is_none() {
+            let figures = Figures::from(&RenderFigures::new(&update.mesh));
+            let mut recipe = recipe;
+            recipe.render.seam_level = update.seam_level;
+            let message = product(Role::Render, job, figures, &update.warnings, &update.operators, &recipe);
+            let _ = shown.message.set(message);
+        }
+        let Some(origins) = origins.map(Arc::new) else { return Ok(()) };
+        let rendered = Rendered { job: job.clone(), mesh: Arc::clone(&shown.mesh), origins };
+        self.change(|shared| {
+            if let Some(shot) = &mut shared.shot {
+                shot.rendered = Some(rendered);
+            }
+        });
         Ok(())
     }
 
@@ -173,26 +181,32 @@ impl Hub {
         }
     }
 
-    /// Shows a mesh, unless it is shown already.
-    fn show(&self, role: Role, job: &Job, mesh: &Arc<Mesh>, sources: Vec<FaceId>, start: Instant) -> Arc<Shown> {
-        let shown = Shown {
+    /// Shows a mesh, unless it is shown already. The thread of its role alone calls this.
+    fn show(
+        &self,
+        role: Role,
+        job: &Job,
+        mesh: &Arc<Mesh>,
+        sources: impl FnOnce() -> Arc<IdVec<FaceId, FaceId>>,
+        start: Instant,
+    ) -> Arc<Shown> {
+        let last = self.lock().snapshot.shown.get(&role).cloned();
+        let is_shown =
+            |last: &Arc<Shown>| Arc::ptr_eq(&last.mesh, mesh) && is_same_part(role, &last.recipe, &job.recipe);
+        if let Some(last) = last.filter(is_shown) {
+            return last;
+        }
+        let shown = Arc::new(Shown {
             mesh: Arc::clone(mesh),
             revision: job.revision,
             build: start.elapsed().as_secs_f64() * 1e3,
             recipe: Arc::clone(&job.recipe),
-            sources,
+            sources: sources(),
             quality: OnceLock::new(),
             message: OnceLock::new(),
-        };
-        let mut result = Arc::new(shown);
-        self.change(|shared| {
-            let last = shared.snapshot.shown.get(&role);
-            match last.filter(|last| Arc::ptr_eq(&last.mesh, mesh) && is_same_part(role, &last.recipe, &job.recipe)) {
-                Some(last) => result = Arc::clone(last),
-                None => drop(shared.snapshot.shown.insert(role, Arc::clone(&result))),
-            }
         });
-        result
+        self.change(|shared| drop(shared.snapshot.shown.insert(role, Arc::clone(&shown))));
+        shown
     }
 }
 

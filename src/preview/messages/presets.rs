@@ -11,10 +11,10 @@ use serde::Serialize;
 pub struct PresetsMessage<'a> {
     /// The file beside the garment.
     pub file: String,
-    /// Those of the program: for each kind of operator, values by name. Lengths are in mesh units.
+    /// Built-in presets: for each kind of operator, values by name. Lengths are in mesh units.
     #[cfg_attr(test, ts(type = "Presets"))]
     pub built_in: &'a Options,
-    /// Those of the file.
+    /// Presets of the file.
     #[cfg_attr(test, ts(type = "Presets"))]
     pub saved: &'a Options,
 }

@@ -9,12 +9,14 @@ use serde::Serialize;
 pub struct ShotMessage {
     /// The file.
     pub file: String,
-    /// Times of its frames. \[time codes\]
-    pub times: Vec<f64>,
+    /// Its number of frames.
+    pub frames: usize,
     /// Frames of a second.
     pub rate: f64,
     /// The frame that is shown; null for the meshes at bind.
     pub frame: Option<usize>,
+    /// The time of that frame. \[time codes\]
+    pub time: Option<f64>,
     /// Why it cannot be played.
     pub fault: Option<Fault>,
 }
@@ -22,6 +24,6 @@ pub struct ShotMessage {
 impl ShotMessage {
     /// Of a cache that cannot be played.
     pub fn failed(fault: Option<Fault>) -> Self {
-        Self { file: String::new(), times: Vec::new(), rate: 0.0, frame: None, fault }
+        Self { file: String::new(), frames: 0, rate: 0.0, frame: None, time: None, fault }
     }
 }

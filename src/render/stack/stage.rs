@@ -11,8 +11,6 @@
 mod origins;
 mod refinement;
 
-#[cfg(feature = "preview")]
-pub use origins::SourceFaces;
 pub use origins::{OriginTrace, Origins};
 
 use super::Stage;
@@ -29,16 +27,14 @@ use crate::render::{add_border_holes, check_size};
 use crate::step::{Same, Step};
 use crate::subdivide::{Carrier, Connectivity, Level, refined_faces, same_level};
 use glam::Vec3;
-use refinement::{Refined, RefinementSteps, refined, refined_inputs, refined_points};
+use refinement::{Refined, RefinementSteps, refined, refined_inputs, refined_points, refined_sources};
 use std::sync::Arc;
 
 /// The product of a stage. Its joint influences are lists for each vertex, as operators and refinements need them.
 #[derive(Clone)]
 pub struct Made {
-    /// The mesh.
-    pub mesh: Arc<Mesh>,
-    /// The vertex of the input garment at or beside each of its vertices.
-    pub inputs: Arc<InputVertices>,
+    /// The mesh, from which the next stage starts.
+    pub end: Start,
     /// Names of the face sets of operators.
     pub sets: Vec<String>,
     /// Warnings of the operators.
@@ -52,10 +48,15 @@ pub struct Start {
     pub garment: Arc<Mesh>,
     /// The vertex of the input garment at or beside each of its vertices.
     pub inputs: Arc<InputVertices>,
+    /// The face of the input garment that each of its faces is part of.
+    pub sources: Arc<SourceFaces>,
 }
 
 /// For each vertex of a mesh, the vertex of the input garment at or beside it, for messages.
 pub type InputVertices = IdVec<VertexId, VertexId>;
+
+/// For each face of a mesh, the face of the input garment that it is part of.
+pub type SourceFaces = IdVec<FaceId, FaceId>;
 
 /// An operator, compared by its output.
 struct SameOutput(Arc<dyn Operator>);
@@ -239,6 +240,7 @@ pub struct StageSteps {
     points: Vec<PointSteps>,
     refinements: Vec<RefinementSteps>,
     inputs: Step<(Same<InputVertices>, Same<Mesh>), Arc<InputVertices>>,
+    sources: Step<(Same<SourceFaces>, Same<Mesh>), Arc<SourceFaces>>,
     mesh: Step<(Same<Mesh>, Same<CagePoints>, u32), Arc<Mesh>>,
 }
 
@@ -266,19 +268,21 @@ impl StageSteps {
             Ok(Arc::new(Mesh { points, ..Mesh::clone(&refined) }))
         })?;
         let of_cage = cages.last().map_or(&start.inputs, |cage| &cage.derived.output.inputs);
+        let inputs = self.inputs.get((Same::from(of_cage), Same::from(&refined)), |_| {
+            Ok(Arc::new(refined_inputs(InputVertices::clone(of_cage), &refinements)))
+        })?;
+        let sources = self.sources.get((Same::from(&start.sources), Same::from(&refined)), |(sources, _)| {
+            let of_cage = cages.last().map(|cage| &cage.derived.ancestry.faces);
+            let of_cage = of_cage.map(|faces| faces.iter().map(|&face| sources[face]).collect());
+            Ok(Arc::new(refined_sources(of_cage.unwrap_or_else(|| SourceFaces::clone(sources)), &refinements)))
+        })?;
         let mut warnings = Warnings::default();
         for (cage, raised) in cages.iter().zip(&raised) {
             warnings.extend(cage.derived.output.warnings.iter().chain(raised.warnings.iter()).cloned());
         }
         let subsets = cages.iter().flat_map(|cage| &cage.derived.output.subsets);
-        Ok(Made {
-            mesh,
-            inputs: self.inputs.get((Same::from(of_cage), Same::from(&refined)), |_| {
-                Ok(Arc::new(refined_inputs(InputVertices::clone(of_cage), &refinements)))
-            })?,
-            sets: subsets.map(|set| set.name.clone()).collect(),
-            warnings,
-        })
+        let sets = subsets.map(|set| set.name.clone()).collect();
+        Ok(Made { end: Start { garment: mesh, inputs, sources }, sets, warnings })
     }
 
     /// The stage, after operators that halve faces at its folds if some bend too far.

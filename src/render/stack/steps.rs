@@ -9,9 +9,7 @@
 //! its edges, and the coarser the cage, the more of the surface depends on each. The second stage takes the mesh of the
 //! first one as its garment.
 
-#[cfg(feature = "preview")]
-use super::stage::SourceFaces;
-use super::stage::{InputVertices, Made, OriginTrace, Origins, StageSteps, Start};
+use super::stage::{InputVertices, OriginTrace, Origins, SourceFaces, StageSteps, Start};
 use super::{Stack, Stage};
 use crate::error::{Error, Warnings};
 use crate::garment::Mesh;
@@ -25,6 +23,8 @@ use std::sync::Arc;
 pub struct RenderResult {
     /// The mesh.
     pub mesh: Arc<Mesh>,
+    /// The face of the garment that each of its faces is part of.
+    pub sources: Arc<SourceFaces>,
     /// Names of the face sets of operators.
     pub sets: Vec<String>,
     /// Warnings of the operators.
@@ -44,7 +44,8 @@ impl RenderSteps {
     /// The steps of a garment.
     pub fn new(garment: Arc<Mesh>) -> Self {
         let inputs: InputVertices = (0..garment.points.len()).map(VertexId::new).collect();
-        let start = Start { garment, inputs: Arc::new(inputs) };
+        let sources = Arc::new(garment.faces.ids().collect());
+        let start = Start { garment, inputs: Arc::new(inputs), sources };
         Self { start, stages: Default::default(), mesh: Step::default() }
     }
 
@@ -54,9 +55,9 @@ impl RenderSteps {
     /// Operators that do not fit the garment; a mesh that would be too large.
     pub fn update(&mut self, stack: &Stack) -> Result<RenderResult, Error> {
         if stack.is_empty() {
-            let mesh = Arc::clone(&self.start.garment);
+            let Start { garment: mesh, sources, .. } = self.start.clone();
             let warnings = stack.warnings.clone();
-            return Ok(RenderResult { mesh, sets: Vec::new(), warnings, seam_level: 0 });
+            return Ok(RenderResult { mesh, sources, sets: Vec::new(), warnings, seam_level: 0 });
         }
         // Parallel loops start faster from a thread of the pool.
         rayon::scope(|_| self.update_in_pool(stack))
@@ -68,13 +69,13 @@ impl RenderSteps {
         let mut start = self.start.clone();
         let stages = self.stages_of(stack)?;
         for (steps, stage) in self.stages.iter_mut().zip(&stages) {
-            let Made { mesh, inputs, sets: of_stage, warnings: told } = steps.update(&start, stage)?;
-            sets.extend(of_stage);
-            warnings.extend(told);
-            start = Start { garment: mesh, inputs };
+            let made = steps.update(&start, stage)?;
+            sets.extend(made.sets);
+            warnings.extend(made.warnings);
+            start = made.end;
         }
         let mesh = self.mesh.get(Same::from(&start.garment), |made| Ok(Arc::new(finished(Mesh::clone(made)))))?;
-        Ok(RenderResult { mesh, sets, warnings, seam_level: seam_level(&stages) })
+        Ok(RenderResult { mesh, sources: start.sources, sets, warnings, seam_level: seam_level(&stages) })
     }
 
     fn stages_of(&mut self, stack: &Stack) -> Result<Vec<Stage>, Error> {
@@ -99,8 +100,7 @@ impl RenderSteps {
         let mut start = self.start.clone();
         let (last, before) = stages.split_last().expect("a stack has a stage");
         for (steps, stage) in self.stages.iter_mut().zip(before) {
-            let Made { mesh, inputs, .. } = steps.update(&start, stage)?;
-            start = Start { garment: mesh, inputs };
+            start = steps.update(&start, stage)?.end;
         }
         self.stages[before.len()].face_count(&start, last)
     }
@@ -123,30 +123,9 @@ impl RenderSteps {
         let stages = self.stages_of(stack)?;
         for (number, (steps, stage)) in self.stages.iter_mut().zip(&stages).enumerate() {
             trace = steps.origins(&start, stage, trace, number + 1 == stages.len())?;
-            let Made { mesh, inputs, .. } = steps.update(&start, stage)?;
-            start = Start { garment: mesh, inputs };
+            start = steps.update(&start, stage)?.end;
         }
-        Ok(trace.origins())
-    }
-
-    /// The face of the garment that each face of the last [`RenderSteps::update`] is part of. It had the same stack.
-    ///
-    /// # Errors
-    /// As [`RenderSteps::update`].
-    #[cfg(feature = "preview")]
-    pub fn source_faces(&mut self, stack: &Stack) -> Result<SourceFaces, Error> {
-        let mut sources = self.start.garment.faces.ids().collect();
-        if stack.is_empty() {
-            return Ok(sources);
-        }
-        let mut start = self.start.clone();
-        let stages = self.stages_of(stack)?;
-        for (steps, stage) in self.stages.iter_mut().zip(&stages) {
-            let Made { mesh, inputs, .. } = steps.update(&start, stage)?;
-            sources = steps.source_faces(&start, stage, sources)?;
-            start = Start { garment: mesh, inputs };
-        }
-        Ok(sources)
+        Ok(trace.origins(&start.sources))
     }
 
     /// An estimate of the memory of all cached steps. \[bytes\]

@@ -6,7 +6,7 @@ use crate::garment::{
     Elements, Family, FamilyType, Garment, Interpolation, Meaning, Mesh, PrimvarInput, PrimvarRole, SubsetInput, Values,
 };
 use crate::mesh::Topology;
-use crate::render::RenderSteps;
+use crate::render::{RenderResult, RenderSteps};
 use crate::testing::checks::attributes::{family_faults, primvar_faults, subset_faults};
 use crate::testing::operators::{rendered, stack, try_rendered};
 use crate::testing::sheets::with_edges;
@@ -237,14 +237,26 @@ fn faces_of_a_set_are_those_whose_source_is_in_it() {
         {
             let stack = stack(&[operators, &[level]].concat());
             let mut steps = RenderSteps::new(Arc::new(garment.clone()));
-            let mesh = steps.update(&stack).expect("a mesh").mesh;
-            let sources = steps.source_faces(&stack).expect("sources");
+            let RenderResult { mesh, sources, .. } = steps.update(&stack).expect("a mesh");
             assert_eq!(sources.len(), mesh.faces.len(), "{operators:?} {level}");
             let found: BTreeSet<_> =
                 sources.enumerated().filter(|(_, s)| left.contains(s)).map(|(face, _)| face).collect();
             assert_eq!(found, in_left(&mesh), "{operators:?} {level}");
         }
     }
+}
+
+#[test]
+fn sources_are_kept_while_the_faces_are() {
+    let garment = checked(sample());
+    let mut steps = RenderSteps::new(Arc::new(garment));
+    let mut made = |options: &[&str]| steps.update(&stack(options)).expect("a mesh");
+    let raised = made(&["seam.s.edges=row", "seam.s.normalOffset=0.1", "render.level=1"]);
+    let sunk = made(&["seam.s.edges=row", "seam.s.normalOffset=-0.1", "render.level=1"]);
+    assert_ne!(raised.mesh.points, sunk.mesh.points);
+    assert!(Arc::ptr_eq(&raised.sources, &sunk.sources));
+    let plain = made(&["render.level=1"]);
+    assert_ne!(sunk.sources, plain.sources);
 }
 
 #[test]

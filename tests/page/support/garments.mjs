@@ -37,16 +37,9 @@ export function substitute(path, what, by) {
   writeFileSync(path, text.replace(what, by));
 }
 
-/** A flat cloth of `size` by `size` quads with an edge set; the variant `long` is another in its points. */
-export function variantSheet(test, size = 6) {
-  const range = [...Array(size + 1).keys()];
-  const grid = (stretch) => range.flatMap((i) => range.map((j) => `(${j}, ${i * stretch}, ${Math.sin(i)})`)).join(", ");
-  const at = (i, j) => i * (size + 1) + j;
-  const cells = range.slice(1).flatMap((i) => range.slice(1).map((j) => [i - 1, j - 1]));
-  const corners = cells.map(([i, j]) => [at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)].join(", "));
-  const middle = range.slice(1).map((j) => `${at(size / 2, j - 1)}, ${at(size / 2, j)}`);
+/** A file whose prim `/Sheet` holds `content`. */
+export function sheetFile(test, content, metadata = "") {
   const path = join(temporaryFolder(test), "sheet.usda");
-  const points = (stretch) => `point3f[] points = [${grid(stretch)}]`;
   writeFileSync(
     path,
     `#usda 1.0
@@ -55,12 +48,27 @@ export function variantSheet(test, size = 6) {
     metersPerUnit = 0.01
     upAxis = "Y"
 )
-def Xform "Sheet" (
-    variants = { string cut = "short" }
-    prepend variantSets = "cut"
-)
+def Xform "Sheet" ${metadata}
 {
-    def Mesh "model"
+${content}
+}
+`,
+  );
+  return path;
+}
+
+/** A flat cloth of `size` by `size` quads with an edge set; the variant `long` is another in its points. */
+export function variantSheet(test, size = 6) {
+  const range = [...Array(size + 1).keys()];
+  const grid = (stretch) => range.flatMap((i) => range.map((j) => `(${j}, ${i * stretch}, ${Math.sin(i)})`)).join(", ");
+  const at = (i, j) => i * (size + 1) + j;
+  const cells = range.slice(1).flatMap((i) => range.slice(1).map((j) => [i - 1, j - 1]));
+  const corners = cells.map(([i, j]) => [at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)].join(", "));
+  const middle = range.slice(1).map((j) => `${at(size / 2, j - 1)}, ${at(size / 2, j)}`);
+  const points = (stretch) => `point3f[] points = [${grid(stretch)}]`;
+  return sheetFile(
+    test,
+    `    def Mesh "model"
     {
         int[] faceVertexCounts = [${cells.map(() => 4).join(", ")}]
         int[] faceVertexIndices = [${corners.join(", ")}]
@@ -73,11 +81,12 @@ def Xform "Sheet" (
     variantSet "cut" = {
         "short" { over "model" { ${points(1)} } }
         "long" { over "model" { ${points(2)} } }
-    }
-}
-`,
+    }`,
+    `(
+    variants = { string cut = "short" }
+    prepend variantSets = "cut"
+)`,
   );
-  return path;
 }
 
 /** The points of both products as `usdtailor build` writes them, and their text. */

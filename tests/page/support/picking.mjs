@@ -4,6 +4,7 @@ import assert from "node:assert/strict";
 
 /** The place in the window of an edge of a set of the model that a click there finds. */
 export async function placeOf(preview, set) {
+  await preview.isStill();
   const places = await preview.evaluate(
     (name) => {
       const { sets, numbers } = observed.elements.model;
@@ -22,15 +23,25 @@ export async function placeOf(preview, set) {
     },
     set,
   );
-  for (const { x, y } of places) {
-    await preview.page.mouse.move(x - 1, y);
-    await preview.page.mouse.move(x, y);
-    const isFound = (set) => preview.store.state.hovered?.sets.some(({ name }) => name === set);
-    const found = preview.when(isFound, set, 1500).then(
-      () => true,
-      () => false,
-    );
-    if (await found) return { x, y };
+  for (const place of places) {
+    if (await finds(preview, set, place)) return place;
   }
   assert.fail(`no edge of ${set} is found on the model`);
+}
+
+/** Whether the pointer finds the set at a place. What a slow machine finds late is of the place before. */
+async function finds(preview, set, { x, y }) {
+  await preview.page.mouse.move(1, 1);
+  await preview.when(() => preview.store.state.hovered === null);
+  await preview.page.mouse.move(x, y);
+  const isFound = ([set, x, y]) => {
+    const { hovered } = preview.store.state;
+    const box = document.querySelector("canvas").getBoundingClientRect();
+    const isHere = hovered && Math.hypot(box.x + hovered.x - x, box.y + hovered.y - y) < 1;
+    return isHere && hovered.sets.some(({ name }) => name === set);
+  };
+  return preview.when(isFound, [set, x, y], 3000).then(
+    () => true,
+    () => false,
+  );
 }

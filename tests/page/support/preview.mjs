@@ -150,7 +150,7 @@ export class Preview {
 
   /** The canvas as it is drawn, as a decoded PNG. */
   async picture() {
-    await this.#isStill();
+    await this.isStill();
     const data = await this.page.evaluate(async () => {
       const bytes = new Uint8Array(await (await preview.view.screenshot()).arrayBuffer());
       return bytes.reduce((text, byte) => text + String.fromCharCode(byte), "");
@@ -159,7 +159,7 @@ export class Preview {
   }
 
   /** Waits for the end of flights of the camera: a point stays where it is. */
-  #isStill() {
+  isStill() {
     return this.page.evaluate(async () => {
       const place = () => JSON.stringify(preview.view.project("model", 0));
       const frame = () => new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve, 30)));

@@ -1,6 +1,6 @@
 //! Where the vertices of the render mesh lie on the garment.
 
-use super::{StageSteps, Start, connectivity};
+use super::{SourceFaces, StageSteps, Start, connectivity};
 use crate::error::Error;
 use crate::garment::Mesh;
 use crate::mesh::{Csr, FaceId, Faces, IdVec, VertexId};
@@ -17,16 +17,11 @@ pub struct Origins {
     pub faces: Csr<VertexId, FaceId>,
 }
 
-/// The face of the garment that each face of a mesh is part of.
-pub type SourceFaces = IdVec<FaceId, FaceId>;
-
 /// The origins of a mesh between two stages.
 pub struct OriginTrace {
     /// Points without heights.
     points: IdVec<VertexId, Vec3>,
     faces: Faces,
-    /// The face of the garment that each face is part of.
-    parents: SourceFaces,
     /// Vertices with their copies on second layers.
     copies: Vec<[VertexId; 2]>,
 }
@@ -34,14 +29,13 @@ pub struct OriginTrace {
 impl OriginTrace {
     /// The garment itself.
     pub fn first(garment: &Mesh) -> Self {
-        let parents = garment.faces.ids().collect();
-        Self { points: garment.points.clone(), faces: garment.faces.clone(), parents, copies: Vec::new() }
+        Self { points: garment.points.clone(), faces: garment.faces.clone(), copies: Vec::new() }
     }
 
-    /// The origins at these points.
-    pub fn origins(self) -> Origins {
-        let Self { points, faces, parents, .. } = self;
-        let around = faces.corners().enumerated().map(|(corner, &v)| (v, parents[faces.face_of(corner)]));
+    /// The origins at these points, on faces with these sources.
+    pub fn origins(self, sources: &SourceFaces) -> Origins {
+        let Self { points, faces, .. } = self;
+        let around = faces.corners().enumerated().map(|(corner, &v)| (v, sources[faces.face_of(corner)]));
         Origins { faces: Csr::group(points.len(), around, FaceId::new(0)), points }
     }
 
@@ -52,24 +46,6 @@ impl OriginTrace {
 }
 
 impl StageSteps {
-    /// The source of each face after this stage, from those before it. The last [`StageSteps::update`] had the same start.
-    ///
-    /// # Errors
-    /// As [`StageSteps::update`].
-    #[cfg(feature = "preview")]
-    pub fn source_faces(&mut self, start: &Start, stage: &Stage, sources: SourceFaces) -> Result<SourceFaces, Error> {
-        let stage = &self.with_halving(start, stage)?;
-        let mut sources = sources;
-        for placement in self.points.iter().take(stage.operators.len()).map_while(|steps| steps.placement.last()) {
-            let derivation = placement.derivation();
-            sources = derivation.faces.ids().map(|f| sources[derivation.parent_face(f)]).collect();
-        }
-        for refinement in self.refinements.iter().take(stage.level as usize).filter_map(|steps| steps.last()) {
-            sources = refinement.faces().ids().map(|f| sources[refinement.parent_face(f)]).collect();
-        }
-        Ok(sources)
-    }
-
     /// The vertices of a garment on its limit surface.
     ///
     /// # Errors
@@ -78,7 +54,7 @@ impl StageSteps {
         let first = self.first_cage(start)?;
         let limits = connectivity(&mut self.first_connectivity, &first.level)?;
         let trace = OriginTrace::first(&first.garment);
-        Ok(OriginTrace { points: carried_points(&limits.limits(), &trace.points), ..trace }.origins())
+        Ok(OriginTrace { points: carried_points(&limits.limits(), &trace.points), ..trace }.origins(&start.sources))
     }
 
     /// The origins after this stage, whose last [`StageSteps::update`] had the same start. Without refinement, the origins
@@ -101,9 +77,7 @@ impl StageSteps {
             trace.points = IdVec::clone(&points);
             let Some(placement) = steps.placement.last() else { break };
             trace.copies.extend(placement.copy_pairs());
-            let derivation = placement.derivation();
-            trace.parents = derivation.faces.ids().map(|f| trace.parents[derivation.parent_face(f)]).collect();
-            trace.faces = derivation.faces.clone();
+            trace.faces = placement.derivation().faces.clone();
             if let Some(connectivity) = steps.connectivity.last() {
                 last = Arc::clone(connectivity);
             }
@@ -116,7 +90,6 @@ impl StageSteps {
         for refinement in self.refinements.iter().take(stage.level as usize).filter_map(|steps| steps.last()) {
             trace.points = carried_points(&refinement.vertex(), &trace.points);
             trace.faces = refinement.faces().clone();
-            trace.parents = trace.faces.ids().map(|f| trace.parents[refinement.parent_face(f)]).collect();
         }
         Ok(trace)
     }

@@ -1,6 +1,6 @@
 //! The refinements after the operators.
 
-use super::{Cage, InputVertices};
+use super::{Cage, InputVertices, SourceFaces};
 use crate::error::Error;
 use crate::garment::{Mesh, Scheme, Subset};
 use crate::mesh::{IdVec, VertexId};
@@ -96,6 +96,14 @@ pub fn refined_inputs(mut inputs: InputVertices, refinements: &[Arc<Refinement>]
         inputs = next;
     }
     inputs
+}
+
+/// The source faces after refinements: those of the parents.
+pub fn refined_sources(mut sources: SourceFaces, refinements: &[Arc<Refinement>]) -> SourceFaces {
+    for refinement in refinements {
+        sources = refinement.faces().ids().map(|face| sources[refinement.parent_face(face)]).collect();
+    }
+    sources
 }
 
 /// Points after all refinements. `known` holds the masks of the first refinement if an operator computed them.

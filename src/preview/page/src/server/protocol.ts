@@ -483,9 +483,9 @@ export type PresetSavedMessage = {
 export type PresetsMessage = {
   /** The file beside the garment. */
   file: string,
-  /** Those of the program: for each kind of operator, values by name. Lengths are in mesh units. */
+  /** Built-in presets: for each kind of operator, values by name. Lengths are in mesh units. */
   builtIn: Presets,
-  /** Those of the file. */
+  /** Presets of the file. */
   saved: Presets,
 };
 
@@ -626,12 +626,14 @@ export type Severity = "fault" | "quality" | "note";
 export type ShotMessage = {
   /** The file. */
   file: string,
-  /** Times of its frames. [time codes] */
-  times: Array<number>,
+  /** Its number of frames. */
+  frames: number,
   /** Frames of a second. */
   rate: number,
   /** The frame that is shown; null for the meshes at bind. */
   frame: number | null,
+  /** The time of that frame. [time codes] */
+  time: number | null,
   /** Why it cannot be played. */
   fault: Fault | null,
 };

@@ -5,7 +5,7 @@ import { openBuild } from "./build";
 import { addFromSelection } from "./operators";
 import { WAYS } from "./selection";
 import type { Store } from "./store";
-import { ROLES } from "./settings";
+import { ROLES } from "../view/layout";
 import type { Side } from "../view/api";
 import { largeOf } from "../view/layout";
 

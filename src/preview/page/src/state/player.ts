@@ -21,7 +21,7 @@ export class Player {
     if (this.store.state.isPlaying) return this.pause();
     const shot = this.#shot;
     if (!shot || shot.fault) return;
-    const isLast = shot.frame === shot.times.length - 1;
+    const isLast = shot.frame === shot.frames - 1;
     this.#start = { frame: isLast ? 0 : (shot.frame ?? 0), time: performance.now() };
     this.store.update({ isPlaying: true });
     this.#ask(this.#start.frame);
@@ -40,7 +40,7 @@ export class Player {
   step(by: number): void {
     const shot = this.#shot;
     if (!shot || shot.fault) return;
-    this.show(Math.min(shot.times.length - 1, Math.max(0, (shot.frame ?? 0) + by)));
+    this.show(Math.min(shot.frames - 1, Math.max(0, (shot.frame ?? 0) + by)));
   }
 
   receive(shot: ShotMessage): void {
@@ -64,7 +64,7 @@ export class Player {
     if (!shot || !this.store.state.isPlaying) return;
     const { frame, time } = this.#start;
     const passed = Math.floor(((performance.now() - time) * shot.rate) / 1000);
-    const now = (frame + passed) % shot.times.length;
+    const now = (frame + passed) % shot.frames;
     if (now === shot.frame) requestAnimationFrame(() => this.#advance());
     else this.#ask(now);
   }

@@ -2,6 +2,7 @@
 
 import type { GarmentMessage, Role } from "../server/protocol";
 import type { Fabric, Layout, Shading, ViewOptions } from "../view/api";
+import { ROLES } from "../view/layout";
 
 export interface Settings {
   roles: Role[];
@@ -23,7 +24,6 @@ export interface Settings {
   figures: boolean;
 }
 
-export const ROLES: Role[] = ["model", "sim", "render"];
 export const ROLE_NAMES: Record<Role, string> = { model: "Model", sim: "Simulation", render: "Render" };
 
 const KEY = "usdtailor.preview";

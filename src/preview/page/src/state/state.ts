@@ -7,7 +7,8 @@ import { findingsIn, SEVERITIES, type Finding, type Garment } from "./garment";
 import type { PlacedFaults } from "./recipe";
 import type { Selection } from "./selection";
 import type { Picked, Plan } from "../view/api";
-import { loadSettings, ROLES, type Settings } from "./settings";
+import { loadSettings, type Settings } from "./settings";
+import { ROLES } from "../view/layout";
 import type { Timing } from "./stopwatch";
 
 export type Document = Omit<StateMessage, "serial">;

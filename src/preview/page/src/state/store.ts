@@ -4,7 +4,7 @@
 import { Connection } from "../server/connection";
 import { EditQueue } from "./editQueue";
 import { Gestures } from "./gesture";
-import { onSystemTheme, paintedChoices, QUALITIES, ROLES, saveSettings, viewOptions } from "./settings";
+import { onSystemTheme, paintedChoices, QUALITIES, saveSettings, viewOptions } from "./settings";
 import type { Settings } from "./settings";
 import { initialState, type State, type Toast } from "./state";
 import { Selector, type Selection } from "./selection";
@@ -19,6 +19,7 @@ import { Made } from "./made";
 import { notePreset } from "./presets";
 import { placeFaults, setsOf, withoutValue, withValue } from "./recipe";
 import { createView } from "../view/index";
+import { ROLES } from "../view/layout";
 import type { Isolated, Picked, PickHow, Plan, View } from "../view/api";
 
 /** An option with another value. */

@@ -4,8 +4,9 @@ import { Vector3 } from "three";
 import type { MeshFrame } from "../server/frame";
 import type { Elements, LookInfo, Role, UpAxis } from "../server/protocol";
 import type { Isolated, Marked, Picked, PickHow, Side, View, ViewEvents, ViewOptions, ViewStats } from "./api";
-import { isInView, poseFromHere, poseOfAll, poseOfMarks, poseOfSets } from "./camera/aims";
+import { isInView, poseOfAll, poseOfMarks, poseOfSets } from "./camera/aims";
 import type { Aim, Sight } from "./camera/aims";
+import { Cameras } from "./camera/cameras";
 import { Cloth } from "./mesh/cloth";
 import { css, placeSets, setColour, sortSets } from "./shade/colours";
 import { Hover } from "./hover";
@@ -17,7 +18,7 @@ import type { Pose } from "./camera/motion";
 import { checksum } from "./mesh/points";
 import { describe, onFace, Picker, toCanvas, toDevice } from "./picking";
 import type { Spot } from "./picking";
-import { FlatRig, SIDES, SpaceRig, THREE_QUARTER } from "./camera/rig";
+import { SIDES } from "./camera/rig";
 import type { Rig } from "./camera/rig";
 import { Planner } from "./plan";
 import { Markers } from "./markers";
@@ -44,8 +45,7 @@ class CanvasView implements View {
   readonly #stage: Stage;
   readonly #picker: Picker;
   readonly #hover: Hover;
-  readonly #space = new SpaceRig();
-  readonly #flat = new FlatRig();
+  readonly #cameras = new Cameras();
   #looks: LookInfo[] = [];
   readonly #markers: Markers;
   /** Edge sets under the pointer. */
@@ -54,9 +54,6 @@ class CanvasView implements View {
   #isolated: ReadonlySet<number> | null = null;
   /** Marks are to be flown to once their mesh is there. */
   #fliesToMarks = false;
-  /** Rigs that the artist has not moved, which frame the garment again when the view changes. */
-  readonly #untouched = new Set<Rig>([this.#space, this.#flat]);
-  readonly #framed = new Set<Rig>();
   /** A frame of animation is on its way. */
   #awaited = 0;
   readonly #uploads = new Uploads();
@@ -73,7 +70,7 @@ class CanvasView implements View {
     this.#markers = new Markers(this.#stage);
     this.#picker = new Picker(this.#stage.renderer);
     this.#still = new Still(this.#stage.renderer, ({ sample: target }, sample) =>
-      this.#stage.draw({ ...this.#stage.sheet(this.#columns), target }, this.#rig, this.#space, sample),
+      this.#stage.draw({ ...this.#stage.sheet(this.#columns), target }, this.#rig, this.#cameras.space, sample),
     );
     this.#hover = new Hover(this.#picker, (at) => this.#spotAt(at), events.hover, (sets) => this.#warm(sets));
     new ResizeObserver(() => this.#resized()).observe(canvas);
@@ -97,7 +94,7 @@ class CanvasView implements View {
     else return;
     this.#placeMarkers();
     this.#stage.measure(this.options.roles);
-    if (!known) this.#fitUntouched();
+    if (!known) this.#cameras.fit(this.#sight);
     if (this.#fliesToMarks) this.#flyToMarks();
     this.#uploads.add(role, revision, performance.now() - start);
     this.#hover.forget();
@@ -118,14 +115,14 @@ class CanvasView implements View {
     this.#stage.setOptions(options);
     this.#stage.measure(options.roles);
     this.#placeMarkers();
-    if (!sameColumns(before, options)) this.#fitUntouched();
+    if (!sameColumns(before, options)) this.#cameras.fit(this.#sight);
     this.#hover.forget();
     this.#invalidate();
   }
 
   setUp(axis: UpAxis): void {
-    this.#space.setUp(axis);
-    this.#frameUntouched();
+    this.#cameras.space.setUp(axis);
+    this.#cameras.frame(this.#sight);
     this.#invalidate();
   }
 
@@ -144,13 +141,14 @@ class CanvasView implements View {
     const { onMarked, selected, highlighted } = this.#markers;
     const aim = onMarked ? this.#aimAt(onMarked.role, onMarked.elements) : selected && this.#aimAt("model", selected);
     const part = (aim && poseOfMarks(this.#sight, aim)) ?? poseOfSets(this.#sight, highlighted);
-    if (part) this.#untouched.delete(this.#rig);
-    this.#fly(part ?? poseOfAll(this.#sight));
+    if (part) return this.#flyTo(part);
+    const pose = poseOfAll(this.#sight);
+    if (pose) this.#rig.motion.fly(pose);
+    this.#invalidate();
   }
 
   look(side: Side): void {
-    this.#untouched.delete(this.#rig);
-    this.#fly(poseOfAll(this.#sight, SIDES[side]));
+    this.#flyTo(poseOfAll(this.#sight, SIDES[side]));
   }
 
   highlight(sets: string[]): void {
@@ -229,19 +227,19 @@ class CanvasView implements View {
     const [across, up] = [width / ratio, this.#stage.height];
     const sheet = { width: across, height: up, ratio, columns: columns(this.options, across, up), isClear: true };
     return clearPicture(this.#stage.renderer, width, height, ({ sample: target }, sample) =>
-      this.#stage.draw({ ...sheet, target }, this.#rig, this.#space, sample),
+      this.#stage.draw({ ...sheet, target }, this.#rig, this.#cameras.space, sample),
     );
   }
 
   async turntable(seconds: number): Promise<Blob> {
-    const pose: Pose = [...this.#space.motion.goal];
+    const pose: Pose = [...this.#cameras.space.motion.goal];
     const turned = (share: number): void => {
       const [x, y, z, size, turn, tilt] = pose;
-      this.#space.motion.jump([x, y, z, size, turn + 2 * Math.PI * share, tilt]);
+      this.#cameras.space.motion.jump([x, y, z, size, turn + 2 * Math.PI * share, tilt]);
       this.#draw();
       this.#still.finish(FILMED);
     };
-    const blob = await film(this.canvas, seconds, turned).finally(() => this.#space.motion.jump(pose));
+    const blob = await film(this.canvas, seconds, turned).finally(() => this.#cameras.space.motion.jump(pose));
     this.#invalidate();
     return blob;
   }
@@ -278,8 +276,8 @@ class CanvasView implements View {
   }
 
   aim(): ReturnType<View["aim"]> {
-    const { goal } = this.#space.motion;
-    const direction = this.#space.backOf(goal).negate().toArray();
+    const { goal } = this.#cameras.space.motion;
+    const direction = this.#cameras.space.backOf(goal).negate().toArray();
     return { target: goal.slice(0, 3), direction, distance: Math.exp(goal[3]) };
   }
 
@@ -296,7 +294,7 @@ class CanvasView implements View {
   }
 
   get #rig(): Rig {
-    return this.options.flat ? this.#flat : this.#space;
+    return this.options.flat ? this.#cameras.flat : this.#cameras.space;
   }
 
   get #columns(): Column[] {
@@ -330,7 +328,7 @@ class CanvasView implements View {
   get #sight(): Sight {
     return {
       rig: this.#rig,
-      space: this.#space,
+      space: this.#cameras.space,
       aspects: this.#columns.map(aspectOf),
       flat: this.options.flat,
       shown: this.#shown,
@@ -361,7 +359,7 @@ class CanvasView implements View {
   #draw(): void {
     this.#stage.resize();
     const start = performance.now();
-    this.#stage.draw(this.#stage.sheet(this.#columns), this.#rig, this.#space);
+    this.#stage.draw(this.#stage.sheet(this.#columns), this.#rig, this.#cameras.space);
     this.#still.restart();
     this.#plan();
     this.#uploads.tell(this.events.drawn, performance.now() - start);
@@ -371,13 +369,13 @@ class CanvasView implements View {
     const { cloths } = this.#stage;
     const solid = ({ roles }: Column) => roles.map((role) => cloths.get(role)).filter((cloth) => cloth !== undefined).at(-1);
     const columns = this.options.flat ? this.#columns : [];
-    this.events.plan(this.#planner.plan(cloths.get("model"), columns, solid, this.#flat));
+    this.events.plan(this.#planner.plan(cloths.get("model"), columns, solid, this.#cameras.flat));
   }
 
   /** At once, as a canvas of a new size is empty until it is drawn. */
   #resized(): void {
     if (!this.#stage.resize()) return;
-    this.#frameUntouched();
+    this.#cameras.frame(this.#sight);
     this.#draw();
   }
 
@@ -389,26 +387,20 @@ class CanvasView implements View {
     this.#flyTo(aim && poseOfMarks(this.#sight, aim));
   }
 
-  /** Flies to a part, so that the whole is not framed again by itself. */
   #flyTo(pose: Pose | null): void {
-    if (pose) this.#untouched.delete(this.#rig);
-    this.#fly(pose);
-  }
-
-  #fly(pose: Pose | null): void {
-    if (pose) this.#rig.motion.fly(pose);
+    this.#cameras.flyTo(this.#rig, pose);
     this.#invalidate();
   }
 
   #moved(move: (rig: Rig) => void): void {
-    this.#untouched.delete(this.#rig);
+    this.#cameras.touch(this.#rig);
     move(this.#rig);
     this.#hover.forget();
     this.#invalidate();
   }
 
   #orbit(dx: number, dy: number): void {
-    this.#moved(() => this.#space.orbit(dx * TURN, dy * TURN));
+    this.#moved(() => this.#cameras.space.orbit(dx * TURN, dy * TURN));
   }
 
   #pan(dx: number, dy: number, at: Place): void {
@@ -455,23 +447,6 @@ class CanvasView implements View {
 
   #thicken(cloth: Cloth): void {
     cloth.setHot(this.options.edgeSets ? this.#hot : []);
-  }
-
-  #frameUntouched(): void {
-    const rig = this.#rig;
-    if (!this.#untouched.has(rig) && this.#framed.has(rig)) return;
-    const pose = poseOfAll(this.#sight, THREE_QUARTER);
-    if (!pose) return;
-    rig.motion.jump(pose);
-    this.#framed.add(rig);
-  }
-
-  /** A camera that was not moved stays where it looks, and goes as near as shows everything in the columns. */
-  #fitUntouched(): void {
-    const rig = this.#rig;
-    if (!this.#framed.has(rig)) return this.#frameUntouched();
-    const pose = this.#untouched.has(rig) ? poseFromHere(this.#sight) : null;
-    if (pose) rig.motion.jump(pose);
   }
 
   #placeMarkers(): void {

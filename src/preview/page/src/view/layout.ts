@@ -3,8 +3,10 @@
 import type { Role } from "../server/protocol";
 import type { ViewOptions } from "./api";
 
+/** All meshes, from left to right. */
+export const ROLES: Role[] = ["model", "sim", "render"];
 /** The tool rail lies over the right side of the canvas. [CSS pixels] */
-const RAIL = 56;
+export const RAIL = 56;
 /** Part of the breadth that the large mesh has. */
 const LARGE = 0.7;
 

@@ -9,6 +9,7 @@ import type { Cloth } from "./mesh/cloth";
 import { ACCENT, MARK, SELECTED } from "./shade/colours";
 import { squareOf } from "./shade/checker";
 import { chosen, pitch, WEAVES } from "./shade/fabric";
+import { ROLES } from "./layout";
 import type { Column } from "./layout";
 import { FAINT, Marks, THROUGH } from "./mesh/marks";
 import { Paint } from "./shade/paint";
@@ -17,8 +18,6 @@ import type { Rig, SpaceRig } from "./camera/rig";
 import { shifted } from "./rest/jitter";
 import type { Sample } from "./rest/samples";
 import { Shadows } from "./rest/shadows";
-
-const ROLES: Role[] = ["model", "sim", "render"];
 
 const SHADINGS: Record<Shading, number> = { cloth: 0, faceSets: 1, checker: 2, values: 3 };
 

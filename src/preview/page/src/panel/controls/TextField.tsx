@@ -1,12 +1,7 @@
 // A line of text, taken on Enter or when it is left, and a choice of several words.
 
 import { useState } from "preact/hooks";
-
-interface Described {
-  label: string;
-  describedBy?: string;
-  invalid?: boolean;
-}
+import type { Described } from "./controls";
 
 interface TextFieldProps extends Described {
   value: string;

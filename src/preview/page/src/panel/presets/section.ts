@@ -14,9 +14,9 @@ export interface Section {
   measures: { key: string; from: Point; to: Point }[];
 }
 
-/** Lines of each side of a seam as shares of its width there, as in `render/seam/heights.rs`. */
+/** Lines of each side of a seam as shares of its width there, as in `render/seam/profile.rs`. */
 const LINES = [1 / 3, 2 / 3, 1, 4 / 3];
-/** Smallest share of the width on one side, as in `render/seam.rs`. */
+/** Smallest share of the width on one side, as in `render/seam/options.rs`. */
 const LEAST_SIDE = 0.05;
 /** Length of the second layer that is drawn, in thicknesses. The faces of the fold have their own. */
 const HEM_LENGTH = 7;

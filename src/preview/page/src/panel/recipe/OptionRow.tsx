@@ -106,11 +106,10 @@ function Control({ option, full, ...described }: ControlProps) {
     case "flag":
       return <Switch {...described} on={value === true} change={set} />;
     case "choice": {
-      if (domain.words.length > MOST_SEGMENTS) {
-        const choices = domain.words.map((each) => ({ value: each, label: each }));
+      const choices = domain.words.map((each) => ({ value: each, label: each }));
+      if (choices.length > MOST_SEGMENTS) {
         return <Select {...described} value={String(value)} groups={[{ choices }]} change={set} />;
       }
-      const choices = domain.words.map((each) => ({ value: each, label: each }));
       return <Segments {...described} value={String(value)} choices={choices} change={set} />;
     }
     case "uvSet":

@@ -1,6 +1,7 @@
 // What is written on flat panels: their names, a scale bar, and the direction of the warp.
 
 import type { PlanColumn } from "../../view/api";
+import { RAIL } from "../../view/layout";
 import { roundLength } from "../../view/shade/checker";
 import { useSelect } from "../controls/hooks";
 import { unitOf } from "../controls/numbers";
@@ -11,8 +12,6 @@ const BAR = 90;
 /** A panel that is narrower has no room for its name, and a column no room for a scale bar. [CSS pixels] */
 const LEAST_LABEL = 24;
 const LEAST_COLUMN = 200;
-/** The tool rail lies over the right side of a column that is alone. [CSS pixels] */
-const RAIL = 56;
 
 export function FlatNotes() {
   const plan = useSelect((state) => state.plan);

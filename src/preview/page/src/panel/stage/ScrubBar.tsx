@@ -25,8 +25,8 @@ export function ScrubBar() {
       </p>
     );
   }
-  const { times, frame } = shot;
-  const last = times.length - 1;
+  const { frames, frame, time } = shot;
+  const last = frames - 1;
   return (
     <div class="scrub-bar" role="group" aria-label="Shot" title={shot.file}>
       <IconButton
@@ -38,14 +38,14 @@ export function ScrubBar() {
       <input
         type="range"
         aria-label="Frame"
-        aria-valuetext={frame === null ? "at bind" : `time ${neat(times[frame])}`}
+        aria-valuetext={time === null ? "at bind" : `time ${neat(time)}`}
         min={0}
         max={last}
         step={1}
         value={frame ?? 0}
         onInput={({ currentTarget }) => store.player.show(currentTarget.valueAsNumber)}
       />
-      <output>{frame === null ? "bind" : neat(times[frame])}</output>
+      <output>{time === null ? "bind" : neat(time)}</output>
       <button type="button" class="button is-small" disabled={frame === null} onClick={() => store.player.show(null)}>
         Bind
       </button>

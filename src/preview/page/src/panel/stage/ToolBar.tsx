@@ -6,7 +6,8 @@ import { useSelect, useStore } from "../controls/hooks";
 import { showAlone, SIDE_NAMES, toggleRole } from "../../state/keys";
 import { FabricButton } from "./FabricButton";
 import { PictureButton } from "./PictureButton";
-import { paintedChoices, QUALITIES, ROLE_NAMES, ROLES } from "../../state/settings";
+import { paintedChoices, QUALITIES, ROLE_NAMES } from "../../state/settings";
+import { ROLES } from "../../view/layout";
 
 const SHADINGS: { value: Shading; label: string; hint: string }[] = [
   { value: "cloth", label: "Cloth", hint: "Plain cloth" },
