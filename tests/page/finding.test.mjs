@@ -65,7 +65,7 @@ test("the camera keeps its target and direction in every layout", async (t) => {
     const steps = [{ layout: "side" }, { layout: "over" }, { flat: true }, { layout: "large" }, { flat: false, large: "sim" }];
     for (const step of [...steps, { large: "render" }]) {
       await preview.settings(step);
-      await preview.picture();
+      await preview.isStill();
       const now = await aim();
       const what = `${words}: ${JSON.stringify(step)}`;
       assert.ok(near(first.target, now.target) && near(first.direction, now.direction), what);
@@ -75,14 +75,14 @@ test("the camera keeps its target and direction in every layout", async (t) => {
     }
   };
   await goThrough("at first");
-  await preview.picture();
+  await preview.isStill();
   const box = await page.locator("canvas").boundingBox();
   await page.mouse.move(box.x + 300, box.y + 300);
   await page.mouse.down();
   await page.mouse.move(box.x + 420, box.y + 330, { steps: 4 });
   await page.mouse.up();
   await page.mouse.wheel(0, -300);
-  await preview.picture();
+  await preview.isStill();
   await goThrough("after a turn");
   assertClean(preview);
 });
@@ -108,18 +108,18 @@ test("a new seam is flown to if it is out of view, and the camera stays if it is
   await select("borders.highest");
   await keyboard.press("f");
   await keyboard.press("Escape");
-  await preview.picture();
+  await preview.isStill();
   const box = await preview.page.locator("canvas").boundingBox();
   await preview.page.mouse.move(box.x + box.width / 6, box.y + box.height / 2);
   for (let i = 0; i < 5; i++) await preview.page.mouse.wheel(0, -240);
-  await preview.picture();
+  await preview.isStill();
   const near = await aim();
   assert.notEqual(near, whole);
   await select("borders.lowest");
   const edges = await preview.state(({ selection }) => selection.elements.edges);
   await preview.after("render", () => keyboard.press("n"));
   assert.notEqual(await aim(), near, "the camera goes there");
-  await preview.picture();
+  await preview.isStill();
   const places = await preview.evaluate((points) => points.map((point) => preview.view.project("model", point)), edges.flat());
   assert.ok(!places.includes(null), "all of the hem is in view");
   assertClean(preview);
@@ -331,7 +331,7 @@ test("at the edge of cloth before other cloth, a click finds the edge in front",
   const preview = await show(t, bareShirt(t), { viewport: SCREEN });
   const { page } = preview;
   await preview.settings({ roles: ["model"] });
-  await preview.picture();
+  await preview.isStill();
   await page.keyboard.press("e");
   await page.keyboard.type("borders.highest");
   await page.keyboard.press("Enter");

@@ -2,8 +2,9 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { assertClean, show } from "./support/browser.mjs";
+import { assertClean, SCREEN, show } from "./support/browser.mjs";
 import { sewnShirt } from "./support/garments.mjs";
+import { rgb } from "./support/png.mjs";
 
 /** Degrees from 0 to 360 of a colour such as `#8090a0`. */
 function hue(colour) {
@@ -95,5 +96,68 @@ test("flat panels have their names, a scale bar and the direction of the warp", 
   await preview.when(() => document.querySelector(".plan-warp").dataset.warp === "u");
   await preview.settings({ flat: false });
   await preview.when(() => document.querySelector(".plan-scale") === null);
+  assertClean(preview);
+});
+
+test("flat panels have the mesh in space beside them, and what the pointer is on is marked in both", async (t) => {
+  const preview = await show(t, sewnShirt(t), { viewport: SCREEN });
+  const { page } = preview;
+  await preview.settings({ layout: "large", large: "model", flat: true, shadows: false, wires: false });
+  await preview.isStill();
+  const box = await page.locator("canvas").boundingBox();
+  const place = (point, flat) => preview.evaluate(([point, flat]) => preview.view.project("model", point, flat), [point, flat]);
+  const middle = async (edge, flat) => {
+    const [a, b] = await Promise.all(edge.map((point) => place(point, flat)));
+    return { x: (a.x + b.x) / 2, y: (a.y + b.y) / 2 };
+  };
+  const hover = async ({ x, y }) => {
+    await page.mouse.move(1, 1);
+    await preview.when(() => preview.store.state.hovered === null);
+    await page.mouse.move(box.x + x, box.y + y);
+    await preview.when(() => preview.store.state.hovered !== null);
+    return preview.state(({ hovered }) => hovered);
+  };
+  const pixel = async ({ x, y }) => rgb(await preview.picture(), Math.round(x), Math.round(y));
+
+  /** Points that are inside a panel and in view: their edges are at one place of each. */
+  const points = await preview.evaluate(() => {
+    const count = preview.view.stats("model").points;
+    const { sets, numbers } = observed.elements.model;
+    const { offset, length } = sets.find(({ name }) => name === "uvSeams");
+    const cut = new Set(numbers.slice(offset, offset + length));
+    const inView = (point) => [true, false].every((flat) => preview.view.project("model", point, flat) !== null);
+    return [...Array(count).keys()].filter((point) => !cut.has(point) && inView(point));
+  });
+  for (const flat of [true, false]) {
+    let edge = null;
+    for (let at = 0; at < points.length && edge === null; at += 7) {
+      const found = await hover(await place(points[at], flat));
+      edge = found?.edge?.every((point) => points.includes(point)) ? found.edge : null;
+    }
+    const there = await middle(edge, !flat);
+    const marked = await pixel(there);
+    await page.mouse.move(1, 1);
+    await preview.when(() => preview.store.state.hovered === null);
+    const change = (await pixel(there)).reduce((sum, value, i) => sum + Math.abs(value - marked[i]), 0);
+    assert.ok(change > 60, `${flat ? "in space" : "on the panels"} it is marked: ${change}`);
+  }
+
+  const aim = () => preview.evaluate(() => preview.view.aim());
+  const plan = () => preview.state(({ plan }) => plan[0].labels.map(({ x, y }) => [Math.round(x), Math.round(y)]));
+  const drag = async (x) => {
+    await page.mouse.move(box.x + x, box.y + 560);
+    await page.mouse.down();
+    await page.mouse.move(box.x + x + 60, box.y + 560, { steps: 3 });
+    await page.mouse.up();
+    await preview.isStill();
+  };
+  const [first, panels] = [await aim(), await plan()];
+  await drag(120);
+  assert.deepEqual(await aim(), first, "a drag of the panels leaves the view in space");
+  const moved = await plan();
+  assert.notDeepEqual(moved, panels);
+  await drag(box.width - 200);
+  assert.deepEqual(await plan(), moved, "a drag in space leaves the panels");
+  assert.notDeepEqual((await aim()).direction, first.direction);
   assertClean(preview);
 });

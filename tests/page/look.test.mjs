@@ -3,6 +3,7 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
+import { setTimeout as sleep } from "node:timers/promises";
 import { assertClean, show } from "./support/browser.mjs";
 import { sheetFile } from "./support/garments.mjs";
 import { decode, differing, rgb } from "./support/png.mjs";
@@ -101,16 +102,49 @@ test("the back of cloth is darker and of the same hue", async (t) => {
   assertClean(preview);
 });
 
-test("samples are drawn once the view is at rest, and a move shows a plain picture at once", async (t) => {
-  const preview = await layered(t);
-  await preview.when(() => preview.view.samples() === 16);
+const hasSamples = () => preview.view.samples() >= 4;
+
+/** Drags the camera a little. */
+async function turn(preview) {
   const box = await preview.page.locator("canvas").boundingBox();
   await preview.page.mouse.move(box.x + 100, box.y + 300);
   await preview.page.mouse.down();
   await preview.page.mouse.move(box.x + 160, box.y + 300);
   await preview.when(() => preview.view.samples() === 0, undefined, 2000);
   await preview.page.mouse.up();
+}
+
+test("samples are drawn once the view is at rest, and a move shows a plain picture at once", async (t) => {
+  const preview = await layered(t, { shadows: false });
   await preview.when(() => preview.view.samples() === 16);
+  await turn(preview);
+  await preview.when(() => preview.view.samples() === 16);
+  assertClean(preview);
+});
+
+test("where a sample takes long, a picture has fewer of them, and a saved one has all", async (t) => {
+  const preview = await layered(t, { shadows: false });
+  await preview.evaluate(() => {
+    // A graphics card that needs 0.7 s for a sample.
+    const { fenceSync, getSyncParameter } = WebGL2RenderingContext.prototype;
+    const began = new WeakMap();
+    WebGL2RenderingContext.prototype.fenceSync = function (...args) {
+      const fence = fenceSync.apply(this, args);
+      began.set(fence, performance.now());
+      return fence;
+    };
+    WebGL2RenderingContext.prototype.getSyncParameter = function (fence, name) {
+      return performance.now() - began.get(fence) < 700 ? this.UNSIGNALED : getSyncParameter.call(this, fence, name);
+    };
+  });
+  for (let i = 0; i < 2; i++) {
+    await turn(preview);
+    await preview.when(hasSamples);
+  }
+  await sleep(1500);
+  assert.equal(await preview.evaluate(() => preview.view.samples()), 4);
+  await preview.picture();
+  assert.equal(await preview.evaluate(() => preview.view.samples()), 16);
   assertClean(preview);
 });
 

@@ -4,6 +4,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { assertClean, show } from "./support/browser.mjs";
 import { sewnShirt } from "./support/garments.mjs";
+import { distance, rgb } from "./support/png.mjs";
 
 const OFFSET = "seam.side.normalOffset";
 
@@ -11,6 +12,17 @@ async function shirt(t) {
   const preview = await show(t, sewnShirt(t));
   await preview.openCard("seam.side");
   return preview;
+}
+
+/** Share of the pixels between two columns that are clearly of other colours. */
+function unlike(a, b, [from, to]) {
+  let [count, all] = [0, 0];
+  for (let y = 0; y < a.height; y++) {
+    for (let x = Math.ceil(from * a.width); x < to * a.width; x++, all++) {
+      if (distance(rgb(a, x, y), rgb(b, x, y)) > 12) count += 1;
+    }
+  }
+  return count / all;
 }
 
 const offsetOf = ({ merged }) => merged.seam.side.normalOffset;
@@ -152,4 +164,39 @@ test("the state before is shown while C is held, and the edit returns", async (t
   assert.deepEqual(released, after);
   assert.equal((await preview.document()).canRedo, false);
   await preview.page.getByText("Before the last change").waitFor({ state: "detached" });
+});
+
+test("a split view keeps what was shown on the left, and edits go on on the right", async (t) => {
+  const preview = await shirt(t);
+  const { keyboard } = preview.page;
+  await preview.settings({ roles: ["render"], shadows: false });
+  await preview.page.mouse.move(1, 1);
+  const [left, right] = [[0, 0.48], [0.52, 1]];
+  // The ground and the hollows follow the bounds of the mesh of now by a shade.
+  const same = (a, b, part) => unlike(a, b, part) < 0.001;
+  const before = await preview.picture();
+  await keyboard.press("x");
+  // Its wires are others on both sides.
+  await preview.after("render", () => preview.set("render.level", 2));
+  const split = await preview.picture();
+  assert.ok(same(split, before, left) && !same(split, before, right), "the left is as it was");
+
+  const line = preview.page.getByRole("slider", { name: "Split" });
+  await line.focus();
+  await keyboard.press("ArrowLeft");
+  assert.equal(await line.getAttribute("aria-valuenow"), "48");
+  await line.blur();
+  await keyboard.press("x");
+  assert.equal(await line.count(), 0);
+  const after = await preview.picture();
+  assert.ok(same(split, after, right) && !same(split, after, left), "the right is as it is now");
+
+  await preview.after("render", () => keyboard.down("c"));
+  await keyboard.press("x");
+  await preview.after("render", () => keyboard.up("c"));
+  const held = await preview.picture();
+  assert.ok(same(held, before, left) && same(held, after, right), "what C shows is kept");
+  await keyboard.press("Escape");
+  assert.ok(same(await preview.picture(), after, left));
+  assertClean(preview);
 });

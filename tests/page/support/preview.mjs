@@ -161,7 +161,9 @@ export class Preview {
   /** Waits for the end of flights of the camera: a point stays where it is. */
   isStill() {
     return this.page.evaluate(async () => {
-      const place = () => JSON.stringify(preview.view.project("model", 0));
+      const ways = ["model", "sim", "render"].flatMap((role) => [true, false].map((flat) => [role, flat]));
+      const places = (point) => ways.map(([role, flat]) => preview.view.project(role, point, flat));
+      const place = () => JSON.stringify([0, 1, 2, 3].map(places));
       const frame = () => new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve, 30)));
       for (let same = 0, last = place(), i = 0; same < 4 && i < 200; i++) {
         await frame();

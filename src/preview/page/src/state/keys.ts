@@ -14,6 +14,7 @@ export const KEYS: [string, string][] = [
   ["Ctrl Shift Z", "Redo, also Ctrl Y"],
   ["C", "Hold to see the garment before the last change"],
   ["Shift C", "Hold to see it as it was saved, or else opened"],
+  ["X", "Split the view: what is shown now stays on the left, edits go on on the right. While C is held, what C shows stays"],
   ["Ctrl S", "Save"],
   ["Ctrl B", "Build what is saved"],
   ["Space", "Play the cache, or pause; with , and . a frame back and on"],
@@ -86,6 +87,7 @@ function plain(store: Store, event: KeyboardEvent): void {
   if (key === "f") store.view?.frame();
   if (key === "g") nextLarge(store);
   if (key === "i") store.toggleIsolated();
+  if (key === "x" && !event.repeat) store.toggleSplit();
   if (key === "w") store.settings({ wires: !settings.wires });
   if (key === "?") store.update({ dialog: "keys" });
   const earlier = event.shiftKey ? "saved" : "step";
@@ -117,6 +119,7 @@ function escape(store: Store): void {
   if (store.state.clicked) store.update({ clicked: null });
   else if (store.state.marked) store.mark(null);
   else if (store.state.isolated) store.isolate(null);
+  else if (store.state.split !== null) store.split(null);
   else {
     store.update({ isSelecting: false });
     store.selector.clear();

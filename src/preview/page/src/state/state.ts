@@ -48,6 +48,8 @@ export interface State {
   marked: Finding | null;
   /** Whether a part of the garment is shown alone. */
   isolated: boolean;
+  /** Where the line of a split view is, as a part of each column; null without one. */
+  split: number | null;
   /** Cards that are open, by full name. */
   open: ReadonlySet<string>;
   dialog: "save" | "keys" | "build" | null;
@@ -112,6 +114,7 @@ export function initialState(): State {
     isSelecting: false,
     marked: null,
     isolated: false,
+    split: null,
     open: new Set(),
     chosen: new Set(),
     anchor: null,

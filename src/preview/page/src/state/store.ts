@@ -210,6 +210,17 @@ export class Store {
     this.update({ isolated, clicked: null });
   }
 
+  /** Keeps the meshes that are shown on the left of a line, or moves the line; null ends it. */
+  split(share: number | null): void {
+    if (share !== null && this.state.drawn === 0) return;
+    this.view?.split(share);
+    this.update({ split: share });
+  }
+
+  toggleSplit(): void {
+    this.split(this.state.split === null ? 0.5 : null);
+  }
+
   /** Isolates the selected faces, or the panel at the pointer or where it was last; or shows all again. */
   toggleIsolated(): void {
     const { isolated, selection, hovered, clicked } = this.state;

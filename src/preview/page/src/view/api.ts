@@ -33,7 +33,7 @@ export interface ViewOptions {
   wires: boolean;
   /** Edge sets and seams, each in its colour. */
   edgeSets: boolean;
-  /** The UV panels, flat, in place of the mesh in space. */
+  /** The UV panels, flat: in place of the meshes in space, or with the large one beside them. */
   flat: boolean;
   /** Layers shade one another in the picture at rest. */
   shadows: boolean;
@@ -129,6 +129,9 @@ export interface View {
   reveal(what: Elements | string): void;
   /** Hides all but this in all meshes, or shows all for null. Returns whether something is hidden. */
   isolate(what: Isolated | null): boolean;
+  /** Splits each column at a part of its breadth: on the left the meshes as they are when the split begins, on the right
+   *  as they become. Null ends it. */
+  split(share: number | null): void;
   /** The colour of a set, as CSS, so that the panel shows the same. */
   colourOf(set: string): string;
   /** Edge sets with a line on the meshes that are shown, sorted by name. */
@@ -150,6 +153,7 @@ export interface View {
   samples(): number;
   /** Where the camera is bound: the target in space, the direction that it looks along, and the distance. For tests. */
   aim(): { target: number[]; direction: number[]; distance: number };
-  /** Place of a point of a mesh on the canvas, or null if it is not drawn or off the canvas. For tests. [CSS pixels] */
-  project(role: Role, point: number): { x: number; y: number } | null;
+  /** Place of a point of a mesh on the canvas, or null if it is not drawn or off the canvas; on its flat panels, or in
+   *  space beside them. For tests. [CSS pixels] */
+  project(role: Role, point: number, flat?: boolean): { x: number; y: number } | null;
 }

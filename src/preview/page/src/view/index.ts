@@ -4,28 +4,28 @@ import { Vector3 } from "three";
 import type { MeshFrame } from "../server/frame";
 import type { Elements, LookInfo, Role, UpAxis } from "../server/protocol";
 import type { Isolated, Marked, Picked, PickHow, Side, View, ViewEvents, ViewOptions, ViewStats } from "./api";
-import { isInView, poseOfAll, poseOfMarks, poseOfSets } from "./camera/aims";
-import type { Aim, Sight } from "./camera/aims";
-import { Cameras } from "./camera/cameras";
 import { Cloth } from "./mesh/cloth";
+import type { Content } from "./mesh/cloth";
+import { contentOf } from "./mesh/copy";
+import type { Cameras } from "./camera/cameras";
+import { Director } from "./director";
 import { css, placeSets, setColour, sortSets } from "./shade/colours";
 import { Hover } from "./hover";
 import { listen } from "./input";
 import type { Place } from "./input";
-import { columnAt, columns, largeOf, sameColumns } from "./layout";
+import { aspectOf, columnAt, columns, largeOf, ROLES, sameColumns, splitAt } from "./layout";
 import type { Column } from "./layout";
 import type { Pose } from "./camera/motion";
 import { checksum } from "./mesh/points";
 import { describe, onFace, Picker, toCanvas, toDevice } from "./picking";
 import type { Spot } from "./picking";
-import { SIDES } from "./camera/rig";
 import type { Rig } from "./camera/rig";
 import { Planner } from "./plan";
 import { Markers } from "./markers";
+import type { Paint } from "./shade/paint";
 import { clearPicture, film } from "./rest/pictures";
 import { Still } from "./rest/still";
 import { elementsOfSet, shapesOf } from "./mesh/shapes";
-import type { Elements as AnyElements } from "./mesh/shapes";
 import { CUTS, facesAt, panelsOf } from "./mesh/panels";
 import { histogram, worstFace } from "./mesh/values";
 import { Stage } from "./stage";
@@ -45,7 +45,7 @@ class CanvasView implements View {
   readonly #stage: Stage;
   readonly #picker: Picker;
   readonly #hover: Hover;
-  readonly #cameras = new Cameras();
+  readonly #director: Director;
   #looks: LookInfo[] = [];
   readonly #markers: Markers;
   /** Edge sets under the pointer. */
@@ -54,6 +54,8 @@ class CanvasView implements View {
   #isolated: ReadonlySet<number> | null = null;
   /** Marks are to be flown to once their mesh is there. */
   #fliesToMarks = false;
+  /** Where the line of a split view is, as a part of each column; null without one. */
+  #split: number | null = null;
   /** A frame of animation is on its way. */
   #awaited = 0;
   readonly #uploads = new Uploads();
@@ -68,16 +70,18 @@ class CanvasView implements View {
     this.#stage = new Stage(canvas);
     this.#stage.setOptions(options);
     this.#markers = new Markers(this.#stage);
+    this.#director = new Director(this.#stage, () => this.#columns, () => this.#shown);
     this.#picker = new Picker(this.#stage.renderer);
     this.#still = new Still(this.#stage.renderer, ({ sample: target }, sample) =>
-      this.#stage.draw({ ...this.#stage.sheet(this.#columns), target }, this.#rig, this.#cameras.space, sample),
+      this.#stage.draw({ ...this.#stage.sheet(this.#columns), target }, this.#cameras, sample),
     );
-    this.#hover = new Hover(this.#picker, (at) => this.#spotAt(at), events.hover, (sets) => this.#warm(sets));
+    const hover = (picked: Picked | null): void => this.#hovers(picked);
+    this.#hover = new Hover(this.#picker, (at) => this.#spotAt(at), hover, (sets) => this.#warm(sets));
     new ResizeObserver(() => this.#resized()).observe(canvas);
     canvas.addEventListener("webglcontextrestored", () => this.#invalidate());
     listen(canvas, {
-      orbit: (dx, dy, at) => (this.options.flat ? this.#pan(dx, dy, at) : this.#orbit(dx, dy)),
-      pan: (dx, dy, at) => this.#pan(dx, dy, at),
+      orbit: (dx, dy, from) => (this.#columnAt(from).flat ? this.#pan(dx, dy, from) : this.#orbit(dx, dy)),
+      pan: (dx, dy, from) => this.#pan(dx, dy, from),
       zoom: (factor, at) => this.#zoom(factor, at),
       click: (at, how) => this.#click(at, how),
       rest: (at) => this.#hover.moveTo(at),
@@ -94,7 +98,7 @@ class CanvasView implements View {
     else return;
     this.#placeMarkers();
     this.#stage.measure(this.options.roles);
-    if (!known) this.#cameras.fit(this.#sight);
+    if (!known) this.#director.fit();
     if (this.#fliesToMarks) this.#flyToMarks();
     this.#uploads.add(role, revision, performance.now() - start);
     this.#hover.forget();
@@ -115,14 +119,14 @@ class CanvasView implements View {
     this.#stage.setOptions(options);
     this.#stage.measure(options.roles);
     this.#placeMarkers();
-    if (!sameColumns(before, options)) this.#cameras.fit(this.#sight);
+    if (!sameColumns(before, options)) this.#director.fit();
     this.#hover.forget();
     this.#invalidate();
   }
 
   setUp(axis: UpAxis): void {
     this.#cameras.space.setUp(axis);
-    this.#cameras.frame(this.#sight);
+    this.#director.begin();
     this.#invalidate();
   }
 
@@ -130,7 +134,7 @@ class CanvasView implements View {
     this.#looks = looks ?? [];
     placeSets([...sets, { name: CUTS, kind: "edge" }]);
     this.#stage.setUnit(metersPerUnit);
-    for (const cloth of this.#stage.cloths.values()) {
+    for (const cloth of this.#stage.all) {
       cloth.setLooks(this.#looks);
       cloth.recolour();
     }
@@ -139,23 +143,21 @@ class CanvasView implements View {
 
   frame(): void {
     const { onMarked, selected, highlighted } = this.#markers;
-    const aim = onMarked ? this.#aimAt(onMarked.role, onMarked.elements) : selected && this.#aimAt("model", selected);
-    const part = (aim && poseOfMarks(this.#sight, aim)) ?? poseOfSets(this.#sight, highlighted);
-    if (part) return this.#flyTo(part);
-    const pose = poseOfAll(this.#sight);
-    if (pose) this.#rig.motion.fly(pose);
+    const part = onMarked ?? (selected && { role: "model" as const, elements: selected });
+    this.#director.frame(part, highlighted);
     this.#invalidate();
   }
 
   look(side: Side): void {
-    this.#flyTo(poseOfAll(this.#sight, SIDES[side]));
+    this.#director.look(side);
+    this.#invalidate();
   }
 
   highlight(sets: string[]): void {
     const { highlighted } = this.#markers;
     if (sets.length === highlighted.size && sets.every((name) => highlighted.has(name))) return;
     this.#markers.highlighted = new Set(sets);
-    for (const cloth of this.#stage.cloths.values()) cloth.highlight(this.#markers.highlighted);
+    for (const cloth of this.#stage.all) cloth.highlight(this.#markers.highlighted);
     this.#placeMarkers();
     this.#invalidate();
   }
@@ -177,15 +179,14 @@ class CanvasView implements View {
   reveal(what: Elements | string): void {
     const model = this.#stage.cloths.get("model");
     const elements = typeof what !== "string" ? what : model ? elementsOfSet(model, what) : null;
-    const aim = elements && this.#aimAt("model", elements);
-    if (!aim || isInView(this.#sight, aim)) return;
-    this.#flyTo(poseOfMarks(this.#sight, aim));
+    if (elements) this.#director.reveal({ role: "model", elements });
+    this.#invalidate();
   }
 
   isolate(what: Isolated | null): boolean {
     const faces = what === null ? null : this.#facesOf(what);
     this.#isolated = faces && faces.size > 0 ? faces : null;
-    for (const cloth of this.#stage.cloths.values()) cloth.isolate(this.#isolated);
+    for (const cloth of this.#stage.all) cloth.isolate(this.#isolated);
     this.#placeMarkers();
     this.#hover.forget();
     this.#invalidate();
@@ -202,6 +203,20 @@ class CanvasView implements View {
       return panelsOf(model, new Set([sources ? sources[what.face] : what.face]));
     }
     return "faces" in what ? new Set(what.faces) : panelsOf(model, facesAt(model, what));
+  }
+
+  split(share: number | null): void {
+    const { cloths, kept } = this.#stage;
+    if (share === null) for (const role of ROLES) this.#stage.take(role, kept);
+    else if (this.#split === null) {
+      for (const [role, cloth] of cloths) {
+        this.#stage.put(role, this.#cloth(contentOf(cloth), this.#stage.paintOf(role, true)), kept);
+      }
+      this.#stage.measure(this.options.roles);
+    }
+    this.#split = share;
+    this.#hover.forget();
+    this.#invalidate();
   }
 
   colourOf(set: string): string {
@@ -225,9 +240,9 @@ class CanvasView implements View {
   clearPicture(width: number, height: number): Promise<Blob> {
     const ratio = height / this.#stage.height;
     const [across, up] = [width / ratio, this.#stage.height];
-    const sheet = { width: across, height: up, ratio, columns: columns(this.options, across, up), isClear: true };
+    const sheet = { width: across, height: up, ratio, columns: this.#columnsOf(across, up), isClear: true };
     return clearPicture(this.#stage.renderer, width, height, ({ sample: target }, sample) =>
-      this.#stage.draw({ ...sheet, target }, this.#rig, this.#cameras.space, sample),
+      this.#stage.draw({ ...sheet, target }, this.#cameras, sample),
     );
   }
 
@@ -258,10 +273,9 @@ class CanvasView implements View {
     const face = cloth ? worstFace(cloth) : -1;
     if (!cloth || face < 0) return false;
     const role = this.options.roles.find((each) => this.#stage.cloths.get(each) === cloth) ?? "sim";
-    const aim = this.#aimAt(role, { faces: [face] });
-    const pose = aim && poseOfMarks(this.#sight, aim);
-    this.#flyTo(pose);
-    return pose !== null;
+    this.#director.flyTo({ role, elements: { faces: [face] } });
+    this.#invalidate();
+    return true;
   }
 
   stats(role: Role): ViewStats | null {
@@ -281,36 +295,36 @@ class CanvasView implements View {
     return { target: goal.slice(0, 3), direction, distance: Math.exp(goal[3]) };
   }
 
-  project(role: Role, point: number): { x: number; y: number } | null {
+  project(role: Role, point: number, flat = this.options.flat): { x: number; y: number } | null {
     const cloth = this.#stage.cloths.get(role);
-    const column = this.#columns.find(({ roles }) => roles.includes(role));
+    const column = this.#columns.find((each) => !each.split?.isKept && each.flat === flat && each.roles.includes(role));
     if (!cloth || !column || point >= cloth.pointCount) return null;
-    const shapes = shapesOf(cloth, { points: [point] }, this.options.flat);
+    const shapes = shapesOf(cloth, { points: [point] }, flat);
     if (shapes.points.length === 0) return null;
-    this.#rig.place(aspectOf(column));
-    const device = new Vector3().fromArray(shapes.points).project(this.#rig.camera);
+    const rig = this.#cameras.of(flat);
+    rig.place(aspectOf(column));
+    const device = new Vector3().fromArray(shapes.points).project(rig.camera);
     const inside = Math.max(Math.abs(device.x), Math.abs(device.y), Math.abs(device.z)) <= 1;
     return inside ? toCanvas(device, column) : null;
   }
 
-  get #rig(): Rig {
-    return this.options.flat ? this.#cameras.flat : this.#cameras.space;
+  get #cameras(): Cameras {
+    return this.#director.cameras;
   }
 
   get #columns(): Column[] {
-    return columns(this.options, this.#stage.width, this.#stage.height);
+    return this.#columnsOf(this.#stage.width, this.#stage.height);
   }
 
-  /** The column that shows a mesh, or else the first one. */
-  #columnOf(role: Role): Column {
+  #columnsOf(width: number, height: number): Column[] {
+    const all = columns(this.options, width, height);
+    return this.#split === null ? all : splitAt(all, this.#split);
+  }
+
+  /** The column at a place, or else the first one. */
+  #columnAt(at: Place): Column {
     const all = this.#columns;
-    return all.find(({ roles }) => roles.includes(role)) ?? all[0];
-  }
-
-  /** Elements of a mesh, seen in its column. */
-  #aimAt(role: Role, elements: AnyElements): Aim | null {
-    const cloth = this.#stage.cloths.get(role);
-    return cloth ? { cloth, elements, aspect: aspectOf(this.#columnOf(role)) } : null;
+    return columnAt(all, at) ?? all[0];
   }
 
   /** Meshes that are drawn, with the solid one last. */
@@ -325,23 +339,18 @@ class CanvasView implements View {
     return ordered.find((cloth) => cloth?.values);
   }
 
-  get #sight(): Sight {
-    return {
-      rig: this.#rig,
-      space: this.#cameras.space,
-      aspects: this.#columns.map(aspectOf),
-      flat: this.options.flat,
-      shown: this.#shown,
-    };
+  #replace(role: Role, frame: MeshFrame): void {
+    const cloth = this.#cloth(frame, this.#stage.paintOf(role));
+    this.#thicken(cloth);
+    this.#stage.put(role, cloth);
   }
 
-  #replace(role: Role, frame: MeshFrame): void {
-    const cloth = new Cloth(frame, this.#stage.paintOf(role));
+  #cloth(content: Content, paint: Paint): Cloth {
+    const cloth = new Cloth(content, paint);
     cloth.setLooks(this.#looks);
     cloth.highlight(this.#markers.highlighted);
     cloth.isolate(this.#isolated);
-    this.#thicken(cloth);
-    this.#stage.put(role, cloth);
+    return cloth;
   }
 
   #invalidate(): void {
@@ -350,7 +359,7 @@ class CanvasView implements View {
 
   #tick(now: number): void {
     this.#awaited = 0;
-    const more = this.#rig.motion.step(now);
+    const more = this.#cameras.step(now);
     this.#draw();
     if (more) this.#invalidate();
     else this.#hover.look();
@@ -359,7 +368,7 @@ class CanvasView implements View {
   #draw(): void {
     this.#stage.resize();
     const start = performance.now();
-    this.#stage.draw(this.#stage.sheet(this.#columns), this.#rig, this.#cameras.space);
+    this.#stage.draw(this.#stage.sheet(this.#columns), this.#cameras);
     this.#still.restart();
     this.#plan();
     this.#uploads.tell(this.events.drawn, performance.now() - start);
@@ -368,14 +377,14 @@ class CanvasView implements View {
   #plan(): void {
     const { cloths } = this.#stage;
     const solid = ({ roles }: Column) => roles.map((role) => cloths.get(role)).filter((cloth) => cloth !== undefined).at(-1);
-    const columns = this.options.flat ? this.#columns : [];
+    const columns = this.#columns.filter(({ flat, split }) => flat && !split?.isKept);
     this.events.plan(this.#planner.plan(cloths.get("model"), columns, solid, this.#cameras.flat));
   }
 
   /** At once, as a canvas of a new size is empty until it is drawn. */
   #resized(): void {
     if (!this.#stage.resize()) return;
-    this.#cameras.frame(this.#sight);
+    this.#director.begin();
     this.#draw();
   }
 
@@ -383,38 +392,33 @@ class CanvasView implements View {
     const { onMarked } = this.#markers;
     if (!onMarked || !this.options.roles.includes(onMarked.role)) return;
     this.#fliesToMarks = false;
-    const aim = this.#aimAt(onMarked.role, onMarked.elements);
-    this.#flyTo(aim && poseOfMarks(this.#sight, aim));
+    this.#director.flyTo(onMarked);
   }
 
-  #flyTo(pose: Pose | null): void {
-    this.#cameras.flyTo(this.#rig, pose);
-    this.#invalidate();
-  }
-
-  #moved(move: (rig: Rig) => void): void {
-    this.#cameras.touch(this.#rig);
-    move(this.#rig);
+  #moved<Moved extends Rig>(rig: Moved, move: (rig: Moved) => void): void {
+    this.#cameras.touch(rig);
+    move(rig);
     this.#hover.forget();
     this.#invalidate();
   }
 
   #orbit(dx: number, dy: number): void {
-    this.#moved(() => this.#cameras.space.orbit(dx * TURN, dy * TURN));
+    this.#moved(this.#cameras.space, (rig) => rig.orbit(dx * TURN, dy * TURN));
   }
 
-  #pan(dx: number, dy: number, at: Place): void {
-    const column = columnAt(this.#columns, at) ?? this.#columns[0];
-    this.#moved((rig) => rig.pan(dx / column.height, dy / column.height, aspectOf(column)));
+  #pan(dx: number, dy: number, from: Place): void {
+    const column = this.#columnAt(from);
+    this.#moved(this.#cameras.of(column.flat), (rig) => rig.pan(dx / column.height, dy / column.height, aspectOf(column)));
   }
 
   #zoom(factor: number, at: Place): void {
     const spot = this.#spotAt(at);
     const face = spot ? this.#hover.seenAt(spot).face : -1;
-    const column = columnAt(this.#columns, at) ?? this.#columns[0];
+    const column = this.#columnAt(at);
     const surface = spot && face >= 0 ? onFace(spot, face) : null;
-    const about = surface ?? this.#rig.onTargetPlane(toDevice(at, column), aspectOf(column));
-    this.#moved((rig) => rig.zoom(factor, about));
+    const rig = this.#cameras.of(column.flat);
+    const about = surface ?? rig.onTargetPlane(toDevice(at, column), aspectOf(column));
+    this.#moved(rig, () => rig.zoom(factor, about));
   }
 
   #click(at: Place, how: PickHow): void {
@@ -430,12 +434,26 @@ class CanvasView implements View {
   /** The mesh that is picked at a place: the solid one of the column. */
   #spotAt(at: Place): Spot | null {
     const column = columnAt(this.#columns, at);
-    const role = column?.roles.filter((name) => this.#stage.cloths.has(name)).at(-1);
+    const role = column?.split?.isKept ? undefined : column?.roles.filter((name) => this.#stage.cloths.has(name)).at(-1);
     const cloth = role && this.#stage.cloths.get(role);
-    const { flat } = this.options;
-    if (!column || !cloth || (flat && !cloth.hasUvs)) return null;
-    this.#rig.place(aspectOf(column));
-    return { role, cloth, column, camera: this.#rig.camera, at, flat };
+    if (!column || !cloth || (column.flat && !cloth.hasUvs)) return null;
+    const { flat } = column;
+    const rig = this.#cameras.of(flat);
+    rig.place(aspectOf(column));
+    this.#stage.uniforms.uFlat.value = flat;
+    return { role, cloth, column, camera: rig.camera, at, flat };
+  }
+
+  #hovers(picked: Picked | null): void {
+    const cloth = picked && this.#stage.cloths.get(picked.role);
+    const elements = picked && { faces: [picked.face], edges: picked.edge ? [picked.edge] : [] };
+    const hovered = cloth && elements ? { role: picked.role, cloth, elements, flat: this.#columnAt(picked).flat } : null;
+    this.#markers.hovered = hovered;
+    if (this.#director.ways.length > 1) {
+      this.#markers.placeHovered(this.#director.ways);
+      this.#invalidate();
+    }
+    this.events.hover(picked);
   }
 
   /** Thickens the edge set under the pointer. */
@@ -450,10 +468,6 @@ class CanvasView implements View {
   }
 
   #placeMarkers(): void {
-    this.#markers.place(this.options.roles, this.options.flat);
+    this.#markers.place(this.options.roles, this.#director.ways);
   }
-}
-
-function aspectOf({ width, height }: Column): number {
-  return width / height;
 }

@@ -9,8 +9,9 @@ export interface Place {
 }
 
 export interface Gestures {
-  orbit(dx: number, dy: number, at: Place): void;
-  pan(dx: number, dy: number, at: Place): void;
+  /** `from` is where the drag began, as it may leave its column. */
+  orbit(dx: number, dy: number, from: Place): void;
+  pan(dx: number, dy: number, from: Place): void;
   zoom(factor: number, at: Place): void;
   click(at: Place, how: PickHow): void;
   /** The pointer is here without a button, or has left. */
@@ -50,8 +51,8 @@ export function listen(canvas: HTMLCanvasElement, gestures: Gestures): () => voi
     if (!dragging) return;
     gestures.rest(null);
     if (pressed.size > 1) pinch(event.pointerId, at);
-    else if (panning) gestures.pan(at.x - before.x, at.y - before.y, at);
-    else gestures.orbit(at.x - before.x, at.y - before.y, at);
+    else if (panning) gestures.pan(at.x - before.x, at.y - before.y, start ?? at);
+    else gestures.orbit(at.x - before.x, at.y - before.y, start ?? at);
     pressed.set(event.pointerId, at);
   };
 

@@ -1,4 +1,5 @@
 // Where the meshes are on the canvas: one large and others small beside it, columns from left to right, or all in one place.
+// Flat panels of the large mesh have the same mesh in space beside them.
 
 import type { Role } from "../server/protocol";
 import type { ViewOptions } from "./api";
@@ -7,8 +8,9 @@ import type { ViewOptions } from "./api";
 export const ROLES: Role[] = ["model", "sim", "render"];
 /** The tool rail lies over the right side of the canvas. [CSS pixels] */
 export const RAIL = 56;
-/** Part of the breadth that the large mesh has. */
+/** Part of the breadth that the large mesh has, and that its flat panels have beside it. */
 const LARGE = 0.7;
+const PANELS = 0.56;
 
 /** A part of the canvas with the meshes in it; the last is solid. `x` and `y` are its upper left corner. [CSS pixels] */
 export interface Column {
@@ -17,17 +19,21 @@ export interface Column {
   width: number;
   height: number;
   roles: Role[];
+  /** Whether it shows the UV plane. */
+  flat: boolean;
+  /** Of a split view: whether it shows the meshes that were kept, and the part of the breadth that is seen of it. */
+  split?: { isKept: boolean; from: number; to: number };
 }
 
 type Arrangement = Pick<ViewOptions, "roles" | "layout" | "large" | "flat">;
 
 export function columns(options: Arrangement, width: number, height: number): Column[] {
-  const { roles } = options;
-  const together = options.layout === "over" && !options.flat;
-  if (together || roles.length < 2) return [{ x: 0, y: 0, width, height, roles }];
-  if (options.layout === "large") return withLarge(roles, largeOf(options), width - RAIL, height);
+  const { roles, flat, layout } = options;
+  if (layout === "large" && flat && roles.length > 0) return withPanels(largeOf(options), width - RAIL, height);
+  if ((layout === "over" && !flat) || roles.length < 2) return [{ x: 0, y: 0, width, height, roles, flat }];
+  if (layout === "large") return withLarge(roles, largeOf(options), width - RAIL, height);
   const each = (width - RAIL) / roles.length;
-  return roles.map((role, index) => ({ x: index * each, y: 0, width: each, height, roles: [role] }));
+  return roles.map((role, index) => ({ x: index * each, y: 0, width: each, height, roles: [role], flat }));
 }
 
 /** The mesh that is large: the wanted one, or else the last that is shown. */
@@ -40,8 +46,37 @@ function withLarge(roles: Role[], large: Role, width: number, height: number): C
   const small = roles.filter((role) => role !== large);
   const x = Math.round(LARGE * width);
   const each = height / small.length;
-  const beside = small.map((role, index) => ({ x, y: index * each, width: width - x, height: each, roles: [role] }));
-  return [{ x: 0, y: 0, width: x, height, roles: [large] }, ...beside];
+  const breadth = width - x;
+  const beside = small.map((role, at) => ({ x, y: at * each, width: breadth, height: each, roles: [role], flat: false }));
+  return [{ x: 0, y: 0, width: x, height, roles: [large], flat: false }, ...beside];
+}
+
+/** A mesh as flat panels, and in space. */
+function withPanels(role: Role, width: number, height: number): Column[] {
+  const x = Math.round(PANELS * width);
+  const roles = [role];
+  return [
+    { x: 0, y: 0, width: x, height, roles, flat: true },
+    { x, y: 0, width: width - x, height, roles, flat: false },
+  ];
+}
+
+/** Each column with the meshes that were kept on the left of a line, and those of now on its right. */
+export function splitAt(all: Column[], share: number): Column[] {
+  return all.flatMap((column) => [
+    { ...column, split: { isKept: true, from: 0, to: share } },
+    { ...column, split: { isKept: false, from: share, to: 1 } },
+  ]);
+}
+
+/** What is seen of a column. */
+export function windowOf({ x, y, width, height, split }: Column): Pick<Column, "x" | "y" | "width" | "height"> {
+  const { from, to } = split ?? { from: 0, to: 1 };
+  return { x: x + from * width, y, width: (to - from) * width, height };
+}
+
+export function aspectOf({ width, height }: Column): number {
+  return width / height;
 }
 
 /** Whether the meshes keep their places. */
@@ -51,5 +86,8 @@ export function sameColumns(a: Arrangement, b: Arrangement): boolean {
 }
 
 export function columnAt(all: Column[], { x, y }: { x: number; y: number }): Column | undefined {
-  return all.find((c) => x >= c.x && x < c.x + c.width && y >= c.y && y < c.y + c.height);
+  return all.find((column) => {
+    const part = windowOf(column);
+    return x >= part.x && x < part.x + part.width && y >= part.y && y < part.y + part.height;
+  });
 }

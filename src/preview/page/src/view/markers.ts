@@ -5,6 +5,7 @@ import type { Marked } from "./api";
 import type { Cloth } from "./mesh/cloth";
 import { placeGlow, placeMarks } from "./mesh/shapes";
 import type { Elements } from "./mesh/shapes";
+import type { Marks } from "./mesh/marks";
 import { Carrying, drawnOf } from "./mesh/sources";
 import type { Stage } from "./stage";
 
@@ -20,23 +21,39 @@ export class Markers {
   /** Elements of the model. */
   selected: Elements | null = null;
   highlighted: ReadonlySet<string> = new Set();
+  /** What the pointer is on, and whether on the UV plane. */
+  hovered: (OnCloth & { flat: boolean }) | null = null;
   readonly #marks = new Carrying();
   readonly #selections = new Carrying();
 
   constructor(private readonly stage: Stage) {}
 
-  /** Places all markers on the meshes that are drawn. */
-  place(roles: Role[], flat: boolean): void {
+  /** Places all markers on the meshes that are drawn, in space, on the UV plane, or both. */
+  place(roles: Role[], ways: boolean[]): void {
+    for (const flat of ways) this.#placeIn(roles, flat);
+    this.placeHovered(ways);
+  }
+
+  #placeIn(roles: Role[], flat: boolean): void {
     const { stage } = this;
+    const markers = stage.markersOf(flat);
     const marked = this.onMarked;
-    if (marked) stage.marked = marked.role;
-    placeMarks(stage.marks, marked?.cloth, marked?.elements ?? null, flat);
-    for (const role of Object.keys(stage.selections) as Role[]) {
+    if (marked) markers.marked = marked.role;
+    placeMarks(markers.marks, marked?.cloth, marked?.elements ?? null, flat);
+    for (const [role, marks] of Object.entries(markers.selections) as [Role, Marks][]) {
       const found = this.selected && roles.includes(role) ? this.#on(role, this.selected, this.#selections) : null;
-      placeMarks(stage.selections[role], found?.cloth, found?.elements ?? null, flat);
+      placeMarks(marks, found?.cloth, found?.elements ?? null, flat);
     }
     const shown = roles.flatMap((role) => stage.cloths.get(role) ?? []);
-    placeGlow(stage.glow, shown, this.highlighted, flat);
+    placeGlow(markers.glow, shown, this.highlighted, flat);
+  }
+
+  /** What the pointer is on, where the same mesh is seen in the other way beside it. */
+  placeHovered(ways: boolean[]): void {
+    for (const flat of ways) {
+      const found = this.hovered?.flat === !flat ? this.hovered : null;
+      placeMarks(this.stage.markersOf(flat).hovered, found?.cloth, found?.elements ?? null, flat);
+    }
   }
 
   /** The marked elements on their mesh; null while it is not there. */

@@ -6,15 +6,16 @@ import type { Role } from "../server/protocol";
 import type { Fabric, Shading, ViewOptions, Weave } from "./api";
 import { Backdrop } from "./shade/backdrop";
 import type { Cloth } from "./mesh/cloth";
-import { ACCENT, MARK, SELECTED } from "./shade/colours";
+import { ACCENT } from "./shade/colours";
 import { squareOf } from "./shade/checker";
 import { chosen, pitch, WEAVES } from "./shade/fabric";
-import { ROLES } from "./layout";
+import { ROLES, windowOf } from "./layout";
 import type { Column } from "./layout";
-import { FAINT, Marks, THROUGH } from "./mesh/marks";
+import { MarkerSet } from "./mesh/markerSet";
 import { Paint } from "./shade/paint";
 import type { Box } from "./mesh/points";
-import type { Rig, SpaceRig } from "./camera/rig";
+import type { Cameras } from "./camera/cameras";
+import type { SpaceRig } from "./camera/rig";
 import { shifted } from "./rest/jitter";
 import type { Sample } from "./rest/samples";
 import { Shadows } from "./rest/shadows";
@@ -44,16 +45,10 @@ export interface Sheet {
 export class Stage {
   readonly renderer: WebGLRenderer;
   readonly cloths = new Map<Role, Cloth>();
-  readonly marks = new Marks(MARK, 4, THROUGH);
-  /** The mesh that the marks are on. */
-  marked: Role = "model";
-  readonly glow = new Marks(ACCENT, 4, THROUGH);
-  /** The selection on each mesh. */
-  readonly selections: Record<Role, Marks> = {
-    model: new Marks(SELECTED, 5, FAINT),
-    sim: new Marks(SELECTED, 5, FAINT),
-    render: new Marks(SELECTED, 5, FAINT),
-  };
+  /** Meshes that a split view compares with. */
+  readonly kept = new Map<Role, Cloth>();
+  readonly inSpace = new MarkerSet();
+  readonly onPlane = new MarkerSet();
   readonly uniforms = {
     uFlat: { value: false },
     uWires: { value: false },
@@ -78,7 +73,7 @@ export class Stage {
   radius = 1;
   /** Edge of a square of the checker, or 0 if the scale of the UVs is not known. [m] */
   square = 0;
-  readonly #paints = new Map<Role, Paint>();
+  readonly #paints = new Map<string, Paint>();
   readonly #world = new Group();
   readonly #backdrop = new Backdrop();
   readonly #half = new Vector3(1, 1, 1);
@@ -93,14 +88,15 @@ export class Stage {
     this.renderer.info.autoReset = true;
     this.#shadows = new Shadows(this.renderer);
     const { ground, square } = this.#backdrop;
-    this.#world.add(ground, square, ...this.#allMarks.map(({ object }) => object));
+    this.#world.add(ground, square, ...[this.inSpace, this.onPlane].flatMap(({ all }) => all.map(({ object }) => object)));
     this.resize();
   }
 
-  paintOf(role: Role): Paint {
-    const paint = this.#paints.get(role) ?? new Paint(role, { ...this.uniforms, ...this.#shadows.uniforms });
+  paintOf(role: Role, isKept = false): Paint {
+    const key = `${role} ${isKept}`;
+    const paint = this.#paints.get(key) ?? new Paint(role, { ...this.uniforms, ...this.#shadows.uniforms });
     paint.setWoven(this.#weave !== "none");
-    this.#paints.set(role, paint);
+    this.#paints.set(key, paint);
     return paint;
   }
 
@@ -117,27 +113,31 @@ export class Stage {
     return true;
   }
 
-  put(role: Role, cloth: Cloth): void {
-    this.take(role);
-    this.cloths.set(role, cloth);
+  put(role: Role, cloth: Cloth, among = this.cloths): void {
+    this.take(role, among);
+    among.set(role, cloth);
     this.#world.add(cloth.object);
   }
 
-  take(role: Role): void {
-    const cloth = this.cloths.get(role);
+  take(role: Role, among = this.cloths): void {
+    const cloth = among.get(role);
     if (!cloth) return;
     this.#world.remove(cloth.object);
     cloth.dispose();
-    this.cloths.delete(role);
+    among.delete(role);
+  }
+
+  /** Those of now, and those that were kept. */
+  get all(): Cloth[] {
+    return [...this.cloths.values(), ...this.kept.values()];
   }
 
   setOptions(options: ViewOptions): void {
-    this.uniforms.uFlat.value = options.flat;
     this.uniforms.uWires.value = options.wires;
     this.uniforms.uEdgeSets.value = options.edgeSets;
     this.uniforms.uShading.value = SHADINGS[options.shading];
     this.#setFabric(options.fabric);
-    this.#hasShadows = options.shadows && !options.flat;
+    this.#hasShadows = options.shadows;
     this.#backdrop.setTheme(options.theme);
   }
 
@@ -180,15 +180,19 @@ export class Stage {
     const first = this.#withUvs;
     const length = first ? first.uvLength * first.uvRange * this.#metersPerUnit : 0;
     this.square = length > 0 ? squareOf(length) : 0;
-    for (const cloth of this.cloths.values()) cloth.setSquare(this.square / this.#metersPerUnit);
+    for (const cloth of this.all) cloth.setSquare(this.square / this.#metersPerUnit);
   }
 
   get #withUvs(): Cloth | undefined {
     return ROLES.map((role) => this.cloths.get(role)).find((cloth) => cloth?.hasUvs);
   }
 
-  get #allMarks(): Marks[] {
-    return [...ROLES.map((role) => this.selections[role]), this.marks, this.glow];
+  #clothsOf({ split }: Column): Map<Role, Cloth> {
+    return split?.isKept ? this.kept : this.cloths;
+  }
+
+  markersOf(flat: boolean): MarkerSet {
+    return flat ? this.onPlane : this.inSpace;
   }
 
   /** The canvas with these columns. */
@@ -198,68 +202,75 @@ export class Stage {
   }
 
   /** Draws a plain picture, or a sample of the picture at rest. */
-  draw(sheet: Sheet, rig: Rig, space: SpaceRig, sample: Sample | null = null): void {
+  draw(sheet: Sheet, cameras: Cameras, sample: Sample | null = null): void {
     const { renderer } = this;
-    const flat = this.uniforms.uFlat.value;
-    this.#backdrop.setGround(this.centre, this.#half, space.up);
-    this.#backdrop.ground.visible = !flat && !sheet.isClear;
-    this.#backdrop.square.visible = flat && !sheet.isClear;
+    this.#backdrop.setGround(this.centre, this.#half, cameras.space.up);
     this.uniforms.uPixel.value = sheet.ratio;
     this.uniforms.uHard.value = sample !== null;
-    this.#open(sheet, { x: 0, y: 0, width: sheet.width, height: sheet.height });
+    this.#open(sheet, { x: 0, y: 0, width: sheet.width, height: sheet.height, roles: [], flat: false });
     renderer.setClearColor(0, 0);
     renderer.clear();
-    if (!sheet.isClear) renderer.render(this.#backdrop.sky, rig.camera);
-    for (const column of sheet.columns) this.#drawColumn(sheet, column, rig, space, sample);
+    if (!sheet.isClear) renderer.render(this.#backdrop.sky, cameras.space.camera);
+    for (const column of sheet.columns) this.#drawColumn(sheet, column, cameras, sample);
     renderer.setScissorTest(false);
     renderer.setRenderTarget(null);
   }
 
   /** What follows is drawn to a part of the sheet. */
-  #open(sheet: Sheet, { x, y, width, height }: Omit<Column, "roles">): void {
+  #open(sheet: Sheet, column: Column): void {
     const { renderer } = this;
     const { target, ratio } = sheet;
+    const { x, y, width, height } = column;
+    const seen = windowOf(column);
     const low = sheet.height - y - height;
     if (target) {
       target.viewport.set(x * ratio, low * ratio, width * ratio, height * ratio).round();
-      target.scissor.copy(target.viewport);
+      target.scissor.set(seen.x * ratio, low * ratio, seen.width * ratio, height * ratio).round();
       target.scissorTest = true;
     }
     renderer.setRenderTarget(target);
     if (target) return;
     renderer.setScissorTest(true);
     renderer.setViewport(x, low, width, height);
-    renderer.setScissor(x, low, width, height);
+    renderer.setScissor(seen.x, low, seen.width, height);
   }
 
-  #drawColumn(sheet: Sheet, column: Column, rig: Rig, space: SpaceRig, sample: Sample | null): void {
-    const { width, height, roles } = column;
+  #drawColumn(sheet: Sheet, column: Column, cameras: Cameras, sample: Sample | null): void {
+    const { width, height, flat } = column;
     const { ratio } = sheet;
+    const { space } = cameras;
+    const rig = cameras.of(flat);
+    this.uniforms.uFlat.value = flat;
+    this.#backdrop.ground.visible = !flat && !sheet.isClear;
+    this.#backdrop.square.visible = flat && !sheet.isClear;
     rig.setBounds(this.centre, this.radius);
     rig.place(width / height);
     this.uniforms.uUp.value.copy(space.up).transformDirection(rig.camera.matrixWorldInverse);
-    const hasShadows = sample !== null && this.#hasShadows;
-    this.#show(roles, hasShadows);
-    if (hasShadows) this.#cast(roles, space, sample);
+    const hasShadows = sample !== null && this.#hasShadows && !flat;
+    this.#show(column, hasShadows);
+    if (hasShadows) this.#cast(column, space, sample);
     this.uniforms.uView.value.set(width * ratio, height * ratio);
-    for (const marks of this.#allMarks) marks.setView(width * ratio, height * ratio, ratio);
+    for (const marks of this.markersOf(flat).all) marks.setView(width * ratio, height * ratio, ratio);
     if (sample) shifted(rig.camera.projectionMatrix, sample.jitter, width * ratio, height * ratio);
     this.#open(sheet, column);
     this.renderer.render(this.#world, rig.camera);
   }
 
   /** The solid mesh of a column has shadows. */
-  #cast(roles: Role[], space: SpaceRig, sample: Sample): void {
-    const solid = roles.map((role) => this.cloths.get(role)).filter((cloth) => cloth !== undefined).at(-1);
+  #cast(column: Column, space: SpaceRig, sample: Sample): void {
+    const cloths = this.#clothsOf(column);
+    const solid = column.roles.map((role) => cloths.get(role)).filter((cloth) => cloth !== undefined).at(-1);
     const all = { centre: this.centre, radius: this.radius };
     if (solid) this.#shadows.cast(solid, sample, space.camera, all, space.inView());
   }
 
   /** The last mesh is solid; those before it lie over it as wires. */
-  #show(roles: Role[], hasShadows: boolean): void {
-    const flat = this.uniforms.uFlat.value;
-    const drawn = roles.filter((role) => this.cloths.has(role));
-    for (const [role, cloth] of this.cloths) {
+  #show(column: Column, hasShadows: boolean): void {
+    const { flat } = column;
+    const cloths = this.#clothsOf(column);
+    const drawn = column.roles.filter((role) => cloths.has(role));
+    for (const cloth of this.all) cloth.object.visible = false;
+    for (const [role, cloth] of cloths) {
       const order = drawn.indexOf(role);
       const last = order === drawn.length - 1;
       cloth.object.visible = order >= 0 && (!flat || cloth.hasUvs);
@@ -269,7 +280,7 @@ export class Stage {
       // The lines of the mesh above say more, and two of one colour would be mistaken for one another.
       cloth.lines.setVisible(!last || drawn.length < 2);
     }
-    this.marks.object.visible = roles.includes(this.marked);
-    for (const role of ROLES) this.selections[role].object.visible = role === drawn.at(-1);
+    this.markersOf(!flat).show(null);
+    this.markersOf(flat).show(cloths === this.kept ? null : drawn);
   }
 }

@@ -4,8 +4,9 @@ import { useLayoutEffect, useRef, useState } from "preact/hooks";
 import type { Role } from "../../server/protocol";
 import { makeLarge } from "../../state/keys";
 import { ROLE_NAMES } from "../../state/settings";
-import { columns } from "../../view/layout";
+import { columns, largeOf } from "../../view/layout";
 import { FlatNotes } from "./FlatNotes";
+import { SplitLines } from "./SplitLines";
 import { useLevels, useSelect, useStanding, useStore } from "../controls/hooks";
 
 export function ColumnLabels() {
@@ -22,18 +23,20 @@ export function ColumnLabels() {
     return () => observer.disconnect();
   }, []);
   const all = columns(settings, size.width, size.height);
+  const large = largeOf(settings);
   return (
     <div class="columns" ref={box}>
       <FlatNotes />
-      {all.map(({ x, y, width, height, roles }, index) => (
+      <SplitLines columns={all} />
+      {all.map(({ x, y, width, height, roles, flat }) => (
         <div
           class={`column ${y > 0 ? "is-lower" : ""} ${x > 0 ? "is-beside" : ""}`}
-          key={roles.join()}
+          key={`${roles.join()} ${flat}`}
           style={{ left: `${x}px`, top: `${y}px`, width: `${width}px`, height: `${height}px` }}
         >
           <div class="column-labels">
             {roles.map((role) => (
-              <Label key={role} role={role} isSmall={settings.layout === "large" && index > 0} />
+              <Label key={role} role={role} isSmall={settings.layout === "large" && role !== large} />
             ))}
           </div>
         </div>

@@ -79,8 +79,9 @@ function HeatSelect() {
 
 export function SideBar() {
   const store = useStore();
-  const { wires, edgeSets, flat, shadows, smooth } = useSelect((state) => state.settings);
+  const { wires, edgeSets, flat, layout, shadows, smooth } = useSelect((state) => state.settings);
   const isolated = useSelect((state) => state.isolated);
+  const split = useSelect((state) => state.split);
   return (
     <div class="side-bar" role="toolbar" aria-orientation="vertical" aria-label="Drawing">
       <Toggle
@@ -100,7 +101,7 @@ export function SideBar() {
       <Toggle
         label="Flat panels"
         icon="flat"
-        hint="The UV panels, flat"
+        hint="The UV panels, flat; of the large mesh, with the mesh in space beside them"
         on={flat}
         change={(flat) => store.settings({ flat })}
       />
@@ -131,7 +132,7 @@ export function SideBar() {
             key={side}
             aria-label={side}
             title={`Look from the ${side} (${i + 1 + ROLES.length})`}
-            disabled={flat}
+            disabled={flat && layout !== "large"}
             onClick={() => store.view?.look(side)}
           >
             {side === "three-quarter" ? "¾" : side[0].toUpperCase()}
@@ -144,6 +145,13 @@ export function SideBar() {
         hint="Show the panel where the pointer was, or the selected faces, alone (I)"
         on={isolated}
         change={() => store.toggleIsolated()}
+      />
+      <Toggle
+        label="Split"
+        icon="compare"
+        hint="What is shown now stays on the left of a line, and edits go on on the right (X)"
+        on={split !== null}
+        change={() => store.toggleSplit()}
       />
       <IconButton
         label="Frame"

@@ -14,6 +14,15 @@ export class Cameras {
   /** Rigs that have shown the whole garment. */
   readonly #framed = new Set<Rig>();
 
+  of(flat: boolean): Rig {
+    return flat ? this.flat : this.space;
+  }
+
+  /** Moves both on to this time. Returns whether there is more to come. */
+  step(now: number): boolean {
+    return [this.space, this.flat].map(({ motion }) => motion.step(now)).includes(true);
+  }
+
   /** The artist moves a camera. */
   touch(rig: Rig): void {
     this.#untouched.delete(rig);

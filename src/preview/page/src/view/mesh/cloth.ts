@@ -4,7 +4,7 @@
 import { BufferAttribute, BufferGeometry, Group, Mesh, Sphere, UnsignedByteType } from "three";
 import type { DataTexture, RawShaderMaterial } from "three";
 import type { MeshFrame } from "../../server/frame";
-import type { LookInfo } from "../../server/protocol";
+import type { LookInfo, MeshHeader } from "../../server/protocol";
 import { computeNormals } from "./normals";
 import type { Paint } from "../shade/paint";
 import { copyPoints } from "./points";
@@ -22,6 +22,11 @@ import { sharesOf } from "./values";
 import type { MeshValues } from "./values";
 import { Edges, startsOf, triangulate } from "./topology";
 import type { Faces, Triangles } from "./topology";
+
+/** What a mesh takes of a frame. */
+export interface Content extends Pick<MeshFrame, "f32" | "u32" | "u8"> {
+  header: Pick<MeshHeader, "leftHanded" | "sets" | "values">;
+}
 
 /** One topology of one role. */
 export class Cloth {
@@ -64,7 +69,7 @@ export class Cloth {
   readonly #geometry = new BufferGeometry();
 
   constructor(
-    frame: MeshFrame,
+    frame: Content,
     readonly paint: Paint,
   ) {
     const points = frame.f32("points") ?? new Float32Array(0);
@@ -106,7 +111,7 @@ export class Cloth {
   }
 
   /** Takes the blocks of a frame that keeps the faces. */
-  update(frame: MeshFrame): void {
+  update(frame: Content): void {
     const points = frame.f32("points");
     if (points && points.length === 3 * this.pointCount) this.#setPoints(points);
     this.#setRest(frame);
@@ -184,7 +189,7 @@ export class Cloth {
   }
 
   /** All but the points and the faces. */
-  #setRest(frame: MeshFrame): void {
+  #setRest(frame: Content): void {
     const { header } = frame;
     const sources = frame.u32("sources");
     if (sources) this.sources = sources.length > 0 ? sources.slice() : null;

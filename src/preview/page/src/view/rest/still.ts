@@ -9,6 +9,8 @@ import type { Sample } from "./samples";
 const REST = 150;
 /** Samples from which on their mean is better than a plain picture. */
 const ENOUGH = 4;
+/** Time that the samples of a picture may take: without a graphics card, one of them may need a second. [ms] */
+const PATIENCE = 3000;
 
 /** Draws one sample. */
 export type Draw = (mean: Mean, sample: Sample) => void;
@@ -17,6 +19,11 @@ export class Still {
   /** Samples in the picture on the canvas; 0 for a plain one. */
   count = 0;
   #next = 0;
+  /** Samples of this picture. */
+  #total = SAMPLES;
+  /** When the last sample began, and how long one takes. [ms] */
+  #began = 0;
+  #duration = 0;
   #timer = 0;
   #frame = 0;
   #fence: WebGLSync | null = null;
@@ -45,7 +52,10 @@ export class Still {
     if (!Mean.fits(this.renderer)) return;
     clearTimeout(this.#timer);
     cancelAnimationFrame(this.#frame);
-    while (this.#next < count) this.#add(count);
+    // Lights of another count are spread otherwise.
+    if (count !== this.#total) this.#next = 0;
+    this.#total = count;
+    while (this.#next < count) this.#add();
     this.#show();
   }
 
@@ -55,15 +65,17 @@ export class Still {
 
   #step(): void {
     if (!this.#isIdle()) return this.#await();
+    if (this.#next === 0) this.#total = Math.max(ENOUGH, Math.min(SAMPLES, Math.floor(PATIENCE / this.#duration)));
     this.#add();
     if (this.#next >= ENOUGH) this.#show();
-    if (this.#next < SAMPLES) this.#await();
+    if (this.#next < this.#total) this.#await();
   }
 
-  #add(count = SAMPLES): void {
+  #add(): void {
     const mean = this.#sized();
     if (this.#next === 0) mean.restart();
-    this.draw(mean, sampleAt(this.#next, count));
+    this.#began = performance.now();
+    this.draw(mean, sampleAt(this.#next, this.#total));
     mean.add();
     this.#next += 1;
     const gl = this.renderer.getContext() as WebGL2RenderingContext;
@@ -82,6 +94,8 @@ export class Still {
     if (gl.getSyncParameter(this.#fence, gl.SYNC_STATUS) !== gl.SIGNALED) return false;
     gl.deleteSync(this.#fence);
     this.#fence = null;
+    // The last sample of a picture is not watched to its end.
+    if (this.#next > 0) this.#duration = performance.now() - this.#began;
     return true;
   }
 
