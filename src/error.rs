@@ -316,6 +316,11 @@ pub fn plain(e: &io::Error) -> String {
     }
 }
 
+/// A number with the words for one or for several.
+pub(crate) fn counted(count: usize, one: &str, several: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { several })
+}
+
 /// The first names of a list in backquotes, and how many more there are.
 pub(crate) fn names<T: AsRef<str>>(all: &[T]) -> String {
     let shown: Vec<String> = all.iter().take(PRINTED).map(|name| format!("`{}`", name.as_ref())).collect();

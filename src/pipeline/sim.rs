@@ -1,7 +1,7 @@
 //! The steps from a garment to its simulation mesh.
 
 use super::progress::Clock;
-use crate::error::{Code, Error, ErrorCode, Warning, Warnings};
+use crate::error::{Code, Error, ErrorCode, Warning, Warnings, counted};
 use crate::garment::{Elements, Mesh};
 use crate::mesh::{CornerId, FaceId};
 use crate::recipe::ResolvedSim;
@@ -170,9 +170,9 @@ fn small_shells(garment: &Mesh, options: &SimOptions, baseline: &Baseline) -> Op
     faces.sort_unstable();
     faces.dedup();
     let problem = format!(
-        "{} UV shells are smaller than {} target triangles: their seams are not followed, and UVs there are approximate \
-         or of a shell beside them",
-        shells.count(),
+        "{} smaller than {} target triangles: seams there are not followed, and UVs are approximate or of a shell \
+         beside it",
+        counted(shells.count(), "UV shell is", "UV shells are"),
         options.smallest_shell
     );
     let place = format!("{}.primvars:{}", garment.prim, options.uv_set);
@@ -200,8 +200,10 @@ fn flipped_uvs(garment: &Mesh, options: &SimOptions, baseline: &Baseline) -> Opt
     faces.sort_unstable();
     faces.dedup();
     let place = format!("{}.primvars:{}", garment.prim, options.uv_set);
-    let problem =
-        format!("UVs are flipped or have no area in {} faces; the simulation mesh ignores them there", faces.len());
+    let problem = format!(
+        "UVs are flipped or have no area in {}; the simulation mesh ignores them there",
+        counted(faces.len(), "face", "faces")
+    );
     let warning = Warning::new(Code::FlippedUvs, place, problem).at(Elements::Faces(faces));
     (!baseline.flipped.is_empty()).then(|| warning.remedy("Correct the UVs, or name another UV set in sim.uvSet"))
 }

@@ -159,6 +159,15 @@ mod tests {
     }
 
     #[test]
+    fn topstitching_is_beside_a_felled_seam_of_the_same_edges() {
+        let all = Presets::built_in().expect("good presets").in_units(CENTIMETRES);
+        let of = |name: &str, field: &str| all["seam"][name][field].as_f64().expect("a number");
+        let (row, seam) = (of("Topstitch", "width"), of("Flat-felled", "width"));
+        let between = of("Topstitch", "offset") - 0.5 * (row + seam);
+        assert!(between > 0.5 * row, "{between} between them");
+    }
+
+    #[test]
     fn the_documents_list_those_of_the_program() {
         let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/recipe.md");
         let page = std::fs::read_to_string(page).expect("the page");

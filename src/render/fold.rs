@@ -20,7 +20,7 @@ use super::operator::{
     Control, ControlRole, LayerEnd, Operator, OperatorInput, OperatorOutput, REPORTED, is_lone_corner,
 };
 use super::options::OperatorOptions;
-use crate::error::{Code, Error, ErrorCode, Warning, Warnings};
+use crate::error::{Code, Error, ErrorCode, Warning, Warnings, counted};
 use crate::garment::{Elements, Mesh, Orientation, Subset, Values};
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
 use crate::options::{Domain, Given, LARGEST, OptionValue, options};
@@ -136,7 +136,8 @@ impl Fold {
             (&cover.cut_off, "faces without one lie between them and the border", &close),
         ] {
             if !omitted.faces.is_empty() {
-                let problem = format!("{} faces have no second layer: {problem}", omitted.faces.len());
+                let faces = counted(omitted.faces.len(), "face has", "faces have");
+                let problem = format!("{faces} no second layer: {problem}");
                 let warning =
                     Warning::new(Code::BareFaces, &label, problem).at(cage.input_points(omitted.at.iter().copied()));
                 warnings.push(warning.remedy(remedy));
@@ -376,9 +377,8 @@ impl Operator for Fold {
             }
         }
         if !thin.is_empty() {
-            let (count, left) = (thin.len(), 100.0 * least);
-            let problem =
-                format!("thinner than asked at {count} vertices, down to {left:.0} %, to clear itself or other cloth");
+            let (at, left) = (counted(thin.len(), "vertex", "vertices"), 100.0 * least);
+            let problem = format!("thinner than asked at {at}, down to {left:.0} %, to clear itself or other cloth");
             let warning = Warning::new(Code::ThinLayer, self.label(), problem).at(output.input_points(thin));
             warnings.push(
                 warning

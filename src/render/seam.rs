@@ -29,7 +29,7 @@ mod rows;
 use super::lines::{self, LineRequest, LineVertex, Lines, NarrowVertex};
 use super::operator::{Control, ControlRole, Operator, OperatorInput, OperatorOutput, REPORTED};
 use super::options::OperatorOptions;
-use crate::error::{Code, Error, Warning, Warnings};
+use crate::error::{Code, Error, Warning, Warnings, counted};
 use crate::garment::{Mesh, Orientation, Subset};
 use crate::mesh::{CornerId, EdgeId, FaceId, IdVec, Topology, VertexId};
 use chains::Network;
@@ -71,21 +71,22 @@ impl Seams {
             let label = format!("seam.{name}");
             let edges = |code: Code, edges: Vec<EdgeId>, problem: &str, remedy: &str| {
                 let ends = cage.input_edges(edges.iter().map(|&e| network.ends(e)));
-                let warning = Warning::new(code, &label, format!("{} edges {problem}", ends.len()));
+                let warning = Warning::new(code, &label, format!("{} {problem}", counted(ends.len(), "edge", "edges")));
                 (!edges.is_empty()).then(|| warning.at(ends).remedy(remedy))
             };
             let shared = network.shared.iter().filter(|s| s.1 == number).map(|s| s.0).collect();
-            let problem = "already belong to an earlier seam, which keeps them";
+            let problem = "in an earlier seam too, which keeps them";
             warnings.extend(edges(Code::SharedSeamEdges, shared, problem, "Remove them from one of the two edge sets"));
             let here = || narrowed.iter().filter(|n| network.seam[n.mark] == Some(number));
             let narrow: BTreeSet<VertexId> = here().map(|n| n.vertex).collect();
             if !narrow.is_empty() {
                 let least = here().map(|n| n.share).fold(1.0, f32::min);
-                let (count, left) = (narrow.len(), 100.0 * least);
-                let problem =
-                    format!("narrower than asked at {count} vertices, down to {left:.0} % of width and height");
+                let (at, left) = (counted(narrow.len(), "vertex", "vertices"), 100.0 * least);
+                let problem = format!("narrower than asked at {at}, down to {left:.0} % of width and height");
                 let points = cage.input_points(narrow);
-                let remedy = format!("Lower `{label}.width`, or lengthen the edges that lead away from it");
+                let remedy = format!(
+                    "Lower `{label}.width`, move rows of stitches away from it, or lengthen the edges that lead away"
+                );
                 warnings.push(Warning::new(Code::NarrowSeam, label, problem).at(points).amount(least).remedy(remedy));
             }
         }

@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { assertClean, SCREEN, show } from "./support/browser.mjs";
 import { sewnShirt } from "./support/garments.mjs";
-import { rgb } from "./support/png.mjs";
+import { inked, rgb } from "./support/png.mjs";
 
 /** Degrees from 0 to 360 of a colour such as `#8090a0`. */
 function hue(colour) {
@@ -141,6 +141,18 @@ test("flat panels have the mesh in space beside them, and what the pointer is on
     const change = (await pixel(there)).reduce((sum, value, i) => sum + Math.abs(value - marked[i]), 0);
     assert.ok(change > 60, `${flat ? "in space" : "on the panels"} it is marked: ${change}`);
   }
+
+  // Also where a split view began in space, which needs no UVs.
+  await preview.settings({ flat: false });
+  await page.keyboard.press("x");
+  await preview.settings({ flat: true });
+  await preview.quiet();
+  await page.mouse.move(1, 1);
+  assert.ok(inked(await preview.picture(), [0, 0.2]) > 0.05, "the panels that were kept are there");
+  const places = await Promise.all(points.map((point) => place(point, true)));
+  const { x } = await page.getByRole("slider", { name: "Split" }).first().boundingBox();
+  assert.ok(await hover(places.find((at) => box.x + at.x < x - 20)), "the pointer finds them");
+  await page.keyboard.press("x");
 
   const aim = () => preview.evaluate(() => preview.view.aim());
   const plan = () => preview.state(({ plan }) => plan[0].labels.map(({ x, y }) => [Math.round(x), Math.round(y)]));

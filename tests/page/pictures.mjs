@@ -29,17 +29,26 @@ const PICTURES = [
   { name: "checker", settings: { shading: "checker", wires: false } },
   { name: "heat", settings: { shading: "values", values: "quality:angle", roles: ["sim"] } },
   { name: "painted", settings: { shading: "values", values: "simDensity", wires: false } },
-  { name: "flat", settings: { shading: "checker", flat: true } },
+  { name: "flat", settings: { layout: "large", large: "model", flat: true, wires: false } },
   { name: "over", settings: { layout: "over", roles: ["sim", "render"] } },
   { name: "seam", settings: { roles: ["render"] }, act: openCard },
   { name: "select", settings: { roles: ["model", "render"] }, act: selectHem },
   { name: "warnings", act: openWarning },
   { name: "save", act: (page) => page.getByRole("button", { name: "Save", exact: true }).click() },
+  // The last one, as it edits.
+  { name: "split", settings: { layout: "large", large: "render", wires: false }, act: splitView },
 ];
 
 async function openCard(page) {
   await page.locator('[data-card="seam.side"] .card-title').click();
   await page.locator('[data-card="seam.side"]').scrollIntoViewIfNeeded();
+}
+
+/** Deeper side seams on the right. */
+async function splitView(page) {
+  await page.keyboard.press("x");
+  await page.evaluate(() => preview.store.set("seam.side.normalOffset", -1));
+  await sleep(3000);
 }
 
 async function selectHem(page) {

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { assertClean, SCREEN, show } from "./support/browser.mjs";
-import { sewnShirt } from "./support/garments.mjs";
+import { bareShirt, sewnShirt } from "./support/garments.mjs";
 import { placeOf } from "./support/picking.mjs";
 import { example } from "./support/server.mjs";
 
@@ -77,6 +77,21 @@ test("a seam is renamed, turned off and on, and deleted", async (t) => {
   assert.deepEqual(deleted, before);
   assert.deepEqual([await preview.cards(), (await preview.document()).edits], [[], {}]);
   assertClean(preview);
+});
+
+test("a name is typed with spaces, and one that is taken is refused in words", async (t) => {
+  const preview = await show(t, bareShirt(t));
+  for (const set of ["borders.1", "borders.2"]) {
+    await preview.evaluate((set) => preview.store.selector.take(set), set);
+    await preview.when((set) => preview.store.state.selection?.expression === set, set);
+    await preview.after("render", () => preview.page.keyboard.press("n"));
+    const field = preview.page.getByLabel(/^Name of/);
+    await field.fill("");
+    await field.pressSequentially("hem line");
+    await field.press("Enter");
+    if (set === "borders.1") assert.deepEqual(await preview.cards(), ["seam.hem_line"]);
+  }
+  await preview.page.getByText('there is a seam "hem_line" already').first().waitFor();
 });
 
 test("an operator of the garment is turned off in place of deleted, and keeps its name", async (t) => {

@@ -1,6 +1,6 @@
 //! Warnings of seams on edges and of rows.
 
-use crate::error::{Code, Warning};
+use crate::error::{Code, Warning, counted};
 use crate::mesh::VertexId;
 use crate::render::operator::OperatorOutput;
 
@@ -12,7 +12,8 @@ pub fn shallow_seam(
 ) -> Option<Warning> {
     let (count, least) = (here.clone().count(), here.clone().map(|s| s.1).fold(1.0, f32::min));
     let problem = format!(
-        "its normalOffset is reduced at {count} vertices, down to {:.0} %, to clear another layer or an intersection",
+        "its normalOffset is reduced at {}, down to {:.0} %, to clear another layer or an intersection",
+        counted(count, "vertex", "vertices"),
         100.0 * least
     );
     let warning = Warning::new(Code::ShallowSeam, format!("seam.{name}"), problem);

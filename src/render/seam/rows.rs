@@ -8,7 +8,7 @@ use super::chains::Network;
 use super::options::{RowSide, SeamOptions, flat};
 use super::profile::LINES as SHARES;
 use super::{reports, room};
-use crate::error::{Code, Error, Warning, Warnings};
+use crate::error::{Code, Error, Warning, Warnings, counted};
 use crate::garment::{Mesh, Orientation, Subset};
 use crate::mesh::{EdgeId, FaceId, Topology, VertexId};
 use crate::render::operator::{Control, ControlRole, Operator, OperatorInput, OperatorOutput, REPORTED};
@@ -242,8 +242,8 @@ impl Rows {
         }
         let missing = at(self.missing(request, ladder, lines));
         if !missing.is_empty() {
-            let problem =
-                format!("{} edges lack a row at its distance: the cloth ends or another seam is there", missing.len());
+            let edges = counted(missing.len(), "edge lacks", "edges lack");
+            let problem = format!("{edges} a row at its distance: the cloth ends or another seam is there");
             let remedy = format!("Change `{label}.offset`, `{label}.rows` or `{label}.side`");
             warnings.push(Warning::new(Code::NarrowSeam, &label, problem).at(missing).remedy(remedy));
         }

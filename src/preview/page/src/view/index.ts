@@ -96,6 +96,7 @@ class CanvasView implements View {
     if (replaces) this.#replace(role, frame);
     else if (known) known.update(frame);
     else return;
+    this.#stage.kept.get(role)?.takeUvs(frame);
     this.#placeMarkers();
     this.#stage.measure(this.options.roles);
     if (!known) this.#director.fit();
@@ -434,8 +435,9 @@ class CanvasView implements View {
   /** The mesh that is picked at a place: the solid one of the column. */
   #spotAt(at: Place): Spot | null {
     const column = columnAt(this.#columns, at);
-    const role = column?.split?.isKept ? undefined : column?.roles.filter((name) => this.#stage.cloths.has(name)).at(-1);
-    const cloth = role && this.#stage.cloths.get(role);
+    const cloths = column && this.#stage.clothsOf(column);
+    const role = column?.roles.filter((name) => cloths?.has(name)).at(-1);
+    const cloth = role && cloths?.get(role);
     if (!column || !cloth || (column.flat && !cloth.hasUvs)) return null;
     const { flat } = column;
     const rig = this.#cameras.of(flat);
@@ -445,9 +447,10 @@ class CanvasView implements View {
   }
 
   #hovers(picked: Picked | null): void {
-    const cloth = picked && this.#stage.cloths.get(picked.role);
+    const column = picked && this.#columnAt(picked);
+    const cloth = column && this.#stage.clothsOf(column).get(picked.role);
     const elements = picked && { faces: [picked.face], edges: picked.edge ? [picked.edge] : [] };
-    const hovered = cloth && elements ? { role: picked.role, cloth, elements, flat: this.#columnAt(picked).flat } : null;
+    const hovered = cloth && elements ? { role: picked.role, cloth, elements, flat: column.flat } : null;
     this.#markers.hovered = hovered;
     if (this.#director.ways.length > 1) {
       this.#markers.placeHovered(this.#director.ways);

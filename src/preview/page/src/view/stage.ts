@@ -187,8 +187,9 @@ export class Stage {
     return ROLES.map((role) => this.cloths.get(role)).find((cloth) => cloth?.hasUvs);
   }
 
-  #clothsOf({ split }: Column): Map<Role, Cloth> {
-    return split?.isKept ? this.kept : this.cloths;
+  /** A mesh that was not shown when others were kept is as it is now. */
+  clothsOf({ split }: Column): Map<Role, Cloth> {
+    return split?.isKept ? new Map([...this.cloths, ...this.kept]) : this.cloths;
   }
 
   markersOf(flat: boolean): MarkerSet {
@@ -258,7 +259,7 @@ export class Stage {
 
   /** The solid mesh of a column has shadows. */
   #cast(column: Column, space: SpaceRig, sample: Sample): void {
-    const cloths = this.#clothsOf(column);
+    const cloths = this.clothsOf(column);
     const solid = column.roles.map((role) => cloths.get(role)).filter((cloth) => cloth !== undefined).at(-1);
     const all = { centre: this.centre, radius: this.radius };
     if (solid) this.#shadows.cast(solid, sample, space.camera, all, space.inView());
@@ -267,7 +268,7 @@ export class Stage {
   /** The last mesh is solid; those before it lie over it as wires. */
   #show(column: Column, hasShadows: boolean): void {
     const { flat } = column;
-    const cloths = this.#clothsOf(column);
+    const cloths = this.clothsOf(column);
     const drawn = column.roles.filter((role) => cloths.has(role));
     for (const cloth of this.all) cloth.object.visible = false;
     for (const [role, cloth] of cloths) {
@@ -281,6 +282,6 @@ export class Stage {
       cloth.lines.setVisible(!last || drawn.length < 2);
     }
     this.markersOf(!flat).show(null);
-    this.markersOf(flat).show(cloths === this.kept ? null : drawn);
+    this.markersOf(flat).show(drawn);
   }
 }

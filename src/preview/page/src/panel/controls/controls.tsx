@@ -1,6 +1,6 @@
 // Controls that know nothing of the recipe.
 
-import { useId } from "preact/hooks";
+import { useId, useRef } from "preact/hooks";
 import { Icon, type IconName } from "./icons";
 
 export interface Described {
@@ -75,6 +75,7 @@ export function Select({ label, describedBy, invalid, value, groups, change }: S
         {choice.label}
       </option>
     ));
+  const byHand = useRef(false);
   return (
     <span class="select">
       <select
@@ -82,7 +83,13 @@ export function Select({ label, describedBy, invalid, value, groups, change }: S
         aria-describedby={describedBy}
         aria-invalid={invalid}
         value={value}
-        onChange={({ currentTarget }) => change(currentTarget.value)}
+        onPointerDown={() => (byHand.current = true)}
+        onKeyDown={() => (byHand.current = false)}
+        onChange={({ currentTarget }) => {
+          change(currentTarget.value);
+          // A list with the focus takes letters as choices, which are keys of the view for a hand that has left it.
+          if (byHand.current) currentTarget.blur();
+        }}
       >
         {groups.map(({ label, choices }) =>
           label ? <optgroup label={label}>{options(choices)}</optgroup> : options(choices),

@@ -1,7 +1,7 @@
 // A drawn cross-section through a seam or a fold.
 
 import type { Fields, KindName } from "../../server/options";
-import { shown } from "../controls/numbers";
+import { rounded } from "../controls/numbers";
 import { foldSection, knots, seamSection, smoothPath, type Point, type Section } from "./section";
 
 interface Size {
@@ -50,7 +50,7 @@ export function Profile({ unit, isOff, ...props }: ProfileProps & { unit: string
 
 const WORDS: Record<string, string> = { width: "width", normalOffset: "height of the centre", thickness: "thickness" };
 
-const length = ({ from, to }: { from: Point; to: Point }): string => shown(to[0] - from[0] + (to[1] - from[1]));
+const length = ({ from, to }: { from: Point; to: Point }): string => rounded(to[0] - from[0] + (to[1] - from[1]));
 
 /** The drawing of a menu. */
 export function SmallProfile(props: ProfileProps) {
@@ -87,17 +87,21 @@ function Measure({ from, to, text }: { from: Point; to: Point; text: string }) {
   const y = CARD.height - 6;
   const [a, b]: [Point, Point] = isAcross ? [[from[0], y - 10], [to[0], y - 10]] : [from, to];
   const ticks = isAcross ? `M${a.join(" ")}v-4v8m0-4H${b[0]}m0-4v8` : `M${a.join(" ")}V${b[1]}`;
-  const at: Point = isAcross ? [(a[0] + b[0]) / 2, y + 2] : [a[0] + 6, Math.min(a[1], b[1]) - 8];
+  const isRight = a[0] > CARD.width - LABEL;
+  const anchor = isAcross ? "middle" : isRight ? "end" : "start";
+  const at: Point = isAcross ? [(a[0] + b[0]) / 2, y + 2] : [a[0] + (isRight ? -6 : 6), Math.min(a[1], b[1]) - 8];
   return (
     <>
       <path class="profile-measure" d={ticks} />
-      <text class="profile-text" x={at[0]} y={at[1]} text-anchor={isAcross ? "middle" : "start"}>
+      <text class="profile-text" x={at[0]} y={at[1]} text-anchor={anchor}>
         {text}
       </text>
     </>
   );
 }
 
+/** Room that a figure needs. [pixels] */
+const LABEL = 80;
 /** Room below for the figure of a width. [pixels] */
 const BELOW = 20;
 

@@ -26,6 +26,7 @@ export function NameField({ instance, rename }: NameFieldProps) {
     hasEnded.current = true;
     const isRenamed = isKept && !problem && name !== instance.name;
     store.update({ naming: null });
+    if (isKept && problem) store.toast({ text: `The name stays ${instance.name}: ${problem}` });
     if (isRenamed) rename(name);
     if (takesFocus) show(fullName(isRenamed ? { ...instance, name } : instance));
   };
@@ -41,11 +42,13 @@ export function NameField({ instance, rename }: NameFieldProps) {
       data-clean={name === instance.name ? "" : undefined}
       value={name}
       ref={field}
-      onInput={({ currentTarget }) => setName(currentTarget.value)}
+      // Names have no spaces.
+      onInput={({ currentTarget }) => setName(currentTarget.value.replaceAll(" ", "_"))}
       onBlur={() => end(true, false)}
       onKeyDown={(event) => {
         // Undo and save are keys of the page.
         if (!event.ctrlKey && !event.metaKey) event.stopPropagation();
+        if (event.key === "Enter" && problem) store.toast({ text: `${name} is no name: ${problem}` });
         if (event.key === "Enter" && !problem) end(true, true);
         if (event.key === "Escape") end(false, true);
       }}

@@ -36,7 +36,7 @@ export function ColumnLabels() {
         >
           <div class="column-labels">
             {roles.map((role) => (
-              <Label key={role} role={role} isSmall={settings.layout === "large" && role !== large} />
+              <Label key={role} role={role} isFlat={flat} isSmall={settings.layout === "large" && role !== large} />
             ))}
           </div>
         </div>
@@ -45,7 +45,7 @@ export function ColumnLabels() {
   );
 }
 
-function Label({ role, isSmall }: { role: Role; isSmall: boolean }) {
+function Label({ role, isFlat, isSmall }: { role: Role; isFlat: boolean; isSmall: boolean }) {
   const store = useStore();
   const standing = useStanding(role);
   const { shown, written } = useLevels(role);
@@ -60,6 +60,7 @@ function Label({ role, isSmall }: { role: Role; isSmall: boolean }) {
       ) : (
         name
       )}
+      {isFlat && <small>flat</small>}
       {isMore && (
         <small title="Refinements for display are not written">
           +{shown - written} for display

@@ -111,6 +111,7 @@ function Fabrics({ fabric, anchor }: { fabric: Fabric; anchor: { current: HTMLEl
         />
       </label>
       <Segments label="Weave" value={fabric.weave} choices={WEAVES} change={(weave) => change({ weave })} />
+      <p class="fabric-note">For this view alone: nothing of it is saved.</p>
     </div>
   );
 }

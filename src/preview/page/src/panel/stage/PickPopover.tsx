@@ -33,7 +33,9 @@ function Popover() {
     if (!element || !stage || !clicked) return;
     const fits = (at: number, size: number, whole: number) => (at + size + 12 > whole ? at - size - 8 : at + 8);
     element.style.left = `${Math.max(8, fits(clicked.x, element.offsetWidth, stage.clientWidth))}px`;
-    element.style.top = `${Math.max(8, fits(clicked.y, element.offsetHeight, stage.clientHeight))}px`;
+    // The bar of the selection stays free.
+    const low = stage.querySelector<HTMLElement>(".selection-bar")?.offsetTop ?? stage.clientHeight;
+    element.style.top = `${Math.max(8, fits(clicked.y, element.offsetHeight, low))}px`;
     (element.querySelector<HTMLElement>("[aria-label=Close]") ?? element).focus({ preventScroll: true });
   }, []);
   if (!clicked || !garment) return null;

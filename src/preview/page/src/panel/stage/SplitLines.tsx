@@ -13,14 +13,21 @@ export function SplitLines({ columns }: { columns: Column[] }) {
   if (share === null) return null;
   return (
     <>
-      {columns.map((column) => (
-        <SplitLine key={`${column.x} ${column.y}`} column={column} share={share} />
+      {columns.map((column, index) => (
+        <SplitLine key={`${column.x} ${column.y}`} column={column} share={share} hasNames={index === 0} />
       ))}
     </>
   );
 }
 
-function SplitLine({ column: { x, y, width, height }, share }: { column: Column; share: number }) {
+interface LineProps {
+  column: Column;
+  share: number;
+  /** Whether it says what is on its sides. */
+  hasNames: boolean;
+}
+
+function SplitLine({ column: { x, y, width, height }, share, hasNames }: LineProps) {
   const store = useStore();
   const from = useRef<{ pointer: number; share: number } | null>(null);
   const move = (to: number) => store.split(Math.min(1 - LEAST, Math.max(LEAST, to)));
@@ -49,8 +56,8 @@ function SplitLine({ column: { x, y, width, height }, share }: { column: Column;
         if (key === "ArrowRight") move(share + STEP);
       }}
     >
-      <span class="split-kept">kept</span>
-      <span class="split-now">now</span>
+      {hasNames && <span class="split-kept">kept</span>}
+      {hasNames && <span class="split-now">now</span>}
     </div>
   );
 }

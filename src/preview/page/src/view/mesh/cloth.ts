@@ -117,6 +117,14 @@ export class Cloth {
     this.#setRest(frame);
   }
 
+  /** Takes the UVs alone, if it has none and they fit: a mesh that is kept may have come without them. */
+  takeUvs(frame: Content): void {
+    const uvs = frame.f32("uvs");
+    if (!uvs || this.hasUvs || uvs.length !== 2 * this.faces.corners.length) return;
+    this.#setUvs(uvs);
+    this.#paintSets();
+  }
+
   /** Takes the looks of the model's materials. */
   setLooks(looks: LookInfo[]): void {
     this.#looks = looks;

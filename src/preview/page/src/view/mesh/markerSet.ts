@@ -10,7 +10,7 @@ export class MarkerSet {
   marked: Role = "model";
   readonly glow = new Marks(ACCENT, 4, THROUGH);
   /** What the pointer is on where the meshes are seen in the other way. */
-  readonly hovered = new Marks(ACCENT, 4, THROUGH);
+  readonly hovered = new Marks(ACCENT, 4, FAINT);
   /** The selection on each mesh. */
   readonly selections: Record<Role, Marks> = {
     model: new Marks(SELECTED, 5, FAINT),

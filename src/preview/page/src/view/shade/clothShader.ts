@@ -219,7 +219,8 @@ vec3 lit(vec3 base, bool front) {
   c *= 1.0 - 0.30 * pow(grazing, 3.0);
   vec3 shown = encode(c / (1.0 + 0.16 * c * c));
 #ifdef SHADOWS
-  shown *= 1.0 - shadow(smoothed, own);
+  // Inside a sleeve all light is held off, and hems there would be black.
+  shown *= 1.0 - (front ? 1.0 : 0.6) * shadow(smoothed, own);
 #endif
   return shown;
 }
