@@ -333,6 +333,8 @@ export class Store {
     this.made.clear();
     this.#lastHovered = null;
     if (this.state.isolated) this.isolate(null);
+    // What was kept of another model has other edges and faces to pick.
+    if (this.state.garment?.checksum !== garment.checksum) this.split(null);
     this.update({ garment: garmentOf(garment) });
     this.selector.renew();
     this.view?.setUp(garment.upAxis);
