@@ -10,7 +10,7 @@ use super::{page, socket};
 use crate::error::{Error, ErrorCode, ErrorKind};
 use axum::Router;
 use axum::extract::ws::WebSocketUpgrade;
-use axum::extract::{ConnectInfo, Request, State};
+use axum::extract::{ConnectInfo, Path, Request, State};
 use axum::http::{HeaderMap, HeaderName, HeaderValue, StatusCode, header};
 use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Response};
@@ -21,6 +21,7 @@ use std::sync::Arc;
 use std::time::Duration;
 use tokio::net::TcpListener;
 use tokio::runtime::Runtime;
+use tokio::task::block_in_place;
 use visitors::{Known, Visitors};
 
 /// Largest message of a page. \[bytes\]
@@ -98,7 +99,8 @@ fn run_to_end<T>(runtime: Runtime, serving: impl Future<Output = T>) -> T {
 }
 
 fn router(hub: &Arc<Hub>, access: &Arc<Access>) -> Router {
-    let mut router = Router::new().route("/socket", get(upgrade)).with_state(Arc::clone(hub));
+    let hub = Arc::clone(hub);
+    let mut router = Router::new().route("/socket", get(upgrade)).route("/image/{number}", get(image)).with_state(hub);
     for file in &page::FILES {
         let path = if file.name == "index.html" { "/" } else { file.name };
         let respond = move || async move { ([(header::CONTENT_TYPE, file.media_type)], file.sent()) };
@@ -115,6 +117,14 @@ fn router(hub: &Arc<Hub>, access: &Arc<Access>) -> Router {
 
 async fn upgrade(State(hub): State<Arc<Hub>>, upgrade: WebSocketUpgrade) -> Response {
     upgrade.max_message_size(LARGEST_REQUEST).on_upgrade(move |socket| socket::run(socket, hub))
+}
+
+/// Answers with an image of the garment's materials.
+async fn image(State(hub): State<Arc<Hub>>, Path(number): Path<usize>) -> Response {
+    match block_in_place(|| hub.snapshot().stage.images.read(number)) {
+        Some(image) => ([(header::CONTENT_TYPE, image.media_type)], image.content).into_response(),
+        None => StatusCode::NOT_FOUND.into_response(),
+    }
 }
 
 /// Refuses requests from elsewhere and adds the headers of every response.

@@ -1,5 +1,7 @@
 //! The garment that is shown, and what the page shows of it.
 
+mod images;
+
 use super::document::{Options, changed};
 use super::messages::{GarmentMessage, LookInfo, PrimvarInfo, SaveTargets, ServerMessage, SetInfo, UpAxis, VariantSet};
 use crate::cloth::{FABRICS, Fabric};
@@ -13,6 +15,8 @@ use crate::usd::{Source, decimal};
 use serde_json::Value;
 use std::path::PathBuf;
 use std::sync::Arc;
+
+use images::Images;
 
 /// A stage that was read.
 pub struct Stage {
@@ -28,6 +32,8 @@ pub struct Stage {
     pub upstream: Options,
     /// The options of the recipe files, where they differ.
     pub given: Options,
+    /// Images of its materials.
+    pub images: Images,
     /// The message that describes the garment.
     pub message: String,
 }
@@ -43,8 +49,9 @@ impl Stage {
         let upstream = authored.into_map();
         let given = changed(&given.into_map(), &upstream);
         let shown = with_listed_sets(&checks);
-        let message = message(&source, &checks, &shown, input);
-        Ok(Self { source, mesh, checks, shown, upstream, given, message })
+        let images = Images::of(source.looks().values());
+        let message = message(&source, &checks, &shown, &images, input);
+        Ok(Self { source, mesh, checks, shown, upstream, given, images, message })
     }
 
     /// The recipe of the stage with `edits`, with the lengths that replace 0.
@@ -112,9 +119,10 @@ fn with_listed_sets(checks: &Builder) -> Arc<Mesh> {
     Arc::new(Mesh { subsets: Arc::new(subsets), ..Mesh::clone(garment) })
 }
 
-fn message(source: &Source, checks: &Builder, shown: &Mesh, input: &Input) -> String {
+fn message(source: &Source, checks: &Builder, shown: &Mesh, images: &Images, input: &Input) -> String {
     let (facts, garment) = (source.facts(), checks.garment());
     let warnings = checks.warnings_in_mesh(checks.warnings());
+    let looks = source.looks().iter();
     let primvars = garment.primvars.iter().filter(|primvar| primvar.role == PrimvarRole::Primvar);
     ServerMessage::Garment(GarmentMessage {
         version: env!("CARGO_PKG_VERSION"),
@@ -127,7 +135,7 @@ fn message(source: &Source, checks: &Builder, shown: &Mesh, input: &Input) -> St
         mean_edge: decimal(checks.mean_edge_length()),
         checksum: checksum(&garment.faces),
         sets: shown.subsets.iter().map(SetInfo::from).collect(),
-        looks: source.looks().iter().map(LookInfo::from).collect(),
+        looks: looks.map(|(set, look)| LookInfo::new(set, look, images.address(look))).collect(),
         primvars: primvars.map(PrimvarInfo::from).collect(),
         variants: facts.variants.iter().map(VariantSet::from).collect(),
         groups: table(),

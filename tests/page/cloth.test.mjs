@@ -1,10 +1,13 @@
 // Cloth, fabrics and pins in the panel, and the build of what is saved.
 
 import assert from "node:assert/strict";
-import { readFileSync, statSync } from "node:fs";
-import { join } from "node:path";
+import { readFileSync, statSync, writeFileSync } from "node:fs";
+import { dirname, join } from "node:path";
 import { test } from "node:test";
+import { setTimeout as sleep } from "node:timers/promises";
 import { assertClean, show } from "./support/browser.mjs";
+import { sheetFile } from "./support/garments.mjs";
+import { encode, rgb } from "./support/png.mjs";
 import { copyOf, example, run, temporaryFolder } from "./support/server.mjs";
 
 const figures = (preview) => preview.state((state) => state.cloth?.figures);
@@ -114,4 +117,56 @@ test("an output that is another file is replaced only when it is asked for twice
   await dialog.getByRole("button", { name: "Overwrite: click again" }).click();
   await preview.when(() => preview.store.state.build?.status === "built", undefined, 60_000);
   assert.ok(statSync(path).mtimeMs > before);
+});
+
+test("an image of the garment's material is on the cloth, upright, until a colour is chosen", async (t) => {
+  const file = sheetFile(
+    t,
+    `    def Mesh "model" (prepend apiSchemas = ["MaterialBindingAPI"])
+    {
+        rel material:binding = </Sheet/print>
+        int[] faceVertexCounts = [4]
+        int[] faceVertexIndices = [0, 1, 2, 3]
+        point3f[] points = [(-5, -5, 0), (5, -5, 0), (5, 5, 0), (-5, 5, 0)]
+        texCoord2f[] primvars:st = [(0, 0), (1, 0), (1, 1), (0, 1)] (interpolation = "faceVarying")
+        uniform token subdivisionScheme = "none"
+    }
+    def Material "print"
+    {
+        token outputs:surface.connect = </Sheet/print/surface.outputs:surface>
+        def Shader "surface"
+        {
+            uniform token info:id = "UsdPreviewSurface"
+            color3f inputs:diffuseColor.connect = </Sheet/print/image.outputs:rgb>
+            token outputs:surface
+        }
+        def Shader "image"
+        {
+            uniform token info:id = "UsdUVTexture"
+            asset inputs:file = @./print.png@
+            float3 outputs:rgb
+        }
+    }`,
+  );
+  // Red above blue.
+  writeFileSync(join(dirname(file), "print.png"), encode(8, 8, (_, y) => (y < 4 ? [230, 20, 20] : [20, 20, 230])));
+  const preview = await show(t, file, { ready: false });
+  await preview.isDrawn(["model"]);
+  await preview.settings({ roles: ["model"], wires: false, shadows: false });
+  await preview.page.keyboard.press("4");
+  /** Red against blue at a share of the height of the cloth, from below. */
+  const warmth = async (share) => {
+    await preview.isStill();
+    const [low, high] = await preview.evaluate(() => [0, 3].map((point) => preview.view.project("model", point)));
+    const at = { x: low.x + 40, y: low.y + share * (high.y - low.y) };
+    const [red, , blue] = rgb(await preview.picture(), Math.round(at.x), Math.round(at.y));
+    return red - blue;
+  };
+  await preview.when(() => preview.store.state.garment.looks[0].texture !== null);
+  for (let i = 0; i < 40 && (await warmth(0.75)) < 60; i++) await sleep(250);
+  assert.ok((await warmth(0.75)) > 60 && (await warmth(0.25)) < -60, "the image is there, red above");
+  const { fabric } = await preview.state(({ settings }) => settings);
+  await preview.settings({ fabric: { ...fabric, colour: "#808080" } });
+  assert.ok(Math.abs(await warmth(0.75)) < 40, "a colour replaces it");
+  assertClean(preview);
 });

@@ -88,7 +88,7 @@ impl<'a> From<&'a Subset> for SetInfo<'a> {
     }
 }
 
-/// The constants of the preview surface of a material. Those of a texture are null.
+/// The preview surface of a material: constants, and the image of its colour.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(ts_rs::TS))]
 pub struct LookInfo<'a> {
@@ -96,13 +96,16 @@ pub struct LookInfo<'a> {
     pub set: &'a str,
     /// `diffuseColor`. \[linear\]
     pub colour: Option<[f32; 3]>,
+    /// The address of the image that `diffuseColor` is, below that of the page.
+    pub texture: Option<String>,
     /// `roughness`, from 0 to 1.
     pub roughness: Option<f32>,
 }
 
-impl<'a> From<(&'a String, &'a Look)> for LookInfo<'a> {
-    fn from((set, look): (&'a String, &'a Look)) -> Self {
-        Self { set, colour: look.colour, roughness: look.roughness }
+impl<'a> LookInfo<'a> {
+    /// The message of a look; `address` is that of its image.
+    pub fn new(set: &'a str, look: &Look, address: Option<String>) -> Self {
+        Self { set, colour: look.colour, texture: address, roughness: look.roughness }
     }
 }
 

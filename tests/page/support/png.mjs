@@ -1,7 +1,7 @@
 // Reads PNG files of the browser: 8 bits, RGB or RGBA, not interlaced.
 
 import assert from "node:assert/strict";
-import { inflateSync } from "node:zlib";
+import { deflateSync, inflateSync } from "node:zlib";
 
 /** Width, height, and rows of bytes. */
 export function decode(png) {
@@ -99,4 +99,32 @@ export function brightness({ channels, pixels }) {
   let sum = 0;
   for (let i = 0; i < pixels.length; i += channels) sum += (pixels[i] + pixels[i + 1] + pixels[i + 2]) / 3;
   return (sum * channels) / pixels.length;
+}
+
+/** A PNG of colours that `colourAt` gives for x and y, from the upper left. */
+export function encode(width, height, colourAt) {
+  const rows = Array.from({ length: height }, (_, y) => [0, ...Array.from({ length: width }, (_, x) => colourAt(x, y)).flat()]);
+  const header = Buffer.alloc(13);
+  header.writeUInt32BE(width, 0);
+  header.writeUInt32BE(height, 4);
+  header.set([8, 2, 0, 0, 0], 8);
+  const chunk = (name, data) => {
+    const body = Buffer.concat([Buffer.from(name, "latin1"), data]);
+    const ends = Buffer.alloc(8);
+    ends.writeUInt32BE(data.length, 0);
+    ends.writeUInt32BE(crc32(body), 4);
+    return Buffer.concat([ends.subarray(0, 4), body, ends.subarray(4)]);
+  };
+  const signature = Buffer.from([137, 80, 78, 71, 13, 10, 26, 10]);
+  const content = deflateSync(Buffer.from(rows.flat()));
+  return Buffer.concat([signature, chunk("IHDR", header), chunk("IDAT", content), chunk("IEND", Buffer.alloc(0))]);
+}
+
+function crc32(bytes) {
+  let rest = 0xffffffff;
+  for (const byte of bytes) {
+    rest ^= byte;
+    for (let bit = 0; bit < 8; bit++) rest = rest & 1 ? (rest >>> 1) ^ 0xedb88320 : rest >>> 1;
+  }
+  return (rest ^ 0xffffffff) >>> 0;
 }

@@ -1,19 +1,23 @@
-//! How materials look: the constants of their preview surfaces.
+//! How materials look: the constants of their preview surfaces, and their textures of colour.
 
+use crate::usd::assets::file_path;
 use crate::usd::read::query::{prim_at, text_value, value};
 use crate::usd::values::number;
 use openusd::sdf::{Path, Value};
 use openusd::usd::{Attribute, Prim, Stage};
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 
 /// Connections that are followed from an input to its value at most.
 const MOST_STEPS: usize = 8;
 
-/// The look of a material. A texture is none of it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// The look of a material.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Look {
     /// `diffuseColor`. \[linear\]
     pub colour: Option<[f32; 3]>,
+    /// The image that `diffuseColor` is, over the UVs as they are.
+    pub texture: Option<PathBuf>,
     /// `roughness`, from 0 to 1.
     pub roughness: Option<f32>,
 }
@@ -31,19 +35,20 @@ fn look(stage: &Stage, material: &str) -> Option<Look> {
     if text_value(&surface, "info:id", None).ok()??.as_str() != "UsdPreviewSurface" {
         return None;
     }
-    let colour = match constant(stage, &surface, "inputs:diffuseColor") {
-        Constant::Value(value) => vector(&value),
-        Constant::Fallback => Some([0.18; 3]),
-        Constant::Texture => None,
+    let (colour, texture) = match constant(stage, &surface, "inputs:diffuseColor") {
+        Constant::Value(value) => (vector(&value), None),
+        Constant::Fallback => (Some([0.18; 3]), None),
+        Constant::Made(by) => (None, by.and_then(|(shader, output)| image(stage, &shader, &output))),
     };
     let roughness = match constant(stage, &surface, "inputs:roughness") {
         Constant::Value(value) => number(&value).map(|value| value as f32),
         Constant::Fallback => Some(0.5),
-        Constant::Texture => None,
+        Constant::Made(_) => None,
     };
     let is_good = |numbers: &[f32]| numbers.iter().all(|number| number.is_finite());
     Some(Look {
         colour: colour.filter(|colour| is_good(colour)).map(|colour| colour.map(|channel| channel.clamp(0.0, 1.0))),
+        texture,
         roughness: roughness.filter(|&roughness| is_good(&[roughness])).map(|roughness| roughness.clamp(0.0, 1.0)),
     })
 }
@@ -52,7 +57,8 @@ enum Constant {
     Value(Value),
     /// Nothing is authored.
     Fallback,
-    Texture,
+    /// By an output of another shader; none after too many steps.
+    Made(Option<(Prim, String)>),
 }
 
 /// The value of an input, also where it is that of an input of the material.
@@ -63,11 +69,28 @@ fn constant(stage: &Stage, shader: &Prim, input: &str) -> Constant {
             return value(&prim, &name, None).ok().flatten().map_or(Constant::Fallback, Constant::Value);
         };
         if !next.1.starts_with("inputs:") {
-            return Constant::Texture;
+            return Constant::Made(Some(next));
         }
         (prim, name) = next;
     }
-    Constant::Texture
+    Constant::Made(None)
+}
+
+/// The image file of a UsdUVTexture that is read by UVs as they are. A transform of UVs would show it elsewhere, and a file in
+/// an archive or of tiles is none.
+fn image(stage: &Stage, shader: &Prim, output: &str) -> Option<PathBuf> {
+    let id = |prim: &Prim| text_value(prim, "info:id", None).ok()?;
+    if id(shader)? != "UsdUVTexture" || output != "outputs:rgb" {
+        return None;
+    }
+    if let Constant::Made(by) = constant(stage, shader, "inputs:st")
+        && id(&by?.0)? != "UsdPrimvarReader_float2"
+    {
+        return None;
+    }
+    let Constant::Value(Value::AssetPath(asset)) = constant(stage, shader, "inputs:file") else { return None };
+    let file = PathBuf::from(file_path(asset.resolved_path()?));
+    file.is_absolute().then_some(file)
 }
 
 /// The prim and the name of what an attribute is connected to.
@@ -134,26 +157,46 @@ def Xform "Cloth" {{
 "#
         );
         fs::write(&path, text).expect("a file");
+        fs::write(folder.path().join("silk.png"), "an image").expect("a file");
         Source::open(&path, &ReadOptions::default()).expect("a garment").looks().clone()
     }
 
     #[test]
     fn constants_of_preview_surfaces_are_looks_and_textures_are_not() {
         let surface = "uniform token info:id = \"UsdPreviewSurface\"\n";
-        let wool = Look { colour: Some([0.1, 0.2, 1.0]), roughness: Some(0.5) };
+        let wool = Look { colour: Some([0.1, 0.2, 1.0]), texture: None, roughness: Some(0.5) };
+        let of = |colour, roughness| Some(Look { colour, texture: None, roughness });
         let texture = "color3f inputs:diffuseColor.connect = </Cloth/silk/texture.outputs:rgb>";
         for (inputs, silk) in [
-            (
-                format!("{surface}float inputs:roughness = 0.25"),
-                Some(Look { colour: Some([0.18; 3]), roughness: Some(0.25) }),
-            ),
-            (format!("{surface}{texture}"), Some(Look { colour: None, roughness: Some(0.5) })),
-            (format!("{surface}{texture}\nfloat inputs:roughness = nan"), Some(Look { colour: None, roughness: None })),
+            (format!("{surface}float inputs:roughness = 0.25"), of(Some([0.18; 3]), Some(0.25))),
+            (format!("{surface}{texture}"), of(None, Some(0.5))),
+            (format!("{surface}{texture}\nfloat inputs:roughness = nan"), of(None, None)),
             ("uniform token info:id = \"ND_standard_surface_surfaceshader\"".to_owned(), None),
         ] {
             let looks = looks_of(&inputs);
             assert_eq!(looks.get(""), Some(&wool), "an input of the material");
-            assert_eq!(looks.get("trim").copied(), silk, "{inputs}");
+            assert_eq!(looks.get("trim"), silk.as_ref(), "{inputs}");
+        }
+    }
+
+    #[test]
+    fn the_image_of_a_colour_is_found_where_uvs_are_read_as_they_are() {
+        let surface = "uniform token info:id = \"UsdPreviewSurface\"
+            color3f inputs:diffuseColor.connect = </Cloth/silk/image.outputs:rgb>
+            token outputs:surface } def Shader \"image\" { uniform token info:id = \"UsdUVTexture\" float3 outputs:rgb";
+        let reader =
+            |id: &str| format!("}} def Shader \"uvs\" {{ uniform token info:id = \"{id}\" float2 outputs:result");
+        let connected = "float2 inputs:st.connect = </Cloth/silk/uvs.outputs:result>";
+        let file = "asset inputs:file = @./silk.png@";
+        for (inputs, is_there) in [
+            (format!("{surface}\n{file}"), true),
+            (format!("{surface}\n{file}\n{connected}\n{}", reader("UsdPrimvarReader_float2")), true),
+            (format!("{surface}\n{file}\n{connected}\n{}", reader("UsdTransform2d")), false),
+            (surface.to_owned(), false),
+        ] {
+            let looks = looks_of(&inputs);
+            let texture = looks["trim"].texture.as_ref();
+            assert_eq!(texture.is_some_and(|path| path.ends_with("silk.png")), is_there, "{inputs}: {texture:?}");
         }
     }
 

@@ -347,12 +347,14 @@ export type KeptEdits = {
   isCurrent: boolean,
 };
 
-/** The constants of the preview surface of a material. Those of a texture are null. */
+/** The preview surface of a material: constants, and the image of its colour. */
 export type LookInfo = {
   /** The face set with the material; empty for the mesh. */
   set: string,
   /** `diffuseColor`. [linear] */
   colour: [number, number, number] | null,
+  /** The address of the image that `diffuseColor` is, below that of the page. */
+  texture: string | null,
   /** `roughness`, from 0 to 1. */
   roughness: number | null,
 };

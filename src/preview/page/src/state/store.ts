@@ -48,6 +48,8 @@ export class Store {
   #way: "undo" | "redo" | null = null;
   #connection: Connection | null = null;
   /** Roles whose mesh the view has, so that an update of another one has nothing to update. */
+  /** The view that the server was asked for. */
+  #asked = "";
   readonly #held = new Set<Role>();
   #toastCount = 0;
   #lastHovered: Picked | null = null;
@@ -147,14 +149,19 @@ export class Store {
   }
 
   #show(changed: Partial<Settings>): void {
-    const before = this.#wanted();
     const settings = this.#withHeat({ ...this.state.settings, ...changed });
     this.update({ settings, ...(settings.shading === "values" ? {} : { heat: null }) });
     const dropped = [...this.#held].filter((role) => role !== "model" && !settings.roles.includes(role));
     for (const role of dropped) this.#drop(role);
     this.view?.setOptions(viewOptions(settings));
+    if (this.#asked !== JSON.stringify(this.#wanted())) this.#ask();
+  }
+
+  /** Asks for what is shown. */
+  #ask(): void {
     const wanted = this.#wanted();
-    if (JSON.stringify(before) !== JSON.stringify(wanted)) this.send(wanted);
+    this.#asked = JSON.stringify(wanted);
+    this.send(wanted);
   }
 
   /** Heat needs something to show. */
@@ -172,12 +179,13 @@ export class Store {
   /** The model is always needed, for marks and picking. */
   #wanted(): PageMessage {
     const { roles, smooth, shading, fabric, flat, values } = this.state.settings;
-    const isWoven = shading === "cloth" && fabric.weave !== "none";
+    const hasImages = fabric.colour === null && (this.state.garment?.looks ?? []).some(({ texture }) => texture !== null);
+    const needsUvs = shading === "checker" || flat || (shading === "cloth" && (hasImages || fabric.weave !== "none"));
     return {
       type: "view",
       roles: ROLES.filter((role) => role === "model" || roles.includes(role)),
       smooth,
-      uv: shading === "checker" || flat || isWoven,
+      uv: needsUvs,
       values: shading === "values" ? values : null,
     };
   }
@@ -291,7 +299,7 @@ export class Store {
     this.selector.reset();
     this.player.reset();
     this.update({ connection: "open" });
-    this.send(this.#wanted());
+    this.#ask();
   }
 
   #disconnected(): void {

@@ -135,10 +135,8 @@ class CanvasView implements View {
     this.#looks = looks ?? [];
     placeSets([...sets, { name: CUTS, kind: "edge" }]);
     this.#stage.setUnit(metersPerUnit);
-    for (const cloth of this.#stage.all) {
-      cloth.setLooks(this.#looks);
-      cloth.recolour();
-    }
+    this.#stage.setLooks(this.#looks, () => this.#invalidate());
+    for (const cloth of this.#stage.all) cloth.recolour();
     this.#invalidate();
   }
 
@@ -348,7 +346,7 @@ class CanvasView implements View {
 
   #cloth(content: Content, paint: Paint): Cloth {
     const cloth = new Cloth(content, paint);
-    cloth.setLooks(this.#looks);
+    cloth.setLooks(this.#looks, this.#stage.images.layers);
     cloth.highlight(this.#markers.highlighted);
     cloth.isolate(this.#isolated);
     return cloth;

@@ -2,7 +2,7 @@
 
 import { Group, Vector2, Vector3, WebGLRenderer } from "three";
 import type { IUniform, WebGLRenderTarget } from "three";
-import type { Role } from "../server/protocol";
+import type { LookInfo, Role } from "../server/protocol";
 import type { Fabric, Shading, ViewOptions, Weave } from "./api";
 import { Backdrop } from "./shade/backdrop";
 import type { Cloth } from "./mesh/cloth";
@@ -11,6 +11,7 @@ import { squareOf } from "./shade/checker";
 import { chosen, pitch, WEAVES } from "./shade/fabric";
 import { ROLES, windowOf } from "./layout";
 import type { Column } from "./layout";
+import { Images } from "./shade/images";
 import { MarkerSet } from "./mesh/markerSet";
 import { Paint } from "./shade/paint";
 import type { Box } from "./mesh/points";
@@ -47,6 +48,7 @@ export class Stage {
   readonly cloths = new Map<Role, Cloth>();
   /** Meshes that a split view compares with. */
   readonly kept = new Map<Role, Cloth>();
+  readonly images = new Images();
   readonly inSpace = new MarkerSet();
   readonly onPlane = new MarkerSet();
   readonly uniforms = {
@@ -94,8 +96,9 @@ export class Stage {
 
   paintOf(role: Role, isKept = false): Paint {
     const key = `${role} ${isKept}`;
-    const paint = this.#paints.get(key) ?? new Paint(role, { ...this.uniforms, ...this.#shadows.uniforms });
-    paint.setWoven(this.#weave !== "none");
+    const paint = this.#paints.get(key) ?? new Paint(role, { ...this.uniforms, ...this.#shadows.uniforms, uImages: this.images.uniform });
+    paint.setCode("WEAVE", this.#weave !== "none");
+    paint.setCode("IMAGES", this.images.layers.length > 0);
     this.#paints.set(key, paint);
     return paint;
   }
@@ -141,6 +144,21 @@ export class Stage {
     this.#backdrop.setTheme(options.theme);
   }
 
+  /** Takes the looks of the model's materials; those with images once more when these are there. */
+  setLooks(looks: LookInfo[], then: () => void): void {
+    this.#dress(looks);
+    void this.images.load(looks).then((isNew) => {
+      if (!isNew) return;
+      for (const paint of this.#paints.values()) paint.setCode("IMAGES", this.images.layers.length > 0);
+      this.#dress(looks);
+      then();
+    });
+  }
+
+  #dress(looks: LookInfo[]): void {
+    for (const cloth of this.all) cloth.setLooks(looks, this.images.layers);
+  }
+
   setUnit(metersPerUnit: number): void {
     this.#metersPerUnit = metersPerUnit;
     this.uniforms.uPitch.value = pitch(this.#weave, metersPerUnit);
@@ -153,7 +171,7 @@ export class Stage {
     uniforms.uColour.value.set(...chosen(fabric));
     uniforms.uRoughness.value = fabric.roughness ?? -1;
     uniforms.uWeave.value = WEAVES[fabric.weave];
-    for (const paint of this.#paints.values()) paint.setWoven(fabric.weave !== "none");
+    for (const paint of this.#paints.values()) paint.setCode("WEAVE", fabric.weave !== "none");
     this.setUnit(this.#metersPerUnit);
   }
 

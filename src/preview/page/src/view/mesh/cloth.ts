@@ -63,6 +63,8 @@ export class Cloth {
   readonly #faceTexture: DataTexture;
   readonly #lookTexture: DataTexture;
   #looks: LookInfo[] = [];
+  /** Addresses of the images that are there. */
+  #layers: string[] = [];
   /** Known once they are asked for. */
   #lined: string[] | null = null;
   readonly #palette: DataTexture;
@@ -126,8 +128,9 @@ export class Cloth {
   }
 
   /** Takes the looks of the model's materials. */
-  setLooks(looks: LookInfo[]): void {
+  setLooks(looks: LookInfo[], layers: string[]): void {
     this.#looks = looks;
+    this.#layers = layers;
     this.#paintLooks();
   }
 
@@ -252,7 +255,7 @@ export class Cloth {
   }
 
   #paintLooks(): void {
-    fillLooks(this.#lookTexture.image.data as Uint8Array, this.sets, this.#looks);
+    fillLooks(this.#lookTexture.image.data as Uint8Array, this.sets, this.#looks, this.#layers);
     this.#lookTexture.needsUpdate = true;
   }
 

@@ -2,7 +2,7 @@
 
 import { ABOUT_IDEAL, HEAT } from "./heat";
 import { BORDER } from "./classes";
-import { ROUGHNESS } from "./fabric";
+import { CLOTH, IMAGE, ROUGHNESS } from "./fabric";
 import { SHADOW_CODE, SHADOW_UNIFORMS } from "./shadowShader";
 import { WEAVE_CODE } from "./weaveShader";
 
@@ -93,6 +93,9 @@ uniform vec3 uAccent;
 uniform vec3 uWireColour;
 uniform sampler2D uLooks;
 uniform bool uOwnColour;
+#ifdef IMAGES
+uniform mediump sampler2DArray uImages;
+#endif
 uniform vec3 uColour;
 uniform float uRoughness;
 #ifdef WEAVE
@@ -156,7 +159,14 @@ vec3 checker() {
 
 // The colour and the roughness of the face's own material.
 vec4 look() {
-  return texelFetch(uLooks, ivec2(int(vNumber & 1023u), int(vNumber >> 10)), 0);
+  vec4 found = texelFetch(uLooks, ivec2(int(vNumber & 1023u), int(vNumber >> 10)), 0);
+  bool hasImage = found.a > 0.5;
+  found.a = (found.a * 255.0 - (hasImage ? ${IMAGE}.0 : 0.0)) / ${IMAGE - 1}.0;
+#ifdef IMAGES
+  vec4 image = textureGrad(uImages, vec3(vUv, floor(found.r * 255.0 + 0.5)), dFdx(vUv), dFdy(vUv));
+  if (hasImage) found.rgb = uHasUv ? image.rgb : vec3(${CLOTH.join(", ")});
+#endif
+  return found;
 }
 
 // The colour of the face in sRGB, without light.

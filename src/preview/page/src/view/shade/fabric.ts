@@ -27,8 +27,13 @@ export function chosen({ colour }: Fabric): Rgb {
   return Number.isNaN(number) ? CLOTH : [(number >> 16) / 255, ((number >> 8) & 255) / 255, (number & 255) / 255];
 }
 
-/** Fills the table of faces with the looks of the model's materials: the colour, and in the fourth channel the roughness. */
-export function fillLooks(table: Uint8Array, sets: ElementSet[], looks: LookInfo[]): void {
+/** In the fourth channel: the first is the layer of an image in place of a colour. */
+export const IMAGE = 128;
+
+/** Fills the table of faces with the looks of the model's materials: the colour or the layer of an image, and in the fourth channel
+ *  the roughness, from 0 to 127. */
+export function fillLooks(table: Uint8Array, sets: ElementSet[], looks: LookInfo[], layers: string[]): void {
+  const row = (look: LookInfo | undefined) => rowOf(look, layers);
   const whole = row(looks.find(({ set }) => set === ""));
   for (let at = 0; at < table.length; at += 4) table.set(whole, at);
   for (const look of looks) {
@@ -38,7 +43,10 @@ export function fillLooks(table: Uint8Array, sets: ElementSet[], looks: LookInfo
   }
 }
 
-function row(look: LookInfo | undefined): number[] {
+function rowOf(look: LookInfo | undefined, layers: string[]): number[] {
+  const roughness = Math.round((IMAGE - 1) * (look?.roughness ?? ROUGHNESS));
+  const layer = layers.indexOf(look?.texture ?? "");
+  if (layer >= 0) return [layer, 0, 0, IMAGE + roughness];
   const colour = look?.colour?.map(encode) ?? CLOTH;
-  return [...colour.map(bytes), bytes(look?.roughness ?? ROUGHNESS)];
+  return [...colour.map(bytes), roughness];
 }

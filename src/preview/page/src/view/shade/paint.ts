@@ -41,12 +41,12 @@ export class Paint {
     this.lines = lines(this.uniforms);
   }
 
-  /** Whether cloth has a weave, the code of which would slow other cloth. */
-  setWoven(is: boolean): void {
+  /** Whether cloth has a weave, or images: their code would slow other cloth. */
+  setCode(name: "WEAVE" | "IMAGES", is: boolean): void {
     for (const material of [this.solid, this.shaded]) {
-      if ("WEAVE" in material.defines === is) continue;
-      if (is) material.defines.WEAVE = true;
-      else delete material.defines.WEAVE;
+      if (name in material.defines === is) continue;
+      if (is) material.defines[name] = true;
+      else delete material.defines[name];
       material.needsUpdate = true;
     }
   }
