@@ -157,22 +157,30 @@ vec3 checker() {
   return mix(dark, light, 0.5 + 0.5 * fine);
 }
 
-// The colour and the roughness of the face's own material.
+// The face's own material: a colour or the layer of an image, and in the fourth number the roughness and which of both it is.
 vec4 look() {
-  vec4 found = texelFetch(uLooks, ivec2(int(vNumber & 1023u), int(vNumber >> 10)), 0);
-  bool hasImage = found.a > 0.5;
-  found.a = (found.a * 255.0 - (hasImage ? ${IMAGE}.0 : 0.0)) / ${IMAGE - 1}.0;
+  return texelFetch(uLooks, ivec2(int(vNumber & 1023u), int(vNumber >> 10)), 0);
+}
+
+float ownRoughness() {
+  float value = floor(look().a * 255.0 + 0.5);
+  return (value < ${IMAGE}.0 ? value : value - ${IMAGE}.0) / ${IMAGE - 1}.0;
+}
+
+vec3 ownColour() {
+  vec4 own = look();
 #ifdef IMAGES
-  vec4 image = textureGrad(uImages, vec3(vUv, floor(found.r * 255.0 + 0.5)), dFdx(vUv), dFdy(vUv));
-  if (hasImage) found.rgb = uHasUv ? image.rgb : vec3(${CLOTH.join(", ")});
+  // Before the branch, as the size of a pixel on the image comes from the pixels beside it.
+  vec3 image = texture(uImages, vec3(vUv, floor(own.r * 255.0 + 0.5))).rgb;
+  if (own.a > 0.5) return uHasUv ? image : vec3(${CLOTH.join(", ")});
 #endif
-  return found;
+  return own.rgb;
 }
 
 // The colour of the face in sRGB, without light.
 vec3 surface() {
   int flags = int(vFace.a * 255.0 + 0.5);
-  vec3 base = uOwnColour && uShading == 0 ? look().rgb : uColour;
+  vec3 base = uOwnColour && uShading == 0 ? ownColour() : uColour;
   vec3 inSet = mix(vFace.rgb, vec3(0.64), 0.26);
   if (uShading == FACE_SETS) base = flags >= 128 ? inSet : vec3(0.70, 0.70, 0.71);
   if (uShading == CHECKER) base = checker();
@@ -205,7 +213,7 @@ vec3 lit(vec3 base, bool front) {
   vec4 bent = vec4(smoothed, 0.5);
 #endif
   vec3 n = bent.xyz;
-  float rough = uShading > 0 ? ${ROUGHNESS} : (uRoughness < 0.0 ? look().a : uRoughness);
+  float rough = uShading > 0 ? ${ROUGHNESS} : (uRoughness < 0.0 ? ownRoughness() : uRoughness);
   vec3 v = normalize(-vView);
   vec3 albedo = decode(base);
   vec3 key = normalize(vec3(-0.52, 0.60, 0.60));

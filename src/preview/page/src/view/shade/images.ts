@@ -10,7 +10,6 @@ import { CLOTH } from "./fabric";
 const SIDE = 1024;
 /** Those beyond are left out. */
 const MOST = 16;
-const ANISOTROPY = 8;
 
 export class Images {
   readonly uniform: IUniform<DataArrayTexture | null> = { value: null };
@@ -62,7 +61,6 @@ function arrayOf(layers: Uint8ClampedArray[]): DataArrayTexture {
   texture.wrapT = RepeatWrapping;
   texture.minFilter = LinearMipmapLinearFilter;
   texture.magFilter = LinearFilter;
-  texture.anisotropy = ANISOTROPY;
   texture.generateMipmaps = true;
   texture.needsUpdate = true;
   return texture;
