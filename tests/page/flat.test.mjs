@@ -4,6 +4,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { assertClean, SCREEN, show } from "./support/browser.mjs";
 import { sewnShirt } from "./support/garments.mjs";
+import { pointAt } from "./support/picking.mjs";
 import { inked, rgb } from "./support/png.mjs";
 
 /** Degrees from 0 to 360 of a colour such as `#8090a0`. */
@@ -111,9 +112,7 @@ test("flat panels have the mesh in space beside them, and what the pointer is on
     return { x: (a.x + b.x) / 2, y: (a.y + b.y) / 2 };
   };
   const hover = async ({ x, y }) => {
-    await page.mouse.move(1, 1);
-    await preview.when(() => preview.store.state.hovered === null);
-    await page.mouse.move(box.x + x, box.y + y);
+    await pointAt(preview, { x: box.x + x, y: box.y + y });
     await preview.when(() => preview.store.state.hovered !== null);
     return preview.state(({ hovered }) => hovered);
   };

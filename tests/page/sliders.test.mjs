@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { assertClean, show } from "./support/browser.mjs";
 import { sewnShirt } from "./support/garments.mjs";
-import { distance, rgb } from "./support/png.mjs";
+import { differing } from "./support/png.mjs";
 
 const OFFSET = "seam.side.normalOffset";
 
@@ -12,17 +12,6 @@ async function shirt(t) {
   const preview = await show(t, sewnShirt(t));
   await preview.openCard("seam.side");
   return preview;
-}
-
-/** Share of the pixels between two columns that are clearly of other colours. */
-function unlike(a, b, [from, to]) {
-  let [count, all] = [0, 0];
-  for (let y = 0; y < a.height; y++) {
-    for (let x = Math.ceil(from * a.width); x < to * a.width; x++, all++) {
-      if (distance(rgb(a, x, y), rgb(b, x, y)) > 12) count += 1;
-    }
-  }
-  return count / all;
 }
 
 const offsetOf = ({ merged }) => merged.seam.side.normalOffset;
@@ -173,7 +162,7 @@ test("a split view keeps what was shown on the left, and edits go on on the righ
   await preview.page.mouse.move(1, 1);
   const [left, right] = [[0, 0.48], [0.52, 1]];
   // The ground and the hollows follow the bounds of the mesh of now by a shade.
-  const same = (a, b, part) => unlike(a, b, part) < 0.001;
+  const same = (a, b, part) => differing(a, b, part, 12) < 0.001;
   const before = await preview.picture();
   await keyboard.press("x");
   // Its wires are others on both sides.

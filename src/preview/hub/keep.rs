@@ -52,7 +52,7 @@ pub struct Keeper {
     last: Mutex<Last>,
 }
 
-/// What was last written to the file.
+/// The revision and the content of the last write to the file.
 struct Last {
     revision: u64,
     content: Content,

@@ -29,11 +29,16 @@ export async function placeOf(preview, set) {
   assert.fail(`no edge of ${set} is found on the model`);
 }
 
-/** Whether the pointer finds the set at a place. What a slow machine finds late is of the place before. */
-async function finds(preview, set, { x, y }) {
+/** Moves the pointer off the canvas and then to a place in the window: what a slow machine finds late is of the place before. */
+export async function pointAt(preview, { x, y }) {
   await preview.page.mouse.move(1, 1);
   await preview.when(() => preview.store.state.hovered === null);
   await preview.page.mouse.move(x, y);
+}
+
+/** Whether the pointer finds the set at a place. */
+async function finds(preview, set, { x, y }) {
+  await pointAt(preview, { x, y });
   const isFound = ([set, x, y]) => {
     const { hovered } = preview.store.state;
     const box = document.querySelector("canvas").getBoundingClientRect();

@@ -65,12 +65,13 @@ export function distance(a, b) {
   return Math.hypot(...a.map((value, i) => value - b[i]));
 }
 
-/** Share of the pixels between the columns `from` and `to` (as shares of the width) that differ from one another. */
-export function differing(a, b, [from, to] = [0, 1]) {
+/** Share of the pixels between the columns `from` and `to` (as shares of the width) that differ by more than a distance. */
+export function differing(a, b, [from, to] = [0, 1], least = 0) {
   assert.deepEqual([a.width, a.height], [b.width, b.height]);
   const [start, end] = [Math.floor(from * a.width), Math.floor(to * a.width)];
   let count = 0;
-  for (let y = 0; y < a.height; y++) for (let x = start; x < end; x++) if (at(a, x, y) !== at(b, x, y)) count += 1;
+  const differ = (x, y) => at(a, x, y) !== at(b, x, y) && distance(rgb(a, x, y), rgb(b, x, y)) > least;
+  for (let y = 0; y < a.height; y++) for (let x = start; x < end; x++) if (differ(x, y)) count += 1;
   return count / ((end - start) * a.height);
 }
 

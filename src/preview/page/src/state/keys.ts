@@ -5,9 +5,8 @@ import { openBuild } from "./build";
 import { addFromSelection } from "./operators";
 import { WAYS } from "./selection";
 import type { Store } from "./store";
-import { ROLES } from "../view/layout";
 import type { Side } from "../view/api";
-import { largeOf } from "../view/layout";
+import { largeOf, ROLES } from "../view/layout";
 
 export const KEYS: [string, string][] = [
   ["Ctrl Z", "Undo"],

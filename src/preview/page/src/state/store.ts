@@ -47,9 +47,9 @@ export class Store {
   /** The way through the steps that was asked for last, until the next edit. */
   #way: "undo" | "redo" | null = null;
   #connection: Connection | null = null;
-  /** Roles whose mesh the view has, so that an update of another one has nothing to update. */
-  /** The view that the server was asked for. */
+  /** The view that the server was asked for, as text; empty for a new connection. */
   #asked = "";
+  /** Roles whose mesh the view has, so that an update of another one has nothing to update. */
   readonly #held = new Set<Role>();
   #toastCount = 0;
   #lastHovered: Picked | null = null;
@@ -154,13 +154,15 @@ export class Store {
     const dropped = [...this.#held].filter((role) => role !== "model" && !settings.roles.includes(role));
     for (const role of dropped) this.#drop(role);
     this.view?.setOptions(viewOptions(settings));
-    if (this.#asked !== JSON.stringify(this.#wanted())) this.#ask();
+    this.#ask();
   }
 
-  /** Asks for what is shown. */
+  /** Asks for what is shown, unless the server was asked for it already. */
   #ask(): void {
     const wanted = this.#wanted();
-    this.#asked = JSON.stringify(wanted);
+    const text = JSON.stringify(wanted);
+    if (text === this.#asked) return;
+    this.#asked = text;
     this.send(wanted);
   }
 
@@ -299,6 +301,7 @@ export class Store {
     this.selector.reset();
     this.player.reset();
     this.update({ connection: "open" });
+    this.#asked = "";
     this.#ask();
   }
 
@@ -341,7 +344,7 @@ export class Store {
     this.made.clear();
     this.#lastHovered = null;
     if (this.state.isolated) this.isolate(null);
-    // What was kept of another model has other edges and faces to pick.
+    // The kept meshes of another model have other numbers of edges and faces.
     if (this.state.garment?.checksum !== garment.checksum) this.split(null);
     this.update({ garment: garmentOf(garment) });
     this.selector.renew();

@@ -47,9 +47,8 @@ export class Director {
     for (const sight of this.#sights) {
       const aim = part && this.#aimAt(sight, part);
       const pose = (aim && poseOfMarks(sight, aim)) ?? poseOfSets(sight, sets);
-      const whole = poseOfAll(sight);
       if (pose) this.cameras.flyTo(sight.rig, pose);
-      else if (whole) sight.rig.motion.fly(whole);
+      else this.cameras.flyToWhole(sight);
     }
   }
 

@@ -35,6 +35,12 @@ export class Cameras {
     rig.motion.fly(pose);
   }
 
+  /** Flies to where the whole is in view. A change of the view may frame it again. */
+  flyToWhole(sight: Sight): void {
+    const pose = poseOfAll(sight);
+    if (pose) sight.rig.motion.fly(pose);
+  }
+
   /** Shows the whole at once, the first time and while the artist has not moved the camera. */
   frame(sight: Sight): void {
     const { rig } = sight;

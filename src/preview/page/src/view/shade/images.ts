@@ -24,7 +24,7 @@ export class Images {
     if (wanted === this.#wanted) return false;
     this.#wanted = wanted;
     const found = await Promise.all(addresses.map((address) => pixelsOf(address).catch(plain)));
-    // Others were asked for meanwhile.
+    // A newer request replaced this one.
     if (this.#wanted !== wanted) return false;
     this.uniform.value?.dispose();
     this.uniform.value = found.length > 0 ? arrayOf(found) : null;
