@@ -7,6 +7,8 @@ import type { Picker, Seen, Spot } from "./picking";
 
 export class Hover {
   #at: Place | null = null;
+  /** How often the pointer left. A look that began before that is of an earlier place. */
+  #left = 0;
   #looking = false;
   #again = false;
   #frame = 0;
@@ -24,8 +26,9 @@ export class Hover {
 
   moveTo(at: Place | null): void {
     this.#at = at;
-    if (at) this.look();
-    else this.#set(null);
+    if (at) return this.look();
+    this.#left += 1;
+    this.#set(null);
   }
 
   /** The picture changed, so what was found holds no longer. */
@@ -58,9 +61,10 @@ export class Hover {
     const spot = at && this.spotAt(at);
     if (!at || !spot) return this.#set(null);
     this.#looking = true;
+    const left = this.#left;
     const seen = await this.picker.lookLater(spot).catch(() => NOTHING);
     this.#looking = false;
-    if (this.#at) this.#take(spot, seen);
+    if (this.#at && left === this.#left) this.#take(spot, seen);
     if (this.#again) this.look();
     this.#again = false;
   }
