@@ -122,15 +122,17 @@ test("samples are drawn once the view is at rest, and a move shows a plain pictu
   assertClean(preview);
 });
 
-test("where a sample takes long, a picture has fewer of them, and a saved one has all", async (t) => {
+test("where a sample takes long, a picture waits longer and has fewer of them, and a saved one has all", async (t) => {
   const preview = await layered(t, { shadows: false });
   await preview.evaluate(() => {
     // A graphics card that needs 0.7 s for a sample.
     const { fenceSync, getSyncParameter } = WebGL2RenderingContext.prototype;
     const began = new WeakMap();
+    window.fences = 0;
     WebGL2RenderingContext.prototype.fenceSync = function (...args) {
       const fence = fenceSync.apply(this, args);
       began.set(fence, performance.now());
+      window.fences += 1;
       return fence;
     };
     WebGL2RenderingContext.prototype.getSyncParameter = function (fence, name) {
@@ -143,6 +145,14 @@ test("where a sample takes long, a picture has fewer of them, and a saved one ha
   }
   await sleep(1500);
   assert.equal(await preview.evaluate(() => preview.view.samples()), 4);
+  // The edits of a drag may come a second apart here.
+  await turn(preview);
+  await preview.page.mouse.move(1, 1);
+  await sleep(300);
+  const fences = await preview.evaluate(() => window.fences);
+  await sleep(1000);
+  assert.equal(await preview.evaluate(() => window.fences), fences, "no sample is drawn between them");
+  await preview.when(hasSamples);
   await preview.picture();
   assert.equal(await preview.evaluate(() => preview.view.samples()), 16);
   assertClean(preview);

@@ -5,8 +5,10 @@ import { Mean } from "./mean";
 import { sampleAt, SAMPLES } from "./samples";
 import type { Sample } from "./samples";
 
-/** Time without a change after which the picture is at rest. [ms] */
+/** Time without a change after which the picture is at rest: at least so long [ms], and so many times as long as a sample takes.
+ *  Edits of a drag come that far apart where drawing is slow, and a sample between two of them would hold up the next. */
 const REST = 150;
+const REST_SAMPLES = 3;
 /** Samples from which on their mean is better than a plain picture. */
 const ENOUGH = 4;
 /** Time that the samples of a picture may take: without a graphics card, one of them may need a second. [ms] */
@@ -37,7 +39,7 @@ export class Still {
   /** A plain picture was drawn, and the next one may be the same. */
   restart(): void {
     this.stop();
-    if (Mean.fits(this.renderer)) this.#timer = window.setTimeout(() => this.#await(), REST);
+    if (Mean.fits(this.renderer)) this.#timer = window.setTimeout(() => this.#await(), Math.max(REST, REST_SAMPLES * this.#duration));
   }
 
   stop(): void {
