@@ -4,10 +4,10 @@ import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { setTimeout as sleep } from "node:timers/promises";
-import { assertClean, show } from "./support/browser.mjs";
+import { assertClean, open, show } from "./support/browser.mjs";
 import { sheetFile } from "./support/garments.mjs";
 import { decode, differing, rgb } from "./support/png.mjs";
-import { example } from "./support/server.mjs";
+import { example, Server } from "./support/server.mjs";
 
 /** A square cloth with a narrow groove aslant, and a small square 0.2 off its front. Points from 4 on are the groove's, from
  *  10 on the small square's. */
@@ -55,6 +55,14 @@ async function plain(preview) {
   });
   return decode(Buffer.from(data.split(",")[1], "base64"));
 }
+
+/** Has what draws a name: a script for a page. */
+const nameRenderer = (name) => `
+  const { getParameter } = WebGL2RenderingContext.prototype;
+  const UNMASKED_RENDERER = 0x9246;
+  WebGL2RenderingContext.prototype.getParameter = function (parameter) {
+    return parameter === UNMASKED_RENDERER ? ${JSON.stringify(name)} : getParameter.call(this, parameter);
+  };`;
 
 /** How much the darkest pixel across the groove changes from row to row. */
 function unevenness(image, [from, to]) {
@@ -156,6 +164,17 @@ test("where a sample takes long, a picture waits longer and has fewer of them, a
   await preview.picture();
   assert.equal(await preview.evaluate(() => preview.view.samples()), 16);
   assertClean(preview);
+});
+
+test("a moving picture has several samples a pixel with a graphics card alone", async (t) => {
+  const server = await Server.start(t, layers(t));
+  const isSmooth = async (init) => {
+    const preview = await open(t, server, { ready: false, init });
+    await preview.isDrawn(["model"]);
+    return preview.evaluate(() => document.querySelector("canvas").getContext("webgl2").getContextAttributes().antialias);
+  };
+  assert.equal(await isSmooth(nameRenderer("llvmpipe (LLVM 20.1, 256 bits)")), false);
+  assert.equal(await isSmooth(nameRenderer("NVIDIA GeForce RTX 4070")), true);
 });
 
 test("cloth has the model's own colour, or one that is chosen and kept, with a weave", async (t) => {

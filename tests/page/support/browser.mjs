@@ -44,12 +44,13 @@ function chooseColumns() {
 }
 
 /** Opens the page of a server in a context of its own, and waits until all meshes are drawn. `isNew` leaves the settings to
- *  the page. */
-export async function open(owner, server, { ready = true, isNew = false, ...options } = {}) {
+ *  the page, and `init` is a script that runs before it. */
+export async function open(owner, server, { ready = true, isNew = false, init = null, ...options } = {}) {
   const context = await (await launched()).newContext({ viewport: SMALL, ...options });
   owner.after(() => context.close());
   await context.addInitScript(observe);
   if (!isNew) await context.addInitScript(chooseColumns);
+  if (init) await context.addInitScript(init);
   const page = await context.newPage();
   page.setDefaultTimeout(10_000);
   const preview = new Preview(page, server);

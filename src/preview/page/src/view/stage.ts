@@ -17,6 +17,7 @@ import { Paint } from "./shade/paint";
 import type { Box } from "./mesh/points";
 import type { Cameras } from "./camera/cameras";
 import type { SpaceRig } from "./camera/rig";
+import { isSoftware } from "./shade/software";
 import { shifted } from "./rest/jitter";
 import type { Sample } from "./rest/samples";
 import { Shadows } from "./rest/shadows";
@@ -81,11 +82,15 @@ export class Stage {
   readonly #half = new Vector3(1, 1, 1);
   readonly #shadows: Shadows;
   #hasShadows = false;
+  /** A pixel of the canvas has one sample. */
+  readonly #isHard: boolean;
   #metersPerUnit = 0.01;
   #weave: Weave = "none";
 
   constructor(private readonly canvas: HTMLCanvasElement) {
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: false, powerPreference: "high-performance" });
+    // Several samples a pixel take more than twice the time without a graphics card, and the picture at rest has them anyway.
+    this.#isHard = isSoftware();
+    this.renderer = new WebGLRenderer({ canvas, antialias: !this.#isHard, alpha: false, powerPreference: "high-performance" });
     this.renderer.autoClear = false;
     this.renderer.info.autoReset = true;
     this.#shadows = new Shadows(this.renderer);
@@ -225,7 +230,7 @@ export class Stage {
     const { renderer } = this;
     this.#backdrop.setGround(this.centre, this.#half, cameras.space.up);
     this.uniforms.uPixel.value = sheet.ratio;
-    this.uniforms.uHard.value = sample !== null;
+    this.uniforms.uHard.value = sample !== null || this.#isHard;
     this.#open(sheet, { x: 0, y: 0, width: sheet.width, height: sheet.height, roles: [], flat: false });
     renderer.setClearColor(0, 0);
     renderer.clear();
